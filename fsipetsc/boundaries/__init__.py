@@ -1,0 +1,127 @@
+"""What can stand at the outer ends of the chain of layers.
+
+A fluid ends at an embedded boundary at a fixed Eulerian position x: the moving grid reaches over it to one ghost
+point outside. A solid ends at a material point. To add a condition, write its file, a dataclass here and a line in
+``fill_ghost``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from numba import njit
+
+from fsipetsc.boundaries import dirichlet as _dirichlet
+from fsipetsc.boundaries import open as _open
+from fsipetsc.boundaries import wall as _wall
+from fsipetsc.boundaries.solid_ends import solid_end
+from fsipetsc.operators.kernels import OPTIONS, extrapolate, lagrange
+
+INTERFACE_END = -1
+WALL, OPEN, DIRICHLET = 0, 1, 2
+CLAMPED, FREE, ABSORBING = 10, 11, 12
+#: nodes that a formula may use, ghost point included: degree 5
+NODES = 6
+
+
+def nodes_needed(degree: int) -> int:
+    """Points inside the ghost point that a boundary needs: its formula's, and those that fill a new point."""
+    return max(degree, _dirichlet.NEW_POINT + 1)
+
+
+@dataclass(frozen=True)
+class Wall:
+    """Adiabatic no-slip wall at the Eulerian position x [m]."""
+
+    x: float
+    kind = WALL
+    degree = _wall.DEGREE
+
+    def data(self, t: float) -> tuple[float, ...]:
+        return ()
+
+
+@dataclass(frozen=True)
+class Open:
+    """Open end at x [m] towards gas at rest of pressure p0 [Pa] and temperature T0 [K]."""
+
+    x: float
+    p0: float
+    T0: float
+    kind = OPEN
+    degree = 2
+
+    def data(self, t: float) -> tuple[float, ...]:
+        return (self.p0, self.T0)
+
+
+@dataclass(frozen=True)
+class Dirichlet:
+    """Given rho, u, T at x [m]: values(t) -> (rho, u, T); degree of the embedded-boundary formula."""
+
+    x: float
+    values: Callable[[float], tuple[float, float, float]]
+    degree: int
+    kind = DIRICHLET
+
+    def data(self, t: float) -> tuple[float, ...]:
+        return self.values(t)
+
+
+@dataclass(frozen=True)
+class SolidEnd:
+    """Outer end of a solid. kind CLAMPED: velocity value [m/s]; FREE, ABSORBING: stress sigma - p = value [Pa]."""
+
+    kind: int
+    value: float
+    degree = 0
+
+    def data(self, t: float) -> tuple[float, ...]:
+        return (self.value,)
+
+
+def clamped(velocity: float = 0.0) -> SolidEnd:
+    """Solid end that moves with a given velocity [m/s]."""
+    return SolidEnd(CLAMPED, velocity)
+
+
+def free(stress: float = 0.0) -> SolidEnd:
+    """Solid end under a given stress sigma - p [Pa]."""
+    return SolidEnd(FREE, stress)
+
+
+def absorbing(stress: float = 0.0) -> SolidEnd:
+    """Solid end that lets elastic waves out, towards a solid at rest under the stress sigma - p [Pa]."""
+    return SolidEnd(ABSORBING, stress)
+
+
+@njit(**OPTIONS)
+def fill_ghost(layer, op, side, delta, nodes, new):
+    """Give the ghost point its values: nodes[:3, 0] of (rho, u, T), from nodes[:3, k] at k points inside of it.
+
+    nodes has the shape (5, NODES); its last two rows are scratch. delta: distance of the boundary from the ghost
+    point in cells. new: the point has no values yet.
+    """
+    weights, slopes = nodes[3], nodes[4]
+    kind, normal = layer.end_kind[side], 2.0 * side - 1.0
+    lagrange(delta, layer.end_degree[side], weights, slopes)
+    if new:
+        degree = _wall.NEW_POINT if kind == WALL else (_open.NEW_POINT if kind == OPEN else _dirichlet.NEW_POINT)
+        for k in range(3):
+            nodes[k, 0] = extrapolate(nodes[k], degree)
+    if kind == WALL:
+        _wall.wall(layer, side, normal, nodes, weights, slopes)
+    elif kind == OPEN:
+        _open.open_end(layer, side, normal, nodes, weights, slopes)
+    elif kind == DIRICHLET:
+        _dirichlet.dirichlet(layer, side, normal, nodes, weights, slopes)
+
+
+@njit(**OPTIONS)
+def close_solid(layer, op, side, trace_s):
+    """Apply the condition at an outer end of a solid to its end rows, counted inwards."""
+    solid_end(layer, op, side, 2.0 * side - 1.0, layer.end_kind[side] - CLAMPED, trace_s)
+
+
+Boundary = Wall | Open | Dirichlet | SolidEnd

@@ -1,0 +1,40 @@
+"""What can stand at an outer end of a solid layer: clamped, free, absorbing. All are adiabatic.
+
+Each changes the end point only, like an interface treatment with nothing on the other side. With the impedance
+Z = sqrt(K m0 / x_X) the characteristic that leaves through the end is (sigma - p) - n Z u.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from fsipetsc.operators.kernels import OPTIONS
+
+
+@njit(**OPTIONS)
+def solid_end(layer, op, side, normal, kind, trace_s):
+    """Apply the end condition to trace_s[0]; trace_s[j] = (u, sigma, T, x) counted inwards.
+
+    end_data = (u) clamped, (sigma - p) free or absorbing. kind: 0 clamped, 1 free, 2 absorbing.
+    """
+    n = op.rows if op.rows > 1 else 2
+    d = -normal / layer.h
+    x_X, rest = 0.0, 0.0
+    for j in range(n):
+        x_X += d * op.closure[0, j] * trace_s[j, 3]
+        if j > 0:
+            rest += op.closure[0, j] * trace_s[j, 2]
+    if layer.kappa_e > 0.0:
+        trace_s[0, 2] = -rest / op.closure[0, 0]
+    p = layer.gruneisen * layer.m0 * layer.alpha * trace_s[0, 2] / x_X
+    given = layer.end_data[side, 0]
+    if kind == 0:
+        trace_s[0, 0] = given
+    elif kind == 1:
+        trace_s[0, 1] = given + p
+    else:
+        impedance = np.sqrt(layer.K * layer.m0 / x_X)
+        outgoing = trace_s[0, 1] - p - given - normal * impedance * trace_s[0, 0]
+        trace_s[0, 0] = -normal * 0.5 * outgoing / impedance
+        trace_s[0, 1] = given + p + 0.5 * outgoing

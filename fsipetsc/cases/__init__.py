@@ -1,0 +1,142 @@
+"""The built-in cases and the loading of users' own case files.
+
+A case is a module with
+  NAME      str, names the result file                  (of a user's file: the file's name if it is missing)
+  SUMMARY   str, one line                               (… empty)
+  OPTIONS   tuple of fsipetsc.options.Option: materials, geometry
+  DEFAULTS  dict, name of an option -> default that replaces the common one   (… empty)
+  build     function of the options in force (name -> value) that returns a fsipetsc.problem.Problem
+To add a built-in case, write its file here and add its name to BUILT_IN. Nothing is imported before it is needed.
+"""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import os
+import re
+import sys
+import traceback
+from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
+from importlib.machinery import SourceFileLoader
+from pathlib import Path
+from types import ModuleType
+
+from fsipetsc.errors import FsiError, InputError
+from fsipetsc.options import Option, groups
+
+BUILT_IN = ("rod", "mms", "pulse")
+
+
+def summaries() -> dict[str, str]:
+    """Name -> SUMMARY of every built-in case, read from the source without running it."""
+    return {name: _summary(Path(__file__).with_name(f"{name}.py")) for name in BUILT_IN}
+
+
+def _summary(path: Path) -> str:
+    try:
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+    except OSError:
+        return ""
+    values = (node.value for node in tree.body if _assigned_name(node) == "SUMMARY")
+    return next((ast.literal_eval(value) for value in values if value), "")
+
+
+def _assigned_name(node: ast.stmt) -> str | None:
+    target = node.targets[0] if isinstance(node, ast.Assign) else getattr(node, "target", None)
+    return target.id if isinstance(target, ast.Name) else None
+
+
+def load_case(name_or_path: str, also: Sequence[str] = ()) -> ModuleType:
+    """The module of a built-in case, or of the case file at a path.
+
+    also: further names that may be suggested for a misspelt one. Raises InputError, with file, line and reason if a
+    user's file is at fault.
+    """
+    if name_or_path in BUILT_IN:
+        return importlib.import_module(f"fsipetsc.cases.{name_or_path}")
+    if name_or_path.endswith(".py") or os.sep in name_or_path:
+        return _load_file(Path(name_or_path))
+    beside = [f"{name_or_path}.py"] if Path(f"{name_or_path}.py").is_file() else []
+    near = beside or get_close_matches(name_or_path, [*BUILT_IN, *also], 1, 0.5)
+    hint = f"did you mean '{near[0]}'? " if near else ""
+    raise InputError(f"unknown case '{name_or_path}'; {hint}There are {', '.join(BUILT_IN)}, and any case file (.py)")
+
+
+def _load_file(path: Path) -> ModuleType:
+    try:
+        path.read_bytes()
+    except OSError as error:
+        raise InputError(f"case file {path}: {error.strerror}") from None
+    name = f"fsipetsc_case_{re.sub(r'[^0-9A-Za-z_]', '_', path.stem)}"
+    loader = SourceFileLoader(name, str(path.resolve()))
+    module = ModuleType(name)
+    module.__file__ = loader.path
+    sys.modules[name] = module
+    if str(path.resolve().parent) not in sys.path:
+        sys.path.append(str(path.resolve().parent))  # for modules of the user's beside the file
+    written, sys.dont_write_bytecode = sys.dont_write_bytecode, True
+    try:
+        loader.exec_module(module)
+    except (Exception, SystemExit) as error:
+        raise InputError(explain(error, path)) from error
+    finally:
+        sys.dont_write_bytecode = written
+    _complete(module, path)
+    return module
+
+
+def explain(error: BaseException, path: str | os.PathLike[str]) -> str:
+    """One line about an error that came out of a case file: file, line, reason."""
+    if isinstance(error, SyntaxError):
+        own = error.filename is None or os.path.realpath(error.filename) == os.path.realpath(path)
+        return f"case file {path if own else error.filename}, line {error.lineno}: {error.msg}"
+    lines = [frame.lineno for frame in frames_in(error, path)]
+    line = f", line {lines[-1]}" if lines else ""
+    reason = str(error) if isinstance(error, FsiError) else f"{type(error).__name__}: {error}"
+    return f"case file {path}{line}: {reason}"
+
+
+def frames_in(error: BaseException, path: str | os.PathLike[str]) -> list[traceback.FrameSummary]:
+    """The frames of an error's traceback that lie in a file."""
+    path = os.path.realpath(path)
+    return [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename == path]
+
+
+def _complete(module: ModuleType, path: Path) -> None:
+    """Check what the file defines, fill in what may be missing."""
+    for name, what in (("build", "a function build(opt)"), ("OPTIONS", "OPTIONS, a tuple of Option, which may be ()")):
+        if not hasattr(module, name):
+            raise InputError(f"case file {path} does not define {what}")
+    module.NAME = getattr(module, "NAME", path.stem)
+    module.SUMMARY = getattr(module, "SUMMARY", "")
+    module.DEFAULTS = getattr(module, "DEFAULTS", {})
+    wrong = {
+        "build": None if callable(module.build) else "must be a function",
+        "NAME": None if isinstance(module.NAME, str) and module.NAME else "must be a text",
+        "SUMMARY": None if isinstance(module.SUMMARY, str) else "must be a text",
+        "DEFAULTS": None if isinstance(module.DEFAULTS, Mapping) else "must be a dict: name of an option -> value",
+        "OPTIONS": _fault_in_options(module.OPTIONS),
+    }
+    for name, reason in wrong.items():
+        if reason:
+            raise InputError(f"case file {path}{_line_of(name, path)}: {name} {reason}")
+    try:
+        groups(module)
+    except InputError as error:
+        name = "DEFAULTS" if "default" in str(error).lower() else "OPTIONS"
+        raise InputError(f"case file {path}{_line_of(name, path)}: {error}") from None
+
+
+def _fault_in_options(options: object) -> str | None:
+    if not isinstance(options, (tuple, list)):
+        return "must be a tuple of Option (a tuple of one needs a comma: (Option(…),))"
+    wrong = [i for i, option in enumerate(options) if not isinstance(option, Option)]
+    return f"must hold Options only, but number {wrong[0] + 1} is {options[wrong[0]]!r}" if wrong else None
+
+
+def _line_of(name: str, path: Path) -> str:
+    """ ", line N" of the first assignment to a name in a file, or ""."""
+    lines = [node.lineno for node in ast.parse(path.read_bytes()).body if _assigned_name(node) == name]
+    return f", line {lines[0]}" if lines else ""

@@ -1,0 +1,143 @@
+"""A sound pulse meets the interface of the two-domain problem (Fig. 2, Sec. 4): solid | fluid.
+
+Both materials rest under the pressure p0. A Gaussian pulse starts in the fluid (or in the solid) and travels to the
+interface at X = 0; a part is reflected, a part goes through. For small amplitudes and without viscosity and heat
+conduction, which are the defaults, linear acoustics gives the exact solution: with the impedances Z = rho c of the
+gas and sqrt(K m0) of the solid the reflected pressure is (Z2-Z1)/(Z2+Z1), the transmitted one 2 Z2/(Z1+Z2) of the
+incoming one. What remains of the error on fine grids is of second order in the amplitude.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fsipetsc.boundaries import Open, absorbing
+from fsipetsc.errors import InputError
+from fsipetsc.options import Option
+from fsipetsc.physics.fluid import Fluid
+from fsipetsc.physics.solid import Solid
+from fsipetsc.problem import FluidLayer, Problem, SolidLayer
+
+NAME = "pulse"
+SUMMARY = "a sound pulse meets a solid | fluid interface: reflection and transmission (Sec. 4)"
+
+OPTIONS = (
+    Option("fluid_mu", "float", 0.0, "Pa s", "viscosity of the gas", check="nonnegative"),
+    Option("fluid_kappa", "float", 0.0, "W/(m K)", "heat conductivity of the gas", check="nonnegative"),
+    Option(
+        *("fluid_gamma", "float", 1.4, "", "ratio of the specific heats of the gas"),
+        check=lambda value: None if value > 1 else "a number above 1",
+    ),
+    Option("fluid_R", "float", 8.3145 / 0.029, "J/(kg K)", "gas constant over molar mass", check="positive"),
+    Option("solid_modulus", "float", 1e6, "Pa", "2 mu_e + lambda_e of the solid", check="positive"),
+    Option("solid_kappa", "float", 0.0, "W/(m K)", "heat conductivity of the solid", check="nonnegative"),
+    Option("solid_density", "float", 4.0, "kg/m3", "density m0 of the solid at rest", check="positive"),
+    Option("solid_alpha", "float", 1000.0, "J/(kg K)", "specific heat of the solid", check="positive"),
+    Option("pulse_p0", "float", 1e5, "Pa", "pressure at rest", check="positive"),
+    Option("pulse_T0", "float", 300.0, "K", "temperature at rest", check="positive"),
+    Option("pulse_amplitude", "float", 1.0, "Pa", "largest pressure of the pulse; linear theory needs it small against p0"),
+    Option("pulse_width", "float", 0.12, "m", "the pulse is exp(-(distance/width)^2)", check="positive"),
+    Option("pulse_start", "float", 0.75, "m", "where the pulse starts: above 0 in the fluid, below in the solid"),
+    Option("pulse_size", "float", 1.5, "m", "thickness of either layer", check="positive"),
+)
+DEFAULTS = {"fsi_h": 0.0125, "fsi_order": 4, "ts_max_time": 4e-3, "fsi_output_dt": 2e-4}
+
+_erf = np.vectorize(math.erf, otypes=[float])
+
+
+@dataclass(frozen=True)
+class Acoustics:
+    """Linear solution for a pulse that starts in one medium (impedance Z1, speed c1) and meets another (Z2, c2).
+
+    side: +1 if the first medium lies at X > 0. arrival, duration: of the pulse at the interface [s].
+    """
+
+    side: float
+    Z1: float
+    c1: float
+    Z2: float
+    c2: float
+    amplitude: float
+    arrival: float
+    duration: float
+
+    @property
+    def reflection(self) -> float:
+        """Reflected over incoming pressure."""
+        return (self.Z2 - self.Z1) / (self.Z2 + self.Z1)
+
+    @property
+    def transmission(self) -> float:
+        """Transmitted over incoming pressure."""
+        return 2 * self.Z2 / (self.Z1 + self.Z2)
+
+    def _pulse(self, time: np.ndarray) -> np.ndarray:
+        return self.amplitude * np.exp(-(((time - self.arrival) / self.duration) ** 2))
+
+    def _impulse(self, time: np.ndarray) -> np.ndarray:
+        """Integral of the pulse up to a time."""
+        scale = self.amplitude * self.duration * math.sqrt(math.pi) / 2
+        return scale * (1 + _erf((time - self.arrival) / self.duration))
+
+    def waves(self, X: np.ndarray, t: float, first: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """(pressure, velocity, displacement) at X in the first or the second medium."""
+        distance = np.abs(X)
+        if first:
+            coming, going = t + distance / self.c1, t - distance / self.c1
+            R, Z, side = self.reflection, self.Z1, self.side
+            pressure = self._pulse(coming) + R * self._pulse(going)
+            velocity = side * (R * self._pulse(going) - self._pulse(coming)) / Z
+            return pressure, velocity, side * (R * self._impulse(going) - self._impulse(coming)) / Z
+        going = t - distance / self.c2
+        T, Z, side = self.transmission, self.Z2, -self.side
+        return T * self._pulse(going), side * T * self._pulse(going) / Z, side * T * self._impulse(going) / Z
+
+
+def acoustics(opt: Mapping[str, Any], gas: Fluid, solid: Solid) -> Acoustics:
+    """The linear problem of these options."""
+    c_f, c_s = float(gas.sound_speed(opt["pulse_T0"])), solid.sound_speed()
+    Z_f = opt["pulse_p0"] / (gas.R * opt["pulse_T0"]) * c_f
+    Z_s = solid.m0 * c_s
+    in_fluid = opt["pulse_start"] > 0
+    media = (Z_f, c_f, Z_s, c_s) if in_fluid else (Z_s, c_s, Z_f, c_f)
+    c1 = media[1]
+    arrival, duration = abs(opt["pulse_start"]) / c1, opt["pulse_width"] / c1
+    return Acoustics(1.0 if in_fluid else -1.0, *media, opt["pulse_amplitude"], arrival, duration)
+
+
+def build(opt: Mapping[str, Any]) -> Problem:
+    """Solid in -size < X < 0, fluid in 0 < X < size."""
+    gas = Fluid(opt["fluid_mu"], opt["fluid_kappa"], opt["fluid_gamma"], opt["fluid_R"])
+    solid = Solid(opt["solid_modulus"], opt["solid_kappa"], opt["solid_density"], opt["solid_alpha"])
+    size, p0, T0 = opt["pulse_size"], opt["pulse_p0"], opt["pulse_T0"]
+    if not 0 < abs(opt["pulse_start"]) < size:
+        raise InputError(f"-pulse_start {opt['pulse_start']:g} is not inside a layer: expected 0 < |start| < {size:g}")
+    linear = acoustics(opt, gas, solid)
+    in_fluid = linear.side > 0
+
+    def exact_gas(X: np.ndarray, t: float) -> tuple[np.ndarray, ...]:
+        p, u, _ = linear.waves(X, t, in_fluid)
+        T = T0 * (1 + (gas.gamma - 1) / gas.gamma * p / p0)
+        return (p0 + p) / (gas.R * T), u, T
+
+    def exact_solid(X: np.ndarray, t: float) -> tuple[np.ndarray, ...]:
+        p, u, displacement = linear.waves(X, t, not in_fluid)
+        return u, -p0 - p, T0 + p0 * p / (solid.alpha * solid.m0 * solid.K), X + displacement
+
+    return Problem(
+        layers=(
+            SolidLayer("solid", solid, (-size, 0.0), lambda X: exact_solid(X, 0.0), exact=exact_solid),
+            FluidLayer("gas", gas, (0.0, size), lambda X: exact_gas(X, 0.0), exact=exact_gas),
+        ),
+        left=absorbing(-p0),
+        right=Open(size, p0, T0),
+        notes=(
+            f"exact solution: linear acoustics, reflection {linear.reflection:.6g}, "
+            f"transmission {linear.transmission:.6g} of the pressure",
+        ),
+    )

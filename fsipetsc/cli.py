@@ -1,0 +1,155 @@
+"""The command line: runs a case, or one of the commands; and ends with a status that scripts can rely on."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import sys
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+from fsipetsc.cases import BUILT_IN, load_case, summaries
+from fsipetsc.errors import InputError
+from fsipetsc.failure import settle
+from fsipetsc.launch import HELP_FLAGS, launcher_rank, start_mpi, start_petsc
+from fsipetsc.options import read_options
+from fsipetsc.usage import case_help, overview, program
+
+
+class Command(NamedTuple):
+    """A command: what stands behind its name, one line about it, and the function that does it.
+
+    target: "module:function", imported when it is called, with the list of arguments; a parallel one also gets the
+    communicator of all ranks and starts PETSc itself (fsipetsc.launch.start_petsc).
+    """
+
+    arguments: str
+    summary: str
+    target: str
+    parallel: bool = False
+
+
+COMMANDS = {
+    "info": Command("RUN.h5", "what a result holds: case, options, times, layers, summary", "fsipetsc.cli:info"),
+    "plot": Command("RUN.h5 [-o DIR]", "pictures (PNG) of a result", "fsipetsc.cli:plot"),
+}
+_VERSION_FLAGS = ("--version", "-version")
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the program with the arguments behind its name (sys.argv if None); returns the exit status."""
+    arguments = list(sys.argv[1:] if argv is None else argv)
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")  # a terminal that lacks a letter must not end a run
+    if _is_run(arguments):
+        return _in_parallel(arguments)
+    if launcher_rank() > 0:
+        return 0  # rank 0 alone answers
+    try:
+        _answer(arguments)
+        sys.stdout.flush()
+    except BrokenPipeError:  # the reader, a pager or head, has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except (Exception, KeyboardInterrupt) as error:
+        return settle(error, None, debug="-fsi_debug" in arguments)
+    return 0
+
+
+def _is_run(arguments: Sequence[str]) -> bool:
+    """True for what is done by all ranks together, False for what one process answers."""
+    if not arguments or arguments[0] in HELP_FLAGS + _VERSION_FLAGS:
+        return False
+    if arguments[0] in COMMANDS:
+        return COMMANDS[arguments[0]].parallel
+    return not any(word in HELP_FLAGS + _VERSION_FLAGS for word in arguments[1:])
+
+
+def _answer(arguments: list[str]) -> None:
+    first = arguments[0] if arguments else "-help"
+    if any(word in _VERSION_FLAGS for word in arguments):
+        print(f"fsipetsc {_version()}")
+    elif first in HELP_FLAGS:
+        print(overview(summaries(), {name: command[:2] for name, command in COMMANDS.items()}))
+    elif first in COMMANDS:
+        _run_command(first, arguments[1:])
+    else:
+        print(case_help(load_case(first, tuple(COMMANDS)), first))
+
+
+def _run_command(name: str, arguments: list[str]) -> None:
+    command = COMMANDS[name]
+    if any(word in HELP_FLAGS for word in arguments):
+        print(f"{program()} {name} {command.arguments}\n\n  {command.summary}")
+        return
+    _function(command)(arguments)
+
+
+def _function(command: Command) -> Callable[..., None]:
+    module, name = command.target.split(":")
+    return getattr(importlib.import_module(module), name)
+
+
+def _version() -> str:
+    import fsipetsc
+
+    return getattr(fsipetsc, "__version__", "(version unknown)")
+
+
+def _in_parallel(arguments: list[str]) -> int:
+    """A run, or a command that all ranks do together. Collective."""
+    first, notes, case_file = arguments[0], None, None
+    debug = "-fsi_debug" in arguments
+    try:
+        world = start_mpi()
+        notes = world.Dup()
+        if first in COMMANDS:
+            _function(COMMANDS[first])(arguments[1:], world)
+            return 0
+        case_file = None if first in BUILT_IN else first
+        case = load_case(first, tuple(COMMANDS))
+        start_petsc(arguments[1:], world)
+        options = read_options(case)
+        debug = options["fsi_debug"]
+        from fsipetsc.stepping.run import run_case
+
+        run_case(case, options, world)
+    except (Exception, KeyboardInterrupt) as error:
+        return settle(error, notes, debug=debug, case_file=case_file)
+    return 0
+
+
+def info(arguments: list[str]) -> None:
+    """The command `info RUN.h5`."""
+    path, _ = _file_and_directory("info", arguments, ())
+    from fsipetsc.output.info import info as show
+
+    print(show(path))
+
+
+def plot(arguments: list[str]) -> None:
+    """The command `plot RUN.h5 [-o DIR]`."""
+    path, directory = _file_and_directory("plot", arguments, ("-o",))
+    from fsipetsc.output.plots import plot as draw
+
+    draw(path, directory or os.curdir)
+
+
+def _file_and_directory(name: str, arguments: list[str], flags: Sequence[str]) -> tuple[str, str | None]:
+    """The one file that a command wants and the value of -o; InputError for anything else."""
+    usage = f"{program()} {name} {COMMANDS[name].arguments}"
+    words, directory, files = list(arguments), None, []
+    while words:
+        word = words.pop(0)
+        if word in flags:
+            if not words:
+                raise InputError(f"{word} needs the name of a directory: {usage}")
+            directory = words.pop(0)
+        elif word.startswith("-"):
+            raise InputError(f"unknown option {word} of the command {name}: {usage}")
+        else:
+            files.append(word)
+    if len(files) != 1:
+        got = f"{len(files)} were given" if files else "none was given"
+        raise InputError(f"the command {name} wants one result file, {got}: {usage}")
+    return files[0], directory

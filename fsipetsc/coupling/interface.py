@@ -1,0 +1,93 @@
+"""What every interface treatment is given and gives back.
+
+The *traces* of an interface are the rows of both sides that an interface condition can reach, counted from the
+interface into each material: ``trace_f[j] = (rho, rho u, e)_j`` and ``trace_s[j] = (u, sigma, T, x)_j`` for
+j = 0 .. rows-1. A treatment is a compiled function
+
+    treatment(face, op, trace_f, trace_s)
+
+that changes both in place so that the conditions (2.6)-(2.8b) hold up to the prescribed jumps; every rank computes
+it from the same numbers.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from fsipetsc.operators.kernels import OPTIONS
+
+_I, _F = np.int64, np.float64
+INTERFACE = np.dtype(
+    [
+        ("fluid", _I),  # layer numbers
+        ("solid", _I),
+        ("coupling", _I),  # a kind of fsipetsc.coupling
+        ("normal", _F),  # +1 if the fluid lies right of the solid, -1 if left
+        ("h", _F),
+        ("gamma", _F),
+        ("R", _F),
+        ("cv", _F),
+        ("mu", _F),  # 4/3 mu
+        ("kappa", _F),
+        ("K", _F),
+        ("kappa_e", _F),
+        ("m0", _F),
+        ("alpha", _F),
+        ("gruneisen", _F),
+        # prescribed jumps: us-uf, sigma-p+pf-mu' u_X, Ts-Tf, kappa_e/x_X Ts_X - kappa Tf_X
+        ("jump", _F, (4,)),
+    ],
+    align=True,
+)
+#: positions in INTERFACE["jump"]
+JUMP_U, JUMP_STRESS, JUMP_T, JUMP_FLUX = 0, 1, 2, 3
+
+
+@njit(**OPTIONS)
+def slope(op, row, column, scale):
+    """scale * sum_j beta_j row[j, column]: h times the one-sided derivative at the interface."""
+    s = 0.0
+    for j in range(op.rows if op.rows > 1 else 2):
+        s += op.closure[0, j] * row[j, column]
+    return scale * s
+
+
+@njit(**OPTIONS)
+def row_length(op):
+    """Number of points that the closure row at the interface reaches."""
+    return op.rows if op.rows > 1 else 2
+
+
+@njit(**OPTIONS)
+def solid_strain(face, op, trace_s):
+    """x_X at the interface."""
+    return slope(op, trace_s, 3, -face.normal / face.h)
+
+
+@njit(**OPTIONS)
+def solid_pressure(face, T, x_X):
+    """p(epsilon, rho) of the solid at the interface."""
+    return face.gruneisen * face.m0 * face.alpha * T / x_X
+
+
+@njit(**OPTIONS)
+def residuals(face, op, trace_f, trace_s, out):
+    """Residuals of the four interface conditions, in the order and with the jumps of INTERFACE["jump"]."""
+    d_f, d_s = face.normal / face.h, -face.normal / face.h
+    n = row_length(op)
+    u_X, Tf_X, Tf0, uf0 = 0.0, 0.0, 0.0, 0.0
+    for j in range(n):
+        u = trace_f[j, 1] / trace_f[j, 0]
+        T = (trace_f[j, 2] / trace_f[j, 0] - 0.5 * u * u) / face.cv
+        u_X += d_f * op.closure[0, j] * u
+        Tf_X += d_f * op.closure[0, j] * T
+        if j == 0:
+            Tf0, uf0 = T, u
+    x_X = solid_strain(face, op, trace_s)
+    ps = solid_pressure(face, trace_s[0, 2], x_X)
+    pf = face.R * trace_f[0, 0] * Tf0
+    out[0] = trace_s[0, 0] - uf0 - face.jump[JUMP_U]
+    out[1] = trace_s[0, 1] - ps + pf - face.mu * u_X - face.jump[JUMP_STRESS]
+    out[2] = trace_s[0, 2] - Tf0 - face.jump[JUMP_T]
+    out[3] = face.kappa_e / x_X * slope(op, trace_s, 2, d_s) - face.kappa * Tf_X - face.jump[JUMP_FLUX]

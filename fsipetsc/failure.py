@@ -1,0 +1,110 @@
+"""How a run ends that cannot go on: one message, the same exit status on all ranks, and no rank left waiting."""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+import traceback
+from typing import TYPE_CHECKING
+
+from fsipetsc.cases import explain, frames_in
+from fsipetsc.errors import FsiError
+
+if TYPE_CHECKING:
+    from mpi4py import MPI
+
+#: seconds for the other ranks to fail as well, before they are stopped: after an error that all ranks meet together,
+#: and after one that a rank may be alone with
+PATIENCE = {True: 10.0, False: 1.0}
+_NOTE = 1
+
+#: PETSc's error codes that stand for something other than a fault of the program
+_PETSC_STATUS = {55: 3, 65: 4, 66: 4, 67: 4, 72: 3, 82: 3, 91: 3}
+
+
+def describe(error: BaseException, case_file: str | None = None) -> tuple[int, str, bool]:
+    """(exit status, one-line message, whether all ranks surely meet it) of any exception.
+
+    case_file: path of a user's case file, whose errors are the user's and not the program's.
+    """
+    if isinstance(error, FsiError):
+        return error.status, str(error), error.collective
+    if isinstance(error, KeyboardInterrupt):
+        return 130, "interrupted", False
+    if isinstance(error, MemoryError):
+        return 3, f"out of memory{_detail(error)}; a coarser grid (-fsi_h) or more ranks need less", False
+    if case_file is not None and frames_in(error, case_file):
+        return 2, explain(error, case_file), False
+    if isinstance(error, OSError) and error.errno is not None:
+        name = f"{os.fspath(error.filename)}: " if error.filename is not None else ""
+        return 4, f"{name}{error.strerror}", False
+    if isinstance(error, ModuleNotFoundError) and not (error.name or "").startswith("fsipetsc"):
+        return 1, f"this needs the Python package {error.name}, which is not installed here", False
+    if type(error).__module__.startswith("petsc4py") and hasattr(error, "ierr"):
+        return _PETSC_STATUS.get(error.ierr, 1), _petsc_message(error), False
+    where = traceback.extract_tb(error.__traceback__)[-1:]
+    place = "".join(f" in {os.path.basename(f.filename)}, line {f.lineno}" for f in where)
+    return 1, f"unexpected {type(error).__name__}{place}{_detail(error)}; -fsi_debug shows the traceback", False
+
+
+def _detail(error: BaseException) -> str:
+    lines = str(error).splitlines()
+    return f": {lines[0]}" if lines else ""
+
+
+def _petsc_message(error: BaseException) -> str:
+    """PETSc's own words without the list of its routines: "[0] TSSolve() at file:line" for each, then the reason."""
+    lines = [line.split("] ", 1)[-1] for line in str(error).splitlines()[1:]]
+    routines = [line.split("()")[0] for line in lines if "() at " in line]
+    reason = "; ".join(line for line in lines if "() at " not in line)
+    return (
+        f"PETSc error {error.ierr}" + "".join(f" in {r}()" for r in routines[-1:]) + (f": {reason}" if reason else "")
+    )
+
+
+def settle(error: BaseException, notes: MPI.Comm | None, *, debug: bool = False, case_file: str | None = None) -> int:
+    """Report an error, once over all ranks; returns the exit status, or stops all ranks if not all of them failed.
+
+    notes: a communicator of all ranks that is used for nothing else; None without MPI. Called by every rank that
+    failed. Each tells all others; the lowest that failed speaks, and if some rank is not heard of in time, it is
+    computing or waiting for us, and MPI_Abort ends it.
+    """
+    status, message, collective = describe(error, case_file)
+    if notes is None or notes.size == 1:
+        _print(message, error, debug)
+        return status
+    if notes.rank == 0:
+        _print(message, error, debug)
+    failed = _exchange(notes, status, PATIENCE[collective])
+    if notes.rank == min(failed) != 0:
+        _print(message, error, debug)
+    status = failed[min(failed)]
+    if len(failed) < notes.size:
+        notes.Abort(status)
+    return status
+
+
+def _exchange(notes: MPI.Comm, status: int, patience: float) -> dict[int, int]:
+    """Rank -> status of the ranks that report within `patience` seconds, this one included."""
+    from mpi4py import MPI
+
+    failed = {notes.rank: status}
+    sent = [notes.isend(status, dest=rank, tag=_NOTE) for rank in range(notes.size) if rank != notes.rank]
+    end, info = time.monotonic() + patience, MPI.Status()
+    while len(failed) < notes.size and time.monotonic() < end:
+        if notes.iprobe(tag=_NOTE, status=info):
+            failed[info.source] = notes.recv(source=info.source, tag=_NOTE)
+        else:
+            time.sleep(0.005)
+    if len(failed) == notes.size:
+        for request in sent:
+            request.wait()
+    return failed
+
+
+def _print(message: str, error: BaseException, debug: bool) -> None:
+    sys.stdout.flush()
+    if debug:
+        traceback.print_exception(type(error), error, error.__traceback__)
+    print(f"fsipetsc: error: {message}", file=sys.stderr, flush=True)

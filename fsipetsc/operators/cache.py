@@ -1,0 +1,65 @@
+"""Where compiled kernels are kept between runs.
+
+numba renews a cached function when the file of that function changes, but not when a function that it calls lives
+in another file that changed. So the folder is named after the state of all source files of the package: kernels
+of an older state are never picked up. NUMBA_CACHE_DIR, if set, is the place for all of it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shutil
+import tempfile
+from pathlib import Path
+
+import numba
+
+#: folders of the package that hold compiled code
+COMPILED = ("operators", "physics", "coupling", "boundaries", "parallel")
+#: folders of older states of the sources that are kept
+_KEPT = 4
+
+
+def source_digest() -> str:
+    """Digest of names, sizes and times of the source files that are compiled."""
+    package = Path(__file__).resolve().parent.parent
+    digest = hashlib.sha256(str(package).encode())
+    files = (path for folder in COMPILED for path in (package / folder).glob("*.py"))
+    for path in sorted(files):
+        stat = path.stat()
+        digest.update(f"{path.relative_to(package)} {stat.st_size} {stat.st_mtime_ns}\n".encode())
+    return digest.hexdigest()[:16]
+
+
+def _base() -> Path:
+    """A folder that can be written to: numba's own, the user's cache, or a temporary one."""
+    home = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
+    for place in (os.environ.get("NUMBA_CACHE_DIR"), os.path.join(home, "fsipetsc")):
+        if place:
+            try:
+                os.makedirs(place, exist_ok=True)
+                if os.access(place, os.W_OK):
+                    return Path(place)
+            except OSError:
+                continue
+    return Path(tempfile.gettempdir()) / f"fsipetsc-{os.getuid()}"
+
+
+def use_cache_folder() -> Path:
+    """Point numba at the folder for this state of the sources and drop the oldest ones; before any kernel is defined."""
+    base = _base()
+    folder = base / f"kernels-{source_digest()}"
+    numba.config.CACHE_DIR = str(folder)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        os.utime(folder)
+        older = sorted(base.glob("kernels-*"), key=lambda p: p.stat().st_mtime, reverse=True)
+        for stale in older[_KEPT:]:
+            shutil.rmtree(stale, ignore_errors=True)
+    except OSError:
+        pass  # several ranks tidy up at once, or nothing may be written: the kernels are compiled anew then
+    return folder
+
+
+FOLDER = use_cache_folder()

@@ -1,0 +1,153 @@
+"""One entry of the table of options: its type, what it allows, and how a text becomes its value."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import isfinite
+from typing import Any
+
+from fsipetsc.errors import InputError
+
+#: default of an option that the case or the user must give
+REQUIRED = ...
+INT_MAX = 2**31 - 1
+_KINDS = {int: "int", float: "float", str: "str", bool: "bool"}
+_TRUE = ("", "true", "yes", "1", "on")
+_FALSE = ("false", "no", "0", "off")
+
+
+@dataclass(frozen=True)
+class Option:
+    """One option.
+
+    name: without the dash, as in "solid_kappa". kind: int, float, str, bool, "ints" or "floats" (comma-separated).
+    default: a value, None (not set) or REQUIRED. unit: "" or "-" if there is none. choices: the only values allowed.
+    check: "positive", "nonnegative" or a function of the value that returns None or True if it is fine and otherwise
+    says what is expected, as in "a number below 1", or False.
+    """
+
+    name: str
+    kind: type | str
+    default: Any
+    unit: str
+    help: str
+    choices: tuple[Any, ...] | None = None
+    check: str | Callable[[Any], str | bool | None] | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "kind", _KINDS.get(self.kind, self.kind))
+        object.__setattr__(self, "unit", "" if self.unit == "-" else self.unit)
+        if self.kind not in (*_KINDS.values(), "ints", "floats"):
+            raise TypeError(f"option '{self.name}': kind must be int, float, str, bool, 'ints' or 'floats'")
+        if not re.fullmatch(r"[A-Za-z]\w*", self.name):
+            raise ValueError(f"option '{self.name}': a name is made of letters, digits and _, without the dash")
+
+    def parse(self, text: str) -> Any:
+        """The value that a text from the options database stands for; InputError if it is none."""
+        if text == "" and self.kind != "bool":
+            raise InputError(f"-{self.name} needs a value: {self.expected()}")
+        try:
+            return self.convert(_READERS[self.kind](text.strip()))
+        except (ValueError, OverflowError):
+            raise InputError(f"bad value '{text}' for -{self.name}: expected {self.expected(text)}") from None
+
+    def convert(self, value: Any) -> Any:
+        """A Python value as this option's type, checked; ValueError if it is not allowed."""
+        if value is None or value is REQUIRED:
+            return value
+        value = _CONVERTERS[self.kind](value)
+        if self.choices is not None and value not in self.choices:
+            raise ValueError
+        if self._objection(value):
+            raise ValueError
+        return value
+
+    def expected(self, text: str | None = None) -> str:
+        """What is valid, as the end of a sentence; text: what was given instead."""
+        if self.choices is not None:
+            return "one of " + ", ".join(map(str, self.choices))
+        if callable(self.check) and text is not None:
+            try:
+                return self._objection(_CONVERTERS[self.kind](_READERS[self.kind](text))) or _NOUNS[self.kind]
+            except (ValueError, OverflowError):
+                pass
+        bound = {"positive": " above 0", "nonnegative": " not below 0"}.get(self.check, "")
+        return _NOUNS[self.kind] + bound + (f" [{self.unit}]" if self.unit else "")
+
+    def _objection(self, value: Any) -> str | None:
+        """What would be valid if the value is out of range, else None."""
+        values = value if isinstance(value, tuple) else (value,)
+        if self.check == "positive":
+            return "a number above 0" if any(v <= 0 for v in values) else None
+        if self.check == "nonnegative":
+            return "a number not below 0" if any(v < 0 for v in values) else None
+        verdict = self.check(value) if callable(self.check) else None
+        return "a value within its range" if verdict is False else None if verdict is True else verdict or None
+
+
+def _read_int(text: str) -> int:
+    if not re.fullmatch(r"[+-]?\d+", text):
+        raise ValueError
+    return int(text)
+
+
+def _read_float(text: str) -> float:
+    if "_" in text:
+        raise ValueError
+    return float(text)
+
+
+def _read_bool(text: str) -> bool:
+    if text.lower() not in _TRUE + _FALSE:
+        raise ValueError
+    return text.lower() in _TRUE
+
+
+def _list_of(item: Callable[[str], Any]) -> Callable[[str], tuple[Any, ...]]:
+    return lambda text: tuple(item(word.strip()) for word in text.split(","))
+
+
+def _to_int(value: Any) -> int:
+    if isinstance(value, bool) or int(value) != value or abs(value) > INT_MAX:
+        raise ValueError
+    return int(value)
+
+
+def _to_float(value: Any) -> float:
+    if isinstance(value, (bool, str)) or not isfinite(value):
+        raise ValueError
+    return float(value)
+
+
+def _to_bool(value: Any) -> bool:
+    if value is not True and value is not False:
+        raise ValueError
+    return value
+
+
+_READERS = {
+    "int": _read_int,
+    "float": _read_float,
+    "str": str,
+    "bool": _read_bool,
+    "ints": _list_of(_read_int),
+    "floats": _list_of(_read_float),
+}
+_CONVERTERS = {
+    "int": _to_int,
+    "float": _to_float,
+    "str": str,
+    "bool": _to_bool,
+    "ints": lambda values: tuple(map(_to_int, values)),
+    "floats": lambda values: tuple(map(_to_float, values)),
+}
+_NOUNS = {
+    "int": "a whole number",
+    "float": "a number",
+    "str": "a text",
+    "bool": "true or false, or no value for true",
+    "ints": "whole numbers with commas and no spaces between them",
+    "floats": "numbers with commas and no spaces between them",
+}

@@ -1,0 +1,231 @@
+"""The table of options: -help, checking, the options stored with a result and the documentation all come from it.
+
+Every option is read here, once, from PETSc's database, whatever way it came in: command line, -options_file, YAML,
+PETSC_OPTIONS. The rest of the program gets a dict of typed values.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from difflib import get_close_matches
+from typing import Any
+
+from fsipetsc.errors import InputError
+from fsipetsc.option import INT_MAX, REQUIRED, Option
+from fsipetsc.petsc_names import KNOWN, NEWEST_LISTED, REFUSED, is_family_name, is_open_family_name
+
+__all__ = ["COMMON", "PETSC_OPTIONS", "REQUIRED", "Option", "defaults", "groups", "publish", "read_options", "table"]
+
+
+def _increasing(times: Sequence[float]) -> str | None:
+    rising = all(a < b for a, b in zip(times, times[1:]))
+    return None if rising and min(times, default=0) >= 0 else "times that are not negative and increase"
+
+
+DISCRETISATION = (
+    Option("fsi_order", int, 4, "", "interior order of the SBP operators", (2, 4, 6, 8)),
+    Option("fsi_h", float, REQUIRED, "m", "grid spacing; interfaces must fall on grid points", check="positive"),
+    Option("fsi_cfl", float, 0.8, "", "Courant number of the time step; -ts_dt replaces it", check="positive"),
+    Option(
+        "fsi_coupling", str, "projection", "", "treatment of the interfaces", ("projection", "energy", "traditional")
+    ),
+    Option(
+        *("fsi_spare", int, 16, "points", "free points kept beyond each embedded boundary before storage is enlarged"),
+        check="nonnegative",
+    ),
+)
+OUTPUT = (
+    Option("fsi_output", str, None, "", "result file (HDF5); an earlier result is never destroyed silently"),
+    Option("fsi_output_dt", float, None, "s", "interval at which profiles are saved", check="positive"),
+    Option("fsi_output_times", "floats", None, "s", "times at which profiles are saved: t0,t1,…", check=_increasing),
+)
+RUN = (
+    Option("fsi_partition", str, "auto", "", "which ranks own which layers", ("auto", "physics", "balanced")),
+    Option("fsi_quiet", bool, False, "", "print nothing but errors"),
+    Option("fsi_progress", bool, False, "", "show progress even when the output is not a terminal"),
+    Option("fsi_debug", bool, False, "", "show the Python traceback of an error"),
+)
+COMMON: tuple[Option, ...] = DISCRETISATION + OUTPUT + RUN
+
+_RK_TYPES = ("1fe", "2a", "2b", "3", "3bs", "4", "5f", "5dp", "5bs", "6vr", "7vr", "8vr")
+#: Runge-Kutta methods with an embedded one, which step-size control needs
+_EMBEDDED = ("2a", "3bs", "5f", "5dp", "5bs", "6vr", "7vr", "8vr")
+
+#: PETSc's options for which this program has defaults of its own, or which it must know
+PETSC_OPTIONS: tuple[Option, ...] = (
+    Option("ts_max_time", float, REQUIRED, "s", "time at which the run ends", check="nonnegative"),
+    Option("ts_max_steps", int, INT_MAX, "", "number of steps after which the run ends", check="nonnegative"),
+    Option(
+        "ts_dt", float, None, "s", "fixed time step, instead of -fsi_cfl; -ts_time_step is the same", check="positive"
+    ),
+    Option("ts_type", str, "rk", "", "time integrator, explicit", ("rk", "ssp", "euler")),
+    Option("ts_rk_type", str, "4", "", "Runge–Kutta method", _RK_TYPES),
+    Option("ts_adapt_type", str, "none", "", "step-size control by an error estimate", ("none", "basic")),
+    Option("ts_rtol", float, 1e-4, "", "relative tolerance of step-size control", check="nonnegative"),
+    Option("ts_atol", float, 1e-4, "", "absolute tolerance of step-size control", check="nonnegative"),
+)
+#: other spellings: of another release of PETSc, or deprecated there
+_ALIASES = {"ts_time_step": "ts_dt", "ts_final_time": "ts_max_time"}
+
+
+def groups(case: Any, extra: Sequence[Option] = ()) -> dict[str, tuple[Option, ...]]:
+    """Heading -> options of a case, their defaults those in force for it; extra: options of a command.
+
+    Raises InputError if the case's OPTIONS or DEFAULTS do not fit.
+    """
+    sections = {
+        f"Case {case.NAME}": tuple(case.OPTIONS),
+        "This command": tuple(extra),
+        "Discretisation": DISCRETISATION,
+        "Output": OUTPUT,
+        "Run": RUN,
+        "Time integration (PETSc)": PETSC_OPTIONS,
+    }
+    _check_own_names(case)
+    overrides = {"fsi_output": f"{case.NAME}.h5", **case.DEFAULTS}
+    known = {option.name for options in sections.values() for option in options}
+    for name in case.DEFAULTS:
+        if name not in known:
+            raise InputError(f"case {case.NAME}: DEFAULTS has '{name}', which is no option{_nearest(name, known)}")
+    return {
+        title: tuple(_with_default(option, overrides, case.NAME) for option in options)
+        for title, options in sections.items()
+        if options
+    }
+
+
+def table(case: Any, extra: Sequence[Option] = ()) -> dict[str, Option]:
+    """Name in lower case -> option with the default in force, for every option of a case."""
+    return {option.name.lower(): option for options in groups(case, extra).values() for option in options}
+
+
+def defaults(case: Any, extra: Sequence[Option] = ()) -> dict[str, Any]:
+    """Name -> default in force for every option of a case; REQUIRED where the user must give it."""
+    return {option.name: option.default for option in table(case, extra).values()}
+
+
+def _check_own_names(case: Any) -> None:
+    taken = {option.name.lower() for option in COMMON + PETSC_OPTIONS}
+    for option in case.OPTIONS:
+        name = option.name.lower()
+        if name in taken or name in _ALIASES or is_family_name(name):
+            raise InputError(f"case {case.NAME}: its option -{option.name} exists already; give it another name")
+        taken.add(name)
+
+
+def _with_default(option: Option, overrides: Mapping[str, Any], case_name: str) -> Option:
+    value = overrides.get(option.name, option.default)
+    try:
+        return replace(option, default=option.convert(value))
+    except (ValueError, TypeError, OverflowError):
+        message = f"case {case_name}: bad default {value!r} of -{option.name}: expected {option.expected()}"
+        raise InputError(message) from None
+
+
+def read_options(case: Any, extra: Sequence[Option] = ()) -> dict[str, Any]:
+    """Name -> typed value of every option in force, from PETSc's database (PETSc must be initialised).
+
+    Not collective; the database is the same on all ranks. Raises InputError for an unknown name, a missing or bad
+    value and for options that contradict each other. Time-integration options are completed in the database, so that
+    TSSetFromOptions sees them.
+    """
+    from petsc4py import PETSc
+
+    database = PETSc.Options()
+    options = table(case, extra)
+    given = database.getAll()  # name as typed -> text, perhaps cut at a blank
+    _check_names(given, options, database)
+    values = {option.name: option.default for option in options.values()}
+    chosen: dict[str, str] = {}
+    for name in given:
+        option = options.get(_ALIASES.get(name.lower(), name.lower()))
+        if option is None:
+            continue
+        value = option.parse(_text(database, name, given[name]))
+        if option.name in chosen and values[option.name] != value:
+            raise InputError(f"-{chosen[option.name]} and -{name} mean the same; give one of them")
+        values[option.name], chosen[option.name] = value, name
+    _check_together(values, chosen)
+    publish(values)
+    return values
+
+
+def _text(database: Any, name: str, listed: str | None) -> str:
+    """The value of an option; asking for it marks it as used, for -options_left. "" if it has none."""
+    text = database.getString(name)
+    return listed if listed and len(listed) > len(text) else text  # getString cuts at 1023 characters
+
+
+def _check_names(given: Mapping[str, str | None], options: Mapping[str, Option], database: Any) -> None:
+    names = KNOWN.union(options, _ALIASES)
+    spelt = KNOWN.union((option.name for option in options.values()), _ALIASES)
+    unknown = []
+    for name in sorted(given):
+        lower = name.lower()
+        if lower in REFUSED:
+            raise InputError(f"-{name} cannot be used here: {REFUSED[lower]}")
+        if lower in names or is_open_family_name(lower) or _newer_petsc_may_know(lower, names):
+            continue
+        if database.hasName(name):  # what is no name is a piece of a value with blanks
+            unknown.append(f"-{name}{_nearest(name, spelt)}")
+    if unknown:
+        raise InputError(f"unknown option{'s' * (len(unknown) > 1)} " + ", ".join(unknown))
+
+
+def _newer_petsc_may_know(name: str, names: frozenset[str]) -> bool:
+    """Releases after the listed ones add options: there only what looks like a slip of the finger is refused."""
+    listed_family = name.startswith(("ts_", "log_", "options_"))
+    return _petsc_version() > NEWEST_LISTED and listed_family and not get_close_matches(name, names, 1, 0.85)
+
+
+def _petsc_version() -> tuple[int, int]:
+    from petsc4py import PETSc
+
+    return tuple(PETSc.Sys.getVersion()[:2])
+
+
+def _nearest(name: str, names: Iterable[str]) -> str:
+    """A hint in brackets for a name that is none of the names."""
+    if "=" in name:
+        return " (write '-name value', without =)"
+    spelt = {known.lower(): known for known in names}
+    best = get_close_matches(name.lower(), sorted(spelt), 1, 0.6)
+    return f" (did you mean -{spelt[best[0]]}?)" if best else " (-help lists the options there are)"
+
+
+def _check_together(values: dict[str, Any], given: Mapping[str, str]) -> None:
+    """Options that depend on each other; settles in place what one of them leaves open."""
+    for option, value in values.items():
+        if value is REQUIRED:
+            raise InputError(f"-{option} must be given: the case has no default for it")
+    if values["ts_adapt_type"] == "basic" and not (values["ts_type"] == "rk" and values["ts_rk_type"] in _EMBEDDED):
+        method = f"-ts_rk_type {values['ts_rk_type']}" if values["ts_type"] == "rk" else f"-ts_type {values['ts_type']}"
+        raise InputError(
+            f"-ts_adapt_type basic needs a method with an error estimate, which {method} has not: "
+            f"-ts_type rk with -ts_rk_type {', '.join(_EMBEDDED)}"
+        )
+    # who names times does not want the interval that the case suggests, and the other way round
+    if "fsi_output_times" in given and "fsi_output_dt" not in given:
+        values["fsi_output_dt"] = None
+    if "fsi_output_dt" in given and "fsi_output_times" not in given:
+        values["fsi_output_times"] = None
+
+
+def publish(values: Mapping[str, Any]) -> None:
+    """Put the ts_… values of an options dict into PETSc's database, under the names of this release of PETSc.
+
+    To be called before TSSetFromOptions if ts_… values were changed after read_options.
+    """
+    from petsc4py import PETSc
+
+    database = PETSc.Options()
+    dt_name = "ts_time_step" if _petsc_version() >= (3, 25) else "ts_dt"
+    for alias in _ALIASES:
+        database.delValue(alias)
+    for option in PETSC_OPTIONS:
+        value = values[option.name]
+        database.delValue(option.name)
+        unused = option.name == "ts_rk_type" and values["ts_type"] != "rk"
+        if value is not None and not unused:
+            database.setValue(dt_name if option.name == "ts_dt" else option.name, str(value))

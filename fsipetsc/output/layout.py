@@ -1,0 +1,54 @@
+"""How a result file is organised; shared by the writer and the reader.
+
+    /                                   attributes format, version, case, complete
+    /header, /summary, /errors          JSON text; the last two are there when the run has ended
+    /time                               (nframes,) times of the saved frames; says how many frames count
+    /series/NAME                        (nsteps,) or (nsteps, m), one row per time step
+    /segment0000/layer00/X              (n,) Lagrangian grid
+    /segment0000/layer00/framesA-B      (n, k·c) frames A … B: for each point, the c columns of each of the k frames
+
+The columns of a layer are its fields, then the positions x where x is not a field. A new segment begins whenever a grid
+has grown. Frames share a dataset because creating one costs as much as a frame; the order point – frame – column lets
+every rank write its points as one block, so that what is written does not depend on the number of ranks.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Mapping
+from typing import Any
+
+import h5py
+
+FORMAT = "fsipetsc result"
+VERSION = 1
+
+
+def open_h5(path: str | os.PathLike[str], mode: str) -> h5py.File:
+    """Open with serial HDF5, without file locks: a result may be looked at while its run goes on."""
+    try:
+        return h5py.File(path, mode, locking=False)
+    except (TypeError, ValueError):  # h5py or HDF5 too old to have the choice
+        return h5py.File(path, mode)
+
+
+def columns(layer: Mapping[str, Any]) -> tuple[str, ...]:
+    """Names of the stored columns of a layer of the header."""
+    fields = tuple(layer["fields"])
+    return fields if "x" in fields else (*fields, "x")
+
+
+def group_name(segment: int, layer: int) -> str:
+    return f"/segment{segment:04d}/layer{layer:02d}"
+
+
+def frames_name(first: int, count: int) -> str:
+    """Name of the dataset of `count` frames from number `first` on."""
+    return f"frames{first:08d}-{first + count - 1:08d}"
+
+
+def parse_frames_name(name: str) -> tuple[int, int] | None:
+    """First frame and number of frames of a dataset; None if the name is another one's."""
+    match = re.fullmatch(r"frames(\d+)-(\d+)", name)
+    return (int(match[1]), int(match[2]) - int(match[1]) + 1) if match else None

@@ -1,0 +1,266 @@
+"""Opens the result file of a run, finished or not. Needs numpy and h5py only.
+
+Example::
+
+    with fsipetsc.open_run("rod.h5") as run:
+        fluid, solid = run.layers[:2]
+        frame = run.at(0.45)
+        plt.plot(fluid.x[frame], fluid["T"][frame], solid.x[frame], solid["T"][frame])
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any
+
+import h5py
+import numpy as np
+
+from fsipetsc.errors import FileError
+from fsipetsc.output import layout, transaction
+
+Array = np.ndarray
+
+
+class Run:
+    """A result. Arrays are read from the file when they are asked for, and then kept.
+
+    case, options       name of the case; dict of every option in force
+    header              what was known at the start: versions, ranks, created, …
+    summary             steps, rhs_evaluations, points, ranks, wall_time (s), versions …; unfinished: the header's
+    errors              layer kind -> name -> L2 error at the end; empty where no exact solution is known
+    complete            whether the run came to its end
+    time, nframes       (nframes,) times of the saved frames
+    layers              tuple of :class:`Layer`, from left to right
+    interfaces          their names, from left to right
+    series              name -> (nsteps,) or (nsteps, m), one row per time step: "t", "dt", "x_interface", …
+
+    Use it as a context manager or call `close`; what was read before stays usable.
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = os.path.abspath(path)
+        self._file = _open(path)
+        try:
+            self._read_header()
+        except FileError:
+            self.close()
+            raise
+        except (OSError, KeyError, ValueError, RuntimeError, TypeError, AttributeError) as error:
+            self.close()
+            raise FileError(f"{path}: is damaged and cannot be read: {error}") from error
+
+    def _read_header(self) -> None:
+        if self._file.attrs.get("format") != layout.FORMAT:
+            raise FileError(f"{self.path}: is not a result of fsipetsc")
+        version = int(self._file.attrs["version"])
+        if version > layout.VERSION:
+            raise FileError(f"{self.path}: was written by a newer fsipetsc (file format {version}); update to read it")
+        self.header: dict[str, Any] = self._text("header")
+        self.case: str = self.header["case"]
+        self.options: dict[str, Any] = _Named("option", self.header["options"])
+        self.interfaces: tuple[str, ...] = tuple(self.header.get("interfaces", ()))
+        self.complete = bool(self._file.attrs["complete"])
+        known: dict[str, Any] = {name: self.header[name] for name in ("versions", "ranks") if name in self.header}
+        self.summary: dict[str, Any] = _Named("summary entry", {**known, **self._text("summary")})
+        errors = {kind: _Named("error", values) for kind, values in self._text("errors").items()}
+        self.errors: dict[str, dict[str, float]] = _Named("layer kind with errors", errors)
+        chunks = [_chunks(self._file, i) for i in range(len(self.header["layers"]))]
+        self.nframes = min([len(self._file["time"]), *(_covered(c) for c in chunks)])
+        self.time: Array = self._file["time"][: self.nframes]
+        self.layers = tuple(Layer(entry, own, self.nframes) for entry, own in zip(self.header["layers"], chunks))
+        group = self._file["series"]
+        steps = min((len(dataset) for dataset in group.values()), default=0)
+        self.series: Mapping[str, Array] = Arrays("series", group.keys(), lambda name: group[name][:steps])
+
+    def _text(self, name: str) -> dict[str, Any]:
+        return json.loads(self._file[name].asstr()[()]) if name in self._file else {}
+
+    def at(self, t: float) -> int:
+        """Number of the frame saved nearest to time t."""
+        if not self.nframes:
+            raise IndexError(f"{self.path} has no frames")
+        return int(np.argmin(np.abs(self.time - t)))
+
+    def close(self) -> None:
+        self._file.close()
+
+    def __enter__(self) -> Run:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        span = f", t = {self.time[0]:g} … {self.time[-1]:g}" if self.nframes else ""
+        state = "" if self.complete else ", unfinished"
+        kinds = ", ".join(f"{layer.name} ({len(layer.X)} points)" for layer in self.layers)
+        return f"<Run {self.case!r}: {self.nframes} frames{span}; {kinds}{state}>"
+
+
+class Arrays(Mapping[str, Array]):
+    """Named arrays that are read from the file when first asked for."""
+
+    def __init__(self, what: str, names: Iterable[str], read: Callable[[str], Array]) -> None:
+        self._what, self._read = what, read
+        self._kept: dict[str, Array | None] = dict.fromkeys(names)
+
+    def __getitem__(self, name: str) -> Array:
+        if name not in self._kept:
+            raise KeyError(_unknown(self._what, name, self._kept))
+        values = self._kept[name]
+        if values is None:
+            try:
+                values = self._kept[name] = self._read(name)
+            except (OSError, RuntimeError, ValueError) as error:  # h5py raises ValueError after close
+                raise FileError(f"cannot read {name}: the file is damaged, or was closed before: {error}") from error
+        return values
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._kept)
+
+    def __len__(self) -> int:
+        return len(self._kept)
+
+    __eq__, __hash__ = object.__eq__, object.__hash__  # not that of Mapping, which compares all values
+
+    def __repr__(self) -> str:
+        return f"<{self._what}: {', '.join(self._kept)}>"
+
+
+class Layer(Arrays):
+    """A layer of a run; `layer[name]` is (nframes, n), NaN outside the active part.
+
+    name, kind   kind is "fluid" or "solid"
+    fields       names of what is stored: fluid rho, u, T, p, x; solid u, sigma, T, x, p
+    X, h         (n,) Lagrangian grid, the largest one of the run if it has grown; its spacing
+    x            (nframes, n) Eulerian positions
+    """
+
+    def __init__(self, entry: Mapping[str, Any], chunks: list[_Chunk], nframes: int) -> None:
+        self.name: str = entry["name"]
+        self.kind: str = entry["kind"]
+        self.fields = layout.columns(entry)
+        super().__init__(f"field in layer {self.name!r}", self.fields, self._read_field)
+        self._nframes = nframes
+        self._chunks = [chunk for chunk in chunks if chunk.first < nframes]
+        self.X, self.h = _merge_grids(self._chunks)
+
+    @property
+    def x(self) -> Array:
+        return self["x"]
+
+    def frame(self, number: int) -> dict[str, Array]:
+        """All fields of one frame, name -> (n,): much cheaper than whole fields of a long run."""
+        if not -self._nframes <= number < self._nframes:
+            raise IndexError(f"frame {number}: there are {self._nframes}")
+        number %= self._nframes
+        chunk = next(c for c in self._chunks if c.first <= number < c.first + c.count)
+        start = (number - chunk.first) * len(self.fields)
+        values = np.full((len(self.fields), len(self.X)), np.nan)
+        values[:, chunk.place] = chunk.dataset[:, start : start + len(self.fields)].T
+        return dict(zip(self.fields, values))
+
+    def _read_field(self, name: str) -> Array:
+        column = self.fields.index(name)
+        values = np.full((self._nframes, len(self.X)), np.nan)
+        for chunk in self._chunks:
+            last = min(chunk.first + chunk.count, self._nframes)
+            frames = chunk.dataset[...].reshape(len(chunk.X), chunk.count, len(self.fields))
+            values[chunk.first : last, chunk.place] = frames[:, : last - chunk.first, column].T
+        return values
+
+    def __repr__(self) -> str:
+        span = f", X = {self.X[0]:g} … {self.X[-1]:g}" if len(self.X) else ""
+        return f"<{self.kind} layer {self.name!r}: {len(self.X)} points{span}; {', '.join(self.fields)}>"
+
+
+class _Named(dict):
+    """A dict that says what it holds when asked for something else."""
+
+    def __init__(self, what: str, content: Mapping[str, Any]) -> None:
+        super().__init__(content)
+        self._what = what
+
+    def __missing__(self, name: str) -> Any:
+        raise KeyError(_unknown(self._what, name, self))
+
+
+class _Chunk:
+    """Some consecutive frames of a layer, in one dataset."""
+
+    def __init__(self, first: int, count: int, dataset: h5py.Dataset, X: Array) -> None:
+        self.first, self.count, self.dataset, self.X = first, count, dataset, X
+        self.place = slice(0, len(X))  # of its grid in the largest one
+
+
+def open_run(path: str | os.PathLike[str]) -> Run:
+    """Open a result file. Raises FileError if there is none, it is not a result of fsipetsc, or it is damaged."""
+    return Run(path)
+
+
+def _open(path: str | os.PathLike[str]) -> h5py.File:
+    if not os.path.exists(path):
+        raise FileError(f"{os.fspath(path)}: there is no such file")
+    if os.path.isdir(path):
+        raise FileError(f"{os.fspath(path)}: is a directory, not a result file")
+    try:
+        return transaction.open_unchanged(path) or layout.open_h5(path, "r")
+    except PermissionError as error:
+        raise FileError(f"{os.fspath(path)}: may not be read: {error}") from error
+    except OSError as error:
+        what = "is damaged or being written just now" if h5py.is_hdf5(path) else "is not an HDF5 file"
+        raise FileError(f"{os.fspath(path)}: {what}: {error}") from error
+
+
+def _chunks(file: h5py.File, layer: int) -> list[_Chunk]:
+    """What there is of a layer's frames, in their order, from all segments."""
+    found = []
+    for name in sorted(name for name in file if name.startswith("segment")):
+        group = file.get(f"{name}/layer{layer:02d}")
+        if group is None or "X" not in group:
+            continue
+        X = group["X"][...]
+        for dataset in group:
+            frames = layout.parse_frames_name(dataset)
+            if frames is not None:
+                found.append(_Chunk(*frames, group[dataset], X))
+    return sorted(found, key=lambda chunk: chunk.first)
+
+
+def _covered(chunks: list[_Chunk]) -> int:
+    """Number of frames from the first on that are there without a gap."""
+    n = 0
+    for chunk in chunks:
+        if chunk.first == n:
+            n += chunk.count
+    return n
+
+
+def _merge_grids(chunks: list[_Chunk]) -> tuple[Array, float]:
+    """The grid that contains all of them, and its spacing; sets the chunks' places in it."""
+    if not chunks:
+        return np.empty(0), np.nan
+    grids = {id(chunk.X): chunk.X for chunk in chunks}.values()
+    longest = max(grids, key=len)
+    h = float(longest[-1] - longest[0]) / (len(longest) - 1) if len(longest) > 1 else np.nan
+    left = min(grid[0] for grid in grids)
+
+    def place(grid: Array) -> slice:
+        start = round((grid[0] - left) / h) if len(longest) > 1 else 0
+        return slice(start, start + len(grid))
+
+    merged = np.full(max(place(grid).stop for grid in grids), np.nan)
+    for grid in sorted(grids, key=len):
+        merged[place(grid)] = grid
+    if any(np.max(np.abs(merged[place(grid)] - grid)) > 0.01 * h for grid in grids) or np.isnan(merged).any():
+        raise FileError("the grids of the file do not fit together")
+    for chunk in chunks:
+        chunk.place = place(chunk.X)
+    return merged, h
+
+
+def _unknown(what: str, name: object, valid: Iterable[str]) -> str:
+    return f"there is no {what} {name!r}; there are: {', '.join(map(str, valid)) or 'none'}"

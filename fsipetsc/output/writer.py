@@ -1,0 +1,326 @@
+"""Writes the result file of a run: frames in parallel through PETSc's HDF5 viewer, everything else by rank 0.
+
+Frames are kept in memory and written many at a time: opening a file costs as much as stepping for milliseconds.
+The viewer is opened and closed for each write. All that makes up the structure of the file is changed by `transaction`,
+and the times of the frames come after the frames: what a killed run leaves behind can be read up to its last write.
+"""
+
+from __future__ import annotations
+
+import datetime
+import errno
+import itertools
+import json
+import os
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import h5py
+import numpy as np
+
+from fsipetsc.errors import FileError
+from fsipetsc.output import buffers, layout, transaction
+
+if TYPE_CHECKING:
+    from mpi4py import MPI
+
+    Array = np.ndarray[Any, np.dtype[np.float64]]
+
+T = TypeVar("T")
+SERIES_BYTES = 4 << 20  # rank 0 writes its series when they take more memory than this
+SPARE_BYTES = 256 << 10  # for what HDF5 needs besides the numbers
+
+
+class RunWriter:
+    """The result file of a running computation. **Collective on `comm`**, except :meth:`append_series`.
+
+    comm     all ranks of the run (mpi4py)
+    path     the file; an existing one is kept under the first free name NAME.1.h5, NAME.2.h5 … (see `kept_as`)
+    header   JSON-able: case, options, versions, ranks, interfaces (names), layers (name, kind, fields)
+    flush_seconds, buffer_frames, buffer_bytes
+             frames are written when the oldest has waited this long (wall time, looked at when a frame comes), or when
+             there are this many, or this many bytes on one rank
+
+    Every failure to write is raised as FileError on all ranks.
+    """
+
+    def __init__(
+        self,
+        comm: MPI.Comm,
+        path: str | os.PathLike[str],
+        header: Mapping[str, Any],
+        *,
+        flush_seconds: float = 2.0,
+        buffer_frames: int = 128,
+        buffer_bytes: int = 8 << 20,
+    ) -> None:
+        self.kept_as: Path | None = None  # new name of the earlier result of this name
+        self.nframes = 0  # frames given so far, written or not
+        self._comm, self._root = comm, comm.rank == 0
+        self._widths = [(len(layer["fields"]), len(layout.columns(layer))) for layer in header["layers"]]
+        self._flush_seconds, self._max_frames, self._max_bytes = flush_seconds, buffer_frames, buffer_bytes
+        self._last_flush = time.monotonic()
+        self._buffers: list[buffers.LayerBuffer] = []
+        self._capacity, self._segment, self._grids_written = 1, -1, True
+        self._times: list[float] = []  # of the frames not yet written
+        self._flag = np.zeros(1, np.int8)
+        self._series = buffers.SeriesBuffer()
+        self._failure: str | None = None  # on rank 0, of a write that was not collective
+        self._closed = False
+        self.path = Path(path)
+        self.path, self.kept_as, self._identity = self._on_root(lambda: _create(path, header))
+
+    # ------------------------------------------------------------------ what the solver calls
+
+    def start_segment(self, layers: Sequence[Mapping[str, Any]]) -> None:
+        """Announce the grids of the frames to come. Collective; to be called first and whenever a grid has grown.
+
+        Each layer has `local`, the number of points this rank owns (0 where it owns none), `n`, that of all ranks,
+        and `X`, (local,) the Lagrangian coordinates in ascending order; ranks own points in the order of the ranks.
+        """
+        if self._times:
+            self.flush()
+        if self._grids_written:  # else the last segment has no frames, and this one takes its place
+            self._segment += 1
+        self._grids_written = False
+        frame_bytes = sum(8 * int(layer["local"]) * w for layer, (_, w) in zip(layers, self._widths))
+        largest = max(self._comm.allgather(frame_bytes))
+        self._capacity = max(1, min(self._max_frames, self._max_bytes // max(1, largest)))
+        self._buffers = [
+            buffers.LayerBuffer(layer, *widths, self._capacity) for layer, widths in zip(layers, self._widths)
+        ]
+
+    def write_frame(self, t: float, arrays: Sequence[Array], x: Sequence[Array | None]) -> None:
+        """Save the fields at time t. Collective.
+
+        arrays   per layer (local, nfields), NaN outside the active part
+        x        per layer (local,) Eulerian positions; None where x is a field. All are copied.
+        """
+        self._check_open()
+        for buffer, values, positions in zip(self._buffers, arrays, x):
+            buffer.put(len(self._times), values, positions)
+        self._times.append(t)
+        self.nframes += 1
+        if self._flush_due():
+            self.flush()
+
+    def append_series(self, rows: Mapping[str, Array]) -> None:
+        """Add per-step data, name -> (k,) or (k, m) with one k for all names. Not collective; only rank 0 keeps them.
+
+        Names may come and go; steps without a value are NaN. Many steps at once are much cheaper than one by one.
+        """
+        if not self._root:
+            return
+        self._series.append(rows)
+        if self._series.nbytes > SERIES_BYTES and self._failure is None:
+            try:  # nobody else can have the file open: all opens but this wait for rank 0
+                self.path = self._locate()
+                self._record(0)
+            except Exception as error:
+                self._failure = self._explain(error)  # to be raised when all ranks meet: here, it would hang the others
+
+    def flush(self) -> None:
+        """Write all that is held in memory. Collective."""
+        self._check_open()
+        count = len(self._times)
+        self.path = self._on_root(self._locate)
+        if count:
+            self._on_root(lambda: self._prepare(count))
+            self._view_frames(count)
+        self._on_root(lambda: self._record(count))
+        self._times.clear()
+        self._grids_written |= count > 0
+        self._last_flush = time.monotonic()
+
+    def finish(self, summary: Mapping[str, Any], errors: Mapping[str, Any] | None = None) -> None:
+        """Write the rest, the summary and, if known, the errors of the solution. Collective, at the end."""
+        self.flush()
+        self._on_root(lambda: self._conclude(summary, errors))
+        self._buffers.clear()
+        self._closed = True
+
+    # ------------------------------------------------------------------ when, and failing together
+
+    def _flush_due(self) -> bool:
+        """Whether to write now: rank 0's clock decides for all. Collective."""
+        if len(self._times) >= self._capacity:
+            return True
+        if self._root:
+            self._flag[0] = time.monotonic() - self._last_flush >= self._flush_seconds or self._failure is not None
+        if self._comm.size > 1:
+            self._comm.Bcast(self._flag, root=0)
+        return bool(self._flag[0])
+
+    def _check_open(self) -> None:
+        if self._closed:
+            raise FileError(f"{self.path}: nothing more can be written, the result is finished or failed before")
+
+    def _on_root(self, action: Callable[[], T]) -> T:
+        """The value of `action` on rank 0, for all ranks; its failure too. Collective."""
+        value: Any = None
+        message = self._failure
+        if self._root and message is None:
+            try:
+                value = action()
+            except Exception as error:
+                message = self._explain(error)
+        value, message = self._comm.bcast((value, message), root=0)
+        if message is not None:
+            self._fail(message)
+        return value
+
+    def _together(self, action: Callable[[], Any]) -> None:
+        """Run `action` on all ranks; if it fails on one, raise on all. Collective."""
+        message = None
+        try:
+            action()
+        except Exception as error:
+            message = self._explain(error)
+        if self._comm.allreduce(int(message is not None)):
+            self._fail(next(filter(None, self._comm.allgather(message))))
+
+    def _fail(self, message: str) -> None:
+        self._closed = True
+        raise FileError(message)
+
+    def _explain(self, error: Exception) -> str:
+        if isinstance(error, FileError):
+            return str(error)
+        reason = getattr(error, "strerror", None) or " ".join(str(error).split()) or type(error).__name__
+        return f"{getattr(self, 'path', 'result file')}: cannot write: {reason}"
+
+    # ------------------------------------------------------------------ the file
+
+    def _locate(self) -> Path:
+        """The file's present path. On rank 0. A later run of the same name may have renamed it: follow it there."""
+        for candidate in (self.path, *self.path.parent.glob(f"{self.path.stem}.*{self.path.suffix}")):
+            if candidate.exists() and _identity(candidate) == self._identity:
+                return candidate
+        raise FileError(f"{self.path}: was removed or replaced while the run was writing it")
+
+    def _datasets(self, count: int) -> Iterator[tuple[str, buffers.LayerBuffer, int]]:
+        """What the last `count` frames need: name, layer, and numbers per point, of each dataset."""
+        frames = layout.frames_name(self.nframes - count, count)
+        for i, buffer in enumerate(self._buffers):
+            group = layout.group_name(self._segment, i)
+            if not self._grids_written:
+                yield f"{group}/X", buffer, 1
+            yield f"{group}/{frames}", buffer, count * buffer.width
+
+    def _prepare(self, count: int) -> None:
+        """Create the datasets of the last `count` frames, not filled. On rank 0.
+
+        PETSc could create them, but it would write zeros first, and a program killed in the midst could leave a file
+        that cannot be read. Like this PETSc only puts numbers where nobody looks yet.
+        """
+        datasets = [(name, buffer.n, block) for name, buffer, block in self._datasets(count)]
+        _ensure_space(self.path, 8 * sum(n * block for _, n, block in datasets) + SPARE_BYTES)
+        links = h5py.h5p.create(h5py.h5p.LINK_CREATE)
+        links.set_create_intermediate_group(True)
+        with transaction.changes(self.path) as file:
+            for name, n, block in datasets:
+                shape = (n, block) if block > 1 else (n,)
+                properties = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+                properties.set_chunk(shape)
+                properties.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
+                properties.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
+                space = h5py.h5s.create_simple(shape, shape)
+                dataset = h5py.h5d.create(file.id, None, h5py.h5t.IEEE_F64LE, space, properties)
+                h5py.h5o.link(dataset, file.id, name.encode(), lcpl=links)
+
+    def _view_frames(self, count: int) -> None:
+        """Put the last `count` frames into their datasets through PETSc. Collective."""
+        from petsc4py import PETSc  # late: PETSc reads its options at the first import
+
+        def view(name: str, local: Array, block: int) -> None:
+            # a Vec of the world, of local length zero where the rank owns nothing: a smaller one would lose data
+            vec = PETSc.Vec().createWithArray(local, size=(local.size, None), bsize=block, comm=self._comm)
+            group, dataset = name.rsplit("/", 1)
+            vec.setName(dataset)
+            viewer.pushGroup(group)
+            vec.view(viewer)
+            viewer.popGroup()
+            vec.destroy()
+
+        viewer = PETSc.ViewerHDF5()
+        self._together(lambda: viewer.create(str(self.path), mode="a", comm=self._comm))
+        try:
+            for name, buffer, block in self._datasets(count):
+                local = buffer.X if block == 1 else buffer.pack(count)
+                self._together(lambda: view(name, local, block))  # noqa: B023
+        finally:
+            self._together(viewer.destroy)
+
+    def _record(self, count: int) -> None:
+        """Append the series, then make the last `count` frames valid. On rank 0, when no viewer is open."""
+        with transaction.changes(self.path) as file:
+            self._series.write(file)
+            if count:
+                buffers.append_rows(file, "time", np.array(self._times), self.nframes - count)
+
+    def _conclude(self, summary: Mapping[str, Any], errors: Mapping[str, Any] | None) -> None:
+        with transaction.changes(self.path) as file:
+            file["summary"] = _json(summary)
+            if errors is not None:
+                file["errors"] = _json(errors)
+            file.attrs["complete"] = True
+
+
+def _create(path: str | os.PathLike[str], header: Mapping[str, Any]) -> tuple[Path, Path | None, tuple[int, int]]:
+    """Make the file with its header. Returns its path, the new name of an earlier one, and the file's identity."""
+    target = Path(os.path.realpath(path))
+    if not target.parent.is_dir():
+        raise FileError(f"{path}: the directory {target.parent} does not exist")
+    if target.is_dir():
+        raise FileError(f"{path}: is a directory, not a file")
+    if not os.access(target.parent, os.W_OK | os.X_OK):
+        raise FileError(f"{path}: the directory {target.parent} is not writable")
+    kept_as = None
+    if target.exists():
+        if not target.is_file():
+            raise FileError(f"{path}: exists and is not a regular file")
+        names = (target.with_name(f"{target.stem}.{k}{target.suffix}") for k in itertools.count(1))
+        kept_as = next(name for name in names if not os.path.lexists(name))
+        target.rename(kept_as)
+        with suppress(FileNotFoundError):
+            transaction.undo_path(target).rename(transaction.undo_path(kept_as))
+    with layout.open_h5(target, "x") as file:
+        file.attrs["format"], file.attrs["version"] = layout.FORMAT, layout.VERSION
+        file.attrs["case"], file.attrs["complete"] = str(header["case"]), False
+        created = datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds")
+        file["header"] = _json({"created": created, **header})
+        file.create_dataset("time", (0,), "f8", maxshape=(None,), chunks=(buffers.ROWS,))
+        file.create_group("series", track_order=True)
+    return target, kept_as, _identity(target)
+
+
+def _ensure_space(path: Path, nbytes: int) -> None:
+    """Allocate nbytes after the end of the file; HDF5 uses what it needs of them and gives the rest back.
+
+    If the space ran out under HDF5, it could not even close the file, and the program would end in a crash.
+    """
+    if not hasattr(os, "posix_fallocate"):
+        return
+    descriptor = os.open(path, os.O_RDWR)
+    try:
+        os.posix_fallocate(descriptor, os.fstat(descriptor).st_size, nbytes)
+    except OSError as error:
+        if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):  # others: this file system cannot allocate
+            raise
+    finally:
+        os.close(descriptor)
+
+
+def _identity(path: Path) -> tuple[int, int]:
+    status = path.stat()
+    return status.st_dev, status.st_ino
+
+
+def _json(data: Mapping[str, Any]) -> str:
+    def plain(value: Any) -> Any:
+        return value.tolist() if isinstance(value, (np.ndarray, np.generic)) else str(value)
+
+    return json.dumps(data, default=plain)

@@ -1,0 +1,180 @@
+"""Who owns what: DMDAs on sub-communicators and the world vector that holds them all.
+
+The solution is one world vector; its part on a rank is the concatenation of the rank's parts of the layers, each
+interlaced (fluid rho, rho u, e; solid u, sigma, T, x). Beside it every rank has a work array in which the same
+points stand with their halos.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from mpi4py import MPI
+from petsc4py import PETSc
+
+from fsipetsc.boundaries import nodes_needed
+from fsipetsc.errors import InputError
+from fsipetsc.operators.sbp import SBPOperator
+from fsipetsc.parallel.partition import Extent, partition
+from fsipetsc.physics.layer import DOF, FLUID, LAYER, SOLID
+from fsipetsc.problem import FluidLayer, Problem
+
+
+@dataclass(frozen=True)
+class Grid:
+    """The stored points of one layer: X = anchor + (i - anchor_index) h, active points lo..hi."""
+
+    n: int
+    lo: int
+    hi: int
+    anchor: float
+    anchor_index: int
+    least: int
+
+    def X(self, h: float, begin: int = 0, end: int | None = None) -> np.ndarray:
+        """Lagrangian coordinates [m] of the points begin .. end-1."""
+        return self.anchor + (np.arange(begin, self.n if end is None else end) - self.anchor_index) * h
+
+
+def ghost_index(distance: float) -> int:
+    """Index of the ghost point counted from the interface: the first point at or beyond the boundary."""
+    return int(np.ceil(distance - 1e-9))
+
+
+def make_grids(problem: Problem, op: SBPOperator, h: float, spare: int, cells: dict[int, int] | None = None) -> list[Grid]:
+    """Grids of all layers. cells: ghost index of each fluid layer, where it differs from the initial one.
+
+    Raises InputError where h does not fit the solids or a layer is too short for the closures.
+    """
+    grids = []
+    for k, layer in enumerate(problem.layers):
+        width = (layer.X[1] - layer.X[0]) / h
+        if isinstance(layer, FluidLayer):
+            G = (cells or {}).get(k, ghost_index(width))
+            end = problem.left if k == 0 else problem.right
+            least = max(op.min_points, nodes_needed(end.degree) + 2)
+            room = spare + max(1, G // 8) if spare >= 8 else spare
+            n = G + 1 + room
+            grid = Grid(n, room, n - 1, layer.X[1], n - 1, least) if k == 0 else Grid(n, 0, G, layer.X[0], 0, least)
+        else:
+            cells_ = round(width)
+            if abs(width - cells_) > 1e-6 * max(1.0, width):
+                raise InputError(
+                    f"-fsi_h {h:.10g} misses an interface: layer '{layer.name}' of length {layer.X[1] - layer.X[0]:g} "
+                    f"would have {width:.6g} cells; the nearest spacings that fit are "
+                    f"{(layer.X[1] - layer.X[0]) / max(1, np.ceil(width)):.10g} and "
+                    f"{(layer.X[1] - layer.X[0]) / max(1, np.floor(width)):.10g}"
+                )
+            grid = Grid(cells_ + 1, 0, cells_, layer.X[0], 0, op.min_points)
+        if grid.hi - grid.lo + 1 < grid.least:
+            raise InputError(
+                f"layer '{layer.name}' has {grid.hi - grid.lo + 1} points with -fsi_h {h:g}; the {op.name} operator "
+                f"(-fsi_order {op.order}) needs at least {grid.least}: take a smaller -fsi_h or a lower -fsi_order"
+            )
+        grids.append(grid)
+    return grids
+
+
+class Layout:
+    """Ownership of all layers on all ranks; collective on ``comm``.
+
+    Attributes: records (LAYER array), dms (a DMDA or None per layer), grids, shares, local_size (doubles of the
+    solution on this rank), work_size (doubles with halos), width (halo width in points).
+    """
+
+    def __init__(self, comm: MPI.Comm, problem: Problem, op: SBPOperator, h: float, grids: list[Grid], mode: str) -> None:
+        self.comm, self.problem, self.grids, self.h = comm, problem, grids, h
+        self.width = max(2 * op.reach, 6)
+        extents = [
+            Extent(layer.kind, grid.n, grid.hi - grid.lo + 1, k == 0 and layer.kind == "fluid")
+            for k, (layer, grid) in enumerate(zip(problem.layers, grids, strict=True))
+        ]
+        self.shares = partition(extents, comm.size, mode, max(self.width, op.rows + 1))
+        self.records = np.zeros(len(grids), LAYER)
+        self._comms: list[MPI.Comm] = []
+        self.dms: list[PETSc.DMDA | None] = []
+        self.local_size = self.work_size = 0
+        for k, layer in enumerate(problem.layers):
+            self._place(k, DOF[FLUID if layer.kind == "fluid" else SOLID])
+            self._materials(k)
+
+    def _place(self, k: int, dof: int) -> None:
+        """Make the DMDA of layer k on its owners and note who owns what on this rank."""
+        record, grid, shares = self.records[k], self.grids[k], self.shares[k]
+        record["kind"] = FLUID if dof == DOF[FLUID] else SOLID
+        record["n"], record["lo"], record["hi"] = grid.n, grid.lo, grid.hi
+        record["least"], record["h"] = grid.least, self.h
+        mine = any(rank == self.comm.rank for rank, _, _ in shares)
+        sub = self.comm.Split(0 if mine else MPI.UNDEFINED, self.comm.rank)
+        record["start"], record["work"] = self.local_size, self.work_size
+        if not mine:
+            self.dms.append(None)
+            return
+        dm = PETSc.DMDA().create(
+            dim=1,
+            dof=dof,
+            sizes=(grid.n,),
+            proc_sizes=(len(shares),),
+            ownership_ranges=(np.array([end - begin for _, begin, end in shares], PETSc.IntType),),
+            boundary_type=PETSc.DM.BoundaryType.NONE,
+            stencil_width=self.width,
+            comm=sub,
+        )
+        (begin, end), (left, right) = dm.getRanges()[0], dm.getGhostRanges()[0]
+        record["present"] = 1
+        record["own_lo"], record["own_hi"] = begin, end
+        record["halo_lo"], record["halo_hi"] = begin - left, right - end
+        self.local_size += dof * (end - begin)
+        self.work_size += dof * (right - left)
+        self.dms.append(dm)
+        self._comms.append(sub)
+
+    def _materials(self, k: int) -> None:
+        record, layer, last = self.records[k], self.problem.layers[k], len(self.grids) - 1
+        material = layer.material
+        if isinstance(layer, FluidLayer):
+            for name in ("gamma", "R", "cv", "kappa"):
+                record[name] = getattr(material, name)
+            record["mu"] = 4.0 / 3.0 * material.mu
+        else:
+            for name in ("K", "kappa_e", "m0", "alpha", "force", "gruneisen"):
+                record[name] = getattr(material, name)
+        record["end_kind"] = -1
+        for side, end in ((0, self.problem.left), (1, self.problem.right)):
+            if k == (0, last)[side]:
+                record["end_kind"][side], record["end_degree"][side] = end.kind, end.degree
+                record["end_x"][side] = getattr(end, "x", 0.0)
+
+    def neighbours(self, k: int) -> tuple[int, int]:
+        """World ranks that own the points left and right of this rank's part of layer k, -1 where none does."""
+        ranks = [rank for rank, _, _ in self.shares[k]]
+        if self.comm.rank not in ranks:
+            return -1, -1
+        at = ranks.index(self.comm.rank)
+        return (ranks[at - 1] if at > 0 else -1), (ranks[at + 1] if at + 1 < len(ranks) else -1)
+
+    def local(self, k: int, array: np.ndarray) -> np.ndarray:
+        """View, shape (owned points, dof), of layer k in this rank's part of a solution vector."""
+        record = self.records[k]
+        dof = DOF[record["kind"]]
+        count = int(record["own_hi"] - record["own_lo"])
+        return array[record["start"] : record["start"] + dof * count].reshape(count, dof)
+
+    def owned_X(self, k: int) -> np.ndarray:
+        """Lagrangian coordinates [m] of the owned points of layer k."""
+        record = self.records[k]
+        return self.grids[k].X(self.h, int(record["own_lo"]), int(record["own_hi"]))
+
+    def create_vector(self) -> PETSc.Vec:
+        """A world vector of the solution's shape, zero. Collective."""
+        return PETSc.Vec().createMPI((self.local_size, None), comm=self.comm)
+
+    def destroy(self) -> None:
+        """Destroy the DMDAs, then their communicators. Collective."""
+        for dm in self.dms:
+            if dm is not None:
+                dm.destroy()
+        for sub in self._comms:
+            sub.Free()
+        self.dms, self._comms = [], []

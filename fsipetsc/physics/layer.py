@@ -1,0 +1,55 @@
+"""The record that describes one layer to the compiled kernels.
+
+A layer has the points ``0 .. n-1``, from left to right. Its *active* points are ``lo..hi``: all of them in a
+solid; in a fluid the interface point, the ghost point of the embedded boundary, and all between. This rank owns
+``own_lo <= i < own_hi`` and holds halos of ``halo_lo`` and ``halo_hi`` points beside them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+FLUID, SOLID = 0, 1
+#: unknowns per point: fluid (rho, rho u, e), solid (u, sigma, T, x)
+DOF = (3, 4)
+
+_I, _F = np.int64, np.float64
+LAYER = np.dtype(
+    [
+        ("kind", _I),
+        ("present", _I),  # this rank owns points of the layer
+        ("n", _I),
+        ("lo", _I),
+        ("hi", _I),
+        ("least", _I),  # active points that the operator and the end conditions need
+        ("own_lo", _I),
+        ("own_hi", _I),
+        ("halo_lo", _I),
+        ("halo_hi", _I),
+        ("start", _I),  # of the owned part in the rank's part of the solution vector, in doubles
+        ("work", _I),  # of owned part and halos in the rank's work array, in doubles
+        ("h", _F),
+        # fluid: materials and the moving frame
+        ("gamma", _F),
+        ("R", _F),
+        ("cv", _F),
+        ("mu", _F),  # 4/3 mu
+        ("kappa", _F),
+        ("s", _F),  # velocity of the frame: of the fluid's own interface point
+        # solid
+        ("K", _F),
+        ("kappa_e", _F),
+        ("m0", _F),
+        ("alpha", _F),
+        ("force", _F),
+        ("gruneisen", _F),  # p = gruneisen rho epsilon; 0 for the elastic solid
+        # the ends: -1 where an interface stands, else a kind of fsipetsc.boundaries
+        ("end_kind", _I, (2,)),
+        ("end_degree", _I, (2,)),
+        ("end_x", _F, (2,)),  # Eulerian position of an embedded boundary
+        ("end_data", _F, (2, 4)),
+        # Eulerian position of the interface that carries the frame (fluid)
+        ("x_interface", _F),
+    ],
+    align=True,
+)

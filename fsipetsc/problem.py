@@ -1,0 +1,102 @@
+"""What a case says: the layers from left to right, what stands at the ends, initial and exact data.
+
+All functions take arrays of Lagrangian coordinates X and, where they depend on time, t. A case never sees a vector
+of PETSc's or a rank.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fsipetsc.boundaries import Boundary, SolidEnd
+from fsipetsc.errors import InputError
+from fsipetsc.physics.fluid import Fluid
+from fsipetsc.physics.solid import Solid
+
+Fields = Sequence[np.ndarray]
+
+
+@dataclass(frozen=True)
+class FluidLayer:
+    """A layer of gas between X[0] and X[1]: one end is an interface, the other an embedded boundary.
+
+    initial(X) -> (rho, u, T); exact(X, t) -> the same; forcing(X, t) -> right-hand sides of (rho, rho u, e).
+    Outside X[0], X[1] the functions are asked for points that the grid holds in reserve.
+    """
+
+    name: str
+    material: Fluid
+    X: tuple[float, float]
+    initial: Callable[[np.ndarray], Fields]
+    forcing: Callable[[np.ndarray, float], Fields] | None = None
+    exact: Callable[[np.ndarray, float], Fields] | None = None
+    kind = "fluid"
+    fields = ("rho", "u", "T", "p")
+
+
+@dataclass(frozen=True)
+class SolidLayer:
+    """A solid between the Lagrangian coordinates X[0] and X[1].
+
+    initial(X) -> (u, sigma, T, x); exact(X, t) -> the same; forcing(X, t) -> right-hand sides of the same.
+    """
+
+    name: str
+    material: Solid
+    X: tuple[float, float]
+    initial: Callable[[np.ndarray], Fields]
+    forcing: Callable[[np.ndarray, float], Fields] | None = None
+    exact: Callable[[np.ndarray, float], Fields] | None = None
+    kind = "solid"
+    fields = ("u", "sigma", "T", "x", "p")
+
+
+Layer = FluidLayer | SolidLayer
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Layers that alternate between fluid and solid, left to right; fluids may stand at the ends only.
+
+    left, right: the conditions at the outer ends. jumps(k, t) -> (g_u, g_stress, g_T, g_flux) at interface k:
+    u_s-u_f, sigma-p_s+p_f-mu' u_X, T_s-T_f, kappa_e/x_X T_X-kappa T_X; None where all are zero.
+    notes: lines about the exact solution or the data that the summary should carry.
+    """
+
+    layers: tuple[Layer, ...]
+    left: Boundary
+    right: Boundary
+    jumps: Callable[[int, float], tuple[float, float, float, float]] | None = None
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        kinds = [layer.kind for layer in self.layers]
+        if len(kinds) < 2 or any(a == b for a, b in zip(kinds, kinds[1:], strict=False)):
+            raise InputError(f"the layers must alternate between fluid and solid, and be two at least; got {kinds}")
+        if "fluid" in kinds[1:-1]:
+            raise InputError("a fluid layer between two solids is not supported: its frame moves with one interface")
+        for end, layer in ((self.left, self.layers[0]), (self.right, self.layers[-1])):
+            if isinstance(end, SolidEnd) != (layer.kind == "solid"):
+                raise InputError(
+                    f"the condition at the outer end of layer '{layer.name}' is not one for a {layer.kind}"
+                )
+        for a, b in zip(self.layers, self.layers[1:], strict=False):
+            if a.X[1] != b.X[0]:
+                raise InputError(f"layers '{a.name}' and '{b.name}' do not meet: X = {a.X[1]:g} and {b.X[0]:g}")
+
+    @property
+    def interfaces(self) -> tuple[tuple[int, int], ...]:
+        """(fluid layer, solid layer) of each interface, left to right."""
+        pairs = zip(range(len(self.layers)), range(1, len(self.layers)), strict=False)
+        return tuple((a, b) if self.layers[a].kind == "fluid" else (b, a) for a, b in pairs)
+
+    @property
+    def steady_data(self) -> bool:
+        """No boundary data, jump or forcing that depends on time."""
+        from fsipetsc.boundaries import Dirichlet
+
+        timed = any(isinstance(end, Dirichlet) for end in (self.left, self.right))
+        return not timed and self.jumps is None and all(layer.forcing is None for layer in self.layers)

@@ -1,0 +1,47 @@
+"""Which step comes next: the bound on the step, and the times that must be hit exactly."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+#: a step may be longer than its bound by this fraction, so that round-off costs no extra step
+_SLACK = 1e-9
+
+
+def saved_times(t_end: float, interval: float | None, times: Sequence[float] | None) -> list[float]:
+    """Times [s] in [0, t_end] at which profiles are saved: every ``interval`` and at the ``times``, and at the end."""
+    saved = {t for t in times or () if 0.0 <= t <= t_end}
+    if interval is not None:
+        saved.update(min(k * interval, t_end) for k in range(math.floor(t_end / interval * (1 + 1e-12)) + 1))
+    saved.add(t_end)
+    return sorted(saved)
+
+
+class Clock:
+    """Hands out steps so that every target is the end of a step, without a tiny step before it."""
+
+    def __init__(self, targets: Sequence[float]) -> None:
+        self._targets = sorted(targets)
+        self._next = 0
+
+    def pass_time(self, t: float) -> bool:
+        """Note that the time t [s] is reached; True if it is a target."""
+        reached = False
+        while self._next < len(self._targets) and self._targets[self._next] <= t:
+            reached, self._next = True, self._next + 1
+        return reached
+
+    @property
+    def done(self) -> bool:
+        """All targets are reached."""
+        return self._next == len(self._targets)
+
+    def step(self, t: float, bound: float) -> tuple[float, float]:
+        """(step, time after it) [s]: at most ``bound``; with less than two steps to the next target they are equal."""
+        target = self._targets[self._next]
+        left = target - t
+        if left <= bound * (1 + _SLACK):
+            return left, target
+        step = left / 2 if left < 2 * bound else bound
+        return step, t + step

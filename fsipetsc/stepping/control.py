@@ -1,0 +1,88 @@
+"""Step-size control by an embedded Runge-Kutta pair, on the solution as the interfaces and boundaries see it.
+
+PETSc's own controllers compare the two solutions of a pair before they are projected, where ghost points and
+interface values have drifted off. Here both are projected first; the rest is PETSc's basic controller: the step is
+accepted if the weighted norm of the difference is at most one, and the next one is changed by
+safety * norm^(-1/order), within the clip.
+"""
+
+from __future__ import annotations
+
+import ctypes
+
+import numpy as np
+from mpi4py import MPI
+from petsc4py import PETSc
+
+from fsipetsc.stepping.state import State
+
+SAFETY, REJECT_SAFETY, CLIP = 0.9, 0.5, (0.1, 10.0)
+
+
+class ErrorControl:
+    """Accepts or rejects steps of ``ts`` and proposes the next one. All methods are collective.
+
+    order: of the method; atol, rtol: tolerances as in TSSetTolerances.
+    """
+
+    def __init__(self, ts: PETSc.TS, state: State, order: int, atol: float, rtol: float) -> None:
+        self._ts, self._state = ts, state
+        self._order, self._atol, self._rtol = order, atol, rtol
+        self._embedded = state.solution.duplicate()
+        self._before = state.solution.duplicate()
+        self._library = ctypes.CDLL(PETSc.__file__)
+        self.rejections = 0
+
+    def begin(self) -> None:
+        """Keep the solution before a step: a rejected one goes back to it."""
+        self._state.solution.copy(self._before)
+
+    def embedded(self) -> None:
+        """Take the pair's second solution; before the first one is projected."""
+        code = self._library.TSEvaluateStep(
+            ctypes.c_void_p(self._ts.handle),
+            ctypes.c_int(self._order - 1),
+            ctypes.c_void_p(self._embedded.handle),
+            None,
+        )
+        if code:
+            raise PETSc.Error(code)
+
+    def norm(self) -> float:
+        """Weighted root mean square of the difference of the two projected solutions, over the active unknowns."""
+        state = self._state
+        first, y = state.solution.getArray(readonly=True), self._embedded.getArray()
+        # the solution stands in the work arrays with its frames: keep them
+        kept, records = state.plan.work.copy(), state.layout.records.copy()
+        traces = state.plan.traces.copy()
+        state.project(y)
+        state.plan.work[:], state.layout.records[:], state.plan.traces[:] = kept, records, traces
+        total, count = 0.0, 0
+        for k, record in enumerate(state.layout.records):
+            if record["present"]:
+                own = np.arange(record["own_lo"], record["own_hi"])
+                active = (own >= record["lo"]) & (own <= record["hi"])
+                a, b = state.layout.local(k, first)[active], state.layout.local(k, y)[active]
+                scale = self._atol + self._rtol * np.maximum(np.abs(a), np.abs(b))
+                total += float(np.sum(((a - b) / scale) ** 2))
+                count += a.size
+        total, count = state.comm.allreduce(np.array([total, count]), MPI.SUM)
+        return float(np.sqrt(total / max(count, 1)))
+
+    def decide(self, dt: float, norm: float) -> tuple[bool, float]:
+        """(accepted, proposal for the next step) after a step dt whose error has the norm."""
+        accepted = norm <= 1.0
+        safety = SAFETY if accepted else SAFETY * REJECT_SAFETY
+        factor = CLIP[1] if norm == 0 else safety * norm ** (-1.0 / self._order)
+        return accepted, dt * min(max(factor, CLIP[0]), CLIP[1] if accepted else 1.0)
+
+    def reject(self) -> None:
+        """Undo the step."""
+        self._ts.rollBack()
+        self._before.copy(self._state.solution)
+        self.rejections += 1
+
+    def destroy(self) -> None:
+        """Destroy the vectors."""
+        self._embedded.destroy()
+        self._before.destroy()

@@ -1,0 +1,68 @@
+"""From the solution to what users read: fields on the grid, positions, norms of the error."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fsipetsc.operators.kernels import derivative
+from fsipetsc.parallel.exchange import layer_work
+from fsipetsc.problem import FluidLayer
+from fsipetsc.stepping.state import State
+
+
+def fields(state: State, k: int) -> tuple[np.ndarray, np.ndarray]:
+    """Fields (owned points, nfields) and Eulerian positions (owned points,) [m] of layer k; NaN where inactive.
+
+    Fluid rho, u, T, p; solid u, sigma, T, x, p. From the work arrays, which a completed step leaves up to date.
+    """
+    layer, record = state.problem.layers[k], state.layout.records[k]
+    own_lo, own_hi = int(record["own_lo"]), int(record["own_hi"])
+    dof = 3 if isinstance(layer, FluidLayer) else 4
+    work = layer_work(record, state.plan.work).reshape(-1, dof)
+    halo = int(record["halo_lo"])
+    q = work[halo : halo + own_hi - own_lo]
+    if isinstance(layer, FluidLayer):
+        index = np.arange(own_lo, own_hi)
+        outside = (index < record["lo"]) | (index > record["hi"])
+        q = np.where(outside[:, None], np.nan, q)
+        x = state.layout.owned_X(k) - state.layout.grids[k].anchor + record["x_interface"]
+        return np.stack(layer.material.primitive(q), axis=-1), np.where(outside, np.nan, x)
+    x_X = np.empty(own_hi - own_lo)
+    column = np.ascontiguousarray(work[:, 3])
+    derivative(state.plan.op[0], column, own_lo - halo, x_X, own_lo, own_lo, own_hi, 0, record["n"] - 1, 1 / state.h)
+    return np.column_stack([q, layer.material.pressure(q[:, 2], x_X)]), q[:, 3].copy()
+
+
+def active_points(state: State) -> int:
+    """Active points of all layers."""
+    return sum(int(r["hi"] - r["lo"]) + 1 for r in state.layout.records)
+
+
+def errors(state: State, t: float) -> dict[str, dict[str, float]] | None:
+    """L2 errors at time t [s]: kind of layer -> name -> sqrt(h sum (difference)^2), and "combined" over the unknowns.
+
+    Over the active points without ghosts, all layers of a kind together. None without an exact solution. Collective.
+    """
+    if any(layer.exact is None for layer in state.problem.layers):
+        return None
+    compared = {"fluid": ("rho", "u", "T"), "solid": ("u", "sigma", "T", "x")}
+    sums = {kind: np.zeros(len(names)) for kind, names in compared.items()}
+    for k, layer in enumerate(state.problem.layers):
+        record = state.layout.records[k]
+        if not record["present"]:
+            continue
+        q, _ = fields(state, k)
+        exact = layer.exact(state.layout.owned_X(k), t)
+        index = np.arange(record["own_lo"], record["own_hi"])
+        counted = (index >= record["lo"]) & (index <= record["hi"])
+        for side, ghost in ((0, record["lo"]), (1, record["hi"])):
+            if isinstance(layer, FluidLayer) and record["end_kind"][side] >= 0:
+                counted &= index != ghost
+        for c in range(len(compared[layer.kind])):
+            sums[layer.kind][c] += state.h * np.sum((q[counted, c] - np.broadcast_to(exact[c], index.shape)[counted]) ** 2)
+    result = {}
+    for kind, names in compared.items():
+        squares = state.comm.allreduce(sums[kind])
+        result[kind] = {name: float(v) for name, v in zip(names, np.sqrt(squares), strict=True)}
+        result[kind]["combined"] = float(np.sqrt(squares.sum()))
+    return result

@@ -1,0 +1,229 @@
+"""PETSc's TS drives: its explicit methods make the steps, hooks around them do the rest.
+
+The right-hand side projects a work copy of each stage; the post-step hook projects the new solution, lets the
+embedded boundaries move, records the step, and says how long the next step is. A fluid grid that is used up ends one
+TSSolve; the grids are laid anew and the next one goes on.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+from petsc4py import PETSc
+
+from fsipetsc.errors import ComputationError
+from fsipetsc.parallel.completion import BAD, EXHAUSTED, LOW, MOVED, RATE, SHORT, STOP, finish_step
+from fsipetsc.stepping.clock import Clock
+from fsipetsc.stepping.control import ErrorControl
+from fsipetsc.stepping.diagnosis import describe_failure
+from fsipetsc.stepping.series import Series
+from fsipetsc.stepping.state import State
+
+#: orders of PETSc's Runge-Kutta methods that have an embedded one
+PAIR_ORDER = {"2a": 2, "3bs": 3, "5f": 5, "5dp": 5, "5bs": 5, "6vr": 6, "7vr": 7, "8vr": 8}
+
+
+class Integrator:
+    """Integrates a state in time; all methods are collective.
+
+    opt: options in force. saved: times at which ``on_frame(t)`` is called. ``on_series()`` is called when the series
+    must be written, ``on_step(steps, t, dt)`` after every step, ``on_grids()`` when the grids have been laid anew.
+    """
+
+    def __init__(
+        self,
+        state: State,
+        opt: Mapping[str, Any],
+        saved: list[float],
+        on_frame: Callable[[float], None],
+        on_series: Callable[[], None],
+        on_step: Callable[[int, float, float], None],
+        on_grids: Callable[[], None],
+    ) -> None:
+        self.state, self.opt = state, opt
+        self.series = Series(state.problem)
+        self._on_frame, self._on_series, self._on_step, self._on_grids = on_frame, on_series, on_step, on_grids
+        self._clock = Clock(saved)
+        self._steady = state.problem.steady_data
+        nI = len(state.problem.interfaces)
+        self._send, self._receive = np.zeros(3), np.zeros(3)
+        self._faces, self._masses = np.zeros((nI, 8)), np.zeros(len(state.problem.layers))
+        self.steps = self.evaluations = 0
+        self.rejections = 0
+        self.t = 0.0
+        self.dt_range = [np.inf, 0.0]
+        self.wall_time = 0.0
+        self.stop_signal = 0
+        self._proposal = np.inf
+        self._control: ErrorControl | None = None
+        self._error: BaseException | None = None
+        self._energy = 0.0
+        self.initial: dict[str, Any] = {}
+
+    # what TS calls
+
+    def _right_hand_side(self, ts: PETSc.TS, t: float, Y: PETSc.Vec, F: PETSc.Vec) -> None:
+        if not self._steady:
+            self.state.set_data(t)
+        self.state.right_hand_side(Y.getArray(readonly=True), F.getArray())
+        self.evaluations += 1
+
+    def _post_step(self, ts: PETSc.TS) -> None:
+        try:
+            self._after_step(ts)
+        except BaseException as error:  # through PETSc it would become an error stack; raised again after TSSolve
+            self._error = error
+            ts.setConvergedReason(PETSc.TS.ConvergedReason.CONVERGED_USER)
+
+    def _after_step(self, ts: PETSc.TS) -> None:
+        t = self._target
+        ts.setTime(t)  # the sum of steps may miss a target by round-off
+        if not self._steady:
+            self.state.set_data(t)
+        if self._control is not None:
+            self._control.embedded()
+        self._finish()
+        dt = self._step
+        if self._control is not None and not self._receive[BAD]:
+            accepted, self._proposal = self._control.decide(dt, self._control.norm())
+            if not accepted:
+                self._reject(ts)
+                return
+        self.t, self.steps = t, self.steps + 1
+        self._check(t)
+        self.dt_range = [min(self.dt_range[0], dt), max(self.dt_range[1], dt)]
+        self.series.record(t, dt, self._faces, self._masses, self._energy)
+        self._on_step(self.steps, t, dt)
+        if self.series.full:
+            self._on_series()
+        if self._clock.pass_time(t):
+            self._on_frame(t)
+        flags = self.state.flags
+        self.stop_signal = int(self._receive[STOP])
+        if self._clock.done or self.stop_signal or self.steps >= self.opt["ts_max_steps"]:
+            ts.setConvergedReason(PETSc.TS.ConvergedReason.CONVERGED_TIME)
+        elif flags[LOW]:
+            ts.setConvergedReason(PETSc.TS.ConvergedReason.CONVERGED_USER)
+        else:
+            if flags[MOVED]:
+                ts.restartStep()
+            self._plan_step(ts)
+
+    def _finish(self) -> None:
+        state = self.state
+        self._send[STOP] = self.stop_signal
+        arguments = (state.flags, self._send, self._receive, self._faces, self._masses)
+        self._energy = finish_step(state.plan, state.solution.getArray(), *arguments)
+
+    def _reject(self, ts: PETSc.TS) -> None:
+        self._control.reject()
+        self.rejections = self._control.rejections
+        ts.setTime(self.t)
+        if not self._steady:
+            self.state.set_data(self.t)
+        self._finish()
+        if self._proposal < 1e-14 * max(1.0, self.t):
+            raise ComputationError(f"step-size control finds no step at t = {self.t:.6g} s: see -ts_rtol and -ts_atol")
+        ts.restartStep()
+        self._plan_step(ts)
+
+    def _check(self, t: float) -> None:
+        """Raise ComputationError if the new state cannot be gone on from."""
+        flags, layers = self.state.flags, self.state.problem.layers
+        if self._receive[BAD] or not np.isfinite(self._receive[RATE]):
+            raise ComputationError(describe_failure(self.state, t, self.steps))
+        if flags[EXHAUSTED]:
+            name = layers[int(flags[EXHAUSTED]) - 1].name
+            raise ComputationError(
+                f"the points of fluid layer '{name}' are used up at t = {t:.6g} s, step {self.steps}, "
+                f"{self._boundary(int(flags[EXHAUSTED]) - 1)}: its boundary crossed more than one cell in a step"
+            )
+        if flags[SHORT]:
+            k = int(flags[SHORT]) - 1
+            least = int(self.state.layout.records[k]["least"])
+            raise ComputationError(
+                f"fluid layer '{layers[k].name}' has become too short at t = {t:.6g} s, step {self.steps}, "
+                f"{self._boundary(k)}: the {self.state.op.name} operator needs {least} points"
+            )
+
+    def _boundary(self, k: int) -> str:
+        record = self.state.layout.records[k]
+        side = 0 if record["end_kind"][0] >= 0 else 1
+        return f"with its interface at x = {record['x_interface']:.6g} m and its boundary at x = {record['end_x'][side]:.6g} m"
+
+    # steps
+
+    def _plan_step(self, ts: PETSc.TS) -> None:
+        bound = self.opt["ts_dt"] or self.opt["fsi_cfl"] / self._receive[RATE]
+        if self._control is not None:
+            bound = min(bound, self._proposal)
+            self._control.begin()
+        self._step, self._target = self._clock.step(self.t, bound)
+        ts.setTimeStep(self._step)
+
+    def _create(self) -> PETSc.TS:
+        opt = self.opt
+        ts = PETSc.TS().create(comm=self.state.comm)
+        ts.setProblemType(PETSc.TS.ProblemType.NONLINEAR)
+        ts.setType(opt["ts_type"])
+        if opt["ts_type"] == "rk":
+            ts.setRKType(opt["ts_rk_type"])
+        ts.setRHSFunction(self._right_hand_side, self.state.solution.duplicate())
+        ts.setPostStep(self._post_step)
+        ts.setExactFinalTime(PETSc.TS.ExactFinalTime.STEPOVER)
+        ts.setSolution(self.state.solution)
+        database = PETSc.Options()
+        wanted = opt["ts_adapt_type"]
+        database.setValue("ts_adapt_type", "none")  # ErrorControl stands for PETSc's
+        ts.setFromOptions()
+        database.setValue("ts_adapt_type", wanted)
+        # the clock alone says when to stop, because the sum of the steps may be short of the end by round-off
+        ts.setMaxTime(1e300)
+        ts.setMaxSteps(np.iinfo(np.int32).max)
+        if wanted == "basic":
+            order = PAIR_ORDER[opt["ts_rk_type"]]
+            self._control = ErrorControl(ts, self.state, order, opt["ts_atol"], opt["ts_rtol"])
+        return ts
+
+    def start(self) -> None:
+        """Set the initial data and save the first frame."""
+        state = self.state
+        state.set_initial()
+        while state.flags[LOW] and not (state.flags[EXHAUSTED] or state.flags[SHORT]):
+            state.grow(0.0)
+        self._on_grids()
+        self._finish()
+        self._check(0.0)
+        fluids = [k for k, layer in enumerate(state.problem.layers) if layer.kind == "fluid"]
+        masses = state.comm.allreduce(self._masses)
+        self.initial = {"mass": [float(masses[k]) for k in fluids], "energy": float(state.comm.allreduce(self._energy))}
+        self._clock.pass_time(0.0)
+        self._on_frame(0.0)
+
+    def run(self) -> None:
+        """Integrate to the end, a signal, or a failure, which is raised with the series complete."""
+        begun = time.perf_counter()
+        try:
+            while not self._clock.done and not self.stop_signal and self.steps < self.opt["ts_max_steps"]:
+                ts = self._create()
+                ts.setTime(self.t)
+                ts.setStepNumber(self.steps)
+                self._plan_step(ts)
+                try:
+                    ts.solve(self.state.solution)
+                finally:
+                    if self._control is not None:
+                        self._control.destroy()
+                        self._control = None
+                    ts.destroy()
+                if self._error is not None:
+                    raise self._error
+                if self.state.flags[LOW] and not self._clock.done:
+                    self.state.grow(self.t)
+                    self._on_grids()
+                    self._finish()
+        finally:
+            self.wall_time += time.perf_counter() - begun

@@ -1,0 +1,83 @@
+"""What a run says: a line at the start, progress, a summary at the end. Rank 0 speaks."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from mpi4py import MPI
+
+from fsipetsc.stepping.state import State
+
+#: wall seconds between two lines of progress
+_INTERVAL = 1.0
+
+
+class Reporter:
+    """Messages of a run; silent with -fsi_quiet and on all ranks but the first."""
+
+    def __init__(self, comm: MPI.Comm, name: str, opt: Mapping[str, Any]) -> None:
+        self._speaks = comm.rank == 0 and not opt["fsi_quiet"]
+        self._terminal = sys.stdout.isatty()
+        self._shows = self._speaks and (self._terminal or opt["fsi_progress"])
+        self._name, self._opt, self._comm = name, opt, comm
+        self._begun = self._last = time.monotonic()
+        self._open_line = False
+
+    def line(self, text: str) -> None:
+        """Print a line."""
+        if self._speaks:
+            if self._open_line:
+                print()
+                self._open_line = False
+            print(text, flush=True)
+
+    def begin(self, state: State) -> None:
+        """Say what is going to be computed."""
+        points = sum(g.hi - g.lo + 1 for g in state.layout.grids)
+        ranks = f"{self._comm.size} rank{'s' * (self._comm.size > 1)}"
+        self.line(
+            f"{self._name}: order {state.op.name}, h = {state.h:g} m, {points} points on {ranks}, "
+            f"to t = {self._opt['ts_max_time']:g} s"
+        )
+        self._begun = self._last = time.monotonic()
+
+    def step(self, steps: int, t: float, dt: float) -> None:
+        """Show progress now and then."""
+        if not self._shows or steps % 32:
+            return
+        now = time.monotonic()
+        if now - self._last < _INTERVAL:
+            return
+        self._last = now
+        end = self._opt["ts_max_time"]
+        left = (now - self._begun) * (end - t) / t if t > 0 else 0.0
+        text = f"  t = {t:.4g} of {end:g} s ({100 * t / end:.0f} %), step {steps}, dt = {dt:.3g} s, {_duration(left)} left"
+        if self._terminal:
+            print(f"\r{text:<78}", end="", flush=True)
+            self._open_line = True
+        else:
+            print(text, flush=True)
+
+    def end(self, summary: Mapping[str, Any], errors: Mapping[str, Any] | None, path: Path) -> None:
+        """Print the summary."""
+        steps, wall = summary["steps"], summary["wall_time"]
+        cost = f", {1e6 * wall / steps:.1f} µs per step" if steps else ""
+        rejected = f" ({summary['rejected_steps']} rejected)" if summary["rejected_steps"] else ""
+        self.line(f"{summary['status']} at t = {summary['t']:g} s: {steps} steps{rejected} in {_duration(wall)}{cost}")
+        for kind, values in (errors or {}).items():
+            listed = ", ".join(f"{name} {value:.3e}" for name, value in values.items())
+            self.line(f"L2 errors in the {kind}: {listed}")
+        self.line(f"result in {path}")
+
+
+def _duration(seconds: float) -> str:
+    """Seconds in words that fit their size."""
+    if seconds < 60:
+        return f"{seconds:.3g} s"
+    if seconds < 3600:
+        return f"{int(seconds // 60)} min {int(seconds % 60)} s"
+    return f"{int(seconds // 3600)} h {int(seconds % 3600 // 60)} min"

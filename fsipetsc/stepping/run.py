@@ -1,0 +1,194 @@
+"""One run from options to result file."""
+
+from __future__ import annotations
+
+import platform
+import signal
+import time
+from collections.abc import Mapping
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+from mpi4py import MPI
+from petsc4py import PETSc
+
+import fsipetsc
+from fsipetsc.errors import ComputationError, FsiError
+from fsipetsc.output.writer import RunWriter
+from fsipetsc.stepping.clock import saved_times
+from fsipetsc.stepping.frames import active_points, errors, fields
+from fsipetsc.stepping.integrator import Integrator
+from fsipetsc.stepping.report import Reporter
+from fsipetsc.stepping.state import State
+
+
+class Interrupted(FsiError):
+    """A run that a signal ended; what was computed is on disk. Exit status 128 + signal."""
+
+    def __init__(self, number: int, message: str) -> None:
+        super().__init__(message)
+        self.status = 128 + number
+
+
+def run_case(case: Any, options: Mapping[str, Any], comm: MPI.Comm) -> None:
+    """Build the case's problem, integrate it and write its result. Collective on comm.
+
+    Raises InputError, ComputationError (after writing what was computed), FileError, Interrupted.
+    """
+    run = _Run(case, options, comm)
+    try:
+        run.go()
+    finally:
+        run.state.destroy()
+
+
+class _Run:
+    """The pieces of one run, wired together."""
+
+    def __init__(self, case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> None:
+        self.case, self.opt, self.comm = case, opt, comm
+        self.problem = case.build(opt)
+        self.state = State(
+            comm,
+            self.problem,
+            opt["fsi_order"],
+            opt["fsi_h"],
+            opt["fsi_coupling"],
+            opt["fsi_partition"],
+            opt["fsi_spare"],
+        )
+        saved = saved_times(opt["ts_max_time"], opt["fsi_output_dt"], opt["fsi_output_times"])
+        self.writer = RunWriter(comm, opt["fsi_output"], self._header())
+        self.report = Reporter(comm, case.NAME, opt)
+        self.saved_at = -1.0
+        self.integrator = Integrator(
+            self.state, opt, saved, self._frame, self._series, self.report.step, self._grids
+        )
+
+    def _header(self) -> dict[str, Any]:
+        return {
+            "case": self.case.NAME,
+            "options": dict(self.opt),
+            "versions": versions(),
+            "ranks": self.comm.size,
+            "layers": [{"name": v.name, "kind": v.kind, "fields": list(v.fields)} for v in self.problem.layers],
+            "interfaces": [
+                f"{a.name} | {b.name}" for a, b in zip(self.problem.layers, self.problem.layers[1:], strict=False)
+            ],
+            "notes": list(self.problem.notes),
+        }
+
+    def _grids(self) -> None:
+        layout = self.state.layout
+        self.writer.start_segment(
+            [
+                {"local": int(r["own_hi"] - r["own_lo"]), "n": int(r["n"]), "X": layout.owned_X(k)}
+                for k, r in enumerate(layout.records)
+            ]
+        )
+
+    def _frame(self, t: float) -> None:
+        arrays, positions = [], []
+        for k, layer in enumerate(self.problem.layers):
+            if self.state.layout.records[k]["present"]:
+                values, x = fields(self.state, k)
+            else:
+                values, x = np.empty((0, len(layer.fields))), np.empty(0)
+            arrays.append(values)
+            positions.append(x if layer.kind == "fluid" else None)
+        self._series()
+        self.writer.write_frame(t, arrays, positions)
+        self.saved_at = t
+
+    def _series(self) -> None:
+        series = self.integrator.series
+        if series.count:
+            self.writer.append_series(series.take(self.comm))
+
+    def go(self) -> None:
+        opt, integrator = self.opt, self.integrator
+        if self.writer.kept_as is not None:
+            self.report.line(f"kept the earlier {opt['fsi_output']} as {self.writer.kept_as}")
+        failure: FsiError | None = None
+        begun = time.perf_counter()
+        try:
+            self.report.begin(self.state)
+            integrator.start()
+            with _signals(integrator):
+                integrator.run()
+            self._last_frame()
+        except ComputationError as error:
+            failure = error
+        self._series()
+        found = None if failure else errors(self.state, integrator.t)
+        summary = self._summary(time.perf_counter() - begun, failure)
+        self.writer.finish(summary, found)
+        self.report.end(summary, found, self.writer.path)
+        if failure is not None:
+            failure.args = (f"{failure}; what was computed before is in {self.writer.path}",)
+            raise failure
+        if integrator.stop_signal:
+            number = integrator.stop_signal
+            name = signal.Signals(number).name
+            raise Interrupted(
+                number, f"stopped by {name} at t = {integrator.t:.6g} s; the result so far is in {self.writer.path}"
+            )
+
+    def _last_frame(self) -> None:
+        """A run that ends between two saved times still keeps its last state."""
+        if self.integrator.t > self.saved_at:
+            self._frame(self.integrator.t)
+
+    def _summary(self, wall: float, failure: FsiError | None) -> dict[str, Any]:
+        integrator = self.integrator
+        return {
+            "status": "failed" if failure else ("stopped" if integrator.stop_signal else "done"),
+            "message": str(failure) if failure else "",
+            "t": integrator.t,
+            "steps": integrator.steps,
+            "rejected_steps": integrator.rejections,
+            "rhs_evaluations": integrator.evaluations,
+            "dt_min": integrator.dt_range[0] if integrator.steps else None,
+            "dt_max": integrator.dt_range[1] if integrator.steps else None,
+            "points": active_points(self.state),
+            "ranks": self.comm.size,
+            "wall_time": integrator.wall_time,
+            "wall_time_total": wall,
+            "initial_mass": integrator.initial.get("mass"),
+            "initial_energy": integrator.initial.get("energy"),
+            "versions": versions(),
+        }
+
+
+def versions() -> dict[str, str]:
+    """Versions of the program and of what it runs on."""
+    import mpi4py
+    import numba
+    import petsc4py
+
+    return {
+        "fsipetsc": fsipetsc.__version__,
+        "python": platform.python_version(),
+        "petsc": ".".join(map(str, PETSc.Sys.getVersion())),
+        "petsc4py": petsc4py.__version__,
+        "mpi4py": mpi4py.__version__,
+        "mpi": MPI.Get_library_version().split(",")[0].split("\n")[0],
+        "numba": numba.__version__,
+        "numpy": np.__version__,
+    }
+
+
+@contextmanager
+def _signals(integrator: Integrator):
+    """SIGTERM and SIGINT let the current step end; all ranks stop together."""
+
+    def note(number: int, frame: object) -> None:
+        integrator.stop_signal = number
+
+    earlier = {number: signal.signal(number, note) for number in (signal.SIGTERM, signal.SIGINT)}
+    try:
+        yield
+    finally:
+        for number, handler in earlier.items():
+            signal.signal(number, handler)

@@ -1,0 +1,122 @@
+"""The state of a run on its ranks: layout, plan and solution, initial data, growth of the fluid grids."""
+
+from __future__ import annotations
+
+import numpy as np
+from mpi4py import MPI
+
+from fsipetsc.boundaries import NODES
+from fsipetsc.operators.sbp import OPERATORS
+from fsipetsc.parallel.completion import complete, store
+from fsipetsc.parallel.exchange import evaluate, make_plan, refresh
+from fsipetsc.parallel.layout import Grid, Layout, make_grids
+from fsipetsc.physics.layer import DOF, FLUID
+from fsipetsc.problem import FluidLayer, Problem
+
+
+class State:
+    """Solution and everything that belongs to it; all methods are collective on ``comm``.
+
+    Attributes: layout, plan, solution (world Vec), flags (of the last completion).
+    Raises InputError where grid, order and number of ranks do not fit.
+    """
+
+    def __init__(self, comm: MPI.Comm, problem: Problem, order: int, h: float, coupling: str, mode: str, spare: int) -> None:
+        self.comm, self.problem, self.h = comm, problem, h
+        self.op = OPERATORS[order]
+        self._coupling, self._mode, self._spare = coupling, mode, spare
+        self.flags = np.zeros(4, np.int64)
+        self._place(make_grids(problem, self.op, h, spare))
+
+    def _place(self, grids: list[Grid]) -> None:
+        self.layout = Layout(self.comm, self.problem, self.op, self.h, grids, self._mode)
+        forced = any(layer.forcing for layer in self.problem.layers)
+        self.plan, self._requests = make_plan(self.layout, self.op, self._coupling, forced)
+        for record, grid in zip(self.layout.records, grids, strict=True):
+            record["lo"], record["hi"] = grid.lo, grid.hi
+        self.solution = self.layout.create_vector()
+
+    def set_data(self, t: float) -> None:
+        """Evaluate boundary data, jumps and forcing at time t [s] for the next evaluation of the right-hand side."""
+        problem, records = self.problem, self.layout.records
+        for k, side, end in ((0, 0, problem.left), (len(records) - 1, 1, problem.right)):
+            values = end.data(t)
+            records[k]["end_data"][side, : len(values)] = values
+        if problem.jumps is not None:
+            for k, face in enumerate(self.plan.faces):
+                face["jump"] = problem.jumps(k, t)
+        for k, layer in enumerate(problem.layers):
+            if layer.forcing is not None and records[k]["present"]:
+                part = self.layout.local(k, self.plan.forcing)
+                for c, values in enumerate(layer.forcing(self.layout.owned_X(k), t)):
+                    part[:, c] = values
+
+    def set_initial(self) -> None:
+        """Initial data of all layers, projected; t = 0."""
+        y = self.solution.getArray()
+        for k, layer in enumerate(self.problem.layers):
+            if not self.layout.records[k]["present"]:
+                continue
+            fields = [np.broadcast_to(v, self.layout.owned_X(k).shape) for v in layer.initial(self.layout.owned_X(k))]
+            if isinstance(layer, FluidLayer):
+                self.layout.local(k, y)[:] = layer.material.conserved(*fields)
+            else:
+                self.layout.local(k, y)[:] = np.stack(fields, axis=-1)
+        self.set_data(0.0)
+        complete(self.plan, y, self.flags)
+
+    def project(self, y: np.ndarray) -> None:
+        """Fill the ghost points of this rank's part y and project its interfaces, in place."""
+        refresh(self.plan, y)
+        store(self.plan, y)
+
+    def right_hand_side(self, y: np.ndarray, f: np.ndarray) -> None:
+        """f = dy/dt of this rank's part for the data set last."""
+        evaluate(self.plan, y, f)
+
+    def grow(self, t: float) -> None:
+        """Lay the grids anew with more spare points at the embedded boundaries; the solution at time t [s] moves along.
+
+        Rare, so it is simple: every rank sees each layer once, whole.
+        """
+        old, y = self.layout, self.solution.getArray(readonly=True)
+        whole = [gather(self.comm, old, k, y) for k in range(len(old.grids))]
+        cells = {k: int(r["hi"] - r["lo"]) for k, r in enumerate(old.records) if r["kind"] == FLUID}
+        ends = [(int(r["lo"]), int(r["hi"])) for r in old.records]
+        self._release()
+        self._place(make_grids(self.problem, self.op, self.h, max(self._spare, NODES), cells))
+        self.set_data(t)
+        y = self.solution.getArray()
+        for k, grid in enumerate(self.layout.grids):
+            record = self.layout.records[k]
+            if not record["present"]:
+                continue
+            active = whole[k][ends[k][0] : ends[k][1] + 1]
+            rows = np.arange(record["own_lo"], record["own_hi"]) - grid.lo
+            self.layout.local(k, y)[:] = active[np.clip(rows, 0, len(active) - 1)]
+        complete(self.plan, y, self.flags)
+
+    def _release(self) -> None:
+        self._requests.free()
+        self.solution.destroy()
+        self.layout.destroy()
+
+    def destroy(self) -> None:
+        """Free requests, vectors, DMDAs and communicators, in this order."""
+        self._release()
+
+
+def gather(comm: MPI.Comm, layout: Layout, k: int, y: np.ndarray) -> np.ndarray:
+    """Layer k of the solution, shape (n, dof), on every rank. Collective."""
+    record = layout.records[k]
+    dof = DOF[record["kind"]]
+    counts = np.zeros(comm.size, np.int64)
+    for rank, begin, end in layout.shares[k]:
+        counts[rank] = dof * (end - begin)
+    whole = np.empty((int(record["n"]), dof))
+    offsets = np.zeros(comm.size, np.int64)
+    for rank, begin, _ in layout.shares[k]:
+        offsets[rank] = dof * begin
+    part = np.ascontiguousarray(layout.local(k, y)) if record["present"] else np.empty(0)
+    comm.Allgatherv([part, MPI.DOUBLE], [whole, counts, offsets, MPI.DOUBLE])
+    return whole

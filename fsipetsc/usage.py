@@ -1,0 +1,102 @@
+"""The texts that explain the program: the overview and the options of a case, laid out as tables."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import sys
+import textwrap
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from fsipetsc.option import INT_MAX, REQUIRED, Option
+from fsipetsc.options import groups
+
+_TYPES = {"int": "int", "float": "float", "str": "text", "bool": "bool", "ints": "ints", "floats": "floats"}
+
+#: PETSc's own options that users need most, beside those with defaults here: option, what it takes, meaning
+_PETSC_TABLE = (
+    ("-ts_monitor", "", "print every step: number, dt, t"),
+    ("-log_view", "[:FILE]", "print where the time went, at the end"),
+    ("-options_file", "FILE", "read options from a file, one '-name value' a line; FILE.yaml is read as YAML"),
+    ("-options_left", "", "list options that were given but not used, at the end"),
+)
+
+_HEADER = ("option", "type", "default", "meaning")
+_NOTES = """
+An option is written -name value. If one is given more than once the last counts, and the command line overrides
+PETSC_OPTIONS. A bool without a value is true; ints and floats are lists such as 0.1,0.25. All other options of PETSc
+work too.
+"""
+
+
+def program() -> str:
+    """How this program was called, for examples that can be copied."""
+    return "python -m fsipetsc" if os.path.basename(sys.argv[0]) in ("__main__.py", "-m", "-c") else "fsipetsc"
+
+
+def overview(cases: Mapping[str, str], commands: Mapping[str, tuple[str, str]]) -> str:
+    """The short usage; cases: name -> summary; commands: name -> (arguments, summary)."""
+    me = program()
+    sections = {
+        "Usage": {
+            f"{me} CASE [-option value ...]": "run a case; in parallel with mpiexec -n N before it",
+            f"{me} CASE -help": "all options of a case, with defaults and units",
+            f"{me} COMMAND ...": "do something else",
+        },
+        "Cases": {**cases, "FILE.py": "a case of your own, from a file"},
+        "Commands": {f"{name} {arguments}".rstrip(): summary for name, (arguments, summary) in commands.items()},
+    }
+    lines = ["fsipetsc: one-dimensional fluid–structure interaction in layers, with PETSc"]
+    for title, rows in sections.items():
+        width = 2 + max(map(len, rows))
+        lines += ["", title, *(f"  {left:<{width}}{right}".rstrip() for left, right in rows.items())]
+    return "\n".join(lines)
+
+
+def case_help(case: Any, called: str) -> str:
+    """Every option of a case with type, default, unit and meaning; called: the case as the user named it."""
+    width = min(max(shutil.get_terminal_size((110, 24)).columns, 80), 120)
+    sections = {title: [_row(option) for option in options] for title, options in groups(case).items()}
+    sections["More of PETSc"] = [(name, what, "", meaning) for name, what, meaning in _PETSC_TABLE]
+    rows = [row for section in sections.values() for row in section]
+    columns = [max(len(row[i]) for row in rows) for i in range(3)]
+    lines = [f"{case.NAME}: {case.SUMMARY}" if case.SUMMARY else case.NAME, ""]
+    lines += [f"  [mpiexec -n N] {program()} {called} [-option value ...]"]
+    lines += ["", *_laid_out(_HEADER, columns, width)]
+    for title, section in sections.items():
+        lines += ["", title]
+        for row in section:
+            lines += _laid_out(row, columns, width)
+    lines += ["", *textwrap.wrap(_NOTES.strip(), width)]
+    return "\n".join(lines)
+
+
+def _row(option: Option) -> tuple[str, str, str, str]:
+    choices = f": {', '.join(map(str, option.choices))}" if option.choices else ""
+    return f"-{option.name}", _TYPES[option.kind], shown(option), option.help + choices
+
+
+def shown(option: Option) -> str:
+    """The default with its unit, as text."""
+    value = option.default
+    if value is REQUIRED:
+        return f"required [{option.unit}]" if option.unit else "required"
+    if value is None:
+        return f"none [{option.unit}]" if option.unit else "none"
+    if isinstance(value, bool):
+        return str(value).lower()
+    if value == INT_MAX:
+        return "no limit"
+    items = value if isinstance(value, tuple) else (value,)
+    text = ",".join(f"{item:.10g}" if isinstance(item, float) else str(item) for item in items)
+    return f"{text} {option.unit}".rstrip()
+
+
+def _laid_out(row: Sequence[str], columns: Sequence[int], width: int) -> list[str]:
+    """One option: three columns and the wrapped meaning in a fourth."""
+    left = "  " + "  ".join(f"{text:<{n}}" for text, n in zip(row[:3], columns)) + "  "
+    return textwrap.wrap(
+        row[3], max(width, len(left) + 30), initial_indent=left, subsequent_indent=" " * len(left),
+        break_on_hyphens=False,
+    ) or [left.rstrip()]  # fmt: skip

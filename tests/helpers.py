@@ -1,0 +1,79 @@
+"""What several test files need: running the program as a user does, on one rank and under mpiexec."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+
+REPOSITORY = Path(__file__).resolve().parent.parent
+
+_MPI_ENVIRONMENT = {
+    "OMPI_ALLOW_RUN_AS_ROOT": "1",
+    "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+    "OMPI_MCA_rmaps_base_oversubscribe": "1",
+    "OMPI_MCA_btl_base_warn_component_unused": "0",
+    "OMP_NUM_THREADS": "1",
+    "OPENBLAS_NUM_THREADS": "1",
+}
+
+
+def environment(extra: Mapping[str, str] | None = None) -> dict[str, str]:
+    """The environment of a test run: ours plus what Open MPI wants, the package importable from any directory.
+
+    PETSC_OPTIONS of the caller is dropped, so that a developer's own settings do not change a test.
+    """
+    env = {key: value for key, value in os.environ.items() if key != "PETSC_OPTIONS"}
+    env.update(_MPI_ENVIRONMENT)
+    env["PYTHONPATH"] = os.pathsep.join(p for p in (str(REPOSITORY), os.environ.get("PYTHONPATH")) if p)
+    env.update(extra or {})
+    return env
+
+
+def run(
+    *args: object,
+    timeout: float = 60,
+    cwd: str | os.PathLike[str] | None = None,
+    env: Mapping[str, str] | None = None,
+) -> subprocess.CompletedProcess[str]:
+    """`python *args` without mpiexec, output captured as text. Example: run("-m", "fsipetsc", "rod", "-help")."""
+    command = [sys.executable, *map(str, args)]
+    return _capture(command, timeout, cwd, environment(env))
+
+
+def mpirun(
+    n: int,
+    *args: object,
+    timeout: float = 60,
+    cwd: str | os.PathLike[str] | None = None,
+    env: Mapping[str, str] | None = None,
+) -> subprocess.CompletedProcess[str]:
+    """`mpiexec -n N python *args`, output captured as text; more ranks than cores are allowed.
+
+    Raises subprocess.TimeoutExpired after `timeout` seconds, with nothing left running.
+    Example: mpirun(2, "-m", "fsipetsc", "rod", "-ts_max_time", 0.1, cwd=tmp_path).
+    """
+    command = ["mpiexec", "-n", str(n), sys.executable, *map(str, args)]
+    return _capture(command, timeout, cwd, environment(env))
+
+
+def _capture(
+    command: list[str], timeout: float, cwd: str | os.PathLike[str] | None, env: dict[str, str]
+) -> subprocess.CompletedProcess[str]:
+    """Run to the end or to the timeout; then SIGTERM first, since mpiexec ends its ranks on that but not on SIGKILL."""
+    process = subprocess.Popen(
+        command, cwd=cwd, env=env, text=True, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    )
+    try:
+        out, err = process.communicate(timeout=timeout)
+    except subprocess.TimeoutExpired as expired:
+        process.terminate()
+        try:
+            expired.stdout, expired.stderr = process.communicate(timeout=10)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.communicate()
+        raise
+    return subprocess.CompletedProcess(command, process.returncode, out, err)

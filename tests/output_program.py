@@ -1,0 +1,133 @@
+"""Writes results the way the solver does; run by test_output.py under mpiexec: MODE FILE [frames]."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+
+import numpy as np
+
+H = 0.05
+LAYERS = [
+    {"name": "left", "kind": "fluid", "fields": ["rho", "u", "T", "p"]},
+    {"name": "rod", "kind": "solid", "fields": ["u", "sigma", "T", "x", "p"]},
+    {"name": "right", "kind": "fluid", "fields": ["rho", "u", "T", "p"]},
+]
+HEADER = {
+    "case": "demo",
+    "options": {"fsi_h": H, "fsi_order": 4, "fsi_output_times": [0.0, 0.5]},
+    "versions": {"petsc": "3.18.5"},
+    "ranks": 1,
+    "interfaces": ["left/rod", "rod/right"],
+    "layers": LAYERS,
+}
+GROWTH = 7  # the fluids' grids grow before this frame
+SERIES_STEPS = 3  # time steps per frame
+
+
+def grid(layer: int, frame: int) -> np.ndarray:
+    """Indices of the grid points of a layer when a frame is saved: the left fluid grows to the left, the right one right."""
+    grown = frame >= GROWTH
+    first, last = [(-5 if grown else 0, 20), (20, 40), (40, 64 if grown else 60)][layer]
+    return np.arange(first, last + 1)
+
+
+def values(layer: int, frame: int, indices: np.ndarray) -> np.ndarray:
+    """Made-up fields and positions, (npoints, nfields + 1); NaN at some points of the fluids, as outside the active part."""
+    columns = np.arange(len(LAYERS[layer]["fields"]) + 1)
+    result = np.sin(1.0 + indices[:, None] + 100.0 * columns + 1e4 * layer + 0.37 * frame)
+    if layer != 1:
+        result[indices == indices.min() + 1] = np.nan
+        result[:, -1] = indices * H + 0.01 * frame
+    return result
+
+
+def series(step: int) -> dict[str, np.ndarray]:
+    """Rows of the per-step data from `step` on; one of them comes in later than the others."""
+    steps = np.arange(step, step + SERIES_STEPS)
+    rows = {"t": 0.1 * steps, "dt": np.full(SERIES_STEPS, 0.1), "x_interface": np.outer(steps, [1.0, 2.0])}
+    return rows if step < 9 else {**rows, "late": 1.0 * steps}
+
+
+def owned(layer: int, indices: np.ndarray, rank: int, size: int, split: str) -> np.ndarray:
+    """The part of a layer that a rank owns: a block of every layer, or whole layers."""
+    if split == "blocks":
+        return np.array_split(indices, size)[rank]
+    owner = [0, 1, 2][layer] if size >= 3 else [0, 1, 0][layer] % size
+    return indices if owner == rank else indices[:0]
+
+
+def write(path: str, nframes: int, split: str, kill_at: int | None = None) -> None:
+    from mpi4py import MPI
+
+    from fsipetsc.output.writer import RunWriter
+
+    comm = MPI.COMM_WORLD
+    writer = RunWriter(comm, path, HEADER, buffer_frames=4)
+    mine: list[np.ndarray] = []
+    for frame in range(nframes):
+        if frame in (0, GROWTH):
+            whole = [grid(i, frame) for i in range(3)]
+            mine = [owned(i, whole[i], comm.rank, comm.size, split) for i in range(3)]
+            writer.start_segment([{"local": len(m), "n": len(w), "X": m * H} for m, w in zip(mine, whole)])
+        full = [values(i, frame, grid(i, frame))[np.isin(grid(i, frame), mine[i])] for i in range(3)]
+        arrays = [full[0][:, :-1], full[1][:, :-1], full[2][:, :-1]]
+        writer.append_series(series(SERIES_STEPS * frame))
+        writer.write_frame(0.3 * frame, arrays, [full[0][:, -1], None, full[2][:, -1]])
+        if frame == kill_at:
+            comm.barrier()
+            if comm.rank == comm.size - 1:
+                os.kill(os.getpid(), signal.SIGKILL)
+            comm.barrier()
+    writer.finish({"steps": SERIES_STEPS * nframes, "wall_time": np.float64(1.5)}, {"fluid": {"rho": 1e-3}})
+    if comm.rank == 0:
+        print("kept as", writer.kept_as and writer.kept_as.name)
+
+
+def refuse(path: str) -> None:
+    """Every rank must get the same FileError."""
+    from mpi4py import MPI
+
+    from fsipetsc.errors import FileError
+    from fsipetsc.output.writer import RunWriter
+
+    comm = MPI.COMM_WORLD
+    try:
+        RunWriter(comm, path, HEADER)
+    except FileError as error:
+        answers = comm.gather((error.status, str(error)))
+        if comm.rank == 0:
+            print(len(set(answers)), *answers[0])
+
+
+def full_disk(path: str) -> None:
+    """Writing fails after some frames: the file may not become larger than 600 kB."""
+    import resource
+
+    from mpi4py import MPI
+
+    from fsipetsc.errors import FileError
+
+    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (600_000, 600_000))
+    message = None
+    try:
+        write(path, 400, "blocks")
+    except FileError as error:
+        message = str(error)
+    answers = MPI.COMM_WORLD.gather(message)
+    if MPI.COMM_WORLD.rank == 0:
+        print(len(set(answers)), answers[0])
+
+
+if __name__ == "__main__":
+    mode, file, *rest = sys.argv[1:]
+    if mode == "refuse":
+        refuse(file)
+    elif mode == "full_disk":
+        full_disk(file)
+    elif mode == "kill":
+        write(file, 12, "blocks", kill_at=int(rest[0]))
+    else:
+        write(file, int(rest[0]), mode)

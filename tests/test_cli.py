@@ -1,0 +1,317 @@
+"""The command line as users and scripts meet it: texts, exit status, one message on one rank and on two."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import time
+
+import pytest
+from helpers import environment, mpirun, run
+
+from fsipetsc.cases import BUILT_IN, load_case
+from fsipetsc.errors import InputError
+
+#: the program with a stand-in for the solver: it prints the options, or does what the case's option -do says
+DRIVER = """
+import json, sys, types
+
+def run_case(case, options, comm):
+    exec(options["do"], {"comm": comm, "case": case, "options": options})
+    if comm.rank == 0:
+        print(json.dumps(options), flush=True)
+
+for name in ("fsipetsc.stepping", "fsipetsc.stepping.run"):
+    sys.modules[name] = types.ModuleType(name)
+sys.modules["fsipetsc.stepping.run"].run_case = run_case
+from fsipetsc.cli import main
+sys.exit(main())
+"""
+CASE = """
+from fsipetsc.options import Option
+
+SUMMARY = "a stub"
+OPTIONS = (Option("solid_force", float, 0.0, "N", "force"), Option("do", str, "", "", "what to do"))
+DEFAULTS = {"fsi_h": 0.1, "ts_max_time": 1.0}
+
+
+def build(opt):
+    return opt["no_such_option"]
+"""
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    """An empty directory with the driver and a case file, as the working directory."""
+    (tmp_path / "driver.py").write_text(DRIVER)
+    (tmp_path / "stub.py").write_text(CASE)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def one_message(done, status, *words):
+    """Assert the exit status and that stderr holds one message of ours, no traceback, with all the words."""
+    assert done.returncode == status, done.stderr
+    lines = [line for line in done.stderr.splitlines() if line.startswith("fsipetsc: error: ")]
+    assert len(lines) == 1, done.stderr
+    for word in words:
+        assert word in lines[0]
+    assert "Traceback" not in done.stderr
+    assert "PETSC ERROR" not in done.stderr
+
+
+def run_stub(*args, **more):
+    return run("driver.py", "stub.py", *args, **more)
+
+
+def test_overview_lists_cases_and_commands_without_importing_the_solver():
+    code = "import sys; from fsipetsc.cli import main; main([]); print(*sorted(sys.modules), file=sys.stderr)"
+    done = run("-c", code)
+    assert done.returncode == 0
+    for word in ("Cases", "rod", "mms", "pulse", "Commands", "info RUN.h5", "plot RUN.h5"):
+        assert word in done.stdout
+    assert not {"numpy", "numba", "h5py", "mpi4py", "petsc4py"} & set(done.stderr.split())
+
+
+def test_overview_is_quick():
+    def seconds():
+        start = time.perf_counter()
+        run("-m", "fsipetsc")
+        return time.perf_counter() - start
+
+    assert min(seconds() for _ in range(3)) < 0.5
+
+
+@pytest.mark.parametrize("flag", ["-h", "-help", "--help"])
+def test_help_flags(flag, here):
+    assert "Cases" in run("-m", "fsipetsc", flag).stdout
+    text = run("-m", "fsipetsc", "stub.py", flag, "-fsi_h", "x").stdout
+    assert "-solid_force" in text
+    assert "0.1 m" in text
+    assert "plot RUN.h5 [-o DIR]" in run("-m", "fsipetsc", "plot", flag).stdout
+
+
+@pytest.mark.parametrize("flag", ["--version", "-version"])
+def test_version(flag):
+    done = run("-m", "fsipetsc", flag)
+    assert (done.returncode, done.stdout.split()[0], len(done.stdout.split())) == (0, "fsipetsc", 2)
+
+
+def test_summaries_in_the_overview_are_those_of_the_modules():
+    pytest.importorskip("numba")
+    from fsipetsc.cases import summaries
+
+    for name, summary in summaries().items():
+        if summary:
+            assert load_case(name).SUMMARY == summary
+
+
+def test_run_gets_typed_options_from_everywhere(here):
+    (here / "a.opts").write_text("# comment\n-fsi_order 6  # more\n\n-fsi_cfl 0.5\n")
+    (here / "b.yaml").write_text("fsi:\n  spare: 3\nfsi_output_times: [0.1, 0.5]\nfsi_quiet: true\n")
+    args = ["-options_file", "a.opts", "-options_file", "b.yaml", "-fsi_cfl", 0.7, "-solid_force", -10]
+    done = run_stub(*args, env={"PETSC_OPTIONS": "-fsi_cfl 0.6 -ts_dt 0.25"})
+    assert (done.returncode, done.stderr) == (0, "")
+    opt = json.loads(done.stdout)
+    assert (opt["fsi_order"], opt["fsi_spare"], opt["fsi_quiet"]) == (6, 3, True)
+    assert (opt["fsi_cfl"], opt["ts_dt"], opt["solid_force"]) == (0.7, 0.25, -10.0)
+    assert opt["fsi_output_times"] == [0.1, 0.5]
+
+
+def test_options_left_does_not_list_ours(here):
+    done = run_stub("-fsi_order", 6, "-solid_force", 1, "-ts_dt", 0.1, "-vec_bogus", 1, "-options_left")
+    left = [line for line in done.stdout.splitlines() if line.startswith("Option left")]
+    assert [line for line in left if "-ts_" not in line] == ["Option left: name:-vec_bogus value: 1"]
+
+
+BAD_INPUT = {
+    "unknown option": (["-fsi_ordr", 4], 2, ["-fsi_ordr", "did you mean -fsi_order?"]),
+    "unknown option of PETSc's": (["-ts_max_tme", 4], 2, ["did you mean -ts_max_time?"]),
+    "bad value": (["-fsi_cfl", "abc"], 2, ["-fsi_cfl", "'abc'", "a number above 0"]),
+    "positional argument": (["foo"], 2, ["'foo'"]),
+    "no options file": (["-options_file", "no.opts"], 4, ["no.opts", "No such file"]),
+    "directory as options file": (["-options_file", "."], 4, ["directory"]),
+    "options file not named": (["-options_file"], 2, ["-options_file needs"]),
+    "no YAML file": (["-options_file_yaml", "no.yaml"], 4, ["no.yaml", "No such file"]),
+    "bad options file": (["-options_file", "bad.opts"], 2, ["bad.opts, line 2", "'fsi_order'"]),
+    "two options in a line": (["-options_file", "two.opts"], 2, ["two.opts, line 1"]),
+    "bad YAML file": (["-options_file", "bad.yaml"], 2, ["bad.yaml"]),
+    "bad value for PETSc": (["-malloc_debug", "foo"], 2, ["foo"]),
+}
+
+
+@pytest.mark.parametrize("name", BAD_INPUT)
+def test_bad_input(name, here):
+    (here / "bad.opts").write_text("-fsi_h 0.1\nfsi_order 6\n")
+    (here / "two.opts").write_text("-fsi_h 0.1 -fsi_order 6\n")
+    (here / "bad.yaml").write_text("fsi_h: [0.1\nfsi_order: 6\n")
+    args, status, words = BAD_INPUT[name]
+    one_message(run_stub(*args), status, *words)
+
+
+def test_bad_words_in_the_environment(here):
+    one_message(run_stub(env={"PETSC_OPTIONS": "fsi_h 3"}), 2, "'fsi_h'", "PETSC_OPTIONS")
+    assert run_stub(env={"PETSC_OPTIONS": "-help"}).stdout.startswith("{")
+
+
+@pytest.mark.parametrize("args", [["rdo"], ["inf", "x.h5"], ["stub"], ["no.py"], ["no/case.py"]])
+def test_unknown_case_or_command(args, here):
+    hint = {"rdo": "'rod'", "inf": "'info'", "stub": "'stub.py'"}.get(args[0], args[0])
+    one_message(run("-m", "fsipetsc", *args), 2, hint)
+
+
+@pytest.mark.parametrize(
+    ("args", "words"),
+    [
+        (["info"], ["one result file", "info RUN.h5"]),
+        (["info", "a.h5", "b.h5"], ["2 were given"]),
+        (["info", "-x", "a.h5"], ["-x"]),
+        (["plot", "a.h5", "-o"], ["-o needs"]),
+    ],
+)
+def test_bad_arguments_of_commands(args, words):
+    one_message(run("-m", "fsipetsc", *args), 2, *words)
+
+
+@pytest.mark.parametrize("command", ["info", "plot"])
+def test_commands_report_a_file_that_is_not_there(command, here):
+    pytest.importorskip("fsipetsc.output.plots")
+    pytest.importorskip("fsipetsc.output.info")
+    one_message(run("-m", "fsipetsc", command, "no.h5"), 4, "no.h5")
+
+
+FAULTY_FILES = {
+    "syntax": ("x = 1\nx = = 2\n", ["line 2", "invalid syntax"]),
+    "import": ("import math\nimport no_such_module\n", ["line 2", "no_such_module"]),
+    "name": ("\n\nundefined\n", ["line 3", "NameError", "undefined"]),
+    "deep": ("import json\n\njson.loads('{')\n", ["line 3", "JSONDecodeError"]),
+    "exit": ("raise SystemExit(3)\n", ["line 1", "SystemExit"]),
+    "option": ("from fsipetsc.options import Option\nOPTIONS = (Option('-a', int, 1, '', ''),)\n", ["line 2", "'-a'"]),
+    "no build": (CASE.replace("def build", "def bild"), ["does not define", "build(opt)"]),
+    "no options": (CASE.replace("OPTIONS =", "OPTION ="), ["does not define", "OPTIONS"]),
+    "options": ("build = print\n\nOPTIONS = (1,)\n", ["line 3", "OPTIONS", "number 1 is 1"]),
+    "build": ("OPTIONS = ()\nbuild = 3\n", ["line 2", "build", "function"]),
+    "defaults": ("OPTIONS = ()\nbuild = print\nDEFAULTS = {'fsi_hh': 1}\n", ["line 3", "did you mean -fsi_h?"]),
+    "own names": (CASE.replace("solid_force", "fsi_h"), ["line 5", "exists already"]),
+}
+
+
+@pytest.mark.parametrize("name", FAULTY_FILES)
+def test_faulty_case_file(name, here):
+    text, words = FAULTY_FILES[name]
+    (here / "faulty.py").write_text(text)
+    with pytest.raises(InputError) as caught:
+        load_case("faulty.py")
+    for word in ["case file faulty.py", *words]:
+        assert word in str(caught.value)
+    assert "\n" not in str(caught.value)
+    assert not (here / "__pycache__").exists()
+
+
+def test_case_file_may_leave_out_what_has_a_default(here):
+    (here / "small-case.py").write_text("OPTIONS = ()\ndef build(opt): pass\n")
+    case = load_case("small-case.py")
+    assert (case.NAME, case.SUMMARY, case.DEFAULTS) == ("small-case", "", {})
+
+
+def test_case_file_finds_its_neighbours_from_any_directory(here, monkeypatch):
+    (here / "neighbour_of_stub.py").write_text("NUMBER = 5\n")
+    (here / "stub.py").write_text(CASE + "\nfrom neighbour_of_stub import NUMBER\n")
+    monkeypatch.chdir(here.parent)
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    assert load_case(str(here / "stub.py")).NUMBER == 5
+
+
+def test_unknown_name_lists_the_cases():
+    with pytest.raises(InputError, match=", ".join(BUILT_IN)):
+        load_case("xyzzy")
+
+
+RAISED = {
+    "from fsipetsc.errors import ComputationError as E; raise E('T <= 0')": (3, ["T <= 0"]),
+    "from fsipetsc.errors import FileError as E; raise E('disk')": (4, ["disk"]),
+    "open('/no/such/file')": (4, ["/no/such/file: No such file"]),
+    "raise MemoryError": (3, ["out of memory", "-fsi_h"]),
+    "raise KeyboardInterrupt": (130, ["interrupted"]),
+    "import no_such_package": (1, ["no_such_package"]),
+    "case.build(options)": (2, ["stub.py, line 10", "KeyError"]),
+    "1 / 0": (1, ["ZeroDivisionError", "-fsi_debug"]),
+    "from petsc4py import PETSc; PETSc.TS().create().setType('nix')": (1, ["PETSc error 86", "Unknown TS type: nix"]),
+}
+
+
+@pytest.mark.parametrize("code", RAISED)
+def test_every_kind_of_error_is_one_message_and_its_status(code, here):
+    status, words = RAISED[code]
+    one_message(run_stub("-do", code), status, *words)
+
+
+def test_debug_shows_the_traceback(here):
+    done = run_stub("-do", "1 / 0", "-fsi_debug")
+    assert done.returncode == 1
+    assert done.stderr.startswith("Traceback")
+    assert done.stderr.splitlines()[-1].startswith("fsipetsc: error: ")
+
+
+def test_reader_that_closes_early_is_no_error(here):
+    command = [sys.executable, "-m", "fsipetsc", "stub.py", "-help"]
+    with subprocess.Popen(command, env=environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        process.stdout.close()
+        assert process.stderr.read() == b""
+        assert process.wait() == 0
+
+
+@pytest.mark.mpi
+class TestOnTwoRanks:
+    """One message and one status whatever the number of ranks, and nobody waits for a rank that has gone."""
+
+    @pytest.mark.parametrize("name", ["unknown option", "bad options file", "no options file", "bad YAML file"])
+    def test_bad_input(self, name, here):
+        (here / "bad.opts").write_text("-fsi_h 0.1\nfsi_order 6\n")
+        (here / "bad.yaml").write_text("fsi_h: [0.1\nfsi_order: 6\n")
+        args, status, words = BAD_INPUT[name]
+        one_message(mpirun(2, "driver.py", "stub.py", *args), status, *words)
+
+    def test_unknown_case(self, here):
+        one_message(mpirun(2, "-m", "fsipetsc", "rdo"), 2, "'rod'")
+
+    @pytest.mark.parametrize("args", [[], ["stub.py", "-help"], ["--version"]])
+    def test_texts_are_printed_once(self, args, here):
+        done = mpirun(2, "-m", "fsipetsc", *args)
+        assert done.returncode == 0
+        assert done.stdout == run("-m", "fsipetsc", *args).stdout
+
+    def test_run(self, here):
+        done = mpirun(2, "driver.py", "stub.py", "-fsi_order", 8)
+        assert (done.returncode, done.stderr) == (0, "")
+        assert json.loads(done.stdout)["fsi_order"] == 8
+
+    @pytest.mark.parametrize("rank", [0, 1])
+    def test_one_rank_fails_alone(self, rank, here):
+        code = f"comm.rank == {rank} and 1 / 0; comm.barrier()"
+        done = mpirun(2, "driver.py", "stub.py", "-do", code, timeout=30)
+        one_message(done, 1, "ZeroDivisionError")
+
+    @pytest.mark.slow
+    def test_one_rank_fails_alone_with_an_error_said_to_be_common(self, here):
+        code = "from fsipetsc.errors import ComputationError as E\nif comm.rank == 1: raise E('T <= 0')\ncomm.barrier()"
+        done = mpirun(2, "driver.py", "stub.py", "-do", code, timeout=40)
+        one_message(done, 3, "T <= 0")
+
+    @pytest.mark.parametrize("code", ["1 / 0", "from fsipetsc.errors import ComputationError as E; raise E('T <= 0')"])
+    def test_all_ranks_fail(self, code, here):
+        done = mpirun(2, "driver.py", "stub.py", "-do", code)
+        one_message(done, 3 if "Computation" in code else 1)
+        assert "MPI_ABORT" not in done.stderr, "an error of all ranks ends in order"
+
+    def test_ranks_disagree_about_the_error(self, here):
+        code = "from fsipetsc.errors import *; raise (FileError, InputError)[comm.rank]('rank %d' % comm.rank)"
+        one_message(mpirun(2, "driver.py", "stub.py", "-do", code), 4, "rank 0")
+
+
+def test_helpers_do_not_leave_the_callers_petsc_options(monkeypatch):
+    monkeypatch.setenv("PETSC_OPTIONS", "-nonsense")
+    assert "PETSC_OPTIONS" not in environment()
+    assert os.environ["PETSC_OPTIONS"] == "-nonsense"

@@ -1,0 +1,229 @@
+"""The table of options: reading, checking, defaults, and the help that comes from it."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import pytest
+
+from fsipetsc import options as table_module
+from fsipetsc.errors import InputError
+from fsipetsc.options import COMMON, PETSC_OPTIONS, REQUIRED, Option, defaults, publish, read_options, table
+from fsipetsc.usage import case_help
+
+petsc4py = pytest.importorskip("petsc4py")
+
+OWN = (
+    Option("solid_force", float, 0.0, "N/m³", "body force"),
+    Option("solid_parts", "ints", (1, 2), "", "parts"),
+    Option("solid_ratio", float, 0.5, "", "ratio", check=lambda v: None if v < 1 else "a number below 1"),
+    Option("solid_even", int, 2, "-", "even", check=lambda v: v % 2 == 0),
+    Option("solid_law", str, "linear", "", "law", ("linear", "cubic")),
+)
+
+
+def make_case(**changes):
+    case = {"NAME": "stub", "SUMMARY": "a stub", "OPTIONS": OWN, "DEFAULTS": {"fsi_h": 0.0125, "ts_max_time": 2}}
+    return SimpleNamespace(**{**case, **changes})
+
+
+@pytest.fixture
+def database():
+    """PETSc's database, left afterwards as it was found."""
+    from petsc4py import PETSc
+
+    db = PETSc.Options()
+    before = db.getAll()
+    yield db
+    for name in set(db.getAll()) - set(before):
+        db.delValue(name)
+
+
+@pytest.fixture
+def read(database):
+    """A function that puts options into the database and reads the case's."""
+
+    def reader(text="", case=None):
+        if text:
+            database.insertString(text)
+        return read_options(case or make_case())
+
+    return reader
+
+
+def test_defaults_come_from_the_case_and_then_from_the_table(read):
+    opt = read()
+    assert opt["fsi_h"] == 0.0125
+    assert opt["ts_max_time"] == 2.0
+    assert isinstance(opt["ts_max_time"], float)
+    assert opt["fsi_order"] == 4
+    assert opt["fsi_output"] == "stub.h5"
+    assert opt["ts_rk_type"] == "4"
+    assert opt["ts_dt"] is None
+    assert set(opt) == {o.name for o in OWN + COMMON + PETSC_OPTIONS}
+
+
+def test_every_type_is_converted(read):
+    opt = read("-fsi_order 6 -fsi_h 1e-3 -fsi_quiet -fsi_output_times 0,0.25,1 -solid_parts 3,-4 -solid_law cubic")
+    assert (opt["fsi_order"], opt["fsi_h"], opt["fsi_quiet"]) == (6, 1e-3, True)
+    assert opt["fsi_output_times"] == (0.0, 0.25, 1.0)
+    assert opt["solid_parts"] == (3, -4)
+    assert opt["solid_law"] == "cubic"
+
+
+@pytest.mark.parametrize(
+    ("text", "value"), [("", True), ("yes", True), ("1", True), ("ON", True), ("no", False), ("0", False)]
+)
+def test_bool_takes_the_forms_that_petsc_takes(read, text, value):
+    assert read(f"-fsi_quiet {text}")["fsi_quiet"] is value
+
+
+@pytest.mark.parametrize("text", ["-10", "-.5", "-1e-3", "+2"])
+def test_signed_numbers_are_values(read, text):
+    assert read(f"-solid_force {text} -fsi_quiet")["solid_force"] == float(text)
+
+
+def test_last_of_repeated_options_counts_and_case_of_letters_does_not_matter(read):
+    assert read("-fsi_order 2 -FSI_Order 8")["fsi_order"] == 8
+
+
+def test_long_lists_and_values_with_blanks_arrive_whole(read, database):
+    times = [i / 7 for i in range(500)]
+    database.setValue("fsi_output_times", ",".join(map(repr, times)))
+    database.setValue("fsi_output", "my -result.h5")
+    opt = read()
+    assert opt["fsi_output_times"] == tuple(times)
+    assert opt["fsi_output"] == "my -result.h5"
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("-fsi_cfl abc", ["-fsi_cfl", "'abc'", "a number above 0"]),
+        ("-fsi_cfl 0", ["-fsi_cfl", "'0'", "a number above 0"]),
+        ("-fsi_cfl", ["-fsi_cfl needs a value"]),
+        ("-fsi_h nan", ["-fsi_h", "[m]"]),
+        ("-fsi_h 1_0", ["-fsi_h", "'1_0'"]),
+        ("-fsi_h inf", ["-fsi_h", "'inf'"]),
+        ("-fsi_order 5", ["-fsi_order", "2, 4, 6, 8"]),
+        ("-ts_max_steps 1e3", ["-ts_max_steps", "a whole number"]),
+        ("-ts_max_steps 3000000000", ["-ts_max_steps"]),
+        ("-fsi_quiet maybe", ["-fsi_quiet", "true or false"]),
+        ("-fsi_coupling none", ["-fsi_coupling", "projection, energy, traditional"]),
+        ("-fsi_output_times 1,0.5", ["-fsi_output_times", "increase"]),
+        ("-fsi_output_times 1,,2", ["-fsi_output_times", "numbers with commas"]),
+        ("-solid_ratio 2", ["-solid_ratio", "a number below 1"]),
+        ("-solid_even 3", ["-solid_even", "'3'"]),
+        ("-solid_ratio x", ["-solid_ratio", "a number"]),
+        ("-ts_type bdf", ["-ts_type", "rk, ssp, euler"]),
+        ("-ts_rk_type 9", ["-ts_rk_type", "5dp"]),
+        ("-ts_adapt_type dsp", ["-ts_adapt_type", "none, basic"]),
+        ("-ts_adapt_type basic", ["-ts_rk_type 4", "5dp"]),
+        ("-ts_adapt_type basic -ts_type ssp", ["-ts_type ssp", "5dp"]),
+        ("-ts_dt 0.1 -ts_time_step 0.2", ["-ts_dt", "-ts_time_step"]),
+        ("-ts_time_span 0,1", ["-ts_time_span", "-fsi_output_times"]),
+        ("-fsi_ordr 4", ["-fsi_ordr", "did you mean -fsi_order?"]),
+        ("-solid_forse 4", ["-solid_forse", "did you mean -solid_force?"]),
+        ("-ts_max_tme 4", ["-ts_max_tme", "did you mean -ts_max_time?"]),
+        ("-log_veiw", ["did you mean -log_view?"]),
+        ("-option_left", ["did you mean -options_left?"]),
+        ("-fsi_h=0.1", ["without ="]),
+        ("-xyzzy", ["-xyzzy", "-help"]),
+        ("-xyzzy -fsi_ordr 4", ["-xyzzy", "-fsi_ordr"]),
+    ],
+)
+def test_bad_input_is_refused_and_named(read, text, words):
+    with pytest.raises(InputError) as caught:
+        read(text)
+    for word in words:
+        assert word in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_options_of_petsc_are_accepted(read):
+    read("-ts_monitor -log_view -options_left no -vec_type mpi -malloc_debug no")
+    read("-viewer_hdf5_collective -ts_adapt_dt_max 1")
+
+
+def test_time_step_has_the_name_that_this_petsc_knows(read, database, monkeypatch):
+    assert read("-ts_time_step 0.25")["ts_dt"] == 0.25
+    monkeypatch.setattr(table_module, "_petsc_version", lambda: (3, 18))
+    publish(read("-ts_dt 0.25"))
+    assert (database.hasName("ts_dt"), database.hasName("ts_time_step")) == (True, False)
+    monkeypatch.setattr(table_module, "_petsc_version", lambda: (3, 25))
+    assert read()["ts_dt"] == 0.25
+    assert (database.hasName("ts_dt"), database.hasName("ts_time_step")) == (False, True)
+
+
+def test_unlisted_option_of_a_newer_petsc_is_accepted_but_a_slip_is_not(read, database, monkeypatch):
+    monkeypatch.setattr(table_module, "_petsc_version", lambda: (3, 99))
+    read("-ts_brand_new_thing")
+    with pytest.raises(InputError, match="ts_max_time"):
+        read("-ts_max_tme 1")
+
+
+def test_time_integrator_gets_the_defaults_but_the_users_words_first(read):
+    from petsc4py import PETSc
+
+    read("-ts_max_time 0.5", make_case(DEFAULTS={"fsi_h": 0.1, "ts_max_time": 2.0, "ts_max_steps": 7}))
+    ts = PETSc.TS().create()
+    ts.setRHSFunction(lambda ts, t, u, f: f.set(0), PETSc.Vec().createSeq(1))
+    ts.setFromOptions()
+    assert (ts.getType(), ts.getRKType()) == ("rk", "4")
+    assert (ts.getMaxTime(), ts.getMaxSteps()) == (0.5, 7)
+    ts.destroy()
+
+
+def test_interval_and_times_of_output_replace_each_other(read):
+    case = make_case(DEFAULTS={"fsi_h": 0.1, "ts_max_time": 2.0, "fsi_output_dt": 0.02})
+    assert read("-fsi_output_times 0.1,0.2", case)["fsi_output_dt"] is None
+    assert read("-fsi_output_dt 0.5", case)["fsi_output_times"] == (0.1, 0.2), "both given: both in force"
+
+
+def test_option_without_default_must_be_given(read):
+    case = make_case(DEFAULTS={"ts_max_time": 1.0})
+    assert defaults(case)["fsi_h"] is REQUIRED
+    with pytest.raises(InputError, match="-fsi_h must be given"):
+        read("", case)
+    assert read("-fsi_h 0.1", case)["fsi_h"] == 0.1
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"DEFAULTS": {"fsi_hh": 1.0}}, ["fsi_hh", "did you mean -fsi_h?"]),
+        ({"DEFAULTS": {"fsi_h": "fine"}}, ["-fsi_h", "'fine'", "a number above 0"]),
+        ({"DEFAULTS": {"fsi_order": 5}}, ["-fsi_order", "2, 4, 6, 8"]),
+        ({"OPTIONS": (Option("fsi_h", float, 1.0, "", ""),)}, ["-fsi_h", "exists already"]),
+        ({"OPTIONS": (Option("ts_foo", float, 1.0, "", ""),)}, ["-ts_foo", "exists already"]),
+        ({"OPTIONS": OWN + OWN[:1]}, ["-solid_force", "exists already"]),
+        ({"OPTIONS": (Option("a", float, -1.0, "", "", check="positive"),)}, ["-a", "-1.0"]),
+    ],
+)
+def test_faults_of_a_case_are_named(changes, words):
+    with pytest.raises(InputError) as caught:
+        table(make_case(**changes))
+    for word in ["stub", *words]:
+        assert word in str(caught.value)
+
+
+@pytest.mark.parametrize(("name", "kind"), [("-fsi", int), ("a b", int), ("a", list), ("a", "vector")])
+def test_option_that_could_never_be_read_is_refused(name, kind):
+    with pytest.raises((TypeError, ValueError)):
+        Option(name, kind, None, "", "")
+
+
+def test_help_shows_every_option_with_type_default_unit_and_choices():
+    text = case_help(make_case(), "stub")
+    rows = {line.split()[0]: line for line in text.splitlines() if line.startswith("  -")}
+    for name in [*defaults(make_case()), "ts_monitor", "log_view", "options_file", "options_left"]:
+        assert f"-{name}" in rows
+    assert "0.0125 m" in rows["-fsi_h"]
+    assert "float" in rows["-fsi_h"]
+    assert "2 s" in rows["-ts_max_time"]
+    assert "2, 4, 6, 8" in rows["-fsi_order"]
+    assert "0 N/m³" in rows["-solid_force"]
+    assert "no limit" in rows["-ts_max_steps"]
+    assert "stub.h5" in rows["-fsi_output"]
+    assert max(map(len, text.splitlines())) <= 120
+    assert not [line for line in text.splitlines() if line != line.rstrip()]
