@@ -59,7 +59,7 @@ PETSC_OPTIONS: tuple[Option, ...] = (
     Option(
         "ts_dt", float, None, "s", "fixed time step, instead of -fsi_cfl; -ts_time_step is the same", check="positive"
     ),
-    Option("ts_type", str, "rk", "", "time integrator, explicit", ("rk", "ssp", "euler")),
+    Option("ts_type", str, "fused", "", "time integrator; fused: rk of type 4 in one piece", ("fused", "rk", "ssp", "euler")),
     Option("ts_rk_type", str, "4", "", "Runge–Kutta method", _RK_TYPES),
     Option("ts_adapt_type", str, "none", "", "step-size control by an error estimate", ("none", "basic")),
     Option("ts_rtol", float, 1e-4, "", "relative tolerance of step-size control", check="nonnegative"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
@@ -15,6 +16,8 @@ _MPI_ENVIRONMENT = {
     "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
     "OMPI_MCA_rmaps_base_oversubscribe": "1",
     "OMPI_MCA_btl_base_warn_component_unused": "0",
+    "OMPI_MCA_hwloc_base_binding_policy": "none",  # two jobs at a time would share the first cores
+    "OMPI_MCA_mpi_yield_when_idle": "1",  # a rank that waits must not take the core from the one that it waits for
     "OMP_NUM_THREADS": "1",
     "OPENBLAS_NUM_THREADS": "1",
 }
@@ -57,6 +60,21 @@ def mpirun(
     """
     command = ["mpiexec", "-n", str(n), sys.executable, *map(str, args)]
     return _capture(command, timeout, cwd, environment(env))
+
+
+def compute(
+    n: int, directory: Path, runs: Mapping[str, tuple[str, str]], timeout: float = 240
+) -> dict[str, Path]:
+    """Run cases on n ranks, all in one process: name -> (case, options) gives name -> result file in `directory`.
+
+    What ends with an error has no result in the returned dict; its message is in directory/NAME.txt.
+    """
+    directory.mkdir(parents=True, exist_ok=True)
+    listed = directory / "runs.json"
+    listed.write_text(json.dumps(runs))
+    done = mpirun(n, Path(__file__).with_name("batch_program.py"), directory, listed, timeout=timeout, cwd=directory)
+    assert (done.returncode, done.stderr) == (0, ""), done.stderr or done.stdout
+    return {name: directory / f"{name}.h5" for name in runs if not (directory / f"{name}.txt").exists()}
 
 
 def _capture(

@@ -27,19 +27,19 @@ SERIES_STEPS = 3  # time steps per frame
 
 
 def grid(layer: int, frame: int) -> np.ndarray:
-    """Indices of the grid points of a layer when a frame is saved: the left fluid grows to the left, the right one right."""
+    """Indices of the grid points of a layer when a frame is saved; the fluids grow at their outer ends."""
     grown = frame >= GROWTH
     first, last = [(-5 if grown else 0, 20), (20, 40), (40, 64 if grown else 60)][layer]
     return np.arange(first, last + 1)
 
 
 def values(layer: int, frame: int, indices: np.ndarray) -> np.ndarray:
-    """Made-up fields and positions, (npoints, nfields + 1); NaN at some points of the fluids, as outside the active part."""
+    """Made-up fields and positions x, (npoints, nfields + 1); NaN at a point of the fluids, as in an inactive part."""
     columns = np.arange(len(LAYERS[layer]["fields"]) + 1)
     result = np.sin(1.0 + indices[:, None] + 100.0 * columns + 1e4 * layer + 0.37 * frame)
     if layer != 1:
         result[indices == indices.min() + 1] = np.nan
-        result[:, -1] = indices * H + 0.01 * frame
+    result[:, 3 if layer == 1 else -1] = indices * H + 0.01 * frame
     return result
 
 
@@ -58,7 +58,7 @@ def owned(layer: int, indices: np.ndarray, rank: int, size: int, split: str) -> 
     return indices if owner == rank else indices[:0]
 
 
-def write(path: str, nframes: int, split: str, kill_at: int | None = None) -> None:
+def write(path: str, nframes: int, split: str, kill_at: int | None = None, moved_at: int | None = None) -> None:
     from mpi4py import MPI
 
     from fsipetsc.output.writer import RunWriter
@@ -80,6 +80,8 @@ def write(path: str, nframes: int, split: str, kill_at: int | None = None) -> No
             if comm.rank == comm.size - 1:
                 os.kill(os.getpid(), signal.SIGKILL)
             comm.barrier()
+        if frame == moved_at:
+            RunWriter(comm, path, HEADER)  # a later run with the same file name
     writer.finish({"steps": SERIES_STEPS * nframes, "wall_time": np.float64(1.5)}, {"fluid": {"rho": 1e-3}})
     if comm.rank == 0:
         print("kept as", writer.kept_as and writer.kept_as.name)
@@ -129,5 +131,7 @@ if __name__ == "__main__":
         full_disk(file)
     elif mode == "kill":
         write(file, 12, "blocks", kill_at=int(rest[0]))
+    elif mode == "moved":
+        write(file, 12, "blocks", moved_at=9)
     else:
         write(file, int(rest[0]), mode)

@@ -7,12 +7,14 @@ from __future__ import annotations
 
 from numba import njit
 
+from fsipetsc.coupling.energy import energy
 from fsipetsc.coupling.interface import INTERFACE, residuals
 from fsipetsc.coupling.projection import projection
+from fsipetsc.coupling.traditional import traditional
 from fsipetsc.operators.kernels import OPTIONS
 
-PROJECTION = 0
-KINDS = {"projection": PROJECTION}
+PROJECTION, ENERGY, TRADITIONAL = 0, 1, 2
+KINDS = {"projection": PROJECTION, "energy": ENERGY, "traditional": TRADITIONAL}
 
 
 @njit(**OPTIONS)
@@ -20,6 +22,10 @@ def couple(face, op, trace_f, trace_s):
     """Apply the treatment that the interface names to its traces, in place."""
     if face.coupling == PROJECTION:
         projection(face, op, trace_f, trace_s)
+    elif face.coupling == ENERGY:
+        energy(face, op, trace_f, trace_s)
+    else:
+        traditional(face, op, trace_f, trace_s)
 
 
 __all__ = ["INTERFACE", "KINDS", "couple", "residuals"]

@@ -60,6 +60,12 @@ def row_length(op):
 
 
 @njit(**OPTIONS)
+def norm_weight(op, j):
+    """Weight a_j of the norm: one beyond the closure."""
+    return op.norm[j] if j < op.rows else 1.0
+
+
+@njit(**OPTIONS)
 def solid_strain(face, op, trace_s):
     """x_X at the interface."""
     return slope(op, trace_s, 3, -face.normal / face.h)

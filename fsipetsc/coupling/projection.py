@@ -18,6 +18,7 @@ from fsipetsc.coupling.interface import (
     JUMP_STRESS,
     JUMP_T,
     JUMP_U,
+    norm_weight,
     row_length,
     slope,
     solid_pressure,
@@ -113,9 +114,3 @@ def projection(face, op, trace_f, trace_s):
     trace_f[0, 0] = rho
     trace_f[0, 1] = rho * u
     trace_f[0, 2] = rho * (face.cv * T_f0 + 0.5 * u * u)
-
-
-@njit(**OPTIONS)
-def norm_weight(op, j):
-    """Weight a_j of the norm: one beyond the closure."""
-    return op.norm[j] if j < op.rows else 1.0

@@ -1,9 +1,12 @@
 """Compiled application of a summation-by-parts operator and the formulas at an embedded boundary.
 
-Everything here is a loop over plain arrays. A derivative is taken on the *active* points ``lo..hi`` of a
-layer: the closure rows stand at both of these ends, wherever the ends lie in memory. A row of values holds
-the points from ``first`` on, so point ``i`` is at ``row[i - first]``; the same formula is evaluated in the same
-order for a point whoever owns it, which is what makes results independent of the number of ranks.
+A derivative is taken on the *active* points ``lo..hi`` of a layer: the closure rows stand at both of these ends,
+wherever the ends lie in memory. The same formula is evaluated in the same order for a point whoever owns it, which is
+what makes results independent of the number of ranks.
+
+Rows of values live in one flat scratch array and are named by where they begin; indices in hot loops are unsigned.
+Both are for speed: a slice costs as much as fifty points, and signed indices may wrap around, which stops
+vectorisation.
 """
 
 from __future__ import annotations
@@ -17,9 +20,13 @@ from fsipetsc.operators.cache import FOLDER as CACHE_FOLDER  # first: kernels ar
 
 #: Points that a kernel treats at once: its scratch rows stay in the first-level cache.
 BLOCK = 512
-#: Scratch beyond a block on either side: twice the largest closure reach, rounded up.
-MARGIN = 16
+#: Scratch beyond a block on either side: twice the largest closure reach and the rows that a closure writes too many.
+MARGIN = 24
+#: Distance of the rows of scratch: odd in cache lines, so that rows do not evict each other.
+ROW = BLOCK + 2 * MARGIN + 8
 
+U64 = np.uint64
+U0, U1, U2, U3, U4, U5, U6, U7 = (np.uint64(k) for k in range(8))
 #: No "contract": the compiler forms different fused operations in the vector and the scalar version of a loop, and a
 #: point's result would depend on where a rank's part begins. Where fusing pays, ``fma`` says so explicitly.
 OPTIONS = {"cache": True, "error_model": "numpy", "nogil": True}
@@ -39,56 +46,71 @@ def fma(typingctx, a, b, c):
 
 
 @njit(**OPTIONS)
-def stencil(op, v, v0, out, out0, i0, i1, scale):
-    """Interior formula: out_i = scale * sum_k c_k (v_{i+k} - v_{i-k}) for i0 <= i < i1."""
-    m = i1 - i0
-    if m <= 0:
-        return
-    a = i0 - v0
-    o = out[i0 - out0 : i1 - out0]
-    c1 = scale * op.interior[0]
-    e1, w1 = v[a + 1 : a + 1 + m], v[a - 1 : a - 1 + m]
+def stencil(op, s, v, out, m, scale):
+    """Interior formula: s[out+i] = scale * sum_k c_k (s[v+i+k] - s[v+i-k]) for 0 <= i < m."""
+    m, v, out = U64(max(m, 0)), U64(v), U64(out)
+    c1, c2 = scale * op.interior[0], scale * op.interior[1]
+    c3, c4 = scale * op.interior[2], scale * op.interior[3]
     if op.p == 1:
         for i in range(m):
-            o[i] = c1 * (e1[i] - w1[i])
-        return
-    c2 = scale * op.interior[1]
-    e2, w2 = v[a + 2 : a + 2 + m], v[a - 2 : a - 2 + m]
-    if op.p == 2:
+            s[out + i] = c1 * (s[v + i + U1] - s[v + i - U1])
+    elif op.p == 2:
         for i in range(m):
-            o[i] = fma(c2, e2[i] - w2[i], c1 * (e1[i] - w1[i]))
-        return
-    c3 = scale * op.interior[2]
-    e3, w3 = v[a + 3 : a + 3 + m], v[a - 3 : a - 3 + m]
-    if op.p == 3:
+            s[out + i] = fma(c2, s[v + i + U2] - s[v + i - U2], c1 * (s[v + i + U1] - s[v + i - U1]))
+    elif op.p == 3:
         for i in range(m):
-            o[i] = fma(c3, e3[i] - w3[i], fma(c2, e2[i] - w2[i], c1 * (e1[i] - w1[i])))
-        return
-    c4 = scale * op.interior[3]
-    e4, w4 = v[a + 4 : a + 4 + m], v[a - 4 : a - 4 + m]
-    for i in range(m):
-        o[i] = fma(c4, e4[i] - w4[i], fma(c3, e3[i] - w3[i], fma(c2, e2[i] - w2[i], c1 * (e1[i] - w1[i]))))
+            inner = fma(c2, s[v + i + U2] - s[v + i - U2], c1 * (s[v + i + U1] - s[v + i - U1]))
+            s[out + i] = fma(c3, s[v + i + U3] - s[v + i - U3], inner)
+    else:
+        for i in range(m):
+            inner = fma(c2, s[v + i + U2] - s[v + i - U2], c1 * (s[v + i + U1] - s[v + i - U1]))
+            s[out + i] = fma(c4, s[v + i + U4] - s[v + i - U4], fma(c3, s[v + i + U3] - s[v + i - U3], inner))
 
 
 @njit(**OPTIONS)
-def derivative(op, v, v0, out, out0, i0, i1, lo, hi, scale):
-    """out = scale * h D v at the points i0 <= i < i1 of the active range lo..hi.
+def closure(op, s, v, step, out, scale):
+    """Closure rows at an end: s[out + step*r] = scale * sum_c closure[r, c] s[v + step*c] for r < 8.
 
-    v holds the points from v0 on and must reach ``op.reach`` points beyond i0 and i1 (or to lo, hi).
+    All rows at once, a column at a time, so that the sums run side by side. Eight rows are written, whatever the
+    operator: the interior formula overwrites those that it does not have. Where a rank's part ends inside the
+    closure, columns beyond it are multiplied by zero.
     """
-    for i in range(i0, min(i1, lo + op.rows)):
-        r = i - lo
-        s = 0.0
-        for c in range(min(op.cols, r + op.reach + 1)):
-            s += op.closure[r, c] * v[lo + c - v0]
-        out[i - out0] = scale * s
-    stencil(op, v, v0, out, out0, max(i0, lo + op.rows), min(i1, hi + 1 - op.rows), scale)
-    for i in range(max(i0, hi + 1 - op.rows), i1):
-        r = hi - i
-        s = 0.0
-        for c in range(min(op.cols, r + op.reach + 1)):
-            s += op.closure[r, c] * v[hi - c - v0]
-        out[i - out0] = -scale * s
+    a0 = a1 = a2 = a3 = a4 = a5 = a6 = a7 = 0.0
+    for c in range(op.cols):
+        x, k = s[U64(v + step * c)], U64(c)
+        a0 = fma(op.columns[k, U0], x, a0)
+        a1 = fma(op.columns[k, U1], x, a1)
+        a2 = fma(op.columns[k, U2], x, a2)
+        a3 = fma(op.columns[k, U3], x, a3)
+        if op.rows > 4:
+            a4 = fma(op.columns[k, U4], x, a4)
+            a5 = fma(op.columns[k, U5], x, a5)
+            a6 = fma(op.columns[k, U6], x, a6)
+            a7 = fma(op.columns[k, U7], x, a7)
+    s[U64(out)] = scale * a0
+    s[U64(out + step)] = scale * a1
+    s[U64(out + 2 * step)] = scale * a2
+    s[U64(out + 3 * step)] = scale * a3
+    if op.rows > 4:
+        s[U64(out + 4 * step)] = scale * a4
+        s[U64(out + 5 * step)] = scale * a5
+        s[U64(out + 6 * step)] = scale * a6
+        s[U64(out + 7 * step)] = scale * a7
+
+
+@njit(**OPTIONS)
+def derivative(op, s, v, v0, out, out0, i0, i1, lo, hi, scale):
+    """scale * h D of one scratch row into another, at the points i0 <= i < i1 of the active range lo..hi.
+
+    Point i stands at s[v + i - v0] and its derivative at s[out + i - out0]. The input must reach ``op.reach`` points
+    beyond i0 and i1 (or to lo, hi).
+    """
+    if i0 < lo + op.rows:
+        closure(op, s, v + lo - v0, 1, out + lo - out0, scale)
+    if i1 > hi + 1 - op.rows:
+        closure(op, s, v + hi - v0, -1, out + hi - out0, -scale)
+    a, b = max(i0, lo + op.rows), min(i1, hi + 1 - op.rows)
+    stencil(op, s, v + a - v0, out + a - out0, b - a, scale)
 
 
 @njit(**OPTIONS)
@@ -147,6 +169,12 @@ def extrapolate(v, degree):
     return s
 
 
-def scratch_rows(count: int) -> np.ndarray:
-    """Scratch for the kernels: ``count`` rows of ``BLOCK + 2 MARGIN`` doubles, staggered against cache aliasing."""
-    return np.zeros((count, BLOCK + 2 * MARGIN + 8))
+def scratch_size(count: int) -> int:
+    """Doubles of scratch for ``count`` rows."""
+    return count * ROW + 2 * MARGIN
+
+
+@njit(**OPTIONS)
+def row(r):
+    """Where row r of the scratch begins."""
+    return MARGIN + r * ROW

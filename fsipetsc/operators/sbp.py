@@ -20,10 +20,11 @@ OPERATOR = np.dtype(
         ("reach", np.int64),
         ("interior", np.float64, (4,)),
         ("closure", np.float64, (8, 12)),
+        ("columns", np.float64, (12, 8)),
         ("norm", np.float64, (8,)),
     ]
 )
-"""One operator for compiled kernels, padded with zeros: closure[:rows, :cols], norm[:rows], interior[:p]; grid spacing 1."""
+"""One operator for compiled kernels, padded with zeros: closure[:rows, :cols] and its transpose columns, norm[:rows], interior[:p]; grid spacing 1."""
 
 
 @dataclass(frozen=True)
@@ -128,5 +129,6 @@ def packed(order: int) -> np.void:
     record["p"], record["rows"], record["cols"], record["reach"] = op.p, op.rows, op.rows + op.p, op.reach
     record["interior"][: op.p] = [float(w) for w in op.interior]
     record["closure"][: op.rows, : op.rows + op.p] = [[float(w) for w in row] for row in op.closure]
+    record["columns"] = record["closure"].T
     record["norm"][: op.rows] = [float(w) for w in op.norm]
     return record[()]

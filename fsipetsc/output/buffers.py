@@ -49,30 +49,35 @@ class SeriesBuffer:
 
     def __init__(self) -> None:
         self.nbytes = 0
-        self._rows = 0  # in the file
-        self._blocks: list[tuple[int, dict[str, Array]]] = []
+        self._written, self._count = 0, 0  # rows in the file; rows here
+        self._parts: dict[str, list[tuple[int, Array]]] = {}  # name -> first row and rows of each part
 
     def append(self, rows: Mapping[str, Array]) -> None:
         block = {name: np.array(values, dtype=np.float64, ndmin=1) for name, values in rows.items()}
-        lengths = {len(values) for values in block.values()}
-        if len(lengths) != 1:
+        if len({len(values) for values in block.values()}) != 1:
             raise ValueError(f"series with unequal numbers of rows: { {name: v.shape for name, v in block.items()} }")
-        self._blocks.append((lengths.pop(), block))
-        self.nbytes += sum(values.nbytes for values in block.values())
+        for name, values in block.items():
+            self._parts.setdefault(name, []).append((self._count, values))
+            self.nbytes += values.nbytes
+        self._count += len(values)
 
     def write(self, file: h5py.File) -> None:
         """Append all rows to the file and forget them."""
-        count = sum(k for k, _ in self._blocks)
-        if not count:
+        if not self._count:
             return
         group = file.require_group("series")
-        trailing = {name: values.shape[1:] for _, block in self._blocks for name, values in block.items()}
-        trailing.update({name: group[name].shape[1:] for name in group if name not in trailing})
-        for name, tail in trailing.items():
-            parts = [block[name] if name in block else np.full((k, *tail), np.nan) for k, block in self._blocks]
-            append_rows(group, name, np.concatenate(parts), self._rows)
-        self._rows += count
-        self._blocks, self.nbytes = [], 0
+        for name in [*self._parts, *(name for name in group if name not in self._parts)]:
+            parts = self._parts.get(name, [])
+            if sum(len(values) for _, values in parts) == self._count:
+                rows = np.concatenate([values for _, values in parts])
+            else:
+                tail = parts[0][1].shape[1:] if parts else group[name].shape[1:]
+                rows = np.full((self._count, *tail), np.nan)
+                for first, values in parts:
+                    rows[first : first + len(values)] = values
+            append_rows(group, name, rows, self._written)
+        self._written += self._count
+        self._count, self._parts, self.nbytes = 0, {}, 0
 
 
 def append_rows(group: h5py.Group, name: str, rows: Array, start: int) -> None:

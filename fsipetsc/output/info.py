@@ -28,13 +28,15 @@ def info(path: str | os.PathLike[str]) -> str:
 def _overview(run: Run) -> list[tuple[str, str]]:
     steps = len(run.series["t"]) if "t" in run.series else 0
     created = run.header.get("created")
-    rows = [("case", run.case), ("state", "complete" if run.complete else "unfinished: running, or ended early")]
+    state = "complete" if run.complete else run.summary.get("status", "unfinished: still running, or killed")
+    rows = [("case", run.case), ("state", state)]
     if created:
         rows.append(("created", created))
     rows.append(("frames", f"{run.nframes}{_range(', t =', run.time)}"))
     rows.append(("time steps", f"{steps}{_range(', dt =', run.series['dt']) if 'dt' in run.series else ''}"))
     rows.append(("series", ", ".join(run.series) or "none"))
     rows.append(("interfaces", ", ".join(run.interfaces) or "none"))
+    rows.extend(("note", note) for note in run.header.get("notes", ()))
     return rows
 
 
@@ -49,7 +51,7 @@ def _range(label: str, values: np.ndarray) -> str:
 
 
 def _entries(entries: Mapping[str, Any]) -> Iterable[tuple[str, str]]:
-    return ((f"  {name}", _text(value)) for name, value in entries.items())
+    return ((f"  {name}", _text(value)) for name, value in entries.items() if value != "")
 
 
 def _text(value: Any) -> str:

@@ -31,7 +31,7 @@ class Run:
     header              what was known at the start: versions, ranks, created, …
     summary             steps, rhs_evaluations, points, ranks, wall_time (s), versions …; unfinished: the header's
     errors              layer kind -> name -> L2 error at the end; empty where no exact solution is known
-    complete            whether the run came to its end
+    complete            whether the run came to its end; if not, summary["status"] may say why
     time, nframes       (nframes,) times of the saved frames
     layers              tuple of :class:`Layer`, from left to right
     interfaces          their names, from left to right
@@ -62,9 +62,9 @@ class Run:
         self.case: str = self.header["case"]
         self.options: dict[str, Any] = _Named("option", self.header["options"])
         self.interfaces: tuple[str, ...] = tuple(self.header.get("interfaces", ()))
-        self.complete = bool(self._file.attrs["complete"])
         known: dict[str, Any] = {name: self.header[name] for name in ("versions", "ranks") if name in self.header}
         self.summary: dict[str, Any] = _Named("summary entry", {**known, **self._text("summary")})
+        self.complete = bool(self._file.attrs["complete"]) and self.summary.get("status", "done") == "done"
         errors = {kind: _Named("error", values) for kind, values in self._text("errors").items()}
         self.errors: dict[str, dict[str, float]] = _Named("layer kind with errors", errors)
         chunks = [_chunks(self._file, i) for i in range(len(self.header["layers"]))]

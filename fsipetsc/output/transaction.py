@@ -65,7 +65,11 @@ class _Overlay(io.RawIOBase):
             before = os.pread(self._descriptor, len(data), offset)  # nothing, if after the end
             saved += _ENTRY.pack(offset, len(before)) + before
         temporary = undo.with_suffix(".tmp")
-        temporary.write_bytes(saved)
+        try:
+            temporary.write_bytes(saved)
+        except OSError:
+            temporary.unlink()
+            raise
         temporary.rename(undo)
         for offset, data in self._writes:
             if os.pwrite(self._descriptor, data, offset) != len(data):

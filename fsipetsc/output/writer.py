@@ -1,6 +1,6 @@
 """Writes the result file of a run: frames in parallel through PETSc's HDF5 viewer, everything else by rank 0.
 
-Frames are kept in memory and written many at a time: opening a file costs as much as stepping for milliseconds.
+Frames are kept in memory and written many at a time, for a write costs as much as hundreds of time steps.
 The viewer is opened and closed for each write. All that makes up the structure of the file is changed by `transaction`,
 and the times of the frames come after the frames: what a killed run leaves behind can be read up to its last write.
 """
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 SERIES_BYTES = 4 << 20  # rank 0 writes its series when they take more memory than this
+MAX_CHUNK_BYTES = 1 << 30  # HDF5 allows chunks of less than 4 GiB
 SPARE_BYTES = 256 << 10  # for what HDF5 needs besides the numbers
 
 
@@ -39,10 +40,11 @@ class RunWriter:
 
     comm     all ranks of the run (mpi4py)
     path     the file; an existing one is kept under the first free name NAME.1.h5, NAME.2.h5 … (see `kept_as`)
-    header   JSON-able: case, options, versions, ranks, interfaces (names), layers (name, kind, fields)
+    header   JSON-able: case, options, versions, ranks, interfaces (names), layers (name, kind, fields of each);
+             units = "none" if the case is dimensionless
     flush_seconds, buffer_frames, buffer_bytes
-             frames are written when the oldest has waited this long (wall time, looked at when a frame comes), or when
-             there are this many, or this many bytes on one rank
+             frames are written every so many seconds (wall time; less often if a write takes more than 2 % of them),
+             and when there are this many or this many bytes on one rank
 
     Every failure to write is raised as FileError on all ranks.
     """
@@ -54,15 +56,16 @@ class RunWriter:
         header: Mapping[str, Any],
         *,
         flush_seconds: float = 2.0,
-        buffer_frames: int = 128,
-        buffer_bytes: int = 8 << 20,
+        buffer_frames: int = 256,
+        buffer_bytes: int = 16 << 20,
     ) -> None:
         self.kept_as: Path | None = None  # new name of the earlier result of this name
         self.nframes = 0  # frames given so far, written or not
         self._comm, self._root = comm, comm.rank == 0
         self._widths = [(len(layer["fields"]), len(layout.columns(layer))) for layer in header["layers"]]
         self._flush_seconds, self._max_frames, self._max_bytes = flush_seconds, buffer_frames, buffer_bytes
-        self._last_flush = time.monotonic()
+        self._last_frame = time.monotonic()
+        self._next_flush = self._last_frame + flush_seconds
         self._buffers: list[buffers.LayerBuffer] = []
         self._capacity, self._segment, self._grids_written = 1, -1, True
         self._times: list[float] = []  # of the frames not yet written
@@ -125,7 +128,7 @@ class RunWriter:
     def flush(self) -> None:
         """Write all that is held in memory. Collective."""
         self._check_open()
-        count = len(self._times)
+        begun, count = time.monotonic(), len(self._times)
         self.path = self._on_root(self._locate)
         if count:
             self._on_root(lambda: self._prepare(count))
@@ -133,7 +136,8 @@ class RunWriter:
         self._on_root(lambda: self._record(count))
         self._times.clear()
         self._grids_written |= count > 0
-        self._last_flush = time.monotonic()
+        ended = time.monotonic()  # disks differ: each write of HDF5 waits until it is there
+        self._next_flush = ended + max(self._flush_seconds, 50 * (ended - begun))
 
     def finish(self, summary: Mapping[str, Any], errors: Mapping[str, Any] | None = None) -> None:
         """Write the rest, the summary and, if known, the errors of the solution. Collective, at the end."""
@@ -149,7 +153,10 @@ class RunWriter:
         if len(self._times) >= self._capacity:
             return True
         if self._root:
-            self._flag[0] = time.monotonic() - self._last_flush >= self._flush_seconds or self._failure is not None
+            now = time.monotonic()
+            next_frame = now + (now - self._last_frame)  # probably; frames must not wait for one that comes late
+            self._last_frame = now
+            self._flag[0] = next_frame >= self._next_flush or self._failure is not None
         if self._comm.size > 1:
             self._comm.Bcast(self._flag, root=0)
         return bool(self._flag[0])
@@ -190,7 +197,7 @@ class RunWriter:
         if isinstance(error, FileError):
             return str(error)
         reason = getattr(error, "strerror", None) or " ".join(str(error).split()) or type(error).__name__
-        return f"{getattr(self, 'path', 'result file')}: cannot write: {reason}"
+        return f"{self.path}: cannot write: {reason}"
 
     # ------------------------------------------------------------------ the file
 
@@ -223,8 +230,9 @@ class RunWriter:
         with transaction.changes(self.path) as file:
             for name, n, block in datasets:
                 shape = (n, block) if block > 1 else (n,)
+                rows = min(n, MAX_CHUNK_BYTES // (8 * block))
                 properties = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
-                properties.set_chunk(shape)
+                properties.set_chunk((rows, *shape[1:]))
                 properties.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
                 properties.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
                 space = h5py.h5s.create_simple(shape, shape)

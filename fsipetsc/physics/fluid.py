@@ -15,7 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from fsipetsc.operators.kernels import BLOCK, OPTIONS, derivative
+from fsipetsc.operators.kernels import BLOCK, OPTIONS, U1, U2, U3, U64, derivative, row
+from fsipetsc.physics.emission import emit3
 
 
 @dataclass(frozen=True)
@@ -53,84 +54,77 @@ class Fluid:
 
 
 @njit(**OPTIONS)
-def fluid_rhs(layer, op, w, f, scratch):
-    """Time derivative of (rho, rho u, e) at the owned points, f, from the owned points and halos, w.
+def fluid_rhs(layer, op, s, w, scratch, target):
+    """Time derivative of (rho, rho u, e) at the owned active points, equation (4.20), to where ``target`` says.
 
-    w and f are interlaced, three doubles per point; w begins halo_lo points before the first owned one.
-    Points outside the active range do not change. Equation (4.20).
+    s: the memory, in which the owned points and halos stand from w on, three doubles per point, and the scratch rows
+    from ``scratch`` on (see fsipetsc.physics.emission). Other points do not change.
     """
     lo, hi, reach = layer.lo, layer.hi, op.reach
     first = layer.own_lo - layer.halo_lo
     a, b = max(layer.own_lo, lo), min(layer.own_hi, hi + 1)
-    f[: 3 * max(0, min(a, layer.own_hi) - layer.own_lo)] = 0.0
-    f[3 * max(0, max(b, layer.own_lo) - layer.own_lo) :] = 0.0
-    s, mu, gm1, inv_cv = layer.s, layer.mu, layer.gamma - 1.0, 1.0 / layer.cv
+    velocity, mu, inv_cv, gas = layer.s, layer.mu, 1.0 / layer.cv, (layer.gamma - 1.0) * layer.cv
     kappa, inv_h = layer.kappa, 1.0 / layer.h
-    u, T, ux, Tx, f1, f2, f3 = scratch[0], scratch[1], scratch[2], scratch[3], scratch[4], scratch[5], scratch[6]
+    u, T, ux, Tx = scratch + row(0), scratch + row(1), scratch + row(2), scratch + row(3)
+    f1, f2, f3 = scratch + row(4), scratch + row(5), scratch + row(6)
     for i0 in range(a, b, BLOCK):
         i1 = min(i0 + BLOCK, b)
         # primitive variables where the double derivative reaches
         p0, p1 = max(lo, i0 - 2 * reach), min(hi + 1, i1 + 2 * reach)
-        q = w[3 * (p0 - first) : 3 * (p1 - first)]
-        for i in range(p1 - p0):
-            r = 1.0 / q[3 * i]
-            v = q[3 * i + 1] * r
-            u[i] = v
-            T[i] = (q[3 * i + 2] * r - 0.5 * v * v) * inv_cv
+        q, ru, rT = U64(w + 3 * (p0 - first)), U64(u), U64(T)
+        for i in range(U64(p1 - p0)):
+            r = 1.0 / s[q + U3 * i]
+            v = s[q + U3 * i + U1] * r
+            s[ru + i] = v
+            s[rT + i] = (s[q + U3 * i + U2] * r - 0.5 * v * v) * inv_cv
         # their derivatives, and the fluxes, where one derivative reaches
         d0, d1 = max(lo, i0 - reach), min(hi + 1, i1 + reach)
-        derivative(op, u, p0, ux, d0, d0, d1, lo, hi, mu * inv_h)
-        derivative(op, T, p0, Tx, d0, d0, d1, lo, hi, kappa * inv_h)
-        q = w[3 * (d0 - first) : 3 * (d1 - first)]
-        ud, Td = u[d0 - p0 : d1 - p0], T[d0 - p0 : d1 - p0]
-        cv_gm1 = gm1 * layer.cv
-        for i in range(d1 - d0):
-            rho, v = q[3 * i], ud[i]
-            tau = cv_gm1 * rho * Td[i] - ux[i]
-            f1[i] = rho * (v - s)
-            f2[i] = q[3 * i + 1] * (v - s) + tau
-            f3[i] = q[3 * i + 2] * (v - s) + v * tau - Tx[i]
+        derivative(op, s, u, p0, ux, d0, d0, d1, lo, hi, mu * inv_h)
+        derivative(op, s, T, p0, Tx, d0, d0, d1, lo, hi, kappa * inv_h)
+        q, ru, rT, rux, rTx = U64(w + 3 * (d0 - first)), U64(u + d0 - p0), U64(T + d0 - p0), U64(ux), U64(Tx)
+        r1, r2, r3 = U64(f1), U64(f2), U64(f3)
+        for i in range(U64(d1 - d0)):
+            rho, v = s[q + U3 * i], s[ru + i]
+            tau = gas * rho * s[rT + i] - s[rux + i]
+            s[r1 + i] = rho * (v - velocity)
+            s[r2 + i] = s[q + U3 * i + U1] * (v - velocity) + tau
+            s[r3 + i] = s[q + U3 * i + U2] * (v - velocity) + v * tau - s[rTx + i]
         k1, k2, k3 = u, T, ux  # their values are not needed any more
-        derivative(op, f1, d0, k1, i0, i0, i1, lo, hi, -inv_h)
-        derivative(op, f2, d0, k2, i0, i0, i1, lo, hi, -inv_h)
-        derivative(op, f3, d0, k3, i0, i0, i1, lo, hi, -inv_h)
-        o = f[3 * (i0 - layer.own_lo) : 3 * (i1 - layer.own_lo)]
-        for i in range(i1 - i0):
-            o[3 * i] = k1[i]
-            o[3 * i + 1] = k2[i]
-            o[3 * i + 2] = k3[i]
+        derivative(op, s, f1, d0, k1, i0, i0, i1, lo, hi, -inv_h)
+        derivative(op, s, f2, d0, k2, i0, i0, i1, lo, hi, -inv_h)
+        derivative(op, s, f3, d0, k3, i0, i0, i1, lo, hi, -inv_h)
+        emit3(s, target, 3 * (i0 - layer.own_lo), k1, k2, k3, i1 - i0)
 
 
 @njit(**OPTIONS)
-def fluid_limits(layer, w, scratch):
+def fluid_limits(layer, s, w, scratch):
     """(largest |u-s| + c, largest 1/rho, number of unphysical points) over the owned active points.
 
     The first two bound the time step; a point is unphysical where rho > 0 and T > 0 do not both hold.
     """
     first = layer.own_lo - layer.halo_lo
     a, b = max(layer.own_lo, layer.lo), min(layer.own_hi, layer.hi + 1)
-    speed, volume, bad = scratch[0], scratch[1], 0
+    speed, volume, bad, velocity = U64(scratch + row(0)), U64(scratch + row(1)), 0, layer.s
     cc = layer.gamma * (layer.gamma - 1.0)
     fastest, lightest = 0.0, 0.0
     for i0 in range(a, b, BLOCK):
-        m = min(i0 + BLOCK, b) - i0
-        q = w[3 * (i0 - first) : 3 * (i0 + m - first)]
+        m, q = U64(min(i0 + BLOCK, b) - i0), U64(w + 3 * (i0 - first))
         for i in range(m):
-            r = 1.0 / q[3 * i]
-            v = q[3 * i + 1] * r
-            c2 = cc * (q[3 * i + 2] * r - 0.5 * v * v)
-            volume[i] = r
-            speed[i] = abs(v - layer.s) + np.sqrt(c2)
+            r = 1.0 / s[q + U3 * i]
+            v = s[q + U3 * i + U1] * r
+            c2 = cc * (s[q + U3 * i + U2] * r - 0.5 * v * v)
+            s[volume + i] = r
+            s[speed + i] = abs(v - velocity) + np.sqrt(c2)
             bad += 0 if (r > 0.0 and c2 > 0.0) else 1
-        fastest = max(fastest, largest(speed[:m]))
-        lightest = max(lightest, largest(volume[:m]))
+        fastest = max(fastest, largest(s, speed, m))
+        lightest = max(lightest, largest(s, volume, m))
     return fastest, lightest, bad
 
 
 @njit(cache=True, fastmath={"nnan", "nsz"}, nogil=True)
-def largest(v):
-    """Maximum of a row of numbers without NaNs, as a vectorised reduction."""
-    m = v[0]
-    for i in range(v.size):
-        m = max(m, v[i])
-    return m
+def largest(s, v, m):
+    """Maximum of s[v:v+m], numbers above zero without NaNs, as a vectorised reduction."""
+    result = 0.0
+    for i in range(m):
+        result = max(result, s[v + i])
+    return result

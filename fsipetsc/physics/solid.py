@@ -15,7 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from fsipetsc.operators.kernels import BLOCK, OPTIONS, derivative
+from fsipetsc.operators.kernels import BLOCK, OPTIONS, U1, U2, U3, U4, U7, U64, derivative, row
+from fsipetsc.physics.emission import emit4
 
 
 @dataclass(frozen=True)
@@ -43,51 +44,53 @@ class Solid:
 
 
 @njit(**OPTIONS)
-def solid_rhs(layer, op, w, f, scratch):
-    """Time derivative of (u, sigma, T, x) at the owned points, f, from the owned points and halos, w.
+def solid_rhs(layer, op, s, w, scratch, target):
+    """Time derivative of (u, sigma, T, x) at the owned points, equation (4.19), to where ``target`` says.
 
-    w and f are interlaced, four doubles per point; w begins halo_lo points before the first owned one. Eq. (4.19).
+    s: the memory, in which the owned points and halos stand from w on, four doubles per point, and the scratch rows
+    from ``scratch`` on (see fsipetsc.physics.emission).
     """
     lo, hi, reach = layer.lo, layer.hi, op.reach
     first = layer.own_lo - layer.halo_lo
     inv_h, K, kappa_e = 1.0 / layer.h, layer.K, layer.kappa_e
     inv_m0, inv_am0, force = 1.0 / layer.m0, 1.0 / (layer.alpha * layer.m0), layer.force
     pe = layer.gruneisen * layer.m0 * layer.alpha
-    u, s, T, x = scratch[0], scratch[1], scratch[2], scratch[3]
-    ux, xX, flux, k1, k3 = scratch[4], scratch[5], scratch[6], scratch[7], scratch[8]
+    u, net, T, x = scratch + row(0), scratch + row(1), scratch + row(2), scratch + row(3)  # net: sigma - p
+    ux, xX, flux, k1, k3 = scratch + row(4), scratch + row(5), scratch + row(6), scratch + row(7), scratch + row(8)
     for i0 in range(layer.own_lo, layer.own_hi, BLOCK):
         i1 = min(i0 + BLOCK, layer.own_hi)
         p0, p1 = max(lo, i0 - 2 * reach), min(hi + 1, i1 + 2 * reach)
-        q = w[4 * (p0 - first) : 4 * (p1 - first)]
-        for i in range(p1 - p0):
-            u[i] = q[4 * i]
-            s[i] = q[4 * i + 1]
-            T[i] = q[4 * i + 2]
-            x[i] = q[4 * i + 3]
+        q, ru, rn, rT, rx = U64(w + 4 * (p0 - first)), U64(u), U64(net), U64(T), U64(x)
+        for i in range(U64(p1 - p0)):
+            s[ru + i] = s[q + U4 * i]
+            s[rn + i] = s[q + U4 * i + U1]
+            s[rT + i] = s[q + U4 * i + U2]
+            s[rx + i] = s[q + U4 * i + U3]
         # strain and heat flux where one more derivative reaches
         d0, d1 = max(lo, i0 - reach), min(hi + 1, i1 + reach)
-        derivative(op, x, p0, xX, d0, d0, d1, lo, hi, inv_h)
-        derivative(op, T, p0, flux, d0, d0, d1, lo, hi, kappa_e * inv_h)
-        for i in range(d1 - d0):
-            flux[i] /= xX[i]
-        if pe != 0.0:  # s becomes sigma - p
-            sd, Td = s[d0 - p0 : d1 - p0], T[d0 - p0 : d1 - p0]
-            for i in range(d1 - d0):
-                sd[i] -= pe * Td[i] / xX[i]
-        derivative(op, u, p0, ux, i0, i0, i1, lo, hi, inv_h)
-        derivative(op, s, p0, k1, i0, i0, i1, lo, hi, inv_h * inv_m0)
-        derivative(op, flux, d0, k3, i0, i0, i1, lo, hi, inv_h)
-        o = f[4 * (i0 - layer.own_lo) : 4 * (i1 - layer.own_lo)]
-        ui, si, xi = u[i0 - p0 : i1 - p0], s[i0 - p0 : i1 - p0], xX[i0 - d0 : i1 - d0]
-        for i in range(i1 - i0):
-            o[4 * i] = k1[i] + force
-            o[4 * i + 1] = K * ux[i] / xi[i]
-            o[4 * i + 2] = (si[i] * ux[i] + k3[i]) * inv_am0
-            o[4 * i + 3] = ui[i]
+        derivative(op, s, x, p0, xX, d0, d0, d1, lo, hi, inv_h)
+        derivative(op, s, T, p0, flux, d0, d0, d1, lo, hi, kappa_e * inv_h)
+        rf, rX = U64(flux), U64(xX)
+        for i in range(U64(d1 - d0)):
+            s[rf + i] /= s[rX + i]
+        if pe != 0.0:
+            rn, rT = U64(net + d0 - p0), U64(T + d0 - p0)
+            for i in range(U64(d1 - d0)):
+                s[rn + i] -= pe * s[rT + i] / s[rX + i]
+        derivative(op, s, u, p0, ux, i0, i0, i1, lo, hi, inv_h)
+        derivative(op, s, net, p0, k1, i0, i0, i1, lo, hi, inv_h * inv_m0)
+        derivative(op, s, flux, d0, k3, i0, i0, i1, lo, hi, inv_h)
+        ri, rn, rX, rux = U64(u + i0 - p0), U64(net + i0 - p0), U64(xX + i0 - d0), U64(ux)
+        r1, r3 = U64(k1), U64(k3)
+        for i in range(U64(i1 - i0)):
+            s[r1 + i] += force
+            s[r3 + i] = (s[rn + i] * s[rux + i] + s[r3 + i]) * inv_am0
+            s[rux + i] = K * s[rux + i] / s[rX + i]
+        emit4(s, target, 4 * (i0 - layer.own_lo), k1, ux, k3, u + i0 - p0, i1 - i0)
 
 
 @njit(**OPTIONS)
-def solid_limits(layer, w):
+def solid_limits(layer, s, w):
     """(largest squared wave speed, largest 1/x_X, number of unphysical points) over the owned points.
 
     Speeds are in Lagrangian coordinates, x_X is the difference to the right neighbour. A point is unphysical where
@@ -95,16 +98,17 @@ def solid_limits(layer, w):
     """
     first = layer.own_lo - layer.halo_lo
     n, bad, smallest, pressure = min(layer.own_hi, layer.hi) - layer.own_lo, 0, np.inf, 0.0
-    q = w[4 * (layer.own_lo - first) :]
-    for i in range(n):
-        dx = q[4 * i + 7] - q[4 * i + 3]
+    q = U64(w + 4 * (layer.own_lo - first))
+    for i in range(U64(n)):
+        dx = s[q + U4 * i + U7] - s[q + U4 * i + U3]
         smallest = min(smallest, dx)
-        bad += 0 if (dx > 0.0 and q[4 * i + 2] > 0.0 and q[4 * i] == q[4 * i]) else 1
+        bad += 0 if (dx > 0.0 and s[q + U4 * i + U2] > 0.0 and s[q + U4 * i] == s[q + U4 * i]) else 1
     if layer.own_hi == layer.hi + 1:
-        bad += 0 if (q[4 * n + 2] > 0.0 and q[4 * n] == q[4 * n]) else 1
+        last = q + U4 * U64(n)
+        bad += 0 if (s[last + U2] > 0.0 and s[last] == s[last]) else 1
     if layer.gruneisen > 0.0:  # c^2 = (K + (p - sigma) p_eps / rho) / m0 + p_rho, see after (3.9)
-        for i in range(n):
-            heat = layer.gruneisen * layer.alpha * q[4 * i + 2]
-            pressure = max(pressure, heat * layer.m0 * layer.h / smallest - q[4 * i + 1] + layer.m0 * heat)
+        for i in range(U64(n)):
+            heat = layer.gruneisen * layer.alpha * s[q + U4 * i + U2]
+            pressure = max(pressure, heat * layer.m0 * layer.h / smallest - s[q + U4 * i + U1] + layer.m0 * heat)
     stretch = layer.h / smallest
     return (layer.K + max(0.0, layer.gruneisen) * pressure) / layer.m0 * stretch, stretch, bad

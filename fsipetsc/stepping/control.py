@@ -52,11 +52,11 @@ class ErrorControl:
         """Weighted root mean square of the difference of the two projected solutions, over the active unknowns."""
         state = self._state
         first, y = state.solution.getArray(readonly=True), self._embedded.getArray()
-        # the solution stands in the work arrays with its frames: keep them
-        kept, records = state.plan.work.copy(), state.layout.records.copy()
-        traces = state.plan.traces.copy()
+        # the solution stands in the work areas with its frames: keep them
+        plan = state.plan
+        kept = plan.memory.copy(), plan.layers.copy()
         state.project(y)
-        state.plan.work[:], state.layout.records[:], state.plan.traces[:] = kept, records, traces
+        plan.memory[:], plan.layers[:] = kept
         total, count = 0.0, 0
         for k, record in enumerate(state.layout.records):
             if record["present"]:

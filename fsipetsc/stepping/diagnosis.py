@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from fsipetsc.parallel.exchange import layer_work
 from fsipetsc.problem import FluidLayer
 from fsipetsc.stepping.state import State
 
@@ -27,7 +26,7 @@ def _first_bad(state: State, k: int, layer: object) -> tuple[int, int, float, fl
     """(layer, point, x, X, what) of the first unphysical point on this rank."""
     record = state.layout.records[k]
     fluid = isinstance(layer, FluidLayer)
-    work = layer_work(record, state.plan.work).reshape(-1, 3 if fluid else 4)
+    work = state.plan.work(k)
     first = int(record["own_lo"] - record["halo_lo"])
     own = np.arange(max(record["own_lo"], record["lo"]), min(record["own_hi"], record["hi"] + 1))
     q = work[own - first]

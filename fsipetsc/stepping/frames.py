@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fsipetsc.operators.kernels import derivative
-from fsipetsc.parallel.exchange import layer_work
+from fsipetsc.operators.kernels import MARGIN, derivative
 from fsipetsc.problem import FluidLayer
 from fsipetsc.stepping.state import State
 
@@ -17,8 +16,7 @@ def fields(state: State, k: int) -> tuple[np.ndarray, np.ndarray]:
     """
     layer, record = state.problem.layers[k], state.layout.records[k]
     own_lo, own_hi = int(record["own_lo"]), int(record["own_hi"])
-    dof = 3 if isinstance(layer, FluidLayer) else 4
-    work = layer_work(record, state.plan.work).reshape(-1, dof)
+    work = state.plan.work(k)
     halo = int(record["halo_lo"])
     q = work[halo : halo + own_hi - own_lo]
     if isinstance(layer, FluidLayer):
@@ -27,10 +25,17 @@ def fields(state: State, k: int) -> tuple[np.ndarray, np.ndarray]:
         q = np.where(outside[:, None], np.nan, q)
         x = state.layout.owned_X(k) - state.layout.grids[k].anchor + record["x_interface"]
         return np.stack(layer.material.primitive(q), axis=-1), np.where(outside, np.nan, x)
-    x_X = np.empty(own_hi - own_lo)
-    column = np.ascontiguousarray(work[:, 3])
-    derivative(state.plan.op[0], column, own_lo - halo, x_X, own_lo, own_lo, own_hi, 0, record["n"] - 1, 1 / state.h)
+    x_X = strain(state, work[:, 3], own_lo - halo, own_lo, own_hi, int(record["n"]))
     return np.column_stack([q, layer.material.pressure(q[:, 2], x_X)]), q[:, 3].copy()
+
+
+def strain(state: State, x: np.ndarray, first: int, begin: int, end: int, n: int) -> np.ndarray:
+    """x_X at the points begin .. end-1 of a solid of n points, from the positions x of the points from ``first`` on."""
+    rows = np.zeros(2 * (x.size + 2 * MARGIN))
+    rows[MARGIN : MARGIN + x.size] = x
+    out = x.size + 3 * MARGIN
+    derivative(state.plan.head[0]["op"], rows, MARGIN, first, out, begin, begin, end, 0, n - 1, 1 / state.h)
+    return rows[out : out + end - begin]
 
 
 def active_points(state: State) -> int:

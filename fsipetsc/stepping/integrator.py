@@ -15,10 +15,12 @@ import numpy as np
 from petsc4py import PETSc
 
 from fsipetsc.errors import ComputationError
-from fsipetsc.parallel.completion import BAD, EXHAUSTED, LOW, MOVED, RATE, SHORT, STOP, finish_step
+from fsipetsc.parallel.advance import STAGES
+from fsipetsc.parallel.completion import BAD, EXHAUSTED, LOW, MOVED, RATE, SHORT, STOP
 from fsipetsc.stepping.clock import Clock
 from fsipetsc.stepping.control import ErrorControl
 from fsipetsc.stepping.diagnosis import describe_failure
+from fsipetsc.stepping.fused import NAME, FusedRK4
 from fsipetsc.stepping.series import Series
 from fsipetsc.stepping.state import State
 
@@ -48,9 +50,6 @@ class Integrator:
         self._on_frame, self._on_series, self._on_step, self._on_grids = on_frame, on_series, on_step, on_grids
         self._clock = Clock(saved)
         self._steady = state.problem.steady_data
-        nI = len(state.problem.interfaces)
-        self._send, self._receive = np.zeros(3), np.zeros(3)
-        self._faces, self._masses = np.zeros((nI, 8)), np.zeros(len(state.problem.layers))
         self.steps = self.evaluations = 0
         self.rejections = 0
         self.t = 0.0
@@ -58,9 +57,10 @@ class Integrator:
         self.wall_time = 0.0
         self.stop_signal = 0
         self._proposal = np.inf
+        self._fused = opt["ts_type"] == NAME
+        self._rates: PETSc.Vec | None = None
         self._control: ErrorControl | None = None
         self._error: BaseException | None = None
-        self._energy = 0.0
         self.initial: dict[str, Any] = {}
 
     # what TS calls
@@ -81,13 +81,16 @@ class Integrator:
     def _after_step(self, ts: PETSc.TS) -> None:
         t = self._target
         ts.setTime(t)  # the sum of steps may miss a target by round-off
-        if not self._steady:
-            self.state.set_data(t)
-        if self._control is not None:
-            self._control.embedded()
-        self._finish()
+        if self._fused:
+            self.evaluations += STAGES
+        else:
+            if not self._steady:
+                self.state.set_data(t)
+            if self._control is not None:
+                self._control.embedded()
+            self._finish()
         dt = self._step
-        if self._control is not None and not self._receive[BAD]:
+        if self._control is not None and not self.state.limits[BAD]:
             accepted, self._proposal = self._control.decide(dt, self._control.norm())
             if not accepted:
                 self._reject(ts)
@@ -95,14 +98,14 @@ class Integrator:
         self.t, self.steps = t, self.steps + 1
         self._check(t)
         self.dt_range = [min(self.dt_range[0], dt), max(self.dt_range[1], dt)]
-        self.series.record(t, dt, self._faces, self._masses, self._energy)
+        self.series.record(t, dt, self.state.states, self.state.integrals)
         self._on_step(self.steps, t, dt)
         if self.series.full:
             self._on_series()
         if self._clock.pass_time(t):
             self._on_frame(t)
         flags = self.state.flags
-        self.stop_signal = int(self._receive[STOP])
+        self.stop_signal = int(self.state.limits[STOP])
         if self._clock.done or self.stop_signal or self.steps >= self.opt["ts_max_steps"]:
             ts.setConvergedReason(PETSc.TS.ConvergedReason.CONVERGED_TIME)
         elif flags[LOW]:
@@ -113,10 +116,8 @@ class Integrator:
             self._plan_step(ts)
 
     def _finish(self) -> None:
-        state = self.state
-        self._send[STOP] = self.stop_signal
-        arguments = (state.flags, self._send, self._receive, self._faces, self._masses)
-        self._energy = finish_step(state.plan, state.solution.getArray(), *arguments)
+        self.state.limits[3 + STOP] = self.stop_signal
+        self.state.finish()
 
     def _reject(self, ts: PETSc.TS) -> None:
         self._control.reject()
@@ -133,7 +134,7 @@ class Integrator:
     def _check(self, t: float) -> None:
         """Raise ComputationError if the new state cannot be gone on from."""
         flags, layers = self.state.flags, self.state.problem.layers
-        if self._receive[BAD] or not np.isfinite(self._receive[RATE]):
+        if self.state.limits[BAD] or not np.isfinite(self.state.limits[RATE]):
             raise ComputationError(describe_failure(self.state, t, self.steps))
         if flags[EXHAUSTED]:
             name = layers[int(flags[EXHAUSTED]) - 1].name
@@ -157,7 +158,7 @@ class Integrator:
     # steps
 
     def _plan_step(self, ts: PETSc.TS) -> None:
-        bound = self.opt["ts_dt"] or self.opt["fsi_cfl"] / self._receive[RATE]
+        bound = self.opt["ts_dt"] or self.opt["fsi_cfl"] / self.state.limits[RATE]
         if self._control is not None:
             bound = min(bound, self._proposal)
             self._control.begin()
@@ -168,18 +169,26 @@ class Integrator:
         opt = self.opt
         ts = PETSc.TS().create(comm=self.state.comm)
         ts.setProblemType(PETSc.TS.ProblemType.NONLINEAR)
-        ts.setType(opt["ts_type"])
+        if self._fused:
+            ts.setType(PETSc.TS.Type.PYTHON)
+            ts.setPythonContext(FusedRK4(self.state))
+        else:
+            ts.setType(opt["ts_type"])
+            ts.setRHSFunction(self._right_hand_side, self._rates)
         if opt["ts_type"] == "rk":
             ts.setRKType(opt["ts_rk_type"])
-        ts.setRHSFunction(self._right_hand_side, self.state.solution.duplicate())
         ts.setPostStep(self._post_step)
         ts.setExactFinalTime(PETSc.TS.ExactFinalTime.STEPOVER)
         ts.setSolution(self.state.solution)
         database = PETSc.Options()
         wanted = opt["ts_adapt_type"]
-        database.setValue("ts_adapt_type", "none")  # ErrorControl stands for PETSc's
+        # ErrorControl stands for PETSc's adaptors, and PETSc knows the fused type as "python"
+        hidden = {"ts_adapt_type": "none", **({"ts_type": "python"} if self._fused else {})}
+        for name, value in hidden.items():
+            database.setValue(name, value)
         ts.setFromOptions()
-        database.setValue("ts_adapt_type", wanted)
+        for name in hidden:
+            database.setValue(name, opt[name])
         # the clock alone says when to stop, because the sum of the steps may be short of the end by round-off
         ts.setMaxTime(1e300)
         ts.setMaxSteps(np.iinfo(np.int32).max)
@@ -198,8 +207,8 @@ class Integrator:
         self._finish()
         self._check(0.0)
         fluids = [k for k, layer in enumerate(state.problem.layers) if layer.kind == "fluid"]
-        masses = state.comm.allreduce(self._masses)
-        self.initial = {"mass": [float(masses[k]) for k in fluids], "energy": float(state.comm.allreduce(self._energy))}
+        integrals = state.comm.allreduce(state.integrals)
+        self.initial = {"mass": [float(integrals[k]) for k in fluids], "energy": float(integrals[-1])}
         self._clock.pass_time(0.0)
         self._on_frame(0.0)
 
@@ -208,6 +217,8 @@ class Integrator:
         begun = time.perf_counter()
         try:
             while not self._clock.done and not self.stop_signal and self.steps < self.opt["ts_max_steps"]:
+                if not self._fused:
+                    self._rates = self.state.solution.duplicate()
                 ts = self._create()
                 ts.setTime(self.t)
                 ts.setStepNumber(self.steps)
@@ -219,6 +230,8 @@ class Integrator:
                         self._control.destroy()
                         self._control = None
                     ts.destroy()
+                    if self._rates is not None:
+                        self._rates.destroy()
                 if self._error is not None:
                     raise self._error
                 if self.state.flags[LOW] and not self._clock.done:

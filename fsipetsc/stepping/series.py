@@ -22,7 +22,7 @@ class Series:
         self._fluids = [k for k, layer in enumerate(problem.layers) if layer.kind == "fluid"]
         self._time = np.zeros((CAPACITY, 2))
         self._faces = np.zeros((CAPACITY, nI, 8))
-        self._shares = np.zeros((CAPACITY, len(self._fluids) + 1))
+        self._shares = np.zeros((CAPACITY, len(problem.layers) + 1))
         self.count = 0
 
     @property
@@ -30,14 +30,12 @@ class Series:
         """No room for another step."""
         return self.count == CAPACITY
 
-    def record(self, t: float, dt: float, faces: np.ndarray, masses: np.ndarray, energy: float) -> None:
-        """Keep one step: time and step [s], interface state (nI, 8), masses per layer, energy of this rank."""
+    def record(self, t: float, dt: float, states: np.ndarray, integrals: np.ndarray) -> None:
+        """Keep one step: time and step [s], interface states (nI, 8), this rank's masses per layer and energy."""
         k = self.count
         self._time[k, 0], self._time[k, 1] = t, dt
-        self._faces[k] = faces
-        for c, layer in enumerate(self._fluids):
-            self._shares[k, c] = masses[layer]
-        self._shares[k, -1] = energy
+        self._faces[k] = states
+        self._shares[k] = integrals
         self.count += 1
 
     def take(self, comm: MPI.Comm) -> dict[str, np.ndarray]:
@@ -50,5 +48,5 @@ class Series:
         names = [f"{name}_interface" for name in _INTERFACE] + [f"residual_{name}" for name in _RESIDUALS]
         data = {"t": self._time[:n, 0].copy(), "dt": self._time[:n, 1].copy()}
         data.update({name: self._faces[:n, :, c].copy() for c, name in enumerate(names)})
-        data["mass"], data["energy"] = shares[:, :-1].copy(), shares[:, -1].copy()
+        data["mass"], data["energy"] = shares[:, self._fluids], shares[:, -1].copy()
         return data

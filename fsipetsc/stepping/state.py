@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 from mpi4py import MPI
+from petsc4py import PETSc
 
 from fsipetsc.boundaries import NODES
 from fsipetsc.operators.sbp import OPERATORS
-from fsipetsc.parallel.completion import complete, store
-from fsipetsc.parallel.exchange import evaluate, make_plan, refresh
+from fsipetsc.parallel.advance import STAGES, advance
 from fsipetsc.parallel.layout import Grid, Layout, make_grids
+from fsipetsc.parallel.plan import make_plan
 from fsipetsc.physics.layer import DOF, FLUID
 from fsipetsc.problem import FluidLayer, Problem
 
@@ -17,7 +18,8 @@ from fsipetsc.problem import FluidLayer, Problem
 class State:
     """Solution and everything that belongs to it; all methods are collective on ``comm``.
 
-    Attributes: layout, plan, solution (world Vec), flags (of the last completion).
+    Attributes: layout, plan, solution (world Vec); flags, limits, states (nI, 8) and integrals (this rank's masses and
+    energy) of the last completed step.
     Raises InputError where grid, order and number of ranks do not fit.
     """
 
@@ -25,7 +27,6 @@ class State:
         self.comm, self.problem, self.h = comm, problem, h
         self.op = OPERATORS[order]
         self._coupling, self._mode, self._spare = coupling, mode, spare
-        self.flags = np.zeros(4, np.int64)
         self._place(make_grids(problem, self.op, h, spare))
 
     def _place(self, grids: list[Grid]) -> None:
@@ -34,7 +35,14 @@ class State:
         self.plan, self._requests = make_plan(self.layout, self.op, self._coupling, forced)
         for record, grid in zip(self.layout.records, grids, strict=True):
             record["lo"], record["hi"] = grid.lo, grid.hi
-        self.solution = self.layout.create_vector()
+        # the solution vector's own memory is the plan's
+        self._sum, self._solution = int(self.plan.head["sum"][0]), int(self.plan.head["solution"][0])
+        values = self.plan.part("solution", self.layout.local_size)
+        self.solution = PETSc.Vec().createWithArray(values, comm=self.comm)
+        self.flags, self.limits = self.plan.part("flags", 4), self.plan.part("limits", 6)
+        nI, nL = len(self.problem.interfaces), len(self.problem.layers)
+        self.states = self.plan.part("states", 8 * nI).reshape(nI, 8)
+        self.integrals = self.plan.part("masses", nL + 1)
 
     def set_data(self, t: float) -> None:
         """Evaluate boundary data, jumps and forcing at time t [s] for the next evaluation of the right-hand side."""
@@ -47,7 +55,7 @@ class State:
                 face["jump"] = problem.jumps(k, t)
         for k, layer in enumerate(problem.layers):
             if layer.forcing is not None and records[k]["present"]:
-                part = self.layout.local(k, self.plan.forcing)
+                part = self.layout.local(k, self.plan.part("forcing", self.layout.local_size))
                 for c, values in enumerate(layer.forcing(self.layout.owned_X(k), t)):
                     part[:, c] = values
 
@@ -63,16 +71,36 @@ class State:
             else:
                 self.layout.local(k, y)[:] = np.stack(fields, axis=-1)
         self.set_data(0.0)
-        complete(self.plan, y, self.flags)
-
-    def project(self, y: np.ndarray) -> None:
-        """Fill the ghost points of this rank's part y and project its interfaces, in place."""
-        refresh(self.plan, y)
-        store(self.plan, y)
+        self.finish()
 
     def right_hand_side(self, y: np.ndarray, f: np.ndarray) -> None:
-        """f = dy/dt of this rank's part for the data set last."""
-        evaluate(self.plan, y, f)
+        """f = dy/dt of this rank's part, at the projected y, for the data set last."""
+        values = self.plan.part("sum", y.size)
+        values[:] = y
+        advance(*self.plan, 0, 1, self._sum, 0.0)
+        f[:] = values
+
+    def project(self, y: np.ndarray) -> None:
+        """Fill the ghost points of this rank's part y and project its interfaces, in place; undoes the completion."""
+        values = self.plan.part("sum", y.size)
+        values[:] = y
+        advance(*self.plan, 0, 1, self._sum, 0.0)
+        for k, record in enumerate(self.layout.records):
+            halo, count = int(record["halo_lo"]), int(record["own_hi"] - record["own_lo"])
+            self.layout.local(k, y)[:] = self.plan.work(k)[halo : halo + count]
+
+    def finish(self) -> None:
+        """Complete a step whose raw result PETSc has left in the solution: see parallel.completion."""
+        advance(*self.plan, STAGES, STAGES + 1, self._solution, 0.0)
+
+    def step(self, t: float, dt: float, steady: bool) -> None:
+        """A step dt [s] of the fused Runge-Kutta method from the completed solution at t [s], and its completion."""
+        if steady:
+            advance(*self.plan, 0, STAGES + 1, -1, dt)
+            return
+        for number, fraction in enumerate((0.0, 0.5, 0.5, 1.0, 1.0)):
+            self.set_data(t + fraction * dt)
+            advance(*self.plan, number, number + 1, -1, dt)
 
     def grow(self, t: float) -> None:
         """Lay the grids anew with more spare points at the embedded boundaries; the solution at time t [s] moves along.
@@ -94,10 +122,11 @@ class State:
             active = whole[k][ends[k][0] : ends[k][1] + 1]
             rows = np.arange(record["own_lo"], record["own_hi"]) - grid.lo
             self.layout.local(k, y)[:] = active[np.clip(rows, 0, len(active) - 1)]
-        complete(self.plan, y, self.flags)
+        self.finish()
 
     def _release(self) -> None:
-        self._requests.free()
+        for requests in self._requests:
+            requests.free()
         self.solution.destroy()
         self.layout.destroy()
 

@@ -1,0 +1,85 @@
+"""A closed box: gas | solid | gas between two adiabatic walls. Mass and total energy must stay what they are.
+
+The gas on the left is hotter and under a higher pressure than that on the right; within the solid stress and
+temperature go smoothly from one to the other. So the solid is pushed to the right, swings between two cushions of gas
+and conducts heat. At the walls and interfaces the initial state is flat to the sixth derivative, so that it satisfies
+all conditions there (u = 0, sigma = -p, T continuous, no heat flux) and keeps satisfying them as time goes on.
+
+Invariants: the mass of each gas, the total energy int e dx + int m0 (u^2/2 + alpha T) dX, and for each particle of the
+solid sigma - K ln x_X (without -solid_gruneisen, which leaves it as it is, too).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from fsipetsc.boundaries import Wall
+from fsipetsc.options import Option
+from fsipetsc.physics.fluid import Fluid
+from fsipetsc.physics.solid import Solid
+from fsipetsc.problem import FluidLayer, Problem, SolidLayer
+
+NAME = "box"
+SUMMARY = "gas | solid | gas in a closed box, which conserves mass and energy"
+
+OPTIONS = (
+    Option("fluid_mu", "float", 0.01, "Pa s", "viscosity of the gas", check="nonnegative"),
+    Option("fluid_kappa", "float", 0.03, "W/(m K)", "heat conductivity of the gas", check="nonnegative"),
+    Option(
+        *("fluid_gamma", "float", 1.4, "", "ratio of the specific heats of the gas"),
+        check=lambda value: None if value > 1 else "a number above 1",
+    ),
+    Option("fluid_R", "float", 1.0, "J/(kg K)", "gas constant over molar mass", check="positive"),
+    Option("solid_modulus", "float", 10.0, "Pa", "2 mu_e + lambda_e of the solid", check="positive"),
+    Option("solid_kappa", "float", 0.02, "W/(m K)", "heat conductivity of the solid", check="nonnegative"),
+    Option("solid_density", "float", 2.0, "kg/m3", "density m0 of the solid at rest", check="positive"),
+    Option("solid_alpha", "float", 1.0, "J/(kg K)", "specific heat of the solid", check="positive"),
+    Option("solid_gruneisen", "float", 0.0, "", "pressure of the solid p = G rho epsilon; 0: elastic", check="nonnegative"),
+    Option("box_p_left", "float", 1.2, "Pa", "initial pressure of the gas on the left", check="positive"),
+    Option("box_p_right", "float", 1.0, "Pa", "initial pressure of the gas on the right", check="positive"),
+    Option("box_T_left", "float", 1.2, "K", "initial temperature on the left", check="positive"),
+    Option("box_T_right", "float", 1.0, "K", "initial temperature on the right", check="positive"),
+)
+DEFAULTS = {"fsi_h": 0.0125, "fsi_order": 4, "ts_max_time": 2.0, "fsi_output_dt": 0.1}
+
+#: walls and interfaces
+X = (0.0, 1.0, 2.0, 3.0)
+
+
+def smooth_step(z: np.ndarray) -> np.ndarray:
+    """Polynomial that goes from 0 at z = 0 to 1 at z = 1, flat to the sixth derivative at both."""
+    return z**7 * (1716 + z * (-9009 + z * (20020 + z * (-24024 + z * (16380 + z * (-6006 + z * 924))))))
+
+
+def build(opt: Mapping[str, Any]) -> Problem:
+    """The solid between X = 1 and X = 2, the walls at 0 and 3."""
+    gas = Fluid(opt["fluid_mu"], opt["fluid_kappa"], opt["fluid_gamma"], opt["fluid_R"])
+    solid = Solid(
+        opt["solid_modulus"],
+        opt["solid_kappa"],
+        opt["solid_density"],
+        opt["solid_alpha"],
+        gruneisen=opt["solid_gruneisen"],
+    )
+    p, T = (opt["box_p_left"], opt["box_p_right"]), (opt["box_T_left"], opt["box_T_right"])
+
+    def at_rest(side: int):
+        return lambda X: [np.full(X.shape, v) for v in (p[side] / (gas.R * T[side]), 0.0, T[side])]
+
+    def between(X_s: np.ndarray) -> list[np.ndarray]:
+        right = smooth_step(X_s - X[1])
+        p_s, T_s = p[0] + (p[1] - p[0]) * right, T[0] + (T[1] - T[0]) * right
+        return [np.zeros_like(X_s), solid.pressure(T_s, 1.0) - p_s, T_s, X_s]
+
+    return Problem(
+        layers=(
+            FluidLayer("left", gas, X[0:2], at_rest(0)),
+            SolidLayer("solid", solid, X[1:3], between),
+            FluidLayer("right", gas, X[2:4], at_rest(1)),
+        ),
+        left=Wall(X[0]),
+        right=Wall(X[3]),
+    )

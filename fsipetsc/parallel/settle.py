@@ -1,0 +1,104 @@
+"""Makes a work area right: halos, ghost points, outer ends, interfaces. Compiled; collective on all ranks.
+
+Ghost points and ends are filled from the raw values, then the interfaces are projected; the two do not touch each
+other's points. Every rank that has a point in its work area computes it, from the same numbers.
+"""
+
+from __future__ import annotations
+
+from numba import carray, njit
+from numba.core import types
+from numba.extending import intrinsic
+
+from fsipetsc.boundaries import INTERFACE_END, NODES, close_solid, fill_ghost
+from fsipetsc.coupling import couple
+from fsipetsc.operators.kernels import OPTIONS, U64
+from fsipetsc.parallel.exchange import TRACE, exchange, holds, unpack, work_point
+from fsipetsc.physics.layer import FLUID
+
+
+@intrinsic
+def _pointer(typingctx, address):
+    """The integer ``address`` as a pointer to doubles."""
+    kind = types.CPointer(types.float64)
+
+    def codegen(context, builder, signature, args):
+        return builder.inttoptr(args[0], context.get_value_type(kind))
+
+    return kind(types.intp), codegen
+
+
+@njit(**OPTIONS)
+def rows_at(memory, at, rows, columns):
+    """memory[at:] as an array of shape (rows, columns) without a count of references."""
+    return carray(_pointer(memory.ctypes.data + 8 * at), (rows, columns))
+
+
+@njit(**OPTIONS)
+def boundary_distance(layer, side):
+    """Distance between interface and embedded boundary in cells, from the position of the frame (not by (4.25))."""
+    return abs(layer.end_x[side] - layer.x_interface) / layer.h
+
+
+@njit(**OPTIONS)
+def fill_embedded(head, layer, memory, area, side, new):
+    """Give the ghost point of a fluid layer its values, where this rank has the points that this takes.
+
+    new: the point has no values yet.
+    """
+    G, step = (layer.lo, 1) if side == 0 else (layer.hi, -1)
+    deepest = G + step * min(NODES - 1, layer.hi - layer.lo)
+    if not (holds(layer, G) and holds(layer, deepest)):
+        return
+    nodes = rows_at(memory, head.nodes, 5, NODES)
+    for k in range(abs(deepest - G) + 1):
+        if k == 0 and new:
+            continue
+        w = work_point(head, layer, area, G + step * k)
+        rho = memory[U64(w)]
+        u = memory[U64(w + 1)] / rho
+        nodes[0, k], nodes[1, k] = rho, u
+        nodes[2, k] = (memory[U64(w + 2)] / rho - 0.5 * u * u) / layer.cv
+    fill_ghost(layer, head.op, side, layer.hi - layer.lo - boundary_distance(layer, side), nodes, new)
+    w, rho, u, T = work_point(head, layer, area, G), nodes[0, 0], nodes[1, 0], nodes[2, 0]
+    memory[U64(w)], memory[U64(w + 1)] = rho, rho * u
+    memory[U64(w + 2)] = rho * (layer.cv * T + 0.5 * u * u)
+
+
+@njit(**OPTIONS)
+def close_end(head, layer, memory, area, side):
+    """Apply the condition at the outer end of a solid, where this rank has the rows that this takes."""
+    point, step = (layer.lo, 1) if side == 0 else (layer.hi, -1)
+    if not (holds(layer, point) and holds(layer, point + step * (head.rows - 1))):
+        return
+    trace = rows_at(memory, head.scratch, head.rows, 4)
+    for j in range(head.rows):
+        w = work_point(head, layer, area, point + step * j)
+        for c in range(4):
+            trace[j, c] = memory[U64(w + c)]
+    close_solid(layer, head.op, side, trace)
+    w = work_point(head, layer, area, point)
+    for c in range(4):
+        memory[U64(w + c)] = trace[0, c]
+
+
+@njit(**OPTIONS)
+def settle(head, layers, faces, memory, area):
+    """Fill halos, ghost points and ends of a work area and project its interfaces; sets the frames."""
+    exchange(head, layers, faces, memory, area)
+    for k in range(faces.size):
+        # position of the interface point of the solid
+        layers[faces[k].fluid].x_interface = memory[U64(head.traces + k * head.rows * TRACE + 6)]
+    for layer in layers:
+        for side in range(2):
+            if layer.end_kind[side] != INTERFACE_END:
+                if layer.kind == FLUID:
+                    fill_embedded(head, layer, memory, area, side, False)
+                else:
+                    close_end(head, layer, memory, area, side)
+    for k in range(faces.size):
+        at = head.traces + k * head.rows * TRACE
+        trace = rows_at(memory, at, head.rows, TRACE)
+        couple(faces[k], head.op, trace[:, :3], trace[:, 3:])
+        unpack(head, layers, faces[k], memory, area, at)
+        layers[faces[k].fluid].s = trace[0, 1] / trace[0, 0]

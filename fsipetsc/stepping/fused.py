@@ -1,0 +1,28 @@
+"""The fused Runge-Kutta method as a TS type: PETSc asks for steps, compiled code makes them whole."""
+
+from __future__ import annotations
+
+from petsc4py import PETSc
+
+from fsipetsc.stepping.state import State
+
+#: the value of -ts_type that stands for it
+NAME = "fused"
+
+
+class FusedRK4:
+    """Context of a TS of type python: the classical Runge-Kutta method of fourth order, see parallel.advance.
+
+    Monitors, options and hooks stay TS's. The step starts from the completed solution and completes the new one.
+    """
+
+    def __init__(self, state: State) -> None:
+        self._state = state
+        self._steady = state.problem.steady_data
+
+    def step(self, ts: PETSc.TS) -> None:
+        """One step of the length that is set. Collective."""
+        t, dt = ts.getTime(), ts.getTimeStep()
+        self._state.step(t, dt, self._steady)
+        self._state.solution.stateIncrease()
+        ts.setTime(t + dt)

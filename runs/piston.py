@@ -1,0 +1,55 @@
+"""A heavy piston flies into a closed cylinder of gas, bounces and comes back: gas | solid.
+
+    mpiexec -n 2 python -m fsipetsc runs/piston.py
+
+A case of one's own, as short as it gets. The gas lies between a wall at x = 0 and the piston; behind the piston the
+outer pressure p0 acts. It shows a layer that loses a third of its grid points to the moving boundary and gets them
+back. The compression is nearly adiabatic: the energy balance gives the turning point (tests/test_piston.py).
+1,000 steps, seconds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from fsipetsc.boundaries import Wall, free
+from fsipetsc.options import Option
+from fsipetsc.physics.fluid import Fluid
+from fsipetsc.physics.solid import Solid
+from fsipetsc.problem import FluidLayer, Problem, SolidLayer
+
+NAME = "piston"
+SUMMARY = "a piston flies into a closed cylinder of gas and bounces"
+OPTIONS = (
+    Option("piston_speed", float, 25.0, "m/s", "initial speed of the piston"),
+    Option("piston_density", float, 250.0, "kg/m3", "density of the piston at rest", check="positive"),
+    Option("piston_thickness", float, 0.2, "m", "thickness of the piston", check="positive"),
+)
+DEFAULTS = {"fsi_h": 0.025, "ts_max_time": 0.05, "fsi_output_dt": 0.001}
+
+P0, T0 = 1e5, 300.0
+
+
+def build(opt: Mapping[str, Any]) -> Problem:
+    """Gas in 0 < X < 1, the piston right of it."""
+    air = Fluid(mu=2e-5, kappa=0.026, gamma=1.4, R=287.0)
+    steel = Solid(K=1e8, kappa_e=50.0, m0=opt["piston_density"], alpha=500.0)
+
+    def gas(X: np.ndarray) -> list[np.ndarray]:
+        u = -opt["piston_speed"] * X  # no shock at the start
+        return [np.full(X.shape, P0 / (air.R * T0)), u, np.full(X.shape, T0)]
+
+    def piston(X: np.ndarray) -> list[np.ndarray]:
+        return [np.full(X.shape, -opt["piston_speed"]), np.full(X.shape, -P0), np.full(X.shape, T0), X]
+
+    return Problem(
+        layers=(
+            FluidLayer("gas", air, (0.0, 1.0), gas),
+            SolidLayer("piston", steel, (1.0, 1.0 + opt["piston_thickness"]), piston),
+        ),
+        left=Wall(0.0),
+        right=free(-P0),
+    )

@@ -1,0 +1,40 @@
+"""Runs several cases one after the other in one process, as the command line would: DIRECTORY RUNS.json.
+
+RUNS.json: name -> [case, "options as on the command line"]. Each leaves NAME.h5 in DIRECTORY; what fails leaves
+NAME.txt with the error instead. Started by helpers.compute under mpiexec: much cheaper than a process for each.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+from fsipetsc.launch import start_mpi, start_petsc
+
+
+def main(directory: str, runs: str) -> None:
+    comm = start_mpi()
+    start_petsc([], comm)
+    from petsc4py import PETSc
+
+    from fsipetsc.cases import load_case
+    from fsipetsc.errors import FsiError
+    from fsipetsc.options import read_options
+    from fsipetsc.stepping.run import run_case
+
+    database = PETSc.Options()
+    for name, (case_name, text) in json.loads(Path(runs).read_text()).items():
+        case = load_case(case_name)
+        database.insertString(f"{text} -fsi_quiet -fsi_output {directory}/{name}.h5")
+        try:
+            run_case(case, read_options(case), comm)
+        except FsiError as error:
+            if comm.rank == 0:
+                Path(directory, f"{name}.txt").write_text(f"{type(error).__name__}: {error}")
+        for option in database.getAll():
+            database.delValue(option)
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

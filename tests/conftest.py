@@ -1,0 +1,93 @@
+"""Runs that several tests look at: computed once in a session, several in one process, when the first test asks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+from helpers import compute
+
+import fsipetsc
+from fsipetsc.output.reader import Run
+
+ORDERS = (2, 4, 6, 8)
+PULSE_SPACINGS = (0.0125, 0.00625)
+#: where the pulse starts -> time at which both waves are inside
+PULSE_STARTS = {0.75: 0.0035, -0.75: 0.003}
+#: name -> density and modulus; the wave speed is 500 m/s in all. The gas: 1.16 kg/m3, 347 m/s
+SOLIDS = {"light": (1.0, 2.5e5), "middle": (4.0, 1e6), "heavy": (4e4, 1e10)}
+_PULSE = "-pulse_amplitude 0.01 -fsi_output_dt 1 -pulse_start"
+
+#: group -> list of (ranks, name -> (case, options)); the batches of a group are computed side by side
+GROUPS: dict[str, list[tuple[int, dict[str, tuple[str, str]]]]] = {
+    "rod": [
+        (1, {f"order{q}": ("rod", f"-fsi_h 0.025 -fsi_order {q} -fsi_output_dt 0.1 -ts_max_time 3") for q in orders})
+        for orders in ((2, 6), (4, 8))
+    ],
+    "rod_fine": [(1, {"order4": ("rod", "-fsi_h 0.0125 -ts_max_time 0.908")})],
+    "rest": [
+        (1, {f"order{q}": ("rod", f"-fsi_h 0.05 -fsi_order {q} -rod_gravity 0 -ts_max_time 0.2") for q in ORDERS})
+    ],
+    "mms": [
+        (1, {f"order{q}_h{h}": ("mms", f"-fsi_h {h} -fsi_order {q} -fsi_output_dt 1") for q in ORDERS})
+        for h in (0.00625, 0.0125)
+    ],
+    "pulse": [
+        (
+            1,
+            {
+                f"order{q}_h{h}_{start}": ("pulse", f"-fsi_order {q} -fsi_h {h} {_PULSE} {start} -ts_max_time {t}")
+                for q in ORDERS
+                for h in PULSE_SPACINGS
+                for start, t in PULSE_STARTS.items()
+            },
+        ),
+        (
+            2,
+            {
+                f"{name}_{start}": (
+                    "pulse",
+                    f"-fsi_order 6 {_PULSE} {start} -ts_max_time {t} -solid_density {m0} -solid_modulus {K}",
+                )
+                for name, (m0, K) in SOLIDS.items()
+                for start, t in PULSE_STARTS.items()
+            }
+            | {f"out_{start}": ("pulse", f"{_PULSE} {start} -ts_max_time 0.01") for start in PULSE_STARTS},
+        ),
+    ],
+}
+
+
+class Computed:
+    """Results of the groups; what is asked for is computed if need be."""
+
+    def __init__(self, root: Path) -> None:
+        self._root = root
+        self._files: dict[tuple[str, str], Path] = {}
+        self._open: dict[Path, Run] = {}
+        self._done: set[str] = set()
+
+    def __call__(self, group: str, name: str) -> Run:
+        """A result by group and name; the test fails with the error if the run ended with one."""
+        if group not in self._done:
+            self._done.add(group)
+            folders = [self._root / f"{group}{i}" for i in range(len(GROUPS[group]))]
+            with ThreadPoolExecutor(2) as pool:
+                jobs = [pool.submit(compute, n, where, runs) for where, (n, runs) in zip(folders, GROUPS[group])]
+                for where, (_, runs), job in zip(folders, GROUPS[group], jobs):
+                    job.result()
+                    self._files.update({(group, run): where / f"{run}.h5" for run in runs})
+        path = self._files[group, name]
+        error = path.with_name(f"{name}.txt")
+        assert not error.exists(), error.read_text()
+        if path not in self._open:
+            self._open[path] = fsipetsc.open_run(path)
+        return self._open[path]
+
+
+@pytest.fixture(scope="session")
+def computed(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[[str, str], Run]]:
+    """computed(group, name): the result of one of the runs in GROUPS."""
+    yield Computed(tmp_path_factory.mktemp("runs"))

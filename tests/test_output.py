@@ -1,0 +1,252 @@
+"""Result files: what the writer writes on any number of ranks is what the reader reads, whatever happens in between."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import h5py
+import numpy as np
+import output_program as program
+import pytest
+from helpers import mpirun, run
+
+import fsipetsc
+from fsipetsc.errors import FileError
+from fsipetsc.output import transaction
+from fsipetsc.output.info import info
+
+PROGRAM = Path(program.__file__)
+FRAMES = 12
+
+
+def write(n: int, mode: str, path: Path, *rest: object) -> str:
+    done = mpirun(n, PROGRAM, mode, path, *rest, timeout=90)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def assert_frames(result: fsipetsc.output.reader.Run, nframes: int) -> None:
+    """The first frames are bitwise those of the program, on the largest grid; NaN where a frame's grid was smaller."""
+    assert result.nframes == nframes
+    assert np.array_equal(result.time, 0.3 * np.arange(nframes))
+    for i, layer in enumerate(result.layers):
+        points = program.grid(i, nframes - 1)
+        expected = np.full((nframes, len(points), len(program.LAYERS[i]["fields"]) + 1), np.nan)
+        for frame in range(nframes):
+            own = program.grid(i, frame)
+            expected[frame, np.isin(points, own)] = program.values(i, frame, own)
+        assert np.array_equal(layer.X, points * program.H)
+        assert layer.h == pytest.approx(program.H)
+        for k, name in enumerate(program.LAYERS[i]["fields"]):
+            assert np.array_equal(layer[name], expected[..., k], equal_nan=True)
+            assert np.array_equal(layer.frame(nframes - 1)[name], expected[-1, :, k], equal_nan=True)
+        if layer.kind == "fluid":
+            assert np.array_equal(layer.x, expected[..., -1], equal_nan=True)
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A complete result, written by one process."""
+    path = tmp_path_factory.mktemp("result") / "demo.h5"
+    done = run(PROGRAM, "blocks", path, FRAMES)
+    assert done.returncode == 0, done.stderr
+    return path
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("split", ["blocks", "layers"])
+@pytest.mark.parametrize("n", [1, 2, 3])
+def test_round_trip(tmp_path: Path, n: int, split: str) -> None:
+    write(n, split, tmp_path / "run.h5", FRAMES)
+    with fsipetsc.open_run(tmp_path / "run.h5") as result:
+        assert_frames(result, FRAMES)
+
+
+def test_what_else_is_stored(finished: Path) -> None:
+    with fsipetsc.open_run(finished) as result:
+        steps = np.arange(FRAMES * program.SERIES_STEPS)
+        assert result.case == "demo" and result.complete
+        assert result.options == program.HEADER["options"]
+        assert result.interfaces == ("left/rod", "rod/right")
+        assert result.summary["steps"] == len(steps) and result.summary["versions"] == {"petsc": "3.18.5"}
+        assert result.errors["fluid"]["rho"] == 1e-3
+        assert np.array_equal(result.series["t"], 0.1 * steps)
+        assert np.array_equal(result.series["x_interface"], np.outer(steps, [1.0, 2.0]))
+        late = np.where(steps < 9, np.nan, steps)
+        assert np.array_equal(result.series["late"], late, equal_nan=True)
+        assert list(result.layers[0]) == ["rho", "u", "T", "p", "x"]
+        assert list(result.layers[1]) == ["u", "sigma", "T", "x", "p"]
+        assert [layer.name for layer in result.layers] == ["left", "rod", "right"]
+        assert result.at(0.95) == 3 and result.at(99.0) == FRAMES - 1
+        assert "12 frames" in repr(result) and "sigma" in repr(result.layers[1])
+
+
+def test_unknown_names_are_answered_with_the_valid_ones(finished: Path) -> None:
+    with fsipetsc.open_run(finished) as result:
+        for ask, answer in [
+            (lambda: result.layers[1]["rho"], "sigma"),
+            (lambda: result.series["x"], "x_interface"),
+            (lambda: result.options["fsi_H"], "fsi_h"),
+            (lambda: result.errors["gas"], "fluid"),
+        ]:
+            with pytest.raises(KeyError, match=answer):
+                ask()
+        with pytest.raises(IndexError, match="12"):
+            result.layers[0].frame(FRAMES)
+    with pytest.raises(FileError, match="closed"):
+        result.layers[0]["T"]
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("n", [1, 2])
+def test_killed_run_is_readable(tmp_path: Path, n: int) -> None:
+    path = tmp_path / "run.h5"
+    done = mpirun(n, PROGRAM, "kill", path, 9)
+    assert done.returncode != 0
+    with fsipetsc.open_run(path) as result:
+        assert result.nframes >= program.GROWTH  # those before the new grids, at least
+        assert_frames(result, result.nframes)
+        assert not result.complete
+        assert len(result.series["t"]) >= program.SERIES_STEPS * result.nframes
+        assert result.summary["ranks"] == 1
+
+
+def test_interrupted_change_is_not_seen(finished: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whichever of its writes is the last before the program is killed, the file reads as before the change."""
+    path, pwrite = tmp_path / "run.h5", os.pwrite
+    for allowed in range(1000):
+        path.write_bytes(finished.read_bytes())
+        left = iter(range(allowed))
+
+        def write_or_die(*args: object, left: object = left) -> int:
+            if next(left, None) is None:  # type: ignore[call-overload]
+                raise KeyboardInterrupt
+            return pwrite(*args)  # type: ignore[arg-type]
+
+        monkeypatch.setattr(os, "pwrite", write_or_die)
+        try:
+            with transaction.changes(path) as file:
+                file["time"].resize(FRAMES + 600, axis=0)
+                file["segment0002/layer00/X"] = np.zeros(10)
+                del file["header"]
+        except KeyboardInterrupt:
+            with fsipetsc.open_run(path) as result:
+                assert_frames(result, FRAMES)
+        else:
+            break
+    assert allowed > 3
+    assert not transaction.undo_path(path).exists()
+    with h5py.File(path) as file:
+        assert len(file["time"]) == FRAMES + 600
+
+
+def test_failed_change_changes_nothing(finished: Path, tmp_path: Path) -> None:
+    path = tmp_path / "run.h5"
+    path.write_bytes(finished.read_bytes())
+    with pytest.raises(RuntimeError), transaction.changes(path) as file:
+        del file["time"]
+        raise RuntimeError
+    assert path.read_bytes() == finished.read_bytes()
+
+
+def test_earlier_results_are_kept(tmp_path: Path) -> None:
+    path = tmp_path / "run.h5"
+    said = [run(PROGRAM, "blocks", path, n).stdout.split()[-1] for n in (1, 2, 3)]
+    assert said == ["None", "run.1.h5", "run.2.h5"]
+    for name, n in [("run.1.h5", 1), ("run.2.h5", 2), ("run.h5", 3)]:
+        with fsipetsc.open_run(tmp_path / name) as result:
+            assert result.nframes == n
+
+
+@pytest.mark.mpi
+def test_renamed_file_is_followed(tmp_path: Path) -> None:
+    """A later run with the same file name does not get the frames of one that is still going on."""
+    write(2, "moved", tmp_path / "run.h5")
+    with fsipetsc.open_run(tmp_path / "run.1.h5") as result:
+        assert_frames(result, FRAMES)
+        assert result.complete
+    with fsipetsc.open_run(tmp_path / "run.h5") as result:
+        assert result.nframes == 0
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("n", [1, 2])
+@pytest.mark.parametrize(("target", "reason"), [("missing/run.h5", "does not exist"), (".", "is a directory")])
+def test_unusable_path_fails_on_all_ranks(tmp_path: Path, n: int, target: str, reason: str) -> None:
+    answers, status, message = write(n, "refuse", tmp_path / target).split(maxsplit=2)
+    assert (answers, status) == ("1", "4")
+    assert reason in message
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("n", [1, 2])
+def test_full_disk_fails_on_all_ranks(tmp_path: Path, n: int) -> None:
+    path = tmp_path / "run.h5"
+    done = mpirun(n, PROGRAM, "full_disk", path)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("1 ") and "File too large" in done.stdout
+    assert "HDF5-DIAG" not in done.stderr and "Traceback" not in done.stderr
+    with fsipetsc.open_run(path) as result:
+        assert result.nframes > 20
+        assert_frames(result, result.nframes)
+
+
+def test_reading_needs_numpy_and_h5py_only(finished: Path) -> None:
+    program_text = """
+import sys
+for name in ("petsc4py", "mpi4py", "numba", "scipy", "matplotlib"):
+    sys.modules[name] = None
+import fsipetsc
+assert not {"numpy", "h5py"} & sys.modules.keys()
+with fsipetsc.open_run(sys.argv[1]) as run:
+    print(run.case, run.layers[0]["rho"].shape, run.layers[1].x.shape)
+"""
+    done = run("-c", program_text, finished)
+    assert done.stdout.split(maxsplit=1) == ["demo", "(12, 26) (12, 21)\n"], done.stderr
+
+
+def test_unreadable_files(finished: Path, tmp_path: Path) -> None:
+    (tmp_path / "text.h5").write_text("not HDF5")
+    with h5py.File(tmp_path / "other.h5", "w") as file:
+        file["a"] = 1
+    (tmp_path / "cut.h5").write_bytes(finished.read_bytes()[:20_000])
+    with h5py.File(tmp_path / "newer.h5", "w") as file:
+        file.attrs.update({"format": "fsipetsc result", "version": 99})
+    for name, reason in [
+        ("absent.h5", "no such file"),
+        (".", "is a directory"),
+        ("text.h5", "not an HDF5 file"),
+        ("other.h5", "not a result"),
+        ("cut.h5", "damaged"),
+        ("newer.h5", "newer"),
+    ]:
+        with pytest.raises(FileError, match=reason) as caught:
+            fsipetsc.open_run(tmp_path / name)
+        assert caught.value.status == 4
+
+
+def test_info(finished: Path) -> None:
+    text = info(finished)
+    for part in [
+        "demo",
+        "complete",
+        "12, t = 0 … 3.3",
+        "-fsi_order",
+        "left/rod",
+        "26 points",
+        "rho 0.001",
+        "wall_time",
+    ]:
+        assert part in text
+
+
+def test_plot(finished: Path, tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    from fsipetsc.output.plots import plot
+
+    pictures = plot(finished, tmp_path / "new" / "folder")
+    assert {p.name for p in pictures} >= {"demo-u.png", "demo-T.png", "demo-xt.png", "demo-interfaces.png"}
+    assert all(p.read_bytes().startswith(b"\x89PNG") for p in pictures)
+    with pytest.raises(FileError, match="cannot write"):
+        plot(finished, finished)

@@ -1,0 +1,84 @@
+"""The sound pulse against linear acoustics: what is reflected, what goes through, and how fast the error falls."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from conftest import ORDERS, PULSE_SPACINGS, PULSE_STARTS, SOLIDS
+
+pytest.importorskip("petsc4py")
+
+AMPLITUDE = 0.01
+#: of the error from h = 0.0125 to 0.00625; measured 1.96, 3.0, 4.3, 5.1
+LEAST_RATE = {2: 1.9, 4: 2.9, 6: 4.2, 8: 4.9}
+
+STARTS = pytest.mark.parametrize("start", PULSE_STARTS, ids=["from the fluid", "from the solid"])
+
+
+def linear_problem(run):
+    """(case's problem, its Acoustics) of a run."""
+    from fsipetsc.cases import pulse
+
+    problem = pulse.build(run.options)
+    return problem, pulse.acoustics(run.options, problem.layers[1].material, problem.layers[0].material)
+
+
+def relative_errors(run) -> np.ndarray:
+    """L2 errors of the pressure waves in fluid and solid over the norm of the incoming pulse."""
+    _, linear = linear_problem(run)
+    norm = AMPLITUDE * np.sqrt(run.options["pulse_width"] * np.sqrt(np.pi / 2))
+    Z_gas = linear.Z1 if linear.side > 0 else linear.Z2
+    return np.array([Z_gas * run.errors["fluid"]["u"], run.errors["solid"]["sigma"]]) / norm
+
+
+def amplitude(saved, exact: np.ndarray, name: str, at_rest: float) -> float:
+    """Least-squares factor between the wave in the last frame and its exact shape."""
+    active = np.isfinite(saved[name][-1])
+    wave = saved[name][-1][active] - at_rest
+    shape = exact[active]
+    return float(wave @ shape / (shape @ shape))
+
+
+@STARTS
+@pytest.mark.parametrize("order", ORDERS)
+def test_convergence(computed, order, start):
+    coarse, fine = (relative_errors(computed("pulse", f"order{order}_h{h}_{start}")) for h in PULSE_SPACINGS)
+    assert np.all(np.log2(coarse / fine) >= LEAST_RATE[order])
+    assert np.all(coarse < {2: 0.25, 4: 0.02, 6: 0.01, 8: 0.01}[order])
+
+
+@STARTS
+@pytest.mark.parametrize("solid", SOLIDS)
+def test_reflection_and_transmission(computed, start, solid):
+    """From a solid as light as the gas to one 40,000 times as heavy, to a part in a thousand of what comes in."""
+    run = computed("pulse", f"{solid}_{start}")
+    problem, linear = linear_problem(run)
+    t = run.time[-1]
+    for saved, layer, name, sign, at_rest in (
+        (run.layers[0], problem.layers[0], "sigma", -1, -1e5),
+        (run.layers[1], problem.layers[1], "p", 1, 1e5),
+    ):
+        first = (layer.kind == "fluid") == (linear.side > 0)
+        exact, _, _ = linear.waves(saved.X, t, first)
+        if np.abs(exact).max() < 1e-3 * AMPLITUDE:
+            assert np.nanmax(np.abs(saved[name][-1] - at_rest)) < 2e-3 * AMPLITUDE
+        else:
+            factor = amplitude(saved, sign * exact, name, at_rest)
+            part = linear.reflection if first else linear.transmission
+            assert abs(factor - 1) * abs(part) < 1e-3
+
+
+@STARTS
+def test_the_conditions_hold(computed, start):
+    run = computed("pulse", f"order4_h0.0125_{start}")
+    assert np.abs(run.series["residual_u"]).max() < 1e-12
+    assert np.abs(run.series["residual_stress"]).max() < 1e-9
+
+
+@STARTS
+def test_waves_leave_through_the_ends(computed, start):
+    """After both waves have left, what is reflected at the open and the absorbing end is small."""
+    run = computed("pulse", f"out_{start}")
+    solid, gas = run.layers
+    assert np.abs(solid["sigma"][-1] + 1e5).max() < 0.01 * AMPLITUDE
+    assert np.nanmax(np.abs(gas["p"][-1] - 1e5)) < 0.01 * AMPLITUDE
