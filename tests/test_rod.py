@@ -94,13 +94,13 @@ class TestToTheThirdBounce:
 
     @EVERY_ORDER
     def test_the_wall_holds(self, computed, order):
-        """No velocity and no heat flux at x = 0, by interpolation between the grid points around it."""
+        """No velocity at x = 0, by interpolation between the grid points around it; the rod moves with 0.9 m/s."""
         run = computed("rod", f"order{order}")
         below = run.layers[0]
         for frame in range(1, run.nframes):
             x, u = below.x[frame], below["u"][frame]
             inside = np.isfinite(x)
-            assert abs(np.interp(0.0, x[inside], u[inside])) < 2e-3
+            assert abs(np.interp(0.0, x[inside], u[inside])) < 5e-3
 
 
 @pytest.mark.slow

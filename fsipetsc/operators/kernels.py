@@ -16,8 +16,6 @@ from llvmlite import ir
 from numba import njit, types
 from numba.extending import intrinsic
 
-from fsipetsc.operators.cache import FOLDER as CACHE_FOLDER  # first: kernels are cached where this says
-
 #: Points that a kernel treats at once: its scratch rows stay in the first-level cache.
 BLOCK = 512
 #: Scratch beyond a block on either side: twice the largest closure reach and the rows that a closure writes too many.

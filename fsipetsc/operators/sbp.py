@@ -24,7 +24,8 @@ OPERATOR = np.dtype(
         ("norm", np.float64, (8,)),
     ]
 )
-"""One operator for compiled kernels, padded with zeros: closure[:rows, :cols] and its transpose columns, norm[:rows], interior[:p]; grid spacing 1."""
+"""One operator for compiled kernels, padded with zeros, for grid spacing 1: interior[:p], closure[:rows, :cols] and its
+transpose columns, norm[:rows]."""
 
 
 @dataclass(frozen=True)

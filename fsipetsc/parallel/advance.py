@@ -13,7 +13,7 @@ from numba import njit
 
 from fsipetsc.operators.kernels import OPTIONS, U64
 from fsipetsc.parallel.completion import complete
-from fsipetsc.parallel.exchange import load, work_point
+from fsipetsc.parallel.exchange import exchange, load, work_point
 from fsipetsc.parallel.settle import settle
 from fsipetsc.physics.emission import Target
 from fsipetsc.physics.fluid import fluid_rhs
@@ -46,11 +46,14 @@ def advance(heads, layers, faces, memory, begin, end, raw, dt):
 
     A stage settles its work area, except stage 0, which finds it settled by the completion of the step before, and
     evaluates the right-hand side into the other one. raw: where in the memory a state begins that somebody else has
-    made, which is loaded and settled first; -1 to go on. With dt = 0 the right-hand side itself is left in the sum (for begin 0, end 1).
+    made, which is loaded and settled first; -1 to go on. With begin = end it is loaded as it is, settled already. With dt = 0
+    the right-hand side itself is left in the sum (for begin 0, end 1).
     """
     head = heads[0]
     if raw >= 0:
         load(head, layers, memory, raw)
+        if begin == end:
+            exchange(head, layers, faces, memory, 0)
     for number in range(begin, end):
         area = number % 2
         if raw >= 0 or number > 0:

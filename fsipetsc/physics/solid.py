@@ -80,7 +80,7 @@ def solid_rhs(layer, op, s, w, scratch, target):
         derivative(op, s, u, p0, ux, i0, i0, i1, lo, hi, inv_h)
         derivative(op, s, net, p0, k1, i0, i0, i1, lo, hi, inv_h * inv_m0)
         derivative(op, s, flux, d0, k3, i0, i0, i1, lo, hi, inv_h)
-        ri, rn, rX, rux = U64(u + i0 - p0), U64(net + i0 - p0), U64(xX + i0 - d0), U64(ux)
+        rn, rX, rux = U64(net + i0 - p0), U64(xX + i0 - d0), U64(ux)
         r1, r3 = U64(k1), U64(k3)
         for i in range(U64(i1 - i0)):
             s[r1 + i] += force

@@ -38,7 +38,7 @@ class ErrorControl:
         self._state.solution.copy(self._before)
 
     def embedded(self) -> None:
-        """Take the pair's second solution; before the first one is projected."""
+        """Take the pair's second solution; before the first one is completed."""
         code = self._library.TSEvaluateStep(
             ctypes.c_void_p(self._ts.handle),
             ctypes.c_int(self._order - 1),
@@ -49,14 +49,14 @@ class ErrorControl:
             raise PETSc.Error(code)
 
     def norm(self) -> float:
-        """Weighted root mean square of the difference of the two projected solutions, over the active unknowns."""
+        """Weighted root mean square of the difference of the two solutions, projected, over the active unknowns.
+
+        To be asked before the step is completed: the boundaries must not have moved over the grid.
+        """
         state = self._state
-        first, y = state.solution.getArray(readonly=True), self._embedded.getArray()
-        # the solution stands in the work areas with its frames: keep them
-        plan = state.plan
-        kept = plan.memory.copy(), plan.layers.copy()
+        first, y = state.solution.getArray(readonly=True).copy(), self._embedded.getArray()
+        state.project(first)
         state.project(y)
-        plan.memory[:], plan.layers[:] = kept
         total, count = 0.0, 0
         for k, record in enumerate(state.layout.records):
             if record["present"]:

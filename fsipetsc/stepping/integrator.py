@@ -81,20 +81,15 @@ class Integrator:
     def _after_step(self, ts: PETSc.TS) -> None:
         t = self._target
         ts.setTime(t)  # the sum of steps may miss a target by round-off
+        dt = self._step
         if self._fused:
             self.evaluations += STAGES
         else:
             if not self._steady:
                 self.state.set_data(t)
-            if self._control is not None:
-                self._control.embedded()
-            self._finish()
-        dt = self._step
-        if self._control is not None and not self.state.limits[BAD]:
-            accepted, self._proposal = self._control.decide(dt, self._control.norm())
-            if not accepted:
-                self._reject(ts)
+            if self._control is not None and self._rejected(ts, dt):
                 return
+            self._finish()
         self.t, self.steps = t, self.steps + 1
         self._check(t)
         self.dt_range = [min(self.dt_range[0], dt), max(self.dt_range[1], dt)]
@@ -119,17 +114,21 @@ class Integrator:
         self.state.limits[3 + STOP] = self.stop_signal
         self.state.finish()
 
-    def _reject(self, ts: PETSc.TS) -> None:
-        self._control.reject()
-        self.rejections = self._control.rejections
+    def _rejected(self, ts: PETSc.TS, dt: float) -> bool:
+        """Ask the error control about the step just made; if it refuses, go back and plan a shorter one."""
+        control = self._control
+        control.embedded()
+        accepted, self._proposal = control.decide(dt, control.norm())
+        if accepted:
+            return False
+        control.reject()
+        self.rejections += 1
         ts.setTime(self.t)
-        if not self._steady:
-            self.state.set_data(self.t)
-        self._finish()
         if self._proposal < 1e-14 * max(1.0, self.t):
             raise ComputationError(f"step-size control finds no step at t = {self.t:.6g} s: see -ts_rtol and -ts_atol")
         ts.restartStep()
         self._plan_step(ts)
+        return True
 
     def _check(self, t: float) -> None:
         """Raise ComputationError if the new state cannot be gone on from."""
@@ -153,7 +152,8 @@ class Integrator:
     def _boundary(self, k: int) -> str:
         record = self.state.layout.records[k]
         side = 0 if record["end_kind"][0] >= 0 else 1
-        return f"with its interface at x = {record['x_interface']:.6g} m and its boundary at x = {record['end_x'][side]:.6g} m"
+        interface, boundary = record["x_interface"], record["end_x"][side]
+        return f"with its interface at x = {interface:.6g} m and its boundary at x = {boundary:.6g} m"
 
     # steps
 
@@ -202,7 +202,7 @@ class Integrator:
         state = self.state
         state.set_initial()
         while state.flags[LOW] and not (state.flags[EXHAUSTED] or state.flags[SHORT]):
-            state.grow(0.0)
+            state.grow()
         self._on_grids()
         self._finish()
         self._check(0.0)
@@ -235,8 +235,7 @@ class Integrator:
                 if self._error is not None:
                     raise self._error
                 if self.state.flags[LOW] and not self._clock.done:
-                    self.state.grow(self.t)
+                    self.state.grow()
                     self._on_grids()
-                    self._finish()
         finally:
             self.wall_time += time.perf_counter() - begun

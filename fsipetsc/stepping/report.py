@@ -55,7 +55,8 @@ class Reporter:
         self._last = now
         end = self._opt["ts_max_time"]
         left = (now - self._begun) * (end - t) / t if t > 0 else 0.0
-        text = f"  t = {t:.4g} of {end:g} s ({100 * t / end:.0f} %), step {steps}, dt = {dt:.3g} s, {_duration(left)} left"
+        done = f"  t = {t:.4g} of {end:g} s ({100 * t / end:.0f} %)"
+        text = f"{done}, step {steps}, dt = {dt:.3g} s, {_duration(left)} left"
         if self._terminal:
             print(f"\r{text:<78}", end="", flush=True)
             self._open_line = True

@@ -23,7 +23,9 @@ class State:
     Raises InputError where grid, order and number of ranks do not fit.
     """
 
-    def __init__(self, comm: MPI.Comm, problem: Problem, order: int, h: float, coupling: str, mode: str, spare: int) -> None:
+    def __init__(
+        self, comm: MPI.Comm, problem: Problem, order: int, h: float, coupling: str, mode: str, spare: int
+    ) -> None:
         self.comm, self.problem, self.h = comm, problem, h
         self.op = OPERATORS[order]
         self._coupling, self._mode, self._spare = coupling, mode, spare
@@ -102,27 +104,29 @@ class State:
             self.set_data(t + fraction * dt)
             advance(*self.plan, number, number + 1, -1, dt)
 
-    def grow(self, t: float) -> None:
-        """Lay the grids anew with more spare points at the embedded boundaries; the solution at time t [s] moves along.
+    def grow(self) -> None:
+        """Lay the grids anew with more spare points at the embedded boundaries; the completed solution moves along.
 
-        Rare, so it is simple: every rank sees each layer once, whole.
+        Nothing else changes, not even in the last bit. Rare, so it is simple: every rank sees each layer once, whole.
         """
         old, y = self.layout, self.solution.getArray(readonly=True)
         whole = [gather(self.comm, old, k, y) for k in range(len(old.grids))]
         cells = {k: int(r["hi"] - r["lo"]) for k, r in enumerate(old.records) if r["kind"] == FLUID}
-        ends = [(int(r["lo"]), int(r["hi"])) for r in old.records]
+        results = [v.copy() for v in (self.limits, self.states)]
         self._release()
         self._place(make_grids(self.problem, self.op, self.h, max(self._spare, NODES), cells))
-        self.set_data(t)
+        self.limits[:], self.states[:] = results
         y = self.solution.getArray()
-        for k, grid in enumerate(self.layout.grids):
-            record = self.layout.records[k]
-            if not record["present"]:
-                continue
-            active = whole[k][ends[k][0] : ends[k][1] + 1]
-            rows = np.arange(record["own_lo"], record["own_hi"]) - grid.lo
-            self.layout.local(k, y)[:] = active[np.clip(rows, 0, len(active) - 1)]
-        self.finish()
+        for k, (grid, record) in enumerate(zip(self.layout.grids, self.layout.records, strict=True)):
+            before = old.records[k]
+            for name in ("s", "x_interface", "end_data"):
+                record[name] = before[name]
+            if record["present"]:
+                active = whole[k][before["lo"] : before["hi"] + 1]
+                rows = np.arange(record["own_lo"], record["own_hi"]) - grid.lo
+                self.layout.local(k, y)[:] = active[np.clip(rows, 0, len(active) - 1)]
+        advance(*self.plan, 0, 0, self._solution, 0.0)
+        self.plan.part("sum", y.size)[:] = y
 
     def _release(self) -> None:
         for requests in self._requests:

@@ -1,0 +1,148 @@
+"""Results are the same bit for bit on any number of ranks, however layers are dealt out and storage is laid out."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from helpers import REPOSITORY, compute, mpirun
+
+import fsipetsc
+
+pytest.importorskip("petsc4py")
+
+pytestmark = pytest.mark.mpi
+
+PISTON = str(REPOSITORY / "runs" / "piston.py")
+_ROD = "-fsi_h 0.025 -ts_max_time 0.1 -fsi_output_dt 0.02"  # the interfaces move by two cells
+_MMS = "-fsi_h 0.025 -fsi_order 6 -ts_max_time 0.2 -fsi_output_dt 0.05"
+RUNS = {
+    "rod": ("rod", _ROD),
+    "rod physics": ("rod", f"{_ROD} -fsi_partition physics"),
+    "rod balanced": ("rod", f"{_ROD} -fsi_partition balanced"),
+    "rod spare 0": ("rod", f"{_ROD} -fsi_spare 0"),
+    "rod spare 2": ("rod", f"{_ROD} -fsi_spare 2"),
+    "rod spare 200": ("rod", f"{_ROD} -fsi_spare 200"),
+    "rod order 2": ("rod", f"{_ROD} -fsi_order 2 -solid_gruneisen 0.1"),
+    "rod order 8": ("rod", f"{_ROD} -fsi_order 8"),
+    "rod 5dp": ("rod", "-fsi_h 0.05 -ts_max_time 0.1 -ts_rk_type 5dp -ts_adapt_type basic -ts_rtol 1e-7 -ts_atol 1e-7"),
+    "mms": ("mms", _MMS),
+    "mms balanced": ("mms", f"{_MMS} -fsi_partition balanced"),
+    "pulse": ("pulse", "-fsi_h 0.025 -fsi_order 8 -fsi_output_dt 0.001 -pulse_amplitude 1000"),
+    "pulse balanced": ("pulse", "-fsi_h 0.025 -fsi_order 4 -fsi_output_dt 0.001 -pulse_start -0.5 -fsi_partition balanced"),
+    "piston": (PISTON, "-ts_max_time 0.048"),
+    "piston spare 0": (PISTON, "-ts_max_time 0.048 -fsi_spare 0"),
+    "piston out": (PISTON, "-ts_max_time 0.02 -piston_speed -20 -fsi_spare 3"),
+}
+#: differ in where things are computed and stored, not in what
+SAME = {
+    "rod physics": "rod",
+    "rod balanced": "rod",
+    "rod spare 0": "rod",
+    "rod spare 2": "rod",
+    "rod spare 200": "rod",
+    "mms balanced": "mms",
+    "piston spare 0": "piston",
+}
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory):
+    """results(ranks, name): a run of RUNS on so many ranks."""
+    kept: dict[int, dict] = {}
+
+    def get(n: int, name: str):
+        if n not in kept:
+            names = {run: run.replace(" ", "_") for run in RUNS}
+            folder = tmp_path_factory.mktemp(f"ranks{n}")
+            files = compute(n, folder, {names[run]: spec for run, spec in RUNS.items()}, timeout=400)
+            kept[n] = {run: fsipetsc.open_run(files[names[run]]) for run in RUNS if names[run] in files}
+        assert name in kept[n], f"{name} failed on {n} ranks"
+        return kept[n][name]
+
+    return get
+
+
+def active(layer, field: str, frame: int) -> tuple[np.ndarray, np.ndarray]:
+    """(X, values) of a field where it is not NaN."""
+    inside = np.isfinite(layer[field][frame])
+    return layer.X[inside], layer[field][frame][inside]
+
+
+def assert_same(one, other) -> None:
+    """Profiles and series bit for bit; integrals over x up to the order of summation."""
+    assert one.summary["ranks"] != other.summary["ranks"] or one.options != other.options
+    assert np.array_equal(one.time, other.time)
+    for a, b in zip(one.layers, other.layers, strict=True):
+        for field in a.fields:
+            for frame in range(one.nframes):
+                (X, v), (Y, w) = active(a, field, frame), active(b, field, frame)
+                assert np.allclose(X, Y, rtol=0, atol=1e-9), (a.name, field, frame)
+                assert np.array_equal(v, w), (a.name, field, frame, np.abs(v - w).max())
+    assert set(one.series) == set(other.series)
+    for name, values in one.series.items():
+        if name in ("mass", "energy"):
+            np.testing.assert_allclose(other.series[name], values, rtol=1e-12)
+        else:
+            assert np.array_equal(values, other.series[name]), name
+    for kind, listed in one.errors.items():
+        np.testing.assert_allclose(list(other.errors[kind].values()), list(listed.values()), rtol=1e-9)
+
+
+@pytest.mark.parametrize("n", [2, 3, 4])
+@pytest.mark.parametrize("name", RUNS)
+def test_as_on_one_rank(results, name, n):
+    assert results(n, name).summary["ranks"] == n
+    assert_same(results(1, name), results(n, name))
+
+
+@pytest.mark.parametrize("n", [1, 4])
+@pytest.mark.parametrize(("name", "same"), SAME.items())
+def test_partition_and_storage_do_not_matter(results, name, same, n):
+    assert_same(results(1, same), results(n, name))
+
+
+def test_the_boundaries_cross_cells(results):
+    """So that the runs above say something about points that appear and disappear."""
+    for name, least in (("rod", 2), ("mms", 2), ("piston", 15)):
+        counts = np.isfinite(results(1, name).layers[0]["rho"]).sum(axis=1)
+        assert np.ptp(counts) >= least, name
+    assert len(results(1, "piston spare 0").layers[0].X) < len(results(1, "piston").layers[0].X)
+    assert len(results(1, "piston out").layers[0].X) > 41 + 3, "the grid has grown"
+
+
+def test_the_boundary_crosses_from_one_rank_to_another_and_back(results):
+    """On 4 ranks three own the gas before the piston; the outermost is left without an active point for a while."""
+    from fsipetsc.cases import load_case
+    from fsipetsc.operators import OPERATORS
+    from fsipetsc.options import defaults
+    from fsipetsc.parallel.layout import make_grids
+    from fsipetsc.parallel.partition import Extent, partition
+
+    run = results(4, "piston")
+    case = load_case(PISTON)
+    problem = case.build({**defaults(case), **run.options})
+    op, h = OPERATORS[run.options["fsi_order"]], run.options["fsi_h"]
+    grids = make_grids(problem, op, h, run.options["fsi_spare"])
+    extents = [
+        Extent(layer.kind, grid.n, grid.hi - grid.lo + 1, k == 0)
+        for k, (layer, grid) in enumerate(zip(problem.layers, grids, strict=True))
+    ]
+    shares = partition(extents, 4, "auto", max(2 * op.reach, 6, op.rows + 1))[0]
+    assert len(shares) == 3
+    end_of_outermost = shares[0][2]
+    first_active = np.isfinite(run.layers[0]["rho"]).argmax(axis=1)
+    assert first_active[0] < end_of_outermost - 10
+    assert first_active.max() >= end_of_outermost + 2, "the ghost point has left the outermost rank's part"
+    assert first_active[-1] < end_of_outermost - 10, "and is back"
+
+
+def test_the_largest_number_of_ranks_works_and_one_more_is_refused(tmp_path):
+    args = "rod -fsi_h 0.1 -fsi_order 2 -rod_top 3 -ts_max_steps 10".split()
+    refused = mpirun(30, "-m", "fsipetsc", *args, cwd=tmp_path)
+    assert refused.returncode == 2
+    assert refused.stderr.count("fsipetsc: error: ") == 1
+    most = int(refused.stderr.split(" is the largest number that works")[0].split()[-1])
+    assert mpirun(most, "-m", "fsipetsc", *args, cwd=tmp_path).returncode == 0
+    assert mpirun(most + 1, "-m", "fsipetsc", *args, cwd=tmp_path).returncode == 2
+    run = fsipetsc.open_run(tmp_path / "rod.h5")
+    assert (run.summary["ranks"], run.summary["steps"]) == (most, 10)
