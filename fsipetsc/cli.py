@@ -5,33 +5,50 @@ from __future__ import annotations
 import importlib
 import os
 import sys
-from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 from fsipetsc.cases import BUILT_IN, load_case, summaries
 from fsipetsc.errors import InputError
 from fsipetsc.failure import settle
 from fsipetsc.launch import HELP_FLAGS, launcher_rank, start_mpi, start_petsc
 from fsipetsc.options import read_options
-from fsipetsc.usage import case_help, overview, program
+from fsipetsc.usage import case_help, command_help, overview, program
 
 
 class Command(NamedTuple):
     """A command: what stands behind its name, one line about it, and the function that does it.
 
     target: "module:function", imported when it is called, with the list of arguments; a parallel one also gets the
-    communicator of all ranks and starts PETSc itself (fsipetsc.launch.start_petsc).
+    communicator of all ranks and starts PETSc itself (fsipetsc.launch.start_petsc). options: "module:name" of its own
+    options, heading -> Options (fsipetsc.options.read_table), which -help lists, or of a function of the arguments that
+    returns them.
     """
 
     arguments: str
     summary: str
     target: str
     parallel: bool = False
+    options: str = ""
 
 
 COMMANDS = {
     "info": Command("RUN.h5", "what a result holds: case, options, times, layers, summary", "fsipetsc.cli:info"),
     "plot": Command("RUN.h5 [-o DIR]", "pictures (PNG) of a result", "fsipetsc.cli:plot"),
+    "convergence": Command(
+        "CASE [-option value ...]",
+        "errors, observed orders and cost of a case with an exact solution",
+        "fsipetsc.analysis.convergence:convergence",
+        parallel=True,
+        options="fsipetsc.analysis.convergence:sections",
+    ),
+    "stability": Command(
+        "[-sweep] [-option value ...]",
+        "the linear theory, checked: spectra, energy growth, time-step limits",
+        "fsipetsc.analysis.stability:stability",
+        parallel=True,
+        options="fsipetsc.analysis.stability_options:SECTIONS",
+    ),
 }
 _VERSION_FLAGS = ("--version", "-version")
 
@@ -60,9 +77,9 @@ def _is_run(arguments: Sequence[str]) -> bool:
     """True for what is done by all ranks together, False for what one process answers."""
     if not arguments or arguments[0] in HELP_FLAGS + _VERSION_FLAGS:
         return False
-    if arguments[0] in COMMANDS:
-        return COMMANDS[arguments[0]].parallel
-    return not any(word in HELP_FLAGS + _VERSION_FLAGS for word in arguments[1:])
+    if any(word in HELP_FLAGS + _VERSION_FLAGS for word in arguments[1:]):
+        return False
+    return arguments[0] not in COMMANDS or COMMANDS[arguments[0]].parallel
 
 
 def _answer(arguments: list[str]) -> None:
@@ -80,13 +97,19 @@ def _answer(arguments: list[str]) -> None:
 def _run_command(name: str, arguments: list[str]) -> None:
     command = COMMANDS[name]
     if any(word in HELP_FLAGS for word in arguments):
-        print(f"{program()} {name} {command.arguments}\n\n  {command.summary}")
+        if command.options:
+            options = _named(command.options)
+            sections = options(arguments) if callable(options) else options
+            print(command_help(name, command.arguments, command.summary, sections))
+        else:
+            print(f"{program()} {name} {command.arguments}\n\n  {command.summary}")
         return
-    _function(command)(arguments)
+    _named(command.target)(arguments)
 
 
-def _function(command: Command) -> Callable[..., None]:
-    module, name = command.target.split(":")
+def _named(place: str) -> Any:
+    """What "module:name" stands for."""
+    module, name = place.split(":")
     return getattr(importlib.import_module(module), name)
 
 
@@ -104,7 +127,7 @@ def _in_parallel(arguments: list[str]) -> int:
         world = start_mpi()
         notes = world.Dup()
         if first in COMMANDS:
-            _function(COMMANDS[first])(arguments[1:], world)
+            _named(COMMANDS[first].target)(arguments[1:], world)
             return 0
         case_file = None if first in BUILT_IN else first
         case = load_case(first, tuple(COMMANDS))

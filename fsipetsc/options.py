@@ -15,7 +15,10 @@ from fsipetsc.errors import InputError
 from fsipetsc.option import INT_MAX, REQUIRED, Option
 from fsipetsc.petsc_names import KNOWN, NEWEST_LISTED, REFUSED, is_family_name, is_open_family_name
 
-__all__ = ["COMMON", "PETSC_OPTIONS", "REQUIRED", "Option", "defaults", "groups", "publish", "read_options", "table"]
+__all__ = [
+    *("COMMON", "PETSC_OPTIONS", "REQUIRED", "Option", "defaults", "groups", "publish", "read_options", "read_table"),
+    "table",
+]
 
 
 def _increasing(times: Sequence[float]) -> str | None:
@@ -130,10 +133,25 @@ def read_options(case: Any, extra: Sequence[Option] = ()) -> dict[str, Any]:
     value and for options that contradict each other. Time-integration options are completed in the database, so that
     TSSetFromOptions sees them.
     """
+    values, chosen = _read(table(case, extra))
+    _check_together(values, chosen)
+    publish(values)
+    return values
+
+
+def read_table(sections: Mapping[str, Sequence[Option]]) -> dict[str, Any]:
+    """Name -> typed value of the options of a command that runs no case, from PETSc's database.
+
+    sections: heading -> options, as for ``groups``. InputError for an unknown name or a bad value.
+    """
+    return _read({option.name.lower(): option for options in sections.values() for option in options})[0]
+
+
+def _read(options: Mapping[str, Option]) -> tuple[dict[str, Any], dict[str, str]]:
+    """(name -> value, name -> how the user spelt it); options: name in lower case -> option."""
     from petsc4py import PETSc
 
     database = PETSc.Options()
-    options = table(case, extra)
     given = database.getAll()  # name as typed -> text, perhaps cut at a blank
     _check_names(given, options, database)
     values = {option.name: option.default for option in options.values()}
@@ -146,9 +164,7 @@ def read_options(case: Any, extra: Sequence[Option] = ()) -> dict[str, Any]:
         if option.name in chosen and values[option.name] != value:
             raise InputError(f"-{chosen[option.name]} and -{name} mean the same; give one of them")
         values[option.name], chosen[option.name] = value, name
-    _check_together(values, chosen)
-    publish(values)
-    return values
+    return values, chosen
 
 
 def _text(database: Any, name: str, listed: str | None) -> str:
@@ -199,6 +215,8 @@ def _check_together(values: dict[str, Any], given: Mapping[str, str]) -> None:
     for option, value in values.items():
         if value is REQUIRED:
             raise InputError(f"-{option} must be given: the case has no default for it")
+    if "ts_rk_type" in given and "ts_type" not in given:
+        values["ts_type"] = "rk"  # who names one of PETSc's methods wants it, not the fused one
     if values["ts_adapt_type"] == "basic" and not (values["ts_type"] == "rk" and values["ts_rk_type"] in _EMBEDDED):
         method = f"-ts_rk_type {values['ts_rk_type']}" if values["ts_type"] == "rk" else f"-ts_type {values['ts_type']}"
         raise InputError(

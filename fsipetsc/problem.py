@@ -63,7 +63,8 @@ class Problem:
 
     left, right: the conditions at the outer ends. jumps(k, t) -> (g_u, g_stress, g_T, g_flux) at interface k:
     u_s-u_f, sigma-p_s+p_f-mu' u_X, T_s-T_f, kappa_e/x_X T_X-kappa T_X; None where all are zero.
-    notes: lines about the exact solution or the data that the summary should carry.
+    notes: lines about the exact solution or the data that the result should carry. units: "SI", or "none" for a
+    problem without dimensions.
     """
 
     layers: tuple[Layer, ...]
@@ -71,6 +72,7 @@ class Problem:
     right: Boundary
     jumps: Callable[[int, float], tuple[float, float, float, float]] | None = None
     notes: tuple[str, ...] = ()
+    units: str = "SI"
 
     def __post_init__(self) -> None:
         kinds = [layer.kind for layer in self.layers]

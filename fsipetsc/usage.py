@@ -56,16 +56,30 @@ def overview(cases: Mapping[str, str], commands: Mapping[str, tuple[str, str]]) 
 
 def case_help(case: Any, called: str) -> str:
     """Every option of a case with type, default, unit and meaning; called: the case as the user named it."""
+    title = f"{case.NAME}: {case.SUMMARY}" if case.SUMMARY else case.NAME
+    return _help(title, f"[mpiexec -n N] {program()} {called} [-option value ...]", groups(case))
+
+
+def command_help(name: str, arguments: str, summary: str, sections: Mapping[str, Sequence[Option]]) -> str:
+    """The same for a command with options of its own; sections: heading -> options."""
+    petsc = [row for row in _PETSC_TABLE if not row[0].startswith("-ts_")]
+    return _help(f"{name}: {summary}", f"[mpiexec -n N] {program()} {name} {arguments}", sections, petsc)
+
+
+def _help(
+    title: str,
+    usage: str,
+    groups: Mapping[str, Sequence[Option]],
+    petsc: Sequence[tuple[str, str, str]] = _PETSC_TABLE,
+) -> str:
     width = min(max(shutil.get_terminal_size((110, 24)).columns, 80), 120)
-    sections = {title: [_row(option) for option in options] for title, options in groups(case).items()}
-    sections["More of PETSc"] = [(name, what, "", meaning) for name, what, meaning in _PETSC_TABLE]
+    sections = {heading: [_row(option) for option in options] for heading, options in groups.items()}
+    sections["More of PETSc"] = [(name, what, "", meaning) for name, what, meaning in petsc]
     rows = [row for section in sections.values() for row in section]
     columns = [max(len(row[i]) for row in rows) for i in range(3)]
-    lines = [f"{case.NAME}: {case.SUMMARY}" if case.SUMMARY else case.NAME, ""]
-    lines += [f"  [mpiexec -n N] {program()} {called} [-option value ...]"]
-    lines += ["", *_laid_out(_HEADER, columns, width)]
-    for title, section in sections.items():
-        lines += ["", title]
+    lines = [title, "", f"  {usage}", "", *_laid_out(_HEADER, columns, width)]
+    for heading, section in sections.items():
+        lines += ["", heading]
         for row in section:
             lines += _laid_out(row, columns, width)
     lines += ["", *textwrap.wrap(_NOTES.strip(), width)]

@@ -2,10 +2,10 @@
 
     mpiexec -n 2 python -m fsipetsc runs/piston.py
 
-A case of one's own, as short as it gets. The gas lies between a wall at x = 0 and the piston; behind the piston the
-outer pressure p0 acts. It shows a layer that loses a third of its grid points to the moving boundary and gets them
-back. The compression is nearly adiabatic: the energy balance gives the turning point (tests/test_piston.py).
-1,000 steps, seconds.
+A case of one's own, as short as it gets. The gas lies between a wall at x = 0 and the piston; on the piston's back
+the outer pressure acts. It shows a layer that loses 15 of its 41 grid points to the moving boundary and gets them
+back, and an exact number to compare with: the compression is adiabatic, so the energy balance gives the turning
+point, x = 0.6091 m, to four digits. 1,600 steps, less than a second.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ P0, T0 = 1e5, 300.0
 def build(opt: Mapping[str, Any]) -> Problem:
     """Gas in 0 < X < 1, the piston right of it."""
     air = Fluid(mu=2e-5, kappa=0.026, gamma=1.4, R=287.0)
-    steel = Solid(K=1e8, kappa_e=50.0, m0=opt["piston_density"], alpha=500.0)
+    steel = Solid(K=1e8, kappa_e=0.0, m0=opt["piston_density"], alpha=500.0)  # lets no heat in
 
     def gas(X: np.ndarray) -> list[np.ndarray]:
         u = -opt["piston_speed"] * X  # no shock at the start

@@ -20,6 +20,38 @@ PULSE_STARTS = {0.75: 0.0035, -0.75: 0.003}
 SOLIDS = {"light": (1.0, 2.5e5), "middle": (4.0, 1e6), "heavy": (4e4, 1e10)}
 _PULSE = "-pulse_amplitude 0.01 -fsi_output_dt 1 -pulse_start"
 
+#: (-ts_type, -ts_rk_type) -> order
+METHODS = {
+    ("euler", ""): 1,
+    ("ssp", ""): 2,
+    **{("rk", name): order for name, order in (("1fe", 1), ("2a", 2), ("2b", 2), ("3", 3), ("3bs", 3), ("4", 4))},
+    **{("rk", name): 5 for name in ("5f", "5dp", "5bs", "6vr", "7vr", "8vr")},
+}
+#: of the test of their orders [s]
+STEPS = (1e-4, 5e-5)
+TOLERANCES = (1e-4, 1e-6, 1e-8)
+_SHORT_FALL = "-fsi_h 0.1 -ts_max_time 0.004 -fsi_output_dt 1"
+_NONLINEAR_PULSE = (
+    "-fsi_h 0.05 -ts_max_time 0.002 -fsi_output_dt 0.001 -pulse_amplitude 1000 "
+    "-fluid_mu 0.5 -fluid_kappa 0.7 -solid_kappa 0.5"
+)
+
+
+def fixed(method: tuple[str, str], dt: float) -> str:
+    """Name of the run with a method of METHODS and a fixed step."""
+    return f"{''.join(method)}_{dt}"
+
+
+def _fixed_step(method: tuple[str, str], dt: float) -> str:
+    rk_type = f" -ts_rk_type {method[1]}" if method[1] else ""
+    return f"{_SHORT_FALL} -ts_dt {dt if METHODS[method] > 1 else dt / 8} -ts_type {method[0]}{rk_type}"
+
+
+def _adaptive(method: str, tolerance: float, cfl: float) -> str:
+    control = f"-ts_adapt_type basic -ts_rtol {tolerance} -ts_atol {tolerance}"
+    return f"{_NONLINEAR_PULSE} -ts_rk_type {method} {control} -fsi_cfl {cfl}"
+
+
 #: group -> list of (ranks, name -> (case, options)); the batches of a group are computed side by side
 GROUPS: dict[str, list[tuple[int, dict[str, tuple[str, str]]]]] = {
     "rod": [
@@ -33,6 +65,37 @@ GROUPS: dict[str, list[tuple[int, dict[str, tuple[str, str]]]]] = {
     "mms": [
         (1, {f"order{q}_h{h}": ("mms", f"-fsi_h {h} -fsi_order {q} -fsi_output_dt 1") for q in ORDERS})
         for h in (0.00625, 0.0125)
+    ],
+    "methods": [
+        (
+            1,
+            {fixed(method, dt): ("rod", _fixed_step(method, dt)) for method in METHODS for dt in STEPS}
+            | {"reference": ("rod", f"{_SHORT_FALL} -ts_dt 6.25e-6 -ts_rk_type 5dp")},
+        )
+    ],
+    "adaptive": [
+        (
+            1,
+            {f"{m}_{tol}": ("pulse", _adaptive(m, tol, 20)) for m in ("3bs", "5dp") for tol in TOLERANCES}
+            | {"wild": ("pulse", _adaptive("8vr", 1e-4, 40))}
+            | {"reference": ("pulse", f"{_NONLINEAR_PULSE} -ts_rk_type 5dp -fsi_cfl 0.05")},
+        )
+    ],
+    "times": [
+        (
+            1,
+            {
+                name: ("rod", f"-fsi_h 0.1 {options}")
+                for name, options in {
+                    "listed": "-fsi_output_times 0,0.0011,0.00234567,0.005,0.0071,0.0071003 -ts_max_time 0.01",
+                    "interval": "-fsi_output_dt 0.003 -ts_max_time 0.01",
+                    "fixed": "-ts_dt 1e-4 -ts_max_time 0.01 -fsi_output_dt 1",
+                    "fixed_cfl": "-fsi_cfl 0.5 -ts_max_steps 3",
+                    "steps": "-ts_max_steps 7",
+                    "nothing": "-ts_max_time 0",
+                }.items()
+            },
+        )
     ],
     "pulse": [
         (

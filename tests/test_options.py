@@ -118,7 +118,8 @@ def test_long_lists_and_values_with_blanks_arrive_whole(read, database):
         ("-ts_type bdf", ["-ts_type", "rk, ssp, euler"]),
         ("-ts_rk_type 9", ["-ts_rk_type", "5dp"]),
         ("-ts_adapt_type dsp", ["-ts_adapt_type", "none, basic"]),
-        ("-ts_adapt_type basic", ["-ts_rk_type 4", "5dp"]),
+        ("-ts_adapt_type basic", ["-ts_type fused", "5dp"]),
+        ("-ts_adapt_type basic -ts_rk_type 4", ["-ts_rk_type 4", "5dp"]),
         ("-ts_adapt_type basic -ts_type ssp", ["-ts_type ssp", "5dp"]),
         ("-ts_dt 0.1 -ts_time_step 0.2", ["-ts_dt", "-ts_time_step"]),
         ("-ts_time_span 0,1", ["-ts_time_span", "-fsi_output_times"]),
@@ -165,7 +166,7 @@ def test_unlisted_option_of_a_newer_petsc_is_accepted_but_a_slip_is_not(read, da
 def test_time_integrator_gets_the_defaults_but_the_users_words_first(read):
     from petsc4py import PETSc
 
-    read("-ts_max_time 0.5", make_case(DEFAULTS={"fsi_h": 0.1, "ts_max_time": 2.0, "ts_max_steps": 7}))
+    read("-ts_rk_type 4 -ts_max_time 0.5", make_case(DEFAULTS={"fsi_h": 0.1, "ts_max_time": 2.0, "ts_max_steps": 7}))
     ts = PETSc.TS().create()
     ts.setRHSFunction(lambda ts, t, u, f: f.set(0), PETSc.Vec().createSeq(1))
     ts.setFromOptions()
@@ -227,3 +228,12 @@ def test_help_shows_every_option_with_type_default_unit_and_choices():
     assert "stub.h5" in rows["-fsi_output"]
     assert max(map(len, text.splitlines())) <= 120
     assert not [line for line in text.splitlines() if line != line.rstrip()]
+
+
+def test_naming_a_runge_kutta_method_selects_petscs(read):
+    opt = read("-ts_rk_type 5dp")
+    assert (opt["ts_type"], opt["ts_rk_type"]) == ("rk", "5dp")
+
+
+def test_another_integrator_is_not_overruled(read):
+    assert read("-ts_type ssp -ts_rk_type 5dp")["ts_type"] == "ssp"

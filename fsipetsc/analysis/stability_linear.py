@@ -1,12 +1,15 @@
-"""The linearised coupled problem (4.2): a solid layer left of a fluid layer, each with n points, on dense matrices.
+"""The linearised coupled problem (4.2): a solid layer left of a fluid layer, each with n points, as sparse matrices.
 
 Small disturbances of a constant state obey (3.6) and (3.8). Per point there are six unknowns, fluid (rho, u, T) and
-solid (u, S, T). S = sigma - p_rho rho' stands for the stress and the strain, which enter as this sum alone: with
-rho' = -m0 x_X' and x_t = u it obeys S_t = (K + m0 p_rho) u_X, and sigma/K - x_X' keeps its value for ever.
+solid (u, S, T). S = sigma - p_rho rho' stands for stress and strain, which act as this sum alone: with x_t = u it obeys
+S_t = K^ u_X, K^ = (K + p_s)/x_X, and what is left, K x_X'/x_X - sigma, never changes.
 
-    rho_t = -rho^ D u                                                     u_t = D (S - c T) / m0
-    u_t   = -D (R T + R T^/rho^ rho) + mu'/rho^ D D u                     S_t = (K + p_s) D u
-    T_t   = -(gamma-1) T^ D u + kappa/(rho^ cv) D D T                     T_t = ((sigma^ - p_s) D u + kappa_e D D T) / (alpha m0)
+    fluid   rho_t = -rho^ D u
+            u_t   = -D (R T + R T^/rho^ rho) + mu'/rho^ D D u
+            T_t   = -(gamma-1) T^ D u + kappa/(rho^ cv) D D T
+    solid   u_t   = D (S - c T) / m0
+            S_t   = K^ D u
+            T_t   = ((sigma^ - p_s) D u + kappa_e/x_X D D T) / (alpha m0)
 
 c = alpha p_eps. The energy E = h sum_j a_j (W q^2)_j has the weights of fsipetsc.coupling.energy. In it the equations
 are symmetric but for the part sigma^ D u of the last one, the heat that the stress sigma^ != 0 sets free.
@@ -21,10 +24,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
+from scipy.sparse import bmat, csr_matrix, diags, identity, lil_matrix
 
 from fsipetsc.coupling import INTERFACE, KINDS, couple
 from fsipetsc.operators import operator, packed
+from fsipetsc.operators.kernels import OPTIONS
 from fsipetsc.physics.fluid import Fluid
 from fsipetsc.physics.solid import Solid
 
@@ -38,13 +44,14 @@ CENTRAL = np.array([4 / 5, -1 / 5, 4 / 105, -1 / 280])
 class Constant:
     """The constant state and the materials: gas of density rho [kg/m3] and temperature T [K] at rest on a solid.
 
-    The solid has the same temperature, x_X = 1, and the stress that balances the gas.
+    The solid has the same temperature, the uniform strain x_X = stretch, and the stress that balances the gas.
     """
 
     gas: Fluid
     solid: Solid
     rho: float
     T: float
+    stretch: float = 1.0
 
     @property
     def p(self) -> float:
@@ -53,20 +60,26 @@ class Constant:
 
     @property
     def solid_pressure(self) -> float:
-        """p_s [Pa]; also m0 p_rho, and T times alpha p_eps."""
-        return self.solid.gruneisen * self.solid.m0 * self.solid.alpha * self.T
+        """p_s [Pa]; also p_rho times the density, and alpha p_eps times T."""
+        return self.solid.gruneisen * self.solid.m0 * self.solid.alpha * self.T / self.stretch
 
     @property
     def stress(self) -> float:
-        """sigma [Pa] of the solid, by sigma - p_s = -p."""
-        return self.solid_pressure - self.p
+        """sigma [Pa] of the solid, by sigma - p_s = -p; 0 where the pressures are equal but for round-off."""
+        stress = self.solid_pressure - self.p
+        return stress if abs(stress) > 1e-12 * self.p else 0.0
+
+    @property
+    def modulus(self) -> float:
+        """(K + p_s) / x_X [Pa]: S_t over u_X."""
+        return (self.solid.K + self.solid_pressure) / self.stretch
 
     @property
     def weights(self) -> Array:
         """W of (rho, u, T) in the fluid and (u, S, T) in the solid."""
         gas, solid = self.gas, self.solid
         fluid = [gas.R * self.T / self.rho, self.rho, self.rho * gas.cv / self.T]
-        return np.array([*fluid, solid.m0, 1.0 / (solid.K + self.solid_pressure), solid.alpha * solid.m0 / self.T])
+        return np.array([*fluid, solid.m0, 1.0 / self.modulus, solid.alpha * solid.m0 / self.T])
 
     @property
     def scales(self) -> Array:
@@ -84,13 +97,13 @@ class Linear:
     Order: fluid rho, u, T, solid u, S, T; in each the points from left to right.
     """
 
-    raw: Array
-    heating: Array
-    projection: Array
-    layers: Array
+    raw: csr_matrix
+    heating: csr_matrix
+    projection: csr_matrix
+    layers: csr_matrix
     n: int
 
-    def operator(self, heating: bool = True) -> Array:
+    def operator(self, heating: bool = True) -> csr_matrix:
         """P L P: the linearised semi-discrete problem."""
         return self.projection @ (self.raw + self.heating if heating else self.raw) @ self.projection
 
@@ -98,30 +111,29 @@ class Linear:
 def assemble(state: Constant, order: int, n: int, h: float, coupling: str) -> Linear:
     """The problem with n points of spacing h [m] in each layer. ValueError if the closures do not fit."""
     op = operator(order)
-    D, norm = op.matrix(n, h), op.norm_weights(n)
-    size = np.sqrt(h * np.outer(state.weights, norm)).ravel()
-    raw, heating = rates(state, D)
+    root = np.sqrt(h * np.outer(state.weights, op.norm_weights(n))).ravel()
+    scale, unscale = diags(root), diags(1.0 / root)
+    raw, heating = rates(state, op.matrix(n, h))
     ends = np.ones((6, n))
     ends[1, -1] = ends[3, 0] = 0.0
     ends[2, -1] = 0.0 if state.gas.kappa > 0 else 1.0
     ends[5, 0] = 0.0 if state.solid.kappa_e > 0 else 1.0
-    alone = ends * np.concatenate([ends[:3, ::-1], ends[3:, ::-1]])
-    at_interface = scatter(interface_jacobian(state, order, h, coupling), n)
-    scaled = size[:, None] / size[None, :]
+    interface = scatter(interface_jacobian(state, order, h, coupling), n)
     return Linear(
-        raw * scaled,
-        heating * scaled,
-        ends.ravel()[:, None] * (at_interface * scaled) * ends.ravel()[None, :],
-        np.diag(alone.ravel()),
+        csr_matrix(scale @ raw @ unscale),
+        csr_matrix(scale @ heating @ unscale),
+        csr_matrix(diags(ends.ravel()) @ scale @ interface @ unscale @ diags(ends.ravel())),
+        csr_matrix(diags((ends * ends[:, ::-1]).ravel())),
         n,
     )
 
 
-def rates(state: Constant, D: Array) -> tuple[Array, Array]:
+def rates(state: Constant, D: Array) -> tuple[csr_matrix, csr_matrix]:
     """(right-hand side without the heating by sigma^, that heating), (6n, 6n), for the derivative D, (n, n)."""
     gas, solid, rho, T, ps = state.gas, state.solid, state.rho, state.T, state.solid_pressure
-    heat = solid.alpha * solid.m0
-    zero, DD = np.zeros_like(D), D @ D
+    heat, n = solid.alpha * solid.m0, len(D)
+    D = csr_matrix(D)
+    DD, zero = D @ D, csr_matrix((n, n))
     fluid = [
         [zero, -rho * D, zero],
         [-gas.R * T / rho * D, 4 / 3 * gas.mu / rho * DD, -gas.R * D],
@@ -129,14 +141,13 @@ def rates(state: Constant, D: Array) -> tuple[Array, Array]:
     ]
     elastic = [
         [zero, D / solid.m0, -ps / T / solid.m0 * D],
-        [(solid.K + ps) * D, zero, zero],
-        [-ps / heat * D, zero, solid.kappa_e / heat * DD],
+        [state.modulus * D, zero, zero],
+        [-ps / heat * D, zero, solid.kappa_e / state.stretch / heat * DD],
     ]
-    n = len(D)
-    raw, heating = np.zeros((6 * n, 6 * n)), np.zeros((6 * n, 6 * n))
-    raw[: 3 * n, : 3 * n], raw[3 * n :, 3 * n :] = np.block(fluid), np.block(elastic)
-    heating[5 * n :, 3 * n : 4 * n] = state.stress / heat * D
-    return raw, heating
+    heated = [[zero] * 3, [zero] * 3, [state.stress / heat * D, zero, zero]]
+    rest = csr_matrix((3 * n, 3 * n))
+    raw = bmat([[bmat(fluid), None], [None, bmat(elastic)]], format="csr")
+    return raw, bmat([[rest, None], [None, bmat(heated)]], format="csr")
 
 
 def interface_record(state: Constant, h: float, coupling: str, normal: float = 1.0) -> np.ndarray:
@@ -157,30 +168,34 @@ def interface_jacobian(state: Constant, order: int, h: float, coupling: str) -> 
     """
     face, op = interface_record(state, h, coupling), np.array([packed(order)])
     rows = max(2, int(op[0]["rows"]))
-    constant = np.repeat([[state.rho], [0.0], [state.T], [0.0], [state.stress], [state.T]], rows, axis=1)
-
-    def treated(change: Array) -> Array:
-        rho, u, T, v, sigma, Ts = constant + change
-        fluid = state.gas.conserved(rho, u, T)
-        solid = np.stack([v, sigma, Ts, -h * np.arange(rows)], axis=-1)
-        couple(face[0], op[0], fluid, solid)
-        rho, u, T, _ = state.gas.primitive(fluid)
-        return np.stack([rho, u, T, *solid.T[:3]]) - constant
-
-    jacobian = np.empty((6 * rows, 6 * rows))
-    for column in range(6 * rows):
-        change = np.zeros((6, rows))
-        change[divmod(column, rows)] = step = STEP * state.scales[column // rows]
-        differences = [treated(k * change) - treated(-k * change) for k in range(1, 5)]
-        jacobian[:, column] = np.tensordot(CENTRAL, differences, 1).ravel() / step
-    return jacobian
+    size = 6 * rows
+    constant = np.repeat([state.rho, 0.0, state.T, 0.0, state.stress, state.T], rows)
+    steps = STEP * np.repeat(state.scales, rows)
+    multiples = np.array([-4, -3, -2, -1, 1, 2, 3, 4])
+    # change m of variable c stands in row (m, c)
+    changed = constant + multiples[:, None, None] * np.diag(steps)
+    rho, u, T, v, sigma, Ts = np.moveaxis(changed.reshape(8 * size, 6, rows), 1, 0)
+    fluid, positions = state.gas.conserved(rho, u, T), np.broadcast_to(-h * state.stretch * np.arange(rows), rho.shape)
+    solid = np.stack([v, sigma, Ts, positions], axis=-1)
+    couple_all(face, op, fluid, solid)
+    rho, u, T, _ = state.gas.primitive(fluid)
+    after = np.stack([rho, u, T, *np.moveaxis(solid, -1, 0)[:3]], axis=1).reshape(8, size, size)
+    differences = after[4:] - after[3::-1]
+    return np.tensordot(CENTRAL, differences, 1).T / steps
 
 
-def scatter(jacobian: Array, n: int) -> Array:
+@njit(**OPTIONS)
+def couple_all(face, op, fluid, solid):
+    """The treatment of one interface for many traces, in place: fluid (m, rows, 3), solid (m, rows, 4)."""
+    for m in range(len(fluid)):
+        couple(face[0], op[0], fluid[m], solid[m])
+
+
+def scatter(jacobian: Array, n: int) -> csr_matrix:
     """The interface treatment on all points, (6n, 6n), from its derivative on the rows at the interface."""
     rows = len(jacobian) // 6
     fluid, solid = np.arange(rows), n - 1 - np.arange(rows)
     index = np.concatenate([v * n + (fluid if v < 3 else solid) for v in range(6)])
-    full = np.eye(6 * n)
+    full = lil_matrix(identity(6 * n))
     full[np.ix_(index, index)] = jacobian
-    return full
+    return csr_matrix(full)

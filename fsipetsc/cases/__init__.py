@@ -26,7 +26,7 @@ from types import ModuleType
 from fsipetsc.errors import FsiError, InputError
 from fsipetsc.options import Option, groups
 
-BUILT_IN = ("rod", "mms", "pulse")
+BUILT_IN = ("rod", "mms", "pulse", "box")
 
 
 def summaries() -> dict[str, str]:

@@ -6,7 +6,8 @@ and conducts heat. At the walls and interfaces the initial state is flat to the 
 all conditions there (u = 0, sigma = -p, T continuous, no heat flux) and keeps satisfying them as time goes on.
 
 Invariants: the mass of each gas, the total energy int e dx + int m0 (u^2/2 + alpha T) dX, and for each particle of the
-solid sigma - K ln x_X (without -solid_gruneisen, which leaves it as it is, too).
+solid sigma - K ln x_X, from (2.1b) and x_t = u. The first three change by what the interfaces and walls do to the
+closure rows, at the order of these; the last one at the two ends of the solid only.
 """
 
 from __future__ import annotations
@@ -33,15 +34,15 @@ OPTIONS = (
         check=lambda value: None if value > 1 else "a number above 1",
     ),
     Option("fluid_R", "float", 1.0, "J/(kg K)", "gas constant over molar mass", check="positive"),
-    Option("solid_modulus", "float", 10.0, "Pa", "2 mu_e + lambda_e of the solid", check="positive"),
+    Option("solid_modulus", "float", 20.0, "Pa", "2 mu_e + lambda_e of the solid", check="positive"),
     Option("solid_kappa", "float", 0.02, "W/(m K)", "heat conductivity of the solid", check="nonnegative"),
     Option("solid_density", "float", 2.0, "kg/m3", "density m0 of the solid at rest", check="positive"),
     Option("solid_alpha", "float", 1.0, "J/(kg K)", "specific heat of the solid", check="positive"),
     Option("solid_gruneisen", "float", 0.0, "", "pressure of the solid p = G rho epsilon; 0: elastic", check="nonnegative"),
-    Option("box_p_left", "float", 1.2, "Pa", "initial pressure of the gas on the left", check="positive"),
-    Option("box_p_right", "float", 1.0, "Pa", "initial pressure of the gas on the right", check="positive"),
-    Option("box_T_left", "float", 1.2, "K", "initial temperature on the left", check="positive"),
-    Option("box_T_right", "float", 1.0, "K", "initial temperature on the right", check="positive"),
+    Option("box_p_left", "float", 2.2, "Pa", "initial pressure of the gas on the left", check="positive"),
+    Option("box_p_right", "float", 2.0, "Pa", "initial pressure of the gas on the right", check="positive"),
+    Option("box_T_left", "float", 5.0, "K", "initial temperature on the left", check="positive"),
+    Option("box_T_right", "float", 4.0, "K", "initial temperature on the right", check="positive"),
 )
 DEFAULTS = {"fsi_h": 0.0125, "fsi_order": 4, "ts_max_time": 2.0, "fsi_output_dt": 0.1}
 
@@ -82,4 +83,5 @@ def build(opt: Mapping[str, Any]) -> Problem:
         ),
         left=Wall(X[0]),
         right=Wall(X[3]),
+        units="none",
     )

@@ -46,6 +46,11 @@ def _base() -> Path:
     return Path(tempfile.gettempdir()) / f"fsipetsc-{os.getuid()}"
 
 
+def cache_folder() -> Path:
+    """The folder that is in use."""
+    return Path(numba.config.CACHE_DIR)
+
+
 def use_cache_folder() -> Path:
     """Point numba at the folder for this state of the sources and drop the oldest ones; before any kernel is defined."""
     base = _base()
@@ -60,6 +65,3 @@ def use_cache_folder() -> Path:
     except OSError:
         pass  # several ranks tidy up at once, or nothing may be written: the kernels are compiled anew then
     return folder
-
-
-FOLDER = use_cache_folder()

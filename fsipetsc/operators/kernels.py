@@ -16,12 +16,16 @@ from llvmlite import ir
 from numba import njit, types
 from numba.extending import intrinsic
 
+from fsipetsc.operators.cache import use_cache_folder
+
 #: Points that a kernel treats at once: its scratch rows stay in the first-level cache.
 BLOCK = 512
 #: Scratch beyond a block on either side: twice the largest closure reach and the rows that a closure writes too many.
 MARGIN = 24
 #: Distance of the rows of scratch: odd in cache lines, so that rows do not evict each other.
 ROW = BLOCK + 2 * MARGIN + 8
+
+use_cache_folder()  # before the first kernel is defined
 
 U64 = np.uint64
 U0, U1, U2, U3, U4, U5, U6, U7 = (np.uint64(k) for k in range(8))
@@ -30,17 +34,33 @@ U0, U1, U2, U3, U4, U5, U6, U7 = (np.uint64(k) for k in range(8))
 OPTIONS = {"cache": True, "error_model": "numpy", "nogil": True}
 
 
+def _llvm(name, arguments):
+    """Type and code of one of LLVM's own functions of doubles."""
+    signature = types.float64(*[types.float64] * arguments)
+
+    def codegen(context, builder, signature, args):
+        kind = ir.FunctionType(ir.DoubleType(), [ir.DoubleType()] * arguments)
+        return builder.call(builder.module.declare_intrinsic(name, [ir.DoubleType()], kind), args)
+
+    return signature, codegen
+
+
 @intrinsic
 def fma(typingctx, a, b, c):
     """a * b + c, rounded once."""
-    double = types.float64
+    return _llvm("llvm.fma", 3)
 
-    def codegen(context, builder, signature, args):
-        kind = ir.FunctionType(ir.DoubleType(), [ir.DoubleType()] * 3)
-        function = builder.module.declare_intrinsic("llvm.fma", [ir.DoubleType()], kind)
-        return builder.call(function, args)
 
-    return double(double, double, double), codegen
+@intrinsic
+def maximum(typingctx, a, b):
+    """The larger one; not a number if one of them is not. Unlike max(), a loop over it is vectorised."""
+    return _llvm("llvm.maximum", 2)
+
+
+@intrinsic
+def minimum(typingctx, a, b):
+    """The smaller one; not a number if one of them is not."""
+    return _llvm("llvm.minimum", 2)
 
 
 @njit(**OPTIONS)
@@ -97,16 +117,35 @@ def closure(op, s, v, step, out, scale):
 
 
 @njit(**OPTIONS)
+def short_closure(op, s, v, step, out, scale):
+    """As ``closure``, for a layer in which the ends meet: rows that the operator does not have are not written."""
+    for r in range(op.rows):
+        a = 0.0
+        for c in range(op.cols):
+            a = fma(op.columns[c, r], s[v + step * c], a)
+        s[out + step * r] = scale * a
+
+
+@njit(**OPTIONS)
 def derivative(op, s, v, v0, out, out0, i0, i1, lo, hi, scale):
     """scale * h D of one scratch row into another, at the points i0 <= i < i1 of the active range lo..hi.
 
     Point i stands at s[v + i - v0] and its derivative at s[out + i - out0]. The input must reach ``op.reach`` points
     beyond i0 and i1 (or to lo, hi).
     """
+    short = hi - lo + 1 < 16  # the eight rows of one end would reach into those of the other
     if i0 < lo + op.rows:
-        closure(op, s, v + lo - v0, 1, out + lo - out0, scale)
+        at, to = v + lo - v0, out + lo - out0
+        if short:
+            short_closure(op, s, at, 1, to, scale)
+        else:
+            closure(op, s, at, 1, to, scale)
     if i1 > hi + 1 - op.rows:
-        closure(op, s, v + hi - v0, -1, out + hi - out0, -scale)
+        at, to = v + hi - v0, out + hi - out0
+        if short:
+            short_closure(op, s, at, -1, to, -scale)
+        else:
+            closure(op, s, at, -1, to, -scale)
     a, b = max(i0, lo + op.rows), min(i1, hi + 1 - op.rows)
     stencil(op, s, v + a - v0, out + a - out0, b - a, scale)
 
@@ -176,3 +215,11 @@ def scratch_size(count: int) -> int:
 def row(r):
     """Where row r of the scratch begins."""
     return MARGIN + r * ROW
+
+
+@njit(**OPTIONS)
+def copy(s, a, b, count):
+    """s[b:b+count] = s[a:a+count]."""
+    a, b = U64(a), U64(b)
+    for i in range(U64(count)):
+        s[b + i] = s[a + i]

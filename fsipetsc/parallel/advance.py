@@ -11,9 +11,10 @@ from __future__ import annotations
 
 from numba import njit
 
-from fsipetsc.operators.kernels import OPTIONS, U64
+from fsipetsc.operators.kernels import OPTIONS, U64, copy
 from fsipetsc.parallel.completion import complete
-from fsipetsc.parallel.exchange import exchange, load, work_point
+from fsipetsc.parallel.exchange import exchange, load, store, unknowns, work_point
+from fsipetsc.parallel.plan import BASE, FORCING, SUM, WORK
 from fsipetsc.parallel.settle import settle
 from fsipetsc.physics.emission import Target
 from fsipetsc.physics.fluid import fluid_rhs
@@ -25,19 +26,37 @@ STAGES = 4
 
 
 @njit(**OPTIONS)
-def rates(head, layers, memory, area, source, a, b):
-    """Right-hand sides k of all layers from a settled work area: other area = source + a k, sum += b k."""
+def rates(head, layers, memory, area, source, base, a, b):
+    """Right-hand sides k of all layers from a settled work area: other work area = source + a k, SUM = base + b k."""
     for layer in layers:
         if layer.present == 0:
             continue
-        w = work_point(head, layer, area, layer.own_lo - layer.halo_lo)
-        ahead = work_point(head, layer, 1 - area, layer.own_lo)
-        forcing = head.forcing + layer.start if head.forcing >= 0 else -1
-        target = Target(source + layer.start, ahead, head.sum + layer.start, forcing, a, b)
+        own = layer.own_lo
+        w = work_point(head, layer, area, own - layer.halo_lo)
+        forcing = work_point(head, layer, FORCING, own) if head.area[FORCING] >= 0 else -1
+        target = Target(
+            work_point(head, layer, source, own),
+            work_point(head, layer, 1 - area, own),
+            work_point(head, layer, base, own),
+            work_point(head, layer, SUM, own),
+            forcing,
+            layer.stride,
+            a,
+            b,
+        )
         if layer.kind == FLUID:
             fluid_rhs(layer, head.op, memory, w, head.scratch, target)
         else:
             solid_rhs(layer, head.op, memory, w, head.scratch, target)
+
+
+@njit(**OPTIONS)
+def clear(head, layers, memory, area):
+    """Zero in an area."""
+    for layer in layers:
+        at = U64(head.area[area] + layer.work)
+        for i in range(U64(unknowns(layer) * layer.stride)):
+            memory[at + i] = 0.0
 
 
 @njit(**OPTIONS)
@@ -46,27 +65,40 @@ def advance(heads, layers, faces, memory, begin, end, raw, dt):
 
     A stage settles its work area, except stage 0, which finds it settled by the completion of the step before, and
     evaluates the right-hand side into the other one. raw: where in the memory a state begins that somebody else has
-    made, which is loaded and settled first; -1 to go on. With begin = end it is loaded as it is, settled already. With dt = 0
-    the right-hand side itself is left in the sum (for begin 0, end 1).
+    made, which is loaded and settled first; -1 to go on. With begin = end it is loaded as it is, settled already. With
+    dt = 0 (and begin 0, end 1) the right-hand side itself is left where the state was.
     """
     head = heads[0]
     if raw >= 0:
         load(head, layers, memory, raw)
         if begin == end:
-            exchange(head, layers, faces, memory, 0)
+            exchange(head, layers, faces, memory, WORK)
+            keep(head, layers, memory)
     for number in range(begin, end):
         area = number % 2
         if raw >= 0 or number > 0:
             settle(head, layers, faces, memory, area)
         if number == STAGES:
             complete(head, layers, faces, memory)
-        elif dt == 0.0:
-            begin_sum, length = U64(head.sum), U64(head.local)
-            for i in range(length):
-                memory[begin_sum + i] = 0.0
-            rates(head, layers, memory, area, head.solution, 0.0, 1.0)
-        elif number == STAGES - 1:
-            rates(head, layers, memory, area, head.sum, dt / 6.0, 0.0)
+            keep(head, layers, memory)
         else:
+            source, base = BASE, (BASE if number == 0 else SUM)
+            a = dt if number == 2 else 0.5 * dt
             b = dt / 6.0 if number == 0 else dt / 3.0
-            rates(head, layers, memory, area, head.solution, dt if number == 2 else 0.5 * dt, b)
+            if number == STAGES - 1:
+                source, a, b = SUM, dt / 6.0, 0.0
+            if dt == 0.0:
+                clear(head, layers, memory, SUM)
+                base, b = SUM, 1.0
+            rates(head, layers, memory, area, source, base, a, b)
+            if dt == 0.0:
+                store(head, layers, memory, SUM, raw)
+
+
+@njit(**OPTIONS)
+def keep(head, layers, memory):
+    """The completed solution: to PETSc, and to where the next step starts from."""
+    store(head, layers, memory, WORK, head.solution)
+    for layer in layers:
+        count = unknowns(layer) * layer.stride
+        copy(memory, head.area[WORK] + layer.work, head.area[BASE] + layer.work, count)

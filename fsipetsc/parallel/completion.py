@@ -9,8 +9,8 @@ from numba import njit
 
 from fsipetsc.boundaries import INTERFACE_END
 from fsipetsc.coupling import residuals
-from fsipetsc.operators.kernels import OPTIONS, U64
-from fsipetsc.parallel.exchange import TRACE, copy, store, work_point
+from fsipetsc.operators.kernels import OPTIONS, U64, copy
+from fsipetsc.parallel.exchange import TRACE, work_point
 from fsipetsc.parallel.ledger import integrals
 from fsipetsc.parallel.mpi import mpi_allreduce
 from fsipetsc.parallel.settle import boundary_distance, fill_embedded, rows_at
@@ -59,7 +59,7 @@ def move_boundary(head, layer, memory, side):
 
 @njit(**OPTIONS)
 def complete(head, layers, faces, memory):
-    """Finish a step whose settled result stands in work area 0: embedded boundaries move, the solution is stored.
+    """Finish a step whose settled result stands in work area 0: embedded boundaries move, limits and integrals are taken.
 
     Fills the results in the memory: flags (MOVED, LOW, EXHAUSTED, SHORT), limits (RATE, BAD, STOP over all ranks),
     states (see ``interface_state``), masses and behind them the energy (this rank's shares, see ``integrals``).
@@ -79,7 +79,6 @@ def complete(head, layers, faces, memory):
                     memory[U64(head.flags + LOW)] = 1.0 + k
                 if boundary_distance(layer, side) <= layer.least - 2 + 1e-9:
                     memory[U64(head.flags + SHORT)] = 1.0 + k
-    store(head, layers, memory)
     limits(head, layers, memory)
     interface_state(head, faces, memory)
     integrals(head, layers, memory)
@@ -93,7 +92,7 @@ def limits(head, layers, memory):
 
     dt = min( h / (|u-s| + c), h^2 / (2 max(mu'/rho, kappa/(rho cv))), h / c_s, h^2 alpha m0 x_X / (2 kappa_e) ).
     """
-    rate, bad = 0.0, 0
+    rate, bad = 0.0, 0.0
     for layer in layers:
         if layer.present == 0:
             continue
@@ -101,16 +100,19 @@ def limits(head, layers, memory):
         if layer.kind == FLUID:
             if layer.own_hi <= layer.lo or layer.own_lo > layer.hi:
                 continue
-            speed, volume, wrong = fluid_limits(layer, memory, w, head.scratch)
-            diffusion = 2.0 * max(layer.mu, layer.kappa / layer.cv) * volume
+            speed, rho, T = fluid_limits(layer, memory, w, head.scratch)
+            diffusion = 2.0 * max(layer.mu, layer.kappa / layer.cv) / rho
+            good = rho > 0.0 and T > 0.0 and speed < np.inf
+        else:
+            c2, stretch, x_X, T = solid_limits(layer, memory, w, head.scratch)
+            speed, diffusion = np.sqrt(c2), 2.0 * layer.kappa_e * stretch / (layer.alpha * layer.m0)
+            good = x_X > 0.0 and T > 0.0 and c2 >= 0.0 and speed < np.inf
+        if good:
             rate = max(rate, speed / h, diffusion / (h * h))
         else:
-            c2, stretch, wrong = solid_limits(layer, memory, w)
-            diffusion = 2.0 * layer.kappa_e * stretch / (layer.alpha * layer.m0)
-            rate = max(rate, np.sqrt(max(c2, 0.0)) / h, diffusion / (h * h))
-        bad += wrong
+            bad = 1.0
     received, sent, world = head.limits, head.limits + 3, head.world
-    memory[U64(sent + RATE)], memory[U64(sent + BAD)] = rate, float(bad)
+    memory[U64(sent + RATE)], memory[U64(sent + BAD)] = rate, bad
     if world.size > 1:
         base = memory.ctypes.data
         mpi_allreduce(base + 8 * sent, base + 8 * received, 3, world.word, world.max, world.comm)

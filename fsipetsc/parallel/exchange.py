@@ -1,17 +1,18 @@
-"""Messages: edges to the neighbours, traces of the interfaces to all. Compiled, without a copy but the traces.
+"""Messages: edges to the neighbours, traces of the interfaces to all. Compiled.
 
-A rank sends the edges of its parts to its neighbours (one message per layer and side, straight from the work area),
-and the traces of all interfaces go round in one small reduction. The reduction is a maximum of 64-bit words over
-buffers that are zero where a rank owns nothing: exact, bit for bit, and all ranks learn the traces and from them the
-frames' positions and velocities.
+A rank sends the edges of its parts to its neighbours (one message per layer and side), and the traces of all
+interfaces go round in one small reduction. The reduction is a maximum of 64-bit words over buffers that are zero
+where a rank owns nothing: exact, bit for bit, and all ranks learn the traces and from them the frames' positions and
+velocities.
 """
 
 from __future__ import annotations
 
 from numba import njit
 
-from fsipetsc.operators.kernels import OPTIONS, U64
+from fsipetsc.operators.kernels import OPTIONS, U64, copy
 from fsipetsc.parallel.mpi import mpi_allreduce, mpi_startall, mpi_waitall
+from fsipetsc.parallel.plan import WORK
 from fsipetsc.physics.layer import FLUID
 
 #: what a point of the traces holds: fluid (rho, rho u, e), then solid (u, sigma, T, x)
@@ -26,8 +27,8 @@ def unknowns(layer):
 
 @njit(**OPTIONS)
 def work_point(head, layer, area, i):
-    """Where point i of a layer stands in the memory."""
-    return head.area[area] + layer.work + unknowns(layer) * (i - layer.own_lo + layer.halo_lo)
+    """Where the first unknown of point i of a layer stands; the others follow ``layer.stride`` apart."""
+    return head.area[area] + layer.work + i - layer.own_lo + layer.halo_lo
 
 
 @njit(**OPTIONS)
@@ -44,36 +45,52 @@ def side_of(face, part):
 
 @njit(**OPTIONS)
 def load(head, layers, memory, at):
-    """Copy a state, this rank's part of which begins at memory[at], into work area 0."""
+    """Copy a state, whose interlaced owned part begins at memory[at], into the first work area."""
     for layer in layers:
-        if layer.present == 1:
-            count = unknowns(layer) * (layer.own_hi - layer.own_lo)
-            copy(memory, at + layer.start, work_point(head, layer, 0, layer.own_lo), count)
+        dof, own = unknowns(layer), work_point(head, layer, WORK, layer.own_lo)
+        for c in range(dof):
+            a, b, step = U64(at + layer.start + c), U64(own + c * layer.stride), U64(dof)
+            for i in range(U64(layer.own_hi - layer.own_lo)):
+                memory[b + i] = memory[a + step * i]
 
 
 @njit(**OPTIONS)
-def store(head, layers, memory):
-    """Copy the owned part of work area 0 into the solution, and into the sum, which begins there."""
+def store(head, layers, memory, area, at):
+    """Copy the owned part of an area, interlaced, to memory[at:]."""
     for layer in layers:
-        if layer.present == 1:
-            count = unknowns(layer) * (layer.own_hi - layer.own_lo)
-            own = work_point(head, layer, 0, layer.own_lo)
-            copy(memory, own, head.solution + layer.start, count)
-            copy(memory, own, head.sum + layer.start, count)
+        dof, own = unknowns(layer), work_point(head, layer, area, layer.own_lo)
+        for c in range(dof):
+            a, b, step = U64(own + c * layer.stride), U64(at + layer.start + c), U64(dof)
+            for i in range(U64(layer.own_hi - layer.own_lo)):
+                memory[b + step * i] = memory[a + i]
 
 
 @njit(**OPTIONS)
-def copy(memory, a, b, count):
-    """memory[b:b+count] = memory[a:a+count]."""
-    a, b = U64(a), U64(b)
-    for i in range(U64(count)):
-        memory[b + i] = memory[a + i]
+def move_edges(head, layers, memory, area, sending):
+    """Owned edges of a work area into the messages, or the messages into its halos."""
+    at = head.edges[area]
+    for layer in layers:
+        if layer.present == 0:
+            continue
+        dof, width = unknowns(layer), head.width
+        for side in range(2):
+            has = (layer.halo_lo if side == 0 else layer.halo_hi) > 0
+            part = at + (2 * side + (0 if sending else 1)) * dof * width
+            if sending:
+                i = layer.own_lo if side == 0 else layer.own_hi - width
+            else:
+                i = layer.own_lo - width if side == 0 else layer.own_hi
+            for c in range(dof if has else 0):
+                w, m = work_point(head, layer, area, i) + c * layer.stride, part + c * width
+                copy(memory, w if sending else m, m if sending else w, width)
+        at += 4 * dof * width
 
 
 @njit(**OPTIONS)
 def exchange(head, layers, faces, memory, area):
     """Fill the halos of a work area and learn the traces of all interfaces. Collective on all ranks."""
     if head.requests > 0:
+        move_edges(head, layers, memory, area, True)
         mpi_startall(head.requests, head.request_list[area])
     alone = head.world.size == 1
     buffer = head.traces if alone else head.sent
@@ -89,6 +106,7 @@ def exchange(head, layers, faces, memory, area):
         mpi_allreduce(sent, received, head.message, world.word, world.max, world.comm)
     if head.requests > 0:
         mpi_waitall(head.requests, head.request_list[area], head.status_list)
+        move_edges(head, layers, memory, area, False)
 
 
 @njit(**OPTIONS)
@@ -104,7 +122,7 @@ def pack(head, layers, face, memory, area, at):
         for j in range(head.rows):
             w, o = work_point(head, layer, area, point + step * j), at + TRACE * j + column
             for c in range(dof):
-                memory[U64(o + c)] = memory[U64(w + c)]
+                memory[U64(o + c)] = memory[U64(w + c * layer.stride)]
 
 
 @njit(**OPTIONS)
@@ -121,4 +139,4 @@ def unpack(head, layers, face, memory, area, at):
             if holds(layer, point + step * j):
                 w, o = work_point(head, layer, area, point + step * j), at + TRACE * j + column
                 for c in range(dof):
-                    memory[U64(w + c)] = memory[U64(o + c)]
+                    memory[U64(w + c * layer.stride)] = memory[U64(o + c)]

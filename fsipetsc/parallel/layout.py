@@ -125,8 +125,9 @@ class Layout:
         record["present"] = 1
         record["own_lo"], record["own_hi"] = begin, end
         record["halo_lo"], record["halo_hi"] = begin - left, right - end
+        record["stride"] = (right - left + 7) // 8 * 8
         self.local_size += dof * (end - begin)
-        self.work_size += dof * (right - left)
+        self.work_size += dof * int(record["stride"])
         self.dms.append(dm)
         self._comms.append(sub)
 

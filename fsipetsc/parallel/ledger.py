@@ -10,7 +10,9 @@ from numba import njit
 
 from fsipetsc.boundaries import INTERFACE_END
 from fsipetsc.operators.kernels import OPTIONS, U64
-from fsipetsc.parallel.exchange import unknowns, work_point
+from fsipetsc.operators.reductions import total, total_of_squares
+from fsipetsc.parallel.exchange import work_point
+from fsipetsc.parallel.plan import WORK
 from fsipetsc.parallel.settle import boundary_distance
 from fsipetsc.physics.layer import FLUID
 
@@ -39,33 +41,20 @@ def integrals(head, layers, memory):
 @njit(**OPTIONS)
 def integral(head, layer, memory, column, squared):
     """Sum of an unknown, or of its square, over the owned active points with the weights of the norm, without h."""
-    op, dof = head.op, unknowns(layer)
-    a, b = max(layer.own_lo, layer.lo), min(layer.own_hi, layer.hi + 1)
-    total = plain_sum(memory, U64(work_point(head, layer, 0, a) + column), U64(dof), U64(max(b - a, 0)), squared)
+    op, a, b = head.op, max(layer.own_lo, layer.lo), min(layer.own_hi, layer.hi + 1)
+    at, count = U64(work_point(head, layer, WORK, a) + column * layer.stride), U64(max(b - a, 0))
+    result = total_of_squares(memory, at, count) if squared else total(memory, at, count)
     for r in range(op.rows):
         for i in (layer.lo + r, layer.hi - r):
             if a <= i < b:
-                v = memory[U64(work_point(head, layer, 0, i) + column)]
-                total += (op.norm[r] - 1.0) * (v * v if squared else v)
+                v = memory[U64(work_point(head, layer, WORK, i) + column * layer.stride)]
+                result += (op.norm[r] - 1.0) * (v * v if squared else v)
     for side in range(2):
-        ghost, step = (layer.lo, dof) if side == 0 else (layer.hi, -dof)
+        ghost, step = (layer.lo, 1) if side == 0 else (layer.hi, -1)
         if layer.kind == FLUID and layer.end_kind[side] != INTERFACE_END and a <= ghost < b:
             strip = (layer.hi - layer.lo) - boundary_distance(layer, side)
-            total -= strip_integral(memory, work_point(head, layer, 0, ghost) + column, step, strip)
-    return total
-
-
-@njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc"}, nogil=True)
-def plain_sum(memory, at, step, count, squared):
-    """Sum of memory[at + step*i], or of their squares, in any order."""
-    total = 0.0
-    if squared:
-        for i in range(count):
-            total += memory[at + step * i] * memory[at + step * i]
-    else:
-        for i in range(count):
-            total += memory[at + step * i]
-    return total
+            result -= strip_integral(memory, work_point(head, layer, WORK, ghost) + column * layer.stride, step, strip)
+    return result
 
 
 @njit(**OPTIONS)

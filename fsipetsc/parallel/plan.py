@@ -3,8 +3,9 @@
 head     one HEAD record: the operator, the world communicator, and where things stand in ``memory``
 layers   LAYER records
 faces    INTERFACE records
-memory   one flat array of doubles: the solution, two work areas (owned points and halos of all layers), the sum that a
-         Runge-Kutta step builds up, forcing, the traces of the interfaces, results, scratch
+memory   one flat array of doubles: the solution as PETSc has it (interlaced), and areas in which every unknown of a
+         layer stands for itself with its halos: two that the stages of a step use in turn, the solution that the step
+         starts from, the sum that it builds up, forcing; and the traces of the interfaces, results, scratch
 
 Few arrays and offsets instead of many arrays and slices: handing over an array costs compiled code as much as ten
 points, a slice as much as fifty.
@@ -30,10 +31,9 @@ HEAD = np.dtype(
         ("op", OPERATOR),
         ("world", WORLD),
         ("rows", _I),  # of the traces
-        ("area", _I, (2,)),  # the work areas; LAYER["work"] counts from there
+        ("area", _I, (5,)),  # WORK, WORK + 1, BASE, SUM, FORCING (-1 if there is none); LAYER["work"] counts from there
         ("solution", _I),
-        ("sum", _I),
-        ("forcing", _I),  # -1 if there is none
+        ("transfer", _I),
         ("sent", _I),
         ("traces", _I),
         ("message", _I),  # doubles in either
@@ -47,9 +47,15 @@ HEAD = np.dtype(
         ("requests", _I),  # number per work area
         ("request_list", _I, (2,)),  # addresses for MPI
         ("status_list", _I),
+        ("edges", _I, (2,)),  # messages of the halo exchanges
+        ("width", _I),  # of a halo
     ],
     align=True,
 )
+#: the areas: the first two are worked in
+WORK, BASE, SUM, FORCING = 0, 2, 3, 4
+#: rows of scratch that the kernels use
+SCRATCH = 7
 #: doubles of a cache line, to which parts of the memory are aligned
 _LINE = 8
 
@@ -67,13 +73,19 @@ class Plan(NamedTuple):
         at = int(self.head[name][0])
         return self.memory[at : at + size]
 
-    def work(self, k: int, area: int = 0) -> np.ndarray:
-        """View, shape (owned points and halos, dof), of layer k in a work area."""
+    def work(self, k: int, area: int = WORK) -> np.ndarray:
+        """View, shape (owned points and halos, dof), of layer k in an area."""
         layer = self.layers[k]
-        dof = DOF[layer["kind"]]
+        dof, stride = DOF[layer["kind"]], int(layer["stride"])
         at = int(self.head["area"][0, area] + layer["work"])
         count = int(layer["halo_lo"] + layer["own_hi"] - layer["own_lo"] + layer["halo_hi"])
-        return self.memory[at : at + dof * count].reshape(count, dof)
+        return self.memory[at : at + dof * stride].reshape(dof, stride)[:, :count].T
+
+    def owned(self, k: int, area: int = WORK) -> np.ndarray:
+        """View, shape (owned points, dof), of layer k in an area."""
+        layer = self.layers[k]
+        begin = int(layer["halo_lo"])
+        return self.work(k, area)[begin : begin + int(layer["own_hi"] - layer["own_lo"])]
 
     @property
     def traces(self) -> np.ndarray:
@@ -100,12 +112,14 @@ def make_plan(layout: Layout, op: SBPOperator, coupling: str, forced: bool) -> t
     faces = make_faces(layout, coupling)
     rows = max(2, op.rows)
     message = len(faces) * rows * 7
+    edges = 4 * layout.width * sum(dof * int(r["present"]) for dof, r in zip(_dofs(layout), layout.records, strict=True))
+    areas = ["area0", "area1", "base", "sum"] + ["forcing"] * forced
     sizes = {
         "solution": layout.local_size,
-        "area0": layout.work_size,
-        "area1": layout.work_size,
-        "sum": layout.local_size,
-        "forcing": layout.local_size if forced else 0,
+        "transfer": layout.local_size,
+        **dict.fromkeys(areas, layout.work_size),
+        "edges0": edges,
+        "edges1": edges,
         "sent": message,
         "traces": message,
         "flags": 4,
@@ -113,7 +127,7 @@ def make_plan(layout: Layout, op: SBPOperator, coupling: str, forced: bool) -> t
         "states": 8 * len(faces),
         "masses": len(layout.records) + 1,
         "nodes": 5 * NODES,
-        "scratch": scratch_size(9),
+        "scratch": scratch_size(SCRATCH),
     }
     starts: dict[str, int] = {}
     total = 0
@@ -123,33 +137,38 @@ def make_plan(layout: Layout, op: SBPOperator, coupling: str, forced: bool) -> t
     memory = np.zeros(total)
     head = np.zeros(1, HEAD)
     head["op"], head["world"] = packed(op.order), world_record(layout.comm)[0]
-    head["rows"], head["message"], head["local"] = rows, message, layout.local_size
-    head["area"] = starts.pop("area0"), starts.pop("area1")
-    for name, at in starts.items():
-        head[name] = at
-    if not forced:
-        head["forcing"] = -1
-    requests = [_requests(layout, memory[int(at) :]) for at in head["area"][0]]
+    head["rows"], head["message"], head["local"], head["width"] = rows, message, layout.local_size, layout.width
+    head["area"] = [starts.get(name, -1) for name in ("area0", "area1", "base", "sum", "forcing")]
+    head["edges"] = starts["edges0"], starts["edges1"]
+    for name in HEAD.names:
+        if name in starts:
+            head[name] = starts[name]
+    requests = [_requests(layout, memory[int(at) :]) for at in head["edges"][0]]
     head["requests"] = requests[0].handles.size
     head["request_list"] = [r.handles.ctypes.data for r in requests]
     head["status_list"] = requests[0].statuses.ctypes.data
     return Plan(head, layout.records, faces, memory), requests
 
 
-def _requests(layout: Layout, work: np.ndarray) -> Requests:
-    """Sends of this rank's edges and receives into its halos, straight from and into a work area."""
-    requests = []
-    for k, record in enumerate(layout.records):
-        dof = DOF[record["kind"]]
-        own = int(record["work"]) + dof * int(record["halo_lo"])
-        end = own + dof * int(record["own_hi"] - record["own_lo"])
-        far, strip = end + dof * int(record["halo_hi"]), dof * layout.width
+def _dofs(layout: Layout) -> list[int]:
+    return [DOF[record["kind"]] for record in layout.records]
+
+
+def _requests(layout: Layout, buffer: np.ndarray) -> Requests:
+    """Sends and receives of the edges of this rank's parts: per layer what goes left, comes from left, likewise right."""
+    requests, at = [], 0
+    for k, dof in enumerate(_dofs(layout)):
+        if not layout.records[k]["present"]:
+            continue
+        size = dof * layout.width
+        parts = [buffer[at + j * size : at + (j + 1) * size] for j in range(4)]
+        at += 4 * size
         left, right = layout.neighbours(k)
         # tags: layer and direction of travel
         if left >= 0:
-            requests.append(layout.comm.Send_init(work[own : own + strip], left, 2 * k))
-            requests.append(layout.comm.Recv_init(work[int(record["work"]) : own], left, 2 * k + 1))
+            requests.append(layout.comm.Send_init(parts[0], left, 2 * k))
+            requests.append(layout.comm.Recv_init(parts[1], left, 2 * k + 1))
         if right >= 0:
-            requests.append(layout.comm.Send_init(work[end - strip : end], right, 2 * k + 1))
-            requests.append(layout.comm.Recv_init(work[end:far], right, 2 * k))
+            requests.append(layout.comm.Send_init(parts[2], right, 2 * k + 1))
+            requests.append(layout.comm.Recv_init(parts[3], right, 2 * k))
     return Requests(requests)

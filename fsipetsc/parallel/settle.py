@@ -56,13 +56,13 @@ def fill_embedded(head, layer, memory, area, side, new):
             continue
         w = work_point(head, layer, area, G + step * k)
         rho = memory[U64(w)]
-        u = memory[U64(w + 1)] / rho
+        u = memory[U64(w + layer.stride)] / rho
         nodes[0, k], nodes[1, k] = rho, u
-        nodes[2, k] = (memory[U64(w + 2)] / rho - 0.5 * u * u) / layer.cv
+        nodes[2, k] = (memory[U64(w + 2 * layer.stride)] / rho - 0.5 * u * u) / layer.cv
     fill_ghost(layer, head.op, side, layer.hi - layer.lo - boundary_distance(layer, side), nodes, new)
     w, rho, u, T = work_point(head, layer, area, G), nodes[0, 0], nodes[1, 0], nodes[2, 0]
-    memory[U64(w)], memory[U64(w + 1)] = rho, rho * u
-    memory[U64(w + 2)] = rho * (layer.cv * T + 0.5 * u * u)
+    memory[U64(w)], memory[U64(w + layer.stride)] = rho, rho * u
+    memory[U64(w + 2 * layer.stride)] = rho * (layer.cv * T + 0.5 * u * u)
 
 
 @njit(**OPTIONS)
@@ -75,11 +75,11 @@ def close_end(head, layer, memory, area, side):
     for j in range(head.rows):
         w = work_point(head, layer, area, point + step * j)
         for c in range(4):
-            trace[j, c] = memory[U64(w + c)]
+            trace[j, c] = memory[U64(w + c * layer.stride)]
     close_solid(layer, head.op, side, trace)
     w = work_point(head, layer, area, point)
     for c in range(4):
-        memory[U64(w + c)] = trace[0, c]
+        memory[U64(w + c * layer.stride)] = trace[0, c]
 
 
 @njit(**OPTIONS)

@@ -15,8 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from fsipetsc.operators.kernels import BLOCK, OPTIONS, U1, U2, U3, U64, derivative, row
-from fsipetsc.physics.emission import emit3
+from fsipetsc.operators.kernels import BLOCK, OPTIONS, U64, derivative, maximum, minimum, row
+from fsipetsc.operators.reductions import largest, smallest
+from fsipetsc.physics.emission import emit
 
 
 @dataclass(frozen=True)
@@ -57,74 +58,66 @@ class Fluid:
 def fluid_rhs(layer, op, s, w, scratch, target):
     """Time derivative of (rho, rho u, e) at the owned active points, equation (4.20), to where ``target`` says.
 
-    s: the memory, in which the owned points and halos stand from w on, three doubles per point, and the scratch rows
-    from ``scratch`` on (see fsipetsc.physics.emission). Other points do not change.
+    s: the memory, in which the owned points and halos of each unknown stand from w on, ``layer.stride`` apart, and the
+    scratch rows from ``scratch`` on (see fsipetsc.physics.emission). Other points do not change.
     """
     lo, hi, reach = layer.lo, layer.hi, op.reach
-    first = layer.own_lo - layer.halo_lo
-    a, b = max(layer.own_lo, lo), min(layer.own_hi, hi + 1)
-    velocity, mu, inv_cv, gas = layer.s, layer.mu, 1.0 / layer.cv, (layer.gamma - 1.0) * layer.cv
-    kappa, inv_h = layer.kappa, 1.0 / layer.h
+    first, stride = layer.own_lo - layer.halo_lo, layer.stride
+    velocity, mu, kappa, gas = layer.s, layer.mu, layer.kappa, (layer.gamma - 1.0) * layer.cv
+    inv_cv, inv_h = 1.0 / layer.cv, 1.0 / layer.h
     u, T, ux, Tx = scratch + row(0), scratch + row(1), scratch + row(2), scratch + row(3)
     f1, f2, f3 = scratch + row(4), scratch + row(5), scratch + row(6)
-    for i0 in range(a, b, BLOCK):
-        i1 = min(i0 + BLOCK, b)
-        # primitive variables where the double derivative reaches
+    for i0 in range(max(layer.own_lo, lo), min(layer.own_hi, hi + 1), BLOCK):
+        i1 = min(i0 + BLOCK, min(layer.own_hi, hi + 1))
+        # velocity and temperature where the double derivative reaches
         p0, p1 = max(lo, i0 - 2 * reach), min(hi + 1, i1 + 2 * reach)
-        q, ru, rT = U64(w + 3 * (p0 - first)), U64(u), U64(T)
+        d = U64(w + p0 - first)
+        m, e, ru, rT = d + U64(stride), d + U64(2 * stride), U64(u), U64(T)
         for i in range(U64(p1 - p0)):
-            r = 1.0 / s[q + U3 * i]
-            v = s[q + U3 * i + U1] * r
+            r = 1.0 / s[d + i]
+            v = s[m + i] * r
             s[ru + i] = v
-            s[rT + i] = (s[q + U3 * i + U2] * r - 0.5 * v * v) * inv_cv
+            s[rT + i] = (s[e + i] * r - 0.5 * v * v) * inv_cv
         # their derivatives, and the fluxes, where one derivative reaches
         d0, d1 = max(lo, i0 - reach), min(hi + 1, i1 + reach)
         derivative(op, s, u, p0, ux, d0, d0, d1, lo, hi, mu * inv_h)
         derivative(op, s, T, p0, Tx, d0, d0, d1, lo, hi, kappa * inv_h)
-        q, ru, rT, rux, rTx = U64(w + 3 * (d0 - first)), U64(u + d0 - p0), U64(T + d0 - p0), U64(ux), U64(Tx)
+        shift, rux, rTx = U64(d0 - p0), U64(ux), U64(Tx)
+        d, m, e, ru, rT = d + shift, m + shift, e + shift, ru + shift, rT + shift
         r1, r2, r3 = U64(f1), U64(f2), U64(f3)
         for i in range(U64(d1 - d0)):
-            rho, v = s[q + U3 * i], s[ru + i]
-            tau = gas * rho * s[rT + i] - s[rux + i]
-            s[r1 + i] = rho * (v - velocity)
-            s[r2 + i] = s[q + U3 * i + U1] * (v - velocity) + tau
-            s[r3 + i] = s[q + U3 * i + U2] * (v - velocity) + v * tau - s[rTx + i]
-        k1, k2, k3 = u, T, ux  # their values are not needed any more
-        derivative(op, s, f1, d0, k1, i0, i0, i1, lo, hi, -inv_h)
-        derivative(op, s, f2, d0, k2, i0, i0, i1, lo, hi, -inv_h)
-        derivative(op, s, f3, d0, k3, i0, i0, i1, lo, hi, -inv_h)
-        emit3(s, target, 3 * (i0 - layer.own_lo), k1, k2, k3, i1 - i0)
+            s[rux + i] = gas * s[d + i] * s[rT + i] - s[rux + i]  # pressure less viscous stress
+            s[r1 + i] = s[d + i] * (s[ru + i] - velocity)
+        for i in range(U64(d1 - d0)):
+            s[r2 + i] = s[m + i] * (s[ru + i] - velocity) + s[rux + i]
+            s[r3 + i] = s[e + i] * (s[ru + i] - velocity) + s[ru + i] * s[rux + i] - s[rTx + i]
+        for unknown in range(3):
+            derivative(op, s, scratch + row(4 + unknown), d0, u, i0, i0, i1, lo, hi, -inv_h)
+            emit(s, target, unknown, u, i0 - layer.own_lo, i1 - i0)
 
 
 @njit(**OPTIONS)
 def fluid_limits(layer, s, w, scratch):
-    """(largest |u-s| + c, largest 1/rho, number of unphysical points) over the owned active points.
+    """(largest |u-s| + c, smallest rho, smallest T) over the owned active points; not numbers where the state is none.
 
-    The first two bound the time step; a point is unphysical where rho > 0 and T > 0 do not both hold.
+    The first two bound the time step; the state is unphysical where rho > 0 and T > 0 do not hold.
     """
-    first = layer.own_lo - layer.halo_lo
+    first, stride = layer.own_lo - layer.halo_lo, layer.stride
     a, b = max(layer.own_lo, layer.lo), min(layer.own_hi, layer.hi + 1)
-    speed, volume, bad, velocity = U64(scratch + row(0)), U64(scratch + row(1)), 0, layer.s
+    speed, c2, velocity = U64(scratch + row(0)), U64(scratch + row(1)), layer.s
     cc = layer.gamma * (layer.gamma - 1.0)
-    fastest, lightest = 0.0, 0.0
+    fastest, lightest, coldest = 0.0, np.inf, np.inf
     for i0 in range(a, b, BLOCK):
-        m, q = U64(min(i0 + BLOCK, b) - i0), U64(w + 3 * (i0 - first))
-        for i in range(m):
-            r = 1.0 / s[q + U3 * i]
-            v = s[q + U3 * i + U1] * r
-            c2 = cc * (s[q + U3 * i + U2] * r - 0.5 * v * v)
-            s[volume + i] = r
-            s[speed + i] = abs(v - velocity) + np.sqrt(c2)
-            bad += 0 if (r > 0.0 and c2 > 0.0) else 1
-        fastest = max(fastest, largest(s, speed, m))
-        lightest = max(lightest, largest(s, volume, m))
-    return fastest, lightest, bad
-
-
-@njit(cache=True, fastmath={"nnan", "nsz"}, nogil=True)
-def largest(s, v, m):
-    """Maximum of s[v:v+m], numbers above zero without NaNs, as a vectorised reduction."""
-    result = 0.0
-    for i in range(m):
-        result = max(result, s[v + i])
-    return result
+        count, d = U64(min(i0 + BLOCK, b) - i0), U64(w + i0 - first)
+        m, e = d + U64(stride), d + U64(2 * stride)
+        for i in range(count):
+            r = 1.0 / s[d + i]
+            v = s[m + i] * r
+            s[c2 + i] = cc * (s[e + i] * r - 0.5 * v * v)
+            s[speed + i] = abs(v - velocity)
+        for i in range(count):
+            s[speed + i] += np.sqrt(s[c2 + i])
+        fastest = maximum(fastest, largest(s, speed, count))
+        lightest = minimum(lightest, smallest(s, d, count))
+        coldest = minimum(coldest, smallest(s, c2, count))
+    return fastest, lightest, coldest / (cc * layer.cv)

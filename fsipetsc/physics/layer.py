@@ -27,7 +27,8 @@ LAYER = np.dtype(
         ("halo_lo", _I),
         ("halo_hi", _I),
         ("start", _I),  # of the owned part in the rank's part of the solution vector, in doubles
-        ("work", _I),  # of owned part and halos in the rank's work array, in doubles
+        ("work", _I),  # of owned part and halos in a work area, in doubles
+        ("stride", _I),  # from one unknown to the next in a work area, where each stands for itself
         ("h", _F),
         # fluid: materials and the moving frame
         ("gamma", _F),

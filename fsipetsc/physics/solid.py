@@ -15,8 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from fsipetsc.operators.kernels import BLOCK, OPTIONS, U1, U2, U3, U4, U7, U64, derivative, row
-from fsipetsc.physics.emission import emit4
+from fsipetsc.operators.kernels import BLOCK, OPTIONS, U1, U64, copy, derivative, minimum, row
+from fsipetsc.operators.reductions import largest, smallest
+from fsipetsc.physics.emission import emit
 
 
 @dataclass(frozen=True)
@@ -47,68 +48,73 @@ class Solid:
 def solid_rhs(layer, op, s, w, scratch, target):
     """Time derivative of (u, sigma, T, x) at the owned points, equation (4.19), to where ``target`` says.
 
-    s: the memory, in which the owned points and halos stand from w on, four doubles per point, and the scratch rows
-    from ``scratch`` on (see fsipetsc.physics.emission).
+    s: the memory, in which the owned points and halos of each unknown stand from w on, ``layer.stride`` apart, and the
+    scratch rows from ``scratch`` on (see fsipetsc.physics.emission).
     """
     lo, hi, reach = layer.lo, layer.hi, op.reach
-    first = layer.own_lo - layer.halo_lo
+    first, stride = layer.own_lo - layer.halo_lo, layer.stride
     inv_h, K, kappa_e = 1.0 / layer.h, layer.K, layer.kappa_e
     inv_m0, inv_am0, force = 1.0 / layer.m0, 1.0 / (layer.alpha * layer.m0), layer.force
     pe = layer.gruneisen * layer.m0 * layer.alpha
-    u, net, T, x = scratch + row(0), scratch + row(1), scratch + row(2), scratch + row(3)  # net: sigma - p
-    ux, xX, flux, k1, k3 = scratch + row(4), scratch + row(5), scratch + row(6), scratch + row(7), scratch + row(8)
+    u, sigma, T, x = w, w + stride, w + 2 * stride, w + 3 * stride
+    net, ux, xX = scratch + row(0), scratch + row(1), scratch + row(2)  # net: sigma - p
+    flux, k1, k3 = scratch + row(3), scratch + row(4), scratch + row(5)
     for i0 in range(layer.own_lo, layer.own_hi, BLOCK):
         i1 = min(i0 + BLOCK, layer.own_hi)
-        p0, p1 = max(lo, i0 - 2 * reach), min(hi + 1, i1 + 2 * reach)
-        q, ru, rn, rT, rx = U64(w + 4 * (p0 - first)), U64(u), U64(net), U64(T), U64(x)
-        for i in range(U64(p1 - p0)):
-            s[ru + i] = s[q + U4 * i]
-            s[rn + i] = s[q + U4 * i + U1]
-            s[rT + i] = s[q + U4 * i + U2]
-            s[rx + i] = s[q + U4 * i + U3]
-        # strain and heat flux where one more derivative reaches
+        # strain, stress and heat flux where one more derivative reaches
         d0, d1 = max(lo, i0 - reach), min(hi + 1, i1 + reach)
-        derivative(op, s, x, p0, xX, d0, d0, d1, lo, hi, inv_h)
-        derivative(op, s, T, p0, flux, d0, d0, d1, lo, hi, kappa_e * inv_h)
-        rf, rX = U64(flux), U64(xX)
-        for i in range(U64(d1 - d0)):
-            s[rf + i] /= s[rX + i]
-        if pe != 0.0:
-            rn, rT = U64(net + d0 - p0), U64(T + d0 - p0)
-            for i in range(U64(d1 - d0)):
-                s[rn + i] -= pe * s[rT + i] / s[rX + i]
-        derivative(op, s, u, p0, ux, i0, i0, i1, lo, hi, inv_h)
-        derivative(op, s, net, p0, k1, i0, i0, i1, lo, hi, inv_h * inv_m0)
+        count = U64(d1 - d0)
+        derivative(op, s, x, first, xX, d0, d0, d1, lo, hi, inv_h)
+        derivative(op, s, T, first, flux, d0, d0, d1, lo, hi, kappa_e * inv_h)
+        rf, rX, rn, rs, rT = U64(flux), U64(xX), U64(net), U64(sigma + d0 - first), U64(T + d0 - first)
+        for i in range(count):
+            s[rX + i] = 1.0 / s[rX + i]
+            s[rf + i] *= s[rX + i]
+        for i in range(count):
+            s[rn + i] = s[rs + i] - pe * s[rT + i] * s[rX + i]
+        derivative(op, s, u, first, ux, i0, i0, i1, lo, hi, inv_h)
+        derivative(op, s, net, d0, k1, i0, i0, i1, lo, hi, inv_h * inv_m0)
         derivative(op, s, flux, d0, k3, i0, i0, i1, lo, hi, inv_h)
-        rn, rX, rux = U64(net + i0 - p0), U64(xX + i0 - d0), U64(ux)
-        r1, r3 = U64(k1), U64(k3)
+        shift, rux, r1, r3 = U64(i0 - d0), U64(ux), U64(k1), U64(k3)
+        rX, rn = rX + shift, rn + shift
         for i in range(U64(i1 - i0)):
             s[r1 + i] += force
             s[r3 + i] = (s[rn + i] * s[rux + i] + s[r3 + i]) * inv_am0
-            s[rux + i] = K * s[rux + i] / s[rX + i]
-        emit4(s, target, 4 * (i0 - layer.own_lo), k1, ux, k3, u + i0 - p0, i1 - i0)
+        for i in range(U64(i1 - i0)):
+            s[rux + i] = K * s[rux + i] * s[rX + i]
+        copy(s, u + i0 - first, flux, i1 - i0)
+        at = i0 - layer.own_lo
+        emit(s, target, 0, k1, at, i1 - i0)
+        emit(s, target, 1, ux, at, i1 - i0)
+        emit(s, target, 2, k3, at, i1 - i0)
+        emit(s, target, 3, flux, at, i1 - i0)
 
 
 @njit(**OPTIONS)
-def solid_limits(layer, s, w):
-    """(largest squared wave speed, largest 1/x_X, number of unphysical points) over the owned points.
+def solid_limits(layer, s, w, scratch):
+    """(largest squared wave speed, largest 1/x_X, smallest x_X, smallest T) over the owned points.
 
-    Speeds are in Lagrangian coordinates, x_X is the difference to the right neighbour. A point is unphysical where
-    x_X > 0 and T > 0 do not both hold or its velocity is not a number.
+    Not numbers where the state is none; speeds are in Lagrangian coordinates, x_X is the difference to the right
+    neighbour. The state is unphysical where x_X > 0 and T > 0 do not hold.
     """
-    first = layer.own_lo - layer.halo_lo
-    n, bad, smallest, pressure = min(layer.own_hi, layer.hi) - layer.own_lo, 0, np.inf, 0.0
-    q = U64(w + 4 * (layer.own_lo - first))
-    for i in range(U64(n)):
-        dx = s[q + U4 * i + U7] - s[q + U4 * i + U3]
-        smallest = min(smallest, dx)
-        bad += 0 if (dx > 0.0 and s[q + U4 * i + U2] > 0.0 and s[q + U4 * i] == s[q + U4 * i]) else 1
-    if layer.own_hi == layer.hi + 1:
-        last = q + U4 * U64(n)
-        bad += 0 if (s[last + U2] > 0.0 and s[last] == s[last]) else 1
+    first, stride = layer.own_lo - layer.halo_lo, layer.stride
+    end, dx, inv_h = min(layer.own_hi, layer.hi), U64(scratch + row(0)), 1.0 / layer.h
+    own = U64(w + layer.own_lo - first)
+    count, sigma = U64(layer.own_hi - layer.own_lo), own + U64(stride)
+    T, x = own + U64(2 * stride), own + U64(3 * stride)
+    shortest = np.inf
+    for i0 in range(layer.own_lo, end, BLOCK):
+        m, at = U64(min(i0 + BLOCK, end) - i0), x + U64(i0 - layer.own_lo)
+        for i in range(m):
+            s[dx + i] = (s[at + i + U1] - s[at + i]) * inv_h
+        shortest = minimum(shortest, smallest(s, dx, m))
+    # a velocity or stress that is not a number shows in the speed
+    coldest = smallest(s, T, count)
+    stiffest = layer.K + 0.0 * (largest(s, own, count) + largest(s, sigma, count))
+    stretch = 1.0 / shortest
+    c2 = stiffest * stretch / layer.m0
     if layer.gruneisen > 0.0:  # c^2 = (K + (p - sigma) p_eps / rho) / m0 + p_rho, see after (3.9)
-        for i in range(U64(n)):
-            heat = layer.gruneisen * layer.alpha * s[q + U4 * i + U2]
-            pressure = max(pressure, heat * layer.m0 * layer.h / smallest - s[q + U4 * i + U1] + layer.m0 * heat)
-    stretch = layer.h / smallest
-    return (layer.K + max(0.0, layer.gruneisen) * pressure) / layer.m0 * stretch, stretch, bad
+        heat = layer.gruneisen * layer.alpha * largest(s, T, count)
+        excess = heat * layer.m0 * stretch - smallest(s, sigma, count)
+        c2 += (layer.gruneisen * max(excess, 0.0) / layer.m0 + heat) * stretch
+    return c2, stretch, shortest, coldest

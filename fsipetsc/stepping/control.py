@@ -71,6 +71,8 @@ class ErrorControl:
 
     def decide(self, dt: float, norm: float) -> tuple[bool, float]:
         """(accepted, proposal for the next step) after a step dt whose error has the norm."""
+        if not np.isfinite(norm):  # the step made no sense
+            return False, dt * CLIP[0]
         accepted = norm <= 1.0
         safety = SAFETY if accepted else SAFETY * REJECT_SAFETY
         factor = CLIP[1] if norm == 0 else safety * norm ** (-1.0 / self._order)

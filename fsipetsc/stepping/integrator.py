@@ -21,6 +21,7 @@ from fsipetsc.stepping.clock import Clock
 from fsipetsc.stepping.control import ErrorControl
 from fsipetsc.stepping.diagnosis import describe_failure
 from fsipetsc.stepping.fused import NAME, FusedRK4
+from fsipetsc.stepping.phases import logged
 from fsipetsc.stepping.series import Series
 from fsipetsc.stepping.state import State
 
@@ -177,7 +178,7 @@ class Integrator:
             ts.setRHSFunction(self._right_hand_side, self._rates)
         if opt["ts_type"] == "rk":
             ts.setRKType(opt["ts_rk_type"])
-        ts.setPostStep(self._post_step)
+        ts.setPostStep(logged("fsi hooks", self._post_step))
         ts.setExactFinalTime(PETSc.TS.ExactFinalTime.STEPOVER)
         ts.setSolution(self.state.solution)
         database = PETSc.Options()

@@ -69,10 +69,18 @@ class Reporter:
         cost = f", {1e6 * wall / steps:.1f} µs per step" if steps else ""
         rejected = f" ({summary['rejected_steps']} rejected)" if summary["rejected_steps"] else ""
         self.line(f"{summary['status']} at t = {summary['t']:g} s: {steps} steps{rejected} in {_duration(wall)}{cost}")
+        self.line(_phases(summary["phases"]))
         for kind, values in (errors or {}).items():
             listed = ", ".join(f"{name} {value:.3e}" for name, value in values.items())
             self.line(f"L2 errors in the {kind}: {listed}")
         self.line(f"result in {path}")
+
+
+def _phases(seconds: Mapping[str, float]) -> str:
+    """Where the time went, in a line."""
+    total = sum(seconds.values())
+    shares = (f"{name} {_duration(value)} ({100 * value / total:.1f} %)" for name, value in seconds.items())
+    return "of which " + ", ".join(shares) if total else "no time at all"
 
 
 def _duration(seconds: float) -> str:

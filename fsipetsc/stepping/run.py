@@ -19,8 +19,9 @@ from fsipetsc.output.writer import RunWriter
 from fsipetsc.stepping.clock import saved_times
 from fsipetsc.stepping.frames import active_points, errors, fields
 from fsipetsc.stepping.integrator import Integrator
+from fsipetsc.stepping.phases import LOOP, OUTPUT, SET_UP, Phases
 from fsipetsc.stepping.report import Reporter
-from fsipetsc.stepping.state import State
+from fsipetsc.stepping.solve import make_state
 
 
 class Interrupted(FsiError):
@@ -36,7 +37,9 @@ def run_case(case: Any, options: Mapping[str, Any], comm: MPI.Comm) -> None:
 
     Raises InputError, ComputationError (after writing what was computed), FileError, Interrupted.
     """
-    run = _Run(case, options, comm)
+    phases = Phases()
+    with phases(SET_UP):
+        run = _Run(case, options, comm, phases)
     try:
         run.go()
     finally:
@@ -46,18 +49,10 @@ def run_case(case: Any, options: Mapping[str, Any], comm: MPI.Comm) -> None:
 class _Run:
     """The pieces of one run, wired together."""
 
-    def __init__(self, case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> None:
-        self.case, self.opt, self.comm = case, opt, comm
+    def __init__(self, case: Any, opt: Mapping[str, Any], comm: MPI.Comm, phases: Phases) -> None:
+        self.case, self.opt, self.comm, self.phases = case, opt, comm, phases
         self.problem = case.build(opt)
-        self.state = State(
-            comm,
-            self.problem,
-            opt["fsi_order"],
-            opt["fsi_h"],
-            opt["fsi_coupling"],
-            opt["fsi_partition"],
-            opt["fsi_spare"],
-        )
+        self.state = make_state(self.problem, opt, comm)
         saved = saved_times(opt["ts_max_time"], opt["fsi_output_dt"], opt["fsi_output_times"])
         self.writer = RunWriter(comm, opt["fsi_output"], self._header())
         self.report = Reporter(comm, case.NAME, opt)
@@ -77,6 +72,7 @@ class _Run:
                 f"{a.name} | {b.name}" for a, b in zip(self.problem.layers, self.problem.layers[1:], strict=False)
             ],
             "notes": list(self.problem.notes),
+            "units": self.problem.units,
         }
 
     def _grids(self) -> None:
@@ -89,6 +85,12 @@ class _Run:
         )
 
     def _frame(self, t: float) -> None:
+        self._series()
+        with self.phases(OUTPUT, "fsi frame"):
+            self._write_frame(t)
+        self.saved_at = t
+
+    def _write_frame(self, t: float) -> None:
         arrays, positions = [], []
         for k, layer in enumerate(self.problem.layers):
             if self.state.layout.records[k]["present"]:
@@ -97,14 +99,13 @@ class _Run:
                 values, x = np.empty((0, len(layer.fields))), np.empty(0)
             arrays.append(values)
             positions.append(x if layer.kind == "fluid" else None)
-        self._series()
         self.writer.write_frame(t, arrays, positions)
-        self.saved_at = t
 
     def _series(self) -> None:
         series = self.integrator.series
         if series.count:
-            self.writer.append_series(series.take(self.comm))
+            with self.phases(OUTPUT, "fsi series"):
+                self.writer.append_series(series.take(self.comm))
 
     def go(self) -> None:
         opt, integrator = self.opt, self.integrator
@@ -114,14 +115,18 @@ class _Run:
         begun = time.perf_counter()
         try:
             self.report.begin(self.state)
-            integrator.start()
-            with _signals(integrator):
+            with self.phases(SET_UP):
+                self.state.compile(self.report.line)
+                integrator.start()
+            with _signals(integrator), self.phases(LOOP):
                 integrator.run()
             self._last_frame()
         except ComputationError as error:
             failure = error
         self._series()
         found = None if failure else errors(self.state, integrator.t)
+        with self.phases(OUTPUT, "fsi finish"):
+            self.writer.flush()  # so that the summary knows what it took
         summary = self._summary(time.perf_counter() - begun, failure)
         self.writer.finish(summary, found)
         self.report.end(summary, found, self.writer.path)
@@ -155,6 +160,7 @@ class _Run:
             "ranks": self.comm.size,
             "wall_time": integrator.wall_time,
             "wall_time_total": wall,
+            "phases": dict(self.phases.seconds),
             "initial_mass": integrator.initial.get("mass"),
             "initial_energy": integrator.initial.get("energy"),
             "versions": versions(),

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
 from fsipetsc.boundaries import NODES
+from fsipetsc.operators.cache import cache_folder
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.advance import STAGES, advance
 from fsipetsc.parallel.layout import Grid, Layout, make_grids
-from fsipetsc.parallel.plan import make_plan
+from fsipetsc.parallel.plan import FORCING, make_plan
 from fsipetsc.physics.layer import DOF, FLUID
 from fsipetsc.problem import FluidLayer, Problem
 
@@ -31,6 +34,15 @@ class State:
         self._coupling, self._mode, self._spare = coupling, mode, spare
         self._place(make_grids(problem, self.op, h, spare))
 
+    def compile(self, announce: Callable[[str], None]) -> None:
+        """Compile the kernels if that has not been done for this machine: one rank first, the others take its result."""
+        if self.comm.rank == 0:
+            if not any(cache_folder().glob("*/advance.advance-*.nbi")):
+                announce("compiling the kernels: once after installation, about 20 s")
+            advance(*self.plan, 0, 0, -1, 0.0)
+        self.comm.Barrier()
+        advance(*self.plan, 0, 0, -1, 0.0)
+
     def _place(self, grids: list[Grid]) -> None:
         self.layout = Layout(self.comm, self.problem, self.op, self.h, grids, self._mode)
         forced = any(layer.forcing for layer in self.problem.layers)
@@ -38,7 +50,7 @@ class State:
         for record, grid in zip(self.layout.records, grids, strict=True):
             record["lo"], record["hi"] = grid.lo, grid.hi
         # the solution vector's own memory is the plan's
-        self._sum, self._solution = int(self.plan.head["sum"][0]), int(self.plan.head["solution"][0])
+        self._transfer, self._solution = (int(self.plan.head[name][0]) for name in ("transfer", "solution"))
         values = self.plan.part("solution", self.layout.local_size)
         self.solution = PETSc.Vec().createWithArray(values, comm=self.comm)
         self.flags, self.limits = self.plan.part("flags", 4), self.plan.part("limits", 6)
@@ -57,7 +69,7 @@ class State:
                 face["jump"] = problem.jumps(k, t)
         for k, layer in enumerate(problem.layers):
             if layer.forcing is not None and records[k]["present"]:
-                part = self.layout.local(k, self.plan.part("forcing", self.layout.local_size))
+                part = self.plan.owned(k, FORCING)
                 for c, values in enumerate(layer.forcing(self.layout.owned_X(k), t)):
                     part[:, c] = values
 
@@ -77,19 +89,17 @@ class State:
 
     def right_hand_side(self, y: np.ndarray, f: np.ndarray) -> None:
         """f = dy/dt of this rank's part, at the projected y, for the data set last."""
-        values = self.plan.part("sum", y.size)
+        values = self.plan.part("transfer", y.size)
         values[:] = y
-        advance(*self.plan, 0, 1, self._sum, 0.0)
+        advance(*self.plan, 0, 1, self._transfer, 0.0)
         f[:] = values
 
     def project(self, y: np.ndarray) -> None:
         """Fill the ghost points of this rank's part y and project its interfaces, in place; undoes the completion."""
-        values = self.plan.part("sum", y.size)
-        values[:] = y
-        advance(*self.plan, 0, 1, self._sum, 0.0)
+        self.right_hand_side(y, y)
         for k, record in enumerate(self.layout.records):
-            halo, count = int(record["halo_lo"]), int(record["own_hi"] - record["own_lo"])
-            self.layout.local(k, y)[:] = self.plan.work(k)[halo : halo + count]
+            if record["present"]:
+                self.layout.local(k, y)[:] = self.plan.owned(k)
 
     def finish(self) -> None:
         """Complete a step whose raw result PETSc has left in the solution: see parallel.completion."""
@@ -126,7 +136,6 @@ class State:
                 rows = np.arange(record["own_lo"], record["own_hi"]) - grid.lo
                 self.layout.local(k, y)[:] = active[np.clip(rows, 0, len(active) - 1)]
         advance(*self.plan, 0, 0, self._solution, 0.0)
-        self.plan.part("sum", y.size)[:] = y
 
     def _release(self) -> None:
         for requests in self._requests:

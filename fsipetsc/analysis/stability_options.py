@@ -1,0 +1,132 @@
+"""The options of `python -m fsipetsc stability`, and the problem that they describe. Cheap to import."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from fsipetsc.errors import InputError
+from fsipetsc.option import Option
+
+if TYPE_CHECKING:
+    from fsipetsc.analysis.stability_linear import Constant
+
+ORDERS = (2, 4, 6, 8)
+
+
+def _orders(values: tuple[int, ...]) -> str | None:
+    return None if set(values) <= set(ORDERS) else "orders out of 2,4,6,8"
+
+
+def _above_one(value: float) -> str | None:
+    return None if value > 1 else "a number above 1"
+
+
+SECTIONS: dict[str, tuple[Option, ...]] = {
+    "Gas": (
+        Option("fluid_rho", float, 1.0, "kg/m3", "density of the gas at rest", check="positive"),
+        Option("fluid_T", float, 1.0, "K", "temperature, of the solid too", check="positive"),
+        Option("fluid_p", float, None, "Pa", "pressure of the gas, instead of -fluid_rho", check="positive"),
+        Option("fluid_gamma", float, 1.4, "", "ratio of the specific heats", check=_above_one),
+        Option("fluid_R", float, 1.0, "J/(kg K)", "gas constant over molar mass", check="positive"),
+        Option("fluid_mu", float, 0.01, "Pa s", "viscosity", check="nonnegative"),
+        Option("fluid_kappa", float, 0.03, "W/(m K)", "heat conductivity of the gas", check="nonnegative"),
+    ),
+    "Solid": (
+        Option("solid_density", float, 1.0, "kg/m3", "density m0 in the reference state", check="positive"),
+        Option("solid_modulus", float, 1.0, "Pa", "K = 2 mu_e + lambda_e", check="positive"),
+        Option("solid_alpha", float, 2.5, "J/(kg K)", "specific heat", check="positive"),
+        Option("solid_kappa", float, 0.02, "W/(m K)", "heat conductivity of the solid", check="nonnegative"),
+        Option("solid_stretch", float, 1.0, "", "x_X at rest", check="positive"),
+        Option(
+            *("solid_eos", str, "ideal", "", "pressure p = G rho epsilon, or none as in the elastic solid"),
+            choices=("ideal", "elastic"),
+        ),
+        Option("solid_stress", float, 0.0, "Pa", "stress sigma at rest; with -solid_eos ideal it fixes G"),
+        Option(
+            *("solid_gruneisen", float, None, "", "G; then -solid_stress follows from the balance with the gas"),
+            check="nonnegative",
+        ),
+    ),
+    "Discretisation": (
+        Option(
+            *("fsi_coupling", str, "energy", "", "treatment of the interface"),
+            choices=("energy", "projection", "traditional"),
+        ),
+        Option("fsi_orders", "ints", ORDERS, "", "interior orders of the SBP operators", check=_orders),
+        Option("fsi_order", int, None, "", "one order alone, instead of -fsi_orders", ORDERS),
+        Option("fsi_h", float, 0.03125, "m", "grid spacing", check="positive"),
+        Option("stability_points", int, 32, "", "points of each of the two layers", check="positive"),
+    ),
+    "Sweep": (
+        Option("sweep", bool, False, "", "all combinations of the ratios below"),
+        Option(
+            *("density_ratios", "floats", (1e-3, 1e-2, 1e-1, 1.0, 10.0, 100.0, 1000.0), ""),
+            help="m0 over the density of the gas, instead of -solid_density; alpha m0 keeps its value",
+            check="positive",
+        ),
+        Option(
+            *("stiffness_ratios", "floats", (1e-2, 1e-1, 1.0, 10.0, 100.0), ""),
+            help="K over the pressure of the gas, instead of -solid_modulus",
+            check="positive",
+        ),
+    ),
+    "Output": (
+        Option("fsi_output", str, None, "", "files of a sweep, without suffix: stability-COUPLING if not given"),
+        Option("fsi_quiet", bool, False, "", "print nothing but errors"),
+        Option("fsi_debug", bool, False, "", "show the Python traceback of an error"),
+    ),
+}
+
+
+def orders(opt: Mapping[str, Any]) -> tuple[int, ...]:
+    """The orders that are asked for."""
+    return (opt["fsi_order"],) if opt["fsi_order"] else tuple(opt["fsi_orders"])
+
+
+def check(opt: Mapping[str, Any]) -> None:
+    """Raise InputError if a layer has too few points for an operator."""
+    from fsipetsc.operators import operator
+
+    for order in orders(opt):
+        op = operator(order)
+        least = max(4, op.min_points)
+        if opt["stability_points"] < least:
+            raise InputError(f"-stability_points {opt['stability_points']}: the {op.name} operator needs {least}")
+
+
+def constant_state(opt: Mapping[str, Any]) -> Constant:
+    """The state at rest that the options describe. InputError if gas and solid cannot balance."""
+    from fsipetsc.analysis.stability_linear import Constant
+    from fsipetsc.physics.fluid import Fluid
+    from fsipetsc.physics.solid import Solid
+
+    gas = Fluid(opt["fluid_mu"], opt["fluid_kappa"], opt["fluid_gamma"], opt["fluid_R"])
+    T = opt["fluid_T"]
+    rho = opt["fluid_rho"] if opt["fluid_p"] is None else opt["fluid_p"] / (gas.R * T)
+    solid = Solid(opt["solid_modulus"], opt["solid_kappa"], opt["solid_density"], opt["solid_alpha"])
+    return Constant(gas, replace(solid, gruneisen=_gruneisen(opt, gas.R * rho * T)), rho, T, opt["solid_stretch"])
+
+
+def _gruneisen(opt: Mapping[str, Any], p: float) -> float:
+    stress, given = opt["solid_stress"], opt["solid_gruneisen"]
+    if opt["solid_eos"] == "elastic":
+        if given or stress not in (0.0, -p):
+            raise InputError(f"-solid_eos elastic: the stress at rest is -p = {-p:g} Pa, and there is no G")
+        return 0.0
+    if given is not None:
+        if stress:
+            raise InputError("-solid_gruneisen and -solid_stress: one of them follows from the other; give one")
+        return given
+    if stress <= -p:
+        raise InputError(f"-solid_stress {stress:g}: must be above -p = {-p:g} Pa, so that the solid has a pressure")
+    return (p + stress) * opt["solid_stretch"] / (opt["solid_density"] * opt["solid_alpha"] * opt["fluid_T"])
+
+
+def swept(state: Constant, density_ratio: float, stiffness_ratio: float) -> Constant:
+    """The same state with another density and stiffness of the solid; alpha m0 and pressures keep their values."""
+    solid = state.solid
+    m0 = density_ratio * state.rho
+    changed = replace(solid, m0=m0, K=stiffness_ratio * state.p, alpha=solid.alpha * solid.m0 / m0)
+    return replace(state, solid=changed)

@@ -1,0 +1,44 @@
+"""Table 1 of the paper: observed convergence exponents of the manufactured solution, beside those of a study."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fsipetsc.analysis.convergence_table import Study
+from fsipetsc.operators.sbp import operator
+
+#: kind of layer -> order -> exponent in L2 between the two finest grids
+PAPER = {"fluid": {8: 4.9, 6: 4.7, 4: 2.4, 2: 1.6}, "solid": {8: 4.3, 6: 4.1, 4: 2.6, 2: 1.8}}
+#: what is known about a lower exponent
+REASONS = {
+    ("fluid", 6): "closures of order 3 leave an error of order 4, which has taken over on fine grids (see README)",
+}
+
+
+def compare(study: Study) -> str:
+    """The table, with a line for each exponent of ours that is lower and one for those that are higher.
+
+    study: of the case mms on two grids at least. Exponents are rounded to one digit, as in the paper.
+    """
+    here = {kind: np.round(study.rates(kind)[:, -1], 1) for kind in PAPER}
+    orders = sorted(study.orders, reverse=True)
+    lines = [
+        "Table 1 of the paper, exponents between the two finest grids, "
+        f"and ours between h = {study.hs[-2]:g} and {study.hs[-1]:g}",
+        f"{'':<12}" + "".join(f"{operator(order).name:>7}" for order in orders),
+    ]
+    lower, higher = [], []
+    for kind, paper in PAPER.items():
+        ours = {order: here[kind][study.orders.index(order)] for order in orders}
+        lines.append(f"{kind:<7}paper" + "".join(f"{paper[order]:>7.1f}" for order in orders))
+        lines.append(f"{'':<7}ours " + "".join(f"{ours[order]:>7.1f}" for order in orders))
+        for order in orders:
+            numbers = f"{kind} {operator(order).name} ({ours[order]:.1f} for {paper[order]:.1f})"
+            if ours[order] > paper[order]:
+                higher.append(numbers)
+            elif not ours[order] == paper[order]:
+                reason = REASONS.get((kind, order))
+                lower.append(f"lower than in the paper: {numbers}" + (f": {reason}" if reason else ""))
+    if higher:
+        lines.append(f"higher than in the paper: {', '.join(higher)}")
+    return "\n".join(lines + lower)

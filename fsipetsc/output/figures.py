@@ -1,0 +1,96 @@
+"""Pictures of a convergence study: error against grid spacing and against time (Figs. 6 and 7 of the paper)."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fsipetsc.errors import FileError
+from fsipetsc.operators.sbp import operator
+from fsipetsc.output.plots import STYLE
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from fsipetsc.analysis.convergence_table import Study
+
+#: color and marker of an order, the colors as in the paper
+ORDERS = {2: ("#2e8b3a", "s"), 4: ("#1f5fbf", "o"), 6: ("#d0312d", "^"), 8: ("#222222", "D")}
+
+
+def convergence_figures(study: Study, path: str | os.PathLike[str], note: str = "") -> list[Path]:
+    """Draw both pictures beside PATH, as PATH without suffix + "-error.png" and "-cost.png"; none without matplotlib.
+
+    note: added to the titles. FileError if they cannot be written.
+    """
+    try:
+        import matplotlib
+        from matplotlib.figure import Figure
+    except ImportError:
+        return []
+    title = f"{study.case} at t = {study.t:g} s" + (f" ({note})" if note else "")
+    written = []
+    with matplotlib.rc_context(STYLE):
+        for name, draw in (("error", draw_errors), ("cost", draw_cost)):
+            figure = Figure()
+            draw(figure, study)
+            figure.suptitle(title, fontsize=10, x=0.01, ha="left", weight="bold")
+            target = Path(path).with_name(f"{Path(path).stem}-{name}.png")
+            try:
+                figure.savefig(target)
+            except OSError as error:
+                raise FileError(f"{target}: cannot write the picture: {error.strerror or error}") from error
+            written.append(target)
+    return written
+
+
+def draw_errors(figure: Figure, study: Study) -> None:
+    """Errors of all unknowns together against the grid spacing, a panel for the fluid and one for the solid (Fig. 6)."""
+    figure.set_size_inches(7.6, 3.8)
+    for axes, kind in zip(figure.subplots(1, 2, sharey=True), study.errors):
+        for order, i in _each(study):
+            label = operator(order).name + _last_rate(study, kind, i)
+            axes.loglog(study.hs, study.errors[kind]["combined"][i], **_line(order), label=label)
+        axes.set_title(kind, loc="left")
+        axes.set_xlabel("grid spacing h  [m]")
+        axes.set_xticks(study.hs, [f"{h:.4g}" for h in study.hs], fontsize=8)
+        axes.minorticks_off()
+        axes.legend(loc="lower right", title="in brackets: the last order" if len(study.hs) > 1 else None)
+    figure.axes[0].set_ylabel("error in L2, all unknowns")
+
+
+def draw_cost(figure: Figure, study: Study) -> None:
+    """The larger error of fluid and solid against the wall time (Fig. 7)."""
+    from matplotlib.ticker import LogFormatterSciNotation, NullFormatter
+
+    figure.set_size_inches(4.8, 3.8)
+    axes = figure.subplots()
+    larger = np.fmax(*(study.errors[kind]["combined"] for kind in study.errors))
+    for order, i in _each(study):
+        axes.loglog(study.wall_time[i], larger[i], **_line(order), label=operator(order).name)
+    low, high = axes.get_xlim()
+    axes.set_xlim(10 ** np.floor(np.log10(low * 1.5)), 10 ** np.ceil(np.log10(high / 1.5)))
+    axes.xaxis.set_major_formatter(LogFormatterSciNotation())
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.set_xlabel(f"wall time on {study.ranks} rank{'s' * (study.ranks > 1)}  [s]")
+    axes.set_ylabel("error in L2, the larger of fluid and solid")
+    axes.legend(loc="lower left")
+
+
+def _each(study: Study) -> Iterator[tuple[int, int]]:
+    return ((order, i) for i, order in enumerate(study.orders) if np.isfinite(study.wall_time[i]).any())
+
+
+def _line(order: int) -> dict[str, Any]:
+    color, marker = ORDERS[order]
+    return {"color": color, "marker": marker, "markersize": 4}
+
+
+def _last_rate(study: Study, kind: str, i: int) -> str:
+    """The observed order of the finest refinement, in brackets."""
+    rate = study.rates(kind)[i, -1]
+    return f"  ({rate:.1f})" if np.isfinite(rate) else ""

@@ -1,0 +1,68 @@
+"""What a step costs in messages, floating-point operations and memory: counted from the plan, without running it.
+
+The command ``bench`` builds its cost model on these numbers, -log_view shows them, and the tests hold them against what
+is really sent and touched.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from fsipetsc.parallel.plan import Plan
+from fsipetsc.physics.layer import DOF, FLUID
+
+#: numbers in the reduction of the limits, see fsipetsc.parallel.completion
+LIMITS = 3
+
+
+class Traffic(NamedTuple):
+    """What this rank sends: messages to neighbours with their bytes, and reductions over all ranks with theirs."""
+
+    sends: int
+    sent_bytes: int
+    reductions: int
+    reduced_bytes: int
+
+
+def stage_traffic(plan: Plan) -> Traffic:
+    """Of one exchange: each stage but the first of a step begins with one, and so does the completion of the step."""
+    head = plan.head[0]
+    sends = sent = 0
+    for layer in plan.layers:
+        for halo in (layer["halo_lo"], layer["halo_hi"]):
+            sends += int(halo > 0)
+            sent += 8 * DOF[layer["kind"]] * int(halo)
+    alone = head["world"]["size"] == 1
+    return Traffic(sends, sent, 0 if alone else 1, 0 if alone else 8 * int(head["message"]))
+
+
+def completion_traffic(plan: Plan) -> Traffic:
+    """Of the completion of a step: one exchange, and the reduction of the limits."""
+    exchange = stage_traffic(plan)
+    alone = exchange.reductions == 0
+    return exchange._replace(
+        reductions=0 if alone else exchange.reductions + 1,
+        reduced_bytes=0 if alone else exchange.reduced_bytes + 8 * LIMITS,
+    )
+
+
+def flops(plan: Plan) -> int:
+    """Floating-point operations of one evaluation of the right-hand side on this rank's points, and of its use.
+
+    As the formulas stand, with the interior stencil everywhere: what is done twice at the ends of blocks and the
+    longer rows of the closures do not count; divisions, and products added to something, count as they are written.
+    """
+    stencil = 3 * int(plan.head[0]["op"]["p"]) - 1
+    total = 0
+    for layer in plan.layers:
+        points = min(layer["own_hi"], layer["hi"] + 1) - max(layer["own_lo"], layer["lo"])
+        dof = DOF[layer["kind"]]
+        # fluid: u, T, p and three fluxes; solid: heat flux, heating, the three rates. Then two updates per unknown.
+        derivatives, point = (5, 18) if layer["kind"] == FLUID else (5, 7)
+        total += max(0, int(points)) * (derivatives * stencil + point + 4 * dof)
+    return total
+
+
+def doubles(plan: Plan) -> int:
+    """Doubles of memory of this rank, the solution included: the whole of what a time step works on."""
+    return int(plan.memory.size)

@@ -1,0 +1,72 @@
+"""A run without a result file: for studies that make many runs and compare their ends."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from mpi4py import MPI
+from petsc4py import PETSc
+
+from fsipetsc.problem import Problem
+from fsipetsc.stepping.frames import active_points, errors
+from fsipetsc.stepping.integrator import Integrator
+from fsipetsc.stepping.phases import LoggedState
+from fsipetsc.stepping.state import State
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What is left of a run: cost and errors.
+
+    t: time reached [s]. points: active ones at the end. wall_time: of the time loop [s]. errors: kind of layer -> name ->
+    L2 error, as fsipetsc.stepping.frames.errors gives them; None without an exact solution.
+    """
+
+    t: float
+    steps: int
+    evaluations: int
+    points: int
+    wall_time: float
+    errors: dict[str, dict[str, float]] | None
+
+
+def make_state(problem: Problem, opt: Mapping[str, Any], comm: MPI.Comm) -> State:
+    """The state that the options in force ask for; with -log_view one that logs what it does. Collective.
+
+    InputError where grid, order and ranks do not fit.
+    """
+    names = ("fsi_order", "fsi_h", "fsi_coupling", "fsi_partition", "fsi_spare")
+    kind = LoggedState if PETSc.Log.isActive() else State
+    return kind(comm, problem, *(opt[name] for name in names))
+
+
+def solve(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Outcome:
+    """Integrate a case from t = 0 to -ts_max_time, or -ts_max_steps, and write nothing. Collective on comm.
+
+    Raises InputError and ComputationError.
+    """
+    state = make_state(case.build(opt), opt, comm)
+    try:
+        integrator = Integrator(
+            state,
+            opt,
+            [opt["ts_max_time"]],
+            on_frame=lambda t: None,
+            on_series=lambda: integrator.series.take(comm),
+            on_step=lambda steps, t, dt: None,
+            on_grids=lambda: None,
+        )
+        integrator.start()
+        integrator.run()
+        return Outcome(
+            integrator.t,
+            integrator.steps,
+            integrator.evaluations,
+            active_points(state),
+            integrator.wall_time,
+            errors(state, integrator.t),
+        )
+    finally:
+        state.destroy()

@@ -1,0 +1,174 @@
+"""Time stepping: the clock, saved times, every method of PETSc's with its order, and step-size control."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from conftest import METHODS, STEPS, TOLERANCES, fixed
+
+pytest.importorskip("petsc4py")
+
+from fsipetsc.stepping.clock import Clock, saved_times
+
+# --- the clock --------------------------------------------------------------------------------------------------------
+
+
+def test_saved_times():
+    assert saved_times(1.0, 0.25, None) == [0.0, 0.25, 0.5, 0.75, 1.0]
+    assert saved_times(1.0, 0.4, None) == [0.0, 0.4, 0.8, 1.0]
+    assert saved_times(1.0, None, (0.3, 0.7)) == [0.3, 0.7, 1.0]
+    assert saved_times(1.0, 0.5, (0.3, 5.0)) == [0.0, 0.3, 0.5, 1.0]
+    assert saved_times(0.0, 0.5, None) == [0.0]
+    assert saved_times(0.3, 0.1, None)[-1] == 0.3
+    assert len(saved_times(3.0, 0.02, None)) == 151, "3.0 / 0.02 is not 150 in floating point"
+    assert saved_times(1.0, 0.1, (0.30000000000000004,)).count(0.30000000000000004) == 1
+
+
+def walk(targets: list[float], bound: float) -> tuple[np.ndarray, list[float]]:
+    """Steps taken from 0 to the last target, and the times that were hit."""
+    clock, t, steps, hits = Clock(targets), 0.0, [], []
+    clock.pass_time(0.0)
+    while not clock.done:
+        step, after = clock.step(t, bound)
+        steps.append(step)
+        t = after
+        if clock.pass_time(t):
+            hits.append(t)
+    return np.array(steps), hits
+
+
+@pytest.mark.parametrize("bound", [0.1, 0.03, 0.0333333, 1 / 3, 0.7, 5.0])
+def test_targets_are_hit_exactly_without_a_tiny_step(bound):
+    targets = [0.1 * k for k in range(11)]
+    steps, hits = walk(targets, bound)
+    assert hits == targets[1:]
+    assert np.all(steps <= bound * (1 + 1e-9))
+    assert steps.min() >= 0.5 * min(bound, 0.1) * (1 - 1e-12)
+
+
+def test_a_target_that_round_off_has_moved_costs_no_step():
+    steps, _ = walk([0.0, 1.0], 0.1 * (1 - 1e-13))
+    assert len(steps) == 10
+
+
+def test_two_targets_closer_than_a_step():
+    _, hits = walk([0.0, 0.5, 0.5 + 1e-6, 1.0], 0.1)
+    assert hits == [0.5, 0.5 + 1e-6, 1.0]
+
+
+def test_several_targets_passed_at_once_count_once():
+    clock = Clock([0.0, 0.1, 0.2])
+    assert clock.pass_time(0.15)
+    assert not clock.pass_time(0.16)
+    assert clock.pass_time(0.2)
+    assert clock.done
+
+
+# --- runs -------------------------------------------------------------------------------------------------------------
+
+
+def final(run) -> list[np.ndarray]:
+    """The unknowns in the last frame, where they are active."""
+    names = {"fluid": ("rho", "u", "T"), "solid": ("u", "sigma", "T", "x")}
+    last = [layer[name][-1] for layer in run.layers for name in names[layer.kind]]
+    return [values[np.isfinite(values)] for values in last]
+
+
+def difference(run, reference) -> float:
+    """Largest difference of an unknown, relative to the largest departure from its mean."""
+    pairs = zip(final(run), final(reference), strict=True)
+    return max(np.abs(a - b).max() / np.abs(b - b.mean()).max() for a, b in pairs)
+
+
+@pytest.mark.parametrize("method", METHODS, ids=lambda m: " ".join(m).strip())
+def test_every_method_has_its_order(computed, method):
+    """On a fixed grid against a far finer step; methods of high order come down to the order of the round-off floor."""
+    coarse, fine = (computed("methods", fixed(method, dt)) for dt in STEPS)
+    reference = computed("methods", "reference")
+    errors = difference(coarse, reference), difference(fine, reference)
+    order = METHODS[method]
+    if order <= 4:
+        assert np.log2(errors[0] / errors[1]) > order - 0.2
+    else:
+        assert errors[0] < 3e-6
+
+
+def test_right_hand_sides_per_step(computed):
+    """Four for the classical method, and none for anything else."""
+    summary = computed("methods", fixed(("rk", "4"), STEPS[0])).summary
+    assert summary["rhs_evaluations"] == 4 * summary["steps"]
+
+
+@pytest.mark.parametrize("method", ["3bs", "5dp"])
+def test_error_falls_with_the_tolerance(computed, method):
+    reference = computed("adaptive", "reference")
+    runs = [computed("adaptive", f"{method}_{tolerance}") for tolerance in TOLERANCES]
+    errors = [difference(run, reference) for run in runs]
+    assert errors[0] < 0.02
+    assert all(b < 0.3 * a for a, b in zip(errors, errors[1:], strict=False))
+    steps = [run.summary["steps"] for run in runs]
+    assert steps == sorted(steps)
+    for run in runs:
+        assert run.time.tolist() == [0.0, 0.001, 0.002]
+
+
+@pytest.mark.parametrize("method", ["3bs", "5dp"])
+def test_rejected_steps_leave_the_solution_right(computed, method):
+    """Started far beyond the stability limit; a boundary point appears on the way."""
+    run = computed("adaptive", f"{method}_{TOLERANCES[-1]}")
+    assert run.summary["rejected_steps"] > 0
+    assert difference(run, computed("adaptive", "reference")) < 1e-4
+    dt, t = run.series["dt"], run.series["t"]
+    np.testing.assert_allclose(np.cumsum(dt), t, rtol=1e-12)
+    assert np.all(dt > 0)
+
+
+def test_a_first_step_that_makes_no_sense_is_rejected_too(computed):
+    """-fsi_cfl 40: the first step would end with a negative temperature."""
+    assert computed("adaptive", "wild").complete
+    assert computed("adaptive", "wild").summary["rejected_steps"] > 0
+
+
+def test_saved_times_are_exact(computed):
+    """Equal as floats, in frames and series; no step is shorter than half of the rule's."""
+    run = computed("times", "listed")
+    listed = [0.0, 0.0011, 0.00234567, 0.005, 0.0071, 0.0071003, 0.01]
+    assert run.time.tolist() == listed
+    assert set(listed[1:]) <= set(run.series["t"].tolist())
+    dt, t = run.series["dt"], run.series["t"]
+    ordinary = ~np.isin(t, [0.0071003])
+    assert dt[ordinary].min() >= 0.499 * np.median(dt)
+    assert dt.max() <= np.median(dt) * 1.01
+
+
+def test_interval(computed):
+    run = computed("times", "interval")
+    assert run.time.tolist() == [k * 0.003 for k in range(4)] + [0.01]
+    assert run.series["t"][-1] == 0.01
+
+
+def test_fixed_step(computed):
+    run = computed("times", "fixed")
+    dt = run.series["dt"]
+    np.testing.assert_allclose(dt, 1e-4, rtol=1e-9)
+    assert len(dt) == 100
+
+
+def test_number_of_steps(computed):
+    run = computed("times", "steps")
+    assert run.summary["steps"] == len(run.series["t"]) == 7
+    assert run.time[-1] == run.series["t"][-1], "the last state is saved"
+
+
+def test_no_time_at_all(computed):
+    run = computed("times", "nothing")
+    assert run.complete
+    assert run.time.tolist() == [0.0]
+    assert run.summary["steps"] == 0
+
+
+def test_steps_follow_the_rule(computed):
+    """dt = C min(h / (|u-s| + c), ...): in the gas at rest of the rod's first step c alone counts."""
+    run = computed("times", "fixed_cfl")
+    sound = np.sqrt(1.4 * 8.3145 / 0.029 * 300.0)
+    assert run.series["dt"][0] == pytest.approx(0.5 * 0.1 / sound, rel=1e-6)
