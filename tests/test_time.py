@@ -64,6 +64,20 @@ def test_several_targets_passed_at_once_count_once():
     assert clock.done
 
 
+def test_the_mean_of_the_error_control_does_not_depend_on_the_order():
+    from mpi4py import MPI
+
+    from fsipetsc.stepping.control import mean
+
+    rng = np.random.default_rng(0)
+    values = 10.0 ** rng.uniform(-20, 3, 1000)
+    means = {mean(MPI.COMM_SELF, rng.permutation(values)) for _ in range(20)}
+    assert len(means) == 1
+    assert means.pop() == pytest.approx(values.mean(), rel=1e-6)
+    assert mean(MPI.COMM_SELF, np.zeros(3)) == 0.0
+    assert mean(MPI.COMM_SELF, np.array([1.0, np.nan])) == np.inf
+
+
 # --- runs -------------------------------------------------------------------------------------------------------------
 
 

@@ -26,7 +26,7 @@ ENERGY_TOLERANCE, MODE_TOLERANCE = 1e-10, 1e-9
 #: part of the step limit of the uncoupled layers that a treatment of the interface must leave
 STEP_KEPT = 0.95
 #: unknowns from which SLEPc, if it is there, computes the few eigenvalues that are needed
-MANY = 1500
+MANY = 2000
 _SEARCH = {"modulus": (16, 1e-6, 300), "symmetric": (1, 0.1 * ENERGY_TOLERANCE, 1000), "rightmost": (1, 1e-10, 30)}
 _SCAN = np.linspace(0.01, 3.2, 640)
 

@@ -21,8 +21,8 @@ from fsipetsc.physics.solid import solid_limits
 #: flags: a boundary changed its cell; 1 + number of a layer whose grid has no free point left,
 #: that has run off its grid, or that is too short
 MOVED, LOW, EXHAUSTED, SHORT = 0, 1, 2, 3
-#: limits
-RATE, BAD, STOP = 0, 1, 2
+#: limits, behind the flags; STOP + 3 is what this rank has to say of STOP
+RATE, BAD, STOP = 4, 5, 6
 
 
 @njit(**OPTIONS)
@@ -65,20 +65,20 @@ def complete(head, layers, faces, memory):
     states (see ``interface_state``), masses and behind them the energy (this rank's shares, see ``integrals``).
     """
     for i in range(4):
-        memory[U64(head.flags + i)] = 0.0
+        memory[U64(head.results + i)] = 0.0
     for k in range(layers.size):
         layer = layers[k]
         for side in range(2):
             if layer.kind == FLUID and layer.end_kind[side] != INTERFACE_END:
                 moved, exhausted = move_boundary(head, layer, memory, side)
                 if moved:
-                    memory[U64(head.flags + MOVED)] = 1.0
+                    memory[U64(head.results + MOVED)] = 1.0
                 if exhausted:
-                    memory[U64(head.flags + EXHAUSTED)] = 1.0 + k
+                    memory[U64(head.results + EXHAUSTED)] = 1.0 + k
                 if (side == 0 and layer.lo == 0) or (side == 1 and layer.hi == layer.n - 1):
-                    memory[U64(head.flags + LOW)] = 1.0 + k
+                    memory[U64(head.results + LOW)] = 1.0 + k
                 if boundary_distance(layer, side) <= layer.least - 2 + 1e-9:
-                    memory[U64(head.flags + SHORT)] = 1.0 + k
+                    memory[U64(head.results + SHORT)] = 1.0 + k
     limits(head, layers, memory)
     interface_state(head, faces, memory)
     integrals(head, layers, memory)
@@ -112,7 +112,7 @@ def limits(head, layers, memory):
         else:
             bad = 1.0
     received, sent, world = head.limits, head.limits + 3, head.world
-    memory[U64(sent + RATE)], memory[U64(sent + BAD)] = rate, bad
+    memory[U64(sent)], memory[U64(sent + 1)] = rate, bad
     if world.size > 1:
         base = memory.ctypes.data
         mpi_allreduce(base + 8 * sent, base + 8 * received, 3, world.word, world.max, world.comm)

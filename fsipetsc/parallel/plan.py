@@ -37,7 +37,7 @@ HEAD = np.dtype(
         ("sent", _I),
         ("traces", _I),
         ("message", _I),  # doubles in either
-        ("flags", _I),  # results of a completed step, see fsipetsc.parallel.completion
+        ("results", _I),  # of a completed step, see fsipetsc.parallel.completion: flags,
         ("limits", _I),
         ("states", _I),
         ("masses", _I),
@@ -54,6 +54,8 @@ HEAD = np.dtype(
 )
 #: the areas: the first two are worked in
 WORK, BASE, SUM, FORCING = 0, 2, 3, 4
+#: doubles of the flags and of the limits among the results
+FLAGS, LIMITS = 4, 6
 #: rows of scratch that the kernels use
 SCRATCH = 7
 #: doubles of a cache line, to which parts of the memory are aligned
@@ -122,10 +124,7 @@ def make_plan(layout: Layout, op: SBPOperator, coupling: str, forced: bool) -> t
         "edges1": edges,
         "sent": message,
         "traces": message,
-        "flags": 4,
-        "limits": 6,
-        "states": 8 * len(faces),
-        "masses": len(layout.records) + 1,
+        "results": FLAGS + LIMITS + 8 * len(faces) + len(layout.records) + 1,
         "nodes": 5 * NODES,
         "scratch": scratch_size(SCRATCH),
     }
@@ -143,6 +142,9 @@ def make_plan(layout: Layout, op: SBPOperator, coupling: str, forced: bool) -> t
     for name in HEAD.names:
         if name in starts:
             head[name] = starts[name]
+    head["limits"] = head["results"] + FLAGS
+    head["states"] = head["limits"] + LIMITS
+    head["masses"] = head["states"] + 8 * len(faces)
     requests = [_requests(layout, memory[int(at) :]) for at in head["edges"][0]]
     head["requests"] = requests[0].handles.size
     head["request_list"] = [r.handles.ctypes.data for r in requests]

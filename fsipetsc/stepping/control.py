@@ -57,17 +57,15 @@ class ErrorControl:
         first, y = state.solution.getArray(readonly=True).copy(), self._embedded.getArray()
         state.project(first)
         state.project(y)
-        total, count = 0.0, 0
+        parts = []
         for k, record in enumerate(state.layout.records):
             if record["present"]:
                 own = np.arange(record["own_lo"], record["own_hi"])
                 active = (own >= record["lo"]) & (own <= record["hi"])
                 a, b = state.layout.local(k, first)[active], state.layout.local(k, y)[active]
                 scale = self._atol + self._rtol * np.maximum(np.abs(a), np.abs(b))
-                total += float(np.sum(((a - b) / scale) ** 2))
-                count += a.size
-        total, count = state.comm.allreduce(np.array([total, count]), MPI.SUM)
-        return float(np.sqrt(total / max(count, 1)))
+                parts.append((((a - b) / scale) ** 2).ravel())
+        return float(np.sqrt(mean(state.comm, np.concatenate(parts))))
 
     def decide(self, dt: float, norm: float) -> tuple[bool, float]:
         """(accepted, proposal for the next step) after a step dt whose error has the norm."""
@@ -88,3 +86,17 @@ class ErrorControl:
         """Destroy the vectors."""
         self._embedded.destroy()
         self._before.destroy()
+
+
+def mean(comm: MPI.Comm, values: np.ndarray) -> float:
+    """Mean of values not below zero on all ranks, the same for any distribution; inf if one is not finite. Collective.
+
+    In whole numbers of 2^-32 of the largest value, whose sum does not depend on the order.
+    """
+    largest = np.max(values, initial=0.0)
+    largest = comm.allreduce(largest if np.isfinite(largest) else np.inf, MPI.MAX)
+    if largest == 0.0 or largest == np.inf:
+        return largest
+    units = np.rint(values / largest * 2.0**32).astype(np.int64)
+    total, count = comm.allreduce(np.array([units.sum(), units.size]), MPI.SUM)
+    return float(total / count * (largest / 2.0**32))

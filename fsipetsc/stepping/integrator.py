@@ -25,6 +25,8 @@ from fsipetsc.stepping.phases import logged
 from fsipetsc.stepping.series import Series
 from fsipetsc.stepping.state import State
 
+#: flags and limits of all ranks end here
+LAST = STOP + 1
 #: orders of PETSc's Runge-Kutta methods that have an embedded one
 PAIR_ORDER = {"2a": 2, "3bs": 3, "5f": 5, "5dp": 5, "5bs": 5, "6vr": 6, "7vr": 7, "8vr": 8}
 
@@ -56,6 +58,7 @@ class Integrator:
         self.t = 0.0
         self.dt_range = [np.inf, 0.0]
         self.wall_time = 0.0
+        self.raised = 0  # a signal on this rank; all stop at the end of the step in which one of them says so
         self.stop_signal = 0
         self._proposal = np.inf
         self._fused = opt["ts_type"] == NAME
@@ -92,16 +95,20 @@ class Integrator:
                 return
             self._finish()
         self.t, self.steps = t, self.steps + 1
-        self._check(t)
-        self.dt_range = [min(self.dt_range[0], dt), max(self.dt_range[1], dt)]
-        self.series.record(t, dt, self.state.states, self.state.integrals)
+        results = self.state.results
+        flags = results[:LAST].tolist()
+        self._check(t, flags)
+        if dt < self.dt_range[0]:
+            self.dt_range[0] = dt
+        if dt > self.dt_range[1]:
+            self.dt_range[1] = dt
+        self.series.record(t, dt, results)
         self._on_step(self.steps, t, dt)
         if self.series.full:
             self._on_series()
         if self._clock.pass_time(t):
             self._on_frame(t)
-        flags = self.state.flags
-        self.stop_signal = int(self.state.limits[STOP])
+        self.stop_signal = int(flags[STOP])
         if self._clock.done or self.stop_signal or self.steps >= self.opt["ts_max_steps"]:
             ts.setConvergedReason(PETSc.TS.ConvergedReason.CONVERGED_TIME)
         elif flags[LOW]:
@@ -112,7 +119,6 @@ class Integrator:
             self._plan_step(ts)
 
     def _finish(self) -> None:
-        self.state.limits[3 + STOP] = self.stop_signal
         self.state.finish()
 
     def _rejected(self, ts: PETSc.TS, dt: float) -> bool:
@@ -131,10 +137,10 @@ class Integrator:
         self._plan_step(ts)
         return True
 
-    def _check(self, t: float) -> None:
-        """Raise ComputationError if the new state cannot be gone on from."""
-        flags, layers = self.state.flags, self.state.problem.layers
-        if self.state.limits[BAD] or not np.isfinite(self.state.limits[RATE]):
+    def _check(self, t: float, flags: list[float]) -> None:
+        """Raise ComputationError if the new state cannot be gone on from; flags: flags and limits of the step."""
+        layers = self.state.problem.layers
+        if flags[BAD] or not flags[RATE] < np.inf:
             raise ComputationError(describe_failure(self.state, t, self.steps))
         if flags[EXHAUSTED]:
             name = layers[int(flags[EXHAUSTED]) - 1].name
@@ -159,11 +165,12 @@ class Integrator:
     # steps
 
     def _plan_step(self, ts: PETSc.TS) -> None:
-        bound = self.opt["ts_dt"] or self.opt["fsi_cfl"] / self.state.limits[RATE]
+        bound = self.opt["ts_dt"] or self.opt["fsi_cfl"] / float(self.state.results[RATE])
         if self._control is not None:
             bound = min(bound, self._proposal)
             self._control.begin()
         self._step, self._target = self._clock.step(self.t, bound)
+        self.state.results[STOP + 3] = self.raised
         ts.setTimeStep(self._step)
 
     def _create(self) -> PETSc.TS:
@@ -202,11 +209,11 @@ class Integrator:
         """Set the initial data and save the first frame."""
         state = self.state
         state.set_initial()
-        while state.flags[LOW] and not (state.flags[EXHAUSTED] or state.flags[SHORT]):
+        while state.results[LOW] and not (state.results[EXHAUSTED] or state.results[SHORT]):
             state.grow()
         self._on_grids()
         self._finish()
-        self._check(0.0)
+        self._check(0.0, state.results[:LAST].tolist())
         fluids = [k for k, layer in enumerate(state.problem.layers) if layer.kind == "fluid"]
         integrals = state.comm.allreduce(state.integrals)
         self.initial = {"mass": [float(integrals[k]) for k in fluids], "energy": float(integrals[-1])}
@@ -235,7 +242,7 @@ class Integrator:
                         self._rates.destroy()
                 if self._error is not None:
                     raise self._error
-                if self.state.flags[LOW] and not self._clock.done:
+                if self.state.results[LOW] and not self._clock.done:
                     self.state.grow()
                     self._on_grids()
         finally:

@@ -79,8 +79,7 @@ class Reporter:
 def _phases(seconds: Mapping[str, float]) -> str:
     """Where the time went, in a line."""
     total = sum(seconds.values())
-    shares = (f"{name} {_duration(value)} ({100 * value / total:.1f} %)" for name, value in seconds.items())
-    return "of which " + ", ".join(shares) if total else "no time at all"
+    return "phases: " + ", ".join(f"{k} {_duration(v)} ({100 * v / max(total, 1e-9):.0f} %)" for k, v in seconds.items())
 
 
 def _duration(seconds: float) -> str:

@@ -190,7 +190,7 @@ def _signals(integrator: Integrator):
     """SIGTERM and SIGINT let the current step end; all ranks stop together."""
 
     def note(number: int, frame: object) -> None:
-        integrator.stop_signal = number
+        integrator.raised = number
 
     earlier = {number: signal.signal(number, note) for number in (signal.SIGTERM, signal.SIGINT)}
     try:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from mpi4py import MPI
 
+from fsipetsc.parallel.plan import FLAGS, LIMITS
 from fsipetsc.problem import Problem
 
 #: steps that are kept before they must be written: the same on all ranks
@@ -21,8 +22,9 @@ class Series:
         nI = len(problem.interfaces)
         self._fluids = [k for k, layer in enumerate(problem.layers) if layer.kind == "fluid"]
         self._time = np.zeros((CAPACITY, 2))
-        self._faces = np.zeros((CAPACITY, nI, 8))
-        self._shares = np.zeros((CAPACITY, len(problem.layers) + 1))
+        self._results = np.zeros((CAPACITY, FLAGS + LIMITS + 8 * nI + len(problem.layers) + 1))
+        self._faces = self._results[:, FLAGS + LIMITS :][:, : 8 * nI].reshape(CAPACITY, nI, 8)
+        self._shares = self._results[:, FLAGS + LIMITS + 8 * nI :]
         self.count = 0
 
     @property
@@ -30,12 +32,11 @@ class Series:
         """No room for another step."""
         return self.count == CAPACITY
 
-    def record(self, t: float, dt: float, states: np.ndarray, integrals: np.ndarray) -> None:
-        """Keep one step: time and step [s], interface states (nI, 8), this rank's masses per layer and energy."""
+    def record(self, t: float, dt: float, results: np.ndarray) -> None:
+        """Keep one step: time and step [s], results of the completed step (stepping.state)."""
         k = self.count
         self._time[k, 0], self._time[k, 1] = t, dt
-        self._faces[k] = states
-        self._shares[k] = integrals
+        self._results[k] = results
         self.count += 1
 
     def take(self, comm: MPI.Comm) -> dict[str, np.ndarray]:

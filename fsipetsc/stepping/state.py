@@ -12,8 +12,9 @@ from fsipetsc.boundaries import NODES
 from fsipetsc.operators.cache import cache_folder
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.advance import STAGES, advance
+from fsipetsc.parallel.completion import LOW
 from fsipetsc.parallel.layout import Grid, Layout, make_grids
-from fsipetsc.parallel.plan import FORCING, make_plan
+from fsipetsc.parallel.plan import FLAGS, FORCING, LIMITS, make_plan
 from fsipetsc.physics.layer import DOF, FLUID
 from fsipetsc.problem import FluidLayer, Problem
 
@@ -21,8 +22,8 @@ from fsipetsc.problem import FluidLayer, Problem
 class State:
     """Solution and everything that belongs to it; all methods are collective on ``comm``.
 
-    Attributes: layout, plan, solution (world Vec); flags, limits, states (nI, 8) and integrals (this rank's masses and
-    energy) of the last completed step.
+    Attributes: layout, plan, solution (world Vec); results of the last completed step (parallel.completion says where what
+    stands), of these states (nI, 8) and integrals (this rank's masses and energy).
     Raises InputError where grid, order and number of ranks do not fit.
     """
 
@@ -53,8 +54,8 @@ class State:
         self._transfer, self._solution = (int(self.plan.head[name][0]) for name in ("transfer", "solution"))
         values = self.plan.part("solution", self.layout.local_size)
         self.solution = PETSc.Vec().createWithArray(values, comm=self.comm)
-        self.flags, self.limits = self.plan.part("flags", 4), self.plan.part("limits", 6)
         nI, nL = len(self.problem.interfaces), len(self.problem.layers)
+        self.results = self.plan.part("results", FLAGS + LIMITS + 8 * nI + nL + 1)
         self.states = self.plan.part("states", 8 * nI).reshape(nI, 8)
         self.integrals = self.plan.part("masses", nL + 1)
 
@@ -122,10 +123,11 @@ class State:
         old, y = self.layout, self.solution.getArray(readonly=True)
         whole = [gather(self.comm, old, k, y) for k in range(len(old.grids))]
         cells = {k: int(r["hi"] - r["lo"]) for k, r in enumerate(old.records) if r["kind"] == FLUID}
-        results = [v.copy() for v in (self.limits, self.states)]
+        results = self.results.copy()
         self._release()
         self._place(make_grids(self.problem, self.op, self.h, max(self._spare, NODES), cells))
-        self.limits[:], self.states[:] = results
+        self.results[:] = results
+        self.results[LOW] = 0.0
         y = self.solution.getArray()
         for k, (grid, record) in enumerate(zip(self.layout.grids, self.layout.records, strict=True)):
             before = old.records[k]

@@ -1,0 +1,83 @@
+"""What the command ``bench`` measures around the time steps: output, start of the program, memory."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+from mpi4py import MPI
+
+from fsipetsc.output.reader import open_run
+from fsipetsc.stepping.phases import LOOP, OUTPUT
+from fsipetsc.stepping.run import run_case
+
+#: variables that tell a process that it belongs to a parallel run
+_OF_MPI = ("OMPI_", "PMIX_", "PMI_", "HYDRA_", "MPI_", "SLURM_", "PRTE_")
+
+
+def output_share(case: Any, opt: Mapping[str, Any], comm: MPI.Comm, changes: Mapping[str, Any]) -> tuple[float, float, int]:
+    """(seconds of output, seconds of the time loop without it, frames) of a run with changed options. Collective."""
+    folder = tempfile.mkdtemp() if comm.rank == 0 else None
+    path = Path(comm.bcast(folder)) / "run.h5"
+    try:
+        run_case(case, {**opt, **changes, "fsi_quiet": True, "fsi_output": str(path)}, comm)
+        comm.Barrier()
+        result = None
+        if comm.rank == 0:
+            with open_run(path) as run:
+                result = run.summary["phases"][OUTPUT], run.summary["phases"][LOOP], run.nframes
+        return comm.bcast(result)
+    finally:
+        comm.Barrier()
+        if comm.rank == 0:
+            path.unlink(missing_ok=True)
+            path.parent.rmdir()
+
+
+def start_times(repeats: int) -> dict[str, float]:
+    """Wall time [s] of whole processes: the usage, a run of one step, and that with no kernel compiled before.
+
+    Not collective; other processes of this machine should be at rest.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        one_step = ("rod", "-ts_max_steps", "1", "-fsi_quiet", "-fsi_output", f"{folder}/run.h5")
+        cold = {"NUMBA_CACHE_DIR": f"{folder}/kernels"}
+        _process(one_step)  # so that the kernels are there
+        return {
+            "usage": median(_process(())[0] for _ in range(repeats)),
+            "one_step": median(_process(one_step)[0] for _ in range(repeats)),
+            "first_run": _process(one_step, cold)[0],
+        }
+
+
+def doubles_per_point(sizes: tuple[int, int] = (100_000, 1_000_000)) -> float:
+    """Memory of a run with its first and last frame, per point: the growth of the largest resident set, in doubles."""
+    with tempfile.TemporaryDirectory() as folder:
+        used = []
+        for points in sizes:
+            h = ("-fsi_h", repr(6 / points))
+            words = ("rod", "-ts_max_steps", "2", "-fsi_quiet", "-fsi_output", f"{folder}/{points}.h5", *h)
+            used.append(_process(words)[1])
+    return (used[1] - used[0]) / 8 / (sizes[1] - sizes[0])
+
+
+def _process(words: tuple[str, ...], extra: Mapping[str, str] | None = None) -> tuple[float, int]:
+    """(wall time [s], largest resident set [bytes]) of the program with these arguments, on one rank."""
+    env = {name: value for name, value in os.environ.items() if not name.startswith(_OF_MPI)}
+    kept = {name: value for name, value in os.environ.items() if name.startswith("OMPI_ALLOW_RUN_AS_ROOT")}
+    package = str(Path(__file__).resolve().parents[2])
+    env.update(kept, PYTHONPATH=os.pathsep.join(filter(None, (package, os.environ.get("PYTHONPATH")))), **(extra or {}))
+    begun = time.perf_counter()
+    process = subprocess.Popen([sys.executable, "-m", "fsipetsc", *words], env=env, stdout=subprocess.DEVNULL)
+    _, status, usage = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    if process.returncode:
+        raise RuntimeError(f"{' '.join(words)} ended with status {process.returncode}")
+    return time.perf_counter() - begun, usage.ru_maxrss * (1 if sys.platform == "darwin" else 1024)

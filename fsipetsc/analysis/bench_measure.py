@@ -1,0 +1,173 @@
+"""What the command ``bench`` measures on the ranks of a communicator: whole steps, and what they are made of.
+
+Whole steps are timed as a run makes them: PETSc's TS, the hooks, the series; only nothing is written. The phases are
+timed apart, in loops over the same state, for a clock within compiled code would cost what it measures:
+
+    rates       the first stage of a step, which finds its work area settled: 4 of them in a step
+    settle      exchange, and then ghost points, ends and interfaces: 4 in a step
+    exchange    messages alone: 4 in a step
+    reduction   of the bounds on the time step: 1
+    completion  the last part of a step, less its settling and its reduction: 1
+    PETSc       a step of a TS that computes nothing, with the same calls in its hook
+    Python      what is left of the whole step: entering compiled code, the hooks' bookkeeping, the series
+
+Where ranks differ the slowest one counts. In a loop everything is at hand that a step may have to fetch again, so that
+the rest can be a few percent off; it is shown as it comes out, even if it is below zero.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from statistics import median
+from typing import Any
+
+import numpy as np
+from mpi4py import MPI
+from petsc4py import PETSc
+
+from fsipetsc.analysis.bench_loops import exchange_often, reduce_often, settle_often, triad
+from fsipetsc.parallel.advance import STAGES, advance
+from fsipetsc.parallel.counts import LIMITS, completion_traffic, stage_traffic
+from fsipetsc.stepping.frames import active_points
+from fsipetsc.stepping.integrator import Integrator
+from fsipetsc.stepping.solve import make_state
+
+#: a step that changes nothing that can be seen, but is not zero [s]
+_TINY = 1e-12
+
+
+class Stand:
+    """A problem on the ranks of comm, ready to be timed. All methods are collective on comm; times are in µs.
+
+    Raises InputError where grid, order and ranks do not fit.
+    """
+
+    def __init__(self, case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> None:
+        self.comm, self._opt = comm, dict(opt)
+        self.state = make_state(case.build(opt), opt, comm)
+        self.state.set_initial()
+
+    def steps(self, count: int) -> float:
+        """A step, on the average over the first ``count`` steps from the initial data."""
+        comm = self.comm
+        integrator = Integrator(
+            self.state,
+            {**self._opt, "ts_max_steps": count},
+            [self._opt["ts_max_time"]],
+            on_frame=lambda t: None,
+            on_series=lambda: integrator.series.take(comm),
+            on_step=lambda steps, t, dt: None,
+            on_grids=lambda: None,
+        )
+        integrator.start()
+        comm.Barrier()
+        integrator.run()
+        return 1e6 * comm.allreduce(integrator.wall_time, MPI.MAX) / integrator.steps
+
+    def phases(self, seconds: float) -> dict[str, float]:
+        """The parts of a step; seconds: how long each may be measured."""
+        plan, comm = self.state.plan, self.comm
+        self.steps(2)  # a state in the midst of a run
+
+        def part(begin: int, end: int) -> Callable[[int], None]:
+            def repeat(count: int) -> None:
+                for _ in range(count):
+                    advance(*plan, begin, end, -1, _TINY)
+
+            return repeat
+
+        call = clock(comm, part(0, 0), seconds)
+        rates = clock(comm, part(0, 1), seconds) - call
+        settle = clock(comm, lambda n: settle_often(*plan, n), seconds)
+        exchange = clock(comm, lambda n: exchange_often(*plan, n), seconds)
+        reduction = clock(comm, lambda n: reduce_often(plan.head, plan.memory, LIMITS, n), seconds)
+        last = clock(comm, part(STAGES, STAGES + 1), seconds) - call
+        return {
+            "rates": STAGES * rates,
+            "ends": STAGES * (settle - exchange),
+            "completion": last - settle - reduction,
+            "exchange": STAGES * exchange + reduction,
+            "reduction": reduction,
+            "petsc": clock(comm, self._petsc, seconds),
+            "call": call,
+        }
+
+    def _petsc(self, count: int) -> None:
+        """Steps of a TS that computes nothing."""
+        ts = PETSc.TS().create(comm=self.comm)
+        ts.setProblemType(PETSc.TS.ProblemType.NONLINEAR)
+        ts.setType(PETSc.TS.Type.PYTHON)
+        ts.setPythonContext(_Nothing(self.state.solution))
+        ts.setPostStep(_after)
+        ts.setExactFinalTime(PETSc.TS.ExactFinalTime.STEPOVER)
+        ts.setSolution(self.state.solution)
+        ts.setTimeStep(1.0)
+        ts.setMaxTime(1e300)
+        ts.setMaxSteps(count)
+        ts.solve(self.state.solution)
+        ts.destroy()
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Points, the most of them on a rank, doubles of memory and messages of a step (the most on a rank)."""
+        plan, comm = self.state.plan, self.comm
+        mine = sum(
+            max(0, int(min(r["own_hi"], r["hi"] + 1) - max(r["own_lo"], r["lo"]))) * int(r["present"]) for r in plan.layers
+        )
+        stage, completion = stage_traffic(plan), completion_traffic(plan)
+        return {
+            "points": active_points(self.state),
+            "share": comm.allreduce(mine, MPI.MAX),
+            "doubles": comm.allreduce(int(plan.memory.size)),
+            "sends": comm.allreduce((STAGES - 1) * stage.sends + completion.sends, MPI.MAX),
+            "reductions": (STAGES - 1) * stage.reductions + completion.reductions,
+        }
+
+    def destroy(self) -> None:
+        """Give everything back."""
+        self.state.destroy()
+
+
+class _Nothing:
+    """Context of a TS that computes nothing; the calls are those of fsipetsc.stepping.fused."""
+
+    def __init__(self, solution: PETSc.Vec) -> None:
+        self._solution = solution
+
+    def step(self, ts: PETSc.TS) -> None:
+        t, dt = ts.getTime(), ts.getTimeStep()
+        self._solution.stateIncrease()
+        ts.setTime(t + dt)
+
+
+def _after(ts: PETSc.TS) -> None:
+    """The calls of the hook in fsipetsc.stepping.integrator."""
+    ts.setTime(ts.getTime())
+    ts.setTimeStep(1.0)
+
+
+def clock(comm: MPI.Comm, action: Callable[[int], None], seconds: float) -> float:
+    """Time of one repetition [µs] of what ``action(count)`` does ``count`` times: a median, the slowest rank's."""
+
+    def spent(count: int) -> float:
+        comm.Barrier()
+        begun = time.perf_counter()
+        action(count)
+        return comm.allreduce(time.perf_counter() - begun, MPI.MAX)
+
+    count = 1
+    spent(count)  # loads or compiles the code
+    while (once := spent(count)) < seconds / 20 and count < 1 << 30:
+        count *= 2 if once > seconds / 100 else 8
+    return 1e6 * median(spent(count) for _ in range(5)) / count
+
+
+def bandwidth(comm: MPI.Comm, nbytes: int, seconds: float) -> float:
+    """Bandwidth [GB/s] of a rank in STREAM's triad on arrays of nbytes together, all ranks of comm at once.
+
+    As in STREAM 24 bytes count for an element, whatever the caches move besides. Collective.
+    """
+    length = nbytes // 24
+    memory = np.ones(3 * length)
+    return 24e-3 * length / clock(comm, lambda count: triad(memory, length, count), seconds)

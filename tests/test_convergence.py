@@ -1,0 +1,132 @@
+"""The command convergence: its table, its files, and how it refuses what it cannot study."""
+
+from __future__ import annotations
+
+import csv
+import io
+
+import numpy as np
+import pytest
+from helpers import mpirun, run
+
+from fsipetsc.analysis import table1
+from fsipetsc.analysis.convergence_table import NAMES, Study, load
+from fsipetsc.errors import FileError
+
+pytest.importorskip("petsc4py")
+
+HS = (0.05, 0.025)
+
+
+class Made:
+    """An outcome with errors h^rate."""
+
+    points, steps, evaluations, wall_time = 100, 50, 200, 0.25
+
+    def __init__(self, h: float, rate: float) -> None:
+        self.errors = {kind: {name: h**rate for name in names} for kind, names in NAMES.items()}
+
+
+def made(orders=(2, 4, 6, 8), rates=(2.0, 3.0, 4.0, 5.0), hs=HS, failures=()) -> Study:
+    study = Study("mms", 0.45, orders, hs, 1, {"fsi_cfl": 0.8}, {"numpy": "1"}, dict(failures))
+    for i, rate in enumerate(rates):
+        for j, h in enumerate(hs):
+            if (orders[i], h) not in study.failures:
+                study.put(i, j, Made(h, rate))
+    return study
+
+
+def test_rates_of_powers():
+    study = made(hs=(0.04, 0.03, 0.01))
+    for kind, names in NAMES.items():
+        for name in names:
+            rates = study.rates(kind, name)
+            assert np.isnan(rates[:, 0]).all()
+            np.testing.assert_allclose(rates[:, 1:], np.array([[2, 3, 4, 5]]).T * [1, 1])
+    np.testing.assert_allclose(study.cost, 50.0)
+
+
+def test_files_hold_what_was_found(tmp_path):
+    study = made(failures={(8, 0.05): "blown up"}.items())
+    path = tmp_path / "s.h5"
+    assert study.save(path) is None
+    back = load(path)
+    assert (back.orders, back.hs, back.failures, back.case) == (study.orders, study.hs, study.failures, "mms")
+    np.testing.assert_array_equal(back.rates("solid", "x"), study.rates("solid", "x"))
+    rows = list(csv.DictReader(io.StringIO(path.with_suffix(".csv").read_text())))
+    assert [row["operator"] for row in rows] == ["2/1", "2/1", "4/2", "4/2", "6/3", "6/3", "8/4", "8/4"]
+    assert float(rows[1]["rate_fluid_combined"]) == pytest.approx(2, abs=1e-4)
+    assert rows[0]["rate_fluid_u"] == rows[6]["fluid_u"] == ""
+    assert study.save(path) == tmp_path / "s.1.h5"
+    assert (tmp_path / "s.1.csv").is_file()
+    (tmp_path / "other.h5").write_bytes(b"no HDF5")
+    with pytest.raises(FileError):
+        load(tmp_path / "other.h5")
+
+
+def test_table_1_says_where_ours_differ():
+    text = table1.compare(made())
+    assert "lower than in the paper: fluid 6/3 (4.0 for 4.7): closures of order 3" in text
+    assert "lower than in the paper: solid 6/3 (4.0 for 4.1)\n" in text
+    assert "fluid 8/4 (5.0 for 4.9)" in text.split("higher than in the paper: ")[1]
+
+
+def test_command(tmp_path):
+    args = ("-m", "fsipetsc", "convergence", "mms", "-fsi_orders", "2,6", "-fsi_hs", "0.025,0.05")
+    done = run(*args, cwd=tmp_path, timeout=300)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "Table 1 of the paper" in done.stdout
+    study = load(tmp_path / "mms-convergence.h5")
+    assert (study.orders, study.hs) == ((2, 6), HS)
+    assert np.all(study.rates("fluid")[:, 1] > (1.9, 4.3))
+    assert np.all(study.rates("solid")[:, 1] > (1.8, 4.1))
+    for name in ("mms-convergence.csv", "mms-convergence-error.png", "mms-convergence-cost.png"):
+        assert (tmp_path / name).stat().st_size > 100
+    assert "kept the earlier" in run(*args, "-ts_max_steps", "2", cwd=tmp_path).stdout
+
+
+@pytest.mark.mpi
+def test_ranks_find_the_same_errors(tmp_path):
+    args = ("-m", "fsipetsc", "convergence", "pulse", "-fsi_orders", "4", "-fsi_hs", "0.1,0.05", "-fsi_output")
+    one, two = run(*args, "1.h5", cwd=tmp_path), mpirun(2, *args, "2.h5", cwd=tmp_path)
+    assert (one.returncode, two.returncode) == (0, 0)
+    one, two = load(tmp_path / "1.h5"), load(tmp_path / "2.h5")
+    assert (one.ranks, two.ranks) == (1, 2)
+    for kind, name in one.columns():  # the sums of the squares are added up in another order
+        np.testing.assert_allclose(one.errors[kind][name], two.errors[kind][name], rtol=1e-12)
+
+
+def test_a_run_that_fails_is_one_line_of_the_table(tmp_path):
+    done = run(
+        *("-m", "fsipetsc", "convergence", "mms", "-fsi_orders", "4,8", "-fsi_hs", "0.05,0.025", "-fsi_cfl", "4"),
+        cwd=tmp_path,
+    )
+    assert done.returncode == 3
+    assert "  failed: " in done.stdout
+    assert done.stderr.count("\n") == 1 and "runs failed; order " in done.stderr
+    assert load(tmp_path / "mms-convergence.h5").failures
+
+
+@pytest.mark.parametrize(
+    "arguments, reason",
+    [
+        (("rod",), "the case rod has no exact solution in layer 'below'"),
+        ((), "wants a case"),
+        (("mms", "-fsi_order", "4"), "-fsi_orders"),
+        (("mms", "-fsi_orders", "4,5"), "orders out of 2, 4, 6, 8"),
+        (("mms", "-fsi_hs", "0.03"), "order 2, h = 0.03: "),
+        (("mms", "-fsi_h", "0.1", "-fsi_hs", "0.05"), "give one of them"),
+        (("mms", "-fsi_output", "nowhere/x.h5", "-fsi_hs", "0.05"), "no directory nowhere"),
+    ],
+)
+def test_bad_input(tmp_path, arguments, reason):
+    done = run("-m", "fsipetsc", "convergence", *arguments, cwd=tmp_path)
+    assert done.returncode == (4 if "nowhere" in reason else 2)
+    assert done.stderr.count("\n") == 1 and reason in done.stderr
+    assert not list(tmp_path.iterdir())
+
+
+def test_help_lists_the_options_of_study_and_case():
+    text = run("-m", "fsipetsc", "convergence", "mms", "-help").stdout
+    assert "-fsi_orders" in text and "-mms_epsilon" in text
+    assert "-fsi_hs" in run("-m", "fsipetsc", "convergence", "-help").stdout

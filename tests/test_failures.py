@@ -1,0 +1,215 @@
+"""Runs that cannot go on, or are not allowed to start: exit status, one message that helps, and what is left on disk."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from helpers import environment, mpirun, run
+
+import fsipetsc
+
+pytest.importorskip("petsc4py")
+
+
+def solve(*args: object, **more):
+    """`python -m fsipetsc *args` without mpiexec."""
+    return run("-m", "fsipetsc", *args, **more)
+
+
+def message(done, status: int) -> str:
+    """The program's one message; asserts the status, and that there is nothing else on stderr but the launcher's words."""
+    assert done.returncode == status, done.stderr
+    lines = [line for line in done.stderr.splitlines() if line.startswith("fsipetsc: error: ")]
+    assert len(lines) == 1, done.stderr
+    for word in ("Traceback", "PETSC ERROR", "Warning"):
+        assert word not in done.stderr
+    return lines[0]
+
+
+# --- bad input: status 2 ----------------------------------------------------------------------------------------------
+
+BAD_INPUT = {
+    "unknown case": ("rood", ["'rood'", "did you mean 'rod'?"]),
+    "unknown option": ("rod -fsi_flux roe", ["-fsi_flux"]),
+    "misspelt option": ("rod -fsi_oder 4", ["-fsi_oder", "did you mean -fsi_order?"]),
+    "misspelt material": ("rod -fluid_my 0.1", ["-fluid_my", "did you mean -fluid_mu?"]),
+    "misspelt PETSc option": ("rod -ts_max_tim 1", ["-ts_max_tim", "did you mean -ts_max_time?"]),
+    "unsupported order": ("rod -fsi_order 5", ["-fsi_order", "'5'", "2, 4, 6, 8"]),
+    "h that misses an interface": ("rod -fsi_h 0.03", ["-fsi_h 0.03", "'rod'", "0.02941176", "0.03030303"]),
+    "h of zero": ("rod -fsi_h 0", ["-fsi_h", "above 0"]),
+    "too few points": ("rod -fsi_order 8 -fsi_h 0.1", ["11 points", "8/4", "16", "-fsi_h", "-fsi_order"]),
+    "negative viscosity": ("rod -fluid_mu -1", ["-fluid_mu", "not below 0"]),
+    "no density": ("rod -solid_density 0", ["-solid_density", "above 0", "kg/m3"]),
+    "negative modulus": ("mms -solid_modulus -10", ["-solid_modulus", "above 0"]),
+    "no heat capacity": ("pulse -solid_alpha 0", ["-solid_alpha", "above 0"]),
+    "gamma of one": ("rod -fluid_gamma 1", ["-fluid_gamma", "above 1"]),
+    "not a number": ("rod -rod_p0 nan", ["-rod_p0", "'nan'"]),
+    "wall inside the rod": ("rod -rod_wall 1.5", ["-rod_wall"]),
+    "top inside the rod": ("rod -rod_top 1.5", ["-rod_top"]),
+    "pulse outside": ("pulse -pulse_start 7", ["-pulse_start 7"]),
+    "output directory": ("rod -fsi_output no/such/dir/x.h5", ["no/such/dir"]),
+}
+
+
+@pytest.mark.parametrize("name", BAD_INPUT)
+def test_bad_input(name, tmp_path):
+    line, words = BAD_INPUT[name]
+    done = solve(*line.split(), cwd=tmp_path)
+    text = message(done, 4 if name == "output directory" else 2)
+    for word in words:
+        assert word in text
+    assert done.stdout == ""
+    assert list(tmp_path.iterdir()) == [], "nothing is left behind"
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("name", ["unknown option", "h that misses an interface", "too few points", "output directory"])
+def test_bad_input_on_two_ranks(name, tmp_path):
+    line, words = BAD_INPUT[name]
+    done = mpirun(2, "-m", "fsipetsc", *line.split(), cwd=tmp_path)
+    text = message(done, 4 if name == "output directory" else 2)
+    for word in words:
+        assert word in text
+    assert "MPI_ABORT" not in done.stderr
+
+
+# --- the computation fails: status 3 ----------------------------------------------------------------------------------
+
+
+def assert_readable(path: Path, status: str, reached: float) -> None:
+    """A result that can be opened, with frames and series up to the end."""
+    with fsipetsc.open_run(path) as result:
+        assert result.summary["status"] == status
+        assert result.nframes >= 1
+        assert result.time[0] == 0.0
+        assert result.series["t"][-1] == result.summary["t"]
+        assert 0 < result.summary["t"] <= reached
+        for layer in result.layers:
+            for field in layer.fields:
+                assert np.isfinite(layer[field][-1]).sum() > 1
+
+
+@pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.mpi)])
+def test_a_step_beyond_the_stability_limit(ranks, tmp_path):
+    done = mpirun(ranks, "-m", "fsipetsc", *"rod -fsi_h 0.05 -fsi_cfl 5 -fsi_output_dt 0.002".split(), cwd=tmp_path)
+    text = message(done, 3)
+    for word in ("in layer '", "at x = ", "(X = ", "t = ", ", step ", "what was computed before is in"):
+        assert word in text
+    assert any(f" {field} " in text for field in ("rho", "T", "u", "x_X"))
+    assert_readable(tmp_path / "rod.h5", "failed", 3.0)
+
+
+def test_the_message_is_the_same_on_any_number_of_ranks(tmp_path):
+    line = "rod -fsi_h 0.05 -fsi_cfl 5 -fsi_output x.h5".split()
+    texts = {message(mpirun(n, "-m", "fsipetsc", *line, cwd=tmp_path), 3) for n in (1, 3)}
+    assert len(texts) == 1
+
+
+@pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.mpi)])
+def test_a_layer_that_becomes_too_short(ranks, tmp_path):
+    """The rod falls to 0.72: with a wall at 0.75 there is no room for 16 points under it."""
+    line = "rod -fsi_h 0.0125 -fsi_order 8 -rod_wall 0.75 -rod_top 3".split()
+    text = message(mpirun(ranks, "-m", "fsipetsc", *line, cwd=tmp_path, timeout=120), 3)
+    for word in ("'below'", "too short", "t = ", ", step ", "x = ", "needs 16 points"):
+        assert word in text
+    assert_readable(tmp_path / "rod.h5", "failed", 0.5)
+
+
+def test_a_boundary_that_jumps_over_the_grid(tmp_path):
+    """A free end that flies off faster than the gas can follow: whatever fails is named, and nothing hangs."""
+    line = "rod -fsi_h 0.05 -rod_gravity -1e6 -ts_max_time 0.01".split()
+    done = solve(*line, cwd=tmp_path, timeout=60)
+    assert "in layer '" in message(done, 3) or "layer 'below'" in message(done, 3)
+
+
+# --- signals ----------------------------------------------------------------------------------------------------------
+
+LONG = "rod -fsi_h 0.025 -fsi_output_dt 0.001 -fsi_output long.h5".split()
+
+
+def started(ranks: int, cwd: Path) -> subprocess.Popen[str]:
+    """A long run that has saved some frames."""
+    command = [sys.executable, "-m", "fsipetsc", *LONG]
+    if ranks > 1:
+        command = ["mpiexec", "-n", str(ranks), *command]
+    process = subprocess.Popen(
+        command, cwd=cwd, env=environment(), text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    )
+    end = time.monotonic() + 60
+    while time.monotonic() < end and process.poll() is None:
+        try:
+            with fsipetsc.open_run(cwd / "long.h5") as result:
+                if result.nframes > 2:
+                    return process
+        except fsipetsc.errors.FileError:
+            pass
+        time.sleep(0.2)
+    process.kill()
+    raise AssertionError(f"no frames: {process.communicate()}")
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_signal_ends_the_run_in_order(number, tmp_path):
+    process = started(1, tmp_path)
+    process.send_signal(number)
+    out, err = process.communicate(timeout=30)
+    text = message(subprocess.CompletedProcess([], process.returncode, out, err), 128 + number)
+    assert signal.Signals(number).name in text
+    assert "long.h5" in text
+    assert_readable(tmp_path / "long.h5", "stopped", 3.0)
+    with fsipetsc.open_run(tmp_path / "long.h5") as result:
+        assert result.complete
+        assert result.time[-1] == result.series["t"][-1], "the last state is saved"
+
+
+def children(pid: int) -> list[int]:
+    """Processes started by a process, by /proc."""
+    listed = Path(f"/proc/{pid}/task/{pid}/children")
+    return [int(word) for word in listed.read_text().split()] if listed.exists() else []
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("rank", [0, 1])
+def test_a_signal_to_one_rank_stops_all(rank, tmp_path):
+    process = started(2, tmp_path)
+    ranks = children(process.pid)
+    if len(ranks) != 2:
+        process.terminate()
+        process.communicate(timeout=30)
+        pytest.skip("the ranks are not children of the launcher")
+    os.kill(ranks[rank], signal.SIGTERM)
+    out, err = process.communicate(timeout=60)
+    message(subprocess.CompletedProcess([], process.returncode, out, err), 143)
+    assert_readable(tmp_path / "long.h5", "stopped", 3.0)
+
+
+def test_a_killed_run_leaves_its_frames(tmp_path):
+    process = started(1, tmp_path)
+    time.sleep(1.0)
+    process.kill()
+    process.communicate(timeout=30)
+    assert process.returncode == -signal.SIGKILL
+    with fsipetsc.open_run(tmp_path / "long.h5") as result:
+        assert not result.complete
+        assert result.nframes > 2
+        np.testing.assert_allclose(result.time, 0.001 * np.arange(result.nframes))
+        assert np.isfinite(result.layers[1]["u"]).all()
+        assert result.series["t"][-1] >= result.time[-1]
+    done = solve("info", "long.h5", cwd=tmp_path)
+    assert done.returncode == 0
+    assert "unfinished" in done.stdout
+
+
+def test_an_earlier_result_is_kept(tmp_path):
+    for _ in range(2):
+        done = solve(*"rod -fsi_h 0.1 -ts_max_steps 2".split(), cwd=tmp_path)
+        assert (done.returncode, done.stderr) == (0, "")
+    assert "kept the earlier rod.h5 as" in done.stdout
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["rod.1.h5", "rod.h5"]
