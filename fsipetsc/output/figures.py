@@ -23,14 +23,17 @@ ORDERS = {2: ("#2e8b3a", "s"), 4: ("#1f5fbf", "o"), 6: ("#d0312d", "^"), 8: ("#2
 
 
 def convergence_figures(study: Study, path: str | os.PathLike[str], note: str = "") -> list[Path]:
-    """Draw both pictures beside PATH, as PATH without suffix + "-error.png" and "-cost.png"; none without matplotlib.
+    """Draw both pictures beside PATH, as PATH without suffix + "-error.png" and "-cost.png".
 
+    None without matplotlib or without a run that went well.
     note: added to the titles. FileError if they cannot be written.
     """
     try:
         import matplotlib
         from matplotlib.figure import Figure
     except ImportError:
+        return []
+    if not np.isfinite(study.wall_time).any():
         return []
     title = f"{study.case} at t = {study.t:g} s" + (f" ({note})" if note else "")
     written = []

@@ -80,8 +80,9 @@ def fluid_rhs(layer, op, s, w, scratch, target):
             s[rT + i] = (s[e + i] * r - 0.5 * v * v) * inv_cv
         # their derivatives, and the fluxes, where one derivative reaches
         d0, d1 = max(lo, i0 - reach), min(hi + 1, i1 + reach)
-        derivative(op, s, u, p0, ux, d0, d0, d1, lo, hi, mu * inv_h)
-        derivative(op, s, T, p0, Tx, d0, d0, d1, lo, hi, kappa * inv_h)
+        for q in range(2):  # a loop keeps the compiler from expanding the same code twice
+            scale = mu * inv_h if q == 0 else kappa * inv_h
+            derivative(op, s, scratch + row(q), p0, scratch + row(2 + q), d0, d0, d1, lo, hi, scale)
         shift, rux, rTx = U64(d0 - p0), U64(ux), U64(Tx)
         d, m, e, ru, rT = d + shift, m + shift, e + shift, ru + shift, rT + shift
         r1, r2, r3 = U64(f1), U64(f2), U64(f3)

@@ -57,37 +57,37 @@ def solid_rhs(layer, op, s, w, scratch, target):
     inv_m0, inv_am0, force = 1.0 / layer.m0, 1.0 / (layer.alpha * layer.m0), layer.force
     pe = layer.gruneisen * layer.m0 * layer.alpha
     u, sigma, T, x = w, w + stride, w + 2 * stride, w + 3 * stride
-    net, ux, xX = scratch + row(0), scratch + row(1), scratch + row(2)  # net: sigma - p
-    flux, k1, k3 = scratch + row(3), scratch + row(4), scratch + row(5)
+    xX, flux, net = scratch + row(0), scratch + row(1), scratch + row(2)  # net: sigma - p
+    ux, k0, k2 = scratch + row(4), scratch + row(3), scratch + row(5)
+    # rates of u, sigma, T, x come to stand in the rows 3, 4, 5, 6
     for i0 in range(layer.own_lo, layer.own_hi, BLOCK):
         i1 = min(i0 + BLOCK, layer.own_hi)
         # strain, stress and heat flux where one more derivative reaches
         d0, d1 = max(lo, i0 - reach), min(hi + 1, i1 + reach)
         count = U64(d1 - d0)
-        derivative(op, s, x, first, xX, d0, d0, d1, lo, hi, inv_h)
-        derivative(op, s, T, first, flux, d0, d0, d1, lo, hi, kappa_e * inv_h)
+        for q in range(2):  # a loop keeps the compiler from expanding the same code twice
+            scale = inv_h if q == 0 else kappa_e * inv_h
+            derivative(op, s, x if q == 0 else T, first, scratch + row(q), d0, d0, d1, lo, hi, scale)
         rf, rX, rn, rs, rT = U64(flux), U64(xX), U64(net), U64(sigma + d0 - first), U64(T + d0 - first)
         for i in range(count):
             s[rX + i] = 1.0 / s[rX + i]
             s[rf + i] *= s[rX + i]
         for i in range(count):
             s[rn + i] = s[rs + i] - pe * s[rT + i] * s[rX + i]
-        derivative(op, s, u, first, ux, i0, i0, i1, lo, hi, inv_h)
-        derivative(op, s, net, d0, k1, i0, i0, i1, lo, hi, inv_h * inv_m0)
-        derivative(op, s, flux, d0, k3, i0, i0, i1, lo, hi, inv_h)
-        shift, rux, r1, r3 = U64(i0 - d0), U64(ux), U64(k1), U64(k3)
+        for q in range(3):
+            source, begin = (net, d0) if q == 0 else ((u, first) if q == 1 else (flux, d0))
+            scale = inv_h * inv_m0 if q == 0 else inv_h
+            derivative(op, s, source, begin, scratch + row(3 + q), i0, i0, i1, lo, hi, scale)
+        shift, rux, r0, r2 = U64(i0 - d0), U64(ux), U64(k0), U64(k2)
         rX, rn = rX + shift, rn + shift
         for i in range(U64(i1 - i0)):
-            s[r1 + i] += force
-            s[r3 + i] = (s[rn + i] * s[rux + i] + s[r3 + i]) * inv_am0
+            s[r0 + i] += force
+            s[r2 + i] = (s[rn + i] * s[rux + i] + s[r2 + i]) * inv_am0
         for i in range(U64(i1 - i0)):
             s[rux + i] = K * s[rux + i] * s[rX + i]
-        copy(s, u + i0 - first, flux, i1 - i0)
-        at = i0 - layer.own_lo
-        emit(s, target, 0, k1, at, i1 - i0)
-        emit(s, target, 1, ux, at, i1 - i0)
-        emit(s, target, 2, k3, at, i1 - i0)
-        emit(s, target, 3, flux, at, i1 - i0)
+        copy(s, u + i0 - first, scratch + row(6), i1 - i0)
+        for unknown in range(4):
+            emit(s, target, unknown, scratch + row(3 + unknown), i0 - layer.own_lo, i1 - i0)
 
 
 @njit(**OPTIONS)

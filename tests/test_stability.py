@@ -1,0 +1,250 @@
+"""The stability analysis: its operators are the solver's, Theorem 4.1 holds for `energy`, the others fail where they do."""
+
+from __future__ import annotations
+
+import csv
+import itertools
+
+import numpy as np
+import pytest
+
+pytest.importorskip("numba")
+pytest.importorskip("scipy")
+
+from helpers import mpirun, run
+from test_kernels import right_hand_side
+
+from fsipetsc.analysis.stability_linear import CENTRAL, Constant, assemble, interface_jacobian, rates
+from fsipetsc.analysis.stability_measures import few_eigenvalues, measure, range_basis, step_limit
+from fsipetsc.operators import OPERATORS
+from fsipetsc.physics.fluid import Fluid, fluid_rhs
+from fsipetsc.physics.layer import LAYER
+from fsipetsc.physics.solid import Solid, solid_rhs
+
+ORDERS = pytest.mark.parametrize("order", OPERATORS)
+N = 16  # points of a layer, enough for all orders
+RATIOS = list(itertools.product((1e-3, 1.0, 1e3), (1e-2, 1.0, 1e2)))
+
+
+def constant(density: float = 2.0, stiffness: float = 3.0, eos: str = "ideal", stretch: float = 1.0, **gas) -> Constant:
+    """A state of gas with p = 1.2, rho = 1.5; the heat capacity alpha m0 of the solid is 2.5, its stress 0 or -p."""
+    fluid = Fluid(**{"mu": 0.01, "kappa": 0.03, "gamma": 1.4, "R": 1.0, **gas})
+    p, m0, kappa_e = 1.2, density * 1.5, 0.02 if fluid.kappa else 0.0
+    gruneisen = p * stretch / (2.5 * 0.8) if eos == "ideal" else 0.0
+    return Constant(fluid, Solid(stiffness * p, kappa_e, m0, 2.5 / m0, 0.0, gruneisen), 1.5, 0.8, stretch)
+
+
+STATES = {
+    "ideal": constant(),
+    "elastic": constant(eos="elastic"),
+    "stretched": constant(stretch=1.3),
+    "inviscid": constant(mu=0.0, kappa=0.0),
+}
+
+
+def differentiated(function, step: float, size: int) -> np.ndarray:
+    """Derivative, (m, size), of a function of `size` small numbers at zero."""
+    columns = []
+    for e in np.eye(size) * step:
+        columns.append(sum(c * (function(k * e) - function(-k * e)) for k, c in enumerate(CENTRAL, 1)) / step)
+    return np.array(columns).T
+
+
+@ORDERS
+@pytest.mark.parametrize("state", STATES.values(), ids=STATES)
+def test_rates_of_the_gas_are_those_of_the_kernel(order, state):
+    h, gas = 0.1, state.gas
+    layer = np.zeros(1, LAYER)[0]
+    layer["n"], layer["hi"], layer["own_hi"], layer["h"] = N, N - 1, N, h
+    layer["gamma"], layer["R"], layer["cv"], layer["mu"], layer["kappa"] = 1.4, gas.R, gas.cv, 4 / 3 * gas.mu, gas.kappa
+
+    def primitive_rates(change: np.ndarray) -> np.ndarray:
+        rho, u, T = change.reshape(3, N) + [[state.rho], [0.0], [state.T]]
+        f = right_hand_side(fluid_rhs, layer, order, gas.conserved(rho, u, T), 0, N).T
+        u_t = (f[1] - u * f[0]) / rho
+        return np.concatenate([f[0], u_t, ((f[2] - (gas.cv * T + u * u / 2) * f[0]) / rho - u * u_t) / gas.cv])
+
+    raw, heating = rates(state, OPERATORS[order].matrix(N, h))
+    expected = differentiated(primitive_rates, 1e-2, 3 * N)
+    np.testing.assert_allclose(raw.toarray()[: 3 * N, : 3 * N], expected, atol=1e-9 * np.abs(expected).max())
+    assert heating[: 3 * N].nnz == raw[: 3 * N, 3 * N :].nnz == raw[3 * N :, : 3 * N].nnz == 0
+
+
+@ORDERS
+@pytest.mark.parametrize("state", STATES.values(), ids=STATES)
+def test_rates_of_the_solid_are_those_of_the_kernel(order, state):
+    """With S = sigma + p_s x_X'/x_X; positions act through S alone."""
+    h, solid = 0.1, state.solid
+    D = OPERATORS[order].matrix(N, h)
+    layer = np.zeros(1, LAYER)[0]
+    layer["kind"], layer["n"], layer["hi"], layer["own_hi"], layer["h"] = 1, N, N - 1, N, h
+    for name in ("K", "kappa_e", "m0", "alpha", "gruneisen"):
+        layer[name] = getattr(solid, name)
+
+    def all_rates(change: np.ndarray) -> np.ndarray:
+        u, sigma, T, x = change.reshape(4, N) + [[0.0], [state.stress], [state.T], state.stretch * h * np.arange(N)]
+        f = right_hand_side(solid_rhs, layer, order, np.stack([u, sigma, T, x], axis=-1), 0, N).T
+        S_t = f[1] + state.solid_pressure / state.stretch * (D @ f[3])
+        return np.concatenate([f[0], S_t, f[2]])
+
+    raw, heating = rates(state, D)
+    expected = (raw + heating).toarray()[3 * N :, 3 * N :]
+    got = differentiated(all_rates, 1e-3, 4 * N)
+    close = {"atol": 1e-9 * np.abs(expected).max()}
+    np.testing.assert_allclose(got[:, : 3 * N], expected, **close)
+    of_strain = expected[:, N : 2 * N] @ (state.solid_pressure / state.stretch * D)
+    np.testing.assert_allclose(got[:, 3 * N :], of_strain, atol=1e-9 * np.abs(of_strain).max() + 1e-12)
+
+
+@ORDERS
+@pytest.mark.parametrize("state", STATES.values(), ids=STATES)
+@pytest.mark.parametrize("coupling", ["energy", "projection", "traditional"])
+def test_linearised_treatments_are_projections_and_energy_an_orthogonal_one(order, state, coupling):
+    P = assemble(state, order, N, 0.1, coupling).projection.toarray()
+    size = np.abs(P).max()
+    assert np.abs(P @ P - P).max() < 1e-11 * size**2
+    asymmetry = np.abs(P - P.T).max()
+    assert (asymmetry < 1e-12) if coupling == "energy" else (asymmetry > 1e-3)
+    basis = range_basis(assemble(state, order, N, 0.1, coupling)).toarray()
+    np.testing.assert_allclose(basis.T @ basis, np.eye(basis.shape[1]), atol=1e-13)
+    np.testing.assert_allclose(P @ basis, basis, atol=1e-11 * size)
+    # 2 or 4 conditions at the interface, u = 0 at both ends, T = 0 there if heat is conducted
+    assert basis.shape[1] == 6 * N - (4 if state.gas.kappa == 0 else 8)
+
+
+def test_the_derivative_of_the_treatment_does_not_depend_on_the_step(monkeypatch):
+    fine = interface_jacobian(STATES["ideal"], 4, 0.1, "energy")
+    monkeypatch.setattr("fsipetsc.analysis.stability_linear.STEP", 2.0**-5)
+    np.testing.assert_allclose(interface_jacobian(STATES["ideal"], 4, 0.1, "energy"), fine, atol=1e-10)
+
+
+@ORDERS
+@pytest.mark.parametrize("eos", ["ideal", "elastic"])
+@pytest.mark.parametrize("stretch", [1.0, 0.7])
+def test_theorem_4_1_holds_to_round_off(order, eos, stretch):
+    for density, stiffness in RATIOS:
+        result = measure(constant(density, stiffness, eos, stretch), order, N, 1 / N, "energy")
+        assert result.estimate
+        assert result.energy_growth < 1e-12 * result.radius
+        assert result.stable
+        assert result.step_kept
+        assert 0.999 < result.step_ratio < 1.01
+
+
+@ORDERS
+def test_theorem_4_1_holds_without_viscosity_and_conduction(order):
+    for density, stiffness in RATIOS:
+        result = measure(constant(density, stiffness, mu=0.0, kappa=0.0), order, N, 1 / N, "energy")
+        assert result.energy_growth < 1e-12 * result.radius
+        assert result.step_kept
+
+
+@ORDERS
+def test_the_projection_has_no_growing_mode_for_an_elastic_solid_but_its_energy_may_grow(order):
+    for density, stiffness in RATIOS:
+        result = measure(constant(density, stiffness, "elastic"), order, N, 1 / N, "projection")
+        assert result.energy_growth > 1e-4 * result.radius
+        assert result.stable
+        assert result.step_kept
+
+
+@ORDERS
+def test_traditional_fails_for_a_light_solid(order):
+    light, heavy = (measure(constant(d, 1.0), order, N, 1 / N, "traditional") for d in (1e-3, 1e3))
+    assert light.energy_growth > light.radius
+    assert light.step_ratio < 0.3
+    assert not light.keeps("modes")
+    assert heavy.step_kept
+
+
+def test_heating_by_the_stress_at_rest_makes_soft_solids_grow_whatever_the_grid():
+    growths = [measure(constant(1.0, 0.01, "elastic"), 4, n, 1 / n, "energy").heated_mode_growth for n in (16, 32, 48)]
+    assert growths[-1] > 1e-4
+    assert abs(growths[-1] / growths[-2] - 1) < 0.05
+
+
+def test_step_limit_of_known_spectra():
+    assert step_limit(np.array([3j, -3j])) == pytest.approx(2 * 2**0.5 / 3)
+    assert step_limit(np.array([-2.0 + 0j])) == pytest.approx(2.785293563 / 2)
+    assert step_limit(np.array([1e-13 + 1j])) == pytest.approx(2 * 2**0.5)
+
+
+def test_slepc_finds_the_same(monkeypatch):
+    pytest.importorskip("slepc4py")
+    expected = [measure(constant(), 4, 40, 1 / 40, c) for c in ("energy", "projection")]
+    monkeypatch.setattr("fsipetsc.analysis.stability_measures.MANY", 100)
+    assert few_eigenvalues(assemble(constant(), 4, 40, 1 / 40, "energy").raw, "modulus") is not None
+    for one in expected:
+        other = measure(constant(), 4, 40, 1 / 40, one.coupling)
+        assert other.energy_growth == pytest.approx(one.energy_growth, abs=1e-9 * one.radius)
+        assert (other.step, other.radius) == pytest.approx((one.step, one.radius), rel=1e-5)
+
+
+# the command
+
+
+@pytest.fixture
+def command(tmp_path):
+    pytest.importorskip("petsc4py")
+    return lambda *args: run("-m", "fsipetsc", "stability", *args, cwd=tmp_path)
+
+
+SMALL = ("-sweep", "-stability_points", 16, "-density_ratios", "1e-3,1,1e3", "-stiffness_ratios", "0.01,1,100")
+
+
+def test_command_for_one_material(command):
+    done = command("-solid_density", 0.1, "-solid_modulus", 5)
+    assert (done.returncode, done.stderr) == (0, "")
+    for name in ("2/1", "4/2", "6/3", "8/4"):
+        line = next(line for line in done.stdout.splitlines() if line.strip().startswith(name))
+        assert "energy never grows" in line
+    assert "m0/rho 0.1, K/p 5" in done.stdout
+
+
+def test_sweep_with_energy_holds_everywhere(command, tmp_path):
+    done = command(*SMALL)
+    assert (done.returncode, done.stderr) == (0, "")
+    with open(tmp_path / "stability-energy.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 4 * 9
+    assert all(row[name] == "True" for row in rows for name in ("estimate", "stable", "step_kept"))
+    assert done.stdout.count("energy never grows in 9") == 4
+    pytest.importorskip("matplotlib")
+    assert (tmp_path / "stability-energy.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_sweep_with_traditional_ends_with_status_3(command, tmp_path):
+    done = command(*SMALL, "-fsi_coupling", "traditional", "-fsi_output", "old", "-fsi_quiet")
+    assert (done.returncode, done.stdout) == (3, "")
+    assert "traditional fails in" in done.stderr
+    assert "Traceback" not in done.stderr
+    with open(tmp_path / "old.csv", newline="") as file:
+        light = [row for row in csv.DictReader(file) if float(row["density_ratio"]) < 0.01]
+    assert len(light) == 4 * 3
+    assert sum(row["stable"] == "False" or row["step_kept"] == "False" for row in light) >= 11
+
+
+@pytest.mark.mpi
+def test_ranks_share_a_sweep(command, tmp_path):
+    assert command(*SMALL, "-fsi_output", "one").returncode == 0
+    done = mpirun(2, "-m", "fsipetsc", "stability", *SMALL, "-fsi_output", "two", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert (tmp_path / "one.csv").read_text() == (tmp_path / "two.csv").read_text()
+
+
+def test_options_of_the_command(command):
+    text = command("-help").stdout
+    for word in ("-solid_eos", "-density_ratios", "-sweep", "-fsi_coupling", "1 kg/m3", "-options_file"):
+        assert word in text
+    for args, words in {
+        ("-solid_densty", "3"): ("-solid_density",),
+        ("-fsi_order", "5"): ("-fsi_order", "2, 4, 6, 8"),
+        ("-fsi_orders", "4,5"): ("2,4,6,8",),
+        ("-stability_points", "10"): ("-stability_points", "8/4", "16"),
+        ("-solid_stress", "-2"): ("-solid_stress",),
+        ("-solid_eos", "elastic", "-solid_stress", "1"): ("-solid_eos elastic",),
+        ("-solid_gruneisen", "1", "-solid_stress", "1"): ("-solid_gruneisen",),
+    }.items():
+        done = command(*args)
+        assert done.returncode == 2, args
+        assert all(word in done.stderr for word in words), done.stderr
