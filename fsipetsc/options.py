@@ -44,6 +44,11 @@ OUTPUT = (
     Option("fsi_output_times", "floats", None, "s", "times at which profiles are saved: t0,t1,…", check=_increasing),
 )
 RUN = (
+    Option(
+        *("fsi_check", float, None, "", "stop when mass, momentum, energy or entropy drifts by this fraction against its law"),
+        check="positive",
+    ),
+    Option("fsi_entropy", bool, False, "", "record the entropy, too; -fsi_check does so anyway"),
     Option("fsi_partition", str, "auto", "", "which ranks own which layers", ("auto", "physics", "balanced")),
     Option("fsi_quiet", bool, False, "", "print nothing but errors"),
     Option("fsi_progress", bool, False, "", "show progress even when the output is not a terminal"),

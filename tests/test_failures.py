@@ -51,8 +51,8 @@ BAD_INPUT = {
     "no heat capacity": ("pulse -solid_alpha 0", ["-solid_alpha", "above 0"]),
     "gamma of one": ("rod -fluid_gamma 1", ["-fluid_gamma", "above 1"]),
     "not a number": ("rod -rod_p0 nan", ["-rod_p0", "'nan'"]),
-    "wall inside the rod": ("rod -rod_wall 1.5", ["-rod_wall"]),
-    "top inside the rod": ("rod -rod_top 1.5", ["-rod_top"]),
+    "wall inside the rod": ("rod -rod_wall 1.5", ["'1.5'", "-rod_wall", "below 1"]),
+    "top inside the rod": ("rod -rod_top 1.5", ["'1.5'", "-rod_top", "above 2"]),
     "pulse outside": ("pulse -pulse_start 7", ["-pulse_start 7"]),
     "output directory": ("rod -fsi_output no/such/dir/x.h5", ["no/such/dir"]),
 }
@@ -114,8 +114,8 @@ def test_the_message_is_the_same_on_any_number_of_ranks(tmp_path):
 
 @pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.mpi)])
 def test_a_layer_that_becomes_too_short(ranks, tmp_path):
-    """The rod falls to 0.72: with a wall at 0.75 there is no room for 16 points under it."""
-    line = "rod -fsi_h 0.0125 -fsi_order 8 -rod_wall 0.75 -rod_top 3".split()
+    """With a wall close under the rod there is soon no room for the 16 points of the 8/4 operator."""
+    line = "rod -fsi_h 0.0125 -fsi_order 8 -rod_wall 0.81 -rod_top 3".split()
     text = message(mpirun(ranks, "-m", "fsipetsc", *line, cwd=tmp_path, timeout=120), 3)
     for word in ("'below'", "too short", "t = ", ", step ", "x = ", "needs 16 points"):
         assert word in text
@@ -125,13 +125,12 @@ def test_a_layer_that_becomes_too_short(ranks, tmp_path):
 def test_a_boundary_that_jumps_over_the_grid(tmp_path):
     """A free end that flies off faster than the gas can follow: whatever fails is named, and nothing hangs."""
     line = "rod -fsi_h 0.05 -rod_gravity -1e6 -ts_max_time 0.01".split()
-    done = solve(*line, cwd=tmp_path, timeout=60)
-    assert "in layer '" in message(done, 3) or "layer 'below'" in message(done, 3)
+    assert "layer '" in message(solve(*line, cwd=tmp_path), 3)
 
 
 # --- signals ----------------------------------------------------------------------------------------------------------
 
-LONG = "rod -fsi_h 0.025 -fsi_output_dt 0.001 -fsi_output long.h5".split()
+LONG = "rod -fsi_h 0.025 -fsi_output_dt 0.001 -ts_max_time 1000 -fsi_output long.h5".split()
 
 
 def started(ranks: int, cwd: Path) -> subprocess.Popen[str]:
@@ -163,7 +162,7 @@ def test_a_signal_ends_the_run_in_order(number, tmp_path):
     text = message(subprocess.CompletedProcess([], process.returncode, out, err), 128 + number)
     assert signal.Signals(number).name in text
     assert "long.h5" in text
-    assert_readable(tmp_path / "long.h5", "stopped", 3.0)
+    assert_readable(tmp_path / "long.h5", "stopped", 1000.0)
     with fsipetsc.open_run(tmp_path / "long.h5") as result:
         assert result.complete
         assert result.time[-1] == result.series["t"][-1], "the last state is saved"
@@ -187,7 +186,7 @@ def test_a_signal_to_one_rank_stops_all(rank, tmp_path):
     os.kill(ranks[rank], signal.SIGTERM)
     out, err = process.communicate(timeout=60)
     message(subprocess.CompletedProcess([], process.returncode, out, err), 143)
-    assert_readable(tmp_path / "long.h5", "stopped", 3.0)
+    assert_readable(tmp_path / "long.h5", "stopped", 1000.0)
 
 
 def test_a_killed_run_leaves_its_frames(tmp_path):

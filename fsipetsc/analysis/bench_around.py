@@ -7,13 +7,14 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from statistics import median
-from typing import Any
+from typing import Any, NamedTuple
 
 from mpi4py import MPI
 
+from fsipetsc.analysis.bench_measure import spacing
 from fsipetsc.output.reader import open_run
 from fsipetsc.stepping.phases import LOOP, OUTPUT
 from fsipetsc.stepping.run import run_case
@@ -41,20 +42,31 @@ def output_share(case: Any, opt: Mapping[str, Any], comm: MPI.Comm, changes: Map
             path.parent.rmdir()
 
 
-def start_times(repeats: int) -> dict[str, float]:
-    """Wall time [s] of whole processes: the usage, a run of one step, and that with no kernel compiled before.
+class Cost(NamedTuple):
+    """Of a whole process: wall time [s], processor time [s], largest resident set [bytes]."""
+
+    wall: float
+    cpu: float
+    memory: int
+
+
+def start_costs(repeats: int) -> dict[str, Cost]:
+    """Of the usage, of a run of one step, and of that with no kernel compiled before; medians but for the last.
 
     Not collective; other processes of this machine should be at rest.
     """
     with tempfile.TemporaryDirectory() as folder:
         one_step = ("rod", "-ts_max_steps", "1", "-fsi_quiet", "-fsi_output", f"{folder}/run.h5")
-        cold = {"NUMBA_CACHE_DIR": f"{folder}/kernels"}
         _process(one_step)  # so that the kernels are there
         return {
-            "usage": median(_process(())[0] for _ in range(repeats)),
-            "one_step": median(_process(one_step)[0] for _ in range(repeats)),
-            "first_run": _process(one_step, cold)[0],
+            "usage": _medians([_process(()) for _ in range(repeats)]),
+            "one step": _medians([_process(one_step) for _ in range(repeats)]),
+            "first run": _process(one_step, {"NUMBA_CACHE_DIR": f"{folder}/kernels"}),
         }
+
+
+def _medians(costs: Sequence[Cost]) -> Cost:
+    return Cost(*map(median, zip(*costs)))
 
 
 def doubles_per_point(sizes: tuple[int, int] = (100_000, 1_000_000)) -> float:
@@ -62,14 +74,13 @@ def doubles_per_point(sizes: tuple[int, int] = (100_000, 1_000_000)) -> float:
     with tempfile.TemporaryDirectory() as folder:
         used = []
         for points in sizes:
-            h = ("-fsi_h", repr(6 / points))
-            words = ("rod", "-ts_max_steps", "2", "-fsi_quiet", "-fsi_output", f"{folder}/{points}.h5", *h)
-            used.append(_process(words)[1])
+            words = ("rod", "-ts_max_steps", "2", "-fsi_quiet", "-fsi_output", f"{folder}/{points}.h5")
+            used.append(_process((*words, "-fsi_h", repr(spacing(points)))).memory)
     return (used[1] - used[0]) / 8 / (sizes[1] - sizes[0])
 
 
-def _process(words: tuple[str, ...], extra: Mapping[str, str] | None = None) -> tuple[float, int]:
-    """(wall time [s], largest resident set [bytes]) of the program with these arguments, on one rank."""
+def _process(words: tuple[str, ...], extra: Mapping[str, str] | None = None) -> Cost:
+    """Cost of the program with these arguments, on one rank."""
     env = {name: value for name, value in os.environ.items() if not name.startswith(_OF_MPI)}
     kept = {name: value for name, value in os.environ.items() if name.startswith("OMPI_ALLOW_RUN_AS_ROOT")}
     package = str(Path(__file__).resolve().parents[2])
@@ -80,4 +91,5 @@ def _process(words: tuple[str, ...], extra: Mapping[str, str] | None = None) -> 
     process.returncode = os.waitstatus_to_exitcode(status)
     if process.returncode:
         raise RuntimeError(f"{' '.join(words)} ended with status {process.returncode}")
-    return time.perf_counter() - begun, usage.ru_maxrss * (1 if sys.platform == "darwin" else 1024)
+    wall = time.perf_counter() - begun
+    return Cost(wall, usage.ru_utime + usage.ru_stime, usage.ru_maxrss * (1 if sys.platform == "darwin" else 1024))

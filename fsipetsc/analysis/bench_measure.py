@@ -37,6 +37,11 @@ from fsipetsc.stepping.solve import make_state
 _TINY = 1e-12
 
 
+def spacing(points: int) -> float:
+    """Grid spacing [m] of the rod, 6 m of gas and solid, that makes about so many points and fits the solid."""
+    return 1.0 / max(1, round(points / 6))
+
+
 class Stand:
     """A problem on the ranks of comm, ready to be timed. All methods are collective on comm; times are in µs.
 

@@ -26,6 +26,14 @@ def _above_one(value: float) -> str | None:
     return None if value > 1 else "a number above 1"
 
 
+def _below_the_rod(value: float) -> str | None:
+    return None if value < 1 else "a number below 1"
+
+
+def _above_the_rod(value: float) -> str | None:
+    return None if value > 2 else "a number above 2"
+
+
 OPTIONS = (
     Option("fluid_mu", "float", 0.5, "Pa s", "viscosity of the gas", check="nonnegative"),
     Option("fluid_kappa", "float", 0.7, "W/(m K)", "heat conductivity of the gas", check="nonnegative"),
@@ -39,8 +47,8 @@ OPTIONS = (
     Option("rod_gravity", "float", -10.0, "m/s2", "body force per mass on the rod"),
     Option("rod_p0", "float", 1e5, "Pa", "initial pressure of the gas", check="positive"),
     Option("rod_T0", "float", 300.0, "K", "initial temperature", check="positive"),
-    Option("rod_wall", "float", 0.0, "m", "position of the lower wall, below 1"),
-    Option("rod_top", "float", 6.0, "m", "position of the open upper end, above 2"),
+    Option("rod_wall", "float", 0.0, "m", "position of the lower wall, below 1", check=_below_the_rod),
+    Option("rod_top", "float", 6.0, "m", "position of the open upper end, above 2", check=_above_the_rod),
 )
 DEFAULTS = {"fsi_h": 0.0125, "fsi_order": 4, "ts_max_time": 3.0, "fsi_output_dt": 0.05}
 

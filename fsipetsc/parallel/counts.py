@@ -24,6 +24,18 @@ class Traffic(NamedTuple):
     reduced_bytes: int
 
 
+class Moved(NamedTuple):
+    """Doubles per unknown that a step moves between caches and memory where the whole state fits into no cache."""
+
+    fetched: float
+    written: float
+
+
+def step_traffic() -> Moved:
+    """Of the fused step: what each stage and the completion fetch and write back."""
+    return Moved(0.0, 0.0)
+
+
 def stage_traffic(plan: Plan) -> Traffic:
     """Of one exchange: each stage but the first of a step begins with one, and so does the completion of the step."""
     head = plan.head[0]

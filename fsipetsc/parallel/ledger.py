@@ -1,4 +1,4 @@
-"""Integrals over the layers: what the balances of mass and energy are made of. Compiled.
+"""Integrals over the layers: what the balances of mass, momentum, energy and entropy are made of. Compiled.
 
 Quadrature with the norm of the operator, per cross-section; the strip between an embedded boundary and its ghost
 point does not count. Sums over ranks may differ by round-off: nothing that is computed on depends on them.
@@ -11,31 +11,48 @@ from numba import njit
 from fsipetsc.boundaries import INTERFACE_END
 from fsipetsc.operators.kernels import OPTIONS, U64
 from fsipetsc.operators.reductions import total, total_of_squares
+from fsipetsc.parallel.balances import end_forces, gas_entropy, norm_sum, solid_entropy, strip_integral
 from fsipetsc.parallel.exchange import work_point
-from fsipetsc.parallel.plan import WORK
+from fsipetsc.parallel.plan import ENERGY, ENTROPY, FORCE, HEATING, MOMENTUM, WORK
 from fsipetsc.parallel.settle import boundary_distance
 from fsipetsc.physics.layer import FLUID
 
 
 @njit(**OPTIONS)
 def integrals(head, layers, memory):
-    """This rank's share of the gas in each layer, masses[k] [kg/m2], and behind them of the total energy [J/m2].
+    """This rank's shares: the gas in each layer [kg/m2], and behind these at ENERGY .. HEATING
 
-    The energy is the integral of e over the fluids and of m0 (u^2/2 + alpha T) over the solids.
+    the total energy, of e over the fluids and of m0 (u^2/2 + alpha T) over the solids [J/m2]; the momentum [kg/(m s)];
+    the force of the outer ends and of the body force on all of it [Pa]; and, if asked for, the entropy of
+    gas and solids [J/(m2 K)] and the rate at which sigma u_X heats the solids, over T [W/(m2 K)].
     """
-    energy, masses = 0.0, U64(head.masses)
-    for k in range(U64(layers.size)):
+    energy, momentum, force, entropy, heating = 0.0, 0.0, 0.0, 0.0, 0.0
+    masses, n = U64(head.masses), layers.size
+    for k in range(U64(n)):
         layer = layers[k]
         memory[masses + k] = 0.0
         if layer.present == 0:
             continue
+        h = layer.h
         if layer.kind == FLUID:
-            memory[masses + k] = layer.h * integral(head, layer, memory, 0, False)
-            energy += layer.h * integral(head, layer, memory, 2, False)
+            memory[masses + k] = h * integral(head, layer, memory, 0, False)
+            momentum += h * integral(head, layer, memory, 1, False)
+            energy += h * integral(head, layer, memory, 2, False)
         else:
+            momentum += h * layer.m0 * integral(head, layer, memory, 0, False)
             kinetic = 0.5 * integral(head, layer, memory, 0, True)
-            energy += layer.h * layer.m0 * (kinetic + layer.alpha * integral(head, layer, memory, 2, False))
-    memory[masses + U64(layers.size)] = energy
+            energy += h * layer.m0 * (kinetic + layer.alpha * integral(head, layer, memory, 2, False))
+            force += layer.force * layer.m0 * h * norm_sum(head, layer)
+        force += end_forces(head, layer, memory)
+        if head.entropy == 1:
+            gained, source = gas_entropy(head, layer, memory) if layer.kind == FLUID else solid_entropy(head, layer, memory)
+            entropy += h * gained
+            heating += h * source
+    memory[masses + U64(n + ENERGY)] = energy
+    memory[masses + U64(n + MOMENTUM)] = momentum
+    memory[masses + U64(n + FORCE)] = force
+    memory[masses + U64(n + ENTROPY)] = entropy
+    memory[masses + U64(n + HEATING)] = heating
 
 
 @njit(**OPTIONS)
@@ -55,15 +72,3 @@ def integral(head, layer, memory, column, squared):
             strip = (layer.hi - layer.lo) - boundary_distance(layer, side)
             result -= strip_integral(memory, work_point(head, layer, WORK, ghost) + column * layer.stride, step, strip)
     return result
-
-
-@njit(**OPTIONS)
-def strip_integral(memory, at, step, delta):
-    """Integral from the ghost point (0) to the boundary (delta) of the cubic through the last four points."""
-    d2, d3, d4 = delta * delta, delta**3, delta**4
-    a0 = delta - 11.0 / 12.0 * d2 + d3 / 3.0 - d4 / 24.0
-    a1 = 1.5 * d2 - 5.0 / 6.0 * d3 + d4 / 8.0
-    a2 = -0.75 * d2 + 2.0 / 3.0 * d3 - d4 / 8.0
-    a3 = d2 / 6.0 - d3 / 6.0 + d4 / 24.0
-    near = a0 * memory[U64(at)] + a1 * memory[U64(at + step)]
-    return near + a2 * memory[U64(at + 2 * step)] + a3 * memory[U64(at + 3 * step)]

@@ -43,6 +43,7 @@ HEAD = np.dtype(
         ("masses", _I),
         ("nodes", _I),
         ("scratch", _I),
+        ("entropy", _I),  # 1: the ledger takes it, too
         ("local", _I),  # doubles of the solution on this rank
         ("requests", _I),  # number per work area
         ("request_list", _I, (2,)),  # addresses for MPI
@@ -56,6 +57,9 @@ HEAD = np.dtype(
 WORK, BASE, SUM, FORCING = 0, 2, 3, 4
 #: doubles of the flags and of the limits among the results
 FLAGS, LIMITS = 4, 6
+#: integrals behind the masses of the layers, see fsipetsc.parallel.ledger
+ENERGY, MOMENTUM, FORCE, ENTROPY, HEATING = range(5)
+INTEGRALS = 5
 #: rows of scratch that the kernels use
 SCRATCH = 7
 #: doubles of a cache line, to which parts of the memory are aligned
@@ -124,7 +128,7 @@ def make_plan(layout: Layout, op: SBPOperator, coupling: str, forced: bool) -> t
         "edges1": edges,
         "sent": message,
         "traces": message,
-        "results": FLAGS + LIMITS + 8 * len(faces) + len(layout.records) + 1,
+        "results": FLAGS + LIMITS + 8 * len(faces) + len(layout.records) + INTEGRALS,
         "nodes": 5 * NODES,
         "scratch": scratch_size(SCRATCH),
     }

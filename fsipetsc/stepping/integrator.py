@@ -8,6 +8,7 @@ TSSolve; the grids are laid anew and the next one goes on.
 from __future__ import annotations
 
 import time
+import traceback
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -17,6 +18,7 @@ from petsc4py import PETSc
 from fsipetsc.errors import ComputationError
 from fsipetsc.parallel.advance import STAGES
 from fsipetsc.parallel.completion import BAD, EXHAUSTED, LOW, MOVED, RATE, SHORT, STOP
+from fsipetsc.parallel.plan import ENERGY, ENTROPY, FORCE, HEATING, MOMENTUM
 from fsipetsc.stepping.clock import Clock
 from fsipetsc.stepping.control import ErrorControl
 from fsipetsc.stepping.diagnosis import describe_failure
@@ -49,7 +51,7 @@ class Integrator:
         on_grids: Callable[[], None],
     ) -> None:
         self.state, self.opt = state, opt
-        self.series = Series(state.problem)
+        self.series = Series(state.problem, bool(state.plan.head["entropy"][0]))
         self._on_frame, self._on_series, self._on_step, self._on_grids = on_frame, on_series, on_step, on_grids
         self._clock = Clock(saved)
         self._steady = state.problem.steady_data
@@ -216,7 +218,10 @@ class Integrator:
         self._check(0.0, state.results[:LAST].tolist())
         fluids = [k for k, layer in enumerate(state.problem.layers) if layer.kind == "fluid"]
         integrals = state.comm.allreduce(state.integrals)
-        self.initial = {"mass": [float(integrals[k]) for k in fluids], "energy": float(integrals[-1])}
+        behind = integrals[len(state.problem.layers) :]
+        names = {"energy": ENERGY, "momentum": MOMENTUM, "force": FORCE, "entropy": ENTROPY, "heating": HEATING}
+        self.initial = {"mass": [float(integrals[k]) for k in fluids]}
+        self.initial |= {name: float(behind[at]) for name, at in names.items()}
         self._clock.pass_time(0.0)
         self._on_frame(0.0)
 
@@ -241,6 +246,8 @@ class Integrator:
                     if self._rates is not None:
                         self._rates.destroy()
                 if self._error is not None:
+                    # its frames hold the TS, which must not outlive the interpreter
+                    traceback.clear_frames(self._error.__traceback__)
                     raise self._error
                 if self.state.results[LOW] and not self._clock.done:
                     self.state.grow()

@@ -16,6 +16,7 @@ from petsc4py import PETSc
 import fsipetsc
 from fsipetsc.errors import ComputationError, FsiError
 from fsipetsc.output.writer import RunWriter
+from fsipetsc.stepping.balance import Watch
 from fsipetsc.stepping.clock import saved_times
 from fsipetsc.stepping.frames import active_points, errors, fields
 from fsipetsc.stepping.integrator import Integrator
@@ -57,6 +58,7 @@ class _Run:
         self.writer = RunWriter(comm, opt["fsi_output"], self._header())
         self.report = Reporter(comm, case.NAME, opt)
         self.saved_at = -1.0
+        self.watch: Watch | None = None
         self.integrator = Integrator(
             self.state, opt, saved, self._frame, self._series, self.report.step, self._grids
         )
@@ -103,9 +105,21 @@ class _Run:
 
     def _series(self) -> None:
         series = self.integrator.series
-        if series.count:
-            with self.phases(OUTPUT, "fsi series"):
-                self.writer.append_series(series.take(self.comm))
+        if not series.count:
+            return
+        with self.phases(OUTPUT, "fsi series"):
+            block = series.take(self.comm)
+            self.writer.append_series(block)
+        if self.opt["fsi_check"]:
+            self._look(block)
+
+    def _look(self, block: Mapping[str, np.ndarray]) -> None:
+        """Raise ComputationError on all ranks if an invariant that must hold does not."""
+        if self.watch is None:
+            self.watch = Watch(self.problem, self.integrator.initial, self.opt["fsi_check"])
+        fault = self.comm.bcast(self.watch.look(block) if self.comm.rank == 0 else None)
+        if fault:
+            raise ComputationError(f"{fault}; -fsi_check {self.opt['fsi_check']:g} allows no more")
 
     def go(self) -> None:
         opt, integrator = self.opt, self.integrator
@@ -161,8 +175,7 @@ class _Run:
             "wall_time": integrator.wall_time,
             "wall_time_total": wall,
             "phases": dict(self.phases.seconds),
-            "initial_mass": integrator.initial.get("mass"),
-            "initial_energy": integrator.initial.get("energy"),
+            **{f"initial_{name}": value for name, value in integrator.initial.items()},
             "versions": versions(),
         }
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from mpi4py import MPI
 
-from fsipetsc.parallel.plan import FLAGS, LIMITS
+from fsipetsc.parallel.plan import ENERGY, ENTROPY, FLAGS, FORCE, HEATING, INTEGRALS, LIMITS, MOMENTUM
 from fsipetsc.problem import Problem
 
 #: steps that are kept before they must be written: the same on all ranks
@@ -18,13 +18,17 @@ _RESIDUALS = ("u", "stress", "T", "flux")
 class Series:
     """Per-step data of this rank; integrals are this rank's shares until ``take`` adds them up."""
 
-    def __init__(self, problem: Problem) -> None:
+    def __init__(self, problem: Problem, entropy: bool) -> None:
         nI = len(problem.interfaces)
         self._fluids = [k for k, layer in enumerate(problem.layers) if layer.kind == "fluid"]
         self._time = np.zeros((CAPACITY, 2))
-        self._results = np.zeros((CAPACITY, FLAGS + LIMITS + 8 * nI + len(problem.layers) + 1))
+        self._results = np.zeros((CAPACITY, FLAGS + LIMITS + 8 * nI + len(problem.layers) + INTEGRALS))
         self._faces = self._results[:, FLAGS + LIMITS :][:, : 8 * nI].reshape(CAPACITY, nI, 8)
         self._shares = self._results[:, FLAGS + LIMITS + 8 * nI :]
+        self._layers = len(problem.layers)
+        self._integrals = {"energy": ENERGY, "momentum": MOMENTUM, "force": FORCE}
+        if entropy:
+            self._integrals |= {"entropy": ENTROPY, "heating": HEATING}
         self.count = 0
 
     @property
@@ -49,5 +53,7 @@ class Series:
         names = [f"{name}_interface" for name in _INTERFACE] + [f"residual_{name}" for name in _RESIDUALS]
         data = {"t": self._time[:n, 0].copy(), "dt": self._time[:n, 1].copy()}
         data.update({name: self._faces[:n, :, c].copy() for c, name in enumerate(names)})
-        data["mass"], data["energy"] = shares[:, self._fluids], shares[:, -1].copy()
+        data["mass"] = shares[:, self._fluids]
+        for name, at in self._integrals.items():
+            data[name] = shares[:, self._layers + at].copy()
         return data

@@ -14,7 +14,7 @@ from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.advance import STAGES, advance
 from fsipetsc.parallel.completion import LOW
 from fsipetsc.parallel.layout import Grid, Layout, make_grids
-from fsipetsc.parallel.plan import FLAGS, FORCING, LIMITS, make_plan
+from fsipetsc.parallel.plan import FLAGS, FORCING, INTEGRALS, LIMITS, make_plan
 from fsipetsc.physics.layer import DOF, FLUID
 from fsipetsc.problem import FluidLayer, Problem
 
@@ -28,11 +28,19 @@ class State:
     """
 
     def __init__(
-        self, comm: MPI.Comm, problem: Problem, order: int, h: float, coupling: str, mode: str, spare: int
+        self,
+        comm: MPI.Comm,
+        problem: Problem,
+        order: int,
+        h: float,
+        coupling: str,
+        mode: str,
+        spare: int,
+        entropy: bool = False,
     ) -> None:
         self.comm, self.problem, self.h = comm, problem, h
         self.op = OPERATORS[order]
-        self._coupling, self._mode, self._spare = coupling, mode, spare
+        self._coupling, self._mode, self._spare, self._entropy = coupling, mode, spare, entropy
         self._place(make_grids(problem, self.op, h, spare))
 
     def compile(self, announce: Callable[[str], None]) -> None:
@@ -48,6 +56,7 @@ class State:
         self.layout = Layout(self.comm, self.problem, self.op, self.h, grids, self._mode)
         forced = any(layer.forcing for layer in self.problem.layers)
         self.plan, self._requests = make_plan(self.layout, self.op, self._coupling, forced)
+        self.plan.head["entropy"] = self._entropy
         for record, grid in zip(self.layout.records, grids, strict=True):
             record["lo"], record["hi"] = grid.lo, grid.hi
         # the solution vector's own memory is the plan's
@@ -55,9 +64,9 @@ class State:
         values = self.plan.part("solution", self.layout.local_size)
         self.solution = PETSc.Vec().createWithArray(values, comm=self.comm)
         nI, nL = len(self.problem.interfaces), len(self.problem.layers)
-        self.results = self.plan.part("results", FLAGS + LIMITS + 8 * nI + nL + 1)
+        self.results = self.plan.part("results", FLAGS + LIMITS + 8 * nI + nL + INTEGRALS)
         self.states = self.plan.part("states", 8 * nI).reshape(nI, 8)
-        self.integrals = self.plan.part("masses", nL + 1)
+        self.integrals = self.plan.part("masses", nL + INTEGRALS)
 
     def set_data(self, t: float) -> None:
         """Evaluate boundary data, jumps and forcing at time t [s] for the next evaluation of the right-hand side."""

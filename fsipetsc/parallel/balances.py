@@ -1,0 +1,135 @@
+"""Forces at the outer ends and entropies of the layers, for the ledgers. Compiled."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from fsipetsc.boundaries import INTERFACE_END, NODES
+from fsipetsc.operators.kernels import BLOCK, OPTIONS, U64, derivative, lagrange, row
+from fsipetsc.parallel.exchange import work_point
+from fsipetsc.parallel.plan import WORK
+from fsipetsc.parallel.settle import boundary_distance, rows_at
+from fsipetsc.physics.layer import FLUID
+
+
+@njit(**OPTIONS)
+def weight(head, layer, i):
+    """Norm weight of an active point."""
+    nearest = min(i - layer.lo, layer.hi - i)
+    return head.op.norm[nearest] if nearest < head.op.rows else 1.0
+
+
+@njit(**OPTIONS)
+def norm_sum(head, layer):
+    """Sum of the norm weights of the owned points."""
+    result = float(layer.own_hi - layer.own_lo)
+    for r in range(head.op.rows):
+        for i in (layer.lo + r, layer.hi - r):
+            if layer.own_lo <= i < layer.own_hi:
+                result += head.op.norm[r] - 1.0
+    return result
+
+
+@njit(**OPTIONS)
+def end_forces(head, layer, memory):
+    """Force [Pa] of the outer ends that this rank owns: -n (rho u^2 + p - mu' u_X) of a fluid, n (sigma - p) of a solid."""
+    force = 0.0
+    for side in range(2):
+        end, step = (layer.lo, 1) if side == 0 else (layer.hi, -1)
+        if layer.end_kind[side] == INTERFACE_END or not layer.own_lo <= end < layer.own_hi:
+            continue
+        normal = 2.0 * side - 1.0
+        if layer.kind == FLUID:
+            force -= normal * gas_traction(head, layer, memory, side, end, step)
+        else:
+            w = work_point(head, layer, WORK, end)
+            force += normal * (memory[U64(w + layer.stride)] - end_pressure(head, layer, memory, end, step))
+    return force
+
+
+@njit(**OPTIONS)
+def gas_traction(head, layer, memory, side, ghost, step):
+    """rho u^2 + p - mu' u_X at an embedded boundary, from the cubic through the last four points."""
+    nodes = rows_at(memory, head.nodes, 5, NODES)
+    lagrange(layer.hi - layer.lo - boundary_distance(layer, side), 3, nodes[3], nodes[4])
+    flux = 0.0
+    for k in range(4):
+        w = work_point(head, layer, WORK, ghost + k * step)
+        rho, m, e = memory[U64(w)], memory[U64(w + layer.stride)], memory[U64(w + 2 * layer.stride)]
+        u = m / rho
+        flux += nodes[3, k] * (m * u + (layer.gamma - 1.0) * (e - 0.5 * m * u))
+        flux -= layer.mu * nodes[4, k] * u * step / layer.h
+    return flux
+
+
+@njit(**OPTIONS)
+def end_pressure(head, layer, memory, end, step):
+    """p(epsilon, rho) at the end of a solid; 0 in the elastic solid."""
+    if layer.gruneisen == 0.0:
+        return 0.0
+    x_X = 0.0
+    for j in range(head.rows):
+        x_X += head.op.closure[0, j] * memory[U64(work_point(head, layer, WORK, end + step * j) + 3 * layer.stride)]
+    x_X *= step / layer.h
+    T = memory[U64(work_point(head, layer, WORK, end) + 2 * layer.stride)]
+    return layer.gruneisen * layer.m0 * layer.alpha * T / x_X
+
+
+@njit(**OPTIONS)
+def specific_entropy(layer, memory, w):
+    """rho (cv ln T - R ln rho) of the gas at a point."""
+    rho = memory[U64(w)]
+    u = memory[U64(w + layer.stride)] / rho
+    T = (memory[U64(w + 2 * layer.stride)] / rho - 0.5 * u * u) / layer.cv
+    return rho * (layer.cv * np.log(T) - layer.R * np.log(rho))
+
+
+@njit(**OPTIONS)
+def gas_entropy(head, layer, memory):
+    """(this rank's part of the gas's entropy without h, 0): the density is that of ``specific_entropy``."""
+    result = 0.0
+    for i in range(max(layer.own_lo, layer.lo), min(layer.own_hi, layer.hi + 1)):
+        result += weight(head, layer, i) * specific_entropy(layer, memory, work_point(head, layer, WORK, i))
+    for side in range(2):
+        ghost, step = (layer.lo, 1) if side == 0 else (layer.hi, -1)
+        if layer.end_kind[side] != INTERFACE_END and layer.own_lo <= ghost < layer.own_hi:
+            for k in range(4):
+                at = work_point(head, layer, WORK, ghost + k * step)
+                memory[U64(head.nodes + k)] = specific_entropy(layer, memory, at)
+            strip = layer.hi - layer.lo - boundary_distance(layer, side)
+            result -= strip_integral(memory, head.nodes, 1, strip)
+    return result, 0.0
+
+
+@njit(**OPTIONS)
+def solid_entropy(head, layer, memory):
+    """(entropy, rate of heating by stress over T) of this rank's part without h: alpha m0 ln T, (sigma - p) u_X / T."""
+    entropy, heating = 0.0, 0.0
+    first, at = layer.own_lo - layer.halo_lo, head.scratch
+    w = work_point(head, layer, WORK, first)
+    pe = layer.gruneisen * layer.m0 * layer.alpha
+    for i0 in range(layer.own_lo, layer.own_hi, BLOCK):
+        i1 = min(i0 + BLOCK, layer.own_hi)
+        for q in range(2):  # u_X, x_X
+            source = w if q == 0 else w + 3 * layer.stride
+            derivative(head.op, memory, source, first, at + row(q), i0, i0, i1, layer.lo, layer.hi, 1.0 / layer.h)
+        for i in range(i0, i1):
+            p = w + i - first
+            T, a = memory[U64(p + 2 * layer.stride)], weight(head, layer, i)
+            u_X, x_X = memory[U64(at + row(0) + i - i0)], memory[U64(at + row(1) + i - i0)]
+            entropy += a * np.log(T)
+            heating += a * (memory[U64(p + layer.stride)] - pe * T / x_X) * u_X / T
+    return layer.alpha * layer.m0 * entropy, heating
+
+
+@njit(**OPTIONS)
+def strip_integral(memory, at, step, delta):
+    """Integral from the ghost point (0) to the boundary (delta) of the cubic through the last four points."""
+    d2, d3, d4 = delta * delta, delta**3, delta**4
+    a0 = delta - 11.0 / 12.0 * d2 + d3 / 3.0 - d4 / 24.0
+    a1 = 1.5 * d2 - 5.0 / 6.0 * d3 + d4 / 8.0
+    a2 = -0.75 * d2 + 2.0 / 3.0 * d3 - d4 / 8.0
+    a3 = d2 / 6.0 - d3 / 6.0 + d4 / 24.0
+    near = a0 * memory[U64(at)] + a1 * memory[U64(at + step)]
+    return near + a2 * memory[U64(at + 2 * step)] + a3 * memory[U64(at + 3 * step)]

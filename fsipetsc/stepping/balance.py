@@ -1,0 +1,71 @@
+"""What must not change: mass, momentum, energy, and the direction of entropy, held against the recorded series.
+
+Mass of a gas layer behind a wall, total energy between two walls without body forces, momentum less the impulse of the
+outer ends and body forces, and, between walls, the entropy less the accumulated heating of the solids by stress,
+int int sigma u_X / T dX dt, which must not decrease. (The entropy alone is not monotone: sigma u_X heats the solid.)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from fsipetsc.boundaries import Wall
+from fsipetsc.problem import Problem
+
+
+def drifts(problem: Problem, initial: Mapping[str, Any], series: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Name of an invariant that must hold -> its relative drift (nsteps,); series: complete, from the first step on.
+
+    Entropy counts only where it decreases. Momentum is relative to the impulse that has passed, of either sign, energy
+    to itself; time integrals are trapezoidal sums over the steps.
+    """
+    result: dict[str, np.ndarray] = {}
+    if any(layer.forcing for layer in problem.layers) or problem.jumps is not None:
+        return result
+    ends = {0: problem.left, len(problem.layers) - 1: problem.right}
+    fluids = [k for k, layer in enumerate(problem.layers) if layer.kind == "fluid"]
+    for column, k in enumerate(fluids):
+        if isinstance(ends[k], Wall):
+            mass = initial["mass"][column]
+            result[f"mass of '{problem.layers[k].name}'"] = series["mass"][:, column] / mass - 1
+    force = np.concatenate([[initial["force"]], series["force"]])
+    impulse = _integral(series, force)
+    scale = np.maximum(_integral(series, np.abs(force)), abs(initial["momentum"])) + np.finfo(float).tiny
+    result["momentum"] = (series["momentum"] - initial["momentum"] - impulse) / scale
+    closed = all(isinstance(end, Wall) for end in ends.values())
+    if closed and not any(getattr(layer.material, "force", 0.0) for layer in problem.layers):
+        result["energy"] = series["energy"] / initial["energy"] - 1
+        if "entropy" in series:
+            heating = np.concatenate([[initial["heating"]], series["heating"]])
+            produced = np.concatenate([[0.0], series["entropy"] - initial["entropy"] - _integral(series, heating)])
+            lost = np.maximum.accumulate(produced)[1:] - produced[1:]
+            result["entropy"] = lost / max(abs(initial["entropy"]), np.finfo(float).tiny)
+    return result
+
+
+def _integral(series: Mapping[str, np.ndarray], rate: np.ndarray) -> np.ndarray:
+    """Integral up to the end of each step of a rate known at its ends."""
+    return np.cumsum(0.5 * series["dt"] * (rate[1:] + rate[:-1]))
+
+
+class Watch:
+    """Keeps the series that the balances need and says which one is broken by more than a tolerance. On rank 0."""
+
+    _NAMES = ("dt", "mass", "momentum", "force", "energy", "entropy", "heating")
+
+    def __init__(self, problem: Problem, initial: Mapping[str, Any], tolerance: float) -> None:
+        self._problem, self._initial, self._tolerance = problem, initial, tolerance
+        self._blocks: list[dict[str, np.ndarray]] = []
+
+    def look(self, block: Mapping[str, np.ndarray]) -> str | None:
+        """What is wrong after some more steps, or None."""
+        self._blocks.append({name: block[name] for name in self._NAMES if name in block})
+        series = {name: np.concatenate([b[name] for b in self._blocks]) for name in self._blocks[0]}
+        for name, drift in drifts(self._problem, self._initial, series).items():
+            worst = int(np.argmax(np.abs(drift)))
+            if abs(drift[worst]) > self._tolerance:
+                return f"{name} has drifted by {drift[worst]:.3g} (relative) in step {worst + 1}"
+        return None

@@ -1,0 +1,269 @@
+"""Counts what a time step does, for tests/test_counts.py: MODE [options]; prints the counts of each rank as JSON.
+
+traffic      arrays moved between a small cache and memory, by running the kernels' source, uncompiled, in a simulation
+             of the cache; wants NUMBA_DISABLE_JIT=1
+messages     calls of MPI functions by compiled code, through functions that count put in their place
+allocations  of compiled code, by numba's own count (wants NUMBA_NRT_STATS=1), and of Python; calls of compiled code
+"""
+
+from __future__ import annotations
+
+import ctypes
+import importlib
+import json
+import pkgutil
+import sys
+import tracemalloc
+from collections import Counter, OrderedDict
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+#: the simulated cache: lines of eight doubles, and how many of them
+LINE, LINES = 8, 512
+#: points that a kernel treats at once, in the simulation: so few that scratch fits into the cache
+BLOCK = 48
+
+
+def main(mode: str, *options: str) -> None:
+    shims = count_mpi() if mode == "messages" else None
+    from fsipetsc.launch import start_mpi, start_petsc
+
+    comm = start_mpi()
+    start_petsc(options, comm)
+    from fsipetsc.cases import load_case
+    from fsipetsc.options import read_options
+
+    case = load_case("rod")
+    opt = read_options(case)
+    if mode == "traffic":
+        result = traffic(case, opt, comm)
+    elif mode == "messages":
+        result = messages(case, opt, comm, shims)
+    else:
+        result = allocations(case, opt, comm)
+    results = comm.gather(result)
+    if comm.rank == 0:
+        print(json.dumps(results))
+
+
+# --- traffic
+
+
+class Memory:
+    """Stands for the plan's memory: a cache that keeps the lines used last counts what it fetches and writes back."""
+
+    def __init__(self, memory: np.ndarray) -> None:
+        self._memory = memory
+        self._lines: OrderedDict[int, bool] = OrderedDict()  # line -> changed
+        self.fetched, self.written = Counter(), Counter()
+
+    def _touch(self, i: int, change: bool) -> None:
+        line = i // LINE
+        changed = self._lines.pop(line, None)
+        if changed is None:
+            self.fetched[line] += 1
+            changed = False
+        self._lines[line] = changed or change
+        if len(self._lines) > LINES:
+            old, dirty = self._lines.popitem(last=False)
+            self.written[old] += int(dirty)
+
+    def __getitem__(self, i: int) -> float:
+        self._touch(i, False)
+        return float(self._memory[i])
+
+    def __setitem__(self, i: int, value: float) -> None:
+        self._touch(i, True)
+        self._memory[i] = value
+
+
+class Record:
+    """A record as compiled code sees it: fields are attributes."""
+
+    def __init__(self, record: np.void) -> None:
+        object.__setattr__(self, "_record", record)
+
+    def __getattr__(self, name: str) -> Any:
+        value = self._record[name]
+        if isinstance(value, np.void):
+            return Record(value)
+        return value.item() if isinstance(value, np.generic) else value
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        self._record[name] = value
+
+
+class Records:
+    """An array of them."""
+
+    def __init__(self, array: np.ndarray) -> None:
+        self._array, self.size = array, array.size
+
+    def __getitem__(self, i: int) -> Record:
+        return Record(self._array[i])
+
+
+def traffic(case: Any, opt: dict[str, Any], comm: Any) -> dict[str, float]:
+    """Doubles fetched and written back per unknown in a step, with the part of what is only scratch and messages."""
+    from fsipetsc.parallel.advance import STAGES
+    from fsipetsc.parallel.counts import step_traffic
+    from fsipetsc.stepping import state as module
+    from fsipetsc.stepping.solve import make_state
+
+    interpret()
+    advance = module.advance
+
+    def interpreted(heads: Any, layers: Any, faces: Any, memory: Any, *arguments: Any) -> None:
+        advance(Records(heads), Records(layers), Records(faces), memory, *arguments)
+
+    module.advance = interpreted
+    state = make_state(case.build(opt), opt, comm)
+    state.set_initial()
+    plan, memory = state.plan, Memory(state.plan.memory)
+    for _ in range(2):  # the first fills the cache
+        memory.fetched.clear(), memory.written.clear()
+        interpreted(*plan[:3], memory, 0, STAGES + 1, -1, 1e-9)
+    unknowns = state.layout.local_size
+    fetched, written = (LINE * sum(c.values()) / unknowns for c in (memory.fetched, memory.written))
+    said = step_traffic()
+    return {"fetched": fetched, "written": written, "said_fetched": said.fetched, "said_written": said.written}
+
+
+def interpret() -> None:
+    """Give the kernels Python's numbers, and stand-ins for what only compiled code has."""
+    plain = {
+        "U64": int,
+        **{f"U{k}": k for k in range(8)},
+        "fma": lambda a, b, c: a * b + c,
+        "maximum": max,
+        "minimum": min,
+        "rows_at": lambda memory, at, rows, columns: memory._memory[at : at + rows * columns].reshape(rows, columns)
+        if isinstance(memory, Memory)
+        else memory[at : at + rows * columns].reshape(rows, columns),
+        "BLOCK": BLOCK,
+    }
+    for module in compiled_modules():
+        for name, stand_in in plain.items():
+            if hasattr(module, name):
+                setattr(module, name, stand_in)
+
+
+def compiled_modules() -> list[ModuleType]:
+    """Every module with kernels."""
+    found = []
+    for folder in ("operators", "physics", "boundaries", "coupling", "parallel"):
+        package = importlib.import_module(f"fsipetsc.{folder}")
+        found.append(package)
+        for entry in pkgutil.iter_modules(package.__path__):
+            found.append(importlib.import_module(f"fsipetsc.{folder}.{entry.name}"))
+    return found
+
+
+# --- messages
+
+_PROTOTYPES = {
+    "MPI_Allreduce": ctypes.CFUNCTYPE(ctypes.c_int, *[ctypes.c_void_p] * 2, ctypes.c_int, *[ctypes.c_void_p] * 3),
+    "MPI_Startall": ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int, ctypes.c_void_p),
+    "MPI_Waitall": ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int, *[ctypes.c_void_p] * 2),
+}
+#: which argument says how many
+_NUMBER = {"MPI_Allreduce": 2, "MPI_Startall": 0, "MPI_Waitall": 0}
+
+
+def count_mpi() -> dict[str, Counter[str]]:
+    """Have functions that count take the place of MPI's in compiled code; before any is loaded."""
+    from llvmlite import binding
+
+    calls: dict[str, Counter[str]] = {"calls": Counter(), "numbers": Counter()}
+    add_symbol, kept = binding.add_symbol, []
+
+    def add(name: str, address: int) -> None:
+        if name.startswith("MPI_"):
+            real = _PROTOTYPES[name](address)
+
+            def counted(*arguments: Any) -> int:
+                calls["calls"][name] += 1
+                calls["numbers"][name] += arguments[_NUMBER[name]]
+                return real(*arguments)
+
+            shim = _PROTOTYPES[name](counted)
+            kept.append((real, shim))
+            address = ctypes.cast(shim, ctypes.c_void_p).value
+        add_symbol(name, address)
+
+    binding.add_symbol = add
+    calls["kept"] = kept  # type: ignore[assignment]
+    return calls
+
+
+def messages(case: Any, opt: dict[str, Any], comm: Any, calls: Any) -> dict[str, Any]:
+    """Calls in ten steps, what they were given, and what the plan says of a step."""
+    from fsipetsc.parallel.advance import STAGES
+    from fsipetsc.parallel.counts import completion_traffic, stage_traffic
+    from fsipetsc.stepping.solve import make_state
+
+    state = make_state(case.build(opt), opt, comm)
+    state.set_initial()
+    calls["calls"].clear(), calls["numbers"].clear()
+    for _ in range(10):
+        state.step(0.0, 1e-9, True)
+    stage, completion = stage_traffic(state.plan), completion_traffic(state.plan)
+    said = [(STAGES - 1) * a + b for a, b in zip(stage, completion)]
+    return {"calls": dict(calls["calls"]), "numbers": dict(calls["numbers"]), "said": said}
+
+
+# --- allocations
+
+
+def allocations(case: Any, opt: dict[str, Any], comm: Any) -> dict[str, float]:
+    """Per step: allocations of compiled code beyond those of an empty call, calls, growth of Python's memory [bytes]."""
+    from numba.core.runtime import rtsys
+
+    from fsipetsc.parallel.advance import STAGES, advance
+    from fsipetsc.stepping import state as module
+    from fsipetsc.stepping.integrator import Integrator
+    from fsipetsc.stepping.solve import make_state
+
+    calls = Counter()
+
+    def counted(*arguments: Any) -> None:
+        calls["advance"] += 1
+        advance(*arguments)
+
+    module.advance = counted
+    state = make_state(case.build(opt), opt, comm)
+    integrator = Integrator(
+        state, opt, [opt["ts_max_time"]], *(lambda *a: None,) * 2, lambda steps, t, dt: note(steps), lambda: None
+    )
+    seen: list[tuple[int, int]] = []
+
+    def note(steps: int) -> None:
+        if steps in (100, 200):
+            seen.append((calls["advance"], tracemalloc.get_traced_memory()[0]))
+
+    tracemalloc.start()
+    integrator.start()
+    integrator.run()
+    tracemalloc.stop()
+
+    def allocated(begin: int, end: int) -> float:
+        before = rtsys.get_allocation_stats()
+        for _ in range(10):
+            advance(*state.plan, begin, end, -1, 1e-9)
+        after = rtsys.get_allocation_stats()
+        assert after.alloc - before.alloc == after.free - before.free, "what is allocated is freed"
+        return (after.alloc - before.alloc) / 10
+
+    (calls_a, bytes_a), (calls_b, bytes_b) = seen
+    return {
+        "empty_call": allocated(0, 0),
+        "in_kernels": allocated(0, STAGES + 1) - allocated(0, 0),
+        "calls": (calls_b - calls_a) / 100,
+        "python_bytes": (bytes_b - bytes_a) / 100,
+    }
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
