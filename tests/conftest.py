@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -148,6 +149,19 @@ class Computed:
         if path not in self._open:
             self._open[path] = fsipetsc.open_run(path)
         return self._open[path]
+
+
+@pytest.fixture(scope="session", autouse=True)
+def kernels(tmp_path_factory: pytest.TempPathFactory) -> None:
+    """Compile what is not compiled yet, once, so that no test waits for it longer than it can."""
+    if importlib.util.find_spec("petsc4py") is None or importlib.util.find_spec("numba") is None:
+        return
+    from fsipetsc.operators import cache
+
+    if not any(cache.use_cache_folder().rglob("advance.evaluate-*.nbi")):
+        short = "-fsi_h 0.1 -ts_max_steps 2"
+        runs = {"fused": ("rod", short), "rk": ("rod", f"{short} -ts_type rk"), "forced": ("mms", "-ts_max_steps 2")}
+        compute(1, tmp_path_factory.mktemp("kernels"), runs, timeout=600)
 
 
 @pytest.fixture(scope="session")

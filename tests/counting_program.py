@@ -108,8 +108,8 @@ class Records:
 def traffic(case: Any, opt: dict[str, Any], comm: Any) -> dict[str, float]:
     """Doubles fetched and written back per unknown in a step, with the part of what is only scratch and messages."""
     from fsipetsc.parallel.advance import STAGES
-    from fsipetsc.parallel.counts import step_traffic
     from fsipetsc.stepping import state as module
+    from fsipetsc.stepping.counts import step_traffic
     from fsipetsc.stepping.solve import make_state
 
     interpret()
@@ -201,7 +201,7 @@ def count_mpi() -> dict[str, Counter[str]]:
 def messages(case: Any, opt: dict[str, Any], comm: Any, calls: Any) -> dict[str, Any]:
     """Calls in ten steps, what they were given, and what the plan says of a step."""
     from fsipetsc.parallel.advance import STAGES
-    from fsipetsc.parallel.counts import completion_traffic, stage_traffic
+    from fsipetsc.stepping.counts import completion_traffic, stage_traffic
     from fsipetsc.stepping.solve import make_state
 
     state = make_state(case.build(opt), opt, comm)
@@ -240,10 +240,11 @@ def allocations(case: Any, opt: dict[str, Any], comm: Any) -> dict[str, float]:
     seen: list[tuple[int, int]] = []
 
     def note(steps: int) -> None:
+        if steps == 50:
+            tracemalloc.start()
         if steps in (100, 200):
             seen.append((calls["advance"], tracemalloc.get_traced_memory()[0]))
 
-    tracemalloc.start()
     integrator.start()
     integrator.run()
     tracemalloc.stop()

@@ -1,4 +1,4 @@
-"""The interface treatments `energy` and `traditional`: they meet the conditions; `energy` is the orthogonal projection."""
+"""The interface treatments `energy`, which is the orthogonal projection, and `traditional`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,18 @@ import pytest
 pytest.importorskip("numba")
 
 from helpers import compute
-from test_projection import ALL, CONDUCTION, JUMP, MU, P0, derivative_weights, interface, primitive, scaled_residuals, traces
+from test_projection import (
+    ALL,
+    CONDUCTION,
+    JUMP,
+    MU,
+    P0,
+    derivative_weights,
+    interface,
+    primitive,
+    scaled_residuals,
+    traces,
+)
 
 import fsipetsc
 from fsipetsc.coupling import KINDS, couple
@@ -225,12 +236,12 @@ def test_rod_moves_alike_with_energy_up_to_the_error_of_the_grid(runs):
 
 
 @pytest.mark.mpi
-@pytest.mark.parametrize("n", [2, 5])
-def test_energy_is_the_same_bit_for_bit_on_any_number_of_ranks(tmp_path, n):
+def test_energy_is_the_same_bit_for_bit_on_four_ranks(tmp_path):
+    """It changes temperatures on whole closure rows, which may lie on other ranks than the interface."""
     pytest.importorskip("petsc4py")
-    options = "-fsi_h 0.0125 -ts_max_time 0.02 -fsi_output_dt 1 -fsi_coupling energy"
+    options = "-fsi_h 0.02 -ts_max_time 0.02 -fsi_output_dt 1 -fsi_coupling energy"
     listed = {f"order{q}": ("mms", f"{options} -fsi_order {q}") for q in (2, 8)}
-    one, many = (compute(k, tmp_path / str(k), listed) for k in (1, n))
+    one, many = (compute(k, tmp_path / str(k), listed) for k in (1, 4))
     for name in listed:
         a, b = fsipetsc.open_run(one[name]), fsipetsc.open_run(many[name])
         assert np.array_equal(a.series["x_interface"], b.series["x_interface"])

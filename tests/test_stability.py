@@ -1,4 +1,4 @@
-"""The stability analysis: its operators are the solver's, Theorem 4.1 holds for `energy`, the others fail where they do."""
+"""The stability analysis: its operators are the solver's; Theorem 4.1 holds for `energy`; `traditional` fails."""
 
 from __future__ import annotations
 

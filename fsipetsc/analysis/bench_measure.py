@@ -28,7 +28,7 @@ from petsc4py import PETSc
 
 from fsipetsc.analysis.bench_loops import exchange_often, reduce_often, settle_often, triad
 from fsipetsc.parallel.advance import STAGES, advance
-from fsipetsc.parallel.counts import LIMITS, completion_traffic, stage_traffic
+from fsipetsc.stepping.counts import LIMITS, completion_traffic, stage_traffic
 from fsipetsc.stepping.frames import active_points
 from fsipetsc.stepping.integrator import Integrator
 from fsipetsc.stepping.solve import make_state

@@ -17,7 +17,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from fsipetsc.parallel.advance import STAGES
-from fsipetsc.parallel.counts import Traffic, completion_traffic, flops, stage_traffic
+from fsipetsc.stepping.counts import Traffic, completion_traffic, flops, stage_traffic
 from fsipetsc.stepping.state import State
 
 T = TypeVar("T")

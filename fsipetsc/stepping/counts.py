@@ -25,15 +25,32 @@ class Traffic(NamedTuple):
 
 
 class Moved(NamedTuple):
-    """Doubles per unknown that a step moves between caches and memory where the whole state fits into no cache."""
+    """Doubles per unknown that a step moves between memory and caches where the state is larger than these.
+
+    What is written has been fetched before, as processors do.
+    """
 
     fetched: float
     written: float
 
 
+#: What the parts of a fused step move, in the order of ``advance``. A stage reads its work area, what the next stage
+#: starts from (source) and the sum so far (base), and writes the next work area and the sum.
+PASSES = {
+    "first stage (source and base are one)": Moved(4, 2),
+    "second stage": Moved(4, 2),
+    "third stage": Moved(4, 2),
+    "last stage (source is the sum)": Moved(3, 2),
+    "limits": Moved(1, 0),
+    "integrals (about half of the unknowns)": Moved(0.55, 0),
+    "solution for PETSc": Moved(2, 1),
+    "start of the next step": Moved(2, 1),
+}
+
+
 def step_traffic() -> Moved:
-    """Of the fused step: what each stage and the completion fetch and write back."""
-    return Moved(0.0, 0.0)
+    """Of a whole fused step."""
+    return Moved(sum(p.fetched for p in PASSES.values()), sum(p.written for p in PASSES.values()))
 
 
 def stage_traffic(plan: Plan) -> Traffic:

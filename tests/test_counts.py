@@ -1,0 +1,72 @@
+"""What a time step costs, in numbers that are the same on every machine: allocations, calls, messages, memory traffic.
+
+Guards against a change that makes a step slower without making it wrong. Times are measured by the command ``bench``.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from helpers import mpirun, run
+
+pytest.importorskip("petsc4py")
+
+PROGRAM = Path(__file__).with_name("counting_program.py")
+
+
+def counts(mode: str, *options: object, ranks: int = 1, **env: str) -> list[dict]:
+    """What counting_program.py prints, a dict for each rank."""
+    start = run if ranks == 1 else lambda *words, **more: mpirun(ranks, *words, **more)
+    done = start(PROGRAM, mode, *options, timeout=240, env=env)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+@pytest.mark.parametrize("order", [4, 8])
+def test_a_step_is_one_call_that_allocates_nothing(order):
+    (count,) = counts("allocations", "-fsi_order", order, "-ts_max_steps", 201, NUMBA_NRT_STATS="1")
+    assert count["calls"] == 1
+    assert count["in_kernels"] == 0
+    assert count["empty_call"] <= 4, "the four arrays of the plan"
+    assert count["python_bytes"] < 8, "what a step leaves behind in Python: counters that grow, nothing else"
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("ranks", [2, 4])
+def test_messages_of_a_step(ranks):
+    """As many as the plan says, and no more than four neighbourly exchanges and five reductions."""
+    listed = counts("messages", "-fsi_partition", "balanced", ranks=ranks)
+    assert len(listed) == ranks
+    for count in listed:
+        sends, _, reductions, reduced_bytes = count["said"]
+        calls, numbers = count["calls"], count["numbers"]
+        assert calls["MPI_Allreduce"] == 10 * reductions
+        assert 8 * numbers["MPI_Allreduce"] == 10 * reduced_bytes
+        assert numbers["MPI_Startall"] == numbers["MPI_Waitall"] == 2 * 10 * sends, "each message is sent and received"
+        assert reductions <= 5
+        assert 0 < sends <= 4 * 2
+        assert calls["MPI_Startall"] <= 10 * 4
+
+
+def test_one_rank_sends_nothing():
+    (count,) = counts("messages")
+    assert count["calls"] == {} and count["said"] == [0, 0, 0, 0]
+
+
+@pytest.mark.parametrize("order", [4, 8])
+def test_passes_over_memory(order):
+    """Where the state fits into no cache: as often as fsipetsc.stepping.counts says, to within what blocks read twice."""
+    options = ("-fsi_order", order, "-fsi_h", 0.005, "-fsi_spare", 0)
+    (count,) = counts("traffic", *options, NUMBA_DISABLE_JIT="1")
+    assert count["fetched"] == pytest.approx(count["said_fetched"], rel=0.08)
+    assert count["written"] == pytest.approx(count["said_written"], rel=0.08)
+    assert count["said_fetched"] <= 21 and count["said_written"] <= 10
+
+
+def test_memory_per_point():
+    """Of a whole run with its first and last frame: what it takes more if the grid is finer."""
+    from fsipetsc.analysis.bench_around import doubles_per_point
+
+    assert doubles_per_point((50_000, 500_000)) <= 40
