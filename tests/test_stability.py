@@ -12,12 +12,14 @@ pytest.importorskip("numba")
 pytest.importorskip("scipy")
 
 from helpers import mpirun, run
-from test_kernels import fluid_record, right_hand_side, solid_record
 
 from fsipetsc.analysis.stability_linear import CENTRAL, Constant, assemble, interface_jacobian, rates
 from fsipetsc.analysis.stability_measures import few_eigenvalues, measure, range_basis, step_limit
-from fsipetsc.operators import OPERATORS
+from fsipetsc.operators import OPERATORS, packed
+from fsipetsc.operators.kernels import scratch_size
+from fsipetsc.physics.emission import Target
 from fsipetsc.physics.fluid import Fluid, fluid_rhs
+from fsipetsc.physics.layer import FLUID, LAYER, SOLID
 from fsipetsc.physics.solid import Solid, solid_rhs
 
 ORDERS = pytest.mark.parametrize("order", OPERATORS)
@@ -41,6 +43,23 @@ STATES = {
 }
 
 
+def record(kind: int, h: float) -> np.void:
+    """A layer of N points that are all active and on this rank."""
+    layer = np.zeros(1, LAYER)[0]
+    layer["kind"], layer["n"], layer["hi"], layer["own_hi"], layer["h"], layer["stride"] = kind, N, N - 1, N, h, N
+    return layer
+
+
+def kernel_rates(kernel, layer: np.void, order: int, q: np.ndarray) -> np.ndarray:
+    """The compiled right-hand side, (unknowns, N), at the state q, (unknowns, N)."""
+    size = q.size
+    memory = np.zeros(3 * size + scratch_size(16))
+    memory[:size] = q.ravel()
+    # a stage that adds the rates to a sum that is zero
+    kernel(layer, packed(order), memory, 0, 3 * size, Target(0, size, 2 * size, 2 * size, -1, N, 0.0, 1.0))
+    return memory[2 * size : 3 * size].reshape(q.shape)
+
+
 def differentiated(function, step: float, size: int) -> np.ndarray:
     """Derivative, (m, size), of a function of `size` small numbers at zero."""
     columns = []
@@ -53,13 +72,12 @@ def differentiated(function, step: float, size: int) -> np.ndarray:
 @pytest.mark.parametrize("state", STATES.values(), ids=STATES)
 def test_rates_of_the_gas_are_those_of_the_kernel(order, state):
     h, gas, rest = 0.1, state.gas, np.array([[state.rho], [0.0], [state.T]])
-    layer = fluid_record(N, 0, N - 1)
-    layer["h"], layer["s"] = h, 0.0
+    layer = record(FLUID, h)
     layer["gamma"], layer["R"], layer["cv"], layer["mu"], layer["kappa"] = 1.4, gas.R, gas.cv, 4 / 3 * gas.mu, gas.kappa
 
     def primitive_rates(change: np.ndarray) -> np.ndarray:
         rho, u, T = rest + change.reshape(3, N)
-        f = right_hand_side(fluid_rhs, layer, order, gas.conserved(rho, u, T), 0, N).T
+        f = kernel_rates(fluid_rhs, layer, order, gas.conserved(rho, u, T).T)
         u_t = (f[1] - u * f[0]) / rho
         return np.concatenate([f[0], u_t, ((f[2] - (gas.cv * T + u * u / 2) * f[0]) / rho - u * u_t) / gas.cv])
 
@@ -77,13 +95,12 @@ def test_rates_of_the_solid_are_those_of_the_kernel(order, state):
     D = OPERATORS[order].matrix(N, h)
     rest = np.outer([0.0, state.stress, state.T, 0.0], np.ones(N))
     rest[3] = state.stretch * h * np.arange(N)
-    layer = solid_record(N, solid.gruneisen)
-    layer["h"] = h
-    for name in ("K", "kappa_e", "m0", "alpha", "force"):
+    layer = record(SOLID, h)
+    for name in ("K", "kappa_e", "m0", "alpha", "gruneisen"):
         layer[name] = getattr(solid, name)
 
     def all_rates(change: np.ndarray) -> np.ndarray:
-        f = right_hand_side(solid_rhs, layer, order, np.ascontiguousarray((rest + change.reshape(4, N)).T), 0, N).T
+        f = kernel_rates(solid_rhs, layer, order, rest + change.reshape(4, N))
         S_t = f[1] + state.solid_pressure / state.stretch * (D @ f[3])
         return np.concatenate([f[0], S_t, f[2]])
 

@@ -12,7 +12,7 @@ closure rows, at the order of these; the last one at the two ends of the solid o
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -44,7 +44,7 @@ OPTIONS = (
     Option("box_T_left", "float", 5.0, "K", "initial temperature on the left", check="positive"),
     Option("box_T_right", "float", 4.0, "K", "initial temperature on the right", check="positive"),
 )
-DEFAULTS = {"fsi_h": 0.0125, "fsi_order": 4, "ts_max_time": 2.0, "fsi_output_dt": 0.1}
+DEFAULTS = {"fsi_h": 0.0125, "fsi_order": 4, "ts_max_time": 2.0, "fsi_output_dt": 0.05}
 
 #: walls and interfaces
 X = (0.0, 1.0, 2.0, 3.0)
@@ -67,7 +67,7 @@ def build(opt: Mapping[str, Any]) -> Problem:
     )
     p, T = (opt["box_p_left"], opt["box_p_right"]), (opt["box_T_left"], opt["box_T_right"])
 
-    def at_rest(side: int):
+    def at_rest(side: int) -> Callable[[np.ndarray], list[np.ndarray]]:
         return lambda X: [np.full(X.shape, v) for v in (p[side] / (gas.R * T[side]), 0.0, T[side])]
 
     def between(X_s: np.ndarray) -> list[np.ndarray]:

@@ -38,6 +38,8 @@ class LayerBuffer:
 
     def pack(self, count: int) -> Array:
         """The first `count` frames, (local·count·width,), point by point."""
+        if count == 1:
+            return self._frames[0].view(np.float64)
         rows = self._frames[:count].view((np.void, 8 * self.width))
         packed = self._packed[: rows.size * self.width]
         packed.view(rows.dtype).reshape(rows.shape[::-1])[...] = rows.T

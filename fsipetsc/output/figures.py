@@ -58,11 +58,11 @@ def draw_errors(figure: Figure, study: Study) -> None:
         for order, i in _each(study):
             label = operator(order).name + _last_rate(study, kind, i)
             axes.loglog(study.hs, study.errors[kind]["combined"][i], **_line(order), label=label)
-        axes.set_title(kind, loc="left")
+        axes.set_title(kind + ("  (brackets: order of the last refinement)" if len(study.hs) > 1 else ""), loc="left")
         axes.set_xlabel("grid spacing h  [m]")
         axes.set_xticks(study.hs, [f"{h:.4g}" for h in study.hs], fontsize=8)
         axes.minorticks_off()
-        axes.legend(loc="lower right", title="in brackets: the last order" if len(study.hs) > 1 else None)
+        axes.legend(loc="lower right")
     figure.axes[0].set_ylabel("error in L2, all unknowns")
 
 

@@ -13,7 +13,7 @@ import itertools
 import json
 import os
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -96,7 +96,7 @@ class RunWriter:
             buffers.LayerBuffer(layer, *widths, self._capacity) for layer, widths in zip(layers, self._widths)
         ]
 
-    def write_frame(self, t: float, arrays: Sequence[Array], x: Sequence[Array | None]) -> None:
+    def write_frame(self, t: float, arrays: Iterable[Array], x: Iterable[Array | None]) -> None:
         """Save the fields at time t. Collective.
 
         arrays   per layer (local, nfields), NaN outside the active part

@@ -66,7 +66,8 @@ def make_grids(problem: Problem, op: SBPOperator, h: float, spare: int, cells: d
                     f"{(layer.X[1] - layer.X[0]) / max(1, np.ceil(width)):.10g} and "
                     f"{(layer.X[1] - layer.X[0]) / max(1, np.floor(width)):.10g}"
                 )
-            grid = Grid(cells_ + 1, 0, cells_, layer.X[0], 0, op.min_points)
+            # the rows that the treatments of its two ends may change must not overlap
+            grid = Grid(cells_ + 1, 0, cells_, layer.X[0], 0, max(4, op.min_points))
         if grid.hi - grid.lo + 1 < grid.least:
             raise InputError(
                 f"layer '{layer.name}' has {grid.hi - grid.lo + 1} points with -fsi_h {h:g}; the {op.name} operator "

@@ -12,6 +12,8 @@ from dataclasses import dataclass
 from fsipetsc.errors import InputError
 
 MODES = ("auto", "physics", "balanced")
+#: active points from which an even share of the points weighs more than messages within layers
+BALANCED_FROM = 1000
 
 
 @dataclass(frozen=True)
@@ -30,11 +32,15 @@ Share = tuple[int, int, int]
 def partition(extents: Sequence[Extent], size: int, mode: str, smallest: int) -> list[list[Share]]:
     """Shares of each layer for ``size`` ranks.
 
-    auto: one rank owns all; fewer ranks than layers: as physics; else ranks in proportion to work, one layer each.
+    auto: one rank owns all; on grids of BALANCED_FROM points and more as balanced, where that is possible; fewer ranks
+    than layers: as physics; else ranks in proportion to work, one layer each.
     physics: fluids on the lower half of the ranks, solids on the upper, as long as there are fewer ranks than layers.
     balanced: points dealt out evenly in the order of X, a rank may own parts of neighbouring layers.
     Raises InputError, naming the largest number of ranks that would work.
     """
+    points = sum(e.active for e in extents)
+    if mode == "auto" and size > 1 and points >= BALANCED_FROM and size <= _most_balanced(extents, smallest):
+        mode = "balanced"
     if mode == "balanced":
         total = sum(e.active for e in extents)
         if size > _most_balanced(extents, smallest):

@@ -22,9 +22,11 @@ def fields(state: State, k: int) -> tuple[np.ndarray, np.ndarray]:
     if isinstance(layer, FluidLayer):
         index = np.arange(own_lo, own_hi)
         outside = (index < record["lo"]) | (index > record["hi"])
-        q = np.where(outside[:, None], np.nan, q)
         x = state.layout.owned_X(k) - state.layout.grids[k].anchor + record["x_interface"]
-        return np.stack(layer.material.primitive(q), axis=-1), np.where(outside, np.nan, x)
+        with np.errstate(all="ignore"):  # there may be anything outside
+            values = np.stack(layer.material.primitive(q), axis=-1)
+        values[outside], x[outside] = np.nan, np.nan
+        return values, x
     x_X = strain(state, work[:, 3], own_lo - halo, own_lo, own_hi, int(record["n"]))
     return np.column_stack([q, layer.material.pressure(q[:, 2], x_X)]), q[:, 3].copy()
 

@@ -7,6 +7,7 @@ import signal
 import time
 from collections.abc import Mapping
 from contextlib import contextmanager
+from itertools import tee
 from typing import Any
 
 import numpy as np
@@ -93,15 +94,18 @@ class _Run:
         self.saved_at = t
 
     def _write_frame(self, t: float) -> None:
-        arrays, positions = [], []
-        for k, layer in enumerate(self.problem.layers):
-            if self.state.layout.records[k]["present"]:
-                values, x = fields(self.state, k)
-            else:
-                values, x = np.empty((0, len(layer.fields))), np.empty(0)
-            arrays.append(values)
-            positions.append(x if layer.kind == "fluid" else None)
-        self.writer.write_frame(t, arrays, positions)
+        # one layer at a time: a frame of all of them need not be in memory twice
+        values, positions = tee(self._fields(k) for k in range(len(self.problem.layers)))
+        self.writer.write_frame(t, (v for v, _ in values), (x for _, x in positions))
+
+    def _fields(self, k: int) -> tuple[np.ndarray, np.ndarray | None]:
+        """Fields of layer k on this rank, and positions where they are no field."""
+        layer = self.problem.layers[k]
+        if not self.state.layout.records[k]["present"]:
+            values, x = np.empty((0, len(layer.fields))), np.empty(0)
+        else:
+            values, x = fields(self.state, k)
+        return values, (x if layer.kind == "fluid" else None)
 
     def _series(self) -> None:
         series = self.integrator.series

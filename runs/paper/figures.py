@@ -1,7 +1,7 @@
-"""Draws Figs. 8 to 11 of the paper from the results of scripts/reproduce: figures.py DIRECTORY [NOTE].
+"""Draws Figs. 6 to 11 of the paper and writes Table 1 from the results of scripts/reproduce: figures.py DIRECTORY [NOTE].
 
-DIRECTORY holds rod.h5, closeup-ORDER-H.h5 for the orders 2, 4, 6 on two grids, and reference.h5; the PNG files go
-there too. NOTE is added to the titles. Fluid blue, solid red; the coarser grid of Fig. 11 cyan and magenta.
+DIRECTORY holds mms-convergence.h5, rod.h5, closeup-ORDER-H.h5 for the orders 2, 4, 6 on two grids, and reference.h5;
+the PNG files go there too. NOTE is added to the titles. Fluid blue, solid red; the coarser grid of Fig. 11 cyan and magenta.
 """
 
 from __future__ import annotations
@@ -16,7 +16,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import fsipetsc
+from fsipetsc.analysis import table1
+from fsipetsc.analysis.convergence_table import load
 from fsipetsc.operators.sbp import operator
+from fsipetsc.output.figures import draw_cost, draw_errors
 from fsipetsc.output.plots import COLORS, STYLE
 from fsipetsc.output.reader import Run
 
@@ -25,15 +28,21 @@ LETTERS = "abcd"
 
 
 def main(directory: str, note: str = "") -> None:
-    """Draw all four."""
-    folder = Path(directory)
-    with matplotlib.rc_context({**STYLE, "axes.grid": True}), fsipetsc.open_run(folder / "rod.h5") as rod:
-        what = f"{operator(rod.options['fsi_order']).name}, h = {rod.options['fsi_h']:g} m" + (f" ({note})" if note else "")
+    """Draw all of them."""
+    folder, note = Path(directory), f" ({note})" if note else ""
+    study = load(folder / "mms-convergence.h5")
+    (folder / "table1.txt").write_text(table1.compare(study) + "\n", encoding="utf-8")
+    with matplotlib.rc_context(STYLE), fsipetsc.open_run(folder / "rod.h5") as rod:
+        for number, draw, what in ((6, draw_errors, "errors at"), (7, draw_cost, "errors over wall time,")):
+            figure = Figure()
+            draw(figure, study)
+            save(figure, folder / f"fig{number:02d}.png", f"Fig. {number}: {what} t = {study.t:g} s{note}")
+        what = f"{operator(rod.options['fsi_order']).name}, h = {rod.options['fsi_h']:g} m{note}"
         for number, name, label in ((8, "T", "temperature T  [K]"), (9, "u", "velocity u  [m/s]")):
             save(profiles(rod, name, label), folder / f"fig{number:02d}.png", f"Fig. {number}: {label.split('  ')[0]}, {what}")
-        save(positions(rod), folder / "fig10.png", f"Fig. 10: interfaces and length of the rod, {what}")
+        save(positions(rod), folder / "fig10.png", f"Fig. 10: interfaces and length, {what}")
         figure, text = closeup(folder)
-        save(figure, folder / "fig11.png", f"Fig. 11: {text}" + (f" ({note})" if note else ""))
+        save(figure, folder / "fig11.png", f"Fig. 11: {text}{note}")
 
 
 def save(figure: Figure, path: Path, title: str) -> None:
@@ -91,10 +100,10 @@ def closeup(folder: Path) -> tuple[Figure, str]:
     grids = sorted({float(path.stem.split("-")[2]) for path in folder.glob("closeup-*.h5")}, reverse=True)
     figure = Figure(figsize=(9.6, 3.8))
     with fsipetsc.open_run(folder / "reference.h5") as run:
-        reference, frame = list(curves(run, -1, "u")), run.options
+        reference, opt = list(curves(run, -1, "u")), run.options
         x_I = run.layers[1].frame(-1)["x"][0]
     for axes, order in zip(figure.subplots(1, 3, sharex=True, sharey=True), (2, 4, 6)):
-        for kind, x, u in reference:
+        for _, x, u in reference:
             axes.plot(x, u, color="black", linewidth=1.0, zorder=5, label="reference")
         for h, colors in zip(grids, (COARSE, COLORS)):
             with fsipetsc.open_run(folder / f"closeup-{order}-{h:g}.h5") as run:
@@ -106,15 +115,15 @@ def closeup(folder: Path) -> tuple[Figure, str]:
     figure.axes[0].set_ylabel("velocity u  [m/s]")
     entries = dict(zip(*reversed(figure.axes[0].get_legend_handles_labels())))
     figure.legend(entries.values(), entries.keys(), loc="outside lower center", ncols=5)
-    name = f"reference {operator(frame['fsi_order']).name} on h = {frame['fsi_h']:g} m"
-    return figure, f"velocity near the lower interface at t = {frame['ts_max_time']:g} s, {name}"
+    name = f"reference {operator(opt['fsi_order']).name}, h = {opt['fsi_h']:g} m"
+    return figure, f"velocity at the lower interface, t = {opt['ts_max_time']:g} s; {name}"
 
 
 def near(axes: Axes, reference: list[tuple[str, np.ndarray, np.ndarray]], x_I: float) -> None:
     """Limits of the closeup: 0.2 m on either side of the interface."""
     axes.set_xlim(x_I - 0.2, x_I + 0.2)
     shown = np.concatenate([u[np.abs(x - x_I) < 0.2] for _, x, u in reference])
-    margin = 0.3 * (shown.max() - shown.min())
+    margin = 0.25 * (shown.max() - shown.min())
     axes.set_ylim(shown.min() - margin, shown.max() + margin)
 
 

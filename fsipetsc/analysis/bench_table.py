@@ -1,0 +1,191 @@
+"""The numbers of a benchmark: a row for each order, grid and number of ranks; text and CSV."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass, field, fields
+from pathlib import Path
+
+from fsipetsc.errors import FileError
+from fsipetsc.operators.sbp import operator
+from fsipetsc.parallel.advance import STAGES
+
+NAN = math.nan
+
+
+@dataclass
+class Row:
+    """One order and grid on a number of ranks. Times are of a step, in µs; NaN where nothing was measured.
+
+    points: active ones; share: the most of them on a rank. steps: of a sample. step: median of the samples, best: the
+    shortest. rates, ends, completion, exchange, petsc: parts of a step, see fsipetsc.analysis.bench_measure; call: of
+    entering compiled code, a part of what is left for Python; reduction: one of those in exchange. yardstick: the
+    other program's step; ratio: ours by its, in pairs made one after the other, median. speedup: of ours on one rank
+    by this one, likewise. bound: what the memory traffic of a step takes at the bandwidth of STREAM's triad. sends,
+    reductions: messages of a step, the most on a rank. doubles: of memory of the solver, all ranks.
+    """
+
+    order: int
+    h: float
+    points: int
+    ranks: int
+    share: int
+    steps: int
+    step: float
+    best: float
+    rates: float
+    ends: float
+    completion: float
+    exchange: float
+    reduction: float
+    petsc: float
+    call: float
+    bound: float
+    sends: int
+    reductions: int
+    doubles: int
+    yardstick: float = NAN
+    ratio: float = NAN
+    speedup: float = NAN
+
+    @property
+    def ns(self) -> float:
+        """Time per point and evaluation of the right-hand side [ns]."""
+        return 1e3 * self.step / (STAGES * self.points)
+
+    @property
+    def arithmetic(self) -> float:
+        """Of a step [µs]: right-hand sides, ghost points, ends, interfaces, completion."""
+        return self.rates + self.ends + self.completion
+
+    @property
+    def python(self) -> float:
+        """What is left of a step [µs]."""
+        return self.step - self.arithmetic - self.exchange - self.petsc
+
+    def shares(self) -> dict[str, float]:
+        """Parts of a step in percent."""
+        parts = {"arithmetic": self.arithmetic, "exchange": self.exchange, "PETSc": self.petsc, "Python": self.python}
+        return {name: 100 * value / self.step for name, value in parts.items()}
+
+
+@dataclass
+class Study:
+    """All rows, and facts about the machine and the program: name -> number."""
+
+    rows: list[Row] = field(default_factory=list)
+    facts: dict[str, float] = field(default_factory=dict)
+    about: dict[str, str] = field(default_factory=dict)
+
+    def at(self, order: int | None = None, ranks: int | None = None) -> list[Row]:
+        """Rows of an order, of a number of ranks, or of both, from coarse to fine."""
+        chosen = (r for r in self.rows if order in (None, r.order) and ranks in (None, r.ranks))
+        return sorted(chosen, key=lambda r: (r.order, r.points, r.ranks))
+
+    @property
+    def orders(self) -> list[int]:
+        """Orders there are."""
+        return sorted({row.order for row in self.rows})
+
+    @property
+    def ranks(self) -> list[int]:
+        """Numbers of ranks there are."""
+        return sorted({row.ranks for row in self.rows})
+
+    def save(self, path: Path) -> None:
+        """Write PATH (rows) and, beside it, NAME-facts.csv. FileError if that is impossible."""
+        try:
+            with path.open("w", newline="", encoding="utf-8") as file:
+                names = [f.name for f in fields(Row)]
+                writer = csv.DictWriter(file, [*names, "ns_per_point_and_rhs", "python"], lineterminator="\n")
+                writer.writeheader()
+                for row in self.rows:
+                    values = {name: _text(value) for name, value in asdict(row).items()}
+                    writer.writerow({**values, "ns_per_point_and_rhs": _text(row.ns), "python": _text(row.python)})
+            with _facts_path(path).open("w", newline="", encoding="utf-8") as file:
+                plain = csv.writer(file, lineterminator="\n")
+                plain.writerow(["name", "value"])
+                plain.writerows((name, _text(value)) for name, value in {**self.about, **self.facts}.items())
+        except OSError as error:
+            raise FileError(f"{path}: cannot write the table: {error.strerror or error}") from error
+
+
+def load(path: Path) -> Study:
+    """A study that was saved. FileError if it cannot be read."""
+    kinds = {f.name: {"int": int, "float": float}[str(f.type)] for f in fields(Row)}
+    try:
+        study = Study()
+        with path.open(newline="", encoding="utf-8") as file:
+            for line in csv.DictReader(file):
+                study.rows.append(Row(**{name: kind(line[name] or "nan") for name, kind in kinds.items()}))
+        with _facts_path(path).open(newline="", encoding="utf-8") as file:
+            for line in csv.DictReader(file):
+                try:
+                    study.facts[line["name"]] = float(line["value"])
+                except ValueError:
+                    study.about[line["name"]] = line["value"]
+        return study
+    except OSError as error:
+        raise FileError(f"{path}: cannot read the benchmark: {error.strerror or error}") from error
+    except (KeyError, ValueError, TypeError) as error:
+        raise FileError(f"{path}: is not the table of a benchmark: {error}") from error
+
+
+def _facts_path(path: Path) -> Path:
+    return path.with_name(f"{path.stem}-facts.csv")
+
+
+def _text(value: object) -> str:
+    if isinstance(value, float):
+        return "" if math.isnan(value) else f"{value:.6g}"
+    return str(value)
+
+
+#: columns of the table: heading, format, number
+COLUMNS = (
+    ("order", "{}", lambda r: operator(r.order).name),
+    ("points", "{:d}", lambda r: r.points),
+    ("ranks", "{:d}", lambda r: r.ranks),
+    ("µs/step", "{:.4g}", lambda r: r.step),
+    ("ns/pt/RHS", "{:.3g}", lambda r: r.ns),
+    ("arithm.", "{:.0f} %", lambda r: r.shares()["arithmetic"]),
+    ("exchange", "{:.0f} %", lambda r: r.shares()["exchange"]),
+    ("PETSc", "{:.0f} %", lambda r: r.shares()["PETSc"]),
+    ("Python", "{:.0f} %", lambda r: r.shares()["Python"]),
+    ("triad µs", "{:.3g}", lambda r: r.bound),
+    ("yardst. µs", "{:.4g}", lambda r: r.yardstick),
+    ("× yardst.", "{:.2f}", lambda r: r.ratio),
+    ("speed-up", "{:.2f}", lambda r: r.speedup),
+)
+
+
+def cells(row: Row) -> list[str]:
+    """A row as texts, in the order of COLUMNS."""
+    return [entry(form, get(row)) for _, form, get in COLUMNS]
+
+
+def entry(form: str, value: object) -> str:
+    """A number as text; a dash where there is none."""
+    return "–" if isinstance(value, float) and math.isnan(value) else form.format(value)
+
+
+def heading() -> str:
+    """The line above the rows, for the terminal."""
+    return "  ".join(f"{name:>{_width(name)}}" for name, _, _ in COLUMNS)
+
+
+def line(row: Row) -> str:
+    """A row for the terminal."""
+    return "  ".join(f"{text:>{_width(name)}}" for text, (name, _, _) in zip(cells(row), COLUMNS))
+
+
+def _width(name: str) -> int:
+    return max(len(name), 7)
+
+
+def markdown(names: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A table in Markdown, numbers to the right."""
+    lines = [f"| {' | '.join(names)} |", f"|{'|'.join(['---:'] * len(names))}|"]
+    return "\n".join([*lines, *(f"| {' | '.join(row)} |" for row in rows)])
