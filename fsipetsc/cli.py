@@ -49,6 +49,13 @@ COMMANDS = {
         parallel=True,
         options="fsipetsc.analysis.stability_options:SECTIONS",
     ),
+    "bench": Command(
+        "[-option value ...]",
+        "what a time step costs on 1 to N ranks, and where the time goes",
+        "fsipetsc.analysis.bench:bench",
+        parallel=True,
+        options="fsipetsc.analysis.bench:SECTIONS",
+    ),
 }
 _VERSION_FLAGS = ("--version", "-version")
 

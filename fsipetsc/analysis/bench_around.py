@@ -23,18 +23,18 @@ from fsipetsc.stepping.run import run_case
 _OF_MPI = ("OMPI_", "PMIX_", "PMI_", "HYDRA_", "MPI_", "SLURM_", "PRTE_")
 
 
-def output_share(case: Any, opt: Mapping[str, Any], comm: MPI.Comm, changes: Mapping[str, Any]) -> tuple[float, float, int]:
-    """(seconds of output, seconds of the time loop without it, frames) of a run with changed options. Collective."""
+def output_share(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> float:
+    """How much of a run, in percent of the time loop and what follows it, goes into output. Collective."""
     folder = tempfile.mkdtemp() if comm.rank == 0 else None
     path = Path(comm.bcast(folder)) / "run.h5"
     try:
-        run_case(case, {**opt, **changes, "fsi_quiet": True, "fsi_output": str(path)}, comm)
-        comm.Barrier()
-        result = None
+        run_case(case, {**opt, "fsi_quiet": True, "fsi_output": str(path)}, comm)
+        share = None
         if comm.rank == 0:
             with open_run(path) as run:
-                result = run.summary["phases"][OUTPUT], run.summary["phases"][LOOP], run.nframes
-        return comm.bcast(result)
+                spent = run.summary["phases"]
+            share = 100 * spent[OUTPUT] / (spent[OUTPUT] + spent[LOOP])
+        return comm.bcast(share)
     finally:
         comm.Barrier()
         if comm.rank == 0:

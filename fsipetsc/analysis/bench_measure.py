@@ -49,7 +49,7 @@ class Stand:
     """
 
     def __init__(self, case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> None:
-        self.comm, self._opt = comm, dict(opt)
+        self.comm, self.options = comm, dict(opt)
         self.state = make_state(case.build(opt), opt, comm)
         self.state.set_initial()
 
@@ -58,8 +58,8 @@ class Stand:
         comm = self.comm
         integrator = Integrator(
             self.state,
-            {**self._opt, "ts_max_steps": count},
-            [self._opt["ts_max_time"]],
+            {**self.options, "ts_max_steps": count},
+            [self.options["ts_max_time"]],
             on_frame=lambda t: None,
             on_series=lambda: integrator.series.take(comm),
             on_step=lambda steps, t, dt: None,

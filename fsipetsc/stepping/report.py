@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import time
 from collections.abc import Mapping
@@ -12,8 +13,8 @@ from mpi4py import MPI
 
 from fsipetsc.stepping.state import State
 
-#: wall seconds between two lines of progress
-_INTERVAL = 1.0
+#: wall seconds between two reports of progress: rewritten in place on a terminal; else line by line, ever rarer
+_IN_PLACE, _LINES, _RAREST = 1.0, 2.0, 60.0
 
 
 class Reporter:
@@ -21,8 +22,11 @@ class Reporter:
 
     def __init__(self, comm: MPI.Comm, name: str, opt: Mapping[str, Any]) -> None:
         self._speaks = comm.rank == 0 and not opt["fsi_quiet"]
-        self._terminal = sys.stdout.isatty()
-        self._shows = self._speaks and (self._terminal or opt["fsi_progress"])
+        # Open MPI gives the ranks a terminal of their own, whatever the output really goes to
+        launched = any(name in os.environ for name in ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK"))
+        self._terminal = sys.stdout.isatty() and not launched
+        self._shows = self._speaks and (sys.stdout.isatty() or opt["fsi_progress"])
+        self._interval = _IN_PLACE if self._terminal else _LINES
         self._name, self._opt, self._comm = name, opt, comm
         self._begun = self._last = time.monotonic()
         self._open_line = False
@@ -43,6 +47,9 @@ class Reporter:
             f"{self._name}: order {state.op.name}, h = {state.h:g} m, {points} points on {ranks}, "
             f"to t = {self._opt['ts_max_time']:g} s"
         )
+
+    def start(self) -> None:
+        """The time loop begins: what is left is reckoned from here."""
         self._begun = self._last = time.monotonic()
 
     def step(self, steps: int, t: float, dt: float) -> None:
@@ -50,9 +57,11 @@ class Reporter:
         if not self._shows or steps % 32:
             return
         now = time.monotonic()
-        if now - self._last < _INTERVAL:
+        if now - self._last < self._interval:
             return
         self._last = now
+        if not self._terminal:
+            self._interval = min(1.5 * self._interval, _RAREST)
         end = self._opt["ts_max_time"]
         left = (now - self._begun) * (end - t) / t if t > 0 else 0.0
         done = f"  t = {t:.4g} of {end:g} s ({100 * t / end:.0f} %)"

@@ -136,6 +136,7 @@ class _Run:
             with self.phases(SET_UP):
                 self.state.compile(self.report.line)
                 integrator.start()
+            self.report.start()
             with _signals(integrator), self.phases(LOOP):
                 integrator.run()
             self._last_frame()
