@@ -44,7 +44,7 @@ OPTIONS = (
     Option(
         *("bench_yardstick", str, None, "", "folder of another program to compare with: its `rod ORDER H T -q -n STEPS`"),
     ),
-    Option("bench_more", bool, True, "", "measure output, start of the program and memory too"),
+    Option("bench_more", bool, True, "", "measure weak scaling, output, start of the program and memory too"),
     Option("bench_from", str, None, "", "measure nothing: take the CSV of an earlier benchmark"),
     Option("bench_doc", str, None, "", "Markdown file whose tables are renewed"),
     Option("fsi_output", str, "bench", "", "base name of the results: NAME.csv, NAME-facts.csv, NAME.png"),

@@ -93,7 +93,7 @@ def parts(study: Study) -> str:
             operator(r.order).name,
             f"{r.points:d}",
             f"{r.ranks:d}",
-            *(f"{v:.3g}" for v in (r.step, r.rates, r.ends, r.completion, r.exchange, r.petsc, r.python)),
+            *(f"{v:.3g}" for v in (r.best, r.rates, r.ends, r.completion, r.exchange, r.petsc, r.python)),
         ]
         for r in study.at()
     ]

@@ -53,13 +53,15 @@ def _cost(axes: Axes, study: Study) -> None:
             axes.loglog(points, other, color=color, marker=marker, markersize=3, linestyle=":", linewidth=1)
     points = np.geomspace(min(r.points for r in study.rows), max(r.points for r in study.rows), 40)
     traffic = [1e3 * moved_bytes() / bandwidth(study, study.ranks[0], n) / STAGES for n in points]
-    axes.loglog(points, traffic, color="#222222", linestyle="--", linewidth=1, label="memory traffic at triad speed")
+    axes.loglog(points, traffic, color="#8a8a8a", linestyle="--", label="memory traffic at triad speed")
     if any(np.isfinite(r.yardstick) for r in study.rows):
         axes.plot([], [], color="#222222", linestyle=":", label="yardstick, dotted")
     axes.set_xlabel("points")
     axes.set_ylabel("ns per point and right-hand side")
     axes.set_title(f"cost on {_ranks(study.ranks[0])}", loc="left")
-    axes.legend()
+    low, high = axes.get_ylim()
+    axes.set_ylim(low, high * (high / low) ** 0.35)  # room for the legend
+    axes.legend(loc="upper right", ncols=2)
 
 
 def _parts(axes: Axes, study: Study) -> None:

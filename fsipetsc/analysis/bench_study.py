@@ -28,7 +28,7 @@ T = TypeVar("T")
 Say = Callable[[str], None]
 
 #: bytes of the three arrays of the triad: first-level cache to memory
-TRIAD = tuple(1 << k for k in (14, 17, 19, 21, 23, 25, 27, 29))
+TRIAD = tuple(1 << k for k in (14, 17, 19, 21, 23, 25, 27, 28))
 #: points and steps of the runs with a frame every ten steps
 OFTEN = ((480, 4000), (3840, 1000), (100_000, 100))
 #: points of a rank in weak scaling
@@ -234,8 +234,8 @@ def measure(opt: Mapping[str, Any], world: MPI.Comm, say: Say) -> Study:
             load = bench.study.facts["load before"]
             say(f"note: this machine has other work to do (load {load:.2f}): times will be too long and uneven")
         bench.steps()
-        bench.weak()
         if opt["bench_more"]:
+            bench.weak()
             bench.around()
         bench.study.facts["load after"] = os.getloadavg()[0]
         return bench.study

@@ -62,13 +62,13 @@ class Row:
 
     @property
     def python(self) -> float:
-        """What is left of a step [µs]."""
-        return self.step - self.arithmetic - self.exchange - self.petsc
+        """What is left of the shortest sample of a step [µs]."""
+        return self.best - self.arithmetic - self.exchange - self.petsc
 
     def shares(self) -> dict[str, float]:
-        """Parts of a step in percent."""
+        """Parts of a step in percent of the shortest sample."""
         parts = {"arithmetic": self.arithmetic, "exchange": self.exchange, "PETSc": self.petsc, "Python": self.python}
-        return {name: 100 * value / self.step for name, value in parts.items()}
+        return {name: 100 * value / self.best for name, value in parts.items()}
 
 
 @dataclass

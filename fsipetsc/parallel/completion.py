@@ -90,7 +90,9 @@ def limits(head, layers, memory):
 
     The largest over all ranks of these and of STOP, which is handed through from behind them: STOP + 3.
 
-    dt = min( h / (|u-s| + c), h^2 / (2 max(mu'/rho, kappa/(rho cv))), h / c_s, h^2 alpha m0 x_X / (2 kappa_e) ).
+    In a fluid 1/dt is the 4-norm of (|u-s| + c)/h and 2 max(mu'/rho, kappa/(rho cv))/h^2, in a solid of c_s/h and
+    2 kappa_e/(alpha m0 x_X h^2). The smaller of the two steps alone is too long where they are about equal: at a wall,
+    where both act on the ghost point, the rod then fails for orders above 2 at Courant numbers above 0.7.
     """
     rate, bad = 0.0, 0.0
     for layer in layers:
@@ -108,7 +110,7 @@ def limits(head, layers, memory):
             speed, diffusion = np.sqrt(c2), 2.0 * layer.kappa_e * stretch / (layer.alpha * layer.m0)
             good = x_X > 0.0 and T > 0.0 and c2 >= 0.0 and speed < np.inf
         if good:
-            rate = max(rate, speed / h, diffusion / (h * h))
+            rate = max(rate, np.sqrt(np.sqrt((speed / h) ** 4 + (diffusion / (h * h)) ** 4)))
         else:
             bad = 1.0
     received, sent, world = head.limits, head.limits + 3, head.world

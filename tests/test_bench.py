@@ -1,0 +1,129 @@
+"""The command `bench`: that it measures and tells what it says; not how fast anything is."""
+
+from __future__ import annotations
+
+import csv
+import math
+
+import pytest
+from helpers import mpirun, run
+
+pytest.importorskip("petsc4py")
+
+from fsipetsc.analysis.bench_doc import renew
+from fsipetsc.analysis.bench_model import Model, fit, rounds, scaling, shares
+from fsipetsc.analysis.bench_table import Row, Study, load
+from fsipetsc.errors import FileError, InputError
+
+_QUICK = "-bench_orders 4 -bench_points 480,1000 -bench_seconds 0.01 -bench_repeats 2 -bench_more false".split()
+TRUE = Model(overhead=5.0, work={4: 0.01, 8: 0.02}, overlap=0.3, latency=1.2, error=0.0)
+
+
+def study() -> Study:
+    """What TRUE would have measured."""
+    facts = {f"triad {ranks} {1 << k}": 80.0 / (k - 10) / ranks for ranks in (1, 2) for k in (14, 20, 26)}
+    made = Study([], facts, {"processor": "none"})
+    for order in TRUE.work:
+        for points in (500, 5000, 50_000):
+            for ranks in (1, 2):
+                share, reductions = points // ranks, 0 if ranks == 1 else 5
+                step = TRUE.step(made, order, share, ranks)
+                nothing = dict.fromkeys(("rates", "ends", "completion", "exchange", "reduction", "petsc", "call", "bound"), 0.1)
+                counts = {"sends": 4 * (ranks - 1), "reductions": reductions, "doubles": 20 * points}
+                made.rows.append(Row(order, 6 / points, points, ranks, share, 100, step, step, **nothing, **counts))
+    return made
+
+
+def test_model_is_found_again():
+    model = fit(study())
+    assert model.error < 1e-6
+    assert (model.overhead, model.overlap, model.latency) == pytest.approx((5.0, 0.3, 1.2), rel=1e-4)
+    assert model.work == pytest.approx(TRUE.work, rel=1e-4)
+
+
+def test_rounds_are_a_tree():
+    assert rounds(1) == 0
+    assert rounds(1024) - rounds(512) == pytest.approx(rounds(4) - rounds(2)) == 5
+
+
+def test_shares_of_the_partition():
+    largest = shares(4, 0.0125)
+    assert largest(1) == 483
+    assert 483 / 4 <= largest(4) <= 483 / 3
+    with pytest.raises(InputError):
+        largest(1000)
+    table = scaling(TRUE, study(), 4, 0.0125, (1, 2, 4, 1000))
+    assert list(table) == [1, 2, 4]
+    assert table[1][1] == 1
+
+
+def test_saved_and_loaded(tmp_path):
+    made, path = study(), tmp_path / "b.csv"
+    made.save(path)
+    again = load(path)
+    assert again.facts == pytest.approx(made.facts, rel=1e-5)
+    assert again.about == made.about
+    assert [r.step for r in again.rows] == pytest.approx([r.step for r in made.rows], rel=1e-5)
+    assert all(math.isnan(r.yardstick) for r in again.rows)
+    with pytest.raises(FileError):
+        load(tmp_path / "nothing.csv")
+
+
+def test_document_is_renewed(tmp_path):
+    path = tmp_path / "d.md"
+    names = ("machine", "steps", "parts", "scaling", "around", "model", "expected")
+    path.write_text("".join(f"BEFORE\n<!-- bench: {name} -->\nOLD\n<!-- end -->\nAFTER\n" for name in names))
+    renew(path, study(), fit(study()))
+    text = path.read_text()
+    assert "OLD" not in text
+    assert text.count("BEFORE") == text.count("AFTER") == len(names)
+    renew(path, study(), fit(study()))
+    assert path.read_text() == text
+    path.write_text("<!-- bench: other --><!-- end -->")
+    with pytest.raises(InputError, match="other"):
+        renew(path, study(), None)
+
+
+@pytest.mark.mpi
+def test_command(tmp_path):
+    done = mpirun(2, "-m", "fsipetsc", "bench", *_QUICK, cwd=tmp_path, timeout=240)
+    assert done.returncode == 0, done.stderr
+    with (tmp_path / "bench.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [row["ranks"] for row in rows] == ["1", "2", "1", "2"]
+    assert [row["points"] for row in rows] == [row["points"] for row in (rows[0], rows[0], rows[2], rows[2])]
+    for row in rows:
+        assert float(row["step"]) >= float(row["best"]) > float(row["petsc"]) > 0
+        assert float(row["rates"]) > 0
+    assert rows[1]["reductions"] == "5" and rows[0]["reductions"] == "0"
+    assert (tmp_path / "bench-facts.csv").exists()
+    again = run("-m", "fsipetsc", "bench", "-bench_from", "bench.csv", cwd=tmp_path)
+    assert again.returncode == 0, again.stderr
+    assert "µs/step" in again.stdout
+
+
+@pytest.mark.parametrize(
+    ("options", "word"),
+    [
+        (("-bench_ranks", 3), "mpiexec -n 3"),
+        (("-bench_yardstick", "."), "rod"),
+        (("-bench_orders", 5), "2, 4, 6, 8"),
+    ],
+)
+def test_bad_input(tmp_path, options, word):
+    done = run("-m", "fsipetsc", "bench", *options, cwd=tmp_path)
+    assert done.returncode == 2
+    assert word in done.stderr
+    assert done.stderr.count("\n") == 1
+
+
+def test_phases_in_the_summary_and_the_log(tmp_path):
+    options = "-fsi_h 0.1 -ts_max_steps 20 -fsi_output_dt 1 -log_view".split()
+    done = run("-m", "fsipetsc", "rod", *options, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    for phase in ("set-up", "time loop", "output"):
+        assert f"{phase} " in next(line for line in done.stdout.splitlines() if line.startswith("phases: "))
+        assert any(f" {phase}: " in line for line in done.stdout.splitlines()), "a stage of PETSc's log"
+    steps = next(line for line in done.stdout.splitlines() if line.startswith("fsi step"))
+    assert steps.split()[2] == "20"
+    assert float(steps.split()[6]) > 20 * 4 * 60 * 50, "floating-point operations"
