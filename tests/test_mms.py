@@ -102,19 +102,20 @@ def test_forcing_balances_the_exact_solution():
                 p = gas.R * rho * T
                 e = rho * (gas.cv * T + u * u / 2)
                 u_X, T_X = (slope(lambda Y, c=c: layer.exact(Y, t)[c], X) for c in (1, 2))
-                return np.stack([rho * (u - s), rho * u * (u - s) + p - mu * u_X, e * (u - s) + u * (p - mu * u_X) - gas.kappa * T_X])
+                stress = p - mu * u_X
+                return np.stack([rho * (u - s), rho * u * (u - s) + stress, e * (u - s) + u * stress - gas.kappa * T_X])
 
             left = rate(lambda t, X=X: conserved(X, t)) + slope(lambda Y: flux(Y))
         else:
             solid = layer.material
-            u, sigma, T, x = layer.exact(X, t)
+            u, sigma, _, _ = layer.exact(X, t)
 
             def conduction(X, layer=layer, solid=solid):
                 T_X, x_X = (slope(lambda Y, c=c: layer.exact(Y, t)[c], X) for c in (2, 3))
                 return solid.kappa_e / x_X * T_X
 
-            u_X, sigma_X, _, x_X = (slope(lambda Y, c=c: layer.exact(Y, t)[c]) for c in range(4))
-            u_t, sigma_t, T_t, x_t = (rate(lambda t, c=c, X=X: layer.exact(X, t)[c]) for c in range(4))
+            u_X, sigma_X, _, x_X = (slope(lambda Y, c=c, layer=layer: layer.exact(Y, t)[c]) for c in range(4))
+            u_t, sigma_t, T_t, x_t = (rate(lambda t, c=c, X=X, layer=layer: layer.exact(X, t)[c]) for c in range(4))
             heat = (sigma * u_X + slope(conduction)) / (solid.alpha * solid.m0)
             left = np.stack([u_t - sigma_X / solid.m0, sigma_t - solid.K / x_X * u_X, T_t - heat, x_t - u])
         np.testing.assert_allclose(np.stack(layer.forcing(X, t)), left, rtol=1e-6, atol=1e-6)

@@ -220,7 +220,7 @@ class Bench:
         """Share of output [%] with a frame every ten steps."""
         opt = self.options(4, points)
         stand = Stand(self.case, opt, comm)
-        dt = 0.5 / float(stand.state.limits[RATE])
+        dt = 0.5 / float(stand.state.results[RATE])
         stand.destroy()
         return output_share(self.case, {**opt, "ts_dt": dt, "fsi_output_dt": 10 * dt, "ts_max_steps": steps}, comm)
 
