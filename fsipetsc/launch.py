@@ -106,6 +106,8 @@ def _check_words(words: list[str], where: str) -> None:
         value = words[position + 1] if position + 1 < len(words) and not is_option(words[position + 1]) else None
         if not is_option(word):
             raise InputError(f"unexpected argument '{word}'{where}: a value stands right behind its option")
+        if word.startswith("--") and word not in HELP_FLAGS:
+            raise InputError(f"unknown option {word}{where}: write {word[1:]}, with one dash")
         if word.lower() in _FILE_OPTIONS:
             if not value:
                 raise InputError(f"{word} needs the name of a file")

@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
-from helpers import compute
+from helpers import REPOSITORY, compute
 
 import fsipetsc
 from fsipetsc.output.reader import Run
@@ -53,6 +53,14 @@ def _adaptive(method: str, tolerance: float, cfl: float) -> str:
     return f"{_NONLINEAR_PULSE} -ts_rk_type {method} {control} -fsi_cfl {cfl}"
 
 
+#: cases in which the fused method is compared with PETSc's
+FUSED = {
+    "rod": ("rod", "-fsi_h 0.05 -ts_max_time 0.1 -fsi_output_dt 0.05"),
+    "mms": ("mms", "-fsi_h 0.05 -fsi_order 6 -fsi_output_dt 0.15"),
+    "pulse": ("pulse", "-fsi_h 0.05 -fsi_order 8 -ts_max_time 0.003 -pulse_amplitude 1000 -fsi_output_dt 0.001"),
+    "piston": (str(REPOSITORY / "runs" / "piston.py"), "-fsi_order 2 -ts_max_time 0.02 -fsi_output_dt 0.01"),
+}
+
 #: group -> list of (ranks, name -> (case, options)); the batches of a group are computed side by side
 GROUPS: dict[str, list[tuple[int, dict[str, tuple[str, str]]]]] = {
     "rod": [
@@ -66,6 +74,16 @@ GROUPS: dict[str, list[tuple[int, dict[str, tuple[str, str]]]]] = {
     "mms": [
         (1, {f"order{q}_h{h}": ("mms", f"-fsi_h {h} -fsi_order {q} -fsi_output_dt 1") for q in ORDERS})
         for h in (0.00625, 0.0125)
+    ],
+    "fused": [
+        (
+            1,
+            {
+                f"{name}_{kind}": (case, f"{options} -ts_type {kind}")
+                for name, (case, options) in FUSED.items()
+                for kind in ("fused", "rk")
+            },
+        )
     ],
     "methods": [
         (

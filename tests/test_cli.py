@@ -129,6 +129,7 @@ def test_options_left_does_not_list_ours(here):
 BAD_INPUT = {
     "unknown option": (["-fsi_ordr", 4], 2, ["-fsi_ordr", "did you mean -fsi_order?"]),
     "unknown option of PETSc's": (["-ts_max_tme", 4], 2, ["did you mean -ts_max_time?"]),
+    "two dashes": (["--fsi_cfl", 0.5], 2, ["--fsi_cfl", "write -fsi_cfl"]),
     "bad value": (["-fsi_cfl", "abc"], 2, ["-fsi_cfl", "'abc'", "a number above 0"]),
     "positional argument": (["foo"], 2, ["'foo'"]),
     "no options file": (["-options_file", "no.opts"], 4, ["no.opts", "No such file"]),

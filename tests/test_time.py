@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from conftest import METHODS, STEPS, TOLERANCES, fixed
+from conftest import FUSED, METHODS, STEPS, TOLERANCES, fixed
 
 pytest.importorskip("petsc4py")
 
@@ -105,6 +105,19 @@ def test_every_method_has_its_order(computed, method):
         assert np.log2(errors[0] / errors[1]) > order - 0.2
     else:
         assert errors[0] < 3e-6
+
+
+@pytest.mark.parametrize("name", FUSED)
+def test_the_fused_method_is_petscs_up_to_round_off(computed, name):
+    """Hundreds of steps in which boundaries cross cells, with forcing and without."""
+    fused, petsc = computed("fused", f"{name}_fused"), computed("fused", f"{name}_rk")
+    assert fused.summary["rhs_evaluations"] == petsc.summary["rhs_evaluations"]
+    assert np.array_equal(fused.time, petsc.time)
+    for one, other in zip(fused.layers, petsc.layers, strict=True):
+        for field in one.fields:
+            assert np.array_equal(np.isfinite(one[field]), np.isfinite(other[field]))
+            scale = np.nanmax(np.abs(other[field]))
+            assert np.nanmax(np.abs(one[field] - other[field])) < 1e-10 * scale, (one.name, field)
 
 
 def test_right_hand_sides_per_step(computed):

@@ -222,7 +222,7 @@ class Bench:
         stand = Stand(self.case, opt, comm)
         dt = 0.5 / float(stand.state.results[RATE])
         stand.destroy()
-        return output_share(self.case, {**opt, "ts_dt": dt, "fsi_output_dt": 10 * dt, "ts_max_steps": steps}, comm)
+        return output_share(self.case, {**opt, "ts_dt": dt, "fsi_output_dt": 10 * dt, "ts_max_time": steps * dt}, comm)
 
 
 def measure(opt: Mapping[str, Any], world: MPI.Comm, say: Say) -> Study:

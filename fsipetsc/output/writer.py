@@ -61,6 +61,7 @@ class RunWriter:
     ) -> None:
         self.kept_as: Path | None = None  # new name of the earlier result of this name
         self.nframes = 0  # frames given so far, written or not
+        self.before_flush: Callable[[], None] | None = None  # collective; hands over series that are still elsewhere
         self._comm, self._root = comm, comm.rank == 0
         self._widths = [(len(layer["fields"]), len(layout.columns(layer))) for layer in header["layers"]]
         self._flush_seconds, self._max_frames, self._max_bytes = flush_seconds, buffer_frames, buffer_bytes
@@ -128,6 +129,8 @@ class RunWriter:
     def flush(self) -> None:
         """Write all that is held in memory. Collective."""
         self._check_open()
+        if self.before_flush is not None:
+            self.before_flush()
         begun, count = time.monotonic(), len(self._times)
         self.path = self._on_root(self._locate)
         if count:

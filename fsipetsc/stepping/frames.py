@@ -18,17 +18,22 @@ def fields(state: State, k: int) -> tuple[np.ndarray, np.ndarray]:
     own_lo, own_hi = int(record["own_lo"]), int(record["own_hi"])
     work = state.plan.work(k)
     halo = int(record["halo_lo"])
-    q = work[halo : halo + own_hi - own_lo]
     if isinstance(layer, FluidLayer):
-        index = np.arange(own_lo, own_hi)
-        outside = (index < record["lo"]) | (index > record["hi"])
-        x = state.layout.owned_X(k) - state.layout.grids[k].anchor + record["x_interface"]
-        with np.errstate(all="ignore"):  # there may be anything outside
-            values = np.stack(layer.material.primitive(q), axis=-1)
-        values[outside], x[outside] = np.nan, np.nan
+        a, b = max(own_lo, int(record["lo"])), min(own_hi, int(record["hi"]) + 1)
+        values, x = np.full((own_hi - own_lo, 4), np.nan), np.full(own_hi - own_lo, np.nan)
+        if a < b:
+            inside, first = slice(a - own_lo, b - own_lo), own_lo - halo
+            for c, field in enumerate(layer.material.primitive(work[a - first : b - first])):
+                values[inside, c] = field
+            grid = state.layout.grids[k]
+            x[inside] = grid.X(state.h, a, b) - grid.anchor + record["x_interface"]
         return values, x
-    x_X = strain(state, work[:, 3], own_lo - halo, own_lo, own_hi, int(record["n"]))
-    return np.column_stack([q, layer.material.pressure(q[:, 2], x_X)]), q[:, 3].copy()
+    values = np.zeros((own_hi - own_lo, 5))
+    values[:, :4] = work[halo : halo + own_hi - own_lo]
+    if layer.material.gruneisen != 0.0:
+        x_X = strain(state, work[:, 3], own_lo - halo, own_lo, own_hi, int(record["n"]))
+        values[:, 4] = layer.material.pressure(values[:, 2], x_X)
+    return values, values[:, 3].copy()
 
 
 def strain(state: State, x: np.ndarray, first: int, begin: int, end: int, n: int) -> np.ndarray:

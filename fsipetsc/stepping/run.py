@@ -57,6 +57,7 @@ class _Run:
         self.state = make_state(self.problem, opt, comm)
         saved = saved_times(opt["ts_max_time"], opt["fsi_output_dt"], opt["fsi_output_times"])
         self.writer = RunWriter(comm, opt["fsi_output"], self._header())
+        self.writer.before_flush = self._series
         self.report = Reporter(comm, case.NAME, opt)
         self.saved_at = -1.0
         self.watch: Watch | None = None
@@ -88,7 +89,6 @@ class _Run:
         )
 
     def _frame(self, t: float) -> None:
-        self._series()
         with self.phases(OUTPUT, "fsi frame"):
             self._write_frame(t)
         self.saved_at = t
