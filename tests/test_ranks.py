@@ -25,6 +25,10 @@ RUNS = {
     "rod order 2": ("rod", f"{_ROD} -fsi_order 2 -solid_gruneisen 0.1"),
     "rod order 8": ("rod", f"{_ROD} -fsi_order 8"),
     "rod 5dp": ("rod", "-fsi_h 0.05 -ts_max_time 0.1 -ts_rk_type 5dp -ts_adapt_type basic -ts_rtol 1e-7 -ts_atol 1e-7"),
+    "rod stiff": (
+        "rod",  # whose step is bound by the solid, with a pressure in it and cut in two
+        "-fsi_h 0.05 -ts_max_time 0.02 -solid_modulus 1e9 -solid_gruneisen 0.5 -rod_gravity -1000 -fsi_partition balanced",
+    ),
     "rod wild": ("rod", "-fsi_h 0.05 -ts_max_time 0.02 -ts_rk_type 5dp -ts_adapt_type basic -fsi_cfl 200"),
     "mms": ("mms", _MMS),
     "mms balanced": ("mms", f"{_MMS} -fsi_partition balanced"),

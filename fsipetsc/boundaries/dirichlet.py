@@ -2,7 +2,8 @@
 
 The formulas (4.26) of degree q give (rho, u, T)_D at the ghost point; of these only the incoming characteristic
 p - n Z u is imposed, and the entropy on inflow. The outgoing characteristic p + n Z u and on outflow the entropy
-rho - p/c^2 keep their values.
+rho - p/c^2 keep their values. Z = rho c and c are taken one point inside, as at an interface: then a ghost point that is
+filled already does not change.
 """
 
 from __future__ import annotations
@@ -23,8 +24,8 @@ def dirichlet(layer, side, normal, nodes, weights, slopes):
     rho_d = dirichlet_ghost(data[0], nodes[0], weights, q)
     u_d = dirichlet_ghost(data[1], nodes[1], weights, q)
     T_d = dirichlet_ghost(data[2], nodes[2], weights, q)
-    c2 = layer.gamma * layer.R * T
-    impedance = rho * np.sqrt(c2)
+    c2 = layer.gamma * layer.R * nodes[2, 1]
+    impedance = nodes[0, 1] * np.sqrt(c2)
     p, p_d = layer.R * rho * T, layer.R * rho_d * T_d
     outgoing = p + normal * impedance * u
     incoming = p_d - normal * impedance * u_d

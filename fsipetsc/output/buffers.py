@@ -10,7 +10,7 @@ import numpy as np
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
-ROWS = 512  # rows in one HDF5 chunk of a series
+ROWS = 2048  # rows in one HDF5 chunk of a series
 
 
 class LayerBuffer:

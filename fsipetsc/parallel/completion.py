@@ -21,8 +21,10 @@ from fsipetsc.physics.solid import solid_limits
 #: flags: a boundary changed its cell; 1 + number of a layer whose grid has no free point left,
 #: that has run off its grid, or that is too short
 MOVED, LOW, EXHAUSTED, SHORT = 0, 1, 2, 3
-#: limits, behind the flags; STOP + 3 is what this rank has to say of STOP
-RATE, BAD, STOP = 4, 5, 6
+#: limits, behind the flags; SAID_STOP is what this rank has to say of STOP
+RATE, BAD, STOP, SAID_STOP = 4, 5, 6, 14
+#: words of the reduction of the limits: largest rates of convection and diffusion, BAD, STOP
+WORDS = 4
 
 
 @njit(**OPTIONS)
@@ -88,13 +90,12 @@ def complete(head, layers, faces, memory):
 def limits(head, layers, memory):
     """Bounds on the time step: RATE = 1/dt at Courant number 1, BAD > 0 where the state is unphysical anywhere.
 
-    The largest over all ranks of these and of STOP, which is handed through from behind them: STOP + 3.
-
-    In a fluid 1/dt is the 4-norm of (|u-s| + c)/h and 2 max(mu'/rho, kappa/(rho cv))/h^2, in a solid of c_s/h and
-    2 kappa_e/(alpha m0 x_X h^2). The smaller of the two steps alone is too long where they are about equal: at a wall,
-    where both act on the ghost point, the rod then fails for orders above 2 at Courant numbers above 0.7.
+    STOP is the largest SAID_STOP of all ranks. 1/dt is the 4-norm of the largest rates of convection, (|u-s| + c)/h in
+    fluids and c_s/h in solids, and of diffusion, 2 max(mu'/rho, kappa/(rho cv))/h^2 and 2 kappa_e/(alpha m0 x_X h^2).
+    The smaller of the two steps alone is too long where they are about equal: at a wall, where both act on the ghost
+    point, the rod then fails for orders above 2 at Courant numbers above 0.7.
     """
-    rate, bad = 0.0, 0.0
+    convection, diffusion, bad = 0.0, 0.0, 0.0
     for layer in layers:
         if layer.present == 0:
             continue
@@ -103,23 +104,28 @@ def limits(head, layers, memory):
             if layer.own_hi <= layer.lo or layer.own_lo > layer.hi:
                 continue
             speed, rho, T = fluid_limits(layer, memory, w, head.scratch)
-            diffusion = 2.0 * max(layer.mu, layer.kappa / layer.cv) / rho
+            spread = 2.0 * max(layer.mu, layer.kappa / layer.cv) / rho
             good = rho > 0.0 and T > 0.0 and speed < np.inf
         else:
             c2, stretch, x_X, T = solid_limits(layer, memory, w, head.scratch)
-            speed, diffusion = np.sqrt(c2), 2.0 * layer.kappa_e * stretch / (layer.alpha * layer.m0)
+            speed, spread = np.sqrt(c2), 2.0 * layer.kappa_e * stretch / (layer.alpha * layer.m0)
             good = x_X > 0.0 and T > 0.0 and c2 >= 0.0 and speed < np.inf
         if good:
-            rate = max(rate, np.sqrt(np.sqrt((speed / h) ** 4 + (diffusion / (h * h)) ** 4)))
+            convection, diffusion = max(convection, speed / h), max(diffusion, spread / (h * h))
         else:
             bad = 1.0
-    received, sent, world = head.limits, head.limits + 3, head.world
-    memory[U64(sent)], memory[U64(sent + 1)] = rate, bad
+    received, world = head.limits + 3, head.world
+    sent = received + WORDS
+    memory[U64(sent)], memory[U64(sent + 1)], memory[U64(sent + 2)] = convection, diffusion, bad
     if world.size > 1:
         base = memory.ctypes.data
-        mpi_allreduce(base + 8 * sent, base + 8 * received, 3, world.word, world.max, world.comm)
+        mpi_allreduce(base + 8 * sent, base + 8 * received, WORDS, world.word, world.max, world.comm)
     else:
-        copy(memory, sent, received, 3)
+        copy(memory, sent, received, WORDS)
+    # only now: the 4-norm of each rank's own maxima would depend on how the points are dealt out
+    squares = memory[U64(received)] ** 2, memory[U64(received + 1)] ** 2
+    memory[U64(head.limits)] = np.sqrt(np.sqrt(squares[0] * squares[0] + squares[1] * squares[1]))
+    memory[U64(head.limits + 1)], memory[U64(head.limits + 2)] = memory[U64(received + 2)], memory[U64(received + 3)]
 
 
 @njit(**OPTIONS)

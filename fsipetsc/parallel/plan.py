@@ -56,7 +56,7 @@ HEAD = np.dtype(
 #: the areas: the first two are worked in
 WORK, BASE, SUM, FORCING = 0, 2, 3, 4
 #: doubles of the flags and of the limits among the results
-FLAGS, LIMITS = 4, 6
+FLAGS, LIMITS = 4, 11
 #: integrals behind the masses of the layers, see fsipetsc.parallel.ledger
 ENERGY, MOMENTUM, FORCE, ENTROPY, HEATING = range(5)
 INTEGRALS = 5

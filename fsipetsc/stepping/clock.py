@@ -5,14 +5,23 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from fsipetsc.errors import InputError
+
+#: profiles of a run
+MOST = 10_000_000
 #: a step may be longer than its bound by this fraction, so that round-off costs no extra step
 _SLACK = 1e-9
 
 
 def saved_times(t_end: float, interval: float | None, times: Sequence[float] | None) -> list[float]:
-    """Times [s] in [0, t_end] at which profiles are saved: every ``interval`` and at the ``times``, and at the end."""
+    """Times [s] in [0, t_end] at which profiles are saved: every ``interval`` and at the ``times``, and at the end.
+
+    Raises InputError for more than MOST of them.
+    """
     saved = {t for t in times or () if 0.0 <= t <= t_end}
     if interval is not None:
+        if t_end / interval > MOST:
+            raise InputError(f"-fsi_output_dt {interval:g} would save more than {MOST} profiles to t = {t_end:g} s")
         saved.update(min(k * interval, t_end) for k in range(math.floor(t_end / interval * (1 + 1e-12)) + 1))
     saved.add(t_end)
     return sorted(saved)

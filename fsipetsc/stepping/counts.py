@@ -12,7 +12,7 @@ from fsipetsc.parallel.plan import Plan
 from fsipetsc.physics.layer import DOF, FLUID
 
 #: numbers in the reduction of the limits, see fsipetsc.parallel.completion
-LIMITS = 3
+LIMITS = 4
 
 
 class Traffic(NamedTuple):

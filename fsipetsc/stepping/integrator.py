@@ -17,7 +17,7 @@ from petsc4py import PETSc
 
 from fsipetsc.errors import ComputationError
 from fsipetsc.parallel.advance import STAGES
-from fsipetsc.parallel.completion import BAD, EXHAUSTED, LOW, MOVED, RATE, SHORT, STOP
+from fsipetsc.parallel.completion import BAD, EXHAUSTED, LOW, MOVED, RATE, SAID_STOP, SHORT, STOP
 from fsipetsc.parallel.plan import ENERGY, ENTROPY, FORCE, HEATING, MOMENTUM
 from fsipetsc.stepping.clock import Clock
 from fsipetsc.stepping.control import ErrorControl
@@ -172,7 +172,7 @@ class Integrator:
             bound = min(bound, self._proposal)
             self._control.begin()
         self._step, self._target = self._clock.step(self.t, bound)
-        self.state.results[STOP + 3] = self.raised
+        self.state.results[SAID_STOP] = self.raised
         ts.setTimeStep(self._step)
 
     def _create(self) -> PETSc.TS:
