@@ -61,6 +61,7 @@ class _Run:
         self.report = Reporter(comm, case.NAME, opt)
         self.saved_at = -1.0
         self.watch: Watch | None = None
+        self.checks = bool(opt["fsi_check"])
         self.integrator = Integrator(
             self.state, opt, saved, self._frame, self._series, self.report.step, self._grids
         )
@@ -114,7 +115,7 @@ class _Run:
         with self.phases(OUTPUT, "fsi series"):
             block = series.take(self.comm)
             self.writer.append_series(block)
-        if self.opt["fsi_check"]:
+        if self.checks:
             self._look(block)
 
     def _look(self, block: Mapping[str, np.ndarray]) -> None:
@@ -140,8 +141,9 @@ class _Run:
             with _signals(integrator), self.phases(LOOP):
                 integrator.run()
             self._last_frame()
+            self._series()
         except ComputationError as error:
-            failure = error
+            failure, self.checks = error, False
         self._series()
         found = None if failure else errors(self.state, integrator.t)
         with self.phases(OUTPUT, "fsi finish"):
