@@ -20,9 +20,11 @@ from typing import Any
 
 import numpy as np
 
+from fsipetsc.operators.vectors import WIDTH
+
 #: the simulated cache: lines of eight doubles, and how many of them
 LINE, LINES = 8, 512
-#: points that a kernel treats at once, in the simulation: so few that scratch fits into the cache
+#: points that a kernel treats at once and that make a tile, in the simulation: so few that all of it fits into the cache
 BLOCK = 48
 
 
@@ -135,19 +137,48 @@ def interpret() -> None:
     """Give the kernels Python's numbers, and stand-ins for what only compiled code has."""
     plain = {
         "U64": int,
-        **{f"U{k}": k for k in range(8)},
+        "load": load_lanes,
+        "store": store_lanes,
+        "store_interlaced": lambda s, i, values: store_lanes(s, i, np.stack(values, axis=-1).ravel()),
+        "spread": lambda value: np.full(WIDTH, value),
+        "lane": lambda v, j: v[j],
+        "kept": lambda v, n, other: np.where(np.arange(WIDTH) < n, v, other),
+        "mirrored": lambda v: v[::-1],
+        "apart": difference,
         "fma": lambda a, b, c: a * b + c,
-        "maximum": max,
-        "minimum": min,
-        "rows_at": lambda memory, at, rows, columns: memory._memory[at : at + rows * columns].reshape(rows, columns)
-        if isinstance(memory, Memory)
-        else memory[at : at + rows * columns].reshape(rows, columns),
+        "maximum": np.maximum,
+        "minimum": np.minimum,
+        "root": np.sqrt,
+        "magnitude": np.abs,
+        "rows_at": lambda memory, at, rows, columns: getattr(memory, "_memory", memory)[at : at + rows * columns].reshape(
+            rows, columns
+        ),
         "BLOCK": BLOCK,
+        "TILE": BLOCK,
+        "LEAST_MIDDLE": BLOCK,
     }
     for module in compiled_modules():
         for name, stand_in in plain.items():
             if hasattr(module, name):
                 setattr(module, name, stand_in)
+
+
+def load_lanes(s: Any, i: int) -> np.ndarray:
+    """As vectors.load, of the simulated memory or an array seen as flat."""
+    s = s.ravel() if isinstance(s, np.ndarray) else s
+    return np.array([s[i + j] for j in range(WIDTH)])
+
+
+def store_lanes(s: Any, i: int, values: np.ndarray) -> None:
+    """As vectors.store."""
+    for j, value in enumerate(values):
+        s[i + j] = value
+
+
+def difference(before: np.ndarray, v: np.ndarray, after: np.ndarray, k: int) -> np.ndarray:
+    """As vectors.apart."""
+    row = np.concatenate([before, v, after])
+    return row[WIDTH + k : 2 * WIDTH + k] - row[WIDTH - k : 2 * WIDTH - k]
 
 
 def compiled_modules() -> list[ModuleType]:

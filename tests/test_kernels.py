@@ -13,9 +13,10 @@ from fsipetsc.boundaries import ABSORBING, CLAMPED, DIRICHLET, FREE, NODES, OPEN
 from fsipetsc.operators import OPERATORS, packed
 from fsipetsc.operators.kernels import BLOCK, dirichlet_ghost, extrapolate, lagrange, neumann_ghost, scratch_size
 from fsipetsc.physics.emission import Target
-from fsipetsc.physics.fluid import Fluid, fluid_limits, fluid_rhs
+from fsipetsc.physics.fluid import Fluid, fluid_rhs, fluid_survey
 from fsipetsc.physics.layer import LAYER
-from fsipetsc.physics.solid import Solid, solid_limits, solid_rhs
+from fsipetsc.physics.solid import Solid, solid_bounds, solid_rhs, solid_survey
+from fsipetsc.physics.survey import LEAST_RHO, LEAST_T, SIZE, SPEED, SUMS, begin_survey
 
 GAS = Fluid(mu=0.5, kappa=0.7, gamma=1.4, R=287.0)
 ROD = Solid(K=1e5, kappa_e=0.5, m0=2700.0, alpha=1.0, force=-10.0)
@@ -91,30 +92,45 @@ def solid_reference(order: int, layer: np.void, q: np.ndarray) -> np.ndarray:
     return np.stack([D @ traction / ROD.m0 + ROD.force, ROD.K / x_X * u_X, heat / (ROD.alpha * ROD.m0), u], axis=-1)
 
 
-def right_hand_side(kernel, layer: np.void, order: int, q: np.ndarray, begin: int, end: int) -> np.ndarray:
-    """The kernel's result for a rank that owns the points begin..end-1 with halos, starting from dirty scratch."""
+def right_hand_side(
+    kernel, layer: np.void, order: int, q: np.ndarray, begin: int, end: int, cuts: tuple[int, ...] = ()
+) -> np.ndarray:
+    """The kernel's result for a rank that owns the points begin..end-1 with halos, evaluated in parts."""
     n, dof = q.shape
+    ranges = itertools.pairwise((begin, *(c for c in cuts if begin < c < end), end))
     layer["own_lo"], layer["own_hi"] = begin, end
     layer["halo_lo"], layer["halo_hi"] = min(HALO, begin), min(HALO, n - end)
     work = q[begin - layer["halo_lo"] : end + layer["halo_hi"]].T  # every unknown for itself
-    count = layer["stride"] = work.shape[1]
-    area = dof * count
-    memory = np.zeros(3 * area + scratch_size(ROWS))
-    memory[:area] = work.ravel()
-    memory[3 * area :] = 1e3
-    own = layer["halo_lo"]
+    count = work.shape[1]
+    stride = layer["stride"] = count + 5
+    areas = np.full((3, dof, stride), np.nan)  # nothing may come from beyond what a rank has
+    areas[:, :, :count] = work, np.zeros_like(work), np.zeros_like(work)
+    memory = np.concatenate([np.full(16, np.nan), areas.ravel(), np.full(scratch_size(ROWS), np.nan)])
     # a stage that adds dt k = k to a sum that is zero
-    target = Target(own, area + own, 2 * area + own, 2 * area + own, -1, count, 0.0, 1.0)
-    kernel(layer, packed(order), memory, 0, 3 * area, target)
-    assert np.array_equal(memory[:area], work.ravel()), "the state is only read"
-    return memory[2 * area : 3 * area].reshape(dof, count)[:, own : own + end - begin].T
+    first = 16 + layer["halo_lo"] - begin
+    area = dof * stride
+    target = Target(first, first + area, first + 2 * area, first + 2 * area, -1, stride, 0.0, 1.0)
+    for part in ranges:
+        kernel(layer, packed(order), memory, first, 16 + 3 * area, target, *part)
+    after = memory[16 : 16 + 3 * area].reshape(areas.shape)
+    assert np.array_equal(after[0], areas[0], equal_nan=True), "the state is only read"
+    outside = np.ones(stride, bool)
+    outside[layer["halo_lo"] : layer["halo_lo"] + end - begin] = False
+    assert np.array_equal(after[:, :, outside], areas[:, :, outside], equal_nan=True), "nothing else changes"
+    return after[2][:, ~outside].T
 
 
-def limits(kernel, layer: np.void, q: np.ndarray) -> tuple[float, ...]:
-    """Result of fluid_limits or solid_limits for a rank that owns all points."""
-    layer["stride"] = len(q)
-    memory = np.concatenate([q.T.ravel(), np.full(scratch_size(ROWS), 1e3)])
-    return kernel(layer, memory, 0, q.size)
+def survey(kernel, layer: np.void, q: np.ndarray, cuts: tuple[int, ...] = ()) -> tuple[np.ndarray, np.ndarray]:
+    """Survey by fluid_survey or solid_survey of a rank that owns all points, cut into parts; the memory it stands in."""
+    stride = layer["stride"] = len(q) + 5
+    layer["own_lo"], layer["own_hi"] = 0, len(q)
+    memory = np.full(16 + q.shape[1] * stride + SIZE, np.nan)
+    memory[16:-SIZE].reshape(-1, stride)[:, : len(q)] = q.T
+    at = memory.size - SIZE
+    begin_survey(layer, memory, at)
+    for begin, end in itertools.pairwise((0, *cuts, len(q))):
+        kernel(layer, memory, 16, at, begin, end)
+    return memory[at:], memory
 
 
 def assert_close(got: np.ndarray, wanted: np.ndarray) -> None:
@@ -178,34 +194,57 @@ def test_cuts_near_the_seam_of_blocks(begin):
         assert np.array_equal(right_hand_side(fluid_rhs, layer, 8, q, a, b), whole[a:b])
 
 
-def test_limits_of_the_fluid():
-    n = 3 * BLOCK // 2
+@ORDERS
+@pytest.mark.parametrize("kind", ["fluid", "solid"])
+def test_any_part_of_the_points_can_be_evaluated_alone(order, kind):
+    n = 2 * BLOCK + 40
+    if kind == "fluid":
+        kernel, layer, q = fluid_rhs, fluid_record(n, 3, n - 4), fluid_state(n)
+    else:
+        kernel, layer, q = solid_rhs, solid_record(n, 0.3), solid_state(n)
+    whole = right_hand_side(kernel, layer, order, q, 0, n)
+    for cuts in ((1,), (7, 9), (BLOCK + 1, BLOCK + 2), (n - 9, n - 8), tuple(range(5, n, 37))):
+        assert np.array_equal(right_hand_side(kernel, layer, order, q, 0, n, cuts), whole), cuts
+
+
+CUTS = pytest.mark.parametrize("cuts", [(), (1,), (5, 6, 11), (40,)], ids=str)
+
+
+@CUTS
+def test_survey_of_the_fluid(cuts):
+    n = 3 * BLOCK // 2 + 1
     layer, q = fluid_record(n, 2, n - 3), fluid_state(n)
-    speed, lightest, coldest = limits(fluid_limits, layer, q)
+    seen, _ = survey(fluid_survey, layer, q, cuts)
     rho, u, T, _ = GAS.primitive(q[2:-2])
-    np.testing.assert_allclose(speed, np.max(np.abs(u - layer["s"]) + GAS.sound_speed(T)), rtol=1e-13)
-    np.testing.assert_allclose([lightest, coldest], [rho.min(), T.min()], rtol=1e-13)
+    np.testing.assert_allclose(seen[SPEED], np.max(np.abs(u - layer["s"]) + GAS.sound_speed(T)), rtol=1e-13)
+    np.testing.assert_allclose([seen[LEAST_RHO], seen[LEAST_T]], [rho.min(), T.min()], rtol=1e-13)
+    np.testing.assert_allclose(seen[SUMS : SUMS + 3], q[2:-2].sum(axis=0), rtol=1e-12)
     for at, column, value in ((2, 0, -1.0), (n // 2, 2, 0.0), (n - 3, 1, np.nan)):
         broken = q.copy()
         broken[at, column] = value
-        speed, lightest, coldest = limits(fluid_limits, layer, broken)
-        assert not (lightest > 0 and coldest > 0 and speed < np.inf)
+        found, _ = survey(fluid_survey, layer, broken, cuts)
+        assert not (found[LEAST_RHO] > 0 and found[LEAST_T] > 0 and found[SPEED] < np.inf)
     for at in (0, 1, n - 2, n - 1):  # outside the active part
         broken = q.copy()
         broken[at] = np.nan
-        assert limits(fluid_limits, layer, broken) == limits(fluid_limits, layer, q)
+        assert np.array_equal(survey(fluid_survey, layer, broken, cuts)[0], seen, equal_nan=True)
 
 
-def test_limits_of_the_solid():
+@CUTS
+def test_survey_of_the_solid(cuts):
     n = 50
     layer, q = solid_record(n, 0.0), solid_state(n)
     x_X = np.diff(q[:, 3]).min() / H
     expected = [ROD.K / ROD.m0 / x_X, 1 / x_X, x_X, q[:, 2].min()]
-    np.testing.assert_allclose(limits(solid_limits, layer, q), expected, rtol=1e-12)
-    for at, column, value in ((0, 2, -1.0), (n - 1, 2, 0.0), (7, 0, np.nan), (n - 1, 0, np.nan), (9, 3, 1e9)):
+    seen, memory = survey(solid_survey, layer, q, cuts)
+    np.testing.assert_allclose(solid_bounds(layer, memory, memory.size - SIZE), expected, rtol=1e-12)
+    sums = q[:, 0].sum(), np.sum(q[:, 0] ** 2), q[:, 2].sum()
+    np.testing.assert_allclose(seen[SUMS : SUMS + 3], sums, rtol=1e-12)
+    for at, column, value in ((0, 2, -1.0), (n - 1, 2, 0.0), (7, 0, np.nan), (n - 1, 0, np.nan), (4, 1, np.nan), (9, 3, 1e9)):
         broken = q.copy()
         broken[at, column] = value
-        c2, _, x_X, T = limits(solid_limits, layer, broken)
+        _, memory = survey(solid_survey, layer, broken, cuts)
+        c2, _, x_X, T = solid_bounds(layer, memory, memory.size - SIZE)
         assert not (x_X > 0 and T > 0 and c2 >= 0)
 
 

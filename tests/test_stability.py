@@ -53,11 +53,12 @@ def record(kind: int, h: float) -> np.void:
 def kernel_rates(kernel, layer: np.void, order: int, q: np.ndarray) -> np.ndarray:
     """The compiled right-hand side, (unknowns, N), at the state q, (unknowns, N)."""
     size = q.size
-    memory = np.zeros(3 * size + scratch_size(16))
-    memory[:size] = q.ravel()
+    at = 8 + size * np.arange(4)  # the state, what nobody needs, the sum, scratch
+    memory = np.zeros(at[3] + scratch_size(16))
+    memory[at[0] : at[1]] = q.ravel()
     # a stage that adds the rates to a sum that is zero
-    kernel(layer, packed(order), memory, 0, 3 * size, Target(0, size, 2 * size, 2 * size, -1, N, 0.0, 1.0))
-    return memory[2 * size : 3 * size].reshape(q.shape)
+    kernel(layer, packed(order), memory, at[0], at[3], Target(at[0], at[1], at[2], at[2], -1, N, 0.0, 1.0), 0, N)
+    return memory[at[2] : at[3]].reshape(q.shape)
 
 
 def differentiated(function, step: float, size: int) -> np.ndarray:

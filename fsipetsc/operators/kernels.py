@@ -4,150 +4,119 @@ A derivative is taken on the *active* points ``lo..hi`` of a layer: the closure 
 wherever the ends lie in memory. The same formula is evaluated in the same order for a point whoever owns it, which is
 what makes results independent of the number of ranks.
 
-Rows of values live in one flat scratch array and are named by where they begin; indices in hot loops are unsigned.
-Both are for speed: a slice costs as much as fifty points, and signed indices may wrap around, which stops
-vectorisation.
+Rows of values live in one flat scratch array and are named by where they begin: a slice costs as much as fifty points.
+Kernels go over them a vector at a time and may compute a vector's lanes beyond a range from whatever stands there; such
+lanes are never stored where anything else stands, and no lane depends on another but through the stencil.
 """
 
 from __future__ import annotations
 
 import numpy as np
-from llvmlite import ir
-from numba import njit, types
-from numba.extending import intrinsic
+from numba import njit
 
 from fsipetsc.operators.cache import use_cache_folder
+from fsipetsc.operators.vectors import WIDTH, apart, fma, lane, load, mirrored, spread
 
 #: Points that a kernel treats at once: its scratch rows stay in the first-level cache.
-BLOCK = 512
-#: Scratch beyond a block on either side: twice the largest closure reach and the rows that a closure writes too many.
-MARGIN = 24
+BLOCK = 256
+#: Scratch beyond a block on either side: twice the largest closure reach, and vectors that begin or end beyond.
+MARGIN = 32
 #: Distance of the rows of scratch: odd in cache lines, so that rows do not evict each other.
 ROW = BLOCK + 2 * MARGIN + 8
 
 use_cache_folder()  # before the first kernel is defined
 
 U64 = np.uint64
-U0, U1, U2, U3, U4, U5, U6, U7 = (np.uint64(k) for k in range(8))
-#: No "contract": the compiler forms different fused operations in the vector and the scalar version of a loop, and a
+#: No "contract": the compiler forms different fused operations in the vector and the scalar version of a formula, and a
 #: point's result would depend on where a rank's part begins. Where fusing pays, ``fma`` says so explicitly.
 OPTIONS = {"cache": True, "error_model": "numpy", "nogil": True}
 
 
-def _llvm(name, arguments):
-    """Type and code of one of LLVM's own functions of doubles."""
-    signature = types.float64(*[types.float64] * arguments)
-
-    def codegen(context, builder, signature, args):
-        kind = ir.FunctionType(ir.DoubleType(), [ir.DoubleType()] * arguments)
-        return builder.call(builder.module.declare_intrinsic(name, [ir.DoubleType()], kind), args)
-
-    return signature, codegen
-
-
-@intrinsic
-def fma(typingctx, a, b, c):
-    """a * b + c, rounded once."""
-    return _llvm("llvm.fma", 3)
-
-
-@intrinsic
-def maximum(typingctx, a, b):
-    """The larger one; not a number if one of them is not. Unlike max(), a loop over it is vectorised."""
-    return _llvm("llvm.maximum", 2)
-
-
-@intrinsic
-def minimum(typingctx, a, b):
-    """The smaller one; not a number if one of them is not."""
-    return _llvm("llvm.minimum", 2)
+@njit(**OPTIONS)
+def weights_of(op, scale):
+    """Weights c_1 .. c_4 of the interior formula, those that it does not have zero, times a scale."""
+    c = op.interior
+    return scale * c[0], scale * c[1], scale * c[2], scale * c[3]
 
 
 @njit(**OPTIONS)
-def stencil(op, s, v, out, m, scale):
-    """Interior formula: s[out+i] = scale * sum_k c_k (s[v+i+k] - s[v+i-k]) for 0 <= i < m."""
-    m, v, out = U64(max(m, 0)), U64(v), U64(out)
-    c1, c2 = scale * op.interior[0], scale * op.interior[1]
-    c3, c4 = scale * op.interior[2], scale * op.interior[3]
-    if op.p == 1:
-        for i in range(m):
-            s[out + i] = c1 * (s[v + i + U1] - s[v + i - U1])
-    elif op.p == 2:
-        for i in range(m):
-            s[out + i] = fma(c2, s[v + i + U2] - s[v + i - U2], c1 * (s[v + i + U1] - s[v + i - U1]))
-    elif op.p == 3:
-        for i in range(m):
-            inner = fma(c2, s[v + i + U2] - s[v + i - U2], c1 * (s[v + i + U1] - s[v + i - U1]))
-            s[out + i] = fma(c3, s[v + i + U3] - s[v + i - U3], inner)
-    else:
-        for i in range(m):
-            inner = fma(c2, s[v + i + U2] - s[v + i - U2], c1 * (s[v + i + U1] - s[v + i - U1]))
-            s[out + i] = fma(c4, s[v + i + U4] - s[v + i - U4], fma(c3, s[v + i + U3] - s[v + i - U3], inner))
+def slope(p, weights, before, v, after):
+    """Interior formula sum_k c_k (v[i+k] - v[i-k]) at the points of the vector v between its neighbours; p of weights."""
+    d = weights[0] * apart(before, v, after, 1)
+    if p > 1:
+        d = fma(weights[1], apart(before, v, after, 2), d)
+        if p > 2:
+            d = fma(weights[2], apart(before, v, after, 3), d)
+            if p > 3:
+                d = fma(weights[3], apart(before, v, after, 4), d)
+    return d
 
 
 @njit(**OPTIONS)
-def closure(op, s, v, step, out, scale):
-    """Closure rows at an end: s[out + step*r] = scale * sum_c closure[r, c] s[v + step*c] for r < 8.
+def closure(op, s, at, side, known, r):
+    """Closure rows r .. r+3 of h D at the left (side 0) or right end of the row of values whose end is s[at].
 
-    All rows at once, a column at a time, so that the sums run side by side. Eight rows are written, whatever the
-    operator: the interior formula overwrites those that it does not have. Where a rank's part ends inside the
-    closure, columns beyond it are multiplied by zero.
+    As the points lie in memory: at the left end row r comes first, at the right end last. Only the ``known`` values next
+    to the end are read; rows that use more come out wrong.
     """
-    a0 = a1 = a2 = a3 = a4 = a5 = a6 = a7 = 0.0
-    for c in range(op.cols):
-        x, k = s[U64(v + step * c)], U64(c)
-        a0 = fma(op.columns[k, U0], x, a0)
-        a1 = fma(op.columns[k, U1], x, a1)
-        a2 = fma(op.columns[k, U2], x, a2)
-        a3 = fma(op.columns[k, U3], x, a3)
-        if op.rows > 4:
-            a4 = fma(op.columns[k, U4], x, a4)
-            a5 = fma(op.columns[k, U5], x, a5)
-            a6 = fma(op.columns[k, U6], x, a6)
-            a7 = fma(op.columns[k, U7], x, a7)
-    s[U64(out)] = scale * a0
-    s[U64(out + step)] = scale * a1
-    s[U64(out + 2 * step)] = scale * a2
-    s[U64(out + 3 * step)] = scale * a3
-    if op.rows > 4:
-        s[U64(out + 4 * step)] = scale * a4
-        s[U64(out + 5 * step)] = scale * a5
-        s[U64(out + 6 * step)] = scale * a6
-        s[U64(out + 7 * step)] = scale * a7
+    step, d = 1 - 2 * side, spread(0.0)
+    for c in range(min(op.cols, known)):
+        d = fma(load(op.columns, 8 * c + r), s[U64(at + step * c)], d)
+    return d if side == 0 else -1.0 * mirrored(d)
 
 
 @njit(**OPTIONS)
-def short_closure(op, s, v, step, out, scale):
-    """As ``closure``, for a layer in which the ends meet: rows that the operator does not have are not written."""
-    for r in range(op.rows):
-        a = 0.0
-        for c in range(op.cols):
-            a = fma(op.columns[c, r], s[v + step * c], a)
-        s[out + step * r] = scale * a
+def end_rows(op, lo, hi, side, r, begin, end):
+    """(i, a, b): closure rows r .. r+3 stand at the points i .. i+3; lanes a <= j < b are rows and in begin .. end-1."""
+    count = min(op.rows - r, WIDTH)
+    i, a, b = (lo + r, 0, count) if side == 0 else (hi - r - WIDTH + 1, WIDTH - count, WIDTH)
+    return i, max(a, begin - i), min(b, end - i)
+
+
+@njit(**OPTIONS)
+def store_lanes(s, i, v, a, b):
+    """s[i+j] = v[j] for the lanes a <= j < b."""
+    if a <= 0 < b:
+        s[U64(i)] = lane(v, 0)
+    if a <= 1 < b:
+        s[U64(i + 1)] = lane(v, 1)
+    if a <= 2 < b:
+        s[U64(i + 2)] = lane(v, 2)
+    if a <= 3 < b:
+        s[U64(i + 3)] = lane(v, 3)
+
+
+@njit(**OPTIONS)
+def grid_start(origin, first):
+    """The last point of the grid origin + k WIDTH that is not beyond the point ``first`` <= origin."""
+    return origin - (origin - first + WIDTH - 1) // WIDTH * WIDTH
+
+
+@njit(**OPTIONS)
+def whole_vectors(first, end):
+    """The point that is reached by whole vectors from ``first``, not beyond ``end``."""
+    return first + max(end - first, 0) // WIDTH * WIDTH
 
 
 @njit(**OPTIONS)
 def derivative(op, s, v, v0, out, out0, i0, i1, lo, hi, scale):
-    """scale * h D of one scratch row into another, at the points i0 <= i < i1 of the active range lo..hi.
+    """scale * h D of one row into another, at the points i0 <= i < i1 of the active range lo..hi.
 
     Point i stands at s[v + i - v0] and its derivative at s[out + i - out0]. The input must reach ``op.reach`` points
     beyond i0 and i1 (or to lo, hi).
     """
-    short = hi - lo + 1 < 16  # the eight rows of one end would reach into those of the other
-    if i0 < lo + op.rows:
-        at, to = v + lo - v0, out + lo - out0
-        if short:
-            short_closure(op, s, at, 1, to, scale)
-        else:
-            closure(op, s, at, 1, to, scale)
-    if i1 > hi + 1 - op.rows:
-        at, to = v + hi - v0, out + hi - out0
-        if short:
-            short_closure(op, s, at, -1, to, -scale)
-        else:
-            closure(op, s, at, -1, to, -scale)
+    weights, v, out = weights_of(op, scale), v - v0, out - out0
     a, b = max(i0, lo + op.rows), min(i1, hi + 1 - op.rows)
-    stencil(op, s, v + a - v0, out + a - out0, b - a, scale)
+    for i in range(a, b, WIDTH):
+        d = slope(op.p, weights, load(s, v + i - WIDTH), load(s, v + i), load(s, v + i + WIDTH))
+        store_lanes(s, out + i, d, 0, b - i)
+    for side in range(2):
+        at, known = (v + lo, i1 + op.reach - lo) if side == 0 else (v + hi, hi + 1 - i0 + op.reach)
+        for r in range(0, op.rows, WIDTH):
+            i, first, end = end_rows(op, lo, hi, side, r, i0, i1)
+            if first < end:
+                known = min(known, hi + 1 - lo)
+                store_lanes(s, out + i, scale * closure(op, s, at, side, known, r), first, end)
 
 
 @njit(**OPTIONS)
@@ -215,6 +184,12 @@ def scratch_size(count: int) -> int:
 def row(r):
     """Where row r of the scratch begins."""
     return MARGIN + r * ROW
+
+
+@njit(**OPTIONS)
+def row_distance():
+    """From one row of scratch to the next."""
+    return ROW
 
 
 @njit(**OPTIONS)

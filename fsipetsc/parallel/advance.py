@@ -1,20 +1,31 @@
 """The right-hand side, and the classical Runge-Kutta method of fourth order fused with it. Compiled.
 
-The fused step moves each number as little as possible: a stage reads one work area and writes the next stage's values
-straight into the other, and the sum that becomes the new solution is built up beside it; derivatives live in scratch.
-It is the method of PETSc's ``-ts_type rk -ts_rk_type 4``, up to round-off.
+A stage reads one work area and writes the next stage's values straight into another; the sum that becomes the new
+solution is built up beside it. It is the method of PETSc's ``-ts_type rk -ts_rk_type 4``, up to round-off.
+
+A whole step goes over memory once. What the interfaces, outer ends and neighbouring ranks can reach within a step is a
+few points at each end of a layer: there the stages are made one after the other, with the exchanges between them, each
+on fewer points than the one before. The *middle* of the layer then needs nobody else. It is cut into tiles that stay in
+cache while all four stages pass over them, each a stencil's reach behind the one before (time skewing):
+
+    stage 3  E E|M . . .|. . . . .        E  ends     M  middle, tile by tile from the left
+    stage 2  E E E|M . . .|. . . .        The values that a stage of the middle takes from the ends' side are still
+    stage 1  E E E E|M . . .|. . .        there, because the ends stop short of them two stages later.
+    stage 0  E E E E E|M . . .|. .
 
 There is one compiled entry, ``advance``, because every entry would compile all that it calls anew.
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from numba import njit
 
-from fsipetsc.operators.kernels import OPTIONS, U64, copy
-from fsipetsc.parallel.completion import complete
-from fsipetsc.parallel.exchange import exchange, load, store, unknowns, work_point
-from fsipetsc.parallel.plan import BASE, FORCING, SUM, WORK
+from fsipetsc.operators.kernels import OPTIONS, U64
+from fsipetsc.parallel.completion import begin_looking, complete, look
+from fsipetsc.parallel.exchange import exchange, load_state, store_state, unknowns, work_point
+from fsipetsc.parallel.plan import FORCING, SUM, WORK
 from fsipetsc.parallel.settle import settle
 from fsipetsc.physics.emission import Target
 from fsipetsc.physics.fluid import fluid_rhs
@@ -23,31 +34,104 @@ from fsipetsc.physics.solid import solid_rhs
 
 #: stages of the method; after the last one comes the completion of the step
 STAGES = 4
+#: points of a tile
+TILE = 256
+#: middles shorter than this are no gain
+LEAST_MIDDLE = 512
+
+
+class Stage(NamedTuple):
+    """Of the rates k in an area: next = source + a k, SUM = base + b k; areas, and SUM is left alone if base < 0."""
+
+    area: int
+    next: int
+    source: int
+    base: int
+    a: float
+    b: float
 
 
 @njit(**OPTIONS)
-def rates(head, layers, memory, area, source, base, a, b):
-    """Right-hand sides k of all layers from a settled work area: other work area = source + a k, SUM = base + b k."""
+def work_area(number):
+    """Where stage ``number`` finds its values: the last one is the completed step in the place of the first."""
+    return WORK + (number if number < 3 else STAGES - number)
+
+
+@njit(**OPTIONS)
+def stage_of(number, dt):
+    """The stages of the classical method; with dt = 0 the rates themselves are added to SUM."""
+    area, onward = work_area(number), work_area(number + 1)
+    if dt == 0.0:
+        return Stage(area, onward, WORK, SUM, 0.0, 1.0)
+    if number == STAGES - 1:
+        return Stage(area, onward, SUM, -1, dt / 6.0, 0.0)
+    a = dt if number == 2 else 0.5 * dt
+    return Stage(area, onward, WORK, WORK if number == 0 else SUM, a, dt / 6.0 if number == 0 else dt / 3.0)
+
+
+@njit(**OPTIONS)
+def evaluate(head, layer, memory, stage, begin, end):
+    """One stage at the points begin .. end-1 of a layer, whose work area is settled around them."""
+    target = Target(
+        work_point(head, layer, stage.source, 0),
+        work_point(head, layer, stage.next, 0),
+        work_point(head, layer, max(stage.base, 0), 0),
+        work_point(head, layer, SUM, 0) if stage.base >= 0 else -1,
+        work_point(head, layer, FORCING, 0) if head.area[FORCING] >= 0 else -1,
+        layer.stride,
+        stage.a,
+        stage.b,
+    )
+    w = work_point(head, layer, stage.area, 0)
+    if layer.kind == FLUID:
+        fluid_rhs(layer, head.op, memory, w, head.scratch, target, begin, end)
+    else:
+        solid_rhs(layer, head.op, memory, w, head.scratch, target, begin, end)
+
+
+@njit(**OPTIONS)
+def find_middle(head, layer, wanted):
+    """Note which points of the completed step come from tiles: those of the first stage, less what later ones give up."""
+    a, b = max(layer.own_lo, layer.lo), min(layer.own_hi, layer.hi + 1)
+    # what settling reads and changes is at most as wide as a halo or the traces
+    edge = max(head.width, 8)
+    layer.middle[0], layer.middle[1] = a + edge, b - edge
+    if not wanted or layer.present == 0 or b - a < 2 * (edge + STAGES * 2 * head.op.p) + LEAST_MIDDLE:
+        layer.middle[0] = layer.middle[1] = a
+
+
+@njit(**OPTIONS)
+def ends(head, layers, memory, stage, number):
+    """One stage of all layers, but for what the tiles do of it."""
+    given = 2 * head.op.p * (STAGES - 1 - number)
     for layer in layers:
         if layer.present == 0:
             continue
-        own = layer.own_lo
-        w = work_point(head, layer, area, own - layer.halo_lo)
-        forcing = work_point(head, layer, FORCING, own) if head.area[FORCING] >= 0 else -1
-        target = Target(
-            work_point(head, layer, source, own),
-            work_point(head, layer, 1 - area, own),
-            work_point(head, layer, base, own),
-            work_point(head, layer, SUM, own),
-            forcing,
-            layer.stride,
-            a,
-            b,
-        )
-        if layer.kind == FLUID:
-            fluid_rhs(layer, head.op, memory, w, head.scratch, target)
+        a, b = layer.middle
+        if a < b:
+            evaluate(head, layer, memory, stage, layer.own_lo, a + given)
+            evaluate(head, layer, memory, stage, b - given, layer.own_hi)
         else:
-            solid_rhs(layer, head.op, memory, w, head.scratch, target)
+            evaluate(head, layer, memory, stage, layer.own_lo, layer.own_hi)
+
+
+@njit(**OPTIONS)
+def tiles(head, layers, memory, dt):
+    """All stages of the middles, and the look at the new solution there."""
+    reach = 2 * head.op.p
+    for k in range(layers.size):
+        layer = layers[k]
+        a, b = layer.middle
+        skew = reach * (STAGES - 1)
+        for begin in range(a, b, TILE):
+            last = begin + TILE >= b
+            for number in range(STAGES):
+                ahead = skew - reach * number
+                end = b - ahead if last else min(begin + TILE + ahead, b - ahead)
+                layer.s = layer.stage_s[number]
+                evaluate(head, layer, memory, stage_of(number, dt), min(begin + ahead, b - ahead), end)
+            layer.s = layer.stage_s[STAGES]
+            look(head, layer, k, memory, begin, min(begin + TILE, b))
 
 
 @njit(**OPTIONS)
@@ -64,41 +148,31 @@ def advance(heads, layers, faces, memory, begin, end, raw, dt):
     """Stages begin .. end-1 of a step dt; stage ``STAGES`` completes it. Collective on all ranks.
 
     A stage settles its work area, except stage 0, which finds it settled by the completion of the step before, and
-    evaluates the right-hand side into the other one. raw: where in the memory a state begins that somebody else has
+    evaluates the right-hand side into the next one. raw: where in the memory a state begins that somebody else has
     made, which is loaded and settled first; -1 to go on. With begin = end it is loaded as it is, settled already. With
     dt = 0 (and begin 0, end 1) the right-hand side itself is left where the state was.
     """
     head = heads[0]
+    whole = begin == 0 and end == STAGES + 1
+    for layer in layers:
+        find_middle(head, layer, whole)
     if raw >= 0:
-        load(head, layers, memory, raw)
+        load_state(head, layers, memory, raw)
         if begin == end:
             exchange(head, layers, faces, memory, WORK)
-            keep(head, layers, memory)
     for number in range(begin, end):
-        area = number % 2
         if raw >= 0 or number > 0:
-            settle(head, layers, faces, memory, area)
+            settle(head, layers, faces, memory, work_area(number))
+        for layer in layers:
+            layer.stage_s[number] = layer.s
         if number == STAGES:
+            begin_looking(head, layers, memory)
+            tiles(head, layers, memory, dt)
             complete(head, layers, faces, memory)
-            keep(head, layers, memory)
         else:
-            source, base = BASE, (BASE if number == 0 else SUM)
-            a = dt if number == 2 else 0.5 * dt
-            b = dt / 6.0 if number == 0 else dt / 3.0
-            if number == STAGES - 1:
-                source, a, b = SUM, dt / 6.0, 0.0
             if dt == 0.0:
                 clear(head, layers, memory, SUM)
-                base, b = SUM, 1.0
-            rates(head, layers, memory, area, source, base, a, b)
+            ends(head, layers, memory, stage_of(number, dt), number)
             if dt == 0.0:
-                store(head, layers, memory, SUM, raw)
-
-
-@njit(**OPTIONS)
-def keep(head, layers, memory):
-    """The completed solution: to PETSc, and to where the next step starts from."""
-    store(head, layers, memory, WORK, head.solution)
-    for layer in layers:
-        count = unknowns(layer) * layer.stride
-        copy(memory, head.area[WORK] + layer.work, head.area[BASE] + layer.work, count)
+                for layer in layers:
+                    store_state(head, layer, memory, SUM, raw, layer.own_lo, layer.own_hi)

@@ -10,13 +10,16 @@ from numba import njit
 from fsipetsc.boundaries import INTERFACE_END
 from fsipetsc.coupling import residuals
 from fsipetsc.operators.kernels import OPTIONS, U64, copy
-from fsipetsc.parallel.exchange import TRACE, work_point
+from fsipetsc.parallel.exchange import TRACE, store_state, work_point
 from fsipetsc.parallel.ledger import integrals
 from fsipetsc.parallel.mpi import mpi_allreduce
+from fsipetsc.parallel.plan import WORK
 from fsipetsc.parallel.settle import boundary_distance, fill_embedded, rows_at
-from fsipetsc.physics.fluid import fluid_limits
+from fsipetsc.physics.fluid import fluid_survey
 from fsipetsc.physics.layer import FLUID
-from fsipetsc.physics.solid import solid_limits
+from fsipetsc.physics.solid import solid_bounds, solid_survey
+from fsipetsc.physics.survey import LEAST_RHO, LEAST_T, SPEED, begin_survey
+from fsipetsc.physics.survey import SIZE as SURVEY
 
 #: flags: a boundary changed its cell; 1 + number of a layer whose grid has no free point left,
 #: that has run off its grid, or that is too short
@@ -63,6 +66,8 @@ def move_boundary(head, layer, memory, side):
 def complete(head, layers, faces, memory):
     """Finish a step whose settled result stands in work area 0: embedded boundaries move, limits and integrals are taken.
 
+    What lies within ``layer.middle`` has been looked at before (``look``).
+
     Fills the results in the memory: flags (MOVED, LOW, EXHAUSTED, SHORT), limits (RATE, BAD, STOP over all ranks),
     states (see ``interface_state``), masses and behind them the energy (this rank's shares, see ``integrals``).
     """
@@ -81,9 +86,37 @@ def complete(head, layers, faces, memory):
                     memory[U64(head.results + LOW)] = 1.0 + k
                 if boundary_distance(layer, side) <= layer.least - 2 + 1e-9:
                     memory[U64(head.results + SHORT)] = 1.0 + k
+    for k in range(layers.size):
+        layer = layers[k]
+        a, b = layer.middle
+        if a < b:
+            look(head, layer, k, memory, layer.own_lo, a)
+            look(head, layer, k, memory, b, layer.own_hi)
+        else:
+            look(head, layer, k, memory, layer.own_lo, layer.own_hi)
     limits(head, layers, memory)
     interface_state(head, faces, memory)
     integrals(head, layers, memory)
+
+
+@njit(**OPTIONS)
+def begin_looking(head, layers, memory):
+    """Nothing has been seen of the new solution yet."""
+    for k in range(layers.size):
+        begin_survey(layers[k], memory, head.survey + SURVEY * k)
+
+
+@njit(**OPTIONS)
+def look(head, layer, k, memory, begin, end):
+    """Survey the points begin .. end-1 of layer k, which are settled, and give them to PETSc."""
+    if layer.present == 0:
+        return
+    w, at = work_point(head, layer, WORK, 0), head.survey + SURVEY * k
+    if layer.kind == FLUID:
+        fluid_survey(layer, memory, w, at, begin, end)
+    else:
+        solid_survey(layer, memory, w, at, begin, end)
+    store_state(head, layer, memory, WORK, head.solution, begin, end)
 
 
 @njit(**OPTIONS)
@@ -96,18 +129,17 @@ def limits(head, layers, memory):
     point, the rod then fails for orders above 2 at Courant numbers above 0.7.
     """
     convection, diffusion, bad = 0.0, 0.0, 0.0
-    for layer in layers:
+    for k in range(layers.size):
+        layer, seen = layers[k], head.survey + SURVEY * k
         if layer.present == 0:
             continue
-        w, h = work_point(head, layer, 0, layer.own_lo - layer.halo_lo), layer.h
+        h = layer.h
         if layer.kind == FLUID:
-            if layer.own_hi <= layer.lo or layer.own_lo > layer.hi:
-                continue
-            speed, rho, T = fluid_limits(layer, memory, w, head.scratch)
+            speed, rho, T = memory[U64(seen + SPEED)], memory[U64(seen + LEAST_RHO)], memory[U64(seen + LEAST_T)]
             spread = 2.0 * max(layer.mu, layer.kappa / layer.cv) / rho
             good = rho > 0.0 and T > 0.0 and speed < np.inf
         else:
-            c2, stretch, x_X, T = solid_limits(layer, memory, w, head.scratch)
+            c2, stretch, x_X, T = solid_bounds(layer, memory, seen)
             speed, spread = np.sqrt(c2), 2.0 * layer.kappa_e * stretch / (layer.alpha * layer.m0)
             good = x_X > 0.0 and T > 0.0 and c2 >= 0.0 and speed < np.inf
         if good:

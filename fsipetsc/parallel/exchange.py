@@ -10,7 +10,8 @@ from __future__ import annotations
 
 from numba import njit
 
-from fsipetsc.operators.kernels import OPTIONS, U64, copy
+from fsipetsc.operators.kernels import OPTIONS, U64, copy, whole_vectors
+from fsipetsc.operators.vectors import WIDTH, load, store_interlaced
 from fsipetsc.parallel.mpi import mpi_allreduce, mpi_startall, mpi_waitall
 from fsipetsc.parallel.plan import WORK
 from fsipetsc.physics.layer import FLUID
@@ -44,7 +45,7 @@ def side_of(face, part):
 
 
 @njit(**OPTIONS)
-def load(head, layers, memory, at):
+def load_state(head, layers, memory, at):
     """Copy a state, whose interlaced owned part begins at memory[at], into the first work area."""
     for layer in layers:
         dof, own = unknowns(layer), work_point(head, layer, WORK, layer.own_lo)
@@ -55,20 +56,25 @@ def load(head, layers, memory, at):
 
 
 @njit(**OPTIONS)
-def store(head, layers, memory, area, at):
-    """Copy the owned part of an area, interlaced, to memory[at:]."""
-    for layer in layers:
-        dof, own = unknowns(layer), work_point(head, layer, area, layer.own_lo)
+def store_state(head, layer, memory, area, at, begin, end):
+    """Copy the owned points begin .. end-1 of a layer in an area to the state whose owned part begins at memory[at]."""
+    dof, w, step = unknowns(layer), work_point(head, layer, area, 0), layer.stride
+    to, whole = at + layer.start - dof * layer.own_lo, whole_vectors(begin, end)
+    for i in range(begin, whole, WIDTH):
+        a, b, c = load(memory, w + i), load(memory, w + step + i), load(memory, w + 2 * step + i)
+        if dof == 3:
+            store_interlaced(memory, to + 3 * i, (a, b, c))
+        else:
+            store_interlaced(memory, to + 4 * i, (a, b, c, load(memory, w + 3 * step + i)))
+    for i in range(whole, end):
         for c in range(dof):
-            a, b, step = U64(own + c * layer.stride), U64(at + layer.start + c), U64(dof)
-            for i in range(U64(layer.own_hi - layer.own_lo)):
-                memory[b + step * i] = memory[a + i]
+            memory[U64(to + dof * i + c)] = memory[U64(w + c * step + i)]
 
 
 @njit(**OPTIONS)
 def move_edges(head, layers, memory, area, sending):
     """Owned edges of a work area into the messages, or the messages into its halos."""
-    at = head.edges[area]
+    at = head.edges
     for layer in layers:
         if layer.present == 0:
             continue
@@ -91,7 +97,7 @@ def exchange(head, layers, faces, memory, area):
     """Fill the halos of a work area and learn the traces of all interfaces. Collective on all ranks."""
     if head.requests > 0:
         move_edges(head, layers, memory, area, True)
-        mpi_startall(head.requests, head.request_list[area])
+        mpi_startall(head.requests, head.request_list)
     alone = head.world.size == 1
     buffer = head.traces if alone else head.sent
     if not alone:
@@ -105,7 +111,7 @@ def exchange(head, layers, faces, memory, area):
         sent, received = base + 8 * head.sent, base + 8 * head.traces
         mpi_allreduce(sent, received, head.message, world.word, world.max, world.comm)
     if head.requests > 0:
-        mpi_waitall(head.requests, head.request_list[area], head.status_list)
+        mpi_waitall(head.requests, head.request_list, head.status_list)
         move_edges(head, layers, memory, area, False)
 
 

@@ -10,12 +10,13 @@ from numba import njit
 
 from fsipetsc.boundaries import INTERFACE_END
 from fsipetsc.operators.kernels import OPTIONS, U64
-from fsipetsc.operators.reductions import total, total_of_squares
 from fsipetsc.parallel.balances import end_forces, gas_entropy, norm_sum, solid_entropy, strip_integral
 from fsipetsc.parallel.exchange import work_point
 from fsipetsc.parallel.plan import ENERGY, ENTROPY, FORCE, HEATING, MOMENTUM, WORK
 from fsipetsc.parallel.settle import boundary_distance
 from fsipetsc.physics.layer import FLUID
+from fsipetsc.physics.survey import SIZE as SURVEY
+from fsipetsc.physics.survey import SUMS
 
 
 @njit(**OPTIONS)
@@ -33,15 +34,16 @@ def integrals(head, layers, memory):
         memory[masses + k] = 0.0
         if layer.present == 0:
             continue
-        h = layer.h
+        h, sums = layer.h, U64(head.survey + SURVEY * k + SUMS)
         if layer.kind == FLUID:
-            memory[masses + k] = h * integral(head, layer, memory, 0, False)
-            momentum += h * integral(head, layer, memory, 1, False)
-            energy += h * integral(head, layer, memory, 2, False)
+            memory[masses + k] = h * integral(head, layer, memory, memory[sums], 0, False)
+            momentum += h * integral(head, layer, memory, memory[sums + U64(1)], 1, False)
+            energy += h * integral(head, layer, memory, memory[sums + U64(2)], 2, False)
         else:
-            momentum += h * layer.m0 * integral(head, layer, memory, 0, False)
-            kinetic = 0.5 * integral(head, layer, memory, 0, True)
-            energy += h * layer.m0 * (kinetic + layer.alpha * integral(head, layer, memory, 2, False))
+            momentum += h * layer.m0 * integral(head, layer, memory, memory[sums], 0, False)
+            kinetic = 0.5 * integral(head, layer, memory, memory[sums + U64(1)], 0, True)
+            heat = layer.alpha * integral(head, layer, memory, memory[sums + U64(2)], 2, False)
+            energy += h * layer.m0 * (kinetic + heat)
             force += layer.force * layer.m0 * h * norm_sum(head, layer)
         force += end_forces(head, layer, memory)
         if head.entropy == 1:
@@ -56,11 +58,12 @@ def integrals(head, layers, memory):
 
 
 @njit(**OPTIONS)
-def integral(head, layer, memory, column, squared):
-    """Sum of an unknown, or of its square, over the owned active points with the weights of the norm, without h."""
+def integral(head, layer, memory, result, column, squared):
+    """Sum of an unknown, or of its square, over the owned active points with the weights of the norm, without h.
+
+    result: their plain sum, from the survey of the layer.
+    """
     op, a, b = head.op, max(layer.own_lo, layer.lo), min(layer.own_hi, layer.hi + 1)
-    at, count = U64(work_point(head, layer, WORK, a) + column * layer.stride), U64(max(b - a, 0))
-    result = total_of_squares(memory, at, count) if squared else total(memory, at, count)
     for r in range(op.rows):
         for i in (layer.lo + r, layer.hi - r):
             if a <= i < b:

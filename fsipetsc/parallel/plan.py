@@ -4,8 +4,8 @@ head     one HEAD record: the operator, the world communicator, and where things
 layers   LAYER records
 faces    INTERFACE records
 memory   one flat array of doubles: the solution as PETSc has it (interlaced), and areas in which every unknown of a
-         layer stands for itself with its halos: two that the stages of a step use in turn, the solution that the step
-         starts from, the sum that it builds up, forcing; and the traces of the interfaces, results, scratch
+         layer stands for itself with its halos: three for the stages of a step, the first of which holds the solution
+         between steps, the sum that a step builds up, forcing; and the traces of the interfaces, results, scratch
 
 Few arrays and offsets instead of many arrays and slices: handing over an array costs compiled code as much as ten
 points, a slice as much as fifty.
@@ -24,6 +24,7 @@ from fsipetsc.operators.sbp import OPERATOR, SBPOperator, packed
 from fsipetsc.parallel.layout import Layout
 from fsipetsc.parallel.mpi import WORLD, Requests, world_record
 from fsipetsc.physics.layer import DOF
+from fsipetsc.physics.survey import SIZE as SURVEY
 
 _I = np.int64
 HEAD = np.dtype(
@@ -31,7 +32,7 @@ HEAD = np.dtype(
         ("op", OPERATOR),
         ("world", WORLD),
         ("rows", _I),  # of the traces
-        ("area", _I, (5,)),  # WORK, WORK + 1, BASE, SUM, FORCING (-1 if there is none); LAYER["work"] counts from there
+        ("area", _I, (5,)),  # WORK .. WORK + 2, SUM, FORCING (-1 if there is none); LAYER["work"] counts from there
         ("solution", _I),
         ("transfer", _I),
         ("sent", _I),
@@ -41,27 +42,28 @@ HEAD = np.dtype(
         ("limits", _I),
         ("states", _I),
         ("masses", _I),
+        ("survey", _I),  # of each layer, see fsipetsc.physics.survey
         ("nodes", _I),
         ("scratch", _I),
         ("entropy", _I),  # 1: the ledger takes it, too
         ("local", _I),  # doubles of the solution on this rank
-        ("requests", _I),  # number per work area
-        ("request_list", _I, (2,)),  # addresses for MPI
+        ("requests", _I),  # number of them
+        ("request_list", _I),  # addresses for MPI
         ("status_list", _I),
-        ("edges", _I, (2,)),  # messages of the halo exchanges
+        ("edges", _I),  # messages of the halo exchange
         ("width", _I),  # of a halo
     ],
     align=True,
 )
-#: the areas: the first two are worked in
-WORK, BASE, SUM, FORCING = 0, 2, 3, 4
+#: the areas: the first three are worked in
+WORK, SUM, FORCING = 0, 3, 4
 #: doubles of the flags and of the limits among the results
 FLAGS, LIMITS = 4, 11
 #: integrals behind the masses of the layers, see fsipetsc.parallel.ledger
 ENERGY, MOMENTUM, FORCE, ENTROPY, HEATING = range(5)
 INTEGRALS = 5
 #: rows of scratch that the kernels use
-SCRATCH = 7
+SCRATCH = 5
 #: doubles of a cache line, to which parts of the memory are aligned
 _LINE = 8
 
@@ -113,21 +115,21 @@ def make_faces(layout: Layout, coupling: str) -> np.ndarray:
     return faces
 
 
-def make_plan(layout: Layout, op: SBPOperator, coupling: str, forced: bool) -> tuple[Plan, list[Requests]]:
-    """The plan of this rank and the persistent requests of its halo exchanges, one set per work area. Collective."""
+def make_plan(layout: Layout, op: SBPOperator, coupling: str, forced: bool) -> tuple[Plan, Requests]:
+    """The plan of this rank and the persistent requests of its halo exchange. Collective."""
     faces = make_faces(layout, coupling)
     rows = max(2, op.rows)
     message = len(faces) * rows * 7
     edges = 4 * layout.width * sum(dof * int(r["present"]) for dof, r in zip(_dofs(layout), layout.records, strict=True))
-    areas = ["area0", "area1", "base", "sum"] + ["forcing"] * forced
+    areas = ["area0", "area1", "area2", "sum"] + ["forcing"] * forced
     sizes = {
         "solution": layout.local_size,
         "transfer": layout.local_size,
         **dict.fromkeys(areas, layout.work_size),
-        "edges0": edges,
-        "edges1": edges,
+        "edges": edges,
         "sent": message,
         "traces": message,
+        "survey": SURVEY * len(layout.records),
         "results": FLAGS + LIMITS + 8 * len(faces) + len(layout.records) + INTEGRALS,
         "nodes": 5 * NODES,
         "scratch": scratch_size(SCRATCH),
@@ -137,22 +139,21 @@ def make_plan(layout: Layout, op: SBPOperator, coupling: str, forced: bool) -> t
     for name, size in sizes.items():
         # a row's length between the parts keeps equal points of two parts from evicting each other
         starts[name], total = total, total + (size + ROW % 512 + _LINE) // _LINE * _LINE
-    memory = np.zeros(total)
+    memory = np.zeros(total + _LINE)
+    memory = memory[-memory.ctypes.data // 8 % _LINE :][:total]
     head = np.zeros(1, HEAD)
     head["op"], head["world"] = packed(op.order), world_record(layout.comm)[0]
     head["rows"], head["message"], head["local"], head["width"] = rows, message, layout.local_size, layout.width
-    head["area"] = [starts.get(name, -1) for name in ("area0", "area1", "base", "sum", "forcing")]
-    head["edges"] = starts["edges0"], starts["edges1"]
+    head["area"] = [starts.get(name, -1) for name in (*areas, "forcing")[:5]]
     for name in HEAD.names:
         if name in starts:
             head[name] = starts[name]
     head["limits"] = head["results"] + FLAGS
     head["states"] = head["limits"] + LIMITS
     head["masses"] = head["states"] + 8 * len(faces)
-    requests = [_requests(layout, memory[int(at) :]) for at in head["edges"][0]]
-    head["requests"] = requests[0].handles.size
-    head["request_list"] = [r.handles.ctypes.data for r in requests]
-    head["status_list"] = requests[0].statuses.ctypes.data
+    requests = _requests(layout, memory[starts["edges"] :])
+    head["requests"] = requests.handles.size
+    head["request_list"], head["status_list"] = requests.handles.ctypes.data, requests.statuses.ctypes.data
     return Plan(head, layout.records, faces, memory), requests
 
 

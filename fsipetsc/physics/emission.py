@@ -11,13 +11,14 @@ from typing import NamedTuple
 
 from numba import njit
 
-from fsipetsc.operators.kernels import OPTIONS, U64
+from fsipetsc.operators.kernels import OPTIONS, store_lanes
+from fsipetsc.operators.vectors import fma, load, store
 
 
 class Target(NamedTuple):
-    """What to do with the rates of a layer: where its owned part begins in each array, and the factors (times dt).
+    """What to do with the rates of a layer: where its point 0 would stand in each array, and the factors (times dt).
 
-    forcing is -1 where there is none. The unknowns of a layer stand ``stride`` apart in all of them.
+    sum and forcing are -1 where there is none. The unknowns of a layer stand ``stride`` apart in all of them.
     """
 
     source: int
@@ -31,20 +32,22 @@ class Target(NamedTuple):
 
 
 @njit(**OPTIONS)
-def emit(s, target, unknown, row, first, count):
-    """Send on the rates s[row:] of one unknown at ``count`` points, the first of them number ``first`` of the owned."""
-    at, k, m = unknown * target.stride + first, U64(row), U64(count)
-    y, n = U64(target.source + at), U64(target.next + at)
-    x, z, a, b = U64(target.base + at), U64(target.sum + at), target.a, target.b
+def emit(s, target, unknown, i, k):
+    """Send on the rates k of one unknown at the points i .. i+WIDTH-1."""
+    at = unknown * target.stride + i
     if target.forcing >= 0:
-        g = U64(target.forcing + at)
-        for i in range(m):
-            s[k + i] += s[g + i]
-    for i in range(m):
-        s[n + i] = s[y + i] + a * s[k + i]
-    if x == z:  # said apart, because parts of the memory that coincide keep a loop from being vectorised
-        for i in range(m):
-            s[z + i] += b * s[k + i]
-    else:
-        for i in range(m):
-            s[z + i] = s[x + i] + b * s[k + i]
+        k = k + load(s, target.forcing + at)
+    store(s, target.next + at, fma(target.a, k, load(s, target.source + at)))
+    if target.sum >= 0:
+        store(s, target.sum + at, fma(target.b, k, load(s, target.base + at)))
+
+
+@njit(**OPTIONS)
+def emit_lanes(s, target, unknown, i, k, first, end):
+    """As ``emit``, of the lanes first <= j < end only."""
+    at = unknown * target.stride + i
+    if target.forcing >= 0:
+        k = k + load(s, target.forcing + at)
+    store_lanes(s, target.next + at, fma(target.a, k, load(s, target.source + at)), first, end)
+    if target.sum >= 0:
+        store_lanes(s, target.sum + at, fma(target.b, k, load(s, target.base + at)), first, end)

@@ -15,9 +15,22 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from fsipetsc.operators.kernels import BLOCK, OPTIONS, U64, derivative, maximum, minimum, row
-from fsipetsc.operators.reductions import largest, smallest
-from fsipetsc.physics.emission import emit
+from fsipetsc.operators.kernels import (
+    BLOCK,
+    OPTIONS,
+    closure,
+    end_rows,
+    grid_start,
+    row,
+    row_distance,
+    slope,
+    store_lanes,
+    weights_of,
+    whole_vectors,
+)
+from fsipetsc.operators.vectors import WIDTH, kept, lane, load, magnitude, maximum, minimum, root, spread, store
+from fsipetsc.physics.emission import emit, emit_lanes
+from fsipetsc.physics.survey import LEAST_RHO, LEAST_T, SPEED, SUMS, note_largest, note_smallest, note_sum
 
 
 @dataclass(frozen=True)
@@ -55,70 +68,121 @@ class Fluid:
 
 
 @njit(**OPTIONS)
-def fluid_rhs(layer, op, s, w, scratch, target):
-    """Time derivative of (rho, rho u, e) at the owned active points, equation (4.20), to where ``target`` says.
+def fluid_rhs(layer, op, s, w, scratch, target, begin, end):
+    """Time derivative of (rho, rho u, e) at the active points begin .. end-1, equation (4.20), to where ``target`` says.
 
-    s: the memory, in which the owned points and halos of each unknown stand from w on, ``layer.stride`` apart, and the
-    scratch rows from ``scratch`` on (see fsipetsc.physics.emission). Other points do not change.
+    s: the memory, in which the points of each unknown stand from w on, counted from the layer's first, and
+    ``layer.stride`` apart; scratch rows from ``scratch`` on. The values must reach 2 op.reach points beyond the range,
+    or to lo, hi. Other points do not change.
     """
-    lo, hi, reach = layer.lo, layer.hi, op.reach
-    first, stride = layer.own_lo - layer.halo_lo, layer.stride
-    velocity, mu, kappa, gas = layer.s, layer.mu, layer.kappa, (layer.gamma - 1.0) * layer.cv
-    inv_cv, inv_h = 1.0 / layer.cv, 1.0 / layer.h
-    u, T, ux, Tx = scratch + row(0), scratch + row(1), scratch + row(2), scratch + row(3)
-    f1, f2, f3 = scratch + row(4), scratch + row(5), scratch + row(6)
-    for i0 in range(max(layer.own_lo, lo), min(layer.own_hi, hi + 1), BLOCK):
-        i1 = min(i0 + BLOCK, min(layer.own_hi, hi + 1))
-        # velocity and temperature where the double derivative reaches
-        p0, p1 = max(lo, i0 - 2 * reach), min(hi + 1, i1 + 2 * reach)
-        d = U64(w + p0 - first)
-        m, e, ru, rT = d + U64(stride), d + U64(2 * stride), U64(u), U64(T)
-        for i in range(U64(p1 - p0)):
-            r = 1.0 / s[d + i]
-            v = s[m + i] * r
-            s[ru + i] = v
-            s[rT + i] = (s[e + i] * r - 0.5 * v * v) * inv_cv
-        # their derivatives, and the fluxes, where one derivative reaches
-        d0, d1 = max(lo, i0 - reach), min(hi + 1, i1 + reach)
-        for q in range(2):  # a loop keeps the compiler from expanding the same code twice
-            scale = mu * inv_h if q == 0 else kappa * inv_h
-            derivative(op, s, scratch + row(q), p0, scratch + row(2 + q), d0, d0, d1, lo, hi, scale)
-        shift, rux, rTx = U64(d0 - p0), U64(ux), U64(Tx)
-        d, m, e, ru, rT = d + shift, m + shift, e + shift, ru + shift, rT + shift
-        r1, r2, r3 = U64(f1), U64(f2), U64(f3)
-        for i in range(U64(d1 - d0)):
-            s[rux + i] = gas * s[d + i] * s[rT + i] - s[rux + i]  # pressure less viscous stress
-            s[r1 + i] = s[d + i] * (s[ru + i] - velocity)
-        for i in range(U64(d1 - d0)):
-            s[r2 + i] = s[m + i] * (s[ru + i] - velocity) + s[rux + i]
-            s[r3 + i] = s[e + i] * (s[ru + i] - velocity) + s[ru + i] * s[rux + i] - s[rTx + i]
+    lo, hi, rows = layer.lo, layer.hi, op.rows
+    for i0 in range(max(begin, lo), min(end, hi + 1), BLOCK):
+        i1 = min(i0 + BLOCK, min(end, hi + 1))
+        a, b = max(i0, lo + rows), min(i1, hi + 1 - rows)
+        # all rows of scratch lie on one grid of vectors, so that what has just been stored is loaded as a whole
+        origin = a if a < b else i0
+        u, f = scratch + row(0) - origin, scratch + row(2) - origin
+        fluid_primitives(layer, op, s, w, u, origin, i0, i1)
+        fluid_fluxes(layer, op, s, w, u, f, origin, i0, i1)
         for unknown in range(3):
-            derivative(op, s, scratch + row(4 + unknown), d0, u, i0, i0, i1, lo, hi, -inv_h)
-            emit(s, target, unknown, u, i0 - layer.own_lo, i1 - i0)
+            fluid_rates(layer, op, s, f + unknown * row_distance(), target, unknown, (i0, a, b, i1))
 
 
 @njit(**OPTIONS)
-def fluid_limits(layer, s, w, scratch):
-    """(largest |u-s| + c, smallest rho, smallest T) over the owned active points; not numbers where the state is none.
+def fluid_primitives(layer, op, s, w, u, origin, i0, i1):
+    """Velocity (to the row u) and temperature (to the next) where the double derivative reaches from i0 .. i1-1."""
+    T, m, e, inv_cv = u + row_distance(), w + layer.stride, w + 2 * layer.stride, 1.0 / layer.cv
+    first = grid_start(origin, max(layer.lo, i0 - 2 * op.reach))
+    for i in range(first, min(layer.hi + 1, i1 + 2 * op.reach), WIDTH):
+        r = 1.0 / load(s, w + i)
+        v = load(s, m + i) * r
+        store(s, u + i, v)
+        store(s, T + i, (load(s, e + i) * r - 0.5 * v * v) * inv_cv)
 
-    The first two bound the time step; the state is unphysical where rho > 0 and T > 0 do not hold.
-    """
-    first, stride = layer.own_lo - layer.halo_lo, layer.stride
-    a, b = max(layer.own_lo, layer.lo), min(layer.own_hi, layer.hi + 1)
-    speed, c2, velocity = U64(scratch + row(0)), U64(scratch + row(1)), layer.s
-    cc = layer.gamma * (layer.gamma - 1.0)
-    fastest, lightest, coldest = 0.0, np.inf, np.inf
-    for i0 in range(a, b, BLOCK):
-        count, d = U64(min(i0 + BLOCK, b) - i0), U64(w + i0 - first)
-        m, e = d + U64(stride), d + U64(2 * stride)
-        for i in range(count):
-            r = 1.0 / s[d + i]
-            v = s[m + i] * r
-            s[c2 + i] = cc * (s[e + i] * r - 0.5 * v * v)
-            s[speed + i] = abs(v - velocity)
-        for i in range(count):
-            s[speed + i] += np.sqrt(s[c2 + i])
-        fastest = maximum(fastest, largest(s, speed, count))
-        lightest = minimum(lightest, smallest(s, d, count))
-        coldest = minimum(coldest, smallest(s, c2, count))
-    return fastest, lightest, coldest / (cc * layer.cv)
+
+@njit(**OPTIONS)
+def fluid_flux(layer, s, at, u, T, friction, conduction):
+    """The three fluxes at the points from s[at] on; friction: mu' u_X, conduction: kappa T_X there."""
+    rho, v = load(s, at), u - layer.s
+    tau = (layer.gamma - 1.0) * layer.cv * rho * T - friction  # pressure less viscous stress
+    f3 = load(s, at + 2 * layer.stride) * v + u * tau - conduction
+    return rho * v, load(s, at + layer.stride) * v + tau, f3
+
+
+@njit(**OPTIONS)
+def fluid_fluxes(layer, op, s, w, u, f, origin, i0, i1):
+    """Fluxes (to the rows f and the next two) where one derivative reaches from i0 .. i1-1."""
+    lo, hi, p, reach = layer.lo, layer.hi, op.p, op.reach
+    T, f2, f3 = u + row_distance(), f + row_distance(), f + 2 * row_distance()
+    d0, d1 = max(lo, i0 - reach), min(hi + 1, i1 + reach)
+    friction, conduction = weights_of(op, layer.mu / layer.h), weights_of(op, layer.kappa / layer.h)
+    first = grid_start(origin, min(origin, max(d0, lo + op.rows)))
+    u0, u1, T0, T1 = load(s, u + first - WIDTH), load(s, u + first), load(s, T + first - WIDTH), load(s, T + first)
+    for i in range(first, min(d1, hi + 1 - op.rows), WIDTH):
+        u2, T2 = load(s, u + i + WIDTH), load(s, T + i + WIDTH)
+        g1, g2, g3 = fluid_flux(
+            layer, s, w + i, u1, T1, slope(p, friction, u0, u1, u2), slope(p, conduction, T0, T1, T2)
+        )
+        store(s, f + i, g1)
+        store(s, f2 + i, g2)
+        store(s, f3 + i, g3)
+        u0, u1, T0, T1 = u1, u2, T1, T2
+    for side in range(2):
+        end, known = (lo, min(hi + 1, i1 + 2 * reach) - lo) if side == 0 else (hi, hi + 1 - max(lo, i0 - 2 * reach))
+        for r in range(0, op.rows, WIDTH):
+            i, first, last = end_rows(op, lo, hi, side, r, d0, d1)
+            if first < last:
+                u_X, T_X = closure(op, s, u + end, side, known, r), closure(op, s, T + end, side, known, r)
+                g1, g2, g3 = fluid_flux(
+                    layer, s, w + i, load(s, u + i), load(s, T + i), layer.mu / layer.h * u_X, layer.kappa / layer.h * T_X
+                )
+                store_lanes(s, f + i, g1, first, last)
+                store_lanes(s, f2 + i, g2, first, last)
+                store_lanes(s, f3 + i, g3, first, last)
+
+
+@njit(**OPTIONS)
+def fluid_rates(layer, op, s, f, target, unknown, points):
+    """Send on -f_X of one unknown; points: (i0, a, b, i1), of them a .. b-1 away from the closures."""
+    lo, hi, scale = layer.lo, layer.hi, -1.0 / layer.h
+    i0, a, b, i1 = points
+    weights, f0, f1 = weights_of(op, scale), load(s, f + a - WIDTH), load(s, f + a)
+    whole = whole_vectors(a, b)
+    for i in range(a, whole, WIDTH):
+        f2 = load(s, f + i + WIDTH)
+        emit(s, target, unknown, i, slope(op.p, weights, f0, f1, f2))
+        f0, f1 = f1, f2
+    if whole < b:
+        k = slope(op.p, weights, f0, f1, load(s, f + whole + WIDTH))
+        emit_lanes(s, target, unknown, whole, k, 0, b - whole)
+    for side in range(2):
+        end, known = (lo, min(hi + 1, i1 + op.reach) - lo) if side == 0 else (hi, hi + 1 - max(lo, i0 - op.reach))
+        for r in range(0, op.rows, WIDTH):
+            i, first, last = end_rows(op, lo, hi, side, r, i0, i1)
+            if first < last:
+                emit_lanes(s, target, unknown, i, scale * closure(op, s, f + end, side, known, r), first, last)
+
+
+@njit(**OPTIONS)
+def fluid_survey(layer, s, w, at, begin, end):
+    """Add the active points begin .. end-1 to the survey at s[at:]: see fsipetsc.physics.survey."""
+    begin, end = max(begin, layer.lo), min(end, layer.hi + 1)
+    q, e, cc = w + layer.stride, w + 2 * layer.stride, layer.gamma * (layer.gamma - 1.0)
+    speed, light, cold = spread(0.0), spread(np.inf), spread(np.inf)
+    mass, momentum, energy = spread(0.0), spread(0.0), spread(0.0)
+    for i in range(begin, end, WIDTH):
+        n, rho, m, E = end - i, load(s, w + i), load(s, q + i), load(s, e + i)
+        mass, momentum, energy = mass + kept(rho, n, 0.0), momentum + kept(m, n, 0.0), energy + kept(E, n, 0.0)
+        if n < WIDTH:
+            rho, m, E = kept(rho, n, lane(rho, 0)), kept(m, n, lane(m, 0)), kept(E, n, lane(E, 0))
+        r = 1.0 / rho
+        v = m * r
+        c2 = cc * (E * r - 0.5 * v * v)
+        speed = maximum(speed, magnitude(v - layer.s) + root(c2))
+        light, cold = minimum(light, rho), minimum(cold, c2)
+    note_largest(s, at + SPEED, speed)
+    note_smallest(s, at + LEAST_RHO, light)
+    note_smallest(s, at + LEAST_T, cold * (1.0 / (cc * layer.cv)))
+    note_sum(s, at + SUMS, mass)
+    note_sum(s, at + SUMS + 1, momentum)
+    note_sum(s, at + SUMS + 2, energy)

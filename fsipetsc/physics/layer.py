@@ -29,6 +29,7 @@ LAYER = np.dtype(
         ("start", _I),  # of the owned part in the rank's part of the solution vector, in doubles
         ("work", _I),  # of owned part and halos in a work area, in doubles
         ("stride", _I),  # from one unknown to the next in a work area, where each stands for itself
+        ("middle", _I, (2,)),  # points of the part that a step treats tile by tile, see fsipetsc.parallel.advance
         ("h", _F),
         # fluid: materials and the moving frame
         ("gamma", _F),
@@ -37,6 +38,7 @@ LAYER = np.dtype(
         ("mu", _F),  # 4/3 mu
         ("kappa", _F),
         ("s", _F),  # velocity of the frame: of the fluid's own interface point
+        ("stage_s", _F, (5,)),  # its values in the stages of the step being made
         # solid
         ("K", _F),
         ("kappa_e", _F),

@@ -15,9 +15,32 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from fsipetsc.operators.kernels import BLOCK, OPTIONS, U1, U64, copy, derivative, minimum, row
-from fsipetsc.operators.reductions import largest, smallest
-from fsipetsc.physics.emission import emit
+from fsipetsc.operators.kernels import (
+    BLOCK,
+    OPTIONS,
+    U64,
+    closure,
+    end_rows,
+    grid_start,
+    row,
+    row_distance,
+    slope,
+    store_lanes,
+    weights_of,
+    whole_vectors,
+)
+from fsipetsc.operators.vectors import WIDTH, kept, load, maximum, minimum, mirrored, spread, store
+from fsipetsc.physics.emission import emit, emit_lanes
+from fsipetsc.physics.survey import (
+    GREATEST_T,
+    LEAST_SIGMA,
+    LEAST_STRAIN,
+    LEAST_T,
+    SUMS,
+    note_largest,
+    note_smallest,
+    note_sum,
+)
 
 
 @dataclass(frozen=True)
@@ -45,76 +68,150 @@ class Solid:
 
 
 @njit(**OPTIONS)
-def solid_rhs(layer, op, s, w, scratch, target):
-    """Time derivative of (u, sigma, T, x) at the owned points, equation (4.19), to where ``target`` says.
+def solid_rhs(layer, op, s, w, scratch, target, begin, end):
+    """Time derivative of (u, sigma, T, x) at the points begin .. end-1, equation (4.19), to where ``target`` says.
 
-    s: the memory, in which the owned points and halos of each unknown stand from w on, ``layer.stride`` apart, and the
-    scratch rows from ``scratch`` on (see fsipetsc.physics.emission).
+    s: the memory, in which the points of each unknown stand from w on, counted from the layer's first, and
+    ``layer.stride`` apart; scratch rows from ``scratch`` on. The values must reach 2 op.reach points beyond the range,
+    or to lo, hi.
     """
-    lo, hi, reach = layer.lo, layer.hi, op.reach
-    first, stride = layer.own_lo - layer.halo_lo, layer.stride
-    inv_h, K, kappa_e = 1.0 / layer.h, layer.K, layer.kappa_e
-    inv_m0, inv_am0, force = 1.0 / layer.m0, 1.0 / (layer.alpha * layer.m0), layer.force
-    pe = layer.gruneisen * layer.m0 * layer.alpha
-    u, sigma, T, x = w, w + stride, w + 2 * stride, w + 3 * stride
-    xX, flux, net = scratch + row(0), scratch + row(1), scratch + row(2)  # net: sigma - p
-    ux, k0, k2 = scratch + row(4), scratch + row(3), scratch + row(5)
-    # rates of u, sigma, T, x come to stand in the rows 3, 4, 5, 6
-    for i0 in range(layer.own_lo, layer.own_hi, BLOCK):
-        i1 = min(i0 + BLOCK, layer.own_hi)
-        # strain, stress and heat flux where one more derivative reaches
-        d0, d1 = max(lo, i0 - reach), min(hi + 1, i1 + reach)
-        count = U64(d1 - d0)
-        for q in range(2):  # a loop keeps the compiler from expanding the same code twice
-            scale = inv_h if q == 0 else kappa_e * inv_h
-            derivative(op, s, x if q == 0 else T, first, scratch + row(q), d0, d0, d1, lo, hi, scale)
-        rf, rX, rn, rs, rT = U64(flux), U64(xX), U64(net), U64(sigma + d0 - first), U64(T + d0 - first)
-        for i in range(count):
-            s[rX + i] = 1.0 / s[rX + i]
-            s[rf + i] *= s[rX + i]
-        for i in range(count):
-            s[rn + i] = s[rs + i] - pe * s[rT + i] * s[rX + i]
-        for q in range(3):
-            source, begin = (net, d0) if q == 0 else ((u, first) if q == 1 else (flux, d0))
-            scale = inv_h * inv_m0 if q == 0 else inv_h
-            derivative(op, s, source, begin, scratch + row(3 + q), i0, i0, i1, lo, hi, scale)
-        shift, rux, r0, r2 = U64(i0 - d0), U64(ux), U64(k0), U64(k2)
-        rX, rn = rX + shift, rn + shift
-        for i in range(U64(i1 - i0)):
-            s[r0 + i] += force
-            s[r2 + i] = (s[rn + i] * s[rux + i] + s[r2 + i]) * inv_am0
-        for i in range(U64(i1 - i0)):
-            s[rux + i] = K * s[rux + i] * s[rX + i]
-        copy(s, u + i0 - first, scratch + row(6), i1 - i0)
-        for unknown in range(4):
-            emit(s, target, unknown, scratch + row(3 + unknown), i0 - layer.own_lo, i1 - i0)
+    for i0 in range(begin, end, BLOCK):
+        i1 = min(i0 + BLOCK, end)
+        a, b = max(i0, layer.lo + op.rows), min(i1, layer.hi + 1 - op.rows)
+        # all rows of scratch lie on one grid of vectors, so that what has just been stored is loaded as a whole
+        origin = a if a < b else i0
+        f = scratch + row(0) - origin
+        solid_fluxes(layer, op, s, w, f, origin, i0, i1)
+        solid_rates(layer, op, s, w, f, target, (i0, a, b, i1))
 
 
 @njit(**OPTIONS)
-def solid_limits(layer, s, w, scratch):
-    """(largest squared wave speed, largest 1/x_X, smallest x_X, smallest T) over the owned points.
+def solid_flux(layer, s, at, x_X, conduction):
+    """(1/x_X, sigma - p, heat flux) at the points from s[at] on; conduction: kappa_e T_X there."""
+    stretch = 1.0 / x_X
+    pe = layer.gruneisen * layer.m0 * layer.alpha
+    p = pe * load(s, at + 2 * layer.stride) * stretch
+    return stretch, load(s, at + layer.stride) - p, conduction * stretch
 
-    Not numbers where the state is none; speeds are in Lagrangian coordinates, x_X is the difference to the right
-    neighbour. The state is unphysical where x_X > 0 and T > 0 do not hold.
+
+@njit(**OPTIONS)
+def solid_fluxes(layer, op, s, w, f, origin, i0, i1):
+    """1/x_X, sigma - p, heat flux (to the rows f and the next two) where one derivative reaches from i0 .. i1-1."""
+    lo, hi, p, reach = layer.lo, layer.hi, op.p, op.reach
+    net, heat = f + row_distance(), f + 2 * row_distance()
+    T, x = w + 2 * layer.stride, w + 3 * layer.stride
+    d0, d1 = max(lo, i0 - reach), min(hi + 1, i1 + reach)
+    strain, conduction = weights_of(op, 1.0 / layer.h), weights_of(op, layer.kappa_e / layer.h)
+    first = grid_start(origin, min(origin, max(d0, lo + op.rows)))
+    x0, x1, T0, T1 = load(s, x + first - WIDTH), load(s, x + first), load(s, T + first - WIDTH), load(s, T + first)
+    for i in range(first, min(d1, hi + 1 - op.rows), WIDTH):
+        x2, T2 = load(s, x + i + WIDTH), load(s, T + i + WIDTH)
+        g1, g2, g3 = solid_flux(layer, s, w + i, slope(p, strain, x0, x1, x2), slope(p, conduction, T0, T1, T2))
+        store(s, f + i, g1)
+        store(s, net + i, g2)
+        store(s, heat + i, g3)
+        x0, x1, T0, T1 = x1, x2, T1, T2
+    for side in range(2):
+        end, known = (lo, layer.own_hi + layer.halo_hi - lo) if side == 0 else (hi, hi + 1 - layer.own_lo + layer.halo_lo)
+        for r in range(0, op.rows, WIDTH):
+            i, a, b = end_rows(op, lo, hi, side, r, d0, d1)
+            if a < b:
+                x_X, T_X = closure(op, s, x + end, side, known, r), closure(op, s, T + end, side, known, r)
+                g1, g2, g3 = solid_flux(layer, s, w + i, x_X * (1.0 / layer.h), layer.kappa_e / layer.h * T_X)
+                store_lanes(s, f + i, g1, a, b)
+                store_lanes(s, net + i, g2, a, b)
+                store_lanes(s, heat + i, g3, a, b)
+
+
+@njit(**OPTIONS)
+def solid_rate(layer, s, f, acceleration, u_X, heating):
+    """Rates of u, sigma, T from the slopes of sigma - p over m0, of u, of the heat flux; f: 1/x_X there, see above."""
+    stretch, net = load(s, f), load(s, f + row_distance())
+    heat = (net * u_X + heating) * (1.0 / (layer.alpha * layer.m0))
+    return acceleration + layer.force, layer.K * u_X * stretch, heat
+
+
+@njit(**OPTIONS)
+def solid_rates(layer, op, s, w, f, target, points):
+    """Send on the rates of all unknowns; points: (i0, a, b, i1), of them a .. b-1 away from the closures."""
+    lo, hi, p, reach = layer.lo, layer.hi, op.p, op.reach
+    i0, a, b, i1 = points
+    net, heat = f + row_distance(), f + 2 * row_distance()
+    per_mass, per_length = 1.0 / (layer.h * layer.m0), 1.0 / layer.h
+    by_mass, by_length = weights_of(op, per_mass), weights_of(op, per_length)
+    n0, n1, u0, u1 = load(s, net + a - WIDTH), load(s, net + a), load(s, w + a - WIDTH), load(s, w + a)
+    q0, q1 = load(s, heat + a - WIDTH), load(s, heat + a)
+    whole = whole_vectors(a, b)
+    for i in range(a, b, WIDTH):
+        n2, u2, q2 = load(s, net + i + WIDTH), load(s, w + i + WIDTH), load(s, heat + i + WIDTH)
+        rates = solid_rate(
+            layer, s, f + i, slope(p, by_mass, n0, n1, n2), slope(p, by_length, u0, u1, u2), slope(p, by_length, q0, q1, q2)
+        )
+        if i == whole:
+            for unknown in range(4):
+                emit_lanes(s, target, unknown, i, u1 if unknown == 3 else rates[unknown], 0, b - i)
+        else:
+            emit(s, target, 0, i, rates[0])
+            emit(s, target, 1, i, rates[1])
+            emit(s, target, 2, i, rates[2])
+            emit(s, target, 3, i, u1)
+        n0, n1, u0, u1, q0, q1 = n1, n2, u1, u2, q1, q2
+    for side in range(2):
+        end, known = (lo, min(hi + 1, i1 + reach) - lo) if side == 0 else (hi, hi + 1 - max(lo, i0 - reach))
+        for r in range(0, op.rows, WIDTH):
+            i, first, last = end_rows(op, lo, hi, side, r, i0, i1)
+            if first < last:
+                rates = solid_rate(
+                    layer,
+                    s,
+                    f + i,
+                    per_mass * closure(op, s, net + end, side, known, r),
+                    per_length * closure(op, s, w + end, side, known, r),
+                    per_length * closure(op, s, heat + end, side, known, r),
+                )
+                for unknown in range(4):
+                    emit_lanes(s, target, unknown, i, load(s, w + i) if unknown == 3 else rates[unknown], first, last)
+
+
+@njit(**OPTIONS)
+def solid_survey(layer, s, w, at, begin, end):
+    """Add the points begin .. end-1 to the survey at s[at:]: see fsipetsc.physics.survey."""
+    sigma, T, x, inv_h = w + layer.stride, w + 2 * layer.stride, w + 3 * layer.stride, 1.0 / layer.h
+    strain, pulled, cold, hot = spread(np.inf), spread(np.inf), spread(np.inf), spread(-np.inf)
+    momentum, kinetic, heat = spread(0.0), spread(0.0), spread(0.0)
+    for i in range(begin, end, WIDTH):
+        n, u, stress, t = end - i, load(s, w + i), load(s, sigma + i), load(s, T + i)
+        momentum, kinetic, heat = momentum + kept(u, n, 0.0), kinetic + kept(u * u, n, 0.0), heat + kept(t, n, 0.0)
+        # what is beyond the end has no say, and the first point of the layer has no neighbour on the left
+        dx = kept((load(s, x + i) - load(s, x + i - 1)) * inv_h, n, np.inf)
+        if i == layer.lo:
+            dx = mirrored(kept(mirrored(dx), WIDTH - 1, np.inf))
+        strain = minimum(strain, dx)
+        pulled, cold = minimum(pulled, kept(stress, n, np.inf)), minimum(cold, kept(t, n, np.inf))
+        hot = maximum(hot, kept(t, n, -np.inf))
+    note_smallest(s, at + LEAST_STRAIN, strain)
+    note_smallest(s, at + LEAST_SIGMA, pulled)
+    note_smallest(s, at + LEAST_T, cold)
+    note_largest(s, at + GREATEST_T, hot)
+    note_sum(s, at + SUMS, momentum)
+    note_sum(s, at + SUMS + 1, kinetic)
+    note_sum(s, at + SUMS + 2, heat)
+
+
+@njit(**OPTIONS)
+def solid_bounds(layer, s, at):
+    """(largest squared wave speed, largest 1/x_X, smallest x_X, smallest T) from a survey.
+
+    Not numbers where the state is none; speeds are in Lagrangian coordinates, x_X is the difference between neighbours.
+    The state is unphysical where x_X > 0 and T > 0 do not hold.
     """
-    first, stride = layer.own_lo - layer.halo_lo, layer.stride
-    end, dx, inv_h = min(layer.own_hi, layer.hi), U64(scratch + row(0)), 1.0 / layer.h
-    own = U64(w + layer.own_lo - first)
-    count, sigma = U64(layer.own_hi - layer.own_lo), own + U64(stride)
-    T, x = own + U64(2 * stride), own + U64(3 * stride)
-    shortest = np.inf
-    for i0 in range(layer.own_lo, end, BLOCK):
-        m, at = U64(min(i0 + BLOCK, end) - i0), x + U64(i0 - layer.own_lo)
-        for i in range(m):
-            s[dx + i] = (s[at + i + U1] - s[at + i]) * inv_h
-        shortest = minimum(shortest, smallest(s, dx, m))
+    shortest, coldest = s[U64(at + LEAST_STRAIN)], s[U64(at + LEAST_T)]
     # a velocity or stress that is not a number shows in the speed
-    coldest = smallest(s, T, count)
-    stiffest = layer.K + 0.0 * (largest(s, own, count) + largest(s, sigma, count))
+    stiffest = layer.K + 0.0 * (s[U64(at + SUMS)] + s[U64(at + LEAST_SIGMA)])
     stretch = 1.0 / shortest
     c2 = stiffest * stretch / layer.m0
     if layer.gruneisen > 0.0:  # c^2 = (K + (p - sigma) p_eps / rho) / m0 + p_rho, see after (3.9)
-        heat = layer.gruneisen * layer.alpha * largest(s, T, count)
-        excess = heat * layer.m0 * stretch - smallest(s, sigma, count)
+        heat = layer.gruneisen * layer.alpha * s[U64(at + GREATEST_T)]
+        excess = heat * layer.m0 * stretch - s[U64(at + LEAST_SIGMA)]
         c2 += (layer.gruneisen * max(excess, 0.0) / layer.m0 + heat) * stretch
     return c2, stretch, shortest, coldest

@@ -34,17 +34,14 @@ class Moved(NamedTuple):
     written: float
 
 
-#: What the parts of a fused step move, in the order of ``advance``. A stage reads its work area, what the next stage
-#: starts from (source) and the sum so far (base), and writes the next work area and the sum.
+#: What the parts of the memory cost in a fused step, which goes over them once, tile by tile; the few points at the ends
+#: of layers that are done before do not count.
 PASSES = {
-    "first stage (source and base are one)": Moved(4, 2),
-    "second stage": Moved(4, 2),
-    "third stage": Moved(4, 2),
-    "last stage (source is the sum)": Moved(3, 2),
-    "limits": Moved(1, 0),
-    "integrals (about half of the unknowns)": Moved(0.55, 0),
-    "solution for PETSc": Moved(2, 1),
-    "start of the next step": Moved(2, 1),
+    "solution, from before to after the step": Moved(1, 1),
+    "values in the second and the fourth stage": Moved(1, 1),
+    "values in the third stage": Moved(1, 1),
+    "sum of the stages": Moved(1, 1),
+    "solution for PETSc": Moved(1, 1),
 }
 
 

@@ -149,8 +149,7 @@ class State:
         advance(*self.plan, 0, 0, self._solution, 0.0)
 
     def _release(self) -> None:
-        for requests in self._requests:
-            requests.free()
+        self._requests.free()
         self.solution.destroy()
         self.layout.destroy()
 

@@ -1,0 +1,218 @@
+"""Vectors: the values at WIDTH neighbouring points, side by side in a register. A type of numba's, for kernels.
+
+Kernels say what is done to a vector at a time instead of leaving it to the compiler whether a loop becomes one: it
+does not where it cannot prove that parts of the memory are apart. Arithmetic is that of scalars, lane by lane and bit
+by bit; a scalar in a formula stands for all lanes. Where memory is named by an array s and an index i, lane j is s[i+j].
+
+WIDTH is four on every machine: one AVX register, two of SSE or NEON, and enough for the widest stencil, which then
+reaches from one vector into its neighbours only.
+"""
+
+from __future__ import annotations
+
+import operator
+
+from llvmlite import ir
+from numba import types
+from numba.core.cgutils import get_or_insert_function
+from numba.core.typing.templates import ConcreteTemplate, infer_global, signature
+from numba.extending import intrinsic, lower_builtin, models, register_model
+
+WIDTH = 4
+
+_DOUBLES = ir.VectorType(ir.DoubleType(), WIDTH)
+_INT = ir.IntType(32)
+_LANES = range(WIDTH)
+
+
+class VectorType(types.Type):
+    """numba's type of vectors."""
+
+    def __init__(self) -> None:
+        super().__init__(name=f"vector{WIDTH}")
+
+
+vector = VectorType()
+
+
+@register_model(VectorType)
+class _VectorModel(models.PrimitiveModel):
+    def __init__(self, manager, kind):
+        super().__init__(manager, kind, _DOUBLES)
+
+
+def _shuffled(builder, a, b, lanes):
+    """Lanes picked from a (0, 1, ...) and b (WIDTH, ...)."""
+    return builder.shuffle_vector(a, b, ir.Constant(ir.VectorType(_INT, len(lanes)), list(lanes)))
+
+
+def _spread(builder, value, kind=_DOUBLES):
+    """A scalar in all lanes."""
+    nothing = ir.Constant(kind, ir.Undefined)
+    return _shuffled(builder, builder.insert_element(nothing, value, ir.Constant(_INT, 0)), nothing, [0] * WIDTH)
+
+
+def _as_vectors(builder, values, kinds):
+    return [v if kind == vector else _spread(builder, v) for v, kind in zip(values, kinds, strict=True)]
+
+
+def _define(op, instruction):
+    """Arithmetic of two vectors, or of a vector and a scalar."""
+    pairs = [(vector, vector), (vector, types.float64), (types.float64, vector)]
+
+    class Template(ConcreteTemplate):
+        key = op
+        cases = tuple(signature(vector, *pair) for pair in pairs)
+
+    def lower(context, builder, sig, args):
+        return getattr(builder, instruction)(*_as_vectors(builder, args, sig.args))
+
+    infer_global(op)(Template)
+    for pair in pairs:
+        lower_builtin(op, *pair)(lower)
+
+
+for _op, _instruction in (
+    (operator.add, "fadd"),
+    (operator.sub, "fsub"),
+    (operator.mul, "fmul"),
+    (operator.truediv, "fdiv"),
+):
+    _define(_op, _instruction)
+
+
+def _function(name, kinds):
+    """Signature and code of one of LLVM's own functions, of scalars or, if any argument is one, of vectors."""
+    kinds = [kind if kind == vector else types.float64 for kind in kinds]
+    result = vector if vector in kinds else types.float64
+    number, suffix = (_DOUBLES, f"v{WIDTH}f64") if result == vector else (ir.DoubleType(), "f64")
+
+    def codegen(context, builder, sig, args):
+        values = _as_vectors(builder, args, sig.args) if result == vector else args
+        kind = ir.FunctionType(number, [number] * len(values))
+        return builder.call(get_or_insert_function(builder.module, kind, f"llvm.{name}.{suffix}"), values)
+
+    return signature(result, *kinds), codegen
+
+
+@intrinsic
+def fma(typingctx, a, b, c):
+    """a * b + c, rounded once; of numbers or vectors, as the four that follow."""
+    return _function("fma", (a, b, c))
+
+
+@intrinsic
+def maximum(typingctx, a, b):
+    """The larger one; not a number if one of them is not."""
+    return _function("maximum", (a, b))
+
+
+@intrinsic
+def minimum(typingctx, a, b):
+    """The smaller one; not a number if one of them is not."""
+    return _function("minimum", (a, b))
+
+
+@intrinsic
+def root(typingctx, a):
+    """Square root."""
+    return _function("sqrt", (a,))
+
+
+@intrinsic
+def magnitude(typingctx, a):
+    """Absolute value."""
+    return _function("fabs", (a,))
+
+
+@intrinsic
+def spread(typingctx, a):
+    """The vector that has the number a in all lanes."""
+    return vector(types.float64), lambda context, builder, sig, args: _spread(builder, args[0])
+
+
+@intrinsic(prefer_literal=True)
+def lane(typingctx, v, j):
+    """Lane j, a literal, of a vector."""
+    index = ir.Constant(_INT, j.literal_value)
+    return types.float64(v, j), lambda context, builder, sig, args: builder.extract_element(args[0], index)
+
+
+@intrinsic
+def kept(typingctx, v, n, other):
+    """The first n lanes of v, and the number ``other`` in those that follow."""
+    words = ir.VectorType(ir.IntType(64), WIDTH)
+
+    def codegen(context, builder, sig, args):
+        numbers = ir.Constant(words, list(_LANES))
+        wanted = builder.icmp_signed("<", numbers, _spread(builder, args[1], words))
+        return builder.select(wanted, args[0], _spread(builder, args[2]))
+
+    return vector(v, types.intp, types.float64), codegen
+
+
+@intrinsic
+def mirrored(typingctx, v):
+    """The lanes in the opposite order."""
+    return vector(v), lambda context, builder, sig, args: _shuffled(builder, args[0], args[0], _LANES[::-1])
+
+
+@intrinsic(prefer_literal=True)
+def apart(typingctx, before, v, after, k):
+    """Values k points to the right less those k points to the left of v, between its neighbours; k literal, <= WIDTH."""
+    n = k.literal_value
+
+    def codegen(context, builder, sig, args):
+        left, here, right, _ = args
+        ahead = _shuffled(builder, here, right, [n + j for j in _LANES])
+        behind = _shuffled(builder, left, here, [WIDTH - n + j for j in _LANES])
+        return builder.fsub(ahead, behind)
+
+    return vector(before, v, after, k), codegen
+
+
+def _place(context, builder, sig, args):
+    """Pointer to a vector at an element of an array."""
+    data = context.make_array(sig.args[0])(context, builder, args[0]).data
+    return builder.bitcast(builder.gep(data, [args[1]]), _DOUBLES.as_pointer())
+
+
+@intrinsic
+def load(typingctx, s, i):
+    """s[i : i+WIDTH]; s: any contiguous array, seen as flat."""
+
+    def codegen(context, builder, sig, args):
+        value = builder.load(_place(context, builder, sig, args))
+        value.align = 8
+        return value
+
+    return vector(s, types.intp), codegen
+
+
+@intrinsic
+def store(typingctx, s, i, v):
+    """s[i : i+WIDTH] = v."""
+
+    def codegen(context, builder, sig, args):
+        builder.store(args[2], _place(context, builder, sig, args)).align = 8
+        return context.get_dummy_value()
+
+    return types.none(s, types.intp, vector), codegen
+
+
+@intrinsic
+def store_interlaced(typingctx, s, i, values):
+    """s[i + n j + c] = values[c][j] for a tuple of n vectors: what belongs to one point comes to stand together."""
+    n = len(values)
+
+    def codegen(context, builder, sig, args):
+        parts = [builder.extract_value(args[2], c) for c in range(n)]
+        every = range(2 * WIDTH)
+        joined = [_shuffled(builder, parts[c], parts[min(c + 1, n - 1)], every) for c in range(0, n, 2)]
+        lanes = [c // 2 * 2 * WIDTH + c % 2 * WIDTH + j for j in _LANES for c in range(n)]
+        result = _shuffled(builder, joined[0], joined[1], lanes)
+        place = builder.bitcast(_place(context, builder, sig, args), result.type.as_pointer())
+        builder.store(result, place).align = 8
+        return context.get_dummy_value()
+
+    return types.none(s, types.intp, values), codegen
