@@ -49,6 +49,10 @@ RUN = (
         check="positive",
     ),
     Option("fsi_entropy", bool, False, "", "record the entropy, too; -fsi_check does so anyway"),
+    Option(
+        *("fsi_burst", int, 64, "steps", "most steps in one go, between two looks at signals and progress; 1 for -ts_monitor…"),
+        check="positive",
+    ),
     Option("fsi_partition", str, "auto", "", "which ranks own which layers", ("auto", "physics", "balanced")),
     Option("fsi_quiet", bool, False, "", "print nothing but errors"),
     Option("fsi_progress", bool, False, "", "show progress even when the output is not a terminal"),
@@ -140,8 +144,17 @@ def read_options(case: Any, extra: Sequence[Option] = ()) -> dict[str, Any]:
     """
     values, chosen = _read(table(case, extra))
     _check_together(values, chosen)
+    if _watched():
+        values["fsi_burst"] = 1
     publish(values)
     return values
+
+
+def _watched() -> bool:
+    """Something of PETSc's is to see every step."""
+    from petsc4py import PETSc
+
+    return any(name.lower().startswith(("ts_monitor", "ts_save_trajectory")) for name in PETSc.Options().getAll())
 
 
 def read_table(sections: Mapping[str, Sequence[Option]]) -> dict[str, Any]:

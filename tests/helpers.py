@@ -8,6 +8,7 @@ import subprocess
 import sys
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 REPOSITORY = Path(__file__).resolve().parent.parent
 
@@ -95,3 +96,10 @@ def _capture(
             process.communicate()
         raise
     return subprocess.CompletedProcess(command, process.returncode, out, err)
+
+
+def from_python(function: Any) -> Any:
+    """A compiled function that only compiled code calls, made callable; "not a number" and the like raise nothing."""
+    from numba import njit
+
+    return njit(error_model="numpy")(lambda *arguments: function(*arguments))

@@ -24,10 +24,11 @@ def counts(mode: str, *options: object, ranks: int = 1, **env: str) -> list[dict
     return json.loads(done.stdout)
 
 
-@pytest.mark.parametrize("order", [4, 8])
-def test_a_step_is_one_call_that_allocates_nothing(order):
-    (count,) = counts("allocations", "-fsi_order", order, "-ts_max_steps", 201, NUMBA_NRT_STATS="1")
-    assert count["calls"] == 1
+@pytest.mark.parametrize(("order", "burst"), [(4, 1), (4, 50), (8, 50)])
+def test_a_burst_of_steps_is_one_call_that_allocates_nothing(order, burst):
+    options = ("-fsi_order", order, "-fsi_burst", burst, "-ts_max_steps", 201)
+    (count,) = counts("allocations", *options, NUMBA_NRT_STATS="1")
+    assert count["calls"] == 1 / burst
     assert count["in_kernels"] == 0
     assert count["empty_call"] <= 4, "the four arrays of the plan"
     assert count["python_bytes"] < 8, "what a step leaves behind in Python: counters that grow, nothing else"

@@ -7,7 +7,7 @@ import pytest
 
 pytest.importorskip("numba")
 
-from helpers import compute
+from helpers import compute, from_python
 from test_projection import (
     ALL,
     CONDUCTION,
@@ -25,6 +25,8 @@ import fsipetsc
 from fsipetsc.coupling import KINDS, couple
 from fsipetsc.coupling.energy import multipliers
 from fsipetsc.operators import OPERATORS, packed
+
+couple, multipliers = from_python(couple), from_python(multipliers)
 
 BOTH = pytest.mark.parametrize("kind", ["energy", "traditional"])
 

@@ -6,6 +6,7 @@ import itertools
 
 import numpy as np
 import pytest
+from helpers import from_python
 
 pytest.importorskip("numba")
 
@@ -17,6 +18,12 @@ from fsipetsc.physics.fluid import Fluid, fluid_rhs, fluid_survey
 from fsipetsc.physics.layer import LAYER
 from fsipetsc.physics.solid import Solid, solid_bounds, solid_rhs, solid_survey
 from fsipetsc.physics.survey import LEAST_RHO, LEAST_T, SIZE, SPEED, SUMS, begin_survey
+
+fluid_rhs, solid_rhs, fluid_survey, solid_survey = map(from_python, (fluid_rhs, solid_rhs, fluid_survey, solid_survey))
+begin_survey, solid_bounds, fill_ghost, close_solid = map(from_python, (begin_survey, solid_bounds, fill_ghost, close_solid))
+lagrange, dirichlet_ghost, neumann_ghost, extrapolate = map(
+    from_python, (lagrange, dirichlet_ghost, neumann_ghost, extrapolate)
+)
 
 GAS = Fluid(mu=0.5, kappa=0.7, gamma=1.4, R=287.0)
 ROD = Solid(K=1e5, kappa_e=0.5, m0=2700.0, alpha=1.0, force=-10.0)

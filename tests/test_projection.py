@@ -6,12 +6,15 @@ import itertools
 
 import numpy as np
 import pytest
+from helpers import from_python
 
 pytest.importorskip("numba")
 
 from fsipetsc.coupling.interface import INTERFACE, residuals
 from fsipetsc.coupling.projection import projection
 from fsipetsc.operators import OPERATORS, packed
+
+projection, residuals = from_python(projection), from_python(residuals)
 
 GAS = {"gamma": 1.4, "R": 287.0, "cv": 287.0 / 0.4}
 SOLID = {"K": 1e5, "m0": 2700.0, "alpha": 1.0}

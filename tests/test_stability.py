@@ -11,7 +11,7 @@ import pytest
 pytest.importorskip("numba")
 pytest.importorskip("scipy")
 
-from helpers import mpirun, run
+from helpers import from_python, mpirun, run
 
 from fsipetsc.analysis.stability_linear import CENTRAL, Constant, assemble, interface_jacobian, rates
 from fsipetsc.analysis.stability_measures import few_eigenvalues, measure, range_basis, step_limit
@@ -21,6 +21,8 @@ from fsipetsc.physics.emission import Target
 from fsipetsc.physics.fluid import Fluid, fluid_rhs
 from fsipetsc.physics.layer import FLUID, LAYER, SOLID
 from fsipetsc.physics.solid import Solid, solid_rhs
+
+fluid_rhs, solid_rhs = from_python(fluid_rhs), from_python(solid_rhs)
 
 ORDERS = pytest.mark.parametrize("order", OPERATORS)
 N = 16  # points of a layer, enough for all orders

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from numba import njit
 
-from fsipetsc.operators.kernels import OPTIONS, U64
+from fsipetsc.operators.kernels import ENTRY, U64
 from fsipetsc.parallel.exchange import exchange
 from fsipetsc.parallel.mpi import mpi_allreduce
 from fsipetsc.parallel.settle import settle
 
 
-@njit(**OPTIONS)
+@njit(**ENTRY)
 def settle_often(heads, layers, faces, memory, count):
     """Settle the first work area ``count`` times. Collective on all ranks."""
     head = heads[0]
@@ -18,7 +18,7 @@ def settle_often(heads, layers, faces, memory, count):
         settle(head, layers, faces, memory, 0)
 
 
-@njit(**OPTIONS)
+@njit(**ENTRY)
 def exchange_often(heads, layers, faces, memory, count):
     """Fill the halos of the first work area and learn the traces, ``count`` times. Collective on all ranks."""
     head = heads[0]
@@ -26,7 +26,7 @@ def exchange_often(heads, layers, faces, memory, count):
         exchange(head, layers, faces, memory, 0)
 
 
-@njit(**OPTIONS)
+@njit(**ENTRY)
 def reduce_often(heads, memory, words, count):
     """The reduction that bounds a time step, of so many words, ``count`` times. Collective on all ranks."""
     head = heads[0]
@@ -37,7 +37,7 @@ def reduce_often(heads, memory, words, count):
             mpi_allreduce(sent, received, words, world.word, world.max, world.comm)
 
 
-@njit(**OPTIONS)
+@njit(**ENTRY)
 def triad(memory, length, count):
     """STREAM's triad a = b + 3 c on three arrays of a length that stand one after the other, ``count`` times."""
     a, b, c, n = U64(0), U64(length), U64(2 * length), U64(length)

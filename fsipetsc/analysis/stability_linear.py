@@ -30,7 +30,7 @@ from scipy.sparse import bmat, csr_matrix, diags, identity, lil_matrix
 
 from fsipetsc.coupling import INTERFACE, KINDS, couple
 from fsipetsc.operators import operator, packed
-from fsipetsc.operators.kernels import OPTIONS
+from fsipetsc.operators.kernels import ENTRY
 from fsipetsc.physics.fluid import Fluid
 from fsipetsc.physics.solid import Solid
 
@@ -184,7 +184,7 @@ def interface_jacobian(state: Constant, order: int, h: float, coupling: str) -> 
     return np.tensordot(CENTRAL, differences, 1).T / steps
 
 
-@njit(**OPTIONS)
+@njit(**ENTRY)
 def couple_all(face, op, fluid, solid):
     """The treatment of one interface for many traces, in place: fluid (m, rows, 3), solid (m, rows, 4)."""
     for m in range(len(fluid)):

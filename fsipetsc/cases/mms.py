@@ -18,7 +18,7 @@ import numpy as np
 from numba import njit
 
 from fsipetsc.boundaries import Dirichlet
-from fsipetsc.operators.kernels import OPTIONS as COMPILED
+from fsipetsc.operators.kernels import ENTRY as COMPILED
 from fsipetsc.options import Option
 from fsipetsc.physics.fluid import Fluid
 from fsipetsc.physics.solid import Solid

@@ -27,9 +27,12 @@ ROW = BLOCK + 2 * MARGIN + 8
 use_cache_folder()  # before the first kernel is defined
 
 U64 = np.uint64
-#: No "contract": the compiler forms different fused operations in the vector and the scalar version of a formula, and a
-#: point's result would depend on where a rank's part begins. Where fusing pays, ``fma`` says so explicitly.
-OPTIONS = {"cache": True, "error_model": "numpy", "nogil": True}
+#: Of functions that Python calls. No "contract": the compiler forms different fused operations in the vector and the
+#: scalar version of a formula, and a point's result would depend on where a rank's part begins. Where fusing pays,
+#: ``fma`` says so explicitly.
+ENTRY = {"cache": True, "error_model": "numpy", "nogil": True}
+#: Of functions that only compiled code calls: not kept on disk for themselves, and nothing made to call them from Python.
+OPTIONS = {"error_model": "numpy", "nogil": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 
 
 @njit(**OPTIONS)
@@ -98,7 +101,7 @@ def whole_vectors(first, end):
     return first + max(end - first, 0) // WIDTH * WIDTH
 
 
-@njit(**OPTIONS)
+@njit(**ENTRY)
 def derivative(op, s, v, v0, out, out0, i0, i1, lo, hi, scale):
     """scale * h D of one row into another, at the points i0 <= i < i1 of the active range lo..hi.
 

@@ -22,9 +22,10 @@ from typing import NamedTuple
 
 from numba import njit
 
-from fsipetsc.operators.kernels import OPTIONS, U64
+from fsipetsc.operators.kernels import ENTRY, OPTIONS, U64
 from fsipetsc.parallel.completion import begin_looking, complete, look
 from fsipetsc.parallel.exchange import exchange, load_state, store_state, unknowns, work_point
+from fsipetsc.parallel.pace import DT, goes_on
 from fsipetsc.parallel.plan import FORCING, SUM, WORK
 from fsipetsc.parallel.settle import settle
 from fsipetsc.physics.emission import Target
@@ -143,36 +144,41 @@ def clear(head, layers, memory, area):
             memory[at + i] = 0.0
 
 
-@njit(**OPTIONS)
+@njit(**ENTRY)
 def advance(heads, layers, faces, memory, begin, end, raw, dt):
     """Stages begin .. end-1 of a step dt; stage ``STAGES`` completes it. Collective on all ranks.
 
     A stage settles its work area, except stage 0, which finds it settled by the completion of the step before, and
     evaluates the right-hand side into the next one. raw: where in the memory a state begins that somebody else has
     made, which is loaded and settled first; -1 to go on. With begin = end it is loaded as it is, settled already. With
-    dt = 0 (and begin 0, end 1) the right-hand side itself is left where the state was.
+    dt = 0 (and begin 0, end 1) the right-hand side itself is left where the state was. A whole step (begin 0, end
+    STAGES + 1) is followed by more of them, as the pace allows.
     """
     head = heads[0]
     whole = begin == 0 and end == STAGES + 1
-    for layer in layers:
-        find_middle(head, layer, whole)
     if raw >= 0:
         load_state(head, layers, memory, raw)
         if begin == end:
             exchange(head, layers, faces, memory, WORK)
-    for number in range(begin, end):
-        if raw >= 0 or number > 0:
-            settle(head, layers, faces, memory, work_area(number))
+    if dt == 0.0:
+        clear(head, layers, memory, SUM)
+    more = begin < end
+    while more:
         for layer in layers:
-            layer.stage_s[number] = layer.s
-        if number == STAGES:
+            find_middle(head, layer, whole)
+        for number in range(begin, end):
+            if raw >= 0 or number > 0:
+                settle(head, layers, faces, memory, work_area(number))
+            for layer in layers:
+                layer.stage_s[number] = layer.s
+            if number < STAGES:
+                ends(head, layers, memory, stage_of(number, dt), number)
+        if end == STAGES + 1:
             begin_looking(head, layers, memory)
             tiles(head, layers, memory, dt)
             complete(head, layers, faces, memory)
-        else:
-            if dt == 0.0:
-                clear(head, layers, memory, SUM)
-            ends(head, layers, memory, stage_of(number, dt), number)
-            if dt == 0.0:
-                for layer in layers:
-                    store_state(head, layer, memory, SUM, raw, layer.own_lo, layer.own_hi)
+        elif dt == 0.0:
+            for layer in layers:
+                store_state(head, layer, memory, SUM, raw, layer.own_lo, layer.own_hi)
+        more = whole and goes_on(head, memory)
+        dt = memory[U64(head.pace + DT)] if more else dt

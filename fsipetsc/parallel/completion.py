@@ -14,7 +14,7 @@ from fsipetsc.parallel.exchange import TRACE, store_state, work_point
 from fsipetsc.parallel.ledger import integrals
 from fsipetsc.parallel.mpi import mpi_allreduce
 from fsipetsc.parallel.plan import WORK
-from fsipetsc.parallel.settle import boundary_distance, fill_embedded, rows_at
+from fsipetsc.parallel.settle import NEW, OLD, boundary_distance, fill_embedded, rows_at
 from fsipetsc.physics.fluid import fluid_survey
 from fsipetsc.physics.layer import FLUID
 from fsipetsc.physics.solid import solid_bounds, solid_survey
@@ -50,14 +50,14 @@ def move_boundary(head, layer, memory, side):
             layer.lo -= 1
         else:
             layer.hi += 1
-        fill_embedded(head, layer, memory, 0, side, True)
+        fill_embedded(head, layer, memory, WORK, side, NEW)
         moved = True
     if layer.hi - layer.lo > target >= layer.least - 1:
         if side == 0:
             layer.lo = layer.hi - target
         else:
             layer.hi = layer.lo + target
-        fill_embedded(head, layer, memory, 0, side, False)
+        fill_embedded(head, layer, memory, WORK, side, OLD)
         moved = True
     return moved, False
 

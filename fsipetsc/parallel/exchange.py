@@ -8,6 +8,7 @@ velocities.
 
 from __future__ import annotations
 
+import numpy as np
 from numba import njit
 
 from fsipetsc.operators.kernels import OPTIONS, U64, copy, whole_vectors
@@ -18,6 +19,8 @@ from fsipetsc.physics.layer import FLUID
 
 #: what a point of the traces holds: fluid (rho, rho u, e), then solid (u, sigma, T, x)
 TRACE = 7
+#: directions of ``move_edges``
+SEND, RECEIVE = np.bool_(True), np.bool_(False)
 
 
 @njit(**OPTIONS)
@@ -96,7 +99,7 @@ def move_edges(head, layers, memory, area, sending):
 def exchange(head, layers, faces, memory, area):
     """Fill the halos of a work area and learn the traces of all interfaces. Collective on all ranks."""
     if head.requests > 0:
-        move_edges(head, layers, memory, area, True)
+        move_edges(head, layers, memory, area, SEND)
         mpi_startall(head.requests, head.request_list)
     alone = head.world.size == 1
     buffer = head.traces if alone else head.sent
@@ -112,7 +115,7 @@ def exchange(head, layers, faces, memory, area):
         mpi_allreduce(sent, received, head.message, world.word, world.max, world.comm)
     if head.requests > 0:
         mpi_waitall(head.requests, head.request_list, head.status_list)
-        move_edges(head, layers, memory, area, False)
+        move_edges(head, layers, memory, area, RECEIVE)
 
 
 @njit(**OPTIONS)

@@ -35,15 +35,18 @@ def integrals(head, layers, memory):
         if layer.present == 0:
             continue
         h, sums = layer.h, U64(head.survey + SURVEY * k + SUMS)
-        if layer.kind == FLUID:
-            memory[masses + k] = h * integral(head, layer, memory, memory[sums], 0, False)
-            momentum += h * integral(head, layer, memory, memory[sums + U64(1)], 1, False)
-            energy += h * integral(head, layer, memory, memory[sums + U64(2)], 2, False)
-        else:
-            momentum += h * layer.m0 * integral(head, layer, memory, memory[sums], 0, False)
-            kinetic = 0.5 * integral(head, layer, memory, memory[sums + U64(1)], 0, True)
-            heat = layer.alpha * integral(head, layer, memory, memory[sums + U64(2)], 2, False)
-            energy += h * layer.m0 * (kinetic + heat)
+        fluid = layer.kind == FLUID
+        for q in range(3):  # fluid: rho, rho u, e; solid: u, u^2, T
+            column = q if fluid or q == 2 else 0
+            value = h * integral(head, layer, memory, memory[sums + U64(q)], column, q == 1 and not fluid)
+            if q == (0 if not fluid else 1):
+                momentum += value if fluid else layer.m0 * value
+            elif q == 0:
+                memory[masses + k] = value
+            elif fluid:
+                energy += value
+            else:
+                energy += layer.m0 * (0.5 if q == 1 else layer.alpha) * value
             force += layer.force * layer.m0 * h * norm_sum(head, layer)
         force += end_forces(head, layer, memory)
         if head.entropy == 1:

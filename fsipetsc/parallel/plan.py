@@ -42,6 +42,9 @@ HEAD = np.dtype(
         ("limits", _I),
         ("states", _I),
         ("masses", _I),
+        ("pace", _I),  # see fsipetsc.parallel.pace
+        ("journal", _I),  # rows of time, step and the results of completed steps
+        ("row", _I),  # doubles of one
         ("survey", _I),  # of each layer, see fsipetsc.physics.survey
         ("nodes", _I),
         ("scratch", _I),
@@ -56,12 +59,17 @@ HEAD = np.dtype(
     align=True,
 )
 #: the areas: the first three are worked in
-WORK, SUM, FORCING = 0, 3, 4
+#: (no Python ints: of a function that is given one numba compiles a version for just this value)
+WORK, SUM, FORCING = np.int64(0), np.int64(3), np.int64(4)
 #: doubles of the flags and of the limits among the results
 FLAGS, LIMITS = 4, 11
 #: integrals behind the masses of the layers, see fsipetsc.parallel.ledger
 ENERGY, MOMENTUM, FORCE, ENTROPY, HEATING = range(5)
 INTEGRALS = 5
+#: words of the pace, see fsipetsc.parallel.pace
+PACE = 11
+#: steps that the journal holds before they must be written: the same on all ranks
+CAPACITY = 4096
 #: rows of scratch that the kernels use
 SCRATCH = 5
 #: doubles of a cache line, to which parts of the memory are aligned
@@ -121,6 +129,7 @@ def make_plan(layout: Layout, op: SBPOperator, coupling: str, forced: bool) -> t
     rows = max(2, op.rows)
     message = len(faces) * rows * 7
     edges = 4 * layout.width * sum(dof * int(r["present"]) for dof, r in zip(_dofs(layout), layout.records, strict=True))
+    results = FLAGS + LIMITS + 8 * len(faces) + len(layout.records) + INTEGRALS
     areas = ["area0", "area1", "area2", "sum"] + ["forcing"] * forced
     sizes = {
         "solution": layout.local_size,
@@ -129,8 +138,10 @@ def make_plan(layout: Layout, op: SBPOperator, coupling: str, forced: bool) -> t
         "edges": edges,
         "sent": message,
         "traces": message,
+        "pace": PACE,
+        "journal": CAPACITY * (2 + results),
         "survey": SURVEY * len(layout.records),
-        "results": FLAGS + LIMITS + 8 * len(faces) + len(layout.records) + INTEGRALS,
+        "results": results,
         "nodes": 5 * NODES,
         "scratch": scratch_size(SCRATCH),
     }
@@ -149,6 +160,7 @@ def make_plan(layout: Layout, op: SBPOperator, coupling: str, forced: bool) -> t
         if name in starts:
             head[name] = starts[name]
     head["limits"] = head["results"] + FLAGS
+    head["row"] = 2 + results
     head["states"] = head["limits"] + LIMITS
     head["masses"] = head["states"] + 8 * len(faces)
     requests = _requests(layout, memory[starts["edges"] :])

@@ -6,6 +6,7 @@ other's points. Every rank that has a point in its work area computes it, from t
 
 from __future__ import annotations
 
+import numpy as np
 from numba import carray, njit
 from numba.core import types
 from numba.extending import intrinsic
@@ -15,6 +16,9 @@ from fsipetsc.coupling import couple
 from fsipetsc.operators.kernels import OPTIONS, U64
 from fsipetsc.parallel.exchange import TRACE, exchange, holds, unpack, work_point
 from fsipetsc.physics.layer import FLUID
+
+#: whether a ghost point has values already
+OLD, NEW = np.bool_(False), np.bool_(True)
 
 
 @intrinsic
@@ -93,7 +97,7 @@ def settle(head, layers, faces, memory, area):
         for side in range(2):
             if layer.end_kind[side] != INTERFACE_END:
                 if layer.kind == FLUID:
-                    fill_embedded(head, layer, memory, area, side, False)
+                    fill_embedded(head, layer, memory, area, side, OLD)
                 else:
                     close_end(head, layer, memory, area, side)
     for k in range(faces.size):

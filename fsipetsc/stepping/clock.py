@@ -6,11 +6,10 @@ import math
 from collections.abc import Sequence
 
 from fsipetsc.errors import InputError
+from fsipetsc.parallel.pace import next_step
 
 #: profiles of a run
 MOST = 10_000_000
-#: a step may be longer than its bound by this fraction, so that round-off costs no extra step
-_SLACK = 1e-9
 
 
 def saved_times(t_end: float, interval: float | None, times: Sequence[float] | None) -> list[float]:
@@ -46,11 +45,11 @@ class Clock:
         """All targets are reached."""
         return self._next == len(self._targets)
 
+    @property
+    def target(self) -> float:
+        """The next time [s] that must be hit."""
+        return self._targets[self._next]
+
     def step(self, t: float, bound: float) -> tuple[float, float]:
         """(step, time after it) [s]: at most ``bound``; with less than two steps to the next target they are equal."""
-        target = self._targets[self._next]
-        left = target - t
-        if left <= bound * (1 + _SLACK):
-            return left, target
-        step = left / 2 if left < 2 * bound else bound
-        return step, t + step
+        return next_step(t, self.target, bound)

@@ -18,6 +18,7 @@ from petsc4py import PETSc
 from fsipetsc.errors import ComputationError
 from fsipetsc.parallel.advance import STAGES
 from fsipetsc.parallel.completion import BAD, EXHAUSTED, LOW, MOVED, RATE, SAID_STOP, SHORT, STOP
+from fsipetsc.parallel.pace import DT, LONGEST, MADE, SHORTEST, T
 from fsipetsc.parallel.plan import ENERGY, ENTROPY, FORCE, HEATING, MOMENTUM
 from fsipetsc.stepping.clock import Clock
 from fsipetsc.stepping.control import ErrorControl
@@ -29,6 +30,8 @@ from fsipetsc.stepping.state import State
 
 #: flags and limits of all ranks end here
 LAST = STOP + 1
+#: of all the steps that are made in one call
+MOST_POINTS = 250_000
 #: orders of PETSc's Runge-Kutta methods that have an embedded one
 PAIR_ORDER = {"2a": 2, "3bs": 3, "5f": 5, "5dp": 5, "5bs": 5, "6vr": 6, "7vr": 7, "8vr": 8}
 
@@ -51,7 +54,7 @@ class Integrator:
         on_grids: Callable[[], None],
     ) -> None:
         self.state, self.opt = state, opt
-        self.series = Series(state.problem, bool(state.plan.head["entropy"][0]))
+        self.series = Series(state, bool(state.plan.head["entropy"][0]))
         self._on_frame, self._on_series, self._on_step, self._on_grids = on_frame, on_series, on_step, on_grids
         self._clock = Clock(saved)
         self._steady = state.problem.steady_data
@@ -64,6 +67,10 @@ class Integrator:
         self.stop_signal = 0
         self._proposal = np.inf
         self._fused = opt["ts_type"] == NAME
+        self._burst = 0
+        if self._fused and self._steady:  # no longer than a signal may have to wait
+            points = sum(grid.n for grid in state.layout.grids)
+            self._burst = max(1, min(opt["fsi_burst"], MOST_POINTS // points))
         self._rates: PETSc.Vec | None = None
         self._control: ErrorControl | None = None
         self._error: BaseException | None = None
@@ -85,28 +92,32 @@ class Integrator:
             ts.setConvergedReason(PETSc.TS.ConvergedReason.CONVERGED_USER)
 
     def _after_step(self, ts: PETSc.TS) -> None:
-        t = self._target
-        ts.setTime(t)  # the sum of steps may miss a target by round-off
-        dt = self._step
-        if self._fused:
-            self.evaluations += STAGES
-        else:
+        t, dt = self._target, self._step
+        made = shortest = longest = None
+        if self._burst:
+            t, dt, made, shortest, longest = self.state.pace[[T, DT, MADE, SHORTEST, LONGEST]].tolist()
+        elif not self._fused:
             if not self._steady:
                 self.state.set_data(t)
             if self._control is not None and self._rejected(ts, dt):
                 return
             self._finish()
-        self.t, self.steps = t, self.steps + 1
-        results = self.state.results
-        flags = results[:LAST].tolist()
+        ts.setTime(t)  # the sum of steps may miss a target by round-off
+        before = self.steps
+        self.t, self.steps = t, before + int(made or 1)
+        ts.setStepNumber(self.steps)
+        if self._fused:
+            self.evaluations += STAGES * (self.steps - before)
+        flags = self.state.results[:LAST].tolist()
+        self.series.count += int(made or 1) - 1
         self._check(t, flags)
-        if dt < self.dt_range[0]:
-            self.dt_range[0] = dt
-        if dt > self.dt_range[1]:
-            self.dt_range[1] = dt
-        self.series.record(t, dt, results)
+        self.dt_range = [min(self.dt_range[0], shortest or dt), max(self.dt_range[1], longest or dt)]
+        if made:
+            self.series.count += 1
+        else:
+            self.series.record(t, dt)
         self._on_step(self.steps, t, dt)
-        if self.series.full:
+        if not self.series.room:
             self._on_series()
         if self._clock.pass_time(t):
             self._on_frame(t)
@@ -174,6 +185,12 @@ class Integrator:
         self._step, self._target = self._clock.step(self.t, bound)
         self.state.results[SAID_STOP] = self.raised
         ts.setTimeStep(self._step)
+        if self._burst:
+            opt, series = self.opt, self.series
+            allowed = min(self._burst, opt["ts_max_steps"] - self.steps, series.room)
+            times = self.t, self._step, self._target, self._clock.target
+            bounds = opt["fsi_cfl"], opt["ts_dt"] or 0.0, allowed
+            self.state.pace[:] = *times, *bounds, 0, np.inf, 0.0, series.count
 
     def _create(self) -> PETSc.TS:
         opt = self.opt

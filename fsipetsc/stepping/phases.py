@@ -17,6 +17,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from fsipetsc.parallel.advance import STAGES
+from fsipetsc.parallel.pace import MADE
 from fsipetsc.stepping.counts import Traffic, completion_traffic, flops, stage_traffic
 from fsipetsc.stepping.state import State
 
@@ -98,9 +99,10 @@ class LoggedState(State):
     def step(self, t: float, dt: float, steady: bool) -> None:
         with self._events["step"]:
             super().step(t, dt, steady)
-            self._count(self._stage, STAGES - 1)
-            self._count(self._completion, 1)
-            PETSc.Log.logFlops(STAGES * self._flops)
+            made = int(self.pace[MADE]) if steady else 1
+            self._count(self._stage, made * (STAGES - 1))
+            self._count(self._completion, made)
+            PETSc.Log.logFlops(made * STAGES * self._flops)
 
     def right_hand_side(self, y: np.ndarray, f: np.ndarray) -> None:
         with self._events["rates"]:

@@ -30,6 +30,7 @@ class Reporter:
         self._name, self._opt, self._comm = name, opt, comm
         self._begun = self._last = time.monotonic()
         self._open_line = False
+        self._next = 32  # steps before the clock is asked
 
     def line(self, text: str) -> None:
         """Print a line."""
@@ -54,9 +55,9 @@ class Reporter:
 
     def step(self, steps: int, t: float, dt: float) -> None:
         """Show progress now and then."""
-        if not self._shows or steps % 32:
+        if not self._shows or steps < self._next:
             return
-        now = time.monotonic()
+        self._next, now = steps + 32, time.monotonic()
         if now - self._last < self._interval:
             return
         self._last = now

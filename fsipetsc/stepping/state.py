@@ -14,7 +14,7 @@ from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.advance import STAGES, advance
 from fsipetsc.parallel.completion import LOW
 from fsipetsc.parallel.layout import Grid, Layout, make_grids
-from fsipetsc.parallel.plan import FLAGS, FORCING, INTEGRALS, LIMITS, make_plan
+from fsipetsc.parallel.plan import CAPACITY, FLAGS, FORCING, INTEGRALS, LIMITS, PACE, make_plan
 from fsipetsc.physics.layer import DOF, FLUID
 from fsipetsc.problem import FluidLayer, Problem
 
@@ -23,7 +23,7 @@ class State:
     """Solution and everything that belongs to it; all methods are collective on ``comm``.
 
     Attributes: layout, plan, solution (world Vec); results of the last completed step (parallel.completion says where what
-    stands), of these states (nI, 8) and integrals (this rank's masses and energy).
+    stands), of these states (nI, 8) and integrals (this rank's masses and energy); pace and journal (parallel.pace).
     Raises InputError where grid, order and number of ranks do not fit.
     """
 
@@ -67,6 +67,9 @@ class State:
         self.results = self.plan.part("results", FLAGS + LIMITS + 8 * nI + nL + INTEGRALS)
         self.states = self.plan.part("states", 8 * nI).reshape(nI, 8)
         self.integrals = self.plan.part("masses", nL + INTEGRALS)
+        self.pace = self.plan.part("pace", PACE)
+        row = int(self.plan.head["row"][0])
+        self.journal = self.plan.part("journal", CAPACITY * row).reshape(CAPACITY, row)
 
     def set_data(self, t: float) -> None:
         """Evaluate boundary data, jumps and forcing at time t [s] for the next evaluation of the right-hand side."""
@@ -116,7 +119,10 @@ class State:
         advance(*self.plan, STAGES, STAGES + 1, self._solution, 0.0)
 
     def step(self, t: float, dt: float, steady: bool) -> None:
-        """A step dt [s] of the fused Runge-Kutta method from the completed solution at t [s], and its completion."""
+        """A step dt [s] of the fused Runge-Kutta method from the completed solution at t [s], and its completion.
+
+        steady: the data do not depend on time; then further steps follow as the pace allows.
+        """
         if steady:
             advance(*self.plan, 0, STAGES + 1, -1, dt)
             return
@@ -132,10 +138,11 @@ class State:
         old, y = self.layout, self.solution.getArray(readonly=True)
         whole = [gather(self.comm, old, k, y) for k in range(len(old.grids))]
         cells = {k: int(r["hi"] - r["lo"]) for k, r in enumerate(old.records) if r["kind"] == FLUID}
-        results = self.results.copy()
+        kept = [part.copy() for part in (self.results, self.pace, self.journal)]
         self._release()
         self._place(make_grids(self.problem, self.op, self.h, max(self._spare, NODES), cells))
-        self.results[:] = results
+        for part, values in zip((self.results, self.pace, self.journal), kept, strict=True):
+            part[:] = values
         self.results[LOW] = 0.0
         y = self.solution.getArray()
         for k, (grid, record) in enumerate(zip(self.layout.grids, self.layout.records, strict=True)):

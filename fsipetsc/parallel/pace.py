@@ -1,0 +1,55 @@
+"""How long steps are, and several of them in one call: what a step leaves is noted, and the next one planned.
+
+A burst of steps ends when something has to be looked at: a time to be saved, a grid that must grow, a failure, a signal.
+Its plan and what came of it stand in the words of the *pace* in the memory; each step fills a row of the journal.
+"""
+
+from __future__ import annotations
+
+from numba import njit
+
+from fsipetsc.operators.kernels import OPTIONS, U64, copy
+from fsipetsc.parallel.completion import BAD, EXHAUSTED, LOW, RATE, SHORT, STOP
+
+#: time before or, once it is made, after the step; the step; time after it; the next time that must be hit;
+#: Courant number, or the step that is given and else 0; steps that may be made, and have been; shortest and longest;
+#: first row of the journal to be filled
+T, DT, NEXT, TARGET, COURANT, FIXED, ALLOWED, MADE, SHORTEST, LONGEST, FIRST = range(11)
+#: a step may be longer than its bound by this fraction, so that round-off costs no extra step
+SLACK = 1e-9
+
+
+def next_step(t, target, bound):
+    """(step, time after it) [s]: at most ``bound``; with less than two steps to the target they are equal."""
+    left = target - t
+    if left <= bound * (1 + SLACK):
+        return left, target
+    step = left / 2 if left < 2 * bound else bound
+    return step, t + step
+
+
+_next_step = njit(**OPTIONS)(next_step)
+
+
+@njit(**OPTIONS)
+def goes_on(head, memory):
+    """Note the step just made in pace and journal, and plan the next one; False if none follows. Same on all ranks."""
+    pace, results = head.pace, head.results
+    t, dt, made = memory[U64(pace + NEXT)], memory[U64(pace + DT)], memory[U64(pace + MADE)]
+    row = head.journal + head.row * int(memory[U64(pace + FIRST)] + made)
+    memory[U64(row)], memory[U64(row + 1)] = t, dt
+    copy(memory, results, row + 2, head.row - 2)
+    memory[U64(pace + T)], memory[U64(pace + MADE)] = t, made + 1
+    memory[U64(pace + SHORTEST)] = min(memory[U64(pace + SHORTEST)], dt)
+    memory[U64(pace + LONGEST)] = max(memory[U64(pace + LONGEST)], dt)
+    for flag in (LOW, EXHAUSTED, SHORT, BAD, STOP):
+        if memory[U64(results + flag)] != 0.0:
+            return False
+    rate, target = memory[U64(results + RATE)], memory[U64(pace + TARGET)]
+    if t >= target or made + 1 >= memory[U64(pace + ALLOWED)] or not 0.0 < rate < 1e300:
+        return False
+    bound = memory[U64(pace + FIXED)]
+    if bound == 0.0:
+        bound = memory[U64(pace + COURANT)] / rate
+    memory[U64(pace + DT)], memory[U64(pace + NEXT)] = _next_step(t, target, bound)
+    return True
