@@ -18,7 +18,7 @@ from fsipetsc.operators.cache import use_cache_folder
 from fsipetsc.operators.vectors import WIDTH, apart, fma, lane, load, mirrored, spread
 
 #: Points that a kernel treats at once: its scratch rows stay in the first-level cache.
-BLOCK = 256
+BLOCK = 512
 #: Scratch beyond a block on either side: twice the largest closure reach, and vectors that begin or end beyond.
 MARGIN = 32
 #: Distance of the rows of scratch: odd in cache lines, so that rows do not evict each other.

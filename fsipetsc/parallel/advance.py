@@ -36,7 +36,7 @@ from fsipetsc.physics.solid import solid_rhs
 #: stages of the method; after the last one comes the completion of the step
 STAGES = 4
 #: points of a tile
-TILE = 256
+TILE = 1024
 #: middles shorter than this are no gain
 LEAST_MIDDLE = 512
 

@@ -33,8 +33,15 @@ _next_step = njit(**OPTIONS)(next_step)
 
 @njit(**OPTIONS)
 def goes_on(head, memory):
-    """Note the step just made in pace and journal, and plan the next one; False if none follows. Same on all ranks."""
+    """Note the step just made in pace and journal, and plan the next one; False if none follows. Same on all ranks.
+
+    A burst that has ended, or was never planned, allows no steps.
+    """
     pace, results = head.pace, head.results
+    allowed = memory[U64(pace + ALLOWED)]
+    memory[U64(pace + ALLOWED)] = 0.0
+    if allowed == 0.0:
+        return False
     t, dt, made = memory[U64(pace + NEXT)], memory[U64(pace + DT)], memory[U64(pace + MADE)]
     row = head.journal + head.row * int(memory[U64(pace + FIRST)] + made)
     memory[U64(row)], memory[U64(row + 1)] = t, dt
@@ -46,10 +53,11 @@ def goes_on(head, memory):
         if memory[U64(results + flag)] != 0.0:
             return False
     rate, target = memory[U64(results + RATE)], memory[U64(pace + TARGET)]
-    if t >= target or made + 1 >= memory[U64(pace + ALLOWED)] or not 0.0 < rate < 1e300:
+    if t >= target or made + 1 >= allowed or not 0.0 < rate < 1e300:
         return False
     bound = memory[U64(pace + FIXED)]
     if bound == 0.0:
         bound = memory[U64(pace + COURANT)] / rate
     memory[U64(pace + DT)], memory[U64(pace + NEXT)] = _next_step(t, target, bound)
+    memory[U64(pace + ALLOWED)] = allowed
     return True

@@ -28,7 +28,7 @@ from fsipetsc.operators.kernels import (
     weights_of,
     whole_vectors,
 )
-from fsipetsc.operators.vectors import WIDTH, kept, lane, load, magnitude, maximum, minimum, root, spread, store
+from fsipetsc.operators.vectors import WIDTH, fma, kept, lane, load, magnitude, maximum, minimum, root, spread, store
 from fsipetsc.physics.emission import emit, emit_lanes
 from fsipetsc.physics.survey import LEAST_RHO, LEAST_T, SPEED, SUMS, note_largest, note_smallest, note_sum
 
@@ -101,12 +101,15 @@ def fluid_primitives(layer, op, s, w, u, origin, i0, i1):
 
 
 @njit(**OPTIONS)
-def fluid_flux(layer, s, at, u, T, friction, conduction):
-    """The three fluxes at the points from s[at] on; friction: mu' u_X, conduction: kappa T_X there."""
-    rho, v = load(s, at), u - layer.s
-    tau = (layer.gamma - 1.0) * layer.cv * rho * T - friction  # pressure less viscous stress
-    f3 = load(s, at + 2 * layer.stride) * v + u * tau - conduction
-    return rho * v, load(s, at + layer.stride) * v + tau, f3
+def fluid_flux(constants, s, at, u, T, friction, conduction):
+    """The three fluxes at the points from s[at] on; friction: mu' u_X, conduction: kappa T_X there.
+
+    constants: gas constant, velocity of the frame, stride; numbers, because a record would be read anew at each point.
+    """
+    R, velocity, stride = constants
+    rho, v = load(s, at), u - velocity
+    tau = R * rho * T - friction  # pressure less viscous stress
+    return rho * v, fma(load(s, at + stride), v, tau), fma(load(s, at + 2 * stride), v, fma(u, tau, -1.0 * conduction))
 
 
 @njit(**OPTIONS)
@@ -116,12 +119,13 @@ def fluid_fluxes(layer, op, s, w, u, f, origin, i0, i1):
     T, f2, f3 = u + row_distance(), f + row_distance(), f + 2 * row_distance()
     d0, d1 = max(lo, i0 - reach), min(hi + 1, i1 + reach)
     friction, conduction = weights_of(op, layer.mu / layer.h), weights_of(op, layer.kappa / layer.h)
+    constants = (layer.gamma - 1.0) * layer.cv, layer.s, layer.stride
     first = grid_start(origin, min(origin, max(d0, lo + op.rows)))
     u0, u1, T0, T1 = load(s, u + first - WIDTH), load(s, u + first), load(s, T + first - WIDTH), load(s, T + first)
     for i in range(first, min(d1, hi + 1 - op.rows), WIDTH):
         u2, T2 = load(s, u + i + WIDTH), load(s, T + i + WIDTH)
         g1, g2, g3 = fluid_flux(
-            layer, s, w + i, u1, T1, slope(p, friction, u0, u1, u2), slope(p, conduction, T0, T1, T2)
+            constants, s, w + i, u1, T1, slope(p, friction, u0, u1, u2), slope(p, conduction, T0, T1, T2)
         )
         store(s, f + i, g1)
         store(s, f2 + i, g2)
@@ -134,7 +138,7 @@ def fluid_fluxes(layer, op, s, w, u, f, origin, i0, i1):
             if first < last:
                 u_X, T_X = closure(op, s, u + end, side, known, r), closure(op, s, T + end, side, known, r)
                 g1, g2, g3 = fluid_flux(
-                    layer, s, w + i, load(s, u + i), load(s, T + i), layer.mu / layer.h * u_X, layer.kappa / layer.h * T_X
+                    constants, s, w + i, load(s, u + i), load(s, T + i), layer.mu / layer.h * u_X, layer.kappa / layer.h * T_X
                 )
                 store_lanes(s, f + i, g1, first, last)
                 store_lanes(s, f2 + i, g2, first, last)
@@ -147,13 +151,13 @@ def fluid_rates(layer, op, s, f, target, unknown, points):
     lo, hi, scale = layer.lo, layer.hi, -1.0 / layer.h
     i0, a, b, i1 = points
     weights, f0, f1 = weights_of(op, scale), load(s, f + a - WIDTH), load(s, f + a)
-    whole = whole_vectors(a, b)
+    p, whole = op.p, whole_vectors(a, b)
     for i in range(a, whole, WIDTH):
         f2 = load(s, f + i + WIDTH)
-        emit(s, target, unknown, i, slope(op.p, weights, f0, f1, f2))
+        emit(s, target, unknown, i, slope(p, weights, f0, f1, f2))
         f0, f1 = f1, f2
     if whole < b:
-        k = slope(op.p, weights, f0, f1, load(s, f + whole + WIDTH))
+        k = slope(p, weights, f0, f1, load(s, f + whole + WIDTH))
         emit_lanes(s, target, unknown, whole, k, 0, b - whole)
     for side in range(2):
         end, known = (lo, min(hi + 1, i1 + op.reach) - lo) if side == 0 else (hi, hi + 1 - max(lo, i0 - op.reach))
@@ -166,7 +170,7 @@ def fluid_rates(layer, op, s, f, target, unknown, points):
 @njit(**OPTIONS)
 def fluid_survey(layer, s, w, at, begin, end):
     """Add the active points begin .. end-1 to the survey at s[at:]: see fsipetsc.physics.survey."""
-    begin, end = max(begin, layer.lo), min(end, layer.hi + 1)
+    begin, end, velocity = max(begin, layer.lo), min(end, layer.hi + 1), layer.s
     q, e, cc = w + layer.stride, w + 2 * layer.stride, layer.gamma * (layer.gamma - 1.0)
     speed, light, cold = spread(0.0), spread(np.inf), spread(np.inf)
     mass, momentum, energy = spread(0.0), spread(0.0), spread(0.0)
@@ -178,7 +182,7 @@ def fluid_survey(layer, s, w, at, begin, end):
         r = 1.0 / rho
         v = m * r
         c2 = cc * (E * r - 0.5 * v * v)
-        speed = maximum(speed, magnitude(v - layer.s) + root(c2))
+        speed = maximum(speed, magnitude(v - velocity) + root(c2))
         light, cold = minimum(light, rho), minimum(cold, c2)
     note_largest(s, at + SPEED, speed)
     note_smallest(s, at + LEAST_RHO, light)

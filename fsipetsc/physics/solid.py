@@ -29,7 +29,7 @@ from fsipetsc.operators.kernels import (
     weights_of,
     whole_vectors,
 )
-from fsipetsc.operators.vectors import WIDTH, kept, load, maximum, minimum, mirrored, spread, store
+from fsipetsc.operators.vectors import WIDTH, fma, kept, load, maximum, minimum, mirrored, spread, store
 from fsipetsc.physics.emission import emit, emit_lanes
 from fsipetsc.physics.survey import (
     GREATEST_T,
@@ -86,12 +86,15 @@ def solid_rhs(layer, op, s, w, scratch, target, begin, end):
 
 
 @njit(**OPTIONS)
-def solid_flux(layer, s, at, x_X, conduction):
-    """(1/x_X, sigma - p, heat flux) at the points from s[at] on; conduction: kappa_e T_X there."""
+def solid_flux(constants, s, at, x_X, conduction):
+    """(1/x_X, sigma - p, heat flux) at the points from s[at] on; conduction: kappa_e T_X there.
+
+    constants: p x_X / T, stride; numbers, because a record would be read anew at each point.
+    """
+    heated, stride = constants
     stretch = 1.0 / x_X
-    pe = layer.gruneisen * layer.m0 * layer.alpha
-    p = pe * load(s, at + 2 * layer.stride) * stretch
-    return stretch, load(s, at + layer.stride) - p, conduction * stretch
+    p = heated * load(s, at + 2 * stride) * stretch
+    return stretch, load(s, at + stride) - p, conduction * stretch
 
 
 @njit(**OPTIONS)
@@ -101,12 +104,13 @@ def solid_fluxes(layer, op, s, w, f, origin, i0, i1):
     net, heat = f + row_distance(), f + 2 * row_distance()
     T, x = w + 2 * layer.stride, w + 3 * layer.stride
     d0, d1 = max(lo, i0 - reach), min(hi + 1, i1 + reach)
+    constants = layer.gruneisen * layer.m0 * layer.alpha, layer.stride
     strain, conduction = weights_of(op, 1.0 / layer.h), weights_of(op, layer.kappa_e / layer.h)
     first = grid_start(origin, min(origin, max(d0, lo + op.rows)))
     x0, x1, T0, T1 = load(s, x + first - WIDTH), load(s, x + first), load(s, T + first - WIDTH), load(s, T + first)
     for i in range(first, min(d1, hi + 1 - op.rows), WIDTH):
         x2, T2 = load(s, x + i + WIDTH), load(s, T + i + WIDTH)
-        g1, g2, g3 = solid_flux(layer, s, w + i, slope(p, strain, x0, x1, x2), slope(p, conduction, T0, T1, T2))
+        g1, g2, g3 = solid_flux(constants, s, w + i, slope(p, strain, x0, x1, x2), slope(p, conduction, T0, T1, T2))
         store(s, f + i, g1)
         store(s, net + i, g2)
         store(s, heat + i, g3)
@@ -117,18 +121,21 @@ def solid_fluxes(layer, op, s, w, f, origin, i0, i1):
             i, a, b = end_rows(op, lo, hi, side, r, d0, d1)
             if a < b:
                 x_X, T_X = closure(op, s, x + end, side, known, r), closure(op, s, T + end, side, known, r)
-                g1, g2, g3 = solid_flux(layer, s, w + i, x_X * (1.0 / layer.h), layer.kappa_e / layer.h * T_X)
+                g1, g2, g3 = solid_flux(constants, s, w + i, x_X * (1.0 / layer.h), layer.kappa_e / layer.h * T_X)
                 store_lanes(s, f + i, g1, a, b)
                 store_lanes(s, net + i, g2, a, b)
                 store_lanes(s, heat + i, g3, a, b)
 
 
 @njit(**OPTIONS)
-def solid_rate(layer, s, f, acceleration, u_X, heating):
-    """Rates of u, sigma, T from the slopes of sigma - p over m0, of u, of the heat flux; f: 1/x_X there, see above."""
+def solid_rate(constants, s, f, acceleration, u_X, heating):
+    """Rates of u, sigma, T from the slopes of sigma - p over m0, of u, of the heat flux; f: 1/x_X there, see above.
+
+    constants: force, K, 1/(alpha m0).
+    """
+    force, K, per_heat = constants
     stretch, net = load(s, f), load(s, f + row_distance())
-    heat = (net * u_X + heating) * (1.0 / (layer.alpha * layer.m0))
-    return acceleration + layer.force, layer.K * u_X * stretch, heat
+    return acceleration + force, K * u_X * stretch, fma(net, u_X, heating) * per_heat
 
 
 @njit(**OPTIONS)
@@ -137,6 +144,7 @@ def solid_rates(layer, op, s, w, f, target, points):
     lo, hi, p, reach = layer.lo, layer.hi, op.p, op.reach
     i0, a, b, i1 = points
     net, heat = f + row_distance(), f + 2 * row_distance()
+    constants = layer.force, layer.K, 1.0 / (layer.alpha * layer.m0)
     per_mass, per_length = 1.0 / (layer.h * layer.m0), 1.0 / layer.h
     by_mass, by_length = weights_of(op, per_mass), weights_of(op, per_length)
     n0, n1, u0, u1 = load(s, net + a - WIDTH), load(s, net + a), load(s, w + a - WIDTH), load(s, w + a)
@@ -145,7 +153,7 @@ def solid_rates(layer, op, s, w, f, target, points):
     for i in range(a, b, WIDTH):
         n2, u2, q2 = load(s, net + i + WIDTH), load(s, w + i + WIDTH), load(s, heat + i + WIDTH)
         rates = solid_rate(
-            layer, s, f + i, slope(p, by_mass, n0, n1, n2), slope(p, by_length, u0, u1, u2), slope(p, by_length, q0, q1, q2)
+            constants, s, f + i, slope(p, by_mass, n0, n1, n2), slope(p, by_length, u0, u1, u2), slope(p, by_length, q0, q1, q2)
         )
         if i == whole:
             for unknown in range(4):
@@ -162,7 +170,7 @@ def solid_rates(layer, op, s, w, f, target, points):
             i, first, last = end_rows(op, lo, hi, side, r, i0, i1)
             if first < last:
                 rates = solid_rate(
-                    layer,
+                    constants,
                     s,
                     f + i,
                     per_mass * closure(op, s, net + end, side, known, r),

@@ -99,7 +99,7 @@ class LoggedState(State):
     def step(self, t: float, dt: float, steady: bool) -> None:
         with self._events["step"]:
             super().step(t, dt, steady)
-            made = int(self.pace[MADE]) if steady else 1
+            made = max(1, int(self.pace[MADE]))
             self._count(self._stage, made * (STAGES - 1))
             self._count(self._completion, made)
             PETSc.Log.logFlops(made * STAGES * self._flops)

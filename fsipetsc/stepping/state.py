@@ -121,7 +121,7 @@ class State:
     def step(self, t: float, dt: float, steady: bool) -> None:
         """A step dt [s] of the fused Runge-Kutta method from the completed solution at t [s], and its completion.
 
-        steady: the data do not depend on time; then further steps follow as the pace allows.
+        steady: the data do not depend on time; then further steps follow as the pace allows, by itself none.
         """
         if steady:
             advance(*self.plan, 0, STAGES + 1, -1, dt)
