@@ -50,7 +50,7 @@ RUN = (
     ),
     Option("fsi_entropy", bool, False, "", "record the entropy, too; -fsi_check does so anyway"),
     Option(
-        *("fsi_burst", int, 64, "steps", "most steps in one go, between two looks at signals and progress; 1 for -ts_monitor…"),
+        *("fsi_burst", int, 64, "steps", "most steps between looks at signals and progress; 1 with -ts_monitor…, -log_…"),
         check="positive",
     ),
     Option("fsi_partition", str, "auto", "", "which ranks own which layers", ("auto", "physics", "balanced")),
@@ -154,7 +154,7 @@ def _watched() -> bool:
     """Something of PETSc's is to see every step."""
     from petsc4py import PETSc
 
-    return any(name.lower().startswith(("ts_monitor", "ts_save_trajectory")) for name in PETSc.Options().getAll())
+    return any(name.lower().startswith(("ts_monitor", "ts_save_trajectory", "log_")) for name in PETSc.Options().getAll())
 
 
 def read_table(sections: Mapping[str, Sequence[Option]]) -> dict[str, Any]:

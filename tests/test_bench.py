@@ -28,7 +28,7 @@ def study() -> Study:
             for ranks in (1, 2):
                 share, reductions = points // ranks, 0 if ranks == 1 else 5
                 step = TRUE.step(made, order, share, ranks)
-                nothing = dict.fromkeys(("rates", "ends", "completion", "exchange", "reduction", "petsc", "call", "bound"), 0.1)
+                nothing = dict.fromkeys(("inner", "ends", "exchange", "reduction", "petsc", "call", "bound"), 0.1)
                 counts = {"sends": 4 * (ranks - 1), "reductions": reductions, "doubles": 20 * points}
                 made.rows.append(Row(order, 6 / points, points, ranks, share, 100, step, step, **nothing, **counts))
     return made
@@ -94,7 +94,7 @@ def test_command(tmp_path):
     assert [row["points"] for row in rows] == [row["points"] for row in (rows[0], rows[0], rows[2], rows[2])]
     for row in rows:
         assert float(row["step"]) >= float(row["best"]) > float(row["petsc"]) > 0
-        assert float(row["rates"]) > 0
+        assert float(row["inner"]) > 0
     assert rows[1]["reductions"] == "5" and rows[0]["reductions"] == "0"
     assert (tmp_path / "bench-facts.csv").exists()
     again = run("-m", "fsipetsc", "bench", "-bench_from", "bench.csv", cwd=tmp_path)

@@ -14,6 +14,8 @@ pytestmark = pytest.mark.mpi
 
 PISTON = str(REPOSITORY / "runs" / "piston.py")
 _ROD = "-fsi_h 0.025 -ts_max_time 0.08 -fsi_output_dt 0.02"  # the interfaces move by more than a cell
+#: so fine that layers have a middle that goes through a step tile by tile; on more ranks it is cut elsewhere
+_TILES = "-fsi_h 0.001 -ts_max_time 0.0001"
 _MMS = "-fsi_h 0.025 -fsi_order 6 -ts_max_time 0.2 -fsi_output_dt 0.05"
 RUNS = {
     "rod": ("rod", _ROD),
@@ -24,6 +26,10 @@ RUNS = {
     "rod spare 200": ("rod", f"{_ROD} -fsi_spare 200"),
     "rod order 2": ("rod", f"{_ROD} -fsi_order 2 -solid_gruneisen 0.1"),
     "rod order 8": ("rod", f"{_ROD} -fsi_order 8"),
+    "rod burst 1": ("rod", f"{_ROD} -fsi_burst 1"),
+    "rod tiles": ("rod", _TILES),
+    "rod tiles balanced": ("rod", f"{_TILES} -fsi_partition balanced"),
+    "rod tiles order 8": ("rod", "-fsi_order 8 -fsi_h 0.0025 -ts_max_time 0.0004 -fsi_partition balanced"),
     "rod 5dp": ("rod", "-fsi_h 0.05 -ts_max_time 0.1 -ts_rk_type 5dp -ts_adapt_type basic -ts_rtol 1e-7 -ts_atol 1e-7"),
     "rod stiff": (
         "rod",  # whose step is bound by the solid, with a pressure in it and cut in two
@@ -45,6 +51,8 @@ SAME = {
     "rod spare 200": "rod",
     "rod spare 0": "rod",
     "rod spare 2": "rod",
+    "rod burst 1": "rod",
+    "rod tiles balanced": "rod tiles",
     "mms balanced": "mms",
     "piston spare 0": "piston",
 }

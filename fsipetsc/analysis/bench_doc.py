@@ -93,11 +93,11 @@ def parts(study: Study) -> str:
             operator(r.order).name,
             f"{r.points:d}",
             f"{r.ranks:d}",
-            *(f"{v:.3g}" for v in (r.best, r.rates, r.ends, r.completion, r.exchange, r.petsc, r.python)),
+            *(f"{v:.3g}" for v in (r.best, r.inner, r.ends, r.exchange, r.petsc, r.python)),
         ]
         for r in study.at()
     ]
-    names = ["order", "points", "ranks", "step", "right-hand sides", "ends and interfaces", "completion", "exchange"]
+    names = ["order", "points", "ranks", "step", "points", "ends and interfaces", "exchange"]
     return markdown([*names, "PETSc", "Python"], rows)
 
 

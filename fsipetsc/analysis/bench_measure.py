@@ -3,12 +3,11 @@
 Whole steps are timed as a run makes them: PETSc's TS, the hooks, the series; only nothing is written. The phases are
 timed apart, in loops over the same state, for a clock within compiled code would cost what it measures:
 
-    rates       the first stage of a step, which finds its work area settled: 4 of them in a step
     settle      exchange, and then ghost points, ends and interfaces: 4 in a step
     exchange    messages alone: 4 in a step
     reduction   of the bounds on the time step: 1
-    completion  the last part of a step, less its settling and its reduction: 1
-    PETSc       a step of a TS that computes nothing, with the same calls in its hook
+    points      what else a step does in compiled code: right-hand sides, bounds, ledgers, the solution for PETSc
+    PETSc       a step of a TS that computes nothing, with the same calls in its hook; one for a burst of steps
     Python      what is left of the whole step: entering compiled code, the hooks' bookkeeping, the series
 
 Where ranks differ the slowest one counts. Of the parts the shortest of several samples counts, for noise only adds, and
@@ -52,6 +51,7 @@ class Stand:
         self.comm, self.options = comm, dict(opt)
         self.state = make_state(case.build(opt), opt, comm)
         self.state.set_initial()
+        self.burst = 1  # steps in one go
 
     def steps(self, count: int) -> float:
         """A step, on the average over the first ``count`` steps from the initial data."""
@@ -66,6 +66,7 @@ class Stand:
             on_grids=lambda: None,
         )
         integrator.start()
+        self.burst = integrator.burst
         comm.Barrier()
         integrator.run()
         return 1e6 * comm.allreduce(integrator.wall_time, MPI.MAX) / integrator.steps
@@ -75,27 +76,25 @@ class Stand:
         plan, comm = self.state.plan, self.comm
         self.steps(2)  # a state in the midst of a run
 
-        def part(begin: int, end: int) -> Callable[[int], None]:
+        def part(end: int) -> Callable[[int], None]:
             def repeat(count: int) -> None:
                 for _ in range(count):
-                    advance(*plan, begin, end, -1, _TINY)
+                    advance(*plan, 0, end, -1, _TINY)
 
             return repeat
 
-        call = clock(comm, part(0, 0), seconds)
-        rates = clock(comm, part(0, 1), seconds) - call
+        call = clock(comm, part(0), seconds)
+        whole = clock(comm, part(STAGES + 1), seconds) - call
         settle = clock(comm, lambda n: settle_often(*plan, n), seconds)
         exchange = clock(comm, lambda n: exchange_often(*plan, n), seconds)
         reduction = clock(comm, lambda n: reduce_often(plan.head, plan.memory, LIMITS, n), seconds)
-        last = clock(comm, part(STAGES, STAGES + 1), seconds) - call
         return {
-            "rates": STAGES * rates,
+            "inner": whole - STAGES * settle - reduction,
             "ends": STAGES * (settle - exchange),
-            "completion": last - settle - reduction,
             "exchange": STAGES * exchange + reduction,
             "reduction": reduction,
-            "petsc": clock(comm, self._petsc, seconds),
-            "call": call,
+            "petsc": clock(comm, self._petsc, seconds) / self.burst,
+            "call": call / self.burst,
         }
 
     def _petsc(self, count: int) -> None:

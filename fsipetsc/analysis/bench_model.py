@@ -54,7 +54,7 @@ def bandwidth(study: Study, ranks: int, points: float) -> float:
 
 
 def state_bytes() -> float:
-    """Bytes of a point in the arrays that a step works on: two work areas, start, sum and PETSc's solution."""
+    """Bytes of a point in the arrays that a step works on: three work areas, sum and PETSc's solution."""
     return 5 * 8 * UNKNOWNS
 
 

@@ -20,7 +20,7 @@ class Row:
     """One order and grid on a number of ranks. Times are of a step, in µs; NaN where nothing was measured.
 
     points: active ones; share: the most of them on a rank. steps: of a sample. step: median of the samples, best: the
-    shortest. rates, ends, completion, exchange, petsc: parts of a step, see fsipetsc.analysis.bench_measure; call: of
+    shortest. inner, ends, exchange, petsc: parts of a step, see fsipetsc.analysis.bench_measure; call: of
     entering compiled code, a part of what is left for Python; reduction: one of those in exchange. yardstick: the
     other program's step; ratio: ours by its, in pairs made one after the other, median. speedup: of ours on one rank
     by this one, likewise. bound: what the memory traffic of a step takes at the bandwidth of STREAM's triad. sends,
@@ -35,9 +35,8 @@ class Row:
     steps: int
     step: float
     best: float
-    rates: float
+    inner: float
     ends: float
-    completion: float
     exchange: float
     reduction: float
     petsc: float
@@ -57,8 +56,8 @@ class Row:
 
     @property
     def arithmetic(self) -> float:
-        """Of a step [µs]: right-hand sides, ghost points, ends, interfaces, completion."""
-        return self.rates + self.ends + self.completion
+        """Of a step [µs]: all that is computed."""
+        return self.inner + self.ends
 
     @property
     def python(self) -> float:

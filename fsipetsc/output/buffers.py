@@ -55,7 +55,8 @@ class SeriesBuffer:
         self._parts: dict[str, list[tuple[int, Array]]] = {}  # name -> first row and rows of each part
 
     def append(self, rows: Mapping[str, Array]) -> None:
-        block = {name: np.array(values, dtype=np.float64, ndmin=1) for name, values in rows.items()}
+        """Keep rows, not copied: their arrays must not change any more."""
+        block = {name: np.atleast_1d(np.asarray(values, dtype=np.float64)) for name, values in rows.items()}
         if len({len(values) for values in block.values()}) != 1:
             raise ValueError(f"series with unequal numbers of rows: { {name: v.shape for name, v in block.items()} }")
         for name, values in block.items():

@@ -47,6 +47,7 @@ def integrals(head, layers, memory):
                 energy += value
             else:
                 energy += layer.m0 * (0.5 if q == 1 else layer.alpha) * value
+        if not fluid:
             force += layer.force * layer.m0 * h * norm_sum(head, layer)
         force += end_forces(head, layer, memory)
         if head.entropy == 1:

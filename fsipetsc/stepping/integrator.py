@@ -67,10 +67,10 @@ class Integrator:
         self.stop_signal = 0
         self._proposal = np.inf
         self._fused = opt["ts_type"] == NAME
-        self._burst = 0
+        self.burst = 0  # most steps in one go; 0: steps are made one by one, stage by stage
         if self._fused and self._steady:  # no longer than a signal may have to wait
             points = sum(grid.n for grid in state.layout.grids)
-            self._burst = max(1, min(opt["fsi_burst"], MOST_POINTS // points))
+            self.burst = max(1, min(opt["fsi_burst"], MOST_POINTS // points))
         self._rates: PETSc.Vec | None = None
         self._control: ErrorControl | None = None
         self._error: BaseException | None = None
@@ -94,7 +94,7 @@ class Integrator:
     def _after_step(self, ts: PETSc.TS) -> None:
         t, dt = self._target, self._step
         made = shortest = longest = None
-        if self._burst:
+        if self.burst:
             t, dt, made, shortest, longest = self.state.pace[[T, DT, MADE, SHORTEST, LONGEST]].tolist()
         elif not self._fused:
             if not self._steady:
@@ -185,9 +185,9 @@ class Integrator:
         self._step, self._target = self._clock.step(self.t, bound)
         self.state.results[SAID_STOP] = self.raised
         ts.setTimeStep(self._step)
-        if self._burst:
+        if self.burst:
             opt, series = self.opt, self.series
-            allowed = min(self._burst, opt["ts_max_steps"] - self.steps, series.room)
+            allowed = min(self.burst, opt["ts_max_steps"] - self.steps, series.room)
             times = self.t, self._step, self._target, self._clock.target
             bounds = opt["fsi_cfl"], opt["ts_dt"] or 0.0, allowed
             self.state.pace[:] = *times, *bounds, 0, np.inf, 0.0, series.count

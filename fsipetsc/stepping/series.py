@@ -41,9 +41,10 @@ class Series:
         """Name -> array of all steps kept, on rank 0 with the sums over all ranks; empties the buffer. Collective."""
         rows, nI = self._state.journal[: self.count], len(self._state.states)
         n, self.count = self.count, 0
-        faces, own = rows[:, 2 + FLAGS + LIMITS :][:, : 8 * nI].reshape(n, nI, 8), rows[:, 2 + FLAGS + LIMITS + 8 * nI :].copy()
-        shares = np.zeros_like(own) if comm.rank == 0 else own
-        comm.Reduce(own, shares if comm.rank == 0 else None, MPI.SUM, 0)
+        faces = rows[:, 2 + FLAGS + LIMITS :][:, : 8 * nI].reshape(n, nI, 8)
+        shares = rows[:, 2 + FLAGS + LIMITS + 8 * nI :].copy()
+        if comm.size > 1:
+            comm.Reduce(MPI.IN_PLACE if comm.rank == 0 else shares, shares, MPI.SUM, 0)
         names = [f"{name}_interface" for name in _INTERFACE] + [f"residual_{name}" for name in _RESIDUALS]
         data = {"t": rows[:, 0].copy(), "dt": rows[:, 1].copy()}
         data.update({name: faces[:, :, c].copy() for c, name in enumerate(names)})
