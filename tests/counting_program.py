@@ -156,6 +156,7 @@ def interpret() -> None:
         "BLOCK": BLOCK,
         "TILE": BLOCK,
         "LEAST_MIDDLE": BLOCK,
+        "LEAST_TILED": 0,
     }
     for module in compiled_modules():
         for name, stand_in in plain.items():

@@ -14,8 +14,8 @@ pytestmark = pytest.mark.mpi
 
 PISTON = str(REPOSITORY / "runs" / "piston.py")
 _ROD = "-fsi_h 0.025 -ts_max_time 0.08 -fsi_output_dt 0.02"  # the interfaces move by more than a cell
-#: so fine that layers have a middle that goes through a step tile by tile; on more ranks it is cut elsewhere
-_TILES = "-fsi_h 0.001 -ts_max_time 0.0001"
+#: so fine that one rank goes through a step tile by tile, and more ranks do not
+_TILES = "-fsi_h 0.0005 -ts_max_time 0.00005"
 _MMS = "-fsi_h 0.025 -fsi_order 6 -ts_max_time 0.2 -fsi_output_dt 0.05"
 RUNS = {
     "rod": ("rod", _ROD),
@@ -29,7 +29,7 @@ RUNS = {
     "rod burst 1": ("rod", f"{_ROD} -fsi_burst 1"),
     "rod tiles": ("rod", _TILES),
     "rod tiles balanced": ("rod", f"{_TILES} -fsi_partition balanced"),
-    "rod tiles order 8": ("rod", "-fsi_order 8 -fsi_h 0.0025 -ts_max_time 0.0004 -fsi_partition balanced"),
+    "rod tiles order 8": ("rod", "-fsi_order 8 -fsi_h 0.0005 -ts_max_time 0.00002 -fsi_partition balanced"),
     "rod 5dp": ("rod", "-fsi_h 0.05 -ts_max_time 0.1 -ts_rk_type 5dp -ts_adapt_type basic -ts_rtol 1e-7 -ts_atol 1e-7"),
     "rod stiff": (
         "rod",  # whose step is bound by the solid, with a pressure in it and cut in two

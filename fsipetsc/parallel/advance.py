@@ -3,10 +3,10 @@
 A stage reads one work area and writes the next stage's values straight into another; the sum that becomes the new
 solution is built up beside it. It is the method of PETSc's ``-ts_type rk -ts_rk_type 4``, up to round-off.
 
-A whole step goes over memory once. What the interfaces, outer ends and neighbouring ranks can reach within a step is a
-few points at each end of a layer: there the stages are made one after the other, with the exchanges between them, each
-on fewer points than the one before. The *middle* of the layer then needs nobody else. It is cut into tiles that stay in
-cache while all four stages pass over them, each a stencil's reach behind the one before (time skewing):
+On large grids a whole step goes over memory once. What the interfaces, outer ends and neighbouring ranks can reach within
+a step is a few points at each end of a layer: there the stages are made one after the other, with the exchanges between
+them, each on fewer points than the one before. The *middle* of the layer then needs nobody else. It is cut into tiles
+that stay in cache while all four stages pass over them, each a stencil's reach behind the one before (time skewing):
 
     stage 3  E E|M . . .|. . . . .        E  ends     M  middle, tile by tile from the left
     stage 2  E E E|M . . .|. . . .        The values that a stage of the middle takes from the ends' side are still
@@ -26,19 +26,15 @@ from fsipetsc.operators.kernels import ENTRY, OPTIONS, U64
 from fsipetsc.parallel.completion import begin_looking, complete, look
 from fsipetsc.parallel.exchange import exchange, load_state, store_state, unknowns, work_point
 from fsipetsc.parallel.pace import DT, goes_on
-from fsipetsc.parallel.plan import FORCING, SUM, WORK
+from fsipetsc.parallel.plan import FORCING, STAGES, SUM, WORK
 from fsipetsc.parallel.settle import settle
 from fsipetsc.physics.emission import Target
 from fsipetsc.physics.fluid import fluid_rhs
 from fsipetsc.physics.layer import FLUID
 from fsipetsc.physics.solid import solid_rhs
 
-#: stages of the method; after the last one comes the completion of the step
-STAGES = 4
 #: points of a tile
 TILE = 1024
-#: middles shorter than this are no gain
-LEAST_MIDDLE = 512
 
 
 class Stage(NamedTuple):
@@ -94,10 +90,8 @@ def evaluate(head, layer, memory, stage, begin, end):
 def find_middle(head, layer, wanted):
     """Note which points of the completed step come from tiles: those of the first stage, less what later ones give up."""
     a, b = max(layer.own_lo, layer.lo), min(layer.own_hi, layer.hi + 1)
-    # what settling reads and changes is at most as wide as a halo or the traces
-    edge = max(head.width, 8)
-    layer.middle[0], layer.middle[1] = a + edge, b - edge
-    if not wanted or layer.present == 0 or b - a < 2 * (edge + STAGES * 2 * head.op.p) + LEAST_MIDDLE:
+    layer.middle[0], layer.middle[1] = a + head.edge, b - head.edge
+    if not wanted or layer.present == 0 or b - a < head.least:
         layer.middle[0] = layer.middle[1] = a
 
 

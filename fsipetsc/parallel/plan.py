@@ -55,12 +55,18 @@ HEAD = np.dtype(
         ("status_list", _I),
         ("edges", _I),  # messages of the halo exchange
         ("width", _I),  # of a halo
+        ("edge", _I),  # points at the ends of a layer that settling reads or changes
+        ("least", _I),  # points of a layer that has a middle worth tiles
     ],
     align=True,
 )
 #: the areas: the first three are worked in
 #: (no Python ints: of a function that is given one numba compiles a version for just this value)
 WORK, SUM, FORCING = np.int64(0), np.int64(3), np.int64(4)
+#: stages of the fused Runge-Kutta method; after the last one comes the completion of the step
+STAGES = 4
+#: middles shorter than this are no gain, nor are tiles where a rank has fewer points: its caches hold them all
+LEAST_MIDDLE, LEAST_TILED = 512, 8192
 #: doubles of the flags and of the limits among the results
 FLAGS, LIMITS = 4, 11
 #: integrals behind the masses of the layers, see fsipetsc.parallel.ledger
@@ -159,6 +165,9 @@ def make_plan(layout: Layout, op: SBPOperator, coupling: str, forced: bool) -> t
     for name in HEAD.names:
         if name in starts:
             head[name] = starts[name]
+    edge = max(layout.width, rows)
+    least = 2 * (edge + STAGES * 2 * op.p) + LEAST_MIDDLE
+    head["edge"], head["least"] = edge, (least if tiles_pay(layout, edge, least) else np.iinfo(_I).max)
     head["limits"] = head["results"] + FLAGS
     head["row"] = 2 + results
     head["states"] = head["limits"] + LIMITS
@@ -167,6 +176,20 @@ def make_plan(layout: Layout, op: SBPOperator, coupling: str, forced: bool) -> t
     head["requests"] = requests.handles.size
     head["request_list"], head["status_list"] = requests.handles.ctypes.data, requests.statuses.ctypes.data
     return Plan(head, layout.records, faces, memory), requests
+
+
+def tiles_pay(layout: Layout, edge: int, least: int) -> bool:
+    """Whether a step should go through the middles of layers tile by tile; the same on all ranks.
+
+    That is done after the ends, between whose stages the ranks wait for each other. So it pays only where no rank has
+    much to do in the one part of the step, and another one in the other.
+    """
+    whole, inner = np.zeros(layout.comm.size), np.zeros(layout.comm.size)
+    for pieces in layout.shares:
+        for rank, begin, end in pieces:
+            whole[rank] += end - begin
+            inner[rank] += end - begin - 2 * edge if end - begin >= least else 0
+    return bool(whole.max() >= LEAST_TILED and (whole - inner).max() + inner.max() <= 1.03 * whole.max())
 
 
 def _dofs(layout: Layout) -> list[int]:
