@@ -17,7 +17,9 @@ from numba import njit
 
 from fsipetsc.operators.kernels import (
     BLOCK,
+    ENTRY,
     OPTIONS,
+    U64,
     closure,
     end_rows,
     grid_start,
@@ -165,6 +167,22 @@ def fluid_rates(layer, op, s, f, target, unknown, points):
             i, first, last = end_rows(op, lo, hi, side, r, i0, i1)
             if first < last:
                 emit_lanes(s, target, unknown, i, scale * closure(op, s, f + end, side, known, r), first, last)
+
+
+@njit(**ENTRY)
+def fluid_fields(layer, s, w, interface, values, x):
+    """rho, u, T, p of the owned points to values (owned points, 4), Eulerian positions to x; NaN where inactive.
+
+    s, w: as in ``fluid_rhs``; interface: index of the interface point.
+    """
+    for k in range(layer.own_hi - layer.own_lo):
+        i = layer.own_lo + k
+        inside = layer.lo <= i <= layer.hi
+        rho = s[U64(w + i)] if inside else np.nan
+        u = s[U64(w + layer.stride + i)] / rho
+        T = (s[U64(w + 2 * layer.stride + i)] / rho - 0.5 * u * u) / layer.cv
+        values[k, 0], values[k, 1], values[k, 2], values[k, 3] = rho, u, T, layer.R * rho * T
+        x[k] = (i - interface) * layer.h + layer.x_interface if inside else np.nan
 
 
 @njit(**OPTIONS)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from fsipetsc.operators.kernels import MARGIN, derivative
+from fsipetsc.parallel.plan import WORK
+from fsipetsc.physics.fluid import fluid_fields
 from fsipetsc.problem import FluidLayer
 from fsipetsc.stepping.state import State
 
@@ -16,19 +18,13 @@ def fields(state: State, k: int) -> tuple[np.ndarray, np.ndarray]:
     """
     layer, record = state.problem.layers[k], state.layout.records[k]
     own_lo, own_hi = int(record["own_lo"]), int(record["own_hi"])
-    work = state.plan.work(k)
     halo = int(record["halo_lo"])
     if isinstance(layer, FluidLayer):
-        a, b = max(own_lo, int(record["lo"])), min(own_hi, int(record["hi"]) + 1)
-        values, x = np.full((own_hi - own_lo, 4), np.nan), np.full(own_hi - own_lo, np.nan)
-        if a < b:
-            inside, first = slice(a - own_lo, b - own_lo), own_lo - halo
-            for c, field in enumerate(layer.material.primitive(work[a - first : b - first])):
-                values[inside, c] = field
-            grid = state.layout.grids[k]
-            x[inside] = grid.X(state.h, a, b) - grid.anchor + record["x_interface"]
+        values, x = np.empty((own_hi - own_lo, 4)), np.empty(own_hi - own_lo)
+        at = int(state.plan.head["area"][0, WORK] + record["work"]) - own_lo + halo
+        fluid_fields(record, state.plan.memory, at, state.layout.grids[k].anchor_index, values, x)
         return values, x
-    values = np.zeros((own_hi - own_lo, 5))
+    work, values = state.plan.work(k), np.zeros((own_hi - own_lo, 5))
     values[:, :4] = work[halo : halo + own_hi - own_lo]
     if layer.material.gruneisen != 0.0:
         x_X = strain(state, work[:, 3], own_lo - halo, own_lo, own_hi, int(record["n"]))
