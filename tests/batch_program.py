@@ -1,12 +1,14 @@
 """Runs several cases one after the other in one process, as the command line would: DIRECTORY RUNS.json.
 
-RUNS.json: name -> [case, "options as on the command line"]. Each leaves NAME.h5 in DIRECTORY; what fails leaves
+RUNS.json: name -> [case, "options as on the command line"]; options that begin with "tiles" ask for tiles on grids that
+are too coarse for them to pay. Each leaves NAME.h5 in DIRECTORY; what fails leaves
 NAME.txt with the error instead. Started by helpers.compute under mpiexec: much cheaper than a process for each.
 """
 
 from __future__ import annotations
 
 import json
+import math
 import sys
 from pathlib import Path
 
@@ -21,11 +23,14 @@ def main(directory: str, runs: str) -> None:
     from fsipetsc.cases import load_case
     from fsipetsc.errors import FsiError
     from fsipetsc.options import read_options
+    from fsipetsc.parallel import plan
     from fsipetsc.stepping.run import run_case
 
-    database = PETSc.Options()
+    database, least = PETSc.Options(), (plan.LEAST_MIDDLE, plan.LEAST_TILED, plan.MOST_WAITING)
     for name, (case_name, text) in json.loads(Path(runs).read_text()).items():
-        case = load_case(case_name)
+        case, tiles = load_case(case_name), text.startswith("tiles ")
+        plan.LEAST_MIDDLE, plan.LEAST_TILED, plan.MOST_WAITING = (16, 0, math.inf) if tiles else least
+        text = text.removeprefix("tiles ")
         database.insertString(f"{text} -fsi_quiet -fsi_output {directory}/{name}.h5")
         try:
             run_case(case, read_options(case), comm)

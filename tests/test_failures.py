@@ -106,6 +106,20 @@ def test_a_step_beyond_the_stability_limit(ranks, tmp_path):
     assert_readable(tmp_path / "rod.h5", "failed", 3.0)
 
 
+def test_a_failure_within_a_burst_loses_nothing(tmp_path):
+    """Neither steps of the series nor of the summary, as if they had been made one by one."""
+    found = []
+    for burst in (1, 64):
+        line = f"rod -fsi_h 0.025 -ts_max_time 0.5 -ts_dt 3e-4 -fsi_burst {burst} -fsi_output {burst}.h5".split()
+        message(run("-m", "fsipetsc", *line, cwd=tmp_path), 3)
+        with fsipetsc.open_run(tmp_path / f"{burst}.h5") as result:
+            series = {name: result.series[name].tolist() for name in ("t", "dt", "x_interface", "mass")}
+            said = [result.summary[name] for name in ("steps", "rhs_evaluations", "dt_min", "dt_max", "message")]
+            found.append((series, said))
+    assert len(found[0][0]["t"]) > 2
+    assert str(found[0]).replace("1.h5", "") == str(found[1]).replace("64.h5", "")
+
+
 def test_the_message_is_the_same_on_any_number_of_ranks(tmp_path):
     line = "rod -fsi_h 0.05 -fsi_cfl 5 -fsi_output x.h5".split()
     texts = {message(mpirun(n, "-m", "fsipetsc", *line, cwd=tmp_path), 3) for n in (1, 3)}

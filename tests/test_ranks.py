@@ -14,6 +14,8 @@ pytestmark = pytest.mark.mpi
 
 PISTON = str(REPOSITORY / "runs" / "piston.py")
 _ROD = "-fsi_h 0.025 -ts_max_time 0.08 -fsi_output_dt 0.02"  # the interfaces move by more than a cell
+#: as long as it takes the rod to fall by cells, so that boundary points appear
+_FINE = "-fsi_h 0.0125 -ts_max_time 0.08 -fsi_partition balanced"
 #: so fine that one rank goes through a step tile by tile, and more ranks do not
 _TILES = "-fsi_h 0.0005 -ts_max_time 0.00005"
 _MMS = "-fsi_h 0.025 -fsi_order 6 -ts_max_time 0.2 -fsi_output_dt 0.05"
@@ -27,6 +29,8 @@ RUNS = {
     "rod order 2": ("rod", f"{_ROD} -fsi_order 2 -solid_gruneisen 0.1"),
     "rod order 8": ("rod", f"{_ROD} -fsi_order 8"),
     "rod burst 1": ("rod", f"{_ROD} -fsi_burst 1"),
+    "rod fine": ("rod", _FINE),
+    "rod fine tiles": ("rod", f"tiles {_FINE}"),
     "rod tiles": ("rod", _TILES),
     "rod tiles balanced": ("rod", f"{_TILES} -fsi_partition balanced"),
     "rod tiles order 8": ("rod", "-fsi_order 8 -fsi_h 0.0005 -ts_max_time 0.00002 -fsi_partition balanced"),
@@ -53,6 +57,7 @@ SAME = {
     "rod spare 2": "rod",
     "rod burst 1": "rod",
     "rod tiles balanced": "rod tiles",
+    "rod fine tiles": "rod fine",
     "mms balanced": "mms",
     "piston spare 0": "piston",
 }

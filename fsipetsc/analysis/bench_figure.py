@@ -99,7 +99,7 @@ def _speed_up(axes: Axes, study: Study, model: Model | None) -> None:
         axes.axhline(1.0, color="#222222", linewidth=0.8)
         most = study.ranks[-1]
         axes.set_title(f"speed-up on {' and '.join(map(str, study.ranks[1:]))} ranks", loc="left")
-        axes.set_ylim(0, 1.1 * most)
+        axes.set_ylim(0, max(1.1 * most, axes.get_ylim()[1]))
         axes.plot([], [], color="#222222", marker="o", markersize=4, label="measured")
         axes.plot([], [], color="#222222", linestyle=":", label="model")
         axes.legend(loc="lower right")

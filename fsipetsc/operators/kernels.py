@@ -60,7 +60,7 @@ def closure(op, s, at, side, known, r):
     """Closure rows r .. r+3 of h D at the left (side 0) or right end of the row of values whose end is s[at].
 
     As the points lie in memory: at the left end row r comes first, at the right end last. Only the ``known`` values next
-    to the end are read; rows that use more come out wrong.
+    to the end are read; rows that use more come out wrong. (Beyond a row's own columns the weights are zero.)
     """
     step, d = 1 - 2 * side, spread(0.0)
     for c in range(min(op.cols, known)):

@@ -88,7 +88,7 @@ def evaluate(head, layer, memory, stage, begin, end):
 
 @njit(**OPTIONS)
 def find_middle(head, layer, wanted):
-    """Note which points of the completed step come from tiles: those of the first stage, less what later ones give up."""
+    """Note which points tiles complete: their range in the last stage. In a stage before, ends reach 2 p points further."""
     a, b = max(layer.own_lo, layer.lo), min(layer.own_hi, layer.hi + 1)
     layer.middle[0], layer.middle[1] = a + head.edge, b - head.edge
     if not wanted or layer.present == 0 or b - a < head.least:
@@ -144,17 +144,23 @@ def advance(heads, layers, faces, memory, begin, end, raw, dt):
 
     A stage settles its work area, except stage 0, which finds it settled by the completion of the step before, and
     evaluates the right-hand side into the next one. raw: where in the memory a state begins that somebody else has
-    made, which is loaded and settled first; -1 to go on. With begin = end it is loaded as it is, settled already. With
-    dt = 0 (and begin 0, end 1) the right-hand side itself is left where the state was. A whole step (begin 0, end
-    STAGES + 1) is followed by more of them, as the pace allows.
+    made, which is loaded and settled first; -1 to go on. What is asked for:
+
+        begin, end       raw  dt
+        0, STAGES + 1    -1   > 0  a whole step, and more of them as the pace allows
+        n, n + 1         -1   > 0  a stage, or the completion: where data change with time
+        0, 1             at   0    the right-hand side of a state, which is left where the state was
+        STAGES, +1       at   0    a step made by others is completed
+        0, 0             at   0    a state is loaded as it is, settled already
+        0, 0             -1   0    nothing
     """
     head = heads[0]
-    whole = begin == 0 and end == STAGES + 1
+    whole, rates = begin == 0 and end == STAGES + 1, end == 1 and dt == 0.0
     if raw >= 0:
         load_state(head, layers, memory, raw)
         if begin == end:
             exchange(head, layers, faces, memory, WORK)
-    if dt == 0.0:
+    if rates:
         clear(head, layers, memory, SUM)
     more = begin < end
     while more:
@@ -171,7 +177,7 @@ def advance(heads, layers, faces, memory, begin, end, raw, dt):
             begin_looking(head, layers, memory)
             tiles(head, layers, memory, dt)
             complete(head, layers, faces, memory)
-        elif dt == 0.0:
+        elif rates:
             for layer in layers:
                 store_state(head, layer, memory, SUM, raw, layer.own_lo, layer.own_hi)
         more = whole and goes_on(head, memory)

@@ -168,10 +168,6 @@ class Layout:
         record = self.records[k]
         return self.grids[k].X(self.h, int(record["own_lo"]), int(record["own_hi"]))
 
-    def create_vector(self) -> PETSc.Vec:
-        """A world vector of the solution's shape, zero. Collective."""
-        return PETSc.Vec().createMPI((self.local_size, None), comm=self.comm)
-
     def destroy(self) -> None:
         """Destroy the DMDAs, then their communicators. Collective."""
         for dm in self.dms:

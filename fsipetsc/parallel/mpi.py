@@ -25,7 +25,7 @@ mpi_allreduce = _function("MPI_Allreduce", _p, _p, _i, _p, _p, _p)
 mpi_startall = _function("MPI_Startall", _i, _p)
 mpi_waitall = _function("MPI_Waitall", _i, _p, _p)
 
-WORLD = np.dtype([("comm", np.int64), ("size", np.int64), ("rank", np.int64), ("word", np.int64), ("max", np.int64)])
+WORLD = np.dtype([("comm", np.int64), ("size", np.int64), ("word", np.int64), ("max", np.int64)])
 
 
 def handle(obj: object) -> int:
@@ -38,7 +38,7 @@ def handle(obj: object) -> int:
 def world_record(comm: MPI.Comm) -> np.ndarray:
     """What compiled code needs for a maximum over all ranks of 64-bit words."""
     record = np.zeros(1, WORLD)
-    record["comm"], record["size"], record["rank"] = handle(comm), comm.size, comm.rank
+    record["comm"], record["size"] = handle(comm), comm.size
     record["word"], record["max"] = handle(MPI.UINT64_T), handle(MPI.MAX)
     return record
 

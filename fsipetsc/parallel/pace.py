@@ -1,6 +1,7 @@
 """How long steps are, and several of them in one call: what a step leaves is noted, and the next one planned.
 
-A burst of steps ends when something has to be looked at: a time to be saved, a grid that must grow, a failure, a signal.
+A burst of steps ends when it has as many as are allowed (-fsi_burst, -ts_max_steps, room in the journal), or something
+has to be looked at: a time to be saved, a grid that must grow, a failure, a signal.
 Its plan and what came of it stand in the words of the *pace* in the memory; each step fills a row of the journal.
 """
 

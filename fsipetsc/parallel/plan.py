@@ -49,7 +49,6 @@ HEAD = np.dtype(
         ("nodes", _I),
         ("scratch", _I),
         ("entropy", _I),  # 1: the ledger takes it, too
-        ("local", _I),  # doubles of the solution on this rank
         ("requests", _I),  # number of them
         ("request_list", _I),  # addresses for MPI
         ("status_list", _I),
@@ -67,6 +66,8 @@ WORK, SUM, FORCING = np.int64(0), np.int64(3), np.int64(4)
 STAGES = 4
 #: middles shorter than this are no gain, nor are tiles where a rank has fewer points: its caches hold them all
 LEAST_MIDDLE, LEAST_TILED = 512, 8192
+#: nor where ranks that wait for each other would make a step so many times as long
+MOST_WAITING = 1.03
 #: doubles of the flags and of the limits among the results
 FLAGS, LIMITS = 4, 11
 #: integrals behind the masses of the layers, see fsipetsc.parallel.ledger
@@ -160,7 +161,7 @@ def make_plan(layout: Layout, op: SBPOperator, coupling: str, forced: bool) -> t
     memory = memory[-memory.ctypes.data // 8 % _LINE :][:total]
     head = np.zeros(1, HEAD)
     head["op"], head["world"] = packed(op.order), world_record(layout.comm)[0]
-    head["rows"], head["message"], head["local"], head["width"] = rows, message, layout.local_size, layout.width
+    head["rows"], head["message"], head["width"] = rows, message, layout.width
     head["area"] = [starts.get(name, -1) for name in (*areas, "forcing")[:5]]
     for name in HEAD.names:
         if name in starts:
@@ -189,7 +190,7 @@ def tiles_pay(layout: Layout, edge: int, least: int) -> bool:
         for rank, begin, end in pieces:
             whole[rank] += end - begin
             inner[rank] += end - begin - 2 * edge if end - begin >= least else 0
-    return bool(whole.max() >= LEAST_TILED and (whole - inner).max() + inner.max() <= 1.03 * whole.max())
+    return bool(whole.max() >= LEAST_TILED and (whole - inner).max() + inner.max() <= MOST_WAITING * whole.max())
 
 
 def _dofs(layout: Layout) -> list[int]:

@@ -190,7 +190,7 @@ def fluid_survey(layer, s, w, at, begin, end):
     """Add the active points begin .. end-1 to the survey at s[at:]: see fsipetsc.physics.survey."""
     begin, end, velocity = max(begin, layer.lo), min(end, layer.hi + 1), layer.s
     q, e, cc = w + layer.stride, w + 2 * layer.stride, layer.gamma * (layer.gamma - 1.0)
-    speed, light, cold = spread(0.0), spread(np.inf), spread(np.inf)
+    speed, light, cold = spread(-np.inf), spread(np.inf), spread(np.inf)
     mass, momentum, energy = spread(0.0), spread(0.0), spread(0.0)
     for i in range(begin, end, WIDTH):
         n, rho, m, E = end - i, load(s, w + i), load(s, q + i), load(s, e + i)

@@ -3,8 +3,8 @@
 Words of a survey, gathered from as many parts of a layer as one likes. Extremes are exact and let through what is not a
 number; the last bits of sums depend on the parts.
 
-    fluid   largest |u-s| + c; smallest rho, T;              sums of rho, rho u, e
-    solid   smallest x_X, T, sigma; largest T;               sums of u, u^2, T
+    fluid   SPEED largest |u-s| + c; LEAST_RHO, LEAST_T;                  SUMS of rho, rho u, e
+    solid   LEAST_STRAIN x_X, LEAST_SIGMA, LEAST_T, GREATEST_T;           SUMS of u, u^2, T
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from numba import njit
 
 from fsipetsc.operators.kernels import OPTIONS, U64
 from fsipetsc.operators.vectors import lane, maximum, minimum
+from fsipetsc.physics.layer import FLUID
 
 SPEED, LEAST_RHO, LEAST_T = 0, 1, 2
 LEAST_STRAIN, LEAST_SIGMA, GREATEST_T = 0, 1, 3
@@ -27,7 +28,7 @@ def begin_survey(layer, s, at):
     """Nothing has been seen yet. A survey of s[at:]."""
     for k in range(SUMS):
         s[U64(at + k)] = np.inf
-    s[U64(at + (SPEED if layer.kind == 0 else GREATEST_T))] = -np.inf
+    s[U64(at + (SPEED if layer.kind == FLUID else GREATEST_T))] = -np.inf
     for k in range(SUMS, SIZE):
         s[U64(at + k)] = 0.0
 

@@ -34,8 +34,8 @@ class Moved(NamedTuple):
     written: float
 
 
-#: What the parts of the memory cost in a fused step, which goes over them once, tile by tile; the few points at the ends
-#: of layers that are done before do not count.
+#: What the parts of the memory cost in a fused step that goes over them once, tile by tile, as it does where the points of
+#: a rank do not fit into caches (parallel.plan.tiles_pay); the few points at the ends of layers do not count.
 PASSES = {
     "solution, from before to after the step": Moved(1, 1),
     "values in the second and the fourth stage": Moved(1, 1),

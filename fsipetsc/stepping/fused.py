@@ -1,4 +1,8 @@
-"""The fused Runge-Kutta method as a TS type: PETSc asks for steps, compiled code makes them whole."""
+"""The fused Runge-Kutta method as a TS type: PETSc asks for a step, compiled code makes it whole, and more of them.
+
+What is one step for TS is a burst of them where nobody looks at single ones (-fsi_burst); the hook after the step
+gives TS the time and the number of steps.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +25,7 @@ class FusedRK4:
         self._steady = state.problem.steady_data
 
     def step(self, ts: PETSc.TS) -> None:
-        """One step of the length that is set. Collective."""
+        """A step of the length that is set, and those that follow in the same burst. Collective."""
         t, dt = ts.getTime(), ts.getTimeStep()
         self._state.step(t, dt, self._steady)
         self._state.solution.stateIncrease()

@@ -18,7 +18,7 @@ from petsc4py import PETSc
 from fsipetsc.errors import ComputationError
 from fsipetsc.parallel.advance import STAGES
 from fsipetsc.parallel.completion import BAD, EXHAUSTED, LOW, MOVED, RATE, SAID_STOP, SHORT, STOP
-from fsipetsc.parallel.pace import DT, LONGEST, MADE, SHORTEST, T
+from fsipetsc.parallel.pace import LONGEST, MADE, SHORTEST, T
 from fsipetsc.parallel.plan import ENERGY, ENTROPY, FORCE, HEATING, MOMENTUM
 from fsipetsc.stepping.clock import Clock
 from fsipetsc.stepping.control import ErrorControl
@@ -30,7 +30,7 @@ from fsipetsc.stepping.state import State
 
 #: flags and limits of all ranks end here
 LAST = STOP + 1
-#: of all the steps that are made in one call
+#: points (of all ranks, spare ones too) times steps in one call
 MOST_POINTS = 250_000
 #: orders of PETSc's Runge-Kutta methods that have an embedded one
 PAIR_ORDER = {"2a": 2, "3bs": 3, "5f": 5, "5dp": 5, "5bs": 5, "6vr": 6, "7vr": 7, "8vr": 8}
@@ -40,7 +40,7 @@ class Integrator:
     """Integrates a state in time; all methods are collective.
 
     opt: options in force. saved: times at which ``on_frame(t)`` is called. ``on_series()`` is called when the series
-    must be written, ``on_step(steps, t, dt)`` after every step, ``on_grids()`` when the grids have been laid anew.
+    must be written, ``on_step(steps, t, dt)`` after every burst of steps, ``on_grids()`` when the grids have been laid anew.
     """
 
     def __init__(
@@ -63,7 +63,7 @@ class Integrator:
         self.t = 0.0
         self.dt_range = [np.inf, 0.0]
         self.wall_time = 0.0
-        self.raised = 0  # a signal on this rank; all stop at the end of the step in which one of them says so
+        self.raised = 0  # a signal on this rank; all stop after the first step of the next burst
         self.stop_signal = 0
         self._proposal = np.inf
         self._fused = opt["ts_type"] == NAME
@@ -92,31 +92,23 @@ class Integrator:
             ts.setConvergedReason(PETSc.TS.ConvergedReason.CONVERGED_USER)
 
     def _after_step(self, ts: PETSc.TS) -> None:
-        t, dt = self._target, self._step
-        made = shortest = longest = None
         if self.burst:
-            t, dt, made, shortest, longest = self.state.pace[[T, DT, MADE, SHORTEST, LONGEST]].tolist()
-        elif not self._fused:
-            if not self._steady:
-                self.state.set_data(t)
-            if self._control is not None and self._rejected(ts, dt):
-                return
-            self._finish()
-        ts.setTime(t)  # the sum of steps may miss a target by round-off
-        before = self.steps
-        self.t, self.steps = t, before + int(made or 1)
-        ts.setStepNumber(self.steps)
-        if self._fused:
-            self.evaluations += STAGES * (self.steps - before)
-        flags = self.state.results[:LAST].tolist()
-        self.series.count += int(made or 1) - 1
-        self._check(t, flags)
-        self.dt_range = [min(self.dt_range[0], shortest or dt), max(self.dt_range[1], longest or dt)]
-        if made:
-            self.series.count += 1
+            t, made, *steps = self.state.pace[[T, MADE, SHORTEST, LONGEST]].tolist()
         else:
-            self.series.record(t, dt)
-        self._on_step(self.steps, t, dt)
+            t, made, steps = self._target, 1, [self._step] * 2
+            if not self._fused and not self._completed(ts):
+                return
+            self.series.write(t, self._step)
+        ts.setTime(t)  # the sum of steps may miss a target by round-off
+        self.t, self.steps = t, self.steps + int(made)
+        ts.setStepNumber(self.steps)
+        self.evaluations += int(made) * STAGES * self._fused
+        self.dt_range = [min(self.dt_range[0], steps[0]), max(self.dt_range[1], steps[1])]
+        flags = self.state.results[:LAST].tolist()
+        self.series.keep(int(made) - 1)  # the last one only if it is sound
+        self._check(t, flags)
+        self.series.keep(1)
+        self._on_step(self.steps, t, steps[1])
         if not self.series.room:
             self._on_series()
         if self._clock.pass_time(t):
@@ -130,6 +122,15 @@ class Integrator:
             if flags[MOVED]:
                 ts.restartStep()
             self._plan_step(ts)
+
+    def _completed(self, ts: PETSc.TS) -> bool:
+        """Complete a step that PETSc has made; False if the error control refuses it."""
+        if not self._steady:
+            self.state.set_data(self._target)
+        if self._control is not None and self._rejected(ts, self._step):
+            return False
+        self._finish()
+        return True
 
     def _finish(self) -> None:
         self.state.finish()

@@ -207,7 +207,7 @@ def versions() -> dict[str, str]:
 
 @contextmanager
 def _signals(integrator: Integrator):
-    """SIGTERM and SIGINT let the current step end; all ranks stop together."""
+    """SIGTERM and SIGINT let the current burst of steps end; all ranks stop together."""
 
     def note(number: int, frame: object) -> None:
         integrator.raised = number

@@ -31,11 +31,14 @@ class Series:
         """How many steps may be made before they must be written."""
         return CAPACITY - self.count
 
-    def record(self, t: float, dt: float) -> None:
-        """Keep one step: time and step [s], with the state's results. Steps made in a burst are in the journal already."""
+    def write(self, t: float, dt: float) -> None:
+        """Put a step into the journal: time and step [s], with the state's results. A burst does so itself."""
         row = self._state.journal[self.count]
         row[0], row[1], row[2:] = t, dt, self._state.results
-        self.count += 1
+
+    def keep(self, steps: int) -> None:
+        """The next steps in the journal belong to the series."""
+        self.count += steps
 
     def take(self, comm: MPI.Comm) -> dict[str, np.ndarray]:
         """Name -> array of all steps kept, on rank 0 with the sums over all ranks; empties the buffer. Collective."""
