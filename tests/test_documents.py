@@ -21,6 +21,7 @@ def known_options() -> set[str]:
     from fsipetsc import cli
     from fsipetsc.cases import BUILT_IN, load_case
     from fsipetsc.options import table
+    from fsipetsc.petsc_names import KNOWN
 
     names = {option.name for case in BUILT_IN for option in table(load_case(case)).values()}
     for command in cli.COMMANDS.values():
@@ -28,7 +29,7 @@ def known_options() -> set[str]:
             listed = cli._named(command.options)
             sections = listed(["mms"]) if callable(listed) else listed
             names |= {option.name for options in sections.values() for option in options}
-    return names | FOREIGN
+    return names | KNOWN | FOREIGN
 
 
 def options_in(text: str) -> set[str]:
