@@ -97,20 +97,35 @@ def _function(name, kinds):
 
 @intrinsic
 def fma(typingctx, a, b, c):
-    """a * b + c, rounded once; of numbers or vectors, as the four that follow."""
+    """a * b + c, rounded once; of numbers or vectors, as those that follow."""
     return _function("fma", (a, b, c))
+
+
+def _chosen(name, kinds, comparison):
+    """Signature and code of what picks one of two numbers, lane by lane; one that is not a number goes first.
+
+    LLVM has functions for that, but not for all processors in all of its releases.
+    """
+    kept_signature, _ = _function(name, kinds)
+
+    def codegen(context, builder, sig, args):
+        a, b = _as_vectors(builder, args, sig.args) if sig.return_type == vector else args
+        picked = builder.select(builder.fcmp_ordered(comparison, a, b), a, b)
+        return builder.select(builder.fcmp_unordered("uno", a, a), a, picked)
+
+    return kept_signature, codegen
 
 
 @intrinsic
 def maximum(typingctx, a, b):
     """The larger one; not a number if one of them is not."""
-    return _function("maximum", (a, b))
+    return _chosen("maximum", (a, b), ">")
 
 
 @intrinsic
 def minimum(typingctx, a, b):
     """The smaller one; not a number if one of them is not."""
-    return _function("minimum", (a, b))
+    return _chosen("minimum", (a, b), "<")
 
 
 @intrinsic

@@ -1,0 +1,105 @@
+"""Vectors of neighbouring points, lane by lane against numpy."""
+
+from __future__ import annotations
+
+import itertools
+import operator
+
+import numpy as np
+import pytest
+
+numba = pytest.importorskip("numba")
+
+from fsipetsc.operators import vectors
+from fsipetsc.operators.kernels import store_lanes
+from fsipetsc.operators.vectors import WIDTH, apart, fma, kept, lane, load, mirrored, spread, store, store_interlaced
+
+A, B, C = np.random.default_rng(7).uniform(-2, 2, (3, WIDTH))
+ODD = np.array([1.0, -1.0, np.inf, -np.inf, np.nan, 0.0])
+
+
+def lanes(formula):
+    """formula(vectors of the rows of its argument) as a function of rows that returns the lanes."""
+
+    @numba.njit
+    def call(rows):
+        flat = np.zeros(WIDTH)
+        store(flat, 0, formula(load(rows, 0), load(rows, WIDTH), load(rows, 2 * WIDTH)))
+        return flat
+
+    return lambda *rows: call(np.array(rows))
+
+
+@pytest.mark.parametrize("op", [operator.add, operator.sub, operator.mul, operator.truediv], ids=lambda op: op.__name__)
+def test_arithmetic_is_that_of_scalars(op):
+    assert np.array_equal(lanes(numba.njit(lambda a, b, c: op(a, b)))(A, B, C), op(A, B))
+    assert np.array_equal(lanes(numba.njit(lambda a, b, c: op(a, 3.0)))(A, B, C), op(A, 3.0))
+    assert np.array_equal(lanes(numba.njit(lambda a, b, c: op(3.0, a)))(A, B, C), op(3.0, A))
+
+
+def test_fma_rounds_once():
+    a = np.full(WIDTH, 1 + 2.0**-30)
+    once = lanes(numba.njit(lambda a, b, c: fma(a, b, c)))(a, a, -a * a)
+    assert np.all(once == 2.0**-60), "the part of the product that a second rounding would lose"
+
+
+@pytest.mark.parametrize(("name", "reference"), [("maximum", np.maximum), ("minimum", np.minimum)])
+def test_extremes_let_through_what_is_not_a_number(name, reference):
+    chosen = getattr(vectors, name)
+    of_vectors = lanes(numba.njit(lambda a, b, c: chosen(a, b)))
+    of_numbers = numba.njit(lambda a, b: chosen(a, b))
+    for a, b in itertools.product(ODD, ODD):
+        expected = reference(a, b)
+        assert np.array_equal(of_vectors(np.full(WIDTH, a), np.full(WIDTH, b), C), np.full(WIDTH, expected), equal_nan=True)
+        assert np.array_equal(of_numbers(a, b), expected, equal_nan=True)
+
+
+def test_roots_and_magnitudes():
+    assert np.array_equal(lanes(numba.njit(lambda a, b, c: vectors.root(vectors.magnitude(a))))(A, B, C), np.sqrt(np.abs(A)))
+
+
+@pytest.mark.parametrize("k", range(1, WIDTH + 1))
+def test_differences_reach_into_the_neighbours(k):
+    row = np.concatenate([A, B, C])
+    here = np.arange(WIDTH, 2 * WIDTH)
+    source = f"lambda a, b, c: apart(a, b, c, {k})"  # k is a literal
+    assert np.array_equal(lanes(numba.njit(eval(source, {"apart": apart})))(A, B, C), row[here + k] - row[here - k])
+
+
+def test_lanes():
+    assert np.array_equal(lanes(numba.njit(lambda a, b, c: mirrored(a)))(A, B, C), A[::-1])
+    assert np.array_equal(lanes(numba.njit(lambda a, b, c: spread(lane(a, 2))))(A, B, C), np.full(WIDTH, A[2]))
+    for n in range(-1, WIDTH + 2):
+        expected = np.where(np.arange(WIDTH) < n, A, 9.0)
+        assert np.array_equal(lanes(numba.njit(lambda a, b, c: kept(a, n, 9.0)))(A, B, C), expected)  # noqa: B023
+
+
+@pytest.mark.parametrize(("a", "b"), list(itertools.product(range(-1, WIDTH + 2), repeat=2)))
+def test_only_the_lanes_asked_for_are_stored(a, b):
+    @numba.njit
+    def put(row, a, b):
+        store_lanes(row, 3, load(row, 8), a, b)
+
+    row = np.arange(12.0)
+    expected = row.copy()
+    for j in range(max(a, 0), min(b, WIDTH)):
+        expected[3 + j] = row[8 + j]
+    put(row, a, b)
+    assert np.array_equal(row, expected)
+
+
+@pytest.mark.parametrize("n", [3, 4])
+def test_interlaced(n):
+    rows = np.random.default_rng(n).uniform(size=(4, WIDTH))
+
+    @numba.njit
+    def put(rows, out, three):
+        a, b, c = load(rows, 0), load(rows, WIDTH), load(rows, 2 * WIDTH)
+        if three:
+            store_interlaced(out, 1, (a, b, c))
+        else:
+            store_interlaced(out, 1, (a, b, c, load(rows, 3 * WIDTH)))
+
+    out = np.zeros(n * WIDTH + 2)
+    put(rows, out, n == 3)
+    assert np.array_equal(out[1:-1], rows[:n].T.ravel()) and out[0] == out[-1] == 0
