@@ -1,4 +1,4 @@
-"""The compiled right-hand sides against plain matrices, and the formulas at embedded boundaries."""
+"""The compiled right-hand sides against plain matrices, and the surveys."""
 
 from __future__ import annotations
 
@@ -10,9 +10,8 @@ from helpers import from_python
 
 pytest.importorskip("numba")
 
-from fsipetsc.boundaries import ABSORBING, CLAMPED, DIRICHLET, FREE, NODES, OPEN, WALL, close_solid, fill_ghost
 from fsipetsc.operators import OPERATORS, packed
-from fsipetsc.operators.kernels import BLOCK, dirichlet_ghost, extrapolate, lagrange, neumann_ghost, scratch_size
+from fsipetsc.operators.kernels import BLOCK, scratch_size
 from fsipetsc.physics.emission import Target
 from fsipetsc.physics.fluid import Fluid, fluid_rhs, fluid_survey
 from fsipetsc.physics.layer import LAYER
@@ -20,10 +19,7 @@ from fsipetsc.physics.solid import Solid, solid_bounds, solid_rhs, solid_survey
 from fsipetsc.physics.survey import LEAST_RHO, LEAST_T, SIZE, SPEED, SUMS, begin_survey
 
 fluid_rhs, solid_rhs, fluid_survey, solid_survey = map(from_python, (fluid_rhs, solid_rhs, fluid_survey, solid_survey))
-begin_survey, solid_bounds, fill_ghost, close_solid = map(from_python, (begin_survey, solid_bounds, fill_ghost, close_solid))
-lagrange, dirichlet_ghost, neumann_ghost, extrapolate = map(
-    from_python, (lagrange, dirichlet_ghost, neumann_ghost, extrapolate)
-)
+begin_survey, solid_bounds = from_python(begin_survey), from_python(solid_bounds)
 
 GAS = Fluid(mu=0.5, kappa=0.7, gamma=1.4, R=287.0)
 ROD = Solid(K=1e5, kappa_e=0.5, m0=2700.0, alpha=1.0, force=-10.0)
@@ -253,193 +249,3 @@ def test_survey_of_the_solid(cuts):
         _, memory = survey(solid_survey, layer, broken, cuts)
         c2, _, x_X, T = solid_bounds(layer, memory, memory.size - SIZE)
         assert not (x_X > 0 and T > 0 and c2 >= 0)
-
-
-# --- embedded boundaries ----------------------------------------------------------------------------------------------
-
-DEGREES = pytest.mark.parametrize("degree", [2, 3, 4, 5])
-DELTAS = (0.0, 1e-6, 0.2, 0.5, 0.75, 0.999)
-
-
-def weights_at(delta: float, degree: int) -> tuple[np.ndarray, np.ndarray]:
-    weights, slopes = np.zeros(NODES), np.zeros(NODES)
-    lagrange(delta, degree, weights, slopes)
-    return weights, slopes
-
-
-@DEGREES
-def test_lagrange_weights(degree):
-    """They reproduce polynomials and their slopes; so they sum to one, and the slopes to zero."""
-    nodes = np.arange(degree + 1.0)
-    for delta in DELTAS:
-        weights, slopes = weights_at(delta, degree)
-        for power in range(degree + 1):
-            np.testing.assert_allclose(weights[: degree + 1] @ nodes**power, delta**power, rtol=1e-13, atol=1e-11)
-            derivative = power * delta ** (power - 1) if power else 0.0
-            np.testing.assert_allclose(slopes[: degree + 1] @ nodes**power, derivative, rtol=1e-13, atol=1e-11)
-
-
-@DEGREES
-def test_dirichlet_formula_is_exact_up_to_its_degree(degree):
-    """One less where eta, which keeps it stable, is not zero."""
-    for delta in DELTAS:
-        weights, _ = weights_at(delta, degree)
-        for power in range(degree + (weights[0] >= 0.25)):
-            values = (np.arange(NODES) - 0.3) ** power
-            ghost = dirichlet_ghost((delta - 0.3) ** power, values, weights, degree)
-            np.testing.assert_allclose(ghost, values[0], rtol=1e-12, atol=1e-11)
-
-
-@DEGREES
-def test_dirichlet_formula_never_divides_by_a_small_number(degree):
-    for delta in np.linspace(0, 1, 101)[:-1]:
-        weights, _ = weights_at(delta, degree)
-        unit = np.eye(NODES)
-        assert max(abs(dirichlet_ghost(0.0, row, weights, degree)) for row in unit) <= 4 * 2**degree
-
-
-@DEGREES
-def test_neumann_formula_is_exact_up_to_its_degree(degree):
-    for delta in DELTAS:
-        _, slopes = weights_at(delta, degree)
-        for power in range(2, degree + 1):
-            values = (np.arange(NODES) - delta) ** power  # no slope at delta
-            np.testing.assert_allclose(neumann_ghost(values, slopes, degree), values[0], rtol=1e-11, atol=1e-11)
-        np.testing.assert_allclose(neumann_ghost(np.full(NODES, 7.0), slopes, degree), 7.0)
-
-
-@pytest.mark.parametrize("degree", [1, 2, 3])
-def test_extrapolation_is_exact_up_to_its_degree(degree):
-    for power in range(degree + 1):
-        values = (np.arange(NODES) + 2.0) ** power
-        np.testing.assert_allclose(extrapolate(values, degree), values[0])
-    assert extrapolate((np.arange(NODES) + 2.0) ** (degree + 1), degree) != 2.0 ** (degree + 1)
-
-
-SIDES = pytest.mark.parametrize("side", [0, 1], ids=["left", "right"])
-
-
-def filled(kind: int, side: int, delta: float, data: tuple[float, ...] = (), degree: int = 2, new: bool = False):
-    """(layer, rows of rho, u, T before, after) of a boundary fill."""
-    layer = fluid_record(40, 0, 39)
-    layer["end_kind"], layer["end_degree"] = kind, degree
-    layer["end_data"][side, : len(data)] = data
-    k = np.arange(NODES)
-    nodes = np.zeros((5, NODES))
-    nodes[0], nodes[1], nodes[2] = 1.2 + 0.02 * k, 4 - 0.5 * k, 300 + 2 * k - 0.2 * k * k
-    before = nodes[:3].copy()
-    if new:
-        nodes[:3, 0] = np.nan
-    fill_ghost(layer, packed(4), side, delta, nodes, new)
-    return layer, before, nodes[:3]
-
-
-def pressure(values: np.ndarray) -> float:
-    return GAS.R * values[0] * values[2]
-
-
-@SIDES
-@pytest.mark.parametrize("delta", DELTAS)
-def test_wall(side, delta):
-    _, before, after = filled(WALL, side, delta)
-    n, old, ghost = 2 * side - 1, before[:, 0], after[:, 0]
-    weights, slopes = weights_at(delta, 2)
-    impedance = old[0] * GAS.sound_speed(old[2])
-    np.testing.assert_allclose(pressure(ghost) + n * impedance * ghost[1], pressure(old) + n * impedance * old[1], rtol=1e-14)
-    assert abs(slopes[:3] @ after[2, :3]) < 1e-11, "the heat flux through the wall"
-    if weights[0] >= 0.25:
-        assert abs(weights[:3] @ after[1, :3]) < 1e-13, "the velocity at the wall"
-    assert np.array_equal(after[:, 1:], before[:, 1:])
-
-
-@SIDES
-@pytest.mark.parametrize("speed", [3.0, -3.0])
-def test_open_end(side, speed):
-    """What comes in is the state at rest; what goes out stays."""
-    layer = fluid_record(40, 0, 39)
-    p0, T0 = 1e5, 290.0
-    layer["end_kind"] = OPEN
-    layer["end_data"][side, :2] = p0, T0
-    n = 2 * side - 1
-    nodes = np.zeros((5, NODES))
-    nodes[:3] = np.array([1.25, n * speed, 295.0])[:, None]
-    rho, u, T = nodes[:3, 0].copy()
-    fill_ghost(layer, packed(4), side, 0.4, nodes, False)
-    ghost = nodes[:3, 0]
-    c, rho0 = GAS.sound_speed(T0), p0 / (GAS.R * T0)
-    Z = rho0 * c
-    np.testing.assert_allclose(pressure(ghost) + n * Z * ghost[1], GAS.R * rho * T + n * Z * u, rtol=1e-14)
-    np.testing.assert_allclose(pressure(ghost) - n * Z * ghost[1], p0, rtol=1e-14)
-    entropy = rho - rho0 - (GAS.R * rho * T - p0) / c**2 if speed > 0 else 0.0
-    np.testing.assert_allclose(ghost[0] - rho0 - (pressure(ghost) - p0) / c**2, entropy, atol=1e-13)
-
-
-@SIDES
-@pytest.mark.parametrize("outflow", [True, False])
-@DEGREES
-def test_dirichlet(side, outflow, degree):
-    """The incoming characteristic, and on inflow the entropy, are those of the formula's values; the others stay."""
-    n = 2 * side - 1
-    data = (1.3, n * (5.0 if outflow else -5.0), 310.0)
-    delta = 0.3
-    _, before, after = filled(DIRICHLET, side, delta, data, degree)
-    weights, _ = weights_at(delta, degree)
-    given = np.array([dirichlet_ghost(g, row, weights, degree) for g, row in zip(data, before, strict=True)])
-    old, ghost = before[:, 0], after[:, 0]
-    c = GAS.sound_speed(before[2, 1])
-    Z = before[0, 1] * c
-    np.testing.assert_allclose(pressure(ghost) + n * Z * ghost[1], pressure(old) + n * Z * old[1], rtol=1e-14)
-    np.testing.assert_allclose(pressure(ghost) - n * Z * ghost[1], pressure(given) - n * Z * given[1], rtol=1e-14)
-    kept = old if n * given[1] >= 0 else given
-    np.testing.assert_allclose(ghost[0] - pressure(ghost) / c**2, kept[0] - pressure(kept) / c**2, atol=1e-13)
-
-
-@SIDES
-@pytest.mark.parametrize("kind", [WALL, OPEN, DIRICHLET], ids=["wall", "open", "dirichlet"])
-@pytest.mark.parametrize("delta", DELTAS)
-def test_filling_twice_is_filling_once(kind, side, delta):
-    """So the fused step, which fills a stage once, is PETSc's, which fills what is full."""
-    data = (1e5, 300.0) if kind == OPEN else (1.2, 4.0, 300.0)
-    layer, _, once = filled(kind, side, delta, data, degree=2)
-    nodes = np.zeros((5, NODES))
-    nodes[:3] = once
-    fill_ghost(layer, packed(4), side, delta, nodes, False)
-    np.testing.assert_allclose(nodes[:3], once, rtol=1e-13)
-
-
-@SIDES
-@pytest.mark.parametrize("kind", [WALL, OPEN, DIRICHLET], ids=["wall", "open", "dirichlet"])
-def test_a_new_point_is_filled_without_its_own_value(kind, side):
-    data = (1e5, 300.0) if kind == OPEN else (1.2, 4.0, 300.0)
-    _, before, after = filled(kind, side, 0.9, data, new=True)
-    assert np.all(np.isfinite(after))
-    np.testing.assert_allclose(after[[0, 2], 0], before[[0, 2], 0], rtol=0.1)
-
-
-@SIDES
-@pytest.mark.parametrize("kind", [CLAMPED, FREE, ABSORBING], ids=["clamped", "free", "absorbing"])
-@pytest.mark.parametrize("gruneisen", [0.0, 0.3])
-@ORDERS
-def test_ends_of_a_solid(order, kind, side, gruneisen):
-    n, layer = 2 * side - 1, solid_record(40, gruneisen)
-    value = 0.7 if kind == CLAMPED else -9e4
-    layer["end_kind"][side], layer["end_data"][side, 0] = kind, value
-    rows = max(2, OPERATORS[order].rows)
-    trace = solid_state(40)[:rows].copy()
-    trace[:, 3] *= -n
-    before = trace.copy()
-    close_solid(layer, packed(order), side, trace)
-    d = -n / H * np.array([float(w) for w in OPERATORS[order].closure[0][:rows]])
-    x_X = d @ trace[:, 3]
-    traction, old = (v[0, 1] - gruneisen * ROD.m0 * ROD.alpha * trace[0, 2] / x_X for v in (trace, before))
-    Z = np.sqrt(ROD.K * ROD.m0 / x_X)
-    assert abs(d @ trace[:, 2]) < 1e-9, "no heat through the end"
-    if kind == CLAMPED:
-        assert trace[0, 0] == value
-    elif kind == FREE:
-        np.testing.assert_allclose(traction, value, rtol=1e-14)
-    else:
-        np.testing.assert_allclose(traction - value + n * Z * trace[0, 0], 0, atol=1e-9)
-        np.testing.assert_allclose(traction - n * Z * trace[0, 0], old - n * Z * before[0, 0], rtol=1e-13)
-    assert np.array_equal(trace[1:], before[1:])
-    assert trace[0, 3] == before[0, 3]
