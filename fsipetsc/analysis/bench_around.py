@@ -20,6 +20,15 @@ from fsipetsc.stepping.run import run_case
 
 #: variables that tell a process that it belongs to a parallel run
 _OF_MPI = ("OMPI_", "PMIX_", "PMI_", "HYDRA_", "MPI_", "SLURM_", "PRTE_")
+#: runs a program and says its status, times and largest resident set. In between, because a process is born with the
+#: largest resident set of the one that starts it.
+_LAUNCHER = """
+import resource, subprocess, sys, time
+begun = time.perf_counter()
+status = subprocess.call(sys.argv[1:], stdout=subprocess.DEVNULL)
+wall, used = time.perf_counter() - begun, resource.getrusage(resource.RUSAGE_CHILDREN)
+print(status, wall, used.ru_utime + used.ru_stime, used.ru_maxrss)
+"""
 
 
 def output_share(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> float:
@@ -39,16 +48,6 @@ def output_share(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> float:
         if comm.rank == 0:
             path.unlink(missing_ok=True)
             path.parent.rmdir()
-
-#: runs a program and says its status, times and largest resident set. In between, because a process is born with the
-#: largest resident set of the one that starts it.
-_LAUNCHER = """
-import resource, subprocess, sys, time
-begun = time.perf_counter()
-status = subprocess.call(sys.argv[1:], stdout=subprocess.DEVNULL)
-wall, used = time.perf_counter() - begun, resource.getrusage(resource.RUSAGE_CHILDREN)
-print(status, wall, used.ru_utime + used.ru_stime, used.ru_maxrss)
-"""
 
 
 class Cost(NamedTuple):

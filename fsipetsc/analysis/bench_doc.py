@@ -97,7 +97,7 @@ def parts(study: Study) -> str:
         ]
         for r in study.at()
     ]
-    names = ["order", "points", "ranks", "step", "points", "ends and interfaces", "exchange"]
+    names = ["order", "points", "ranks", "step", "at the points", "ends and interfaces", "exchange"]
     return markdown([*names, "PETSc", "Python"], rows)
 
 

@@ -7,6 +7,7 @@ from numba import njit
 from fsipetsc.operators.kernels import ENTRY, U64
 from fsipetsc.parallel.exchange import exchange
 from fsipetsc.parallel.mpi import mpi_allreduce
+from fsipetsc.parallel.plan import WORK
 from fsipetsc.parallel.settle import settle
 
 
@@ -15,7 +16,7 @@ def settle_often(heads, layers, faces, memory, count):
     """Settle the first work area ``count`` times. Collective on all ranks."""
     head = heads[0]
     for _ in range(count):
-        settle(head, layers, faces, memory, 0)
+        settle(head, layers, faces, memory, WORK)
 
 
 @njit(**ENTRY)
@@ -23,7 +24,7 @@ def exchange_often(heads, layers, faces, memory, count):
     """Fill the halos of the first work area and learn the traces, ``count`` times. Collective on all ranks."""
     head = heads[0]
     for _ in range(count):
-        exchange(head, layers, faces, memory, 0)
+        exchange(head, layers, faces, memory, WORK)
 
 
 @njit(**ENTRY)

@@ -69,6 +69,12 @@ def closure(op, s, at, side, known, r):
 
 
 @njit(**OPTIONS)
+def end_of(lo, hi, side, begin, end):
+    """(end point, number of values known next to it) of the active range lo..hi, if those at begin .. end-1 are known."""
+    return (lo, min(hi + 1, end) - lo) if side == 0 else (hi, hi + 1 - max(lo, begin))
+
+
+@njit(**OPTIONS)
 def end_rows(op, lo, hi, side, r, begin, end):
     """(i, a, b): closure rows r .. r+3 stand at the points i .. i+3; lanes a <= j < b are rows and in begin .. end-1."""
     count = min(op.rows - r, WIDTH)
@@ -114,12 +120,11 @@ def derivative(op, s, v, v0, out, out0, i0, i1, lo, hi, scale):
         d = slope(op.p, weights, load(s, v + i - WIDTH), load(s, v + i), load(s, v + i + WIDTH))
         store_lanes(s, out + i, d, 0, b - i)
     for side in range(2):
-        at, known = (v + lo, i1 + op.reach - lo) if side == 0 else (v + hi, hi + 1 - i0 + op.reach)
+        end, known = end_of(lo, hi, side, i0 - op.reach, i1 + op.reach)
         for r in range(0, op.rows, WIDTH):
-            i, first, end = end_rows(op, lo, hi, side, r, i0, i1)
-            if first < end:
-                known = min(known, hi + 1 - lo)
-                store_lanes(s, out + i, scale * closure(op, s, at, side, known, r), first, end)
+            i, first, last = end_rows(op, lo, hi, side, r, i0, i1)
+            if first < last:
+                store_lanes(s, out + i, scale * closure(op, s, v + end, side, known, r), first, last)
 
 
 @njit(**OPTIONS)
@@ -187,12 +192,6 @@ def scratch_size(count: int) -> int:
 def row(r):
     """Where row r of the scratch begins."""
     return MARGIN + r * ROW
-
-
-@njit(**OPTIONS)
-def row_distance():
-    """From one row of scratch to the next."""
-    return ROW
 
 
 @njit(**OPTIONS)

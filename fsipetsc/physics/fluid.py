@@ -19,12 +19,13 @@ from fsipetsc.operators.kernels import (
     BLOCK,
     ENTRY,
     OPTIONS,
+    ROW,
     U64,
     closure,
+    end_of,
     end_rows,
     grid_start,
     row,
-    row_distance,
     slope,
     store_lanes,
     weights_of,
@@ -87,13 +88,13 @@ def fluid_rhs(layer, op, s, w, scratch, target, begin, end):
         fluid_primitives(layer, op, s, w, u, origin, i0, i1)
         fluid_fluxes(layer, op, s, w, u, f, origin, i0, i1)
         for unknown in range(3):
-            fluid_rates(layer, op, s, f + unknown * row_distance(), target, unknown, (i0, a, b, i1))
+            fluid_rates(layer, op, s, f + unknown * ROW, target, unknown, (i0, a, b, i1))
 
 
 @njit(**OPTIONS)
 def fluid_primitives(layer, op, s, w, u, origin, i0, i1):
     """Velocity (to the row u) and temperature (to the next) where the double derivative reaches from i0 .. i1-1."""
-    T, m, e, inv_cv = u + row_distance(), w + layer.stride, w + 2 * layer.stride, 1.0 / layer.cv
+    T, m, e, inv_cv = u + ROW, w + layer.stride, w + 2 * layer.stride, 1.0 / layer.cv
     first = grid_start(origin, max(layer.lo, i0 - 2 * op.reach))
     for i in range(first, min(layer.hi + 1, i1 + 2 * op.reach), WIDTH):
         r = 1.0 / load(s, w + i)
@@ -118,7 +119,7 @@ def fluid_flux(constants, s, at, u, T, friction, conduction):
 def fluid_fluxes(layer, op, s, w, u, f, origin, i0, i1):
     """Fluxes (to the rows f and the next two) where one derivative reaches from i0 .. i1-1."""
     lo, hi, p, reach = layer.lo, layer.hi, op.p, op.reach
-    T, f2, f3 = u + row_distance(), f + row_distance(), f + 2 * row_distance()
+    T, f2, f3 = u + ROW, f + ROW, f + 2 * ROW
     d0, d1 = max(lo, i0 - reach), min(hi + 1, i1 + reach)
     friction, conduction = weights_of(op, layer.mu / layer.h), weights_of(op, layer.kappa / layer.h)
     constants = (layer.gamma - 1.0) * layer.cv, layer.s, layer.stride
@@ -134,7 +135,7 @@ def fluid_fluxes(layer, op, s, w, u, f, origin, i0, i1):
         store(s, f3 + i, g3)
         u0, u1, T0, T1 = u1, u2, T1, T2
     for side in range(2):
-        end, known = (lo, min(hi + 1, i1 + 2 * reach) - lo) if side == 0 else (hi, hi + 1 - max(lo, i0 - 2 * reach))
+        end, known = end_of(lo, hi, side, i0 - 2 * reach, i1 + 2 * reach)
         for r in range(0, op.rows, WIDTH):
             i, first, last = end_rows(op, lo, hi, side, r, d0, d1)
             if first < last:
@@ -162,7 +163,7 @@ def fluid_rates(layer, op, s, f, target, unknown, points):
         k = slope(p, weights, f0, f1, load(s, f + whole + WIDTH))
         emit_lanes(s, target, unknown, whole, k, 0, b - whole)
     for side in range(2):
-        end, known = (lo, min(hi + 1, i1 + op.reach) - lo) if side == 0 else (hi, hi + 1 - max(lo, i0 - op.reach))
+        end, known = end_of(lo, hi, side, i0 - op.reach, i1 + op.reach)
         for r in range(0, op.rows, WIDTH):
             i, first, last = end_rows(op, lo, hi, side, r, i0, i1)
             if first < last:

@@ -18,12 +18,13 @@ from numba import njit
 from fsipetsc.operators.kernels import (
     BLOCK,
     OPTIONS,
+    ROW,
     U64,
     closure,
+    end_of,
     end_rows,
     grid_start,
     row,
-    row_distance,
     slope,
     store_lanes,
     weights_of,
@@ -101,7 +102,7 @@ def solid_flux(constants, s, at, x_X, conduction):
 def solid_fluxes(layer, op, s, w, f, origin, i0, i1):
     """1/x_X, sigma - p, heat flux (to the rows f and the next two) where one derivative reaches from i0 .. i1-1."""
     lo, hi, p, reach = layer.lo, layer.hi, op.p, op.reach
-    net, heat = f + row_distance(), f + 2 * row_distance()
+    net, heat = f + ROW, f + 2 * ROW
     T, x = w + 2 * layer.stride, w + 3 * layer.stride
     d0, d1 = max(lo, i0 - reach), min(hi + 1, i1 + reach)
     constants = layer.gruneisen * layer.m0 * layer.alpha, layer.stride
@@ -116,7 +117,7 @@ def solid_fluxes(layer, op, s, w, f, origin, i0, i1):
         store(s, heat + i, g3)
         x0, x1, T0, T1 = x1, x2, T1, T2
     for side in range(2):
-        end, known = (lo, layer.own_hi + layer.halo_hi - lo) if side == 0 else (hi, hi + 1 - layer.own_lo + layer.halo_lo)
+        end, known = end_of(lo, hi, side, layer.own_lo - layer.halo_lo, layer.own_hi + layer.halo_hi)
         for r in range(0, op.rows, WIDTH):
             i, a, b = end_rows(op, lo, hi, side, r, d0, d1)
             if a < b:
@@ -134,7 +135,7 @@ def solid_rate(constants, s, f, acceleration, u_X, heating):
     constants: force, K, 1/(alpha m0).
     """
     force, K, per_heat = constants
-    stretch, net = load(s, f), load(s, f + row_distance())
+    stretch, net = load(s, f), load(s, f + ROW)
     return acceleration + force, K * u_X * stretch, fma(net, u_X, heating) * per_heat
 
 
@@ -143,7 +144,7 @@ def solid_rates(layer, op, s, w, f, target, points):
     """Send on the rates of all unknowns; points: (i0, a, b, i1), of them a .. b-1 away from the closures."""
     lo, hi, p, reach = layer.lo, layer.hi, op.p, op.reach
     i0, a, b, i1 = points
-    net, heat = f + row_distance(), f + 2 * row_distance()
+    net, heat = f + ROW, f + 2 * ROW
     constants = layer.force, layer.K, 1.0 / (layer.alpha * layer.m0)
     per_mass, per_length = 1.0 / (layer.h * layer.m0), 1.0 / layer.h
     by_mass, by_length = weights_of(op, per_mass), weights_of(op, per_length)
@@ -165,7 +166,7 @@ def solid_rates(layer, op, s, w, f, target, points):
             emit(s, target, 3, i, u1)
         n0, n1, u0, u1, q0, q1 = n1, n2, u1, u2, q1, q2
     for side in range(2):
-        end, known = (lo, min(hi + 1, i1 + reach) - lo) if side == 0 else (hi, hi + 1 - max(lo, i0 - reach))
+        end, known = end_of(lo, hi, side, i0 - reach, i1 + reach)
         for r in range(0, op.rows, WIDTH):
             i, first, last = end_rows(op, lo, hi, side, r, i0, i1)
             if first < last:

@@ -138,10 +138,10 @@ class State:
         old, y = self.layout, self.solution.getArray(readonly=True)
         whole = [gather(self.comm, old, k, y) for k in range(len(old.grids))]
         cells = {k: int(r["hi"] - r["lo"]) for k, r in enumerate(old.records) if r["kind"] == FLUID}
-        kept = [part.copy() for part in (self.results, self.pace, self.journal)]
+        kept = [part.copy() for part in (self.results, self.journal)]
         self._release()
         self._place(make_grids(self.problem, self.op, self.h, max(self._spare, NODES), cells))
-        for part, values in zip((self.results, self.pace, self.journal), kept, strict=True):
+        for part, values in zip((self.results, self.journal), kept, strict=True):
             part[:] = values
         self.results[LOW] = 0.0
         y = self.solution.getArray()
