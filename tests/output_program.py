@@ -8,6 +8,8 @@ import sys
 
 import numpy as np
 
+from fsipetsc.output.buffers import Slots
+
 H = 0.05
 LAYERS = [
     {"name": "left", "kind": "fluid", "fields": ["rho", "u", "T", "p"]},
@@ -43,11 +45,14 @@ def values(layer: int, frame: int, indices: np.ndarray) -> np.ndarray:
     return result
 
 
-def series(step: int) -> dict[str, np.ndarray]:
-    """Rows of the per-step data from `step` on; one of them comes in later than the others."""
-    steps = np.arange(step, step + SERIES_STEPS)
-    rows = {"t": 0.1 * steps, "dt": np.full(SERIES_STEPS, 0.1), "x_interface": np.outer(steps, [1.0, 2.0])}
-    return rows if step < 9 else {**rows, "late": 1.0 * steps}
+def series(first: int, end: int) -> np.ndarray:
+    """Records of the steps first .. end-1."""
+    steps = np.arange(first, end)
+    arrays = [("x_interface", "f8", (2,)), ("mass", "f8", (1,))]
+    rows = np.empty(len(steps), [("t", "f8"), ("dt", "f8"), *arrays, ("energy", "f8")])
+    rows["t"], rows["dt"], rows["x_interface"], rows["energy"] = 0.1 * steps, 0.1, np.outer(steps, [1.0, 2.0]), 7.0 + steps
+    rows["mass"] = 5.0 - steps[:, None]
+    return rows
 
 
 def owned(layer: int, indices: np.ndarray, rank: int, size: int, split: str) -> np.ndarray:
@@ -66,15 +71,30 @@ def write(path: str, nframes: int, split: str, kill_at: int | None = None, moved
     comm = MPI.COMM_WORLD
     writer = RunWriter(comm, path, HEADER, buffer_frames=4)
     mine: list[np.ndarray] = []
+    taken = made = 0
+
+    def take() -> np.ndarray:
+        nonlocal taken
+        rows, taken = series(taken, made), made
+        return rows
+
+    def fill(slots: Slots) -> None:
+        for i, start in enumerate(slots.starts):
+            whole = grid(i, frame)
+            for j, point in enumerate(values(i, frame, whole)[np.isin(whole, mine[i]), :5]):
+                at = start + j * slots.stride
+                slots.values[at : at + 5] = point
+
+    writer.take_series = take
     for frame in range(nframes):
         if frame in (0, GROWTH):
             whole = [grid(i, frame) for i in range(3)]
             mine = [owned(i, whole[i], comm.rank, comm.size, split) for i in range(3)]
             writer.start_segment([{"local": len(m), "n": len(w), "X": m * H} for m, w in zip(mine, whole)])
-        full = [values(i, frame, grid(i, frame))[np.isin(grid(i, frame), mine[i])] for i in range(3)]
-        arrays = [full[0][:, :-1], full[1][:, :-1], full[2][:, :-1]]
-        writer.append_series(series(SERIES_STEPS * frame))
-        writer.write_frame(0.3 * frame, arrays, [full[0][:, -1], None, full[2][:, -1]])
+        made += SERIES_STEPS
+        if frame % 3 == 0:  # else they go with the frames
+            writer.write_series()
+        writer.write_frame(0.3 * frame, fill)
         if frame == kill_at:
             comm.barrier()
             if comm.rank == comm.size - 1:

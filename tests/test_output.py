@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from pathlib import Path
 
@@ -13,7 +14,8 @@ from helpers import mpirun, run
 
 import fsipetsc
 from fsipetsc.errors import FileError
-from fsipetsc.output import transaction
+from fsipetsc.output import tables, transaction
+from fsipetsc.output.buffers import FrameBuffer
 from fsipetsc.output.info import info
 
 PROGRAM = Path(program.__file__)
@@ -73,8 +75,8 @@ def test_what_else_is_stored(finished: Path) -> None:
         assert result.errors["fluid"]["rho"] == 1e-3
         assert np.array_equal(result.series["t"], 0.1 * steps)
         assert np.array_equal(result.series["x_interface"], np.outer(steps, [1.0, 2.0]))
-        late = np.where(steps < 9, np.nan, steps)
-        assert np.array_equal(result.series["late"], late, equal_nan=True)
+        assert list(result.series) == ["t", "dt", "x_interface", "mass", "energy"]
+        assert result.series["mass"].shape == (len(steps), 1) and np.array_equal(result.series["energy"], 7.0 + steps)
         assert list(result.layers[0]) == ["rho", "u", "T", "p", "x"]
         assert list(result.layers[1]) == ["u", "sigma", "T", "x", "p"]
         assert [layer.name for layer in result.layers] == ["left", "rod", "right"]
@@ -129,6 +131,7 @@ def test_interrupted_change_is_not_seen(finished: Path, tmp_path: Path, monkeypa
             with transaction.changes(path) as file:
                 file["time"].resize(FRAMES + 600, axis=0)
                 file["segment0002/layer00/X"] = np.zeros(10)
+                tables.append(file, "series", program.series(36, 9000), 36)
                 del file["header"]
         except KeyboardInterrupt:
             with fsipetsc.open_run(path) as result:
@@ -139,6 +142,7 @@ def test_interrupted_change_is_not_seen(finished: Path, tmp_path: Path, monkeypa
     assert not transaction.undo_path(path).exists()
     with h5py.File(path) as file:
         assert len(file["time"]) == FRAMES + 600
+        assert np.array_equal(file["series"][...], program.series(0, 9000))
 
 
 def test_failed_change_changes_nothing(finished: Path, tmp_path: Path) -> None:
@@ -148,6 +152,58 @@ def test_failed_change_changes_nothing(finished: Path, tmp_path: Path) -> None:
         del file["time"]
         raise RuntimeError
     assert path.read_bytes() == finished.read_bytes()
+
+
+def test_change_without_room_changes_nothing(finished: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What cannot be written to the end of the file fails the change, and HDF5 survives it."""
+    path, pwrite = tmp_path / "run.h5", os.pwrite
+    path.write_bytes(finished.read_bytes())
+
+    def full(descriptor: int, data: bytes, offset: int) -> int:
+        if offset > 200_000:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        return pwrite(descriptor, data, offset)
+
+    with monkeypatch.context() as patch, pytest.raises(OSError, match="No space"):
+        patch.setattr(os, "pwrite", full)
+        with transaction.changes(path) as file:
+            tables.append(file, "series", program.series(36, 9000), 36)
+    assert path.read_bytes() == finished.read_bytes()
+
+
+@pytest.mark.parametrize("capacity", [1, 4, 9, 20, 100])
+def test_frames_of_a_buffer_stay_apart(capacity: int) -> None:
+    """Whatever the buffer makes of its capacity: each frame comes out point by point as it went in."""
+    points = (3, 0, 5)
+    buffer = FrameBuffer([{"local": n, "X": np.arange(n)} for n in points], 5, capacity)
+    assert 0 < buffer.capacity <= capacity and (capacity <= 8 or buffer.stride // 8 % 2 == 1)
+    frames = np.arange(buffer.capacity * sum(points) * 5.0).reshape(buffer.capacity, -1, 5)
+    for k, frame in enumerate(frames):
+        values, starts, stride = buffer.slots(k)
+        parts = np.split(frame, np.cumsum(points)[:-1])
+        for start, part in zip(starts, parts):
+            for j, point in enumerate(part):
+                values[start + j * stride :][:5] = point
+    for count in {1, buffer.capacity}:
+        whole = np.concatenate([buffer.part(i, count).reshape(n, count, 5) for i, n in enumerate(points)])
+        assert np.array_equal(whole.swapaxes(0, 1), frames[:count])
+
+
+def test_results_of_the_first_version_can_be_read(finished: Path, tmp_path: Path) -> None:
+    """There each name of the series was a dataset, and the last rows of some could be missing."""
+    path = tmp_path / "run.h5"
+    path.write_bytes(finished.read_bytes())
+    with h5py.File(path, "r+") as file:
+        rows = file["series"][...]
+        del file["series"]
+        for name in rows.dtype.names:
+            file[f"series/{name}"] = rows[name] if name == "t" else rows[name][:-2]
+        file.attrs["version"] = 1
+    with fsipetsc.open_run(path) as result, fsipetsc.open_run(finished) as now:
+        assert_frames(result, FRAMES)
+        assert set(result.series) == set(now.series)
+        for name, values in now.series.items():
+            assert np.array_equal(result.series[name], values[:-2])
 
 
 def test_earlier_results_are_kept(tmp_path: Path) -> None:

@@ -30,7 +30,7 @@ Say = Callable[[str], None]
 #: bytes of the three arrays of the triad: first-level cache to memory
 TRIAD = tuple(1 << k for k in (14, 17, 19, 21, 23, 25, 27, 28))
 #: points and steps of the runs with a frame every ten steps
-OFTEN = ((480, 4000), (3840, 1000), (100_000, 100))
+OFTEN = ((480, 20_000), (3840, 4000), (100_000, 300))
 #: points of a rank in weak scaling
 WEAK = (10_000, 100_000)
 #: load of the machine beyond our own above which a warning is due

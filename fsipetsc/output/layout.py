@@ -3,7 +3,8 @@
     /                                   attributes format, version, case, complete
     /header, /summary, /errors          JSON text; the last two are there when the run has ended
     /time                               (nframes,) times of the saved frames; says how many frames count
-    /series/NAME                        (nsteps,) or (nsteps, m), one row per time step
+    /series                             (nsteps,) records, one per time step, of numbers (t, dt, energy, …) and arrays
+                                        (x_interface, …; mass); not there if there are no steps
     /segment0000/layer00/X              (n,) Lagrangian grid
     /segment0000/layer00/framesA-B      (n, k·c) frames A … B: for each point, the c columns of each of the k frames
 
@@ -22,7 +23,7 @@ from typing import Any
 import h5py
 
 FORMAT = "fsipetsc result"
-VERSION = 1
+VERSION = 2  # in version 1, series was a group with a dataset for each name
 
 
 def open_h5(path: str | os.PathLike[str], mode: str) -> h5py.File:

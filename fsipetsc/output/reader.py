@@ -71,9 +71,12 @@ class Run:
         self.nframes = min([len(self._file["time"]), *(_covered(c) for c in chunks)])
         self.time: Array = self._file["time"][: self.nframes]
         self.layers = tuple(Layer(entry, own, self.nframes) for entry, own in zip(self.header["layers"], chunks))
-        group = self._file["series"]
-        steps = min((len(dataset) for dataset in group.values()), default=0)
-        self.series: Mapping[str, Array] = Arrays("series", group.keys(), lambda name: group[name][:steps])
+        table = self._file.get("series", {})
+        if isinstance(table, h5py.Dataset):
+            self.series: Mapping[str, Array] = Arrays("series", table.dtype.names, lambda name: table[name])
+        else:  # version 1
+            steps = min(map(len, table.values()), default=0)
+            self.series = Arrays("series", table, lambda name: table[name][:steps])
 
     def _text(self, name: str) -> dict[str, Any]:
         return json.loads(self._file[name].asstr()[()]) if name in self._file else {}

@@ -1,8 +1,9 @@
 """Changes to an HDF5 file that become visible all at once, so that a killed program leaves no half-changed file behind.
 
-HDF5 updates a file in many small writes; between the first and the last of them it cannot be read. Here they are
-collected in memory. To apply them, the bytes that they overwrite are first saved beside the file (FILE.undo), which is
-removed when all is written. Whoever finds an .undo file reads the file as it was before.
+HDF5 updates a file in many small writes; between the first and the last of them it cannot be read. Here what overwrites
+something is collected in memory; what is new goes to the end of the file at once, where nobody looks yet. To apply the
+changes, the bytes that they overwrite are first saved beside the file (FILE.undo), which is removed when all is written.
+Whoever finds an .undo file reads the file as it was before.
 """
 
 from __future__ import annotations
@@ -24,9 +25,13 @@ def changes(path: str | os.PathLike[str]) -> Iterator[h5py.File]:
     """Open a file to change it. At the end all changes are applied; none of them if there was an exception."""
     raw = _Overlay(path, os.O_RDWR, [])
     try:
-        with h5py.File(raw, "r+") as file:
+        # chunks are written whole or not read again: HDF5's cache for them would only be one more copy
+        with h5py.File(raw, "r+", rdcc_nbytes=0) as file:
             yield file
         raw.apply(undo_path(path))
+    except BaseException:
+        raw.forget()
+        raise
     finally:
         raw.close()
 
@@ -49,6 +54,22 @@ def undo_path(path: str | os.PathLike[str]) -> Path:
     return Path(f"{os.fspath(path)}.undo")
 
 
+def leave_to_disk(file: int | str | os.PathLike[str], first: int) -> None:
+    """Let the disk begin with what is new in a file from byte ``first`` on; what it has already need not stay in memory.
+
+    Who flushes the file later waits the less, and what is written next finds memory that is in use: a result is written
+    once, and fresh memory costs more than the writing.
+    """
+    if not hasattr(os, "posix_fadvise"):
+        return
+    descriptor = file if isinstance(file, int) else os.open(file, os.O_RDONLY)
+    try:
+        os.posix_fadvise(descriptor, first, 0, os.POSIX_FADV_DONTNEED)
+    finally:
+        if descriptor is not file:
+            os.close(descriptor)
+
+
 class _Overlay(io.RawIOBase):
     """A file of which some pieces are replaced by others in memory; h5py's driver for Python file objects uses it."""
 
@@ -57,9 +78,12 @@ class _Overlay(io.RawIOBase):
         self._size = self._size_before = os.fstat(self._descriptor).st_size
         self._writes = writes  # in their order: later ones cover earlier ones
         self._position = 0
+        self._error: BaseException | None = None
 
     def apply(self, undo: Path) -> None:
-        """Write the pieces into the file."""
+        """Write the pieces into the file. Raises what was raised when something was written to the end of it."""
+        if self._error is not None:
+            raise self._error
         saved = bytearray()
         for offset, data in self._writes:
             before = os.pread(self._descriptor, len(data), offset)  # nothing, if after the end
@@ -72,11 +96,22 @@ class _Overlay(io.RawIOBase):
             raise
         temporary.rename(undo)
         for offset, data in self._writes:
-            if os.pwrite(self._descriptor, data, offset) != len(data):
-                raise OSError(f"{len(data)} bytes could not be written")
-        if self._size != self._size_before:
+            self._put(data, offset)
+        if self._size > os.fstat(self._descriptor).st_size:
             os.ftruncate(self._descriptor, self._size)
         undo.unlink()
+        os.ftruncate(self._descriptor, self._size)  # only now may the file become smaller
+        leave_to_disk(self._descriptor, self._size_before)
+
+    def forget(self) -> None:
+        """Take back what was written to the end of the file."""
+        with suppress(OSError):
+            if os.fstat(self._descriptor).st_size > self._size_before:
+                os.ftruncate(self._descriptor, self._size_before)
+
+    def _put(self, data: bytes | memoryview, offset: int) -> None:
+        if os.pwrite(self._descriptor, data, offset) != len(data):
+            raise OSError(f"{len(data)} bytes could not be written")
 
     # what HDF5 asks of a file
 
@@ -99,11 +134,18 @@ class _Overlay(io.RawIOBase):
         return len(target)
 
     def write(self, data: memoryview) -> int:  # type: ignore[override]
-        piece = bytes(data)
-        self._writes.append((self._position, piece))
-        self._position += len(piece)
+        whole = memoryview(data).cast("B")
+        old = max(0, min(len(whole), self._size_before - self._position))
+        if old:
+            self._writes.append((self._position, bytes(whole[:old])))
+        if old < len(whole) and self._error is None:
+            try:
+                self._put(whole[old:], self._position + old)
+            except BaseException as error:  # HDF5 cannot go on from it, not even close the file: it is raised later
+                self._error = error
+        self._position += len(whole)
         self._size = max(self._size, self._position)
-        return len(piece)
+        return len(whole)
 
     def truncate(self, size: int | None = None) -> int:
         self._size = self._position if size is None else size

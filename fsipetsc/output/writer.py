@@ -1,6 +1,6 @@
 """Writes the result file of a run: frames in parallel through PETSc's HDF5 viewer, everything else by rank 0.
 
-Frames are kept in memory and written many at a time, for a write costs as much as hundreds of time steps.
+Frames and steps are kept in memory and written many at a time, for a write costs as much as hundreds of time steps.
 The viewer is opened and closed for each write. All that makes up the structure of the file is changed by `transaction`,
 and the times of the frames come after the frames: what a killed run leaves behind can be read up to its last write.
 """
@@ -13,30 +13,27 @@ import itertools
 import json
 import os
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import h5py
 import numpy as np
+from mpi4py import MPI
+from petsc4py import PETSc
 
 from fsipetsc.errors import FileError
-from fsipetsc.output import buffers, layout, transaction
+from fsipetsc.output import buffers, layout, tables, transaction
 
-if TYPE_CHECKING:
-    from mpi4py import MPI
-
-    Array = np.ndarray[Any, np.dtype[np.float64]]
-
+Array = np.ndarray[Any, Any]
 T = TypeVar("T")
-SERIES_BYTES = 4 << 20  # rank 0 writes its series when they take more memory than this
-MAX_CHUNK_BYTES = 1 << 30  # HDF5 allows chunks of less than 4 GiB
+CHUNK_BYTES = 2 << 20  # of frames: each is written at one go, and the system finds memory for a few MB faster than for many
 SPARE_BYTES = 256 << 10  # for what HDF5 needs besides the numbers
 
 
 class RunWriter:
-    """The result file of a running computation. **Collective on `comm`**, except :meth:`append_series`.
+    """The result file of a running computation. **Collective on `comm`**.
 
     comm     all ranks of the run (mpi4py)
     path     the file; an existing one is kept under the first free name NAME.1.h5, NAME.2.h5 … (see `kept_as`)
@@ -45,6 +42,9 @@ class RunWriter:
     flush_seconds, buffer_frames, buffer_bytes
              frames are written every so many seconds (wall time; less often if a write takes more than 2 % of them),
              and when there are this many or this many bytes on one rank
+
+    Set `take_series` to what hands over, on rank 0, the per-step data since the last time: an array of records, one per
+    step, with "t" first; it is called by all ranks, and its array need not stay as it is.
 
     Every failure to write is raised as FileError on all ranks.
     """
@@ -61,21 +61,24 @@ class RunWriter:
     ) -> None:
         self.kept_as: Path | None = None  # new name of the earlier result of this name
         self.nframes = 0  # frames given so far, written or not
-        self.before_flush: Callable[[], None] | None = None  # collective; hands over series that are still elsewhere
+        self.take_series: Callable[[], Array | None] = lambda: None
         self._comm, self._root = comm, comm.rank == 0
-        self._widths = [(len(layer["fields"]), len(layout.columns(layer))) for layer in header["layers"]]
+        (self._width,) = {len(layout.columns(layer)) for layer in header["layers"]}  # the same for all
         self._flush_seconds, self._max_frames, self._max_bytes = flush_seconds, buffer_frames, buffer_bytes
         self._last_frame = time.monotonic()
         self._next_flush = self._last_frame + flush_seconds
-        self._buffers: list[buffers.LayerBuffer] = []
-        self._capacity, self._segment, self._grids_written = 1, -1, True
+        self._buffer = buffers.FrameBuffer((), 0, 1)
+        self._points: list[int] = []  # of each layer, of all ranks
+        self._segment, self._grids_written = -1, True
         self._times: list[float] = []  # of the frames not yet written
         self._flag = np.zeros(1, np.int8)
-        self._series = buffers.SeriesBuffer()
+        self._steps = 0  # rows of the series in the file
         self._failure: str | None = None  # on rank 0, of a write that was not collective
         self._closed = False
         self.path = Path(path)
         self.path, self.kept_as, self._identity = self._on_root(lambda: _create(path, header))
+        with self._viewer():  # a file that PETSc cannot open should not be found out after hours
+            pass
 
     # ------------------------------------------------------------------ what the solver calls
 
@@ -90,53 +93,45 @@ class RunWriter:
         if self._grids_written:  # else the last segment has no frames, and this one takes its place
             self._segment += 1
         self._grids_written = False
-        frame_bytes = sum(8 * int(layer["local"]) * w for layer, (_, w) in zip(layers, self._widths))
+        frame_bytes = sum(8 * int(layer["local"]) * self._width for layer in layers)
         largest = max(self._comm.allgather(frame_bytes))
-        self._capacity = max(1, min(self._max_frames, self._max_bytes // max(1, largest)))
-        self._buffers = [
-            buffers.LayerBuffer(layer, *widths, self._capacity) for layer, widths in zip(layers, self._widths)
-        ]
+        capacity = max(1, min(self._max_frames, self._max_bytes // max(1, largest)))
+        self._points = [int(layer["n"]) for layer in layers]
+        self._buffer = buffers.FrameBuffer(layers, self._width, capacity)
 
-    def write_frame(self, t: float, arrays: Iterable[Array], x: Iterable[Array | None]) -> None:
+    def write_frame(self, t: float, fill: Callable[[buffers.Slots], Any]) -> None:
         """Save the fields at time t. Collective.
 
-        arrays   per layer (local, nfields), NaN outside the active part
-        x        per layer (local,) Eulerian positions; None where x is a field. All are copied.
+        fill(slots) writes the columns (`layout.columns`) of all points of this rank there, NaN outside the active part.
         """
         self._check_open()
-        for buffer, values, positions in zip(self._buffers, arrays, x):
-            buffer.put(len(self._times), values, positions)
+        fill(self._buffer.slots(len(self._times)))
         self._times.append(t)
         self.nframes += 1
         if self._flush_due():
             self.flush()
 
-    def append_series(self, rows: Mapping[str, Array]) -> None:
-        """Add per-step data, name -> (k,) or (k, m) with one k for all names. Not collective; only rank 0 keeps them.
-
-        Names may come and go; steps without a value are NaN. Many steps at once are much cheaper than one by one.
-        """
-        if not self._root:
-            return
-        self._series.append(rows)
-        if self._series.nbytes > SERIES_BYTES and self._failure is None:
+    def write_series(self) -> None:
+        """Write what `take_series` hands over. Collective, but ranks do not wait for rank 0's write."""
+        rows = self.take_series()
+        if self._root and self._failure is None:
             try:  # nobody else can have the file open: all opens but this wait for rank 0
                 self.path = self._locate()
-                self._record(0)
+                self._record(0, rows)
             except Exception as error:
                 self._failure = self._explain(error)  # to be raised when all ranks meet: here, it would hang the others
 
     def flush(self) -> None:
         """Write all that is held in memory. Collective."""
         self._check_open()
-        if self.before_flush is not None:
-            self.before_flush()
         begun, count = time.monotonic(), len(self._times)
         self.path = self._on_root(self._locate)
         if count:
-            self._on_root(lambda: self._prepare(count))
+            first = self._on_root(lambda: self._prepare(count))
             self._view_frames(count)
-        self._on_root(lambda: self._record(count))
+            self._on_root(lambda: transaction.leave_to_disk(self.path, first))
+        rows = self.take_series()  # not before: PETSc makes the disk take all that is new in the file
+        self._on_root(lambda: self._record(count, rows))
         self._times.clear()
         self._grids_written |= count > 0
         ended = time.monotonic()  # disks differ: each write of HDF5 waits until it is there
@@ -146,14 +141,14 @@ class RunWriter:
         """Write the rest, the summary and, if known, the errors of the solution. Collective, at the end."""
         self.flush()
         self._on_root(lambda: self._conclude(summary, errors))
-        self._buffers.clear()
+        self._buffer = buffers.FrameBuffer((), 0, 1)
         self._closed = True
 
     # ------------------------------------------------------------------ when, and failing together
 
     def _flush_due(self) -> bool:
         """Whether to write now: rank 0's clock decides for all. Collective."""
-        if len(self._times) >= self._capacity:
+        if len(self._times) >= self._buffer.capacity:
             return True
         if self._root:
             now = time.monotonic()
@@ -206,34 +201,36 @@ class RunWriter:
 
     def _locate(self) -> Path:
         """The file's present path. On rank 0. A later run of the same name may have renamed it: follow it there."""
-        for candidate in (self.path, *self.path.parent.glob(f"{self.path.stem}.*{self.path.suffix}")):
+        others = self.path.parent.glob(f"{self.path.stem}.*{self.path.suffix}")
+        for candidate in itertools.chain([self.path], others):
             if candidate.exists() and _identity(candidate) == self._identity:
                 return candidate
         raise FileError(f"{self.path}: was removed or replaced while the run was writing it")
 
-    def _datasets(self, count: int) -> Iterator[tuple[str, buffers.LayerBuffer, int]]:
-        """What the last `count` frames need: name, layer, and numbers per point, of each dataset."""
+    def _datasets(self, count: int) -> Iterator[tuple[str, int, Array]]:
+        """What the last `count` frames need: name, layer, and this rank's points, of each dataset."""
         frames = layout.frames_name(self.nframes - count, count)
-        for i, buffer in enumerate(self._buffers):
+        for i, X in enumerate(self._buffer.X):
             group = layout.group_name(self._segment, i)
             if not self._grids_written:
-                yield f"{group}/X", buffer, 1
-            yield f"{group}/{frames}", buffer, count * buffer.width
+                yield f"{group}/X", i, X[:, None]
+            yield f"{group}/{frames}", i, self._buffer.part(i, count)
 
-    def _prepare(self, count: int) -> None:
-        """Create the datasets of the last `count` frames, not filled. On rank 0.
+    def _prepare(self, count: int) -> int:
+        """Create the datasets of the last `count` frames, not filled; the file's size before. On rank 0.
 
         PETSc could create them, but it would write zeros first, and a program killed in the midst could leave a file
         that cannot be read. Like this PETSc only puts numbers where nobody looks yet.
         """
-        datasets = [(name, buffer.n, block) for name, buffer, block in self._datasets(count)]
+        datasets = [(name, self._points[i], local.shape[1]) for name, i, local in self._datasets(count)]
+        size = self.path.stat().st_size
         _ensure_space(self.path, 8 * sum(n * block for _, n, block in datasets) + SPARE_BYTES)
         links = h5py.h5p.create(h5py.h5p.LINK_CREATE)
         links.set_create_intermediate_group(True)
         with transaction.changes(self.path) as file:
             for name, n, block in datasets:
                 shape = (n, block) if block > 1 else (n,)
-                rows = min(n, MAX_CHUNK_BYTES // (8 * block))
+                rows = min(n, max(1, CHUNK_BYTES // (8 * block)))
                 properties = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
                 properties.set_chunk((rows, *shape[1:]))
                 properties.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
@@ -241,14 +238,15 @@ class RunWriter:
                 space = h5py.h5s.create_simple(shape, shape)
                 dataset = h5py.h5d.create(file.id, None, h5py.h5t.IEEE_F64LE, space, properties)
                 h5py.h5o.link(dataset, file.id, name.encode(), lcpl=links)
+        return size
 
     def _view_frames(self, count: int) -> None:
         """Put the last `count` frames into their datasets through PETSc. Collective."""
-        from petsc4py import PETSc  # late: PETSc reads its options at the first import
 
-        def view(name: str, local: Array, block: int) -> None:
+        def view(viewer: PETSc.Viewer, name: str, local: Array) -> None:
             # a Vec of the world, of local length zero where the rank owns nothing: a smaller one would lose data
-            vec = PETSc.Vec().createWithArray(local, size=(local.size, None), bsize=block, comm=self._comm)
+            size, block = (local.size, None), local.shape[1]
+            vec = PETSc.Vec().createWithArray(np.ascontiguousarray(local), size=size, bsize=block, comm=self._comm)
             group, dataset = name.rsplit("/", 1)
             vec.setName(dataset)
             viewer.pushGroup(group)
@@ -256,21 +254,31 @@ class RunWriter:
             viewer.popGroup()
             vec.destroy()
 
+        with self._viewer() as viewer:
+            for name, _, local in self._datasets(count):
+                self._together(lambda: view(viewer, name, local))  # noqa: B023
+
+    @contextmanager
+    def _viewer(self) -> Iterator[PETSc.Viewer]:
+        """PETSc's viewer of the file. Collective."""
         viewer = PETSc.ViewerHDF5()
         self._together(lambda: viewer.create(str(self.path), mode="a", comm=self._comm))
         try:
-            for name, buffer, block in self._datasets(count):
-                local = buffer.X if block == 1 else buffer.pack(count)
-                self._together(lambda: view(name, local, block))  # noqa: B023
+            yield viewer
         finally:
             self._together(viewer.destroy)
 
-    def _record(self, count: int) -> None:
-        """Append the series, then make the last `count` frames valid. On rank 0, when no viewer is open."""
+    def _record(self, count: int, rows: Array | None) -> None:
+        """Append rows of the series, then make the last `count` frames valid. On rank 0, when no viewer is open."""
+        new = 0 if rows is None else len(rows)
+        if new + count == 0:
+            return
         with transaction.changes(self.path) as file:
-            self._series.write(file)
+            if new:
+                tables.append(file, "series", rows, self._steps)
             if count:
-                buffers.append_rows(file, "time", np.array(self._times), self.nframes - count)
+                tables.append(file, "time", np.array(self._times), self.nframes - count)
+        self._steps += new
 
     def _conclude(self, summary: Mapping[str, Any], errors: Mapping[str, Any] | None) -> None:
         with transaction.changes(self.path) as file:
@@ -303,8 +311,7 @@ def _create(path: str | os.PathLike[str], header: Mapping[str, Any]) -> tuple[Pa
         file.attrs["case"], file.attrs["complete"] = str(header["case"]), False
         created = datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds")
         file["header"] = _json({"created": created, **header})
-        file.create_dataset("time", (0,), "f8", maxshape=(None,), chunks=(buffers.ROWS,))
-        file.create_group("series", track_order=True)
+        tables.create(file, "time", np.dtype("f8"))
     return target, kept_as, _identity(target)
 
 

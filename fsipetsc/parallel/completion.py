@@ -69,7 +69,7 @@ def complete(head, layers, faces, memory):
     What lies within ``layer.middle`` has been looked at before (``look``).
 
     Fills the results in the memory: flags (MOVED, LOW, EXHAUSTED, SHORT), limits (RATE, BAD, STOP over all ranks),
-    states (see ``interface_state``), masses and behind them the energy (this rank's shares, see ``integrals``).
+    states (see ``interface_state``), masses and integrals (this rank's shares, see ``integrals``).
     """
     for i in range(4):
         memory[U64(head.results + i)] = 0.0
@@ -162,9 +162,9 @@ def limits(head, layers, memory):
 
 @njit(**OPTIONS)
 def interface_state(head, faces, memory):
-    """states[k] = (x, u, sigma, T, residuals of the four conditions) at interface k; all ranks know them."""
-    states = rows_at(memory, head.states, faces.size, 8)
+    """Rows of x, u, sigma, T and the residuals of the four conditions at the interfaces; all ranks know them."""
+    states = rows_at(memory, head.states, 8, faces.size)
     for k in range(faces.size):
         trace = rows_at(memory, head.traces + k * head.rows * TRACE, head.rows, TRACE)
-        states[k, 0], states[k, 1], states[k, 2], states[k, 3] = trace[0, 6], trace[0, 3], trace[0, 4], trace[0, 5]
-        residuals(faces[k], head.op, trace[:, :3], trace[:, 3:], states[k, 4:])
+        states[0, k], states[1, k], states[2, k], states[3, k] = trace[0, 6], trace[0, 3], trace[0, 4], trace[0, 5]
+        residuals(faces[k], head.op, trace[:, :3], trace[:, 3:], states[4:, k])

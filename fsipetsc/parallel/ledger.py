@@ -21,28 +21,30 @@ from fsipetsc.physics.survey import SUMS
 
 @njit(**OPTIONS)
 def integrals(head, layers, memory):
-    """This rank's shares: the gas in each layer [kg/m2], and behind these at ENERGY .. HEATING
+    """This rank's shares: the gas in each fluid layer [kg/m2], and behind these at ENERGY .. HEATING
 
     the total energy, of e over the fluids and of m0 (u^2/2 + alpha T) over the solids [J/m2]; the momentum [kg/(m s)];
     the force of the outer ends and of the body force on all of it [Pa]; and, if asked for, the entropy of
     gas and solids [J/(m2 K)] and the rate at which sigma u_X heats the solids, over T [W/(m2 K)].
     """
     energy, momentum, force, entropy, heating = 0.0, 0.0, 0.0, 0.0, 0.0
-    masses, n = U64(head.masses), layers.size
-    for k in range(U64(n)):
+    mass = U64(head.masses)
+    for k in range(layers.size):
         layer = layers[k]
-        memory[masses + k] = 0.0
+        fluid = layer.kind == FLUID
+        if fluid:
+            memory[mass] = 0.0
+            mass += U64(1)
         if layer.present == 0:
             continue
         h, sums = layer.h, U64(head.survey + SURVEY * k + SUMS)
-        fluid = layer.kind == FLUID
         for q in range(3):  # fluid: rho, rho u, e; solid: u, u^2, T
             column = q if fluid or q == 2 else 0
             value = h * integral(head, layer, memory, memory[sums + U64(q)], column, q == 1 and not fluid)
             if q == (0 if not fluid else 1):
                 momentum += value if fluid else layer.m0 * value
             elif q == 0:
-                memory[masses + k] = value
+                memory[mass - U64(1)] = value
             elif fluid:
                 energy += value
             else:
@@ -51,14 +53,14 @@ def integrals(head, layers, memory):
             force += layer.force * layer.m0 * h * norm_sum(head, layer)
         force += end_forces(head, layer, memory)
         if head.entropy == 1:
-            gained, source = gas_entropy(head, layer, memory) if layer.kind == FLUID else solid_entropy(head, layer, memory)
+            gained, source = gas_entropy(head, layer, memory) if fluid else solid_entropy(head, layer, memory)
             entropy += h * gained
             heating += h * source
-    memory[masses + U64(n + ENERGY)] = energy
-    memory[masses + U64(n + MOMENTUM)] = momentum
-    memory[masses + U64(n + FORCE)] = force
-    memory[masses + U64(n + ENTROPY)] = entropy
-    memory[masses + U64(n + HEATING)] = heating
+    memory[U64(head.integrals + ENERGY)] = energy
+    memory[U64(head.integrals + MOMENTUM)] = momentum
+    memory[U64(head.integrals + FORCE)] = force
+    memory[U64(head.integrals + ENTROPY)] = entropy
+    memory[U64(head.integrals + HEATING)] = heating
 
 
 @njit(**OPTIONS)

@@ -46,7 +46,7 @@ def goes_on(head, memory):
     t, dt, made = memory[U64(pace + NEXT)], memory[U64(pace + DT)], memory[U64(pace + MADE)]
     row = head.journal + head.row * int(memory[U64(pace + FIRST)] + made)
     memory[U64(row)], memory[U64(row + 1)] = t, dt
-    copy(memory, results, row + 2, head.row - 2)
+    copy(memory, head.states, row + 2, head.row - 2)
     memory[U64(pace + T)], memory[U64(pace + MADE)] = t, made + 1
     memory[U64(pace + SHORTEST)] = min(memory[U64(pace + SHORTEST)], dt)
     memory[U64(pace + LONGEST)] = max(memory[U64(pace + LONGEST)], dt)

@@ -23,7 +23,7 @@ from fsipetsc.operators.kernels import ROW, scratch_size
 from fsipetsc.operators.sbp import OPERATOR, SBPOperator, packed
 from fsipetsc.parallel.layout import Layout
 from fsipetsc.parallel.mpi import WORLD, Requests, world_record
-from fsipetsc.physics.layer import DOF
+from fsipetsc.physics.layer import DOF, FLUID
 from fsipetsc.physics.survey import SIZE as SURVEY
 
 _I = np.int64
@@ -42,9 +42,10 @@ HEAD = np.dtype(
         ("limits", _I),
         ("states", _I),
         ("masses", _I),
+        ("integrals", _I),
         ("pace", _I),  # see fsipetsc.parallel.pace
-        ("journal", _I),  # rows of time, step and the results of completed steps
-        ("row", _I),  # doubles of one
+        ("journal", _I),  # of completed steps, see ``step_record``
+        ("row", _I),  # doubles of one of them
         ("survey", _I),  # of each layer, see fsipetsc.physics.survey
         ("nodes", _I),
         ("scratch", _I),
@@ -70,17 +71,33 @@ LEAST_MIDDLE, LEAST_TILED = 512, 8192
 MOST_WAITING = 1.03
 #: doubles of the flags and of the limits among the results
 FLAGS, LIMITS = 4, 11
-#: integrals behind the masses of the layers, see fsipetsc.parallel.ledger
+#: integrals behind the masses of the fluid layers, see fsipetsc.parallel.ledger; the last two are optional
 ENERGY, MOMENTUM, FORCE, ENTROPY, HEATING = range(5)
 INTEGRALS = 5
 #: words of the pace, see fsipetsc.parallel.pace
 PACE = 11
-#: steps that the journal holds before they must be written: the same on all ranks
-CAPACITY = 4096
+#: steps that the journal holds; they must be written then. Whole chunks of the file, see output.tables
+CAPACITY = 40 << 10
 #: rows of scratch that the kernels use
 SCRATCH = 5
 #: doubles of a cache line, to which parts of the memory are aligned
 _LINE = 8
+
+
+def step_record(interfaces: int, fluids: int, entropy: bool) -> np.dtype:
+    """What is noted of a step: doubles, as they stand in the memory of the plan, and as they are written to the file.
+
+    Time after the step and its length, the rows of ``completion.interface_state``, and the integrals of the ledger.
+    """
+    columns = [f"{name}_interface" for name in ("x", "u", "sigma", "T")]
+    columns += [f"residual_{name}" for name in ("u", "stress", "T", "flux")]
+    integrals = ["energy", "momentum", "force"] + ["entropy", "heating"] * entropy
+    return np.dtype(
+        [("t", "f8"), ("dt", "f8")]
+        + [(name, "f8", (interfaces,)) for name in columns]
+        + [("mass", "f8", (fluids,))]
+        + [(name, "f8") for name in integrals]
+    )
 
 
 class Plan(NamedTuple):
@@ -116,6 +133,22 @@ class Plan(NamedTuple):
         size = int(self.head["message"][0])
         return self.part("traces", size).reshape(len(self.faces), -1, 7)
 
+    @property
+    def record(self) -> np.dtype:
+        """Of a step in the journal."""
+        return step_record(len(self.faces), _fluids(self.layers), bool(self.head["entropy"][0]))
+
+    @property
+    def journal(self) -> np.ndarray:
+        """View of the records of steps."""
+        return self.part("journal", CAPACITY * int(self.head["row"][0])).view(self.record)
+
+    @property
+    def latest(self) -> np.void:
+        """View of what will be the record of the last completed step, without its time."""
+        names = self.record.names[2:]
+        return self.part("states", int(self.head["row"][0]) - 2).view([(name, self.record[name]) for name in names])[0]
+
 
 def make_faces(layout: Layout, coupling: str) -> np.ndarray:
     """INTERFACE records of all interfaces."""
@@ -130,13 +163,15 @@ def make_faces(layout: Layout, coupling: str) -> np.ndarray:
     return faces
 
 
-def make_plan(layout: Layout, op: SBPOperator, coupling: str, forced: bool) -> tuple[Plan, Requests]:
+def make_plan(layout: Layout, op: SBPOperator, coupling: str, forced: bool, entropy: bool) -> tuple[Plan, Requests]:
     """The plan of this rank and the persistent requests of its halo exchange. Collective."""
     faces = make_faces(layout, coupling)
     rows = max(2, op.rows)
     message = len(faces) * rows * 7
     edges = 4 * layout.width * sum(dof * int(r["present"]) for dof, r in zip(_dofs(layout), layout.records, strict=True))
-    results = FLAGS + LIMITS + 8 * len(faces) + len(layout.records) + INTEGRALS
+    fluids = _fluids(layout.records)
+    results = FLAGS + LIMITS + 8 * len(faces) + fluids + INTEGRALS
+    row = step_record(len(faces), fluids, entropy).itemsize // 8
     areas = ["area0", "area1", "area2", "sum"] + ["forcing"] * forced
     sizes = {
         "solution": layout.local_size,
@@ -146,7 +181,7 @@ def make_plan(layout: Layout, op: SBPOperator, coupling: str, forced: bool) -> t
         "sent": message,
         "traces": message,
         "pace": PACE,
-        "journal": CAPACITY * (2 + results),
+        "journal": CAPACITY * row,
         "survey": SURVEY * len(layout.records),
         "results": results,
         "nodes": 5 * NODES,
@@ -170,9 +205,10 @@ def make_plan(layout: Layout, op: SBPOperator, coupling: str, forced: bool) -> t
     least = 2 * (edge + STAGES * 2 * op.p) + LEAST_MIDDLE
     head["edge"], head["least"] = edge, (least if tiles_pay(layout, edge, least) else np.iinfo(_I).max)
     head["limits"] = head["results"] + FLAGS
-    head["row"] = 2 + results
+    head["row"], head["entropy"] = row, entropy
     head["states"] = head["limits"] + LIMITS
     head["masses"] = head["states"] + 8 * len(faces)
+    head["integrals"] = head["masses"] + fluids
     requests = _requests(layout, memory[starts["edges"] :])
     head["requests"] = requests.handles.size
     head["request_list"], head["status_list"] = requests.handles.ctypes.data, requests.statuses.ctypes.data
@@ -191,6 +227,10 @@ def tiles_pay(layout: Layout, edge: int, least: int) -> bool:
             whole[rank] += end - begin
             inner[rank] += end - begin - 2 * edge if end - begin >= least else 0
     return bool(whole.max() >= LEAST_TILED and (whole - inner).max() + inner.max() <= MOST_WAITING * whole.max())
+
+
+def _fluids(layers: np.ndarray) -> int:
+    return int(np.count_nonzero(layers["kind"] == FLUID))
 
 
 def _dofs(layout: Layout) -> list[int]:

@@ -17,7 +17,6 @@ from numba import njit
 
 from fsipetsc.operators.kernels import (
     BLOCK,
-    ENTRY,
     OPTIONS,
     ROW,
     U64,
@@ -170,20 +169,21 @@ def fluid_rates(layer, op, s, f, target, unknown, points):
                 emit_lanes(s, target, unknown, i, scale * closure(op, s, f + end, side, known, r), first, last)
 
 
-@njit(**ENTRY)
-def fluid_fields(layer, s, w, interface, values, x):
-    """rho, u, T, p of the owned points to values (owned points, 4), Eulerian positions to x; NaN where inactive.
+@njit(**OPTIONS)
+def fluid_fields(layer, s, w, interface, out, at, stride):
+    """rho, u, T, p and the Eulerian position x of the owned points; NaN where inactive.
 
-    s, w: as in ``fluid_rhs``; interface: index of the interface point.
+    s, w: as in ``fluid_rhs``; interface: the interface point. What belongs to the first owned point goes to
+    out[at:], to the next one to out[at + stride:], ...
     """
-    for k in range(layer.own_hi - layer.own_lo):
-        i = layer.own_lo + k
+    for i in range(layer.own_lo, layer.own_hi):
         inside = layer.lo <= i <= layer.hi
         rho = s[U64(w + i)] if inside else np.nan
         u = s[U64(w + layer.stride + i)] / rho
         T = (s[U64(w + 2 * layer.stride + i)] / rho - 0.5 * u * u) / layer.cv
-        values[k, 0], values[k, 1], values[k, 2], values[k, 3] = rho, u, T, layer.R * rho * T
-        x[k] = (i - interface) * layer.h + layer.x_interface if inside else np.nan
+        x = (i - interface) * layer.h + layer.x_interface if inside else np.nan
+        o = U64(at + (i - layer.own_lo) * stride)
+        out[o], out[o + U64(1)], out[o + U64(2)], out[o + U64(3)], out[o + U64(4)] = rho, u, T, layer.R * rho * T, x
 
 
 @njit(**OPTIONS)

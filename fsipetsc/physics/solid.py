@@ -21,6 +21,7 @@ from fsipetsc.operators.kernels import (
     ROW,
     U64,
     closure,
+    derivative,
     end_of,
     end_rows,
     grid_start,
@@ -180,6 +181,23 @@ def solid_rates(layer, op, s, w, f, target, points):
                 )
                 for unknown in range(4):
                     emit_lanes(s, target, unknown, i, load(s, w + i) if unknown == 3 else rates[unknown], first, last)
+
+
+@njit(**OPTIONS)
+def solid_fields(layer, op, s, w, scratch, out, at, stride):
+    """u, sigma, T, x and p of the owned points; out, at, stride: as in ``fluid_fields``, the rest as in ``solid_rhs``."""
+    heated, strain = layer.gruneisen * layer.m0 * layer.alpha, scratch + row(0)
+    for i0 in range(layer.own_lo, layer.own_hi, BLOCK):
+        i1 = min(i0 + BLOCK, layer.own_hi)
+        if heated != 0.0:
+            derivative(op, s, w + 3 * layer.stride + i0, i0, strain, i0, i0, i1, layer.lo, layer.hi, 1.0 / layer.h)
+        for i in range(i0, i1):
+            o, p = U64(at + (i - layer.own_lo) * stride), 0.0
+            for c in range(4):
+                out[o + U64(c)] = s[U64(w + c * layer.stride + i)]
+            if heated != 0.0:
+                p = heated * out[o + U64(2)] / s[U64(strain + i - i0)]
+            out[o + U64(4)] = p
 
 
 @njit(**OPTIONS)

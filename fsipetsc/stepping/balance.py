@@ -60,9 +60,9 @@ class Watch:
         self._problem, self._initial, self._tolerance = problem, initial, tolerance
         self._blocks: list[dict[str, np.ndarray]] = []
 
-    def look(self, block: Mapping[str, np.ndarray]) -> str | None:
-        """What is wrong after some more steps, or None."""
-        self._blocks.append({name: block[name] for name in self._NAMES if name in block})
+    def look(self, block: np.ndarray) -> str | None:
+        """What is wrong after some more steps, of which these are the records, or None."""
+        self._blocks.append({name: np.array(block[name]) for name in self._NAMES if name in block.dtype.names})
         series = {name: np.concatenate([b[name] for b in self._blocks]) for name in self._blocks[0]}
         for name, drift in drifts(self._problem, self._initial, series).items():
             worst = int(np.argmax(np.abs(drift)))

@@ -19,7 +19,6 @@ from fsipetsc.errors import ComputationError
 from fsipetsc.parallel.advance import STAGES
 from fsipetsc.parallel.completion import BAD, EXHAUSTED, LOW, MOVED, RATE, SAID_STOP, SHORT, STOP
 from fsipetsc.parallel.pace import LONGEST, MADE, SHORTEST, T
-from fsipetsc.parallel.plan import ENERGY, ENTROPY, FORCE, HEATING, MOMENTUM
 from fsipetsc.stepping.clock import Clock
 from fsipetsc.stepping.control import ErrorControl
 from fsipetsc.stepping.diagnosis import describe_failure
@@ -30,6 +29,8 @@ from fsipetsc.stepping.state import State
 
 #: flags and limits of all ranks end here
 LAST = STOP + 1
+#: with -fsi_check: steps after which the balances are looked at
+CHECKED = 4096
 #: points (of all ranks, spare ones too) times steps in one call
 MOST_POINTS = 250_000
 #: orders of PETSc's Runge-Kutta methods that have an embedded one
@@ -54,7 +55,7 @@ class Integrator:
         on_grids: Callable[[], None],
     ) -> None:
         self.state, self.opt = state, opt
-        self.series = Series(state, bool(state.plan.head["entropy"][0]))
+        self.series = Series(state, CHECKED if opt["fsi_check"] else None)
         self._on_frame, self._on_series, self._on_step, self._on_grids = on_frame, on_series, on_step, on_grids
         self._clock = Clock(saved)
         self._steady = state.problem.steady_data
@@ -234,12 +235,9 @@ class Integrator:
         self._on_grids()
         self._finish()
         self._check(0.0, state.results[:LAST].tolist())
-        fluids = [k for k, layer in enumerate(state.problem.layers) if layer.kind == "fluid"]
-        integrals = state.comm.allreduce(state.integrals)
-        behind = integrals[len(state.problem.layers) :]
-        names = {"energy": ENERGY, "momentum": MOMENTUM, "force": FORCE, "entropy": ENTROPY, "heating": HEATING}
-        self.initial = {"mass": [float(integrals[k]) for k in fluids]}
-        self.initial |= {name: float(behind[at]) for name, at in names.items()}
+        names = state.latest.dtype.names
+        shares = {name: state.latest[name] for name in names[names.index("mass") :]}
+        self.initial = {name: state.comm.allreduce(share).tolist() for name, share in shares.items()}
         self._clock.pass_time(0.0)
         self._on_frame(0.0)
 
@@ -268,7 +266,7 @@ class Integrator:
                     traceback.clear_frames(self._error.__traceback__)
                     raise self._error
                 if self.state.results[LOW] and not self._clock.done:
-                    self.state.grow()
+                    self.state.grow(self.series.count)
                     self._on_grids()
         finally:
             self.wall_time += time.perf_counter() - begun

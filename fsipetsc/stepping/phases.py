@@ -115,9 +115,9 @@ class LoggedState(State):
             super().finish()
             self._count(self._completion, 1)
 
-    def grow(self) -> None:
+    def grow(self, noted: int = 0) -> None:
         with self._events["grow"]:
-            super().grow()
+            super().grow(noted)
             self._measure()
 
     def set_initial(self) -> None:

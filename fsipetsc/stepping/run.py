@@ -7,7 +7,6 @@ import signal
 import time
 from collections.abc import Mapping
 from contextlib import contextmanager
-from itertools import tee
 from typing import Any
 
 import numpy as np
@@ -17,9 +16,10 @@ from petsc4py import PETSc
 import fsipetsc
 from fsipetsc.errors import ComputationError, FsiError
 from fsipetsc.output.writer import RunWriter
+from fsipetsc.parallel.fields import fields
 from fsipetsc.stepping.balance import Watch
 from fsipetsc.stepping.clock import saved_times
-from fsipetsc.stepping.frames import active_points, errors, fields
+from fsipetsc.stepping.frames import active_points, errors, layer_fields
 from fsipetsc.stepping.integrator import Integrator
 from fsipetsc.stepping.phases import LOOP, OUTPUT, SET_UP, Phases
 from fsipetsc.stepping.report import Reporter
@@ -57,9 +57,10 @@ class _Run:
         self.state = make_state(self.problem, opt, comm)
         saved = saved_times(opt["ts_max_time"], opt["fsi_output_dt"], opt["fsi_output_times"])
         self.writer = RunWriter(comm, opt["fsi_output"], self._header())
-        self.writer.before_flush = self._series
+        self.writer.take_series = self._take
         self.report = Reporter(comm, case.NAME, opt)
         self.saved_at = -1.0
+        self.fresh: np.ndarray | None = None  # records of steps that the watch has not seen
         self.watch: Watch | None = None
         self.checks = bool(opt["fsi_check"])
         self.integrator = Integrator(
@@ -90,39 +91,38 @@ class _Run:
         )
 
     def _frame(self, t: float) -> None:
+        plan = self.state.plan
         with self.phases(OUTPUT, "fsi frame"):
-            self._write_frame(t)
+            self.writer.write_frame(t, lambda slots: fields(plan.head, plan.layers, plan.memory, *slots))
         self.saved_at = t
+        self._look()
 
-    def _write_frame(self, t: float) -> None:
-        # one layer at a time: a frame of all of them need not be in memory twice
-        values, positions = tee(self._fields(k) for k in range(len(self.problem.layers)))
-        self.writer.write_frame(t, (v for v, _ in values), (x for _, x in positions))
-
-    def _fields(self, k: int) -> tuple[np.ndarray, np.ndarray | None]:
-        """Fields of layer k on this rank, and positions where they are no field."""
-        layer = self.problem.layers[k]
-        if not self.state.layout.records[k]["present"]:
-            values, x = np.empty((0, len(layer.fields))), np.empty(0)
-        else:
-            values, x = fields(self.state, k)
-        return values, (x if layer.kind == "fluid" else None)
+    def _take(self) -> np.ndarray | None:
+        """Hand over the records of the steps that have been made since the last time. Collective."""
+        series = self.integrator.series
+        if series.count:
+            self.fresh = series.take(self.comm)
+            return self.fresh
+        return None
 
     def _series(self) -> None:
-        series = self.integrator.series
-        if not series.count:
-            return
         with self.phases(OUTPUT, "fsi series"):
-            block = series.take(self.comm)
-            self.writer.append_series(block)
-        if self.checks:
-            self._look(block)
+            self.writer.write_series()
+        self._look()
 
-    def _look(self, block: Mapping[str, np.ndarray]) -> None:
-        """Raise ComputationError on all ranks if an invariant that must hold does not."""
+    def _flush(self) -> None:
+        with self.phases(OUTPUT, "fsi finish"):
+            self.writer.flush()
+        self._look()
+
+    def _look(self) -> None:
+        """Raise ComputationError on all ranks if an invariant that must hold does not, in steps that have been taken."""
+        steps, self.fresh = self.fresh, None
+        if steps is None or not self.checks:
+            return
         if self.watch is None:
             self.watch = Watch(self.problem, self.integrator.initial, self.opt["fsi_check"])
-        fault = self.comm.bcast(self.watch.look(block) if self.comm.rank == 0 else None)
+        fault = self.comm.bcast(self.watch.look(steps) if self.comm.rank == 0 else None)
         if fault:
             raise ComputationError(f"{fault}; -fsi_check {self.opt['fsi_check']:g} allows no more")
 
@@ -135,19 +135,17 @@ class _Run:
         try:
             self.report.begin(self.state)
             with self.phases(SET_UP):
-                self.state.compile(self.report.line)
+                self.state.compile(self.report.line, lambda: layer_fields(self.state))
                 integrator.start()
             self.report.start()
             with _signals(integrator), self.phases(LOOP):
                 integrator.run()
             self._last_frame()
-            self._series()
+            self._flush()  # so that the summary knows what it took
         except ComputationError as error:
             failure, self.checks = error, False
-        self._series()
+            self._flush()
         found = None if failure else errors(self.state, integrator.t)
-        with self.phases(OUTPUT, "fsi finish"):
-            self.writer.flush()  # so that the summary knows what it took
         summary = self._summary(time.perf_counter() - begun, failure)
         self.writer.finish(summary, found)
         self.report.end(summary, found, self.writer.path)

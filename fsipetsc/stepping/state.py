@@ -14,7 +14,7 @@ from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.advance import STAGES, advance
 from fsipetsc.parallel.completion import LOW
 from fsipetsc.parallel.layout import Grid, Layout, make_grids
-from fsipetsc.parallel.plan import CAPACITY, FLAGS, FORCING, INTEGRALS, LIMITS, PACE, make_plan
+from fsipetsc.parallel.plan import FLAGS, FORCING, LIMITS, PACE, make_plan
 from fsipetsc.physics.layer import DOF, FLUID
 from fsipetsc.problem import FluidLayer, Problem
 
@@ -23,7 +23,8 @@ class State:
     """Solution and everything that belongs to it; all methods are collective on ``comm``.
 
     Attributes: layout, plan, solution (world Vec); results of the last completed step (parallel.completion says where what
-    stands), of these states (nI, 8) and integrals (this rank's masses and energy); pace and journal (parallel.pace).
+    stands); pace (parallel.pace); journal, the records of steps (parallel.plan.step_record), and latest, that of the last
+    one without its time. The integrals in them are this rank's shares.
     Raises InputError where grid, order and number of ranks do not fit.
     """
 
@@ -43,33 +44,32 @@ class State:
         self._coupling, self._mode, self._spare, self._entropy = coupling, mode, spare, entropy
         self._place(make_grids(problem, self.op, h, spare))
 
-    def compile(self, announce: Callable[[str], None]) -> None:
-        """Compile the kernels if that has not been done for this machine: one rank first, the others take its result."""
-        if self.comm.rank == 0:
-            if not any(cache_folder().glob("*/advance.advance-*.nbi")):
+    def compile(self, announce: Callable[[str], None], also: Callable[[], object] = lambda: None) -> None:
+        """Compile the kernels if that has not been done for this machine: one rank first, the others take its result.
+
+        also: calls further compiled functions.
+        """
+        for alone in (True, False):
+            if alone and self.comm.rank == 0 and not any(cache_folder().glob("*/advance.advance-*.nbi")):
                 announce("compiling the kernels: once after installation, about 20 s")
-            advance(*self.plan, 0, 0, -1, 0.0)
-        self.comm.Barrier()
-        advance(*self.plan, 0, 0, -1, 0.0)
+            if not alone or self.comm.rank == 0:
+                advance(*self.plan, 0, 0, -1, 0.0)
+                also()
+            self.comm.Barrier()
 
     def _place(self, grids: list[Grid]) -> None:
         self.layout = Layout(self.comm, self.problem, self.op, self.h, grids, self._mode)
         forced = any(layer.forcing for layer in self.problem.layers)
-        self.plan, self._requests = make_plan(self.layout, self.op, self._coupling, forced)
-        self.plan.head["entropy"] = self._entropy
+        self.plan, self._requests = make_plan(self.layout, self.op, self._coupling, forced, self._entropy)
         for record, grid in zip(self.layout.records, grids, strict=True):
             record["lo"], record["hi"] = grid.lo, grid.hi
         # the solution vector's own memory is the plan's
         self._transfer, self._solution = (int(self.plan.head[name][0]) for name in ("transfer", "solution"))
         values = self.plan.part("solution", self.layout.local_size)
         self.solution = PETSc.Vec().createWithArray(values, comm=self.comm)
-        nI, nL = len(self.problem.interfaces), len(self.problem.layers)
-        self.results = self.plan.part("results", FLAGS + LIMITS + 8 * nI + nL + INTEGRALS)
-        self.states = self.plan.part("states", 8 * nI).reshape(nI, 8)
-        self.integrals = self.plan.part("masses", nL + INTEGRALS)
+        self.results = self.plan.part("results", FLAGS + LIMITS)
         self.pace = self.plan.part("pace", PACE)
-        row = int(self.plan.head["row"][0])
-        self.journal = self.plan.part("journal", CAPACITY * row).reshape(CAPACITY, row)
+        self.journal, self.latest = self.plan.journal, self.plan.latest
 
     def set_data(self, t: float) -> None:
         """Evaluate boundary data, jumps and forcing at time t [s] for the next evaluation of the right-hand side."""
@@ -130,19 +130,19 @@ class State:
             self.set_data(t + fraction * dt)
             advance(*self.plan, number, number + 1, -1, dt)
 
-    def grow(self) -> None:
+    def grow(self, noted: int = 0) -> None:
         """Lay the grids anew with more spare points at the embedded boundaries; the completed solution moves along.
 
-        Nothing else changes, not even in the last bit. Rare, so it is simple: every rank sees each layer once, whole.
+        noted: records of the journal that are needed. Nothing else changes, not even in the last bit. Rare, so it is simple:
+        every rank sees each layer once, whole.
         """
         old, y = self.layout, self.solution.getArray(readonly=True)
         whole = [gather(self.comm, old, k, y) for k in range(len(old.grids))]
         cells = {k: int(r["hi"] - r["lo"]) for k, r in enumerate(old.records) if r["kind"] == FLUID}
-        kept = [part.copy() for part in (self.results, self.journal)]
+        results, journal = self.results.copy(), self.journal[:noted].copy()
         self._release()
         self._place(make_grids(self.problem, self.op, self.h, max(self._spare, NODES), cells))
-        for part, values in zip((self.results, self.journal), kept, strict=True):
-            part[:] = values
+        self.results[:], self.journal[:noted] = results, journal
         self.results[LOW] = 0.0
         y = self.solution.getArray()
         for k, (grid, record) in enumerate(zip(self.layout.grids, self.layout.records, strict=True)):
