@@ -34,6 +34,9 @@ ENTRY = {"cache": True, "error_model": "numpy", "nogil": True}
 #: Of functions that only compiled code calls: not kept on disk for themselves, and nothing made to call them from Python.
 OPTIONS = {"error_model": "numpy", "nogil": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 
+#: Of the large ones among these that are called at one place: as part of their caller they are optimised once less.
+INLINE = {**OPTIONS, "inline": "always"}
+
 
 @njit(**OPTIONS)
 def weights_of(op, scale):

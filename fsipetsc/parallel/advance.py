@@ -22,7 +22,7 @@ from typing import NamedTuple
 
 from numba import njit
 
-from fsipetsc.operators.kernels import ENTRY, OPTIONS, U64
+from fsipetsc.operators.kernels import ENTRY, INLINE, OPTIONS, U64
 from fsipetsc.parallel.completion import begin_looking, complete, look
 from fsipetsc.parallel.exchange import exchange, load_state, store_state, unknowns, work_point
 from fsipetsc.parallel.pace import DT, goes_on
@@ -86,7 +86,7 @@ def evaluate(head, layer, memory, stage, begin, end):
         solid_rhs(layer, head.op, memory, w, head.scratch, target, begin, end)
 
 
-@njit(**OPTIONS)
+@njit(**INLINE)
 def find_middle(head, layer, wanted):
     """Note which points tiles complete: their range in the last stage. In a stage before, ends reach 2 p points further."""
     a, b = max(layer.own_lo, layer.lo), min(layer.own_hi, layer.hi + 1)
@@ -95,7 +95,7 @@ def find_middle(head, layer, wanted):
         layer.middle[0] = layer.middle[1] = a
 
 
-@njit(**OPTIONS)
+@njit(**INLINE)
 def ends(head, layers, memory, stage, number):
     """One stage of all layers, but for what the tiles do of it."""
     given = 2 * head.op.p * (STAGES - 1 - number)
@@ -110,7 +110,7 @@ def ends(head, layers, memory, stage, number):
             evaluate(head, layer, memory, stage, layer.own_lo, layer.own_hi)
 
 
-@njit(**OPTIONS)
+@njit(**INLINE)
 def tiles(head, layers, memory, dt):
     """All stages of the middles, and the look at the new solution there."""
     reach = 2 * head.op.p
@@ -129,7 +129,7 @@ def tiles(head, layers, memory, dt):
             look(head, layer, k, memory, begin, min(begin + TILE, b))
 
 
-@njit(**OPTIONS)
+@njit(**INLINE)
 def clear(head, layers, memory, area):
     """Zero in an area."""
     for layer in layers:

@@ -9,7 +9,7 @@ from numba import njit
 
 from fsipetsc.boundaries import INTERFACE_END
 from fsipetsc.coupling import residuals
-from fsipetsc.operators.kernels import OPTIONS, U64, copy
+from fsipetsc.operators.kernels import INLINE, OPTIONS, U64, copy
 from fsipetsc.parallel.exchange import TRACE, store_state, work_point
 from fsipetsc.parallel.ledger import integrals
 from fsipetsc.parallel.mpi import mpi_allreduce
@@ -62,7 +62,7 @@ def move_boundary(head, layer, memory, side):
     return moved, False
 
 
-@njit(**OPTIONS)
+@njit(**INLINE)
 def complete(head, layers, faces, memory):
     """Finish a step whose settled result stands in work area 0: embedded boundaries move, limits and integrals are taken.
 
@@ -119,7 +119,7 @@ def look(head, layer, k, memory, begin, end):
     store_state(head, layer, memory, WORK, head.solution, begin, end)
 
 
-@njit(**OPTIONS)
+@njit(**INLINE)
 def limits(head, layers, memory):
     """Bounds on the time step: RATE = 1/dt at Courant number 1, BAD > 0 where the state is unphysical anywhere.
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from numba import njit
 
 from fsipetsc.boundaries import INTERFACE_END
-from fsipetsc.operators.kernels import OPTIONS, U64
+from fsipetsc.operators.kernels import INLINE, OPTIONS, U64
 from fsipetsc.parallel.balances import end_forces, gas_entropy, norm_sum, solid_entropy, strip_integral
 from fsipetsc.parallel.exchange import work_point
 from fsipetsc.parallel.plan import ENERGY, ENTROPY, FORCE, HEATING, MOMENTUM, WORK
@@ -19,7 +19,7 @@ from fsipetsc.physics.survey import SIZE as SURVEY
 from fsipetsc.physics.survey import SUMS
 
 
-@njit(**OPTIONS)
+@njit(**INLINE)
 def integrals(head, layers, memory):
     """This rank's shares: the gas in each fluid layer [kg/m2], and behind these at ENERGY .. HEATING
 

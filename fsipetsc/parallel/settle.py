@@ -13,7 +13,7 @@ from numba.extending import intrinsic
 
 from fsipetsc.boundaries import INTERFACE_END, NODES, close_solid, fill_ghost
 from fsipetsc.coupling import couple
-from fsipetsc.operators.kernels import OPTIONS, U64
+from fsipetsc.operators.kernels import INLINE, OPTIONS, U64
 from fsipetsc.parallel.exchange import TRACE, exchange, holds, unpack, work_point
 from fsipetsc.physics.layer import FLUID
 
@@ -86,7 +86,7 @@ def close_end(head, layer, memory, area, side):
         memory[U64(w + c * layer.stride)] = trace[0, c]
 
 
-@njit(**OPTIONS)
+@njit(**INLINE)
 def settle(head, layers, faces, memory, area):
     """Fill halos, ghost points and ends of a work area and project its interfaces; sets the frames."""
     exchange(head, layers, faces, memory, area)
