@@ -238,12 +238,20 @@ def messages(case: Any, opt: dict[str, Any], comm: Any, calls: Any) -> dict[str,
 
     state = make_state(case.build(opt), opt, comm)
     state.set_initial()
+    world = state.plan.head[0]["world"]
+    box = int(world["boxes"] + world["rank"] * world["box"])
+
+    def turns() -> int:
+        return ctypes.c_int64.from_address(box).value if world["boxes"] else 0
+
     calls["calls"].clear(), calls["numbers"].clear()
+    before = turns()
     for _ in range(10):
         state.step(0.0, 1e-9, True)
+    made = turns() - before
     stage, completion = stage_traffic(state.plan), completion_traffic(state.plan)
     said = [(STAGES - 1) * a + b for a, b in zip(stage, completion)]
-    return {"calls": dict(calls["calls"]), "numbers": dict(calls["numbers"]), "said": said}
+    return {"calls": dict(calls["calls"]), "numbers": dict(calls["numbers"]), "said": said, "turns": made}
 
 
 # --- allocations

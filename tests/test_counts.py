@@ -38,22 +38,31 @@ def test_a_burst_of_steps_is_one_call_that_allocates_nothing(order, burst):
 @pytest.mark.parametrize("ranks", [2, 4])
 def test_messages_of_a_step(ranks):
     """As many as the plan says, and no more than four neighbourly exchanges and five reductions."""
-    listed = counts("messages", "-fsi_partition", "balanced", ranks=ranks)
+    listed = counts("messages", "-fsi_partition", "balanced", "-fsi_shared_memory", 0, ranks=ranks)
     assert len(listed) == ranks
     for count in listed:
-        sends, _, reductions, reduced_bytes = count["said"]
+        sends, _, reductions, reduced_bytes, turns = count["said"]
         calls, numbers = count["calls"], count["numbers"]
         assert calls["MPI_Allreduce"] == 10 * reductions
         assert 8 * numbers["MPI_Allreduce"] == 10 * reduced_bytes
         assert numbers["MPI_Startall"] == numbers["MPI_Waitall"] == 2 * 10 * sends, "each message is sent and received"
-        assert reductions <= 5
+        assert reductions <= 5 and turns == count["turns"] == 0
         assert 0 < sends <= 4 * 2
         assert calls["MPI_Startall"] <= 10 * 4
 
 
+@pytest.mark.mpi
+@pytest.mark.parametrize("ranks", [2, 3])
+def test_ranks_of_a_node_send_no_messages(ranks):
+    """They meet at their boxes instead, as often as they would in reductions."""
+    for count in counts("messages", "-fsi_partition", "balanced", ranks=ranks):
+        assert not any(name.startswith("MPI_") for name in count["calls"])
+        assert count["said"] == [0, 0, 0, 0, 5] and count["turns"] == 10 * 5
+
+
 def test_one_rank_sends_nothing():
     (count,) = counts("messages")
-    assert count["calls"] == {} and count["said"] == [0, 0, 0, 0]
+    assert count["calls"] == {} and count["said"] == [0, 0, 0, 0, 0] and count["turns"] == 0
 
 
 @pytest.mark.parametrize(("order", "h"), [(4, 0.0025), (8, 0.00125)])

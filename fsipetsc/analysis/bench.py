@@ -49,9 +49,10 @@ OPTIONS = (
     Option("bench_doc", str, None, "", "Markdown file whose tables are renewed"),
     Option("fsi_output", str, "bench", "", "base name of the results: NAME.csv, NAME-facts.csv, NAME.png"),
 )
+_OF_RUN = ("fsi_quiet", "fsi_partition", "fsi_shared_memory", "fsi_debug")
 SECTIONS: dict[str, tuple[Option, ...]] = {
     "Benchmark": OPTIONS,
-    "Run": tuple(option for option in RUN if option.name in ("fsi_quiet", "fsi_partition", "fsi_debug")),
+    "Run": tuple(option for option in RUN if option.name in _OF_RUN),
 }
 
 

@@ -161,7 +161,7 @@ def model_text(model: Model | None, study: Study) -> str:
         f"work per point and step {works}",
         f"{moved_bytes():.0f} bytes moved per point and step ({moved.fetched:.1f} doubles fetched and {moved.written:.1f} "
         f"written per unknown), of whose time {100 * model.overlap:.0f} % is not hidden behind the work",
-        f"{model.latency:.2f} µs for each message that others wait for",
+        f"{model.latency:.2f} µs for each message, or turn at the boxes, that others wait for",
         f"fitted to {len(study.rows)} measurements: rms error {100 * model.error:.0f} %, largest "
         f"{100 * worst:+.0f} % ({where})",
     )
@@ -173,7 +173,8 @@ def expected(model: Model | None, study: Study) -> str:
     if model is None:
         return "No model."
     order, tables = (4 if 4 in model.work else study.orders[0]), []
-    for latency, where in ((model.latency, "as between the ranks of this machine"), (NETWORK, "as in a cluster")):
+    here = study.facts.get("message latency", model.latency)
+    for latency, where in ((here, "as MPI's on this machine"), (NETWORK, "as in a cluster")):
         rows = []
         for points in _GRIDS:
             table = scaling(model, study, order, 1 / round(points / 6), (1, *_MANY), latency)

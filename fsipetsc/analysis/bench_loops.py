@@ -5,8 +5,8 @@ from __future__ import annotations
 from numba import njit
 
 from fsipetsc.operators.kernels import ENTRY, U64
+from fsipetsc.parallel.boxes import largest
 from fsipetsc.parallel.exchange import exchange
-from fsipetsc.parallel.mpi import mpi_allreduce
 from fsipetsc.parallel.plan import WORK
 from fsipetsc.parallel.settle import settle
 
@@ -34,8 +34,7 @@ def reduce_often(heads, memory, words, count):
     world, base = head.world, memory.ctypes.data
     if world.size > 1:
         for _ in range(count):
-            sent, received = base + 8 * head.sent, base + 8 * head.traces
-            mpi_allreduce(sent, received, words, world.word, world.max, world.comm)
+            largest(world, base + 8 * head.sent, base + 8 * head.traces, words)
 
 
 @njit(**ENTRY)

@@ -71,6 +71,11 @@ class Stand:
         integrator.run()
         return 1e6 * comm.allreduce(integrator.wall_time, MPI.MAX) / integrator.steps
 
+    def reduction(self, seconds: float) -> float:
+        """The reduction that bounds the time step, over all ranks."""
+        plan = self.state.plan
+        return clock(self.comm, lambda n: reduce_often(plan.head, plan.memory, LIMITS, n), seconds)
+
     def phases(self, seconds: float) -> dict[str, float]:
         """The parts of a step; seconds: how long each may be measured."""
         plan, comm = self.state.plan, self.comm
@@ -87,7 +92,7 @@ class Stand:
         whole = clock(comm, part(STAGES + 1), seconds) - call
         settle = clock(comm, lambda n: settle_often(*plan, n), seconds)
         exchange = clock(comm, lambda n: exchange_often(*plan, n), seconds)
-        reduction = clock(comm, lambda n: reduce_often(plan.head, plan.memory, LIMITS, n), seconds)
+        reduction = self.reduction(seconds)
         return {
             "inner": whole - STAGES * settle - reduction,
             "ends": STAGES * (settle - exchange),
@@ -125,7 +130,7 @@ class Stand:
             "share": comm.allreduce(mine, MPI.MAX),
             "doubles": comm.allreduce(int(plan.memory.size)),
             "sends": comm.allreduce((STAGES - 1) * stage.sends + completion.sends, MPI.MAX),
-            "reductions": (STAGES - 1) * stage.reductions + completion.reductions,
+            "reductions": (STAGES - 1) * (stage.reductions + stage.turns) + completion.reductions + completion.turns,
         }
 
     def destroy(self) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import platform
 import time
@@ -69,8 +70,8 @@ class Bench:
 
     def options(self, order: int, points: int, **more: Any) -> dict[str, Any]:
         """Options of a run of the rod."""
-        chosen = {"fsi_order": order, "fsi_h": spacing(points), "fsi_partition": self.opt["fsi_partition"]}
-        return {**defaults(self.case), **chosen, **more}
+        chosen = {name: self.opt[name] for name in ("fsi_partition", "fsi_shared_memory")}
+        return {**defaults(self.case), "fsi_order": order, "fsi_h": spacing(points), **chosen, **more}
 
     def rest(self) -> None:
         """Wait for all ranks, asleep."""
@@ -208,6 +209,11 @@ class Bench:
                 if share:
                     facts[f"output often {points} {ranks}"] = share
                     self.say(f"output every 10 steps, {points} points, {ranks} ranks: {share:.1f} % of the run")
+        if max(self.ranks) > 1:
+            latency = self.team(max(self.ranks), self._latency)
+            if latency:
+                facts["message latency"] = latency
+                self.say(f"a message of a reduction by MPI: {latency:.2f} µs")
         for name, cost in (self.alone(lambda: start_costs(3)) or {}).items():
             facts[f"start {name} wall"], facts[f"start {name} cpu"] = cost.wall, cost.cpu
             self.say(f"{name}: {cost.wall:.2f} s, of which {cost.cpu:.2f} s of the processor")
@@ -215,6 +221,13 @@ class Bench:
         if doubles:
             facts["memory doubles"] = doubles
             self.say(f"memory of a run: {doubles:.1f} doubles per point")
+
+    def _latency(self, comm: MPI.Comm) -> float:
+        """Time [µs] of a message within a reduction by MPI, not in shared memory."""
+        stand = Stand(self.case, self.options(4, 3840, fsi_shared_memory=False), comm)
+        reduction = stand.reduction(self.opt["bench_seconds"])
+        stand.destroy()
+        return reduction / math.ceil(math.log2(comm.size))
 
     def _often(self, comm: MPI.Comm, points: int, steps: int) -> float:
         """Share of output [%] with a frame every ten steps."""

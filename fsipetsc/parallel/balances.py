@@ -9,7 +9,8 @@ from fsipetsc.boundaries import INTERFACE_END, NODES
 from fsipetsc.operators.kernels import BLOCK, OPTIONS, U64, derivative, lagrange, row
 from fsipetsc.parallel.exchange import work_point
 from fsipetsc.parallel.plan import WORK
-from fsipetsc.parallel.settle import boundary_distance, rows_at
+from fsipetsc.parallel.pointers import rows_at
+from fsipetsc.parallel.settle import boundary_distance
 from fsipetsc.physics.layer import FLUID
 
 

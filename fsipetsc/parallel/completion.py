@@ -10,11 +10,12 @@ from numba import njit
 from fsipetsc.boundaries import INTERFACE_END
 from fsipetsc.coupling import residuals
 from fsipetsc.operators.kernels import INLINE, OPTIONS, U64, copy
+from fsipetsc.parallel.boxes import largest
 from fsipetsc.parallel.exchange import TRACE, store_state, work_point
 from fsipetsc.parallel.ledger import integrals
-from fsipetsc.parallel.mpi import mpi_allreduce
 from fsipetsc.parallel.plan import WORK
-from fsipetsc.parallel.settle import NEW, OLD, boundary_distance, fill_embedded, rows_at
+from fsipetsc.parallel.pointers import rows_at
+from fsipetsc.parallel.settle import NEW, OLD, boundary_distance, fill_embedded
 from fsipetsc.physics.fluid import fluid_survey
 from fsipetsc.physics.layer import FLUID
 from fsipetsc.physics.solid import solid_bounds, solid_survey
@@ -151,7 +152,7 @@ def limits(head, layers, memory):
     memory[U64(sent)], memory[U64(sent + 1)], memory[U64(sent + 2)] = convection, diffusion, bad
     if world.size > 1:
         base = memory.ctypes.data
-        mpi_allreduce(base + 8 * sent, base + 8 * received, WORDS, world.word, world.max, world.comm)
+        largest(world, base + 8 * sent, base + 8 * received, WORDS)
     else:
         copy(memory, sent, received, WORDS)
     # only now: the 4-norm of each rank's own maxima would depend on how the points are dealt out

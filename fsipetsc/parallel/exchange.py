@@ -3,7 +3,7 @@
 A rank sends the edges of its parts to its neighbours (one message per layer and side), and the traces of all
 interfaces go round in one small reduction. The reduction is a maximum of 64-bit words over buffers that are zero
 where a rank owns nothing: exact, bit for bit, and all ranks learn the traces and from them the frames' positions and
-velocities.
+velocities. Ranks that share a node do both in one turn at their boxes (fsipetsc.parallel.boxes), without messages.
 """
 
 from __future__ import annotations
@@ -11,10 +11,12 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from fsipetsc.operators.kernels import OPTIONS, U64, copy, whole_vectors
+from fsipetsc.operators.kernels import OPTIONS, U64, whole_vectors
 from fsipetsc.operators.vectors import WIDTH, load, store_interlaced
-from fsipetsc.parallel.mpi import mpi_allreduce, mpi_startall, mpi_waitall
+from fsipetsc.parallel.boxes import largest, next_turn
+from fsipetsc.parallel.mpi import mpi_startall, mpi_waitall
 from fsipetsc.parallel.plan import WORK
+from fsipetsc.parallel.pointers import rows_of
 from fsipetsc.physics.layer import FLUID
 
 #: what a point of the traces holds: fluid (rho, rho u, e), then solid (u, sigma, T, x)
@@ -75,47 +77,50 @@ def store_state(head, layer, memory, area, at, begin, end):
 
 
 @njit(**OPTIONS)
-def move_edges(head, layers, memory, area, sending):
-    """Owned edges of a work area into the messages, or the messages into its halos."""
-    at = head.edges
+def move_edges(head, layers, memory, area, turn, sending):
+    """Owned edges of a work area to where the neighbours find them in this turn, or the neighbours' into its halos."""
+    width = head.width
     for layer in layers:
         if layer.present == 0:
             continue
-        dof, width = unknowns(layer), head.width
         for side in range(2):
-            has = (layer.halo_lo if side == 0 else layer.halo_hi) > 0
-            part = at + (2 * side + (0 if sending else 1)) * dof * width
+            if (layer.halo_lo if side == 0 else layer.halo_hi) == 0:
+                continue
             if sending:
                 i = layer.own_lo if side == 0 else layer.own_hi - width
             else:
                 i = layer.own_lo - width if side == 0 else layer.own_hi
-            for c in range(dof if has else 0):
-                w, m = work_point(head, layer, area, i) + c * layer.stride, part + c * width
-                copy(memory, w if sending else m, m if sending else w, width)
-        at += 4 * dof * width
+            place = (layer.outbox if sending else layer.inbox)[side] + (turn & 1) * head.world.buffer
+            edge = rows_of(place, unknowns(layer), width)
+            for c in range(unknowns(layer)):
+                w = U64(work_point(head, layer, area, i) + c * layer.stride)
+                for j in range(U64(width)):
+                    if sending:
+                        edge[c, j] = memory[w + j]
+                    else:
+                        memory[w + j] = edge[c, j]
 
 
 @njit(**OPTIONS)
 def exchange(head, layers, faces, memory, area):
     """Fill the halos of a work area and learn the traces of all interfaces. Collective on all ranks."""
+    if head.world.size == 1:
+        for k in range(faces.size):
+            pack(head, layers, faces[k], memory, area, head.traces + k * head.rows * TRACE)
+        return
+    turn = next_turn(head.world)
+    move_edges(head, layers, memory, area, turn, SEND)
     if head.requests > 0:
-        move_edges(head, layers, memory, area, SEND)
         mpi_startall(head.requests, head.request_list)
-    alone = head.world.size == 1
-    buffer = head.traces if alone else head.sent
-    if not alone:
-        for i in range(head.message):
-            memory[U64(buffer + i)] = 0.0
+    for i in range(head.message):
+        memory[U64(head.sent + i)] = 0.0
     for k in range(faces.size):
-        pack(head, layers, faces[k], memory, area, buffer + k * head.rows * TRACE)
-    if not alone:
-        base = memory.ctypes.data
-        world = head.world
-        sent, received = base + 8 * head.sent, base + 8 * head.traces
-        mpi_allreduce(sent, received, head.message, world.word, world.max, world.comm)
+        pack(head, layers, faces[k], memory, area, head.sent + k * head.rows * TRACE)
+    base = memory.ctypes.data
+    largest(head.world, base + 8 * head.sent, base + 8 * head.traces, head.message)
     if head.requests > 0:
         mpi_waitall(head.requests, head.request_list, head.status_list)
-        move_edges(head, layers, memory, area, RECEIVE)
+    move_edges(head, layers, memory, area, turn, RECEIVE)
 
 
 @njit(**OPTIONS)

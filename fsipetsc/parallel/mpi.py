@@ -1,4 +1,4 @@
-"""The few MPI functions that compiled code calls, by their C names.
+"""The few functions of MPI and of the system that compiled code calls, by their C names.
 
 Handles are passed as integers of pointer size, which holds the pointers of Open MPI and the ints of MPICH alike.
 """
@@ -12,20 +12,19 @@ from llvmlite import binding
 from mpi4py import MPI
 from numba import types
 
-_library = ctypes.CDLL(MPI.__file__)
+_library, _system = ctypes.CDLL(MPI.__file__), ctypes.CDLL(None)
 _p, _i = types.intp, types.int32
 
 
-def _function(name: str, *arguments: types.Type) -> types.ExternalFunction:
-    binding.add_symbol(name, ctypes.cast(getattr(_library, name), ctypes.c_void_p).value)
+def _function(name: str, *arguments: types.Type, library: ctypes.CDLL = _library) -> types.ExternalFunction:
+    binding.add_symbol(name, ctypes.cast(getattr(library, name), ctypes.c_void_p).value)
     return types.ExternalFunction(name, _i(*arguments))
 
 
 mpi_allreduce = _function("MPI_Allreduce", _p, _p, _i, _p, _p, _p)
 mpi_startall = _function("MPI_Startall", _i, _p)
 mpi_waitall = _function("MPI_Waitall", _i, _p, _p)
-
-WORLD = np.dtype([("comm", np.int64), ("size", np.int64), ("word", np.int64), ("max", np.int64)])
+sched_yield = _function("sched_yield", library=_system)
 
 
 def handle(obj: object) -> int:
@@ -33,14 +32,6 @@ def handle(obj: object) -> int:
     size = MPI._sizeof(obj)
     kind = {4: ctypes.c_int32, 8: ctypes.c_int64}[size]
     return kind.from_address(MPI._addressof(obj)).value
-
-
-def world_record(comm: MPI.Comm) -> np.ndarray:
-    """What compiled code needs for a maximum over all ranks of 64-bit words."""
-    record = np.zeros(1, WORLD)
-    record["comm"], record["size"] = handle(comm), comm.size
-    record["word"], record["max"] = handle(MPI.UINT64_T), handle(MPI.MAX)
-    return record
 
 
 class Requests:

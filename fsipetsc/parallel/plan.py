@@ -21,8 +21,9 @@ from fsipetsc.boundaries import NODES
 from fsipetsc.coupling import INTERFACE, KINDS
 from fsipetsc.operators.kernels import ROW, scratch_size
 from fsipetsc.operators.sbp import OPERATOR, SBPOperator, packed
+from fsipetsc.parallel.boxes import WORLD, world_record
 from fsipetsc.parallel.layout import Layout
-from fsipetsc.parallel.mpi import WORLD, Requests, world_record
+from fsipetsc.parallel.links import Links
 from fsipetsc.physics.layer import DOF, FLUID
 from fsipetsc.physics.survey import SIZE as SURVEY
 
@@ -53,7 +54,6 @@ HEAD = np.dtype(
         ("requests", _I),  # number of them
         ("request_list", _I),  # addresses for MPI
         ("status_list", _I),
-        ("edges", _I),  # messages of the halo exchange
         ("width", _I),  # of a halo
         ("edge", _I),  # points at the ends of a layer that settling reads or changes
         ("least", _I),  # points of a layer that has a middle worth tiles
@@ -163,12 +163,14 @@ def make_faces(layout: Layout, coupling: str) -> np.ndarray:
     return faces
 
 
-def make_plan(layout: Layout, op: SBPOperator, coupling: str, forced: bool, entropy: bool) -> tuple[Plan, Requests]:
-    """The plan of this rank and the persistent requests of its halo exchange. Collective."""
+def make_plan(
+    layout: Layout, op: SBPOperator, coupling: str, forced: bool, entropy: bool, shared: bool
+) -> tuple[Plan, Links]:
+    """The plan of this rank and its links to the others, with boxes if ``shared`` and possible. Collective."""
     faces = make_faces(layout, coupling)
     rows = max(2, op.rows)
     message = len(faces) * rows * 7
-    edges = 4 * layout.width * sum(dof * int(r["present"]) for dof, r in zip(_dofs(layout), layout.records, strict=True))
+    links = Links(layout, max(message, LIMITS), shared)
     fluids = _fluids(layout.records)
     results = FLAGS + LIMITS + 8 * len(faces) + fluids + INTEGRALS
     row = step_record(len(faces), fluids, entropy).itemsize // 8
@@ -177,7 +179,7 @@ def make_plan(layout: Layout, op: SBPOperator, coupling: str, forced: bool, entr
         "solution": layout.local_size,
         "transfer": layout.local_size,
         **dict.fromkeys(areas, layout.work_size),
-        "edges": edges,
+        "edges": links.buffer,
         "sent": message,
         "traces": message,
         "pace": PACE,
@@ -195,7 +197,7 @@ def make_plan(layout: Layout, op: SBPOperator, coupling: str, forced: bool, entr
     memory = np.zeros(total + _LINE)
     memory = memory[-memory.ctypes.data // 8 % _LINE :][:total]
     head = np.zeros(1, HEAD)
-    head["op"], head["world"] = packed(op.order), world_record(layout.comm)[0]
+    head["op"], head["world"] = packed(op.order), world_record(layout.comm, links.boxes)[0]
     head["rows"], head["message"], head["width"] = rows, message, layout.width
     head["area"] = [starts.get(name, -1) for name in (*areas, "forcing")[:5]]
     for name in HEAD.names:
@@ -209,10 +211,11 @@ def make_plan(layout: Layout, op: SBPOperator, coupling: str, forced: bool, entr
     head["states"] = head["limits"] + LIMITS
     head["masses"] = head["states"] + 8 * len(faces)
     head["integrals"] = head["masses"] + fluids
-    requests = _requests(layout, memory[starts["edges"] :])
+    links.connect(memory[starts["edges"] :][: links.buffer])
+    requests = links.requests
     head["requests"] = requests.handles.size
     head["request_list"], head["status_list"] = requests.handles.ctypes.data, requests.statuses.ctypes.data
-    return Plan(head, layout.records, faces, memory), requests
+    return Plan(head, layout.records, faces, memory), links
 
 
 def tiles_pay(layout: Layout, edge: int, least: int) -> bool:
@@ -231,27 +234,3 @@ def tiles_pay(layout: Layout, edge: int, least: int) -> bool:
 
 def _fluids(layers: np.ndarray) -> int:
     return int(np.count_nonzero(layers["kind"] == FLUID))
-
-
-def _dofs(layout: Layout) -> list[int]:
-    return [DOF[record["kind"]] for record in layout.records]
-
-
-def _requests(layout: Layout, buffer: np.ndarray) -> Requests:
-    """Sends and receives of the edges of this rank's parts: per layer what goes left, comes from left, likewise right."""
-    requests, at = [], 0
-    for k, dof in enumerate(_dofs(layout)):
-        if not layout.records[k]["present"]:
-            continue
-        size = dof * layout.width
-        parts = [buffer[at + j * size : at + (j + 1) * size] for j in range(4)]
-        at += 4 * size
-        left, right = layout.neighbours(k)
-        # tags: layer and direction of travel
-        if left >= 0:
-            requests.append(layout.comm.Send_init(parts[0], left, 2 * k))
-            requests.append(layout.comm.Recv_init(parts[1], left, 2 * k + 1))
-        if right >= 0:
-            requests.append(layout.comm.Send_init(parts[2], right, 2 * k + 1))
-            requests.append(layout.comm.Recv_init(parts[3], right, 2 * k))
-    return Requests(requests)

@@ -7,35 +7,17 @@ other's points. Every rank that has a point in its work area computes it, from t
 from __future__ import annotations
 
 import numpy as np
-from numba import carray, njit
-from numba.core import types
-from numba.extending import intrinsic
+from numba import njit
 
 from fsipetsc.boundaries import INTERFACE_END, NODES, close_solid, fill_ghost
 from fsipetsc.coupling import couple
 from fsipetsc.operators.kernels import INLINE, OPTIONS, U64
 from fsipetsc.parallel.exchange import TRACE, exchange, holds, unpack, work_point
+from fsipetsc.parallel.pointers import rows_at
 from fsipetsc.physics.layer import FLUID
 
 #: whether a ghost point has values already
 OLD, NEW = np.bool_(False), np.bool_(True)
-
-
-@intrinsic
-def _pointer(typingctx, address):
-    """The integer ``address`` as a pointer to doubles."""
-    kind = types.CPointer(types.float64)
-
-    def codegen(context, builder, signature, args):
-        return builder.inttoptr(args[0], context.get_value_type(kind))
-
-    return kind(types.intp), codegen
-
-
-@njit(**OPTIONS)
-def rows_at(memory, at, rows, columns):
-    """memory[at:] as an array of shape (rows, columns) without a count of references."""
-    return carray(_pointer(memory.ctypes.data + 8 * at), (rows, columns))
 
 
 @njit(**OPTIONS)

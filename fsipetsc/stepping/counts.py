@@ -16,12 +16,16 @@ LIMITS = 4
 
 
 class Traffic(NamedTuple):
-    """What this rank sends: messages to neighbours with their bytes, and reductions over all ranks with theirs."""
+    """What this rank sends: messages to neighbours with their bytes, and reductions over all ranks with theirs.
+
+    On a shared node there is none of that, but turns at the boxes instead (fsipetsc.parallel.boxes).
+    """
 
     sends: int
     sent_bytes: int
     reductions: int
     reduced_bytes: int
+    turns: int = 0
 
 
 class Moved(NamedTuple):
@@ -54,22 +58,23 @@ def stage_traffic(plan: Plan) -> Traffic:
     """Of one exchange: each stage but the first of a step begins with one, and so does the completion of the step."""
     head = plan.head[0]
     sends = sent = 0
+    if head["world"]["size"] == 1:
+        return Traffic(0, 0, 0, 0)
+    if head["world"]["boxes"]:
+        return Traffic(0, 0, 0, 0, 1)
     for layer in plan.layers:
         for halo in (layer["halo_lo"], layer["halo_hi"]):
             sends += int(halo > 0)
             sent += 8 * DOF[layer["kind"]] * int(halo)
-    alone = head["world"]["size"] == 1
-    return Traffic(sends, sent, 0 if alone else 1, 0 if alone else 8 * int(head["message"]))
+    return Traffic(sends, sent, 1, 8 * int(head["message"]))
 
 
 def completion_traffic(plan: Plan) -> Traffic:
     """Of the completion of a step: one exchange, and the reduction of the limits."""
     exchange = stage_traffic(plan)
-    alone = exchange.reductions == 0
-    return exchange._replace(
-        reductions=0 if alone else exchange.reductions + 1,
-        reduced_bytes=0 if alone else exchange.reduced_bytes + 8 * LIMITS,
-    )
+    if exchange.reductions:
+        return exchange._replace(reductions=2, reduced_bytes=exchange.reduced_bytes + 8 * LIMITS)
+    return exchange._replace(turns=2 * exchange.turns)
 
 
 def flops(plan: Plan) -> int:

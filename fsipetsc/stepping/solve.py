@@ -39,7 +39,8 @@ def make_state(problem: Problem, opt: Mapping[str, Any], comm: MPI.Comm) -> Stat
     """
     names = ("fsi_order", "fsi_h", "fsi_coupling", "fsi_partition", "fsi_spare")
     kind = LoggedState if PETSc.Log.isActive() else State
-    return kind(comm, problem, *(opt[name] for name in names), bool(opt["fsi_entropy"] or opt["fsi_check"]))
+    entropy = bool(opt["fsi_entropy"] or opt["fsi_check"])
+    return kind(comm, problem, *(opt[name] for name in names), entropy, opt["fsi_shared_memory"])
 
 
 def solve(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Outcome:

@@ -38,10 +38,12 @@ class State:
         mode: str,
         spare: int,
         entropy: bool = False,
+        shared: bool = True,
     ) -> None:
         self.comm, self.problem, self.h = comm, problem, h
         self.op = OPERATORS[order]
-        self._coupling, self._mode, self._spare, self._entropy = coupling, mode, spare, entropy
+        self._coupling, self._mode, self._spare = coupling, mode, spare
+        self._entropy, self._shared = entropy, shared
         self._place(make_grids(problem, self.op, h, spare))
 
     def compile(self, announce: Callable[[str], None], also: Callable[[], object] = lambda: None) -> None:
@@ -60,7 +62,7 @@ class State:
     def _place(self, grids: list[Grid]) -> None:
         self.layout = Layout(self.comm, self.problem, self.op, self.h, grids, self._mode)
         forced = any(layer.forcing for layer in self.problem.layers)
-        self.plan, self._requests = make_plan(self.layout, self.op, self._coupling, forced, self._entropy)
+        self.plan, self._links = make_plan(self.layout, self.op, self._coupling, forced, self._entropy, self._shared)
         for record, grid in zip(self.layout.records, grids, strict=True):
             record["lo"], record["hi"] = grid.lo, grid.hi
         # the solution vector's own memory is the plan's
@@ -156,7 +158,7 @@ class State:
         advance(*self.plan, 0, 0, self._solution, 0.0)
 
     def _release(self) -> None:
-        self._requests.free()
+        self._links.free()
         self.solution.destroy()
         self.layout.destroy()
 

@@ -1,0 +1,112 @@
+"""How all ranks meet: by a reduction of MPI's or, if they share a node, in memory that they share. Compiled, but for ``Boxes``.
+
+In a window of MPI's each rank has a box: a count of the turns that it has made, and two buffers. In a turn a rank fills
+the buffer of the turn, counts it, waits until all have counted it, and reads what the others have filled in. It writes to
+that buffer again two turns later: then all have counted the turn between, and have read before.
+"""
+
+from __future__ import annotations
+
+import os
+
+import numpy as np
+from mpi4py import MPI
+from numba import njit
+
+from fsipetsc.operators.kernels import OPTIONS
+from fsipetsc.parallel.mpi import handle, mpi_allreduce, sched_yield
+from fsipetsc.parallel.pointers import load_acquire, store_release, words_at
+
+#: bytes of a cache line: count and buffers lie on different ones
+LINE = 64
+#: a rank reads all boxes, one after the other: with more ranks a reduction, which is a tree, is faster
+MOST = 16
+#: looks at a count before the processor is offered to others, where there are more ranks than processors; and else: who
+#: offers it to another program waits for all of that one's time slice
+SHORT, LONG = 1000, 1_000_000
+
+
+#: what compiled code needs to meet; without boxes their address is 0
+WORLD = np.dtype([(name, np.int64) for name in ("comm", "rank", "size", "word", "max", "boxes", "box", "buffer", "patience")])
+
+
+class Boxes:
+    """The boxes of all ranks of comm, with buffers of ``nbytes``. Collective, as is ``free``."""
+
+    def __init__(self, comm: MPI.Comm, nbytes: int) -> None:
+        self.buffer = -(-nbytes // LINE) * LINE
+        self.box = LINE + 2 * self.buffer
+        # all in the part of rank 0, so that they lie one after the other
+        size = (comm.size * self.box + LINE) if comm.rank == 0 else 0
+        self._window = MPI.Win.Allocate_shared(size, 1, comm=comm)
+        memory, _ = self._window.Shared_query(0)
+        self.address = -(-memory.address // LINE) * LINE
+        if comm.rank == 0:
+            np.frombuffer(memory, np.uint8)[:] = 0
+        processors = set().union(*comm.allgather(_processors()))  # all have reached this: the boxes are clean
+        self.patience = LONG if len(processors) >= comm.size else SHORT
+
+    def part(self, rank: int) -> int:
+        """Address of the buffer of a rank in even turns; in odd ones it is ``buffer`` bytes further."""
+        return self.address + rank * self.box + LINE
+
+    def free(self) -> None:
+        self._window.Free()
+
+
+def world_record(comm: MPI.Comm, boxes: Boxes | None) -> np.ndarray:
+    """The ranks of comm as compiled code sees them."""
+    record = np.zeros(1, WORLD)
+    record["comm"], record["rank"], record["size"] = handle(comm), comm.rank, comm.size
+    record["word"], record["max"] = handle(MPI.UINT64_T), handle(MPI.MAX)
+    if boxes is not None:
+        record["boxes"], record["box"], record["buffer"] = boxes.address, boxes.box, boxes.buffer
+        record["patience"] = boxes.patience
+    return record
+
+
+def _processors() -> set[int]:
+    """Those that this rank may run on."""
+    try:
+        return os.sched_getaffinity(0)
+    except AttributeError:  # not Linux
+        return set(range(os.cpu_count() or 1))
+
+
+def share_a_node(comm: MPI.Comm) -> bool:
+    """All ranks can reach the same memory, and are few. Collective."""
+    if not 1 < comm.size <= MOST:
+        return False
+    node = comm.Split_type(MPI.COMM_TYPE_SHARED, comm.rank)
+    together = node.size == comm.size
+    node.Free()
+    return together
+
+
+@njit(**OPTIONS)
+def next_turn(world):
+    """Number of the turn that comes; 0 without boxes."""
+    return load_acquire(world.boxes + world.rank * world.box) + 1 if world.boxes != 0 else 0
+
+
+@njit(**OPTIONS)
+def largest(world, source, result, count):
+    """The largest of each of ``count`` 64-bit words over all ranks, exactly; addresses. Collective, one turn if in boxes."""
+    if world.boxes == 0:
+        mpi_allreduce(source, result, count, world.word, world.max, world.comm)
+        return
+    turn, mine = next_turn(world), world.boxes + world.rank * world.box
+    buffer = LINE + (turn & 1) * world.buffer
+    words, given, found = words_at(mine + buffer, count), words_at(source, count), words_at(result, count)
+    for i in range(count):
+        words[i] = found[i] = given[i]
+    store_release(mine, turn)
+    for rank in range(world.size):
+        box, looks = world.boxes + rank * world.box, 0
+        while load_acquire(box) < turn:
+            looks += 1
+            if looks > world.patience:
+                sched_yield()
+        words = words_at(box + buffer, count)
+        for i in range(count):
+            found[i] = max(found[i], words[i])

@@ -1,0 +1,60 @@
+"""How ranks of a node meet in shared memory: what each learns, turn after turn, whoever is late."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from helpers import mpirun
+
+pytest.importorskip("petsc4py")
+
+PROGRAM = """
+import json, sys, time
+import numpy as np
+from mpi4py import MPI
+from numba import njit
+from fsipetsc.parallel.boxes import Boxes, largest, share_a_node, world_record
+
+WORDS, TURNS = 40, 400
+comm = MPI.COMM_WORLD
+boxes = Boxes(comm, 8 * WORDS) if sys.argv[1] == "boxes" else None
+worlds, memory = world_record(comm, boxes), np.zeros(2 * WORDS)
+
+
+@njit
+def meet(worlds, memory):
+    base = memory.ctypes.data
+    largest(worlds[0], base, base + 8 * WORDS, WORDS)
+
+
+def given(rank, turn):
+    values = np.random.default_rng([rank, turn]).standard_normal(WORDS)
+    values[turn % WORDS :: 7] = np.nan if rank == turn % comm.size else 0.0
+    return values
+
+
+wrong = 0
+for turn in range(TURNS):
+    if turn % 50 == 7 * comm.rank:
+        time.sleep(0.002)  # everybody is late at times
+    memory[:WORDS] = given(comm.rank, turn)
+    meet(worlds, memory)
+    words = [given(rank, turn).view(np.uint64) for rank in range(comm.size)]
+    wrong += not np.array_equal(memory[WORDS:].view(np.uint64), np.max(words, axis=0))
+if boxes is not None:
+    boxes.free()
+results = comm.gather((share_a_node(comm), wrong))
+if comm.rank == 0:
+    print(json.dumps(results))
+"""
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("ranks", [2, 3, 4])
+@pytest.mark.parametrize("how", ["boxes", "messages"])
+def test_all_learn_the_largest_of_each_word(ranks, how):
+    """Bit for bit, as whole numbers without sign: also of what is not a number."""
+    done = mpirun(ranks, "-c", PROGRAM, how, timeout=120)
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout) == [[True, 0]] * ranks
