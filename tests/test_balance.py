@@ -50,6 +50,17 @@ def test_check_stops_what_does_not_hold(tmp_path):
     assert len(fsipetsc.open_run(tmp_path / "rod.h5").series["t"]) > 0
 
 
+@pytest.mark.mpi
+@pytest.mark.parametrize("n", [1, 2])
+def test_check_holds_while_grids_grow(tmp_path, n):
+    """The steps between the last frame and the growth are looked at before others take their place."""
+    options = ("-fsi_h", "0.05", "-ts_max_time", "0.3", "-fsi_output_dt", "0.005", "-fsi_check", "1e-2", "-fsi_spare", "0")
+    done = mpirun(n, "-m", "fsipetsc", "rod", *options, "-fsi_quiet", cwd=tmp_path, timeout=200)
+    assert done.returncode == 0, done.stderr
+    with fsipetsc.open_run(tmp_path / "rod.h5") as result:
+        assert len({len(layer.X) for layer in result.layers}) > 1 and result.complete
+
+
 def test_entropy_must_not_decrease():
     """A series whose entropy falls short of the heating is found."""
     problem = box.build({option.name: option.default for option in box.OPTIONS} | dict(box.DEFAULTS))

@@ -168,6 +168,38 @@ def started(ranks: int, cwd: Path) -> subprocess.Popen[str]:
     raise AssertionError(f"no frames: {process.communicate()}")
 
 
+ALONE = """
+from dataclasses import replace
+import numpy as np
+from fsipetsc.cases import rod
+
+NAME, OPTIONS, DEFAULTS = "alone", rod.OPTIONS, rod.DEFAULTS
+
+
+def build(opt):
+    problem = rod.build(opt)
+    below, solid, above = problem.layers
+
+    def forcing(X, t):  # of the layer that only one rank has
+        if t > 0.002:
+            raise ValueError("no force is known")
+        return np.zeros((4, len(X)))
+
+    return replace(problem, layers=(below, replace(solid, forcing=forcing), above))
+"""
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("shared", [0, 1])
+def test_an_error_of_one_rank_alone_ends_all(shared, tmp_path):
+    """It is said once, and nobody waits for a rank that has left."""
+    (tmp_path / "alone.py").write_text(ALONE)
+    options = ("-fsi_h", "0.05", "-ts_max_time", "0.1", "-fsi_quiet", "-fsi_shared_memory", shared)
+    done = mpirun(2, "-m", "fsipetsc", "alone.py", *options, cwd=tmp_path, timeout=60)
+    assert done.returncode == 2
+    assert done.stderr.count("fsipetsc: error: ") == 1 and "no force is known" in done.stderr
+
+
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_a_signal_ends_the_run_in_order(number, tmp_path):
     process = started(1, tmp_path)

@@ -118,7 +118,7 @@ def scaled(study: Study) -> str:
     if not rows:
         return "Only one rank was measured."
     names = ["order", "points", "ranks", "most on a rank", "µs per step", "speed-up", "efficiency"]
-    tables = [markdown([*names, "messages sent by a rank", "reductions"], rows)]
+    tables = [markdown([*names, "messages sent by a rank", "reductions or turns"], rows)]
     weak = [(*n.split()[1:], f"{v:.0f} %") for n, v in study.facts.items() if n.startswith("weak ")]
     if weak:
         tables.append("Weak scaling, order 4/2: the step of one rank by that of more ranks with as many points each.")

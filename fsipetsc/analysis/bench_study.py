@@ -153,12 +153,10 @@ class Bench:
             if fault:
                 stands.pop(ranks, None)
                 self.say(f"order {order}, {points} points, {ranks} ranks: {fault}")
-        try:
-            yield stands
-        finally:
-            for stand in stands.values():
-                if stand is not None:
-                    stand.destroy()
+        yield stands
+        for stand in stands.values():  # not after an error, with which a rank may be alone
+            if stand is not None:
+                stand.destroy()
 
     def _samples(
         self, stands: Mapping[int, Stand | None], order: int, h: float, alone: bool = False

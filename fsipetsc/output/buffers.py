@@ -27,8 +27,8 @@ class FrameBuffer:
     """
 
     def __init__(self, layers: Sequence[Mapping[str, Any]], width: int, capacity: int) -> None:
-        # neighbouring points an odd number of cache lines apart do not evict each other
-        if capacity > _LINE:
+        # of many frames a few less: points an odd number of cache lines apart do not evict each other
+        if capacity >= 8 * _LINE:
             capacity -= (capacity - _LINE) % (2 * _LINE)
         self.capacity, self.width, self.stride = capacity, width, capacity * width
         self.X = [np.array(layer["X"], dtype=np.float64).reshape(int(layer["local"])) for layer in layers]

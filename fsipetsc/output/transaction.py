@@ -62,12 +62,13 @@ def leave_to_disk(file: int | str | os.PathLike[str], first: int) -> None:
     """
     if not hasattr(os, "posix_fadvise"):
         return
-    descriptor = file if isinstance(file, int) else os.open(file, os.O_RDONLY)
-    try:
-        os.posix_fadvise(descriptor, first, 0, os.POSIX_FADV_DONTNEED)
-    finally:
-        if descriptor is not file:
-            os.close(descriptor)
+    with suppress(OSError):  # it is no more than advice
+        descriptor = file if isinstance(file, int) else os.open(file, os.O_RDONLY)
+        try:
+            os.posix_fadvise(descriptor, first, 0, os.POSIX_FADV_DONTNEED)
+        finally:
+            if descriptor is not file:
+                os.close(descriptor)
 
 
 class _Overlay(io.RawIOBase):
@@ -79,6 +80,7 @@ class _Overlay(io.RawIOBase):
         self._writes = writes  # in their order: later ones cover earlier ones
         self._position = 0
         self._error: BaseException | None = None
+        self._safe = False  # the file can be read as it was or as it will be, whatever comes
 
     def apply(self, undo: Path) -> None:
         """Write the pieces into the file. Raises what was raised when something was written to the end of it."""
@@ -94,6 +96,7 @@ class _Overlay(io.RawIOBase):
         except OSError:
             temporary.unlink()
             raise
+        self._safe = True
         temporary.rename(undo)
         for offset, data in self._writes:
             self._put(data, offset)
@@ -104,9 +107,9 @@ class _Overlay(io.RawIOBase):
         leave_to_disk(self._descriptor, self._size_before)
 
     def forget(self) -> None:
-        """Take back what was written to the end of the file."""
+        """Take back what was written to the end of the file, as long as nothing refers to it."""
         with suppress(OSError):
-            if os.fstat(self._descriptor).st_size > self._size_before:
+            if not self._safe and os.fstat(self._descriptor).st_size > self._size_before:
                 os.ftruncate(self._descriptor, self._size_before)
 
     def _put(self, data: bytes | memoryview, offset: int) -> None:

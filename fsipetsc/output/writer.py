@@ -41,7 +41,7 @@ class RunWriter:
              units = "none" if the case is dimensionless
     flush_seconds, buffer_frames, buffer_bytes
              frames are written every so many seconds (wall time; less often if a write takes more than 2 % of them),
-             and when there are this many or this many bytes on one rank
+             and when there are about this many or this many bytes on one rank
 
     Set `take_series` to what hands over, on rank 0, the per-step data since the last time: an array of records, one per
     step, with "t" first; it is called by all ranks, and its array need not stay as it is.
@@ -222,15 +222,17 @@ class RunWriter:
         PETSc could create them, but it would write zeros first, and a program killed in the midst could leave a file
         that cannot be read. Like this PETSc only puts numbers where nobody looks yet.
         """
-        datasets = [(name, self._points[i], local.shape[1]) for name, i, local in self._datasets(count)]
+        datasets = []  # name, points, numbers of each, points in a chunk
+        for name, i, local in self._datasets(count):
+            n, block = self._points[i], local.shape[1]
+            datasets.append((name, n, block, _share(n, -(-8 * n * block // CHUNK_BYTES))))
         size = self.path.stat().st_size
-        _ensure_space(self.path, 8 * sum(n * block for _, n, block in datasets) + SPARE_BYTES)
+        _ensure_space(self.path, 8 * sum(-(-n // rows) * rows * block for _, n, block, rows in datasets) + SPARE_BYTES)
         links = h5py.h5p.create(h5py.h5p.LINK_CREATE)
         links.set_create_intermediate_group(True)
         with transaction.changes(self.path) as file:
-            for name, n, block in datasets:
+            for name, n, block, rows in datasets:
                 shape = (n, block) if block > 1 else (n,)
-                rows = min(n, max(1, CHUNK_BYTES // (8 * block)))
                 properties = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
                 properties.set_chunk((rows, *shape[1:]))
                 properties.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
@@ -330,6 +332,11 @@ def _ensure_space(path: Path, nbytes: int) -> None:
             raise
     finally:
         os.close(descriptor)
+
+
+def _share(n: int, parts: int) -> int:
+    """Of n rows in so many chunks, or hardly fewer: HDF5 makes all chunks equally long, also the last one."""
+    return -(-n // min(n, parts))
 
 
 def _identity(path: Path) -> tuple[int, int]:

@@ -14,20 +14,22 @@ from mpi4py import MPI
 from numba import njit
 
 from fsipetsc.operators.kernels import OPTIONS
-from fsipetsc.parallel.mpi import handle, mpi_allreduce, sched_yield
+from fsipetsc.parallel.mpi import handle, mpi_allreduce, mpi_iprobe, sched_yield
 from fsipetsc.parallel.pointers import load_acquire, store_release, words_at
 
 #: bytes of a cache line: count and buffers lie on different ones
 LINE = 64
 #: a rank reads all boxes, one after the other: with more ranks a reduction, which is a tree, is faster
 MOST = 16
-#: looks at a count before the processor is offered to others, where there are more ranks than processors; and else: who
-#: offers it to another program waits for all of that one's time slice
+#: looks at a count before MPI may work and the processor is offered to others, where there are more ranks than processors;
+#: and else: who offers it to another program waits for all of that one's time slice
 SHORT, LONG = 1000, 1_000_000
 
 
+ANY_SOURCE, ANY_TAG = int(MPI.ANY_SOURCE), int(MPI.ANY_TAG)
 #: what compiled code needs to meet; without boxes their address is 0
-WORLD = np.dtype([(name, np.int64) for name in ("comm", "rank", "size", "word", "max", "boxes", "box", "buffer", "patience")])
+_NAMES = ("comm", "rank", "size", "word", "max", "boxes", "box", "buffer", "patience", "flag", "status")
+WORLD = np.dtype([(name, np.int64) for name in _NAMES])
 
 
 class Boxes:
@@ -45,6 +47,7 @@ class Boxes:
             np.frombuffer(memory, np.uint8)[:] = 0
         processors = set().union(*comm.allgather(_processors()))  # all have reached this: the boxes are clean
         self.patience = LONG if len(processors) >= comm.size else SHORT
+        self.flag, self.status = np.zeros(1, np.int32), np.zeros(MPI._sizeof(MPI.Status), np.uint8)  # of probes
 
     def part(self, rank: int) -> int:
         """Address of the buffer of a rank in even turns; in odd ones it is ``buffer`` bytes further."""
@@ -62,6 +65,7 @@ def world_record(comm: MPI.Comm, boxes: Boxes | None) -> np.ndarray:
     if boxes is not None:
         record["boxes"], record["box"], record["buffer"] = boxes.address, boxes.box, boxes.buffer
         record["patience"] = boxes.patience
+        record["flag"], record["status"] = boxes.flag.ctypes.data, boxes.status.ctypes.data
     return record
 
 
@@ -106,6 +110,8 @@ def largest(world, source, result, count):
         while load_acquire(box) < turn:
             looks += 1
             if looks > world.patience:
+                # whoever is late may need what MPI has not yet sent in our name, and it sends in calls only
+                mpi_iprobe(ANY_SOURCE, ANY_TAG, world.comm, world.flag, world.status)
                 sched_yield()
         words = words_at(box + buffer, count)
         for i in range(count):

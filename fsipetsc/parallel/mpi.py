@@ -24,6 +24,7 @@ def _function(name: str, *arguments: types.Type, library: ctypes.CDLL = _library
 mpi_allreduce = _function("MPI_Allreduce", _p, _p, _i, _p, _p, _p)
 mpi_startall = _function("MPI_Startall", _i, _p)
 mpi_waitall = _function("MPI_Waitall", _i, _p, _p)
+mpi_iprobe = _function("MPI_Iprobe", _i, _i, _p, _p, _p)
 sched_yield = _function("sched_yield", library=_system)
 
 

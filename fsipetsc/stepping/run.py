@@ -42,10 +42,8 @@ def run_case(case: Any, options: Mapping[str, Any], comm: MPI.Comm) -> None:
     phases = Phases()
     with phases(SET_UP):
         run = _Run(case, options, comm, phases)
-    try:
+    with run.state:
         run.go()
-    finally:
-        run.state.destroy()
 
 
 class _Run:
@@ -89,6 +87,7 @@ class _Run:
                 for k, r in enumerate(layout.records)
             ]
         )
+        self._look()  # frames of the earlier grids may have been written, and steps with them
 
     def _frame(self, t: float) -> None:
         plan = self.state.plan

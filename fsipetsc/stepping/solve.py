@@ -48,8 +48,7 @@ def solve(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Outcome:
 
     Raises InputError and ComputationError.
     """
-    state = make_state(case.build(opt), opt, comm)
-    try:
+    with make_state(case.build(opt), opt, comm) as state:
         integrator = Integrator(
             state,
             opt,
@@ -69,5 +68,3 @@ def solve(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Outcome:
             integrator.wall_time,
             errors(state, integrator.t),
         )
-    finally:
-        state.destroy()

@@ -9,6 +9,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from fsipetsc.boundaries import NODES
+from fsipetsc.errors import FsiError
 from fsipetsc.operators.cache import cache_folder
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.advance import STAGES, advance
@@ -163,8 +164,16 @@ class State:
         self.layout.destroy()
 
     def destroy(self) -> None:
-        """Free requests, vectors, DMDAs and communicators, in this order."""
+        """Free requests, shared memory, vectors, DMDAs and communicators, in this order."""
         self._release()
+
+    def __enter__(self) -> State:
+        return self
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        """Destroy it, unless this rank may be alone with an error: the others would not meet it there."""
+        if error is None or (isinstance(error, FsiError) and error.collective):
+            self.destroy()
 
 
 def gather(comm: MPI.Comm, layout: Layout, k: int, y: np.ndarray) -> np.ndarray:
