@@ -31,23 +31,21 @@ print(status, wall, used.ru_utime + used.ru_stime, used.ru_maxrss)
 """
 
 
-def output_share(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> float:
-    """How much of a run, in percent of the time loop and what follows it, goes into output. Collective."""
+def output_share(case: Any, opt: Mapping[str, Any], comm: MPI.Comm, runs: int) -> float:
+    """How much of a run, in percent of the time loop and what follows it, goes into output; median. Collective."""
     folder = tempfile.mkdtemp() if comm.rank == 0 else None
     path = Path(comm.bcast(folder)) / "run.h5"
-    try:
+    shares = []
+    for _ in range(runs):
         run_case(case, {**opt, "fsi_quiet": True, "fsi_output": str(path)}, comm)
-        share = None
         if comm.rank == 0:
             with open_run(path) as run:
                 spent = run.summary["phases"]
-            share = 100 * spent[OUTPUT] / (spent[OUTPUT] + spent[LOOP])
-        return comm.bcast(share)
-    finally:
-        comm.Barrier()
-        if comm.rank == 0:
-            path.unlink(missing_ok=True)
-            path.parent.rmdir()
+            shares.append(100 * spent[OUTPUT] / (spent[OUTPUT] + spent[LOOP]))
+            path.unlink()
+    if comm.rank == 0:
+        path.parent.rmdir()
+    return comm.bcast(median(shares) if shares else None)
 
 
 class Cost(NamedTuple):

@@ -32,6 +32,8 @@ Say = Callable[[str], None]
 TRIAD = tuple(1 << k for k in (14, 17, 19, 21, 23, 25, 27, 28))
 #: points and steps of the runs with a frame every ten steps
 OFTEN = ((480, 20_000), (3840, 4000), (100_000, 300))
+#: runs of which the share of output is the median
+RUNS = 5
 #: points of a rank in weak scaling
 WEAK = (10_000, 100_000)
 #: load of the machine beyond our own above which a warning is due
@@ -198,7 +200,8 @@ class Bench:
         """Output, start of the program, memory."""
         facts = self.study.facts
         for ranks in self.ranks:
-            share = self.team(ranks, lambda comm: output_share(self.case, self.options(4, 480), comm))
+            opt = self.options(4, 480)
+            share = self.team(ranks, lambda comm: output_share(self.case, opt, comm, RUNS))  # noqa: B023
             if share:
                 facts[f"output default 480 {ranks}"] = share
                 self.say(f"output at the default interval, 483 points, {ranks} ranks: {share:.2f} % of the run")
@@ -233,7 +236,7 @@ class Bench:
         stand = Stand(self.case, opt, comm)
         dt = 0.5 / float(stand.state.results[RATE])
         stand.destroy()
-        return output_share(self.case, {**opt, "ts_dt": dt, "fsi_output_dt": 10 * dt, "ts_max_time": steps * dt}, comm)
+        return output_share(self.case, {**opt, "ts_dt": dt, "fsi_output_dt": 10 * dt, "ts_max_time": steps * dt}, comm, RUNS)
 
 
 def measure(opt: Mapping[str, Any], world: MPI.Comm, say: Say) -> Study:
