@@ -7,6 +7,9 @@ from mpi4py import MPI
 
 from fsipetsc.stepping.state import State
 
+#: steps whose shares are added up at once: they stay in a cache
+BLOCK = 2048
+
 
 class Series:
     """Per-step data of this rank, which fill the state's journal; integrals are this rank's shares until ``take``.
@@ -17,7 +20,7 @@ class Series:
     def __init__(self, state: State, most: int | None = None) -> None:
         self._state, self._most = state, most or len(state.journal)
         self._first = state.journal.dtype.fields["mass"][1] // 8  # number of a record that is a share, and all that follow
-        self._sums = np.empty((len(state.journal), state.journal.dtype.itemsize // 8 - self._first))
+        self._sums = np.empty((BLOCK, state.journal.dtype.itemsize // 8 - self._first))
         self.count = 0
 
     @property
@@ -40,8 +43,11 @@ class Series:
         """
         steps, self.count = self._state.journal[: self.count], 0
         if comm.size > 1:
-            shares, sums = steps.view(np.float64).reshape(len(steps), -1)[:, self._first :], self._sums[: len(steps)]
-            sums[:] = shares
-            comm.Reduce(MPI.IN_PLACE if comm.rank == 0 else sums, sums, MPI.SUM, 0)
-            shares[:] = sums
+            numbers = steps.view(np.float64).reshape(len(steps), -1)
+            for begin in range(0, len(steps), BLOCK):
+                shares = numbers[begin : begin + BLOCK, self._first :]
+                sums = self._sums[: len(shares)]
+                sums[:] = shares
+                comm.Reduce(MPI.IN_PLACE if comm.rank == 0 else sums, sums, MPI.SUM, 0)
+                shares[:] = sums
         return steps
