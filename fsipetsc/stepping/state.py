@@ -10,7 +10,7 @@ from petsc4py import PETSc
 
 from fsipetsc.boundaries import NODES
 from fsipetsc.errors import FsiError
-from fsipetsc.operators.cache import cache_folder
+from fsipetsc.operators.cache import cache_folder, garbage_waiting
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.advance import STAGES, advance
 from fsipetsc.parallel.completion import LOW
@@ -52,13 +52,15 @@ class State:
 
         also: calls further compiled functions.
         """
-        for alone in (True, False):
-            if alone and self.comm.rank == 0 and not any(cache_folder().glob("*/advance.advance-*.nbi")):
+        if self.comm.rank == 0:
+            if not any(cache_folder().glob("*/advance.advance-*.nbi")):
                 announce("compiling the kernels: once after installation, about 20 s")
-            if not alone or self.comm.rank == 0:
+            with garbage_waiting():
                 advance(*self.plan, 0, 0, -1, 0.0)
                 also()
-            self.comm.Barrier()
+        self.comm.Barrier()
+        advance(*self.plan, 0, 0, -1, 0.0)
+        also()
 
     def _place(self, grids: list[Grid]) -> None:
         self.layout = Layout(self.comm, self.problem, self.op, self.h, grids, self._mode)
