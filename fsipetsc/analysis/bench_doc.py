@@ -12,7 +12,7 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
-from fsipetsc.analysis.bench_model import Model, half_speed, moved_bytes, relative_errors, scaling
+from fsipetsc.analysis.bench_model import Model, half_speed, message, moved_bytes, relative_errors, scaling
 from fsipetsc.analysis.bench_table import Study, entry, markdown
 from fsipetsc.errors import FileError, InputError
 from fsipetsc.operators.sbp import operator
@@ -173,8 +173,7 @@ def expected(model: Model | None, study: Study) -> str:
     if model is None:
         return "No model."
     order, tables = (4 if 4 in model.work else study.orders[0]), []
-    here = study.facts.get("message latency", model.latency)
-    for latency, where in ((here, "as MPI's on this machine"), (NETWORK, "as in a cluster")):
+    for latency, where in ((message(model, study), "as MPI's on this machine"), (NETWORK, "as in a cluster")):
         rows = []
         for points in _GRIDS:
             table = scaling(model, study, order, 1 / round(points / 6), (1, *_MANY), latency)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fsipetsc.analysis.bench_model import Model, bandwidth, moved_bytes, scaling
+from fsipetsc.analysis.bench_model import Model, bandwidth, message, moved_bytes, scaling
 from fsipetsc.analysis.bench_table import Study
 from fsipetsc.errors import FileError
 from fsipetsc.output.figures import ORDERS
@@ -119,7 +119,7 @@ def _expected(axes: Axes, study: Study, model: Model | None) -> None:
     order = 4 if 4 in study.orders else study.orders[0]
     ranks = sorted({round(x) for x in np.geomspace(1, 1000, 40)})
     for color, points in zip(_GRIDS[1:], (10_000, 100_000, 1_000_000, 10_000_000)):
-        table = scaling(model, study, order, 1 / round(points / 6), ranks)
+        table = scaling(model, study, order, 1 / round(points / 6), ranks, message(model, study))
         axes.loglog(list(table), [speed for _, speed, _ in table.values()], color=color, label=f"{_short(points)} points")
     axes.loglog([1, 1000], [1, 1000], color="#222222", linewidth=0.8, linestyle="--", label="ideal")
     axes.legend()

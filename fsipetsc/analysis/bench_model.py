@@ -132,6 +132,11 @@ def shares(order: int, h: float) -> Callable[[int], int]:
     return largest
 
 
+def message(model: Model, study: Study) -> float:
+    """Latency [µs] of a message between the ranks of this machine; as fitted, where none was measured by itself."""
+    return study.facts.get("message latency", model.latency)
+
+
 def half_speed(model: Model, order: int, ranks: int, latency: float) -> float:
     """Points per rank at which messages take as long as the work."""
     return latency * rounds(ranks) / model.work[order] if model.work[order] else math.inf
