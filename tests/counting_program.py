@@ -195,6 +195,7 @@ def compiled_modules() -> list[ModuleType]:
 
 # --- messages
 
+#: what sends messages; a probe, with which a rank that waits lets MPI work, does not
 _PROTOTYPES = {
     "MPI_Allreduce": ctypes.CFUNCTYPE(ctypes.c_int, *[ctypes.c_void_p] * 2, ctypes.c_int, *[ctypes.c_void_p] * 3),
     "MPI_Startall": ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int, ctypes.c_void_p),
@@ -212,7 +213,7 @@ def count_mpi() -> dict[str, Counter[str]]:
     add_symbol, kept = binding.add_symbol, []
 
     def add(name: str, address: int) -> None:
-        if name.startswith("MPI_"):
+        if name in _PROTOTYPES:
             real = _PROTOTYPES[name](address)
 
             def counted(*arguments: Any) -> int:

@@ -56,7 +56,7 @@ def test_messages_of_a_step(ranks):
 def test_ranks_of_a_node_send_no_messages(ranks):
     """They meet at their boxes instead, as often as they would in reductions."""
     for count in counts("messages", "-fsi_partition", "balanced", ranks=ranks):
-        assert not any(name.startswith("MPI_") for name in count["calls"])
+        assert count["calls"] == {}
         assert count["said"] == [0, 0, 0, 0, 5] and count["turns"] == 10 * 5
 
 
