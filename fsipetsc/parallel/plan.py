@@ -84,6 +84,10 @@ SCRATCH = 5
 _LINE = 8
 
 
+#: of the columns of a record this one and those behind it are shares of the ranks, to be added up
+SHARES = "mass"
+
+
 def step_record(interfaces: int, fluids: int, entropy: bool) -> np.dtype:
     """What is noted of a step: doubles, as they stand in the memory of the plan, and as they are written to the file.
 
@@ -95,7 +99,7 @@ def step_record(interfaces: int, fluids: int, entropy: bool) -> np.dtype:
     return np.dtype(
         [("t", "f8"), ("dt", "f8")]
         + [(name, "f8", (interfaces,)) for name in columns]
-        + [("mass", "f8", (fluids,))]
+        + [(SHARES, "f8", (fluids,))]
         + [(name, "f8") for name in integrals]
     )
 

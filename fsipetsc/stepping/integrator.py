@@ -19,6 +19,7 @@ from fsipetsc.errors import ComputationError
 from fsipetsc.parallel.advance import STAGES
 from fsipetsc.parallel.completion import BAD, EXHAUSTED, LOW, MOVED, RATE, SAID_STOP, SHORT, STOP
 from fsipetsc.parallel.pace import LONGEST, MADE, SHORTEST, T
+from fsipetsc.parallel.plan import SHARES
 from fsipetsc.stepping.clock import Clock
 from fsipetsc.stepping.control import ErrorControl
 from fsipetsc.stepping.diagnosis import describe_failure
@@ -236,7 +237,7 @@ class Integrator:
         self._finish()
         self._check(0.0, state.results[:LAST].tolist())
         names = state.latest.dtype.names
-        shares = {name: state.latest[name] for name in names[names.index("mass") :]}
+        shares = {name: state.latest[name] for name in names[names.index(SHARES) :]}
         self.initial = {name: state.comm.allreduce(share).tolist() for name, share in shares.items()}
         self._clock.pass_time(0.0)
         self._on_frame(0.0)

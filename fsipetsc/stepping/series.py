@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from mpi4py import MPI
 
+from fsipetsc.parallel.plan import SHARES
 from fsipetsc.stepping.state import State
 
 #: steps whose shares are added up at once: they stay in a cache
@@ -19,7 +20,7 @@ class Series:
 
     def __init__(self, state: State, most: int | None = None) -> None:
         self._state, self._most = state, most or len(state.journal)
-        self._first = state.journal.dtype.fields["mass"][1] // 8  # number of a record that is a share, and all that follow
+        self._first = state.journal.dtype.fields[SHARES][1] // 8  # number of a record with which shares begin
         self._sums = np.empty((BLOCK, state.journal.dtype.itemsize // 8 - self._first))
         self.count = 0
 
