@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 
 import numpy as np
@@ -233,12 +234,32 @@ def test_survey_of_the_fluid(cuts):
         assert np.array_equal(survey(fluid_survey, layer, broken, cuts)[0], seen, equal_nan=True)
 
 
+def squared_wave_speed(gruneisen: float, x_X: float, T: float, sigma: float) -> float:
+    """Of the equations (3.1) without conduction, linearised: an eigenvalue."""
+    heat = ROD.alpha * ROD.m0
+    p = gruneisen * heat * T / x_X
+    A = np.zeros((4, 4))  # u, sigma, T, x_X
+    A[0, 1:] = np.array([1.0, -gruneisen * heat / x_X, p / x_X]) / ROD.m0
+    A[1:, 0] = ROD.K / x_X, (sigma - p) / heat, 1.0
+    return float(np.max(np.linalg.eigvals(A).real) ** 2)
+
+
+@pytest.mark.parametrize("gruneisen", [0.0, 0.3])
+def test_wave_speed(gruneisen):
+    for x_X in (0.25, 1.0, 1.7):
+        c = dataclasses.replace(ROD, gruneisen=gruneisen).sound_speed(x_X, 310.0, -4e4)
+        np.testing.assert_allclose(c**2, squared_wave_speed(gruneisen, x_X, 310.0, -4e4), rtol=1e-12)
+
+
 @CUTS
-def test_survey_of_the_solid(cuts):
+@pytest.mark.parametrize("gruneisen", [0.0, 0.3])
+def test_survey_of_the_solid(cuts, gruneisen):
     n = 50
-    layer, q = solid_record(n, 0.0), solid_state(n)
+    layer, q = solid_record(n, gruneisen), solid_state(n)
+    q[:, 3] *= 0.4
     x_X = np.diff(q[:, 3]).min() / H
-    expected = [ROD.K / ROD.m0 / x_X, 1 / x_X, x_X, q[:, 2].min()]
+    c2 = squared_wave_speed(gruneisen, x_X, q[:, 2].max(), q[:, 1].min())
+    expected = [c2, 1 / x_X, x_X, q[:, 2].min()]
     seen, memory = survey(solid_survey, layer, q, cuts)
     np.testing.assert_allclose(solid_bounds(layer, memory, memory.size - SIZE), expected, rtol=1e-12)
     sums = q[:, 0].sum(), np.sum(q[:, 0] ** 2), q[:, 2].sum()

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from conftest import ORDERS, PULSE_SPACINGS, PULSE_STARTS, SOLIDS
 
+from fsipetsc.operators import operator
+
 pytest.importorskip("petsc4py")
 
 AMPLITUDE = 0.01
@@ -82,3 +84,26 @@ def test_waves_leave_through_the_ends(computed, start):
     solid, gas = run.layers
     assert np.abs(solid["sigma"][-1] + 1e5).max() < 0.01 * AMPLITUDE
     assert np.nanmax(np.abs(gas["p"][-1] - 1e5)) < 0.01 * AMPLITUDE
+
+
+def test_a_solid_with_pressure(computed):
+    """Linear acoustics with the solid's pressure: reflection and transmission, wave speed, sigma, T and p."""
+    run = computed("pulse", "pressed_in")
+    problem, linear = linear_problem(run)
+    solid, exact = run.layers[0], problem.layers[0].exact(run.layers[0].X, run.time[-1])
+    material, at_rest = problem.layers[0].material, problem.layers[0].exact(np.array([1e3]), 0.0)
+    for name, values, rest in zip(("u", "sigma", "T"), exact, at_rest):
+        wave = values - rest
+        assert np.abs(solid[name][-1] - values).max() < 0.02 * np.abs(wave).max(), name
+    x_X = operator(8).matrix(len(solid.X), run.options["fsi_h"]) @ solid["x"][-1]
+    np.testing.assert_allclose(solid["p"][-1], material.pressure(solid["T"][-1], x_X), rtol=1e-13)
+    assert 0.1 < linear.transmission < 1.9
+
+
+def test_a_solid_with_pressure_lets_waves_out(computed):
+    """Order 8 at Courant number 0.8, which needs the true wave speed, and an absorbing end, which needs the impedance."""
+    run = computed("pulse", "pressed_out")
+    solid, gas = run.layers
+    # with the impedance of the elastic solid 2e-2 of the pulse is left
+    assert np.abs(solid["sigma"][-1] - solid["sigma"][0, -1]).max() < 1e-3 * AMPLITUDE
+    assert np.nanmax(np.abs(gas["p"][-1] - 1e5)) < 5e-3 * AMPLITUDE

@@ -41,8 +41,7 @@ def heading(opt: Mapping[str, Any], state: Constant) -> str:
     if opt["sweep"]:
         body = f"m0 and K from the ratios, alpha m0 {solid.alpha * solid.m0:g} J/(m3 K)"
     else:
-        # see after (3.9)
-        waves = np.sqrt((state.modulus + p * solid.gruneisen / state.stretch) / solid.m0)
+        waves = solid.sound_speed(state.stretch, state.T, state.stress)
         rest += f", waves in the solid {waves:.3g} m/s"
         body = f"m0 {solid.m0:g} kg/m3, K {solid.K:g} Pa, alpha {solid.alpha:g} J/(kg K)"
         rest += f"\n  ratios   m0/rho {solid.m0 / state.rho:g}, K/p {solid.K / p:g}"

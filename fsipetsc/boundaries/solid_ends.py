@@ -1,7 +1,8 @@
 """What can stand at an outer end of a solid layer: clamped, free, absorbing. All are adiabatic.
 
 Each changes the end point only, like an interface treatment with nothing on the other side. With the impedance
-Z = sqrt(K m0 / x_X) the characteristic that leaves through the end is (sigma - p) - n Z u.
+Z = m0 c, c the speed of elastic waves, the characteristic that leaves through the end is (sigma - p) - n Z u. For Z the
+stress sigma is that of the solid at rest beyond the end, given + p, so that a second application changes nothing.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ import numpy as np
 from numba import njit
 
 from fsipetsc.operators.kernels import OPTIONS
+from fsipetsc.physics.solid import wave_modulus
 
 
 @njit(**OPTIONS)
@@ -34,7 +36,7 @@ def solid_end(layer, op, side, normal, kind, trace_s):
     elif kind == 1:
         trace_s[0, 1] = given + p
     else:
-        impedance = np.sqrt(layer.K * layer.m0 / x_X)
+        impedance = np.sqrt(wave_modulus(layer.K, layer.gruneisen, p, given + p, x_X) * layer.m0)
         outgoing = trace_s[0, 1] - p - given - normal * impedance * trace_s[0, 0]
         trace_s[0, 0] = -normal * 0.5 * outgoing / impedance
         trace_s[0, 1] = given + p + 0.5 * outgoing

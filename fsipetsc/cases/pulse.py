@@ -3,8 +3,9 @@
 Both materials rest under the pressure p0. A Gaussian pulse starts in the fluid (or in the solid) and travels to the
 interface at X = 0; a part is reflected, a part goes through. For small amplitudes and without viscosity and heat
 conduction, which are the defaults, linear acoustics gives the exact solution: with the impedances Z = rho c of the
-gas and sqrt(K m0) of the solid the reflected pressure is (Z2-Z1)/(Z2+Z1), the transmitted one 2 Z2/(Z1+Z2) of the
-incoming one. What remains of the error on fine grids is of second order in the amplitude.
+gas and m0 c of the solid (sqrt(K m0) if it is elastic and not strained) the reflected pressure is (Z2-Z1)/(Z2+Z1),
+the transmitted one 2 Z2/(Z1+Z2) of the incoming one. In the solid p - sigma changes by -m0 c^2 times the change of
+x_X. What remains of the error on fine grids is of second order in the amplitude.
 """
 
 from __future__ import annotations
@@ -38,6 +39,8 @@ OPTIONS = (
     Option("solid_kappa", "float", 0.0, "W/(m K)", "heat conductivity of the solid", check="nonnegative"),
     Option("solid_density", "float", 4.0, "kg/m3", "density m0 of the solid at rest", check="positive"),
     Option("solid_alpha", "float", 1000.0, "J/(kg K)", "specific heat of the solid", check="positive"),
+    Option("solid_gruneisen", "float", 0.0, "-", "pressure of the solid p = G rho epsilon; 0: elastic", check="nonnegative"),
+    Option("solid_stretch", "float", 1.0, "-", "strain x_X of the solid at rest", check="positive"),
     Option("pulse_p0", "float", 1e5, "Pa", "pressure at rest", check="positive"),
     Option("pulse_T0", "float", 300.0, "K", "temperature at rest", check="positive"),
     Option("pulse_amplitude", "float", 1.0, "Pa", "largest pressure of the pulse; linear theory needs it small against p0"),
@@ -98,9 +101,15 @@ class Acoustics:
         return T * self._pulse(going), side * T * self._pulse(going) / Z, side * T * self._impulse(going) / Z
 
 
+def rest(opt: Mapping[str, Any], solid: Solid) -> tuple[float, float, float]:
+    """(x_X, T, sigma) of the solid at rest; sigma - p is minus the pressure of the gas."""
+    x_X, T = opt["solid_stretch"], opt["pulse_T0"]
+    return x_X, T, float(solid.pressure(T, x_X)) - opt["pulse_p0"]
+
+
 def acoustics(opt: Mapping[str, Any], gas: Fluid, solid: Solid) -> Acoustics:
     """The linear problem of these options."""
-    c_f, c_s = float(gas.sound_speed(opt["pulse_T0"])), solid.sound_speed()
+    c_f, c_s = float(gas.sound_speed(opt["pulse_T0"])), solid.sound_speed(*rest(opt, solid))
     Z_f = opt["pulse_p0"] / (gas.R * opt["pulse_T0"]) * c_f
     Z_s = solid.m0 * c_s
     in_fluid = opt["pulse_start"] > 0
@@ -113,11 +122,13 @@ def acoustics(opt: Mapping[str, Any], gas: Fluid, solid: Solid) -> Acoustics:
 def build(opt: Mapping[str, Any]) -> Problem:
     """Solid in -size < X < 0, fluid in 0 < X < size."""
     gas = Fluid(opt["fluid_mu"], opt["fluid_kappa"], opt["fluid_gamma"], opt["fluid_R"])
-    solid = Solid(opt["solid_modulus"], opt["solid_kappa"], opt["solid_density"], opt["solid_alpha"])
+    elastic = opt["solid_modulus"], opt["solid_kappa"], opt["solid_density"], opt["solid_alpha"]
+    solid = Solid(*elastic, gruneisen=opt["solid_gruneisen"])
     size, p0, T0 = opt["pulse_size"], opt["pulse_p0"], opt["pulse_T0"]
     if not 0 < abs(opt["pulse_start"]) < size:
         raise InputError(f"-pulse_start {opt['pulse_start']:g} is not inside a layer: expected 0 < |start| < {size:g}")
     linear = acoustics(opt, gas, solid)
+    x_X, _, sigma = rest(opt, solid)
     in_fluid = linear.side > 0
 
     def exact_gas(X: np.ndarray, t: float) -> tuple[np.ndarray, ...]:
@@ -127,7 +138,9 @@ def build(opt: Mapping[str, Any]) -> Problem:
 
     def exact_solid(X: np.ndarray, t: float) -> tuple[np.ndarray, ...]:
         p, u, displacement = linear.waves(X, t, not in_fluid)
-        return u, -p0 - p, T0 + p0 * p / (solid.alpha * solid.m0 * solid.K), X + displacement
+        strain = -p / (solid.m0 * solid.sound_speed(x_X, T0, sigma) ** 2)
+        T = T0 - p0 * strain / (solid.alpha * solid.m0)
+        return u, sigma + solid.K / x_X * strain, T, x_X * X + displacement
 
     return Problem(
         layers=(

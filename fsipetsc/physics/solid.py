@@ -45,6 +45,18 @@ from fsipetsc.physics.survey import (
 )
 
 
+def modulus(K, gruneisen, p, sigma, x_X):
+    """m0 times the squared speed of elastic waves in Lagrangian coordinates [Pa].
+
+    With p = G alpha m0 T / x_X it is what (3.1b-d) make of (sigma - p)_t over u_X: (K + p + G (p - sigma)) / x_X; in
+    the letters after (3.9), where x_X = 1, K + (p - sigma) p_eps / rho + rho p_rho.
+    """
+    return (K + p + gruneisen * (p - sigma)) / x_X
+
+
+wave_modulus = njit(**OPTIONS)(modulus)
+
+
 @dataclass(frozen=True)
 class Solid:
     """Linear elastic material, with the pressure p = gruneisen * rho * epsilon where gruneisen > 0.
@@ -60,9 +72,9 @@ class Solid:
     force: float = 0.0
     gruneisen: float = 0.0
 
-    def sound_speed(self, x_X: float = 1.0) -> float:
-        """Speed of the elastic waves in Lagrangian coordinates [m/s] (p = 0)."""
-        return (self.K / (self.m0 * x_X)) ** 0.5
+    def sound_speed(self, x_X: float = 1.0, T: float = 0.0, sigma: float = 0.0) -> float:
+        """Speed of the elastic waves in Lagrangian coordinates [m/s]; T and sigma matter where gruneisen > 0."""
+        return float(modulus(self.K, self.gruneisen, self.pressure(T, x_X), sigma, x_X) / self.m0) ** 0.5
 
     def pressure(self, T: np.ndarray, x_X: np.ndarray) -> np.ndarray:
         """p(epsilon, rho) [Pa] with epsilon = alpha T, rho = m0 / x_X."""
@@ -233,12 +245,9 @@ def solid_bounds(layer, s, at):
     The state is unphysical where x_X > 0 and T > 0 do not hold.
     """
     shortest, coldest = s[U64(at + LEAST_STRAIN)], s[U64(at + LEAST_T)]
+    hottest, pulled, stretch = s[U64(at + GREATEST_T)], s[U64(at + LEAST_SIGMA)], 1.0 / shortest
+    p = layer.gruneisen * layer.m0 * layer.alpha * hottest * stretch
     # a velocity or stress that is not a number shows in the speed
-    stiffest = layer.K + 0.0 * (s[U64(at + SUMS)] + s[U64(at + LEAST_SIGMA)])
-    stretch = 1.0 / shortest
-    c2 = stiffest * stretch / layer.m0
-    if layer.gruneisen > 0.0:  # c^2 = (K + (p - sigma) p_eps / rho) / m0 + p_rho, see after (3.9)
-        heat = layer.gruneisen * layer.alpha * s[U64(at + GREATEST_T)]
-        excess = heat * layer.m0 * stretch - s[U64(at + LEAST_SIGMA)]
-        c2 += (layer.gruneisen * max(excess, 0.0) / layer.m0 + heat) * stretch
+    c2 = wave_modulus(layer.K, layer.gruneisen, p, min(pulled, p), shortest) / layer.m0
+    c2 += 0.0 * (s[U64(at + SUMS)] + pulled)
     return c2, stretch, shortest, coldest
