@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from fsipetsc.boundaries import Boundary, SolidEnd
+from fsipetsc.boundaries import Boundary, SolidEnd, Wall
 from fsipetsc.errors import InputError
 from fsipetsc.physics.fluid import Fluid
 from fsipetsc.physics.solid import Solid
@@ -102,3 +103,20 @@ class Problem:
 
         timed = any(isinstance(end, Dirichlet) for end in (self.left, self.right))
         return not timed and self.jumps is None and all(layer.forcing is None for layer in self.layers)
+
+    @property
+    def laws(self) -> dict[str, Any]:
+        """What must not change, as JSON holds it: see fsipetsc.stepping.balance.drifts, which takes it.
+
+        masses: (name, number among the fluids) of the gas layers that nothing enters or leaves; energy: whether that of all
+        layers is kept. Momentum less the impulse of ends and body forces always is. Empty where forcing or jumps change all.
+        """
+        if self.jumps is not None or any(layer.forcing for layer in self.layers):
+            return {}
+        ends = {0: self.left, len(self.layers) - 1: self.right}
+        fluids = [k for k, layer in enumerate(self.layers) if layer.kind == "fluid"]
+        closed = all(isinstance(end, Wall) for end in ends.values())
+        return {
+            "masses": [[self.layers[k].name, i] for i, k in enumerate(fluids) if isinstance(ends[k], Wall)],
+            "energy": closed and not any(getattr(layer.material, "force", 0.0) for layer in self.layers),
+        }

@@ -8,35 +8,30 @@ int int sigma u_X / T dX dt, which must not decrease. (The entropy alone is not 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fsipetsc.boundaries import Wall
-from fsipetsc.problem import Problem
+if TYPE_CHECKING:
+    from fsipetsc.problem import Problem
 
 
-def drifts(problem: Problem, initial: Mapping[str, Any], series: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+def drifts(laws: Mapping[str, Any], initial: Mapping[str, Any], series: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Name of an invariant that must hold -> its relative drift (nsteps,); series: complete, from the first step on.
 
-    Entropy counts only where it decreases. Momentum is relative to the impulse that has passed, of either sign, energy
-    to itself; time integrals are trapezoidal sums over the steps.
+    laws: which ones must hold (fsipetsc.problem.Problem.laws). Entropy counts only where it decreases. Momentum is relative
+    to the impulse that has passed, of either sign, energy to itself; time integrals are trapezoidal sums over the steps.
     """
     result: dict[str, np.ndarray] = {}
-    if any(layer.forcing for layer in problem.layers) or problem.jumps is not None:
+    if not laws:
         return result
-    ends = {0: problem.left, len(problem.layers) - 1: problem.right}
-    fluids = [k for k, layer in enumerate(problem.layers) if layer.kind == "fluid"]
-    for column, k in enumerate(fluids):
-        if isinstance(ends[k], Wall):
-            mass = initial["mass"][column]
-            result[f"mass of '{problem.layers[k].name}'"] = series["mass"][:, column] / mass - 1
+    for name, column in laws["masses"]:
+        result[f"mass of '{name}'"] = series["mass"][:, column] / initial["mass"][column] - 1
     force = np.concatenate([[initial["force"]], series["force"]])
     impulse = _integral(series, force)
     scale = np.maximum(_integral(series, np.abs(force)), abs(initial["momentum"])) + np.finfo(float).tiny
     result["momentum"] = (series["momentum"] - initial["momentum"] - impulse) / scale
-    closed = all(isinstance(end, Wall) for end in ends.values())
-    if closed and not any(getattr(layer.material, "force", 0.0) for layer in problem.layers):
+    if laws["energy"]:
         result["energy"] = series["energy"] / initial["energy"] - 1
         if "entropy" in series:
             heating = np.concatenate([[initial["heating"]], series["heating"]])
@@ -64,7 +59,7 @@ class Watch:
         """What is wrong after some more steps, of which these are the records, or None."""
         self._blocks.append({name: np.array(block[name]) for name in self._NAMES if name in block.dtype.names})
         series = {name: np.concatenate([b[name] for b in self._blocks]) for name in self._blocks[0]}
-        for name, drift in drifts(self._problem, self._initial, series).items():
+        for name, drift in drifts(self._problem.laws, self._initial, series).items():
             worst = int(np.argmax(np.abs(drift)))
             if abs(drift[worst]) > self._tolerance:
                 return f"{name} has drifted by {drift[worst]:.3g} (relative) in step {worst + 1}"

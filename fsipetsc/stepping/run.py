@@ -77,6 +77,7 @@ class _Run:
             ],
             "notes": list(self.problem.notes),
             "units": self.problem.units,
+            "laws": self.problem.laws,
         }
 
     def _grids(self) -> None:
