@@ -78,3 +78,71 @@ def test_a_change_in_a_source_file_is_noticed(tmp_path):
     other = tmp_path / "fsipetsc" / "operators" / "sbp.py"
     os.utime(other, ns=(1, 1))
     assert answer() == ["1.0", "0"]
+
+
+def in_base(monkeypatch, tmp_path, wanted):
+    """The folder that is taken when NUMBA_CACHE_DIR is `wanted`; the user's own cache is tmp_path/home/.cache."""
+    (tmp_path / "home").mkdir(exist_ok=True)
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(wanted))
+    monkeypatch.setattr(numba.config, "CACHE_DIR", numba.config.CACHE_DIR)
+    return cache.use_cache_folder()
+
+
+@pytest.mark.parametrize(("mode", "taken"), [(0o700, True), (0o755, True), (0o777, False), (0o1777, False), (0o757, False)])
+def test_a_folder_open_to_others_is_passed_over(monkeypatch, tmp_path, mode, taken):
+    """Kernels are pickles: whoever can write there could run code here."""
+    open_to_all = tmp_path / "open"
+    open_to_all.mkdir()
+    open_to_all.chmod(mode)
+    folder = in_base(monkeypatch, tmp_path, open_to_all)
+    assert folder.is_relative_to(open_to_all) == taken
+    assert folder.is_relative_to(tmp_path / "home" / ".cache" / "fsipetsc") != taken
+    assert folder.stat().st_mode & 0o777 == 0o700
+
+
+@pytest.mark.parametrize(("mode", "taken"), [(0o755, True), (0o777, False), (0o1777, True)])
+def test_a_folder_above_counts_unless_sticky(monkeypatch, tmp_path, mode, taken):
+    above = tmp_path / "above"
+    (above / "mine").mkdir(parents=True, mode=0o700)
+    above.chmod(mode)
+    assert in_base(monkeypatch, tmp_path, above / "mine").is_relative_to(above) == taken
+
+
+@pytest.mark.skipif(os.getuid() != 0, reason="only root can make files of others")
+def test_what_belongs_to_another_user_is_not_loaded(monkeypatch, tmp_path):
+    theirs = tmp_path / "theirs"
+    theirs.mkdir(mode=0o755)
+    os.chown(theirs, 12345, 12345)
+    assert not in_base(monkeypatch, tmp_path, theirs).is_relative_to(theirs)
+    mine = tmp_path / "mine"
+    folder = in_base(monkeypatch, tmp_path, mine)
+    planted = folder / "advance" / "planted.nbc"
+    planted.parent.mkdir()
+    planted.write_bytes(b"a pickle")
+    os.chown(planted, 12345, 12345)
+    assert in_base(monkeypatch, tmp_path, mine) == folder and not planted.exists()
+
+
+def test_files_that_others_could_change_are_not_loaded(monkeypatch, tmp_path):
+    folder = in_base(monkeypatch, tmp_path, tmp_path / "mine")
+    kept, open_to_all = folder / "kept.nbc", folder / "open.nbc"
+    for path in (kept, open_to_all):
+        path.write_bytes(b"a pickle")
+    open_to_all.chmod(0o666)
+    assert in_base(monkeypatch, tmp_path, tmp_path / "mine") == folder and kept.exists(), "the folder itself is closed"
+    folder.chmod(0o755)
+    assert in_base(monkeypatch, tmp_path, tmp_path / "mine") == folder and not kept.exists()
+
+
+def test_nowhere_to_keep_kernels(monkeypatch, tmp_path):
+    """Every usual place is open to others: a new one is made, for this process."""
+    places = [tmp_path / name for name in ("wanted", "home/.cache/fsipetsc", f"tmp/fsipetsc-{os.getuid()}")]
+    for place in places:
+        place.mkdir(parents=True)
+        place.chmod(0o777)
+    monkeypatch.setattr(cache.tempfile, "tempdir", str(tmp_path / "tmp"))
+    folder = in_base(monkeypatch, tmp_path, places[0])
+    assert folder.parent.parent == tmp_path / "tmp" and folder.parent not in places
+    assert folder.parent.stat().st_mode & 0o777 == 0o700

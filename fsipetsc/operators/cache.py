@@ -2,11 +2,12 @@
 
 numba renews a cached function when the file of that function changes, but not when a function that it calls lives
 in another file that changed. So the folder is named after the state of all source files of the package: kernels
-of an older state are never picked up. NUMBA_CACHE_DIR, if set, is the place for all of it.
+of an older state are never picked up. NUMBA_CACHE_DIR, if set, is the place for all of it, if only its user can write there.
 """
 
 from __future__ import annotations
 
+import atexit
 import gc
 import hashlib
 import os
@@ -17,6 +18,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import numba
+
+from fsipetsc.operators import trust
 
 #: folders of the package that hold compiled code
 COMPILED = ("operators", "physics", "coupling", "boundaries", "parallel")
@@ -36,17 +39,39 @@ def source_digest() -> str:
 
 
 def _base() -> Path:
-    """A folder that can be written to: numba's own, the user's cache, or a temporary one."""
+    """A folder that can be written to, by this user alone: numba's own, the user's cache, or a temporary one.
+
+    A place where others could have put kernels is passed over (see `trust`); in the end a new folder is made, for this
+    process only, and removed with it.
+    """
     home = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
-    for place in (os.environ.get("NUMBA_CACHE_DIR"), os.path.join(home, "fsipetsc")):
+    temporary = os.path.join(tempfile.gettempdir(), f"fsipetsc-{os.getuid()}")
+    for place in (os.environ.get("NUMBA_CACHE_DIR"), os.path.join(home, "fsipetsc"), temporary):
         if place:
             try:
-                os.makedirs(place, exist_ok=True)
-                if os.access(place, os.W_OK):
+                os.makedirs(place, mode=0o700, exist_ok=True)
+                if os.access(place, os.W_OK) and trust.trusted(Path(place)):
                     return Path(place)
             except OSError:
                 continue
-    return Path(tempfile.gettempdir()) / f"fsipetsc-{os.getuid()}"
+    return _new_base()
+
+
+def _new_base() -> Path:
+    """A folder for this process only."""
+    own = tempfile.mkdtemp(prefix="fsipetsc-")
+    atexit.register(shutil.rmtree, own, ignore_errors=True)
+    return Path(own)
+
+
+def _make(folder: Path) -> bool:
+    """Make the folder of the kernels, empty if others could have put something there; whether it can be trusted now."""
+    for _ in range(2):
+        folder.mkdir(mode=0o700, exist_ok=True)
+        if trust.trusted(folder) and trust.content_trusted(folder):
+            return True
+        shutil.rmtree(folder, ignore_errors=True)
+    return False
 
 
 def cache_folder() -> Path:
@@ -67,15 +92,20 @@ def garbage_waiting() -> Iterator[None]:
 
 def use_cache_folder() -> Path:
     """Point numba at the folder for this state of the sources and drop the oldest ones; before any kernel is defined."""
-    base = _base()
-    folder = base / f"kernels-{source_digest()}"
+    base, name = _base(), f"kernels-{source_digest()}"
+    try:
+        if not _make(base / name):
+            base = _new_base()
+            _make(base / name)
+    except OSError:
+        pass  # several ranks tidy up at once, or nothing may be written: the kernels are compiled anew then
+    folder = base / name
     numba.config.CACHE_DIR = str(folder)
     try:
-        folder.mkdir(parents=True, exist_ok=True)
         os.utime(folder)
         older = sorted(base.glob("kernels-*"), key=lambda p: p.stat().st_mtime, reverse=True)
         for stale in older[_KEPT:]:
             shutil.rmtree(stale, ignore_errors=True)
     except OSError:
-        pass  # several ranks tidy up at once, or nothing may be written: the kernels are compiled anew then
+        pass  # several ranks tidy up at once
     return folder
