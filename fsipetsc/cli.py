@@ -13,6 +13,7 @@ from fsipetsc.errors import InputError
 from fsipetsc.failure import settle
 from fsipetsc.launch import HELP_FLAGS, launcher_rank, start_mpi, start_petsc
 from fsipetsc.options import read_options
+from fsipetsc.process import left_as_found
 from fsipetsc.usage import case_help, command_help, overview, program
 
 
@@ -61,8 +62,18 @@ _VERSION_FLAGS = ("--version", "-version")
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the program with the arguments behind its name (sys.argv if None); returns the exit status."""
-    arguments = list(sys.argv[1:] if argv is None else argv)
+    """Run the program with the arguments behind its name; returns the exit status.
+
+    None stands for sys.argv: then the process is the program's own. With arguments given, it is somebody else's, such as
+    a notebook's: any number of runs can be made in it, and each leaves it as it was.
+    """
+    if argv is None:
+        return _main(sys.argv[1:])
+    with left_as_found():
+        return _main(list(argv))
+
+
+def _main(arguments: list[str]) -> int:
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")  # a terminal that lacks a letter must not end a run
@@ -146,6 +157,9 @@ def _in_parallel(arguments: list[str]) -> int:
         run_case(case, options, world)
     except (Exception, KeyboardInterrupt) as error:
         return settle(error, notes, debug=debug, case_file=case_file)
+    finally:
+        if notes is not None:
+            notes.Free()
     return 0
 
 

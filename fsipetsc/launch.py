@@ -15,6 +15,7 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from fsipetsc.errors import FileError, FsiError, InputError
+from fsipetsc.process import begin_options, petsc_runs
 
 if TYPE_CHECKING:
     from mpi4py import MPI
@@ -41,11 +42,15 @@ def start_mpi() -> MPI.Comm:
 
 
 def start_petsc(arguments: Sequence[str], comm: MPI.Comm) -> None:
-    """Initialise PETSc with the arguments behind the case's name. Collective.
+    """Initialise PETSc with the arguments behind the case's name; where it runs already, with the options of this run
+    in place of all others. Collective.
 
     Raises InputError for what is not an option, FileError or InputError for an options file.
     """
     _together(comm, lambda: check_arguments(arguments, os.environ.get("PETSC_OPTIONS", "")))
+    if petsc_runs():
+        begin_options(_sources(arguments), _pairs([word for word in arguments if word not in HELP_FLAGS]))
+        return
     os.environ["PETSC_OPTIONS"] = " ".join(
         w for w in _words(os.environ.get("PETSC_OPTIONS", "")) if w not in HELP_FLAGS
     )
@@ -88,10 +93,31 @@ def check_arguments(arguments: Sequence[str], environment: str = "") -> None:
     """
     _check_words(list(arguments), "")
     _check_words(_words(environment), " in PETSC_OPTIONS")
-    if "-skip_petscrc" not in arguments:
-        for name in (os.path.expanduser("~/.petscrc"), ".petscrc", "petscrc"):
-            if os.path.isfile(name):
-                check_options_file(name)
+    for name in _own_files(arguments):
+        check_options_file(name)
+
+
+def _own_files(arguments: Sequence[str]) -> list[str]:
+    """The options files that PETSc reads unasked."""
+    names = (os.path.expanduser("~/.petscrc"), ".petscrc", "petscrc")
+    return [] if "-skip_petscrc" in arguments else [name for name in names if os.path.isfile(name)]
+
+
+def _sources(arguments: Sequence[str]) -> list[str]:
+    """What PETSc reads before the command line, as texts of options."""
+    environment = [word for word in _words(os.environ.get("PETSC_OPTIONS", "")) if word not in HELP_FLAGS]
+    return [f'-options_file "{name}"' for name in _own_files(arguments)] + [" ".join(environment)]
+
+
+def _pairs(words: Sequence[str]) -> list[tuple[str, str | None]]:
+    """(option, its value or None) of words that have been checked."""
+    found: list[tuple[str, str | None]] = []
+    for word in words:
+        if is_option(word):
+            found.append((word, None))
+        else:
+            found[-1] = (found[-1][0], word)
+    return found
 
 
 def _words(text: str) -> list[str]:

@@ -58,6 +58,13 @@ KNOWN = frozenset(
     + _SINGLE.split()
 )
 
+#: options that PETSc follows when it starts or when it ends; those taken out mean nothing, or always the same, here
+_AT_START = frozenset(
+    [f"log_{name}" for name in _LOG.split()]
+    + [f"options_{name}" for name in ("gui", "left", "monitor", "monitor_cancel", "view")]
+    + _SINGLE.split()
+).difference(("help", "no_signal_handler", "prefix_pop", "prefix_push", "skip_petscrc"))
+
 #: families whose names are all in KNOWN
 _LISTED = ("ts_", "log_", "options_")
 #: families of which any name is taken
@@ -76,3 +83,8 @@ def is_family_name(name: str) -> bool:
 def is_open_family_name(name: str) -> bool:
     """True if a name belongs to a family of PETSc's of which this module does not know every name."""
     return name.startswith(_OPEN)
+
+
+def is_start_name(name: str) -> bool:
+    """True if PETSc looks at an option (lower case, without dash) only when it starts or ends."""
+    return name in _AT_START or name.startswith(("malloc", "on_error_"))

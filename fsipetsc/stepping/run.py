@@ -24,6 +24,7 @@ from fsipetsc.stepping.integrator import Integrator
 from fsipetsc.stepping.phases import LOOP, OUTPUT, SET_UP, Phases
 from fsipetsc.stepping.report import Reporter
 from fsipetsc.stepping.solve import make_state
+from fsipetsc.stepping.state import State
 
 
 class Interrupted(FsiError):
@@ -41,18 +42,20 @@ def run_case(case: Any, options: Mapping[str, Any], comm: MPI.Comm) -> None:
     """
     phases = Phases()
     with phases(SET_UP):
-        run = _Run(case, options, comm, phases)
-    with run.state:
+        problem = case.build(options)
+        state = make_state(problem, options, comm)
+    with state:
+        with phases(SET_UP):
+            run = _Run(case, options, comm, phases, state)
         run.go()
 
 
 class _Run:
     """The pieces of one run, wired together."""
 
-    def __init__(self, case: Any, opt: Mapping[str, Any], comm: MPI.Comm, phases: Phases) -> None:
+    def __init__(self, case: Any, opt: Mapping[str, Any], comm: MPI.Comm, phases: Phases, state: State) -> None:
         self.case, self.opt, self.comm, self.phases = case, opt, comm, phases
-        self.problem = case.build(opt)
-        self.state = make_state(self.problem, opt, comm)
+        self.problem, self.state = state.problem, state
         saved = saved_times(opt["ts_max_time"], opt["fsi_output_dt"], opt["fsi_output_times"])
         self.writer = RunWriter(comm, opt["fsi_output"], self._header())
         self.writer.take_series = self._take

@@ -174,7 +174,7 @@ class State:
 
     def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
         """Destroy it, unless this rank may be alone with an error: the others would not meet it there."""
-        if error is None or (isinstance(error, FsiError) and error.collective):
+        if error is None or self.comm.size == 1 or (isinstance(error, FsiError) and error.collective):
             self.destroy()
 
 

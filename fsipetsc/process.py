@@ -1,0 +1,119 @@
+"""What a run takes from its process and gives back to it, so that several can be made in one process.
+
+PETSc has one database of options for the whole process. It reads the command line, PETSC_OPTIONS and options files into
+it only when it starts: for every later run that is done here, and each run finds its own options there and no others.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+
+from fsipetsc.errors import InputError
+from fsipetsc.petsc_names import is_start_name
+
+#: options that PETSc follows at once where it reads them, instead of keeping them
+_FOLLOWED = ("-options_file", "-options_file_yaml", "-options_string_yaml", "-prefix_push", "-prefix_pop")
+
+
+def petsc_runs() -> bool:
+    """PETSc has been started in this process, by whomever. InputError if it has been ended, too."""
+    if "petsc4py.PETSc" not in sys.modules:
+        return False
+    from petsc4py import PETSc
+
+    if PETSc.Sys.isFinalized():
+        raise InputError("PETSc has been ended in this process (finalized), and cannot be started again")
+    return PETSc.Sys.isInitialized()
+
+
+def begin_options(groups: Sequence[str], pairs: Sequence[tuple[str, str | None]]) -> None:
+    """Make PETSc's database hold the options of the run that begins; PETSc runs already.
+
+    groups: texts as PETSc reads them (options files, PETSC_OPTIONS), in this order; pairs: (option with its dash, value)
+    of the command line, which come last. InputError for what PETSc refuses, and for options that it follows only when it
+    starts or ends, unless they are in force already.
+    """
+    from petsc4py import PETSc
+
+    found, database = _present(), PETSc.Options()
+    _put({})
+    try:
+        for text in groups:
+            database.insertString(text)
+        for name, value in pairs:
+            if name.lower() in _FOLLOWED:
+                database.insertString(name if value is None else f'{name} "{value}"')
+            else:
+                database.setValue(name.removeprefix("-"), value)
+    except PETSc.Error as error:
+        raise InputError(f"PETSc refuses these options: {str(error).splitlines()[-1].strip()}") from None
+    for name, value in _present().items():
+        if is_start_name(name.lower()) and found.get(name) != value:
+            raise InputError(
+                f"-{name} works from the start of PETSc, and PETSc runs already in this process: "
+                "give it to the first run, or make this run in a process of its own"
+            )
+
+
+@contextmanager
+def left_as_found() -> Iterator[None]:
+    """What is done within leaves no options, search paths, modules of a case file's or environment behind.
+
+    Options that PETSc looks at when it ends, such as -log_view, stay if PETSc was started within.
+    """
+    path, modules, environment = list(sys.path), set(sys.modules), os.environ.get("PETSC_OPTIONS")
+    found = _present() if petsc_runs() else None
+    try:
+        yield
+    finally:
+        if "petsc4py.PETSc" in sys.modules and petsc_runs():
+            _put(_at_the_end() if found is None else found)
+        _forget_modules(set(sys.path) - set(path), modules)
+        sys.path[:] = path
+        if environment is None:
+            os.environ.pop("PETSC_OPTIONS", None)
+        else:
+            os.environ["PETSC_OPTIONS"] = environment
+
+
+def _present() -> dict[str, str]:
+    """Name -> text of all options in PETSc's database; "" if there is no value."""
+    from petsc4py import PETSc
+
+    database = PETSc.Options()
+    listed = database.getAll()  # may cut a text at a blank, as getString does after 1023 characters
+    return {name: max(listed[name] or "", database.getString(name, ""), key=len) for name in listed}
+
+
+def _at_the_end() -> dict[str, str]:
+    return {name: value for name, value in _present().items() if is_start_name(name.lower())}
+
+
+def _put(options: Mapping[str, str]) -> None:
+    """Make PETSc's database hold these options alone."""
+    from petsc4py import PETSc
+
+    database = PETSc.Options()
+    for name in database.getAll():
+        database.delValue(name)
+    for name, value in options.items():
+        database.setValue(name, value)
+
+
+def _forget_modules(folders: set[str], before: set[str]) -> None:
+    """Forget the modules that case files imported from their own folders: the next one has its own of that name."""
+    new = [name for name in sys.modules if name not in before]
+    own = {name for name in new if name.startswith("fsipetsc_case_")}
+    for name in new:
+        file = getattr(sys.modules[name], "__file__", None)
+        if "." in name or name == "fsipetsc" or not file:
+            continue
+        place = os.path.dirname(os.path.abspath(file))
+        if place in folders or (os.path.basename(file) == "__init__.py" and os.path.dirname(place) in folders):
+            own.add(name)
+    for name in new:
+        if name.split(".")[0] in own:
+            del sys.modules[name]

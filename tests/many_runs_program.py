@@ -1,0 +1,67 @@
+"""Makes run after run in one process, as a notebook would, and says what each of them leaves behind: RUNS.json.
+
+RUNS.json: list of [exit status expected, arguments]. Prints one line of JSON: what has changed in the process since before
+the first run, per run, on all ranks.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import gc
+import io
+import json
+import os
+import signal
+import sys
+from pathlib import Path
+
+from fsipetsc.cli import main
+
+
+def footprint() -> dict[str, object]:
+    """All that a run could leave behind."""
+    from petsc4py import PETSc
+
+    gc.collect()
+    objects = [o for o in gc.get_objects() if isinstance(o, PETSc.Object) and o and not o.klass.startswith("Viewer")]
+    return {
+        "options": PETSc.Options().getAll(),
+        "signals": [str(signal.getsignal(n)) for n in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGPIPE)],
+        "objects": sorted(o.klass for o in objects),
+        "environment": dict(os.environ),
+        "path": list(sys.path),
+        "modules": sorted(name for name in sys.modules if "case_" in name or name == "helper_of_a_case"),
+        "files": sorted(os.readlink(f"/proc/self/fd/{n}") for n in os.listdir("/proc/self/fd") if _is_file(n)),
+        "threshold": gc.get_threshold(),
+    }
+
+
+def _is_file(number: str) -> bool:
+    with contextlib.suppress(OSError):
+        return os.readlink(f"/proc/self/fd/{number}").startswith(os.getcwd())
+    return False
+
+
+def answer(words: list[str]) -> tuple[int, str]:
+    """(status, what was said on stderr) of one run."""
+    said = io.StringIO()
+    with contextlib.redirect_stderr(said):
+        status = main(words)
+    return status, said.getvalue()
+
+
+if __name__ == "__main__":
+    from mpi4py import MPI
+
+    rank, wrong, before = MPI.COMM_WORLD.rank, [], None
+    for expected, text in json.loads(Path(sys.argv[1]).read_text()):
+        status, said = answer(text.split())
+        if status != expected or said.count("\n") != (expected != 0 and rank == 0):
+            wrong.append([text, f"status {status}, not {expected}", said])
+        now = footprint()
+        # PETSc, once started, is there for good, and the first run starts it
+        wrong += [[text, name, before[name], now[name]] for name in now if before and now[name] != before[name]]
+        before = before or now
+    gathered = MPI.COMM_WORLD.gather(wrong)
+    if gathered is not None:
+        print(json.dumps([entry for part in gathered for entry in part]))

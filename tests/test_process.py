@@ -1,0 +1,112 @@
+"""Many runs in one process: each is what it would be in a process of its own, and leaves nothing behind."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from helpers import REPOSITORY, mpirun, run
+
+import fsipetsc
+
+pytest.importorskip("petsc4py")
+
+PISTON = str(REPOSITORY / "runs" / "piston.py")
+SHORT = "-fsi_quiet -fsi_h 0.1"
+#: per step, sums over x: on more ranks the same up to their last bits
+SUMS = ("mass", "energy", "momentum", "entropy", "force")
+#: (exit status, name of the result, arguments), in this order
+RUNS = [
+    (0, "rod", f"rod {SHORT} -ts_max_time 0.004 -rod_gravity -100 -fsi_output_dt 0.001 -ts_rk_type 3bs -ts_adapt_type basic"),
+    (0, "plain", f"rod {SHORT} -ts_max_steps 30"),
+    (2, "", "rod -fsi_h 0.1 -fsi_oder 4 -ts_max_steps 1"),
+    (0, "mms", f"mms {SHORT} -fsi_order 2 -ts_max_steps 5 -ts_type rk -ts_rk_type 4"),
+    (3, "", f"rod {SHORT} -fsi_cfl 9 -fsi_output_dt 0.002 -fsi_output failed.h5"),
+    (0, "pulse", "pulse -fsi_quiet -fsi_h 0.05 -ts_max_steps 20 -options_file some.opts"),
+    (2, "", f"helped/case.py {SHORT} -ts_max_steps 5"),
+    (2, "", "mms -options_file missing_letter.opts"),
+    (0, "piston", f"{PISTON} -fsi_quiet -ts_max_steps 20"),
+    (0, "again", f"rod {SHORT} -ts_max_steps 30"),
+    (2, "", f"rod {SHORT} -ts_max_steps 3 -log_view"),
+    (0, "study", "convergence mms -fsi_quiet -fsi_orders 2 -fsi_hs 0.1,0.05 -ts_max_steps 3"),
+    (0, "last", f"rod {SHORT} -ts_max_steps 30 -fsi_spare 0"),
+]
+
+
+def _files(where: Path) -> None:
+    (where / "some.opts").write_text("-fsi_order 6\n-pulse_amplitude 100\n")
+    (where / "missing_letter.opts").write_text("-fsi_order 6\nfsi_h 0.1\n")
+    (where / "helped").mkdir()
+    (where / "helped" / "helper_of_a_case.py").write_text("NUMBER = 5\n")
+    (where / "helped" / "case.py").write_text(
+        "import helper_of_a_case\nOPTIONS = ()\nDEFAULTS = {'ts_max_time': 1}\ndef build(opt):\n    raise ValueError('no')\n"
+    )
+
+
+def _arguments(name: str, text: str, runs: str = "") -> str:
+    return f"{text} -fsi_output {runs}{name}.h5" if name else text
+
+
+def _content(path: Path) -> dict[str, object]:
+    """All numbers of a result, and the options that made it."""
+    with fsipetsc.open_run(path) as result:
+        options = {k: v for k, v in result.options.items() if k != "fsi_output"}
+        arrays = {"t": result.time, **{name: result.series[name] for name in result.series}}
+        for layer in result.layers:
+            arrays |= {f"{layer.name} {field}": layer[field] for field in layer.fields}
+        return {"options": options, **{name: np.asarray(v).tobytes() for name, v in arrays.items()}}
+
+
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory):
+    """name -> result of a run in a process of its own."""
+    where = tmp_path_factory.mktemp("alone")
+    _files(where)
+    for status, name, text in RUNS:
+        if name and name not in ("again", "study"):
+            done = run("-m", "fsipetsc", *_arguments(name, text).split(), cwd=where)
+            assert (done.returncode, done.stderr) == (status, "")
+    return where
+
+
+@pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.mpi)])
+def test_runs_in_one_process_are_runs_in_processes_of_their_own(ranks, alone, tmp_path):
+    _files(tmp_path)
+    (tmp_path / "runs.json").write_text(json.dumps([[status, _arguments(name, text)] for status, name, text in RUNS]))
+    program = REPOSITORY / "tests" / "many_runs_program.py"
+    done = mpirun(ranks, program, "runs.json", cwd=tmp_path, timeout=120)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert json.loads(done.stdout) == []
+    for path in alone.glob("*.h5"):
+        expected, found = _content(path), _content(tmp_path / path.name)
+        if ranks > 1:
+            expected, found = ({k: v for k, v in c.items() if k not in SUMS} for c in (expected, found))
+        assert found.keys() == expected.keys()
+        assert [name for name in expected if found[name] != expected[name]] == [], path.name
+    assert _content(tmp_path / "again.h5") == _content(tmp_path / "plain.h5")
+
+
+HOST = """
+import petsc4py
+petsc4py.init(["host", "-host_option", "7", "-fsi_order", "8"])
+import os
+from petsc4py import PETSc
+from fsipetsc.cli import main
+os.environ["PETSC_OPTIONS"] = "-ts_max_steps 2 -help"
+line = "rod -fsi_quiet -fsi_h 0.1".split()
+assert main(line) == 0
+assert main([*line, "-fsi_output", "it's 3.h5", "-ts_max_steps", "3"]) == 0
+assert os.environ["PETSC_OPTIONS"] == "-ts_max_steps 2 -help"
+assert PETSc.Options().getAll() == {"host_option": "7", "fsi_order": "8"}
+"""
+
+
+def test_a_host_of_runs_keeps_its_own_options(tmp_path):
+    """A process that uses PETSc itself: its options are not the run's, PETSC_OPTIONS are, and the command line comes last."""
+    done = run("-c", HOST, cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    for name, steps in (("rod", 2), ("it's 3", 3)):
+        with fsipetsc.open_run(tmp_path / f"{name}.h5") as result:
+            assert (result.summary["steps"], result.options["fsi_order"]) == (steps, 4)
