@@ -255,6 +255,9 @@ class Integrator:
                 self._plan_step(ts)
                 try:
                     ts.solve(self.state.solution)
+                except PETSc.Error as error:
+                    # what a step of ours raised: as it is with releases up to 3.18, with later ones wrapped
+                    raise error.__cause__ or error from None
                 finally:
                     if self._control is not None:
                         self._control.destroy()
