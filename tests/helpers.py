@@ -17,11 +17,16 @@ _MPI_ENVIRONMENT = {
     "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
     "OMPI_MCA_rmaps_base_oversubscribe": "1",
     "OMPI_MCA_btl_base_warn_component_unused": "0",
+    "OMPI_MCA_btl": "^tcp",  # all ranks are on this node, and of some networks Open MPI complains
     "OMPI_MCA_hwloc_base_binding_policy": "none",  # two jobs at a time would share the first cores
     "OMPI_MCA_mpi_yield_when_idle": "1",  # a rank that waits must not take the core from the one that it waits for
     "OMP_NUM_THREADS": "1",
     "OPENBLAS_NUM_THREADS": "1",
 }
+
+
+#: seconds after which what should have ended long ago is taken for hung: many times what it takes where nothing else runs
+PATIENCE = 300
 
 
 def environment(extra: Mapping[str, str] | None = None) -> dict[str, str]:
@@ -38,7 +43,7 @@ def environment(extra: Mapping[str, str] | None = None) -> dict[str, str]:
 
 def run(
     *args: object,
-    timeout: float = 60,
+    timeout: float = PATIENCE,
     cwd: str | os.PathLike[str] | None = None,
     env: Mapping[str, str] | None = None,
 ) -> subprocess.CompletedProcess[str]:
@@ -50,7 +55,7 @@ def run(
 def mpirun(
     n: int,
     *args: object,
-    timeout: float = 60,
+    timeout: float = PATIENCE,
     cwd: str | os.PathLike[str] | None = None,
     env: Mapping[str, str] | None = None,
 ) -> subprocess.CompletedProcess[str]:
@@ -64,7 +69,7 @@ def mpirun(
 
 
 def compute(
-    n: int, directory: Path, runs: Mapping[str, tuple[str, str]], timeout: float = 240
+    n: int, directory: Path, runs: Mapping[str, tuple[str, str]], timeout: float = 4 * PATIENCE
 ) -> dict[str, Path]:
     """Run cases on n ranks, all in one process: name -> (case, options) gives name -> result file in `directory`.
 

@@ -22,7 +22,7 @@ def ledger(path):
 @pytest.mark.mpi
 def test_box_keeps_all_balances(tmp_path):
     options = ("-fsi_order", "6", "-fsi_h", "0.025", "-fsi_check", "1e-4", "-fsi_quiet")
-    done = mpirun(2, "-m", "fsipetsc", "box", *options, cwd=tmp_path, timeout=200)
+    done = mpirun(2, "-m", "fsipetsc", "box", *options, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     found = ledger(tmp_path / "box.h5")
     assert set(found) == {"mass of 'left'", "mass of 'right'", "momentum", "energy", "entropy"}
@@ -33,7 +33,7 @@ def test_box_keeps_all_balances(tmp_path):
 
 def test_rod_momentum_is_the_impulse_of_gravity_and_ends(tmp_path):
     options = ("-fsi_h", "0.05", "-ts_max_time", "0.2", "-fsi_quiet")
-    done = run("-m", "fsipetsc", "rod", *options, cwd=tmp_path, timeout=200)
+    done = run("-m", "fsipetsc", "rod", *options, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     found = ledger(tmp_path / "rod.h5")
     assert set(found) == {"mass of 'below'", "momentum"}  # the upper end is open
@@ -44,7 +44,7 @@ def test_rod_momentum_is_the_impulse_of_gravity_and_ends(tmp_path):
 
 def test_check_stops_what_does_not_hold(tmp_path):
     options = ("-fsi_h", "0.05", "-ts_max_time", "0.3", "-fsi_check", "1e-7", "-fsi_quiet")
-    done = run("-m", "fsipetsc", "rod", *options, cwd=tmp_path, timeout=200)
+    done = run("-m", "fsipetsc", "rod", *options, cwd=tmp_path)
     assert done.returncode == 3
     assert "mass of 'below' has drifted" in done.stderr and "Traceback" not in done.stderr
     assert len(fsipetsc.open_run(tmp_path / "rod.h5").series["t"]) > 0
@@ -55,7 +55,7 @@ def test_check_stops_what_does_not_hold(tmp_path):
 def test_check_holds_while_grids_grow(tmp_path, n):
     """The steps between the last frame and the growth are looked at before others take their place."""
     options = ("-fsi_h", "0.05", "-ts_max_time", "0.3", "-fsi_output_dt", "0.005", "-fsi_check", "1e-2", "-fsi_spare", "0")
-    done = mpirun(n, "-m", "fsipetsc", "rod", *options, "-fsi_quiet", cwd=tmp_path, timeout=200)
+    done = mpirun(n, "-m", "fsipetsc", "rod", *options, "-fsi_quiet", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     with fsipetsc.open_run(tmp_path / "rod.h5") as result:
         assert len({len(layer.X) for layer in result.layers}) > 1 and result.complete

@@ -55,6 +55,6 @@ if comm.rank == 0:
 @pytest.mark.parametrize("how", ["boxes", "messages"])
 def test_all_learn_the_largest_of_each_word(ranks, how):
     """Bit for bit, as whole numbers without sign: also of what is not a number."""
-    done = mpirun(ranks, "-c", PROGRAM, how, timeout=120)
+    done = mpirun(ranks, "-c", PROGRAM, how)
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout) == [[True, 0]] * ranks

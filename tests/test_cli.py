@@ -6,7 +6,6 @@ import json
 import os
 import subprocess
 import sys
-import time
 
 import pytest
 from helpers import environment, mpirun, run
@@ -67,21 +66,15 @@ def run_stub(*args, **more):
 
 
 def test_overview_lists_cases_and_commands_without_importing_the_solver():
-    code = "import sys; from fsipetsc.cli import main; main([]); print(*sorted(sys.modules), file=sys.stderr)"
-    done = run("-c", code)
+    """So that it takes no time that could be noticed: nothing but the standard library, and little of ours."""
+    code = "import sys; old = set(sys.modules); from fsipetsc.cli import main; main([]); "
+    done = run("-c", code + "print(*sorted(set(sys.modules) - old), file=sys.stderr)")
     assert done.returncode == 0
     for word in ("Cases", "rod", "mms", "pulse", "Commands", "info RUN.h5", "plot RUN.h5"):
         assert word in done.stdout
-    assert not {"numpy", "numba", "h5py", "mpi4py", "petsc4py"} & set(done.stderr.split())
-
-
-def test_overview_is_quick():
-    def seconds():
-        start = time.perf_counter()
-        run("-m", "fsipetsc")
-        return time.perf_counter() - start
-
-    assert min(seconds() for _ in range(3)) < 0.5
+    loaded = done.stderr.split()
+    assert {name.split(".")[0] for name in loaded} <= {"fsipetsc", *sys.stdlib_module_names}
+    assert len(loaded) < 120
 
 
 @pytest.mark.parametrize("flag", ["-h", "-help", "--help"])
@@ -292,18 +285,18 @@ class TestOnTwoRanks:
     @pytest.mark.parametrize("rank", [0, 1])
     def test_one_rank_fails_alone(self, rank, here):
         code = f"comm.rank == {rank} and 1 / 0; comm.barrier()"
-        done = mpirun(2, "driver.py", "stub.py", "-do", code, timeout=30)
+        done = mpirun(2, "driver.py", "stub.py", "-do", code)
         one_message(done, 1, "ZeroDivisionError")
 
     @pytest.mark.slow
     def test_one_rank_fails_alone_with_an_error_said_to_be_common(self, here):
         code = "from fsipetsc.errors import ComputationError as E\nif comm.rank == 1: raise E('T <= 0')\ncomm.barrier()"
-        done = mpirun(2, "driver.py", "stub.py", "-do", code, timeout=40)
+        done = mpirun(2, "driver.py", "stub.py", "-do", code)
         one_message(done, 3, "T <= 0")
 
     @pytest.mark.parametrize("code", ["1 / 0", "from fsipetsc.errors import ComputationError as E; raise E('T <= 0')"])
     def test_all_ranks_fail(self, code, here):
-        done = mpirun(2, "driver.py", "stub.py", "-do", code)
+        done = mpirun(2, "driver.py", "stub.py", "-do", f"comm.barrier(); {code}")
         one_message(done, 3 if "Computation" in code else 1)
         assert "MPI_ABORT" not in done.stderr, "an error of all ranks ends in order"
 

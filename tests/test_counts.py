@@ -19,7 +19,7 @@ PROGRAM = Path(__file__).with_name("counting_program.py")
 def counts(mode: str, *options: object, ranks: int = 1, **env: str) -> list[dict]:
     """What counting_program.py prints, a dict for each rank."""
     start = run if ranks == 1 else lambda *words, **more: mpirun(ranks, *words, **more)
-    done = start(PROGRAM, mode, *options, timeout=240, env=env)
+    done = start(PROGRAM, mode, *options, env=env)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
 

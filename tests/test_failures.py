@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers import environment, mpirun, run
+from helpers import PATIENCE, environment, mpirun, run
 
 import fsipetsc
 
@@ -130,7 +130,7 @@ def test_the_message_is_the_same_on_any_number_of_ranks(tmp_path):
 def test_a_layer_that_becomes_too_short(ranks, tmp_path):
     """With a wall close under the rod there is soon no room for the 16 points of the 8/4 operator."""
     line = "rod -fsi_h 0.0125 -fsi_order 8 -rod_wall 0.81 -rod_top 3".split()
-    text = message(mpirun(ranks, "-m", "fsipetsc", *line, cwd=tmp_path, timeout=120), 3)
+    text = message(mpirun(ranks, "-m", "fsipetsc", *line, cwd=tmp_path), 3)
     for word in ("'below'", "too short", "t = ", ", step ", "x = ", "needs 16 points"):
         assert word in text
     assert_readable(tmp_path / "rod.h5", "failed", 0.5)
@@ -155,7 +155,7 @@ def started(ranks: int, cwd: Path) -> subprocess.Popen[str]:
     process = subprocess.Popen(
         command, cwd=cwd, env=environment(), text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE
     )
-    end = time.monotonic() + 60
+    end = time.monotonic() + PATIENCE
     while time.monotonic() < end and process.poll() is None:
         try:
             with fsipetsc.open_run(cwd / "long.h5") as result:
@@ -195,7 +195,7 @@ def test_an_error_of_one_rank_alone_ends_all(shared, tmp_path):
     """It is said once, and nobody waits for a rank that has left."""
     (tmp_path / "alone.py").write_text(ALONE)
     options = ("-fsi_h", "0.05", "-ts_max_time", "0.1", "-fsi_quiet", "-fsi_shared_memory", shared)
-    done = mpirun(2, "-m", "fsipetsc", "alone.py", *options, cwd=tmp_path, timeout=60)
+    done = mpirun(2, "-m", "fsipetsc", "alone.py", *options, cwd=tmp_path)
     assert done.returncode == 2
     assert done.stderr.count("fsipetsc: error: ") == 1 and "no force is known" in done.stderr
 
@@ -204,7 +204,7 @@ def test_an_error_of_one_rank_alone_ends_all(shared, tmp_path):
 def test_a_signal_ends_the_run_in_order(number, tmp_path):
     process = started(1, tmp_path)
     process.send_signal(number)
-    out, err = process.communicate(timeout=30)
+    out, err = process.communicate(timeout=PATIENCE)
     text = message(subprocess.CompletedProcess([], process.returncode, out, err), 128 + number)
     assert signal.Signals(number).name in text
     assert "long.h5" in text
@@ -227,10 +227,10 @@ def test_a_signal_to_one_rank_stops_all(rank, tmp_path):
     ranks = children(process.pid)
     if len(ranks) != 2:
         process.terminate()
-        process.communicate(timeout=30)
+        process.communicate(timeout=PATIENCE)
         pytest.skip("the ranks are not children of the launcher")
     os.kill(ranks[rank], signal.SIGTERM)
-    out, err = process.communicate(timeout=60)
+    out, err = process.communicate(timeout=PATIENCE)
     message(subprocess.CompletedProcess([], process.returncode, out, err), 143)
     assert_readable(tmp_path / "long.h5", "stopped", 1000.0)
 
@@ -239,7 +239,7 @@ def test_a_killed_run_leaves_its_frames(tmp_path):
     process = started(1, tmp_path)
     time.sleep(1.0)
     process.kill()
-    process.communicate(timeout=30)
+    process.communicate(timeout=PATIENCE)
     assert process.returncode == -signal.SIGKILL
     with fsipetsc.open_run(tmp_path / "long.h5") as result:
         assert not result.complete

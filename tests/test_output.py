@@ -24,7 +24,7 @@ FRAMES = 12
 
 
 def write(n: int, mode: str, path: Path, *rest: object) -> str:
-    done = mpirun(n, PROGRAM, mode, path, *rest, timeout=90)
+    done = mpirun(n, PROGRAM, mode, path, *rest)
     assert done.returncode == 0, done.stderr
     return done.stdout
 

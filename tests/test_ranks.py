@@ -163,11 +163,11 @@ def test_the_boundary_crosses_from_one_rank_to_another_and_back(results):
 
 def test_the_largest_number_of_ranks_works_and_one_more_is_refused(tmp_path):
     args = "rod -fsi_h 0.125 -rod_top 4 -ts_max_steps 10".split()
-    refused = mpirun(5, "-m", "fsipetsc", *args, cwd=tmp_path, timeout=120)
+    refused = mpirun(5, "-m", "fsipetsc", *args, cwd=tmp_path)
     assert refused.returncode == 2
     assert refused.stderr.count("fsipetsc: error: ") == 1
     assert "5 ranks" in refused.stderr
     assert "4 is the largest number that works" in refused.stderr
-    assert mpirun(4, "-m", "fsipetsc", *args, cwd=tmp_path, timeout=120).returncode == 0
+    assert mpirun(4, "-m", "fsipetsc", *args, cwd=tmp_path).returncode == 0
     run = fsipetsc.open_run(tmp_path / "rod.h5")
     assert (run.summary["ranks"], run.summary["steps"]) == (4, 10)
