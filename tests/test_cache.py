@@ -146,3 +146,15 @@ def test_nowhere_to_keep_kernels(monkeypatch, tmp_path):
     folder = in_base(monkeypatch, tmp_path, places[0])
     assert folder.parent.parent == tmp_path / "tmp" and folder.parent not in places
     assert folder.parent.stat().st_mode & 0o777 == 0o700
+
+
+def test_no_home(monkeypatch, tmp_path):
+    """A user without an entry in the list of users, and no HOME: nothing is made where the program happens to run."""
+    monkeypatch.setattr(cache.os.path, "expanduser", lambda name: name)
+    monkeypatch.setattr(cache.tempfile, "tempdir", str(tmp_path / "tmp"))
+    monkeypatch.setenv("XDG_CACHE_HOME", "relative")
+    (tmp_path / "here").mkdir()
+    monkeypatch.chdir(tmp_path / "here")
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    assert cache._base() == tmp_path / "tmp" / f"fsipetsc-{os.getuid()}"
+    assert not list((tmp_path / "here").iterdir())

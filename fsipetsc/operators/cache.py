@@ -44,9 +44,10 @@ def _base() -> Path:
     A place where others could have put kernels is passed over (see `trust`); in the end a new folder is made, for this
     process only, and removed with it.
     """
-    home = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
+    homes = os.environ.get("XDG_CACHE_HOME") or "", os.path.join(os.path.expanduser("~"), ".cache")
+    home = next((h for h in homes if os.path.isabs(h)), "")  # "~" stays where a user has no home: no folder of that name
     temporary = os.path.join(tempfile.gettempdir(), f"fsipetsc-{os.getuid()}")
-    for place in (os.environ.get("NUMBA_CACHE_DIR"), os.path.join(home, "fsipetsc"), temporary):
+    for place in (os.environ.get("NUMBA_CACHE_DIR"), home and os.path.join(home, "fsipetsc"), temporary):
         if place:
             try:
                 os.makedirs(place, mode=0o700, exist_ok=True)
