@@ -66,6 +66,12 @@ def start_petsc(arguments: Sequence[str], comm: MPI.Comm) -> None:
     except RuntimeError:
         raise InputError(_petsc_complaint(kept[0])) from None
     sys.stderr.write(kept[0])
+    from petsc4py import PETSc
+
+    database = PETSc.Options()
+    if not database.hasName("options_left"):
+        # Newer releases (3.22) print what nobody asked for at the end, after every error that meets no solve.
+        database.setValue("options_left", "false")
 
 
 def _together(comm: MPI.Comm, check: Callable[[], None]) -> None:
@@ -172,8 +178,9 @@ def _check_line(words: list[str], where: str) -> None:
 def _check_yaml(path: str, text: str) -> None:
     try:
         import yaml
-    except ModuleNotFoundError:
-        return  # PETSc will say that it is wrong, only not where
+    except ModuleNotFoundError:  # unread, a faulty file would leave ranks waiting within PETSc
+        message = f"options file {path}: YAML needs the Python package PyYAML; or write lines '-name value', in another file"
+        raise InputError(message) from None
     try:
         list(yaml.parse(text))
     except yaml.MarkedYAMLError as error:
