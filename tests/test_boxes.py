@@ -14,11 +14,14 @@ import json, sys, time
 import numpy as np
 from mpi4py import MPI
 from numba import njit
-from fsipetsc.parallel.boxes import Boxes, largest, share_a_node, world_record
+from fsipetsc.parallel import boxes as module
+from fsipetsc.parallel.boxes import largest, make_boxes, share_a_node, world_record
 
 WORDS, TURNS = 40, 400
 comm = MPI.COMM_WORLD
-boxes = Boxes(comm, 8 * WORDS) if sys.argv[1] == "boxes" else None
+if sys.argv[1] == "one without":
+    module.unified = lambda window: comm.rank != 1
+boxes = make_boxes(comm, 8 * WORDS) if sys.argv[1] != "messages" else None
 worlds, memory = world_record(comm, boxes), np.zeros(2 * WORDS)
 
 
@@ -44,10 +47,17 @@ for turn in range(TURNS):
     wrong += not np.array_equal(memory[WORDS:].view(np.uint64), np.max(words, axis=0))
 if boxes is not None:
     boxes.free()
-results = comm.gather((share_a_node(comm), wrong))
+results = comm.gather((share_a_node(comm), boxes is not None, wrong))
 if comm.rank == 0:
     print(json.dumps(results))
 """
+
+
+def meet(ranks: int, how: str, **env: str) -> list[list]:
+    """Of each rank: whether all are on one node, whether they have boxes, and turns in which it learnt something wrong."""
+    done = mpirun(ranks, "-c", PROGRAM, how, env=env)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
 
 
 @pytest.mark.mpi
@@ -55,6 +65,17 @@ if comm.rank == 0:
 @pytest.mark.parametrize("how", ["boxes", "messages"])
 def test_all_learn_the_largest_of_each_word(ranks, how):
     """Bit for bit, as whole numbers without sign: also of what is not a number."""
-    done = mpirun(ranks, "-c", PROGRAM, how)
-    assert done.returncode == 0, done.stderr
-    assert json.loads(done.stdout) == [[True, 0]] * ranks
+    assert meet(ranks, how) == [[True, how == "boxes", 0]] * ranks
+
+
+@pytest.mark.mpi
+def test_where_one_rank_can_have_no_box_all_send_messages():
+    assert meet(3, "one without") == [[True, False, 0]] * 3
+
+
+@pytest.mark.mpi
+def test_where_the_library_has_no_shared_windows_messages_are_sent():
+    """Open MPI without the component that makes them; another library takes no notice of the variable."""
+    found = meet(2, "boxes", OMPI_MCA_osc="^sm")
+    assert [(together, wrong) for together, _, wrong in found] == [(True, 0)] * 2
+    assert found[0][1] == found[1][1]

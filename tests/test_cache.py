@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import importlib
 import os
 import shutil
@@ -158,3 +159,26 @@ def test_no_home(monkeypatch, tmp_path):
     monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
     assert cache._base() == tmp_path / "tmp" / f"fsipetsc-{os.getuid()}"
     assert not list((tmp_path / "here").iterdir())
+
+
+def test_no_kernel_has_constants_of_mpi_in_it():
+    """They differ from library to library, and the kernels on disk are the same for all: so they are passed as data."""
+    for path in (REPOSITORY / "fsipetsc" / "parallel").glob("*.py"):
+        tree = ast.parse(path.read_text())
+        of_mpi = {"MPI"}  # and what a module makes of it
+        for node in tree.body:
+            if isinstance(node, ast.Assign) and names(node.value) & of_mpi:
+                of_mpi |= {name for target in node.targets for name in names(target)}
+        kernels = [node for node in tree.body if isinstance(node, ast.FunctionDef) and "njit" in decorators(node)]
+        for kernel in kernels:
+            assert not names(kernel) & of_mpi, (path.name, kernel.name)
+
+
+def names(tree: ast.AST) -> set[str]:
+    """All names in a piece of source."""
+    return {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
+
+
+def decorators(function: ast.FunctionDef) -> set[str]:
+    """Names in the decorators of a function."""
+    return {name for decorator in function.decorator_list for name in names(decorator)}

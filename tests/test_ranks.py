@@ -171,3 +171,15 @@ def test_the_largest_number_of_ranks_works_and_one_more_is_refused(tmp_path):
     assert mpirun(4, "-m", "fsipetsc", *args, cwd=tmp_path).returncode == 0
     run = fsipetsc.open_run(tmp_path / "rod.h5")
     assert (run.summary["ranks"], run.summary["steps"]) == (4, 10)
+
+
+def test_a_grid_grows_while_another_has_shrunk(tmp_path):
+    """The gas above needs points when that below has too few left to feed its two ranks: these keep what they own."""
+    line = "rod -fsi_order 2 -fsi_h 0.1 -rod_wall -0.1 -rod_top 2.6 -rod_gravity -1000 -fsi_spare 2 -ts_max_time 0.03"
+    files = [compute(n, tmp_path / str(n), {"rod": tuple(line.split(" ", 1))})["rod"] for n in (1, 4)]
+    one, four = map(fsipetsc.open_run, files)
+    assert four.complete
+    counts = [np.isfinite(layer["u"]).sum(axis=1) for layer in four.layers]
+    assert counts[0][0] == 12 and counts[0][-1] < 12, "two shares of six points, and then no more"
+    assert len(four.layers[2].X) > 9, "the grid has grown"
+    assert_same(one, four)

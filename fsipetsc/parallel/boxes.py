@@ -26,21 +26,26 @@ MOST = 16
 SHORT, LONG = 1000, 1_000_000
 
 
-ANY_SOURCE, ANY_TAG = int(MPI.ANY_SOURCE), int(MPI.ANY_TAG)
-#: what compiled code needs to meet; without boxes their address is 0
-_NAMES = ("comm", "rank", "size", "word", "max", "boxes", "box", "buffer", "patience", "flag", "status")
+#: what compiled code needs to meet; without boxes their address is 0. The constants of MPI are among it, since kernels that
+#: one library's constants had become part of would be found on disk by a run with another library
+_NAMES = (
+    *("comm", "rank", "size", "word", "max", "any_source", "any_tag"),
+    *("boxes", "box", "buffer", "patience", "flag", "status"),
+)
 WORLD = np.dtype([(name, np.int64) for name in _NAMES])
 
 
 class Boxes:
-    """The boxes of all ranks of comm, with buffers of ``nbytes``. Collective, as is ``free``."""
+    """The boxes of all ranks of comm, with buffers of ``nbytes``. Collective, as is ``free``.
+
+    Raises MPI.Exception, on all ranks, where MPI has no memory that they could share.
+    """
 
     def __init__(self, comm: MPI.Comm, nbytes: int) -> None:
         self.buffer = -(-nbytes // LINE) * LINE
         self.box = LINE + 2 * self.buffer
         # all in the part of rank 0, so that they lie one after the other
-        size = (comm.size * self.box + LINE) if comm.rank == 0 else 0
-        self._window = MPI.Win.Allocate_shared(size, 1, comm=comm)
+        self._window = shared_window(comm, (comm.size * self.box + LINE) if comm.rank == 0 else 0)
         memory, _ = self._window.Shared_query(0)
         self.address = -(-memory.address // LINE) * LINE
         if comm.rank == 0:
@@ -54,7 +59,35 @@ class Boxes:
         return self.address + rank * self.box + LINE
 
     def free(self) -> None:
+        self._window.Unlock_all()
         self._window.Free()
+
+
+def shared_window(comm: MPI.Comm, size: int) -> MPI.Win:
+    """Memory that all ranks of comm share, in an epoch in which they may read and write it. Collective.
+
+    size: bytes of this rank's part. Raises MPI.Exception on all ranks if one of them cannot have it: some installations
+    have no such windows, and what a rank writes must be what the others read (MPI's unified model).
+    """
+    window, error = MPI.WIN_NULL, 0
+    try:
+        window = MPI.Win.Allocate_shared(size, 1, comm=comm)
+        if not unified(window):
+            error = MPI.ERR_RMA_SHARED
+    except MPI.Exception as exception:
+        error = exception.Get_error_code()
+    errors = comm.allgather((error, window != MPI.WIN_NULL))
+    if any(error for error, _ in errors):
+        if all(made for _, made in errors):
+            window.Free()
+        raise MPI.Exception(next(error for error, _ in errors if error))
+    window.Lock_all(MPI.MODE_NOCHECK)
+    return window
+
+
+def unified(window: MPI.Win) -> bool:
+    """There is one copy of the window's memory, not one for its owner and one for all others."""
+    return window.Get_attr(MPI.WIN_MODEL) == MPI.WIN_UNIFIED
 
 
 def world_record(comm: MPI.Comm, boxes: Boxes | None) -> np.ndarray:
@@ -62,6 +95,7 @@ def world_record(comm: MPI.Comm, boxes: Boxes | None) -> np.ndarray:
     record = np.zeros(1, WORLD)
     record["comm"], record["rank"], record["size"] = handle(comm), comm.rank, comm.size
     record["word"], record["max"] = handle(MPI.UINT64_T), handle(MPI.MAX)
+    record["any_source"], record["any_tag"] = MPI.ANY_SOURCE, MPI.ANY_TAG
     if boxes is not None:
         record["boxes"], record["box"], record["buffer"] = boxes.address, boxes.box, boxes.buffer
         record["patience"] = boxes.patience
@@ -75,6 +109,16 @@ def _processors() -> set[int]:
         return os.sched_getaffinity(0)
     except AttributeError:  # not Linux
         return set(range(os.cpu_count() or 1))
+
+
+def make_boxes(comm: MPI.Comm, nbytes: int) -> Boxes | None:
+    """Boxes with buffers of ``nbytes`` where the ranks can have them; None, on all of them, where not. Collective."""
+    if not share_a_node(comm):
+        return None
+    try:
+        return Boxes(comm, nbytes)
+    except MPI.Exception:
+        return None
 
 
 def share_a_node(comm: MPI.Comm) -> bool:
@@ -111,7 +155,7 @@ def largest(world, source, result, count):
             looks += 1
             if looks > world.patience:
                 # whoever is late may need what MPI has not yet sent in our name, and it sends in calls only
-                mpi_iprobe(ANY_SOURCE, ANY_TAG, world.comm, world.flag, world.status)
+                mpi_iprobe(world.any_source, world.any_tag, world.comm, world.flag, world.status)
                 sched_yield()
         words = words_at(box + buffer, count)
         for i in range(count):

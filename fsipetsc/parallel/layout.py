@@ -7,6 +7,7 @@ points stand with their halos.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +17,7 @@ from petsc4py import PETSc
 from fsipetsc.boundaries import nodes_needed
 from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import SBPOperator
-from fsipetsc.parallel.partition import Extent, partition
+from fsipetsc.parallel.partition import Extent, partition, stretched
 from fsipetsc.physics.layer import DOF, FLUID, LAYER, SOLID
 from fsipetsc.problem import FluidLayer, Problem
 
@@ -42,9 +43,17 @@ def ghost_index(distance: float) -> int:
     return int(np.ceil(distance - 1e-9))
 
 
-def make_grids(problem: Problem, op: SBPOperator, h: float, spare: int, cells: dict[int, int] | None = None) -> list[Grid]:
+def make_grids(
+    problem: Problem,
+    op: SBPOperator,
+    h: float,
+    spare: int,
+    cells: dict[int, int] | None = None,
+    before: Sequence[Grid] | None = None,
+) -> list[Grid]:
     """Grids of all layers. cells: ghost index of each fluid layer, where it differs from the initial one.
 
+    before: grids that these take the place of; none has fewer points than it had.
     Raises InputError where h does not fit the solids or a layer is too short for the closures.
     """
     grids = []
@@ -55,7 +64,8 @@ def make_grids(problem: Problem, op: SBPOperator, h: float, spare: int, cells: d
             end = problem.left if k == 0 else problem.right
             least = max(op.min_points, nodes_needed(end.degree) + 2)
             room = spare + max(1, G // 8) if spare >= 8 else spare
-            n = G + 1 + room
+            n = max(G + 1 + room, before[k].n if before else 0)
+            room = n - 1 - G
             grid = Grid(n, room, n - 1, layer.X[1], n - 1, least) if k == 0 else Grid(n, 0, G, layer.X[0], 0, least)
         else:
             cells_ = round(width)
@@ -80,18 +90,35 @@ def make_grids(problem: Problem, op: SBPOperator, h: float, spare: int, cells: d
 class Layout:
     """Ownership of all layers on all ranks; collective on ``comm``.
 
+    kept: the layout that this one takes the place of, whose ranks keep what they own where today's active points cannot
+    be dealt out to all of them: a gas may have shrunk since.
+
     Attributes: records (LAYER array), dms (a DMDA or None per layer), grids, shares, local_size (doubles of the
     solution on this rank), work_size (doubles with halos), width (halo width in points).
     """
 
-    def __init__(self, comm: MPI.Comm, problem: Problem, op: SBPOperator, h: float, grids: list[Grid], mode: str) -> None:
+    def __init__(
+        self,
+        comm: MPI.Comm,
+        problem: Problem,
+        op: SBPOperator,
+        h: float,
+        grids: list[Grid],
+        mode: str,
+        kept: Layout | None = None,
+    ) -> None:
         self.comm, self.problem, self.grids, self.h = comm, problem, grids, h
         self.width = max(2 * op.reach, 6)
         extents = [
             Extent(layer.kind, grid.n, grid.hi - grid.lo + 1, k == 0 and layer.kind == "fluid")
             for k, (layer, grid) in enumerate(zip(problem.layers, grids, strict=True))
         ]
-        self.shares = partition(extents, comm.size, mode, max(self.width, op.rows + 1))
+        try:
+            self.shares = partition(extents, comm.size, mode, max(self.width, op.rows + 1))
+        except InputError:
+            if kept is None:
+                raise
+            self.shares = [stretched(extent, shares) for extent, shares in zip(extents, kept.shares, strict=True)]
         self.records = np.zeros(len(grids), LAYER)
         self._comms: list[MPI.Comm] = []
         self.dms: list[PETSc.DMDA | None] = []

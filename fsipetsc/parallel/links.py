@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from mpi4py import MPI
 
-from fsipetsc.parallel.boxes import Boxes, share_a_node
+from fsipetsc.parallel.boxes import make_boxes
 from fsipetsc.parallel.layout import Layout
 from fsipetsc.parallel.mpi import Requests
 from fsipetsc.physics.layer import DOF
@@ -21,7 +21,7 @@ class Links:
         self._layout, self._words = layout, words
         self._sizes = [layout.width * DOF[record["kind"]] for record in layout.records]  # doubles of an edge
         edges = 2 * sum(self._sizes)  # out of each layer
-        self.boxes = Boxes(layout.comm, 8 * (words + edges)) if shared and share_a_node(layout.comm) else None
+        self.boxes = make_boxes(layout.comm, 8 * (words + edges)) if shared else None
         self.buffer = 0 if self.boxes or layout.comm.size == 1 else 2 * edges
         self.requests = Requests([])
 
@@ -47,7 +47,8 @@ class Links:
         self.requests = Requests(requests)
 
     def free(self) -> None:
-        """Nothing may be under way."""
+        """Nothing may be under way. A second call does nothing."""
         self.requests.free()
         if self.boxes is not None:
             self.boxes.free()
+            self.boxes = None

@@ -80,6 +80,15 @@ def _with_spare(extent: Extent, shares: list[Share]) -> list[Share]:
     return [*shares[:-1], (rank, begin, extent.n)]
 
 
+def stretched(extent: Extent, shares: Sequence[Share]) -> list[Share]:
+    """The shares of a layer that had fewer stored points, or as many: what is new belongs to the outermost rank."""
+    if extent.spare_left:
+        added = extent.n - shares[-1][2]
+        return [(rank, begin + added if begin else 0, end + added) for rank, begin, end in shares]
+    rank, begin, _ = shares[-1]
+    return [*shares[:-1], (rank, begin, extent.n)]
+
+
 def _by_physics(extents: Sequence[Extent], size: int) -> list[list[Share]]:
     """Fluids dealt over the lower half of the ranks, solids over the upper."""
     lower = max(1, size // 2)

@@ -62,8 +62,8 @@ class State:
         advance(*self.plan, 0, 0, -1, 0.0)
         also()
 
-    def _place(self, grids: list[Grid]) -> None:
-        self.layout = Layout(self.comm, self.problem, self.op, self.h, grids, self._mode)
+    def _place(self, grids: list[Grid], kept: Layout | None = None) -> None:
+        self.layout = Layout(self.comm, self.problem, self.op, self.h, grids, self._mode, kept)
         forced = any(layer.forcing for layer in self.problem.layers)
         self.plan, self._links = make_plan(self.layout, self.op, self._coupling, forced, self._entropy, self._shared)
         for record, grid in zip(self.layout.records, grids, strict=True):
@@ -146,7 +146,7 @@ class State:
         cells = {k: int(r["hi"] - r["lo"]) for k, r in enumerate(old.records) if r["kind"] == FLUID}
         results, journal = self.results.copy(), self.journal[:noted].copy()
         self._release()
-        self._place(make_grids(self.problem, self.op, self.h, max(self._spare, NODES), cells))
+        self._place(make_grids(self.problem, self.op, self.h, max(self._spare, NODES), cells, old.grids), old)
         self.results[:], self.journal[:noted] = results, journal
         self.results[LOW] = 0.0
         y = self.solution.getArray()
