@@ -176,7 +176,8 @@ def plot(arguments: list[str]) -> None:
     path, directory = _file_and_directory("plot", arguments, ("-o",))
     from fsipetsc.output.plots import plot as draw
 
-    draw(path, directory or os.curdir)
+    for picture in draw(path, directory or os.curdir):
+        print(picture)
 
 
 def _file_and_directory(name: str, arguments: list[str], flags: Sequence[str]) -> tuple[str, str | None]:

@@ -333,14 +333,3 @@ def test_info(finished: Path) -> None:
         "wall_time",
     ]:
         assert part in text
-
-
-def test_plot(finished: Path, tmp_path: Path) -> None:
-    pytest.importorskip("matplotlib")
-    from fsipetsc.output.plots import plot
-
-    pictures = plot(finished, tmp_path / "new" / "folder")
-    assert {p.name for p in pictures} >= {"demo-u.png", "demo-T.png", "demo-xt.png", "demo-interfaces.png"}
-    assert all(p.read_bytes().startswith(b"\x89PNG") for p in pictures)
-    with pytest.raises(FileError, match="cannot write"):
-        plot(finished, finished)

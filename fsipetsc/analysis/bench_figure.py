@@ -10,8 +10,7 @@ import numpy as np
 from fsipetsc.analysis.bench_model import Model, bandwidth, message, moved_bytes, scaling
 from fsipetsc.analysis.bench_table import Study
 from fsipetsc.errors import FileError
-from fsipetsc.output.figures import ORDERS
-from fsipetsc.output.plots import STYLE
+from fsipetsc.output.plots.style import ORDERS, STYLE
 from fsipetsc.parallel.advance import STAGES
 
 if TYPE_CHECKING:

@@ -68,7 +68,7 @@ def _case(arguments: Sequence[str]) -> Any:
 
 def study(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Study:
     """Make all runs, print and save. opt: options in force, those of this command included. Collective on comm."""
-    from fsipetsc.output.figures import convergence_figures
+    from fsipetsc.output.plots.convergence import convergence_figures
     from fsipetsc.stepping.run import versions
 
     path = _target(case, opt)

@@ -19,8 +19,8 @@ import fsipetsc
 from fsipetsc.analysis import table1
 from fsipetsc.analysis.convergence_table import load
 from fsipetsc.operators.sbp import operator
-from fsipetsc.output.figures import draw_cost, draw_errors
-from fsipetsc.output.plots import COLORS, STYLE
+from fsipetsc.output.plots.convergence import draw_cost, draw_errors
+from fsipetsc.output.plots.style import COLORS, STYLE
 from fsipetsc.output.reader import Run
 
 COARSE = {"fluid": "#00a5c8", "solid": "#d43fd4"}

@@ -11,16 +11,13 @@ import numpy as np
 
 from fsipetsc.errors import FileError
 from fsipetsc.operators.sbp import operator
-from fsipetsc.output.plots import STYLE
+from fsipetsc.output.plots.style import ORDERS, STYLE
+from fsipetsc.output.plots.titles import set_title
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from fsipetsc.analysis.convergence_table import Study
-
-#: color and marker of an order, the colors as in the paper
-ORDERS = {2: ("#2e8b3a", "s"), 4: ("#1f5fbf", "o"), 6: ("#d0312d", "^"), 8: ("#222222", "D")}
-
 
 def convergence_figures(study: Study, path: str | os.PathLike[str], note: str = "") -> list[Path]:
     """Draw both pictures beside PATH, as PATH without suffix + "-error.png" and "-cost.png".
@@ -41,7 +38,7 @@ def convergence_figures(study: Study, path: str | os.PathLike[str], note: str = 
         for name, draw in (("error", draw_errors), ("cost", draw_cost)):
             figure = Figure()
             draw(figure, study)
-            figure.suptitle(title, fontsize=10, x=0.01, ha="left", weight="bold")
+            set_title(figure, title)
             target = Path(path).with_name(f"{Path(path).stem}-{name}.png")
             try:
                 figure.savefig(target)

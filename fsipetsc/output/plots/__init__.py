@@ -1,0 +1,74 @@
+"""Pictures of a result, one file for each kind: fluid blue, solid red, over the Eulerian coordinate."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from fsipetsc.errors import FileError, InputError
+from fsipetsc.output.plots import balances, interfaces, profiles, space_time, steps
+from fsipetsc.output.plots.quantities import PROFILES
+from fsipetsc.output.plots.style import STYLE
+from fsipetsc.output.reader import Run, open_run
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def plot(
+    path: str | os.PathLike[str],
+    outdir: str | os.PathLike[str] = ".",
+    times: Sequence[float] | None = None,
+) -> list[Path]:
+    """Draw a result; returns the PNG files, named after the result.
+
+    times   of the profiles (the nearest saved frames are taken); by default some at which there is something to see
+
+    Raises FileError if the result cannot be read or the pictures cannot be written, InputError without matplotlib.
+    """
+    try:
+        import matplotlib
+        from matplotlib.figure import Figure
+    except ImportError as error:
+        raise InputError("plot: matplotlib is not installed (pip install matplotlib)") from error
+    folder, written = Path(outdir), []
+    with open_run(path) as run, matplotlib.rc_context(STYLE):
+        for name, draw in pictures(run, times):
+            figure = Figure()
+            draw(figure)
+            target = folder / f"{Path(path).stem}-{name}.png"
+            try:
+                folder.mkdir(parents=True, exist_ok=True)
+                figure.savefig(target)
+            except OSError as error:
+                raise FileError(f"{target}: cannot write the picture: {error.strerror}") from error
+            written.append(target)
+    return written
+
+
+def pictures(run: Run, times: Sequence[float] | None = None) -> Iterator[tuple[str, Callable[[Figure], None]]]:
+    """Names and drawing functions of the pictures that this run has the data for."""
+    if run.nframes:
+        for quantity in PROFILES:
+            if any(quantity.of(layer.kind) for layer in run.layers):
+                yield quantity.name, partial(profiles.draw, run=run, quantity=quantity, times=times)
+    if run.nframes > 4:
+        yield "xt", partial(space_time.draw, run=run)
+    if len(run.series.get("t", ())) < 2:
+        return
+    has = set(run.series)
+    if "x_interface" in has:
+        yield "interfaces", partial(interfaces.draw_positions, run=run)
+    if has & set(interfaces.TRACES):
+        yield "traces", partial(interfaces.draw_traces, run=run)
+    if has & set(interfaces.RESIDUALS):
+        yield "residuals", partial(interfaces.draw_residuals, run=run)
+    if {"force", "momentum"} <= has:
+        yield "momentum", partial(balances.draw_momentum, run=run)
+    if balances.departures(run):
+        yield "balance", partial(balances.draw_balances, run=run)
+    if "dt" in has:
+        yield "steps", partial(steps.draw, run=run)

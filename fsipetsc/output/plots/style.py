@@ -1,0 +1,50 @@
+"""What all pictures share: colors that everybody can tell apart (those of Okabe and Ito), line styles, sizes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+BLUE, RED, GREEN, ORANGE, PURPLE, GREY, BLACK = (
+    "#0072b2", "#d55e00", "#009e73", "#e69f00", "#a0528c", "#8a8a8a", "#222222",
+)  # fmt: skip
+COLORS = {"fluid": BLUE, "solid": RED}
+SERIES = (BLACK, ORANGE, BLUE, GREEN, PURPLE)  # of lines that stand for interfaces or for balances, in turn
+LINES = ("-", "--", "-.", ":")
+#: color and marker of an order of accuracy
+ORDERS = {2: (GREEN, "s"), 4: (BLUE, "o"), 6: (RED, "^"), 8: (BLACK, "D")}
+
+STYLE: dict[Any, Any] = {
+    "font.size": 9,
+    "axes.titlesize": 9,
+    "axes.labelsize": 9,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.linewidth": 0.8,
+    "axes.formatter.useoffset": False,
+    "axes.formatter.limits": (-4, 5),
+    "grid.color": "#dddddd",
+    "grid.linewidth": 0.6,
+    "lines.linewidth": 1.4,
+    "legend.frameon": False,
+    "legend.fontsize": 8,
+    "figure.constrained_layout.use": True,
+    "figure.constrained_layout.w_pad": 0.08,
+    "savefig.dpi": 160,
+}
+MAX_POINTS = 20_000  # of a line; more cannot be seen
+
+
+def thin(n: int) -> slice:
+    """Of n points so many that the picture does not get heavy."""
+    return slice(None, None, max(1, n // MAX_POINTS))
+
+
+def envelope(t: np.ndarray, values: np.ndarray, bins: int = 400) -> tuple[np.ndarray, np.ndarray]:
+    """The largest value in each of so many equal parts of the steps, and its time: what is left of noise."""
+    parts = np.array_split(np.arange(len(t)), min(bins, len(t)))
+    at = np.array([part[np.argmax(values[part])] for part in parts])
+    return t[at], values[at]
