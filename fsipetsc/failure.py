@@ -4,20 +4,15 @@ from __future__ import annotations
 
 import os
 import sys
-import time
 import traceback
 from typing import TYPE_CHECKING
 
 from fsipetsc.cases import explain, frames_in
 from fsipetsc.errors import FsiError
+from fsipetsc.notes import PATIENCE, exchange
 
 if TYPE_CHECKING:
     from mpi4py import MPI
-
-#: seconds for the other ranks to fail as well, before they are stopped: after an error that all ranks meet together,
-#: and after one that a rank may be alone with
-PATIENCE = {True: 10.0, False: 1.0}
-_NOTE = 1
 
 #: PETSc's error codes that stand for something other than a fault of the program
 _PETSC_STATUS = {55: 3, 65: 4, 66: 4, 67: 4, 72: 3, 82: 3, 91: 3}
@@ -76,31 +71,13 @@ def settle(error: BaseException, notes: MPI.Comm | None, *, debug: bool = False,
         return status
     if notes.rank == 0:
         _print(message, error, debug)
-    failed = _exchange(notes, status, PATIENCE[collective])
+    failed = exchange(notes, status, PATIENCE[collective])
     if notes.rank == min(failed) != 0:
         _print(message, error, debug)
     status = failed[min(failed)]
     if len(failed) < notes.size:
         notes.Abort(status)
     return status
-
-
-def _exchange(notes: MPI.Comm, status: int, patience: float) -> dict[int, int]:
-    """Rank -> status of the ranks that report within `patience` seconds, this one included."""
-    from mpi4py import MPI
-
-    failed = {notes.rank: status}
-    sent = [notes.isend(status, dest=rank, tag=_NOTE) for rank in range(notes.size) if rank != notes.rank]
-    end, info = time.monotonic() + patience, MPI.Status()
-    while len(failed) < notes.size and time.monotonic() < end:
-        if notes.iprobe(tag=_NOTE, status=info):
-            failed[info.source] = notes.recv(source=info.source, tag=_NOTE)
-        else:
-            time.sleep(0.005)
-    if len(failed) == notes.size:
-        for request in sent:
-            request.wait()
-    return failed
 
 
 def _print(message: str, error: BaseException, debug: bool) -> None:

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import pickle
+import re
+
 import numpy as np
 import pytest
 from helpers import mpirun, run
 
 import fsipetsc
 from fsipetsc.cases import box
-from fsipetsc.stepping.balance import drifts
+from fsipetsc.stepping.balance import Balances, Watch, drifts
+from fsipetsc.stepping.integrator import CHECKED
 
 
 def ledger(path):
@@ -71,3 +75,64 @@ def test_entropy_must_not_decrease():
     assert drifts(problem.laws, initial, series)["entropy"].max() == 0
     series["entropy"][5:] -= 0.2
     assert drifts(problem.laws, initial, series)["entropy"].max() == pytest.approx(0.19)
+
+
+LAWS = {"masses": [["left", 0], ["right", 1]], "energy": True}
+
+
+def recorded(n: int) -> tuple[np.ndarray, dict[str, object]]:
+    """Records of n steps with numbers that mean nothing, and what there was before."""
+    rng = np.random.default_rng(0)
+    names = ("t", "dt", "momentum", "force", "energy", "entropy", "heating")
+    steps = np.zeros(n, [*((name, "f8") for name in names), ("mass", "f8", (2,))])
+    for name in steps.dtype.names:
+        steps[name] = 1.0 + 0.1 * rng.random(steps[name].shape)
+    steps["t"] = np.cumsum(steps["dt"])
+    return steps, {name: 1.0 for name in names} | {"mass": [1.0, 1.0]}
+
+
+def test_drifts_piece_by_piece_are_those_of_the_whole():
+    steps, initial = recorded(1000)
+    whole, balances = drifts(LAWS, initial, as_dict(steps)), Balances(LAWS, initial)
+    pieces = [balances.go_on(as_dict(piece)) for piece in np.split(steps, [1, 2, 300, 300, 999])]
+    assert len(whole) == 5
+    for name, values in whole.items():
+        assert np.array_equal(np.concatenate([piece[name] for piece in pieces if piece]), values), name
+
+
+def as_dict(steps: np.ndarray) -> dict[str, np.ndarray]:
+    """The columns of records."""
+    return {name: steps[name] for name in steps.dtype.names}
+
+
+def test_a_watch_keeps_nothing_of_the_steps():
+    """So that a look costs the same after millions of them."""
+    steps, initial = recorded(64)
+    watch, sizes = Watch(LAWS, initial, np.inf), []
+    for _ in range(100):
+        assert watch.look(steps) is None
+        sizes.append(len(pickle.dumps(watch)))
+    assert sizes[-1] <= sizes[0] + 8
+
+
+def test_a_watch_names_the_first_step_at_fault():
+    steps, initial = recorded(100)
+    for name in ("momentum", "force", "energy", "entropy", "heating", "mass"):
+        steps[name] = 0.0 if name in ("force", "heating") else 1.0
+    initial = initial | {"force": 0.0, "heating": 0.0}
+    watch = Watch(LAWS, initial, 1e-3)
+    assert watch.look(steps[:60]) is None
+    steps["mass"][80:, 1], steps["energy"][90:] = 1.01, np.nan
+    fault = watch.look(steps[60:])
+    assert fault == f"mass of 'right' has drifted by 0.01 (relative) at t = {steps['t'][80]:.6g} s, step 81"
+    assert "energy has drifted by nan" in Watch(LAWS, initial, 0.1).look(steps)
+
+
+def test_check_stops_near_the_fault(tmp_path):
+    done = run("-m", "fsipetsc", *"box -fsi_check 1e-8 -fsi_quiet".split(), cwd=tmp_path)
+    assert done.returncode == 3
+    t, step = re.search(r"has drifted by .* at t = (\S+) s, step (\d+)", done.stderr).groups()
+    with fsipetsc.open_run(tmp_path / "box.h5") as result:
+        assert result.series["t"][int(step) - 1] == pytest.approx(float(t), rel=1e-5)
+        assert result.summary["steps"] <= int(step) + CHECKED + 64
+        assert result.summary["t"] < 0.5 * result.options["ts_max_time"]

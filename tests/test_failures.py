@@ -142,6 +142,44 @@ def test_a_boundary_that_jumps_over_the_grid(tmp_path):
     assert "layer '" in message(solve(*line, cwd=tmp_path), 3)
 
 
+BROKEN = """
+import sys
+from mpi4py import MPI
+from fsipetsc.cli import main
+from fsipetsc.stepping import run
+
+ranks, frame = [int(rank) for rank in sys.argv[1:]], run._Run._frame
+
+
+def broken(self, t):
+    if t > 0.0035 and MPI.COMM_WORLD.rank in ranks:
+        raise MemoryError
+    frame(self, t)
+
+
+run._Run._frame = broken
+sys.exit(main("rod -fsi_h 0.1 -fsi_output_dt 0.001 -ts_max_time 0.01 -fsi_quiet".split()))
+"""
+
+
+@pytest.mark.parametrize(
+    "ranks", [[0], pytest.param([0, 1], marks=pytest.mark.mpi), pytest.param([1], marks=pytest.mark.mpi)], ids=str
+)
+def test_any_error_leaves_what_was_computed(ranks, tmp_path):
+    """If all ranks meet it; where one of two is alone, it ends the other, who cannot write without it."""
+    n = max(ranks) + 1
+    done = mpirun(n, "-c", BROKEN, *ranks, cwd=tmp_path)
+    assert done.returncode == 3, done.stderr
+    assert done.stderr.count("fsipetsc: error: out of memory") == 1
+    if len(ranks) < n:
+        return
+    with fsipetsc.open_run(tmp_path / "rod.h5") as result:
+        np.testing.assert_allclose(result.time, [0.0, 0.001, 0.002, 0.003])
+        assert result.series["t"][-1] == pytest.approx(0.004)
+        assert (result.summary["status"], result.summary["message"]) == ("failed", "MemoryError")
+        assert len(result.series["t"]) == result.summary["steps"]
+
+
 # --- signals ----------------------------------------------------------------------------------------------------------
 
 LONG = "rod -fsi_h 0.025 -fsi_output_dt 0.001 -ts_max_time 1000 -fsi_output long.h5".split()

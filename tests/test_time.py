@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import helpers
 import numpy as np
 import pytest
 from conftest import FUSED, METHODS, STEPS, TOLERANCES, fixed
 
 pytest.importorskip("petsc4py")
 
+import fsipetsc
+from fsipetsc.errors import InputError
 from fsipetsc.stepping.clock import Clock, saved_times
 
 # --- the clock --------------------------------------------------------------------------------------------------------
@@ -17,11 +20,16 @@ def test_saved_times():
     assert saved_times(1.0, 0.25, None) == [0.0, 0.25, 0.5, 0.75, 1.0]
     assert saved_times(1.0, 0.4, None) == [0.0, 0.4, 0.8, 1.0]
     assert saved_times(1.0, None, (0.3, 0.7)) == [0.3, 0.7, 1.0]
-    assert saved_times(1.0, 0.5, (0.3, 5.0)) == [0.0, 0.3, 0.5, 1.0]
+    assert saved_times(1.0, 0.5, (0.3, 1.0)) == [0.0, 0.3, 0.5, 1.0]
     assert saved_times(0.0, 0.5, None) == [0.0]
     assert saved_times(0.3, 0.1, None)[-1] == 0.3
     assert len(saved_times(3.0, 0.02, None)) == 151, "3.0 / 0.02 is not 150 in floating point"
     assert saved_times(1.0, 0.1, (0.30000000000000004,)).count(0.30000000000000004) == 1
+
+
+def test_times_beyond_the_end_are_refused():
+    with pytest.raises(InputError, match=r"-fsi_output_times: 1.5, 5 s .* -ts_max_time 1 s"):
+        saved_times(1.0, 0.5, (0.3, 1.5, 5.0))
 
 
 def walk(targets: list[float], bound: float) -> tuple[np.ndarray, list[float]]:
@@ -124,6 +132,44 @@ def test_right_hand_sides_per_step(computed):
     """Four for the classical method, and none for anything else."""
     summary = computed("methods", fixed(("rk", "4"), STEPS[0])).summary
     assert summary["rhs_evaluations"] == 4 * summary["steps"]
+
+
+COUNTING = """
+import sys
+from fsipetsc.cli import main
+from fsipetsc.parallel.advance import STAGES
+from fsipetsc.parallel.pace import MADE
+from fsipetsc.stepping import state
+
+counted, advance = [0], state.advance
+
+
+def counting(head, layers, faces, memory, begin, end, raw, dt):
+    advance(head, layers, faces, memory, begin, end, raw, dt)
+    steps = max(1, int(memory[head["pace"][0] + MADE])) if begin == 0 and end == STAGES + 1 else 1
+    counted[0] += steps * sum(number < STAGES for number in range(begin, end))
+
+
+state.advance = counting
+status = main(sys.argv[1:])
+print(counted[0])
+sys.exit(status)
+"""
+
+
+@pytest.mark.parametrize(
+    "options",
+    ["", "-ts_type rk -ts_rk_type 5dp", "-ts_type rk -ts_rk_type 3bs -ts_adapt_type basic -fsi_cfl 20"],
+    ids=["fused", "fixed", "controlled"],
+)
+def test_all_right_hand_sides_are_counted(tmp_path, options):
+    """As many as compiled code is asked for: also in rejected steps, after restarts, and to project for the error control."""
+    line = f"rod -fsi_h 0.1 -fsi_spare 0 -ts_max_time 0.004 -fsi_quiet {options}"
+    done = helpers.run("-c", COUNTING, *line.split(), cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    with fsipetsc.open_run(tmp_path / "rod.h5") as result:
+        assert result.summary["rhs_evaluations"] == int(done.stdout)
+        assert ("basic" in options) == (result.summary["rejected_steps"] > 0)
 
 
 @pytest.mark.parametrize("method", ["3bs", "5dp"])

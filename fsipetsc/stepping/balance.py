@@ -8,12 +8,9 @@ int int sigma u_X / T dX dt, which must not decrease. (The entropy alone is not 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-
-if TYPE_CHECKING:
-    from fsipetsc.problem import Problem
 
 
 def drifts(laws: Mapping[str, Any], initial: Mapping[str, Any], series: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -22,45 +19,76 @@ def drifts(laws: Mapping[str, Any], initial: Mapping[str, Any], series: Mapping[
     laws: which ones must hold (fsipetsc.problem.Problem.laws). Entropy counts only where it decreases. Momentum is relative
     to the impulse that has passed, of either sign, energy to itself; time integrals are trapezoidal sums over the steps.
     """
-    result: dict[str, np.ndarray] = {}
-    if not laws:
+    return Balances(laws, initial).go_on(series)
+
+
+class Balances:
+    """The drifts, piece by piece of the series: of what has gone before only sums are kept. laws, initial: see ``drifts``."""
+
+    def __init__(self, laws: Mapping[str, Any], initial: Mapping[str, Any]) -> None:
+        self._laws, self._initial = laws, initial
+        self._rates: dict[str, float] = {name: initial.get(name, 0.0) for name in ("force", "heating")}  # the last ones
+        self._sums: dict[str, float] = {}
+        self._most = 0.0  # entropy produced
+
+    def go_on(self, series: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+        """The drifts in the next steps: name -> (steps,)."""
+        result: dict[str, np.ndarray] = {}
+        laws, initial = self._laws, self._initial
+        if not laws or not len(series["dt"]):
+            return result
+        for name, column in laws["masses"]:
+            result[f"mass of '{name}'"] = series["mass"][:, column] / initial["mass"][column] - 1
+        force = self._joined(series, "force")
+        impulse = self._integral(series, "impulse", force)
+        passed = self._integral(series, "passed", np.abs(force))
+        scale = np.maximum(passed, abs(initial["momentum"])) + np.finfo(float).tiny
+        result["momentum"] = (series["momentum"] - initial["momentum"] - impulse) / scale
+        if laws["energy"]:
+            result["energy"] = series["energy"] / initial["energy"] - 1
+            if "entropy" in series:
+                heated = self._integral(series, "heated", self._joined(series, "heating"))
+                produced = series["entropy"] - initial["entropy"] - heated
+                most = np.maximum.accumulate(np.concatenate([[self._most], produced]))[1:]
+                self._most = most[-1]
+                result["entropy"] = (most - produced) / max(abs(initial["entropy"]), np.finfo(float).tiny)
         return result
-    for name, column in laws["masses"]:
-        result[f"mass of '{name}'"] = series["mass"][:, column] / initial["mass"][column] - 1
-    force = np.concatenate([[initial["force"]], series["force"]])
-    impulse = _integral(series, force)
-    scale = np.maximum(_integral(series, np.abs(force)), abs(initial["momentum"])) + np.finfo(float).tiny
-    result["momentum"] = (series["momentum"] - initial["momentum"] - impulse) / scale
-    if laws["energy"]:
-        result["energy"] = series["energy"] / initial["energy"] - 1
-        if "entropy" in series:
-            heating = np.concatenate([[initial["heating"]], series["heating"]])
-            produced = np.concatenate([[0.0], series["entropy"] - initial["entropy"] - _integral(series, heating)])
-            lost = np.maximum.accumulate(produced)[1:] - produced[1:]
-            result["entropy"] = lost / max(abs(initial["entropy"]), np.finfo(float).tiny)
-    return result
 
+    def _joined(self, series: Mapping[str, np.ndarray], name: str) -> np.ndarray:
+        """A rate at the ends of the steps, behind that at the beginning of the first one."""
+        rate = np.concatenate([[self._rates[name]], series[name]])
+        self._rates[name] = rate[-1]
+        return rate
 
-def _integral(series: Mapping[str, np.ndarray], rate: np.ndarray) -> np.ndarray:
-    """Integral up to the end of each step of a rate known at its ends."""
-    return np.cumsum(0.5 * series["dt"] * (rate[1:] + rate[:-1]))
+    def _integral(self, series: Mapping[str, np.ndarray], name: str, rate: np.ndarray) -> np.ndarray:
+        """Integral from t = 0 to the end of each step of a rate known at its ends."""
+        parts = 0.5 * series["dt"] * (rate[1:] + rate[:-1])
+        sums = np.cumsum(np.concatenate([[self._sums.get(name, 0.0)], parts]))[1:]
+        self._sums[name] = sums[-1]
+        return sums
 
 
 class Watch:
-    """Keeps the series that the balances need and says which one is broken by more than a tolerance. On rank 0."""
+    """Says which balance is broken by more than a tolerance, and when it was first. On rank 0."""
 
     _NAMES = ("dt", "mass", "momentum", "force", "energy", "entropy", "heating")
 
-    def __init__(self, problem: Problem, initial: Mapping[str, Any], tolerance: float) -> None:
-        self._problem, self._initial, self._tolerance = problem, initial, tolerance
-        self._blocks: list[dict[str, np.ndarray]] = []
+    def __init__(self, laws: Mapping[str, Any], initial: Mapping[str, Any], tolerance: float) -> None:
+        self._balances, self._tolerance = Balances(laws, initial), tolerance
+        self._steps = 0
 
     def look(self, block: np.ndarray) -> str | None:
-        """What is wrong after some more steps, of which these are the records, or None."""
-        self._blocks.append({name: np.array(block[name]) for name in self._NAMES if name in block.dtype.names})
-        series = {name: np.concatenate([b[name] for b in self._blocks]) for name in self._blocks[0]}
-        for name, drift in drifts(self._problem.laws, self._initial, series).items():
-            worst = int(np.argmax(np.abs(drift)))
-            if abs(drift[worst]) > self._tolerance:
-                return f"{name} has drifted by {drift[worst]:.3g} (relative) in step {worst + 1}"
-        return None
+        """What is wrong in some more steps, of which these are the records, or None."""
+        names = block.dtype.names or ()
+        found = self._balances.go_on({name: block[name] for name in self._NAMES if name in names})
+        first: tuple[int, str, float] | None = None
+        for name, drift in found.items():
+            broken = ~(np.abs(drift) <= self._tolerance)
+            step = int(np.argmax(broken))
+            if broken[step] and (first is None or step < first[0]):
+                first = step, name, drift[step]
+        before, self._steps = self._steps, self._steps + len(block)
+        if first is None:
+            return None
+        step, name, drift = first
+        return f"{name} has drifted by {drift:.3g} (relative) at t = {block['t'][step]:.6g} s, step {before + step + 1}"

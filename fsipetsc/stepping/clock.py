@@ -15,9 +15,13 @@ MOST = 10_000_000
 def saved_times(t_end: float, interval: float | None, times: Sequence[float] | None) -> list[float]:
     """Times [s] in [0, t_end] at which profiles are saved: every ``interval`` and at the ``times``, and at the end.
 
-    Raises InputError for more than MOST of them.
+    Raises InputError for times beyond the end, and for more than MOST.
     """
-    saved = {t for t in times or () if 0.0 <= t <= t_end}
+    saved = set(times or ())
+    beyond = [f"{t:g}" for t in sorted(saved) if t > t_end]
+    if beyond:
+        listed = ", ".join(beyond[:5]) + (" …" if len(beyond) > 5 else "")
+        raise InputError(f"-fsi_output_times: {listed} s would not be reached, the run ends at -ts_max_time {t_end:g} s")
     if interval is not None:
         if t_end / interval > MOST:
             raise InputError(f"-fsi_output_dt {interval:g} would save more than {MOST} profiles to t = {t_end:g} s")

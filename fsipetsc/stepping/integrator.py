@@ -16,7 +16,6 @@ import numpy as np
 from petsc4py import PETSc
 
 from fsipetsc.errors import ComputationError
-from fsipetsc.parallel.advance import STAGES
 from fsipetsc.parallel.completion import BAD, EXHAUSTED, LOW, MOVED, RATE, SAID_STOP, SHORT, STOP
 from fsipetsc.parallel.pace import LONGEST, MADE, SHORTEST, T
 from fsipetsc.parallel.plan import SHARES
@@ -30,8 +29,8 @@ from fsipetsc.stepping.state import State
 
 #: flags and limits of all ranks end here
 LAST = STOP + 1
-#: with -fsi_check: steps after which the balances are looked at
-CHECKED = 4096
+#: with -fsi_check: steps after which the balances are looked at; a look takes about as long as four short steps
+CHECKED = 256
 #: points (of all ranks, spare ones too) times steps in one call
 MOST_POINTS = 250_000
 #: orders of PETSc's Runge-Kutta methods that have an embedded one
@@ -42,7 +41,8 @@ class Integrator:
     """Integrates a state in time; all methods are collective.
 
     opt: options in force. saved: times at which ``on_frame(t)`` is called. ``on_series()`` is called when the series
-    must be written, ``on_step(steps, t, dt)`` after every burst of steps, ``on_grids()`` when the grids have been laid anew.
+    must be written, ``on_step(steps, t, dt)`` after every burst of steps, ``on_grids()`` when the grids have been laid anew,
+    ``on_check()`` every CHECKED steps with -fsi_check.
     """
 
     def __init__(
@@ -54,13 +54,16 @@ class Integrator:
         on_series: Callable[[], None],
         on_step: Callable[[int, float, float], None],
         on_grids: Callable[[], None],
+        on_check: Callable[[], None] = lambda: None,
     ) -> None:
         self.state, self.opt = state, opt
-        self.series = Series(state, CHECKED if opt["fsi_check"] else None)
+        self.series = Series(state)
+        self._next_check = CHECKED if opt["fsi_check"] else np.inf
         self._on_frame, self._on_series, self._on_step, self._on_grids = on_frame, on_series, on_step, on_grids
+        self._on_check = on_check
         self._clock = Clock(saved)
         self._steady = state.problem.steady_data
-        self.steps = self.evaluations = 0
+        self.steps = 0
         self.rejections = 0
         self.t = 0.0
         self.dt_range = [np.inf, 0.0]
@@ -78,13 +81,17 @@ class Integrator:
         self._error: BaseException | None = None
         self.initial: dict[str, Any] = {}
 
+    @property
+    def evaluations(self) -> int:
+        """Of the right-hand side, in steps that were rejected and for the projections of the error control, too."""
+        return self.state.evaluations
+
     # what TS calls
 
     def _right_hand_side(self, ts: PETSc.TS, t: float, Y: PETSc.Vec, F: PETSc.Vec) -> None:
         if not self._steady:
             self.state.set_data(t)
         self.state.right_hand_side(Y.getArray(readonly=True), F.getArray())
-        self.evaluations += 1
 
     def _post_step(self, ts: PETSc.TS) -> None:
         try:
@@ -104,13 +111,15 @@ class Integrator:
         ts.setTime(t)  # the sum of steps may miss a target by round-off
         self.t, self.steps = t, self.steps + int(made)
         ts.setStepNumber(self.steps)
-        self.evaluations += int(made) * STAGES * self._fused
         self.dt_range = [min(self.dt_range[0], steps[0]), max(self.dt_range[1], steps[1])]
         flags = self.state.results[:LAST].tolist()
         self.series.keep(int(made) - 1)  # the last one only if it is sound
         self._check(t, flags)
         self.series.keep(1)
         self._on_step(self.steps, t, steps[1])
+        if self.steps >= self._next_check:
+            self._next_check = self.steps + CHECKED
+            self._on_check()
         if not self.series.room:
             self._on_series()
         if self._clock.pass_time(t):

@@ -6,7 +6,7 @@ import platform
 import signal
 import time
 from collections.abc import Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,8 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 import fsipetsc
-from fsipetsc.errors import ComputationError, FsiError
+from fsipetsc.errors import ComputationError, FileError, FsiError
+from fsipetsc.notes import PATIENCE, exchange
 from fsipetsc.output.writer import RunWriter
 from fsipetsc.parallel.fields import fields
 from fsipetsc.stepping.balance import Watch
@@ -60,12 +61,13 @@ class _Run:
         self.writer = RunWriter(comm, opt["fsi_output"], self._header())
         self.writer.take_series = self._take
         self.report = Reporter(comm, case.NAME, opt)
+        self.notes = comm.Dup()
         self.saved_at = -1.0
-        self.fresh: np.ndarray | None = None  # records of steps that the watch has not seen
         self.watch: Watch | None = None
+        self.fault: str | None = None  # on rank 0, what the watch has found
         self.checks = bool(opt["fsi_check"])
         self.integrator = Integrator(
-            self.state, opt, saved, self._frame, self._series, self.report.step, self._grids
+            self.state, opt, saved, self._frame, self._series, self.report.step, self._grids, self._check
         )
 
     def _header(self) -> dict[str, Any]:
@@ -103,10 +105,24 @@ class _Run:
     def _take(self) -> np.ndarray | None:
         """Hand over the records of the steps that have been made since the last time. Collective."""
         series = self.integrator.series
-        if series.count:
-            self.fresh = series.take(self.comm)
-            return self.fresh
-        return None
+        if not series.count:
+            return None
+        self._watch()
+        return series.take(self.comm)
+
+    def _watch(self) -> None:
+        """Let the watch see the steps that it has not seen yet. Collective."""
+        if not self.checks:
+            return
+        steps = self.integrator.series.add_up(self.comm)
+        if self.comm.rank == 0 and self.fault is None:
+            if self.watch is None:
+                self.watch = Watch(self.problem.laws, self.integrator.initial, self.opt["fsi_check"])
+            self.fault = self.watch.look(steps)
+
+    def _check(self) -> None:
+        self._watch()
+        self._look()
 
     def _series(self) -> None:
         with self.phases(OUTPUT, "fsi series"):
@@ -119,13 +135,10 @@ class _Run:
         self._look()
 
     def _look(self) -> None:
-        """Raise ComputationError on all ranks if an invariant that must hold does not, in steps that have been taken."""
-        steps, self.fresh = self.fresh, None
-        if steps is None or not self.checks:
+        """Raise ComputationError on all ranks if an invariant that must hold does not, in steps that the watch has seen."""
+        if not self.checks:
             return
-        if self.watch is None:
-            self.watch = Watch(self.problem, self.integrator.initial, self.opt["fsi_check"])
-        fault = self.comm.bcast(self.watch.look(steps) if self.comm.rank == 0 else None)
+        fault = self.comm.bcast(self.fault)
         if fault:
             raise ComputationError(f"{fault}; -fsi_check {self.opt['fsi_check']:g} allows no more")
 
@@ -148,6 +161,10 @@ class _Run:
         except ComputationError as error:
             failure, self.checks = error, False
             self._flush()
+        except BaseException as error:
+            self._rescue(error, time.perf_counter() - begun)
+            raise
+        self.notes.Free()
         found = None if failure else errors(self.state, integrator.t)
         summary = self._summary(time.perf_counter() - begun, failure)
         self.writer.finish(summary, found)
@@ -162,16 +179,31 @@ class _Run:
                 number, f"stopped by {name} at t = {integrator.t:.6g} s; the result so far is in {self.writer.path}"
             )
 
+    def _rescue(self, error: BaseException, wall: float) -> None:
+        """Write what was computed before an error of any kind, if all ranks have met one and at the same place.
+
+        Writing takes all ranks: what one of them alone has not written is lost when the others are stopped.
+        """
+        if isinstance(error, FileError) or not self.integrator.initial:
+            return
+        collective = isinstance(error, FsiError) and error.collective
+        place = self.integrator.steps, self.writer.nframes
+        heard = exchange(self.notes, place, PATIENCE[collective]) if self.comm.size > 1 else {0: place}
+        if len(heard) == self.comm.size and set(heard.values()) == {place}:
+            with suppress(FileError):  # the error itself says more
+                self.writer.finish(self._summary(wall, error))
+            self.notes.Free()
+
     def _last_frame(self) -> None:
         """A run that ends between two saved times still keeps its last state."""
         if self.integrator.t > self.saved_at:
             self._frame(self.integrator.t)
 
-    def _summary(self, wall: float, failure: FsiError | None) -> dict[str, Any]:
+    def _summary(self, wall: float, failure: BaseException | None) -> dict[str, Any]:
         integrator = self.integrator
         return {
             "status": "failed" if failure else ("stopped" if integrator.stop_signal else "done"),
-            "message": str(failure) if failure else "",
+            "message": (str(failure) or type(failure).__name__) if failure else "",
             "t": integrator.t,
             "steps": integrator.steps,
             "rejected_steps": integrator.rejections,

@@ -13,21 +13,18 @@ BLOCK = 2048
 
 
 class Series:
-    """Per-step data of this rank, which fill the state's journal; integrals are this rank's shares until ``take``.
+    """Per-step data of this rank, which fill the state's journal; integrals are this rank's shares until ``add_up``."""
 
-    most: steps after which they must be taken at the latest, if the journal is not full before.
-    """
-
-    def __init__(self, state: State, most: int | None = None) -> None:
-        self._state, self._most = state, most or len(state.journal)
+    def __init__(self, state: State) -> None:
+        self._state = state
         self._first = state.journal.dtype.fields[SHARES][1] // 8  # number of a record with which shares begin
         self._sums = np.empty((BLOCK, state.journal.dtype.itemsize // 8 - self._first))
-        self.count = 0
+        self.count = self._added = 0
 
     @property
     def room(self) -> int:
         """How many steps may be made before they must be taken."""
-        return min(self._most, len(self._state.journal)) - self.count
+        return len(self._state.journal) - self.count
 
     def write(self, t: float, dt: float) -> None:
         """Put a step into the journal: time and step [s], with the state's results. A burst does so itself."""
@@ -37,12 +34,12 @@ class Series:
         """The next steps in the journal belong to the series."""
         self.count += steps
 
-    def take(self, comm: MPI.Comm) -> np.ndarray:
-        """The records of all steps kept, on rank 0 with the sums over all ranks; the journal is free again. Collective.
+    def add_up(self, comm: MPI.Comm) -> np.ndarray:
+        """The records of the steps kept since the last time, on rank 0 with the sums over all ranks. Collective.
 
-        Not copied: the next steps overwrite them.
+        Not copied: once they are taken, the next steps overwrite them.
         """
-        steps, self.count = self._state.journal[: self.count], 0
+        steps, self._added = self._state.journal[self._added : self.count], self.count
         if comm.size > 1:
             numbers = steps.view(np.float64).reshape(len(steps), -1)
             for begin in range(0, len(steps), BLOCK):
@@ -51,4 +48,10 @@ class Series:
                 sums[:] = shares
                 comm.Reduce(MPI.IN_PLACE if comm.rank == 0 else sums, sums, MPI.SUM, 0)
                 shares[:] = sums
+        return steps
+
+    def take(self, comm: MPI.Comm) -> np.ndarray:
+        """Likewise all that are in the journal, which is free again. Collective."""
+        self.add_up(comm)
+        steps, self.count, self._added = self._state.journal[: self.count], 0, 0
         return steps

@@ -15,6 +15,7 @@ from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.advance import STAGES, advance
 from fsipetsc.parallel.completion import LOW
 from fsipetsc.parallel.layout import Grid, Layout, make_grids
+from fsipetsc.parallel.pace import MADE
 from fsipetsc.parallel.plan import FLAGS, FORCING, LIMITS, PACE, make_plan
 from fsipetsc.physics.layer import DOF, FLUID
 from fsipetsc.problem import FluidLayer, Problem
@@ -25,7 +26,7 @@ class State:
 
     Attributes: layout, plan, solution (world Vec); results of the last completed step (parallel.completion says where what
     stands); pace (parallel.pace); journal, the records of steps (parallel.plan.step_record), and latest, that of the last
-    one without its time. The integrals in them are this rank's shares.
+    one without its time. The integrals in them are this rank's shares. evaluations of the right-hand side are counted.
     Raises InputError where grid, order and number of ranks do not fit.
     """
 
@@ -45,6 +46,7 @@ class State:
         self.op = OPERATORS[order]
         self._coupling, self._mode, self._spare = coupling, mode, spare
         self._entropy, self._shared = entropy, shared
+        self.evaluations = 0
         self._place(make_grids(problem, self.op, h, spare))
 
     def compile(self, announce: Callable[[str], None], also: Callable[[], object] = lambda: None) -> None:
@@ -107,6 +109,7 @@ class State:
 
     def right_hand_side(self, y: np.ndarray, f: np.ndarray) -> None:
         """f = dy/dt of this rank's part, at the projected y, for the data set last."""
+        self.evaluations += 1
         values = self.plan.part("transfer", y.size)
         values[:] = y
         advance(*self.plan, 0, 1, self._transfer, 0.0)
@@ -130,7 +133,9 @@ class State:
         """
         if steady:
             advance(*self.plan, 0, STAGES + 1, -1, dt)
+            self.evaluations += STAGES * max(1, int(self.pace[MADE]))
             return
+        self.evaluations += STAGES
         for number, fraction in enumerate((0.0, 0.5, 0.5, 1.0, 1.0)):
             self.set_data(t + fraction * dt)
             advance(*self.plan, number, number + 1, -1, dt)
