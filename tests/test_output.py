@@ -327,8 +327,8 @@ def test_info(finished: Path) -> None:
         "complete",
         "12, t = 0 … 3.3",
         "-fsi_order",
-        "left/rod",
-        "26 points",
+        "left/rod at x = 35, rod/right at x = 70 at t = 3.5",
+        "26 points with those in reserve, 21 … 26 active",
         "rho 0.001",
         "wall_time",
     ]:

@@ -10,13 +10,13 @@ import numpy as np
 from fsipetsc.analysis.bench_model import Model, bandwidth, message, moved_bytes, scaling
 from fsipetsc.analysis.bench_table import Study
 from fsipetsc.errors import FileError
-from fsipetsc.output.plots.style import ORDERS, STYLE
+from fsipetsc.output.plots.style import BLACK, BLUE, GREY, ORANGE, ORDERS, RED, STYLE
 from fsipetsc.parallel.advance import STAGES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-SHARES = {"arithmetic": "#1f5fbf", "exchange": "#d0312d", "PETSc": "#8a8a8a", "Python": "#e0a030"}
+SHARES = {"arithmetic": BLUE, "exchange": RED, "PETSc": GREY, "Python": ORANGE}
 _GRIDS = ("#9ecae1", "#6baed6", "#3182bd", "#08519c", "#08306b")
 
 
@@ -52,9 +52,9 @@ def _cost(axes: Axes, study: Study) -> None:
             axes.loglog(points, other, color=color, marker=marker, markersize=3, linestyle=":", linewidth=1)
     points = np.geomspace(min(r.points for r in study.rows), max(r.points for r in study.rows), 40)
     traffic = [1e3 * moved_bytes() / bandwidth(study, study.ranks[0], n) / STAGES for n in points]
-    axes.loglog(points, traffic, color="#8a8a8a", linestyle="--", label="memory traffic at triad speed")
+    axes.loglog(points, traffic, color=GREY, linestyle="--", label="memory traffic at triad speed")
     if any(np.isfinite(r.yardstick) for r in study.rows):
-        axes.plot([], [], color="#222222", linestyle=":", label="yardstick, dotted")
+        axes.plot([], [], color=BLACK, linestyle=":", label="yardstick, dotted")
     axes.set_xlabel("points")
     axes.set_ylabel("ns per point and right-hand side")
     axes.set_title(f"cost on {_ranks(study.ranks[0])}", loc="left")
@@ -73,7 +73,7 @@ def _parts(axes: Axes, study: Study) -> None:
         values = np.array([max(0.0, r.shares()[name]) for r in rows])
         axes.bar(range(len(rows)), values, 0.8, below, color=color, label=name)
         below += values
-    axes.set_xticks(range(len(rows)), labels, fontsize=7)
+    axes.set_xticks(range(len(rows)), labels, fontsize=8)
     axes.set_xlabel("points, and below them the ranks")
     axes.set_ylabel("percent of a step")
     axes.set_ylim(0, max(100.0, below.max()))
@@ -95,12 +95,12 @@ def _speed_up(axes: Axes, study: Study, model: Model | None) -> None:
                 modelled = [alone.get(r.points, np.nan) / model.step(study, order, r.share, ranks) for r in rows]
                 axes.semilogx(points, modelled, color=color, linestyle=":", linewidth=1)
     if len(study.ranks) > 1:
-        axes.axhline(1.0, color="#222222", linewidth=0.8)
+        axes.axhline(1.0, color=BLACK, linewidth=0.8)
         most = study.ranks[-1]
         axes.set_title(f"speed-up on {' and '.join(map(str, study.ranks[1:]))} ranks", loc="left")
         axes.set_ylim(0, max(1.1 * most, axes.get_ylim()[1]))
-        axes.plot([], [], color="#222222", marker="o", markersize=4, label="measured")
-        axes.plot([], [], color="#222222", linestyle=":", label="model")
+        axes.plot([], [], color=BLACK, marker="o", markersize=4, label="measured")
+        axes.plot([], [], color=BLACK, linestyle=":", label="model")
         axes.legend(loc="lower right")
     else:
         axes.set_title("speed-up: only one number of ranks was measured", loc="left")
@@ -120,7 +120,7 @@ def _expected(axes: Axes, study: Study, model: Model | None) -> None:
     for color, points in zip(_GRIDS[1:], (10_000, 100_000, 1_000_000, 10_000_000)):
         table = scaling(model, study, order, 1 / round(points / 6), ranks, message(model, study))
         axes.loglog(list(table), [speed for _, speed, _ in table.values()], color=color, label=f"{_short(points)} points")
-    axes.loglog([1, 1000], [1, 1000], color="#222222", linewidth=0.8, linestyle="--", label="ideal")
+    axes.loglog([1, 1000], [1, 1000], color=BLACK, linewidth=0.8, linestyle="--", label="ideal")
     axes.legend()
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from fsipetsc.analysis.stability_linear import Constant
 from fsipetsc.analysis.stability_measures import ENERGY_TOLERANCE, MODE_TOLERANCE, Result
 from fsipetsc.operators import operator
+from fsipetsc.output.plots.titles import set_title
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -22,11 +23,13 @@ _THEORY = {
     "traditional": "the solid moves the fluid, the fluid loads the solid",
 }
 
+#: color of the cells where all is well, and size of the numbers in the picture
+WELL, NUMBERS = "#cfe3f3", 10
 #: rows of the picture: label, number, and when all is well
 _ROWS = (
-    ("energy growth [1/s]", "energy_growth", "estimate"),
-    ("fastest mode [1/s]", "mode_growth", "stable"),
-    ("RK4 step / uncoupled", "step_ratio", "step_kept"),
+    ("energy growth  [1/s]", "energy_growth", "estimate"),
+    ("fastest mode  [1/s]", "mode_growth", "stable"),
+    ("RK4 step by that without coupling", "step_ratio", "step_kept"),
 )
 
 
@@ -184,7 +187,7 @@ def draw(path: str, results: Sequence[Result]) -> None:
     from matplotlib.figure import Figure
 
     blocks = by_order(results)
-    figure = Figure(figsize=(1.8 + 2.7 * len(blocks), 9.0), layout="constrained")
+    figure = Figure(figsize=(1.6 + 2.4 * len(blocks), 9.0), layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.subplots(3, len(blocks), squeeze=False, sharex=True, sharey=True)
     for i, (label, attribute, holds) in enumerate(_ROWS):
@@ -205,9 +208,9 @@ def draw(path: str, results: Sequence[Result]) -> None:
     for ax in axes[-1]:
         ax.set_xlabel("stiffness ratio $K/\\hat p$")
     coupling = results[0].coupling
-    title = f"Interface treatment “{coupling}”: {_THEORY[coupling]}\ngreen: nothing grows, the step is kept"
-    figure.suptitle(title, fontsize=11)
-    figure.savefig(path, dpi=110)
+    title = f"Interface treatment “{coupling}”: {_THEORY[coupling]}\nblue: nothing grows, the step is kept"
+    set_title(figure, title)
+    figure.savefig(path, dpi=160)
 
 
 def _decades(values: np.ndarray) -> tuple[float, float]:
@@ -219,12 +222,12 @@ def _decades(values: np.ndarray) -> tuple[float, float]:
 
 
 def _panel(ax: Axes, field: np.ma.MaskedArray, results: Sequence[Result], norm: Any, steps: bool) -> Any:
-    """One map over the ratios with its numbers; masked cells, where all is well, are green."""
+    """One map over the ratios with its numbers; masked cells, where all is well, are blue."""
     from matplotlib import colormaps
 
     densities, stiffnesses = ratios(results)
-    palette = colormaps["Reds_r" if steps else "Reds"].copy()
-    palette.set_bad("#c7e9c0")
+    palette = colormaps["Oranges_r" if steps else "Oranges"].copy()  # beside blue: told apart without red and green
+    palette.set_bad(WELL)
     image = ax.imshow(field, cmap=palette, norm=norm, origin="lower", aspect="auto")
     for (i, j), value in np.ndenumerate(field.data):
         fine = bool(np.ma.getmaskarray(field)[i, j])
@@ -233,7 +236,7 @@ def _panel(ax: Axes, field: np.ma.MaskedArray, results: Sequence[Result], norm: 
         text = f"{value:.2f}" if steps else f"{value:.0e}".replace("e+0", "e").replace("e-0", "e-")
         red, green, blue, _ = palette(norm(value))
         dark = not fine and 0.3 * red + 0.6 * green + 0.1 * blue < 0.5
-        ax.text(j, i, text, ha="center", va="center", fontsize=7, color="white" if dark else "black")
+        ax.text(j, i, text, ha="center", va="center", fontsize=NUMBERS, color="white" if dark else "black")
     ax.set_xticks(range(len(stiffnesses)), [f"{s:g}" for s in stiffnesses])
     ax.set_yticks(range(len(densities)), [f"{d:g}" for d in densities])
     return image

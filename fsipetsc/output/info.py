@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.output.reader import Run, open_run
+from fsipetsc.output.reader import Layer, Run, open_run
 
 
 def info(path: str | os.PathLike[str]) -> str:
@@ -35,15 +35,34 @@ def _overview(run: Run) -> list[tuple[str, str]]:
     rows.append(("frames", f"{run.nframes}{_range(', t =', run.time)}"))
     rows.append(("time steps", f"{steps}{_range(', dt =', run.series['dt']) if 'dt' in run.series else ''}"))
     rows.append(("series", ", ".join(run.series) or "none"))
-    rows.append(("interfaces", ", ".join(run.interfaces) or "none"))
+    rows.append(("interfaces", _positions(run)))
     rows.extend(("note", note) for note in run.header.get("notes", ()))
     return rows
 
 
 def _layers(run: Run) -> Iterable[tuple[str, str]]:
+    """Active points come and go where a layer meets a fixed end; those held in reserve for it are stored, too."""
     for layer in run.layers:
-        grid = f"{len(layer.X)} points{_range(', X =', layer.X)}, h = {layer.h:g}"
+        grid = f"{len(layer.X)} points{_active(layer, run.nframes)}{_range(', X =', layer.X)}, h = {layer.h:g}"
         yield f"  {layer.name}", f"{layer.kind}, {grid}; {', '.join(layer.fields)}"
+
+
+def _active(layer: Layer, nframes: int) -> str:
+    """How many points were part of the layer in the first and in the last frame, if not all of them."""
+    if not nframes:
+        return ""
+    counts = [int(np.isfinite(layer.frame(frame)[layer.fields[0]]).sum()) for frame in (0, nframes - 1)]
+    if counts == [len(layer.X)] * 2:
+        return ""
+    return f" with those in reserve, {' … '.join(str(n) for n in dict.fromkeys(counts))} active"
+
+
+def _positions(run: Run) -> str:
+    """Where the interfaces are at the end."""
+    if not len(run.series.get("x_interface", ())):
+        return ", ".join(run.interfaces) or "none"
+    last = zip(run.interfaces, np.atleast_1d(run.series["x_interface"][-1]))
+    return ", ".join(f"{name} at x = {x:.6g}" for name, x in last) + f" at t = {run.series['t'][-1]:g}"
 
 
 def _range(label: str, values: np.ndarray) -> str:

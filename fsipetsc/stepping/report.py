@@ -42,10 +42,12 @@ class Reporter:
 
     def begin(self, state: State) -> None:
         """Say what is going to be computed."""
-        points = sum(g.hi - g.lo + 1 for g in state.layout.grids)
+        grids = state.layout.grids
+        points, reserve = sum(g.hi - g.lo + 1 for g in grids), sum(g.n - (g.hi - g.lo + 1) for g in grids)
+        held = f" ({reserve} more in reserve)" if reserve else ""
         ranks = f"{self._comm.size} rank{'s' * (self._comm.size > 1)}"
         self.line(
-            f"{self._name}: order {state.op.name}, h = {state.h:g} m, {points} points on {ranks}, "
+            f"{self._name}: order {state.op.name}, h = {state.h:g} m, {points} points{held} on {ranks}, "
             f"to t = {self._opt['ts_max_time']:g} s"
         )
 
@@ -79,6 +81,8 @@ class Reporter:
         cost = f", {1e6 * wall / steps:.1f} µs per step" if steps else ""
         rejected = f" ({summary['rejected_steps']} rejected)" if summary["rejected_steps"] else ""
         self.line(f"{summary['status']} at t = {summary['t']:g} s: {steps} steps{rejected} in {_duration(wall)}{cost}")
+        places = ", ".join(f"{name} at x = {x:.6g}" for name, x in summary["interfaces"].items())
+        self.line(f"interfaces: {places}; {summary['points']} points")
         self.line(_phases(summary["phases"]))
         for kind, values in (errors or {}).items():
             listed = ", ".join(f"{name} {value:.3e}" for name, value in values.items())

@@ -18,6 +18,7 @@ from fsipetsc.errors import ComputationError, FileError, FsiError
 from fsipetsc.notes import PATIENCE, exchange
 from fsipetsc.output.writer import RunWriter
 from fsipetsc.parallel.fields import fields
+from fsipetsc.problem import Problem
 from fsipetsc.stepping.balance import Watch
 from fsipetsc.stepping.clock import saved_times
 from fsipetsc.stepping.frames import active_points, errors, layer_fields
@@ -77,9 +78,7 @@ class _Run:
             "versions": versions(),
             "ranks": self.comm.size,
             "layers": [{"name": v.name, "kind": v.kind, "fields": list(v.fields)} for v in self.problem.layers],
-            "interfaces": [
-                f"{a.name} | {b.name}" for a, b in zip(self.problem.layers, self.problem.layers[1:], strict=False)
-            ],
+            "interfaces": interface_names(self.problem),
             "notes": list(self.problem.notes),
             "units": self.problem.units,
             "laws": self.problem.laws,
@@ -211,6 +210,7 @@ class _Run:
             "dt_min": integrator.dt_range[0] if integrator.steps else None,
             "dt_max": integrator.dt_range[1] if integrator.steps else None,
             "points": active_points(self.state),
+            "interfaces": dict(zip(interface_names(self.problem), self.state.latest["x_interface"].tolist(), strict=True)),
             "ranks": self.comm.size,
             "wall_time": integrator.wall_time,
             "wall_time_total": wall,
@@ -218,6 +218,11 @@ class _Run:
             **{f"initial_{name}": value for name, value in integrator.initial.items()},
             "versions": versions(),
         }
+
+
+def interface_names(problem: Problem) -> list[str]:
+    """Names of the interfaces, from left to right."""
+    return [f"{a.name} | {b.name}" for a, b in zip(problem.layers, problem.layers[1:], strict=False)]
 
 
 def versions() -> dict[str, str]:

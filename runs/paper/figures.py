@@ -1,7 +1,7 @@
 """Draws Figs. 6 to 11 of the paper and writes Table 1 from the results of scripts/reproduce: figures.py DIRECTORY [NOTE].
 
 DIRECTORY holds mms-convergence.h5, rod.h5, closeup-ORDER-H.h5 for the orders 2, 4, 6 on two grids, and reference.h5;
-the PNG files go there too. NOTE is added to the titles. Fluid blue, solid red; the coarser grid of Fig. 11 cyan and magenta.
+the PNG files go there too. NOTE is added to the titles. Fluid blue, solid red; the coarser grid of Fig. 11 light blue and pink.
 """
 
 from __future__ import annotations
@@ -20,10 +20,11 @@ from fsipetsc.analysis import table1
 from fsipetsc.analysis.convergence_table import load
 from fsipetsc.operators.sbp import operator
 from fsipetsc.output.plots.convergence import draw_cost, draw_errors
-from fsipetsc.output.plots.style import COLORS, STYLE
+from fsipetsc.output.plots.style import BLACK, COLORS, STYLE
+from fsipetsc.output.plots.titles import set_title
 from fsipetsc.output.reader import Run
 
-COARSE = {"fluid": "#00a5c8", "solid": "#d43fd4"}
+COARSE = {"fluid": "#56b4e9", "solid": "#cc79a7"}
 LETTERS = "abcd"
 
 
@@ -47,7 +48,7 @@ def main(directory: str, note: str = "") -> None:
 
 def save(figure: Figure, path: Path, title: str) -> None:
     """Write a figure with its title."""
-    figure.suptitle(title, fontsize=10, x=0.01, ha="left", weight="bold")
+    set_title(figure, title)
     figure.savefig(path)
     print(path)
 
@@ -82,8 +83,8 @@ def positions(run: Run) -> Figure:
     figure = Figure(figsize=(7.6, 3.4))
     left, right = figure.subplots(1, 2)
     t, x = run.series["t"][::20], run.series["x_interface"][::20]
-    left.plot(t, x[:, 0], color="#222222", label="lower interface")
-    left.plot(t, x[:, 1], color="#222222", linestyle="--", label="upper interface")
+    left.plot(t, x[:, 0], color=BLACK, label="lower interface")
+    left.plot(t, x[:, 1], color=BLACK, linestyle="--", label="upper interface")
     left.set_ylabel("position x  [m]")
     left.set_ylim(0, 2.4)
     left.legend(loc="lower right")
