@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import csv
 import re
 import shlex
 
+import numpy as np
 import pytest
 from helpers import REPOSITORY, compute
+
+import fsipetsc
 
 pytest.importorskip("petsc4py")
 
@@ -62,11 +66,22 @@ def command_line(text: str) -> list[str]:
     return shlex.split(line.split("python -m fsipetsc", 1)[1].split("&&")[0])
 
 
+def stated_steps(text: str) -> int:
+    """The number of steps that a header states, 0 if none."""
+    found = re.search(r"([\d,]+) steps", text)
+    return int(found[1].replace(",", "")) if found else 0
+
+
 @pytest.fixture(scope="module")
 def started(tmp_path_factory):
     """(results, folder) of every options file's own command, a few steps of it, and of what the README's snippet reads."""
     folder = tmp_path_factory.mktemp("runs")
-    runs = {"readme": ("rod", "-fsi_h 0.1 -ts_max_steps 5")}
+    runs = {
+        "readme": ("rod", "-fsi_h 0.1 -ts_max_steps 5"),
+        "start": ("rod", README.split("mpiexec -n 2 python -m fsipetsc rod ", 1)[1].split("\n")[0]),
+        "piston": (str(REPOSITORY / "runs" / "piston.py"), ""),
+        "turn": (str(REPOSITORY / "runs" / "piston.py"), "-fsi_h 0.0125"),
+    }
     for path in OPTIONS_FILES:
         text = path.read_text()
         case, *rest = command_line(text)
@@ -74,7 +89,8 @@ def started(tmp_path_factory):
             continue
         assert rest[:2] == ["-options_file", str(path.relative_to(REPOSITORY))], path
         given = [line.split(" #")[0] for line in text.splitlines() if line and not line.startswith("#")]
-        runs[path.stem + path.parent.name] = (case, " ".join([*given, *rest[2:], "-ts_max_steps 3"]))
+        limit = "" if 0 < stated_steps(text) < 5000 else "-ts_max_steps 3"
+        runs[path.stem + path.parent.name] = (case, " ".join([*given, *rest[2:], limit]))
     return compute(1, folder, runs), folder
 
 
@@ -101,3 +117,45 @@ def test_snippet_of_the_readme(started, monkeypatch):
     names: dict[str, object] = {}
     exec(snippet, names)
     assert names["run"].case == "rod"
+
+
+def test_steps_are_those_that_headers_state(started):
+    """Of the runs that take less than a second; steps are the same everywhere."""
+    results, _ = started
+    texts = {path.stem + path.parent.name: path.read_text() for path in OPTIONS_FILES}
+    texts["piston"] = (REPOSITORY / "runs" / "piston.py").read_text()
+    held = {name for name, text in texts.items() if 0 < stated_steps(text) < 5000}
+    assert held >= {"boxruns", "mmsruns", "pulseruns", "adaptiveruns", "piston"}
+    for name in held:
+        with fsipetsc.open_run(results[name]) as run:
+            assert run.complete and run.summary["steps"] == stated_steps(texts[name]), name
+
+
+def test_positions_that_the_readme_tells(started):
+    results, _ = started
+    with fsipetsc.open_run(results["start"]) as run:
+        ends = re.search(r"its ends are at x = ([\d.]+) and ([\d.]+)", README).groups()
+        assert [f"{x:.4f}" for x in run.summary["interfaces"].values()] == list(ends)
+    with fsipetsc.open_run(results["turn"]) as run:
+        turn = re.search(r"It turns at x = ([\d.]+);", README)[1]
+        assert f"{run.series['x_interface'].min():.5f}" == turn
+
+
+def test_speed_that_the_readme_tells():
+    """The range of the ratios to another program is that of docs/performance.csv."""
+    with open(REPOSITORY / "docs" / "performance.csv", newline="") as file:
+        rows = [row for row in csv.DictReader(file) if row["ranks"] == "1"]
+    least, most = (pick(rows, key=lambda row: float(row["ratio"])) for pick in (min, max))
+    sentence = " ".join(re.search(r"That is [^.]*\.[^.]*\.[^.]*what a serial", README)[0].split())
+    told = re.search(r"That is ([\d.]+) \(order (\d), ([\d,]+) points\) to ([\d.]+) times \(order (\d), ([\d,]+)\)", sentence)
+    expected = [(f"{float(r['ratio']):.1f}", r["order"], f"{int(r['points']):,}") for r in (least, most)]
+    assert told.groups() == (*expected[0], *expected[1])
+
+
+def test_points_that_the_readme_tells(started):
+    results, _ = started
+    with fsipetsc.open_run(results["boxruns"]) as run:
+        counts = [sum(int(np.isfinite(layer["T"][frame]).sum()) for layer in run.layers) for frame in (0, -1)]
+        stored = sum(len(layer.X) for layer in run.layers)
+        assert f"({counts[0]}, {counts[1]} in the end and {stored} for `box`)" in README
+        assert run.summary["points"] == counts[1]
