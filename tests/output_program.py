@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import sys
+import time
 
 import numpy as np
 
@@ -63,7 +64,15 @@ def owned(layer: int, indices: np.ndarray, rank: int, size: int, split: str) -> 
     return indices if owner == rank else indices[:0]
 
 
-def write(path: str, nframes: int, split: str, kill_at: int | None = None, moved_at: int | None = None) -> None:
+def write(
+    path: str,
+    nframes: int,
+    split: str,
+    kill_at: int | None = None,
+    moved_at: int | None = None,
+    wait: float = 0.0,
+) -> None:
+    """wait: seconds between frames."""
     from mpi4py import MPI
 
     from fsipetsc.output.writer import RunWriter
@@ -87,6 +96,7 @@ def write(path: str, nframes: int, split: str, kill_at: int | None = None, moved
 
     writer.take_series = take
     for frame in range(nframes):
+        time.sleep(wait)
         if frame in (0, GROWTH):
             whole = [grid(i, frame) for i in range(3)]
             mine = [owned(i, whole[i], comm.rank, comm.size, split) for i in range(3)]
@@ -151,6 +161,8 @@ if __name__ == "__main__":
         full_disk(file)
     elif mode == "kill":
         write(file, 12, "blocks", kill_at=int(rest[0]))
+    elif mode == "slowly":
+        write(file, int(rest[0]), "blocks", wait=float(rest[1]))
     elif mode == "moved":
         write(file, 12, "blocks", moved_at=9)
     else:

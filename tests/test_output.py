@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import errno
 import os
-from collections.abc import Callable
 from pathlib import Path
 
 import h5py
@@ -113,59 +112,6 @@ def test_killed_run_is_readable(tmp_path: Path, n: int) -> None:
         assert not result.complete
         assert len(result.series["t"]) >= program.SERIES_STEPS * result.nframes
         assert result.summary["ranks"] == 1
-
-
-@pytest.mark.parametrize("killed", [True, False], ids=["killed", "interrupted"])
-def test_interrupted_change_is_all_or_nothing(
-    finished: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, killed: bool
-) -> None:
-    """Whichever operation on files is the last one: the file reads as before the change, or as after it.
-
-    killed: nothing is done any more, also not what tidies up after an exception.
-    """
-    path, allowed, seen = tmp_path / "run.h5", 0, set()
-    owners = [(os, "pwrite"), (os, "ftruncate"), (os, "posix_fadvise")]
-    owners += [(Path, "write_bytes"), (Path, "rename"), (Path, "unlink")]
-    made = {name: getattr(owner, name) for owner, name in owners}
-    before = finished.read_bytes()
-
-    def until(limit: int, name: str) -> Callable[..., object]:
-        def work_or_die(*args: object) -> object:
-            done.append(name)
-            if len(done) > limit if killed else len(done) == limit + 1:
-                raise KeyboardInterrupt
-            return made[name](*args)
-
-        return work_or_die
-
-    while True:
-        transaction.undo_path(path).unlink(missing_ok=True)
-        path.write_bytes(before)
-        done: list[str] = []
-        with monkeypatch.context() as patch:
-            for owner, name in owners:
-                patch.setattr(owner, name, until(allowed, name))
-            try:
-                with transaction.changes(path) as file:
-                    file["time"].resize(FRAMES + 600, axis=0)
-                    file["segment0002/layer00/X"] = np.zeros(10)
-                    tables.append(file, "series", program.series(36, 9000), 36)
-                    del file["errors"]
-            except KeyboardInterrupt:
-                pass
-        with fsipetsc.open_run(path) as result:
-            assert_frames(result, FRAMES)
-            steps = len(result.series["t"])
-            assert np.array_equal(result.series["energy"], 7.0 + np.arange(steps))
-            assert (steps, bool(result.errors)) in ((36, True), (9000, False)), (allowed, done)
-            seen.add(steps)
-        if len(done) <= allowed:
-            break
-        allowed += 1
-    assert allowed > 10 and seen == {36, 9000} and steps == 9000
-    assert not transaction.undo_path(path).exists()
-    with h5py.File(path) as file:
-        assert len(file["time"]) == FRAMES + 600
 
 
 def test_file_is_hardly_larger_than_its_numbers(tmp_path: Path) -> None:

@@ -7,6 +7,7 @@
                                         (x_interface, …; mass); not there if there are no steps
     /segment0000/layer00/X              (n,) Lagrangian grid
     /segment0000/layer00/framesA-B      (n, k·c) frames A … B: for each point, the c columns of each of the k frames
+    /commits                            what can be read while the run goes on, see `commits`; of no account afterwards
 
 The columns of a layer are its fields, then the positions x where x is not a field. A new segment begins whenever a grid
 has grown. Frames share a dataset because creating one costs as much as a frame; the order point – frame – column lets
@@ -15,12 +16,18 @@ every rank write its points as one block, so that what is written does not depen
 
 from __future__ import annotations
 
+import datetime
+import io
+import json
 import os
 import re
 from collections.abc import Mapping
 from typing import Any
 
 import h5py
+import numpy as np
+
+from fsipetsc.output import commits, tables
 
 FORMAT = "fsipetsc result"
 VERSION = 2  # in version 1, series was a group with a dataset for each name
@@ -53,3 +60,49 @@ def parse_frames_name(name: str) -> tuple[int, int] | None:
     """First frame and number of frames of a dataset; None if the name is another one's."""
     match = re.fullmatch(r"frames(\d+)-(\d+)", name)
     return (int(match[1]), int(match[2]) - int(match[1]) + 1) if match else None
+
+
+def chunk_places(dataset: h5py.h5d.DatasetID, n: int, rows: int) -> list[int]:
+    """Where in the file the chunks of a dataset of n rows lie, `rows` in each."""
+    rest = (0,) * (dataset.rank - 1)
+    return [dataset.get_chunk_info_by_coord((row, *rest)).byte_offset for row in range(0, n, rows)]
+
+
+def describe(dtype: np.dtype[Any]) -> list[list[Any]]:
+    """Name and shape of each column of records of doubles."""
+    return [[name, list(dtype[name].shape)] for name in dtype.names or ()]
+
+
+def record_type(description: list[list[Any]]) -> np.dtype[Any]:
+    """The records that `describe` tells of."""
+    return np.dtype([(name, "<f8", tuple(shape)) for name, shape in description])
+
+
+class _Image(io.BytesIO):
+    """A file in memory; h5py's driver for Python file objects uses it."""
+
+    def truncate(self, size: int | None = None) -> int:
+        length = self.tell() if size is None else size
+        if length > len(self.getbuffer()):
+            self.seek(length - 1)
+            self.write(b"\0")
+        return super().truncate(length)
+
+
+def beginning(header: Mapping[str, Any], log: commits.Log) -> bytes:
+    """A result of which there is no more than the header: the file, and its first commit in `log`."""
+    created = datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds")
+    known, image = {"created": created, **header}, _Image()
+    with h5py.File(image, "w") as file:
+        record = log.room(file, {"header": known})  # first, so that it is found at the beginning of the file
+        file.attrs["format"], file.attrs["version"] = FORMAT, VERSION
+        file.attrs["case"], file.attrs["complete"] = str(header["case"]), False
+        file["header"] = json.dumps(known)
+        tables.create(file, "time", np.dtype("f8"))
+    content = bytearray(image.getvalue())
+
+    def write(data: bytes, offset: int) -> None:
+        content[offset : offset + len(data)] = data
+
+    log.commit(record, write)
+    return bytes(content)

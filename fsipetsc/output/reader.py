@@ -10,16 +10,15 @@ Example::
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any
 
-import h5py
 import numpy as np
 
 from fsipetsc.errors import FileError
-from fsipetsc.output import layout, transaction
+from fsipetsc.output import layout, sources
 
 Array = np.ndarray
 
@@ -42,44 +41,34 @@ class Run:
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = os.path.abspath(path)
-        self._file = _open(path)
-        try:
-            self._read_header()
-        except FileError:
-            self.close()
-            raise
-        except (OSError, KeyError, ValueError, RuntimeError, TypeError, AttributeError) as error:
-            self.close()
-            raise FileError(f"{path}: is damaged and cannot be read: {error}") from error
+        with _damage(os.fspath(path)):
+            self._source = sources.open_source(path)
+            try:
+                self._read()
+            except BaseException:
+                self.close()
+                raise
 
-    def _read_header(self) -> None:
-        if self._file.attrs.get("format") != layout.FORMAT:
-            raise FileError(f"{self.path}: is not a result of fsipetsc")
-        version = int(self._file.attrs["version"])
-        if version > layout.VERSION:
-            raise FileError(f"{self.path}: was written by a newer fsipetsc (file format {version}); update to read it")
-        self.header: dict[str, Any] = self._text("header")
+    def _read(self) -> None:
+        self.header: dict[str, Any] = self._source.header
+        _check_header(self.header)
         self.case: str = self.header["case"]
         self.options: dict[str, Any] = _Named("option", self.header["options"])
         self.interfaces: tuple[str, ...] = tuple(self.header.get("interfaces", ()))
         known: dict[str, Any] = {name: self.header[name] for name in ("versions", "ranks") if name in self.header}
-        self.summary: dict[str, Any] = _Named("summary entry", {**known, **self._text("summary")})
-        self.complete = bool(self._file.attrs["complete"]) and self.summary.get("status", "done") == "done"
-        errors = {kind: _Named("error", values) for kind, values in self._text("errors").items()}
+        self.summary: dict[str, Any] = _Named("summary entry", {**known, **self._source.summary})
+        self.complete = self._source.complete and self.summary.get("status", "done") == "done"
+        errors = {kind: _Named("error", values) for kind, values in self._source.errors.items()}
         self.errors: dict[str, dict[str, float]] = _Named("layer kind with errors", errors)
-        chunks = [_chunks(self._file, i) for i in range(len(self.header["layers"]))]
-        self.nframes = min([len(self._file["time"]), *(_covered(c) for c in chunks)])
-        self.time: Array = self._file["time"][: self.nframes]
-        self.layers = tuple(Layer(entry, own, self.nframes) for entry, own in zip(self.header["layers"], chunks))
-        table = self._file.get("series", {})
-        if isinstance(table, h5py.Dataset):
-            self.series: Mapping[str, Array] = Arrays("series", table.dtype.names, lambda name: table[name])
-        else:  # version 1
-            steps = min(map(len, table.values()), default=0)
-            self.series = Arrays("series", table, lambda name: table[name][:steps])
-
-    def _text(self, name: str) -> dict[str, Any]:
-        return json.loads(self._file[name].asstr()[()]) if name in self._file else {}
+        chunks = [_chunks(self._source, i) for i in range(len(self.header["layers"]))]
+        time = self._source.time()
+        self.nframes = min([len(time), *(_covered(c) for c in chunks)])
+        self.time: Array = time[: self.nframes]
+        if not np.all(np.isfinite(self.time)) or np.any(np.diff(self.time) < 0):
+            raise sources.Damaged("the times of its frames are not ascending numbers")
+        self.layers = tuple(Layer(self.path, entry, own, self.nframes) for entry, own in zip(self.header["layers"], chunks))
+        series = self._source.series()
+        self.series: Mapping[str, Array] = Arrays(self.path, "series", series.names, series.read)
 
     def at(self, t: float) -> int:
         """Number of the frame saved nearest to time t."""
@@ -88,7 +77,7 @@ class Run:
         return int(np.argmin(np.abs(self.time - t)))
 
     def close(self) -> None:
-        self._file.close()
+        self._source.close()
 
     def __enter__(self) -> Run:
         return self
@@ -106,8 +95,8 @@ class Run:
 class Arrays(Mapping[str, Array]):
     """Named arrays that are read from the file when first asked for."""
 
-    def __init__(self, what: str, names: Iterable[str], read: Callable[[str], Array]) -> None:
-        self._what, self._read = what, read
+    def __init__(self, path: str, what: str, names: Iterable[str], read: Callable[[str], Array]) -> None:
+        self._path, self._what, self._read = path, what, read
         self._kept: dict[str, Array | None] = dict.fromkeys(names)
 
     def __getitem__(self, name: str) -> Array:
@@ -115,10 +104,8 @@ class Arrays(Mapping[str, Array]):
             raise KeyError(_unknown(self._what, name, self._kept))
         values = self._kept[name]
         if values is None:
-            try:
+            with _damage(self._path, name):
                 values = self._kept[name] = self._read(name)
-            except (OSError, RuntimeError, ValueError) as error:  # h5py raises ValueError after close
-                raise FileError(f"cannot read {name}: the file is damaged, or was closed before: {error}") from error
         return values
 
     def __iter__(self) -> Iterator[str]:
@@ -142,13 +129,16 @@ class Layer(Arrays):
     x            (nframes, n) Eulerian positions
     """
 
-    def __init__(self, entry: Mapping[str, Any], chunks: list[_Chunk], nframes: int) -> None:
+    def __init__(self, path: str, entry: Mapping[str, Any], chunks: list[_Chunk], nframes: int) -> None:
         self.name: str = entry["name"]
         self.kind: str = entry["kind"]
         self.fields = layout.columns(entry)
-        super().__init__(f"field in layer {self.name!r}", self.fields, self._read_field)
+        super().__init__(path, f"field in layer {self.name!r}", self.fields, self._read_field)
         self._nframes = nframes
         self._chunks = [chunk for chunk in chunks if chunk.first < nframes]
+        for chunk in self._chunks:
+            if chunk.dataset.shape != (len(chunk.X), chunk.count * len(self.fields)):
+                raise sources.Damaged(f"frames of layer {self.name!r} have the shape {chunk.dataset.shape}")
         self.X, self.h = _merge_grids(self._chunks)
 
     @property
@@ -163,7 +153,8 @@ class Layer(Arrays):
         chunk = next(c for c in self._chunks if c.first <= number < c.first + c.count)
         start = (number - chunk.first) * len(self.fields)
         values = np.full((len(self.fields), len(self.X)), np.nan)
-        values[:, chunk.place] = chunk.dataset[:, start : start + len(self.fields)].T
+        with _damage(self._path, f"frame {number}"):
+            values[:, chunk.place] = chunk.dataset[:, start : start + len(self.fields)].T
         return dict(zip(self.fields, values))
 
     def _read_field(self, name: str) -> Array:
@@ -194,7 +185,7 @@ class _Named(dict):
 class _Chunk:
     """Some consecutive frames of a layer, in one dataset."""
 
-    def __init__(self, first: int, count: int, dataset: h5py.Dataset, X: Array) -> None:
+    def __init__(self, first: int, count: int, dataset: sources.Dataset, X: Array) -> None:
         self.first, self.count, self.dataset, self.X = first, count, dataset, X
         self.place = slice(0, len(X))  # of its grid in the largest one
 
@@ -204,32 +195,43 @@ def open_run(path: str | os.PathLike[str]) -> Run:
     return Run(path)
 
 
-def _open(path: str | os.PathLike[str]) -> h5py.File:
-    if not os.path.exists(path):
-        raise FileError(f"{os.fspath(path)}: there is no such file")
-    if os.path.isdir(path):
-        raise FileError(f"{os.fspath(path)}: is a directory, not a result file")
+@contextmanager
+def _damage(path: str, what: str = "") -> Iterator[None]:
+    """Whatever goes wrong while a file is read says that it is damaged: there is no end to what it may contain then."""
     try:
-        return transaction.open_unchanged(path) or layout.open_h5(path, "r")
-    except PermissionError as error:
-        raise FileError(f"{os.fspath(path)}: may not be read: {error}") from error
-    except OSError as error:
-        what = "is damaged or being written just now" if h5py.is_hdf5(path) else "is not an HDF5 file"
-        raise FileError(f"{os.fspath(path)}: {what}: {error}") from error
+        yield
+    except FileError:
+        raise
+    except MemoryError as error:
+        raise FileError(f"{path}: {what or 'its content'} does not fit into memory") from error
+    except Exception as error:
+        of = f"{what} cannot be read: " if what else ""
+        reason = " ".join(str(error).split())
+        if not isinstance(error, (sources.Damaged, OSError, ValueError)):
+            reason = f"{type(error).__name__}: {reason}"
+        raise FileError(f"{path}: {of}the file is damaged{', or was closed before' if what else ''}: {reason}") from error
 
 
-def _chunks(file: h5py.File, layer: int) -> list[_Chunk]:
+def _check_header(header: Mapping[str, Any]) -> None:
+    """Raise Damaged if what the reader and its users rely on is not there, or something else."""
+    layers = header.get("layers")
+    good = isinstance(header.get("case"), str) and isinstance(header.get("options"), dict) and isinstance(layers, list)
+    good = good and all(isinstance(name, str) for name in header.get("interfaces", ()))
+    for layer in layers if good else ():
+        good = good and isinstance(layer["name"], str) and layer["kind"] in ("fluid", "solid")
+        good = good and len(layer["fields"]) > 0 and all(isinstance(name, str) for name in layer["fields"])
+    if not good:
+        raise sources.Damaged("its header does not tell case, options and layers")
+
+
+def _chunks(source: sources.Finished | sources.Unfinished, layer: int) -> list[_Chunk]:
     """What there is of a layer's frames, in their order, from all segments."""
+    grids: dict[bytes, Array] = {}  # one array for each
     found = []
-    for name in sorted(name for name in file if name.startswith("segment")):
-        group = file.get(f"{name}/layer{layer:02d}")
-        if group is None or "X" not in group:
-            continue
-        X = group["X"][...]
-        for dataset in group:
-            frames = layout.parse_frames_name(dataset)
-            if frames is not None:
-                found.append(_Chunk(*frames, group[dataset], X))
+    for first, count, dataset, X in source.frames(layer):
+        if not len(X) or not np.all(np.isfinite(X)) or np.any(np.diff(X) <= 0):
+            raise sources.Damaged(f"a grid of layer {layer + 1} is not ascending numbers")
+        found.append(_Chunk(first, count, dataset, grids.setdefault(X.tobytes(), X)))
     return sorted(found, key=lambda chunk: chunk.first)
 
 
@@ -259,7 +261,7 @@ def _merge_grids(chunks: list[_Chunk]) -> tuple[Array, float]:
     for grid in sorted(grids, key=len):
         merged[place(grid)] = grid
     if any(np.max(np.abs(merged[place(grid)] - grid)) > 0.01 * h for grid in grids) or np.isnan(merged).any():
-        raise FileError("the grids of the file do not fit together")
+        raise sources.Damaged("its grids do not fit together")
     for chunk in chunks:
         chunk.place = place(chunk.X)
     return merged, h

@@ -1,57 +1,34 @@
-"""Changes to an HDF5 file that become visible all at once, so that a killed program leaves no half-changed file behind.
+"""Changes to an HDF5 file that are made all at once at their end, or not at all if something fails before.
 
-HDF5 updates a file in many small writes; between the first and the last of them it cannot be read. Here what overwrites
-something is collected in memory; what is new goes to the end of the file at once, where nobody looks yet. To apply the
-changes, the bytes that they overwrite are first saved beside the file (FILE.undo), which is removed when all is written.
-Whoever finds an .undo file reads the file as it was before.
+HDF5 updates a file in many small writes. Here what overwrites something is collected in memory and written when HDF5 is
+done; what is new goes to the end of the file at once, where nobody looks yet. Other programs that read the file meanwhile
+may meet it for a fraction of a millisecond between two of those writes; fsipetsc does not (see `commits`).
 """
 
 from __future__ import annotations
 
 import io
 import os
-import struct
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from pathlib import Path
 
 import h5py
-
-_ENTRY = struct.Struct("<qq")  # offset and length, before the bytes themselves
 
 
 @contextmanager
 def changes(path: str | os.PathLike[str]) -> Iterator[h5py.File]:
     """Open a file to change it. At the end all changes are applied; none of them if there was an exception."""
-    raw = _Overlay(path, os.O_RDWR, [])
+    raw = _Overlay(path)
     try:
         # chunks are written whole or not read again: HDF5's cache for them would only be one more copy
         with h5py.File(raw, "r+", rdcc_nbytes=0) as file:
             yield file
-        raw.apply(undo_path(path))
+        raw.apply()
     except BaseException:
         raw.forget()
         raise
     finally:
         raw.close()
-
-
-def open_unchanged(path: str | os.PathLike[str]) -> h5py.File | None:
-    """The file as it was before changes that were interrupted; None if there are no such changes."""
-    try:
-        saved = undo_path(path).read_bytes()
-    except OSError:
-        return None
-    writes, position = [], 0
-    while position < len(saved):
-        offset, length = _ENTRY.unpack_from(saved, position)
-        position += _ENTRY.size + length
-        writes.append((offset, saved[position - length : position]))
-    return h5py.File(_Overlay(path, os.O_RDONLY, writes), "r")
-
-
-def undo_path(path: str | os.PathLike[str]) -> Path:
-    return Path(f"{os.fspath(path)}.undo")
 
 
 def leave_to_disk(file: int | str | os.PathLike[str], first: int) -> None:
@@ -74,42 +51,28 @@ def leave_to_disk(file: int | str | os.PathLike[str], first: int) -> None:
 class _Overlay(io.RawIOBase):
     """A file of which some pieces are replaced by others in memory; h5py's driver for Python file objects uses it."""
 
-    def __init__(self, path: str | os.PathLike[str], flags: int, writes: list[tuple[int, bytes]]) -> None:
-        self._descriptor = os.open(path, flags)
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self._descriptor = os.open(path, os.O_RDWR)
         self._size = self._size_before = os.fstat(self._descriptor).st_size
-        self._writes = writes  # in their order: later ones cover earlier ones
+        self._writes: list[tuple[int, bytes]] = []  # in their order: later ones cover earlier ones
         self._position = 0
         self._error: BaseException | None = None
-        self._safe = False  # the file can be read as it was or as it will be, whatever comes
+        self._applied = False  # or begun
 
-    def apply(self, undo: Path) -> None:
+    def apply(self) -> None:
         """Write the pieces into the file. Raises what was raised when something was written to the end of it."""
         if self._error is not None:
             raise self._error
-        saved = bytearray()
-        for offset, data in self._writes:
-            before = os.pread(self._descriptor, len(data), offset)  # nothing, if after the end
-            saved += _ENTRY.pack(offset, len(before)) + before
-        temporary = undo.with_suffix(".tmp")
-        try:
-            temporary.write_bytes(saved)
-        except OSError:
-            temporary.unlink()
-            raise
-        self._safe = True
-        temporary.rename(undo)
+        self._applied = True
         for offset, data in self._writes:
             self._put(data, offset)
-        if self._size > os.fstat(self._descriptor).st_size:
-            os.ftruncate(self._descriptor, self._size)
-        undo.unlink()
-        os.ftruncate(self._descriptor, self._size)  # only now may the file become smaller
+        os.ftruncate(self._descriptor, self._size)
         leave_to_disk(self._descriptor, self._size_before)
 
     def forget(self) -> None:
         """Take back what was written to the end of the file, as long as nothing refers to it."""
         with suppress(OSError):
-            if not self._safe and os.fstat(self._descriptor).st_size > self._size_before:
+            if not self._applied and os.fstat(self._descriptor).st_size > self._size_before:
                 os.ftruncate(self._descriptor, self._size_before)
 
     def _put(self, data: bytes | memoryview, offset: int) -> None:

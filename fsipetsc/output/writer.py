@@ -1,20 +1,24 @@
 """Writes the result file of a run: frames in parallel through PETSc's HDF5 viewer, everything else by rank 0.
 
 Frames and steps are kept in memory and written many at a time, for a write costs as much as hundreds of time steps.
-The viewer is opened and closed for each write. All that makes up the structure of the file is changed by `transaction`,
-and the times of the frames come after the frames: what a killed run leaves behind can be read up to its last write.
+The viewer is opened and closed for each write. What has been written is committed in the end (see `commits`): whoever reads
+the file of a running or killed run finds all of the last flush, and nothing of what comes after it.
+
+Other ways were weighed. A file for each flush, renamed when whole, has to be copied into one in the end, which costs as
+much as writing it; a copy of what is overwritten, beside the file, protects who comes after a kill but not who reads at
+the same time; HDF5's own single-writer mode excludes parallel writing. A commit is two small writes.
 """
 
 from __future__ import annotations
 
-import datetime
 import errno
 import itertools
 import json
 import os
 import time
+import weakref
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -24,10 +28,11 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from fsipetsc.errors import FileError
-from fsipetsc.output import buffers, layout, tables, transaction
+from fsipetsc.output import buffers, claim, commits, hdf5, layout, tables, transaction
 
 Array = np.ndarray[Any, Any]
 T = TypeVar("T")
+Identity = tuple[int, int]  # device and number of a file
 CHUNK_BYTES = 2 << 20  # of frames: each is written at one go, and the system finds memory for a few MB faster than for many
 SPARE_BYTES = 256 << 10  # for what HDF5 needs besides the numbers
 
@@ -36,7 +41,8 @@ class RunWriter:
     """The result file of a running computation. **Collective on `comm`**.
 
     comm     all ranks of the run (mpi4py)
-    path     the file; an existing one is kept under the first free name NAME.1.h5, NAME.2.h5 … (see `kept_as`)
+    path     the file; an existing one is kept under the first free name NAME.1.h5, NAME.2.h5 … (see `kept_as`), but
+             FileError is raised while another run is writing it
     header   JSON-able: case, options, versions, ranks, interfaces (names), layers (name, kind, fields of each);
              units = "none" if the case is dimensionless
     flush_seconds, buffer_frames, buffer_bytes
@@ -73,10 +79,14 @@ class RunWriter:
         self._times: list[float] = []  # of the frames not yet written
         self._flag = np.zeros(1, np.int8)
         self._steps = 0  # rows of the series in the file
+        self._release: Callable[[], Any] = lambda: None  # on rank 0: lets other runs have the name
         self._failure: str | None = None  # on rank 0, of a write that was not collective
         self._closed = False
+        self._log = commits.Log()  # with what follows: on rank 0
+        self._new_frames: list[list[Any]] = []  # datasets of the frames that are being written
         self.path = Path(path)
-        self.path, self.kept_as, self._identity = self._on_root(lambda: _create(path, header))
+        self.path, self.kept_as, self._identity = self._on_root(lambda: self._create(path, header))
+        hdf5.be_silent()
         with self._viewer():  # a file that PETSc cannot open should not be found out after hours
             pass
 
@@ -141,6 +151,7 @@ class RunWriter:
         """Write the rest, the summary and, if known, the errors of the solution. Collective, at the end."""
         self.flush()
         self._on_root(lambda: self._conclude(summary, errors))
+        self._release()
         self._buffer = buffers.FrameBuffer((), 0, 1)
         self._closed = True
 
@@ -189,6 +200,7 @@ class RunWriter:
 
     def _fail(self, message: str) -> None:
         self._closed = True
+        self._release()
         raise FileError(message)
 
     def _explain(self, error: Exception) -> str:
@@ -198,6 +210,24 @@ class RunWriter:
         return f"{self.path}: cannot write: {reason}"
 
     # ------------------------------------------------------------------ the file
+
+    def _create(self, path: str | os.PathLike[str], header: Mapping[str, Any]) -> tuple[Path, Path | None, Identity]:
+        """Make the file with its header. Returns its path, the new name of an earlier one, and its identity. On rank 0."""
+        target = Path(os.path.realpath(path))
+        if not target.parent.is_dir():
+            raise FileError(f"{path}: the directory {target.parent} does not exist")
+        if target.is_dir():
+            raise FileError(f"{path}: is a directory, not a file")
+        if not os.access(target.parent, os.W_OK | os.X_OK):
+            raise FileError(f"{path}: the directory {target.parent} is not writable")
+        claimed = claim.Claim(target)
+        self._release = weakref.finalize(self, claimed.release)
+        content, kept_as = layout.beginning(_plain(header), self._log), None
+        while True:
+            kept_as = claim.keep_earlier(target) or kept_as
+            identity = claim.publish(target, content)
+            if identity is not None:
+                return target, kept_as, identity
 
     def _locate(self) -> Path:
         """The file's present path. On rank 0. A later run of the same name may have renamed it: follow it there."""
@@ -226,6 +256,7 @@ class RunWriter:
         for name, i, local in self._datasets(count):
             n, block = self._points[i], local.shape[1]
             datasets.append((name, n, block, _share(n, -(-8 * n * block // CHUNK_BYTES))))
+        self._new_frames = []
         size = self.path.stat().st_size
         _ensure_space(self.path, 8 * sum(-(-n // rows) * rows * block for _, n, block, rows in datasets) + SPARE_BYTES)
         links = h5py.h5p.create(h5py.h5p.LINK_CREATE)
@@ -240,6 +271,7 @@ class RunWriter:
                 space = h5py.h5s.create_simple(shape, shape)
                 dataset = h5py.h5d.create(file.id, None, h5py.h5t.IEEE_F64LE, space, properties)
                 h5py.h5o.link(dataset, file.id, name.encode(), lcpl=links)
+                self._new_frames.append([name, shape, rows, layout.chunk_places(dataset, n, rows)])
         return size
 
     def _view_frames(self, count: int) -> None:
@@ -275,46 +307,42 @@ class RunWriter:
         new = 0 if rows is None else len(rows)
         if new + count == 0:
             return
+        entry: dict[str, Any] = {}
         with transaction.changes(self.path) as file:
             if new:
-                tables.append(file, "series", rows, self._steps)
+                places = tables.append(file, "series", rows, self._steps)
+                entry["series"] = {"rows": self._steps + new, "places": places, "columns": layout.describe(rows.dtype)}
             if count:
-                tables.append(file, "time", np.array(self._times), self.nframes - count)
+                places = tables.append(file, "time", np.array(self._times), self.nframes - count)
+                entry["time"] = {"rows": self.nframes, "places": places}
+                entry["frames"] = self._new_frames
+            record = self._log.room(file, entry)
+        with self._raw() as write:
+            self._log.commit(record, write)
         self._steps += new
 
     def _conclude(self, summary: Mapping[str, Any], errors: Mapping[str, Any] | None) -> None:
         with transaction.changes(self.path) as file:
-            file["summary"] = _json(summary)
+            file["summary"] = json.dumps(_plain(summary))
             if errors is not None:
-                file["errors"] = _json(errors)
+                file["errors"] = json.dumps(_plain(errors))
             file.attrs["complete"] = True
+        with self._raw() as write:
+            self._log.end(write)
 
+    @contextmanager
+    def _raw(self) -> Iterator[Callable[[bytes, int], None]]:
+        """A function that writes bytes at an offset of the file, without HDF5."""
+        descriptor = os.open(self.path, os.O_WRONLY)
 
-def _create(path: str | os.PathLike[str], header: Mapping[str, Any]) -> tuple[Path, Path | None, tuple[int, int]]:
-    """Make the file with its header. Returns its path, the new name of an earlier one, and the file's identity."""
-    target = Path(os.path.realpath(path))
-    if not target.parent.is_dir():
-        raise FileError(f"{path}: the directory {target.parent} does not exist")
-    if target.is_dir():
-        raise FileError(f"{path}: is a directory, not a file")
-    if not os.access(target.parent, os.W_OK | os.X_OK):
-        raise FileError(f"{path}: the directory {target.parent} is not writable")
-    kept_as = None
-    if target.exists():
-        if not target.is_file():
-            raise FileError(f"{path}: exists and is not a regular file")
-        names = (target.with_name(f"{target.stem}.{k}{target.suffix}") for k in itertools.count(1))
-        kept_as = next(name for name in names if not os.path.lexists(name))
-        target.rename(kept_as)
-        with suppress(FileNotFoundError):
-            transaction.undo_path(target).rename(transaction.undo_path(kept_as))
-    with layout.open_h5(target, "x") as file:
-        file.attrs["format"], file.attrs["version"] = layout.FORMAT, layout.VERSION
-        file.attrs["case"], file.attrs["complete"] = str(header["case"]), False
-        created = datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds")
-        file["header"] = _json({"created": created, **header})
-        tables.create(file, "time", np.dtype("f8"))
-    return target, kept_as, _identity(target)
+        def write(data: bytes, offset: int) -> None:
+            if os.pwrite(descriptor, data, offset) != len(data):
+                raise OSError(f"{len(data)} bytes could not be written")
+
+        try:
+            yield write
+        finally:
+            os.close(descriptor)
 
 
 def _ensure_space(path: Path, nbytes: int) -> None:
@@ -339,13 +367,15 @@ def _share(n: int, parts: int) -> int:
     return -(-n // min(n, parts))
 
 
-def _identity(path: Path) -> tuple[int, int]:
+def _identity(path: Path) -> Identity:
     status = path.stat()
     return status.st_dev, status.st_ino
 
 
-def _json(data: Mapping[str, Any]) -> str:
+def _plain(data: Mapping[str, Any]) -> dict[str, Any]:
+    """The data as JSON can say it."""
+
     def plain(value: Any) -> Any:
         return value.tolist() if isinstance(value, (np.ndarray, np.generic)) else str(value)
 
-    return json.dumps(data, default=plain)
+    return json.loads(json.dumps(data, default=plain))

@@ -1,0 +1,133 @@
+"""Who may write the result of a name: one run at a time, and nothing is ever overwritten.
+
+A run holds a lock on .NAME.lock beside the result, which the system takes back when the program ends in whatever way; the
+empty file that a killed run leaves is of no account. A second run of the same name is refused while the first goes on. The
+result is not locked itself: on network file systems that would keep the other ranks from writing it.
+Where the file system knows no locks, two runs of one name still get two files, but the later one renames the earlier
+one's while it is being written.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import itertools
+import os
+import socket
+import stat
+from contextlib import suppress
+from pathlib import Path
+
+from fsipetsc.errors import FileError
+
+_held: dict[Path, Claim] = {}  # of this process
+
+
+class Claim:
+    """The right to write the result `target`, until `release`.
+
+    Raises FileError if another process has it. In this process the later one takes it over: the earlier run has failed,
+    or it finds its file under the new name.
+    """
+
+    def __init__(self, target: Path) -> None:
+        self.target = target
+        self._path = target.with_name(f".{target.name}.lock")
+        if target in _held:
+            _held[target].release()
+        self._descriptor = self._lock()
+        _held[target] = self
+
+    def _lock(self) -> int | None:
+        while True:
+            descriptor = os.open(self._path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK, 0o666)
+            try:
+                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                if not self._is_ours(descriptor):  # removed meanwhile: it stands for nothing
+                    os.close(descriptor)
+                    continue
+                who = os.pread(descriptor, 200, 0).decode(errors="replace").strip()
+                os.close(descriptor)
+                raise FileError(
+                    f"{self.target}: another run is writing it{f' ({who})' if who else ''}; "
+                    "give this one a name of its own with -fsi_output"
+                ) from None
+            except OSError:  # no locks here
+                os.close(descriptor)
+                self._path.unlink(missing_ok=True)
+                return None
+            if self._is_ours(descriptor):
+                os.ftruncate(descriptor, 0)
+                os.pwrite(descriptor, f"process {os.getpid()} on {socket.gethostname()}".encode(), 0)
+                return descriptor
+            os.close(descriptor)  # who had it removed it meanwhile
+
+    def _is_ours(self, descriptor: int) -> bool:
+        """Whether the locked file is still the one of this name."""
+        with suppress(FileNotFoundError):
+            return os.path.samestat(os.fstat(descriptor), os.lstat(self._path))
+        return False
+
+    def release(self) -> None:
+        """Let others write the result. May be called again."""
+        descriptor, self._descriptor = self._descriptor, None
+        if descriptor is not None:
+            with suppress(OSError):
+                if self._is_ours(descriptor):
+                    self._path.unlink()
+            os.close(descriptor)
+        if _held.get(self.target) is self:
+            del _held[self.target]
+
+
+def keep_earlier(target: Path) -> Path | None:
+    """Give an existing result the first free name NAME.1.h5, NAME.2.h5 …; that name, None if there is no result."""
+    try:
+        mode = os.lstat(target).st_mode
+    except FileNotFoundError:
+        return None
+    if not stat.S_ISREG(mode):
+        raise FileError(f"{target}: exists and is not a regular file")
+    for k in itertools.count(1):
+        name = target.with_name(f"{target.stem}.{k}{target.suffix}")
+        if os.path.lexists(name):
+            continue
+        try:
+            os.close(os.open(name, os.O_WRONLY | os.O_CREAT | os.O_EXCL))  # from now on the name is taken
+        except FileExistsError:
+            continue
+        try:
+            os.rename(target, name)
+        except FileNotFoundError:  # another run was faster
+            name.unlink()
+            return None
+        except OSError:
+            name.unlink()
+            raise
+        return name
+    raise AssertionError  # there is always a free name
+
+
+def publish(target: Path, content: bytes) -> tuple[int, int] | None:
+    """Make the file `target` of this content, visible only when it is whole; None if there is one by now.
+
+    Returns device and number of the file, which stay when another run renames it.
+    """
+    fresh = target.with_name(f".{target.name}.{os.getpid()}.new")
+    fresh.unlink(missing_ok=True)  # of a program killed in the midst that had our number
+    descriptor = os.open(fresh, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
+    try:
+        with os.fdopen(descriptor, "wb") as file:
+            file.write(content)
+            status = os.fstat(descriptor)
+        try:
+            os.link(fresh, target)
+        except FileExistsError:
+            return None
+        except OSError:  # no hard links here: nearly as good, when the name is claimed
+            if os.path.lexists(target):
+                return None
+            os.rename(fresh, target)
+        return status.st_dev, status.st_ino
+    finally:
+        fresh.unlink(missing_ok=True)

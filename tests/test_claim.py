@@ -1,0 +1,86 @@
+"""Runs that start together with one output name: each gets a file of its own or is refused, and none loses anything."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import claim_program
+import output_program
+import pytest
+from helpers import environment, run
+
+import fsipetsc
+from fsipetsc.errors import FileError
+from fsipetsc.output.claim import Claim, keep_earlier, publish
+
+PROGRAM = Path(claim_program.__file__)
+
+
+@pytest.mark.parametrize("locks", ["", "without"], ids=["locks", "no locks"])
+def test_many_runs_at_once(tmp_path: Path, locks: str) -> None:
+    """Every file that a run was given is there in the end, whole, under some name; nothing else is."""
+    target, command = tmp_path / "run.h5", [sys.executable, str(PROGRAM)]
+    started = [
+        subprocess.Popen([*command, str(target), "15", str(k), locks], env=environment(), stdout=subprocess.PIPE, text=True)
+        for k in range(12)
+    ]
+    time.sleep(1.0)
+    (tmp_path / "go").touch()
+    made = []
+    for process in started:
+        said = process.communicate(timeout=60)[0]
+        assert process.returncode == 0
+        made += [line.split("|")[0] for line in said.splitlines()]
+    (tmp_path / "go").unlink()
+    found = [path.read_text() for path in tmp_path.iterdir()]
+    assert sorted(found) == sorted(made) and len(made) > 20, (len(found), len(made))
+    assert {path.name for path in tmp_path.iterdir()} == {"run.h5", *(f"run.{k}.h5" for k in range(1, len(made)))}
+
+
+def test_a_second_run_is_refused_while_the_first_goes_on(tmp_path: Path) -> None:
+    pytest.importorskip("petsc4py")
+    path, program = tmp_path / "run.h5", output_program.__file__
+    first = subprocess.Popen([sys.executable, program, "slowly", path, "100000", "0.01"], env=environment())
+    try:
+        end = time.monotonic() + 60
+        while not path.exists() and time.monotonic() < end:
+            time.sleep(0.01)
+        answer = run(program, "refuse", path)
+        assert answer.stdout.startswith("1 4 ") and f"process {first.pid} on" in answer.stdout, answer
+        assert "-fsi_output" in answer.stdout
+    finally:
+        first.send_signal(signal.SIGKILL)
+        first.wait()
+    assert run(program, "blocks", path, 2).stdout.split()[-1] == "run.1.h5", "the lock of a killed run is none"
+    with fsipetsc.open_run(path) as result:
+        assert result.complete and result.nframes == 2
+    assert sorted(os.listdir(tmp_path)) == ["run.1.h5", "run.h5"]
+
+
+def test_what_others_left_is_neither_followed_nor_overwritten(tmp_path: Path) -> None:
+    """A link in the place of the lock, a pipe in that of the result, leftovers of killed programs."""
+    target, elsewhere = tmp_path / "run.h5", tmp_path / "elsewhere"
+    elsewhere.write_text("precious")
+    (tmp_path / ".run.h5.lock").symlink_to(elsewhere)
+    with pytest.raises(OSError, match="symbolic"):
+        Claim(target)
+    assert elsewhere.read_text() == "precious"
+    (tmp_path / ".run.h5.lock").unlink()
+    (tmp_path / ".run.h5.lock").write_text("of a killed run")
+    (tmp_path / f".run.h5.{os.getpid()}.new").write_text("of a killed run")
+    claim = Claim(target)
+    assert publish(target, b"ours") and not publish(target, b"another's")
+    assert target.read_bytes() == b"ours"
+    (tmp_path / "run.1.h5").symlink_to("nowhere")
+    assert keep_earlier(target) == tmp_path / "run.2.h5" and keep_earlier(target) is None
+    os.mkfifo(target)
+    with pytest.raises(FileError, match="not a regular file"):
+        keep_earlier(target)
+    claim.release()
+    claim.release()
+    assert sorted(os.listdir(tmp_path)) == ["elsewhere", "run.1.h5", "run.2.h5", "run.h5"]

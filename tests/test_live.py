@@ -1,0 +1,168 @@
+"""Results that are read while they are written, or whose run is killed: a reader finds what was flushed, and nothing else."""
+
+from __future__ import annotations
+
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import output_program as program
+import pytest
+from helpers import environment
+
+import fsipetsc
+from fsipetsc.output import commits
+from fsipetsc.output.reader import Run
+
+pytest.importorskip("petsc4py")
+
+PROGRAM = Path(program.__file__)
+
+
+def assert_prefix(result: Run, numbers: list[int]) -> None:
+    """Times and series, and the frames of these numbers from the first or the last, are those of the program, bitwise."""
+    count, steps = result.nframes, len(result.series.get("t", ()))
+    assert np.array_equal(result.time, 0.3 * np.arange(count))
+    assert steps % program.SERIES_STEPS == 0 and steps >= count * program.SERIES_STEPS
+    if steps:
+        expected = program.series(0, steps)
+        assert all(np.array_equal(result.series[name], expected[name]) for name in expected.dtype.names)
+    for frame in {number % count for number in numbers} if count else ():
+        for i, layer in enumerate(result.layers):
+            own = program.grid(i, frame)
+            at = np.rint(layer.X / program.H).astype(int)
+            expected_frame = program.values(i, frame, own)
+            found = layer.frame(frame)
+            for k, name in enumerate(layer.fields):
+                assert np.array_equal(found[name][np.isin(at, own)], expected_frame[:, k], equal_nan=True)
+                assert np.isnan(found[name][~np.isin(at, own)]).all()
+
+
+def test_each_write_may_be_the_last(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Before every change of the file, and in the middle of it, all of some flush can be read; also by who opened it then.
+
+    This is what a kill leaves, too: nothing but these changes is ever done.
+    """
+    path, seen, early = tmp_path / "run.h5", [], []
+    made = {name: getattr(os, name) for name in ("pwrite", "ftruncate", "link", "unlink", "rename")}
+
+    def look() -> None:
+        if path.exists():
+            result = fsipetsc.open_run(path)
+            assert_prefix(result, [0, -1])
+            assert not seen or seen[-1] <= (result.nframes, len(result.series.get("t", ()))), "went back"
+            seen.append((result.nframes, len(result.series.get("t", ()))))
+            if len(seen) % 10 == 0:
+                early.append(result)
+            else:
+                result.close()
+
+    def watched(name: str) -> Callable[..., object]:
+        def work(*args: object) -> object:
+            look()
+            if name == "pwrite" and len(bytes(args[1])) > 1:
+                half = len(args[1]) // 2
+                made[name](args[0], bytes(args[1])[:half], args[2])
+                look()
+            return made[name](*args)
+
+        return work
+
+    with monkeypatch.context() as patch:
+        for name in made:
+            patch.setattr(os, name, watched(name))
+        program.write(str(path), 12, "blocks")
+    assert len(set(seen)) > 4 and seen[-1] == (12, 36)
+    for result in early:
+        with result:
+            assert not result.complete
+            assert_prefix(result, list(range(result.nframes)))
+    with fsipetsc.open_run(path) as result:
+        assert result.complete
+        assert_prefix(result, list(range(12)))
+    assert os.listdir(tmp_path) == ["run.h5"]
+
+
+def start(n: int, path: Path, *words: object) -> subprocess.Popen[bytes]:
+    """The program, started on n ranks, that has made its file."""
+    launcher = ["mpiexec", "-n", str(n)] if n > 1 else []
+    command = [*launcher, sys.executable, str(PROGRAM), "slowly", str(path), *map(str, words)]
+    process = subprocess.Popen(command, env=environment(), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    until(lambda: path.exists() or process.poll() is not None)
+    return process
+
+
+def until(condition: Callable[[], object]) -> None:
+    end = time.monotonic() + 60
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.002)
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("n", [1, 2])
+def test_a_reader_finds_what_was_flushed(tmp_path: Path, n: int) -> None:
+    """A flush every four frames, some hundred of them, and a reader that never rests."""
+    path, frames = tmp_path / "run.h5", 400
+    writer, counts = start(n, path, frames, 0.002), []
+    while writer.poll() is None:
+        with fsipetsc.open_run(path) as result:
+            assert_prefix(result, [0, random.randrange(1000), -1])
+            counts.append(result.nframes)
+    assert writer.returncode == 0
+    assert counts == sorted(counts) and len(set(counts)) > 20, "the reader has seen nothing"
+    with fsipetsc.open_run(path) as result:
+        assert result.complete and result.nframes == frames
+        assert_prefix(result, list(range(frames)))
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize(("n", "times"), [(1, 5), (2, 2)])
+def test_killed_at_any_moment(tmp_path: Path, n: int, times: int) -> None:
+    for k in range(times):
+        path = tmp_path / f"run{k}.h5"
+        process = start(n, path, 100_000, 0.0)
+        time.sleep(random.random() * 0.5)
+        process.send_signal(signal.SIGKILL if n == 1 else signal.SIGTERM)  # mpiexec kills its ranks
+        process.wait(timeout=60)
+        with fsipetsc.open_run(path) as result:
+            assert not result.complete
+            assert_prefix(result, [*range(min(20, result.nframes)), -1])
+        path.unlink()
+        with_leftovers = start(1, path, 3, 0.0)  # what a killed run leaves beside its result does no harm
+        assert with_leftovers.wait(timeout=60) == 0
+        with fsipetsc.open_run(path) as result:
+            assert result.complete and result.nframes == 3
+            assert_prefix(result, [0, 1, 2])
+
+
+def test_a_damaged_commit_is_passed_over(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of the two places that tell what was written one may be half written; a damaged record is an error."""
+    path, whole = tmp_path / "run.h5", tmp_path / "copy.h5"
+    end = commits.Log.end
+    monkeypatch.setattr(commits.Log, "end", lambda log, write: (whole.write_bytes(path.read_bytes()), end(log, write)))
+    program.write(str(path), 12, "blocks")
+    content = whole.read_bytes()
+    place = content.index(commits.MAGIC) + len(commits.MAGIC)
+    with whole.open("rb") as file:
+        newest = commits.newest(file.fileno())
+    counts = []
+    for damaged in range(2):
+        copy = bytearray(content)
+        copy[place + 32 * damaged] ^= 1
+        (tmp_path / "damaged.h5").write_bytes(copy)
+        with fsipetsc.open_run(tmp_path / "damaged.h5") as result:
+            assert_prefix(result, [0, -1])
+            counts.append(len(result.series["t"]))
+    assert sorted(counts)[0] < sorted(counts)[1] == 36
+    copy = bytearray(content)
+    copy[newest.offset + newest.length - 3] ^= 1
+    (tmp_path / "damaged.h5").write_bytes(copy)
+    with pytest.raises(fsipetsc.errors.FileError, match="damaged"):
+        fsipetsc.open_run(tmp_path / "damaged.h5")
