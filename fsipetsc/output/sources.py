@@ -10,7 +10,7 @@ import json
 import os
 import stat
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any, NamedTuple, Union
+from typing import Any, NamedTuple
 
 import h5py
 import numpy as np
@@ -47,7 +47,7 @@ class Rows:
         return np.concatenate(parts) if parts else np.empty(self.shape, self.dtype)
 
 
-Dataset = Union[h5py.Dataset, Rows]
+Dataset = h5py.Dataset | Rows
 
 
 class Series(NamedTuple):
