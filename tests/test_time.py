@@ -5,7 +5,7 @@ from __future__ import annotations
 import helpers
 import numpy as np
 import pytest
-from conftest import FUSED, METHODS, STEPS, TOLERANCES, fixed
+from conftest import FUSED, HIGH_ORDERS, LONG_STEPS, METHODS, STEPS, TOLERANCES, fixed
 
 pytest.importorskip("petsc4py")
 
@@ -113,6 +113,15 @@ def test_every_method_has_its_order(computed, method):
         assert np.log2(errors[0] / errors[1]) > order - 0.2
     else:
         assert errors[0] < 3e-6
+
+
+@pytest.mark.parametrize("method", HIGH_ORDERS)
+def test_high_orders_are_there(computed, method):
+    """With steps so long that their errors are above the round-off."""
+    reference = computed("methods", "weak_reference")
+    coarse, fine = (difference(computed("methods", f"{method}_{dt}"), reference) for dt in LONG_STEPS)
+    assert coarse < 2e-3
+    assert np.log2(coarse / fine) > HIGH_ORDERS[method]
 
 
 @pytest.mark.parametrize("name", FUSED)
@@ -238,6 +247,16 @@ def test_no_time_at_all(computed):
     assert run.complete
     assert run.time.tolist() == [0.0]
     assert run.summary["steps"] == 0
+
+
+def test_a_step_after_a_boundary_has_moved_begins_anew(computed):
+    """The last stage of a step is the first one of the next, unless a point has come or gone in between."""
+    run = computed("times", "falling")
+    assert run.nframes == run.summary["steps"] + 1 == 101
+    counts = np.array([np.isfinite(layer["u"]).sum(axis=1) for layer in run.layers])
+    moved = np.any(np.diff(counts[:, :-1]) != 0, axis=0).sum()
+    assert moved > 1
+    assert run.summary["rhs_evaluations"] == 6 * run.summary["steps"] + 1 + moved
 
 
 def test_steps_follow_the_rule(computed):
