@@ -81,7 +81,7 @@ def study(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Study:
     )
     notes = _check(case, opt, comm, table)
     say = (lambda text: None) if opt["fsi_quiet"] else (lambda text: _say(comm, text))
-    say(f"{case.NAME} to t = {table.t:g} s on {comm.size} rank{'s' * (comm.size > 1)}: L2 errors and observed orders")
+    say(f"{case.NAME} to {table.time} on {comm.size} rank{'s' * (comm.size > 1)}: L2 errors and observed orders")
     for note in notes:
         say(note)
     _run_all(case, opt, comm, table, say)
@@ -126,6 +126,7 @@ def _check(case: Any, opt: Mapping[str, Any], comm: MPI.Comm, table: Study) -> t
     from fsipetsc.stepping.solve import make_state
 
     problem = case.build(opt)
+    table.units = problem.units
     without = [layer.name for layer in problem.layers if layer.exact is None]
     if without:
         raise InputError(

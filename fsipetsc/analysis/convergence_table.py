@@ -30,7 +30,8 @@ class Study:
 
     hs: grid spacings [m], coarse to fine. t: time of comparison [s]. errors: kind -> name -> (orders, grids).
     points, steps, evaluations of the right-hand side, wall_time of the time loop [s]: (orders, grids).
-    failures: (order, h) -> message. options: in force, without order and grid spacing.
+    failures: (order, h) -> message. options: in force, without order and grid spacing. units: as in
+    fsipetsc.problem.Problem.
     """
 
     case: str
@@ -41,6 +42,7 @@ class Study:
     options: Mapping[str, Any] = field(default_factory=dict)
     versions: Mapping[str, str] = field(default_factory=dict)
     failures: dict[tuple[int, float], str] = field(default_factory=dict)
+    units: str = "SI"
 
     def __post_init__(self) -> None:
         shape = len(self.orders), len(self.hs)
@@ -63,6 +65,11 @@ class Study:
         with np.errstate(divide="ignore", invalid="ignore"):
             rates[:, 1:] = np.log(e[:, :-1] / e[:, 1:]) / np.log(h[:-1] / h[1:])
         return rates
+
+    @property
+    def time(self) -> str:
+        """The time of comparison, as text."""
+        return f"t = {self.t:g}" + " s" * (self.units == "SI")
 
     @property
     def cost(self) -> np.ndarray:
@@ -138,6 +145,7 @@ class Study:
             with h5py.File(path, "w") as file:
                 file.attrs["format"], file.attrs["version"] = FORMAT, VERSION
                 file.attrs["case"], file.attrs["t"], file.attrs["ranks"] = self.case, self.t, self.ranks
+                file.attrs["units"] = self.units
                 file["orders"], file["h"] = self.orders, self.hs
                 for kind, name in self.columns():
                     file[f"errors/{kind}/{name}"] = self.errors[kind][name]
@@ -168,6 +176,7 @@ def load(path: str | Path) -> Study:
                 json.loads(file["options"].asstr()[()]),
                 json.loads(file["versions"].asstr()[()]),
                 {(order, h): text for order, h, text in json.loads(file["failures"].asstr()[()])},
+                str(file.attrs.get("units", "SI")),
             )
             for kind, name in study.columns():
                 study.errors[kind][name][:] = file[f"errors/{kind}/{name}"]

@@ -30,14 +30,14 @@ LETTERS = "abcd"
 
 def main(directory: str, note: str = "") -> None:
     """Draw all of them."""
-    folder, note = Path(directory), f" ({note})" if note else ""
+    folder, note = Path(directory), f"  ({note})" if note else ""
     study = load(folder / "mms-convergence.h5")
     (folder / "table1.txt").write_text(table1.compare(study) + "\n", encoding="utf-8")
     with matplotlib.rc_context(STYLE), fsipetsc.open_run(folder / "rod.h5") as rod:
         for number, draw, what in ((6, draw_errors, "errors at"), (7, draw_cost, "errors over wall time,")):
             figure = Figure()
             draw(figure, study)
-            save(figure, folder / f"fig{number:02d}.png", f"Fig. {number}: {what} t = {study.t:g} s{note}")
+            save(figure, folder / f"fig{number:02d}.png", f"Fig. {number}: {what} {study.time}{note}")
         what = f"{operator(rod.options['fsi_order']).name}, h = {rod.options['fsi_h']:g} m{note}"
         for number, name, label in ((8, "T", "temperature T  [K]"), (9, "u", "velocity u  [m/s]")):
             save(profiles(rod, name, label), folder / f"fig{number:02d}.png", f"Fig. {number}: {label.split('  ')[0]}, {what}")

@@ -32,7 +32,8 @@ def convergence_figures(study: Study, path: str | os.PathLike[str], note: str = 
         return []
     if not np.isfinite(study.wall_time).any():
         return []
-    title = f"{study.case} at t = {study.t:g} s" + (f" ({note})" if note else "")
+    ranks = f"{study.ranks} rank{'s' * (study.ranks > 1)}"
+    title = f"{study.case}, errors at {study.time}  ({ranks}{', ' if note else ''}{note})"
     written = []
     with matplotlib.rc_context(STYLE):
         for name, draw in (("error", draw_errors), ("cost", draw_cost)):
@@ -56,7 +57,7 @@ def draw_errors(figure: Figure, study: Study) -> None:
             label = operator(order).name + _last_rate(study, kind, i)
             axes.loglog(study.hs, study.errors[kind]["combined"][i], **_line(order), label=label)
         axes.set_title(kind + ("  (brackets: order of the last refinement)" if len(study.hs) > 1 else ""), loc="left")
-        axes.set_xlabel("grid spacing h  [m]")
+        axes.set_xlabel("grid spacing h" + "  [m]" * (study.units == "SI"))
         axes.set_xticks(study.hs, [f"{h:.4g}" for h in study.hs], fontsize=8)
         axes.minorticks_off()
         axes.legend(loc="lower right")
