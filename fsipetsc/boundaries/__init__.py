@@ -10,19 +10,23 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
 from numba import njit
 
 from fsipetsc.boundaries import dirichlet as _dirichlet
 from fsipetsc.boundaries import open as _open
 from fsipetsc.boundaries import wall as _wall
 from fsipetsc.boundaries.solid_ends import solid_end
+from fsipetsc.errors import InputError
 from fsipetsc.operators.kernels import OPTIONS, extrapolate, lagrange
 
 INTERFACE_END = -1
 WALL, OPEN, DIRICHLET = 0, 1, 2
 CLAMPED, FREE, ABSORBING = 10, 11, 12
-#: nodes that a formula may use, ghost point included: degree 5
-NODES = 6
+#: degrees that a formula may have
+DEGREES = (2, 3, 4, 5)
+#: nodes that a formula may use, ghost point included
+NODES = DEGREES[-1] + 1
 
 
 def nodes_needed(degree: int) -> int:
@@ -58,15 +62,36 @@ class Open:
 
 @dataclass(frozen=True)
 class Dirichlet:
-    """Given rho, u, T at x [m]: values(t) -> (rho, u, T); degree of the embedded-boundary formula."""
+    """Given rho, u, T at x [m]: values(t) -> (rho, u, T) in kg/m3, m/s, K; see ``boundaries/dirichlet.py``.
+
+    degree: of the embedded-boundary formula, 2 to 5; None: what lets the order of the operator show, see ``degree_of``.
+    Raises InputError for another degree.
+    """
 
     x: float
     values: Callable[[float], tuple[float, float, float]]
-    degree: int
+    degree: int | None = None
     kind = DIRICHLET
+
+    def __post_init__(self) -> None:
+        whole = isinstance(self.degree, (int, np.integer)) and not isinstance(self.degree, bool)
+        if self.degree is not None and not (whole and self.degree in DEGREES):
+            raise InputError(
+                f"Dirichlet(degree={self.degree!r}): expected a whole number from {DEGREES[0]} to {DEGREES[-1]}, "
+                "or None for the degree that follows -fsi_order"
+            )
 
     def data(self, t: float) -> tuple[float, ...]:
         return self.values(t)
+
+
+def degree_of(end: Boundary, order: int) -> int:
+    """Degree of the formulas of an end with the operator of this interior order.
+
+    Unless the end says: 2, 3, 4, 5 for the orders 2, 4, 6, 8, one more than the closures are exact to. A degree less spoils
+    the order, one more gains nothing.
+    """
+    return order // 2 + 1 if end.degree is None else int(end.degree)
 
 
 @dataclass(frozen=True)

@@ -25,11 +25,17 @@ def dirichlet(layer, side, normal, nodes, weights, slopes):
     u_d = dirichlet_ghost(data[1], nodes[1], weights, q)
     T_d = dirichlet_ghost(data[2], nodes[2], weights, q)
     c2 = layer.gamma * layer.R * nodes[2, 1]
-    impedance = nodes[0, 1] * np.sqrt(c2)
+    c = np.sqrt(c2)
+    if normal * data[1] <= -np.sqrt(layer.gamma * layer.R * data[2]):
+        nodes[0, 0], nodes[1, 0], nodes[2, 0] = rho_d, u_d, T_d
+        return
+    if normal * data[1] >= 0.0 and normal * nodes[1, 1] >= c:
+        return
+    impedance = nodes[0, 1] * c
     p, p_d = layer.R * rho * T, layer.R * rho_d * T_d
     outgoing = p + normal * impedance * u
     incoming = p_d - normal * impedance * u_d
-    entropy = rho - p / c2 if normal * u_d >= 0.0 else rho_d - p_d / c2
+    entropy = rho - p / c2 if normal * data[1] >= 0.0 else rho_d - p_d / c2
     p = 0.5 * (incoming + outgoing)
     rho = entropy + p / c2
     nodes[0, 0] = rho

@@ -14,7 +14,7 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fsipetsc.boundaries import nodes_needed
+from fsipetsc.boundaries import degree_of, nodes_needed
 from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import SBPOperator
 from fsipetsc.parallel.partition import Extent, partition, stretched
@@ -62,7 +62,7 @@ def make_grids(
         if isinstance(layer, FluidLayer):
             G = (cells or {}).get(k, ghost_index(width))
             end = problem.left if k == 0 else problem.right
-            least = max(op.min_points, nodes_needed(end.degree) + 2)
+            least = max(op.min_points, nodes_needed(degree_of(end, op.order)) + 2)
             room = spare + max(1, G // 8) if spare >= 8 else spare
             n = max(G + 1 + room, before[k].n if before else 0)
             room = n - 1 - G
@@ -107,7 +107,7 @@ class Layout:
         mode: str,
         kept: Layout | None = None,
     ) -> None:
-        self.comm, self.problem, self.grids, self.h = comm, problem, grids, h
+        self.comm, self.problem, self.grids, self.h, self._order = comm, problem, grids, h, op.order
         self.width = max(2 * op.reach, 6)
         extents = [
             Extent(layer.kind, grid.n, grid.hi - grid.lo + 1, k == 0 and layer.kind == "fluid")
@@ -172,7 +172,7 @@ class Layout:
         record["end_kind"] = -1
         for side, end in ((0, self.problem.left), (1, self.problem.right)):
             if k == (0, last)[side]:
-                record["end_kind"][side], record["end_degree"][side] = end.kind, end.degree
+                record["end_kind"][side], record["end_degree"][side] = end.kind, degree_of(end, self._order)
                 record["end_x"][side] = getattr(end, "x", 0.0)
 
     def neighbours(self, k: int) -> tuple[int, int]:
