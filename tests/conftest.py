@@ -15,6 +15,13 @@ from fsipetsc.output.reader import Run
 
 ORDERS = (2, 4, 6, 8)
 PULSE_SPACINGS = (0.0125, 0.00625)
+BECKER_SPACINGS = (0.0125, 0.00625)
+#: gases whose viscosity or conduction the grids resolve, or that have one of the two
+VISCOUS = {
+    "both": "-fluid_mu 0.1 -fluid_kappa 0.3",
+    "mu": "-fluid_mu 0.1 -fluid_kappa 0",
+    "kappa": "-fluid_mu 0 -fluid_kappa 0.3",
+}
 #: where the pulse starts -> time at which both waves are inside
 PULSE_STARTS = {0.75: 0.0035, -0.75: 0.003}
 #: name -> density and modulus; the wave speed is 500 m/s in all. The gas: 1.16 kg/m3, 347 m/s
@@ -85,6 +92,28 @@ GROUPS: dict[str, list[tuple[int, dict[str, tuple[str, str]]]]] = {
     "mms": [
         (1, {f"order{q}_h{h}": ("mms", f"-fsi_h {h} -fsi_order {q} -fsi_output_dt 1") for q in ORDERS})
         for h in (0.00625, 0.0125)
+    ],
+    "becker": [
+        (
+            1,
+            {
+                f"order{q}_h{h}_M{M}": (str(REPOSITORY / "tests" / "becker.py"), f"-fsi_h {h} -fsi_order {q} -becker_mach {M}")
+                for q in ORDERS
+                for h in BECKER_SPACINGS
+                for M in (1.5, 2.0)
+            },
+        )
+    ],
+    "viscous": [
+        (
+            1,
+            {
+                f"order{q}_h{h}_{name}": ("mms", f"-fsi_h {h} -fsi_order {q} -fsi_output_dt 1 {options}")
+                for q in ORDERS
+                for h in (0.05, 0.025)
+                for name, options in VISCOUS.items()
+            },
+        )
     ],
     "fused": [
         (

@@ -10,11 +10,26 @@ pytest.importorskip("numba")
 
 from test_kernels import GAS, ORDERS, ROD, H, fluid_record, solid_record, solid_state, squared_wave_speed
 
-from fsipetsc.boundaries import ABSORBING, CLAMPED, DIRICHLET, FREE, NODES, OPEN, WALL, close_solid, fill_ghost
+from fsipetsc.boundaries import (
+    ABSORBING,
+    CLAMPED,
+    DIRICHLET,
+    FREE,
+    NODES,
+    OPEN,
+    WALL,
+    Dirichlet,
+    Wall,
+    close_solid,
+    degree_of,
+    fill_ghost,
+    note_gradient,
+)
+from fsipetsc.errors import InputError
 from fsipetsc.operators import OPERATORS, packed
 from fsipetsc.operators.kernels import dirichlet_ghost, extrapolate, lagrange, neumann_ghost
 
-fill_ghost, close_solid = from_python(fill_ghost), from_python(close_solid)
+fill_ghost, close_solid, note_gradient = map(from_python, (fill_ghost, close_solid, note_gradient))
 lagrange, dirichlet_ghost, neumann_ghost, extrapolate = map(
     from_python, (lagrange, dirichlet_ghost, neumann_ghost, extrapolate)
 )
@@ -152,8 +167,55 @@ def test_dirichlet(side, outflow, degree):
     Z = before[0, 1] * c
     np.testing.assert_allclose(pressure(ghost) + n * Z * ghost[1], pressure(old) + n * Z * old[1], rtol=1e-14)
     np.testing.assert_allclose(pressure(ghost) - n * Z * ghost[1], pressure(given) - n * Z * given[1], rtol=1e-14)
-    kept = old if n * given[1] >= 0 else given
+    kept = old if outflow else given
     np.testing.assert_allclose(ghost[0] - pressure(ghost) / c**2, kept[0] - pressure(kept) / c**2, atol=1e-13)
+
+
+@SIDES
+@DEGREES
+def test_supersonic_dirichlet(side, degree):
+    """Everything comes in: all three are imposed. Nothing does: none is."""
+    n = 2 * side - 1
+    for speed in (-400.0, 400.0):
+        layer = fluid_record(40, 0, 39)
+        layer["end_kind"], layer["end_degree"], layer["end_data"][side, :3] = DIRICHLET, degree, (1.3, n * speed, 310.0)
+        nodes, k = np.zeros((5, NODES)), np.arange(NODES)
+        nodes[:3] = 1.2 + 0.02 * k, n * (speed + 2 * k), 300 + 2 * k
+        before = nodes[:3].copy()
+        fill_ghost(layer, packed(4), side, 0.3, nodes, False)
+        weights, _ = weights_at(0.3, degree)
+        given = [dirichlet_ghost(g, row, weights, degree) for g, row in zip(layer["end_data"][side], before)]
+        np.testing.assert_allclose(nodes[:3, 0], before[:, 0] if speed > 0 else given, rtol=1e-14)
+
+
+@SIDES
+@DEGREES
+def test_gradients_see_the_data(side, degree):
+    """u and T at the boundary are those given, and the same without filling the ghost point anew."""
+    data, delta = (1.3, 4.2, 311.0), 0.1
+    layer, before, _ = filled(DIRICHLET, side, delta, data, degree)
+    weights, _ = weights_at(delta, degree)
+    assert weights[0] >= 0.25, "no eta: the formula is the interpolant"
+    seen = layer["end_gradient"][side].copy()
+    for row, value, given in zip(before[1:], seen, data[1:], strict=True):
+        assert weights[: degree + 1] @ [value, *row[1 : degree + 1]] == pytest.approx(given, rel=1e-13)
+    nodes = np.zeros((5, NODES))
+    nodes[:3], layer["end_gradient"] = before, 0.0
+    note_gradient(layer, side, delta, nodes)
+    np.testing.assert_array_equal(layer["end_gradient"][side], seen)
+
+
+@pytest.mark.parametrize("degree", [0, 1, 6, -1, 2.5, "3", True])
+def test_degrees_that_there_are_not(degree):
+    with pytest.raises(InputError, match=r"Dirichlet\(degree=.*from 2 to 5"):
+        Dirichlet(0.0, lambda t: (1.0, 0.0, 1.0), degree)
+
+
+def test_degree_follows_the_order():
+    end = Dirichlet(0.0, lambda t: (1.0, 0.0, 1.0))
+    assert [degree_of(end, order) for order in OPERATORS] == [2, 3, 4, 5]
+    assert degree_of(Dirichlet(0.0, end.values, 4), 2) == 4
+    assert degree_of(Wall(0.0), 8) == Wall.degree
 
 
 @SIDES

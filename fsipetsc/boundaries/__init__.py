@@ -144,6 +144,14 @@ def fill_ghost(layer, op, side, delta, nodes, new):
 
 
 @njit(**OPTIONS)
+def note_gradient(layer, side, delta, nodes):
+    """Note what the gradients take at a ghost point that is filled already; arguments as of ``fill_ghost``."""
+    if layer.end_kind[side] == DIRICHLET:
+        lagrange(delta, layer.end_degree[side], nodes[3], nodes[4])
+        _dirichlet.note_gradient(layer, side, nodes, nodes[3])
+
+
+@njit(**OPTIONS)
 def close_solid(layer, op, side, trace_s):
     """Apply the condition at an outer end of a solid to its end rows, counted inwards."""
     solid_end(layer, op, side, 2.0 * side - 1.0, layer.end_kind[side] - CLAMPED, trace_s)

@@ -17,13 +17,21 @@ NEW_POINT = 3
 
 
 @njit(**OPTIONS)
+def note_gradient(layer, side, nodes, weights):
+    """Put u and T of the formulas where the gradients find them; from the points inside alone."""
+    q, data = layer.end_degree[side], layer.end_data[side]
+    layer.end_gradient[side, 0] = dirichlet_ghost(data[1], nodes[1], weights, q)
+    layer.end_gradient[side, 1] = dirichlet_ghost(data[2], nodes[2], weights, q)
+
+
+@njit(**OPTIONS)
 def dirichlet(layer, side, normal, nodes, weights, slopes):
     """Fill the ghost values nodes[:, 0] of (rho, u, T); end_data = (rho, u, T) at the boundary."""
     q, data = layer.end_degree[side], layer.end_data[side]
     rho, u, T = nodes[0, 0], nodes[1, 0], nodes[2, 0]
+    note_gradient(layer, side, nodes, weights)
     rho_d = dirichlet_ghost(data[0], nodes[0], weights, q)
-    u_d = dirichlet_ghost(data[1], nodes[1], weights, q)
-    T_d = dirichlet_ghost(data[2], nodes[2], weights, q)
+    u_d, T_d = layer.end_gradient[side]
     c2 = layer.gamma * layer.R * nodes[2, 1]
     c = np.sqrt(c2)
     if normal * data[1] <= -np.sqrt(layer.gamma * layer.R * data[2]):

@@ -27,7 +27,7 @@ from fsipetsc.parallel.completion import begin_looking, complete, look
 from fsipetsc.parallel.exchange import exchange, load_state, store_state, unknowns, work_point
 from fsipetsc.parallel.pace import DT, goes_on
 from fsipetsc.parallel.plan import FORCING, STAGES, SUM, WORK
-from fsipetsc.parallel.settle import settle
+from fsipetsc.parallel.settle import note_gradients, settle
 from fsipetsc.physics.emission import Target
 from fsipetsc.physics.fluid import fluid_rhs
 from fsipetsc.physics.layer import FLUID
@@ -160,6 +160,7 @@ def advance(heads, layers, faces, memory, begin, end, raw, dt):
         load_state(head, layers, memory, raw)
         if begin == end:
             exchange(head, layers, faces, memory, WORK)
+            note_gradients(head, layers, memory, WORK)
     if rates:
         clear(head, layers, memory, SUM)
     more = begin < end

@@ -60,6 +60,8 @@ def gas_traction(head, layer, memory, side, ghost, step):
         rho, m, e = memory[U64(w)], memory[U64(w + layer.stride)], memory[U64(w + 2 * layer.stride)]
         u = m / rho
         flux += nodes[3, k] * (m * u + (layer.gamma - 1.0) * (e - 0.5 * m * u))
+        if k == 0 and layer.end_apart[side] != 0:
+            u = layer.end_gradient[side, 0]
         flux -= layer.mu * nodes[4, k] * u * step / layer.h
     return flux
 

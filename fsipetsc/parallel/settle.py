@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from fsipetsc.boundaries import INTERFACE_END, NODES, close_solid, fill_ghost
+from fsipetsc.boundaries import INTERFACE_END, NODES, close_solid, fill_ghost, note_gradient
 from fsipetsc.coupling import couple
 from fsipetsc.operators.kernels import INLINE, OPTIONS, U64
 from fsipetsc.parallel.exchange import TRACE, exchange, holds, unpack, work_point
@@ -27,28 +27,49 @@ def boundary_distance(layer, side):
 
 
 @njit(**OPTIONS)
-def fill_embedded(head, layer, memory, area, side, new):
-    """Give the ghost point of a fluid layer its values, where this rank has the points that this takes.
-
-    new: the point has no values yet.
-    """
+def ghost_of(layer, side):
+    """(ghost point of an embedded boundary, step inwards, whether this rank has the points that a formula takes)."""
     G, step = (layer.lo, 1) if side == 0 else (layer.hi, -1)
-    deepest = G + step * min(NODES - 1, layer.hi - layer.lo)
-    if not (holds(layer, G) and holds(layer, deepest)):
-        return
-    nodes = rows_at(memory, head.nodes, 5, NODES)
-    for k in range(abs(deepest - G) + 1):
-        if k == 0 and new:
-            continue
+    return G, step, holds(layer, G) and holds(layer, G + step * min(NODES - 1, layer.hi - layer.lo))
+
+
+@njit(**OPTIONS)
+def fetch_nodes(head, layer, memory, area, side, first):
+    """(rho, u, T) of the ghost point (0) and those inside of it from number ``first`` on, as ``fill_ghost`` takes them."""
+    nodes, (G, step, _) = rows_at(memory, head.nodes, 5, NODES), ghost_of(layer, side)
+    for k in range(first, min(NODES - 1, layer.hi - layer.lo) + 1):
         w = work_point(head, layer, area, G + step * k)
         rho = memory[U64(w)]
         u = memory[U64(w + layer.stride)] / rho
         nodes[0, k], nodes[1, k] = rho, u
         nodes[2, k] = (memory[U64(w + 2 * layer.stride)] / rho - 0.5 * u * u) / layer.cv
+    return nodes
+
+
+@njit(**OPTIONS)
+def fill_embedded(head, layer, memory, area, side, new):
+    """Give the ghost point of a fluid layer its values, where this rank has the points that this takes.
+
+    new: the point has no values yet.
+    """
+    G, _, here = ghost_of(layer, side)
+    if not here:
+        return
+    nodes = fetch_nodes(head, layer, memory, area, side, 1 if new else 0)
     fill_ghost(layer, head.op, side, layer.hi - layer.lo - boundary_distance(layer, side), nodes, new)
     w, rho, u, T = work_point(head, layer, area, G), nodes[0, 0], nodes[1, 0], nodes[2, 0]
     memory[U64(w)], memory[U64(w + layer.stride)] = rho, rho * u
     memory[U64(w + 2 * layer.stride)] = rho * (layer.cv * T + 0.5 * u * u)
+
+
+@njit(**OPTIONS)
+def note_gradients(head, layers, memory, area):
+    """Note what the gradients take at the ghost points of a work area that has been settled elsewhere."""
+    for layer in layers:
+        for side in range(2):
+            if layer.kind == FLUID and layer.end_kind[side] != INTERFACE_END and ghost_of(layer, side)[2]:
+                nodes = fetch_nodes(head, layer, memory, area, side, 0)
+                note_gradient(layer, side, layer.hi - layer.lo - boundary_distance(layer, side), nodes)
 
 
 @njit(**OPTIONS)

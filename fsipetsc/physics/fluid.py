@@ -92,14 +92,28 @@ def fluid_rhs(layer, op, s, w, scratch, target, begin, end):
 
 @njit(**OPTIONS)
 def fluid_primitives(layer, op, s, w, u, origin, i0, i1):
-    """Velocity (to the row u) and temperature (to the next) where the double derivative reaches from i0 .. i1-1."""
-    T, m, e, inv_cv = u + ROW, w + layer.stride, w + 2 * layer.stride, 1.0 / layer.cv
+    """Velocity (to the row u) and temperature (to the next) where the double derivative reaches from i0 .. i1-1.
+
+    At a ghost point they are those of the gradients, which a boundary may want to be others.
+    """
+    T = u + ROW
     first = grid_start(origin, max(layer.lo, i0 - 2 * op.reach))
     for i in range(first, min(layer.hi + 1, i1 + 2 * op.reach), WIDTH):
-        r = 1.0 / load(s, w + i)
-        v = load(s, m + i) * r
+        v, warmth = velocity_and_temperature(layer, s, w + i)
         store(s, u + i, v)
-        store(s, T + i, (load(s, e + i) * r - 0.5 * v * v) * inv_cv)
+        store(s, T + i, warmth)
+    for side in range(2):
+        ghost = layer.lo if side == 0 else layer.hi
+        if layer.end_apart[side] != 0 and first <= ghost < i1 + 2 * op.reach:
+            s[U64(u + ghost)], s[U64(T + ghost)] = layer.end_gradient[side]
+
+
+@njit(**OPTIONS)
+def velocity_and_temperature(layer, s, at):
+    """Velocity and temperature at the points from s[at] on."""
+    r = 1.0 / load(s, at)
+    v = load(s, at + layer.stride) * r
+    return v, (load(s, at + 2 * layer.stride) * r - 0.5 * v * v) * (1.0 / layer.cv)
 
 
 @njit(**OPTIONS)
@@ -139,9 +153,10 @@ def fluid_fluxes(layer, op, s, w, u, f, origin, i0, i1):
             i, first, last = end_rows(op, lo, hi, side, r, d0, d1)
             if first < last:
                 u_X, T_X = closure(op, s, u + end, side, known, r), closure(op, s, T + end, side, known, r)
-                g1, g2, g3 = fluid_flux(
-                    constants, s, w + i, load(s, u + i), load(s, T + i), layer.mu / layer.h * u_X, layer.kappa / layer.h * T_X
-                )
+                # not from the rows: at a ghost point they may hold something else
+                v, warmth = velocity_and_temperature(layer, s, w + i)
+                friction, conduction = layer.mu / layer.h * u_X, layer.kappa / layer.h * T_X
+                g1, g2, g3 = fluid_flux(constants, s, w + i, v, warmth, friction, conduction)
                 store_lanes(s, f + i, g1, first, last)
                 store_lanes(s, f2 + i, g2, first, last)
                 store_lanes(s, f3 + i, g3, first, last)

@@ -53,6 +53,8 @@ LAYER = np.dtype(
         ("end_degree", _I, (2,)),
         ("end_x", _F, (2,)),  # Eulerian position of an embedded boundary
         ("end_data", _F, (2, 4)),
+        ("end_apart", _I, (2,)),  # 1: u and T of the ghost point are others for the gradients (fluid), namely
+        ("end_gradient", _F, (2, 2)),  # these
         # Eulerian position of the interface that carries the frame (fluid)
         ("x_interface", _F),
     ],
