@@ -1,4 +1,4 @@
-"""What a completed step and the error control make of a state, asked for directly."""
+"""What a completed step, the error control and the phases make of a state and of time, asked for directly."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from mpi4py import MPI
 from fsipetsc.cases import rod
 from fsipetsc.options import defaults
 from fsipetsc.parallel.completion import RATE
+from fsipetsc.stepping import phases
 from fsipetsc.stepping.control import ErrorControl
 from fsipetsc.stepping.state import State
 
@@ -56,3 +57,26 @@ def test_the_error_control_compares_what_interfaces_and_boundaries_have_correcte
         state.layout.local(0, y)[int(state.layout.records[0]["lo"]) + 8, 1] += 50.0
         assert control.norm() > 10 * drifted, "a difference elsewhere counts"
         control.destroy()
+
+
+def test_a_phase_within_another_one_interrupts_it(monkeypatch):
+    """Each second belongs to one phase only, and to the right one, also when an error ends it."""
+    now = [100.0]
+    monkeypatch.setattr(phases.time, "perf_counter", lambda: now[0])
+    log = phases.Phases()
+
+    def spend(seconds: float) -> None:
+        now[0] += seconds
+
+    with log(phases.SET_UP):
+        spend(1)
+    spend(64)
+    with pytest.raises(ValueError), log(phases.LOOP):
+        spend(2)
+        with log(phases.OUTPUT):
+            spend(4)
+        spend(8)
+        with log(phases.OUTPUT):
+            spend(16)
+            raise ValueError
+    assert log.seconds == {phases.SET_UP: 1.0, phases.LOOP: 10.0, phases.OUTPUT: 20.0}

@@ -3,6 +3,9 @@
 In a window of MPI's each rank has a box: a count of the turns that it has made, and two buffers. In a turn a rank fills
 the buffer of the turn, counts it, waits until all have counted it, and reads what the others have filled in. It writes to
 that buffer again two turns later: then all have counted the turn between, and have read before.
+
+A count is set with release and read with acquire semantics, so that what was filled in before it is seen behind it, on any
+processor. On x86 every store and load has them: there no test can tell whether the words say so, on ARM and POWER they must.
 """
 
 from __future__ import annotations
