@@ -252,21 +252,25 @@ def test_a_signal_ends_the_run_in_order(number, tmp_path):
         assert result.time[-1] == result.series["t"][-1] == result.summary["t"], "the last state is saved"
 
 
-def children(pid: int) -> list[int]:
-    """Processes started by a process, by /proc."""
-    listed = Path(f"/proc/{pid}/task/{pid}/children")
-    return [int(word) for word in listed.read_text().split()] if listed.exists() else []
+def ranks_of(pid: int) -> list[int]:
+    """Processes of the program that a launcher has started, by /proc: its first thread, another, or a launcher below it."""
+    found = []
+    for listed in Path(f"/proc/{pid}/task").glob("*/children"):
+        for child in map(int, listed.read_text().split()):
+            ours = b"\0-m\0fsipetsc\0" in Path(f"/proc/{child}/cmdline").read_bytes()
+            found += ranks_of(child) or [child] * ours
+    return found
 
 
 @pytest.mark.mpi
 @pytest.mark.parametrize("rank", [0, 1])
 def test_a_signal_to_one_rank_stops_all(rank, tmp_path):
     process = started(2, tmp_path)
-    ranks = children(process.pid)
+    ranks = ranks_of(process.pid)
     if len(ranks) != 2:
         process.terminate()
         process.communicate(timeout=PATIENCE)
-        pytest.skip("the ranks are not children of the launcher")
+        pytest.skip("the ranks are not to be found below the launcher")
     os.kill(ranks[rank], signal.SIGTERM)
     out, err = process.communicate(timeout=PATIENCE)
     message(subprocess.CompletedProcess([], process.returncode, out, err), 143)
