@@ -12,7 +12,7 @@ from pathlib import Path
 import claim_program
 import output_program
 import pytest
-from helpers import environment, run
+from helpers import PATIENCE, environment, run
 
 import fsipetsc
 from fsipetsc.errors import FileError
@@ -33,7 +33,7 @@ def test_many_runs_at_once(tmp_path: Path, locks: str) -> None:
     (tmp_path / "go").touch()
     made = []
     for process in started:
-        said = process.communicate(timeout=60)[0]
+        said = process.communicate(timeout=PATIENCE)[0]
         assert process.returncode == 0
         made += [line.split("|")[0] for line in said.splitlines()]
     (tmp_path / "go").unlink()
@@ -47,7 +47,7 @@ def test_a_second_run_is_refused_while_the_first_goes_on(tmp_path: Path) -> None
     path, program = tmp_path / "run.h5", output_program.__file__
     first = subprocess.Popen([sys.executable, program, "slowly", path, "100000", "0.01"], env=environment())
     try:
-        end = time.monotonic() + 60
+        end = time.monotonic() + PATIENCE
         while not path.exists() and time.monotonic() < end:
             time.sleep(0.01)
         answer = run(program, "refuse", path)

@@ -289,7 +289,7 @@ def test_sweep_can_be_read_and_told_apart():
 
 
 def test_command_says_what_it_wrote(results, tmp_path):
-    done = run("-m", "fsipetsc", "plot", results["box"].path, "-o", tmp_path / "new" / "folder", timeout=120)
+    done = run("-m", "fsipetsc", "plot", results["box"].path, "-o", tmp_path / "new" / "folder")
     assert done.returncode == 0 and done.stderr == ""
     written = done.stdout.split()
     assert sorted(written) == sorted(map(str, (tmp_path / "new" / "folder").iterdir())) and len(written) > 10

@@ -76,7 +76,7 @@ def test_runs_in_one_process_are_runs_in_processes_of_their_own(ranks, alone, tm
     _files(tmp_path)
     (tmp_path / "runs.json").write_text(json.dumps([[status, _arguments(name, text)] for status, name, text in RUNS]))
     program = REPOSITORY / "tests" / "many_runs_program.py"
-    done = mpirun(ranks, program, "runs.json", cwd=tmp_path, timeout=120)
+    done = mpirun(ranks, program, "runs.json", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
     assert json.loads(done.stdout) == []
     for path in alone.glob("*.h5"):

@@ -79,7 +79,7 @@ def results(tmp_path_factory):
         if n not in kept:
             names = {run: run.replace(" ", "_") for run in RUNS}
             folder = tmp_path_factory.mktemp(f"ranks{n}")
-            files = compute(n, folder, {names[run]: spec for run, spec in RUNS.items()}, timeout=400)
+            files = compute(n, folder, {names[run]: spec for run, spec in RUNS.items()})
             kept[n] = {run: fsipetsc.open_run(files[names[run]]) for run in RUNS if names[run] in files}
         assert name in kept[n], f"{name} failed on {n} ranks"
         return kept[n][name]
