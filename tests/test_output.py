@@ -232,6 +232,26 @@ def test_full_disk_fails_on_all_ranks(tmp_path: Path, n: int) -> None:
         assert_frames(result, result.nframes)
 
 
+def test_petscs_hdf5_does_not_print_its_errors(tmp_path: Path) -> None:
+    """Where MPI-IO cannot open a file, the user reads our message, not fifty lines of HDF5's around it."""
+    program_text = """
+import sys
+from petsc4py import PETSc
+from fsipetsc.output import hdf5
+if "silent" in sys.argv:
+    hdf5.be_silent()
+PETSc.Sys.pushErrorHandler("python")
+try:
+    PETSc.ViewerHDF5().create(sys.argv[1] + "/missing/run.h5", "a")
+except PETSc.Error:
+    print("raised")
+"""
+    loud, silent = (run("-c", program_text, tmp_path, word) for word in ("loud", "silent"))
+    assert loud.stdout == silent.stdout == "raised\n"
+    assert "HDF5-DIAG" in loud.stderr, "else this test shows nothing"
+    assert "HDF5-DIAG" not in silent.stderr
+
+
 def test_reading_needs_numpy_and_h5py_only(finished: Path) -> None:
     program_text = """
 import sys

@@ -6,7 +6,9 @@ import os
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
+
+import numpy as np
 
 from fsipetsc.errors import FileError, InputError
 from fsipetsc.output.plots import balances, interfaces, profiles, space_time, steps
@@ -16,6 +18,8 @@ from fsipetsc.output.reader import Run, open_run
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+T = TypeVar("T")
 
 
 def plot(
@@ -27,26 +31,44 @@ def plot(
 
     times   of the profiles (the nearest saved frames are taken); by default some at which there is something to see
 
-    Raises FileError if the result cannot be read or the pictures cannot be written, InputError without matplotlib.
+    Raises FileError if the result cannot be read or the pictures cannot be written, InputError without matplotlib. Of a
+    damaged result all that can be drawn is drawn first; the error names the other pictures.
     """
     try:
         import matplotlib
         from matplotlib.figure import Figure
     except ImportError as error:
         raise InputError("plot: matplotlib is not installed (pip install matplotlib)") from error
-    folder, written = Path(outdir), []
-    with open_run(path) as run, matplotlib.rc_context(STYLE):
-        for name, draw in pictures(run, times):
+    folder, written, faults = Path(outdir), [], []
+    with open_run(path) as run, matplotlib.rc_context(STYLE), np.errstate(all="ignore"):
+        for name, draw in _whole(pictures(run, times), faults):
             figure = Figure()
-            draw(figure)
             target = folder / f"{Path(path).stem}-{name}.png"
             try:
                 folder.mkdir(parents=True, exist_ok=True)
+                draw(figure)
                 figure.savefig(target)
+                written.append(target)
             except OSError as error:
                 raise FileError(f"{target}: cannot write the picture: {error.strerror}") from error
-            written.append(target)
+            except Exception as error:  # there is no end to what may be wrong with damaged numbers
+                faults.append(f"{name} ({_reason(error)})")
+    if faults:
+        drawn = f"; {len(written)} pictures of it are in {folder}" if written else ""
+        raise FileError(f"{os.fspath(path)}: the result is damaged, not drawn: {', '.join(faults)}{drawn}")
     return written
+
+
+def _whole(found: Iterator[T], faults: list[str]) -> Iterator[T]:
+    """What is found until something fails, which is noted."""
+    try:
+        yield from found
+    except Exception as error:
+        faults.append(f"others ({_reason(error)})")
+
+
+def _reason(error: Exception) -> str:
+    return " ".join(str(error).split())[:200] or type(error).__name__
 
 
 def pictures(run: Run, times: Sequence[float] | None = None) -> Iterator[tuple[str, Callable[[Figure], None]]]:
