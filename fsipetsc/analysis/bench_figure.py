@@ -11,6 +11,7 @@ from fsipetsc.analysis.bench_model import Model, bandwidth, message, moved_bytes
 from fsipetsc.analysis.bench_table import Study
 from fsipetsc.errors import FileError
 from fsipetsc.output.plots.style import BLACK, BLUE, GREY, ORANGE, ORDERS, RED, STYLE
+from fsipetsc.output.plots.titles import set_title
 from fsipetsc.parallel.advance import STAGES
 
 if TYPE_CHECKING:
@@ -34,6 +35,8 @@ def draw(study: Study, model: Model | None, path: Path) -> Path | None:
         _parts(axes[0, 1], study)
         _speed_up(axes[1, 0], study, model)
         _expected(axes[1, 1], study, model)
+        place = ", ".join(str(study.about[name]) for name in ("processor", "date") if name in study.about)
+        set_title(figure, "what a time step of rod costs" + (f"  ({place})" if place else ""))
         try:
             figure.savefig(path)
         except OSError as error:
