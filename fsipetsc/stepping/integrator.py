@@ -29,7 +29,7 @@ from fsipetsc.stepping.state import State
 
 #: flags and limits of all ranks end here
 LAST = STOP + 1
-#: with -fsi_check: steps after which the balances are looked at; a look takes about as long as four short steps
+#: with -fsi_check: steps after which the balances are looked at
 CHECKED = 256
 #: points (of all ranks, spare ones too) times steps in one call
 MOST_POINTS = 250_000
