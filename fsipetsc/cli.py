@@ -14,6 +14,7 @@ from fsipetsc.failure import settle
 from fsipetsc.launch import HELP_FLAGS, launcher_rank, start_mpi, start_petsc
 from fsipetsc.options import read_options
 from fsipetsc.process import left_as_found
+from fsipetsc.together import together
 from fsipetsc.usage import case_help, command_help, overview, program
 
 
@@ -148,7 +149,7 @@ def _in_parallel(arguments: list[str]) -> int:
             _named(COMMANDS[first].target)(arguments[1:], world)
             return 0
         case_file = None if first in BUILT_IN else first
-        case = load_case(first, tuple(COMMANDS))
+        case = together(world, lambda: load_case(first, tuple(COMMANDS)))
         start_petsc(arguments[1:], world)
         options = read_options(case)
         debug = options["fsi_debug"]

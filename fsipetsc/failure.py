@@ -7,7 +7,7 @@ import sys
 import traceback
 from typing import TYPE_CHECKING
 
-from fsipetsc.cases import explain, frames_in
+from fsipetsc.blame import explain, frames_in
 from fsipetsc.errors import FsiError
 from fsipetsc.notes import PATIENCE, exchange
 

@@ -8,12 +8,14 @@ from dataclasses import dataclass
 from math import isfinite
 from typing import Any
 
+from fsipetsc.blame import call
 from fsipetsc.errors import InputError
 
 #: default of an option that the case or the user must give
 REQUIRED = ...
 INT_MAX = 2**31 - 1
 _KINDS = {int: "int", float: "float", str: "str", bool: "bool"}
+_CHECKS = ("positive", "nonnegative")
 _TRUE = ("", "true", "yes", "1", "on")
 _FALSE = ("false", "no", "0", "off")
 
@@ -39,6 +41,12 @@ class Option:
     def __post_init__(self) -> None:
         object.__setattr__(self, "kind", _KINDS.get(self.kind, self.kind))
         object.__setattr__(self, "unit", "" if self.unit == "-" else self.unit)
+        if not isinstance(self.name, str) or not isinstance(self.unit, str) or not isinstance(self.help, str):
+            raise TypeError(f"option {self.name!r}: name, unit and help must be texts")
+        if not (self.check is None or callable(self.check) or self.check in _CHECKS):
+            raise ValueError(f"option '{self.name}': check is {self.check!r}: expected {', '.join(_CHECKS)} or a function")
+        if not (self.choices is None or isinstance(self.choices, (tuple, list))):
+            raise TypeError(f"option '{self.name}': choices is {self.choices!r}: expected a tuple")
         if self.kind not in (*_KINDS.values(), "ints", "floats"):
             raise TypeError(f"option '{self.name}': kind must be int, float, str, bool, 'ints' or 'floats'")
         if not re.fullmatch(r"[A-Za-z]\w*", self.name):
@@ -83,7 +91,9 @@ class Option:
             return "a number above 0" if any(v <= 0 for v in values) else None
         if self.check == "nonnegative":
             return "a number not below 0" if any(v < 0 for v in values) else None
-        verdict = self.check(value) if callable(self.check) else None
+        verdict = call(self.check, (value,), f"check of -{self.name}") if callable(self.check) else None
+        if not (verdict is None or isinstance(verdict, (str, bool))):
+            raise InputError(f"check of -{self.name} returns {verdict!r}: expected None or True, else a text or False")
         return "a value within its range" if verdict is False else None if verdict is True else verdict or None
 
 

@@ -99,6 +99,8 @@ def groups(case: Any, extra: Sequence[Option] = ()) -> dict[str, tuple[Option, .
     overrides = {"fsi_output": f"{case.NAME}.h5", **case.DEFAULTS}
     known = {option.name for options in sections.values() for option in options}
     for name in case.DEFAULTS:
+        if not isinstance(name, str):
+            raise InputError(f"case {case.NAME}: DEFAULTS has {name!r}: expected names of options")
         if name not in known:
             raise InputError(f"case {case.NAME}: DEFAULTS has '{name}', which is no option{_nearest(name, known)}")
     return {
@@ -130,6 +132,8 @@ def _check_own_names(case: Any) -> None:
 def _with_default(option: Option, overrides: Mapping[str, Any], case_name: str) -> Option:
     value = overrides.get(option.name, option.default)
     try:
+        if value is None and option.default is not None:
+            raise ValueError  # None is for what need not be set
         return replace(option, default=option.convert(value))
     except (ValueError, TypeError, OverflowError):
         message = f"case {case_name}: bad default {value!r} of -{option.name}: expected {option.expected()}"

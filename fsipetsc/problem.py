@@ -13,11 +13,13 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.boundaries import Boundary, SolidEnd, Wall
+from fsipetsc.checks import described, extent, function
 from fsipetsc.errors import InputError
 from fsipetsc.physics.fluid import Fluid
 from fsipetsc.physics.solid import Solid
 
 Fields = Sequence[np.ndarray]
+UNITS = ("SI", "none")
 
 
 @dataclass(frozen=True)
@@ -25,7 +27,8 @@ class FluidLayer:
     """A layer of gas between X[0] and X[1]: one end is an interface, the other an embedded boundary.
 
     initial(X) -> (rho, u, T); exact(X, t) -> the same; forcing(X, t) -> right-hand sides of (rho, rho u, e).
-    Outside X[0], X[1] the functions are asked for points that the grid holds in reserve.
+    Outside X[0], X[1] the functions are asked for points that the grid holds in reserve. At time t the gas at X stands at
+    x = X - X_I + x_I, I its interface: see docs/cases.md. InputError for what is of the wrong kind.
     """
 
     name: str
@@ -37,12 +40,16 @@ class FluidLayer:
     kind = "fluid"
     fields = ("rho", "u", "T", "p")
 
+    def __post_init__(self) -> None:
+        _check_layer(self, Fluid, "(rho, u, T)")
+
 
 @dataclass(frozen=True)
 class SolidLayer:
     """A solid between the Lagrangian coordinates X[0] and X[1].
 
-    initial(X) -> (u, sigma, T, x); exact(X, t) -> the same; forcing(X, t) -> right-hand sides of the same.
+    initial(X) -> (u, sigma, T, x); exact(X, t) -> the same; forcing(X, t) -> right-hand sides of the same. InputError for
+    what is of the wrong kind.
     """
 
     name: str
@@ -53,6 +60,23 @@ class SolidLayer:
     exact: Callable[[np.ndarray, float], Fields] | None = None
     kind = "solid"
     fields = ("u", "sigma", "T", "x", "p")
+
+    def __post_init__(self) -> None:
+        _check_layer(self, Solid, "(u, sigma, T, x)")
+
+
+def _check_layer(layer: Layer, material: type, values: str) -> None:
+    """InputError for the first thing that is wrong with a layer; its X becomes two floats."""
+    kind = type(layer).__name__
+    if not isinstance(layer.name, str) or not layer.name:
+        raise InputError(f"{kind}: name is {described(layer.name)}: expected a text")
+    what = f"{kind} '{layer.name}'"
+    if not isinstance(layer.material, material):
+        raise InputError(f"{what}: material is {described(layer.material)}: expected a {material.__name__}")
+    object.__setattr__(layer, "X", extent(layer.X, what))
+    function(layer.initial, f"{what}: initial", f"initial(X) -> {values}")
+    function(layer.exact, f"{what}: exact", f"exact(X, t) -> {values}", optional=True)
+    function(layer.forcing, f"{what}: forcing", "forcing(X, t) -> the right-hand sides", optional=True)
 
 
 Layer = FluidLayer | SolidLayer
@@ -65,7 +89,7 @@ class Problem:
     left, right: the conditions at the outer ends. jumps(k, t) -> (g_u, g_stress, g_T, g_flux) at interface k:
     u_s-u_f, sigma-p_s+p_f-mu' u_X, T_s-T_f, kappa_e/x_X T_X-kappa T_X; None where all are zero.
     notes: lines about the exact solution or the data that the result should carry. units: "SI", or "none" for a
-    problem without dimensions.
+    problem without dimensions. InputError for what does not fit together.
     """
 
     layers: tuple[Layer, ...]
@@ -76,6 +100,7 @@ class Problem:
     units: str = "SI"
 
     def __post_init__(self) -> None:
+        self._check_kinds()
         kinds = [layer.kind for layer in self.layers]
         if len(kinds) < 2 or any(a == b for a, b in zip(kinds, kinds[1:], strict=False)):
             raise InputError(f"the layers must alternate between fluid and solid, and be two at least; got {kinds}")
@@ -83,12 +108,37 @@ class Problem:
             raise InputError("a fluid layer between two solids is not supported: its frame moves with one interface")
         for end, layer in ((self.left, self.layers[0]), (self.right, self.layers[-1])):
             if isinstance(end, SolidEnd) != (layer.kind == "solid"):
+                fit = "Wall, Open or Dirichlet" if layer.kind == "fluid" else "clamped(…), free(…) or absorbing(…)"
                 raise InputError(
-                    f"the condition at the outer end of layer '{layer.name}' is not one for a {layer.kind}"
+                    f"at the outer end of the {layer.kind} layer '{layer.name}' stands {described(end)}: expected {fit}"
                 )
         for a, b in zip(self.layers, self.layers[1:], strict=False):
-            if a.X[1] != b.X[0]:
-                raise InputError(f"layers '{a.name}' and '{b.name}' do not meet: X = {a.X[1]:g} and {b.X[0]:g}")
+            if abs(a.X[1] - b.X[0]) > 1e-12 * max(abs(a.X[1]), a.X[1] - a.X[0]):
+                raise InputError(
+                    f"layers '{a.name}' and '{b.name}' do not meet: one ends at X = {a.X[1]:.10g}, the other begins at "
+                    f"{b.X[0]:.10g}: expected the same X"
+                )
+
+    def _check_kinds(self) -> None:
+        layers, notes = self.layers, self.notes
+        if isinstance(layers, (FluidLayer, SolidLayer)) or not isinstance(layers, Sequence) or isinstance(layers, str):
+            raise InputError(f"Problem: layers is {described(layers)}: expected a tuple of FluidLayer and SolidLayer")
+        for k, layer in enumerate(layers):
+            if not isinstance(layer, (FluidLayer, SolidLayer)):
+                raise InputError(f"Problem: layers[{k}] is {described(layer)}: expected a FluidLayer or a SolidLayer")
+        for name, end in (("left", self.left), ("right", self.right)):
+            if not isinstance(end, Boundary):
+                raise InputError(f"Problem: {name} is {described(end)}: expected an end, as Wall(x) or free(stress)")
+        function(self.jumps, "Problem: jumps", "jumps(k, t) -> (g_u, g_stress, g_T, g_flux)", optional=True)
+        if not isinstance(notes, (tuple, list)) or not all(isinstance(note, str) for note in notes):
+            raise InputError(f"Problem: notes is {described(notes)}: expected a tuple of texts")
+        if self.units not in UNITS:
+            raise InputError(f"Problem: units is {described(self.units)}: expected {' or '.join(map(repr, UNITS))}")
+        object.__setattr__(self, "layers", tuple(layers))
+
+    def unit(self, name: str) -> str:
+        """What stands behind a number in a message: " m", or nothing if the problem has no dimensions."""
+        return f" {name}" if self.units == "SI" else ""
 
     @property
     def interfaces(self) -> tuple[tuple[int, int], ...]:

@@ -1,7 +1,7 @@
 """Makes run after run in one process, as a notebook would, and says what each of them leaves behind: RUNS.json.
 
-RUNS.json: list of [exit status expected, arguments]. Prints one line of JSON: what has changed in the process since before
-the first run, per run, on all ranks.
+RUNS.json: list of [exit status expected, arguments]. Prints one line of JSON: "wrong", what is not as expected or has changed
+in the process since the first run, of all ranks; "said", what rank 0 said on stderr, run by run.
 """
 
 from __future__ import annotations
@@ -53,9 +53,10 @@ def answer(words: list[str]) -> tuple[int, str]:
 if __name__ == "__main__":
     from mpi4py import MPI
 
-    rank, wrong, before = MPI.COMM_WORLD.rank, [], None
+    rank, wrong, every, before = MPI.COMM_WORLD.rank, [], [], None
     for expected, text in json.loads(Path(sys.argv[1]).read_text()):
         status, said = answer(text.split())
+        every.append(said)
         if status != expected or said.count("\n") != (expected != 0 and rank == 0):
             wrong.append([text, f"status {status}, not {expected}", said])
         now = footprint()
@@ -64,4 +65,4 @@ if __name__ == "__main__":
         before = before or now
     gathered = MPI.COMM_WORLD.gather(wrong)
     if gathered is not None:
-        print(json.dumps([entry for part in gathered for entry in part]))
+        print(json.dumps({"wrong": [entry for part in gathered for entry in part], "said": every}))

@@ -78,7 +78,7 @@ def test_runs_in_one_process_are_runs_in_processes_of_their_own(ranks, alone, tm
     program = REPOSITORY / "tests" / "many_runs_program.py"
     done = mpirun(ranks, program, "runs.json", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
-    assert json.loads(done.stdout) == []
+    assert json.loads(done.stdout)["wrong"] == []
     for path in alone.glob("*.h5"):
         expected, found = _content(path), _content(tmp_path / path.name)
         if ranks > 1:

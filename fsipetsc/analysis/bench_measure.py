@@ -30,7 +30,7 @@ from fsipetsc.parallel.advance import STAGES, advance
 from fsipetsc.stepping.counts import LIMITS, completion_traffic, stage_traffic
 from fsipetsc.stepping.frames import active_points
 from fsipetsc.stepping.integrator import Integrator
-from fsipetsc.stepping.solve import make_state
+from fsipetsc.stepping.solve import build_problem, make_state
 
 #: a step that changes nothing that can be seen, but is not zero [s]
 _TINY = 1e-12
@@ -49,7 +49,7 @@ class Stand:
 
     def __init__(self, case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> None:
         self.comm, self.options = comm, dict(opt)
-        self.state = make_state(case.build(opt), opt, comm)
+        self.state = make_state(build_problem(case, opt, comm), opt, comm)
         self.state.set_initial()
         self.burst = 1  # steps in one go
 

@@ -19,6 +19,7 @@ from fsipetsc.cases import load_case
 from fsipetsc.errors import ComputationError, FileError, InputError
 from fsipetsc.launch import start_petsc
 from fsipetsc.options import Option, groups, read_options
+from fsipetsc.together import together
 from fsipetsc.usage import program
 
 if TYPE_CHECKING:
@@ -48,7 +49,7 @@ def convergence(arguments: list[str], comm: MPI.Comm) -> None:
     Raises InputError, also for a case without exact solution; ComputationError at the end if a run has failed;
     FileError.
     """
-    case = _case(arguments)
+    case = together(comm, lambda: _case(arguments))
     start_petsc(arguments[1:], comm)
     study(case, read_options(case, OPTIONS), comm)
 
@@ -123,9 +124,9 @@ def _check(case: Any, opt: Mapping[str, Any], comm: MPI.Comm, table: Study) -> t
 
     Collective.
     """
-    from fsipetsc.stepping.solve import make_state
+    from fsipetsc.stepping.solve import build_problem, make_state
 
-    problem = case.build(opt)
+    problem = build_problem(case, opt, comm)
     table.units = problem.units
     without = [layer.name for layer in problem.layers if layer.exact is None]
     if without:

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
+from fsipetsc import checks
 from fsipetsc.boundaries import dirichlet as _dirichlet
 from fsipetsc.boundaries import open as _open
 from fsipetsc.boundaries import wall as _wall
@@ -42,6 +43,9 @@ class Wall:
     kind = WALL
     degree = _wall.DEGREE
 
+    def __post_init__(self) -> None:
+        checks.numbers(self, "Wall", {"x": checks.ANY})
+
     def data(self, t: float) -> tuple[float, ...]:
         return ()
 
@@ -55,6 +59,9 @@ class Open:
     T0: float
     kind = OPEN
     degree = 2
+
+    def __post_init__(self) -> None:
+        checks.numbers(self, "Open", {"x": checks.ANY, "p0": checks.POSITIVE, "T0": checks.POSITIVE})
 
     def data(self, t: float) -> tuple[float, ...]:
         return (self.p0, self.T0)
@@ -74,6 +81,8 @@ class Dirichlet:
     kind = DIRICHLET
 
     def __post_init__(self) -> None:
+        checks.numbers(self, "Dirichlet", {"x": checks.ANY})
+        checks.function(self.values, "Dirichlet: values", "values(t) -> (rho, u, T)")
         whole = isinstance(self.degree, (int, np.integer)) and not isinstance(self.degree, bool)
         if self.degree is not None and not (whole and self.degree in DEGREES):
             raise InputError(
@@ -107,18 +116,26 @@ class SolidEnd:
 
 
 def clamped(velocity: float = 0.0) -> SolidEnd:
-    """Solid end that moves with a given velocity [m/s]."""
-    return SolidEnd(CLAMPED, velocity)
+    """Solid end that moves with a given, constant velocity [m/s]. InputError if that is no number."""
+    return SolidEnd(CLAMPED, _constant(velocity, "clamped: velocity"))
 
 
 def free(stress: float = 0.0) -> SolidEnd:
-    """Solid end under a given stress sigma - p [Pa]."""
-    return SolidEnd(FREE, stress)
+    """Solid end under a given, constant stress sigma - p [Pa]. InputError if that is no number."""
+    return SolidEnd(FREE, _constant(stress, "free: stress"))
 
 
 def absorbing(stress: float = 0.0) -> SolidEnd:
-    """Solid end that lets elastic waves out, towards a solid at rest under the stress sigma - p [Pa]."""
-    return SolidEnd(ABSORBING, stress)
+    """Solid end that lets elastic waves out, towards a solid at rest under the stress sigma - p [Pa]. InputError if that
+    is no number.
+    """
+    return SolidEnd(ABSORBING, _constant(stress, "absorbing: stress"))
+
+
+def _constant(value: float, what: str) -> float:
+    if callable(value):
+        raise InputError(f"{what} is {checks.described(value)}: expected a number; the ends of a solid do not change in time")
+    return checks.number(value, what)
 
 
 @njit(**OPTIONS)

@@ -16,14 +16,14 @@ import importlib
 import os
 import re
 import sys
-import traceback
 from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
 from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from types import ModuleType
 
-from fsipetsc.errors import FsiError, InputError
+from fsipetsc.blame import explain
+from fsipetsc.errors import InputError
 from fsipetsc.options import Option, groups
 
 BUILT_IN = ("rod", "mms", "pulse", "box")
@@ -79,29 +79,14 @@ def _load_file(path: Path) -> ModuleType:
     written, sys.dont_write_bytecode = sys.dont_write_bytecode, True
     try:
         loader.exec_module(module)
-    except (Exception, SystemExit) as error:
+    except (KeyboardInterrupt, MemoryError):
+        raise
+    except BaseException as error:  # sys.exit() among them
         raise InputError(explain(error, path)) from error
     finally:
         sys.dont_write_bytecode = written
     _complete(module, path)
     return module
-
-
-def explain(error: BaseException, path: str | os.PathLike[str]) -> str:
-    """One line about an error that came out of a case file: file, line, reason."""
-    if isinstance(error, SyntaxError):
-        own = error.filename is None or os.path.realpath(error.filename) == os.path.realpath(path)
-        return f"case file {path if own else error.filename}, line {error.lineno}: {error.msg}"
-    lines = [frame.lineno for frame in frames_in(error, path)]
-    line = f", line {lines[-1]}" if lines else ""
-    reason = str(error) if isinstance(error, FsiError) else f"{type(error).__name__}: {error}"
-    return f"case file {path}{line}: {reason}"
-
-
-def frames_in(error: BaseException, path: str | os.PathLike[str]) -> list[traceback.FrameSummary]:
-    """The frames of an error's traceback that lie in a file."""
-    path = os.path.realpath(path)
-    return [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename == path]
 
 
 def _complete(module: ModuleType, path: Path) -> None:

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
+from fsipetsc.checks import NONNEGATIVE, POSITIVE, numbers
 from fsipetsc.operators.kernels import (
     BLOCK,
     OPTIONS,
@@ -39,14 +40,17 @@ from fsipetsc.physics.survey import LEAST_RHO, LEAST_T, SPEED, SUMS, note_larges
 class Fluid:
     """A perfect gas.
 
-    mu: shear viscosity [Pa s]; kappa: heat conductivity [W/(m K)]; gamma: ratio of the specific heats;
-    R: gas constant over molar mass [J/(kg K)].
+    mu: shear viscosity [Pa s]; kappa: heat conductivity [W/(m K)]; gamma: ratio of the specific heats, above 1;
+    R: gas constant over molar mass [J/(kg K)]. InputError for what is no number or out of range.
     """
 
     mu: float
     kappa: float
     gamma: float
     R: float
+
+    def __post_init__(self) -> None:
+        numbers(self, "Fluid", {"mu": NONNEGATIVE, "kappa": NONNEGATIVE, "gamma": "above 1", "R": POSITIVE})
 
     @property
     def cv(self) -> float:

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
+from fsipetsc.checks import ANY, NONNEGATIVE, POSITIVE, numbers
 from fsipetsc.operators.kernels import (
     BLOCK,
     OPTIONS,
@@ -62,7 +63,8 @@ class Solid:
     """Linear elastic material, with the pressure p = gruneisen * rho * epsilon where gruneisen > 0.
 
     K: 2 mu_e + lambda_e [Pa]; kappa_e: heat conductivity [W/(m K)]; m0: density in the reference configuration
-    [kg/m3]; alpha: specific heat [J/(kg K)]; force: body force per mass [m/s2]; gruneisen: [-].
+    [kg/m3]; alpha: specific heat [J/(kg K)]; force: body force per mass [m/s2]; gruneisen: [-]. InputError for what is no
+    number or out of range.
     """
 
     K: float
@@ -71,6 +73,10 @@ class Solid:
     alpha: float
     force: float = 0.0
     gruneisen: float = 0.0
+
+    def __post_init__(self) -> None:
+        ranges = {"K": POSITIVE, "kappa_e": NONNEGATIVE, "m0": POSITIVE, "alpha": POSITIVE}
+        numbers(self, "Solid", {**ranges, "force": ANY, "gruneisen": NONNEGATIVE})
 
     def sound_speed(self, x_X: float = 1.0, T: float = 0.0, sigma: float = 0.0) -> float:
         """Speed of the elastic waves in Lagrangian coordinates [m/s]; T and sigma matter where gruneisen > 0."""

@@ -10,16 +10,16 @@ from fsipetsc.stepping.state import State
 
 def describe_failure(state: State, t: float, step: int) -> str:
     """Field, layer, position, time and step of the first unphysical point, from the work arrays. Collective."""
-    found = None
+    found, m, s = None, state.problem.unit("m"), state.problem.unit("s")
     for k, layer in enumerate(state.problem.layers):
         if state.layout.records[k]["present"]:
             found = found or _first_bad(state, k, layer)
     found = min((f for f in state.comm.allgather(found) if f), default=None)
     if found is None:
-        return f"the time step is not a number at t = {t:.6g} s, step {step}"
+        return f"the time step is not a number at t = {t:.6g}{s}, step {step}"
     k, _, x, X, what = found
     name = state.problem.layers[k].name
-    return f"{what} in layer '{name}' at x = {x:.6g} m (X = {X:.6g} m), t = {t:.6g} s, step {step}"
+    return f"{what} in layer '{name}' at x = {x:.6g}{m} (X = {X:.6g}{m}), t = {t:.6g}{s}, step {step}"
 
 
 def _first_bad(state: State, k: int, layer: object) -> tuple[int, int, float, float, str] | None:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import time
 import traceback
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -25,7 +26,8 @@ from fsipetsc.stepping.diagnosis import describe_failure
 from fsipetsc.stepping.fused import NAME, FusedRK4
 from fsipetsc.stepping.phases import logged
 from fsipetsc.stepping.series import Series
-from fsipetsc.stepping.state import State
+from fsipetsc.stepping.state import FAULT, State
+from fsipetsc.together import agree
 
 #: flags and limits of all ranks end here
 LAST = STOP + 1
@@ -108,6 +110,8 @@ class Integrator:
             if not self._fused and not self._completed(ts):
                 return
             self.series.write(t, self._step)
+        if self.state.results[STOP] >= FAULT:  # the step was made with data that are wrong
+            agree(self.state.comm, self.state.fault)
         ts.setTime(t)  # the sum of steps may miss a target by round-off
         self.t, self.steps = t, self.steps + int(made)
         ts.setStepNumber(self.steps)
@@ -157,27 +161,29 @@ class Integrator:
         self.rejections += 1
         ts.setTime(self.t)
         if self._proposal < 1e-14 * max(1.0, self.t):
-            raise ComputationError(f"step-size control finds no step at t = {self.t:.6g} s: see -ts_rtol and -ts_atol")
+            agree(self.state.comm, self.state.fault)
+            s = self.state.problem.unit("s")
+            raise ComputationError(f"step-size control finds no step at t = {self.t:.6g}{s}: see -ts_rtol and -ts_atol")
         ts.restartStep()
         self._plan_step(ts)
         return True
 
     def _check(self, t: float, flags: list[float]) -> None:
         """Raise ComputationError if the new state cannot be gone on from; flags: flags and limits of the step."""
-        layers = self.state.problem.layers
+        layers, s = self.state.problem.layers, self.state.problem.unit("s")
         if flags[BAD] or not flags[RATE] < np.inf:
             raise ComputationError(describe_failure(self.state, t, self.steps))
         if flags[EXHAUSTED]:
             name = layers[int(flags[EXHAUSTED]) - 1].name
             raise ComputationError(
-                f"the points of fluid layer '{name}' are used up at t = {t:.6g} s, step {self.steps}, "
+                f"the points of fluid layer '{name}' are used up at t = {t:.6g}{s}, step {self.steps}, "
                 f"{self._boundary(int(flags[EXHAUSTED]) - 1)}: its boundary crossed more than one cell in a step"
             )
         if flags[SHORT]:
             k = int(flags[SHORT]) - 1
             least = int(self.state.layout.records[k]["least"])
             raise ComputationError(
-                f"fluid layer '{layers[k].name}' has become too short at t = {t:.6g} s, step {self.steps}, "
+                f"fluid layer '{layers[k].name}' has become too short at t = {t:.6g}{s}, step {self.steps}, "
                 f"{self._boundary(k)}: the {self.state.op.name} operator needs {least} points"
             )
 
@@ -185,7 +191,8 @@ class Integrator:
         record = self.state.layout.records[k]
         side = 0 if record["end_kind"][0] >= 0 else 1
         interface, boundary = record["x_interface"], record["end_x"][side]
-        return f"with its interface at x = {interface:.6g} m and its boundary at x = {boundary:.6g} m"
+        m = self.state.problem.unit("m")
+        return f"with its interface at x = {interface:.6g}{m} and its boundary at x = {boundary:.6g}{m}"
 
     # steps
 
@@ -195,7 +202,7 @@ class Integrator:
             bound = min(bound, self._proposal)
             self._control.begin()
         self._step, self._target = self._clock.step(self.t, bound)
-        self.state.results[SAID_STOP] = self.raised
+        self.state.results[SAID_STOP] = self.raised if self.state.fault is None else FAULT
         ts.setTimeStep(self._step)
         if self.burst:
             opt, series = self.opt, self.series
@@ -275,11 +282,22 @@ class Integrator:
                     if self._rates is not None:
                         self._rates.destroy()
                 if self._error is not None:
-                    # its frames hold the TS, which must not outlive the interpreter
-                    traceback.clear_frames(self._error.__traceback__)
+                    _clear_frames(self._error)
                     raise self._error
                 if self.state.results[LOW] and not self._clock.done:
                     self.state.grow(self.series.count)
                     self._on_grids()
         finally:
             self.wall_time += time.perf_counter() - begun
+
+
+def _clear_frames(error: BaseException | None) -> None:
+    """Empty the frames of an error, of its cause and of their callers: they hold the TS, which must not outlive the run."""
+    while error is not None:
+        traceback.clear_frames(error.__traceback__)
+        frame = error.__traceback__.tb_frame if error.__traceback__ else None
+        while frame is not None:
+            with suppress(RuntimeError):  # it is still at work
+                frame.clear()
+            frame = frame.f_back
+        error = error.__cause__ or error.__context__

@@ -30,6 +30,7 @@ class Reporter:
         self._name, self._opt, self._comm = name, opt, comm
         self._begun = self._last = time.monotonic()
         self._open_line = False
+        self._m, self._s = " m", " s"
         self._next = 32  # steps before the clock is asked
 
     def line(self, text: str) -> None:
@@ -42,13 +43,14 @@ class Reporter:
 
     def begin(self, state: State) -> None:
         """Say what is going to be computed."""
+        self._m, self._s = state.problem.unit("m"), state.problem.unit("s")
         grids = state.layout.grids
         points, reserve = sum(g.hi - g.lo + 1 for g in grids), sum(g.n - (g.hi - g.lo + 1) for g in grids)
         held = f" ({reserve} more in reserve)" if reserve else ""
         ranks = f"{self._comm.size} rank{'s' * (self._comm.size > 1)}"
         self.line(
-            f"{self._name}: order {state.op.name}, h = {state.h:g} m, {points} points{held} on {ranks}, "
-            f"to t = {self._opt['ts_max_time']:g} s"
+            f"{self._name}: order {state.op.name}, h = {state.h:g}{self._m}, {points} points{held} on {ranks}, "
+            f"to t = {self._opt['ts_max_time']:g}{self._s}"
         )
 
     def start(self) -> None:
@@ -67,8 +69,8 @@ class Reporter:
             self._interval = min(1.5 * self._interval, _RAREST)
         end = self._opt["ts_max_time"]
         left = (now - self._begun) * (end - t) / t if t > 0 else 0.0
-        done = f"  t = {t:.4g} of {end:g} s ({100 * t / end:.0f} %)"
-        text = f"{done}, step {steps}, dt = {dt:.3g} s, {_duration(left)} left"
+        done = f"  t = {t:.4g} of {end:g}{self._s} ({100 * t / end:.0f} %)"
+        text = f"{done}, step {steps}, dt = {dt:.3g}{self._s}, {_duration(left)} left"
         if self._terminal:
             print(f"\r{text:<78}", end="", flush=True)
             self._open_line = True
@@ -80,7 +82,7 @@ class Reporter:
         steps, wall = summary["steps"], summary["wall_time"]
         cost = f", {1e6 * wall / steps:.1f} µs per step" if steps else ""
         rejected = f" ({summary['rejected_steps']} rejected)" if summary["rejected_steps"] else ""
-        self.line(f"{summary['status']} at t = {summary['t']:g} s: {steps} steps{rejected} in {_duration(wall)}{cost}")
+        self.line(f"{summary['status']} at t = {summary['t']:g}{self._s}: {steps} steps{rejected} in {_duration(wall)}{cost}")
         places = ", ".join(f"{name} at x = {x:.6g}" for name, x in summary["interfaces"].items())
         self.line(f"interfaces: {places}; {summary['points']} points")
         self.line(_phases(summary["phases"]))

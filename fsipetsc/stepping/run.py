@@ -14,7 +14,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 import fsipetsc
-from fsipetsc.errors import ComputationError, FileError, FsiError
+from fsipetsc.errors import ComputationError, FileError, FsiError, InputError
 from fsipetsc.notes import PATIENCE, exchange
 from fsipetsc.output.writer import RunWriter
 from fsipetsc.parallel.fields import fields
@@ -25,7 +25,7 @@ from fsipetsc.stepping.frames import active_points, errors, layer_fields
 from fsipetsc.stepping.integrator import Integrator
 from fsipetsc.stepping.phases import LOOP, OUTPUT, SET_UP, Phases
 from fsipetsc.stepping.report import Reporter
-from fsipetsc.stepping.solve import make_state
+from fsipetsc.stepping.solve import build_problem, make_state
 from fsipetsc.stepping.state import State
 
 
@@ -44,10 +44,11 @@ def run_case(case: Any, options: Mapping[str, Any], comm: MPI.Comm) -> None:
     """
     phases = Phases()
     with phases(SET_UP):
-        problem = case.build(options)
+        problem = build_problem(case, options, comm)
         state = make_state(problem, options, comm)
     with state:
         with phases(SET_UP):
+            state.check_data()  # before there is a file
             run = _Run(case, options, comm, phases, state)
         run.go()
 
@@ -146,6 +147,7 @@ class _Run:
         if self.writer.kept_as is not None:
             self.report.line(f"kept the earlier {opt['fsi_output']} as {self.writer.kept_as}")
         failure: FsiError | None = None
+        found: dict[str, dict[str, float]] | None = None
         begun = time.perf_counter()
         try:
             self.report.begin(self.state)
@@ -157,14 +159,14 @@ class _Run:
                 integrator.run()
             self._last_frame()
             self._flush()  # so that the summary knows what it took
-        except ComputationError as error:
+            found = errors(self.state, integrator.t)
+        except (ComputationError, InputError) as error:
             failure, self.checks = error, False
             self._flush()
         except BaseException as error:
             self._rescue(error, time.perf_counter() - begun)
             raise
         self.notes.Free()
-        found = None if failure else errors(self.state, integrator.t)
         summary = self._summary(time.perf_counter() - begun, failure)
         self.writer.finish(summary, found)
         self.report.end(summary, found, self.writer.path)
@@ -173,9 +175,9 @@ class _Run:
             raise failure
         if integrator.stop_signal:
             number = integrator.stop_signal
-            name = signal.Signals(number).name
+            name, s = signal.Signals(number).name, self.problem.unit("s")
             raise Interrupted(
-                number, f"stopped by {name} at t = {integrator.t:.6g} s; the result so far is in {self.writer.path}"
+                number, f"stopped by {name} at t = {integrator.t:.6g}{s}; the result so far is in {self.writer.path}"
             )
 
     def _rescue(self, error: BaseException, wall: float) -> None:

@@ -9,11 +9,15 @@ from typing import Any
 from mpi4py import MPI
 from petsc4py import PETSc
 
+from fsipetsc.blame import call, place_of
+from fsipetsc.checks import described
+from fsipetsc.errors import InputError
 from fsipetsc.problem import Problem
 from fsipetsc.stepping.frames import active_points, errors
 from fsipetsc.stepping.integrator import Integrator
 from fsipetsc.stepping.phases import LoggedState
 from fsipetsc.stepping.state import State
+from fsipetsc.together import together
 
 
 @dataclass(frozen=True)
@@ -32,6 +36,19 @@ class Outcome:
     errors: dict[str, dict[str, float]] | None
 
 
+def build_problem(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Problem:
+    """What the case says for the options in force. Collective; InputError, with file and line of a user's case file."""
+
+    def build() -> Problem:
+        problem = call(case.build, (opt,), "build")
+        if not isinstance(problem, Problem):
+            found = "nothing (is its return missing?)" if problem is None else described(problem)
+            raise InputError(f"{place_of(case.build)}: build(opt) returns {found}: expected a fsipetsc.problem.Problem")
+        return problem
+
+    return together(comm, build)
+
+
 def make_state(problem: Problem, opt: Mapping[str, Any], comm: MPI.Comm) -> State:
     """The state that the options in force ask for; with -log_view one that logs what it does. Collective.
 
@@ -48,7 +65,7 @@ def solve(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Outcome:
 
     Raises InputError and ComputationError.
     """
-    with make_state(case.build(opt), opt, comm) as state:
+    with make_state(build_problem(case, opt, comm), opt, comm) as state:
         integrator = Integrator(
             state,
             opt,

@@ -8,17 +8,22 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
+from fsipetsc import given
 from fsipetsc.boundaries import NODES
-from fsipetsc.errors import FsiError
+from fsipetsc.errors import FsiError, InputError
 from fsipetsc.operators.cache import cache_folder, garbage_waiting
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.advance import STAGES, advance
-from fsipetsc.parallel.completion import LOW
+from fsipetsc.parallel.completion import LOW, SAID_STOP
 from fsipetsc.parallel.layout import Grid, Layout, make_grids
 from fsipetsc.parallel.pace import MADE
 from fsipetsc.parallel.plan import FLAGS, FORCING, LIMITS, PACE, make_plan
 from fsipetsc.physics.layer import DOF, FLUID
 from fsipetsc.problem import FluidLayer, Problem
+from fsipetsc.together import agree, together
+
+#: what a rank says of STOP whose user's functions have failed: more than any signal
+FAULT = 1000.0
 
 
 class State:
@@ -47,6 +52,7 @@ class State:
         self._coupling, self._mode, self._spare = coupling, mode, spare
         self._entropy, self._shared = entropy, shared
         self.evaluations = 0
+        self.fault: InputError | None = None  # of a user's function, on this rank
         self._place(make_grids(problem, self.op, h, spare))
 
     def compile(self, announce: Callable[[str], None], also: Callable[[], object] = lambda: None) -> None:
@@ -79,33 +85,67 @@ class State:
         self.journal, self.latest = self.plan.journal, self.plan.latest
 
     def set_data(self, t: float) -> None:
-        """Evaluate boundary data, jumps and forcing at time t [s] for the next evaluation of the right-hand side."""
+        """Evaluate boundary data, jumps and forcing at time t [s] for the next evaluation of the right-hand side.
+
+        If a function of the user's fails, here alone perhaps, the data stay as they are, the step goes on, and all ranks
+        learn of it when it is complete: see ``fault``.
+        """
+        try:
+            self._set_data(t)
+        except InputError as error:
+            self.fault = self.fault or error
+            self.results[SAID_STOP] = FAULT
+
+    def _set_data(self, t: float) -> None:
         problem, records = self.problem, self.layout.records
-        for k, side, end in ((0, 0, problem.left), (len(records) - 1, 1, problem.right)):
-            values = end.data(t)
+        for k, side in ((0, 0), (len(records) - 1, 1)):
+            values = given.end_data(problem, side, t)
             records[k]["end_data"][side, : len(values)] = values
         if problem.jumps is not None:
             for k, face in enumerate(self.plan.faces):
-                face["jump"] = problem.jumps(k, t)
+                face["jump"] = given.jumps(problem, k, t)
         for k, layer in enumerate(problem.layers):
             if layer.forcing is not None and records[k]["present"]:
                 part = self.plan.owned(k, FORCING)
-                for c, values in enumerate(layer.forcing(self.layout.owned_X(k), t)):
+                for c, values in enumerate(given.fields(layer, "forcing", self.layout.owned_X(k), t, self.active(k))):
                     part[:, c] = values
 
+    def active(self, k: int) -> slice:
+        """The active ones among this rank's points of layer k."""
+        record = self.layout.records[k]
+        own, begin, end = int(record["own_lo"]), int(record["lo"]), int(record["hi"]) + 1
+        return slice(max(begin - own, 0), max(end - own, 0))
+
     def set_initial(self) -> None:
-        """Initial data of all layers, projected; t = 0."""
-        y = self.solution.getArray()
+        """Initial data of all layers, projected; t = 0. InputError where they are not what they must be."""
+        self.check_data()
+        self.finish()
+
+    def check_data(self) -> None:
+        """Ask the user's functions for all data at t = 0. InputError, on all ranks, where they are not what they must be."""
+        edges = self.comm.allgather(together(self.comm, self._set_initial))
+        given.check_ends(self.problem, {point: x for found in edges for point, x in found.items()}, self.h)
+        self.set_data(0.0)
+        agree(self.comm, self.fault)
+
+    def _set_initial(self) -> dict[tuple[int, int], float]:
+        """Returns (solid layer, end) -> initial x of the end points [m] that this rank owns."""
+        y, edges = self.solution.getArray(), {}
         for k, layer in enumerate(self.problem.layers):
             if not self.layout.records[k]["present"]:
                 continue
-            fields = [np.broadcast_to(v, self.layout.owned_X(k).shape) for v in layer.initial(self.layout.owned_X(k))]
+            X = self.layout.owned_X(k)
+            fields = given.initial(layer, X, self.active(k))
+            if layer.exact is not None:  # not found out at the end
+                given.fields(layer, "exact", X, 0.0, self.active(k))
             if isinstance(layer, FluidLayer):
                 self.layout.local(k, y)[:] = layer.material.conserved(*fields)
             else:
                 self.layout.local(k, y)[:] = np.stack(fields, axis=-1)
-        self.set_data(0.0)
-        self.finish()
+                record = self.layout.records[k]
+                edges |= {(k, 0): fields[3][0]} if record["own_lo"] == 0 else {}
+                edges |= {(k, 1): fields[3][-1]} if record["own_hi"] == record["n"] else {}
+        return edges
 
     def right_hand_side(self, y: np.ndarray, f: np.ndarray) -> None:
         """f = dy/dt of this rank's part, at the projected y, for the data set last."""

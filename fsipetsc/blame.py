@@ -1,0 +1,84 @@
+"""Whose code is at fault: file, line and reason of errors that come out of users' functions."""
+
+from __future__ import annotations
+
+import os
+import traceback
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+from fsipetsc.errors import FsiError, InputError
+
+_PACKAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "")
+_CASES = os.path.join(_PACKAGE, "cases", "")
+_LIBRARIES = (os.path.join(os.path.dirname(os.path.abspath(os.__file__)), ""), _PACKAGE)
+
+
+def explain(error: BaseException, path: str | os.PathLike[str]) -> str:
+    """One line about an error that came out of a case file: file, line, reason."""
+    if isinstance(error, SyntaxError):
+        own = error.filename is None or os.path.realpath(error.filename) == os.path.realpath(path)
+        return f"case file {path if own else error.filename}, line {error.lineno}: {error.msg}"
+    lines = [frame.lineno for frame in frames_in(error, path)]
+    line = f", line {lines[-1]}" if lines else ""
+    return f"case file {path}{line}: {reason(error)}"
+
+
+def reason(error: BaseException) -> str:
+    """What an exception says, on one line."""
+    text = " ".join(str(error).split())
+    if isinstance(error, FsiError):
+        return text
+    if isinstance(error, SystemExit):
+        return "SystemExit: sys.exit() is called; a case file describes a problem and must not end the program"
+    return type(error).__name__ + (f": {text}" if text else "")
+
+
+def frames_in(error: BaseException, path: str | os.PathLike[str]) -> list[traceback.FrameSummary]:
+    """The frames of an error's traceback that lie in a file."""
+    path = os.path.realpath(path)
+    return [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename == path]
+
+
+def call(function: Callable[..., Any], arguments: tuple[Any, ...], where: str) -> Any:
+    """function(*arguments), a user's; InputError with file and line for whatever it raises, perhaps on this rank alone.
+
+    where: what the function is, in a message.
+    """
+    try:
+        return function(*arguments)
+    except (KeyboardInterrupt, MemoryError):
+        raise
+    except BaseException as error:  # SystemExit of one rank would leave the others waiting
+        if isinstance(error, FsiError) and getattr(function, "__module__", "").startswith("fsipetsc.cases."):
+            raise  # it is about an option
+        message = f"{place_of_error(error, function)}: {where}: {reason(error)}"
+        raise InputError(message, collective=False) from error
+
+
+def place_of_error(error: BaseException, function: Callable[..., Any]) -> str:
+    """"file, line N" where an error left the user's code; where the function is defined if it never was in it."""
+    for frame in reversed(traceback.extract_tb(error.__traceback__)):
+        name = os.path.abspath(frame.filename)
+        known = name.startswith(_LIBRARIES) and not name.startswith(_CASES)
+        if not known and not {"site-packages", "dist-packages"} & set(name.split(os.sep)) and os.path.isfile(name):
+            return f"{_short(name)}, line {frame.lineno}"
+    return place_of(function)
+
+
+def place_of(function: Callable[..., Any]) -> str:
+    """"file, line N" where a function is defined; its description if that is not known."""
+    while isinstance(function, partial):
+        function = function.func
+    for found in (function, getattr(function, "__wrapped__", None), type(function).__call__):
+        code = getattr(found, "__code__", None)
+        if code is not None:
+            return f"{_short(code.co_filename)}, line {code.co_firstlineno}"
+    return getattr(function, "__name__", type(function).__name__)
+
+
+def _short(name: str) -> str:
+    """A path as a user would write it."""
+    inside = os.path.relpath(name)
+    return name if inside.startswith(os.pardir) else inside

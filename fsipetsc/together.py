@@ -1,0 +1,36 @@
+"""What each rank does for itself, and all go on from together: nobody waits for one that has failed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, TypeVar
+
+from fsipetsc.errors import FsiError
+
+if TYPE_CHECKING:
+    from mpi4py import MPI
+
+T = TypeVar("T")
+
+
+def together(comm: MPI.Comm, action: Callable[[], T]) -> T:
+    """What action() returns on this rank. Collective, though the action must not be.
+
+    If it raises an FsiError on any rank, all ranks raise the error of the lowest one.
+    """
+    fault, result = None, None
+    try:
+        result = action()
+    except FsiError as error:
+        fault = error
+    agree(comm, fault)
+    return result
+
+
+def agree(comm: MPI.Comm, fault: FsiError | None) -> None:
+    """Raise the fault of the lowest rank that has one, on all ranks; none may have. Collective."""
+    known = comm.allgather(None if fault is None else (type(fault), str(fault)))
+    first = next((entry for entry in known if entry is not None), None)
+    if first is not None:
+        kind, message = first
+        raise kind(message) from fault
