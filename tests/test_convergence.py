@@ -71,6 +71,11 @@ def test_table_1_says_where_ours_differ():
     assert "fluid 8/4 (5.0 for 4.9)" in text.split("higher than in the paper: ")[1]
 
 
+@pytest.mark.parametrize("rate", [-0.3, 0.5, 2.8, 3.7, 4.6])
+def test_the_reason_is_given_where_the_exponent_supports_it(rate):
+    assert "closures of order 3" not in table1.compare(made(rates=(2.0, 3.0, rate, 5.0)))
+
+
 def test_command(tmp_path):
     args = ("-m", "fsipetsc", "convergence", "mms", "-fsi_orders", "2,6", "-fsi_hs", "0.025,0.05")
     done = run(*args, cwd=tmp_path)

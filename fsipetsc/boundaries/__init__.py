@@ -157,7 +157,7 @@ def fill_ghost(layer, op, side, delta, nodes, new):
     elif kind == OPEN:
         _open.open_end(layer, side, normal, nodes, weights, slopes)
     elif kind == DIRICHLET:
-        _dirichlet.dirichlet(layer, side, normal, nodes, weights, slopes)
+        _dirichlet.dirichlet(layer, side, normal, nodes, weights)
 
 
 @njit(**OPTIONS)

@@ -151,13 +151,19 @@ def lagrange(delta, degree, weights, slopes):
 
 @njit(**OPTIONS)
 def dirichlet_ghost(g, v, weights, degree):
+    """``bounded_ghost`` with the usual bound, 1/4."""
+    return bounded_ghost(g, v, weights, degree, 0.25)
+
+
+@njit(**OPTIONS)
+def bounded_ghost(g, v, weights, degree, least):
     """Value of the ghost point (node 0) so that the interpolant takes the value g at the boundary.
 
-    v[1..degree] are the nodes inside. The q-th difference is added with eta = max(0, 1/4 - L_0): the formula
+    v[1..degree] are the nodes inside. The q-th difference is added with eta = max(0, least - L_0): the formula
     of Kreiss & Petersson (2006) as in (4.26), but with an eta that vanishes where L_0 is large enough, because
     a constant one spoils the accuracy when the boundary is close to the ghost point.
     """
-    eta = max(0.0, 0.25 - weights[0])
+    eta = max(0.0, least - weights[0])
     s = g
     binomial = 1.0
     for k in range(1, degree + 1):
