@@ -2,11 +2,11 @@
 
 Seen from the boundary, with n the outward normal and c the speed of sound,
 
-    | | rates of a gas without viscosity | and with it |
+    | | without viscosity | what viscosity (u) and conduction (T) add |
     |---|---|---|
-    | inflow faster than sound | rho, u, T | rho, u, T |
-    | inflow | p - n Z u, entropy | and u, T: three in all |
-    | outflow | p - n Z u | and u, T |
+    | inflow faster than sound | rho, u, T | nothing new |
+    | inflow | p - n Z u, entropy | u, T: three in all |
+    | outflow | p - n Z u | u, T |
     | outflow faster than sound | nothing | u, T |
 
 The two columns are imposed at two places. *The ghost point itself* takes what comes in along characteristics from the
@@ -21,8 +21,9 @@ outflow is what the first point inside says.
 nu/(c h) < 10: by up to 1.6 c/h a second. Two and one alone leave viscous problems without a unique solution: no convergence
 once nu/(c h) is about 1.) Around a uniform flow, Mach -2 to 1.5, nu/(c h) 0 to 10, no mode grows and the classical Runge-Kutta
 method is stable at Courant number 0.8: tests/test_ends.py. The exception is a boundary that stays within 0.15 h of the first
-point inside with degree 4 or 5 (6/3, 8/4): incoming waves then grow, by at most 0.02 c/h. (A least weight of the ghost point
-in the formulas that falls from 1/4 to 1/10 there ends it, but makes the errors of ``mms`` up to four times as large.)
+point inside with degree 4 or 5 (6/3, 8/4): incoming waves then grow, by less than a factor of e in the time L/c, L the width
+of the layer. (A least weight of the ghost point in the formulas that falls from 1/4 to 1/10 there ends it, but makes the errors
+of ``mms`` up to four times as large.)
 """
 
 from __future__ import annotations
