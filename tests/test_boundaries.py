@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from helpers import from_python
@@ -25,6 +27,7 @@ from fsipetsc.boundaries import (
     fill_ghost,
     note_gradient,
 )
+from fsipetsc.boundaries.wall import insulated_slopes
 from fsipetsc.errors import InputError
 from fsipetsc.operators import OPERATORS, packed
 from fsipetsc.operators.kernels import dirichlet_ghost, extrapolate, lagrange, neumann_ghost
@@ -33,6 +36,8 @@ fill_ghost, close_solid, note_gradient = map(from_python, (fill_ghost, close_sol
 lagrange, dirichlet_ghost, neumann_ghost, extrapolate = map(
     from_python, (lagrange, dirichlet_ghost, neumann_ghost, extrapolate)
 )
+
+insulated_slopes = from_python(insulated_slopes)
 
 DEGREES = pytest.mark.parametrize("degree", [2, 3, 4, 5])
 DELTAS = (0.0, 1e-6, 0.2, 0.5, 0.75, 0.999)
@@ -121,12 +126,67 @@ def test_wall(side, delta):
     _, before, after = filled(WALL, side, delta)
     n, old, ghost = 2 * side - 1, before[:, 0], after[:, 0]
     weights, slopes = weights_at(delta, 2)
+    degree = insulated_slopes(delta, 2, slopes)
     impedance = old[0] * GAS.sound_speed(old[2])
     np.testing.assert_allclose(pressure(ghost) + n * impedance * ghost[1], pressure(old) + n * impedance * old[1], rtol=1e-14)
-    assert abs(slopes[:3] @ after[2, :3]) < 1e-11, "the heat flux through the wall"
+    assert abs(slopes[: degree + 1] @ after[2, : degree + 1]) < 1e-11, "the heat flux through the wall"
     if weights[0] >= 0.25:
         assert abs(weights[:3] @ after[1, :3]) < 1e-13, "the velocity at the wall"
     assert np.array_equal(after[:, 1:], before[:, 1:])
+
+
+def near_the_wall(order: int) -> np.ndarray:
+    """E of the wall's formula for h = 1: D E = -e with e the error of D on x^(s+1)/(s+1)!, bounded far inside."""
+    op, n = OPERATORS[order], 80
+    s, D, x = order // 2, op.matrix(n), np.arange(float(n))
+    e = D @ x ** (s + 1) / math.factorial(s + 1) - x**s / math.factorial(s)
+    e[op.rows :] = 0.0
+    rows, known = [*D[: n - op.rows]], [*-e[: n - op.rows]]
+    for j in range(n - 20, n - 2):  # constant and the shortest wave
+        rows.append(np.eye(n)[j + 2] - np.eye(n)[j])
+        known.append(0.0)
+    E = np.linalg.lstsq(np.array(rows), np.array(known), rcond=None)[0]
+    np.testing.assert_allclose(np.array(rows) @ E, known, atol=1e-11)
+    return E
+
+
+@ORDERS
+def test_temperature_at_the_wall(order):
+    """The formula is exact on what has no slope at the wall up to degree s, and on what D makes of degree s + 1."""
+    s, E = order // 2, near_the_wall(order)
+    for delta in DELTAS:
+        _, slopes = weights_at(delta, s)
+        degree = insulated_slopes(delta, s, slopes)
+        distance = np.arange(NODES) - delta
+        for power in [0, *range(2, s + 1)]:
+            values = distance**power
+            np.testing.assert_allclose(neumann_ghost(values, slopes, degree), values[0], rtol=1e-10, atol=1e-10)
+        if order < 8:
+            values = distance ** (s + 1) / math.factorial(s + 1) + E[:NODES]
+            np.testing.assert_allclose(neumann_ghost(values, slopes, degree), values[0], rtol=1e-10, atol=1e-10)
+        assert abs(slopes[0]) > 0.4 and np.abs(slopes[1 : degree + 1] / slopes[0]).max() < 1.35, "what damps"
+
+
+@ORDERS
+def test_heat_beside_an_insulated_wall(order):
+    """T_t = T_XX beside the formula: cos converges with order s + 1; undamped, with 1 at 2/1, 3 at 6/3."""
+
+    def error(cells: int, delta: float) -> float:
+        n, h = cells + 1, 1 / (cells - delta)
+        x = (np.arange(n) - delta) * h
+        D, fill = OPERATORS[order].matrix(n, h), np.eye(n)
+        _, slopes = weights_at(delta, order // 2)
+        degree = insulated_slopes(delta, order // 2, slopes)
+        fill[0] = [neumann_ghost(row, slopes, degree) for row in np.pad(np.eye(n), ((0, 0), (0, NODES)))[:, :NODES]]
+        fill[-1] = 0.0  # T = 0 at the other end
+        values, modes = np.linalg.eig(fill @ D @ D @ fill)
+        assert values.real.max() < 1e-8
+        start = fill @ np.cos(np.pi / 2 * x)
+        end = (modes * np.exp(values * 0.2)) @ np.linalg.solve(modes, start)
+        return float(np.abs(end.real - np.exp(-0.2 * np.pi**2 / 4) * np.cos(np.pi / 2 * x))[1:].max())
+
+    for delta in (0.0, 0.4, 0.9):
+        assert np.log2(error(32, delta) / error(64, delta)) > {2: 1.9, 4: 2.9, 6: 3.9, 8: 3.5}[order]
 
 
 @SIDES

@@ -27,7 +27,7 @@ CLAMPED, FREE, ABSORBING = 10, 11, 12
 #: degrees that a formula may have
 DEGREES = (2, 3, 4, 5)
 #: nodes that a formula may use, ghost point included
-NODES = DEGREES[-1] + 1
+NODES = 8
 
 
 def nodes_needed(degree: int) -> int:
@@ -153,7 +153,7 @@ def fill_ghost(layer, op, side, delta, nodes, new):
         for k in range(3):
             nodes[k, 0] = extrapolate(nodes[k], degree)
     if kind == WALL:
-        _wall.wall(layer, side, normal, nodes, weights, slopes)
+        _wall.wall(layer, op, side, normal, delta, nodes, weights, slopes)
     elif kind == OPEN:
         _open.open_end(layer, side, normal, nodes, weights, slopes)
     elif kind == DIRICHLET:

@@ -27,17 +27,18 @@ def boundary_distance(layer, side):
 
 
 @njit(**OPTIONS)
-def ghost_of(layer, side):
-    """(ghost point of an embedded boundary, step inwards, whether this rank has the points that a formula takes)."""
+def ghost_of(head, layer, side):
+    """(ghost point of an embedded boundary, step inwards, most points inside of it that a formula takes, has this rank all)."""
     G, step = (layer.lo, 1) if side == 0 else (layer.hi, -1)
-    return G, step, holds(layer, G) and holds(layer, G + step * min(NODES - 1, layer.hi - layer.lo))
+    depth = min(NODES - 1, head.width, layer.hi - layer.lo)
+    return G, step, depth, holds(layer, G) and holds(layer, G + step * depth)
 
 
 @njit(**OPTIONS)
 def fetch_nodes(head, layer, memory, area, side, first):
     """(rho, u, T) of the ghost point (0) and those inside of it from number ``first`` on, as ``fill_ghost`` takes them."""
-    nodes, (G, step, _) = rows_at(memory, head.nodes, 5, NODES), ghost_of(layer, side)
-    for k in range(first, min(NODES - 1, layer.hi - layer.lo) + 1):
+    nodes, (G, step, depth, _) = rows_at(memory, head.nodes, 5, NODES), ghost_of(head, layer, side)
+    for k in range(first, depth + 1):
         w = work_point(head, layer, area, G + step * k)
         rho = memory[U64(w)]
         u = memory[U64(w + layer.stride)] / rho
@@ -52,7 +53,7 @@ def fill_embedded(head, layer, memory, area, side, new):
 
     new: the point has no values yet.
     """
-    G, _, here = ghost_of(layer, side)
+    G, _, _, here = ghost_of(head, layer, side)
     if not here:
         return
     nodes = fetch_nodes(head, layer, memory, area, side, 1 if new else 0)
@@ -67,7 +68,7 @@ def note_gradients(head, layers, memory, area):
     """Note what the gradients take at the ghost points of a work area that has been settled elsewhere."""
     for layer in layers:
         for side in range(2):
-            if layer.kind == FLUID and layer.end_kind[side] != INTERFACE_END and ghost_of(layer, side)[2]:
+            if layer.kind == FLUID and layer.end_kind[side] != INTERFACE_END and ghost_of(head, layer, side)[3]:
                 nodes = fetch_nodes(head, layer, memory, area, side, 0)
                 note_gradient(layer, side, layer.hi - layer.lo - boundary_distance(layer, side), nodes)
 
