@@ -31,7 +31,7 @@ DISCRETISATION = (
     Option("fsi_h", float, REQUIRED, "m", "grid spacing; interfaces must fall on grid points", check="positive"),
     Option("fsi_cfl", float, 0.8, "", "Courant number of the time step; -ts_dt replaces it", check="positive"),
     Option(
-        "fsi_coupling", str, "projection", "", "treatment of the interfaces", ("projection", "energy", "traditional")
+        "fsi_coupling", str, "energy", "", "treatment of the interfaces", ("projection", "energy", "traditional")
     ),
     Option(
         *("fsi_spare", int, 16, "points", "free points kept beyond each embedded boundary before storage is enlarged"),

@@ -44,7 +44,7 @@ OPTIONS = (
     Option("mms_phi", "float", 0.47, "", "phase phi of (5.1b)"),
     Option("mms_degree", "int", None, "", "degree of the embedded-boundary formulas; default: what suits the order", DEGREES),
 )
-DEFAULTS = {"fsi_h": 0.0125, "fsi_order": 4, "ts_max_time": 0.45, "fsi_output_dt": 0.05}
+DEFAULTS = {"fsi_h": 0.0125, "fsi_order": 4, "ts_max_time": 0.45, "fsi_output_dt": 0.05, "fsi_coupling": "projection"}
 
 LEFT, RIGHT = 0.25, 4.0
 
