@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import os
 import sys
-from collections.abc import Sequence
-from typing import Any, NamedTuple
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fsipetsc.cases import BUILT_IN, load_case, summaries
-from fsipetsc.errors import InputError
+from fsipetsc.errors import FileError, InputError
 from fsipetsc.failure import settle
-from fsipetsc.launch import HELP_FLAGS, launcher_rank, start_mpi, start_petsc
-from fsipetsc.options import read_options
+from fsipetsc.interrupts import Launcher, held_back, raised
+from fsipetsc.launch import launcher_rank, start_mpi, start_petsc
+from fsipetsc.options import Option, read_options, table
 from fsipetsc.process import left_as_found
+from fsipetsc.sources import HELP_FLAGS
+from fsipetsc.streams import abandon_stdout, complete_streams, heedless
 from fsipetsc.together import together
 from fsipetsc.usage import case_help, command_help, overview, program
+
+if TYPE_CHECKING:
+    from mpi4py import MPI
 
 
 class Command(NamedTuple):
@@ -24,7 +31,7 @@ class Command(NamedTuple):
     target: "module:function", imported when it is called, with the list of arguments; a parallel one also gets the
     communicator of all ranks and starts PETSc itself (fsipetsc.launch.start_petsc). options: "module:name" of its own
     options, heading -> Options (fsipetsc.options.read_table), which -help lists, or of a function of the arguments that
-    returns them.
+    returns them. prints: what it prints is what it is for; else nothing is lost where nothing can be printed.
     """
 
     arguments: str
@@ -32,6 +39,7 @@ class Command(NamedTuple):
     target: str
     parallel: bool = False
     options: str = ""
+    prints: bool = False
 
 
 COMMANDS = {
@@ -50,6 +58,7 @@ COMMANDS = {
         "fsipetsc.analysis.stability:stability",
         parallel=True,
         options="fsipetsc.analysis.stability_options:SECTIONS",
+        prints=True,
     ),
     "bench": Command(
         "[-option value ...]",
@@ -75,21 +84,29 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _main(arguments: list[str]) -> int:
-    for stream in (sys.stdout, sys.stderr):
-        if hasattr(stream, "reconfigure"):
-            stream.reconfigure(errors="replace")  # a terminal that lacks a letter must not end a run
+    complete_streams()
     if _is_run(arguments):
         return _in_parallel(arguments)
     if launcher_rank() > 0:
         return 0  # rank 0 alone answers
     try:
         _answer(arguments)
-        sys.stdout.flush()
+        _flush()
     except BrokenPipeError:  # the reader, a pager or head, has seen enough
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        abandon_stdout()
     except (Exception, KeyboardInterrupt) as error:
         return settle(error, None, debug="-fsi_debug" in arguments)
     return 0
+
+
+def _flush() -> None:
+    """Write out what has been printed, while an error can still be answered."""
+    try:
+        sys.stdout.flush()
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        raise FileError(f"the standard output cannot be written: {error.strerror}") from None
 
 
 def _is_run(arguments: Sequence[str]) -> bool:
@@ -103,14 +120,16 @@ def _is_run(arguments: Sequence[str]) -> bool:
 
 def _answer(arguments: list[str]) -> None:
     first = arguments[0] if arguments else "-help"
-    if any(word in _VERSION_FLAGS for word in arguments):
+    if first in _VERSION_FLAGS or (first not in COMMANDS and any(word in _VERSION_FLAGS for word in arguments)):
         print(f"fsipetsc {_version()}")
     elif first in HELP_FLAGS:
         print(overview(summaries(), {name: command[:2] for name, command in COMMANDS.items()}))
     elif first in COMMANDS:
         _run_command(first, arguments[1:])
     else:
-        print(case_help(load_case(first, tuple(COMMANDS)), first))
+        case = load_case(first, tuple(COMMANDS))
+        _check_help(arguments[1:], table(case))
+        print(case_help(case, first))
 
 
 def _run_command(name: str, arguments: list[str]) -> None:
@@ -119,11 +138,20 @@ def _run_command(name: str, arguments: list[str]) -> None:
         if command.options:
             options = _named(command.options)
             sections = options(arguments) if callable(options) else options
+            _check_help(arguments, {option.name: option for group in sections.values() for option in group})
             print(command_help(name, command.arguments, command.summary, sections))
         else:
             print(f"{program()} {name} {command.arguments}\n\n  {command.summary}")
         return
     _named(command.target)(arguments)
+
+
+def _check_help(arguments: Sequence[str], options: Mapping[str, Option]) -> None:
+    """Raise InputError if -help stands where the value of an option should."""
+    for word, following in zip(arguments, arguments[1:]):
+        option = options.get(word[1:].lower()) if word.startswith("-") else None
+        if option is not None and option.needs_value and following in HELP_FLAGS + _VERSION_FLAGS:
+            option.parse("")
 
 
 def _named(place: str) -> Any:
@@ -140,28 +168,49 @@ def _version() -> str:
 
 def _in_parallel(arguments: list[str]) -> int:
     """A run, or a command that all ranks do together. Collective."""
-    first, notes, case_file = arguments[0], None, None
-    debug = "-fsi_debug" in arguments
+    launcher, notes, status = Launcher(), None, 0
+    debug, case_file = "-fsi_debug" in arguments, None
     try:
-        world = start_mpi()
-        notes = world.Dup()
-        if first in COMMANDS:
-            _named(COMMANDS[first].target)(arguments[1:], world)
-            return 0
-        case_file = None if first in BUILT_IN else first
-        case = together(world, lambda: load_case(first, tuple(COMMANDS)))
-        start_petsc(arguments[1:], world)
-        options = read_options(case)
-        debug = options["fsi_debug"]
-        from fsipetsc.stepping.run import run_case
+        with held_back():  # until all ranks can be told
+            launcher.follow()
+            world = start_mpi()
+            notes = world.Dup()
+            _import_slowly()
+        with raised():
+            if arguments[0] in COMMANDS:
+                _command_in_parallel(arguments, world)
+            else:
+                case_file = None if arguments[0] in BUILT_IN else arguments[0]
+                with heedless():
+                    case = together(world, lambda: load_case(arguments[0], tuple(COMMANDS)))
+                    options = read_options(case, start_petsc(arguments[1:], world))
+                    debug = options["fsi_debug"]
+                    from fsipetsc.stepping.run import run_case
 
-        run_case(case, options, world)
+                    run_case(case, options, world)
+    except BrokenPipeError:
+        abandon_stdout()
     except (Exception, KeyboardInterrupt) as error:
-        return settle(error, notes, debug=debug, case_file=case_file)
+        status = settle(error, notes, debug=debug, case_file=case_file, launcher=launcher)
     finally:
+        launcher.leave_if_gone(status)
         if notes is not None:
             notes.Free()
-    return 0
+    return status
+
+
+def _import_slowly() -> None:
+    """Load what takes long and would be left half loaded by a signal; what is missing is missed where it is needed."""
+    for name in ("numpy", "numba", "petsc4py", "h5py"):
+        with contextlib.suppress(ImportError):
+            importlib.import_module(name)
+
+
+def _command_in_parallel(arguments: list[str], world: MPI.Comm) -> None:
+    command = COMMANDS[arguments[0]]
+    with contextlib.nullcontext() if command.prints else heedless():
+        _named(command.target)(arguments[1:], world)
+        _flush()
 
 
 def info(arguments: list[str]) -> None:

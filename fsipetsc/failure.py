@@ -10,9 +10,12 @@ from typing import TYPE_CHECKING
 from fsipetsc.blame import explain, frames_in
 from fsipetsc.errors import FsiError
 from fsipetsc.notes import PATIENCE, exchange
+from fsipetsc.streams import abandon_stdout, say_error
 
 if TYPE_CHECKING:
     from mpi4py import MPI
+
+    from fsipetsc.interrupts import Launcher
 
 #: PETSc's error codes that stand for something other than a fault of the program
 _PETSC_STATUS = {55: 3, 65: 4, 66: 4, 67: 4, 72: 3, 82: 3, 91: 3}
@@ -58,12 +61,19 @@ def _petsc_message(error: BaseException) -> str:
     )
 
 
-def settle(error: BaseException, notes: MPI.Comm | None, *, debug: bool = False, case_file: str | None = None) -> int:
+def settle(
+    error: BaseException,
+    notes: MPI.Comm | None,
+    *,
+    debug: bool = False,
+    case_file: str | None = None,
+    launcher: Launcher | None = None,
+) -> int:
     """Report an error, once over all ranks; returns the exit status, or stops all ranks if not all of them failed.
 
     notes: a communicator of all ranks that is used for nothing else; None without MPI. Called by every rank that
     failed. Each tells all others; the lowest that failed speaks, and if some rank is not heard of in time, it is
-    computing or waiting for us, and MPI_Abort ends it.
+    computing or waiting for us, and MPI_Abort ends it. Without the launcher, if there was one, each is on its own.
     """
     status, message, collective = describe(error, case_file)
     if notes is None or notes.size == 1:
@@ -71,6 +81,8 @@ def settle(error: BaseException, notes: MPI.Comm | None, *, debug: bool = False,
         return status
     if notes.rank == 0:
         _print(message, error, debug)
+    if launcher is not None:
+        launcher.leave_if_gone(status)
     failed = exchange(notes, status, PATIENCE[collective])
     if notes.rank == min(failed) != 0:
         _print(message, error, debug)
@@ -81,7 +93,10 @@ def settle(error: BaseException, notes: MPI.Comm | None, *, debug: bool = False,
 
 
 def _print(message: str, error: BaseException, debug: bool) -> None:
-    sys.stdout.flush()
+    try:
+        sys.stdout.flush()
+    except (OSError, ValueError):
+        abandon_stdout()
     if debug:
-        traceback.print_exception(type(error), error, error.__traceback__)
-    print(f"fsipetsc: error: {message}", file=sys.stderr, flush=True)
+        say_error("".join(traceback.format_exception(type(error), error, error.__traceback__)).rstrip())
+    say_error(f"fsipetsc: error: {message}")

@@ -24,7 +24,8 @@ _FALSE = ("false", "no", "0", "off")
 class Option:
     """One option.
 
-    name: without the dash, as in "solid_kappa". kind: int, float, str, bool, "ints" or "floats" (comma-separated).
+    name: without the dash, as in "solid_kappa". kind: int, float, str, bool, "ints" or "floats" (comma-separated), or
+    "optional", a text that may be left out and is "" then.
     default: a value, None (not set) or REQUIRED. unit: "" or "-" if there is none. choices: the only values allowed.
     check: "positive", "nonnegative" or a function of the value that returns None or True if it is fine and otherwise
     says what is expected, as in "a number below 1", or False.
@@ -47,19 +48,24 @@ class Option:
             raise ValueError(f"option '{self.name}': check is {self.check!r}: expected {', '.join(_CHECKS)} or a function")
         if not (self.choices is None or isinstance(self.choices, (tuple, list))):
             raise TypeError(f"option '{self.name}': choices is {self.choices!r}: expected a tuple")
-        if self.kind not in (*_KINDS.values(), "ints", "floats"):
-            raise TypeError(f"option '{self.name}': kind must be int, float, str, bool, 'ints' or 'floats'")
+        if self.kind not in _READERS:
+            raise TypeError(f"option '{self.name}': kind must be int, float, str, bool, 'ints', 'floats' or 'optional'")
         if not re.fullmatch(r"[A-Za-z]\w*", self.name):
             raise ValueError(f"option '{self.name}': a name is made of letters, digits and _, without the dash")
 
+    @property
+    def needs_value(self) -> bool:
+        """False if the name alone is enough."""
+        return self.kind not in ("bool", "optional")
+
     def parse(self, text: str) -> Any:
         """The value that a text from the options database stands for; InputError if it is none."""
-        if text == "" and self.kind != "bool":
+        if text == "" and self.needs_value:
             raise InputError(f"-{self.name} needs a value: {self.expected()}")
         try:
             return self.convert(_READERS[self.kind](text.strip()))
         except (ValueError, OverflowError):
-            raise InputError(f"bad value '{text}' for -{self.name}: expected {self.expected(text)}") from None
+            raise InputError(f"bad value '{brief(text)}' for -{self.name}: expected {self.expected(text)}") from None
 
     def convert(self, value: Any) -> Any:
         """A Python value as this option's type, checked; ValueError if it is not allowed."""
@@ -95,6 +101,12 @@ class Option:
         if not (verdict is None or isinstance(verdict, (str, bool))):
             raise InputError(f"check of -{self.name} returns {verdict!r}: expected None or True, else a text or False")
         return "a value within its range" if verdict is False else None if verdict is True else verdict or None
+
+
+def brief(text: str) -> str:
+    """A text for a message: in one line, and not all of it if it is long."""
+    line = " ".join("".join(c if c.isprintable() else " " for c in text).split())
+    return line if len(line) <= 80 else f"{line[:60]}… ({len(line)} characters)"
 
 
 def _read_int(text: str) -> int:
@@ -144,6 +156,7 @@ _READERS = {
     "bool": _read_bool,
     "ints": _list_of(_read_int),
     "floats": _list_of(_read_float),
+    "optional": str,
 }
 _CONVERTERS = {
     "int": _to_int,
@@ -152,6 +165,7 @@ _CONVERTERS = {
     "bool": _to_bool,
     "ints": lambda values: tuple(map(_to_int, values)),
     "floats": lambda values: tuple(map(_to_float, values)),
+    "optional": str,
 }
 _NOUNS = {
     "int": "a whole number",
@@ -160,4 +174,5 @@ _NOUNS = {
     "bool": "true or false, or no value for true",
     "ints": "whole numbers with commas and no spaces between them",
     "floats": "numbers with commas and no spaces between them",
+    "optional": "a text or nothing",
 }

@@ -1,23 +1,26 @@
 """The table of options: -help, checking, the options stored with a result and the documentation all come from it.
 
-Every option is read here, once, from PETSc's database, whatever way it came in: command line, -options_file, YAML,
-PETSC_OPTIONS. The rest of the program gets a dict of typed values.
+Every option is read here, once, whatever way it came in (fsipetsc.sources): command line, -options_file, YAML,
+PETSC_OPTIONS. The rest of the program gets a dict of typed values; PETSc's database gets what PETSc is to follow.
 """
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
+from math import isqrt
 from typing import Any
 
 from fsipetsc.errors import InputError
-from fsipetsc.option import INT_MAX, REQUIRED, Option
-from fsipetsc.petsc_names import KNOWN, NEWEST_LISTED, REFUSED, is_family_name, is_open_family_name
+from fsipetsc.option import INT_MAX, REQUIRED, Option, brief
+from fsipetsc.petsc_names import AT_START, IN_LOOP, IN_SOURCES, is_family_name, why_refused
+from fsipetsc.sources import Given
 
 __all__ = [
-    *("COMMON", "PETSC_OPTIONS", "REQUIRED", "Option", "defaults", "groups", "publish", "read_options", "read_table"),
-    "table",
+    *("COMMON", "PETSC_OPTIONS", "REQUIRED", "Option", "check_petsc", "defaults", "groups", "publish", "read_options"),
+    *("read_table", "table"),
 ]
 
 
@@ -25,6 +28,17 @@ def _increasing(times: Sequence[float]) -> str | None:
     rising = all(a < b for a, b in zip(times, times[1:]))
     return None if rising and min(times, default=0) >= 0 else "times that are not negative and increase"
 
+
+def _around_one(clip: Sequence[float]) -> str | None:
+    return None if len(clip) == 2 and 0 < clip[0] < 1 < clip[1] else "two numbers, one between 0 and 1 and one above 1"
+
+
+def _fraction(part: float) -> str | None:
+    return None if 0 < part <= 1 else "a number above 0 and not above 1"
+
+
+#: bytes of a file's name: MPI's input and output makes longer ones of it, and Open MPI 4 crashes on more than 255
+LONGEST_NAME = 150
 
 DISCRETISATION = (
     Option("fsi_order", int, 4, "", "interior order of the SBP operators", (2, 4, 6, 8)),
@@ -39,7 +53,11 @@ DISCRETISATION = (
     ),
 )
 OUTPUT = (
-    Option("fsi_output", str, None, "", "result file (HDF5); an earlier result is never destroyed silently"),
+    Option(
+        *("fsi_output", str, None, "", "result file (HDF5); an earlier result is never destroyed silently"),
+        check=lambda name: None if len(os.fsencode(os.path.basename(name))) <= LONGEST_NAME and "\0" not in name
+        else f"a file name of at most {LONGEST_NAME} bytes",
+    ),
     Option("fsi_output_dt", float, None, "s", "interval at which profiles are saved", check="positive"),
     Option("fsi_output_times", "floats", None, "s", "times at which profiles are saved: t0,t1,…", check=_increasing),
 )
@@ -77,6 +95,18 @@ PETSC_OPTIONS: tuple[Option, ...] = (
     Option("ts_adapt_type", str, "none", "", "step-size control by an error estimate", ("none", "basic")),
     Option("ts_rtol", float, 1e-4, "", "relative tolerance of step-size control", check="nonnegative"),
     Option("ts_atol", float, 1e-4, "", "absolute tolerance of step-size control", check="nonnegative"),
+    Option("ts_adapt_dt_min", float, None, "s", "step-size control: a run that needs less fails", check="positive"),
+    Option("ts_adapt_dt_max", float, None, "s", "step-size control: no step is longer", check="positive"),
+    Option("ts_adapt_clip", "floats", (0.1, 10.0), "", "step-size control: least and largest change", check=_around_one),
+    Option("ts_adapt_safety", float, 0.9, "", "step-size control: part of the step that seems possible", check=_fraction),
+    Option("ts_adapt_reject_safety", float, 0.5, "", "… and part of that after a refused step", check=_fraction),
+    Option("ts_ssp_type", str, "rks2", "", "method of ssp", ("rks2", "rks3", "rk104")),
+    Option("ts_ssp_nstages", int, None, "stages", "of rks2 (2 or more), of rks3 (4, 9, 16, …)", check=lambda n: n > 1),
+)
+#: those that are nothing without step-size control
+_OF_CONTROL = (
+    *("ts_rtol", "ts_atol", "ts_adapt_dt_min", "ts_adapt_dt_max", "ts_adapt_clip", "ts_adapt_safety"),
+    "ts_adapt_reject_safety",
 )
 #: other spellings: of another release of PETSc, or deprecated there
 _ALIASES = {"ts_time_step": "ts_dt", "ts_final_time": "ts_max_time"}
@@ -140,82 +170,87 @@ def _with_default(option: Option, overrides: Mapping[str, Any], case_name: str) 
         raise InputError(message) from None
 
 
-def read_options(case: Any, extra: Sequence[Option] = ()) -> dict[str, Any]:
-    """Name -> typed value of every option in force, from PETSc's database (PETSc must be initialised).
+def read_options(case: Any, given: Mapping[str, Given], extra: Sequence[Option] = ()) -> dict[str, Any]:
+    """Name -> typed value of every option in force; PETSc must be initialised, and gets those that it is to follow.
 
-    Not collective; the database is the same on all ranks. Raises InputError for an unknown name, a missing or bad
-    value and for options that contradict each other. Time-integration options are completed in the database, so that
-    TSSetFromOptions sees them.
+    given: what the user gave (fsipetsc.launch.start_petsc). Not collective; the same on all ranks. Raises InputError for
+    an unknown name, a missing or bad value and for options that contradict each other.
     """
-    values, chosen = _read(table(case, extra))
+    values, chosen = _read(table(case, extra), given)
     _check_together(values, chosen)
-    if _watched():
-        values["fsi_burst"] = 1
+    from petsc4py import PETSc
+
+    for option in IN_LOOP:
+        PETSc.Options().delValue(option.name)
+        if option.name in given:
+            PETSc.Options().setValue(option.name, given[option.name].text)
+    if any(option.name in given for option in IN_LOOP) or "log_view" in given:
+        values["fsi_burst"] = 1  # something of PETSc's is to see every step
     publish(values)
     return values
 
 
-def _watched() -> bool:
-    """Something of PETSc's is to see every step."""
-    from petsc4py import PETSc
-
-    return any(name.lower().startswith(("ts_monitor", "ts_save_trajectory", "log_")) for name in PETSc.Options().getAll())
-
-
-def read_table(sections: Mapping[str, Sequence[Option]]) -> dict[str, Any]:
-    """Name -> typed value of the options of a command that runs no case, from PETSc's database.
+def read_table(sections: Mapping[str, Sequence[Option]], given: Mapping[str, Given]) -> dict[str, Any]:
+    """Name -> typed value of the options of a command that runs no case.
 
     sections: heading -> options, as for ``groups``. InputError for an unknown name or a bad value.
     """
-    return _read({option.name.lower(): option for options in sections.values() for option in options})[0]
+    return _read({option.name.lower(): option for options in sections.values() for option in options}, given)[0]
 
 
-def _read(options: Mapping[str, Option]) -> tuple[dict[str, Any], dict[str, str]]:
+def check_petsc(given: Mapping[str, Given]) -> None:
+    """Raise InputError for an option of PETSc's that does not work here, and for a bad value of one that PETSc reads."""
+    for option in AT_START + IN_LOOP:
+        if option.name in given:
+            _value(option, given[option.name])
+    known = {option.name for option in _PASSED_ON + PETSC_OPTIONS} | set(_ALIASES)
+    for name, one in given.items():
+        if name not in known:
+            nearest = get_close_matches(name, known, 1, 0.85)
+            reason = why_refused(name)
+            if reason and not nearest:
+                raise InputError(f"-{brief(one.name)} cannot be used here{one.where}: {reason}")
+
+
+#: what this table does not read
+_PASSED_ON = AT_START + IN_LOOP + IN_SOURCES
+
+
+def _read(options: Mapping[str, Option], given: Mapping[str, Given]) -> tuple[dict[str, Any], dict[str, str]]:
     """(name -> value, name -> how the user spelt it); options: name in lower case -> option."""
-    from petsc4py import PETSc
-
-    database = PETSc.Options()
-    given = database.getAll()  # name as typed -> text, perhaps cut at a blank
-    _check_names(given, options, database)
+    _check_names(given, options)
     values = {option.name: option.default for option in options.values()}
     chosen: dict[str, str] = {}
-    for name in given:
-        option = options.get(_ALIASES.get(name.lower(), name.lower()))
+    for lower, one in given.items():
+        option = options.get(_ALIASES.get(lower, lower))
         if option is None:
             continue
-        value = option.parse(_text(database, name, given[name]))
+        value = _value(option, one)
         if option.name in chosen and values[option.name] != value:
-            raise InputError(f"-{chosen[option.name]} and -{name} mean the same; give one of them")
-        values[option.name], chosen[option.name] = value, name
+            raise InputError(f"-{chosen[option.name]} and -{one.name} mean the same; give one of them")
+        values[option.name], chosen[option.name] = value, one.name
     return values, chosen
 
 
-def _text(database: Any, name: str, listed: str | None) -> str:
-    """The value of an option; asking for it marks it as used, for -options_left. "" if it has none."""
-    text = database.getString(name)
-    return listed if listed and len(listed) > len(text) else text  # getString cuts at 1023 characters
+def _value(option: Option, one: Given) -> Any:
+    """The value of an option as it was given; InputError says where."""
+    try:
+        return option.parse(one.text)
+    except InputError as error:
+        raise InputError(f"{error}{one.where}") from None
 
 
-def _check_names(given: Mapping[str, str | None], options: Mapping[str, Option], database: Any) -> None:
-    names = KNOWN.union(options, _ALIASES)
-    spelt = KNOWN.union((option.name for option in options.values()), _ALIASES)
-    unknown = []
-    for name in sorted(given):
-        lower = name.lower()
-        if lower in REFUSED:
-            raise InputError(f"-{name} cannot be used here: {REFUSED[lower]}")
-        if lower in names or is_open_family_name(lower) or _newer_petsc_may_know(lower, names):
-            continue
-        if database.hasName(name):  # what is no name is a piece of a value with blanks
-            unknown.append(f"-{name}{_nearest(name, spelt)}")
+def _check_names(given: Mapping[str, Given], options: Mapping[str, Option]) -> None:
+    passed = {option.name for option in _PASSED_ON}
+    aliases = {alias for alias, name in _ALIASES.items() if name in options}
+    spelt = {option.name for option in options.values()} | passed | aliases
+    unknown = [
+        f"-{brief(one.name)}{one.where}{_nearest(one.name, spelt)}"
+        for lower, one in sorted(given.items())
+        if lower not in options and lower not in passed | aliases
+    ]
     if unknown:
         raise InputError(f"unknown option{'s' * (len(unknown) > 1)} " + ", ".join(unknown))
-
-
-def _newer_petsc_may_know(name: str, names: frozenset[str]) -> bool:
-    """Releases after the listed ones add options: there only what looks like a slip of the finger is refused."""
-    listed_family = name.startswith(("ts_", "log_", "options_"))
-    return _petsc_version() > NEWEST_LISTED and listed_family and not get_close_matches(name, names, 1, 0.85)
 
 
 def _petsc_version() -> tuple[int, int]:
@@ -246,11 +281,26 @@ def _check_together(values: dict[str, Any], given: Mapping[str, str]) -> None:
             f"-ts_adapt_type basic needs a method with an error estimate, which {method} has not: "
             f"-ts_type rk with -ts_rk_type {', '.join(_EMBEDDED)}"
         )
+    unheeded = [name for name in _OF_CONTROL if name in given] if values["ts_adapt_type"] == "none" else []
+    if unheeded:
+        raise InputError(f"-{given[unheeded[0]]} needs -ts_adapt_type basic: without it there is no step-size control")
+    _check_stages(values, given)
     # who names times does not want the interval that the case suggests, and the other way round
     if "fsi_output_times" in given and "fsi_output_dt" not in given:
         values["fsi_output_dt"] = None
     if "fsi_output_dt" in given and "fsi_output_times" not in given:
         values["fsi_output_times"] = None
+
+
+def _check_stages(values: Mapping[str, Any], given: Mapping[str, str]) -> None:
+    """Options of the method ssp."""
+    named = [name for name in ("ts_ssp_type", "ts_ssp_nstages") if name in given]
+    if named and values["ts_type"] != "ssp":
+        raise InputError(f"-{given[named[0]]} needs -ts_type ssp")
+    stages, method = values["ts_ssp_nstages"], values["ts_ssp_type"]
+    if stages is not None and (method == "rk104" or (method == "rks3" and isqrt(stages) ** 2 != stages)):
+        expected = "has 10 stages" if method == "rk104" else "takes 4, 9, 16, … stages"
+        raise InputError(f"-ts_ssp_nstages {stages}: the method {method} {expected}")
 
 
 def publish(values: Mapping[str, Any]) -> None:
@@ -267,6 +317,7 @@ def publish(values: Mapping[str, Any]) -> None:
     for option in PETSC_OPTIONS:
         value = values[option.name]
         database.delValue(option.name)
-        unused = option.name == "ts_rk_type" and values["ts_type"] != "rk"
+        method = option.name.split("_")[1]  # ts_rk_type is of ts_type rk
+        unused = (method in ("rk", "ssp") and values["ts_type"] != method) or option.name in _OF_CONTROL
         if value is not None and not unused:
             database.setValue(dt_name if option.name == "ts_dt" else option.name, str(value))

@@ -1,90 +1,127 @@
-"""Names of PETSc's own options, so that a misspelt one is not silently ignored.
+"""Which of PETSc's own options work here; all others are refused, because PETSc would pass over them without a word.
 
-PETSc cannot say which names it knows. Those that start with -ts_ or -log_ and the ones without a family are listed,
-all those of PETSc 3.18 that make sense here and what is known of later ones; of the other families any name is taken.
+Those of the time integrator that the program knows by value are in fsipetsc.options; here are the rest, and why what is
+in neither list is not taken.
 """
 
 from __future__ import annotations
 
-#: release of PETSc up to which the lists are complete
-NEWEST_LISTED = (3, 18)
+import os
+import re
 
-_TS = """
-adapt_always_accept adapt_clip adapt_dsp_alpha adapt_dsp_filter adapt_dsp_kbeta adapt_dsp_pid adapt_dt_max
-adapt_dt_min adapt_max_ignore adapt_monitor adapt_reject_safety adapt_safety adapt_scale_solve_failed
-adapt_time_step_increase_delay adapt_type adapt_view adapt_wnormtype atol convergence_estimate dt error_if_step_fails
-event_dt_min event_monitor event_post_event_step event_post_event_second_step event_recorder_initial_size event_tol
-exact_final_time final_time init_time max_reject max_snes_failures max_step_rejections max_steps max_time monitor
-monitor_cancel monitor_dmda_ray monitor_draw_error monitor_draw_solution monitor_draw_solution_function
-monitor_draw_solution_initial monitor_draw_solution_phase monitor_draw_solution_show_time monitor_envelope
-monitor_error monitor_extreme monitor_frequency monitor_lg_dmda_ray monitor_lg_error monitor_lg_solution
-monitor_lg_solution_semilogy monitor_lg_solution_variables monitor_lg_timestep monitor_lg_timestep_log monitor_python
-monitor_solution monitor_solution_skip_initial monitor_solution_vtk monitor_solution_vtk_interval
-monitor_wall_clock_time rk_type rtol run_steps save_trajectory ssp_nstages ssp_type time_step trajectory_dirname
-trajectory_file_template trajectory_keep_files trajectory_monitor trajectory_solution_only trajectory_stride
-trajectory_type trajectory_view type view view_pre view_solution
-"""
-_LOG = """
-all exclude exclude_actions exclude_objects mpe nvtx perfstubs roctx summary sync threshold trace view
-view_gpu_energy view_gpu_energy_meter view_gpu_time view_memory
-"""
-_OPTIONS = """
-file file_yaml gui left monitor monitor_cancel string_yaml suppress_deprecated_warnings view
-"""
-_SINGLE = """
-check_pointer_intensity checkfunctionlist checkstack citations debug_terminal debugger_nodes debugger_pause
-debugger_ranks default_device_type display error_output_none error_output_stdout fp_trap get_total_flops help history
-info info_exclude memory_view mpi_return_on_error mpidump no_signal_handler not_shared_tmp nox nox_warning
-objects_dump on_error_abort on_error_attach_debugger on_error_emacs on_error_malloc_dump on_error_mpiabort petsc_ci
-petsc_ci_portable_error_output petsc_sleep prefix_pop prefix_push python shared_tmp skip_petscrc splitreduction_async
-start_in_debugger stop_for_debugger tmp use_gpu_aware_mpi v version viewfromoptions x_virtual
-"""
+from fsipetsc.option import Option
 
-#: -ts_… options that change what a run means in a way this program does not follow, and why
-REFUSED = {
-    "ts_adjoint_solve": "there is no adjoint of this problem",
+#: what -log_view writes into a file, by PETSc's names
+_LOG_FORMATS = ("ascii_xml", "ascii_flamegraph", "ascii_info_detail", "ascii_csv")
+
+
+def _file_of_log(text: str) -> str | None:
+    """None if a text is "", or ":FILE" or ":FILE:FORMAT" with a file that can be written; else what is expected."""
+    if not text:
+        return None
+    found = re.fullmatch(r":([^:]+)(?::(\w+))?", text)
+    if not found or found[2] not in (None, *_LOG_FORMATS):
+        return f":FILE or :FILE:FORMAT, a format being one of {', '.join(_LOG_FORMATS)}"
+    path = os.path.expanduser(found[1])
+    try:
+        existed = os.path.lexists(path)
+        with open(path, "ab"):
+            pass
+        if not existed:
+            os.remove(path)
+    except OSError as error:
+        return f":FILE with a file that can be written ({error.strerror})"
+    return None
+
+
+def _nothing(text: str) -> str | None:
+    return "no value" if text else None
+
+
+#: options that PETSc follows when it starts or when it ends
+AT_START = (
+    Option("log_view", "optional", None, ":FILE", "print where the time went, at the end, or write it", check=_file_of_log),
+    Option("log_view_memory", bool, None, "", "with -log_view: memory, too"),
+    Option("memory_view", "optional", None, "", "print the memory that was used, at the end", check=_nothing),
+    Option("info", "optional", None, "", "print what PETSc does", check=_nothing),
+    Option("malloc_debug", bool, None, "", "check the memory that PETSc allocates"),
+    Option("malloc_dump", "optional", None, "", "list memory of PETSc's that was not freed, at the end", check=_nothing),
+    Option("malloc_view", "optional", None, "", "list the memory that PETSc allocated, at the end", check=_nothing),
+    Option("no_signal_handler", bool, None, "", "leave signals to the program; always so"),
+)
+#: options that PETSc's time integrator follows
+IN_LOOP = (Option("ts_monitor", "optional", None, "", "print every step: number, dt, t", check=_nothing),)
+#: options that are followed where the options are read
+IN_SOURCES = (
+    Option("options_file", str, None, "", "read options from a file, one '-name value' a line; FILE.yaml is read as YAML"),
+    Option("options_file_yaml", str, None, "", "the same in YAML, whatever the file's name"),
+    Option("skip_petscrc", bool, None, "", "do not read .petscrc, petscrc and ~/.petscrc"),
+)
+
+_EXPLICIT = "all methods are explicit: there is no system to solve"
+_OWN_LAYOUT = "the program lays out vectors and grids itself"
+_SAVED = "profiles are saved with -fsi_output_dt or -fsi_output_times"
+_CONTROL = (
+    "the error control is the program's own; of PETSc's options it follows -ts_adapt_type, _dt_min, _dt_max, _clip, "
+    "_safety and _reject_safety"
+)
+#: beginning of a name (the first that fits counts) -> why it is refused
+_REFUSED = {
+    "ts_adjoint": "there is no adjoint of this problem",
     "ts_eval_times": "the times of output are set by -fsi_output_dt or -fsi_output_times",
+    "ts_time_span": "the times of output are set by -fsi_output_dt or -fsi_output_times",
     "ts_fd_color": "there is no Jacobian: all methods are explicit",
     "ts_rk_multirate": "the right-hand side is not split into slow and fast parts",
-    "ts_time_span": "the times of output are set by -fsi_output_dt or -fsi_output_times",
     "ts_use_splitrhsfunction": "the right-hand side is not split into slow and fast parts",
+    "ts_init_time": "every run begins at t = 0",
+    "ts_exact_final_time": "every run ends exactly at -ts_max_time",
+    "ts_monitor_": f"of PETSc's monitors only -ts_monitor works; {_SAVED}",
+    "ts_view": "`fsipetsc info` shows the method and the options of a result",
+    "ts_trajectory": _SAVED,
+    "ts_save_trajectory": _SAVED,
+    "ts_adapt_": _CONTROL,
+    "ts_max_reject": _CONTROL,
+    "ts_max_step_rejections": _CONTROL,
+    "ts_event_": "nothing looks for events",
+    "options_left": "every option that is accepted has an effect",
+    "options_view": "`fsipetsc info` shows the options of a result",
+    "options_monitor": "`fsipetsc info` shows the options of a result",
+    "options_string": "give the options themselves, or a file with -options_file",
+    "prefix_": "options have no prefixes here",
+    "python": "the program starts PETSc from Python",
+    **dict.fromkeys(("ksp_", "pc_", "snes_", "mat_", "matstash_", "ts_max_snes"), _EXPLICIT),
+    **dict.fromkeys(
+        ("vec_", "vecload_", "vecscatter_", "vecstash_", "is_", "sf_", "petscsf_", "dm_", "da_", "layout_"), _OWN_LAYOUT
+    ),
+    "log_": "of PETSc's logs only -log_view works",
+    "malloc": "of PETSc's checks of memory only -malloc_debug, -malloc_dump and -malloc_view work",
+    **dict.fromkeys(("viewer_", "draw_", "saws", "nox", "display", "x_virtual"), "PETSc draws nothing here"),
 }
-
-#: every name that is known exactly
-KNOWN = frozenset(
-    [f"ts_{name}" for name in _TS.split()]
-    + [f"log_{name}" for name in _LOG.split()]
-    + [f"options_{name}" for name in _OPTIONS.split()]
-    + _SINGLE.split()
+#: other names and beginnings of names that are PETSc's
+_OTHERS = (
+    *("ts_", "options_", "device_", "root_device_", "random_", "hdf5_", "cuda_", "hip_", "kokkos_", "object_", "objects_"),
+    *("on_error_", "error_output_", "start_in_debugger", "stop_for_debugger", "debug_terminal", "debugger_", "fp_trap"),
+    *("check_pointer_intensity", "checkfunctionlist", "checkstack", "citations", "default_device_type", "get_total_flops"),
+    *("history", "mpi_return_on_error", "mpidump", "not_shared_tmp", "shared_tmp", "petsc_", "splitreduction_", "tmp"),
+    *("use_gpu_aware_mpi", "viewfromoptions", "info_exclude"),
 )
-
-#: options that PETSc follows when it starts or when it ends; those taken out mean nothing, or always the same, here
-_AT_START = frozenset(
-    [f"log_{name}" for name in _LOG.split()]
-    + [f"options_{name}" for name in ("gui", "left", "monitor", "monitor_cancel", "view")]
-    + _SINGLE.split()
-).difference(("help", "no_signal_handler", "prefix_pop", "prefix_push", "skip_petscrc"))
-
-#: families whose names are all in KNOWN
-_LISTED = ("ts_", "log_", "options_")
-#: families of which any name is taken
-_OPEN = (
-    *("malloc", "vec_", "vecload_", "vecscatter_", "vecstash_", "is_", "sf_", "dm_", "da_", "mat_", "ksp_", "pc_"),
-    *("snes_", "viewer_", "draw_", "device_", "root_device_", "saws", "random_", "hdf5_", "cuda_", "hip_", "kokkos_"),
-    *("petscsf_", "object_", "on_error_", "matstash_", "layout_"),
-)
+_SHORT = ("v", "help", "version")
 
 
 def is_family_name(name: str) -> bool:
-    """True if a name (lower case, without dash) starts like one of PETSc's, spelt rightly or not."""
-    return name in KNOWN or name.startswith(_LISTED + _OPEN)
-
-
-def is_open_family_name(name: str) -> bool:
-    """True if a name belongs to a family of PETSc's of which this module does not know every name."""
-    return name.startswith(_OPEN)
+    """True if a name (lower case, without dash) is one of PETSc's or starts like some of PETSc's."""
+    here = {option.name for option in AT_START + IN_LOOP + IN_SOURCES}
+    return name in here or name in _SHORT or name.startswith((*_REFUSED, *_OTHERS))
 
 
 def is_start_name(name: str) -> bool:
     """True if PETSc looks at an option (lower case, without dash) only when it starts or ends."""
-    return name in _AT_START or name.startswith(("malloc", "on_error_"))
+    return name in ("options_left", "skip_petscrc") or any(option.name == name for option in AT_START)
+
+
+def why_refused(name: str) -> str | None:
+    """Why an option of PETSc's (lower case, without dash) is not taken; None if it is no name of PETSc's."""
+    reasons = [reason for start, reason in _REFUSED.items() if name.startswith(start)]
+    if reasons:
+        return reasons[0]
+    return "PETSc has options of such names, but none that works here" if name.startswith(_OTHERS) else None

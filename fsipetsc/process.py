@@ -1,21 +1,18 @@
 """What a run takes from its process and gives back to it, so that several can be made in one process.
 
 PETSc has one database of options for the whole process. It reads the command line, PETSC_OPTIONS and options files into
-it only when it starts: for every later run that is done here, and each run finds its own options there and no others.
+it only when it starts; so each run puts its own options there itself, and finds no others.
 """
 
 from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 
 from fsipetsc.errors import InputError
 from fsipetsc.petsc_names import is_start_name
-
-#: options that PETSc follows at once where it reads them, instead of keeping them
-_FOLLOWED = ("-options_file", "-options_file_yaml", "-options_string_yaml", "-prefix_push", "-prefix_pop")
 
 
 def petsc_runs() -> bool:
@@ -29,33 +26,19 @@ def petsc_runs() -> bool:
     return PETSc.Sys.isInitialized()
 
 
-def begin_options(groups: Sequence[str], pairs: Sequence[tuple[str, str | None]]) -> None:
-    """Make PETSc's database hold the options of the run that begins; PETSc runs already.
+def begin_options(start: Mapping[str, str]) -> None:
+    """Make room in PETSc's database for the options of the run that begins; PETSc runs already.
 
-    groups: texts as PETSc reads them (options files, PETSC_OPTIONS), in this order; pairs: (option with its dash, value)
-    of the command line, which come last. InputError for what PETSc refuses, and for options that it follows only when it
-    starts or ends, unless they are in force already.
+    start: those that PETSc follows only when it starts or ends, name -> text; InputError unless they are in force already.
     """
-    from petsc4py import PETSc
-
-    found, database = _present(), PETSc.Options()
-    _put({})
-    try:
-        for text in groups:
-            database.insertString(text)
-        for name, value in pairs:
-            if name.lower() in _FOLLOWED:
-                database.insertString(name if value is None else f'{name} "{value}"')
-            else:
-                database.setValue(name.removeprefix("-"), value)
-    except PETSc.Error as error:
-        raise InputError(f"PETSc refuses these options: {str(error).splitlines()[-1].strip()}") from None
-    for name, value in _present().items():
-        if is_start_name(name.lower()) and found.get(name) != value:
+    found = _present()
+    for name, text in start.items():
+        if found.get(name) != text:
             raise InputError(
                 f"-{name} works from the start of PETSc, and PETSc runs already in this process: "
                 "give it to the first run, or make this run in a process of its own"
             )
+    _put(start)
 
 
 @contextmanager

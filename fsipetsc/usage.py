@@ -11,22 +11,16 @@ from typing import Any
 
 from fsipetsc.option import INT_MAX, REQUIRED, Option
 from fsipetsc.options import groups
+from fsipetsc.petsc_names import AT_START, IN_LOOP, IN_SOURCES
 
 _TYPES = {"int": "int", "float": "float", "str": "text", "bool": "bool", "ints": "ints", "floats": "floats"}
 
-#: PETSc's own options that users need most, beside those with defaults here: option, what it takes, meaning
-_PETSC_TABLE = (
-    ("-ts_monitor", "", "print every step: number, dt, t"),
-    ("-log_view", "[:FILE]", "print where the time went, at the end"),
-    ("-options_file", "FILE", "read options from a file, one '-name value' a line; FILE.yaml is read as YAML"),
-    ("-options_left", "", "list options that were given but not used, at the end"),
-)
 
 _HEADER = ("option", "type", "default", "meaning")
 _NOTES = """
 An option is written -name value. If one is given more than once the last counts, and the command line overrides
-PETSC_OPTIONS. A bool without a value is true; ints and floats are lists such as 0.1,0.25. All other options of PETSc
-work too.
+PETSC_OPTIONS. A bool without a value is true; ints and floats are lists such as 0.1,0.25. These are all options there
+are: of PETSc's own, others are refused.
 """
 
 
@@ -62,19 +56,18 @@ def case_help(case: Any, called: str) -> str:
 
 def command_help(name: str, arguments: str, summary: str, sections: Mapping[str, Sequence[Option]]) -> str:
     """The same for a command with options of its own; sections: heading -> options."""
-    petsc = [row for row in _PETSC_TABLE if not row[0].startswith("-ts_")]
-    return _help(f"{name}: {summary}", f"[mpiexec -n N] {program()} {name} {arguments}", sections, petsc)
+    return _help(f"{name}: {summary}", f"[mpiexec -n N] {program()} {name} {arguments}", sections, IN_SOURCES + AT_START)
 
 
 def _help(
     title: str,
     usage: str,
     groups: Mapping[str, Sequence[Option]],
-    petsc: Sequence[tuple[str, str, str]] = _PETSC_TABLE,
+    petsc: Sequence[Option] = IN_SOURCES + IN_LOOP + AT_START,
 ) -> str:
     width = min(max(shutil.get_terminal_size((110, 24)).columns, 80), 120)
     sections = {heading: [_row(option) for option in options] for heading, options in groups.items()}
-    sections["More of PETSc"] = [(name, what, "", meaning) for name, what, meaning in petsc]
+    sections["More of PETSc"] = [(f"-{option.name}", *_taken(option), option.help) for option in petsc]
     rows = [row for section in sections.values() for row in section]
     columns = [max(len(row[i]) for row in rows) for i in range(3)]
     lines = [title, "", f"  {usage}", "", *_laid_out(_HEADER, columns, width)]
@@ -84,6 +77,11 @@ def _help(
             lines += _laid_out(row, columns, width)
     lines += ["", *textwrap.wrap(_NOTES.strip(), width)]
     return "\n".join(lines)
+
+
+def _taken(option: Option) -> tuple[str, str]:
+    """What an option of PETSc's takes, in the columns of types and of defaults."""
+    return (f"[{option.unit}]" if option.unit else "") if option.kind == "optional" else _TYPES[option.kind], ""
 
 
 def _row(option: Option) -> tuple[str, str, str, str]:

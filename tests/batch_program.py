@@ -18,27 +18,24 @@ from fsipetsc.launch import start_mpi, start_petsc
 def main(directory: str, runs: str) -> None:
     comm = start_mpi()
     start_petsc([], comm)
-    from petsc4py import PETSc
-
     from fsipetsc.cases import load_case
     from fsipetsc.errors import FsiError
     from fsipetsc.options import read_options
     from fsipetsc.parallel import plan
+    from fsipetsc.sources import given_options
     from fsipetsc.stepping.run import run_case
 
-    database, least = PETSc.Options(), (plan.LEAST_MIDDLE, plan.LEAST_TILED, plan.MOST_WAITING)
+    least = (plan.LEAST_MIDDLE, plan.LEAST_TILED, plan.MOST_WAITING)
     for name, (case_name, text) in json.loads(Path(runs).read_text()).items():
         case, tiles = load_case(case_name), text.startswith("tiles ")
         plan.LEAST_MIDDLE, plan.LEAST_TILED, plan.MOST_WAITING = (16, 0, math.inf) if tiles else least
         text = text.removeprefix("tiles ")
-        database.insertString(f"{text} -fsi_quiet -fsi_output {directory}/{name}.h5")
+        given = given_options([*text.split(), "-fsi_quiet", "-fsi_output", f"{directory}/{name}.h5"], {})
         try:
-            run_case(case, read_options(case), comm)
+            run_case(case, read_options(case, given), comm)
         except FsiError as error:
             if comm.rank == 0:
                 Path(directory, f"{name}.txt").write_text(f"{type(error).__name__}: {error}")
-        for option in database.getAll():
-            database.delValue(option)
 
 
 if __name__ == "__main__":

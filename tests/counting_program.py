@@ -33,12 +33,12 @@ def main(mode: str, *options: str) -> None:
     from fsipetsc.launch import start_mpi, start_petsc
 
     comm = start_mpi()
-    start_petsc(options, comm)
+    given = start_petsc(options, comm)
     from fsipetsc.cases import load_case
     from fsipetsc.options import read_options
 
     case = load_case("rod")
-    opt = read_options(case)
+    opt = read_options(case, given)
     if mode == "traffic":
         result = traffic(case, opt, comm)
     elif mode == "messages":

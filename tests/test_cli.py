@@ -113,12 +113,6 @@ def test_run_gets_typed_options_from_everywhere(here):
     assert opt["fsi_output_times"] == [0.1, 0.5]
 
 
-def test_options_left_does_not_list_ours(here):
-    done = run_stub("-fsi_order", 6, "-solid_force", 1, "-ts_dt", 0.1, "-vec_bogus", 1, "-options_left")
-    left = [line for line in done.stdout.splitlines() if line.startswith("Option left")]
-    assert [line for line in left if "-ts_" not in line] == ["Option left: name:-vec_bogus value: 1"]
-
-
 BAD_INPUT = {
     "unknown option": (["-fsi_ordr", 4], 2, ["-fsi_ordr", "did you mean -fsi_order?"]),
     "unknown option of PETSc's": (["-ts_max_tme", 4], 2, ["did you mean -ts_max_time?"]),

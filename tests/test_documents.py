@@ -17,7 +17,7 @@ pytest.importorskip("petsc4py")
 README = (REPOSITORY / "README.md").read_text()
 OPTIONS_FILES = sorted((REPOSITORY / "runs").rglob("*.opts"))
 #: stems of Open MPI's, PETSc's and other programs' options that the documents may name
-FOREIGN = {"o", "n", "m", "options_file", "help"}
+FOREIGN = {"o", "n", "m", "help"}
 
 
 def known_options() -> set[str]:
@@ -25,7 +25,7 @@ def known_options() -> set[str]:
     from fsipetsc import cli
     from fsipetsc.cases import BUILT_IN, load_case
     from fsipetsc.options import table
-    from fsipetsc.petsc_names import KNOWN
+    from fsipetsc.petsc_names import AT_START, IN_LOOP, IN_SOURCES
 
     names = {option.name for case in BUILT_IN for option in table(load_case(case)).values()}
     for command in cli.COMMANDS.values():
@@ -33,7 +33,7 @@ def known_options() -> set[str]:
             listed = cli._named(command.options)
             sections = listed(["mms"]) if callable(listed) else listed
             names |= {option.name for options in sections.values() for option in options}
-    return names | KNOWN | FOREIGN
+    return names | {option.name for option in AT_START + IN_LOOP + IN_SOURCES} | FOREIGN
 
 
 def options_in(text: str) -> set[str]:

@@ -54,6 +54,10 @@ BAD_INPUT = {
     "wall inside the rod": ("rod -rod_wall 1.5", ["'1.5'", "-rod_wall", "below 1"]),
     "top inside the rod": ("rod -rod_top 1.5", ["'1.5'", "-rod_top", "above 2"]),
     "pulse outside": ("pulse -pulse_start 7", ["-pulse_start 7"]),
+    "far too fine": ("rod -fsi_h 1e-9", ["'below'", "cells", "-fsi_h", "too many"]),
+    "far too long": ("rod -rod_top 1e308", ["'above'", "1e+308", "too many"]),
+    "far too much to spare": ("rod -fsi_spare 2147483647", ["-fsi_spare", "too many"]),
+    "file name": (f"rod -fsi_output {'x' * 252}.h5", ["-fsi_output", "at most 150 bytes"]),
     "output directory": ("rod -fsi_output no/such/dir/x.h5", ["no/such/dir"]),
 }
 
@@ -238,7 +242,42 @@ def test_an_error_of_one_rank_alone_ends_all(shared, tmp_path):
     assert done.stderr.count("fsipetsc: error: ") == 1 and "no force is known" in done.stderr
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.mpi
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_a_signal_to_one_rank_while_it_starts_ends_all(ranks, tmp_path):
+    """At any moment: nobody waits for a rank that has left. (Before MPI is there, the launcher speaks, not the program.)"""
+    command = ["mpiexec", "-n", str(ranks), sys.executable, "-m", "fsipetsc", *LONG, "-fsi_quiet"]
+    for number, delay in ((signal.SIGINT, 0.3), (signal.SIGHUP, 0.7), (signal.SIGTERM, 1.2)):
+        pipe = subprocess.PIPE
+        process = subprocess.Popen(command, cwd=tmp_path, env=environment(), text=True, stdout=pipe, stderr=pipe)
+        end = time.monotonic() + 30
+        while len(ranks_of(process.pid)) < ranks and time.monotonic() < end:
+            time.sleep(0.01)
+        started_ranks = ranks_of(process.pid)
+        time.sleep(delay)
+        os.kill(started_ranks[-1], number)
+        _, err = process.communicate(timeout=60)
+        assert process.returncode == 128 + number
+        assert err.count("fsipetsc: error: ") <= 1 and "Traceback" not in err
+
+
+@pytest.mark.mpi
+def test_ranks_end_in_order_when_their_launcher_is_killed(tmp_path):
+    process = started(2, tmp_path)
+    ranks = ranks_of(process.pid)
+    process.kill()
+    process.communicate(timeout=30)
+    end = time.monotonic() + 30
+    while any(Path(f"/proc/{rank}").exists() for rank in ranks) and time.monotonic() < end:
+        time.sleep(0.05)
+    left = [rank for rank in ranks if Path(f"/proc/{rank}").exists()]
+    for rank in left:
+        os.kill(rank, signal.SIGKILL)
+    assert len(ranks) == 2 and left == []
+    assert_readable(tmp_path / "long.h5", "stopped", 1000.0)
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
 def test_a_signal_ends_the_run_in_order(number, tmp_path):
     process = started(1, tmp_path)
     process.send_signal(number)

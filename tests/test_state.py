@@ -10,7 +10,7 @@ pytest.importorskip("petsc4py")
 from mpi4py import MPI
 
 from fsipetsc.cases import rod
-from fsipetsc.options import defaults
+from fsipetsc.options import PETSC_OPTIONS, defaults
 from fsipetsc.parallel.completion import RATE
 from fsipetsc.stepping import phases
 from fsipetsc.stepping.control import ErrorControl
@@ -44,7 +44,8 @@ def test_the_rate_is_the_4_norm_of_convection_and_diffusion():
 def test_the_error_control_compares_what_interfaces_and_boundaries_have_corrected():
     """A point at one of them that has drifted off says little of the error of a step: both solutions are projected first."""
     with at_rest() as state:
-        control = ErrorControl(None, state, 3, 1e-6, 1e-6)
+        values = {option.name: option.default for option in PETSC_OPTIONS}
+        control = ErrorControl(None, state, 3, {**values, "ts_atol": 1e-6, "ts_rtol": 1e-6})
         state.solution.copy(control._embedded)
         y, embedded = state.solution.getArray(), control._embedded.getArray()
         for layer, point in ((0, -1), (2, 0)):

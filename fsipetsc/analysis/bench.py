@@ -63,8 +63,7 @@ def bench(arguments: list[str], comm: MPI.Comm) -> None:
     """
     for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(name, "1")
-    start_petsc(arguments, comm)
-    opt = read_table(SECTIONS)
+    opt = read_table(SECTIONS, start_petsc(arguments, comm))
     say = (lambda text: None) if opt["fsi_quiet"] or comm.rank else (lambda text: print(text, flush=True))
     if opt["bench_from"]:
         from fsipetsc.analysis.bench_table import load

@@ -8,7 +8,7 @@ paper) and error against time (Fig. 7).
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -50,8 +50,8 @@ def convergence(arguments: list[str], comm: MPI.Comm) -> None:
     FileError.
     """
     case = together(comm, lambda: _case(arguments))
-    start_petsc(arguments[1:], comm)
-    study(case, read_options(case, OPTIONS), comm)
+    given = start_petsc(arguments[1:], comm)
+    study(case, read_options(case, given, OPTIONS), given, comm)
 
 
 def sections(arguments: Sequence[str]) -> dict[str, tuple[Option, ...]]:
@@ -67,12 +67,15 @@ def _case(arguments: Sequence[str]) -> Any:
     return load_case(arguments[0])
 
 
-def study(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Study:
-    """Make all runs, print and save. opt: options in force, those of this command included. Collective on comm."""
+def study(case: Any, opt: Mapping[str, Any], given: Container[str], comm: MPI.Comm) -> Study:
+    """Make all runs, print and save. Collective on comm.
+
+    opt: options in force, those of this command included. given: names of those that the user gave.
+    """
     from fsipetsc.output.plots.convergence import convergence_figures
     from fsipetsc.stepping.run import versions
 
-    path = _target(case, opt)
+    path = _target(case, opt, given)
     orders = tuple(dict.fromkeys(opt["fsi_orders"]))
     spacings = opt["fsi_hs"] or tuple(factor * opt["fsi_h"] for factor in (4, 2, 1, 1 / 2, 1 / 4))
     table = Study(
@@ -143,16 +146,13 @@ def _check(case: Any, opt: Mapping[str, Any], comm: MPI.Comm, table: Study) -> t
     return problem.notes
 
 
-def _target(case: Any, opt: Mapping[str, Any]) -> Path:
+def _target(case: Any, opt: Mapping[str, Any], given: Container[str]) -> Path:
     """The HDF5 file of the table. InputError for options that a study has no use for; FileError."""
-    from petsc4py import PETSc
-
-    given = PETSc.Options()
-    if given.hasName("fsi_order"):
+    if "fsi_order" in given:
         raise InputError("-fsi_order is for a single run; a study takes -fsi_orders, as in -fsi_orders 4,6")
-    if given.hasName("fsi_h") and given.hasName("fsi_hs"):
+    if "fsi_h" in given and "fsi_hs" in given:
         raise InputError("-fsi_h and -fsi_hs both say what the grids are; give one of them")
-    path = Path(opt["fsi_output"] if given.hasName("fsi_output") else f"{case.NAME}-convergence.h5")
+    path = Path(opt["fsi_output"] if "fsi_output" in given else f"{case.NAME}-convergence.h5")
     if path.suffix in (".csv", ".png"):
         raise InputError(f"-fsi_output {path} names the HDF5 file of a study; the CSV and PNG files get names like it")
     if not path.parent.is_dir() or path.is_dir():

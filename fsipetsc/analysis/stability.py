@@ -30,8 +30,7 @@ def stability(arguments: list[str], comm: MPI.Comm) -> None:
     """Run the command; the ranks of comm share a sweep. Collective; ComputationError if a promise is not kept."""
     for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(name, "1")  # the matrices are small: threads would only get in each other's way
-    start_petsc(arguments, comm)
-    opt = read_table(SECTIONS)
+    opt = read_table(SECTIONS, start_petsc(arguments, comm))
     check(opt)
     results = compute(opt, comm)
     if comm.rank == 0 and not opt["fsi_quiet"]:

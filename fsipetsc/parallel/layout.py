@@ -21,6 +21,9 @@ from fsipetsc.parallel.partition import Extent, partition, stretched
 from fsipetsc.physics.layer import DOF, FLUID, LAYER, SOLID
 from fsipetsc.problem import FluidLayer, Problem
 
+#: cells of a layer, with the spare ones: the unknowns of a few such layers can still be counted in 32 bits
+MOST_CELLS = 50_000_000
+
 
 @dataclass(frozen=True)
 class Grid:
@@ -59,6 +62,11 @@ def make_grids(
     grids = []
     for k, layer in enumerate(problem.layers):
         width = (layer.X[1] - layer.X[0]) / h
+        if not width + spare < MOST_CELLS:
+            raise InputError(
+                f"layer '{layer.name}' of length {layer.X[1] - layer.X[0]:g} would have {width:.3g} cells with -fsi_h {h:g} "
+                f"and -fsi_spare {spare}; {MOST_CELLS} are too many"
+            )
         if isinstance(layer, FluidLayer):
             G = (cells or {}).get(k, ghost_index(width))
             end = problem.left if k == 0 else problem.right

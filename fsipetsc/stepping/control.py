@@ -9,6 +9,8 @@ safety * norm^(-1/order), within the clip.
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from mpi4py import MPI
@@ -16,18 +18,19 @@ from petsc4py import PETSc
 
 from fsipetsc.stepping.state import State
 
-SAFETY, REJECT_SAFETY, CLIP = 0.9, 0.5, (0.1, 10.0)
-
 
 class ErrorControl:
     """Accepts or rejects steps of ``ts`` and proposes the next one. All methods are collective.
 
-    order: of the method; atol, rtol: tolerances as in TSSetTolerances.
+    order: of the method; opt: options in force, of which it follows -ts_atol, -ts_rtol and -ts_adapt_….
     """
 
-    def __init__(self, ts: PETSc.TS, state: State, order: int, atol: float, rtol: float) -> None:
+    def __init__(self, ts: PETSc.TS, state: State, order: int, opt: Mapping[str, Any]) -> None:
         self._ts, self._state = ts, state
-        self._order, self._atol, self._rtol = order, atol, rtol
+        self._order, self._atol, self._rtol = order, opt["ts_atol"], opt["ts_rtol"]
+        self._safety, self._clip = opt["ts_adapt_safety"], opt["ts_adapt_clip"]
+        self._reject_safety = opt["ts_adapt_reject_safety"]
+        self.shortest, self.longest = opt["ts_adapt_dt_min"] or 0.0, opt["ts_adapt_dt_max"] or np.inf
         self._embedded = state.solution.duplicate()
         self._before = state.solution.duplicate()
         self._library = ctypes.CDLL(PETSc.__file__)
@@ -68,13 +71,18 @@ class ErrorControl:
         return float(np.sqrt(mean(state.comm, np.concatenate(parts))))
 
     def decide(self, dt: float, norm: float) -> tuple[bool, float]:
-        """(accepted, proposal for the next step) after a step dt whose error has the norm."""
+        """(accepted, proposal for the next step) after a step dt whose error has the norm.
+
+        Only the proposal after a refused step may be below ``shortest``: that step cannot be made.
+        """
+        least, most = self._clip
         if not np.isfinite(norm):  # the step made no sense
-            return False, dt * CLIP[0]
+            return False, dt * least
         accepted = norm <= 1.0
-        safety = SAFETY if accepted else SAFETY * REJECT_SAFETY
-        factor = CLIP[1] if norm == 0 else safety * norm ** (-1.0 / self._order)
-        return accepted, dt * min(max(factor, CLIP[0]), CLIP[1] if accepted else 1.0)
+        safety = self._safety if accepted else self._safety * self._reject_safety
+        factor = most if norm == 0 else safety * norm ** (-1.0 / self._order)
+        proposal = min(dt * min(max(factor, least), most if accepted else 1.0), self.longest)
+        return accepted, max(proposal, self.shortest) if accepted else proposal
 
     def reject(self) -> None:
         """Undo the step."""

@@ -160,10 +160,11 @@ class Integrator:
         control.reject()
         self.rejections += 1
         ts.setTime(self.t)
-        if self._proposal < 1e-14 * max(1.0, self.t):
+        if self._proposal < max(control.shortest, 1e-14 * max(1.0, self.t)):
             agree(self.state.comm, self.state.fault)
             s = self.state.problem.unit("s")
-            raise ComputationError(f"step-size control finds no step at t = {self.t:.6g}{s}: see -ts_rtol and -ts_atol")
+            wanted = f"it wants {self._proposal:.3g}{s}; see -ts_rtol, -ts_atol and -ts_adapt_dt_min"
+            raise ComputationError(f"step-size control finds no step at t = {self.t:.6g}{s}: {wanted}")
         ts.restartStep()
         self._plan_step(ts)
         return True
@@ -199,7 +200,7 @@ class Integrator:
     def _plan_step(self, ts: PETSc.TS) -> None:
         bound = self.opt["ts_dt"] or self.opt["fsi_cfl"] / float(self.state.results[RATE])
         if self._control is not None:
-            bound = min(bound, self._proposal)
+            bound = min(bound, self._proposal, self._control.longest)
             self._control.begin()
         self._step, self._target = self._clock.step(self.t, bound)
         self.state.results[SAID_STOP] = self.raised if self.state.fault is None else FAULT
@@ -240,7 +241,7 @@ class Integrator:
         ts.setMaxSteps(np.iinfo(np.int32).max)
         if wanted == "basic":
             order = PAIR_ORDER[opt["ts_rk_type"]]
-            self._control = ErrorControl(ts, self.state, order, opt["ts_atol"], opt["ts_rtol"])
+            self._control = ErrorControl(ts, self.state, order, opt)
         return ts
 
     def start(self) -> None:

@@ -15,6 +15,7 @@ from petsc4py import PETSc
 
 import fsipetsc
 from fsipetsc.errors import ComputationError, FileError, FsiError, InputError
+from fsipetsc.interrupts import Interrupted, heeded
 from fsipetsc.notes import PATIENCE, exchange
 from fsipetsc.output.writer import RunWriter
 from fsipetsc.parallel.fields import fields
@@ -27,14 +28,6 @@ from fsipetsc.stepping.phases import LOOP, OUTPUT, SET_UP, Phases
 from fsipetsc.stepping.report import Reporter
 from fsipetsc.stepping.solve import build_problem, make_state
 from fsipetsc.stepping.state import State
-
-
-class Interrupted(FsiError):
-    """A run that a signal ended; what was computed is on disk. Exit status 128 + signal."""
-
-    def __init__(self, number: int, message: str) -> None:
-        super().__init__(message)
-        self.status = 128 + number
 
 
 def run_case(case: Any, options: Mapping[str, Any], comm: MPI.Comm) -> None:
@@ -247,12 +240,12 @@ def versions() -> dict[str, str]:
 
 @contextmanager
 def _signals(integrator: Integrator):
-    """SIGTERM and SIGINT let the current burst of steps end; all ranks stop together."""
+    """SIGTERM, SIGINT and SIGHUP let the current burst of steps end; all ranks stop together."""
 
     def note(number: int, frame: object) -> None:
         integrator.raised = number
 
-    earlier = {number: signal.signal(number, note) for number in (signal.SIGTERM, signal.SIGINT)}
+    earlier = {number: signal.signal(number, note) for number in heeded()}
     try:
         yield
     finally:

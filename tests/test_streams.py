@@ -1,0 +1,59 @@
+"""Nobody reads what is printed, or it cannot be written: a run goes on, and what is printed for its own sake says so."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+from helpers import environment, run
+
+import fsipetsc
+
+pytest.importorskip("petsc4py")
+
+RUN = "rod -fsi_h 0.1 -ts_max_steps 2 -ts_monitor".split()
+COMPUTES = f"{sys.executable} -m fsipetsc {' '.join(RUN)}"
+
+
+def shell(line: str, cwd) -> tuple[int, str]:
+    """(status, stderr) of a line for bash."""
+    done = subprocess.run(
+        ["bash", "-c", line], cwd=cwd, env=environment(), stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120
+    )
+    return done.returncode, done.stderr
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        (f"{COMPUTES} >&-", 0),
+        (f"{COMPUTES} >/dev/full", 1),
+        (f"{COMPUTES} | head -n 0; exit ${{PIPESTATUS[0]}}", 0),
+        pytest.param(f"mpiexec -n 2 {COMPUTES} | head -n 1 >/dev/null; exit ${{PIPESTATUS[0]}}", 0, marks=pytest.mark.mpi),
+    ],
+)
+def test_a_run_goes_on(line, said, tmp_path):
+    status, err = shell(line, tmp_path)
+    assert (status, err.count("\n")) == (0, said), err
+    assert ("No space left on device" in err) == bool(said)
+    with fsipetsc.open_run(tmp_path / "rod.h5") as result:
+        assert result.complete and result.summary["steps"] == 2
+
+
+@pytest.mark.parametrize("arguments", ["rod -help", "stability -no_such"])
+def test_what_prints_for_its_own_sake_says_that_it_cannot(arguments, tmp_path):
+    status, err = shell(f"{sys.executable} -m fsipetsc {arguments} >/dev/full", tmp_path)
+    assert status == (4 if "help" in arguments else 2)
+    assert err.count("fsipetsc: error: ") == err.count("\n") == 1, err
+
+
+def test_status_where_no_error_can_be_said(tmp_path):
+    for place in ("2>&-", "2>/dev/full"):
+        assert shell(f"{sys.executable} -m fsipetsc rod -fsi_hh 1 {place}", tmp_path)[0] == 2
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_help_for_a_reader_without_its_letters():
+    done = run("-m", "fsipetsc", "-help", env={"LC_ALL": "C", "PYTHONIOENCODING": "ascii"})
+    assert (done.returncode, done.stderr) == (0, "")
