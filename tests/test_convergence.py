@@ -12,6 +12,7 @@ from helpers import mpirun, run
 from fsipetsc.analysis import table1
 from fsipetsc.analysis.convergence_table import NAMES, Study, load
 from fsipetsc.errors import FileError
+from fsipetsc.output.plots.convergence import convergence_figures
 
 pytest.importorskip("petsc4py")
 
@@ -131,3 +132,16 @@ def test_bad_input(tmp_path, arguments, reason):
 def test_help_lists_the_options_of_study_and_case():
     text = run("-m", "fsipetsc", "convergence", "mms", "-help").stdout
     assert "-fsi_orders" in text and "-mms_epsilon" in text
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("zero", ["one of the fluid", "all of the fluid", "all"])
+def test_pictures_of_errors_that_are_0_and_of_runs_that_cost_the_same(zero, tmp_path):
+    """Nothing to warn of: what has no place on a logarithmic axis is left out."""
+    pytest.importorskip("matplotlib")
+    study = made(orders=(2, 4), rates=(2.0, 3.0))
+    study.wall_time[:] = 0.021
+    study.errors["fluid"]["combined"][0, 0] = 0.0
+    for kind in {"all of the fluid": ("fluid",), "all": ("fluid", "solid")}.get(zero, ()):
+        study.errors[kind]["combined"][:] = 0.0
+    assert len(convergence_figures(study, tmp_path / "s.h5")) == 2

@@ -55,7 +55,7 @@ def draw_errors(figure: Figure, study: Study) -> None:
     for axes, kind in zip(figure.subplots(1, 2, sharey=True), study.errors):
         for order, i in _each(study):
             label = operator(order).name + _last_rate(study, kind, i)
-            axes.loglog(study.hs, study.errors[kind]["combined"][i], **_line(order), label=label)
+            axes.loglog(study.hs, _above_zero(study.errors[kind]["combined"][i]), **_line(order), label=label)
         axes.set_title(kind + ("  (brackets: order of the last refinement)" if len(study.hs) > 1 else ""), loc="left")
         axes.set_xlabel("grid spacing h" + "  [m]" * (study.units == "SI"))
         axes.set_xticks(study.hs, [f"{h:.4g}" for h in study.hs], fontsize=8)
@@ -72,9 +72,10 @@ def draw_cost(figure: Figure, study: Study) -> None:
     axes = figure.subplots()
     larger = np.fmax(*(study.errors[kind]["combined"] for kind in study.errors))
     for order, i in _each(study):
-        axes.loglog(study.wall_time[i], larger[i], **_line(order), label=operator(order).name)
+        axes.loglog(study.wall_time[i], _above_zero(larger[i]), **_line(order), label=operator(order).name)
     low, high = axes.get_xlim()
-    axes.set_xlim(10 ** np.floor(np.log10(low * 1.5)), 10 ** np.ceil(np.log10(high / 1.5)))
+    first = np.floor(np.log10(low * 1.5))
+    axes.set_xlim(10**first, 10 ** max(np.ceil(np.log10(high / 1.5)), first + 1))  # a decade at least
     axes.xaxis.set_major_formatter(LogFormatterSciNotation())
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.set_xlabel(f"wall time on {study.ranks} rank{'s' * (study.ranks > 1)}  [s]")
@@ -84,6 +85,11 @@ def draw_cost(figure: Figure, study: Study) -> None:
 
 def _each(study: Study) -> Iterator[tuple[int, int]]:
     return ((order, i) for i, order in enumerate(study.orders) if np.isfinite(study.wall_time[i]).any())
+
+
+def _above_zero(errors: np.ndarray) -> np.ndarray:
+    """Errors as a logarithmic axis takes them: one that is exactly 0 has no place there."""
+    return np.where(errors > 0, errors, np.nan)
 
 
 def _line(order: int) -> dict[str, Any]:
