@@ -65,6 +65,18 @@ def test_files_hold_what_was_found(tmp_path):
         load(tmp_path / "other.h5")
 
 
+@pytest.mark.filterwarnings("error")
+def test_times_around_a_power_of_ten_can_be_drawn():
+    """The axis of the cost reaches from one power to another, not from one to itself."""
+    figure = pytest.importorskip("matplotlib.figure").Figure()
+    from fsipetsc.output.plots.convergence import draw_cost
+
+    study = made()
+    study.wall_time[:] = np.linspace(0.0099, 0.0112, study.wall_time.size).reshape(study.wall_time.shape)
+    draw_cost(figure, study)
+    assert figure.axes[0].get_xlim() == pytest.approx((0.01, 0.1))
+
+
 def test_table_1_says_where_ours_differ():
     text = table1.compare(made())
     assert "lower than in the paper: fluid 6/3 (4.0 for 4.7): closures of order 3" in text
