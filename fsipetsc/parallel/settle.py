@@ -30,7 +30,8 @@ def boundary_distance(layer, side):
 def ghost_of(head, layer, side):
     """(ghost point of an embedded boundary, step inwards, most points inside of it that a formula takes, has this rank all)."""
     G, step = (layer.lo, 1) if side == 0 else (layer.hi, -1)
-    depth = min(NODES - 1, head.width, layer.hi - layer.lo)
+    # one less than the halo, so that who owns the next point to come in knows the ghost point before it, too
+    depth = min(NODES - 1, head.width - 1, layer.hi - layer.lo)
     return G, step, depth, holds(layer, G) and holds(layer, G + step * depth)
 
 
