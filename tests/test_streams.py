@@ -6,13 +6,14 @@ import subprocess
 import sys
 
 import pytest
-from helpers import environment, run
+from helpers import REPOSITORY, environment, run
 
 import fsipetsc
 
 pytest.importorskip("petsc4py")
 
 RUN = "rod -fsi_h 0.1 -ts_max_steps 2 -ts_monitor".split()
+SCRIPT = f"PYTHON={sys.executable} '{REPOSITORY}/scripts/run'"
 COMPUTES = f"{sys.executable} -m fsipetsc {' '.join(RUN)}"
 
 
@@ -30,7 +31,8 @@ def shell(line: str, cwd) -> tuple[int, str]:
         (f"{COMPUTES} >&-", 0),
         (f"{COMPUTES} >/dev/full", 1),
         (f"{COMPUTES} | head -n 0; exit ${{PIPESTATUS[0]}}", 0),
-        pytest.param(f"mpiexec -n 2 {COMPUTES} | head -n 1 >/dev/null; exit ${{PIPESTATUS[0]}}", 0, marks=pytest.mark.mpi),
+        # by scripts/run, since Open MPI's mpiexec by itself ends the job then
+        pytest.param(f"{SCRIPT} {' '.join(RUN)} | head -n 1 >/dev/null; exit ${{PIPESTATUS[0]}}", 0, marks=pytest.mark.mpi),
     ],
 )
 def test_a_run_goes_on(line, said, tmp_path):
