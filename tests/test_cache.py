@@ -6,6 +6,7 @@ import ast
 import importlib
 import os
 import shutil
+import time
 from pathlib import Path
 
 import pytest
@@ -25,6 +26,37 @@ from fsipetsc.operators.kernels import derivative
 rows = np.ones(100)
 derivative(packed(2), rows, 10, 0, 60, 0, 0, 20, 0, 19, 1.0)
 print(rows[65], sum(derivative.stats.cache_hits.values()))
+"""
+
+#: the cache is lost while a kernel is being compiled, and cut off while it is loaded
+LOSS = """
+import shutil, sys
+import numba
+from numba.core.caching import IndexDataCacheFile
+from fsipetsc.operators import cache
+
+cache.use_cache_folder()
+save = IndexDataCacheFile.save
+def lose(self, key, data):
+    shutil.rmtree(cache.cache_folder())  # another process tidied up, between the look at the folder and the writing
+    save(self, key, data)
+IndexDataCacheFile.save = lose
+
+@numba.njit(cache=True)
+def twice(x):
+    return 2 * x
+
+print(twice(21), cache.cache_folder().exists())
+IndexDataCacheFile.save = save
+print(twice(21.0), len(list(cache.cache_folder().rglob("*.nb?"))))
+for path in cache.cache_folder().rglob("*.nbi"):
+    path.write_bytes(path.read_bytes()[:-7])
+
+@numba.njit(cache=True)
+def twice(x):
+    return 2 * x
+
+print(twice(4))
 """
 
 
@@ -79,6 +111,46 @@ def test_a_change_in_a_source_file_is_noticed(tmp_path):
     other = tmp_path / "fsipetsc" / "operators" / "sbp.py"
     os.utime(other, ns=(1, 1))
     assert answer() == ["1.0", "0"]
+
+
+def test_a_cache_that_is_lost_ends_no_run(tmp_path):
+    (tmp_path / "program.py").write_text(LOSS)
+    done = run(tmp_path / "program.py", env={"NUMBA_CACHE_DIR": str(tmp_path / "kernels")}, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.split() == ["42", "False", "42.0", "2", "8"]
+
+
+def test_nowhere_to_write(tmp_path):
+    """Not even a temporary folder: the kernels are compiled, and not kept."""
+    (tmp_path / "file").touch()
+    closed = f"{tmp_path}/file/none"
+    (tmp_path / "program.py").write_text(f"import tempfile\ntempfile.tempdir = '{closed}'\n{PROGRAM}")
+    env = {"NUMBA_CACHE_DIR": closed, "HOME": closed, "XDG_CACHE_HOME": closed}
+    done = run(tmp_path / "program.py", REPOSITORY, env=env, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.split() == ["0.0", "0"]
+
+
+def test_folders_in_use_are_kept(monkeypatch, tmp_path):
+    """Those of other checkouts and runs, however many; of what has not been used for a day, the last ones."""
+    monkeypatch.setattr(numba.config, "CACHE_DIR", numba.config.CACHE_DIR)
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "kernels"))
+    now, ages = time.time(), {f"kernels-{i}": 3600 * i for i in range(1, 31)}  # hours
+    for name, age in ages.items():
+        (tmp_path / "kernels" / name).mkdir(parents=True)
+        os.utime(tmp_path / "kernels" / name, (now - age, now - age))
+    own = cache.use_cache_folder()
+    kept = {path.name for path in (tmp_path / "kernels").iterdir()}
+    assert kept == {own.name, *(name for name, age in ages.items() if age < 86400)}
+    os.utime(own, (0, 0))
+    assert cache.use_cache_folder() == own and own.stat().st_mtime >= now - 1, "its use is noted"
+    shutil.rmtree(tmp_path / "kernels")
+    for i in range(6):
+        (tmp_path / "kernels" / f"kernels-{i}").mkdir(parents=True)
+        os.utime(tmp_path / "kernels" / f"kernels-{i}", (1e9 + i, 1e9 + i))
+    assert cache.use_cache_folder() == own
+    kept = {path.name for path in (tmp_path / "kernels").iterdir()}
+    assert kept == {own.name, *(f"kernels-{i}" for i in (3, 4, 5))}
 
 
 def in_base(monkeypatch, tmp_path, wanted):

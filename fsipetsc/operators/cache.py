@@ -3,6 +3,9 @@
 numba renews a cached function when the file of that function changes, but not when a function that it calls lives
 in another file that changed. So the folder is named after the state of all source files of the package: kernels
 of an older state are never picked up. NUMBA_CACHE_DIR, if set, is the place for all of it, if only its user can write there.
+
+Several checkouts and several runs share the place, and whoever keeps it small must not take away what another one uses. A
+cache that vanishes nevertheless, or cannot be written, costs the time of compiling and nothing else.
 """
 
 from __future__ import annotations
@@ -11,20 +14,26 @@ import atexit
 import gc
 import hashlib
 import os
+import pickle
 import shutil
 import tempfile
+import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import numba
+from numba.core.caching import FunctionCache
 
 from fsipetsc.operators import trust
 
 #: folders of the package that hold compiled code
 COMPILED = ("operators", "physics", "coupling", "boundaries", "parallel")
-#: folders of older states of the sources that are kept
-_KEPT = 4
+#: folders of other states of the sources that are kept however long they have not been used, and the time in which a
+#: folder counts as used [s]
+_KEPT, _IN_USE = 3, 86400.0
+#: what numba raises where a file of its cache is gone, cannot be written, or was cut off
+_LOST = OSError, EOFError, pickle.UnpicklingError
 
 
 def source_digest() -> str:
@@ -91,22 +100,40 @@ def garbage_waiting() -> Iterator[None]:
         gc.set_threshold(*before)
 
 
-def use_cache_folder() -> Path:
-    """Point numba at the folder for this state of the sources and drop the oldest ones; before any kernel is defined."""
-    base, name = _base(), f"kernels-{source_digest()}"
-    try:
-        if not _make(base / name):
-            base = _new_base()
-            _make(base / name)
-    except OSError:
-        pass  # several ranks tidy up at once, or nothing may be written: the kernels are compiled anew then
-    folder = base / name
-    numba.config.CACHE_DIR = str(folder)
+@contextmanager
+def _forgiving(cache: FunctionCache) -> Iterator[None]:
+    """Takes the place of numba's own guard around loading and saving a kernel, which forgives on Windows only."""
+    with suppress(*_LOST):
+        yield
+
+
+def use_cache_folder() -> Path | None:
+    """Point numba at the folder for this state of the sources and drop what is stale; before any kernel is defined.
+
+    None where no place can be written to: numba then refuses to define kernels that are to be kept.
+    """
+    FunctionCache._guard_against_spurious_io_errors = _forgiving
+    name = f"kernels-{source_digest()}"
+    for place in (_base, _base, _new_base):  # several ranks may tidy up at once
+        try:
+            folder = place() / name
+            if _make(folder):
+                tempfile.TemporaryFile(dir=folder).close()  # a full disk, or a file where the folder should be
+                numba.config.CACHE_DIR = str(folder)
+                _tidy_up(folder)
+                return folder
+        except OSError:
+            continue
+    return None
+
+
+def _tidy_up(folder: Path) -> None:
+    """Note that `folder` is used, and remove those beside it that have not been for long, but for the last few."""
     try:
         os.utime(folder)
-        older = sorted(base.glob("kernels-*"), key=lambda p: p.stat().st_mtime, reverse=True)
-        for stale in older[_KEPT:]:
-            shutil.rmtree(stale, ignore_errors=True)
+        others = [(path.stat().st_mtime, path) for path in folder.parent.glob("kernels-*") if path != folder]
     except OSError:
-        pass  # several ranks tidy up at once
-    return folder
+        return  # several ranks tidy up at once
+    for used, path in sorted(others, reverse=True)[_KEPT:]:
+        if used < time.time() - _IN_USE:
+            shutil.rmtree(path, ignore_errors=True)

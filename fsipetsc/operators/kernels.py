@@ -24,13 +24,13 @@ MARGIN = 32
 #: Distance of the rows of scratch: odd in cache lines, so that rows do not evict each other.
 ROW = BLOCK + 2 * MARGIN + 8
 
-use_cache_folder()  # before the first kernel is defined
+_KEPT = use_cache_folder() is not None  # before the first kernel is defined
 
 U64 = np.uint64
 #: Of functions that Python calls. No "contract": the compiler forms different fused operations in the vector and the
 #: scalar version of a formula, and a point's result would depend on where a rank's part begins. Where fusing pays,
 #: ``fma`` says so explicitly.
-ENTRY = {"cache": True, "error_model": "numpy", "nogil": True}
+ENTRY = {"cache": _KEPT, "error_model": "numpy", "nogil": True}
 #: Of functions that only compiled code calls: not kept on disk for themselves, and nothing made to call them from Python.
 OPTIONS = {"error_model": "numpy", "nogil": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 
