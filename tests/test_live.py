@@ -10,6 +10,7 @@ import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import output_program as program
@@ -103,6 +104,24 @@ def until(condition: Callable[[], object]) -> None:
     while not condition():
         assert time.monotonic() < end
         time.sleep(0.002)
+
+
+def test_frames_do_not_wait_for_a_full_buffer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """None is older than two seconds, unless the next one was late; that one is written at once."""
+    from mpi4py import MPI
+
+    from fsipetsc.output import writer
+
+    now, readable = 0.0, []
+    monkeypatch.setattr(writer, "time", SimpleNamespace(monotonic=lambda: now))
+    result = writer.RunWriter(MPI.COMM_SELF, tmp_path / "run.h5", program.HEADER, flush_seconds=2.0)
+    result.start_segment([{"local": 9, "n": 9, "X": np.arange(9.0)}] * 3)
+    for now in (0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 100.0, 100.5):
+        result.write_frame(now, lambda slots: slots.values.fill(1.0))
+        with fsipetsc.open_run(tmp_path / "run.h5") as so_far:
+            readable.append(so_far.nframes)
+    assert readable == [0, 0, 3, 3, 3, 6, 6, 8, 8]
+    result.finish({})
 
 
 @pytest.mark.mpi

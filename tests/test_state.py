@@ -4,18 +4,26 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from helpers import from_python
 
 pytest.importorskip("petsc4py")
 
 from mpi4py import MPI
 
+from fsipetsc import boundaries
+from fsipetsc.boundaries import NODES, Open, free
 from fsipetsc.cases import rod
 from fsipetsc.options import PETSC_OPTIONS, defaults
 from fsipetsc.parallel.completion import RATE
+from fsipetsc.parallel.plan import FORCE
+from fsipetsc.physics.fluid import Fluid
+from fsipetsc.physics.solid import Solid
+from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 from fsipetsc.stepping import phases
 from fsipetsc.stepping.control import ErrorControl
 from fsipetsc.stepping.state import State
 
+fill_ghost = from_python(boundaries.fill_ghost)
 H, T0 = 0.1, 300.0
 
 
@@ -39,6 +47,49 @@ def test_the_rate_is_the_4_norm_of_convection_and_diffusion():
             diffusion = 2 * (4 / 3 * mu) / rho / H**2
             assert diffusion == pytest.approx(share * convection)
             assert state.results[RATE] == pytest.approx((convection**4 + diffusion**4) ** 0.25, rel=1e-9)
+
+
+@pytest.mark.parametrize(("wall", "gravity", "change"), [(0.299, -100.0, 1), (0.301, 100.0, -1)], ids=["shrinks", "grows"])
+def test_the_wall_holds_when_its_ghost_point_changes(wall, gravity, change):
+    """A completed step leaves what the formulas of the wall make of the point that is the ghost now, after any step."""
+    with at_rest(rod_wall=wall, rod_gravity=gravity) as state:
+        record, ghosts, nodes = state.layout.records[0], [], np.zeros((5, NODES))
+        for _ in range(70):
+            state.step(0.0, 1e-4, True)
+            ghosts.append(int(record["lo"]))
+            values = state.layout.local(0, state.solution.getArray(readonly=True))[ghosts[-1] : ghosts[-1] + NODES]
+            nodes[:3, : len(values)] = state.problem.layers[0].material.primitive(values)[:3]
+            found, delta = nodes[:3, 0].copy(), int(record["hi"]) - ghosts[-1] - (record["x_interface"] - wall) / H
+            assert 0 <= delta < 1
+            fill_ghost(record, state.plan.head[0]["op"], 0, delta, nodes, False)
+            np.testing.assert_allclose(nodes[:3, 0], found, rtol=1e-12, atol=1e-12)
+        assert abs(found[1]) > 1e-3 and ghosts[-1] - ghosts[0] == change
+
+
+@pytest.mark.parametrize("gruneisen", [0.0, 0.4])
+@pytest.mark.parametrize("side", [0, 1])
+def test_the_force_of_a_solids_end(gruneisen, side):
+    """What pushes at the ends is what the momentum ledger takes for the force, with a pressure in the solid and without."""
+    gas, bar = Fluid(0.0, 0.0, 1.4, 287.0), Solid(1e6, 0.0, 5.0, 800.0, gruneisen=gruneisen)
+
+    def squeezed(X: np.ndarray) -> list[np.ndarray]:
+        x_X, T = 0.8, 310.0
+        stress = bar.pressure(T, x_X) - 1e5
+        return [np.zeros(X.shape), np.full(X.shape, stress), np.full(X.shape, T), x_X * X]
+
+    def still(X: np.ndarray) -> list[np.ndarray]:
+        return [np.full(X.shape, value) for value in (1e5 / (gas.R * T0), 0.0, T0)]
+
+    if side == 0:
+        layers = SolidLayer("bar", bar, (-2.0, 0.0), squeezed), FluidLayer("gas", gas, (0.0, 2.0), still)
+        problem = Problem(layers, free(-1.2e5), Open(2.0, 1e5, T0))
+    else:
+        layers = FluidLayer("gas", gas, (-2.0, 0.0), still), SolidLayer("bar", bar, (0.0, 2.0), squeezed)
+        problem = Problem(layers, Open(-2.0, 1e5, T0), free(-1.2e5))
+    with State(MPI.COMM_SELF, problem, 4, H, "projection", "auto", 16) as state:
+        state.set_initial()
+        push = 1.2e5 - 1e5
+        assert state.plan.part("integrals", FORCE + 1)[FORCE] == pytest.approx(push if side == 0 else -push, rel=1e-9)
 
 
 def test_the_error_control_compares_what_interfaces_and_boundaries_have_corrected():
