@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fsipetsc.cases import BUILT_IN, load_case, summaries
 from fsipetsc.errors import FileError, InputError
-from fsipetsc.failure import settle
+from fsipetsc.failure import end_together
 from fsipetsc.interrupts import Launcher, held_back, raised
 from fsipetsc.launch import launcher_rank, start_mpi, start_petsc
 from fsipetsc.options import Option, read_options, table
@@ -63,9 +63,9 @@ COMMANDS = {
     "bench": Command(
         "[-option value ...]",
         "what a time step costs on 1 to N ranks, and where the time goes",
-        "fsipetsc.analysis.bench:bench",
+        "fsipetsc.bench.command:bench",
         parallel=True,
-        options="fsipetsc.analysis.bench:SECTIONS",
+        options="fsipetsc.bench.command:SECTIONS",
     ),
 }
 _VERSION_FLAGS = ("--version", "-version")
@@ -95,7 +95,7 @@ def _main(arguments: list[str]) -> int:
     except BrokenPipeError:  # the reader, a pager or head, has seen enough
         abandon_stdout()
     except (Exception, KeyboardInterrupt) as error:
-        return settle(error, None, debug="-fsi_debug" in arguments)
+        return end_together(error, None, debug="-fsi_debug" in arguments)
     return 0
 
 
@@ -191,7 +191,7 @@ def _in_parallel(arguments: list[str]) -> int:
     except BrokenPipeError:
         abandon_stdout()
     except (Exception, KeyboardInterrupt) as error:
-        status = settle(error, notes, debug=debug, case_file=case_file, launcher=launcher)
+        status = end_together(error, notes, debug=debug, case_file=case_file, launcher=launcher)
     finally:
         launcher.leave_if_gone(status)
         if notes is not None:

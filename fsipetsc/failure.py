@@ -61,7 +61,7 @@ def _petsc_message(error: BaseException) -> str:
     )
 
 
-def settle(
+def end_together(
     error: BaseException,
     notes: MPI.Comm | None,
     *,

@@ -21,7 +21,7 @@ def main(directory: str, runs: str) -> None:
     from fsipetsc.cases import load_case
     from fsipetsc.errors import FsiError
     from fsipetsc.options import read_options
-    from fsipetsc.parallel import plan
+    from fsipetsc.scheme import plan
     from fsipetsc.sources import given_options
     from fsipetsc.stepping.run import run_case
 

@@ -109,7 +109,7 @@ class Records:
 
 def traffic(case: Any, opt: dict[str, Any], comm: Any) -> dict[str, float]:
     """Doubles fetched and written back per unknown in a step, with the part of what is only scratch and messages."""
-    from fsipetsc.parallel.advance import STAGES
+    from fsipetsc.scheme.runge_kutta import STAGES
     from fsipetsc.stepping import state as module
     from fsipetsc.stepping.counts import step_traffic
     from fsipetsc.stepping.solve import make_state
@@ -210,7 +210,7 @@ def count_mpi() -> dict[str, Counter[str]]:
     from llvmlite import binding
 
     calls: dict[str, Counter[str]] = {"calls": Counter(), "numbers": Counter()}
-    add_symbol, kept = binding.add_symbol, []
+    add_symbol, masked = binding.add_symbol, []
 
     def add(name: str, address: int) -> None:
         if name in _PROTOTYPES:
@@ -222,18 +222,18 @@ def count_mpi() -> dict[str, Counter[str]]:
                 return real(*arguments)
 
             shim = _PROTOTYPES[name](counted)
-            kept.append((real, shim))
+            masked.append((real, shim))
             address = ctypes.cast(shim, ctypes.c_void_p).value
         add_symbol(name, address)
 
     binding.add_symbol = add
-    calls["kept"] = kept  # type: ignore[assignment]
+    calls["kept"] = masked  # type: ignore[assignment]
     return calls
 
 
 def messages(case: Any, opt: dict[str, Any], comm: Any, calls: Any) -> dict[str, Any]:
     """Calls in ten steps, what they were given, and what the plan says of a step."""
-    from fsipetsc.parallel.advance import STAGES
+    from fsipetsc.scheme.runge_kutta import STAGES
     from fsipetsc.stepping.counts import completion_traffic, stage_traffic
     from fsipetsc.stepping.solve import make_state
 
@@ -262,7 +262,7 @@ def allocations(case: Any, opt: dict[str, Any], comm: Any) -> dict[str, float]:
     """Per step: allocations of compiled code beyond those of an empty call, calls, growth of Python's memory [bytes]."""
     from numba.core.runtime import rtsys
 
-    from fsipetsc.parallel.advance import STAGES, advance
+    from fsipetsc.scheme.runge_kutta import STAGES, advance
     from fsipetsc.stepping import state as module
     from fsipetsc.stepping.integrator import Integrator
     from fsipetsc.stepping.solve import make_state

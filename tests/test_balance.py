@@ -11,7 +11,7 @@ from helpers import mpirun, run
 
 import fsipetsc
 from fsipetsc.cases import box
-from fsipetsc.stepping.balance import Balances, Watch, drifts
+from fsipetsc.stepping.conservation_check import Balances, ConservationCheck, drifts
 from fsipetsc.stepping.integrator import CHECKED
 
 
@@ -62,7 +62,7 @@ def test_check_holds_while_grids_grow(tmp_path, n):
     done = mpirun(n, "-m", "fsipetsc", "rod", *options, "-fsi_quiet", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     with fsipetsc.open_run(tmp_path / "rod.h5") as result:
-        assert len({len(layer.X) for layer in result.layers}) > 1 and result.complete
+        assert len({len(layer.X) for layer in result.layers}) > 1 and result.finish_step
 
 
 def test_entropy_must_not_decrease():
@@ -108,7 +108,7 @@ def as_dict(steps: np.ndarray) -> dict[str, np.ndarray]:
 def test_a_watch_keeps_nothing_of_the_steps():
     """So that a look costs the same after millions of them."""
     steps, initial = recorded(64)
-    watch, sizes = Watch(LAWS, initial, np.inf), []
+    watch, sizes = ConservationCheck(LAWS, initial, np.inf), []
     for _ in range(100):
         assert watch.look(steps) is None
         sizes.append(len(pickle.dumps(watch)))
@@ -120,12 +120,12 @@ def test_a_watch_names_the_first_step_at_fault():
     for name in ("momentum", "force", "energy", "entropy", "heating", "mass"):
         steps[name] = 0.0 if name in ("force", "heating") else 1.0
     initial = initial | {"force": 0.0, "heating": 0.0}
-    watch = Watch(LAWS, initial, 1e-3)
+    watch = ConservationCheck(LAWS, initial, 1e-3)
     assert watch.look(steps[:60]) is None
     steps["mass"][80:, 1], steps["energy"][90:] = 1.01, np.nan
     fault = watch.look(steps[60:])
     assert fault == f"mass of 'right' has drifted by 0.01 (relative) at t = {steps['t'][80]:.6g} s, step 81"
-    assert "energy has drifted by nan" in Watch(LAWS, initial, 0.1).look(steps)
+    assert "energy has drifted by nan" in ConservationCheck(LAWS, initial, 0.1).look(steps)
 
 
 def test_check_stops_near_the_fault(tmp_path):

@@ -11,20 +11,20 @@ from helpers import mpirun, run
 
 pytest.importorskip("petsc4py")
 
-from fsipetsc.analysis.bench_doc import renew
-from fsipetsc.analysis.bench_measure import clock
-from fsipetsc.analysis.bench_model import Model, fit, rounds, scaling, shares
-from fsipetsc.analysis.bench_table import Row, Study, load
+from fsipetsc.bench.cost_model import Model, fit, rounds, scaling, shares
+from fsipetsc.bench.document import renew
+from fsipetsc.bench.measure import clock
+from fsipetsc.bench.table import BenchStudy, Row, load
 from fsipetsc.errors import FileError, InputError
 
 _QUICK = "-bench_orders 4 -bench_points 480,1000 -bench_seconds 0.01 -bench_repeats 2 -bench_more false".split()
 TRUE = Model(overhead=5.0, work={4: 0.01, 8: 0.02}, overlap=0.3, latency=1.2, error=0.0)
 
 
-def study() -> Study:
+def study() -> BenchStudy:
     """What TRUE would have measured."""
     facts = {f"triad {ranks} {1 << k}": 80.0 / (k - 10) / ranks for ranks in (1, 2) for k in (14, 20, 26)}
-    made = Study([], facts, {"processor": "none"})
+    made = BenchStudy([], facts, {"processor": "none"})
     for order in TRUE.work:
         for points in (500, 5000, 50_000):
             for ranks in (1, 2):

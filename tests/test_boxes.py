@@ -14,8 +14,8 @@ import json, sys, time
 import numpy as np
 from mpi4py import MPI
 from numba import njit
-from fsipetsc.parallel import boxes as module
-from fsipetsc.parallel.boxes import largest, make_boxes, share_a_node, world_record
+from fsipetsc.parallel import shared_memory as module
+from fsipetsc.parallel.shared_memory import largest, make_boxes, share_a_node, world_record
 
 WORDS, TURNS = 40, 400
 comm = MPI.COMM_WORLD

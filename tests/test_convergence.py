@@ -10,7 +10,7 @@ import pytest
 from helpers import mpirun, run
 
 from fsipetsc.analysis import table1
-from fsipetsc.analysis.convergence_table import NAMES, Study, load
+from fsipetsc.analysis.convergence_table import NAMES, ConvergenceStudy, load
 from fsipetsc.errors import FileError
 from fsipetsc.output.plots.convergence import convergence_figures
 
@@ -28,8 +28,8 @@ class Made:
         self.errors = {kind: {name: h**rate for name in names} for kind, names in NAMES.items()}
 
 
-def made(orders=(2, 4, 6, 8), rates=(2.0, 3.0, 4.0, 5.0), hs=HS, failures=()) -> Study:
-    study = Study("mms", 0.45, orders, hs, 1, {"fsi_cfl": 0.8}, {"numpy": "1"}, dict(failures))
+def made(orders=(2, 4, 6, 8), rates=(2.0, 3.0, 4.0, 5.0), hs=HS, failures=()) -> ConvergenceStudy:
+    study = ConvergenceStudy("mms", 0.45, orders, hs, 1, {"fsi_cfl": 0.8}, {"numpy": "1"}, dict(failures))
     for i, rate in enumerate(rates):
         for j, h in enumerate(hs):
             if (orders[i], h) not in study.failures:

@@ -77,6 +77,6 @@ def test_passes_over_memory(order, h):
 
 def test_memory_per_point():
     """Of a whole run with its first and last frame: what it takes more if the grid is finer."""
-    from fsipetsc.analysis.bench_around import doubles_per_point
+    from fsipetsc.bench.around_the_loop import doubles_per_point
 
     assert doubles_per_point((50_000, 500_000)) <= 40

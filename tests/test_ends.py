@@ -16,9 +16,9 @@ from fsipetsc.boundaries import DIRICHLET, NODES, degree_of, fill_ghost
 from fsipetsc.boundaries import Dirichlet as DirichletEnd
 from fsipetsc.operators import packed
 from fsipetsc.operators.kernels import scratch_size
-from fsipetsc.physics.emission import Target
 from fsipetsc.physics.fluid import Fluid, fluid_rhs
 from fsipetsc.physics.layer import LAYER
+from fsipetsc.scheme.stage_update import Target
 
 EVERY_ORDER = pytest.mark.parametrize("order", ORDERS)
 

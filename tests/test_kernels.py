@@ -13,11 +13,11 @@ pytest.importorskip("numba")
 
 from fsipetsc.operators import OPERATORS, packed
 from fsipetsc.operators.kernels import BLOCK, scratch_size
-from fsipetsc.physics.emission import Target
 from fsipetsc.physics.fluid import Fluid, fluid_rhs, fluid_survey
 from fsipetsc.physics.layer import LAYER
 from fsipetsc.physics.solid import Solid, solid_bounds, solid_rhs, solid_survey
-from fsipetsc.physics.survey import LEAST_RHO, LEAST_T, SIZE, SPEED, SUMS, begin_survey
+from fsipetsc.scheme.extremes_and_sums import LEAST_RHO, LEAST_T, SIZE, SPEED, SUMS, begin_survey
+from fsipetsc.scheme.stage_update import Target
 
 fluid_rhs, solid_rhs, fluid_survey, solid_survey = map(from_python, (fluid_rhs, solid_rhs, fluid_survey, solid_survey))
 begin_survey, solid_bounds = from_python(begin_survey), from_python(solid_bounds)

@@ -17,10 +17,10 @@ from fsipetsc.analysis.stability_linear import CENTRAL, Constant, assemble, inte
 from fsipetsc.analysis.stability_measures import few_eigenvalues, measure, range_basis, step_limit
 from fsipetsc.operators import OPERATORS, packed
 from fsipetsc.operators.kernels import scratch_size
-from fsipetsc.physics.emission import Target
 from fsipetsc.physics.fluid import Fluid, fluid_rhs
 from fsipetsc.physics.layer import FLUID, LAYER, SOLID
 from fsipetsc.physics.solid import Solid, solid_rhs
+from fsipetsc.scheme.stage_update import Target
 
 fluid_rhs, solid_rhs = from_python(fluid_rhs), from_python(solid_rhs)
 

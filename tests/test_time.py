@@ -11,7 +11,7 @@ pytest.importorskip("petsc4py")
 
 import fsipetsc
 from fsipetsc.errors import InputError
-from fsipetsc.stepping.clock import Clock, saved_times
+from fsipetsc.stepping.output_times import OutputTimes, saved_times
 
 # --- the clock --------------------------------------------------------------------------------------------------------
 
@@ -34,7 +34,7 @@ def test_times_beyond_the_end_are_refused():
 
 def walk(targets: list[float], bound: float) -> tuple[np.ndarray, list[float]]:
     """Steps taken from 0 to the last target, and the times that were hit."""
-    clock, t, steps, hits = Clock(targets), 0.0, [], []
+    clock, t, steps, hits = OutputTimes(targets), 0.0, [], []
     clock.pass_time(0.0)
     while not clock.done:
         step, after = clock.step(t, bound)
@@ -65,7 +65,7 @@ def test_two_targets_closer_than_a_step():
 
 
 def test_several_targets_passed_at_once_count_once():
-    clock = Clock([0.0, 0.1, 0.2])
+    clock = OutputTimes([0.0, 0.1, 0.2])
     assert clock.pass_time(0.15)
     assert not clock.pass_time(0.16)
     assert clock.pass_time(0.2)
@@ -75,7 +75,7 @@ def test_several_targets_passed_at_once_count_once():
 def test_the_mean_of_the_error_control_does_not_depend_on_the_order():
     from mpi4py import MPI
 
-    from fsipetsc.stepping.control import mean
+    from fsipetsc.stepping.error_control import mean
 
     rng = np.random.default_rng(0)
     values = 10.0 ** rng.uniform(-20, 3, 1000)
@@ -146,8 +146,8 @@ def test_right_hand_sides_per_step(computed):
 COUNTING = """
 import sys
 from fsipetsc.cli import main
-from fsipetsc.parallel.advance import STAGES
-from fsipetsc.parallel.pace import MADE
+from fsipetsc.scheme.runge_kutta import STAGES
+from fsipetsc.scheme.burst import MADE
 from fsipetsc.stepping import state
 
 counted, advance = [0], state.advance
@@ -207,7 +207,7 @@ def test_rejected_steps_leave_the_solution_right(computed, method):
 
 def test_a_first_step_that_makes_no_sense_is_rejected_too(computed):
     """-fsi_cfl 40: the first step would end with a negative temperature."""
-    assert computed("adaptive", "wild").complete
+    assert computed("adaptive", "wild").finish_step
     assert computed("adaptive", "wild").summary["rejected_steps"] > 0
 
 
@@ -244,7 +244,7 @@ def test_number_of_steps(computed):
 
 def test_no_time_at_all(computed):
     run = computed("times", "nothing")
-    assert run.complete
+    assert run.finish_step
     assert run.time.tolist() == [0.0]
     assert run.summary["steps"] == 0
 

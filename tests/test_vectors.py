@@ -12,7 +12,18 @@ numba = pytest.importorskip("numba")
 
 from fsipetsc.operators import vectors
 from fsipetsc.operators.kernels import store_lanes
-from fsipetsc.operators.vectors import WIDTH, apart, fma, kept, lane, load, mirrored, spread, store, store_interlaced
+from fsipetsc.operators.vectors import (
+    WIDTH,
+    centred_difference,
+    fma,
+    lane,
+    load,
+    masked,
+    mirrored,
+    spread,
+    store,
+    store_interlaced,
+)
 
 A, B, C = np.random.default_rng(7).uniform(-2, 2, (3, WIDTH))
 ODD = np.array([1.0, -1.0, np.inf, -np.inf, np.nan, 0.0])
@@ -63,7 +74,7 @@ def test_differences_reach_into_the_neighbours(k):
     row = np.concatenate([A, B, C])
     here = np.arange(WIDTH, 2 * WIDTH)
     source = f"lambda a, b, c: apart(a, b, c, {k})"  # k is a literal
-    assert np.array_equal(lanes(numba.njit(eval(source, {"apart": apart})))(A, B, C), row[here + k] - row[here - k])
+    assert np.array_equal(lanes(numba.njit(eval(source, {"apart": centred_difference})))(A, B, C), row[here + k] - row[here - k])
 
 
 def test_lanes():
@@ -71,7 +82,7 @@ def test_lanes():
     assert np.array_equal(lanes(numba.njit(lambda a, b, c: spread(lane(a, 2))))(A, B, C), np.full(WIDTH, A[2]))
     for n in range(-1, WIDTH + 2):
         expected = np.where(np.arange(WIDTH) < n, A, 9.0)
-        assert np.array_equal(lanes(numba.njit(lambda a, b, c: kept(a, n, 9.0)))(A, B, C), expected)  # noqa: B023
+        assert np.array_equal(lanes(numba.njit(lambda a, b, c: masked(a, n, 9.0)))(A, B, C), expected)  # noqa: B023
 
 
 @pytest.mark.parametrize(("a", "b"), list(itertools.product(range(-1, WIDTH + 2), repeat=2)))

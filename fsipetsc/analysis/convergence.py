@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fsipetsc.analysis import table1
-from fsipetsc.analysis.convergence_table import Study
+from fsipetsc.analysis.convergence_table import ConvergenceStudy
 from fsipetsc.cases import load_case
 from fsipetsc.errors import ComputationError, FileError, InputError
 from fsipetsc.launch import start_petsc
@@ -67,7 +67,7 @@ def _case(arguments: Sequence[str]) -> Any:
     return load_case(arguments[0])
 
 
-def study(case: Any, opt: Mapping[str, Any], given: Container[str], comm: MPI.Comm) -> Study:
+def study(case: Any, opt: Mapping[str, Any], given: Container[str], comm: MPI.Comm) -> ConvergenceStudy:
     """Make all runs, print and save. Collective on comm.
 
     opt: options in force, those of this command included. given: names of those that the user gave.
@@ -78,7 +78,7 @@ def study(case: Any, opt: Mapping[str, Any], given: Container[str], comm: MPI.Co
     path = _target(case, opt, given)
     orders = tuple(dict.fromkeys(opt["fsi_orders"]))
     spacings = opt["fsi_hs"] or tuple(factor * opt["fsi_h"] for factor in (4, 2, 1, 1 / 2, 1 / 4))
-    table = Study(
+    table = ConvergenceStudy(
         *(case.NAME, opt["ts_max_time"], orders, tuple(sorted(set(spacings), reverse=True)), comm.size),
         {name: value for name, value in opt.items() if name not in ("fsi_order", "fsi_h", "fsi_output")},
         versions(),
@@ -105,7 +105,7 @@ def study(case: Any, opt: Mapping[str, Any], given: Container[str], comm: MPI.Co
     return table
 
 
-def _run_all(case: Any, opt: Mapping[str, Any], comm: MPI.Comm, table: Study, say: Any) -> None:
+def _run_all(case: Any, opt: Mapping[str, Any], comm: MPI.Comm, table: ConvergenceStudy, say: Any) -> None:
     """Fill the table, run by run, and say each row."""
     from fsipetsc.stepping.solve import solve
 
@@ -122,7 +122,7 @@ def _run_all(case: Any, opt: Mapping[str, Any], comm: MPI.Comm, table: Study, sa
             say(table.row(i, j))
 
 
-def _check(case: Any, opt: Mapping[str, Any], comm: MPI.Comm, table: Study) -> tuple[str, ...]:
+def _check(case: Any, opt: Mapping[str, Any], comm: MPI.Comm, table: ConvergenceStudy) -> tuple[str, ...]:
     """Lay every grid once, so that what does not fit is known before the first run; returns the problem's notes.
 
     Collective.

@@ -25,7 +25,7 @@ _COST = ("points", "steps", "evaluations", "wall_time")
 
 
 @dataclass
-class Study:
+class ConvergenceStudy:
     """Runs of one case over orders and grids, NaN where a run has failed or not been made.
 
     hs: grid spacings [m], coarse to fine. t: time of comparison [s]. errors: kind -> name -> (orders, grids).
@@ -161,13 +161,13 @@ class Study:
             raise FileError(f"{path}: cannot write the table: {error.strerror or error}") from error
 
 
-def load(path: str | Path) -> Study:
+def load(path: str | Path) -> ConvergenceStudy:
     """A study that was saved. FileError if it cannot be read."""
     try:
         with h5py.File(path, "r") as file:
             if file.attrs.get("format") != FORMAT:
                 raise FileError(f"{path}: not a convergence study")
-            study = Study(
+            study = ConvergenceStudy(
                 str(file.attrs["case"]),
                 float(file.attrs["t"]),
                 tuple(map(int, file["orders"])),

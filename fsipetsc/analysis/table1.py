@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fsipetsc.analysis.convergence_table import Study
+from fsipetsc.analysis.convergence_table import ConvergenceStudy
 from fsipetsc.operators.sbp import operator
 
 #: kind of layer -> order -> exponent in L2 between the two finest grids
@@ -15,7 +15,7 @@ REASONS = {
 }
 
 
-def compare(study: Study) -> str:
+def compare(study: ConvergenceStudy) -> str:
     """The table, with a line for each exponent of ours that is lower and one for those that are higher.
 
     study: of the case mms on two grids at least. Exponents are rounded to one digit, as in the paper.

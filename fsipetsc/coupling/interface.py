@@ -45,7 +45,7 @@ JUMP_U, JUMP_STRESS, JUMP_T, JUMP_FLUX = 0, 1, 2, 3
 
 
 @njit(**OPTIONS)
-def slope(op, row, column, scale):
+def closure_derivative(op, row, column, scale):
     """scale * sum_j beta_j row[j, column]: h times the one-sided derivative at the interface."""
     s = 0.0
     for j in range(op.rows if op.rows > 1 else 2):
@@ -68,7 +68,7 @@ def norm_weight(op, j):
 @njit(**OPTIONS)
 def solid_strain(face, op, trace_s):
     """x_X at the interface."""
-    return slope(op, trace_s, 3, -face.normal / face.h)
+    return closure_derivative(op, trace_s, 3, -face.normal / face.h)
 
 
 @njit(**OPTIONS)
@@ -96,4 +96,4 @@ def residuals(face, op, trace_f, trace_s, out):
     out[0] = trace_s[0, 0] - uf0 - face.jump[JUMP_U]
     out[1] = trace_s[0, 1] - ps + pf - face.mu * u_X - face.jump[JUMP_STRESS]
     out[2] = trace_s[0, 2] - Tf0 - face.jump[JUMP_T]
-    out[3] = face.kappa_e / x_X * slope(op, trace_s, 2, d_s) - face.kappa * Tf_X - face.jump[JUMP_FLUX]
+    out[3] = face.kappa_e / x_X * closure_derivative(op, trace_s, 2, d_s) - face.kappa * Tf_X - face.jump[JUMP_FLUX]

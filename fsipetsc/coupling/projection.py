@@ -18,9 +18,9 @@ from fsipetsc.coupling.interface import (
     JUMP_STRESS,
     JUMP_T,
     JUMP_U,
+    closure_derivative,
     norm_weight,
     row_length,
-    slope,
     solid_pressure,
     solid_strain,
 )
@@ -45,7 +45,7 @@ def interface_temperatures(face, op, trace_f, trace_s, x_X):
             rest_f += beta[j] * T
     d = face.normal / face.h
     rest_f *= d
-    rest_s = slope(op, trace_s, 2, -d) + d * beta[0] * trace_s[0, 2]
+    rest_s = closure_derivative(op, trace_s, 2, -d) + d * beta[0] * trace_s[0, 2]
     T_s0 = trace_s[0, 2]
     k_s, k_f = face.kappa_e / x_X, face.kappa
     d_f, d_s = d * beta[0], -d * beta[0]

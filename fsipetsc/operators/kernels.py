@@ -15,7 +15,7 @@ import numpy as np
 from numba import njit
 
 from fsipetsc.operators.cache import use_cache_folder
-from fsipetsc.operators.vectors import WIDTH, apart, fma, lane, load, mirrored, spread
+from fsipetsc.operators.vectors import WIDTH, centred_difference, fma, lane, load, mirrored, spread
 
 #: Points that a kernel treats at once: its scratch rows stay in the first-level cache.
 BLOCK = 512
@@ -46,15 +46,15 @@ def weights_of(op, scale):
 
 
 @njit(**OPTIONS)
-def slope(p, weights, before, v, after):
+def interior_stencil(p, weights, before, v, after):
     """Interior formula sum_k c_k (v[i+k] - v[i-k]) at the points of the vector v between its neighbours; p of weights."""
-    d = weights[0] * apart(before, v, after, 1)
+    d = weights[0] * centred_difference(before, v, after, 1)
     if p > 1:
-        d = fma(weights[1], apart(before, v, after, 2), d)
+        d = fma(weights[1], centred_difference(before, v, after, 2), d)
         if p > 2:
-            d = fma(weights[2], apart(before, v, after, 3), d)
+            d = fma(weights[2], centred_difference(before, v, after, 3), d)
             if p > 3:
-                d = fma(weights[3], apart(before, v, after, 4), d)
+                d = fma(weights[3], centred_difference(before, v, after, 4), d)
     return d
 
 
@@ -120,7 +120,7 @@ def derivative(op, s, v, v0, out, out0, i0, i1, lo, hi, scale):
     weights, v, out = weights_of(op, scale), v - v0, out - out0
     a, b = max(i0, lo + op.rows), min(i1, hi + 1 - op.rows)
     for i in range(a, b, WIDTH):
-        d = slope(op.p, weights, load(s, v + i - WIDTH), load(s, v + i), load(s, v + i + WIDTH))
+        d = interior_stencil(op.p, weights, load(s, v + i - WIDTH), load(s, v + i), load(s, v + i + WIDTH))
         store_lanes(s, out + i, d, 0, b - i)
     for side in range(2):
         end, known = end_of(lo, hi, side, i0 - op.reach, i1 + op.reach)
@@ -138,15 +138,15 @@ def lagrange(delta, degree, weights, slopes):
     sign of its third weight corrected so that the weights sum to one.
     """
     for k in range(degree + 1):
-        value, denominator, slope = 1.0, 1.0, 0.0
+        value, denominator, interior_stencil = 1.0, 1.0, 0.0
         for m in range(degree + 1):
             if m == k:
                 continue
-            slope = slope * (delta - m) + value
+            interior_stencil = interior_stencil * (delta - m) + value
             value *= delta - m
             denominator *= k - m
         weights[k] = value / denominator
-        slopes[k] = slope / denominator
+        slopes[k] = interior_stencil / denominator
 
 
 @njit(**OPTIONS)

@@ -154,7 +154,7 @@ def lane(typingctx, v, j):
 
 
 @intrinsic
-def kept(typingctx, v, n, other):
+def masked(typingctx, v, n, other):
     """The first n lanes of v, and the number ``other`` in those that follow."""
     words = ir.VectorType(ir.IntType(64), WIDTH)
 
@@ -173,7 +173,7 @@ def mirrored(typingctx, v):
 
 
 @intrinsic(prefer_literal=True)
-def apart(typingctx, before, v, after, k):
+def centred_difference(typingctx, before, v, after, k):
     """Values k points to the right less those k points to the left of v, between its neighbours; k literal, <= WIDTH."""
     n = k.literal_value
 

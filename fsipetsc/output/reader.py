@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.errors import FileError
-from fsipetsc.output import layout, sources
+from fsipetsc.output import file_layout, sources
 
 Array = np.ndarray
 
@@ -132,7 +132,7 @@ class Layer(Arrays):
     def __init__(self, path: str, entry: Mapping[str, Any], chunks: list[_Chunk], nframes: int) -> None:
         self.name: str = entry["name"]
         self.kind: str = entry["kind"]
-        self.fields = layout.columns(entry)
+        self.fields = file_layout.columns(entry)
         super().__init__(path, f"field in layer {self.name!r}", self.fields, self._read_field)
         self._nframes = nframes
         self._chunks = [chunk for chunk in chunks if chunk.first < nframes]

@@ -16,7 +16,7 @@ import h5py
 import numpy as np
 
 from fsipetsc.errors import FileError
-from fsipetsc.output import commits, layout, tables
+from fsipetsc.output import commits, file_layout, tables
 
 Array = np.ndarray
 _MOST_COMPRESSED = 1000  # times: a dataset that claims more than that of what is stored is damaged
@@ -70,12 +70,12 @@ class Finished:
     """A file that HDF5 can read."""
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
-        self._file = layout.open_h5(path, "r")
+        self._file = file_layout.open_h5(path, "r")
         attributes = self._file.attrs
-        if attributes.get("format") != layout.FORMAT:
+        if attributes.get("format") != file_layout.FORMAT:
             raise FileError(f"{os.fspath(path)}: is not a result of fsipetsc")
         version = int(attributes["version"])
-        if version > layout.VERSION:
+        if version > file_layout.VERSION:
             raise FileError(f"{os.fspath(path)}: was written by a newer fsipetsc (file format {version}); update to read it")
         self.complete = bool(attributes["complete"])
         self.header, self.summary, self.errors = map(self._text, ("header", "summary", "errors"))
@@ -110,7 +110,7 @@ class Finished:
             if isinstance(group, h5py.Group) and "X" in group:
                 X = self._dataset(f"{group.name}/X", 1)[...]
                 for dataset in group:
-                    numbers = layout.parse_frames_name(dataset)
+                    numbers = file_layout.parse_frames_name(dataset)
                     if numbers is not None:
                         yield Frames(*numbers, self._dataset(f"{group.name}/{dataset}", 2), X)
 
@@ -144,7 +144,7 @@ class Unfinished:
                 if name in entry:
                     self._tables[name] = entry[name]["rows"], places[1] + entry[name]["places"]
             if "series" in entry:
-                self._type = layout.record_type(entry["series"]["columns"])
+                self._type = file_layout.record_type(entry["series"]["columns"])
             for name, shape, rows, places in entry.get("frames", ()):
                 self._datasets[name] = Rows(self, "<f8", shape, rows, places)
 
@@ -164,7 +164,7 @@ class Unfinished:
         grids = {name: rows[...] for name, rows in self._datasets.items() if name.endswith(f"/layer{layer:02d}/X")}
         for name, rows in self._datasets.items():
             group, last = name.rsplit("/", 1)
-            numbers = layout.parse_frames_name(last)
+            numbers = file_layout.parse_frames_name(last)
             if numbers is not None and f"{group}/X" in grids:
                 yield Frames(*numbers, rows, grids[f"{group}/X"])
 

@@ -28,7 +28,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from fsipetsc.errors import FileError
-from fsipetsc.output import buffers, claim, commits, hdf5, layout, tables, transaction
+from fsipetsc.output import buffers, claim, commits, file_layout, hdf5, tables, transaction
 
 Array = np.ndarray[Any, Any]
 T = TypeVar("T")
@@ -69,7 +69,7 @@ class RunWriter:
         self.nframes = 0  # frames given so far, written or not
         self.take_series: Callable[[], Array | None] = lambda: None
         self._comm, self._root = comm, comm.rank == 0
-        (self._width,) = {len(layout.columns(layer)) for layer in header["layers"]}  # the same for all
+        (self._width,) = {len(file_layout.columns(layer)) for layer in header["layers"]}  # the same for all
         self._flush_seconds, self._max_frames, self._max_bytes = flush_seconds, buffer_frames, buffer_bytes
         self._last_frame = time.monotonic()
         self._next_flush = self._last_frame + flush_seconds
@@ -112,7 +112,7 @@ class RunWriter:
     def write_frame(self, t: float, fill: Callable[[buffers.Slots], Any]) -> None:
         """Save the fields at time t. Collective.
 
-        fill(slots) writes the columns (`layout.columns`) of all points of this rank there, NaN outside the active part.
+        fill(slots) writes the columns (`file_layout.columns`) of all points of this rank there, NaN outside the active part.
         """
         self._check_open()
         fill(self._buffer.slots(len(self._times)))
@@ -222,7 +222,7 @@ class RunWriter:
             raise FileError(f"{path}: the directory {target.parent} is not writable")
         claimed = claim.Claim(target)
         self._release = weakref.finalize(self, claimed.release)
-        content, kept_as = layout.beginning(_plain(header), self._log), None
+        content, kept_as = file_layout.beginning(_plain(header), self._log), None
         while True:
             kept_as = claim.keep_earlier(target) or kept_as
             identity = claim.publish(target, content)
@@ -239,9 +239,9 @@ class RunWriter:
 
     def _datasets(self, count: int) -> Iterator[tuple[str, int, Array]]:
         """What the last `count` frames need: name, layer, and this rank's points, of each dataset."""
-        frames = layout.frames_name(self.nframes - count, count)
+        frames = file_layout.frames_name(self.nframes - count, count)
         for i, X in enumerate(self._buffer.X):
-            group = layout.group_name(self._segment, i)
+            group = file_layout.group_name(self._segment, i)
             if not self._grids_written:
                 yield f"{group}/X", i, X[:, None]
             yield f"{group}/{frames}", i, self._buffer.part(i, count)
@@ -271,7 +271,7 @@ class RunWriter:
                 space = h5py.h5s.create_simple(shape, shape)
                 dataset = h5py.h5d.create(file.id, None, h5py.h5t.IEEE_F64LE, space, properties)
                 h5py.h5o.link(dataset, file.id, name.encode(), lcpl=links)
-                self._new_frames.append([name, shape, rows, layout.chunk_places(dataset, n, rows)])
+                self._new_frames.append([name, shape, rows, file_layout.chunk_places(dataset, n, rows)])
         return size
 
     def _view_frames(self, count: int) -> None:
@@ -311,7 +311,7 @@ class RunWriter:
         with transaction.changes(self.path) as file:
             if new:
                 places = tables.append(file, "series", rows, self._steps)
-                entry["series"] = {"rows": self._steps + new, "places": places, "columns": layout.describe(rows.dtype)}
+                entry["series"] = {"rows": self._steps + new, "places": places, "columns": file_layout.describe(rows.dtype)}
             if count:
                 places = tables.append(file, "time", np.array(self._times), self.nframes - count)
                 entry["time"] = {"rows": self.nframes, "places": places}

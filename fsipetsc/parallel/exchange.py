@@ -3,7 +3,7 @@
 A rank sends the edges of its parts to its neighbours (one message per layer and side), and the traces of all
 interfaces go round in one small reduction. The reduction is a maximum of 64-bit words over buffers that are zero
 where a rank owns nothing: exact, bit for bit, and all ranks learn the traces and from them the frames' positions and
-velocities. Ranks that share a node do both in one turn at their boxes (fsipetsc.parallel.boxes), without messages.
+velocities. Ranks that share a node do both in one turn at their boxes (fsipetsc.parallel.shared_memory), without messages.
 """
 
 from __future__ import annotations
@@ -13,10 +13,10 @@ from numba import njit
 
 from fsipetsc.operators.kernels import OPTIONS, U64, whole_vectors
 from fsipetsc.operators.vectors import WIDTH, load, store_interlaced
-from fsipetsc.parallel.boxes import largest, next_turn
 from fsipetsc.parallel.mpi import mpi_startall, mpi_waitall
 from fsipetsc.parallel.plan import WORK
 from fsipetsc.parallel.pointers import rows_of
+from fsipetsc.parallel.shared_memory import largest, next_turn
 from fsipetsc.physics.layer import FLUID
 
 #: what a point of the traces holds: fluid (rho, rho u, e), then solid (u, sigma, T, x)

@@ -21,11 +21,11 @@ from fsipetsc.boundaries import NODES
 from fsipetsc.coupling import INTERFACE, KINDS
 from fsipetsc.operators.kernels import ROW, scratch_size
 from fsipetsc.operators.sbp import OPERATOR, SBPOperator, packed
-from fsipetsc.parallel.boxes import WORLD, world_record
 from fsipetsc.parallel.layout import Layout
-from fsipetsc.parallel.links import Links
+from fsipetsc.parallel.neighbours import Neighbours
+from fsipetsc.parallel.shared_memory import WORLD, world_record
 from fsipetsc.physics.layer import DOF, FLUID
-from fsipetsc.physics.survey import SIZE as SURVEY
+from fsipetsc.scheme.extremes_and_sums import SIZE as SURVEY
 
 _I = np.int64
 HEAD = np.dtype(
@@ -39,15 +39,15 @@ HEAD = np.dtype(
         ("sent", _I),
         ("traces", _I),
         ("message", _I),  # doubles in either
-        ("results", _I),  # of a completed step, see fsipetsc.parallel.completion: flags,
+        ("results", _I),  # of a completed step, see fsipetsc.scheme.finish_step: flags,
         ("limits", _I),
         ("states", _I),
         ("masses", _I),
         ("integrals", _I),
-        ("pace", _I),  # see fsipetsc.parallel.pace
+        ("pace", _I),  # see fsipetsc.scheme.burst
         ("journal", _I),  # of completed steps, see ``step_record``
         ("row", _I),  # doubles of one of them
-        ("survey", _I),  # of each layer, see fsipetsc.physics.survey
+        ("survey", _I),  # of each layer, see fsipetsc.scheme.extremes_and_sums
         ("nodes", _I),
         ("scratch", _I),
         ("entropy", _I),  # 1: the ledger takes it, too
@@ -71,10 +71,10 @@ LEAST_MIDDLE, LEAST_TILED = 512, 8192
 MOST_WAITING = 1.03
 #: doubles of the flags and of the limits among the results
 FLAGS, LIMITS = 4, 11
-#: integrals behind the masses of the fluid layers, see fsipetsc.parallel.ledger; the last two are optional
+#: integrals behind the masses of the fluid layers, see fsipetsc.scheme.integrals; the last two are optional
 ENERGY, MOMENTUM, FORCE, ENTROPY, HEATING = range(5)
 INTEGRALS = 5
-#: words of the pace, see fsipetsc.parallel.pace
+#: words of the pace, see fsipetsc.scheme.burst
 PACE = 11
 #: steps that the journal holds; they must be written then. Whole chunks of the file, see output.tables
 CAPACITY = 40 << 10
@@ -169,12 +169,12 @@ def make_faces(layout: Layout, coupling: str) -> np.ndarray:
 
 def make_plan(
     layout: Layout, op: SBPOperator, coupling: str, forced: bool, entropy: bool, shared: bool
-) -> tuple[Plan, Links]:
+) -> tuple[Plan, Neighbours]:
     """The plan of this rank and its links to the others, with boxes if ``shared`` and possible. Collective."""
     faces = make_faces(layout, coupling)
     rows = max(2, op.rows)
     message = len(faces) * rows * 7
-    links = Links(layout, max(message, LIMITS), shared)
+    neighbours = Neighbours(layout, max(message, LIMITS), shared)
     fluids = _fluids(layout.records)
     results = FLAGS + LIMITS + 8 * len(faces) + fluids + INTEGRALS
     row = step_record(len(faces), fluids, entropy).itemsize // 8
@@ -183,7 +183,7 @@ def make_plan(
         "solution": layout.local_size,
         "transfer": layout.local_size,
         **dict.fromkeys(areas, layout.work_size),
-        "edges": links.buffer,
+        "edges": neighbours.buffer,
         "sent": message,
         "traces": message,
         "pace": PACE,
@@ -201,7 +201,7 @@ def make_plan(
     memory = np.zeros(total + _LINE)
     memory = memory[-memory.ctypes.data // 8 % _LINE :][:total]
     head = np.zeros(1, HEAD)
-    head["op"], head["world"] = packed(op.order), world_record(layout.comm, links.boxes)[0]
+    head["op"], head["world"] = packed(op.order), world_record(layout.comm, neighbours.boxes)[0]
     head["rows"], head["message"], head["width"] = rows, message, layout.width
     head["area"] = [starts.get(name, -1) for name in (*areas, "forcing")[:5]]
     for name in HEAD.names:
@@ -215,11 +215,11 @@ def make_plan(
     head["states"] = head["limits"] + LIMITS
     head["masses"] = head["states"] + 8 * len(faces)
     head["integrals"] = head["masses"] + fluids
-    links.connect(memory[starts["edges"] :][: links.buffer])
-    requests = links.requests
+    neighbours.connect(memory[starts["edges"] :][: neighbours.buffer])
+    requests = neighbours.requests
     head["requests"] = requests.handles.size
     head["request_list"], head["status_list"] = requests.handles.ctypes.data, requests.statuses.ctypes.data
-    return Plan(head, layout.records, faces, memory), links
+    return Plan(head, layout.records, faces, memory), neighbours
 
 
 def tiles_pay(layout: Layout, edge: int, least: int) -> bool:

@@ -25,15 +25,15 @@ from fsipetsc.operators.kernels import (
     end_of,
     end_rows,
     grid_start,
+    interior_stencil,
     row,
-    slope,
     store_lanes,
     weights_of,
     whole_vectors,
 )
-from fsipetsc.operators.vectors import WIDTH, fma, kept, lane, load, magnitude, maximum, minimum, root, spread, store
-from fsipetsc.physics.emission import emit, emit_lanes
-from fsipetsc.physics.survey import LEAST_RHO, LEAST_T, SPEED, SUMS, note_largest, note_smallest, note_sum
+from fsipetsc.operators.vectors import WIDTH, fma, lane, load, magnitude, masked, maximum, minimum, root, spread, store
+from fsipetsc.scheme.extremes_and_sums import LEAST_RHO, LEAST_T, SPEED, SUMS, note_largest, note_smallest, note_sum
+from fsipetsc.scheme.stage_update import update_stage, update_stage_lanes
 
 
 @dataclass(frozen=True)
@@ -145,7 +145,7 @@ def fluid_fluxes(layer, op, s, w, u, f, origin, i0, i1):
     for i in range(first, min(d1, hi + 1 - op.rows), WIDTH):
         u2, T2 = load(s, u + i + WIDTH), load(s, T + i + WIDTH)
         g1, g2, g3 = fluid_flux(
-            constants, s, w + i, u1, T1, slope(p, friction, u0, u1, u2), slope(p, conduction, T0, T1, T2)
+            constants, s, w + i, u1, T1, interior_stencil(p, friction, u0, u1, u2), interior_stencil(p, conduction, T0, T1, T2)
         )
         store(s, f + i, g1)
         store(s, f2 + i, g2)
@@ -175,17 +175,17 @@ def fluid_rates(layer, op, s, f, target, unknown, points):
     p, whole = op.p, whole_vectors(a, b)
     for i in range(a, whole, WIDTH):
         f2 = load(s, f + i + WIDTH)
-        emit(s, target, unknown, i, slope(p, weights, f0, f1, f2))
+        update_stage(s, target, unknown, i, interior_stencil(p, weights, f0, f1, f2))
         f0, f1 = f1, f2
     if whole < b:
-        k = slope(p, weights, f0, f1, load(s, f + whole + WIDTH))
-        emit_lanes(s, target, unknown, whole, k, 0, b - whole)
+        k = interior_stencil(p, weights, f0, f1, load(s, f + whole + WIDTH))
+        update_stage_lanes(s, target, unknown, whole, k, 0, b - whole)
     for side in range(2):
         end, known = end_of(lo, hi, side, i0 - op.reach, i1 + op.reach)
         for r in range(0, op.rows, WIDTH):
             i, first, last = end_rows(op, lo, hi, side, r, i0, i1)
             if first < last:
-                emit_lanes(s, target, unknown, i, scale * closure(op, s, f + end, side, known, r), first, last)
+                update_stage_lanes(s, target, unknown, i, scale * closure(op, s, f + end, side, known, r), first, last)
 
 
 @njit(**OPTIONS)
@@ -207,16 +207,16 @@ def fluid_fields(layer, s, w, interface, out, at, stride):
 
 @njit(**OPTIONS)
 def fluid_survey(layer, s, w, at, begin, end):
-    """Add the active points begin .. end-1 to the survey at s[at:]: see fsipetsc.physics.survey."""
+    """Add the active points begin .. end-1 to the survey at s[at:]: see fsipetsc.scheme.extremes_and_sums."""
     begin, end, velocity = max(begin, layer.lo), min(end, layer.hi + 1), layer.s
     q, e, cc = w + layer.stride, w + 2 * layer.stride, layer.gamma * (layer.gamma - 1.0)
     speed, light, cold = spread(-np.inf), spread(np.inf), spread(np.inf)
     mass, momentum, energy = spread(0.0), spread(0.0), spread(0.0)
     for i in range(begin, end, WIDTH):
         n, rho, m, E = end - i, load(s, w + i), load(s, q + i), load(s, e + i)
-        mass, momentum, energy = mass + kept(rho, n, 0.0), momentum + kept(m, n, 0.0), energy + kept(E, n, 0.0)
+        mass, momentum, energy = mass + masked(rho, n, 0.0), momentum + masked(m, n, 0.0), energy + masked(E, n, 0.0)
         if n < WIDTH:
-            rho, m, E = kept(rho, n, lane(rho, 0)), kept(m, n, lane(m, 0)), kept(E, n, lane(E, 0))
+            rho, m, E = masked(rho, n, lane(rho, 0)), masked(m, n, lane(m, 0)), masked(E, n, lane(E, 0))
         r = 1.0 / rho
         v = m * r
         c2 = cc * (E * r - 0.5 * v * v)

@@ -29,9 +29,9 @@ LAYER = np.dtype(
         ("start", _I),  # of the owned part in the rank's part of the solution vector, in doubles
         ("work", _I),  # of owned part and halos in a work area, in doubles
         ("stride", _I),  # from one unknown to the next in a work area, where each stands for itself
-        ("outbox", _I, (2,)),  # addresses of the edges that go to the neighbours, and come from them; see parallel.boxes
+        ("outbox", _I, (2,)),  # addresses of the edges to and from the neighbours; see parallel.shared_memory
         ("inbox", _I, (2,)),
-        ("middle", _I, (2,)),  # points of the part that a step treats tile by tile, see fsipetsc.parallel.advance
+        ("middle", _I, (2,)),  # points of the part that a step treats tile by tile, see fsipetsc.scheme.runge_kutta
         ("h", _F),
         # fluid: materials and the moving frame
         ("gamma", _F),

@@ -26,15 +26,14 @@ from fsipetsc.operators.kernels import (
     end_of,
     end_rows,
     grid_start,
+    interior_stencil,
     row,
-    slope,
     store_lanes,
     weights_of,
     whole_vectors,
 )
-from fsipetsc.operators.vectors import WIDTH, fma, kept, load, maximum, minimum, mirrored, spread, store
-from fsipetsc.physics.emission import emit, emit_lanes
-from fsipetsc.physics.survey import (
+from fsipetsc.operators.vectors import WIDTH, fma, load, masked, maximum, minimum, mirrored, spread, store
+from fsipetsc.scheme.extremes_and_sums import (
     GREATEST_T,
     LEAST_SIGMA,
     LEAST_STRAIN,
@@ -44,6 +43,7 @@ from fsipetsc.physics.survey import (
     note_smallest,
     note_sum,
 )
+from fsipetsc.scheme.stage_update import update_stage, update_stage_lanes
 
 
 def modulus(K, gruneisen, p, sigma, x_X):
@@ -130,7 +130,7 @@ def solid_fluxes(layer, op, s, w, f, origin, i0, i1):
     x0, x1, T0, T1 = load(s, x + first - WIDTH), load(s, x + first), load(s, T + first - WIDTH), load(s, T + first)
     for i in range(first, min(d1, hi + 1 - op.rows), WIDTH):
         x2, T2 = load(s, x + i + WIDTH), load(s, T + i + WIDTH)
-        g1, g2, g3 = solid_flux(constants, s, w + i, slope(p, strain, x0, x1, x2), slope(p, conduction, T0, T1, T2))
+        g1, g2, g3 = solid_flux(constants, s, w + i, interior_stencil(p, strain, x0, x1, x2), interior_stencil(p, conduction, T0, T1, T2))
         store(s, f + i, g1)
         store(s, net + i, g2)
         store(s, heat + i, g3)
@@ -173,16 +173,16 @@ def solid_rates(layer, op, s, w, f, target, points):
     for i in range(a, b, WIDTH):
         n2, u2, q2 = load(s, net + i + WIDTH), load(s, w + i + WIDTH), load(s, heat + i + WIDTH)
         rates = solid_rate(
-            constants, s, f + i, slope(p, by_mass, n0, n1, n2), slope(p, by_length, u0, u1, u2), slope(p, by_length, q0, q1, q2)
+            constants, s, f + i, interior_stencil(p, by_mass, n0, n1, n2), interior_stencil(p, by_length, u0, u1, u2), interior_stencil(p, by_length, q0, q1, q2)
         )
         if i == whole:
             for unknown in range(4):
-                emit_lanes(s, target, unknown, i, u1 if unknown == 3 else rates[unknown], 0, b - i)
+                update_stage_lanes(s, target, unknown, i, u1 if unknown == 3 else rates[unknown], 0, b - i)
         else:
-            emit(s, target, 0, i, rates[0])
-            emit(s, target, 1, i, rates[1])
-            emit(s, target, 2, i, rates[2])
-            emit(s, target, 3, i, u1)
+            update_stage(s, target, 0, i, rates[0])
+            update_stage(s, target, 1, i, rates[1])
+            update_stage(s, target, 2, i, rates[2])
+            update_stage(s, target, 3, i, u1)
         n0, n1, u0, u1, q0, q1 = n1, n2, u1, u2, q1, q2
     for side in range(2):
         end, known = end_of(lo, hi, side, i0 - reach, i1 + reach)
@@ -198,7 +198,7 @@ def solid_rates(layer, op, s, w, f, target, points):
                     per_length * closure(op, s, heat + end, side, known, r),
                 )
                 for unknown in range(4):
-                    emit_lanes(s, target, unknown, i, load(s, w + i) if unknown == 3 else rates[unknown], first, last)
+                    update_stage_lanes(s, target, unknown, i, load(s, w + i) if unknown == 3 else rates[unknown], first, last)
 
 
 @njit(**OPTIONS)
@@ -220,20 +220,20 @@ def solid_fields(layer, op, s, w, scratch, out, at, stride):
 
 @njit(**OPTIONS)
 def solid_survey(layer, s, w, at, begin, end):
-    """Add the points begin .. end-1 to the survey at s[at:]: see fsipetsc.physics.survey."""
+    """Add the points begin .. end-1 to the survey at s[at:]: see fsipetsc.scheme.extremes_and_sums."""
     sigma, T, x, inv_h = w + layer.stride, w + 2 * layer.stride, w + 3 * layer.stride, 1.0 / layer.h
     strain, pulled, cold, hot = spread(np.inf), spread(np.inf), spread(np.inf), spread(-np.inf)
     momentum, kinetic, heat = spread(0.0), spread(0.0), spread(0.0)
     for i in range(begin, end, WIDTH):
         n, u, stress, t = end - i, load(s, w + i), load(s, sigma + i), load(s, T + i)
-        momentum, kinetic, heat = momentum + kept(u, n, 0.0), kinetic + kept(u * u, n, 0.0), heat + kept(t, n, 0.0)
+        momentum, kinetic, heat = momentum + masked(u, n, 0.0), kinetic + masked(u * u, n, 0.0), heat + masked(t, n, 0.0)
         # what is beyond the end has no say, and the first point of the layer has no neighbour on the left
-        dx = kept((load(s, x + i) - load(s, x + i - 1)) * inv_h, n, np.inf)
+        dx = masked((load(s, x + i) - load(s, x + i - 1)) * inv_h, n, np.inf)
         if i == layer.lo:
-            dx = mirrored(kept(mirrored(dx), WIDTH - 1, np.inf))
+            dx = mirrored(masked(mirrored(dx), WIDTH - 1, np.inf))
         strain = minimum(strain, dx)
-        pulled, cold = minimum(pulled, kept(stress, n, np.inf)), minimum(cold, kept(t, n, np.inf))
-        hot = maximum(hot, kept(t, n, -np.inf))
+        pulled, cold = minimum(pulled, masked(stress, n, np.inf)), minimum(cold, masked(t, n, np.inf))
+        hot = maximum(hot, masked(t, n, -np.inf))
     note_smallest(s, at + LEAST_STRAIN, strain)
     note_smallest(s, at + LEAST_SIGMA, pulled)
     note_smallest(s, at + LEAST_T, cold)

@@ -11,14 +11,14 @@ from typing import NamedTuple
 from fsipetsc.parallel.plan import Plan
 from fsipetsc.physics.layer import DOF, FLUID
 
-#: numbers in the reduction of the limits, see fsipetsc.parallel.completion
-LIMITS = 4
+#: numbers in the reduction of the limits, see fsipetsc.scheme.finish_step
+REDUCED_RATES = 4
 
 
 class Traffic(NamedTuple):
     """What this rank sends: messages to neighbours with their bytes, and reductions over all ranks with theirs.
 
-    On a shared node there is none of that, but turns at the boxes instead (fsipetsc.parallel.boxes).
+    On a shared node there is none of that, but turns at the boxes instead (fsipetsc.parallel.shared_memory).
     """
 
     sends: int
@@ -73,7 +73,7 @@ def completion_traffic(plan: Plan) -> Traffic:
     """Of the completion of a step: one exchange, and the reduction of the limits."""
     exchange = stage_traffic(plan)
     if exchange.reductions:
-        return exchange._replace(reductions=2, reduced_bytes=exchange.reduced_bytes + 8 * LIMITS)
+        return exchange._replace(reductions=2, reduced_bytes=exchange.reduced_bytes + 8 * REDUCED_RATES)
     return exchange._replace(turns=2 * exchange.turns)
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from fsipetsc import given
-from fsipetsc.parallel.fields import WIDTH, fields
 from fsipetsc.problem import FluidLayer
+from fsipetsc.scheme.fields import SAVED, fields
 from fsipetsc.stepping.state import State
 from fsipetsc.together import together
 
@@ -14,11 +14,11 @@ from fsipetsc.together import together
 def layer_fields(state: State) -> list[np.ndarray]:
     """What is saved of this rank's points, (owned points, 5) per layer; see ``fields``."""
     records = state.layout.records
-    sizes = WIDTH * (records["own_hi"] - records["own_lo"])
+    sizes = SAVED * (records["own_hi"] - records["own_lo"])
     ends = np.cumsum(sizes)
     out = np.empty(ends[-1])
-    fields(state.plan.head, state.plan.layers, state.plan.memory, out, ends - sizes, WIDTH)
-    return [part.reshape(-1, WIDTH) for part in np.split(out, ends[:-1])]
+    fields(state.plan.head, state.plan.layers, state.plan.memory, out, ends - sizes, SAVED)
+    return [part.reshape(-1, SAVED) for part in np.split(out, ends[:-1])]
 
 
 def active_points(state: State) -> int:

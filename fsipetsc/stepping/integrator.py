@@ -17,13 +17,13 @@ import numpy as np
 from petsc4py import PETSc
 
 from fsipetsc.errors import ComputationError
-from fsipetsc.parallel.completion import BAD, EXHAUSTED, LOW, MOVED, RATE, SAID_STOP, SHORT, STOP
-from fsipetsc.parallel.pace import LONGEST, MADE, SHORTEST, T
 from fsipetsc.parallel.plan import SHARES
-from fsipetsc.stepping.clock import Clock
-from fsipetsc.stepping.control import ErrorControl
+from fsipetsc.scheme.burst import LONGEST, MADE, SHORTEST, TIME
+from fsipetsc.scheme.finish_step import BAD, EXHAUSTED, LOW, MOVED, RATE, SAID_STOP, STOP, TOO_SHORT
 from fsipetsc.stepping.diagnosis import describe_failure
+from fsipetsc.stepping.error_control import ErrorControl
 from fsipetsc.stepping.fused import NAME, FusedRK4
+from fsipetsc.stepping.output_times import OutputTimes
 from fsipetsc.stepping.phases import logged
 from fsipetsc.stepping.series import Series
 from fsipetsc.stepping.state import FAULT, State
@@ -63,7 +63,7 @@ class Integrator:
         self._next_check = CHECKED if opt["fsi_check"] else np.inf
         self._on_frame, self._on_series, self._on_step, self._on_grids = on_frame, on_series, on_step, on_grids
         self._on_check = on_check
-        self._clock = Clock(saved)
+        self._times = OutputTimes(saved)
         self._steady = state.problem.steady_data
         self.steps = 0
         self.rejections = 0
@@ -104,7 +104,7 @@ class Integrator:
 
     def _after_step(self, ts: PETSc.TS) -> None:
         if self.burst:
-            t, made, *steps = self.state.pace[[T, MADE, SHORTEST, LONGEST]].tolist()
+            t, made, *steps = self.state.pace[[TIME, MADE, SHORTEST, LONGEST]].tolist()
         else:
             t, made, steps = self._target, 1, [self._step] * 2
             if not self._fused and not self._completed(ts):
@@ -126,10 +126,10 @@ class Integrator:
             self._on_check()
         if not self.series.room:
             self._on_series()
-        if self._clock.pass_time(t):
+        if self._times.pass_time(t):
             self._on_frame(t)
         self.stop_signal = int(flags[STOP])
-        if self._clock.done or self.stop_signal or self.steps >= self.opt["ts_max_steps"]:
+        if self._times.done or self.stop_signal or self.steps >= self.opt["ts_max_steps"]:
             ts.setConvergedReason(PETSc.TS.ConvergedReason.CONVERGED_TIME)
         elif flags[LOW]:
             ts.setConvergedReason(PETSc.TS.ConvergedReason.CONVERGED_USER)
@@ -180,8 +180,8 @@ class Integrator:
                 f"the points of fluid layer '{name}' are used up at t = {t:.6g}{s}, step {self.steps}, "
                 f"{self._boundary(int(flags[EXHAUSTED]) - 1)}: its boundary crossed more than one cell in a step"
             )
-        if flags[SHORT]:
-            k = int(flags[SHORT]) - 1
+        if flags[TOO_SHORT]:
+            k = int(flags[TOO_SHORT]) - 1
             least = int(self.state.layout.records[k]["least"])
             raise ComputationError(
                 f"fluid layer '{layers[k].name}' has become too short at t = {t:.6g}{s}, step {self.steps}, "
@@ -202,13 +202,13 @@ class Integrator:
         if self._control is not None:
             bound = min(bound, self._proposal, self._control.longest)
             self._control.begin()
-        self._step, self._target = self._clock.step(self.t, bound)
+        self._step, self._target = self._times.step(self.t, bound)
         self.state.results[SAID_STOP] = self.raised if self.state.fault is None else FAULT
         ts.setTimeStep(self._step)
         if self.burst:
             opt, series = self.opt, self.series
             allowed = min(self.burst, opt["ts_max_steps"] - self.steps, series.room)
-            times = self.t, self._step, self._target, self._clock.target
+            times = self.t, self._step, self._target, self._times.target
             bounds = opt["fsi_cfl"], opt["ts_dt"] or 0.0, allowed
             self.state.pace[:] = *times, *bounds, 0, np.inf, 0.0, series.count
 
@@ -248,7 +248,7 @@ class Integrator:
         """Set the initial data and save the first frame."""
         state = self.state
         state.set_initial()
-        while state.results[LOW] and not (state.results[EXHAUSTED] or state.results[SHORT]):
+        while state.results[LOW] and not (state.results[EXHAUSTED] or state.results[TOO_SHORT]):
             state.grow()
         self._on_grids()
         self._finish()
@@ -256,14 +256,14 @@ class Integrator:
         names = state.latest.dtype.names
         shares = {name: state.latest[name] for name in names[names.index(SHARES) :]}
         self.initial = {name: state.comm.allreduce(share).tolist() for name, share in shares.items()}
-        self._clock.pass_time(0.0)
+        self._times.pass_time(0.0)
         self._on_frame(0.0)
 
     def run(self) -> None:
         """Integrate to the end, a signal, or a failure, which is raised with the series complete."""
         begun = time.perf_counter()
         try:
-            while not self._clock.done and not self.stop_signal and self.steps < self.opt["ts_max_steps"]:
+            while not self._times.done and not self.stop_signal and self.steps < self.opt["ts_max_steps"]:
                 if not self._fused:
                     self._rates = self.state.solution.duplicate()
                 ts = self._create()
@@ -285,7 +285,7 @@ class Integrator:
                 if self._error is not None:
                     _clear_frames(self._error)
                     raise self._error
-                if self.state.results[LOW] and not self._clock.done:
+                if self.state.results[LOW] and not self._times.done:
                     self.state.grow(self.series.count)
                     self._on_grids()
         finally:

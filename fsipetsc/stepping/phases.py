@@ -2,7 +2,7 @@
 
 A phase that begins within another one interrupts it, here as in PETSc's log: the seconds of all phases add up to the
 time since the first began. Compiled code makes a whole time step at once and is one event; what is inside of it is
-told apart by the command ``bench`` (fsipetsc.analysis.bench).
+told apart by the command ``bench`` (fsipetsc.bench.command).
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ from typing import Any, TypeVar
 import numpy as np
 from petsc4py import PETSc
 
-from fsipetsc.parallel.advance import STAGES
-from fsipetsc.parallel.pace import MADE
+from fsipetsc.scheme.burst import MADE
+from fsipetsc.scheme.runge_kutta import STAGES
 from fsipetsc.stepping.counts import Traffic, completion_traffic, flops, stage_traffic
 from fsipetsc.stepping.state import State
 
-T = TypeVar("T")
+Result = TypeVar("T")
 
 SET_UP, LOOP, OUTPUT = "set-up", "time loop", "output"
 
@@ -63,13 +63,13 @@ class Phases:
         self._since = now
 
 
-def logged(name: str, function: Callable[..., T]) -> Callable[..., T]:
+def logged(name: str, function: Callable[..., Result]) -> Callable[..., Result]:
     """The function as an event of PETSc's log; the function itself if nothing is logged."""
     if not PETSc.Log.isActive():
         return function
     event = PETSc.Log.Event(name)
 
-    def call(*arguments: Any) -> T:
+    def call(*arguments: Any) -> Result:
         event.begin()
         try:
             return function(*arguments)

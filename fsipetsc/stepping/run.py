@@ -18,12 +18,12 @@ from fsipetsc.errors import ComputationError, FileError, FsiError, InputError
 from fsipetsc.interrupts import Interrupted, heeded
 from fsipetsc.notes import PATIENCE, exchange
 from fsipetsc.output.writer import RunWriter
-from fsipetsc.parallel.fields import fields
 from fsipetsc.problem import Problem
-from fsipetsc.stepping.balance import Watch
-from fsipetsc.stepping.clock import saved_times
+from fsipetsc.scheme.fields import fields
+from fsipetsc.stepping.conservation_check import ConservationCheck
 from fsipetsc.stepping.frames import active_points, errors, layer_fields
 from fsipetsc.stepping.integrator import Integrator
+from fsipetsc.stepping.output_times import saved_times
 from fsipetsc.stepping.phases import LOOP, OUTPUT, SET_UP, Phases
 from fsipetsc.stepping.report import Reporter
 from fsipetsc.stepping.solve import build_problem, make_state
@@ -58,7 +58,7 @@ class _Run:
         self.report = Reporter(comm, case.NAME, opt)
         self.notes = comm.Dup()
         self.saved_at = -1.0
-        self.watch: Watch | None = None
+        self.watch: ConservationCheck | None = None
         self.fault: str | None = None  # on rank 0, what the watch has found
         self.checks = bool(opt["fsi_check"])
         self.integrator = Integrator(
@@ -110,7 +110,7 @@ class _Run:
         steps = self.integrator.series.add_up(self.comm)
         if self.comm.rank == 0 and self.fault is None:
             if self.watch is None:
-                self.watch = Watch(self.problem.laws, self.integrator.initial, self.opt["fsi_check"])
+                self.watch = ConservationCheck(self.problem.laws, self.integrator.initial, self.opt["fsi_check"])
             self.fault = self.watch.look(steps)
 
     def _check(self) -> None:

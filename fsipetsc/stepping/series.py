@@ -9,7 +9,7 @@ from fsipetsc.parallel.plan import SHARES
 from fsipetsc.stepping.state import State
 
 #: steps whose shares are added up at once: they stay in a cache
-BLOCK = 2048
+CACHED_STEPS = 2048
 
 
 class Series:
@@ -18,7 +18,7 @@ class Series:
     def __init__(self, state: State) -> None:
         self._state = state
         self._first = state.journal.dtype.fields[SHARES][1] // 8  # number of a record with which shares begin
-        self._sums = np.empty((BLOCK, state.journal.dtype.itemsize // 8 - self._first))
+        self._sums = np.empty((CACHED_STEPS, state.journal.dtype.itemsize // 8 - self._first))
         self.count = self._added = 0
 
     @property
@@ -42,8 +42,8 @@ class Series:
         steps, self._added = self._state.journal[self._added : self.count], self.count
         if comm.size > 1:
             numbers = steps.view(np.float64).reshape(len(steps), -1)
-            for begin in range(0, len(steps), BLOCK):
-                shares = numbers[begin : begin + BLOCK, self._first :]
+            for begin in range(0, len(steps), CACHED_STEPS):
+                shares = numbers[begin : begin + CACHED_STEPS, self._first :]
                 sums = self._sums[: len(shares)]
                 sums[:] = shares
                 comm.Reduce(MPI.IN_PLACE if comm.rank == 0 else sums, sums, MPI.SUM, 0)

@@ -13,13 +13,13 @@ from fsipetsc.boundaries import NODES
 from fsipetsc.errors import FsiError, InputError
 from fsipetsc.operators.cache import cache_folder, garbage_waiting
 from fsipetsc.operators.sbp import OPERATORS
-from fsipetsc.parallel.advance import STAGES, advance
-from fsipetsc.parallel.completion import LOW, SAID_STOP
 from fsipetsc.parallel.layout import Grid, Layout, make_grids
-from fsipetsc.parallel.pace import MADE
 from fsipetsc.parallel.plan import FLAGS, FORCING, LIMITS, PACE, make_plan
 from fsipetsc.physics.layer import DOF, FLUID
 from fsipetsc.problem import FluidLayer, Problem
+from fsipetsc.scheme.burst import MADE
+from fsipetsc.scheme.finish_step import LOW, SAID_STOP
+from fsipetsc.scheme.runge_kutta import STAGES, advance
 from fsipetsc.together import agree, together
 
 #: what a rank says of STOP whose user's functions have failed: more than any signal
@@ -29,8 +29,8 @@ FAULT = 1000.0
 class State:
     """Solution and everything that belongs to it; all methods are collective on ``comm``.
 
-    Attributes: layout, plan, solution (world Vec); results of the last completed step (parallel.completion says where what
-    stands); pace (parallel.pace); journal, the records of steps (parallel.plan.step_record), and latest, that of the last
+    Attributes: layout, plan, solution (world Vec); results of the last completed step (scheme.finish_step says where what
+    stands); pace (scheme.burst); journal, the records of steps (parallel.plan.step_record), and latest, that of the last
     one without its time. The integrals in them are this rank's shares. evaluations of the right-hand side are counted.
     Raises InputError where grid, order and number of ranks do not fit.
     """
@@ -73,7 +73,7 @@ class State:
     def _place(self, grids: list[Grid], kept: Layout | None = None) -> None:
         self.layout = Layout(self.comm, self.problem, self.op, self.h, grids, self._mode, kept)
         forced = any(layer.forcing for layer in self.problem.layers)
-        self.plan, self._links = make_plan(self.layout, self.op, self._coupling, forced, self._entropy, self._shared)
+        self.plan, self._neighbours = make_plan(self.layout, self.op, self._coupling, forced, self._entropy, self._shared)
         for record, grid in zip(self.layout.records, grids, strict=True):
             record["lo"], record["hi"] = grid.lo, grid.hi
         # the solution vector's own memory is the plan's
@@ -163,7 +163,7 @@ class State:
                 self.layout.local(k, y)[:] = self.plan.owned(k)
 
     def finish(self) -> None:
-        """Complete a step whose raw result PETSc has left in the solution: see parallel.completion."""
+        """Complete a step whose raw result PETSc has left in the solution: see scheme.finish_step."""
         advance(*self.plan, STAGES, STAGES + 1, self._solution, 0.0)
 
     def step(self, t: float, dt: float, steady: bool) -> None:
@@ -206,7 +206,7 @@ class State:
         advance(*self.plan, 0, 0, self._solution, 0.0)
 
     def _release(self) -> None:
-        self._links.free()
+        self._neighbours.free()
         self.solution.destroy()
         self.layout.destroy()
 

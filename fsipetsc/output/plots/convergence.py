@@ -17,9 +17,9 @@ from fsipetsc.output.plots.titles import set_title
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from fsipetsc.analysis.convergence_table import Study
+    from fsipetsc.analysis.convergence_table import ConvergenceStudy
 
-def convergence_figures(study: Study, path: str | os.PathLike[str], note: str = "") -> list[Path]:
+def convergence_figures(study: ConvergenceStudy, path: str | os.PathLike[str], note: str = "") -> list[Path]:
     """Draw both pictures beside PATH, as PATH without suffix + "-error.png" and "-cost.png".
 
     None without matplotlib or without a run that went well.
@@ -49,7 +49,7 @@ def convergence_figures(study: Study, path: str | os.PathLike[str], note: str = 
     return written
 
 
-def draw_errors(figure: Figure, study: Study) -> None:
+def draw_errors(figure: Figure, study: ConvergenceStudy) -> None:
     """Errors of all unknowns together against the grid spacing, a panel for the fluid and one for the solid (Fig. 6)."""
     figure.set_size_inches(7.6, 3.8)
     for axes, kind in zip(figure.subplots(1, 2, sharey=True), study.errors):
@@ -64,7 +64,7 @@ def draw_errors(figure: Figure, study: Study) -> None:
     figure.axes[0].set_ylabel("error in L2, all unknowns")
 
 
-def draw_cost(figure: Figure, study: Study) -> None:
+def draw_cost(figure: Figure, study: ConvergenceStudy) -> None:
     """The larger error of fluid and solid against the wall time (Fig. 7)."""
     from matplotlib.ticker import LogFormatterSciNotation, NullFormatter
 
@@ -83,7 +83,7 @@ def draw_cost(figure: Figure, study: Study) -> None:
     axes.legend(loc="lower left")
 
 
-def _each(study: Study) -> Iterator[tuple[int, int]]:
+def _each(study: ConvergenceStudy) -> Iterator[tuple[int, int]]:
     return ((order, i) for i, order in enumerate(study.orders) if np.isfinite(study.wall_time[i]).any())
 
 
@@ -97,7 +97,7 @@ def _line(order: int) -> dict[str, Any]:
     return {"color": color, "marker": marker, "markersize": 4}
 
 
-def _last_rate(study: Study, kind: str, i: int) -> str:
+def _last_rate(study: ConvergenceStudy, kind: str, i: int) -> str:
     """The observed order of the finest refinement, in brackets."""
     rate = study.rates(kind)[i, -1]
     return f"  ({rate:.1f})" if np.isfinite(rate) else ""

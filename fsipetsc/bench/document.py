@@ -12,8 +12,8 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
-from fsipetsc.analysis.bench_model import Model, half_speed, message, moved_bytes, relative_errors, scaling
-from fsipetsc.analysis.bench_table import Study, entry, markdown
+from fsipetsc.bench.cost_model import Model, half_speed, message, moved_bytes, relative_errors, scaling
+from fsipetsc.bench.table import BenchStudy, entry, markdown
 from fsipetsc.errors import FileError, InputError
 from fsipetsc.operators.sbp import operator
 from fsipetsc.stepping.counts import step_traffic
@@ -24,7 +24,7 @@ _MANY = (2, 8, 32, 128, 512, 1000)
 _GRIDS = (10_000, 100_000, 1_000_000, 10_000_000)
 
 
-def renew(path: Path, study: Study, model: Model | None) -> Path:
+def renew(path: Path, study: BenchStudy, model: Model | None) -> Path:
     """Replace the tables of a Markdown file; FileError if it cannot be read or written, InputError for unknown names."""
     blocks: dict[str, Callable[[], str]] = {
         "machine": lambda: machine(study),
@@ -50,7 +50,7 @@ def renew(path: Path, study: Study, model: Model | None) -> Path:
     return path
 
 
-def machine(study: Study) -> str:
+def machine(study: BenchStudy) -> str:
     """What was measured on, and the bandwidth of its memory."""
     about, facts = study.about, study.facts
     lines = [
@@ -67,7 +67,7 @@ def machine(study: Study) -> str:
     return "\n\n".join(lines)
 
 
-def steps(study: Study) -> str:
+def steps(study: BenchStudy) -> str:
     """Cost on one rank."""
     rows = [
         [
@@ -86,7 +86,7 @@ def steps(study: Study) -> str:
     return markdown([*names, "yardstick, µs", "ratio"], rows)
 
 
-def parts(study: Study) -> str:
+def parts(study: BenchStudy) -> str:
     """Where a step goes, in µs."""
     rows = [
         [
@@ -101,7 +101,7 @@ def parts(study: Study) -> str:
     return markdown([*names, "PETSc", "Python"], rows)
 
 
-def scaled(study: Study) -> str:
+def scaled(study: BenchStudy) -> str:
     """Strong and weak scaling as measured."""
     rows = [
         [
@@ -126,7 +126,7 @@ def scaled(study: Study) -> str:
     return "\n\n".join(tables)
 
 
-def around(study: Study) -> str:
+def around(study: BenchStudy) -> str:
     """Output, start and memory."""
     rows = []
     for name, value in study.facts.items():
@@ -149,7 +149,7 @@ def around(study: Study) -> str:
     return markdown(["what", "cost"], rows) if rows else "Not measured."
 
 
-def model_text(model: Model | None, study: Study) -> str:
+def model_text(model: Model | None, study: BenchStudy) -> str:
     """The model's constants and how well it fits."""
     if model is None:
         return "no model: it takes scipy, and more measurements than it has constants"
@@ -168,7 +168,7 @@ def model_text(model: Model | None, study: Study) -> str:
     return "\n".join(f"- {line}" for line in lines)
 
 
-def expected(model: Model | None, study: Study) -> str:
+def expected(model: Model | None, study: BenchStudy) -> str:
     """Speed-ups on up to 1,000 ranks by the model: with this machine's messages and with those of a network."""
     if model is None:
         return "No model."

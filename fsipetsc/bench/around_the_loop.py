@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from mpi4py import MPI
 
-from fsipetsc.analysis.bench_measure import spacing
+from fsipetsc.bench.measure import spacing
 from fsipetsc.output.reader import open_run
 from fsipetsc.stepping.phases import LOOP, OUTPUT
 from fsipetsc.stepping.run import run_case

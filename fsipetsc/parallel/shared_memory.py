@@ -26,7 +26,7 @@ LINE = 64
 MOST = 16
 #: looks at a count before MPI may work and the processor is offered to others, where there are more ranks than processors;
 #: and else: who offers it to another program waits for all of that one's time slice
-SHORT, LONG = 1000, 1_000_000
+FEW_LOOKS, MANY_LOOKS = 1000, 1_000_000
 
 
 #: what compiled code needs to meet; without boxes their address is 0. The constants of MPI are among it, since kernels that
@@ -54,7 +54,7 @@ class Boxes:
         if comm.rank == 0:
             np.frombuffer(memory, np.uint8)[:] = 0
         processors = set().union(*comm.allgather(_processors()))  # all have reached this: the boxes are clean
-        self.patience = LONG if len(processors) >= comm.size else SHORT
+        self.patience = MANY_LOOKS if len(processors) >= comm.size else FEW_LOOKS
         self.flag, self.status = np.zeros(1, np.int32), np.zeros(MPI._sizeof(MPI.Status), np.uint8)  # of probes
 
     def part(self, rank: int) -> int:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from fsipetsc.errors import InputError
-from fsipetsc.parallel.pace import next_step
+from fsipetsc.scheme.burst import next_step
 
 #: profiles of a run
 MOST = 10_000_000
@@ -30,7 +30,7 @@ def saved_times(t_end: float, interval: float | None, times: Sequence[float] | N
     return sorted(saved)
 
 
-class Clock:
+class OutputTimes:
     """Hands out steps so that every target is the end of a step, without a tiny step before it."""
 
     def __init__(self, targets: Sequence[float]) -> None:

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fsipetsc.analysis.bench_model import Model, bandwidth, message, moved_bytes, scaling
-from fsipetsc.analysis.bench_table import Study
+from fsipetsc.bench.cost_model import Model, bandwidth, message, moved_bytes, scaling
+from fsipetsc.bench.table import BenchStudy
 from fsipetsc.errors import FileError
 from fsipetsc.output.plots.style import BLACK, BLUE, GREY, ORANGE, ORDERS, RED, STYLE
 from fsipetsc.output.plots.titles import set_title
-from fsipetsc.parallel.advance import STAGES
+from fsipetsc.scheme.runge_kutta import STAGES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,7 +21,7 @@ SHARES = {"arithmetic": BLUE, "exchange": RED, "PETSc": GREY, "Python": ORANGE}
 _GRIDS = ("#9ecae1", "#6baed6", "#3182bd", "#08519c", "#08306b")
 
 
-def draw(study: Study, model: Model | None, path: Path) -> Path | None:
+def draw(study: BenchStudy, model: Model | None, path: Path) -> Path | None:
     """Draw the picture at PATH; None without matplotlib. FileError if it cannot be written."""
     try:
         import matplotlib
@@ -44,7 +44,7 @@ def draw(study: Study, model: Model | None, path: Path) -> Path | None:
     return path
 
 
-def _cost(axes: Axes, study: Study) -> None:
+def _cost(axes: Axes, study: BenchStudy) -> None:
     """Time per point and right-hand side over the number of points, on one rank."""
     for order in study.orders:
         rows, (color, marker) = study.at(order, study.ranks[0]), ORDERS[order]
@@ -66,7 +66,7 @@ def _cost(axes: Axes, study: Study) -> None:
     axes.legend(loc="upper right", ncols=2)
 
 
-def _parts(axes: Axes, study: Study) -> None:
+def _parts(axes: Axes, study: BenchStudy) -> None:
     """Shares of a step, a bar for each grid and number of ranks, one order."""
     order = 4 if 4 in study.orders else study.orders[0]
     rows = study.at(order)
@@ -85,7 +85,7 @@ def _parts(axes: Axes, study: Study) -> None:
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, columnspacing=1.0, handlelength=1.0)
 
 
-def _speed_up(axes: Axes, study: Study, model: Model | None) -> None:
+def _speed_up(axes: Axes, study: BenchStudy, model: Model | None) -> None:
     """Speed-up over one rank against the points, measured and as the model has it."""
     for order in study.orders:
         color, marker = ORDERS[order]
@@ -111,7 +111,7 @@ def _speed_up(axes: Axes, study: Study, model: Model | None) -> None:
     axes.set_ylabel("speed-up over one rank")
 
 
-def _expected(axes: Axes, study: Study, model: Model | None) -> None:
+def _expected(axes: Axes, study: BenchStudy, model: Model | None) -> None:
     """Speed-up on up to 1,000 ranks, by the model."""
     axes.set_title("expected of more ranks, by the model, order 4", loc="left")
     axes.set_xlabel("ranks")

@@ -92,7 +92,7 @@ def close_end(head, layer, memory, area, side):
 
 
 @njit(**INLINE)
-def settle(head, layers, faces, memory, area):
+def apply_conditions(head, layers, faces, memory, area):
     """Fill halos, ghost points and ends of a work area and project its interfaces; sets the frames."""
     exchange(head, layers, faces, memory, area)
     for k in range(faces.size):

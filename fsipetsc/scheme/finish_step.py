@@ -10,21 +10,21 @@ from numba import njit
 from fsipetsc.boundaries import INTERFACE_END
 from fsipetsc.coupling import residuals
 from fsipetsc.operators.kernels import INLINE, OPTIONS, U64, copy
-from fsipetsc.parallel.boxes import largest
 from fsipetsc.parallel.exchange import TRACE, store_state, work_point
-from fsipetsc.parallel.ledger import integrals
 from fsipetsc.parallel.plan import WORK
 from fsipetsc.parallel.pointers import rows_at
-from fsipetsc.parallel.settle import NEW, OLD, boundary_distance, fill_embedded
+from fsipetsc.parallel.shared_memory import largest
 from fsipetsc.physics.fluid import fluid_survey
 from fsipetsc.physics.layer import FLUID
 from fsipetsc.physics.solid import solid_bounds, solid_survey
-from fsipetsc.physics.survey import LEAST_RHO, LEAST_T, SPEED, begin_survey
-from fsipetsc.physics.survey import SIZE as SURVEY
+from fsipetsc.scheme.conditions import NEW, OLD, boundary_distance, fill_embedded
+from fsipetsc.scheme.extremes_and_sums import LEAST_RHO, LEAST_T, SPEED, begin_survey
+from fsipetsc.scheme.extremes_and_sums import SIZE as SURVEY
+from fsipetsc.scheme.integrals import integrals
 
 #: flags: a boundary changed its cell; 1 + number of a layer whose grid has no free point left,
 #: that has run off its grid, or that is too short
-MOVED, LOW, EXHAUSTED, SHORT = 0, 1, 2, 3
+MOVED, LOW, EXHAUSTED, TOO_SHORT = 0, 1, 2, 3
 #: limits, behind the flags; SAID_STOP is what this rank has to say of STOP
 RATE, BAD, STOP, SAID_STOP = 4, 5, 6, 14
 #: words of the reduction of the limits: largest rates of convection and diffusion, BAD, STOP
@@ -64,7 +64,7 @@ def move_boundary(head, layer, memory, side):
 
 
 @njit(**INLINE)
-def complete(head, layers, faces, memory):
+def finish_step(head, layers, faces, memory):
     """Finish a step whose settled result stands in work area 0: embedded boundaries move, limits and integrals are taken.
 
     What lies within ``layer.middle`` has been looked at before (``look``).
@@ -86,7 +86,7 @@ def complete(head, layers, faces, memory):
                 if (side == 0 and layer.lo == 0) or (side == 1 and layer.hi == layer.n - 1):
                     memory[U64(head.results + LOW)] = 1.0 + k
                 if boundary_distance(layer, side) <= layer.least - 2 + 1e-9:
-                    memory[U64(head.results + SHORT)] = 1.0 + k
+                    memory[U64(head.results + TOO_SHORT)] = 1.0 + k
     for k in range(layers.size):
         layer = layers[k]
         a, b = layer.middle

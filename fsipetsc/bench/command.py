@@ -1,9 +1,9 @@
 """The command `python -m fsipetsc bench`: what a time step of the falling rod costs, and where the time goes.
 
 Measured for orders, grids and numbers of ranks (`mpiexec -n N` for up to N), one after the other, with ranks that have
-no part sleeping: whole steps and their parts (fsipetsc.analysis.bench_measure), the bandwidth of memory, another program
+no part sleeping: whole steps and their parts (fsipetsc.bench.measure), the bandwidth of memory, another program
 if there is one (-bench_yardstick), and then output, start and memory of the program. Results are a table, the same as CSV,
-a picture, and a model of the cost (fsipetsc.analysis.bench_model); -bench_doc renews the tables of a Markdown file.
+a picture, and a model of the cost (fsipetsc.bench.cost_model); -bench_doc renews the tables of a Markdown file.
 Nothing else should run on the machine meanwhile: the load is noted, and a warning printed.
 """
 
@@ -21,7 +21,7 @@ from fsipetsc.options import RUN, read_table
 if TYPE_CHECKING:
     from mpi4py import MPI
 
-    from fsipetsc.analysis.bench_table import Study
+    from fsipetsc.bench.table import BenchStudy
 
 
 def _orders_only(values: Sequence[int]) -> str | None:
@@ -66,11 +66,11 @@ def bench(arguments: list[str], comm: MPI.Comm) -> None:
     opt = read_table(SECTIONS, start_petsc(arguments, comm))
     say = (lambda text: None) if opt["fsi_quiet"] or comm.rank else (lambda text: print(text, flush=True))
     if opt["bench_from"]:
-        from fsipetsc.analysis.bench_table import load
+        from fsipetsc.bench.table import load
 
         study = load(Path(opt["bench_from"]))
     else:
-        from fsipetsc.analysis.bench_study import measure
+        from fsipetsc.bench.study import measure
 
         study = measure(opt, comm, say)
     if comm.rank == 0:
@@ -78,12 +78,12 @@ def bench(arguments: list[str], comm: MPI.Comm) -> None:
     comm.Barrier()
 
 
-def _present(study: Study, opt: Mapping[str, Any], say: Any) -> None:
+def _present(study: BenchStudy, opt: Mapping[str, Any], say: Any) -> None:
     """Print what was not printed during the measurement, save everything."""
-    from fsipetsc.analysis.bench_doc import model_text, renew
-    from fsipetsc.analysis.bench_figure import draw
-    from fsipetsc.analysis.bench_model import fit
-    from fsipetsc.analysis.bench_table import heading, line
+    from fsipetsc.bench.cost_model import fit
+    from fsipetsc.bench.document import model_text, renew
+    from fsipetsc.bench.figure import draw
+    from fsipetsc.bench.table import heading, line
 
     if opt["bench_from"]:
         say("\n".join([heading(), *map(line, study.rows)]))

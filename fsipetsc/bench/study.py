@@ -1,4 +1,4 @@
-"""The measurements of the command ``bench``, one after the other; see fsipetsc.analysis.bench."""
+"""The measurements of the command ``bench``, one after the other; see fsipetsc.bench.command."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from typing import Any, TypeVar
 
 from mpi4py import MPI
 
-from fsipetsc.analysis.bench_around import doubles_per_point, output_share, start_costs
-from fsipetsc.analysis.bench_measure import Stand, bandwidth, spacing
-from fsipetsc.analysis.bench_model import bound
-from fsipetsc.analysis.bench_table import Row, Study, heading, line
-from fsipetsc.analysis.bench_yardstick import ENVIRONMENT, Yardstick
+from fsipetsc.bench.around_the_loop import doubles_per_point, output_share, start_costs
+from fsipetsc.bench.cost_model import bound
+from fsipetsc.bench.measure import Stand, bandwidth, spacing
+from fsipetsc.bench.table import BenchStudy, Row, heading, line
+from fsipetsc.bench.yardstick import ENVIRONMENT, Yardstick
 from fsipetsc.cases import load_case
 from fsipetsc.errors import InputError
 from fsipetsc.options import defaults
-from fsipetsc.parallel.completion import RATE
+from fsipetsc.scheme.finish_step import RATE
 from fsipetsc.stepping.run import versions
 
 T = TypeVar("T")
@@ -46,7 +46,7 @@ class Bench:
     def __init__(self, opt: Mapping[str, Any], world: MPI.Comm, say: Say) -> None:
         self.opt, self.world, self.say = opt, world, say
         self.case = load_case("rod")
-        self.study = Study()
+        self.study = BenchStudy()
         counts = opt["bench_ranks"] or [*(1 << k for k in range(16) if 1 << k < world.size), world.size]
         if max(counts) > world.size:
             raise InputError(
@@ -239,7 +239,7 @@ class Bench:
         return output_share(self.case, {**opt, "ts_dt": dt, "fsi_output_dt": 10 * dt, "ts_max_time": steps * dt}, comm, RUNS)
 
 
-def measure(opt: Mapping[str, Any], world: MPI.Comm, say: Say) -> Study:
+def measure(opt: Mapping[str, Any], world: MPI.Comm, say: Say) -> BenchStudy:
     """Everything that the options ask for; the study is complete on rank 0. Collective on world."""
     bench = Bench(opt, world, say)
     try:

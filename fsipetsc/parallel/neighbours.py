@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 from mpi4py import MPI
 
-from fsipetsc.parallel.boxes import make_boxes
 from fsipetsc.parallel.layout import Layout
 from fsipetsc.parallel.mpi import Requests
+from fsipetsc.parallel.shared_memory import make_boxes
 from fsipetsc.physics.layer import DOF
 
 
-class Links:
+class Neighbours:
     """Boxes of the ranks of a node, if that is wanted and they are on one, else persistent requests. Collective.
 
     words: of what goes to all ranks in a turn. The buffer that ``connect`` takes has ``buffer`` doubles.

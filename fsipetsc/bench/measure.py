@@ -25,9 +25,9 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fsipetsc.analysis.bench_loops import exchange_often, reduce_often, settle_often, triad
-from fsipetsc.parallel.advance import STAGES, advance
-from fsipetsc.stepping.counts import LIMITS, completion_traffic, stage_traffic
+from fsipetsc.bench.loops import apply_conditions_often, exchange_often, reduce_often, triad
+from fsipetsc.scheme.runge_kutta import STAGES, advance
+from fsipetsc.stepping.counts import REDUCED_RATES, completion_traffic, stage_traffic
 from fsipetsc.stepping.frames import active_points
 from fsipetsc.stepping.integrator import Integrator
 from fsipetsc.stepping.solve import build_problem, make_state
@@ -74,7 +74,7 @@ class Stand:
     def reduction(self, seconds: float) -> float:
         """The reduction that bounds the time step, over all ranks."""
         plan = self.state.plan
-        return clock(self.comm, lambda n: reduce_often(plan.head, plan.memory, LIMITS, n), seconds)
+        return clock(self.comm, lambda n: reduce_often(plan.head, plan.memory, REDUCED_RATES, n), seconds)
 
     def phases(self, seconds: float) -> dict[str, float]:
         """The parts of a step; seconds: how long each may be measured."""
@@ -90,12 +90,12 @@ class Stand:
 
         call = clock(comm, part(0), seconds)
         whole = clock(comm, part(STAGES + 1), seconds) - call
-        settle = clock(comm, lambda n: settle_often(*plan, n), seconds)
+        apply_conditions = clock(comm, lambda n: apply_conditions_often(*plan, n), seconds)
         exchange = clock(comm, lambda n: exchange_often(*plan, n), seconds)
         reduction = self.reduction(seconds)
         return {
-            "inner": whole - STAGES * settle - reduction,
-            "ends": STAGES * (settle - exchange),
+            "inner": whole - STAGES * apply_conditions - reduction,
+            "ends": STAGES * (apply_conditions - exchange),
             "exchange": STAGES * exchange + reduction,
             "reduction": reduction,
             "petsc": clock(comm, self._petsc, seconds) / self.burst,

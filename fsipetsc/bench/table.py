@@ -10,7 +10,7 @@ from pathlib import Path
 
 from fsipetsc.errors import FileError
 from fsipetsc.operators.sbp import operator
-from fsipetsc.parallel.advance import STAGES
+from fsipetsc.scheme.runge_kutta import STAGES
 
 NAN = math.nan
 
@@ -20,7 +20,7 @@ class Row:
     """One order and grid on a number of ranks. Times are of a step, in µs; NaN where nothing was measured.
 
     points: active ones; share: the most of them on a rank. steps: of a sample. step: median of the samples, best: the
-    shortest. inner, ends, exchange, petsc: parts of a step, see fsipetsc.analysis.bench_measure; call: of
+    shortest. inner, ends, exchange, petsc: parts of a step, see fsipetsc.bench.measure; call: of
     entering compiled code, a part of what is left for Python; reduction: one of those in exchange. yardstick: the
     other program's step; ratio: ours by its, in pairs made one after the other, median. speedup: of ours on one rank
     by this one, likewise. bound: what the memory traffic of a step takes at the bandwidth of STREAM's triad. sends:
@@ -72,7 +72,7 @@ class Row:
 
 
 @dataclass
-class Study:
+class BenchStudy:
     """All rows, and facts about the machine and the program: name -> number."""
 
     rows: list[Row] = field(default_factory=list)
@@ -112,11 +112,11 @@ class Study:
             raise FileError(f"{path}: cannot write the table: {error.strerror or error}") from error
 
 
-def load(path: Path) -> Study:
+def load(path: Path) -> BenchStudy:
     """A study that was saved. FileError if it cannot be read."""
     kinds = {f.name: {"int": int, "float": float}[str(f.type)] for f in fields(Row)}
     try:
-        study = Study()
+        study = BenchStudy()
         with path.open(newline="", encoding="utf-8") as file:
             for line in csv.DictReader(file):
                 study.rows.append(Row(**{name: kind(line[name] or "nan") for name, kind in kinds.items()}))

@@ -10,8 +10,8 @@ from fsipetsc.operators.kernels import BLOCK, OPTIONS, U64, derivative, lagrange
 from fsipetsc.parallel.exchange import work_point
 from fsipetsc.parallel.plan import WORK
 from fsipetsc.parallel.pointers import rows_at
-from fsipetsc.parallel.settle import boundary_distance
 from fsipetsc.physics.layer import FLUID
+from fsipetsc.scheme.conditions import boundary_distance
 
 
 @njit(**OPTIONS)

@@ -32,7 +32,7 @@ class Target(NamedTuple):
 
 
 @njit(**OPTIONS)
-def emit(s, target, unknown, i, k):
+def update_stage(s, target, unknown, i, k):
     """Send on the rates k of one unknown at the points i .. i+WIDTH-1."""
     at = unknown * target.stride + i
     if target.forcing >= 0:
@@ -43,8 +43,8 @@ def emit(s, target, unknown, i, k):
 
 
 @njit(**OPTIONS)
-def emit_lanes(s, target, unknown, i, k, first, end):
-    """As ``emit``, of the lanes first <= j < end only."""
+def update_stage_lanes(s, target, unknown, i, k, first, end):
+    """As ``update_stage``, of the lanes first <= j < end only."""
     at = unknown * target.stride + i
     if target.forcing >= 0:
         k = k + load(s, target.forcing + at)

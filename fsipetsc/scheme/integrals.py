@@ -10,13 +10,13 @@ from numba import njit
 
 from fsipetsc.boundaries import INTERFACE_END
 from fsipetsc.operators.kernels import INLINE, OPTIONS, U64
-from fsipetsc.parallel.balances import end_forces, gas_entropy, norm_sum, solid_entropy, strip_integral
 from fsipetsc.parallel.exchange import work_point
 from fsipetsc.parallel.plan import ENERGY, ENTROPY, FORCE, HEATING, MOMENTUM, WORK
-from fsipetsc.parallel.settle import boundary_distance
 from fsipetsc.physics.layer import FLUID
-from fsipetsc.physics.survey import SIZE as SURVEY
-from fsipetsc.physics.survey import SUMS
+from fsipetsc.scheme.conditions import boundary_distance
+from fsipetsc.scheme.end_forces_and_entropy import end_forces, gas_entropy, norm_sum, solid_entropy, strip_integral
+from fsipetsc.scheme.extremes_and_sums import SIZE as SURVEY
+from fsipetsc.scheme.extremes_and_sums import SUMS
 
 
 @njit(**INLINE)

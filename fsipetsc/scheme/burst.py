@@ -10,12 +10,12 @@ from __future__ import annotations
 from numba import njit
 
 from fsipetsc.operators.kernels import OPTIONS, U64, copy
-from fsipetsc.parallel.completion import BAD, EXHAUSTED, LOW, RATE, SHORT, STOP
+from fsipetsc.scheme.finish_step import BAD, EXHAUSTED, LOW, RATE, STOP, TOO_SHORT
 
 #: time before or, once it is made, after the step; the step; time after it; the next time that must be hit;
 #: Courant number, or the step that is given and else 0; steps that may be made, and have been; shortest and longest;
 #: first row of the journal to be filled
-T, DT, NEXT, TARGET, COURANT, FIXED, ALLOWED, MADE, SHORTEST, LONGEST, FIRST = range(11)
+TIME, DT, NEXT, TARGET, COURANT, FIXED, ALLOWED, MADE, SHORTEST, LONGEST, FIRST = range(11)
 #: a step may be longer than its bound by this fraction, so that round-off costs no extra step
 SLACK = 1e-9
 
@@ -47,10 +47,10 @@ def goes_on(head, memory):
     row = head.journal + head.row * int(memory[U64(pace + FIRST)] + made)
     memory[U64(row)], memory[U64(row + 1)] = t, dt
     copy(memory, head.states, row + 2, head.row - 2)
-    memory[U64(pace + T)], memory[U64(pace + MADE)] = t, made + 1
+    memory[U64(pace + TIME)], memory[U64(pace + MADE)] = t, made + 1
     memory[U64(pace + SHORTEST)] = min(memory[U64(pace + SHORTEST)], dt)
     memory[U64(pace + LONGEST)] = max(memory[U64(pace + LONGEST)], dt)
-    for flag in (LOW, EXHAUSTED, SHORT, BAD, STOP):
+    for flag in (LOW, EXHAUSTED, TOO_SHORT, BAD, STOP):
         if memory[U64(results + flag)] != 0.0:
             return False
     rate, target = memory[U64(results + RATE)], memory[U64(pace + TARGET)]

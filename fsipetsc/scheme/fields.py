@@ -13,7 +13,7 @@ from fsipetsc.physics.layer import FLUID
 from fsipetsc.physics.solid import solid_fields
 
 #: numbers that are saved of a point, in either kind of layer
-WIDTH = 5
+SAVED = 5
 
 
 @njit(**ENTRY)

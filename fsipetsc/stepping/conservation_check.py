@@ -68,7 +68,7 @@ class Balances:
         return sums
 
 
-class Watch:
+class ConservationCheck:
     """Says which balance is broken by more than a tolerance, and when it was first. On rank 0."""
 
     _NAMES = ("dt", "mass", "momentum", "force", "energy", "entropy", "heating")

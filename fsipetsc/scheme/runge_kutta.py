@@ -23,15 +23,15 @@ from typing import NamedTuple
 from numba import njit
 
 from fsipetsc.operators.kernels import ENTRY, INLINE, OPTIONS, U64
-from fsipetsc.parallel.completion import begin_looking, complete, look
 from fsipetsc.parallel.exchange import exchange, load_state, store_state, unknowns, work_point
-from fsipetsc.parallel.pace import DT, goes_on
 from fsipetsc.parallel.plan import FORCING, STAGES, SUM, WORK
-from fsipetsc.parallel.settle import note_gradients, settle
-from fsipetsc.physics.emission import Target
 from fsipetsc.physics.fluid import fluid_rhs
 from fsipetsc.physics.layer import FLUID
 from fsipetsc.physics.solid import solid_rhs
+from fsipetsc.scheme.burst import DT, goes_on
+from fsipetsc.scheme.conditions import apply_conditions, note_gradients
+from fsipetsc.scheme.finish_step import begin_looking, finish_step, look
+from fsipetsc.scheme.stage_update import Target
 
 #: points of a tile
 TILE = 1024
@@ -169,7 +169,7 @@ def advance(heads, layers, faces, memory, begin, end, raw, dt):
             find_middle(head, layer, whole)
         for number in range(begin, end):
             if raw >= 0 or number > 0:
-                settle(head, layers, faces, memory, work_area(number))
+                apply_conditions(head, layers, faces, memory, work_area(number))
             for layer in layers:
                 layer.stage_s[number] = layer.s
             if number < STAGES:
@@ -177,7 +177,7 @@ def advance(heads, layers, faces, memory, begin, end, raw, dt):
         if end == STAGES + 1:
             begin_looking(head, layers, memory)
             tiles(head, layers, memory, dt)
-            complete(head, layers, faces, memory)
+            finish_step(head, layers, faces, memory)
         elif rates:
             for layer in layers:
                 store_state(head, layer, memory, SUM, raw, layer.own_lo, layer.own_hi)

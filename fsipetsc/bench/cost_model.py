@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fsipetsc.analysis.bench_table import Row, Study
+from fsipetsc.bench.table import BenchStudy, Row
 from fsipetsc.cases import load_case
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.options import defaults
@@ -35,7 +35,7 @@ def moved_bytes() -> float:
     return 8 * UNKNOWNS * sum(step_traffic())
 
 
-def bandwidth(study: Study, ranks: int, points: float) -> float:
+def bandwidth(study: BenchStudy, ranks: int, points: float) -> float:
     """Bandwidth [bytes/µs] of a rank, fetched and written, for the state of so many points; between what was measured."""
     measured = {
         int(name.split()[2]): value
@@ -58,7 +58,7 @@ def state_bytes() -> float:
     return 5 * 8 * UNKNOWNS
 
 
-def bound(study: Study, ranks: int, share: int) -> float:
+def bound(study: BenchStudy, ranks: int, share: int) -> float:
     """Time [µs] that the memory traffic of a step takes."""
     return share * moved_bytes() / bandwidth(study, ranks, share)
 
@@ -78,13 +78,13 @@ class Model:
     latency: float
     error: float
 
-    def step(self, study: Study, order: int, share: int, ranks: int, latency: float | None = None) -> float:
+    def step(self, study: BenchStudy, order: int, share: int, ranks: int, latency: float | None = None) -> float:
         """Time of a step [µs]; latency: another one than the fitted."""
         wait = (self.latency if latency is None else latency) * rounds(ranks)
         return self.overhead + share * self.work[order] + self.overlap * bound(study, ranks, share) + wait
 
 
-def fit(study: Study) -> Model | None:
+def fit(study: BenchStudy) -> Model | None:
     """The model that fits a study best; None if there are too few rows or scipy is missing."""
     try:
         from scipy.optimize import nnls
@@ -132,7 +132,7 @@ def shares(order: int, h: float) -> Callable[[int], int]:
     return largest
 
 
-def message(model: Model, study: Study) -> float:
+def message(model: Model, study: BenchStudy) -> float:
     """Latency [µs] of a message between the ranks of this machine; as fitted, where none was measured by itself."""
     return study.facts.get("message latency", model.latency)
 
@@ -142,7 +142,7 @@ def half_speed(model: Model, order: int, ranks: int, latency: float) -> float:
     return latency * rounds(ranks) / model.work[order] if model.work[order] else math.inf
 
 
-def scaling(model: Model, study: Study, order: int, h: float, ranks: Sequence[int], latency: float | None = None):
+def scaling(model: Model, study: BenchStudy, order: int, h: float, ranks: Sequence[int], latency: float | None = None):
     """Rank count -> (step [µs], speed-up, efficiency) as the model sees it, as far as the grid can feed the ranks."""
     from fsipetsc.errors import InputError
 
@@ -157,6 +157,6 @@ def scaling(model: Model, study: Study, order: int, h: float, ranks: Sequence[in
     return table
 
 
-def relative_errors(model: Model, study: Study) -> list[tuple[Row, float]]:
+def relative_errors(model: Model, study: BenchStudy) -> list[tuple[Row, float]]:
     """Row and (model - measured) / measured."""
     return [(row, model.step(study, row.order, row.share, row.ranks) / row.step - 1) for row in study.rows]

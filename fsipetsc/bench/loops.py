@@ -5,18 +5,18 @@ from __future__ import annotations
 from numba import njit
 
 from fsipetsc.operators.kernels import ENTRY, U64
-from fsipetsc.parallel.boxes import largest
 from fsipetsc.parallel.exchange import exchange
 from fsipetsc.parallel.plan import WORK
-from fsipetsc.parallel.settle import settle
+from fsipetsc.parallel.shared_memory import largest
+from fsipetsc.scheme.conditions import apply_conditions
 
 
 @njit(**ENTRY)
-def settle_often(heads, layers, faces, memory, count):
+def apply_conditions_often(heads, layers, faces, memory, count):
     """Settle the first work area ``count`` times. Collective on all ranks."""
     head = heads[0]
     for _ in range(count):
-        settle(head, layers, faces, memory, WORK)
+        apply_conditions(head, layers, faces, memory, WORK)
 
 
 @njit(**ENTRY)
