@@ -142,9 +142,9 @@ def interpret() -> None:
         "store_interlaced": lambda s, i, values: store_lanes(s, i, np.stack(values, axis=-1).ravel()),
         "spread": lambda value: np.full(WIDTH, value),
         "lane": lambda v, j: v[j],
-        "kept": lambda v, n, other: np.where(np.arange(WIDTH) < n, v, other),
+        "masked": lambda v, n, other: np.where(np.arange(WIDTH) < n, v, other),
         "mirrored": lambda v: v[::-1],
-        "apart": difference,
+        "centred_difference": difference,
         "fma": lambda a, b, c: a * b + c,
         "maximum": np.maximum,
         "minimum": np.minimum,
@@ -177,7 +177,7 @@ def store_lanes(s: Any, i: int, values: np.ndarray) -> None:
 
 
 def difference(before: np.ndarray, v: np.ndarray, after: np.ndarray, k: int) -> np.ndarray:
-    """As vectors.apart."""
+    """As vectors.centred_difference."""
     row = np.concatenate([before, v, after])
     return row[WIDTH + k : 2 * WIDTH + k] - row[WIDTH - k : 2 * WIDTH - k]
 
@@ -185,7 +185,7 @@ def difference(before: np.ndarray, v: np.ndarray, after: np.ndarray, k: int) -> 
 def compiled_modules() -> list[ModuleType]:
     """Every module with kernels."""
     found = []
-    for folder in ("operators", "physics", "boundaries", "coupling", "parallel"):
+    for folder in ("operators", "physics", "boundaries", "coupling", "parallel", "scheme"):
         package = importlib.import_module(f"fsipetsc.{folder}")
         found.append(package)
         for entry in pkgutil.iter_modules(package.__path__):
@@ -210,7 +210,7 @@ def count_mpi() -> dict[str, Counter[str]]:
     from llvmlite import binding
 
     calls: dict[str, Counter[str]] = {"calls": Counter(), "numbers": Counter()}
-    add_symbol, masked = binding.add_symbol, []
+    add_symbol, kept = binding.add_symbol, []
 
     def add(name: str, address: int) -> None:
         if name in _PROTOTYPES:
@@ -222,12 +222,12 @@ def count_mpi() -> dict[str, Counter[str]]:
                 return real(*arguments)
 
             shim = _PROTOTYPES[name](counted)
-            masked.append((real, shim))
+            kept.append((real, shim))
             address = ctypes.cast(shim, ctypes.c_void_p).value
         add_symbol(name, address)
 
     binding.add_symbol = add
-    calls["kept"] = masked  # type: ignore[assignment]
+    calls["kept"] = kept  # type: ignore[assignment]
     return calls
 
 

@@ -103,8 +103,14 @@ def _capture(
     return subprocess.CompletedProcess(command, process.returncode, out, err)
 
 
-def from_python(function: Any) -> Any:
-    """A compiled function that only compiled code calls, made callable; "not a number" and the like raise nothing."""
+def from_python(function: Any, *law: Any) -> Any:
+    """A compiled function that only compiled code calls, made callable; "not a number" and the like raise nothing.
+
+    law: formulas that are its first argument.
+    """
     from numba import njit
 
+    if law:
+        (formulas,) = law
+        return njit(error_model="numpy")(lambda *arguments: function(formulas, *arguments))
     return njit(error_model="numpy")(lambda *arguments: function(*arguments))

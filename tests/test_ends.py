@@ -16,9 +16,11 @@ from fsipetsc.boundaries import DIRICHLET, NODES, degree_of, fill_ghost
 from fsipetsc.boundaries import Dirichlet as DirichletEnd
 from fsipetsc.operators import packed
 from fsipetsc.operators.kernels import scratch_size
-from fsipetsc.physics.fluid import Fluid, fluid_rhs
+from fsipetsc.physics.fluid import Fluid
 from fsipetsc.physics.layer import LAYER
+from fsipetsc.scheme.laws import LAWS
 from fsipetsc.scheme.stage_update import Target
+from fsipetsc.scheme.sweep import sweep
 
 EVERY_ORDER = pytest.mark.parametrize("order", ORDERS)
 
@@ -48,6 +50,7 @@ def test_orders_with_resolved_viscosity(computed, order, gas):
 
 N, STEP = 24, 1e-3
 GAMMA = 1.4
+NAVIER_STOKES = LAWS[0]
 GAS = Fluid(0.0, 0.0, GAMMA, 1 / GAMMA)
 MACHS = (-2.0, -0.95, -0.5, 0.1, 1.5)
 DELTAS = (0.0, 0.3, 0.5, 0.8, 0.999)
@@ -71,7 +74,7 @@ def all_rates(layers, ops, delta, states, rates, memory, nodes):
             memory[8 + 2 * N + i] = q[0, i] * (layer.cv * q[2, i] + 0.5 * q[1, i] ** 2)
         memory[8 + 6 * N : 8 + 9 * N] = 0.0
         target = Target(8, 8 + 3 * N, 8 + 6 * N, 8 + 6 * N, -1, N, 0.0, 1.0)
-        fluid_rhs(layer, op, memory, 8, 8 + 9 * N, target, 0, N)
+        sweep(NAVIER_STOKES, layer, op, memory, 8, 8 + 9 * N, target, 0, N)
         rates[m] = memory[8 + 6 * N : 8 + 9 * N].reshape((3, N))
 
 

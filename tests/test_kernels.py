@@ -1,4 +1,4 @@
-"""The compiled right-hand sides against plain matrices, and the surveys."""
+"""The compiled right-hand sides against plain matrices; extremes and sums."""
 
 from __future__ import annotations
 
@@ -13,14 +13,18 @@ pytest.importorskip("numba")
 
 from fsipetsc.operators import OPERATORS, packed
 from fsipetsc.operators.kernels import BLOCK, scratch_size
-from fsipetsc.physics.fluid import Fluid, fluid_rhs, fluid_survey
+from fsipetsc.physics.fluid import Fluid
 from fsipetsc.physics.layer import LAYER
-from fsipetsc.physics.solid import Solid, solid_bounds, solid_rhs, solid_survey
-from fsipetsc.scheme.extremes_and_sums import LEAST_RHO, LEAST_T, SIZE, SPEED, SUMS, begin_survey
+from fsipetsc.physics.solid import Solid
+from fsipetsc.scheme.extremes_and_sums import LEAST_RHO, LEAST_T, SIZE, SPEED, SUMS, begin_extremes_and_sums
+from fsipetsc.scheme.laws import LAWS
 from fsipetsc.scheme.stage_update import Target
+from fsipetsc.scheme.sweep import sweep
 
-fluid_rhs, solid_rhs, fluid_survey, solid_survey = map(from_python, (fluid_rhs, solid_rhs, fluid_survey, solid_survey))
-begin_survey, solid_bounds = from_python(begin_survey), from_python(solid_bounds)
+fluid_rhs, solid_rhs = (from_python(sweep, law) for law in LAWS)
+fluid_extremes, solid_extremes = (from_python(law.look, law) for law in LAWS)
+solid_speeds = from_python(LAWS[1].speeds, LAWS[1])
+begin_extremes_and_sums = from_python(begin_extremes_and_sums)
 
 GAS = Fluid(mu=0.5, kappa=0.7, gamma=1.4, R=287.0)
 ROD = Solid(K=1e5, kappa_e=0.5, m0=2700.0, alpha=1.0, force=-10.0)
@@ -124,14 +128,14 @@ def right_hand_side(
     return after[2][:, ~outside].T
 
 
-def survey(kernel, layer: np.void, q: np.ndarray, cuts: tuple[int, ...] = ()) -> tuple[np.ndarray, np.ndarray]:
-    """Survey by fluid_survey or solid_survey of a rank that owns all points, cut into parts; the memory it stands in."""
+def looked_at(kernel, layer: np.void, q: np.ndarray, cuts: tuple[int, ...] = ()) -> tuple[np.ndarray, np.ndarray]:
+    """Extremes and sums of a rank that owns all points, cut into parts, and the memory they stand in."""
     stride = layer["stride"] = len(q) + 5
     layer["own_lo"], layer["own_hi"] = 0, len(q)
     memory = np.full(16 + q.shape[1] * stride + SIZE, np.nan)
     memory[16:-SIZE].reshape(-1, stride)[:, : len(q)] = q.T
     at = memory.size - SIZE
-    begin_survey(layer, memory, at)
+    begin_extremes_and_sums(layer, memory, at)
     for begin, end in itertools.pairwise((0, *cuts, len(q))):
         kernel(layer, memory, 16, at, begin, end)
     return memory[at:], memory
@@ -215,10 +219,10 @@ CUTS = pytest.mark.parametrize("cuts", [(), (1,), (5, 6, 11), (40,)], ids=str)
 
 
 @CUTS
-def test_survey_of_the_fluid(cuts):
+def test_extremes_and_sums_of_the_fluid(cuts):
     n = 3 * BLOCK // 2 + 1
     layer, q = fluid_record(n, 2, n - 3), fluid_state(n)
-    seen, _ = survey(fluid_survey, layer, q, cuts)
+    seen, _ = looked_at(fluid_extremes, layer, q, cuts)
     rho, u, T, _ = GAS.primitive(q[2:-2])
     np.testing.assert_allclose(seen[SPEED], np.max(np.abs(u - layer["s"]) + GAS.sound_speed(T)), rtol=1e-13)
     np.testing.assert_allclose([seen[LEAST_RHO], seen[LEAST_T]], [rho.min(), T.min()], rtol=1e-13)
@@ -226,12 +230,12 @@ def test_survey_of_the_fluid(cuts):
     for at, column, value in ((2, 0, -1.0), (n // 2, 2, 0.0), (n - 3, 1, np.nan)):
         broken = q.copy()
         broken[at, column] = value
-        found, _ = survey(fluid_survey, layer, broken, cuts)
+        found, _ = looked_at(fluid_extremes, layer, broken, cuts)
         assert not (found[LEAST_RHO] > 0 and found[LEAST_T] > 0 and found[SPEED] < np.inf)
     for at in (0, 1, n - 2, n - 1):  # outside the active part
         broken = q.copy()
         broken[at] = np.nan
-        assert np.array_equal(survey(fluid_survey, layer, broken, cuts)[0], seen, equal_nan=True)
+        assert np.array_equal(looked_at(fluid_extremes, layer, broken, cuts)[0], seen, equal_nan=True)
 
 
 def squared_wave_speed(gruneisen: float, x_X: float, T: float, sigma: float) -> float:
@@ -253,20 +257,19 @@ def test_wave_speed(gruneisen):
 
 @CUTS
 @pytest.mark.parametrize("gruneisen", [0.0, 0.3])
-def test_survey_of_the_solid(cuts, gruneisen):
+def test_extremes_and_sums_of_the_solid(cuts, gruneisen):
     n = 50
     layer, q = solid_record(n, gruneisen), solid_state(n)
     q[:, 3] *= 0.4
     x_X = np.diff(q[:, 3]).min() / H
     c2 = squared_wave_speed(gruneisen, x_X, q[:, 2].max(), q[:, 1].min())
-    expected = [c2, 1 / x_X, x_X, q[:, 2].min()]
-    seen, memory = survey(solid_survey, layer, q, cuts)
-    np.testing.assert_allclose(solid_bounds(layer, memory, memory.size - SIZE), expected, rtol=1e-12)
+    expected = [1.0, np.sqrt(c2), 2 * ROD.kappa_e / (ROD.alpha * ROD.m0 * x_X)]
+    seen, memory = looked_at(solid_extremes, layer, q, cuts)
+    np.testing.assert_allclose(solid_speeds(layer, memory, memory.size - SIZE), expected, rtol=1e-12)
     sums = q[:, 0].sum(), np.sum(q[:, 0] ** 2), q[:, 2].sum()
     np.testing.assert_allclose(seen[SUMS : SUMS + 3], sums, rtol=1e-12)
     for at, column, value in ((0, 2, -1.0), (n - 1, 2, 0.0), (7, 0, np.nan), (n - 1, 0, np.nan), (4, 1, np.nan), (9, 3, 1e9)):
         broken = q.copy()
         broken[at, column] = value
-        _, memory = survey(solid_survey, layer, broken, cuts)
-        c2, _, x_X, T = solid_bounds(layer, memory, memory.size - SIZE)
-        assert not (x_X > 0 and T > 0 and c2 >= 0)
+        _, memory = looked_at(solid_extremes, layer, broken, cuts)
+        assert not solid_speeds(layer, memory, memory.size - SIZE)[0]

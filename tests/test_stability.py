@@ -17,12 +17,14 @@ from fsipetsc.analysis.stability_linear import CENTRAL, Constant, assemble, inte
 from fsipetsc.analysis.stability_measures import few_eigenvalues, measure, range_basis, step_limit
 from fsipetsc.operators import OPERATORS, packed
 from fsipetsc.operators.kernels import scratch_size
-from fsipetsc.physics.fluid import Fluid, fluid_rhs
+from fsipetsc.physics.fluid import Fluid
 from fsipetsc.physics.layer import FLUID, LAYER, SOLID
-from fsipetsc.physics.solid import Solid, solid_rhs
+from fsipetsc.physics.solid import Solid
+from fsipetsc.scheme.laws import LAWS
 from fsipetsc.scheme.stage_update import Target
+from fsipetsc.scheme.sweep import sweep
 
-fluid_rhs, solid_rhs = from_python(fluid_rhs), from_python(solid_rhs)
+fluid_rhs, solid_rhs = (from_python(sweep, law) for law in LAWS)
 
 ORDERS = pytest.mark.parametrize("order", OPERATORS)
 N = 16  # points of a layer, enough for all orders

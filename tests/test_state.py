@@ -14,11 +14,10 @@ from fsipetsc import boundaries
 from fsipetsc.boundaries import NODES, Open, free
 from fsipetsc.cases import rod
 from fsipetsc.options import PETSC_OPTIONS, defaults
-from fsipetsc.scheme.finish_step import RATE
-from fsipetsc.parallel.plan import FORCE
 from fsipetsc.physics.fluid import Fluid
 from fsipetsc.physics.solid import Solid
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
+from fsipetsc.scheme.plan import FORCE, RATE
 from fsipetsc.stepping import phases
 from fsipetsc.stepping.error_control import ErrorControl
 from fsipetsc.stepping.state import State

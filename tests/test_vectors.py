@@ -74,7 +74,8 @@ def test_differences_reach_into_the_neighbours(k):
     row = np.concatenate([A, B, C])
     here = np.arange(WIDTH, 2 * WIDTH)
     source = f"lambda a, b, c: apart(a, b, c, {k})"  # k is a literal
-    assert np.array_equal(lanes(numba.njit(eval(source, {"apart": centred_difference})))(A, B, C), row[here + k] - row[here - k])
+    difference = numba.njit(eval(source, {"apart": centred_difference}))
+    assert np.array_equal(lanes(difference)(A, B, C), row[here + k] - row[here - k])
 
 
 def test_lanes():

@@ -6,9 +6,9 @@ from numba import njit
 
 from fsipetsc.operators.kernels import ENTRY, U64
 from fsipetsc.parallel.exchange import exchange
-from fsipetsc.parallel.plan import WORK
 from fsipetsc.parallel.shared_memory import largest
 from fsipetsc.scheme.conditions import apply_conditions
+from fsipetsc.scheme.plan import WORK
 
 
 @njit(**ENTRY)

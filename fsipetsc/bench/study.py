@@ -22,7 +22,7 @@ from fsipetsc.bench.yardstick import ENVIRONMENT, Yardstick
 from fsipetsc.cases import load_case
 from fsipetsc.errors import InputError
 from fsipetsc.options import defaults
-from fsipetsc.scheme.finish_step import RATE
+from fsipetsc.scheme.plan import RATE
 from fsipetsc.stepping.run import versions
 
 T = TypeVar("T")

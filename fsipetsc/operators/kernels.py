@@ -33,7 +33,8 @@ U64 = np.uint64
 ENTRY = {"cache": _KEPT, "error_model": "numpy", "nogil": True}
 #: Of functions that only compiled code calls: not kept on disk for themselves, and nothing made to call them from Python.
 OPTIONS = {"error_model": "numpy", "nogil": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-
+#: Of formulas at a point: always part of their caller, so that vectors stay in registers.
+FORMULA = {**OPTIONS, "forceinline": True}
 #: Of the large ones among these that are called at one place: as part of their caller they are optimised once less.
 INLINE = {**OPTIONS, "inline": "always"}
 

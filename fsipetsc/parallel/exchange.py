@@ -14,7 +14,6 @@ from numba import njit
 from fsipetsc.operators.kernels import OPTIONS, U64, whole_vectors
 from fsipetsc.operators.vectors import WIDTH, load, store_interlaced
 from fsipetsc.parallel.mpi import mpi_startall, mpi_waitall
-from fsipetsc.parallel.plan import WORK
 from fsipetsc.parallel.pointers import rows_of
 from fsipetsc.parallel.shared_memory import largest, next_turn
 from fsipetsc.physics.layer import FLUID
@@ -50,10 +49,10 @@ def side_of(face, part):
 
 
 @njit(**OPTIONS)
-def load_state(head, layers, memory, at):
-    """Copy a state, whose interlaced owned part begins at memory[at], into the first work area."""
+def load_state(head, layers, memory, area, at):
+    """Copy a state, whose interlaced owned part begins at memory[at], into an area."""
     for layer in layers:
-        dof, own = unknowns(layer), work_point(head, layer, WORK, layer.own_lo)
+        dof, own = unknowns(layer), work_point(head, layer, area, layer.own_lo)
         for c in range(dof):
             a, b, step = U64(at + layer.start + c), U64(own + c * layer.stride), U64(dof)
             for i in range(U64(layer.own_hi - layer.own_lo)):

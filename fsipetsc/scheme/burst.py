@@ -10,7 +10,7 @@ from __future__ import annotations
 from numba import njit
 
 from fsipetsc.operators.kernels import OPTIONS, U64, copy
-from fsipetsc.scheme.finish_step import BAD, EXHAUSTED, LOW, RATE, STOP, TOO_SHORT
+from fsipetsc.scheme.plan import BAD, EXHAUSTED, LOW, RATE, STOP, TOO_SHORT
 
 #: time before or, once it is made, after the step; the step; time after it; the next time that must be hit;
 #: Courant number, or the step that is given and else 0; steps that may be made, and have been; shortest and longest;

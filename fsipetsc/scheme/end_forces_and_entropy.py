@@ -8,10 +8,10 @@ from numba import njit
 from fsipetsc.boundaries import INTERFACE_END, NODES
 from fsipetsc.operators.kernels import BLOCK, OPTIONS, U64, derivative, lagrange, row
 from fsipetsc.parallel.exchange import work_point
-from fsipetsc.parallel.plan import WORK
 from fsipetsc.parallel.pointers import rows_at
 from fsipetsc.physics.layer import FLUID
 from fsipetsc.scheme.conditions import boundary_distance
+from fsipetsc.scheme.plan import WORK
 
 
 @njit(**OPTIONS)

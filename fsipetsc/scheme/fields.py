@@ -4,16 +4,12 @@ from __future__ import annotations
 
 from numba import njit
 
-from fsipetsc.boundaries import INTERFACE_END
+from fsipetsc.operators.formulas import with_chosen
 from fsipetsc.operators.kernels import ENTRY
 from fsipetsc.parallel.exchange import work_point
-from fsipetsc.parallel.plan import WORK
-from fsipetsc.physics.fluid import fluid_fields
-from fsipetsc.physics.layer import FLUID
-from fsipetsc.physics.solid import solid_fields
-
-#: numbers that are saved of a point, in either kind of layer
-SAVED = 5
+from fsipetsc.scheme.laws import LAWS, of_layer
+from fsipetsc.scheme.layer_fields import SAVED as SAVED
+from fsipetsc.scheme.plan import WORK
 
 
 @njit(**ENTRY)
@@ -29,8 +25,4 @@ def fields(heads, layers, memory, out, starts, stride):
         if layer.present == 0:
             continue
         w = work_point(head, layer, WORK, 0)
-        if layer.kind == FLUID:
-            interface = layer.lo if layer.end_kind[0] == INTERFACE_END else layer.hi
-            fluid_fields(layer, memory, w, interface, out, starts[k], stride)
-        else:
-            solid_fields(layer, head.op, memory, w, head.scratch, out, starts[k], stride)
+        with_chosen(of_layer.save, LAWS, layer.kind, layer, head.op, memory, w, head.scratch, out, starts[k], stride)

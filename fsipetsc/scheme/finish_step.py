@@ -9,26 +9,17 @@ from numba import njit
 
 from fsipetsc.boundaries import INTERFACE_END
 from fsipetsc.coupling import residuals
-from fsipetsc.operators.kernels import INLINE, OPTIONS, U64, copy
+from fsipetsc.operators.formulas import with_chosen
+from fsipetsc.operators.kernels import INLINE, OPTIONS, U64
 from fsipetsc.parallel.exchange import TRACE, store_state, work_point
-from fsipetsc.parallel.plan import WORK
 from fsipetsc.parallel.pointers import rows_at
-from fsipetsc.parallel.shared_memory import largest
-from fsipetsc.physics.fluid import fluid_survey
 from fsipetsc.physics.layer import FLUID
-from fsipetsc.physics.solid import solid_bounds, solid_survey
 from fsipetsc.scheme.conditions import NEW, OLD, boundary_distance, fill_embedded
-from fsipetsc.scheme.extremes_and_sums import LEAST_RHO, LEAST_T, SPEED, begin_survey
-from fsipetsc.scheme.extremes_and_sums import SIZE as SURVEY
+from fsipetsc.scheme.extremes_and_sums import SIZE, begin_extremes_and_sums
 from fsipetsc.scheme.integrals import integrals
-
-#: flags: a boundary changed its cell; 1 + number of a layer whose grid has no free point left,
-#: that has run off its grid, or that is too short
-MOVED, LOW, EXHAUSTED, TOO_SHORT = 0, 1, 2, 3
-#: limits, behind the flags; SAID_STOP is what this rank has to say of STOP
-RATE, BAD, STOP, SAID_STOP = 4, 5, 6, 14
-#: words of the reduction of the limits: largest rates of convection and diffusion, BAD, STOP
-WORDS = 4
+from fsipetsc.scheme.laws import LAWS, of_layer
+from fsipetsc.scheme.plan import EXHAUSTED, LOW, MOVED, TOO_SHORT, WORK
+from fsipetsc.scheme.time_step import bound_step
 
 
 @njit(**OPTIONS)
@@ -95,7 +86,7 @@ def finish_step(head, layers, faces, memory):
             look(head, layer, k, memory, b, layer.own_hi)
         else:
             look(head, layer, k, memory, layer.own_lo, layer.own_hi)
-    limits(head, layers, memory)
+    bound_step(head, layers, memory)
     interface_state(head, faces, memory)
     integrals(head, layers, memory)
 
@@ -104,61 +95,17 @@ def finish_step(head, layers, faces, memory):
 def begin_looking(head, layers, memory):
     """Nothing has been seen of the new solution yet."""
     for k in range(layers.size):
-        begin_survey(layers[k], memory, head.survey + SURVEY * k)
+        begin_extremes_and_sums(layers[k], memory, head.extremes + SIZE * k)
 
 
 @njit(**OPTIONS)
 def look(head, layer, k, memory, begin, end):
-    """Survey the points begin .. end-1 of layer k, which are settled, and give them to PETSc."""
+    """Look at the points begin .. end-1 of layer k, which are settled, and give them to PETSc."""
     if layer.present == 0:
         return
-    w, at = work_point(head, layer, WORK, 0), head.survey + SURVEY * k
-    if layer.kind == FLUID:
-        fluid_survey(layer, memory, w, at, begin, end)
-    else:
-        solid_survey(layer, memory, w, at, begin, end)
+    w, at = work_point(head, layer, WORK, 0), head.extremes + SIZE * k
+    with_chosen(of_layer.look, LAWS, layer.kind, layer, memory, w, at, begin, end)
     store_state(head, layer, memory, WORK, head.solution, begin, end)
-
-
-@njit(**INLINE)
-def limits(head, layers, memory):
-    """Bounds on the time step: RATE = 1/dt at Courant number 1, BAD > 0 where the state is unphysical anywhere.
-
-    STOP is the largest SAID_STOP of all ranks. 1/dt is the 4-norm of the largest rates of convection, (|u-s| + c)/h in
-    fluids and c_s/h in solids, and of diffusion, 2 max(mu'/rho, kappa/(rho cv))/h^2 and 2 kappa_e/(alpha m0 x_X h^2).
-    The smaller of the two steps alone is too long where they are about equal: at a wall, where both act on the ghost
-    point, the rod then fails for orders above 2 at Courant numbers above 0.7.
-    """
-    convection, diffusion, bad = 0.0, 0.0, 0.0
-    for k in range(layers.size):
-        layer, seen = layers[k], head.survey + SURVEY * k
-        if layer.present == 0:
-            continue
-        h = layer.h
-        if layer.kind == FLUID:
-            speed, rho, T = memory[U64(seen + SPEED)], memory[U64(seen + LEAST_RHO)], memory[U64(seen + LEAST_T)]
-            spread = 2.0 * max(layer.mu, layer.kappa / layer.cv) / rho
-            good = rho > 0.0 and T > 0.0 and speed < np.inf
-        else:
-            c2, stretch, x_X, T = solid_bounds(layer, memory, seen)
-            speed, spread = np.sqrt(c2), 2.0 * layer.kappa_e * stretch / (layer.alpha * layer.m0)
-            good = x_X > 0.0 and T > 0.0 and c2 >= 0.0 and speed < np.inf
-        if good:
-            convection, diffusion = max(convection, speed / h), max(diffusion, spread / (h * h))
-        else:
-            bad = 1.0
-    received, world = head.limits + 3, head.world
-    sent = received + WORDS
-    memory[U64(sent)], memory[U64(sent + 1)], memory[U64(sent + 2)] = convection, diffusion, bad
-    if world.size > 1:
-        base = memory.ctypes.data
-        largest(world, base + 8 * sent, base + 8 * received, WORDS)
-    else:
-        copy(memory, sent, received, WORDS)
-    # only now: the 4-norm of each rank's own maxima would depend on how the points are dealt out
-    squares = memory[U64(received)] ** 2, memory[U64(received + 1)] ** 2
-    memory[U64(head.limits)] = np.sqrt(np.sqrt(squares[0] * squares[0] + squares[1] * squares[1]))
-    memory[U64(head.limits + 1)], memory[U64(head.limits + 2)] = memory[U64(received + 2)], memory[U64(received + 3)]
 
 
 @njit(**OPTIONS)

@@ -11,12 +11,11 @@ from numba import njit
 from fsipetsc.boundaries import INTERFACE_END
 from fsipetsc.operators.kernels import INLINE, OPTIONS, U64
 from fsipetsc.parallel.exchange import work_point
-from fsipetsc.parallel.plan import ENERGY, ENTROPY, FORCE, HEATING, MOMENTUM, WORK
 from fsipetsc.physics.layer import FLUID
 from fsipetsc.scheme.conditions import boundary_distance
 from fsipetsc.scheme.end_forces_and_entropy import end_forces, gas_entropy, norm_sum, solid_entropy, strip_integral
-from fsipetsc.scheme.extremes_and_sums import SIZE as SURVEY
-from fsipetsc.scheme.extremes_and_sums import SUMS
+from fsipetsc.scheme.extremes_and_sums import SIZE, SUMS
+from fsipetsc.scheme.plan import ENERGY, ENTROPY, FORCE, HEATING, MOMENTUM, WORK
 
 
 @njit(**INLINE)
@@ -37,7 +36,7 @@ def integrals(head, layers, memory):
             mass += U64(1)
         if layer.present == 0:
             continue
-        h, sums = layer.h, U64(head.survey + SURVEY * k + SUMS)
+        h, sums = layer.h, U64(head.extremes + SIZE * k + SUMS)
         for q in range(3):  # fluid: rho, rho u, e; solid: u, u^2, T
             column = q if fluid or q == 2 else 0
             value = h * integral(head, layer, memory, memory[sums + U64(q)], column, q == 1 and not fluid)
@@ -67,7 +66,7 @@ def integrals(head, layers, memory):
 def integral(head, layer, memory, result, column, squared):
     """Sum of an unknown, or of its square, over the owned active points with the weights of the norm, without h.
 
-    result: their plain sum, from the survey of the layer.
+    result: their plain sum, of the layer's points.
     """
     op, a, b = head.op, max(layer.own_lo, layer.lo), min(layer.own_hi, layer.hi + 1)
     for r in range(op.rows):

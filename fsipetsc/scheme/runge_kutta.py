@@ -22,15 +22,14 @@ from typing import NamedTuple
 
 from numba import njit
 
+from fsipetsc.operators.formulas import with_chosen
 from fsipetsc.operators.kernels import ENTRY, INLINE, OPTIONS, U64
 from fsipetsc.parallel.exchange import exchange, load_state, store_state, unknowns, work_point
-from fsipetsc.parallel.plan import FORCING, STAGES, SUM, WORK
-from fsipetsc.physics.fluid import fluid_rhs
-from fsipetsc.physics.layer import FLUID
-from fsipetsc.physics.solid import solid_rhs
 from fsipetsc.scheme.burst import DT, goes_on
 from fsipetsc.scheme.conditions import apply_conditions, note_gradients
 from fsipetsc.scheme.finish_step import begin_looking, finish_step, look
+from fsipetsc.scheme.laws import LAWS, of_layer
+from fsipetsc.scheme.plan import FORCING, STAGES, SUM, WORK
 from fsipetsc.scheme.stage_update import Target
 
 #: points of a tile
@@ -80,10 +79,7 @@ def evaluate(head, layer, memory, stage, begin, end):
         stage.b,
     )
     w = work_point(head, layer, stage.area, 0)
-    if layer.kind == FLUID:
-        fluid_rhs(layer, head.op, memory, w, head.scratch, target, begin, end)
-    else:
-        solid_rhs(layer, head.op, memory, w, head.scratch, target, begin, end)
+    with_chosen(of_layer.sweep, LAWS, layer.kind, layer, head.op, memory, w, head.scratch, target, begin, end)
 
 
 @njit(**INLINE)
@@ -157,7 +153,7 @@ def advance(heads, layers, faces, memory, begin, end, raw, dt):
     head = heads[0]
     whole, rates = begin == 0 and end == STAGES + 1, end == 1 and dt == 0.0
     if raw >= 0:
-        load_state(head, layers, memory, raw)
+        load_state(head, layers, memory, WORK, raw)
         if begin == end:
             exchange(head, layers, faces, memory, WORK)
             note_gradients(head, layers, memory, WORK)

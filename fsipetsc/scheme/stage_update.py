@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from numba import njit
 
-from fsipetsc.operators.kernels import OPTIONS, store_lanes
+from fsipetsc.operators.kernels import FORMULA, OPTIONS, store_lanes
 from fsipetsc.operators.vectors import fma, load, store
 
 
@@ -31,7 +31,7 @@ class Target(NamedTuple):
     b: float
 
 
-@njit(**OPTIONS)
+@njit(**FORMULA)
 def update_stage(s, target, unknown, i, k):
     """Send on the rates k of one unknown at the points i .. i+WIDTH-1."""
     at = unknown * target.stride + i

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from fsipetsc.parallel.plan import Plan
 from fsipetsc.physics.layer import DOF, FLUID
+from fsipetsc.scheme.plan import Plan
 
 #: numbers in the reduction of the limits, see fsipetsc.scheme.finish_step
 REDUCED_RATES = 4
@@ -39,7 +39,7 @@ class Moved(NamedTuple):
 
 
 #: What the parts of the memory cost in a fused step that goes over them once, tile by tile, as it does where the points of
-#: a rank do not fit into caches (parallel.plan.tiles_pay); the few points at the ends of layers do not count.
+#: a rank do not fit into caches (scheme.plan.tiles_pay); the few points at the ends of layers do not count.
 PASSES = {
     "solution, from before to after the step": Moved(1, 1),
     "values in the second and the fourth stage": Moved(1, 1),

@@ -17,9 +17,8 @@ import numpy as np
 from petsc4py import PETSc
 
 from fsipetsc.errors import ComputationError
-from fsipetsc.parallel.plan import SHARES
 from fsipetsc.scheme.burst import LONGEST, MADE, SHORTEST, TIME
-from fsipetsc.scheme.finish_step import BAD, EXHAUSTED, LOW, MOVED, RATE, SAID_STOP, STOP, TOO_SHORT
+from fsipetsc.scheme.plan import BAD, EXHAUSTED, LOW, MOVED, RATE, SAID_STOP, SHARES, STOP, TOO_SHORT
 from fsipetsc.stepping.diagnosis import describe_failure
 from fsipetsc.stepping.error_control import ErrorControl
 from fsipetsc.stepping.fused import NAME, FusedRK4

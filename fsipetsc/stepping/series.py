@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from mpi4py import MPI
 
-from fsipetsc.parallel.plan import SHARES
+from fsipetsc.scheme.plan import SHARES
 from fsipetsc.stepping.state import State
 
 #: steps whose shares are added up at once: they stay in a cache

@@ -14,11 +14,10 @@ from fsipetsc.errors import FsiError, InputError
 from fsipetsc.operators.cache import cache_folder, garbage_waiting
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.layout import Grid, Layout, make_grids
-from fsipetsc.parallel.plan import FLAGS, FORCING, LIMITS, PACE, make_plan
 from fsipetsc.physics.layer import DOF, FLUID
 from fsipetsc.problem import FluidLayer, Problem
 from fsipetsc.scheme.burst import MADE
-from fsipetsc.scheme.finish_step import LOW, SAID_STOP
+from fsipetsc.scheme.plan import FLAGS, FORCING, LIMITS, LOW, PACE, SAID_STOP, make_plan
 from fsipetsc.scheme.runge_kutta import STAGES, advance
 from fsipetsc.together import agree, together
 
@@ -30,7 +29,7 @@ class State:
     """Solution and everything that belongs to it; all methods are collective on ``comm``.
 
     Attributes: layout, plan, solution (world Vec); results of the last completed step (scheme.finish_step says where what
-    stands); pace (scheme.burst); journal, the records of steps (parallel.plan.step_record), and latest, that of the last
+    stands); pace (scheme.burst); journal, the records of steps (scheme.plan.step_record), and latest, that of the last
     one without its time. The integrals in them are this rank's shares. evaluations of the right-hand side are counted.
     Raises InputError where grid, order and number of ranks do not fit.
     """

@@ -25,7 +25,7 @@ from fsipetsc.parallel.layout import Layout
 from fsipetsc.parallel.neighbours import Neighbours
 from fsipetsc.parallel.shared_memory import WORLD, world_record
 from fsipetsc.physics.layer import DOF, FLUID
-from fsipetsc.scheme.extremes_and_sums import SIZE as SURVEY
+from fsipetsc.scheme.extremes_and_sums import SIZE
 
 _I = np.int64
 HEAD = np.dtype(
@@ -47,7 +47,7 @@ HEAD = np.dtype(
         ("pace", _I),  # see fsipetsc.scheme.burst
         ("journal", _I),  # of completed steps, see ``step_record``
         ("row", _I),  # doubles of one of them
-        ("survey", _I),  # of each layer, see fsipetsc.scheme.extremes_and_sums
+        ("extremes", _I),  # and sums of each layer, see fsipetsc.scheme.extremes_and_sums
         ("nodes", _I),
         ("scratch", _I),
         ("entropy", _I),  # 1: the ledger takes it, too
@@ -69,6 +69,12 @@ STAGES = 4
 LEAST_MIDDLE, LEAST_TILED = 512, 8192
 #: nor where ranks that wait for each other would make a step so many times as long
 MOST_WAITING = 1.03
+# where what stands among the results of a completed step
+#: flags: a boundary changed its cell; 1 + number of a layer whose grid has no free point left,
+#: that has run off its grid, or that is too short
+MOVED, LOW, EXHAUSTED, TOO_SHORT = 0, 1, 2, 3
+#: limits, behind the flags; SAID_STOP is what this rank has to say of STOP
+RATE, BAD, STOP, SAID_STOP = 4, 5, 6, 14
 #: doubles of the flags and of the limits among the results
 FLAGS, LIMITS = 4, 11
 #: integrals behind the masses of the fluid layers, see fsipetsc.scheme.integrals; the last two are optional
@@ -188,7 +194,7 @@ def make_plan(
         "traces": message,
         "pace": PACE,
         "journal": CAPACITY * row,
-        "survey": SURVEY * len(layout.records),
+        "extremes": SIZE * len(layout.records),
         "results": results,
         "nodes": 5 * NODES,
         "scratch": scratch_size(SCRATCH),

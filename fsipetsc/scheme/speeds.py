@@ -1,0 +1,35 @@
+"""How fast sound and heat are in a layer, from its extremes: what bounds the time step. Compiled."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from fsipetsc.operators.kernels import OPTIONS, U64
+from fsipetsc.physics.solid import wave_modulus
+from fsipetsc.scheme.extremes_and_sums import GREATEST_T, LEAST_RHO, LEAST_SIGMA, LEAST_STRAIN, LEAST_T, SPEED, SUMS
+
+
+@njit(**OPTIONS)
+def fluid_speeds(law, layer, s, at):
+    """(the state is physical, largest speed |u-s| + c, largest 2 max(mu'/rho, kappa/(rho cv))) from the words at s[at:]."""
+    speed, rho, T = s[U64(at + SPEED)], s[U64(at + LEAST_RHO)], s[U64(at + LEAST_T)]
+    cold, hot = law.transport.relative(T), law.transport.relative(s[U64(at + GREATEST_T)])
+    mu, kappa = layer.mu * max(cold[0], hot[0]), layer.kappa * max(cold[1], hot[1])
+    return rho > 0.0 and T > 0.0 and speed < np.inf, speed, 2.0 * max(mu, kappa / layer.cv) / rho
+
+
+@njit(**OPTIONS)
+def solid_speeds(law, layer, s, at):
+    """(the state is physical, largest speed of waves, largest 2 kappa_e/(alpha m0 x_X)) from the words at s[at:].
+
+    In Lagrangian coordinates; x_X is the difference between neighbours.
+    """
+    shortest, coldest = s[U64(at + LEAST_STRAIN)], s[U64(at + LEAST_T)]
+    hottest, pulled, stretch = s[U64(at + GREATEST_T)], s[U64(at + LEAST_SIGMA)], 1.0 / shortest
+    p = layer.gruneisen * layer.m0 * layer.alpha * hottest * stretch
+    # a velocity or stress that is not a number shows in the speed
+    c2 = wave_modulus(layer.K, layer.gruneisen, p, min(pulled, p), shortest) / layer.m0
+    c2 += 0.0 * (s[U64(at + SUMS)] + pulled)
+    good = shortest > 0.0 and coldest > 0.0 and 0.0 <= c2 < np.inf
+    return good, np.sqrt(c2), 2.0 * layer.kappa_e * stretch / (layer.alpha * layer.m0)

@@ -1,0 +1,49 @@
+"""Where the length of a step comes from: the rates of all layers, and their 4-norm. Compiled; collective on all ranks."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from fsipetsc.operators.formulas import with_chosen
+from fsipetsc.operators.kernels import INLINE, U64, copy
+from fsipetsc.parallel.shared_memory import largest
+from fsipetsc.scheme.extremes_and_sums import SIZE
+from fsipetsc.scheme.laws import LAWS, of_layer
+
+#: words of the reduction of the limits: largest rates of convection and diffusion, BAD, STOP
+WORDS = 4
+
+
+@njit(**INLINE)
+def bound_step(head, layers, memory):
+    """Bounds on the time step: RATE = 1/dt at Courant number 1, BAD > 0 where the state is unphysical anywhere.
+
+    STOP is the largest SAID_STOP of all ranks. 1/dt is the 4-norm of the largest rates of convection, (|u-s| + c)/h in
+    fluids and c_s/h in solids, and of diffusion, 2 max(mu'/rho, kappa/(rho cv))/h^2 and 2 kappa_e/(alpha m0 x_X h^2).
+    The smaller of the two steps alone is too long where they are about equal: at a wall, where both act on the ghost
+    point, the rod then fails for orders above 2 at Courant numbers above 0.7.
+    """
+    convection, diffusion, bad = 0.0, 0.0, 0.0
+    for k in range(layers.size):
+        layer, seen = layers[k], head.extremes + SIZE * k
+        if layer.present == 0:
+            continue
+        h = layer.h
+        good, speed, spread = with_chosen(of_layer.speeds, LAWS, layer.kind, layer, memory, seen)
+        if good:
+            convection, diffusion = max(convection, speed / h), max(diffusion, spread / (h * h))
+        else:
+            bad = 1.0
+    received, world = head.limits + 3, head.world
+    sent = received + WORDS
+    memory[U64(sent)], memory[U64(sent + 1)], memory[U64(sent + 2)] = convection, diffusion, bad
+    if world.size > 1:
+        base = memory.ctypes.data
+        largest(world, base + 8 * sent, base + 8 * received, WORDS)
+    else:
+        copy(memory, sent, received, WORDS)
+    # only now: the 4-norm of each rank's own maxima would depend on how the points are dealt out
+    squares = memory[U64(received)] ** 2, memory[U64(received + 1)] ** 2
+    memory[U64(head.limits)] = np.sqrt(np.sqrt(squares[0] * squares[0] + squares[1] * squares[1]))
+    memory[U64(head.limits + 1)], memory[U64(head.limits + 2)] = memory[U64(received + 2)], memory[U64(received + 3)]
