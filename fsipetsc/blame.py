@@ -10,6 +10,8 @@ from typing import Any
 
 from fsipetsc.errors import FsiError, InputError
 
+#: extra of the installation -> what is imported of it, as pyproject.toml has it
+_EXTRAS = {"solver": ("petsc4py", "mpi4py", "numba", "llvmlite", "scipy", "yaml"), "plot": ("matplotlib",)}
 _PACKAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "")
 _CASES = os.path.join(_PACKAGE, "cases", "")
 _LIBRARIES = (os.path.join(os.path.dirname(os.path.abspath(os.__file__)), ""), _PACKAGE)
@@ -30,9 +32,18 @@ def reason(error: BaseException) -> str:
     text = " ".join(str(error).split())
     if isinstance(error, FsiError):
         return text
+    if isinstance(error, ModuleNotFoundError) and error.name:
+        return _missing(error.name.split(".")[0])
     if isinstance(error, SystemExit):
         return "SystemExit: sys.exit() is called; a case file describes a problem and must not end the program"
     return type(error).__name__ + (f": {text}" if text else "")
+
+
+def _missing(package: str) -> str:
+    """How to get a Python package that is not there, if it is one of those that come with this one."""
+    extra = next((extra for extra, packages in _EXTRAS.items() if package in packages), None)
+    how = f": scripts/setup installs it, as does pip install '.[{extra}]' in the folder of the sources" if extra else ""
+    return f"this needs the Python package {package}, which is not installed here{how}"
 
 
 def frames_in(error: BaseException, path: str | os.PathLike[str]) -> list[traceback.FrameSummary]:

@@ -7,16 +7,17 @@ import importlib
 import os
 import sys
 from collections.abc import Mapping, Sequence
+from itertools import dropwhile
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fsipetsc.cases import BUILT_IN, load_case, summaries
-from fsipetsc.errors import FileError, InputError
+from fsipetsc.errors import FileError, FsiError, InputError
 from fsipetsc.failure import end_together
 from fsipetsc.interrupts import Launcher, held_back, raised
 from fsipetsc.launch import launcher_rank, start_mpi, start_petsc
-from fsipetsc.options import Option, read_options, table
+from fsipetsc.options import RUN, Option, read_options, table
 from fsipetsc.process import left_as_found
-from fsipetsc.sources import HELP_FLAGS
+from fsipetsc.sources import HELP_FLAGS, given_options, is_option
 from fsipetsc.streams import abandon_stdout, complete_streams, heedless
 from fsipetsc.together import together
 from fsipetsc.usage import case_help, command_help, overview, program
@@ -68,6 +69,7 @@ COMMANDS = {
         options="fsipetsc.bench.command:SECTIONS",
     ),
 }
+_DEBUG = next(option for option in RUN if option.name == "fsi_debug")  # which every command takes
 _VERSION_FLAGS = ("--version", "-version")
 
 
@@ -95,8 +97,18 @@ def _main(arguments: list[str]) -> int:
     except BrokenPipeError:  # the reader, a pager or head, has seen enough
         abandon_stdout()
     except (Exception, KeyboardInterrupt) as error:
-        return end_together(error, None, debug="-fsi_debug" in arguments)
+        return end_together(error, None, debug=_debugging(arguments))
     return 0
+
+
+def _debugging(arguments: Sequence[str]) -> bool:
+    """Whether -fsi_debug is in force, wherever it was given; the error may be about the options themselves."""
+    words = list(dropwhile(lambda word: not is_option(word), arguments))
+    try:
+        given = given_options(words).get(_DEBUG.name)
+        return given is not None and _DEBUG.parse(given.text)
+    except FsiError:
+        return f"-{_DEBUG.name}" in words
 
 
 def _flush() -> None:
@@ -141,7 +153,8 @@ def _run_command(name: str, arguments: list[str]) -> None:
             _check_help(arguments, {option.name: option for group in sections.values() for option in group})
             print(command_help(name, command.arguments, command.summary, sections))
         else:
-            print(f"{program()} {name} {command.arguments}\n\n  {command.summary}")
+            debug = f"-{_DEBUG.name}  {_DEBUG.help}"
+            print(f"{program()} {name} {command.arguments}\n\n  {command.summary}\n\n  {debug}")
         return
     _named(command.target)(arguments)
 
@@ -169,7 +182,7 @@ def _version() -> str:
 def _in_parallel(arguments: list[str]) -> int:
     """A run, or a command that all ranks do together. Collective."""
     launcher, notes, status = Launcher(), None, 0
-    debug, case_file = "-fsi_debug" in arguments, None
+    case_file, debug = None, False
     try:
         with held_back():  # until all ranks can be told
             launcher.follow()
@@ -191,7 +204,7 @@ def _in_parallel(arguments: list[str]) -> int:
     except BrokenPipeError:
         abandon_stdout()
     except (Exception, KeyboardInterrupt) as error:
-        status = end_together(error, notes, debug=debug, case_file=case_file, launcher=launcher)
+        status = end_together(error, notes, debug=debug or _debugging(arguments), case_file=case_file, launcher=launcher)
     finally:
         launcher.leave_if_gone(status)
         if notes is not None:
@@ -240,6 +253,8 @@ def _file_and_directory(name: str, arguments: list[str], flags: Sequence[str]) -
             if not words:
                 raise InputError(f"{word} needs the name of a directory: {usage}")
             directory = words.pop(0)
+        elif word == f"-{_DEBUG.name}":
+            continue  # see _debugging
         elif word.startswith("-"):
             raise InputError(f"unknown option {word} of the command {name}: {usage}")
         else:

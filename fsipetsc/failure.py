@@ -7,7 +7,7 @@ import sys
 import traceback
 from typing import TYPE_CHECKING
 
-from fsipetsc.blame import explain, frames_in
+from fsipetsc.blame import explain, frames_in, reason
 from fsipetsc.errors import FsiError
 from fsipetsc.notes import PATIENCE, exchange
 from fsipetsc.streams import abandon_stdout, say_error
@@ -38,7 +38,7 @@ def describe(error: BaseException, case_file: str | None = None) -> tuple[int, s
         name = f"{os.fspath(error.filename)}: " if error.filename is not None else ""
         return 4, f"{name}{error.strerror}", False
     if isinstance(error, ModuleNotFoundError) and not (error.name or "").startswith("fsipetsc"):
-        return 1, f"this needs the Python package {error.name}, which is not installed here", False
+        return 1, reason(error), False
     if type(error).__module__.startswith("petsc4py") and hasattr(error, "ierr"):
         return _PETSC_STATUS.get(error.ierr, 1), _petsc_message(error), False
     where = traceback.extract_tb(error.__traceback__)[-1:]

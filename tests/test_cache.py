@@ -27,6 +27,14 @@ rows = np.ones(100)
 derivative(packed(2), rows, 10, 0, 60, 0, 0, 20, 0, 19, 1.0)
 print(rows[65], sum(derivative.stats.cache_hits.values()))
 """
+COLD = """
+import sys
+from pathlib import Path
+from fsipetsc.operators import cache
+cache.cache_folder = lambda: Path("no such folder")
+from fsipetsc.cli import main
+sys.exit(main())
+"""
 
 #: the cache is lost while a kernel is being compiled, and cut off while it is loaded
 LOSS = """
@@ -231,6 +239,40 @@ def test_no_home(monkeypatch, tmp_path):
     monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
     assert cache._base() == tmp_path / "tmp" / f"fsipetsc-{os.getuid()}"
     assert not list((tmp_path / "here").iterdir())
+
+
+def test_who_waits_for_the_compiler_is_told_so(monkeypatch, tmp_path):
+    """Once, and once more if it takes long; not where the kernels are on disk."""
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path))
+    said: list[str] = []
+    for seconds in (60.0, 0.01):
+        monkeypatch.setattr(cache, "_LONG", seconds)
+        with cache.compiling(compiled_functions, said.append):
+            time.sleep(0.2)
+    assert [text.split()[0] for text in said] == ["compiling", "compiling", "still"]
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "folder" / "some.compiled_functions-27.py311.nbi").touch()
+    with cache.compiling(compiled_functions, said.append):
+        time.sleep(0.1)
+    assert len(said) == 3
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "rod -fsi_h 0.1 -ts_max_steps 2",
+        "convergence mms -fsi_hs 0.05 -fsi_orders 2",
+        "bench -bench_points 480 -bench_orders 4 -bench_repeats 1 -bench_seconds 0.001 -bench_more no",
+    ],
+)
+def test_every_command_that_compiles_says_so_first(line, tmp_path):
+    """The kernels are on disk here, but are not found when it is asked whether to say it."""
+    (tmp_path / "cold.py").write_text(COLD)
+    done = run("cold.py", *line.split(), cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    words = done.stdout.split("compiling the kernels, once after installation")
+    assert len(words) == 2
+    assert "0.05 " not in words[0], "before the first row"
 
 
 def test_no_kernel_has_constants_of_mpi_in_it():

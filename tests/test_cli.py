@@ -243,6 +243,44 @@ def test_debug_shows_the_traceback(here):
     assert done.stderr.splitlines()[-1].startswith("fsipetsc: error: ")
 
 
+@pytest.mark.parametrize("line", ["info no.h5", "plot no.h5", "convergence mms -no 1", "stability -no 1", "bench -no 1"])
+def test_every_command_shows_the_traceback(line, here):
+    done = run("-m", "fsipetsc", *line.split(), "-fsi_debug")
+    assert done.returncode == (4 if "no.h5" in line else 2), done.stderr
+    assert done.stderr.startswith("Traceback")
+    assert done.stderr.splitlines()[-1].startswith("fsipetsc: error: ")
+
+
+def test_the_option_that_shows_the_traceback_counts_wherever_it_is_given(here):
+    (here / "debug.opts").write_text("-fsi_debug\n")
+    done = run("-m", "fsipetsc", "stability", "-no", 1, env={"PETSC_OPTIONS": "-options_file debug.opts"})
+    assert done.stderr.startswith("Traceback")
+    one_message(run("-m", "fsipetsc", "stability", "-no", 1, "-fsi_debug", "no"), 2, "-no")
+
+
+#: the program where packages of the extra "solver" are missing
+WITHOUT = """
+import sys
+
+class Finder:
+    def find_spec(self, name, path=None, target=None):
+        if name.split(".")[0] in ("numba", "mpi4py", "petsc4py"):
+            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+
+sys.meta_path.insert(0, Finder())
+from fsipetsc.cli import main
+sys.exit(main())
+"""
+
+
+@pytest.mark.parametrize(("line", "status"), [("rod -help", 1), ("rod", 1), ("stability", 1), ("mine.py -help", 2)])
+def test_who_lacks_a_package_is_told_how_to_get_it(line, status, here):
+    (here / "without.py").write_text(WITHOUT)
+    (here / "mine.py").write_text("from fsipetsc.problem import Problem\n")
+    words = ["scripts/setup", "pip install '.[solver]'", "mpi4py" if line in ("rod", "stability") else "numba"]
+    one_message(run("without.py", *line.split()), status, *words)
+
+
 def test_reader_that_closes_early_is_no_error(here):
     command = [sys.executable, "-m", "fsipetsc", "stub.py", "-help"]
     with subprocess.Popen(command, env=environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:

@@ -296,6 +296,12 @@ def test_command_says_what_it_wrote(results, tmp_path):
     assert all(open(name, "rb").read(4) == b"\x89PNG" for name in written)
 
 
+def test_pictures_need_no_backend(results, tmp_path):
+    done = run("-m", "fsipetsc", "plot", results["piston"].path, "-o", tmp_path, env={"MPLBACKEND": "nosuch"})
+    assert (done.returncode, done.stderr) == (0, "")
+    assert list(tmp_path.glob("*.png"))
+
+
 def test_pictures_that_cannot_be_written(results):
     with pytest.raises(FileError, match="cannot write"):
         plot(results["box"].path, results["box"].path)

@@ -113,7 +113,7 @@ def _run_all(case: Any, opt: Mapping[str, Any], comm: MPI.Comm, table: Convergen
         say("\n" + table.head(i))
         # once for nothing: compiling or loading the kernels is no part of the cost
         with suppress(ComputationError):
-            solve(case, {**opt, "fsi_order": order, "fsi_h": table.hs[0], "ts_max_steps": 1}, comm)
+            solve(case, {**opt, "fsi_order": order, "fsi_h": table.hs[0], "ts_max_steps": 1}, comm, say)
         for j, h in enumerate(table.hs):
             try:
                 table.put(i, j, solve(case, {**opt, "fsi_order": order, "fsi_h": h}, comm))

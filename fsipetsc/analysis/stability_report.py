@@ -12,6 +12,7 @@ import numpy as np
 from fsipetsc.analysis.stability_linear import Constant
 from fsipetsc.analysis.stability_measures import ENERGY_TOLERANCE, MODE_TOLERANCE, Result
 from fsipetsc.operators import operator
+from fsipetsc.output.plots.style import drawing
 from fsipetsc.output.plots.titles import set_title
 
 if TYPE_CHECKING:
@@ -182,6 +183,7 @@ def write_table(path: str, results: Sequence[Result]) -> None:
 
 def draw(path: str, results: Sequence[Result]) -> None:
     """The sweep as a picture (PNG): a column for each order, rows for energy, modes and step."""
+    drawing()
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.colors import LogNorm, Normalize
     from matplotlib.figure import Figure

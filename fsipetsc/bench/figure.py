@@ -10,7 +10,7 @@ import numpy as np
 from fsipetsc.bench.cost_model import Model, bandwidth, message, moved_bytes, scaling
 from fsipetsc.bench.table import BenchStudy
 from fsipetsc.errors import FileError
-from fsipetsc.output.plots.style import BLACK, BLUE, GREY, ORANGE, ORDERS, RED, STYLE
+from fsipetsc.output.plots.style import BLACK, BLUE, GREY, ORANGE, ORDERS, RED, STYLE, drawing
 from fsipetsc.output.plots.titles import set_title
 from fsipetsc.scheme.runge_kutta import STAGES
 
@@ -24,7 +24,7 @@ _GRIDS = ("#9ecae1", "#6baed6", "#3182bd", "#08519c", "#08306b")
 def draw(study: BenchStudy, model: Model | None, path: Path) -> Path | None:
     """Draw the picture at PATH; None without matplotlib. FileError if it cannot be written."""
     try:
-        import matplotlib
+        matplotlib = drawing()
         from matplotlib.figure import Figure
     except ModuleNotFoundError:
         return None

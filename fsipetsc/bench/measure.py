@@ -47,9 +47,12 @@ class Stand:
     Raises InputError where grid, order and ranks do not fit.
     """
 
-    def __init__(self, case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> None:
+    def __init__(
+        self, case: Any, opt: Mapping[str, Any], comm: MPI.Comm, announce: Callable[[str], None] = lambda text: None
+    ) -> None:
         self.comm, self.options = comm, dict(opt)
         self.state = make_state(build_problem(case, opt, comm), opt, comm)
+        self.state.compile(announce)
         self.state.set_initial()
         self.burst = 1  # steps in one go
 

@@ -17,8 +17,9 @@ import os
 import pickle
 import shutil
 import tempfile
+import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -34,6 +35,8 @@ COMPILED = ("operators", "physics", "coupling", "boundaries", "parallel", "schem
 _KEPT, _IN_USE = 3, 86400.0
 #: what numba raises where a file of its cache is gone, cannot be written, or was cut off
 _LOST = OSError, EOFError, pickle.UnpicklingError
+#: seconds of compiling after which a second word is due
+_LONG = 30.0
 
 
 def source_digest() -> str:
@@ -98,6 +101,23 @@ def garbage_waiting() -> Iterator[None]:
         yield
     finally:
         gc.set_threshold(*before)
+
+
+@contextmanager
+def compiling(function: Callable[..., object], announce: Callable[[str], None]) -> Iterator[None]:
+    """Within, a function (numba's) may be compiled: say so if it is not on disk, and once more if it takes long."""
+    name = function.__name__
+    if any(cache_folder().glob(f"*/*.{name}-*.nbi")):
+        yield
+        return
+    announce("compiling the kernels, once after installation: about 20 s on a quiet machine")
+    more = threading.Timer(_LONG, announce, ("still compiling the kernels: other programs slow it down",))
+    more.daemon = True
+    more.start()
+    try:
+        yield
+    finally:
+        more.cancel()
 
 
 @contextmanager

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -60,12 +60,15 @@ def make_state(problem: Problem, opt: Mapping[str, Any], comm: MPI.Comm) -> Stat
     return kind(comm, problem, *(opt[name] for name in names), entropy, opt["fsi_shared_memory"])
 
 
-def solve(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Outcome:
+def solve(
+    case: Any, opt: Mapping[str, Any], comm: MPI.Comm, announce: Callable[[str], None] = lambda text: None
+) -> Outcome:
     """Integrate a case from t = 0 to -ts_max_time, or -ts_max_steps, and write nothing. Collective on comm.
 
-    Raises InputError and ComputationError.
+    announce: says on rank 0 that the kernels are being compiled, if they are. Raises InputError and ComputationError.
     """
     with make_state(build_problem(case, opt, comm), opt, comm) as state:
+        state.compile(announce)
         integrator = Integrator(
             state,
             opt,

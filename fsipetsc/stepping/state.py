@@ -11,7 +11,7 @@ from petsc4py import PETSc
 from fsipetsc import given
 from fsipetsc.boundaries import NODES
 from fsipetsc.errors import FsiError, InputError
-from fsipetsc.operators.cache import cache_folder, garbage_waiting
+from fsipetsc.operators.cache import compiling, garbage_waiting
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.layout import Grid, Layout, make_grids
 from fsipetsc.physics.layer import DOF, FLUID
@@ -60,9 +60,7 @@ class State:
         also: calls further compiled functions.
         """
         if self.comm.rank == 0:
-            if not any(cache_folder().glob("*/advance.advance-*.nbi")):
-                announce("compiling the kernels: once after installation, about 20 s")
-            with garbage_waiting():
+            with garbage_waiting(), compiling(advance, announce):
                 advance(*self.plan, 0, 0, -1, 0.0)
                 also()
         self.comm.Barrier()

@@ -13,7 +13,7 @@ import numpy as np
 from fsipetsc.errors import FileError, InputError
 from fsipetsc.output.plots import balances, interfaces, profiles, space_time, steps
 from fsipetsc.output.plots.quantities import PROFILES
-from fsipetsc.output.plots.style import STYLE
+from fsipetsc.output.plots.style import STYLE, drawing
 from fsipetsc.output.reader import Run, open_run
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ def plot(
     damaged result all that can be drawn is drawn first; the error names the other pictures.
     """
     try:
-        import matplotlib
+        matplotlib = drawing()
         from matplotlib.figure import Figure
     except ImportError as error:
         raise InputError("plot: matplotlib is not installed (pip install matplotlib)") from error

@@ -11,7 +11,7 @@ import numpy as np
 
 from fsipetsc.errors import FileError
 from fsipetsc.operators.sbp import operator
-from fsipetsc.output.plots.style import ORDERS, STYLE
+from fsipetsc.output.plots.style import ORDERS, STYLE, drawing
 from fsipetsc.output.plots.titles import set_title
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ def convergence_figures(study: ConvergenceStudy, path: str | os.PathLike[str], n
     note: added to the titles. FileError if they cannot be written.
     """
     try:
-        import matplotlib
+        matplotlib = drawing()
         from matplotlib.figure import Figure
     except ImportError:
         return []

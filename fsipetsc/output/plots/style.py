@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import sys
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -36,6 +39,26 @@ STYLE: dict[Any, Any] = {
     "savefig.dpi": 160,
 }
 MAX_POINTS = 20_000  # of a line; more cannot be seen
+
+
+def drawing() -> ModuleType:
+    """matplotlib, even where MPLBACKEND names no backend that it has: pictures are files and need none.
+
+    ImportError where it is not installed.
+    """
+    try:
+        import matplotlib
+    except ValueError:
+        named = os.environ.pop("MPLBACKEND", None)
+        if named is None:
+            raise
+        for name in [name for name in sys.modules if name.split(".")[0] == "matplotlib"]:
+            del sys.modules[name]  # half loaded
+        try:
+            import matplotlib
+        finally:
+            os.environ["MPLBACKEND"] = named
+    return matplotlib
 
 
 def thin(n: int) -> slice:
