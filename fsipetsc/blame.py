@@ -74,7 +74,7 @@ def place_of_error(error: BaseException, function: Callable[..., Any]) -> str:
         name = os.path.abspath(frame.filename)
         known = name.startswith(_LIBRARIES) and not name.startswith(_CASES)
         if not known and not {"site-packages", "dist-packages"} & set(name.split(os.sep)) and os.path.isfile(name):
-            return f"{_short(name)}, line {frame.lineno}"
+            return f"{short(name)}, line {frame.lineno}"
     return place_of(function)
 
 
@@ -85,11 +85,11 @@ def place_of(function: Callable[..., Any]) -> str:
     for found in (function, getattr(function, "__wrapped__", None), type(function).__call__):
         code = getattr(found, "__code__", None)
         if code is not None:
-            return f"{_short(code.co_filename)}, line {code.co_firstlineno}"
+            return f"{short(code.co_filename)}, line {code.co_firstlineno}"
     return getattr(function, "__name__", type(function).__name__)
 
 
-def _short(name: str) -> str:
+def short(name: str | os.PathLike[str]) -> str:
     """A path as a user would write it."""
     inside = os.path.relpath(name)
-    return name if inside.startswith(os.pardir) else inside
+    return os.fspath(name) if inside.startswith(os.pardir) else inside

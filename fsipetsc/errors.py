@@ -33,3 +33,18 @@ class FileError(FsiError):
     """A file could not be read or written."""
 
     status = 4
+
+
+def is_petsc(error: BaseException) -> bool:
+    """PETSc has raised it."""
+    return type(error).__module__.startswith("petsc4py") and hasattr(error, "ierr")
+
+
+def petsc_words(error: BaseException) -> str:
+    """PETSc's own words without the list of its routines: "[0] TSSolve() at file:line" for each, then the reason."""
+    lines = [line.split("] ", 1)[-1] for line in str(error).splitlines()[1:]]
+    routines = [line.split("()")[0] for line in lines if "() at " in line]
+    reason = "; ".join(line for line in lines if "() at " not in line)
+    return (
+        f"PETSc error {error.ierr}" + "".join(f" in {r}()" for r in routines[-1:]) + (f": {reason}" if reason else "")
+    )

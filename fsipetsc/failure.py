@@ -8,7 +8,7 @@ import traceback
 from typing import TYPE_CHECKING
 
 from fsipetsc.blame import explain, frames_in, reason
-from fsipetsc.errors import FsiError
+from fsipetsc.errors import FsiError, is_petsc, petsc_words
 from fsipetsc.notes import PATIENCE, exchange
 from fsipetsc.streams import abandon_stdout, say_error
 
@@ -39,8 +39,8 @@ def describe(error: BaseException, case_file: str | None = None) -> tuple[int, s
         return 4, f"{name}{error.strerror}", False
     if isinstance(error, ModuleNotFoundError) and not (error.name or "").startswith("fsipetsc"):
         return 1, reason(error), False
-    if type(error).__module__.startswith("petsc4py") and hasattr(error, "ierr"):
-        return _PETSC_STATUS.get(error.ierr, 1), _petsc_message(error), False
+    if is_petsc(error):
+        return _PETSC_STATUS.get(error.ierr, 1), petsc_words(error), False
     where = traceback.extract_tb(error.__traceback__)[-1:]
     place = "".join(f" in {os.path.basename(f.filename)}, line {f.lineno}" for f in where)
     return 1, f"unexpected {type(error).__name__}{place}{_detail(error)}; -fsi_debug shows the traceback", False
@@ -49,16 +49,6 @@ def describe(error: BaseException, case_file: str | None = None) -> tuple[int, s
 def _detail(error: BaseException) -> str:
     lines = str(error).splitlines()
     return f": {lines[0]}" if lines else ""
-
-
-def _petsc_message(error: BaseException) -> str:
-    """PETSc's own words without the list of its routines: "[0] TSSolve() at file:line" for each, then the reason."""
-    lines = [line.split("] ", 1)[-1] for line in str(error).splitlines()[1:]]
-    routines = [line.split("()")[0] for line in lines if "() at " in line]
-    reason = "; ".join(line for line in lines if "() at " not in line)
-    return (
-        f"PETSc error {error.ierr}" + "".join(f" in {r}()" for r in routines[-1:]) + (f": {reason}" if reason else "")
-    )
 
 
 def end_together(

@@ -49,6 +49,8 @@ _WEAK_FALL = (
     "-fluid_mu 0.5 -fluid_kappa 0.7 -ts_type rk"
 )
 TOLERANCES = (1e-4, 1e-6, 1e-8)
+#: of the error control: the longest step [s], the least and the largest change
+LONGEST, CLIP = 4e-5, (0.5, 1.02)
 _SHORT_FALL = "-fsi_h 0.1 -ts_max_time 0.004 -fsi_output_dt 1"
 _NONLINEAR_PULSE = (
     "-fsi_h 0.05 -ts_max_time 0.002 -fsi_output_dt 0.001 -pulse_amplitude 1000 "
@@ -138,6 +140,14 @@ GROUPS: dict[str, list[tuple[int, dict[str, tuple[str, str]]]]] = {
         (
             1,
             {f"{m}_{tol}": ("pulse", _adaptive(m, tol, 20)) for m in ("3bs", "5dp") for tol in TOLERANCES}
+            | {
+                name: ("pulse", f"{_adaptive('3bs', 1e-4, 20)} -fsi_output_dt 1 {options}")
+                for name, options in {
+                    "free": "",
+                    "capped": f"-ts_adapt_dt_max {LONGEST}",
+                    "clipped": f"-ts_adapt_clip {CLIP[0]},{CLIP[1]}",
+                }.items()
+            }
             | {"wild": ("pulse", _adaptive("8vr", 1e-4, 40))}
             | {"reference": ("pulse", f"{_NONLINEAR_PULSE} -ts_rk_type 5dp -fsi_cfl 0.05")},
         )

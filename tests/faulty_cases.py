@@ -73,7 +73,7 @@ FAULTS: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "misspelt check": (_OPTIONS, _OPTIONS.replace('"a speed"', '"a speed", check="positve"'), ("line 9", "'positve'", "positive")),
     "choices is a text": (_OPTIONS, _OPTIONS.replace('"a speed"', '"a speed", "abc"'), ("line 9", "choices", "tuple")),
     "kind of option": (_OPTIONS, _OPTIONS.replace("float,", "complex,"), ("line 9", "kind")),
-    "check fails": (_OPTIONS, _OPTIONS.replace('"a speed"', '"a speed", check=lambda v: 1 / v'), ("line 9", "ZeroDivisionError")),
+    "check fails": (_OPTIONS, _OPTIONS.replace('"a speed"', '"a speed", check=lambda v: 1 / v'), ("faulty.py, line 9: check of -own_speed: ZeroDivisionError",)),
     "default of a wrong kind": (_OPTIONS, _OPTIONS.replace("0.0", "'fast'"), ("own_speed", "a number")),
     "DEFAULTS with a wrong key": ('"fsi_order": 2', '"fsi_ordr": 2', ("line 10", "fsi_ordr", "-fsi_order")),
     "DEFAULTS with a key that is no text": ('"fsi_order": 2', "7: 2", ("line 10", "7", "names of options")),

@@ -54,6 +54,15 @@ def test_check_stops_what_does_not_hold(tmp_path):
     assert len(fsipetsc.open_run(tmp_path / "rod.h5").series["t"]) > 0
 
 
+def test_check_of_a_problem_without_dimensions_names_no_unit(tmp_path):
+    options = ("-fsi_h", "0.05", "-fsi_order", "2", "-ts_max_time", "0.5", "-fsi_check", "1e-9", "-fsi_quiet")
+    done = run("-m", "fsipetsc", "box", *options, cwd=tmp_path)
+    assert done.returncode == 3
+    assert re.search(r"has drifted by \S+ \(relative\) at t = [0-9.e-]+, step ", done.stderr), done.stderr
+    done = run("-m", "fsipetsc", "box", "-fsi_output_times", "7", cwd=tmp_path)
+    assert "7 would not be reached" in done.stderr
+
+
 @pytest.mark.mpi
 @pytest.mark.parametrize("n", [1, 2])
 def test_check_holds_while_grids_grow(tmp_path, n):

@@ -114,6 +114,16 @@ def test_killed_run_is_readable(tmp_path: Path, n: int) -> None:
         assert result.summary["ranks"] == 1
 
 
+def test_what_petsc_says_is_told_without_its_routines() -> None:
+    from fsipetsc.errors import petsc_words
+
+    class Said(Exception):
+        ierr = 76
+
+    text = "error code 76\n[0] PetscViewerFileSetName() at ./filev.c:603\n[0] Error in external library\n[0] Status -1"
+    assert petsc_words(Said(text)) == "PETSc error 76 in PetscViewerFileSetName(): Error in external library; Status -1"
+
+
 def test_file_is_hardly_larger_than_its_numbers(tmp_path: Path) -> None:
     """HDF5 makes all chunks of a dataset equally long; also where the last one could have been nearly empty."""
     from mpi4py import MPI
@@ -230,6 +240,21 @@ def test_full_disk_fails_on_all_ranks(tmp_path: Path, n: int) -> None:
     with fsipetsc.open_run(path) as result:
         assert result.nframes > 20
         assert_frames(result, result.nframes)
+
+
+@pytest.mark.parametrize("n", [1, pytest.param(2, marks=pytest.mark.mpi)])
+def test_a_file_that_mpi_cannot_open_is_one_line(tmp_path: Path, n: int) -> None:
+    pytest.importorskip("petsc4py")
+    line = "rod -fsi_h 0.1 -ts_max_steps 2 -fsi_quiet".split()
+    words = {"OMPI_MCA_io": "nosuch", "OMPI_MCA_mca_base_component_show_load_errors": "0"}
+    done = mpirun(n, "-m", "fsipetsc", *line, cwd=tmp_path, env=words)
+    if done.returncode == 0:
+        pytest.skip("this MPI has no such setting")
+    assert done.returncode == 4
+    (said,) = (text for text in done.stderr.splitlines() if text.startswith("fsipetsc"))
+    assert "rod.h5: cannot write: MPI cannot open it" in said
+    for word in ("Exception ignored", "Traceback", "Petsc", "PETSc"):
+        assert word not in done.stderr
 
 
 def test_petscs_hdf5_does_not_print_its_errors(tmp_path: Path) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import helpers
 import numpy as np
 import pytest
-from conftest import FUSED, HIGH_ORDERS, LONG_STEPS, METHODS, STEPS, TOLERANCES, fixed
+from conftest import CLIP, FUSED, HIGH_ORDERS, LONG_STEPS, LONGEST, METHODS, STEPS, TOLERANCES, fixed
 
 pytest.importorskip("petsc4py")
 
@@ -30,6 +30,13 @@ def test_saved_times():
 def test_times_beyond_the_end_are_refused():
     with pytest.raises(InputError, match=r"-fsi_output_times: 1.5, 5 s .* -ts_max_time 1 s"):
         saved_times(1.0, 0.5, (0.3, 1.5, 5.0))
+
+
+def test_messages_of_a_problem_without_dimensions_name_no_unit():
+    for interval, times in ((0.5, (1.5,)), (1e-9, None)):
+        with pytest.raises(InputError) as caught:
+            saved_times(1.0, interval, times, "")
+        assert " s" not in str(caught.value).replace(" save", "")
 
 
 def walk(targets: list[float], bound: float) -> tuple[np.ndarray, list[float]]:
@@ -209,6 +216,17 @@ def test_a_first_step_that_makes_no_sense_is_rejected_too(computed):
     """-fsi_cfl 40: the first step would end with a negative temperature."""
     assert computed("adaptive", "wild").finish_step
     assert computed("adaptive", "wild").summary["rejected_steps"] > 0
+
+
+def test_the_longest_step_and_the_largest_change_are_heeded(computed):
+    runs = {name: computed("adaptive", name) for name in ("free", "capped", "clipped")}
+    dt = {name: run.series["dt"] for name, run in runs.items()}
+    growth = {name: (steps[1:] / steps[:-1]).max() for name, steps in dt.items()}
+    assert dt["free"].max() > 1.5 * LONGEST and growth["free"] > 1.5 * CLIP[1], "else this test shows nothing"
+    np.testing.assert_allclose(dt["capped"], LONGEST, rtol=1e-9)
+    assert growth["clipped"] == pytest.approx(CLIP[1], rel=1e-9)
+    refused = {name: run.summary["rejected_steps"] for name, run in runs.items()}
+    assert refused["clipped"] > refused["free"] > 0, "halves, not tenths, of the first step"
 
 
 def test_saved_times_are_exact(computed):

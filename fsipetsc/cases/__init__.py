@@ -22,7 +22,7 @@ from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from types import ModuleType
 
-from fsipetsc.blame import explain
+from fsipetsc.blame import explain, short
 from fsipetsc.errors import InputError
 from fsipetsc.options import Option, groups
 
@@ -110,6 +110,8 @@ def _complete(module: ModuleType, path: Path) -> None:
     try:
         groups(module)
     except InputError as error:
+        if str(error).startswith(f"{short(path.resolve())}, line "):  # a function of the file's has failed
+            raise InputError(f"case file {error}") from None
         name = "DEFAULTS" if "default" in str(error).lower() else "OPTIONS"
         raise InputError(f"case file {path}{_line_of(name, path)}: {error}") from None
 

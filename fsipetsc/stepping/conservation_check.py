@@ -73,8 +73,9 @@ class ConservationCheck:
 
     _NAMES = ("dt", "mass", "momentum", "force", "energy", "entropy", "heating")
 
-    def __init__(self, laws: Mapping[str, Any], initial: Mapping[str, Any], tolerance: float) -> None:
-        self._balances, self._tolerance = Balances(laws, initial), tolerance
+    def __init__(self, laws: Mapping[str, Any], initial: Mapping[str, Any], tolerance: float, unit: str = " s") -> None:
+        """unit: what stands behind a time in the message (fsipetsc.problem.Problem.unit)."""
+        self._balances, self._tolerance, self._unit = Balances(laws, initial), tolerance, unit
         self._steps = 0
 
     def look(self, block: np.ndarray) -> str | None:
@@ -91,4 +92,5 @@ class ConservationCheck:
         if first is None:
             return None
         step, name, drift = first
-        return f"{name} has drifted by {drift:.3g} (relative) at t = {block['t'][step]:.6g} s, step {before + step + 1}"
+        when = f"t = {block['t'][step]:.6g}{self._unit}, step {before + step + 1}"
+        return f"{name} has drifted by {drift:.3g} (relative) at {when}"

@@ -12,19 +12,20 @@ from fsipetsc.scheme.burst import next_step
 MOST = 10_000_000
 
 
-def saved_times(t_end: float, interval: float | None, times: Sequence[float] | None) -> list[float]:
+def saved_times(t_end: float, interval: float | None, times: Sequence[float] | None, unit: str = " s") -> list[float]:
     """Times [s] in [0, t_end] at which profiles are saved: every ``interval`` and at the ``times``, and at the end.
 
-    Raises InputError for times beyond the end, and for more than MOST.
+    Raises InputError for times beyond the end, and for more than MOST; unit: what stands behind a time in its message.
     """
     saved = set(times or ())
     beyond = [f"{t:g}" for t in sorted(saved) if t > t_end]
     if beyond:
         listed = ", ".join(beyond[:5]) + (" …" if len(beyond) > 5 else "")
-        raise InputError(f"-fsi_output_times: {listed} s would not be reached, the run ends at -ts_max_time {t_end:g} s")
+        end = f"the run ends at -ts_max_time {t_end:g}{unit}"
+        raise InputError(f"-fsi_output_times: {listed}{unit} would not be reached, {end}")
     if interval is not None:
         if t_end / interval > MOST:
-            raise InputError(f"-fsi_output_dt {interval:g} would save more than {MOST} profiles to t = {t_end:g} s")
+            raise InputError(f"-fsi_output_dt {interval:g} would save more than {MOST} profiles to t = {t_end:g}{unit}")
         saved.update(min(k * interval, t_end) for k in range(math.floor(t_end / interval * (1 + 1e-12)) + 1))
     saved.add(t_end)
     return sorted(saved)

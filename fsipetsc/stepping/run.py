@@ -52,7 +52,7 @@ class _Run:
     def __init__(self, case: Any, opt: Mapping[str, Any], comm: MPI.Comm, phases: Phases, state: State) -> None:
         self.case, self.opt, self.comm, self.phases = case, opt, comm, phases
         self.problem, self.state = state.problem, state
-        saved = saved_times(opt["ts_max_time"], opt["fsi_output_dt"], opt["fsi_output_times"])
+        saved = saved_times(opt["ts_max_time"], opt["fsi_output_dt"], opt["fsi_output_times"], self.problem.unit("s"))
         self.writer = RunWriter(comm, opt["fsi_output"], self._header())
         self.writer.take_series = self._take
         self.report = Reporter(comm, case.NAME, opt)
@@ -110,7 +110,8 @@ class _Run:
         steps = self.integrator.series.add_up(self.comm)
         if self.comm.rank == 0 and self.fault is None:
             if self.watch is None:
-                self.watch = ConservationCheck(self.problem.laws, self.integrator.initial, self.opt["fsi_check"])
+                laws, unit = self.problem.laws, self.problem.unit("s")
+                self.watch = ConservationCheck(laws, self.integrator.initial, self.opt["fsi_check"], unit)
             self.fault = self.watch.look(steps)
 
     def _check(self) -> None:
