@@ -71,7 +71,7 @@ def test_check_holds_while_grids_grow(tmp_path, n):
     done = mpirun(n, "-m", "fsipetsc", "rod", *options, "-fsi_quiet", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     with fsipetsc.open_run(tmp_path / "rod.h5") as result:
-        assert len({len(layer.X) for layer in result.layers}) > 1 and result.finish_step
+        assert len({len(layer.X) for layer in result.layers}) > 1 and result.complete
 
 
 def test_entropy_must_not_decrease():

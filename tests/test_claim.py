@@ -58,7 +58,7 @@ def test_a_second_run_is_refused_while_the_first_goes_on(tmp_path: Path) -> None
         first.wait()
     assert run(program, "blocks", path, 2).stdout.split()[-1] == "run.1.h5", "the lock of a killed run is none"
     with fsipetsc.open_run(path) as result:
-        assert result.finish_step and result.nframes == 2
+        assert result.complete and result.nframes == 2
     assert sorted(os.listdir(tmp_path)) == ["run.1.h5", "run.h5"]
 
 

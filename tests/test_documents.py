@@ -128,7 +128,7 @@ def test_steps_are_those_that_headers_state(started):
     assert held >= {"boxruns", "mmsruns", "pulseruns", "adaptiveruns", "piston"}
     for name in held:
         with fsipetsc.open_run(results[name]) as run:
-            assert run.finish_step and run.summary["steps"] == stated_steps(texts[name]), name
+            assert run.complete and run.summary["steps"] == stated_steps(texts[name]), name
 
 
 def test_positions_that_the_readme_tells(started):

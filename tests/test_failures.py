@@ -287,7 +287,7 @@ def test_a_signal_ends_the_run_in_order(number, tmp_path):
     assert "long.h5" in text
     assert_readable(tmp_path / "long.h5", "stopped", 1000.0)
     with fsipetsc.open_run(tmp_path / "long.h5") as result:
-        assert not result.finish_step
+        assert not result.complete
         assert result.time[-1] == result.series["t"][-1] == result.summary["t"], "the last state is saved"
 
 
@@ -323,7 +323,7 @@ def test_a_killed_run_leaves_its_frames(tmp_path):
     process.communicate(timeout=PATIENCE)
     assert process.returncode == -signal.SIGKILL
     with fsipetsc.open_run(tmp_path / "long.h5") as result:
-        assert not result.finish_step
+        assert not result.complete
         assert result.nframes > 2
         np.testing.assert_allclose(result.time, 0.001 * np.arange(result.nframes))
         assert np.isfinite(result.layers[1]["u"]).all()

@@ -82,10 +82,10 @@ def test_each_write_may_be_the_last(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     assert len(set(seen)) > 4 and seen[-1] == (12, 36)
     for result in early:
         with result:
-            assert not result.finish_step
+            assert not result.complete
             assert_prefix(result, list(range(result.nframes)))
     with fsipetsc.open_run(path) as result:
-        assert result.finish_step
+        assert result.complete
         assert_prefix(result, list(range(12)))
     assert os.listdir(tmp_path) == ["run.h5"]
 
@@ -138,7 +138,7 @@ def test_a_reader_finds_what_was_flushed(tmp_path: Path, n: int) -> None:
         assert writer.returncode == 0
         assert counts == sorted(counts)
         with fsipetsc.open_run(path) as result:
-            assert result.finish_step and result.nframes == frames
+            assert result.complete and result.nframes == frames
             assert_prefix(result, list(range(frames)))
         if len(set(counts)) > 20:
             return
@@ -156,13 +156,13 @@ def test_killed_at_any_moment(tmp_path: Path, n: int, times: int) -> None:
         process.send_signal(signal.SIGKILL if n == 1 else signal.SIGTERM)  # mpiexec kills its ranks
         process.wait(timeout=PATIENCE)
         with fsipetsc.open_run(path) as result:
-            assert not result.finish_step
+            assert not result.complete
             assert_prefix(result, [*range(min(20, result.nframes)), -1])
         path.unlink()
         with_leftovers = start(1, path, 3, 0.0)  # what a killed run leaves beside its result does no harm
         assert with_leftovers.wait(timeout=PATIENCE) == 0
         with fsipetsc.open_run(path) as result:
-            assert result.finish_step and result.nframes == 3
+            assert result.complete and result.nframes == 3
             assert_prefix(result, [0, 1, 2])
 
 

@@ -68,7 +68,7 @@ def test_round_trip(tmp_path: Path, n: int, split: str) -> None:
 def test_what_else_is_stored(finished: Path) -> None:
     with fsipetsc.open_run(finished) as result:
         steps = np.arange(FRAMES * program.SERIES_STEPS)
-        assert result.case == "demo" and result.finish_step
+        assert result.case == "demo" and result.complete
         assert result.options == program.HEADER["options"]
         assert result.interfaces == ("left/rod", "rod/right")
         assert result.summary["steps"] == len(steps) and result.summary["versions"] == {"petsc": "3.18.5"}
@@ -109,7 +109,7 @@ def test_killed_run_is_readable(tmp_path: Path, n: int) -> None:
     with fsipetsc.open_run(path) as result:
         assert result.nframes >= program.GROWTH  # those before the new grids, at least
         assert_frames(result, result.nframes)
-        assert not result.finish_step
+        assert not result.complete
         assert len(result.series["t"]) >= program.SERIES_STEPS * result.nframes
         assert result.summary["ranks"] == 1
 
@@ -215,7 +215,7 @@ def test_renamed_file_is_followed(tmp_path: Path) -> None:
     write(2, "moved", tmp_path / "run.h5")
     with fsipetsc.open_run(tmp_path / "run.1.h5") as result:
         assert_frames(result, FRAMES)
-        assert result.finish_step
+        assert result.complete
     with fsipetsc.open_run(tmp_path / "run.h5") as result:
         assert result.nframes == 0
 

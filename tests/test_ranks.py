@@ -178,7 +178,7 @@ def test_a_grid_grows_while_another_has_shrunk(tmp_path):
     line = "rod -fsi_order 2 -fsi_h 0.1 -rod_wall -0.1 -rod_top 2.6 -rod_gravity -1000 -fsi_spare 2 -ts_max_time 0.03"
     files = [compute(n, tmp_path / str(n), {"rod": tuple(line.split(" ", 1))})["rod"] for n in (1, 4)]
     one, four = map(fsipetsc.open_run, files)
-    assert four.finish_step
+    assert four.complete
     counts = [np.isfinite(layer["u"]).sum(axis=1) for layer in four.layers]
     assert counts[0][0] == 12 and counts[0][-1] < 12, "two shares of six points, and then no more"
     assert len(four.layers[2].X) > 9, "the grid has grown"

@@ -43,7 +43,7 @@ def test_the_command_of_the_readme(tmp_path):
     assert (done.returncode, done.stderr) == (0, "")
     assert "done at t = 0.908 s" in done.stdout
     with fsipetsc.open_run(tmp_path / "rod.h5") as run:
-        assert run.finish_step
+        assert run.complete
         assert run.summary["ranks"] == 2
         assert_positions(run, 0.4, 2e-4)
         assert_positions(run, 0.908, 6e-4)
@@ -56,7 +56,7 @@ class TestToTheThirdBounce:
     @EVERY_ORDER
     def test_it_ends_and_the_interfaces_stay_where_they_belong(self, computed, order):
         run = computed("rod", f"order{order}")
-        assert run.finish_step
+        assert run.complete
         assert run.time[-1] == run.series["t"][-1] == 3.0
         t, x = run.series["t"], run.series["x_interface"]
         tolerance = 4e-4 if order == 2 else 2e-4

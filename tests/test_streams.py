@@ -40,7 +40,7 @@ def test_a_run_goes_on(line, said, tmp_path):
     assert (status, err.count("\n")) == (0, said), err
     assert ("No space left on device" in err) == bool(said)
     with fsipetsc.open_run(tmp_path / "rod.h5") as result:
-        assert result.finish_step and result.summary["steps"] == 2
+        assert result.complete and result.summary["steps"] == 2
 
 
 @pytest.mark.parametrize("arguments", ["rod -help", "stability -no_such"])

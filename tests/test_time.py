@@ -214,7 +214,7 @@ def test_rejected_steps_leave_the_solution_right(computed, method):
 
 def test_a_first_step_that_makes_no_sense_is_rejected_too(computed):
     """-fsi_cfl 40: the first step would end with a negative temperature."""
-    assert computed("adaptive", "wild").finish_step
+    assert computed("adaptive", "wild").complete
     assert computed("adaptive", "wild").summary["rejected_steps"] > 0
 
 
@@ -262,7 +262,7 @@ def test_number_of_steps(computed):
 
 def test_no_time_at_all(computed):
     run = computed("times", "nothing")
-    assert run.finish_step
+    assert run.complete
     assert run.time.tolist() == [0.0]
     assert run.summary["steps"] == 0
 
