@@ -58,6 +58,7 @@ BAD_INPUT = {
     "far too long": ("rod -rod_top 1e308", ["'above'", "1e+308", "too many"]),
     "far too much to spare": ("rod -fsi_spare 2147483647", ["-fsi_spare", "too many"]),
     "file name": (f"rod -fsi_output {'x' * 252}.h5", ["-fsi_output", "at most 150 bytes"]),
+    "times beyond the end": ("box -fsi_output_times 7", [": 7 would not be reached", "-ts_max_time 2"]),  # no unit
     "output directory": ("rod -fsi_output no/such/dir/x.h5", ["no/such/dir"]),
 }
 

@@ -41,7 +41,7 @@ class Series:
         """
         steps, self._added = self._state.journal[self._added : self.count], self.count
         if comm.size > 1:
-            numbers = steps.view(np.float64).reshape(len(steps), -1)
+            numbers = steps.view(np.float64).reshape(-1, steps.itemsize // 8)
             for begin in range(0, len(steps), CACHED_STEPS):
                 shares = numbers[begin : begin + CACHED_STEPS, self._first :]
                 sums = self._sums[: len(shares)]
