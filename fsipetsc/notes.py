@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, TypeVar
 if TYPE_CHECKING:
     from mpi4py import MPI
 
-T = TypeVar("T")
+Word = TypeVar("Word")
 
 #: seconds for the other ranks to fail as well, before they are stopped: after an error that all ranks meet together,
 #: and after one that a rank may be alone with
@@ -16,7 +16,7 @@ PATIENCE = {True: 10.0, False: 1.0}
 _NOTE = 1
 
 
-def exchange(notes: MPI.Comm, word: T, patience: float) -> dict[int, T]:
+def exchange(notes: MPI.Comm, word: Word, patience: float) -> dict[int, Word]:
     """Rank -> word of the ranks that report within `patience` seconds, this one included.
 
     notes: a communicator of all ranks on which nothing else is sent.

@@ -10,10 +10,10 @@ from fsipetsc.errors import FsiError
 if TYPE_CHECKING:
     from mpi4py import MPI
 
-T = TypeVar("T")
+Result = TypeVar("Result")
 
 
-def together(comm: MPI.Comm, action: Callable[[], T]) -> T:
+def together(comm: MPI.Comm, action: Callable[[], Result]) -> Result:
     """What action() returns on this rank. Collective, though the action must not be.
 
     If it raises an FsiError on any rank, all ranks raise the error of the lowest one.

@@ -233,7 +233,7 @@ def kernels(tmp_path_factory: pytest.TempPathFactory) -> None:
         return
     from fsipetsc.operators import cache
 
-    if not any(cache.use_cache_folder().rglob("advance.evaluate-*.nbi")):
+    if not any(cache.use_cache_folder().rglob("runge_kutta.run_task-*.nbi")):
         short = "-fsi_h 0.1 -ts_max_steps 2"
         runs = {"fused": ("rod", short), "rk": ("rod", f"{short} -ts_type rk"), "forced": ("mms", "-ts_max_steps 2")}
         compute(1, tmp_path_factory.mktemp("kernels"), runs)

@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.operators.vectors import WIDTH
+from fsipetsc.operators.vectors import LANES
 
 #: the simulated cache: lines of eight doubles, and how many of them
 LINE, LINES = 8, 512
@@ -109,24 +109,23 @@ class Records:
 
 def traffic(case: Any, opt: dict[str, Any], comm: Any) -> dict[str, float]:
     """Doubles fetched and written back per unknown in a step, with the part of what is only scratch and messages."""
-    from fsipetsc.scheme.runge_kutta import STAGES
-    from fsipetsc.stepping import state as module
+    from fsipetsc.scheme import runge_kutta
     from fsipetsc.stepping.counts import step_traffic
     from fsipetsc.stepping.solve import make_state
 
     interpret()
-    advance = module.advance
+    run_task = runge_kutta.run_task
 
-    def interpreted(heads: Any, layers: Any, faces: Any, memory: Any, *arguments: Any) -> None:
-        advance(Records(heads), Records(layers), Records(faces), memory, *arguments)
+    def interpreted(task: int, heads: Any, layers: Any, faces: Any, memory: Any, *arguments: Any) -> None:
+        run_task(task, Records(heads), Records(layers), Records(faces), memory, *arguments)
 
-    module.advance = interpreted
+    runge_kutta.run_task = interpreted
     state = make_state(case.build(opt), opt, comm)
     state.set_initial()
     plan, memory = state.plan, Memory(state.plan.memory)
     for _ in range(2):  # the first fills the cache
         memory.fetched.clear(), memory.written.clear()
-        interpreted(*plan[:3], memory, 0, STAGES + 1, -1, 1e-9)
+        runge_kutta.make_steps((*plan[:3], memory), 1e-9)
     unknowns = state.layout.local_size
     fetched, written = (LINE * sum(c.values()) / unknowns for c in (memory.fetched, memory.written))
     said = step_traffic()
@@ -140,9 +139,9 @@ def interpret() -> None:
         "load": load_lanes,
         "store": store_lanes,
         "store_interlaced": lambda s, i, values: store_lanes(s, i, np.stack(values, axis=-1).ravel()),
-        "spread": lambda value: np.full(WIDTH, value),
+        "spread": lambda value: np.full(LANES, value),
         "lane": lambda v, j: v[j],
-        "masked": lambda v, n, other: np.where(np.arange(WIDTH) < n, v, other),
+        "masked": lambda v, n, other: np.where(np.arange(LANES) < n, v, other),
         "mirrored": lambda v: v[::-1],
         "centred_difference": difference,
         "fma": lambda a, b, c: a * b + c,
@@ -167,7 +166,7 @@ def interpret() -> None:
 def load_lanes(s: Any, i: int) -> np.ndarray:
     """As vectors.load, of the simulated memory or an array seen as flat."""
     s = s.ravel() if isinstance(s, np.ndarray) else s
-    return np.array([s[i + j] for j in range(WIDTH)])
+    return np.array([s[i + j] for j in range(LANES)])
 
 
 def store_lanes(s: Any, i: int, values: np.ndarray) -> None:
@@ -179,7 +178,7 @@ def store_lanes(s: Any, i: int, values: np.ndarray) -> None:
 def difference(before: np.ndarray, v: np.ndarray, after: np.ndarray, k: int) -> np.ndarray:
     """As vectors.centred_difference."""
     row = np.concatenate([before, v, after])
-    return row[WIDTH + k : 2 * WIDTH + k] - row[WIDTH - k : 2 * WIDTH - k]
+    return row[LANES + k : 2 * LANES + k] - row[LANES - k : 2 * LANES - k]
 
 
 def compiled_modules() -> list[ModuleType]:
@@ -240,10 +239,10 @@ def messages(case: Any, opt: dict[str, Any], comm: Any, calls: Any) -> dict[str,
     state = make_state(case.build(opt), opt, comm)
     state.set_initial()
     world = state.plan.head[0]["world"]
-    box = int(world["boxes"] + world["rank"] * world["box"])
+    mailbox = int(world["mailboxes"] + world["rank"] * world["mailbox"])
 
     def turns() -> int:
-        return ctypes.c_int64.from_address(box).value if world["boxes"] else 0
+        return ctypes.c_int64.from_address(mailbox).value if world["mailboxes"] else 0
 
     calls["calls"].clear(), calls["numbers"].clear()
     before = turns()
@@ -262,18 +261,17 @@ def allocations(case: Any, opt: dict[str, Any], comm: Any) -> dict[str, float]:
     """Per step: allocations of compiled code beyond those of an empty call, calls, growth of Python's memory [bytes]."""
     from numba.core.runtime import rtsys
 
-    from fsipetsc.scheme.runge_kutta import STAGES, advance
-    from fsipetsc.stepping import state as module
+    from fsipetsc.scheme import runge_kutta
     from fsipetsc.stepping.integrator import Integrator
     from fsipetsc.stepping.solve import make_state
 
-    calls = Counter()
+    calls, run_task = Counter(), runge_kutta.run_task
 
     def counted(*arguments: Any) -> None:
-        calls["advance"] += 1
-        advance(*arguments)
+        calls["tasks"] += 1
+        run_task(*arguments)
 
-    module.advance = counted
+    runge_kutta.run_task = counted
     state = make_state(case.build(opt), opt, comm)
     integrator = Integrator(
         state, opt, [opt["ts_max_time"]], *(lambda *a: None,) * 2, lambda steps, t, dt: note(steps), lambda: None
@@ -284,24 +282,24 @@ def allocations(case: Any, opt: dict[str, Any], comm: Any) -> dict[str, float]:
         if steps == 50:
             tracemalloc.start()
         if steps in (100, 200):
-            seen.append((calls["advance"], tracemalloc.get_traced_memory()[0]))
+            seen.append((calls["tasks"], tracemalloc.get_traced_memory()[0]))
 
     integrator.start()
     integrator.run()
     tracemalloc.stop()
 
-    def allocated(begin: int, end: int) -> float:
+    def allocated(task: Any, *arguments: float) -> float:
         before = rtsys.get_allocation_stats()
         for _ in range(10):
-            advance(*state.plan, begin, end, -1, 1e-9)
+            task(state.plan, *arguments)
         after = rtsys.get_allocation_stats()
         assert after.alloc - before.alloc == after.free - before.free, "what is allocated is freed"
         return (after.alloc - before.alloc) / 10
 
     (calls_a, bytes_a), (calls_b, bytes_b) = seen
     return {
-        "empty_call": allocated(0, 0),
-        "in_kernels": allocated(0, STAGES + 1) - allocated(0, 0),
+        "empty_call": (empty := allocated(runge_kutta.do_nothing)),
+        "in_kernels": allocated(runge_kutta.make_steps, 1e-9) - empty,
         "calls": (calls_b - calls_a) / 100,
         "python_bytes": (bytes_b - bytes_a) / 100,
     }

@@ -80,7 +80,7 @@ def compiled_functions():
 
 def test_all_kernels_are_kept_in_the_folder_of_this_state_of_the_sources():
     functions = list(compiled_functions())
-    assert {"advance", "derivative"} <= {function.__name__ for function in functions}
+    assert {"run_task", "derivative"} <= {function.__name__ for function in functions}
     for function in functions:
         assert Path(function.stats.cache_path).is_relative_to(numba.config.CACHE_DIR), function
 
@@ -199,7 +199,7 @@ def test_what_belongs_to_another_user_is_not_loaded(monkeypatch, tmp_path):
     assert not in_base(monkeypatch, tmp_path, theirs).is_relative_to(theirs)
     mine = tmp_path / "mine"
     folder = in_base(monkeypatch, tmp_path, mine)
-    planted = folder / "advance" / "planted.nbc"
+    planted = folder / "scheme" / "planted.nbc"
     planted.parent.mkdir()
     planted.write_bytes(b"a pickle")
     os.chown(planted, 12345, 12345)

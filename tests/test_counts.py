@@ -54,7 +54,7 @@ def test_messages_of_a_step(ranks):
 @pytest.mark.mpi
 @pytest.mark.parametrize("ranks", [2, 3])
 def test_ranks_of_a_node_send_no_messages(ranks):
-    """They meet at their boxes instead, as often as they would in reductions."""
+    """They meet at their mailboxes instead, as often as they would in reductions."""
     for count in counts("messages", "-fsi_partition", "balanced", ranks=ranks):
         assert count["calls"] == {}
         assert count["said"] == [0, 0, 0, 0, 5] and count["turns"] == 10 * 5

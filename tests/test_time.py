@@ -153,20 +153,20 @@ def test_right_hand_sides_per_step(computed):
 COUNTING = """
 import sys
 from fsipetsc.cli import main
-from fsipetsc.scheme.runge_kutta import STAGES
+from fsipetsc.scheme import runge_kutta
 from fsipetsc.scheme.burst import MADE
-from fsipetsc.stepping import state
 
-counted, advance = [0], state.advance
-
-
-def counting(head, layers, faces, memory, begin, end, raw, dt):
-    advance(head, layers, faces, memory, begin, end, raw, dt)
-    steps = max(1, int(memory[head["pace"][0] + MADE])) if begin == 0 and end == STAGES + 1 else 1
-    counted[0] += steps * sum(number < STAGES for number in range(begin, end))
+counted, run_task = [0], runge_kutta.run_task
 
 
-state.advance = counting
+def counting(task, head, layers, faces, memory, number, state, dt):
+    run_task(task, head, layers, faces, memory, number, state, dt)
+    steps = max(1, int(memory[head["burst"][0] + MADE])) if task == runge_kutta.MAKE_STEPS else 1
+    first, end, _ = runge_kutta.stages_of.py_func(task, number)
+    counted[0] += steps * (end - first)
+
+
+runge_kutta.run_task = counting
 status = main(sys.argv[1:])
 print(counted[0])
 sys.exit(status)

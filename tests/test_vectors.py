@@ -13,7 +13,7 @@ numba = pytest.importorskip("numba")
 from fsipetsc.operators import vectors
 from fsipetsc.operators.kernels import store_lanes
 from fsipetsc.operators.vectors import (
-    WIDTH,
+    LANES,
     centred_difference,
     fma,
     lane,
@@ -25,7 +25,7 @@ from fsipetsc.operators.vectors import (
     store_interlaced,
 )
 
-A, B, C = np.random.default_rng(7).uniform(-2, 2, (3, WIDTH))
+A, B, C = np.random.default_rng(7).uniform(-2, 2, (3, LANES))
 ODD = np.array([1.0, -1.0, np.inf, -np.inf, np.nan, 0.0])
 
 
@@ -34,8 +34,8 @@ def lanes(formula):
 
     @numba.njit
     def call(rows):
-        flat = np.zeros(WIDTH)
-        store(flat, 0, formula(load(rows, 0), load(rows, WIDTH), load(rows, 2 * WIDTH)))
+        flat = np.zeros(LANES)
+        store(flat, 0, formula(load(rows, 0), load(rows, LANES), load(rows, 2 * LANES)))
         return flat
 
     return lambda *rows: call(np.array(rows))
@@ -49,7 +49,7 @@ def test_arithmetic_is_that_of_scalars(op):
 
 
 def test_fma_rounds_once():
-    a = np.full(WIDTH, 1 + 2.0**-30)
+    a = np.full(LANES, 1 + 2.0**-30)
     once = lanes(numba.njit(lambda a, b, c: fma(a, b, c)))(a, a, -a * a)
     assert np.all(once == 2.0**-60), "the part of the product that a second rounding would lose"
 
@@ -61,7 +61,7 @@ def test_extremes_let_through_what_is_not_a_number(name, reference):
     of_numbers = numba.njit(lambda a, b: chosen(a, b))
     for a, b in itertools.product(ODD, ODD):
         expected = reference(a, b)
-        assert np.array_equal(of_vectors(np.full(WIDTH, a), np.full(WIDTH, b), C), np.full(WIDTH, expected), equal_nan=True)
+        assert np.array_equal(of_vectors(np.full(LANES, a), np.full(LANES, b), C), np.full(LANES, expected), equal_nan=True)
         assert np.array_equal(of_numbers(a, b), expected, equal_nan=True)
 
 
@@ -69,10 +69,10 @@ def test_roots_and_magnitudes():
     assert np.array_equal(lanes(numba.njit(lambda a, b, c: vectors.root(vectors.magnitude(a))))(A, B, C), np.sqrt(np.abs(A)))
 
 
-@pytest.mark.parametrize("k", range(1, WIDTH + 1))
+@pytest.mark.parametrize("k", range(1, LANES + 1))
 def test_differences_reach_into_the_neighbours(k):
     row = np.concatenate([A, B, C])
-    here = np.arange(WIDTH, 2 * WIDTH)
+    here = np.arange(LANES, 2 * LANES)
     source = f"lambda a, b, c: apart(a, b, c, {k})"  # k is a literal
     difference = numba.njit(eval(source, {"apart": centred_difference}))
     assert np.array_equal(lanes(difference)(A, B, C), row[here + k] - row[here - k])
@@ -80,13 +80,13 @@ def test_differences_reach_into_the_neighbours(k):
 
 def test_lanes():
     assert np.array_equal(lanes(numba.njit(lambda a, b, c: mirrored(a)))(A, B, C), A[::-1])
-    assert np.array_equal(lanes(numba.njit(lambda a, b, c: spread(lane(a, 2))))(A, B, C), np.full(WIDTH, A[2]))
-    for n in range(-1, WIDTH + 2):
-        expected = np.where(np.arange(WIDTH) < n, A, 9.0)
+    assert np.array_equal(lanes(numba.njit(lambda a, b, c: spread(lane(a, 2))))(A, B, C), np.full(LANES, A[2]))
+    for n in range(-1, LANES + 2):
+        expected = np.where(np.arange(LANES) < n, A, 9.0)
         assert np.array_equal(lanes(numba.njit(lambda a, b, c: masked(a, n, 9.0)))(A, B, C), expected)  # noqa: B023
 
 
-@pytest.mark.parametrize(("a", "b"), list(itertools.product(range(-1, WIDTH + 2), repeat=2)))
+@pytest.mark.parametrize(("a", "b"), list(itertools.product(range(-1, LANES + 2), repeat=2)))
 def test_only_the_lanes_asked_for_are_stored(a, b):
     @numba.njit
     def put(row, a, b):
@@ -94,7 +94,7 @@ def test_only_the_lanes_asked_for_are_stored(a, b):
 
     row = np.arange(12.0)
     expected = row.copy()
-    for j in range(max(a, 0), min(b, WIDTH)):
+    for j in range(max(a, 0), min(b, LANES)):
         expected[3 + j] = row[8 + j]
     put(row, a, b)
     assert np.array_equal(row, expected)
@@ -102,16 +102,16 @@ def test_only_the_lanes_asked_for_are_stored(a, b):
 
 @pytest.mark.parametrize("n", [3, 4])
 def test_interlaced(n):
-    rows = np.random.default_rng(n).uniform(size=(4, WIDTH))
+    rows = np.random.default_rng(n).uniform(size=(4, LANES))
 
     @numba.njit
     def put(rows, out, three):
-        a, b, c = load(rows, 0), load(rows, WIDTH), load(rows, 2 * WIDTH)
+        a, b, c = load(rows, 0), load(rows, LANES), load(rows, 2 * LANES)
         if three:
             store_interlaced(out, 1, (a, b, c))
         else:
-            store_interlaced(out, 1, (a, b, c, load(rows, 3 * WIDTH)))
+            store_interlaced(out, 1, (a, b, c, load(rows, 3 * LANES)))
 
-    out = np.zeros(n * WIDTH + 2)
+    out = np.zeros(n * LANES + 2)
     put(rows, out, n == 3)
     assert np.array_equal(out[1:-1], rows[:n].T.ravel()) and out[0] == out[-1] == 0

@@ -161,7 +161,7 @@ def model_text(model: Model | None, study: BenchStudy) -> str:
         f"work per point and step {works}",
         f"{moved_bytes():.0f} bytes moved per point and step ({moved.fetched:.1f} doubles fetched and {moved.written:.1f} "
         f"written per unknown), of whose time {100 * model.overlap:.0f} % is not hidden behind the work",
-        f"{model.latency:.2f} µs for each message, or turn at the boxes, that others wait for",
+        f"{model.latency:.2f} µs for each message, or turn at the mailboxes, that others wait for",
         f"fitted to {len(study.rows)} measurements: rms error {100 * model.error:.0f} %, largest "
         f"{100 * worst:+.0f} % ({where})",
     )

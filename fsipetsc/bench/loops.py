@@ -13,7 +13,7 @@ from fsipetsc.scheme.plan import WORK
 
 @njit(**ENTRY)
 def apply_conditions_often(heads, layers, faces, memory, count):
-    """Settle the first work area ``count`` times. Collective on all ranks."""
+    """Apply the conditions to the first work area ``count`` times. Collective on all ranks."""
     head = heads[0]
     for _ in range(count):
         apply_conditions(head, layers, faces, memory, WORK)

@@ -3,10 +3,10 @@
 Whole steps are timed as a run makes them: PETSc's TS, the hooks, the series; only nothing is written. The phases are
 timed apart, in loops over the same state, for a clock within compiled code would cost what it measures:
 
-    settle      exchange, and then ghost points, ends and interfaces: 4 in a step
+    conditions  exchange, and then ghost points, ends and interfaces: 4 in a step
     exchange    messages alone: 4 in a step
     reduction   of the bounds on the time step: 1
-    points      what else a step does in compiled code: right-hand sides, bounds, ledgers, the solution for PETSc
+    points      what else a step does in compiled code: right-hand sides, bounds, integrals, the solution for PETSc
     PETSc       a step of a TS that computes nothing, with the same calls in its hook; one for a burst of steps
     Python      what is left of the whole step: entering compiled code, the hooks' bookkeeping, the series
 
@@ -26,7 +26,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from fsipetsc.bench.loops import apply_conditions_often, exchange_often, reduce_often, triad
-from fsipetsc.scheme.runge_kutta import STAGES, advance
+from fsipetsc.scheme.runge_kutta import STAGES, do_nothing, make_steps
 from fsipetsc.stepping.counts import REDUCED_RATES, completion_traffic, stage_traffic
 from fsipetsc.stepping.frames import active_points
 from fsipetsc.stepping.integrator import Integrator
@@ -69,7 +69,7 @@ class Stand:
             on_grids=lambda: None,
         )
         integrator.start()
-        self.burst = integrator.burst
+        self.burst = integrator.burst_limit
         comm.Barrier()
         integrator.run()
         return 1e6 * comm.allreduce(integrator.wall_time, MPI.MAX) / integrator.steps
@@ -84,15 +84,15 @@ class Stand:
         plan, comm = self.state.plan, self.comm
         self.steps(2)  # a state in the midst of a run
 
-        def part(end: int) -> Callable[[int], None]:
+        def often(task: Callable[..., None], *arguments: float) -> Callable[[int], None]:
             def repeat(count: int) -> None:
                 for _ in range(count):
-                    advance(*plan, 0, end, -1, _TINY)
+                    task(plan, *arguments)
 
             return repeat
 
-        call = clock(comm, part(0), seconds)
-        whole = clock(comm, part(STAGES + 1), seconds) - call
+        call = clock(comm, often(do_nothing), seconds)
+        whole = clock(comm, often(make_steps, _TINY), seconds) - call
         apply_conditions = clock(comm, lambda n: apply_conditions_often(*plan, n), seconds)
         exchange = clock(comm, lambda n: exchange_often(*plan, n), seconds)
         reduction = self.reduction(seconds)

@@ -25,7 +25,7 @@ from fsipetsc.options import defaults
 from fsipetsc.scheme.plan import RATE
 from fsipetsc.stepping.run import versions
 
-T = TypeVar("T")
+Result = TypeVar("Result")
 Say = Callable[[str], None]
 
 #: bytes of the three arrays of the triad: first-level cache to memory
@@ -57,7 +57,7 @@ class Bench:
         folder = opt["bench_yardstick"] or os.environ.get(ENVIRONMENT)
         self.yardstick = self._on_first(lambda: Yardstick(folder)) if folder else None
 
-    def _on_first(self, action: Callable[[], T]) -> T | None:
+    def _on_first(self, action: Callable[[], Result]) -> Result | None:
         """What an action gives on rank 0, None on others; its InputError on all."""
         value, fault = None, None
         if self.world.rank == 0:
@@ -81,13 +81,13 @@ class Bench:
         while not request.Test():
             time.sleep(0.002)
 
-    def alone(self, action: Callable[[], T]) -> T | None:
+    def alone(self, action: Callable[[], Result]) -> Result | None:
         """Do something on rank 0 while the others sleep."""
         value = action() if self.world.rank == 0 else None
         self.rest()
         return value
 
-    def team(self, ranks: int, action: Callable[[MPI.Comm], T]) -> T | None:
+    def team(self, ranks: int, action: Callable[[MPI.Comm], Result]) -> Result | None:
         """Do something on the first ranks while the others sleep."""
         comm = self.teams[ranks]
         value = action(comm) if comm != MPI.COMM_NULL else None

@@ -24,7 +24,7 @@ class Row:
     entering compiled code, a part of what is left for Python; reduction: one of those in exchange. yardstick: the
     other program's step; ratio: ours by its, in pairs made one after the other, median. speedup: of ours on one rank
     by this one, likewise. bound: what the memory traffic of a step takes at the bandwidth of STREAM's triad. sends:
-    messages of a step, the most on a rank. reductions: over all ranks, or turns at their boxes. doubles: of memory of
+    messages of a step, the most on a rank. reductions: over all ranks, or turns at their mailboxes. doubles: of memory of
     the solver, all ranks.
     """
 

@@ -15,7 +15,7 @@ import numpy as np
 from numba import njit
 
 from fsipetsc.operators.cache import use_cache_folder
-from fsipetsc.operators.vectors import WIDTH, centred_difference, fma, lane, load, mirrored, spread
+from fsipetsc.operators.vectors import LANES, centred_difference, fma, lane, load, mirrored, spread
 
 #: Points that a kernel treats at once: its scratch rows stay in the first-level cache.
 BLOCK = 512
@@ -81,8 +81,8 @@ def end_of(lo, hi, side, begin, end):
 @njit(**OPTIONS)
 def end_rows(op, lo, hi, side, r, begin, end):
     """(i, a, b): closure rows r .. r+3 stand at the points i .. i+3; lanes a <= j < b are rows and in begin .. end-1."""
-    count = min(op.rows - r, WIDTH)
-    i, a, b = (lo + r, 0, count) if side == 0 else (hi - r - WIDTH + 1, WIDTH - count, WIDTH)
+    count = min(op.rows - r, LANES)
+    i, a, b = (lo + r, 0, count) if side == 0 else (hi - r - LANES + 1, LANES - count, LANES)
     return i, max(a, begin - i), min(b, end - i)
 
 
@@ -101,14 +101,14 @@ def store_lanes(s, i, v, a, b):
 
 @njit(**OPTIONS)
 def grid_start(origin, first):
-    """The last point of the grid origin + k WIDTH that is not beyond the point ``first`` <= origin."""
-    return origin - (origin - first + WIDTH - 1) // WIDTH * WIDTH
+    """The last point of the grid origin + k LANES that is not beyond the point ``first`` <= origin."""
+    return origin - (origin - first + LANES - 1) // LANES * LANES
 
 
 @njit(**OPTIONS)
 def whole_vectors(first, end):
     """The point that is reached by whole vectors from ``first``, not beyond ``end``."""
-    return first + max(end - first, 0) // WIDTH * WIDTH
+    return first + max(end - first, 0) // LANES * LANES
 
 
 @njit(**ENTRY)
@@ -120,12 +120,12 @@ def derivative(op, s, v, v0, out, out0, i0, i1, lo, hi, scale):
     """
     weights, v, out = weights_of(op, scale), v - v0, out - out0
     a, b = max(i0, lo + op.rows), min(i1, hi + 1 - op.rows)
-    for i in range(a, b, WIDTH):
-        d = interior_stencil(op.p, weights, load(s, v + i - WIDTH), load(s, v + i), load(s, v + i + WIDTH))
+    for i in range(a, b, LANES):
+        d = interior_stencil(op.p, weights, load(s, v + i - LANES), load(s, v + i), load(s, v + i + LANES))
         store_lanes(s, out + i, d, 0, b - i)
     for side in range(2):
         end, known = end_of(lo, hi, side, i0 - op.reach, i1 + op.reach)
-        for r in range(0, op.rows, WIDTH):
+        for r in range(0, op.rows, LANES):
             i, first, last = end_rows(op, lo, hi, side, r, i0, i1)
             if first < last:
                 store_lanes(s, out + i, scale * closure(op, s, v + end, side, known, r), first, last)
@@ -139,15 +139,15 @@ def lagrange(delta, degree, weights, slopes):
     sign of its third weight corrected so that the weights sum to one.
     """
     for k in range(degree + 1):
-        value, denominator, interior_stencil = 1.0, 1.0, 0.0
+        value, denominator, slope = 1.0, 1.0, 0.0
         for m in range(degree + 1):
             if m == k:
                 continue
-            interior_stencil = interior_stencil * (delta - m) + value
+            slope = slope * (delta - m) + value
             value *= delta - m
             denominator *= k - m
         weights[k] = value / denominator
-        slopes[k] = interior_stencil / denominator
+        slopes[k] = slope / denominator
 
 
 @njit(**OPTIONS)

@@ -1,10 +1,10 @@
-"""Vectors: the values at WIDTH neighbouring points, side by side in a register. A type of numba's, for kernels.
+"""Vectors: the values at LANES neighbouring points, side by side in a register. A type of numba's, for kernels.
 
 Kernels say what is done to a vector at a time instead of leaving it to the compiler whether a loop becomes one: it
 does not where it cannot prove that parts of the memory are apart. Arithmetic is that of scalars, lane by lane and bit
 by bit; a scalar in a formula stands for all lanes. Where memory is named by an array s and an index i, lane j is s[i+j].
 
-WIDTH is four on every machine: one AVX register, two of SSE or NEON, and enough for the widest stencil, which then
+LANES is four on every machine: one AVX register, two of SSE or NEON, and enough for the widest stencil, which then
 reaches from one vector into its neighbours only.
 """
 
@@ -18,18 +18,18 @@ from numba.core.cgutils import get_or_insert_function
 from numba.core.typing.templates import ConcreteTemplate, infer_global, signature
 from numba.extending import intrinsic, lower_builtin, models, register_model
 
-WIDTH = 4
+LANES = 4
 
-_DOUBLES = ir.VectorType(ir.DoubleType(), WIDTH)
+_DOUBLES = ir.VectorType(ir.DoubleType(), LANES)
 _INT = ir.IntType(32)
-_LANES = range(WIDTH)
+_EACH_LANE = range(LANES)
 
 
 class VectorType(types.Type):
     """numba's type of vectors."""
 
     def __init__(self) -> None:
-        super().__init__(name=f"vector{WIDTH}")
+        super().__init__(name=f"vector{LANES}")
 
 
 vector = VectorType()
@@ -42,14 +42,14 @@ class _VectorModel(models.PrimitiveModel):
 
 
 def _shuffled(builder, a, b, lanes):
-    """Lanes picked from a (0, 1, ...) and b (WIDTH, ...)."""
+    """Lanes picked from a (0, 1, ...) and b (LANES, ...)."""
     return builder.shuffle_vector(a, b, ir.Constant(ir.VectorType(_INT, len(lanes)), list(lanes)))
 
 
 def _spread(builder, value, kind=_DOUBLES):
     """A scalar in all lanes."""
     nothing = ir.Constant(kind, ir.Undefined)
-    return _shuffled(builder, builder.insert_element(nothing, value, ir.Constant(_INT, 0)), nothing, [0] * WIDTH)
+    return _shuffled(builder, builder.insert_element(nothing, value, ir.Constant(_INT, 0)), nothing, [0] * LANES)
 
 
 def _as_vectors(builder, values, kinds):
@@ -85,7 +85,7 @@ def _function(name, kinds):
     """Signature and code of one of LLVM's own functions, of scalars or, if any argument is one, of vectors."""
     kinds = [kind if kind == vector else types.float64 for kind in kinds]
     result = vector if vector in kinds else types.float64
-    number, suffix = (_DOUBLES, f"v{WIDTH}f64") if result == vector else (ir.DoubleType(), "f64")
+    number, suffix = (_DOUBLES, f"v{LANES}f64") if result == vector else (ir.DoubleType(), "f64")
 
     def codegen(context, builder, sig, args):
         values = _as_vectors(builder, args, sig.args) if result == vector else args
@@ -156,10 +156,10 @@ def lane(typingctx, v, j):
 @intrinsic
 def masked(typingctx, v, n, other):
     """The first n lanes of v, and the number ``other`` in those that follow."""
-    words = ir.VectorType(ir.IntType(64), WIDTH)
+    words = ir.VectorType(ir.IntType(64), LANES)
 
     def codegen(context, builder, sig, args):
-        numbers = ir.Constant(words, list(_LANES))
+        numbers = ir.Constant(words, list(_EACH_LANE))
         wanted = builder.icmp_signed("<", numbers, _spread(builder, args[1], words))
         return builder.select(wanted, args[0], _spread(builder, args[2]))
 
@@ -169,18 +169,18 @@ def masked(typingctx, v, n, other):
 @intrinsic
 def mirrored(typingctx, v):
     """The lanes in the opposite order."""
-    return vector(v), lambda context, builder, sig, args: _shuffled(builder, args[0], args[0], _LANES[::-1])
+    return vector(v), lambda context, builder, sig, args: _shuffled(builder, args[0], args[0], _EACH_LANE[::-1])
 
 
 @intrinsic(prefer_literal=True)
 def centred_difference(typingctx, before, v, after, k):
-    """Values k points to the right less those k points to the left of v, between its neighbours; k literal, <= WIDTH."""
+    """Values k points to the right less those k points to the left of v, between its neighbours; k literal, <= LANES."""
     n = k.literal_value
 
     def codegen(context, builder, sig, args):
         left, here, right, _ = args
-        ahead = _shuffled(builder, here, right, [n + j for j in _LANES])
-        behind = _shuffled(builder, left, here, [WIDTH - n + j for j in _LANES])
+        ahead = _shuffled(builder, here, right, [n + j for j in _EACH_LANE])
+        behind = _shuffled(builder, left, here, [LANES - n + j for j in _EACH_LANE])
         return builder.fsub(ahead, behind)
 
     return vector(before, v, after, k), codegen
@@ -194,7 +194,7 @@ def _place(context, builder, sig, args):
 
 @intrinsic
 def load(typingctx, s, i):
-    """s[i : i+WIDTH]; s: any contiguous array, seen as flat."""
+    """s[i : i+LANES]; s: any contiguous array, seen as flat."""
 
     def codegen(context, builder, sig, args):
         value = builder.load(_place(context, builder, sig, args))
@@ -206,7 +206,7 @@ def load(typingctx, s, i):
 
 @intrinsic
 def store(typingctx, s, i, v):
-    """s[i : i+WIDTH] = v."""
+    """s[i : i+LANES] = v."""
 
     def codegen(context, builder, sig, args):
         builder.store(args[2], _place(context, builder, sig, args)).align = 8
@@ -222,9 +222,9 @@ def store_interlaced(typingctx, s, i, values):
 
     def codegen(context, builder, sig, args):
         parts = [builder.extract_value(args[2], c) for c in range(n)]
-        every = range(2 * WIDTH)
+        every = range(2 * LANES)
         joined = [_shuffled(builder, parts[c], parts[min(c + 1, n - 1)], every) for c in range(0, n, 2)]
-        lanes = [c // 2 * 2 * WIDTH + c % 2 * WIDTH + j for j in _LANES for c in range(n)]
+        lanes = [c // 2 * 2 * LANES + c % 2 * LANES + j for j in _EACH_LANE for c in range(n)]
         result = _shuffled(builder, joined[0], joined[1], lanes)
         place = builder.bitcast(_place(context, builder, sig, args), result.type.as_pointer())
         builder.store(result, place).align = 8

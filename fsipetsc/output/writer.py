@@ -31,7 +31,7 @@ from fsipetsc.errors import FileError, is_petsc, petsc_words
 from fsipetsc.output import buffers, claim, commits, file_layout, hdf5, tables, transaction
 
 Array = np.ndarray[Any, Any]
-T = TypeVar("T")
+Result = TypeVar("Result")
 Identity = tuple[int, int]  # device and number of a file
 CHUNK_BYTES = 2 << 20  # of frames: each is written at one go, and the system finds memory for a few MB faster than for many
 SPARE_BYTES = 256 << 10  # for what HDF5 needs besides the numbers
@@ -174,7 +174,7 @@ class RunWriter:
         if self._closed:
             raise FileError(f"{self.path}: nothing more can be written, the result is finished or failed before")
 
-    def _on_root(self, action: Callable[[], T]) -> T:
+    def _on_root(self, action: Callable[[], Result]) -> Result:
         """The value of `action` on rank 0, for all ranks; its failure too. Collective."""
         value: Any = None
         message = self._failure

@@ -3,7 +3,7 @@
 A rank sends the edges of its parts to its neighbours (one message per layer and side), and the traces of all
 interfaces go round in one small reduction. The reduction is a maximum of 64-bit words over buffers that are zero
 where a rank owns nothing: exact, bit for bit, and all ranks learn the traces and from them the frames' positions and
-velocities. Ranks that share a node do both in one turn at their boxes (fsipetsc.parallel.shared_memory), without messages.
+velocities. Ranks that share a node do both in one turn at their mailboxes (fsipetsc.parallel.shared_memory), without messages.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit
 
 from fsipetsc.operators.kernels import OPTIONS, U64, whole_vectors
-from fsipetsc.operators.vectors import WIDTH, load, store_interlaced
+from fsipetsc.operators.vectors import LANES, load, store_interlaced
 from fsipetsc.parallel.mpi import mpi_startall, mpi_waitall
 from fsipetsc.parallel.pointers import rows_of
 from fsipetsc.parallel.shared_memory import largest, next_turn
@@ -64,7 +64,7 @@ def store_state(head, layer, memory, area, at, begin, end):
     """Copy the owned points begin .. end-1 of a layer in an area to the state whose owned part begins at memory[at]."""
     dof, w, step = unknowns(layer), work_point(head, layer, area, 0), layer.stride
     to, whole = at + layer.start - dof * layer.own_lo, whole_vectors(begin, end)
-    for i in range(begin, whole, WIDTH):
+    for i in range(begin, whole, LANES):
         a, b, c = load(memory, w + i), load(memory, w + step + i), load(memory, w + 2 * step + i)
         if dof == 3:
             store_interlaced(memory, to + 3 * i, (a, b, c))
@@ -78,7 +78,7 @@ def store_state(head, layer, memory, area, at, begin, end):
 @njit(**OPTIONS)
 def move_edges(head, layers, memory, area, turn, sending):
     """Owned edges of a work area to where the neighbours find them in this turn, or the neighbours' into its halos."""
-    width = head.width
+    width = head.halo
     for layer in layers:
         if layer.present == 0:
             continue

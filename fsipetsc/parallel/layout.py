@@ -102,7 +102,7 @@ class Layout:
     be dealt out to all of them: a gas may have shrunk since.
 
     Attributes: records (LAYER array), dms (a DMDA or None per layer), grids, shares, local_size (doubles of the
-    solution on this rank), work_size (doubles with halos), width (halo width in points).
+    solution on this rank), work_size (doubles with halos), halo (its points).
     """
 
     def __init__(
@@ -116,13 +116,13 @@ class Layout:
         kept: Layout | None = None,
     ) -> None:
         self.comm, self.problem, self.grids, self.h, self._order = comm, problem, grids, h, op.order
-        self.width = max(2 * op.reach, 6)
+        self.halo = max(2 * op.reach, 6)
         extents = [
             Extent(layer.kind, grid.n, grid.hi - grid.lo + 1, k == 0 and layer.kind == "fluid")
             for k, (layer, grid) in enumerate(zip(problem.layers, grids, strict=True))
         ]
         try:
-            self.shares = partition(extents, comm.size, mode, max(self.width, op.rows + 1))
+            self.shares = partition(extents, comm.size, mode, max(self.halo, op.rows + 1))
         except InputError:
             if kept is None:
                 raise
@@ -154,7 +154,7 @@ class Layout:
             proc_sizes=(len(shares),),
             ownership_ranges=(np.array([end - begin for _, begin, end in shares], PETSc.IntType),),
             boundary_type=PETSc.DM.BoundaryType.NONE,
-            stencil_width=self.width,
+            stencil_width=self.halo,
             comm=sub,
         )
         (begin, end), (left, right) = dm.getRanges()[0], dm.getGhostRanges()[0]

@@ -7,22 +7,22 @@ from mpi4py import MPI
 
 from fsipetsc.parallel.layout import Layout
 from fsipetsc.parallel.mpi import Requests
-from fsipetsc.parallel.shared_memory import make_boxes
+from fsipetsc.parallel.shared_memory import make_mailboxes
 from fsipetsc.physics.layer import DOF
 
 
 class Neighbours:
-    """Boxes of the ranks of a node, if that is wanted and they are on one, else persistent requests. Collective.
+    """Mailboxes of the ranks of a node, if that is wanted and they are on one, else persistent requests. Collective.
 
     words: of what goes to all ranks in a turn. The buffer that ``connect`` takes has ``buffer`` doubles.
     """
 
     def __init__(self, layout: Layout, words: int, shared: bool) -> None:
         self._layout, self._words = layout, words
-        self._sizes = [layout.width * DOF[record["kind"]] for record in layout.records]  # doubles of an edge
+        self._sizes = [layout.halo * DOF[record["kind"]] for record in layout.records]  # doubles of an edge
         edges = 2 * sum(self._sizes)  # out of each layer
-        self.boxes = make_boxes(layout.comm, 8 * (words + edges)) if shared else None
-        self.buffer = 0 if self.boxes or layout.comm.size == 1 else 2 * edges
+        self.mailboxes = make_mailboxes(layout.comm, 8 * (words + edges)) if shared else None
+        self.buffer = 0 if self.mailboxes or layout.comm.size == 1 else 2 * edges
         self.requests = Requests([])
 
     def connect(self, buffer: np.ndarray) -> None:
@@ -35,9 +35,9 @@ class Neighbours:
                 here, there = at + side * size, at + (1 - side) * size
                 if rank < 0:
                     continue
-                if self.boxes is not None:
-                    record["outbox"][side] = self.boxes.part(comm.rank) + 8 * (self._words + here)
-                    record["inbox"][side] = self.boxes.part(rank) + 8 * (self._words + there)
+                if self.mailboxes is not None:
+                    record["outbox"][side] = self.mailboxes.part(comm.rank) + 8 * (self._words + here)
+                    record["inbox"][side] = self.mailboxes.part(rank) + 8 * (self._words + there)
                     continue
                 out, into = (buffer[2 * at + j * size :][:size] for j in (side, 2 + side))
                 record["outbox"][side], record["inbox"][side] = out.ctypes.data, into.ctypes.data
@@ -49,6 +49,6 @@ class Neighbours:
     def free(self) -> None:
         """Nothing may be under way. A second call does nothing."""
         self.requests.free()
-        if self.boxes is not None:
-            self.boxes.free()
-            self.boxes = None
+        if self.mailboxes is not None:
+            self.mailboxes.free()
+            self.mailboxes = None

@@ -1,6 +1,6 @@
-"""How all ranks meet: by a reduction of MPI's or, if they share a node, in memory that they share. Compiled, but for ``Boxes``.
+"""How all ranks meet: by a reduction of MPI's or, if they share a node, in shared memory. Compiled, but for ``Mailboxes``.
 
-In a window of MPI's each rank has a box: a count of the turns that it has made, and two buffers. In a turn a rank fills
+In a window of MPI's each rank has a mailbox: a count of the turns that it has made, and two buffers. In a turn a rank fills
 the buffer of the turn, counts it, waits until all have counted it, and reads what the others have filled in. It writes to
 that buffer again two turns later: then all have counted the turn between, and have read before.
 
@@ -22,44 +22,44 @@ from fsipetsc.parallel.pointers import load_acquire, store_release, words_at
 
 #: bytes of a cache line: count and buffers lie on different ones
 LINE = 64
-#: a rank reads all boxes, one after the other: with more ranks a reduction, which is a tree, is faster
+#: a rank reads all mailboxes, one after the other: with more ranks a reduction, which is a tree, is faster
 MOST = 16
 #: looks at a count before MPI may work and the processor is offered to others, where there are more ranks than processors;
 #: and else: who offers it to another program waits for all of that one's time slice
 FEW_LOOKS, MANY_LOOKS = 1000, 1_000_000
 
 
-#: what compiled code needs to meet; without boxes their address is 0. The constants of MPI are among it, since kernels that
+#: what compiled code needs to meet; without mailboxes their address is 0. The constants of MPI are among it, since kernels that
 #: one library's constants had become part of would be found on disk by a run with another library
 _NAMES = (
     *("comm", "rank", "size", "word", "max", "any_source", "any_tag"),
-    *("boxes", "box", "buffer", "patience", "flag", "status"),
+    *("mailboxes", "mailbox", "buffer", "patience", "flag", "status"),
 )
 WORLD = np.dtype([(name, np.int64) for name in _NAMES])
 
 
-class Boxes:
-    """The boxes of all ranks of comm, with buffers of ``nbytes``. Collective, as is ``free``.
+class Mailboxes:
+    """The mailboxes of all ranks of comm, with buffers of ``nbytes``. Collective, as is ``free``.
 
     Raises MPI.Exception, on all ranks, where MPI has no memory that they could share.
     """
 
     def __init__(self, comm: MPI.Comm, nbytes: int) -> None:
         self.buffer = -(-nbytes // LINE) * LINE
-        self.box = LINE + 2 * self.buffer
+        self.mailbox = LINE + 2 * self.buffer
         # all in the part of rank 0, so that they lie one after the other
-        self._window = shared_window(comm, (comm.size * self.box + LINE) if comm.rank == 0 else 0)
+        self._window = shared_window(comm, (comm.size * self.mailbox + LINE) if comm.rank == 0 else 0)
         memory, _ = self._window.Shared_query(0)
         self.address = -(-memory.address // LINE) * LINE
         if comm.rank == 0:
             np.frombuffer(memory, np.uint8)[:] = 0
-        processors = set().union(*comm.allgather(_processors()))  # all have reached this: the boxes are clean
+        processors = set().union(*comm.allgather(_processors()))  # all have reached this: the mailboxes are clean
         self.patience = MANY_LOOKS if len(processors) >= comm.size else FEW_LOOKS
         self.flag, self.status = np.zeros(1, np.int32), np.zeros(MPI._sizeof(MPI.Status), np.uint8)  # of probes
 
     def part(self, rank: int) -> int:
         """Address of the buffer of a rank in even turns; in odd ones it is ``buffer`` bytes further."""
-        return self.address + rank * self.box + LINE
+        return self.address + rank * self.mailbox + LINE
 
     def free(self) -> None:
         self._window.Unlock_all()
@@ -93,16 +93,16 @@ def unified(window: MPI.Win) -> bool:
     return window.Get_attr(MPI.WIN_MODEL) == MPI.WIN_UNIFIED
 
 
-def world_record(comm: MPI.Comm, boxes: Boxes | None) -> np.ndarray:
+def world_record(comm: MPI.Comm, mailboxes: Mailboxes | None) -> np.ndarray:
     """The ranks of comm as compiled code sees them."""
     record = np.zeros(1, WORLD)
     record["comm"], record["rank"], record["size"] = handle(comm), comm.rank, comm.size
     record["word"], record["max"] = handle(MPI.UINT64_T), handle(MPI.MAX)
     record["any_source"], record["any_tag"] = MPI.ANY_SOURCE, MPI.ANY_TAG
-    if boxes is not None:
-        record["boxes"], record["box"], record["buffer"] = boxes.address, boxes.box, boxes.buffer
-        record["patience"] = boxes.patience
-        record["flag"], record["status"] = boxes.flag.ctypes.data, boxes.status.ctypes.data
+    if mailboxes is not None:
+        record["mailboxes"], record["mailbox"], record["buffer"] = mailboxes.address, mailboxes.mailbox, mailboxes.buffer
+        record["patience"] = mailboxes.patience
+        record["flag"], record["status"] = mailboxes.flag.ctypes.data, mailboxes.status.ctypes.data
     return record
 
 
@@ -114,12 +114,12 @@ def _processors() -> set[int]:
         return set(range(os.cpu_count() or 1))
 
 
-def make_boxes(comm: MPI.Comm, nbytes: int) -> Boxes | None:
-    """Boxes with buffers of ``nbytes`` where the ranks can have them; None, on all of them, where not. Collective."""
+def make_mailboxes(comm: MPI.Comm, nbytes: int) -> Mailboxes | None:
+    """Mailboxes with buffers of ``nbytes`` where the ranks can have them; None, on all of them, where not. Collective."""
     if not share_a_node(comm):
         return None
     try:
-        return Boxes(comm, nbytes)
+        return Mailboxes(comm, nbytes)
     except MPI.Exception:
         return None
 
@@ -136,30 +136,30 @@ def share_a_node(comm: MPI.Comm) -> bool:
 
 @njit(**OPTIONS)
 def next_turn(world):
-    """Number of the turn that comes; 0 without boxes."""
-    return load_acquire(world.boxes + world.rank * world.box) + 1 if world.boxes != 0 else 0
+    """Number of the turn that comes; 0 without mailboxes."""
+    return load_acquire(world.mailboxes + world.rank * world.mailbox) + 1 if world.mailboxes != 0 else 0
 
 
 @njit(**OPTIONS)
 def largest(world, source, result, count):
-    """The largest of each of ``count`` 64-bit words over all ranks, exactly; addresses. Collective, one turn if in boxes."""
-    if world.boxes == 0:
+    """The largest of each of ``count`` 64-bit words over all ranks, exactly; addresses. Collective, one turn of mailboxes."""
+    if world.mailboxes == 0:
         mpi_allreduce(source, result, count, world.word, world.max, world.comm)
         return
-    turn, mine = next_turn(world), world.boxes + world.rank * world.box
+    turn, mine = next_turn(world), world.mailboxes + world.rank * world.mailbox
     buffer = LINE + (turn & 1) * world.buffer
     words, given, found = words_at(mine + buffer, count), words_at(source, count), words_at(result, count)
     for i in range(count):
         words[i] = found[i] = given[i]
     store_release(mine, turn)
     for rank in range(world.size):
-        box, looks = world.boxes + rank * world.box, 0
-        while load_acquire(box) < turn:
+        mailbox, looks = world.mailboxes + rank * world.mailbox, 0
+        while load_acquire(mailbox) < turn:
             looks += 1
             if looks > world.patience:
                 # whoever is late may need what MPI has not yet sent in our name, and it sends in calls only
                 mpi_iprobe(world.any_source, world.any_tag, world.comm, world.flag, world.status)
                 sched_yield()
-        words = words_at(box + buffer, count)
+        words = words_at(mailbox + buffer, count)
         for i in range(count):
             found[i] = max(found[i], words[i])

@@ -101,9 +101,9 @@ def flux(law, constants, q, v, gradients):
 
 
 @njit(**FORMULA)
-def minus_divergence(law, constants, q, f, slopes):
+def minus_divergence(law, constants, q, f, derivatives):
     """-f_X; the sign is in the factor."""
-    return slopes
+    return derivatives
 
 
 def conservation_law(unknown: int) -> Formulas:

@@ -102,11 +102,11 @@ def divergences(law, layer, q, f):
 
 
 @njit(**FORMULA)
-def rate(law, constants, q, f, slopes):
+def rate(law, constants, q, f, derivatives):
     """(u, sigma, T, x)_t."""
     _, force, K, per_heat = constants
     stretch, net, _ = f
-    acceleration, u_X, heating = slopes
+    acceleration, u_X, heating = derivatives
     return acceleration + force, K * u_X * stretch, fma(net, u_X, heating) * per_heat, q[0]
 
 

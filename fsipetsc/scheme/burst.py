@@ -2,7 +2,7 @@
 
 A burst of steps ends when it has as many as are allowed (-fsi_burst, -ts_max_steps, room in the journal), or something
 has to be looked at: a time to be saved, a grid that must grow, a failure, a signal.
-Its plan and what came of it stand in the words of the *pace* in the memory; each step fills a row of the journal.
+Its plan and what came of it stand in the words at ``head.burst`` in the memory; each step fills a row of the journal.
 """
 
 from __future__ import annotations
@@ -34,31 +34,31 @@ _next_step = njit(**OPTIONS)(next_step)
 
 @njit(**OPTIONS)
 def goes_on(head, memory):
-    """Note the step just made in pace and journal, and plan the next one; False if none follows. Same on all ranks.
+    """Note the step just made in burst and journal, and plan the next one; False if none follows. Same on all ranks.
 
     A burst that has ended, or was never planned, allows no steps.
     """
-    pace, results = head.pace, head.results
-    allowed = memory[U64(pace + ALLOWED)]
-    memory[U64(pace + ALLOWED)] = 0.0
+    burst, results = head.burst, head.results
+    allowed = memory[U64(burst + ALLOWED)]
+    memory[U64(burst + ALLOWED)] = 0.0
     if allowed == 0.0:
         return False
-    t, dt, made = memory[U64(pace + NEXT)], memory[U64(pace + DT)], memory[U64(pace + MADE)]
-    row = head.journal + head.row * int(memory[U64(pace + FIRST)] + made)
+    t, dt, made = memory[U64(burst + NEXT)], memory[U64(burst + DT)], memory[U64(burst + MADE)]
+    row = head.journal + head.row * int(memory[U64(burst + FIRST)] + made)
     memory[U64(row)], memory[U64(row + 1)] = t, dt
     copy(memory, head.states, row + 2, head.row - 2)
-    memory[U64(pace + TIME)], memory[U64(pace + MADE)] = t, made + 1
-    memory[U64(pace + SHORTEST)] = min(memory[U64(pace + SHORTEST)], dt)
-    memory[U64(pace + LONGEST)] = max(memory[U64(pace + LONGEST)], dt)
+    memory[U64(burst + TIME)], memory[U64(burst + MADE)] = t, made + 1
+    memory[U64(burst + SHORTEST)] = min(memory[U64(burst + SHORTEST)], dt)
+    memory[U64(burst + LONGEST)] = max(memory[U64(burst + LONGEST)], dt)
     for flag in (LOW, EXHAUSTED, TOO_SHORT, BAD, STOP):
         if memory[U64(results + flag)] != 0.0:
             return False
-    rate, target = memory[U64(results + RATE)], memory[U64(pace + TARGET)]
+    rate, target = memory[U64(results + RATE)], memory[U64(burst + TARGET)]
     if t >= target or made + 1 >= allowed or not 0.0 < rate < 1e300:
         return False
-    bound = memory[U64(pace + FIXED)]
+    bound = memory[U64(burst + FIXED)]
     if bound == 0.0:
-        bound = memory[U64(pace + COURANT)] / rate
-    memory[U64(pace + DT)], memory[U64(pace + NEXT)] = _next_step(t, target, bound)
-    memory[U64(pace + ALLOWED)] = allowed
+        bound = memory[U64(burst + COURANT)] / rate
+    memory[U64(burst + DT)], memory[U64(burst + NEXT)] = _next_step(t, target, bound)
+    memory[U64(burst + ALLOWED)] = allowed
     return True

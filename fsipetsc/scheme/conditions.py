@@ -31,7 +31,7 @@ def ghost_of(head, layer, side):
     """(ghost point of an embedded boundary, step inwards, most points inside of it that a formula takes, has this rank all)."""
     G, step = (layer.lo, 1) if side == 0 else (layer.hi, -1)
     # one less than the halo, so that who owns the next point to come in knows the ghost point before it, too
-    depth = min(NODES - 1, head.width - 1, layer.hi - layer.lo)
+    depth = min(NODES - 1, head.halo - 1, layer.hi - layer.lo)
     return G, step, depth, holds(layer, G) and holds(layer, G + step * depth)
 
 
@@ -66,7 +66,7 @@ def fill_embedded(head, layer, memory, area, side, new):
 
 @njit(**OPTIONS)
 def note_gradients(head, layers, memory, area):
-    """Note what the gradients take at the ghost points of a work area that has been settled elsewhere."""
+    """Note what the gradients take at the ghost points of a work area that fulfils the conditions already."""
     for layer in layers:
         for side in range(2):
             if layer.kind == FLUID and layer.end_kind[side] != INTERFACE_END and ghost_of(head, layer, side)[3]:

@@ -1,4 +1,4 @@
-"""Forces at the outer ends and entropies of the layers, for the ledgers. Compiled."""
+"""Forces at the outer ends and entropies of the layers, for the integrals. Compiled."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit
 
 from fsipetsc.operators.kernels import OPTIONS, U64
-from fsipetsc.operators.vectors import WIDTH, lane, load, magnitude, masked, maximum, minimum, mirrored, root, spread
+from fsipetsc.operators.vectors import LANES, lane, load, magnitude, masked, maximum, minimum, mirrored, root, spread
 from fsipetsc.physics.layer import FLUID
 
 SPEED, LEAST_RHO, LEAST_T = 0, 1, 2
@@ -62,10 +62,10 @@ def fluid_extremes_and_sums(law, layer, s, w, at, begin, end):
     q, e, gas = w + layer.stride, w + 2 * layer.stride, law.gas.constants(layer)
     speed, light, cold, hot = spread(-np.inf), spread(np.inf), spread(np.inf), spread(-np.inf)
     mass, momentum, energy = spread(0.0), spread(0.0), spread(0.0)
-    for i in range(begin, end, WIDTH):
+    for i in range(begin, end, LANES):
         n, rho, m, E = end - i, load(s, w + i), load(s, q + i), load(s, e + i)
         mass, momentum, energy = mass + masked(rho, n, 0.0), momentum + masked(m, n, 0.0), energy + masked(E, n, 0.0)
-        if n < WIDTH:
+        if n < LANES:
             rho, m, E = masked(rho, n, lane(rho, 0)), masked(m, n, lane(m, 0)), masked(E, n, lane(E, 0))
         r = 1.0 / rho
         v = m * r
@@ -88,13 +88,13 @@ def solid_extremes_and_sums(law, layer, s, w, at, begin, end):
     sigma, T, x, inv_h = w + layer.stride, w + 2 * layer.stride, w + 3 * layer.stride, 1.0 / layer.h
     strain, pulled, cold, hot = spread(np.inf), spread(np.inf), spread(np.inf), spread(-np.inf)
     momentum, kinetic, heat = spread(0.0), spread(0.0), spread(0.0)
-    for i in range(begin, end, WIDTH):
+    for i in range(begin, end, LANES):
         n, u, stress, t = end - i, load(s, w + i), load(s, sigma + i), load(s, T + i)
         momentum, kinetic, heat = momentum + masked(u, n, 0.0), kinetic + masked(u * u, n, 0.0), heat + masked(t, n, 0.0)
         # what is beyond the end has no say, and the first point of the layer has no neighbour on the left
         dx = masked((load(s, x + i) - load(s, x + i - 1)) * inv_h, n, np.inf)
         if i == layer.lo:
-            dx = mirrored(masked(mirrored(dx), WIDTH - 1, np.inf))
+            dx = mirrored(masked(mirrored(dx), LANES - 1, np.inf))
         strain = minimum(strain, dx)
         pulled, cold = minimum(pulled, masked(stress, n, np.inf)), minimum(cold, masked(t, n, np.inf))
         hot = maximum(hot, masked(t, n, -np.inf))

@@ -1,5 +1,5 @@
 """What follows a time step: the new solution is projected in place, the embedded boundaries move over the grid,
-and the bounds on the next step and the integrals of the ledgers are taken. Compiled; collective on all ranks.
+and the bounds on the next step and the integrals are taken. Compiled; collective on all ranks.
 """
 
 from __future__ import annotations
@@ -56,11 +56,11 @@ def move_boundary(head, layer, memory, side):
 
 @njit(**INLINE)
 def finish_step(head, layers, faces, memory):
-    """Finish a step whose settled result stands in work area 0: embedded boundaries move, limits and integrals are taken.
+    """Finish a step whose result fulfils the conditions, in work area 0: boundaries move, limits and integrals are taken.
 
     What lies within ``layer.middle`` has been looked at before (``look``).
 
-    Fills the results in the memory: flags (MOVED, LOW, EXHAUSTED, SHORT), limits (RATE, BAD, STOP over all ranks),
+    Fills the results in the memory: flags (MOVED, LOW, EXHAUSTED, TOO_SHORT), limits (RATE, BAD, STOP over all ranks),
     states (see ``interface_state``), masses and integrals (this rank's shares, see ``integrals``).
     """
     for i in range(4):
@@ -100,7 +100,7 @@ def begin_looking(head, layers, memory):
 
 @njit(**OPTIONS)
 def look(head, layer, k, memory, begin, end):
-    """Look at the points begin .. end-1 of layer k, which are settled, and give them to PETSc."""
+    """Look at the points begin .. end-1 of layer k, which are what they will stay, and give them to PETSc."""
     if layer.present == 0:
         return
     w, at = work_point(head, layer, WORK, 0), head.extremes + SIZE * k

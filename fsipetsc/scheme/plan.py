@@ -44,18 +44,18 @@ HEAD = np.dtype(
         ("states", _I),
         ("masses", _I),
         ("integrals", _I),
-        ("pace", _I),  # see fsipetsc.scheme.burst
+        ("burst", _I),  # see fsipetsc.scheme.burst
         ("journal", _I),  # of completed steps, see ``step_record``
         ("row", _I),  # doubles of one of them
         ("extremes", _I),  # and sums of each layer, see fsipetsc.scheme.extremes_and_sums
         ("nodes", _I),
         ("scratch", _I),
-        ("entropy", _I),  # 1: the ledger takes it, too
+        ("entropy", _I),  # 1: its integrals are taken, too
         ("requests", _I),  # number of them
         ("request_list", _I),  # addresses for MPI
         ("status_list", _I),
-        ("width", _I),  # of a halo
-        ("edge", _I),  # points at the ends of a layer that settling reads or changes
+        ("halo", _I),  # points of one
+        ("edge", _I),  # points at the ends of a layer that the conditions read or change
         ("least", _I),  # points of a layer that has a middle worth tiles
     ],
     align=True,
@@ -80,8 +80,8 @@ FLAGS, LIMITS = 4, 11
 #: integrals behind the masses of the fluid layers, see fsipetsc.scheme.integrals; the last two are optional
 ENERGY, MOMENTUM, FORCE, ENTROPY, HEATING = range(5)
 INTEGRALS = 5
-#: words of the pace, see fsipetsc.scheme.burst
-PACE = 11
+#: words of a burst of steps, see fsipetsc.scheme.burst
+BURST = 11
 #: steps that the journal holds; they must be written then. Whole chunks of the file, see output.tables
 CAPACITY = 40 << 10
 #: rows of scratch that the kernels use
@@ -97,7 +97,7 @@ SHARES = "mass"
 def step_record(interfaces: int, fluids: int, entropy: bool) -> np.dtype:
     """What is noted of a step: doubles, as they stand in the memory of the plan, and as they are written to the file.
 
-    Time after the step and its length, the rows of ``completion.interface_state``, and the integrals of the ledger.
+    Time after the step and its length, the rows of ``finish_step.interface_state``, and the integrals.
     """
     columns = [f"{name}_interface" for name in ("x", "u", "sigma", "T")]
     columns += [f"residual_{name}" for name in ("u", "stress", "T", "flux")]
@@ -118,9 +118,13 @@ class Plan(NamedTuple):
     faces: np.ndarray
     memory: np.ndarray
 
+    def start(self, name: str) -> int:
+        """Where a part of the memory begins."""
+        return int(self.head[name][0])
+
     def part(self, name: str, size: int) -> np.ndarray:
         """View of a part of the memory."""
-        at = int(self.head[name][0])
+        at = self.start(name)
         return self.memory[at : at + size]
 
     def work(self, k: int, area: int = WORK) -> np.ndarray:
@@ -176,7 +180,7 @@ def make_faces(layout: Layout, coupling: str) -> np.ndarray:
 def make_plan(
     layout: Layout, op: SBPOperator, coupling: str, forced: bool, entropy: bool, shared: bool
 ) -> tuple[Plan, Neighbours]:
-    """The plan of this rank and its links to the others, with boxes if ``shared`` and possible. Collective."""
+    """The plan of this rank and its neighbours, with shared memory if ``shared`` and possible. Collective."""
     faces = make_faces(layout, coupling)
     rows = max(2, op.rows)
     message = len(faces) * rows * 7
@@ -192,7 +196,7 @@ def make_plan(
         "edges": neighbours.buffer,
         "sent": message,
         "traces": message,
-        "pace": PACE,
+        "burst": BURST,
         "journal": CAPACITY * row,
         "extremes": SIZE * len(layout.records),
         "results": results,
@@ -207,13 +211,13 @@ def make_plan(
     memory = np.zeros(total + _LINE)
     memory = memory[-memory.ctypes.data // 8 % _LINE :][:total]
     head = np.zeros(1, HEAD)
-    head["op"], head["world"] = packed(op.order), world_record(layout.comm, neighbours.boxes)[0]
-    head["rows"], head["message"], head["width"] = rows, message, layout.width
+    head["op"], head["world"] = packed(op.order), world_record(layout.comm, neighbours.mailboxes)[0]
+    head["rows"], head["message"], head["halo"] = rows, message, layout.halo
     head["area"] = [starts.get(name, -1) for name in (*areas, "forcing")[:5]]
     for name in HEAD.names:
         if name in starts:
             head[name] = starts[name]
-    edge = max(layout.width, rows)
+    edge = max(layout.halo, rows)
     least = 2 * (edge + STAGES * 2 * op.p) + LEAST_MIDDLE
     head["edge"], head["least"] = edge, (least if tiles_pay(layout, edge, least) else np.iinfo(_I).max)
     head["limits"] = head["results"] + FLAGS

@@ -13,7 +13,8 @@ that stay in cache while all four stages pass over them, each a stencil's reach 
     stage 1  E E E E|M . . .|. . .        there, because the ends stop short of them two stages later.
     stage 0  E E E E E|M . . .|. .
 
-There is one compiled entry, ``advance``, because every entry would compile all that it calls anew.
+What can be asked for are the functions of a plan at the end of this file. Behind them is one compiled entry, ``run_task``,
+because every entry would compile all that it calls anew; for the same reason each large function has one place there.
 """
 
 from __future__ import annotations
@@ -29,11 +30,13 @@ from fsipetsc.scheme.burst import DT, goes_on
 from fsipetsc.scheme.conditions import apply_conditions, note_gradients
 from fsipetsc.scheme.finish_step import begin_looking, finish_step, look
 from fsipetsc.scheme.laws import LAWS, of_layer
-from fsipetsc.scheme.plan import FORCING, STAGES, SUM, WORK
+from fsipetsc.scheme.plan import FORCING, STAGES, SUM, WORK, Plan
 from fsipetsc.scheme.stage_update import Target
 
 #: points of a tile
 TILE = 1024
+#: what the compiled entry can be asked for: see the functions of these names
+NOTHING, MAKE_STEPS, MAKE_STAGE, RIGHT_HAND_SIDE, COMPLETE_STEP, LOAD_COMPLETED = range(6)
 
 
 class Stage(NamedTuple):
@@ -67,7 +70,7 @@ def stage_of(number, dt):
 
 @njit(**OPTIONS)
 def evaluate(head, layer, memory, stage, begin, end):
-    """One stage at the points begin .. end-1 of a layer, whose work area is settled around them."""
+    """One stage at the points begin .. end-1 of a layer, whose work area fulfils the conditions around them."""
     target = Target(
         work_point(head, layer, stage.source, 0),
         work_point(head, layer, stage.next, 0),
@@ -82,13 +85,14 @@ def evaluate(head, layer, memory, stage, begin, end):
     with_chosen(of_layer.sweep, LAWS, layer.kind, layer, head.op, memory, w, head.scratch, target, begin, end)
 
 
-@njit(**INLINE)
-def find_middle(head, layer, wanted):
+@njit(**OPTIONS)
+def find_middles(head, layers, wanted):
     """Note which points tiles complete: their range in the last stage. In a stage before, ends reach 2 p points further."""
-    a, b = max(layer.own_lo, layer.lo), min(layer.own_hi, layer.hi + 1)
-    layer.middle[0], layer.middle[1] = a + head.edge, b - head.edge
-    if not wanted or layer.present == 0 or b - a < head.least:
-        layer.middle[0] = layer.middle[1] = a
+    for layer in layers:
+        a, b = max(layer.own_lo, layer.lo), min(layer.own_hi, layer.hi + 1)
+        layer.middle[0], layer.middle[1] = a + head.edge, b - head.edge
+        if not wanted or layer.present == 0 or b - a < head.least:
+            layer.middle[0] = layer.middle[1] = a
 
 
 @njit(**INLINE)
@@ -134,48 +138,100 @@ def clear(head, layers, memory, area):
             memory[at + i] = 0.0
 
 
+@njit(**OPTIONS)
+def begin_stage(head, layers, faces, memory, number, conditions):
+    """Apply the conditions, if wanted, where stage ``number`` finds its values, and note for the tiles how fast frames are."""
+    if conditions:
+        apply_conditions(head, layers, faces, memory, work_area(number))
+    for layer in layers:
+        layer.stage_s[number] = layer.s
+
+
+@njit(**INLINE)
+def stage_at_ends(head, layers, faces, memory, number, conditions, dt):
+    """A stage up to the values of the next one, but for what the tiles do of it: all of it where there are none."""
+    begin_stage(head, layers, faces, memory, number, conditions)
+    ends(head, layers, memory, stage_of(number, dt), number)
+
+
+@njit(**INLINE)
+def tiles_and_completion(head, layers, faces, memory, dt):
+    """The stages of the middles, if there are any, and what follows on a step."""
+    begin_stage(head, layers, faces, memory, STAGES, True)
+    begin_looking(head, layers, memory)
+    tiles(head, layers, memory, dt)
+    finish_step(head, layers, faces, memory)
+
+
+@njit(**OPTIONS)
+def stages_of(task, number):
+    """(first stage, stage behind the last one, whether the completion of the step follows) of a task."""
+    if task == MAKE_STEPS:
+        return 0, STAGES, True
+    if task == MAKE_STAGE:
+        return number, min(number + 1, STAGES), number == STAGES
+    return 0, 1 if task == RIGHT_HAND_SIDE else 0, task == COMPLETE_STEP
+
+
 @njit(**ENTRY)
-def advance(heads, layers, faces, memory, begin, end, raw, dt):
-    """Stages begin .. end-1 of a step dt; stage ``STAGES`` completes it. Collective on all ranks.
+def run_task(task, heads, layers, faces, memory, number, state, dt):
+    """One of the tasks. Collective on all ranks.
 
-    A stage settles its work area, except stage 0, which finds it settled by the completion of the step before, and
-    evaluates the right-hand side into the next one. raw: where in the memory a state begins that somebody else has
-    made, which is loaded and settled first; -1 to go on. What is asked for:
-
-        begin, end       raw  dt
-        0, STAGES + 1    -1   > 0  a whole step, and more of them as the pace allows
-        n, n + 1         -1   > 0  a stage, or the completion: where data change with time
-        0, 1             at   0    the right-hand side of a state, which is left where the state was
-        STAGES, +1       at   0    a step made by others is completed
-        0, 0             at   0    a state is loaded as it is, settled already
-        0, 0             -1   0    nothing
+    number: of the stage that is to be made. state: where in the memory a state of somebody else's begins, or -1 to go on
+    from the work area. Stage 0 of a step finds the conditions fulfilled, by the completion of the step before.
     """
     head = heads[0]
-    whole, rates = begin == 0 and end == STAGES + 1, end == 1 and dt == 0.0
-    if raw >= 0:
-        load_state(head, layers, memory, WORK, raw)
-        if begin == end:
-            exchange(head, layers, faces, memory, WORK)
-            note_gradients(head, layers, memory, WORK)
-    if rates:
+    if state >= 0:
+        load_state(head, layers, memory, WORK, state)
+    if task == LOAD_COMPLETED:
+        exchange(head, layers, faces, memory, WORK)
+        note_gradients(head, layers, memory, WORK)
+    if task == RIGHT_HAND_SIDE:
         clear(head, layers, memory, SUM)
-    more = begin < end
+    first, end, completes = stages_of(task, number)
+    more = first < end or completes
     while more:
+        find_middles(head, layers, task == MAKE_STEPS)
+        for k in range(first, end):
+            stage_at_ends(head, layers, faces, memory, k, k > 0 or state >= 0, dt)
+        if completes:
+            tiles_and_completion(head, layers, faces, memory, dt)
+        more = task == MAKE_STEPS and goes_on(head, memory)
+        dt = memory[U64(head.burst + DT)] if more else dt
+    if task == RIGHT_HAND_SIDE:
         for layer in layers:
-            find_middle(head, layer, whole)
-        for number in range(begin, end):
-            if raw >= 0 or number > 0:
-                apply_conditions(head, layers, faces, memory, work_area(number))
-            for layer in layers:
-                layer.stage_s[number] = layer.s
-            if number < STAGES:
-                ends(head, layers, memory, stage_of(number, dt), number)
-        if end == STAGES + 1:
-            begin_looking(head, layers, memory)
-            tiles(head, layers, memory, dt)
-            finish_step(head, layers, faces, memory)
-        elif rates:
-            for layer in layers:
-                store_state(head, layer, memory, SUM, raw, layer.own_lo, layer.own_hi)
-        more = whole and goes_on(head, memory)
-        dt = memory[U64(head.pace + DT)] if more else dt
+            store_state(head, layer, memory, SUM, state, layer.own_lo, layer.own_hi)
+
+
+# What can be asked for; all are collective on the ranks of the plan. state: name of the part of its memory with a state of
+# the layers as PETSc has it.
+
+
+def make_steps(plan: Plan, dt: float) -> None:
+    """A step dt [s] from the completed one in the work area, its completion, and further steps as the burst allows."""
+    run_task(MAKE_STEPS, *plan, 0, -1, dt)
+
+
+def make_stage(plan: Plan, number: int, dt: float) -> None:
+    """Stage ``number`` of a step dt [s]; number ``STAGES``: its completion. Between them data may change with time."""
+    run_task(MAKE_STAGE, *plan, number, -1, dt)
+
+
+def right_hand_side(plan: Plan, state: str) -> None:
+    """Put the rates of the unknowns in the place of a state, which is projected before; it stays in the work area."""
+    run_task(RIGHT_HAND_SIDE, *plan, 0, plan.start(state), 0.0)
+
+
+def complete_step(plan: Plan, state: str) -> None:
+    """Complete a step that somebody else has made: see fsipetsc.scheme.finish_step."""
+    run_task(COMPLETE_STEP, *plan, 0, plan.start(state), 0.0)
+
+
+def load_completed(plan: Plan, state: str) -> None:
+    """Go on from a state that fulfils the conditions: a completed one."""
+    run_task(LOAD_COMPLETED, *plan, 0, plan.start(state), 0.0)
+
+
+def do_nothing(plan: Plan) -> None:
+    """Enter compiled code, which is compiled or loaded for it, and leave it."""
+    run_task(NOTHING, *plan, 0, -1, 0.0)

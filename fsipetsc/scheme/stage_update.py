@@ -33,7 +33,7 @@ class Target(NamedTuple):
 
 @njit(**FORMULA)
 def update_stage(s, target, unknown, i, k):
-    """Send on the rates k of one unknown at the points i .. i+WIDTH-1."""
+    """Send on the rates k of one unknown at the points i .. i+LANES-1."""
     at = unknown * target.stride + i
     if target.forcing >= 0:
         k = k + load(s, target.forcing + at)

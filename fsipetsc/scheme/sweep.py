@@ -39,7 +39,7 @@ from fsipetsc.operators.kernels import (
     weights_of,
     whole_vectors,
 )
-from fsipetsc.operators.vectors import WIDTH, load, store
+from fsipetsc.operators.vectors import LANES, load, store
 from fsipetsc.scheme.stage_update import update_stage, update_stage_lanes
 
 #: first row of scratch of the fluxes; those before are for what is prepared
@@ -71,7 +71,7 @@ def prepare(law, layer, op, s, w, v, origin, i0, i1):
     q, v = each(row_of.place, law.unknowns, w, layer.stride), each(row_of.place, law.prepared, v, ROW)
     constants = law.constants(law, layer)
     first, end = grid_start(origin, max(layer.lo, i0 - 2 * op.reach)), min(layer.hi + 1, i1 + 2 * op.reach)
-    for i in range(first, end, WIDTH):
+    for i in range(first, end, LANES):
         each(row_of.store, v, law.prepare(law, constants, each(row_of.load, q, s, i)), s, i)
     law.prescribe(layer, s, v, first, end)
 
@@ -86,21 +86,21 @@ def fluxes(law, layer, op, s, w, v, f, origin, i0, i1):
     weights = each(row_of.weights, scales, op)
     d0, d1 = max(lo, i0 - reach), min(hi + 1, i1 + reach)
     first = grid_start(origin, min(origin, max(d0, lo + op.rows)))
-    before, here = each(row_of.load, rows, s, first - WIDTH), each(row_of.load, rows, s, first)
-    for i in range(first, min(d1, hi + 1 - op.rows), WIDTH):
-        after = each(row_of.load, rows, s, i + WIDTH)
-        slopes = each(row_of.stencil, weights, before, here, after, p)
-        values = law.flux(law, constants, each(row_of.load, q, s, i), each(row_of.load, v, s, i), slopes)
+    before, here = each(row_of.load, rows, s, first - LANES), each(row_of.load, rows, s, first)
+    for i in range(first, min(d1, hi + 1 - op.rows), LANES):
+        after = each(row_of.load, rows, s, i + LANES)
+        derivatives = each(row_of.stencil, weights, before, here, after, p)
+        values = law.flux(law, constants, each(row_of.load, q, s, i), each(row_of.load, v, s, i), derivatives)
         each(row_of.store, f, values, s, i)
         before, here = here, after
     for side in range(2):
         end, known = end_of(lo, hi, side, i0 - 2 * reach, i1 + 2 * reach)
-        for r in range(0, op.rows, WIDTH):
+        for r in range(0, op.rows, LANES):
             i, a, b = end_rows(op, lo, hi, side, r, d0, d1)
             if a < b:
-                slopes = each(row_of.closure, rows, scales, op, s, end, side, known, r)
+                derivatives = each(row_of.closure, rows, scales, op, s, end, side, known, r)
                 here = each(row_of.load, q, s, i)  # and v anew: at a ghost point its rows may hold something else
-                values = law.flux(law, constants, here, law.prepare(law, constants, here), slopes)
+                values = law.flux(law, constants, here, law.prepare(law, constants, here), derivatives)
                 each(row_of.store_lanes, f, values, s, i, a, b)
 
 
@@ -112,11 +112,11 @@ def rates(part, law, layer, op, s, w, f, target, i0, a, b, i1):
     constants = law.constants(law, layer)
     rows, scales = part.second(law, layer, q, f)
     weights, whole = each(row_of.weights, scales, op), whole_vectors(a, b)
-    before, here = each(row_of.load, rows, s, a - WIDTH), each(row_of.load, rows, s, a)
-    for i in range(a, b, WIDTH):
-        after = each(row_of.load, rows, s, i + WIDTH)
-        slopes = each(row_of.stencil, weights, before, here, after, p)
-        k = part.rate(law, constants, each(row_of.load, q, s, i), each(row_of.load, f, s, i), slopes)
+    before, here = each(row_of.load, rows, s, a - LANES), each(row_of.load, rows, s, a)
+    for i in range(a, b, LANES):
+        after = each(row_of.load, rows, s, i + LANES)
+        derivatives = each(row_of.stencil, weights, before, here, after, p)
+        k = part.rate(law, constants, each(row_of.load, q, s, i), each(row_of.load, f, s, i), derivatives)
         if i == whole:
             each(row_of.update_lanes, part.unknowns, k, s, target, i, 0, b - i)
         else:
@@ -124,11 +124,11 @@ def rates(part, law, layer, op, s, w, f, target, i0, a, b, i1):
         before, here = here, after
     for side in range(2):
         end, known = end_of(lo, hi, side, i0 - op.reach, i1 + op.reach)
-        for r in range(0, op.rows, WIDTH):
+        for r in range(0, op.rows, LANES):
             i, first, last = end_rows(op, lo, hi, side, r, i0, i1)
             if first < last:
-                slopes = each(row_of.closure, rows, scales, op, s, end, side, known, r)
-                k = part.rate(law, constants, each(row_of.load, q, s, i), each(row_of.load, f, s, i), slopes)
+                derivatives = each(row_of.closure, rows, scales, op, s, end, side, known, r)
+                k = part.rate(law, constants, each(row_of.load, q, s, i), each(row_of.load, f, s, i), derivatives)
                 each(row_of.update_lanes, part.unknowns, k, s, target, i, first, last)
     return 0
 

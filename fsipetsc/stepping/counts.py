@@ -18,7 +18,7 @@ REDUCED_RATES = 4
 class Traffic(NamedTuple):
     """What this rank sends: messages to neighbours with their bytes, and reductions over all ranks with theirs.
 
-    On a shared node there is none of that, but turns at the boxes instead (fsipetsc.parallel.shared_memory).
+    On a shared node there is none of that, but turns at the mailboxes instead (fsipetsc.parallel.shared_memory).
     """
 
     sends: int
@@ -60,7 +60,7 @@ def stage_traffic(plan: Plan) -> Traffic:
     sends = sent = 0
     if head["world"]["size"] == 1:
         return Traffic(0, 0, 0, 0)
-    if head["world"]["boxes"]:
+    if head["world"]["mailboxes"]:
         return Traffic(0, 0, 0, 0, 1)
     for layer in plan.layers:
         for halo in (layer["halo_lo"], layer["halo_hi"]):

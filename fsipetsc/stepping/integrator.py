@@ -73,10 +73,10 @@ class Integrator:
         self.stop_signal = 0
         self._proposal = np.inf
         self._fused = opt["ts_type"] == NAME
-        self.burst = 0  # most steps in one go; 0: steps are made one by one, stage by stage
+        self.burst_limit = 0  # most steps in one go; 0: steps are made one by one, stage by stage
         if self._fused and self._steady:  # no longer than a signal may have to wait
             points = sum(grid.n for grid in state.layout.grids)
-            self.burst = max(1, min(opt["fsi_burst"], MOST_POINTS // points))
+            self.burst_limit = max(1, min(opt["fsi_burst"], MOST_POINTS // points))
         self._rates: PETSc.Vec | None = None
         self._control: ErrorControl | None = None
         self._error: BaseException | None = None
@@ -102,8 +102,8 @@ class Integrator:
             ts.setConvergedReason(PETSc.TS.ConvergedReason.CONVERGED_USER)
 
     def _after_step(self, ts: PETSc.TS) -> None:
-        if self.burst:
-            t, made, *steps = self.state.pace[[TIME, MADE, SHORTEST, LONGEST]].tolist()
+        if self.burst_limit:
+            t, made, *steps = self.state.burst[[TIME, MADE, SHORTEST, LONGEST]].tolist()
         else:
             t, made, steps = self._target, 1, [self._step] * 2
             if not self._fused and not self._completed(ts):
@@ -204,12 +204,12 @@ class Integrator:
         self._step, self._target = self._times.step(self.t, bound)
         self.state.results[SAID_STOP] = self.raised if self.state.fault is None else FAULT
         ts.setTimeStep(self._step)
-        if self.burst:
+        if self.burst_limit:
             opt, series = self.opt, self.series
-            allowed = min(self.burst, opt["ts_max_steps"] - self.steps, series.room)
+            allowed = min(self.burst_limit, opt["ts_max_steps"] - self.steps, series.room)
             times = self.t, self._step, self._target, self._times.target
             bounds = opt["fsi_cfl"], opt["ts_dt"] or 0.0, allowed
-            self.state.pace[:] = *times, *bounds, 0, np.inf, 0.0, series.count
+            self.state.burst[:] = *times, *bounds, 0, np.inf, 0.0, series.count
 
     def _create(self) -> PETSc.TS:
         opt = self.opt
@@ -235,7 +235,7 @@ class Integrator:
         ts.setFromOptions()
         for name in hidden:
             database.setValue(name, opt[name])
-        # the clock alone says when to stop, because the sum of the steps may be short of the end by round-off
+        # OutputTimes alone says when to stop, because the sum of the steps may be short of the end by round-off
         ts.setMaxTime(1e300)
         ts.setMaxSteps(np.iinfo(np.int32).max)
         if wanted == "basic":

@@ -21,7 +21,7 @@ from fsipetsc.scheme.runge_kutta import STAGES
 from fsipetsc.stepping.counts import Traffic, completion_traffic, flops, stage_traffic
 from fsipetsc.stepping.state import State
 
-Result = TypeVar("T")
+Result = TypeVar("Result")
 
 SET_UP, LOOP, OUTPUT = "set-up", "time loop", "output"
 
@@ -99,7 +99,7 @@ class LoggedState(State):
     def step(self, t: float, dt: float, steady: bool) -> None:
         with self._events["step"]:
             super().step(t, dt, steady)
-            made = max(1, int(self.pace[MADE]))
+            made = max(1, int(self.burst[MADE]))
             self._count(self._stage, made * (STAGES - 1))
             self._count(self._completion, made)
             PETSc.Log.logFlops(made * STAGES * self._flops)

@@ -16,9 +16,9 @@ from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.layout import Grid, Layout, make_grids
 from fsipetsc.physics.layer import DOF, FLUID
 from fsipetsc.problem import FluidLayer, Problem
+from fsipetsc.scheme import runge_kutta
 from fsipetsc.scheme.burst import MADE
-from fsipetsc.scheme.plan import FLAGS, FORCING, LIMITS, LOW, PACE, SAID_STOP, make_plan
-from fsipetsc.scheme.runge_kutta import STAGES, advance
+from fsipetsc.scheme.plan import BURST, FLAGS, FORCING, LIMITS, LOW, SAID_STOP, make_plan
 from fsipetsc.together import agree, together
 
 #: what a rank says of STOP whose user's functions have failed: more than any signal
@@ -29,7 +29,7 @@ class State:
     """Solution and everything that belongs to it; all methods are collective on ``comm``.
 
     Attributes: layout, plan, solution (world Vec); results of the last completed step (scheme.finish_step says where what
-    stands); pace (scheme.burst); journal, the records of steps (scheme.plan.step_record), and latest, that of the last
+    stands); burst (scheme.burst); journal, the records of steps (scheme.plan.step_record), and latest, that of the last
     one without its time. The integrals in them are this rank's shares. evaluations of the right-hand side are counted.
     Raises InputError where grid, order and number of ranks do not fit.
     """
@@ -60,11 +60,11 @@ class State:
         also: calls further compiled functions.
         """
         if self.comm.rank == 0:
-            with garbage_waiting(), compiling(advance, announce):
-                advance(*self.plan, 0, 0, -1, 0.0)
+            with garbage_waiting(), compiling(runge_kutta.run_task, announce):
+                runge_kutta.do_nothing(self.plan)
                 also()
         self.comm.Barrier()
-        advance(*self.plan, 0, 0, -1, 0.0)
+        runge_kutta.do_nothing(self.plan)
         also()
 
     def _place(self, grids: list[Grid], kept: Layout | None = None) -> None:
@@ -74,11 +74,10 @@ class State:
         for record, grid in zip(self.layout.records, grids, strict=True):
             record["lo"], record["hi"] = grid.lo, grid.hi
         # the solution vector's own memory is the plan's
-        self._transfer, self._solution = (int(self.plan.head[name][0]) for name in ("transfer", "solution"))
         values = self.plan.part("solution", self.layout.local_size)
         self.solution = PETSc.Vec().createWithArray(values, comm=self.comm)
         self.results = self.plan.part("results", FLAGS + LIMITS)
-        self.pace = self.plan.part("pace", PACE)
+        self.burst = self.plan.part("burst", BURST)
         self.journal, self.latest = self.plan.journal, self.plan.latest
 
     def set_data(self, t: float) -> None:
@@ -149,7 +148,7 @@ class State:
         self.evaluations += 1
         values = self.plan.part("transfer", y.size)
         values[:] = y
-        advance(*self.plan, 0, 1, self._transfer, 0.0)
+        runge_kutta.right_hand_side(self.plan, "transfer")
         f[:] = values
 
     def project(self, y: np.ndarray) -> None:
@@ -161,21 +160,21 @@ class State:
 
     def finish(self) -> None:
         """Complete a step whose raw result PETSc has left in the solution: see scheme.finish_step."""
-        advance(*self.plan, STAGES, STAGES + 1, self._solution, 0.0)
+        runge_kutta.complete_step(self.plan, "solution")
 
     def step(self, t: float, dt: float, steady: bool) -> None:
         """A step dt [s] of the fused Runge-Kutta method from the completed solution at t [s], and its completion.
 
-        steady: the data do not depend on time; then further steps follow as the pace allows, by itself none.
+        steady: the data do not depend on time; then further steps follow as the burst allows, by itself none.
         """
         if steady:
-            advance(*self.plan, 0, STAGES + 1, -1, dt)
-            self.evaluations += STAGES * max(1, int(self.pace[MADE]))
+            runge_kutta.make_steps(self.plan, dt)
+            self.evaluations += runge_kutta.STAGES * max(1, int(self.burst[MADE]))
             return
-        self.evaluations += STAGES
+        self.evaluations += runge_kutta.STAGES
         for number, fraction in enumerate((0.0, 0.5, 0.5, 1.0, 1.0)):
             self.set_data(t + fraction * dt)
-            advance(*self.plan, number, number + 1, -1, dt)
+            runge_kutta.make_stage(self.plan, number, dt)
 
     def grow(self, noted: int = 0) -> None:
         """Lay the grids anew with more spare points at the embedded boundaries; the completed solution moves along.
@@ -200,7 +199,7 @@ class State:
                 active = whole[k][before["lo"] : before["hi"] + 1]
                 rows = np.arange(record["own_lo"], record["own_hi"]) - grid.lo
                 self.layout.local(k, y)[:] = active[np.clip(rows, 0, len(active) - 1)]
-        advance(*self.plan, 0, 0, self._solution, 0.0)
+        runge_kutta.load_completed(self.plan, "solution")
 
     def _release(self) -> None:
         self._neighbours.free()

@@ -19,7 +19,7 @@ from fsipetsc.output.reader import Run, open_run
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-T = TypeVar("T")
+Item = TypeVar("Item")
 
 
 def plot(
@@ -59,7 +59,7 @@ def plot(
     return written
 
 
-def _whole(found: Iterator[T], faults: list[str]) -> Iterator[T]:
+def _whole(found: Iterator[Item], faults: list[str]) -> Iterator[Item]:
     """What is found until something fails, which is noted."""
     try:
         yield from found

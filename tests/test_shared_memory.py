@@ -15,14 +15,14 @@ import numpy as np
 from mpi4py import MPI
 from numba import njit
 from fsipetsc.parallel import shared_memory as module
-from fsipetsc.parallel.shared_memory import largest, make_boxes, share_a_node, world_record
+from fsipetsc.parallel.shared_memory import largest, make_mailboxes, share_a_node, world_record
 
 WORDS, TURNS = 40, 400
 comm = MPI.COMM_WORLD
 if sys.argv[1] == "one without":
     module.unified = lambda window: comm.rank != 1
-boxes = make_boxes(comm, 8 * WORDS) if sys.argv[1] != "messages" else None
-worlds, memory = world_record(comm, boxes), np.zeros(2 * WORDS)
+mailboxes = make_mailboxes(comm, 8 * WORDS) if sys.argv[1] != "messages" else None
+worlds, memory = world_record(comm, mailboxes), np.zeros(2 * WORDS)
 
 
 @njit
@@ -45,16 +45,16 @@ for turn in range(TURNS):
     meet(worlds, memory)
     words = [given(rank, turn).view(np.uint64) for rank in range(comm.size)]
     wrong += not np.array_equal(memory[WORDS:].view(np.uint64), np.max(words, axis=0))
-if boxes is not None:
-    boxes.free()
-results = comm.gather((share_a_node(comm), boxes is not None, wrong))
+if mailboxes is not None:
+    mailboxes.free()
+results = comm.gather((share_a_node(comm), mailboxes is not None, wrong))
 if comm.rank == 0:
     print(json.dumps(results))
 """
 
 
 def meet(ranks: int, how: str, **env: str) -> list[list]:
-    """Of each rank: whether all are on one node, whether they have boxes, and turns in which it learnt something wrong."""
+    """Of each rank: whether all are on one node, whether they have mailboxes, and turns in which it learnt something wrong."""
     done = mpirun(ranks, "-c", PROGRAM, how, env=env)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
@@ -62,10 +62,10 @@ def meet(ranks: int, how: str, **env: str) -> list[list]:
 
 @pytest.mark.mpi
 @pytest.mark.parametrize("ranks", [2, 3, 4])
-@pytest.mark.parametrize("how", ["boxes", "messages"])
+@pytest.mark.parametrize("how", ["mailboxes", "messages"])
 def test_all_learn_the_largest_of_each_word(ranks, how):
     """Bit for bit, as whole numbers without sign: also of what is not a number."""
-    assert meet(ranks, how) == [[True, how == "boxes", 0]] * ranks
+    assert meet(ranks, how) == [[True, how == "mailboxes", 0]] * ranks
 
 
 @pytest.mark.mpi
@@ -76,6 +76,6 @@ def test_where_one_rank_can_have_no_box_all_send_messages():
 @pytest.mark.mpi
 def test_where_the_library_has_no_shared_windows_messages_are_sent():
     """Open MPI without the component that makes them; another library takes no notice of the variable."""
-    found = meet(2, "boxes", OMPI_MCA_osc="^sm")
+    found = meet(2, "mailboxes", OMPI_MCA_osc="^sm")
     assert [(together, wrong) for together, _, wrong in found] == [(True, 0)] * 2
     assert found[0][1] == found[1][1]
