@@ -95,6 +95,16 @@ GROUPS: dict[str, list[tuple[int, dict[str, tuple[str, str]]]]] = {
         (1, {f"order{q}_h{h}": ("mms", f"-fsi_h {h} -fsi_order {q} -fsi_output_dt 1") for q in ORDERS})
         for h in (0.00625, 0.0125)
     ],
+    "receding": [
+        (
+            1,
+            {
+                f"order{q}_h{h}": (str(REPOSITORY / "tests" / "receding.py"), f"-fsi_h {h} -fsi_order {q}")
+                for q in ORDERS
+                for h in (0.0125, 0.00625)
+            },
+        )
+    ],
     "becker": [
         (
             1,

@@ -16,6 +16,7 @@ from fsipetsc.physics.gruneisen import gruneisen
 from fsipetsc.physics.layer import FLUID
 from fsipetsc.physics.perfect_gas import perfect_gas
 from fsipetsc.physics.solid import elastic_solid
+from fsipetsc.scheme.end_rates import as_they_are, keep_entropy
 from fsipetsc.scheme.extremes_and_sums import fluid_extremes_and_sums, solid_extremes_and_sums
 from fsipetsc.scheme.layer_fields import fluid_fields, solid_fields
 from fsipetsc.scheme.speeds import fluid_speeds, solid_speeds
@@ -25,9 +26,9 @@ from fsipetsc.scheme.sweep import sweep
 def law(physics: Formulas) -> Formulas:
     """A physics with the loops of the scheme over its kind of layer."""
     if physics.kind == FLUID:
-        loops = {"look": fluid_extremes_and_sums, "speeds": fluid_speeds, "save": fluid_fields}
+        loops = {"look": fluid_extremes_and_sums, "speeds": fluid_speeds, "save": fluid_fields, "amend": keep_entropy}
     else:
-        loops = {"look": solid_extremes_and_sums, "speeds": solid_speeds, "save": solid_fields}
+        loops = {"look": solid_extremes_and_sums, "speeds": solid_speeds, "save": solid_fields, "amend": as_they_are}
     return Formulas(**vars(physics), **loops)
 
 
