@@ -135,7 +135,8 @@ class State:
             if layer.exact is not None:  # not found out at the end
                 given.fields(layer, "exact", X, 0.0, self.active(k))
             if isinstance(layer, FluidLayer):
-                self.layout.local(k, y)[:] = layer.material.conserved(*fields)
+                with np.errstate(all="ignore"):  # what comes of it is looked at
+                    self.layout.local(k, y)[:] = layer.material.conserved(*fields)
             else:
                 self.layout.local(k, y)[:] = np.stack(fields, axis=-1)
                 record = self.layout.records[k]
