@@ -3,11 +3,24 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 
 import pytest
-from helpers import mpirun
+from helpers import PATIENCE, environment, mpirun
 
 pytest.importorskip("petsc4py")
+
+#: begins a command where /dev/shm has room for next to nothing, which nobody else notices
+SMALL = ["unshare", "-m", "sh", "-c", "mount -t tmpfs -o size=4k tmpfs /dev/shm && exec \"$@\"", "sh"]
+
+
+def may_mount() -> bool:
+    try:
+        return subprocess.run([*SMALL, "true"], capture_output=True, timeout=PATIENCE).returncode == 0
+    except OSError:
+        return False
+
 
 PROGRAM = """
 import json, sys, time
@@ -19,6 +32,8 @@ from fsipetsc.parallel.shared_memory import largest, make_mailboxes, share_a_nod
 
 WORDS, TURNS = 40, 400
 comm = MPI.COMM_WORLD
+if sys.argv[1] == "one without room":
+    module.free_space = lambda: 4096.0 if comm.rank == 1 else np.inf
 if sys.argv[1] == "one without":
     module.unified = lambda window: comm.rank != 1
 mailboxes = make_mailboxes(comm, 8 * WORDS) if sys.argv[1] != "messages" else None
@@ -69,8 +84,20 @@ def test_all_learn_the_largest_of_each_word(ranks, how):
 
 
 @pytest.mark.mpi
-def test_where_one_rank_can_have_no_box_all_send_messages():
-    assert meet(3, "one without") == [[True, False, 0]] * 3
+@pytest.mark.parametrize("how", ["one without", "one without room"])
+def test_where_one_rank_can_have_no_box_all_send_messages(how):
+    assert meet(3, how) == [[True, False, 0]] * 3
+
+
+@pytest.mark.mpi
+@pytest.mark.skipif(not may_mount(), reason="only root can make a small /dev/shm, and not everywhere")
+def test_where_shared_memory_is_too_small_messages_are_sent():
+    """Open MPI 4.1 would leave one rank waiting for the other."""
+    command = [*SMALL, "mpiexec", "-n", "2", sys.executable, "-c", PROGRAM, "boxes"]
+    env = environment({"OMPI_MCA_btl": "self,tcp"})  # messages through shared memory have no room either
+    done = subprocess.run(command, env=env, capture_output=True, text=True, timeout=PATIENCE)
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout) == [[True, False, 0]] * 2
 
 
 @pytest.mark.mpi

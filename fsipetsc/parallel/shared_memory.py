@@ -24,6 +24,8 @@ from fsipetsc.parallel.pointers import load_acquire, store_release, words_at
 LINE = 64
 #: a rank reads all mailboxes, one after the other: with more ranks a reduction, which is a tree, is faster
 MOST = 16
+#: bytes that a window takes beyond those of its ranks, with plenty of room
+BESIDE = 1 << 18
 #: looks at a count before MPI may work and the processor is offered to others, where there are more ranks than processors;
 #: and else: who offers it to another program waits for all of that one's time slice
 FEW_LOOKS, MANY_LOOKS = 1000, 1_000_000
@@ -70,8 +72,10 @@ def shared_window(comm: MPI.Comm, size: int) -> MPI.Win:
     """Memory that all ranks of comm share, in an epoch in which they may read and write it. Collective.
 
     size: bytes of this rank's part. Raises MPI.Exception on all ranks if one of them cannot have it: some installations
-    have no such windows, and what a rank writes must be what the others read (MPI's unified model).
+    have no such windows, there may be no room, and what a rank writes must be what the others read (MPI's unified model).
     """
+    if not all(comm.allgather(free_space() >= size + BESIDE)):
+        raise MPI.Exception(MPI.ERR_NO_MEM)
     window, error = MPI.WIN_NULL, 0
     try:
         window = MPI.Win.Allocate_shared(size, 1, comm=comm)
@@ -86,6 +90,18 @@ def shared_window(comm: MPI.Comm, size: int) -> MPI.Win:
         raise MPI.Exception(next(error for error, _ in errors if error))
     window.Lock_all(MPI.MODE_NOCHECK)
     return window
+
+
+def free_space() -> float:
+    """Bytes left where windows are made on Linux; infinite where that is not known.
+
+    Open MPI 4.1 looks, too, but on one rank only, which returns with an error while the others wait for it.
+    """
+    try:
+        place = os.statvfs(os.environ.get("OMPI_MCA_osc_sm_backing_directory", "/dev/shm"))
+    except OSError:
+        return np.inf
+    return place.f_bavail * place.f_frsize
 
 
 def unified(window: MPI.Win) -> bool:
