@@ -31,8 +31,10 @@ from fsipetsc.boundaries.wall import insulated_slopes
 from fsipetsc.errors import InputError
 from fsipetsc.operators import OPERATORS, packed
 from fsipetsc.operators.kernels import dirichlet_ghost, extrapolate, lagrange, neumann_ghost
+from fsipetsc.scheme.laws import LAWS
 
-fill_ghost, close_solid, note_gradient = map(from_python, (fill_ghost, close_solid, note_gradient))
+fill_ghost, close_solid = from_python(fill_ghost, LAWS[0]), from_python(close_solid, LAWS[1])
+note_gradient = from_python(note_gradient)
 lagrange, dirichlet_ghost, neumann_ghost, extrapolate = map(
     from_python, (lagrange, dirichlet_ghost, neumann_ghost, extrapolate)
 )

@@ -25,8 +25,9 @@ import fsipetsc
 from fsipetsc.coupling import KINDS, couple
 from fsipetsc.coupling.energy import multipliers
 from fsipetsc.operators import OPERATORS, packed
+from fsipetsc.scheme.laws import PAIRS
 
-couple, multipliers = from_python(couple), from_python(multipliers)
+couple, multipliers = from_python(couple, PAIRS[0]), from_python(multipliers)
 
 BOTH = pytest.mark.parametrize("kind", ["energy", "traditional"])
 

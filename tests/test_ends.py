@@ -67,7 +67,7 @@ def all_rates(layers, ops, delta, states, rates, memory, nodes):
         for side in range(2):
             for k in range(NODES):
                 nodes[:3, k] = q[:, k if side == 0 else N - 1 - k]
-            fill_ghost(layer, op, side, delta, nodes, False)
+            fill_ghost(NAVIER_STOKES, layer, op, side, delta, nodes, False)
             q[:, 0 if side == 0 else N - 1] = nodes[:3, 0]
         for i in range(N):
             memory[8 + i], memory[8 + N + i] = q[0, i], q[0, i] * q[1, i]

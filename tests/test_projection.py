@@ -13,8 +13,9 @@ pytest.importorskip("numba")
 from fsipetsc.coupling.interface import INTERFACE, residuals
 from fsipetsc.coupling.projection import projection
 from fsipetsc.operators import OPERATORS, packed
+from fsipetsc.scheme.laws import PAIRS
 
-projection, residuals = from_python(projection), from_python(residuals)
+projection, residuals = from_python(projection, PAIRS[0]), from_python(residuals, PAIRS[0])
 
 GAS = {"gamma": 1.4, "R": 287.0, "cv": 287.0 / 0.4}
 SOLID = {"K": 1e5, "m0": 2700.0, "alpha": 1.0}

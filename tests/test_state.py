@@ -17,12 +17,13 @@ from fsipetsc.options import PETSC_OPTIONS, defaults
 from fsipetsc.physics.fluid import Fluid
 from fsipetsc.physics.solid import Solid
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
+from fsipetsc.scheme.laws import LAWS
 from fsipetsc.scheme.plan import FORCE, RATE
 from fsipetsc.stepping import phases
 from fsipetsc.stepping.error_control import ErrorControl
 from fsipetsc.stepping.state import State
 
-fill_ghost = from_python(boundaries.fill_ghost)
+fill_ghost = from_python(boundaries.fill_ghost, LAWS[0])
 H, T0 = 0.1, 300.0
 
 

@@ -33,8 +33,11 @@ from fsipetsc.operators import operator, packed
 from fsipetsc.operators.kernels import ENTRY
 from fsipetsc.physics.fluid import Fluid
 from fsipetsc.physics.solid import Solid
+from fsipetsc.scheme.laws import PAIRS
 
 Array = NDArray[np.float64]
+#: of the built-in laws, for which the linear equations here are
+BUILT_IN = PAIRS[0]
 #: step of the numerical differentiation, relative to the size of each variable, and its formula of order 8
 STEP = 2.0**-7
 CENTRAL = np.array([4 / 5, -1 / 5, 4 / 105, -1 / 280])
@@ -188,7 +191,7 @@ def interface_jacobian(state: Constant, order: int, h: float, coupling: str) -> 
 def couple_all(face, op, fluid, solid):
     """The treatment of one interface for many traces, in place: fluid (m, rows, 3), solid (m, rows, 4)."""
     for m in range(len(fluid)):
-        couple(face[0], op[0], fluid[m], solid[m])
+        couple(BUILT_IN, face[0], op[0], fluid[m], solid[m])
 
 
 def scatter(jacobian: Array, n: int) -> csr_matrix:

@@ -139,7 +139,7 @@ def _constant(value: float, what: str) -> float:
 
 
 @njit(**OPTIONS)
-def fill_ghost(layer, op, side, delta, nodes, new):
+def fill_ghost(law, layer, op, side, delta, nodes, new):
     """Give the ghost point its values: nodes[:3, 0] of (rho, u, T), from nodes[:3, k] at k points inside of it.
 
     nodes has the shape (5, NODES); its last two rows are scratch. delta: distance of the boundary from the ghost
@@ -153,11 +153,11 @@ def fill_ghost(layer, op, side, delta, nodes, new):
         for k in range(3):
             nodes[k, 0] = extrapolate(nodes[k], degree)
     if kind == WALL:
-        _wall.wall(layer, op, side, normal, delta, nodes, weights, slopes)
+        _wall.wall(law, layer, op, side, normal, delta, nodes, weights, slopes)
     elif kind == OPEN:
-        _open.open_end(layer, side, normal, nodes, weights, slopes)
+        _open.open_end(law, layer, side, normal, nodes, weights, slopes)
     elif kind == DIRICHLET:
-        _dirichlet.dirichlet(layer, side, normal, nodes, weights)
+        _dirichlet.dirichlet(law, layer, side, normal, nodes, weights)
 
 
 @njit(**OPTIONS)
@@ -169,9 +169,9 @@ def note_gradient(layer, side, delta, nodes):
 
 
 @njit(**OPTIONS)
-def close_solid(layer, op, side, trace_s):
+def close_solid(law, layer, op, side, trace_s):
     """Apply the condition at an outer end of a solid to its end rows, counted inwards."""
-    solid_end(layer, op, side, 2.0 * side - 1.0, layer.end_kind[side] - CLAMPED, trace_s)
+    solid_end(law, layer, op, side, 2.0 * side - 1.0, layer.end_kind[side] - CLAMPED, trace_s)
 
 
 Boundary = Wall | Open | Dirichlet | SolidEnd

@@ -46,23 +46,24 @@ def note_gradient(layer, side, nodes, weights):
 
 
 @njit(**OPTIONS)
-def dirichlet(layer, side, normal, nodes, weights):
+def dirichlet(law, layer, side, normal, nodes, weights):
     """Fill the ghost values nodes[:, 0] of (rho, u, T); end_data = (rho, u, T) at the boundary."""
+    gas, c = law.gas, law.gas.constants(layer)
     q, data = layer.end_degree[side], layer.end_data[side]
     rho, u, T = nodes[0, 0], nodes[1, 0], nodes[2, 0]
     note_gradient(layer, side, nodes, weights)
     rho_d = dirichlet_ghost(data[0], nodes[0], weights, q)
     u_d = dirichlet_ghost(data[1], nodes[1], weights, q)
     T_d = dirichlet_ghost(data[2], nodes[2], weights, q)
-    c2 = layer.gamma * layer.R * nodes[2, 1]
-    c = np.sqrt(c2)
-    if normal * data[1] <= -np.sqrt(layer.gamma * layer.R * data[2]):
+    c2 = gas.sound_speed_squared(c, nodes[0, 1], nodes[2, 1])
+    speed = np.sqrt(c2)
+    if normal * data[1] <= -np.sqrt(gas.sound_speed_squared(c, data[0], data[2])):
         nodes[0, 0], nodes[1, 0], nodes[2, 0] = rho_d, u_d, T_d
         return
-    if normal * data[1] >= 0.0 and normal * nodes[1, 1] >= c:
+    if normal * data[1] >= 0.0 and normal * nodes[1, 1] >= speed:
         return
-    impedance = nodes[0, 1] * c
-    p, p_d = layer.R * rho * T, layer.R * rho_d * T_d
+    impedance = nodes[0, 1] * speed
+    p, p_d = gas.pressure(c, rho, T), gas.pressure(c, rho_d, T_d)
     outgoing = p + normal * impedance * u
     incoming = p_d - normal * impedance * u_d
     entropy = rho - p / c2 if normal * data[1] >= 0.0 else rho_d - p_d / c2
@@ -70,4 +71,4 @@ def dirichlet(layer, side, normal, nodes, weights):
     rho = entropy + p / c2
     nodes[0, 0] = rho
     nodes[1, 0] = normal * (outgoing - incoming) / (2.0 * impedance)
-    nodes[2, 0] = p / (layer.R * rho)
+    nodes[2, 0] = gas.temperature_of_pressure(c, rho, p)

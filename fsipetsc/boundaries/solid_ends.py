@@ -11,11 +11,10 @@ import numpy as np
 from numba import njit
 
 from fsipetsc.operators.kernels import OPTIONS
-from fsipetsc.physics.solid import wave_modulus
 
 
 @njit(**OPTIONS)
-def solid_end(layer, op, side, normal, kind, trace_s):
+def solid_end(law, layer, op, side, normal, kind, trace_s):
     """Apply the end condition to trace_s[0]; trace_s[j] = (u, sigma, T, x) counted inwards.
 
     end_data = (u) clamped, (sigma - p) free or absorbing. kind: 0 clamped, 1 free, 2 absorbing.
@@ -29,14 +28,16 @@ def solid_end(layer, op, side, normal, kind, trace_s):
             rest += op.closure[0, j] * trace_s[j, 2]
     if layer.kappa_e > 0.0:
         trace_s[0, 2] = -rest / op.closure[0, 0]
-    p = layer.gruneisen * layer.m0 * layer.alpha * trace_s[0, 2] / x_X
+    T, c = trace_s[0, 2], law.pressing.constants(layer)
+    p = law.pressing.pressure(c, T, x_X)
     given = layer.end_data[side, 0]
     if kind == 0:
         trace_s[0, 0] = given
     elif kind == 1:
         trace_s[0, 1] = given + p
     else:
-        impedance = np.sqrt(wave_modulus(layer.K, layer.gruneisen, p, given + p, x_X) * layer.m0)
+        heat = layer.alpha * layer.m0
+        impedance = np.sqrt(law.pressing.wave_modulus(c, layer.K, heat, T, p, given + p, x_X) * layer.m0)
         outgoing = trace_s[0, 1] - p - given - normal * impedance * trace_s[0, 0]
         trace_s[0, 0] = -normal * 0.5 * outgoing / impedance
         trace_s[0, 1] = given + p + 0.5 * outgoing

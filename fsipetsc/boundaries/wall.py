@@ -55,14 +55,15 @@ def insulated_slopes(delta, s, slopes):
 
 
 @njit(**OPTIONS)
-def wall(layer, op, side, normal, delta, nodes, weights, slopes):
+def wall(law, layer, op, side, normal, delta, nodes, weights, slopes):
     """Fill the ghost values nodes[:, 0] of (rho, u, T) from nodes[:, 1:]; normal is -1 left, +1 right."""
+    gas, c = law.gas, law.gas.constants(layer)
     rho, u, T = nodes[0, 0], nodes[1, 0], nodes[2, 0]
-    impedance = rho * np.sqrt(layer.gamma * layer.R * T)
+    impedance = rho * np.sqrt(gas.sound_speed_squared(c, rho, T))
     u_g = dirichlet_ghost(0.0, nodes[1], weights, layer.end_degree[side])
-    p_g = layer.R * rho * T - normal * impedance * (u_g - u)
+    p_g = gas.pressure(c, rho, T) - normal * impedance * (u_g - u)
     lagrange(delta, op.p, weights, slopes)
     T_g = neumann_ghost(nodes[2], slopes, insulated_slopes(delta, op.p, slopes))
-    nodes[0, 0] = p_g / (layer.R * T_g)
+    nodes[0, 0] = gas.density(c, p_g, T_g)
     nodes[1, 0] = u_g
     nodes[2, 0] = T_g

@@ -18,14 +18,14 @@ KINDS = {"projection": PROJECTION, "energy": ENERGY, "traditional": TRADITIONAL}
 
 
 @njit(**OPTIONS)
-def couple(face, op, trace_f, trace_s):
+def couple(pair, face, op, trace_f, trace_s):
     """Apply the treatment that the interface names to its traces, in place."""
     if face.coupling == PROJECTION:
-        projection(face, op, trace_f, trace_s)
+        projection(pair, face, op, trace_f, trace_s)
     elif face.coupling == ENERGY:
-        energy(face, op, trace_f, trace_s)
+        energy(pair, face, op, trace_f, trace_s)
     else:
-        traditional(face, op, trace_f, trace_s)
+        traditional(pair, face, op, trace_f, trace_s)
 
 
 __all__ = ["INTERFACE", "KINDS", "couple", "residuals"]

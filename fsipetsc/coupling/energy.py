@@ -39,7 +39,9 @@ a Gram matrix, hence positive definite as long as the conditions are independent
 the energy asks for less: no C3, and no C4 either if none does; the other two then still change both temperatures.
 
 The non-linear equations are treated as in Sec. 4.2: rho^, T^, p^ one point into the fluid, x_X and p_s at the
-interface, p_0 from the stress condition (4.24), then rho_0 = p_0/(R T_0). rho_j is kept for j >= 1.
+interface, p_0 from the stress condition (4.24), then rho_0 = p_0/(R T_0). rho_j is kept for j >= 1. In a gas that is not
+perfect rho p_rho takes the place of p^, p_T that of R rho^ and p_rho/rho^ that of the weight R T^/rho^; in a solid with another
+pressure -x_X dp/dx_X that of p_s in K^ and p_T that of c.
 """
 
 from __future__ import annotations
@@ -51,11 +53,17 @@ from fsipetsc.coupling.interface import (
     JUMP_STRESS,
     JUMP_T,
     JUMP_U,
+    conductivity,
+    gas_energy,
+    gas_pressure,
+    gas_velocity_and_temperature,
     norm_weight,
     row_length,
     solid_pressure,
     solid_strain,
+    viscosity,
 )
+from fsipetsc.coupling.projection import AGREED, REFINEMENTS
 from fsipetsc.operators.kernels import OPTIONS
 
 
@@ -75,47 +83,60 @@ def multipliers(S11, S12, S22, S23, S24, S33, S34, S44, r1, r2, r3, r4):
 
 
 @njit(**OPTIONS)
-def row_sums(face, op, trace_f, trace_s, d):
+def row_sums(pair, face, op, trace_f, trace_s, d):
     """(u_X, T_f,X, T_s,X, sum_j (a_0/a_j) d_j^2) at the interface."""
     beta = op.closure[0]
     u_X, Tf_X, Ts_X, squares = 0.0, 0.0, 0.0, 0.0
     for j in range(row_length(op)):
-        dj, rho = d * beta[j], trace_f[j, 0]
-        u = trace_f[j, 1] / rho
+        dj, (u, T) = d * beta[j], gas_velocity_and_temperature(pair, face, trace_f, j)
         u_X += dj * u
-        Tf_X += dj * ((trace_f[j, 2] / rho - 0.5 * u * u) / face.cv)
+        Tf_X += dj * T
         Ts_X -= dj * trace_s[j, 2]
         squares += dj * dj * (op.norm[0] / norm_weight(op, j))
     return u_X, Tf_X, Ts_X, squares
 
 
 @njit(**OPTIONS)
-def energy(face, op, trace_f, trace_s):
-    """Project the traces in place on the interface conditions; see the module and fsipetsc.coupling.interface."""
-    d, beta, a0, mu = face.normal / face.h, op.closure[0], op.norm[0], face.mu
+def energy(pair, face, op, trace_f, trace_s):
+    """Project the traces in place on the interface conditions; see the module and fsipetsc.coupling.interface.
+
+    The gas conducts with the kappa of its new temperature: where that depends on T, the result is projected again.
+    """
+    for _ in range(REFINEMENTS):
+        used = conductivity(pair, face, gas_velocity_and_temperature(pair, face, trace_f, 0)[1])
+        T = projected(pair, face, op, trace_f, trace_s)
+        if not abs(conductivity(pair, face, T) - used) > AGREED * used:
+            return
+
+
+@njit(**OPTIONS)
+def projected(pair, face, op, trace_f, trace_s):
+    """Project with the kappa of the temperature as it is; returns the gas's new temperature at the interface."""
+    d, beta, a0 = face.normal / face.h, op.closure[0], op.norm[0]
+    gas, pressing, c_f, c_s = pair.gas, pair.pressing, pair.gas.constants(face), pair.pressing.constants(face)
     x_X = solid_strain(face, op, trace_s)
     # the state that the weights belong to
-    rho, u = trace_f[1, 0], trace_f[1, 1] / trace_f[1, 0]
-    T = (trace_f[1, 2] / rho - 0.5 * u * u) / face.cv
-    p = face.R * rho * T
-    ps = solid_pressure(face, trace_s[0, 2], x_X)
-    K, c = (face.K + ps) / x_X, solid_pressure(face, 1.0, x_X)
-    tau_f, tau_s = T / (rho * face.cv), T / (face.alpha * face.m0)
-    kappa, k_s = face.kappa, face.kappa_e / x_X
+    rho, (u, T) = trace_f[1, 0], gas_velocity_and_temperature(pair, face, trace_f, 1)
+    bulk, cv = gas.bulk_modulus(c_f, rho, T), gas.heat_capacity(c_f, rho, T)
+    ps = solid_pressure(pair, face, trace_s[0, 2], x_X)
+    K = (face.K + pressing.stiffness(c_s, trace_s[0, 2], x_X)) / x_X
+    c = pressing.pressure_by_temperature(c_s, trace_s[0, 2], x_X)
+    tau_f, tau_s = T / (rho * cv), T / (face.alpha * face.m0)
+    uf0, Tf0 = gas_velocity_and_temperature(pair, face, trace_f, 0)
+    mu, kappa, k_s = viscosity(pair, face, Tf0), conductivity(pair, face, Tf0), face.kappa_e / x_X
     conducting = int(kappa > 0.0) + int(k_s > 0.0)
 
     # S without the factor 1/a_0: the multipliers come out as l/a_0
-    u_X, Tf_X, Ts_X, squares = row_sums(face, op, trace_f, trace_s, d)
-    Rrho, d0 = face.R * rho, d * beta[0]
+    u_X, Tf_X, Ts_X, squares = row_sums(pair, face, op, trace_f, trace_s, d)
+    p_T, d0 = gas.pressure_by_temperature(c_f, rho, T), d * beta[0]
     S12 = mu * d0 / rho
-    S22 = K + p + c * c * tau_s + Rrho * Rrho * tau_f + mu * mu * squares / rho
-    S23, S24 = -c * tau_s - Rrho * tau_f, d0 * (c * k_s * tau_s - Rrho * kappa * tau_f)
+    S22 = K + bulk + c * c * tau_s + p_T * p_T * tau_f + mu * mu * squares / rho
+    S23, S24 = -c * tau_s - p_T * tau_f, d0 * (c * k_s * tau_s - p_T * kappa * tau_f)
     S33, S34 = tau_s + tau_f, d0 * (kappa * tau_f - k_s * tau_s)
     S44 = (k_s * k_s * tau_s + kappa * kappa * tau_f) * squares
-    uf0, us0 = trace_f[0, 1] / trace_f[0, 0], trace_s[0, 0]
-    Tf0 = (trace_f[0, 2] / trace_f[0, 0] - 0.5 * uf0 * uf0) / face.cv
+    us0 = trace_s[0, 0]
     r1 = us0 - uf0 - face.jump[JUMP_U]
-    r2 = trace_s[0, 1] - ps + face.R * trace_f[0, 0] * Tf0 - mu * u_X - face.jump[JUMP_STRESS]
+    r2 = trace_s[0, 1] - ps + gas_pressure(pair, face, trace_f[0, 0], Tf0) - mu * u_X - face.jump[JUMP_STRESS]
     r3 = trace_s[0, 2] - Tf0 - face.jump[JUMP_T]
     r4 = k_s * Ts_X - kappa * Tf_X - face.jump[JUMP_FLUX]
     if conducting < 2:  # T may jump
@@ -126,12 +147,11 @@ def energy(face, op, trace_f, trace_s):
 
     trace_s[0, 0] = us0 - l1 / face.m0
     trace_s[0, 1] -= K * l2
-    at_interface_u, at_interface_f, at_interface_s = l1, l3 - Rrho * l2, c * l2 - l3
+    at_interface_u, at_interface_f, at_interface_s = l1, l3 - p_T * l2, c * l2 - l3
     u_X = 0.0
     for j in range(row_length(op)):
         dj, w = d * beta[j], a0 / norm_weight(op, j)
-        rho_j, u = trace_f[j, 0], trace_f[j, 1] / trace_f[j, 0]
-        T = (trace_f[j, 2] / rho_j - 0.5 * u * u) / face.cv
+        rho_j, (u, T) = trace_f[j, 0], gas_velocity_and_temperature(pair, face, trace_f, j)
         u += w * (at_interface_u + mu * dj * l2) / rho
         T += w * tau_f * (at_interface_f + kappa * dj * l4)
         trace_s[j, 2] += w * tau_s * (at_interface_s + k_s * dj * l4)
@@ -140,10 +160,11 @@ def energy(face, op, trace_f, trace_s):
         if j == 0:
             uf0, Tf0 = u, T
         trace_f[j, 1] = rho_j * u
-        trace_f[j, 2] = rho_j * (face.cv * T + 0.5 * u * u)
+        trace_f[j, 2] = gas_energy(pair, face, rho_j, u, T)
     # (4.24)
-    ps = solid_pressure(face, trace_s[0, 2], x_X)
-    rho_0 = (mu * u_X - trace_s[0, 1] + ps + face.jump[JUMP_STRESS]) / (face.R * Tf0)
+    ps, mu = solid_pressure(pair, face, trace_s[0, 2], x_X), viscosity(pair, face, Tf0)
+    rho_0 = gas.density(c_f, mu * u_X - trace_s[0, 1] + ps + face.jump[JUMP_STRESS], Tf0)
     trace_f[0, 0] = rho_0
     trace_f[0, 1] = rho_0 * uf0
-    trace_f[0, 2] = rho_0 * (face.cv * Tf0 + 0.5 * uf0 * uf0)
+    trace_f[0, 2] = gas_energy(pair, face, rho_0, uf0, Tf0)
+    return Tf0

@@ -19,26 +19,34 @@ from fsipetsc.coupling.interface import (
     JUMP_T,
     JUMP_U,
     closure_derivative,
+    conductivity,
+    gas_energy,
+    gas_pressure,
+    gas_velocity_and_temperature,
     norm_weight,
     row_length,
     solid_pressure,
     solid_strain,
+    viscosity,
 )
 from fsipetsc.operators.kernels import OPTIONS
 
+#: the conductivity at the interface has the temperature that it leads to, but for this fraction, or after so many attempts
+AGREED, REFINEMENTS = 1e-15, 20
+
 
 @njit(**OPTIONS)
-def interface_temperatures(face, op, trace_f, trace_s, x_X):
+def interface_temperatures(pair, face, op, trace_f, trace_s, x_X):
     """(T_f, T_s) at the interface from continuity of temperature and heat flux, (4.21).
 
     Without heat conduction on either side the temperatures do not couple. With conduction on one side only,
-    continuity of T cannot be imposed: that side gets its heat flux, the other keeps its temperature.
+    continuity of T cannot be imposed: that side gets its heat flux, the other keeps its temperature. The gas conducts
+    with the kappa of its new temperature: where that depends on T, the temperatures are found again with it.
     """
     beta, n = op.closure[0], row_length(op)
     rest_f, T_f0 = 0.0, 0.0
     for j in range(n):
-        u = trace_f[j, 1] / trace_f[j, 0]
-        T = (trace_f[j, 2] / trace_f[j, 0] - 0.5 * u * u) / face.cv
+        _, T = gas_velocity_and_temperature(pair, face, trace_f, j)
         if j == 0:
             T_f0 = T
         else:
@@ -47,44 +55,48 @@ def interface_temperatures(face, op, trace_f, trace_s, x_X):
     rest_f *= d
     rest_s = closure_derivative(op, trace_s, 2, -d) + d * beta[0] * trace_s[0, 2]
     T_s0 = trace_s[0, 2]
-    k_s, k_f = face.kappa_e / x_X, face.kappa
+    k_s, k_f = face.kappa_e / x_X, conductivity(pair, face, T_f0)
     d_f, d_s = d * beta[0], -d * beta[0]
-    if k_s > 0.0 and k_f > 0.0:
-        g_T = face.jump[JUMP_T]
-        T_f0 = (face.jump[JUMP_FLUX] - k_s * (rest_s + d_s * g_T) + k_f * rest_f) / (k_s * d_s - k_f * d_f)
-        T_s0 = T_f0 + g_T
-    elif k_s > 0.0:
-        T_s0 = (face.jump[JUMP_FLUX] / k_s - rest_s) / d_s
-    elif k_f > 0.0:
-        T_f0 = (-face.jump[JUMP_FLUX] / k_f - rest_f) / d_f
+    for _ in range(REFINEMENTS):
+        if k_s > 0.0 and k_f > 0.0:
+            g_T = face.jump[JUMP_T]
+            T_f0 = (face.jump[JUMP_FLUX] - k_s * (rest_s + d_s * g_T) + k_f * rest_f) / (k_s * d_s - k_f * d_f)
+            T_s0 = T_f0 + g_T
+        elif k_s > 0.0:
+            T_s0 = (face.jump[JUMP_FLUX] / k_s - rest_s) / d_s
+        elif k_f > 0.0:
+            T_f0 = (-face.jump[JUMP_FLUX] / k_f - rest_f) / d_f
+        used, k_f = k_f, conductivity(pair, face, T_f0)
+        if not abs(k_f - used) > AGREED * used:
+            break
     return T_f0, T_s0
 
 
 @njit(**OPTIONS)
-def projection(face, op, trace_f, trace_s):
+def projection(pair, face, op, trace_f, trace_s):
     """Project the traces in place on the interface conditions; see the module and fsipetsc.coupling.interface."""
     n, beta = row_length(op), op.closure[0]
     x_X = solid_strain(face, op, trace_s)
-    T_f0, T_s0 = interface_temperatures(face, op, trace_f, trace_s, x_X)
-    ps = solid_pressure(face, T_s0, x_X)
+    T_f0, T_s0 = interface_temperatures(pair, face, op, trace_f, trace_s, x_X)
+    ps = solid_pressure(pair, face, T_s0, x_X)
 
-    # linearisation state: one point into the fluid
+    # linearisation state: one point into the fluid; rho p_rho takes the place of p in a gas that is not perfect
     rho_hat = trace_f[1, 0]
     u1 = trace_f[1, 1] / rho_hat
-    p_hat = (face.gamma - 1.0) * (trace_f[1, 2] - 0.5 * rho_hat * u1 * u1)
+    bulk = pair.gas.bulk_modulus_of_energy(pair.gas.constants(face), rho_hat, trace_f[1, 2] - 0.5 * rho_hat * u1 * u1)
 
-    d, mu, a0 = face.normal / face.h, face.mu, op.norm[0]
+    d, mu, a0 = face.normal / face.h, viscosity(pair, face, T_f0), op.norm[0]
     u_X, row_norm = 0.0, 0.0
     for j in range(n):
         u_X += d * beta[j] * (trace_f[j, 1] / trace_f[j, 0])
         row_norm += d * beta[j] * (d * beta[j]) / norm_weight(op, j)
     uf0, us0 = trace_f[0, 1] / trace_f[0, 0], trace_s[0, 0]
-    p_tilde = face.R * trace_f[0, 0] * T_f0
+    p_tilde = gas_pressure(pair, face, trace_f[0, 0], T_f0)
 
     # (4.23)
     a11 = (1.0 / face.m0 + 1.0 / rho_hat) / a0
     a12 = mu * d * beta[0] / (a0 * rho_hat)
-    a22 = (face.K + p_hat) / a0 + mu * mu * row_norm / rho_hat
+    a22 = (face.K + bulk) / a0 + mu * mu * row_norm / rho_hat
     r1 = us0 - uf0 - face.jump[JUMP_U]
     r2 = trace_s[0, 1] - ps + p_tilde - mu * u_X - face.jump[JUMP_STRESS]
     det = a11 * a22 - a12 * a12
@@ -110,7 +122,7 @@ def projection(face, op, trace_f, trace_s):
     # (4.24)
     u = trace_f[0, 1] / trace_f[0, 0]
     p0 = mu * u_X - trace_s[0, 1] + ps + face.jump[JUMP_STRESS]
-    rho = p0 / (face.R * T_f0)
+    rho = pair.gas.density(pair.gas.constants(face), p0, T_f0)
     trace_f[0, 0] = rho
     trace_f[0, 1] = rho * u
-    trace_f[0, 2] = rho * (face.cv * T_f0 + 0.5 * u * u)
+    trace_f[0, 2] = gas_energy(pair, face, rho, u, T_f0)

@@ -17,22 +17,31 @@ from __future__ import annotations
 
 from numba import njit
 
-from fsipetsc.coupling.interface import JUMP_STRESS, JUMP_U, row_length, solid_pressure, solid_strain
+from fsipetsc.coupling.interface import (
+    JUMP_STRESS,
+    JUMP_U,
+    gas_energy,
+    gas_pressure,
+    row_length,
+    solid_pressure,
+    solid_strain,
+    viscosity,
+)
 from fsipetsc.coupling.projection import interface_temperatures
 from fsipetsc.operators.kernels import OPTIONS
 
 
 @njit(**OPTIONS)
-def traditional(face, op, trace_f, trace_s):
+def traditional(pair, face, op, trace_f, trace_s):
     """Impose the interface conditions on the traces in place; see the module and fsipetsc.coupling.interface."""
     x_X = solid_strain(face, op, trace_s)
-    T_f, T_s = interface_temperatures(face, op, trace_f, trace_s, x_X)
+    T_f, T_s = interface_temperatures(pair, face, op, trace_f, trace_s, x_X)
     rho, u = trace_f[0, 0], trace_s[0, 0] - face.jump[JUMP_U]
     trace_f[0, 1] = rho * u
-    trace_f[0, 2] = rho * (face.cv * T_f + 0.5 * u * u)
+    trace_f[0, 2] = gas_energy(pair, face, rho, u, T_f)
     d, u_X = face.normal / face.h, 0.0
     for j in range(row_length(op)):
         u_X += d * op.closure[0, j] * (trace_f[j, 1] / trace_f[j, 0])
-    fluid_stress = -face.R * rho * T_f + face.mu * u_X
-    trace_s[0, 1] = solid_pressure(face, T_s, x_X) + fluid_stress + face.jump[JUMP_STRESS]
+    fluid_stress = -gas_pressure(pair, face, rho, T_f) + viscosity(pair, face, T_f) * u_X
+    trace_s[0, 1] = solid_pressure(pair, face, T_s, x_X) + fluid_stress + face.jump[JUMP_STRESS]
     trace_s[0, 2] = T_s

@@ -63,6 +63,11 @@ def _member(context, builder, kind, value, name):
 _UNROLLED = {"forceinline": True, "error_model": "numpy"}  # whatever the size: vectors stay in registers
 
 
+def in_python(function: Any) -> Any:
+    """A formula as Python has it, for numbers and arrays."""
+    return getattr(function, "py_func", function)
+
+
 def each(function: Any, *arguments: Any) -> tuple:
     """(function(a[0], ...), function(a[1], ...), ...) of the tuples a among the arguments, each other one given to each call.
 

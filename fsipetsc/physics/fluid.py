@@ -16,24 +16,29 @@ import numpy as np
 from numba import njit
 
 from fsipetsc.checks import NONNEGATIVE, POSITIVE, numbers
-from fsipetsc.operators.formulas import Formulas
+from fsipetsc.operators.formulas import Formulas, in_python
 from fsipetsc.operators.kernels import FORMULA, OPTIONS, U64
 from fsipetsc.operators.vectors import fma
+from fsipetsc.physics.constant_transport import constant_transport
 from fsipetsc.physics.layer import FLUID
+from fsipetsc.physics.perfect_gas import perfect_gas
 
 
 @dataclass(frozen=True)
 class Fluid:
-    """A perfect gas.
+    """A gas; perfect, unless another law is given.
 
     mu: shear viscosity [Pa s]; kappa: heat conductivity [W/(m K)]; gamma: ratio of the specific heats, above 1;
-    R: gas constant over molar mass [J/(kg K)]. InputError for what is no number or out of range.
+    R: gas constant over molar mass [J/(kg K)]. law: formulas of the equation of state, as ``perfect_gas``; transport: of what
+    mu and kappa are multiplied with, as ``constant_transport``. InputError for what is no number or out of range.
     """
 
     mu: float
     kappa: float
     gamma: float
     R: float
+    law: Formulas = perfect_gas
+    transport: Formulas = constant_transport
 
     def __post_init__(self) -> None:
         numbers(self, "Fluid", {"mu": NONNEGATIVE, "kappa": NONNEGATIVE, "gamma": "above 1", "R": POSITIVE})
@@ -43,20 +48,24 @@ class Fluid:
         """Specific heat at constant volume [J/(kg K)]."""
         return self.R / (self.gamma - 1)
 
-    def sound_speed(self, T: float | np.ndarray) -> float | np.ndarray:
-        """Speed of sound [m/s] at temperature T [K]."""
-        return np.sqrt(self.gamma * self.R * T)
+    def sound_speed(self, T: float | np.ndarray, rho: float | np.ndarray = 1.0) -> float | np.ndarray:
+        """Speed of sound [m/s] at temperature T [K] and density rho [kg/m3], which matters where the gas is not perfect."""
+        return np.sqrt(self._of_law("sound_speed_squared", rho, T))
 
     def conserved(self, rho: np.ndarray, u: np.ndarray, T: np.ndarray) -> np.ndarray:
         """(rho, rho u, e) of shape (..., 3) from density, velocity and temperature."""
-        return np.stack([rho, rho * u, rho * (self.cv * T + 0.5 * u * u)], axis=-1)
+        return np.stack([rho, rho * u, rho * (self._of_law("energy", rho, T) + 0.5 * u * u)], axis=-1)
 
     def primitive(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """rho, u, T, p from the conserved variables q of shape (..., 3)."""
         rho = q[..., 0]
         u = q[..., 1] / rho
-        T = (q[..., 2] / rho - 0.5 * u * u) / self.cv
-        return rho, u, T, self.R * rho * T
+        T = self._of_law("temperature", rho, q[..., 2] / rho - 0.5 * u * u)
+        return rho, u, T, self._of_law("pressure", rho, T)
+
+    def _of_law(self, name: str, *values: np.ndarray) -> np.ndarray:
+        """A formula of the law, by numpy."""
+        return in_python(getattr(self.law, name))(in_python(self.law.constants)(self), *values)
 
 
 @njit(**FORMULA)

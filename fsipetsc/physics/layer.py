@@ -17,6 +17,7 @@ _I, _F = np.int64, np.float64
 LAYER = np.dtype(
     [
         ("kind", _I),
+        ("law", _I),  # number among the laws of the problem, see fsipetsc.scheme.laws
         ("present", _I),  # this rank owns points of the layer
         ("n", _I),
         ("lo", _I),

@@ -44,9 +44,45 @@ def pressure(c, rho, T):
 
 
 @njit(**FORMULA)
+def pressure_of_energy(c, rho, E):
+    """p of rho and the internal energy per volume E = rho e."""
+    return (c[1] - 1.0) * E
+
+
+@njit(**FORMULA)
 def density(c, p, T):
     """rho(p, T)."""
     return p / (c[0] * T)
+
+
+@njit(**FORMULA)
+def temperature_of_pressure(c, rho, p):
+    """T(rho, p)."""
+    return p / (c[0] * rho)
+
+
+@njit(**FORMULA)
+def heat_capacity(c, rho, T):
+    """de/dT at constant rho."""
+    return c[2]
+
+
+@njit(**FORMULA)
+def pressure_by_temperature(c, rho, T):
+    """dp/dT at constant rho."""
+    return c[0] * rho
+
+
+@njit(**FORMULA)
+def bulk_modulus(c, rho, T):
+    """rho dp/drho at constant T."""
+    return c[0] * rho * T
+
+
+@njit(**FORMULA)
+def bulk_modulus_of_energy(c, rho, E):
+    """The same of rho and the internal energy per volume."""
+    return (c[1] - 1.0) * E
 
 
 @njit(**FORMULA)
@@ -73,7 +109,13 @@ perfect_gas = Formulas(
     temperature_in_loops=temperature_in_loops,
     energy=energy,
     pressure=pressure,
+    pressure_of_energy=pressure_of_energy,
     density=density,
+    temperature_of_pressure=temperature_of_pressure,
+    heat_capacity=heat_capacity,
+    pressure_by_temperature=pressure_by_temperature,
+    bulk_modulus=bulk_modulus,
+    bulk_modulus_of_energy=bulk_modulus_of_energy,
     sound_speed_squared=sound_speed_squared,
     sound_speed_squared_of_energy=sound_speed_squared_of_energy,
     entropy=entropy,

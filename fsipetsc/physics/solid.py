@@ -16,31 +16,20 @@ import numpy as np
 from numba import njit
 
 from fsipetsc.checks import ANY, NONNEGATIVE, POSITIVE, numbers
-from fsipetsc.operators.formulas import Formulas
-from fsipetsc.operators.kernels import FORMULA, OPTIONS
+from fsipetsc.operators.formulas import Formulas, in_python
+from fsipetsc.operators.kernels import FORMULA
 from fsipetsc.operators.vectors import fma
+from fsipetsc.physics.gruneisen import gruneisen as gruneisen_pressure
 from fsipetsc.physics.layer import SOLID
-
-
-def modulus(K, gruneisen, p, sigma, x_X):
-    """m0 times the squared speed of elastic waves in Lagrangian coordinates [Pa].
-
-    With p = G alpha m0 T / x_X it is what (3.1b-d) make of (sigma - p)_t over u_X: (K + p + G (p - sigma)) / x_X; in
-    the letters after (3.9), where x_X = 1, K + (p - sigma) p_eps / rho + rho p_rho.
-    """
-    return (K + p + gruneisen * (p - sigma)) / x_X
-
-
-wave_modulus = njit(**OPTIONS)(modulus)
 
 
 @dataclass(frozen=True)
 class Solid:
-    """Linear elastic material, with the pressure p = gruneisen * rho * epsilon where gruneisen > 0.
+    """Linear elastic material, with the pressure p = gruneisen * rho * epsilon, or that of another law.
 
     K: 2 mu_e + lambda_e [Pa]; kappa_e: heat conductivity [W/(m K)]; m0: density in the reference configuration
-    [kg/m3]; alpha: specific heat [J/(kg K)]; force: body force per mass [m/s2]; gruneisen: [-]. InputError for what is no
-    number or out of range.
+    [kg/m3]; alpha: specific heat [J/(kg K)]; force: body force per mass [m/s2]; gruneisen: [-];
+    pressing: formulas of the pressure, as ``gruneisen``. InputError for what is no number or out of range.
     """
 
     K: float
@@ -49,18 +38,24 @@ class Solid:
     alpha: float
     force: float = 0.0
     gruneisen: float = 0.0
+    pressing: Formulas = gruneisen_pressure
 
     def __post_init__(self) -> None:
         ranges = {"K": POSITIVE, "kappa_e": NONNEGATIVE, "m0": POSITIVE, "alpha": POSITIVE}
         numbers(self, "Solid", {**ranges, "force": ANY, "gruneisen": NONNEGATIVE})
 
     def sound_speed(self, x_X: float = 1.0, T: float = 0.0, sigma: float = 0.0) -> float:
-        """Speed of the elastic waves in Lagrangian coordinates [m/s]; T and sigma matter where gruneisen > 0."""
-        return float(modulus(self.K, self.gruneisen, self.pressure(T, x_X), sigma, x_X) / self.m0) ** 0.5
+        """Speed of the elastic waves in Lagrangian coordinates [m/s]; T and sigma matter where there is a pressure."""
+        p, heat = self.pressure(T, x_X), self.alpha * self.m0
+        return float(self._of_law("wave_modulus", self.K, heat, T, p, sigma, x_X) / self.m0) ** 0.5
 
     def pressure(self, T: np.ndarray, x_X: np.ndarray) -> np.ndarray:
-        """p(epsilon, rho) [Pa] with epsilon = alpha T, rho = m0 / x_X."""
-        return self.gruneisen * self.m0 * self.alpha * T / x_X
+        """p [Pa] at temperature T [K] and strain x_X; that of p(epsilon, rho) with epsilon = alpha T, rho = m0 / x_X."""
+        return self._of_law("pressure", T, x_X)
+
+    def _of_law(self, name: str, *values: np.ndarray) -> np.ndarray:
+        """A formula of the law of pressure, by numpy."""
+        return in_python(getattr(self.pressing, name))(in_python(self.pressing.constants)(self), *values)
 
 
 @njit(**FORMULA)
@@ -92,7 +87,7 @@ def flux(law, constants, q, v, gradients):
     _, sigma, T, _ = q
     x_X, conduction = gradients
     stretch = 1.0 / x_X
-    return stretch, sigma - law.pressing.pressure(constants[0], T, stretch), conduction * stretch
+    return stretch, sigma - law.pressing.pressure_in_loops(constants[0], T, stretch), conduction * stretch
 
 
 @njit(**FORMULA)

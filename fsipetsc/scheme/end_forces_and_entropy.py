@@ -9,8 +9,7 @@ from fsipetsc.boundaries import INTERFACE_END, NODES
 from fsipetsc.operators.kernels import BLOCK, OPTIONS, U64, derivative, lagrange, row
 from fsipetsc.parallel.exchange import work_point
 from fsipetsc.parallel.pointers import rows_at
-from fsipetsc.physics.layer import FLUID
-from fsipetsc.scheme.conditions import boundary_distance
+from fsipetsc.scheme.layer_ends import boundary_distance
 from fsipetsc.scheme.plan import WORK
 
 
@@ -33,7 +32,7 @@ def norm_sum(head, layer):
 
 
 @njit(**OPTIONS)
-def end_forces(head, layer, memory):
+def end_forces(law, head, layer, memory):
     """Force [Pa] of the outer ends that this rank owns: -n (rho u^2 + p - mu' u_X) of a fluid, n (sigma - p) of a solid."""
     force = 0.0
     for side in range(2):
@@ -41,77 +40,81 @@ def end_forces(head, layer, memory):
         if layer.end_kind[side] == INTERFACE_END or not layer.own_lo <= end < layer.own_hi:
             continue
         normal = 2.0 * side - 1.0
-        if layer.kind == FLUID:
-            force -= normal * gas_traction(head, layer, memory, side, end, step)
-        else:
-            w = work_point(head, layer, WORK, end)
-            force += normal * (memory[U64(w + layer.stride)] - end_pressure(head, layer, memory, end, step))
+        force -= normal * law.traction(law, head, layer, memory, side, end, step)
     return force
 
 
 @njit(**OPTIONS)
-def gas_traction(head, layer, memory, side, ghost, step):
+def gas_traction(law, head, layer, memory, side, ghost, step):
     """rho u^2 + p - mu' u_X at an embedded boundary, from the cubic through the last four points."""
     nodes = rows_at(memory, head.nodes, 5, NODES)
     lagrange(layer.hi - layer.lo - boundary_distance(layer, side), 3, nodes[3], nodes[4])
-    flux = 0.0
+    gas, c, flux, T = law.gas, law.gas.constants(layer), 0.0, 0.0
+    for k in range(4):
+        T += nodes[3, k] * gas_temperature(law, layer, memory, work_point(head, layer, WORK, ghost + k * step))
+    mu = layer.mu * law.transport.relative(T)[0]
     for k in range(4):
         w = work_point(head, layer, WORK, ghost + k * step)
         rho, m, e = memory[U64(w)], memory[U64(w + layer.stride)], memory[U64(w + 2 * layer.stride)]
         u = m / rho
-        flux += nodes[3, k] * (m * u + (layer.gamma - 1.0) * (e - 0.5 * m * u))
+        flux += nodes[3, k] * (m * u + gas.pressure_of_energy(c, rho, e - 0.5 * m * u))
         if k == 0 and layer.end_apart[side] != 0:
             u = layer.end_gradient[side, 0]
-        flux -= layer.mu * nodes[4, k] * u * step / layer.h
+        flux -= mu * nodes[4, k] * u * step / layer.h
     return flux
 
 
 @njit(**OPTIONS)
-def end_pressure(head, layer, memory, end, step):
-    """p(epsilon, rho) at the end of a solid; 0 in the elastic solid."""
-    if layer.gruneisen == 0.0:
-        return 0.0
+def solid_traction(law, head, layer, memory, side, end, step):
+    """p - sigma at the end of a solid."""
     x_X = 0.0
     for j in range(head.rows):
         x_X += head.op.closure[0, j] * memory[U64(work_point(head, layer, WORK, end + step * j) + 3 * layer.stride)]
     x_X *= step / layer.h
-    T = memory[U64(work_point(head, layer, WORK, end) + 2 * layer.stride)]
-    return layer.gruneisen * layer.m0 * layer.alpha * T / x_X
+    w = work_point(head, layer, WORK, end)
+    p = law.pressing.pressure(law.pressing.constants(layer), memory[U64(w + 2 * layer.stride)], x_X)
+    return p - memory[U64(w + layer.stride)]
 
 
 @njit(**OPTIONS)
-def specific_entropy(layer, memory, w):
-    """rho (cv ln T - R ln rho) of the gas at a point."""
+def gas_temperature(law, layer, memory, w):
+    """T of the gas at a point."""
     rho = memory[U64(w)]
     u = memory[U64(w + layer.stride)] / rho
-    T = (memory[U64(w + 2 * layer.stride)] / rho - 0.5 * u * u) / layer.cv
-    return rho * (layer.cv * np.log(T) - layer.R * np.log(rho))
+    return law.gas.temperature(law.gas.constants(layer), rho, memory[U64(w + 2 * layer.stride)] / rho - 0.5 * u * u)
 
 
 @njit(**OPTIONS)
-def gas_entropy(head, layer, memory):
-    """(this rank's part of the gas's entropy without h, 0): the density is that of ``specific_entropy``."""
+def entropy_density(law, layer, memory, w):
+    """Entropy of the gas per volume at a point."""
+    rho, T = memory[U64(w)], gas_temperature(law, layer, memory, w)
+    return rho * law.gas.entropy(law.gas.constants(layer), rho, T)
+
+
+@njit(**OPTIONS)
+def gas_entropy(law, head, layer, memory):
+    """(this rank's part of the gas's entropy without h, 0): the density is that of ``entropy_density``."""
     result = 0.0
     for i in range(max(layer.own_lo, layer.lo), min(layer.own_hi, layer.hi + 1)):
-        result += weight(head, layer, i) * specific_entropy(layer, memory, work_point(head, layer, WORK, i))
+        result += weight(head, layer, i) * entropy_density(law, layer, memory, work_point(head, layer, WORK, i))
     for side in range(2):
         ghost, step = (layer.lo, 1) if side == 0 else (layer.hi, -1)
         if layer.end_kind[side] != INTERFACE_END and layer.own_lo <= ghost < layer.own_hi:
             for k in range(4):
                 at = work_point(head, layer, WORK, ghost + k * step)
-                memory[U64(head.nodes + k)] = specific_entropy(layer, memory, at)
+                memory[U64(head.nodes + k)] = entropy_density(law, layer, memory, at)
             strip = layer.hi - layer.lo - boundary_distance(layer, side)
             result -= strip_integral(memory, head.nodes, 1, strip)
     return result, 0.0
 
 
 @njit(**OPTIONS)
-def solid_entropy(head, layer, memory):
+def solid_entropy(law, head, layer, memory):
     """(entropy, rate of heating by stress over T) of this rank's part without h: alpha m0 ln T, (sigma - p) u_X / T."""
     entropy, heating = 0.0, 0.0
     first, at = layer.own_lo - layer.halo_lo, head.scratch
     w = work_point(head, layer, WORK, first)
-    pe = layer.gruneisen * layer.m0 * layer.alpha
+    pressing, c = law.pressing, law.pressing.constants(layer)
     for i0 in range(layer.own_lo, layer.own_hi, BLOCK):
         i1 = min(i0 + BLOCK, layer.own_hi)
         for q in range(2):  # u_X, x_X
@@ -122,7 +125,7 @@ def solid_entropy(head, layer, memory):
             T, a = memory[U64(p + 2 * layer.stride)], weight(head, layer, i)
             u_X, x_X = memory[U64(at + row(0) + i - i0)], memory[U64(at + row(1) + i - i0)]
             entropy += a * np.log(T)
-            heating += a * (memory[U64(p + layer.stride)] - pe * T / x_X) * u_X / T
+            heating += a * (memory[U64(p + layer.stride)] - pressing.pressure(c, T, x_X)) * u_X / T
     return layer.alpha * layer.m0 * entropy, heating
 
 

@@ -25,4 +25,4 @@ def fields(heads, layers, memory, out, starts, stride):
         if layer.present == 0:
             continue
         w = work_point(head, layer, WORK, 0)
-        with_chosen(of_layer.save, LAWS, layer.kind, layer, head.op, memory, w, head.scratch, out, starts[k], stride)
+        with_chosen(of_layer.save, LAWS, layer.law, layer, head.op, memory, w, head.scratch, out, starts[k], stride)

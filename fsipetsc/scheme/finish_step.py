@@ -8,16 +8,15 @@ import numpy as np
 from numba import njit
 
 from fsipetsc.boundaries import INTERFACE_END
-from fsipetsc.coupling import residuals
 from fsipetsc.operators.formulas import with_chosen
 from fsipetsc.operators.kernels import INLINE, OPTIONS, U64
 from fsipetsc.parallel.exchange import TRACE, store_state, work_point
 from fsipetsc.parallel.pointers import rows_at
 from fsipetsc.physics.layer import FLUID
-from fsipetsc.scheme.conditions import NEW, OLD, boundary_distance, fill_embedded
 from fsipetsc.scheme.extremes_and_sums import SIZE, begin_extremes_and_sums
 from fsipetsc.scheme.integrals import integrals
-from fsipetsc.scheme.laws import LAWS, of_layer
+from fsipetsc.scheme.laws import LAWS, PAIRS, of_interface, of_layer
+from fsipetsc.scheme.layer_ends import NEW, OLD, boundary_distance
 from fsipetsc.scheme.plan import EXHAUSTED, LOW, MOVED, TOO_SHORT, WORK
 from fsipetsc.scheme.time_step import bound_step
 
@@ -42,14 +41,14 @@ def move_boundary(head, layer, memory, side):
             layer.lo -= 1
         else:
             layer.hi += 1
-        fill_embedded(head, layer, memory, WORK, side, NEW)
+        with_chosen(of_layer.end, LAWS, layer.law, head, layer, memory, WORK, side, NEW)
         moved = True
     if layer.hi - layer.lo > target >= layer.least - 1:
         if side == 0:
             layer.lo = layer.hi - target
         else:
             layer.hi = layer.lo + target
-        fill_embedded(head, layer, memory, WORK, side, OLD)
+        with_chosen(of_layer.end, LAWS, layer.law, head, layer, memory, WORK, side, OLD)
         moved = True
     return moved, False
 
@@ -104,7 +103,7 @@ def look(head, layer, k, memory, begin, end):
     if layer.present == 0:
         return
     w, at = work_point(head, layer, WORK, 0), head.extremes + SIZE * k
-    with_chosen(of_layer.look, LAWS, layer.kind, layer, memory, w, at, begin, end)
+    with_chosen(of_layer.look, LAWS, layer.law, layer, memory, w, at, begin, end)
     store_state(head, layer, memory, WORK, head.solution, begin, end)
 
 
@@ -115,4 +114,5 @@ def interface_state(head, faces, memory):
     for k in range(faces.size):
         trace = rows_at(memory, head.traces + k * head.rows * TRACE, head.rows, TRACE)
         states[0, k], states[1, k], states[2, k], states[3, k] = trace[0, 6], trace[0, 3], trace[0, 4], trace[0, 5]
-        residuals(faces[k], head.op, trace[:, :3], trace[:, 3:], states[4:, k])
+        into = states[4:, k]
+        with_chosen(of_interface.residuals, PAIRS, faces[k].pair, faces[k], head.op, trace[:, :3], trace[:, 3:], into)

@@ -9,12 +9,14 @@ from __future__ import annotations
 from numba import njit
 
 from fsipetsc.boundaries import INTERFACE_END
+from fsipetsc.operators.formulas import with_chosen
 from fsipetsc.operators.kernels import INLINE, OPTIONS, U64
 from fsipetsc.parallel.exchange import work_point
 from fsipetsc.physics.layer import FLUID
-from fsipetsc.scheme.conditions import boundary_distance
-from fsipetsc.scheme.end_forces_and_entropy import end_forces, gas_entropy, norm_sum, solid_entropy, strip_integral
+from fsipetsc.scheme.end_forces_and_entropy import norm_sum, strip_integral
 from fsipetsc.scheme.extremes_and_sums import SIZE, SUMS
+from fsipetsc.scheme.laws import LAWS, of_layer
+from fsipetsc.scheme.layer_ends import boundary_distance
 from fsipetsc.scheme.plan import ENERGY, ENTROPY, FORCE, HEATING, MOMENTUM, WORK
 
 
@@ -50,9 +52,9 @@ def integrals(head, layers, memory):
                 energy += layer.m0 * (0.5 if q == 1 else layer.alpha) * value
         if not fluid:
             force += layer.force * layer.m0 * h * norm_sum(head, layer)
-        force += end_forces(head, layer, memory)
+        force += with_chosen(of_layer.end_forces, LAWS, layer.law, head, layer, memory)
         if head.entropy == 1:
-            gained, source = gas_entropy(head, layer, memory) if fluid else solid_entropy(head, layer, memory)
+            gained, source = with_chosen(of_layer.entropy, LAWS, layer.law, head, layer, memory)
             entropy += h * gained
             heating += h * source
     memory[U64(head.integrals + ENERGY)] = energy

@@ -33,15 +33,12 @@ def fluid_fields(law, layer, op, s, w, scratch, out, at, stride):
 @njit(**OPTIONS)
 def solid_fields(law, layer, op, s, w, scratch, out, at, stride):
     """u, sigma, T, x and p of the owned points; see ``fluid_fields``."""
-    heated, strain = layer.gruneisen * layer.m0 * layer.alpha, scratch + row(0)
+    pressing, heated, strain = law.pressing, law.pressing.constants(layer), scratch + row(0)
     for i0 in range(layer.own_lo, layer.own_hi, BLOCK):
         i1 = min(i0 + BLOCK, layer.own_hi)
-        if heated != 0.0:
-            derivative(op, s, w + 3 * layer.stride + i0, i0, strain, i0, i0, i1, layer.lo, layer.hi, 1.0 / layer.h)
+        derivative(op, s, w + 3 * layer.stride + i0, i0, strain, i0, i0, i1, layer.lo, layer.hi, 1.0 / layer.h)
         for i in range(i0, i1):
-            o, p = U64(at + (i - layer.own_lo) * stride), 0.0
+            o = U64(at + (i - layer.own_lo) * stride)
             for c in range(4):
                 out[o + U64(c)] = s[U64(w + c * layer.stride + i)]
-            if heated != 0.0:
-                p = heated * out[o + U64(2)] / s[U64(strain + i - i0)]
-            out[o + U64(4)] = p
+            out[o + U64(4)] = pressing.pressure(heated, out[o + U64(2)], s[U64(strain + i - i0)])

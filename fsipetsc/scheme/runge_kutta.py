@@ -82,7 +82,7 @@ def evaluate(head, layer, memory, stage, begin, end):
         stage.b,
     )
     w = work_point(head, layer, stage.area, 0)
-    with_chosen(of_layer.sweep, LAWS, layer.kind, layer, head.op, memory, w, head.scratch, target, begin, end)
+    with_chosen(of_layer.sweep, LAWS, layer.law, layer, head.op, memory, w, head.scratch, target, begin, end)
 
 
 @njit(**OPTIONS)

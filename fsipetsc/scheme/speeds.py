@@ -6,7 +6,6 @@ import numpy as np
 from numba import njit
 
 from fsipetsc.operators.kernels import OPTIONS, U64
-from fsipetsc.physics.solid import wave_modulus
 from fsipetsc.scheme.extremes_and_sums import GREATEST_T, LEAST_RHO, LEAST_SIGMA, LEAST_STRAIN, LEAST_T, SPEED, SUMS
 
 
@@ -16,7 +15,9 @@ def fluid_speeds(law, layer, s, at):
     speed, rho, T = s[U64(at + SPEED)], s[U64(at + LEAST_RHO)], s[U64(at + LEAST_T)]
     cold, hot = law.transport.relative(T), law.transport.relative(s[U64(at + GREATEST_T)])
     mu, kappa = layer.mu * max(cold[0], hot[0]), layer.kappa * max(cold[1], hot[1])
-    return rho > 0.0 and T > 0.0 and speed < np.inf, speed, 2.0 * max(mu, kappa / layer.cv) / rho
+    gas = law.gas.constants(layer)
+    cv = min(law.gas.heat_capacity(gas, rho, T), law.gas.heat_capacity(gas, rho, s[U64(at + GREATEST_T)]))
+    return rho > 0.0 and T > 0.0 and speed < np.inf, speed, 2.0 * max(mu, kappa / cv) / rho
 
 
 @njit(**OPTIONS)
@@ -27,9 +28,10 @@ def solid_speeds(law, layer, s, at):
     """
     shortest, coldest = s[U64(at + LEAST_STRAIN)], s[U64(at + LEAST_T)]
     hottest, pulled, stretch = s[U64(at + GREATEST_T)], s[U64(at + LEAST_SIGMA)], 1.0 / shortest
-    p = layer.gruneisen * layer.m0 * layer.alpha * hottest * stretch
+    c, heat = law.pressing.constants(layer), layer.alpha * layer.m0
+    p = law.pressing.pressure_in_loops(c, hottest, stretch)
     # a velocity or stress that is not a number shows in the speed
-    c2 = wave_modulus(layer.K, layer.gruneisen, p, min(pulled, p), shortest) / layer.m0
+    c2 = law.pressing.wave_modulus(c, layer.K, heat, hottest, p, min(pulled, p), shortest) / layer.m0
     c2 += 0.0 * (s[U64(at + SUMS)] + pulled)
     good = shortest > 0.0 and coldest > 0.0 and 0.0 <= c2 < np.inf
     return good, np.sqrt(c2), 2.0 * layer.kappa_e * stretch / (layer.alpha * layer.m0)

@@ -30,7 +30,7 @@ def bound_step(head, layers, memory):
         if layer.present == 0:
             continue
         h = layer.h
-        good, speed, spread = with_chosen(of_layer.speeds, LAWS, layer.kind, layer, memory, seen)
+        good, speed, spread = with_chosen(of_layer.speeds, LAWS, layer.law, layer, memory, seen)
         if good:
             convection, diffusion = max(convection, speed / h), max(diffusion, spread / (h * h))
         else:

@@ -18,6 +18,7 @@ from fsipetsc.physics.layer import DOF, FLUID
 from fsipetsc.problem import FluidLayer, Problem
 from fsipetsc.scheme import runge_kutta
 from fsipetsc.scheme.burst import MADE
+from fsipetsc.scheme.laws import number_laws
 from fsipetsc.scheme.plan import BURST, FLAGS, FORCING, LIMITS, LOW, SAID_STOP, make_plan
 from fsipetsc.together import agree, together
 
@@ -71,6 +72,7 @@ class State:
         self.layout = Layout(self.comm, self.problem, self.op, self.h, grids, self._mode, kept)
         forced = any(layer.forcing for layer in self.problem.layers)
         self.plan, self._neighbours = make_plan(self.layout, self.op, self._coupling, forced, self._entropy, self._shared)
+        number_laws(self.plan.layers, self.plan.faces)
         for record, grid in zip(self.layout.records, grids, strict=True):
             record["lo"], record["hi"] = grid.lo, grid.hi
         # the solution vector's own memory is the plan's

@@ -1,0 +1,92 @@
+"""The outer end of a layer in a work area: its condition is applied to the points there. Compiled.
+
+The formulas are those of fsipetsc.boundaries; here they are given the values of the points that this rank has.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from fsipetsc.boundaries import NODES, close_solid, fill_ghost, note_gradient
+from fsipetsc.operators.kernels import OPTIONS, U64
+from fsipetsc.parallel.exchange import holds, work_point
+from fsipetsc.parallel.pointers import rows_at
+
+#: whether a ghost point has values already
+OLD, NEW = np.bool_(False), np.bool_(True)
+
+
+@njit(**OPTIONS)
+def boundary_distance(layer, side):
+    """Distance between interface and embedded boundary in cells, from the position of the frame (not by (4.25))."""
+    return abs(layer.end_x[side] - layer.x_interface) / layer.h
+
+
+@njit(**OPTIONS)
+def ghost_of(head, layer, side):
+    """(ghost point of an embedded boundary, step inwards, most points inside of it that a formula takes, has this rank all)."""
+    G, step = (layer.lo, 1) if side == 0 else (layer.hi, -1)
+    # one less than the halo, so that who owns the next point to come in knows the ghost point before it, too
+    depth = min(NODES - 1, head.halo - 1, layer.hi - layer.lo)
+    return G, step, depth, holds(layer, G) and holds(layer, G + step * depth)
+
+
+@njit(**OPTIONS)
+def fetch_nodes(law, head, layer, memory, area, side, first):
+    """(rho, u, T) of the ghost point (0) and those inside of it from number ``first`` on, as ``fill_ghost`` takes them."""
+    nodes, (G, step, depth, _) = rows_at(memory, head.nodes, 5, NODES), ghost_of(head, layer, side)
+    constants = law.gas.constants(layer)
+    for k in range(first, depth + 1):
+        w = work_point(head, layer, area, G + step * k)
+        rho = memory[U64(w)]
+        u = memory[U64(w + layer.stride)] / rho
+        nodes[0, k], nodes[1, k] = rho, u
+        nodes[2, k] = law.gas.temperature(constants, rho, memory[U64(w + 2 * layer.stride)] / rho - 0.5 * u * u)
+    return nodes
+
+
+@njit(**OPTIONS)
+def fill_embedded(law, head, layer, memory, area, side, new):
+    """Give the ghost point of a fluid layer its values, where this rank has the points that this takes.
+
+    new: the point has no values yet.
+    """
+    G, _, _, here = ghost_of(head, layer, side)
+    if not here:
+        return
+    nodes = fetch_nodes(law, head, layer, memory, area, side, 1 if new else 0)
+    fill_ghost(law, layer, head.op, side, layer.hi - layer.lo - boundary_distance(layer, side), nodes, new)
+    w, rho, u, T = work_point(head, layer, area, G), nodes[0, 0], nodes[1, 0], nodes[2, 0]
+    memory[U64(w)], memory[U64(w + layer.stride)] = rho, rho * u
+    memory[U64(w + 2 * layer.stride)] = rho * (law.gas.energy(law.gas.constants(layer), rho, T) + 0.5 * u * u)
+
+
+@njit(**OPTIONS)
+def note_embedded(law, head, layer, memory, area, side):
+    """Note what the gradients take at the ghost point of a fluid layer, where this rank has the points that this takes."""
+    if ghost_of(head, layer, side)[3]:
+        nodes = fetch_nodes(law, head, layer, memory, area, side, 0)
+        note_gradient(layer, side, layer.hi - layer.lo - boundary_distance(layer, side), nodes)
+
+
+@njit(**OPTIONS)
+def close_end(law, head, layer, memory, area, side, new):
+    """Apply the condition at the outer end of a solid, where this rank has the rows that this takes."""
+    point, step = (layer.lo, 1) if side == 0 else (layer.hi, -1)
+    if not (holds(layer, point) and holds(layer, point + step * (head.rows - 1))):
+        return
+    trace = rows_at(memory, head.scratch, head.rows, 4)
+    for j in range(head.rows):
+        w = work_point(head, layer, area, point + step * j)
+        for c in range(4):
+            trace[j, c] = memory[U64(w + c * layer.stride)]
+    close_solid(law, layer, head.op, side, trace)
+    w = work_point(head, layer, area, point)
+    for c in range(4):
+        memory[U64(w + c * layer.stride)] = trace[0, c]
+
+
+@njit(**OPTIONS)
+def note_nothing(law, head, layer, memory, area, side):
+    """The gradients at the end of a solid take its values."""
