@@ -18,7 +18,7 @@ class FsiError(Exception):
 
 
 class InputError(FsiError):
-    """Bad input: an option, a case file, a restart file, the number of ranks. Says what would be valid."""
+    """Bad input: an option, a case file, a result file, the number of ranks. Says what would be valid."""
 
     status = 2
 

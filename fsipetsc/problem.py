@@ -156,7 +156,7 @@ class Problem:
 
     @property
     def laws(self) -> dict[str, Any]:
-        """What must not change, as JSON holds it: see fsipetsc.stepping.conservation_check.drifts, which takes it.
+        """What must not change, as JSON holds it: see fsipetsc.scheme.conservation_check.drifts, which takes it.
 
         masses: (name, number among the fluids) of the gas layers that nothing enters or leaves; energy: whether that of all
         layers is kept. Momentum less the impulse of ends and body forces always is. Empty where forcing or jumps change all.

@@ -1,4 +1,4 @@
-"""The ledgers of a run: mass, momentum, energy, entropy; and -fsi_check, which holds a run to them."""
+"""The integrals of a run: mass, momentum, energy, entropy; and -fsi_check, which holds a run to them."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from helpers import mpirun, run
 
 import fsipetsc
 from fsipetsc.cases import box
-from fsipetsc.stepping.conservation_check import Balances, ConservationCheck, drifts
+from fsipetsc.scheme.conservation_check import ConservationCheck, Drifts, drifts
 from fsipetsc.stepping.integrator import CHECKED
 
 
-def ledger(path):
+def largest_drifts(path):
     """Name -> relative drift of each invariant of a result."""
     result = fsipetsc.open_run(path)
     series = {name: result.series[name] for name in result.series}
@@ -24,11 +24,11 @@ def ledger(path):
 
 
 @pytest.mark.mpi
-def test_box_keeps_all_balances(tmp_path):
+def test_box_keeps_all_that_must_not_change(tmp_path):
     options = ("-fsi_order", "6", "-fsi_h", "0.025", "-fsi_check", "1e-4", "-fsi_quiet")
     done = mpirun(2, "-m", "fsipetsc", "box", *options, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    found = ledger(tmp_path / "box.h5")
+    found = largest_drifts(tmp_path / "box.h5")
     assert set(found) == {"mass of 'left'", "mass of 'right'", "momentum", "energy", "entropy"}
     assert np.abs(found["energy"]).max() < 1e-5
     assert np.abs(found["momentum"]).max() < 1e-3
@@ -39,7 +39,7 @@ def test_rod_momentum_is_the_impulse_of_gravity_and_ends(tmp_path):
     options = ("-fsi_h", "0.05", "-ts_max_time", "0.2", "-fsi_quiet")
     done = run("-m", "fsipetsc", "rod", *options, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    found = ledger(tmp_path / "rod.h5")
+    found = largest_drifts(tmp_path / "rod.h5")
     assert set(found) == {"mass of 'below'", "momentum"}  # the upper end is open
     assert np.abs(found["momentum"]).max() < 1e-4
     result = fsipetsc.open_run(tmp_path / "rod.h5")
@@ -93,8 +93,8 @@ def recorded(n: int) -> tuple[np.ndarray, dict[str, object]]:
 
 def test_drifts_piece_by_piece_are_those_of_the_whole():
     steps, initial = recorded(1000)
-    whole, balances = drifts(LAWS, initial, as_dict(steps)), Balances(LAWS, initial)
-    pieces = [balances.go_on(as_dict(piece)) for piece in np.split(steps, [1, 2, 300, 300, 999])]
+    whole, pieced = drifts(LAWS, initial, as_dict(steps)), Drifts(LAWS, initial)
+    pieces = [pieced.go_on(as_dict(piece)) for piece in np.split(steps, [1, 2, 300, 300, 999])]
     assert len(whole) == 5
     for name, values in whole.items():
         assert np.array_equal(np.concatenate([piece[name] for piece in pieces if piece]), values), name

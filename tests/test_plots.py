@@ -204,7 +204,7 @@ def test_steps_without_the_comb_before_saved_times(results, figures):
 
 def test_balances_are_those_that_hold(results, figures):
     from fsipetsc.cases import load_case
-    from fsipetsc.stepping.conservation_check import drifts
+    from fsipetsc.scheme.conservation_check import drifts
 
     drawn = {name: [label for label, _, _ in lines(figures[name, "balance"].axes[0])] for name in ("rod", "box")}
     assert drawn["rod"] == ["mass of 'below'", "momentum"]  # the upper end is open: nothing else is kept

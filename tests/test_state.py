@@ -69,7 +69,7 @@ def test_the_wall_holds_when_its_ghost_point_changes(wall, gravity, change):
 @pytest.mark.parametrize("gruneisen", [0.0, 0.4])
 @pytest.mark.parametrize("side", [0, 1])
 def test_the_force_of_a_solids_end(gruneisen, side):
-    """What pushes at the ends is what the momentum ledger takes for the force, with a pressure in the solid and without."""
+    """What pushes at the ends is what the momentum's integral takes for the force, with a pressure in the solid and without."""
     gas, bar = Fluid(0.0, 0.0, 1.4, 287.0), Solid(1e6, 0.0, 5.0, 800.0, gruneisen=gruneisen)
 
     def squeezed(X: np.ndarray) -> list[np.ndarray]:

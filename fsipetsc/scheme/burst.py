@@ -1,4 +1,4 @@
-"""How long steps are, and several of them in one call: what a step leaves is noted, and the next one planned.
+"""Several steps in one call: what a step leaves is noted, and the next one planned.
 
 A burst of steps ends when it has as many as are allowed (-fsi_burst, -ts_max_steps, room in the journal), or something
 has to be looked at: a time to be saved, a grid that must grow, a failure, a signal.
@@ -11,25 +11,14 @@ from numba import njit
 
 from fsipetsc.operators.kernels import OPTIONS, U64, copy
 from fsipetsc.scheme.plan import BAD, EXHAUSTED, LOW, RATE, STOP, TOO_SHORT
+from fsipetsc.scheme.time_step import longest_step, next_step
 
 #: time before or, once it is made, after the step; the step; time after it; the next time that must be hit;
 #: Courant number, or the step that is given and else 0; steps that may be made, and have been; shortest and longest;
 #: first row of the journal to be filled
 TIME, DT, NEXT, TARGET, COURANT, FIXED, ALLOWED, MADE, SHORTEST, LONGEST, FIRST = range(11)
-#: a step may be longer than its bound by this fraction, so that round-off costs no extra step
-SLACK = 1e-9
 
-
-def next_step(t, target, bound):
-    """(step, time after it) [s]: at most ``bound``; with less than two steps to the target they are equal."""
-    left = target - t
-    if left <= bound * (1 + SLACK):
-        return left, target
-    step = left / 2 if left < 2 * bound else bound
-    return step, t + step
-
-
-_next_step = njit(**OPTIONS)(next_step)
+_longest_step, _next_step = njit(**OPTIONS)(longest_step), njit(**OPTIONS)(next_step)
 
 
 @njit(**OPTIONS)
@@ -56,9 +45,7 @@ def goes_on(head, memory):
     rate, target = memory[U64(results + RATE)], memory[U64(burst + TARGET)]
     if t >= target or made + 1 >= allowed or not 0.0 < rate < 1e300:
         return False
-    bound = memory[U64(burst + FIXED)]
-    if bound == 0.0:
-        bound = memory[U64(burst + COURANT)] / rate
+    bound = _longest_step(memory[U64(burst + COURANT)], memory[U64(burst + FIXED)], rate)
     memory[U64(burst + DT)], memory[U64(burst + NEXT)] = _next_step(t, target, bound)
     memory[U64(burst + ALLOWED)] = allowed
     return True

@@ -1,4 +1,4 @@
-"""Integrals over the layers: what the balances of mass, momentum, energy and entropy are made of. Compiled.
+"""Integrals over the layers: mass, momentum, energy, entropy, and what changes them. See also ``conservation_check``. Compiled.
 
 Quadrature with the norm of the operator, per cross-section; the strip between an embedded boundary and its ghost
 point does not count. Sums over ranks may differ by round-off: nothing that is computed on depends on them.

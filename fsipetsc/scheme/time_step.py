@@ -1,4 +1,7 @@
-"""Where the length of a step comes from: the rates of all layers, and their 4-norm. Compiled; collective on all ranks."""
+"""Where the length of a step comes from: the rates of all layers, their 4-norm, and the next time that must be hit.
+
+``bound_step`` is compiled, and collective on all ranks; the rest is for Python and for compiled code.
+"""
 
 from __future__ import annotations
 
@@ -13,6 +16,22 @@ from fsipetsc.scheme.laws import LAWS, of_layer
 
 #: words of the reduction of the limits: largest rates of convection and diffusion, BAD, STOP
 WORDS = 4
+#: a step may be longer than its bound by this fraction, so that round-off costs no extra step
+SLACK = 1e-9
+
+
+def longest_step(courant, fixed, rate):
+    """Bound on a step [s]: the one that is given (-ts_dt), or 0 and then the Courant number times 1/``rate``."""
+    return fixed if fixed != 0.0 else courant / rate
+
+
+def next_step(t, target, bound):
+    """(step, time after it) [s]: at most ``bound``; with less than two steps to the target they are equal."""
+    left = target - t
+    if left <= bound * (1 + SLACK):
+        return left, target
+    step = left / 2 if left < 2 * bound else bound
+    return step, t + step
 
 
 @njit(**INLINE)

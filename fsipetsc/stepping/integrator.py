@@ -19,6 +19,7 @@ from petsc4py import PETSc
 from fsipetsc.errors import ComputationError
 from fsipetsc.scheme.burst import LONGEST, MADE, SHORTEST, TIME
 from fsipetsc.scheme.plan import BAD, EXHAUSTED, LOW, MOVED, RATE, SAID_STOP, SHARES, STOP, TOO_SHORT
+from fsipetsc.scheme.time_step import longest_step
 from fsipetsc.stepping.diagnosis import describe_failure
 from fsipetsc.stepping.error_control import ErrorControl
 from fsipetsc.stepping.fused import NAME, FusedRK4
@@ -30,7 +31,7 @@ from fsipetsc.together import agree
 
 #: flags and limits of all ranks end here
 LAST = STOP + 1
-#: with -fsi_check: steps after which the balances are looked at
+#: with -fsi_check: steps after which conservation is looked at
 CHECKED = 256
 #: points (of all ranks, spare ones too) times steps in one call
 MOST_POINTS = 250_000
@@ -197,7 +198,7 @@ class Integrator:
     # steps
 
     def _plan_step(self, ts: PETSc.TS) -> None:
-        bound = self.opt["ts_dt"] or self.opt["fsi_cfl"] / float(self.state.results[RATE])
+        bound = longest_step(self.opt["fsi_cfl"], self.opt["ts_dt"] or 0.0, float(self.state.results[RATE]))
         if self._control is not None:
             bound = min(bound, self._proposal, self._control.longest)
             self._control.begin()

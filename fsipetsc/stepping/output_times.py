@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from fsipetsc.errors import InputError
-from fsipetsc.scheme.burst import next_step
+from fsipetsc.scheme.time_step import next_step
 
 #: profiles of a run
 MOST = 10_000_000

@@ -19,8 +19,8 @@ from fsipetsc.interrupts import Interrupted, heeded
 from fsipetsc.notes import PATIENCE, exchange
 from fsipetsc.output.writer import RunWriter
 from fsipetsc.problem import Problem
+from fsipetsc.scheme.conservation_check import ConservationCheck
 from fsipetsc.scheme.fields import fields
-from fsipetsc.stepping.conservation_check import ConservationCheck
 from fsipetsc.stepping.frames import active_points, errors, layer_fields
 from fsipetsc.stepping.integrator import Integrator
 from fsipetsc.stepping.output_times import saved_times

@@ -11,7 +11,7 @@ from fsipetsc.output.plots.scales import logarithmic, scaled, time_axis
 from fsipetsc.output.plots.style import BLACK, GREY, LINES, SERIES, envelope, thin
 from fsipetsc.output.plots.titles import of_run, set_title
 from fsipetsc.output.reader import Run
-from fsipetsc.stepping.conservation_check import drifts
+from fsipetsc.scheme.conservation_check import drifts
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -19,10 +19,10 @@ def drifts(laws: Mapping[str, Any], initial: Mapping[str, Any], series: Mapping[
     laws: which ones must hold (fsipetsc.problem.Problem.laws). Entropy counts only where it decreases. Momentum is relative
     to the impulse that has passed, of either sign, energy to itself; time integrals are trapezoidal sums over the steps.
     """
-    return Balances(laws, initial).go_on(series)
+    return Drifts(laws, initial).go_on(series)
 
 
-class Balances:
+class Drifts:
     """The drifts, piece by piece of the series: of what has gone before only sums are kept. laws, initial: see ``drifts``."""
 
     def __init__(self, laws: Mapping[str, Any], initial: Mapping[str, Any]) -> None:
@@ -69,19 +69,19 @@ class Balances:
 
 
 class ConservationCheck:
-    """Says which balance is broken by more than a tolerance, and when it was first. On rank 0."""
+    """Says which invariant has drifted by more than a tolerance, and when it was first. On rank 0."""
 
     _NAMES = ("dt", "mass", "momentum", "force", "energy", "entropy", "heating")
 
     def __init__(self, laws: Mapping[str, Any], initial: Mapping[str, Any], tolerance: float, unit: str = " s") -> None:
         """unit: what stands behind a time in the message (fsipetsc.problem.Problem.unit)."""
-        self._balances, self._tolerance, self._unit = Balances(laws, initial), tolerance, unit
+        self._drifts, self._tolerance, self._unit = Drifts(laws, initial), tolerance, unit
         self._steps = 0
 
     def look(self, block: np.ndarray) -> str | None:
         """What is wrong in some more steps, of which these are the records, or None."""
         names = block.dtype.names or ()
-        found = self._balances.go_on({name: block[name] for name in self._NAMES if name in names})
+        found = self._drifts.go_on({name: block[name] for name in self._NAMES if name in names})
         first: tuple[int, str, float] | None = None
         for name, drift in found.items():
             broken = ~(np.abs(drift) <= self._tolerance)

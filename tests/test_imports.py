@@ -1,0 +1,134 @@
+"""The layout of the code: imports go one way, and only who has to knows PETSc and MPI; what docs/code.md names exists."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from helpers import REPOSITORY
+
+PACKAGE = REPOSITORY / "fsipetsc"
+#: files and folders of the package: each imports from those below it, never from one above, nor from one beside it
+ORDER = """
+    __main__
+    cli
+    analysis bench
+    stepping
+    output
+    failure launch
+    process
+    cases
+    usage
+    options
+    petsc_names sources
+    option
+    given
+    scheme
+    parallel
+    problem
+    coupling boundaries
+    physics
+    operators
+    interrupts streams notes together blame checks
+    errors
+    __init__
+"""
+RANK = {name: rank for rank, line in enumerate(ORDER.split("\n")) for name in line.split()}
+#: who knows MPI, PETSc: the folders whose work that is, and what starts them, reads PETSc's options and ends them
+KNOW_MPI = {"cli", "analysis", "bench", "stepping", "output", "failure", "launch", "notes", "together", "parallel"}
+KNOW_PETSC = {"analysis", "bench", "stepping", "output", "launch", "process", "options", "parallel"}
+#: files of ``parallel`` that know PETSc: the one that has the DMDAs
+PETSC_IN_PARALLEL = {"parallel/layout.py"}
+
+
+def imports(source: str) -> Iterator[tuple[int, str]]:
+    """(line, module) of all imports, those within functions too, but not those for type checkers alone."""
+    waiting: list[ast.AST] = [ast.parse(source)]
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
+            waiting += node.orelse
+            continue
+        waiting += ast.iter_child_nodes(node)
+        if isinstance(node, ast.Import):
+            yield from ((node.lineno, alias.name) for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, "absolute imports only"
+            whole = node.module == "fsipetsc"
+            yield from ((node.lineno, f"{node.module}.{alias.name}" if whole else node.module) for alias in node.names)
+
+
+def place(name: str) -> str:
+    """Where in ORDER a module of the package stands: its first name behind the package's."""
+    first = name.split(".")[1] if "." in name else "__init__"
+    return first if first in RANK else "__init__"  # what the package itself offers
+
+
+def files() -> list[Path]:
+    return sorted(PACKAGE.rglob("*.py"))
+
+
+def wrong_imports(place_of_file: str, source: str) -> list[str]:
+    """Imports against the order in a file that belongs to a place."""
+    found = []
+    for line, name in imports(source):
+        if name.split(".")[0] == "fsipetsc" and place(name) != place_of_file and RANK[place(name)] <= RANK[place_of_file]:
+            found.append(f"{line}: {place_of_file} imports {name}")
+    return found
+
+
+def place_of(path: Path) -> str:
+    return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
+
+
+def test_everything_has_its_place():
+    assert {place_of(path) for path in files()} == set(RANK)
+
+
+@pytest.mark.parametrize("path", [p for p in files() if place_of(p) != "__init__"], ids=lambda p: str(p.relative_to(PACKAGE)))
+def test_imports_go_one_way(path):
+    assert not wrong_imports(place_of(path), path.read_text())
+
+
+def test_an_import_against_the_order_is_found():
+    for who, source in {
+        "physics": "def f():\n    from fsipetsc.boundaries import wall",
+        "boundaries": "from fsipetsc.coupling import couple",
+        "scheme": "import fsipetsc.stepping.state",
+        "parallel": "if True:\n    from fsipetsc import given",
+    }.items():
+        assert len(wrong_imports(who, source)) == 1, who
+    assert not wrong_imports("scheme", "from fsipetsc.parallel import exchange\nfrom fsipetsc.scheme import plan\nimport numpy")
+    assert not wrong_imports("operators", "if TYPE_CHECKING:\n    from fsipetsc.stepping.state import State")
+
+
+def test_who_knows_mpi_and_petsc():
+    know: dict[str, set[Path]] = {"mpi4py": set(), "petsc4py": set()}
+    for path in files():
+        for _, name in imports(path.read_text()):
+            if name.split(".")[0] in know:
+                know[name.split(".")[0]].add(path)
+    assert {place_of(path) for path in know["mpi4py"]} <= KNOW_MPI
+    assert {place_of(path) for path in know["petsc4py"]} <= KNOW_PETSC
+    in_parallel = {str(path.relative_to(PACKAGE)) for path in know["petsc4py"] if place_of(path) == "parallel"}
+    assert in_parallel == PETSC_IN_PARALLEL
+
+
+def test_what_the_description_of_the_code_names_exists():
+    text = (REPOSITORY / "docs" / "code.md").read_text()
+    named = set(re.findall(r"`((?:fsipetsc|tests|runs|docs)/[\w./-]*\w)`", text))
+    assert len(named) > 20
+    assert not {name for name in named if not (REPOSITORY / name).exists()}
+
+
+@pytest.mark.parametrize("document", ["README.md", "docs/code.md"])
+def test_the_order_of_the_documents_is_that_of_the_imports(document):
+    """Where a document says `a` → `b` → …, each of them may import what follows."""
+    chains = re.findall(r"^(?=.*→)[`\w, →]+$", (REPOSITORY / document).read_text(), re.M)
+    assert chains
+    for chain in chains:
+        levels = [[RANK[name] for name in re.findall(r"`(\w+)`", part)] for part in chain.split("→")]
+        assert all(max(above) < min(below) for above, below in zip(levels, levels[1:], strict=False)), chain
