@@ -79,6 +79,7 @@ FUSED = {
     "mms": ("mms", "-fsi_h 0.05 -fsi_order 6 -fsi_output_dt 0.15"),
     "pulse": ("pulse", "-fsi_h 0.05 -fsi_order 8 -ts_max_time 0.003 -pulse_amplitude 1000 -fsi_output_dt 0.001"),
     "piston": (str(REPOSITORY / "runs" / "piston.py"), "-fsi_order 2 -ts_max_time 0.02 -fsi_output_dt 0.01"),
+    "box": ("box", "-fsi_h 0.05 -ts_max_time 0.3 -fsi_spare 0"),
 }
 
 #: group -> list of (ranks, name -> (case, options)); the batches of a group are computed side by side

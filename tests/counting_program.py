@@ -3,6 +3,7 @@
 traffic      arrays moved between a small cache and memory, by running the kernels' source, uncompiled, in a simulation
              of the cache; wants NUMBA_DISABLE_JIT=1
 messages     calls of MPI functions by compiled code, through functions that count put in their place
+path         what the right-hand side of PETSc's own methods sends, by PETSc's log and through communicators that count
 allocations  of compiled code, by numba's own count (wants NUMBA_NRT_STATS=1), and of Python; calls of compiled code
 """
 
@@ -43,6 +44,8 @@ def main(mode: str, *options: str) -> None:
         result = traffic(case, opt, comm)
     elif mode == "messages":
         result = messages(case, opt, comm, shims)
+    elif mode == "path":
+        result = path(case, opt, comm)
     else:
         result = allocations(case, opt, comm)
     results = comm.gather(result)
@@ -252,6 +255,50 @@ def messages(case: Any, opt: dict[str, Any], comm: Any, calls: Any) -> dict[str,
     stage, completion = stage_traffic(state.plan), completion_traffic(state.plan)
     said = [(STAGES - 1) * a + b for a, b in zip(stage, completion)]
     return {"calls": dict(calls["calls"]), "numbers": dict(calls["numbers"]), "said": said, "turns": made}
+
+
+class CountingComm:
+    """A communicator whose calls are counted."""
+
+    def __init__(self, comm: Any, calls: Counter[str]) -> None:
+        self._comm, self._calls = comm, calls
+
+    def __getattr__(self, name: str) -> Any:
+        value = getattr(self._comm, name)
+        if name not in ("Sendrecv", "Bcast"):
+            return value
+
+        def counted(*arguments: Any, **named: Any) -> None:
+            self._calls[name] += 1
+            self._calls[f"{name} bytes"] += arguments[0].nbytes
+            value(*arguments, **named)
+
+        return counted
+
+
+def path(case: Any, opt: dict[str, Any], comm: Any) -> dict[str, Any]:
+    """Of ten right-hand sides: calls and bytes of each kind, and what the plan says of one."""
+    from petsc4py import PETSc
+
+    from fsipetsc.stepping import phases, solve
+    from fsipetsc.stepping.counts import path_traffic
+
+    solve.LoggedState = solve.State  # PETSc's counters are to count what PETSc sends, and nothing else
+    PETSc.Log.begin()
+    state, calls = solve.make_state(case.build(opt), opt, comm), Counter()
+    state.set_initial()
+    y = state.solution.getArray().copy()
+    f = np.empty_like(y)
+    state.right_hand_side(y, f)  # the first exchange tells the ranks what they will get
+    for part in (*state.path._layers, *state.path._interfaces):
+        part._comm = CountingComm(part._comm, calls)
+    sent, event = phases._counter("isend"), PETSc.Log.Event("VecScatterBegin")
+    before = event.getPerfInfo()["count"], sent[0].value, sent[1].value
+    for _ in range(10):
+        state.right_hand_side(y, f)
+    after = event.getPerfInfo()["count"], sent[0].value, sent[1].value
+    scatters = [int(b - a) for a, b in zip(before, after)]
+    return {"petsc": scatters, "calls": dict(calls), "said": path_traffic(state.layout, state.plan)._asdict()}
 
 
 # --- allocations

@@ -60,6 +60,27 @@ def test_ranks_of_a_node_send_no_messages(ranks):
         assert count["said"] == [0, 0, 0, 0, 5] and count["turns"] == 10 * 5
 
 
+@pytest.mark.mpi
+@pytest.mark.parametrize(("ranks", "partition"), [(1, "auto"), (2, "physics"), (2, "balanced"), (4, "balanced")])
+def test_messages_of_petscs_own_methods(ranks, partition):
+    """A right-hand side is one of DMDA's exchanges for each layer, rows across interfaces, and the frame told within fluids."""
+    listed = counts("path", "-fsi_partition", partition, ranks=ranks)
+    assert len(listed) == ranks
+    for count in listed:
+        said, calls = count["said"], count["calls"]
+        assert count["petsc"] == [10 * said["exchanges"], 10 * said["edges"], 10 * said["edge_bytes"]]
+        assert calls.get("Sendrecv", 0) == 10 * said["rows"] and calls.get("Sendrecv bytes", 0) == 10 * said["row_bytes"]
+        assert calls.get("Bcast", 0) == 10 * said["frames"]
+    total = {name: sum(count["said"][name] for count in listed) for name in listed[0]["said"]}
+    layers, interfaces = 3, 2
+    assert total["exchanges"] >= layers and total["rows"] == (2 * interfaces if partition == "physics" else total["rows"])
+    if ranks == 1:
+        assert total == {**dict.fromkeys(total, 0), "exchanges": layers}
+    elif partition == "balanced":
+        assert total["edges"] == 2 * (total["exchanges"] - layers), "one way and the other at each cut within a layer"
+        assert total["frames"] > 0
+
+
 def test_one_rank_sends_nothing():
     (count,) = counts("messages")
     assert count["calls"] == {} and count["said"] == [0, 0, 0, 0, 0] and count["turns"] == 0

@@ -18,6 +18,8 @@ _ROD = "-fsi_h 0.025 -ts_max_time 0.08 -fsi_output_dt 0.02"  # the interfaces mo
 _FINE = "-fsi_h 0.0125 -ts_max_time 0.08 -fsi_partition balanced"
 #: so fine that one rank goes through a step tile by tile, and more ranks do not
 _TILES = "-fsi_h 0.0005 -ts_max_time 0.00005"
+#: falls by four cells, through PETSc's own methods
+_FALL = "-fsi_h 0.05 -ts_max_time 0.02 -rod_gravity -1000"
 _MMS = "-fsi_h 0.025 -fsi_order 6 -ts_max_time 0.2 -fsi_output_dt 0.05"
 RUNS = {
     "rod": ("rod", _ROD),
@@ -41,6 +43,13 @@ RUNS = {
         "rod",  # whose step is bound by the solid, with a pressure in it and cut in two
         "-fsi_h 0.05 -ts_max_time 0.02 -solid_modulus 1e9 -solid_gruneisen 0.5 -rod_gravity -1000 -fsi_partition balanced",
     ),
+    "rod rk": ("rod", f"{_FALL} -ts_type rk"),
+    "rod rk balanced": ("rod", f"{_FALL} -ts_type rk -fsi_partition balanced"),
+    "rod rk spare 0": ("rod", f"{_FALL} -ts_type rk -fsi_spare 0 -fsi_shared_memory 0"),
+    "rod 8vr": ("rod", "-fsi_h 0.025 -fsi_order 8 -ts_max_steps 40 -ts_rk_type 8vr -fsi_partition balanced"),
+    "pulse ssp": ("pulse", "-fsi_h 0.05 -fsi_order 2 -ts_max_steps 60 -ts_type ssp"),
+    "mms rk": ("mms", "-fsi_h 0.025 -fsi_order 6 -ts_max_time 0.1 -ts_type rk"),
+    "mms rk balanced": ("mms", "-fsi_h 0.025 -fsi_order 6 -ts_max_time 0.1 -ts_type rk -fsi_partition balanced"),
     "rod wild": ("rod", "-fsi_h 0.05 -ts_max_time 0.02 -ts_rk_type 5dp -ts_adapt_type basic -fsi_cfl 200"),
     "mms": ("mms", _MMS),
     "mms balanced": ("mms", f"{_MMS} -fsi_partition balanced"),
@@ -62,7 +71,10 @@ SAME = {
     "rod messages spare 0": "rod",
     "rod tiles balanced": "rod tiles",
     "rod fine tiles": "rod fine",
+    "rod rk balanced": "rod rk",
+    "rod rk spare 0": "rod rk",
     "mms balanced": "mms",
+    "mms rk balanced": "mms rk",
     "piston spare 0": "piston",
 }
 
@@ -128,10 +140,12 @@ def test_partition_and_storage_do_not_matter(results, name, same, n):
 
 def test_the_boundaries_cross_cells(results):
     """So that the runs above say something about points that appear and disappear."""
-    for name, layer, least in (("rod", 0, 1), ("rod", 2, 2), ("mms", 0, 1), ("mms", 2, 1), ("piston", 0, 15)):
+    cells = (("rod", 0, 1), ("rod", 2, 2), ("mms", 0, 1), ("mms", 2, 1), ("piston", 0, 15), ("rod rk", 0, 3), ("rod rk", 2, 3))
+    for name, layer, least in cells:
         counts = np.isfinite(results(1, name).layers[layer]["rho"]).sum(axis=1)
         assert np.ptp(counts) >= least, (name, layer)
     assert len(results(1, "piston spare 0").layers[0].X) < len(results(1, "piston").layers[0].X)
+    assert len(results(1, "rod rk spare 0").layers[2].X) < len(results(1, "rod rk").layers[2].X), "and has grown from there"
     assert len(results(1, "piston out").layers[0].X) > 41 + 3, "the grid has grown"
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from fsipetsc.parallel.layout import Layout
 from fsipetsc.physics.layer import DOF, FLUID
 from fsipetsc.scheme.plan import Plan
 
@@ -67,6 +68,36 @@ def stage_traffic(plan: Plan) -> Traffic:
             sends += int(halo > 0)
             sent += 8 * DOF[layer["kind"]] * int(halo)
     return Traffic(sends, sent, 1, 8 * int(head["message"]))
+
+
+class PathTraffic(NamedTuple):
+    """What this rank sends for one right-hand side of PETSc's own methods (stepping.petsc_path).
+
+    edges: messages of DMDA's, to neighbours within layers; rows: messages across interfaces; frames: broadcasts within
+    layers that it takes part in. exchanges: DMDA's, one for each layer that it has a part of.
+    """
+
+    exchanges: int
+    edges: int
+    edge_bytes: int
+    rows: int
+    row_bytes: int
+    frames: int
+
+
+def path_traffic(layout: Layout, plan: Plan) -> PathTraffic:
+    """Of one right-hand side of PETSc's own methods."""
+    exchanges = edges = edge_bytes = rows = row_bytes = frames = 0
+    for layer, shares in zip(plan.layers, layout.shares, strict=True):
+        exchanges += int(layer["present"])
+        for halo in (layer["halo_lo"], layer["halo_hi"]):
+            edges, edge_bytes = edges + int(halo > 0), edge_bytes + 8 * DOF[layer["kind"]] * int(halo)
+        frames += int(layer["present"] == 1 and layer["kind"] == FLUID and len(shares) > 1)
+    for pair in layout.problem.interfaces:
+        owners = [layout.shares[k][-1 if k == min(pair) else 0][0] for k in pair]
+        if layout.comm.rank in owners and owners[0] != owners[1]:
+            rows, row_bytes = rows + 1, row_bytes + 8 * int(plan.head["rows"][0]) * DOF[owners.index(layout.comm.rank)]
+    return PathTraffic(exchanges, edges, edge_bytes, rows, row_bytes, frames)
 
 
 def completion_traffic(plan: Plan) -> Traffic:

@@ -1,8 +1,8 @@
 """PETSc's TS drives: its explicit methods make the steps, hooks around them do the rest.
 
-The right-hand side projects a work copy of each stage; the post-step hook projects the new solution, lets the
-embedded boundaries move, records the step, and says how long the next step is. A fluid grid that is used up ends one
-TSSolve; the grids are laid anew and the next one goes on.
+The right-hand side (stepping.petsc_path) projects a work copy of each stage; the post-step hook projects the new solution,
+lets the embedded boundaries move, records the step, and says how long the next step is. A fluid grid that is used up ends
+one TSSolve; the grids are laid anew and the next one goes on.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from fsipetsc.stepping.diagnosis import describe_failure
 from fsipetsc.stepping.error_control import ErrorControl
 from fsipetsc.stepping.fused import NAME, FusedRK4
 from fsipetsc.stepping.output_times import OutputTimes
+from fsipetsc.stepping.petsc_path import compile_entries
 from fsipetsc.stepping.phases import logged
 from fsipetsc.stepping.series import Series
 from fsipetsc.stepping.state import FAULT, State
@@ -85,8 +86,13 @@ class Integrator:
 
     @property
     def evaluations(self) -> int:
-        """Of the right-hand side, in steps that were rejected and for the projections of the error control, too."""
+        """Of the right-hand side, in steps that were rejected, too."""
         return self.state.evaluations
+
+    def compile(self) -> None:
+        """Compile what PETSc's own methods call, if one of them is used, or load it. Not collective."""
+        if not self._fused:
+            compile_entries(self.state.plan)
 
     # what TS calls
 

@@ -20,6 +20,7 @@ from fsipetsc.scheme import runge_kutta
 from fsipetsc.scheme.burst import MADE
 from fsipetsc.scheme.laws import number_laws
 from fsipetsc.scheme.plan import BURST, FLAGS, FORCING, LIMITS, LOW, SAID_STOP, make_plan
+from fsipetsc.stepping.petsc_path import PetscPath
 from fsipetsc.together import agree, together
 
 #: what a rank says of STOP whose user's functions have failed: more than any signal
@@ -53,6 +54,7 @@ class State:
         self._entropy, self._shared = entropy, shared
         self.evaluations = 0
         self.fault: InputError | None = None  # of a user's function, on this rank
+        self._path: PetscPath | None = None
         self._place(make_grids(problem, self.op, h, spare))
 
     def compile(self, announce: Callable[[str], None], also: Callable[[], object] = lambda: None) -> None:
@@ -146,17 +148,21 @@ class State:
                 edges |= {(k, 1): fields[3][-1]} if record["own_hi"] == record["n"] else {}
         return edges
 
+    @property
+    def path(self) -> PetscPath:
+        """What PETSc's own methods take for the right-hand side. Collective when it is asked for first."""
+        if self._path is None:
+            self._path = PetscPath(self.layout, self.plan)
+        return self._path
+
     def right_hand_side(self, y: np.ndarray, f: np.ndarray) -> None:
         """f = dy/dt of this rank's part, at the projected y, for the data set last."""
         self.evaluations += 1
-        values = self.plan.part("transfer", y.size)
-        values[:] = y
-        runge_kutta.right_hand_side(self.plan, "transfer")
-        f[:] = values
+        self.path.rates(y, f)
 
     def project(self, y: np.ndarray) -> None:
         """Fill the ghost points of this rank's part y and project its interfaces, in place; undoes the completion."""
-        self.right_hand_side(y, y)
+        self.path.apply_conditions(y)
         for k, record in enumerate(self.layout.records):
             if record["present"]:
                 self.layout.local(k, y)[:] = self.plan.owned(k)
@@ -205,6 +211,9 @@ class State:
         runge_kutta.load_completed(self.plan, "solution")
 
     def _release(self) -> None:
+        if self._path is not None:
+            self._path.destroy()
+            self._path = None
         self._neighbours.free()
         self.solution.destroy()
         self.layout.destroy()

@@ -1,0 +1,45 @@
+"""What a right-hand side takes of one layer and of one interface on its own: for stepping.petsc_path. Compiled.
+
+None of these sends anything. They work on the first work area, where each unknown of a layer stands for itself with its halos.
+"""
+
+from __future__ import annotations
+
+from numba import njit
+
+from fsipetsc.boundaries import INTERFACE_END
+from fsipetsc.coupling import couple
+from fsipetsc.operators.kernels import ENTRY, U64
+from fsipetsc.parallel.exchange import unknowns
+from fsipetsc.physics.layer import FLUID
+from fsipetsc.scheme.conditions import OLD, close_end, fill_embedded
+from fsipetsc.scheme.plan import SUM, WORK
+from fsipetsc.scheme.runge_kutta import Stage, evaluate
+
+
+@njit(**ENTRY)
+def couple_rows(heads, layers, faces, memory, k, trace_f, trace_s):
+    """Project the rows at interface k, (rows, 3) of the fluid and (rows, 4) of the solid, counted from the interface."""
+    couple(faces[k], heads[0].op, trace_f, trace_s)
+
+
+@njit(**ENTRY)
+def apply_ends(heads, layers, faces, memory, k):
+    """Fill the ghost point of layer k, or the end point of a solid, where this rank has the points that this takes."""
+    head, layer = heads[0], layers[k]
+    for side in range(2):
+        if layer.end_kind[side] != INTERFACE_END:
+            if layer.kind == FLUID:
+                fill_embedded(head, layer, memory, WORK, side, OLD)
+            else:
+                close_end(head, layer, memory, WORK, side)
+
+
+@njit(**ENTRY)
+def evaluate_rates(heads, layers, faces, memory, k):
+    """Rates of the owned points of layer k, 0 where they are not active, to the area SUM."""
+    head, layer = heads[0], layers[k]
+    at = U64(head.area[SUM] + layer.work)
+    for i in range(U64(unknowns(layer) * layer.stride)):
+        memory[at + i] = 0.0
+    evaluate(head, layer, memory, Stage(WORK, SUM, SUM, -1, 1.0, 0.0), layer.own_lo, layer.own_hi)
