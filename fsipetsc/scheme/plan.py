@@ -35,7 +35,6 @@ HEAD = np.dtype(
         ("rows", _I),  # of the traces
         ("area", _I, (5,)),  # WORK .. WORK + 2, SUM, FORCING (-1 if there is none); LAYER["work"] counts from there
         ("solution", _I),
-        ("transfer", _I),
         ("sent", _I),
         ("traces", _I),
         ("message", _I),  # doubles in either
@@ -191,7 +190,6 @@ def make_plan(
     areas = ["area0", "area1", "area2", "sum"] + ["forcing"] * forced
     sizes = {
         "solution": layout.local_size,
-        "transfer": layout.local_size,
         **dict.fromkeys(areas, layout.work_size),
         "edges": neighbours.buffer,
         "sent": message,

@@ -1,7 +1,8 @@
-"""The right-hand side, and the classical Runge-Kutta method of fourth order fused with it. Compiled.
+"""The classical Runge-Kutta method of fourth order, fused with the right-hand side. Compiled.
 
 A stage reads one work area and writes the next stage's values straight into another; the sum that becomes the new
-solution is built up beside it. It is the method of PETSc's ``-ts_type rk -ts_rk_type 4``, up to round-off.
+solution is built up beside it. It is the method of PETSc's ``-ts_type rk -ts_rk_type 4``, up to round-off;
+stepping.petsc_path is the right-hand side for that one, and the plain form of what is done here.
 
 On large grids a whole step goes over memory once. What the interfaces, outer ends and neighbouring ranks can reach within
 a step is a few points at each end of a layer: there the stages are made one after the other, with the exchanges between
@@ -25,7 +26,7 @@ from numba import njit
 
 from fsipetsc.operators.formulas import with_chosen
 from fsipetsc.operators.kernels import ENTRY, INLINE, OPTIONS, U64
-from fsipetsc.parallel.exchange import exchange, load_state, store_state, unknowns, work_point
+from fsipetsc.parallel.exchange import exchange, load_state, work_point
 from fsipetsc.scheme.burst import DT, goes_on
 from fsipetsc.scheme.conditions import apply_conditions, note_gradients
 from fsipetsc.scheme.finish_step import begin_looking, finish_step, look
@@ -36,7 +37,7 @@ from fsipetsc.scheme.stage_update import Target
 #: points of a tile
 TILE = 1024
 #: what the compiled entry can be asked for: see the functions of these names
-NOTHING, MAKE_STEPS, MAKE_STAGE, RIGHT_HAND_SIDE, COMPLETE_STEP, LOAD_COMPLETED = range(6)
+NOTHING, MAKE_STEPS, MAKE_STAGE, COMPLETE_STEP, LOAD_COMPLETED = range(5)
 
 
 class Stage(NamedTuple):
@@ -58,10 +59,8 @@ def work_area(number):
 
 @njit(**OPTIONS)
 def stage_of(number, dt):
-    """The stages of the classical method; with dt = 0 the rates themselves are added to SUM."""
+    """The stages of the classical method."""
     area, onward = work_area(number), work_area(number + 1)
-    if dt == 0.0:
-        return Stage(area, onward, WORK, SUM, 0.0, 1.0)
     if number == STAGES - 1:
         return Stage(area, onward, SUM, -1, dt / 6.0, 0.0)
     a = dt if number == 2 else 0.5 * dt
@@ -129,15 +128,6 @@ def tiles(head, layers, memory, dt):
             look(head, layer, k, memory, begin, min(begin + TILE, b))
 
 
-@njit(**INLINE)
-def clear(head, layers, memory, area):
-    """Zero in an area."""
-    for layer in layers:
-        at = U64(head.area[area] + layer.work)
-        for i in range(U64(unknowns(layer) * layer.stride)):
-            memory[at + i] = 0.0
-
-
 @njit(**OPTIONS)
 def begin_stage(head, layers, faces, memory, number, conditions):
     """Apply the conditions, if wanted, where stage ``number`` finds its values, and note for the tiles how fast frames are."""
@@ -170,7 +160,7 @@ def stages_of(task, number):
         return 0, STAGES, True
     if task == MAKE_STAGE:
         return number, min(number + 1, STAGES), number == STAGES
-    return 0, 1 if task == RIGHT_HAND_SIDE else 0, task == COMPLETE_STEP
+    return 0, 0, task == COMPLETE_STEP
 
 
 @njit(**ENTRY)
@@ -186,21 +176,16 @@ def run_task(task, heads, layers, faces, memory, number, state, dt):
     if task == LOAD_COMPLETED:
         exchange(head, layers, faces, memory, WORK)
         note_gradients(head, layers, memory, WORK)
-    if task == RIGHT_HAND_SIDE:
-        clear(head, layers, memory, SUM)
     first, end, completes = stages_of(task, number)
     more = first < end or completes
     while more:
         find_middles(head, layers, task == MAKE_STEPS)
         for k in range(first, end):
-            stage_at_ends(head, layers, faces, memory, k, k > 0 or state >= 0, dt)
+            stage_at_ends(head, layers, faces, memory, k, k > 0, dt)
         if completes:
             tiles_and_completion(head, layers, faces, memory, dt)
         more = task == MAKE_STEPS and goes_on(head, memory)
         dt = memory[U64(head.burst + DT)] if more else dt
-    if task == RIGHT_HAND_SIDE:
-        for layer in layers:
-            store_state(head, layer, memory, SUM, state, layer.own_lo, layer.own_hi)
 
 
 # What can be asked for; all are collective on the ranks of the plan. state: name of the part of its memory with a state of
@@ -215,11 +200,6 @@ def make_steps(plan: Plan, dt: float) -> None:
 def make_stage(plan: Plan, number: int, dt: float) -> None:
     """Stage ``number`` of a step dt [s]; number ``STAGES``: its completion. Between them data may change with time."""
     run_task(MAKE_STAGE, *plan, number, -1, dt)
-
-
-def right_hand_side(plan: Plan, state: str) -> None:
-    """Put the rates of the unknowns in the place of a state, which is projected before; it stays in the work area."""
-    run_task(RIGHT_HAND_SIDE, *plan, 0, plan.start(state), 0.0)
 
 
 def complete_step(plan: Plan, state: str) -> None:

@@ -2,7 +2,7 @@
 
     next = source + a k,        sum = base + b k
 
-One form serves all: the rates k themselves are the sum of a stage with b = 1 whose base is zero.
+One form serves all: the rates k themselves are the next of a stage with a = 1 whose source is zero, and without a sum.
 """
 
 from __future__ import annotations

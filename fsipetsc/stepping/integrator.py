@@ -89,10 +89,10 @@ class Integrator:
         """Of the right-hand side, in steps that were rejected, too."""
         return self.state.evaluations
 
-    def compile(self) -> None:
+    def compile(self, announce: Callable[[str], None]) -> None:
         """Compile what PETSc's own methods call, if one of them is used, or load it. Not collective."""
         if not self._fused:
-            compile_entries(self.state.plan)
+            compile_entries(self.state.plan, announce)
 
     # what TS calls
 

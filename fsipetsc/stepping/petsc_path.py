@@ -23,6 +23,7 @@ import numba
 import numpy as np
 from petsc4py import PETSc
 
+from fsipetsc.operators.cache import compiling
 from fsipetsc.parallel.layout import Layout
 from fsipetsc.physics.layer import DOF, FLUID
 from fsipetsc.scheme.one_layer import apply_ends, couple_rows, evaluate_rates
@@ -145,9 +146,10 @@ class Interface:
                 own[:] = rows
 
 
-def compile_entries(plan: Plan) -> None:
-    """Compile what is called here, or load it, without a call of it."""
+def compile_entries(plan: Plan, announce: Callable[[str], None]) -> None:
+    """Compile what is called here, or load it, without a call of it; announce: says what takes so long."""
     rows = [np.empty((int(plan.head["rows"][0]), dof)) for dof in DOF]
     entries: tuple[tuple[Callable, tuple], ...] = ((apply_ends, (0,)), (evaluate_rates, (0,)), (couple_rows, (0, *rows)))
-    for entry, arguments in entries:
-        entry.compile(tuple(numba.typeof(argument) for argument in (*plan, *arguments)))
+    with compiling(evaluate_rates, announce):
+        for entry, arguments in entries:
+            entry.compile(tuple(numba.typeof(argument) for argument in (*plan, *arguments)))

@@ -146,7 +146,7 @@ class _Run:
         try:
             self.report.begin(self.state)
             with self.phases(SET_UP):
-                self.state.compile(self.report.line, lambda: (layer_fields(self.state), integrator.compile()))
+                self.state.compile(self.report.line, lambda: (layer_fields(self.state), integrator.compile(self.report.line)))
                 integrator.start()
             self.report.start()
             with _signals(integrator), self.phases(LOOP):
