@@ -8,11 +8,11 @@ from __future__ import annotations
 from numba import njit
 
 from fsipetsc.boundaries import INTERFACE_END
-from fsipetsc.coupling import couple
+from fsipetsc.operators.formulas import with_chosen
 from fsipetsc.operators.kernels import ENTRY, U64
 from fsipetsc.parallel.exchange import unknowns
-from fsipetsc.physics.layer import FLUID
-from fsipetsc.scheme.conditions import OLD, close_end, fill_embedded
+from fsipetsc.scheme.laws import LAWS, PAIRS, of_interface, of_layer
+from fsipetsc.scheme.layer_ends import OLD
 from fsipetsc.scheme.plan import SUM, WORK
 from fsipetsc.scheme.runge_kutta import Stage, evaluate
 
@@ -20,7 +20,7 @@ from fsipetsc.scheme.runge_kutta import Stage, evaluate
 @njit(**ENTRY)
 def couple_rows(heads, layers, faces, memory, k, trace_f, trace_s):
     """Project the rows at interface k, (rows, 3) of the fluid and (rows, 4) of the solid, counted from the interface."""
-    couple(faces[k], heads[0].op, trace_f, trace_s)
+    with_chosen(of_interface.couple, PAIRS, faces[k].pair, faces[k], heads[0].op, trace_f, trace_s)
 
 
 @njit(**ENTRY)
@@ -29,10 +29,7 @@ def apply_ends(heads, layers, faces, memory, k):
     head, layer = heads[0], layers[k]
     for side in range(2):
         if layer.end_kind[side] != INTERFACE_END:
-            if layer.kind == FLUID:
-                fill_embedded(head, layer, memory, WORK, side, OLD)
-            else:
-                close_end(head, layer, memory, WORK, side)
+            with_chosen(of_layer.end, LAWS, layer.law, head, layer, memory, WORK, side, OLD)
 
 
 @njit(**ENTRY)
