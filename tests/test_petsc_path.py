@@ -1,0 +1,67 @@
+"""The right-hand side of PETSc's own methods beside the fused one: the same numbers, by DMDA's exchange."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from helpers import mpirun
+
+pytest.importorskip("petsc4py")
+
+from mpi4py import MPI
+
+from fsipetsc.cases import load_case
+from fsipetsc.options import defaults
+from fsipetsc.scheme import runge_kutta
+from fsipetsc.scheme.plan import WORK
+from fsipetsc.stepping.solve import make_state
+
+#: half a step: a power of two, so that the product with a rate is exact, as within a fused multiply-add
+HALF = 2.0**-18
+
+
+@pytest.mark.parametrize(
+    ("name", "changed"),
+    [
+        ("rod", {"fsi_order": 4, "fsi_coupling": "projection"}),
+        ("rod", {"fsi_order": 8, "fsi_coupling": "energy", "solid_gruneisen": 0.2}),
+        ("box", {"fsi_order": 6, "fsi_coupling": "energy"}),
+        ("mms", {"fsi_order": 6, "fluid_mu": 0.1}),
+        ("pulse", {"fsi_order": 2, "fsi_coupling": "traditional"}),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "",
+)
+def test_both_make_the_same_rates(name, changed):
+    """Of a state as a stage leaves it, before its conditions are applied: bit for bit, with forcing and given data, too."""
+    case = load_case(name)
+    opt = {**defaults(case), "fsi_h": 0.05, **changed}
+    with make_state(case.build(opt), opt, MPI.COMM_SELF) as state:
+        state.set_initial()
+        state.set_data(HALF)
+        layers = range(len(state.layout.grids))
+        runge_kutta.make_stage(state.plan, 0, 2 * HALF)
+        start, stage = ([state.plan.owned(k, area).copy() for k in layers] for area in (WORK, WORK + 1))
+        runge_kutta.make_stage(state.plan, 1, 2 * HALF)
+        fused = [state.plan.owned(k, WORK + 2).copy() for k in layers]
+        y = np.concatenate([values.ravel() for values in stage])
+        kept, f = y.copy(), np.full_like(y, np.nan)
+        state.right_hand_side(y, f)
+        assert np.array_equal(y, kept), "the stage is PETSc's"
+        for k in layers:
+            rates, active = state.layout.local(k, f), state.active(k)
+            assert np.array_equal(start[k][active] + HALF * rates[active], fused[k][active]), state.problem.layers[k].name
+            assert np.abs(rates[active]).max() > 0
+            assert not rates[: active.start].any() and not rates[active.stop :].any(), "spare points stay as they are"
+
+
+@pytest.mark.mpi
+def test_the_log_shows_what_petsc_does(tmp_path):
+    """An exchange for each layer and right-hand side among the events of the time loop, and the sums of PETSc's method."""
+    line = "rod -fsi_h 0.1 -ts_max_steps 20 -ts_type rk -fsi_partition physics -fsi_output_dt 1 -log_view"
+    done = mpirun(2, "-m", "fsipetsc", *line.split(), cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    loop = done.stdout[done.stdout.index("Event Stage 3: time loop") :]
+    counts = {words[0]: int(words[1]) for words in map(str.split, loop.splitlines()) if len(words) > 10 and words[1].isdigit()}
+    assert counts["TSStep"] == 20 and counts["TSFunctionEval"] == 80
+    assert counts["VecScatterBegin"] == 2 * 80, "rank 0 has both gases"
+    assert counts["VecMAXPY"] >= 80
