@@ -155,7 +155,7 @@ class Problem:
         return not timed and self.jumps is None and all(layer.forcing is None for layer in self.layers)
 
     @property
-    def laws(self) -> dict[str, Any]:
+    def invariants(self) -> dict[str, Any]:
         """What must not change, as JSON holds it: see fsipetsc.scheme.conservation_check.drifts, which takes it.
 
         masses: (name, number among the fluids) of the gas layers that nothing enters or leaves; energy: whether that of all

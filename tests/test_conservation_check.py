@@ -72,12 +72,12 @@ def test_entropy_must_not_decrease():
     series = {name: np.zeros(n) for name in ("momentum", "force", "heating")}
     series |= {"dt": np.full(n, 0.1), "mass": np.ones((n, 2)), "energy": np.ones(n), "entropy": np.linspace(1.01, 1.1, n)}
     initial = {"mass": [1.0, 1.0], "momentum": 0.0, "force": 0.0, "energy": 1.0, "entropy": 1.0, "heating": 0.0}
-    assert drifts(problem.laws, initial, series)["entropy"].max() == 0
+    assert drifts(problem.invariants, initial, series)["entropy"].max() == 0
     series["entropy"][5:] -= 0.2
-    assert drifts(problem.laws, initial, series)["entropy"].max() == pytest.approx(0.19)
+    assert drifts(problem.invariants, initial, series)["entropy"].max() == pytest.approx(0.19)
 
 
-LAWS = {"masses": [["left", 0], ["right", 1]], "energy": True}
+INVARIANTS = {"masses": [["left", 0], ["right", 1]], "energy": True}
 
 
 def recorded(n: int) -> tuple[np.ndarray, dict[str, object]]:
@@ -93,7 +93,7 @@ def recorded(n: int) -> tuple[np.ndarray, dict[str, object]]:
 
 def test_drifts_piece_by_piece_are_those_of_the_whole():
     steps, initial = recorded(1000)
-    whole, pieced = drifts(LAWS, initial, as_dict(steps)), Drifts(LAWS, initial)
+    whole, pieced = drifts(INVARIANTS, initial, as_dict(steps)), Drifts(INVARIANTS, initial)
     pieces = [pieced.go_on(as_dict(piece)) for piece in np.split(steps, [1, 2, 300, 300, 999])]
     assert len(whole) == 5
     for name, values in whole.items():
@@ -108,7 +108,7 @@ def as_dict(steps: np.ndarray) -> dict[str, np.ndarray]:
 def test_a_watch_keeps_nothing_of_the_steps():
     """So that a look costs the same after millions of them."""
     steps, initial = recorded(64)
-    watch, sizes = ConservationCheck(LAWS, initial, np.inf), []
+    watch, sizes = ConservationCheck(INVARIANTS, initial, np.inf), []
     for _ in range(100):
         assert watch.look(steps) is None
         sizes.append(len(pickle.dumps(watch)))
@@ -120,12 +120,12 @@ def test_a_watch_names_the_first_step_at_fault():
     for name in ("momentum", "force", "energy", "entropy", "heating", "mass"):
         steps[name] = 0.0 if name in ("force", "heating") else 1.0
     initial = initial | {"force": 0.0, "heating": 0.0}
-    watch = ConservationCheck(LAWS, initial, 1e-3)
+    watch = ConservationCheck(INVARIANTS, initial, 1e-3)
     assert watch.look(steps[:60]) is None
     steps["mass"][80:, 1], steps["energy"][90:] = 1.01, np.nan
     fault = watch.look(steps[60:])
     assert fault == f"mass of 'right' has drifted by 0.01 (relative) at t = {steps['t'][80]:.6g} s, step 81"
-    assert "energy has drifted by nan" in ConservationCheck(LAWS, initial, 0.1).look(steps)
+    assert "energy has drifted by nan" in ConservationCheck(INVARIANTS, initial, 0.1).look(steps)
 
 
 def test_check_stops_near_the_fault(tmp_path):

@@ -212,7 +212,7 @@ def test_balances_are_those_that_hold(results, figures):
     assert drawn["box"][-1] == "-fsi_check"
     run = results["rod"]
     initial = {name.removeprefix("initial_"): v for name, v in run.summary.items() if name.startswith("initial_")}
-    expected = drifts(load_case("rod").build(run.options).laws, initial, run.series)
+    expected = drifts(load_case("rod").build(run.options).invariants, initial, run.series)
     for label, _, y in lines(figures["rod", "balance"].axes[0]):
         assert np.nanmax(y) == np.abs(expected[label]).max() < 1e-2
 

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.errors import FileError
-from fsipetsc.output import file_layout, sources
+from fsipetsc.output import file_layout, result_sources
 
 Array = np.ndarray
 
@@ -42,7 +42,7 @@ class Run:
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = os.path.abspath(path)
         with _damage(os.fspath(path)):
-            self._source = sources.open_source(path)
+            self._source = result_sources.open_source(path)
             try:
                 self._read()
             except BaseException:
@@ -65,7 +65,7 @@ class Run:
         self.nframes = min([len(time), *(_covered(c) for c in chunks)])
         self.time: Array = time[: self.nframes]
         if not np.all(np.isfinite(self.time)) or np.any(np.diff(self.time) < 0):
-            raise sources.Damaged("the times of its frames are not ascending numbers")
+            raise result_sources.Damaged("the times of its frames are not ascending numbers")
         self.layers = tuple(Layer(self.path, entry, own, self.nframes) for entry, own in zip(self.header["layers"], chunks))
         series = self._source.series()
         self.series: Mapping[str, Array] = Arrays(self.path, "series", series.names, series.read)
@@ -138,7 +138,7 @@ class Layer(Arrays):
         self._chunks = [chunk for chunk in chunks if chunk.first < nframes]
         for chunk in self._chunks:
             if chunk.dataset.shape != (len(chunk.X), chunk.count * len(self.fields)):
-                raise sources.Damaged(f"frames of layer {self.name!r} have the shape {chunk.dataset.shape}")
+                raise result_sources.Damaged(f"frames of layer {self.name!r} have the shape {chunk.dataset.shape}")
         self.X, self.h = _merge_grids(self._chunks)
 
     @property
@@ -185,7 +185,7 @@ class _Named(dict):
 class _Chunk:
     """Some consecutive frames of a layer, in one dataset."""
 
-    def __init__(self, first: int, count: int, dataset: sources.Dataset, X: Array) -> None:
+    def __init__(self, first: int, count: int, dataset: result_sources.Dataset, X: Array) -> None:
         self.first, self.count, self.dataset, self.X = first, count, dataset, X
         self.place = slice(0, len(X))  # of its grid in the largest one
 
@@ -207,7 +207,7 @@ def _damage(path: str, what: str = "") -> Iterator[None]:
     except Exception as error:
         of = f"{what} cannot be read: " if what else ""
         reason = " ".join(str(error).split())
-        if not isinstance(error, (sources.Damaged, OSError, ValueError)):
+        if not isinstance(error, (result_sources.Damaged, OSError, ValueError)):
             reason = f"{type(error).__name__}: {reason}"
         raise FileError(f"{path}: {of}the file is damaged{', or was closed before' if what else ''}: {reason}") from error
 
@@ -221,16 +221,16 @@ def _check_header(header: Mapping[str, Any]) -> None:
         good = good and isinstance(layer["name"], str) and layer["kind"] in ("fluid", "solid")
         good = good and len(layer["fields"]) > 0 and all(isinstance(name, str) for name in layer["fields"])
     if not good:
-        raise sources.Damaged("its header does not tell case, options and layers")
+        raise result_sources.Damaged("its header does not tell case, options and layers")
 
 
-def _chunks(source: sources.Finished | sources.Unfinished, layer: int) -> list[_Chunk]:
+def _chunks(source: result_sources.Finished | result_sources.Unfinished, layer: int) -> list[_Chunk]:
     """What there is of a layer's frames, in their order, from all segments."""
     grids: dict[bytes, Array] = {}  # one array for each
     found = []
     for first, count, dataset, X in source.frames(layer):
         if not len(X) or not np.all(np.isfinite(X)) or np.any(np.diff(X) <= 0):
-            raise sources.Damaged(f"a grid of layer {layer + 1} is not ascending numbers")
+            raise result_sources.Damaged(f"a grid of layer {layer + 1} is not ascending numbers")
         found.append(_Chunk(first, count, dataset, grids.setdefault(X.tobytes(), X)))
     return sorted(found, key=lambda chunk: chunk.first)
 
@@ -261,7 +261,7 @@ def _merge_grids(chunks: list[_Chunk]) -> tuple[Array, float]:
     for grid in sorted(grids, key=len):
         merged[place(grid)] = grid
     if any(np.max(np.abs(merged[place(grid)] - grid)) > 0.01 * h for grid in grids) or np.isnan(merged).any():
-        raise sources.Damaged("its grids do not fit together")
+        raise result_sources.Damaged("its grids do not fit together")
     for chunk in chunks:
         chunk.place = place(chunk.X)
     return merged, h

@@ -13,20 +13,23 @@ from typing import Any
 import numpy as np
 
 
-def drifts(laws: Mapping[str, Any], initial: Mapping[str, Any], series: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+def drifts(
+    invariants: Mapping[str, Any], initial: Mapping[str, Any], series: Mapping[str, np.ndarray]
+) -> dict[str, np.ndarray]:
     """Name of an invariant that must hold -> its relative drift (nsteps,); series: complete, from the first step on.
 
-    laws: which ones must hold (fsipetsc.problem.Problem.laws). Entropy counts only where it decreases. Momentum is relative
-    to the impulse that has passed, of either sign, energy to itself; time integrals are trapezoidal sums over the steps.
+    invariants: which ones must hold (fsipetsc.problem.Problem.invariants). Entropy counts only where it decreases.
+    Momentum is relative to the impulse that has passed, of either sign, energy to itself; time integrals are trapezoidal
+    sums over the steps.
     """
-    return Drifts(laws, initial).go_on(series)
+    return Drifts(invariants, initial).go_on(series)
 
 
 class Drifts:
-    """The drifts, piece by piece of the series: of what has gone before only sums are kept. laws, initial: see ``drifts``."""
+    """The drifts, piece by piece of the series: only sums are kept of what has gone before. Arguments as of ``drifts``."""
 
-    def __init__(self, laws: Mapping[str, Any], initial: Mapping[str, Any]) -> None:
-        self._laws, self._initial = laws, initial
+    def __init__(self, invariants: Mapping[str, Any], initial: Mapping[str, Any]) -> None:
+        self._invariants, self._initial = invariants, initial
         self._rates: dict[str, float] = {name: initial.get(name, 0.0) for name in ("force", "heating")}  # the last ones
         self._sums: dict[str, float] = {}
         self._most = 0.0  # entropy produced
@@ -34,17 +37,17 @@ class Drifts:
     def go_on(self, series: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         """The drifts in the next steps: name -> (steps,)."""
         result: dict[str, np.ndarray] = {}
-        laws, initial = self._laws, self._initial
-        if not laws or not len(series["dt"]):
+        invariants, initial = self._invariants, self._initial
+        if not invariants or not len(series["dt"]):
             return result
-        for name, column in laws["masses"]:
+        for name, column in invariants["masses"]:
             result[f"mass of '{name}'"] = series["mass"][:, column] / initial["mass"][column] - 1
         force = self._joined(series, "force")
         impulse = self._integral(series, "impulse", force)
         passed = self._integral(series, "passed", np.abs(force))
         scale = np.maximum(passed, abs(initial["momentum"])) + np.finfo(float).tiny
         result["momentum"] = (series["momentum"] - initial["momentum"] - impulse) / scale
-        if laws["energy"]:
+        if invariants["energy"]:
             result["energy"] = series["energy"] / initial["energy"] - 1
             if "entropy" in series:
                 heated = self._integral(series, "heated", self._joined(series, "heating"))
@@ -73,9 +76,9 @@ class ConservationCheck:
 
     _NAMES = ("dt", "mass", "momentum", "force", "energy", "entropy", "heating")
 
-    def __init__(self, laws: Mapping[str, Any], initial: Mapping[str, Any], tolerance: float, unit: str = " s") -> None:
+    def __init__(self, invariants: Mapping[str, Any], initial: Mapping[str, Any], tolerance: float, unit: str = " s") -> None:
         """unit: what stands behind a time in the message (fsipetsc.problem.Problem.unit)."""
-        self._drifts, self._tolerance, self._unit = Drifts(laws, initial), tolerance, unit
+        self._drifts, self._tolerance, self._unit = Drifts(invariants, initial), tolerance, unit
         self._steps = 0
 
     def look(self, block: np.ndarray) -> str | None:

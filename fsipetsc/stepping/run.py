@@ -75,7 +75,7 @@ class _Run:
             "interfaces": interface_names(self.problem),
             "notes": list(self.problem.notes),
             "units": self.problem.units,
-            "laws": self.problem.laws,
+            "laws": self.problem.invariants,
         }
 
     def _grids(self) -> None:
@@ -110,8 +110,8 @@ class _Run:
         steps = self.integrator.series.add_up(self.comm)
         if self.comm.rank == 0 and self.fault is None:
             if self.watch is None:
-                laws, unit = self.problem.laws, self.problem.unit("s")
-                self.watch = ConservationCheck(laws, self.integrator.initial, self.opt["fsi_check"], unit)
+                invariants, unit = self.problem.invariants, self.problem.unit("s")
+                self.watch = ConservationCheck(invariants, self.integrator.initial, self.opt["fsi_check"], unit)
             self.fault = self.watch.look(steps)
 
     def _check(self) -> None:

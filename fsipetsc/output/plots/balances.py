@@ -22,8 +22,8 @@ MOMENTUM = (("force", "force of the ends and body force", "Pa"), ("momentum", "m
 
 def departures(run: Run) -> dict[str, Array]:
     """Name of what must not change in this run -> its relative departure, (nsteps,); empty if nothing is known of it."""
-    laws, initial = run.header.get("laws"), _initial(run)
-    return drifts(laws, initial, run.series) if laws and initial and len(run.series["t"]) else {}
+    invariants, initial = run.header.get("laws"), _initial(run)
+    return drifts(invariants, initial, run.series) if invariants and initial and len(run.series["t"]) else {}
 
 
 def _initial(run: Run) -> Mapping[str, Any]:
