@@ -5,6 +5,7 @@ from __future__ import annotations
 from numba import njit
 
 from fsipetsc.boundaries import INTERFACE_END
+from fsipetsc.coupling.interface import row_length
 from fsipetsc.operators.kernels import OPTIONS, ROW, U64
 
 
@@ -44,8 +45,8 @@ def keep_entropy(law, layer, op, s, w, v, f, target, side):
 
 @njit(**OPTIONS)
 def end_slope(op, s, at, side):
-    """h D at the end point s[at] of a row."""
+    """h D at the end point s[at] of a row, of which no more is known, perhaps, than what this takes."""
     step, d = 1 - 2 * side, 0.0
-    for c in range(op.cols):
+    for c in range(row_length(op)):
         d += op.closure[0, c] * s[U64(at + step * c)]
     return step * d
