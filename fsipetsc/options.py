@@ -184,7 +184,13 @@ def read_options(case: Any, given: Mapping[str, Given], extra: Sequence[Option] 
         PETSc.Options().delValue(option.name)
         if option.name in given:
             PETSc.Options().setValue(option.name, given[option.name].text)
-    if any(option.name in given for option in IN_LOOP) or "log_view" in given:
+    if "ts_view" in given and (values["ts_type"] == "fused" or values["ts_adapt_type"] != "none"):
+        shown = "the fused method" if values["ts_type"] == "fused" else "the step-size control"
+        raise InputError(
+            f"-ts_view shows PETSc's methods, and {shown} is the program's own: it works with -ts_type rk, ssp or euler and "
+            "-ts_adapt_type none"
+        )
+    if "ts_monitor" in given or "log_view" in given:
         values["fsi_burst"] = 1  # something of PETSc's is to see every step
     publish(values)
     return values

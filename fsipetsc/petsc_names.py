@@ -50,7 +50,10 @@ AT_START = (
     Option("no_signal_handler", bool, None, "", "leave signals to the program; always so"),
 )
 #: options that PETSc's time integrator follows
-IN_LOOP = (Option("ts_monitor", "optional", None, "", "print every step: number, dt, t", check=_nothing),)
+IN_LOOP = (
+    Option("ts_monitor", "optional", None, "", "print every step: number, dt, t", check=_nothing),
+    Option("ts_view", "optional", None, "", "print PETSc's method when it ends, at the end of each grid", check=_nothing),
+)
 #: options that are followed where the options are read
 IN_SOURCES = (
     Option("options_file", str, None, "", "read options from a file, one '-name value' a line; FILE.yaml is read as YAML"),
@@ -76,7 +79,7 @@ _REFUSED = {
     "ts_init_time": "every run begins at t = 0",
     "ts_exact_final_time": "every run ends exactly at -ts_max_time",
     "ts_monitor_": f"of PETSc's monitors only -ts_monitor works; {_SAVED}",
-    "ts_view": "`fsipetsc info` shows the method and the options of a result",
+    "ts_view_": "of PETSc's views of the method only -ts_view works",
     "ts_trajectory": _SAVED,
     "ts_save_trajectory": _SAVED,
     "ts_adapt_": _CONTROL,

@@ -141,6 +141,10 @@ def test_long_lists_and_values_with_blanks_arrive_whole(read, name):
         ("-log_view nosuch", ["-log_view", "'nosuch'", ":FILE"]),
         ("-log_view :/no/such/dir/x", ["-log_view", "No such file or directory"]),
         ("-ts_monitor 6", ["-ts_monitor", "'6'", "no value"]),
+        ("-ts_type rk -ts_view :x", ["-ts_view", "':x'", "no value"]),
+        ("-ts_view", ["-ts_view", "fused method", "-ts_type rk"]),
+        ("-ts_rk_type 3bs -ts_adapt_type basic -ts_view", ["-ts_view", "step-size control", "-ts_adapt_type none"]),
+        ("-ts_type rk -ts_view_pre", ["-ts_view_pre", "only -ts_view"]),
         ("-malloc_debug foo", ["-malloc_debug", "'foo'", "true or false"]),
         ("-options_view x", ["-options_view", "info"]),
         ("-options_left", ["-options_left", "has an effect"]),
@@ -182,6 +186,9 @@ def test_options_of_petsc_are_accepted(read, database, tmp_path):
     opt = read("-ts_rk_type 5dp -ts_adapt_type basic -ts_adapt_dt_max 1 -ts_adapt_clip 0.5,2")
     assert (opt["ts_adapt_dt_max"], opt["ts_adapt_clip"]) == (1.0, (0.5, 2.0))
     assert read("-ts_type ssp -ts_ssp_type rks3 -ts_ssp_nstages 9")["ts_ssp_nstages"] == 9
+    assert read("-ts_type rk -ts_view")["fsi_burst"] > 1 and database.hasName("ts_view")
+    read("")
+    assert not database.hasName("ts_view")
 
 
 def test_time_step_has_the_name_that_this_petsc_knows(read, database, monkeypatch):

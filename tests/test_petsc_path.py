@@ -57,7 +57,7 @@ def test_both_make_the_same_rates(name, changed):
 @pytest.mark.mpi
 def test_the_log_shows_what_petsc_does(tmp_path):
     """An exchange for each layer and right-hand side among the events of the time loop, and the sums of PETSc's method."""
-    line = "rod -fsi_h 0.1 -ts_max_steps 20 -ts_type rk -fsi_partition physics -fsi_output_dt 1 -log_view"
+    line = "rod -fsi_h 0.1 -ts_max_steps 20 -ts_type rk -fsi_partition physics -fsi_output_dt 1 -log_view -ts_view"
     done = mpirun(2, "-m", "fsipetsc", *line.split(), cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     loop = done.stdout[done.stdout.index("Event Stage 3: time loop") :]
@@ -65,3 +65,5 @@ def test_the_log_shows_what_petsc_does(tmp_path):
     assert counts["TSStep"] == 20 and counts["TSFunctionEval"] == 80
     assert counts["VecScatterBegin"] == 2 * 80, "rank 0 has both gases"
     assert counts["VecMAXPY"] >= 80
+    for words in ("RK type 4", "maximum steps=20", "maximum time=3", "RHS function evaluations=80"):
+        assert words in done.stdout, "what -ts_view says"

@@ -137,12 +137,19 @@ class Integrator:
         self.stop_signal = int(flags[STOP])
         if self._times.done or self.stop_signal or self.steps >= self.opt["ts_max_steps"]:
             ts.setConvergedReason(PETSc.TS.ConvergedReason.CONVERGED_TIME)
+            self._say_the_ends(ts)
         elif flags[LOW]:
             ts.setConvergedReason(PETSc.TS.ConvergedReason.CONVERGED_USER)
+            self._say_the_ends(ts)
         else:
             if flags[MOVED]:
                 ts.restartStep()
             self._plan_step(ts)
+
+    def _say_the_ends(self, ts: PETSc.TS) -> None:
+        """Give TS, which has stopped, the ends that the clock follows: -ts_view shows them."""
+        ts.setMaxTime(self.opt["ts_max_time"])
+        ts.setMaxSteps(self.opt["ts_max_steps"])
 
     def _completed(self, ts: PETSc.TS) -> bool:
         """Complete a step that PETSc has made; False if the error control refuses it."""

@@ -37,17 +37,17 @@ class PetscPath:
     """
 
     def __init__(self, layout: Layout, plan: Plan) -> None:
-        self._state = np.empty(layout.local_size)
-        self._layers = [
-            LayerPart(layout, plan, k, layout.local(k, self._state)) for k, dm in enumerate(layout.dms) if dm is not None
-        ]
+        self._state, self._rates = np.empty(layout.local_size), np.empty(layout.local_size)
+        mine = [k for k, dm in enumerate(layout.dms) if dm is not None]
+        self._layers = [LayerPart(layout, plan, k, self._state, self._rates) for k in mine]
         self._interfaces = [Interface(layout, plan, k, self._state) for k in range(len(plan.faces))]
 
     def rates(self, y: np.ndarray, f: np.ndarray) -> None:
         """f = dy/dt of this rank's part, for the boundary data, jumps and forcing set last; y stays as it is."""
         self.apply_conditions(y)
         for layer in self._layers:
-            layer.rates(f)
+            layer.evaluate()
+        f[:] = self._rates
 
     def apply_conditions(self, y: np.ndarray) -> None:
         """Fill the plan's first work area with this rank's part y and its halos, which fulfil all conditions."""
@@ -68,14 +68,16 @@ class PetscPath:
 
 
 class LayerPart:
-    """This rank's part of layer k. Its ranks share the vector ``own``: here the memory ``owned``, shape (points, dof)."""
+    """This rank's part of layer k; state, rates: the rank's parts of world vectors.
 
-    def __init__(self, layout: Layout, plan: Plan, k: int, owned: np.ndarray) -> None:
-        self._k, self._plan, self._dm, dof = k, plan, layout.dms[k], owned.shape[1]
-        self._own = PETSc.Vec().createWithArray(owned, bsize=dof, comm=self._dm.comm)
-        self._begin, self._shape = int(layout.records[k]["start"]), owned.shape
+    The ranks of the layer share the vector ``own``, whose memory is the layer's part of the state: the vector of the DMDA.
+    """
+
+    def __init__(self, layout: Layout, plan: Plan, k: int, state: np.ndarray, rates: np.ndarray) -> None:
+        self._k, self._plan, self._dm, dof = k, plan, layout.dms[k], DOF[layout.records[k]["kind"]]
+        self._own = PETSc.Vec().createWithArray(layout.local(k, state), bsize=dof, comm=self._dm.comm)
         # PETSc has the unknowns of a point together; the loops have each unknown by itself, in areas of the plan
-        self._work, self._rates = plan.work(k), plan.owned(k, SUM)
+        self._work, self._evaluated, self._rates = plan.work(k), plan.owned(k, SUM), layout.local(k, rates)
         self._with_halos = np.empty(self._work.shape)
         self._local = PETSc.Vec().createWithArray(self._with_halos, bsize=dof, comm=PETSc.COMM_SELF)
         self._frame = [layout.records[name][k : k + 1] for name in ("s", "x_interface")]
@@ -100,10 +102,10 @@ class LayerPart:
         """Ghost point and outer end, where this rank has the points that they take, in its halos perhaps."""
         apply_ends(*self._plan, self._k)
 
-    def rates(self, f: np.ndarray) -> None:
-        """The rates at this rank's points, into its part of the world vector f."""
+    def evaluate(self) -> None:
+        """The rates at this rank's points."""
         evaluate_rates(*self._plan, self._k)
-        f[self._begin :][: self._rates.size].reshape(self._shape)[:] = self._rates
+        self._rates[:] = self._evaluated
 
     def destroy(self) -> None:
         self._own.destroy()
