@@ -66,3 +66,9 @@ def function(value: Any, what: str, form: str, *, optional: bool = False) -> Non
     """InputError if a value is not callable, or None where that is allowed; form: as in "initial(X) -> (rho, u, T)"."""
     if not (callable(value) or (optional and value is None)):
         raise InputError(f"{what} is {described(value)}: expected a function {form}{' or None' if optional else ''}")
+
+
+def formulas(value: Any, what: str, member: str, form: str) -> None:
+    """InputError if a value is no law: formulas that have a member; form: where one comes from."""
+    if callable(value) or not hasattr(value, member):
+        raise InputError(f"{what} is {described(value)}: expected {form}")

@@ -3,7 +3,8 @@
 It ends with status 3 where the interface treatment does not keep what it promises. `energy` promises that the energy
 never grows (Theorem 4.1), that no mode grows and that the step of the uncoupled layers is kept; the others promise
 the last two. What the heating by a stress at rest adds (sigma^ u_X / (alpha m0), see stability_linear) is shown too,
-but as it belongs to the equations, not to the interface, it does not count.
+but as it belongs to the equations, not to the interface, it does not count. All of it is about the built-in laws of the
+materials: a perfect gas with constant viscosity and conductivity, a solid with Grüneisen's pressure.
 """
 
 from __future__ import annotations

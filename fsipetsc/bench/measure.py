@@ -93,7 +93,7 @@ class Stand:
 
         call = clock(comm, often(do_nothing), seconds)
         whole = clock(comm, often(make_steps, _TINY), seconds) - call
-        apply_conditions = clock(comm, lambda n: apply_conditions_often(*plan, n), seconds)
+        apply_conditions = clock(comm, lambda n: plan.compiled(apply_conditions_often)(*plan, n), seconds)
         exchange = clock(comm, lambda n: exchange_often(*plan, n), seconds)
         reduction = self.reduction(seconds)
         return {

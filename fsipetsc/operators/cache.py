@@ -106,11 +106,12 @@ def garbage_waiting() -> Iterator[None]:
 @contextmanager
 def compiling(function: Callable[..., object], announce: Callable[[str], None]) -> Iterator[None]:
     """Within, a function (numba's) may be compiled: say so if it is not on disk, and once more if it takes long."""
-    name = function.__name__
-    if any(cache_folder().glob(f"*/*.{name}-*.nbi")):
+    place = getattr(getattr(function, "stats", None), "cache_path", None) or cache_folder()
+    if any(Path(place).glob(f"*.{function.__name__}-*.nbi")):
         yield
         return
-    announce("compiling the kernels, once after installation: about 20 s on a quiet machine")
+    once = "after installation" if Path(place).parent == cache_folder() else "for the laws of this case"
+    announce(f"compiling the kernels, once {once}: about 20 s on a quiet machine")
     more = threading.Timer(_LONG, announce, ("still compiling the kernels: other programs slow it down",))
     more.daemon = True
     more.start()
@@ -147,11 +148,23 @@ def use_cache_folder() -> Path | None:
     return None
 
 
+def make_folder(name: str) -> Path | None:
+    """A folder for more kernels of this state of the sources, named prefix-…; None where it cannot be had."""
+    folder = cache_folder() / name
+    try:
+        folder.mkdir(mode=0o700, exist_ok=True)
+    except OSError:
+        return None
+    _tidy_up(folder)
+    return folder
+
+
 def _tidy_up(folder: Path) -> None:
     """Note that `folder` is used, and remove those beside it that have not been for long, but for the last few."""
     try:
         os.utime(folder)
-        others = [(path.stat().st_mtime, path) for path in folder.parent.glob("kernels-*") if path != folder]
+        alike = folder.parent.glob(f"{folder.name.split('-')[0]}-*")
+        others = [(path.stat().st_mtime, path) for path in alike if path != folder]
     except OSError:
         return  # several ranks tidy up at once
     for used, path in sorted(others, reverse=True)[_KEPT:]:

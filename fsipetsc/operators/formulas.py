@@ -7,6 +7,7 @@ nothing is looked up while the program runs.
 
 from __future__ import annotations
 
+from types import CellType, FunctionType
 from typing import Any
 
 from numba import types
@@ -64,8 +65,13 @@ _UNROLLED = {"forceinline": True, "error_model": "numpy"}  # whatever the size: 
 
 
 def in_python(function: Any) -> Any:
-    """A formula as Python has it, for numbers and arrays."""
-    return getattr(function, "py_func", function)
+    """A formula as Python has it, for numbers and arrays; so are those that it calls from its closure."""
+    plain = getattr(function, "py_func", function)
+    cells = getattr(plain, "__closure__", None)
+    if not cells or not any(hasattr(cell.cell_contents, "py_func") for cell in cells):
+        return plain
+    inner = tuple(CellType(in_python(cell.cell_contents)) for cell in cells)
+    return FunctionType(plain.__code__, plain.__globals__, plain.__name__, plain.__defaults__, inner)
 
 
 def each(function: Any, *arguments: Any) -> tuple:

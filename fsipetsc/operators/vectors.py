@@ -12,11 +12,12 @@ from __future__ import annotations
 
 import operator
 
+import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.core.cgutils import get_or_insert_function
 from numba.core.typing.templates import ConcreteTemplate, infer_global, signature
-from numba.extending import intrinsic, lower_builtin, models, register_model
+from numba.extending import intrinsic, lower_builtin, models, overload, register_model
 
 LANES = 4
 
@@ -132,6 +133,46 @@ def minimum(typingctx, a, b):
 def root(typingctx, a):
     """Square root."""
     return _function("sqrt", (a,))
+
+
+@intrinsic
+def exponential(typingctx, a):
+    """e to the power of a."""
+    return _function("exp", (a,))
+
+
+@intrinsic
+def logarithm(typingctx, a):
+    """Natural logarithm."""
+    return _function("log", (a,))
+
+
+@intrinsic
+def power(typingctx, a, b):
+    """a to the power of b."""
+    return _function("pow", (a, b))
+
+
+def _of_numpy(ufunc, function):
+    """What numpy calls a function that vectors have, too: so formulas of users may name it."""
+
+    @overload(ufunc)
+    def of_vector(a):
+        return (lambda a: function(a)) if a == vector else None
+
+
+for _ufunc, _vectors in ((np.sqrt, root), (np.exp, exponential), (np.log, logarithm)):
+    _of_numpy(_ufunc, _vectors)
+
+
+@overload(operator.pow)
+def _to_the_power(a, b):
+    return (lambda a, b: power(a, b)) if a == vector else None
+
+
+@overload(operator.neg)
+def _negative(a):
+    return (lambda a: -1.0 * a) if a == vector else None
 
 
 @intrinsic

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from fsipetsc.checks import NONNEGATIVE, POSITIVE, numbers
+from fsipetsc.checks import NONNEGATIVE, POSITIVE, formulas, numbers
 from fsipetsc.operators.formulas import Formulas, in_python
 from fsipetsc.operators.kernels import FORMULA, OPTIONS, U64
 from fsipetsc.operators.vectors import fma
@@ -42,6 +42,8 @@ class Fluid:
 
     def __post_init__(self) -> None:
         numbers(self, "Fluid", {"mu": NONNEGATIVE, "kappa": NONNEGATIVE, "gamma": "above 1", "R": POSITIVE})
+        formulas(self.law, "Fluid: law", "bulk_modulus", "what gas_law(…) returns")
+        formulas(self.transport, "Fluid: transport", "relative", "what transport_law(…) returns")
 
     @property
     def cv(self) -> float:

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from fsipetsc.checks import ANY, NONNEGATIVE, POSITIVE, numbers
+from fsipetsc.checks import ANY, NONNEGATIVE, POSITIVE, formulas, numbers
 from fsipetsc.operators.formulas import Formulas, in_python
 from fsipetsc.operators.kernels import FORMULA
 from fsipetsc.operators.vectors import fma
@@ -43,6 +43,7 @@ class Solid:
     def __post_init__(self) -> None:
         ranges = {"K": POSITIVE, "kappa_e": NONNEGATIVE, "m0": POSITIVE, "alpha": POSITIVE}
         numbers(self, "Solid", {**ranges, "force": ANY, "gruneisen": NONNEGATIVE})
+        formulas(self.pressing, "Solid: pressing", "wave_modulus", "what pressure_law(…) returns")
 
     def sound_speed(self, x_X: float = 1.0, T: float = 0.0, sigma: float = 0.0) -> float:
         """Speed of the elastic waves in Lagrangian coordinates [m/s]; T and sigma matter where there is a pressure."""

@@ -7,18 +7,24 @@ the laws of gas and solid that meet at an interface. Compiled functions find tha
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numba import njit
 
 from fsipetsc.coupling import couple, residuals
+from fsipetsc.errors import InputError
 from fsipetsc.operators.formulas import Formulas
 from fsipetsc.operators.kernels import FORMULA
+from fsipetsc.operators.variants import Variants, digest
 from fsipetsc.physics.constant_transport import constant_transport
-from fsipetsc.physics.fluid import navier_stokes
+from fsipetsc.physics.fluid import Fluid, navier_stokes
 from fsipetsc.physics.gruneisen import gruneisen
 from fsipetsc.physics.layer import FLUID, SOLID
+from fsipetsc.physics.own_laws import check
 from fsipetsc.physics.perfect_gas import perfect_gas
-from fsipetsc.physics.solid import elastic_solid
+from fsipetsc.physics.solid import Solid, elastic_solid
+from fsipetsc.problem import Problem
 from fsipetsc.scheme.end_forces_and_entropy import end_forces, gas_entropy, gas_traction, solid_entropy, solid_traction
 from fsipetsc.scheme.end_rates import as_they_are, keep_entropy
 from fsipetsc.scheme.extremes_and_sums import fluid_extremes_and_sums, solid_extremes_and_sums
@@ -109,7 +115,61 @@ of_layer = Formulas(
 of_interface = Formulas(couple=couple, residuals=residuals)
 
 
-def number_laws(layers: np.ndarray, faces: np.ndarray) -> None:
-    """Note the numbers of the laws in the records of a plan."""
-    layers["law"] = layers["kind"]
-    faces["pair"] = 0
+class ProblemLaws:
+    """The laws of a problem: those in LAWS and PAIRS, or others, with which compiled functions are compiled once more.
+
+    layers, pairs: formulas, each once; of_layers, of_interfaces: their numbers, layer by layer, interface by interface.
+    entropy: whether it is to be computed. InputError for a law of the user's that is not what it must be.
+    """
+
+    def __init__(self, problem: Problem, entropy: bool = False) -> None:
+        found = [_law_of(layer.material) for layer in problem.layers]
+        for layer, known in zip(problem.layers, found, strict=True):
+            if entropy and not getattr(getattr(known, "gas", None), "knows_entropy", True):
+                what = "no formula entropy(c, rho, T), which -fsi_entropy and -fsi_check need"
+                raise InputError(f"the gas law of layer '{layer.name}' has {what}")
+        names = {digest(law): law for law in found}
+        if names.keys() <= _BUILT_IN.keys():
+            names = _BUILT_IN
+        self.layers, numbers = tuple(names.values()), {name: k for k, name in enumerate(names)}
+        self.of_layers = [numbers[digest(law)] for law in found]
+        met = [(self.of_layers[fluid], self.of_layers[solid]) for fluid, solid in problem.interfaces]
+        known = list(dict.fromkeys(met))
+        self.of_interfaces = [known.index(numbers) for numbers in met]
+        self.pairs = tuple(pair(self.layers[fluid], self.layers[solid]) for fluid, solid in known)
+        self._variants = None
+        if names is not _BUILT_IN:
+            name = "laws-" + digest((tuple(names), tuple(known)))
+            if name not in _VARIANTS:
+                if not Variants.on_disk(name):
+                    _check(found)
+                _VARIANTS[name] = Variants(((LAWS, self.layers), (PAIRS, self.pairs)), name)
+            self._variants = _VARIANTS[name]
+
+    def compiled(self, function: Any) -> Any:
+        """A compiled function, for these laws."""
+        return self._variants.of(function) if self._variants else function
+
+    def number(self, layers: np.ndarray, faces: np.ndarray) -> None:
+        """Note the numbers of the laws in the records of a plan."""
+        layers["law"], faces["pair"] = self.of_layers, self.of_interfaces
+
+
+def _check(laws: list[Formulas]) -> None:
+    """InputError for formulas that cannot be compiled."""
+    for law in laws:
+        for kind in ("gas", "transport", "pressing"):
+            if hasattr(law, kind) and not any(getattr(known, kind, None) is getattr(law, kind) for known in LAWS):
+                check(getattr(law, kind), kind)
+
+
+def _law_of(material: Fluid | Solid) -> Formulas:
+    """That of a layer of this material."""
+    if isinstance(material, Fluid):
+        return law(navier_stokes(material.law, material.transport))
+    return law(elastic_solid(material.pressing))
+
+
+#: digest -> law, of those in LAWS; name of a set of laws -> what has been compiled for it
+_BUILT_IN = {digest(law): law for law in LAWS}
+_VARIANTS: dict[str, Variants] = {}

@@ -13,7 +13,8 @@ points, a slice as much as fifty.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -109,13 +110,19 @@ def step_record(interfaces: int, fluids: int, entropy: bool) -> np.dtype:
     )
 
 
-class Plan(NamedTuple):
-    """The arrays; compiled functions take them as their first four arguments."""
+class Arrays(NamedTuple):
+    """What compiled functions take as their first four arguments."""
 
     head: np.ndarray
     layers: np.ndarray
     faces: np.ndarray
     memory: np.ndarray
+
+
+class Plan(Arrays):
+    """The arrays; and compiled(function), which is a compiled function for the laws of the problem: by itself as it is."""
+
+    compiled: Callable[[Any], Any] = staticmethod(lambda function: function)
 
     def start(self, name: str) -> int:
         """Where a part of the memory begins."""

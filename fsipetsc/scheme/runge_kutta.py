@@ -194,24 +194,24 @@ def run_task(task, heads, layers, faces, memory, number, state, dt):
 
 def make_steps(plan: Plan, dt: float) -> None:
     """A step dt [s] from the completed one in the work area, its completion, and further steps as the burst allows."""
-    run_task(MAKE_STEPS, *plan, 0, -1, dt)
+    plan.compiled(run_task)(MAKE_STEPS, *plan, 0, -1, dt)
 
 
 def make_stage(plan: Plan, number: int, dt: float) -> None:
     """Stage ``number`` of a step dt [s]; number ``STAGES``: its completion. Between them data may change with time."""
-    run_task(MAKE_STAGE, *plan, number, -1, dt)
+    plan.compiled(run_task)(MAKE_STAGE, *plan, number, -1, dt)
 
 
 def complete_step(plan: Plan, state: str) -> None:
     """Complete a step that somebody else has made: see fsipetsc.scheme.finish_step."""
-    run_task(COMPLETE_STEP, *plan, 0, plan.start(state), 0.0)
+    plan.compiled(run_task)(COMPLETE_STEP, *plan, 0, plan.start(state), 0.0)
 
 
 def load_completed(plan: Plan, state: str) -> None:
     """Go on from a state that fulfils the conditions: a completed one."""
-    run_task(LOAD_COMPLETED, *plan, 0, plan.start(state), 0.0)
+    plan.compiled(run_task)(LOAD_COMPLETED, *plan, 0, plan.start(state), 0.0)
 
 
 def do_nothing(plan: Plan) -> None:
     """Enter compiled code, which is compiled or loaded for it, and leave it."""
-    run_task(NOTHING, *plan, 0, -1, 0.0)
+    plan.compiled(run_task)(NOTHING, *plan, 0, -1, 0.0)

@@ -17,7 +17,8 @@ def layer_fields(state: State) -> list[np.ndarray]:
     sizes = SAVED * (records["own_hi"] - records["own_lo"])
     ends = np.cumsum(sizes)
     out = np.empty(ends[-1])
-    fields(state.plan.head, state.plan.layers, state.plan.memory, out, ends - sizes, SAVED)
+    plan = state.plan
+    plan.compiled(fields)(plan.head, plan.layers, plan.memory, out, ends - sizes, SAVED)
     return [part.reshape(-1, SAVED) for part in np.split(out, ends[:-1])]
 
 

@@ -100,11 +100,11 @@ class LayerPart:
 
     def apply_ends(self) -> None:
         """Ghost point and outer end, where this rank has the points that they take, in its halos perhaps."""
-        apply_ends(*self._plan, self._k)
+        self._plan.compiled(apply_ends)(*self._plan, self._k)
 
     def evaluate(self) -> None:
         """The rates at this rank's points."""
-        evaluate_rates(*self._plan, self._k)
+        self._plan.compiled(evaluate_rates)(*self._plan, self._k)
         self._rates[:] = self._evaluated
 
     def destroy(self) -> None:
@@ -141,7 +141,7 @@ class Interface:
             rank = self._owners[other]
             self._comm.Sendrecv(self._rows[mine], rank, recvbuf=self._rows[other], source=rank)
         x_interface[0] = solid[0, 3]  # of the solid's particle there
-        couple_rows(*self._plan, self._k, fluid, solid)
+        self._plan.compiled(couple_rows)(*self._plan, self._k, fluid, solid)
         s[0] = fluid[0, 1] / fluid[0, 0]
         for here, rows, own in zip(self._here, self._rows, self._own, strict=True):
             if here:
@@ -152,6 +152,6 @@ def compile_entries(plan: Plan, announce: Callable[[str], None]) -> None:
     """Compile what is called here, or load it, without a call of it; announce: says what takes so long."""
     rows = [np.empty((int(plan.head["rows"][0]), dof)) for dof in DOF]
     entries: tuple[tuple[Callable, tuple], ...] = ((apply_ends, (0,)), (evaluate_rates, (0,)), (couple_rows, (0, *rows)))
-    with compiling(evaluate_rates, announce):
+    with compiling(plan.compiled(evaluate_rates), announce):
         for entry, arguments in entries:
-            entry.compile(tuple(numba.typeof(argument) for argument in (*plan, *arguments)))
+            plan.compiled(entry).compile(tuple(numba.typeof(argument) for argument in (*plan, *arguments)))

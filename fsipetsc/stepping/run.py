@@ -91,7 +91,7 @@ class _Run:
     def _frame(self, t: float) -> None:
         plan = self.state.plan
         with self.phases(OUTPUT, "fsi frame"):
-            self.writer.write_frame(t, lambda slots: fields(plan.head, plan.layers, plan.memory, *slots))
+            self.writer.write_frame(t, lambda slots: plan.compiled(fields)(plan.head, plan.layers, plan.memory, *slots))
         self.saved_at = t
         self._look()
 

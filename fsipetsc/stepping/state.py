@@ -18,7 +18,7 @@ from fsipetsc.physics.layer import DOF, FLUID
 from fsipetsc.problem import FluidLayer, Problem
 from fsipetsc.scheme import runge_kutta
 from fsipetsc.scheme.burst import MADE
-from fsipetsc.scheme.laws import number_laws
+from fsipetsc.scheme.laws import ProblemLaws
 from fsipetsc.scheme.plan import BURST, FLAGS, FORCING, LIMITS, LOW, SAID_STOP, make_plan
 from fsipetsc.stepping.petsc_path import PetscPath
 from fsipetsc.together import agree, together
@@ -55,6 +55,7 @@ class State:
         self.evaluations = 0
         self.fault: InputError | None = None  # of a user's function, on this rank
         self._path: PetscPath | None = None
+        self._laws = together(comm, lambda: ProblemLaws(problem, entropy))
         self._place(make_grids(problem, self.op, h, spare))
 
     def compile(self, announce: Callable[[str], None], also: Callable[[], object] = lambda: None) -> None:
@@ -63,7 +64,7 @@ class State:
         also: calls further compiled functions.
         """
         if self.comm.rank == 0:
-            with garbage_waiting(), compiling(runge_kutta.run_task, announce):
+            with garbage_waiting(), compiling(self.plan.compiled(runge_kutta.run_task), announce):
                 runge_kutta.do_nothing(self.plan)
                 also()
         self.comm.Barrier()
@@ -74,7 +75,8 @@ class State:
         self.layout = Layout(self.comm, self.problem, self.op, self.h, grids, self._mode, kept)
         forced = any(layer.forcing for layer in self.problem.layers)
         self.plan, self._neighbours = make_plan(self.layout, self.op, self._coupling, forced, self._entropy, self._shared)
-        number_laws(self.plan.layers, self.plan.faces)
+        self.plan.compiled = self._laws.compiled
+        self._laws.number(self.plan.layers, self.plan.faces)
         for record, grid in zip(self.layout.records, grids, strict=True):
             record["lo"], record["hi"] = grid.lo, grid.hi
         # the solution vector's own memory is the plan's

@@ -1,0 +1,207 @@
+"""Laws of materials that a case file brings: a gas, its viscosity and conductivity, the pressure of a solid.
+
+A law is functions of numbers that numba can compile: they are compiled for numbers and for vectors of points
+(fsipetsc.operators.vectors), so they have no ``if`` on their arguments; +, -, *, /, ** and numpy's sqrt, exp and log do. c is
+what ``constants(record)`` returns; the record has the numbers of the material. All raise InputError, with file and line,
+for what is no function of the right arguments.
+"""
+
+from __future__ import annotations
+
+import inspect
+import os
+import re
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numba import njit, typeof, types
+
+from fsipetsc.blame import place_of
+from fsipetsc.checks import described
+from fsipetsc.errors import InputError
+from fsipetsc.operators.formulas import Formulas, in_python
+from fsipetsc.operators.kernels import FORMULA
+from fsipetsc.operators.vectors import vector
+from fsipetsc.physics import gruneisen, perfect_gas
+from fsipetsc.physics.layer import LAYER
+
+#: what a law of each kind must have, and what follows if it is not given: name -> arguments
+TRANSPORT = {"relative": "T"}
+GAS = {
+    "temperature": "c, rho, e",
+    "energy": "c, rho, T",
+    "pressure": "c, rho, T",
+    "density": "c, p, T",
+    "temperature_of_pressure": "c, rho, p",
+    "heat_capacity": "c, rho, T",
+    "pressure_by_temperature": "c, rho, T",
+    "bulk_modulus": "c, rho, T",
+}
+GAS_MORE = {
+    "constants": "record",
+    "temperature_in_loops": "c, rho, e",
+    "sound_speed_squared": "c, rho, T",
+    "sound_speed_squared_of_energy": "c, rho, e",
+    "pressure_of_energy": "c, rho, E",
+    "bulk_modulus_of_energy": "c, rho, E",
+    "entropy": "c, rho, T",
+}
+PRESSING = {"pressure": "c, T, x_X", "pressure_by_temperature": "c, T, x_X", "stiffness": "c, T, x_X"}
+PRESSING_MORE = {
+    "constants": "record",
+    "pressure_in_loops": "c, T, stretch",
+    "wave_modulus": "c, K, heat, T, p, sigma, x_X",
+}
+#: formulas that loops call, with vectors
+IN_LOOPS = ("relative", "temperature_in_loops", "pressure", "sound_speed_squared_of_energy", "pressure_in_loops")
+
+#: lines of numba's messages that are about numba
+_NUMBAS = "Failed in", "During:", "---"
+
+
+def transport_law(relative: Callable[..., Any]) -> Formulas:
+    """A law of what mu and kappa of the material are multiplied with: relative(T) -> (of mu, of kappa), T in K."""
+    return Formulas(**_compiled("transport_law", TRANSPORT, {}, {"relative": relative}))
+
+
+def gas_law(**formulas: Callable[..., Any]) -> Formulas:
+    """A law of a gas; what each formula is, says fsipetsc.physics.perfect_gas.
+
+    Those of GAS are needed; the others follow from them but for the entropy, which is not a number without a formula.
+    """
+    given = _compiled("gas_law", GAS, GAS_MORE, formulas)
+    temperature, pressure = given["temperature"], given["pressure"]
+    heat_capacity, bulk_modulus = given["heat_capacity"], given["bulk_modulus"]
+    pressure_by_temperature = given["pressure_by_temperature"]
+
+    @njit(**FORMULA)
+    def sound_speed_squared(c, rho, T):
+        p_T = pressure_by_temperature(c, rho, T)
+        return bulk_modulus(c, rho, T) / rho + T * p_T * p_T / (rho * rho * heat_capacity(c, rho, T))
+
+    of_T = given.get("sound_speed_squared", sound_speed_squared)
+
+    @njit(**FORMULA)
+    def sound_speed_squared_of_energy(c, rho, e):
+        return of_T(c, rho, temperature(c, rho, e))
+
+    @njit(**FORMULA)
+    def pressure_of_energy(c, rho, E):
+        return pressure(c, rho, temperature(c, rho, E / rho))
+
+    @njit(**FORMULA)
+    def bulk_modulus_of_energy(c, rho, E):
+        return bulk_modulus(c, rho, temperature(c, rho, E / rho))
+
+    @njit(**FORMULA)
+    def entropy(c, rho, T):
+        return np.nan * T
+
+    follows = {
+        "constants": perfect_gas.constants,
+        "temperature_in_loops": temperature,
+        "sound_speed_squared": sound_speed_squared,
+        "sound_speed_squared_of_energy": sound_speed_squared_of_energy,
+        "pressure_of_energy": pressure_of_energy,
+        "bulk_modulus_of_energy": bulk_modulus_of_energy,
+        "entropy": entropy,
+    }
+    return Formulas(**{**follows, **given}, knows_entropy="entropy" in given)
+
+
+def pressure_law(**formulas: Callable[..., Any]) -> Formulas:
+    """A law of the pressure of a solid; what each formula is, says fsipetsc.physics.gruneisen.
+
+    Those of PRESSING are needed; the others follow from them.
+    """
+    given = _compiled("pressure_law", PRESSING, PRESSING_MORE, formulas)
+    pressure, stiffness = given["pressure"], given["stiffness"]
+    pressure_by_temperature = given["pressure_by_temperature"]
+
+    @njit(**FORMULA)
+    def pressure_in_loops(c, T, stretch):
+        return pressure(c, T, 1.0 / stretch)
+
+    @njit(**FORMULA)
+    def wave_modulus(c, K, heat, T, p, sigma, x_X):
+        heating = x_X * pressure_by_temperature(c, T, x_X) / heat
+        return (K + stiffness(c, T, x_X) + heating * (p - sigma)) / x_X
+
+    follows = {
+        "constants": gruneisen.constants,
+        "pressure_in_loops": pressure_in_loops,
+        "wave_modulus": wave_modulus,
+    }
+    return Formulas(**{**follows, **given})
+
+
+def check(law: Formulas, kind: str) -> None:
+    """Compile each formula of a law that a user has given: InputError, with file and line, where that fails.
+
+    kind: "gas", "transport" or "pressing".
+    """
+    known = {"gas": GAS | GAS_MORE, "transport": TRANSPORT, "pressing": PRESSING | PRESSING_MORE}[kind]
+    c: Any = None
+    for name in sorted(known, key=lambda name: name != "constants"):
+        function = getattr(law, name)
+        if name == "constants":
+            c = _returned(function, (typeof(np.zeros(1, LAYER)[0]),), name)
+            continue
+        count = len(known[name].split(",")) - (kind != "transport")
+        for number in (types.float64, vector) if name in IN_LOOPS else (types.float64,):
+            found = _returned(function, (c,) * (kind != "transport") + (number,) * count, name)
+            parts = (found,) if kind != "transport" else tuple(getattr(found, "types", ()))
+            if not _numbers(parts, kind):
+                wanted = "a number" if kind != "transport" else "(mu(T)/mu, kappa(T)/kappa), two numbers"
+                raise InputError(f"{place_of(in_python(function))}: {name} returns {_in_words(found)}: expected {wanted}")
+
+
+def _numbers(parts: tuple[Any, ...], kind: str) -> bool:
+    """Whether the types that are returned are those of numbers or vectors, as many as there should be."""
+    plain = all(isinstance(part, (types.Float, types.Integer)) or part == vector for part in parts)
+    return plain and len(parts) == (2 if kind == "transport" else 1)
+
+
+def _in_words(kind: Any) -> str:
+    if kind == types.none:
+        return "nothing (is its return missing?)"
+    return f"{len(kind)} values" if isinstance(kind, types.BaseTuple) else f"a value of the type {kind}"
+
+
+def _returned(function: Any, arguments: tuple[Any, ...], name: str) -> Any:
+    """The type that a formula returns for arguments of these types."""
+    try:
+        function.compile(arguments)
+        return function.overloads[arguments].signature.return_type
+    except Exception as error:  # numba's, of many kinds
+        plain = in_python(function)
+        lines = [line.strip() for line in str(error).splitlines() if line.strip() and not line.startswith(_NUMBAS)]
+        at = re.search(rf'{re.escape(os.path.basename(plain.__code__.co_filename))}", line (\d+)', str(error))
+        place = re.sub(r"line \d+$", f"line {at[1]}", place_of(plain)) if at else place_of(plain)
+        of = "vectors of points" if vector in arguments else "numbers"
+        raise InputError(f"{place}: {name} cannot be compiled for {of}: {' '.join(lines[:2])[:200]}") from error
+
+
+def _compiled(
+    what: str, needed: dict[str, str], more: dict[str, str], formulas: dict[str, Callable[..., Any]]
+) -> dict[str, Any]:
+    """The formulas as compiled code calls them, after a look at their names and arguments."""
+    known = {**needed, **more}
+    for name in (*formulas, *needed):
+        if name not in known:
+            raise InputError(f"{what}: there is no formula '{name}': expected {', '.join(known)}")
+        if name not in formulas:
+            raise InputError(f"{what}: the formula {name}({known[name]}) is missing")
+    found = {}
+    for name, function in formulas.items():
+        plain = in_python(function)
+        if not inspect.isfunction(plain):
+            raise InputError(f"{what}: {name} is {described(function)}: expected a function {name}({known[name]})")
+        count, wanted = len(inspect.signature(plain).parameters), len(known[name].split(","))
+        if count != wanted:
+            form = f"{name}({known[name]})"
+            raise InputError(f"{place_of(plain)}: {name} of {what} takes {count} argument{'s' * (count != 1)}: expected {form}")
+        ours = plain.__module__.startswith("fsipetsc.") and plain is not function
+        found[name] = function if ours else njit(**FORMULA)(plain)
+    return found

@@ -1,0 +1,255 @@
+"""Laws of materials that case files bring: they are used everywhere, kept on disk by what they consist of, and blamed."""
+
+from __future__ import annotations
+
+import types
+
+import numpy as np
+import pytest
+from helpers import PATIENCE, REPOSITORY, compute, from_python, run
+
+pytest.importorskip("numba")
+pytest.importorskip("petsc4py")
+
+from numba import njit
+
+import fsipetsc
+from fsipetsc.errors import InputError
+from fsipetsc.operators import variants
+from fsipetsc.operators.formulas import Formulas
+from fsipetsc.physics.fluid import Fluid
+from fsipetsc.physics.own_laws import check, gas_law, pressure_law, transport_law
+from fsipetsc.physics.perfect_gas import perfect_gas
+from fsipetsc.physics.solid import Solid
+
+SUTHERLAND, OWN_GAS = REPOSITORY / "runs" / "sutherland.py", REPOSITORY / "tests" / "own_gas.py"
+NEEDED = {
+    "temperature": lambda c, rho, e: e / c[2],
+    "energy": lambda c, rho, T: c[2] * T,
+    "pressure": lambda c, rho, T: c[0] * rho * T,
+    "density": lambda c, p, T: p / (c[0] * T),
+    "temperature_of_pressure": lambda c, rho, p: p / (c[0] * rho),
+    "heat_capacity": lambda c, rho, T: c[2],
+    "pressure_by_temperature": lambda c, rho, T: c[0] * rho,
+    "bulk_modulus": lambda c, rho, T: c[0] * rho * T,
+}
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory):
+    """name -> result; those of one process share what is compiled for their laws."""
+    folder = tmp_path_factory.mktemp("laws")
+    short = "-fsi_h 0.025 -ts_max_time 1 -fsi_entropy"
+    found = compute(
+        1,
+        folder / "one",
+        {
+            **{f"hot_{h}": (str(SUTHERLAND), f"-fsi_h {h} -fsi_cfl 0.5") for h in (0.025, 0.0125, 0.00625)},
+            "constant": (str(SUTHERLAND), "-fsi_h 0.025 -hot_law 0"),
+            "built_in": ("box", short),
+            "by_hand": (str(OWN_GAS), short),
+            "perfect": ("box", f"{short} -fluid_gamma 1.5"),
+            "noble": (str(OWN_GAS), f"{short} -fluid_gamma 1.5"),
+            "noble_energy": (str(OWN_GAS), f"{short} -fluid_gamma 1.5 -fsi_coupling energy"),
+        },
+    )
+    found |= {"two_ranks": compute(2, folder / "two", {"hot": (str(SUTHERLAND), "-fsi_h 0.0125 -fsi_cfl 0.5")})["hot"]}
+    return {name: fsipetsc.open_run(path) for name, path in found.items()}
+
+
+def same(a, b) -> bool:
+    names = [("rho", "u", "T", "p") if "rho" in layer.fields else ("u", "sigma", "T", "x") for layer in a.layers]
+    return all(
+        np.array_equal(one[name], other[name], equal_nan=True)
+        for one, other, fields in zip(a.layers, b.layers, names, strict=True)
+        for name in fields
+    )
+
+
+def test_a_perfect_gas_written_by_hand_has_the_bits_of_the_built_in_one(runs):
+    assert same(runs["built_in"], runs["by_hand"])
+    for name in ("mass", "energy", "momentum", "entropy", "residual_stress"):
+        assert np.array_equal(runs["built_in"].series[name], runs["by_hand"].series[name]), name
+
+
+@pytest.mark.parametrize("name", ["noble", "noble_energy"])
+def test_another_gas_conserves_as_the_perfect_one_does(runs, name):
+    """And is another one: the same energy in another pressure."""
+    own, perfect = runs[name].series, runs["perfect"].series
+    assert np.abs(own["x_interface"][-1] - perfect["x_interface"][-1]).max() > 1e-4
+    drift = {k: np.abs(s["mass"] / s["mass"][0] - 1).max() for k, s in (("own", own), ("perfect", perfect))}
+    assert drift["own"] < 1.5 * drift["perfect"]
+    energy = {k: np.abs(s["energy"] / s["energy"][0] - 1).max() for k, s in (("own", own), ("perfect", perfect))}
+    assert energy["own"] < 1.5 * energy["perfect"]
+
+
+def test_sutherland(runs):
+    """The interface meets its conditions with the viscosity there; the errors fall; ranks change no bit."""
+    coarse, middle, fine = (runs[f"hot_{h}"] for h in (0.025, 0.0125, 0.00625))
+    # (the data at rest start sound that is not smooth: u, which is that sound, does not show a rate)
+    states = [result.layers[0]["T"][-1] for result in (coarse, middle, fine)]
+    points = [np.flatnonzero(np.isfinite(state))[::-1] for state in states]  # from the interface on
+    count = len(points[0]) - 2
+    a, b, c = (state[at[:: 2**k]][:count] for k, (state, at) in enumerate(zip(states, points, strict=True)))
+    assert np.log2(np.abs(a - b).max() / np.abs(b - c).max()) > 3.0
+    stress, flux = 1e5, 1000.0 * 300 / 0.0125
+    assert np.abs(middle.series["residual_stress"]).max() < 1e-14 * stress
+    assert np.abs(middle.series["residual_flux"]).max() < 1e-14 * flux
+    assert same(middle, runs["two_ranks"])
+    assert (
+        np.abs(coarse.layers[0]["T"][-1] - runs["constant"].layers[0]["T"][-1])[np.isfinite(coarse.layers[0]["T"][-1])].max()
+        > 10
+    )
+
+
+def test_what_follows_from_the_needed_formulas():
+    law = gas_law(**NEEDED)
+    gas, own = Fluid(0.0, 0.0, 1.4, 287.0), Fluid(0.0, 0.0, 1.4, 287.0, law=law)
+    c, rho, T = perfect_gas.constants.py_func(gas), 1.3, 310.0
+    e = c[2] * T
+    for name, x in {
+        "sound_speed_squared": T,
+        "sound_speed_squared_of_energy": e,
+        "pressure_of_energy": rho * e,
+        "bulk_modulus_of_energy": rho * e,
+        "temperature_in_loops": e,
+    }.items():
+        values = [from_python(getattr(which, name))(c, rho, x) for which in (law, perfect_gas)]
+        np.testing.assert_allclose(*values, rtol=1e-14)
+    np.testing.assert_allclose(own.sound_speed(T, rho), gas.sound_speed(T), rtol=1e-14)
+    rock = {"K": 1e5, "kappa_e": 0.0, "m0": 2000.0, "alpha": 700.0, "gruneisen": 0.4}
+    pressing = pressure_law(
+        pressure=lambda c, T, x_X: c[0] * T / x_X,
+        pressure_by_temperature=lambda c, T, x_X: c[0] / x_X,
+        stiffness=lambda c, T, x_X: c[0] * T / x_X,
+    )
+    speeds = [Solid(**rock, **more).sound_speed(0.8, 300.0, -5e3) for more in ({}, {"pressing": pressing})]
+    np.testing.assert_allclose(*speeds, rtol=1e-14)
+
+
+# what is kept on disk
+
+
+def function(source: str, **scope):
+    """A function f as a case file would define it."""
+    scope |= {"__name__": "case"}
+    exec(source, scope)
+    return scope["f"]
+
+
+POWER = np.array([1.0, 0.5])
+SOURCES = {
+    "line": "def f(T):\n    return A * T",
+    "constant": "def f(T):\n    return 2.0 * A * T",
+    "operator": "def f(T):\n    return A / T",
+    "function": "def f(T):\n    return g(T)",
+}
+
+
+def test_a_digest_knows_all_that_a_law_consists_of():
+    def digest(source, **scope):
+        return variants.digest(Formulas(relative=njit(function(source, **scope))))
+
+    plain = digest(SOURCES["line"], A=1.0)
+    assert digest("\n\n# moved\n" + SOURCES["line"], A=1.0, B=3.0) == plain, "what is not used does not count"
+    others = [digest(SOURCES["line"], A=value) for value in (2.0, 1, (1.0, 2.0), POWER, 2 * POWER, POWER[:1])]
+    others += [digest(SOURCES["constant"], A=1.0), digest(SOURCES["operator"], A=1.0)]
+    helpers = [function(SOURCES["line"], A=value) for value in (1.0, 2.0)]
+    others += [digest(SOURCES["function"], g=njit(helper)) for helper in helpers]
+    module = [types.ModuleType("mine"), types.ModuleType("mine")]
+    for which, helper in zip(module, helpers, strict=True):
+        which.g = njit(helper)
+    others += [digest("def f(T):\n    return m.g(T)", m=which) for which in module]
+    closed = "def outer(a):\n    def f(T):\n        return a * T\n    return f\nf = outer({})"
+    others += [digest(closed.format(a)) for a in (1.0, 2.0)]
+    assert len({plain, *others}) == len(others) + 1
+    assert digest(SOURCES["function"], g=njit(helpers[0])) == digest(
+        SOURCES["function"], g=njit(function(SOURCES["line"], A=1.0))
+    )
+
+
+def test_a_law_that_changes_is_compiled_anew_and_one_that_does_not_is_not(tmp_path):
+    """The same file with another number, and the first one again."""
+    (tmp_path / "program.py").write_text(
+        "import sys\n"
+        f"sys.path[:0] = [{str(REPOSITORY)!r}, {str(REPOSITORY / 'tests')!r}]\n"
+        "from fsipetsc.operators import variants, kernels\n"
+        "from fsipetsc.physics.own_laws import transport_law\n"
+        "from toy import LAWS, entry\n"
+        "factor = float(sys.argv[1])\n"
+        "def relative(T):\n    return factor, factor * T\n"
+        "laws = (transport_law(relative),)\n"
+        "found = variants.Variants(((LAWS, laws),), 'laws-' + variants.digest(laws))\n"
+        "own = found.of(entry)\n"
+        "print(entry(3.0), own(3.0), sum(own.stats.cache_hits.values()), own is found.of(entry))\n"
+    )
+    (tmp_path / "toy.py").write_text(
+        "from numba import njit\n"
+        "from fsipetsc.operators.kernels import ENTRY, OPTIONS\n"
+        "from fsipetsc.physics.constant_transport import constant_transport\n"
+        "LAWS = (constant_transport,)\n"
+        "@njit(**OPTIONS)\n"
+        "def inner(T):\n    return LAWS[0].relative(T)[1]\n"
+        "@njit(**ENTRY)\n"
+        "def entry(T):\n    return inner(T) + 1.0\n"
+    )
+
+    def answer(factor):
+        env = {"NUMBA_CACHE_DIR": str(tmp_path / "kernels")}
+        done = run(tmp_path / "program.py", factor, env=env, cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        return done.stdout.split()
+
+    assert answer(2.0) == ["2.0", "7.0", "0", "True"]
+    assert answer(2.0) == ["2.0", "7.0", "1", "True"]
+    assert answer(5.0) == ["2.0", "16.0", "0", "True"]
+    assert answer(2.0) == ["2.0", "7.0", "1", "True"]
+
+
+# what is wrong
+
+
+@pytest.mark.parametrize(
+    ("relative", "said"),
+    [
+        (lambda T: (T, T, T), "relative returns 3 values: expected (mu(T)/mu, kappa(T)/kappa), two numbers"),
+        (lambda T: T, "expected (mu(T)/mu, kappa(T)/kappa), two numbers"),
+        (lambda T: None, "relative returns nothing (is its return missing?)"),
+        (lambda T: (T.nowhere, T), "relative cannot be compiled for numbers"),
+        (lambda T: (1.0 if T > 300 else 2.0, 1.0), "relative cannot be compiled for vectors of points"),
+    ],
+)
+def test_a_wrong_law_is_blamed(relative, said):
+    line = relative.__code__.co_firstlineno
+    with pytest.raises(InputError) as caught:
+        check(transport_law(relative), "transport")
+    assert said in str(caught.value) and f"test_own_laws.py, line {line}: " in str(caught.value)
+
+
+def test_laws_that_are_not_whole():
+    with pytest.raises(InputError, match=r"gas_law: the formula energy\(c, rho, T\) is missing"):
+        gas_law(temperature=NEEDED["temperature"])
+    with pytest.raises(InputError, match="there is no formula 'viscosity'"):
+        gas_law(**NEEDED, viscosity=NEEDED["energy"])
+    with pytest.raises(InputError, match=r"line \d+: energy of gas_law takes 2 arguments: expected energy\(c, rho, T\)"):
+        gas_law(**{**NEEDED, "energy": lambda c, T: T})
+    with pytest.raises(InputError, match="relative is 3: expected a function"):
+        transport_law(3)
+    with pytest.raises(InputError, match=r"Fluid: transport is .*: expected what transport_law\(…\) returns"):
+        Fluid(1.0, 1.0, 1.4, 1.0, transport=lambda T: T)
+    with pytest.raises(InputError, match=r"Solid: pressing is 3: expected what pressure_law\(…\) returns"):
+        Solid(1.0, 1.0, 1.0, 1.0, pressing=3)
+
+
+def test_a_run_with_a_wrong_law_ends_with_status_2(tmp_path):
+    text = SUTHERLAND.read_text().replace("    return factor, factor\n", "    return factor, factor.wrong\n")
+    (tmp_path / "wrong.py").write_text(text)
+    line = 1 + text.splitlines().index("    return factor, factor.wrong")
+    done = run("-m", "fsipetsc", "wrong.py", cwd=tmp_path, timeout=PATIENCE)
+    assert done.returncode == 2 and len(done.stderr.splitlines()) == 1, done.stderr
+    assert done.stderr.startswith(f"fsipetsc: error: wrong.py, line {line}: relative cannot be compiled")
+    (tmp_path / "entropy.py").write_text(
+        OWN_GAS.read_text().replace("sound_speed_squared_of_energy entropy", "sound_speed_squared_of_energy")
+    )
+    done = run("-m", "fsipetsc", "entropy.py", "-fsi_entropy", cwd=tmp_path, timeout=PATIENCE)
+    assert done.returncode == 2 and "-fsi_entropy" in done.stderr and "'left'" in done.stderr, done.stderr
