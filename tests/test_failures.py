@@ -36,7 +36,8 @@ def message(done, status: int) -> str:
 # --- bad input: status 2 ----------------------------------------------------------------------------------------------
 
 BAD_INPUT = {
-    "unknown case": ("rood", ["'rood'", "did you mean 'rod'?"]),
+    "unknown case": ("rood", ["'rood'; did you mean 'rod'? There are rod, "]),
+    "unknown case like none": ("xyzzy", ["'xyzzy'. There are rod, "]),
     "unknown option": ("rod -fsi_flux roe", ["-fsi_flux"]),
     "misspelt option": ("rod -fsi_oder 4", ["-fsi_oder", "did you mean -fsi_order?"]),
     "misspelt material": ("rod -fluid_my 0.1", ["-fluid_my", "did you mean -fluid_mu?"]),

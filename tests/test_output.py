@@ -210,13 +210,14 @@ def test_earlier_results_are_kept(tmp_path: Path) -> None:
 
 
 @pytest.mark.mpi
-def test_renamed_file_is_followed(tmp_path: Path) -> None:
-    """A later run with the same file name does not get the frames of one that is still going on."""
-    write(2, "moved", tmp_path / "run.h5")
-    with fsipetsc.open_run(tmp_path / "run.1.h5") as result:
+@pytest.mark.parametrize("stem", ["run", "run[1]*"])
+def test_renamed_file_is_followed(tmp_path: Path, stem: str) -> None:
+    """A later run with the same file name does not get the frames of one that is still going on, whatever the name."""
+    write(2, "moved", tmp_path / f"{stem}.h5")
+    with fsipetsc.open_run(tmp_path / f"{stem}.1.h5") as result:
         assert_frames(result, FRAMES)
         assert result.complete
-    with fsipetsc.open_run(tmp_path / "run.h5") as result:
+    with fsipetsc.open_run(tmp_path / f"{stem}.h5") as result:
         assert result.nframes == 0
 
 

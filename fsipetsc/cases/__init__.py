@@ -60,8 +60,8 @@ def load_case(name_or_path: str, also: Sequence[str] = ()) -> ModuleType:
         return _load_file(Path(name_or_path))
     beside = [f"{name_or_path}.py"] if Path(f"{name_or_path}.py").is_file() else []
     near = beside or get_close_matches(name_or_path, [*BUILT_IN, *also], 1, 0.5)
-    hint = f"did you mean '{near[0]}'? " if near else ""
-    raise InputError(f"unknown case '{name_or_path}'; {hint}There are {', '.join(BUILT_IN)}, and any case file (.py)")
+    hint = f"; did you mean '{near[0]}'?" if near else "."
+    raise InputError(f"unknown case '{name_or_path}'{hint} There are {', '.join(BUILT_IN)}, and any case file (.py)")
 
 
 def _load_file(path: Path) -> ModuleType:

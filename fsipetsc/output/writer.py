@@ -12,6 +12,7 @@ the same time; HDF5's own single-writer mode excludes parallel writing. A commit
 from __future__ import annotations
 
 import errno
+import glob
 import itertools
 import json
 import os
@@ -233,7 +234,7 @@ class RunWriter:
 
     def _locate(self) -> Path:
         """The file's present path. On rank 0. A later run of the same name may have renamed it: follow it there."""
-        others = self.path.parent.glob(f"{self.path.stem}.*{self.path.suffix}")
+        others = self.path.parent.glob(f"{glob.escape(self.path.stem)}.*{glob.escape(self.path.suffix)}")
         for candidate in itertools.chain([self.path], others):
             if candidate.exists() and _identity(candidate) == self._identity:
                 return candidate
