@@ -106,11 +106,12 @@ def garbage_waiting() -> Iterator[None]:
 @contextmanager
 def compiling(function: Callable[..., object], announce: Callable[[str], None]) -> Iterator[None]:
     """Within, a function (numba's) may be compiled: say so if it is not on disk, and once more if it takes long."""
-    place = getattr(getattr(function, "stats", None), "cache_path", None) or cache_folder()
-    if any(Path(place).glob(f"*.{function.__name__}-*.nbi")):
+    own = Path(getattr(getattr(function, "stats", None), "cache_path", None) or "").parent.name
+    own = own if own.startswith("laws-") else ""  # the folder of make_folder that it is kept in, if any
+    if any((cache_folder() / own).glob(f"*/*.{function.__name__}-*.nbi")):
         yield
         return
-    once = "after installation" if Path(place).parent == cache_folder() else "for the laws of this case"
+    once = "for the laws of this case" if own else "after installation"
     announce(f"compiling the kernels, once {once}: about 20 s on a quiet machine")
     more = threading.Timer(_LONG, announce, ("still compiling the kernels: other programs slow it down",))
     more.daemon = True
