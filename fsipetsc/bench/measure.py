@@ -27,7 +27,7 @@ from petsc4py import PETSc
 
 from fsipetsc.bench.loops import apply_conditions_often, exchange_often, reduce_often, triad
 from fsipetsc.scheme.runge_kutta import STAGES, do_nothing, make_steps
-from fsipetsc.stepping.counts import REDUCED_RATES, completion_traffic, stage_traffic
+from fsipetsc.stepping.counts import completion_traffic, stage_traffic
 from fsipetsc.stepping.frames import active_points
 from fsipetsc.stepping.integrator import Integrator
 from fsipetsc.stepping.solve import build_problem, make_state
@@ -77,7 +77,7 @@ class Stand:
     def reduction(self, seconds: float) -> float:
         """The reduction that bounds the time step, over all ranks."""
         plan = self.state.plan
-        return clock(self.comm, lambda n: reduce_often(plan.head, plan.memory, REDUCED_RATES, n), seconds)
+        return clock(self.comm, lambda n: reduce_often(plan.head, plan.memory, int(plan.head["reduced"][0]), n), seconds)
 
     def phases(self, seconds: float) -> dict[str, float]:
         """The parts of a step; seconds: how long each may be measured."""

@@ -27,6 +27,7 @@ from fsipetsc.parallel.neighbours import Neighbours
 from fsipetsc.parallel.shared_memory import WORLD, world_record
 from fsipetsc.physics.layer import DOF, FLUID
 from fsipetsc.scheme.extremes_and_sums import SIZE
+from fsipetsc.scheme.reduction import reduced_words
 
 _I = np.int64
 HEAD = np.dtype(
@@ -47,6 +48,10 @@ HEAD = np.dtype(
         ("burst", _I),  # see fsipetsc.scheme.burst
         ("journal", _I),  # of completed steps, see ``step_record``
         ("row", _I),  # doubles of one of them
+        ("reduced", _I),  # number of the words that go round after a step, see fsipetsc.scheme.reduction:
+        ("said", _I),  # this rank's,
+        ("heard", _I),  # those of all ranks,
+        ("everywhere", _I),  # and the extremes that they stand for
         ("extremes", _I),  # and sums of each layer, see fsipetsc.scheme.extremes_and_sums
         ("nodes", _I),
         ("scratch", _I),
@@ -74,9 +79,9 @@ MOST_WAITING = 1.03
 #: that has run off its grid, or that is too short
 MOVED, LOW, EXHAUSTED, TOO_SHORT = 0, 1, 2, 3
 #: limits, behind the flags; SAID_STOP is what this rank has to say of STOP
-RATE, BAD, STOP, SAID_STOP = 4, 5, 6, 14
+RATE, BAD, STOP, SAID_STOP = 4, 5, 6, 7
 #: doubles of the flags and of the limits among the results
-FLAGS, LIMITS = 4, 11
+FLAGS, LIMITS = 4, 4
 #: integrals behind the masses of the fluid layers, see fsipetsc.scheme.integrals; the last two are optional
 ENERGY, MOMENTUM, FORCE, ENTROPY, HEATING = range(5)
 INTEGRALS = 5
@@ -190,7 +195,8 @@ def make_plan(
     faces = make_faces(layout, coupling)
     rows = max(2, op.rows)
     message = len(faces) * rows * 7
-    neighbours = Neighbours(layout, max(message, LIMITS), shared)
+    reduced = reduced_words(len(layout.records))
+    neighbours = Neighbours(layout, max(message, reduced), shared)
     fluids = _fluids(layout.records)
     results = FLAGS + LIMITS + 8 * len(faces) + fluids + INTEGRALS
     row = step_record(len(faces), fluids, entropy).itemsize // 8
@@ -204,6 +210,9 @@ def make_plan(
         "burst": BURST,
         "journal": CAPACITY * row,
         "extremes": SIZE * len(layout.records),
+        "everywhere": SIZE * len(layout.records),
+        "said": reduced,
+        "heard": reduced,
         "results": results,
         "nodes": 5 * NODES,
         "scratch": scratch_size(SCRATCH),
@@ -217,7 +226,7 @@ def make_plan(
     memory = memory[-memory.ctypes.data // 8 % _LINE :][:total]
     head = np.zeros(1, HEAD)
     head["op"], head["world"] = packed(op.order), world_record(layout.comm, neighbours.mailboxes)[0]
-    head["rows"], head["message"], head["halo"] = rows, message, layout.halo
+    head["rows"], head["message"], head["halo"], head["reduced"] = rows, message, layout.halo, reduced
     head["area"] = [starts.get(name, -1) for name in (*areas, "forcing")[:5]]
     for name in HEAD.names:
         if name in starts:

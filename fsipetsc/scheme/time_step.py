@@ -9,13 +9,12 @@ import numpy as np
 from numba import njit
 
 from fsipetsc.operators.formulas import with_chosen
-from fsipetsc.operators.kernels import INLINE, U64, copy
-from fsipetsc.parallel.shared_memory import largest
+from fsipetsc.operators.kernels import INLINE, OPTIONS, U64
 from fsipetsc.scheme.extremes_and_sums import SIZE
 from fsipetsc.scheme.laws import LAWS, of_layer
+from fsipetsc.scheme.plan import BAD, RATE, SAID_STOP, STOP
+from fsipetsc.scheme.reduction import reduce_extremes
 
-#: words of the reduction of the limits: largest rates of convection and diffusion, BAD, STOP
-WORDS = 4
 #: a step may be longer than its bound by this fraction, so that round-off costs no extra step
 SLACK = 1e-9
 
@@ -43,26 +42,27 @@ def bound_step(head, layers, memory):
     The smaller of the two steps alone is too long where they are about equal: at a wall, where both act on the ghost
     point, the rod then fails for orders above 2 at Courant numbers above 0.7.
     """
+    convection, diffusion, bad = fastest(head, layers, memory, head.extremes)
+    stop = memory[U64(head.results + SAID_STOP)]
+    if head.world.size > 1:
+        bad, stop = reduce_extremes(head, layers, memory, bad, stop)
+        convection, diffusion, _ = fastest(head, layers, memory, head.everywhere)
+    squares = convection**2, diffusion**2
+    memory[U64(head.results + RATE)] = np.sqrt(np.sqrt(squares[0] * squares[0] + squares[1] * squares[1]))
+    memory[U64(head.results + BAD)], memory[U64(head.results + STOP)] = bad, stop
+
+
+@njit(**OPTIONS)
+def fastest(head, layers, memory, extremes):
+    """Largest rates of convection and of diffusion [1/s], and 1 if a state is unphysical, from extremes of the layers."""
     convection, diffusion, bad = 0.0, 0.0, 0.0
     for k in range(layers.size):
-        layer, seen = layers[k], head.extremes + SIZE * k
-        if layer.present == 0:
+        layer = layers[k]
+        if layer.present == 0 and extremes == head.extremes:
             continue
-        h = layer.h
-        good, speed, spread = with_chosen(of_layer.speeds, LAWS, layer.law, layer, memory, seen)
+        good, speed, spread = with_chosen(of_layer.speeds, LAWS, layer.law, layer, memory, extremes + SIZE * k)
         if good:
-            convection, diffusion = max(convection, speed / h), max(diffusion, spread / (h * h))
+            convection, diffusion = max(convection, speed / layer.h), max(diffusion, spread / (layer.h * layer.h))
         else:
             bad = 1.0
-    received, world = head.limits + 3, head.world
-    sent = received + WORDS
-    memory[U64(sent)], memory[U64(sent + 1)], memory[U64(sent + 2)] = convection, diffusion, bad
-    if world.size > 1:
-        base = memory.ctypes.data
-        largest(world, base + 8 * sent, base + 8 * received, WORDS)
-    else:
-        copy(memory, sent, received, WORDS)
-    # only now: the 4-norm of each rank's own maxima would depend on how the points are dealt out
-    squares = memory[U64(received)] ** 2, memory[U64(received + 1)] ** 2
-    memory[U64(head.limits)] = np.sqrt(np.sqrt(squares[0] * squares[0] + squares[1] * squares[1]))
-    memory[U64(head.limits + 1)], memory[U64(head.limits + 2)] = memory[U64(received + 2)], memory[U64(received + 3)]
+    return convection, diffusion, bad

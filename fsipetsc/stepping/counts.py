@@ -12,9 +12,6 @@ from fsipetsc.parallel.layout import Layout
 from fsipetsc.physics.layer import DOF, FLUID
 from fsipetsc.scheme.plan import Plan
 
-#: numbers in the reduction of the limits, see fsipetsc.scheme.finish_step
-REDUCED_RATES = 4
-
 
 class Traffic(NamedTuple):
     """What this rank sends: messages to neighbours with their bytes, and reductions over all ranks with theirs.
@@ -104,7 +101,7 @@ def completion_traffic(plan: Plan) -> Traffic:
     """Of the completion of a step: one exchange, and the reduction of the limits."""
     exchange = stage_traffic(plan)
     if exchange.reductions:
-        return exchange._replace(reductions=2, reduced_bytes=exchange.reduced_bytes + 8 * REDUCED_RATES)
+        return exchange._replace(reductions=2, reduced_bytes=exchange.reduced_bytes + 8 * int(plan.head["reduced"][0]))
     return exchange._replace(turns=2 * exchange.turns)
 
 
