@@ -127,6 +127,8 @@ def _listed(values: Any, names: tuple[str, ...], function: Callable[..., Any], w
 
 def _real(value: Any, shape: tuple[int, ...], name: str, function: Callable[..., Any], where: str) -> np.ndarray:
     """A value as an array of real numbers of a shape."""
+    if type(value) is np.ndarray and value.dtype == np.float64 and value.shape == shape:
+        return value  # nearly always, and often: forcing is asked for in each stage
     try:
         array = np.asarray(value)
     except (ValueError, TypeError):  # rows of different lengths
