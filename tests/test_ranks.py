@@ -12,6 +12,7 @@ pytest.importorskip("petsc4py")
 
 pytestmark = pytest.mark.mpi
 
+SUTHERLAND = str(REPOSITORY / "runs" / "sutherland.py")
 PISTON = str(REPOSITORY / "runs" / "piston.py")
 _ROD = "-fsi_h 0.025 -ts_max_time 0.08 -fsi_output_dt 0.02"  # the interfaces move by more than a cell
 #: as long as it takes the rod to fall by cells, so that boundary points appear
@@ -43,6 +44,11 @@ RUNS = {
         "rod",  # whose step is bound by the solid, with a pressure in it and cut in two
         "-fsi_h 0.05 -ts_max_time 0.02 -solid_modulus 1e9 -solid_gruneisen 0.5 -rod_gravity -1000 -fsi_partition balanced",
     ),
+    "solid with pressure": (  # hottest, shortest and most pulled points of the solid lie on different ranks
+        "pulse",
+        "-fsi_h 0.05 -fsi_order 4 -ts_max_steps 120 -ts_max_time 1 -solid_gruneisen 0.5 -pulse_amplitude 1000",
+    ),
+    "gas of its own": (SUTHERLAND, "-ts_max_steps 60 -fsi_partition balanced"),
     "rod rk": ("rod", f"{_FALL} -ts_type rk"),
     "rod rk balanced": ("rod", f"{_FALL} -ts_type rk -fsi_partition balanced"),
     "rod rk spare 0": ("rod", f"{_FALL} -ts_type rk -fsi_spare 0 -fsi_shared_memory 0"),

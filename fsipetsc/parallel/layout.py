@@ -70,7 +70,9 @@ def make_grids(
         if isinstance(layer, FluidLayer):
             G = (cells or {}).get(k, ghost_index(width))
             end = problem.left if k == 0 else problem.right
-            least = max(op.min_points, nodes_needed(degree_of(end, op.order)) + 2)
+            degree = degree_of(end, op.order)
+            # what the ghost point's formula reads, the treatment of the interface must not change
+            least = max(op.min_points, nodes_needed(degree) + 2, degree + 1 + max(2, op.rows))
             room = spare + max(1, G // 8) if spare >= 8 else spare
             n = max(G + 1 + room, before[k].n if before else 0)
             room = n - 1 - G

@@ -22,6 +22,8 @@ def keep_entropy(law, layer, op, s, w, v, f, target, side):
 
         e_t = u (rho u)_t + (h - u^2/2) rho_t + tau u_X.
 
+    Summation by parts no longer makes the change of energy there that of the flux: by the closure's error, which conservation
+    does not notice in smooth flow. A shock that reflects at the point would leave it with the entropy before.
     The error that the closure of order s makes in the energy would stay: nothing carries it away from there.
     """
     if layer.end_kind[side] != INTERFACE_END or layer.kappa != 0.0:

@@ -60,7 +60,8 @@ HEAD = np.dtype(
         ("request_list", _I),  # addresses for MPI
         ("status_list", _I),
         ("halo", _I),  # points of one
-        ("edge", _I),  # points at the ends of a layer that the conditions read or change
+        # points at the ends of a layer that the conditions read or change, or where a tile would need fluxes of the closure
+        ("edge", _I),
         ("least", _I),  # points of a layer that has a middle worth tiles
     ],
     align=True,
