@@ -128,7 +128,7 @@ def traffic(case: Any, opt: dict[str, Any], comm: Any) -> dict[str, float]:
     plan, memory = state.plan, Memory(state.plan.memory)
     for _ in range(2):  # the first fills the cache
         memory.fetched.clear(), memory.written.clear()
-        runge_kutta.make_steps((*plan[:3], memory), 1e-9)
+        runge_kutta.make_steps(plan._replace(memory=memory), 1e-9)
     unknowns = state.layout.local_size
     fetched, written = (LINE * sum(c.values()) / unknowns for c in (memory.fetched, memory.written))
     said = step_traffic()
