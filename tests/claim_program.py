@@ -1,4 +1,4 @@
-"""Many short runs of one name, without computing anything; run by test_claim.py: FILE ROUNDS NUMBER."""
+"""Many short runs of one name, without computing anything; run by test_claim.py: FILE RESULTS NUMBER."""
 
 from __future__ import annotations
 
@@ -22,14 +22,16 @@ if __name__ == "__main__":
         claim.fcntl.flock = refuse
     while not target.with_name("go").exists():
         time.sleep(0.001)
-    for k in range(rounds):
+    made = 0
+    while made < rounds:
         try:
             claimed = claim.Claim(target)
         except FileError as error:
             assert error.status == 4 and "another run is writing it" in str(error), error
             time.sleep(0.001)
             continue
-        text = f"{number} {k}"
+        text = f"{number} {made}"
+        made += 1
         kept = claim.keep_earlier(target)
         while not claim.publish(target, text.encode()):
             assert "without" in sys.argv, "somebody else made the file that we have claimed"
