@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import importlib
 import os
+import shlex
 import sys
 from collections.abc import Mapping, Sequence
 from itertools import dropwhile
@@ -46,6 +47,7 @@ class Command(NamedTuple):
 COMMANDS = {
     "info": Command("RUN.h5", "what a result holds: case, options, times, layers, summary", "fsipetsc.cli:info"),
     "plot": Command("RUN.h5 [-o DIR]", "pictures (PNG) of a result", "fsipetsc.cli:plot"),
+    "new": Command("FILE.py", "a case file of your own to start from: commented, and it runs", "fsipetsc.cli:new"),
     "convergence": Command(
         "CASE [-option value ...]",
         "errors, observed orders and cost of a case with an exact solution",
@@ -228,7 +230,7 @@ def _command_in_parallel(arguments: list[str], world: MPI.Comm) -> None:
 
 def info(arguments: list[str]) -> None:
     """The command `info RUN.h5`."""
-    path, _ = _file_and_directory("info", arguments, ())
+    path, _ = _file_and_directory("info", arguments)
     from fsipetsc.output.info import info as show
 
     print(show(path))
@@ -236,15 +238,26 @@ def info(arguments: list[str]) -> None:
 
 def plot(arguments: list[str]) -> None:
     """The command `plot RUN.h5 [-o DIR]`."""
-    path, directory = _file_and_directory("plot", arguments, ("-o",))
+    path, directory = _file_and_directory("plot", arguments, flags=("-o",))
     from fsipetsc.output.plots import plot as draw
 
     for picture in draw(path, directory or os.curdir):
         print(picture)
 
 
-def _file_and_directory(name: str, arguments: list[str], flags: Sequence[str]) -> tuple[str, str | None]:
-    """The one file that a command wants and the value of -o; InputError for anything else."""
+def new(arguments: list[str]) -> None:
+    """The command `new FILE.py`."""
+    name, _ = _file_and_directory("new", arguments, what="name of a case file")
+    from fsipetsc.output.new_case import new_case
+
+    path = new_case(name, tuple(COMMANDS))
+    print(f"wrote {path}; it runs as it is:  {program()} {shlex.quote(str(path))}")
+
+
+def _file_and_directory(
+    name: str, arguments: list[str], what: str = "result file", flags: Sequence[str] = ()
+) -> tuple[str, str | None]:
+    """The one file that a command wants and the value of -o; InputError for anything else. what: the file is."""
     usage = f"{program()} {name} {COMMANDS[name].arguments}"
     words, directory, files = list(arguments), None, []
     while words:
@@ -261,5 +274,5 @@ def _file_and_directory(name: str, arguments: list[str], flags: Sequence[str]) -
             files.append(word)
     if len(files) != 1:
         got = f"{len(files)} were given" if files else "none was given"
-        raise InputError(f"the command {name} wants one result file, {got}: {usage}")
+        raise InputError(f"the command {name} wants one {what}, {got}: {usage}")
     return files[0], directory

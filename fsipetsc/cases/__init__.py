@@ -34,6 +34,11 @@ def summaries() -> dict[str, str]:
     return {name: _summary(Path(__file__).with_name(f"{name}.py")) for name in BUILT_IN}
 
 
+def template_text() -> str:
+    """The text of a case file to start from; in it FILE.py and NAME.h5 stand for its own name and its result's."""
+    return Path(__file__).with_name("template.py").read_text(encoding="utf-8")
+
+
 def _summary(path: Path) -> str:
     try:
         tree = ast.parse(path.read_text(encoding="utf-8"))

@@ -124,8 +124,10 @@ def publish(target: Path, content: bytes) -> tuple[int, int] | None:
             os.link(fresh, target)
         except FileExistsError:
             return None
-        except OSError:  # no hard links here: nearly as good, when the name is claimed
-            if os.path.lexists(target):
+        except OSError:  # no hard links here: the name is taken first, and empty for a moment
+            try:
+                os.close(os.open(target, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666))
+            except FileExistsError:
                 return None
             os.rename(fresh, target)
         return status.st_dev, status.st_ino
