@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import traceback
 from collections.abc import Callable
 from functools import partial
@@ -15,16 +16,21 @@ _EXTRAS = {"solver": ("petsc4py", "mpi4py", "numba", "llvmlite", "scipy", "yaml"
 _PACKAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "")
 _CASES = os.path.join(_PACKAGE, "cases", "")
 _LIBRARIES = (os.path.join(os.path.dirname(os.path.abspath(os.__file__)), ""), _PACKAGE)
+#: lines of numba's messages that only say where in numba it was
+_NUMBAS = "Failed in", "During:", "---", 'File "', "Return of:"
 
 
 def explain(error: BaseException, path: str | os.PathLike[str]) -> str:
-    """One line about an error that came out of a case file: file, line, reason."""
+    """One line about an error that came out of a case file: file, line, reason; of a module that it imports, these too."""
     if isinstance(error, SyntaxError):
         own = error.filename is None or os.path.realpath(error.filename) == os.path.realpath(path)
-        return f"case file {path if own else error.filename}, line {error.lineno}: {error.msg}"
+        line = f", line {error.lineno}" if error.lineno else ""  # none where the file cannot even be decoded
+        return f"case file {path if own else error.filename}{line}: {error.msg}"
     lines = [frame.lineno for frame in frames_in(error, path)]
     line = f", line {lines[-1]}" if lines else ""
-    return f"case file {path}{line}: {reason(error)}"
+    last = _last_frame(error)
+    deeper = last is not None and lines and os.path.realpath(last.filename) != os.path.realpath(path)
+    return f"case file {path}{line}: {f'{_place_of_frame(last)}: ' if deeper else ''}{reason(error)}"
 
 
 def reason(error: BaseException) -> str:
@@ -36,6 +42,8 @@ def reason(error: BaseException) -> str:
         return _missing(error.name.split(".")[0])
     if isinstance(error, SystemExit):
         return "SystemExit: sys.exit() is called; a case file describes a problem and must not end the program"
+    if _is_compilers(error):
+        return f"numba cannot compile it: {compilers_words(error)}"
     return type(error).__name__ + (f": {text}" if text else "")
 
 
@@ -70,12 +78,42 @@ def call(function: Callable[..., Any], arguments: tuple[Any, ...], where: str) -
 
 def place_of_error(error: BaseException, function: Callable[..., Any]) -> str:
     """"file, line N" where an error left the user's code; where the function is defined if it never was in it."""
+    last = _last_frame(error)
+    place = _place_of_frame(last) if last else place_of(function)
+    if _is_compilers(error):  # which names the line, of this function or of one that it calls
+        found = re.findall(r'File "([^"]+)", line (\d+)', str(error))
+        named = [(os.path.abspath(name), line) for name, line in found if _is_users(os.path.abspath(name))]
+        place = f"{short(named[0][0])}, line {named[0][1]}" if named else place
+    return place
+
+
+def _last_frame(error: BaseException) -> traceback.FrameSummary | None:
+    """The innermost frame of an error in the user's code, if it ever was in it."""
     for frame in reversed(traceback.extract_tb(error.__traceback__)):
-        name = os.path.abspath(frame.filename)
-        known = name.startswith(_LIBRARIES) and not name.startswith(_CASES)
-        if not known and not {"site-packages", "dist-packages"} & set(name.split(os.sep)) and os.path.isfile(name):
-            return f"{short(name)}, line {frame.lineno}"
-    return place_of(function)
+        if _is_users(os.path.abspath(frame.filename)):
+            return frame
+    return None
+
+
+def _is_users(name: str) -> bool:
+    """Whether a file is the user's, and not of Python, of a library or of this package but for its cases."""
+    known = name.startswith(_LIBRARIES) and not name.startswith(_CASES)
+    return not known and not {"site-packages", "dist-packages"} & set(name.split(os.sep)) and os.path.isfile(name)
+
+
+def _place_of_frame(frame: traceback.FrameSummary) -> str:
+    return f"{short(os.path.abspath(frame.filename))}, line {frame.lineno}"
+
+
+def _is_compilers(error: BaseException) -> bool:
+    """Whether numba has raised it about a function of the user's."""
+    return type(error).__module__.startswith("numba.")
+
+
+def compilers_words(error: BaseException) -> str:
+    """What numba says about a function that it cannot compile, without its list of what it has tried."""
+    lines = [line.strip() for line in str(error).splitlines() if line.strip() and not line.startswith(_NUMBAS)]
+    return " ".join(lines[:2])[:200]
 
 
 def place_of(function: Callable[..., Any]) -> str:

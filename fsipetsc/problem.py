@@ -68,8 +68,8 @@ class SolidLayer:
 def _check_layer(layer: Layer, material: type, values: str) -> None:
     """InputError for the first thing that is wrong with a layer; its X becomes two floats."""
     kind = type(layer).__name__
-    if not isinstance(layer.name, str) or not layer.name:
-        raise InputError(f"{kind}: name is {described(layer.name)}: expected a text")
+    if not isinstance(layer.name, str) or not layer.name.isprintable() or not layer.name.strip() or "|" in layer.name:
+        raise InputError(f"{kind}: name is {described(layer.name)}: expected a text of one line without |")
     what = f"{kind} '{layer.name}'"
     if not isinstance(layer.material, material):
         raise InputError(f"{what}: material is {described(layer.material)}: expected a {material.__name__}")
@@ -126,6 +126,8 @@ class Problem:
         for k, layer in enumerate(layers):
             if not isinstance(layer, (FluidLayer, SolidLayer)):
                 raise InputError(f"Problem: layers[{k}] is {described(layer)}: expected a FluidLayer or a SolidLayer")
+            if layer.name in (other.name for other in layers[:k]):
+                raise InputError(f"Problem: two layers are named '{layer.name}': expected a name for each, which results go by")
         for name, end in (("left", self.left), ("right", self.right)):
             if not isinstance(end, Boundary):
                 raise InputError(f"Problem: {name} is {described(end)}: expected an end, as Wall(x) or free(stress)")

@@ -78,6 +78,8 @@ def _of_words(words: Sequence[str], where: str, opened: tuple[str, ...]) -> Iter
         value = words[position + 1] if has_value else ""
         position += 1 + has_value
         if word in HELP_FLAGS:
+            if where:
+                raise InputError(f"{word}{where} would be passed over: it is answered on the command line only")
             continue
         if word.startswith("--"):
             raise InputError(f"unknown option {brief(word)}{where}: write {brief(word[1:])}, with one dash")

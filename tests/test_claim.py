@@ -71,7 +71,7 @@ def test_what_others_left_is_neither_followed_nor_overwritten(tmp_path: Path) ->
         Claim(target)
     assert elsewhere.read_text() == "precious"
     (tmp_path / ".run.h5.lock").unlink()
-    (tmp_path / ".run.h5.lock").write_text("of a killed run")
+    (tmp_path / ".run.h5.lock").write_text("process 12345 on a machine, of a killed run")
     (tmp_path / f".run.h5.{os.getpid()}.new").write_text("of a killed run")
     claim = Claim(target)
     assert publish(target, b"ours") and not publish(target, b"another's")
@@ -84,3 +84,52 @@ def test_what_others_left_is_neither_followed_nor_overwritten(tmp_path: Path) ->
     claim.release()
     claim.release()
     assert sorted(os.listdir(tmp_path)) == ["elsewhere", "run.1.h5", "run.2.h5", "run.h5"]
+
+
+def other_file(path: Path) -> None:
+    path.write_text("process of thought: precious")
+
+
+def long_file(path: Path) -> None:
+    path.write_text("process 1 on " + "x" * 1000)
+
+
+def pipe(path: Path) -> None:
+    os.mkfifo(path)
+
+
+def second_name(path: Path) -> None:
+    path.with_name("precious").touch()
+    os.link(path.with_name("precious"), path)
+
+
+@pytest.mark.parametrize("locks", [True, False], ids=["locks", "no locks"])
+@pytest.mark.parametrize("make", [other_file, long_file, pipe, second_name])
+def test_what_is_no_lock_stays_as_it_is(tmp_path: Path, monkeypatch, make, locks: bool) -> None:
+    """A file that somebody has called like the lock is neither written to nor removed, and the run is refused."""
+    if not locks:
+
+        def refuse(*_: object) -> None:
+            raise OSError("no locks here")
+
+        monkeypatch.setattr("fsipetsc.output.claim.fcntl.flock", refuse)
+    path = tmp_path / ".run.h5.lock"
+    make(path)
+    before = os.lstat(path), path.read_bytes() if path.is_file() else b""
+    for _ in range(2):
+        with pytest.raises(FileError, match=r"\.run\.h5\.lock: stands where the lock of run\.h5 belongs"):
+            Claim(tmp_path / "run.h5")
+    after = os.lstat(path), path.read_bytes() if path.is_file() else b""
+    assert (before[0].st_ino, before[0].st_mtime_ns, before[1]) == (after[0].st_ino, after[0].st_mtime_ns, after[1])
+
+
+def test_without_hard_links_nothing_is_overwritten_either(tmp_path: Path, monkeypatch) -> None:
+    def refuse(*_: object) -> None:
+        raise OSError("no hard links here")
+
+    monkeypatch.setattr("fsipetsc.output.claim.os.link", refuse)
+    target = tmp_path / "run.h5"
+    assert publish(target, b"ours") is not None
+    monkeypatch.setattr("fsipetsc.output.claim.os.path.lexists", lambda path: False)  # made between a look and the writing
+    assert publish(target, b"another's") is None
+    assert target.read_bytes() == b"ours" and os.listdir(tmp_path) == ["run.h5"]

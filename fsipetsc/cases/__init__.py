@@ -1,7 +1,7 @@
 """The built-in cases and the loading of users' own case files.
 
 A case is a module with
-  NAME      str, names the result file                  (of a user's file: the file's name if it is missing)
+  NAME      str, names the result file, so no / in it   (of a user's file: the file's name if it is missing)
   SUMMARY   str, one line                               (… empty)
   OPTIONS   tuple of fsipetsc.options.Option: materials, geometry
   DEFAULTS  dict, name of an option -> default that replaces the common one   (… empty)
@@ -71,9 +71,11 @@ def load_case(name_or_path: str, also: Sequence[str] = ()) -> ModuleType:
 
 def _load_file(path: Path) -> ModuleType:
     try:
+        if path.exists() and not path.is_file() and not path.is_dir():
+            raise InputError(f"case file {path}: not a regular file")  # a pipe can be read once only, and not by all ranks
         path.read_bytes()
-    except OSError as error:
-        raise InputError(f"case file {path}: {error.strerror}") from None
+    except (OSError, ValueError) as error:
+        raise InputError(f"case file {path}: {getattr(error, 'strerror', error)}") from None
     name = f"fsipetsc_case_{re.sub(r'[^0-9A-Za-z_]', '_', path.stem)}"
     loader = SourceFileLoader(name, str(path.resolve()))
     module = ModuleType(name)
@@ -104,7 +106,7 @@ def _complete(module: ModuleType, path: Path) -> None:
     module.DEFAULTS = getattr(module, "DEFAULTS", {})
     wrong = {
         "build": None if callable(module.build) else "must be a function",
-        "NAME": None if isinstance(module.NAME, str) and module.NAME else "must be a text",
+        "NAME": _fault_in_name(module.NAME),
         "SUMMARY": None if isinstance(module.SUMMARY, str) else "must be a text",
         "DEFAULTS": None if isinstance(module.DEFAULTS, Mapping) else "must be a dict: name of an option -> value",
         "OPTIONS": _fault_in_options(module.OPTIONS),
@@ -119,6 +121,14 @@ def _complete(module: ModuleType, path: Path) -> None:
             raise InputError(f"case file {error}") from None
         name = "DEFAULTS" if "default" in str(error).lower() else "OPTIONS"
         raise InputError(f"case file {path}{_line_of(name, path)}: {error}") from None
+
+
+def _fault_in_name(name: object) -> str | None:
+    """A result is written where the program runs, whatever the case is called."""
+    if not isinstance(name, str) or not name:
+        return "must be a text"
+    plain = name.isprintable() and os.path.basename(name) == name and name not in (os.curdir, os.pardir)
+    return None if plain else f"is {name!r}: it names the result file, so it must be a file's name without a directory"
 
 
 def _fault_in_options(options: object) -> str | None:

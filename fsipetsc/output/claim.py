@@ -1,8 +1,9 @@
 """Who may write the result of a name: one run at a time, and nothing is ever overwritten.
 
 A run holds a lock on .NAME.lock beside the result, which the system takes back when the program ends in whatever way; the
-empty file that a killed run leaves is of no account. A second run of the same name is refused while the first goes on. The
-result is not locked itself: on network file systems that would keep the other ranks from writing it.
+file that a killed run leaves is of no account. A second run of the same name is refused while the first goes on. The
+result is not locked itself: on network file systems that would keep the other ranks from writing it. Something else of the
+lock's name is left as it is, and the run refused.
 Where the file system knows no locks, two runs of one name still get two files, but the later one renames the earlier
 one's while it is being written.
 """
@@ -12,6 +13,7 @@ from __future__ import annotations
 import fcntl
 import itertools
 import os
+import re
 import socket
 import stat
 from contextlib import suppress
@@ -19,6 +21,8 @@ from pathlib import Path
 
 from fsipetsc.errors import FileError
 
+#: bytes of a lock file, which says who holds it
+_LONGEST = 300
 _held: dict[Path, Claim] = {}  # of this process
 
 
@@ -40,13 +44,16 @@ class Claim:
     def _lock(self) -> int | None:
         while True:
             descriptor = os.open(self._path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK, 0o666)
+            if not _is_lock(descriptor):
+                os.close(descriptor)
+                raise FileError(f"{self._path}: stands where the lock of {self.target.name} belongs, and is none; move it away")
             try:
                 fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError:
-                if not self._is_ours(descriptor):  # removed meanwhile: it stands for nothing
+                if not self._still_there(descriptor):  # removed meanwhile: it stands for nothing
                     os.close(descriptor)
                     continue
-                who = os.pread(descriptor, 200, 0).decode(errors="replace").strip()
+                who = os.pread(descriptor, _LONGEST, 0).decode(errors="replace").strip()
                 os.close(descriptor)
                 raise FileError(
                     f"{self.target}: another run is writing it{f' ({who})' if who else ''}; "
@@ -56,13 +63,13 @@ class Claim:
                 os.close(descriptor)
                 self._path.unlink(missing_ok=True)
                 return None
-            if self._is_ours(descriptor):
+            if self._still_there(descriptor):
                 os.ftruncate(descriptor, 0)
                 os.pwrite(descriptor, f"process {os.getpid()} on {socket.gethostname()}".encode(), 0)
                 return descriptor
             os.close(descriptor)  # who had it removed it meanwhile
 
-    def _is_ours(self, descriptor: int) -> bool:
+    def _still_there(self, descriptor: int) -> bool:
         """Whether the locked file is still the one of this name."""
         with suppress(FileNotFoundError):
             return os.path.samestat(os.fstat(descriptor), os.lstat(self._path))
@@ -73,11 +80,19 @@ class Claim:
         descriptor, self._descriptor = self._descriptor, None
         if descriptor is not None:
             with suppress(OSError):
-                if self._is_ours(descriptor):
+                if self._still_there(descriptor):
                     self._path.unlink()
             os.close(descriptor)
         if _held.get(self.target) is self:
             del _held[self.target]
+
+
+def _is_lock(descriptor: int) -> bool:
+    """Whether an open file is what a run makes: empty, or with one line about who it is, and of this name only."""
+    status = os.fstat(descriptor)
+    if not stat.S_ISREG(status.st_mode) or status.st_nlink > 1 or status.st_size > _LONGEST:
+        return False
+    return re.fullmatch(rb"(process \d+ on [^\n]*)?", os.pread(descriptor, _LONGEST, 0)) is not None
 
 
 def keep_earlier(target: Path) -> Path | None:

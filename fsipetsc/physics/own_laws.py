@@ -9,15 +9,13 @@ for what is no function of the right arguments.
 from __future__ import annotations
 
 import inspect
-import os
-import re
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numba import njit, typeof, types
 
-from fsipetsc.blame import place_of
+from fsipetsc.blame import compilers_words, place_of, place_of_error
 from fsipetsc.checks import described
 from fsipetsc.errors import InputError
 from fsipetsc.operators.formulas import Formulas, in_python
@@ -55,9 +53,6 @@ PRESSING_MORE = {
 }
 #: formulas that loops call, with vectors
 IN_LOOPS = ("relative", "temperature_in_loops", "pressure", "sound_speed_squared_of_energy", "pressure_in_loops")
-
-#: lines of numba's messages that are about numba
-_NUMBAS = "Failed in", "During:", "---"
 
 
 def transport_law(relative: Callable[..., Any]) -> Formulas:
@@ -176,11 +171,9 @@ def _returned(function: Any, arguments: tuple[Any, ...], name: str) -> Any:
         return function.overloads[arguments].signature.return_type
     except Exception as error:  # numba's, of many kinds
         plain = in_python(function)
-        lines = [line.strip() for line in str(error).splitlines() if line.strip() and not line.startswith(_NUMBAS)]
-        at = re.search(rf'{re.escape(os.path.basename(plain.__code__.co_filename))}", line (\d+)', str(error))
-        place = re.sub(r"line \d+$", f"line {at[1]}", place_of(plain)) if at else place_of(plain)
         of = "vectors of points" if vector in arguments else "numbers"
-        raise InputError(f"{place}: {name} cannot be compiled for {of}: {' '.join(lines[:2])[:200]}") from error
+        words = f"{name} cannot be compiled for {of}: {compilers_words(error)}"
+        raise InputError(f"{place_of_error(error, plain)}: {words}") from error
 
 
 def _compiled(
