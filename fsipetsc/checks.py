@@ -28,6 +28,11 @@ def described(value: Any) -> str:
     return (text if len(text) <= 60 else text[:57] + "...") + kind
 
 
+def counted(count: int, word: str) -> str:
+    """"1 step", "2 steps"."""
+    return f"{count} {word}{'s' * (count != 1)}"
+
+
 def number(value: Any, what: str, bound: str = ANY, unit: str = "") -> float:
     """The value as a float; InputError that names ``what`` if it is no finite real number or out of bound."""
     expected = f"expected a number{' ' * bool(bound)}{bound}{f' [{unit}]' if unit else ''}"

@@ -186,12 +186,12 @@ def _in_parallel(arguments: list[str]) -> int:
     launcher, notes, status = Launcher(), None, 0
     case_file, debug = None, False
     try:
-        with held_back():  # until all ranks can be told
-            launcher.follow()
-            world = start_mpi()
-            notes = world.Dup()
-            _import_slowly()
-        with raised():
+        with raised("" if arguments[0] in COMMANDS else "before the first step"):
+            with held_back():  # until all ranks can be told
+                launcher.follow()
+                world = start_mpi()
+                notes = world.Dup()
+                _import_slowly()
             if arguments[0] in COMMANDS:
                 _command_in_parallel(arguments, world)
             else:

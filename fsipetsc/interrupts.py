@@ -41,12 +41,11 @@ def held_back() -> Iterator[None]:
 
 
 @contextmanager
-def raised() -> Iterator[None]:
-    """Signals raise Interrupted, on this rank alone; in the main thread only, as Python has it."""
+def raised(when: str = "") -> Iterator[None]:
+    """Signals raise Interrupted, on this rank alone; in the main thread only, as Python has it. when: for the message."""
 
     def leave(number: int, frame: object) -> None:
-        text = f"stopped by {signal.Signals(number).name} before the first step"
-        raise Interrupted(number, text, collective=False)
+        raise Interrupted(number, f"stopped by {signal.Signals(number).name} {when}".rstrip(), collective=False)
 
     if threading.current_thread() is not threading.main_thread():
         yield

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 from fsipetsc.analysis import table1
 from fsipetsc.analysis.convergence_table import ConvergenceStudy
 from fsipetsc.cases import load_case
+from fsipetsc.checks import counted
 from fsipetsc.errors import ComputationError, FileError, InputError
 from fsipetsc.launch import start_petsc
 from fsipetsc.options import Option, groups, read_options
@@ -79,17 +80,22 @@ def study(case: Any, opt: Mapping[str, Any], given: Container[str], comm: MPI.Co
     orders = tuple(dict.fromkeys(opt["fsi_orders"]))
     spacings = opt["fsi_hs"] or tuple(factor * opt["fsi_h"] for factor in (4, 2, 1, 1 / 2, 1 / 4))
     table = ConvergenceStudy(
-        *(case.NAME, opt["ts_max_time"], orders, tuple(sorted(set(spacings), reverse=True)), comm.size),
+        *(case.NAME, opt["ts_max_time"], orders, _distinct(spacings), comm.size),
         {name: value for name, value in opt.items() if name not in ("fsi_order", "fsi_h", "fsi_output")},
         versions(),
     )
     notes = _check(case, opt, comm, table)
     say = (lambda text: None) if opt["fsi_quiet"] else (lambda text: _say(comm, text))
-    say(f"{case.NAME} to {table.time} on {comm.size} rank{'s' * (comm.size > 1)}: L2 errors and observed orders")
+    say(f"{case.NAME} to {table.time} on {counted(comm.size, 'rank')}: L2 errors and observed orders")
     for note in notes:
         say(note)
-    _run_all(case, opt, comm, table, say)
-    say("\n" + table.summary())
+    reached = _run_all(case, opt, comm, table, say)
+    if len(table.hs) > 1:
+        say("\n" + table.summary())
+    else:
+        say("\none grid shows no order: -fsi_hs takes several, as in -fsi_hs 0.05,0.025")
+    if reached != {table.t} and reached:
+        say(f"\nruns have ended before {table.time}, by -ts_max_steps: their errors are those of different times")
     if case.NAME == "mms" and len(table.hs) > 1:
         say("\n" + table1.compare(table))
     if comm.rank == 0:
@@ -101,14 +107,20 @@ def study(case: Any, opt: Mapping[str, Any], given: Container[str], comm: MPI.Co
     comm.Barrier()
     if table.failures:
         first = next(f"order {order}, h = {h:g}: {text}" for (order, h), text in table.failures.items())
-        raise ComputationError(f"{len(table.failures)} of {len(orders) * len(table.hs)} runs failed; {first}")
+        raise ComputationError(f"{len(table.failures)} of {counted(len(orders) * len(table.hs), 'run')} failed; {first}")
     return table
 
 
-def _run_all(case: Any, opt: Mapping[str, Any], comm: MPI.Comm, table: ConvergenceStudy, say: Any) -> None:
-    """Fill the table, run by run, and say each row."""
+def _distinct(spacings: Sequence[float]) -> tuple[float, ...]:
+    """Grid spacings from coarse to fine, each once; what is the same in six digits shows no order but round-off."""
+    return tuple(sorted({f"{h:.6g}": h for h in spacings}.values(), reverse=True))
+
+
+def _run_all(case: Any, opt: Mapping[str, Any], comm: MPI.Comm, table: ConvergenceStudy, say: Any) -> set[float]:
+    """Fill the table, run by run, and say each row; the times that were reached [s]."""
     from fsipetsc.stepping.solve import solve
 
+    reached = set()
     for i, order in enumerate(table.orders):
         say("\n" + table.head(i))
         # once for nothing: compiling or loading the kernels is no part of the cost
@@ -116,10 +128,13 @@ def _run_all(case: Any, opt: Mapping[str, Any], comm: MPI.Comm, table: Convergen
             solve(case, {**opt, "fsi_order": order, "fsi_h": table.hs[0], "ts_max_steps": 1}, comm, say)
         for j, h in enumerate(table.hs):
             try:
-                table.put(i, j, solve(case, {**opt, "fsi_order": order, "fsi_h": h}, comm))
+                outcome = solve(case, {**opt, "fsi_order": order, "fsi_h": h}, comm)
+                table.put(i, j, outcome)
+                reached.add(outcome.t)
             except ComputationError as error:
                 table.failures[order, h] = str(error)
             say(table.row(i, j))
+    return reached
 
 
 def _check(case: Any, opt: Mapping[str, Any], comm: MPI.Comm, table: ConvergenceStudy) -> tuple[str, ...]:

@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from fsipetsc.checks import counted
 from fsipetsc.errors import FileError
 from fsipetsc.output import file_layout, result_sources
 
@@ -88,8 +89,8 @@ class Run:
     def __repr__(self) -> str:
         span = f", t = {self.time[0]:g} … {self.time[-1]:g}" if self.nframes else ""
         state = "" if self.complete else ", unfinished"
-        kinds = ", ".join(f"{layer.name} ({len(layer.X)} points)" for layer in self.layers)
-        return f"<Run {self.case!r}: {self.nframes} frames{span}; {kinds}{state}>"
+        kinds = ", ".join(f"{layer.name} ({counted(len(layer.X), 'point')})" for layer in self.layers)
+        return f"<Run {self.case!r}: {counted(self.nframes, 'frame')}{span}; {kinds}{state}>"
 
 
 class Arrays(Mapping[str, Array]):
@@ -168,7 +169,7 @@ class Layer(Arrays):
 
     def __repr__(self) -> str:
         span = f", X = {self.X[0]:g} … {self.X[-1]:g}" if len(self.X) else ""
-        return f"<{self.kind} layer {self.name!r}: {len(self.X)} points{span}; {', '.join(self.fields)}>"
+        return f"<{self.kind} layer {self.name!r}: {counted(len(self.X), 'point')}{span}; {', '.join(self.fields)}>"
 
 
 class _Named(dict):

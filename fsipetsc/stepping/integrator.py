@@ -83,11 +83,17 @@ class Integrator:
         self._control: ErrorControl | None = None
         self._error: BaseException | None = None
         self.initial: dict[str, Any] = {}
+        self.beyond = ""  # what is to be said of steps that are too long
 
     @property
     def evaluations(self) -> int:
         """Of the right-hand side, in steps that were rejected, too."""
         return self.state.evaluations
+
+    @property
+    def complete(self) -> bool:
+        """The end time is reached."""
+        return self._times.done
 
     def compile(self, announce: Callable[[str], None]) -> None:
         """Compile what PETSc's own methods call, if one of them is used, or load it. Not collective."""
@@ -186,7 +192,8 @@ class Integrator:
         """Raise ComputationError if the new state cannot be gone on from; flags: flags and limits of the step."""
         layers, s = self.state.problem.layers, self.state.problem.unit("s")
         if flags[BAD] or not flags[RATE] < np.inf:
-            raise ComputationError(describe_failure(self.state, t, self.steps))
+            beyond = f"; {self.beyond}" if self.beyond else ""
+            raise ComputationError(describe_failure(self.state, t, self.steps) + beyond)
         if flags[EXHAUSTED]:
             name = layers[int(flags[EXHAUSTED]) - 1].name
             raise ComputationError(
@@ -200,6 +207,14 @@ class Integrator:
                 f"fluid layer '{layers[k].name}' has become too short at t = {t:.6g}{s}, step {self.steps}, "
                 f"{self._boundary(k)}: the {self.state.op.name} operator needs {least} points"
             )
+
+    def _beyond(self, rate: float) -> str:
+        """By how much the steps that were asked for exceed their bound, in words; "" if they do not. rate: 1/bound [1/s]."""
+        step, s = longest_step(self.opt["fsi_cfl"], self.opt["ts_dt"] or 0.0, rate), self.state.problem.unit("s")
+        if self.opt["ts_adapt_type"] != "none" or not step * rate > 1.0:
+            return ""
+        asked = f"-ts_dt {step:g}{s}" if self.opt["ts_dt"] else f"-fsi_cfl {self.opt['fsi_cfl']:g}"
+        return f"{asked} is {step * rate:.3g} times the bound on the step at t = 0, {1 / rate:.3g}{s}"
 
     def _boundary(self, k: int) -> str:
         record = self.state.layout.records[k]
@@ -269,6 +284,7 @@ class Integrator:
         names = state.latest.dtype.names
         shares = {name: state.latest[name] for name in names[names.index(SHARES) :]}
         self.initial = {name: state.comm.allreduce(share).tolist() for name, share in shares.items()}
+        self.beyond = self._beyond(float(state.results[RATE]))
         self._times.pass_time(0.0)
         self._on_frame(0.0)
 

@@ -11,6 +11,7 @@ from typing import Any
 
 from mpi4py import MPI
 
+from fsipetsc.checks import counted
 from fsipetsc.stepping.state import State
 
 #: wall seconds between two reports of progress: rewritten in place on a terminal; else line by line, ever rarer
@@ -47,7 +48,7 @@ class Reporter:
         grids = state.layout.grids
         points, reserve = sum(g.hi - g.lo + 1 for g in grids), sum(g.n - (g.hi - g.lo + 1) for g in grids)
         held = f" ({reserve} more in reserve)" if reserve else ""
-        ranks = f"{self._comm.size} rank{'s' * (self._comm.size > 1)}"
+        ranks = counted(self._comm.size, "rank")
         self.line(
             f"{self._name}: order {state.op.name}, h = {state.h:g}{self._m}, {points} points{held} on {ranks}, "
             f"to t = {self._opt['ts_max_time']:g}{self._s}"
@@ -82,7 +83,9 @@ class Reporter:
         steps, wall = summary["steps"], summary["wall_time"]
         cost = f", {1e6 * wall / steps:.1f} µs per step" if steps else ""
         rejected = f" ({summary['rejected_steps']} rejected)" if summary["rejected_steps"] else ""
-        self.line(f"{summary['status']} at t = {summary['t']:g}{self._s}: {steps} steps{rejected} in {_duration(wall)}{cost}")
+        early = summary["message"] if summary["status"] == "done" else ""
+        how = early or f"{summary['status']} at t = {summary['t']:g}{self._s}"
+        self.line(f"{how}: {counted(steps, 'step')}{rejected} in {_duration(wall)}{cost}")
         places = ", ".join(f"{name} at x = {x:.6g}" for name, x in summary["interfaces"].items())
         self.line(f"interfaces: {places}; {summary['points']} points")
         self.line(_phases(summary["phases"]))

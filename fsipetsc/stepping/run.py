@@ -5,7 +5,7 @@ from __future__ import annotations
 import platform
 import signal
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from typing import Any
 
@@ -42,21 +42,38 @@ def run_case(case: Any, options: Mapping[str, Any], comm: MPI.Comm) -> None:
     with state:
         with phases(SET_UP):
             state.check_data()  # before there is a file
-            run = _Run(case, options, comm, phases, state)
-        run.go()
+        with _apart(comm) as notes:
+            with phases(SET_UP):
+                run = _Run(case, options, comm, notes, phases, state)
+            run.go()
+
+
+@contextmanager
+def _apart(comm: MPI.Comm) -> Iterator[MPI.Comm]:
+    """A communicator like ``comm`` for notes alone. Collective, also where it is freed: not if a rank may fail alone."""
+    notes = comm.Dup()
+    try:
+        yield notes
+    except BaseException as error:
+        if notes != MPI.COMM_NULL and (comm.size == 1 or (isinstance(error, FsiError) and error.collective)):
+            notes.Free()
+        raise
+    notes.Free()
 
 
 class _Run:
     """The pieces of one run, wired together."""
 
-    def __init__(self, case: Any, opt: Mapping[str, Any], comm: MPI.Comm, phases: Phases, state: State) -> None:
+    def __init__(
+        self, case: Any, opt: Mapping[str, Any], comm: MPI.Comm, notes: MPI.Comm, phases: Phases, state: State
+    ) -> None:
         self.case, self.opt, self.comm, self.phases = case, opt, comm, phases
         self.problem, self.state = state.problem, state
         saved = saved_times(opt["ts_max_time"], opt["fsi_output_dt"], opt["fsi_output_times"], self.problem.unit("s"))
         self.writer = RunWriter(comm, opt["fsi_output"], self._header())
         self.writer.take_series = self._take
         self.report = Reporter(comm, case.NAME, opt)
-        self.notes = comm.Dup()
+        self.notes = notes
         self.saved_at = -1.0
         self.watch: ConservationCheck | None = None
         self.fault: str | None = None  # on rank 0, what the watch has found
@@ -149,6 +166,8 @@ class _Run:
                 self.state.compile(self.report.line, lambda: (layer_fields(self.state), integrator.compile(self.report.line)))
                 integrator.start()
             self.report.start()
+            if integrator.beyond:
+                self.report.line(f"note: {integrator.beyond}; explicit methods are unstable far beyond it")
             with _signals(integrator), self.phases(LOOP):
                 integrator.run()
             self._last_frame()
@@ -158,9 +177,10 @@ class _Run:
             failure, self.checks = error, False
             self._flush()
         except BaseException as error:
+            if isinstance(error, Interrupted) and integrator.steps:
+                error.args = (f"{signal.Signals(error.status - 128).name} came while the result was being written",)
             self._rescue(error, time.perf_counter() - begun)
             raise
-        self.notes.Free()
         summary = self._summary(time.perf_counter() - begun, failure)
         self.writer.finish(summary, found)
         self.report.end(summary, found, self.writer.path)
@@ -194,11 +214,18 @@ class _Run:
         if self.integrator.t > self.saved_at:
             self._frame(self.integrator.t)
 
+    def _early_end(self) -> str:
+        """What a run says that its steps have ended before its time, else ""."""
+        integrator, s = self.integrator, self.problem.unit("s")
+        if integrator.complete or integrator.stop_signal:
+            return ""
+        return f"ended by -ts_max_steps at t = {integrator.t:g}{s}, before -ts_max_time {self.opt['ts_max_time']:g}{s}"
+
     def _summary(self, wall: float, failure: BaseException | None) -> dict[str, Any]:
         integrator = self.integrator
         return {
             "status": "failed" if failure else ("stopped" if integrator.stop_signal else "done"),
-            "message": (str(failure) or type(failure).__name__) if failure else "",
+            "message": (str(failure) or type(failure).__name__) if failure else self._early_end(),
             "t": integrator.t,
             "steps": integrator.steps,
             "rejected_steps": integrator.rejections,

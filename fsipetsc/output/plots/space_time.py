@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fsipetsc.checks import counted
 from fsipetsc.output.plots.profiles import domain
 from fsipetsc.output.plots.quantities import SPACE_TIME
 from fsipetsc.output.plots.scales import Scale, axis_label, extremes, scaled, value_at_rest
@@ -50,7 +51,7 @@ def draw(figure: Figure, run: Run) -> None:
     grid[0].set_xlim(domain(run))
     grid[0].set_ylim(run.time[0], run.time[-1])
     grid[0].set_ylabel(axis_label(run, "t", "s"))
-    set_title(figure, of_run(run, f"space and time, {run.nframes} frames"))
+    set_title(figure, of_run(run, f"space and time, {counted(run.nframes, 'frame')}"))
 
 
 def palette(colormap: str, scale: Scale, values: Sequence[Array]) -> dict[str, object]:
