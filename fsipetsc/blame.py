@@ -39,7 +39,7 @@ def reason(error: BaseException) -> str:
     if isinstance(error, FsiError):
         return text
     if isinstance(error, ModuleNotFoundError) and error.name:
-        return _missing(error.name.split(".")[0])
+        return missing(error.name.split(".")[0])
     if isinstance(error, SystemExit):
         return "SystemExit: sys.exit() is called; a case file describes a problem and must not end the program"
     if _is_compilers(error):
@@ -47,7 +47,7 @@ def reason(error: BaseException) -> str:
     return type(error).__name__ + (f": {text}" if text else "")
 
 
-def _missing(package: str) -> str:
+def missing(package: str) -> str:
     """How to get a Python package that is not there, if it is one of those that come with this one."""
     extra = next((extra for extra, packages in _EXTRAS.items() if package in packages), None)
     how = f": scripts/setup installs it, as does pip install '.[{extra}]' in the folder of the sources" if extra else ""
