@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import sys
 import traceback
 from collections.abc import Callable
 from functools import partial
@@ -18,16 +19,18 @@ _CASES = os.path.join(_PACKAGE, "cases", "")
 _LIBRARIES = (os.path.join(os.path.dirname(os.path.abspath(os.__file__)), ""), _PACKAGE)
 #: lines of numba's messages that only say where in numba it was
 _NUMBAS = "Failed in", "During:", "---", 'File "', "Return of:"
+#: letters of somebody else's message that are repeated
+_LONGEST = 300
 
 
 def explain(error: BaseException, path: str | os.PathLike[str]) -> str:
     """One line about an error that came out of a case file: file, line, reason; of a module that it imports, these too."""
-    if isinstance(error, SyntaxError):
-        own = error.filename is None or os.path.realpath(error.filename) == os.path.realpath(path)
-        line = f", line {error.lineno}" if error.lineno else ""  # none where the file cannot even be decoded
-        return f"case file {path if own else error.filename}{line}: {error.msg}"
     lines = [frame.lineno for frame in frames_in(error, path)]
     line = f", line {lines[-1]}" if lines else ""
+    if isinstance(error, SyntaxError):
+        place = f", line {error.lineno}" if error.lineno else ""  # none where the file cannot even be decoded
+        own = error.filename is None or os.path.realpath(error.filename) == os.path.realpath(path)
+        return f"case file {path}{place if own else f'{line}: {short(error.filename)}{place}'}: {error.msg}"
     last = _last_frame(error)
     deeper = last is not None and lines and os.path.realpath(last.filename) != os.path.realpath(path)
     return f"case file {path}{line}: {f'{_place_of_frame(last)}: ' if deeper else ''}{reason(error)}"
@@ -35,9 +38,13 @@ def explain(error: BaseException, path: str | os.PathLike[str]) -> str:
 
 def reason(error: BaseException) -> str:
     """What an exception says, on one line."""
-    text = " ".join(str(error).split())
+    try:
+        text = " ".join(str(error).split())
+    except Exception:  # a user's exception may fail to say anything
+        text = ""
     if isinstance(error, FsiError):
         return text
+    text = text if len(text) <= _LONGEST else f"{text[:_LONGEST]}…"
     if isinstance(error, ModuleNotFoundError) and error.name:
         return missing(error.name.split(".")[0])
     if isinstance(error, SystemExit):
@@ -112,8 +119,24 @@ def _is_compilers(error: BaseException) -> bool:
 
 def compilers_words(error: BaseException) -> str:
     """What numba says about a function that it cannot compile, without its list of what it has tried."""
-    lines = [line.strip() for line in str(error).splitlines() if line.strip() and not line.startswith(_NUMBAS)]
-    return " ".join(lines[:2])[:200]
+    said: list[str] = []
+    for line in str(error).splitlines():
+        if said and line.startswith('File "'):  # the source itself follows
+            break
+        if line.strip() and not line.startswith(_NUMBAS):
+            said.append(line.strip())
+    return " ".join(said[:2])[:_LONGEST]
+
+
+def place_of_caller() -> str:
+    """"file, line N: " of the case file that called what calls this; "" if it is called by none."""
+    frame = sys._getframe(1)
+    while frame is not None:
+        name = os.path.abspath(frame.f_code.co_filename)
+        if _is_users(name):
+            return "" if name.startswith(_CASES) else f"{short(name)}, line {frame.f_lineno}: "
+        frame = frame.f_back
+    return ""
 
 
 def place_of(function: Callable[..., Any]) -> str:

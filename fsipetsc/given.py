@@ -97,9 +97,9 @@ def check_ends(problem: Problem, x: Mapping[tuple[int, int], float], h: float) -
         wanted = layer.X[side] - X_I + x_I
         if abs(end.x - wanted) > h:
             raise InputError(
-                f"layer '{layer.name}': its {type(end).__name__} stands at x = {end.x:g}, but X[{side}] = {layer.X[side]:g} is "
-                f"x = {wanted:g}, as the interface X = {X_I:g} begins at x = {x_I:g}: expected the same x, so X[{side}] = "
-                f"{end.x - x_I + X_I:g} or the {type(end).__name__} at x = {wanted:g}"
+                f"{layer.place}layer '{layer.name}': its {type(end).__name__} stands at x = {end.x:g}, but X[{side}] = "
+                f"{layer.X[side]:g} is x = {wanted:g}, as the interface X = {X_I:g} begins at x = {x_I:g}: expected "
+                f"the same x, so X[{side}] = {end.x - x_I + X_I:g} or the {type(end).__name__} at x = {wanted:g}"
             )
 
 

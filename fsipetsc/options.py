@@ -19,8 +19,8 @@ from fsipetsc.petsc_names import AT_START, IN_LOOP, IN_SOURCES, is_family_name, 
 from fsipetsc.sources import Given
 
 __all__ = [
-    *("COMMON", "PETSC_OPTIONS", "REQUIRED", "Option", "check_petsc", "defaults", "groups", "publish", "read_options"),
-    *("read_table", "table"),
+    *("COMMON", "PETSC_OPTIONS", "REQUIRED", "InForce", "Option", "check_petsc", "defaults", "groups", "publish"),
+    *("read_options", "read_table", "table"),
 ]
 
 
@@ -168,6 +168,13 @@ def _with_default(option: Option, overrides: Mapping[str, Any], case_name: str) 
     except (ValueError, TypeError, OverflowError):
         message = f"case {case_name}: bad default {value!r} of -{option.name}: expected {option.expected()}"
         raise InputError(message) from None
+
+
+class InForce(dict[str, Any]):
+    """Name -> value of the options in force, as a case's build gets them. InputError for a name that there is not."""
+
+    def __missing__(self, name: object) -> Any:
+        raise InputError(f"opt[{name!r}]: there is no such option{_nearest(str(name), self)}")
 
 
 def read_options(case: Any, given: Mapping[str, Given], extra: Sequence[Option] = ()) -> dict[str, Any]:

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from fsipetsc.blame import place_of_caller
 from fsipetsc.boundaries import Boundary, SolidEnd, Wall
 from fsipetsc.checks import described, extent, function
 from fsipetsc.errors import InputError
@@ -74,6 +75,7 @@ def _check_layer(layer: Layer, material: type, values: str) -> None:
     if not isinstance(layer.material, material):
         raise InputError(f"{what}: material is {described(layer.material)}: expected a {material.__name__}")
     object.__setattr__(layer, "X", extent(layer.X, what))
+    object.__setattr__(layer, "place", place_of_caller())  # for what shows later
     function(layer.initial, f"{what}: initial", f"initial(X) -> {values}")
     function(layer.exact, f"{what}: exact", f"exact(X, t) -> {values}", optional=True)
     function(layer.forcing, f"{what}: forcing", "forcing(X, t) -> the right-hand sides", optional=True)

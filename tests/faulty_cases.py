@@ -6,7 +6,7 @@ from __future__ import annotations
 
 RIGHT = '''
 import sys
-import numpy as np
+import numpy as np; from numba import njit
 from fsipetsc.boundaries import Dirichlet, Open, Wall, absorbing, clamped, free
 from fsipetsc.options import Option
 from fsipetsc.physics.fluid import Fluid
@@ -84,7 +84,9 @@ FAULTS: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "returns a dict": ("return Problem(", "return dict(", ("LINE def build", "dict", "Problem")),
     "build is a generator": ("return Problem(", "yield Problem(", ("LINE def build", "generator", "Problem")),
     "build without argument": ("def build(opt):", "def build():", ("LINE def build", "TypeError")),
-    "unknown key": ("gas = Fluid", "opt['own_sped']; gas = Fluid", ("LINE gas =", "KeyError", "own_sped")),
+    "unknown key": ("gas = Fluid", "opt['own_sped']; gas = Fluid", ("LINE gas =", "opt['own_sped']", "did you mean -own_speed?")),
+    "an exception that cannot be told": ("gas = Fluid", "C = type('C', (Exception,), {'__str__': lambda self: 1 / 0}); raise C; gas = Fluid", ("LINE gas =", "build: C\n")),
+    "an exception that tells much": ("gas = Fluid", "raise ValueError('much ' * 1000); gas = Fluid", ("LINE gas =", "much …")),
     "exit in build": ("gas = Fluid", "sys.exit(); gas = Fluid", ("LINE gas =", "sys.exit()")),
     "BaseException in build": ("gas = Fluid", "raise GeneratorExit('x'); gas = Fluid", ("LINE gas =", "GeneratorExit")),
     # materials
@@ -108,10 +110,13 @@ FAULTS: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "infinite extent": ("(1.0, 2.0)", "(1.0, np.inf)", ("'rod'", "X[1] is inf")),
     "reversed extent": ("(0.0, 1.0), g", "(1.0, 0.0), g", ("'air'", "left below right")),
     "extent of one number": ("(0.0, 1.0), g", "1.0, g", ("'air'", "X is 1.0", "two numbers")),
-    "a gap": ("(1.0, 2.0)", "(1.1, 2.1)", ("'air'", "'rod'", "do not meet", "1.1")),
+    "a gap": ("(1.0, 2.0)", "(1.1, 2.1)", ("LINE return Problem(", "'air'", "'rod'", "do not meet", "1.1")),
     "initial is an array": ("(0.0, 1.0), g_initial", "(0.0, 1.0), np.ones(11)", ("'air'", "initial is an array", "function")),
     "exact is a number": ("g_exact)", "1.0)", ("'air'", "exact is 1.0")),
     "name is a number": ('"air", gas', "1, gas", ("name is 1", "text")),
+    "name of two lines": ('"air", gas', r'"a\nr", gas', ("name is 'a\\nr'", "one line")),
+    "name with a bar": ('"air", gas', '"air | rod", gas', ("name is 'air | rod'", "without |")),
+    "two layers of one name": ('"air", gas', '"rod", gas', ("LINE return Problem(", "two layers are named 'rod'", "a name for each")),
     # the problem
     "one layer": (_LAYER + ",", "", ("alternate", "got ['solid']")),
     "layers is a layer": ("layers=(", "layers=" + _LAYER + " or (", ("layers is a FluidLayer", "tuple")),
@@ -125,8 +130,8 @@ FAULTS: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "wall at a text": ("Dirichlet(0.0, values, 2)", "Wall('left')", ("Wall: x is 'left'",)),
     "open to no pressure": ("Dirichlet(0.0, values, 2)", "Open(0.0, -1e5, 300.0)", ("Open: p0 is -100000",)),
     "values are numbers": ("Dirichlet(0.0, values, 2)", "Dirichlet(0.0, (1, 0, 300), 2)", ("values is (1, 0, 300)", "function")),
-    "wall elsewhere": ("Dirichlet(0.0, values, 2)", "Wall(0.35)", ("'air'", "x = 0.35", "X[0] = 0", "x = 1")),
-    "wall beyond the interface": ("Dirichlet(0.0, values, 2)", "Wall(1.5)", ("'air'", "x = 1.5")),
+    "wall elsewhere": ("Dirichlet(0.0, values, 2)", "Wall(0.35)", ("LINE FluidLayer(", "'air'", "x = 0.35", "X[0] = 0", "x = 1")),
+    "wall beyond the interface": ("Dirichlet(0.0, values, 2)", "Wall(1.5)", ("LINE FluidLayer(", "'air'", "x = 1.5")),
     "units": ("jumps=jumps,", "units='cgs',", ("units is 'cgs'", "'SI' or 'none'")),
     "notes is a text": ('notes=("a note",)', 'notes="a note"', ("notes is 'a note'", "tuple")),
     "jumps is a tuple": ("jumps=jumps,", "jumps=(0, 0, 0, 0),", ("jumps is (0, 0, 0, 0)", "function")),
@@ -161,6 +166,12 @@ FAULTS: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "an array of Dirichlet values": (_V, "return 1.2, np.zeros(4), 300.0", ("LINE def values", "u has the shape (4,)", "one number")),
     "three jumps": (_J, "return 0.0, 0.0, 0.0", ("LINE def jumps", "interface 0", "g_flux")),
     "a jump that is nan": (_J, "return 0.0, np.nan, 0.0, 0.0", ("LINE def jumps", "g_stress is nan")),
+    # compiled functions
+    "compiled: an exception": (_G, "return compiled(X)\n    @njit\n    def compiled(X):\n        if X[0] < 9: raise ValueError('no data')\n        return X, X, X", ("LINE if X[0] < 9", *_INITIAL[:1], "ValueError: no data")),
+    "compiled: no such name": ("def g_initial(X):", "@njit\n    def g_initial(X):\n        return missing * X\n    def unused(X):", ("LINE @njit", *_INITIAL[:1], "numba cannot compile it: NameError: name 'missing'")),
+    "compiled: no such attribute": ("def g_initial(X):", "@njit\n    def g_initial(X):\n        return X.missing\n    def unused(X):", ("LINE return X.missing", *_INITIAL[:1], "numba cannot compile it: Unknown attribute 'missing'")),
+    "compiled: one value": ("def g_initial(X):", "@njit\n    def g_initial(X):\n        return X\n    def unused(X):", ("LINE @njit", *_INITIAL)),
+    "compiled: nan later": ("def g_forcing(X, t):", "@njit\n    def g_forcing(X, t):\n        return 0 * X, 0 * X, np.full(X.shape, np.sqrt(1.5e-5 - t))\n    def unused(X):", ("LINE @njit", "forcing of layer 'air'", "e is nan", "X =", "faulty.h5")),
     # what happens later
     "forcing fails later": (_F, f"{_LATER}return 1 / 0\n        {_F}", ("LINE if t > ", "at t = ", "ZeroDivisionError", "faulty.h5")),
     "forcing is nan later": (_F, "return 0 * X, 0, np.sqrt(1.5e-5 - t)", ("forcing of layer 'air'", "e is nan", "X =", "faulty.h5")),

@@ -23,7 +23,7 @@ def footprint() -> dict[str, object]:
     from petsc4py import PETSc
 
     gc.collect()
-    objects = [o for o in gc.get_objects() if isinstance(o, PETSc.Object) and o and not o.klass.startswith("Viewer")]
+    objects = [o for o in gc.get_objects() if issubclass(type(o), PETSc.Object) and o and not o.klass.startswith("Viewer")]
     return {
         "options": PETSc.Options().getAll(),
         "signals": [str(signal.getsignal(n)) for n in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGPIPE)],

@@ -10,7 +10,7 @@ message that names the line, or the layer, and what is expected there. All that 
 
 What to expect here: either gas is a spring, and the plate, heavy beside the gas, swings as
     (plate_speed / omega) sin(omega t),    omega^2 = 2 GAMMA P0 / (length of a gas * mass of the plate per area):
-at 10 m/s it goes 0.053 m to the right and comes back; the period is 0.034 s.
+at 10 m/s it goes 0.054 m to the right and comes back; the period is 0.034 s.
 """
 
 import numpy as np

@@ -12,6 +12,7 @@ from petsc4py import PETSc
 from fsipetsc.blame import call, place_of
 from fsipetsc.checks import described
 from fsipetsc.errors import InputError
+from fsipetsc.options import InForce
 from fsipetsc.problem import Problem
 from fsipetsc.stepping.frames import active_points, errors
 from fsipetsc.stepping.integrator import Integrator
@@ -40,7 +41,7 @@ def build_problem(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Problem:
     """What the case says for the options in force. Collective; InputError, with file and line of a user's case file."""
 
     def build() -> Problem:
-        problem = call(case.build, (opt,), "build")
+        problem = call(case.build, (InForce(opt),), "build")
         if not isinstance(problem, Problem):
             found = "nothing (is its return missing?)" if problem is None else described(problem)
             raise InputError(f"{place_of(case.build)}: build(opt) returns {found}: expected a fsipetsc.problem.Problem")
