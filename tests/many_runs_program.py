@@ -17,6 +17,22 @@ from pathlib import Path
 
 from fsipetsc.cli import main
 
+copies = [0]  # of the communicator of all ranks that have not been freed
+
+
+def count_copies() -> None:
+    """Have MPI count: a copy takes the attributes of a communicator with it, and gives them back when it is freed."""
+    from mpi4py import MPI
+
+    def copied(comm: object, key: int, value: object) -> object:
+        copies[0] += 1
+        return value
+
+    def freed(comm: object, key: int, value: object) -> None:
+        copies[0] -= 1
+
+    MPI.COMM_WORLD.Set_attr(MPI.Comm.Create_keyval(copied, freed), 0)
+
 
 def footprint() -> dict[str, object]:
     """All that a run could leave behind."""
@@ -28,6 +44,7 @@ def footprint() -> dict[str, object]:
         "options": PETSc.Options().getAll(),
         "signals": [str(signal.getsignal(n)) for n in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGPIPE)],
         "objects": sorted(o.klass for o in objects),
+        "communicators": copies[0],
         "environment": dict(os.environ),
         "path": list(sys.path),
         "modules": sorted(name for name in sys.modules if "case_" in name or name == "helper_of_a_case"),
@@ -53,6 +70,7 @@ def answer(words: list[str]) -> tuple[int, str]:
 if __name__ == "__main__":
     from mpi4py import MPI
 
+    count_copies()
     rank, wrong, every, before = MPI.COMM_WORLD.rank, [], [], None
     for expected, text in json.loads(Path(sys.argv[1]).read_text()):
         status, said = answer(text.split())

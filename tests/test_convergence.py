@@ -95,12 +95,24 @@ def test_command(tmp_path):
     assert (done.returncode, done.stderr) == (0, "")
     assert "Table 1 of the paper" in done.stdout
     study = load(tmp_path / "mms-convergence.h5")
-    assert (study.orders, study.hs, study.time) == ((2, 6), HS, "t = 0.45")  # the case has no units
+    assert (study.orders, np.round(study.hs, 9).tolist(), study.time) == ((2, 6), HS, "t = 0.45")  # the case has no units
     assert np.all(study.rates("fluid")[:, 1] > (1.9, 4.3))
     assert np.all(study.rates("solid")[:, 1] > (1.8, 4.1))
     for name in ("mms-convergence.csv", "mms-convergence-error.png", "mms-convergence-cost.png"):
         assert (tmp_path / name).stat().st_size > 100
     assert "kept the earlier" in run(*args, "-ts_max_steps", "2", cwd=tmp_path).stdout
+
+
+def test_orders_and_grids_count_once_and_one_grid_shows_no_order(tmp_path):
+    line = "convergence mms -fsi_orders 4,2,4 -fsi_hs 0.05,0.05,0.05000000001 -ts_max_steps 2 -fsi_output s.h5"
+    done = run("-m", "fsipetsc", *line.split(), cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    study = load(tmp_path / "s.h5")
+    assert (study.orders, np.round(study.hs, 9).tolist(), study.errors["fluid"]["rho"].shape) == ((4, 2), [0.05], (2, 1))
+    assert done.stdout.count("\n0.05 ") == 2
+    assert "one grid shows no order: -fsi_hs takes several" in done.stdout and "observed orders of all" not in done.stdout
+    assert "runs have ended before t = 0.45, by -ts_max_steps: their errors are those of different times" in done.stdout
+    assert {path.name for path in tmp_path.iterdir()} == {"s.h5", "s.csv", "s-error.png", "s-cost.png"}
 
 
 @pytest.mark.mpi

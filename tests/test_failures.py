@@ -263,6 +263,56 @@ def test_a_signal_to_one_rank_while_it_starts_ends_all(ranks, tmp_path):
         assert err.count("fsipetsc: error: ") <= 1 and "Traceback" not in err
 
 
+SIGNALLED = """
+import os, sys
+from fsipetsc import cli
+
+start, number = cli.start_mpi, int(sys.argv.pop(1))
+
+
+def signalled():
+    os.kill(os.getpid(), number)  # it waits until all ranks can be told
+    return start()
+
+
+cli.start_mpi = signalled
+sys.exit(cli.main())
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize("words", ["rod", "stability"])
+def test_a_signal_that_comes_while_mpi_starts_is_named(words, number, tmp_path):
+    done = run("-c", SIGNALLED, int(number), words, cwd=tmp_path)
+    when = " before the first step" if words == "rod" else ""
+    assert message(done, 128 + number) == f"fsipetsc: error: stopped by {signal.Signals(number).name}{when}"
+
+
+LATE = """
+import os, signal, sys
+from fsipetsc.cli import main
+from fsipetsc.stepping import run
+
+last = run._Run._last_frame
+
+
+def signalled(self):
+    os.kill(os.getpid(), signal.SIGTERM)
+    last(self)
+
+
+run._Run._last_frame = signalled
+sys.exit(main("rod -fsi_h 0.1 -ts_max_steps 3 -fsi_quiet".split()))
+"""
+
+
+def test_a_signal_behind_the_last_step_is_not_said_to_come_before_the_first(tmp_path):
+    text = message(run("-c", LATE, cwd=tmp_path), 143)
+    assert text == "fsipetsc: error: SIGTERM came while the result was being written"
+    with fsipetsc.open_run(tmp_path / "rod.h5") as result:
+        assert (result.summary["steps"], len(result.series["t"])) == (3, 3)
+
+
 @pytest.mark.mpi
 def test_ranks_end_in_order_when_their_launcher_is_killed(tmp_path):
     process = started(2, tmp_path)

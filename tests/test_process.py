@@ -33,6 +33,8 @@ RUNS = [
     (0, "study", "convergence mms -fsi_quiet -fsi_orders 2 -fsi_hs 0.1,0.05 -ts_max_steps 3"),
     (0, "last", f"rod {SHORT} -ts_max_steps 30 -fsi_spare 0"),
 ]
+#: what a rank may be alone with leaves something behind where there are others, who would have to give it back, too
+ALONE = [(3, "", f"helped/memory.py {SHORT} -fsi_output memory.h5")]
 
 
 def _files(where: Path) -> None:
@@ -42,6 +44,12 @@ def _files(where: Path) -> None:
     (where / "helped" / "helper_of_a_case.py").write_text("NUMBER = 5\n")
     (where / "helped" / "case.py").write_text(
         "import helper_of_a_case\nOPTIONS = ()\nDEFAULTS = {'ts_max_time': 1}\ndef build(opt):\n    raise ValueError('no')\n"
+    )
+    (where / "helped" / "memory.py").write_text(
+        "from dataclasses import replace\nfrom fsipetsc.cases import rod\nOPTIONS, DEFAULTS = rod.OPTIONS, rod.DEFAULTS\n"
+        "def build(opt):\n    problem, calls = rod.build(opt), []\n    def initial(X):\n        calls.append(X)\n"
+        "        if len(calls) > 1:\n            raise MemoryError\n        return problem.layers[0].initial(X)\n"
+        "    return replace(problem, layers=(replace(problem.layers[0], initial=initial), *problem.layers[1:]))\n"
     )
 
 
@@ -74,7 +82,8 @@ def alone(tmp_path_factory):
 @pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.mpi)])
 def test_runs_in_one_process_are_runs_in_processes_of_their_own(ranks, alone, tmp_path):
     _files(tmp_path)
-    (tmp_path / "runs.json").write_text(json.dumps([[status, _arguments(name, text)] for status, name, text in RUNS]))
+    runs = RUNS + (ALONE if ranks == 1 else [])
+    (tmp_path / "runs.json").write_text(json.dumps([[status, _arguments(name, text)] for status, name, text in runs]))
     program = REPOSITORY / "tests" / "many_runs_program.py"
     done = mpirun(ranks, program, "runs.json", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")

@@ -304,10 +304,13 @@ class Integrator:
                 self._plan_step(ts)
                 try:
                     ts.solve(self.state.solution)
-                except PETSc.Error as error:
+                except BaseException as error:
                     # what a step of ours raised: as it is with releases up to 3.18, with later ones wrapped
-                    raise error.__cause__ or error from None
+                    cause = (error.__cause__ if isinstance(error, PETSc.Error) else None) or error
+                    _clear_frames(cause)
+                    raise cause from None
                 finally:
+                    _clear_frames(self._error)  # before the TS is destroyed: petsc4py loses one that somebody else still holds
                     if self._control is not None:
                         self._control.destroy()
                         self._control = None
@@ -315,7 +318,6 @@ class Integrator:
                     if self._rates is not None:
                         self._rates.destroy()
                 if self._error is not None:
-                    _clear_frames(self._error)
                     raise self._error
                 if self.state.results[LOW] and not self._times.done:
                     self.state.grow(self.series.count)

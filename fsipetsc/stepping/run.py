@@ -199,14 +199,15 @@ class _Run:
 
         Writing takes all ranks: what one of them alone has not written is lost when the others are stopped.
         """
-        if isinstance(error, FileError) or not self.integrator.initial:
+        if isinstance(error, FileError):
             return
         collective = isinstance(error, FsiError) and error.collective
         place = self.integrator.steps, self.writer.nframes
         heard = exchange(self.notes, place, PATIENCE[collective]) if self.comm.size > 1 else {0: place}
-        if len(heard) == self.comm.size and set(heard.values()) == {place}:
-            with suppress(FileError):  # the error itself says more
-                self.writer.finish(self._summary(wall, error))
+        if len(heard) == self.comm.size:
+            if self.integrator.initial and set(heard.values()) == {place}:
+                with suppress(FileError):  # the error itself says more
+                    self.writer.finish(self._summary(wall, error))
             self.notes.Free()
 
     def _last_frame(self) -> None:
