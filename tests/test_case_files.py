@@ -48,6 +48,26 @@ def test_the_case_that_the_faulty_ones_are_made_of_is_right(tmp_path):
     assert (done.returncode, done.stderr) == (0, "")
 
 
+@pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.mpi)])
+def test_compiled_functions_are_taken_like_those_of_python(ranks, tmp_path):
+    """All that a case may define, by numba, cached and not: the same numbers to the last bit."""
+    tuples = RIGHT.replace("0 * X, 0.0, np.zeros(X.shape)", "0 * X, 0 * X, np.zeros(X.shape)")
+    tuples = tuples.replace("0 * X, np.full", "-0.5 * X, np.full")
+    compiled = tuples.replace("    def ", "    @njit\n    def ").replace("return g_initial(X)", "return whole(g_initial(X))")
+    compiled = compiled.replace("def build(", "@njit(cache=True)\ndef whole(fields):\n    return fields\n\ndef build(")
+    assert compiled.count("@njit") == 9
+    (tmp_path / "python.py").write_text(tuples)
+    (tmp_path / "compiled.py").write_text(compiled)
+    (tmp_path / "runs.json").write_text(json.dumps([[0, f"{name}.py -fsi_quiet"] for name in ("python", "compiled")]))
+    done = mpirun(ranks, REPOSITORY / "tests" / "many_runs_program.py", "runs.json", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert json.loads(done.stdout)["wrong"] == []
+    with fsipetsc.open_run(tmp_path / "python.h5") as one, fsipetsc.open_run(tmp_path / "compiled.h5") as other:
+        assert one.errors == other.errors and one.summary["steps"] == 4
+        for a, b in zip(one.layers, other.layers, strict=True):
+            assert all(a[field].tobytes() == b[field].tobytes() for field in a.fields)
+
+
 @pytest.mark.parametrize("name", FAULTS)
 def test_a_fault_is_one_message_that_says_where_and_what(name, said):
     for word in ["fsipetsc: error: ", *faulty(name)[1]]:
