@@ -95,7 +95,7 @@ def test_command(tmp_path):
     assert (done.returncode, done.stderr) == (0, "")
     assert "Table 1 of the paper" in done.stdout
     study = load(tmp_path / "mms-convergence.h5")
-    assert (study.orders, np.round(study.hs, 9).tolist(), study.time) == ((2, 6), HS, "t = 0.45")  # the case has no units
+    assert (study.orders, study.hs, study.time) == ((2, 6), HS, "t = 0.45")  # the case has no units
     assert np.all(study.rates("fluid")[:, 1] > (1.9, 4.3))
     assert np.all(study.rates("solid")[:, 1] > (1.8, 4.1))
     for name in ("mms-convergence.csv", "mms-convergence-error.png", "mms-convergence-cost.png"):
