@@ -47,6 +47,7 @@ DISCRETISATION = (
     Option(
         "fsi_coupling", str, "energy", "", "treatment of the interfaces", ("projection", "energy", "traditional")
     ),
+    Option("fsi_viscous", str, "wide", "", "second derivatives: D twice, or such that reach half as far", ("wide", "narrow")),
     Option(
         *("fsi_spare", int, 16, "points", "free points kept beyond each embedded boundary before storage is enlarged"),
         check="nonnegative",

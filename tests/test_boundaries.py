@@ -31,6 +31,7 @@ from fsipetsc.boundaries.wall import insulated_slopes
 from fsipetsc.errors import InputError
 from fsipetsc.operators import OPERATORS, packed
 from fsipetsc.operators.kernels import dirichlet_ghost, extrapolate, lagrange, neumann_ghost
+from fsipetsc.operators.narrow import remainder
 from fsipetsc.scheme.laws import LAWS
 
 fill_ghost, close_solid = from_python(fill_ghost, LAWS[0]), from_python(close_solid, LAWS[1])
@@ -42,6 +43,8 @@ lagrange, dirichlet_ghost, neumann_ghost, extrapolate = map(
 insulated_slopes = from_python(insulated_slopes)
 
 DEGREES = pytest.mark.parametrize("degree", [2, 3, 4, 5])
+#: second derivatives
+NARROW = pytest.mark.parametrize("narrow", [0, 1], ids=["wide", "narrow"])
 DELTAS = (0.0, 1e-6, 0.2, 0.5, 0.75, 0.999)
 
 
@@ -128,7 +131,7 @@ def test_wall(side, delta):
     _, before, after = filled(WALL, side, delta)
     n, old, ghost = 2 * side - 1, before[:, 0], after[:, 0]
     weights, slopes = weights_at(delta, 2)
-    degree = insulated_slopes(delta, 2, slopes)
+    degree = insulated_slopes(delta, 2, 0, slopes)
     impedance = old[0] * GAS.sound_speed(old[2])
     np.testing.assert_allclose(pressure(ghost) + n * impedance * ghost[1], pressure(old) + n * impedance * old[1], rtol=1e-14)
     assert abs(slopes[: degree + 1] @ after[2, : degree + 1]) < 1e-11, "the heat flux through the wall"
@@ -137,14 +140,24 @@ def test_wall(side, delta):
     assert np.array_equal(after[:, 1:], before[:, 1:])
 
 
-def near_the_wall(order: int) -> np.ndarray:
-    """E of the wall's formula for h = 1: D E = -e with e the error of D on x^(s+1)/(s+1)!, bounded far inside."""
+def second_derivative(order: int, n: int, narrow: int) -> np.ndarray:
+    """D twice, or the narrow one, h = 1."""
+    op = OPERATORS[order]
+    D = op.matrix(n)
+    return D @ D - narrow * remainder(op.interior, np.ones(n)) / op.norm_weights(n)[:, None]
+
+
+def near_the_wall(order: int, narrow: int) -> np.ndarray:
+    """E of the wall's formula for h = 1, see fsipetsc.boundaries.wall."""
     op, n = OPERATORS[order], 80
     s, D, x = order // 2, op.matrix(n), np.arange(float(n))
     e = D @ x ** (s + 1) / math.factorial(s + 1) - x**s / math.factorial(s)
-    e[op.rows :] = 0.0
-    rows, known = [*D[: n - op.rows]], [*-e[: n - op.rows]]
-    for j in range(n - 20, n - 2):  # constant and the shortest wave
+    if narrow:
+        D = second_derivative(order, n, 1)
+        e = D @ x ** (s + 1) / math.factorial(s + 1) - x ** (s - 1) / math.factorial(s - 1)
+    e[op.rows + 2 * op.p :] = 0.0
+    rows, known = [*D[narrow : n - op.rows]], [*-e[narrow : n - op.rows]]
+    for j in range(n - 20, n - 2):  # bounded far inside: constant and the shortest wave
         rows.append(np.eye(n)[j + 2] - np.eye(n)[j])
         known.append(0.0)
     E = np.linalg.lstsq(np.array(rows), np.array(known), rcond=None)[0]
@@ -153,35 +166,53 @@ def near_the_wall(order: int) -> np.ndarray:
 
 
 @ORDERS
-def test_temperature_at_the_wall(order):
+@NARROW
+def test_temperature_at_the_wall(order, narrow):
     """The formula is exact on what has no slope at the wall up to degree s, and on what D makes of degree s + 1."""
-    s, E = order // 2, near_the_wall(order)
+    s, E = order // 2, near_the_wall(order, narrow)
     for delta in DELTAS:
         _, slopes = weights_at(delta, s)
-        degree = insulated_slopes(delta, s, slopes)
+        degree = insulated_slopes(delta, s, narrow, slopes)
         distance = np.arange(NODES) - delta
         for power in [0, *range(2, s + 1)]:
             values = distance**power
             np.testing.assert_allclose(neumann_ghost(values, slopes, degree), values[0], rtol=1e-10, atol=1e-10)
-        if order < 8:
+        if order < 8 or narrow:
             values = distance ** (s + 1) / math.factorial(s + 1) + E[:NODES]
             np.testing.assert_allclose(neumann_ghost(values, slopes, degree), values[0], rtol=1e-10, atol=1e-10)
-        assert abs(slopes[0]) > 0.4 and np.abs(slopes[1 : degree + 1] / slopes[0]).max() < 1.35, "what damps"
+        if not narrow:
+            assert abs(slopes[0]) > 0.4 and np.abs(slopes[1 : degree + 1] / slopes[0]).max() < 1.35, "what damps"
 
 
 @ORDERS
-def test_heat_beside_an_insulated_wall(order):
+@NARROW
+def test_waves_at_a_wall_that_passes_points(order, narrow):
+    """T_t = T_X beside the formula: what leaves through the ghost point leaves, or grows little while the wall goes by."""
+    n, rates = 40, []
+    for delta in np.linspace(0.02, 0.98, 13):
+        _, slopes = weights_at(delta, order // 2)
+        degree = insulated_slopes(delta, order // 2, narrow, slopes)
+        fill = np.eye(n)
+        fill[0] = [neumann_ghost(row, slopes, degree) for row in np.pad(np.eye(n), ((0, 0), (0, NODES)))[:, :NODES]]
+        inside = (OPERATORS[order].matrix(n) @ fill)[1:-1, 1:-1]
+        rates.append(np.linalg.eigvals(inside).real.max())
+    assert np.mean(rates) < 0.025
+
+
+@ORDERS
+@NARROW
+def test_heat_beside_an_insulated_wall(order, narrow):
     """T_t = T_XX beside the formula: cos converges with order s + 1; undamped, with 1 at 2/1, 3 at 6/3."""
 
     def error(cells: int, delta: float) -> float:
         n, h = cells + 1, 1 / (cells - delta)
         x = (np.arange(n) - delta) * h
-        D, fill = OPERATORS[order].matrix(n, h), np.eye(n)
+        fill = np.eye(n)
         _, slopes = weights_at(delta, order // 2)
-        degree = insulated_slopes(delta, order // 2, slopes)
+        degree = insulated_slopes(delta, order // 2, narrow, slopes)
         fill[0] = [neumann_ghost(row, slopes, degree) for row in np.pad(np.eye(n), ((0, 0), (0, NODES)))[:, :NODES]]
         fill[-1] = 0.0  # T = 0 at the other end
-        values, modes = np.linalg.eig(fill @ D @ D @ fill)
+        values, modes = np.linalg.eig(fill @ second_derivative(order, n, narrow) @ fill / h**2)
         assert values.real.max() < 1e-8
         start = fill @ np.cos(np.pi / 2 * x)
         end = (modes * np.exp(values * 0.2)) @ np.linalg.solve(modes, start)

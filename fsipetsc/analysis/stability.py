@@ -53,7 +53,7 @@ def compute(opt: Mapping[str, Any], comm: MPI.Comm) -> list[Result]:
     if opt["sweep"]:
         states = [swept(state, *ratios) for ratios in product(opt["density_ratios"], opt["stiffness_ratios"])]
     tasks = list(product(orders(opt), states))
-    grid = (opt["stability_points"], opt["fsi_h"], opt["fsi_coupling"])
+    grid = (opt["stability_points"], opt["fsi_h"], opt["fsi_coupling"], opt["fsi_viscous"] == "narrow")
     mine = [measure(one, order, *grid) for order, one in tasks[comm.rank :: comm.size]]
     shares = comm.allgather(mine)
     return [shares[i % comm.size][i // comm.size] for i in range(len(tasks))]

@@ -5,14 +5,15 @@ solid (u, S, T). S = sigma - p_rho rho' stands for stress and strain, which act 
 S_t = K^ u_X, K^ = (K + p_s)/x_X, and what is left, K x_X'/x_X - sigma, never changes.
 
     fluid   rho_t = -rho^ D u
-            u_t   = -D (R T + R T^/rho^ rho) + mu'/rho^ D D u
-            T_t   = -(gamma-1) T^ D u + kappa/(rho^ cv) D D T
+            u_t   = -D (R T + R T^/rho^ rho) + mu'/rho^ D2 u
+            T_t   = -(gamma-1) T^ D u + kappa/(rho^ cv) D2 T
     solid   u_t   = D (S - c T) / m0
             S_t   = K^ D u
-            T_t   = ((sigma^ - p_s) D u + kappa_e/x_X D D T) / (alpha m0)
+            T_t   = ((sigma^ - p_s) D u + kappa_e/x_X D2 T) / (alpha m0)
 
-c = alpha p_eps. The energy E = h sum_j a_j (W q^2)_j has the weights of fsipetsc.coupling.energy. In it the equations
-are symmetric but for the part sigma^ D u of the last one, the heat that the stress sigma^ != 0 sets free.
+D2 is D twice or the narrow second derivative, c = alpha p_eps. The energy E = h sum_j a_j (W q^2)_j has the weights
+of fsipetsc.coupling.energy. In it the equations are symmetric but for the part sigma^ D u of the last one, the heat
+that the stress sigma^ != 0 sets free.
 
 D is fsipetsc.operators' and the interface is treated by the compiled code that the solver calls, differentiated
 numerically at the constant state. At the outer ends u = 0, and T = 0 in what conducts: orthogonal projections that
@@ -31,6 +32,7 @@ from scipy.sparse import bmat, csr_matrix, diags, identity, lil_matrix
 from fsipetsc.coupling import INTERFACE, KINDS, couple
 from fsipetsc.operators import operator, packed
 from fsipetsc.operators.kernels import ENTRY
+from fsipetsc.operators.narrow import remainder
 from fsipetsc.physics.fluid import Fluid
 from fsipetsc.physics.solid import Solid
 from fsipetsc.scheme.laws import PAIRS
@@ -111,12 +113,14 @@ class Linear:
         return self.projection @ (self.raw + self.heating if heating else self.raw) @ self.projection
 
 
-def assemble(state: Constant, order: int, n: int, h: float, coupling: str) -> Linear:
+def assemble(state: Constant, order: int, n: int, h: float, coupling: str, narrow: bool = False) -> Linear:
     """The problem with n points of spacing h [m] in each layer. ValueError if the closures do not fit."""
     op = operator(order)
+    D = op.matrix(n, h)
+    narrowing = remainder(op.interior, np.ones(n)) / (h * h * op.norm_weights(n)[:, None]) if narrow else 0.0
     root = np.sqrt(h * np.outer(state.weights, op.norm_weights(n))).ravel()
     scale, unscale = diags(root), diags(1.0 / root)
-    raw, heating = rates(state, op.matrix(n, h))
+    raw, heating = rates(state, D, D @ D - narrowing)
     ends = np.ones((6, n))
     ends[1, -1] = ends[3, 0] = 0.0
     ends[2, -1] = 0.0 if state.gas.kappa > 0 else 1.0
@@ -131,21 +135,20 @@ def assemble(state: Constant, order: int, n: int, h: float, coupling: str) -> Li
     )
 
 
-def rates(state: Constant, D: Array) -> tuple[csr_matrix, csr_matrix]:
-    """(right-hand side without the heating by sigma^, that heating), (6n, 6n), for the derivative D, (n, n)."""
+def rates(state: Constant, D: Array, D2: Array) -> tuple[csr_matrix, csr_matrix]:
+    """(right-hand side without the heating by sigma^, that heating), (6n, 6n), for the derivatives D and D2, (n, n)."""
     gas, solid, rho, T, ps = state.gas, state.solid, state.rho, state.T, state.solid_pressure
     heat, n = solid.alpha * solid.m0, len(D)
-    D = csr_matrix(D)
-    DD, zero = D @ D, csr_matrix((n, n))
+    D, D2, zero = csr_matrix(D), csr_matrix(D2), csr_matrix((n, n))
     fluid = [
         [zero, -rho * D, zero],
-        [-gas.R * T / rho * D, 4 / 3 * gas.mu / rho * DD, -gas.R * D],
-        [zero, -(gas.gamma - 1) * T * D, gas.kappa / (rho * gas.cv) * DD],
+        [-gas.R * T / rho * D, 4 / 3 * gas.mu / rho * D2, -gas.R * D],
+        [zero, -(gas.gamma - 1) * T * D, gas.kappa / (rho * gas.cv) * D2],
     ]
     elastic = [
         [zero, D / solid.m0, -ps / T / solid.m0 * D],
         [state.modulus * D, zero, zero],
-        [-ps / heat * D, zero, solid.kappa_e / state.stretch / heat * DD],
+        [-ps / heat * D, zero, solid.kappa_e / state.stretch / heat * D2],
     ]
     heated = [[zero] * 3, [zero] * 3, [state.stress / heat * D, zero, zero]]
     rest = csr_matrix((3 * n, 3 * n))

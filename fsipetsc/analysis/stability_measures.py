@@ -77,9 +77,9 @@ class Result:
         return self.stable and self.step_kept and (self.estimate or promise != "estimate")
 
 
-def measure(state: Constant, order: int, n: int, h: float, coupling: str) -> Result:
-    """All numbers for n points of spacing h [m] in each layer."""
-    problem = assemble(state, order, n, h, coupling)
+def measure(state: Constant, order: int, n: int, h: float, coupling: str, narrow: bool = False) -> Result:
+    """All numbers for n points of spacing h [m] in each layer, and D twice or narrow second derivatives."""
+    problem = assemble(state, order, n, h, coupling, narrow)
     basis = range_basis(problem)
     growth, modes, extreme = _growths(problem, basis, False)
     heated = _growths(problem, basis, True)[:2] if state.stress != 0.0 else (growth, modes)

@@ -54,6 +54,7 @@ SECTIONS: dict[str, tuple[Option, ...]] = {
             *("fsi_coupling", str, "energy", "", "treatment of the interface"),
             choices=("energy", "projection", "traditional"),
         ),
+        Option("fsi_viscous", str, "wide", "", "second derivatives: D twice, or narrow ones", ("wide", "narrow")),
         Option("fsi_orders", "ints", ORDERS, "", "interior orders of the SBP operators", check=_orders),
         Option("fsi_order", int, None, "", "one order alone, instead of -fsi_orders", ORDERS),
         Option("fsi_h", float, 0.03125, "m", "grid spacing", check="positive"),

@@ -51,7 +51,7 @@ def heading(opt: Mapping[str, Any], state: Constant) -> str:
         rest += f"\n  ratios   m0/rho {solid.m0 / state.rho:g}, K/p {solid.K / p:g}"
     return f"""\
 stability of {coupling}: {_THEORY[coupling]}
-solid | gas, linearised at rest (4.2); {n} points of h = {h:g} m in each
+solid | gas, linearised at rest (4.2); {n} points of h = {h:g} m in each, {opt["fsi_viscous"]} second derivatives
 
   gas      rho {state.rho:g} kg/m3, T {state.T:g} K, p {p:g} Pa, gamma {gas.gamma:g}, R {gas.R:g} J/(kg K)
            mu {gas.mu:g} Pa s, kappa {gas.kappa:g} W/(m K)

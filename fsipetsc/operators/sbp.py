@@ -11,7 +11,11 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from fsipetsc.operators.coefficients import COEFFICIENTS, closure_rows
+from fsipetsc.operators.narrow import STIFFNESS, STIFFNESS_OF_WIDE, levels
 
+LEVELS = np.dtype([("first", np.int64), ("last", np.int64), ("counts", np.int64, (4,)), ("weights", np.float64, (4, 4))])
+"""Differences of the orders first .. last of which a term of the rates is made, for compiled kernels: how many points in the
+middle of one have a say in its coefficient, and with what weights."""
 OPERATOR = np.dtype(
     [
         ("p", np.int64),
@@ -22,10 +26,14 @@ OPERATOR = np.dtype(
         ("closure", np.float64, (8, 12)),
         ("columns", np.float64, (12, 8)),
         ("norm", np.float64, (8,)),
+        ("narrowing", LEVELS),
+        ("narrow", np.int64),
+        ("stiffness", np.float64),
     ]
 )
 """One operator for compiled kernels, padded with zeros, for grid spacing 1: interior[:p], closure[:rows, :cols] and its
-transpose columns, norm[:rows]."""
+transpose columns, norm[:rows]; what makes second derivatives narrow (fsipetsc.operators.narrow), 1 if that is wanted, and what
+bounds the step accordingly."""
 
 
 @dataclass(frozen=True)
@@ -123,8 +131,11 @@ def operator(order: int) -> SBPOperator:
     return OPERATORS[order]
 
 
-def packed(order: int) -> np.void:
-    """The operator of this interior order as a new record of dtype OPERATOR. ValueError as in `operator`."""
+def packed(order: int, narrow: bool = False) -> np.void:
+    """The operator of this interior order as a new record of dtype OPERATOR. ValueError as in `operator`.
+
+    narrow: whether second derivatives are to be narrow, rather than D twice.
+    """
     op = operator(order)
     record = np.zeros((), dtype=OPERATOR)
     record["p"], record["rows"], record["cols"], record["reach"] = op.p, op.rows, op.rows + op.p, op.reach
@@ -132,4 +143,11 @@ def packed(order: int) -> np.void:
     record["closure"][: op.rows, : op.rows + op.p] = [[float(w) for w in row] for row in op.closure]
     record["columns"] = record["closure"].T
     record["norm"][: op.rows] = [float(w) for w in op.norm]
+    terms, found = record["narrowing"], levels(op.interior)
+    terms["first"], terms["last"] = found[0].order, found[-1].order
+    for k, level in enumerate(found):
+        terms["counts"][k] = len(level.weights)
+        terms["weights"][k, : len(level.weights)] = [float(w) for w in level.weights]
+    record["narrow"] = narrow
+    record["stiffness"] = STIFFNESS[order] if narrow else STIFFNESS_OF_WIDE
     return record[()]

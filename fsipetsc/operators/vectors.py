@@ -183,7 +183,9 @@ def magnitude(typingctx, a):
 
 @intrinsic
 def spread(typingctx, a):
-    """The vector that has the number a in all lanes."""
+    """The vector that has the number a in all lanes; a itself if it is a vector."""
+    if a == vector:
+        return vector(a), lambda context, builder, sig, args: args[0]
     return vector(types.float64), lambda context, builder, sig, args: _spread(builder, args[0])
 
 

@@ -131,8 +131,8 @@ def conservation_law(unknown: int) -> Formulas:
 CONSERVATION_LAWS = tuple(conservation_law(unknown) for unknown in range(3))
 
 
-def navier_stokes(gas: Formulas, transport: Formulas) -> Formulas:
-    """The equations for a gas law and a transport law, as fsipetsc.scheme.sweep takes them."""
+def navier_stokes(gas: Formulas, transport: Formulas, undivided: tuple[Formulas, ...] = ()) -> Formulas:
+    """The equations for a gas law and a transport law, as fsipetsc.scheme.sweep takes them; undivided: further terms."""
     return Formulas(
         kind=FLUID,
         gas=gas,
@@ -146,4 +146,5 @@ def navier_stokes(gas: Formulas, transport: Formulas) -> Formulas:
         first=gradients,
         flux=flux,
         rates=CONSERVATION_LAWS,
+        undivided=undivided,
     )

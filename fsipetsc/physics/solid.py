@@ -106,8 +106,8 @@ def rate(law, constants, q, f, derivatives):
     return acceleration + force, K * u_X * stretch, fma(net, u_X, heating) * per_heat, q[0]
 
 
-def elastic_solid(pressing: Formulas) -> Formulas:
-    """The equations for a law of pressure, as fsipetsc.scheme.sweep takes them."""
+def elastic_solid(pressing: Formulas, undivided: tuple[Formulas, ...] = ()) -> Formulas:
+    """The equations for a law of pressure, as fsipetsc.scheme.sweep takes them; undivided: further terms."""
     return Formulas(
         kind=SOLID,
         pressing=pressing,
@@ -120,4 +120,5 @@ def elastic_solid(pressing: Formulas) -> Formulas:
         first=gradients,
         flux=flux,
         rates=(Formulas(unknowns=(0, 1, 2, 3), second=divergences, rate=rate),),
+        undivided=undivided,
     )

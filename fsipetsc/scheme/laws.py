@@ -21,6 +21,7 @@ from fsipetsc.physics.constant_transport import constant_transport
 from fsipetsc.physics.fluid import Fluid, navier_stokes
 from fsipetsc.physics.gruneisen import gruneisen
 from fsipetsc.physics.layer import FLUID, SOLID
+from fsipetsc.physics.narrow import NARROW_GAS, NARROW_SOLID
 from fsipetsc.physics.own_laws import check
 from fsipetsc.physics.perfect_gas import perfect_gas
 from fsipetsc.physics.solid import Solid, elastic_solid
@@ -32,6 +33,7 @@ from fsipetsc.scheme.layer_ends import close_end, fill_embedded, note_embedded, 
 from fsipetsc.scheme.layer_fields import fluid_fields, solid_fields
 from fsipetsc.scheme.speeds import fluid_speeds, solid_speeds
 from fsipetsc.scheme.sweep import sweep
+from fsipetsc.scheme.undivided import add_undivided, nothing
 
 #: by kind of layer: what the scheme does with it
 _WORK = {
@@ -60,7 +62,7 @@ _WORK = {
 
 def law(physics: Formulas) -> Formulas:
     """A physics with the work of the scheme on its kind of layer."""
-    return Formulas(**vars(physics), **_WORK[physics.kind])
+    return Formulas(**vars(physics), **_WORK[physics.kind], add=add_undivided if physics.undivided else nothing)
 
 
 def pair(fluid: Formulas, solid: Formulas) -> Formulas:
@@ -119,11 +121,12 @@ class ProblemLaws:
     """The laws of a problem: those in LAWS and PAIRS, or others, with which compiled functions are compiled once more.
 
     layers, pairs: formulas, each once; of_layers, of_interfaces: their numbers, layer by layer, interface by interface.
-    entropy: whether it is to be computed. InputError for a law of the user's that is not what it must be.
+    entropy: whether it is to be computed; narrow: whether the viscous and conducted fluxes are. InputError for a law of the
+    user's that is not what it must be.
     """
 
-    def __init__(self, problem: Problem, entropy: bool = False) -> None:
-        found = [_law_of(layer.material) for layer in problem.layers]
+    def __init__(self, problem: Problem, entropy: bool = False, narrow: bool = False) -> None:
+        found = [_law_of(layer.material, narrow) for layer in problem.layers]
         for layer, known in zip(problem.layers, found, strict=True):
             if entropy and not getattr(getattr(known, "gas", None), "knows_entropy", True):
                 what = "no formula entropy(c, rho, T), which -fsi_entropy and -fsi_check need"
@@ -163,11 +166,11 @@ def _check(laws: list[Formulas]) -> None:
                 check(getattr(law, kind), kind)
 
 
-def _law_of(material: Fluid | Solid) -> Formulas:
+def _law_of(material: Fluid | Solid, narrow: bool) -> Formulas:
     """That of a layer of this material."""
     if isinstance(material, Fluid):
-        return law(navier_stokes(material.law, material.transport))
-    return law(elastic_solid(material.pressing))
+        return law(navier_stokes(material.law, material.transport, NARROW_GAS if narrow else ()))
+    return law(elastic_solid(material.pressing, NARROW_SOLID if narrow else ()))
 
 
 #: digest -> law, of those in LAWS; name of a set of laws -> what has been compiled for it

@@ -90,8 +90,8 @@ INTEGRALS = 5
 BURST = 11
 #: steps that the journal holds; they must be written then. Whole chunks of the file, see output.tables
 CAPACITY = 40 << 10
-#: rows of scratch that the kernels use
-SCRATCH = 5
+#: rows of scratch that the kernels use: five of the sweep, and those of fsipetsc.scheme.undivided
+SCRATCH = 10
 #: doubles of a cache line, to which parts of the memory are aligned
 _LINE = 8
 
@@ -190,7 +190,7 @@ def make_faces(layout: Layout, coupling: str) -> np.ndarray:
 
 
 def make_plan(
-    layout: Layout, op: SBPOperator, coupling: str, forced: bool, entropy: bool, shared: bool
+    layout: Layout, op: SBPOperator, coupling: str, forced: bool, entropy: bool, shared: bool, narrow: bool = False
 ) -> tuple[Plan, Neighbours]:
     """The plan of this rank and its neighbours, with shared memory if ``shared`` and possible. Collective."""
     faces = make_faces(layout, coupling)
@@ -226,7 +226,7 @@ def make_plan(
     memory = np.zeros(total + _LINE)
     memory = memory[-memory.ctypes.data // 8 % _LINE :][:total]
     head = np.zeros(1, HEAD)
-    head["op"], head["world"] = packed(op.order), world_record(layout.comm, neighbours.mailboxes)[0]
+    head["op"], head["world"] = packed(op.order, narrow), world_record(layout.comm, neighbours.mailboxes)[0]
     head["rows"], head["message"], head["halo"], head["reduced"] = rows, message, layout.halo, reduced
     head["area"] = [starts.get(name, -1) for name in (*areas, "forcing")[:5]]
     for name in HEAD.names:

@@ -11,18 +11,18 @@ from fsipetsc.scheme.extremes_and_sums import GREATEST_T, LEAST_RHO, LEAST_SIGMA
 
 @njit(**OPTIONS)
 def fluid_speeds(law, layer, s, at):
-    """(the state is physical, largest speed |u-s| + c, largest 2 max(mu'/rho, kappa/(rho cv))) from the words at s[at:]."""
+    """(the state is physical, largest speed |u-s| + c, largest max(mu'/rho, kappa/(rho cv))) from the words at s[at:]."""
     speed, rho, T = s[U64(at + SPEED)], s[U64(at + LEAST_RHO)], s[U64(at + LEAST_T)]
     cold, hot = law.transport.relative(T), law.transport.relative(s[U64(at + GREATEST_T)])
     mu, kappa = layer.mu * max(cold[0], hot[0]), layer.kappa * max(cold[1], hot[1])
     gas = law.gas.constants(layer)
     cv = min(law.gas.heat_capacity(gas, rho, T), law.gas.heat_capacity(gas, rho, s[U64(at + GREATEST_T)]))
-    return rho > 0.0 and T > 0.0 and speed < np.inf, speed, 2.0 * max(mu, kappa / cv) / rho
+    return rho > 0.0 and T > 0.0 and speed < np.inf, speed, max(mu, kappa / cv) / rho
 
 
 @njit(**OPTIONS)
 def solid_speeds(law, layer, s, at):
-    """(the state is physical, largest speed of waves, largest 2 kappa_e/(alpha m0 x_X)) from the words at s[at:].
+    """(the state is physical, largest speed of waves, largest kappa_e/(alpha m0 x_X)) from the words at s[at:].
 
     In Lagrangian coordinates; x_X is the difference between neighbours.
     """
@@ -34,4 +34,4 @@ def solid_speeds(law, layer, s, at):
     c2 = law.pressing.wave_modulus(c, layer.K, heat, hottest, p, min(pulled, p), shortest) / layer.m0
     c2 += 0.0 * (s[U64(at + SUMS)] + pulled)
     good = shortest > 0.0 and coldest > 0.0 and 0.0 <= c2 < np.inf
-    return good, np.sqrt(c2), 2.0 * layer.kappa_e * stretch / (layer.alpha * layer.m0)
+    return good, np.sqrt(c2), layer.kappa_e * stretch / (layer.alpha * layer.m0)

@@ -58,7 +58,8 @@ def make_state(problem: Problem, opt: Mapping[str, Any], comm: MPI.Comm) -> Stat
     names = ("fsi_order", "fsi_h", "fsi_coupling", "fsi_partition", "fsi_spare")
     kind = LoggedState if PETSc.Log.isActive() else State
     entropy = bool(opt["fsi_entropy"] or opt["fsi_check"])
-    return kind(comm, problem, *(opt[name] for name in names), entropy, opt["fsi_shared_memory"])
+    narrow = opt["fsi_viscous"] == "narrow"
+    return kind(comm, problem, *(opt[name] for name in names), entropy, opt["fsi_shared_memory"], narrow)
 
 
 def solve(

@@ -47,15 +47,16 @@ class State:
         spare: int,
         entropy: bool = False,
         shared: bool = True,
+        narrow: bool = False,
     ) -> None:
         self.comm, self.problem, self.h = comm, problem, h
         self.op = OPERATORS[order]
         self._coupling, self._mode, self._spare = coupling, mode, spare
-        self._entropy, self._shared = entropy, shared
+        self._entropy, self._shared, self._narrow = entropy, shared, narrow
         self.evaluations = 0
         self.fault: InputError | None = None  # of a user's function, on this rank
         self._path: PetscPath | None = None
-        self._laws = together(comm, lambda: ProblemLaws(problem, entropy))
+        self._laws = together(comm, lambda: ProblemLaws(problem, entropy, narrow))
         self._place(make_grids(problem, self.op, h, spare))
 
     def compile(self, announce: Callable[[str], None], also: Callable[[], object] = lambda: None) -> None:
@@ -74,7 +75,8 @@ class State:
     def _place(self, grids: list[Grid], kept: Layout | None = None) -> None:
         self.layout = Layout(self.comm, self.problem, self.op, self.h, grids, self._mode, kept)
         forced = any(layer.forcing for layer in self.problem.layers)
-        self.plan, self._neighbours = make_plan(self.layout, self.op, self._coupling, forced, self._entropy, self._shared)
+        asked = (forced, self._entropy, self._shared, self._narrow)
+        self.plan, self._neighbours = make_plan(self.layout, self.op, self._coupling, *asked)
         self.plan.compiled = self._laws.compiled
         self._laws.number(self.plan.layers, self.plan.faces)
         for record, grid in zip(self.layout.records, grids, strict=True):

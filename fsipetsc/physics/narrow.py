@@ -1,0 +1,124 @@
+"""What makes friction and conduction narrow: terms of undivided differences, for the rates.
+
+D acts twice on u and T, with b = mu' and kappa between, or kappa_e / x_X in a solid. The narrow second derivative of
+fsipetsc.operators.narrow is D2(b) = D b D - H^-1 R(b), R(b) = sum_q Delta_q^T mean_q(b) Delta_q, so that
+
+    (rho u)_t  -=  H^-1 R(b) u                           h = 1
+    e_t        -=  H^-1 (R(u b) u + R(kappa) T)
+    alpha m0 T_t  -=  H^-1 R(kappa_e / x_X) T            (solid)
+
+Columns of R add up to nothing: mass, momentum and total energy hold as with D twice. What the flow loses, the heat gains:
+sum_i H_i (e - rho u^2/2)_t gains, with the same differences in all places,
+
+    - sum_q sum (mean_q(u b) Delta_q 1 - mean_q(b) Delta_q u) Delta_q u  =  sum_q sum mean_q(b) (Delta_q u)^2  >=  0
+
+as Delta_q 1 = 0: beside sum_i H_i b (D u)^2, that of D twice, and never against it, whatever the mean of u b is. The mean
+of the product is what makes the formula of the energy as narrow as that of momentum.
+"""
+
+from __future__ import annotations
+
+from numba import njit
+
+from fsipetsc.operators.formulas import Formulas
+from fsipetsc.operators.kernels import FORMULA
+from fsipetsc.operators.vectors import fma, spread
+
+
+@njit(**FORMULA)
+def narrowing(op):
+    """The differences, and what their means are."""
+    return op.narrowing
+
+
+@njit(**FORMULA)
+def gas_constants(law, layer):
+    """(mu', kappa) of the material."""
+    return layer.mu, layer.kappa
+
+
+@njit(**FORMULA)
+def gas_coefficients(law, constants, q, v, f):
+    """(b, u b, kappa)."""
+    u, T = v
+    of_mu, of_kappa = law.transport.relative(T)
+    b = of_mu * constants[0]
+    return spread(b), u * b, spread(of_kappa * constants[1])
+
+
+@njit(**FORMULA)
+def velocity_and_temperature(q, v):
+    """u and T as the gradients see them, at ghost points, too."""
+    return v
+
+
+@njit(**FORMULA)
+def gas_flux(means, differences):
+    """(b u_X, u b u_X + kappa T_X)."""
+    b, ub, kappa = means
+    return b * differences[0], fma(ub, differences[0], kappa * differences[1])
+
+
+@njit(**FORMULA)
+def gas_scale(layer):
+    """Of a density."""
+    return -1.0 / (layer.h * layer.h)
+
+
+@njit(**FORMULA)
+def solid_constants(law, layer):
+    """kappa_e."""
+    return layer.kappa_e
+
+
+@njit(**FORMULA)
+def solid_coefficients(law, constants, q, v, f):
+    """(kappa_e / x_X,); the flux has 1/x_X already."""
+    return (f[0] * constants,)
+
+
+@njit(**FORMULA)
+def temperature(q, v):
+    """T of the solid."""
+    return (q[2],)
+
+
+@njit(**FORMULA)
+def solid_flux(means, differences):
+    """(kappa_e / x_X T_X,)."""
+    return (means[0] * differences[0],)
+
+
+@njit(**FORMULA)
+def solid_scale(layer):
+    """Of T, for a flux of heat."""
+    return -1.0 / (layer.h * layer.h * layer.alpha * layer.m0)
+
+
+#: for ``undivided`` of the two physics, see fsipetsc.scheme.undivided
+NARROW_GAS = (
+    Formulas(
+        unknowns=(1, 2),
+        levels=narrowing,
+        coefficients=(0, 1, 2),
+        sums=(3, 4),
+        constants=gas_constants,
+        weigh=gas_coefficients,
+        rows=velocity_and_temperature,
+        flux=gas_flux,
+        scale=gas_scale,
+    ),
+)
+NARROW_SOLID = (
+    Formulas(
+        unknowns=(2,),
+        levels=narrowing,
+        coefficients=(0,),
+        sums=(3,),
+        constants=solid_constants,
+        weigh=solid_coefficients,
+        rows=temperature,
+        flux=solid_flux,
+        scale=solid_scale,
+    ),
+)
