@@ -19,9 +19,10 @@ decides the formula with q = 5, and the growth is 0.2; with three differences, w
 formula of degree 4 with the least sum of squares, it is 0.02. The order in T is 2, 3, 4 and, for 8/4, 3.6 to 5.6.
 
 With narrow second derivatives (fsipetsc.operators.narrow) E is another one: D2 E = -(D2 x^(s+1)/(s+1)! - x^(s-1)/(s-1)!) at all
-points but the ghost point itself, E falling off inside, where there is no longer a shortest wave that nothing damps; 0 for 2/1.
-For the others a second difference, q = s + 2 with a constant eta (-2/5, -1/25, -7/10), keeps waves from growing as the wall
-passes points: by 0, 0.02 and 0.00 instead of 0.13, 0.15 and 0.04 in the logarithm.
+points but the ghost point itself, E falling off inside, where no wave is left that nothing damps; 0 for 2/1. For 6/3 and 8/4 a
+second difference, q = s + 2 with eta = -1/25 and -7/10, keeps the growth at 0.02 and 0.00 for each point that the wall passes,
+which would be 0.15 and 0.04. For 4/2 the formula for D twice remains: with s even, what E does to it vanishes. The order in T is
+2, 3, 4, 5 (with the formulas for D twice 1, 3, 3, 5).
 
 Velocity. Degree 2: higher ones let sound grow where the viscosity is not resolved, 3 twice to four times as fast.
 """
@@ -42,12 +43,12 @@ ETA[0, 1, 0, :3] = 0.0882352941176471, 0.0883801777493091, -0.1766154718669562
 ETA[0, 2, 0, :4] = 0.2222164620745679, -0.4850917636042938, 0.1267629370385567, 0.0198481621891904
 ETA[0, 3, :, :3] = (1.267, -2.9, 1.178), (-0.888, 1.872, -0.677), (0.193, -0.389, 0.131)
 ETA[1, 0, 0, :2] = -0.5, 1.0
-ETA[1, 1, 0, :3] = -0.0727497282462074, 0.7060710024354278, -0.4053004598936649
+ETA[1, 1] = ETA[0, 1]
 ETA[1, 2, 0, :4] = 0.1483849754566522, -0.0938848793977369, -0.1754528428797355, 0.0786339304555232
 ETA[1, 3, 0] = 0.6872236505470140, -1.1547020887796935, 0.5950965178273124, -0.0485447856521084, -0.0093064601832893
-ETA[1, 1:, 1, 0] = -0.4, -0.04, -0.7
+ETA[1, 2:, 1, 0] = -0.04, -0.7
 #: how many differences that are
-COUNT = np.array([[1, 1, 1, 3], [1, 2, 2, 2]])
+COUNT = np.array([[1, 1, 1, 3], [1, 1, 2, 2]])
 
 
 @njit(**OPTIONS)
