@@ -21,8 +21,8 @@ formula of degree 4 with the least sum of squares, it is 0.02. The order in T is
 With narrow second derivatives (fsipetsc.operators.narrow) E is another one: D2 E = -(D2 x^(s+1)/(s+1)! - x^(s-1)/(s-1)!) at all
 points but the ghost point itself, E falling off inside, where no wave is left that nothing damps; 0 for 2/1. For 6/3 and 8/4 a
 second difference, q = s + 2 with eta = -1/25 and -7/10, keeps the growth at 0.02 and 0.00 for each point that the wall passes,
-which would be 0.15 and 0.04. For 4/2 the formula for D twice remains: with s even, what E does to it vanishes. The order in T is
-2, 3, 4, 5 (with the formulas for D twice 1, 3, 3, 5).
+which would be 0.15 and 0.04. For 4/2 the formula for D twice remains: with s even, what E does to it vanishes. The order in T
+is 2, 3, 4, 5 (with the formulas for D twice 1, 3, 3, 5).
 
 Velocity. Degree 2: higher ones let sound grow where the viscosity is not resolved, 3 twice to four times as fast.
 """
