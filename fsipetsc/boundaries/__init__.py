@@ -52,19 +52,26 @@ class Wall:
 
 @dataclass(frozen=True)
 class Open:
-    """Open end at x [m] towards gas at rest of pressure p0 [Pa] and temperature T0 [K]."""
+    """Open end at x [m] towards gas of pressure p0 [Pa], temperature T0 [K] and velocity u0 [m/s]; see ``boundaries/open.py``.
+
+    order: of the conditions in viscosity and conduction, 0 or 1. Raises InputError for another one.
+    """
 
     x: float
     p0: float
     T0: float
+    u0: float = 0.0
+    order: int = 1
     kind = OPEN
     degree = 2
 
     def __post_init__(self) -> None:
-        checks.numbers(self, "Open", {"x": checks.ANY, "p0": checks.POSITIVE, "T0": checks.POSITIVE})
+        checks.numbers(self, "Open", {"x": checks.ANY, "p0": checks.POSITIVE, "T0": checks.POSITIVE, "u0": checks.ANY})
+        if isinstance(self.order, bool) or self.order not in (0, 1):
+            raise InputError(f"Open(order={self.order!r}): expected 0 or 1, the order of the conditions in the viscosity")
 
     def data(self, t: float) -> tuple[float, ...]:
-        return (self.p0, self.T0)
+        return (self.p0, self.T0, self.u0, float(self.order))
 
 
 @dataclass(frozen=True)
@@ -155,15 +162,18 @@ def fill_ghost(law, layer, op, side, delta, nodes, new):
     if kind == WALL:
         _wall.wall(law, layer, op, side, normal, delta, nodes, weights, slopes)
     elif kind == OPEN:
-        _open.open_end(law, layer, side, normal, nodes, weights, slopes)
+        _open.open_end(law, layer, side, normal, nodes)
+        _open.note_gradient(law, layer, side, normal, nodes)
     elif kind == DIRICHLET:
         _dirichlet.dirichlet(law, layer, side, normal, nodes, weights)
 
 
 @njit(**OPTIONS)
-def note_gradient(layer, side, delta, nodes):
+def note_gradient(law, layer, side, delta, nodes):
     """Note what the gradients take at a ghost point that is filled already; arguments as of ``fill_ghost``."""
-    if layer.end_kind[side] == DIRICHLET:
+    if layer.end_kind[side] == OPEN:
+        _open.note_gradient(law, layer, side, 2.0 * side - 1.0, nodes)
+    elif layer.end_kind[side] == DIRICHLET:
         lagrange(delta, layer.end_degree[side], nodes[3], nodes[4])
         _dirichlet.note_gradient(layer, side, nodes, nodes[3])
 

@@ -14,7 +14,7 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fsipetsc.boundaries import DIRICHLET, degree_of, nodes_needed
+from fsipetsc.boundaries import DIRICHLET, OPEN, degree_of, nodes_needed
 from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import SBPOperator
 from fsipetsc.parallel.partition import Extent, partition, stretched
@@ -183,7 +183,7 @@ class Layout:
         for side, end in ((0, self.problem.left), (1, self.problem.right)):
             if k == (0, last)[side]:
                 record["end_kind"][side], record["end_degree"][side] = end.kind, degree_of(end, self._order)
-                record["end_apart"][side] = end.kind == DIRICHLET
+                record["end_apart"][side] = end.kind in (OPEN, DIRICHLET)
                 record["end_x"][side] = getattr(end, "x", 0.0)
 
     def neighbours(self, k: int) -> tuple[int, int]:

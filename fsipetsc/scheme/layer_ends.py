@@ -67,7 +67,7 @@ def note_embedded(law, head, layer, memory, area, side):
     """Note what the gradients take at the ghost point of a fluid layer, where this rank has the points that this takes."""
     if ghost_of(head, layer, side)[3]:
         nodes = fetch_nodes(law, head, layer, memory, area, side, 0)
-        note_gradient(layer, side, layer.hi - layer.lo - boundary_distance(layer, side), nodes)
+        note_gradient(law, layer, side, layer.hi - layer.lo - boundary_distance(layer, side), nodes)
 
 
 @njit(**OPTIONS)
