@@ -51,6 +51,11 @@ _WEAK_FALL = (
 TOLERANCES = (1e-4, 1e-6, 1e-8)
 #: of the error control: the longest step [s], the least and the largest change
 LONGEST, CLIP = 4e-5, (0.5, 1.02)
+#: 3 % of the pressure of the gas, and a solid that reflects it all
+_LOUD_PULSE = (
+    "-fsi_order 6 -fsi_h 0.00625 -pulse_amplitude 3000 -pulse_start 0.75 -solid_density 4e4 -solid_modulus 1e10 "
+    "-ts_max_time 0.01 -fsi_output_dt 1"
+)
 _SHORT_FALL = "-fsi_h 0.1 -ts_max_time 0.004 -fsi_output_dt 1"
 _NONLINEAR_PULSE = (
     "-fsi_h 0.05 -ts_max_time 0.002 -fsi_output_dt 0.001 -pulse_amplitude 1000 "
@@ -91,6 +96,13 @@ GROUPS: dict[str, list[tuple[int, dict[str, tuple[str, str]]]]] = {
     "rod_fine": [(1, {"order4": ("rod", "-fsi_h 0.0125 -ts_max_time 0.908")})],
     "rest": [
         (1, {f"order{q}": ("rod", f"-fsi_h 0.05 -fsi_order {q} -rod_gravity 0 -ts_max_time 0.2") for q in ORDERS})
+    ],
+    "open": [
+        (
+            1,
+            {f"top{top}": ("rod", f"-fsi_h 0.05 -rod_top {top} -ts_max_time 0.4 -fsi_output_dt 1") for top in (6, 80)}
+            | {"loud": ("pulse", _LOUD_PULSE)},
+        )
     ],
     "mms": [
         (1, {f"order{q}_h{h}": ("mms", f"-fsi_h {h} -fsi_order {q} -fsi_output_dt 1") for q in ORDERS})

@@ -323,7 +323,7 @@ def test_degree_follows_the_order():
 @pytest.mark.parametrize("delta", DELTAS)
 def test_filling_twice_is_filling_once(kind, side, delta):
     """So the fused step, which fills a stage once, is PETSc's, which fills what is full."""
-    data = (1e5, 300.0) if kind == OPEN else (1.2, 4.0, 300.0)
+    data = (1e5, 300.0, 5.0, 1.0) if kind == OPEN else (1.2, 4.0, 300.0)
     layer, _, once = filled(kind, side, delta, data, degree=2)
     nodes = np.zeros((5, NODES))
     nodes[:3] = once
@@ -334,7 +334,7 @@ def test_filling_twice_is_filling_once(kind, side, delta):
 @SIDES
 @pytest.mark.parametrize("kind", [WALL, OPEN, DIRICHLET], ids=["wall", "open", "dirichlet"])
 def test_a_new_point_is_filled_without_its_own_value(kind, side):
-    data = (1e5, 300.0) if kind == OPEN else (1.2, 4.0, 300.0)
+    data = (1e5, 300.0, 5.0, 1.0) if kind == OPEN else (1.2, 4.0, 300.0)
     _, before, after = filled(kind, side, 0.9, data, new=True)
     assert np.all(np.isfinite(after))
     np.testing.assert_allclose(after[[0, 2], 0], before[[0, 2], 0], rtol=0.1)

@@ -177,3 +177,18 @@ def test_no_mode_grows(order, of_open):
                 assert values.real.max() < 1e-12, (mach, mu, kappa, nu)
                 z = 0.8 * values / ((1 + mach) ** 4 + (2 * nu) ** 4) ** 0.25
                 assert np.abs(1 + z + z**2 / 2 + z**3 / 6 + z**4 / 24).max() < 1 + 1e-12, (mach, mu, kappa, nu)
+
+
+@SIDES
+def test_as_many_conditions_as_the_equations_need(side):
+    """What the ghost point is given, and what the gradients are: of a gas that does not conduct or has no friction nothing."""
+    n, own = 2 * side - 1, np.eye(3)[1:]
+    for mach, count in ((-1.2, 3), (-0.5, 2), (0.5, 1), (1.2, 0)):
+        for mu in (0.0, 0.3):
+            for kappa in (0.0, 0.3):
+                of_ghost = derivatives(gas_layer(n * mach, mu, kappa, 1), side, n * mach)[:, :, 0]
+                assert np.linalg.matrix_rank(of_ghost[:3] - np.eye(3), tol=1e-6) == count
+                # those of u and T by the ghost point's values, which are what the fill has made of them
+                of_u, of_T = np.abs(of_ghost[3:] - own @ of_ghost[:3]).max(axis=1) > 1e-6
+                assert of_T == (kappa > 0) or count == 3
+                assert not of_u or mu > 0

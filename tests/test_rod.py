@@ -13,8 +13,9 @@ pytest.importorskip("petsc4py")
 
 P0, T0 = 1e5, 300.0
 SOUND = 347.0
-#: converged positions of the two interfaces (SCHEME): lowest point of the fall nearly reached; end of the first cycle
-CONVERGED = {0.4: (0.72874, 1.49303), 0.908: (0.97807, 1.97781)}
+#: converged positions of the two interfaces: lowest point of the fall nearly reached; end of the first cycle. (SCHEME has
+#: 0.72874, 1.49303 of an open end that reflects some of the pressure that the rod leaves behind.)
+CONVERGED = {0.4: (0.72872, 1.49300), 0.908: (0.97807, 1.97781)}
 
 EVERY_ORDER = pytest.mark.parametrize("order", ORDERS)
 
@@ -118,6 +119,13 @@ def test_the_finer_grid_is_closer(computed):
     assert 298.0 < np.nanmin(below) < np.nanmax(below) < 343.0
     series = run.series["T_interface"][:, 0]
     assert 298.0 < series.min() < series.max() < 343.0
+
+
+def test_it_does_not_matter_where_the_gas_is_open(computed):
+    """Nothing that the rod does comes back from the open end: from a distant one it would not be back yet."""
+    near, far = (computed("open", f"top{top}") for top in (6, 80))
+    moved = near.series["x_interface"][-1] - far.series["x_interface"][-1]
+    assert np.abs(moved).max() < 5e-6  # with p - p0 = Z u at the end 3.1e-5
 
 
 @EVERY_ORDER
