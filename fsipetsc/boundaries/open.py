@@ -6,13 +6,14 @@ a = n u, alpha = kappa/(rho0 cp), q = T - tau p, tau = dT/dp at constant entropy
 
     sound             p - p0 = Z v + b v_n - p_T kappa/(rho0 cv c0) q_n,     b = (mu' - tau p_T kappa/cv)/2
     entropy, a < 0    that of the gas beyond
-    heat              alpha q_n = min(a, 0) q,   but q_nn = 0 for a > 0
+    heat              alpha q_n = (a - S)/2 q,   but q_nn = 0 for a > 0
     friction, a < 0   u_nn = 0
 
-Order 0 has Z v alone on the right of the first and alpha T_n on the left of the third, for a > 0 as well. A gas that does not
-conduct has no third one, one without friction no fourth: nothing is asked of the gradient then, and nothing divided by.
+S^2 = a^2 + 4 (alpha/L)^2, L the width of the layer. Order 0 has Z v alone on the right of the first, alpha T_n on the left of
+the third, for a > 0 as well. A gas that does not conduct has no third one, one without friction no fourth: nothing is asked
+of the gradient then, and nothing divided by.
 
-*Derivation*, in docs/cases.md with what the conditions reflect. Sound that leaves has v_n = p_n/Z = -v_t/(c0 + a) to lowest
+*Derivation*: in docs/open-end.md, with what is reflected. Sound that leaves has v_n = p_n/Z = -v_t/(c0 + a) to lowest
 order; that form is taken with which a ghost point can be filled for any b/(Z h): v_n where b > 0, p_n where b < 0.
 
 *Finite amplitude.* Instead of p - p0 stands what it makes of Z v in a simple wave of the gas beyond: with m = (gamma-1)/2 gamma
@@ -23,9 +24,9 @@ reflected, nor does a hot gas make sound that flows out at p0 and u0. A flow out
 their values, with Z1 of one point inside. Heat and friction are imposed in the gradients, as in dirichlet.py. Where between
 two points the end is does not matter: an artificial end may be anywhere.
 
-*Stability.* Order 1 fades out towards viscosities max(mu'/rho0, kappa/(rho0 cv)) of c0 L/4, L the width of the layer, where the
-expansion means nothing; q_nn = 0, with which heat drifts at rest, fades to q_n = 0 as a L/4 falls below alpha; the share of
-sound in the heat flux towards inflow with the speed of sound. Around a uniform flow, Mach -0.95 to 0.95, nu/(c h) 0 to 10, then
+*Stability.* Order 1 fades out towards viscosities max(mu'/rho0, kappa/(rho0 cv)) of c0 L/4, where the expansion
+means nothing; q_nn = 0, with which heat drifts at rest, fades to q_n = 0 as a L/4 falls below alpha; the share of
+sound in the heat flux towards inflow with the speed of sound. Around a uniform flow, Mach -1.5 to 1.5, nu/(c h) 0 to 10, then
 no mode grows and the classical Runge-Kutta method is stable at Courant number 0.8: tests/test_open.py.
 """
 
