@@ -4,7 +4,8 @@
 
 A gas of one's own, as short as it gets: mu and kappa grow with T as mu(T)/mu = (T/T_0)^(3/2) (T_0 + S)/(T + S), T_0 = 273 K,
 S = 111 K for air (W. Sutherland, Philosophical Magazine 36 (1893) 507; F. M. White, Viscous Fluid Flow, Table 1-2). The gas is
-as thick as glycerine, so that heat gets somewhere within the time. -hot_law 0 leaves mu and kappa constant.
+as thick as glycerine, so that heat gets somewhere within the time. -hot_law 0 leaves mu and kappa constant, -hot_law 2 takes
+the built-in law, which is the same.
 """
 
 from __future__ import annotations
@@ -20,18 +21,19 @@ from fsipetsc.physics.constant_transport import constant_transport
 from fsipetsc.physics.fluid import Fluid
 from fsipetsc.physics.own_laws import transport_law
 from fsipetsc.physics.solid import Solid
+from fsipetsc.physics.sutherland import sutherland
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 
 SUMMARY = "hot gas whose viscosity follows Sutherland's law cools at a cold block"
 OPTIONS = (
     Option("hot_T", float, 1200.0, "K", "temperature of the gas at the wall", check="positive"),
-    Option("hot_law", int, 1, "-", "1: Sutherland's law, 0: constant", choices=(0, 1)),
+    Option("hot_law", int, 1, "-", "1: Sutherland's law, 2: the built-in one, 0: constant", choices=(0, 1, 2)),
 )
 DEFAULTS = {"fsi_h": 0.02, "ts_max_time": 0.02, "fsi_output_dt": 0.002}
 P0, COLD, T_0, S = 1e5, 300.0, 273.0, 111.0
 
 
-def sutherland(T):
+def relative(T):
     """(mu(T)/mu(T_0), kappa(T)/kappa(T_0))."""
     factor = np.sqrt(T / T_0) * (T / T_0) * ((T_0 + S) / (T + S))
     return factor, factor
@@ -39,7 +41,7 @@ def sutherland(T):
 
 def build(opt: Mapping[str, Any]) -> Problem:
     """Gas in 0 < X < 1, hot on the left and as cold as the block on its right."""
-    transport = transport_law(sutherland) if opt["hot_law"] else constant_transport
+    transport = (constant_transport, transport_law(relative), sutherland(T_0, S))[opt["hot_law"]]
     air = Fluid(mu=1.0, kappa=1400.0, gamma=1.4, R=287.0, transport=transport)
     block = Solid(K=1e8, kappa_e=1000.0, m0=250.0, alpha=500.0)
 

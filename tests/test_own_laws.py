@@ -189,7 +189,7 @@ def test_a_law_that_changes_is_compiled_anew_and_one_that_does_not_is_not(tmp_pa
         "from fsipetsc.physics.constant_transport import constant_transport\n"
         "LAWS = (constant_transport,)\n"
         "@njit(**OPTIONS)\n"
-        "def inner(T):\n    return LAWS[0].relative(T)[1]\n"
+        "def inner(T):\n    return LAWS[0].relative(LAWS[0].constants(T), T)[1]\n"
         "@njit(**ENTRY)\n"
         "def entry(T):\n    return inner(T) + 1.0\n"
     )

@@ -17,6 +17,7 @@ import numpy as np
 from numba import njit
 
 from fsipetsc.operators.kernels import OPTIONS
+from fsipetsc.physics.layer import NUMBERS
 
 _I, _F = np.int64, np.float64
 INTERFACE = np.dtype(
@@ -32,11 +33,14 @@ INTERFACE = np.dtype(
         ("cv", _F),
         ("mu", _F),  # 4/3 mu
         ("kappa", _F),
+        ("gas_numbers", _F, (NUMBERS,)),
+        ("transport_numbers", _F, (NUMBERS,)),
         ("K", _F),
         ("kappa_e", _F),
         ("m0", _F),
         ("alpha", _F),
         ("gruneisen", _F),
+        ("pressing_numbers", _F, (NUMBERS,)),
         # prescribed jumps: us-uf, sigma-p+pf-mu' u_X, Ts-Tf, kappa_e/x_X Ts_X - kappa Tf_X
         ("jump", _F, (4,)),
     ],
@@ -89,13 +93,13 @@ def gas_pressure(pair, face, rho, T):
 @njit(**OPTIONS)
 def viscosity(pair, face, T):
     """4/3 mu(T)."""
-    return face.mu * pair.transport.relative(T)[0]
+    return face.mu * pair.transport.relative(pair.transport.constants(face), T)[0]
 
 
 @njit(**OPTIONS)
 def conductivity(pair, face, T):
     """kappa(T)."""
-    return face.kappa * pair.transport.relative(T)[1]
+    return face.kappa * pair.transport.relative(pair.transport.constants(face), T)[1]
 
 
 @njit(**OPTIONS)

@@ -65,13 +65,22 @@ _UNROLLED = {"forceinline": True, "error_model": "numpy"}  # whatever the size: 
 
 
 def in_python(function: Any) -> Any:
-    """A formula as Python has it, for numbers and arrays; so are those that it calls from its closure."""
+    """A formula as Python has it, for numbers and arrays; so are those that it calls: from its closure, and of this package."""
     plain = getattr(function, "py_func", function)
-    cells = getattr(plain, "__closure__", None)
-    if not cells or not any(hasattr(cell.cell_contents, "py_func") for cell in cells):
+    if not isinstance(plain, FunctionType):
+        return plain
+    cells, scope = plain.__closure__ or (), plain.__globals__
+    ours = {name: scope[name] for name in plain.__code__.co_names if _is_ours(scope.get(name))}
+    if not ours and not any(hasattr(cell.cell_contents, "py_func") for cell in cells):
         return plain
     inner = tuple(CellType(in_python(cell.cell_contents)) for cell in cells)
-    return FunctionType(plain.__code__, plain.__globals__, plain.__name__, plain.__defaults__, inner)
+    scope = {**scope, **{name: in_python(value) for name, value in ours.items()}}
+    return FunctionType(plain.__code__, scope, plain.__name__, plain.__defaults__, inner)
+
+
+def _is_ours(value: Any) -> bool:
+    """Whether this is a compiled function of this package: most of those cannot be called from Python."""
+    return getattr(getattr(value, "py_func", None), "__module__", "").startswith("fsipetsc.")
 
 
 def each(function: Any, *arguments: Any) -> tuple:

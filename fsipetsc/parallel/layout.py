@@ -173,11 +173,11 @@ class Layout:
         record, layer, last = self.records[k], self.problem.layers[k], len(self.grids) - 1
         material = layer.material
         if isinstance(layer, FluidLayer):
-            for name in ("gamma", "R", "cv", "kappa"):
+            for name in ("gamma", "R", "cv", "kappa", "force", "gas_numbers", "transport_numbers"):
                 record[name] = getattr(material, name)
             record["mu"] = 4.0 / 3.0 * material.mu
         else:
-            for name in ("K", "kappa_e", "m0", "alpha", "force", "gruneisen"):
+            for name in ("K", "kappa_e", "m0", "alpha", "force", "gruneisen", "pressing_numbers"):
                 record[name] = getattr(material, name)
         record["end_kind"] = -1
         for side, end in ((0, self.problem.left), (1, self.problem.right)):

@@ -1,8 +1,8 @@
 """Compressible Navier–Stokes equations in the rigid frame that moves with the interface, (3.2) and (4.20).
 
     rho_t     + (rho (u-s))_X                                        = 0
-    (rho u)_t + (rho u (u-s) + p - mu' u_X)_X                        = 0,      mu' = 4/3 mu
-    e_t       + (e (u-s) + u (p - mu' u_X) - kappa T_X)_X            = 0
+    (rho u)_t + (rho u (u-s) + p - mu' u_X)_X                        = rho force,      mu' = 4/3 mu
+    e_t       + (e (u-s) + u (p - mu' u_X) - kappa T_X)_X            = rho u force
 
 with p = (gamma-1)(e - rho u^2/2) = rho R T (R stands for R/M) and s(t) the velocity of the fluid's own interface
 point. The viscous and heat fluxes stand inside the outer derivative, so that D is applied twice to u and T.
@@ -10,17 +10,20 @@ point. The viscous and heat fluxes stand inside the outer derivative, so that D 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numba import njit
 
-from fsipetsc.checks import NONNEGATIVE, POSITIVE, formulas, numbers
+from fsipetsc.checks import ANY, NONNEGATIVE, POSITIVE, number, numbers
+from fsipetsc.errors import InputError
 from fsipetsc.operators.formulas import Formulas, in_python
 from fsipetsc.operators.kernels import FORMULA, OPTIONS, U64
 from fsipetsc.operators.vectors import fma
 from fsipetsc.physics.constant_transport import constant_transport
 from fsipetsc.physics.layer import FLUID
+from fsipetsc.physics.material_law import Law, check_law, formulas_of, numbers_of
 from fsipetsc.physics.perfect_gas import perfect_gas
 
 
@@ -29,30 +32,62 @@ class Fluid:
     """A gas; perfect, unless another law is given.
 
     mu: shear viscosity [Pa s]; kappa: heat conductivity [W/(m K)]; gamma: ratio of the specific heats, above 1;
-    R: gas constant over molar mass [J/(kg K)]. law: formulas of the equation of state, as ``perfect_gas``; transport: of what
-    mu and kappa are multiplied with, as ``constant_transport``. InputError for what is no number or out of range.
+    R: gas constant over molar mass [J/(kg K)]. law: the equation of state, as ``perfect_gas``; transport: what mu and kappa
+    are multiplied with, as ``constant_transport`` or sutherland(…); force: body force per mass [m/s2]. InputError for what is
+    no number or out of range.
     """
 
     mu: float
     kappa: float
     gamma: float
     R: float
-    law: Formulas = perfect_gas
-    transport: Formulas = constant_transport
+    law: Formulas | Law = perfect_gas
+    transport: Formulas | Law = constant_transport
+    force: float = 0.0
 
     def __post_init__(self) -> None:
-        numbers(self, "Fluid", {"mu": NONNEGATIVE, "kappa": NONNEGATIVE, "gamma": "above 1", "R": POSITIVE})
-        formulas(self.law, "Fluid: law", "bulk_modulus", "what gas_law(…) returns")
-        formulas(self.transport, "Fluid: transport", "relative", "what transport_law(…) returns")
+        numbers(self, "Fluid", {"mu": NONNEGATIVE, "kappa": NONNEGATIVE, "gamma": "above 1", "R": POSITIVE, "force": ANY})
+        check_law(self.law, "Fluid: law", "bulk_modulus", "what gas_law(…) returns")
+        check_law(self.transport, "Fluid: transport", "relative", "what transport_law(…) returns")
+
+    @classmethod
+    def with_prandtl(cls, mu: float, prandtl: float, gamma: float, R: float, **more: Any) -> Fluid:
+        """A perfect gas with kappa(T) = cp mu(T) / Pr, Pr the Prandtl number; more: transport and force, as above.
+
+        InputError, too, where the transport law does not multiply mu and kappa with the same, or the gas is another one.
+        """
+        of_mu = cls(mu, 0.0, gamma, R, **more)
+        if formulas_of(of_mu.law) is not perfect_gas:
+            raise InputError("Fluid.with_prandtl: law is given: expected none, because cp would not be a number")
+        factors = np.array([of_mu.relative(T) for T in (100.0, 300.0, 3000.0)])
+        if not np.allclose(factors[:, 0], factors[:, 1], rtol=1e-12, atol=0.0):
+            raise InputError("Fluid.with_prandtl: transport has a law of its own for kappa: expected the same as for mu")
+        cp = of_mu.cv * of_mu.gamma
+        return replace(of_mu, kappa=cp * of_mu.mu / number(prandtl, "Fluid.with_prandtl: prandtl", POSITIVE))
 
     @property
     def cv(self) -> float:
         """Specific heat at constant volume [J/(kg K)]."""
         return self.R / (self.gamma - 1)
 
+    @property
+    def gas_numbers(self) -> tuple[float, ...]:
+        """Those of the equation of state, as in a record."""
+        return numbers_of(self.law)
+
+    @property
+    def transport_numbers(self) -> tuple[float, ...]:
+        """Those of the transport law."""
+        return numbers_of(self.transport)
+
     def sound_speed(self, T: float | np.ndarray, rho: float | np.ndarray = 1.0) -> float | np.ndarray:
         """Speed of sound [m/s] at temperature T [K] and density rho [kg/m3], which matters where the gas is not perfect."""
         return np.sqrt(self._of_law("sound_speed_squared", rho, T))
+
+    def relative(self, T: float | np.ndarray) -> tuple[Any, Any]:
+        """(mu(T)/mu, kappa(T)/kappa), of the transport law."""
+        transport = formulas_of(self.transport)
+        return in_python(transport.relative)(in_python(transport.constants)(self), T)
 
     def conserved(self, rho: np.ndarray, u: np.ndarray, T: np.ndarray) -> np.ndarray:
         """(rho, rho u, e) of shape (..., 3) from density, velocity and temperature."""
@@ -67,13 +102,14 @@ class Fluid:
 
     def _of_law(self, name: str, *values: np.ndarray) -> np.ndarray:
         """A formula of the law, by numpy."""
-        return in_python(getattr(self.law, name))(in_python(self.law.constants)(self), *values)
+        law = formulas_of(self.law)
+        return in_python(getattr(law, name))(in_python(law.constants)(self), *values)
 
 
 @njit(**FORMULA)
 def constants(law, layer):
-    """(those of the gas law, velocity s of the frame)."""
-    return law.gas.constants(layer), layer.s
+    """(those of the gas law, velocity s of the frame, those of the transport law, force)."""
+    return law.gas.constants(layer), layer.s, law.transport.constants(layer), layer.force
 
 
 @njit(**FORMULA)
@@ -104,8 +140,8 @@ def gradients(law, layer, q, v):
 def flux(law, constants, q, v, gradients):
     """(rho (u-s), rho u (u-s) + p - tau, e (u-s) + u (p - tau) - kappa T_X)."""
     (rho, m, e), (u, T) = q, v
-    gas, s = constants
-    of_mu, of_kappa = law.transport.relative(T)
+    gas, s, transport, _ = constants
+    of_mu, of_kappa = law.transport.relative(transport, T)
     tau, conduction = of_mu * gradients[0], of_kappa * gradients[1]
     relative, pressing = u - s, law.gas.pressure(gas, rho, T) - tau
     return rho * relative, fma(m, relative, pressing), fma(e, relative, fma(u, pressing, -1.0 * conduction))
@@ -117,22 +153,39 @@ def minus_divergence(law, constants, q, f, derivatives):
     return derivatives
 
 
-def conservation_law(unknown: int) -> Formulas:
-    """q_t = -f_X of one unknown, for the sweep."""
+@njit(**FORMULA)
+def pulled_momentum(law, constants, q, f, derivatives):
+    """-f_X + rho force."""
+    return (fma(constants[3], q[0], derivatives[0]),)
+
+
+@njit(**FORMULA)
+def pulled_energy(law, constants, q, f, derivatives):
+    """-f_X + rho u force."""
+    return (fma(constants[3], q[1], derivatives[0]),)
+
+
+def conservation_law(unknown: int, rate: Any = minus_divergence) -> Formulas:
+    """q_t = -f_X of one unknown, or what a rate makes of it, for the sweep."""
 
     @njit(**FORMULA)
     def second(law, layer, q, f):
         return (f[unknown],), (-1.0 / layer.h,)
 
-    return Formulas(unknowns=(unknown,), second=second, rate=minus_divergence)
+    return Formulas(unknowns=(unknown,), second=second, rate=rate)
 
 
 #: the three, each in a loop of its own: their stencils together would not stay in registers
 CONSERVATION_LAWS = tuple(conservation_law(unknown) for unknown in range(3))
+#: with a body force; apart, because a force of zero would cost a load and an operation of each point
+BALANCES = CONSERVATION_LAWS[0], conservation_law(1, pulled_momentum), conservation_law(2, pulled_energy)
 
 
-def navier_stokes(gas: Formulas, transport: Formulas, undivided: tuple[Formulas, ...] = ()) -> Formulas:
-    """The equations for a gas law and a transport law, as fsipetsc.scheme.sweep takes them; undivided: further terms."""
+def navier_stokes(gas: Formulas, transport: Formulas, undivided: tuple[Formulas, ...] = (), pulled: bool = False) -> Formulas:
+    """The equations for a gas law and a transport law, as fsipetsc.scheme.sweep takes them.
+
+    undivided: further terms; pulled: by a body force.
+    """
     return Formulas(
         kind=FLUID,
         gas=gas,
@@ -145,6 +198,6 @@ def navier_stokes(gas: Formulas, transport: Formulas, undivided: tuple[Formulas,
         prescribe=prescribe,
         first=gradients,
         flux=flux,
-        rates=CONSERVATION_LAWS,
+        rates=BALANCES if pulled else CONSERVATION_LAWS,
         undivided=undivided,
     )

@@ -13,6 +13,9 @@ FLUID, SOLID = 0, 1
 #: unknowns per point: fluid (rho, rho u, e), solid (u, sigma, T, x)
 DOF = (3, 4)
 
+#: room for the numbers of a law of a material, see fsipetsc.physics.material_law
+NUMBERS = 6
+
 _I, _F = np.int64, np.float64
 LAYER = np.dtype(
     [
@@ -34,12 +37,15 @@ LAYER = np.dtype(
         ("inbox", _I, (2,)),
         ("middle", _I, (2,)),  # points of the part that a step treats tile by tile, see fsipetsc.scheme.runge_kutta
         ("h", _F),
+        ("force", _F),  # body force per mass
         # fluid: materials and the moving frame
         ("gamma", _F),
         ("R", _F),
         ("cv", _F),
         ("mu", _F),  # 4/3 mu
         ("kappa", _F),
+        ("gas_numbers", _F, (NUMBERS,)),
+        ("transport_numbers", _F, (NUMBERS,)),
         ("s", _F),  # velocity of the frame: of the fluid's own interface point
         ("stage_s", _F, (5,)),  # its values in the stages of the step being made
         # solid
@@ -47,8 +53,8 @@ LAYER = np.dtype(
         ("kappa_e", _F),
         ("m0", _F),
         ("alpha", _F),
-        ("force", _F),
         ("gruneisen", _F),  # p = gruneisen rho epsilon; 0 for the elastic solid
+        ("pressing_numbers", _F, (NUMBERS,)),
         # the ends: -1 where an interface stands, else a kind of fsipetsc.boundaries
         ("end_kind", _I, (2,)),
         ("end_degree", _I, (2,)),

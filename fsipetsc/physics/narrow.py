@@ -33,15 +33,15 @@ def narrowing(op):
 
 @njit(**FORMULA)
 def gas_constants(law, layer):
-    """(mu', kappa) of the material."""
-    return layer.mu, layer.kappa
+    """(mu', kappa) of the material, and what the transport law needs."""
+    return layer.mu, layer.kappa, law.transport.constants(layer)
 
 
 @njit(**FORMULA)
 def gas_coefficients(law, constants, q, v, f):
     """(b, u b, kappa)."""
     u, T = v
-    of_mu, of_kappa = law.transport.relative(T)
+    of_mu, of_kappa = law.transport.relative(constants[2], T)
     b = of_mu * constants[0]
     return spread(b), u * b, spread(of_kappa * constants[1])
 

@@ -2,14 +2,15 @@
 
 A law is functions of numbers that numba can compile: they are compiled for numbers and for vectors of points
 (fsipetsc.operators.vectors), so they have no ``if`` on their arguments; +, -, *, /, ** and numpy's sqrt, exp and log do. c is
-what ``constants(record)`` returns; the record has the numbers of the material. All raise InputError, with file and line,
-for what is no function of the right arguments.
+what ``constants(record)`` returns; the record has the numbers of the material, and as gas_numbers, transport_numbers or
+pressing_numbers those that are given to the law as ``numbers`` (fsipetsc.physics.material_law), which are not compiled in.
+All raise InputError, with file and line, for what is no function of the right arguments.
 """
 
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -21,11 +22,14 @@ from fsipetsc.errors import InputError
 from fsipetsc.operators.formulas import Formulas, in_python
 from fsipetsc.operators.kernels import FORMULA
 from fsipetsc.operators.vectors import vector
-from fsipetsc.physics import gruneisen, perfect_gas
+from fsipetsc.physics import constant_transport, gruneisen, perfect_gas
 from fsipetsc.physics.layer import LAYER
+from fsipetsc.physics.material_law import Law
 
 #: what a law of each kind must have, and what follows if it is not given: name -> arguments
 TRANSPORT = {"relative": "T"}
+#: the same where the law has constants
+TRANSPORT_OF_RECORD = {"relative": "c, T", "constants": "record"}
 GAS = {
     "temperature": "c, rho, e",
     "energy": "c, rho, T",
@@ -55,12 +59,28 @@ PRESSING_MORE = {
 IN_LOOPS = ("relative", "temperature_in_loops", "pressure", "sound_speed_squared_of_energy", "pressure_in_loops")
 
 
-def transport_law(relative: Callable[..., Any]) -> Formulas:
-    """A law of what mu and kappa of the material are multiplied with: relative(T) -> (of mu, of kappa), T in K."""
-    return Formulas(**_compiled("transport_law", TRANSPORT, {}, {"relative": relative}))
+def transport_law(
+    relative: Callable[..., Any], constants: Callable[..., Any] | None = None, numbers: Sequence[float] | None = None
+) -> Formulas | Law:
+    """A law of what mu and kappa of the material are multiplied with: relative(T) -> (of mu, of kappa), T in K.
+
+    With constants(record) -> c, it is relative(c, T).
+    """
+    if constants is not None:
+        given = _compiled("transport_law", TRANSPORT_OF_RECORD, {}, {"relative": relative, "constants": constants})
+        return _law(Formulas(**given, own=True), given, numbers)
+    given = _compiled("transport_law", TRANSPORT, {}, {"relative": relative})
+    of_temperature = given["relative"]
+
+    @njit(**FORMULA)
+    def of_record(c, T):
+        return of_temperature(T)
+
+    law = Formulas(constants=constant_transport.constants, relative=of_record, of_temperature=of_temperature, own=True)
+    return _law(law, given, numbers)
 
 
-def gas_law(**formulas: Callable[..., Any]) -> Formulas:
+def gas_law(*, numbers: Sequence[float] | None = None, **formulas: Callable[..., Any]) -> Formulas | Law:
     """A law of a gas; what each formula is, says fsipetsc.physics.perfect_gas.
 
     Those of GAS are needed; the others follow from them but for the entropy, which is not a number without a formula.
@@ -102,10 +122,10 @@ def gas_law(**formulas: Callable[..., Any]) -> Formulas:
         "bulk_modulus_of_energy": bulk_modulus_of_energy,
         "entropy": entropy,
     }
-    return Formulas(**{**follows, **given}, knows_entropy="entropy" in given)
+    return _law(Formulas(**{**follows, **given}, knows_entropy="entropy" in given, own=True), given, numbers)
 
 
-def pressure_law(**formulas: Callable[..., Any]) -> Formulas:
+def pressure_law(*, numbers: Sequence[float] | None = None, **formulas: Callable[..., Any]) -> Formulas | Law:
     """A law of the pressure of a solid; what each formula is, says fsipetsc.physics.gruneisen.
 
     Those of PRESSING are needed; the others follow from them.
@@ -128,7 +148,16 @@ def pressure_law(**formulas: Callable[..., Any]) -> Formulas:
         "pressure_in_loops": pressure_in_loops,
         "wave_modulus": wave_modulus,
     }
-    return Formulas(**{**follows, **given})
+    return _law(Formulas(**{**follows, **given}, own=True), given, numbers)
+
+
+def _law(formulas: Formulas, given: dict[str, Any], numbers: Sequence[float] | None) -> Formulas | Law:
+    """Formulas with numbers, if there are some: the constants must be the user's, because no other ones look for them."""
+    if numbers is None:
+        return formulas
+    if "constants" not in given:
+        raise InputError("numbers of a law: the formula constants(record) is missing, which finds them in the record")
+    return Law(formulas, numbers)
 
 
 def check(law: Formulas, kind: str) -> None:
@@ -136,16 +165,18 @@ def check(law: Formulas, kind: str) -> None:
 
     kind: "gas", "transport" or "pressing".
     """
-    known = {"gas": GAS | GAS_MORE, "transport": TRANSPORT, "pressing": PRESSING | PRESSING_MORE}[kind]
-    c: Any = None
+    plain = getattr(law, "of_temperature", None)  # what a user has given, not what calls it
+    transport = TRANSPORT if plain else TRANSPORT_OF_RECORD
+    known = {"gas": GAS | GAS_MORE, "transport": transport, "pressing": PRESSING | PRESSING_MORE}[kind]
+    c: tuple[Any, ...] = ()
     for name in sorted(known, key=lambda name: name != "constants"):
-        function = getattr(law, name)
+        function = plain or getattr(law, name)
         if name == "constants":
-            c = _returned(function, (typeof(np.zeros(1, LAYER)[0]),), name)
+            c = (_returned(function, (typeof(np.zeros(1, LAYER)[0]),), name),)
             continue
-        count = len(known[name].split(",")) - (kind != "transport")
+        count = len(known[name].split(",")) - len(c)
         for number in (types.float64, vector) if name in IN_LOOPS else (types.float64,):
-            found = _returned(function, (c,) * (kind != "transport") + (number,) * count, name)
+            found = _returned(function, c + (number,) * count, name)
             parts = (found,) if kind != "transport" else tuple(getattr(found, "types", ()))
             if not _numbers(parts, kind):
                 wanted = "a number" if kind != "transport" else "(mu(T)/mu, kappa(T)/kappa), two numbers"

@@ -15,12 +15,14 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from fsipetsc.checks import ANY, NONNEGATIVE, POSITIVE, formulas, numbers
+from fsipetsc.checks import ANY, NONNEGATIVE, POSITIVE, numbers
+from fsipetsc.errors import InputError
 from fsipetsc.operators.formulas import Formulas, in_python
 from fsipetsc.operators.kernels import FORMULA
 from fsipetsc.operators.vectors import fma
 from fsipetsc.physics.gruneisen import gruneisen as gruneisen_pressure
 from fsipetsc.physics.layer import SOLID
+from fsipetsc.physics.material_law import Law, check_law, formulas_of, numbers_of
 
 
 @dataclass(frozen=True)
@@ -29,7 +31,8 @@ class Solid:
 
     K: 2 mu_e + lambda_e [Pa]; kappa_e: heat conductivity [W/(m K)]; m0: density in the reference configuration
     [kg/m3]; alpha: specific heat [J/(kg K)]; force: body force per mass [m/s2]; gruneisen: [-];
-    pressing: formulas of the pressure, as ``gruneisen``. InputError for what is no number or out of range.
+    pressing: the law of the pressure, as ``gruneisen``, stiffened_gas(…) or mie_gruneisen(…). InputError for what is no number
+    or out of range, and for gruneisen beside a law with numbers of its own.
     """
 
     K: float
@@ -38,12 +41,19 @@ class Solid:
     alpha: float
     force: float = 0.0
     gruneisen: float = 0.0
-    pressing: Formulas = gruneisen_pressure
+    pressing: Formulas | Law = gruneisen_pressure
 
     def __post_init__(self) -> None:
         ranges = {"K": POSITIVE, "kappa_e": NONNEGATIVE, "m0": POSITIVE, "alpha": POSITIVE}
         numbers(self, "Solid", {**ranges, "force": ANY, "gruneisen": NONNEGATIVE})
-        formulas(self.pressing, "Solid: pressing", "wave_modulus", "what pressure_law(…) returns")
+        check_law(self.pressing, "Solid: pressing", "wave_modulus", "what pressure_law(…) returns")
+        if isinstance(self.pressing, Law) and self.gruneisen != 0.0:
+            raise InputError(f"Solid: gruneisen is {self.gruneisen:g} beside pressing, which has its own numbers: expected 0")
+
+    @property
+    def pressing_numbers(self) -> tuple[float, ...]:
+        """Those of the law of pressure, as in a record."""
+        return numbers_of(self.pressing)
 
     def sound_speed(self, x_X: float = 1.0, T: float = 0.0, sigma: float = 0.0) -> float:
         """Speed of the elastic waves in Lagrangian coordinates [m/s]; T and sigma matter where there is a pressure."""
@@ -56,7 +66,8 @@ class Solid:
 
     def _of_law(self, name: str, *values: np.ndarray) -> np.ndarray:
         """A formula of the law of pressure, by numpy."""
-        return in_python(getattr(self.pressing, name))(in_python(self.pressing.constants)(self), *values)
+        law = formulas_of(self.pressing)
+        return in_python(getattr(law, name))(in_python(law.constants)(self), *values)
 
 
 @njit(**FORMULA)

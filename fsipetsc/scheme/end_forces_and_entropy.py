@@ -52,7 +52,7 @@ def gas_traction(law, head, layer, memory, side, ghost, step):
     gas, c, flux, T = law.gas, law.gas.constants(layer), 0.0, 0.0
     for k in range(4):
         T += nodes[3, k] * gas_temperature(law, layer, memory, work_point(head, layer, WORK, ghost + k * step))
-    mu = layer.mu * law.transport.relative(T)[0]
+    mu = layer.mu * law.transport.relative(law.transport.constants(layer), T)[0]
     for k in range(4):
         w = work_point(head, layer, WORK, ghost + k * step)
         rho, m, e = memory[U64(w)], memory[U64(w + layer.stride)], memory[U64(w + 2 * layer.stride)]

@@ -37,7 +37,7 @@ def keep_entropy(law, layer, op, s, w, v, f, target, side):
     internal = s[U64(w + 2 * stride + end)] / rho - 0.5 * u * u
     T = law.gas.temperature(gas, rho, internal)
     h = internal + law.gas.pressure(gas, rho, T) / rho
-    heating = layer.mu * law.transport.relative(T)[0] * u_X * u_X
+    heating = layer.mu * law.transport.relative(law.transport.constants(layer), T)[0] * u_X * u_X
     change = u * m_t + (h - 0.5 * u * u) * rho_t + heating - e_t
     at = 2 * target.stride + end
     s[U64(target.next + at)] += target.a * change

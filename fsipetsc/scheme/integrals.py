@@ -46,6 +46,7 @@ def integrals(head, layers, memory):
                 momentum += value if fluid else layer.m0 * value
             elif q == 0:
                 memory[mass - U64(1)] = value
+                force += layer.force * value
             elif fluid:
                 energy += value
             else:

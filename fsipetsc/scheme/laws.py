@@ -21,6 +21,7 @@ from fsipetsc.physics.constant_transport import constant_transport
 from fsipetsc.physics.fluid import Fluid, navier_stokes
 from fsipetsc.physics.gruneisen import gruneisen
 from fsipetsc.physics.layer import FLUID, SOLID
+from fsipetsc.physics.material_law import formulas_of
 from fsipetsc.physics.narrow import NARROW_GAS, NARROW_SOLID
 from fsipetsc.physics.own_laws import check
 from fsipetsc.physics.perfect_gas import perfect_gas
@@ -162,15 +163,16 @@ def _check(laws: list[Formulas]) -> None:
     """InputError for formulas that cannot be compiled."""
     for law in laws:
         for kind in ("gas", "transport", "pressing"):
-            if hasattr(law, kind) and not any(getattr(known, kind, None) is getattr(law, kind) for known in LAWS):
+            if getattr(getattr(law, kind, None), "own", False):
                 check(getattr(law, kind), kind)
 
 
 def _law_of(material: Fluid | Solid, narrow: bool) -> Formulas:
     """That of a layer of this material."""
     if isinstance(material, Fluid):
-        return law(navier_stokes(material.law, material.transport, NARROW_GAS if narrow else ()))
-    return law(elastic_solid(material.pressing, NARROW_SOLID if narrow else ()))
+        gas, transport = formulas_of(material.law), formulas_of(material.transport)
+        return law(navier_stokes(gas, transport, NARROW_GAS if narrow else (), material.force != 0.0))
+    return law(elastic_solid(formulas_of(material.pressing), NARROW_SOLID if narrow else ()))
 
 
 #: digest -> law, of those in LAWS; name of a set of laws -> what has been compiled for it

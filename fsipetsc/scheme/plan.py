@@ -182,9 +182,9 @@ def make_faces(layout: Layout, coupling: str) -> np.ndarray:
     for face, (fluid, solid) in zip(faces, layout.problem.interfaces, strict=True):
         face["fluid"], face["solid"], face["coupling"] = fluid, solid, KINDS[coupling]
         face["normal"], face["h"] = (1.0 if fluid > solid else -1.0), layout.h
-        for name in ("gamma", "R", "cv", "mu", "kappa"):
+        for name in ("gamma", "R", "cv", "mu", "kappa", "gas_numbers", "transport_numbers"):
             face[name] = layout.records[fluid][name]
-        for name in ("K", "kappa_e", "m0", "alpha", "gruneisen"):
+        for name in ("K", "kappa_e", "m0", "alpha", "gruneisen", "pressing_numbers"):
             face[name] = layout.records[solid][name]
     return faces
 

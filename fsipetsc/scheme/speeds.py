@@ -13,7 +13,8 @@ from fsipetsc.scheme.extremes_and_sums import GREATEST_T, LEAST_RHO, LEAST_SIGMA
 def fluid_speeds(law, layer, s, at):
     """(the state is physical, largest speed |u-s| + c, largest max(mu'/rho, kappa/(rho cv))) from the words at s[at:]."""
     speed, rho, T = s[U64(at + SPEED)], s[U64(at + LEAST_RHO)], s[U64(at + LEAST_T)]
-    cold, hot = law.transport.relative(T), law.transport.relative(s[U64(at + GREATEST_T)])
+    numbers = law.transport.constants(layer)
+    cold, hot = law.transport.relative(numbers, T), law.transport.relative(numbers, s[U64(at + GREATEST_T)])
     mu, kappa = layer.mu * max(cold[0], hot[0]), layer.kappa * max(cold[1], hot[1])
     gas = law.gas.constants(layer)
     cv = min(law.gas.heat_capacity(gas, rho, T), law.gas.heat_capacity(gas, rho, s[U64(at + GREATEST_T)]))
