@@ -47,7 +47,8 @@ def beyond(law, layer, side):
     """(rho0, c0, tau, alpha, p_T/cv, b, kappa) of the gas beyond the end, and how much of order 1 there is, 0 to 1."""
     gas, c = law.gas, law.gas.constants(layer)
     p0, T0 = layer.end_data[side, 0], layer.end_data[side, 1]
-    rho, (of_mu, of_kappa) = gas.density(c, p0, T0), law.transport.relative(T0)
+    numbers, rho = law.transport.constants(layer), gas.density(c, p0, T0)
+    of_mu, of_kappa = law.transport.relative(numbers, T0)
     c2, cv = gas.sound_speed_squared(c, rho, T0), gas.heat_capacity(c, rho, T0)
     speed, by_heat = np.sqrt(c2), gas.pressure_by_temperature(c, rho, T0) / cv
     mu, kappa, tau = layer.mu * of_mu, layer.kappa * of_kappa, T0 * by_heat / (rho * rho * c2)
