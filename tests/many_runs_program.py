@@ -31,6 +31,7 @@ def count_copies() -> None:
     def freed(comm: object, key: int, value: object) -> None:
         copies[0] -= 1
 
+    MPI.COMM_WORLD.allreduce(0)  # for which mpi4py makes a copy of its own, once
     MPI.COMM_WORLD.Set_attr(MPI.Comm.Create_keyval(copied, freed), 0)
 
 
