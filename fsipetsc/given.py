@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fsipetsc.blame import call, place_of
+from fsipetsc.boundaries import GIVEN_T, heat_of, in_time
 from fsipetsc.checks import described
 from fsipetsc.errors import InputError
 
@@ -66,15 +67,58 @@ def initial(layer: Layer, X: np.ndarray, active: slice) -> list[np.ndarray]:
 def end_data(problem: Problem, side: int, t: float) -> Sequence[float]:
     """The data of the left (0) or right (1) end at time t [s]. InputError."""
     end = (problem.left, problem.right)[side]
-    function = getattr(end, "values", None)
-    if function is None:
+    functions = in_time(end)
+    if "value" in functions:
+        return [_at(functions["value"], "value", side, t)]
+    if "values" not in functions:
         return end.data(t)
-    where = f"values of the {('left', 'right')[side]} end at t = {t:.6g}"
+    function, where = functions["values"], _of_end("values", side, t)
     found = _scalars(call(function, (t,), where), ("rho", "u", "T"), function, where)
     for name, value in zip(("rho", "T"), found[::2], strict=True):
         if not value > 0:
             raise _fault(function, where, f"{name} = {value:.6g}: expected a number above 0")
     return found
+
+
+def end_heat(problem: Problem, side: int, t: float) -> float:
+    """Temperature [K] or heat flux [W/m2] that is given at an end at time t [s], 0 where none is. InputError."""
+    kind, value = heat_of((problem.left, problem.right)[side])
+    if not callable(value):
+        return value
+    name = "T" if kind == GIVEN_T else "heat_flux"
+    found = _at(value, name, side, t)
+    if kind == GIVEN_T and not found > 0:
+        raise _fault(value, _of_end(name, side, t), f"T = {found:.6g}: expected a number above 0")
+    return found
+
+
+#: central differences of sixth order: first derivative, by points at 1, 2, 3 steps; second one, at 0, 1, 2, 3
+_SLOPE, _BEND = (3 / 4, -3 / 20, 1 / 60), (-49 / 18, 3 / 2, -3 / 20, 1 / 90)
+
+
+def end_motion(problem: Problem, side: int, t: float, step: float) -> tuple[float, float, float]:
+    """(x, velocity, acceleration) of a wall that moves at time t [s]; step [s]: of the differences. InputError."""
+    functions = in_time((problem.left, problem.right)[side])
+
+    def slope(name: str) -> float:
+        values = [[_at(functions[name], name, side, t + sign * k * step) for sign in (1, -1)] for k in (1, 2, 3)]
+        return sum(c * (ahead - behind) for c, (ahead, behind) in zip(_SLOPE, values, strict=True)) / step
+
+    x = _at(functions["x"], "x", side, t)
+    if "velocity" in functions:
+        return x, _at(functions["velocity"], "velocity", side, t), slope("velocity")
+    around = [sum(_at(functions["x"], "x", side, t + sign * k * step) for sign in (1, -1)) for k in (1, 2, 3)]
+    return x, slope("x"), (_BEND[0] * x + sum(c * v for c, v in zip(_BEND[1:], around, strict=True))) / (step * step)
+
+
+def _of_end(name: str, side: int, t: float) -> str:
+    return f"{name} of the {('left', 'right')[side]} end at t = {t:.6g}"
+
+
+def _at(function: Callable[..., Any], name: str, side: int, t: float) -> float:
+    """The value at time t of a function of an end."""
+    where = _of_end(name, side, t)
+    return _scalars([call(function, (t,), where)], (name,), function, where)[0]
 
 
 def jumps(problem: Problem, k: int, t: float) -> Sequence[float]:
@@ -83,15 +127,24 @@ def jumps(problem: Problem, k: int, t: float) -> Sequence[float]:
     return _scalars(call(problem.jumps, (k, t), where), JUMPS, problem.jumps, where)
 
 
-def check_ends(problem: Problem, x: Mapping[tuple[int, int], float], h: float) -> None:
-    """InputError if the boundary of a gas layer is not where its X says, to within a cell of h [m].
+def check_ends(problem: Problem, x: Mapping[tuple[int, int], float], h: float, mapping: str) -> None:
+    """InputError if the ends of a gas layer are not where they must be.
 
-    x: (solid layer, end 0 or 1) -> initial position of its end point [m].
+    x: (solid layer, end 0 or 1) -> initial position of its end point [m], and as (-1, 1) and (number of layers, 0) those of the
+    outer ends. The boundary of a rigid layer stands where its X
+    says, to within a cell of h [m]; the ends of a stretched one are in their order. mapping: see Problem.is_stretched.
     """
     last = len(problem.layers) - 1
+    for k, layer in enumerate(problem.layers):
+        if layer.kind == "fluid" and problem.is_stretched(k, mapping):
+            places = x[k - 1, 1], x[k + 1, 0]
+            if not places[0] < places[1]:
+                raise InputError(
+                    f"layer '{layer.name}' begins at x = {places[0]:g} and ends at x = {places[1]:g}: expected a larger x there"
+                )
     for k, side, end in ((0, 0, problem.left), (last, 1, problem.right)):
         layer = problem.layers[k]
-        if layer.kind != "fluid":
+        if layer.kind != "fluid" or problem.is_stretched(k, mapping):
             continue
         x_I, X_I = x[(1, 0) if side == 0 else (last - 1, 1)], layer.X[1 - side]
         wanted = layer.X[side] - X_I + x_I

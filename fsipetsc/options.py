@@ -45,7 +45,12 @@ DISCRETISATION = (
     Option("fsi_h", float, REQUIRED, "m", "grid spacing; interfaces must fall on grid points", check="positive"),
     Option("fsi_cfl", float, 0.8, "", "Courant number of the time step; -ts_dt replaces it", check="positive"),
     Option(
-        "fsi_coupling", str, "energy", "", "treatment of the interfaces", ("projection", "energy", "traditional")
+        *("fsi_coupling", str, "conservative", "", "treatment of the interfaces"),
+        choices=("projection", "energy", "traditional", "conservative"),
+    ),
+    Option(
+        *("fsi_mapping", str, "auto", "", "grids of outer gases: rigid (embedded boundary), stretched; auto: that at walls"),
+        choices=("auto", "rigid", "stretched"),
     ),
     Option("fsi_viscous", str, "wide", "", "second derivatives: D twice, or such that reach half as far", ("wide", "narrow")),
     Option(

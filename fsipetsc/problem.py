@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.blame import place_of_caller
-from fsipetsc.boundaries import Boundary, SolidEnd, Wall
+from fsipetsc.boundaries import Boundary, SolidEnd, Wall, closes, in_time, needs_stretching
 from fsipetsc.checks import described, extent, function
 from fsipetsc.errors import InputError
 from fsipetsc.physics.fluid import Fluid
@@ -21,6 +21,8 @@ from fsipetsc.physics.solid import Solid
 
 Fields = Sequence[np.ndarray]
 UNITS = ("SI", "none")
+#: what the grid of a gas does: it goes with the interface, over the embedded boundary; or it is stretched between its ends
+MAPPINGS = ("rigid", "stretched")
 
 
 @dataclass(frozen=True)
@@ -28,8 +30,10 @@ class FluidLayer:
     """A layer of gas between X[0] and X[1]: one end is an interface, the other an embedded boundary.
 
     initial(X) -> (rho, u, T); exact(X, t) -> the same; forcing(X, t) -> right-hand sides of (rho, rho u, e).
-    Outside X[0], X[1] the functions are asked for points that the grid holds in reserve. At time t the gas at X stands at
-    x = X - X_I + x_I, I its interface: see docs/cases.md. InputError for what is of the wrong kind.
+    mapping: one of MAPPINGS, or None for that of -fsi_mapping. Rigid: at time t the gas at X stands at x = X - X_I + x_I, I its
+    interface: see docs/cases.md; outside X[0], X[1] the functions are asked for points that the grid holds in reserve.
+    Stretched: it stands at x_0 + (X - X[0]) (x_1 - x_0) / (X[1] - X[0]) between the places x_0, x_1 of its ends.
+    InputError for what is of the wrong kind.
     """
 
     name: str
@@ -38,11 +42,15 @@ class FluidLayer:
     initial: Callable[[np.ndarray], Fields]
     forcing: Callable[[np.ndarray, float], Fields] | None = None
     exact: Callable[[np.ndarray, float], Fields] | None = None
+    mapping: str | None = None
     kind = "fluid"
     fields = ("rho", "u", "T", "p")
 
     def __post_init__(self) -> None:
         _check_layer(self, Fluid, "(rho, u, T)")
+        if self.mapping is not None and self.mapping not in MAPPINGS:
+            known = " or ".join(map(repr, MAPPINGS))
+            raise InputError(f"FluidLayer '{self.name}': mapping is {described(self.mapping)}: expected {known} or None")
 
 
 @dataclass(frozen=True)
@@ -86,7 +94,7 @@ Layer = FluidLayer | SolidLayer
 
 @dataclass(frozen=True)
 class Problem:
-    """Layers that alternate between fluid and solid, left to right; fluids may stand at the ends only.
+    """Layers that alternate between fluid and solid, left to right; one alone is enough.
 
     left, right: the conditions at the outer ends. jumps(k, t) -> (g_u, g_stress, g_T, g_flux) at interface k:
     u_s-u_f, sigma-p_s+p_f-mu' u_X, T_s-T_f, kappa_e/x_X T_X-kappa T_X; None where all are zero.
@@ -104,15 +112,19 @@ class Problem:
     def __post_init__(self) -> None:
         self._check_kinds()
         kinds = [layer.kind for layer in self.layers]
-        if len(kinds) < 2 or any(a == b for a, b in zip(kinds, kinds[1:], strict=False)):
-            raise InputError(f"the layers must alternate between fluid and solid, and be two at least; got {kinds}")
-        if "fluid" in kinds[1:-1]:
-            raise InputError("a fluid layer between two solids is not supported: its frame moves with one interface")
+        if not kinds or any(a == b for a, b in zip(kinds, kinds[1:], strict=False)):
+            raise InputError(f"the layers must alternate between fluid and solid, and be one at least; got {kinds}")
         for end, layer in ((self.left, self.layers[0]), (self.right, self.layers[-1])):
             if isinstance(end, SolidEnd) != (layer.kind == "solid"):
                 fit = "Wall, Open or Dirichlet" if layer.kind == "fluid" else "clamped(…), free(…) or absorbing(…)"
                 raise InputError(
                     f"at the outer end of the {layer.kind} layer '{layer.name}' stands {described(end)}: expected {fit}"
+                )
+        for k, layer in enumerate(self.layers):
+            if layer.kind == "fluid" and layer.mapping == "rigid" and self.is_stretched(k, "rigid"):
+                raise InputError(
+                    f"layer '{layer.name}' has mapping='rigid': expected 'stretched' or None, because it has not one interface "
+                    "and one end that insulates and stays where it is"
                 )
         for a, b in zip(self.layers, self.layers[1:], strict=False):
             if abs(a.X[1] - b.X[0]) > 1e-12 * max(abs(a.X[1]), a.X[1] - a.X[0]):
@@ -140,6 +152,19 @@ class Problem:
             raise InputError(f"Problem: units is {described(self.units)}: expected {' or '.join(map(repr, UNITS))}")
         object.__setattr__(self, "layers", tuple(layers))
 
+    def is_stretched(self, k: int, mapping: str) -> bool:
+        """Whether the grid of layer k, a gas, goes from end to end: mapping is the choice where the layer has none.
+
+        mapping: "rigid", "stretched", or "auto": stretched where the outer end is a wall.
+        A gas between two solids, or alone, has no frame that is rigid; nor has one whose wall moves, or gives off heat.
+        """
+        last = len(self.layers) - 1
+        ends = [end for at, end in ((0, self.left), (last, self.right)) if at == k]
+        if len(ends) != 1 or any(map(needs_stretching, ends)):
+            return True
+        chosen = self.layers[k].mapping or mapping
+        return chosen == "stretched" or (chosen == "auto" and isinstance(ends[0], Wall))
+
     def unit(self, name: str) -> str:
         """What stands behind a number in a message: " m", or nothing if the problem has no dimensions."""
         return f" {name}" if self.units == "SI" else ""
@@ -153,24 +178,29 @@ class Problem:
     @property
     def steady_data(self) -> bool:
         """No boundary data, jump or forcing that depends on time."""
-        from fsipetsc.boundaries import Dirichlet
-
-        timed = any(isinstance(end, Dirichlet) for end in (self.left, self.right))
+        timed = any(in_time(end) for end in (self.left, self.right))
         return not timed and self.jumps is None and all(layer.forcing is None for layer in self.layers)
 
     @property
     def invariants(self) -> dict[str, Any]:
         """What must not change, as JSON holds it: see fsipetsc.scheme.conservation_check.drifts, which takes it.
 
-        masses: (name, number among the fluids) of the gas layers that nothing enters or leaves; energy: whether that of all
-        layers is kept. Momentum less the impulse of ends and body forces always is. Empty where forcing or jumps change all.
+        masses: (name, number among the fluids) of the gas layers that nothing enters or leaves; inertia [kg/m2] and
+        heat_capacity [J/(m2 K)] of the solids, cv of the gases: what is large there; energy: whether that of all layers is
+        kept.
+        Momentum less the impulse of ends and body forces always is. Empty where forcing or jumps change all.
         """
         if self.jumps is not None or any(layer.forcing for layer in self.layers):
             return {}
-        ends = {0: self.left, len(self.layers) - 1: self.right}
+        last = len(self.layers) - 1
+        open_at = {k for k, end in ((0, self.left), (last, self.right)) if not isinstance(end, (Wall, SolidEnd))}
         fluids = [k for k, layer in enumerate(self.layers) if layer.kind == "fluid"]
-        closed = all(isinstance(end, Wall) for end in ends.values())
+        solids = [layer for layer in self.layers if layer.kind == "solid"]
+        closed = closes(self.left) and closes(self.right)
         return {
-            "masses": [[self.layers[k].name, i] for i, k in enumerate(fluids) if isinstance(ends[k], Wall)],
+            "masses": [[self.layers[k].name, i] for i, k in enumerate(fluids) if k not in open_at],
+            "inertia": sum(v.material.m0 * (v.X[1] - v.X[0]) for v in solids),
+            "heat_capacity": sum(v.material.alpha * v.material.m0 * (v.X[1] - v.X[0]) for v in solids),
+            "cv": [self.layers[k].material.cv for k in fluids],
             "energy": closed and not any(getattr(layer.material, "force", 0.0) for layer in self.layers),
         }

@@ -28,7 +28,10 @@ OPTIONS = (
     Option("piston_density", float, 250.0, "kg/m3", "density of the piston at rest", check="positive"),
     Option("piston_thickness", float, 0.2, "m", "thickness of the piston", check="positive"),
 )
-DEFAULTS = {"fsi_h": 0.025, "ts_max_time": 0.05, "fsi_output_dt": 0.001}
+DEFAULTS = {
+    **{"fsi_h": 0.025, "ts_max_time": 0.05, "fsi_output_dt": 0.001},
+    **{"fsi_coupling": "energy", "fsi_mapping": "rigid"},
+}
 
 P0, T0 = 1e5, 300.0
 

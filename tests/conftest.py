@@ -112,7 +112,10 @@ GROUPS: dict[str, list[tuple[int, dict[str, tuple[str, str]]]]] = {
         (
             1,
             {
-                f"order{q}_h{h}": (str(REPOSITORY / "tests" / "receding.py"), f"-fsi_h {h} -fsi_order {q}")
+                f"order{q}_h{h}": (
+                    str(REPOSITORY / "tests" / "receding.py"),
+                    f"-fsi_h {h} -fsi_order {q} -fsi_coupling energy -fsi_mapping rigid",
+                )
                 for q in ORDERS
                 for h in (0.0125, 0.00625)
             },

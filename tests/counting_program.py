@@ -142,6 +142,7 @@ def interpret() -> None:
         "load": load_lanes,
         "store": store_lanes,
         "store_interlaced": lambda s, i, values: store_lanes(s, i, np.stack(values, axis=-1).ravel()),
+        "numbers_from": lambda i: i + np.arange(LANES, dtype=float),
         "spread": lambda value: np.full(LANES, value),
         "lane": lambda v, j: v[j],
         "masked": lambda v, n, other: np.where(np.arange(LANES) < n, v, other),

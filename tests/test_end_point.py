@@ -50,7 +50,7 @@ def test_end_point_alone_in_a_block(order):
         SolidLayer("rod", Solid(1.0, 0.0, 1.0, 1.0), (0.0, 20 * h), lambda X: (0 * X, 0 * X, 1 + 0 * X, X)),
     )
     problem, rates = Problem(layers=layers, left=Wall(X[0]), right=free(), units="none"), []
-    with State(MPI.COMM_SELF, problem, order, h, "energy", "auto", 0) as state:
+    with State(MPI.COMM_SELF, problem, order, h, "energy", "rigid", "auto", 0) as state:
         state.set_initial()
         for held in (0.0, np.nan):
             y = state.solution.getArray(readonly=True)

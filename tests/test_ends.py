@@ -73,7 +73,7 @@ def all_rates(layers, ops, delta, states, rates, memory, nodes):
             memory[8 + i], memory[8 + N + i] = q[0, i], q[0, i] * q[1, i]
             memory[8 + 2 * N + i] = q[0, i] * (layer.cv * q[2, i] + 0.5 * q[1, i] ** 2)
         memory[8 + 6 * N : 8 + 9 * N] = 0.0
-        target = Target(8, 8 + 3 * N, 8 + 6 * N, 8 + 6 * N, -1, N, 0.0, 1.0)
+        target = Target(8, 8 + 3 * N, 8 + 6 * N, 8 + 6 * N, -1, N, 0.0, 1.0, 1.0)
         sweep(NAVIER_STOKES, layer, op, memory, 8, 8 + 9 * N, target, 0, N)
         rates[m] = memory[8 + 6 * N : 8 + 9 * N].reshape((3, N))
 
@@ -81,6 +81,7 @@ def all_rates(layers, ops, delta, states, rates, memory, nodes):
 def jacobian(order: int, mach: float, delta: float, mu: float, kappa: float) -> np.ndarray:
     """Derivative, (3 N, 3 N), of the rates of (rho, u, T) with respect to them."""
     layers, base = np.zeros(1, LAYER), np.array([1.0, mach, 1.0])
+    layers["J"] = 1.0
     layer = layers[0]
     layer["n"], layer["hi"], layer["own_hi"], layer["h"], layer["stride"] = N, N - 1, N, 1.0, N
     layer["gamma"], layer["R"], layer["cv"], layer["mu"], layer["kappa"] = GAMMA, GAS.R, GAS.cv, mu, kappa

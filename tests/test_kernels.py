@@ -39,6 +39,7 @@ def fluid_record(n: int, lo: int, hi: int) -> np.void:
     """A fluid layer of n stored points, lo..hi of them active, all on this rank."""
     layer = np.zeros(1, LAYER)[0]
     layer["n"], layer["lo"], layer["hi"], layer["own_hi"], layer["h"] = n, lo, hi, n, H
+    layer["J"] = 1.0
     layer["gamma"], layer["R"], layer["cv"] = GAS.gamma, GAS.R, GAS.cv
     layer["mu"], layer["kappa"], layer["s"] = 4 / 3 * GAS.mu, GAS.kappa, -3.0
     return layer
@@ -47,7 +48,7 @@ def fluid_record(n: int, lo: int, hi: int) -> np.void:
 def solid_record(n: int, gruneisen: float) -> np.void:
     """A solid layer of n points, all on this rank."""
     layer = np.zeros(1, LAYER)[0]
-    layer["kind"], layer["n"], layer["hi"], layer["own_hi"], layer["h"] = 1, n, n - 1, n, H
+    layer["kind"], layer["n"], layer["hi"], layer["own_hi"], layer["h"], layer["J"] = 1, n, n - 1, n, H, 1.0
     for name in ("K", "kappa_e", "m0", "alpha", "force"):
         layer[name] = getattr(ROD, name)
     layer["gruneisen"] = gruneisen
@@ -117,7 +118,7 @@ def right_hand_side(
     # a stage that adds dt k = k to a sum that is zero
     first = 16 + layer["halo_lo"] - begin
     area = dof * stride
-    target = Target(first, first + area, first + 2 * area, first + 2 * area, -1, stride, 0.0, 1.0)
+    target = Target(first, first + area, first + 2 * area, first + 2 * area, -1, stride, 0.0, 1.0, 1.0)
     for part in ranges:
         kernel(layer, packed(order), memory, first, 16 + 3 * area, target, *part)
     after = memory[16 : 16 + 3 * area].reshape(areas.shape)

@@ -27,6 +27,8 @@ HALF = 2.0**-18
         ("rod", {"fsi_order": 8, "fsi_coupling": "energy", "solid_gruneisen": 0.2}),
         ("box", {"fsi_order": 6, "fsi_coupling": "energy"}),
         ("mms", {"fsi_order": 6, "fluid_mu": 0.1}),
+        ("box", {"fsi_order": 4, "solid_gruneisen": 0.3}),
+        ("box", {"fsi_order": 8, "fsi_coupling": "energy", "fsi_mapping": "stretched", "fluid_kappa": 0.0}),
         ("pulse", {"fsi_order": 2, "fsi_coupling": "traditional"}),
     ],
     ids=lambda value: value if isinstance(value, str) else "",
@@ -43,7 +45,8 @@ def test_both_make_the_same_rates(name, changed):
         start, stage = ([state.plan.owned(k, area).copy() for k in layers] for area in (WORK, WORK + 1))
         runge_kutta.make_stage(state.plan, 1, 2 * HALF)
         fused = [state.plan.owned(k, WORK + 2).copy() for k in layers]
-        y = np.concatenate([values.ravel() for values in stage])
+        energies = [[state.plan.ends(k, area).copy() for k in layers] for area in (WORK, WORK + 2)]
+        y = np.concatenate([part for k in layers for part in (stage[k].ravel(), state.plan.ends(k, WORK + 1))])
         kept, f = y.copy(), np.full_like(y, np.nan)
         state.right_hand_side(y, f)
         assert np.array_equal(y, kept), "the stage is PETSc's"
@@ -51,6 +54,8 @@ def test_both_make_the_same_rates(name, changed):
             rates, active = state.layout.local(k, f), state.active(k)
             assert np.array_equal(start[k][active] + HALF * rates[active], fused[k][active]), state.problem.layers[k].name
             assert np.abs(rates[active]).max() > 0
+            powers = state.layout.ends(k, f)
+            assert np.array_equal(energies[0][k] + HALF * powers, energies[1][k])
             assert not rates[: active.start].any() and not rates[active.stop :].any(), "spare points stay as they are"
 
 

@@ -31,7 +31,8 @@ ALL = pytest.mark.parametrize(
 def interface(normal: float, jump: tuple[float, ...] = (0, 0, 0, 0), **changes: float) -> np.void:
     """The record of an interface with the rod's materials, a viscosity that counts, and changes."""
     face = np.zeros(1, INTERFACE)[0]
-    values = {"normal": normal, "h": H, "mu": MU, "kappa": 0.7, "kappa_e": 0.5, **GAS, **SOLID, **changes}
+    spacing = {"h": H, "h_gas": H, "J": 1.0, "spacing": H, "ratio": 1.0}
+    values = {"normal": normal, **spacing, "mu": MU, "kappa": 0.7, "kappa_e": 0.5, **GAS, **SOLID, **changes}
     for name, value in values.items():
         face[name] = value
     face["jump"] = jump

@@ -13,6 +13,7 @@ pytest.importorskip("petsc4py")
 pytestmark = pytest.mark.mpi
 
 SUTHERLAND = str(REPOSITORY / "runs" / "sutherland.py")
+LAYERS = str(REPOSITORY / "tests" / "layers.py")
 PISTON = str(REPOSITORY / "runs" / "piston.py")
 _ROD = "-fsi_h 0.025 -ts_max_time 0.08 -fsi_output_dt 0.02"  # the interfaces move by more than a cell
 #: as long as it takes the rod to fall by cells, so that boundary points appear
@@ -57,6 +58,16 @@ RUNS = {
     "mms rk": ("mms", "-fsi_h 0.025 -fsi_order 6 -ts_max_time 0.1 -ts_type rk"),
     "mms rk balanced": ("mms", "-fsi_h 0.025 -fsi_order 6 -ts_max_time 0.1 -ts_type rk -fsi_partition balanced"),
     "rod wild": ("rod", "-fsi_h 0.05 -ts_max_time 0.02 -ts_rk_type 5dp -ts_adapt_type basic -fsi_cfl 200"),
+    "layers": (LAYERS, "-layers_gruneisen 0.2"),
+    "layers balanced": (LAYERS, "-layers_gruneisen 0.2 -fsi_partition balanced"),
+    "layers messages": (LAYERS, "-layers_gruneisen 0.2 -fsi_shared_memory 0 -fsi_partition physics"),
+    "layers rk": (LAYERS, "-layers_gruneisen 0.2 -ts_type rk"),
+    "layers energy": (LAYERS, "-layers gsgsg -fsi_coupling energy -fsi_partition balanced"),
+    "layers energy rk": (LAYERS, "-layers sgsg -fsi_coupling energy -fsi_order 6 -ts_type rk -fsi_partition balanced"),
+    "layers projection": (LAYERS, "-layers sgs -fsi_coupling projection -fsi_order 2"),
+    "layers moving": (LAYERS, "-layers gsg -layers_moving yes -fsi_order 8"),
+    "layers rigid": (LAYERS, "-layers gsgsg -fsi_mapping rigid -fsi_spare 0"),
+    "layers tiles": (LAYERS, "-layers gs -fsi_h 0.00005 -ts_max_steps 4 -ts_max_time 1 -fsi_output_dt 1"),
     "mms": ("mms", _MMS),
     "mms balanced": ("mms", f"{_MMS} -fsi_partition balanced"),
     "pulse": ("pulse", "-fsi_h 0.025 -fsi_order 8 -fsi_output_dt 0.001 -pulse_amplitude 1000"),
@@ -79,13 +90,15 @@ SAME = {
     "rod fine tiles": "rod fine",
     "rod rk balanced": "rod rk",
     "rod rk spare 0": "rod rk",
+    "layers balanced": "layers",
+    "layers messages": "layers",
     "mms balanced": "mms",
     "mms rk balanced": "mms rk",
     "piston spare 0": "piston",
 }
 
 #: of what is integrated over x the last bits depend on the number of ranks
-SUMS = ("mass", "momentum", "force", "energy", "entropy", "heating")
+SUMS = ("mass", "momentum", "force", "impulse", "energy", "entropy", "heating")
 
 
 @pytest.fixture(scope="module")
@@ -138,6 +151,16 @@ def test_as_on_one_rank(results, name, n):
     assert_same(results(1, name), results(n, name))
 
 
+@pytest.mark.parametrize("name", ["layers", "layers balanced", "layers moving"])
+def test_nine_layers_on_five_ranks(tmp_path, name):
+    case, options = RUNS[name]
+    line = options if "moving" in name else f"{options} -layers sgsgsgsgs"
+    one, five = (
+        fsipetsc.open_run(compute(n, tmp_path / f"{n}", {"run": (case, line)})["run"]) for n in (1, 5)
+    )
+    assert_same(one, five)
+
+
 @pytest.mark.parametrize("n", [1, 4])
 @pytest.mark.parametrize(("name", "same"), SAME.items())
 def test_partition_and_storage_do_not_matter(results, name, same, n):
@@ -167,7 +190,7 @@ def test_the_boundary_crosses_from_one_rank_to_another_and_back(results):
     case = load_case(PISTON)
     problem = case.build({**defaults(case), **run.options})
     op, h = OPERATORS[run.options["fsi_order"]], run.options["fsi_h"]
-    grids = make_grids(problem, op, h, run.options["fsi_spare"])
+    grids = make_grids(problem, op, h, run.options["fsi_spare"], "rigid")
     extents = [
         Extent(layer.kind, grid.n, grid.hi - grid.lo + 1, k == 0)
         for k, (layer, grid) in enumerate(zip(problem.layers, grids, strict=True))

@@ -50,7 +50,8 @@ STATES = {
 def record(kind: int, h: float) -> np.void:
     """A layer of N points that are all active and on this rank."""
     layer = np.zeros(1, LAYER)[0]
-    layer["kind"], layer["n"], layer["hi"], layer["own_hi"], layer["h"], layer["stride"] = kind, N, N - 1, N, h, N
+    layer["kind"], layer["n"], layer["hi"], layer["own_hi"], layer["stride"] = kind, N, N - 1, N, N
+    layer["h"], layer["J"] = h, 1.0
     return layer
 
 
@@ -61,7 +62,7 @@ def kernel_rates(kernel, layer: np.void, order: int, q: np.ndarray) -> np.ndarra
     memory = np.zeros(at[3] + scratch_size(16))
     memory[at[0] : at[1]] = q.ravel()
     # a stage that adds the rates to a sum that is zero
-    kernel(layer, packed(order), memory, at[0], at[3], Target(at[0], at[1], at[2], at[2], -1, N, 0.0, 1.0), 0, N)
+    kernel(layer, packed(order), memory, at[0], at[3], Target(at[0], at[1], at[2], at[2], -1, N, 0.0, 1.0, 1.0), 0, N)
     return memory[at[2] : at[3]].reshape(q.shape)
 
 
@@ -87,7 +88,7 @@ def test_rates_of_the_gas_are_those_of_the_kernel(order, state):
         return np.concatenate([f[0], u_t, ((f[2] - (gas.cv * T + u * u / 2) * f[0]) / rho - u * u_t) / gas.cv])
 
     D = OPERATORS[order].matrix(N, h)
-    raw, heating = rates(state, D, D @ D)
+    raw, heating = rates(state, D, (D, D), (D @ D, D @ D))
     expected = differentiated(primitive_rates, 1e-2, 3 * N)
     np.testing.assert_allclose(raw.toarray()[: 3 * N, : 3 * N], expected, atol=1e-9 * np.abs(expected).max())
     assert heating[: 3 * N].nnz == raw[: 3 * N, 3 * N :].nnz == raw[3 * N :, : 3 * N].nnz == 0
@@ -110,7 +111,7 @@ def test_rates_of_the_solid_are_those_of_the_kernel(order, state):
         S_t = f[1] + state.solid_pressure / state.stretch * (D @ f[3])
         return np.concatenate([f[0], S_t, f[2]])
 
-    raw, heating = rates(state, D, D @ D)
+    raw, heating = rates(state, D, (D, D), (D @ D, D @ D))
     expected = (raw + heating).toarray()[3 * N :, 3 * N :]
     got = differentiated(all_rates, 1e-3, 4 * N)
     close = {"atol": 1e-9 * np.abs(expected).max()}

@@ -30,7 +30,7 @@ H, T0 = 0.1, 300.0
 def at_rest(**options: float) -> State:
     """The initial state of the rod's case, without gravity."""
     opt = {**defaults(rod), "rod_gravity": 0.0, **options}
-    state = State(MPI.COMM_SELF, rod.build(opt), 4, H, "projection", "auto", 16)
+    state = State(MPI.COMM_SELF, rod.build(opt), 4, H, "projection", "rigid", "auto", 16)
     state.set_initial()
     return state
 
@@ -86,7 +86,7 @@ def test_the_force_of_a_solids_end(gruneisen, side):
     else:
         layers = FluidLayer("gas", gas, (-2.0, 0.0), still), SolidLayer("bar", bar, (0.0, 2.0), squeezed)
         problem = Problem(layers, Open(-2.0, 1e5, T0), free(-1.2e5))
-    with State(MPI.COMM_SELF, problem, 4, H, "projection", "auto", 16) as state:
+    with State(MPI.COMM_SELF, problem, 4, H, "projection", "rigid", "auto", 16) as state:
         state.set_initial()
         push = 1.2e5 - 1e5
         assert state.plan.part("integrals", FORCE + 1)[FORCE] == pytest.approx(push if side == 0 else -push, rel=1e-9)

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from fsipetsc.analysis.stability_measures import Result
 
-PROMISES = {"energy": "estimate", "projection": "modes", "traditional": "modes"}
+PROMISES = {"conservative": "estimate", "energy": "estimate", "projection": "modes", "traditional": "modes"}
 
 
 def stability(arguments: list[str], comm: MPI.Comm) -> None:

@@ -15,6 +15,7 @@ D2 is D twice or the narrow second derivative, c = alpha p_eps. The energy E = h
 of fsipetsc.coupling.energy. In it the equations are symmetric but for the part sigma^ D u of the last one, the heat
 that the stress sigma^ != 0 sets free.
 
+With the conservative coupling D of a flux is without what goes through the interface (fsipetsc.scheme.end_rates).
 D is fsipetsc.operators' and the interface is treated by the compiled code that the solver calls, differentiated
 numerically at the constant state. At the outer ends u = 0, and T = 0 in what conducts: orthogonal projections that
 neither add nor take energy, so that growth comes from the interface or from the equations.
@@ -22,6 +23,7 @@ neither add nor take energy, so that growth comes from the interface or from the
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -98,7 +100,8 @@ class Linear:
     """The assembled problem in the variables sqrt(h a W) q, in which the energy is the square of the vector.
 
     raw: (6n, 6n) right-hand side of both layers without any condition, sigma^ = 0 in the last equation;
-    heating: (6n, 6n) what sigma^ adds; projection: (6n, 6n) all conditions; layers: the same for the two layers alone.
+    heating: (6n, 6n) what sigma^ adds; projection: (6n, 6n) all conditions; layers: the same for the two layers alone, which
+    end at the interface as at the outer ends, or free and insulated with the conservative coupling.
     Order: fluid rho, u, T, solid u, S, T; in each the points from left to right.
     """
 
@@ -120,7 +123,12 @@ def assemble(state: Constant, order: int, n: int, h: float, coupling: str, narro
     narrowing = remainder(op.interior, np.ones(n)) / (h * h * op.norm_weights(n)[:, None]) if narrow else 0.0
     root = np.sqrt(h * np.outer(state.weights, op.norm_weights(n))).ravel()
     scale, unscale = diags(root), diags(1.0 / root)
-    raw, heating = rates(state, D, D @ D - narrowing)
+    outer = D, D
+    if coupling == "conservative":  # no flux through the interface is in the rates of the end points
+        outer = D.copy(), D.copy()
+        outer[0][0, 0] += 1.0 / (h * op.norm_weights(n)[0])
+        outer[1][-1, -1] -= 1.0 / (h * op.norm_weights(n)[0])
+    raw, heating = rates(state, D, outer, [divergence @ D - narrowing for divergence in outer])
     ends = np.ones((6, n))
     ends[1, -1] = ends[3, 0] = 0.0
     ends[2, -1] = 0.0 if state.gas.kappa > 0 else 1.0
@@ -130,25 +138,30 @@ def assemble(state: Constant, order: int, n: int, h: float, coupling: str, narro
         csr_matrix(scale @ raw @ unscale),
         csr_matrix(scale @ heating @ unscale),
         csr_matrix(diags(ends.ravel()) @ scale @ interface @ unscale @ diags(ends.ravel())),
-        csr_matrix(diags((ends * ends[:, ::-1]).ravel())),
+        csr_matrix(diags((ends if coupling == "conservative" else ends * ends[:, ::-1]).ravel())),
         n,
     )
 
 
-def rates(state: Constant, D: Array, D2: Array) -> tuple[csr_matrix, csr_matrix]:
-    """(right-hand side without the heating by sigma^, that heating), (6n, 6n), for the derivatives D and D2, (n, n)."""
+def rates(state: Constant, D: Array, outer: Sequence[Array], second: Sequence[Array]) -> tuple[csr_matrix, csr_matrix]:
+    """(right-hand side without the heating by sigma^, that heating), (6n, 6n).
+
+    D: derivative of the velocities, (n, n); outer, second: in fluid and solid those of the stress and, of second order, of what
+    is conducted or diffuses.
+    """
     gas, solid, rho, T, ps = state.gas, state.solid, state.rho, state.T, state.solid_pressure
     heat, n = solid.alpha * solid.m0, len(D)
-    D, D2, zero = csr_matrix(D), csr_matrix(D2), csr_matrix((n, n))
+    D, zero = csr_matrix(D), csr_matrix((n, n))
+    (Df, Ds), (D2f, D2s) = map(csr_matrix, outer), map(csr_matrix, second)
     fluid = [
         [zero, -rho * D, zero],
-        [-gas.R * T / rho * D, 4 / 3 * gas.mu / rho * D2, -gas.R * D],
-        [zero, -(gas.gamma - 1) * T * D, gas.kappa / (rho * gas.cv) * D2],
+        [-gas.R * T / rho * Df, 4 / 3 * gas.mu / rho * D2f, -gas.R * Df],
+        [zero, -(gas.gamma - 1) * T * D, gas.kappa / (rho * gas.cv) * D2f],
     ]
     elastic = [
-        [zero, D / solid.m0, -ps / T / solid.m0 * D],
+        [zero, Ds / solid.m0, -ps / T / solid.m0 * Ds],
         [state.modulus * D, zero, zero],
-        [-ps / heat * D, zero, solid.kappa_e / state.stretch / heat * D2],
+        [-ps / heat * D, zero, solid.kappa_e / state.stretch / heat * D2s],
     ]
     heated = [[zero] * 3, [zero] * 3, [state.stress / heat * D, zero, zero]]
     rest = csr_matrix((3 * n, 3 * n))
@@ -162,7 +175,8 @@ def interface_record(state: Constant, h: float, coupling: str, normal: float = 1
     gas, solid = state.gas, state.solid
     values = {"gamma": gas.gamma, "R": gas.R, "cv": gas.cv, "mu": 4 / 3 * gas.mu, "kappa": gas.kappa}
     values |= {name: getattr(solid, name) for name in ("K", "kappa_e", "m0", "alpha", "gruneisen")}
-    for name, value in {**values, "h": h, "coupling": KINDS[coupling], "normal": normal}.items():
+    values |= {"h": h, "h_gas": h, "J": 1.0, "spacing": h, "ratio": 1.0}
+    for name, value in {**values, "coupling": KINDS[coupling], "normal": normal}.items():
         face[name] = value
     return face
 
@@ -182,7 +196,7 @@ def interface_jacobian(state: Constant, order: int, h: float, coupling: str) -> 
     changed = constant + multiples[:, None, None] * np.diag(steps)
     rho, u, T, v, sigma, Ts = np.moveaxis(changed.reshape(8 * size, 6, rows), 1, 0)
     fluid, positions = state.gas.conserved(rho, u, T), np.broadcast_to(-h * state.stretch * np.arange(rows), rho.shape)
-    solid = np.stack([v, sigma, Ts, positions], axis=-1)
+    solid = np.stack([v, sigma, Ts, positions, 0.5 * state.solid.m0 * v * v], axis=-1)
     couple_all(face, op, fluid, solid)
     rho, u, T, _ = state.gas.primitive(fluid)
     after = np.stack([rho, u, T, *np.moveaxis(solid, -1, 0)[:3]], axis=1).reshape(8, size, size)
@@ -192,7 +206,7 @@ def interface_jacobian(state: Constant, order: int, h: float, coupling: str) -> 
 
 @njit(**ENTRY)
 def couple_all(face, op, fluid, solid):
-    """The treatment of one interface for many traces, in place: fluid (m, rows, 3), solid (m, rows, 4)."""
+    """The treatment of one interface for many traces, in place: fluid (m, rows, 3), solid (m, rows, 5)."""
     for m in range(len(fluid)):
         couple(BUILT_IN, face[0], op[0], fluid[m], solid[m])
 

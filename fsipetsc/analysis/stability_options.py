@@ -52,7 +52,7 @@ SECTIONS: dict[str, tuple[Option, ...]] = {
     "Discretisation": (
         Option(
             *("fsi_coupling", str, "energy", "", "treatment of the interface"),
-            choices=("energy", "projection", "traditional"),
+            choices=("conservative", "energy", "projection", "traditional"),
         ),
         Option("fsi_viscous", str, "wide", "", "second derivatives: D twice, or narrow ones", ("wide", "narrow")),
         Option("fsi_orders", "ints", ORDERS, "", "interior orders of the SBP operators", check=_orders),

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 _THEORY = {
     "energy": "orthogonal projection, all four conditions at once (Theorem 4.1)",
     "projection": "temperatures first, then u, sigma, rho (Theorem 4.2)",
+    "conservative": "the end points are one particle; mass, momentum and energy are kept",
     "traditional": "the solid moves the fluid, the fluid loads the solid",
 }
 

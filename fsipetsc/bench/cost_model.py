@@ -116,7 +116,7 @@ def shares(order: int, h: float) -> Callable[[int], int]:
     """ranks -> points of the rank that has most, as the balanced partition deals out the rod; InputError if it cannot."""
     case = load_case("rod")
     problem, op = case.build(defaults(case)), OPERATORS[order]
-    grids = make_grids(problem, op, h, 16)
+    grids = make_grids(problem, op, h, 16, "rigid")
     extents = [
         Extent(layer.kind, grid.n, grid.hi - grid.lo + 1, k == 0) for k, (layer, grid) in enumerate(zip(problem.layers, grids))
     ]

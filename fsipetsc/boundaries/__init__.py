@@ -20,10 +20,13 @@ from fsipetsc.boundaries import wall as _wall
 from fsipetsc.boundaries.solid_ends import solid_end
 from fsipetsc.errors import InputError
 from fsipetsc.operators.kernels import OPTIONS, extrapolate, lagrange
+from fsipetsc.physics.layer import GIVEN_FLUX, GIVEN_T, INSULATED
 
 INTERFACE_END = -1
 WALL, OPEN, DIRICHLET = 0, 1, 2
 CLAMPED, FREE, ABSORBING = 10, 11, 12
+#: a number, or a function of time
+Timed = float | Callable[[float], float]
 #: degrees that a formula may have
 DEGREES = (2, 3, 4, 5)
 #: nodes that a formula may use, ghost point included
@@ -37,14 +40,31 @@ def nodes_needed(degree: int) -> int:
 
 @dataclass(frozen=True)
 class Wall:
-    """Adiabatic no-slip wall at the Eulerian position x [m]."""
+    """No-slip wall at the Eulerian position x [m]: adiabatic, of temperature T [K], or with a heat flux [W/m2] into the gas.
 
-    x: float
+    x, T, heat_flux: numbers or functions of t [s]. velocity: function of t, [m/s], of a wall that moves; else it is taken
+    from differences of x(t), also for a few steps before t = 0. A wall that moves, or does not insulate, needs a stretched gas
+    layer, and makes it one. Heat matters only to a gas that conducts it. InputError for what is of the wrong kind.
+    """
+
+    x: Timed
+    T: Timed | None = None
+    heat_flux: Timed | None = None
+    velocity: Callable[[float], float] | None = None
     kind = WALL
     degree = _wall.DEGREE
 
     def __post_init__(self) -> None:
-        checks.numbers(self, "Wall", {"x": checks.ANY})
+        _check_timed(self, "Wall", "x")
+        _check_heat(self, "Wall")
+        checks.function(self.velocity, "Wall: velocity", "velocity(t) [m/s]", optional=True)
+        if self.velocity is not None and not self.moves:
+            raise InputError("Wall: velocity is given, but x is a number: expected a function x(t) [m], too")
+
+    @property
+    def moves(self) -> bool:
+        """The wall does not stay where it is."""
+        return callable(self.x)
 
     def data(self, t: float) -> tuple[float, ...]:
         return ()
@@ -112,37 +132,88 @@ def degree_of(end: Boundary, order: int) -> int:
 
 @dataclass(frozen=True)
 class SolidEnd:
-    """Outer end of a solid. kind CLAMPED: velocity value [m/s]; FREE, ABSORBING: stress sigma - p = value [Pa]."""
+    """Outer end of a solid. kind CLAMPED: velocity value [m/s]; FREE, ABSORBING: stress sigma - p = value [Pa].
+
+    Insulated, or of temperature T [K], or with a heat flux [W/m2] into the solid. All numbers or functions of t [s].
+    """
 
     kind: int
-    value: float
+    value: Timed
+    T: Timed | None = None
+    heat_flux: Timed | None = None
     degree = 0
+
+    def __post_init__(self) -> None:
+        name, value = _SOLID_ENDS[self.kind]
+        if not callable(self.value):
+            checks.number(self.value, f"{name}: {value}")
+        _check_heat(self, name)
 
     def data(self, t: float) -> tuple[float, ...]:
         return (self.value,)
 
 
-def clamped(velocity: float = 0.0) -> SolidEnd:
-    """Solid end that moves with a given, constant velocity [m/s]. InputError if that is no number."""
-    return SolidEnd(CLAMPED, _constant(velocity, "clamped: velocity"))
+_SOLID_ENDS = {CLAMPED: ("clamped", "velocity"), FREE: ("free", "stress"), ABSORBING: ("absorbing", "stress")}
 
 
-def free(stress: float = 0.0) -> SolidEnd:
-    """Solid end under a given, constant stress sigma - p [Pa]. InputError if that is no number."""
-    return SolidEnd(FREE, _constant(stress, "free: stress"))
+def clamped(velocity: Timed = 0.0, *, T: Timed | None = None, heat_flux: Timed | None = None) -> SolidEnd:
+    """Solid end that moves with a given velocity [m/s]; see SolidEnd. InputError for what is neither number nor function."""
+    return SolidEnd(CLAMPED, velocity, T, heat_flux)
 
 
-def absorbing(stress: float = 0.0) -> SolidEnd:
-    """Solid end that lets elastic waves out, towards a solid at rest under the stress sigma - p [Pa]. InputError if that
-    is no number.
+def free(stress: Timed = 0.0, *, T: Timed | None = None, heat_flux: Timed | None = None) -> SolidEnd:
+    """Solid end under a given stress sigma - p [Pa]; see SolidEnd. InputError for what is neither number nor function."""
+    return SolidEnd(FREE, stress, T, heat_flux)
+
+
+def absorbing(stress: Timed = 0.0, *, T: Timed | None = None, heat_flux: Timed | None = None) -> SolidEnd:
+    """Solid end that lets elastic waves out, towards a solid at rest under the stress sigma - p [Pa]; see SolidEnd.
+
+    InputError for what is neither number nor function.
     """
-    return SolidEnd(ABSORBING, _constant(stress, "absorbing: stress"))
+    return SolidEnd(ABSORBING, stress, T, heat_flux)
 
 
-def _constant(value: float, what: str) -> float:
-    if callable(value):
-        raise InputError(f"{what} is {checks.described(value)}: expected a number; the ends of a solid do not change in time")
-    return checks.number(value, what)
+def _check_timed(end: object, owner: str, name: str, bound: str = checks.ANY) -> None:
+    """InputError if an attribute is neither a number within its range nor a function; a number becomes a float."""
+    value = getattr(end, name)
+    if not callable(value):
+        object.__setattr__(end, name, checks.number(value, f"{owner}: {name}", bound))
+
+
+def _check_heat(end: Wall | SolidEnd, owner: str) -> None:
+    if end.T is not None and end.heat_flux is not None:
+        raise InputError(f"{owner}: T and heat_flux are given: expected one of them, or neither for an insulated end")
+    for name, bound in (("T", checks.POSITIVE), ("heat_flux", checks.ANY)):
+        if getattr(end, name) is not None:
+            _check_timed(end, owner, name, bound)
+
+
+def heat_of(end: Boundary) -> tuple[int, Timed]:
+    """(INSULATED, GIVEN_T or GIVEN_FLUX, what is given) at an end."""
+    if getattr(end, "T", None) is not None:
+        return GIVEN_T, end.T
+    if getattr(end, "heat_flux", None) is not None:
+        return GIVEN_FLUX, end.heat_flux
+    return INSULATED, 0.0
+
+
+def in_time(end: Boundary) -> dict[str, Callable[[float], float]]:
+    """What is given at an end as functions of time: name -> function."""
+    names = ("x", "velocity", "value", "T", "heat_flux", "values")
+    return {name: getattr(end, name) for name in names if callable(getattr(end, name, None))}
+
+
+def closes(end: Boundary) -> bool:
+    """Whether neither mass nor energy goes through an end."""
+    if heat_of(end)[0] != INSULATED or in_time(end):
+        return False
+    return isinstance(end, Wall) or (isinstance(end, SolidEnd) and end.kind != ABSORBING and end.value == 0.0)
+
+
+def needs_stretching(end: Boundary) -> bool:
+    """Whether the gas at this end must have a stretched grid: an embedded wall insulates, and stays where it is."""
+    return isinstance(end, Wall) and (end.moves or heat_of(end)[0] != INSULATED)
 
 
 @njit(**OPTIONS)

@@ -1,4 +1,4 @@
-"""What can stand at an outer end of a solid layer: clamped, free, absorbing. All are adiabatic.
+"""What can stand at an outer end of a solid layer: clamped, free, absorbing; insulated, or with given temperature or heat.
 
 Each changes the end point only, like an interface treatment with nothing on the other side. With the impedance
 Z = m0 c, c the speed of elastic waves, the characteristic that leaves through the end is (sigma - p) - n Z u. For Z the
@@ -11,6 +11,7 @@ import numpy as np
 from numba import njit
 
 from fsipetsc.operators.kernels import OPTIONS
+from fsipetsc.physics.layer import GIVEN_FLUX, GIVEN_T
 
 
 @njit(**OPTIONS)
@@ -27,7 +28,12 @@ def solid_end(law, layer, op, side, normal, kind, trace_s):
         if j > 0:
             rest += op.closure[0, j] * trace_s[j, 2]
     if layer.kappa_e > 0.0:
-        trace_s[0, 2] = -rest / op.closure[0, 0]
+        thermal, heat = layer.end_thermal[side], layer.end_heat[side]
+        if thermal == GIVEN_T:
+            trace_s[0, 2] = heat
+        else:
+            slope = normal * heat * x_X / (layer.kappa_e * d) if thermal == GIVEN_FLUX else 0.0
+            trace_s[0, 2] = (slope - rest) / op.closure[0, 0]
     T, c = trace_s[0, 2], law.pressing.constants(layer)
     p = law.pressing.pressure(c, T, x_X)
     given = layer.end_data[side, 0]

@@ -44,7 +44,11 @@ OPTIONS = (
     Option("mms_phi", "float", 0.47, "", "phase phi of (5.1b)"),
     Option("mms_degree", "int", None, "", "degree of the embedded-boundary formulas; default: what suits the order", DEGREES),
 )
-DEFAULTS = {"fsi_h": 0.0125, "fsi_order": 4, "ts_max_time": 0.45, "fsi_output_dt": 0.05, "fsi_coupling": "projection"}
+#: interfaces and grids are the paper's
+DEFAULTS = {
+    **{"fsi_h": 0.0125, "fsi_order": 4, "ts_max_time": 0.45, "fsi_output_dt": 0.05},
+    **{"fsi_coupling": "projection", "fsi_mapping": "rigid"},
+}
 
 LEFT, RIGHT = 0.25, 4.0
 

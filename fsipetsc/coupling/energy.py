@@ -41,7 +41,8 @@ the energy asks for less: no C3, and no C4 either if none does; the other two th
 The non-linear equations are treated as in Sec. 4.2: rho^, T^, p^ one point into the fluid, x_X and p_s at the
 interface, p_0 from the stress condition (4.24), then rho_0 = p_0/(R T_0). rho_j is kept for j >= 1. In a gas that is not
 perfect rho p_rho takes the place of p^, p_T that of R rho^ and p_rho/rho^ that of the weight R T^/rho^; in a solid with another
-pressure -x_X dp/dx_X that of p_s in K^ and p_T that of c.
+pressure -x_X dp/dx_X that of p_s in K^ and p_T that of c. Where the points of the gas are r times as far apart as those of the
+solid, the weights of the gas are r times as large, and d_j is that of the gas, r d_j that of the solid.
 """
 
 from __future__ import annotations
@@ -91,7 +92,7 @@ def row_sums(pair, face, op, trace_f, trace_s, d):
         dj, (u, T) = d * beta[j], gas_velocity_and_temperature(pair, face, trace_f, j)
         u_X += dj * u
         Tf_X += dj * T
-        Ts_X -= dj * trace_s[j, 2]
+        Ts_X -= dj * face.ratio * trace_s[j, 2]
         squares += dj * dj * (op.norm[0] / norm_weight(op, j))
     return u_X, Tf_X, Ts_X, squares
 
@@ -112,16 +113,16 @@ def energy(pair, face, op, trace_f, trace_s):
 @njit(**OPTIONS)
 def projected(pair, face, op, trace_f, trace_s):
     """Project with the kappa of the temperature as it is; returns the gas's new temperature at the interface."""
-    d, beta, a0 = face.normal / face.h, op.closure[0], op.norm[0]
+    d, r, beta, a0 = face.normal / face.spacing, face.ratio, op.closure[0], op.norm[0]
     gas, pressing, c_f, c_s = pair.gas, pair.pressing, pair.gas.constants(face), pair.pressing.constants(face)
     x_X = solid_strain(face, op, trace_s)
     # the state that the weights belong to
     rho, (u, T) = trace_f[1, 0], gas_velocity_and_temperature(pair, face, trace_f, 1)
-    bulk, cv = gas.bulk_modulus(c_f, rho, T), gas.heat_capacity(c_f, rho, T)
+    bulk, cv = gas.bulk_modulus(c_f, rho, T) / r, gas.heat_capacity(c_f, rho, T)
     ps = solid_pressure(pair, face, trace_s[0, 2], x_X)
     K = (face.K + pressing.stiffness(c_s, trace_s[0, 2], x_X)) / x_X
     c = pressing.pressure_by_temperature(c_s, trace_s[0, 2], x_X)
-    tau_f, tau_s = T / (rho * cv), T / (face.alpha * face.m0)
+    inertia, tau_f, tau_s = rho * r, T / (rho * cv) / r, T / (face.alpha * face.m0)
     uf0, Tf0 = gas_velocity_and_temperature(pair, face, trace_f, 0)
     mu, kappa, k_s = viscosity(pair, face, Tf0), conductivity(pair, face, Tf0), face.kappa_e / x_X
     conducting = int(kappa > 0.0) + int(k_s > 0.0)
@@ -129,11 +130,11 @@ def projected(pair, face, op, trace_f, trace_s):
     # S without the factor 1/a_0: the multipliers come out as l/a_0
     u_X, Tf_X, Ts_X, squares = row_sums(pair, face, op, trace_f, trace_s, d)
     p_T, d0 = gas.pressure_by_temperature(c_f, rho, T), d * beta[0]
-    S12 = mu * d0 / rho
-    S22 = K + bulk + c * c * tau_s + p_T * p_T * tau_f + mu * mu * squares / rho
-    S23, S24 = -c * tau_s - p_T * tau_f, d0 * (c * k_s * tau_s - p_T * kappa * tau_f)
-    S33, S34 = tau_s + tau_f, d0 * (kappa * tau_f - k_s * tau_s)
-    S44 = (k_s * k_s * tau_s + kappa * kappa * tau_f) * squares
+    S12 = mu * d0 / inertia
+    S22 = K + bulk + c * c * tau_s + p_T * p_T * tau_f + mu * mu * squares / inertia
+    S23, S24 = -c * tau_s - p_T * tau_f, d0 * (c * k_s * tau_s * r - p_T * kappa * tau_f)
+    S33, S34 = tau_s + tau_f, d0 * (kappa * tau_f - k_s * tau_s * r)
+    S44 = (k_s * k_s * tau_s * (r * r) + kappa * kappa * tau_f) * squares
     us0 = trace_s[0, 0]
     r1 = us0 - uf0 - face.jump[JUMP_U]
     r2 = trace_s[0, 1] - ps + gas_pressure(pair, face, trace_f[0, 0], Tf0) - mu * u_X - face.jump[JUMP_STRESS]
@@ -143,7 +144,7 @@ def projected(pair, face, op, trace_f, trace_s):
         S23, S33, S34, r3 = 0.0, 1.0, 0.0, 0.0
     if conducting == 0:
         S24, S44, r4 = 0.0, 1.0, 0.0
-    l1, l2, l3, l4 = multipliers(1.0 / face.m0 + 1.0 / rho, S12, S22, S23, S24, S33, S34, S44, r1, r2, r3, r4)
+    l1, l2, l3, l4 = multipliers(1.0 / face.m0 + 1.0 / inertia, S12, S22, S23, S24, S33, S34, S44, r1, r2, r3, r4)
 
     trace_s[0, 0] = us0 - l1 / face.m0
     trace_s[0, 1] -= K * l2
@@ -152,9 +153,9 @@ def projected(pair, face, op, trace_f, trace_s):
     for j in range(row_length(op)):
         dj, w = d * beta[j], a0 / norm_weight(op, j)
         rho_j, (u, T) = trace_f[j, 0], gas_velocity_and_temperature(pair, face, trace_f, j)
-        u += w * (at_interface_u + mu * dj * l2) / rho
+        u += w * (at_interface_u + mu * dj * l2) / inertia
         T += w * tau_f * (at_interface_f + kappa * dj * l4)
-        trace_s[j, 2] += w * tau_s * (at_interface_s + k_s * dj * l4)
+        trace_s[j, 2] += w * tau_s * (at_interface_s + k_s * (dj * r) * l4)
         at_interface_u, at_interface_f, at_interface_s = 0.0, 0.0, 0.0
         u_X += dj * u
         if j == 0:

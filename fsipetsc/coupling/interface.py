@@ -2,7 +2,7 @@
 
 The *traces* of an interface are the rows of both sides that an interface condition can reach, counted from the
 interface into each material: ``trace_f[j] = (rho, rho u, e)_j`` and ``trace_s[j] = (u, sigma, T, x)_j`` for
-j = 0 .. rows-1. A treatment is a compiled function
+j = 0 .. rows-1; ``conservative`` takes J (rho, rho u, e) and a fifth column: see there. A treatment is a compiled function
 
     treatment(pair, face, op, trace_f, trace_s)
 
@@ -27,7 +27,11 @@ INTERFACE = np.dtype(
         ("pair", _I),  # number among the pairs of laws of the problem, see fsipetsc.scheme.laws
         ("coupling", _I),  # a kind of fsipetsc.coupling
         ("normal", _F),  # +1 if the fluid lies right of the solid, -1 if left
-        ("h", _F),
+        ("h", _F),  # of the solid
+        ("h_gas", _F),  # of the gas's grid at rest; now
+        ("J", _F),  # the distance of its points is J times as much,
+        ("spacing", _F),  # this,
+        ("ratio", _F),  # and over that of the solid's points this
         ("gamma", _F),
         ("R", _F),
         ("cv", _F),
@@ -117,7 +121,7 @@ def solid_pressure(pair, face, T, x_X):
 @njit(**OPTIONS)
 def residuals(pair, face, op, trace_f, trace_s, out):
     """Residuals of the four interface conditions, in the order and with the jumps of INTERFACE["jump"]."""
-    d_f, d_s = face.normal / face.h, -face.normal / face.h
+    d_f, d_s = face.normal / face.spacing, -face.normal / face.h
     n = row_length(op)
     u_X, Tf_X, Tf0, uf0 = 0.0, 0.0, 0.0, 0.0
     for j in range(n):

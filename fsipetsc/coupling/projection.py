@@ -51,12 +51,12 @@ def interface_temperatures(pair, face, op, trace_f, trace_s, x_X):
             T_f0 = T
         else:
             rest_f += beta[j] * T
-    d = face.normal / face.h
+    d, d_solid = face.normal / face.spacing, face.normal / face.h
     rest_f *= d
-    rest_s = closure_derivative(op, trace_s, 2, -d) + d * beta[0] * trace_s[0, 2]
+    rest_s = closure_derivative(op, trace_s, 2, -d_solid) + d_solid * beta[0] * trace_s[0, 2]
     T_s0 = trace_s[0, 2]
     k_s, k_f = face.kappa_e / x_X, conductivity(pair, face, T_f0)
-    d_f, d_s = d * beta[0], -d * beta[0]
+    d_f, d_s = d * beta[0], -d_solid * beta[0]
     for _ in range(REFINEMENTS):
         if k_s > 0.0 and k_f > 0.0:
             g_T = face.jump[JUMP_T]
@@ -85,7 +85,9 @@ def projection(pair, face, op, trace_f, trace_s):
     u1 = trace_f[1, 1] / rho_hat
     bulk = pair.gas.bulk_modulus_of_energy(pair.gas.constants(face), rho_hat, trace_f[1, 2] - 0.5 * rho_hat * u1 * u1)
 
-    d, mu, a0 = face.normal / face.h, viscosity(pair, face, T_f0), op.norm[0]
+    # the weights of the gas are as many times as large as its points are further apart
+    inertia, bulk = rho_hat * face.ratio, bulk / face.ratio
+    d, mu, a0 = face.normal / face.spacing, viscosity(pair, face, T_f0), op.norm[0]
     u_X, row_norm = 0.0, 0.0
     for j in range(n):
         u_X += d * beta[j] * (trace_f[j, 1] / trace_f[j, 0])
@@ -94,9 +96,9 @@ def projection(pair, face, op, trace_f, trace_s):
     p_tilde = gas_pressure(pair, face, trace_f[0, 0], T_f0)
 
     # (4.23)
-    a11 = (1.0 / face.m0 + 1.0 / rho_hat) / a0
-    a12 = mu * d * beta[0] / (a0 * rho_hat)
-    a22 = (face.K + bulk) / a0 + mu * mu * row_norm / rho_hat
+    a11 = (1.0 / face.m0 + 1.0 / inertia) / a0
+    a12 = mu * d * beta[0] / (a0 * inertia)
+    a22 = (face.K + bulk) / a0 + mu * mu * row_norm / inertia
     r1 = us0 - uf0 - face.jump[JUMP_U]
     r2 = trace_s[0, 1] - ps + p_tilde - mu * u_X - face.jump[JUMP_STRESS]
     det = a11 * a22 - a12 * a12
@@ -115,7 +117,7 @@ def projection(pair, face, op, trace_f, trace_s):
         change = mu * d * beta[j] * l2
         if j == 0:
             change += l1
-        u = m / rho + change / (norm_weight(op, j) * rho_hat)
+        u = m / rho + change / (norm_weight(op, j) * inertia)
         u_X += d * beta[j] * u
         trace_f[j, 1] = rho * u
         trace_f[j, 2] = internal + 0.5 * rho * u * u

@@ -39,7 +39,7 @@ def traditional(pair, face, op, trace_f, trace_s):
     rho, u = trace_f[0, 0], trace_s[0, 0] - face.jump[JUMP_U]
     trace_f[0, 1] = rho * u
     trace_f[0, 2] = gas_energy(pair, face, rho, u, T_f)
-    d, u_X = face.normal / face.h, 0.0
+    d, u_X = face.normal / face.spacing, 0.0
     for j in range(row_length(op)):
         u_X += d * op.closure[0, j] * (trace_f[j, 1] / trace_f[j, 0])
     fluid_stress = -gas_pressure(pair, face, rho, T_f) + viscosity(pair, face, T_f) * u_X

@@ -189,6 +189,17 @@ def spread(typingctx, a):
     return vector(types.float64), lambda context, builder, sig, args: _spread(builder, args[0])
 
 
+@intrinsic
+def numbers_from(typingctx, i):
+    """i, i+1, ... as doubles."""
+
+    def codegen(context, builder, sig, args):
+        first = builder.sitofp(args[0], ir.DoubleType())
+        return builder.fadd(_spread(builder, first), ir.Constant(_DOUBLES, [float(j) for j in _EACH_LANE]))
+
+    return vector(types.intp), codegen
+
+
 @intrinsic(prefer_literal=True)
 def lane(typingctx, v, j):
     """Lane j, a literal, of a vector."""

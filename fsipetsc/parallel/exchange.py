@@ -16,10 +16,10 @@ from fsipetsc.operators.vectors import LANES, load, store_interlaced
 from fsipetsc.parallel.mpi import mpi_startall, mpi_waitall
 from fsipetsc.parallel.pointers import rows_of
 from fsipetsc.parallel.shared_memory import largest, next_turn
-from fsipetsc.physics.layer import FLUID
+from fsipetsc.physics.layer import ENDS, FLUID
 
-#: what a point of the traces holds: fluid (rho, rho u, e), then solid (u, sigma, T, x)
-TRACE = 7
+#: what a point of the traces holds: fluid (rho, rho u, e), then solid (u, sigma, T, x), then the kinetic energy of its end
+TRACE = 8
 #: directions of ``move_edges``
 SEND, RECEIVE = np.bool_(True), np.bool_(False)
 
@@ -49,9 +49,21 @@ def side_of(face, part):
 
 
 @njit(**OPTIONS)
+def kinetic_energy_of(layer, side):
+    """Where the kinetic energy m0 u^2/2 of an end point of a solid stands, counted as a point: behind the first unknown's.
+
+    It is what the conservative coupling integrates beside the unknowns, and is there for the owner of the end point.
+    """
+    return layer.own_hi + layer.halo_hi + side
+
+
+@njit(**OPTIONS)
 def load_state(head, layers, memory, area, at):
     """Copy a state, whose interlaced owned part begins at memory[at], into an area."""
     for layer in layers:
+        if layer.ends >= 0:
+            for side in range(ENDS):
+                memory[U64(work_point(head, layer, area, kinetic_energy_of(layer, side)))] = memory[U64(at + layer.ends + side)]
         dof, own = unknowns(layer), work_point(head, layer, area, layer.own_lo)
         for c in range(dof):
             a, b, step = U64(at + layer.start + c), U64(own + c * layer.stride), U64(dof)
@@ -73,6 +85,9 @@ def store_state(head, layer, memory, area, at, begin, end):
     for i in range(whole, end):
         for c in range(dof):
             memory[U64(to + dof * i + c)] = memory[U64(w + c * step + i)]
+    if layer.ends >= 0:
+        for side in range(ENDS):
+            memory[U64(at + layer.ends + side)] = memory[U64(w + kinetic_energy_of(layer, side))]
 
 
 @njit(**OPTIONS)
@@ -136,6 +151,9 @@ def pack(head, layers, face, memory, area, at):
             w, o = work_point(head, layer, area, point + step * j), at + TRACE * j + column
             for c in range(dof):
                 memory[U64(o + c)] = memory[U64(w + c * layer.stride)]
+        if layer.ends >= 0:
+            w = work_point(head, layer, area, kinetic_energy_of(layer, 0 if right else 1))
+            memory[U64(at + TRACE - 1)] = memory[U64(w)]
 
 
 @njit(**OPTIONS)
@@ -153,3 +171,6 @@ def unpack(head, layers, face, memory, area, at):
                 w, o = work_point(head, layer, area, point + step * j), at + TRACE * j + column
                 for c in range(dof):
                     memory[U64(w + c * layer.stride)] = memory[U64(o + c)]
+        if layer.ends >= 0:
+            w = work_point(head, layer, area, kinetic_energy_of(layer, 0 if right else 1))
+            memory[U64(w)] = memory[U64(at + TRACE - 1)]

@@ -14,12 +14,12 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fsipetsc.boundaries import DIRICHLET, OPEN, degree_of, nodes_needed
+from fsipetsc.boundaries import DIRICHLET, INTERFACE_END, OPEN, Dirichlet, Open, degree_of, heat_of, in_time, nodes_needed
 from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import SBPOperator
 from fsipetsc.parallel.partition import Extent, partition, stretched
-from fsipetsc.physics.layer import DOF, FLUID, LAYER, SOLID
-from fsipetsc.problem import FluidLayer, Problem
+from fsipetsc.physics.layer import DOF, ENDS, FLUID, LAYER, SHARED_HEAT, SOLID, UNLOADED
+from fsipetsc.problem import FluidLayer, Layer, Problem, SolidLayer
 
 #: cells of a layer, with the spare ones: the unknowns of a few such layers can still be counted in 32 bits
 MOST_CELLS = 50_000_000
@@ -27,18 +27,21 @@ MOST_CELLS = 50_000_000
 
 @dataclass(frozen=True)
 class Grid:
-    """The stored points of one layer: X = anchor + (i - anchor_index) h, active points lo..hi."""
+    """The stored points of one layer: X = anchor + (i - anchor_index) h, active points lo..hi; stretched: of a gas, between
+    its ends."""
 
     n: int
     lo: int
     hi: int
+    h: float
     anchor: float
     anchor_index: int
     least: int
+    stretched: bool = False
 
-    def X(self, h: float, begin: int = 0, end: int | None = None) -> np.ndarray:
+    def X(self, begin: int = 0, end: int | None = None) -> np.ndarray:
         """Lagrangian coordinates [m] of the points begin .. end-1."""
-        return self.anchor + (np.arange(begin, self.n if end is None else end) - self.anchor_index) * h
+        return self.anchor + (np.arange(begin, self.n if end is None else end) - self.anchor_index) * self.h
 
 
 def ghost_index(distance: float) -> int:
@@ -51,11 +54,13 @@ def make_grids(
     op: SBPOperator,
     h: float,
     spare: int,
+    mapping: str,
     cells: dict[int, int] | None = None,
     before: Sequence[Grid] | None = None,
 ) -> list[Grid]:
-    """Grids of all layers. cells: ghost index of each fluid layer, where it differs from the initial one.
+    """Grids of all layers. mapping: of the gases, see ``Problem.is_stretched``.
 
+    cells: ghost index of each rigid fluid layer, where it differs from the initial one.
     before: grids that these take the place of; none has fewer points than it had.
     Raises InputError where h does not fit the solids or a layer is too short for the closures.
     """
@@ -67,7 +72,10 @@ def make_grids(
                 f"layer '{layer.name}' of length {layer.X[1] - layer.X[0]:g} would have {width:.3g} cells with -fsi_h {h:g} "
                 f"and -fsi_spare {spare}; {MOST_CELLS} are too many"
             )
-        if isinstance(layer, FluidLayer):
+        if isinstance(layer, SolidLayer) or problem.is_stretched(k, mapping):
+            _check_ends(problem, k)
+            grid = _between_ends(layer, op, h, width)
+        else:
             G = (cells or {}).get(k, ghost_index(width))
             end = problem.left if k == 0 else problem.right
             degree = degree_of(end, op.order)
@@ -76,18 +84,7 @@ def make_grids(
             room = spare + max(1, G // 8) if spare >= 8 else spare
             n = max(G + 1 + room, before[k].n if before else 0)
             room = n - 1 - G
-            grid = Grid(n, room, n - 1, layer.X[1], n - 1, least) if k == 0 else Grid(n, 0, G, layer.X[0], 0, least)
-        else:
-            cells_ = round(width)
-            if abs(width - cells_) > 1e-6 * max(1.0, width):
-                raise InputError(
-                    f"-fsi_h {h:.10g} misses an interface: layer '{layer.name}' of length {layer.X[1] - layer.X[0]:g} "
-                    f"would have {width:.6g} cells; the nearest spacings that fit are "
-                    f"{(layer.X[1] - layer.X[0]) / max(1, np.ceil(width)):.10g} and "
-                    f"{(layer.X[1] - layer.X[0]) / max(1, np.floor(width)):.10g}"
-                )
-            # the rows that the treatments of its two ends may change must not overlap
-            grid = Grid(cells_ + 1, 0, cells_, layer.X[0], 0, max(4, op.min_points))
+            grid = Grid(n, room, n - 1, h, layer.X[1], n - 1, least) if k == 0 else Grid(n, 0, G, h, layer.X[0], 0, least)
         if grid.hi - grid.lo + 1 < grid.least:
             raise InputError(
                 f"layer '{layer.name}' has {grid.hi - grid.lo + 1} points with -fsi_h {h:g}; the {op.name} operator "
@@ -95,6 +92,34 @@ def make_grids(
             )
         grids.append(grid)
     return grids
+
+
+def _check_ends(problem: Problem, k: int) -> None:
+    """InputError if a stretched gas has an outer end that its grid cannot have."""
+    last = len(problem.layers) - 1
+    for at, end in ((0, problem.left), (last, problem.right)):
+        if at == k and isinstance(end, (Open, Dirichlet)):
+            raise InputError(
+                f"layer '{problem.layers[k].name}' ends at {type(end).__name__}(…) and has a stretched grid: expected a "
+                "Wall(…); or -fsi_mapping rigid, or mapping='rigid' of the layer, where it has one interface"
+            )
+
+
+def _between_ends(layer: Layer, op: SBPOperator, h: float, width: float) -> Grid:
+    """The grid of a solid, whose width in cells must be a whole number, or of a stretched gas, whose spacing is made to fit."""
+    cells = max(1, round(width))
+    # the rows that the treatments of its two ends may change must not overlap
+    least = max(4, op.min_points)
+    if isinstance(layer, FluidLayer):
+        return Grid(cells + 1, 0, cells, (layer.X[1] - layer.X[0]) / cells, layer.X[0], 0, least, stretched=True)
+    if abs(width - cells) > 1e-6 * max(1.0, width):
+        raise InputError(
+            f"-fsi_h {h:.10g} misses an interface: layer '{layer.name}' of length {layer.X[1] - layer.X[0]:g} "
+            f"would have {width:.6g} cells; the nearest spacings that fit are "
+            f"{(layer.X[1] - layer.X[0]) / max(1, np.ceil(width)):.10g} and "
+            f"{(layer.X[1] - layer.X[0]) / max(1, np.floor(width)):.10g}"
+        )
+    return Grid(cells + 1, 0, cells, h, layer.X[0], 0, least)
 
 
 class Layout:
@@ -115,12 +140,14 @@ class Layout:
         h: float,
         grids: list[Grid],
         mode: str,
+        conservative: bool,
         kept: Layout | None = None,
     ) -> None:
         self.comm, self.problem, self.grids, self.h, self._order = comm, problem, grids, h, op.order
+        self._conservative = conservative
         self.halo = max(2 * op.reach, 6)
         extents = [
-            Extent(layer.kind, grid.n, grid.hi - grid.lo + 1, k == 0 and layer.kind == "fluid")
+            Extent(layer.kind, grid.n, grid.hi - grid.lo + 1, k == 0 and not grid.stretched and layer.kind == "fluid")
             for k, (layer, grid) in enumerate(zip(problem.layers, grids, strict=True))
         ]
         try:
@@ -142,7 +169,8 @@ class Layout:
         record, grid, shares = self.records[k], self.grids[k], self.shares[k]
         record["kind"] = FLUID if dof == DOF[FLUID] else SOLID
         record["n"], record["lo"], record["hi"] = grid.n, grid.lo, grid.hi
-        record["least"], record["h"] = grid.least, self.h
+        record["least"], record["h"], record["J"], record["stretched"] = grid.least, grid.h, 1.0, grid.stretched
+        record["ends"] = -1
         mine = any(rank == self.comm.rank for rank, _, _ in shares)
         sub = self.comm.Split(0 if mine else MPI.UNDEFINED, self.comm.rank)
         record["start"], record["work"] = self.local_size, self.work_size
@@ -163,8 +191,11 @@ class Layout:
         record["present"] = 1
         record["own_lo"], record["own_hi"] = begin, end
         record["halo_lo"], record["halo_hi"] = begin - left, right - end
-        record["stride"] = (right - left + 7) // 8 * 8
+        record["stride"] = (right - left + ENDS + 7) // 8 * 8
         self.local_size += dof * (end - begin)
+        if self._conservative and record["kind"] == SOLID:
+            record["ends"] = self.local_size
+            self.local_size += ENDS
         self.work_size += dof * int(record["stride"])
         self.dms.append(dm)
         self._comms.append(sub)
@@ -179,12 +210,22 @@ class Layout:
         else:
             for name in ("K", "kappa_e", "m0", "alpha", "force", "gruneisen", "pressing_numbers"):
                 record[name] = getattr(material, name)
-        record["end_kind"] = -1
+        record["end_kind"] = INTERFACE_END
         for side, end in ((0, self.problem.left), (1, self.problem.right)):
             if k == (0, last)[side]:
                 record["end_kind"][side], record["end_degree"][side] = end.kind, degree_of(end, self._order)
-                record["end_apart"][side] = end.kind in (OPEN, DIRICHLET)
-                record["end_x"][side] = getattr(end, "x", 0.0)
+                record["end_apart"][side] = end.kind in (OPEN, DIRICHLET) and not self.grids[k].stretched
+                record["end_thermal"][side] = heat_of(end)[0]
+                if "x" not in in_time(end):
+                    record["end_x"][side] = getattr(end, "x", 0.0)
+                record["unloaded"][side] = self.grids[k].stretched or (self._conservative and record["kind"] == SOLID)
+            elif self._conservative:
+                record["unloaded"][side] = SHARED_HEAT if self._conducts(k) and self._conducts(k + 2 * side - 1) else UNLOADED
+
+    def _conducts(self, k: int) -> bool:
+        """Layer k conducts heat."""
+        material = self.problem.layers[k].material
+        return getattr(material, "kappa", 0.0) > 0 or getattr(material, "kappa_e", 0.0) > 0
 
     def neighbours(self, k: int) -> tuple[int, int]:
         """World ranks that own the points left and right of this rank's part of layer k, -1 where none does."""
@@ -201,10 +242,15 @@ class Layout:
         count = int(record["own_hi"] - record["own_lo"])
         return array[record["start"] : record["start"] + dof * count].reshape(count, dof)
 
+    def ends(self, k: int, array: np.ndarray) -> np.ndarray:
+        """View, shape (2,), of the kinetic energies of the end points of layer k there; (0,) where there are none."""
+        at = int(self.records[k]["ends"])
+        return array[at : at + ENDS] if at >= 0 else array[:0]
+
     def owned_X(self, k: int) -> np.ndarray:
         """Lagrangian coordinates [m] of the owned points of layer k."""
         record = self.records[k]
-        return self.grids[k].X(self.h, int(record["own_lo"]), int(record["own_hi"]))
+        return self.grids[k].X(int(record["own_lo"]), int(record["own_hi"]))
 
     def destroy(self) -> None:
         """Destroy the DMDAs, then their communicators. Collective."""

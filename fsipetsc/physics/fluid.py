@@ -1,11 +1,13 @@
-"""Compressible Navier–Stokes equations in the rigid frame that moves with the interface, (3.2) and (4.20).
+"""Compressible Navier–Stokes equations on a grid that moves with the velocity w, (3.2) and (4.20) for J = 1.
 
-    rho_t     + (rho (u-s))_X                                        = 0
-    (rho u)_t + (rho u (u-s) + p - mu' u_X)_X                        = rho force,      mu' = 4/3 mu
-    e_t       + (e (u-s) + u (p - mu' u_X) - kappa T_X)_X            = rho u force
+    (J rho)_t   + (rho (u-w))_X                                      = 0
+    (J rho u)_t + (rho u (u-w) + p - tau)_X                          = J rho force,      tau = mu'/J u_X,  mu' = 4/3 mu
+    (J e)_t     + (e (u-w) + u (p - tau) - kappa/J T_X)_X            = J rho u force
 
-with p = (gamma-1)(e - rho u^2/2) = rho R T (R stands for R/M) and s(t) the velocity of the fluid's own interface
-point. The viscous and heat fluxes stand inside the outer derivative, so that D is applied twice to u and T.
+with p = (gamma-1)(e - rho u^2/2) = rho R T (R stands for R/M). X is the coordinate of the grid at rest, and J = x_X. In the
+rigid frame J = 1 and w = s(t), the velocity of the fluid's own interface point. On a stretched grid J is uniform and w goes
+linearly from one end to the other, so that J_t = w_X holds for the operator as it does for the derivative: a free stream
+stays one to round-off. The viscous and heat fluxes stand inside the outer derivative, so that D is applied twice to u and T.
 """
 
 from __future__ import annotations
@@ -20,7 +22,7 @@ from fsipetsc.checks import ANY, NONNEGATIVE, POSITIVE, number, numbers
 from fsipetsc.errors import InputError
 from fsipetsc.operators.formulas import Formulas, in_python
 from fsipetsc.operators.kernels import FORMULA, OPTIONS, U64
-from fsipetsc.operators.vectors import fma
+from fsipetsc.operators.vectors import fma, numbers_from
 from fsipetsc.physics.constant_transport import constant_transport
 from fsipetsc.physics.layer import FLUID
 from fsipetsc.physics.material_law import Law, check_law, formulas_of, numbers_of
@@ -108,17 +110,17 @@ class Fluid:
 
 @njit(**FORMULA)
 def constants(law, layer):
-    """(those of the gas law, velocity s of the frame, those of the transport law, force)."""
-    return law.gas.constants(layer), layer.s, law.transport.constants(layer), layer.force
+    """(those of the gas law, 1/J, velocity of the grid at point 0, the next one's less that, those of transport, force)."""
+    return law.gas.constants(layer), 1.0 / layer.J, layer.s, layer.spread, law.transport.constants(layer), layer.force
 
 
 @njit(**FORMULA)
 def velocity_and_temperature(law, constants, q):
-    """(u, T) from (rho, rho u, e)."""
+    """(u, T) from J (rho, rho u, e)."""
     rho, m, e = q
     r = 1.0 / rho
     u = m * r
-    return u, law.gas.temperature_in_loops(constants[0], rho, e * r - 0.5 * u * u)
+    return u, law.gas.temperature_in_loops(constants[0], rho * constants[1], e * r - 0.5 * u * u)
 
 
 @njit(**OPTIONS)
@@ -132,18 +134,19 @@ def prescribe(layer, s, v, begin, end):
 
 @njit(**FORMULA)
 def gradients(law, layer, q, v):
-    """mu' u_X and kappa T_X, with the mu and kappa of the material: what depends on T is a factor in the flux."""
-    return v, (layer.mu / layer.h, layer.kappa / layer.h)
+    """mu'/J u_X and kappa/J T_X, with the mu and kappa of the material: what depends on T is a factor in the flux."""
+    spacing = layer.J * layer.h
+    return v, (layer.mu / spacing, layer.kappa / spacing)
 
 
 @njit(**FORMULA)
-def flux(law, constants, q, v, gradients):
-    """(rho (u-s), rho u (u-s) + p - tau, e (u-s) + u (p - tau) - kappa T_X)."""
+def flux(law, constants, i, q, v, gradients):
+    """(rho (u-w), rho u (u-w) + p - tau, e (u-w) + u (p - tau) - kappa/J T_X)."""
     (rho, m, e), (u, T) = q, v
-    gas, s, transport, _ = constants
+    gas, per_J, s, spread, transport, _ = constants
     of_mu, of_kappa = law.transport.relative(transport, T)
     tau, conduction = of_mu * gradients[0], of_kappa * gradients[1]
-    relative, pressing = u - s, law.gas.pressure(gas, rho, T) - tau
+    relative, pressing = (u - fma(spread, numbers_from(i), s)) * per_J, law.gas.pressure(gas, rho * per_J, T) - tau
     return rho * relative, fma(m, relative, pressing), fma(e, relative, fma(u, pressing, -1.0 * conduction))
 
 
@@ -156,13 +159,13 @@ def minus_divergence(law, constants, q, f, derivatives):
 @njit(**FORMULA)
 def pulled_momentum(law, constants, q, f, derivatives):
     """-f_X + rho force."""
-    return (fma(constants[3], q[0], derivatives[0]),)
+    return (fma(constants[5], q[0], derivatives[0]),)
 
 
 @njit(**FORMULA)
 def pulled_energy(law, constants, q, f, derivatives):
     """-f_X + rho u force."""
-    return (fma(constants[3], q[1], derivatives[0]),)
+    return (fma(constants[5], q[1], derivatives[0]),)
 
 
 def conservation_law(unknown: int, rate: Any = minus_divergence) -> Formulas:

@@ -61,8 +61,8 @@ def gas_flux(means, differences):
 
 @njit(**FORMULA)
 def gas_scale(layer):
-    """Of a density."""
-    return -1.0 / (layer.h * layer.h)
+    """Of a density, times J."""
+    return -1.0 / (layer.h * layer.h * layer.J)
 
 
 @njit(**FORMULA)

@@ -94,7 +94,7 @@ def gradients(law, layer, q, v):
 
 
 @njit(**FORMULA)
-def flux(law, constants, q, v, gradients):
+def flux(law, constants, i, q, v, gradients):
     """(1/x_X, sigma - p, kappa_e/x_X T_X)."""
     _, sigma, T, _ = q
     x_X, conduction = gradients

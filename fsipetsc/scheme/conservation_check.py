@@ -12,6 +12,9 @@ from typing import Any
 
 import numpy as np
 
+#: a momentum less than this part of sqrt(energy times mass) is none
+LEAST = 1e-6
+
 
 def drifts(
     invariants: Mapping[str, Any], initial: Mapping[str, Any], series: Mapping[str, np.ndarray]
@@ -19,8 +22,8 @@ def drifts(
     """Name of an invariant that must hold -> its relative drift (nsteps,); series: complete, from the first step on.
 
     invariants: which ones must hold (fsipetsc.problem.Problem.invariants). Entropy counts only where it decreases.
-    Momentum is relative to the impulse that has passed, of either sign, energy to itself; time integrals are trapezoidal
-    sums over the steps.
+    Momentum is relative to the impulse that has passed, of either sign, energy to itself, entropy to itself or to the heat
+    capacity, whatever is more; time integrals are trapezoidal sums over the steps.
     """
     return Drifts(invariants, initial).go_on(series)
 
@@ -32,6 +35,12 @@ class Drifts:
         self._invariants, self._initial = invariants, initial
         self._rates: dict[str, float] = {name: initial.get(name, 0.0) for name in ("force", "heating")}  # the last ones
         self._sums: dict[str, float] = {}
+        masses = initial.get("mass", ())
+        energy = max(initial.get("energy", 0.0), 0.0)
+        #: what round-off makes of a momentum that nothing has changed is nothing beside this
+        self._least_momentum = LEAST * np.sqrt(energy * (invariants.get("inertia", 0.0) + sum(masses)))
+        gases = zip(invariants.get("cv", ()), masses)
+        self._heat_capacity = invariants.get("heat_capacity", 0.0) + sum(cv * mass for cv, mass in gases)
         self._most = 0.0  # entropy produced
 
     def go_on(self, series: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -43,9 +52,10 @@ class Drifts:
         for name, column in invariants["masses"]:
             result[f"mass of '{name}'"] = series["mass"][:, column] / initial["mass"][column] - 1
         force = self._joined(series, "force")
-        impulse = self._integral(series, "impulse", force)
-        passed = self._integral(series, "passed", np.abs(force))
-        scale = np.maximum(passed, abs(initial["momentum"])) + np.finfo(float).tiny
+        given = series["impulse"] if "impulse" in series else np.zeros(len(series["dt"]))  # not in results of earlier versions
+        impulse = self._integral(series, "impulse", force) + self._sum("given", given)
+        passed = self._integral(series, "passed", np.abs(force)) + self._sum("given and taken", np.abs(given))
+        scale = np.maximum(passed, max(abs(initial["momentum"]), self._least_momentum)) + np.finfo(float).tiny
         result["momentum"] = (series["momentum"] - initial["momentum"] - impulse) / scale
         if invariants["energy"]:
             result["energy"] = series["energy"] / initial["energy"] - 1
@@ -54,8 +64,15 @@ class Drifts:
                 produced = series["entropy"] - initial["entropy"] - heated
                 most = np.maximum.accumulate(np.concatenate([[self._most], produced]))[1:]
                 self._most = most[-1]
-                result["entropy"] = (most - produced) / max(abs(initial["entropy"]), np.finfo(float).tiny)
+                scale = max(abs(initial["entropy"]), self._heat_capacity, np.finfo(float).tiny)
+                result["entropy"] = (most - produced) / scale
         return result
+
+    def _sum(self, name: str, parts: np.ndarray) -> np.ndarray:
+        """Sum from t = 0 to the end of each step of what belongs to a step."""
+        sums = np.cumsum(np.concatenate([[self._sums.get(name, 0.0)], parts]))[1:]
+        self._sums[name] = sums[-1]
+        return sums
 
     def _joined(self, series: Mapping[str, np.ndarray], name: str) -> np.ndarray:
         """A rate at the ends of the steps, behind that at the beginning of the first one."""
@@ -65,16 +82,13 @@ class Drifts:
 
     def _integral(self, series: Mapping[str, np.ndarray], name: str, rate: np.ndarray) -> np.ndarray:
         """Integral from t = 0 to the end of each step of a rate known at its ends."""
-        parts = 0.5 * series["dt"] * (rate[1:] + rate[:-1])
-        sums = np.cumsum(np.concatenate([[self._sums.get(name, 0.0)], parts]))[1:]
-        self._sums[name] = sums[-1]
-        return sums
+        return self._sum(name, 0.5 * series["dt"] * (rate[1:] + rate[:-1]))
 
 
 class ConservationCheck:
     """Says which invariant has drifted by more than a tolerance, and when it was first. On rank 0."""
 
-    _NAMES = ("dt", "mass", "momentum", "force", "energy", "entropy", "heating")
+    _NAMES = ("dt", "mass", "momentum", "force", "impulse", "energy", "entropy", "heating")
 
     def __init__(self, invariants: Mapping[str, Any], initial: Mapping[str, Any], tolerance: float, unit: str = " s") -> None:
         """unit: what stands behind a time in the message (fsipetsc.problem.Problem.unit)."""

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from fsipetsc.boundaries import INTERFACE_END, NODES
+from fsipetsc.boundaries import ABSORBING, FREE, INTERFACE_END, NODES
 from fsipetsc.operators.kernels import BLOCK, OPTIONS, U64, derivative, lagrange, row
 from fsipetsc.parallel.exchange import work_point
 from fsipetsc.parallel.pointers import rows_at
-from fsipetsc.scheme.layer_ends import boundary_distance
+from fsipetsc.scheme.layer_ends import boundary_distance, embedded
 from fsipetsc.scheme.plan import WORK
 
 
@@ -40,13 +40,16 @@ def end_forces(law, head, layer, memory):
         if layer.end_kind[side] == INTERFACE_END or not layer.own_lo <= end < layer.own_hi:
             continue
         normal = 2.0 * side - 1.0
+        if layer.unloaded[side] != 0:
+            force += unloaded_force(layer, memory, side, work_point(head, layer, WORK, end))
+            continue
         force -= normal * law.traction(law, head, layer, memory, side, end, step)
     return force
 
 
 @njit(**OPTIONS)
 def gas_traction(law, head, layer, memory, side, ghost, step):
-    """rho u^2 + p - mu' u_X at an embedded boundary, from the cubic through the last four points."""
+    """rho u^2 + p - mu' u_x at an embedded boundary, from the cubic through the last four points."""
     nodes = rows_at(memory, head.nodes, 5, NODES)
     lagrange(layer.hi - layer.lo - boundary_distance(layer, side), 3, nodes[3], nodes[4])
     gas, c, flux, T = law.gas, law.gas.constants(layer), 0.0, 0.0
@@ -62,6 +65,17 @@ def gas_traction(law, head, layer, memory, side, ghost, step):
             u = layer.end_gradient[side, 0]
         flux -= mu * nodes[4, k] * u * step / layer.h
     return flux
+
+
+@njit(**OPTIONS)
+def unloaded_force(layer, memory, side, w):
+    """The stress that is put in at an unloaded end of a solid, times its normal; what is given a velocity has an impulse."""
+    normal = 2.0 * side - 1.0
+    if layer.end_kind[side] == FREE:
+        return normal * layer.end_data[side, 0]
+    if layer.end_kind[side] == ABSORBING:
+        return normal * layer.end_data[side, 0] - layer.end_impedance[side] * memory[U64(w)]
+    return 0.0
 
 
 @njit(**OPTIONS)
@@ -81,14 +95,14 @@ def gas_temperature(law, layer, memory, w):
     """T of the gas at a point."""
     rho = memory[U64(w)]
     u = memory[U64(w + layer.stride)] / rho
-    return law.gas.temperature(law.gas.constants(layer), rho, memory[U64(w + 2 * layer.stride)] / rho - 0.5 * u * u)
+    return law.gas.temperature(law.gas.constants(layer), rho / layer.J, memory[U64(w + 2 * layer.stride)] / rho - 0.5 * u * u)
 
 
 @njit(**OPTIONS)
 def entropy_density(law, layer, memory, w):
-    """Entropy of the gas per volume at a point."""
+    """Entropy of the gas per volume at rest at a point."""
     rho, T = memory[U64(w)], gas_temperature(law, layer, memory, w)
-    return rho * law.gas.entropy(law.gas.constants(layer), rho, T)
+    return rho * law.gas.entropy(law.gas.constants(layer), rho / layer.J, T)
 
 
 @njit(**OPTIONS)
@@ -99,7 +113,7 @@ def gas_entropy(law, head, layer, memory):
         result += weight(head, layer, i) * entropy_density(law, layer, memory, work_point(head, layer, WORK, i))
     for side in range(2):
         ghost, step = (layer.lo, 1) if side == 0 else (layer.hi, -1)
-        if layer.end_kind[side] != INTERFACE_END and layer.own_lo <= ghost < layer.own_hi:
+        if embedded(layer, side) and layer.own_lo <= ghost < layer.own_hi:
             for k in range(4):
                 at = work_point(head, layer, WORK, ghost + k * step)
                 memory[U64(head.nodes + k)] = entropy_density(law, layer, memory, at)

@@ -3,7 +3,7 @@
 Words, gathered from as many parts of a layer as one likes. Extremes are exact and let through what is not a
 number; the last bits of sums depend on the parts.
 
-    fluid   SPEED largest |u-s| + c; LEAST_RHO, LEAST_T, GREATEST_T;      SUMS of rho, rho u, e
+    fluid   SPEED largest |u-w| + c; LEAST_RHO, LEAST_T, GREATEST_T;      SUMS of J rho, J rho u, J e
     solid   LEAST_STRAIN x_X, LEAST_SIGMA, LEAST_T, GREATEST_T;           SUMS of u, u^2, T
 """
 
@@ -13,7 +13,20 @@ import numpy as np
 from numba import njit
 
 from fsipetsc.operators.kernels import OPTIONS, U64
-from fsipetsc.operators.vectors import LANES, lane, load, magnitude, masked, maximum, minimum, mirrored, root, spread
+from fsipetsc.operators.vectors import (
+    LANES,
+    fma,
+    lane,
+    load,
+    magnitude,
+    masked,
+    maximum,
+    minimum,
+    mirrored,
+    numbers_from,
+    root,
+    spread,
+)
 from fsipetsc.physics.layer import FLUID
 
 SPEED, LEAST_RHO, LEAST_T = 0, 1, 2
@@ -58,7 +71,7 @@ def note_sum(s, at, v):
 @njit(**OPTIONS)
 def fluid_extremes_and_sums(law, layer, s, w, at, begin, end):
     """Add the active points begin .. end-1 to the words at s[at:]."""
-    begin, end, velocity = max(begin, layer.lo), min(end, layer.hi + 1), layer.s
+    begin, end, per_J = max(begin, layer.lo), min(end, layer.hi + 1), 1.0 / layer.J
     q, e, gas = w + layer.stride, w + 2 * layer.stride, law.gas.constants(layer)
     speed, light, cold, hot = spread(-np.inf), spread(np.inf), spread(np.inf), spread(-np.inf)
     mass, momentum, energy = spread(0.0), spread(0.0), spread(0.0)
@@ -70,7 +83,9 @@ def fluid_extremes_and_sums(law, layer, s, w, at, begin, end):
         r = 1.0 / rho
         v = m * r
         internal = E * r - 0.5 * v * v
-        speed = maximum(speed, magnitude(v - velocity) + root(law.gas.sound_speed_squared_of_energy(gas, rho, internal)))
+        rho = rho * per_J
+        relative = v - fma(layer.spread, numbers_from(i), layer.s)
+        speed = maximum(speed, magnitude(relative) + root(law.gas.sound_speed_squared_of_energy(gas, rho, internal)))
         T = law.gas.temperature_in_loops(gas, rho, internal)
         light, cold, hot = minimum(light, rho), minimum(cold, T), maximum(hot, T)
     note_largest(s, at + SPEED, speed)

@@ -7,16 +7,15 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from fsipetsc.boundaries import INTERFACE_END
+from fsipetsc.coupling import scale
 from fsipetsc.operators.formulas import with_chosen
 from fsipetsc.operators.kernels import INLINE, OPTIONS, U64
 from fsipetsc.parallel.exchange import TRACE, store_state, work_point
 from fsipetsc.parallel.pointers import rows_at
-from fsipetsc.physics.layer import FLUID
 from fsipetsc.scheme.extremes_and_sums import SIZE, begin_extremes_and_sums
 from fsipetsc.scheme.integrals import integrals
 from fsipetsc.scheme.laws import LAWS, PAIRS, of_interface, of_layer
-from fsipetsc.scheme.layer_ends import NEW, OLD, boundary_distance
+from fsipetsc.scheme.layer_ends import NEW, OLD, boundary_distance, embedded
 from fsipetsc.scheme.plan import EXHAUSTED, LOW, MOVED, TOO_SHORT, WORK
 from fsipetsc.scheme.time_step import bound_step
 
@@ -67,7 +66,7 @@ def finish_step(head, layers, faces, memory):
     for k in range(layers.size):
         layer = layers[k]
         for side in range(2):
-            if layer.kind == FLUID and layer.end_kind[side] != INTERFACE_END:
+            if embedded(layer, side):
                 moved, exhausted = move_boundary(head, layer, memory, side)
                 if moved:
                     memory[U64(head.results + MOVED)] = 1.0
@@ -114,5 +113,7 @@ def interface_state(head, faces, memory):
     for k in range(faces.size):
         trace = rows_at(memory, head.traces + k * head.rows * TRACE, head.rows, TRACE)
         states[0, k], states[1, k], states[2, k], states[3, k] = trace[0, 6], trace[0, 3], trace[0, 4], trace[0, 5]
+        if faces[k].J != 1.0:
+            scale(trace[:, :3], 1.0 / faces[k].J)
         into = states[4:, k]
         with_chosen(of_interface.residuals, PAIRS, faces[k].pair, faces[k], head.op, trace[:, :3], trace[:, 3:], into)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from numba import njit
 
-from fsipetsc.boundaries import INTERFACE_END
 from fsipetsc.operators.formulas import with_chosen
 from fsipetsc.operators.kernels import INLINE, OPTIONS, U64
 from fsipetsc.parallel.exchange import work_point
@@ -16,8 +15,8 @@ from fsipetsc.physics.layer import FLUID
 from fsipetsc.scheme.end_forces_and_entropy import norm_sum, strip_integral
 from fsipetsc.scheme.extremes_and_sums import SIZE, SUMS
 from fsipetsc.scheme.laws import LAWS, of_layer
-from fsipetsc.scheme.layer_ends import boundary_distance
-from fsipetsc.scheme.plan import ENERGY, ENTROPY, FORCE, HEATING, MOMENTUM, WORK
+from fsipetsc.scheme.layer_ends import boundary_distance, embedded
+from fsipetsc.scheme.plan import ENERGY, ENTROPY, FORCE, HEATING, IMPULSE, MOMENTUM, WORK
 
 
 @njit(**INLINE)
@@ -25,10 +24,11 @@ def integrals(head, layers, memory):
     """This rank's shares: the gas in each fluid layer [kg/m2], and behind these at ENERGY .. HEATING
 
     the total energy, of e over the fluids and of m0 (u^2/2 + alpha T) over the solids [J/m2]; the momentum [kg/(m s)];
-    the force of the outer ends and of the body force on all of it [Pa]; and, if asked for, the entropy of
+    the force of the outer ends and of the body force on all of it [Pa], but for ends that have been given a velocity: their
+    impulse in this step [kg/(m s)], which is exact; and, if asked for, the entropy of
     gas and solids [J/(m2 K)] and the rate at which sigma u_X heats the solids, over T [W/(m2 K)].
     """
-    energy, momentum, force, entropy, heating = 0.0, 0.0, 0.0, 0.0, 0.0
+    energy, momentum, force, impulse, entropy, heating = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     mass = U64(head.masses)
     for k in range(layers.size):
         layer = layers[k]
@@ -53,6 +53,7 @@ def integrals(head, layers, memory):
                 energy += layer.m0 * (0.5 if q == 1 else layer.alpha) * value
         if not fluid:
             force += layer.force * layer.m0 * h * norm_sum(head, layer)
+        impulse += end_impulses(layer)
         force += with_chosen(of_layer.end_forces, LAWS, layer.law, head, layer, memory)
         if head.entropy == 1:
             gained, source = with_chosen(of_layer.entropy, LAWS, layer.law, head, layer, memory)
@@ -61,8 +62,19 @@ def integrals(head, layers, memory):
     memory[U64(head.integrals + ENERGY)] = energy
     memory[U64(head.integrals + MOMENTUM)] = momentum
     memory[U64(head.integrals + FORCE)] = force
+    memory[U64(head.integrals + IMPULSE)] = impulse
     memory[U64(head.integrals + ENTROPY)] = entropy
     memory[U64(head.integrals + HEATING)] = heating
+
+
+@njit(**OPTIONS)
+def end_impulses(layer):
+    """Of the ends that this rank owns and that have been given a velocity; see fsipetsc.scheme.layer_ends."""
+    impulse = 0.0
+    for side in range(2):
+        if layer.own_lo <= (layer.lo if side == 0 else layer.hi) < layer.own_hi:
+            impulse += layer.end_impulse[side]
+    return impulse
 
 
 @njit(**OPTIONS)
@@ -79,7 +91,7 @@ def integral(head, layer, memory, result, column, squared):
                 result += (op.norm[r] - 1.0) * (v * v if squared else v)
     for side in range(2):
         ghost, step = (layer.lo, 1) if side == 0 else (layer.hi, -1)
-        if layer.kind == FLUID and layer.end_kind[side] != INTERFACE_END and a <= ghost < b:
+        if embedded(layer, side) and a <= ghost < b:
             strip = (layer.hi - layer.lo) - boundary_distance(layer, side)
             result -= strip_integral(memory, work_point(head, layer, WORK, ghost) + column * layer.stride, step, strip)
     return result

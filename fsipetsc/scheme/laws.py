@@ -28,9 +28,9 @@ from fsipetsc.physics.perfect_gas import perfect_gas
 from fsipetsc.physics.solid import Solid, elastic_solid
 from fsipetsc.problem import Problem
 from fsipetsc.scheme.end_forces_and_entropy import end_forces, gas_entropy, gas_traction, solid_entropy, solid_traction
-from fsipetsc.scheme.end_rates import as_they_are, keep_entropy
+from fsipetsc.scheme.end_rates import gas_end, solid_end
 from fsipetsc.scheme.extremes_and_sums import fluid_extremes_and_sums, solid_extremes_and_sums
-from fsipetsc.scheme.layer_ends import close_end, fill_embedded, note_embedded, note_nothing
+from fsipetsc.scheme.layer_ends import close_end, close_gas, note_embedded, note_nothing
 from fsipetsc.scheme.layer_fields import fluid_fields, solid_fields
 from fsipetsc.scheme.speeds import fluid_speeds, solid_speeds
 from fsipetsc.scheme.sweep import sweep
@@ -42,8 +42,8 @@ _WORK = {
         "look": fluid_extremes_and_sums,
         "speeds": fluid_speeds,
         "save": fluid_fields,
-        "amend": keep_entropy,
-        "end": fill_embedded,
+        "amend": gas_end,
+        "end": close_gas,
         "note": note_embedded,
         "traction": gas_traction,
         "entropy": gas_entropy,
@@ -52,7 +52,7 @@ _WORK = {
         "look": solid_extremes_and_sums,
         "speeds": solid_speeds,
         "save": solid_fields,
-        "amend": as_they_are,
+        "amend": solid_end,
         "end": close_end,
         "note": note_nothing,
         "traction": solid_traction,

@@ -8,13 +8,20 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from fsipetsc.boundaries import NODES, close_solid, fill_ghost, note_gradient
+from fsipetsc.boundaries import CLAMPED, INTERFACE_END, NODES, WALL, close_solid, fill_ghost, note_gradient
 from fsipetsc.operators.kernels import OPTIONS, U64
 from fsipetsc.parallel.exchange import holds, work_point
 from fsipetsc.parallel.pointers import rows_at
+from fsipetsc.physics.layer import FLUID, GIVEN_T
 
 #: whether a ghost point has values already
 OLD, NEW = np.bool_(False), np.bool_(True)
+
+
+@njit(**OPTIONS)
+def embedded(layer, side):
+    """An embedded boundary, with a ghost point, is at this end of the layer."""
+    return layer.kind == FLUID and layer.stretched == 0 and layer.end_kind[side] != INTERFACE_END
 
 
 @njit(**OPTIONS)
@@ -47,6 +54,30 @@ def fetch_nodes(law, head, layer, memory, area, side, first):
 
 
 @njit(**OPTIONS)
+def close_gas(law, head, layer, memory, area, side, new):
+    """Apply the condition at the outer end of a fluid layer; new: its ghost point has no values yet."""
+    if layer.stretched == 0:
+        fill_embedded(law, head, layer, memory, area, side, new)
+    elif layer.end_kind[side] == WALL:
+        stop_at_wall(law, head, layer, memory, area, side)
+
+
+@njit(**OPTIONS)
+def stop_at_wall(law, head, layer, memory, area, side):
+    """The end point of a stretched layer has the velocity of its wall, and perhaps its T; see fsipetsc.scheme.end_rates."""
+    point = layer.lo if side == 0 else layer.hi
+    if not holds(layer, point):
+        return
+    w, u = work_point(head, layer, area, point), layer.end_v[side]
+    mass = memory[U64(w)]
+    layer.end_impulse[side] = layer.h * head.op.norm[0] * (mass * u - memory[U64(w + layer.stride)])
+    memory[U64(w + layer.stride)] = mass * u
+    if layer.end_thermal[side] == GIVEN_T and layer.kappa > 0.0:
+        internal = law.gas.energy(law.gas.constants(layer), mass / layer.J, layer.end_heat[side])
+        memory[U64(w + 2 * layer.stride)] = mass * (internal + 0.5 * u * u)
+
+
+@njit(**OPTIONS)
 def fill_embedded(law, head, layer, memory, area, side, new):
     """Give the ghost point of a fluid layer its values, where this rank has the points that this takes.
 
@@ -65,7 +96,7 @@ def fill_embedded(law, head, layer, memory, area, side, new):
 @njit(**OPTIONS)
 def note_embedded(law, head, layer, memory, area, side):
     """Note what the gradients take at the ghost point of a fluid layer, where this rank has the points that this takes."""
-    if ghost_of(head, layer, side)[3]:
+    if layer.stretched == 0 and ghost_of(head, layer, side)[3]:
         nodes = fetch_nodes(law, head, layer, memory, area, side, 0)
         note_gradient(law, layer, side, layer.hi - layer.lo - boundary_distance(layer, side), nodes)
 
@@ -75,6 +106,15 @@ def close_end(law, head, layer, memory, area, side, new):
     """Apply the condition at the outer end of a solid, where this rank has the rows that this takes."""
     point, step = (layer.lo, 1) if side == 0 else (layer.hi, -1)
     if not (holds(layer, point) and holds(layer, point + step * (head.rows - 1))):
+        return
+    if layer.unloaded[side] != 0:  # what loads it is in the rates
+        w = work_point(head, layer, area, point)
+        if layer.end_kind[side] == CLAMPED:
+            change = layer.end_data[side, 0] - memory[U64(w)]
+            layer.end_impulse[side] = layer.h * head.op.norm[0] * layer.m0 * change
+            memory[U64(w)] = layer.end_data[side, 0]
+        if layer.end_thermal[side] == GIVEN_T and layer.kappa_e > 0.0:
+            memory[U64(w + 2 * layer.stride)] = layer.end_heat[side]
         return
     trace = rows_at(memory, head.scratch, head.rows, 4)
     for j in range(head.rows):

@@ -19,13 +19,17 @@ def fluid_fields(law, layer, op, s, w, scratch, out, at, stride):
     s, w, scratch: as in ``sweep``. What belongs to the first owned point goes to out[at:], to the next one to
     out[at + stride:], ...
     """
-    gas, interface = law.gas.constants(layer), layer.lo if layer.end_kind[0] == INTERFACE_END else layer.hi
+    gas, last = law.gas.constants(layer), layer.n - 1
     for i in range(layer.own_lo, layer.own_hi):
         inside = layer.lo <= i <= layer.hi
-        rho = s[U64(w + i)] if inside else np.nan
-        u = s[U64(w + layer.stride + i)] / rho
-        T = law.gas.temperature(gas, rho, s[U64(w + 2 * layer.stride + i)] / rho - 0.5 * u * u)
-        x = (i - interface) * layer.h + layer.x_interface if inside else np.nan
+        mass = s[U64(w + i)] if inside else np.nan
+        rho, u = mass / layer.J, s[U64(w + layer.stride + i)] / mass
+        T = law.gas.temperature(gas, rho, s[U64(w + 2 * layer.stride + i)] / mass - 0.5 * u * u)
+        if layer.stretched != 0:
+            x = ((last - i) * layer.end_x[0] + i * layer.end_x[1]) / last
+        else:
+            interface = layer.lo if layer.end_kind[0] == INTERFACE_END else layer.hi
+            x = (i - interface) * layer.h + layer.x_interface if inside else np.nan
         o = U64(at + (i - layer.own_lo) * stride)
         out[o], out[o + U64(1)], out[o + U64(2)], out[o + U64(3)], out[o + U64(4)] = rho, u, T, law.gas.pressure(gas, rho, T), x
 

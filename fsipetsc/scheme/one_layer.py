@@ -11,6 +11,7 @@ from fsipetsc.boundaries import INTERFACE_END
 from fsipetsc.operators.formulas import with_chosen
 from fsipetsc.operators.kernels import ENTRY, U64
 from fsipetsc.parallel.exchange import unknowns
+from fsipetsc.scheme.conditions import move_points, place_points
 from fsipetsc.scheme.laws import LAWS, PAIRS, of_interface, of_layer
 from fsipetsc.scheme.layer_ends import OLD
 from fsipetsc.scheme.plan import SUM, WORK
@@ -18,8 +19,20 @@ from fsipetsc.scheme.runge_kutta import Stage, evaluate
 
 
 @njit(**ENTRY)
+def place_grids(heads, layers, faces, memory):
+    """The ends of the gases that this rank has a part of have been placed: so are their points."""
+    place_points(layers, faces)
+
+
+@njit(**ENTRY)
+def move_grids(heads, layers, faces, memory):
+    """How fast these ends are is known: so is how fast the points are."""
+    move_points(layers)
+
+
+@njit(**ENTRY)
 def couple_rows(heads, layers, faces, memory, k, trace_f, trace_s):
-    """Project the rows at interface k, (rows, 3) of the fluid and (rows, 4) of the solid, counted from the interface."""
+    """Project the rows at interface k, (rows, 3) of the fluid and (rows, 5) of the solid, counted from the interface."""
     with_chosen(of_interface.couple, PAIRS, faces[k].pair, faces[k], heads[0].op, trace_f, trace_s)
 
 

@@ -22,10 +22,11 @@ from fsipetsc.boundaries import NODES
 from fsipetsc.coupling import INTERFACE, KINDS
 from fsipetsc.operators.kernels import ROW, scratch_size
 from fsipetsc.operators.sbp import OPERATOR, SBPOperator, packed
+from fsipetsc.parallel.exchange import TRACE
 from fsipetsc.parallel.layout import Layout
 from fsipetsc.parallel.neighbours import Neighbours
 from fsipetsc.parallel.shared_memory import WORLD, world_record
-from fsipetsc.physics.layer import DOF, FLUID
+from fsipetsc.physics.layer import DOF, ENDS, FLUID
 from fsipetsc.scheme.extremes_and_sums import SIZE
 from fsipetsc.scheme.reduction import reduced_words
 
@@ -84,8 +85,8 @@ RATE, BAD, STOP, SAID_STOP = 4, 5, 6, 7
 #: doubles of the flags and of the limits among the results
 FLAGS, LIMITS = 4, 4
 #: integrals behind the masses of the fluid layers, see fsipetsc.scheme.integrals; the last two are optional
-ENERGY, MOMENTUM, FORCE, ENTROPY, HEATING = range(5)
-INTEGRALS = 5
+ENERGY, MOMENTUM, FORCE, IMPULSE, ENTROPY, HEATING = range(6)
+INTEGRALS = 6
 #: words of a burst of steps, see fsipetsc.scheme.burst
 BURST = 11
 #: steps that the journal holds; they must be written then. Whole chunks of the file, see output.tables
@@ -96,22 +97,26 @@ SCRATCH = 10
 _LINE = 8
 
 
-#: of the columns of a record this one and those behind it are shares of the ranks, to be added up
-SHARES = "mass"
+
+def shares(record: np.dtype) -> tuple[str, ...]:
+    """The columns of a record that are shares of the ranks, to be added up: the last ones."""
+    names = record.names
+    return names[names.index("mass" if "mass" in names else "energy") :]
 
 
 def step_record(interfaces: int, fluids: int, entropy: bool) -> np.dtype:
     """What is noted of a step: doubles, as they stand in the memory of the plan, and as they are written to the file.
 
-    Time after the step and its length, the rows of ``finish_step.interface_state``, and the integrals.
+    Time after the step and its length, the rows of ``finish_step.interface_state``, and the integrals. What a problem without
+    interfaces or without a fluid has none of is not there.
     """
     columns = [f"{name}_interface" for name in ("x", "u", "sigma", "T")]
     columns += [f"residual_{name}" for name in ("u", "stress", "T", "flux")]
-    integrals = ["energy", "momentum", "force"] + ["entropy", "heating"] * entropy
+    integrals = ["energy", "momentum", "force", "impulse"] + ["entropy", "heating"] * entropy
+    several = [(name, interfaces) for name in columns] + [("mass", fluids)]
     return np.dtype(
         [("t", "f8"), ("dt", "f8")]
-        + [(name, "f8", (interfaces,)) for name in columns]
-        + [(SHARES, "f8", (fluids,))]
+        + [(name, "f8", (count,)) for name, count in several if count]
         + [(name, "f8") for name in integrals]
     )
 
@@ -153,11 +158,18 @@ class Plan(Arrays):
         begin = int(layer["halo_lo"])
         return self.work(k, area)[begin : begin + int(layer["own_hi"] - layer["own_lo"])]
 
+    def ends(self, k: int, area: int = WORK) -> np.ndarray:
+        """View, shape (2,), of the kinetic energies of the end points of layer k in an area; (0,) where there are none."""
+        layer = self.layers[k]
+        at = int(self.head["area"][0, area] + layer["work"])
+        at += int(layer["halo_lo"] + layer["own_hi"] - layer["own_lo"] + layer["halo_hi"])
+        return self.memory[at : at + ENDS * int(layer["ends"] >= 0)]
+
     @property
     def traces(self) -> np.ndarray:
-        """View, shape (interfaces, rows, 7), of the rows at the interfaces as all ranks know them."""
+        """View, shape (interfaces, rows, TRACE), of the rows at the interfaces as all ranks know them."""
         size = int(self.head["message"][0])
-        return self.part("traces", size).reshape(len(self.faces), -1, 7)
+        return self.part("traces", size).reshape(len(self.faces), int(self.head["rows"][0]), TRACE)
 
     @property
     def record(self) -> np.dtype:
@@ -181,7 +193,9 @@ def make_faces(layout: Layout, coupling: str) -> np.ndarray:
     faces = np.zeros(len(layout.problem.interfaces), INTERFACE)
     for face, (fluid, solid) in zip(faces, layout.problem.interfaces, strict=True):
         face["fluid"], face["solid"], face["coupling"] = fluid, solid, KINDS[coupling]
-        face["normal"], face["h"] = (1.0 if fluid > solid else -1.0), layout.h
+        face["normal"], face["h"] = (1.0 if fluid > solid else -1.0), layout.records[solid]["h"]
+        face["h_gas"], face["J"] = layout.records[fluid]["h"], 1.0
+        face["spacing"], face["ratio"] = face["h_gas"], face["h_gas"] / face["h"]
         for name in ("gamma", "R", "cv", "mu", "kappa", "gas_numbers", "transport_numbers"):
             face[name] = layout.records[fluid][name]
         for name in ("K", "kappa_e", "m0", "alpha", "gruneisen", "pressing_numbers"):
@@ -195,7 +209,7 @@ def make_plan(
     """The plan of this rank and its neighbours, with shared memory if ``shared`` and possible. Collective."""
     faces = make_faces(layout, coupling)
     rows = max(2, op.rows)
-    message = len(faces) * rows * 7
+    message = len(faces) * rows * TRACE
     reduced = reduced_words(len(layout.records))
     neighbours = Neighbours(layout, max(message, reduced), shared)
     fluids = _fluids(layout.records)

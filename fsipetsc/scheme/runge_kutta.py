@@ -79,6 +79,7 @@ def evaluate(head, layer, memory, stage, begin, end):
         layer.stride,
         stage.a,
         stage.b,
+        layer.J,
     )
     w = work_point(head, layer, stage.area, 0)
     with_chosen(of_layer.sweep, LAWS, layer.law, layer, head.op, memory, w, head.scratch, target, begin, end)
@@ -109,6 +110,12 @@ def ends(head, layers, memory, stage, number):
             evaluate(head, layer, memory, stage, layer.own_lo, layer.own_hi)
 
 
+@njit(**OPTIONS)
+def set_frame(layer, number):
+    """Let the grid of a layer be what it was in stage ``number``."""
+    layer.s, layer.spread, layer.J = layer.stage_frame[number]
+
+
 @njit(**INLINE)
 def tiles(head, layers, memory, dt):
     """All stages of the middles, and the look at the new solution there."""
@@ -122,9 +129,9 @@ def tiles(head, layers, memory, dt):
             for number in range(STAGES):
                 ahead = skew - reach * number
                 end = b - ahead if last else min(begin + TILE + ahead, b - ahead)
-                layer.s = layer.stage_s[number]
+                set_frame(layer, number)
                 evaluate(head, layer, memory, stage_of(number, dt), min(begin + ahead, b - ahead), end)
-            layer.s = layer.stage_s[STAGES]
+            set_frame(layer, STAGES)
             look(head, layer, k, memory, begin, min(begin + TILE, b))
 
 
@@ -134,7 +141,8 @@ def begin_stage(head, layers, faces, memory, number, conditions):
     if conditions:
         apply_conditions(head, layers, faces, memory, work_area(number))
     for layer in layers:
-        layer.stage_s[number] = layer.s
+        layer.stage_frame[number, 0], layer.stage_frame[number, 1] = layer.s, layer.spread
+        layer.stage_frame[number, 2] = layer.J
 
 
 @njit(**INLINE)

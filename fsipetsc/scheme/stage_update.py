@@ -29,6 +29,7 @@ class Target(NamedTuple):
     stride: int
     a: float
     b: float
+    J: float  # what forcing is multiplied with
 
 
 @njit(**FORMULA)
@@ -36,7 +37,7 @@ def update_stage(s, target, unknown, i, k):
     """Send on the rates k of one unknown at the points i .. i+LANES-1."""
     at = unknown * target.stride + i
     if target.forcing >= 0:
-        k = k + load(s, target.forcing + at)
+        k = k + target.J * load(s, target.forcing + at)
     store(s, target.next + at, fma(target.a, k, load(s, target.source + at)))
     if target.sum >= 0:
         store(s, target.sum + at, fma(target.b, k, load(s, target.base + at)))
@@ -47,7 +48,7 @@ def update_stage_lanes(s, target, unknown, i, k, first, end):
     """As ``update_stage``, of the lanes first <= j < end only."""
     at = unknown * target.stride + i
     if target.forcing >= 0:
-        k = k + load(s, target.forcing + at)
+        k = k + target.J * load(s, target.forcing + at)
     store_lanes(s, target.next + at, fma(target.a, k, load(s, target.source + at)), first, end)
     if target.sum >= 0:
         store_lanes(s, target.sum + at, fma(target.b, k, load(s, target.base + at)), first, end)

@@ -13,7 +13,7 @@ vectors of points:
     prepare(law, constants, q)       v
     prescribe(layer, s, v, a, b)     changes v at ghost points among a .. b-1 where a boundary wants them to be others
     first(law, layer, q, v)          where the rows of a begin, and the factor of the derivative of each
-    flux(law, constants, q, v, D a)  f
+    flux(law, constants, i, q, v, D a)   f at the points i ...
     rates                            one or more of formulas: the unknowns that they are for, and
         second(law, layer, q, f)         where the rows of b begin, and their factors
         rate(law, constants, q, f, D b)  the rates of these unknowns
@@ -96,7 +96,7 @@ def fluxes(law, layer, op, s, w, v, f, origin, i0, i1):
     for i in range(first, min(d1, hi + 1 - op.rows), LANES):
         after = each(row_of.load, rows, s, i + LANES)
         derivatives = each(row_of.stencil, weights, before, here, after, p)
-        values = law.flux(law, constants, each(row_of.load, q, s, i), each(row_of.load, v, s, i), derivatives)
+        values = law.flux(law, constants, i, each(row_of.load, q, s, i), each(row_of.load, v, s, i), derivatives)
         each(row_of.store, f, values, s, i)
         before, here = here, after
     for side in range(2):
@@ -106,7 +106,7 @@ def fluxes(law, layer, op, s, w, v, f, origin, i0, i1):
             if a < b:
                 derivatives = each(row_of.closure, rows, scales, op, s, end, side, known, r)
                 here = each(row_of.load, q, s, i)  # and v anew: at a ghost point its rows may hold something else
-                values = law.flux(law, constants, here, law.prepare(law, constants, here), derivatives)
+                values = law.flux(law, constants, i, here, law.prepare(law, constants, here), derivatives)
                 each(row_of.store_lanes, f, values, s, i, a, b)
 
 

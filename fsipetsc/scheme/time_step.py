@@ -37,9 +37,9 @@ def next_step(t, target, bound):
 def bound_step(head, layers, memory):
     """Bounds on the time step: RATE = 1/dt at Courant number 1, BAD > 0 where the state is unphysical anywhere.
 
-    STOP is the largest SAID_STOP of all ranks. 1/dt is the 4-norm of the largest rates of convection, (|u-s| + c)/h in
-    fluids and c_s/h in solids, and of diffusion, z max(mu'/rho, kappa/(rho cv))/h^2 and z kappa_e/(alpha m0 x_X h^2), z the
-    stiffness of the second derivative: 2 for D twice, more for narrow ones (fsipetsc.operators.narrow).
+    STOP is the largest SAID_STOP of all ranks. 1/dt is the 4-norm of the largest rates of convection, (|u-w| + c)/(J h)
+    in fluids and c_s/h in solids, and of diffusion, z max(mu'/rho, kappa/(rho cv))/(J h)^2 and z kappa_e/(alpha m0 x_X h^2),
+    z the stiffness of the second derivative: 2 for D twice, more for narrow ones (fsipetsc.operators.narrow).
     The smaller of the two steps alone is too long where they are about equal: at a wall, where both act on the ghost
     point, the rod then fails for orders above 2 at Courant numbers above 0.7.
     """
@@ -63,7 +63,9 @@ def fastest(head, layers, memory, extremes):
             continue
         good, speed, spread = with_chosen(of_layer.speeds, LAWS, layer.law, layer, memory, extremes + SIZE * k)
         if good:
-            convection, diffusion = max(convection, speed / layer.h), max(diffusion, stiffness * spread / (layer.h * layer.h))
+            spacing = layer.h * layer.J
+            convection = max(convection, speed / spacing)
+            diffusion = max(diffusion, stiffness * spread / (spacing * spacing))
         else:
             bad = 1.0
     return convection, diffusion, bad

@@ -8,9 +8,11 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from fsipetsc.boundaries import INTERFACE_END
 from fsipetsc.parallel.layout import Layout
 from fsipetsc.physics.layer import DOF, FLUID
 from fsipetsc.scheme.plan import Plan
+from fsipetsc.stepping.petsc_path import COLUMNS
 
 
 class Traffic(NamedTuple):
@@ -89,11 +91,13 @@ def path_traffic(layout: Layout, plan: Plan) -> PathTraffic:
         exchanges += int(layer["present"])
         for halo in (layer["halo_lo"], layer["halo_hi"]):
             edges, edge_bytes = edges + int(halo > 0), edge_bytes + 8 * DOF[layer["kind"]] * int(halo)
-        frames += int(layer["present"] == 1 and layer["kind"] == FLUID and len(shares) > 1)
+        if layer["present"] == 1 and layer["kind"] == FLUID and len(shares) > 1:
+            # of a stretched gas the places of its ends, and then their velocities
+            frames += 2 * int((layer["end_kind"] == INTERFACE_END).sum()) if layer["stretched"] else 1
     for pair in layout.problem.interfaces:
         owners = [layout.shares[k][-1 if k == min(pair) else 0][0] for k in pair]
         if layout.comm.rank in owners and owners[0] != owners[1]:
-            rows, row_bytes = rows + 1, row_bytes + 8 * int(plan.head["rows"][0]) * DOF[owners.index(layout.comm.rank)]
+            rows, row_bytes = rows + 1, row_bytes + 8 * int(plan.head["rows"][0]) * COLUMNS[owners.index(layout.comm.rank)]
     return PathTraffic(exchanges, edges, edge_bytes, rows, row_bytes, frames)
 
 

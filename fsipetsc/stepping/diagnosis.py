@@ -30,11 +30,13 @@ def _first_bad(state: State, k: int, layer: object) -> tuple[int, int, float, fl
     first = int(record["own_lo"] - record["halo_lo"])
     own = np.arange(max(record["own_lo"], record["lo"]), min(record["own_hi"], record["hi"] + 1))
     q = work[own - first]
-    X = state.layout.grids[k].X(state.h)[own]
+    X = state.layout.grids[k].X()[own]
     with np.errstate(all="ignore"):
         if fluid:
-            rho, u, T, _ = layer.material.primitive(q)
+            rho, u, T, _ = layer.material.primitive(q / record["J"])
             x = X - state.layout.grids[k].anchor + record["x_interface"]
+            if record["stretched"]:
+                x = record["end_x"][0] + own * (record["h"] * record["J"])
             checks = (("rho", rho), ("T", T), ("u", np.where(np.isfinite(u), 1.0, np.nan)))
         else:
             right = np.minimum(own + 1, record["n"] - 1) - first

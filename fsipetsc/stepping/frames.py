@@ -46,10 +46,10 @@ def errors(state: State, t: float) -> dict[str, dict[str, float]] | None:
         index = np.arange(record["own_lo"], record["own_hi"])
         counted = (index >= record["lo"]) & (index <= record["hi"])
         for side, ghost in ((0, record["lo"]), (1, record["hi"])):
-            if isinstance(layer, FluidLayer) and record["end_kind"][side] >= 0:
+            if isinstance(layer, FluidLayer) and record["end_kind"][side] >= 0 and not record["stretched"]:
                 counted &= index != ghost
         for c in range(len(compared[layer.kind])):
-            sums[layer.kind][c] += state.h * np.sum((q[counted, c] - exact[c][counted]) ** 2)
+            sums[layer.kind][c] += record["h"] * np.sum((q[counted, c] - exact[c][counted]) ** 2)
     result = {}
     for kind, names in compared.items():
         squares = state.comm.allreduce(sums[kind])

@@ -18,7 +18,7 @@ from petsc4py import PETSc
 
 from fsipetsc.errors import ComputationError
 from fsipetsc.scheme.burst import LONGEST, MADE, SHORTEST, TIME
-from fsipetsc.scheme.plan import BAD, EXHAUSTED, LOW, MOVED, RATE, SAID_STOP, SHARES, STOP, TOO_SHORT
+from fsipetsc.scheme.plan import BAD, EXHAUSTED, LOW, MOVED, RATE, SAID_STOP, STOP, TOO_SHORT, shares
 from fsipetsc.scheme.time_step import longest_step
 from fsipetsc.stepping.diagnosis import describe_failure
 from fsipetsc.stepping.error_control import ErrorControl
@@ -282,11 +282,12 @@ class Integrator:
         while state.results[LOW] and not (state.results[EXHAUSTED] or state.results[TOO_SHORT]):
             state.grow()
         self._on_grids()
+        if not self._steady:
+            state.set_data(0.0)  # with differences in time of the length that a step has
         self._finish()
         self._check(0.0, state.results[:LAST].tolist())
-        names = state.latest.dtype.names
-        shares = {name: state.latest[name] for name in names[names.index(SHARES) :]}
-        self.initial = {name: state.comm.allreduce(share).tolist() for name, share in shares.items()}
+        found = {name: state.latest[name] for name in shares(state.latest.dtype) if name != "impulse"}
+        self.initial = {name: state.comm.allreduce(share).tolist() for name, share in found.items()}
         self.beyond = self._beyond(float(state.results[RATE]))
         self._times.pass_time(0.0)
         self._on_frame(0.0)

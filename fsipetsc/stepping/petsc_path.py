@@ -11,6 +11,8 @@ One evaluation is four steps, of which the first three are collective:
     3  frames       the owner of a fluid's interface point tells the layer its velocity s and its place x_I (4.20), (4.25)
     4  points       ghost points and outer ends (4.26), then the rates of all points          (4.19), (4.20)
 
+Of a stretched gas both ends are told, their places before step 1 solves anything, because they say how long its cells are.
+
 Interfaces come before halos, so that neighbours of an owner get rows that fulfil the conditions. The point arithmetic is the
 same on any number of ranks, and nothing is added up over ranks: so are the results, bit for bit.
 """
@@ -23,11 +25,15 @@ import numba
 import numpy as np
 from petsc4py import PETSc
 
+from fsipetsc.boundaries import INTERFACE_END
 from fsipetsc.operators.cache import compiling
 from fsipetsc.parallel.layout import Layout
 from fsipetsc.physics.layer import DOF, FLUID
-from fsipetsc.scheme.one_layer import apply_ends, couple_rows, evaluate_rates
+from fsipetsc.scheme.one_layer import apply_ends, couple_rows, evaluate_rates, move_grids, place_grids
 from fsipetsc.scheme.plan import SUM, Plan
+
+#: of the rows at an interface: the unknowns of fluid and solid, and the kinetic energy of the solid's end point
+COLUMNS = DOF[0], DOF[1] + 1
 
 
 class PetscPath:
@@ -37,6 +43,7 @@ class PetscPath:
     """
 
     def __init__(self, layout: Layout, plan: Plan) -> None:
+        self._plan = plan
         self._state, self._rates = np.empty(layout.local_size), np.empty(layout.local_size)
         mine = [k for k, dm in enumerate(layout.dms) if dm is not None]
         self._layers = [LayerPart(layout, plan, k, self._state, self._rates) for k in mine]
@@ -53,11 +60,17 @@ class PetscPath:
         """Fill the plan's first work area with this rank's part y and its halos, which fulfil all conditions."""
         self._state[:] = y
         for interface in self._interfaces:
+            interface.swap_rows()
+        for layer in self._layers:
+            layer.learn_places()
+        self._plan.compiled(place_grids)(*self._plan)
+        for interface in self._interfaces:
             interface.project()
         for layer in self._layers:
             layer.fill_halos()
         for layer in self._layers:
-            layer.learn_frame()
+            layer.learn_velocities()
+        self._plan.compiled(move_grids)(*self._plan)
         for layer in self._layers:
             layer.apply_ends()
 
@@ -80,23 +93,41 @@ class LayerPart:
         self._work, self._evaluated, self._rates = plan.work(k), plan.owned(k, SUM), layout.local(k, rates)
         self._with_halos = np.empty(self._work.shape)
         self._local = PETSc.Vec().createWithArray(self._with_halos, bsize=dof, comm=PETSc.COMM_SELF)
-        self._frame = [layout.records[name][k : k + 1] for name in ("s", "x_interface")]
-        self._told = np.empty(len(self._frame))
-        self._comm = self._dm.comm.tompi4py()
-        self._tells = layout.records[k]["kind"] == FLUID and self._comm.size > 1
-        self._owner = self._comm.size - 1 if k == 0 else 0  # of the interface: a fluid is the first layer or the last
+        # kinetic energies of end points: to the work area, and their rates from where these are
+        self._ends = (plan.ends(k), layout.ends(k, state)), (layout.ends(k, rates), plan.ends(k, SUM))
+        self._record, self._comm = layout.records[k], self._dm.comm.tompi4py()
+        interfaces = [side for side in range(2) if self._record["end_kind"][side] == INTERFACE_END]
+        tells = self._record["kind"] == FLUID and self._comm.size > 1
+        self._interfaces = interfaces if tells else []
+
+    def learn_places(self) -> None:
+        """The owners of the ends of a stretched gas know from the solids where these are; the others hear of it."""
+        if self._record["stretched"]:
+            self._hear("end_x")
 
     def fill_halos(self) -> None:
         """The ghost exchange of the layer."""
         self._dm.globalToLocal(self._own, self._local)
         self._work[:] = self._with_halos
+        into, ends = self._ends[0]
+        into[:] = ends
 
-    def learn_frame(self) -> None:
-        """The owner of a fluid's interface point has set the frame in its record; the others hear of it."""
-        if self._tells:
-            self._told[0], self._told[1] = self._frame[0][0], self._frame[1][0]
-            self._comm.Bcast(self._told, self._owner)
-            self._frame[0][0], self._frame[1][0] = self._told
+    def learn_velocities(self) -> None:
+        """The owner of a gas's point at an interface knows how fast it is, and of a rigid frame where; the others hear it."""
+        if self._record["stretched"]:
+            self._hear("end_v")
+        elif self._interfaces:
+            told = np.array([self._record["s"], self._record["x_interface"]])
+            self._comm.Bcast(told, self._owner(self._interfaces[0]))
+            self._record["s"], self._record["x_interface"] = told
+
+    def _hear(self, name: str) -> None:
+        for side in self._interfaces:
+            self._comm.Bcast(self._record[name][side : side + 1], self._owner(side))
+
+    def _owner(self, side: int) -> int:
+        """Rank in the layer that has its left (0) or right end."""
+        return 0 if side == 0 else self._comm.size - 1
 
     def apply_ends(self) -> None:
         """Ghost point and outer end, where this rank has the points that they take, in its halos perhaps."""
@@ -106,6 +137,8 @@ class LayerPart:
         """The rates at this rank's points."""
         self._plan.compiled(evaluate_rates)(*self._plan, self._k)
         self._rates[:] = self._evaluated
+        rates, evaluated = self._ends[1]
+        rates[:] = evaluated
 
     def destroy(self) -> None:
         self._own.destroy()
@@ -118,7 +151,7 @@ class Interface:
     def __init__(self, layout: Layout, plan: Plan, k: int, state: np.ndarray) -> None:
         self._k, self._plan, self._comm = k, plan, layout.comm
         layers, count = layout.problem.interfaces[k], int(plan.head["rows"][0])
-        self._rows = [np.empty((count, dof)) for dof in DOF]  # of fluid and solid, counted from the interface
+        self._rows = [np.zeros((count, columns)) for columns in COLUMNS]  # counted from the interface
         self._owners, self._own = [], []
         for layer in layers:
             left = layer == min(layers)  # of the interface; the rank with the last point there has all the rows, see partition
@@ -126,32 +159,60 @@ class Interface:
             part = layout.local(layer, state)
             self._own.append((part[::-1] if left else part)[:count])
         self._here = [owner == self._comm.rank for owner in self._owners]
-        self._frame = [layout.records[name][layers[0] : layers[0] + 1] for name in ("s", "x_interface")]
+        self._side = 0 if layers[0] > layers[1] else 1  # of the gas on which the interface is
+        energies = layout.ends(layers[1], state)
+        self._energy = energies[1 - self._side : 2 - self._side]
+        self._record, self._face = layout.records[layers[0]], plan.faces[k]
 
-    def project(self) -> None:
-        """Swap rows with the owner of the other side, project both sides, and keep what is this rank's."""
+    def swap_rows(self) -> None:
+        """Swap rows with the owner of the other side; where the solid ends is where the interface is."""
         if not any(self._here):
             return
-        (fluid, solid), (s, x_interface) = self._rows, self._frame
         for here, rows, own in zip(self._here, self._rows, self._own, strict=True):
             if here:
-                rows[:] = own
+                rows[:, : own.shape[1]] = own
+        if self._here[1] and len(self._energy):
+            self._rows[1][0, -1] = self._energy[0]
         if not all(self._here):
             mine, other = (0, 1) if self._here[0] else (1, 0)
             rank = self._owners[other]
             self._comm.Sendrecv(self._rows[mine], rank, recvbuf=self._rows[other], source=rank)
-        x_interface[0] = solid[0, 3]  # of the solid's particle there
+        self._record["x_interface"] = self._record["end_x"][self._side] = self._rows[1][0, 3]
+
+    def project(self) -> None:
+        """Project both sides, and keep what is this rank's."""
+        if not any(self._here):
+            return
+        if self._record["stretched"] and not all(self._here):
+            self._tell_spacing()
+        fluid, solid = self._rows
         self._plan.compiled(couple_rows)(*self._plan, self._k, fluid, solid)
-        s[0] = fluid[0, 1] / fluid[0, 0]
+        self._record["end_v"][self._side] = fluid[0, 1] / fluid[0, 0]
+        if not self._record["stretched"]:
+            self._record["s"] = self._record["end_v"][self._side]
         for here, rows, own in zip(self._here, self._rows, self._own, strict=True):
             if here:
-                own[:] = rows
+                own[:] = rows[:, : own.shape[1]]
+        if self._here[1] and len(self._energy):
+            self._energy[0] = solid[0, -1]
+
+    def _tell_spacing(self) -> None:
+        """The owner of the gas's side, which knows both ends of the gas, tells the owner of the solid's how long a cell is."""
+        told = np.array([self._face[name] for name in ("J", "spacing", "ratio")])
+        if self._here[0]:
+            self._comm.Send(told, self._owners[1])
+        else:
+            self._comm.Recv(told, self._owners[0])
+            self._face["J"], self._face["spacing"], self._face["ratio"] = told
 
 
 def compile_entries(plan: Plan, announce: Callable[[str], None]) -> None:
     """Compile what is called here, or load it, without a call of it; announce: says what takes so long."""
-    rows = [np.empty((int(plan.head["rows"][0]), dof)) for dof in DOF]
-    entries: tuple[tuple[Callable, tuple], ...] = ((apply_ends, (0,)), (evaluate_rates, (0,)), (couple_rows, (0, *rows)))
+    rows = [np.empty((int(plan.head["rows"][0]), columns)) for columns in COLUMNS]
+    entries: tuple[tuple[Callable, tuple], ...] = (
+        *((place_grids, ()), (move_grids, ())),
+        *((apply_ends, (0,)), (evaluate_rates, (0,)), (couple_rows, (0, *rows))),
+    )
     with compiling(plan.compiled(evaluate_rates), announce):
         for entry, arguments in entries:
             plan.compiled(entry).compile(tuple(numba.typeof(argument) for argument in (*plan, *arguments)))

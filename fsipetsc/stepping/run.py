@@ -234,7 +234,7 @@ class _Run:
             "dt_min": integrator.dt_range[0] if integrator.steps else None,
             "dt_max": integrator.dt_range[1] if integrator.steps else None,
             "points": active_points(self.state),
-            "interfaces": dict(zip(interface_names(self.problem), self.state.latest["x_interface"].tolist(), strict=True)),
+            "interfaces": dict(zip(interface_names(self.problem), self.state.places, strict=True)),
             "ranks": self.comm.size,
             "wall_time": integrator.wall_time,
             "wall_time_total": wall,

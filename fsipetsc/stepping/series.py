@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from mpi4py import MPI
 
-from fsipetsc.scheme.plan import SHARES
+from fsipetsc.scheme.plan import shares
 from fsipetsc.stepping.state import State
 
 #: steps whose shares are added up at once: they stay in a cache
@@ -17,7 +17,8 @@ class Series:
 
     def __init__(self, state: State) -> None:
         self._state = state
-        self._first = state.journal.dtype.fields[SHARES][1] // 8  # number of a record with which shares begin
+        record = state.journal.dtype
+        self._first = record.fields[shares(record)[0]][1] // 8  # number of a record with which shares begin
         self._sums = np.empty((CACHED_STEPS, state.journal.dtype.itemsize // 8 - self._first))
         self.count = self._added = 0
 
@@ -43,11 +44,11 @@ class Series:
         if comm.size > 1:
             numbers = steps.view(np.float64).reshape(-1, steps.itemsize // 8)
             for begin in range(0, len(steps), CACHED_STEPS):
-                shares = numbers[begin : begin + CACHED_STEPS, self._first :]
-                sums = self._sums[: len(shares)]
-                sums[:] = shares
+                own = numbers[begin : begin + CACHED_STEPS, self._first :]
+                sums = self._sums[: len(own)]
+                sums[:] = own
                 comm.Reduce(MPI.IN_PLACE if comm.rank == 0 else sums, sums, MPI.SUM, 0)
-                shares[:] = sums
+                own[:] = sums
         return steps
 
     def take(self, comm: MPI.Comm) -> np.ndarray:

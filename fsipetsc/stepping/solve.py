@@ -55,7 +55,7 @@ def make_state(problem: Problem, opt: Mapping[str, Any], comm: MPI.Comm) -> Stat
 
     InputError where grid, order and ranks do not fit.
     """
-    names = ("fsi_order", "fsi_h", "fsi_coupling", "fsi_partition", "fsi_spare")
+    names = ("fsi_order", "fsi_h", "fsi_coupling", "fsi_mapping", "fsi_partition", "fsi_spare")
     kind = LoggedState if PETSc.Log.isActive() else State
     entropy = bool(opt["fsi_entropy"] or opt["fsi_check"])
     narrow = opt["fsi_viscous"] == "narrow"

@@ -9,17 +9,17 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from fsipetsc import given
-from fsipetsc.boundaries import NODES
+from fsipetsc.boundaries import NODES, in_time
 from fsipetsc.errors import FsiError, InputError
 from fsipetsc.operators.cache import compiling, garbage_waiting
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.layout import Grid, Layout, make_grids
-from fsipetsc.physics.layer import DOF, FLUID
+from fsipetsc.physics.layer import DOF, FLUID, SOLID
 from fsipetsc.problem import FluidLayer, Problem
 from fsipetsc.scheme import runge_kutta
 from fsipetsc.scheme.burst import MADE
 from fsipetsc.scheme.laws import ProblemLaws
-from fsipetsc.scheme.plan import BURST, FLAGS, FORCING, LIMITS, LOW, SAID_STOP, make_plan
+from fsipetsc.scheme.plan import BURST, FLAGS, FORCING, LIMITS, LOW, RATE, SAID_STOP, make_plan
 from fsipetsc.stepping.petsc_path import PetscPath
 from fsipetsc.together import agree, together
 
@@ -43,6 +43,7 @@ class State:
         order: int,
         h: float,
         coupling: str,
+        mapping: str,
         mode: str,
         spare: int,
         entropy: bool = False,
@@ -51,13 +52,15 @@ class State:
     ) -> None:
         self.comm, self.problem, self.h = comm, problem, h
         self.op = OPERATORS[order]
-        self._coupling, self._mode, self._spare = coupling, mode, spare
+        self._coupling, self._mapping, self._mode, self._spare = coupling, mapping, mode, spare
         self._entropy, self._shared, self._narrow = entropy, shared, narrow
         self.evaluations = 0
         self.fault: InputError | None = None  # of a user's function, on this rank
         self._path: PetscPath | None = None
+        ends = ((0, 0, problem.left), (len(problem.layers) - 1, 1, problem.right))
+        self._moving = [(k, side) for k, side, end in ends if "x" in in_time(end)]
         self._laws = together(comm, lambda: ProblemLaws(problem, entropy, narrow))
-        self._place(make_grids(problem, self.op, h, spare))
+        self._place(make_grids(problem, self.op, h, spare, mapping))
 
     def compile(self, announce: Callable[[str], None], also: Callable[[], object] = lambda: None) -> None:
         """Compile the kernels if that has not been done for this machine: one rank first, the others take its result.
@@ -73,7 +76,8 @@ class State:
         also()
 
     def _place(self, grids: list[Grid], kept: Layout | None = None) -> None:
-        self.layout = Layout(self.comm, self.problem, self.op, self.h, grids, self._mode, kept)
+        conservative = self._coupling == "conservative"
+        self.layout = Layout(self.comm, self.problem, self.op, self.h, grids, self._mode, conservative, kept)
         forced = any(layer.forcing for layer in self.problem.layers)
         asked = (forced, self._entropy, self._shared, self._narrow)
         self.plan, self._neighbours = make_plan(self.layout, self.op, self._coupling, *asked)
@@ -105,9 +109,14 @@ class State:
         for k, side in ((0, 0), (len(records) - 1, 1)):
             values = given.end_data(problem, side, t)
             records[k]["end_data"][side, : len(values)] = values
+            records[k]["end_heat"][side] = given.end_heat(problem, side, t)
+        for k, side in self._moving:
+            motion = given.end_motion(problem, side, t, self._instant())
+            records[k]["end_x"][side], records[k]["end_v"][side], records[k]["end_a"][side] = motion
         if problem.jumps is not None:
             for k, face in enumerate(self.plan.faces):
                 face["jump"] = given.jumps(problem, k, t)
+                records[face["solid"]]["end_jump"][1 if face["normal"] > 0 else 0] = face["jump"]
         for k, layer in enumerate(problem.layers):
             if layer.forcing is not None and records[k]["present"]:
                 part = self.plan.owned(k, FORCING)
@@ -128,7 +137,11 @@ class State:
     def check_data(self) -> None:
         """Ask the user's functions for all data at t = 0. InputError, on all ranks, where they are not what they must be."""
         edges = self.comm.allgather(together(self.comm, self._set_initial))
-        given.check_ends(self.problem, {point: x for found in edges for point, x in found.items()}, self.h)
+        ends = {point: x for found in edges for point, x in found.items()}
+        for k, side in self._moving:
+            self.layout.records[k]["end_x"][side] = given.end_motion(self.problem, side, 0.0, self._instant())[0]
+        given.check_ends(self.problem, ends | self._outer_ends(), self.h, self._mapping)
+        self._stretch(ends)
         self.set_data(0.0)
         agree(self.comm, self.fault)
 
@@ -147,10 +160,39 @@ class State:
                     self.layout.local(k, y)[:] = layer.material.conserved(*fields)
             else:
                 self.layout.local(k, y)[:] = np.stack(fields, axis=-1)
+                self._note_kinetic_energies(k, y)
                 record = self.layout.records[k]
                 edges |= {(k, 0): fields[3][0]} if record["own_lo"] == 0 else {}
                 edges |= {(k, 1): fields[3][-1]} if record["own_hi"] == record["n"] else {}
         return edges
+
+    def _outer_ends(self) -> dict[tuple[int, int], float]:
+        """As of given.check_ends, the places of the outer ends of gases, as if solids stood there."""
+        last, records = len(self.problem.layers) - 1, self.layout.records
+        places = {(-1, 1): records[0]["end_x"][0], (last + 1, 0): records[last]["end_x"][1]}
+        return {point: float(x) for point, x in places.items()}
+
+    def _note_kinetic_energies(self, k: int, y: np.ndarray) -> None:
+        """m0 u^2/2 of the end points of solid layer k, which the conservative coupling integrates, from their velocities."""
+        ends, part = self.layout.ends(k, y), self.layout.local(k, y)
+        if len(ends):
+            u = part[[0, -1], 0]
+            ends[:] = 0.5 * self.layout.records[k]["m0"] * u * u
+
+    def _stretch(self, ends: dict[tuple[int, int], float]) -> None:
+        """Let the unknowns of stretched layers be J (rho, rho u, e); ends: as of given.check_ends."""
+        y = self.solution.getArray()
+        for k, record in enumerate(self.layout.records):
+            if record["stretched"] and record["present"]:
+                for side, solid in ((0, k - 1), (1, k + 1)):
+                    record["end_x"][side] = ends.get((solid, 1 - side), record["end_x"][side])
+                first, last = record["end_x"]
+                self.layout.local(k, y)[:] *= (last - first) / ((record["n"] - 1) * record["h"])
+
+    @property
+    def places(self) -> list[float]:
+        """Positions x [m] of the interfaces."""
+        return self.latest["x_interface"].tolist() if len(self.plan.faces) else []
 
     @property
     def path(self) -> PetscPath:
@@ -170,6 +212,7 @@ class State:
         for k, record in enumerate(self.layout.records):
             if record["present"]:
                 self.layout.local(k, y)[:] = self.plan.owned(k)
+                self.layout.ends(k, y)[:] = self.plan.ends(k)
 
     def finish(self) -> None:
         """Complete a step whose raw result PETSc has left in the solution: see scheme.finish_step."""
@@ -185,9 +228,36 @@ class State:
             self.evaluations += runge_kutta.STAGES * max(1, int(self.burst[MADE]))
             return
         self.evaluations += runge_kutta.STAGES
+        walls = self._walls(t, dt)
         for number, fraction in enumerate((0.0, 0.5, 0.5, 1.0, 1.0)):
             self.set_data(t + fraction * dt)
+            for record, side, places, velocities in walls:
+                record["end_x"][side], record["end_v"][side] = places[number], velocities[number]
             runge_kutta.make_stage(self.plan, number, dt)
+
+    def _walls(self, t: float, dt: float) -> list[tuple[np.void, int, tuple[float, ...], tuple[float, ...]]]:
+        """(record, side, places, velocities) of the walls that move, in the stages of a step and after it.
+
+        The places are what the Runge-Kutta method makes of the velocities, and J of them what it makes of J_t: else a free
+        stream would not stay one. That of the middle of the step is such that the wall ends where it should (Simpson's rule).
+        """
+        found = []
+        try:
+            for k, side in self._moving:
+                record = self.layout.records[k]
+                x, (_, before, _) = float(record["end_x"][side]), given.end_motion(self.problem, side, t, self._instant())
+                end, after, _ = given.end_motion(self.problem, side, t + dt, self._instant())
+                middle = (6.0 * (end - x) / dt - before - after) / 4.0
+                places = x, x + 0.5 * dt * before, x + 0.5 * dt * middle, x + dt * middle, end
+                found.append((record, side, places, (before, middle, middle, after, after)))
+        except InputError:
+            return []  # set_data will say it
+        return found
+
+    def _instant(self) -> float:
+        """A time [s] in which little happens, for differences in time: a fraction of a step, before there is one of h/1000."""
+        rate = float(self.results[RATE])
+        return 0.25 / rate if 0.0 < rate < np.inf else 1e-3 * self.h
 
     def grow(self, noted: int = 0) -> None:
         """Lay the grids anew with more spare points at the embedded boundaries; the completed solution moves along.
@@ -200,18 +270,21 @@ class State:
         cells = {k: int(r["hi"] - r["lo"]) for k, r in enumerate(old.records) if r["kind"] == FLUID}
         results, journal = self.results.copy(), self.journal[:noted].copy()
         self._release()
-        self._place(make_grids(self.problem, self.op, self.h, max(self._spare, NODES), cells, old.grids), old)
+        spare = max(self._spare, NODES)
+        self._place(make_grids(self.problem, self.op, self.h, spare, self._mapping, cells, old.grids), old)
         self.results[:], self.journal[:noted] = results, journal
         self.results[LOW] = 0.0
         y = self.solution.getArray()
         for k, (grid, record) in enumerate(zip(self.layout.grids, self.layout.records, strict=True)):
             before = old.records[k]
-            for name in ("s", "x_interface", "end_data"):
+            for name in ("s", "spread", "J", "x_interface", "end_x", "end_v", "end_data"):
                 record[name] = before[name]
             if record["present"]:
                 active = whole[k][before["lo"] : before["hi"] + 1]
                 rows = np.arange(record["own_lo"], record["own_hi"]) - grid.lo
                 self.layout.local(k, y)[:] = active[np.clip(rows, 0, len(active) - 1)]
+                if record["kind"] == SOLID:
+                    self._note_kinetic_energies(k, y)
         runge_kutta.load_completed(self.plan, "solution")
 
     def _release(self) -> None:

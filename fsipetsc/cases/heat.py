@@ -1,0 +1,180 @@
+"""Conjugate heat transfer with an exact solution: a warm solid and the gas on it cool between two cold ends.
+
+Solid | gas at rest under the pressure p0 and of the temperature T0, which the clamped left end of the solid and the wall at
+the right keep. A small disturbance decays in the slowest thermal mode of both together: heat is conducted through the
+interface, the gas expands where it is warm, and pushes the solid a little. The linear equations have the exact solution
+
+    (rho, u, T)' = Re sum_j c_j (rho_j, u_j, T_j) exp(k_j x + s t)      in the gas, likewise (u, sigma, T)' in the solid
+
+with four wave numbers k_j(s) in either layer: in the gas the roots of
+
+    (rho0 s - mu' z - R T0 rho0 z/s) (rho0 cv s - kappa z) = R rho0 p0 z,     z = k^2,
+
+in the solid k = s/c, c^2 = K/m0, and k^2 = alpha m0 s/kappa_e, each with both signs. s is where the eight conditions at the
+ends and at the interface have a solution. What remains of the error on fine grids is of second order in the amplitude.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from fsipetsc.boundaries import Wall, clamped
+from fsipetsc.errors import InputError
+from fsipetsc.options import Option
+from fsipetsc.physics.fluid import Fluid
+from fsipetsc.physics.solid import Solid
+from fsipetsc.problem import FluidLayer, Problem, SolidLayer
+
+NAME = "heat"
+SUMMARY = "conjugate heat transfer between a solid and a gas: errors against the exact solution"
+
+OPTIONS = (
+    Option("fluid_mu", "float", 0.02, "Pa s", "viscosity of the gas", check="nonnegative"),
+    Option("fluid_kappa", "float", 0.1, "W/(m K)", "heat conductivity of the gas", check="positive"),
+    Option("solid_modulus", "float", 20.0, "Pa", "2 mu_e + lambda_e of the solid", check="positive"),
+    Option("solid_kappa", "float", 0.3, "W/(m K)", "heat conductivity of the solid", check="positive"),
+    Option("solid_density", "float", 2.0, "kg/m3", "density m0 of the solid at rest", check="positive"),
+    Option("solid_alpha", "float", 1.0, "J/(kg K)", "specific heat of the solid", check="positive"),
+    Option("heat_amplitude", "float", 1e-6, "K", "largest disturbance of the temperature; the linear theory needs it small"),
+)
+DEFAULTS = {"fsi_h": 0.025, "fsi_order": 4, "ts_max_time": 1.0, "fsi_output_dt": 0.1}
+
+GAMMA, R, P0, T0 = 1.4, 1.0, 1.0, 1.0
+#: the solid is -1 < X < 0, the gas 0 < x < 1
+X = (-1.0, 0.0, 1.0)
+
+
+@dataclass(frozen=True)
+class Mode:
+    """The slowest thermal mode of the two layers; InputError where there is none."""
+
+    gas: Fluid
+    solid: Solid
+
+    @property
+    def rho0(self) -> float:
+        """Density of the gas at rest."""
+        return P0 / (R * T0)
+
+    def gas_waves(self, s: complex) -> tuple[np.ndarray, np.ndarray]:
+        """(k, (rho, u, T)) of the four waves in the gas, shapes (4,) and (3, 4)."""
+        gas, rho0, mu = self.gas, self.rho0, 4 / 3 * self.gas.mu
+        # (a - b z)(c - d z) = e z
+        a, b, c, d, e = rho0 * s, mu + R * T0 * rho0 / s, rho0 * gas.cv * s, gas.kappa, R * rho0 * P0
+        z = np.roots([b * d, -(a * d + b * c + e), a * c]).astype(complex)
+        k = np.concatenate([np.sqrt(z), -np.sqrt(z)])
+        # of unit temperature: the sound wave of a slow mode hardly moves, and u/T of the other one is small
+        T = np.ones(4, complex)
+        u = -(c - d * k * k) / (P0 * k)
+        return k, np.array([-rho0 * k * u / s, u, T])
+
+    def solid_waves(self, s: complex) -> tuple[np.ndarray, np.ndarray]:
+        """(k, (u, sigma, T)) of the four waves in the solid, shapes (4,) and (3, 4)."""
+        solid, heat = self.solid, self.solid.alpha * self.solid.m0
+        elastic, thermal = s * np.sqrt(solid.m0 / solid.K), np.sqrt(heat * s / solid.kappa_e + 0j)
+        k = np.array([elastic, -elastic, thermal, -thermal])
+        u = np.array([1.0, 1.0, 0.0, 0.0])
+        T = np.array([-P0 * w / (heat * s - solid.kappa_e * w * w) for w in k[:2]] + [1.0, 1.0])
+        return k, np.array([u, solid.K * k * u / s, T])
+
+    def conditions(self, s: complex) -> np.ndarray:
+        """What the ends and the interface ask of the eight amplitudes, (8, 8), gas first."""
+        (k, (rho, u, T)), (q, (v, sigma, Ts)) = self.gas_waves(s), self.solid_waves(s)
+        pressure, friction = R * (self.rho0 * T + T0 * rho), 4 / 3 * self.gas.mu * k * u
+        nothing, wall, left = np.zeros(4), np.exp(k * X[2]), np.exp(q * X[0])
+        rows = [
+            [nothing, v * left],
+            [nothing, Ts * left],
+            [u * wall, nothing],
+            [T * wall, nothing],
+            [u, -v],
+            [pressure - friction, sigma],
+            [T, -Ts],
+            [self.gas.kappa * k * T, -self.solid.kappa_e * q * Ts],
+        ]
+        return np.array([np.concatenate(row) for row in rows])
+
+    def scaled(self, s: complex) -> np.ndarray:
+        """The same with columns and rows of size 1: so its singular values say something."""
+        matrix = self.conditions(s)
+        matrix = matrix / np.abs(matrix).max(axis=0)
+        return matrix / np.abs(matrix).max(axis=1)[:, None]
+
+    @cached_property
+    def rate(self) -> float:
+        """s [1/s], real and negative: the one nearest to 0 with a solution."""
+        from scipy.optimize import minimize_scalar
+
+        gas, solid = self.gas, self.solid
+        cp = GAMMA * gas.cv
+        slowest = (np.pi / 2) ** 2 * min(gas.kappa / (self.rho0 * cp), solid.kappa_e / (solid.alpha * solid.m0))
+        fastest = np.pi**2 * max(gas.kappa / (self.rho0 * cp), solid.kappa_e / (solid.alpha * solid.m0))
+        sizes = np.geomspace(0.5 * slowest, 2 * fastest, 400)
+
+        def least(size: float) -> float:
+            return float(np.linalg.svd(self.scaled(-size), compute_uv=False)[-1])
+
+        values = np.array([least(size) for size in sizes])
+        for i in np.flatnonzero((values[1:-1] < values[:-2]) & (values[1:-1] < values[2:])) + 1:
+            found = minimize_scalar(least, bounds=(sizes[i - 1], sizes[i + 1]), method="bounded", options={"xatol": 1e-15})
+            if found.fun < 1e-7 * np.median(values):
+                return -self._polished(float(found.x))
+        raise InputError("no thermal mode of this gas and this solid is found: expected conductivities closer to each other")
+
+    def _polished(self, size: float) -> float:
+        """The rate to round-off: the determinant, of one phase along the real axis, changes its sign there."""
+        from scipy.optimize import brentq
+
+        width = 1e-6 * size
+        around = [np.linalg.det(self.scaled(-size * (1 + d))) for d in (-1e-6, 1e-6)]
+        phase = around[1] / abs(around[1])
+        signed = lambda x: float((np.linalg.det(self.scaled(-x)) / phase).real)  # noqa: E731
+        return brentq(signed, size - width, size + width, xtol=1e-15, rtol=1e-15)
+
+    @cached_property
+    def amplitudes(self) -> np.ndarray:
+        """Of the eight waves, for a largest disturbance of T of 1."""
+        columns = np.abs(self.conditions(self.rate)).max(axis=0)
+        raw = np.linalg.svd(self.scaled(self.rate))[2][-1].conj() / columns
+        (k, gas), (q, solid) = self.gas_waves(self.rate), self.solid_waves(self.rate)
+        x = np.linspace(0.0, 1.0, 201)
+        T = np.concatenate([np.exp(np.outer(x, k)) @ (raw[:4] * gas[2]), np.exp(np.outer(x - 1, q)) @ (raw[4:] * solid[2])])
+        return raw / T[np.argmax(np.abs(T))]
+
+    def fields(self, kind: str, x: np.ndarray, t: float) -> np.ndarray:
+        """Disturbance of (rho, u, T) in the gas or (u, sigma, T) in the solid for the amplitude 1, shape (3, n)."""
+        s = self.rate
+        k, waves = self.gas_waves(s) if kind == "gas" else self.solid_waves(s)
+        amplitudes = self.amplitudes[:4] if kind == "gas" else self.amplitudes[4:]
+        return np.real((waves * amplitudes) @ np.exp(np.outer(k, x))) * np.exp(s * t)
+
+
+def build(opt: Mapping[str, Any]) -> Problem:
+    """The solid clamped at X = -1, the wall at x = 1, both of the temperature T0."""
+    gas = Fluid(opt["fluid_mu"], opt["fluid_kappa"], GAMMA, R)
+    solid = Solid(opt["solid_modulus"], opt["solid_kappa"], opt["solid_density"], opt["solid_alpha"])
+    mode, amplitude = Mode(gas, solid), opt["heat_amplitude"]
+
+    def in_gas(x: np.ndarray, t: float) -> list[np.ndarray]:
+        rho, u, T = amplitude * mode.fields("gas", x, t)
+        return [mode.rho0 + rho, u, T0 + T]
+
+    def in_solid(X: np.ndarray, t: float) -> list[np.ndarray]:
+        u, sigma, T = amplitude * mode.fields("solid", X, t)
+        return [u, sigma - P0, T0 + T, X + u / mode.rate]
+
+    return Problem(
+        layers=(
+            SolidLayer("solid", solid, X[:2], lambda X: in_solid(X, 0.0), exact=in_solid),
+            FluidLayer("gas", gas, X[1:], lambda x: in_gas(x, 0.0), exact=in_gas),
+        ),
+        left=clamped(T=T0),
+        right=Wall(X[2], T=T0),
+        notes=(f"the mode decays as exp({mode.rate:.10g} t); the exact solution is that of the linear equations",),
+        units="none",
+    )
