@@ -14,14 +14,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from fsipetsc.blame import missing
 from fsipetsc.cases import BUILT_IN, load_case, summaries
 from fsipetsc.errors import FileError, FsiError, InputError
-from fsipetsc.failure import end_together
-from fsipetsc.interrupts import Launcher, held_back, raised
-from fsipetsc.launch import launcher_rank, start_mpi, start_petsc
 from fsipetsc.options import RUN, Option, read_options, table
-from fsipetsc.process import left_as_found
-from fsipetsc.sources import HELP_FLAGS, given_options, is_option
-from fsipetsc.streams import abandon_stdout, complete_streams, heedless
-from fsipetsc.together import together
+from fsipetsc.options.sources import HELP_FLAGS, given_options, is_option
+from fsipetsc.process.failure import end_together
+from fsipetsc.process.host import left_as_found
+from fsipetsc.process.interrupts import Launcher, held_back, raised
+from fsipetsc.process.launch import launcher_rank, start_mpi, start_petsc
+from fsipetsc.process.streams import abandon_stdout, complete_streams, heedless
+from fsipetsc.process.together import together
 from fsipetsc.usage import case_help, command_help, overview, program
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ class Command(NamedTuple):
     """A command: what stands behind its name, one line about it, and the function that does it.
 
     target: "module:function", imported when it is called, with the list of arguments; a parallel one also gets the
-    communicator of all ranks and starts PETSc itself (fsipetsc.launch.start_petsc). options: "module:name" of its own
+    communicator of all ranks and starts PETSc itself (fsipetsc.process.launch.start_petsc). options: "module:name" of its own
     options, heading -> Options (fsipetsc.options.read_table), which -help lists, or of a function of the arguments that
     returns them. prints: what it prints is what it is for; else nothing is lost where nothing can be printed.
     """

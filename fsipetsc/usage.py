@@ -9,9 +9,9 @@ import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from fsipetsc.option import INT_MAX, REQUIRED, Option
 from fsipetsc.options import groups
-from fsipetsc.petsc_names import AT_START, IN_LOOP, IN_SOURCES
+from fsipetsc.options.option import INT_MAX, REQUIRED, Option
+from fsipetsc.options.petsc_names import AT_START, IN_LOOP, IN_SOURCES
 
 _TYPES = {"int": "int", "float": "float", "str": "text", "bool": "bool", "ints": "ints", "floats": "floats"}
 

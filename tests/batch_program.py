@@ -12,7 +12,7 @@ import math
 import sys
 from pathlib import Path
 
-from fsipetsc.launch import start_mpi, start_petsc
+from fsipetsc.process.launch import start_mpi, start_petsc
 
 
 def main(directory: str, runs: str) -> None:
@@ -21,8 +21,8 @@ def main(directory: str, runs: str) -> None:
     from fsipetsc.cases import load_case
     from fsipetsc.errors import FsiError
     from fsipetsc.options import read_options
+    from fsipetsc.options.sources import given_options
     from fsipetsc.scheme import plan
-    from fsipetsc.sources import given_options
     from fsipetsc.stepping.run import run_case
 
     least = (plan.LEAST_MIDDLE, plan.LEAST_TILED, plan.MOST_WAITING)

@@ -31,7 +31,7 @@ BLOCK = 48
 
 def main(mode: str, *options: str) -> None:
     shims = count_mpi() if mode == "messages" else None
-    from fsipetsc.launch import start_mpi, start_petsc
+    from fsipetsc.process.launch import start_mpi, start_petsc
 
     comm = start_mpi()
     given = start_petsc(options, comm)

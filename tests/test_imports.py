@@ -18,13 +18,10 @@ ORDER = """
     analysis bench
     stepping
     output
-    failure launch
     process
     cases
     usage
     options
-    petsc_names sources
-    option
     given
     scheme
     parallel
@@ -32,14 +29,14 @@ ORDER = """
     coupling boundaries
     physics
     operators
-    interrupts streams notes together blame checks
+    blame checks
     errors
     __init__
 """
 RANK = {name: rank for rank, line in enumerate(ORDER.split("\n")) for name in line.split()}
 #: who knows MPI, PETSc: the folders whose work that is, and what starts them, reads PETSc's options and ends them
-KNOW_MPI = {"cli", "analysis", "bench", "stepping", "output", "failure", "launch", "notes", "together", "parallel"}
-KNOW_PETSC = {"analysis", "bench", "stepping", "output", "launch", "process", "options", "parallel"}
+KNOW_MPI = {"cli", "analysis", "bench", "stepping", "output", "process", "parallel"}
+KNOW_PETSC = {"analysis", "bench", "stepping", "output", "process", "options", "parallel"}
 #: files of ``parallel`` that know PETSc: the one that has the DMDAs
 PETSC_IN_PARALLEL = {"parallel/layout.py"}
 

@@ -19,7 +19,7 @@ from fsipetsc.options import (
     read_options,
     table,
 )
-from fsipetsc.sources import given_options
+from fsipetsc.options.sources import given_options
 from fsipetsc.usage import case_help
 
 petsc4py = pytest.importorskip("petsc4py")

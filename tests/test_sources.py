@@ -9,8 +9,8 @@ import pytest
 from fsipetsc.cases import rod
 from fsipetsc.errors import FsiError, InputError
 from fsipetsc.options import check_petsc, publish, read_options, table
-from fsipetsc.petsc_names import AT_START, IN_LOOP
-from fsipetsc.sources import given_options
+from fsipetsc.options.petsc_names import AT_START, IN_LOOP
+from fsipetsc.options.sources import given_options
 
 pytest.importorskip("petsc4py")
 

@@ -18,9 +18,9 @@ from fsipetsc.analysis.convergence_table import ConvergenceStudy
 from fsipetsc.cases import load_case
 from fsipetsc.checks import counted
 from fsipetsc.errors import ComputationError, FileError, InputError
-from fsipetsc.launch import start_petsc
 from fsipetsc.options import Option, groups, read_options
-from fsipetsc.together import together
+from fsipetsc.process.launch import start_petsc
+from fsipetsc.process.together import together
 from fsipetsc.usage import program
 
 if TYPE_CHECKING:

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any
 
 from fsipetsc.analysis.stability_options import SECTIONS, check, constant_state, orders, swept
 from fsipetsc.errors import ComputationError
-from fsipetsc.launch import start_petsc
 from fsipetsc.options import read_table
+from fsipetsc.process.launch import start_petsc
 
 if TYPE_CHECKING:
     from mpi4py import MPI

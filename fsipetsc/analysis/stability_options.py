@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from fsipetsc.errors import InputError
-from fsipetsc.option import Option
+from fsipetsc.options.option import Option
 
 if TYPE_CHECKING:
     from fsipetsc.analysis.stability_linear import Constant

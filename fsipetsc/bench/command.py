@@ -14,9 +14,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fsipetsc.launch import start_petsc
-from fsipetsc.option import Option
 from fsipetsc.options import RUN, read_table
+from fsipetsc.options.option import Option
+from fsipetsc.process.launch import start_petsc
 
 if TYPE_CHECKING:
     from mpi4py import MPI

@@ -6,9 +6,9 @@ import numpy as np
 
 from fsipetsc import given
 from fsipetsc.problem import FluidLayer
+from fsipetsc.process.together import together
 from fsipetsc.scheme.fields import SAVED, fields
 from fsipetsc.stepping.state import State
-from fsipetsc.together import together
 
 
 def layer_fields(state: State) -> list[np.ndarray]:

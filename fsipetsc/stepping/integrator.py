@@ -17,6 +17,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from fsipetsc.errors import ComputationError
+from fsipetsc.process.together import agree
 from fsipetsc.scheme.burst import LONGEST, MADE, SHORTEST, TIME
 from fsipetsc.scheme.plan import BAD, EXHAUSTED, LOW, MOVED, RATE, SAID_STOP, STOP, TOO_SHORT, shares
 from fsipetsc.scheme.time_step import longest_step
@@ -28,7 +29,6 @@ from fsipetsc.stepping.petsc_path import compile_entries
 from fsipetsc.stepping.phases import logged
 from fsipetsc.stepping.series import Series
 from fsipetsc.stepping.state import FAULT, State
-from fsipetsc.together import agree
 
 #: flags and limits of all ranks end here
 LAST = STOP + 1

@@ -15,10 +15,10 @@ from petsc4py import PETSc
 
 import fsipetsc
 from fsipetsc.errors import ComputationError, FileError, FsiError, InputError
-from fsipetsc.interrupts import Interrupted, heeded
-from fsipetsc.notes import PATIENCE, exchange
 from fsipetsc.output.writer import RunWriter
 from fsipetsc.problem import Problem
+from fsipetsc.process.interrupts import Interrupted, heeded
+from fsipetsc.process.notes import PATIENCE, exchange
 from fsipetsc.scheme.conservation_check import ConservationCheck
 from fsipetsc.scheme.fields import fields
 from fsipetsc.stepping.frames import active_points, errors, layer_fields

@@ -14,11 +14,11 @@ from fsipetsc.checks import described
 from fsipetsc.errors import InputError
 from fsipetsc.options import InForce
 from fsipetsc.problem import Problem
+from fsipetsc.process.together import together
 from fsipetsc.stepping.frames import active_points, errors
 from fsipetsc.stepping.integrator import Integrator
 from fsipetsc.stepping.phases import LoggedState
 from fsipetsc.stepping.state import State
-from fsipetsc.together import together
 
 
 @dataclass(frozen=True)

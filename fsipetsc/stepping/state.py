@@ -16,12 +16,12 @@ from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.layout import Grid, Layout, make_grids
 from fsipetsc.physics.layer import DOF, FLUID, SOLID
 from fsipetsc.problem import FluidLayer, Problem
+from fsipetsc.process.together import agree, together
 from fsipetsc.scheme import runge_kutta
 from fsipetsc.scheme.burst import MADE
 from fsipetsc.scheme.laws import ProblemLaws
 from fsipetsc.scheme.plan import BURST, FLAGS, FORCING, LIMITS, LOW, RATE, SAID_STOP, make_plan
 from fsipetsc.stepping.petsc_path import PetscPath
-from fsipetsc.together import agree, together
 
 #: what a rank says of STOP whose user's functions have failed: more than any signal
 FAULT = 1000.0

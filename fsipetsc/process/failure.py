@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 
 from fsipetsc.blame import explain, frames_in, reason
 from fsipetsc.errors import FsiError, is_petsc, petsc_words
-from fsipetsc.notes import PATIENCE, exchange
-from fsipetsc.streams import abandon_stdout, say_error
+from fsipetsc.process.notes import PATIENCE, exchange
+from fsipetsc.process.streams import abandon_stdout, say_error
 
 if TYPE_CHECKING:
     from mpi4py import MPI
 
-    from fsipetsc.interrupts import Launcher
+    from fsipetsc.process.interrupts import Launcher
 
 #: PETSc's error codes that stand for something other than a fault of the program
 _PETSC_STATUS = {55: 3, 65: 4, 66: 4, 67: 4, 72: 3, 82: 3, 91: 3}

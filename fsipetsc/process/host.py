@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 
 from fsipetsc.errors import InputError
-from fsipetsc.petsc_names import is_start_name
+from fsipetsc.options.petsc_names import is_start_name
 
 
 def petsc_runs() -> bool:

@@ -14,7 +14,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from fsipetsc.errors import FileError, InputError
-from fsipetsc.option import brief
+from fsipetsc.options.option import brief
 
 HELP_FLAGS = ("-h", "-help", "--help")
 _FILE_OPTIONS = ("options_file", "options_file_yaml")

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING
 
 from fsipetsc.errors import FsiError, InputError
 from fsipetsc.options import check_petsc
-from fsipetsc.petsc_names import AT_START
-from fsipetsc.process import begin_options, petsc_runs
-from fsipetsc.sources import Given, given_options
-from fsipetsc.streams import say_error
+from fsipetsc.options.petsc_names import AT_START
+from fsipetsc.options.sources import Given, given_options
+from fsipetsc.process.host import begin_options, petsc_runs
+from fsipetsc.process.streams import say_error
 
 if TYPE_CHECKING:
     from mpi4py import MPI
@@ -40,7 +40,7 @@ def start_petsc(arguments: Sequence[str], comm: MPI.Comm) -> dict[str, Given]:
 
     Returns all options given, as rank 0 finds them.
 
-    arguments: what stands behind the case's name. Name in lower case -> option (see ``fsipetsc.sources``), which
+    arguments: what stands behind the case's name. Name in lower case -> option (see ``fsipetsc.options.sources``), which
     fsipetsc.options reads. Collective. Raises InputError for what is not an option and for one of PETSc's that does not
     work here, FileError or InputError for an options file.
     """

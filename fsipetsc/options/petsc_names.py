@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 import re
 
-from fsipetsc.option import Option
+from fsipetsc.options.option import Option
 
 #: what -log_view writes into a file, by PETSc's names
 _LOG_FORMATS = ("ascii_xml", "ascii_flamegraph", "ascii_info_detail", "ascii_csv")

@@ -1,6 +1,6 @@
 """The table of options: -help, checking, the options stored with a result and the documentation all come from it.
 
-Every option is read here, once, whatever way it came in (fsipetsc.sources): command line, -options_file, YAML,
+Every option is read here, once, whatever way it came in (fsipetsc.options.sources): command line, -options_file, YAML,
 PETSC_OPTIONS. The rest of the program gets a dict of typed values; PETSc's database gets what PETSc is to follow.
 """
 
@@ -14,9 +14,9 @@ from math import isqrt
 from typing import Any
 
 from fsipetsc.errors import InputError
-from fsipetsc.option import INT_MAX, REQUIRED, Option, brief
-from fsipetsc.petsc_names import AT_START, IN_LOOP, IN_SOURCES, is_family_name, why_refused
-from fsipetsc.sources import Given
+from fsipetsc.options.option import INT_MAX, REQUIRED, Option, brief
+from fsipetsc.options.petsc_names import AT_START, IN_LOOP, IN_SOURCES, is_family_name, why_refused
+from fsipetsc.options.sources import Given
 
 __all__ = [
     *("COMMON", "PETSC_OPTIONS", "REQUIRED", "InForce", "Option", "check_petsc", "defaults", "groups", "publish"),
@@ -186,8 +186,8 @@ class InForce(dict[str, Any]):
 def read_options(case: Any, given: Mapping[str, Given], extra: Sequence[Option] = ()) -> dict[str, Any]:
     """Name -> typed value of every option in force; PETSc must be initialised, and gets those that it is to follow.
 
-    given: what the user gave (fsipetsc.launch.start_petsc). Not collective; the same on all ranks. Raises InputError for
-    an unknown name, a missing or bad value and for options that contradict each other.
+    given: what the user gave (fsipetsc.process.launch.start_petsc). Not collective; the same on all ranks. Raises
+    InputError for an unknown name, a missing or bad value and for options that contradict each other.
     """
     values, chosen = _read(table(case, extra), given)
     _check_together(values, chosen)
