@@ -1,9 +1,10 @@
-"""A manufactured solution for materials that are not the built-in pair, and a column of them at rest under gravity.
+"""A manufactured solution for materials that are not the built-in pair; a column of them under gravity, held and in free fall.
 
-gas | solid | gas: a gas with Sutherland's viscosity and conductivity, a solid with pressure, a gas with powers of T for
-viscosity and conductivity; a body force acts on all. The solution is that of the case mms with more heat in the gas. The
-forcing is the equations (3.1), (3.2) themselves, with laws written as the literature has them: p of rho and epsilon.
-Derivatives of what no formula is wanted for are imaginary parts at a point beside the real axis: exact but for round-off.
+gas | solid | gas | solid | gas: Sutherland's law, the pressure of Mie and Grüneisen, Sutherland's law with other numbers, that
+of a stiffened gas, powers of T; a body force acts on all. The solids move as that of the case mms. The outer gases have rigid
+grids, the inner one is stretched: X stands for x with x_X = J, x_t = w. The forcing is the equations (3.1), (3.2)
+themselves, with laws written as the literature has them: p of rho and epsilon. Derivatives of what no formula is wanted
+for are imaginary parts at a point beside the real axis: exact but for round-off.
 """
 
 from __future__ import annotations
@@ -26,17 +27,16 @@ from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 NAME = "materials"
 SUMMARY = "manufactured solution with other materials"
 OPTIONS = (
-    Option("materials_solid", str, "mie", "", "pressure of the solid", choices=("mie", "stiffened")),
-    Option("materials_state", str, "mms", "", "manufactured, or a column at rest", choices=("mms", "column")),
+    Option("materials_state", str, "mms", "", "manufactured; a column, held or falling", choices=("mms", "column", "fall")),
 )
 DEFAULTS = {"fsi_h": 0.025, "ts_max_time": 0.45, "fsi_output_dt": 1.0}
 
-EPS, OMEGA, PHI, FORCE = 0.2, 2.0, 0.47, -1.5
+EPS, OMEGA, FORCE = 0.2, 2.0, -1.5
 MU, KAPPA, GAMMA, R = 0.015, 0.045, 1.4, 1.0
 K, KAPPA_E, M0, ALPHA, T_0 = 10.0, 0.03, 2.0, 1.0, 3.0
 #: temperature of the column
 REST = 5.0
-LEFT, RIGHT, FACES = 0.25, 4.0, (1.0, 2.0)
+LEFT, RIGHT, FACES = 0.25, 6.25, (1.0, 2.0, 3.0, 4.0)
 
 # the laws as the literature has them
 
@@ -44,6 +44,11 @@ LEFT, RIGHT, FACES = 0.25, 4.0, (1.0, 2.0)
 def by_sutherland(T):
     """(mu, kappa)."""
     return MU * (T / 10) ** 1.5 * (10 + 4) / (T + 4), KAPPA * (T / 10) ** 1.5 * (10 + 7) / (T + 7)
+
+
+def by_other_numbers(T):
+    """(mu, kappa)."""
+    return MU * (T / 8) ** 1.5 * (8 + 2) / (T + 2), KAPPA * (T / 8) ** 1.5 * (8 + 2) / (T + 2)
 
 
 def by_power(T):
@@ -65,11 +70,14 @@ def of_stiffened(rho, epsilon, gamma=1.5, p_inf=4.0, p_0=1.0):
     return (gamma - 1) * rho * (epsilon - q) - gamma * p_inf
 
 
-SOLIDS = {
-    "mie": (of_mie, mie_gruneisen(2.0, 1.3, 1.5, T_0)),
-    "stiffened": (of_stiffened, stiffened_gas(1.5, 4.0, T_0, 1.0)),
-}
-GASES = (by_sutherland, sutherland(10.0, 4.0, 7.0)), (by_power, power_law(10.0, 0.7, 0.9))
+#: of the layers from left to right: the law above and the built-in one
+LAWS = (
+    (by_sutherland, sutherland(10.0, 4.0, 7.0)),
+    (of_mie, mie_gruneisen(2.0, 1.3, 1.5, T_0)),
+    (by_other_numbers, sutherland(8.0, 2.0)),
+    (of_stiffened, stiffened_gas(1.5, 4.0, T_0, 1.0)),
+    (by_power, power_law(10.0, 0.7, 0.9)),
+)
 
 # the exact solution, of complex X and t, too
 
@@ -79,117 +87,135 @@ def derivative(f: Callable[[Any], np.ndarray], x: Any) -> np.ndarray:
     return np.imag(f(x + 1e-30j)) / 1e-30
 
 
-def gas(X, t):
-    """rho, u, T, and u_X, T_X."""
-    rho, u = 1 + 0.5 * np.cos(t) * np.sin(OMEGA * X), np.sin(t) * np.cos(OMEGA * X + PHI)
+def grid(k, X, t):
+    """(J, w, w_X) of the grid of gas k: rigid, stretched, rigid; the ends move as the solids do, with t (1 + X)."""
+    if k == 2:
+        return 1 + 0.5 * t * t, t * (1 + X), t
+    return 1.0, t * (1 + FACES[0 if k == 0 else 3]), 0.0
+
+
+def gas(k, X, t):
+    """rho, u, T of gas k, and u_X, T_X; at the interfaces u is that of the solids."""
+    _, w, w_X = grid(k, X, t)
+    rho, u = 1 + 0.5 * np.cos(t) * np.sin(OMEGA * X), w + 0.5 * np.sin(t) * np.sin(np.pi * X)
     T = 10 + 3 * np.sin(3 * t) * np.cos(2 * X)
-    return rho, u, T, -OMEGA * np.sin(t) * np.sin(OMEGA * X + PHI), -6 * np.sin(3 * t) * np.sin(2 * X)
+    return rho, u, T, w_X + 0.5 * np.pi * np.sin(t) * np.cos(np.pi * X), -6 * np.sin(3 * t) * np.sin(2 * X)
 
 
 def solid(X, t):
-    """u, sigma, T, x, and u_X, T_X, x_X."""
+    """u, sigma, T, x of either solid, and u_X, T_X, x_X."""
     g, g_X = 1 + X + EPS * np.sin(2 * np.pi * X), 1 + 2 * np.pi * EPS * np.cos(2 * np.pi * X)
     sigma, T = np.sin(t * t) * np.sin(OMEGA * X), 5 + np.cos(t) * np.sin(3 * X)
     return t * g, sigma, T, X + 0.5 * t * t * g, t * g_X, 3 * np.cos(t) * np.cos(3 * X), 1 + 0.5 * t * t * g_X
 
 
-def stress_and_heat(X, t, transport):
-    """p - mu' u_X and kappa T_X of the gas."""
-    rho, _, T, u_X, T_X = gas(X, t)
-    mu, kappa = transport(T)
-    return R * rho * T - 4 / 3 * mu * u_X, kappa * T_X
+def stress_and_heat(k, X, t):
+    """p - mu' u_x and kappa T_x of gas k."""
+    rho, _, T, u_X, T_X = gas(k, X, t)
+    (mu, kappa), (J, _, _) = LAWS[k][0](T), grid(k, X, t)
+    return R * rho * T - 4 / 3 * mu * u_X / J, kappa * T_X / J
 
 
-def net_and_heat(X, t, p):
-    """sigma - p and the heat flux of the solid."""
+def net_and_heat(k, X, t):
+    """sigma - p and the heat flux of solid k."""
     _, sigma, T, _, _, T_X, x_X = solid(X, t)
-    return sigma - p(M0 / x_X, ALPHA * T), KAPPA_E / x_X * T_X
+    return sigma - LAWS[k][0](M0 / x_X, ALPHA * T), KAPPA_E / x_X * T_X
 
 
-def gas_forcing(X, t, s, transport):
-    """What (3.2) leaves over in a frame of velocity s."""
+def gas_forcing(k, X, t):
+    """What (3.2) leaves over on the grid of gas k."""
 
     def conserved(t):
-        rho, u, T, *_ = gas(X, t)
-        return np.array([rho, rho * u, rho * (R / (GAMMA - 1) * T + u * u / 2)])
+        rho, u, T, *_ = gas(k, X, t)
+        return grid(k, X, t)[0] * np.array([rho, rho * u, rho * (R / (GAMMA - 1) * T + u * u / 2)])
 
     def flux(X):
-        rho, u, T, *_ = gas(X, t)
-        stress, heat = stress_and_heat(X, t, transport)
+        rho, u, T, *_ = gas(k, X, t)
+        (stress, heat), (_, w, _) = stress_and_heat(k, X, t), grid(k, X, t)
         e = rho * (R / (GAMMA - 1) * T + u * u / 2)
-        return np.array([rho * (u - s), rho * u * (u - s) + stress, e * (u - s) + u * stress - heat])
+        return np.array([rho * (u - w), rho * u * (u - w) + stress, e * (u - w) + u * stress - heat])
 
-    rho, u, *_ = gas(X, t)
-    return derivative(conserved, t) + derivative(flux, X) - FORCE * np.array([0 * rho, rho, rho * u])
+    rho, u, *_ = gas(k, X, t)
+    rates = derivative(conserved, t) + derivative(flux, X)
+    return rates / grid(k, X, t)[0] - FORCE * np.array([0 * rho, rho, rho * u])
 
 
-def solid_forcing(X, t, p):
+def solid_forcing(k, X, t):
     """What (3.1) leaves over."""
     u_t, sigma_t, T_t, x_t = derivative(lambda t: np.array(solid(X, t)[:4]), t)
-    net_X, heat_X = derivative(lambda X: np.array(net_and_heat(X, t, p)), X)
+    net_X, heat_X = derivative(lambda X: np.array(net_and_heat(k, X, t)), X)
     u, _, _, _, u_X, _, x_X = solid(X, t)
-    heating = (net_and_heat(X, t, p)[0] * u_X + heat_X) / (ALPHA * M0)
+    heating = (net_and_heat(k, X, t)[0] * u_X + heat_X) / (ALPHA * M0)
     return u_t - net_X / M0 - FORCE, sigma_t - K / x_X * u_X, T_t - heating, x_t - u
 
 
-def manufactured(pressure: str) -> Problem:
-    """The layers where those of mms are."""
-    p, pressing = SOLIDS[pressure]
+def layer(k: int, X: tuple[float, float], exact: Callable[..., Any], **more: Any) -> FluidLayer | SolidLayer:
+    """Layer k with its material and an exact solution, with which it starts."""
+    if k % 2:
+        kind, material = SolidLayer, Solid(K, KAPPA_E, M0, ALPHA, FORCE, pressing=LAWS[k][1])
+    else:
+        kind, material = FluidLayer, Fluid(MU, KAPPA, GAMMA, R, transport=LAWS[k][1], force=FORCE)
+    return kind(f"layer {k}", material, X, initial=lambda X: exact(X, 0.0), exact=exact, **more)
+
+
+def manufactured() -> Problem:
+    """Five layers."""
 
     def jumps(k: int, t: float) -> tuple[float, ...]:
-        X = FACES[k]
-        (_, uf, Tf, *_), (us, _, Ts, *_) = gas(X, t), solid(X, t)
-        (stress, heat), (net, heat_s) = stress_and_heat(X, t, GASES[k][0]), net_and_heat(X, t, p)
+        at_gas, at_solid, X = k + k % 2, k + 1 - k % 2, FACES[k]
+        (_, uf, Tf, *_), (us, _, Ts, *_) = gas(at_gas, X, t), solid(X, t)
+        (stress, heat), (net, heat_s) = stress_and_heat(at_gas, X, t), net_and_heat(at_solid, X, t)
         return us - uf, net + stress, Ts - Tf, heat_s - heat
 
-    def of_gas(k: int, name: str, X: tuple[float, float]) -> FluidLayer:
-        transport, law = GASES[k]
-        return FluidLayer(
-            name,
-            Fluid(MU, KAPPA, GAMMA, R, transport=law, force=FORCE),
-            X,
-            initial=lambda X: gas(X, 0.0)[:3],
-            forcing=lambda X, t: gas_forcing(X, t, gas(FACES[k], t)[1], transport),
-            exact=lambda X, t: gas(X, t)[:3],
-        )
+    def end(k: int, x: float, X: float) -> Dirichlet:
+        return Dirichlet(x, lambda t: gas(k, X + x - solid(X, t)[3], t)[:3])
 
-    def end(x: float, X: float) -> Dirichlet:
-        return Dirichlet(x, lambda t: gas(X + x - solid(X, t)[3], t)[:3])
-
-    middle = SolidLayer(
-        "solid",
-        Solid(K, KAPPA_E, M0, ALPHA, FORCE, pressing=pressing),
-        FACES,
-        initial=lambda X: solid(X, 0.0)[:4],
-        forcing=lambda X, t: solid_forcing(X, t, p),
-        exact=lambda X, t: solid(X, t)[:4],
-    )
-    layers = of_gas(0, "left", (LEFT, FACES[0])), middle, of_gas(1, "right", (FACES[1], RIGHT))
-    return Problem(layers, end(LEFT, FACES[0]), end(RIGHT, FACES[1]), jumps, units="none")
+    places = list(zip((LEFT, *FACES), (*FACES, RIGHT)))
+    layers = [
+        layer(k, X, lambda X, t: solid(X, t)[:4], forcing=lambda X, t, k=k: solid_forcing(k, X, t))
+        if k % 2
+        else layer(k, X, lambda X, t, k=k: gas(k, X, t)[:3], forcing=lambda X, t, k=k: gas_forcing(k, X, t))
+        for k, X in enumerate(places)
+    ]
+    return Problem(tuple(layers), end(0, LEFT, FACES[0]), end(4, RIGHT, FACES[3]), jumps, units="none")
 
 
-def column(pressure: str) -> Problem:
-    """The same materials at rest between two walls at one temperature: the gas below carries the solid and the gas above."""
-    p_below, scale = 12.0, FORCE / (R * REST)  # p at the lower face; gas: p_X / p
-    p_above = p_below + M0 * FORCE * (FACES[1] - FACES[0])
-    solid_p = SOLIDS[pressure][0](M0, ALPHA * REST)
+def column() -> Problem:
+    """The same materials at rest between two walls at one temperature: each layer carries those above it."""
+    layers, p = [], 16.0
+    for k in range(5):
+        X0, X1 = float(k), float(k + 1)
+        if k % 2:
 
-    def at_rest(k: int, name: str, X: tuple[float, float]) -> FluidLayer:
-        material, p = Fluid(MU, KAPPA, GAMMA, R, transport=GASES[k][1], force=FORCE), (p_below, p_above)[k]
+            def exact(X: np.ndarray, t: float, k: int = k, p: float = p, X0: float = X0) -> tuple[Any, ...]:
+                stress = LAWS[k][0](M0, ALPHA * REST) - p - M0 * FORCE * (X - X0)
+                return 0.0 * X, stress, REST + 0.0 * X, X
 
-        def exact(X: np.ndarray, t: float) -> tuple[Any, ...]:
-            return p / (R * REST) * np.exp(scale * (X - FACES[k])), 0.0 * X, REST + 0.0 * X
+            p += M0 * FORCE
+        else:
 
-        return FluidLayer(name, material, X, initial=lambda X: exact(X, 0.0), exact=exact)
+            def exact(X: np.ndarray, t: float, p: float = p, X0: float = X0) -> tuple[Any, ...]:
+                return p / (R * REST) * np.exp(FORCE / (R * REST) * (X - X0)), 0.0 * X, REST + 0.0 * X
 
-    def under_its_weight(X: np.ndarray, t: float) -> tuple[Any, ...]:
-        return 0.0 * X, solid_p - p_below - M0 * FORCE * (X - FACES[0]), REST + 0.0 * X, X
+            p *= np.exp(FORCE / (R * REST))
+        layers.append(layer(k, (X0, X1), exact))
+    return Problem(tuple(layers), Wall(0.0), Wall(5.0), units="none")
 
-    material = Solid(K, KAPPA_E, M0, ALPHA, FORCE, pressing=SOLIDS[pressure][1])
-    block = SolidLayer("solid", material, FACES, initial=lambda X: under_its_weight(X, 0.0), exact=under_its_weight)
-    layers = at_rest(0, "left", (0.0, FACES[0])), block, at_rest(1, "right", (FACES[1], 3.0))
-    return Problem(layers, Wall(0.0), Wall(3.0), units="none")
+
+def fall() -> Problem:
+    """The same materials under one pressure between two walls: all fall alike, and nothing else changes."""
+
+    def gas_falls(X: np.ndarray, t: float) -> tuple[Any, ...]:
+        return 10.0 / (R * REST) + 0.0 * X, FORCE * t + 0.0 * X, REST + 0.0 * X
+
+    def solid_falls(k: int) -> Callable[..., Any]:
+        stress = LAWS[k][0](M0, ALPHA * REST) - 10.0
+        return lambda X, t: (FORCE * t + 0.0 * X, stress + 0.0 * X, REST + 0.0 * X, X + 0.5 * FORCE * t * t)
+
+    layers = [layer(k, (float(k), float(k + 1)), solid_falls(k) if k % 2 else gas_falls) for k in range(5)]
+    walls = [Wall(lambda t, x=x: x + 0.5 * FORCE * t * t, velocity=lambda t: FORCE * t) for x in (0.0, 5.0)]
+    return Problem(tuple(layers), *walls, units="none")
 
 
 def build(opt: Mapping[str, Any]) -> Problem:
-    return (manufactured if opt["materials_state"] == "mms" else column)(opt["materials_solid"])
+    return {"mms": manufactured, "column": column, "fall": fall}[opt["materials_state"]]()
