@@ -35,8 +35,7 @@ def fields(layer: Layer, what: str, X: np.ndarray, t: float, active: slice = sli
     """
     function, names = getattr(layer, what), UNKNOWNS[layer.kind, what]
     where = f"{what} of layer '{layer.name}'" + ("" if what == "initial" else f" at t = {t:.6g}")
-    with np.errstate(all="ignore"):  # what comes of it is looked at
-        values = call(function, (X,) if what == "initial" else (X, t), where)
+    values = _asked(function, (X,) if what == "initial" else (X, t), where)
     found = []
     for name, value in zip(names, _listed(values, names, function, where), strict=True):
         array = _real(value, X.shape, name, function, where)
@@ -73,7 +72,7 @@ def end_data(problem: Problem, side: int, t: float) -> Sequence[float]:
     if "values" not in functions:
         return end.data(t)
     function, where = functions["values"], _of_end("values", side, t)
-    found = _scalars(call(function, (t,), where), ("rho", "u", "T"), function, where)
+    found = _scalars(_asked(function, (t,), where), ("rho", "u", "T"), function, where)
     for name, value in zip(("rho", "T"), found[::2], strict=True):
         if not value > 0:
             raise _fault(function, where, f"{name} = {value:.6g}: expected a number above 0")
@@ -118,13 +117,13 @@ def _of_end(name: str, side: int, t: float) -> str:
 def _at(function: Callable[..., Any], name: str, side: int, t: float) -> float:
     """The value at time t of a function of an end."""
     where = _of_end(name, side, t)
-    return _scalars([call(function, (t,), where)], (name,), function, where)[0]
+    return _scalars([_asked(function, (t,), where)], (name,), function, where)[0]
 
 
 def jumps(problem: Problem, k: int, t: float) -> Sequence[float]:
     """The prescribed jumps at interface k at time t [s]. InputError."""
     where = f"jumps at interface {k} at t = {t:.6g}"
-    return _scalars(call(problem.jumps, (k, t), where), JUMPS, problem.jumps, where)
+    return _scalars(_asked(problem.jumps, (k, t), where), JUMPS, problem.jumps, where)
 
 
 def check_ends(problem: Problem, x: Mapping[tuple[int, int], float], h: float, mapping: str) -> None:
@@ -140,7 +139,8 @@ def check_ends(problem: Problem, x: Mapping[tuple[int, int], float], h: float, m
             places = x[k - 1, 1], x[k + 1, 0]
             if not places[0] < places[1]:
                 raise InputError(
-                    f"layer '{layer.name}' begins at x = {places[0]:g} and ends at x = {places[1]:g}: expected a larger x there"
+                    f"{layer.place}layer '{layer.name}' begins at x = {places[0]:g} and ends at x = {places[1]:g}: expected a "
+                    "larger x there"
                 )
     for k, side, end in ((0, 0, problem.left), (last, 1, problem.right)):
         layer = problem.layers[k]
@@ -154,6 +154,12 @@ def check_ends(problem: Problem, x: Mapping[tuple[int, int], float], h: float, m
                 f"{layer.X[side]:g} is x = {wanted:g}, as the interface X = {X_I:g} begins at x = {x_I:g}: expected "
                 f"the same x, so X[{side}] = {end.x - x_I + X_I:g} or the {type(end).__name__} at x = {wanted:g}"
             )
+
+
+def _asked(function: Callable[..., Any], arguments: tuple[Any, ...], where: str) -> Any:
+    """What a user's function returns, without numpy's warnings: what comes of it is looked at."""
+    with np.errstate(all="ignore"):
+        return call(function, arguments, where)
 
 
 def _scalars(values: Any, names: tuple[str, ...], function: Callable[..., Any], where: str) -> list[float]:

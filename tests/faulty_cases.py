@@ -53,6 +53,7 @@ _F = "return [0 * X, 0.0, np.zeros(X.shape)]"
 _E = "return g_initial(X)"
 _V, _J = "return 1.2, 0.0, 300.0", "return 0.0, 0.0, 0.0, 0.0"
 _LAYER = 'FluidLayer("air", gas, (0.0, 1.0), g_initial, g_forcing, g_exact)'
+_LEFT = "Dirichlet(0.0, values, 2)"
 _INITIAL = ("initial of layer 'air'", "expected")
 _LATER = "if t > 1.5e-5: "
 
@@ -118,19 +119,30 @@ FAULTS: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "name with a bar": ('"air", gas', '"air | rod", gas', ("name is 'air | rod'", "without |")),
     "two layers of one name": ('"air", gas', '"rod", gas', ("LINE return Problem(", "two layers are named 'rod'", "a name for each")),
     # the problem
-    "one layer": (_LAYER + ",", "", ("alternate", "got ['solid']")),
+    "no layer": ("layers=(", "layers=() and (", ("LINE return Problem(", "one at least", "got []")),
+    "two gases in turn": (_LAYER, f'FluidLayer("left", gas, (-1.0, 0.0), g_initial), {_LAYER}', ("LINE return Problem(", "alternate", "got ['fluid', 'fluid', 'solid']")),
+    "a mapping that is none": (_LAYER, _LAYER.replace("g_exact)", "g_exact, mapping='rigd')"), ("LINE FluidLayer(", "'air'", "mapping is 'rigd'", "'rigid' or 'stretched'")),
     "layers is a layer": ("layers=(", "layers=" + _LAYER + " or (", ("layers is a FluidLayer", "tuple")),
     "a text among the layers": (_LAYER, "'air'", ("layers[0] is 'air'",)),
     "left is None": ("Dirichlet(0.0, values, 2)", "None", ("left is None", "Wall")),
     "right is a number": ("free(-103320.0)", "-103320.0", ("right is -103320.0",)),
     "solid end for a gas": ("Dirichlet(0.0, values, 2)", "free(0.0)", ("'air'", "Wall, Open or Dirichlet")),
     "wall for a solid": ("free(-103320.0)", "Wall(2.0)", ("'rod'", "a Wall", "clamped")),
-    "a law in time": ("free(-103320.0)", "clamped(lambda t: t)", ("clamped: velocity is a function", "do not change in time")),
+    "a stress that is nan": ("free(-103320.0)", "free(lambda t: np.nan)", ("LINE right=", "right end at t = 0", "value is nan")),
+    "a velocity that is nothing": ("free(-103320.0)", "clamped(lambda t: None)", ("LINE right=", "right end at t = 0", "value is None")),
+    "T and a heat flux": ("free(-103320.0)", "free(-103320.0, T=300.0, heat_flux=1.0)", ("LINE right=", "free: T and heat_flux", "one of them")),
+    "a cold end": ("free(-103320.0)", "free(-103320.0, T=-300)", ("LINE right=", "free: T is -300", "above 0")),
+    "a wall that cools down too far": (_LEFT, "Wall(0.0, T=lambda t: -300.0)", ("LINE left=", "T of the left end at t = 0", "above 0")),
+    "a heat flux is a text": (_LEFT, "Wall(0.0, heat_flux='much')", ("LINE left=", "Wall: heat_flux is 'much'")),
+    "a wall at rest with a velocity": (_LEFT, "Wall(0.0, velocity=lambda t: 1.0)", ("LINE left=", "Wall: velocity is given", "a function x(t)")),
+    "a wall that is nowhere": (_LEFT, "Wall(lambda t: np.sqrt(1.5e-5 - t))", ("LINE left=", "x of the left end at t = ", "x is nan")),
+    "a velocity of a wall raises": (_LEFT, "Wall(lambda t: 0.0, velocity=lambda t: 1 / t)", ("LINE left=", "velocity of the left end at t = ", "ZeroDivisionError")),
+    "a wall that moves and a rigid grid": (f"{_LAYER},\n            SolidLayer(\"rod\", rod, (1.0, 2.0), s_initial, s_forcing, s_exact),\n        ),\n        left={_LEFT}", f"{_LAYER[:-1]}, mapping='rigid'),\n            SolidLayer('rod', rod, (1.0, 2.0), s_initial),\n        ),\n        left=Wall(lambda t: 0.0)", ("LINE return Problem(", "'air'", "mapping='rigid'", "stays where it is")),
     "free needs a number": ("free(-103320.0)", "free('much')", ("free: stress is 'much'",)),
     "wall at a text": ("Dirichlet(0.0, values, 2)", "Wall('left')", ("Wall: x is 'left'",)),
     "open to no pressure": ("Dirichlet(0.0, values, 2)", "Open(0.0, -1e5, 300.0)", ("Open: p0 is -100000",)),
     "values are numbers": ("Dirichlet(0.0, values, 2)", "Dirichlet(0.0, (1, 0, 300), 2)", ("values is (1, 0, 300)", "function")),
-    "wall elsewhere": ("Dirichlet(0.0, values, 2)", "Wall(0.35)", ("LINE FluidLayer(", "'air'", "x = 0.35", "X[0] = 0", "x = 1")),
+    "an open end elsewhere": ("Dirichlet(0.0, values, 2)", "Open(0.35, 1e5, 300.0)", ("LINE FluidLayer(", "'air'", "x = 0.35", "X[0] = 0", "x = 1")),
     "wall beyond the interface": ("Dirichlet(0.0, values, 2)", "Wall(1.5)", ("LINE FluidLayer(", "'air'", "x = 1.5")),
     "units": ("jumps=jumps,", "units='cgs',", ("units is 'cgs'", "'SI' or 'none'")),
     "notes is a text": ('notes=("a note",)', 'notes="a note"', ("notes is 'a note'", "tuple")),
@@ -173,6 +185,9 @@ FAULTS: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "compiled: one value": ("def g_initial(X):", "@njit\n    def g_initial(X):\n        return X\n    def unused(X):", ("LINE @njit", *_INITIAL)),
     "compiled: nan later": ("def g_forcing(X, t):", "@njit\n    def g_forcing(X, t):\n        return 0 * X, 0 * X, np.full(X.shape, np.sqrt(1.5e-5 - t))\n    def unused(X):", ("LINE @njit", "forcing of layer 'air'", "e is nan", "X =", "faulty.h5")),
     # what happens later
+    "a wall is lost later": (_LEFT, "Wall(lambda t: 0.0 if t < 1.5e-5 else None, velocity=lambda t: 0.0)", ("LINE left=", "x of the left end at t = ", "x is None", "faulty.h5")),
+    "a wall of a wrong temperature later": (_LEFT, "Wall(0.0, T=lambda t: 300.0 if t < 1.5e-5 else 0.0)", ("LINE left=", "T of the left end at t = ", "T = 0", "faulty.h5")),
+    "a stress fails later": ("free(-103320.0)", "free(lambda t: -103320.0 if t < 1.5e-5 else 1 / 0)", ("LINE right=", "value of the right end at t = ", "ZeroDivisionError", "faulty.h5")),
     "forcing fails later": (_F, f"{_LATER}return 1 / 0\n        {_F}", ("LINE if t > ", "at t = ", "ZeroDivisionError", "faulty.h5")),
     "forcing is nan later": (_F, "return 0 * X, 0, np.sqrt(1.5e-5 - t)", ("forcing of layer 'air'", "e is nan", "X =", "faulty.h5")),
     "values fail later": (_V, f"{_LATER}return 1.2\n        {_V}", ("LINE def values", "at t = ", "faulty.h5")),
