@@ -19,13 +19,14 @@ from fsipetsc.boundaries import Wall
 from fsipetsc.cases import load_case
 from fsipetsc.errors import InputError
 from fsipetsc.operators.formulas import in_python
+from fsipetsc.operators.variants import digest
 from fsipetsc.operators.vectors import load, store
 from fsipetsc.options import defaults
 from fsipetsc.physics.fluid import Fluid
 from fsipetsc.physics.layer import LAYER, NUMBERS
 from fsipetsc.physics.material_law import Law, numbers_of
 from fsipetsc.physics.mie_gruneisen import mie_gruneisen
-from fsipetsc.physics.own_laws import gas_law, pressure_law, transport_law
+from fsipetsc.physics.own_laws import check, gas_law, pressure_law, transport_law
 from fsipetsc.physics.power_law import power_law
 from fsipetsc.physics.solid import Solid
 from fsipetsc.physics.stiffened_gas import stiffened_gas
@@ -261,6 +262,8 @@ def test_a_law_of_a_users_may_have_numbers_too():
 
     laws = [transport_law(factor, constants, numbers) for numbers in ((2.0, 3.0), (5.0, 7.0))]
     assert [Fluid(1.0, 1.0, 1.4, 1.0, transport=law).relative(10.0) for law in laws] == [(20.0, 30.0), (50.0, 70.0)]
+    assert digest(laws[0].formulas) == digest(laws[1].formulas), "one folder of compiled code"
+    check(laws[0].formulas, "transport")
     mine = pressure_law(
         numbers=(1e9, 300.0),
         constants=lambda record: (record.m0 * record.pressing_numbers[0], record.pressing_numbers[1]),
@@ -269,6 +272,10 @@ def test_a_law_of_a_users_may_have_numbers_too():
         stiffness=lambda c, T, x_X: c[0] * (T - c[1]) / x_X,
     )
     assert Solid(**ROCK, pressing=mine).pressure(301.0, 0.5) == 2e9 * ROCK["m0"]
+    check(mine.formulas, "pressing")
+    wrong = transport_law(lambda c, T: (c[2], T), constants, (2.0, 3.0))
+    with pytest.raises(InputError, match=r"test_materials.py, line \d+: relative cannot be compiled"):
+        check(wrong.formulas, "transport")
     assert numbers_of(mine) == (1e9, 300.0, *(0.0,) * (NUMBERS - 2))
     with pytest.raises(InputError, match="the formula constants"):
         gas_law(numbers=(1.0,), **{name: getattr(Fluid(1.0, 1.0, 1.4, 1.0).law, name) for name in NEEDED})
