@@ -43,6 +43,12 @@ LONGEST = 0.25
 
 
 @njit(**OPTIONS)
+def width(layer):
+    """Of the gas between its ends."""
+    return layer.h * layer.J * (layer.hi - layer.lo)
+
+
+@njit(**OPTIONS)
 def beyond(law, layer, side):
     """(rho0, c0, tau, alpha, p_T/cv, b, kappa) of the gas beyond the end, and how much of order 1 there is, 0 to 1."""
     gas, c = law.gas, law.gas.constants(layer)
@@ -53,7 +59,7 @@ def beyond(law, layer, side):
     speed, by_heat = np.sqrt(c2), gas.pressure_by_temperature(c, rho, T0) / cv
     mu, kappa, tau = layer.mu * of_mu, layer.kappa * of_kappa, T0 * by_heat / (rho * rho * c2)
     alpha = kappa * gas.bulk_modulus(c, rho, T0) / (cv * rho * rho * c2)
-    longest = LONGEST * speed * (layer.hi - layer.lo) * layer.h
+    longest = LONGEST * speed * width(layer)
     part = layer.end_data[side, 3] * max(0.0, 1.0 - max(mu, kappa / cv) / (rho * longest))
     return rho, speed, tau, alpha, by_heat, 0.5 * (mu - tau * by_heat * kappa), kappa, part
 
@@ -61,7 +67,7 @@ def beyond(law, layer, side):
 @njit(**OPTIONS)
 def carried(layer, a, alpha, part):
     """How much of q_nn = 0 there is where gas flows out with a, 0 to 1."""
-    carrying = max(a, 0.0) * LONGEST * (layer.hi - layer.lo) * layer.h
+    carrying = max(a, 0.0) * LONGEST * width(layer)
     return part * carrying / (carrying + alpha)
 
 
@@ -82,10 +88,11 @@ def open_end(law, layer, side, normal, nodes):
     p, p1 = gas.pressure(c, rho, T), gas.pressure(c, rho1, T1)
     impedance, scale, m = rho1 * np.sqrt(c2), rho0 * c0 * c0 / layer.gamma, 0.5 - 0.5 / layer.gamma
     # Z v (1 + by_v) = simple wave + by_p (p - p0) + known
-    by_v, by_p = part * max(b, 0.0) / (rho0 * c0 * layer.h), part * max(-b, 0.0) / (rho0 * c0 * layer.h)
+    spacing = layer.h * layer.J
+    by_v, by_p = part * max(b, 0.0) / (rho0 * c0 * spacing), part * max(-b, 0.0) / (rho0 * c0 * spacing)
     known = by_v * rho0 * c0 * v1 - by_p * (p1 - p0)
     if kappa > 0.0:
-        q_n = (T1 - nodes[2, 2] - tau * (p1 - gas.pressure(c, nodes[0, 2], nodes[2, 2]))) / layer.h
+        q_n = (T1 - nodes[2, 2] - tau * (p1 - gas.pressure(c, nodes[0, 2], nodes[2, 2]))) / spacing
         known += carried(layer, normal * nodes[1, 1], alpha, part) * by_heat * kappa / (rho0 * c0) * q_n
     # with p + Z1 v, a quadratic equation for y
     share, rise, fall = impedance / (rho0 * c0 * (1.0 + by_v)), (1.0 + m) / 6.0, (2.0 - m) / 3.0
@@ -114,9 +121,8 @@ def note_gradient(law, layer, side, normal, nodes):
         _, c0, tau, alpha, _, _, _, part = beyond(law, layer, side)
         p, p1 = gas.pressure(c, nodes[0, 0], T), gas.pressure(c, nodes[0, 1], T1)
         q_n = T1 - nodes[2, 2] - tau * (p1 - gas.pressure(c, nodes[0, 2], nodes[2, 2]))
-        slow, conducted = max(1.0 + min(a, 0.0) / c0, 0.0), alpha / layer.h
+        slow, conducted = max(1.0 + min(a, 0.0) / c0, 0.0), alpha / (layer.h * layer.J)
         step = part * slow * slow * tau * (p - p1) + carried(layer, a, alpha, part) * q_n
-        width = layer.h * (layer.hi - layer.lo)
-        lost = 0.5 * (np.sqrt(a * a + 4.0 * (alpha / width) ** 2) - a)
+        lost = 0.5 * (np.sqrt(a * a + 4.0 * (alpha / width(layer)) ** 2) - a)
         at_rest = layer.end_data[side, 1] + tau * (p - layer.end_data[side, 0])
         layer.end_gradient[side, 1] = (conducted * (T1 + step) + lost * at_rest) / (conducted + lost)

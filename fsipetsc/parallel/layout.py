@@ -8,13 +8,13 @@ points stand with their halos.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fsipetsc.boundaries import DIRICHLET, INTERFACE_END, OPEN, Dirichlet, Open, degree_of, heat_of, in_time, nodes_needed
+from fsipetsc.boundaries import DIRICHLET, INTERFACE_END, OPEN, WALL, Wall, degree_of, heat_of, in_time, nodes_needed
 from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import SBPOperator
 from fsipetsc.parallel.partition import Extent, partition, stretched
@@ -64,7 +64,7 @@ def make_grids(
     before: grids that these take the place of; none has fewer points than it had.
     Raises InputError where h does not fit the solids or a layer is too short for the closures.
     """
-    grids = []
+    grids, last = [], len(problem.layers) - 1
     for k, layer in enumerate(problem.layers):
         width = (layer.X[1] - layer.X[0]) / h
         if not width + spare < MOST_CELLS:
@@ -73,14 +73,15 @@ def make_grids(
                 f"and -fsi_spare {spare}; {MOST_CELLS} are too many"
             )
         if isinstance(layer, SolidLayer) or problem.is_stretched(k, mapping):
-            _check_ends(problem, k)
             grid = _between_ends(layer, op, h, width)
+            if isinstance(layer, FluidLayer):
+                ends = [end for at, end in ((0, problem.left), (last, problem.right)) if at == k and not isinstance(end, Wall)]
+                grid = replace(grid, least=max([grid.least, *(_least(op, degree_of(end, op.order)) for end in ends)]))
         else:
             G = (cells or {}).get(k, ghost_index(width))
             end = problem.left if k == 0 else problem.right
             degree = degree_of(end, op.order)
-            # what the ghost point's formula reads, the treatment of the interface must not change
-            least = max(op.min_points, nodes_needed(degree) + 2, degree + 1 + max(2, op.rows))
+            least = _least(op, degree)
             room = spare + max(1, G // 8) if spare >= 8 else spare
             n = max(G + 1 + room, before[k].n if before else 0)
             room = n - 1 - G
@@ -94,15 +95,9 @@ def make_grids(
     return grids
 
 
-def _check_ends(problem: Problem, k: int) -> None:
-    """InputError if a stretched gas has an outer end that its grid cannot have."""
-    last = len(problem.layers) - 1
-    for at, end in ((0, problem.left), (last, problem.right)):
-        if at == k and isinstance(end, (Open, Dirichlet)):
-            raise InputError(
-                f"layer '{problem.layers[k].name}' ends at {type(end).__name__}(…) and has a stretched grid: expected a "
-                "Wall(…); or -fsi_mapping rigid, or mapping='rigid' of the layer, where it has one interface"
-            )
+def _least(op: SBPOperator, degree: int) -> int:
+    """Active points of a gas with an end whose formula has this degree: the treatment of the interface must not change them."""
+    return max(op.min_points, nodes_needed(degree) + 2, degree + 1 + max(2, op.rows))
 
 
 def _between_ends(layer: Layer, op: SBPOperator, h: float, width: float) -> Grid:
@@ -214,11 +209,13 @@ class Layout:
         for side, end in ((0, self.problem.left), (1, self.problem.right)):
             if k == (0, last)[side]:
                 record["end_kind"][side], record["end_degree"][side] = end.kind, degree_of(end, self._order)
-                record["end_apart"][side] = end.kind in (OPEN, DIRICHLET) and not self.grids[k].stretched
+                record["end_apart"][side] = end.kind in (OPEN, DIRICHLET)
                 record["end_thermal"][side] = heat_of(end)[0]
                 if "x" not in in_time(end):
                     record["end_x"][side] = getattr(end, "x", 0.0)
-                record["unloaded"][side] = self.grids[k].stretched or (self._conservative and record["kind"] == SOLID)
+                record["unloaded"][side] = (end.kind == WALL and self.grids[k].stretched) or (
+                    self._conservative and record["kind"] == SOLID
+                )
             elif self._conservative:
                 record["unloaded"][side] = SHARED_HEAT if self._conducts(k) and self._conducts(k + 2 * side - 1) else UNLOADED
 

@@ -9,7 +9,7 @@ from fsipetsc.boundaries import ABSORBING, FREE, INTERFACE_END, NODES
 from fsipetsc.operators.kernels import BLOCK, OPTIONS, U64, derivative, lagrange, row
 from fsipetsc.parallel.exchange import work_point
 from fsipetsc.parallel.pointers import rows_at
-from fsipetsc.scheme.layer_ends import boundary_distance, embedded
+from fsipetsc.scheme.layer_ends import beyond_the_end, boundary_distance, embedded
 from fsipetsc.scheme.plan import WORK
 
 
@@ -49,9 +49,11 @@ def end_forces(law, head, layer, memory):
 
 @njit(**OPTIONS)
 def gas_traction(law, head, layer, memory, side, ghost, step):
-    """rho u^2 + p - mu' u_x at an embedded boundary, from the cubic through the last four points."""
+    """rho u^2 + p - mu' u_x at an embedded boundary, from the cubic through the last four points; at the end of a stretched
+    layer that is no wall from this point.
+    """
     nodes = rows_at(memory, head.nodes, 5, NODES)
-    lagrange(layer.hi - layer.lo - boundary_distance(layer, side), 3, nodes[3], nodes[4])
+    lagrange(beyond_the_end(layer, side), 3, nodes[3], nodes[4])
     gas, c, flux, T = law.gas, law.gas.constants(layer), 0.0, 0.0
     for k in range(4):
         T += nodes[3, k] * gas_temperature(law, layer, memory, work_point(head, layer, WORK, ghost + k * step))
@@ -59,11 +61,11 @@ def gas_traction(law, head, layer, memory, side, ghost, step):
     for k in range(4):
         w = work_point(head, layer, WORK, ghost + k * step)
         rho, m, e = memory[U64(w)], memory[U64(w + layer.stride)], memory[U64(w + 2 * layer.stride)]
-        u = m / rho
-        flux += nodes[3, k] * (m * u + gas.pressure_of_energy(c, rho, e - 0.5 * m * u))
+        u, per_J = m / rho, 1.0 / layer.J
+        flux += nodes[3, k] * (per_J * m * u + gas.pressure_of_energy(c, per_J * rho, per_J * (e - 0.5 * m * u)))
         if k == 0 and layer.end_apart[side] != 0:
             u = layer.end_gradient[side, 0]
-        flux -= mu * nodes[4, k] * u * step / layer.h
+        flux -= mu * nodes[4, k] * u * step / (layer.h * layer.J)
     return flux
 
 

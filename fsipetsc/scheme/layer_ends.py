@@ -31,6 +31,12 @@ def boundary_distance(layer, side):
 
 
 @njit(**OPTIONS)
+def beyond_the_end(layer, side):
+    """How far the ghost point lies beyond the embedded boundary in cells; 0 of a stretched layer, whose end point it is."""
+    return 0.0 if layer.stretched != 0 else layer.hi - layer.lo - boundary_distance(layer, side)
+
+
+@njit(**OPTIONS)
 def ghost_of(head, layer, side):
     """(ghost point of an embedded boundary, step inwards, most points inside of it that a formula takes, has this rank all)."""
     G, step = (layer.lo, 1) if side == 0 else (layer.hi, -1)
@@ -46,20 +52,20 @@ def fetch_nodes(law, head, layer, memory, area, side, first):
     constants = law.gas.constants(layer)
     for k in range(first, depth + 1):
         w = work_point(head, layer, area, G + step * k)
-        rho = memory[U64(w)]
-        u = memory[U64(w + layer.stride)] / rho
+        mass = memory[U64(w)]
+        u, rho = memory[U64(w + layer.stride)] / mass, mass / layer.J
         nodes[0, k], nodes[1, k] = rho, u
-        nodes[2, k] = law.gas.temperature(constants, rho, memory[U64(w + 2 * layer.stride)] / rho - 0.5 * u * u)
+        nodes[2, k] = law.gas.temperature(constants, rho, memory[U64(w + 2 * layer.stride)] / mass - 0.5 * u * u)
     return nodes
 
 
 @njit(**OPTIONS)
 def close_gas(law, head, layer, memory, area, side, new):
     """Apply the condition at the outer end of a fluid layer; new: its ghost point has no values yet."""
-    if layer.stretched == 0:
-        fill_embedded(law, head, layer, memory, area, side, new)
-    elif layer.end_kind[side] == WALL:
+    if layer.stretched != 0 and layer.end_kind[side] == WALL:
         stop_at_wall(law, head, layer, memory, area, side)
+    else:
+        fill_embedded(law, head, layer, memory, area, side, new)
 
 
 @njit(**OPTIONS)
@@ -81,24 +87,25 @@ def stop_at_wall(law, head, layer, memory, area, side):
 def fill_embedded(law, head, layer, memory, area, side, new):
     """Give the ghost point of a fluid layer its values, where this rank has the points that this takes.
 
-    new: the point has no values yet.
+    So, too, the end point of a stretched one where gas may go through. new: the point has no values yet.
     """
     G, _, _, here = ghost_of(head, layer, side)
     if not here:
         return
     nodes = fetch_nodes(law, head, layer, memory, area, side, 1 if new else 0)
-    fill_ghost(law, layer, head.op, side, layer.hi - layer.lo - boundary_distance(layer, side), nodes, new)
+    fill_ghost(law, layer, head.op, side, beyond_the_end(layer, side), nodes, new)
     w, rho, u, T = work_point(head, layer, area, G), nodes[0, 0], nodes[1, 0], nodes[2, 0]
-    memory[U64(w)], memory[U64(w + layer.stride)] = rho, rho * u
-    memory[U64(w + 2 * layer.stride)] = rho * (law.gas.energy(law.gas.constants(layer), rho, T) + 0.5 * u * u)
+    mass = layer.J * rho
+    memory[U64(w)], memory[U64(w + layer.stride)] = mass, mass * u
+    memory[U64(w + 2 * layer.stride)] = mass * (law.gas.energy(law.gas.constants(layer), rho, T) + 0.5 * u * u)
 
 
 @njit(**OPTIONS)
 def note_embedded(law, head, layer, memory, area, side):
     """Note what the gradients take at the ghost point of a fluid layer, where this rank has the points that this takes."""
-    if layer.stretched == 0 and ghost_of(head, layer, side)[3]:
+    if layer.end_apart[side] != 0 and ghost_of(head, layer, side)[3]:
         nodes = fetch_nodes(law, head, layer, memory, area, side, 0)
-        note_gradient(law, layer, side, layer.hi - layer.lo - boundary_distance(layer, side), nodes)
+        note_gradient(law, layer, side, beyond_the_end(layer, side), nodes)
 
 
 @njit(**OPTIONS)
