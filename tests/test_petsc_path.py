@@ -30,6 +30,7 @@ HALF = 2.0**-18
         ("box", {"fsi_order": 4, "solid_gruneisen": 0.3}),
         ("box", {"fsi_order": 8, "fsi_coupling": "energy", "fsi_mapping": "stretched", "fluid_kappa": 0.0}),
         ("pulse", {"fsi_order": 2, "fsi_coupling": "traditional"}),
+        ("pulse", {"fsi_coupling": "energy", "fsi_mapping": "stretched", "fluid_mu": 0.5, "fluid_kappa": 0.7}),
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )

@@ -23,6 +23,10 @@ _TILES = "-fsi_h 0.0005 -ts_max_time 0.00005"
 #: falls by four cells, through PETSc's own methods
 _FALL = "-fsi_h 0.05 -ts_max_time 0.02 -rod_gravity -1000"
 _MMS = "-fsi_h 0.025 -fsi_order 6 -ts_max_time 0.2 -fsi_output_dt 0.05"
+_STRETCHED = (
+    "-fsi_h 0.025 -fsi_mapping stretched -fsi_coupling conservative -pulse_amplitude 1000 -fluid_mu 0.5 -fluid_kappa 0.7 "
+    "-ts_max_time 0.003 -fsi_output_dt 0.001 -fsi_partition balanced"
+)
 RUNS = {
     "rod": ("rod", _ROD),
     "rod physics": ("rod", f"{_ROD} -fsi_partition physics"),
@@ -72,6 +76,8 @@ RUNS = {
     "mms balanced": ("mms", f"{_MMS} -fsi_partition balanced"),
     "pulse": ("pulse", "-fsi_h 0.025 -fsi_order 8 -fsi_output_dt 0.001 -pulse_amplitude 1000"),
     "pulse balanced": ("pulse", "-fsi_h 0.025 -fsi_order 4 -fsi_output_dt 0.001 -pulse_start -0.5 -fsi_partition balanced"),
+    "pulse stretched": ("pulse", _STRETCHED),
+    "pulse stretched rk": ("pulse", f"{_STRETCHED} -ts_type rk"),
     "piston": (PISTON, "-ts_max_time 0.048"),
     "piston spare 0": (PISTON, "-ts_max_time 0.048 -fsi_spare 0"),
     "piston out": (PISTON, "-ts_max_time 0.02 -piston_speed -20 -fsi_spare 3"),

@@ -15,7 +15,7 @@ pytest.importorskip("petsc4py")
 
 from mpi4py import MPI
 
-from fsipetsc.boundaries import Dirichlet, Wall, clamped, free
+from fsipetsc.boundaries import Wall, clamped, free
 from fsipetsc.cases import load_case
 from fsipetsc.errors import InputError
 from fsipetsc.options import defaults
@@ -221,14 +221,13 @@ def test_ends_of_a_solid_that_change_in_time():
 @pytest.mark.parametrize(
     ("end", "more", "words"),
     [
-        (Dirichlet(1.0, lambda t: (1.0, 0.0, 1.0)), {}, ["ends at Dirichlet(…)", "stretched", "Wall(…)"]),
         (Wall(-1.0), {}, ["begins at x = 0", "ends at x = -1"]),
         (Wall(1.0), {"mapping": "rigid"}, ["mapping='rigid'", "'stretched' or None"]),
         (Wall(1.0), {"mapping": "elastic"}, ["mapping is 'elastic'"]),
         (Wall(lambda t: "one"), {}, ["x of the right end", "'one'"]),
         (Wall(1.0, T=lambda t: -1.0), {}, ["T of the right end", "above 0"]),
     ],
-    ids=["open", "inside out", "rigid", "no mapping", "no number", "no temperature"],
+    ids=["inside out", "rigid", "no mapping", "no number", "no temperature"],
 )
 def test_what_cannot_be_is_said(end, more, words):
     with pytest.raises(InputError) as found:

@@ -18,6 +18,7 @@ import numpy as np
 from numba import njit
 
 from fsipetsc.boundaries import DEGREES, Dirichlet
+from fsipetsc.errors import InputError
 from fsipetsc.operators.kernels import ENTRY as COMPILED
 from fsipetsc.options import Option
 from fsipetsc.physics.fluid import Fluid
@@ -150,6 +151,8 @@ def jumps(exact: Exact, gas: Fluid, solid: Solid, X_I: float, t: float) -> tuple
 
 def build(opt: Mapping[str, Any]) -> Problem:
     """Solid in 1 < X < 2, fluid beside it in 1/4 < x < 4."""
+    if opt["fsi_mapping"] == "stretched":
+        raise InputError("-fsi_mapping stretched: expected rigid, for the solution of mms is a function of X on a rigid grid")
     exact = Exact(opt["mms_epsilon"], opt["mms_omega"], opt["mms_phi"])
     gas = Fluid(opt["fluid_mu"], opt["fluid_kappa"], opt["fluid_gamma"], opt["fluid_R"])
     solid = Solid(opt["solid_modulus"], opt["solid_kappa"], opt["solid_density"], opt["solid_alpha"])
