@@ -253,9 +253,8 @@ def test_a_signal_to_one_rank_while_it_starts_ends_all(ranks, tmp_path):
         pipe = subprocess.PIPE
         process = subprocess.Popen(command, cwd=tmp_path, env=environment(), text=True, stdout=pipe, stderr=pipe)
         end = time.monotonic() + 30
-        while len(ranks_of(process.pid)) < ranks and time.monotonic() < end:
-            time.sleep(0.01)
-        started_ranks = ranks_of(process.pid)
+        while len(started_ranks := ranks_of(process.pid)) < ranks and time.monotonic() < end:
+            time.sleep(0.01)  # the list of the system may lack somebody who was in it before
         time.sleep(delay)
         os.kill(started_ranks[-1], number)
         _, err = process.communicate(timeout=60)

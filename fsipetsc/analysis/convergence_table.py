@@ -52,9 +52,9 @@ class ConvergenceStudy:
 
     def put(self, i: int, j: int, outcome: Any) -> None:
         """Keep the outcome of the run with order i and grid j (fsipetsc.stepping.solve.Outcome)."""
-        for kind, names in NAMES.items():
-            for name in names:
-                self.errors[kind][name][i, j] = outcome.errors[kind][name]
+        for kind, values in outcome.errors.items():  # of the layers that there are
+            for name in NAMES[kind]:
+                self.errors[kind][name][i, j] = values[name]
         for name in _COST:
             getattr(self, name)[i, j] = getattr(outcome, name)
 
@@ -96,11 +96,12 @@ class ConvergenceStudy:
         if failure:
             return f"{start}  failed: {failure}"
         start += f"{self.points[i, j]:>7.0f}{self.steps[i, j]:>7.0f}"
-        values = "".join(f"{self.errors[kind][name][i, j]:>9.1e}" for kind, name in self.columns())
+        errors = [self.errors[kind][name][i, j] for kind, name in self.columns()]
+        values = "".join(f"{error:>9.1e}" if np.isfinite(error) else f"{'':>9}" for error in errors)
         lines = [f"{start}{values}{self.cost[i, j]:>9.3f}{self.wall_time[i, j]:>8.2f}"]
         rates = [self.rates(kind, name)[i, j] for kind, name in self.columns()]
         if np.isfinite(rates).any():
-            lines.append(" " * 24 + "".join(f"{rate:>9.2f}" for rate in rates))
+            lines.append((" " * 24 + "".join(f"{rate:>9.2f}" if np.isfinite(rate) else f"{'':>9}" for rate in rates)).rstrip())
         return "\n".join(lines)
 
     def summary(self) -> str:
@@ -110,6 +111,8 @@ class ConvergenceStudy:
         lines = ["observed orders of all errors together", f"{'':<12}" + "".join(f"{pair:>{width}}" for pair in pairs)]
         for kind in NAMES:
             rates = self.rates(kind)
+            if not np.isfinite(self.errors[kind]["combined"]).any():
+                continue
             for i, order in enumerate(self.orders):
                 values = "".join(f"{rate:>{width}.2f}" for rate in rates[i, 1:])
                 lines.append(f"{kind:<7}{operator(order).name:<5}{values}")

@@ -30,12 +30,14 @@ def active_points(state: State) -> int:
 def errors(state: State, t: float) -> dict[str, dict[str, float]] | None:
     """L2 errors at time t [s]: kind of layer -> name -> sqrt(h sum (difference)^2), and "combined" over the unknowns.
 
-    Over the active points without ghosts, all layers of a kind together. None without an exact solution. Collective;
-    InputError if the exact solution cannot be had.
+    Of the kinds that there are, over the active points without ghosts, all layers of a kind together. None without an exact
+    solution. Collective; InputError if the exact solution cannot be had.
     """
     if any(layer.exact is None for layer in state.problem.layers):
         return None
+    kinds = {layer.kind for layer in state.problem.layers}
     compared = {"fluid": ("rho", "u", "T"), "solid": ("u", "sigma", "T", "x")}
+    compared = {kind: names for kind, names in compared.items() if kind in kinds}
     known = together(state.comm, lambda: _exact(state, t))
     sums = {kind: np.zeros(len(names)) for kind, names in compared.items()}
     for k, (layer, q) in enumerate(zip(state.problem.layers, layer_fields(state), strict=True)):

@@ -87,7 +87,8 @@ class Reporter:
         how = early or f"{summary['status']} at t = {summary['t']:g}{self._s}"
         self.line(f"{how}: {counted(steps, 'step')}{rejected} in {_duration(wall)}{cost}")
         places = ", ".join(f"{name} at x = {x:.6g}" for name, x in summary["interfaces"].items())
-        self.line(f"interfaces: {places}; {summary['points']} points")
+        points = counted(summary["points"], "point")
+        self.line(f"interfaces: {places}; {points}" if places else points)
         self.line(_phases(summary["phases"]))
         for kind, values in (errors or {}).items():
             listed = ", ".join(f"{name} {value:.3e}" for name, value in values.items())
