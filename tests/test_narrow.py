@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from fractions import Fraction
 
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 from test_operators import ALL, exact_norm
 
 from fsipetsc.operators import OPERATORS, SBPOperator
-from fsipetsc.operators.narrow import STIFFNESS, difference, levels, remainder
+from fsipetsc.operators.narrow import ENDS, STIFFNESS, difference, levels, remainder
 
 ORDERS = pytest.mark.parametrize("order", OPERATORS)
 #: -h^2 times the interior formula of D2(1) on (-1)^i, and times that of D twice on its own worst wave
@@ -50,13 +51,15 @@ def pivots(matrix: np.ndarray) -> list[Fraction]:
 
 @ALL
 def test_remainder_is_symmetric_and_positive_semidefinite(op: SBPOperator) -> None:
-    """And vanishes on polynomials up to degree p, and on no others."""
+    """And vanishes on polynomials up to degree p, and at most on one more vector at either end, which D sees."""
     n = op.min_points + 5
-    R = remainder(op.interior, coefficients(n))
+    wide, R = stiffness_matrices(op, coefficients(n))
     assert (R == R.T).all()
     found = pivots(R)
     assert min(found) >= 0
-    assert sum(pivot == 0 for pivot in found) == op.p + 1
+    assert sum(pivot == 0 for pivot in found) == op.p + 1 + (2 if ENDS[op.order] else 0)
+    found = pivots(wide + R)
+    assert min(found) >= 0 and sum(pivot == 0 for pivot in found) == 1
     for degree in range(op.p + 2):
         assert any(R @ exact([Fraction(i) ** degree for i in range(n)])) == (degree > op.p)
     assert all(weight > 0 for level in levels(op.interior) for weight in level.weights)
@@ -70,7 +73,7 @@ def test_interior_formula_is_narrow(op: SBPOperator) -> None:
     b = coefficients(n)
     wide, R = stiffness_matrices(op, b)
     narrow = wide + R
-    for i in range(r + p, n - r - p):
+    for i in range(r + 2 * p, n - r - 2 * p):
         beyond = [j for j in range(n) if abs(i - j) > p]
         assert not narrow[i, beyond].any()
         assert wide[i, beyond].any() and narrow[i, i + p]
@@ -101,6 +104,20 @@ def test_accuracy(op: SBPOperator) -> None:
             if degree <= s and power + degree - 1 <= s:
                 assert not error.any(), (power, degree)
     assert error[inner].any()
+
+
+@pytest.mark.parametrize("order", [2, 4, 6])
+def test_flux_at_an_end(order) -> None:
+    """Where the closure row of D imposes a flux, it is right to the order of D twice: phi = 0, see operators.narrow."""
+    op, n = OPERATORS[order], 60
+    s, D, x = order // 2, op.matrix(n), np.arange(float(n))
+    D2 = D @ D - remainder(op.interior, np.ones(n)) / op.norm_weights(n)[:, None]
+    u = x ** (s + 1) / math.factorial(s + 1)
+    error = (D2 @ u - x ** (s - 1) / math.factorial(s - 1))[1:40]
+    error[op.rows + 2 * op.p :] = 0.0
+    E = np.linalg.lstsq(D2[1:40, :30], -error, rcond=None)[0]
+    np.testing.assert_allclose(D2[1:40, :30] @ E, -error, atol=1e-11)
+    assert abs((D @ u)[0] + D[0, :30] @ E) < 1e-9
 
 
 @ALL

@@ -18,11 +18,9 @@ point that the wall passes, with the undamped formula of degree s + 1 by 0.2 to 
 decides the formula with q = 5, and the growth is 0.2; with three differences, whose eta are fits of degree 2 to the
 formula of degree 4 with the least sum of squares, it is 0.02. The order in T is 2, 3, 4 and, for 8/4, 3.6 to 5.6.
 
-With narrow second derivatives (fsipetsc.operators.narrow) E is another one: D2 E = -(D2 x^(s+1)/(s+1)! - x^(s-1)/(s-1)!) at all
-points but the ghost point itself, E falling off inside, where no wave is left that nothing damps; 0 for 2/1. For 6/3 and 8/4 a
-second difference, q = s + 2 with eta = -1/25 and -7/10, keeps the growth at 0.02 and 0.00 for each point that the wall passes,
-which would be 0.15 and 0.04. For 4/2 the formula for D twice remains: with s even, what E does to it vanishes. The order in T
-is 2, 3, 4, 5 (with the formulas for D twice 1, 3, 3, 5).
+With narrow second derivatives (fsipetsc.operators.narrow) E is another one, D2 E = -(D2 x^(s+1)/(s+1)! - x^(s-1)/(s-1)!),
+falling off inside, where no wave is left that nothing damps. For 2/1 it gives the same formula, and for even s E cancels; 8/4
+reaches the order 5. For 6/3 eta is the polynomial in ETA_NARROW; with that for D twice the order would be 3.
 
 Velocity. Degree 2: higher ones let sound grow where the viscosity is not resolved, 3 twice to four times as fast.
 """
@@ -36,19 +34,15 @@ from fsipetsc.operators.kernels import OPTIONS, dirichlet_ghost, lagrange, neuma
 
 #: degree of the extrapolation that fills a new point, and of the formula for u
 NEW_POINT, DEGREE = 2, 2
-#: for D twice and narrow second derivatives, by s, and for q = s + 1, s + 2, s + 3: coefficients of eta_q in powers of delta
-ETA = np.zeros((2, 4, 3, 5))
-ETA[0, 0, 0, :2] = 0.0, 0.5
-ETA[0, 1, 0, :3] = 0.0882352941176471, 0.0883801777493091, -0.1766154718669562
-ETA[0, 2, 0, :4] = 0.2222164620745679, -0.4850917636042938, 0.1267629370385567, 0.0198481621891904
-ETA[0, 3, :, :3] = (1.267, -2.9, 1.178), (-0.888, 1.872, -0.677), (0.193, -0.389, 0.131)
-ETA[1, 0, 0, :2] = -0.5, 1.0
-ETA[1, 1] = ETA[0, 1]
-ETA[1, 2, 0, :4] = 0.1483849754566522, -0.0938848793977369, -0.1754528428797355, 0.0786339304555232
-ETA[1, 3, 0] = 0.6872236505470140, -1.1547020887796935, 0.5950965178273124, -0.0485447856521084, -0.0093064601832893
-ETA[1, 2:, 1, 0] = -0.04, -0.7
-#: how many differences that are
-COUNT = np.array([[1, 1, 1, 3], [1, 1, 2, 2]])
+#: by s, and for q = s + 1, s + 2, s + 3: coefficients of eta_q in powers of delta
+ETA = np.zeros((4, 3, 4))
+ETA[0, 0, :2] = 0.0, 0.5
+ETA[1, 0, :3] = 0.0882352941176471, 0.0883801777493091, -0.1766154718669562
+ETA[2, 0] = 0.2222164620745679, -0.4850917636042938, 0.1267629370385567, 0.0198481621891904
+ETA[3, :, :3] = (1.267, -2.9, 1.178), (-0.888, 1.872, -0.677), (0.193, -0.389, 0.131)
+#: with narrow second derivatives
+ETA_NARROW = ETA.copy()
+ETA_NARROW[2, 0] = 0.2289158450015872, -0.4914033185443774, 0.1207498614024324, 0.0225285974796345
 
 
 @njit(**OPTIONS)
@@ -57,13 +51,13 @@ def insulated_slopes(delta, s, narrow, slopes):
 
     narrow: 1 where second derivatives are, 0 for D twice.
     """
-    last = s + COUNT[narrow, s - 1]
+    last = s + 3 if s == 4 else s + 1
     for k in range(s + 1, last + 1):
         slopes[k] = 0.0
     for q in range(s + 1, last + 1):
         eta, binomial = 0.0, 1.0
-        for power in range(4, -1, -1):
-            eta = eta * delta + ETA[narrow, s - 1, q - s - 1, power]
+        for power in range(3, -1, -1):
+            eta = eta * delta + (ETA_NARROW if narrow else ETA)[s - 1, q - s - 1, power]
         for k in range(q + 1):
             slopes[k] += eta * binomial
             binomial *= -(q - k) / (k + 1.0)

@@ -6,10 +6,15 @@ far as it must. With the norm H of D (h = 1), b > 0 at the points, B = diag(b) a
     H D B D   = -D^T H B D + E B D                     wide: D twice
     H D2(b)   = -(D^T H B D + R(b)) + E B D            narrow: D2(b) = D B D - H^-1 R(b)
 
-    R(b) = sum_q  Delta_q^T  diag(mean_q b)  Delta_q,             q = p+1 .. 2p
+    R(b) = sum_q  Delta_q^T  diag(mean_q b)  Delta_q  +  what stands at the ends,           q = p+1 .. 2p
 
 Delta_q are the undivided differences of order q, those alone that have all of their points on the grid, and mean_q b is a sum,
-with positive weights, of b at the 2p - q + 1 points in the middle of a difference. What follows:
+with positive weights, of b at the 2p - q + 1 points in the middle of a difference. At either end the differences that begin
+at the first T points are left out, and the first T of order p+1 have a term of their own instead, with b at point T:
+
+    b_T  Delta_{p+1}^T  c L L^T  Delta_{p+1},             c the sum of the weights of mean_{p+1}
+
+What follows, whatever L is:
 
 - R is symmetric and, for b >= 0, positive semidefinite: it takes out of sum_i H_i u_i^2 / 2 just sum_q mean_q b (Delta_q u)^2.
 - Its columns add up to nothing: what D B D conserves, D2 conserves.
@@ -21,6 +26,15 @@ with positive weights, of b at the 2p - q + 1 points in the middle of a differen
 The weights are what makes the interior formula of D2 one of 2p + 1 points, whatever b is: D^T B D couples points j apart,
 p < j <= 2p, by a sum of products of b and entries of D; a Delta_q couples points q apart by (-1)^q mean_q b, and nearer ones.
 So the couplings are cancelled one after the other, from 2p down, and each time there is one way to do it (``levels``).
+
+The ends. Where a flux b u_X is imposed by the closure row of D, as at interfaces, u takes on an error E h^(s+1) u^(s+1) near
+the end, s = p. With D twice it is such that D u is right there: D E = -e, e the error of D on x^(s+1)/(s+1)!. With narrow
+derivatives it obeys D2 E = -(error of D2 on it) at all points but the end point, where the flux stands instead of the
+equation, and the flux is wrong by phi h^s u^(s+1), phi = e_0 + (D E)_0: of order s only, unless the equation happens to hold at
+the end point, too: then, by summation by parts, phi = 0. Without terms at the ends phi is 1/2, -1/3, 0.31, -0.38. The L in ENDS
+make it 0 for 2/1, 4/2 and 6/3. That is one equation for the entries of L; the others are those, rounded, for which L L^T comes
+near to 1 (a diagonal L does not do). 8/4 has no such term. A flux that comes in by way of the norm, the equation at the end
+point kept, as with the conservative coupling, needs none.
 
 Sources: K. Mattsson, J. Sci. Comput. 51 (2012), 650-682 (remainders of this form); B. Sjögreen and N. A. Petersson, J. Sci.
 Comput. 52 (2012), 17-48 (narrow formulas with the boundary derivative in mind).
@@ -37,10 +51,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 #: Bound on the step for diffusion nu: dt <= C h^2 / (STIFFNESS nu), by interior order, and for D twice. The spectral radii of
-#: D2(1), 5.8, 6.2, 6.1 and 7.1 at most with a ghost point at any place, give the method of Runge and Kutta (|z| < 2.785) the
-#: Courant numbers 1.13 to 1.16. For D twice they are 2.4 to 5.0.
-STIFFNESS = {2: 2.4, 4: 2.5, 6: 2.5, 8: 2.9}
+#: D2(1), 4.0, 5.3, 6.0 and 7.1 at most with a ghost point at any place, give the method of Runge and Kutta (|z| < 2.785) the
+#: Courant numbers 1.4 and 1.14 to 1.16. For D twice they are 2.4 to 5.0.
+STIFFNESS = {2: 2.0, 4: 2.2, 6: 2.5, 8: 2.9}
 STIFFNESS_OF_WIDE = 2.0
+
+#: L at the ends, (T, T) or its columns that are not 0, by interior order
+ENDS = {
+    2: ((),),
+    4: tuple(tuple(map(Fraction, row.split())) for row in ("0.57 0", "0.51 0.8275808859653828", "-0.64 0.67")),
+    6: tuple(
+        tuple(map(Fraction, row.split()))
+        for row in ("0.51 0 0", "0.9 0.86 0", "-0.18 1.5909323365068795 0.02", "0.17 0.85 -1.12")
+    ),
+    8: (),
+}
 
 
 class Level(NamedTuple):
@@ -80,15 +105,30 @@ def levels(interior: Sequence[Fraction]) -> tuple[Level, ...]:
     return tuple(reversed(found))
 
 
+def end_term(interior: Sequence[Fraction]) -> NDArray[Any]:
+    """c L L^T, (T, T), of fractions."""
+    rows, c = ENDS[2 * len(interior)], sum(levels(interior)[0].weights)
+    products = [[sum((x * y for x, y in zip(a, b, strict=True)), Fraction(0)) for b in rows] for a in rows]
+    return c * np.array(products, dtype=object)
+
+
 def remainder(interior: Sequence[Fraction], b: Sequence[Any]) -> NDArray[Any]:
     """R(b), (n, n), of fractions if b are fractions, and of floats otherwise; interior: the centred stencil of D."""
     n, exact = len(b), all(isinstance(value, (int, Fraction)) for value in b)
     result = np.full((n, n), Fraction(0), dtype=object) if exact else np.zeros((n, n))
+    end = end_term(interior)
+    if not exact:
+        end = end.astype(float)
     for level in levels(interior):
         weights = np.array(difference(level.order), dtype=object if exact else float)
         products = np.outer(weights, weights)
-        for t in range(n - level.order):
+        for t in range(len(end), n - level.order - len(end)):
             near = b[t + level.skipped :]
             mean = sum((w if exact else float(w)) * near[k] for k, w in enumerate(level.weights))
             result[t : t + level.order + 1, t : t + level.order + 1] += mean * products
+    weights = np.array(difference(len(interior) + 1), dtype=object if exact else float)
+    for i, j in np.argwhere(end):
+        for side in (slice(None), slice(None, None, -1)):
+            at = result[side, side]
+            at[i : i + len(weights), j : j + len(weights)] += b[side][len(end)] * end[i, j] * np.outer(weights, weights)
     return result

@@ -11,11 +11,22 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from fsipetsc.operators.coefficients import COEFFICIENTS, closure_rows
-from fsipetsc.operators.narrow import STIFFNESS, STIFFNESS_OF_WIDE, levels
+from fsipetsc.operators.narrow import STIFFNESS, STIFFNESS_OF_WIDE, end_term, levels
 
-LEVELS = np.dtype([("first", np.int64), ("last", np.int64), ("counts", np.int64, (4,)), ("weights", np.float64, (4, 4))])
+LEVELS = np.dtype(
+    [
+        ("first", np.int64),
+        ("last", np.int64),
+        ("counts", np.int64, (4,)),
+        ("weights", np.float64, (4, 4)),
+        ("skipped", np.int64),
+        ("ends", np.int64),
+        ("end", np.float64, (4, 4)),
+    ]
+)
 """Differences of the orders first .. last of which a term of the rates is made, for compiled kernels: how many points in the
-middle of one have a say in its coefficient, and with what weights."""
+middle of one have a say in its coefficient, and with what weights; how many differences of each order are left out at either
+end, how many of the first order have a term of their own there, and its matrix."""
 OPERATOR = np.dtype(
     [
         ("p", np.int64),
@@ -148,6 +159,9 @@ def packed(order: int, narrow: bool = False) -> np.void:
     for k, level in enumerate(found):
         terms["counts"][k] = len(level.weights)
         terms["weights"][k, : len(level.weights)] = [float(w) for w in level.weights]
+    end = end_term(op.interior)
+    terms["skipped"], terms["ends"] = len(end), len(end) if end.any() else 0
+    terms["end"][: len(end), : len(end)] = end
     record["narrow"] = narrow
     record["stiffness"] = STIFFNESS[order] if narrow else STIFFNESS_OF_WIDE
     return record[()]

@@ -3,7 +3,8 @@
     q_t += scale H^-1 sum_k  Delta_k^T  flux(mean_k c, Delta_k y),          k = first .. last
 
 y are rows of values, c coefficients at the points, both of a physics; mean_k c is a weighted sum of c at the points in the
-middle of a difference, Delta_k the undivided difference of order k, taken where all of its points are active, and H the norm.
+middle of a difference, Delta_k the undivided difference of order k, taken where all of its points are active, and H the norm;
+at the ends there are terms of their own, as fsipetsc.operators.narrow has them.
 As the columns of Delta_k add up to nothing, such terms take nothing away from the integral of any unknown. A term is
 
     unknowns                                those whose rates it belongs to
@@ -59,17 +60,26 @@ def _add(term, law, layer, op, s, w, v, f, target, i0, i1):
     q, v = each(row_of.place, law.unknowns, w, layer.stride), each(row_of.place, law.prepared, v, ROW)
     f, c = each(row_of.place, law.fluxes, f, ROW), each(row_of.place, term.coefficients, free, ROW)
     y, sums, numbers = term.rows(q, v), each(row_of.place, term.sums, free, ROW), term.constants(law, layer)
-    for i in range(max(lo, i0 - op.p), min(hi + 1, i1 + op.p), LANES):
+    for i in range(max(lo, i0 - op.reach), min(hi + 1, i1 + op.reach), LANES):
         here = each(row_of.load, q, s, i), each(row_of.load, v, s, i), each(row_of.load, f, s, i)
         each(row_of.store, c, term.weigh(law, numbers, here[0], here[1], here[2]), s, i)
     for i in range(i0 - last - LANES, i1 + LANES, LANES):
         each(undivided_of.clear, sums, s, i)
     # what is stored below begins each time a point earlier, and overwrites what has been used
     for order in range(last, levels.first - 1, -1):
-        end = min(i1, hi + 1 - order)
-        for i in range(max(lo, i0 - order), end, LANES):
+        end = min(i1, hi + 1 - levels.skipped - order)
+        for i in range(max(lo + levels.skipped, i0 - order), end, LANES):
             fluxes = term.flux(each(undivided_of.mean, c, s, i, order, levels), each(undivided_of.difference, y, s, i, order))
             each(undivided_of.add_up, sums, fluxes, s, i + order - last, end - i)
+    for side in range(2):
+        end, step = (lo, 1) if side == 0 else (hi - levels.first, -1)
+        for t in range(levels.ends):
+            at = end + step * t
+            if i0 - levels.first <= at < i1:
+                inside = (lo if side == 0 else hi) + step * levels.skipped
+                means = each(undivided_of.at, c, s, inside)
+                fluxes = term.flux(means, each(undivided_of.end_difference, y, s, end, step, t, levels))
+                each(undivided_of.add_at, sums, fluxes, s, at + levels.first - last)
     for i in range(i0, i1, LANES):
         each(undivided_of.apply_transposed, sums, s, i - last, levels.first)
     for r in range(op.rows):
@@ -120,6 +130,29 @@ def _add_up(begin, flux, s, at, n):
 
 
 @njit(**FORMULA)
+def _at(begin, s, i):
+    return s[U64(begin + i)]
+
+
+@njit(**FORMULA)
+def _end_difference(begin, s, end, step, t, levels):
+    """What the term of the end takes for difference t there: a sum of the first ones."""
+    result = 0.0
+    for k in range(levels.ends):
+        difference = 0.0
+        for j in range(levels.first + 1):
+            difference += _DIFFERENCE[levels.first, j] * s[U64(begin + end + step * k + j)]
+        result += levels.end[t, k] * difference
+    return result
+
+
+@njit(**FORMULA)
+def _add_at(begin, flux, s, at):
+    s[U64(begin + at)] += flux
+    return 0
+
+
+@njit(**FORMULA)
 def _apply_transposed(begin, s, at, order):
     """The transposed difference of this order at points whose own sums stand ``order`` further on, to where ``at`` is."""
     result = load(s, begin + at)
@@ -152,6 +185,9 @@ undivided_of = Formulas(
     difference=_difference,
     add_up=_add_up,
     apply_transposed=_apply_transposed,
+    at=_at,
+    end_difference=_end_difference,
+    add_at=_add_at,
     divide=_divide,
     add_to_rates=_add_to_rates,
 )
