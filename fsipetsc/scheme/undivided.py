@@ -25,11 +25,14 @@ at this one), so that one row takes up all orders, and Delta_first^T is applied 
 
 from __future__ import annotations
 
+from math import comb
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit
 
 from fsipetsc.operators.formulas import Formulas, each
-from fsipetsc.operators.kernels import FORMULA, OPTIONS, ROW, U64, store_lanes
+from fsipetsc.operators.kernels import FORMULA, OPTIONS, ROW, U64, store_lanes, whole_vectors
 from fsipetsc.operators.narrow import difference
 from fsipetsc.operators.vectors import LANES, fma, load, masked, spread, store
 from fsipetsc.scheme.sweep import row_of
@@ -38,6 +41,44 @@ from fsipetsc.scheme.sweep import row_of
 FIRST, ROWS = 5, 5
 #: weights of the differences up to the order 8, by order
 _DIFFERENCE = np.array([difference(order) + [0] * (8 - order) for order in range(9)], dtype=float)
+#: ``Pairs`` by order
+_PAIRS = np.array([[(-1) ** k, *((-1) ** j * comb(k, j) / (2 if 2 * j == k else 1) for j in range(1, 5))] for k in range(9)])
+
+
+class Pairs(NamedTuple):
+    """Weights of a difference: of the first point, 1 or -1, the last having 1, and of those 1, 2, 3, 4 away from the last.
+
+    Points as far from either end are taken together; a middle point is met twice so, and counts half.
+    """
+
+    sign: float
+    first: float
+    second: float
+    third: float
+    fourth: float
+
+
+class Weights(NamedTuple):
+    """Of the points that have a say in a mean."""
+
+    a: float
+    b: float
+    c: float
+    d: float
+
+
+@njit(**FORMULA)
+def pairs_of(order):
+    """Of a difference of this order."""
+    p = U64(order)
+    return Pairs(_PAIRS[p, 0], _PAIRS[p, 1], _PAIRS[p, 2], _PAIRS[p, 3], _PAIRS[p, 4])
+
+
+@njit(**FORMULA)
+def weights_of_mean(levels, k):
+    """Of order number k."""
+    w = levels.weights
+    return Weights(w[k, 0], w[k, 1], w[k, 2], w[k, 3])
 
 
 @njit(**OPTIONS)
@@ -67,10 +108,12 @@ def _add(term, law, layer, op, s, w, v, f, target, i0, i1):
         each(undivided_of.clear, sums, s, i)
     # what is stored below begins each time a point earlier, and overwrites what has been used
     for order in range(last, levels.first - 1, -1):
-        end = min(i1, hi + 1 - levels.skipped - order)
+        end, k, pairs = min(i1, hi + 1 - levels.skipped - order), order - levels.first, pairs_of(order)
+        count, weights = levels.counts[k], weights_of_mean(levels, k)
         for i in range(max(lo + levels.skipped, i0 - order), end, LANES):
-            fluxes = term.flux(each(undivided_of.mean, c, s, i, order, levels), each(undivided_of.difference, y, s, i, order))
-            each(undivided_of.add_up, sums, fluxes, s, i + order - last, end - i)
+            means = each(undivided_of.mean, c, s, i, order, count, weights)
+            differences = each(undivided_of.difference, y, s, i, order, pairs)
+            each(undivided_of.add_up, sums, term.flux(means, differences), s, i + order - last, end - i)
     for side in range(2):
         end, step = (lo, 1) if side == 0 else (hi - levels.first, -1)
         for t in range(levels.ends):
@@ -81,14 +124,16 @@ def _add(term, law, layer, op, s, w, v, f, target, i0, i1):
                 fluxes = term.flux(means, each(undivided_of.end_difference, y, s, end, step, t, levels))
                 each(undivided_of.add_at, sums, fluxes, s, at + levels.first - last)
     for i in range(i0, i1, LANES):
-        each(undivided_of.apply_transposed, sums, s, i - last, levels.first)
+        each(undivided_of.apply_transposed, sums, s, i - last, levels.first, pairs_of(levels.first))
     for r in range(op.rows):
         for i in (lo + r, hi - r):
             if i0 <= i < i1:
                 each(undivided_of.divide, sums, s, i - last, op.norm[r])
-    scale = term.scale(layer)
-    for i in range(i0, i1, LANES):
-        each(undivided_of.add_to_rates, term.unknowns, sums, s, i - last, scale, target, i, i1 - i)
+    scale, whole = term.scale(layer) * (1.0 - 2.0 * (levels.first % 2)), whole_vectors(i0, i1)
+    for i in range(i0, whole, LANES):
+        each(undivided_of.add_to_rates, term.unknowns, sums, s, i - last, scale, target, i)
+    if whole < i1:
+        each(undivided_of.add_lanes_to_rates, term.unknowns, sums, s, whole - last, scale, target, whole, i1 - whole)
     return 0
 
 
@@ -102,23 +147,37 @@ def _clear(begin, s, i):
 
 
 @njit(**FORMULA)
-def _mean(begin, s, i, order, levels):
+def _mean(begin, s, i, order, count, weights):
     """Of the coefficient in the differences that begin at i .. i+3."""
-    k = order - levels.first
-    count = levels.counts[k]
-    at, mean = begin + i + (order + 1 - count) // 2, spread(0.0)
-    for j in range(count):
-        mean = fma(load(s, at + j), levels.weights[k, j], mean)
+    at = begin + i + (order + 1 - count) // 2
+    mean = weights.a * load(s, at)
+    if count > 1:
+        mean = fma(weights.b, load(s, at + 1), mean)
+        if count > 2:
+            mean = fma(weights.c, load(s, at + 2), mean)
+            if count > 3:
+                mean = fma(weights.d, load(s, at + 3), mean)
     return mean
 
 
 @njit(**FORMULA)
-def _difference(begin, s, i, order):
+def _difference(begin, s, i, order, pairs):
     """Those that begin at i .. i+3."""
-    result = load(s, begin + i + order)
-    for j in range(order):
-        result = fma(load(s, begin + i + j), _DIFFERENCE[order, j], result)
-    return result
+    return paired(s, begin + i, order, pairs)
+
+
+@njit(**FORMULA)
+def paired(s, at, order, pairs):
+    """Differences of this order, from 2 to 8, of the values from s[at] .. s[at+3] on."""
+    d = fma(pairs.sign, load(s, at), load(s, at + order))
+    d = fma(pairs.first, fma(pairs.sign, load(s, at + 1), load(s, at + order - 1)), d)
+    if order > 3:
+        d = fma(pairs.second, fma(pairs.sign, load(s, at + 2), load(s, at + order - 2)), d)
+        if order > 5:
+            d = fma(pairs.third, fma(pairs.sign, load(s, at + 3), load(s, at + order - 3)), d)
+            if order > 7:
+                d = fma(pairs.fourth, fma(pairs.sign, load(s, at + 4), load(s, at + order - 4)), d)
+    return d
 
 
 @njit(**FORMULA)
@@ -153,12 +212,9 @@ def _add_at(begin, flux, s, at):
 
 
 @njit(**FORMULA)
-def _apply_transposed(begin, s, at, order):
-    """The transposed difference of this order at points whose own sums stand ``order`` further on, to where ``at`` is."""
-    result = load(s, begin + at)
-    for j in range(1, order + 1):
-        result = fma(load(s, begin + at + j), _DIFFERENCE[order, order - j], result)
-    store(s, begin + at, result)
+def _apply_transposed(begin, s, at, order, pairs):
+    """The transposed difference, but for its sign if the order is odd, at points whose own sums stand ``order`` further on."""
+    store(s, begin + at, paired(s, begin + at, order, pairs))
     return 0
 
 
@@ -169,7 +225,16 @@ def _divide(begin, s, at, weight):
 
 
 @njit(**FORMULA)
-def _add_to_rates(unknown, begin, s, at, scale, target, i, n):
+def _add_to_rates(unknown, begin, s, at, scale, target, i):
+    to, change = unknown * target.stride + i, scale * load(s, begin + at)
+    store(s, target.next + to, fma(target.a, change, load(s, target.next + to)))
+    if target.sum >= 0:
+        store(s, target.sum + to, fma(target.b, change, load(s, target.sum + to)))
+    return 0
+
+
+@njit(**FORMULA)
+def _add_lanes_to_rates(unknown, begin, s, at, scale, target, i, n):
     """The first n lanes."""
     to, change = unknown * target.stride + i, scale * load(s, begin + at)
     store_lanes(s, target.next + to, fma(target.a, change, load(s, target.next + to)), 0, n)
@@ -190,4 +255,5 @@ undivided_of = Formulas(
     add_at=_add_at,
     divide=_divide,
     add_to_rates=_add_to_rates,
+    add_lanes_to_rates=_add_lanes_to_rates,
 )
