@@ -97,44 +97,65 @@ def add_undivided(law, layer, op, s, w, v, f, target, i0, i1):
 
 @njit(**OPTIONS)
 def _add(term, law, layer, op, s, w, v, f, target, i0, i1):
-    lo, hi, levels, last, free = layer.lo, layer.hi, term.levels(op), term.levels(op).last, v + FIRST * ROW
+    """One of the terms."""
+    levels, free = term.levels(op), v + FIRST * ROW
+    c, sums = each(row_of.place, term.coefficients, free, ROW), each(row_of.place, term.sums, free, ROW)
     q, v = each(row_of.place, law.unknowns, w, layer.stride), each(row_of.place, law.prepared, v, ROW)
-    f, c = each(row_of.place, law.fluxes, f, ROW), each(row_of.place, term.coefficients, free, ROW)
-    y, sums, numbers = term.rows(q, v), each(row_of.place, term.sums, free, ROW), term.constants(law, layer)
-    for i in range(max(lo, i0 - op.reach), min(hi + 1, i1 + op.reach), LANES):
+    f, y, numbers = each(row_of.place, law.fluxes, f, ROW), term.rows(q, v), term.constants(law, layer)
+    for i in range(max(layer.lo, i0 - op.reach), min(layer.hi + 1, i1 + op.reach), LANES):
         here = each(row_of.load, q, s, i), each(row_of.load, v, s, i), each(row_of.load, f, s, i)
         each(row_of.store, c, term.weigh(law, numbers, here[0], here[1], here[2]), s, i)
+    sum_up(term, layer, levels, s, c, y, sums, i0, i1)
+    sum_up_ends(term, layer, levels, s, c, y, sums, i0, i1)
+    send(term, layer, op, levels, s, sums, target, i0, i1)
+    return 0
+
+
+@njit(**OPTIONS)
+def sum_up(term, layer, levels, s, c, y, sums, i0, i1):
+    """The sums over k but for the ends: that of the difference which begins at i stands at i + levels.first - levels.last."""
+    lo, hi, last = layer.lo + levels.skipped, layer.hi - levels.skipped, levels.last
     for i in range(i0 - last - LANES, i1 + LANES, LANES):
         each(undivided_of.clear, sums, s, i)
-    # what is stored below begins each time a point earlier, and overwrites what has been used
+    # what is stored here begins each time a point earlier, and overwrites what has been used
     for order in range(last, levels.first - 1, -1):
-        end, k, pairs = min(i1, hi + 1 - levels.skipped - order), order - levels.first, pairs_of(order)
+        k, pairs, end = order - levels.first, pairs_of(order), min(i1, hi + 1 - order)
         count, weights = levels.counts[k], weights_of_mean(levels, k)
-        for i in range(max(lo + levels.skipped, i0 - order), end, LANES):
+        for i in range(max(lo, i0 - order), end, LANES):
             means = each(undivided_of.mean, c, s, i, order, count, weights)
             differences = each(undivided_of.difference, y, s, i, order, pairs)
             each(undivided_of.add_up, sums, term.flux(means, differences), s, i + order - last, end - i)
+
+
+@njit(**OPTIONS)
+def sum_up_ends(term, layer, levels, s, c, y, sums, i0, i1):
+    """The terms of the ends, to the same sums."""
     for side in range(2):
-        end, step = (lo, 1) if side == 0 else (hi - levels.first, -1)
+        end, step = (layer.lo, 1) if side == 0 else (layer.hi - levels.first, -1)
+        inside = (layer.lo if side == 0 else layer.hi) + step * levels.skipped
         for t in range(levels.ends):
             at = end + step * t
             if i0 - levels.first <= at < i1:
-                inside = (lo if side == 0 else hi) + step * levels.skipped
-                means = each(undivided_of.at, c, s, inside)
-                fluxes = term.flux(means, each(undivided_of.end_difference, y, s, end, step, t, levels))
-                each(undivided_of.add_at, sums, fluxes, s, at + levels.first - last)
+                differences = each(undivided_of.end_difference, y, s, end, step, t, levels)
+                fluxes = term.flux(each(undivided_of.at, c, s, inside), differences)
+                each(undivided_of.add_at, sums, fluxes, s, at + levels.first - levels.last)
+
+
+@njit(**OPTIONS)
+def send(term, layer, op, levels, s, sums, target, i0, i1):
+    """To the rates what the sums say; in place as above."""
+    pairs, last, whole = pairs_of(levels.first), levels.last, whole_vectors(i0, i1)
     for i in range(i0, i1, LANES):
-        each(undivided_of.apply_transposed, sums, s, i - last, levels.first, pairs_of(levels.first))
+        each(undivided_of.apply_transposed, sums, s, i - last, levels.first, pairs)
     for r in range(op.rows):
-        for i in (lo + r, hi - r):
+        for i in (layer.lo + r, layer.hi - r):
             if i0 <= i < i1:
                 each(undivided_of.divide, sums, s, i - last, op.norm[r])
-    scale, whole = term.scale(layer) * (1.0 - 2.0 * (levels.first % 2)), whole_vectors(i0, i1)
+    scale = term.scale(layer) * (1.0 - 2.0 * (levels.first % 2))
     for i in range(i0, whole, LANES):
         each(undivided_of.add_to_rates, term.unknowns, sums, s, i - last, scale, target, i)
     if whole < i1:
         each(undivided_of.add_lanes_to_rates, term.unknowns, sums, s, whole - last, scale, target, whole, i1 - whole)
-    return 0
 
 
 # what is done to each of some rows
@@ -150,33 +171,45 @@ def _clear(begin, s, i):
 def _mean(begin, s, i, order, count, weights):
     """Of the coefficient in the differences that begin at i .. i+3."""
     at = begin + i + (order + 1 - count) // 2
-    mean = weights.a * load(s, at)
-    if count > 1:
-        mean = fma(weights.b, load(s, at + 1), mean)
-        if count > 2:
-            mean = fma(weights.c, load(s, at + 2), mean)
-            if count > 3:
-                mean = fma(weights.d, load(s, at + 3), mean)
-    return mean
+    return mean(count, weights, load(s, at), load(s, at + 1), load(s, at + 2), load(s, at + 3))
 
 
 @njit(**FORMULA)
 def _difference(begin, s, i, order, pairs):
     """Those that begin at i .. i+3."""
-    return paired(s, begin + i, order, pairs)
+    at, to = begin + i, begin + i + order
+    ends, others = (load(s, at), load(s, to)), (load(s, at + 1), load(s, to - 1))
+    second, third = (load(s, at + 2), load(s, to - 2)), (load(s, at + 3), load(s, to - 3))
+    return paired(order, pairs, ends, others, second, third, (load(s, at + 4), load(s, to - 4)))
+
+
+# these take vectors, not the array: a choice in a function that has it makes numba count who refers to it, at each point
 
 
 @njit(**FORMULA)
-def paired(s, at, order, pairs):
-    """Differences of this order, from 2 to 8, of the values from s[at] .. s[at+3] on."""
-    d = fma(pairs.sign, load(s, at), load(s, at + order))
-    d = fma(pairs.first, fma(pairs.sign, load(s, at + 1), load(s, at + order - 1)), d)
+def mean(count, weights, a, b, c, d):
+    """Weighted sum of the first ``count``."""
+    result = weights.a * a
+    if count > 1:
+        result = fma(weights.b, b, result)
+        if count > 2:
+            result = fma(weights.c, c, result)
+            if count > 3:
+                result = fma(weights.d, d, result)
+    return result
+
+
+@njit(**FORMULA)
+def paired(order, pairs, ends, first, second, third, fourth):
+    """Differences of this order, from 2 to 8, from their ends and the points 1, 2, 3, 4 away from them, where there are any."""
+    sign = pairs.sign
+    d = fma(pairs.first, fma(sign, first[0], first[1]), fma(sign, ends[0], ends[1]))
     if order > 3:
-        d = fma(pairs.second, fma(pairs.sign, load(s, at + 2), load(s, at + order - 2)), d)
+        d = fma(pairs.second, fma(sign, second[0], second[1]), d)
         if order > 5:
-            d = fma(pairs.third, fma(pairs.sign, load(s, at + 3), load(s, at + order - 3)), d)
+            d = fma(pairs.third, fma(sign, third[0], third[1]), d)
             if order > 7:
-                d = fma(pairs.fourth, fma(pairs.sign, load(s, at + 4), load(s, at + order - 4)), d)
+                d = fma(pairs.fourth, fma(sign, fourth[0], fourth[1]), d)
     return d
 
 
@@ -214,7 +247,7 @@ def _add_at(begin, flux, s, at):
 @njit(**FORMULA)
 def _apply_transposed(begin, s, at, order, pairs):
     """The transposed difference, but for its sign if the order is odd, at points whose own sums stand ``order`` further on."""
-    store(s, begin + at, paired(s, begin + at, order, pairs))
+    store(s, begin + at, _difference(begin, s, at, order, pairs))
     return 0
 
 
