@@ -66,6 +66,19 @@ def gas_scale(layer):
 
 
 @njit(**FORMULA)
+def gas_at_wall(velocity, changes):
+    """The wall gives its point the momentum, and takes up this change of it: that is work."""
+    m, e = changes
+    return m, e - velocity * m
+
+
+@njit(**FORMULA)
+def solid_at_wall(velocity, changes):
+    """T alone."""
+    return changes
+
+
+@njit(**FORMULA)
 def solid_constants(law, layer):
     """kappa_e."""
     return layer.kappa_e
@@ -107,6 +120,7 @@ NARROW_GAS = (
         rows=velocity_and_temperature,
         flux=gas_flux,
         scale=gas_scale,
+        at_wall=gas_at_wall,
     ),
 )
 NARROW_SOLID = (
@@ -120,5 +134,6 @@ NARROW_SOLID = (
         rows=temperature,
         flux=solid_flux,
         scale=solid_scale,
+        at_wall=solid_at_wall,
     ),
 )

@@ -15,6 +15,7 @@ As the columns of Delta_k add up to nothing, such terms take nothing away from t
     rows(q, v)                              where the rows y begin
     flux(means, differences)                for each of the unknowns
     scale(layer)                            factor
+    at_wall(velocity, changes)              of the rates at an end point that a moving wall gives its momentum
 
 for a law whose ``undivided`` has it; q, v and f as in fsipetsc.scheme.sweep. A term reaches ``last`` points, and may go as far
 as D twice does.
@@ -31,10 +32,12 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from fsipetsc.boundaries import WALL
 from fsipetsc.operators.formulas import Formulas, each
 from fsipetsc.operators.kernels import FORMULA, OPTIONS, ROW, U64, store_lanes, whole_vectors
 from fsipetsc.operators.narrow import difference
 from fsipetsc.operators.vectors import LANES, fma, load, masked, spread, store
+from fsipetsc.physics.layer import LOADED
 from fsipetsc.scheme.sweep import row_of
 
 #: first row of scratch that is used here, and how many are
@@ -151,6 +154,11 @@ def send(term, layer, op, levels, s, sums, target, i0, i1):
         for i in (layer.lo + r, layer.hi - r):
             if i0 <= i < i1:
                 each(undivided_of.divide, sums, s, i - last, op.norm[r])
+    for side in range(2):
+        end = layer.lo if side == 0 else layer.hi
+        if i0 <= end < i1 and layer.unloaded[side] != LOADED and layer.end_kind[side] == WALL:
+            changes = term.at_wall(layer.end_v[side], each(undivided_of.at, sums, s, end - last))
+            each(undivided_of.put, sums, changes, s, end - last)
     scale = term.scale(layer) * (1.0 - 2.0 * (levels.first % 2))
     for i in range(i0, whole, LANES):
         each(undivided_of.add_to_rates, term.unknowns, sums, s, i - last, scale, target, i)
@@ -227,6 +235,12 @@ def _at(begin, s, i):
 
 
 @njit(**FORMULA)
+def _put(begin, value, s, i):
+    s[U64(begin + i)] = value
+    return 0
+
+
+@njit(**FORMULA)
 def _end_difference(begin, s, end, step, t, levels):
     """What the term of the end takes for difference t there: a sum of the first ones."""
     result = 0.0
@@ -284,6 +298,7 @@ undivided_of = Formulas(
     add_up=_add_up,
     apply_transposed=_apply_transposed,
     at=_at,
+    put=_put,
     end_difference=_end_difference,
     add_at=_add_at,
     divide=_divide,
