@@ -20,6 +20,9 @@ from fsipetsc.output.info import info
 
 pytest.importorskip("petsc4py")
 
+#: what HDF5 keeps a file open for
+OF_FILES = h5py.h5f.OBJ_FILE | h5py.h5f.OBJ_DATASET | h5py.h5f.OBJ_GROUP | h5py.h5f.OBJ_ATTR
+
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> bytes:
@@ -42,6 +45,7 @@ def read_all(path: Path) -> bool:
             repr(result)
     except FileError as error:
         assert error.status == 4 and "\n" not in str(error) and str(path) in str(error), error
+        assert h5py.h5f.get_obj_count(h5py.h5f.OBJ_ALL, OF_FILES) == 0, "while the error is there"
         return False
     return True
 

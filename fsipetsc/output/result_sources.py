@@ -71,12 +71,19 @@ class Finished:
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self._file = file_layout.open_h5(path, "r")
+        try:
+            self._begin(os.fspath(path))
+        except BaseException:
+            self.close()  # the error holds it open, and nobody could write to the file, not even its next run
+            raise
+
+    def _begin(self, name: str) -> None:
         attributes = self._file.attrs
         if attributes.get("format") != file_layout.FORMAT:
-            raise FileError(f"{os.fspath(path)}: is not a result of fsipetsc")
+            raise FileError(f"{name}: is not a result of fsipetsc")
         version = int(attributes["version"])
         if version > file_layout.VERSION:
-            raise FileError(f"{os.fspath(path)}: was written by a newer fsipetsc (file format {version}); update to read it")
+            raise FileError(f"{name}: was written by a newer fsipetsc (file format {version}); update to read it")
         self.complete = bool(attributes["complete"])
         self.header, self.summary, self.errors = map(self._text, ("header", "summary", "errors"))
 
