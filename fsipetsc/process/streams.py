@@ -23,16 +23,25 @@ def complete_streams() -> None:
 
 def abandon_stdout() -> None:
     """Let everything that is still to be printed, by C code too, go nowhere."""
+    _abandon(1)
+
+
+def _abandon(number: int) -> None:
     with contextlib.suppress(OSError, ValueError):
         null = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(null, 1)
+        os.dup2(null, number)
         os.close(null)
 
 
 def say_error(text: str, end: str = "\n") -> None:
     """A line on stderr, if that is possible."""
-    with contextlib.suppress(OSError, ValueError):
+    try:
         print(text, end=end, file=sys.stderr, flush=True)
+    except (OSError, ValueError):
+        # the stream still holds the line: Python 3.13 writes it at the end, and has 120 for a status if it cannot
+        with contextlib.suppress(OSError, ValueError):
+            if sys.stderr.fileno() == 2:
+                _abandon(2)
 
 
 class _Heedless:
