@@ -101,7 +101,8 @@ def _capture(
             process.kill()
             process.communicate()
         raise
-    return subprocess.CompletedProcess(command, process.returncode, out, err)
+    # Open MPI 5 ends what it says with a zero
+    return subprocess.CompletedProcess(command, process.returncode, out.replace("\0", ""), err.replace("\0", ""))
 
 
 def from_python(function: Any, *law: Any) -> Any:
