@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import traceback
+from contextlib import suppress
+
 
 class FsiError(Exception):
     """An error that is explained to the user in one message, without a traceback.
@@ -48,3 +51,17 @@ def petsc_words(error: BaseException) -> str:
     return (
         f"PETSc error {error.ierr}" + "".join(f" in {r}()" for r in routines[-1:]) + (f": {reason}" if reason else "")
     )
+
+
+def clear_frames(error: BaseException | None) -> None:
+    """Empty the frames of an error, of its cause and of their callers: they hold PETSc's objects, a TS or the array
+    of a Vec, which must not outlive the run: PETSc waits at its end for all ranks to have the same ones.
+    """
+    while error is not None:
+        traceback.clear_frames(error.__traceback__)
+        frame = error.__traceback__.tb_frame if error.__traceback__ else None
+        while frame is not None:
+            with suppress(RuntimeError):  # it is still at work
+                frame.clear()
+            frame = frame.f_back
+        error = error.__cause__ or error.__context__

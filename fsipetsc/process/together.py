@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeVar
 
-from fsipetsc.errors import FsiError
+from fsipetsc.errors import FsiError, clear_frames
 
 if TYPE_CHECKING:
     from mpi4py import MPI
@@ -29,6 +29,7 @@ def together(comm: MPI.Comm, action: Callable[[], Result]) -> Result:
 
 def agree(comm: MPI.Comm, fault: FsiError | None) -> None:
     """Raise the fault of the lowest rank that has one, on all ranks; none may have. Collective."""
+    clear_frames(fault)
     known = comm.allgather(None if fault is None else (type(fault), str(fault)))
     first = next((entry for entry in known if entry is not None), None)
     if first is not None:

@@ -8,15 +8,13 @@ one TSSolve; the grids are laid anew and the next one goes on.
 from __future__ import annotations
 
 import time
-import traceback
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
 
-from fsipetsc.errors import ComputationError
+from fsipetsc.errors import ComputationError, clear_frames
 from fsipetsc.process.together import agree
 from fsipetsc.scheme.burst import LONGEST, MADE, SHORTEST, TIME
 from fsipetsc.scheme.plan import BAD, EXHAUSTED, LOW, MOVED, RATE, SAID_STOP, STOP, TOO_SHORT, shares
@@ -308,10 +306,10 @@ class Integrator:
                 except BaseException as error:
                     # what a step of ours raised: as it is with releases up to 3.18, with later ones wrapped
                     cause = (error.__cause__ if isinstance(error, PETSc.Error) else None) or error
-                    _clear_frames(cause)
+                    clear_frames(cause)
                     raise cause from None
                 finally:
-                    _clear_frames(self._error)  # before the TS is destroyed: petsc4py loses one that somebody else still holds
+                    clear_frames(self._error)  # before the TS is destroyed: petsc4py loses one that somebody else still holds
                     if self._control is not None:
                         self._control.destroy()
                         self._control = None
@@ -325,15 +323,3 @@ class Integrator:
                     self._on_grids()
         finally:
             self.wall_time += time.perf_counter() - begun
-
-
-def _clear_frames(error: BaseException | None) -> None:
-    """Empty the frames of an error, of its cause and of their callers: they hold the TS, which must not outlive the run."""
-    while error is not None:
-        traceback.clear_frames(error.__traceback__)
-        frame = error.__traceback__.tb_frame if error.__traceback__ else None
-        while frame is not None:
-            with suppress(RuntimeError):  # it is still at work
-                frame.clear()
-            frame = frame.f_back
-        error = error.__cause__ or error.__context__
