@@ -279,6 +279,121 @@ sys.exit(cli.main())
 """
 
 
+UNHEARD = """
+import os, signal
+from contextlib import suppress
+from dataclasses import replace
+from fsipetsc.cases import rod
+
+NAME, OPTIONS, DEFAULTS = "unheard", rod.OPTIONS, rod.DEFAULTS
+signalled = 0
+
+
+def signal_to(rank, number=signal.SIGHUP):
+    if os.environ.get("OMPI_COMM_WORLD_RANK", os.environ.get("PMI_RANK", str(rank))) == str(rank):
+        os.kill(os.getpid(), number)
+
+
+def build(opt):
+    SIGNAL
+    problem = rod.build(opt)
+    below, solid, above = problem.layers
+    return replace(problem, layers=(replace(below, initial=initial(below.initial)), solid, above))
+
+
+def initial(function):
+    def fields(X):
+        SECOND
+        return function(X)
+
+    return fields
+"""
+SWALLOWED = "with suppress(BaseException): signal_to({rank})"
+
+
+@pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.mpi)])
+@pytest.mark.parametrize("words", [SWALLOWED, "signal_to({rank})"], ids=["swallowed", "taken for an error of the case file"])
+@pytest.mark.parametrize("place", ["SIGNAL", "SECOND"])
+def test_a_signal_whose_exception_is_not_heard_is(place, words, ranks, tmp_path):
+    """To the last rank, in a user's function; all end in order, before the first step or after it, but there is no other."""
+    rank = ranks - 1 if place == "SIGNAL" else 0  # which has the first layer
+    text = UNHEARD.replace(place, words.format(rank=rank)).replace("SIGNAL", "pass").replace("SECOND", "pass")
+    (tmp_path / "unheard.py").write_text(text)
+    done = mpirun(ranks, "-m", "fsipetsc", "unheard.py", *LONG[1:], "-fsi_quiet", cwd=tmp_path, timeout=60)
+    assert message(done, 129) == "fsipetsc: error: stopped by SIGHUP before the first step"
+    assert "MPI_ABORT" not in done.stderr
+
+
+@pytest.mark.mpi
+def test_an_error_in_the_initial_data_of_one_rank_alone_ends_all(tmp_path):
+    """What the error holds of the rank's arrays is let go: PETSc would wait at its end for ranks with other objects."""
+    text = UNHEARD.replace("SIGNAL", "pass").replace("SECOND", "raise ValueError('no density is known')")
+    (tmp_path / "unheard.py").write_text(text)
+    line = "unheard.py -fsi_h 0.025 -fsi_partition physics -fsi_quiet".split()
+    done = mpirun(2, "-m", "fsipetsc", *line, cwd=tmp_path, timeout=60)
+    assert message(done, 2).endswith("ValueError: no density is known")
+
+
+HOLE = """
+import os, signal, sys
+from contextlib import suppress
+from fsipetsc import cli
+from fsipetsc.stepping.integrator import Integrator
+
+start = Integrator.start
+
+
+def started(self):
+    start(self)
+    with suppress(BaseException):
+        os.kill(os.getpid(), signal.SIGHUP)
+
+
+Integrator.start = started
+sys.exit(cli.main("rod -fsi_h 0.1 -ts_max_time 1000 -fsi_quiet".split()))
+"""
+
+
+@pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.mpi)])
+def test_a_signal_not_heard_just_before_the_time_loop_ends_it_at_its_first_step(ranks, tmp_path):
+    done = mpirun(ranks, "-c", HOLE, cwd=tmp_path, timeout=60)
+    assert "stopped by SIGHUP at t = " in message(done, 129)
+    with fsipetsc.open_run(tmp_path / "rod.h5") as result:
+        assert (result.summary["status"], result.summary["steps"]) == ("stopped", 1)
+
+
+TAKEN = """
+import ctypes, os, signal, sys
+from fsipetsc import cli
+from fsipetsc.stepping import run
+
+start, header = cli.start_mpi, run.versions
+ignore = ctypes.CDLL(None).signal
+ignore.argtypes, ignore.restype = (ctypes.c_int, ctypes.c_void_p), ctypes.c_void_p
+
+
+def taken():
+    world = start()
+    ignore(signal.SIGHUP, int(signal.SIG_IGN))  # Python does not know
+    return world
+
+
+def signalled():
+    os.kill(os.getpid(), signal.SIGHUP)
+    return header()
+
+
+cli.start_mpi, run.versions = taken, signalled
+sys.exit(cli.main("rod -fsi_h 0.1 -ts_max_steps 2 -fsi_quiet".split()))
+"""
+
+
+def test_a_library_that_answers_a_signal_itself_does_not_keep_it(tmp_path):
+    """UCX, below some MPI, wants SIGHUP for itself."""
+    done = run("-c", TAKEN, cwd=tmp_path, timeout=60)
+    assert message(done, 129) == "fsipetsc: error: stopped by SIGHUP before the first step"
+
+
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 @pytest.mark.parametrize("words", ["rod", "stability"])
 def test_a_signal_that_comes_while_mpi_starts_is_named(words, number, tmp_path):

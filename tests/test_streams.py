@@ -59,7 +59,7 @@ def test_status_where_no_error_can_be_said(tmp_path):
 @pytest.mark.parametrize("place", ["2>&-", "2>/dev/full"])
 def test_a_line_that_stderr_does_not_take_is_not_tried_again_at_the_end(place, tmp_path):
     """Python 3.13 ends with 120 then."""
-    words = "from fsipetsc.streams import *; complete_streams(); say_error('lost'); sys.stderr.flush()"
+    words = "from fsipetsc.process.streams import *; complete_streams(); say_error('lost'); sys.stderr.flush()"
     assert shell(f'{sys.executable} -c "{words}" {place}', tmp_path)[0] == 0
 
 

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeVar
 
 from fsipetsc.errors import FsiError, clear_frames
+from fsipetsc.process.interrupts import came
 
 if TYPE_CHECKING:
     from mpi4py import MPI
@@ -16,7 +17,8 @@ Result = TypeVar("Result")
 def together(comm: MPI.Comm, action: Callable[[], Result]) -> Result:
     """What action() returns on this rank. Collective, though the action must not be.
 
-    If it raises an FsiError on any rank, all ranks raise the error of the lowest one.
+    If it raises an FsiError on any rank, all ranks raise the error of the lowest one; so they do, whatever came of it,
+    if there has been a signal.
     """
     fault, result = None, None
     try:
@@ -28,10 +30,11 @@ def together(comm: MPI.Comm, action: Callable[[], Result]) -> Result:
 
 
 def agree(comm: MPI.Comm, fault: FsiError | None) -> None:
-    """Raise the fault of the lowest rank that has one, on all ranks; none may have. Collective."""
+    """Raise the fault of the lowest rank that has one, on all ranks; none may have. A signal is one. Collective."""
     clear_frames(fault)
-    known = comm.allgather(None if fault is None else (type(fault), str(fault)))
+    fault = came() or fault
+    known = comm.allgather(None if fault is None else (type(fault), fault.args))
     first = next((entry for entry in known if entry is not None), None)
     if first is not None:
-        kind, message = first
-        raise kind(message) from fault
+        kind, words = first
+        raise kind(*words) from fault

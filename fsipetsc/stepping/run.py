@@ -17,7 +17,7 @@ import fsipetsc
 from fsipetsc.errors import ComputationError, FileError, FsiError, InputError
 from fsipetsc.output.writer import RunWriter
 from fsipetsc.problem import Problem
-from fsipetsc.process.interrupts import Interrupted, heeded
+from fsipetsc.process.interrupts import Interrupted, heeded, take_over
 from fsipetsc.process.notes import PATIENCE, exchange
 from fsipetsc.scheme.conservation_check import ConservationCheck
 from fsipetsc.scheme.fields import fields
@@ -178,7 +178,8 @@ class _Run:
             self._flush()
         except BaseException as error:
             if isinstance(error, Interrupted) and integrator.steps:
-                error.args = (f"{signal.Signals(error.status - 128).name} came while the result was being written",)
+                number = error.status - 128
+                error.args = number, f"{signal.Signals(number).name} came while the result was being written"
             self._rescue(error, time.perf_counter() - begun)
             raise
         summary = self._summary(time.perf_counter() - begun, failure)
@@ -275,6 +276,7 @@ def _signals(integrator: Integrator):
         integrator.raised = number
 
     earlier = {number: signal.signal(number, note) for number in heeded()}
+    integrator.raised = integrator.raised or take_over()  # one that came before, and was not heard
     try:
         yield
     finally:
