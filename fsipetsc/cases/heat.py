@@ -40,7 +40,7 @@ OPTIONS = (
     Option("solid_kappa", "float", 0.3, "W/(m K)", "heat conductivity of the solid", check="positive"),
     Option("solid_density", "float", 2.0, "kg/m3", "density m0 of the solid at rest", check="positive"),
     Option("solid_alpha", "float", 1.0, "J/(kg K)", "specific heat of the solid", check="positive"),
-    Option("heat_amplitude", "float", 1e-6, "K", "largest disturbance of the temperature; the linear theory needs it small"),
+    Option("heat_amplitude", "float", 1e-7, "K", "largest disturbance of the temperature; the linear theory needs it small"),
 )
 DEFAULTS = {"fsi_h": 0.025, "fsi_order": 4, "ts_max_time": 1.0, "fsi_output_dt": 0.1}
 
@@ -117,9 +117,11 @@ class Mode:
         sizes = np.geomspace(0.5 * slowest, 2 * fastest, 400)
 
         def least(size: float) -> float:
-            return float(np.linalg.svd(self.scaled(-size), compute_uv=False)[-1])
+            matrix = self.scaled(-size)  # not finite where a wave is too short for its layer
+            return float(np.linalg.svd(matrix, compute_uv=False)[-1]) if np.isfinite(matrix).all() else np.inf
 
-        values = np.array([least(size) for size in sizes])
+        with np.errstate(over="ignore", invalid="ignore"):
+            values = np.array([least(size) for size in sizes])
         for i in np.flatnonzero((values[1:-1] < values[:-2]) & (values[1:-1] < values[2:])) + 1:
             found = minimize_scalar(least, bounds=(sizes[i - 1], sizes[i + 1]), method="bounded", options={"xatol": 1e-15})
             if found.fun < 1e-7 * np.median(values):
