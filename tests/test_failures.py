@@ -367,7 +367,7 @@ import ctypes, os, signal, sys
 from fsipetsc import cli
 from fsipetsc.stepping import run
 
-start, header = cli.start_mpi, run.versions
+start, header = cli.start_mpi, run._Run._header
 ignore = ctypes.CDLL(None).signal
 ignore.argtypes, ignore.restype = (ctypes.c_int, ctypes.c_void_p), ctypes.c_void_p
 
@@ -378,12 +378,12 @@ def taken():
     return world
 
 
-def signalled():
+def signalled(self):
     os.kill(os.getpid(), signal.SIGHUP)
-    return header()
+    return header(self)
 
 
-cli.start_mpi, run.versions = taken, signalled
+cli.start_mpi, run._Run._header = taken, signalled
 sys.exit(cli.main("rod -fsi_h 0.1 -ts_max_steps 2 -fsi_quiet".split()))
 """
 
