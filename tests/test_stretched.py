@@ -39,6 +39,8 @@ def box(tmp_path_factory):
         for mapping in ("rigid", "stretched")
         for coupling in ("projection", "energy", "traditional", "conservative")
     }
+    jumping = "-fsi_coupling conservative -fsi_output_dt 1"
+    runs |= {f"mms {q} {h}": ("mms", f"-fsi_order {q} -fsi_h {h} {jumping}") for q in ORDERS for h in (0.025, 0.0125)}
     runs["reference"] = ("box", f"-fsi_order 8 -fsi_h 0.0125 -ts_max_time 2 {BOX}")
     compute(1, folder, runs)
     return lambda name: fsipetsc.open_run(folder / f"{name}.h5")
@@ -87,6 +89,15 @@ def test_positions_are_no_worse_than_those_of_the_paper(box):
         np.abs(box(name).series["x_interface"][-1] - reference).max() for name in ("stretched conservative", "rigid projection")
     )
     assert new < paper
+
+
+@EVERY_ORDER
+def test_a_manufactured_solution_with_jumps(box, order):
+    """Velocity, stress, temperature and heat flux jump at the interfaces, and change in time."""
+    for kind, largest in (("fluid", {2: 5e-4, 4: 3e-5, 6: 5e-7, 8: 3e-7}), ("solid", {2: 4e-4, 4: 1e-4, 6: 1e-6, 8: 1e-6})):
+        coarse, fine = (box(f"mms {order} {h}").errors[kind]["combined"] for h in (0.025, 0.0125))
+        assert fine < largest[order], (kind, fine)
+        assert np.log2(coarse / fine) > {2: 1.8, 4: 2.7, 6: 3.7, 8: 4.2}[order], (kind, coarse, fine)
 
 
 GAS = Fluid(0.0, 0.0, 1.4, 1.0)
