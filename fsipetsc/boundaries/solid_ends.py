@@ -10,8 +10,15 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from fsipetsc.operators.kernels import OPTIONS
+from fsipetsc.operators.kernels import OPTIONS, row_length
 from fsipetsc.physics.layer import GIVEN_FLUX, GIVEN_T
+
+
+@njit(**OPTIONS)
+def wave_impedance(law, layer, T, p, sigma, x_X):
+    """m0 times the speed of elastic waves in a solid of this temperature, pressure, stress and strain."""
+    heat = layer.alpha * layer.m0
+    return np.sqrt(law.pressing.wave_modulus(law.pressing.constants(layer), layer.K, heat, T, p, sigma, x_X) * layer.m0)
 
 
 @njit(**OPTIONS)
@@ -20,7 +27,7 @@ def solid_end(law, layer, op, side, normal, kind, trace_s):
 
     end_data = (u) clamped, (sigma - p) free or absorbing. kind: 0 clamped, 1 free, 2 absorbing.
     """
-    n = op.rows if op.rows > 1 else 2
+    n = row_length(op)
     d = -normal / layer.h
     x_X, rest = 0.0, 0.0
     for j in range(n):
@@ -42,8 +49,7 @@ def solid_end(law, layer, op, side, normal, kind, trace_s):
     elif kind == 1:
         trace_s[0, 1] = given + p
     else:
-        heat = layer.alpha * layer.m0
-        impedance = np.sqrt(law.pressing.wave_modulus(c, layer.K, heat, T, p, given + p, x_X) * layer.m0)
+        impedance = wave_impedance(law, layer, T, p, given + p, x_X)
         outgoing = trace_s[0, 1] - p - given - normal * impedance * trace_s[0, 0]
         trace_s[0, 0] = -normal * 0.5 * outgoing / impedance
         trace_s[0, 1] = given + p + 0.5 * outgoing

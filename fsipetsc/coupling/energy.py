@@ -59,13 +59,12 @@ from fsipetsc.coupling.interface import (
     gas_pressure,
     gas_velocity_and_temperature,
     norm_weight,
-    row_length,
     solid_pressure,
     solid_strain,
     viscosity,
 )
 from fsipetsc.coupling.projection import AGREED, REFINEMENTS
-from fsipetsc.operators.kernels import OPTIONS
+from fsipetsc.operators.kernels import OPTIONS, row_length
 
 
 @njit(**OPTIONS)

@@ -16,7 +16,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from fsipetsc.operators.kernels import OPTIONS
+from fsipetsc.operators.kernels import OPTIONS, row_length
 from fsipetsc.physics.layer import NUMBERS
 
 _I, _F = np.int64, np.float64
@@ -58,15 +58,9 @@ JUMP_U, JUMP_STRESS, JUMP_T, JUMP_FLUX = 0, 1, 2, 3
 def closure_derivative(op, row, column, scale):
     """scale * sum_j beta_j row[j, column]: h times the one-sided derivative at the interface."""
     s = 0.0
-    for j in range(op.rows if op.rows > 1 else 2):
+    for j in range(row_length(op)):
         s += op.closure[0, j] * row[j, column]
     return scale * s
-
-
-@njit(**OPTIONS)
-def row_length(op):
-    """Number of points that the closure row at the interface reaches."""
-    return op.rows if op.rows > 1 else 2
 
 
 @njit(**OPTIONS)

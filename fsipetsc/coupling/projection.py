@@ -24,12 +24,11 @@ from fsipetsc.coupling.interface import (
     gas_pressure,
     gas_velocity_and_temperature,
     norm_weight,
-    row_length,
     solid_pressure,
     solid_strain,
     viscosity,
 )
-from fsipetsc.operators.kernels import OPTIONS
+from fsipetsc.operators.kernels import OPTIONS, row_length
 
 #: the conductivity at the interface has the temperature that it leads to, but for this fraction, or after so many attempts
 AGREED, REFINEMENTS = 1e-15, 20

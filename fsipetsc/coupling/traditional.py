@@ -22,13 +22,12 @@ from fsipetsc.coupling.interface import (
     JUMP_U,
     gas_energy,
     gas_pressure,
-    row_length,
     solid_pressure,
     solid_strain,
     viscosity,
 )
 from fsipetsc.coupling.projection import interface_temperatures
-from fsipetsc.operators.kernels import OPTIONS
+from fsipetsc.operators.kernels import OPTIONS, row_length
 
 
 @njit(**OPTIONS)

@@ -73,6 +73,12 @@ def closure(op, s, at, side, known, r):
 
 
 @njit(**OPTIONS)
+def row_length(op):
+    """Number of points that the closure row at an end reaches."""
+    return op.rows if op.rows > 1 else 2
+
+
+@njit(**OPTIONS)
 def end_of(lo, hi, side, begin, end):
     """(end point, number of values known next to it) of the active range lo..hi, if those at begin .. end-1 are known."""
     return (lo, min(hi + 1, end) - lo) if side == 0 else (hi, hi + 1 - max(lo, begin))

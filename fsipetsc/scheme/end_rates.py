@@ -8,12 +8,12 @@ solid by fsipetsc.coupling.conservative.
 
 from __future__ import annotations
 
-import numpy as np
 from numba import njit
 
 from fsipetsc.boundaries import ABSORBING, FREE, INTERFACE_END, WALL
-from fsipetsc.coupling.interface import JUMP_FLUX, JUMP_STRESS, JUMP_U, row_length
-from fsipetsc.operators.kernels import OPTIONS, ROW, U64
+from fsipetsc.boundaries.solid_ends import wave_impedance
+from fsipetsc.coupling.interface import JUMP_FLUX, JUMP_STRESS, JUMP_U
+from fsipetsc.operators.kernels import OPTIONS, ROW, U64, row_length
 from fsipetsc.parallel.exchange import kinetic_energy_of
 from fsipetsc.physics.layer import GIVEN_FLUX, LOADED, SHARED_HEAT
 
@@ -122,9 +122,9 @@ def solid_end(law, layer, op, s, w, v, f, target, side):
 def impedance(law, layer, op, s, w, given, end, side):
     """m0 c at the end of a solid, c the speed of elastic waves there; see fsipetsc.boundaries.solid_ends."""
     x_X = end_slope(op, s, w + 3 * layer.stride + end, side) / layer.h
-    T, c = s[U64(w + 2 * layer.stride + end)], law.pressing.constants(layer)
-    p = law.pressing.pressure(c, T, x_X)
-    return np.sqrt(law.pressing.wave_modulus(c, layer.K, layer.alpha * layer.m0, T, p, given + p, x_X) * layer.m0)
+    T = s[U64(w + 2 * layer.stride + end)]
+    p = law.pressing.pressure(law.pressing.constants(layer), T, x_X)
+    return wave_impedance(law, layer, T, p, given + p, x_X)
 
 
 @njit(**OPTIONS)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache, partial
 
 import numpy as np
 from mpi4py import MPI
@@ -59,6 +60,8 @@ class State:
         self._path: PetscPath | None = None
         ends = ((0, 0, problem.left), (len(problem.layers) - 1, 1, problem.right))
         self._moving = [(k, side) for k, side, end in ends if "x" in in_time(end)]
+        # in a step each time is asked for twice, and each answer takes several calls of the user's function
+        self._end_motion = lru_cache(maxsize=8)(partial(given.end_motion, problem))
         self._laws = together(comm, lambda: ProblemLaws(problem, entropy, narrow))
         self._place(make_grids(problem, self.op, h, spare, mapping))
 
@@ -111,8 +114,7 @@ class State:
             records[k]["end_data"][side, : len(values)] = values
             records[k]["end_heat"][side] = given.end_heat(problem, side, t)
         for k, side in self._moving:
-            motion = given.end_motion(problem, side, t, self._instant())
-            records[k]["end_x"][side], records[k]["end_v"][side], records[k]["end_a"][side] = motion
+            records[k]["end_x"][side], records[k]["end_v"][side], records[k]["end_a"][side] = self._motion(side, t)
         if problem.jumps is not None:
             for k, face in enumerate(self.plan.faces):
                 face["jump"] = given.jumps(problem, k, t)
@@ -137,10 +139,10 @@ class State:
     def check_data(self) -> None:
         """Ask the user's functions for all data at t = 0. InputError, on all ranks, where they are not what they must be."""
         edges = self.comm.allgather(together(self.comm, self._set_initial))
-        ends = {point: x for found in edges for point, x in found.items()}
         for k, side in self._moving:
-            self.layout.records[k]["end_x"][side] = given.end_motion(self.problem, side, 0.0, self._instant())[0]
-        given.check_ends(self.problem, ends | self._outer_ends(), self.h, self._mapping)
+            self.layout.records[k]["end_x"][side] = self._motion(side, 0.0)[0]
+        ends = {point: x for found in edges for point, x in found.items()} | self._outer_ends()
+        given.check_ends(self.problem, ends, self.h, self._mapping)
         self._stretch(ends)
         self.set_data(0.0)
         agree(self.comm, self.fault)
@@ -184,9 +186,7 @@ class State:
         y = self.solution.getArray()
         for k, record in enumerate(self.layout.records):
             if record["stretched"] and record["present"]:
-                for side, solid in ((0, k - 1), (1, k + 1)):
-                    record["end_x"][side] = ends.get((solid, 1 - side), record["end_x"][side])
-                first, last = record["end_x"]
+                first, last = record["end_x"] = ends[k - 1, 1], ends[k + 1, 0]
                 self.layout.local(k, y)[:] *= (last - first) / ((record["n"] - 1) * record["h"])
 
     @property
@@ -245,14 +245,18 @@ class State:
         try:
             for k, side in self._moving:
                 record = self.layout.records[k]
-                x, (_, before, _) = float(record["end_x"][side]), given.end_motion(self.problem, side, t, self._instant())
-                end, after, _ = given.end_motion(self.problem, side, t + dt, self._instant())
+                x, (_, before, _) = float(record["end_x"][side]), self._motion(side, t)
+                end, after, _ = self._motion(side, t + dt)
                 middle = (6.0 * (end - x) / dt - before - after) / 4.0
                 places = x, x + 0.5 * dt * before, x + 0.5 * dt * middle, x + dt * middle, end
                 found.append((record, side, places, (before, middle, middle, after, after)))
         except InputError:
             return []  # set_data will say it
         return found
+
+    def _motion(self, side: int, t: float) -> tuple[float, float, float]:
+        """(x, velocity, acceleration) of a wall that moves: see given.end_motion. InputError."""
+        return self._end_motion(side, t, self._instant())
 
     def _instant(self) -> float:
         """A time [s] in which little happens, for differences in time: a fraction of a step, before there is one of h/1000."""
