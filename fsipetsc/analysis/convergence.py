@@ -86,7 +86,7 @@ def study(case: Any, opt: Mapping[str, Any], given: Container[str], comm: MPI.Co
     )
     notes = _check(case, opt, comm, table)
     say = (lambda text: None) if opt["fsi_quiet"] else (lambda text: _say(comm, text))
-    say(f"{case.NAME} to {table.time} on {counted(comm.size, 'rank')}: L2 errors and observed orders")
+    say(f"{case.NAME} to {table.time} on {counted(comm.size, 'rank')}: {table.norm} errors and observed orders")
     for note in notes:
         say(note)
     reached = _run_all(case, opt, comm, table, say)

@@ -19,7 +19,7 @@ from fsipetsc.errors import FileError
 from fsipetsc.operators.sbp import operator
 
 FORMAT, VERSION = "fsipetsc convergence study", 1
-#: what is compared in each kind of layer; the last is the root of the sum of the squares
+#: what is compared in each kind of layer; the last is all of them together
 NAMES = {"fluid": ("rho", "u", "T", "combined"), "solid": ("u", "sigma", "T", "x", "combined")}
 _COST = ("points", "steps", "evaluations", "wall_time")
 
@@ -65,6 +65,11 @@ class ConvergenceStudy:
         with np.errstate(divide="ignore", invalid="ignore"):
             rates[:, 1:] = np.log(e[:, :-1] / e[:, 1:]) / np.log(h[:-1] / h[1:])
         return rates
+
+    @property
+    def norm(self) -> str:
+        """That of the errors."""
+        return self.options.get("fsi_norm", "L2")
 
     @property
     def time(self) -> str:

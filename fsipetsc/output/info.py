@@ -21,7 +21,8 @@ def info(path: str | os.PathLike[str]) -> str:
             [("summary", ""), *_entries(run.summary)],
         ]
         if run.errors:
-            parts.append([("L2 errors", ""), *((f"  {kind}", _inline(values)) for kind, values in run.errors.items())])
+            norm = run.options.get("fsi_norm", "L2")  # results of earlier versions have none
+            parts.append([(f"{norm} errors", ""), *((f"  {kind}", _inline(values)) for kind, values in run.errors.items())])
     return "\n\n".join(_table(part) for part in parts)
 
 

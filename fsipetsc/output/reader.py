@@ -30,7 +30,7 @@ class Run:
     case, options       name of the case; dict of every option in force
     header              what was known at the start: versions, ranks, created, …
     summary             steps, rhs_evaluations, points, ranks, wall_time (s), versions …; unfinished: the header's
-    errors              layer kind -> name -> L2 error at the end; empty where no exact solution is known
+    errors              layer kind -> name -> error at the end, L2 or as -fsi_norm says; empty where no exact solution is known
     complete            whether the run came to its end; if not, summary["status"] may say why
     time, nframes       (nframes,) times of the saved frames
     layers              tuple of :class:`Layer`, from left to right

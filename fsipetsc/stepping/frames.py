@@ -27,9 +27,10 @@ def active_points(state: State) -> int:
     return sum(int(r["hi"] - r["lo"]) + 1 for r in state.layout.records)
 
 
-def errors(state: State, t: float) -> dict[str, dict[str, float]] | None:
-    """L2 errors at time t [s]: kind of layer -> name -> sqrt(h sum (difference)^2), and "combined" over the unknowns.
+def errors(state: State, t: float, norm: str = "L2") -> dict[str, dict[str, float]] | None:
+    """Errors at time t [s]: kind of layer -> name -> (h sum |difference|^p)^(1/p), and "combined" over the unknowns.
 
+    norm: "L1" or "L2", p = 1 or 2.
     Of the kinds that there are, over the active points without ghosts, all layers of a kind together. None without an exact
     solution. Collective; InputError if the exact solution cannot be had.
     """
@@ -39,6 +40,7 @@ def errors(state: State, t: float) -> dict[str, dict[str, float]] | None:
     compared = {"fluid": ("rho", "u", "T"), "solid": ("u", "sigma", "T", "x")}
     compared = {kind: names for kind, names in compared.items() if kind in kinds}
     known = together(state.comm, lambda: _exact(state, t))
+    power = {"L1": 1, "L2": 2}[norm]
     sums = {kind: np.zeros(len(names)) for kind, names in compared.items()}
     for k, (layer, q) in enumerate(zip(state.problem.layers, layer_fields(state), strict=True)):
         record = state.layout.records[k]
@@ -51,12 +53,12 @@ def errors(state: State, t: float) -> dict[str, dict[str, float]] | None:
             if isinstance(layer, FluidLayer) and record["end_kind"][side] >= 0 and not record["stretched"]:
                 counted &= index != ghost
         for c in range(len(compared[layer.kind])):
-            sums[layer.kind][c] += record["h"] * np.sum((q[counted, c] - exact[c][counted]) ** 2)
+            sums[layer.kind][c] += record["h"] * np.sum(np.abs(q[counted, c] - exact[c][counted]) ** power)
     result = {}
     for kind, names in compared.items():
-        squares = state.comm.allreduce(sums[kind])
-        result[kind] = {name: float(v) for name, v in zip(names, np.sqrt(squares), strict=True)}
-        result[kind]["combined"] = float(np.sqrt(squares.sum()))
+        powers = state.comm.allreduce(sums[kind])
+        result[kind] = {name: float(v) for name, v in zip(names, powers ** (1 / power), strict=True)}
+        result[kind]["combined"] = float(powers.sum() ** (1 / power))
     return result
 
 

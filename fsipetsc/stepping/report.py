@@ -92,7 +92,7 @@ class Reporter:
         self.line(_phases(summary["phases"]))
         for kind, values in (errors or {}).items():
             listed = ", ".join(f"{name} {value:.3e}" for name, value in values.items())
-            self.line(f"L2 errors in the {kind}: {listed}")
+            self.line(f"{self._opt['fsi_norm']} errors in the {kind}: {listed}")
         self.line(f"result in {path}")
 
 

@@ -172,7 +172,7 @@ class _Run:
                 integrator.run()
             self._last_frame()
             self._flush()  # so that the summary knows what it took
-            found = errors(self.state, integrator.t)
+            found = errors(self.state, integrator.t, self.opt["fsi_norm"])
         except (ComputationError, InputError) as error:
             failure, self.checks = error, False
             self._flush()

@@ -26,7 +26,7 @@ class Outcome:
     """What is left of a run: cost and errors.
 
     t: time reached [s]. points: active ones at the end. wall_time: of the time loop [s]. errors: kind of layer -> name ->
-    L2 error, as fsipetsc.stepping.frames.errors gives them; None without an exact solution.
+    error in the norm in force, as fsipetsc.stepping.frames.errors gives them; None without an exact solution.
     """
 
     t: float
@@ -88,5 +88,5 @@ def solve(
             integrator.evaluations,
             active_points(state),
             integrator.wall_time,
-            errors(state, integrator.t),
+            errors(state, integrator.t, opt["fsi_norm"]),
         )

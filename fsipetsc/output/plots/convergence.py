@@ -61,7 +61,7 @@ def draw_errors(figure: Figure, study: ConvergenceStudy) -> None:
         axes.set_xticks(study.hs, [f"{h:.4g}" for h in study.hs], fontsize=8)
         axes.minorticks_off()
         axes.legend(loc="lower right")
-    figure.axes[0].set_ylabel("error in L2, all unknowns")
+    figure.axes[0].set_ylabel(f"error in {study.norm}, all unknowns")
 
 
 def draw_cost(figure: Figure, study: ConvergenceStudy) -> None:
@@ -79,7 +79,7 @@ def draw_cost(figure: Figure, study: ConvergenceStudy) -> None:
     axes.xaxis.set_major_formatter(LogFormatterSciNotation())
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.set_xlabel(f"wall time on {study.ranks} rank{'s' * (study.ranks > 1)}  [s]")
-    axes.set_ylabel("error in L2, the larger of fluid and solid")
+    axes.set_ylabel(f"error in {study.norm}, the larger of fluid and solid")
     axes.legend(loc="lower left")
 
 

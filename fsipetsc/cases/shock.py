@@ -1,0 +1,131 @@
+"""Shocks in a gas and in the elastic rod before it, with exact solutions.
+
+sod: the left half of Sod's shock tube, with a rod under the low pressure in the place of the right half; at t = 0 nothing holds
+them apart any more. A fan goes into the gas, a shock into the rod.
+
+strong: a piston drives a shock of Mach number `shock_mach` through the gas. It hits the light rod: a shock goes back into the
+gas and one on into the rod. At t = 0 the shock is at x = 0.7, the piston at x = 0 and as fast as the gas behind the shock.
+
+The wall or piston is on the left, the rod is clamped at its right end. The exact solution (fsipetsc.cases.riemann) is that
+without viscosity and conduction, until a wave comes to one of these ends. Errors are in L1, in which a shock has order 1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from fsipetsc.boundaries import Wall, clamped
+from fsipetsc.cases.riemann import GasState, Riemann, SolidState, behind_shock
+from fsipetsc.errors import InputError
+from fsipetsc.options import Option
+from fsipetsc.physics.fluid import Fluid
+from fsipetsc.physics.solid import Solid
+from fsipetsc.problem import FluidLayer, Problem, SolidLayer
+
+NAME = "shock"
+SUMMARY = "a shock tube with an elastic rod, or a shock that hits one: errors against the exact solution"
+
+OPTIONS = (
+    Option("shock_problem", "str", "sod", "", "which problem", choices=("sod", "strong")),
+    Option(
+        *("shock_mach", "float", 3.0, "", "strong: Mach number of the shock in the gas"),
+        check=lambda mach: None if mach > 1 else "a number above 1",
+    ),
+    Option("fluid_mu", "float", 0.0, "Pa s", "viscosity of the gas; the exact solution has none", check="nonnegative"),
+    Option("fluid_kappa", "float", 0.0, "W/(m K)", "conductivity of the gas; the exact solution has none", check="nonnegative"),
+    Option("solid_modulus", "float", 4.0, "Pa", "2 mu_e + lambda_e of the rod", check="positive"),
+    Option("solid_density", "float", 0.5, "kg/m3", "density m0 of the rod at rest", check="positive"),
+    Option("solid_alpha", "float", 1.0, "J/(kg K)", "specific heat of the rod", check="positive"),
+    Option("solid_gruneisen", "float", 0.0, "", "pressure of the rod p = G rho epsilon; 0: elastic", check="nonnegative"),
+)
+DEFAULTS = {"fsi_h": 0.005, "fsi_order": 4, "ts_max_time": 0.3, "fsi_output_dt": 0.01, "fsi_norm": "L1"}
+
+GAMMA, R = 1.4, 1.0
+#: the gas of high and of low pressure in Sod's tube; the rod is as warm as the former and under the latter's pressure
+HIGH, LOW, T_ROD = GasState(1.0, 0.0, 1.0), GasState(0.125, 0.0, 0.1), 1.0
+#: the wall, the interface, the end of the rod
+X = (0.0, 1.0, 2.0)
+#: where the strong shock starts
+X_SHOCK = 0.7
+
+
+@dataclass(frozen=True)
+class Solution:
+    """Exact solution of gas behind a piston and a rod at rest, in the gas a shock perhaps that has not hit it yet.
+
+    ahead: the gas before the rod; mach: of the shock, None if there is none. InputError as of Riemann.
+    """
+
+    gas: Fluid
+    solid: Solid
+    ahead: GasState
+    mach: float | None = None
+
+    @cached_property
+    def shock(self) -> tuple[GasState, float]:
+        """The gas behind the shock, and how fast it is; as if it had gone through, where there is none."""
+        return (self.ahead, np.inf) if self.mach is None else behind_shock(self.gas, self.ahead, self.mach)
+
+    @property
+    def hit(self) -> float:
+        """When the gas behind the shock meets the rod."""
+        return (X[1] - X_SHOCK) / self.shock[1]
+
+    @cached_property
+    def riemann(self) -> Riemann:
+        """What begins then."""
+        stress = self.solid.pressure(T_ROD, 1.0) - LOW.p
+        return Riemann(self.gas, self.solid, self.shock[0], SolidState(0.0, stress, T_ROD, 1.0))
+
+    @property
+    def valid(self) -> float:
+        """The time when a wave comes to the end of the rod or the piston, and the solution ends."""
+        riemann, piston = self.riemann, self.shock[0].u
+        front = riemann.gas_wave.speeds(riemann.p)[0]
+        gap = X[1] - X[0] - piston * self.hit
+        return self.hit + min((X[2] - X[1]) / riemann.solid_wave.speeds(riemann.F)[0], gap / (piston - front))
+
+    def in_gas(self, X_g: np.ndarray, t: float) -> list[np.ndarray]:
+        """(rho, u, T) at the points of the grid, which goes from the piston to the rod."""
+        behind, speed = self.shock
+        piston = X[0] + behind.u * t
+        interface = X[1] + self.riemann.u * max(t - self.hit, 0.0)
+        x = piston + (X_g - X[0]) / (X[1] - X[0]) * (interface - piston)
+        if t < self.hit:
+            state = GasState(*(np.where(x < X_SHOCK + speed * t, a, b) for a, b in zip(behind, self.ahead, strict=True)))
+        else:
+            state = self.riemann.in_gas(x - X[1], t - self.hit)
+        return [state.rho, state.u, state.p / (self.gas.R * state.rho)]
+
+    def in_solid(self, X_s: np.ndarray, t: float) -> list[np.ndarray]:
+        """(u, sigma, T, x) at the material points."""
+        state, place = self.riemann.in_solid(X_s - X[1], t - self.hit)
+        return [state.u, state.sigma, state.T, X[1] + place]
+
+
+def build(opt: Mapping[str, Any]) -> Problem:
+    """The gas between X = 0 and 1, the rod between 1 and 2."""
+    gas = Fluid(opt["fluid_mu"], opt["fluid_kappa"], GAMMA, R)
+    solid = Solid(opt["solid_modulus"], 0.0, opt["solid_density"], opt["solid_alpha"], gruneisen=opt["solid_gruneisen"])
+    strong = opt["shock_problem"] == "strong"
+    solution = Solution(gas, solid, LOW, opt["shock_mach"]) if strong else Solution(gas, solid, HIGH)
+    try:
+        riemann, speed = solution.riemann, solution.shock[0].u
+        note = f"interface: p = {riemann.p:.10g}, u = {riemann.u:.10g}, x_X = {riemann.F:.10g} from t = {solution.hit:.6g} on"
+    except InputError as error:
+        raise InputError(f"no exact solution: {error}") from None
+    return Problem(
+        layers=(
+            FluidLayer("gas", gas, X[:2], lambda x: solution.in_gas(x, 0.0), exact=solution.in_gas, mapping="stretched"),
+            SolidLayer("rod", solid, X[1:], lambda x: solution.in_solid(x, 0.0), exact=solution.in_solid),
+        ),
+        left=Wall(lambda t: X[0] + speed * t, velocity=lambda t: speed) if strong else Wall(X[0]),
+        right=clamped(),
+        notes=(note, f"the exact solution is that without viscosity and conduction, and holds until t = {solution.valid:.6g}"),
+        units="none",
+    )
