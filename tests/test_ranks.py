@@ -15,6 +15,7 @@ pytestmark = pytest.mark.mpi
 SUTHERLAND = str(REPOSITORY / "runs" / "sutherland.py")
 LAYERS = str(REPOSITORY / "tests" / "layers.py")
 PISTON = str(REPOSITORY / "runs" / "piston.py")
+WALLS = str(REPOSITORY / "tests" / "walls.py")
 _ROD = "-fsi_h 0.025 -ts_max_time 0.08 -fsi_output_dt 0.02"  # the interfaces move by more than a cell
 #: as long as it takes the rod to fall by cells, so that boundary points appear
 _FINE = "-fsi_h 0.0125 -ts_max_time 0.08 -fsi_partition balanced"
@@ -27,6 +28,8 @@ _STRETCHED = (
     "-fsi_h 0.025 -fsi_mapping stretched -fsi_coupling conservative -pulse_amplitude 1000 -fluid_mu 0.5 -fluid_kappa 0.7 "
     "-ts_max_time 0.003 -fsi_output_dt 0.001 -fsi_partition balanced"
 )
+_LAYERS = "-fsi_h 0.025 -layers_gruneisen 0.2 -ts_max_time 0.08 -fsi_output_dt 0.02 -fsi_partition balanced"
+_WALLS = "-fsi_h 0.02 -fsi_order 6 -ts_max_time 0.1 -fsi_partition balanced"
 RUNS = {
     "rod": ("rod", _ROD),
     "rod physics": ("rod", f"{_ROD} -fsi_partition physics"),
@@ -81,6 +84,17 @@ RUNS = {
     "piston": (PISTON, "-ts_max_time 0.048"),
     "piston spare 0": (PISTON, "-ts_max_time 0.048 -fsi_spare 0"),
     "piston out": (PISTON, "-ts_max_time 0.02 -piston_speed -20 -fsi_spare 3"),
+}
+#: each coupling on either grid, by another order of the operators, walls and ends that are driven, and many layers
+EVERY = {
+    f"{mapping} {coupling}": (LAYERS, f"-fsi_mapping {mapping} -fsi_coupling {coupling} -fsi_order {order} {_LAYERS}")
+    for mapping, orders in (("rigid", (2, 4, 6, 8)), ("stretched", (8, 6, 4, 2)))
+    for coupling, order in zip(("projection", "energy", "traditional", "conservative"), orders)
+}
+EVERY |= {f"walls {state}": (WALLS, f"-walls_state {state} {_WALLS}") for state in ("left", "right")}
+EVERY |= {
+    f"nine layers {kind}": (LAYERS, f"-layers sgsgsgsgs -layers_gruneisen 0.2 -ts_max_time 0.3 {kind}")
+    for kind in ("", "-fsi_partition balanced")
 }
 #: differ in where things are computed and stored, not in what
 SAME = {
@@ -159,14 +173,19 @@ def test_as_on_one_rank(results, name, n):
     assert_same(results(1, name), results(n, name))
 
 
-@pytest.mark.parametrize("name", ["layers", "layers balanced", "layers moving"])
-def test_nine_layers_on_five_ranks(tmp_path, name):
-    case, options = RUNS[name]
-    line = options if "moving" in name else f"{options} -layers sgsgsgsgs"
-    one, five = (
-        fsipetsc.open_run(compute(n, tmp_path / f"{n}", {"run": (case, line)})["run"]) for n in (1, 5)
-    )
-    assert_same(one, five)
+@pytest.fixture(scope="module")
+def every(tmp_path_factory):
+    """(ranks, name) -> result, of EVERY."""
+    folder = tmp_path_factory.mktemp("every")
+    files = {n: compute(n, folder / f"{n}", EVERY) for n in (1, 2, 3, 5)}
+    return {(n, name): fsipetsc.open_run(path) for n, found in files.items() for name, path in found.items()}
+
+
+@pytest.mark.parametrize("n", [2, 3, 5])
+@pytest.mark.parametrize("name", EVERY)
+def test_every_coupling_on_either_grid(every, name, n):
+    assert every[n, name].summary["ranks"] == n
+    assert_same(every[1, name], every[n, name])
 
 
 @pytest.mark.parametrize("n", [1, 4])

@@ -76,15 +76,16 @@ def fluid_extremes_and_sums(law, layer, s, w, at, begin, end):
     speed, light, cold, hot = spread(-np.inf), spread(np.inf), spread(np.inf), spread(-np.inf)
     mass, momentum, energy = spread(0.0), spread(0.0), spread(0.0)
     for i in range(begin, end, LANES):
-        n, rho, m, E = end - i, load(s, w + i), load(s, q + i), load(s, e + i)
+        n, number, rho, m, E = end - i, numbers_from(i), load(s, w + i), load(s, q + i), load(s, e + i)
         mass, momentum, energy = mass + masked(rho, n, 0.0), momentum + masked(m, n, 0.0), energy + masked(E, n, 0.0)
-        if n < LANES:
+        if n < LANES:  # what is beyond the end has no say: the first of these points stands for it
             rho, m, E = masked(rho, n, lane(rho, 0)), masked(m, n, lane(m, 0)), masked(E, n, lane(E, 0))
+            number = masked(number, n, lane(number, 0))
         r = 1.0 / rho
         v = m * r
         internal = E * r - 0.5 * v * v
         rho = rho * per_J
-        relative = v - fma(layer.spread, numbers_from(i), layer.s)
+        relative = v - fma(layer.spread, number, layer.s)
         speed = maximum(speed, magnitude(relative) + root(law.gas.sound_speed_squared_of_energy(gas, rho, internal)))
         T = law.gas.temperature_in_loops(gas, rho, internal)
         light, cold, hot = minimum(light, rho), minimum(cold, T), maximum(hot, T)
