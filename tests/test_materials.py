@@ -303,6 +303,8 @@ LEAST_RATE = {2: 1.9, 4: 2.6, 6: 4.2, 8: 4.4}
 SPACINGS, COARSE = (0.025, 0.0125), (0.05, 0.025)
 #: grid and coupling of the paper, where they can be
 PAPERS = "-fsi_mapping rigid -fsi_coupling energy"
+#: runs on several ranks
+SHARED = ("mms_4_0.025", "column_4_0.025", "papers_4_0.025")
 
 
 @pytest.fixture(scope="module")
@@ -318,8 +320,9 @@ def runs(tmp_path_factory):
         listed[f"papers_4_{h}"] = (str(CASE), f"-fsi_h {h} -materials_state column {PAPERS}")
     listed |= {f"fall_{c}": (str(CASE), f"-fsi_h 0.05 -fsi_cfl {c} -materials_state fall") for c in (0.4, 0.2)}
     found = compute(1, folder / "one", listed)
-    two = {name: listed[name] for name in ("mms_4_0.025", "column_4_0.025", "papers_4_0.025")}
-    found |= {f"{name}_two": path for name, path in compute(2, folder / "two", two).items()}
+    for n in (2, 3, 5):
+        shared = {f"{name}_{n}": (listed[name][0], f"{listed[name][1]} -fsi_partition balanced") for name in SHARED}
+        found |= compute(n, folder / f"{n}", shared)
     return {name: fsipetsc.open_run(path) for name, path in found.items()}
 
 
@@ -361,9 +364,10 @@ def test_all_fall_alike(runs):
     assert np.all(runs["fall_0.2"].layers[2]["u"][-1] < -0.6)
 
 
-@pytest.mark.parametrize("name", ["mms_4_0.025", "column_4_0.025", "papers_4_0.025"])
-def test_ranks_change_no_bit(runs, name):
-    one, two = runs[name], runs[f"{name}_two"]
-    for a, b in zip(one.layers, two.layers, strict=True):
+@pytest.mark.parametrize("n", [2, 3, 5])
+@pytest.mark.parametrize("name", SHARED)
+def test_ranks_change_no_bit(runs, name, n):
+    one, more = runs[name], runs[f"{name}_{n}"]
+    for a, b in zip(one.layers, more.layers, strict=True):
         for field in ("rho", "u", "T", "p") if "rho" in a.fields else ("u", "sigma", "T", "x", "p"):
             assert np.array_equal(a[field], b[field], equal_nan=True), field
