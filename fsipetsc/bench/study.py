@@ -215,7 +215,7 @@ class Bench:
             if latency:
                 facts["message latency"] = latency
                 self.say(f"a message of a reduction by MPI: {latency:.2f} µs")
-        self.say("start of the program: six short runs and one that compiles the kernels, for about 40 s")
+        self.say("start of the program: six short runs and one that compiles the kernels, for about 25 s")
         for name, cost in (self.alone(lambda: start_costs(3)) or {}).items():
             facts[f"start {name} wall"], facts[f"start {name} cpu"] = cost.wall, cost.cpu
             self.say(f"{name}: {cost.wall:.2f} s, of which {cost.cpu:.2f} s of the processor")

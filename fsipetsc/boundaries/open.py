@@ -114,7 +114,7 @@ def note_gradient(law, layer, side, normal, nodes):
     gas, c = law.gas, law.gas.constants(layer)
     u, T, T1 = nodes[1, 0], nodes[2, 0], nodes[2, 1]
     a = normal * u
-    layer.end_gradient[side] = u, T
+    layer.end_gradient[side, 0], layer.end_gradient[side, 1] = u, T
     if layer.mu > 0.0 and (a < 0.0 or a * a >= gas.sound_speed_squared(c, nodes[0, 1], T1)):
         layer.end_gradient[side, 0] = 2.0 * nodes[1, 1] - nodes[1, 2]
     if layer.kappa > 0.0:

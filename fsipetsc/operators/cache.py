@@ -112,7 +112,7 @@ def compiling(function: Callable[..., object], announce: Callable[[str], None]) 
         yield
         return
     once = "for the laws of this case" if own else "after installation"
-    announce(f"compiling the kernels, once {once}: about 40 s on a quiet machine")
+    announce(f"compiling the kernels, once {once}: about 25 s on a quiet machine")
     more = threading.Timer(_LONG, announce, ("still compiling the kernels: other programs slow it down",))
     more.daemon = True
     more.start()

@@ -15,6 +15,8 @@ from numba.core.imputils import lower_constant, lower_getattr_generic
 from numba.core.typing.templates import AttributeTemplate, infer_getattr
 from numba.extending import models, overload, register_model, typeof_impl
 
+from fsipetsc.operators.parts import PART
+
 
 class Formulas:
     """Compiled functions, numbers, tuples and other formulas, by name."""
@@ -61,7 +63,7 @@ def _member(context, builder, kind, value, name):
     return context.get_constant_generic(builder, of_kind, member)
 
 
-_UNROLLED = {"forceinline": True, "error_model": "numpy"}  # whatever the size: vectors stay in registers
+_UNROLLED = {**PART, "forceinline": True, "error_model": "numpy"}  # whatever the size: vectors stay in registers
 
 
 def in_python(function: Any) -> Any:

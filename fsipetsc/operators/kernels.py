@@ -15,6 +15,7 @@ import numpy as np
 from numba import njit
 
 from fsipetsc.operators.cache import use_cache_folder
+from fsipetsc.operators.parts import PART
 from fsipetsc.operators.vectors import LANES, centred_difference, fma, lane, load, mirrored, spread
 
 #: Points that a kernel treats at once: its scratch rows stay in the first-level cache.
@@ -32,11 +33,9 @@ U64 = np.uint64
 #: ``fma`` says so explicitly.
 ENTRY = {"cache": _KEPT, "error_model": "numpy", "nogil": True}
 #: Of functions that only compiled code calls: not kept on disk for themselves, and nothing made to call them from Python.
-OPTIONS = {"error_model": "numpy", "nogil": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+OPTIONS = {**PART, "error_model": "numpy", "nogil": True}
 #: Of formulas at a point: always part of their caller, so that vectors stay in registers.
 FORMULA = {**OPTIONS, "forceinline": True}
-#: Of the large ones among these that are called at one place: as part of their caller they are optimised once less.
-INLINE = {**OPTIONS, "inline": "always"}
 
 
 @njit(**OPTIONS)

@@ -129,7 +129,7 @@ def prescribe(layer, s, v, begin, end):
     for side in range(2):
         ghost = layer.lo if side == 0 else layer.hi
         if layer.end_apart[side] != 0 and begin <= ghost < end:
-            s[U64(v[0] + ghost)], s[U64(v[1] + ghost)] = layer.end_gradient[side]
+            s[U64(v[0] + ghost)], s[U64(v[1] + ghost)] = layer.end_gradient[side, 0], layer.end_gradient[side, 1]
 
 
 @njit(**FORMULA)

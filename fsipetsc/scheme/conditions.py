@@ -11,7 +11,7 @@ from numba import njit
 
 from fsipetsc.boundaries import INTERFACE_END
 from fsipetsc.operators.formulas import with_chosen
-from fsipetsc.operators.kernels import INLINE, OPTIONS, U64
+from fsipetsc.operators.kernels import OPTIONS, U64
 from fsipetsc.parallel.exchange import TRACE, exchange, unpack
 from fsipetsc.parallel.pointers import rows_at
 from fsipetsc.scheme.laws import LAWS, PAIRS, of_interface, of_layer
@@ -64,7 +64,7 @@ def move_points(layers):
             layer.s, layer.spread = layer.end_v[0], (layer.end_v[1] - layer.end_v[0]) / (layer.n - 1)
 
 
-@njit(**INLINE)
+@njit(**OPTIONS)
 def apply_conditions(head, layers, faces, memory, area):
     """Fill halos, ghost points and ends of a work area and project its interfaces; sets the frames."""
     exchange(head, layers, faces, memory, area)

@@ -9,7 +9,7 @@ from numba import njit
 
 from fsipetsc.coupling import scale
 from fsipetsc.operators.formulas import with_chosen
-from fsipetsc.operators.kernels import INLINE, OPTIONS, U64
+from fsipetsc.operators.kernels import OPTIONS, U64
 from fsipetsc.parallel.exchange import TRACE, store_state, work_point
 from fsipetsc.parallel.pointers import rows_at
 from fsipetsc.scheme.extremes_and_sums import SIZE, begin_extremes_and_sums
@@ -52,7 +52,7 @@ def move_boundary(head, layer, memory, side):
     return moved, False
 
 
-@njit(**INLINE)
+@njit(**OPTIONS)
 def finish_step(head, layers, faces, memory):
     """Finish a step whose result fulfils the conditions, in work area 0: boundaries move, limits and integrals are taken.
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from numba import njit
 
 from fsipetsc.operators.formulas import with_chosen
-from fsipetsc.operators.kernels import INLINE, OPTIONS, U64
+from fsipetsc.operators.kernels import OPTIONS, U64
 from fsipetsc.parallel.exchange import work_point
 from fsipetsc.physics.layer import FLUID
 from fsipetsc.scheme.end_forces_and_entropy import norm_sum, strip_integral
@@ -19,7 +19,7 @@ from fsipetsc.scheme.layer_ends import boundary_distance, embedded
 from fsipetsc.scheme.plan import ENERGY, ENTROPY, FORCE, HEATING, IMPULSE, MOMENTUM, WORK
 
 
-@njit(**INLINE)
+@njit(**OPTIONS)
 def integrals(head, layers, memory):
     """This rank's shares: the gas in each fluid layer [kg/m2], and behind these at ENERGY .. HEATING
 

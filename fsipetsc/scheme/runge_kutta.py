@@ -15,7 +15,8 @@ that stay in cache while all four stages pass over them, each a stencil's reach 
     stage 0  E E E E E|M . . .|. .
 
 What can be asked for are the functions of a plan at the end of this file. Behind them is one compiled entry, ``run_task``,
-because every entry would compile all that it calls anew; for the same reason each large function has one place there.
+because all that an entry calls would be compiled for every entry anew; for the same reason each large function has one
+place there.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from typing import NamedTuple
 from numba import njit
 
 from fsipetsc.operators.formulas import with_chosen
-from fsipetsc.operators.kernels import ENTRY, INLINE, OPTIONS, U64
+from fsipetsc.operators.kernels import ENTRY, OPTIONS, U64
 from fsipetsc.parallel.exchange import exchange, load_state, work_point
 from fsipetsc.scheme.burst import DT, goes_on
 from fsipetsc.scheme.conditions import apply_conditions, note_gradients
@@ -95,7 +96,7 @@ def find_middles(head, layers, wanted):
             layer.middle[0] = layer.middle[1] = a
 
 
-@njit(**INLINE)
+@njit(**OPTIONS)
 def ends(head, layers, memory, stage, number):
     """One stage of all layers, but for what the tiles do of it."""
     given = 2 * head.op.p * (STAGES - 1 - number)
@@ -113,10 +114,11 @@ def ends(head, layers, memory, stage, number):
 @njit(**OPTIONS)
 def set_frame(layer, number):
     """Let the grid of a layer be what it was in stage ``number``."""
-    layer.s, layer.spread, layer.J = layer.stage_frame[number]
+    layer.s, layer.spread = layer.stage_frame[number, 0], layer.stage_frame[number, 1]
+    layer.J = layer.stage_frame[number, 2]
 
 
-@njit(**INLINE)
+@njit(**OPTIONS)
 def tiles(head, layers, memory, dt):
     """All stages of the middles, and the look at the new solution there."""
     reach = 2 * head.op.p
@@ -145,14 +147,14 @@ def begin_stage(head, layers, faces, memory, number, conditions):
         layer.stage_frame[number, 2] = layer.J
 
 
-@njit(**INLINE)
+@njit(**OPTIONS)
 def stage_at_ends(head, layers, faces, memory, number, conditions, dt):
     """A stage up to the values of the next one, but for what the tiles do of it: all of it where there are none."""
     begin_stage(head, layers, faces, memory, number, conditions)
     ends(head, layers, memory, stage_of(number, dt), number)
 
 
-@njit(**INLINE)
+@njit(**OPTIONS)
 def tiles_and_completion(head, layers, faces, memory, dt):
     """The stages of the middles, if there are any, and what follows on a step."""
     begin_stage(head, layers, faces, memory, STAGES, True)

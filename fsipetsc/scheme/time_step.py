@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit
 
 from fsipetsc.operators.formulas import with_chosen
-from fsipetsc.operators.kernels import INLINE, OPTIONS, U64
+from fsipetsc.operators.kernels import OPTIONS, U64
 from fsipetsc.scheme.extremes_and_sums import SIZE
 from fsipetsc.scheme.laws import LAWS, of_layer
 from fsipetsc.scheme.plan import BAD, RATE, SAID_STOP, STOP
@@ -33,7 +33,7 @@ def next_step(t, target, bound):
     return step, t + step
 
 
-@njit(**INLINE)
+@njit(**OPTIONS)
 def bound_step(head, layers, memory):
     """Bounds on the time step: RATE = 1/dt at Courant number 1, BAD > 0 where the state is unphysical anywhere.
 
