@@ -57,11 +57,11 @@ COMMANDS = {
         options="fsipetsc.analysis.convergence:sections",
     ),
     "stability": Command(
-        "[-sweep] [-option value ...]",
+        "[CASE] [-sweep] [-option value ...]",
         "the linear theory, checked: spectra, energy growth, time-step limits",
         "fsipetsc.analysis.stability:stability",
         parallel=True,
-        options="fsipetsc.analysis.stability_options:SECTIONS",
+        options="fsipetsc.analysis.stability_options:sections",
         prints=True,
     ),
     "bench": Command(

@@ -13,8 +13,9 @@ pytest.importorskip("scipy")
 
 from helpers import from_python, mpirun, run
 
-from fsipetsc.analysis.stability_linear import CENTRAL, Constant, assemble, interface_jacobian, rates
+from fsipetsc.analysis.stability_linear import CENTRAL, assemble, interface_jacobian, rates
 from fsipetsc.analysis.stability_measures import few_eigenvalues, measure, range_basis, step_limit
+from fsipetsc.analysis.stability_state import Constant
 from fsipetsc.operators import OPERATORS, packed
 from fsipetsc.operators.kernels import scratch_size
 from fsipetsc.physics.fluid import Fluid

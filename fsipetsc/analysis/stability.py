@@ -1,10 +1,10 @@
-"""The command `python -m fsipetsc stability`: the linear theory, checked for given materials.
+"""The command `python -m fsipetsc stability [CASE]`: the linear theory, checked for given materials, or those of a case.
 
 It ends with status 3 where the interface treatment does not keep what it promises. `energy` promises that the energy
 never grows (Theorem 4.1), that no mode grows and that the step of the uncoupled layers is kept; the others promise
 the last two. What the heating by a stress at rest adds (sigma^ u_X / (alpha m0), see stability_linear) is shown too,
-but as it belongs to the equations, not to the interface, it does not count. All of it is about the built-in laws of the
-materials: a perfect gas with constant viscosity and conductivity, a solid with Grüneisen's pressure.
+but as it belongs to the equations, not to the interface, it does not count. The materials of a case may have any laws; its
+initial data at an interface say which state is at rest.
 """
 
 from __future__ import annotations
@@ -14,15 +14,18 @@ from collections.abc import Mapping, Sequence
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
-from fsipetsc.analysis.stability_options import SECTIONS, check, constant_state, orders, swept
+from fsipetsc.analysis.stability_options import FOR_CASES, SECTIONS, check, constant_state, named, orders, swept
+from fsipetsc.cases import load_case
 from fsipetsc.errors import ComputationError
-from fsipetsc.options import read_table
+from fsipetsc.options import read_options, read_table
 from fsipetsc.process.launch import start_petsc
+from fsipetsc.process.together import together
 
 if TYPE_CHECKING:
     from mpi4py import MPI
 
     from fsipetsc.analysis.stability_measures import Result
+    from fsipetsc.analysis.stability_state import Constant
 
 PROMISES = {"conservative": "estimate", "energy": "estimate", "projection": "modes", "traditional": "modes"}
 
@@ -31,11 +34,11 @@ def stability(arguments: list[str], comm: MPI.Comm) -> None:
     """Run the command; the ranks of comm share a sweep. Collective; ComputationError if a promise is not kept."""
     for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(name, "1")  # the matrices are small: threads would only get in each other's way
-    opt = read_table(SECTIONS, start_petsc(arguments, comm))
+    opt, state = described(arguments, comm)
     check(opt)
-    results = compute(opt, comm)
+    results = compute(opt, state, comm)
     if comm.rank == 0 and not opt["fsi_quiet"]:
-        show(opt, results)
+        show(opt, state, results)
     if comm.rank == 0 and opt["sweep"]:
         for path in save(opt, results):
             if not opt["fsi_quiet"]:
@@ -44,11 +47,29 @@ def stability(arguments: list[str], comm: MPI.Comm) -> None:
     judge(results)
 
 
-def compute(opt: Mapping[str, Any], comm: MPI.Comm) -> list[Result]:
+def described(arguments: list[str], comm: MPI.Comm) -> tuple[dict[str, Any], Constant]:
+    """Options and the state at rest. Collective. InputError, also where a case has none."""
+    if not named(arguments):
+        opt = read_table(SECTIONS, start_petsc(arguments, comm))
+        return opt, together(comm, lambda: constant_state(opt))
+    from fsipetsc.analysis.stability_state import of_problem
+    from fsipetsc.stepping.solve import build_problem
+
+    case = together(comm, lambda: load_case(arguments[0]))
+    given = start_petsc(arguments[1:], comm)
+    opt = read_options(case, given, FOR_CASES)
+    if "fsi_order" not in given:
+        opt["fsi_order"] = None
+    if "fsi_output" not in given:
+        opt["fsi_output"] = None
+    problem = build_problem(case, opt, comm)
+    return opt, together(comm, lambda: of_problem(problem, opt["stability_interface"], opt["fsi_h"]))
+
+
+def compute(opt: Mapping[str, Any], state: Constant, comm: MPI.Comm) -> list[Result]:
     """Results of all orders and, in a sweep, ratios, in this order, on every rank. Collective."""
     from fsipetsc.analysis.stability_measures import measure
 
-    state = constant_state(opt)
     states = [state]
     if opt["sweep"]:
         states = [swept(state, *ratios) for ratios in product(opt["density_ratios"], opt["stiffness_ratios"])]
@@ -59,11 +80,11 @@ def compute(opt: Mapping[str, Any], comm: MPI.Comm) -> list[Result]:
     return [shares[i % comm.size][i // comm.size] for i in range(len(tasks))]
 
 
-def show(opt: Mapping[str, Any], results: Sequence[Result]) -> None:
+def show(opt: Mapping[str, Any], state: Constant, results: Sequence[Result]) -> None:
     """Print the problem and the results."""
     from fsipetsc.analysis.stability_report import heading, one_state, sweep_tables
 
-    print(heading(opt, constant_state(opt)))
+    print(heading(opt, state))
     print(sweep_tables(results) if opt["sweep"] else one_state(results))
 
 

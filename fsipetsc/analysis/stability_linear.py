@@ -1,29 +1,31 @@
 """The linearised coupled problem (4.2): a solid layer left of a fluid layer, each with n points, as sparse matrices.
 
 Small disturbances of a constant state obey (3.6) and (3.8). Per point there are six unknowns, fluid (rho, u, T) and
-solid (u, S, T). S = sigma - p_rho rho' stands for stress and strain, which act as this sum alone: with x_t = u it obeys
-S_t = K^ u_X, K^ = (K + p_s)/x_X, and what is left, K x_X'/x_X - sigma, never changes.
+solid (u, S, T). S = sigma - x_X' dp_s/dx_X stands for stress and strain, which act as this sum alone: with x_t = u it obeys
+S_t = K^ u_X, K^ = (K - x_X dp_s/dx_X)/x_X, and what is left, K x_X'/x_X - sigma, never changes.
 
     fluid   rho_t = -rho^ D u
-            u_t   = -D (R T + R T^/rho^ rho) + mu'/rho^ D2 u
-            T_t   = -(gamma-1) T^ D u + kappa/(rho^ cv) D2 T
+            u_t   = -D (p_T T + p_rho rho)/rho^ + mu'/rho^ D2 u
+            T_t   = -T^ p_T/(rho^ cv) D u + kappa/(rho^ cv) D2 T
     solid   u_t   = D (S - c T) / m0
             S_t   = K^ D u
-            T_t   = ((sigma^ - p_s) D u + kappa_e/x_X D2 T) / (alpha m0)
+            T_t   = (-p^ D u + kappa_e/x_X D2 T) / (alpha m0)
 
-D2 is D twice or the narrow second derivative, c = alpha p_eps. The energy E = h sum_j a_j (W q^2)_j has the weights
-of fsipetsc.coupling.energy. In it the equations are symmetric but for the part sigma^ D u of the last one, the heat
-that the stress sigma^ != 0 sets free.
+D2 is D twice or the narrow second derivative, c = dp_s/dT, and the gas's equation of T is that of laws p(rho, T) and e(rho, T)
+with rho^2 e_rho = p - T p_T, as thermodynamics has it. The energy E = h sum_j a_j (W q^2)_j has the weights of
+fsipetsc.coupling.energy. In it the equations are symmetric but for a part of the last one: -p^ = -c T^ + (c T^ - p^). In
+Grüneisen's solid c T^ - p^ is the stress sigma^, and that part the heat that a stress sigma^ != 0 sets free.
 
 With the conservative coupling D of a flux is without what goes through the interface (fsipetsc.scheme.end_rates).
-D is fsipetsc.operators' and the interface is treated by the compiled code that the solver calls, differentiated
-numerically at the constant state. At the outer ends u = 0, and T = 0 in what conducts: orthogonal projections that
-neither add nor take energy, so that growth comes from the interface or from the equations.
+D is fsipetsc.operators' and the interface is treated by the code that the solver calls, differentiated numerically at the
+constant state: compiled for the built-in pair of laws, and by Python, from the same source, for others. At the outer ends
+u = 0, and T = 0 in what conducts: orthogonal projections that neither add nor take energy, so that growth comes from the
+interface or from the equations.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,16 +33,18 @@ from numba import njit
 from numpy.typing import NDArray
 from scipy.sparse import bmat, csr_matrix, diags, identity, lil_matrix
 
+from fsipetsc.analysis.stability_state import Constant
 from fsipetsc.coupling import INTERFACE, KINDS, couple
 from fsipetsc.operators import operator, packed
+from fsipetsc.operators.formulas import Formulas, in_python
 from fsipetsc.operators.kernels import ENTRY
 from fsipetsc.operators.narrow import remainder
-from fsipetsc.physics.fluid import Fluid
-from fsipetsc.physics.solid import Solid
+from fsipetsc.operators.sbp import row_length
+from fsipetsc.physics.material_law import formulas_of
 from fsipetsc.scheme.laws import PAIRS
 
 Array = NDArray[np.float64]
-#: of the built-in laws, for which the linear equations here are
+#: the laws whose interface is treated by compiled code
 BUILT_IN = PAIRS[0]
 #: step of the numerical differentiation, relative to the size of each variable, and its formula of order 8
 STEP = 2.0**-7
@@ -48,59 +52,11 @@ CENTRAL = np.array([4 / 5, -1 / 5, 4 / 105, -1 / 280])
 
 
 @dataclass(frozen=True)
-class Constant:
-    """The constant state and the materials: gas of density rho [kg/m3] and temperature T [K] at rest on a solid.
-
-    The solid has the same temperature, the uniform strain x_X = stretch, and the stress that balances the gas.
-    """
-
-    gas: Fluid
-    solid: Solid
-    rho: float
-    T: float
-    stretch: float = 1.0
-
-    @property
-    def p(self) -> float:
-        """Pressure of the gas [Pa]."""
-        return self.gas.R * self.rho * self.T
-
-    @property
-    def solid_pressure(self) -> float:
-        """p_s [Pa]; also p_rho times the density, and alpha p_eps times T."""
-        return self.solid.gruneisen * self.solid.m0 * self.solid.alpha * self.T / self.stretch
-
-    @property
-    def stress(self) -> float:
-        """sigma [Pa] of the solid, by sigma - p_s = -p; 0 where the pressures are equal but for round-off."""
-        stress = self.solid_pressure - self.p
-        return stress if abs(stress) > 1e-12 * self.p else 0.0
-
-    @property
-    def modulus(self) -> float:
-        """(K + p_s) / x_X [Pa]: S_t over u_X."""
-        return (self.solid.K + self.solid_pressure) / self.stretch
-
-    @property
-    def weights(self) -> Array:
-        """W of (rho, u, T) in the fluid and (u, S, T) in the solid."""
-        gas, solid = self.gas, self.solid
-        fluid = [gas.R * self.T / self.rho, self.rho, self.rho * gas.cv / self.T]
-        return np.array([*fluid, solid.m0, 1.0 / self.modulus, solid.alpha * solid.m0 / self.T])
-
-    @property
-    def scales(self) -> Array:
-        """The size of each of these variables: what makes an energy of p per volume, at most rho, p, T themselves."""
-        limits = np.array([self.rho, np.inf, self.T, np.inf, self.p, self.T])
-        return np.minimum(np.sqrt(self.p / self.weights), limits)
-
-
-@dataclass(frozen=True)
 class Linear:
     """The assembled problem in the variables sqrt(h a W) q, in which the energy is the square of the vector.
 
-    raw: (6n, 6n) right-hand side of both layers without any condition, sigma^ = 0 in the last equation;
-    heating: (6n, 6n) what sigma^ adds; projection: (6n, 6n) all conditions; layers: the same for the two layers alone, which
+    raw: (6n, 6n) right-hand side of both layers without any condition, symmetric in the last equation;
+    heating: (6n, 6n) what c T^ - p^ adds; projection: (6n, 6n) all conditions; layers: the same for the two layers alone, which
     end at the interface as at the outer ends, or free and insulated with the conservative coupling.
     Order: fluid rho, u, T, solid u, S, T; in each the points from left to right.
     """
@@ -144,26 +100,26 @@ def assemble(state: Constant, order: int, n: int, h: float, coupling: str, narro
 
 
 def rates(state: Constant, D: Array, outer: Sequence[Array], second: Sequence[Array]) -> tuple[csr_matrix, csr_matrix]:
-    """(right-hand side without the heating by sigma^, that heating), (6n, 6n).
+    """(right-hand side without the heating by c T^ - p^, that heating), (6n, 6n).
 
     D: derivative of the velocities, (n, n); outer, second: in fluid and solid those of the stress and, of second order, of what
     is conducted or diffuses.
     """
-    gas, solid, rho, T, ps = state.gas, state.solid, state.rho, state.T, state.solid_pressure
-    heat, n = solid.alpha * solid.m0, len(D)
+    solid, rho, T, c = state.solid, state.rho, state.T, state.solid_p_T
+    heat, heat_f, n = solid.alpha * solid.m0, rho * state.heat_capacity, len(D)
     D, zero = csr_matrix(D), csr_matrix((n, n))
     (Df, Ds), (D2f, D2s) = map(csr_matrix, outer), map(csr_matrix, second)
     fluid = [
         [zero, -rho * D, zero],
-        [-gas.R * T / rho * Df, 4 / 3 * gas.mu / rho * D2f, -gas.R * Df],
-        [zero, -(gas.gamma - 1) * T * D, gas.kappa / (rho * gas.cv) * D2f],
+        [-state.bulk / rho**2 * Df, 4 / 3 * state.mu / rho * D2f, -state.p_T / rho * Df],
+        [zero, -T * state.p_T / heat_f * D, state.kappa / heat_f * D2f],
     ]
     elastic = [
-        [zero, Ds / solid.m0, -ps / T / solid.m0 * Ds],
+        [zero, Ds / solid.m0, -c / solid.m0 * Ds],
         [state.modulus * D, zero, zero],
-        [-ps / heat * D, zero, solid.kappa_e / state.stretch / heat * D2s],
+        [-c * T / heat * D, zero, solid.kappa_e / state.stretch / heat * D2s],
     ]
-    heated = [[zero] * 3, [zero] * 3, [state.stress / heat * D, zero, zero]]
+    heated = [[zero] * 3, [zero] * 3, [state.excess / heat * D, zero, zero]]
     rest = csr_matrix((3 * n, 3 * n))
     raw = bmat([[bmat(fluid), None], [None, bmat(elastic)]], format="csr")
     return raw, bmat([[rest, None], [None, bmat(heated)]], format="csr")
@@ -174,7 +130,8 @@ def interface_record(state: Constant, h: float, coupling: str, normal: float = 1
     face = np.zeros(1, INTERFACE)
     gas, solid = state.gas, state.solid
     values = {"gamma": gas.gamma, "R": gas.R, "cv": gas.cv, "mu": 4 / 3 * gas.mu, "kappa": gas.kappa}
-    values |= {name: getattr(solid, name) for name in ("K", "kappa_e", "m0", "alpha", "gruneisen")}
+    values |= {name: getattr(gas, name) for name in ("gas_numbers", "transport_numbers")}
+    values |= {name: getattr(solid, name) for name in ("K", "kappa_e", "m0", "alpha", "gruneisen", "pressing_numbers")}
     values |= {"h": h, "h_gas": h, "J": 1.0, "spacing": h, "ratio": 1.0}
     for name, value in {**values, "coupling": KINDS[coupling], "normal": normal}.items():
         face[name] = value
@@ -187,7 +144,7 @@ def interface_jacobian(state: Constant, order: int, h: float, coupling: str) -> 
     Order as in Linear, rows counted from the interface into each layer.
     """
     face, op = interface_record(state, h, coupling), np.array([packed(order)])
-    rows = max(2, int(op[0]["rows"]))
+    rows = row_length(operator(order))
     size = 6 * rows
     constant = np.repeat([state.rho, 0.0, state.T, 0.0, state.stress, state.T], rows)
     steps = STEP * np.repeat(state.scales, rows)
@@ -197,7 +154,7 @@ def interface_jacobian(state: Constant, order: int, h: float, coupling: str) -> 
     rho, u, T, v, sigma, Ts = np.moveaxis(changed.reshape(8 * size, 6, rows), 1, 0)
     fluid, positions = state.gas.conserved(rho, u, T), np.broadcast_to(-h * state.stretch * np.arange(rows), rho.shape)
     solid = np.stack([v, sigma, Ts, positions, 0.5 * state.solid.m0 * v * v], axis=-1)
-    couple_all(face, op, fluid, solid)
+    couple_all_of(state)(face, op, fluid, solid)
     rho, u, T, _ = state.gas.primitive(fluid)
     after = np.stack([rho, u, T, *np.moveaxis(solid, -1, 0)[:3]], axis=1).reshape(8, size, size)
     differences = after[4:] - after[3::-1]
@@ -209,6 +166,22 @@ def couple_all(face, op, fluid, solid):
     """The treatment of one interface for many traces, in place: fluid (m, rows, 3), solid (m, rows, 5)."""
     for m in range(len(fluid)):
         couple(BUILT_IN, face[0], op[0], fluid[m], solid[m])
+
+
+def couple_all_of(state: Constant) -> Callable[..., None]:
+    """The same for the laws of a state; Python's for others than the built-in ones, because compiling takes longer."""
+    laws = [formulas_of(law) for law in (state.gas.law, state.gas.transport, state.solid.pressing)]
+    if laws == [BUILT_IN.gas, BUILT_IN.transport, BUILT_IN.pressing]:
+        return couple_all
+    gas, transport, pressing = (Formulas(**{name: in_python(one) for name, one in vars(law).items()}) for law in laws)
+    pair, treat = Formulas(gas=gas, transport=transport, pressing=pressing), in_python(couple)
+
+    def couple_in_python(face: np.ndarray, op: np.ndarray, fluid: Array, solid: Array) -> None:
+        with np.errstate(all="ignore"):
+            for trace_f, trace_s in zip(fluid, solid, strict=True):
+                treat(pair, face.view(np.recarray)[0], op.view(np.recarray)[0], trace_f, trace_s)
+
+    return couple_in_python
 
 
 def scatter(jacobian: Array, n: int) -> csr_matrix:

@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix, identity, lil_matrix
 
-from fsipetsc.analysis.stability_linear import Constant, Linear, assemble
+from fsipetsc.analysis.stability_linear import Linear, assemble
+from fsipetsc.analysis.stability_state import Constant
 
 Array = NDArray[np.float64]
 #: growth, relative to the largest |lambda|, that counts as round-off: of the energy, of a mode (an eigenvalue of a
@@ -33,7 +34,7 @@ _SCAN = np.linspace(0.01, 3.2, 640)
 
 @dataclass(frozen=True)
 class Result:
-    """Numbers of one problem; rates in 1/s, steps in s. The first four are without the heating by sigma^."""
+    """Numbers of one problem; rates in 1/s, steps in s. The first four are without the heating by c T^ - p^."""
 
     order: int
     coupling: str
@@ -82,7 +83,7 @@ def measure(state: Constant, order: int, n: int, h: float, coupling: str, narrow
     problem = assemble(state, order, n, h, coupling, narrow)
     basis = range_basis(problem)
     growth, modes, extreme = _growths(problem, basis, False)
-    heated = _growths(problem, basis, True)[:2] if state.stress != 0.0 else (growth, modes)
+    heated = _growths(problem, basis, True)[:2] if state.excess != 0.0 else (growth, modes)
     return Result(
         order,
         coupling,

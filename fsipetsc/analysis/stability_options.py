@@ -1,16 +1,18 @@
-"""The options of `python -m fsipetsc stability`, and the problem that they describe. Cheap to import."""
+"""The options of `python -m fsipetsc stability`, and the problem that they, or a case, describe. Cheap to import."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from fsipetsc.cases import load_case
 from fsipetsc.errors import InputError
+from fsipetsc.options import groups
 from fsipetsc.options.option import Option
 
 if TYPE_CHECKING:
-    from fsipetsc.analysis.stability_linear import Constant
+    from fsipetsc.analysis.stability_state import Constant
 
 ORDERS = (2, 4, 6, 8)
 
@@ -23,6 +25,8 @@ def _above_one(value: float) -> str | None:
     return None if value > 1 else "a number above 1"
 
 
+_ORDERS = Option("fsi_orders", "ints", ORDERS, "", "interior orders of the SBP operators", check=_orders)
+_POINTS = Option("stability_points", int, 32, "", "points of each of the two layers", check="positive")
 SECTIONS: dict[str, tuple[Option, ...]] = {
     "Gas": (
         Option("fluid_rho", float, 1.0, "kg/m3", "density of the gas at rest", check="positive"),
@@ -55,10 +59,10 @@ SECTIONS: dict[str, tuple[Option, ...]] = {
             choices=("conservative", "energy", "projection", "traditional"),
         ),
         Option("fsi_viscous", str, "wide", "", "second derivatives: D twice, or narrow ones", ("wide", "narrow")),
-        Option("fsi_orders", "ints", ORDERS, "", "interior orders of the SBP operators", check=_orders),
+        _ORDERS,
         Option("fsi_order", int, None, "", "one order alone, instead of -fsi_orders", ORDERS),
         Option("fsi_h", float, 0.03125, "m", "grid spacing", check="positive"),
-        Option("stability_points", int, 32, "", "points of each of the two layers", check="positive"),
+        _POINTS,
     ),
     "Sweep": (
         Option("sweep", bool, False, "", "all combinations of the ratios below"),
@@ -79,6 +83,22 @@ SECTIONS: dict[str, tuple[Option, ...]] = {
         Option("fsi_debug", bool, False, "", "show the Python traceback of an error"),
     ),
 }
+#: of this command beside those of a case
+FOR_CASES = (
+    Option("stability_interface", int, 0, "", "interface of the case, counted from the left", check="nonnegative"),
+    *(_POINTS, _ORDERS),
+    *SECTIONS["Sweep"],
+)
+
+
+def named(arguments: Sequence[str]) -> bool:
+    """Whether the arguments of the command begin with a case."""
+    return bool(arguments) and not arguments[0].startswith("-")
+
+
+def sections(arguments: Sequence[str]) -> dict[str, tuple[Option, ...]]:
+    """Heading -> options for -help: with a case those of the case."""
+    return groups(load_case(arguments[0]), FOR_CASES) if named(arguments) else SECTIONS
 
 
 def orders(opt: Mapping[str, Any]) -> tuple[int, ...]:
@@ -99,7 +119,7 @@ def check(opt: Mapping[str, Any]) -> None:
 
 def constant_state(opt: Mapping[str, Any]) -> Constant:
     """The state at rest that the options describe. InputError if gas and solid cannot balance."""
-    from fsipetsc.analysis.stability_linear import Constant
+    from fsipetsc.analysis.stability_state import Constant
     from fsipetsc.physics.fluid import Fluid
     from fsipetsc.physics.solid import Solid
 
@@ -126,7 +146,10 @@ def _gruneisen(opt: Mapping[str, Any], p: float) -> float:
 
 
 def swept(state: Constant, density_ratio: float, stiffness_ratio: float) -> Constant:
-    """The same state with another density and stiffness of the solid; alpha m0 and pressures keep their values."""
+    """The same state with another density and stiffness of the solid; alpha m0 keeps its value.
+
+    So do the pressures, if Grüneisen's law is that of the solid.
+    """
     solid = state.solid
     m0 = density_ratio * state.rho
     changed = replace(solid, m0=m0, K=stiffness_ratio * state.p, alpha=solid.alpha * solid.m0 / m0)

@@ -9,11 +9,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fsipetsc.analysis.stability_linear import Constant
 from fsipetsc.analysis.stability_measures import ENERGY_TOLERANCE, MODE_TOLERANCE, Result
+from fsipetsc.analysis.stability_state import Constant, described_law
 from fsipetsc.operators import operator
 from fsipetsc.output.plots.style import drawing
 from fsipetsc.output.plots.titles import set_title
+from fsipetsc.physics.constant_transport import constant_transport
+from fsipetsc.physics.fluid import Fluid
+from fsipetsc.physics.gruneisen import gruneisen
+from fsipetsc.physics.material_law import formulas_of
+from fsipetsc.physics.perfect_gas import perfect_gas
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -39,8 +44,10 @@ def heading(opt: Mapping[str, Any], state: Constant) -> str:
     """What is analysed, in a few lines."""
     gas, solid, p = state.gas, state.solid, state.p
     n, h, coupling = opt["stability_points"], opt["fsi_h"], opt["fsi_coupling"]
-    speed = float(np.sqrt(gas.gamma * gas.R * state.T))
-    eos = f"p = G rho eps, G = {solid.gruneisen:.4g}" if solid.gruneisen else "elastic, p = 0"
+    speed, eos = state.sound_speed, f"p = G rho eps, G = {solid.gruneisen:.4g}" if solid.gruneisen else "elastic, p = 0"
+    if formulas_of(solid.pressing) is not gruneisen:
+        eos = f"pressure by {described_law(solid.pressing)}"
+    laws = "".join(f"; {described_law(law)}" for law, plain in _laws(gas) if formulas_of(law) is not plain)
     rest = f"x_X {state.stretch:g}, pressure of the solid {state.solid_pressure:g} Pa, sigma {state.stress:g} Pa\n"
     rest += f"           sound in the gas {speed:.3g} m/s"
     if opt["sweep"]:
@@ -55,11 +62,16 @@ stability of {coupling}: {_THEORY[coupling]}
 solid | gas, linearised at rest (4.2); {n} points of h = {h:g} m in each, {opt["fsi_viscous"]} second derivatives
 
   gas      rho {state.rho:g} kg/m3, T {state.T:g} K, p {p:g} Pa, gamma {gas.gamma:g}, R {gas.R:g} J/(kg K)
-           mu {gas.mu:g} Pa s, kappa {gas.kappa:g} W/(m K)
+           mu {state.mu:g} Pa s, kappa {state.kappa:g} W/(m K){laws}
   solid    {body}
            kappa {solid.kappa_e:g} W/(m K); {eos}
   at rest  {rest}
 """
+
+
+def _laws(gas: Fluid) -> tuple[tuple[Any, Any], ...]:
+    """The laws of a gas, each with the one that need not be said."""
+    return (gas.law, perfect_gas), (gas.transport, constant_transport)
 
 
 def verdict(result: Result) -> str:
@@ -114,9 +126,7 @@ def _heating(results: Sequence[Result]) -> list[str]:
     ]
     fastest = max(r.heated_mode_growth for r in results)
     lines[-1] += (
-        f", and a mode at up to {fastest:.3g} 1/s ({len(growing)} of {len(results)})."
-        if growing
-        else ", but no mode does."
+        f", and a mode at up to {fastest:.3g} 1/s ({len(growing)} of {len(results)})." if growing else ", but no mode does."
     )
     return lines
 

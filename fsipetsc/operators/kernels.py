@@ -14,6 +14,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+from fsipetsc.operators import sbp
 from fsipetsc.operators.cache import use_cache_folder
 from fsipetsc.operators.parts import PART
 from fsipetsc.operators.vectors import LANES, centred_difference, fma, lane, load, mirrored, spread
@@ -71,10 +72,8 @@ def closure(op, s, at, side, known, r):
     return d if side == 0 else -1.0 * mirrored(d)
 
 
-@njit(**OPTIONS)
-def row_length(op):
-    """Number of points that the closure row at an end reaches."""
-    return op.rows if op.rows > 1 else 2
+#: number of points that the closure row at an end reaches
+row_length = njit(**OPTIONS)(sbp.row_length)
 
 
 @njit(**OPTIONS)

@@ -142,6 +142,11 @@ def operator(order: int) -> SBPOperator:
     return OPERATORS[order]
 
 
+def row_length(op: Any) -> int:
+    """Number of points that the closure row at an end reaches: of an operator, or of its record."""
+    return op.rows if op.rows > 1 else 2
+
+
 def packed(order: int, narrow: bool = False) -> np.void:
     """The operator of this interior order as a new record of dtype OPERATOR. ValueError as in `operator`.
 

@@ -16,7 +16,7 @@ from petsc4py import PETSc
 
 from fsipetsc.boundaries import DIRICHLET, INTERFACE_END, OPEN, WALL, Wall, degree_of, heat_of, in_time, nodes_needed
 from fsipetsc.errors import InputError
-from fsipetsc.operators.sbp import SBPOperator
+from fsipetsc.operators.sbp import SBPOperator, row_length
 from fsipetsc.parallel.partition import Extent, partition, stretched
 from fsipetsc.physics.layer import DOF, ENDS, FLUID, LAYER, SHARED_HEAT, SOLID, UNLOADED
 from fsipetsc.problem import FluidLayer, Layer, Problem, SolidLayer
@@ -97,7 +97,7 @@ def make_grids(
 
 def _least(op: SBPOperator, degree: int) -> int:
     """Active points of a gas with an end whose formula has this degree: the treatment of the interface must not change them."""
-    return max(op.min_points, nodes_needed(degree) + 2, degree + 1 + max(2, op.rows))
+    return max(op.min_points, nodes_needed(degree) + 2, degree + 1 + row_length(op))
 
 
 def _between_ends(layer: Layer, op: SBPOperator, h: float, width: float) -> Grid:

@@ -21,7 +21,7 @@ import numpy as np
 from fsipetsc.boundaries import NODES
 from fsipetsc.coupling import INTERFACE, KINDS
 from fsipetsc.operators.kernels import ROW, scratch_size
-from fsipetsc.operators.sbp import OPERATOR, SBPOperator, packed
+from fsipetsc.operators.sbp import OPERATOR, SBPOperator, packed, row_length
 from fsipetsc.parallel.exchange import TRACE
 from fsipetsc.parallel.layout import Layout
 from fsipetsc.parallel.neighbours import Neighbours
@@ -208,7 +208,7 @@ def make_plan(
 ) -> tuple[Plan, Neighbours]:
     """The plan of this rank and its neighbours, with shared memory if ``shared`` and possible. Collective."""
     faces = make_faces(layout, coupling)
-    rows = max(2, op.rows)
+    rows = row_length(op)
     message = len(faces) * rows * TRACE
     reduced = reduced_words(len(layout.records))
     neighbours = Neighbours(layout, max(message, reduced), shared)
