@@ -38,13 +38,19 @@ OPERATOR = np.dtype(
         ("columns", np.float64, (12, 8)),
         ("norm", np.float64, (8,)),
         ("narrowing", LEVELS),
+        ("dissipation", LEVELS),
+        ("shocks", LEVELS),
         ("narrow", np.int64),
         ("stiffness", np.float64),
     ]
 )
 """One operator for compiled kernels, padded with zeros, for grid spacing 1: interior[:p], closure[:rows, :cols] and its
-transpose columns, norm[:rows]; what makes second derivatives narrow (fsipetsc.operators.narrow), 1 if that is wanted, and what
-bounds the step accordingly."""
+transpose columns, norm[:rows]; what makes second derivatives narrow (fsipetsc.operators.narrow); the differences of
+dissipation, of order p and 1 (fsipetsc.physics.dissipation); 1 if second derivatives are to be narrow, and what bounds the step
+accordingly."""
+
+#: by order of the difference: weights of the points in its middle, for the state at which dissipation is taken
+_DISSIPATION = {1: (1, 1), 2: (1, 2, 1), 3: (1, 3, 3, 1), 4: (1, 2, 1)}
 
 
 @dataclass(frozen=True)
@@ -167,6 +173,11 @@ def packed(order: int, narrow: bool = False) -> np.void:
     end = end_term(op.interior)
     terms["skipped"], terms["ends"] = len(end), len(end) if end.any() else 0
     terms["end"][: len(end), : len(end)] = end
+    for name, q, weights in (("dissipation", op.p, _DISSIPATION[op.p]), ("shocks", 1, (1,))):
+        terms = record[name]
+        terms["first"] = terms["last"] = q
+        terms["counts"][0] = len(weights)
+        terms["weights"][0, : len(weights)] = [w / sum(weights) for w in weights]
     record["narrow"] = narrow
     record["stiffness"] = STIFFNESS[order] if narrow else STIFFNESS_OF_WIDE
     return record[()]

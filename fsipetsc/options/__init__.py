@@ -7,7 +7,7 @@ PETSC_OPTIONS. The rest of the program gets a dict of typed values; PETSc's data
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
 from math import isqrt
@@ -33,6 +33,10 @@ def _around_one(clip: Sequence[float]) -> str | None:
     return None if len(clip) == 2 and 0 < clip[0] < 1 < clip[1] else "two numbers, one between 0 and 1 and one above 1"
 
 
+def _between(least: float, most: float) -> Callable[[float], str | None]:
+    return lambda value: None if least <= value <= most else f"a number from {least} to {most}"
+
+
 def _fraction(part: float) -> str | None:
     return None if 0 < part <= 1 else "a number above 0 and not above 1"
 
@@ -53,6 +57,13 @@ DISCRETISATION = (
         choices=("auto", "rigid", "stretched"),
     ),
     Option("fsi_viscous", str, "wide", "", "second derivatives: D twice, or such that reach half as far", ("wide", "narrow")),
+    Option(
+        *("fsi_dissipation", float, 0.0, "", "dissipation by differences of half the order, of gas and solid; 0.3 is usual"),
+        check=_between(0, 1),
+    ),
+    Option(
+        *("fsi_shocks", float, 0.0, "", "dissipation by first differences where a shock is; 1 is usual"), check=_between(0, 2)
+    ),
     Option(
         *("fsi_spare", int, 16, "points", "free points kept beyond each embedded boundary before storage is enlarged"),
         check="nonnegative",

@@ -51,6 +51,8 @@ LAYER = np.dtype(
         ("middle", _I, (2,)),  # points of the part that a step treats tile by tile, see fsipetsc.scheme.runge_kutta
         ("h", _F),
         ("force", _F),  # body force per mass
+        ("dissipation", _F),  # how strong it is, see fsipetsc.physics.dissipation,
+        ("shocks", _F),  # and that of first order at shocks
         # fluid: materials and the moving frame
         ("gamma", _F),
         ("R", _F),

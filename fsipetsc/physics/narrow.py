@@ -20,6 +20,7 @@ from __future__ import annotations
 
 from numba import njit
 
+from fsipetsc.operators.differences import DIFFERENCE, no_look
 from fsipetsc.operators.formulas import Formulas
 from fsipetsc.operators.kernels import FORMULA
 from fsipetsc.operators.vectors import fma, spread
@@ -32,37 +33,50 @@ def narrowing(op):
 
 
 @njit(**FORMULA)
+def reach_of_flux(op):
+    """As far as what D makes is known."""
+    return op.reach
+
+
+@njit(**FORMULA)
+def coefficients(q, c):
+    """The means are of these."""
+    return c
+
+
+@njit(**FORMULA)
 def gas_constants(law, layer):
     """(mu', kappa) of the material, and what the transport law needs."""
     return layer.mu, layer.kappa, law.transport.constants(layer)
 
 
 @njit(**FORMULA)
-def gas_coefficients(law, constants, q, v, f):
+def gas_coefficients(law, constants, i, q, v, f):
     """(b, u b, kappa)."""
-    u, T = v
+    u, T = v[0], v[1]
     of_mu, of_kappa = law.transport.relative(constants[2], T)
     b = of_mu * constants[0]
     return spread(b), u * b, spread(of_kappa * constants[1])
 
 
 @njit(**FORMULA)
-def velocity_and_temperature(q, v):
+def velocity_and_temperature(q, v, c):
     """u and T as the gradients see them, at ghost points, too."""
-    return v
+    return v[0], v[1]
 
 
 @njit(**FORMULA)
-def gas_flux(means, differences):
+def gas_flux(law, constants, means, own, differences):
     """(b u_X, u b u_X + kappa T_X)."""
     b, ub, kappa = means
     return b * differences[0], fma(ub, differences[0], kappa * differences[1])
 
 
 @njit(**FORMULA)
-def gas_scale(layer):
-    """Of a density, times J."""
-    return -1.0 / (layer.h * layer.h * layer.J)
+def gas_scale(layer, first):
+    """Of densities, times J."""
+    scale = -1.0 / (layer.h * layer.h * layer.J)
+    return scale, scale
 
 
 @njit(**FORMULA)
@@ -85,27 +99,27 @@ def solid_constants(law, layer):
 
 
 @njit(**FORMULA)
-def solid_coefficients(law, constants, q, v, f):
+def solid_coefficients(law, constants, i, q, v, f):
     """(kappa_e / x_X,); the flux has 1/x_X already."""
     return (f[0] * constants,)
 
 
 @njit(**FORMULA)
-def temperature(q, v):
+def temperature(q, v, c):
     """T of the solid."""
     return (q[2],)
 
 
 @njit(**FORMULA)
-def solid_flux(means, differences):
+def solid_flux(law, constants, means, own, differences):
     """(kappa_e / x_X T_X,)."""
     return (means[0] * differences[0],)
 
 
 @njit(**FORMULA)
-def solid_scale(layer):
+def solid_scale(layer, first):
     """Of T, for a flux of heat."""
-    return -1.0 / (layer.h * layer.h * layer.alpha * layer.m0)
+    return (-1.0 / (layer.h * layer.h * layer.alpha * layer.m0),)
 
 
 #: for ``undivided`` of the two physics, see fsipetsc.scheme.undivided
@@ -115,12 +129,18 @@ NARROW_GAS = (
         levels=narrowing,
         coefficients=(0, 1, 2),
         sums=(3, 4),
+        own=(),
         constants=gas_constants,
+        reach=reach_of_flux,
         weigh=gas_coefficients,
+        look=no_look,
+        averaged=coefficients,
         rows=velocity_and_temperature,
         flux=gas_flux,
         scale=gas_scale,
+        gather=(DIFFERENCE, DIFFERENCE),
         at_wall=gas_at_wall,
+        kinetic=0,
     ),
 )
 NARROW_SOLID = (
@@ -129,11 +149,17 @@ NARROW_SOLID = (
         levels=narrowing,
         coefficients=(0,),
         sums=(3,),
+        own=(),
         constants=solid_constants,
+        reach=reach_of_flux,
         weigh=solid_coefficients,
+        look=no_look,
+        averaged=coefficients,
         rows=temperature,
         flux=solid_flux,
         scale=solid_scale,
+        gather=(DIFFERENCE,),
         at_wall=solid_at_wall,
+        kinetic=0,
     ),
 )

@@ -160,10 +160,10 @@ def _law(formulas: Formulas, given: dict[str, Any], numbers: Sequence[float] | N
     return Law(formulas, numbers)
 
 
-def check(law: Formulas, kind: str) -> None:
+def check(law: Formulas, kind: str, in_loops: Sequence[str] = ()) -> None:
     """Compile each formula of a law that a user has given: InputError, with file and line, where that fails.
 
-    kind: "gas", "transport" or "pressing".
+    kind: "gas", "transport" or "pressing"; in_loops: of formulas that loops call beside those that they always do.
     """
     plain = getattr(law, "of_temperature", None)  # what a user has given, not what calls it
     transport = TRANSPORT if plain else TRANSPORT_OF_RECORD
@@ -175,7 +175,7 @@ def check(law: Formulas, kind: str) -> None:
             c = (_returned(function, (typeof(np.zeros(1, LAYER)[0]),), name),)
             continue
         count = len(known[name].split(",")) - len(c)
-        for number in (types.float64, vector) if name in IN_LOOPS else (types.float64,):
+        for number in (types.float64, vector) if name in (*IN_LOOPS, *in_loops) else (types.float64,):
             found = _returned(function, c + (number,) * count, name)
             parts = (found,) if kind != "transport" else tuple(getattr(found, "types", ()))
             if not _numbers(parts, kind):

@@ -7,6 +7,7 @@ the laws of gas and solid that meet at an interface. Compiled functions find tha
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from fsipetsc.errors import InputError
 from fsipetsc.operators.formulas import Formulas
 from fsipetsc.operators.kernels import FORMULA
 from fsipetsc.operators.variants import Variants, digest
+from fsipetsc.physics import dissipation
 from fsipetsc.physics.constant_transport import constant_transport
 from fsipetsc.physics.fluid import Fluid, navier_stokes
 from fsipetsc.physics.gruneisen import gruneisen
@@ -118,19 +120,36 @@ of_layer = Formulas(
 of_interface = Formulas(couple=couple, residuals=residuals)
 
 
+@dataclass(frozen=True)
+class Form:
+    """Which form of the equations is discretised: the options of these names.
+
+    narrow: second derivatives; dissipation, shocks: how strong, 0 for none.
+    """
+
+    narrow: bool = False
+    dissipation: float = 0.0
+    shocks: float = 0.0
+
+
+#: D twice, nothing added
+PLAIN = Form()
+
+
 class ProblemLaws:
     """The laws of a problem: those in LAWS and PAIRS, or others, with which compiled functions are compiled once more.
 
     layers, pairs: formulas, each once; of_layers, of_interfaces: their numbers, layer by layer, interface by interface.
-    entropy: whether it is to be computed; narrow: whether the viscous and conducted fluxes are. InputError for a law of the
-    user's that is not what it must be.
+    entropy: whether it is to be computed; form: of the equations. InputError for a law of the user's that is not what it
+    must be.
     """
 
-    def __init__(self, problem: Problem, entropy: bool = False, narrow: bool = False) -> None:
-        found = [_law_of(layer.material, narrow) for layer in problem.layers]
+    def __init__(self, problem: Problem, entropy: bool = False, form: Form = PLAIN) -> None:
+        found = [_law_of(layer.material, form) for layer in problem.layers]
+        wanting = ["-fsi_entropy and -fsi_check need"] * entropy + ["-fsi_dissipation needs"] * (form.dissipation > 0)
         for layer, known in zip(problem.layers, found, strict=True):
-            if entropy and not getattr(getattr(known, "gas", None), "knows_entropy", True):
-                what = "no formula entropy(c, rho, T), which -fsi_entropy and -fsi_check need"
+            if wanting and not getattr(getattr(known, "gas", None), "knows_entropy", True):
+                what = f"no formula entropy(c, rho, T), which {wanting[-1]}"
                 raise InputError(f"the gas law of layer '{layer.name}' has {what}")
         names = {digest(law): law for law in found}
         if names.keys() <= _BUILT_IN.keys():
@@ -146,7 +165,7 @@ class ProblemLaws:
             name = "laws-" + digest((tuple(names), tuple(known)))
             if name not in _VARIANTS:
                 if not Variants.on_disk(name):
-                    _check(found)
+                    _check(found, form)
                 _VARIANTS[name] = Variants(((LAWS, self.layers), (PAIRS, self.pairs)), name)
             self._variants = _VARIANTS[name]
 
@@ -159,20 +178,26 @@ class ProblemLaws:
         layers["law"], faces["pair"] = self.of_layers, self.of_interfaces
 
 
-def _check(laws: list[Formulas]) -> None:
+def _check(laws: list[Formulas], form: Form) -> None:
     """InputError for formulas that cannot be compiled."""
     for law in laws:
         for kind in ("gas", "transport", "pressing"):
             if getattr(getattr(law, kind, None), "own", False):
-                check(getattr(law, kind), kind)
+                check(getattr(law, kind), kind, dissipation.IN_LOOPS if form.dissipation > 0.0 and kind == "gas" else ())
 
 
-def _law_of(material: Fluid | Solid, narrow: bool) -> Formulas:
+def _law_of(material: Fluid | Solid, form: Form) -> Formulas:
     """That of a layer of this material."""
-    if isinstance(material, Fluid):
+    is_gas, shocks = isinstance(material, Fluid), form.shocks > 0.0
+    terms = (NARROW_GAS if is_gas else NARROW_SOLID) if form.narrow else ()
+    if shocks:
+        terms += (dissipation.GAS_SHOCKS if is_gas else dissipation.SOLID_SHOCKS,)
+    if form.dissipation > 0.0:
+        terms += ((dissipation.GAS_DISSIPATION if is_gas else dissipation.SOLID_DISSIPATION)[shocks],)
+    if is_gas:
         gas, transport = formulas_of(material.law), formulas_of(material.transport)
-        return law(navier_stokes(gas, transport, NARROW_GAS if narrow else (), material.force != 0.0))
-    return law(elastic_solid(formulas_of(material.pressing), NARROW_SOLID if narrow else ()))
+        return law(navier_stokes(gas, transport, terms, material.force != 0.0))
+    return law(elastic_solid(formulas_of(material.pressing), terms))
 
 
 #: digest -> law, of those in LAWS; name of a set of laws -> what has been compiled for it

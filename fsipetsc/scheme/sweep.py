@@ -17,8 +17,8 @@ vectors of points:
     rates                            one or more of formulas: the unknowns that they are for, and
         second(law, layer, q, f)         where the rows of b begin, and their factors
         rate(law, constants, q, f, D b)  the rates of these unknowns
-    add(law, layer, op, s, w, v, f, target, i0, i1)    adds other terms to the rates of some points (fsipetsc.scheme.undivided)
     amend(law, layer, op, s, w, v, f, target, side)    changes the rates of an end point, where the physics wants others there
+    add(law, layer, op, s, w, v, f, target, i0, i1)    adds other terms to the rates of some points (fsipetsc.scheme.undivided)
 """
 
 from __future__ import annotations
@@ -65,10 +65,10 @@ def sweep(law, layer, op, s, w, scratch, target, begin, end):
         prepare(law, layer, op, s, w, v, origin, i0, i1)
         fluxes(law, layer, op, s, w, v, f, origin, i0, i1)
         each(block_of.rates, law.rates, law, layer, op, s, w, f, target, i0, a, b, i1)
-        law.add(law, layer, op, s, w, v, f, target, i0, i1)
         for side in range(2):
             if i0 <= (layer.lo if side == 0 else layer.hi) < i1:
                 law.amend(law, layer, op, s, w, v, f, target, side)
+        law.add(law, layer, op, s, w, v, f, target, i0, i1)
 
 
 @njit(**OPTIONS)

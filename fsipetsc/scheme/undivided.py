@@ -1,24 +1,30 @@
 """Terms of the rates that are made of undivided differences. Compiled.
 
-    q_t += scale H^-1 sum_k  Delta_k^T  flux(mean_k c, Delta_k y),          k = first .. last
+    q_t += scale H^-1 sum_k  Delta_k^T  flux(mean_k c, b, Delta_k y),          k = first .. last
 
 y are rows of values, c coefficients at the points, both of a physics; mean_k c is a weighted sum of c at the points in the
-middle of a difference, Delta_k the undivided difference of order k, taken where all of its points are active, and H the norm;
-at the ends there are terms of their own, as fsipetsc.operators.narrow has them.
-As the columns of Delta_k add up to nothing, such terms take nothing away from the integral of any unknown. A term is
+middle of a difference, Delta_k the undivided difference of order k, taken where all of its points are active, b numbers of the
+difference itself, and H the norm; at the ends there are terms of their own, as fsipetsc.operators.narrow has them.
+As the columns of Delta_k add up to nothing, such terms take nothing away from the integral of any unknown. What a difference
+takes from one unknown may go to another one at the points in its middle instead (``MIDDLE``). A term is
 
     unknowns                                those whose rates it belongs to
     levels(op)                              first, last and the weights of the means (LEVELS of fsipetsc.operators.sbp)
-    coefficients, sums                      (0, 1, ...), a number for each of c, and further ones, for each of the unknowns
+    coefficients, own, sums                 (0, 1, ...), a number for each of c, and further ones, for each of b and unknowns
     constants(law, layer)                   numbers that the formulas need
-    weigh(law, constants, q, v, f)          c at a point
-    rows(q, v)                              where the rows y begin
-    flux(means, differences)                for each of the unknowns
-    scale(layer)                            factor
+    reach(op)                               how far from a point c is needed there
+    weigh(law, constants, i, q, v, f)       c at the points i ...
+    look(layer, op, s, places, i0, i1)      makes b, and notes what a later term needs, from rows at these places: those of
+                                            q, c, b and what is free
+    averaged(q, c), rows(q, v, c)           where the rows begin whose means are taken, and the rows y
+    flux(law, constants, means, b, differences)    for each of the unknowns
+    gather                                  DIFFERENCE or MIDDLE for each of them
+    scale(layer, first)                     and a factor
     at_wall(velocity, changes)              of the rates at an end point that a moving wall gives its momentum
+    kinetic                                 1 if the first unknown is the velocity of a solid, else 0
 
 for a law whose ``undivided`` has it; q, v and f as in fsipetsc.scheme.sweep. A term reaches ``last`` points, and may go as far
-as D twice does.
+as D twice does: c, b and what they are made of may, too; f is known only as far as D reaches.
 
 Sums over k are made from the last one down: Delta_{k+1}^T g = Delta_k^T (what is g at the difference before less what it is
 at this one), so that one row takes up all orders, and Delta_first^T is applied once.
@@ -26,64 +32,20 @@ at this one), so that one row takes up all orders, and Delta_first^T is applied 
 
 from __future__ import annotations
 
-from math import comb
-from typing import NamedTuple
-
-import numpy as np
 from numba import njit
 
-from fsipetsc.boundaries import WALL
+from fsipetsc.boundaries import INTERFACE_END, WALL
+from fsipetsc.operators.differences import difference_of, mean_of, pairs_of, weight_of, weights_of_mean
 from fsipetsc.operators.formulas import Formulas, each
 from fsipetsc.operators.kernels import FORMULA, OPTIONS, ROW, U64, store_lanes, whole_vectors
-from fsipetsc.operators.narrow import difference
 from fsipetsc.operators.vectors import LANES, fma, load, masked, spread, store
+from fsipetsc.parallel.exchange import kinetic_energy_of
 from fsipetsc.physics.layer import LOADED
+from fsipetsc.scheme.end_rates import add_to_rate
 from fsipetsc.scheme.sweep import row_of
 
-#: first row of scratch that is used here, and how many are
-FIRST, ROWS = 5, 5
-#: weights of the differences up to the order 8, by order
-_DIFFERENCE = np.array([difference(order) + [0] * (8 - order) for order in range(9)], dtype=float)
-#: ``Pairs`` by order
-_PAIRS = np.array([[(-1) ** k, *((-1) ** j * comb(k, j) / (2 if 2 * j == k else 1) for j in range(1, 5))] for k in range(9)])
-
-
-class Pairs(NamedTuple):
-    """Weights of a difference: of the first point, 1 or -1, the last having 1, and of those 1, 2, 3, 4 away from the last.
-
-    Points as far from either end are taken together; a middle point is met twice so, and counts half.
-    """
-
-    sign: float
-    first: float
-    second: float
-    third: float
-    fourth: float
-
-
-class Weights(NamedTuple):
-    """Of the points that have a say in a mean."""
-
-    a: float
-    b: float
-    c: float
-    d: float
-
-
-@njit(**FORMULA)
-def pairs_of(order):
-    """Of a difference of this order."""
-    p = U64(order)
-    return Pairs(_PAIRS[p, 0], _PAIRS[p, 1], _PAIRS[p, 2], _PAIRS[p, 3], _PAIRS[p, 4])
-
-
-@njit(**FORMULA)
-def weights_of_mean(levels, k):
-    """Of order number k."""
-    w = levels.weights
-    return Weights(w[k, 0], w[k, 1], w[k, 2], w[k, 3])
-
-
+#: first row of scratch that is used here
+FIRST = 5
 @njit(**OPTIONS)
 def nothing(law, layer, op, s, w, v, f, target, i0, i1):
     """Of physics without such terms."""
@@ -101,23 +63,27 @@ def add_undivided(law, layer, op, s, w, v, f, target, i0, i1):
 @njit(**OPTIONS)
 def _add(term, law, layer, op, s, w, v, f, target, i0, i1):
     """One of the terms."""
-    levels, free = term.levels(op), v + FIRST * ROW
-    c, sums = each(row_of.place, term.coefficients, free, ROW), each(row_of.place, term.sums, free, ROW)
+    levels, free, reach = term.levels(op), v + FIRST * ROW, term.reach(op)
+    c, b = each(row_of.place, term.coefficients, free, ROW), each(row_of.place, term.own, free, ROW)
+    sums = each(row_of.place, term.sums, free, ROW)
     q, v = each(row_of.place, law.unknowns, w, layer.stride), each(row_of.place, law.prepared, v, ROW)
-    f, y, numbers = each(row_of.place, law.fluxes, f, ROW), term.rows(q, v), term.constants(law, layer)
-    for i in range(max(layer.lo, i0 - op.reach), min(layer.hi + 1, i1 + op.reach), LANES):
+    f, numbers = each(row_of.place, law.fluxes, f, ROW), term.constants(law, layer)
+    for i in range(max(layer.lo, i0 - reach), min(layer.hi + 1, i1 + reach), LANES):
         here = each(row_of.load, q, s, i), each(row_of.load, v, s, i), each(row_of.load, f, s, i)
-        each(row_of.store, c, term.weigh(law, numbers, here[0], here[1], here[2]), s, i)
-    sum_up(term, layer, levels, s, c, y, sums, i0, i1)
-    sum_up_ends(term, layer, levels, s, c, y, sums, i0, i1)
-    send(term, layer, op, levels, s, sums, target, i0, i1)
+        each(row_of.store, c, term.weigh(law, numbers, i, here[0], here[1], here[2]), s, i)
+    term.look(layer, op, s, (q, c, b, free), i0, i1)
+    rows = term.averaged(q, c), b, term.rows(q, v, c)
+    sum_up(term, law, layer, levels, numbers, s, rows, sums, i0, i1)
+    sum_up_ends(term, law, layer, levels, numbers, s, rows, sums, i0, i1)
+    send(term, layer, op, levels, s, w, sums, target, i0, i1)
     return 0
 
 
 @njit(**OPTIONS)
-def sum_up(term, layer, levels, s, c, y, sums, i0, i1):
+def sum_up(term, law, layer, levels, numbers, s, rows, sums, i0, i1):
     """The sums over k but for the ends: that of the difference which begins at i stands at i + levels.first - levels.last."""
     lo, hi, last = layer.lo + levels.skipped, layer.hi - levels.skipped, levels.last
+    c, b, y = rows
     for i in range(i0 - last - LANES, i1 + LANES, LANES):
         each(undivided_of.clear, sums, s, i)
     # what is stored here begins each time a point earlier, and overwrites what has been used
@@ -127,12 +93,14 @@ def sum_up(term, layer, levels, s, c, y, sums, i0, i1):
         for i in range(max(lo, i0 - order), end, LANES):
             means = each(undivided_of.mean, c, s, i, order, count, weights)
             differences = each(undivided_of.difference, y, s, i, order, pairs)
-            each(undivided_of.add_up, sums, term.flux(means, differences), s, i + order - last, end - i)
+            fluxes = term.flux(law, numbers, means, each(row_of.load, b, s, i), differences)
+            each(undivided_of.add_up, sums, fluxes, s, i + order - last, end - i)
 
 
 @njit(**OPTIONS)
-def sum_up_ends(term, layer, levels, s, c, y, sums, i0, i1):
+def sum_up_ends(term, law, layer, levels, numbers, s, rows, sums, i0, i1):
     """The terms of the ends, to the same sums."""
+    c, b, y = rows
     for side in range(2):
         end, step = (layer.lo, 1) if side == 0 else (layer.hi - levels.first, -1)
         inside = (layer.lo if side == 0 else layer.hi) + step * levels.skipped
@@ -140,30 +108,35 @@ def sum_up_ends(term, layer, levels, s, c, y, sums, i0, i1):
             at = end + step * t
             if i0 - levels.first <= at < i1:
                 differences = each(undivided_of.end_difference, y, s, end, step, t, levels)
-                fluxes = term.flux(each(undivided_of.at, c, s, inside), differences)
+                own = each(undivided_of.at, b, s, inside)
+                fluxes = term.flux(law, numbers, each(undivided_of.at, c, s, inside), own, differences)
                 each(undivided_of.add_at, sums, fluxes, s, at + levels.first - levels.last)
 
 
 @njit(**OPTIONS)
-def send(term, layer, op, levels, s, sums, target, i0, i1):
+def send(term, layer, op, levels, s, w, sums, target, i0, i1):
     """To the rates what the sums say; in place as above."""
     pairs, last, whole = pairs_of(levels.first), levels.last, whole_vectors(i0, i1)
     for i in range(i0, i1, LANES):
-        each(undivided_of.apply_transposed, sums, s, i - last, levels.first, pairs)
+        each(undivided_of.gather, term.gather, sums, s, i - last, levels.first, pairs)
     for r in range(op.rows):
         for i in (layer.lo + r, layer.hi - r):
             if i0 <= i < i1:
                 each(undivided_of.divide, sums, s, i - last, op.norm[r])
+    scales = each(undivided_of.scale, term.gather, term.scale(layer, levels.first), levels.first)
     for side in range(2):
         end = layer.lo if side == 0 else layer.hi
-        if i0 <= end < i1 and layer.unloaded[side] != LOADED and layer.end_kind[side] == WALL:
-            changes = term.at_wall(layer.end_v[side], each(undivided_of.at, sums, s, end - last))
-            each(undivided_of.put, sums, changes, s, end - last)
-    scale = term.scale(layer) * (1.0 - 2.0 * (levels.first % 2))
+        if i0 <= end < i1 and layer.unloaded[side] != LOADED:
+            changes = each(undivided_of.at, sums, s, end - last)
+            if layer.end_kind[side] == WALL:
+                each(undivided_of.put, sums, term.at_wall(layer.end_v[side], changes), s, end - last)
+            elif term.kinetic != 0 and layer.end_kind[side] == INTERFACE_END:
+                power = layer.m0 * s[U64(w + end)] * (scales[0] * changes[0])
+                add_to_rate(s, target, 0, kinetic_energy_of(layer, side), power)
     for i in range(i0, whole, LANES):
-        each(undivided_of.add_to_rates, term.unknowns, sums, s, i - last, scale, target, i)
+        each(undivided_of.add_to_rates, term.unknowns, sums, s, i - last, scales, target, i)
     if whole < i1:
-        each(undivided_of.add_lanes_to_rates, term.unknowns, sums, s, whole - last, scale, target, whole, i1 - whole)
+        each(undivided_of.add_lanes_to_rates, term.unknowns, sums, s, whole - last, scales, target, whole, i1 - whole)
 
 
 # what is done to each of some rows
@@ -173,52 +146,6 @@ def send(term, layer, op, levels, s, sums, target, i0, i1):
 def _clear(begin, s, i):
     store(s, begin + i, spread(0.0))
     return 0
-
-
-@njit(**FORMULA)
-def _mean(begin, s, i, order, count, weights):
-    """Of the coefficient in the differences that begin at i .. i+3."""
-    at = begin + i + (order + 1 - count) // 2
-    return mean(count, weights, load(s, at), load(s, at + 1), load(s, at + 2), load(s, at + 3))
-
-
-@njit(**FORMULA)
-def _difference(begin, s, i, order, pairs):
-    """Those that begin at i .. i+3."""
-    at, to = begin + i, begin + i + order
-    ends, others = (load(s, at), load(s, to)), (load(s, at + 1), load(s, to - 1))
-    second, third = (load(s, at + 2), load(s, to - 2)), (load(s, at + 3), load(s, to - 3))
-    return paired(order, pairs, ends, others, second, third, (load(s, at + 4), load(s, to - 4)))
-
-
-# these take vectors, not the array: a choice in a function that has it makes numba count who refers to it, at each point
-
-
-@njit(**FORMULA)
-def mean(count, weights, a, b, c, d):
-    """Weighted sum of the first ``count``."""
-    result = weights.a * a
-    if count > 1:
-        result = fma(weights.b, b, result)
-        if count > 2:
-            result = fma(weights.c, c, result)
-            if count > 3:
-                result = fma(weights.d, d, result)
-    return result
-
-
-@njit(**FORMULA)
-def paired(order, pairs, ends, first, second, third, fourth):
-    """Differences of this order, from 2 to 8, from their ends and the points 1, 2, 3, 4 away from them, where there are any."""
-    sign = pairs.sign
-    d = fma(pairs.first, fma(sign, first[0], first[1]), fma(sign, ends[0], ends[1]))
-    if order > 3:
-        d = fma(pairs.second, fma(sign, second[0], second[1]), d)
-        if order > 5:
-            d = fma(pairs.third, fma(sign, third[0], third[1]), d)
-            if order > 7:
-                d = fma(pairs.fourth, fma(sign, fourth[0], fourth[1]), d)
-    return d
 
 
 @njit(**FORMULA)
@@ -247,7 +174,7 @@ def _end_difference(begin, s, end, step, t, levels):
     for k in range(levels.ends):
         difference = 0.0
         for j in range(levels.first + 1):
-            difference += _DIFFERENCE[levels.first, j] * s[U64(begin + end + step * k + j)]
+            difference += weight_of(levels.first, j) * s[U64(begin + end + step * k + j)]
         result += levels.end[t, k] * difference
     return result
 
@@ -259,10 +186,15 @@ def _add_at(begin, flux, s, at):
 
 
 @njit(**FORMULA)
-def _apply_transposed(begin, s, at, order, pairs):
-    """The transposed difference, but for its sign if the order is odd, at points whose own sums stand ``order`` further on."""
-    store(s, begin + at, _difference(begin, s, at, order, pairs))
+def _gather(how, begin, s, at, order, pairs):
+    """What the points take from differences of this order, whose own sums stand ``order`` further on."""
+    store(s, begin + at, how.gather(begin, s, at, order, pairs))
     return 0
+
+
+@njit(**FORMULA)
+def _scale(how, scale, order):
+    return scale * how.sign(order)
 
 
 @njit(**FORMULA)
@@ -293,10 +225,11 @@ def _add_lanes_to_rates(unknown, begin, s, at, scale, target, i, n):
 undivided_of = Formulas(
     add=_add,
     clear=_clear,
-    mean=_mean,
-    difference=_difference,
+    mean=mean_of,
+    difference=difference_of,
     add_up=_add_up,
-    apply_transposed=_apply_transposed,
+    gather=_gather,
+    scale=_scale,
     at=_at,
     put=_put,
     end_difference=_end_difference,

@@ -15,6 +15,7 @@ from fsipetsc.errors import InputError
 from fsipetsc.options import InForce
 from fsipetsc.problem import Problem
 from fsipetsc.process.together import together
+from fsipetsc.scheme.laws import Form
 from fsipetsc.stepping.frames import active_points, errors
 from fsipetsc.stepping.integrator import Integrator
 from fsipetsc.stepping.phases import LoggedState
@@ -58,8 +59,8 @@ def make_state(problem: Problem, opt: Mapping[str, Any], comm: MPI.Comm) -> Stat
     names = ("fsi_order", "fsi_h", "fsi_coupling", "fsi_mapping", "fsi_partition", "fsi_spare")
     kind = LoggedState if PETSc.Log.isActive() else State
     entropy = bool(opt["fsi_entropy"] or opt["fsi_check"])
-    narrow = opt["fsi_viscous"] == "narrow"
-    return kind(comm, problem, *(opt[name] for name in names), entropy, opt["fsi_shared_memory"], narrow)
+    form = Form(opt["fsi_viscous"] == "narrow", opt["fsi_dissipation"], opt["fsi_shocks"])
+    return kind(comm, problem, *(opt[name] for name in names), entropy, opt["fsi_shared_memory"], form)
 
 
 def solve(

@@ -20,7 +20,7 @@ from fsipetsc.problem import FluidLayer, Problem
 from fsipetsc.process.together import agree, together
 from fsipetsc.scheme import runge_kutta
 from fsipetsc.scheme.burst import MADE
-from fsipetsc.scheme.laws import ProblemLaws
+from fsipetsc.scheme.laws import PLAIN, Form, ProblemLaws
 from fsipetsc.scheme.plan import BURST, FLAGS, FORCING, LIMITS, LOW, RATE, SAID_STOP, make_plan
 from fsipetsc.stepping.petsc_path import PetscPath
 
@@ -49,12 +49,12 @@ class State:
         spare: int,
         entropy: bool = False,
         shared: bool = True,
-        narrow: bool = False,
+        form: Form = PLAIN,
     ) -> None:
         self.comm, self.problem, self.h = comm, problem, h
         self.op = OPERATORS[order]
         self._coupling, self._mapping, self._mode, self._spare = coupling, mapping, mode, spare
-        self._entropy, self._shared, self._narrow = entropy, shared, narrow
+        self._entropy, self._shared, self._form = entropy, shared, form
         self.evaluations = 0
         self.fault: InputError | None = None  # of a user's function, on this rank
         self._path: PetscPath | None = None
@@ -62,7 +62,7 @@ class State:
         self._moving = [(k, side) for k, side, end in ends if "x" in in_time(end)]
         # in a step each time is asked for twice, and each answer takes several calls of the user's function
         self._end_motion = lru_cache(maxsize=8)(partial(given.end_motion, problem))
-        self._laws = together(comm, lambda: ProblemLaws(problem, entropy, narrow))
+        self._laws = together(comm, lambda: ProblemLaws(problem, entropy, form))
         self._place(make_grids(problem, self.op, h, spare, mapping))
 
     def compile(self, announce: Callable[[str], None], also: Callable[[], object] = lambda: None) -> None:
@@ -82,10 +82,11 @@ class State:
         conservative = self._coupling == "conservative"
         self.layout = Layout(self.comm, self.problem, self.op, self.h, grids, self._mode, conservative, kept)
         forced = any(layer.forcing for layer in self.problem.layers)
-        asked = (forced, self._entropy, self._shared, self._narrow)
+        asked = (forced, self._entropy, self._shared, self._form.narrow)
         self.plan, self._neighbours = make_plan(self.layout, self.op, self._coupling, *asked)
         self.plan.compiled = self._laws.compiled
         self._laws.number(self.plan.layers, self.plan.faces)
+        self.plan.layers["dissipation"], self.plan.layers["shocks"] = self._form.dissipation, self._form.shocks
         for record, grid in zip(self.layout.records, grids, strict=True):
             record["lo"], record["hi"] = grid.lo, grid.hi
         # the solution vector's own memory is the plan's
