@@ -63,10 +63,10 @@ def limit_of(p: int, alpha: np.ndarray) -> np.ndarray:
     return 1 - np.array([alpha[i : i + p].max() for i in range(len(alpha) + 1 - p)])
 
 
-def near_ends(order: int, n: int, q: int) -> np.ndarray:
-    """(n - q,) least weight of the norm at the points of a difference, and at most 1."""
+def near_ends(order: int, n: int, q: int, of_two: bool) -> np.ndarray:
+    """(n - q,) at most 1: least weight of the norm at the points of a difference, of two neighbours their geometric mean."""
     H_ = OPERATORS[order].norm_weights(n)
-    return np.array([min(1, H_[i : i + q + 1].min()) for i in range(n - q)])
+    return np.array([min(1, np.sqrt(H_[i] * H_[i + 1]) if of_two else H_[i : i + q + 1].min()) for i in range(n - q)])
 
 
 def variables(rho, u, T) -> np.ndarray:
@@ -90,11 +90,11 @@ def gas_terms(order: int, q: np.ndarray, w: np.ndarray, sigma: float, shocks: fl
     rho, u, T, pressure = GAS.primitive(q)
     speed = abs(u - w) + GAS.sound_speed(T)
     alpha = alpha_of(p, (rho, 0.0), (pressure, 0.0))
-    factor = shocks / 2 * alpha * np.maximum(speed[1:], speed[:-1]) * near_ends(order, n, 1)
+    factor = shocks / 2 * alpha * np.maximum(speed[1:], speed[:-1]) * near_ends(order, n, 1, True)
     total = differences(n, 1).T @ (factor[:, None] * (differences(n, 1) @ q))
     mean, D, v = middles(n, p, MEANS[p]), differences(n, p), variables(rho, u, T)
     means = mean @ rho, (mean @ v[1]) / -(mean @ v[2]), 1 / -(mean @ v[2])
-    factor = sigma / 4**p * limit_of(p, alpha) * (mean @ speed) * near_ends(order, n, p)
+    factor = sigma / 4**p * limit_of(p, alpha) * (mean @ speed) * near_ends(order, n, p, False)
     inner = [a * derivative_of_state(*state) @ d for a, state, d in zip(factor, np.transpose(means), (D @ v.T), strict=True)]
     total += D.T @ np.array(inner)
     return -total / OPERATORS[order].norm_weights(n)[:, None] / H
@@ -105,9 +105,9 @@ def solid_terms(order: int, q: np.ndarray, sigma: float, shocks: float) -> np.nd
     p, n = order // 2, len(q)
     alpha, Z = alpha_of(p, (q[:, 1], 1e-10 * ROD.K)), np.sqrt(ROD.K * ROD.m0 / (OPERATORS[order].matrix(n, H) @ q[:, 3]))
     du, dT = np.zeros(n), np.zeros(n)
-    at_shocks, everywhere = shocks * alpha * np.maximum(Z[1:], Z[:-1]), sigma / 4**p * (middles(n, p, MEANS[p]) @ Z)
-    for k, factor in ((1, at_shocks), (p, everywhere * limit_of(p, alpha))):
-        D, factor = differences(n, k), factor * near_ends(order, n, k)
+    at_shocks, everywhere = 0.7 * shocks * alpha * np.maximum(Z[1:], Z[:-1]), sigma / 4**p * (middles(n, p, MEANS[p]) @ Z)
+    for k, factor, of_two in ((1, at_shocks, True), (p, everywhere * limit_of(p, alpha), False)):
+        D, factor = differences(n, k), factor * near_ends(order, n, k, of_two)
         du -= D.T @ (factor * (D @ q[:, 0])) / ROD.m0
         dT += middles(n, k, (1,) if k % 2 == 0 else (0.5, 0.5)).T @ (factor * (D @ q[:, 0]) ** 2) / (ROD.m0 * ROD.alpha)
     return np.stack([du, dT], axis=-1) / OPERATORS[order].norm_weights(n)[:, None] / H

@@ -61,15 +61,12 @@ def largest_within(s, row, to, count, begin, end):
 
 
 @njit(**OPTIONS)
-def weigh_ends(s, row, op, order, lo, hi, i0, i1):
-    """Multiply what differences of an order have with the least weight of the norm, up to 1, at the points that they take.
+def weigh_ends(s, row, weights, rows, order, lo, hi, i0, i1):
+    """Multiply what stands at differences of an order with their weights at either end of lo .. hi, of the first ``rows``.
 
-    As far as they reach the points i0 .. i1-1 of lo .. hi.
+    As far as they reach the points i0 .. i1-1.
     """
-    for r in range(op.rows):
-        least = 1.0
-        for k in range(r, min(r + order + 1, op.rows)):
-            least = min(least, op.norm[k])
+    for r in range(rows):
         for i in (lo + r, hi - order - r):
             if i0 - order <= i < i1:
-                s[U64(row + i)] *= least
+                s[U64(row + i)] *= weights[r]

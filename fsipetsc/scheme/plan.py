@@ -204,7 +204,7 @@ def make_faces(layout: Layout, coupling: str) -> np.ndarray:
 
 
 def make_plan(
-    layout: Layout, op: SBPOperator, coupling: str, forced: bool, entropy: bool, shared: bool, narrow: bool = False
+    layout: Layout, op: SBPOperator, coupling: str, forced: bool, entropy: bool, shared: bool, narrow: bool, shocks: float
 ) -> tuple[Plan, Neighbours]:
     """The plan of this rank and its neighbours, with shared memory if ``shared`` and possible. Collective."""
     faces = make_faces(layout, coupling)
@@ -240,7 +240,7 @@ def make_plan(
     memory = np.zeros(total + _LINE)
     memory = memory[-memory.ctypes.data // 8 % _LINE :][:total]
     head = np.zeros(1, HEAD)
-    head["op"], head["world"] = packed(op.order, narrow), world_record(layout.comm, neighbours.mailboxes)[0]
+    head["op"], head["world"] = packed(op.order, narrow, shocks), world_record(layout.comm, neighbours.mailboxes)[0]
     head["rows"], head["message"], head["halo"], head["reduced"] = rows, message, layout.halo, reduced
     head["area"] = [starts.get(name, -1) for name in (*areas, "forcing")[:5]]
     for name in HEAD.names:

@@ -40,6 +40,7 @@ def bound_step(head, layers, memory):
     STOP is the largest SAID_STOP of all ranks. 1/dt is the 4-norm of the largest rates of convection, (|u-w| + c)/(J h)
     in fluids and c_s/h in solids, and of diffusion, z max(mu'/rho, kappa/(rho cv))/(J h)^2 and z kappa_e/(alpha m0 x_X h^2),
     z the stiffness of the second derivative: 2 for D twice, more for narrow ones (fsipetsc.operators.narrow).
+    Convection counts more where shocks are spread over many points (``pace`` of fsipetsc.operators.sbp).
     The smaller of the two steps alone is too long where they are about equal: at a wall, where both act on the ghost
     point, the rod then fails for orders above 2 at Courant numbers above 0.7.
     """
@@ -64,7 +65,7 @@ def fastest(head, layers, memory, extremes):
         good, speed, spread = with_chosen(of_layer.speeds, LAWS, layer.law, layer, memory, extremes + SIZE * k)
         if good:
             spacing = layer.h * layer.J
-            convection = max(convection, speed / spacing)
+            convection = max(convection, head.op.pace * speed / spacing)
             diffusion = max(diffusion, stiffness * spread / (spacing * spacing))
         else:
             bad = 1.0

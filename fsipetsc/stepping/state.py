@@ -82,7 +82,7 @@ class State:
         conservative = self._coupling == "conservative"
         self.layout = Layout(self.comm, self.problem, self.op, self.h, grids, self._mode, conservative, kept)
         forced = any(layer.forcing for layer in self.problem.layers)
-        asked = (forced, self._entropy, self._shared, self._form.narrow)
+        asked = (forced, self._entropy, self._shared, self._form.narrow, self._form.shocks)
         self.plan, self._neighbours = make_plan(self.layout, self.op, self._coupling, *asked)
         self.plan.compiled = self._laws.compiled
         self._laws.number(self.plan.layers, self.plan.faces)

@@ -1,0 +1,78 @@
+"""Runs with dissipation, everywhere and at shocks: the same bits on any number of ranks, what is conserved, and its order."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from helpers import compute
+
+import fsipetsc
+
+pytest.importorskip("petsc4py")
+pytestmark = pytest.mark.mpi
+
+BOTH = "-fsi_dissipation 0.3 -fsi_shocks 1"
+_SHARED = f"{BOTH} -fsi_partition balanced -ts_max_time 0.1 -fsi_output_dt 0.1"
+SHARED = {
+    "sod 2": ("shock", f"{_SHARED} -fsi_order 2 -fsi_h 0.02"),
+    "sod rigid": ("shock", f"{_SHARED} -fsi_order 4 -fsi_h 0.02 -fsi_mapping rigid -fsi_coupling energy"),
+    "strong 4": ("shock", f"{_SHARED} -shock_problem strong -fsi_order 4 -fsi_h 0.02"),
+    "strong 8": ("shock", f"{_SHARED} -shock_problem strong -fsi_order 8 -fsi_h 0.01"),
+    # tile by tile, if a rank has enough points for that
+    **{
+        f"tiles {order}": ("shock", f"tiles {_SHARED} -fsi_order {order} -fsi_h 0.0025 -ts_max_steps 12")
+        for order in (2, 4, 6, 8)
+    },
+    "strong rk": ("shock", f"{_SHARED} -shock_problem strong -fsi_order 4 -fsi_h 0.02 -ts_type rk"),
+}
+SPACINGS = (0.025, 0.0125)
+#: the variant is that of both terms; a strength that is as good as none leaves the one that is asked after
+ALONE = {
+    "box": ("box", f"{BOTH} -fsi_h 0.0125 -ts_max_time 0.5 -fsi_entropy"),
+    **{
+        f"mms {order} {h}": ("mms", f"-fsi_dissipation 0.3 -fsi_shocks 1e-300 -fsi_order {order} -fsi_h {h}")
+        for order in (2, 4, 6, 8)
+        for h in SPACINGS
+    },
+}
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory):
+    """(ranks, name) -> result."""
+    found = {}
+    for ranks, wanted in ((1, SHARED | ALONE), (2, SHARED), (3, SHARED), (5, SHARED)):
+        folder = tmp_path_factory.mktemp(f"dissipation{ranks}")
+        found |= {(ranks, name): fsipetsc.open_run(path) for name, path in compute(ranks, folder, wanted).items()}
+    return found
+
+
+@pytest.mark.parametrize("name", SHARED)
+@pytest.mark.parametrize("ranks", [2, 3, 5])
+def test_ranks_change_no_bit(runs, ranks, name):
+    one, more = runs[1, name], runs[ranks, name]
+    for a, b in zip(one.layers, more.layers, strict=True):
+        assert all(np.array_equal(a[field], b[field], equal_nan=True) for field in a.fields)
+    assert np.array_equal(one.series["t"], more.series["t"])
+
+
+def test_the_two_paths(runs):
+    """The fused method and PETSc's own make the same of a strong shock, to round-off."""
+    fused, plain = runs[1, "strong 4"], runs[1, "strong rk"]
+    for a, b in zip(fused.layers, plain.layers, strict=True):
+        for field in a.fields:
+            np.testing.assert_allclose(a[field], b[field], rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", ["sod 2", "strong 4", "strong 8"])
+def test_shocks_keep_mass(runs, name):
+    series = runs[1, name].series
+    assert np.abs(series["mass"] / series["mass"][0] - 1).max() < 1e-13
+
+
+def test_box(runs):
+    """What is smooth keeps mass and energy as without dissipation, and the entropy grows in each step."""
+    series = runs[1, "box"].series
+    assert np.abs(series["mass"] / series["mass"][0] - 1).max() < 1e-13
+    assert np.abs(series["energy"] / series["energy"][0] - 1).max() < 1e-12
+    assert np.diff(series["entropy"]).min() > 0
