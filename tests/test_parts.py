@@ -73,6 +73,18 @@ def test_parts_are_in_their_callers_alone():
     assert not any(machine_code(function) for function in PARTS)
 
 
+@njit(**OPTIONS)
+def kept(s):
+    t = s
+    return t[0]
+
+
+def test_nobody_counts_who_refers_to_an_array():
+    assert njit(lambda s: kept(s))(np.ones(1)) == 1.0
+    (compiled,) = kept.overloads.values()
+    assert "NRT_" not in compiled.library.get_llvm_str()
+
+
 def test_so_are_those_of_variants():
     other = Variants(((LAWS, LAWS[::-1]),), "none").of(entry)
     s = np.array([6.0, 12.0, 18.0])

@@ -33,8 +33,11 @@ U64 = np.uint64
 #: scalar version of a formula, and a point's result would depend on where a rank's part begins. Where fusing pays,
 #: ``fma`` says so explicitly.
 ENTRY = {"cache": _KEPT, "error_model": "numpy", "nogil": True}
-#: Of functions that only compiled code calls: not kept on disk for themselves, and nothing made to call them from Python.
+#: Of functions that only compiled code calls: not kept on disk for themselves, nothing made to call them from Python, and
+#: no count kept of who refers to an array: that takes as long as some points, and all arrays outlive the call.
 OPTIONS = {**PART, "error_model": "numpy", "nogil": True}
+#: Of those that return an array that they have not been given.
+ARRAYS = {**OPTIONS, "_nrt": True}
 #: Of formulas at a point: always part of their caller, so that vectors stay in registers.
 FORMULA = {**OPTIONS, "forceinline": True}
 

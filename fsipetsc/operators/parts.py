@@ -30,6 +30,10 @@ class _Part(JITCodeLibrary):
     def codegen(self) -> Any:
         return _NoEnvironment
 
+    def _optimize_functions(self, ll_module: Any) -> None:
+        """Only as part of others."""
+        ll_module.data_layout = super().codegen._data_layout
+
     def finalize(self) -> None:
         """Nothing is to be added any more."""
         self._raise_if_finalized()
@@ -73,4 +77,4 @@ class Part(Compiler):
 
 
 #: what ``njit`` is told of such a function
-PART = {"pipeline_class": Part, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+PART = {"pipeline_class": Part, "no_cpython_wrapper": True, "no_cfunc_wrapper": True, "_nrt": False}

@@ -62,7 +62,7 @@ class Variants:
         other.__module__, other.__qualname__, other.__doc__ = plain.__module__, plain.__qualname__, plain.__doc__
         options = {key: value for key, value in function.targetoptions.items() if key != "nopython"}
         if function.stats.cache_path is None:
-            return njit(**(options | PART if options.get("no_cpython_wrapper") else options))(other)
+            return njit(**(PART | options if options.get("no_cpython_wrapper") else options))(other)
         return self._kept(other, options)
 
     def _kept(self, function: Any, options: dict[str, Any]) -> Any:

@@ -7,7 +7,7 @@ from numba import carray, njit
 from numba.core import types
 from numba.extending import intrinsic
 
-from fsipetsc.operators.kernels import OPTIONS
+from fsipetsc.operators.kernels import ARRAYS
 
 
 def _pointer_to(kind):
@@ -26,19 +26,19 @@ def _pointer_to(kind):
 _doubles, _words = _pointer_to(types.float64), _pointer_to(types.uint64)
 
 
-@njit(**OPTIONS)
+@njit(**ARRAYS)
 def rows_of(address, rows, columns):
     """The doubles at an address as an array of shape (rows, columns), without a count of references."""
     return carray(_doubles(address), (rows, columns))
 
 
-@njit(**OPTIONS)
+@njit(**ARRAYS)
 def rows_at(memory, at, rows, columns):
     """memory[at:] as an array of shape (rows, columns), likewise."""
     return rows_of(memory.ctypes.data + 8 * at, rows, columns)
 
 
-@njit(**OPTIONS)
+@njit(**ARRAYS)
 def words_at(address, count):
     """``count`` 64-bit words at an address."""
     return carray(_words(address), (count,))

@@ -227,5 +227,5 @@ def _compiled(
             form = f"{name}({known[name]})"
             raise InputError(f"{place_of(plain)}: {name} of {what} takes {count} argument{'s' * (count != 1)}: expected {form}")
         ours = plain.__module__.startswith("fsipetsc.") and plain is not function
-        found[name] = function if ours else njit(**FORMULA)(plain)
+        found[name] = function if ours else njit(**{**FORMULA, "_nrt": True})(plain)  # it may make arrays
     return found

@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit
 
 from fsipetsc.boundaries import CLAMPED, INTERFACE_END, NODES, WALL, close_solid, fill_ghost, note_gradient
-from fsipetsc.operators.kernels import OPTIONS, U64
+from fsipetsc.operators.kernels import ARRAYS, OPTIONS, U64
 from fsipetsc.parallel.exchange import holds, work_point
 from fsipetsc.parallel.pointers import rows_at
 from fsipetsc.physics.layer import FLUID, GIVEN_T
@@ -45,7 +45,7 @@ def ghost_of(head, layer, side):
     return G, step, depth, holds(layer, G) and holds(layer, G + step * depth)
 
 
-@njit(**OPTIONS)
+@njit(**ARRAYS)
 def fetch_nodes(law, head, layer, memory, area, side, first):
     """(rho, u, T) of the ghost point (0) and those inside of it from number ``first`` on, as ``fill_ghost`` takes them."""
     nodes, (G, step, depth, _) = rows_at(memory, head.nodes, 5, NODES), ghost_of(head, layer, side)
