@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 import pytest
 
@@ -140,8 +142,10 @@ MULTIPLES = np.array([-4, -3, -2, -1, 1, 2, 3, 4]) * STEP
 WEIGHTS = np.concatenate([-np.asarray(CENTRAL)[::-1], CENTRAL]) / STEP
 
 
-def derivatives(layer, side: int, mach: float) -> np.ndarray:
-    """Of what ``filled`` gives, (5,), with respect to the values (3, NEAR) from the ghost point inwards."""
+@lru_cache(None)
+def derivatives(side: int, mach: float, mu: float, kappa: float, of_open: int) -> np.ndarray:
+    """Of what ``filled`` gives, (5,), with respect to the values (3, NEAR) from the ghost point inwards; of ``gas_layer``."""
+    layer = gas_layer(mach, mu, kappa, of_open)
     base, result = np.repeat(np.array([1.0, mach, 1.0])[:, None], NEAR, 1), np.zeros((5, 3, NEAR))
     for v in range(3):
         for k in range(NEAR):
@@ -158,10 +162,9 @@ def jacobian(order: int, mach: float, mu: float, kappa: float, of_open: int, nar
     D = op.matrix(N)
     D2 = D @ D - (remainder(op.interior, np.ones(N)) / op.norm_weights(N)[:, None] if narrow else O)
     fill, seen = np.eye(3 * N), np.eye(3 * N)[N:].reshape(2, N, 3 * N).copy()
-    layer = gas_layer(mach, mu, kappa, of_open)
     for side in range(2):
         points = np.arange(NEAR) if side == 0 else N - 1 - np.arange(NEAR)
-        rows, of_ghost = points[0] + N * np.arange(3), derivatives(layer, side, mach).reshape(5, -1)
+        rows, of_ghost = points[0] + N * np.arange(3), derivatives(side, mach, mu, kappa, of_open).reshape(5, -1)
         columns = (N * np.arange(3)[:, None] + points).ravel()
         fill[rows], seen[:, points[0]] = 0.0, 0.0
         fill[np.ix_(rows, columns)], seen[:, points[0], columns] = of_ghost[:3], of_ghost[3:]
@@ -193,7 +196,7 @@ def test_as_many_conditions_as_the_equations_need(side):
     for mach, count in ((-1.2, 3), (-0.5, 2), (0.5, 1), (1.2, 0)):
         for mu in (0.0, 0.3):
             for kappa in (0.0, 0.3):
-                of_ghost = derivatives(gas_layer(n * mach, mu, kappa, 1), side, n * mach)[:, :, 0]
+                of_ghost = derivatives(side, n * mach, mu, kappa, 1)[:, :, 0]
                 assert np.linalg.matrix_rank(of_ghost[:3] - np.eye(3), tol=1e-6) == count
                 # those of u and T by the ghost point's values, which are what the fill has made of them
                 of_u, of_T = np.abs(of_ghost[3:] - own @ of_ghost[:3]).max(axis=1) > 1e-6

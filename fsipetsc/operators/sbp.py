@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -165,6 +166,16 @@ def packed(order: int, narrow: bool = False, shocks: float = 0.0) -> np.void:
 
     narrow: whether second derivatives are to be narrow, rather than D twice; shocks: how strong dissipation is there.
     """
+    record = _numbers(order).copy()
+    record["pace"] = max(1.0, shocks * _PACE_AT_SHOCKS[order])
+    record["narrow"] = narrow
+    record["stiffness"] = STIFFNESS[order] if narrow else STIFFNESS_OF_WIDE
+    return record
+
+
+@cache
+def _numbers(order: int) -> np.void:
+    """What is the same in all records of an operator: fractions take milliseconds to become numbers."""
     op = operator(order)
     record = np.zeros((), dtype=OPERATOR)
     record["p"], record["rows"], record["cols"], record["reach"] = op.p, op.rows, op.rows + op.p, op.reach
@@ -189,7 +200,4 @@ def packed(order: int, narrow: bool = False, shocks: float = 0.0) -> np.void:
     for r in range(op.rows):
         record["dissipation_ends"][r] = min(1.0, H[r : r + op.p + 1].min())
         record["shock_ends"][r] = min(1.0, np.sqrt(H[r] * H[r + 1]))
-    record["pace"] = max(1.0, shocks * _PACE_AT_SHOCKS[order])
-    record["narrow"] = narrow
-    record["stiffness"] = STIFFNESS[order] if narrow else STIFFNESS_OF_WIDE
     return record[()]
