@@ -95,8 +95,9 @@ def _main(arguments: list[str]) -> int:
     if launcher_rank() > 0:
         return 0  # rank 0 alone answers
     try:
-        _answer(arguments)
-        _flush()
+        with raised():
+            _answer(arguments)
+            _flush()
     except BrokenPipeError:  # the reader, a pager or head, has seen enough
         abandon_stdout()
     except (Exception, KeyboardInterrupt) as error:

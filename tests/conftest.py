@@ -1,4 +1,4 @@
-"""Runs that several tests look at: computed once in a session, several in one process, when the first test asks."""
+"""Runs that several tests look at: computed once in a session, several in one process, when the first test asks; fixtures."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from helpers import REPOSITORY, compute
+from stub_case import CASE, DRIVER
 
 import fsipetsc
 from fsipetsc.output.reader import Run
@@ -281,3 +282,12 @@ def kernels(tmp_path_factory: pytest.TempPathFactory) -> None:
 def computed(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[[str, str], Run]]:
     """computed(group, name): the result of one of the runs in GROUPS."""
     yield Computed(tmp_path_factory.mktemp("runs"))
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty directory with the driver and a case file, as the working directory."""
+    (tmp_path / "driver.py").write_text(DRIVER)
+    (tmp_path / "stub.py").write_text(CASE)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path

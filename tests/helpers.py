@@ -10,6 +10,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+import fsipetsc
+
 REPOSITORY = Path(__file__).resolve().parent.parent
 
 _MPI_ENVIRONMENT = {
@@ -116,3 +120,33 @@ def from_python(function: Any, *law: Any) -> Any:
         (formulas,) = law
         return njit(error_model="numpy")(lambda *arguments: function(formulas, *arguments))
     return njit(error_model="numpy")(lambda *arguments: function(*arguments))
+
+
+def solve(*args: object, **more: Any) -> subprocess.CompletedProcess[str]:
+    """`python -m fsipetsc *args` without mpiexec."""
+    return run("-m", "fsipetsc", *args, **more)
+
+
+def message(done: subprocess.CompletedProcess[str], status: int, *words: str) -> str:
+    """The program's one message; asserts the status, that the words are in it, and that no more is said but by the launcher."""
+    assert done.returncode == status, done.stderr
+    lines = [line for line in done.stderr.splitlines() if line.startswith("fsipetsc: error: ")]
+    assert len(lines) == 1, done.stderr
+    for word in ("Traceback", "PETSC ERROR", "Warning"):
+        assert word not in done.stderr
+    for word in words:
+        assert word in lines[0], lines[0]
+    return lines[0]
+
+
+def assert_readable(path: Path, status: str, reached: float) -> None:
+    """A result that can be opened, with frames and series up to the end."""
+    with fsipetsc.open_run(path) as result:
+        assert result.summary["status"] == status
+        assert result.nframes >= 1
+        assert result.time[0] == 0.0
+        assert len(result.series["t"]) >= result.summary["steps"] - 1, "all steps but one that failed"
+        assert 0 < result.summary["t"] <= reached
+        for layer in result.layers:
+            for field in layer.fields:
+                assert np.isfinite(layer[field][-1]).sum() > 1

@@ -28,8 +28,9 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fsipetsc.errors import FileError, is_petsc, petsc_words
+from fsipetsc.errors import FileError, FsiError, is_petsc, petsc_words
 from fsipetsc.output import buffers, claim, commits, file_layout, hdf5, tables, transaction
+from fsipetsc.process.together import agree
 
 Array = np.ndarray[Any, Any]
 Result = TypeVar("Result")
@@ -178,31 +179,32 @@ class RunWriter:
     def _on_root(self, action: Callable[[], Result]) -> Result:
         """The value of `action` on rank 0, for all ranks; its failure too. Collective."""
         value: Any = None
-        message = self._failure
-        if self._root and message is None:
+        fault = FileError(self._failure) if self._failure is not None else None
+        if self._root and fault is None:
             try:
                 value = action()
             except Exception as error:
-                message = self._explain(error)
-        value, message = self._comm.bcast((value, message), root=0)
-        if message is not None:
-            self._fail(message)
-        return value
+                fault = FileError(self._explain(error))
+        self._agree(fault)
+        return self._comm.bcast(value, root=0)
 
     def _together(self, action: Callable[[], Any]) -> None:
         """Run `action` on all ranks; if it fails on one, raise on all. Collective."""
-        message = None
+        fault = None
         try:
             action()
         except Exception as error:
-            message = self._explain(error)
-        if self._comm.allreduce(int(message is not None)):
-            self._fail(next(filter(None, self._comm.allgather(message))))
+            fault = FileError(self._explain(error))
+        self._agree(fault)
 
-    def _fail(self, message: str) -> None:
-        self._closed = True
-        self._release()
-        raise FileError(message)
+    def _agree(self, fault: FileError | None) -> None:
+        """Raise the fault of any rank on all ranks; a signal that has come before the time loop is one. Collective."""
+        try:
+            agree(self._comm, fault)
+        except FsiError:
+            self._closed = True
+            self._release()
+            raise
 
     def _explain(self, error: Exception) -> str:
         if isinstance(error, FileError):

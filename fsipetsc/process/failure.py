@@ -29,7 +29,7 @@ def describe(error: BaseException, case_file: str | None = None) -> tuple[int, s
     if isinstance(error, FsiError):
         return error.status, str(error), error.collective
     if isinstance(error, KeyboardInterrupt):
-        return 130, "interrupted", False
+        return 130, "stopped by SIGINT", False
     if isinstance(error, MemoryError):
         return 3, f"out of memory{_detail(error)}; a coarser grid (-fsi_h) or more ranks need less", False
     if case_file is not None and frames_in(error, case_file):

@@ -1,0 +1,36 @@
+"""The program with a stand-in for the solver, and a case file for it; see the fixture ``here``."""
+
+from __future__ import annotations
+
+from helpers import run
+
+#: the program with a stand-in for the solver: it prints the options, or does what the case's option -do says
+DRIVER = """
+import json, sys, types
+
+def run_case(case, options, comm):
+    exec(options["do"], {"comm": comm, "case": case, "options": options})
+    if comm.rank == 0:
+        print(json.dumps(options), flush=True)
+
+for name in ("fsipetsc.stepping", "fsipetsc.stepping.run"):
+    sys.modules[name] = types.ModuleType(name)
+sys.modules["fsipetsc.stepping.run"].run_case = run_case
+from fsipetsc.cli import main
+sys.exit(main())
+"""
+CASE = """
+from fsipetsc.options import Option
+
+SUMMARY = "a stub"
+OPTIONS = (Option("solid_force", float, 0.0, "N", "force"), Option("do", str, "", "", "what to do"))
+DEFAULTS = {"fsi_h": 0.1, "ts_max_time": 1.0}
+
+
+def build(opt):
+    return opt["no_such_option"]
+"""
+
+
+def run_stub(*args, **more):
+    return run("driver.py", "stub.py", *args, **more)

@@ -1,0 +1,74 @@
+"""Every kind of error is one message and its exit status, whatever the number of ranks; tracebacks are for who asks."""
+
+from __future__ import annotations
+
+import pytest
+from helpers import message, mpirun, run
+from stub_case import run_stub
+
+RAISED = {
+    "from fsipetsc.errors import ComputationError as E; raise E('T <= 0')": (3, ["T <= 0"]),
+    "from fsipetsc.errors import FileError as E; raise E('disk')": (4, ["disk"]),
+    "open('/no/such/file')": (4, ["/no/such/file: No such file"]),
+    "raise MemoryError": (3, ["out of memory", "-fsi_h"]),
+    "raise KeyboardInterrupt": (130, ["stopped by SIGINT"]),
+    "import no_such_package": (1, ["no_such_package"]),
+    "case.build(options)": (2, ["stub.py, line 10", "KeyError"]),
+    "1 / 0": (1, ["ZeroDivisionError", "-fsi_debug"]),
+    "from petsc4py import PETSc; PETSc.TS().create().setType('nix')": (1, ["PETSc error 86", "Unknown TS type: nix"]),
+}
+
+
+@pytest.mark.parametrize("code", RAISED)
+def test_every_kind_of_error_is_one_message_and_its_status(code, here):
+    status, words = RAISED[code]
+    message(run_stub("-do", code), status, *words)
+
+
+def test_debug_shows_the_traceback(here):
+    done = run_stub("-do", "1 / 0", "-fsi_debug")
+    assert done.returncode == 1
+    assert done.stderr.startswith("Traceback")
+    assert done.stderr.splitlines()[-1].startswith("fsipetsc: error: ")
+
+
+@pytest.mark.parametrize("line", ["info no.h5", "plot no.h5", "convergence mms -no 1", "stability -no 1", "bench -no 1"])
+def test_every_command_shows_the_traceback(line, here):
+    done = run("-m", "fsipetsc", *line.split(), "-fsi_debug")
+    assert done.returncode == (4 if "no.h5" in line else 2), done.stderr
+    assert done.stderr.startswith("Traceback")
+    assert done.stderr.splitlines()[-1].startswith("fsipetsc: error: ")
+
+
+def test_the_option_that_shows_the_traceback_counts_wherever_it_is_given(here):
+    (here / "debug.opts").write_text("-fsi_debug\n")
+    done = run("-m", "fsipetsc", "stability", "-no", 1, env={"PETSC_OPTIONS": "-options_file debug.opts"})
+    assert done.stderr.startswith("Traceback")
+    message(run("-m", "fsipetsc", "stability", "-no", 1, "-fsi_debug", "no"), 2, "-no")
+
+
+@pytest.mark.mpi
+class TestOnTwoRanks:
+    """Nobody waits for a rank that has gone."""
+
+    @pytest.mark.parametrize("rank", [0, 1])
+    def test_one_rank_fails_alone(self, rank, here):
+        code = f"comm.rank == {rank} and 1 / 0; comm.barrier()"
+        done = mpirun(2, "driver.py", "stub.py", "-do", code)
+        message(done, 1, "ZeroDivisionError")
+
+    @pytest.mark.slow
+    def test_one_rank_fails_alone_with_an_error_said_to_be_common(self, here):
+        code = "from fsipetsc.errors import ComputationError as E\nif comm.rank == 1: raise E('T <= 0')\ncomm.barrier()"
+        done = mpirun(2, "driver.py", "stub.py", "-do", code)
+        message(done, 3, "T <= 0")
+
+    @pytest.mark.parametrize("code", ["1 / 0", "from fsipetsc.errors import ComputationError as E; raise E('T <= 0')"])
+    def test_all_ranks_fail(self, code, here):
+        done = mpirun(2, "driver.py", "stub.py", "-do", f"comm.barrier(); {code}")
+        message(done, 3 if "Computation" in code else 1)
+        assert "MPI_ABORT" not in done.stderr, "an error of all ranks ends in order"
+
+    def test_ranks_disagree_about_the_error(self, here):
+        code = "from fsipetsc.errors import *; raise (FileError, InputError)[comm.rank]('rank %d' % comm.rank)"
+        message(mpirun(2, "driver.py", "stub.py", "-do", code), 4, "rank 0")
