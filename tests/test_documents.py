@@ -31,8 +31,8 @@ def known_options() -> set[str]:
     for command in cli.COMMANDS.values():
         if command.options:
             listed = cli._named(command.options)
-            sections = listed(["mms"]) if callable(listed) else listed
-            names |= {option.name for options in sections.values() for option in options}
+            for sections in (listed(["mms"]), listed([])) if callable(listed) else (listed,):
+                names |= {option.name for options in sections.values() for option in options}
     return names | {option.name for option in AT_START + IN_LOOP + IN_SOURCES} | FOREIGN
 
 

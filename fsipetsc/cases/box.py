@@ -18,27 +18,25 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.boundaries import Wall
+from fsipetsc.cases.materials import gas_of, material_options, solid_of
 from fsipetsc.options import Option
-from fsipetsc.physics.fluid import Fluid
-from fsipetsc.physics.solid import Solid
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 
 NAME = "box"
 SUMMARY = "gas | solid | gas in a closed box, which conserves mass and energy"
 
 OPTIONS = (
-    Option("fluid_mu", "float", 0.01, "Pa s", "viscosity of the gas", check="nonnegative"),
-    Option("fluid_kappa", "float", 0.03, "W/(m K)", "heat conductivity of the gas", check="nonnegative"),
-    Option(
-        *("fluid_gamma", "float", 1.4, "", "ratio of the specific heats of the gas"),
-        check=lambda value: None if value > 1 else "a number above 1",
+    *material_options(
+        fluid_mu=0.01,
+        fluid_kappa=0.03,
+        fluid_gamma=1.4,
+        fluid_R=1.0,
+        solid_modulus=20.0,
+        solid_kappa=0.02,
+        solid_density=2.0,
+        solid_alpha=1.0,
+        solid_gruneisen=0.0,
     ),
-    Option("fluid_R", "float", 1.0, "J/(kg K)", "gas constant over molar mass", check="positive"),
-    Option("solid_modulus", "float", 20.0, "Pa", "2 mu_e + lambda_e of the solid", check="positive"),
-    Option("solid_kappa", "float", 0.02, "W/(m K)", "heat conductivity of the solid", check="nonnegative"),
-    Option("solid_density", "float", 2.0, "kg/m3", "density m0 of the solid at rest", check="positive"),
-    Option("solid_alpha", "float", 1.0, "J/(kg K)", "specific heat of the solid", check="positive"),
-    Option("solid_gruneisen", "float", 0.0, "", "pressure of the solid p = G rho epsilon; 0: elastic", check="nonnegative"),
     Option("box_p_left", "float", 2.2, "Pa", "initial pressure of the gas on the left", check="positive"),
     Option("box_p_right", "float", 2.0, "Pa", "initial pressure of the gas on the right", check="positive"),
     Option("box_T_left", "float", 5.0, "K", "initial temperature on the left", check="positive"),
@@ -57,14 +55,8 @@ def smooth_step(z: np.ndarray) -> np.ndarray:
 
 def build(opt: Mapping[str, Any]) -> Problem:
     """The solid between X = 1 and X = 2, the walls at 0 and 3."""
-    gas = Fluid(opt["fluid_mu"], opt["fluid_kappa"], opt["fluid_gamma"], opt["fluid_R"])
-    solid = Solid(
-        opt["solid_modulus"],
-        opt["solid_kappa"],
-        opt["solid_density"],
-        opt["solid_alpha"],
-        gruneisen=opt["solid_gruneisen"],
-    )
+    gas = gas_of(opt)
+    solid = solid_of(opt)
     p, T = (opt["box_p_left"], opt["box_p_right"]), (opt["box_T_left"], opt["box_T_right"])
 
     def at_rest(side: int) -> Callable[[np.ndarray], list[np.ndarray]]:

@@ -12,21 +12,17 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.boundaries import clamped
+from fsipetsc.cases.materials import gas_of, material_options, solid_of
 from fsipetsc.options import Option
-from fsipetsc.physics.fluid import Fluid
-from fsipetsc.physics.solid import Solid
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 
 NAME = "column"
 SUMMARY = "solid | gas | solid | gas | solid: a pulse runs through five layers"
 
 OPTIONS = (
-    Option("fluid_mu", "float", 0.01, "Pa s", "viscosity of the gases", check="nonnegative"),
-    Option("fluid_kappa", "float", 0.03, "W/(m K)", "heat conductivity of the gases", check="nonnegative"),
-    Option("solid_modulus", "float", 20.0, "Pa", "2 mu_e + lambda_e of the solids", check="positive"),
-    Option("solid_kappa", "float", 0.02, "W/(m K)", "heat conductivity of the solids", check="nonnegative"),
-    Option("solid_density", "float", 2.0, "kg/m3", "density m0 of the solids at rest", check="positive"),
-    Option("solid_alpha", "float", 1.0, "J/(kg K)", "specific heat of the solids", check="positive"),
+    *material_options(
+        fluid_mu=0.01, fluid_kappa=0.03, solid_modulus=20.0, solid_kappa=0.02, solid_density=2.0, solid_alpha=1.0
+    ),
     Option("column_pulse", "float", 0.5, "", "overpressure in the middle of the first gas, over p0", check="nonnegative"),
 )
 DEFAULTS = {"fsi_h": 0.025, "fsi_order": 4, "ts_max_time": 4.0, "fsi_output_dt": 0.05}
@@ -39,8 +35,8 @@ X = (0.0, 1.0, 2.0, 2.5, 3.5, 4.5)
 
 def build(opt: Mapping[str, Any]) -> Problem:
     """All at rest under p0 but for the pulse."""
-    gas = Fluid(opt["fluid_mu"], opt["fluid_kappa"], gamma=1.4, R=1.0)
-    solid = Solid(opt["solid_modulus"], opt["solid_kappa"], opt["solid_density"], opt["solid_alpha"])
+    gas = gas_of(opt)
+    solid = solid_of(opt)
 
     def pulse(X_g: np.ndarray) -> list[np.ndarray]:
         compressed = (1 + opt["column_pulse"] * np.exp(-(((X_g - 1.5) / 0.12) ** 2))) ** (1 / gas.gamma)

@@ -24,6 +24,7 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.boundaries import Wall, clamped
+from fsipetsc.cases.materials import gas_of, material_options, solid_of
 from fsipetsc.errors import InputError
 from fsipetsc.options import Option
 from fsipetsc.physics.fluid import Fluid
@@ -34,12 +35,9 @@ NAME = "heat"
 SUMMARY = "conjugate heat transfer between a solid and a gas: errors against the exact solution"
 
 OPTIONS = (
-    Option("fluid_mu", "float", 0.02, "Pa s", "viscosity of the gas", check="nonnegative"),
-    Option("fluid_kappa", "float", 0.1, "W/(m K)", "heat conductivity of the gas", check="positive"),
-    Option("solid_modulus", "float", 20.0, "Pa", "2 mu_e + lambda_e of the solid", check="positive"),
-    Option("solid_kappa", "float", 0.3, "W/(m K)", "heat conductivity of the solid", check="positive"),
-    Option("solid_density", "float", 2.0, "kg/m3", "density m0 of the solid at rest", check="positive"),
-    Option("solid_alpha", "float", 1.0, "J/(kg K)", "specific heat of the solid", check="positive"),
+    *material_options(
+        conducting=True, fluid_mu=0.02, fluid_kappa=0.1, solid_modulus=20.0, solid_kappa=0.3, solid_density=2.0, solid_alpha=1.0
+    ),
     Option("heat_amplitude", "float", 1e-7, "K", "largest disturbance of the temperature; the linear theory needs it small"),
 )
 DEFAULTS = {"fsi_h": 0.025, "fsi_order": 4, "ts_max_time": 1.0, "fsi_output_dt": 0.1}
@@ -158,8 +156,8 @@ class Mode:
 
 def build(opt: Mapping[str, Any]) -> Problem:
     """The solid clamped at X = -1, the wall at x = 1, both of the temperature T0."""
-    gas = Fluid(opt["fluid_mu"], opt["fluid_kappa"], GAMMA, R)
-    solid = Solid(opt["solid_modulus"], opt["solid_kappa"], opt["solid_density"], opt["solid_alpha"])
+    gas = gas_of(opt, GAMMA, R)
+    solid = solid_of(opt)
     mode, amplitude = Mode(gas, solid), opt["heat_amplitude"]
 
     def in_gas(x: np.ndarray, t: float) -> list[np.ndarray]:

@@ -18,6 +18,7 @@ import numpy as np
 from numba import njit
 
 from fsipetsc.boundaries import DEGREES, Dirichlet
+from fsipetsc.cases.materials import gas_of, material_options, solid_of
 from fsipetsc.errors import InputError
 from fsipetsc.operators.kernels import ENTRY as COMPILED
 from fsipetsc.options import Option
@@ -29,17 +30,16 @@ NAME = "mms"
 SUMMARY = "manufactured solution: errors against the exact solution (Sec. 5.1)"
 
 OPTIONS = (
-    Option("fluid_mu", "float", 0.01, "Pa s", "viscosity", check="nonnegative"),
-    Option("fluid_kappa", "float", 0.03, "W/(m K)", "heat conductivity of the fluid", check="nonnegative"),
-    Option(
-        *("fluid_gamma", "float", 1.4, "", "ratio of the specific heats"),
-        check=lambda value: None if value > 1 else "a number above 1",
+    *material_options(
+        fluid_mu=0.01,
+        fluid_kappa=0.03,
+        fluid_gamma=1.4,
+        fluid_R=1.0,
+        solid_modulus=10.0,
+        solid_kappa=0.02,
+        solid_density=2.0,
+        solid_alpha=1.0,
     ),
-    Option("fluid_R", "float", 1.0, "J/(kg K)", "gas constant over molar mass", check="positive"),
-    Option("solid_modulus", "float", 10.0, "Pa", "2 mu_e + lambda_e", check="positive"),
-    Option("solid_kappa", "float", 0.02, "W/(m K)", "heat conductivity of the solid", check="nonnegative"),
-    Option("solid_density", "float", 2.0, "kg/m3", "density m0 of the solid in its reference state", check="positive"),
-    Option("solid_alpha", "float", 1.0, "J/(kg K)", "specific heat of the solid", check="positive"),
     Option("mms_epsilon", "float", 0.2, "", "epsilon of (5.2d)"),
     Option("mms_omega", "float", 2.0, "1/m", "wave number omega of (5.1), (5.2)"),
     Option("mms_phi", "float", 0.47, "", "phase phi of (5.1b)"),
@@ -154,8 +154,8 @@ def build(opt: Mapping[str, Any]) -> Problem:
     if opt["fsi_mapping"] == "stretched":
         raise InputError("-fsi_mapping stretched: expected rigid, for the solution of mms is a function of X on a rigid grid")
     exact = Exact(opt["mms_epsilon"], opt["mms_omega"], opt["mms_phi"])
-    gas = Fluid(opt["fluid_mu"], opt["fluid_kappa"], opt["fluid_gamma"], opt["fluid_R"])
-    solid = Solid(opt["solid_modulus"], opt["solid_kappa"], opt["solid_density"], opt["solid_alpha"])
+    gas = gas_of(opt)
+    solid = solid_of(opt)
     gas_numbers = 4 / 3 * gas.mu, gas.kappa, gas.R, gas.cv
 
     def boundary(x_boundary: float, X_I: float) -> Dirichlet:

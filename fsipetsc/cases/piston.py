@@ -14,21 +14,17 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.boundaries import Wall
+from fsipetsc.cases.materials import gas_of, material_options, solid_of
 from fsipetsc.options import Option
-from fsipetsc.physics.fluid import Fluid
-from fsipetsc.physics.solid import Solid
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 
 NAME = "piston"
 SUMMARY = "a wall that moves drives gas against an elastic layer: gas | solid | gas"
 
 OPTIONS = (
-    Option("fluid_mu", "float", 1.8e-5, "Pa s", "viscosity of the gases", check="nonnegative"),
-    Option("fluid_kappa", "float", 0.026, "W/(m K)", "heat conductivity of the gases", check="nonnegative"),
-    Option("solid_modulus", "float", 1e7, "Pa", "2 mu_e + lambda_e of the layer", check="positive"),
-    Option("solid_kappa", "float", 0.2, "W/(m K)", "heat conductivity of the layer", check="nonnegative"),
-    Option("solid_density", "float", 100.0, "kg/m3", "density m0 of the layer at rest", check="positive"),
-    Option("solid_alpha", "float", 1000.0, "J/(kg K)", "specific heat of the layer", check="positive"),
+    *material_options(
+        fluid_mu=1.8e-5, fluid_kappa=0.026, solid_modulus=1e7, solid_kappa=0.2, solid_density=100.0, solid_alpha=1000.0
+    ),
     Option(
         *("piston_stroke", float, 0.3, "m", "way of the wall"),
         check=lambda way: None if way < 0.9 else "a number below 0.9",
@@ -43,8 +39,8 @@ X = (0.0, 1.0, 1.2, 2.2)
 
 def build(opt: Mapping[str, Any]) -> Problem:
     """The layer between X = 1 and X = 1.2, everything at rest under P0."""
-    gas = Fluid(opt["fluid_mu"], opt["fluid_kappa"], gamma=1.4, R=287.0)
-    solid = Solid(opt["solid_modulus"], opt["solid_kappa"], opt["solid_density"], opt["solid_alpha"])
+    gas = gas_of(opt, R=287.0)
+    solid = solid_of(opt)
     stroke, time = opt["piston_stroke"], opt["piston_time"]
 
     def place(t: float) -> float:

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.boundaries import Open, absorbing
+from fsipetsc.cases.materials import gas_of, material_options, solid_of
 from fsipetsc.errors import InputError
 from fsipetsc.options import Option
 from fsipetsc.physics.fluid import Fluid
@@ -28,18 +29,17 @@ NAME = "pulse"
 SUMMARY = "a sound pulse meets a solid | fluid interface: reflection and transmission (Sec. 4)"
 
 OPTIONS = (
-    Option("fluid_mu", "float", 0.0, "Pa s", "viscosity of the gas", check="nonnegative"),
-    Option("fluid_kappa", "float", 0.0, "W/(m K)", "heat conductivity of the gas", check="nonnegative"),
-    Option(
-        *("fluid_gamma", "float", 1.4, "", "ratio of the specific heats of the gas"),
-        check=lambda value: None if value > 1 else "a number above 1",
+    *material_options(
+        fluid_mu=0.0,
+        fluid_kappa=0.0,
+        fluid_gamma=1.4,
+        fluid_R=8.3145 / 0.029,
+        solid_modulus=1e6,
+        solid_kappa=0.0,
+        solid_density=4.0,
+        solid_alpha=1000.0,
+        solid_gruneisen=0.0,
     ),
-    Option("fluid_R", "float", 8.3145 / 0.029, "J/(kg K)", "gas constant over molar mass", check="positive"),
-    Option("solid_modulus", "float", 1e6, "Pa", "2 mu_e + lambda_e of the solid", check="positive"),
-    Option("solid_kappa", "float", 0.0, "W/(m K)", "heat conductivity of the solid", check="nonnegative"),
-    Option("solid_density", "float", 4.0, "kg/m3", "density m0 of the solid at rest", check="positive"),
-    Option("solid_alpha", "float", 1000.0, "J/(kg K)", "specific heat of the solid", check="positive"),
-    Option("solid_gruneisen", "float", 0.0, "-", "pressure of the solid p = G rho epsilon; 0: elastic", check="nonnegative"),
     Option("solid_stretch", "float", 1.0, "-", "strain x_X of the solid at rest", check="positive"),
     Option("pulse_p0", "float", 1e5, "Pa", "pressure at rest", check="positive"),
     Option("pulse_T0", "float", 300.0, "K", "temperature at rest", check="positive"),
@@ -125,9 +125,8 @@ def acoustics(opt: Mapping[str, Any], gas: Fluid, solid: Solid) -> Acoustics:
 
 def build(opt: Mapping[str, Any]) -> Problem:
     """Solid in -size < X < 0, fluid in 0 < X < size."""
-    gas = Fluid(opt["fluid_mu"], opt["fluid_kappa"], opt["fluid_gamma"], opt["fluid_R"])
-    elastic = opt["solid_modulus"], opt["solid_kappa"], opt["solid_density"], opt["solid_alpha"]
-    solid = Solid(*elastic, gruneisen=opt["solid_gruneisen"])
+    gas = gas_of(opt)
+    solid = solid_of(opt)
     size, p0, T0 = opt["pulse_size"], opt["pulse_p0"], opt["pulse_T0"]
     if not 0 < abs(opt["pulse_start"]) < size:
         raise InputError(f"-pulse_start {opt['pulse_start']:g} is not inside a layer: expected 0 < |start| < {size:g}")

@@ -13,17 +13,12 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.boundaries import Open, Wall
+from fsipetsc.cases.materials import gas_of, material_options, solid_of
 from fsipetsc.options import Option
-from fsipetsc.physics.fluid import Fluid
-from fsipetsc.physics.solid import Solid
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 
 NAME = "rod"
 SUMMARY = "an elastic rod falls into a compressible gas and bounces (Sec. 5.2)"
-
-
-def _above_one(value: float) -> str | None:
-    return None if value > 1 else "a number above 1"
 
 
 def _below_the_rod(value: float) -> str | None:
@@ -35,15 +30,17 @@ def _above_the_rod(value: float) -> str | None:
 
 
 OPTIONS = (
-    Option("fluid_mu", "float", 0.5, "Pa s", "viscosity of the gas", check="nonnegative"),
-    Option("fluid_kappa", "float", 0.7, "W/(m K)", "heat conductivity of the gas", check="nonnegative"),
-    Option("fluid_gamma", "float", 1.4, "-", "ratio of the specific heats of the gas", check=_above_one),
-    Option("fluid_R", "float", 8.3145 / 0.029, "J/(kg K)", "gas constant over molar mass", check="positive"),
-    Option("solid_modulus", "float", 1e5, "Pa", "2 mu_e + lambda_e of the rod", check="positive"),
-    Option("solid_kappa", "float", 0.5, "W/(m K)", "heat conductivity of the rod", check="nonnegative"),
-    Option("solid_density", "float", 2700.0, "kg/m3", "density m0 of the rod at rest", check="positive"),
-    Option("solid_alpha", "float", 1.0, "J/(kg K)", "specific heat of the rod", check="positive"),
-    Option("solid_gruneisen", "float", 0.0, "-", "pressure of the rod p = G rho epsilon; 0: elastic", check="nonnegative"),
+    *material_options(
+        fluid_mu=0.5,
+        fluid_kappa=0.7,
+        fluid_gamma=1.4,
+        fluid_R=8.3145 / 0.029,
+        solid_modulus=1e5,
+        solid_kappa=0.5,
+        solid_density=2700.0,
+        solid_alpha=1.0,
+        solid_gruneisen=0.0,
+    ),
     Option("rod_gravity", "float", -10.0, "m/s2", "body force per mass on the rod"),
     Option("rod_p0", "float", 1e5, "Pa", "initial pressure of the gas", check="positive"),
     Option("rod_T0", "float", 300.0, "K", "initial temperature", check="positive"),
@@ -59,15 +56,8 @@ DEFAULTS = {
 
 def build(opt: Mapping[str, Any]) -> Problem:
     """The rod between X = 1 and X = 2."""
-    gas = Fluid(opt["fluid_mu"], opt["fluid_kappa"], opt["fluid_gamma"], opt["fluid_R"])
-    rod = Solid(
-        opt["solid_modulus"],
-        opt["solid_kappa"],
-        opt["solid_density"],
-        opt["solid_alpha"],
-        opt["rod_gravity"],
-        opt["solid_gruneisen"],
-    )
+    gas = gas_of(opt)
+    rod = solid_of(opt, force=opt["rod_gravity"])
     p0, T0 = opt["rod_p0"], opt["rod_T0"]
 
     def gas_at_rest(X: np.ndarray) -> list[np.ndarray]:

@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.boundaries import Wall, clamped
+from fsipetsc.cases.materials import gas_of, material_options, solid_of
 from fsipetsc.cases.riemann import GasState, Riemann, SolidState, behind_shock
 from fsipetsc.errors import InputError
 from fsipetsc.options import Option
@@ -36,12 +37,9 @@ OPTIONS = (
         *("shock_mach", "float", 3.0, "", "strong: Mach number of the shock in the gas"),
         check=lambda mach: None if mach > 1 else "a number above 1",
     ),
-    Option("fluid_mu", "float", 0.0, "Pa s", "viscosity of the gas; the exact solution has none", check="nonnegative"),
-    Option("fluid_kappa", "float", 0.0, "W/(m K)", "conductivity of the gas; the exact solution has none", check="nonnegative"),
-    Option("solid_modulus", "float", 4.0, "Pa", "2 mu_e + lambda_e of the rod", check="positive"),
-    Option("solid_density", "float", 0.5, "kg/m3", "density m0 of the rod at rest", check="positive"),
-    Option("solid_alpha", "float", 1.0, "J/(kg K)", "specific heat of the rod", check="positive"),
-    Option("solid_gruneisen", "float", 0.0, "", "pressure of the rod p = G rho epsilon; 0: elastic", check="nonnegative"),
+    *material_options(
+        fluid_mu=0.0, fluid_kappa=0.0, solid_modulus=4.0, solid_density=0.5, solid_alpha=1.0, solid_gruneisen=0.0
+    ),
 )
 DEFAULTS = {"fsi_h": 0.005, "fsi_order": 4, "ts_max_time": 0.3, "fsi_output_dt": 0.01, "fsi_norm": "L1"}
 
@@ -110,8 +108,8 @@ class Solution:
 
 def build(opt: Mapping[str, Any]) -> Problem:
     """The gas between X = 0 and 1, the rod between 1 and 2."""
-    gas = Fluid(opt["fluid_mu"], opt["fluid_kappa"], GAMMA, R)
-    solid = Solid(opt["solid_modulus"], 0.0, opt["solid_density"], opt["solid_alpha"], gruneisen=opt["solid_gruneisen"])
+    gas = gas_of(opt, GAMMA, R)
+    solid = solid_of(opt)
     strong = opt["shock_problem"] == "strong"
     solution = Solution(gas, solid, LOW, opt["shock_mach"]) if strong else Solution(gas, solid, HIGH)
     try:
