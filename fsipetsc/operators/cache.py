@@ -43,7 +43,7 @@ def source_digest() -> str:
     """Digest of names, sizes and times of the source files that are compiled."""
     package = Path(__file__).resolve().parent.parent
     digest = hashlib.sha256(str(package).encode())
-    files = (path for folder in COMPILED for path in (package / folder).glob("*.py"))
+    files = (path for folder in COMPILED for path in (package / folder).rglob("*.py"))
     for path in sorted(files):
         stat = path.stat()
         digest.update(f"{path.relative_to(package)} {stat.st_size} {stat.st_mtime_ns}\n".encode())

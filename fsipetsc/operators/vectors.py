@@ -275,13 +275,29 @@ def store_interlaced(typingctx, s, i, values):
     n = len(values)
 
     def codegen(context, builder, sig, args):
-        parts = [builder.extract_value(args[2], c) for c in range(n)]
-        every = range(2 * LANES)
-        joined = [_shuffled(builder, parts[c], parts[min(c + 1, n - 1)], every) for c in range(0, n, 2)]
-        lanes = [c // 2 * 2 * LANES + c % 2 * LANES + j for j in _EACH_LANE for c in range(n)]
-        result = _shuffled(builder, joined[0], joined[1], lanes)
+        joined = [builder.extract_value(args[2], c) for c in range(n)]
+        while len(joined) > 2:  # pairs of equal length; the last one, if alone, with itself
+            every = range(2 * joined[0].type.count)
+            joined = [_shuffled(builder, a, b, every) for a, b in zip(joined[::2], joined[1::2] + joined[-1:])]
+        lanes = [c * LANES + j for j in _EACH_LANE for c in range(n)]
+        result = _shuffled(builder, joined[0], joined[-1], lanes)
         place = builder.bitcast(_place(context, builder, sig, args), result.type.as_pointer())
         builder.store(result, place).align = 8
         return context.get_dummy_value()
 
     return types.none(s, types.intp, values), codegen
+
+
+@intrinsic(prefer_literal=True)
+def load_interlaced(typingctx, s, i, n):
+    """n vectors (n literal), number c of them s[i + c], s[i + n + c], ...: the reverse of ``store_interlaced``."""
+    count = n.literal_value
+
+    def codegen(context, builder, sig, args):
+        whole = ir.VectorType(ir.DoubleType(), count * LANES)
+        value = builder.load(builder.bitcast(_place(context, builder, sig, args), whole.as_pointer()))
+        value.align = 8
+        parts = [_shuffled(builder, value, value, [c + count * j for j in _EACH_LANE]) for c in range(count)]
+        return context.make_tuple(builder, sig.return_type, parts)
+
+    return types.UniTuple(vector, count)(s, types.intp, n), codegen

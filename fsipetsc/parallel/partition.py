@@ -52,8 +52,9 @@ def partition(extents: Sequence[Extent], size: int, mode: str, smallest: int) ->
     if size == 1:
         return [[(0, 0, e.n)] for e in extents]
     if size < len(extents):
-        return _by_physics(extents, size)
-    ranks = _apportion([e.active for e in extents], caps, size)
+        ranks = by_physics([e.kind for e in extents], size)
+        return [[(rank, 0, e.n)] for rank, e in zip(ranks, extents, strict=True)]
+    ranks = apportion([e.active for e in extents], caps, size)
     shares, first = [], 0
     for extent, count in zip(extents, ranks, strict=True):
         cuts = [round(k * extent.active / count) for k in range(count + 1)]
@@ -89,20 +90,19 @@ def stretched(extent: Extent, shares: Sequence[Share]) -> list[Share]:
     return [*shares[:-1], (rank, begin, extent.n)]
 
 
-def _by_physics(extents: Sequence[Extent], size: int) -> list[list[Share]]:
-    """Fluids dealt over the lower half of the ranks, solids over the upper."""
+def by_physics(kinds: Sequence[str], size: int) -> list[int]:
+    """A rank for each layer: fluids dealt over the lower half of the ranks, solids over the upper."""
     lower = max(1, size // 2)
     seen = {"fluid": 0, "solid": 0}
-    shares = []
-    for e in extents:
-        k = seen[e.kind]
-        seen[e.kind] += 1
-        rank = k % lower if e.kind == "fluid" else lower + k % (size - lower)
-        shares.append([(rank, 0, e.n)])
-    return shares
+    ranks = []
+    for kind in kinds:
+        k = seen[kind]
+        seen[kind] += 1
+        ranks.append(k % lower if kind == "fluid" else lower + k % (size - lower))
+    return ranks
 
 
-def _apportion(work: Sequence[int], caps: Sequence[int], size: int) -> list[int]:
+def apportion(work: Sequence[int], caps: Sequence[int], size: int) -> list[int]:
     """Ranks per layer, one at least, each further one to the layer with most work per rank."""
     ranks = [1] * len(work)
     for _ in range(size - len(work)):

@@ -86,6 +86,10 @@ class Fluid:
         """Speed of sound [m/s] at temperature T [K] and density rho [kg/m3], which matters where the gas is not perfect."""
         return np.sqrt(self._of_law("sound_speed_squared", rho, T))
 
+    def internal_energy(self, rho: float | np.ndarray, T: float | np.ndarray) -> float | np.ndarray:
+        """Internal energy per mass [J/kg] at density rho [kg/m3] and temperature T [K]."""
+        return self._of_law("energy", rho, T)
+
     def relative(self, T: float | np.ndarray) -> tuple[Any, Any]:
         """(mu(T)/mu, kappa(T)/kappa), of the transport law."""
         transport = formulas_of(self.transport)

@@ -1,0 +1,109 @@
+"""What can stand at an edge of a layer in two dimensions.
+
+The layers of a problem lie one above the other; each has a left and a right edge in X, the lowest one a lower, the topmost an
+upper edge. Numbers of kinds are those of ``edge_x``, ``edge_y`` and ``beside`` of a PLANE_LAYER; ``INTERFACE_END`` is that of
+an interface, as in one dimension.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fsipetsc import checks
+
+NO_SLIP, SLIP, OPEN, OUTFLOW = 0, 1, 2, 3
+CLAMPED, FREE, ROLLER = 4, 5, 6
+GIVEN, PERIODIC = 7, 8
+GAS, SOLID = frozenset({NO_SLIP, SLIP, OPEN, OUTFLOW, GIVEN, PERIODIC}), frozenset({CLAMPED, FREE, ROLLER, GIVEN, PERIODIC})
+
+Fields = Sequence[np.ndarray]
+
+
+@dataclass(frozen=True)
+class Periodic:
+    """The layers go on: what leaves at one side of X comes in at the other. Both sides of all layers, or of none."""
+
+    kind = PERIODIC
+
+
+@dataclass(frozen=True)
+class NoSlip:
+    """Wall at rest that the gas sticks to: adiabatic, or of temperature T [K], a number or a function T(X, Y, t)."""
+
+    T: float | Callable[[np.ndarray, np.ndarray, float], np.ndarray] | None = None
+    kind = NO_SLIP
+
+    def __post_init__(self) -> None:
+        if self.T is not None and not callable(self.T):
+            object.__setattr__(self, "T", checks.number(self.T, "NoSlip: T", checks.POSITIVE))
+
+
+@dataclass(frozen=True)
+class Slip:
+    """Wall at rest along which the gas slips without heat, or the plane of a symmetry."""
+
+    kind = SLIP
+
+
+@dataclass(frozen=True)
+class Open:
+    """Gas of this density [kg/m3], velocity [m/s] and temperature [K] outside; the faster waves pass by upwinding."""
+
+    rho: float
+    u: float
+    v: float
+    T: float
+    kind = OPEN
+
+    def __post_init__(self) -> None:
+        ranges = {"rho": checks.POSITIVE, "u": checks.ANY, "v": checks.ANY, "T": checks.POSITIVE}
+        checks.numbers(self, "Open", ranges)
+
+
+@dataclass(frozen=True)
+class Outflow:
+    """Gas flows out faster than sound: nothing is said of it."""
+
+    kind = OUTFLOW
+
+
+@dataclass(frozen=True)
+class Clamped:
+    """The solid is held where it is."""
+
+    kind = CLAMPED
+
+
+@dataclass(frozen=True)
+class Free:
+    """A pressure [Pa] that follows the edge of the solid; at the sides in X it must be 0."""
+
+    pressure: float = 0.0
+    kind = FREE
+
+    def __post_init__(self) -> None:
+        checks.numbers(self, "Free", {"pressure": checks.ANY})
+
+
+@dataclass(frozen=True)
+class Roller:
+    """The solid may slide along the edge without friction, but not across; or the plane of a symmetry."""
+
+    kind = ROLLER
+
+
+@dataclass(frozen=True)
+class Given:
+    """All unknowns are given: values(X, Y, t) -> (rho, u, v, T) of a gas, (u, v, T, x, y) of a solid."""
+
+    values: Callable[[np.ndarray, np.ndarray, float], Fields]
+    kind = GIVEN
+
+    def __post_init__(self) -> None:
+        checks.function(self.values, "Given: values", "values(X, Y, t) -> the unknowns")
+
+
+Edge = Periodic | NoSlip | Slip | Open | Outflow | Clamped | Free | Roller | Given

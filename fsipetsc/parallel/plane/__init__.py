@@ -1,0 +1,1 @@
+"""Two space dimensions: who owns what."""

@@ -1,0 +1,1 @@
+"""Two space dimensions: what a step is. Compiled."""

@@ -1,0 +1,111 @@
+"""What goes through the edges of a layer in two dimensions. Compiled.
+
+The rates that the sweep makes are *unloaded*: no traction, no heat and no mass goes through any edge. Here a row of them gets
+what does: -F.N / (h a_0), F.N the flux out of the layer per length of the edge:
+
+    SLIP      (0, p N, 0) of the gas at the edge itself: the wall is at rest
+    OPEN      (F(U_in) + F(U_out)).N / 2 - lambda (U_out - U_in) / 2, with the faster of the waves of both states
+    OUTFLOW   F(U_in).N
+    FREE      -p_b cof F . N on a solid: a pressure that follows the surface
+
+Interfaces (fsipetsc.coupling.plane_conservative), no-slip walls, what is clamped or given, need nothing: the unknowns are set there.
+"""
+
+from __future__ import annotations
+
+from numba import njit
+
+from fsipetsc.boundaries import INTERFACE_END
+from fsipetsc.boundaries.plane import FREE, OPEN, OUTFLOW, SLIP
+from fsipetsc.operators.kernels import OPTIONS, U64
+from fsipetsc.operators.rows import along, at
+
+
+@njit(**OPTIONS)
+def kind_at(layer, side, i):
+    """What stands at the lower or upper edge at column i."""
+    kind = layer.edge_y[side]
+    if kind == INTERFACE_END and not layer.face[side, 0] <= i < layer.face[side, 1]:
+        return layer.beside[side]
+    return kind
+
+
+@njit(**OPTIONS)
+def amend_gas(law, layer, op, s, place, lines, j):
+    """Of a gas: all four edges."""
+    stride = place.stride
+    zeta, per_length = (layer.first_y + j) / (layer.ny - 1), 1.0 / ((layer.ny - 1) * layer.h_y)
+    high = lines + 6 * stride
+    for side in range(2):
+        if j == layer.end_y[side]:
+            line = high if side == 1 else lines
+            for i in range(layer.own_x[0], layer.own_x[1]):
+                kind = kind_at(layer, side, i)
+                if kind == SLIP or kind == OPEN or kind == OUTFLOW:
+                    nx, ny = -s[U64(line + 5 * stride + i)], 1.0 + s[U64(line + 4 * stride + i)]
+                    w = nx * s[U64(line + 2 * stride + i)] + ny * s[U64(line + 3 * stride + i)]
+                    through(law, layer, op, s, place, j, i, kind, side, nx, ny, w, side, layer.h_y)
+        i = layer.end_x[side]
+        if layer.own_x[0] <= i < layer.own_x[1]:
+            kind = layer.edge_x[side]
+            if kind == SLIP or kind == OPEN or kind == OUTFLOW:
+                low, up = lines + i, high + i
+                nx = (s[U64(up + stride)] - s[U64(low + stride)]) * per_length
+                ny = (s[U64(low)] - s[U64(up)]) * per_length
+                u, v = s[U64(low + 2 * stride)], s[U64(low + 3 * stride)]
+                u, v = u + zeta * (s[U64(up + 2 * stride)] - u), v + zeta * (s[U64(up + 3 * stride)] - v)
+                through(law, layer, op, s, place, j, i, kind, side, nx, ny, nx * u + ny * v, 2 + side, layer.h_x)
+
+
+@njit(**OPTIONS)
+def through(law, layer, op, s, place, j, i, kind, side, nx, ny, w, edge, h):
+    """Give the rates at column i what goes through an edge with N = (nx, ny), which points to larger X or Y; w: grid velocity . N."""
+    rho, u, v = s[U64(at(place.v, 0, j) + i)], s[U64(at(place.v, 1, j) + i)], s[U64(at(place.v, 2, j) + i)]
+    e, p = s[U64(at(place.v, 3, j) + i)], s[U64(at(place.v, 4, j) + i)]
+    inside, scale, r = (rho, rho * u, rho * v, e), (1.0 - 2.0 * side) / (h * op.norm[0]), place.rates + i
+    if kind == SLIP:
+        s[U64(r + 2 * place.stride)] += scale * nx * p
+        s[U64(r + 3 * place.stride)] += scale * ny * p
+        return
+    f = normal_flux(inside, u, v, p, nx, ny, w)
+    if kind == OPEN:
+        gas, given = law.gas.constants(layer), layer.outside[edge]
+        rho_o, u_o, v_o, T_o = given[0], given[1], given[2], given[3]
+        p_o = law.gas.pressure(gas, rho_o, T_o)
+        e_o = rho_o * (law.gas.energy(gas, rho_o, T_o) + 0.5 * (u_o * u_o + v_o * v_o))
+        g = normal_flux((rho_o, rho_o * u_o, rho_o * v_o, e_o), u_o, v_o, p_o, nx, ny, w)
+        T, N = law.gas.temperature_of_pressure(gas, rho, p), (nx * nx + ny * ny) ** 0.5
+        here = abs(nx * u + ny * v - w) + N * law.gas.sound_speed_squared(gas, rho, T) ** 0.5
+        there = abs(nx * u_o + ny * v_o - w) + N * law.gas.sound_speed_squared(gas, rho_o, T_o) ** 0.5
+        fastest = max(here, there) * (2.0 * side - 1.0)
+        f = (
+            0.5 * (f[0] + g[0] - fastest * (rho_o - inside[0])),
+            0.5 * (f[1] + g[1] - fastest * (rho_o * u_o - inside[1])),
+            0.5 * (f[2] + g[2] - fastest * (rho_o * v_o - inside[2])),
+            0.5 * (f[3] + g[3] - fastest * (e_o - inside[3])),
+        )
+    for c in range(4):
+        s[U64(r + (c + 1) * place.stride)] += scale * f[c]
+
+
+@njit(**OPTIONS)
+def normal_flux(U, u, v, p, nx, ny, w):
+    """N . (f, g) - w U."""
+    V = nx * u + ny * v
+    return U[0] * (V - w), U[1] * (V - w) + nx * p, U[2] * (V - w) + ny * p, U[3] * (V - w) + p * V
+
+
+@njit(**OPTIONS)
+def amend_solid(law, layer, op, s, place, lines, j):
+    """Of a solid: a pressure that follows its lower or upper edge; the sides in X carry nothing."""
+    for side in range(2):
+        if j != layer.end_y[side] or layer.edge_y[side] != FREE or layer.outside[side, 0] == 0.0:
+            continue
+        load = (1.0 - 2.0 * side) * layer.outside[side, 0] / (layer.h_y * op.norm[0] * layer.m0)
+        dx, dy = place.slopes, place.slopes + 2 * place.stride
+        for k in range(2):
+            v, to = at(place.v, k, j), (dx if k == 0 else dy)
+            along(op, s, v, to, layer.own_x[0], layer.own_x[1], layer.end_x[0], layer.end_x[1], 1.0 / layer.h_x)
+        for i in range(layer.own_x[0], layer.own_x[1]):
+            s[U64(place.rates + 2 * place.stride + i)] -= load * s[U64(dy + i)]
+            s[U64(place.rates + 3 * place.stride + i)] += load * (1.0 + s[U64(dx + i)])

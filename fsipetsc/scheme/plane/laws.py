@@ -1,0 +1,41 @@
+"""The physics of the layers of a problem in two dimensions, with what the scheme does with each of them.
+
+Entries (fsipetsc.scheme.plane.entries) name GAS and SOLID, the laws of most problems; for another law they are compiled once more
+with it in the place of these (fsipetsc.operators.variants), layer by layer.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fsipetsc.operators.formulas import Formulas
+from fsipetsc.operators.variants import Variants, digest
+from fsipetsc.physics.constant_transport import constant_transport
+from fsipetsc.physics.layer import FLUID
+from fsipetsc.physics.perfect_gas import perfect_gas
+from fsipetsc.physics.plane.gas import plane_gas
+from fsipetsc.physics.plane.log_solid import log_solid
+from fsipetsc.physics.plane.solid import plane_solid
+from fsipetsc.scheme.plane.edges import amend_gas, amend_solid
+
+
+def law(equations: Formulas) -> Formulas:
+    """Equations of ``fsipetsc.physics.plane`` and the work of the scheme on the edges of their layer."""
+    return Formulas(**vars(equations), amend=amend_gas if equations.kind == FLUID else amend_solid)
+
+
+GAS, SOLID = law(plane_gas(perfect_gas, constant_transport, True)), law(plane_solid(log_solid))
+#: digest -> what has been compiled for the law
+_VARIANTS: dict[str, Variants] = {}
+_BUILT_IN = {digest(GAS), digest(SOLID)}
+
+
+def compiled(entry: Any, equations: Formulas) -> Any:
+    """An entry for a layer of these equations, which may be those that it names."""
+    wanted = law(equations)
+    name = digest(wanted)
+    if name in _BUILT_IN:
+        return entry
+    if name not in _VARIANTS:
+        _VARIANTS[name] = Variants(((GAS if wanted.kind == FLUID else SOLID, wanted),), f"plane-{name}")
+    return _VARIANTS[name].of(entry)

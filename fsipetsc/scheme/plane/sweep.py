@@ -1,0 +1,248 @@
+"""The right-hand side of a layer in two dimensions, row by row, of whatever physics it is given. Compiled.
+
+Every physics here has the form
+
+    q_t = rate(q, v, D_x a + D_y b, e),      (a, b, e) = flux(v, D_x v, D_y v),      v = prepare(q)
+
+with the unknowns q of a point, what is derived from them there (v), fluxes a along X and b along Y, and further quantities e.
+The boundary fluxes are left out: the operator is *loose* at the edges, h a_0 D_00 = +1/2 instead of -1/2, so that what comes out are
+the rates without traction, heat and mass through any edge (fsipetsc.scheme.plane.edges adds what there is). Only the J of a grid
+keeps the whole derivative. A physics is formulas at a point, of vectors of points:
+
+    unknowns, prepared, fluxes, extras  (0, 1, ...), a number for each of q, v, a (and b), e
+    differentiated                   those of v of which D_x and D_y are wanted
+    loose                            for each flux 1, or 0 for the whole derivative
+    constants(law, layer)            numbers that the formulas need
+    prepare(law, c, q)               v
+    grid(s, lines, stride, per_length, i, zeta)    metrics of the grid at the points i ..
+    flux(law, c, v, metrics, D_x v, D_y v)    a, b, e
+    rate(law, c, q, v, divergence, e)
+    amend(law, layer, op, s, place, lines, j)    gives the rates of row j what goes through the edges
+
+A row goes through three stages, each as far ahead of the next as the derivatives across rows need it: v, fluxes, rates. So
+what lies between q and its rate is never more than a ring of rows, which stays in a cache.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from numba import njit
+
+from fsipetsc.operators.formulas import Formulas, each
+from fsipetsc.operators.kernels import FORMULA, OPTIONS, U64
+from fsipetsc.operators.rows import MARGIN, Ring, across, along, at
+from fsipetsc.operators.vectors import LANES, load, load_interlaced, store_interlaced
+from fsipetsc.physics.plane.gas import LINE_ROWS
+from fsipetsc.physics.plane.layer import DOF
+from fsipetsc.scheme.sweep import row_of
+
+#: most quantities of each sort that a physics may have
+PREPARED, FLUXES, EXTRAS = 10, 5, 1
+#: rows of a ring
+RING = 16
+#: rows of scratch: q and v, fluxes across, derivatives of those along, extras, each in a ring; and of one row its slopes in both
+#: directions, fluxes along, rates, and the lines of the grid
+ROWS = RING * (DOF + PREPARED + 2 * FLUXES + EXTRAS) + 2 * PREPARED + 2 * FLUXES + DOF + 2 * LINE_ROWS
+
+
+class Places(NamedTuple):
+    """Where the rows of scratch stand."""
+
+    q: Ring
+    v: Ring
+    b: Ring
+    d: Ring
+    e: Ring
+    slopes: int
+    a: int
+    rates: int
+    stride: int
+
+
+def scratch_stride(width: int) -> int:
+    """Doubles from one row of scratch to the next: an odd number of cache lines."""
+    lines = (width + 2 * MARGIN + 7) // 8
+    return 8 * (lines + 1 - lines % 2)
+
+
+@njit(**OPTIONS)
+def places(stride):
+    """Of a layer whose rows are this far apart."""
+    first = MARGIN
+    q = Ring(first, stride, RING)
+    v = Ring(q.origin + DOF * RING * stride, stride, RING)
+    b = Ring(v.origin + PREPARED * RING * stride, stride, RING)
+    d = Ring(b.origin + FLUXES * RING * stride, stride, RING)
+    e = Ring(d.origin + FLUXES * RING * stride, stride, RING)
+    slopes = e.origin + EXTRAS * RING * stride
+    a = slopes + 2 * PREPARED * stride
+    rates = a + 2 * FLUXES * stride
+    return Places(q, v, b, d, e, slopes, a, rates, stride)
+
+
+@njit(**FORMULA)
+def lines_of(place):
+    """Where the lines of the grid stand."""
+    return place.rates + DOF * place.stride
+
+
+@njit(**OPTIONS)
+def last_needed(op, j, lo, hi):
+    """The last row that the derivative across rows takes at row j."""
+    if j < lo + op.rows:
+        return lo + op.cols - 1
+    return hi if j > hi - op.rows else j + op.p
+
+
+@njit(**OPTIONS)
+def sweep(law, layer, op, loose, s, place, y, f):
+    """Rates of the points that this rank owns, interlaced to f[own row, own column]; y: the unknowns of all points it holds."""
+    lo, hi = layer.end_y[0], layer.end_y[1]
+    prepared, fluxed = 0, max(layer.own_y[0] - op.p, 0)
+    for j in range(layer.own_y[0], layer.own_y[1]):
+        while fluxed <= min(last_needed(op, j, lo, hi), layer.height - 1):
+            while prepared <= min(last_needed(op, fluxed, lo, hi), layer.height - 1):
+                prepare_row(law, layer, s, place, y, prepared)
+                prepared += 1
+            flux_row(law, layer, op, loose, s, place, fluxed)
+            fluxed += 1
+        rate_row(law, layer, op, loose, s, place, j)
+        law.amend(law, layer, op, s, place, lines_of(place), j)
+        send_row(layer, s, place, f, j)
+
+
+@njit(**OPTIONS)
+def prepare_row(law, layer, s, place, y, j):
+    """Take row j of the unknowns apart, and v of it."""
+    c, first = law.constants(law, layer), j * layer.width * DOF
+    q, v = each(row_of_ring.at, law.unknowns, place.q, j), each(row_of_ring.at, law.prepared, place.v, j)
+    for i in range(0, layer.width, LANES):
+        here = load_interlaced(y, first + i * DOF, 5)
+        each(row_of.store, q, here, s, i)
+        each(row_of.store, v, law.prepare(law, c, here), s, i)
+
+
+@njit(**OPTIONS)
+def columns(layer, op):
+    """(a, b): fluxes are needed at the columns a <= i < b."""
+    return max(layer.own_x[0] - op.p, 0), min(layer.own_x[1] + op.p, layer.width)
+
+
+@njit(**OPTIONS)
+def flux_row(law, layer, op, loose, s, place, j):
+    """Fluxes at row j; of those along it the derivative."""
+    a, b = columns(layer, op)
+    along_x = slope_rows(law, place)
+    each(block_of.slopes, law.differentiated, along_x, layer, op, s, place, j, a, b)
+    across_y = each(row_of_ring.second, along_x, place.stride)
+    v, c = each(row_of_ring.at, law.prepared, place.v, j), law.constants(law, layer)
+    to_a = each(row_of_ring.row, law.fluxes, place.a, place.stride)
+    to_b, to_e = each(row_of_ring.at, law.fluxes, place.b, j), each(row_of_ring.at, law.extras, place.e, j)
+    lines, zeta = lines_of(place), (layer.first_y + j) / (layer.ny - 1)
+    per_length = 1.0 / ((layer.ny - 1) * layer.h_y)
+    for i in range(a, b, LANES):
+        m, here = law.grid(s, lines, place.stride, per_length, i, zeta), each(row_of.load, v, s, i)
+        fluxes = law.flux(law, c, here, m, each(row_of.load, along_x, s, i), each(row_of.load, across_y, s, i))
+        each(row_of.store, to_a, fluxes[0], s, i)
+        each(row_of.store, to_b, fluxes[1], s, i)
+        each(row_of.store, to_e, fluxes[2], s, i)
+    each(block_of.along, law.fluxes, to_a, law.loose, layer, op, loose, s, place, j)
+
+
+@njit(**FORMULA)
+def slope_rows(law, place):
+    """Where the slopes along X of each differentiated quantity stand."""
+    return each(row_of_ring.slope, law.differentiated, place.slopes, place.stride)
+
+
+@njit(**OPTIONS)
+def slopes(number, to, layer, op, s, place, j, a, b):
+    """D_x and D_y of one quantity at row j."""
+    along(op, s, at(place.v, number, j), to, a, b, layer.end_x[0], layer.end_x[1], 1.0 / layer.h_x)
+    across(op, s, place.v, number, j, to + place.stride, a, b, layer.end_y[0], layer.end_y[1], 1.0 / layer.h_y)
+    return 0
+
+
+@njit(**OPTIONS)
+def divergence_along(number, flux, is_loose, layer, op, loose, s, place, j):
+    """D_x of a flux along row j, to its ring."""
+    chosen = loose if is_loose == 1 else op
+    to = at(place.d, number, j)
+    along(chosen, s, flux, to, layer.own_x[0], layer.own_x[1], layer.end_x[0], layer.end_x[1], 1.0 / layer.h_x)
+    return 0
+
+
+@njit(**OPTIONS)
+def divergence_across(number, to, is_loose, layer, op, loose, s, place, j):
+    """D_y of a flux across rows at row j."""
+    chosen = loose if is_loose == 1 else op
+    across(chosen, s, place.b, number, j, to, layer.own_x[0], layer.own_x[1], layer.end_y[0], layer.end_y[1], 1.0 / layer.h_y)
+    return 0
+
+
+@njit(**OPTIONS)
+def rate_row(law, layer, op, loose, s, place, j):
+    """Rates at row j, to scratch."""
+    across_y = each(row_of_ring.row, law.fluxes, place.a + len(law.fluxes) * place.stride, place.stride)
+    each(block_of.across, law.fluxes, across_y, law.loose, layer, op, loose, s, place, j)
+    c, along_x = law.constants(law, layer), each(row_of_ring.at, law.fluxes, place.d, j)
+    q, v = each(row_of_ring.at, law.unknowns, place.q, j), each(row_of_ring.at, law.prepared, place.v, j)
+    e, to = each(row_of_ring.at, law.extras, place.e, j), each(row_of_ring.row, law.unknowns, place.rates, place.stride)
+    for i in range(layer.own_x[0], layer.own_x[1], LANES):
+        divergence = each(row_of_ring.sum, along_x, across_y, s, i)
+        here, there = each(row_of.load, q, s, i), each(row_of.load, v, s, i)
+        each(row_of.store, to, law.rate(law, c, here, there, divergence, each(row_of.load, e, s, i)), s, i)
+
+
+@njit(**OPTIONS)
+def send_row(layer, s, place, f, j):
+    """Put the rates of row j together again."""
+    first, end, stride = layer.own_x[0], layer.own_x[1], place.stride
+    begin = (j - layer.own_y[0]) * (end - first) * DOF - first * DOF
+    whole = first + (end - first) // LANES * LANES
+    r = place.rates
+    for i in range(first, whole, LANES):
+        values = (
+            load(s, r + i),
+            load(s, r + stride + i),
+            load(s, r + 2 * stride + i),
+            load(s, r + 3 * stride + i),
+            load(s, r + 4 * stride + i),
+        )
+        store_interlaced(f, begin + i * DOF, values)
+    for i in range(whole, end):
+        for c in range(DOF):
+            f[U64(begin + i * DOF + c)] = s[U64(r + c * stride + i)]
+
+
+# what is done to each of some rows
+
+
+@njit(**FORMULA)
+def _at(number, ring, j):
+    return at(ring, number, j)
+
+
+@njit(**FORMULA)
+def _row(number, origin, stride):
+    return origin + number * stride
+
+
+@njit(**FORMULA)
+def _slope(number, origin, stride):
+    return origin + 2 * number * stride
+
+
+@njit(**FORMULA)
+def _second(row, stride):
+    return row + stride
+
+
+@njit(**FORMULA)
+def _sum(a, b, s, i):
+    return load(s, a + i) + load(s, b + i)
+
+
+row_of_ring = Formulas(at=_at, row=_row, slope=_slope, second=_second, sum=_sum)
+block_of = Formulas(slopes=slopes, along=divergence_along, across=divergence_across)

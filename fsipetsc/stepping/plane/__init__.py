@@ -1,0 +1,1 @@
+"""Two space dimensions: PETSc's TS and what happens around a step."""

@@ -1,0 +1,377 @@
+"""The right-hand side in two dimensions by PETSc's own means: the parallel method, to be read from top to bottom.
+
+One evaluation is three steps; the first is collective on all ranks that have part in an interface, the second on the ranks of a layer:
+
+    1  interfaces   one VecScatter fetches, for each rank that needs them, the unknowns of gas and solid at the points of interfaces:
+                    each of these solves the same small system point by point          (fsipetsc.coupling.plane)
+    2  halos        DMDA fills the local vectors: twice the reach of D, because D acts twice
+    3  points       interface rows, walls and what is given are put in place; the grids of gases are laid between the lines that
+                    their edges have become; then the rates of all points              (fsipetsc.scheme.plane.sweep)
+
+The ranks of a gas that have no part of its edge need the lines, too: they fetch them in step 1 themselves, so that nothing has to
+be told along the columns. The arithmetic of a point is the same on any number of ranks, and nothing is added up.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from petsc4py import PETSc
+
+from fsipetsc.boundaries import plane as edges
+from fsipetsc.coupling import INTERFACE
+from fsipetsc.coupling.plane import COLUMNS
+from fsipetsc.operators.sbp import OPERATOR, packed
+from fsipetsc.parallel.plane.layout import PlaneLayout
+from fsipetsc.physics.layer import FLUID
+from fsipetsc.physics.material_law import formulas_of
+from fsipetsc.physics.plane.gas import plane_gas
+from fsipetsc.physics.plane.layer import DOF
+from fsipetsc.physics.plane.solid import plane_solid
+from fsipetsc.scheme.plane import entries
+from fsipetsc.scheme.plane.laws import compiled
+from fsipetsc.scheme.plane.look import WORDS
+from fsipetsc.scheme.plane.sweep import ROWS, scratch_stride
+
+#: doubles behind the points, into which vectors may reach
+SLACK = 64
+#: columns of what is known of a point of an interface: of the gas J (1, rho, rho u, rho v, e), of the solid (x, y, u, v, T), kinetic energy
+_GAS, _SOLID, _KINETIC = slice(0, 5), slice(5, 10), 10
+
+
+def operators(order: int) -> np.ndarray:
+    """(2,) OPERATOR: as it is, and loose at its ends: without the boundary flux, h a_0 D_00 = 1/2."""
+    both = np.array([packed(order)] * 2, OPERATOR)
+    both[1]["closure"][0, 0] += 1.0 / both[1]["norm"][0]
+    both[1]["columns"][0, 0] = both[1]["closure"][0, 0]
+    return both
+
+
+class PlanePath:
+    """dy/dt of the world vector. All methods are collective on the layout's communicator."""
+
+    def __init__(self, layout: PlaneLayout, order: int, given: Given) -> None:
+        self.layout = layout
+        self._state, self._rates = np.zeros(layout.local_size), np.zeros(layout.local_size)
+        self._world = PETSc.Vec().createWithArray(self._state, comm=layout.comm)
+        self.interfaces = Interfaces(layout, self._world)
+        mine = [k for k, dm in enumerate(layout.dms) if dm is not None]
+        self.layers = [LayerPart(layout, k, operators(order), self._state, self._rates, given) for k in mine]
+
+    def rates(self, y: np.ndarray, f: np.ndarray, t: float) -> None:
+        """f = dy/dt of this rank's part at time t [s]; y stays as it is."""
+        self.apply_conditions(y, t)
+        for part in self.layers:
+            part.evaluate(t)
+        f[:] = self._rates
+
+    def apply_conditions(self, y: np.ndarray, t: float) -> None:
+        """Let the local parts of the layers hold this rank's part y and its halos, which fulfil all conditions."""
+        self._state[:] = y
+        self.interfaces.meet()
+        for part in self.layers:
+            part.fill_halos()
+            for side, points, columns in self.interfaces.of(part.k):
+                part.join(side, points, columns)
+            part.hold(t)
+
+    def project(self, y: np.ndarray, t: float) -> None:
+        """Let this rank's part y fulfil all conditions, in place."""
+        self.apply_conditions(y, t)
+        for part in self.layers:
+            self.layout.local(part.k, y)[:] = part.own
+        for number, energies in enumerate(self.interfaces.energies()):
+            if energies is not None:
+                self.layout.energies(number, y)[:] = energies
+
+    def destroy(self) -> None:
+        """Destroy the vectors; before the DMDAs."""
+        self.interfaces.destroy()
+        for part in self.layers:
+            part.destroy()
+        self._world.destroy()
+
+
+class Interfaces:
+    """What this rank needs of the interfaces: points of gas and solid, fetched together and solved here."""
+
+    def __init__(self, layout: PlaneLayout, world: PETSc.Vec) -> None:
+        self._layout = layout
+        self.faces = np.zeros(len(layout.meetings), INTERFACE)
+        wanted, self._parts, at = [], [], 0
+        for number, meeting in enumerate(layout.meetings):
+            self._face(number)
+            for k in meeting.layers:
+                columns, held = self._columns(k, meeting)
+                if columns.size:
+                    wanted.append(self._indices(number, columns))
+                    self._parts.append((number, k, slice(at, at + columns.size), held))
+                    at += columns.size
+        self._points = np.zeros((at, COLUMNS))
+        self._vec = PETSc.Vec().createWithArray(self._points, comm=PETSc.COMM_SELF)
+        indices = np.concatenate([part.ravel() for part in wanted]) if wanted else np.empty(0, np.int64)
+        self._from = PETSc.IS().createGeneral(indices.astype(PETSc.IntType), comm=layout.comm)
+        self._to = PETSc.IS().createStride(indices.size, 0, 1, comm=PETSc.COMM_SELF)
+        self._scatter = PETSc.Scatter().create(world, self._from, self._vec, self._to)
+        self._world = world
+        self._meet = [compiled(entries.meet_at, _equations(layout.problem.layers[fluid])) for fluid, _ in layout.problem.interfaces]
+
+    def _face(self, number: int) -> None:
+        layout, face = self._layout, self.faces[number]
+        fluid, solid = layout.meetings[number].layers
+        gas, elastic = layout.problem.layers[fluid].material, layout.problem.layers[solid].material
+        face["h"], face["h_gas"], face["J"] = layout.grids[solid].h_y, layout.grids[fluid].h_y, 1.0
+        for name in ("gamma", "R", "cv", "mu", "kappa", "gas_numbers", "transport_numbers"):
+            face[name] = getattr(gas, name)
+        for name in ("kappa_e", "m0", "alpha"):
+            face[name] = getattr(elastic, name)
+
+    def _columns(self, k: int, meeting: Any) -> tuple[np.ndarray, np.ndarray]:
+        """(columns of the gas, their places among those held here) that this rank needs as a part of layer k."""
+        layout, gas = self._layout, k == meeting.layers[0]
+        if layout.dms[k] is None:
+            return np.empty(0, np.int64), np.empty(0, np.int64)
+        columns, rows = layout.held(k)
+        if not gas and meeting.rows[1] not in rows:
+            return np.empty(0, np.int64), np.empty(0, np.int64)
+        columns = columns + (0 if gas else meeting.shift)
+        if layout.grids[k].periodic:
+            columns %= layout.grids[meeting.layers[0]].nx
+        here = (columns >= meeting.first) & (columns < meeting.end)
+        return columns[here], np.flatnonzero(here)
+
+    def _indices(self, number: int, columns: np.ndarray) -> np.ndarray:
+        """(columns, COLUMNS) numbers in the world vector."""
+        layout, meeting = self._layout, self._layout.meetings[number]
+        fluid, solid = meeting.layers
+        gas = layout.index(fluid, columns, meeting.rows[0])
+        elastic = layout.index(solid, columns - meeting.shift, meeting.rows[1])
+        energies = layout.index_of_energies(number, columns - meeting.shift)
+        return np.concatenate([gas[:, None] + np.arange(DOF), elastic[:, None] + np.arange(DOF), energies[:, None]], axis=1)
+
+    def meet(self) -> None:
+        """Fetch the points, and solve for what gas and solid have together. Collective."""
+        if not self._layout.meetings:
+            return
+        self._scatter.scatter(self._world, self._vec)
+        for number, _, part, _ in self._parts:
+            self._meet[number](self.faces, number, self._points[part])
+
+    def of(self, k: int) -> list[tuple[int, np.ndarray, np.ndarray]]:
+        """(lower or upper edge, points, their columns among those held) of layer k."""
+        meetings = self._layout.meetings
+        return [
+            (int(meetings[number].layers[1 - meetings[number].layers.index(k)] > k), self._points[part], held)
+            for number, layer, part, held in self._parts
+            if layer == k
+        ]
+
+    def energies(self) -> list[np.ndarray | None]:
+        """Kinetic energies of the end points that this rank owns, interface by interface."""
+        found: list[np.ndarray | None] = [None] * len(self.faces)
+        for number, k, part, held in self._parts:
+            record = self._layout.records[k]
+            if k == self._layout.meetings[number].layers[1] and self._layout.energies(number, self._layout_values()).size:
+                own = (held >= record["own_x"][0]) & (held < record["own_x"][1])
+                found[number] = self._points[part][own, _KINETIC]
+        return found
+
+    def _layout_values(self) -> np.ndarray:
+        return self._world.getArray(readonly=True)
+
+    def destroy(self) -> None:
+        for thing in (self._scatter, self._from, self._to, self._vec):
+            thing.destroy()
+
+
+def _equations(layer: Any) -> Any:
+    """Those of a layer's material."""
+    material = layer.material
+    if layer.kind == "solid":
+        return plane_solid(material.formulas)
+    return plane_gas(formulas_of(material.law), formulas_of(material.transport), material.mu > 0 or material.kappa > 0)
+
+
+class LayerPart:
+    """This rank's part of layer k; state, rates: the rank's parts of world vectors."""
+
+    def __init__(
+        self, layout: PlaneLayout, k: int, ops: np.ndarray, state: np.ndarray, rates: np.ndarray, given: Given
+    ) -> None:
+        self.k, self._layout, self._ops, self._given = k, layout, ops, given
+        self.record, self._records, self._dm = layout.records[k], layout.records, layout.dms[k]
+        self._gas = self.record["kind"] == FLUID
+        self.end_weight = float(ops[0]["norm"][0])
+        width, height = int(self.record["width"]), int(self.record["height"])
+        self._stride = scratch_stride(width)
+        self._s = np.zeros(ROWS * self._stride + SLACK)
+        self.y = np.zeros(width * height * DOF + SLACK * DOF)
+        self.held = self.y[: width * height * DOF].reshape(height, width, DOF)
+        self.own = self.held[slice(*self.record["own_y"]), slice(*self.record["own_x"])]
+        self._vec = PETSc.Vec().createWithArray(layout.local(k, state).reshape(-1), bsize=DOF, comm=self._dm.comm)
+        self._local = PETSc.Vec().createWithArray(self.held.reshape(-1), bsize=DOF, comm=PETSc.COMM_SELF)
+        self._rates = layout.local(k, rates).reshape(-1)
+        self._lines = np.zeros((2, 4, width))
+        layer = layout.problem.layers[k]
+        self._lines[:, 1] = np.array(layer.Y)[:, None]
+        equations = _equations(layer)
+        of_kind = (entries.gas_rates, entries.gas_look) if self._gas else (entries.solid_rates, entries.solid_look)
+        self._evaluate, self._look = (compiled(entry, equations) for entry in of_kind)
+        self.words = np.zeros(WORDS)
+        self._kinetic = [
+            (layout.energies(number, rates), side) for number, side in self.sides() if layout.energies(number, rates).size
+        ]
+
+    def sides(self) -> list[tuple[int, int]]:
+        """(interface, lower or upper edge) where this layer is the solid."""
+        found = [(n, meeting.layers) for n, meeting in enumerate(self._layout.meetings)]
+        return [(n, int(fluid > self.k)) for n, (fluid, solid) in found if solid == self.k]
+
+    def fill_halos(self) -> None:
+        """The ghost exchange of the layer."""
+        self._dm.globalToLocal(self._vec, self._local)
+
+    def join(self, side: int, points: np.ndarray, columns: np.ndarray) -> None:
+        """Put what gas and solid have together at an interface in its place."""
+        row = int(self.record["end_y"][side])
+        if 0 <= row < self.record["height"]:
+            self.held[row, columns, 2:5] = points[:, 2:5] if self._gas else points[:, 7:10]
+        if self._gas:
+            lines = self._lines[side]
+            lines[0, columns], lines[2, columns], lines[3, columns] = points[:, 5], points[:, 7], points[:, 8]
+            lines[1, columns] = self._layout.problem.layers[self.k].Y[side] + points[:, 6]
+
+    def hold(self, t: float) -> None:
+        """Walls and edges where unknowns are given; then the lines of the grid."""
+        self._given.apply(self, t)
+        if self._gas:
+            entries.lay_lines(self._records, self.k, self._ops, self._s, self._stride, self._lines)
+
+    def evaluate(self, t: float) -> None:
+        """The rates at this rank's points."""
+        self._evaluate(self._records, self.k, self._ops, self._s, self._stride, self.y, self._rates)
+        self._given.force(self, t, self._rates)
+        for rates, side in self._kinetic:
+            row = int(self.record["end_y"][side] - self.record["own_y"][0])
+            f, m0 = self._rates.reshape(*self.own.shape)[row], self.record["m0"]
+            rates[:] = m0 * (self.own[row, :, 2] * f[:, 2] + self.own[row, :, 3] * f[:, 3])
+
+    def look(self) -> np.ndarray:
+        """Words of fsipetsc.scheme.plane.look, of the local part as it is."""
+        self._look(self._records, self.k, self._ops, self._s, self._stride, self.y, self.words)
+        return self.words
+
+    def destroy(self) -> None:
+        self._vec.destroy()
+        self._local.destroy()
+
+
+class Given:
+    """What is set at edges, and forcing: functions of the case's, asked for here, with what they mean for the unknowns.
+
+    One for each run; ``apply`` and ``force`` are not collective.
+    """
+
+    def __init__(self, layout: PlaneLayout) -> None:
+        self._layout = layout
+        self._holds: dict[int, list[Callable[[LayerPart, float], None]]] = {k: [] for k in range(len(layout.grids))}
+        for k, layer in enumerate(layout.problem.layers):
+            if layout.dms[k] is None:
+                continue
+            record, problem = layout.records[k], layout.problem
+            for side in range(2):
+                row = int(record["end_y"][side])
+                end = problem.edge(k, side) or getattr(layer, "beside", None)
+                if 0 <= row < record["height"] and end is not None:
+                    columns = np.arange(record["width"])
+                    if record["edge_y"][side] < 0:  # beside an interface
+                        a, b = record["face"][side]
+                        columns = columns[(columns < a) | (columns >= b)]
+                    self._note(k, end, np.full(columns.size, row), columns, 1)
+                column = int(record["end_x"][side])
+                if 0 <= column < record["width"]:
+                    rows = np.arange(record["height"])
+                    self._note(k, (layer.left, layer.right)[side], rows, np.full(rows.size, column), 0)
+
+    def _note(self, k: int, end: edges.Edge, rows: np.ndarray, columns: np.ndarray, normal: int) -> None:
+        """Remember what to set at some points of layer k; normal: 0 for an edge in X, 1 in Y."""
+        if not rows.size:
+            return
+        X, Y = self._points(k, rows, columns)
+        if end.kind == edges.NO_SLIP:
+            self._holds[k].append(lambda part, t: _stick(part, self._layout.problem.layers[k].material, end, rows, columns, X, Y, t))
+        elif end.kind in (edges.CLAMPED, edges.ROLLER):
+            held = [2, 3] if end.kind == edges.CLAMPED else [2 + normal]
+
+            def clamp(part: LayerPart, t: float) -> None:
+                for c in held:
+                    part.held[rows, columns, c] = 0.0
+
+            self._holds[k].append(clamp)
+        elif end.kind == edges.GIVEN:
+            self._holds[k].append(lambda part, t: _give(part, self._layout.problem.layers[k], end, rows, columns, X, Y, t))
+
+    def _points(self, k: int, rows: np.ndarray, columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        grid, record = self._layout.grids[k], self._layout.records[k]
+        return grid.x0 + (record["first_x"] + columns) * grid.h_x, grid.y0 + (record["first_y"] + rows) * grid.h_y
+
+    def apply(self, part: LayerPart, t: float) -> None:
+        """Set what is given at time t [s]."""
+        for hold in self._holds[part.k]:
+            hold(part, t)
+
+    def force(self, part: LayerPart, t: float, rates: np.ndarray) -> None:
+        """Add forcing to the rates of the points that are owned."""
+        layer, jumps = self._layout.problem.layers[part.k], self._layout.problem.jumps
+        if jumps is not None and layer.kind == "solid":
+            self._supply(part, t, rates.reshape(part.own.shape))
+        if layer.forcing is None:
+            return
+        X, Y = self._layout.grids[part.k].points(*self._layout.owned(part.k))
+        f = rates.reshape(part.own.shape)
+        values = layer.forcing(X, Y, t)
+        if layer.kind == "fluid":
+            for c, value in enumerate(values):
+                f[..., c + 1] += part.own[..., 0] * value
+        else:
+            for c, value in zip((2, 3, 4, 0, 1), values, strict=True):
+                f[..., c] += value
+
+
+    def _supply(self, part: LayerPart, t: float, f: np.ndarray) -> None:
+        """What interfaces supply from outside, to the end points of the solid."""
+        record, grid = part.record, self._layout.grids[part.k]
+        for number, side in part.sides():
+            row = int(record["end_y"][side] - record["own_y"][0])
+            if 0 <= row < len(f):
+                columns = self._layout.owned(part.k)[0]
+                x, y, heat = self._layout.problem.jumps(number, grid.x0 + columns * grid.h_x, t)
+                per_mass = 1.0 / (part.end_weight * record["h_y"] * record["m0"])
+                f[row, :, 2] += per_mass * x
+                f[row, :, 3] += per_mass * y
+                f[row, :, 4] += per_mass * heat / record["alpha"]
+
+
+def _stick(part: Any, gas: Any, end: Any, rows: Any, columns: Any, X: Any, Y: Any, t: float) -> None:
+    """No velocity at a wall, and its temperature, if it has one."""
+    q = part.held
+    q[rows, columns, 2] = q[rows, columns, 3] = 0.0
+    if end.T is not None:
+        T = end.T(X, Y, t) if callable(end.T) else end.T
+        J, r = q[rows, columns, 0], q[rows, columns, 1]
+        q[rows, columns, 4] = r * gas.internal_energy(r / J, T)
+
+
+def _give(part: Any, layer: Any, end: Any, rows: Any, columns: Any, X: Any, Y: Any, t: float) -> None:
+    """All unknowns as the case says."""
+    values, q = end.values(X, Y, t), part.held
+    if layer.kind == "solid":
+        for c, value in zip((2, 3, 4, 0, 1), (*values[:3], values[3] - X, values[4] - Y), strict=True):
+            q[rows, columns, c] = value
+        return
+    rho, u, v, T = values
+    r = q[rows, columns, 0] * rho
+    q[rows, columns, 1], q[rows, columns, 2], q[rows, columns, 3] = r, r * u, r * v
+    q[rows, columns, 4] = r * (layer.material.internal_energy(rho, T) + 0.5 * (u * u + v * v))
