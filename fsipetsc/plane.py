@@ -1,7 +1,8 @@
 """What a case in two dimensions says: the layers one above the other, what stands at their edges, initial and exact data.
 
-All functions take arrays of reference coordinates X, Y of one shape, rows of equal Y, and, where they depend on time, t. The grid of a
-solid is Lagrangian. That of a gas is straight in Y between the lines that its lower and its upper edge have become.
+All functions take arrays of reference coordinates X, Y of one shape, rows of equal Y, and, where they depend on time, t.
+The grid of a solid is Lagrangian. That of a gas is straight in Y between the lines that its lower and its upper edge have
+become.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ Timed = Callable[[np.ndarray, np.ndarray, float], Fields]
 #: laws of solids by name
 ELASTIC = {"log": log_solid, "neo-hookean": neo_hookean, "svk": st_venant_kirchhoff}
 HEATS = ("coupled", "elastic")
+PERIODIC, STICKS = Periodic(), NoSlip()
 
 
 @dataclass(frozen=True)
@@ -35,9 +37,9 @@ class PlaneSolid:
     """Hyperelastic material in plane strain; see fsipetsc.physics.plane.solid.
 
     mu_e, lambda_e: Lame's constants [Pa]; kappa_e: heat conductivity [W/(m K)]; m0: density at rest [kg/m3]; alpha: specific
-    heat [J/(kg K)]; p_ref: pressure under which it is free of strain [Pa]; law: "log" (the paper's), "neo-hookean", "svk", or formulas as in
-    fsipetsc.physics.plane.log_solid; heat: "coupled" (the paper's: what stresses do becomes heat) or "elastic" (beside an elastic
-    energy). InputError for what is no number or out of range.
+    heat [J/(kg K)]; p_ref: pressure under which it is free of strain [Pa]; law: "log" (the paper's), "neo-hookean", "svk",
+    or formulas as in fsipetsc.physics.plane.log_solid; heat: "coupled" (the paper's: what stresses do becomes heat) or
+    "elastic" (beside an elastic energy). InputError for what is no number or out of range.
     """
 
     mu_e: float
@@ -80,18 +82,19 @@ class PlaneSolid:
 class PlaneFluidLayer:
     """A layer of gas between Y[0] and Y[1].
 
-    initial(X, Y) -> (rho, u, v, T); exact(X, Y, t) -> the same; forcing(X, Y, t) -> right-hand sides of (rho, rho u, rho v, e) at a
-    point of the grid. left, right: its edges in X. beside: what the lower or upper edge is where the solid that it meets ends.
-    cells: across the layer; None: as many as -fsi_h wants. force: body force per mass (x, y) [m/s2]. InputError.
+    initial(X, Y) -> (rho, u, v, T); exact(X, Y, t) -> the same; forcing(X, Y, t) -> right-hand sides of (rho, rho u, rho v,
+    e) at a point of the grid. left, right: its edges in X. beside: what the lower or upper edge is where the solid that it
+    meets ends. cells: across the layer; None: as many as -fsi_h wants. force: body force per mass (x, y) [m/s2].
+    InputError.
     """
 
     name: str
     material: Fluid
     Y: tuple[float, float]
     initial: Initial
-    left: Edge = Periodic()
-    right: Edge = Periodic()
-    beside: Edge = NoSlip()
+    left: Edge = PERIODIC
+    right: Edge = PERIODIC
+    beside: Edge = STICKS
     cells: int | None = None
     force: tuple[float, float] = (0.0, 0.0)
     forcing: Timed | None = None
@@ -108,8 +111,8 @@ class PlaneFluidLayer:
 class PlaneSolidLayer:
     """A solid between Y[0] and Y[1], and between X[0] and X[1] where it does not reach over the whole problem.
 
-    initial(X, Y) -> (u, v, T, x, y); exact(X, Y, t) -> the same; forcing(X, Y, t) -> right-hand sides of the same. left, right, cells: as of
-    PlaneFluidLayer. InputError.
+    initial(X, Y) -> (u, v, T, x, y); exact(X, Y, t) -> the same; forcing(X, Y, t) -> right-hand sides of the same. left,
+    right, cells: as of PlaneFluidLayer. InputError.
     """
 
     name: str
@@ -117,8 +120,8 @@ class PlaneSolidLayer:
     Y: tuple[float, float]
     initial: Initial
     X: tuple[float, float] | None = None
-    left: Edge = Periodic()
-    right: Edge = Periodic()
+    left: Edge = PERIODIC
+    right: Edge = PERIODIC
     cells: int | None = None
     forcing: Timed | None = None
     exact: Timed | None = None
@@ -174,9 +177,10 @@ def _check_edge(edge: object, what: str, kinds: frozenset[int]) -> None:
 class PlaneProblem:
     """Layers that alternate between gas and solid, from below; one alone is enough.
 
-    X: (left, right) [m]; lower, upper: what stands at the edges of the lowest and the topmost layer. jumps(k, X, t) -> (g_x, g_y, g_q):
-    traction [Pa] and heat [W/m2] per reference length that interface k, between the layers k and k + 1, supplies from outside;
-    None where it supplies none. notes, units: as of fsipetsc.problem.Problem. InputError for what does not fit together.
+    X: (left, right) [m]; lower, upper: what stands at the edges of the lowest and the topmost layer. jumps(k, X, t) ->
+    (g_x, g_y, g_q): traction [Pa] and heat [W/m2] per reference length that interface k, between the layers k and k + 1,
+    supplies from outside; None where it supplies none. notes, units: as of fsipetsc.problem.Problem. InputError for what
+    does not fit together.
     """
 
     layers: tuple[Layer, ...]
@@ -196,7 +200,8 @@ class PlaneProblem:
             raise InputError("PlaneProblem: layers: expected one or more of PlaneFluidLayer and PlaneSolidLayer")
         for below, above in zip(layers, layers[1:], strict=False):
             if below.kind == above.kind:
-                raise InputError(f"PlaneProblem: layers '{below.name}' and '{above.name}' are both {below.kind}: expected alternation")
+                both = f"layers '{below.name}' and '{above.name}' are both {below.kind}"
+                raise InputError(f"PlaneProblem: {both}: expected a solid next to a gas")
             if abs(below.Y[1] - above.Y[0]) > 1e-9 * (below.Y[1] - below.Y[0]):
                 raise InputError(
                     f"PlaneProblem: layer '{below.name}' ends at Y = {below.Y[1]:g}, '{above.name}' begins at {above.Y[0]:g}"

@@ -1,15 +1,17 @@
 """A manufactured solution in two dimensions: gas | solid, periodic in X, with an interface that moves and bends.
 
-Both fields are smooth and not linear, mu, kappa and kappa_e are above 0, the heat of the solid is coupled. The gas has a wall of given
-temperature below, the topmost row of the solid is given. Velocity and temperature are continuous at the interface; what traction and
-heat flux lack is supplied there (``jumps``), what the equations lack everywhere (``forcing``).
+Both fields are smooth and not linear, mu, kappa and kappa_e are above 0, the heat of the solid is coupled. The gas has a
+wall of given temperature below, the topmost row of the solid is given. Velocity and temperature are continuous at the
+interface; what traction and heat flux lack is supplied there (``jumps``), what the equations lack everywhere (``forcing``).
 
-Derivatives in the forcing are taken by a step into the complex plane, Im f(z + i s)/s, which is exact to round-off for s = 1e-30.
+Derivatives in the forcing are taken by a step into the complex plane, Im f(z + i s)/s, which is exact to round-off for s =
+1e-30.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -84,7 +86,9 @@ def density(X: Array, Y: Array, t: float) -> Array:
 
 
 class GasPoint(NamedTuple):
-    """U J first, then the fluxes along X and along Y, of (J, J rho, J rho u, J rho v, J e); heat: the part of those of energy."""
+    """U J first, then the fluxes along X and along Y, of (J, J rho, J rho u, J rho v, J e); heat: the part of those of
+    energy.
+    """
 
     U: tuple[Array, ...]
     along: tuple[Array, ...]
@@ -169,7 +173,7 @@ def build(opt: Mapping[str, Any]) -> PlaneProblem:
 
     def exact_gas(X: Array, Y: Array, t: float) -> list[Array]:
         rho, (T, _, _) = density(X, Y, t), temperature(X, Y, t)
-        J, r, m, n, _ = gas_point(gas, X, Y, t).U
+        _, r, m, n, _ = gas_point(gas, X, Y, t).U
         return [rho, m / r, n / r, T]
 
     def exact_solid(X: Array, Y: Array, t: float) -> list[Array]:
@@ -196,8 +200,8 @@ def build(opt: Mapping[str, Any]) -> PlaneProblem:
 
     return PlaneProblem(
         layers=(
-            PlaneFluidLayer("gas", gas, (0.0, 1.0), lambda X, Y: exact_gas(X, Y, 0.0), forcing=force_gas, exact=exact_gas),
-            PlaneSolidLayer("solid", solid, (1.0, 2.0), lambda X, Y: exact_solid(X, Y, 0.0), forcing=force_solid, exact=exact_solid),
+            PlaneFluidLayer("gas", gas, (0.0, 1.0), partial(exact_gas, t=0.0), forcing=force_gas, exact=exact_gas),
+            PlaneSolidLayer("solid", solid, (1.0, 2.0), partial(exact_solid, t=0.0), forcing=force_solid, exact=exact_solid),
         ),
         X=(0.0, 1.0),
         lower=NoSlip(T=lambda X, Y, t: temperature(X, Y, t)[0]),

@@ -17,8 +17,8 @@ from numba import njit
 from fsipetsc.coupling.conservative import shared_temperature
 from fsipetsc.operators.kernels import OPTIONS
 
-#: what is known of a point: J (1, rho, rho u, rho v, e) of the gas, (x, y, u, v, T) of the solid (displacements), and the kinetic
-#: energy m0 |u|^2 / 2 of its end point
+#: what is known of a point: J (1, rho, rho u, rho v, e) of the gas, (x, y, u, v, T) of the solid (displacements), and the
+#: kinetic energy m0 |u|^2 / 2 of its end point
 COLUMNS = 11
 
 

@@ -40,7 +40,8 @@ def make_grids(problem: PlaneProblem, op: SBPOperator, h: float) -> list[PlaneGr
     for k, layer in enumerate(problem.layers):
         left, right = problem.span(k)
         first, last = (left - problem.X[0]) / h_x, (right - problem.X[0]) / h_x
-        if max(abs(first - round(first)), abs(last - round(last))) > 1e-6 * cells or not 0 <= round(first) < round(last) <= cells:
+        missed = max(abs(first - round(first)), abs(last - round(last))) > 1e-6 * cells
+        if missed or not 0 <= round(first) < round(last) <= cells:
             raise InputError(
                 f"-fsi_h {h:g} misses an end of layer '{layer.name}' between X = {left:g} and {right:g}: columns are "
                 f"{h_x:.6g} apart from X = {problem.X[0]:g} on"
@@ -50,7 +51,8 @@ def make_grids(problem: PlaneProblem, op: SBPOperator, h: float) -> list[PlaneGr
         columns = round(last) - round(first) + (0 if problem.periodic else 1)
         for count, least, what in ((rows, op.min_points, "across"), (columns, op.min_points, "along X")):
             if count < least:
-                raise InputError(f"layer '{layer.name}' has {count} points {what}; the {op.name} operator needs at least {least}")
+                needed = f"the {op.name} operator needs at least {least}"
+                raise InputError(f"layer '{layer.name}' has {count} points {what}; {needed}")
         grids.append(PlaneGrid(columns, rows, left, layer.Y[0], h_x, height / (rows - 1), round(first), problem.periodic))
     return grids
 
@@ -86,7 +88,7 @@ def share_out(grids: Sequence[PlaneGrid], kinds: Sequence[str], op: SBPOperator,
         groups = [[0]] * len(grids) if size == 1 else [[rank] for rank in by_physics(kinds, size)]
     elif size > sum(caps):
         raise InputError(
-            f"{size} ranks are more than this grid can feed: with blocks of at least {op.rows + op.p} by {op.rows + op.p} points "
+            f"{size} ranks are more than this grid can feed: with at least {_least(op)} by {_least(op)} points on a rank "
             f"{sum(caps)} is the largest number that works"
         )
     else:

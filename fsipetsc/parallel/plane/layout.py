@@ -1,8 +1,8 @@
 """Who owns what in two dimensions: a DMDA for each layer on a communicator of its own, and the world vector that holds all.
 
-On each rank the solution is the concatenation of the rank's blocks of the layers, (J, J rho, J rho u, J rho v, J e) or (x, y, u, v, T)
-of a point side by side (x, y: displacement), and behind them the kinetic energies of the end points of solids at interfaces,
-interface by interface, of the columns that the rank owns.
+On each rank the solution is the concatenation of the rank's blocks of the layers, (J, J rho, J rho u, J rho v, J e) or (x,
+y, u, v, T) of a point side by side (x, y: displacement), and behind them the kinetic energies of the end points of solids
+at interfaces, interface by interface, of the columns that the rank owns.
 """
 
 from __future__ import annotations

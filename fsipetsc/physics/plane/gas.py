@@ -14,8 +14,8 @@ operators make of w, and a uniform flow would not stay uniform. Gradients are th
 
 because then friction and conduction produce entropy at each point, whatever the metrics are.
 
-The grid is straight in eta between its lower and its upper line: x = (1 - zeta) x_low + zeta x_high, zeta from 0 to 1, so that Ja1 does
-not depend on eta and Ja2 and w are linear in it, which the operators differentiate exactly.
+The grid is straight in eta between its lower and its upper line: x = (1 - zeta) x_low + zeta x_high, zeta from 0 to 1, so
+that Ja1 does not depend on eta and Ja2 and w are linear in it, which the operators differentiate exactly.
 """
 
 from __future__ import annotations

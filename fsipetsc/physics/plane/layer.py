@@ -1,9 +1,9 @@
 """The record that describes this rank's part of one layer in two dimensions to compiled code.
 
 A layer has nx by ny points, X along the rows and Y across them. A rank holds ``height`` rows of ``width`` points, halos among
-them, and owns those from ``own_x[0]`` to ``own_x[1] - 1`` in the rows ``own_y[0]`` to ``own_y[1] - 1``, counted in what it holds. The
-points at the edges of the layer, counted so too, are ``end_x`` and ``end_y``, wherever they may lie; a periodic layer has none in X,
-and ``end_x`` is far away.
+them, and owns those from ``own_x[0]`` to ``own_x[1] - 1`` in the rows ``own_y[0]`` to ``own_y[1] - 1``, counted in what it
+holds. The points at the edges of the layer, counted so too, are ``end_x`` and ``end_y``, wherever they may lie; a periodic
+layer has none in X, and ``end_x`` is far away.
 """
 
 from __future__ import annotations

@@ -47,7 +47,9 @@ def energy(c, F):
 
 @njit(**FORMULA)
 def modulus(c, F, squared_x, squared_y):
-    """Largest m0 c^2 of waves along X and along Y: mu_e + max(0, g''(J)) |cof F N|^2, g = U - mu_e ln J; |cof F N|^2 are given."""
+    """Largest m0 c^2 of waves along X and along Y: mu_e + max(0, g''(J)) |cof F N|^2, g = U - mu_e ln J; |cof F N|^2 are
+    given.
+    """
     f11, f12, f21, f22 = F
     mu, K, _ = c
     curvature = max(K / (f11 * f22 - f12 * f21) - mu, 0.0)

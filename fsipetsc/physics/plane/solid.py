@@ -1,12 +1,14 @@
 """Hyperelastic solid in two dimensions (plane strain), in Lagrangian coordinates.
 
     (x, y)_t     = (u, v),                          F = grad (x, y)
-    m0 (u, v)_t  = Div P(F) + m0 b,                 P = dW/dF, a law: see ``log_solid``, ``neo_hookean``, ``st_venant_kirchhoff``
+    m0 (u, v)_t  = Div P(F) + m0 b,                 P = dW/dF, a law: see ``log_solid``, ``neo_hookean``,
+                 ``st_venant_kirchhoff``
     m0 alpha T_t = P : grad (u, v) + Div (kappa_e J C^-1 grad T),      C = F^T F, J = det F
 
-The heat is ``COUPLED``, as the paper's (3.1c): what the stresses do becomes heat, and the sum of kinetic energy and m0 alpha T is
-conserved. ``ELASTIC`` leaves P : grad (u, v) out: W is an energy of its own, and kinetic energy, W and m0 alpha T together are
-conserved. These are different solids. Derivatives are taken of the displacement, which is periodic where the layer is.
+The heat is ``COUPLED``, as the paper's (3.1c): what the stresses do becomes heat, and the sum of kinetic energy and m0
+alpha T is conserved. ``ELASTIC`` leaves P : grad (u, v) out: W is an energy of its own, and kinetic energy, W and m0 alpha
+T together are conserved. These are different solids. Derivatives are taken of the displacement, which is periodic where the
+layer is.
 """
 
 from __future__ import annotations

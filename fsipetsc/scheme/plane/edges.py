@@ -8,7 +8,8 @@ what does: -F.N / (h a_0), F.N the flux out of the layer per length of the edge:
     OUTFLOW   F(U_in).N
     FREE      -p_b cof F . N on a solid: a pressure that follows the surface
 
-Interfaces (fsipetsc.coupling.plane_conservative), no-slip walls, what is clamped or given, need nothing: the unknowns are set there.
+Interfaces (fsipetsc.coupling.plane), no-slip walls, what is clamped or given, need nothing: the unknowns are
+set there.
 """
 
 from __future__ import annotations
@@ -59,7 +60,9 @@ def amend_gas(law, layer, op, s, place, lines, j):
 
 @njit(**OPTIONS)
 def through(law, layer, op, s, place, j, i, kind, side, nx, ny, w, edge, h):
-    """Give the rates at column i what goes through an edge with N = (nx, ny), which points to larger X or Y; w: grid velocity . N."""
+    """Give the rates at column i what goes through an edge with N = (nx, ny), which points to larger X or Y; w: grid
+    velocity . N.
+    """
     rho, u, v = s[U64(at(place.v, 0, j) + i)], s[U64(at(place.v, 1, j) + i)], s[U64(at(place.v, 2, j) + i)]
     e, p = s[U64(at(place.v, 3, j) + i)], s[U64(at(place.v, 4, j) + i)]
     inside, scale, r = (rho, rho * u, rho * v, e), (1.0 - 2.0 * side) / (h * op.norm[0]), place.rates + i

@@ -1,7 +1,7 @@
 """The physics of the layers of a problem in two dimensions, with what the scheme does with each of them.
 
-Entries (fsipetsc.scheme.plane.entries) name GAS and SOLID, the laws of most problems; for another law they are compiled once more
-with it in the place of these (fsipetsc.operators.variants), layer by layer.
+Entries (fsipetsc.scheme.plane.entries) name GAS and SOLID, the laws of most problems; for another law they are compiled
+once more with it in the place of these (fsipetsc.operators.variants), layer by layer.
 """
 
 from __future__ import annotations

@@ -3,12 +3,14 @@
 Words, of this rank's points:
 
     CONVECTION  largest rate of convection, sum_k (|Ja^k.(u - w)| + c |Ja^k|) / (J h_k); of waves in a solid, sum_k c_k / h_k
-    DIFFUSION   largest rate of diffusion, z max(4/3 mu/rho, kappa/(rho cv)) sum_k |Ja^k|^2 / (J h_k)^2 (z: stiffness of D twice)
+    DIFFUSION   largest rate of diffusion, z max(4/3 mu/rho, kappa/(rho cv)) sum_k |Ja^k|^2 / (J h_k)^2 (z: stiffness of D
+    twice)
     BAD         1 if a state is not physical
     LEAST_J     least J
     MASS, MOMENTUM_X, MOMENTUM_Y, ENERGY, ENTROPY    integrals with the norm of the operators; the energy is what is conserved
 
-Extremes are exact, whoever owns the points; the last bits of the sums depend on that, and nothing that is computed on takes them.
+Extremes are exact, whoever owns the points; the last bits of the sums depend on that, and nothing that is computed on takes
+them.
 """
 
 from __future__ import annotations

@@ -5,9 +5,9 @@ Every physics here has the form
     q_t = rate(q, v, D_x a + D_y b, e),      (a, b, e) = flux(v, D_x v, D_y v),      v = prepare(q)
 
 with the unknowns q of a point, what is derived from them there (v), fluxes a along X and b along Y, and further quantities e.
-The boundary fluxes are left out: the operator is *loose* at the edges, h a_0 D_00 = +1/2 instead of -1/2, so that what comes out are
-the rates without traction, heat and mass through any edge (fsipetsc.scheme.plane.edges adds what there is). Only the J of a grid
-keeps the whole derivative. A physics is formulas at a point, of vectors of points:
+The boundary fluxes are left out: the operator is *loose* at the edges, h a_0 D_00 = +1/2 instead of -1/2, so that what
+comes out are the rates without traction, heat and mass through any edge (fsipetsc.scheme.plane.edges adds what there is).
+Only the J of a grid keeps the whole derivative. A physics is formulas at a point, of vectors of points:
 
     unknowns, prepared, fluxes, extras  (0, 1, ...), a number for each of q, v, a (and b), e
     differentiated                   those of v of which D_x and D_y are wanted
@@ -41,8 +41,8 @@ from fsipetsc.scheme.sweep import row_of
 PREPARED, FLUXES, EXTRAS = 10, 5, 1
 #: rows of a ring
 RING = 16
-#: rows of scratch: q and v, fluxes across, derivatives of those along, extras, each in a ring; and of one row its slopes in both
-#: directions, fluxes along, rates, and the lines of the grid
+#: rows of scratch: q and v, fluxes across, derivatives of those along, extras, each in a ring; and of one row its slopes in
+#: both directions, fluxes along, rates, and the lines of the grid
 ROWS = RING * (DOF + PREPARED + 2 * FLUXES + EXTRAS) + 2 * PREPARED + 2 * FLUXES + DOF + 2 * LINE_ROWS
 
 

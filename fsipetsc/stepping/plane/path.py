@@ -1,15 +1,17 @@
 """The right-hand side in two dimensions by PETSc's own means: the parallel method, to be read from top to bottom.
 
-One evaluation is three steps; the first is collective on all ranks that have part in an interface, the second on the ranks of a layer:
+One evaluation is three steps; the first is collective on all ranks that have part in an interface, the second on the ranks
+of a layer:
 
-    1  interfaces   one VecScatter fetches, for each rank that needs them, the unknowns of gas and solid at the points of interfaces:
+    1  interfaces   one VecScatter fetches, for each rank that needs them, the unknowns of gas and solid at the points of
+    interfaces:
                     each of these solves the same small system point by point          (fsipetsc.coupling.plane)
     2  halos        DMDA fills the local vectors: twice the reach of D, because D acts twice
     3  points       interface rows, walls and what is given are put in place; the grids of gases are laid between the lines that
                     their edges have become; then the rates of all points              (fsipetsc.scheme.plane.sweep)
 
-The ranks of a gas that have no part of its edge need the lines, too: they fetch them in step 1 themselves, so that nothing has to
-be told along the columns. The arithmetic of a point is the same on any number of ranks, and nothing is added up.
+The ranks of a gas that have no part of its edge need the lines, too: they fetch them in step 1 themselves, so that nothing
+has to be told along the columns. The arithmetic of a point is the same on any number of ranks, and nothing is added up.
 """
 
 from __future__ import annotations
@@ -37,7 +39,8 @@ from fsipetsc.scheme.plane.sweep import ROWS, scratch_stride
 
 #: doubles behind the points, into which vectors may reach
 SLACK = 64
-#: columns of what is known of a point of an interface: of the gas J (1, rho, rho u, rho v, e), of the solid (x, y, u, v, T), kinetic energy
+#: columns of what is known of a point of an interface: of the gas J (1, rho, rho u, rho v, e), of the solid (x, y, u, v,
+#: T), kinetic energy
 _GAS, _SOLID, _KINETIC = slice(0, 5), slice(5, 10), 10
 
 
@@ -116,7 +119,8 @@ class Interfaces:
         self._to = PETSc.IS().createStride(indices.size, 0, 1, comm=PETSc.COMM_SELF)
         self._scatter = PETSc.Scatter().create(world, self._from, self._vec, self._to)
         self._world = world
-        self._meet = [compiled(entries.meet_at, _equations(layout.problem.layers[fluid])) for fluid, _ in layout.problem.interfaces]
+        fluids = [layout.problem.layers[fluid] for fluid, _ in layout.problem.interfaces]
+        self._meet = [compiled(entries.meet_at, _equations(fluid)) for fluid in fluids]
 
     def _face(self, number: int) -> None:
         layout, face = self._layout, self.faces[number]
@@ -301,7 +305,8 @@ class Given:
             return
         X, Y = self._points(k, rows, columns)
         if end.kind == edges.NO_SLIP:
-            self._holds[k].append(lambda part, t: _stick(part, self._layout.problem.layers[k].material, end, rows, columns, X, Y, t))
+            gas = self._layout.problem.layers[k].material
+            self._holds[k].append(lambda part, t: _stick(part, gas, end, rows, columns, X, Y, t))
         elif end.kind in (edges.CLAMPED, edges.ROLLER):
             held = [2, 3] if end.kind == edges.CLAMPED else [2 + normal]
 
