@@ -16,13 +16,11 @@ has to be told along the columns. The arithmetic of a point is the same on any n
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
 
-from fsipetsc.boundaries import plane as edges
 from fsipetsc.coupling import INTERFACE
 from fsipetsc.coupling.plane import COLUMNS
 from fsipetsc.operators.sbp import OPERATOR, packed
@@ -36,6 +34,7 @@ from fsipetsc.scheme.plane import entries
 from fsipetsc.scheme.plane.laws import compiled
 from fsipetsc.scheme.plane.look import WORDS
 from fsipetsc.scheme.plane.sweep import ROWS, scratch_stride
+from fsipetsc.stepping.plane.edge_data import EdgeData
 
 #: doubles behind the points, into which vectors may reach
 SLACK = 64
@@ -55,13 +54,13 @@ def operators(order: int) -> np.ndarray:
 class PlanePath:
     """dy/dt of the world vector. All methods are collective on the layout's communicator."""
 
-    def __init__(self, layout: PlaneLayout, order: int, given: Given) -> None:
+    def __init__(self, layout: PlaneLayout, order: int, edge_data: EdgeData) -> None:
         self.layout = layout
         self._state, self._rates = np.zeros(layout.local_size), np.zeros(layout.local_size)
         self._world = PETSc.Vec().createWithArray(self._state, comm=layout.comm)
         self.interfaces = Interfaces(layout, self._world)
         mine = [k for k, dm in enumerate(layout.dms) if dm is not None]
-        self.layers = [LayerPart(layout, k, operators(order), self._state, self._rates, given) for k in mine]
+        self.layers = [LayerPart(layout, k, operators(order), self._state, self._rates, edge_data) for k in mine]
 
     def rates(self, y: np.ndarray, f: np.ndarray, t: float) -> None:
         """f = dy/dt of this rank's part at time t [s]; y stays as it is."""
@@ -202,9 +201,9 @@ class LayerPart:
     """This rank's part of layer k; state, rates: the rank's parts of world vectors."""
 
     def __init__(
-        self, layout: PlaneLayout, k: int, ops: np.ndarray, state: np.ndarray, rates: np.ndarray, given: Given
+        self, layout: PlaneLayout, k: int, ops: np.ndarray, state: np.ndarray, rates: np.ndarray, edge_data: EdgeData
     ) -> None:
-        self.k, self._layout, self._ops, self._given = k, layout, ops, given
+        self.k, self._layout, self._ops, self._data = k, layout, ops, edge_data
         self.record, self._records, self._dm = layout.records[k], layout.records, layout.dms[k]
         self._gas = self.record["kind"] == FLUID
         self.end_weight = float(ops[0]["norm"][0])
@@ -249,14 +248,14 @@ class LayerPart:
 
     def hold(self, t: float) -> None:
         """Walls and edges where unknowns are given; then the lines of the grid."""
-        self._given.apply(self, t)
+        self._data.apply(self, t)
         if self._gas:
             entries.lay_lines(self._records, self.k, self._ops, self._s, self._stride, self._lines)
 
     def evaluate(self, t: float) -> None:
         """The rates at this rank's points."""
         self._evaluate(self._records, self.k, self._ops, self._s, self._stride, self.y, self._rates)
-        self._given.force(self, t, self._rates)
+        self._data.force(self, t, self._rates)
         for rates, side in self._kinetic:
             row = int(self.record["end_y"][side] - self.record["own_y"][0])
             f, m0 = self._rates.reshape(*self.own.shape)[row], self.record["m0"]
@@ -270,113 +269,3 @@ class LayerPart:
     def destroy(self) -> None:
         self._vec.destroy()
         self._local.destroy()
-
-
-class Given:
-    """What is set at edges, and forcing: functions of the case's, asked for here, with what they mean for the unknowns.
-
-    One for each run; ``apply`` and ``force`` are not collective.
-    """
-
-    def __init__(self, layout: PlaneLayout) -> None:
-        self._layout = layout
-        self._holds: dict[int, list[Callable[[LayerPart, float], None]]] = {k: [] for k in range(len(layout.grids))}
-        for k, layer in enumerate(layout.problem.layers):
-            if layout.dms[k] is None:
-                continue
-            record, problem = layout.records[k], layout.problem
-            for side in range(2):
-                row = int(record["end_y"][side])
-                end = problem.edge(k, side) or getattr(layer, "beside", None)
-                if 0 <= row < record["height"] and end is not None:
-                    columns = np.arange(record["width"])
-                    if record["edge_y"][side] < 0:  # beside an interface
-                        a, b = record["face"][side]
-                        columns = columns[(columns < a) | (columns >= b)]
-                    self._note(k, end, np.full(columns.size, row), columns, 1)
-                column = int(record["end_x"][side])
-                if 0 <= column < record["width"]:
-                    rows = np.arange(record["height"])
-                    self._note(k, (layer.left, layer.right)[side], rows, np.full(rows.size, column), 0)
-
-    def _note(self, k: int, end: edges.Edge, rows: np.ndarray, columns: np.ndarray, normal: int) -> None:
-        """Remember what to set at some points of layer k; normal: 0 for an edge in X, 1 in Y."""
-        if not rows.size:
-            return
-        X, Y = self._points(k, rows, columns)
-        if end.kind == edges.NO_SLIP:
-            gas = self._layout.problem.layers[k].material
-            self._holds[k].append(lambda part, t: _stick(part, gas, end, rows, columns, X, Y, t))
-        elif end.kind in (edges.CLAMPED, edges.ROLLER):
-            held = [2, 3] if end.kind == edges.CLAMPED else [2 + normal]
-
-            def clamp(part: LayerPart, t: float) -> None:
-                for c in held:
-                    part.held[rows, columns, c] = 0.0
-
-            self._holds[k].append(clamp)
-        elif end.kind == edges.GIVEN:
-            self._holds[k].append(lambda part, t: _give(part, self._layout.problem.layers[k], end, rows, columns, X, Y, t))
-
-    def _points(self, k: int, rows: np.ndarray, columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        grid, record = self._layout.grids[k], self._layout.records[k]
-        return grid.x0 + (record["first_x"] + columns) * grid.h_x, grid.y0 + (record["first_y"] + rows) * grid.h_y
-
-    def apply(self, part: LayerPart, t: float) -> None:
-        """Set what is given at time t [s]."""
-        for hold in self._holds[part.k]:
-            hold(part, t)
-
-    def force(self, part: LayerPart, t: float, rates: np.ndarray) -> None:
-        """Add forcing to the rates of the points that are owned."""
-        layer, jumps = self._layout.problem.layers[part.k], self._layout.problem.jumps
-        if jumps is not None and layer.kind == "solid":
-            self._supply(part, t, rates.reshape(part.own.shape))
-        if layer.forcing is None:
-            return
-        X, Y = self._layout.grids[part.k].points(*self._layout.owned(part.k))
-        f = rates.reshape(part.own.shape)
-        values = layer.forcing(X, Y, t)
-        if layer.kind == "fluid":
-            for c, value in enumerate(values):
-                f[..., c + 1] += part.own[..., 0] * value
-        else:
-            for c, value in zip((2, 3, 4, 0, 1), values, strict=True):
-                f[..., c] += value
-
-
-    def _supply(self, part: LayerPart, t: float, f: np.ndarray) -> None:
-        """What interfaces supply from outside, to the end points of the solid."""
-        record, grid = part.record, self._layout.grids[part.k]
-        for number, side in part.sides():
-            row = int(record["end_y"][side] - record["own_y"][0])
-            if 0 <= row < len(f):
-                columns = self._layout.owned(part.k)[0]
-                x, y, heat = self._layout.problem.jumps(number, grid.x0 + columns * grid.h_x, t)
-                per_mass = 1.0 / (part.end_weight * record["h_y"] * record["m0"])
-                f[row, :, 2] += per_mass * x
-                f[row, :, 3] += per_mass * y
-                f[row, :, 4] += per_mass * heat / record["alpha"]
-
-
-def _stick(part: Any, gas: Any, end: Any, rows: Any, columns: Any, X: Any, Y: Any, t: float) -> None:
-    """No velocity at a wall, and its temperature, if it has one."""
-    q = part.held
-    q[rows, columns, 2] = q[rows, columns, 3] = 0.0
-    if end.T is not None:
-        T = end.T(X, Y, t) if callable(end.T) else end.T
-        J, r = q[rows, columns, 0], q[rows, columns, 1]
-        q[rows, columns, 4] = r * gas.internal_energy(r / J, T)
-
-
-def _give(part: Any, layer: Any, end: Any, rows: Any, columns: Any, X: Any, Y: Any, t: float) -> None:
-    """All unknowns as the case says."""
-    values, q = end.values(X, Y, t), part.held
-    if layer.kind == "solid":
-        for c, value in zip((2, 3, 4, 0, 1), (*values[:3], values[3] - X, values[4] - Y), strict=True):
-            q[rows, columns, c] = value
-        return
-    rho, u, v, T = values
-    r = q[rows, columns, 0] * rho
-    q[rows, columns, 1], q[rows, columns, 2], q[rows, columns, 3] = r, r * u, r * v
-    q[rows, columns, 4] = r * (layer.material.internal_energy(rho, T) + 0.5 * (u * u + v * v))
