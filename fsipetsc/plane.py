@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -100,7 +101,7 @@ class PlaneFluidLayer:
     forcing: Timed | None = None
     exact: Timed | None = None
     kind = "fluid"
-    fields = ("rho", "u", "v", "T", "p")
+    fields = ("rho", "u", "v", "T", "p", "J", "x", "y")
 
     def __post_init__(self) -> None:
         _check_layer(self, Fluid, "(rho, u, v, T)", edges.GAS)
@@ -126,7 +127,7 @@ class PlaneSolidLayer:
     forcing: Timed | None = None
     exact: Timed | None = None
     kind = "solid"
-    fields = ("u", "v", "T", "s_xx", "s_xy", "s_yy")
+    fields = ("u", "v", "T", "s_xx", "s_xy", "s_yy", "x", "y")
 
     def __post_init__(self) -> None:
         _check_layer(self, PlaneSolid, "(u, v, T, x, y)", edges.SOLID)
@@ -236,6 +237,11 @@ class PlaneProblem:
     def unit(self, name: str) -> str:
         """What stands behind a number in a message: " m", or nothing if the problem has no dimensions."""
         return f" {name}" if self.units == "SI" else ""
+
+    @property
+    def invariants(self) -> dict[str, Any]:
+        """What must not change: see fsipetsc.problem.Problem.invariants."""
+        return {}
 
     @property
     def steady_data(self) -> bool:

@@ -7,7 +7,7 @@ of PETSc's or a rank.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -108,6 +108,7 @@ class Problem:
     jumps: Callable[[int, float], tuple[float, float, float, float]] | None = None
     notes: tuple[str, ...] = ()
     units: str = "SI"
+    dimension: int = field(default=1, init=False)
 
     def __post_init__(self) -> None:
         self._check_kinds()

@@ -25,7 +25,7 @@ ORDER = """
     given
     scheme
     parallel
-    problem
+    problem plane
     coupling boundaries
     physics
     operators
@@ -38,7 +38,7 @@ RANK = {name: rank for rank, line in enumerate(ORDER.split("\n")) for name in li
 KNOW_MPI = {"cli", "analysis", "bench", "stepping", "output", "process", "parallel"}
 KNOW_PETSC = {"analysis", "bench", "stepping", "output", "process", "options", "parallel"}
 #: files of ``parallel`` that know PETSc: the one that has the DMDAs
-PETSC_IN_PARALLEL = {"parallel/layout.py"}
+PETSC_IN_PARALLEL = {"parallel/layout.py", "parallel/plane/layout.py"}
 
 
 def imports(source: str) -> Iterator[tuple[int, str]]:

@@ -28,7 +28,6 @@ from petsc4py import PETSc
 from fsipetsc.bench.loops import apply_conditions_often, exchange_often, reduce_often, triad
 from fsipetsc.scheme.runge_kutta import STAGES, do_nothing, make_steps
 from fsipetsc.stepping.counts import completion_traffic, stage_traffic
-from fsipetsc.stepping.frames import active_points
 from fsipetsc.stepping.integrator import Integrator
 from fsipetsc.stepping.solve import build_problem, make_state
 
@@ -129,7 +128,7 @@ class Stand:
         )
         stage, completion = stage_traffic(plan), completion_traffic(plan)
         return {
-            "points": active_points(self.state),
+            "points": self.state.points,
             "share": comm.allreduce(mine, MPI.MAX),
             "doubles": comm.allreduce(int(plan.memory.size)),
             "sends": comm.allreduce((STAGES - 1) * stage.sends + completion.sends, MPI.MAX),

@@ -20,13 +20,16 @@ from fsipetsc.operators.kernels import OPTIONS
 #: what is known of a point: J (1, rho, rho u, rho v, e) of the gas, (x, y, u, v, T) of the solid (displacements), and the
 #: kinetic energy m0 |u|^2 / 2 of its end point
 COLUMNS = 11
+#: what may hold a point
+HELD, HELD_X = 1, 2
 
 
 @njit(**OPTIONS)
-def meet(pair, face, points):
+def meet(pair, face, points, held):
     """One velocity and, where both conduct, one temperature at each of the points (n, COLUMNS), in place.
 
-    face: an INTERFACE record, of which h, h_gas, the gas, m0, alpha, kappa and kappa_e are needed.
+    face: an INTERFACE record, of which h, h_gas, the gas, m0, alpha, kappa and kappa_e are needed. held: (n,), 0, or HELD
+    where the end of a solid or a wall holds the point, or HELD_X where it does so against X alone.
     """
     r, m0, heat = face.h_gas / face.h, face.m0, face.m0 * face.alpha
     shared = face.kappa > 0.0 and face.kappa_e > 0.0
@@ -34,6 +37,7 @@ def meet(pair, face, points):
         q = points[n]
         mass = r * q[1]
         u, v = (r * q[2] + m0 * q[7]) / (mass + m0), (r * q[3] + m0 * q[8]) / (mass + m0)
+        u, v = (0.0 if held[n] != 0 else u), (0.0 if held[n] == HELD else v)
         kinetic = 0.5 * m0 * (u * u + v * v)
         energy = r * q[4] + (q[10] - kinetic)
         if shared:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.output.reader import Layer, Run, open_run
+from fsipetsc.output.reader import Layer, PlaneLayer, Run, open_run
 
 
 def info(path: str | os.PathLike[str]) -> str:
@@ -44,6 +44,10 @@ def _overview(run: Run) -> list[tuple[str, str]]:
 def _layers(run: Run) -> Iterable[tuple[str, str]]:
     """Active points come and go where a layer meets a fixed end; those held in reserve for it are stored, too."""
     for layer in run.layers:
+        if isinstance(layer, PlaneLayer):
+            grid = f"{len(layer.X)} by {len(layer.Y)} points{_range(', X =', layer.X)}{_range(', Y =', layer.Y)}"
+            yield f"  {layer.name}", f"{layer.kind}, {grid}; {', '.join(layer.fields)}"
+            continue
         grid = f"{len(layer.X)} points{_active(layer, run.nframes)}{_range(', X =', layer.X)}, h = {layer.h:g}"
         yield f"  {layer.name}", f"{layer.kind}, {grid}; {', '.join(layer.fields)}"
 

@@ -67,7 +67,9 @@ class Run:
         self.time: Array = time[: self.nframes]
         if not np.all(np.isfinite(self.time)) or np.any(np.diff(self.time) < 0):
             raise result_sources.Damaged("the times of its frames are not ascending numbers")
-        self.layers = tuple(Layer(self.path, entry, own, self.nframes) for entry, own in zip(self.header["layers"], chunks))
+        self.dimension = int(self.header.get("dimension", 1))
+        kind = PlaneLayer if self.dimension == 2 else Layer
+        self.layers = tuple(kind(self.path, entry, own, self.nframes) for entry, own in zip(self.header["layers"], chunks))
         series = self._source.series()
         self.series: Mapping[str, Array] = Arrays(self.path, "series", series.names, series.read)
 
@@ -170,6 +172,42 @@ class Layer(Arrays):
     def __repr__(self) -> str:
         span = f", X = {self.X[0]:g} … {self.X[-1]:g}" if len(self.X) else ""
         return f"<{self.kind} layer {self.name!r}: {counted(len(self.X), 'point')}{span}; {', '.join(self.fields)}>"
+
+
+class PlaneLayer(Arrays):
+    """A layer of a run in two dimensions; `layer[name]` is (nframes, ny, nx).
+
+    name, kind, fields   as of a Layer: fluid rho, u, v, T, p, J, x, y; solid u, v, T, s_xx, s_xy, s_yy, x, y
+    X, Y                 (nx,), (ny,) reference coordinates
+    x, y                 (nframes, ny, nx) positions
+    """
+
+    def __init__(self, path: str, entry: Mapping[str, Any], chunks: list[_Chunk], nframes: int) -> None:
+        self._points = Layer(path, entry, chunks, nframes)
+        self.name, self.kind, self.fields = self._points.name, self._points.kind, self._points.fields
+        super().__init__(path, f"field in layer {self.name!r}", self.fields, self._read_field)
+        ny, nx = self._shape = tuple(int(n) for n in entry["shape"])
+        (x0, y0), (h_x, h_y) = entry["origin"], entry["spacing"]
+        self.X, self.Y = x0 + h_x * np.arange(nx), y0 + h_y * np.arange(ny)
+
+    @property
+    def x(self) -> Array:
+        return self["x"]
+
+    @property
+    def y(self) -> Array:
+        return self["y"]
+
+    def frame(self, number: int) -> dict[str, Array]:
+        """All fields of one frame, name -> (ny, nx)."""
+        return {name: values.reshape(self._shape) for name, values in self._points.frame(number).items()}
+
+    def _read_field(self, name: str) -> Array:
+        return self._points[name].reshape(-1, *self._shape)
+
+    def __repr__(self) -> str:
+        ny, nx = self._shape
+        return f"<{self.kind} layer {self.name!r}: {nx} by {ny} points; {', '.join(self.fields)}>"
 
 
 class _Named(dict):

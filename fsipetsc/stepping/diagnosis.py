@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from fsipetsc.problem import FluidLayer
-from fsipetsc.stepping.state import State
+
+if TYPE_CHECKING:
+    from fsipetsc.stepping.state import State
 
 
 def describe_failure(state: State, t: float, step: int) -> str:

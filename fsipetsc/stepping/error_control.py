@@ -61,13 +61,9 @@ class ErrorControl:
         state.project(first)
         state.project(y)
         parts = []
-        for k, record in enumerate(state.layout.records):
-            if record["present"]:
-                own = np.arange(record["own_lo"], record["own_hi"])
-                active = (own >= record["lo"]) & (own <= record["hi"])
-                a, b = state.layout.local(k, first)[active], state.layout.local(k, y)[active]
-                scale = self._atol + self._rtol * np.maximum(np.abs(a), np.abs(b))
-                parts.append((((a - b) / scale) ** 2).ravel())
+        for a, b in zip(state.unknowns(first), state.unknowns(y), strict=True):
+            scale = self._atol + self._rtol * np.maximum(np.abs(a), np.abs(b))
+            parts.append((((a - b) / scale) ** 2).ravel())
         return float(np.sqrt(mean(state.comm, np.concatenate(parts))))
 
     def decide(self, dt: float, norm: float) -> tuple[bool, float]:

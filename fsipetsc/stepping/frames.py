@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from fsipetsc import given
 from fsipetsc.problem import FluidLayer
 from fsipetsc.process.together import together
 from fsipetsc.scheme.fields import SAVED, fields
-from fsipetsc.stepping.state import State
+
+if TYPE_CHECKING:
+    from fsipetsc.stepping.state import State
 
 
 def layer_fields(state: State) -> list[np.ndarray]:
@@ -20,11 +24,6 @@ def layer_fields(state: State) -> list[np.ndarray]:
     plan = state.plan
     plan.compiled(fields)(plan.head, plan.layers, plan.memory, out, ends - sizes, SAVED)
     return [part.reshape(-1, SAVED) for part in np.split(out, ends[:-1])]
-
-
-def active_points(state: State) -> int:
-    """Active points of all layers."""
-    return sum(int(r["hi"] - r["lo"]) + 1 for r in state.layout.records)
 
 
 def errors(state: State, t: float, norm: str = "L2") -> dict[str, dict[str, float]] | None:

@@ -19,11 +19,9 @@ from fsipetsc.process.together import agree
 from fsipetsc.scheme.burst import LONGEST, MADE, SHORTEST, TIME
 from fsipetsc.scheme.plan import BAD, EXHAUSTED, LOW, MOVED, RATE, SAID_STOP, STOP, TOO_SHORT, shares
 from fsipetsc.scheme.time_step import longest_step
-from fsipetsc.stepping.diagnosis import describe_failure
 from fsipetsc.stepping.error_control import ErrorControl
 from fsipetsc.stepping.fused import NAME, FusedRK4
 from fsipetsc.stepping.output_times import OutputTimes
-from fsipetsc.stepping.petsc_path import compile_entries
 from fsipetsc.stepping.phases import logged
 from fsipetsc.stepping.series import Series
 from fsipetsc.stepping.state import FAULT, State
@@ -99,7 +97,7 @@ class Integrator:
     def compile(self, announce: Callable[[str], None]) -> None:
         """Compile what PETSc's own methods call, if one of them is used, or load it. Not collective."""
         if not self._fused:
-            compile_entries(self.state.plan, announce)
+            self.state.compile_path(announce)
 
     # what TS calls
 
@@ -194,7 +192,7 @@ class Integrator:
         layers, s = self.state.problem.layers, self.state.problem.unit("s")
         if flags[BAD] or not flags[RATE] < np.inf:
             beyond = f"; {self.beyond}" if self.beyond else ""
-            raise ComputationError(describe_failure(self.state, t, self.steps) + beyond)
+            raise ComputationError(self.state.failure(t, self.steps) + beyond)
         if flags[EXHAUSTED]:
             name = layers[int(flags[EXHAUSTED]) - 1].name
             raise ComputationError(

@@ -45,8 +45,7 @@ class Reporter:
     def begin(self, state: State) -> None:
         """Say what is going to be computed."""
         self._m, self._s = state.problem.unit("m"), state.problem.unit("s")
-        grids = state.layout.grids
-        points, reserve = sum(g.hi - g.lo + 1 for g in grids), sum(g.n - (g.hi - g.lo + 1) for g in grids)
+        points, reserve = state.points, state.reserve
         held = f" ({reserve} more in reserve)" if reserve else ""
         ranks = counted(self._comm.size, "rank")
         self.line(

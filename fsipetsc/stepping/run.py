@@ -20,8 +20,6 @@ from fsipetsc.problem import Problem
 from fsipetsc.process.interrupts import Interrupted, heeded, take_over
 from fsipetsc.process.notes import PATIENCE, exchange
 from fsipetsc.scheme.conservation_check import ConservationCheck
-from fsipetsc.scheme.fields import fields
-from fsipetsc.stepping.frames import active_points, errors, layer_fields
 from fsipetsc.stepping.integrator import Integrator
 from fsipetsc.stepping.output_times import saved_times
 from fsipetsc.stepping.phases import LOOP, OUTPUT, SET_UP, Phases
@@ -30,7 +28,7 @@ from fsipetsc.stepping.solve import build_problem, make_state
 from fsipetsc.stepping.state import State
 
 
-def run_case(case: Any, options: Mapping[str, Any], comm: MPI.Comm) -> None:
+def run_case(case: Any, options: dict[str, Any], comm: MPI.Comm) -> None:
     """Build the case's problem, integrate it and write its result. Collective on comm.
 
     Raises InputError, ComputationError (after writing what was computed), FileError, Interrupted.
@@ -86,9 +84,10 @@ class _Run:
         return {
             "case": self.case.NAME,
             "options": dict(self.opt),
+            "dimension": self.problem.dimension,
             "versions": versions(),
             "ranks": self.comm.size,
-            "layers": [{"name": v.name, "kind": v.kind, "fields": list(v.fields)} for v in self.problem.layers],
+            "layers": self.state.header(),
             "interfaces": interface_names(self.problem),
             "notes": list(self.problem.notes),
             "units": self.problem.units,
@@ -96,19 +95,12 @@ class _Run:
         }
 
     def _grids(self) -> None:
-        layout = self.state.layout
-        self.writer.start_segment(
-            [
-                {"local": int(r["own_hi"] - r["own_lo"]), "n": int(r["n"]), "X": layout.owned_X(k)}
-                for k, r in enumerate(layout.records)
-            ]
-        )
+        self.writer.start_segment(self.state.grids())
         self._look()  # frames of the earlier grids may have been written, and steps with them
 
     def _frame(self, t: float) -> None:
-        plan = self.state.plan
         with self.phases(OUTPUT, "fsi frame"):
-            self.writer.write_frame(t, lambda slots: plan.compiled(fields)(plan.head, plan.layers, plan.memory, *slots))
+            self.writer.write_frame(t, self.state.save)
         self.saved_at = t
         self._look()
 
@@ -163,7 +155,8 @@ class _Run:
         try:
             self.report.begin(self.state)
             with self.phases(SET_UP):
-                self.state.compile(self.report.line, lambda: (layer_fields(self.state), integrator.compile(self.report.line)))
+                say = self.report.line
+                self.state.compile(say, lambda: (self.state.compile_saving(), integrator.compile(say)))
                 integrator.start()
             self.report.start()
             if integrator.beyond:
@@ -172,7 +165,7 @@ class _Run:
                 integrator.run()
             self._last_frame()
             self._flush()  # so that the summary knows what it took
-            found = errors(self.state, integrator.t, self.opt["fsi_norm"])
+            found = self.state.errors(integrator.t, self.opt["fsi_norm"])
         except (ComputationError, InputError) as error:
             failure, self.checks = error, False
             self._flush()
@@ -234,7 +227,7 @@ class _Run:
             "rhs_evaluations": integrator.evaluations,
             "dt_min": integrator.dt_range[0] if integrator.steps else None,
             "dt_max": integrator.dt_range[1] if integrator.steps else None,
-            "points": active_points(self.state),
+            "points": self.state.points,
             "interfaces": dict(zip(interface_names(self.problem), self.state.places, strict=True)),
             "ranks": self.comm.size,
             "wall_time": integrator.wall_time,

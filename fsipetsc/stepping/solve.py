@@ -12,13 +12,15 @@ from petsc4py import PETSc
 from fsipetsc.blame import call, place_of
 from fsipetsc.checks import described
 from fsipetsc.errors import InputError
-from fsipetsc.options import InForce
+from fsipetsc.options import InForce, publish
+from fsipetsc.plane import PlaneProblem
 from fsipetsc.problem import Problem
 from fsipetsc.process.together import together
 from fsipetsc.scheme.laws import Form
-from fsipetsc.stepping.frames import active_points, errors
+from fsipetsc.stepping.fused import NAME as FUSED
 from fsipetsc.stepping.integrator import Integrator
 from fsipetsc.stepping.phases import LoggedState
+from fsipetsc.stepping.plane.state import PlaneState
 from fsipetsc.stepping.state import State
 
 
@@ -38,24 +40,30 @@ class Outcome:
     errors: dict[str, dict[str, float]] | None
 
 
-def build_problem(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Problem:
+def build_problem(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Problem | PlaneProblem:
     """What the case says for the options in force. Collective; InputError, with file and line of a user's case file."""
 
-    def build() -> Problem:
+    def build() -> Problem | PlaneProblem:
         problem = call(case.build, (InForce(opt),), "build")
-        if not isinstance(problem, Problem):
+        if not isinstance(problem, (Problem, PlaneProblem)):
             found = "nothing (is its return missing?)" if problem is None else described(problem)
-            raise InputError(f"{place_of(case.build)}: build(opt) returns {found}: expected a fsipetsc.problem.Problem")
+            raise InputError(f"{place_of(case.build)}: build(opt) returns {found}: expected a Problem or PlaneProblem")
         return problem
 
     return together(comm, build)
 
 
-def make_state(problem: Problem, opt: Mapping[str, Any], comm: MPI.Comm) -> State:
+def make_state(problem: Problem | PlaneProblem, opt: dict[str, Any], comm: MPI.Comm) -> State | PlaneState:
     """The state that the options in force ask for; with -log_view one that logs what it does. Collective.
 
-    InputError where grid, order and ranks do not fit.
+    In two dimensions PETSc's methods make the steps: rk stands in ``opt`` for fused then. InputError where grid, order and
+    ranks do not fit.
     """
+    if isinstance(problem, PlaneProblem):
+        if opt["ts_type"] == FUSED:
+            opt["ts_type"] = "rk"
+            publish(opt)
+        return PlaneState(comm, problem, opt["fsi_order"], opt["fsi_h"])
     names = ("fsi_order", "fsi_h", "fsi_coupling", "fsi_mapping", "fsi_partition", "fsi_spare")
     kind = LoggedState if PETSc.Log.isActive() else State
     entropy = bool(opt["fsi_entropy"] or opt["fsi_check"])
@@ -64,7 +72,7 @@ def make_state(problem: Problem, opt: Mapping[str, Any], comm: MPI.Comm) -> Stat
 
 
 def solve(
-    case: Any, opt: Mapping[str, Any], comm: MPI.Comm, announce: Callable[[str], None] = lambda text: None
+    case: Any, opt: dict[str, Any], comm: MPI.Comm, announce: Callable[[str], None] = lambda text: None
 ) -> Outcome:
     """Integrate a case from t = 0 to -ts_max_time, or -ts_max_steps, and write nothing. Collective on comm.
 
@@ -87,7 +95,7 @@ def solve(
             integrator.t,
             integrator.steps,
             integrator.evaluations,
-            active_points(state),
+            state.points,
             integrator.wall_time,
-            errors(state, integrator.t, opt["fsi_norm"]),
+            state.errors(integrator.t, opt["fsi_norm"]),
         )

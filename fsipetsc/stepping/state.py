@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache, partial
+from typing import Any
 
 import numpy as np
 from mpi4py import MPI
@@ -20,9 +21,12 @@ from fsipetsc.problem import FluidLayer, Problem
 from fsipetsc.process.together import agree, together
 from fsipetsc.scheme import runge_kutta
 from fsipetsc.scheme.burst import MADE
+from fsipetsc.scheme.fields import fields
 from fsipetsc.scheme.laws import PLAIN, Form, ProblemLaws
 from fsipetsc.scheme.plan import BURST, FLAGS, FORCING, LIMITS, LOW, RATE, SAID_STOP, make_plan
-from fsipetsc.stepping.petsc_path import PetscPath
+from fsipetsc.stepping import frames
+from fsipetsc.stepping.diagnosis import describe_failure
+from fsipetsc.stepping.petsc_path import PetscPath, compile_entries
 
 #: what a rank says of STOP whose user's functions have failed: more than any signal
 FAULT = 1000.0
@@ -194,6 +198,56 @@ class State:
     def places(self) -> list[float]:
         """Positions x [m] of the interfaces."""
         return self.latest["x_interface"].tolist() if len(self.plan.faces) else []
+
+    @property
+    def points(self) -> int:
+        """Active points of all layers."""
+        return sum(int(r["hi"] - r["lo"]) + 1 for r in self.layout.records)
+
+    @property
+    def reserve(self) -> int:
+        """Points held in reserve, at first."""
+        return sum(g.n - (g.hi - g.lo + 1) for g in self.layout.grids)
+
+    def header(self) -> list[dict[str, Any]]:
+        """What a result file says of each layer."""
+        return [{"name": layer.name, "kind": layer.kind, "fields": list(layer.fields)} for layer in self.problem.layers]
+
+    def grids(self) -> list[dict[str, Any]]:
+        """What the writer must know of the points of each layer: see RunWriter.start_segment."""
+        records, layout = self.layout.records, self.layout
+        return [
+            {"local": int(r["own_hi"] - r["own_lo"]), "n": int(r["n"]), "X": layout.owned_X(k)} for k, r in enumerate(records)
+        ]
+
+    def save(self, slots: tuple[np.ndarray, np.ndarray, int]) -> None:
+        """Put what is saved of this rank's points in the slots of a frame (fsipetsc.output.buffers.Slots)."""
+        self.plan.compiled(fields)(self.plan.head, self.plan.layers, self.plan.memory, *slots)
+
+    def errors(self, t: float, norm: str) -> dict[str, dict[str, float]] | None:
+        """See fsipetsc.stepping.frames.errors."""
+        return frames.errors(self, t, norm)
+
+    def failure(self, t: float, step: int) -> str:
+        """What is wrong with a state that is not physical, in words. Collective."""
+        return describe_failure(self, t, step)
+
+    def unknowns(self, y: np.ndarray) -> list[np.ndarray]:
+        """The active ones in this rank's part y, layer by layer."""
+        found = []
+        for k, record in enumerate(self.layout.records):
+            if record["present"]:
+                own = np.arange(record["own_lo"], record["own_hi"])
+                found.append(self.layout.local(k, y)[(own >= record["lo"]) & (own <= record["hi"])])
+        return found
+
+    def compile_saving(self) -> None:
+        """Compile what frames take."""
+        frames.layer_fields(self)
+
+    def compile_path(self, announce: Callable[[str], None]) -> None:
+        """Compile what PETSc's own methods call, or load it. Not collective."""
+        compile_entries(self.plan, announce)
 
     @property
     def path(self) -> PetscPath:

@@ -12,8 +12,9 @@ from fsipetsc.coupling.plane import meet
 from fsipetsc.operators.kernels import ENTRY, U64
 from fsipetsc.operators.rows import along
 from fsipetsc.physics.plane.gas import LINE_ROWS
+from fsipetsc.scheme.plane.fields import gas_fields, solid_fields
 from fsipetsc.scheme.plane.laws import GAS, SOLID
-from fsipetsc.scheme.plane.look import look_at_gas, look_at_solid
+from fsipetsc.scheme.plane.look import blended, look_at_gas, look_at_solid
 from fsipetsc.scheme.plane.sweep import columns, lines_of, places, sweep
 
 
@@ -30,9 +31,9 @@ def solid_rates(layers, k, operators, s, stride, y, f):
 
 
 @njit(**ENTRY)
-def meet_at(faces, k, points):
+def meet_at(faces, k, points, held):
     """What gas and solid have together at points of interface k: see fsipetsc.coupling.plane."""
-    meet(GAS, faces[k], points)
+    meet(GAS, faces[k], points, held)
 
 
 @njit(**ENTRY)
@@ -60,3 +61,31 @@ def lay_lines(layers, k, operators, s, stride, lines):
         for c in range(2):
             to = row + (4 + c) * stride
             along(op, s, row + c * stride, to, a, b, layer.end_x[0], layer.end_x[1], 1.0 / layer.h_x)
+
+
+@njit(**ENTRY)
+def grid_jacobian(layers, k, s, stride, J):
+    """J of the grid of gas layer k at the points that are owned, whose lines stand in scratch."""
+    layer, place = layers[k], places(stride)
+    low = lines_of(place)
+    high = low + LINE_ROWS * stride
+    height = (layer.ny - 1) * layer.h_y
+    for j in range(J.shape[0]):
+        zeta = (layer.first_y + layer.own_y[0] + j) / (layer.ny - 1)
+        for n in range(J.shape[1]):
+            i = layer.own_x[0] + n
+            x_xi, y_xi = 1.0 + blended(s, low, high, 4 * stride + i, zeta), blended(s, low, high, 5 * stride + i, zeta)
+            x_eta = (s[U64(high + i)] - s[U64(low + i)]) / height
+            J[j, n] = x_xi * (s[U64(high + stride + i)] - s[U64(low + stride + i)]) / height - x_eta * y_xi
+
+
+@njit(**ENTRY)
+def save_gas(layers, k, operators, s, stride, y, X, out):
+    """What is saved of the points of gas layer k: see fsipetsc.scheme.plane.fields."""
+    gas_fields(GAS, layers[k], operators[0], s, places(stride), y, X, out)
+
+
+@njit(**ENTRY)
+def save_solid(layers, k, operators, s, stride, y, X, out):
+    """Of solid layer k."""
+    solid_fields(SOLID, layers[k], operators[0], s, places(stride), y, X, out)

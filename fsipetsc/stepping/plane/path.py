@@ -21,8 +21,9 @@ from typing import Any
 import numpy as np
 from petsc4py import PETSc
 
+from fsipetsc.boundaries import plane as edges
 from fsipetsc.coupling import INTERFACE
-from fsipetsc.coupling.plane import COLUMNS
+from fsipetsc.coupling.plane import COLUMNS, HELD, HELD_X
 from fsipetsc.operators.sbp import OPERATOR, packed
 from fsipetsc.parallel.plane.layout import PlaneLayout
 from fsipetsc.physics.layer import FLUID
@@ -31,16 +32,21 @@ from fsipetsc.physics.plane.gas import plane_gas
 from fsipetsc.physics.plane.layer import DOF
 from fsipetsc.physics.plane.solid import plane_solid
 from fsipetsc.scheme.plane import entries
+from fsipetsc.scheme.plane.fields import SAVED
 from fsipetsc.scheme.plane.laws import compiled
 from fsipetsc.scheme.plane.look import WORDS
 from fsipetsc.scheme.plane.sweep import ROWS, scratch_stride
 from fsipetsc.stepping.plane.edge_data import EdgeData
+from fsipetsc.stepping.plane.natural import NaturalOrder
 
 #: doubles behind the points, into which vectors may reach
 SLACK = 64
 #: columns of what is known of a point of an interface: of the gas J (1, rho, rho u, rho v, e), of the solid (x, y, u, v,
 #: T), kinetic energy
-_GAS, _SOLID, _KINETIC = slice(0, 5), slice(5, 10), 10
+_KINETIC = 10
+#: rates, extremes and integrals, what is saved
+_OF_GAS = entries.gas_rates, entries.gas_look, entries.save_gas
+_OF_SOLID = entries.solid_rates, entries.solid_look, entries.save_solid
 
 
 def operators(order: int) -> np.ndarray:
@@ -88,6 +94,35 @@ class PlanePath:
             if energies is not None:
                 self.layout.energies(number, y)[:] = energies
 
+    def part(self, k: int) -> LayerPart | None:
+        """This rank's part of layer k, if it has one."""
+        return next((part for part in self.layers if part.k == k), None)
+
+    def saved_numbers(self) -> list[np.ndarray]:
+        """Numbers of the points of each layer that ``saved`` has on this rank, row by row of the whole layer."""
+        parts = [self.part(k) for k in range(len(self.layout.grids))]
+        return [np.empty(0) if part is None else part.order.numbers.astype(float) for part in parts]
+
+    def saved(self) -> list[np.ndarray]:
+        """What is saved of these points, (points, SAVED), layer by layer; the local parts must be up to date."""
+        parts = [self.part(k) for k in range(len(self.layout.grids))]
+        return [np.empty((0, SAVED)) if part is None else part.order.reorder(part.save()) for part in parts]
+
+    def entries(self) -> list[tuple[Any, tuple[Any, ...]]]:
+        """Compiled functions of all layers, with arguments of the types that they get."""
+        records, ops, values, lines = self.layout.records, operators(2), np.empty(1), np.empty((2, 4, 1))
+        common, found = (records, 0, ops, values, 1), []
+        for layer in self.layout.problem.layers:
+            equations, gas = equations_of(layer), layer.kind == "fluid"
+            work = _OF_GAS if gas else _OF_SOLID
+            arguments = [(*common, values, values)] * 2 + [(*common, values, values, np.empty((1, 1, 1)))]
+            if gas:
+                work = (*work, entries.meet_at)
+                arguments.append((self.interfaces.faces, 0, np.empty((1, 1)), np.empty(1, np.int64)))
+            found += [(compiled(entry, equations), given) for entry, given in zip(work, arguments, strict=True)]
+        own = [(entries.lay_lines, (*common, lines)), (entries.grid_jacobian, (records, 0, values, 1, np.empty((1, 1))))]
+        return found + own
+
     def destroy(self) -> None:
         """Destroy the vectors; before the DMDAs."""
         self.interfaces.destroy()
@@ -102,7 +137,7 @@ class Interfaces:
     def __init__(self, layout: PlaneLayout, world: PETSc.Vec) -> None:
         self._layout = layout
         self.faces = np.zeros(len(layout.meetings), INTERFACE)
-        wanted, self._parts, at = [], [], 0
+        wanted, self._parts, self._held, at = [], [], [], 0
         for number, meeting in enumerate(layout.meetings):
             self._face(number)
             for k in meeting.layers:
@@ -110,6 +145,7 @@ class Interfaces:
                 if columns.size:
                     wanted.append(self._indices(number, columns))
                     self._parts.append((number, k, slice(at, at + columns.size), held))
+                    self._held.append(self._holding(meeting, columns))
                     at += columns.size
         self._points = np.zeros((at, COLUMNS))
         self._vec = PETSc.Vec().createWithArray(self._points, comm=PETSc.COMM_SELF)
@@ -119,7 +155,7 @@ class Interfaces:
         self._scatter = PETSc.Scatter().create(world, self._from, self._vec, self._to)
         self._world = world
         fluids = [layout.problem.layers[fluid] for fluid, _ in layout.problem.interfaces]
-        self._meet = [compiled(entries.meet_at, _equations(fluid)) for fluid in fluids]
+        self._meet = [compiled(entries.meet_at, equations_of(fluid)) for fluid in fluids]
 
     def _face(self, number: int) -> None:
         layout, face = self._layout, self.faces[number]
@@ -145,6 +181,18 @@ class Interfaces:
         here = (columns >= meeting.first) & (columns < meeting.end)
         return columns[here], np.flatnonzero(here)
 
+    def _holding(self, meeting: Any, columns: np.ndarray) -> np.ndarray:
+        """What holds the points in some columns of the gas: the ends of the solid, and walls of the gas."""
+        held, last = np.zeros(columns.size, np.int64), self._layout.grids[meeting.layers[0]].nx - 1
+        gas, solid = (self._layout.problem.layers[k] for k in meeting.layers)
+        at = ((solid.left, meeting.first), (solid.right, meeting.end - 1), (gas.left, 0), (gas.right, last))
+        for end, column in at:
+            if end.kind == edges.ROLLER:
+                held[(columns == column) & (held == 0)] = HELD_X
+            elif end.kind in (edges.CLAMPED, edges.NO_SLIP):
+                held[columns == column] = HELD
+        return held
+
     def _indices(self, number: int, columns: np.ndarray) -> np.ndarray:
         """(columns, COLUMNS) numbers in the world vector."""
         layout, meeting = self._layout, self._layout.meetings[number]
@@ -159,8 +207,8 @@ class Interfaces:
         if not self._layout.meetings:
             return
         self._scatter.scatter(self._world, self._vec)
-        for number, _, part, _ in self._parts:
-            self._meet[number](self.faces, number, self._points[part])
+        for (number, _, part, _), held in zip(self._parts, self._held, strict=True):
+            self._meet[number](self.faces, number, self._points[part], held)
 
     def of(self, k: int) -> list[tuple[int, np.ndarray, np.ndarray]]:
         """(lower or upper edge, points, their columns among those held) of layer k."""
@@ -181,6 +229,17 @@ class Interfaces:
                 found[number] = self._points[part][own, _KINETIC]
         return found
 
+    def heights(self) -> list[tuple[int, np.ndarray]]:
+        """(interface, y of its points in columns that this rank owns of the solid)."""
+        found = []
+        for number, k, part, held in self._parts:
+            meeting, record = self._layout.meetings[number], self._layout.records[k]
+            if k == meeting.layers[1] and self._layout.energies(number, self._layout_values()).size:
+                own = (held >= record["own_x"][0]) & (held < record["own_x"][1])
+                side = int(meeting.layers[0] > k)
+                found.append((number, self._layout.problem.layers[k].Y[side] + self._points[part][own, 6]))
+        return found
+
     def _layout_values(self) -> np.ndarray:
         return self._world.getArray(readonly=True)
 
@@ -189,7 +248,7 @@ class Interfaces:
             thing.destroy()
 
 
-def _equations(layer: Any) -> Any:
+def equations_of(layer: Any) -> Any:
     """Those of a layer's material."""
     material = layer.material
     if layer.kind == "solid":
@@ -219,9 +278,13 @@ class LayerPart:
         self._lines = np.zeros((2, 4, width))
         layer = layout.problem.layers[k]
         self._lines[:, 1] = np.array(layer.Y)[:, None]
-        equations = _equations(layer)
-        of_kind = (entries.gas_rates, entries.gas_look) if self._gas else (entries.solid_rates, entries.solid_look)
-        self._evaluate, self._look = (compiled(entry, equations) for entry in of_kind)
+        equations = equations_of(layer)
+        of_kind = _OF_GAS if self._gas else _OF_SOLID
+        self._evaluate, self._look, self._save = (compiled(entry, equations) for entry in of_kind)
+        self.order = NaturalOrder(self._dm)
+        columns, rows = layout.held(k)
+        grid = layout.grids[k]
+        self._XY = np.concatenate([grid.x0 + columns * grid.h_x, grid.y0 + rows * grid.h_y])
         self.words = np.zeros(WORDS)
         self._kinetic = [
             (layout.energies(number, rates), side) for number, side in self.sides() if layout.energies(number, rates).size
@@ -266,6 +329,20 @@ class LayerPart:
         self._look(self._records, self.k, self._ops, self._s, self._stride, self.y, self.words)
         return self.words
 
+    def save(self) -> np.ndarray:
+        """What is saved of the points that this rank owns, (rows, columns, SAVED), of the local part as it is."""
+        out = np.empty((*self.own.shape[:2], SAVED))
+        self._save(self._records, self.k, self._ops, self._s, self._stride, self.y, self._XY, out)
+        return out
+
+    def stretch(self, q: np.ndarray) -> None:
+        """Let the unknowns of a gas, given without J, be those with the J of the grid whose lines have been laid."""
+        if self._gas:
+            J = np.empty(q.shape[:2])
+            entries.grid_jacobian(self._records, self.k, self._s, self._stride, J)
+            q *= J[..., None]
+
     def destroy(self) -> None:
+        self.order.destroy()
         self._vec.destroy()
         self._local.destroy()

@@ -1,0 +1,268 @@
+"""The state in two dimensions: what the run and TS are given where fsipetsc.stepping.state.State is that of one dimension.
+
+The same names for the same things: ``solution``, ``results``, ``journal``, ``right_hand_side``, ``finish`` … PETSc's
+methods make the steps; the right-hand side is fsipetsc.stepping.plane.path.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numba
+import numpy as np
+from mpi4py import MPI
+from petsc4py import PETSc
+
+from fsipetsc import given
+from fsipetsc.errors import FsiError, InputError
+from fsipetsc.operators.cache import compiling, garbage_waiting
+from fsipetsc.operators.sbp import OPERATORS
+from fsipetsc.parallel.plane.grids import make_grids
+from fsipetsc.parallel.plane.layout import PlaneLayout
+from fsipetsc.physics.plane.layer import DOF
+from fsipetsc.plane import PlaneProblem
+from fsipetsc.process.together import together
+from fsipetsc.scheme.plan import BAD, CAPACITY, FLAGS, LIMITS, RATE, SAID_STOP, STOP
+from fsipetsc.scheme.plane.look import BAD as LOOKED_BAD
+from fsipetsc.scheme.plane.look import CONVECTION, DIFFUSION, ENERGY, ENTROPY, LEAST_J, MASS, MOMENTUM_X, MOMENTUM_Y
+from fsipetsc.stepping.plane.diagnosis import describe_failure
+from fsipetsc.stepping.plane.edge_data import EdgeData
+from fsipetsc.stepping.plane.path import PlanePath
+from fsipetsc.stepping.state import FAULT
+
+#: records of steps that are kept before they are written
+KEPT = min(CAPACITY, 4096)
+
+
+def step_record(layers: int, fluids: int) -> np.dtype:
+    """What is noted of a step: as fsipetsc.scheme.plan.step_record. least_J: of each layer; then come shares of the ranks."""
+    masses = [("mass", "f8", (fluids,))] if fluids else []
+    integrals = [(name, "f8") for name in ("energy", "momentum_x", "momentum_y", "entropy")]
+    return np.dtype([("t", "f8"), ("dt", "f8"), ("least_J", "f8", (layers,)), *masses, *integrals])
+
+
+class PlaneState:
+    """Layers, solution and what is known of it. Collective on ``comm``.
+
+    InputError where grid, order and ranks do not fit.
+    """
+
+    def __init__(self, comm: MPI.Comm, problem: PlaneProblem, order: int, h: float) -> None:
+        self.comm, self.problem, self.h, self.op = comm, problem, h, OPERATORS[order]
+        self._order = order
+        self.layout = PlaneLayout(comm, problem, self.op, make_grids(problem, self.op, h))
+        self.solution = PETSc.Vec().createMPI((self.layout.local_size, None), comm=comm)
+        self._data = EdgeData(self.layout)
+        self.path = PlanePath(self.layout, order, self._data)
+        self.results = np.zeros(FLAGS + LIMITS)
+        fluids = sum(layer.kind == "fluid" for layer in problem.layers)
+        self.journal = np.zeros(KEPT, step_record(len(problem.layers), fluids))
+        names = self.journal.dtype.names[2:]
+        self.latest = np.zeros(1, [(name, self.journal.dtype[name]) for name in names])[0]
+        self.burst = np.empty(0)
+        self.evaluations, self._t = 0, 0.0
+        self.fault: InputError | None = None  # of a user's function, on this rank
+
+    @property
+    def points(self) -> int:
+        """Of all layers."""
+        return sum(grid.nx * grid.ny for grid in self.layout.grids)
+
+    def compile(self, announce: Callable[[str], None], also: Callable[[], object] = lambda: None) -> None:
+        """Compile the kernels of all layers if that has not been done for this machine: one rank first."""
+        if self.comm.rank == 0:
+            first, *_ = (entry for entry, _ in self.path.entries())
+            with garbage_waiting(), compiling(first, announce):
+                self._compile()
+        self.comm.Barrier()
+        self._compile()
+
+    def _compile(self) -> None:
+        for entry, arguments in self.path.entries():
+            entry.compile(tuple(numba.typeof(argument) for argument in arguments))
+
+    def check_data(self) -> None:
+        """Ask the case's functions for all data at t = 0. InputError, on all ranks, where they are not what they must be."""
+        together(self.comm, self._ask)
+
+    def _ask(self) -> None:
+        y = self.solution.getArray()
+        for k, layer in enumerate(self.problem.layers):
+            if self.layout.dms[k] is None:
+                continue
+            X, Y = self.layout.grids[k].points(*self.layout.owned(k))
+            values, q = given.plane_fields(layer, "initial", X, Y, 0.0), self.layout.local(k, y)
+            if layer.exact is not None:  # not found out at the end
+                given.plane_fields(layer, "exact", X, Y, 0.0)
+            if layer.kind == "solid":
+                u, v, T, x, z = values
+                for c, value in enumerate((x - X, z - Y, u, v, T)):
+                    q[..., c] = value
+            else:
+                rho, u, v, T = values
+                energy = layer.material.internal_energy(rho, T) + 0.5 * (u * u + v * v)
+                for c, value in enumerate((np.ones_like(rho), rho, rho * u, rho * v, rho * energy)):
+                    q[..., c] = value
+        for number, meeting in enumerate(self.layout.meetings):
+            energies = self.layout.energies(number, y)
+            if energies.size:
+                solid = meeting.layers[1]
+                end = self.layout.local(solid, y)[0 if meeting.rows[1] == 0 else -1]
+                energies[:] = 0.5 * self.problem.layers[solid].material.m0 * (end[:, 2] ** 2 + end[:, 3] ** 2)
+
+    def set_initial(self) -> None:
+        """Initial data of all layers, J of the grids, projected; t = 0. InputError."""
+        self.check_data()
+        y = self.solution.getArray()
+        self.path.apply_conditions(y, 0.0)  # which lays the lines of the grids
+        for part in self.path.layers:
+            part.stretch(self.layout.local(part.k, y))
+
+    def set_data(self, t: float) -> None:
+        """The next evaluation of the right-hand side is at time t [s]."""
+        self._t = t
+
+    def right_hand_side(self, y: np.ndarray, f: np.ndarray) -> None:
+        """f = dy/dt of this rank's part. A fault of a function of the case's is kept: all learn of it after the step."""
+        self.evaluations += 1
+        try:
+            self.path.rates(y, f, self._t)
+        except InputError as error:
+            self._keep(error)
+
+    def _keep(self, error: InputError) -> None:
+        self.fault = self.fault or error
+        self.results[SAID_STOP] = FAULT
+
+    def project(self, y: np.ndarray) -> None:
+        """Let this rank's part y fulfil all conditions, in place."""
+        self.path.project(y, self._t)
+
+    def finish(self) -> None:
+        """Complete a step: project the solution, look at it, bound the next step."""
+        y = self.solution.getArray()
+        try:
+            self.path.project(y, self._t)
+        except InputError as error:
+            self._keep(error)
+        layers = self.problem.layers
+        extremes = np.zeros(4 + len(layers))
+        extremes[4:] = -np.inf
+        extremes[3] = self.results[SAID_STOP]
+        for name in self.latest.dtype.names:
+            self.latest[name] = 0.0
+        fluid = -1
+        for k, layer in enumerate(layers):
+            fluid += layer.kind == "fluid"
+            part = self.path.part(k)
+            if part is None:
+                continue
+            words = part.look()
+            extremes[0] = max(extremes[0], words[CONVECTION])
+            extremes[1] = max(extremes[1], words[DIFFUSION])
+            extremes[2] = max(extremes[2], words[LOOKED_BAD], float(not np.isfinite(words).all()))
+            extremes[4 + k] = -words[LEAST_J]
+            if layer.kind == "fluid":
+                self.latest["mass"][fluid] = words[MASS]
+            for name, word in zip(("energy", "momentum_x", "momentum_y", "entropy"), (ENERGY, MOMENTUM_X, MOMENTUM_Y, ENTROPY)):
+                self.latest[name] += words[word]
+        self.comm.Allreduce(MPI.IN_PLACE, extremes, MPI.MAX)
+        self.results[RATE] = (extremes[0] ** 4 + extremes[1] ** 4) ** 0.25
+        self.results[BAD], self.results[STOP] = extremes[2], extremes[3]
+        self.latest["least_J"] = -extremes[4:]
+
+    @property
+    def reserve(self) -> int:
+        """Points held in reserve: no grid grows."""
+        return 0
+
+    @property
+    def places(self) -> list[float]:
+        """Mean heights y [m] of the interfaces, as ranks that have a part of them know them. Collective."""
+        own = [np.zeros(2) for _ in self.layout.meetings]
+        for number, heights in self.path.interfaces.heights():
+            own[number] += heights.sum(), heights.size
+        return [float(total / count) for total, count in map(self.comm.allreduce, own)]
+
+    def failure(self, t: float, step: int) -> str:
+        """What is wrong with a state that is not physical, in words. Collective."""
+        return describe_failure(self, t, step)
+
+    def unknowns(self, y: np.ndarray) -> list[np.ndarray]:
+        """Those of this rank's part y, layer by layer."""
+        return [self.layout.local(part.k, y).reshape(-1, DOF) for part in self.path.layers]
+
+    def compile_saving(self) -> None:
+        """All has been compiled."""
+
+    def compile_path(self, announce: Callable[[str], None]) -> None:
+        """All has been compiled."""
+
+    def header(self) -> list[dict[str, Any]]:
+        """What a result file says of each layer."""
+        return [
+            {
+                **{"name": layer.name, "kind": layer.kind, "fields": list(layer.fields)},
+                **{"shape": [grid.ny, grid.nx], "origin": [grid.x0, grid.y0], "spacing": [grid.h_x, grid.h_y]},
+            }
+            for layer, grid in zip(self.problem.layers, self.layout.grids, strict=True)
+        ]
+
+    def grids(self) -> list[dict[str, Any]]:
+        """What the writer must know of the points: by number, rank by rank, in the order of rows."""
+        return [
+            {"local": len(numbers), "n": grid.nx * grid.ny, "X": numbers}
+            for grid, numbers in zip(self.layout.grids, self.path.saved_numbers(), strict=True)
+        ]
+
+    def save(self, slots: tuple[np.ndarray, Sequence[int], int]) -> None:
+        """Put what is saved of this rank's points in the slots of a frame (fsipetsc.output.buffers.Slots). Collective."""
+        values, starts, stride = slots
+        for k, rows in enumerate(self.path.saved()):
+            if rows.size:
+                begin = int(starts[k])
+                to = np.lib.stride_tricks.as_strided(values[begin:], rows.shape, (8 * stride, 8))
+                to[:] = rows
+
+    def errors(self, t: float, norm: str) -> dict[str, dict[str, float]] | None:
+        """As fsipetsc.stepping.frames.errors, of (rho, u, v, T) and (u, v, T, x, y). Collective."""
+        layers = self.problem.layers
+        if any(layer.exact is None for layer in layers):
+            return None
+        names = {"fluid": ("rho", "u", "v", "T"), "solid": ("u", "v", "T", "x", "y")}
+        power = {"L1": 1, "L2": 2}[norm]
+        sums = {kind: np.zeros(len(names[kind])) for kind in {layer.kind for layer in layers}}
+        for kind, parts in together(self.comm, lambda: self._departures(t)):
+            sums[kind] += [np.sum(np.abs(part) ** power * area) for part, area in parts]
+        result = {}
+        for kind in sorted(sums):
+            total = self.comm.allreduce(sums[kind])
+            result[kind] = {name: float(v) for name, v in zip(names[kind], total ** (1 / power), strict=True)}
+            result[kind]["combined"] = float(total.sum() ** (1 / power))
+        return result
+
+    def _departures(self, t: float) -> list[tuple[str, list[tuple[np.ndarray, float]]]]:
+        """kind, [(computed less exact, area of a point)] of this rank's layers."""
+        found = []
+        for part in self.path.layers:
+            layer, grid = self.problem.layers[part.k], self.layout.grids[part.k]
+            exact = given.plane_fields(layer, "exact", *grid.points(*self.layout.owned(part.k)), t)
+            columns = (0, 1, 2, 3) if layer.kind == "fluid" else (0, 1, 2, 6, 7)
+            saved, area = part.save(), grid.h_x * grid.h_y
+            found.append((layer.kind, [(saved[..., c] - e, area) for c, e in zip(columns, exact, strict=True)]))
+        return found
+
+    def destroy(self) -> None:
+        """Free vectors, DMDAs and communicators, in this order."""
+        self.path.destroy()
+        self.solution.destroy()
+        self.layout.destroy()
+
+    def __enter__(self) -> PlaneState:
+        return self
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        """Destroy it, unless this rank may be alone with an error: the others would not meet it there."""
+        if error is None or self.comm.size == 1 or (isinstance(error, FsiError) and error.collective):
+            self.destroy()
