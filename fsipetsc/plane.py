@@ -224,6 +224,10 @@ class PlaneProblem:
         pairs = zip(range(len(self.layers)), range(1, len(self.layers)), strict=False)
         return tuple((a, b) if self.layers[a].kind == "fluid" else (b, a) for a, b in pairs)
 
+    def slips(self, k: int) -> bool:
+        """Whether gas layer k slips along solids: without viscosity nothing holds it."""
+        return self.layers[k].material.mu == 0.0
+
     def span(self, k: int) -> tuple[float, float]:
         """(left, right) of layer k [m]."""
         return getattr(self.layers[k], "X", None) or self.X

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from numba import njit
 
-from fsipetsc.coupling.plane import meet
+from fsipetsc.coupling.plane import meet, meet_sliding, slide
 from fsipetsc.operators.kernels import ENTRY, U64
-from fsipetsc.operators.rows import along
+from fsipetsc.operators.rows import MARGIN, along
 from fsipetsc.physics.plane.gas import LINE_ROWS
 from fsipetsc.scheme.plane.fields import gas_fields, solid_fields
 from fsipetsc.scheme.plane.laws import GAS, SOLID
@@ -34,6 +34,25 @@ def solid_rates(layers, k, operators, s, stride, y, f):
 def meet_at(faces, k, points, held):
     """What gas and solid have together at points of interface k: see fsipetsc.coupling.plane."""
     meet(GAS, faces[k], points, held)
+
+
+@njit(**ENTRY)
+def meet_sliding_at(faces, k, points, held, normals):
+    """The same where the gas slips."""
+    meet_sliding(GAS, faces[k], points, held, normals)
+
+
+@njit(**ENTRY)
+def slide_at(faces, k, operators, points, rates, held, normals):
+    """What the traction between a gas that slips and its solid adds to the rates of both: see fsipetsc.coupling.plane."""
+    slide(faces[k], operators[0].norm[0], points, rates, held, normals)
+
+
+@njit(**ENTRY)
+def line_slopes(operators, s, stride, count, first, last, h):
+    """Derivatives of four rows of ``count`` numbers, to the four rows behind them; closures stand at first and last."""
+    for c in range(4):
+        along(operators[0], s, MARGIN + c * stride, MARGIN + (4 + c) * stride, 0, count, first, last, 1.0 / h)
 
 
 @njit(**ENTRY)

@@ -21,29 +21,22 @@ from typing import Any
 import numpy as np
 from petsc4py import PETSc
 
-from fsipetsc.boundaries import plane as edges
-from fsipetsc.coupling import INTERFACE
-from fsipetsc.coupling.plane import COLUMNS, HELD, HELD_X
 from fsipetsc.operators.sbp import OPERATOR, packed
 from fsipetsc.parallel.plane.layout import PlaneLayout
 from fsipetsc.physics.layer import FLUID
-from fsipetsc.physics.material_law import formulas_of
-from fsipetsc.physics.plane.gas import plane_gas
 from fsipetsc.physics.plane.layer import DOF
-from fsipetsc.physics.plane.solid import plane_solid
 from fsipetsc.scheme.plane import entries
+from fsipetsc.scheme.plane.equations import equations_of
 from fsipetsc.scheme.plane.fields import SAVED
 from fsipetsc.scheme.plane.laws import compiled
 from fsipetsc.scheme.plane.look import WORDS
 from fsipetsc.scheme.plane.sweep import ROWS, scratch_stride
 from fsipetsc.stepping.plane.edge_data import EdgeData
+from fsipetsc.stepping.plane.interfaces import Interfaces
 from fsipetsc.stepping.plane.natural import NaturalOrder
 
 #: doubles behind the points, into which vectors may reach
 SLACK = 64
-#: columns of what is known of a point of an interface: of the gas J (1, rho, rho u, rho v, e), of the solid (x, y, u, v,
-#: T), kinetic energy
-_KINETIC = 10
 #: rates, extremes and integrals, what is saved
 _OF_GAS = entries.gas_rates, entries.gas_look, entries.save_gas
 _OF_SOLID = entries.solid_rates, entries.solid_look, entries.save_solid
@@ -64,7 +57,8 @@ class PlanePath:
         self.layout = layout
         self._state, self._rates = np.zeros(layout.local_size), np.zeros(layout.local_size)
         self._world = PETSc.Vec().createWithArray(self._state, comm=layout.comm)
-        self.interfaces = Interfaces(layout, self._world)
+        self._changes = PETSc.Vec().createWithArray(self._rates, comm=layout.comm)
+        self.interfaces = Interfaces(layout, operators(order), self._world, self._changes)
         mine = [k for k, dm in enumerate(layout.dms) if dm is not None]
         self.layers = [LayerPart(layout, k, operators(order), self._state, self._rates, edge_data) for k in mine]
 
@@ -73,6 +67,9 @@ class PlanePath:
         self.apply_conditions(y, t)
         for part in self.layers:
             part.evaluate(t)
+        self.interfaces.slide({part.k: part for part in self.layers})
+        for part in self.layers:
+            part.note_power()
         f[:] = self._rates
 
     def apply_conditions(self, y: np.ndarray, t: float) -> None:
@@ -90,9 +87,8 @@ class PlanePath:
         self.apply_conditions(y, t)
         for part in self.layers:
             self.layout.local(part.k, y)[:] = part.own
-        for number, energies in enumerate(self.interfaces.energies()):
-            if energies is not None:
-                self.layout.energies(number, y)[:] = energies
+        for number, energies in self.interfaces.energies():
+            self.layout.energies(number, y)[:] = energies
 
     def part(self, k: int) -> LayerPart | None:
         """This rank's part of layer k, if it has one."""
@@ -117,10 +113,17 @@ class PlanePath:
             work = _OF_GAS if gas else _OF_SOLID
             arguments = [(*common, values, values)] * 2 + [(*common, values, values, np.empty((1, 1, 1)))]
             if gas:
-                work = (*work, entries.meet_at)
-                arguments.append((self.interfaces.faces, 0, np.empty((1, 1)), np.empty(1, np.int64)))
+                points = self.interfaces.faces, 0, np.empty((1, 1)), np.empty(1, np.int64)
+                work = (*work, entries.meet_at, entries.meet_sliding_at)
+                arguments += [points, (*points, np.empty((1, 1)))]
             found += [(compiled(entry, equations), given) for entry, given in zip(work, arguments, strict=True)]
-        own = [(entries.lay_lines, (*common, lines)), (entries.grid_jacobian, (records, 0, values, 1, np.empty((1, 1))))]
+        grid, faces = np.empty((1, 1)), self.interfaces.faces
+        own = [
+            (entries.lay_lines, (*common, lines)),
+            (entries.grid_jacobian, (records, 0, values, 1, grid)),
+            (entries.line_slopes, (ops, values, 1, 1, 1, 1, 1.0)),
+            (entries.slide_at, (faces, 0, ops, grid, grid, np.empty(1, np.int64), grid)),
+        ]
         return found + own
 
     def destroy(self) -> None:
@@ -129,131 +132,7 @@ class PlanePath:
         for part in self.layers:
             part.destroy()
         self._world.destroy()
-
-
-class Interfaces:
-    """What this rank needs of the interfaces: points of gas and solid, fetched together and solved here."""
-
-    def __init__(self, layout: PlaneLayout, world: PETSc.Vec) -> None:
-        self._layout = layout
-        self.faces = np.zeros(len(layout.meetings), INTERFACE)
-        wanted, self._parts, self._held, at = [], [], [], 0
-        for number, meeting in enumerate(layout.meetings):
-            self._face(number)
-            for k in meeting.layers:
-                columns, held = self._columns(k, meeting)
-                if columns.size:
-                    wanted.append(self._indices(number, columns))
-                    self._parts.append((number, k, slice(at, at + columns.size), held))
-                    self._held.append(self._holding(meeting, columns))
-                    at += columns.size
-        self._points = np.zeros((at, COLUMNS))
-        self._vec = PETSc.Vec().createWithArray(self._points, comm=PETSc.COMM_SELF)
-        indices = np.concatenate([part.ravel() for part in wanted]) if wanted else np.empty(0, np.int64)
-        self._from = PETSc.IS().createGeneral(indices.astype(PETSc.IntType), comm=layout.comm)
-        self._to = PETSc.IS().createStride(indices.size, 0, 1, comm=PETSc.COMM_SELF)
-        self._scatter = PETSc.Scatter().create(world, self._from, self._vec, self._to)
-        self._world = world
-        fluids = [layout.problem.layers[fluid] for fluid, _ in layout.problem.interfaces]
-        self._meet = [compiled(entries.meet_at, equations_of(fluid)) for fluid in fluids]
-
-    def _face(self, number: int) -> None:
-        layout, face = self._layout, self.faces[number]
-        fluid, solid = layout.meetings[number].layers
-        gas, elastic = layout.problem.layers[fluid].material, layout.problem.layers[solid].material
-        face["h"], face["h_gas"], face["J"] = layout.grids[solid].h_y, layout.grids[fluid].h_y, 1.0
-        for name in ("gamma", "R", "cv", "mu", "kappa", "gas_numbers", "transport_numbers"):
-            face[name] = getattr(gas, name)
-        for name in ("kappa_e", "m0", "alpha"):
-            face[name] = getattr(elastic, name)
-
-    def _columns(self, k: int, meeting: Any) -> tuple[np.ndarray, np.ndarray]:
-        """(columns of the gas, their places among those held here) that this rank needs as a part of layer k."""
-        layout, gas = self._layout, k == meeting.layers[0]
-        if layout.dms[k] is None:
-            return np.empty(0, np.int64), np.empty(0, np.int64)
-        columns, rows = layout.held(k)
-        if not gas and meeting.rows[1] not in rows:
-            return np.empty(0, np.int64), np.empty(0, np.int64)
-        columns = columns + (0 if gas else meeting.shift)
-        if layout.grids[k].periodic:
-            columns %= layout.grids[meeting.layers[0]].nx
-        here = (columns >= meeting.first) & (columns < meeting.end)
-        return columns[here], np.flatnonzero(here)
-
-    def _holding(self, meeting: Any, columns: np.ndarray) -> np.ndarray:
-        """What holds the points in some columns of the gas: the ends of the solid, and walls of the gas."""
-        held, last = np.zeros(columns.size, np.int64), self._layout.grids[meeting.layers[0]].nx - 1
-        gas, solid = (self._layout.problem.layers[k] for k in meeting.layers)
-        at = ((solid.left, meeting.first), (solid.right, meeting.end - 1), (gas.left, 0), (gas.right, last))
-        for end, column in at:
-            if end.kind == edges.ROLLER:
-                held[(columns == column) & (held == 0)] = HELD_X
-            elif end.kind in (edges.CLAMPED, edges.NO_SLIP):
-                held[columns == column] = HELD
-        return held
-
-    def _indices(self, number: int, columns: np.ndarray) -> np.ndarray:
-        """(columns, COLUMNS) numbers in the world vector."""
-        layout, meeting = self._layout, self._layout.meetings[number]
-        fluid, solid = meeting.layers
-        gas = layout.index(fluid, columns, meeting.rows[0])
-        elastic = layout.index(solid, columns - meeting.shift, meeting.rows[1])
-        energies = layout.index_of_energies(number, columns - meeting.shift)
-        return np.concatenate([gas[:, None] + np.arange(DOF), elastic[:, None] + np.arange(DOF), energies[:, None]], axis=1)
-
-    def meet(self) -> None:
-        """Fetch the points, and solve for what gas and solid have together. Collective."""
-        if not self._layout.meetings:
-            return
-        self._scatter.scatter(self._world, self._vec)
-        for (number, _, part, _), held in zip(self._parts, self._held, strict=True):
-            self._meet[number](self.faces, number, self._points[part], held)
-
-    def of(self, k: int) -> list[tuple[int, np.ndarray, np.ndarray]]:
-        """(lower or upper edge, points, their columns among those held) of layer k."""
-        meetings = self._layout.meetings
-        return [
-            (int(meetings[number].layers[1 - meetings[number].layers.index(k)] > k), self._points[part], held)
-            for number, layer, part, held in self._parts
-            if layer == k
-        ]
-
-    def energies(self) -> list[np.ndarray | None]:
-        """Kinetic energies of the end points that this rank owns, interface by interface."""
-        found: list[np.ndarray | None] = [None] * len(self.faces)
-        for number, k, part, held in self._parts:
-            record = self._layout.records[k]
-            if k == self._layout.meetings[number].layers[1] and self._layout.energies(number, self._layout_values()).size:
-                own = (held >= record["own_x"][0]) & (held < record["own_x"][1])
-                found[number] = self._points[part][own, _KINETIC]
-        return found
-
-    def heights(self) -> list[tuple[int, np.ndarray]]:
-        """(interface, y of its points in columns that this rank owns of the solid)."""
-        found = []
-        for number, k, part, held in self._parts:
-            meeting, record = self._layout.meetings[number], self._layout.records[k]
-            if k == meeting.layers[1] and self._layout.energies(number, self._layout_values()).size:
-                own = (held >= record["own_x"][0]) & (held < record["own_x"][1])
-                side = int(meeting.layers[0] > k)
-                found.append((number, self._layout.problem.layers[k].Y[side] + self._points[part][own, 6]))
-        return found
-
-    def _layout_values(self) -> np.ndarray:
-        return self._world.getArray(readonly=True)
-
-    def destroy(self) -> None:
-        for thing in (self._scatter, self._from, self._to, self._vec):
-            thing.destroy()
-
-
-def equations_of(layer: Any) -> Any:
-    """Those of a layer's material."""
-    material = layer.material
-    if layer.kind == "solid":
-        return plane_solid(material.formulas)
-    return plane_gas(formulas_of(material.law), formulas_of(material.transport), material.mu > 0 or material.kappa > 0)
+        self._changes.destroy()
 
 
 class LayerPart:
@@ -319,6 +198,18 @@ class LayerPart:
         """The rates at this rank's points."""
         self._evaluate(self._records, self.k, self._ops, self._s, self._stride, self.y, self._rates)
         self._data.force(self, t, self._rates)
+
+    def load(self, side: int, columns: np.ndarray, traction: np.ndarray) -> None:
+        """Add to the rates at an edge what a traction does: to those of J (rho, rho u, rho v, e), or to those of the
+        velocity.
+        """
+        row = int(self.record["end_y"][side] - self.record["own_y"][0])
+        f = self._rates.reshape(self.own.shape)[row]
+        at, which = columns - int(self.record["own_x"][0]), slice(0, 3) if self._gas else slice(3, 5)
+        f[at, 2:5 if self._gas else 4] += traction[:, which]
+
+    def note_power(self) -> None:
+        """Rates of the kinetic energies of end points of a solid."""
         for rates, side in self._kinetic:
             row = int(self.record["end_y"][side] - self.record["own_y"][0])
             f, m0 = self._rates.reshape(*self.own.shape)[row], self.record["m0"]

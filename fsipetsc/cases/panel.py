@@ -1,0 +1,87 @@
+"""Supersonic flow over an elastic panel that is clamped into a wall: panel flutter.
+
+Gas flows along y = 0 at the Mach number M; between x = 0 and 1 the wall is a panel of thickness panel_thickness, behind which a
+cavity has the pressure of the flow. The panel is pushed a little at the beginning. Above a critical dynamic pressure its
+oscillation grows to a limit cycle, below it decays. With D the bending stiffness, L = 1 and q the dynamic pressure, the
+parameter is
+
+    lambda = 2 q L^3 / (D sqrt(M^2 - 1)),     D = h^3/12 . 4 mu_e (lambda_e + mu_e) / (lambda_e + 2 mu_e)     (plane strain)
+
+and quasi-steady supersonic theory has flutter of a clamped panel from lambda = 636.57 on (E. H. Dowell, Aeroelasticity of
+Plates and Shells, 1975). panel_lambda sets the stiffness; unit of velocity is the speed of sound of the flow, of density
+its density.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from fsipetsc.boundaries.plane import Clamped, Free, NoSlip, Open, Outflow, Slip
+from fsipetsc.options import Option
+from fsipetsc.physics.fluid import Fluid
+from fsipetsc.plane import PlaneFluidLayer, PlaneProblem, PlaneSolid, PlaneSolidLayer
+
+NAME = "panel"
+SUMMARY = "supersonic flow over an elastic panel clamped into a wall, which flutters"
+
+OPTIONS = (
+    Option("panel_mach", float, 2.0, "", "Mach number of the flow", check=lambda M: None if M > 1 else "a number above 1"),
+    Option("panel_lambda", float, 800.0, "", "dynamic pressure over stiffness, 2 q / (D sqrt(M^2-1))", check="positive"),
+    Option("panel_mass", float, 10.0, "", "mass of the panel over rho, per length", check="positive"),
+    Option("panel_thickness", float, 0.04, "m", "of the panel, whose length is 1", check="positive"),
+    Option("panel_cells", int, 8, "", "cells across the panel, at least as many as the operator needs", check="positive"),
+    Option("panel_push", float, 1e-3, "", "velocity that the panel has at first, over the speed of sound", check="nonnegative"),
+    Option("panel_height", float, 0.75, "m", "of the gas", check="positive"),
+    Option("fluid_mu", float, 0.0, "Pa s", "viscosity of the gas; 0: it slips along the wall", check="nonnegative"),
+)
+DEFAULTS = {"fsi_h": 1 / 32, "fsi_order": 4, "ts_max_time": 40.0, "fsi_output_dt": 0.5}
+
+GAMMA = 1.4
+#: edges of the gas in X
+X = (-0.5, 1.5)
+
+
+def build(opt: Mapping[str, Any]) -> PlaneProblem:
+    """The panel between Y = -thickness and 0, the gas above."""
+    M, h, mu = opt["panel_mach"], opt["panel_thickness"], opt["fluid_mu"]
+    p, rho = 1.0 / GAMMA, 1.0
+    gas = Fluid(mu, mu * GAMMA / (GAMMA - 1.0) * p / 0.72, GAMMA, p)
+    q = 0.5 * rho * M * M
+    stiffness = 2.0 * q / (opt["panel_lambda"] * np.sqrt(M * M - 1.0))
+    modulus = 12.0 * stiffness / h**3  # 4 mu (lambda + mu) / (lambda + 2 mu), which is 3 mu for lambda = 2 mu
+    mu_e = modulus / 3.0
+    panel = PlaneSolid(mu_e, 2.0 * mu_e, 0.0, opt["panel_mass"] / h, 1.0, p_ref=p, heat="elastic")
+
+    def flow(X: np.ndarray, Y: np.ndarray) -> list[np.ndarray]:
+        along = M * np.tanh(40.0 * Y) if mu > 0 else M + 0.0 * X
+        return [np.ones_like(X), along, 0.0 * X, np.ones_like(X)]
+
+    def push(X: np.ndarray, Y: np.ndarray) -> list[np.ndarray]:
+        shape = np.sin(np.pi * X) ** 2 * (1.0 + np.cos(np.pi * X))
+        return [0.0 * X, opt["panel_push"] * shape, np.ones_like(X), X, Y]
+
+    outside = Open(rho, M, 0.0, 1.0)
+    return PlaneProblem(
+        layers=(
+            PlaneSolidLayer(
+                *("panel", panel, (-h, 0.0), push),
+                X=(0.0, 1.0),
+                left=Clamped(),
+                right=Clamped(),
+                cells=opt["panel_cells"],
+            ),
+            PlaneFluidLayer(
+                *("gas", gas, (0.0, opt["panel_height"]), flow),
+                left=outside,
+                right=Outflow(),
+                beside=NoSlip() if mu > 0 else Slip(),
+            ),
+        ),
+        X=X,
+        lower=Free(p),
+        upper=outside,
+        units="none",
+    )
