@@ -60,6 +60,7 @@ def make_state(problem: Problem | PlaneProblem, opt: dict[str, Any], comm: MPI.C
     ranks do not fit.
     """
     if isinstance(problem, PlaneProblem):
+        _check_plane(opt)
         if opt["ts_type"] == FUSED:
             opt["ts_type"] = "rk"
             publish(opt)
@@ -69,6 +70,25 @@ def make_state(problem: Problem | PlaneProblem, opt: dict[str, Any], comm: MPI.C
     entropy = bool(opt["fsi_entropy"] or opt["fsi_check"])
     form = Form(opt["fsi_viscous"] == "narrow", opt["fsi_dissipation"], opt["fsi_shocks"])
     return kind(comm, problem, *(opt[name] for name in names), entropy, opt["fsi_shared_memory"], form)
+
+
+#: what two dimensions have of options that choose between methods
+_IN_THE_PLANE = {
+    "fsi_coupling": ("conservative",),
+    "fsi_mapping": ("auto", "stretched"),
+    "fsi_viscous": ("wide",),
+    "fsi_dissipation": (0.0,),
+    "fsi_shocks": (0.0,),
+    "fsi_check": (None,),
+}
+
+
+def _check_plane(opt: Mapping[str, Any]) -> None:
+    """InputError for a method that two dimensions do not have."""
+    for name, there in _IN_THE_PLANE.items():
+        if opt[name] not in there:
+            only = " or ".join(map(str, there)) if there[0] else "not to be given"
+            raise InputError(f"-{name} {opt[name]}: in two dimensions it is {only}")
 
 
 def solve(
