@@ -32,6 +32,7 @@ from fsipetsc.problem import Problem
 from fsipetsc.scheme.end_forces_and_entropy import end_forces, gas_entropy, gas_traction, solid_entropy, solid_traction
 from fsipetsc.scheme.end_rates import gas_end, solid_end
 from fsipetsc.scheme.extremes_and_sums import fluid_extremes_and_sums, solid_extremes_and_sums
+from fsipetsc.scheme.kinetic import keep_energy, leave_energy
 from fsipetsc.scheme.layer_ends import close_end, close_gas, note_embedded, note_nothing
 from fsipetsc.scheme.layer_fields import fluid_fields, solid_fields
 from fsipetsc.scheme.speeds import fluid_speeds, solid_speeds
@@ -63,9 +64,10 @@ _WORK = {
 }
 
 
-def law(physics: Formulas) -> Formulas:
+def law(physics: Formulas, settle: Any = leave_energy) -> Formulas:
     """A physics with the work of the scheme on its kind of layer."""
-    return Formulas(**vars(physics), **_WORK[physics.kind], add=add_undivided if physics.undivided else nothing)
+    add = add_undivided if physics.undivided else nothing
+    return Formulas(**vars(physics), **_WORK[physics.kind], add=add, settle=settle)
 
 
 def pair(fluid: Formulas, solid: Formulas) -> Formulas:
@@ -197,7 +199,8 @@ def _law_of(material: Fluid | Solid, form: Form) -> Formulas:
     if is_gas:
         gas, transport = formulas_of(material.law), formulas_of(material.transport)
         return law(navier_stokes(gas, transport, terms, material.force != 0.0))
-    return law(elastic_solid(formulas_of(material.pressing), terms))
+    dissipates = shocks or form.dissipation > 0.0
+    return law(elastic_solid(formulas_of(material.pressing), terms), keep_energy if dissipates else leave_energy)
 
 
 #: digest -> law, of those in LAWS; name of a set of laws -> what has been compiled for it

@@ -19,6 +19,7 @@ vectors of points:
         rate(law, constants, q, f, D b)  the rates of these unknowns
     amend(law, layer, op, s, w, v, f, target, side)    changes the rates of an end point, where the physics wants others there
     add(law, layer, op, s, w, v, f, target, i0, i1)    adds other terms to the rates of some points (fsipetsc.scheme.undivided)
+    settle(layer, s, w, target, i0, i1)    what a time step needs besides when all rates are there (fsipetsc.scheme.kinetic)
 """
 
 from __future__ import annotations
@@ -69,6 +70,7 @@ def sweep(law, layer, op, s, w, scratch, target, begin, end):
             if i0 <= (layer.lo if side == 0 else layer.hi) < i1:
                 law.amend(law, layer, op, s, w, v, f, target, side)
         law.add(law, layer, op, s, w, v, f, target, i0, i1)
+        law.settle(layer, s, w, target, i0, i1)
 
 
 @njit(**OPTIONS)
