@@ -45,7 +45,7 @@ OPTIONS = (
 )
 DEFAULTS = {
     **{"fsi_h": 0.005, "fsi_order": 4, "ts_max_time": 0.3, "fsi_output_dt": 0.01, "fsi_norm": "L1"},
-    **{"fsi_shocks": 1.0, "fsi_dissipation": 0.3},
+    **{"fsi_shocks": 1.4, "fsi_dissipation": 0.6},
 }
 
 GAMMA, R = 1.4, 1.0
@@ -53,9 +53,9 @@ GAMMA, R = 1.4, 1.0
 HIGH, LOW, T_ROD = GasState(1.0, 0.0, 1.0), GasState(0.125, 0.0, 0.1), 1.0
 #: the wall, the interface, the end of the rod
 X = (0.0, 1.0, 2.0)
-#: where the strong shock starts, and its width there over that of fsipetsc.cases.riemann.shock_structure for the spacing of
-#: the grid: with it the waves that follow are least in all orders of the operators together
-X_SHOCK, WIDTH = 0.7, 0.85
+#: where the strong shock starts; its width there over -fsi_shocks times the spacing of the grid: with this number the waves
+#: that follow are least in all orders of the operators together
+X_SHOCK, WIDTH = 0.7, 0.66
 
 
 @dataclass(frozen=True)
@@ -94,12 +94,12 @@ class Solution:
         gap = X[1] - X[0] - piston * self.hit
         return self.hit + min((X[2] - X[1]) / riemann.solid_wave.speeds(riemann.F)[0], gap / (piston - front))
 
-    def at_start(self, X_g: np.ndarray, h: float) -> list[np.ndarray]:
-        """(rho, u, T) on a grid of spacing h: as exact, but for a shock that is as wide as such a grid makes it."""
+    def at_start(self, X_g: np.ndarray, width: float) -> list[np.ndarray]:
+        """(rho, u, T): as exact, but for a shock of this width, see fsipetsc.cases.riemann.shock_structure."""
         if self.mach is None:
             return self.in_gas(X_g, 0.0)
         grid = self.shock[0].u * (X[1] - X_SHOCK) / (X[1] - X[0])
-        rho, u, p = shock_structure(self.gas, self.ahead, self.mach, WIDTH * h, grid)(X_g - X_SHOCK)
+        rho, u, p = shock_structure(self.gas, self.ahead, self.mach, width, grid)(X_g - X_SHOCK)
         return [rho, u, p / (self.gas.R * rho)]
 
     def in_gas(self, X_g: np.ndarray, t: float) -> list[np.ndarray]:
@@ -131,10 +131,10 @@ def build(opt: Mapping[str, Any]) -> Problem:
         note = f"interface: p = {riemann.p:.10g}, u = {riemann.u:.10g}, x_X = {riemann.F:.10g} from t = {solution.hit:.6g} on"
     except InputError as error:
         raise InputError(f"no exact solution: {error}") from None
-    at_start = lambda x: solution.at_start(x, opt["fsi_h"])  # noqa: E731
+    width = WIDTH * max(opt["fsi_shocks"], 1.0) * opt["fsi_h"]
     return Problem(
         layers=(
-            FluidLayer("gas", gas, X[:2], at_start, exact=solution.in_gas, mapping="stretched"),
+            FluidLayer("gas", gas, X[:2], lambda x: solution.at_start(x, width), exact=solution.in_gas, mapping="stretched"),
             SolidLayer("rod", solid, X[1:], lambda x: solution.in_solid(x, 0.0), exact=solution.in_solid),
         ),
         left=Wall(lambda t: X[0] + speed * t, velocity=lambda t: speed) if strong else Wall(X[0]),
