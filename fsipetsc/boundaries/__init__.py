@@ -233,8 +233,9 @@ def fill_ghost(law, layer, op, side, delta, nodes, new):
     if kind == WALL:
         _wall.wall(law, layer, op, side, normal, delta, nodes, weights, slopes)
     elif kind == OPEN:
-        _open.open_end(law, layer, side, normal, nodes)
-        _open.note_gradient(law, layer, side, normal, nodes)
+        gas = _open.beyond(law, layer, side)
+        _open.open_end(law, layer, gas, side, normal, nodes)
+        _open.note_gradient(law, layer, gas, side, normal, nodes)
     elif kind == DIRICHLET:
         _dirichlet.dirichlet(law, layer, side, normal, nodes, weights)
 
@@ -243,7 +244,7 @@ def fill_ghost(law, layer, op, side, delta, nodes, new):
 def note_gradient(law, layer, side, delta, nodes):
     """Note what the gradients take at a ghost point that is filled already; arguments as of ``fill_ghost``."""
     if layer.end_kind[side] == OPEN:
-        _open.note_gradient(law, layer, side, 2.0 * side - 1.0, nodes)
+        _open.note_gradient(law, layer, _open.beyond(law, layer, side), side, 2.0 * side - 1.0, nodes)
     elif layer.end_kind[side] == DIRICHLET:
         lagrange(delta, layer.end_degree[side], nodes[3], nodes[4])
         _dirichlet.note_gradient(layer, side, nodes, nodes[3])

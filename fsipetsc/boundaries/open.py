@@ -72,11 +72,11 @@ def carried(layer, a, alpha, part):
 
 
 @njit(**OPTIONS)
-def open_end(law, layer, side, normal, nodes):
-    """Fill the ghost values nodes[:, 0] of (rho, u, T); end_data = (p0, T0, u0, order)."""
+def open_end(law, layer, beyond, side, normal, nodes):
+    """Fill the ghost values nodes[:, 0] of (rho, u, T); end_data = (p0, T0, u0, order), beyond as of the function."""
     gas, c = law.gas, law.gas.constants(layer)
     p0, T0, u0 = layer.end_data[side, 0], layer.end_data[side, 1], layer.end_data[side, 2]
-    rho0, c0, tau, alpha, by_heat, b, kappa, part = beyond(law, layer, side)
+    rho0, c0, tau, alpha, by_heat, b, kappa, part = beyond
     rho, u, T = nodes[0, 0], nodes[1, 0], nodes[2, 0]
     rho1, T1, v1 = nodes[0, 1], nodes[2, 1], normal * (nodes[1, 1] - u0)
     c2 = gas.sound_speed_squared(c, rho1, T1)
@@ -109,7 +109,7 @@ def open_end(law, layer, side, normal, nodes):
 
 
 @njit(**OPTIONS)
-def note_gradient(law, layer, side, normal, nodes):
+def note_gradient(law, layer, beyond, side, normal, nodes):
     """Put u and T where the gradients find them; nodes of a ghost point that is filled."""
     gas, c = law.gas, law.gas.constants(layer)
     u, T, T1 = nodes[1, 0], nodes[2, 0], nodes[2, 1]
@@ -118,7 +118,7 @@ def note_gradient(law, layer, side, normal, nodes):
     if layer.mu > 0.0 and (a < 0.0 or a * a >= gas.sound_speed_squared(c, nodes[0, 1], T1)):
         layer.end_gradient[side, 0] = 2.0 * nodes[1, 1] - nodes[1, 2]
     if layer.kappa > 0.0:
-        _, c0, tau, alpha, _, _, _, part = beyond(law, layer, side)
+        _, c0, tau, alpha, _, _, _, part = beyond
         p, p1 = gas.pressure(c, nodes[0, 0], T), gas.pressure(c, nodes[0, 1], T1)
         q_n = T1 - nodes[2, 2] - tau * (p1 - gas.pressure(c, nodes[0, 2], nodes[2, 2]))
         slow, conducted = max(1.0 + min(a, 0.0) / c0, 0.0), alpha / (layer.h * layer.J)

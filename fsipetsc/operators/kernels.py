@@ -34,22 +34,23 @@ U64 = np.uint64
 #: ``fma`` says so explicitly.
 ENTRY = {"cache": _KEPT, "error_model": "numpy", "nogil": True}
 #: Of functions that only compiled code calls: not kept on disk for themselves, nothing made to call them from Python, and
-#: no count kept of who refers to an array: that takes as long as some points, and all arrays outlive the call.
-OPTIONS = {**PART, "error_model": "numpy", "nogil": True}
+#: no count kept of who refers to an array: that takes as long as some points, and all arrays outlive the call. Unless it is
+#: told, numba makes what a formula calls part of it, too, whatever its size.
+OPTIONS = {**PART, "error_model": "numpy", "nogil": True, "forceinline": False}
 #: Of those that return an array that they have not been given.
 ARRAYS = {**OPTIONS, "_nrt": True}
 #: Of formulas at a point: always part of their caller, so that vectors stay in registers.
 FORMULA = {**OPTIONS, "forceinline": True}
 
 
-@njit(**OPTIONS)
+@njit(**FORMULA)
 def weights_of(op, scale):
     """Weights c_1 .. c_4 of the interior formula, those that it does not have zero, times a scale."""
     c = op.interior
     return scale * c[0], scale * c[1], scale * c[2], scale * c[3]
 
 
-@njit(**OPTIONS)
+@njit(**FORMULA)
 def interior_stencil(p, weights, before, v, after):
     """Interior formula sum_k c_k (v[i+k] - v[i-k]) at the points of the vector v between its neighbours; p of weights."""
     d = weights[0] * centred_difference(before, v, after, 1)
@@ -62,7 +63,7 @@ def interior_stencil(p, weights, before, v, after):
     return d
 
 
-@njit(**OPTIONS)
+@njit(**FORMULA)
 def closure(op, s, at, side, known, r):
     """Closure rows r .. r+3 of h D at the left (side 0) or right end of the row of values whose end is s[at].
 
@@ -79,13 +80,13 @@ def closure(op, s, at, side, known, r):
 row_length = njit(**OPTIONS)(sbp.row_length)
 
 
-@njit(**OPTIONS)
+@njit(**FORMULA)
 def end_of(lo, hi, side, begin, end):
     """(end point, number of values known next to it) of the active range lo..hi, if those at begin .. end-1 are known."""
     return (lo, min(hi + 1, end) - lo) if side == 0 else (hi, hi + 1 - max(lo, begin))
 
 
-@njit(**OPTIONS)
+@njit(**FORMULA)
 def end_rows(op, lo, hi, side, r, begin, end):
     """(i, a, b): closure rows r .. r+3 stand at the points i .. i+3; lanes a <= j < b are rows and in begin .. end-1."""
     count = min(op.rows - r, LANES)
@@ -93,7 +94,7 @@ def end_rows(op, lo, hi, side, r, begin, end):
     return i, max(a, begin - i), min(b, end - i)
 
 
-@njit(**OPTIONS)
+@njit(**FORMULA)
 def store_lanes(s, i, v, a, b):
     """s[i+j] = v[j] for the lanes a <= j < b."""
     if a <= 0 < b:
@@ -106,13 +107,13 @@ def store_lanes(s, i, v, a, b):
         s[U64(i + 3)] = lane(v, 3)
 
 
-@njit(**OPTIONS)
+@njit(**FORMULA)
 def grid_start(origin, first):
     """The last point of the grid origin + k LANES that is not beyond the point ``first`` <= origin."""
     return origin - (origin - first + LANES - 1) // LANES * LANES
 
 
-@njit(**OPTIONS)
+@njit(**FORMULA)
 def whole_vectors(first, end):
     """The point that is reached by whole vectors from ``first``, not beyond ``end``."""
     return first + max(end - first, 0) // LANES * LANES
@@ -205,7 +206,7 @@ def scratch_size(count: int) -> int:
     return count * ROW + 2 * MARGIN
 
 
-@njit(**OPTIONS)
+@njit(**FORMULA)
 def row(r):
     """Where row r of the scratch begins."""
     return MARGIN + r * ROW

@@ -19,7 +19,6 @@ from numba.core.dispatcher import Dispatcher
 
 from fsipetsc.operators.cache import cache_folder, make_folder
 from fsipetsc.operators.formulas import Formulas
-from fsipetsc.operators.parts import PART
 
 #: packages whose functions are named, not read: the sources of this one name the folder of the kernels already
 _KNOWN = ("fsipetsc", "numpy", "numba", "math", "builtins")
@@ -62,7 +61,7 @@ class Variants:
         other.__module__, other.__qualname__, other.__doc__ = plain.__module__, plain.__qualname__, plain.__doc__
         options = {key: value for key, value in function.targetoptions.items() if key != "nopython"}
         if function.stats.cache_path is None:
-            return njit(**(PART | options if options.get("no_cpython_wrapper") else options))(other)
+            return njit(pipeline_class=function._compiler.pipeline_class, **options)(other)
         return self._kept(other, options)
 
     def _kept(self, function: Any, options: dict[str, Any]) -> Any:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from fsipetsc.operators.kernels import OPTIONS, U64, whole_vectors
+from fsipetsc.operators.kernels import FORMULA, OPTIONS, U64, whole_vectors
 from fsipetsc.operators.vectors import LANES, load, store_interlaced
 from fsipetsc.parallel.mpi import mpi_startall, mpi_waitall
 from fsipetsc.parallel.pointers import rows_of
@@ -24,31 +24,31 @@ TRACE = 8
 SEND, RECEIVE = np.bool_(True), np.bool_(False)
 
 
-@njit(**OPTIONS)
+@njit(**FORMULA)
 def unknowns(layer):
     """Unknowns per point."""
     return 3 if layer.kind == FLUID else 4
 
 
-@njit(**OPTIONS)
+@njit(**FORMULA)
 def work_point(head, layer, area, i):
     """Where the first unknown of point i of a layer stands; the others follow ``layer.stride`` apart."""
     return head.area[area] + layer.work + i - layer.own_lo + layer.halo_lo
 
 
-@njit(**OPTIONS)
+@njit(**FORMULA)
 def holds(layer, i):
     """This rank has point i in its work areas."""
     return layer.present == 1 and layer.own_lo - layer.halo_lo <= i < layer.own_hi + layer.halo_hi
 
 
-@njit(**OPTIONS)
+@njit(**FORMULA)
 def side_of(face, part):
     """(layer at an interface, solid or fluid is on the right of it): part 0 fluid, 1 solid."""
     return (face.fluid if part == 0 else face.solid), (face.normal > 0.0) == (part == 0)
 
 
-@njit(**OPTIONS)
+@njit(**FORMULA)
 def kinetic_energy_of(layer, side):
     """Where the kinetic energy m0 u^2/2 of an end point of a solid stands, counted as a point: behind the first unknown's.
 

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from numba import njit
 
-from fsipetsc.operators.kernels import FORMULA, OPTIONS, store_lanes
+from fsipetsc.operators.kernels import FORMULA, store_lanes
 from fsipetsc.operators.vectors import fma, load, store
 
 
@@ -43,7 +43,7 @@ def update_stage(s, target, unknown, i, k):
         store(s, target.sum + at, fma(target.b, k, load(s, target.base + at)))
 
 
-@njit(**OPTIONS)
+@njit(**FORMULA)
 def update_stage_lanes(s, target, unknown, i, k, first, end):
     """As ``update_stage``, of the lanes first <= j < end only."""
     at = unknown * target.stride + i
