@@ -106,6 +106,8 @@ class PlaneFluidLayer:
     def __post_init__(self) -> None:
         _check_layer(self, Fluid, "(rho, u, v, T)", edges.GAS)
         object.__setattr__(self, "force", _force(self.force, f"PlaneFluidLayer '{self.name}'"))
+        if self.material.force != 0.0:
+            raise InputError(f"PlaneFluidLayer '{self.name}': expected force=(x, y) here, not in its material")
 
 
 @dataclass(frozen=True)
@@ -244,8 +246,23 @@ class PlaneProblem:
 
     @property
     def invariants(self) -> dict[str, Any]:
-        """What must not change: see fsipetsc.problem.Problem.invariants."""
-        return {}
+        """What must not change: see fsipetsc.problem.Problem.invariants. Masses and, between closed edges, the energy."""
+        if self.jumps is not None or any(layer.forcing for layer in self.layers):
+            return {}
+        fluids = [k for k, layer in enumerate(self.layers) if layer.kind == "fluid"]
+        tight = [k for k in fluids if all(edges.holds_mass(end) for end in self.edges(k))]
+        closed = all(edges.holds_energy(end) for k in range(len(self.layers)) for end in self.edges(k))
+        pulled = any(any(v.force) for v in (layer if layer.kind == "fluid" else layer.material for layer in self.layers))
+        return {
+            "masses": [[self.layers[k].name, fluids.index(k)] for k in tight],
+            "energy": closed and not pulled,
+        }
+
+    def edges(self, k: int) -> list[Edge]:
+        """What stands at the edges of layer k but for interfaces."""
+        layer = self.layers[k]
+        beside = [layer.beside] if layer.kind == "fluid" else []
+        return [end for end in (self.edge(k, 0), self.edge(k, 1), layer.left, layer.right, *beside) if end is not None]
 
     @property
     def steady_data(self) -> bool:

@@ -78,6 +78,87 @@ def test_a_closed_box_keeps_mass_and_energy(box):
     assert np.abs(moved).max() > 1e-4  # or it would be no test
 
 
+def test_a_drift_beyond_what_is_allowed_stops_the_run(box, tmp_path):
+    (tmp_path / "box2d.py").write_text(BOX)
+    done = run("-m", "fsipetsc", "box2d.py", "-fsi_check", "1e-10", "-fsi_quiet", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    done = run("-m", "fsipetsc", "box2d.py", "-fsi_check", "1e-16", "-fsi_quiet", cwd=tmp_path)
+    assert done.returncode == 3 and "has drifted by" in done.stderr and done.stderr.count("\n") == 1
+
+
+#: the same problem in one dimension and, without variation in X, in two: without friction, whose gradients differ
+ONE = """
+import numpy as np
+from fsipetsc.boundaries import Wall
+from fsipetsc.physics.fluid import Fluid
+from fsipetsc.physics.solid import Solid
+from fsipetsc.problem import FluidLayer, Problem, SolidLayer
+
+OPTIONS = ()
+DEFAULTS = {"fsi_h": 0.05, "ts_max_time": 0.2, "fsi_output_dt": 0.1, "fsi_mapping": "stretched"}
+
+
+def gas(X):
+    return [1 + 0.1 * np.cos(np.pi * X), 0.1 * np.sin(np.pi * X), 1 + 0.05 * np.cos(np.pi * X)]
+
+
+def solid(X):
+    return [0.1 * np.sin(np.pi * X), -1.0 + 0 * X, 1 + 0 * X, X]
+
+
+def build(opt):
+    material, elastic = Fluid(0.0, 0.0, 1.4, 1.0), Solid(20.0, 0.0, 2.0, 1.5)
+    layers = (
+        FluidLayer("below", material, (0.0, 1.0), gas),
+        SolidLayer("solid", elastic, (1.0, 2.0), solid),
+        FluidLayer("above", material, (2.0, 3.0), gas),
+    )
+    return Problem(layers, left=Wall(0.0), right=Wall(3.0), units="none")
+"""
+TWO = """
+from one import gas, solid
+from fsipetsc.boundaries.plane import NoSlip
+from fsipetsc.physics.fluid import Fluid
+from fsipetsc.plane import PlaneFluidLayer, PlaneProblem, PlaneSolid, PlaneSolidLayer
+
+OPTIONS = ()
+DEFAULTS = {"fsi_h": 0.05, "ts_max_time": 0.2, "fsi_output_dt": 0.1}
+
+
+def plane_gas(X, Y):
+    rho, v, T = gas(Y)
+    return [rho, 0 * X, v, T]
+
+
+def plane_solid(X, Y):
+    v, _, T, y = solid(Y)
+    return [0 * X, v, T, X, y]
+
+
+def build(opt):
+    material, elastic = Fluid(0.0, 0.0, 1.4, 1.0), PlaneSolid(5.0, 10.0, 0.0, 2.0, 1.5, p_ref=1.0)
+    layers = (
+        PlaneFluidLayer("below", material, (0.0, 1.0), plane_gas),
+        PlaneSolidLayer("solid", elastic, (1.0, 2.0), plane_solid),
+        PlaneFluidLayer("above", material, (2.0, 3.0), plane_gas),
+    )
+    return PlaneProblem(layers, X=(0.0, 0.6), lower=NoSlip(), upper=NoSlip(), units="none")
+"""
+
+
+def test_without_variation_in_x_it_is_the_run_in_one_dimension(tmp_path):
+    (tmp_path / "one.py").write_text(ONE)
+    (tmp_path / "two.py").write_text(TWO)
+    # with small steps: the stress that one dimension integrates is that of two but for the error of the method
+    one, two = (computed(tmp_path, f"{n}.h5", f"{n}.py", "-ts_type", "rk", "-ts_dt", 2.5e-4) for n in ("one", "two"))
+    for a, b in zip(one.layers, two.layers, strict=True):
+        common = {"u": "v", "T": "T", "x": "y", **({"rho": "rho", "p": "p"} if a.kind == "fluid" else {"sigma": "s_yy"})}
+        for name, other in common.items():
+            assert np.abs(a[name][-1] - b[other][-1].T).max() < 1e-11, (a.name, name)
+        assert np.abs(a["u"][-1] - a["u"][0]).max() > 0.01  # or it would be no test
+        assert np.abs(b["u"]).max() == 0.0
+
+
 def test_the_result_tells_its_shape(box):
     assert box[3].dimension == 2
     below, plate, _ = box[3].layers

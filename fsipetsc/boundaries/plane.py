@@ -106,4 +106,15 @@ class Given:
         checks.function(self.values, "Given: values", "values(X, Y, t) -> the unknowns")
 
 
+def holds_mass(end: Edge) -> bool:
+    """Whether no gas passes an edge."""
+    return end.kind in (NO_SLIP, SLIP, PERIODIC)
+
+
+def holds_energy(end: Edge) -> bool:
+    """Whether neither heat nor work passes an edge."""
+    still = end.kind in (NO_SLIP, SLIP, PERIODIC, CLAMPED, ROLLER) or (end.kind == FREE and end.pressure == 0.0)
+    return still and getattr(end, "T", None) is None
+
+
 Edge = Periodic | NoSlip | Slip | Open | Outflow | Clamped | Free | Roller | Given

@@ -3,6 +3,7 @@
 Mass of a gas layer behind a wall, total energy between two walls without body forces, momentum less the impulse of the
 outer ends and body forces, and, between walls, the entropy less the accumulated heating of the solids by stress,
 int int sigma u_X / T dX dt, which must not decrease. (The entropy alone is not monotone: sigma u_X heats the solid.)
+In two dimensions masses and energy are held.
 """
 
 from __future__ import annotations
@@ -51,15 +52,11 @@ class Drifts:
             return result
         for name, column in invariants["masses"]:
             result[f"mass of '{name}'"] = series["mass"][:, column] / initial["mass"][column] - 1
-        force = self._joined(series, "force")
-        given = series["impulse"] if "impulse" in series else np.zeros(len(series["dt"]))  # not in results of earlier versions
-        impulse = self._integral(series, "impulse", force) + self._sum("given", given)
-        passed = self._integral(series, "passed", np.abs(force)) + self._sum("given and taken", np.abs(given))
-        scale = np.maximum(passed, max(abs(initial["momentum"]), self._least_momentum)) + np.finfo(float).tiny
-        result["momentum"] = (series["momentum"] - initial["momentum"] - impulse) / scale
+        if "force" in series:
+            result["momentum"] = self._momentum(series)
         if invariants["energy"]:
             result["energy"] = series["energy"] / initial["energy"] - 1
-            if "entropy" in series:
+            if "heating" in series:
                 heated = self._integral(series, "heated", self._joined(series, "heating"))
                 produced = series["entropy"] - initial["entropy"] - heated
                 most = np.maximum.accumulate(np.concatenate([[self._most], produced]))[1:]
@@ -67,6 +64,15 @@ class Drifts:
                 scale = max(abs(initial["entropy"]), self._heat_capacity, np.finfo(float).tiny)
                 result["entropy"] = (most - produced) / scale
         return result
+
+    def _momentum(self, series: Mapping[str, np.ndarray]) -> np.ndarray:
+        """The drift of momentum, less the impulse of ends and body forces."""
+        initial, force = self._initial, self._joined(series, "force")
+        given = series["impulse"] if "impulse" in series else np.zeros(len(series["dt"]))  # not in results of earlier versions
+        impulse = self._integral(series, "impulse", force) + self._sum("given", given)
+        passed = self._integral(series, "passed", np.abs(force)) + self._sum("given and taken", np.abs(given))
+        scale = np.maximum(passed, max(abs(initial["momentum"]), self._least_momentum)) + np.finfo(float).tiny
+        return (series["momentum"] - initial["momentum"] - impulse) / scale
 
     def _sum(self, name: str, parts: np.ndarray) -> np.ndarray:
         """Sum from t = 0 to the end of each step of what belongs to a step."""
