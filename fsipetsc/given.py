@@ -163,8 +163,28 @@ def end_motion(problem: Problem, side: int, t: float, step: float) -> tuple[floa
     return x, slope("x"), (_BEND[0] * x + sum(c * v for c, v in zip(_BEND[1:], around, strict=True))) / (step * step)
 
 
+#: Gauss's rule with five points on (0, 1)
+_POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(5) * np.array([[0.5], [0.5]]) + np.array([[0.5], [0.0]])
+#: by this fraction the velocity of a wall may differ from the rate of its place
+ALIKE = 0.01
+
+
+def check_motion(problem: Problem, side: int, step: float) -> None:
+    """InputError if the velocity that is given for a wall is not the rate of its place, on average over the first step [s]."""
+    functions = in_time((problem.left, problem.right)[side])
+    if not {"x", "velocity"} <= functions.keys():
+        return
+    begin, end = (_at(functions["x"], "x", side, t) for t in (0.0, step))
+    speeds = [_at(functions["velocity"], "velocity", side, step * at) for at in _POINTS.tolist()]
+    rate, given = (end - begin) / step, float(_WEIGHTS @ speeds)
+    if abs(rate - given) > ALIKE * max(abs(rate), abs(given)) + 1e-12 * (abs(begin) + abs(end)) / step:
+        what = f"{given:.6g} on average until t = {step:.6g}, where x(t) rises by {rate:.6g} a second: expected the rate of x"
+        raise _fault(functions["velocity"], f"velocity of the {('left', 'right')[side]} end", what)
+
+
 def _of_end(name: str, side: int, t: float) -> str:
-    return f"{name} of the {('left', 'right')[side]} end at t = {t:.6g}"
+    early = " (where it is asked for because no velocity is given)" if t < 0 and name == "x" else ""
+    return f"{name} of the {('left', 'right')[side]} end at t = {t:.6g}{early}"
 
 
 def _at(function: Callable[..., Any], name: str, side: int, t: float) -> float:

@@ -140,6 +140,7 @@ class State:
         """Initial data of all layers, projected; t = 0. InputError where they are not what they must be."""
         self.check_data()
         self.finish()
+        together(self.comm, lambda: [given.check_motion(self.problem, side, 4.0 * self._instant()) for _, side in self._moving])
 
     def check_data(self) -> None:
         """Ask the user's functions for all data at t = 0. InputError, on all ranks, where they are not what they must be."""
