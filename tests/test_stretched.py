@@ -162,6 +162,16 @@ def test_a_column_is_compressed_uniformly(order):
     assert errors[0] > 14 * errors[1], "fourth order in time"
 
 
+def test_a_wall_that_starts_at_once_does_not_cool_the_gas():
+    """The gas at a wall has the wall's velocity from the beginning, and the T that is given: its energy is that of both."""
+    walls = Wall(lambda t: 0.5 * t, velocity=lambda t: 0.5), Wall(1.0)
+    with Case(column(*walls, speed=lambda X: 0.1 + 0 * X), fsi_h=1 / 20).state() as state:
+        state.set_initial()
+        _, u, T, _ = GAS.primitive(state.plan.owned(0))
+        assert (u[0], u[1], u[-1]) == (0.5, 0.1, 0.0)
+        np.testing.assert_allclose(T, 1.0, rtol=1e-15)
+
+
 def test_heat_through_walls():
     """The energy grows by the flux; between two temperatures the straight line stays one."""
     gas = Fluid(0.1, 1.0, 1.4, 1.0)

@@ -11,7 +11,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from fsipetsc import given
-from fsipetsc.boundaries import NODES, in_time
+from fsipetsc.boundaries import NODES, WALL, in_time
 from fsipetsc.errors import FsiError, InputError
 from fsipetsc.operators.cache import compiling, garbage_waiting
 from fsipetsc.operators.sbp import OPERATORS
@@ -153,6 +153,14 @@ class State:
         self.set_data(0.0)
         agree(self.comm, self.fault)
 
+    def _stopped_at_walls(self, k: int, u: np.ndarray) -> np.ndarray:
+        """The initial velocity of a gas; where its grid ends at a wall the wall's, so that the energy there is that of T."""
+        record, u = self.layout.records[k], u.copy()
+        for side, here in ((0, record["own_lo"] == 0), (1, record["own_hi"] == record["n"])):
+            if here and record["stretched"] and record["end_kind"][side] == WALL:
+                u[-side] = self._motion(side, 0.0)[1] if (k, side) in self._moving else 0.0
+        return u
+
     def _set_initial(self) -> dict[tuple[int, int], float]:
         """Returns (solid layer, end) -> initial x of the end points [m] that this rank owns."""
         y, edges = self.solution.getArray(), {}
@@ -164,6 +172,7 @@ class State:
             if layer.exact is not None:  # not found out at the end
                 given.fields(layer, "exact", X, 0.0, self.active(k))
             if isinstance(layer, FluidLayer):
+                fields[1] = self._stopped_at_walls(k, fields[1])
                 with np.errstate(all="ignore"):  # what comes of it is looked at
                     self.layout.local(k, y)[:] = layer.material.conserved(*fields)
             else:
