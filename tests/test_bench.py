@@ -71,6 +71,59 @@ def test_saved_and_loaded(tmp_path):
         load(tmp_path / "nothing.csv")
 
 
+def test_benchmarks_of_earlier_versions_are_read(tmp_path):
+    """They have no columns of other grids and forms; one that lacks another column is no benchmark."""
+    made, path = study(), tmp_path / "b.csv"
+    made.save(path)
+    with path.open() as file:
+        rows = list(csv.DictReader(file))
+
+    def without(*names):
+        with path.open("w", newline="") as file:
+            writer = csv.DictWriter(file, [name for name in rows[0] if name not in names], extrasaction="ignore")
+            writer.writeheader()
+            writer.writerows(rows)
+
+    without("stretched", "entropy")
+    assert [r.points for r in load(path).rows] == [r.points for r in made.rows]
+    without("speedup")
+    with pytest.raises(FileError, match="speedup"):
+        load(path)
+
+
+def test_forms_are_compared_per_point_in_pairs(monkeypatch):
+    """The machine is twice as slow in every other round, and has a hiccup in the last one."""
+    from mpi4py import MPI
+
+    from fsipetsc.bench import measure
+
+    seen, destroyed = [], []
+
+    class Stand:
+        def __init__(self, case, opt, comm):
+            self.state, self.cost = opt["points"], opt["cost"]
+
+        def sample(self, seconds):
+            return 7
+
+        def steps(self, count):
+            seen.append(count)
+            if count != 7:
+                return 1e9
+            done = sum(c == 7 for c in seen) - 1
+            return self.cost * self.state * (1 + (done // 2) % 2) * (100 if done == 9 else 1)
+
+        def destroy(self):
+            destroyed.append(self.cost)
+
+    monkeypatch.setattr(measure, "Stand", Stand)
+    monkeypatch.setattr(measure, "active_points", lambda points: points)
+    options = {"rigid": {"points": 100, "cost": 2.0}, "stretched": {"points": 90, "cost": 2.2}}
+    found = measure.compare(None, options, MPI.COMM_SELF, 0.1, 5)
+    assert found == pytest.approx({"rigid": 1.0, "stretched": 1.1})
+    assert destroyed == [2.0, 2.2]
+
+
 def test_document_is_renewed(tmp_path):
     path = tmp_path / "d.md"
     names = ("machine", "steps", "parts", "scaling", "around", "model", "expected")
@@ -117,6 +170,9 @@ def test_command(tmp_path):
         parts = sum(float(row[name]) for name in ("inner", "ends", "exchange", "petsc", "python"))
         assert parts == pytest.approx(float(row["best"]), rel=1e-4, abs=1e-4 * abs(float(row["python"])))
     assert rows[1]["reductions"] == "5" and rows[0]["reductions"] == "0"
+    for name in ("stretched", "entropy"):  # on one rank; a stretched grid is no other machine
+        assert [row[name] == "" for row in rows] == [False, True, False, True]
+        assert all(0.2 < float(row[name]) < 20 for row in rows[::2])
     assert (tmp_path / "bench-facts.csv").exists()
     again = run("-m", "fsipetsc", "bench", "-bench_from", "bench.csv", cwd=tmp_path)
     assert again.returncode == 0, again.stderr

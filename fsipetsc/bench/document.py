@@ -78,12 +78,12 @@ def steps(study: BenchStudy) -> str:
             f"{r.ns:.3g}",
             f"{r.bound:.3g}",
             entry("{:.4g}", r.yardstick),
-            entry("{:.2f}", r.ratio),
+            *(entry("{:.2f}", value) for value in (r.ratio, r.stretched, r.entropy)),
         ]
         for r in study.at(ranks=1)
     ]
     names = ["order", "points", "µs per step", "best", "ns per point and RHS", "traffic at triad speed, µs"]
-    return markdown([*names, "yardstick, µs", "ratio"], rows)
+    return markdown([*names, "yardstick, µs", "ratio", "stretched", "entropy form"], rows)
 
 
 def parts(study: BenchStudy) -> str:

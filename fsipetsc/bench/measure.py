@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
+from statistics import median
 from typing import Any
 
 import numpy as np
@@ -135,9 +136,39 @@ class Stand:
             "reductions": (STAGES - 1) * (stage.reductions + stage.turns) + completion.reductions + completion.turns,
         }
 
+    def sample(self, seconds: float) -> int:
+        """How many steps take so long, about."""
+        first = min(self.steps(count) for count in (2, 10))
+        return self.comm.bcast(min(20_000, max(6, round(1e6 * seconds / (first or 1.0)))))
+
     def destroy(self) -> None:
         """Give everything back."""
         self.state.destroy()
+
+
+def compare(
+    case: Any, options: Mapping[str, Mapping[str, Any]], comm: MPI.Comm, seconds: float, repeats: int
+) -> dict[str, float]:
+    """Name -> a step per point with these options by that with the first ones: the median of pairs made one after the other.
+
+    seconds: of a sample, about; repeats: samples of each. Collective; InputError where grid, order and ranks do not fit.
+    """
+    stands: dict[str, Stand] = {}
+    try:
+        for name, opt in options.items():
+            stands[name] = Stand(case, opt, comm)
+        count = next(iter(stands.values())).sample(seconds)
+        samples: dict[str, list[float]] = {name: [] for name in stands}
+        for stand in stands.values():
+            stand.steps(2)  # for what is loaded at the first use
+        for _ in range(repeats):
+            for name, stand in stands.items():
+                samples[name].append(stand.steps(count) / active_points(stand.state))
+    finally:
+        for stand in stands.values():
+            stand.destroy()
+    first = next(iter(samples.values()))
+    return {name: median(a / b for a, b in zip(own, first, strict=True)) for name, own in samples.items()}
 
 
 class _Nothing:

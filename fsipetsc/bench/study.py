@@ -16,8 +16,8 @@ from mpi4py import MPI
 
 from fsipetsc.bench.around_the_loop import doubles_per_point, output_share, start_costs
 from fsipetsc.bench.cost_model import bound
-from fsipetsc.bench.measure import Stand, bandwidth, spacing
-from fsipetsc.bench.table import BenchStudy, Row, heading, line
+from fsipetsc.bench.measure import Stand, bandwidth, compare, spacing
+from fsipetsc.bench.table import FORMS, BenchStudy, Row, heading, line
 from fsipetsc.bench.yardstick import ENVIRONMENT, Yardstick
 from fsipetsc.cases import load_case
 from fsipetsc.errors import InputError
@@ -36,6 +36,10 @@ OFTEN = ((480, 20_000), (3840, 4000), (100_000, 300))
 RUNS = 5
 #: points of a rank in weak scaling
 WEAK = (10_000, 100_000)
+#: length [m] of the problem in which other grids and forms of the gas are compared: the rod, 1 m, is a small part of it
+GAS = 20.0
+#: name of the column -> what such a run has instead of a rigid grid
+OF_FORM = {"stretched": {"fsi_mapping": "stretched"}, "entropy": {"fsi_mapping": "stretched", "fsi_convection": "entropy"}}
 #: load of the machine beyond our own above which a warning is due
 _REST = 0.3
 
@@ -124,7 +128,9 @@ class Bench:
                 samples, other, steps = self._samples(stands, order, spacing(points))
                 for ranks in stands:
                     row = self._row(stands, ranks, samples, other, steps)
+                    forms = self._forms(order, points) if ranks == 1 else {}
                     if row is not None:
+                        row.stretched, row.entropy = (forms.get(name, math.nan) for name in FORMS)
                         self.study.rows.append(row)
                         self.say(line(row))
 
@@ -166,8 +172,7 @@ class Bench:
         """Times of a step [µs]: ranks -> samples, and the yardstick's unless alone; in turn, in the same minute."""
         samples: dict[int, list[float]] = {ranks: [] for ranks in stands}
         other: list[float] = []
-        first = self.team(min(stands), lambda comm: min(stands[min(stands)].steps(k) for k in (2, 10)))
-        steps = self.world.bcast(min(20_000, max(6, round(1e6 * self.opt["bench_seconds"] / (first or 1.0)))))
+        steps = self.world.bcast(self.team(min(stands), lambda comm: stands[min(stands)].sample(self.opt["bench_seconds"])))
         for ranks, stand in stands.items():
             self.team(ranks, lambda comm: stand.steps(2))  # noqa: B023  for what is loaded at the first use
         for _ in range(self.opt["bench_repeats"]):
@@ -193,6 +198,20 @@ class Bench:
         if other:
             row.yardstick, row.ratio = median(other), median(a / b for a, b in zip(mine, other))
         return row
+
+    def _forms(self, order: int, points: int) -> dict[str, float]:
+        """What other grids and forms of the gas cost on one rank, by the rigid grid: on rank 0, where they fit."""
+        spaced = {"rod_top": GAS, "fsi_h": 1.0 / max(1, round(points / GAS))}
+        options = {"rigid": self.options(order, points, **spaced)}
+        options |= {name: {**options["rigid"], **chosen} for name, chosen in OF_FORM.items()}
+
+        def measured(comm: MPI.Comm) -> dict[str, float]:
+            try:
+                return compare(self.case, options, comm, self.opt["bench_seconds"], self.opt["bench_repeats"])
+            except InputError:
+                return {}  # a row of the rod may fit where this grid is too coarse
+
+        return self.team(1, measured) or {}
 
     # ------------------------------------------------------------------ around the steps
 

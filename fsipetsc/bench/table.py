@@ -13,6 +13,8 @@ from fsipetsc.operators.sbp import operator
 from fsipetsc.scheme.runge_kutta import STAGES
 
 NAN = math.nan
+#: columns of other grids and forms of the gas, which benchmarks of earlier versions do not have
+FORMS = ("stretched", "entropy")
 
 
 @dataclass
@@ -25,7 +27,8 @@ class Row:
     other program's step; ratio: ours by its, in pairs made one after the other, median. speedup: of ours on one rank
     by this one, likewise. bound: what the memory traffic of a step takes at the bandwidth of STREAM's triad. sends:
     messages of a step, the most on a rank. reductions: over all ranks, or turns at their mailboxes. doubles: of memory of
-    the solver, all ranks.
+    the solver, all ranks. stretched, entropy: time per point and step of nearly gas alone, on one rank, on stretched grids in
+    divergence and in entropy form, by that on rigid ones, see fsipetsc.bench.measure.compare.
     """
 
     order: int
@@ -49,6 +52,8 @@ class Row:
     yardstick: float = NAN
     ratio: float = NAN
     speedup: float = NAN
+    stretched: float = NAN
+    entropy: float = NAN
 
     @property
     def ns(self) -> float:
@@ -119,7 +124,8 @@ def load(path: Path) -> BenchStudy:
         study = BenchStudy()
         with path.open(newline="", encoding="utf-8") as file:
             for line in csv.DictReader(file):
-                study.rows.append(Row(**{name: kind(line[name] or "nan") for name, kind in kinds.items()}))
+                named = {name: kind for name, kind in kinds.items() if name in line or name not in FORMS}
+                study.rows.append(Row(**{name: kind(line[name] or "nan") for name, kind in named.items()}))
         with _facts_path(path).open(newline="", encoding="utf-8") as file:
             for line in csv.DictReader(file):
                 try:
@@ -158,6 +164,8 @@ COLUMNS = (
     ("yardst. µs", "{:.4g}", lambda r: r.yardstick),
     ("× yardst.", "{:.2f}", lambda r: r.ratio),
     ("speed-up", "{:.2f}", lambda r: r.speedup),
+    ("stretched", "{:.2f}", lambda r: r.stretched),
+    ("entropy", "{:.2f}", lambda r: r.entropy),
 )
 
 
