@@ -13,6 +13,7 @@ pytest.importorskip("petsc4py")
 
 from fsipetsc.cases import load_case, shock
 from fsipetsc.options import defaults
+from fsipetsc.output.plots.profiles import domain
 
 CASE = load_case("shock")
 
@@ -57,6 +58,12 @@ def test_errors_in_both_norms(results):
             errors = result.errors[given.kind]
             assert [errors[name] for name in names] == pytest.approx([s ** (1 / power) for s in sums], rel=1e-12)
             assert errors["combined"] == pytest.approx(sum(sums) ** (1 / power), rel=1e-12)
+
+
+def test_pictures_show_where_the_piston_was(results):
+    """Not only from where it is at the end."""
+    left, right = domain(results("strong_4_0.02"))
+    assert left == 0.0 and right == pytest.approx(2.0)
 
 
 def test_the_result_says_which_norm(tmp_path):

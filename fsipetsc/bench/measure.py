@@ -163,7 +163,7 @@ def compare(
             stand.steps(2)  # for what is loaded at the first use
         for _ in range(repeats):
             for name, stand in stands.items():
-                samples[name].append(stand.steps(count) / active_points(stand.state))
+                samples[name].append(stand.steps(count) / stand.state.points)
     finally:
         for stand in stands.values():
             stand.destroy()

@@ -73,18 +73,19 @@ def frames(run: Run, quantity: Quantity) -> tuple[list[int], int | None]:
 def domain(run: Run, kinds: set[str] | frozenset[str] = frozenset({"fluid", "solid"})) -> tuple[float, float]:
     """From the left end to the right one of the layers of these kinds, at all times.
 
-    The last point of a gas at its outer end is a ghost point, up to a spacing beyond the end: the innermost that it has
-    been at is less than a step of the end away from it.
+    The last point of a gas at its outer end may be a ghost point, up to a spacing beyond the end: the innermost that it has
+    been at is less than a step of the end away from it. One that goes further is the end itself, and moves.
     """
     shown = [layer for layer in run.layers if layer.kind in kinds]
     first, last = np.nanmin(shown[0].x, axis=1), np.nanmax(shown[-1].x, axis=1)
-    left = np.nanmax(first) if _has_ghost(run, shown[0]) and shown[0] is run.layers[0] else np.nanmin(first)
-    right = np.nanmin(last) if _has_ghost(run, shown[-1]) and shown[-1] is run.layers[-1] else np.nanmax(last)
+    left = np.nanmax(first) if shown[0] is run.layers[0] and _may_be_ghost(run, shown[0], first) else np.nanmin(first)
+    right = np.nanmin(last) if shown[-1] is run.layers[-1] and _may_be_ghost(run, shown[-1], last) else np.nanmax(last)
     return float(left), float(right)
 
 
-def _has_ghost(run: Run, layer: Layer) -> bool:
-    return layer.kind == "fluid" and len(run.layers) > 1
+def _may_be_ghost(run: Run, layer: Layer, x: Array) -> bool:
+    spacing = float(layer.X[1] - layer.X[0])
+    return layer.kind == "fluid" and len(run.layers) > 1 and float(np.nanmax(x) - np.nanmin(x)) < 1.001 * spacing
 
 
 def _curves(run: Run, quantity: Quantity, frame: int) -> Iterator[tuple[str, Array, Array]]:
