@@ -140,7 +140,6 @@ class State:
         """Initial data of all layers, projected; t = 0. InputError where they are not what they must be."""
         self.check_data()
         self.finish()
-        together(self.comm, lambda: [given.check_motion(self.problem, side, 4.0 * self._instant()) for _, side in self._moving])
 
     def check_data(self) -> None:
         """Ask the user's functions for all data at t = 0. InputError, on all ranks, where they are not what they must be."""
@@ -153,13 +152,18 @@ class State:
         self.set_data(0.0)
         agree(self.comm, self.fault)
 
-    def _stopped_at_walls(self, k: int, u: np.ndarray) -> np.ndarray:
-        """The initial velocity of a gas; where its grid ends at a wall the wall's, so that the energy there is that of T."""
-        record, u = self.layout.records[k], u.copy()
+    def _stop_at_walls(self, k: int, fields: list[np.ndarray]) -> None:
+        """The initial u of a gas; where its grid ends at a wall, the wall's: so the energy there is that of T. InputError."""
+        record, (rho, u, T) = self.layout.records[k], fields
+        fields[1] = u = u.copy()
         for side, here in ((0, record["own_lo"] == 0), (1, record["own_hi"] == record["n"])):
             if here and record["stretched"] and record["end_kind"][side] == WALL:
-                u[-side] = self._motion(side, 0.0)[1] if (k, side) in self._moving else 0.0
-        return u
+                u[-side] = 0.0
+                if (k, side) in self._moving:
+                    with np.errstate(all="ignore"):
+                        sound = float(self.problem.layers[k].material.sound_speed(T[-side], rho[-side]))
+                    given.check_motion(self.problem, side, self.h / sound if sound > 0 else self.h)
+                    u[-side] = self._motion(side, 0.0)[1]
 
     def _set_initial(self) -> dict[tuple[int, int], float]:
         """Returns (solid layer, end) -> initial x of the end points [m] that this rank owns."""
@@ -172,7 +176,7 @@ class State:
             if layer.exact is not None:  # not found out at the end
                 given.fields(layer, "exact", X, 0.0, self.active(k))
             if isinstance(layer, FluidLayer):
-                fields[1] = self._stopped_at_walls(k, fields[1])
+                self._stop_at_walls(k, fields)
                 with np.errstate(all="ignore"):  # what comes of it is looked at
                     self.layout.local(k, y)[:] = layer.material.conserved(*fields)
             else:
