@@ -107,9 +107,14 @@ def sweep(law, layer, op, loose, s, place, y, f):
                 prepared += 1
             flux_row(law, layer, op, loose, s, place, fluxed)
             fluxed += 1
+        lost = prepared > j + RING  # of 17 to 19 rows with the widest closures, the first have given way to the last
+        if lost:
+            prepare_row(law, layer, s, place, y, j)
         rate_row(law, layer, op, loose, s, place, j)
         law.amend(law, layer, op, s, place, lines_of(place), j)
         send_row(layer, s, place, f, j)
+        if lost:
+            prepare_row(law, layer, s, place, y, j + RING)
 
 
 @njit(**OPTIONS)

@@ -1,0 +1,105 @@
+"""Linear theory in two dimensions: the scheme's own rates, linearised, against modes that are known independently."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fsipetsc.analysis.plane_measures import PlaneRest, measure, nearest
+from fsipetsc.analysis.plane_modes import linearise, most, symbol, wave_number
+from fsipetsc.boundaries.plane import Clamped, Free, Slip
+from fsipetsc.errors import InputError
+from fsipetsc.physics.fluid import Fluid
+from fsipetsc.plane import PlaneProblem, PlaneSolid
+
+#: a gas of height 1 over an elastic layer of depth 1/2, wave number 2 pi: by a spectral method
+KNOWN = (-0.367881432498 + 4.726877249787j, -0.433440151802 + 10.993326674370j)
+MU = 0.01
+#: the speed of sound is 1 where gamma p = rho
+GAMMA = 1.4
+
+
+def gas_over_layer(n):
+    """That problem, n cells in the gas."""
+    gas = Fluid(MU, MU * 3.5 / 0.72, GAMMA, 1.0)
+    rest = PlaneRest(gas, PlaneSolid(1.0, 1.0, 0.0, 1.0, 1.0, heat="elastic"), depth=0.5)
+    return rest.coupled((n // 2, n))
+
+
+def slipping(**changes):
+    """An inviscid gas with sound of speed 1, over a solid of the same mass; all parameters 1."""
+    solid = PlaneSolid(1.0, 1.0, 0.0, 1.0, 1.0, heat="elastic")
+    return PlaneRest(Fluid(0.0, 0.0, GAMMA, 1.0 / GAMMA), solid, **changes)
+
+
+def distances(order, n, at_symbol):
+    k, linear = 2 * np.pi, linearise(gas_over_layer(n), order, 1 / n)
+    k = wave_number(order, 1 / n, k) if at_symbol else k
+    return np.array([abs(nearest(linear, k, s) - s) / abs(s) for s in KNOWN])
+
+
+def test_normal_modes():
+    """As in the notes to the scheme: 4/2 with 32 cells, and 6/3 with 48; the symbol of D for k makes little of it."""
+    four, same, six = distances(4, 32, False), distances(4, 32, True), distances(6, 48, False)
+    assert (four < (7e-4, 4e-5)).all() and (same < (7e-4, 4e-5)).all() and (four > 1e-6).all()
+    assert (six < (2.5e-5, 4e-6)).all()
+    coarse = distances(4, 16, False)
+    assert (np.log2(coarse / four) > 3.8).all()
+
+
+@pytest.mark.parametrize("order", [2, 4, 6, 8])
+def test_columns_enter_by_the_symbol_alone(order):
+    """Two grids along X on which waves have one symbol have one spectrum; and so have k and its mirror image."""
+    cells, kappa = {2: 8, 4: 8, 6: 12, 8: 16}[order], 5.0
+    rest = slipping()
+    spectra = []
+    for h in (0.1, 0.07):
+        linear = linearise(rest.coupled((cells, cells)), order, h)
+        spectra.append(np.sort_complex(np.round(np.linalg.eigvals(linear.matrix(wave_number(order, h, kappa))), 7)))
+    assert np.abs(spectra[0].imag - spectra[1].imag).max() < 1e-5
+    top, greatest = most(order, 0.1)
+    assert symbol(order, 0.1, top) == greatest > symbol(order, 0.1, 0.9 * top)
+    with pytest.raises(InputError, match="knows none of that size"):
+        wave_number(order, 0.1, 1.01 * greatest)
+
+
+def test_differences_are_exact_enough():
+    """Twice the disturbance makes no difference: that is the derivative."""
+    problem = gas_over_layer(16)
+    one, two = (linearise(problem, 4, 1 / 16, nudge) for nudge in (0.005, 0.01))
+    assert np.abs(one.rates - two.rates).max() < 1e-11 * np.abs(one.rates).max()
+    assert np.array_equal(one.projection @ one.projection, one.projection)
+    assert np.linalg.matrix_rank(one.projection) == len(one.projection) - 7  # twice (u, v) of walls, of the interface; a word
+
+
+def test_a_wave_along_an_interface():
+    """Scholte's wave, all parameters 1: c = .711001723, 11 deep on both sides."""
+    k, cells = 1.0, 55
+    rest = slipping(depth=11.0, height=11.0)
+    linear = linearise(rest.coupled((cells, cells)), 6, 0.2)
+    assert abs(nearest(linear, wave_number(6, 0.2, k), 0.711j) - 0.711001723j) < 1e-4
+
+
+@pytest.mark.parametrize("order", [4, 6])
+def test_nothing_grows_and_the_step_is_kept(order):
+    for density, stiffness in ((1e-3, 1.0), (1.0, 100.0), (1e3, 1e-2)):
+        solid = PlaneSolid(stiffness / 4, stiffness / 2, 0.0, density, 1.0 / density, heat="elastic")
+        result = measure(PlaneRest(Fluid(0.0, 0.0, GAMMA, 1.0), solid), order, 12, (0.2, 1.0))
+        assert result.stable and result.step_kept, result
+
+
+@pytest.mark.parametrize("rows", [16, 17, 18, 19, 20, 21])
+def test_thin_layers_of_the_widest_operator(rows):
+    """Rows of scratch that are still needed give way to no other: then displacements change by the velocity of their row."""
+    solid, _ = slipping().layers((rows - 1, 16))
+    linear = linearise(PlaneProblem((solid,), (0.0, 1.0), Clamped(), Free(slipping().p)), 8, 0.1)
+    values = linear.eigenvalues(0.5)
+    assert values.real.max() < 1e-11 * np.abs(values).max()
+
+
+def test_only_about_rest():
+    moving = replace(slipping().layers((8, 8))[1], initial=lambda X, Y: (1 + 0 * X, 0.1 + 0 * X, 0 * X, 1 + 0.1 * Y))
+    with pytest.raises(InputError, match="not at rest"):
+        linearise(PlaneProblem((moving,), (0.0, 1.0), Slip(), Slip()), 2, 0.1)
