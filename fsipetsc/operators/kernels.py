@@ -34,9 +34,10 @@ U64 = np.uint64
 #: ``fma`` says so explicitly.
 ENTRY = {"cache": _KEPT, "error_model": "numpy", "nogil": True}
 #: Of functions that only compiled code calls: not kept on disk for themselves, nothing made to call them from Python, and
-#: no count kept of who refers to an array: that takes as long as some points, and all arrays outlive the call. Unless it is
-#: told, numba makes what a formula calls part of it, too, whatever its size.
-OPTIONS = {**PART, "error_model": "numpy", "nogil": True, "forceinline": False}
+#: no count kept of who refers to an array: that takes as long as some points, and all arrays outlive the call. What a
+#: formula calls becomes part of it, too, whatever its size: numba hands that down. (Ends and couplings as functions of their
+#: own compile in 1.5 s less, and take a step of 484 points 4 % longer.)
+OPTIONS = {**PART, "error_model": "numpy", "nogil": True}
 #: Of those that return an array that they have not been given.
 ARRAYS = {**OPTIONS, "_nrt": True}
 #: Of formulas at a point: always part of their caller, so that vectors stay in registers.
