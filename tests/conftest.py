@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import fcntl
 import importlib.util
+import signal
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -17,8 +18,8 @@ from fsipetsc.output.reader import Run
 
 #: files of tests that take longest, the longest first
 DEAREST = (
-    *("ranks", "materials", "time", "own_laws", "narrow_runs", "cli", "failures", "counts", "pulse", "kernels", "cache"),
-    *("end_point", "ends", "bench", "stability"),
+    *("ranks", "materials", "dissipation_runs", "signals", "narrow_runs", "own_laws", "time", "failures", "cli", "counts"),
+    *("shared_memory", "stability", "ends", "cache", "case_files", "convergence", "plane", "shock", "process", "live", "pulse"),
 )
 ORDERS = (2, 4, 6, 8)
 PULSE_SPACINGS = (0.0125, 0.00625)
@@ -255,6 +256,12 @@ class Computed:
         if path not in self._open:
             self._open[path] = fsipetsc.open_run(path)
         return self._open[path]
+
+
+def pytest_configure() -> None:
+    """Interrupts reach what the tests start, where a shell has started them in the background and told them to ignore those."""
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
