@@ -30,6 +30,7 @@ from petsc4py import PETSc
 
 from fsipetsc.errors import FileError, FsiError, is_petsc, petsc_words
 from fsipetsc.output import buffers, claim, commits, file_layout, hdf5, tables, transaction
+from fsipetsc.process.interrupts import Interrupted
 from fsipetsc.process.together import agree
 
 Array = np.ndarray[Any, Any]
@@ -179,12 +180,12 @@ class RunWriter:
     def _on_root(self, action: Callable[[], Result]) -> Result:
         """The value of `action` on rank 0, for all ranks; its failure too. Collective."""
         value: Any = None
-        fault = FileError(self._failure) if self._failure is not None else None
+        fault: FsiError | None = FileError(self._failure) if self._failure is not None else None
         if self._root and fault is None:
             try:
                 value = action()
             except Exception as error:
-                fault = FileError(self._explain(error))
+                fault = self._fault(error)
         self._agree(fault)
         return self._comm.bcast(value, root=0)
 
@@ -194,13 +195,17 @@ class RunWriter:
         try:
             action()
         except Exception as error:
-            fault = FileError(self._explain(error))
+            fault = self._fault(error)
         self._agree(fault)
 
-    def _agree(self, fault: FileError | None) -> None:
-        """Raise the fault of any rank on all ranks; a signal that has come before the time loop is one. Collective."""
+    def _fault(self, error: Exception) -> FsiError:
+        """What an error of this rank is for all: a signal that has come meanwhile is no fault of the file."""
+        return error if isinstance(error, Interrupted) else FileError(self._explain(error))
+
+    def _agree(self, fault: FsiError | None) -> None:
+        """Raise the fault of any rank on all ranks. Collective."""
         try:
-            agree(self._comm, fault)
+            agree(self._comm, fault, unheard=False)  # what is left to write is written after a signal, too
         except FsiError:
             self._closed = True
             self._release()

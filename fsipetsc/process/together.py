@@ -29,10 +29,13 @@ def together(comm: MPI.Comm, action: Callable[[], Result]) -> Result:
     return result
 
 
-def agree(comm: MPI.Comm, fault: FsiError | None) -> None:
-    """Raise the fault of the lowest rank that has one, on all ranks; none may have. A signal is one. Collective."""
+def agree(comm: MPI.Comm, fault: FsiError | None, unheard: bool = True) -> None:
+    """Raise the fault of the lowest rank that has one, on all ranks; none may have. Collective.
+
+    unheard: a signal is one, too, that has come before and that nobody has taken over.
+    """
     clear_frames(fault)
-    fault = came() or fault
+    fault = (came() if unheard else None) or fault
     known = comm.allgather(None if fault is None else (type(fault), fault.args))
     first = next((entry for entry in known if entry is not None), None)
     if first is not None:
