@@ -30,7 +30,7 @@ GAS = Fluid(mu=0.5, kappa=0.7, gamma=1.4, R=287.0)
 ROD = Solid(K=1e5, kappa_e=0.5, m0=2700.0, alpha=1.0, force=-10.0)
 H = 0.01
 HALO = 14  # points; enough for two derivatives of any order
-ROWS = 16  # of scratch
+ROWS = 20  # of scratch
 
 ORDERS = pytest.mark.parametrize("order", OPERATORS)
 

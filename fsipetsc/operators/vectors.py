@@ -221,6 +221,28 @@ def masked(typingctx, v, n, other):
 
 
 @intrinsic
+def any_above(typingctx, v, limit):
+    """Whether a lane of v is larger than a number; one that is not a number is not."""
+    bits = ir.IntType(LANES)
+
+    def codegen(context, builder, sig, args):
+        larger = builder.fcmp_ordered(">", args[0], _spread(builder, args[1]))
+        return builder.icmp_unsigned("!=", builder.bitcast(larger, bits), ir.Constant(bits, 0))
+
+    return types.boolean(v, types.float64), codegen
+
+
+@intrinsic
+def where_above(typingctx, v, limit, larger, other):
+    """Lane by lane ``larger`` where v is larger than a number, else ``other``."""
+
+    def codegen(context, builder, sig, args):
+        return builder.select(builder.fcmp_ordered(">", args[0], _spread(builder, args[1])), args[2], args[3])
+
+    return vector(v, types.float64, vector, vector), codegen
+
+
+@intrinsic
 def mirrored(typingctx, v):
     """The lanes in the opposite order."""
     return vector(v), lambda context, builder, sig, args: _shuffled(builder, args[0], args[0], _EACH_LANE[::-1])

@@ -58,6 +58,10 @@ DISCRETISATION = (
     ),
     Option("fsi_viscous", str, "wide", "", "second derivatives: D twice, or such that reach half as far", ("wide", "narrow")),
     Option(
+        *("fsi_convection", str, "divergence", "", "form of the gas's convection; entropy: two-point, which conserves entropy"),
+        choices=("divergence", "entropy"),
+    ),
+    Option(
         *("fsi_dissipation", float, 0.0, "", "dissipation by differences of half the order, of gas and solid; 0.3 is usual"),
         check=_between(0, 1),
     ),

@@ -36,14 +36,14 @@ def unload_gas(law, layer, op, s, w, v, f, target, side):
     """
     end = layer.lo if side == 0 else layer.hi
     out = (2 * side - 1) / (layer.h * op.norm[0])  # of the layer
-    rho_f, m_f, e_f = s[U64(f + end)], s[U64(f + ROW + end)], s[U64(f + 2 * ROW + end)]
+    rho_f, m_f, e_f = law.end_flux(law, layer, s, w, v, f, end)
     add_to_rate(s, target, 0, end, out * rho_f)
     add_to_rate(s, target, 1, end, out * m_f)
     change, V, A = out * e_f, layer.end_v[side], layer.end_a[side]
     if layer.end_kind[side] == WALL and (V != 0.0 or A != 0.0):
         scale = -1.0 / layer.h
-        rho_t = scale * end_slope(op, s, f + end, side) + out * rho_f
-        m_t = scale * end_slope(op, s, f + ROW + end, side) + out * m_f
+        rho_X, m_X, _ = law.end_slopes(law, layer, op, s, w, v, f, side)
+        rho_t, m_t = scale * rho_X + out * rho_f, scale * m_X + out * m_f
         rho_t, m_t = rho_t + forcing(s, target, 0, end), m_t + forcing(s, target, 1, end) + layer.force * s[U64(w + end)]
         change += V * (s[U64(w + end)] * A + V * rho_t - m_t)
     if layer.end_thermal[side] == GIVEN_FLUX:
@@ -65,8 +65,8 @@ def keep_entropy(law, layer, op, s, w, v, f, target, side):
     """
     end, stride = (layer.lo if side == 0 else layer.hi), layer.stride
     scale, spacing = -1.0 / layer.h, layer.h * layer.J
-    rho_t, m_t = scale * end_slope(op, s, f + end, side), scale * end_slope(op, s, f + ROW + end, side)
-    e_t, u_x = scale * end_slope(op, s, f + 2 * ROW + end, side), end_slope(op, s, v + end, side) / spacing
+    rho_X, m_X, e_X = law.end_slopes(law, layer, op, s, w, v, f, side)
+    rho_t, m_t, e_t, u_x = scale * rho_X, scale * m_X, scale * e_X, end_slope(op, s, v + end, side) / spacing
     rho, gas = s[U64(w + end)], law.gas.constants(layer)
     u = s[U64(w + stride + end)] / rho
     internal = s[U64(w + 2 * stride + end)] / rho - 0.5 * u * u
@@ -77,6 +77,19 @@ def keep_entropy(law, layer, op, s, w, v, f, target, side):
     heating = layer.mu * law.transport.relative(law.transport.constants(layer), T)[0] * u_x * u_x * layer.J
     change = u * m_t + (h - 0.5 * u * u) * rho_t + heating - p * layer.spread / layer.h - e_t
     add_to_rate(s, target, 2, end, change)
+
+
+@njit(**OPTIONS)
+def end_flux(law, layer, s, w, v, f, end):
+    """(rho, rho u, e) through an end point."""
+    return s[U64(f + end)], s[U64(f + ROW + end)], s[U64(f + 2 * ROW + end)]
+
+
+@njit(**OPTIONS)
+def end_slopes(law, layer, op, s, w, v, f, side):
+    """h D of these fluxes there."""
+    at = f + (layer.lo if side == 0 else layer.hi)
+    return end_slope(op, s, at, side), end_slope(op, s, at + ROW, side), end_slope(op, s, at + 2 * ROW, side)
 
 
 @njit(**OPTIONS)

@@ -28,15 +28,17 @@ from fsipetsc.physics.narrow import NARROW_GAS, NARROW_SOLID
 from fsipetsc.physics.own_laws import check
 from fsipetsc.physics.perfect_gas import perfect_gas
 from fsipetsc.physics.solid import Solid, elastic_solid
+from fsipetsc.physics.two_point import entropy_conserving
 from fsipetsc.problem import Problem
 from fsipetsc.scheme.end_forces_and_entropy import end_forces, gas_entropy, gas_traction, solid_entropy, solid_traction
-from fsipetsc.scheme.end_rates import gas_end, solid_end
+from fsipetsc.scheme.end_rates import end_flux, end_slopes, gas_end, solid_end
 from fsipetsc.scheme.extremes_and_sums import fluid_extremes_and_sums, solid_extremes_and_sums
 from fsipetsc.scheme.kinetic import keep_energy, leave_energy
 from fsipetsc.scheme.layer_ends import close_end, close_gas, note_embedded, note_nothing
 from fsipetsc.scheme.layer_fields import fluid_fields, solid_fields
 from fsipetsc.scheme.speeds import fluid_speeds, solid_speeds
 from fsipetsc.scheme.sweep import sweep
+from fsipetsc.scheme.two_point import add_pairs, flux_through_end, slopes_at_end
 from fsipetsc.scheme.undivided import add_undivided, nothing
 
 #: by kind of layer: what the scheme does with it
@@ -46,6 +48,8 @@ _WORK = {
         "speeds": fluid_speeds,
         "save": fluid_fields,
         "amend": gas_end,
+        "end_flux": end_flux,
+        "end_slopes": end_slopes,
         "end": close_gas,
         "note": note_embedded,
         "traction": gas_traction,
@@ -66,8 +70,10 @@ _WORK = {
 
 def law(physics: Formulas, settle: Any = leave_energy) -> Formulas:
     """A physics with the work of the scheme on its kind of layer."""
-    add = add_undivided if physics.undivided else nothing
-    return Formulas(**vars(physics), **_WORK[physics.kind], add=add, settle=settle)
+    work = {"add": add_undivided if physics.undivided else nothing, "settle": settle, **_WORK[physics.kind]}
+    if hasattr(physics, "pair_flux"):
+        work |= {"add": add_pairs, "end_flux": flux_through_end, "end_slopes": slopes_at_end}
+    return Formulas(**vars(physics), **work)
 
 
 def pair(fluid: Formulas, solid: Formulas) -> Formulas:
@@ -126,12 +132,13 @@ of_interface = Formulas(couple=couple, residuals=residuals)
 class Form:
     """Which form of the equations is discretised: the options of these names.
 
-    narrow: second derivatives; dissipation, shocks: how strong, 0 for none.
+    narrow: second derivatives; dissipation, shocks: how strong, 0 for none; entropy: convection in two-point form.
     """
 
     narrow: bool = False
     dissipation: float = 0.0
     shocks: float = 0.0
+    entropy: bool = False
 
 
 #: D twice, nothing added
@@ -153,6 +160,9 @@ class ProblemLaws:
             if wanting and not getattr(getattr(known, "gas", None), "knows_entropy", True):
                 what = f"no formula entropy(c, rho, T), which {wanting[-1]}"
                 raise InputError(f"the gas law of layer '{layer.name}' has {what}")
+            if form.entropy and getattr(known, "gas", perfect_gas) is not perfect_gas:
+                what = "the two-point form of convection is that of a perfect gas: take -fsi_convection divergence"
+                raise InputError(f"layer '{layer.name}' has a gas law of its own, and {what}")
         names = {digest(law): law for law in found}
         if names.keys() <= _BUILT_IN.keys():
             names = _BUILT_IN
@@ -198,7 +208,8 @@ def _law_of(material: Fluid | Solid, form: Form) -> Formulas:
         terms += ((dissipation.GAS_DISSIPATION if is_gas else dissipation.SOLID_DISSIPATION)[shocks],)
     if is_gas:
         gas, transport = formulas_of(material.law), formulas_of(material.transport)
-        return law(navier_stokes(gas, transport, terms, material.force != 0.0))
+        physics = navier_stokes(gas, transport, terms, material.force != 0.0)
+        return law(entropy_conserving(physics) if form.entropy else physics)
     dissipates = shocks or form.dissipation > 0.0
     return law(elastic_solid(formulas_of(material.pressing), terms), keep_energy if dissipates else leave_energy)
 

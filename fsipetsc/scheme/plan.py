@@ -91,8 +91,9 @@ INTEGRALS = 6
 BURST = 11
 #: steps that the journal holds; they must be written then. Whole chunks of the file, see output.tables
 CAPACITY = 40 << 10
-#: rows of scratch that the kernels use: five of the sweep, and those of the terms of fsipetsc.scheme.undivided
-SCRATCH = 14
+#: rows of scratch that the kernels use: five of the sweep, those of the terms of fsipetsc.scheme.undivided, and those that are
+#: prepared for fsipetsc.scheme.two_point
+SCRATCH = 19
 #: doubles of a cache line, to which parts of the memory are aligned
 _LINE = 8
 

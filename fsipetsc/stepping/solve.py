@@ -68,7 +68,7 @@ def make_state(problem: Problem | PlaneProblem, opt: dict[str, Any], comm: MPI.C
     names = ("fsi_order", "fsi_h", "fsi_coupling", "fsi_mapping", "fsi_partition", "fsi_spare")
     kind = LoggedState if PETSc.Log.isActive() else State
     entropy = bool(opt["fsi_entropy"] or opt["fsi_check"])
-    form = Form(opt["fsi_viscous"] == "narrow", opt["fsi_dissipation"], opt["fsi_shocks"])
+    form = Form(opt["fsi_viscous"] == "narrow", opt["fsi_dissipation"], opt["fsi_shocks"], opt["fsi_convection"] == "entropy")
     return kind(comm, problem, *(opt[name] for name in names), entropy, opt["fsi_shared_memory"], form)
 
 
@@ -77,6 +77,7 @@ _IN_THE_PLANE = {
     "fsi_coupling": ("conservative",),
     "fsi_mapping": ("auto", "stretched"),
     "fsi_viscous": ("wide",),
+    "fsi_convection": ("divergence",),
     "fsi_dissipation": (0.0,),
     "fsi_shocks": (0.0,),
 }
