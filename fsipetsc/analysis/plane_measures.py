@@ -1,14 +1,15 @@
 """What the linearised problem in two dimensions says about stability: growth, and the largest step of RK4, by wave number.
 
-A gas at rest over a solid on a wall, below a wall, both of the same number of cells; and the two layers alone: the gas with a
-wall in the place of the solid, the solid with a free end under the pressure of the gas. Wave numbers are given as the symbol
-of the operator (fsipetsc.analysis.plane_modes): fractions from 0 to 1 of its greatest value are all of 0 <= k h <= pi.
+A gas at rest over a solid on a wall, below a wall, both of the same number of cells; and the two layers alone, free of further
+traction where they would meet: the coupling is a constraint on these two, so that no mode of it need be faster than theirs.
+The gas then ends at a layer of nearly no weight and stiffness. Wave numbers are given as the symbol of the operator
+(fsipetsc.analysis.plane_modes): fractions from 0 to 1 of its greatest value are all of 0 <= k h <= pi.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -24,6 +25,8 @@ from fsipetsc.plane import Fields, PlaneFluidLayer, PlaneProblem, PlaneSolid, Pl
 TOLERANCE = 1e-11
 #: part of the smaller step of the uncoupled layers that the coupled ones must keep
 STEP_KEPT = 0.99
+#: density and stiffness, over those of the gas, of what ends a gas that is free of traction
+WEIGHTLESS = 1e-6
 
 
 @dataclass(frozen=True)
@@ -70,11 +73,13 @@ class PlaneRest:
         """Both layers."""
         return PlaneProblem(self.layers(cells), (0.0, 1.0), Clamped(), self.wall)
 
-    def alone(self, cells: tuple[int, int]) -> tuple[PlaneProblem, PlaneProblem]:
-        """Each of them: nothing couples them."""
+    def alone(self, cells: tuple[int, int]) -> tuple[PlaneProblem, PlaneProblem, PlaneProblem]:
+        """Solid and gas free where they would meet, and the gas with a rigid wall there instead."""
         solid, gas = self.layers(cells)
+        light = PlaneSolid(0.0, WEIGHTLESS * self.p, 0.0, WEIGHTLESS * self.rho, self.solid.alpha, heat="elastic")
         return (
             PlaneProblem((solid,), (0.0, 1.0), Clamped(), Free(self.p)),
+            replace(self, solid=light).coupled(cells),
             PlaneProblem((gas,), (0.0, 1.0), self.wall, self.wall),
         )
 
@@ -84,7 +89,8 @@ class PlaneResult:
     """Of one problem and all wave numbers, the worst of each: rates in 1/s, steps in s.
 
     growth: largest real part over the largest |lambda| of its wave number, radius: the largest of these; step_ratio: the
-    least of coupled over uncoupled step of one wave number; step, step_alone: those of all wave numbers together.
+    least of coupled over uncoupled step of one wave number, wall_ratio: that with a wall as the end of the gas alone; step,
+    step_alone: those of all wave numbers together.
     """
 
     order: int
@@ -93,6 +99,7 @@ class PlaneResult:
     growth: float
     radius: float
     step_ratio: float
+    wall_ratio: float
     step: float
     step_alone: float
 
@@ -110,17 +117,20 @@ class PlaneResult:
 def measure(rest: PlaneRest, order: int, cells: int, fractions: Sequence[float]) -> PlaneResult:
     """Numbers with ``cells`` in each layer, at symbols that are these fractions of the greatest one. InputError."""
     both, h = (cells, cells), min(rest.depth, rest.height) / cells
-    linear, *alone = (linearise(problem, order, h) for problem in (rest.coupled(both), *rest.alone(both)))
-    growths, radii, steps, limits = [], [], [], []
+    problems = rest.coupled(both), *rest.alone(both)
+    linear = [linearise(problem, order, h) for problem in problems]
+    growths, radii, steps = [], [], []
     for fraction in fractions:
-        spectrum = linear.eigenvalues(fraction)
-        radii.append(np.abs(spectrum).max())
-        growths.append(spectrum.real.max() / radii[-1])
-        steps.append(step_limit(spectrum))
-        limits.append(min(step_limit(one.eigenvalues(fraction)) for one in alone))
-    ratio = min(a / b for a, b in zip(steps, limits, strict=True))
+        spectra = [one.eigenvalues(fraction) for one in linear]
+        radii.append(np.abs(spectra[0]).max())
+        growths.append(spectra[0].real.max() / radii[-1])
+        steps.append([step_limit(spectrum) for spectrum in spectra])
+    coupled, solid, gas, walled = np.array(steps).T
+    limits = np.minimum(solid, gas)
+    least = [float((coupled / alone).min()) for alone in (limits, np.minimum(solid, walled))]
     ratios = rest.solid.m0 / rest.rho, rest.solid.K / rest.p
-    return PlaneResult(order, *ratios, float(max(growths)), float(max(radii)), ratio, min(steps), min(limits))
+    whole = float(coupled.min()), float(limits.min())
+    return PlaneResult(order, *ratios, float(max(growths)), float(max(radii)), *least, *whole)
 
 
 def nearest(linear: PlaneLinear, k: float, expected: complex) -> complex:

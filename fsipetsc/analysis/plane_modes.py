@@ -20,7 +20,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from fsipetsc.errors import InputError
-from fsipetsc.operators.sbp import OPERATORS, packed
+from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.physics.plane.layer import DOF
 from fsipetsc.plane import PlaneProblem
 from fsipetsc.stepping.plane.state import PlaneState
@@ -80,17 +80,17 @@ class PlaneLinear:
         return np.linalg.eigvals(self.matrix(wave_number(self.order, self.h_x, fraction * top)))
 
 
-def symbol(order: int, h: float, k: float) -> float:
+def symbol(order: int, h: float, k: float | Real) -> float | Real:
     """kappa of the interior formula of D at wave number k, both in 1/m."""
-    operator = packed(order)
-    return float(sum(2.0 * operator["interior"][m] * np.sin((m + 1) * k * h) for m in range(operator["p"])) / h)
+    weights = OPERATORS[order].interior
+    return sum(2.0 * float(weight) * np.sin(m * k * h) for m, weight in enumerate(weights, 1)) / h
 
 
 def most(order: int, h: float) -> tuple[float, float]:
     """(k, kappa) where the symbol is greatest, 1/m."""
     angles = np.linspace(0.0, np.pi, 4001)
-    top = angles[np.argmax([symbol(order, 1.0, angle) for angle in angles])]
-    return float(top / h), symbol(order, h, top / h)
+    top = angles[np.argmax(symbol(order, 1.0, angles))] / h
+    return float(top), float(symbol(order, h, top))
 
 
 def wave_number(order: int, h: float, kappa: float) -> float:

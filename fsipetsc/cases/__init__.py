@@ -26,7 +26,7 @@ from fsipetsc.blame import explain, short
 from fsipetsc.errors import InputError
 from fsipetsc.options import Option, groups
 
-BUILT_IN = ("rod", "mms", "pulse", "box", "heat", "column", "piston", "shock", "plane_mms", "blast", "panel")
+BUILT_IN = ("rod", "mms", "pulse", "box", "heat", "column", "piston", "shock", "plane_mms", "blast", "panel", "wave")
 
 
 def summaries() -> dict[str, str]:
