@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from helpers import run
 
 from fsipetsc.analysis.plane_measures import PlaneRest, measure, nearest
 from fsipetsc.analysis.plane_modes import linearise, most, symbol, wave_number
@@ -103,3 +104,16 @@ def test_only_about_rest():
     moving = replace(slipping().layers((8, 8))[1], initial=lambda X, Y: (1 + 0 * X, 0.1 + 0 * X, 0 * X, 1 + 0.1 * Y))
     with pytest.raises(InputError, match="not at rest"):
         linearise(PlaneProblem((moving,), (0.0, 1.0), Slip(), Slip()), 2, 0.1)
+
+
+def test_the_command(tmp_path):
+    """A table, and status 3 where the heat of the pressure at rest lets a mode grow, as it does in one dimension."""
+    command = ("-m", "fsipetsc", "stability", "-stability_plane")
+    words = (*command, "-fsi_order", 4, "-stability_points", 8, "-stability_symbols", 0.2)
+    well = run(*words, "-sweep", "-density_ratios", "0.001,1000", "-stiffness_ratios", "0.1,10", cwd=tmp_path)
+    assert (well.returncode, well.stderr) == (0, "") and "    4    0.001      0.1" in well.stdout
+    grows = ("-solid_density", 1e-3, "-solid_modulus", 0.01, "-solid_alpha", 2500, "-solid_heat", "coupled")
+    ill = run(*words, *grows, cwd=tmp_path)
+    assert ill.returncode == 3 and "a mode grows" in ill.stderr
+    wrong = run(*words[:-1], 1.5, cwd=tmp_path)
+    assert wrong.returncode == 2 and "stability_symbols" in wrong.stderr

@@ -36,6 +36,11 @@ def stability(arguments: list[str], comm: MPI.Comm) -> None:
         os.environ.setdefault(name, "1")  # the matrices are small: threads would only get in each other's way
     opt, state = described(arguments, comm)
     check(opt)
+    if opt.get("stability_plane"):
+        from fsipetsc.analysis.plane_stability import plane_stability
+
+        plane_stability(opt, state, comm)
+        return
     results = compute(opt, state, comm)
     if comm.rank == 0 and not opt["fsi_quiet"]:
         show(opt, state, results)

@@ -25,6 +25,14 @@ def _above_one(value: float) -> str | None:
     return None if value > 1 else "a number above 1"
 
 
+def _fractions(values: tuple[float, ...]) -> str | None:
+    return None if all(0 <= value <= 1 for value in values) else "numbers from 0 to 1"
+
+
+def _half(value: float) -> str | None:
+    return None if 0 <= value <= 0.5 else "a number from 0 to 0.5"
+
+
 _ORDERS = Option("fsi_orders", "ints", ORDERS, "", "interior orders of the SBP operators", check=_orders)
 _POINTS = Option("stability_points", int, 32, "", "points of each of the two layers", check="positive")
 SECTIONS: dict[str, tuple[Option, ...]] = {
@@ -63,6 +71,16 @@ SECTIONS: dict[str, tuple[Option, ...]] = {
         Option("fsi_order", int, None, "", "one order alone, instead of -fsi_orders", ORDERS),
         Option("fsi_h", float, 0.03125, "m", "grid spacing", check="positive"),
         _POINTS,
+    ),
+    "Two dimensions": (
+        Option("stability_plane", bool, False, "", "gas over a solid in two dimensions, by wave number along them"),
+        Option(
+            *("stability_symbols", "floats", (0.0, 0.2, 0.6, 1.0), ""),
+            help="wave numbers, as fractions of the greatest that D knows",
+            check=_fractions,
+        ),
+        Option("solid_shear", float, 0.25, "", "mu_e over K", check=_half),
+        Option("solid_heat", str, "elastic", "", "beside an elastic energy, or the work of stresses", ("elastic", "coupled")),
     ),
     "Sweep": (
         Option("sweep", bool, False, "", "all combinations of the ratios below"),
