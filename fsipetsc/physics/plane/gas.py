@@ -113,9 +113,9 @@ def inviscid_flux(law, c, v, m, along, across):
 
 
 @njit(**FORMULA)
-def friction(law, c, v, m, along, across):
-    """(tau_xx, tau_xy, tau_yy, u tau_xx + v tau_xy + kappa T_x, u tau_xy + v tau_yy + kappa T_y)."""
-    _, u, w, _, _, _, _, _, T, per_J = v
+def friction(law, c, point, m, along, across):
+    """(tau_xx, tau_xy, tau_yy, u tau_xx + v tau_xy + kappa T_x, u tau_xy + v tau_yy + kappa T_y); point: (u, v, T, 1/J)."""
+    u, w, T, per_J = point
     of_mu, of_kappa = law.transport.relative(c[1], T)
     scale = per_J * T
     w3x = fma(m.a1x, along[2], m.a2x * across[2])
@@ -133,7 +133,7 @@ def friction(law, c, v, m, along, across):
 @njit(**FORMULA)
 def viscous_flux(law, c, v, m, along, across):
     """The fluxes in both directions."""
-    xx, xy, yy, hx, hy = friction(law, c, v, m, along, across)
+    xx, xy, yy, hx, hy = friction(law, c, (v[1], v[2], v[8], v[9]), m, along, across)
     state = v[0], v[1], v[2], v[3], v[4]
     a, b = convection(state, m, m.a1x, m.a1y), convection(state, m, m.a2x, m.a2y)
     return (
@@ -150,7 +150,7 @@ def less(ax, ay, f, xx, xy, yy, hx, hy):
 
 
 @njit(**FORMULA)
-def rate(law, c, q, v, divergence, extra):
+def rate(law, c, q, v, divergence, extra, sums):
     """-(D_xi + D_eta) of the fluxes, and what a body force adds."""
     r, fx, fy = q[1], c[4], c[5]
     pull = fma(fx, q[2], fy * q[3])
@@ -175,6 +175,7 @@ def plane_gas(gas: Formulas, transport: Formulas, viscous: bool) -> Formulas:
         fluxes=(0, 1, 2, 3, 4),
         loose=(0, 1, 1, 1, 1),
         extras=(),
+        sums=(),
         constants=constants,
         grid=metrics,
         prepare=prepare_viscous if viscous else prepare_inviscid,

@@ -61,7 +61,7 @@ def flux(law, c, v, m, along, across):
 
 
 @njit(**FORMULA)
-def rate(law, c, q, v, divergence, extra):
+def rate(law, c, q, v, divergence, extra, sums):
     """Of (x, y, u, v, T)."""
     return (
         v[2],
@@ -83,6 +83,7 @@ def plane_solid(elastic: Formulas) -> Formulas:
         fluxes=(0, 1, 2),
         loose=(1, 1, 1),
         extras=(0,),
+        sums=(),
         constants=constants,
         grid=no_grid,
         prepare=prepare,

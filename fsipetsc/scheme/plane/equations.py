@@ -1,17 +1,51 @@
-"""The equations that the material of a layer in two dimensions asks for."""
+"""The equations that the material of a layer in two dimensions asks for, and the forms that they may have."""
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
+from fsipetsc.errors import InputError
 from fsipetsc.operators.formulas import Formulas
 from fsipetsc.physics.material_law import formulas_of
+from fsipetsc.physics.perfect_gas import perfect_gas
 from fsipetsc.physics.plane.gas import plane_gas
 from fsipetsc.physics.plane.solid import plane_solid
+from fsipetsc.physics.plane.two_point import two_point_gas
 from fsipetsc.plane import PlaneFluidLayer, PlaneSolidLayer
 
 
-def equations_of(layer: PlaneFluidLayer | PlaneSolidLayer) -> Formulas:
-    """Those of a layer: without friction and conduction where the gas has none."""
+class PlaneForm(NamedTuple):
+    """How the equations are put in discrete terms.
+
+    convection: of gases, "entropy" (two-point form, which conserves entropy; of perfect gases) or "divergence".
+    """
+
+    convection: str = "entropy"
+
+
+USUAL = PlaneForm()
+
+
+def equations_of(layer: PlaneFluidLayer | PlaneSolidLayer, form: PlaneForm) -> Formulas:
+    """Those of a layer's material. InputError if there is no such form of them."""
     material = layer.material
     if isinstance(layer, PlaneSolidLayer):
         return plane_solid(material.formulas)
-    return plane_gas(formulas_of(material.law), formulas_of(material.transport), material.mu > 0 or material.kappa > 0)
+    gas, transport = formulas_of(material.law), formulas_of(material.transport)
+    viscous = material.mu > 0.0 or material.kappa > 0.0
+    if form.convection == "divergence":
+        return plane_gas(gas, transport, viscous)
+    if gas is not perfect_gas:
+        raise InputError(
+            f"layer '{layer.name}': -fsi_convection entropy needs a perfect gas, and this one has a law of its own: "
+            "expected -fsi_convection divergence"
+        )
+    return two_point_gas(gas, transport, viscous)
+
+
+def materials_of(layer: PlaneFluidLayer | PlaneSolidLayer) -> Formulas:
+    """The same where the form does not matter, but for what the material is: so that less has to be compiled."""
+    material = layer.material
+    if isinstance(layer, PlaneSolidLayer):
+        return plane_solid(material.formulas)
+    return two_point_gas(formulas_of(material.law), formulas_of(material.transport), True)

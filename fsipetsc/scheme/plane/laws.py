@@ -13,18 +13,21 @@ from fsipetsc.operators.variants import Variants, digest
 from fsipetsc.physics.constant_transport import constant_transport
 from fsipetsc.physics.layer import FLUID
 from fsipetsc.physics.perfect_gas import perfect_gas
-from fsipetsc.physics.plane.gas import plane_gas
 from fsipetsc.physics.plane.log_solid import log_solid
 from fsipetsc.physics.plane.solid import plane_solid
+from fsipetsc.physics.plane.two_point import two_point_gas
 from fsipetsc.scheme.plane.edges import amend_gas, amend_solid
+from fsipetsc.scheme.plane.pairs import meet, no_pairs, no_weights, weigh_pairs
 
 
 def law(equations: Formulas) -> Formulas:
     """Equations of ``fsipetsc.physics.plane`` and the work of the scheme on the edges of their layer."""
-    return Formulas(**vars(equations), amend=amend_gas if equations.kind == FLUID else amend_solid)
+    of_pairs = (weigh_pairs, meet) if equations.sums else (no_weights, no_pairs)
+    amend = amend_gas if equations.kind == FLUID else amend_solid
+    return Formulas(**vars(equations), begin=of_pairs[0], meet=of_pairs[1], amend=amend)
 
 
-GAS, SOLID = law(plane_gas(perfect_gas, constant_transport, True)), law(plane_solid(log_solid))
+GAS, SOLID = law(two_point_gas(perfect_gas, constant_transport, True)), law(plane_solid(log_solid))
 #: digest -> what has been compiled for the law
 _VARIANTS: dict[str, Variants] = {}
 _BUILT_IN = {digest(GAS), digest(SOLID)}

@@ -2,9 +2,10 @@
 
 Every physics here has the form
 
-    q_t = rate(q, v, D_x a + D_y b, e),      (a, b, e) = flux(v, D_x v, D_y v),      v = prepare(q)
+    q_t = rate(q, v, D_x a + D_y b, e, sums),      (a, b, e) = flux(v, D_x v, D_y v),      v = prepare(q)
 
-with the unknowns q of a point, what is derived from them there (v), fluxes a along X and b along Y, and further quantities e.
+with the unknowns q of a point, what is derived from them there (v), fluxes a along X and b along Y, further quantities e, and
+sums of what it has to do with other points, pair by pair.
 The boundary fluxes are left out: the operator is *loose* at the edges, h a_0 D_00 = +1/2 instead of -1/2, so that what
 comes out are the rates without traction, heat and mass through any edge (fsipetsc.scheme.plane.edges adds what there is).
 Only the J of a grid keeps the whole derivative. A physics is formulas at a point, of vectors of points:
@@ -16,7 +17,11 @@ Only the J of a grid keeps the whole derivative. A physics is formulas at a poin
     prepare(law, c, q)               v
     grid(s, lines, stride, per_length, i, zeta)    metrics of the grid at the points i ..
     flux(law, c, v, metrics, D_x v, D_y v)    a, b, e
-    rate(law, c, q, v, divergence, e)
+    rate(law, c, q, v, divergence, e, sums)
+    sums                             (0, 1, ...), a number for each unknown to which pairs of points give something, beside
+                                     ``paired`` and ``pair``: see fsipetsc.scheme.plane.pairs
+    begin(law, layer, op, s, place)  what there is to do for these once, and
+    meet(law, layer, op, s, place, j)    for row j
     amend(law, layer, op, s, place, lines, j)    gives the rates of row j what goes through the edges
 
 A row goes through three stages, each as far ahead of the next as the derivatives across rows need it: v, fluxes, rates. So
@@ -32,18 +37,20 @@ from numba import njit
 from fsipetsc.operators.formulas import Formulas, each
 from fsipetsc.operators.kernels import FORMULA, OPTIONS, U64
 from fsipetsc.operators.rows import MARGIN, Ring, across, along, at
-from fsipetsc.operators.vectors import LANES, load, load_interlaced, store_interlaced
+from fsipetsc.operators.vectors import LANES, load, load_interlaced, spread, store_interlaced
 from fsipetsc.physics.plane.gas import LINE_ROWS
 from fsipetsc.physics.plane.layer import DOF
 from fsipetsc.scheme.sweep import row_of
 
-#: most quantities of each sort that a physics may have
-PREPARED, FLUXES, EXTRAS = 10, 5, 1
-#: rows of a ring
-RING = 16
-#: rows of scratch: q and v, fluxes across, derivatives of those along, extras, each in a ring; and of one row its slopes in
-#: both directions, fluxes along, rates, and the lines of the grid
-ROWS = RING * (DOF + PREPARED + 2 * FLUXES + EXTRAS) + 2 * PREPARED + 2 * FLUXES + DOF + 2 * LINE_ROWS
+#: most quantities of each sort that a physics may have; distances of points that are a pair in the closure of a row
+PREPARED, FLUXES, EXTRAS, SUMS = 11, 5, 5, 4
+DISTANCES = 7
+#: rows of a ring: at order 8, a layer of 19 rows is all needed before the first one has its rates
+RING = 32
+#: rows of scratch: q and v, fluxes across, derivatives of those along, extras, sums over pairs, each in a ring; and of one row
+#: its slopes in both directions, fluxes along, fluxes and sums of its pairs, their weights, rates, and the lines of the grid
+ROWS = RING * (DOF + PREPARED + 2 * FLUXES + EXTRAS + SUMS) + 2 * PREPARED + 2 * FLUXES + 2 * SUMS + DISTANCES
+ROWS += DOF + 2 * LINE_ROWS
 
 
 class Places(NamedTuple):
@@ -54,8 +61,11 @@ class Places(NamedTuple):
     b: Ring
     d: Ring
     e: Ring
+    sums: Ring
     slopes: int
     a: int
+    pairs: int
+    weights: int
     rates: int
     stride: int
 
@@ -75,10 +85,13 @@ def places(stride):
     b = Ring(v.origin + PREPARED * RING * stride, stride, RING)
     d = Ring(b.origin + FLUXES * RING * stride, stride, RING)
     e = Ring(d.origin + FLUXES * RING * stride, stride, RING)
-    slopes = e.origin + EXTRAS * RING * stride
+    sums = Ring(e.origin + EXTRAS * RING * stride, stride, RING)
+    slopes = sums.origin + SUMS * RING * stride
     a = slopes + 2 * PREPARED * stride
-    rates = a + 2 * FLUXES * stride
-    return Places(q, v, b, d, e, slopes, a, rates, stride)
+    pairs = a + 2 * FLUXES * stride
+    weights = pairs + 2 * SUMS * stride
+    rates = weights + DISTANCES * stride
+    return Places(q, v, b, d, e, sums, slopes, a, pairs, weights, rates, stride)
 
 
 @njit(**FORMULA)
@@ -100,6 +113,8 @@ def sweep(law, layer, op, loose, s, place, y, f):
     """Rates of the points that this rank owns, interlaced to f[own row, own column]; y: the unknowns of all points it holds."""
     lo, hi = layer.end_y[0], layer.end_y[1]
     prepared, fluxed = 0, max(layer.own_y[0] - op.p, 0)
+    paired = fluxed
+    law.begin(law, layer, op, s, place)
     for j in range(layer.own_y[0], layer.own_y[1]):
         while fluxed <= min(last_needed(op, j, lo, hi), layer.height - 1):
             while prepared <= min(last_needed(op, fluxed, lo, hi), layer.height - 1):
@@ -107,14 +122,12 @@ def sweep(law, layer, op, loose, s, place, y, f):
                 prepared += 1
             flux_row(law, layer, op, loose, s, place, fluxed)
             fluxed += 1
-        lost = prepared > j + RING  # of 17 to 19 rows with the widest closures, the first have given way to the last
-        if lost:
-            prepare_row(law, layer, s, place, y, j)
+        while paired <= j:
+            law.meet(law, layer, op, s, place, paired)
+            paired += 1
         rate_row(law, layer, op, loose, s, place, j)
         law.amend(law, layer, op, s, place, lines_of(place), j)
         send_row(layer, s, place, f, j)
-        if lost:
-            prepare_row(law, layer, s, place, y, j + RING)
 
 
 @njit(**OPTIONS)
@@ -144,6 +157,7 @@ def flux_row(law, layer, op, loose, s, place, j):
     v, c = each(row_of_ring.at, law.prepared, place.v, j), law.constants(law, layer)
     to_a = each(row_of_ring.row, law.fluxes, place.a, place.stride)
     to_b, to_e = each(row_of_ring.at, law.fluxes, place.b, j), each(row_of_ring.at, law.extras, place.e, j)
+    sums = each(row_of_ring.at, law.sums, place.sums, j)
     lines, zeta = lines_of(place), (layer.first_y + j) / (layer.ny - 1)
     per_length = 1.0 / ((layer.ny - 1) * layer.h_y)
     for i in range(a, b, LANES):
@@ -152,6 +166,7 @@ def flux_row(law, layer, op, loose, s, place, j):
         each(row_of.store, to_a, fluxes[0], s, i)
         each(row_of.store, to_b, fluxes[1], s, i)
         each(row_of.store, to_e, fluxes[2], s, i)
+        each(row_of.store, sums, spread(0.0), s, i)
     each(block_of.along, law.fluxes, to_a, law.loose, layer, op, loose, s, place, j)
 
 
@@ -193,11 +208,13 @@ def rate_row(law, layer, op, loose, s, place, j):
     each(block_of.across, law.fluxes, across_y, law.loose, layer, op, loose, s, place, j)
     c, along_x = law.constants(law, layer), each(row_of_ring.at, law.fluxes, place.d, j)
     q, v = each(row_of_ring.at, law.unknowns, place.q, j), each(row_of_ring.at, law.prepared, place.v, j)
-    e, to = each(row_of_ring.at, law.extras, place.e, j), each(row_of_ring.row, law.unknowns, place.rates, place.stride)
+    e, sums = each(row_of_ring.at, law.extras, place.e, j), each(row_of_ring.at, law.sums, place.sums, j)
+    to = each(row_of_ring.row, law.unknowns, place.rates, place.stride)
     for i in range(layer.own_x[0], layer.own_x[1], LANES):
         divergence = each(row_of_ring.sum, along_x, across_y, s, i)
         here, there = each(row_of.load, q, s, i), each(row_of.load, v, s, i)
-        each(row_of.store, to, law.rate(law, c, here, there, divergence, each(row_of.load, e, s, i)), s, i)
+        others = each(row_of.load, e, s, i), each(row_of.load, sums, s, i)
+        each(row_of.store, to, law.rate(law, c, here, there, divergence, *others), s, i)
 
 
 @njit(**OPTIONS)

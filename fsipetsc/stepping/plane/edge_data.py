@@ -82,7 +82,6 @@ class EdgeData:
             for c, value in zip((2, 3, 4, 0, 1), values, strict=True):
                 f[..., c] += value
 
-
     def _supply(self, part: LayerPart, t: float, f: np.ndarray) -> None:
         """What interfaces supply from outside, to the end points of the solid."""
         record, grid = part.record, self._layout.grids[part.k]

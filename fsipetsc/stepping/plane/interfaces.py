@@ -20,7 +20,7 @@ from fsipetsc.operators.rows import MARGIN
 from fsipetsc.parallel.plane.layout import Meeting, PlaneLayout
 from fsipetsc.physics.plane.layer import DOF, NOWHERE
 from fsipetsc.scheme.plane import entries
-from fsipetsc.scheme.plane.equations import equations_of
+from fsipetsc.scheme.plane.equations import materials_of
 from fsipetsc.scheme.plane.laws import compiled
 from fsipetsc.scheme.plane.sweep import scratch_stride
 
@@ -99,7 +99,7 @@ class Interfaces:
         self._lines = [Line(layout, piece, self._reach) if self.slips[piece.number] else None for piece in self.pieces]
         fluids = [layout.problem.layers[fluid] for fluid, _ in layout.problem.interfaces]
         entry = [entries.meet_sliding_at if slips else entries.meet_at for slips in self.slips]
-        self._meet = [compiled(e, equations_of(fluid)) for e, fluid in zip(entry, fluids, strict=True)]
+        self._meet = [compiled(e, materials_of(fluid)) for e, fluid in zip(entry, fluids, strict=True)]
 
     @property
     def _reach(self) -> int:

@@ -21,12 +21,13 @@ from typing import Any
 import numpy as np
 from petsc4py import PETSc
 
+from fsipetsc.operators.formulas import Formulas
 from fsipetsc.operators.sbp import OPERATOR, packed
 from fsipetsc.parallel.plane.layout import PlaneLayout
 from fsipetsc.physics.layer import FLUID
 from fsipetsc.physics.plane.layer import DOF
 from fsipetsc.scheme.plane import entries
-from fsipetsc.scheme.plane.equations import equations_of
+from fsipetsc.scheme.plane.equations import USUAL, PlaneForm, equations_of, materials_of
 from fsipetsc.scheme.plane.fields import SAVED
 from fsipetsc.scheme.plane.laws import compiled
 from fsipetsc.scheme.plane.look import WORDS
@@ -51,16 +52,18 @@ def operators(order: int) -> np.ndarray:
 
 
 class PlanePath:
-    """dy/dt of the world vector. All methods are collective on the layout's communicator."""
+    """dy/dt of the world vector. All methods are collective on the layout's communicator. InputError as of ``equations_of``."""
 
-    def __init__(self, layout: PlaneLayout, order: int, edge_data: EdgeData) -> None:
+    def __init__(self, layout: PlaneLayout, order: int, edge_data: EdgeData, form: PlaneForm = USUAL) -> None:
         self.layout = layout
+        self._equations = [equations_of(layer, form) for layer in layout.problem.layers]
         self._state, self._rates = np.zeros(layout.local_size), np.zeros(layout.local_size)
         self._world = PETSc.Vec().createWithArray(self._state, comm=layout.comm)
         self._changes = PETSc.Vec().createWithArray(self._rates, comm=layout.comm)
         self.interfaces = Interfaces(layout, operators(order), self._world, self._changes)
         mine = [k for k, dm in enumerate(layout.dms) if dm is not None]
-        self.layers = [LayerPart(layout, k, operators(order), self._state, self._rates, edge_data) for k in mine]
+        arrays = self._state, self._rates
+        self.layers = [LayerPart(layout, k, operators(order), self._equations[k], arrays, edge_data) for k in mine]
 
     def rates(self, y: np.ndarray, f: np.ndarray, t: float) -> None:
         """f = dy/dt of this rank's part at time t [s]; y stays as it is."""
@@ -108,15 +111,16 @@ class PlanePath:
         """Compiled functions of all layers, with arguments of the types that they get."""
         records, ops, values, lines = self.layout.records, operators(2), np.empty(1), np.empty((2, 4, 1))
         common, found = (records, 0, ops, values, 1), []
-        for layer in self.layout.problem.layers:
-            equations, gas = equations_of(layer), layer.kind == "fluid"
+        for layer, equations in zip(self.layout.problem.layers, self._equations, strict=True):
+            gas = layer.kind == "fluid"
             work = _OF_GAS if gas else _OF_SOLID
             arguments = [(*common, values, values)] * 2 + [(*common, values, values, np.empty((1, 1, 1)))]
             if gas:
                 points = self.interfaces.faces, 0, np.empty((1, 1)), np.empty(1, np.int64)
                 work = (*work, entries.meet_at, entries.meet_sliding_at)
                 arguments += [points, (*points, np.empty((1, 1)))]
-            found += [(compiled(entry, equations), given) for entry, given in zip(work, arguments, strict=True)]
+            laws = [equations] + [materials_of(layer)] * (len(work) - 1)
+            found += [(compiled(entry, law), given) for entry, law, given in zip(work, laws, arguments, strict=True)]
         grid, faces = np.empty((1, 1)), self.interfaces.faces
         own = [
             (entries.lay_lines, (*common, lines)),
@@ -136,11 +140,12 @@ class PlanePath:
 
 
 class LayerPart:
-    """This rank's part of layer k; state, rates: the rank's parts of world vectors."""
+    """This rank's part of layer k; arrays: the rank's parts of world vectors, state and rates."""
 
     def __init__(
-        self, layout: PlaneLayout, k: int, ops: np.ndarray, state: np.ndarray, rates: np.ndarray, edge_data: EdgeData
+        self, layout: PlaneLayout, k: int, ops: np.ndarray, equations: Formulas, arrays: tuple, edge_data: EdgeData
     ) -> None:
+        state, rates = arrays
         self.k, self._layout, self._ops, self._data = k, layout, ops, edge_data
         self.record, self._records, self._dm = layout.records[k], layout.records, layout.dms[k]
         self._gas = self.record["kind"] == FLUID
@@ -157,9 +162,9 @@ class LayerPart:
         self._lines = np.zeros((2, 4, width))
         layer = layout.problem.layers[k]
         self._lines[:, 1] = np.array(layer.Y)[:, None]
-        equations = equations_of(layer)
-        of_kind = _OF_GAS if self._gas else _OF_SOLID
-        self._evaluate, self._look, self._save = (compiled(entry, equations) for entry in of_kind)
+        evaluate, *others = _OF_GAS if self._gas else _OF_SOLID
+        self._evaluate = compiled(evaluate, equations)
+        self._look, self._save = (compiled(entry, materials_of(layer)) for entry in others)
         self.order = NaturalOrder(self._dm)
         columns, rows = layout.held(k)
         grid = layout.grids[k]
@@ -206,7 +211,7 @@ class LayerPart:
         row = int(self.record["end_y"][side] - self.record["own_y"][0])
         f = self._rates.reshape(self.own.shape)[row]
         at, which = columns - int(self.record["own_x"][0]), slice(0, 3) if self._gas else slice(3, 5)
-        f[at, 2:5 if self._gas else 4] += traction[:, which]
+        f[at, 2 : 5 if self._gas else 4] += traction[:, which]
 
     def note_power(self) -> None:
         """Rates of the kinetic energies of end points of a solid."""

@@ -24,6 +24,7 @@ from fsipetsc.physics.plane.layer import DOF
 from fsipetsc.plane import PlaneProblem
 from fsipetsc.process.together import together
 from fsipetsc.scheme.plan import BAD, CAPACITY, FLAGS, LIMITS, RATE, SAID_STOP, STOP
+from fsipetsc.scheme.plane.equations import USUAL, PlaneForm
 from fsipetsc.scheme.plane.look import BAD as LOOKED_BAD
 from fsipetsc.scheme.plane.look import CONVECTION, DIFFUSION, ENERGY, ENTROPY, LEAST_J, MASS, MOMENTUM_X, MOMENTUM_Y
 from fsipetsc.stepping.plane.diagnosis import describe_failure
@@ -45,16 +46,16 @@ def step_record(layers: int, fluids: int) -> np.dtype:
 class PlaneState:
     """Layers, solution and what is known of it. Collective on ``comm``.
 
-    InputError where grid, order and ranks do not fit.
+    InputError where grid, order and ranks do not fit, or a material and the form of the equations.
     """
 
-    def __init__(self, comm: MPI.Comm, problem: PlaneProblem, order: int, h: float) -> None:
+    def __init__(self, comm: MPI.Comm, problem: PlaneProblem, order: int, h: float, form: PlaneForm = USUAL) -> None:
         self.comm, self.problem, self.h, self.op = comm, problem, h, OPERATORS[order]
         self._order = order
         self.layout = PlaneLayout(comm, problem, self.op, make_grids(problem, self.op, h))
         self.solution = PETSc.Vec().createMPI((self.layout.local_size, None), comm=comm)
         self._data = EdgeData(self.layout)
-        self.path = PlanePath(self.layout, order, self._data)
+        self.path = PlanePath(self.layout, order, self._data, form)
         self.results = np.zeros(FLAGS + LIMITS)
         fluids = sum(layer.kind == "fluid" for layer in problem.layers)
         self.journal = np.zeros(KEPT, step_record(len(problem.layers), fluids))
