@@ -117,7 +117,8 @@ def sweep(law, layer, op, loose, s, place, y, f):
     law.begin(law, layer, op, s, place)
     for j in range(layer.own_y[0], layer.own_y[1]):
         while fluxed <= min(last_needed(op, j, lo, hi), layer.height - 1):
-            while prepared <= min(last_needed(op, fluxed, lo, hi), layer.height - 1):
+            ahead = last_needed(op, fluxed, lo, hi) if len(law.differentiated) > 0 else fluxed
+            while prepared <= min(ahead, layer.height - 1):
                 prepare_row(law, layer, s, place, y, prepared)
                 prepared += 1
             flux_row(law, layer, op, loose, s, place, fluxed)
