@@ -42,6 +42,8 @@ PLANE_LAYER = np.dtype(
         ("thermal", _I, (4,)),  # at the lower, upper, left and right edge: INSULATED or GIVEN_T
         ("outside", _F, (4, 4)),  # rho, u, v, T outside an open edge; T of a wall; pressure on a free edge
         ("force", _F, (2,)),
+        ("dissipation", _F),  # sigma/4^q of differences of half the order, and S/2 of first ones where shocks are
+        ("shocks", _F),
         # gas
         ("gamma", _F),
         ("R", _F),

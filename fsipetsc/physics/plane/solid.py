@@ -23,10 +23,11 @@ from fsipetsc.physics.layer import SOLID
 
 @njit(**FORMULA)
 def constants(law, layer):
-    """(those of the law, kappa_e, 1/m0, 1/(m0 alpha), body force, 1 if the heat is coupled)."""
+    """(those of the law, kappa_e, 1/m0, 1/(m0 alpha), body force, 1 if the heat is coupled, K)."""
     heating = 1.0 if layer.heat == 0 else 0.0
     per_m0 = 1.0 / layer.m0
-    return law.elastic.constants(layer), layer.kappa_e, per_m0, per_m0 / layer.alpha, layer.force[0], layer.force[1], heating
+    K, (x, y) = 2.0 * layer.mu_e + layer.lambda_e, (layer.force[0], layer.force[1])
+    return law.elastic.constants(layer), layer.kappa_e, per_m0, per_m0 / layer.alpha, x, y, heating, K
 
 
 @njit(**FORMULA)

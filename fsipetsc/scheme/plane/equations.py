@@ -8,6 +8,7 @@ from fsipetsc.errors import InputError
 from fsipetsc.operators.formulas import Formulas
 from fsipetsc.physics.material_law import formulas_of
 from fsipetsc.physics.perfect_gas import perfect_gas
+from fsipetsc.physics.plane.dissipation import dissipative
 from fsipetsc.physics.plane.gas import plane_gas
 from fsipetsc.physics.plane.solid import plane_solid
 from fsipetsc.physics.plane.two_point import two_point_gas
@@ -18,9 +19,12 @@ class PlaneForm(NamedTuple):
     """How the equations are put in discrete terms.
 
     convection: of gases, "entropy" (two-point form, which conserves entropy; of perfect gases) or "divergence".
+    dissipation: sigma of fsipetsc.physics.plane.dissipation, 0 for none; of gases in two-point form, and of solids. shocks: S.
     """
 
     convection: str = "entropy"
+    dissipation: float = 0.0
+    shocks: float = 0.0
 
 
 USUAL = PlaneForm()
@@ -30,17 +34,23 @@ def equations_of(layer: PlaneFluidLayer | PlaneSolidLayer, form: PlaneForm) -> F
     """Those of a layer's material. InputError if there is no such form of them."""
     material = layer.material
     if isinstance(layer, PlaneSolidLayer):
-        return plane_solid(material.formulas)
+        solid = plane_solid(material.formulas)
+        return dissipative(solid) if form.dissipation > 0.0 else solid
     gas, transport = formulas_of(material.law), formulas_of(material.transport)
     viscous = material.mu > 0.0 or material.kappa > 0.0
     if form.convection == "divergence":
+        if form.dissipation > 0.0 or form.shocks > 0.0:
+            raise InputError(
+                "-fsi_convection divergence has no -fsi_dissipation and -fsi_shocks: expected -fsi_convection entropy"
+            )
         return plane_gas(gas, transport, viscous)
     if gas is not perfect_gas:
         raise InputError(
             f"layer '{layer.name}': -fsi_convection entropy needs a perfect gas, and this one has a law of its own: "
             "expected -fsi_convection divergence"
         )
-    return two_point_gas(gas, transport, viscous)
+    found = two_point_gas(gas, transport, viscous)
+    return dissipative(found) if form.dissipation > 0.0 or form.shocks > 0.0 else found
 
 
 def materials_of(layer: PlaneFluidLayer | PlaneSolidLayer) -> Formulas:

@@ -16,15 +16,25 @@ from fsipetsc.physics.perfect_gas import perfect_gas
 from fsipetsc.physics.plane.log_solid import log_solid
 from fsipetsc.physics.plane.solid import plane_solid
 from fsipetsc.physics.plane.two_point import two_point_gas
+from fsipetsc.scheme.plane.dissipation import dissipate_across, dissipate_along
 from fsipetsc.scheme.plane.edges import amend_gas, amend_solid
-from fsipetsc.scheme.plane.pairs import meet, no_pairs, no_weights, weigh_pairs
+from fsipetsc.scheme.plane.pairs import no_weights, nothing, pairs_across, pairs_along, weigh_pairs
+from fsipetsc.scheme.plane.sums import meet, no_sums
 
 
 def law(equations: Formulas) -> Formulas:
     """Equations of ``fsipetsc.physics.plane`` and the work of the scheme on the edges of their layer."""
-    of_pairs = (weigh_pairs, meet) if equations.sums else (no_weights, no_pairs)
-    amend = amend_gas if equations.kind == FLUID else amend_solid
-    return Formulas(**vars(equations), begin=of_pairs[0], meet=of_pairs[1], amend=amend)
+    pairs, dissipation = hasattr(equations, "pair"), hasattr(equations, "dissipation")
+    work = {
+        "amend": amend_gas if equations.kind == FLUID else amend_solid,
+        "begin": weigh_pairs if pairs else no_weights,
+        "meet": meet if equations.sums else no_sums,
+        "give_across": pairs_across if pairs else nothing,
+        "give_along": pairs_along if pairs else nothing,
+        "dissipate_across": dissipate_across if dissipation else nothing,
+        "dissipate_along": dissipate_along if dissipation else nothing,
+    }
+    return Formulas(**vars(equations), **work)
 
 
 GAS, SOLID = law(two_point_gas(perfect_gas, constant_transport, True)), law(plane_solid(log_solid))

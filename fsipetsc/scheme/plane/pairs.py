@@ -23,7 +23,8 @@ from fsipetsc.operators.formulas import Formulas, each
 from fsipetsc.operators.kernels import FORMULA, OPTIONS, U64
 from fsipetsc.operators.rows import at, fill
 from fsipetsc.operators.vectors import LANES, load, store
-from fsipetsc.scheme.plane.sweep import DISTANCES, SUMS, last_needed, row_of_ring
+from fsipetsc.scheme.plane.sums import fluxes_of, gains_of
+from fsipetsc.scheme.plane.sweep import DISTANCES, last_needed, row_of_ring
 from fsipetsc.scheme.sweep import row_of
 
 #: numbers of e: metrics along X, and along Y
@@ -36,8 +37,8 @@ def no_weights(law, layer, op, s, place):
 
 
 @njit(**OPTIONS)
-def no_pairs(law, layer, op, s, place, j):
-    """Of physics without pairs."""
+def nothing(law, layer, op, s, place, j):
+    """Of physics without such terms."""
 
 
 @njit(**OPTIONS)
@@ -61,20 +62,13 @@ def weigh_pairs(law, layer, op, s, place):
 
 
 @njit(**OPTIONS)
-def meet(law, layer, op, s, place, j):
-    """All pairs along row j, and those with rows above it; then the sums of row j are complete, if it is owned."""
-    a, b, lo, hi = layer.own_x[0], layer.own_x[1], layer.end_y[0], layer.end_y[1]
+def pairs_across(law, layer, op, s, place, j):
+    """The pairs of row j with rows above it."""
+    lo, hi = layer.end_y[0], layer.end_y[1]
     for l in range(j + 1, min(last_needed(op, j, lo, hi), layer.height - 1) + 1):
         weight = weight_of_pair(op, j, l - j, lo, hi) / layer.h_y
         if weight != 0.0:
             across(law, layer, s, place, j, l, weight)
-    if j >= layer.own_y[0]:
-        along(law, layer, op, s, place, j)
-        r = min(j - lo, hi - j)
-        scale = 1.0 / op.norm[r] if r < op.rows else 1.0
-        sums, gains = each(row_of_ring.at, law.sums, place.sums, j), gains_of(law, place)
-        for i in range(a, b, LANES):
-            each(of_pairs.complete, sums, gains, scale, s, i)
 
 
 @njit(**OPTIONS)
@@ -93,34 +87,17 @@ def across(law, layer, s, place, j, l, weight):
         each(of_pairs.take, to_l, f, s, i)
 
 
-@njit(**FORMULA)
-def fluxes_of(law, place):
-    """Rows of the fluxes of one distance."""
-    return each(row_of_ring.row, law.sums, place.pairs, place.stride)
-
-
-@njit(**FORMULA)
-def gains_of(law, place):
-    """Rows of what is gained along a row."""
-    return each(row_of_ring.row, law.sums, place.pairs + SUMS * place.stride, place.stride)
-
-
 @njit(**OPTIONS)
-def along(law, layer, op, s, place, j):
-    """Pairs along row j: what its points gain."""
+def pairs_along(law, layer, op, s, place, j):
+    """The pairs along row j: what its points gain."""
     a, b, lo, hi = layer.own_x[0], layer.own_x[1], layer.end_x[0], layer.end_x[1]
-    gains = gains_of(law, place)
-    for i in range(a, b, LANES):
-        each(of_pairs.clear, gains, s, i)
     for k in range(1, op.p + 1):
         at_distance(law, layer, s, place, j, k, max(a - k, lo), min(b - 1, hi - k))
     for side in range(2):
         if a <= (lo if side == 0 else hi) < b:
+            first = lo if side == 0 else hi - op.rows + 1
             for k in range(op.p + 1, op.rows):
-                first = lo if side == 0 else hi - op.rows + 1
                 at_distance(law, layer, s, place, j, k, first, first + op.rows - 1 - k)
-            for r in range(op.rows):
-                each(of_pairs.divide, gains, op.norm[r], s, lo + r if side == 0 else hi - r)
 
 
 @njit(**OPTIONS)
@@ -172,26 +149,8 @@ def _balance(gain, f, s, i, k):
 
 
 @njit(**FORMULA)
-def _complete(total, gain, scale, s, i):
-    store(s, total + i, scale * load(s, total + i) + load(s, gain + i))
-    return 0
-
-
-@njit(**FORMULA)
-def _clear(row, s, i):
-    fill(s, row + i, 0, LANES, 0.0)
-    return 0
-
-
-@njit(**FORMULA)
 def _blank(row, s, first, end):
     fill(s, row, first, end, 0.0)
-    return 0
-
-
-@njit(**FORMULA)
-def _divide(row, number, s, i):
-    s[U64(row + i)] /= number
     return 0
 
 
@@ -201,8 +160,5 @@ of_pairs = Formulas(
     give=_give,
     take=_take,
     balance=_balance,
-    complete=_complete,
-    clear=_clear,
     blank=_blank,
-    divide=_divide,
 )

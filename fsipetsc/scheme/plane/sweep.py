@@ -43,7 +43,7 @@ from fsipetsc.physics.plane.layer import DOF
 from fsipetsc.scheme.sweep import row_of
 
 #: most quantities of each sort that a physics may have; distances of points that are a pair in the closure of a row
-PREPARED, FLUXES, EXTRAS, SUMS = 11, 5, 5, 4
+PREPARED, FLUXES, EXTRAS, SUMS = 12, 5, 5, 4
 DISTANCES = 7
 #: rows of a ring: at order 8, a layer of 19 rows is all needed before the first one has its rates
 RING = 32

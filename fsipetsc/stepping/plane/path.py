@@ -57,6 +57,7 @@ class PlanePath:
     def __init__(self, layout: PlaneLayout, order: int, edge_data: EdgeData, form: PlaneForm = USUAL) -> None:
         self.layout = layout
         self._equations = [equations_of(layer, form) for layer in layout.problem.layers]
+        layout.records["dissipation"], layout.records["shocks"] = form.dissipation / 2.0**order, 0.5 * form.shocks
         self._state, self._rates = np.zeros(layout.local_size), np.zeros(layout.local_size)
         self._world = PETSc.Vec().createWithArray(self._state, comm=layout.comm)
         self._changes = PETSc.Vec().createWithArray(self._rates, comm=layout.comm)

@@ -1,0 +1,84 @@
+"""Sums of what the points of a layer give each other: to those in other rows, and along their own. Compiled.
+
+Rows are met from below to above. What a point gets it gets in the same order, whoever owns it: from rows below, from its own as
+that is met, and then from the points beside it. A physics with sums has
+
+    give_across, dissipate_across(law, layer, op, s, place, j)    add to the sums of row j and of rows above it, times norm
+    give_along, dissipate_along(law, layer, op, s, place, j)      add to the gains of row j, times norm
+"""
+
+from __future__ import annotations
+
+from numba import njit
+
+from fsipetsc.operators.formulas import Formulas, each
+from fsipetsc.operators.kernels import FORMULA, OPTIONS, U64
+from fsipetsc.operators.rows import fill
+from fsipetsc.operators.vectors import LANES, load, store
+from fsipetsc.scheme.plane.sweep import SUMS, row_of_ring
+
+
+@njit(**OPTIONS)
+def no_sums(law, layer, op, s, place, j):
+    """Of physics without them."""
+
+
+@njit(**FORMULA)
+def fluxes_of(law, place):
+    """Rows of the fluxes of one distance."""
+    return each(row_of_ring.row, law.sums, place.pairs, place.stride)
+
+
+@njit(**FORMULA)
+def gains_of(law, place):
+    """Rows of what is gained along a row."""
+    return each(row_of_ring.row, law.sums, place.pairs + SUMS * place.stride, place.stride)
+
+
+@njit(**OPTIONS)
+def meet(law, layer, op, s, place, j):
+    """Row j gives and gets; then its sums are complete, if it is owned."""
+    law.give_across(law, layer, op, s, place, j)
+    law.dissipate_across(law, layer, op, s, place, j)
+    if j < layer.own_y[0]:
+        return
+    a, b = layer.own_x[0], layer.own_x[1]
+    sums, gains = each(row_of_ring.at, law.sums, place.sums, j), gains_of(law, place)
+    each(of_sums.clear, gains, s, a, b)
+    law.give_along(law, layer, op, s, place, j)
+    law.dissipate_along(law, layer, op, s, place, j)
+    for side in range(2):
+        if a <= layer.end_x[side] < b:
+            for r in range(op.rows):
+                each(of_sums.divide, gains, op.norm[r], s, layer.end_x[side] + (1 - 2 * side) * r)
+    scale = 1.0 / norm_at(op, j, layer.end_y[0], layer.end_y[1])
+    for i in range(a, b, LANES):
+        each(of_sums.complete, sums, gains, scale, s, i)
+
+
+@njit(**OPTIONS)
+def norm_at(op, n, first, last):
+    """Weight of the norm at point n between the ends first and last, without h."""
+    r = min(n - first, last - n)
+    return op.norm[r] if r < op.rows else 1.0
+
+
+@njit(**FORMULA)
+def _complete(total, gain, scale, s, i):
+    store(s, total + i, scale * load(s, total + i) + load(s, gain + i))
+    return 0
+
+
+@njit(**FORMULA)
+def _clear(row, s, first, end):
+    fill(s, row, first, end, 0.0)
+    return 0
+
+
+@njit(**FORMULA)
+def _divide(row, number, s, i):
+    s[U64(row + i)] /= number
+    return 0
+
+
+of_sums = Formulas(complete=_complete, clear=_clear, divide=_divide)
