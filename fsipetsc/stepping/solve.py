@@ -17,6 +17,7 @@ from fsipetsc.plane import PlaneProblem
 from fsipetsc.problem import Problem
 from fsipetsc.process.together import together
 from fsipetsc.scheme.laws import Form
+from fsipetsc.scheme.plane.equations import PlaneForm
 from fsipetsc.stepping.fused import NAME as FUSED
 from fsipetsc.stepping.integrator import Integrator
 from fsipetsc.stepping.phases import LoggedState
@@ -64,7 +65,8 @@ def make_state(problem: Problem | PlaneProblem, opt: dict[str, Any], comm: MPI.C
         if opt["ts_type"] == FUSED:
             opt["ts_type"] = "rk"
             publish(opt)
-        return PlaneState(comm, problem, opt["fsi_order"], opt["fsi_h"])
+        form = PlaneForm(dissipation=opt["fsi_dissipation"], shocks=opt["fsi_shocks"])
+        return PlaneState(comm, problem, opt["fsi_order"], opt["fsi_h"], form)
     names = ("fsi_order", "fsi_h", "fsi_coupling", "fsi_mapping", "fsi_partition", "fsi_spare")
     kind = LoggedState if PETSc.Log.isActive() else State
     entropy = bool(opt["fsi_entropy"] or opt["fsi_check"])
@@ -77,9 +79,6 @@ _IN_THE_PLANE = {
     "fsi_coupling": ("conservative",),
     "fsi_mapping": ("auto", "stretched"),
     "fsi_viscous": ("wide",),
-    "fsi_convection": ("divergence",),
-    "fsi_dissipation": (0.0,),
-    "fsi_shocks": (0.0,),
 }
 
 
