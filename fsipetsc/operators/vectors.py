@@ -5,7 +5,8 @@ does not where it cannot prove that parts of the memory are apart. Arithmetic is
 by bit; a scalar in a formula stands for all lanes. Where memory is named by an array s and an index i, lane j is s[i+j].
 
 LANES is four on every machine: one AVX register, two of SSE or NEON, and enough for the widest stencil, which then
-reaches from one vector into its neighbours only.
+reaches from one vector into its neighbours only. Formulas may as well be given vectors of WIDE lanes, one register of
+AVX-512, where that pays: arithmetic, functions and comparisons take both, but not in one formula.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from numba.core.typing.templates import ConcreteTemplate, infer_global, signatur
 from numba.extending import intrinsic, lower_builtin, models, overload, register_model
 
 LANES = 4
+WIDE = 8
 
 _DOUBLES = ir.VectorType(ir.DoubleType(), LANES)
 _INT = ir.IntType(32)
@@ -29,17 +31,23 @@ _EACH_LANE = range(LANES)
 class VectorType(types.Type):
     """numba's type of vectors."""
 
-    def __init__(self) -> None:
-        super().__init__(name=f"vector{LANES}")
+    def __init__(self, lanes: int) -> None:
+        self.lanes = lanes
+        super().__init__(name=f"vector{lanes}")
+
+    @property
+    def doubles(self) -> ir.VectorType:
+        """LLVM's type of them."""
+        return ir.VectorType(ir.DoubleType(), self.lanes)
 
 
-vector = VectorType()
+vector, wide_vector = VectorType(LANES), VectorType(WIDE)
 
 
 @register_model(VectorType)
 class _VectorModel(models.PrimitiveModel):
     def __init__(self, manager, kind):
-        super().__init__(manager, kind, _DOUBLES)
+        super().__init__(manager, kind, kind.doubles)
 
 
 def _shuffled(builder, a, b, lanes):
@@ -50,20 +58,23 @@ def _shuffled(builder, a, b, lanes):
 def _spread(builder, value, kind=_DOUBLES):
     """A scalar in all lanes."""
     nothing = ir.Constant(kind, ir.Undefined)
-    return _shuffled(builder, builder.insert_element(nothing, value, ir.Constant(_INT, 0)), nothing, [0] * LANES)
+    return _shuffled(builder, builder.insert_element(nothing, value, ir.Constant(_INT, 0)), nothing, [0] * kind.count)
 
 
 def _as_vectors(builder, values, kinds):
-    return [v if kind == vector else _spread(builder, v) for v, kind in zip(values, kinds, strict=True)]
+    doubles = next(kind for kind in kinds if isinstance(kind, VectorType)).doubles
+    return [
+        v if isinstance(kind, VectorType) else _spread(builder, v, doubles) for v, kind in zip(values, kinds, strict=True)
+    ]
 
 
 def _define(op, instruction):
     """Arithmetic of two vectors, or of a vector and a scalar."""
-    pairs = [(vector, vector), (vector, types.float64), (types.float64, vector)]
+    pairs = [pair for v in (vector, wide_vector) for pair in ((v, v), (v, types.float64), (types.float64, v))]
 
     class Template(ConcreteTemplate):
         key = op
-        cases = tuple(signature(vector, *pair) for pair in pairs)
+        cases = tuple(signature(next(v for v in pair if v != types.float64), *pair) for pair in pairs)
 
     def lower(context, builder, sig, args):
         return getattr(builder, instruction)(*_as_vectors(builder, args, sig.args))
@@ -84,12 +95,13 @@ for _op, _instruction in (
 
 def _function(name, kinds):
     """Signature and code of one of LLVM's own functions, of scalars or, if any argument is one, of vectors."""
-    kinds = [kind if kind == vector else types.float64 for kind in kinds]
-    result = vector if vector in kinds else types.float64
-    number, suffix = (_DOUBLES, f"v{LANES}f64") if result == vector else (ir.DoubleType(), "f64")
+    kinds = [kind if isinstance(kind, VectorType) else types.float64 for kind in kinds]
+    result = next((kind for kind in kinds if isinstance(kind, VectorType)), types.float64)
+    of_vectors = isinstance(result, VectorType)
+    number, suffix = (result.doubles, f"v{result.lanes}f64") if of_vectors else (ir.DoubleType(), "f64")
 
     def codegen(context, builder, sig, args):
-        values = _as_vectors(builder, args, sig.args) if result == vector else args
+        values = _as_vectors(builder, args, sig.args) if of_vectors else args
         kind = ir.FunctionType(number, [number] * len(values))
         return builder.call(get_or_insert_function(builder.module, kind, f"llvm.{name}.{suffix}"), values)
 
@@ -110,7 +122,7 @@ def _chosen(name, kinds, comparison):
     kept_signature, _ = _function(name, kinds)
 
     def codegen(context, builder, sig, args):
-        a, b = _as_vectors(builder, args, sig.args) if sig.return_type == vector else args
+        a, b = _as_vectors(builder, args, sig.args) if isinstance(sig.return_type, VectorType) else args
         picked = builder.select(builder.fcmp_ordered(comparison, a, b), a, b)
         return builder.select(builder.fcmp_unordered("uno", a, a), a, picked)
 
@@ -158,7 +170,7 @@ def _of_numpy(ufunc, function):
 
     @overload(ufunc)
     def of_vector(a):
-        return (lambda a: function(a)) if a == vector else None
+        return (lambda a: function(a)) if isinstance(a, VectorType) else None
 
 
 for _ufunc, _vectors in ((np.sqrt, root), (np.exp, exponential), (np.log, logarithm)):
@@ -167,12 +179,12 @@ for _ufunc, _vectors in ((np.sqrt, root), (np.exp, exponential), (np.log, logari
 
 @overload(operator.pow)
 def _to_the_power(a, b):
-    return (lambda a, b: power(a, b)) if a == vector else None
+    return (lambda a, b: power(a, b)) if isinstance(a, VectorType) else None
 
 
 @overload(operator.neg)
 def _negative(a):
-    return (lambda a: -1.0 * a) if a == vector else None
+    return (lambda a: -1.0 * a) if isinstance(a, VectorType) else None
 
 
 @intrinsic
@@ -184,8 +196,8 @@ def magnitude(typingctx, a):
 @intrinsic
 def spread(typingctx, a):
     """The vector that has the number a in all lanes; a itself if it is a vector."""
-    if a == vector:
-        return vector(a), lambda context, builder, sig, args: args[0]
+    if isinstance(a, VectorType):
+        return a(a), lambda context, builder, sig, args: args[0]
     return vector(types.float64), lambda context, builder, sig, args: _spread(builder, args[0])
 
 
@@ -223,10 +235,10 @@ def masked(typingctx, v, n, other):
 @intrinsic
 def any_above(typingctx, v, limit):
     """Whether a lane of v is larger than a number; one that is not a number is not."""
-    bits = ir.IntType(LANES)
+    bits = ir.IntType(v.lanes)
 
     def codegen(context, builder, sig, args):
-        larger = builder.fcmp_ordered(">", args[0], _spread(builder, args[1]))
+        larger = builder.fcmp_ordered(">", args[0], _spread(builder, args[1], v.doubles))
         return builder.icmp_unsigned("!=", builder.bitcast(larger, bits), ir.Constant(bits, 0))
 
     return types.boolean(v, types.float64), codegen
@@ -237,9 +249,9 @@ def where_above(typingctx, v, limit, larger, other):
     """Lane by lane ``larger`` where v is larger than a number, else ``other``."""
 
     def codegen(context, builder, sig, args):
-        return builder.select(builder.fcmp_ordered(">", args[0], _spread(builder, args[1])), args[2], args[3])
+        return builder.select(builder.fcmp_ordered(">", args[0], _spread(builder, args[1], v.doubles)), args[2], args[3])
 
-    return vector(v, types.float64, vector, vector), codegen
+    return v(v, types.float64, v, v), codegen
 
 
 @intrinsic
@@ -262,10 +274,10 @@ def centred_difference(typingctx, before, v, after, k):
     return vector(before, v, after, k), codegen
 
 
-def _place(context, builder, sig, args):
+def _place(context, builder, sig, args, doubles=_DOUBLES):
     """Pointer to a vector at an element of an array."""
     data = context.make_array(sig.args[0])(context, builder, args[0]).data
-    return builder.bitcast(builder.gep(data, [args[1]]), _DOUBLES.as_pointer())
+    return builder.bitcast(builder.gep(data, [args[1]]), doubles.as_pointer())
 
 
 @intrinsic
@@ -281,14 +293,26 @@ def load(typingctx, s, i):
 
 
 @intrinsic
-def store(typingctx, s, i, v):
-    """s[i : i+LANES] = v."""
+def load_wide(typingctx, s, i):
+    """s[i : i+WIDE]."""
 
     def codegen(context, builder, sig, args):
-        builder.store(args[2], _place(context, builder, sig, args)).align = 8
+        value = builder.load(_place(context, builder, sig, args, wide_vector.doubles))
+        value.align = 8
+        return value
+
+    return wide_vector(s, types.intp), codegen
+
+
+@intrinsic
+def store(typingctx, s, i, v):
+    """s[i : i+LANES] = v, or as many as v has."""
+
+    def codegen(context, builder, sig, args):
+        builder.store(args[2], _place(context, builder, sig, args, v.doubles)).align = 8
         return context.get_dummy_value()
 
-    return types.none(s, types.intp, vector), codegen
+    return types.none(s, types.intp, v), codegen
 
 
 @intrinsic

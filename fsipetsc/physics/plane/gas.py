@@ -68,25 +68,25 @@ def constants(law, layer):
 
 @njit(**FORMULA)
 def primitive(law, c, q):
-    """(1/J, rho, u, v, e, p, T) from J (1, rho, rho u, rho v, e)."""
+    """(1/J, 1/rho, rho, u, v, e, p, T) from J (1, rho, rho u, rho v, e)."""
     J, r, m, n, e = q
     per_J, per_r = 1.0 / J, 1.0 / r
     u, v, rho = m * per_r, n * per_r, r * per_J
     T = law.gas.temperature_in_loops(c[0], rho, e * per_r - 0.5 * fma(u, u, v * v))
-    return per_J, rho, u, v, e * per_J, law.gas.pressure(c[0], rho, T), T
+    return per_J, J * per_r, rho, u, v, e * per_J, law.gas.pressure(c[0], rho, T), T
 
 
 @njit(**FORMULA)
 def prepare_inviscid(law, c, q):
     """(rho, u, v, e, p)."""
-    _, rho, u, v, e, p, _ = primitive(law, c, q)
+    _, _, rho, u, v, e, p, _ = primitive(law, c, q)
     return rho, u, v, e, p
 
 
 @njit(**FORMULA)
 def prepare_viscous(law, c, q):
     """(rho, u, v, e, p, u/T, v/T, -1/T, T, 1/J)."""
-    per_J, rho, u, v, e, p, T = primitive(law, c, q)
+    per_J, _, rho, u, v, e, p, T = primitive(law, c, q)
     w = -1.0 / T
     return rho, u, v, e, p, -1.0 * (u * w), -1.0 * (v * w), w, T, per_J
 

@@ -31,16 +31,16 @@ from fsipetsc.physics.plane.gas import constants, friction, less, metrics, primi
 @njit(**FORMULA)
 def prepare_inviscid(law, c, q):
     """(rho, u, v, e, p, 1/rho, T, -1/T)."""
-    _, rho, u, v, e, p, T = primitive(law, c, q)
-    return rho, u, v, e, p, 1.0 / rho, T, -1.0 / T
+    _, per_rho, rho, u, v, e, p, T = primitive(law, c, q)
+    return rho, u, v, e, p, per_rho, T, -1.0 / T
 
 
 @njit(**FORMULA)
 def prepare_viscous(law, c, q):
     """The same, u/T, v/T, 1/J."""
-    per_J, rho, u, v, e, p, T = primitive(law, c, q)
+    per_J, per_rho, rho, u, v, e, p, T = primitive(law, c, q)
     w = -1.0 / T
-    return rho, u, v, e, p, 1.0 / rho, T, w, -1.0 * (u * w), -1.0 * (v * w), per_J
+    return rho, u, v, e, p, per_rho, T, w, -1.0 * (u * w), -1.0 * (v * w), per_J
 
 
 @njit(**FORMULA)

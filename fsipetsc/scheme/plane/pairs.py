@@ -22,7 +22,7 @@ from numba import njit
 from fsipetsc.operators.formulas import Formulas, each
 from fsipetsc.operators.kernels import FORMULA, OPTIONS, U64
 from fsipetsc.operators.rows import at, fill
-from fsipetsc.operators.vectors import LANES, load, store
+from fsipetsc.operators.vectors import WIDE, load_wide, store
 from fsipetsc.scheme.plane.sums import fluxes_of, gains_of
 from fsipetsc.scheme.plane.sweep import DISTANCES, last_needed, row_of_ring
 from fsipetsc.scheme.sweep import row_of
@@ -79,10 +79,10 @@ def across(law, layer, s, place, j, l, weight):
     m, m_l = each(row_of_ring.at, ACROSS, place.e, j), each(row_of_ring.at, ACROSS, place.e, l)
     g, g_l = at(place.b, 0, j), at(place.b, 0, l)
     to, to_l = each(row_of_ring.at, law.sums, place.sums, j), each(row_of_ring.at, law.sums, place.sums, l)
-    for i in range(layer.own_x[0], layer.own_x[1], LANES):
+    for i in range(layer.own_x[0], layer.own_x[1], WIDE):
         ja = each(of_pairs.mean, m, m_l, half, s, i)
-        here, there = each(row_of.load, v, s, i), each(row_of.load, v_l, s, i)
-        f = law.pair(law, c, here, there, (*ja, weight * (load(s, g + i) + load(s, g_l + i))))
+        here, there = each(of_pairs.load, v, s, i), each(of_pairs.load, v_l, s, i)
+        f = law.pair(law, c, here, there, (*ja, weight * (load_wide(s, g + i) + load_wide(s, g_l + i))))
         each(of_pairs.give, to, f, s, i)
         each(of_pairs.take, to_l, f, s, i)
 
@@ -107,13 +107,13 @@ def at_distance(law, layer, s, place, j, k, first, last):
     v, m = each(row_of_ring.at, law.paired, place.v, j), each(row_of_ring.at, ALONG, place.e, j)
     f, gains = fluxes_of(law, place), gains_of(law, place)
     each(of_pairs.blank, f, s, first - k, first)
-    for i in range(first, last + 1, LANES):
-        weight = load(s, weights + i)
+    for i in range(first, last + 1, WIDE):
+        weight = load_wide(s, weights + i)
         ja = each(of_pairs.mean_along, m, weight, s, i, k)
-        here, there = each(row_of.load, v, s, i), each(row_of.load, v, s, i + k)
+        here, there = each(of_pairs.load, v, s, i), each(of_pairs.load, v, s, i + k)
         each(row_of.store, f, law.pair(law, c, here, there, ja), s, i)
-    each(of_pairs.blank, f, s, last + 1, last + k + LANES)
-    for i in range(max(first, layer.own_x[0]), min(last + k + 1, layer.own_x[1]), LANES):
+    each(of_pairs.blank, f, s, last + 1, last + k + WIDE)
+    for i in range(max(first, layer.own_x[0]), min(last + k + 1, layer.own_x[1]), WIDE):
         each(of_pairs.balance, gains, f, s, i, k)
 
 
@@ -121,30 +121,35 @@ def at_distance(law, layer, s, place, j, k, first, last):
 
 
 @njit(**FORMULA)
+def _load(row, s, i):
+    return load_wide(s, row + i)
+
+
+@njit(**FORMULA)
 def _mean(row, other, weight, s, i):
-    return weight * (load(s, row + i) + load(s, other + i))
+    return weight * (load_wide(s, row + i) + load_wide(s, other + i))
 
 
 @njit(**FORMULA)
 def _mean_along(row, weight, s, i, k):
-    return weight * (load(s, row + i) + load(s, row + i + k))
+    return weight * (load_wide(s, row + i) + load_wide(s, row + i + k))
 
 
 @njit(**FORMULA)
 def _give(row, f, s, i):
-    store(s, row + i, load(s, row + i) - f)
+    store(s, row + i, load_wide(s, row + i) - f)
     return 0
 
 
 @njit(**FORMULA)
 def _take(row, f, s, i):
-    store(s, row + i, load(s, row + i) + f)
+    store(s, row + i, load_wide(s, row + i) + f)
     return 0
 
 
 @njit(**FORMULA)
 def _balance(gain, f, s, i, k):
-    store(s, gain + i, load(s, gain + i) + (load(s, f + i - k) - load(s, f + i)))
+    store(s, gain + i, load_wide(s, gain + i) + (load_wide(s, f + i - k) - load_wide(s, f + i)))
     return 0
 
 
@@ -155,6 +160,7 @@ def _blank(row, s, first, end):
 
 
 of_pairs = Formulas(
+    load=_load,
     mean=_mean,
     mean_along=_mean_along,
     give=_give,

@@ -32,6 +32,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
 from numba import njit
 
 from fsipetsc.operators.formulas import Formulas, each
@@ -74,6 +75,14 @@ def scratch_stride(width: int) -> int:
     """Doubles from one row of scratch to the next: an odd number of cache lines."""
     lines = (width + 2 * MARGIN + 7) // 8
     return 8 * (lines + 1 - lines % 2)
+
+
+def scratch(stride: int, first: int) -> np.ndarray:
+    """Scratch for rows so far apart, whose columns from number ``first`` on begin with a cache line."""
+    doubles = ROWS * stride + 4 * MARGIN
+    room = np.zeros(doubles + 8)
+    begin = -(room.ctypes.data // 8 + MARGIN + first) % 8
+    return room[begin : begin + doubles]
 
 
 @njit(**OPTIONS)

@@ -31,7 +31,7 @@ from fsipetsc.scheme.plane.equations import USUAL, PlaneForm, equations_of, mate
 from fsipetsc.scheme.plane.fields import SAVED
 from fsipetsc.scheme.plane.laws import compiled
 from fsipetsc.scheme.plane.look import WORDS
-from fsipetsc.scheme.plane.sweep import ROWS, scratch_stride
+from fsipetsc.scheme.plane.sweep import scratch, scratch_stride
 from fsipetsc.stepping.plane.edge_data import EdgeData
 from fsipetsc.stepping.plane.interfaces import Interfaces
 from fsipetsc.stepping.plane.natural import NaturalOrder
@@ -153,7 +153,7 @@ class LayerPart:
         self.end_weight = float(ops[0]["norm"][0])
         width, height = int(self.record["width"]), int(self.record["height"])
         self._stride = scratch_stride(width)
-        self._s = np.zeros(ROWS * self._stride + SLACK)
+        self._s = scratch(self._stride, int(self.record["own_x"][0]))
         self.y = np.zeros(width * height * DOF + SLACK * DOF)
         self.held = self.y[: width * height * DOF].reshape(height, width, DOF)
         self.own = self.held[slice(*self.record["own_y"]), slice(*self.record["own_x"])]
