@@ -12,6 +12,7 @@ from numba import njit
 
 from fsipetsc.operators.formulas import Formulas
 from fsipetsc.operators.kernels import FORMULA
+from fsipetsc.operators.logarithms import log_near_one
 
 
 @njit(**FORMULA)
@@ -26,7 +27,7 @@ def stress(c, F):
     f11, f12, f21, f22 = F
     mu, K, p = c
     J = f11 * f22 - f12 * f21
-    volumetric = K * np.log(J) - mu * J - p  # + mu/J - mu/J
+    volumetric = K * log_near_one(J) - mu * J - p  # + mu/J - mu/J
     return (
         mu * f11 + volumetric * f22,
         mu * f12 - volumetric * f21,

@@ -10,6 +10,7 @@ from numba import njit
 
 from fsipetsc.operators.formulas import Formulas
 from fsipetsc.operators.kernels import FORMULA
+from fsipetsc.operators.logarithms import log_near_one
 
 
 @njit(**FORMULA)
@@ -24,7 +25,7 @@ def stress(c, F):
     f11, f12, f21, f22 = F
     mu, lam, p = c
     J = f11 * f22 - f12 * f21
-    volumetric = (lam * np.log(J) - mu) / J - p
+    volumetric = (lam * log_near_one(J) - mu) / J - p
     return (
         mu * f11 + volumetric * f22,
         mu * f12 - volumetric * f21,
