@@ -11,7 +11,7 @@ import fsipetsc
 pytest.importorskip("petsc4py")
 pytestmark = pytest.mark.mpi
 
-BOTH = "-fsi_dissipation 0.3 -fsi_shocks 1"
+BOTH = "-fsi_dissipation 1 -fsi_shock 1"
 _SHARED = f"{BOTH} -fsi_partition balanced -ts_max_time 0.1 -fsi_output_dt 0.1"
 SHARED = {
     "sod 2": ("shock", f"{_SHARED} -fsi_order 2 -fsi_h 0.02"),
@@ -33,7 +33,7 @@ ALONE = {
     "box": ("box", f"{BOTH} -fsi_h 0.0125 -ts_max_time 0.5 -fsi_entropy"),
     # the same variant; where the strength at shocks is as good as none, what is left is the other term, alpha being small
     **{
-        f"mms {order} {h}": ("mms", f"-fsi_dissipation 0.3 -fsi_shocks 1e-300 -fsi_order {order} -fsi_h {h}")
+        f"mms {order} {h}": ("mms", f"-fsi_dissipation 1 -fsi_shock 1e-300 -fsi_order {order} -fsi_h {h}")
         for order in LEAST
         for h in SPACINGS
     },

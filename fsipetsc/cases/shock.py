@@ -45,7 +45,7 @@ OPTIONS = (
 )
 DEFAULTS = {
     **{"fsi_h": 0.005, "fsi_order": 4, "ts_max_time": 0.3, "fsi_output_dt": 0.01, "fsi_norm": "L1"},
-    **{"fsi_shocks": 1.4, "fsi_dissipation": 0.6},
+    **{"fsi_shock": 1.4, "fsi_dissipation": 2.0},
 }
 
 GAMMA, R = 1.4, 1.0
@@ -53,7 +53,7 @@ GAMMA, R = 1.4, 1.0
 HIGH, LOW, T_ROD = GasState(1.0, 0.0, 1.0), GasState(0.125, 0.0, 0.1), 1.0
 #: the wall, the interface, the end of the rod
 X = (0.0, 1.0, 2.0)
-#: where the strong shock starts; its width there over -fsi_shocks times the spacing of the grid: with this number the waves
+#: where the strong shock starts; its width there over -fsi_shock times the spacing of the grid: with this number the waves
 #: that follow are least in all orders of the operators together
 X_SHOCK, WIDTH = 0.7, 0.66
 
@@ -131,7 +131,7 @@ def build(opt: Mapping[str, Any]) -> Problem:
         note = f"interface: p = {riemann.p:.10g}, u = {riemann.u:.10g}, x_X = {riemann.F:.10g} from t = {solution.hit:.6g} on"
     except InputError as error:
         raise InputError(f"no exact solution: {error}") from None
-    width = WIDTH * max(opt["fsi_shocks"], 1.0) * opt["fsi_h"]
+    width = WIDTH * max(opt["fsi_shock"], 1.0) * opt["fsi_h"]
     return Problem(
         layers=(
             FluidLayer("gas", gas, X[:2], lambda x: solution.at_start(x, width), exact=solution.in_gas, mapping="stretched"),

@@ -58,15 +58,16 @@ DISCRETISATION = (
     ),
     Option("fsi_viscous", str, "wide", "", "second derivatives: D twice, or such that reach half as far", ("wide", "narrow")),
     Option(
-        *("fsi_convection", str, "divergence", "", "form of the gas's convection; entropy: two-point, which conserves entropy"),
-        choices=("divergence", "entropy"),
+        *("fsi_convection", str, "auto", "", "form of the gas's convection; entropy: two-point, which keeps it; auto: in 2-D"),
+        choices=("auto", "divergence", "entropy"),
     ),
     Option(
-        *("fsi_dissipation", float, 0.0, "", "dissipation by differences of half the order, of gas and solid; 0.3 is usual"),
-        check=_between(0, 1),
+        *("fsi_dissipation", float, 0.0, "", "dissipation by differences of half the order, times its usual size; 0: none"),
+        check=_between(0, 3),
     ),
     Option(
-        *("fsi_shocks", float, 0.0, "", "dissipation by first differences where a shock is; 1 is usual"), check=_between(0, 2)
+        *("fsi_shock", float, 0.0, "", "dissipation where a sensor sees a shock, times its usual size; 0: none"),
+        check=_between(0, 2),
     ),
     Option(
         *("fsi_spare", int, 16, "points", "free points kept beyond each embedded boundary before storage is enlarged"),

@@ -1,6 +1,6 @@
 """Dissipation: terms of undivided differences for the rates, see fsipetsc.scheme.undivided.
 
-Of order q, half the order of D, everywhere (-fsi_dissipation sigma):
+Of order q, half the order of D, everywhere (-fsi_dissipation, times 0.3: sigma):
 
     (J U)_t  -=  H^-1 Delta_q^T  sigma/4^q lambda U_w  Delta_q w,       lambda = |u - w_grid| + c
 
@@ -15,7 +15,7 @@ so U_w is a sum of three squares: positive definite where rho, T, c_v and K_T ar
 sum sigma/4^q lambda (Delta_q w) U_w (Delta_q w) >= 0. The mean of 1/T, not of T: at a jump of T it is that of the cold
 side, and U_w Delta w stays near Delta U there, where with the hot side's it would be a multiple of it and stiff.
 
-Of order 1, where fsipetsc.operators.sensor finds a shock (-fsi_shocks S):
+Of order 1, where fsipetsc.operators.sensor finds a shock (-fsi_shock S):
 
     (J U)_t  -=  H^-1 Delta_1^T  S/2 alpha max(lambda)  Delta_1 U
 
@@ -48,6 +48,8 @@ from fsipetsc.operators.sensor import largest_within, sense, weigh_ends
 from fsipetsc.operators.vectors import LANES, fma, load, magnitude, maximum, numbers_from, root, spread, store
 from fsipetsc.physics import fluid
 
+#: usual sigma
+SIGMA = 0.3
 #: formulas of a gas law that are called with vectors of points here
 IN_LOOPS = ("energy", "entropy", "heat_capacity", "pressure_by_temperature", "bulk_modulus")
 #: free rows, as numbers of fsipetsc.scheme.undivided: how steep the rows are; alpha, which stays for a term that follows

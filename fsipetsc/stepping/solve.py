@@ -13,6 +13,7 @@ from fsipetsc.blame import call, place_of
 from fsipetsc.checks import described
 from fsipetsc.errors import InputError
 from fsipetsc.options import InForce, publish
+from fsipetsc.physics.dissipation import SIGMA
 from fsipetsc.plane import PlaneProblem
 from fsipetsc.problem import Problem
 from fsipetsc.process.together import together
@@ -65,12 +66,14 @@ def make_state(problem: Problem | PlaneProblem, opt: dict[str, Any], comm: MPI.C
         if opt["ts_type"] == FUSED:
             opt["ts_type"] = "rk"
             publish(opt)
-        form = PlaneForm(dissipation=opt["fsi_dissipation"], shocks=opt["fsi_shocks"])
+        convection = "divergence" if opt["fsi_convection"] == "divergence" else "entropy"
+        form = PlaneForm(convection, SIGMA * opt["fsi_dissipation"], opt["fsi_shock"])
         return PlaneState(comm, problem, opt["fsi_order"], opt["fsi_h"], form)
     names = ("fsi_order", "fsi_h", "fsi_coupling", "fsi_mapping", "fsi_partition", "fsi_spare")
     kind = LoggedState if PETSc.Log.isActive() else State
     entropy = bool(opt["fsi_entropy"] or opt["fsi_check"])
-    form = Form(opt["fsi_viscous"] == "narrow", opt["fsi_dissipation"], opt["fsi_shocks"], opt["fsi_convection"] == "entropy")
+    sigma, entropic = SIGMA * opt["fsi_dissipation"], opt["fsi_convection"] == "entropy"
+    form = Form(opt["fsi_viscous"] == "narrow", sigma, opt["fsi_shock"], entropic)
     return kind(comm, problem, *(opt[name] for name in names), entropy, opt["fsi_shared_memory"], form)
 
 

@@ -41,7 +41,7 @@ def equations_of(layer: PlaneFluidLayer | PlaneSolidLayer, form: PlaneForm) -> F
     if form.convection == "divergence":
         if form.dissipation > 0.0 or form.shocks > 0.0:
             raise InputError(
-                "-fsi_convection divergence has no -fsi_dissipation and -fsi_shocks: expected -fsi_convection entropy"
+                "-fsi_convection divergence has no -fsi_dissipation and -fsi_shock: expected -fsi_convection entropy"
             )
         return plane_gas(gas, transport, viscous)
     if gas is not perfect_gas:
