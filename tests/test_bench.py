@@ -170,8 +170,9 @@ def test_command(tmp_path):
     for row in rows:  # under load any part may seem longer than the whole
         assert float(row["step"]) >= float(row["best"]) > 0
         assert float(row["petsc"]) > 0
-        parts = sum(float(row[name]) for name in ("inner", "ends", "exchange", "petsc", "python"))
-        assert parts == pytest.approx(float(row["best"]), rel=1e-4, abs=1e-4 * abs(float(row["python"])))
+        parts = [float(row[name]) for name in ("inner", "ends", "exchange", "petsc", "python")]
+        digits = 1e-5 * max(map(abs, parts))  # under load two parts may be large, and of different sign: six digits are saved
+        assert sum(parts) == pytest.approx(float(row["best"]), rel=1e-4, abs=digits)
     assert rows[1]["reductions"] == "5" and rows[0]["reductions"] == "0"
     known = defaults(load_case("rod"))
     for name in (name for name, chosen in OF_FORM.items() if chosen.keys() <= known.keys()):  # on one rank

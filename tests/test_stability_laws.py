@@ -28,6 +28,7 @@ from fsipetsc.physics.mie_gruneisen import mie_gruneisen
 from fsipetsc.physics.own_laws import gas_law
 from fsipetsc.physics.solid import Solid
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
+from fsipetsc.scheme.laws import Form
 from fsipetsc.stepping.state import State
 
 #: points of a layer; those at the interface whose rates are compared, and those on which they may depend
@@ -111,7 +112,7 @@ def compare(problem: Problem, k: int, order: int, coupling: str, narrow: bool = 
     wanted = expected(constant, order, coupling, narrow)
     unit = constant.scales[:, None, None, None] / constant.scales[:, None]  # of derivatives, where all are alike
     at = [np.arange(COLUMNS)] * 3 + [N - 1 - np.arange(COLUMNS)] * 3
-    options = (order, h, coupling, "stretched", "auto", 0, False, True, narrow)
+    options = (order, h, coupling, "stretched", "auto", 0, False, True, Form(narrow))
     with State(MPI.COMM_SELF, problem, *options) as state:
         state.set_initial()
         rates = solver_rates(state, k, constant, order, coupling)
