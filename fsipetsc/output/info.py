@@ -31,6 +31,8 @@ def _overview(run: Run) -> list[tuple[str, str]]:
     created = run.header.get("created")
     state = "complete" if run.complete else run.summary.get("status", "unfinished: still running, or killed")
     rows = [("case", run.case), ("state", state)]
+    if run.dimension > 1:
+        rows.append(("dimension", str(run.dimension)))
     if created:
         rows.append(("created", created))
     rows.append(("frames", f"{run.nframes}{_range(', t =', run.time)}"))
@@ -45,7 +47,7 @@ def _layers(run: Run) -> Iterable[tuple[str, str]]:
     """Active points come and go where a layer meets a fixed end; those held in reserve for it are stored, too."""
     for layer in run.layers:
         if isinstance(layer, PlaneLayer):
-            grid = f"{len(layer.X)} by {len(layer.Y)} points{_range(', X =', layer.X)}{_range(', Y =', layer.Y)}"
+            grid = f"{layer.size}{_range(', X =', layer.X)}{_range(', Y =', layer.Y)}"
             yield f"  {layer.name}", f"{layer.kind}, {grid}; {', '.join(layer.fields)}"
             continue
         grid = f"{len(layer.X)} points{_active(layer, run.nframes)}{_range(', X =', layer.X)}, h = {layer.h:g}"

@@ -20,6 +20,7 @@ import numpy as np
 from fsipetsc.checks import counted
 from fsipetsc.errors import FileError
 from fsipetsc.output import file_layout, result_sources
+from fsipetsc.output.interface_line import InterfaceLine, along_edge
 
 Array = np.ndarray
 
@@ -34,6 +35,7 @@ class Run:
     complete            whether the run came to its end; if not, summary["status"] may say why
     time, nframes       (nframes,) times of the saved frames
     layers              tuple of :class:`Layer`, from left to right
+    dimension           1 or 2; in two, layers are :class:`PlaneLayer`, from below, and `interface` has the lines between them
     interfaces          their names, from left to right
     series              name -> (nsteps,) or (nsteps, m), one row per time step: "t", "dt", "x_interface", …
 
@@ -79,6 +81,20 @@ class Run:
             raise IndexError(f"{self.path} has no frames")
         return int(np.argmin(np.abs(self.time - t)))
 
+    def interface(self, k: int | str) -> InterfaceLine:
+        """Interface k (counted from below, or its name) of a run in two dimensions, over the frames: line, motion, traction.
+
+        KeyError or IndexError if there is none.
+        """
+        names = list(self.interfaces) if self.dimension == 2 else []
+        if isinstance(k, str) and k not in names:
+            raise KeyError(_unknown("line of an interface", k, names))
+        number = names.index(k) if isinstance(k, str) else range(len(names))[k]
+        solid = number if self.layers[number].kind == "solid" else number + 1
+        layer, row = self.layers[solid], -1 if solid == number else 0
+        edge = {name: layer[name][:, row] for name in layer.fields}
+        return along_edge(names[number], solid, edge, layer.X, float(layer.Y[row]), upper=row == -1)
+
     def close(self) -> None:
         self._source.close()
 
@@ -91,7 +107,7 @@ class Run:
     def __repr__(self) -> str:
         span = f", t = {self.time[0]:g} … {self.time[-1]:g}" if self.nframes else ""
         state = "" if self.complete else ", unfinished"
-        kinds = ", ".join(f"{layer.name} ({counted(len(layer.X), 'point')})" for layer in self.layers)
+        kinds = ", ".join(f"{layer.name} ({layer.size})" for layer in self.layers)
         return f"<Run {self.case!r}: {counted(self.nframes, 'frame')}{span}; {kinds}{state}>"
 
 
@@ -148,6 +164,11 @@ class Layer(Arrays):
     def x(self) -> Array:
         return self["x"]
 
+    @property
+    def size(self) -> str:
+        """Of its grid, in words."""
+        return counted(len(self.X), "point")
+
     def frame(self, number: int) -> dict[str, Array]:
         """All fields of one frame, name -> (n,): much cheaper than whole fields of a long run."""
         if not -self._nframes <= number < self._nframes:
@@ -160,6 +181,11 @@ class Layer(Arrays):
             values[:, chunk.place] = chunk.dataset[:, start : start + len(self.fields)].T
         return dict(zip(self.fields, values))
 
+    def place(self, number: int) -> tuple[str, int, tuple[int, int]]:
+        """Where frame `number` (from 0) stands: name of its dataset in the file, its first column, the dataset's shape."""
+        chunk = next(c for c in self._chunks if c.first <= number < c.first + c.count)
+        return chunk.dataset.name, (number - chunk.first) * len(self.fields), chunk.dataset.shape
+
     def _read_field(self, name: str) -> Array:
         column = self.fields.index(name)
         values = np.full((self._nframes, len(self.X)), np.nan)
@@ -171,7 +197,7 @@ class Layer(Arrays):
 
     def __repr__(self) -> str:
         span = f", X = {self.X[0]:g} … {self.X[-1]:g}" if len(self.X) else ""
-        return f"<{self.kind} layer {self.name!r}: {counted(len(self.X), 'point')}{span}; {', '.join(self.fields)}>"
+        return f"<{self.kind} layer {self.name!r}: {self.size}{span}; {', '.join(self.fields)}>"
 
 
 class PlaneLayer(Arrays):
@@ -198,16 +224,25 @@ class PlaneLayer(Arrays):
     def y(self) -> Array:
         return self["y"]
 
+    @property
+    def size(self) -> str:
+        """Of its grid, in words."""
+        ny, nx = self._shape
+        return f"{nx} by {ny} points"
+
     def frame(self, number: int) -> dict[str, Array]:
         """All fields of one frame, name -> (ny, nx)."""
         return {name: values.reshape(self._shape) for name, values in self._points.frame(number).items()}
+
+    def place(self, number: int) -> tuple[str, int, tuple[int, int]]:
+        """As of a Layer."""
+        return self._points.place(number)
 
     def _read_field(self, name: str) -> Array:
         return self._points[name].reshape(-1, *self._shape)
 
     def __repr__(self) -> str:
-        ny, nx = self._shape
-        return f"<{self.kind} layer {self.name!r}: {nx} by {ny} points; {', '.join(self.fields)}>"
+        return f"<{self.kind} layer {self.name!r}: {self.size}; {', '.join(self.fields)}>"
 
 
 class _Named(dict):

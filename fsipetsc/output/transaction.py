@@ -7,6 +7,7 @@ may meet it for a fraction of a millisecond between two of those writes; fsipets
 
 from __future__ import annotations
 
+import errno
 import io
 import os
 from collections.abc import Iterator
@@ -29,6 +30,23 @@ def changes(path: str | os.PathLike[str]) -> Iterator[h5py.File]:
         raise
     finally:
         raw.close()
+
+
+def ensure_space(path: str | os.PathLike[str], nbytes: int) -> None:
+    """Allocate nbytes after the end of the file; HDF5 uses what it needs of them and gives the rest back.
+
+    If the space ran out under HDF5, it could not even close the file, and the program would end in a crash.
+    """
+    if not hasattr(os, "posix_fallocate"):
+        return
+    descriptor = os.open(path, os.O_RDWR)
+    try:
+        os.posix_fallocate(descriptor, os.fstat(descriptor).st_size, nbytes)
+    except OSError as error:
+        if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):  # others: this file system cannot allocate
+            raise
+    finally:
+        os.close(descriptor)
 
 
 def leave_to_disk(file: int | str | os.PathLike[str], first: int) -> None:

@@ -11,7 +11,6 @@ the same time; HDF5's own single-writer mode excludes parallel writing. A commit
 
 from __future__ import annotations
 
-import errno
 import glob
 import itertools
 import json
@@ -29,7 +28,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from fsipetsc.errors import FileError, FsiError, is_petsc, petsc_words
-from fsipetsc.output import buffers, claim, commits, file_layout, hdf5, tables, transaction
+from fsipetsc.output import buffers, claim, commits, file_layout, hdf5, tables, transaction, xdmf
 from fsipetsc.process.interrupts import Interrupted
 from fsipetsc.process.together import agree
 
@@ -72,6 +71,7 @@ class RunWriter:
         self.nframes = 0  # frames given so far, written or not
         self.take_series: Callable[[], Array | None] = lambda: None
         self._comm, self._root = comm, comm.rank == 0
+        self._plane = header.get("dimension", 1) == 2
         (self._width,) = {len(file_layout.columns(layer)) for layer in header["layers"]}  # the same for all
         self._flush_seconds, self._max_frames, self._max_bytes = flush_seconds, buffer_frames, buffer_bytes
         self._last_frame = time.monotonic()
@@ -235,6 +235,8 @@ class RunWriter:
         content, kept_as = file_layout.beginning(_plain(header), self._log), None
         while True:
             kept_as = claim.keep_earlier(target) or kept_as
+            if self._plane:
+                xdmf.make_way(target, kept_as)
             identity = claim.publish(target, content)
             if identity is not None:
                 return target, kept_as, identity
@@ -268,7 +270,8 @@ class RunWriter:
             datasets.append((name, n, block, _share(n, -(-8 * n * block // CHUNK_BYTES))))
         self._new_frames = []
         size = self.path.stat().st_size
-        _ensure_space(self.path, 8 * sum(-(-n // rows) * rows * block for _, n, block, rows in datasets) + SPARE_BYTES)
+        numbers = sum(-(-n // rows) * rows * block for _, n, block, rows in datasets)
+        transaction.ensure_space(self.path, 8 * numbers + SPARE_BYTES)
         links = h5py.h5p.create(h5py.h5p.LINK_CREATE)
         links.set_create_intermediate_group(True)
         with transaction.changes(self.path) as file:
@@ -353,6 +356,8 @@ class RunWriter:
             file.attrs["complete"] = True
         with self._raw() as write:
             self._log.end(write)
+        if self._plane:
+            xdmf.write(self.path)
 
     @contextmanager
     def _raw(self) -> Iterator[Callable[[bytes, int], None]]:
@@ -367,23 +372,6 @@ class RunWriter:
             yield write
         finally:
             os.close(descriptor)
-
-
-def _ensure_space(path: Path, nbytes: int) -> None:
-    """Allocate nbytes after the end of the file; HDF5 uses what it needs of them and gives the rest back.
-
-    If the space ran out under HDF5, it could not even close the file, and the program would end in a crash.
-    """
-    if not hasattr(os, "posix_fallocate"):
-        return
-    descriptor = os.open(path, os.O_RDWR)
-    try:
-        os.posix_fallocate(descriptor, os.fstat(descriptor).st_size, nbytes)
-    except OSError as error:
-        if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):  # others: this file system cannot allocate
-            raise
-    finally:
-        os.close(descriptor)
 
 
 def _share(n: int, parts: int) -> int:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from fsipetsc.errors import FileError, InputError
-from fsipetsc.output.plots import balances, interfaces, profiles, space_time, steps
+from fsipetsc.output.plots import balances, interfaces, plane, profiles, space_time, steps
 from fsipetsc.output.plots.quantities import PROFILES
 from fsipetsc.output.plots.style import STYLE, drawing
 from fsipetsc.output.reader import Run, open_run
@@ -73,6 +73,9 @@ def _reason(error: Exception) -> str:
 
 def pictures(run: Run, times: Sequence[float] | None = None) -> Iterator[tuple[str, Callable[[Figure], None]]]:
     """Names and drawing functions of the pictures that this run has the data for."""
+    if run.dimension == 2:
+        yield from plane.pictures(run, times)
+        return
     if run.nframes:
         for quantity in PROFILES:
             if any(quantity.of(layer.kind) for layer in run.layers):

@@ -59,7 +59,7 @@ def frames(run: Run, quantity: Quantity) -> tuple[list[int], int | None]:
     values = [v for layer in run.layers if (v := quantity.values(layer)) is not None]
     low, high = extremes(*values)
     rest = value_at_rest(high - low, *(v[0] for v in values))
-    departure = np.max([np.nanmax(np.abs(v - rest), axis=1) for v in values], axis=0)
+    departure = np.max([np.nanmax(np.abs(v - rest).reshape(len(v), -1), axis=1) for v in values], axis=0)
     extreme = int(np.argmax(departure))
     if not departure[extreme] > NOTHING * max(abs(low), abs(high)):
         return [run.nframes - 1], None

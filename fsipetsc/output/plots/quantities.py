@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections import ChainMap
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from fsipetsc.output.reader import Layer
+from fsipetsc.output.reader import Layer, PlaneLayer
 
 Array = np.ndarray
-Values = Callable[[dict[str, Array]], Array]
+Values = Callable[[Mapping[str, Array]], Array]
 
 
 @dataclass(frozen=True)
@@ -31,35 +32,35 @@ class Quantity:
     def of(self, kind: str) -> Values | None:
         return self.fluid if kind == "fluid" else self.solid
 
-    def values(self, layer: Layer, frame: int | None = None) -> Array | None:
-        """(n,) of a frame or (nframes, n) of all; None for the other kind of layer."""
+    def values(self, layer: Layer | PlaneLayer, frame: int | None = None) -> Array | None:
+        """(n,) of a frame or (nframes, n) of all, (ny, nx) for n in two dimensions; None for the other kind of layer."""
         value = self.of(layer.kind)
         if value is None:
             return None
-        fields = {name: layer[name] for name in layer.fields} if frame is None else layer.frame(frame)
-        return value({**fields, "X": layer.X})
+        return value(ChainMap({"X": layer.X}, layer if frame is None else layer.frame(frame)))
 
 
-def _field(name: str) -> Values:
+def field(name: str) -> Values:
+    """The field as it is stored."""
     return lambda fields: fields[name]
 
 
-def _load(fields: dict[str, Array]) -> Array:
+def _load(fields: Mapping[str, Array]) -> Array:
     """What a solid and a gas have in common at an interface: p − σ."""
     return fields["p"] - fields["sigma"]
 
 
-def _strain(fields: dict[str, Array]) -> Array:
+def _strain(fields: Mapping[str, Array]) -> Array:
     """x_X − 1, by differences of second order."""
     return np.gradient(fields["x"], fields["X"], axis=-1, edge_order=2) - 1.0
 
 
 PROFILES = (
-    Quantity("u", "velocity", "velocity u", "m/s", _field("u"), _field("u")),
-    Quantity("T", "temperature", "temperature T", "K", _field("T"), _field("T"), "YlOrRd"),
-    Quantity("p", "pressure", "pressure p;  p − σ in the solid", "Pa", _field("p"), _load, "YlGnBu"),
-    Quantity("rho", "density of the fluid", "density ρ", "kg/m³", _field("rho"), None),
-    Quantity("sigma", "stress in the solid", "stress σ", "Pa", None, _field("sigma")),
+    Quantity("u", "velocity", "velocity u", "m/s", field("u"), field("u")),
+    Quantity("T", "temperature", "temperature T", "K", field("T"), field("T"), "YlOrRd"),
+    Quantity("p", "pressure", "pressure p;  p − σ in the solid", "Pa", field("p"), _load, "YlGnBu"),
+    Quantity("rho", "density of the fluid", "density ρ", "kg/m³", field("rho"), None),
+    Quantity("sigma", "stress in the solid", "stress σ", "Pa", None, field("sigma")),
     Quantity("strain", "strain of the solid", "strain ∂x/∂X − 1", "", None, _strain),
 )
 SPACE_TIME = PROFILES[:3]

@@ -54,8 +54,8 @@ def draw(figure: Figure, run: Run) -> None:
     set_title(figure, of_run(run, f"space and time, {counted(run.nframes, 'frame')}"))
 
 
-def palette(colormap: str, scale: Scale, values: Sequence[Array]) -> dict[str, object]:
-    """Color map and its limits: light where nothing happens, that is at the value at rest."""
+def palette(colormap: str, scale: Scale, values: Sequence[Array], both: str = "RdBu_r") -> dict[str, object]:
+    """Color map and its limits: light where nothing happens, that is at the value at rest. both: for values above and below."""
     low, high = extremes(*values)
     rest = value_at_rest(high - low, *(v[0] for v in values))
     up, down = high - rest, rest - low
@@ -64,7 +64,7 @@ def palette(colormap: str, scale: Scale, values: Sequence[Array]) -> dict[str, o
         return {"cmap": colormap, "vmin": low - 0.5, "vmax": high + 0.5}
     if min(up, down) > BOTH_SIGNS * max(up, down) or colormap == "viridis":
         most = max(high - rest, rest - low)
-        return {"cmap": "RdBu_r", "vmin": rest - most, "vmax": rest + most}
+        return {"cmap": both, "vmin": rest - most, "vmax": rest + most}
     return {"cmap": colormap if up > down else f"{colormap}_r", "vmin": low, "vmax": high}
 
 

@@ -1,0 +1,126 @@
+"""Maps on the grids as they are at some times, with the lines of the interfaces; gas and solid each with a scale of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fsipetsc.output.plots.plane.quantities import OF_SOLIDS, Pair
+from fsipetsc.output.plots.profiles import frames
+from fsipetsc.output.plots.quantities import Quantity
+from fsipetsc.output.plots.scales import Scale, axis_label, extremes, scaled, unit_of
+from fsipetsc.output.plots.space_time import palette
+from fsipetsc.output.plots.titles import of_run, set_title
+from fsipetsc.output.reader import PlaneLayer, Run
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Array = np.ndarray
+SIZE = 3.6  # inches, the longer side of a panel
+
+
+@dataclass(frozen=True)
+class Colors:
+    """Scale and colors of a quantity of some layers; the same at all times that are shown."""
+
+    quantity: Quantity
+    scale: Scale
+    palette: dict[str, Any]
+
+
+def colors(run: Run, quantity: Quantity, chosen: Sequence[int]) -> Colors | None:
+    """Those for the chosen frames; None if no layer has the quantity."""
+    layers = [layer for layer in run.layers if quantity.of(layer.kind)]
+    if not layers:
+        return None
+    shown = [np.stack([quantity.values(layer, frame) for frame in (0, *chosen)]) for layer in layers]
+    start = np.concatenate([values[0].ravel() for values in shown])
+    scale = scaled(run, quantity.label, quantity.unit, *shown, start=start)
+    both = OF_SOLIDS if quantity.solid else "RdBu_r"
+    return Colors(quantity, scale, palette(quantity.colormap, scale, [values[1:] for values in shown], both))
+
+
+def draw(figure: Figure, run: Run, pair: Pair, times: Sequence[float] | None) -> None:
+    """A panel for each of the times, or for those of `profiles.frames`."""
+    chosen = chosen_frames(run, pair.gas, pair.solid, times)
+    columns = 1 if len(chosen) == 1 else 2
+    rows = -(-len(chosen) // columns)
+    ranges = domain(run)
+    width, height = panel_size(ranges)
+    scales = [found for quantity in (pair.gas, pair.solid) if (found := colors(run, quantity, chosen))]
+    figure.set_size_inches(max(5.0, 0.8 + width * columns), 0.9 + 0.75 * len(scales) + (height + 0.3) * rows)
+    grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+    for axes, frame in zip(grid.flat, chosen):
+        pictures = panel(axes, run, frame, scales)
+        axes.set(aspect="equal", xlim=ranges[0], ylim=ranges[1])
+        axes.set_title(f"t = {run.time[frame]:.4g}{unit_of(run, 's')}", loc="left")
+    for axes in grid.flat[len(chosen) :]:
+        axes.set_visible(False)
+    for own, picture in zip(scales, pictures):
+        bar(figure, picture, own, grid)
+    figure.supxlabel(axis_label(run, "x", "m"), fontsize=9)
+    figure.supylabel(axis_label(run, "y", "m"), fontsize=9)
+    set_title(figure, of_run(run, pair.title))
+
+
+def chosen_frames(run: Run, gas: Quantity, solid: Quantity, times: Sequence[float] | None) -> list[int]:
+    """The frames nearest to the times, or those worth a panel: as the gas has it, the solid where there is none."""
+    if times:
+        return sorted({run.at(t) for t in times})
+    has_gas = any(layer.kind == "fluid" for layer in run.layers)
+    return frames(run, gas if has_gas else solid)[0]
+
+
+def panel(axes: Axes, run: Run, frame: int, scales: Sequence[Colors]) -> list[Any]:
+    """Draw one frame; what there is to make a color bar of, one for each scale."""
+    drawn = {}
+    axes.grid(visible=False)
+    for layer in run.layers:
+        fields = layer.frame(frame)
+        for number, own in enumerate(scales):
+            if own.quantity.of(layer.kind):
+                drawn[number] = mesh(axes, layer, fields, own, frame)
+        if layer.kind == "solid":
+            outline(axes, fields["x"], fields["y"])
+    return [drawn[number] for number in range(len(scales))]
+
+
+def mesh(axes: Axes, layer: PlaneLayer, fields: dict[str, Array], own: Colors, frame: int) -> Any:
+    """A quantity of a layer on its grid as it is."""
+    values = np.ma.masked_invalid(own.scale(own.quantity.values(layer, frame)))
+    return axes.pcolormesh(fields["x"], fields["y"], values, shading="gouraud", rasterized=True, **own.palette)
+
+
+def outline(axes: Axes, x: Array, y: Array, inside: int = 8) -> None:
+    """The edges of a solid, which are the interfaces too, and some lines of its grid, which show how it is deformed."""
+    step = max(1, (x.shape[1] - 1) // inside)
+    for column in range(step, x.shape[1] - 1, step):
+        axes.plot(x[:, column], y[:, column], color="black", linewidth=0.3, alpha=0.5)
+    around = [np.concatenate([z[0], z[1:, -1], z[-1, -2::-1], z[-2::-1, 0]]) for z in (x, y)]
+    axes.plot(*around, color="black", linewidth=0.8)
+
+
+def bar(figure: Figure, picture: Any, own: Colors, grid: Any) -> None:
+    """A color bar above the panels."""
+    from matplotlib.ticker import MaxNLocator
+
+    made = figure.colorbar(picture, ax=grid, location="top", aspect=50, pad=0.02, shrink=0.9)
+    made.set_label(own.scale.label)
+    made.outline.set_visible(False)
+    made.locator = MaxNLocator(6)
+
+
+def domain(run: Run) -> tuple[tuple[float, float], tuple[float, float]]:
+    """(left, right), (lower, upper) of all layers at all times."""
+    return tuple(extremes(*(layer[name] for layer in run.layers)) for name in ("x", "y"))
+
+
+def panel_size(ranges: tuple[tuple[float, float], tuple[float, float]]) -> tuple[float, float]:
+    """Width and height [inches] of what covers these ranges."""
+    width, height = (high - low for low, high in ranges)
+    return SIZE * min(1.0, width / height), SIZE * min(1.0, height / width)
