@@ -47,7 +47,11 @@ class Command(NamedTuple):
 
 COMMANDS = {
     "info": Command("RUN.h5", "what a result holds: case, options, times, layers, summary", "fsipetsc.cli:info"),
-    "plot": Command("RUN.h5 [-o DIR]", "pictures (PNG) of a result", "fsipetsc.cli:plot"),
+    "plot": Command(
+        "RUN.h5 [-o DIR] [-animate]",
+        "pictures (PNG) of a result; with -animate, of one in two dimensions, a film (GIF)",
+        "fsipetsc.cli:plot",
+    ),
     "new": Command("FILE.py", "a case file of your own to start from: commented, and it runs", "fsipetsc.cli:new"),
     "convergence": Command(
         "CASE [-option value ...]",
@@ -74,6 +78,7 @@ COMMANDS = {
 }
 _DEBUG = next(option for option in RUN if option.name == "fsi_debug")  # which every command takes
 _VERSION_FLAGS = ("--version", "-version")
+_ANIMATE = ("-animate", "--animate")
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -252,10 +257,16 @@ def info(arguments: list[str]) -> None:
 
 
 def plot(arguments: list[str]) -> None:
-    """The command `plot RUN.h5 [-o DIR]`."""
-    path, directory = _file_and_directory("plot", arguments, flags=("-o",))
+    """The command `plot RUN.h5 [-o DIR] [-animate]`."""
+    film = [word for word in arguments if word in _ANIMATE]
+    path, directory = _file_and_directory("plot", [word for word in arguments if word not in _ANIMATE], flags=("-o",))
     from fsipetsc.output.plots import plot as draw
 
+    if film:
+        from fsipetsc.output.plots.plane.animation import animate
+
+        print(animate(path, directory or os.curdir))
+        return
     for picture in draw(path, directory or os.curdir):
         print(picture)
 

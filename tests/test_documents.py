@@ -17,7 +17,7 @@ pytest.importorskip("petsc4py")
 README = (REPOSITORY / "README.md").read_text()
 OPTIONS_FILES = sorted((REPOSITORY / "runs").rglob("*.opts"))
 #: stems of Open MPI's, PETSc's and other programs' options that the documents may name
-FOREIGN = {"o", "n", "m", "help"}
+FOREIGN = {"o", "n", "m", "help", "animate"}
 
 
 def known_options() -> set[str]:

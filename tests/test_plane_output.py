@@ -1,66 +1,237 @@
-"""What is made of a result in two dimensions: pictures, XDMF, lines of interfaces."""
+"""Results of two dimensions: XDMF, lines of interfaces, info, pictures and the film."""
 
 from __future__ import annotations
 
-import xml.etree.ElementTree as ElementTree
+import xml.etree.ElementTree as ET
 
 import numpy as np
 import pytest
-from helpers import run
+from helpers import compute, run
 
 import fsipetsc
-from fsipetsc.output.file_layout import open_h5
+
+pytest.importorskip("petsc4py")
+pytest.importorskip("matplotlib")
+import matplotlib
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from test_plane import BOX
+from test_plots import assert_texts_apart
+
+from fsipetsc.output import file_layout, xdmf
+from fsipetsc.output.info import info
+from fsipetsc.output.plots import pictures, plot, style
+from fsipetsc.output.plots.plane import maps
+from fsipetsc.output.plots.plane.animation import animate
+from fsipetsc.output.plots.plane.quantities import MAPS
+
+BLAST = "-fsi_h 0.125 -ts_max_time 0.3 -fsi_output_dt 0.05"
 
 
 @pytest.fixture(scope="module")
-def result(tmp_path_factory):
-    """A pulse that has reached the plate."""
-    folder = tmp_path_factory.mktemp("blast")
-    options = "-fsi_h", 1 / 16, "-ts_max_time", 0.6, "-fsi_output_dt", 0.1, "-fsi_quiet"
-    done = run("-m", "fsipetsc", "blast", *options, cwd=folder)
-    assert (done.returncode, done.stderr) == (0, "")
-    return folder / "blast.h5"
+def folder(tmp_path_factory):
+    """Of results: a plate between two gases, cut in two, one under a pulse, and one of one dimension."""
+    there = tmp_path_factory.mktemp("plane output")
+    (there / "box2d.py").write_text(BOX)
+    runs = {
+        "box": (str(there / "box2d.py"), "-ts_max_time 0.6 -fsi_output_dt 0.2"),
+        "blast": ("blast", BLAST),
+        "pulse": ("pulse", "-fsi_h 0.1 -ts_max_steps 5"),
+    }
+    compute(2, there, runs)
+    return there
 
 
-def test_pictures(result, tmp_path):
-    done = run("-m", "fsipetsc", "plot", result, "-o", tmp_path)
-    assert (done.returncode, done.stderr) == (0, "")
-    names = {path.stem for path in tmp_path.glob("*.png")}
-    assert {f"blast-{name}" for name in ("p", "rho", "stress", "interfaces", "ledgers", "steps")} <= names
-    assert all(path.stat().st_size > 10_000 for path in tmp_path.glob("*.png"))
+@pytest.fixture(scope="module")
+def box(folder):
+    return fsipetsc.open_run(folder / "box.h5")
 
 
-def test_the_line_of_an_interface(result):
-    with fsipetsc.open_run(result) as found:
-        line = found.interface("gas | plate")
-        plate, gas = found.layers[1], found.layers[0]
-        assert np.array_equal(line.y, plate["y"][:, 0]) and line.x.shape == (7, 17)
-        assert np.abs(line.displacement[-1]).max() > 1e-4
-        # at first the gas's pressure, 1, is what the plate is free of strain under; later that of the gas beside it
-        assert np.allclose(line.pressure[0], 1.0, atol=1e-12)
-        assert np.abs(line.pressure[-1] - gas["p"][-1, -1]).max() < 0.1
-        with pytest.raises(KeyError):
-            found.interface("plate | gas")
+@pytest.fixture(scope="module")
+def blast(folder):
+    return fsipetsc.open_run(folder / "blast.h5")
 
 
-def test_xdmf_names_what_is_in_the_result(result):
-    """Every piece of data that it names is there, of the size that it says, and holds the positions that the reader gives."""
-    root = ElementTree.parse(result.with_suffix(".xdmf")).getroot()
-    frames = root.findall("./Domain/Grid/Grid")
-    with fsipetsc.open_run(result) as found, open_h5(result, "r") as file:
-        assert [float(frame.find("Time").get("Value")) for frame in frames] == pytest.approx(found.time)
-        grids = frames[-1].findall("Grid")
-        assert len(grids) == len(found.layers)
-        for grid, layer in zip(grids, found.layers, strict=True):
-            for item in grid.iter("DataItem"):
-                if item.get("ItemType") != "HyperSlab":
-                    continue
-                start, stride, count = np.array(item[0].text.split(), int).reshape(3, -1)
-                name = item[1].text.strip().split(":")[1]
-                part = file[name][tuple(slice(a, a + s * n, s) for a, s, n in zip(start, stride, count, strict=True))]
-                assert part.shape == tuple(count) and np.isfinite(part).all()
-                if part.shape[1] == 2 and np.array_equal(part[:, 0], layer["x"][-1].ravel()):
-                    assert np.array_equal(part[:, 1], layer["y"][-1].ravel())
-                    break
-            else:
-                pytest.fail(f"no positions of {layer.name}")
+def slab(item, folder):
+    """The numbers that an XDMF HyperSlab stands for, in the shape that it states."""
+    shape = [int(n) for n in item.get("Dimensions").split()]
+    corners, source = item
+    start, stride, count = np.array(corners.text.split(), int).reshape(3, 2)
+    file, name = source.text.split(":")
+    with file_layout.open_h5(folder / file, "r") as opened:
+        dataset = opened[name]
+        assert dataset.shape == tuple(int(n) for n in source.get("Dimensions").split()) and dataset.dtype == "<f8"
+        assert ((start + stride * (count - 1)) < dataset.shape).all()
+        rows, columns = (slice(a, a + d * n, d) for a, d, n in zip(start, stride, count, strict=True))
+        return dataset[rows, columns].reshape(shape)
+
+
+@pytest.mark.parametrize("name", ["box", "blast"])
+def test_xdmf_has_the_numbers_of_all_frames(folder, name):
+    result = fsipetsc.open_run(folder / f"{name}.h5")
+    (series,) = ET.parse(folder / f"{name}.xdmf").getroot().iterfind("Domain/Grid")
+    frames = series.findall("Grid")
+    assert [float(frame.find("Time").get("Value")) for frame in frames] == result.time.tolist() and result.nframes > 2
+    for number, frame in enumerate(frames):
+        for grid, layer in zip(frame.findall("Grid"), result.layers, strict=True):
+            fields, shape = layer.frame(number), (1, len(layer.Y), len(layer.X))
+            assert grid.get("Name") == layer.name and grid.find("Topology").get("Dimensions") == "{} {} {}".format(*shape)
+            assert np.array_equal(slab(grid.find("Geometry/DataItem"), folder)[0], np.stack([fields["x"], fields["y"]], -1))
+            given = {a.get("Name"): slab(a.find("DataItem"), folder)[0] for a in grid.findall("Attribute")}
+            assert np.array_equal(given.pop("velocity"), np.stack([fields["u"], fields["v"]], -1))
+            assert set(given) == set(layer.fields) - {"x", "y"}
+            for field, values in given.items():
+                assert np.array_equal(values, fields[field]), (number, layer.name, field)
+
+
+def test_xdmf_goes_with_its_result(tmp_path):
+    """A second run of the same name keeps the result and the XDMF of the first; what is no XDMF is left alone."""
+    words = "-m", "fsipetsc", "blast", "-fsi_h", "0.125", "-fsi_quiet", "-ts_max_steps"
+    for steps in (2, 3):
+        assert run(*words, steps, cwd=tmp_path).returncode == 0
+    for name, steps in (("blast.1", 2), ("blast", 3)):
+        text = (tmp_path / f"{name}.xdmf").read_text()
+        assert f">{name}.h5:/segment" in text and text.count("h5:/") == text.count(f">{name}.h5:/")
+        assert fsipetsc.open_run(tmp_path / f"{name}.h5").summary["steps"] == steps
+    (tmp_path / "blast.xdmf").write_text("mine")
+    done = run(*words, 2, cwd=tmp_path)
+    assert done.returncode == 4 and "blast.xdmf" in done.stderr and (tmp_path / "blast.xdmf").read_text() == "mine"
+
+
+def test_one_dimension_has_no_xdmf(folder):
+    assert (folder / "pulse.h5").exists() and not xdmf.name_beside(folder / "pulse.h5").exists()
+
+
+def test_interfaces_are_lines(box):
+    below, plate, above = box.layers
+    for k, (row, gas, edge) in enumerate(((0, below, -1), (-1, above, 0))):
+        line = box.interface(k)
+        assert line.name == box.interfaces[k] == box.interface(line.name).name and line.solid == 1
+        for name in ("x", "y", "u", "v", "T"):
+            assert np.array_equal(getattr(line, name), plate[name][:, row])
+        assert np.array_equal(line.displacement, plate["y"][:, row] - plate.Y[row]) and np.ptp(line.displacement) > 1e-5
+        out = 1.0 if row else -1.0
+        assert np.allclose(line.n_x**2 + line.n_y**2, 1.0) and (out * line.n_y > 0.9).all()
+        # at rest under the pressure 1; later the gas's, but for friction and what both sides' operators differ by
+        assert np.allclose(line.t_y[0], -out, atol=1e-12) and np.allclose(line.t_x[0], 0.0, atol=1e-12)
+        inner = slice(2, -2)
+        push = -(line.t_x * line.n_x + line.t_y * line.n_y)[:, inner]
+        assert np.abs(push - gas["p"][:, edge, inner]).max() < (0.05 if k == 0 else 0.01)
+    assert np.abs(below["p"][-1, -1] - 1.0).max() > 0.05  # or it would be no test
+    with pytest.raises(IndexError):
+        box.interface(2)
+    with pytest.raises(KeyError, match=r"below \| plate"):
+        box.interface("nowhere")
+
+
+def test_no_lines_in_one_dimension(folder):
+    with fsipetsc.open_run(folder / "pulse.h5") as result, pytest.raises(IndexError):
+        result.interface(0)
+
+
+def test_a_line_that_is_bent():
+    """Under a hydrostatic stress the traction is the pressure along the normal, at second order."""
+    from fsipetsc.output.interface_line import along_edge
+
+    def error(n, upper):
+        X = np.linspace(0, 1, n)
+        x, y = X + 0.1 * np.sin(3 * X), 0.2 * np.cos(4 * X)
+        fields = {name: np.zeros((1, n)) for name in ("u", "v", "T", "s_xy")}
+        fields.update(x=x[None], y=y[None], s_xx=np.full((1, n), -2.0), s_yy=np.full((1, n), -2.0))
+        line = along_edge("a | b", 0, fields, X, 0.0, upper)
+        slope = np.array([0.8 * np.sin(4 * X), 1 + 0.3 * np.cos(3 * X)])
+        exact = -2.0 * slope / np.hypot(*slope) * (1 if upper else -1)
+        return np.abs(np.array([line.t_x[0], line.t_y[0]]) - exact).max()
+
+    for upper in (True, False):
+        assert error(41, upper) < 5e-3 and 3.5 < error(41, upper) / error(81, upper) < 4.5
+
+
+def test_info_and_repr_say_the_grid(box):
+    said = info(box.path).splitlines()
+    assert any(line.split() == ["dimension", "2"] for line in said)
+    assert any("plate" in line and "17 by 9 points" in line for line in said)
+    assert "plate (17 by 9 points)" in repr(box) and "17 by 9 points" in repr(box.layers[1])
+
+
+@pytest.fixture(scope="module")
+def figures(box, blast):
+    """(run, picture) -> the figure, laid out."""
+    drawn = {}
+    with matplotlib.rc_context(style.STYLE), np.errstate(all="ignore"):
+        for name, result in (("box", box), ("blast", blast)):
+            for picture, draw in pictures(result):
+                figure = drawn[name, picture] = Figure()
+                FigureCanvasAgg(figure)
+                draw(figure)
+                figure.canvas.draw()
+    return drawn
+
+
+def test_pictures_can_be_read(figures):
+    names = {"p", "rho", "v", "T", "stress", "interfaces", "ledgers", "steps"}
+    assert set(figures) == {(case, name) for case in ("box", "blast") for name in names}
+    for key, figure in figures.items():
+        assert_texts_apart(key, figure)
+
+
+def test_maps_are_on_the_grid_as_it_is_with_two_scales(blast):
+    gas, plate = blast.layers
+    pair, frame = MAPS[0], blast.nframes - 1
+    scales = [maps.colors(blast, quantity, [frame]) for quantity in (pair.gas, pair.solid)]
+    axes = Figure().subplots()
+    meshes = maps.panel(axes, blast, frame, scales)
+    for mesh, layer, name in zip(meshes, (gas, plate), ("p", "s_xx"), strict=True):
+        corners = mesh.get_coordinates()
+        assert np.array_equal(corners[..., 0], layer["x"][frame]) and np.array_equal(corners[..., 1], layer["y"][frame])
+        assert np.allclose(mesh.get_array(), layer[name][frame].reshape(mesh.get_array().shape), rtol=0, atol=1e-14)
+    limits = [mesh.get_clim() for mesh in meshes]
+    assert limits[0][1] >= gas["p"].max() > 1.5 and limits[1][1] < 0 and meshes[0].get_cmap() != meshes[1].get_cmap()
+    edges = [line.get_xydata() for line in axes.lines]
+    row = np.stack([plate["x"][frame, 0], plate["y"][frame, 0]], axis=-1)
+    assert any(len(edge) > len(row) and np.array_equal(edge[: len(row)], row) for edge in edges)
+
+
+def test_ledgers_begin_at_the_start(figures, blast):
+    axes = {a.get_ylabel().split(",")[0]: a for a in figures["blast", "ledgers"].axes if a.lines}
+    assert set(axes) == {"mass", "energy", "momentum", "entropy", "least J"}
+    (mass,) = axes["mass"].lines
+    exponent = 1e-15 if "⁻¹⁵" in axes["mass"].get_ylabel() else 1e-18
+    assert np.allclose(mass.get_ydata() * exponent, blast.series["mass"][:, 0] - blast.summary["initial_mass"], atol=1e-20)
+    assert len(axes["momentum"].lines) == len(axes["least J"].lines) == 2
+
+
+def test_film(folder, blast, tmp_path):
+    from PIL import Image
+
+    done = run("-m", "fsipetsc", "plot", folder / "blast.h5", "-animate", "-o", tmp_path)
+    assert (done.returncode, done.stdout.split()) == (0, [str(tmp_path / "blast.gif")])
+    with Image.open(tmp_path / "blast.gif") as film:
+        assert film.n_frames == blast.nframes
+        first = np.asarray(film.convert("RGB"))
+        film.seek(film.n_frames - 1)
+        last = np.asarray(film.convert("RGB"))
+    assert first.shape == last.shape and (first != last).any(axis=-1).mean() > 0.1
+    # the bars have the colors of the maps from end to end, not some that a frame happens to have
+    ends = np.round(255 * np.array([matplotlib.colormaps["RdBu_r"](end)[:3] for end in (0.0, 1.0)]))
+    assert all((np.abs(last - end).max(axis=-1) <= 2).any() for end in ends)
+
+
+def test_no_film_of_one_dimension(folder, tmp_path):
+    done = run("-m", "fsipetsc", "plot", folder / "pulse.h5", "-animate", "-o", tmp_path)
+    assert done.returncode == 2 and "one dimension" in done.stderr and len(done.stderr.splitlines()) == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_one_layer_alone_and_chosen_times(tmp_path):
+    """No interface, no gas, and times that are asked for."""
+    case = BOX.split("def build")[0] + (
+        "def build(opt):\n"
+        "    layer = PlaneSolidLayer('plate', plate, (0, 0.5), rest, left=Clamped(), right=Clamped())\n"
+        "    return PlaneProblem(layers=(layer,), X=(0, 1), lower=Free(1.1), upper=Free(1.0), units='none')\n"
+    ).replace("PlaneSolidLayer('plate'", "PlaneSolidLayer('plate'")
+    (tmp_path / "alone.py").write_text(case.replace("import Clamped, NoSlip, Slip", "import Clamped, Free"))
+    assert run("-m", "fsipetsc", "alone.py", "-ts_max_time", "0.1", "-fsi_quiet", cwd=tmp_path).returncode == 0
+    drawn = {path.stem for path in plot(tmp_path / "alone.h5", tmp_path, times=[0.0, 0.1])}
+    assert drawn == {f"alone-{name}" for name in ("p", "rho", "v", "T", "stress", "ledgers", "steps")}
+    assert animate(tmp_path / "alone.h5", tmp_path).stat().st_size > 1000

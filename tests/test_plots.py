@@ -88,17 +88,22 @@ def boxes(figure):
     return [(t.get_text(), t.get_window_extent(renderer)) for t in found]
 
 
+def assert_texts_apart(key, figure):
+    """No text lies on another or is cut off."""
+    written = boxes(figure)
+    width, height = figure.bbox.width, figure.bbox.height
+    for text, box in written:
+        if box.width:
+            assert -1 < box.x0 and box.x1 < width + 1 and -1 < box.y0 and box.y1 < height + 1, (key, text)
+    for i, (text, box) in enumerate(written):
+        for other, its in written[:i]:
+            apart = box.x0 >= its.x1 - 1 or its.x0 >= box.x1 - 1 or box.y0 >= its.y1 - 1 or its.y0 >= box.y1 - 1
+            assert apart, (key, text, other)
+
+
 def test_no_text_lies_on_another_or_is_cut_off(figures):
     for key, figure in figures.items():
-        written = boxes(figure)
-        width, height = figure.bbox.width, figure.bbox.height
-        for text, box in written:
-            if box.width:
-                assert -1 < box.x0 and box.x1 < width + 1 and -1 < box.y0 and box.y1 < height + 1, (key, text)
-        for i, (text, box) in enumerate(written):
-            for other, its in written[:i]:
-                apart = box.x0 >= its.x1 - 1 or its.x0 >= box.x1 - 1 or box.y0 >= its.y1 - 1 or its.y0 >= box.y1 - 1
-                assert apart, (key, text, other)
+        assert_texts_apart(key, figure)
 
 
 def test_drawn_pressure_is_what_gas_and_solid_have_in_common(results, figures):

@@ -11,7 +11,8 @@
 
 The columns of a layer are its fields, then the positions x where x is not a field. A new segment begins whenever a grid
 has grown. Frames share a dataset because creating one costs as much as a frame; the order point – frame – column lets
-every rank write its points as one block, so that what is written does not depend on the number of ranks.
+every rank write its points as one block, so that what is written does not depend on the number of ranks. In two dimensions
+points are counted row by row, X is their number, and the header has shape, origin and spacing; see also `xdmf`.
 """
 
 from __future__ import annotations

@@ -17,10 +17,8 @@ class InterfaceLine:
     X             (nx,) [m] reference coordinate, of the solid's points
     x, y          [m] position
     u, v, T       [m/s], [K] velocity and temperature of the solid
-    t_x, t_y      [Pa] traction that acts on the solid, s n, per length of the line as it is; n: the unit normal out of the
-                  solid.
-                  s is that saved, n by differences of second order, so they are no more accurate than that
-    pressure      [Pa] -t.n, what pushes the solid
+    n_x, n_y      unit normal out of the solid, by differences of second order along the line
+    t_x, t_y      [Pa] traction that acts on the solid, s n, per length of the line as it is, with the stress s that is saved
     displacement  [m] y less that of the reference, Y
     """
 
@@ -33,9 +31,10 @@ class InterfaceLine:
     u: Array
     v: Array
     T: Array
+    n_x: Array
+    n_y: Array
     t_x: Array
     t_y: Array
-    pressure: Array
 
     @property
     def displacement(self) -> Array:
@@ -51,5 +50,4 @@ def along_edge(name: str, number: int, fields: dict[str, Array], X: Array, Y: fl
     n_x, n_y = -y_X / length, x_X / length
     t_x = fields["s_xx"] * n_x + fields["s_xy"] * n_y
     t_y = fields["s_xy"] * n_x + fields["s_yy"] * n_y
-    motion = (fields[name] for name in ("u", "v", "T"))
-    return InterfaceLine(name, number, X, Y, x, y, *motion, t_x, t_y, -(t_x * n_x + t_y * n_y))
+    return InterfaceLine(name, number, X, Y, x, y, *(fields[name] for name in ("u", "v", "T")), n_x, n_y, t_x, t_y)

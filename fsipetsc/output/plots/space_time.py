@@ -61,7 +61,7 @@ def palette(colormap: str, scale: Scale, values: Sequence[Array], both: str = "R
     up, down = high - rest, rest - low
     low, high, rest = (float(scale(np.float64(v))) for v in (low, high, rest))
     if high <= low:
-        return {"cmap": colormap, "vmin": low - 0.5, "vmax": high + 0.5}
+        return {"cmap": both, "vmin": low - 0.5, "vmax": high + 0.5}
     if min(up, down) > BOTH_SIGNS * max(up, down) or colormap == "viridis":
         most = max(high - rest, rest - low)
         return {"cmap": both, "vmin": rest - most, "vmax": rest + most}

@@ -1,4 +1,4 @@
-"""How far the interfaces have moved, and what acts on them: over X and time, and at some points over time."""
+"""How far the interfaces have moved, and the pressure of the gas on them: over X and time, and at some points over time."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fsipetsc.output.interface_line import InterfaceLine
-from fsipetsc.output.plots.plane.quantities import OF_SOLIDS
 from fsipetsc.output.plots.scales import axis_label, scaled
 from fsipetsc.output.plots.space_time import palette
 from fsipetsc.output.plots.style import LINES, SERIES
@@ -23,25 +22,26 @@ POINTS = 3  # whose deflection is drawn as a line
 
 
 def draw(figure: Figure, run: Run) -> None:
-    """A row for each interface: its deflection over X and t, the pressure on the solid, the deflection of some points."""
+    """A row for each interface: its deflection over X and t, the pressure of the gas, the deflection of some points."""
     lines = [run.interface(k) for k in range(len(run.interfaces))]
     figure.set_size_inches(10.5, 0.5 + 3.4 * len(lines))
     grid = figure.subplots(len(lines), 3, squeeze=False)
-    for row, line in zip(grid, lines):
+    for k, (row, line) in enumerate(zip(grid, lines)):
         deflection = scaled(run, "deflection", "m", line.displacement)
         colored = palette("viridis", deflection, [line.displacement])
-        _map(figure, row[0], run, line, deflection(line.displacement), deflection.label, colored)
+        _map(figure, row[0], run, line.X, deflection(line.displacement), deflection.label, colored)
         row[0].set_title(line.name, loc="left")
-        push = line.pressure
-        scale = scaled(run, "pressure on the solid", "Pa", push, start=push[0])
-        _map(figure, row[1], run, line, scale(push), scale.label, palette("viridis", scale, [push], OF_SOLIDS))
-        for k, point in enumerate(points(line)):
+        gas = next(layer for layer in (run.layers[k], run.layers[k + 1]) if layer.kind == "fluid")
+        load = gas["p"][:, -1 if gas is run.layers[k] else 0]
+        scale = scaled(run, "pressure of the gas there", "Pa", load, start=load[0])
+        _map(figure, row[1], run, gas.X, scale(load), scale.label, palette("viridis", scale, [load]))
+        for color, point in enumerate(points(line)):
             label = f"X = {line.X[point]:.4g}"
             row[2].plot(
                 run.time,
                 deflection(line.displacement[:, point]),
-                color=SERIES[k],
-                linestyle=LINES[k],
+                color=SERIES[color],
+                linestyle=LINES[color],
                 marker="." if run.nframes < 30 else "",
                 label=label,
             )
@@ -56,10 +56,10 @@ def points(line: InterfaceLine) -> list[int]:
     return sorted({round(last * k / (POINTS + 1)) for k in range(1, POINTS + 1)})
 
 
-def _map(figure: Figure, axes: Axes, run: Run, line: InterfaceLine, values: Array, label: str, colored: dict) -> None:
+def _map(figure: Figure, axes: Axes, run: Run, X: Array, values: Array, label: str, colored: dict) -> None:
     from matplotlib.ticker import MaxNLocator
 
-    picture = axes.pcolormesh(line.X, run.time, values, shading="gouraud", rasterized=True, **colored)
+    picture = axes.pcolormesh(X, run.time, values, shading="gouraud", rasterized=True, **colored)
     axes.grid(visible=False)
     axes.set(xlabel=axis_label(run, "X", "m"), ylabel=axis_label(run, "t", "s"))
     bar = figure.colorbar(picture, ax=axes, location="top", aspect=30, pad=0.02)

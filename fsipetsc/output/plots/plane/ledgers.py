@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 Array = np.ndarray
 #: title, unit, and the series that are drawn together; whether as what they have changed by since the start
 PANELS = (
-    ("mass of gases, change", "kg/m", ("mass",), True),
+    ("mass, change", "kg/m", ("mass",), True),
     ("energy, change", "J/m", ("energy",), True),
-    ("momentum", "kg/s", ("momentum_x", "momentum_y"), False),
+    ("momentum, change", "kg/s", ("momentum_x", "momentum_y"), True),
     ("entropy, change", "J/(m K)", ("entropy",), True),
     ("least J", "", ("least_J",), False),
 )
@@ -30,13 +30,12 @@ def draw(figure: Figure, run: Run) -> None:
     """A panel for each of them; integrals per length across the plane."""
     panels = [panel for panel in PANELS if all(name in run.series for name in panel[2])]
     rows = -(-len(panels) // 2)
-    figure.set_size_inches(7.6, 0.6 + 2.1 * rows)
+    figure.set_size_inches(7.6, 0.6 + 2.2 * rows)
     grid = figure.subplots(rows, 2, squeeze=False)
     for axes, (title, unit, names, change) in zip(grid.flat, panels):
         _panel(axes, run, title, unit, [curve for name in names for curve in curves(run, name, change)])
     for axes in grid.flat[len(panels) :]:
         axes.set_visible(False)
-    figure.align_ylabels(grid)
     set_title(figure, of_run(run, "ledgers"))
 
 

@@ -34,7 +34,7 @@ class Colors:
 
 
 def colors(run: Run, quantity: Quantity, chosen: Sequence[int]) -> Colors | None:
-    """Those for the chosen frames; None if no layer has the quantity."""
+    """Those for the chosen frames and the first one; None if no layer has the quantity."""
     layers = [layer for layer in run.layers if quantity.of(layer.kind)]
     if not layers:
         return None
@@ -42,7 +42,7 @@ def colors(run: Run, quantity: Quantity, chosen: Sequence[int]) -> Colors | None
     start = np.concatenate([values[0].ravel() for values in shown])
     scale = scaled(run, quantity.label, quantity.unit, *shown, start=start)
     both = OF_SOLIDS if quantity.solid else "RdBu_r"
-    return Colors(quantity, scale, palette(quantity.colormap, scale, [values[1:] for values in shown], both))
+    return Colors(quantity, scale, palette(quantity.colormap, scale, shown, both))
 
 
 def draw(figure: Figure, run: Run, pair: Pair, times: Sequence[float] | None) -> None:
@@ -53,7 +53,8 @@ def draw(figure: Figure, run: Run, pair: Pair, times: Sequence[float] | None) ->
     ranges = domain(run)
     width, height = panel_size(ranges)
     scales = [found for quantity in (pair.gas, pair.solid) if (found := colors(run, quantity, chosen))]
-    figure.set_size_inches(max(5.0, 0.8 + width * columns), 0.9 + 0.75 * len(scales) + (height + 0.3) * rows)
+    figure.set_size_inches(max(5.0, 0.7 + (width + 0.3) * columns), 0.6 + 0.6 * len(scales) + (height + 0.4) * rows)
+    figure.set_layout_engine("compressed")
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     for axes, frame in zip(grid.flat, chosen):
         pictures = panel(axes, run, frame, scales)
@@ -61,8 +62,9 @@ def draw(figure: Figure, run: Run, pair: Pair, times: Sequence[float] | None) ->
         axes.set_title(f"t = {run.time[frame]:.4g}{unit_of(run, 's')}", loc="left")
     for axes in grid.flat[len(chosen) :]:
         axes.set_visible(False)
+    few_ticks(grid[0, 0])
     for own, picture in zip(scales, pictures):
-        bar(figure, picture, own, grid)
+        bar(figure, picture, own, grid, 6)
     figure.supxlabel(axis_label(run, "x", "m"), fontsize=9)
     figure.supylabel(axis_label(run, "y", "m"), fontsize=9)
     set_title(figure, of_run(run, pair.title))
@@ -105,14 +107,21 @@ def outline(axes: Axes, x: Array, y: Array, inside: int = 8) -> None:
     axes.plot(*around, color="black", linewidth=0.8)
 
 
-def bar(figure: Figure, picture: Any, own: Colors, grid: Any) -> None:
+def bar(figure: Figure, picture: Any, own: Colors, grid: Any, ticks: int) -> None:
     """A color bar above the panels."""
     from matplotlib.ticker import MaxNLocator
 
-    made = figure.colorbar(picture, ax=grid, location="top", aspect=50, pad=0.02, shrink=0.9)
-    made.set_label(own.scale.label)
+    made = figure.colorbar(picture, ax=grid, location="top", aspect=8 * ticks, pad=0.02, shrink=0.9)
+    made.set_label(own.scale.label.replace(", less", ",\nless") if ticks < 6 else own.scale.label)
     made.outline.set_visible(False)
-    made.locator = MaxNLocator(6)
+    made.locator = MaxNLocator(ticks)
+
+
+def few_ticks(axes: Axes) -> None:
+    """So many that their numbers have room."""
+    from matplotlib.ticker import MaxNLocator
+
+    axes.xaxis.set_major_locator(MaxNLocator(5))
 
 
 def domain(run: Run) -> tuple[tuple[float, float], tuple[float, float]]:

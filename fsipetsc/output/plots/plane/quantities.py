@@ -26,10 +26,6 @@ class Pair(NamedTuple):
         return self.gas if kind == "fluid" else self.solid
 
 
-def _speed(fields: Mapping[str, Array]) -> Array:
-    return np.hypot(fields["u"], fields["v"])
-
-
 def _shear(fields: Mapping[str, Array]) -> Array:
     """Of all directions in the plane, the largest."""
     return np.hypot(0.5 * (fields["s_xx"] - fields["s_yy"]), fields["s_xy"])
@@ -54,9 +50,9 @@ MAPS = (
         _of_solid("shear", "solid: largest shear stress", "Pa", _shear, "Oranges"),
     ),
     Pair(
-        *("speed", "speed"),
-        _of_gas("speed", "gas: speed", "m/s", _speed, "YlGnBu"),
-        _of_solid("speed", "solid: speed", "m/s", _speed, "Oranges"),
+        *("v", "velocity across the layers"),
+        _of_gas("v", "gas: velocity v", "m/s", field("v"), "YlGnBu"),
+        _of_solid("v", "solid: velocity v", "m/s", field("v"), "Oranges"),
     ),
     Pair(
         *("T", "temperature"),

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from fsipetsc.output.plots.plane.maps import bar, chosen_frames, colors, mesh, outline
-from fsipetsc.output.plots.plane.quantities import MAPS, STRESSES
+from fsipetsc.output.plots.plane.maps import bar, chosen_frames, colors, few_ticks, mesh, outline
+from fsipetsc.output.plots.plane.quantities import STRESSES
 from fsipetsc.output.plots.scales import axis_label, extremes, unit_of
 from fsipetsc.output.plots.titles import of_run, set_title
-from fsipetsc.output.reader import Run
+from fsipetsc.output.reader import PlaneLayer, Run
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -19,11 +19,13 @@ THIN = 0.25  # height over width, below which a solid is drawn higher than it is
 
 def draw(figure: Figure, run: Run, times: Sequence[float] | None) -> None:
     """A column for each of the stresses, a row for each time and solid; what is thin is drawn higher than it is."""
-    chosen = chosen_frames(run, MAPS[0].gas, MAPS[0].solid, times)
+    chosen = chosen_frames(run, STRESSES[0], STRESSES[0], times)
     solids = [layer for layer in run.layers if layer.kind == "solid"]
     rows = [(frame, layer) for layer in solids for frame in chosen]
-    figure.set_size_inches(3.3 * len(STRESSES), 1.6 + 1.25 * len(rows))
-    grid = figure.subplots(len(rows), len(STRESSES), sharex=True, sharey=len(solids) == 1, squeeze=False)
+    heights = [min(1.0, max(THIN, height(layer))) for _, layer in rows]
+    figure.set_size_inches(3.3 * len(STRESSES), 1.5 + sum(0.35 + 2.6 * share for share in heights))
+    figure.set_layout_engine("compressed")
+    grid = figure.subplots(len(rows), len(STRESSES), sharex=True, sharey=len(solids) == 1, squeeze=False, height_ratios=heights)
     higher = False
     for column, quantity in enumerate(STRESSES):
         own = colors(run, quantity, chosen)
@@ -32,14 +34,20 @@ def draw(figure: Figure, run: Run, times: Sequence[float] | None) -> None:
             picture = mesh(axes, layer, fields, own, frame)
             outline(axes, fields["x"], fields["y"])
             axes.grid(visible=False)
-            x, y = extremes(layer["x"]), extremes(layer["y"])
-            thin = y[1] - y[0] < THIN * (x[1] - x[0])
+            thin = height(layer) < THIN
             higher |= thin
-            axes.set(xlim=x, ylim=y, aspect="auto" if thin else "equal")
+            axes.set(xlim=extremes(layer["x"]), ylim=extremes(layer["y"]), aspect="auto" if thin else "equal")
             if column == 0:
                 name = f"{layer.name}, " if len(solids) > 1 else ""
                 axes.set_title(f"{name}t = {run.time[frame]:.4g}{unit_of(run, 's')}", loc="left")
-        bar(figure, picture, own, list(grid[:, column]))
+        bar(figure, picture, own, list(grid[:, column]), 3)
+    few_ticks(grid[0, 0])
     figure.supxlabel(axis_label(run, "x", "m"), fontsize=9)
     figure.supylabel(axis_label(run, "y", "m"), fontsize=9)
     set_title(figure, of_run(run, f"stresses in the solid{', drawn higher than it is' if higher else ''}"))
+
+
+def height(layer: PlaneLayer) -> float:
+    """Of all that the layer ever covers, over its width."""
+    (left, right), (low, high) = extremes(layer["x"]), extremes(layer["y"])
+    return (high - low) / (right - left)
