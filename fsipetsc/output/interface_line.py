@@ -19,6 +19,7 @@ class InterfaceLine:
     u, v, T       [m/s], [K] velocity and temperature of the solid
     n_x, n_y      unit normal out of the solid, by differences of second order along the line
     t_x, t_y      [Pa] traction that acts on the solid, s n, per length of the line as it is, with the stress s that is saved
+    pressure      [Pa] -t.n, what pushes the solid
     displacement  [m] y less that of the reference, Y
     """
 
@@ -35,6 +36,10 @@ class InterfaceLine:
     n_y: Array
     t_x: Array
     t_y: Array
+
+    @property
+    def pressure(self) -> Array:
+        return -(self.t_x * self.n_x + self.t_y * self.n_y)
 
     @property
     def displacement(self) -> Array:

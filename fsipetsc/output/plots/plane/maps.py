@@ -26,11 +26,12 @@ SIZE = 3.6  # inches, the longer side of a panel
 
 @dataclass(frozen=True)
 class Colors:
-    """Scale and colors of a quantity of some layers; the same at all times that are shown."""
+    """Scale and colors of a quantity of some layers, the same at all times that are shown; range: of the scaled values."""
 
     quantity: Quantity
     scale: Scale
     palette: dict[str, Any]
+    range: tuple[float, float]
 
 
 def colors(run: Run, quantity: Quantity, chosen: Sequence[int]) -> Colors | None:
@@ -42,7 +43,7 @@ def colors(run: Run, quantity: Quantity, chosen: Sequence[int]) -> Colors | None
     start = np.concatenate([values[0].ravel() for values in shown])
     scale = scaled(run, quantity.label, quantity.unit, *shown, start=start)
     both = OF_SOLIDS if quantity.solid else "RdBu_r"
-    return Colors(quantity, scale, palette(quantity.colormap, scale, shown, both))
+    return Colors(quantity, scale, palette(quantity.colormap, scale, shown, both), extremes(*map(scale, shown)))
 
 
 def draw(figure: Figure, run: Run, pair: Pair, times: Sequence[float] | None) -> None:
@@ -108,13 +109,15 @@ def outline(axes: Axes, x: Array, y: Array, inside: int = 8) -> None:
 
 
 def bar(figure: Figure, picture: Any, own: Colors, grid: Any, ticks: int) -> None:
-    """A color bar above the panels."""
+    """A color bar above the panels, of the values that there are: pressures below 0 would be a riddle."""
     from matplotlib.ticker import MaxNLocator
 
     made = figure.colorbar(picture, ax=grid, location="top", aspect=8 * ticks, pad=0.02, shrink=0.9)
     made.set_label(own.scale.label.replace(", less", ",\nless") if ticks < 6 else own.scale.label)
     made.outline.set_visible(False)
     made.locator = MaxNLocator(ticks)
+    if own.range[0] < own.range[1] and own.scale.constant is None:
+        made.ax.set_xlim(own.range)
 
 
 def few_ticks(axes: Axes) -> None:
