@@ -57,13 +57,17 @@ def box(tmp_path_factory):
     """Results of the box on 1, 2, 3, 6 ranks."""
     folder = tmp_path_factory.mktemp("box")
     (folder / "box2d.py").write_text(BOX)
-    return {n: computed(folder, f"{n}.h5", "box2d.py", ranks=n) for n in (1, 2, 3, 6)}
+    return {n: computed(folder, f"{n}.h5", "box2d.py", "-fsi_points", "0,0.3,1", ranks=n) for n in (1, 2, 3, 6)}
 
 
 @pytest.mark.parametrize("n", [2, 3, 6])
 def test_ranks_make_no_difference(box, n):
     one, several = box[1], box[n]
-    assert np.array_equal(one.series["t"], several.series["t"]) and len(one.series["t"]) > 10
+    watched = [name for name in one.series if name.endswith("_point")]
+    assert len(watched) == 8 and one.series["q_point"].shape[1] == 6 == len(one.points)  # three on each interface
+    for name in ("t", "least_J", *watched):
+        assert np.array_equal(one.series[name], several.series[name]), name
+    assert np.ptp(one.series["t_y_point"], axis=0)[[1, 4]].min() > 1e-5 and len(one.series["t"]) > 10
     for a, b in zip(one.layers, several.layers, strict=True):
         for name in a.fields:
             assert np.array_equal(a[name], b[name]), (a.name, name)

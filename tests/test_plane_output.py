@@ -129,15 +129,25 @@ def test_no_lines_in_one_dimension(folder):
 
 
 def test_a_line_that_is_bent():
-    """Under a hydrostatic stress the traction is the pressure along the normal, at second order."""
+    """Under a hydrostatic stress the traction is the pressure along the normal, at second order; a linear temperature has
+    its gradient, whatever the grid.
+    """
     from fsipetsc.output.interface_line import along_edge
 
     def error(n, upper):
-        X = np.linspace(0, 1, n)
+        X, h = np.linspace(0, 1, n), 0.1
         x, y = X + 0.1 * np.sin(3 * X), 0.2 * np.cos(4 * X)
         fields = {name: np.zeros((1, n)) for name in ("u", "v", "T", "s_xy")}
         fields.update(x=x[None], y=y[None], s_xx=np.full((1, n), -2.0), s_yy=np.full((1, n), -2.0))
-        line = along_edge("a | b", 0, fields, X, 0.0, upper)
+        # rows within the solid, sheared and bent; T is linear in x and y
+        Y = np.array([0.0, -h, -2 * h]) * (1 if upper else -1)
+        fields = {name: np.stack([f] * 3) for name, f in fields.items()}
+        fields["x"] = fields["x"] + 0.2 * Y[:, None, None] + Y[:, None, None] ** 2
+        fields["y"] = fields["y"] + Y[:, None, None] * (1.5 + 0.3 * X)
+        fields["T"] = 1 + 0.7 * fields["x"] - 0.4 * fields["y"]
+        line = along_edge("a | b", 0, fields, X, Y, 3.0)
+        assert line.Y == 0.0 and np.array_equal(line.x[0], x)
+        assert np.allclose(line.heat, 3.0 * (0.7 * line.n_x - 0.4 * line.n_y), rtol=0, atol=1e-12)
         slope = np.array([0.8 * np.sin(4 * X), 1 + 0.3 * np.cos(3 * X)])
         exact = -2.0 * slope / np.hypot(*slope) * (1 if upper else -1)
         return np.abs(np.array([line.t_x[0], line.t_y[0]]) - exact).max()

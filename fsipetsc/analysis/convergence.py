@@ -26,6 +26,12 @@ from fsipetsc.usage import program
 if TYPE_CHECKING:
     from mpi4py import MPI
 
+    from fsipetsc.plane import PlaneProblem
+    from fsipetsc.problem import Problem
+
+#: by dimension, what -fsi_h is multiplied with for the grids of a study
+FACTORS = {1: (4, 2, 1, 1 / 2, 1 / 4), 2: (2, 1, 2 / 3)}
+
 
 def _orders_only(values: Sequence[int]) -> str | None:
     return None if values and set(values) <= {2, 4, 6, 8} else "orders out of 2, 4, 6, 8"
@@ -38,7 +44,8 @@ def _spacings(values: Sequence[float]) -> str | None:
 OPTIONS = (
     Option("fsi_orders", "ints", (2, 4, 6, 8), "", "orders to study, instead of -fsi_order", check=_orders_only),
     Option(
-        *("fsi_hs", "floats", None, "m", "grid spacings to study; default: 4, 2, 1, 1/2 and 1/4 times -fsi_h"),
+        *("fsi_hs", "floats", None, "m"),
+        help="grid spacings to study; default: 4, 2, 1, 1/2 and 1/4 times -fsi_h, in 2-D 2, 1 and 2/3 times",
         check=_spacings,
     ),
 )
@@ -75,19 +82,22 @@ def study(case: Any, opt: Mapping[str, Any], given: Container[str], comm: MPI.Co
     """
     from fsipetsc.output.plots.convergence import convergence_figures
     from fsipetsc.stepping.run import versions
+    from fsipetsc.stepping.solve import build_problem
 
     path = _target(case, opt, given)
-    orders = tuple(dict.fromkeys(opt["fsi_orders"]))
-    spacings = opt["fsi_hs"] or tuple(factor * opt["fsi_h"] for factor in (4, 2, 1, 1 / 2, 1 / 4))
+    orders, problem = tuple(dict.fromkeys(opt["fsi_orders"])), build_problem(case, opt, comm)
+    spacings = opt["fsi_hs"] or tuple(factor * opt["fsi_h"] for factor in FACTORS[problem.dimension])
     table = ConvergenceStudy(
         *(case.NAME, opt["ts_max_time"], orders, _distinct(spacings), comm.size),
         {name: value for name, value in opt.items() if name not in ("fsi_order", "fsi_h", "fsi_output")},
         versions(),
+        units=problem.units,
+        dimension=problem.dimension,
     )
-    notes = _check(case, opt, comm, table)
+    _check(case, problem, opt, comm, table)
     say = (lambda text: None) if opt["fsi_quiet"] else (lambda text: _say(comm, text))
     say(f"{case.NAME} to {table.time} on {counted(comm.size, 'rank')}: {table.norm} errors and observed orders")
-    for note in notes:
+    for note in problem.notes:
         say(note)
     reached = _run_all(case, opt, comm, table, say)
     if len(table.hs) > 1:
@@ -137,20 +147,17 @@ def _run_all(case: Any, opt: Mapping[str, Any], comm: MPI.Comm, table: Convergen
     return reached
 
 
-def _check(case: Any, opt: Mapping[str, Any], comm: MPI.Comm, table: ConvergenceStudy) -> tuple[str, ...]:
-    """Lay every grid once, so that what does not fit is known before the first run; returns the problem's notes.
+def _check(
+    case: Any, problem: Problem | PlaneProblem, opt: Mapping[str, Any], comm: MPI.Comm, table: ConvergenceStudy
+) -> None:
+    """Lay every grid once, so that what does not fit is known before the first run. Collective; InputError."""
+    from fsipetsc.stepping.solve import make_state
 
-    Collective.
-    """
-    from fsipetsc.stepping.solve import build_problem, make_state
-
-    problem = build_problem(case, opt, comm)
-    table.units = problem.units
     without = [layer.name for layer in problem.layers if layer.exact is None]
     if without:
         raise InputError(
             f"the case {case.NAME} has no exact solution in layer '{without[0]}', so there are no errors to study; "
-            "a case has one where its layers are given exact=… (mms and pulse are such cases)"
+            "a case has one where its layers are given exact=… (mms, pulse and plane_mms are such cases)"
         )
     for order in table.orders:
         for h in table.hs:
@@ -158,7 +165,6 @@ def _check(case: Any, opt: Mapping[str, Any], comm: MPI.Comm, table: Convergence
                 make_state(problem, {**opt, "fsi_order": order, "fsi_h": h}, comm).destroy()
             except InputError as error:
                 raise InputError(f"order {order}, h = {h:g}: {error}") from None
-    return problem.notes
 
 
 def _target(case: Any, opt: Mapping[str, Any], given: Container[str]) -> Path:

@@ -19,8 +19,11 @@ from fsipetsc.errors import FileError
 from fsipetsc.operators.sbp import operator
 
 FORMAT, VERSION = "fsipetsc convergence study", 1
-#: what is compared in each kind of layer; the last is all of them together
-NAMES = {"fluid": ("rho", "u", "T", "combined"), "solid": ("u", "sigma", "T", "x", "combined")}
+#: by dimension, what is compared in each kind of layer; the last is all of them together
+NAMES = {
+    1: {"fluid": ("rho", "u", "T", "combined"), "solid": ("u", "sigma", "T", "x", "combined")},
+    2: {"fluid": ("rho", "u", "v", "T", "combined"), "solid": ("u", "v", "T", "x", "y", "combined")},
+}
 _COST = ("points", "steps", "evaluations", "wall_time")
 
 
@@ -31,7 +34,7 @@ class ConvergenceStudy:
     hs: grid spacings [m], coarse to fine. t: time of comparison [s]. errors: kind -> name -> (orders, grids).
     points, steps, evaluations of the right-hand side, wall_time of the time loop [s]: (orders, grids).
     failures: (order, h) -> message. options: in force, without order and grid spacing. units: as in
-    fsipetsc.problem.Problem.
+    fsipetsc.problem.Problem. dimension: of the problem, 1 or 2.
     """
 
     case: str
@@ -43,17 +46,18 @@ class ConvergenceStudy:
     versions: Mapping[str, str] = field(default_factory=dict)
     failures: dict[tuple[int, float], str] = field(default_factory=dict)
     units: str = "SI"
+    dimension: int = 1
 
     def __post_init__(self) -> None:
-        shape = len(self.orders), len(self.hs)
-        self.errors = {kind: {name: np.full(shape, np.nan) for name in names} for kind, names in NAMES.items()}
+        shape, self._names = (len(self.orders), len(self.hs)), NAMES[self.dimension]
+        self.errors = {kind: {name: np.full(shape, np.nan) for name in names} for kind, names in self._names.items()}
         for name in _COST:
             setattr(self, name, np.full(shape, np.nan))
 
     def put(self, i: int, j: int, outcome: Any) -> None:
         """Keep the outcome of the run with order i and grid j (fsipetsc.stepping.solve.Outcome)."""
         for kind, values in outcome.errors.items():  # of the layers that there are
-            for name in NAMES[kind]:
+            for name in self._names[kind]:
                 self.errors[kind][name][i, j] = values[name]
         for name in _COST:
             getattr(self, name)[i, j] = getattr(outcome, name)
@@ -83,13 +87,13 @@ class ConvergenceStudy:
 
     def columns(self) -> Iterator[tuple[str, str]]:
         """(kind, name) of every error."""
-        return ((kind, name) for kind, names in NAMES.items() for name in names)
+        return ((kind, name) for kind, names in self._names.items() for name in names)
 
     # ------------------------------------------------------------------ text
 
     def head(self, i: int) -> str:
         """The lines above the rows of order i."""
-        groups = "".join(f"{kind:^{9 * len(names)}}" for kind, names in NAMES.items())
+        groups = "".join(f"{kind:^{9 * len(names)}}" for kind, names in self._names.items())
         names = "".join(f"{'all' if name == 'combined' else name:>9}" for _, name in self.columns())
         title = f"{operator(self.orders[i]).name:<24}{groups}".rstrip()
         return f"{title}\n{'h':<10}{'points':>7}{'steps':>7}{names}{'µs/pt/st':>9}{'wall s':>8}"
@@ -114,7 +118,7 @@ class ConvergenceStudy:
         pairs = [f"{a:g}→{b:g}" for a, b in zip(self.hs, self.hs[1:])]
         width = max([8, *map(len, pairs)]) + 2
         lines = ["observed orders of all errors together", f"{'':<12}" + "".join(f"{pair:>{width}}" for pair in pairs)]
-        for kind in NAMES:
+        for kind in self._names:
             rates = self.rates(kind)
             if not np.isfinite(self.errors[kind]["combined"]).any():
                 continue
@@ -153,7 +157,7 @@ class ConvergenceStudy:
             with h5py.File(path, "w") as file:
                 file.attrs["format"], file.attrs["version"] = FORMAT, VERSION
                 file.attrs["case"], file.attrs["t"], file.attrs["ranks"] = self.case, self.t, self.ranks
-                file.attrs["units"] = self.units
+                file.attrs["units"], file.attrs["dimension"] = self.units, self.dimension
                 file["orders"], file["h"] = self.orders, self.hs
                 for kind, name in self.columns():
                     file[f"errors/{kind}/{name}"] = self.errors[kind][name]
@@ -185,6 +189,7 @@ def load(path: str | Path) -> ConvergenceStudy:
                 json.loads(file["versions"].asstr()[()]),
                 {(order, h): text for order, h, text in json.loads(file["failures"].asstr()[()])},
                 str(file.attrs.get("units", "SI")),
+                int(file.attrs.get("dimension", 1)),
             )
             for kind, name in study.columns():
                 study.errors[kind][name][:] = file[f"errors/{kind}/{name}"]

@@ -20,6 +20,8 @@ class InterfaceLine:
     n_x, n_y      unit normal out of the solid, by differences of second order along the line
     t_x, t_y      [Pa] traction that acts on the solid, s n, per length of the line as it is, with the stress s that is saved
     pressure      [Pa] -t.n, what pushes the solid
+    heat          [W/m2] heat flux into the solid, kappa_e n.grad T, per length of the line as it is, by such differences within
+                  the solid; NaN in results of earlier versions
     displacement  [m] y less that of the reference, Y
     """
 
@@ -36,6 +38,7 @@ class InterfaceLine:
     n_y: Array
     t_x: Array
     t_y: Array
+    heat: Array
 
     @property
     def pressure(self) -> Array:
@@ -46,13 +49,21 @@ class InterfaceLine:
         return self.y - self.Y
 
 
-def along_edge(name: str, number: int, fields: dict[str, Array], X: Array, Y: float, upper: bool) -> InterfaceLine:
-    """The line of a solid's edge row; fields: name -> (nframes, nx). upper: the gas lies above."""
-    x, y = fields["x"], fields["y"]
+def along_edge(name: str, number: int, fields: dict[str, Array], X: Array, Y: Array, kappa_e: float) -> InterfaceLine:
+    """The line of a solid's edge row; fields: name -> (3, nframes, nx), of this row and the next ones within the solid, and Y
+    (3,) of these. kappa_e: conductivity of the solid.
+    """
     order = min(2, len(X) - 1)
-    x_X, y_X = (np.gradient(values, X, axis=-1, edge_order=order) for values in (x, y))
-    length = np.hypot(x_X, y_X) * (1.0 if upper else -1.0)
+    x, y, T = (fields[quantity] for quantity in ("x", "y", "T"))
+    (x_X, x_Y), (y_X, y_Y), (T_X, T_Y) = (
+        (np.gradient(f[0], X, axis=-1, edge_order=order), (4.0 * f[1] - f[2] - 3.0 * f[0]) / (Y[2] - Y[0])) for f in (x, y, T)
+    )
+    length = np.hypot(x_X, y_X) * (1.0 if Y[0] > Y[1] else -1.0)
     n_x, n_y = -y_X / length, x_X / length
-    t_x = fields["s_xx"] * n_x + fields["s_xy"] * n_y
-    t_y = fields["s_xy"] * n_x + fields["s_yy"] * n_y
-    return InterfaceLine(name, number, X, Y, x, y, *(fields[name] for name in ("u", "v", "T")), n_x, n_y, t_x, t_y)
+    edge = {quantity: values[0] for quantity, values in fields.items()}
+    t_x = edge["s_xx"] * n_x + edge["s_xy"] * n_y
+    t_y = edge["s_xy"] * n_x + edge["s_yy"] * n_y
+    J = x_X * y_Y - x_Y * y_X
+    T_x, T_y = (y_Y * T_X - y_X * T_Y) / J, (x_X * T_Y - x_Y * T_X) / J
+    motion = (edge[quantity] for quantity in ("x", "y", "u", "v", "T"))
+    return InterfaceLine(name, number, X, float(Y[0]), *motion, n_x, n_y, t_x, t_y, kappa_e * (T_x * n_x + T_y * n_y))

@@ -37,6 +37,7 @@ class Run:
     layers              tuple of :class:`Layer`, from left to right
     dimension           1 or 2; in two, layers are :class:`PlaneLayer`, from below, and `interface` has the lines between them
     interfaces          their names, from left to right
+    points              of the series in two dimensions (-fsi_points): tuple of (name of the interface, X)
     series              name -> (nsteps,) or (nsteps, m), one row per time step: "t", "dt", "x_interface", …
 
     Use it as a context manager or call `close`; what was read before stays usable.
@@ -58,6 +59,8 @@ class Run:
         self.case: str = self.header["case"]
         self.options: dict[str, Any] = _Named("option", self.header["options"])
         self.interfaces: tuple[str, ...] = tuple(self.header.get("interfaces", ()))
+        points = self.header.get("points", ())
+        self.points: tuple[tuple[str, float], ...] = tuple((self.interfaces[int(k)], float(X)) for k, X in points)
         known: dict[str, Any] = {name: self.header[name] for name in ("versions", "ranks") if name in self.header}
         self.summary: dict[str, Any] = _Named("summary entry", {**known, **self._source.summary})
         self.complete = self._source.complete and self.summary.get("status", "done") == "done"
@@ -82,7 +85,7 @@ class Run:
         return int(np.argmin(np.abs(self.time - t)))
 
     def interface(self, k: int | str) -> InterfaceLine:
-        """Interface k (counted from below, or its name) of a run in two dimensions, over the frames: line, motion, traction.
+        """Interface k (counted from below, or its name) of a run in two dimensions, over the frames: motion, traction, heat.
 
         KeyError or IndexError if there is none.
         """
@@ -90,10 +93,12 @@ class Run:
         if isinstance(k, str) and k not in names:
             raise KeyError(_unknown("line of an interface", k, names))
         number = names.index(k) if isinstance(k, str) else range(len(names))[k]
-        solid = number if self.layers[number].kind == "solid" else number + 1
-        layer, row = self.layers[solid], -1 if solid == number else 0
-        edge = {name: layer[name][:, row] for name in layer.fields}
-        return along_edge(names[number], solid, edge, layer.X, float(layer.Y[row]), upper=row == -1)
+        below = self.layers[number].kind == "solid"
+        solid = number if below else number + 1
+        layer, kappa_e = self.layers[solid], self.header["layers"][solid].get("kappa_e", np.nan)
+        rows = (-1, -2, -3) if below else (0, 1, 2)
+        edge = {name: np.stack([layer[name][:, row] for row in rows]) for name in layer.fields}
+        return along_edge(names[number], solid, edge, layer.X, layer.Y[list(rows)], kappa_e)
 
     def close(self) -> None:
         self._source.close()

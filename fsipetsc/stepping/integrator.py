@@ -23,6 +23,7 @@ from fsipetsc.stepping.error_control import ErrorControl
 from fsipetsc.stepping.fused import NAME, FusedRK4
 from fsipetsc.stepping.output_times import OutputTimes
 from fsipetsc.stepping.phases import logged
+from fsipetsc.stepping.plane.watched import NAMES as OF_POINTS
 from fsipetsc.stepping.series import Series
 from fsipetsc.stepping.state import FAULT, State
 
@@ -282,7 +283,7 @@ class Integrator:
             state.set_data(0.0)  # with differences in time of the length that a step has
         self._finish()
         self._check(0.0, state.results[:LAST].tolist())
-        found = {name: state.latest[name] for name in shares(state.latest.dtype) if name != "impulse"}
+        found = {name: state.latest[name] for name in shares(state.latest.dtype) if name not in ("impulse", *OF_POINTS)}
         self.initial = {name: state.comm.allreduce(share).tolist() for name, share in found.items()}
         self.beyond = self._beyond(float(state.results[RATE]))
         self._times.pass_time(0.0)

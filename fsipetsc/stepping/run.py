@@ -89,6 +89,7 @@ class _Run:
             "ranks": self.comm.size,
             "layers": self.state.header(),
             "interfaces": interface_names(self.problem),
+            "points": self.state.recorded,
             "notes": list(self.problem.notes),
             "units": self.problem.units,
             "laws": self.problem.invariants,

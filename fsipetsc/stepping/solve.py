@@ -68,7 +68,9 @@ def make_state(problem: Problem | PlaneProblem, opt: dict[str, Any], comm: MPI.C
             publish(opt)
         convection = "divergence" if opt["fsi_convection"] == "divergence" else "entropy"
         form = PlaneForm(convection, SIGMA * opt["fsi_dissipation"], opt["fsi_shock"])
-        return PlaneState(comm, problem, opt["fsi_order"], opt["fsi_h"], form)
+        return PlaneState(comm, problem, opt["fsi_order"], opt["fsi_h"], form, opt["fsi_points"] or ())
+    if opt["fsi_points"]:
+        raise InputError("-fsi_points is of two dimensions: in one, series of all interfaces are recorded anyway")
     names = ("fsi_order", "fsi_h", "fsi_coupling", "fsi_mapping", "fsi_partition", "fsi_spare")
     kind = LoggedState if PETSc.Log.isActive() else State
     entropy = bool(opt["fsi_entropy"] or opt["fsi_check"])

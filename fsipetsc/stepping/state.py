@@ -223,6 +223,11 @@ class State:
         """Points held in reserve, at first."""
         return sum(g.n - (g.hi - g.lo + 1) for g in self.layout.grids)
 
+    @property
+    def recorded(self) -> list[list[float]]:
+        """Points of interfaces that are recorded at each step, as in two dimensions: none."""
+        return []
+
     def header(self) -> list[dict[str, Any]]:
         """What a result file says of each layer."""
         return [{"name": layer.name, "kind": layer.kind, "fields": list(layer.fields)} for layer in self.problem.layers]

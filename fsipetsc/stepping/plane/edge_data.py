@@ -14,6 +14,7 @@ from fsipetsc.parallel.plane.layout import PlaneLayout
 
 if TYPE_CHECKING:
     from fsipetsc.stepping.plane.path import LayerPart
+    from fsipetsc.stepping.plane.watched import Probe
 
 
 class EdgeData:
@@ -65,14 +66,14 @@ class EdgeData:
         for hold in self._holds[part.k]:
             hold(part, t)
 
-    def force(self, part: LayerPart, t: float, rates: np.ndarray) -> None:
-        """Add forcing to the rates of the points that are owned."""
+    def force(self, part: LayerPart | Probe, t: float, rates: np.ndarray) -> None:
+        """Add forcing to the rates of the points that are owned, or of those of a probe."""
         layer, jumps = self._layout.problem.layers[part.k], self._layout.problem.jumps
         if jumps is not None and layer.kind == "solid":
             self._supply(part, t, rates.reshape(part.own.shape))
         if layer.forcing is None:
             return
-        X, Y = self._layout.grids[part.k].points(*self._layout.owned(part.k))
+        X, Y = self._layout.grids[part.k].points(part.columns, part.rows)
         f = rates.reshape(part.own.shape)
         values = given.plane_fields(layer, "forcing", X, Y, t)
         if layer.kind == "fluid":
@@ -82,14 +83,13 @@ class EdgeData:
             for c, value in zip((2, 3, 4, 0, 1), values, strict=True):
                 f[..., c] += value
 
-    def _supply(self, part: LayerPart, t: float, f: np.ndarray) -> None:
+    def _supply(self, part: LayerPart | Probe, t: float, f: np.ndarray) -> None:
         """What interfaces supply from outside, to the end points of the solid."""
         record, grid = part.record, self._layout.grids[part.k]
         for number, side in part.sides():
             row = int(record["end_y"][side] - record["own_y"][0])
             if 0 <= row < len(f):
-                columns = self._layout.owned(part.k)[0]
-                x, y, heat = given.supplied(self._layout.problem, number, grid.x0 + columns * grid.h_x, t)
+                x, y, heat = given.supplied(self._layout.problem, number, grid.x0 + part.columns * grid.h_x, t)
                 per_mass = 1.0 / (part.end_weight * record["h_y"] * record["m0"])
                 f[row, :, 2] += per_mass * x
                 f[row, :, 3] += per_mass * y

@@ -197,6 +197,18 @@ class Interfaces:
         """(lower or upper edge, points, their columns among those held) of layer k."""
         return [(p.side, self._points[p.at][p.inside], p.local[p.inside]) for p in self.pieces if p.k == k]
 
+    def known(self, piece: Piece) -> np.ndarray:
+        """(points, COLUMNS), what is known of the points of a piece, after ``meet`` what they have together."""
+        return self._points[piece.at]
+
+    def lines(self) -> list[tuple[Piece, Line | None]]:
+        """All pieces; of those where the gas slips the line, which ``meet`` lays."""
+        return list(zip(self.pieces, self._lines, strict=True))
+
+    def lay(self, line: Line, piece: Piece) -> None:
+        """Lay another line for a piece, through its points as they are."""
+        line.lay(self._operators, self._points[piece.at])
+
     def energies(self) -> list[tuple[int, np.ndarray]]:
         """(interface, kinetic energies of the end points of its solid that this rank owns)."""
         return [(p.number, self._points[p.at][p.own, _KINETIC]) for p in self._of_solids()]

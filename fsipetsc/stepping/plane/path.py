@@ -147,10 +147,11 @@ class LayerPart:
         self, layout: PlaneLayout, k: int, ops: np.ndarray, equations: Formulas, arrays: tuple, edge_data: EdgeData
     ) -> None:
         state, rates = arrays
-        self.k, self._layout, self._ops, self._data = k, layout, ops, edge_data
+        self.k, self._layout, self._ops, self.data = k, layout, ops, edge_data
         self.record, self._records, self._dm = layout.records[k], layout.records, layout.dms[k]
         self._gas = self.record["kind"] == FLUID
-        self.end_weight = float(ops[0]["norm"][0])
+        self.operator, self.end_weight = ops[0], float(ops[0]["norm"][0])
+        self.columns, self.rows = layout.owned(k)
         width, height = int(self.record["width"]), int(self.record["height"])
         self._stride = scratch_stride(width)
         self._s = scratch(self._stride, int(self.record["own_x"][0]))
@@ -196,14 +197,18 @@ class LayerPart:
 
     def hold(self, t: float) -> None:
         """Walls and edges where unknowns are given; then the lines of the grid."""
-        self._data.apply(self, t)
+        self.data.apply(self, t)
         if self._gas:
             entries.lay_lines(self._records, self.k, self._ops, self._s, self._stride, self._lines)
 
     def evaluate(self, t: float) -> None:
         """The rates at this rank's points."""
         self._evaluate(self._records, self.k, self._ops, self._s, self._stride, self.y, self._rates)
-        self._data.force(self, t, self._rates)
+        self.data.force(self, t, self._rates)
+
+    def evaluate_block(self, records: np.ndarray, y: np.ndarray, f: np.ndarray) -> None:
+        """The rates, without forcing, of a block of what is held: the owned points of records[0], a record like this part's."""
+        self._evaluate(records, 0, self._ops, self._s, self._stride, y, f)
 
     def load(self, side: int, columns: np.ndarray, traction: np.ndarray) -> None:
         """Add to the rates at an edge what a traction does: to those of J (rho, rho u, rho v, e), or to those of the

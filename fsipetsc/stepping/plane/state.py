@@ -30,35 +30,49 @@ from fsipetsc.scheme.plane.look import CONVECTION, DIFFUSION, ENERGY, ENTROPY, L
 from fsipetsc.stepping.plane.diagnosis import describe_failure
 from fsipetsc.stepping.plane.edge_data import EdgeData
 from fsipetsc.stepping.plane.path import PlanePath
+from fsipetsc.stepping.plane.watched import NAMES, Watched, chosen
 from fsipetsc.stepping.state import FAULT
 
 #: records of steps that are kept before they are written
 KEPT = min(CAPACITY, 4096)
 
 
-def step_record(layers: int, fluids: int) -> np.dtype:
-    """What is noted of a step: as fsipetsc.scheme.plan.step_record. least_J: of each layer; then come shares of the ranks."""
+def step_record(layers: int, fluids: int, points: int = 0) -> np.dtype:
+    """What is noted of a step: as fsipetsc.scheme.plan.step_record. least_J: of each layer; then come shares of the ranks:
+    integrals, and what is known of the points that are watched.
+    """
     masses = [("mass", "f8", (fluids,))] if fluids else []
     integrals = [(name, "f8") for name in ("energy", "momentum_x", "momentum_y", "entropy")]
-    return np.dtype([("t", "f8"), ("dt", "f8"), ("least_J", "f8", (layers,)), *masses, *integrals])
+    watched = [(name, "f8", (points,)) for name in NAMES] if points else []
+    return np.dtype([("t", "f8"), ("dt", "f8"), ("least_J", "f8", (layers,)), *masses, *integrals, *watched])
 
 
 class PlaneState:
     """Layers, solution and what is known of it. Collective on ``comm``.
 
-    InputError where grid, order and ranks do not fit, or a material and the form of the equations.
+    places: X [m] of points of interfaces that are watched. InputError where grid, order and ranks do not fit, a material and
+    the form of the equations, or such an X and the interfaces.
     """
 
-    def __init__(self, comm: MPI.Comm, problem: PlaneProblem, order: int, h: float, form: PlaneForm = USUAL) -> None:
+    def __init__(
+        self,
+        comm: MPI.Comm,
+        problem: PlaneProblem,
+        order: int,
+        h: float,
+        form: PlaneForm = USUAL,
+        places: Sequence[float] = (),
+    ) -> None:
         self.comm, self.problem, self.h, self.op = comm, problem, h, OPERATORS[order]
         self._order = order
         self.layout = PlaneLayout(comm, problem, self.op, make_grids(problem, self.op, h))
         self.solution = PETSc.Vec().createMPI((self.layout.local_size, None), comm=comm)
         self._data = EdgeData(self.layout)
         self.path = PlanePath(self.layout, order, self._data, form)
+        self.watched = Watched(self.layout, self.path, chosen(problem, self.layout, places))
         self.results = np.zeros(FLAGS + LIMITS)
         fluids = sum(layer.kind == "fluid" for layer in problem.layers)
-        self.journal = np.zeros(KEPT, step_record(len(problem.layers), fluids))
+        self.journal = np.zeros(KEPT, step_record(len(problem.layers), fluids, len(self.watched.points)))
         names = self.journal.dtype.names[2:]
         self.latest = np.zeros(1, [(name, self.journal.dtype[name]) for name in names])[0]
         self.burst = np.empty(0)
@@ -168,6 +182,11 @@ class PlaneState:
                 self.latest["mass"][fluid] = words[MASS]
             for name, word in zip(("energy", "momentum_x", "momentum_y", "entropy"), (ENERGY, MOMENTUM_X, MOMENTUM_Y, ENTROPY)):
                 self.latest[name] += words[word]
+        try:
+            self.watched.look(self.latest, self._t)
+        except InputError as error:
+            self._keep(error)
+            extremes[3] = self.results[SAID_STOP]
         self.comm.Allreduce(MPI.IN_PLACE, extremes, MPI.MAX)
         self.results[RATE] = (extremes[0] ** 4 + extremes[1] ** 4) ** 0.25
         self.results[BAD], self.results[STOP] = extremes[2], extremes[3]
@@ -200,12 +219,18 @@ class PlaneState:
     def compile_path(self, announce: Callable[[str], None]) -> None:
         """All has been compiled."""
 
+    @property
+    def recorded(self) -> list[list[float]]:
+        """[interface, X] of the points of interfaces that are recorded at each step."""
+        return [[number, X] for number, _, X in self.watched.points]
+
     def header(self) -> list[dict[str, Any]]:
-        """What a result file says of each layer."""
+        """What a result file says of each layer; of a solid its conductivity, too, by which fluxes of heat are known."""
         return [
             {
                 **{"name": layer.name, "kind": layer.kind, "fields": list(layer.fields)},
                 **{"shape": [grid.ny, grid.nx], "origin": [grid.x0, grid.y0], "spacing": [grid.h_x, grid.h_y]},
+                **({"kappa_e": layer.material.kappa_e} if layer.kind == "solid" else {}),
             }
             for layer, grid in zip(self.problem.layers, self.layout.grids, strict=True)
         ]
@@ -227,7 +252,9 @@ class PlaneState:
                 to[:] = rows
 
     def errors(self, t: float, norm: str) -> dict[str, dict[str, float]] | None:
-        """As fsipetsc.stepping.frames.errors, of (rho, u, v, T) and (u, v, T, x, y). Collective."""
+        """As fsipetsc.stepping.frames.errors, of (rho, u, v, T) and (u, v, T, x, y), with the norm of the operators: that is an
+        integral to their order. Collective.
+        """
         layers = self.problem.layers
         if any(layer.exact is None for layer in layers):
             return None
@@ -243,14 +270,16 @@ class PlaneState:
             result[kind]["combined"] = float(total.sum() ** (1 / power))
         return result
 
-    def _departures(self, t: float) -> list[tuple[str, list[tuple[np.ndarray, float]]]]:
-        """kind, [(computed less exact, area of a point)] of this rank's layers."""
+    def _departures(self, t: float) -> list[tuple[str, list[tuple[np.ndarray, np.ndarray]]]]:
+        """kind, [(computed less exact, area of each point, by the norm of the operators)] of this rank's layers."""
         found = []
         for part in self.path.layers:
             layer, grid = self.problem.layers[part.k], self.layout.grids[part.k]
             exact = given.plane_fields(layer, "exact", *grid.points(*self.layout.owned(part.k)), t)
             columns = (0, 1, 2, 3) if layer.kind == "fluid" else (0, 1, 2, 6, 7)
-            saved, area = part.save(), grid.h_x * grid.h_y
+            across_y = self.op.norm_weights(grid.ny)[part.rows, None]
+            along_x = np.ones(grid.nx) if grid.periodic else self.op.norm_weights(grid.nx)
+            saved, area = part.save(), grid.h_x * grid.h_y * along_x[part.columns] * across_y
             found.append((layer.kind, [(saved[..., c] - e, area) for c, e in zip(columns, exact, strict=True)]))
         return found
 
