@@ -1,20 +1,22 @@
-"""What README and the options files under runs/ say can be done: names exist, snippets run, options are accepted."""
+"""What the README, the pages of docs/ and the options files under runs/ say can be done: names exist, code blocks run."""
 
 from __future__ import annotations
 
 import csv
+import importlib.util
 import re
 import shlex
 
 import numpy as np
 import pytest
-from helpers import REPOSITORY, compute
+from helpers import REPOSITORY, compute, run
 
 import fsipetsc
 
 pytest.importorskip("petsc4py")
 
-README = (REPOSITORY / "README.md").read_text()
+PAGES = [REPOSITORY / "README.md", *sorted((REPOSITORY / "docs").glob("*.md"))]
+DOCUMENTS = {page.name: page.read_text() for page in PAGES}
 OPTIONS_FILES = sorted((REPOSITORY / "runs").rglob("*.opts"))
 #: stems of Open MPI's, PETSc's and other programs' options that the documents may name
 FOREIGN = {"o", "n", "m", "help", "animate"}
@@ -37,26 +39,51 @@ def known_options() -> set[str]:
 
 
 def options_in(text: str) -> set[str]:
-    """Names of what is written like an option within code: indented blocks and `…`."""
-    code = [line.split(" #")[0] for line in text.splitlines() if line.startswith("    ")]
-    code += re.findall(r"`([^`]+)`", text)
-    return {name for piece in code for name in re.findall(r"(?<![\w-])-([A-Za-z]\w*)\b(?!\.)", piece)}
+    """Names of what is written like an option within code: fenced blocks and `…`."""
+    blocks = re.findall(r"^```sh$(.*?)^```$", text, re.S | re.M)
+    code = [line.split(" #")[0] for block in blocks for line in block.splitlines()]
+    code += re.findall(r"`([^`\n]+)`", re.sub(r"^```\w*$.*?^```$", "", text, flags=re.S | re.M))
+    return {name for piece in code for name in re.findall(r"(?<![\w(-])-([A-Za-z]\w*)\b(?!\.)", piece)}
 
 
-def test_options_in_the_readme_exist():
-    unknown = options_in(README) - known_options()
+@pytest.mark.parametrize("name", DOCUMENTS)
+def test_options_in_the_documents_exist(name):
+    unknown = options_in(DOCUMENTS[name]) - known_options()
     assert not unknown
 
 
-def test_files_in_the_readme_exist():
-    named = set(re.findall(r"\]\(([\w./-]+)\)", README))
-    named |= set(re.findall(r"(?:scripts|runs|docs|tests|fsipetsc)/[\w./-]*\w", README))
-    missing = {name for name in named if not (REPOSITORY / name).exists() and not name.endswith("COUPLING.csv")}
+@pytest.mark.parametrize("name", DOCUMENTS)
+def test_files_in_the_documents_exist(name):
+    text = DOCUMENTS[name]
+    folder = REPOSITORY if name == "README.md" else REPOSITORY / "docs"
+    links = {link.split("#")[0] for link in re.findall(r"\]\(([\w./#-]+)\)", text)} - {""}
+    missing = {link for link in links if not (folder / link).exists()}
+    named = set(re.findall(r"(?<![\w/.])(?:scripts|runs|docs|tests|fsipetsc)/[\w./-]*\w", text))
+    missing |= {name for name in named if not (REPOSITORY / name).exists() and not name.endswith("COUPLING.csv")}
     assert not missing
 
 
+def test_every_page_is_in_the_site():
+    config = (REPOSITORY / "mkdocs.yml").read_text()
+    assert set(re.findall(r": ([\w-]+\.md)", config)) - {"index.md"} == set(DOCUMENTS) - {"README.md"}
+
+
+def test_the_page_of_options_is_that_of_the_table():
+    """`scripts/docs` renews it."""
+    spec = importlib.util.spec_from_file_location("hooks", REPOSITORY / "docs" / "hooks.py")
+    hooks = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(hooks)
+    assert DOCUMENTS["options.md"] == hooks.options_page()
+
+
+def test_code_blocks_run(tmp_path):
+    """Commands a few steps, Python as it stands, each page from top to bottom."""
+    done = run(REPOSITORY / "tests" / "page_program.py", tmp_path, *PAGES, cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (0, ""), done.stderr
+
+
 def test_no_line_of_the_readme_needs_scrolling():
-    long = [line for line in README.splitlines() if len(line) > 150 and not line.startswith("|")]
+    long = [line for line in DOCUMENTS["README.md"].splitlines() if len(line) > 150 and not line.startswith("|")]
     assert not long
 
 
@@ -74,11 +101,10 @@ def stated_steps(text: str) -> int:
 
 @pytest.fixture(scope="module")
 def started(tmp_path_factory):
-    """(results, folder) of every options file's own command, a few steps of it, and of what the README's snippet reads."""
+    """(results, folder) of every options file's own command, a few steps of it."""
     folder = tmp_path_factory.mktemp("runs")
     runs = {
-        "readme": ("rod", "-fsi_h 0.1 -ts_max_steps 5"),
-        "start": ("rod", README.split("mpiexec -n 2 python -m fsipetsc rod ", 1)[1].split("\n")[0]),
+        "start": ("rod", DOCUMENTS["start.md"].split("mpiexec -n 2 python -m fsipetsc rod ", 1)[1].split("\n")[0]),
         "piston": (str(REPOSITORY / "runs" / "piston.py"), ""),
         "turn": (str(REPOSITORY / "runs" / "piston.py"), "-fsi_h 0.0125"),
     }
@@ -108,17 +134,6 @@ def test_options_file(started, path):
     assert name in results, (folder / f"{name}.txt").read_text()
 
 
-def test_snippet_of_the_readme(started, monkeypatch):
-    results, folder = started
-    results["readme"].rename(folder / "rod.h5")
-    monkeypatch.chdir(folder)
-    lines = README.split("    import fsipetsc\n", 1)[1].split("\n\n", 1)[0]
-    snippet = "import fsipetsc\n" + "\n".join(line[4:] for line in lines.splitlines())
-    names: dict[str, object] = {}
-    exec(snippet, names)
-    assert names["run"].case == "rod"
-
-
 def test_steps_are_those_that_headers_state(started):
     """Of the runs that take less than a second; steps are the same everywhere."""
     results, _ = started
@@ -131,31 +146,31 @@ def test_steps_are_those_that_headers_state(started):
             assert run.complete and run.summary["steps"] == stated_steps(texts[name]), name
 
 
-def test_positions_that_the_readme_tells(started):
+def test_positions_that_a_page_tells(started):
     results, _ = started
     with fsipetsc.open_run(results["start"]) as run:
-        ends = re.search(r"its ends are at x = ([\d.]+) and ([\d.]+)", README).groups()
+        ends = re.search(r"its ends are at x = ([\d.]+) and ([\d.]+)", DOCUMENTS["start.md"]).groups()
         assert [f"{x:.4f}" for x in run.summary["interfaces"].values()] == list(ends)
     with fsipetsc.open_run(results["turn"]) as run:
-        turn = re.search(r"It turns at x = ([\d.]+);", README)[1]
+        turn = re.search(r"It turns at x = ([\d.]+);", DOCUMENTS["start.md"])[1]
         assert f"{run.series['x_interface'].min():.5f}" == turn
 
 
-def test_speed_that_the_readme_tells():
+def test_speed_that_a_page_tells():
     """The range of the ratios to another program is that of docs/performance.csv."""
     with open(REPOSITORY / "docs" / "performance.csv", newline="") as file:
         rows = [row for row in csv.DictReader(file) if row["ranks"] == "1"]
     least, most = (pick(rows, key=lambda row: float(row["ratio"])) for pick in (min, max))
-    sentence = " ".join(re.search(r"That is [^.]*\.[^.]*\.[^.]*what a serial", README)[0].split())
+    sentence = " ".join(re.search(r"That is [^.]*\.[^.]*\.[^.]*what a serial", DOCUMENTS["parallel.md"])[0].split())
     told = re.search(r"That is ([\d.]+) \(order (\d), ([\d,]+) points\) to ([\d.]+) times \(order (\d), ([\d,]+)\)", sentence)
     expected = [(f"{float(r['ratio']):.1f}", r["order"], f"{int(r['points']):,}") for r in (least, most)]
     assert told.groups() == (*expected[0], *expected[1])
 
 
-def test_points_that_the_readme_tells(started):
+def test_points_that_a_page_tells(started):
     results, _ = started
     with fsipetsc.open_run(results["boxruns"]) as run:
         counts = [sum(int(np.isfinite(layer["T"][frame]).sum()) for layer in run.layers) for frame in (0, -1)]
         stored = sum(len(layer.X) for layer in run.layers)
-        assert f"({counts[0]}, {counts[1]} in the end and {stored} for `box`)" in README
+        assert f"({counts[0]}, {counts[1]} in the end and {stored} for `box`)" in DOCUMENTS["results.md"]
         assert run.summary["points"] == counts[1]

@@ -11,7 +11,7 @@ from fsipetsc.operators.sbp import operator
 PAPER = {"fluid": {8: 4.9, 6: 4.7, 4: 2.4, 2: 1.6}, "solid": {8: 4.3, 6: 4.1, 4: 2.6, 2: 1.8}}
 #: what is known about a lower exponent, and between which exponents it can be the reason
 REASONS = {
-    ("fluid", 6): (3.8, 4.5, "closures of order 3 leave an error of order 4, which has taken over on fine grids (see README)"),
+    ("fluid", 6): (3.8, 4.5, "closures of order 3 leave an error of order 4, which rules on fine grids (docs/convergence.md)"),
 }
 
 

@@ -1,0 +1,94 @@
+"""Runs the code blocks of documents as a reader would who goes from top to bottom, in one process: FOLDER PAGE.md ...
+
+Commands are called in their own words, but for the launcher, and shortened: a few steps, coarse grids. Each page has a
+folder of its own in FOLDER. Prints what went wrong, a block for each; `scripts/…` must exist, `#` begins a comment, and
+what is in [ ] may be left out.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import os
+import re
+import shlex
+import sys
+import traceback
+from pathlib import Path
+
+REPOSITORY = Path(__file__).resolve().parent.parent
+#: what makes a command short
+SHORT = {
+    "run": "-ts_max_steps 3 -fsi_quiet",
+    "convergence": "-fsi_orders 2 -ts_max_time 0.01",
+    "stability": "-stability_points 20",
+    "stability -sweep": "-density_ratios 1 -stiffness_ratios 1",
+    "bench": "",
+}
+#: what may be said beside success: a treatment that does not keep its promise
+VERDICTS = {"stability": (0, 3)}
+
+
+def blocks(text: str) -> list[tuple[str, str]]:
+    """(language, content) of each fenced block."""
+    return re.findall(r"^```(\w*)\n(.*?)^```$", text, re.S | re.M)
+
+
+def main(folder: str, *pages: str) -> None:
+    for page in pages:
+        place = Path(folder, Path(page).stem)
+        place.mkdir()
+        (place / "runs").symlink_to(REPOSITORY / "runs")
+        os.chdir(place)
+        names: dict[str, object] = {"__name__": "__main__"}
+        for language, content in blocks(Path(page).read_text()):
+            try:
+                if language == "python":
+                    with contextlib.redirect_stdout(io.StringIO()):
+                        exec(content, names)
+                elif language == "sh":
+                    for line in content.splitlines():
+                        command(line)
+            except BaseException as error:
+                traceback.print_exc()
+                print(f"{Path(page).name}: {error!r} in\n{content}", flush=True)
+
+
+def command(line: str) -> None:
+    """One line of a shell."""
+    from fsipetsc.cli import COMMANDS
+    from fsipetsc.cli import main as fsipetsc
+
+    words = shlex.split(re.sub(r"\[[^]]*\]", "", line), comments=True)
+    if words[:1] == ["mpiexec"]:
+        words = words[3:]
+    if words[:1] == ["."]:
+        words = words[1:]
+    if not words:
+        return
+    if words[0].startswith("scripts/"):
+        assert (REPOSITORY / words[0]).exists(), words[0]
+        if words[0] != "scripts/run":
+            return
+        words = ["python", "-m", "fsipetsc", *words[1:]]
+    assert words[:3] == ["python", "-m", "fsipetsc"], line
+    words = words[3:]
+    kind = words[0] if words[0] in COMMANDS else "run"
+    if kind == "plot" and PLOTTED:
+        return  # a few seconds each; the words are the same
+    if kind == "plot":
+        PLOTTED.append(words[1])
+    if "-help" not in words:
+        words += SHORT.get(kind, "").split()
+        if "-sweep" in words:
+            words += SHORT["stability -sweep"].split()
+    said = io.StringIO()
+    with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+        status = fsipetsc(words)
+    assert status in VERDICTS.get(kind, (0,)), said.getvalue()
+
+
+PLOTTED: list[str] = []
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
