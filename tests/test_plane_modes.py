@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from helpers import run
 
-from fsipetsc.analysis.plane_measures import PlaneRest, measure, nearest
+from fsipetsc.analysis.plane_measures import PlaneRest, Waves, measure, nearest
 from fsipetsc.analysis.plane_modes import linearise, most, symbol, wave_number
 from fsipetsc.boundaries.plane import Clamped, Free, Slip
 from fsipetsc.errors import InputError
@@ -87,7 +87,7 @@ def test_a_wave_along_an_interface():
 def test_nothing_grows_and_the_step_is_kept(order):
     for density, stiffness in ((1e-3, 1.0), (1.0, 100.0), (1e3, 1e-2)):
         solid = PlaneSolid(stiffness / 4, stiffness / 2, 0.0, density, 1.0 / density, heat="elastic")
-        result = measure(PlaneRest(Fluid(0.0, 0.0, GAMMA, 1.0), solid), order, 12, (0.2, 1.0))
+        result = measure(PlaneRest(Fluid(0.0, 0.0, GAMMA, 1.0), solid), order, (12, 12), Waves((0.2, 1.0)))
         assert result.stable and result.step_kept, result
 
 
@@ -106,14 +106,58 @@ def test_only_about_rest():
         linearise(PlaneProblem((moving,), (0.0, 1.0), Slip(), Slip()), 2, 0.1)
 
 
+@pytest.mark.parametrize(("m0", "K"), [(1e-3, 0.01), (1.0, 0.1)])
+def test_what_grows_is_heated_by_the_pressure_at_rest(m0, K):
+    """With coupled heat and conduction modes grow; by the term -p div v / (alpha m0) of the solid, and nothing else."""
+    solid = PlaneSolid(K / 4, K / 2, 0.02, m0, 2.5 / m0, heat="coupled")
+    gas, size = Fluid(0.01, 0.03, GAMMA, 1.0), 8 / 32
+    found = measure(PlaneRest(gas, solid, depth=size, height=size), 4, (8, 8), Waves((0.0, 0.2)))
+    assert found.heated > 1e-4 and found.growth < 1e-14 and found.stable
+    linear = linearise(PlaneRest(gas, solid, depth=size, height=size).coupled((8, 8)), 4, 1 / 32)
+    heat = linear.rates[len(linear.rates) // 2] - linear.without_heat().rates[len(linear.rates) // 2]
+    n = 5 * 4  # the row in the middle of the solid: T by v of the rows beside it, over the scales of both
+    weights = heat[n + 4, [n - 2, n + 8]] * linear.scales[n + 4] / linear.scales[n + 3]
+    assert np.allclose(weights, np.array([2 / 3, -2 / 3]) * 32 * 1.0 / 2.5, rtol=1e-6)  # -p D v / (alpha m0)
+
+
 def test_the_command(tmp_path):
-    """A table, and status 3 where the heat of the pressure at rest lets a mode grow, as it does in one dimension."""
+    """A table, the modes, and status 3 where something does not hold; heat of the pressure at rest is told apart."""
     command = ("-m", "fsipetsc", "stability", "-stability_plane")
     words = (*command, "-fsi_order", 4, "-stability_points", 8, "-stability_symbols", 0.2)
     well = run(*words, "-sweep", "-density_ratios", "0.001,1000", "-stiffness_ratios", "0.1,10", cwd=tmp_path)
     assert (well.returncode, well.stderr) == (0, "") and "    4    0.001      0.1" in well.stdout
     grows = ("-solid_density", 1e-3, "-solid_modulus", 0.01, "-solid_alpha", 2500, "-solid_heat", "coupled")
-    ill = run(*words, *grows, cwd=tmp_path)
-    assert ill.returncode == 3 and "a mode grows" in ill.stderr
-    wrong = run(*words[:-1], 1.5, cwd=tmp_path)
-    assert wrong.returncode == 2 and "stability_symbols" in wrong.stderr
+    heated = run(*words, *grows, cwd=tmp_path)
+    assert (heated.returncode, heated.stderr) == (0, "") and "With it modes grow at up to" in heated.stdout
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("-stability_plane -stability_symbols 1.5", "-stability_symbols"),
+        ("-stability_plane -fsi_coupling energy", "-fsi_coupling energy: two dimensions"),
+        ("-stability_plane -fsi_viscous narrow", "-fsi_viscous narrow: two dimensions"),
+        ("-stability_k 2", "-stability_plane asks"),
+        ("rod -stability_k 2", "rod is a case of one dimension"),
+        ("panel -fsi_viscous narrow", "in two dimensions it is wide"),
+        ("panel -stability_X 2", "the interface is between 0 and 1"),
+        ("panel -stability_interface 1", "from below"),
+        ("panel -stability_k 101", "up to 100.531"),
+    ],
+)
+def test_what_the_command_refuses(words, said, tmp_path):
+    done = run("-m", "fsipetsc", "stability", *words.split(), cwd=tmp_path)
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1) and said in done.stderr, done.stderr
+
+
+def test_layers_of_a_case(tmp_path):
+    """Its materials, grid and edges: a panel with a free surface, whose bending wave is slow; beside a gas above it."""
+    done = run("-m", "fsipetsc", "stability", "panel", "-stability_k", 6.283185, "-panel_height", 0.25, cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "9 points across the solid, 9 across the gas, columns 0.03125 m apart" in done.stdout
+    real, _, imaginary = done.stdout.split("k =   6.2832")[1].split()[:3]
+    slowest = complex(float(real), float(imaginary.rstrip(",i")))
+    # of a plate of stiffness D and mass m: sqrt(D k^4/m), more than with gas: gas adds to its mass
+    D, m, k = 2 * 0.5 * 4 / (800 * np.sqrt(3)), 10.0, 2 * np.pi
+    alone = np.sqrt(D * k**4 / m)
+    assert 0.9 * alone < slowest.imag < alone and abs(slowest.real) < 1e-9

@@ -23,6 +23,7 @@ from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.physics.plane.layer import DOF
 from fsipetsc.plane import PlaneProblem
+from fsipetsc.scheme.plane.equations import USUAL, PlaneForm
 from fsipetsc.stepping.plane.state import PlaneState
 
 Real, Complex = NDArray[np.float64], NDArray[np.complex128]
@@ -40,7 +41,8 @@ class PlaneLinear:
     rates: (2 m + 1, N, N), [m + l, i, j] of unknown i, l columns from where unknown j is disturbed [1/s]; projection: (N, N),
     within a column; scales: (N,) of the unknowns, over which both are taken; h_x: distance of the columns [m]; order: interior
     order of D. N: 5 x rows of all layers, in their order, and the kinetic energies of the ends of solids at interfaces: their
-    rates are of first order, too, where the pressure at rest does work.
+    rates are of first order, too, where the pressure at rest does work. warmed: numbers of T of solids whose heat is coupled;
+    velocities: those of all velocities.
     """
 
     rates: Real
@@ -48,6 +50,14 @@ class PlaneLinear:
     scales: Real
     h_x: float
     order: int
+    warmed: NDArray[np.int64]
+    velocities: NDArray[np.int64]
+
+    def without_heat(self) -> PlaneLinear:
+        """The same, but motion does not heat the solid: at rest that is the work of its pressure, -p div v / (alpha m0)."""
+        rates = self.rates.copy()
+        rates[:, self.warmed[:, None], self.velocities] = 0.0
+        return replace(self, rates=rates)
 
     def basis(self) -> Real:
         """(N, n), orthonormal, of the disturbances that fulfil all conditions."""
@@ -98,6 +108,8 @@ def wave_number(order: int, h: float, kappa: float) -> float:
     high, greatest = most(order, h)
     if not 0 <= kappa <= greatest:
         raise InputError(f"wave number {kappa:g}: with h = {h:g} the operator of order {order} knows none of that size")
+    if kappa == 0.0:
+        return 0.0
     low = 0.0
     for _ in range(60):
         middle = (low + high) / 2
@@ -105,15 +117,17 @@ def wave_number(order: int, h: float, kappa: float) -> float:
     return (low + high) / 2
 
 
-def linearise(problem: PlaneProblem, order: int, h_x: float, nudge: float = NUDGE) -> PlaneLinear:
-    """The scheme of an order, columns h_x apart [m], about the initial data of a problem.
+def linearise(
+    problem: PlaneProblem, order: int, h_x: float, nudge: float = NUDGE, form: PlaneForm = USUAL
+) -> PlaneLinear:
+    """The scheme of an order and form, columns h_x apart [m], about the initial data of a problem.
 
     The problem must be periodic in X, its data the same in all columns; its extent in X is replaced. Layers say their cells.
     InputError where it is not at rest.
     """
     p = OPERATORS[order].p
     width = 4 * p + 1
-    with PlaneState(MPI.COMM_SELF, replace(problem, X=(0.0, DOF * width * h_x)), order, h_x) as state:
+    with PlaneState(MPI.COMM_SELF, replace(problem, X=(0.0, DOF * width * h_x)), order, h_x, form) as state:
         state.compile(lambda text: None)
         return _Bench(state, width).linear(order, h_x, nudge)
 
@@ -186,7 +200,12 @@ class _Bench:
             rates[:, :, which] /= sizes[which]
             projection[:, which] /= sizes[which]
         relative = self._scales[None, :] / self._scales[:, None]
-        linear = PlaneLinear(rates * relative, _rounded(projection * relative), self._scales, h_x, order)
+        solids = [getattr(self._state.problem.layers[k].material, "heat", "") for k, _ in self._rows]
+        rows = DOF * np.arange(len(self._rows))
+        warmed, velocities = rows[[heat == "coupled" for heat in solids]] + 4, np.concatenate([rows + 2, rows + 3])
+        linear = PlaneLinear(
+            rates * relative, _rounded(projection * relative), self._scales, h_x, order, warmed, velocities
+        )
         self.check(linear)
         return linear
 

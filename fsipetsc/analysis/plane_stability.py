@@ -1,15 +1,24 @@
-"""`python -m fsipetsc stability -stability_plane`: growth and step of the coupled problem in two dimensions, by wave number."""
+"""`python -m fsipetsc stability` in two dimensions: growth, modes and step of the coupled problem, by wave number."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
-from fsipetsc.analysis.plane_measures import PlaneRest, PlaneResult, measure
-from fsipetsc.analysis.stability_options import orders, swept
-from fsipetsc.errors import ComputationError
-from fsipetsc.plane import PlaneSolid
+import numpy as np
+
+from fsipetsc import given as functions
+from fsipetsc.analysis.plane_measures import TOLERANCE, PlaneRest, PlaneResult, Waves, measure
+from fsipetsc.analysis.stability_options import OF_ONE_DIMENSION, orders
+from fsipetsc.analysis.stability_state import same_temperature
+from fsipetsc.boundaries.plane import FREE
+from fsipetsc.errors import ComputationError, InputError
+from fsipetsc.operators.sbp import OPERATORS
+from fsipetsc.parallel.plane.grids import make_grids
+from fsipetsc.plane import PlaneProblem, PlaneSolid
+from fsipetsc.scheme.plane.equations import USUAL, PlaneForm
 
 if TYPE_CHECKING:
     from mpi4py import MPI
@@ -17,47 +26,112 @@ if TYPE_CHECKING:
     from fsipetsc.analysis.stability_state import Constant
 
 
-def plane_stability(opt: Mapping[str, Any], state: Constant, comm: MPI.Comm) -> None:
+@dataclass(frozen=True)
+class PlaneSetting:
+    """What is studied: a state at rest; by order, cells across (solid, gas) and the distance of columns [m]; the form."""
+
+    rest: PlaneRest
+    grids: Mapping[int, tuple[tuple[int, int], float]]
+    form: PlaneForm = USUAL
+
+
+def setting_of_options(opt: Mapping[str, Any], state: Constant, chosen: Collection[str]) -> PlaneSetting:
+    """Two layers of as many points. chosen: names of the options that were given; InputError for one of one dimension."""
+    unheeded = [name for name in OF_ONE_DIMENSION if name in chosen and (name, opt[name]) != ("fsi_coupling", "conservative")]
+    if unheeded:
+        raise InputError(f"-{unheeded[0]} {opt[unheeded[0]]}: two dimensions (-stability_plane) do not have it")
+    K, cells = state.solid.K, opt["stability_points"] - 1
+    shear, size = opt["solid_shear"] * K, cells * opt["fsi_h"]
+    solid = PlaneSolid(shear, K - 2.0 * shear, state.solid.kappa_e, state.solid.m0, state.solid.alpha, heat=opt["solid_heat"])
+    rest = PlaneRest(state.gas, solid, state.rho, state.T, size, size)
+    return PlaneSetting(rest, {order: ((cells, cells), opt["fsi_h"]) for order in orders(opt)})
+
+
+def setting_of_problem(problem: PlaneProblem, opt: Mapping[str, Any], form: PlaneForm) -> PlaneSetting:
+    """The layers at interface -stability_interface, with the case's grid, but no more than -stability_points of each.
+
+    The state is that of the initial data at -stability_X, or in the middle of the interface; what moves or is strained there is
+    left out. InputError where there is no such interface, or gas and solid have two temperatures.
+    """
+    known, k = problem.interfaces, opt["stability_interface"]
+    if not 0 <= k < len(known):
+        count = f"a number from 0 to {len(known) - 1}, counted from below" if known else "a case with an interface"
+        raise InputError(f"-stability_interface {k}: expected {count}")
+    fluid, solid = known[k]
+    gas, elastic, above = problem.layers[fluid], problem.layers[solid], fluid > solid
+    left, right = problem.span(solid)
+    X = 0.5 * (left + right) if opt["stability_X"] is None else opt["stability_X"]
+    if not left <= X <= right:
+        raise InputError(f"-stability_X {X:g}: the interface is between {left:g} and {right:g}")
+    place = np.array([[X]]), np.array([[gas.Y[0 if above else 1]]])
+    rho, _, _, T = (float(v[0, 0]) for v in functions.plane_fields(gas, "initial", *place, 0.0))
+    same_temperature(gas.name, T, elastic.name, float(functions.plane_fields(elastic, "initial", *place, 0.0)[2][0, 0]))
+    grids, heights = {}, []
+    for order in orders(opt):
+        found = make_grids(problem, OPERATORS[order], opt["fsi_h"])
+        least = opt["stability_points"] - 1
+        grids[order] = tuple(min(found[n].ny - 1, least) for n in (solid, fluid)), found[solid].h_x
+        heights.append([cells * found[n].h_y for cells, n in zip(grids[order][0], (solid, fluid), strict=True)])
+    other = problem.edge(solid, 0 if above else 1)
+    held = other is None or other.kind != FREE
+    return PlaneSetting(PlaneRest(gas.material, elastic.material, rho, T, *heights[0], held), grids, form)
+
+
+def plane_stability(opt: Mapping[str, Any], setting: PlaneSetting, comm: MPI.Comm) -> None:
     """Compute, print, judge. Collective; the ranks share the combinations. ComputationError if a mode grows or the step is
     less than that of the layers alone.
     """
-    states = [state]
+    states = [setting.rest]
     if opt["sweep"]:
-        states = [swept(state, *ratios) for ratios in product(opt["density_ratios"], opt["stiffness_ratios"])]
-    tasks = list(product(orders(opt), states))
-    cells, fractions = opt["stability_points"] - 1, opt["stability_symbols"]
-    mine = [measure(_rest(opt, one, cells), order, cells, fractions) for order, one in tasks[comm.rank :: comm.size]]
+        states = [setting.rest.swept(*both) for both in product(opt["density_ratios"], opt["stiffness_ratios"])]
+    tasks, k = list(product(orders(opt), states)), opt["stability_k"]
+    waves = Waves(k=tuple(k)) if k else Waves(tuple(opt["stability_symbols"]))
+    mine = []
+    for order, rest in tasks[comm.rank :: comm.size]:
+        cells, h_x = setting.grids[order]
+        mine.append(measure(rest, order, cells, waves, h_x, setting.form))
     shares = comm.allgather(mine)
     results = [shares[i % comm.size][i // comm.size] for i in range(len(tasks))]
     if comm.rank == 0 and not opt["fsi_quiet"]:
-        print(table(opt, results))
+        print(table(opt, setting, results))
     comm.Barrier()
     _judge(results)
 
 
-def _rest(opt: Mapping[str, Any], state: Constant, cells: int) -> PlaneRest:
-    K, size = state.solid.K, cells * opt["fsi_h"]
-    shear = opt["solid_shear"] * K
-    solid = PlaneSolid(shear, K - 2.0 * shear, state.solid.kappa_e, state.solid.m0, state.solid.alpha, heat=opt["solid_heat"])
-    return PlaneRest(state.gas, solid, state.rho, state.T, size, size)
-
-
-def table(opt: Mapping[str, Any], results: Sequence[PlaneResult]) -> str:
-    """A line for each combination."""
-    fractions = ", ".join(f"{value:g}" for value in opt["stability_symbols"])
-    lines = [
-        "gas over a solid in two dimensions, linearised at rest: the scheme's own rates, by wave number",
-        f"{opt['stability_points']} points of h = {opt['fsi_h']:g} m in each; symbol of D at {fractions} of its greatest value",
+def table(opt: Mapping[str, Any], setting: PlaneSetting, results: Sequence[PlaneResult]) -> str:
+    """A line for each combination; of one alone the modes, too."""
+    symbols = f"symbol of D at {_listed(opt['stability_symbols'])} of its greatest value"
+    lines = ["gas over a solid in two dimensions, linearised at rest: the scheme's own rates, by wave number"]
+    for order, ((solid, gas), h) in setting.grids.items():
+        lines.append(f"order {order}: {solid + 1} points across the solid, {gas + 1} across the gas, columns {h:.6g} m apart")
+    lines += [
+        f"k = {_listed(opt['stability_k'])} 1/m" if opt["stability_k"] else symbols,
         "",
         "order   m0/rho      K/p   fastest mode  largest |lambda|  RK4 step up to  of uncoupled  of gas at a wall",
         "                           [|lambda|]             [1/s]             [s]",
     ]
     for r in results:
-        lines.append(
-            f"{r.order:>5} {r.density_ratio:>8g} {r.stiffness_ratio:>8g} {r.growth:>14.1e} {r.radius:>17.4g} {r.step:>15.4g}"
-            f" {r.step_ratio:>13.4f} {r.wall_ratio:>17.4f}"
-        )
+        rates = f"{r.density_ratio:>8.4g} {r.stiffness_ratio:>8.4g} {r.growth:>14.1e} {r.radius:>17.4g}"
+        lines.append(f"{r.order:>5} {rates} {r.step:>15.4g} {r.step_ratio:>13.4f} {r.wall_ratio:>17.4f}")
+    if not opt["sweep"]:
+        lines += ["", "slowest modes that swing, s [1/s]"]
+        lines += [f"  order {r.order}, k = {k:>8.5g}  " + _modes(modes) for r in results for k, modes in r.slowest]
+    if any(r.heated != r.growth for r in results):
+        worst = max(r.heated for r in results)
+        lines += [
+            "",
+            "The fastest mode is without the heat of the pressure at rest, -p div v/(alpha m0), which is not the interface's",
+            f"doing. With it {f'modes grow at up to {worst:.1e} |lambda|' if worst > TOLERANCE else 'none grows, either'}.",
+        ]
     return "\n".join([*lines, ""])
+
+
+def _listed(values: Sequence[float]) -> str:
+    return ", ".join(f"{value:g}" for value in values)
+
+
+def _modes(modes: Sequence[complex]) -> str:
+    return ", ".join(f"{s.real:.6g} + {s.imag:.6g}i" for s in modes) or "none"
 
 
 def _judge(results: Sequence[PlaneResult]) -> None:

@@ -14,16 +14,27 @@ from collections.abc import Mapping, Sequence
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
-from fsipetsc.analysis.stability_options import FOR_CASES, SECTIONS, check, constant_state, named, orders, swept
+from fsipetsc.analysis.stability_options import (
+    FOR_CASES,
+    OF_TWO_DIMENSIONS,
+    SECTIONS,
+    check,
+    constant_state,
+    named,
+    orders,
+    swept,
+)
 from fsipetsc.cases import load_case
-from fsipetsc.errors import ComputationError
+from fsipetsc.errors import ComputationError, InputError
 from fsipetsc.options import read_options, read_table
+from fsipetsc.plane import PlaneProblem
 from fsipetsc.process.launch import start_petsc
 from fsipetsc.process.together import together
 
 if TYPE_CHECKING:
     from mpi4py import MPI
 
+    from fsipetsc.analysis.plane_stability import PlaneSetting
     from fsipetsc.analysis.stability_measures import Result
     from fsipetsc.analysis.stability_state import Constant
 
@@ -35,10 +46,9 @@ def stability(arguments: list[str], comm: MPI.Comm) -> None:
     for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(name, "1")  # the matrices are small: threads would only get in each other's way
     opt, state = described(arguments, comm)
-    check(opt)
-    if opt.get("stability_plane"):
-        from fsipetsc.analysis.plane_stability import plane_stability
+    from fsipetsc.analysis.plane_stability import PlaneSetting, plane_stability  # PETSc has been started
 
+    if isinstance(state, PlaneSetting):
         plane_stability(opt, state, comm)
         return
     results = compute(opt, state, comm)
@@ -52,23 +62,45 @@ def stability(arguments: list[str], comm: MPI.Comm) -> None:
     judge(results)
 
 
-def described(arguments: list[str], comm: MPI.Comm) -> tuple[dict[str, Any], Constant]:
+def described(arguments: list[str], comm: MPI.Comm) -> tuple[dict[str, Any], Constant | PlaneSetting]:
     """Options and the state at rest. Collective. InputError, also where a case has none."""
     if not named(arguments):
-        opt = read_table(SECTIONS, start_petsc(arguments, comm))
-        return opt, together(comm, lambda: constant_state(opt))
-    from fsipetsc.analysis.stability_state import of_problem
-    from fsipetsc.stepping.solve import build_problem
+        given = start_petsc(arguments, comm)
+        opt = read_table(SECTIONS, given)
+        check(opt)
+        state = together(comm, lambda: constant_state(opt))
+        if opt["stability_plane"]:
+            from fsipetsc.analysis.plane_stability import setting_of_options
+
+            return opt, setting_of_options(opt, state, given)
+        _only_in_two(given, "-stability_plane asks for two dimensions")
+        return opt, state
 
     case = together(comm, lambda: load_case(arguments[0]))
     given = start_petsc(arguments[1:], comm)
+    from fsipetsc.analysis.plane_stability import setting_of_problem
+    from fsipetsc.analysis.stability_state import of_problem
+    from fsipetsc.stepping.solve import build_problem, plane_form
+
     opt = read_options(case, given, FOR_CASES)
-    if "fsi_order" not in given:
-        opt["fsi_order"] = None
+    problem = build_problem(case, opt, comm)
+    plane = isinstance(problem, PlaneProblem)
+    if "fsi_order" not in given and not (plane and "fsi_orders" not in given):
+        opt["fsi_order"] = None  # in two dimensions the layers of a case may be too thin for other orders than its own
     if "fsi_output" not in given:
         opt["fsi_output"] = None
-    problem = build_problem(case, opt, comm)
+    check(opt)
+    if plane:
+        return opt, together(comm, lambda: setting_of_problem(problem, opt, plane_form(opt)))
+    _only_in_two(given, f"{case.NAME} is a case of one dimension")
     return opt, together(comm, lambda: of_problem(problem, opt["stability_interface"], opt["fsi_h"]))
+
+
+def _only_in_two(chosen: Mapping[str, Any], why: str) -> None:
+    """InputError for an option that was given and is of two dimensions."""
+    for name in OF_TWO_DIMENSIONS:
+        if name in chosen:
+            raise InputError(f"-{chosen[name].name} is of two dimensions: {why}")
 
 
 def compute(opt: Mapping[str, Any], state: Constant, comm: MPI.Comm) -> list[Result]:

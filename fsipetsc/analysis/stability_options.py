@@ -34,7 +34,24 @@ def _half(value: float) -> str | None:
 
 
 _ORDERS = Option("fsi_orders", "ints", ORDERS, "", "interior orders of the SBP operators", check=_orders)
-_POINTS = Option("stability_points", int, 32, "", "points of each of the two layers", check="positive")
+_POINTS = Option(
+    *("stability_points", int, 32, "", "points of each of the two layers; of a case in 2-D, at most so many"),
+    check="positive",
+)
+_WAVES = (
+    Option(
+        *("stability_symbols", "floats", (0.0, 0.2, 0.6, 1.0), ""),
+        help="wave numbers, as fractions of the greatest that D knows",
+        check=_fractions,
+    ),
+    Option("stability_k", "floats", None, "1/m", "wave numbers themselves, instead of -stability_symbols", check="nonnegative"),
+)
+#: what two dimensions do not have
+OF_ONE_DIMENSION = (
+    *("solid_stretch", "solid_eos", "solid_stress", "solid_gruneisen", "fsi_coupling", "fsi_viscous", "fsi_output"),
+)
+#: and what is of two alone
+OF_TWO_DIMENSIONS = ("stability_symbols", "stability_k", "stability_x", "solid_shear", "solid_heat")
 SECTIONS: dict[str, tuple[Option, ...]] = {
     "Gas": (
         Option("fluid_rho", float, 1.0, "kg/m3", "density of the gas at rest", check="positive"),
@@ -74,11 +91,7 @@ SECTIONS: dict[str, tuple[Option, ...]] = {
     ),
     "Two dimensions": (
         Option("stability_plane", bool, False, "", "gas over a solid in two dimensions, by wave number along them"),
-        Option(
-            *("stability_symbols", "floats", (0.0, 0.2, 0.6, 1.0), ""),
-            help="wave numbers, as fractions of the greatest that D knows",
-            check=_fractions,
-        ),
+        *_WAVES,
         Option("solid_shear", float, 0.25, "", "mu_e over K", check=_half),
         Option("solid_heat", str, "elastic", "", "beside an elastic energy, or the work of stresses", ("elastic", "coupled")),
     ),
@@ -103,8 +116,12 @@ SECTIONS: dict[str, tuple[Option, ...]] = {
 }
 #: of this command beside those of a case
 FOR_CASES = (
-    Option("stability_interface", int, 0, "", "interface of the case, counted from the left", check="nonnegative"),
-    *(_POINTS, _ORDERS),
+    Option(
+        *("stability_interface", int, 0, "", "interface of the case, counted from the left, or from below"),
+        check="nonnegative",
+    ),
+    Option("stability_X", float, None, "m", "in 2-D, where it is; default: in the middle of the interface"),
+    *(*_WAVES, _POINTS, _ORDERS),
     *SECTIONS["Sweep"],
 )
 

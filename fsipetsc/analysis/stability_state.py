@@ -163,12 +163,17 @@ def of_problem(problem: Problem, k: int, h: float) -> Constant:
     rho, _, T = given.initial(gas, np.array([gas.X[0 if right else 1]]), slice(None))
     _, _, T_s, x = given.initial(solid, X, slice(None))
     end = -1 if right else 0
-    if abs(T_s[end] - T[0]) > ALIKE * T[0]:
+    same_temperature(gas.name, T[0], solid.name, T_s[end])
+    return Constant(gas.material, solid.material, float(rho[0]), float(T[0]), float((x[1] - x[0]) / h))
+
+
+def same_temperature(gas: str, T: float, solid: str, T_s: float) -> None:
+    """InputError where two layers do not begin with one temperature [K] where they meet."""
+    if abs(T_s - T) > ALIKE * T:
         raise InputError(
-            f"layers '{gas.name}' and '{solid.name}' begin with T = {T[0]:g} K and {T_s[end]:g} K where they meet: the linear "
+            f"layers '{gas}' and '{solid}' begin with T = {T:.9g} K and {T_s:.9g} K where they meet: the linear "
             "theory is about a state at rest, of one temperature"
         )
-    return Constant(gas.material, solid.material, float(rho[0]), float(T[0]), float((x[1] - x[0]) / h))
 
 
 def described_law(law: Any) -> str:

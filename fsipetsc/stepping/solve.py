@@ -62,12 +62,10 @@ def make_state(problem: Problem | PlaneProblem, opt: dict[str, Any], comm: MPI.C
     ranks do not fit.
     """
     if isinstance(problem, PlaneProblem):
-        _check_plane(opt)
+        form = plane_form(opt)
         if opt["ts_type"] == FUSED:
             opt["ts_type"] = "rk"
             publish(opt)
-        convection = "divergence" if opt["fsi_convection"] == "divergence" else "entropy"
-        form = PlaneForm(convection, SIGMA * opt["fsi_dissipation"], opt["fsi_shock"])
         return PlaneState(comm, problem, opt["fsi_order"], opt["fsi_h"], form, opt["fsi_points"] or ())
     if opt["fsi_points"]:
         raise InputError("-fsi_points is of two dimensions: in one, series of all interfaces are recorded anyway")
@@ -87,11 +85,13 @@ _IN_THE_PLANE = {
 }
 
 
-def _check_plane(opt: Mapping[str, Any]) -> None:
-    """InputError for a method that two dimensions do not have."""
+def plane_form(opt: Mapping[str, Any]) -> PlaneForm:
+    """That of the equations in two dimensions that is asked for. InputError for a method that these do not have."""
     for name, there in _IN_THE_PLANE.items():
         if opt[name] not in there:
             raise InputError(f"-{name} {opt[name]}: in two dimensions it is {' or '.join(map(str, there))}")
+    convection = "divergence" if opt["fsi_convection"] == "divergence" else "entropy"
+    return PlaneForm(convection, SIGMA * opt["fsi_dissipation"], opt["fsi_shock"])
 
 
 def solve(
