@@ -1,4 +1,4 @@
-"""Layered one-dimensional fluid–structure interaction with summation-by-parts differences on PETSc.
+"""Layered fluid–structure interaction with summation-by-parts differences on PETSc.
 
 Importing the package is cheap and needs neither PETSc nor MPI; opening a result needs numpy and h5py.
 """
@@ -6,13 +6,18 @@ Importing the package is cheap and needs neither PETSc nor MPI; opening a result
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from mpi4py import MPI
+
     from fsipetsc.output.reader import Run
 
+# else numba, where colorama is installed, has it write to the standard output when the process ends
+os.environ.setdefault("NUMBA_DISABLE_ERROR_MESSAGE_HIGHLIGHTING", "1")
+
 __version__ = "0.1.0"
-__all__ = ["__version__", "open_run"]
+__all__ = ["__version__", "open_run", "run"]
 
 
 def open_run(path: str | os.PathLike[str]) -> Run:
@@ -23,3 +28,22 @@ def open_run(path: str | os.PathLike[str]) -> Run:
     from fsipetsc.output.reader import open_run as open_result
 
     return open_result(path)
+
+
+def run(case: Any, *, comm: MPI.Comm | None = None, **options: Any) -> Run:
+    """Solve a case and return its result, opened. Collective on ``comm``; needs PETSc and MPI.
+
+    case      name of a built-in case, path of a case file, a :class:`fsipetsc.problem.Problem` or
+              :class:`fsipetsc.plane.PlaneProblem`, or anything with what a case file defines (``build(opt)``, ``OPTIONS`` …)
+    comm      mpi4py communicator; None: COMM_WORLD
+    options   those of the command line, ``fsi_`` and ``ts_`` may be left out: ``order=6, h=0.025, max_time=0.1``; lists
+              where it has commas; None for the default. ``quiet=False`` prints what a run prints. The result is
+              ``output``, by default CASE.h5 in the working directory
+
+    Raises the exceptions of :mod:`fsipetsc.errors`: InputError for what is not valid, ComputationError where the
+    computation fails, FileError; KeyboardInterrupt after a SIGINT, the result written. Options, modules and settings
+    of PETSc are left as they were found, so that several runs in one process do not know of each other.
+    """
+    from fsipetsc.api import run as solve
+
+    return solve(case, comm, options)

@@ -52,6 +52,11 @@ COMMANDS = {
         "pictures (PNG) of a result; with -animate, of one in two dimensions, a film (GIF)",
         "fsipetsc.cli:plot",
     ),
+    "diff": Command(
+        "A.h5 B.h5",
+        "what differs between two results: each field, in units in the last place, too",
+        "fsipetsc.cli:diff",
+    ),
     "new": Command("FILE.py", "a case file of your own to start from: commented, and it runs", "fsipetsc.cli:new"),
     "convergence": Command(
         "CASE [-option value ...]",
@@ -271,6 +276,14 @@ def plot(arguments: list[str]) -> None:
         print(picture)
 
 
+def diff(arguments: list[str]) -> None:
+    """The command `diff A.h5 B.h5`."""
+    (first, second), _ = _files("diff", arguments, 2)
+    from fsipetsc.output.differences import compare, table
+
+    print(table(compare(first, second)))
+
+
 def new(arguments: list[str]) -> None:
     """The command `new FILE.py`."""
     name, _ = _file_and_directory("new", arguments, what="name of a case file")
@@ -284,6 +297,14 @@ def _file_and_directory(
     name: str, arguments: list[str], what: str = "result file", flags: Sequence[str] = ()
 ) -> tuple[str, str | None]:
     """The one file that a command wants and the value of -o; InputError for anything else. what: the file is."""
+    (file,), directory = _files(name, arguments, 1, what, flags)
+    return file, directory
+
+
+def _files(
+    name: str, arguments: list[str], count: int, what: str = "result file", flags: Sequence[str] = ()
+) -> tuple[list[str], str | None]:
+    """The files that a command wants, as many as `count`, and the value of -o."""
     usage = f"{program()} {name} {COMMANDS[name].arguments}"
     words, directory, files = list(arguments), None, []
     while words:
@@ -298,7 +319,8 @@ def _file_and_directory(
             raise InputError(f"unknown option {word} of the command {name}: {usage}")
         else:
             files.append(word)
-    if len(files) != 1:
-        got = f"{len(files)} were given" if files else "none was given"
-        raise InputError(f"the command {name} wants one {what}, {got}: {usage}")
-    return files[0], directory
+    if len(files) != count:
+        got = "none was given" if not files else "1 was given" if len(files) == 1 else f"{len(files)} were given"
+        wanted = f"one {what}" if count == 1 else f"{count} {what}s"
+        raise InputError(f"the command {name} wants {wanted}, {got}: {usage}")
+    return files, directory

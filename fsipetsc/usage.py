@@ -41,7 +41,7 @@ def overview(cases: Mapping[str, str], commands: Mapping[str, tuple[str, str]]) 
         "Cases": {**cases, "FILE.py": "a case of your own, from a file"},
         "Commands": {f"{name} {arguments}".rstrip(): summary for name, (arguments, summary) in commands.items()},
     }
-    lines = ["fsipetsc: one-dimensional fluid–structure interaction in layers, with PETSc"]
+    lines = ["fsipetsc: fluid–structure interaction in layers, with PETSc"]
     for title, rows in sections.items():
         width = 2 + max(map(len, rows))
         lines += ["", title, *(f"  {left:<{width}}{right}".rstrip() for left, right in rows.items())]

@@ -14,7 +14,7 @@ PACKAGE = REPOSITORY / "fsipetsc"
 #: files and folders of the package: each imports from those below it, never from one above, nor from one beside it
 ORDER = """
     __main__
-    cli
+    cli api
     analysis bench
     stepping
     output
@@ -35,7 +35,7 @@ ORDER = """
 """
 RANK = {name: rank for rank, line in enumerate(ORDER.split("\n")) for name in line.split()}
 #: who knows MPI, PETSc: the folders whose work that is, and what starts them, reads PETSc's options and ends them
-KNOW_MPI = {"cli", "analysis", "bench", "stepping", "output", "process", "parallel"}
+KNOW_MPI = {"cli", "api", "analysis", "bench", "stepping", "output", "process", "parallel"}
 KNOW_PETSC = {"analysis", "bench", "stepping", "output", "process", "options", "parallel"}
 #: files of ``parallel`` that know PETSc: the one that has the DMDAs
 PETSC_IN_PARALLEL = {"parallel/layout.py", "parallel/plane/layout.py"}

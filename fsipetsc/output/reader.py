@@ -13,7 +13,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,6 +21,9 @@ from fsipetsc.checks import counted
 from fsipetsc.errors import FileError
 from fsipetsc.output import file_layout, result_sources
 from fsipetsc.output.interface_line import InterfaceLine, along_edge
+
+if TYPE_CHECKING:
+    import xarray
 
 Array = np.ndarray
 
@@ -99,6 +102,12 @@ class Run:
         rows = (-1, -2, -3) if below else (0, 1, 2)
         edge = {name: np.stack([layer[name][:, row] for row in rows]) for name in layer.fields}
         return along_edge(names[number], solid, edge, layer.X, layer.Y[list(rows)], kappa_e)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """All frames and series with dimensions, coordinates and units; see :mod:`fsipetsc.output.as_xarray`."""
+        from fsipetsc.output.as_xarray import to_xarray
+
+        return to_xarray(self)
 
     def close(self) -> None:
         self._source.close()

@@ -1,0 +1,93 @@
+"""Runs from Python: what the command line does, with exceptions instead of exits, and the opened result in the end."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
+
+from fsipetsc.cases import load_case
+from fsipetsc.errors import FsiError, InputError
+from fsipetsc.options import read_options, table
+from fsipetsc.output.reader import Run, open_run
+from fsipetsc.plane import PlaneProblem
+from fsipetsc.problem import Problem
+from fsipetsc.process.failure import end_together
+from fsipetsc.process.host import left_as_found
+from fsipetsc.process.interrupts import Interrupted
+from fsipetsc.process.launch import start_mpi, start_petsc
+from fsipetsc.process.together import together
+
+if TYPE_CHECKING:
+    from mpi4py import MPI
+
+#: what may be left out before the name of an option
+PREFIXES = ("", "fsi_", "ts_")
+
+
+def run(case: Any, comm: MPI.Comm | None, options: Mapping[str, Any]) -> Run:
+    """See fsipetsc.run, whose work this is."""
+    start_mpi()
+    from mpi4py import MPI
+
+    comm = MPI.COMM_WORLD if comm is None else comm
+    with left_as_found():
+        notes = comm.Dup()
+        try:
+            path = _solve(case, comm, options)
+        except BaseException as error:
+            if isinstance(error, FsiError) and error.collective:
+                notes.Free()
+            elif comm.size > 1:  # perhaps on this rank alone: the others must not wait for it
+                end_together(error, notes)
+            if isinstance(error, Interrupted) and error.status == 130:
+                raise KeyboardInterrupt(str(error)) from error
+            raise
+        notes.Free()
+    return open_run(path)
+
+
+def _solve(case: Any, comm: MPI.Comm, options: Mapping[str, Any]) -> str:
+    """Make the run; returns the path of its result."""
+    from fsipetsc.stepping.run import run_case
+
+    loaded = together(comm, lambda: _case(case))
+    words = together(comm, lambda: list(_words(loaded, {"quiet": True, **options})))
+    in_force = read_options(loaded, start_petsc(words, comm))
+    run_case(loaded, in_force, comm)
+    return os.path.abspath(in_force["fsi_output"])
+
+
+def _case(case: Any) -> Any:
+    """What a case file would define."""
+    if isinstance(case, (Problem, PlaneProblem)):
+        return SimpleNamespace(NAME="problem", SUMMARY="", OPTIONS=(), DEFAULTS={}, build=lambda opt: case)
+    if isinstance(case, (str, os.PathLike)):
+        return load_case(os.fspath(case))
+    if callable(getattr(case, "build", None)):
+        missing = {"NAME": "case", "SUMMARY": "", "OPTIONS": (), "DEFAULTS": {}}
+        given = {name: getattr(case, name, default) for name, default in missing.items()}
+        return SimpleNamespace(**given, build=case.build)
+    raise InputError(f"run: a case is a name, a file, a Problem or something with build(opt), not {type(case).__name__}")
+
+
+def _words(case: Any, options: Mapping[str, Any]) -> Iterable[str]:
+    """The options as they would stand on the command line. InputError for a name that there is not."""
+    known = table(case)
+    for name, value in options.items():
+        found = next((f"{prefix}{name}" for prefix in PREFIXES if f"{prefix}{name}".lower() in known), name)
+        if value is None:
+            continue
+        yield f"-{found}"
+        yield _text(value)
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, (str, os.PathLike)):
+        return os.fspath(value)
+    if isinstance(value, Iterable):
+        return ",".join(map(_text, value))
+    return repr(value.item() if hasattr(value, "item") else value)

@@ -1,0 +1,144 @@
+"""Runs from Python, what differs between two results, and results as xarray Datasets."""
+
+from __future__ import annotations
+
+import sys
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from helpers import mpirun, solve
+
+import fsipetsc
+from fsipetsc.errors import InputError
+from fsipetsc.output.differences import compare, difference, table
+
+pytest.importorskip("petsc4py")
+
+PROGRAM = """
+import sys
+import numpy as np
+import fsipetsc
+from fsipetsc.boundaries import Wall
+from fsipetsc.errors import ComputationError, InputError
+from fsipetsc.physics.fluid import Fluid
+from fsipetsc.problem import FluidLayer, Problem
+
+gas = Fluid(0.01, 0.02, 1.4, 1.0)
+state = lambda X: (1 + 0 * X, 0 * X, 1 + 0.01 * np.cos(np.pi * X))
+problem = Problem(layers=(FluidLayer("gas", gas, (0.0, 1.0), state),), left=Wall(0.0), right=Wall(1.0), units="none")
+words = list(sys.argv)
+
+first = fsipetsc.run("rod", h=0.1, max_steps=5, output="rod.h5")
+assert first.case == "rod" and first.options["fsi_h"] == 0.1 and len(first.series["t"]) == 5
+own = fsipetsc.run(problem, h=0.05, max_time=0.1, output="own.h5", output_times=[0.03, 0.1])
+assert list(own.time) == [0.0, 0.03, 0.1] and own.complete
+for case, options, said in (
+    (problem, {"h": 0.05, "max_tim": 1.0}, "did you mean"),
+    (problem, {"h": -1, "max_time": 1}, "a number above 0"),
+    (problem, {"max_time": 1}, "-fsi_h must be given"),
+    ("rood", {}, "did you mean 'rod'"),
+    (3, {}, "a Problem"),
+):
+    try:
+        fsipetsc.run(case, **options)
+    except InputError as error:
+        assert said in str(error), error
+    else:
+        raise AssertionError(said)
+try:
+    fsipetsc.run("rod", h=0.1, cfl=100.0, output="bad.h5")
+except ComputationError as error:
+    assert "t = " in str(error)
+else:
+    raise AssertionError("it cannot have gone well")
+again = fsipetsc.run("rod", h=0.1, max_steps=5, output="again.h5")
+for name in first.layers[0].fields:
+    assert np.array_equal(first.layers[0][name], again.layers[0][name], equal_nan=True)
+assert sys.argv == words
+"""
+
+
+@pytest.mark.mpi
+def test_runs_from_python(tmp_path):
+    """A case by name, a Problem, faults as exceptions; nothing is left behind, nothing printed; one rank and two."""
+    program = tmp_path / "program.py"
+    program.write_text(PROGRAM)
+    done = mpirun(2, program, cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (0, ""), done.stderr
+    assert done.stderr == ""
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("results")
+    for name, more in (("a", ()), ("same", ()), ("other", ("-rod_T0", 301.0)), ("fine", ("-fsi_h", 0.05))):
+        done = solve("rod", "-fsi_h", 0.1, "-ts_max_steps", 4, *more, "-fsi_output", folder / f"{name}.h5", "-fsi_quiet")
+        assert done.returncode == 0, done.stderr
+    return folder
+
+
+def test_equal_results(results):
+    found = compare(results / "a.h5", results / "same.h5")
+    assert found.equal and not found.options and len(found.differences) > 15
+    assert table(found).endswith("are equal, bit for bit")
+
+
+def test_what_differs(results):
+    found = compare(results / "a.h5", results / "other.h5")
+    assert not found.equal and found.options == {"rod_T0": (300.0, 301.0)}
+    largest = {one.name: one.largest for one in found.differences}
+    assert largest["below: T"] == pytest.approx(1.0, rel=0.1) and "option -rod_T0: 300.0 and 301.0" in table(found)
+
+
+def test_another_grid_is_said(results):
+    found = compare(results / "a.h5", results / "fine.h5")
+    assert not found.equal and any("points and" in note for note in found.notes)
+
+
+def test_command(results):
+    done = solve("diff", results / "a.h5", results / "other.h5")
+    assert done.returncode == 0 and "below: T" in done.stdout and "ulp" in done.stdout
+    assert solve("diff", results / "a.h5").returncode == 2
+    assert solve("diff", results / "a.h5", results / "none.h5").returncode == 4
+
+
+def test_units_in_the_last_place():
+    a = np.array([[1.0, np.nan, 2.0], [4.0, 0.0, 1e300]])
+    b = a.copy()
+    b[0, 2] = np.nextafter(np.nextafter(2.0, 3.0), 3.0)
+    found = difference("", a, b, np.array([0.0, 0.5]))
+    assert (found.largest, found.ulp, found.scale, found.place) == (2 * np.spacing(2.0), 2.0, 1e300, "t = 0, point 2")
+    b[1, 1] = np.nan
+    assert difference("", a, b, np.array([0.0, 0.5])).largest == np.inf
+    assert difference("", a, a, np.array([0.0, 0.5])).largest == 0.0
+
+
+def test_xarray(results):
+    pytest.importorskip("xarray")
+    with fsipetsc.open_run(results / "a.h5") as run:
+        data = run.to_xarray()
+        assert data["below.T"].dims == ("time", "X_below") and data["below.T"].attrs["units"] == "K"
+        assert np.array_equal(data["below.T"], run.layers[0]["T"], equal_nan=True)
+        assert np.array_equal(data["rod.x"].sel(X_rod=1.5, method="nearest"), run.layers[1].x[:, 5])
+        assert data["series.x_interface"].dims == ("step", "interface") and data.attrs["case"] == "rod"
+        assert np.array_equal(data["t"], run.series["t"]) and data["t"].attrs["units"] == "s"
+
+
+def test_xarray_opens_the_file(results):
+    xarray = pytest.importorskip("xarray")
+    data = xarray.open_dataset(results / "a.h5", engine="fsipetsc")
+    assert data["below.T"].dims == ("time", "X_below") and "rod.sigma" not in data.drop_vars("rod.sigma")
+
+
+def test_without_xarray(results, monkeypatch):
+    monkeypatch.setitem(sys.modules, "xarray", None)
+    with fsipetsc.open_run(results / "a.h5") as run, pytest.raises(InputError, match="pip install xarray"):
+        run.to_xarray()
+
+
+def test_a_case_is_anything_with_build():
+    from fsipetsc.api import _case
+
+    made = _case(SimpleNamespace(build=lambda opt: None, NAME="mine"))
+    assert (made.NAME, made.OPTIONS, made.DEFAULTS) == ("mine", (), {})
