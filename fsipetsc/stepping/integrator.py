@@ -76,7 +76,7 @@ class Integrator:
         self._proposal = np.inf
         self._fused = opt["ts_type"] == NAME
         self.burst_limit = 0  # most steps in one go; 0: steps are made one by one, stage by stage
-        if self._fused and self._steady:  # no longer than a signal may have to wait
+        if self._fused and self._steady and state.burst.size:  # no longer than a signal may have to wait
             points = sum(grid.n for grid in state.layout.grids)
             self.burst_limit = max(1, min(opt["fsi_burst"], MOST_POINTS // points))
         self._rates: PETSc.Vec | None = None

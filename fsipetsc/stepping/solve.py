@@ -58,12 +58,12 @@ def build_problem(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Problem 
 def make_state(problem: Problem | PlaneProblem, opt: dict[str, Any], comm: MPI.Comm) -> State | PlaneState:
     """The state that the options in force ask for; with -log_view one that logs what it does. Collective.
 
-    In two dimensions PETSc's methods make the steps: rk stands in ``opt`` for fused then. InputError where grid, order and
-    ranks do not fit.
+    In two dimensions PETSc's methods make the steps where data depend on time: rk stands in ``opt`` for fused then.
+    InputError where grid, order and ranks do not fit.
     """
     if isinstance(problem, PlaneProblem):
         form = plane_form(opt)
-        if opt["ts_type"] == FUSED:
+        if opt["ts_type"] == FUSED and not problem.steady_data:
             opt["ts_type"] = "rk"
             publish(opt)
         return PlaneState(comm, problem, opt["fsi_order"], opt["fsi_h"], form, opt["fsi_points"] or ())

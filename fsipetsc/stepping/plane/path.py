@@ -21,18 +21,22 @@ from typing import Any
 import numpy as np
 from petsc4py import PETSc
 
+from fsipetsc.boundaries import INTERFACE_END
 from fsipetsc.operators.formulas import Formulas
 from fsipetsc.operators.sbp import OPERATOR, packed
 from fsipetsc.parallel.plane.layout import PlaneLayout
 from fsipetsc.physics.layer import FLUID
 from fsipetsc.physics.plane.layer import DOF
+from fsipetsc.scheme.plan import SUM
 from fsipetsc.scheme.plane import entries
 from fsipetsc.scheme.plane.equations import USUAL, PlaneForm, equations_of, materials_of
 from fsipetsc.scheme.plane.fields import SAVED
 from fsipetsc.scheme.plane.laws import compiled
 from fsipetsc.scheme.plane.look import WORDS
 from fsipetsc.scheme.plane.sweep import scratch, scratch_stride
+from fsipetsc.scheme.runge_kutta import Stage
 from fsipetsc.stepping.plane.edge_data import EdgeData
+from fsipetsc.stepping.plane.fused import FusedSteps
 from fsipetsc.stepping.plane.interfaces import Interfaces
 from fsipetsc.stepping.plane.natural import NaturalOrder
 
@@ -58,37 +62,60 @@ class PlanePath:
         self.layout = layout
         self._equations = [equations_of(layer, form) for layer in layout.problem.layers]
         layout.records["dissipation"], layout.records["shocks"] = form.dissipation / 2.0**order, 0.5 * form.shocks
-        self._state, self._rates = np.zeros(layout.local_size), np.zeros(layout.local_size)
-        self._world = PETSc.Vec().createWithArray(self._state, comm=layout.comm)
-        self._changes = PETSc.Vec().createWithArray(self._rates, comm=layout.comm)
-        self.interfaces = Interfaces(layout, operators(order), self._world, self._changes)
+        self.state, self.changes = np.zeros(layout.local_size), np.zeros(layout.local_size)
+        self._world, self._rates = (PETSc.Vec().createWithArray(own, comm=layout.comm) for own in (self.state, self.changes))
+        self.interfaces = Interfaces(layout, operators(order), self._world, self._rates)
         mine = [k for k, dm in enumerate(layout.dms) if dm is not None]
-        arrays = self._state, self._rates
+        arrays = self.state, self.changes
         self.layers = [LayerPart(layout, k, operators(order), self._equations[k], arrays, edge_data) for k in mine]
+        self._parts = {part.k: part for part in self.layers}
+        self._fused: FusedSteps | None = None
 
     def rates(self, y: np.ndarray, f: np.ndarray, t: float) -> None:
         """f = dy/dt of this rank's part at time t [s]; y stays as it is."""
         self.apply_conditions(y, t)
+        self.evaluate(t)
+        f[:] = self.changes
+
+    def evaluate(self, t: float) -> None:
+        """The rates of the local parts as they are, to ``changes``."""
         for part in self.layers:
             part.evaluate(t)
-        self.interfaces.slide({part.k: part for part in self.layers})
+        self.interfaces.slide(self._parts)
         for part in self.layers:
             part.note_power()
-        f[:] = self._rates
 
     def apply_conditions(self, y: np.ndarray, t: float) -> None:
         """Let the local parts of the layers hold this rank's part y and its halos, which fulfil all conditions."""
-        self._state[:] = y
+        self.bring(y)
+        self.put_in_place(t)
+
+    def bring(self, y: np.ndarray) -> None:
+        """Let the local parts hold y and its halos, and solve for what gas and solid have together at interfaces."""
+        self.state[:] = y
         self.interfaces.meet()
         for part in self.layers:
             part.fill_halos()
+
+    def put_in_place(self, t: float) -> None:
+        """What interfaces, walls and what is given make of the local parts; and the grids of gases."""
+        for part in self.layers:
             for side, points, columns in self.interfaces.of(part.k):
                 part.join(side, points, columns)
             part.hold(t)
 
-    def project(self, y: np.ndarray, t: float) -> None:
-        """Let this rank's part y fulfil all conditions, in place."""
-        self.apply_conditions(y, t)
+    def step(self, y: np.ndarray, t: float, dt: float) -> None:
+        """A fused step dt [s] from the completed solution y at t [s], whose data do not depend on time, to the local parts."""
+        if self._fused is None:
+            self._fused = FusedSteps(self)
+        self._fused.step(y, t, dt)
+        self._fused.bring()
+
+    def project(self, y: np.ndarray, t: float, brought: bool = False) -> None:
+        """Let this rank's part y fulfil all conditions, in place; brought: the local parts hold it already."""
+        if not brought:
+            self.bring(y)
+        self.put_in_place(t)
         for part in self.layers:
             self.layout.local(part.k, y)[:] = part.own
         for number, energies in self.interfaces.energies():
@@ -125,6 +152,7 @@ class PlanePath:
         grid, faces = np.empty((1, 1)), self.interfaces.faces
         own = [
             (entries.lay_lines, (*common, lines)),
+            (entries.advance, (records, 0, values, values, values, 0.0, True, values, values, 0.0)),
             (entries.grid_jacobian, (records, 0, values, 1, grid)),
             (entries.line_slopes, (ops, values, 1, 1, 1, 1, 1.0)),
             (entries.slide_at, (faces, 0, ops, grid, grid, np.empty(1, np.int64), grid)),
@@ -132,12 +160,14 @@ class PlanePath:
         return found + own
 
     def destroy(self) -> None:
-        """Destroy the vectors; before the DMDAs."""
+        """Destroy messages and vectors; before the DMDAs."""
+        if self._fused is not None:
+            self._fused.free()
         self.interfaces.destroy()
         for part in self.layers:
             part.destroy()
         self._world.destroy()
-        self._changes.destroy()
+        self._rates.destroy()
 
 
 class LayerPart:
@@ -152,12 +182,11 @@ class LayerPart:
         self._gas = self.record["kind"] == FLUID
         self.operator, self.end_weight = ops[0], float(ops[0]["norm"][0])
         self.columns, self.rows = layout.owned(k)
-        width, height = int(self.record["width"]), int(self.record["height"])
+        width = int(self.record["width"])
         self._stride = scratch_stride(width)
         self._s = scratch(self._stride, int(self.record["own_x"][0]))
-        self.y = np.zeros(width * height * DOF + SLACK * DOF)
-        self.held = self.y[: width * height * DOF].reshape(height, width, DOF)
-        self.own = self.held[slice(*self.record["own_y"]), slice(*self.record["own_x"])]
+        self._ys: list[np.ndarray] = []
+        self.make_areas(1)
         self._vec = PETSc.Vec().createWithArray(layout.local(k, state).reshape(-1), bsize=DOF, comm=self._dm.comm)
         self._local = PETSc.Vec().createWithArray(self.held.reshape(-1), bsize=DOF, comm=PETSc.COMM_SELF)
         self._rates = layout.local(k, rates).reshape(-1)
@@ -166,6 +195,7 @@ class LayerPart:
         self._lines[:, 1] = np.array(layer.Y)[:, None]
         evaluate, *others = _OF_GAS if self._gas else _OF_SOLID
         self._evaluate = compiled(evaluate, equations)
+        self._advance = entries.advance
         self._look, self._save = (compiled(entry, materials_of(layer)) for entry in others)
         self.order = NaturalOrder(self._dm)
         columns, rows = layout.held(k)
@@ -181,8 +211,34 @@ class LayerPart:
         found = [(n, meeting.layers) for n, meeting in enumerate(self._layout.meetings)]
         return [(n, int(fluid > self.k)) for n, (fluid, solid) in found if solid == self.k]
 
+    def make_areas(self, count: int) -> None:
+        """Have so many areas for the points that are held; the first one is in use then."""
+        height, width = int(self.record["height"]), int(self.record["width"])
+        while len(self._ys) < count:
+            self._ys.append(np.zeros(width * height * DOF + SLACK * DOF))
+        self.areas = [y[: width * height * DOF].reshape(height, width, DOF) for y in self._ys]
+        rows, columns = slice(*self.record["own_y"]), slice(*self.record["own_x"])
+        self._views = [(y, held, held[rows, columns]) for y, held in zip(self._ys, self.areas, strict=True)]
+        self.use(0)
+
+    def use(self, area: int) -> None:
+        """Let ``y``, ``held`` and ``own`` be an area: all points in a row, (height, width, DOF) of it, those that are owned."""
+        self.y, self.held, self.own = self._views[area]
+
+    def interface_rows(self) -> list[int]:
+        """Among the rows that are owned, those at interfaces."""
+        ends, kinds = self.record["end_y"] - self.record["own_y"][0], self.record["edge_y"]
+        return [int(row) for row, kind in zip(ends, kinds, strict=True) if kind == INTERFACE_END and 0 <= row < len(self.own)]
+
+    def advance(self, stage: Stage, a: float, b: float) -> None:
+        """Send on what the rates make of the points: next = source + a k, SUM = base + b k."""
+        ys, base = self._ys, int(stage.base)
+        total = ys[base], ys[SUM], b
+        self._advance(self._records, self.k, self._rates, ys[stage.source], ys[stage.next], a, base >= 0, *total)
+
     def fill_halos(self) -> None:
-        """The ghost exchange of the layer."""
+        """The ghost exchange of the layer, to the first area."""
+        self.use(0)
         self._dm.globalToLocal(self._vec, self._local)
 
     def join(self, side: int, points: np.ndarray, columns: np.ndarray) -> None:

@@ -1,7 +1,7 @@
 """The state in two dimensions: what the run and TS are given where fsipetsc.stepping.state.State is that of one dimension.
 
-The same names for the same things: ``solution``, ``results``, ``journal``, ``right_hand_side``, ``finish`` … PETSc's
-methods make the steps; the right-hand side is fsipetsc.stepping.plane.path.
+The same names for the same things: ``solution``, ``results``, ``journal``, ``right_hand_side``, ``finish`` … The
+right-hand side is fsipetsc.stepping.plane.path; a fused step is one of fsipetsc.stepping.plane.fused.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from fsipetsc.parallel.plane.layout import PlaneLayout
 from fsipetsc.physics.plane.layer import DOF
 from fsipetsc.plane import PlaneProblem
 from fsipetsc.process.together import together
-from fsipetsc.scheme.plan import BAD, CAPACITY, FLAGS, LIMITS, RATE, SAID_STOP, STOP
+from fsipetsc.scheme.plan import BAD, CAPACITY, FLAGS, LIMITS, RATE, SAID_STOP, STAGES, STOP
 from fsipetsc.scheme.plane.equations import USUAL, PlaneForm
 from fsipetsc.scheme.plane.look import BAD as LOOKED_BAD
 from fsipetsc.scheme.plane.look import CONVECTION, DIFFUSION, ENERGY, ENTROPY, LEAST_J, MASS, MOMENTUM_X, MOMENTUM_Y
@@ -154,11 +154,24 @@ class PlaneState:
         """Let this rank's part y fulfil all conditions, in place."""
         self.path.project(y, self._t)
 
+    def step(self, t: float, dt: float, steady: bool) -> None:
+        """A step dt [s] of the fused Runge-Kutta method from the completed solution at t [s], and its completion.
+
+        steady: the data do not depend on time; else PETSc's own methods make the steps (fsipetsc.stepping.solve).
+        """
+        self.path.step(self.solution.getArray(), t, dt)
+        self.evaluations += STAGES
+        self._complete(brought=True)
+
     def finish(self) -> None:
-        """Complete a step: project the solution, look at it, bound the next step."""
+        """Complete a step that PETSc has made."""
+        self._complete()
+
+    def _complete(self, brought: bool = False) -> None:
+        """Project the solution, look at it, bound the next step; brought: the path holds it, raw."""
         y = self.solution.getArray()
         try:
-            self.path.project(y, self._t)
+            self.path.project(y, self._t, brought)
         except InputError as error:
             self._keep(error)
         layers = self.problem.layers
