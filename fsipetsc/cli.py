@@ -49,8 +49,11 @@ COMMANDS = {
     "info": Command("RUN.h5", "what a result holds: case, options, times, layers, summary", "fsipetsc.cli:info"),
     "plot": Command(
         "RUN.h5 [-o DIR] [-animate]",
-        "pictures (PNG) of a result; with -animate, of one in two dimensions, a film (GIF)",
+        "pictures (PNG) of a result; with -animate a film (GIF)",
         "fsipetsc.cli:plot",
+    ),
+    "report": Command(
+        "RUN.h5 [-o DIR]", "one HTML page of a result: film, pictures, ledgers, options, summary", "fsipetsc.cli:report"
     ),
     "diff": Command(
         "A.h5 B.h5",
@@ -268,12 +271,20 @@ def plot(arguments: list[str]) -> None:
     from fsipetsc.output.plots import plot as draw
 
     if film:
-        from fsipetsc.output.plots.plane.animation import animate
+        from fsipetsc.output.plots.animation import animate
 
         print(animate(path, directory or os.curdir))
         return
     for picture in draw(path, directory or os.curdir):
         print(picture)
+
+
+def report(arguments: list[str]) -> None:
+    """The command `report RUN.h5 [-o DIR]`."""
+    path, directory = _file_and_directory("report", arguments, flags=("-o",))
+    from fsipetsc.output.report import report as write
+
+    print(write(path, directory or os.curdir))
 
 
 def diff(arguments: list[str]) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import re
 import xml.etree.ElementTree as ET
 
 import numpy as np
@@ -15,14 +17,15 @@ pytest.importorskip("matplotlib")
 import matplotlib
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from PIL import Image
 from test_plane import BOX
 from test_plots import assert_texts_apart
 
 from fsipetsc.output import file_layout, xdmf
 from fsipetsc.output.info import info
 from fsipetsc.output.plots import pictures, plot, style
+from fsipetsc.output.plots.animation import animate
 from fsipetsc.output.plots.plane import maps
-from fsipetsc.output.plots.plane.animation import animate
 from fsipetsc.output.plots.plane.quantities import MAPS
 
 BLAST = "-fsi_h 0.125 -ts_max_time 0.3 -fsi_output_dt 0.05"
@@ -218,8 +221,6 @@ def test_ledgers_begin_at_the_start(figures, blast):
 
 
 def test_film(folder, blast, tmp_path):
-    from PIL import Image
-
     done = run("-m", "fsipetsc", "plot", folder / "blast.h5", "-animate", "-o", tmp_path)
     assert (done.returncode, done.stdout.split()) == (0, [str(tmp_path / "blast.gif")])
     with Image.open(tmp_path / "blast.gif") as film:
@@ -234,10 +235,20 @@ def test_film(folder, blast, tmp_path):
         assert (np.abs(last - color).max(axis=-1) <= 4).any(), shade
 
 
-def test_no_film_of_one_dimension(folder, tmp_path):
-    done = run("-m", "fsipetsc", "plot", folder / "pulse.h5", "-animate", "-o", tmp_path)
-    assert done.returncode == 2 and "one dimension" in done.stderr and len(done.stderr.splitlines()) == 1
-    assert not list(tmp_path.iterdir())
+def test_film_and_report_of_one_dimension(folder, tmp_path):
+    """The slider of the page has a picture for each frame; everything is in the page itself."""
+    assert run("-m", "fsipetsc", "plot", folder / "pulse.h5", "-animate", "-o", tmp_path).returncode == 0
+    done = run("-m", "fsipetsc", "report", folder / "pulse.h5", "-o", tmp_path)
+    assert (done.returncode, done.stdout.split()) == (0, [str(tmp_path / "pulse.html")]), done.stderr
+    with fsipetsc.open_run(folder / "pulse.h5") as result, Image.open(tmp_path / "pulse.gif") as film:
+        page = (tmp_path / "pulse.html").read_text()
+        (pictures,) = re.findall(r"const film = (\[.*?\]), times = (\[.*?\]);", page)
+        assert len(json.loads(pictures[0])) == film.n_frames == result.nframes
+        assert json.loads(pictures[1]) == list(result.time)
+        assert all(f"-{name}" in page for name in result.options)
+        sources = re.findall(r'src="([^"]*)"', page) + json.loads(pictures[0])
+        assert not re.search(r"href=[\"'](?!data:)|url\(|<link [^>]*stylesheet|<script src", page)
+        assert len(sources) > 10 and all(source.startswith("data:image/png;base64,") for source in sources)
 
 
 def test_one_layer_alone_and_chosen_times(tmp_path):

@@ -14,16 +14,24 @@ from fsipetsc.output.reader import Layer, PlaneLayer, Run, open_run
 def info(path: str | os.PathLike[str]) -> str:
     """Case, times, layers, series, options, summary and errors of a result. Raises FileError if it cannot be read."""
     with open_run(path) as run:
-        parts = [
-            [("file", os.fspath(path)), *_overview(run)],
-            [("layers", ""), *_layers(run)],
-            [("options", ""), *_entries({f"-{name}": value for name, value in run.options.items()})],
-            [("summary", ""), *_entries(run.summary)],
-        ]
-        if run.errors:
-            norm = run.options.get("fsi_norm", "L2")  # results of earlier versions have none
-            parts.append([(f"{norm} errors", ""), *((f"  {kind}", _inline(values)) for kind, values in run.errors.items())])
-    return "\n\n".join(_table(part) for part in parts)
+        (_, first), *parts = info_sections(run)
+    tables = [_table([("file", os.fspath(path)), *first])]
+    tables += [_table([(title, ""), *((f"  {name}", text) for name, text in rows)]) for title, rows in parts]
+    return "\n\n".join(tables)
+
+
+def info_sections(run: Run) -> list[tuple[str, list[tuple[str, str]]]]:
+    """(title, rows of name and text) of what there is to say about a result."""
+    parts = [
+        ("run", _overview(run)),
+        ("layers", list(_layers(run))),
+        ("options", list(_entries({f"-{name}": value for name, value in run.options.items()}))),
+        ("summary", list(_entries(run.summary))),
+    ]
+    if run.errors:
+        norm = run.options.get("fsi_norm", "L2")  # results of earlier versions have none
+        parts.append((f"{norm} errors", [(kind, _inline(values)) for kind, values in run.errors.items()]))
+    return parts
 
 
 def _overview(run: Run) -> list[tuple[str, str]]:
@@ -48,10 +56,10 @@ def _layers(run: Run) -> Iterable[tuple[str, str]]:
     for layer in run.layers:
         if isinstance(layer, PlaneLayer):
             grid = f"{layer.size}{_range(', X =', layer.X)}{_range(', Y =', layer.Y)}"
-            yield f"  {layer.name}", f"{layer.kind}, {grid}; {', '.join(layer.fields)}"
+            yield layer.name, f"{layer.kind}, {grid}; {', '.join(layer.fields)}"
             continue
         grid = f"{len(layer.X)} points{_active(layer, run.nframes)}{_range(', X =', layer.X)}, h = {layer.h:g}"
-        yield f"  {layer.name}", f"{layer.kind}, {grid}; {', '.join(layer.fields)}"
+        yield layer.name, f"{layer.kind}, {grid}; {', '.join(layer.fields)}"
 
 
 def _active(layer: Layer, nframes: int) -> str:
@@ -77,7 +85,7 @@ def _range(label: str, values: np.ndarray) -> str:
 
 
 def _entries(entries: Mapping[str, Any]) -> Iterable[tuple[str, str]]:
-    return ((f"  {name}", _text(value)) for name, value in entries.items() if value != "")
+    return ((name, _text(value)) for name, value in entries.items() if value != "")
 
 
 def _text(value: Any) -> str:
