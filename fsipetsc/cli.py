@@ -60,7 +60,11 @@ COMMANDS = {
         "what differs between two results: each field, in units in the last place, too",
         "fsipetsc.cli:diff",
     ),
-    "new": Command("FILE.py", "a case file of your own to start from: commented, and it runs", "fsipetsc.cli:new"),
+    "new": Command(
+        "FILE.py [-plane]",
+        "a case file of your own to start from, -plane: in two dimensions; commented, and it runs",
+        "fsipetsc.cli:new",
+    ),
     "convergence": Command(
         "CASE [-option value ...]",
         "errors, observed orders and cost of a case with an exact solution",
@@ -87,6 +91,7 @@ COMMANDS = {
 _DEBUG = next(option for option in RUN if option.name == "fsi_debug")  # which every command takes
 _VERSION_FLAGS = ("--version", "-version")
 _ANIMATE = ("-animate", "--animate")
+_PLANE = ("-plane", "--plane")
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -296,11 +301,12 @@ def diff(arguments: list[str]) -> None:
 
 
 def new(arguments: list[str]) -> None:
-    """The command `new FILE.py`."""
-    name, _ = _file_and_directory("new", arguments, what="name of a case file")
+    """The command `new FILE.py [-plane]`."""
+    rest = [word for word in arguments if word not in _PLANE]
+    name, _ = _file_and_directory("new", rest, what="name of a case file")
     from fsipetsc.output.new_case import new_case
 
-    path = new_case(name, tuple(COMMANDS))
+    path = new_case(name, tuple(COMMANDS), 1 if rest == arguments else 2)
     print(f"wrote {path}; it runs as it is:  {program()} {shlex.quote(str(path))}")
 
 

@@ -34,9 +34,10 @@ def summaries() -> dict[str, str]:
     return {name: _summary(Path(__file__).with_name(f"{name}.py")) for name in BUILT_IN}
 
 
-def template_text() -> str:
-    """The text of a case file to start from; in it FILE.py and NAME.h5 stand for its own name and its result's."""
-    return Path(__file__).with_name("template.py").read_text(encoding="utf-8")
+def template_text(dimension: int = 1) -> str:
+    """The text of a case file to start from, of one or two dimensions; in it FILE.py and NAME stand for its own name."""
+    name = "template.py" if dimension == 1 else "plane_template.py"
+    return Path(__file__).with_name(name).read_text(encoding="utf-8")
 
 
 def _summary(path: Path) -> str:

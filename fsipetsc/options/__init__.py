@@ -46,17 +46,24 @@ LONGEST_NAME = 150
 
 DISCRETISATION = (
     Option("fsi_order", int, 4, "", "interior order of the SBP operators", (2, 4, 6, 8)),
-    Option("fsi_h", float, REQUIRED, "m", "grid spacing; interfaces must fall on grid points", check="positive"),
+    Option(
+        *("fsi_h", float, REQUIRED, "m", "grid spacing; interfaces, in 2-D ends of panels, must fall on grid points"),
+        check="positive",
+    ),
     Option("fsi_cfl", float, 0.8, "", "Courant number of the time step; -ts_dt replaces it", check="positive"),
     Option(
-        *("fsi_coupling", str, "conservative", "", "treatment of the interfaces"),
+        *("fsi_coupling", str, "conservative", "", "treatment of the interfaces; in 2-D conservative alone"),
         choices=("projection", "energy", "traditional", "conservative"),
     ),
     Option(
-        *("fsi_mapping", str, "auto", "", "grids of outer gases: rigid (embedded boundary), stretched; auto: that at walls"),
+        *("fsi_mapping", str, "auto", ""),
+        help="grids of outer gases: rigid (embedded boundary), stretched; auto: that at walls, and in 2-D",
         choices=("auto", "rigid", "stretched"),
     ),
-    Option("fsi_viscous", str, "wide", "", "second derivatives: D twice, or such that reach half as far", ("wide", "narrow")),
+    Option(
+        *("fsi_viscous", str, "wide", "", "second derivatives: D twice, or in 1-D such that reach half as far"),
+        choices=("wide", "narrow"),
+    ),
     Option(
         *("fsi_convection", str, "auto", "", "form of the gas's convection; entropy: two-point, which keeps it; auto: in 2-D"),
         choices=("auto", "divergence", "entropy"),
@@ -70,7 +77,7 @@ DISCRETISATION = (
         check=_between(0, 2),
     ),
     Option(
-        *("fsi_spare", int, 16, "points", "free points kept beyond each embedded boundary before storage is enlarged"),
+        *("fsi_spare", int, 16, "points", "in 1-D: free points kept beyond each embedded boundary before storage is enlarged"),
         check="nonnegative",
     ),
 )
@@ -89,13 +96,13 @@ RUN = (
         *("fsi_check", float, None, "", "stop when mass, momentum, energy or entropy drifts by this fraction against its law"),
         check="positive",
     ),
-    Option("fsi_entropy", bool, False, "", "record the entropy, too; -fsi_check does so anyway"),
+    Option("fsi_entropy", bool, False, "", "record the entropy, too; -fsi_check does so anyway, and 2-D always"),
     Option(
         *("fsi_burst", int, 64, "steps", "most steps between looks at signals and progress; 1 with -ts_monitor…, -log_…"),
         check="positive",
     ),
-    Option("fsi_partition", str, "auto", "", "which ranks own which layers", ("auto", "physics", "balanced")),
-    Option("fsi_shared_memory", bool, True, "", "up to 16 ranks, all on one node, exchange through memory, not messages"),
+    Option("fsi_partition", str, "auto", "", "in 1-D: which ranks own which layers", ("auto", "physics", "balanced")),
+    Option("fsi_shared_memory", bool, True, "", "in 1-D: up to 16 ranks, all on one node, exchange by memory, not messages"),
     Option("fsi_norm", str, "L2", "", "norm of the errors against an exact solution; L1 where it jumps", ("L1", "L2")),
     Option("fsi_quiet", bool, False, "", "print nothing but errors"),
     Option("fsi_progress", bool, False, "", "show progress even when the output is not a terminal"),

@@ -47,6 +47,8 @@ def _overview(run: Run) -> list[tuple[str, str]]:
     rows.append(("time steps", f"{steps}{_range(', dt =', run.series['dt']) if 'dt' in run.series else ''}"))
     rows.append(("series", ", ".join(run.series) or "none"))
     rows.append(("interfaces", _positions(run)))
+    if run.points:
+        rows.append(("points", ", ".join(f"{name} at X = {X:.6g}" for name, X in run.points)))
     rows.extend(("note", note) for note in run.header.get("notes", ()))
     return rows
 
@@ -74,6 +76,9 @@ def _active(layer: Layer, nframes: int) -> str:
 
 def _positions(run: Run) -> str:
     """Where the interfaces are at the end."""
+    if run.dimension == 2 and run.summary.get("interfaces"):
+        heights = run.summary["interfaces"].items()
+        return ", ".join(f"{name} at y = {y:.6g} on average" for name, y in heights) + f" at t = {run.summary['t']:g}"
     if not len(run.series.get("x_interface", ())):
         return ", ".join(run.interfaces) or "none"
     last = zip(run.interfaces, np.atleast_1d(run.series["x_interface"][-1]))

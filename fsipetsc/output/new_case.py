@@ -1,4 +1,4 @@
-"""A case file to start from: a copy of fsipetsc/cases/template.py under a name of the user's."""
+"""A case file to start from: a copy of fsipetsc/cases/template.py, or plane_template.py, under a name of the user's."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from fsipetsc.options import LONGEST_NAME
 from fsipetsc.output.claim import publish
 
 
-def new_case(name: str, commands: Sequence[str]) -> Path:
-    """Write the template as the file `name`, whole or not at all; its path.
+def new_case(name: str, commands: Sequence[str], dimension: int = 1) -> Path:
+    """Write the template of one or two dimensions as the file `name`, whole or not at all; its path.
 
     commands: names of the program's commands. InputError for a name that could not be run, or would hide something else;
     FileError where there is a file already, which is left as it is, or none can be written.
@@ -25,9 +25,11 @@ def new_case(name: str, commands: Sequence[str]) -> Path:
     _check(path, name, commands)
     if not path.parent.is_dir():
         raise FileError(f"{name}: the directory {path.parent} does not exist")
-    text = template_text()
+    text = template_text(dimension)
     if re.fullmatch(r"[\w./-]+", name):  # as it may stand in the examples
-        text = text.replace("FILE.py", name).replace("NAME.h5", f"{path.stem}.h5")
+        text = text.replace("FILE.py", name)
+        for suffix in ("h5", "xdmf"):
+            text = text.replace(f"NAME.{suffix}", f"{path.stem}.{suffix}")
     try:
         written = not os.path.lexists(path) and publish(path, text.encode()) is not None
     except OSError as error:

@@ -31,7 +31,7 @@ class Reporter:
         self._name, self._opt, self._comm = name, opt, comm
         self._begun = self._last = time.monotonic()
         self._open_line = False
-        self._m, self._s = " m", " s"
+        self._m, self._s, self._place = " m", " s", "x = {:.6g}"
         self._next = 32  # steps before the clock is asked
 
     def line(self, text: str) -> None:
@@ -45,6 +45,7 @@ class Reporter:
     def begin(self, state: State) -> None:
         """Say what is going to be computed."""
         self._m, self._s = state.problem.unit("m"), state.problem.unit("s")
+        self._place = "x = {:.6g}" if state.problem.dimension == 1 else "y = {:.6g} on average"
         points, reserve = state.points, state.reserve
         held = f" ({reserve} more in reserve)" if reserve else ""
         ranks = counted(self._comm.size, "rank")
@@ -85,7 +86,7 @@ class Reporter:
         early = summary["message"] if summary["status"] == "done" else ""
         how = early or f"{summary['status']} at t = {summary['t']:g}{self._s}"
         self.line(f"{how}: {counted(steps, 'step')}{rejected} in {_duration(wall)}{cost}")
-        places = ", ".join(f"{name} at x = {x:.6g}" for name, x in summary["interfaces"].items())
+        places = ", ".join(f"{name} at {self._place.format(x)}" for name, x in summary["interfaces"].items())
         points = counted(summary["points"], "point")
         self.line(f"interfaces: {places}; {points}" if places else points)
         self.line(_phases(summary["phases"]))

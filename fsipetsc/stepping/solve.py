@@ -82,6 +82,7 @@ _IN_THE_PLANE = {
     "fsi_coupling": ("conservative",),
     "fsi_mapping": ("auto", "stretched"),
     "fsi_viscous": ("wide",),
+    "fsi_partition": ("auto",),
 }
 
 

@@ -52,7 +52,8 @@ def make_grids(problem: PlaneProblem, op: SBPOperator, h: float) -> list[PlaneGr
         for count, least, what in ((rows, op.min_points, "across"), (columns, op.min_points, "along X")):
             if count < least:
                 needed = f"the {op.name} operator needs at least {least}"
-                raise InputError(f"layer '{layer.name}' has {count} points {what}; {needed}")
+                few = ", by its cells" if what == "across" and layer.cells else ""
+                raise InputError(f"layer '{layer.name}' has {count} points {what}{few}; {needed}")
         grids.append(PlaneGrid(columns, rows, left, layer.Y[0], h_x, height / (rows - 1), round(first), problem.periodic))
     return grids
 
