@@ -81,6 +81,15 @@ def test_it_converges(tmp_path):
     assert (errors[1] < (5e-5, 5e-5, 1e-5, 2e-6)).all() and (np.log2(errors[0] / errors[1]) > 3.3).all(), errors
 
 
+def test_fused_steps_have_the_same(tmp_path):
+    """Their states stand elsewhere from stage to stage."""
+    options = ("blast", "-fsi_h", 0.125, "-fsi_points", "0.25,0.5", "-ts_dt", 0.005, "-ts_max_steps", 40)
+    fused, plain = (computed(tmp_path, f"{kind}.h5", *options, "-ts_type", kind) for kind in ("fused", "rk"))
+    for name in NAMES:
+        assert np.allclose(fused.series[name], plain.series[name], rtol=1e-11, atol=1e-11), name
+    assert np.ptp(fused.series["t_y_point"][:, 1]) > 0.1
+
+
 def test_where_there_is_no_interface(tmp_path):
     for case, place, said in (("panel", 1.2, "no interface at this X"), ("mms", 0.5, "two dimensions")):
         done = run("-m", "fsipetsc", case, "-fsi_points", place, "-ts_max_steps", 1, cwd=tmp_path)

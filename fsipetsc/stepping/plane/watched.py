@@ -167,19 +167,24 @@ class Probe:
         self.record["own_x"], self.record["own_y"] = own_x, own_y = tuple(ends)
         held = layout.held(part.k)
         self.columns, self.rows = held[0][slice(*own_x)], held[1][slice(*own_y)]
-        self.own = part.held[slice(*own_y), slice(*own_x)]
+        self._block = slice(*own_y), slice(*own_x)
         # rows that the derivatives do not need are left out, unless the other end's closure is near
         skipped = own_y[0] - reach if own_y[0] - reach - self.record["end_y"][0] >= op["rows"] else 0
         for name in ("own_y", "end_y", "height"):
             self.record[name] -= skipped
         self.record["first_y"] += skipped
-        self._y = part.y[skipped * int(self.record["width"]) * DOF :]
+        self._first = skipped * int(self.record["width"]) * DOF
         self._rates = np.zeros(self.own.size + 8 * DOF)
         self._at = ((row - own_y[0]) * (own_x[1] - own_x[0]) + column - own_x[0]) * DOF
 
+    @property
+    def own(self) -> np.ndarray:
+        """The block's part of what the layer's part holds now."""
+        return self._part.held[self._block]
+
     def rates(self, t: float) -> list[float]:
         """(DOF,) at time t [s], of what the part holds. InputError where forcing fails."""
-        self._part.evaluate_block(self._records, self._y, self._rates)
+        self._part.evaluate_block(self._records, self._part.y[self._first :], self._rates)
         self._part.data.force(self, t, self._rates[: self.own.size])
         return self._rates[self._at : self._at + DOF].tolist()
 
