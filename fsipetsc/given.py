@@ -90,6 +90,24 @@ def wall_temperature(layer: Any, function: Callable[..., Any], X: np.ndarray, Y:
     return _plane_array(_asked(function, (X, Y, t), where), "T", X, Y, function, where)
 
 
+def plane_motion(layer: Any, end: Any, X: np.ndarray, t: float, step: float) -> np.ndarray:
+    """(6, n): x, y, velocity and acceleration of the points X of an edge that moves; step [s]: of differences. InputError."""
+
+    def at(function: Callable[..., Any], name: str, time: float) -> np.ndarray:
+        where = f"{name} of an edge of layer '{layer.name}' at t = {time:.6g}"
+        names = ("x", "y") if name == "x" else ("u", "v")
+        values = _listed(_asked(function, (X, time), where), names, function, where)
+        return np.array([_plane_array(v, n, X, X, function, where) for n, v in zip(names, values, strict=True)])
+
+    x, function, name = at(end.x, "x", t), end.velocity or end.x, "velocity" if end.velocity else "x"
+    around = [[at(function, name, t + sign * k * step) for sign in (1, -1)] for k in (1, 2, 3)]
+    slope = sum(c * (ahead - behind) for c, (ahead, behind) in zip(_SLOPE, around, strict=True)) / step
+    if end.velocity:
+        return np.concatenate([x, at(function, name, t), slope])
+    bend = _BEND[0] * x + sum(c * (ahead + behind) for c, (ahead, behind) in zip(_BEND[1:], around, strict=True))
+    return np.concatenate([x, slope, bend / (step * step)])
+
+
 def supplied(problem: Any, k: int, X: np.ndarray, t: float) -> list[np.ndarray]:
     """Traction and heat that interface k is supplied with in two dimensions. InputError."""
     where, names = f"jumps at interface {k} at t = {t:.6g}", ("g_x", "g_y", "g_q")

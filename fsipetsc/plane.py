@@ -160,7 +160,7 @@ def _check_layer(layer: Layer, material: type, values: str, kinds: frozenset[int
     function(layer.initial, f"{what}: initial", f"initial(X, Y) -> {values}")
     function(layer.exact, f"{what}: exact", f"exact(X, Y, t) -> {values}", optional=True)
     function(layer.forcing, f"{what}: forcing", "forcing(X, Y, t) -> the right-hand sides", optional=True)
-    for name in ("left", "right"):
+    for name in ("left", "right", "beside") if layer.kind == "fluid" else ("left", "right"):
         _check_edge(getattr(layer, name), f"{what}: {name}", kinds)
     if (layer.left.kind == edges.PERIODIC) != (layer.right.kind == edges.PERIODIC):
         raise InputError(f"{what}: one of left and right is Periodic: expected both or neither")
@@ -171,6 +171,8 @@ def _check_layer(layer: Layer, material: type, values: str, kinds: frozenset[int
 def _check_edge(edge: object, what: str, kinds: frozenset[int]) -> None:
     if not isinstance(edge, Edge):
         raise InputError(f"{what} is {described(edge)}: expected an edge, as NoSlip() or Clamped()")
+    if edges.moves(edge) and not what.startswith("PlaneProblem"):
+        raise InputError(f"{what} moves: expected that of the lower or upper edge of the problem only")
     if edge.kind not in kinds:
         of = "solid" if edge.kind in edges.SOLID else "gas"
         raise InputError(f"{what} is {described(edge)}, an edge of a {of}")
@@ -214,6 +216,8 @@ class PlaneProblem:
             raise InputError("PlaneProblem: some layers are Periodic in X: expected all or none")
         for name, layer in (("lower", layers[0]), ("upper", layers[-1])):
             _check_edge(getattr(self, name), f"PlaneProblem: {name}", edges.GAS if layer.kind == "fluid" else edges.SOLID)
+            if layer.kind == "solid" and edges.moves(getattr(self, name)):
+                raise InputError(f"PlaneProblem: {name}: Given of a solid has x among its values: expected no other x")
 
     @property
     def periodic(self) -> bool:
@@ -267,6 +271,6 @@ class PlaneProblem:
     @property
     def steady_data(self) -> bool:
         """No boundary data or forcing that depends on time."""
-        ends = [self.lower, self.upper, *(getattr(layer, side) for layer in self.layers for side in ("left", "right"))]
-        timed = any(callable(getattr(end, "T", None)) or end.kind == edges.GIVEN for end in ends)
+        ends = [end for k in range(len(self.layers)) for end in self.edges(k)]
+        timed = any(callable(getattr(end, "T", None)) or end.kind == edges.GIVEN or edges.moves(end) for end in ends)
         return not timed and self.jumps is None and all(layer.forcing is None for layer in self.layers)

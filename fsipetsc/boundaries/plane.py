@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fsipetsc import checks
+from fsipetsc.errors import InputError
 
 NO_SLIP, SLIP, OPEN, OUTFLOW = 0, 1, 2, 3
 CLAMPED, FREE, ROLLER = 4, 5, 6
@@ -29,23 +30,39 @@ class Periodic:
     kind = PERIODIC
 
 
+#: x(X, t) -> (x, y) [m], velocity(X, t) -> (u, v) [m/s] of points of a wall
+Moving = Callable[[np.ndarray, float], Fields]
+
+
 @dataclass(frozen=True)
 class NoSlip:
-    """Wall at rest that the gas sticks to: adiabatic, or of temperature T [K], a number or a function T(X, Y, t)."""
+    """Wall that the gas sticks to: adiabatic, or of temperature T [K], a number or a function T(X, Y, t).
+
+    At rest, or, as the lower or upper edge of a problem, where x(X, t) -> (x, y) [m] says; velocity(X, t) -> (u, v) [m/s] is
+    found by differences of x if it is not given.
+    """
 
     T: float | Callable[[np.ndarray, np.ndarray, float], np.ndarray] | None = None
+    x: Moving | None = None
+    velocity: Moving | None = None
     kind = NO_SLIP
 
     def __post_init__(self) -> None:
+        _check_motion(self, "NoSlip")
         if self.T is not None and not callable(self.T):
             object.__setattr__(self, "T", checks.number(self.T, "NoSlip: T", checks.POSITIVE))
 
 
 @dataclass(frozen=True)
 class Slip:
-    """Wall at rest along which the gas slips without heat, or the plane of a symmetry."""
+    """Wall along which the gas slips without heat, or the plane of a symmetry. At rest, or moved as a NoSlip."""
 
+    x: Moving | None = None
+    velocity: Moving | None = None
     kind = SLIP
+
+    def __post_init__(self) -> None:
+        _check_motion(self, "Slip")
 
 
 @dataclass(frozen=True)
@@ -97,13 +114,31 @@ class Roller:
 
 @dataclass(frozen=True)
 class Given:
-    """All unknowns are given: values(X, Y, t) -> (rho, u, v, T) of a gas, (u, v, T, x, y) of a solid."""
+    """All unknowns are given: values(X, Y, t) -> (rho, u, v, T) of a gas, (u, v, T, x, y) of a solid. The edge of a gas is at
+    rest, or moved as a NoSlip.
+    """
 
     values: Callable[[np.ndarray, np.ndarray, float], Fields]
+    x: Moving | None = None
+    velocity: Moving | None = None
     kind = GIVEN
 
     def __post_init__(self) -> None:
+        _check_motion(self, "Given")
         checks.function(self.values, "Given: values", "values(X, Y, t) -> the unknowns")
+
+
+def _check_motion(end: Edge, name: str) -> None:
+    """InputError where what moves an edge are no functions."""
+    checks.function(end.x, f"{name}: x", "x(X, t) -> (x, y)", optional=True)
+    checks.function(end.velocity, f"{name}: velocity", "velocity(X, t) -> (u, v)", optional=True)
+    if end.velocity is not None and end.x is None:
+        raise InputError(f"{name}: velocity is given, and x is not: expected both, or x alone")
+
+
+def moves(end: Edge | None) -> bool:
+    """Whether an edge of a gas moves by itself."""
+    return getattr(end, "x", None) is not None
 
 
 def holds_mass(end: Edge) -> bool:
@@ -114,7 +149,7 @@ def holds_mass(end: Edge) -> bool:
 def holds_energy(end: Edge) -> bool:
     """Whether neither heat nor work passes an edge."""
     still = end.kind in (NO_SLIP, SLIP, PERIODIC, CLAMPED, ROLLER) or (end.kind == FREE and end.pressure == 0.0)
-    return still and getattr(end, "T", None) is None
+    return still and getattr(end, "T", None) is None and not moves(end)
 
 
 Edge = Periodic | NoSlip | Slip | Open | Outflow | Clamped | Free | Roller | Given

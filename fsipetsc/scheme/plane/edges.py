@@ -3,7 +3,7 @@
 The rates that the sweep makes are *unloaded*: no traction, no heat and no mass goes through any edge. Here a row of them gets
 what does: -F.N / (h a_0), F.N the flux out of the layer per length of the edge:
 
-    SLIP      (0, p N, 0) of the gas at the edge itself: the wall is at rest
+    SLIP      (0, p N, p w) of the gas at the edge itself, w the velocity of the wall . N
     OPEN      (F(U_in) + F(U_out)).N / 2 - lambda (U_out - U_in) / 2, with the faster of the waves of both states
     OUTFLOW   F(U_in).N
     FREE      -p_b cof F . N on a solid: a pressure that follows the surface
@@ -69,6 +69,7 @@ def through(law, layer, op, s, place, j, i, kind, side, nx, ny, w, edge, h):
     if kind == SLIP:
         s[U64(r + 2 * place.stride)] += scale * nx * p
         s[U64(r + 3 * place.stride)] += scale * ny * p
+        s[U64(r + 4 * place.stride)] += scale * w * p
         return
     f = normal_flux(inside, u, v, p, nx, ny, w)
     if kind == OPEN:

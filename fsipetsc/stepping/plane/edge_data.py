@@ -11,6 +11,7 @@ import numpy as np
 from fsipetsc import given
 from fsipetsc.boundaries import plane as edges
 from fsipetsc.parallel.plane.layout import PlaneLayout
+from fsipetsc.stepping.plane.motion import MovingEdge
 
 if TYPE_CHECKING:
     from fsipetsc.stepping.plane.path import LayerPart
@@ -23,8 +24,10 @@ class EdgeData:
     One for each run; ``apply`` and ``force`` are not collective, and raise InputError on this rank alone.
     """
 
-    def __init__(self, layout: PlaneLayout) -> None:
+    def __init__(self, layout: PlaneLayout, instant: Callable[[], float] = lambda: 1e-4) -> None:
+        """instant: says a time [s] in which little happens, for differences in time."""
         self._layout = layout
+        self._moving: dict[int, list[MovingEdge]] = {k: [] for k in range(len(layout.grids))}
         self._holds: dict[int, list[Callable[[LayerPart, float], None]]] = {k: [] for k in range(len(layout.grids))}
         for k, layer in enumerate(layout.problem.layers):
             if layout.dms[k] is None:
@@ -33,6 +36,8 @@ class EdgeData:
             for side in range(2):
                 row = int(record["end_y"][side])
                 end = problem.edge(k, side) or getattr(layer, "beside", None)
+                if edges.moves(end):
+                    self._moving[k].append(MovingEdge(layout, k, side, end, instant))
                 if 0 <= row < record["height"] and end is not None:
                     columns = np.arange(record["width"])
                     if record["edge_y"][side] < 0:  # beside an interface
@@ -65,6 +70,13 @@ class EdgeData:
         """Set what is given at time t [s]."""
         for hold in self._holds[part.k]:
             hold(part, t)
+        for edge in self._moving[part.k]:
+            edge.lay(part, t)
+
+    def push(self, part: LayerPart, rates: np.ndarray) -> None:
+        """Add to the rates of the points that are owned what moving walls do to the gas that sticks to them."""
+        for edge in self._moving[part.k]:
+            edge.push(part, rates)
 
     def force(self, part: LayerPart | Probe, t: float, rates: np.ndarray) -> None:
         """Add forcing to the rates of the points that are owned, or of those of a probe."""

@@ -261,6 +261,11 @@ class LayerPart:
         """The rates at this rank's points."""
         self._evaluate(self._records, self.k, self._ops, self._s, self._stride, self.y, self._rates)
         self.data.force(self, t, self._rates)
+        self.data.push(self, self._rates)
+
+    def line(self, side: int) -> np.ndarray:
+        """(4, width), the lower or upper line of a gas's grid: displacement in x, y, velocity, of the columns held."""
+        return self._lines[side]
 
     def evaluate_block(self, records: np.ndarray, y: np.ndarray, f: np.ndarray) -> None:
         """The rates, without forcing, of a block of what is held: the owned points of records[0], a record like this part's."""

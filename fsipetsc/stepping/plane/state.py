@@ -67,7 +67,7 @@ class PlaneState:
         self._order = order
         self.layout = PlaneLayout(comm, problem, self.op, make_grids(problem, self.op, h))
         self.solution = PETSc.Vec().createMPI((self.layout.local_size, None), comm=comm)
-        self._data = EdgeData(self.layout)
+        self._data = EdgeData(self.layout, self._instant)
         self.path = PlanePath(self.layout, order, self._data, form)
         self.watched = Watched(self.layout, self.path, chosen(problem, self.layout, places))
         self.results = np.zeros(FLAGS + LIMITS)
@@ -204,6 +204,11 @@ class PlaneState:
         self.results[RATE] = (extremes[0] ** 4 + extremes[1] ** 4) ** 0.25
         self.results[BAD], self.results[STOP] = extremes[2], extremes[3]
         self.latest["least_J"] = -extremes[4:]
+
+    def _instant(self) -> float:
+        """As fsipetsc.stepping.state.State._instant."""
+        rate = float(self.results[RATE])
+        return 0.25 / rate if 0.0 < rate < np.inf else 1e-3 * self.h
 
     @property
     def reserve(self) -> int:
