@@ -1,8 +1,8 @@
 """Derivatives of rows of values that stand side by side: along the rows, and across them. Compiled.
 
 A layer in two dimensions is gone through row by row. The rows that the derivatives need stand in scratch ``s``, those of a
-quantity ``stride`` apart in a ring of ``ring`` rows, so that row j takes the place of row j - ring. Everything is done to
-rows, four points at a time, and may be done to as many points beyond as fill a vector: rows have room for that.
+quantity in a ring, so that row j takes the place of one that is done with. Everything is done to rows, eight points at a
+time, and may be done to as many points beyond as fill a vector: rows have room for that.
 """
 
 from __future__ import annotations
@@ -18,28 +18,32 @@ from fsipetsc.operators.kernels import (
     closure,
     end_of,
     end_rows,
-    interior_stencil,
     store_lanes,
     weights_of,
 )
-from fsipetsc.operators.vectors import LANES, fma, load, spread, store
+from fsipetsc.operators.vectors import LANES, WIDE, fma, load_wide, spread_wide, store
 
 #: room before the first and behind the last point of a row
 MARGIN = 16
 
 
 class Ring(NamedTuple):
-    """Rows of scratch: number k's row j begins at origin + (k ring + j mod ring) stride; ring is a power of two."""
+    """Rows of quantities: row j of number k begins at origin + k apart + (j & mask) stride.
+
+    In scratch a quantity has a ring of rows, and the mask is one less than their number, a power of two; where all rows are
+    kept it is -1.
+    """
 
     origin: int
+    apart: int
     stride: int
-    ring: int
+    mask: int
 
 
 @njit(**FORMULA)
 def at(rows, k, j):
     """Where row j of quantity number k begins."""
-    return rows.origin + (k * rows.ring + (j & (rows.ring - 1))) * rows.stride
+    return rows.origin + k * rows.apart + (j & rows.mask) * rows.stride
 
 
 @njit(**OPTIONS)
@@ -49,9 +53,8 @@ def along(op, s, v, out, a, b, lo, hi, scale):
     The row must be known p points beyond a and b, or as far as the closures reach.
     """
     weights = weights_of(op, scale)
-    for i in range(a, b, LANES):
-        d = interior_stencil(op.p, weights, load(s, v + i - LANES), load(s, v + i), load(s, v + i + LANES))
-        store(s, out + i, d)
+    for i in range(a, b, WIDE):
+        store(s, out + i, difference(op.p, weights, s, v + i, 1))
     for side in range(2):
         end, known = end_of(lo, hi, side, lo, hi + 1)
         if a - op.rows <= end <= b + op.rows:
@@ -59,6 +62,19 @@ def along(op, s, v, out, a, b, lo, hi, scale):
                 i, first, last = end_rows(op, lo, hi, side, r, a, b)
                 if first < last:
                     store_lanes(s, out + i, scale * closure(op, s, v + end, side, known, r), first, last)
+
+
+@njit(**FORMULA)
+def difference(p, weights, s, at, step):
+    """Interior formula sum_k c_k (v[i+k] - v[i-k]) at the points s[at ...], whose neighbours are ``step`` apart."""
+    d = weights[0] * (load_wide(s, at + step) - load_wide(s, at - step))
+    if p > 1:
+        d = fma(weights[1], load_wide(s, at + 2 * step) - load_wide(s, at - 2 * step), d)
+        if p > 2:
+            d = fma(weights[2], load_wide(s, at + 3 * step) - load_wide(s, at - 3 * step), d)
+            if p > 3:
+                d = fma(weights[3], load_wide(s, at + 4 * step) - load_wide(s, at - 4 * step), d)
+    return d
 
 
 @njit(**OPTIONS)
@@ -72,11 +88,11 @@ def across(op, s, rows, k, j, out, a, b, lo, hi, scale):
     for c in range(op.cols):
         weight, row = step * scale * op.closure[r, c], at(rows, k, end + step * c)
         if c == 0:
-            for i in range(a, b, LANES):
-                store(s, out + i, weight * load(s, row + i))
+            for i in range(a, b, WIDE):
+                store(s, out + i, weight * load_wide(s, row + i))
         elif weight != 0.0:
-            for i in range(a, b, LANES):
-                store(s, out + i, fma(weight, load(s, row + i), load(s, out + i)))
+            for i in range(a, b, WIDE):
+                store(s, out + i, fma(weight, load_wide(s, row + i), load_wide(s, out + i)))
 
 
 @njit(**OPTIONS)
@@ -85,22 +101,22 @@ def across_inside(op, s, rows, k, j, out, a, b, scale):
     c1, c2, c3, c4 = weights_of(op, scale)
     u1, d1, u2, d2 = at(rows, k, j + 1), at(rows, k, j - 1), at(rows, k, j + 2), at(rows, k, j - 2)
     u3, d3, u4, d4 = at(rows, k, j + 3), at(rows, k, j - 3), at(rows, k, j + 4), at(rows, k, j - 4)
-    for i in range(a, b, LANES):
-        d = c1 * (load(s, u1 + i) - load(s, d1 + i))
+    for i in range(a, b, WIDE):
+        d = c1 * (load_wide(s, u1 + i) - load_wide(s, d1 + i))
         if op.p > 1:
-            d = fma(c2, load(s, u2 + i) - load(s, d2 + i), d)
+            d = fma(c2, load_wide(s, u2 + i) - load_wide(s, d2 + i), d)
             if op.p > 2:
-                d = fma(c3, load(s, u3 + i) - load(s, d3 + i), d)
+                d = fma(c3, load_wide(s, u3 + i) - load_wide(s, d3 + i), d)
                 if op.p > 3:
-                    d = fma(c4, load(s, u4 + i) - load(s, d4 + i), d)
+                    d = fma(c4, load_wide(s, u4 + i) - load_wide(s, d4 + i), d)
         store(s, out + i, d)
 
 
 @njit(**OPTIONS)
 def fill(s, out, a, b, value):
     """s[out + i] = value, a <= i < b."""
-    v = spread(value)
-    for i in range(a, b, LANES):
+    v = spread_wide(value)
+    for i in range(a, b, WIDE):
         store(s, out + i, v)
 
 

@@ -15,10 +15,12 @@ import operator
 
 import numpy as np
 from llvmlite import ir
-from numba import types
+from numba import njit, types
 from numba.core.cgutils import get_or_insert_function
 from numba.core.typing.templates import ConcreteTemplate, infer_global, signature
 from numba.extending import intrinsic, lower_builtin, models, overload, register_model
+
+from fsipetsc.operators.parts import PART
 
 LANES = 4
 WIDE = 8
@@ -173,8 +175,58 @@ def _of_numpy(ufunc, function):
         return (lambda a: function(a)) if isinstance(a, VectorType) else None
 
 
-for _ufunc, _vectors in ((np.sqrt, root), (np.exp, exponential), (np.log, logarithm)):
+@intrinsic
+def binary_exponent(typingctx, x):
+    """The whole number n, as a double, for which x / 2^n is between sqrt(1/2) and sqrt(2); of normal numbers above 0."""
+    words = ir.VectorType(ir.IntType(64), x.lanes)
+
+    def codegen(context, builder, sig, args):
+        above = builder.sub(builder.bitcast(args[0], words), ir.Constant(words, [_ROOT_OF_HALF] * x.lanes))
+        return builder.sitofp(builder.ashr(above, ir.Constant(words, [52] * x.lanes)), sig.return_type.doubles)
+
+    return x(x), codegen
+
+
+@intrinsic
+def scaled_down(typingctx, x, n):
+    """x / 2^n for what ``binary_exponent`` gives."""
+    words = ir.VectorType(ir.IntType(64), x.lanes)
+
+    def codegen(context, builder, sig, args):
+        shift = builder.shl(builder.fptosi(args[1], words), ir.Constant(words, [52] * x.lanes))
+        return builder.bitcast(builder.sub(builder.bitcast(args[0], words), shift), sig.return_type.doubles)
+
+    return x(x, n), codegen
+
+
+_ROOT_OF_HALF = int(np.array(np.sqrt(0.5)).view(np.int64))
+_LN2, _LN2_REST = 6.93147180369123816490e-01, 1.90821492927058770002e-10  # together ln 2; n times the first is exact
+#: 2/(2n + 1): ln x = 2 artanh f = sum_n 2 f^(2n + 1)/(2n + 1), f = (x - 1)/(x + 1), up to round-off for |f| <= 0.1716
+_OF_ARTANH = tuple(2.0 / (2 * n + 1) for n in range(10, -1, -1))
+
+
+@njit(**PART, forceinline=True, error_model="numpy")
+def of_normal_numbers(x):
+    """ln x without a call for each lane; of other numbers than normal ones above 0 what they make of x - x."""
+    n = binary_exponent(x)
+    m = scaled_down(x, n)
+    f = (m - 1.0) / (m + 1.0)
+    z, found = f * f, 0.0 * f + _OF_ARTANH[0]
+    for c in _OF_ARTANH[1:]:
+        found = fma(found, z, c)
+    found = fma(n, _LN2, fma(f, found, n * _LN2_REST))
+    return where_above(x, 0.0, found + (x - x), 0.0 * x / (x - x))
+
+
+for _ufunc, _vectors in ((np.sqrt, root), (np.exp, exponential), (np.log, of_normal_numbers)):
     _of_numpy(_ufunc, _vectors)
+
+
+@overload(max)
+def _larger(a, b):
+    if isinstance(a, VectorType) or isinstance(b, VectorType):
+        return lambda a, b: maximum(a, b)
+    return None
 
 
 @overload(operator.pow)
@@ -199,6 +251,13 @@ def spread(typingctx, a):
     if isinstance(a, VectorType):
         return a(a), lambda context, builder, sig, args: args[0]
     return vector(types.float64), lambda context, builder, sig, args: _spread(builder, args[0])
+
+
+@intrinsic
+def spread_wide(typingctx, a):
+    """The number a in WIDE lanes."""
+    kind = wide_vector.doubles
+    return wide_vector(types.float64), lambda context, builder, sig, args: _spread(builder, args[0], kind)
 
 
 @intrinsic

@@ -56,6 +56,9 @@ class PlaneLayout:
             self._place(k)
             self._materials(k)
             self._edges(k)
+        own = [(*np.diff(self.records[k]["own_y"]), *np.diff(self.records[k]["own_x"]), DOF) for k in range(len(grids))]
+        cuts = self.starts.tolist()
+        self._parts = [(slice(*cuts[k : k + 2]), tuple(map(int, shape))) for k, shape in enumerate(own)]
 
     def _meeting(self, fluid: int, solid: int) -> Meeting:
         gas, elastic = self.grids[fluid], self.grids[solid]
@@ -166,9 +169,8 @@ class PlaneLayout:
 
     def local(self, k: int, array: np.ndarray) -> np.ndarray:
         """View, shape (owned rows, owned columns, DOF), of layer k in this rank's part of a solution vector."""
-        record = self.records[k]
-        rows, columns = np.diff(record["own_y"])[0], np.diff(record["own_x"])[0]
-        return array[self.starts[k] : self.starts[k + 1]].reshape(rows, columns, DOF)
+        part, shape = self._parts[k]
+        return array[part].reshape(shape)
 
     def energies(self, number: int, array: np.ndarray) -> np.ndarray:
         """View of the kinetic energies at an interface there."""

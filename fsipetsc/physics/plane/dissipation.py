@@ -28,7 +28,7 @@ from fsipetsc.operators.kernels import FORMULA
 from fsipetsc.operators.vectors import fma, magnitude, maximum, minimum, root
 from fsipetsc.physics.layer import FLUID
 from fsipetsc.physics.plane.solid import rate
-from fsipetsc.physics.plane.two_point import prepare_viscous
+from fsipetsc.physics.plane.two_point import flux_and_metrics, prepare_viscous
 
 #: relative jumps (a - b)/(a + b) between two points up to which there is no shock, and from which on there is nothing else
 NO_SHOCK, SHOCK = 0.05, 0.15
@@ -40,7 +40,7 @@ DIFFERENCE, MIDDLE = 0, 1
 def prepare(law, c, q):
     """What ``two_point.prepare_viscous`` has, and w1."""
     found = prepare_viscous(law, c, q)
-    rho, u, v, T, w2, w3, gas = found[0], found[1], found[2], found[6], found[8], found[9], c[0]
+    rho, u, v, T, w2, w3, gas = found[0], found[1], found[2], found[6], found[9], found[10], c[0]
     w1 = gas[2] + gas[0] - law.gas.entropy(gas, rho, T) - 0.5 * fma(u, w2, v * w3)
     return (*found, w1)
 
@@ -88,10 +88,13 @@ def dissipative(equations: Formulas) -> Formulas:
     """Equations of ``two_point_gas`` or ``plane_solid`` with these terms, as fsipetsc.scheme.plane.dissipation takes them."""
     if equations.kind == FLUID:
         new = {
-            "prepared": tuple(range(12)),
+            "prepared": tuple(range(13)),
             "prepare": prepare,
-            "differenced": (11, 8, 9, 7),
-            "averaged": (0, 8, 9, 7),
+            "flux": flux_and_metrics,
+            "plain_flux": equations.flux,
+            "extras": (0, 1, 2, 3, 4, 5, 6),
+            "differenced": (12, 9, 10, 7),
+            "averaged": (0, 9, 10, 7),
             "watched": (0, 4),
             "gather": (DIFFERENCE,) * 4,
             "dissipation": of_gas,
@@ -112,7 +115,7 @@ def dissipative(equations: Formulas) -> Formulas:
 
 
 @njit(**FORMULA)
-def solid_rate(law, c, q, v, divergence, extra, sums):
+def solid_rate(law, c, v, divergence, extra, sums):
     """With what is lost and won."""
-    x, y, u, w, T = rate(law, c, q, v, divergence, extra, sums)
+    x, y, u, w, T = rate(law, c, v, divergence, extra, sums)
     return x, y, u + sums[0], w + sums[1], T + sums[2]

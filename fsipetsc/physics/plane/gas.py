@@ -26,38 +26,56 @@ from numba import njit
 
 from fsipetsc.operators.formulas import Formulas
 from fsipetsc.operators.kernels import FORMULA
-from fsipetsc.operators.vectors import fma, load
+from fsipetsc.operators.vectors import fma, load_wide
 from fsipetsc.physics.layer import FLUID
 
 #: lines of the grid: displacement in x, y, velocity, and derivatives along X of the first two, of the lower and the upper one
 LINE_ROWS = 6
+#: behind them what follows from these, by column: Ja1; of Ja2 and g1 what they are at the lower line and how much more at the
+#: upper one; g2 by powers of zeta; D_xi g1; and for each distance k of two points Q Ja1, Q g1 between i and i + k
+JA1, JA2_X, JA2_Y, G1, G2, DG1, OF_PAIRS = 12, 14, 16, 18, 20, 23, 25
+PAIR_ROWS, DISTANCES = 4, 7
+GRID_ROWS = OF_PAIRS + PAIR_ROWS * DISTANCES
 
 
 class Metrics(NamedTuple):
-    """Ja1, Ja2, w at a point."""
+    """Ja1, Ja2, g1, g2 at a point, and J_t = D_xi g1 + D_eta g2."""
 
     a1x: float
     a1y: float
     a2x: float
     a2y: float
-    wx: float
-    wy: float
+    g1: float
+    g2: float
+    J_t: float
 
 
 @njit(**FORMULA)
-def metrics(s, lines, stride, per_length, i, zeta):
-    """Of the grid at the points i ..; lines: where its lines stand, per_length: 1 over the distance of the two in Y."""
-    low, high = lines + i, lines + LINE_ROWS * stride + i
-    dx, y, u, v = load(s, low), load(s, low + stride), load(s, low + 2 * stride), load(s, low + 3 * stride)
-    x_xi, y_xi = load(s, low + 4 * stride), load(s, low + 5 * stride)
+def metrics(s, lines, stride, height, i):
+    """Of the grid at the points i ..; lines: where its lines stand, height: zeta and what D_eta makes of its powers."""
+    zeta, first, second = height
+    more, most = line_of(s, lines, stride, G2 + 1, i), line_of(s, lines, stride, G2 + 2, i)
     return Metrics(
-        (load(s, high + stride) - y) * per_length,
-        (dx - load(s, high)) * per_length,
-        -1.0 * fma(zeta, load(s, high + 5 * stride) - y_xi, y_xi),
-        fma(zeta, load(s, high + 4 * stride) - x_xi, x_xi) + 1.0,
-        fma(zeta, load(s, high + 2 * stride) - u, u),
-        fma(zeta, load(s, high + 3 * stride) - v, v),
+        line_of(s, lines, stride, JA1, i),
+        line_of(s, lines, stride, JA1 + 1, i),
+        between(s, lines, stride, JA2_X, zeta, i),
+        between(s, lines, stride, JA2_Y, zeta, i),
+        between(s, lines, stride, G1, zeta, i),
+        fma(zeta, fma(zeta, most, more), line_of(s, lines, stride, G2, i)),
+        between(s, lines, stride, DG1, zeta, i) + fma(first, more, second * most),
     )
+
+
+@njit(**FORMULA)
+def line_of(s, lines, stride, row, i):
+    """What stands there."""
+    return load_wide(s, lines + row * stride + i)
+
+
+@njit(**FORMULA)
+def between(s, lines, stride, row, zeta, i):
+    """Of what is linear in zeta."""
+    return fma(zeta, line_of(s, lines, stride, row + 1, i), line_of(s, lines, stride, row, i))
 
 
 @njit(**FORMULA)
@@ -70,7 +88,8 @@ def constants(law, layer):
 def primitive(law, c, q):
     """(1/J, 1/rho, rho, u, v, e, p, T) from J (1, rho, rho u, rho v, e)."""
     J, r, m, n, e = q
-    per_J, per_r = 1.0 / J, 1.0 / r
+    per_both = 1.0 / (J * r)  # divisions take as long as twenty products
+    per_J, per_r = r * per_both, J * per_both
     u, v, rho = m * per_r, n * per_r, r * per_J
     T = law.gas.temperature_in_loops(c[0], rho, e * per_r - 0.5 * fma(u, u, v * v))
     return per_J, J * per_r, rho, u, v, e * per_J, law.gas.pressure(c[0], rho, T), T
@@ -78,38 +97,34 @@ def primitive(law, c, q):
 
 @njit(**FORMULA)
 def prepare_inviscid(law, c, q):
-    """(rho, u, v, e, p)."""
+    """(rho, u, v, e, p, J rho)."""
     _, _, rho, u, v, e, p, _ = primitive(law, c, q)
-    return rho, u, v, e, p
+    return rho, u, v, e, p, q[1]
 
 
 @njit(**FORMULA)
 def prepare_viscous(law, c, q):
-    """(rho, u, v, e, p, u/T, v/T, -1/T, T, 1/J)."""
+    """(rho, u, v, e, p, J rho, u/T, v/T, -1/T, T, 1/J)."""
     per_J, _, rho, u, v, e, p, T = primitive(law, c, q)
     w = -1.0 / T
-    return rho, u, v, e, p, -1.0 * (u * w), -1.0 * (v * w), w, T, per_J
+    return rho, u, v, e, p, q[1], -1.0 * (u * w), -1.0 * (v * w), w, T, per_J
 
 
 @njit(**FORMULA)
-def convection(v, m, ax, ay):
-    """Ja . (f, g) - Ja . w U of the inviscid flow in one direction, that of J first."""
+def convection(v, ax, ay, g):
+    """Ja . (f, g) - g U of the inviscid flow in one direction."""
     rho, u, w, e, p = v
-    V = fma(ax, u - m.wx, ay * (w - m.wy))
+    through = fma(ax, u, ay * w)
+    V = through - g
     mass = rho * V
-    return (
-        -1.0 * fma(ax, m.wx, ay * m.wy),
-        mass,
-        fma(mass, u, ax * p),
-        fma(mass, w, ay * p),
-        fma(e, V, p * fma(ax, u, ay * w)),
-    )
+    return mass, fma(mass, u, ax * p), fma(mass, w, ay * p), fma(e, V, p * through)
 
 
 @njit(**FORMULA)
 def inviscid_flux(law, c, v, m, along, across):
     """The fluxes in both directions."""
-    return convection(v, m, m.a1x, m.a1y), convection(v, m, m.a2x, m.a2y), ()
+    state = v[0], v[1], v[2], v[3], v[4]
+    return convection(state, m.a1x, m.a1y, m.g1), convection(state, m.a2x, m.a2y, m.g2), (m.J_t,)
 
 
 @njit(**FORMULA)
@@ -133,33 +148,32 @@ def friction(law, c, point, m, along, across):
 @njit(**FORMULA)
 def viscous_flux(law, c, v, m, along, across):
     """The fluxes in both directions."""
-    xx, xy, yy, hx, hy = friction(law, c, (v[1], v[2], v[8], v[9]), m, along, across)
+    xx, xy, yy, hx, hy = friction(law, c, (v[1], v[2], v[9], v[10]), m, along, across)
     state = v[0], v[1], v[2], v[3], v[4]
-    a, b = convection(state, m, m.a1x, m.a1y), convection(state, m, m.a2x, m.a2y)
+    a, b = convection(state, m.a1x, m.a1y, m.g1), convection(state, m.a2x, m.a2y, m.g2)
     return (
-        (a[0], a[1], *less(m.a1x, m.a1y, a, xx, xy, yy, hx, hy)),
-        (b[0], b[1], *less(m.a2x, m.a2y, b, xx, xy, yy, hx, hy)),
-        (),
+        (a[0], *less(m.a1x, m.a1y, a, xx, xy, yy, hx, hy)),
+        (b[0], *less(m.a2x, m.a2y, b, xx, xy, yy, hx, hy)),
+        (m.J_t,),
     )
 
 
 @njit(**FORMULA)
 def less(ax, ay, f, xx, xy, yy, hx, hy):
     """Fluxes of momentum and energy with friction and conduction."""
-    return f[2] - fma(ax, xx, ay * xy), f[3] - fma(ax, xy, ay * yy), f[4] - fma(ax, hx, ay * hy)
+    return f[1] - fma(ax, xx, ay * xy), f[2] - fma(ax, xy, ay * yy), f[3] - fma(ax, hx, ay * hy)
 
 
 @njit(**FORMULA)
-def rate(law, c, q, v, divergence, extra, sums):
+def rate(law, c, v, divergence, extra, sums):
     """-(D_xi + D_eta) of the fluxes, and what a body force adds."""
-    r, fx, fy = q[1], c[4], c[5]
-    pull = fma(fx, q[2], fy * q[3])
+    r, fx, fy = v[5], c[4], c[5]
     return (
+        extra[0],
         -1.0 * divergence[0],
-        -1.0 * divergence[1],
-        fma(fx, r, -1.0 * divergence[2]),
-        fma(fy, r, -1.0 * divergence[3]),
-        pull - divergence[4],
+        fma(fx, r, -1.0 * divergence[1]),
+        fma(fy, r, -1.0 * divergence[2]),
+        fma(r, fma(fx, v[1], fy * v[2]), -1.0 * divergence[3]),
     )
 
 
@@ -170,11 +184,11 @@ def plane_gas(gas: Formulas, transport: Formulas, viscous: bool) -> Formulas:
         gas=gas,
         transport=transport,
         unknowns=(0, 1, 2, 3, 4),
-        prepared=(0, 1, 2, 3, 4, 5, 6, 7, 8, 9) if viscous else (0, 1, 2, 3, 4),
-        differentiated=(5, 6, 7) if viscous else (),
-        fluxes=(0, 1, 2, 3, 4),
-        loose=(0, 1, 1, 1, 1),
-        extras=(),
+        prepared=tuple(range(11 if viscous else 6)),
+        differentiated=(6, 7, 8) if viscous else (),
+        fluxes=(0, 1, 2, 3),
+        loose=(1, 1, 1, 1),
+        extras=(0,),
         sums=(),
         constants=constants,
         grid=metrics,

@@ -34,7 +34,7 @@ PLANE_LAYER = np.dtype(
         ("ny", _I),
         ("h_x", _F),
         ("h_y", _F),
-        ("lines", _I),  # where in scratch the lower and the upper edge of the grid stand, see fsipetsc.scheme.plane.sweep
+        ("ring", _I),  # rows of scratch that each quantity has, see fsipetsc.scheme.plane.sweep
         ("edge_y", _I, (2,)),  # what stands at the lower and upper edge: INTERFACE_END or a kind of fsipetsc.boundaries.plane
         ("beside", _I, (2,)),  # what stands there beside an interface that takes a part of the edge,
         ("face", _I, (2, 2)),  # namely the columns, counted in those held, from the first to before the second of these

@@ -37,7 +37,7 @@ def prepare(law, c, q):
 
 
 @njit(**FORMULA)
-def no_grid(s, lines, stride, per_length, i, zeta):
+def no_grid(s, lines, stride, height, i):
     """Lagrangian coordinates need no metrics."""
     return ()
 
@@ -62,7 +62,7 @@ def flux(law, c, v, m, along, across):
 
 
 @njit(**FORMULA)
-def rate(law, c, q, v, divergence, extra, sums):
+def rate(law, c, v, divergence, extra, sums):
     """Of (x, y, u, v, T)."""
     return (
         v[2],

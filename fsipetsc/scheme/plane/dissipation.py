@@ -94,7 +94,7 @@ def fluxes(law, layer, s, place, j, first, end, up, q, strength, at_shocks):
         mean = each(of_differences.mean, law.averaged, place.v, s, j, i, up, q)
         if up == 1:
             ja = each(of_differences.mean, (3, 4), place.e, s, j, i, up, q)
-            g = middle(0, place.b, s, j, i, up, q)
+            g = middle(5, place.e, s, j, i, up, q)
         else:
             ja = each(of_differences.mean, (0, 1), place.e, s, j, i, up, q)
             g = 0.5 * middle(2, place.e, s, j, i, up, q)

@@ -1,7 +1,7 @@
 """What Python calls of a layer in two dimensions. Compiled; for the laws GAS and SOLID, see fsipetsc.scheme.plane.laws.
 
 layers: PLANE_LAYER records, k the number of one; operators: the operator, and that which is loose at its ends (see ``sweep``);
-s: scratch of ``scratch_size`` doubles, stride from one row of it to the next; y: the unknowns of the points that are held.
+s: scratch, stride from one row of it to the next; y: the unknowns of the points that are held.
 """
 
 from __future__ import annotations
@@ -15,21 +15,22 @@ from fsipetsc.operators.vectors import WIDE, fma, load_wide, store
 from fsipetsc.physics.plane.gas import LINE_ROWS
 from fsipetsc.physics.plane.layer import DOF
 from fsipetsc.scheme.plane.fields import gas_fields, solid_fields
+from fsipetsc.scheme.plane.geometry import lay
 from fsipetsc.scheme.plane.laws import GAS, SOLID
 from fsipetsc.scheme.plane.look import blended, look_at_gas, look_at_solid
-from fsipetsc.scheme.plane.sweep import columns, lines_of, places, sweep
+from fsipetsc.scheme.plane.sweep import places, sweep
 
 
 @njit(**ENTRY)
 def gas_rates(layers, k, operators, s, stride, y, f):
     """Rates of gas layer k at the points that are owned, to f."""
-    sweep(GAS, layers[k], operators[0], operators[1], s, places(stride), y, f)
+    sweep(GAS, layers[k], operators[0], operators[1], s, places(layers[k], stride), y, f)
 
 
 @njit(**ENTRY)
 def solid_rates(layers, k, operators, s, stride, y, f):
     """Rates of solid layer k."""
-    sweep(SOLID, layers[k], operators[0], operators[1], s, places(stride), y, f)
+    sweep(SOLID, layers[k], operators[0], operators[1], s, places(layers[k], stride), y, f)
 
 
 @njit(**ENTRY)
@@ -76,44 +77,45 @@ def slide_at(faces, k, operators, points, rates, held, normals):
 
 
 @njit(**ENTRY)
-def line_slopes(operators, s, stride, count, first, last, h):
-    """Derivatives of four rows of ``count`` numbers, to the four rows behind them; closures stand at first and last."""
+def line_normals(operators, s, stride, count, first, last, h, places, points, normals):
+    """N = (-y_xi, x_xi) and its rate at points of a line of ``count``, of which (x, y, u, v) are columns 5 to 8; s: 8 rows.
+
+    places: where on the line the points are; closures stand at first and last.
+    """
+    for n in range(places.size):
+        for c in range(4):
+            s[U64(MARGIN + c * stride + places[n])] = points[n, 5 + c]
     for c in range(4):
         along(operators[0], s, MARGIN + c * stride, MARGIN + (4 + c) * stride, 0, count, first, last, 1.0 / h)
+    for n in range(places.size):
+        slope = MARGIN + 4 * stride + places[n]
+        normals[n, 0], normals[n, 1] = -s[U64(slope + stride)], 1.0 + s[U64(slope)]
+        normals[n, 2], normals[n, 3] = -s[U64(slope + 3 * stride)], s[U64(slope + 2 * stride)]
 
 
 @njit(**ENTRY)
 def gas_look(layers, k, operators, s, stride, y, words):
     """Extremes and integrals of gas layer k: see fsipetsc.scheme.plane.look."""
-    look_at_gas(GAS, layers[k], operators[0], s, places(stride), y, words)
+    look_at_gas(GAS, layers[k], operators[0], s, places(layers[k], stride), y, words)
 
 
 @njit(**ENTRY)
 def solid_look(layers, k, operators, s, stride, y, words):
     """Of solid layer k."""
-    look_at_solid(SOLID, layers[k], operators[0], s, places(stride), y, words)
+    look_at_solid(SOLID, layers[k], operators[0], s, places(layers[k], stride), y, words)
 
 
 @njit(**ENTRY)
 def lay_lines(layers, k, operators, s, stride, lines):
-    """Put the lines of a gas layer's grid into scratch, (2, 4, width) of displacement in x, y, velocity; and their slopes."""
-    layer, op, place = layers[k], operators[0], places(stride)
-    a, b = columns(layer, op)
-    for side in range(2):
-        row = lines_of(place) + side * LINE_ROWS * stride
-        for c in range(4):
-            for i in range(layer.width):
-                s[U64(row + c * stride + i)] = lines[side, c, i]
-        for c in range(2):
-            to = row + (4 + c) * stride
-            along(op, s, row + c * stride, to, a, b, layer.end_x[0], layer.end_x[1], 1.0 / layer.h_x)
+    """Put the lines of a gas layer's grid into scratch, and what follows from them: see fsipetsc.scheme.plane.geometry."""
+    lay(layers[k], operators[0], s, places(layers[k], stride), lines)
 
 
 @njit(**ENTRY)
 def grid_jacobian(layers, k, s, stride, J):
     """J of the grid of gas layer k at the points that are owned, whose lines stand in scratch."""
-    layer, place = layers[k], places(stride)
-    low = lines_of(place)
+    layer, place = layers[k], places(layers[k], stride)
+    low = place.lines
     high = low + LINE_ROWS * stride
     height = (layer.ny - 1) * layer.h_y
     for j in range(J.shape[0]):
@@ -128,10 +130,10 @@ def grid_jacobian(layers, k, s, stride, J):
 @njit(**ENTRY)
 def save_gas(layers, k, operators, s, stride, y, X, out):
     """What is saved of the points of gas layer k: see fsipetsc.scheme.plane.fields."""
-    gas_fields(GAS, layers[k], operators[0], s, places(stride), y, X, out)
+    gas_fields(GAS, layers[k], operators[0], s, places(layers[k], stride), y, X, out)
 
 
 @njit(**ENTRY)
 def save_solid(layers, k, operators, s, stride, y, X, out):
     """Of solid layer k."""
-    solid_fields(SOLID, layers[k], operators[0], s, places(stride), y, X, out)
+    solid_fields(SOLID, layers[k], operators[0], s, places(layers[k], stride), y, X, out)

@@ -13,7 +13,7 @@ from fsipetsc.operators.rows import across, along, at
 from fsipetsc.physics.plane.gas import LINE_ROWS
 from fsipetsc.physics.plane.layer import DOF
 from fsipetsc.scheme.plane.look import blended
-from fsipetsc.scheme.plane.sweep import last_needed, lines_of, prepare_row
+from fsipetsc.scheme.plane.sweep import last_needed, prepare_row
 
 #: columns of a point
 SAVED = 8
@@ -22,7 +22,7 @@ SAVED = 8
 @njit(**OPTIONS)
 def gas_fields(law, layer, op, s, place, y, X, out):
     """To out[row, column], of the points that are owned; X: of the columns held. The lines must stand in scratch."""
-    gas, stride, low = law.gas.constants(layer), place.stride, lines_of(place)
+    gas, stride, low = law.gas.constants(layer), place.stride, place.lines
     high = low + LINE_ROWS * stride
     for j in range(layer.own_y[0], layer.own_y[1]):
         zeta = (layer.first_y + j) / (layer.ny - 1)

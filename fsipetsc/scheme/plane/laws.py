@@ -18,7 +18,7 @@ from fsipetsc.physics.plane.solid import plane_solid
 from fsipetsc.physics.plane.two_point import two_point_gas
 from fsipetsc.scheme.plane.dissipation import dissipate_across, dissipate_along
 from fsipetsc.scheme.plane.edges import amend_gas, amend_solid
-from fsipetsc.scheme.plane.pairs import no_weights, nothing, pairs_across, pairs_along, weigh_pairs
+from fsipetsc.scheme.plane.pairs import nothing, pairs_across, pairs_along
 from fsipetsc.scheme.plane.sums import meet, no_sums
 
 
@@ -27,7 +27,6 @@ def law(equations: Formulas) -> Formulas:
     pairs, dissipation = hasattr(equations, "pair"), hasattr(equations, "dissipation")
     work = {
         "amend": amend_gas if equations.kind == FLUID else amend_solid,
-        "begin": weigh_pairs if pairs else no_weights,
         "meet": meet if equations.sums else no_sums,
         "give_across": pairs_across if pairs else nothing,
         "give_along": pairs_along if pairs else nothing,

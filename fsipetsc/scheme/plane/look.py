@@ -15,79 +15,147 @@ them.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit
 
-from fsipetsc.operators.kernels import OPTIONS, U64
+from fsipetsc.operators.kernels import FORMULA, OPTIONS, U64
 from fsipetsc.operators.rows import across, along, at
-from fsipetsc.physics.plane.gas import LINE_ROWS
-from fsipetsc.physics.plane.layer import DOF, NOWHERE
-from fsipetsc.scheme.plane.sweep import last_needed, lines_of, prepare_row
+from fsipetsc.operators.vectors import (
+    LANES,
+    fma,
+    lane,
+    load,
+    load_interlaced,
+    magnitude,
+    masked,
+    maximum,
+    minimum,
+    root,
+    spread,
+)
+from fsipetsc.physics.plane.gas import JA1, JA2_X, JA2_Y, LINE_ROWS
+from fsipetsc.physics.plane.layer import DOF, ELASTIC, NOWHERE
+from fsipetsc.scheme.plane.sums import norm_at
+from fsipetsc.scheme.plane.sweep import last_needed, prepare_row
 
 CONVECTION, DIFFUSION, BAD, LEAST_J, MASS, MOMENTUM_X, MOMENTUM_Y, ENERGY, ENTROPY = range(9)
 #: number of words; those from MASS on are sums
 WORDS = 9
 
 
-@njit(**OPTIONS)
-def begin(words):
-    """Nothing has been seen."""
-    words[:] = 0.0
-    words[LEAST_J] = np.inf
+class Seen(NamedTuple):
+    """What has been seen so far, in vectors: what bounds steps, the least J, the least of what must be above 0, integrals."""
+
+    convection: float
+    diffusion: float
+    least_J: float
+    least: float
+    mass: float
+    x: float
+    y: float
+    energy: float
+    entropy: float
+
+
+@njit(**FORMULA)
+def nothing_seen():
+    """To begin with."""
+    zero, most = spread(0.0), spread(np.inf)
+    return Seen(zero, zero, most, most, zero, zero, zero, zero, zero)
+
+
+@njit(**FORMULA)
+def with_more(seen, count, part, convection, diffusion, J, least, integrals):
+    """And so many of a vector of points; part: their weights in integrals."""
+    mass, x, y, energy, entropy = integrals
+    return Seen(
+        maximum(seen.convection, masked(convection, count, 0.0)),
+        maximum(seen.diffusion, masked(diffusion, count, 0.0)),
+        minimum(seen.least_J, masked(J, count, np.inf)),
+        minimum(seen.least, masked(least, count, np.inf)),
+        seen.mass + masked(part * mass, count, 0.0),
+        seen.x + masked(part * x, count, 0.0),
+        seen.y + masked(part * y, count, 0.0),
+        seen.energy + masked(part * energy, count, 0.0),
+        seen.entropy + masked(part * entropy, count, 0.0),
+    )
+
+
+@njit(**FORMULA)
+def largest(v):
+    """Of the lanes; not a number if one of them is not."""
+    return maximum(maximum(lane(v, 0), lane(v, 1)), maximum(lane(v, 2), lane(v, 3)))
+
+
+@njit(**FORMULA)
+def total(v):
+    """Of the lanes."""
+    return (lane(v, 0) + lane(v, 1)) + (lane(v, 2) + lane(v, 3))
 
 
 @njit(**OPTIONS)
-def weight(op, n, first, last):
-    """Of the norm at point n between the ends first and last, without h."""
-    r = min(n - first, last - n)
-    return op.norm[r] if r < op.rows else 1.0
+def note(seen, words):
+    """Put it into words."""
+    words[CONVECTION], words[DIFFUSION] = largest(seen.convection), largest(seen.diffusion)
+    words[LEAST_J] = -largest(-1.0 * seen.least_J)
+    sound = -largest(-1.0 * seen.least) > 0.0 and words[CONVECTION] < np.inf
+    words[BAD] = 0.0 if sound else 1.0
+    words[MASS], words[MOMENTUM_X], words[MOMENTUM_Y] = total(seen.mass), total(seen.x), total(seen.y)
+    words[ENERGY], words[ENTROPY] = total(seen.energy), total(seen.entropy)
 
 
 @njit(**OPTIONS)
-def area(layer, op, j, i):
-    """Weight of a point in an integral over the reference coordinates."""
-    across_y = weight(op, j, layer.end_y[0], layer.end_y[1])
-    along_x = weight(op, i, layer.end_x[0], layer.end_x[1]) if layer.end_x[1] < NOWHERE else 1.0
-    return along_x * across_y * layer.h_x * layer.h_y
+def weigh(layer, op, s, row):
+    """Weights of the columns that are owned in integrals over the reference coordinates, to a row of scratch."""
+    for i in range(layer.own_x[0], layer.own_x[1]):
+        inside = layer.end_x[1] >= NOWHERE
+        s[U64(row + i)] = layer.h_x * layer.h_y * (1.0 if inside else norm_at(op, i, layer.end_x[0], layer.end_x[1]))
 
 
 @njit(**OPTIONS)
 def look_at_gas(law, layer, op, s, place, y, words):
     """Words of a gas layer; its lines must stand in scratch."""
-    begin(words)
-    gas, transport = law.gas.constants(layer), law.transport.constants(layer)
-    low, stride = lines_of(place), place.stride
-    high, per_length = low + LINE_ROWS * stride, 1.0 / ((layer.ny - 1) * layer.h_y)
+    seen, c, stride, weights = nothing_seen(), law.constants(law, layer), place.stride, place.rates
+    weigh(layer, op, s, weights)
+    low, high = place.lines, place.lines + LINE_ROWS * stride
     for j in range(layer.own_y[0], layer.own_y[1]):
-        zeta = (layer.first_y + j) / (layer.ny - 1)
-        for i in range(layer.own_x[0], layer.own_x[1]):
-            n = (j * layer.width + i) * DOF
-            J, r, m, k, e = y[U64(n)], y[U64(n + 1)], y[U64(n + 2)], y[U64(n + 3)], y[U64(n + 4)]
-            u, v, rho = m / r, k / r, r / J
-            T = law.gas.temperature(gas, rho, e / r - 0.5 * (u * u + v * v))
-            a1x = (s[U64(high + stride + i)] - s[U64(low + stride + i)]) * per_length
-            a1y = (s[U64(low + i)] - s[U64(high + i)]) * per_length
-            a2x = -blended(s, low, high, 5 * stride + i, zeta)
-            a2y = 1.0 + blended(s, low, high, 4 * stride + i, zeta)
-            u = u - blended(s, low, high, 2 * stride + i, zeta)
-            v = v - blended(s, low, high, 3 * stride + i, zeta)
-            n1, n2 = a1x * a1x + a1y * a1y, a2x * a2x + a2y * a2y
-            c = np.sqrt(law.gas.sound_speed_squared(gas, rho, T))
-            x, z = J * layer.h_x, J * layer.h_y
-            fastest = (abs(a1x * u + a1y * v) + c * np.sqrt(n1)) / x + (abs(a2x * u + a2y * v) + c * np.sqrt(n2)) / z
-            of_mu, of_kappa = law.transport.relative(transport, T)
-            spread = max(4.0 / 3.0 * layer.mu * of_mu, layer.kappa * of_kappa / law.gas.heat_capacity(gas, rho, T)) / rho
-            words[CONVECTION] = max(words[CONVECTION], fastest)
-            words[DIFFUSION] = max(words[DIFFUSION], op.stiffness * spread * (n1 / (x * x) + n2 / (z * z)))
-            if not (rho > 0.0 and T > 0.0 and J > 0.0 and fastest < np.inf):
-                words[BAD] = 1.0
-            words[LEAST_J] = min(words[LEAST_J], J)
-            part = area(layer, op, j, i)
-            words[MASS] += part * r
-            words[MOMENTUM_X] += part * m
-            words[MOMENTUM_Y] += part * k
-            words[ENERGY] += part * e
-            words[ENTROPY] += part * r * law.gas.entropy(gas, rho, T)
+        zeta, first = (layer.first_y + j) / (layer.ny - 1), j * layer.width * DOF
+        across_y = norm_at(op, j, layer.end_y[0], layer.end_y[1])
+        for i in range(layer.own_x[0], layer.own_x[1], LANES):
+            J, r, m, n, e = load_interlaced(y, first + i * DOF, 5)
+            per_J, per_r = 1.0 / J, 1.0 / r
+            u, v, rho = m * per_r, n * per_r, r * per_J
+            T = law.gas.temperature_in_loops(c[0], rho, e * per_r - 0.5 * fma(u, u, v * v))
+            a1x, a1y = load(s, place.lines + JA1 * stride + i), load(s, place.lines + (JA1 + 1) * stride + i)
+            a2x, a2y = between(s, place.lines, stride, JA2_X, zeta, i), between(s, place.lines, stride, JA2_Y, zeta, i)
+            u = u - blend(s, low + 2 * stride + i, high + 2 * stride + i, zeta)
+            v = v - blend(s, low + 3 * stride + i, high + 3 * stride + i, zeta)
+            n1, n2 = fma(a1x, a1x, a1y * a1y), fma(a2x, a2x, a2y * a2y)
+            squared, x, z = law.gas.sound_speed_squared(c[0], rho, T), per_J * (1.0 / layer.h_x), per_J * (1.0 / layer.h_y)
+            fastest = (magnitude(fma(a1x, u, a1y * v)) + root(squared * n1)) * x
+            fastest = fastest + (magnitude(fma(a2x, u, a2y * v)) + root(squared * n2)) * z
+            of_mu, of_kappa = law.transport.relative(c[1], T)
+            spreading = maximum(4.0 / 3.0 * layer.mu * of_mu, layer.kappa * of_kappa / law.gas.heat_capacity(c[0], rho, T))
+            diffusion = (op.stiffness * spreading) * (J * per_r) * fma(n1, x * x, n2 * (z * z))
+            integrals = r, m, n, e, r * law.gas.entropy(c[0], rho, T)
+            part, least = across_y * load(s, weights + i), minimum(minimum(rho, T), J)
+            seen = with_more(seen, layer.own_x[1] - i, part, fastest, diffusion, J, least, integrals)
+    note(seen, words)
+
+
+@njit(**FORMULA)
+def between(s, lines, stride, row, zeta, i):
+    """Of what is linear in zeta, see fsipetsc.scheme.plane.geometry."""
+    return fma(zeta, load(s, lines + (row + 1) * stride + i), load(s, lines + row * stride + i))
+
+
+@njit(**FORMULA)
+def blend(s, low, high, zeta):
+    """Of a quantity of the lines, between them."""
+    below = load(s, low)
+    return fma(zeta, load(s, high) - below, below)
 
 
 @njit(**OPTIONS)
@@ -99,37 +167,34 @@ def blended(s, low, high, row, zeta):
 @njit(**OPTIONS)
 def look_at_solid(law, layer, op, s, place, y, words):
     """Words of a solid layer. The energy: kinetic and m0 alpha T, and the elastic one W where the heat is without its work."""
-    begin(words)
-    c, lo, hi = law.elastic.constants(layer), layer.end_y[0], layer.end_y[1]
-    a, b, prepared, stride = layer.own_x[0], layer.own_x[1], 0, place.stride
+    seen, c, lo, hi, weights = nothing_seen(), law.elastic.constants(layer), layer.end_y[0], layer.end_y[1], place.rates
+    per_m0 = 1.0 / layer.m0
+    a, b, prepared, stride, slopes = layer.own_x[0], layer.own_x[1], 0, place.stride, place.slopes
+    weigh(layer, op, s, weights)
     for j in range(layer.own_y[0], layer.own_y[1]):
         while prepared <= min(last_needed(op, j, lo, hi), layer.height - 1):
             prepare_row(law, layer, s, place, y, prepared)
             prepared += 1
         for k in range(2):
-            to = place.slopes + 2 * k * stride
+            to = slopes + 2 * k * stride
             along(op, s, at(place.v, k, j), to, a, b, layer.end_x[0], layer.end_x[1], 1.0 / layer.h_x)
             across(op, s, place.v, k, j, to + stride, a, b, lo, hi, 1.0 / layer.h_y)
-        for i in range(a, b):
-            n, d = (j * layer.width + i) * DOF, place.slopes + i
-            F = (1.0 + s[U64(d)], s[U64(d + stride)], s[U64(d + 2 * stride)], 1.0 + s[U64(d + 3 * stride)])
-            u, v, T = y[U64(n + 2)], y[U64(n + 3)], y[U64(n + 4)]
-            J = F[0] * F[3] - F[1] * F[2]
-            x, z = F[3] * F[3] + F[1] * F[1], F[2] * F[2] + F[0] * F[0]
-            along_x, across_y = law.elastic.modulus(c, F, x, z)
-            fastest = np.sqrt(along_x / layer.m0) / layer.h_x + np.sqrt(across_y / layer.m0) / layer.h_y
-            spread = layer.kappa_e / (layer.alpha * layer.m0 * J)
-            words[CONVECTION] = max(words[CONVECTION], fastest)
-            words[DIFFUSION] = max(words[DIFFUSION], op.stiffness * spread * (x / layer.h_x**2 + z / layer.h_y**2))
-            if not (J > 0.0 and T > 0.0 and fastest + abs(u) + abs(v) < np.inf):
-                words[BAD] = 1.0
-            words[LEAST_J] = min(words[LEAST_J], J)
-            part = area(layer, op, j, i)
-            words[MASS] += part * layer.m0
-            words[MOMENTUM_X] += part * layer.m0 * u
-            words[MOMENTUM_Y] += part * layer.m0 * v
-            energy = layer.m0 * (0.5 * (u * u + v * v) + layer.alpha * T)
-            if layer.heat == 1:
-                energy += law.elastic.energy(c, F)
-            words[ENERGY] += part * energy
-            words[ENTROPY] += part * layer.m0 * layer.alpha * np.log(T)
+        across_y = norm_at(op, j, lo, hi)
+        u_row, v_row, T_row = at(place.v, 2, j), at(place.v, 3, j), at(place.v, 4, j)
+        for i in range(a, b, LANES):
+            d = slopes + i
+            F = load(s, d) + 1.0, load(s, d + stride), load(s, d + 2 * stride), load(s, d + 3 * stride) + 1.0
+            u, v, T = load(s, u_row + i), load(s, v_row + i), load(s, T_row + i)
+            J, x, z = F[0] * F[3] - F[1] * F[2], fma(F[3], F[3], F[1] * F[1]), fma(F[2], F[2], F[0] * F[0])
+            along_x, along_y = law.elastic.modulus(c, F, x, z)
+            fastest = root(along_x * per_m0) * (1.0 / layer.h_x) + root(along_y * per_m0) * (1.0 / layer.h_y)
+            spreading = (op.stiffness * layer.kappa_e / (layer.alpha * layer.m0)) / J
+            diffusion = spreading * fma(x, 1.0 / layer.h_x**2, z * (1.0 / layer.h_y**2))
+            energy = layer.m0 * fma(0.5, fma(u, u, v * v), layer.alpha * T)
+            if layer.heat == ELASTIC:
+                energy = energy + law.elastic.energy(c, F)
+            moving = fastest + 0.0 * (u + v)  # which must be numbers, too
+            integrals = spread(layer.m0), layer.m0 * u, layer.m0 * v, energy, layer.m0 * layer.alpha * np.log(T)
+            part = across_y * load(s, weights + i)
+            seen = with_more(seen, b - i, part, moving, diffusion, J, minimum(J, T), integrals)
+    note(seen, words)

@@ -9,7 +9,7 @@ A physics says of which of its rows v a pair is made (``paired``), and has
 
     pair(law, c, here, there, m)    w F for the unknowns that are summed up, with m = w ({Ja_x}/2, {Ja_y}/2, -{g})
 
-of the numbers that its ``flux`` gives as e: Ja1_x, Ja1_y, -2 g^1, Ja2_x, Ja2_y, and as first flux across rows, -g^2.
+What is known of the grid (fsipetsc.scheme.plane.geometry) makes m.
 
 Rows are met from below to above: when row j is, it has what those below it gave. What a point gets it gets in the same order,
 whoever owns it.
@@ -20,45 +20,19 @@ from __future__ import annotations
 from numba import njit
 
 from fsipetsc.operators.formulas import Formulas, each
-from fsipetsc.operators.kernels import FORMULA, OPTIONS, U64
-from fsipetsc.operators.rows import at, fill
-from fsipetsc.operators.vectors import WIDE, load_wide, store
+from fsipetsc.operators.kernels import FORMULA, OPTIONS
+from fsipetsc.operators.rows import fill
+from fsipetsc.operators.vectors import WIDE, fma, load_wide, store
+from fsipetsc.physics.plane.gas import G2, JA2_X, JA2_Y, OF_PAIRS, PAIR_ROWS
+from fsipetsc.scheme.plane.geometry import weight_of_pair
 from fsipetsc.scheme.plane.sums import fluxes_of, gains_of
-from fsipetsc.scheme.plane.sweep import DISTANCES, last_needed, row_of_ring
+from fsipetsc.scheme.plane.sweep import last_needed, row_of_ring
 from fsipetsc.scheme.sweep import row_of
-
-#: numbers of e: metrics along X, and along Y
-ALONG, ACROSS = (0, 1, 2), (3, 4)
-
-
-@njit(**OPTIONS)
-def no_weights(law, layer, op, s, place):
-    """Of physics without pairs."""
 
 
 @njit(**OPTIONS)
 def nothing(law, layer, op, s, place, j):
     """Of physics without such terms."""
-
-
-@njit(**OPTIONS)
-def weight_of_pair(op, i, k, lo, hi):
-    """Q_il of the points i and l = i + k between the ends lo and hi, without h."""
-    if i < lo or i + k > hi:
-        return 0.0
-    for near, far in ((i - lo, i + k - lo), (hi - i - k, hi - i)):
-        if near < op.rows:
-            return op.norm[near] * op.closure[near, far] if far < op.cols else 0.0
-    return op.interior[k - 1] if k <= op.p else 0.0
-
-
-@njit(**OPTIONS)
-def weigh_pairs(law, layer, op, s, place):
-    """Note Q / (2 h) of the pairs along the rows, a row for each distance."""
-    for k in range(1, DISTANCES + 1):
-        row = place.weights + (k - 1) * place.stride
-        for i in range(-k, layer.width):
-            s[U64(row + i)] = weight_of_pair(op, i, k, layer.end_x[0], layer.end_x[1]) * (0.5 / layer.h_x)
 
 
 @njit(**OPTIONS)
@@ -74,15 +48,25 @@ def pairs_across(law, layer, op, s, place, j):
 @njit(**OPTIONS)
 def across(law, layer, s, place, j, l, weight):
     """Pairs between row j and row l > j; weight: Q / h."""
-    c, half = law.constants(law, layer), 0.5 * weight
+    c, stride, length = law.constants(law, layer), place.stride, layer.ny - 1
+    x, y, g = place.lines + JA2_X * stride, place.lines + JA2_Y * stride, place.lines + G2 * stride
+    zeta, zeta_l = (layer.first_y + j) / length, (layer.first_y + l) / length
+    half, first, second = 0.5 * weight * (zeta + zeta_l), weight * (zeta + zeta_l), weight * (zeta * zeta + zeta_l * zeta_l)
     v, v_l = each(row_of_ring.at, law.paired, place.v, j), each(row_of_ring.at, law.paired, place.v, l)
-    m, m_l = each(row_of_ring.at, ACROSS, place.e, j), each(row_of_ring.at, ACROSS, place.e, l)
-    g, g_l = at(place.b, 0, j), at(place.b, 0, l)
     to, to_l = each(row_of_ring.at, law.sums, place.sums, j), each(row_of_ring.at, law.sums, place.sums, l)
     for i in range(layer.own_x[0], layer.own_x[1], WIDE):
-        ja = each(of_pairs.mean, m, m_l, half, s, i)
-        here, there = each(of_pairs.load, v, s, i), each(of_pairs.load, v_l, s, i)
-        f = law.pair(law, c, here, there, (*ja, weight * (load_wide(s, g + i) + load_wide(s, g_l + i))))
+        m = (
+            fma(half, load_wide(s, x + stride + i), weight * load_wide(s, x + i)),
+            fma(half, load_wide(s, y + stride + i), weight * load_wide(s, y + i)),
+            -1.0
+            * fma(
+                second,
+                load_wide(s, g + 2 * stride + i),
+                fma(first, load_wide(s, g + stride + i), 2.0 * weight * load_wide(s, g + i)),
+            ),
+        )
+        here, there = each(row_of_ring.load, v, s, i), each(row_of_ring.load, v_l, s, i)
+        f = law.pair(law, c, here, there, m)
         each(of_pairs.give, to, f, s, i)
         each(of_pairs.take, to_l, f, s, i)
 
@@ -103,36 +87,22 @@ def pairs_along(law, layer, op, s, place, j):
 @njit(**OPTIONS)
 def at_distance(law, layer, s, place, j, k, first, last):
     """The pairs i, i + k for first <= i <= last."""
-    c, weights = law.constants(law, layer), place.weights + (k - 1) * place.stride
-    v, m = each(row_of_ring.at, law.paired, place.v, j), each(row_of_ring.at, ALONG, place.e, j)
+    c, stride, zeta = law.constants(law, layer), place.stride, (layer.first_y + j) / (layer.ny - 1)
+    grid, v = place.lines + (OF_PAIRS + PAIR_ROWS * (k - 1)) * stride, each(row_of_ring.at, law.paired, place.v, j)
     f, gains = fluxes_of(law, place), gains_of(law, place)
     each(of_pairs.blank, f, s, first - k, first)
     for i in range(first, last + 1, WIDE):
-        weight = load_wide(s, weights + i)
-        ja = each(of_pairs.mean_along, m, weight, s, i, k)
-        here, there = each(of_pairs.load, v, s, i), each(of_pairs.load, v, s, i + k)
-        each(row_of.store, f, law.pair(law, c, here, there, ja), s, i)
+        at = grid + i
+        g = fma(zeta, load_wide(s, at + 3 * stride), load_wide(s, at + 2 * stride))
+        here, there = each(row_of_ring.load, v, s, i), each(row_of_ring.load, v, s, i + k)
+        f_k = law.pair(law, c, here, there, (load_wide(s, at), load_wide(s, at + stride), g))
+        each(row_of.store, f, f_k, s, i)
     each(of_pairs.blank, f, s, last + 1, last + k + WIDE)
     for i in range(max(first, layer.own_x[0]), min(last + k + 1, layer.own_x[1]), WIDE):
         each(of_pairs.balance, gains, f, s, i, k)
 
 
 # what is done to each of some rows
-
-
-@njit(**FORMULA)
-def _load(row, s, i):
-    return load_wide(s, row + i)
-
-
-@njit(**FORMULA)
-def _mean(row, other, weight, s, i):
-    return weight * (load_wide(s, row + i) + load_wide(s, other + i))
-
-
-@njit(**FORMULA)
-def _mean_along(row, weight, s, i, k):
-    return weight * (load_wide(s, row + i) + load_wide(s, row + i + k))
 
 
 @njit(**FORMULA)
@@ -160,9 +130,6 @@ def _blank(row, s, first, end):
 
 
 of_pairs = Formulas(
-    load=_load,
-    mean=_mean,
-    mean_along=_mean_along,
     give=_give,
     take=_take,
     balance=_balance,

@@ -14,7 +14,7 @@ from numba import njit
 from fsipetsc.operators.formulas import Formulas, each
 from fsipetsc.operators.kernels import FORMULA, OPTIONS, U64
 from fsipetsc.operators.rows import fill
-from fsipetsc.operators.vectors import LANES, load, store
+from fsipetsc.operators.vectors import WIDE, load_wide, store
 from fsipetsc.scheme.plane.sweep import SUMS, row_of_ring
 
 
@@ -52,7 +52,7 @@ def meet(law, layer, op, s, place, j):
             for r in range(op.rows):
                 each(of_sums.divide, gains, op.norm[r], s, layer.end_x[side] + (1 - 2 * side) * r)
     scale = 1.0 / norm_at(op, j, layer.end_y[0], layer.end_y[1])
-    for i in range(a, b, LANES):
+    for i in range(a, b, WIDE):
         each(of_sums.complete, sums, gains, scale, s, i)
 
 
@@ -65,7 +65,7 @@ def norm_at(op, n, first, last):
 
 @njit(**FORMULA)
 def _complete(total, gain, scale, s, i):
-    store(s, total + i, scale * load(s, total + i) + load(s, gain + i))
+    store(s, total + i, scale * load_wide(s, total + i) + load_wide(s, gain + i))
     return 0
 
 

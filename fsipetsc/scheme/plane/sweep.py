@@ -2,7 +2,7 @@
 
 Every physics here has the form
 
-    q_t = rate(q, v, D_x a + D_y b, e, sums),      (a, b, e) = flux(v, D_x v, D_y v),      v = prepare(q)
+    q_t = rate(v, D_x a + D_y b, e, sums),      (a, b, e) = flux(v, D_x v, D_y v),      v = prepare(q)
 
 with the unknowns q of a point, what is derived from them there (v), fluxes a along X and b along Y, further quantities e, and
 sums of what it has to do with other points, pair by pair.
@@ -15,13 +15,12 @@ Only the J of a grid keeps the whole derivative. A physics is formulas at a poin
     loose                            for each flux 1, or 0 for the whole derivative
     constants(law, layer)            numbers that the formulas need
     prepare(law, c, q)               v
-    grid(s, lines, stride, per_length, i, zeta)    metrics of the grid at the points i ..
+    grid(s, lines, stride, height, i)    metrics of the grid at the points i .., see ``heights``
     flux(law, c, v, metrics, D_x v, D_y v)    a, b, e
-    rate(law, c, q, v, divergence, e, sums)
+    rate(law, c, v, divergence, e, sums)
     sums                             (0, 1, ...), a number for each unknown to which pairs of points give something, beside
                                      ``paired`` and ``pair``: see fsipetsc.scheme.plane.pairs
-    begin(law, layer, op, s, place)  what there is to do for these once, and
-    meet(law, layer, op, s, place, j)    for row j
+    meet(law, layer, op, s, place, j)    what there is to do for the sums of row j
     amend(law, layer, op, s, place, lines, j)    gives the rates of row j what goes through the edges
 
 A row goes through three stages, each as far ahead of the next as the derivatives across rows need it: v, fluxes, rates. So
@@ -38,26 +37,22 @@ from numba import njit
 from fsipetsc.operators.formulas import Formulas, each
 from fsipetsc.operators.kernels import FORMULA, OPTIONS, U64
 from fsipetsc.operators.rows import MARGIN, Ring, across, along, at
-from fsipetsc.operators.vectors import LANES, load, load_interlaced, spread, store_interlaced
-from fsipetsc.physics.plane.gas import LINE_ROWS
+from fsipetsc.operators.vectors import LANES, WIDE, load, load_interlaced, load_wide, spread_wide, store_interlaced
+from fsipetsc.physics.plane.gas import GRID_ROWS
 from fsipetsc.physics.plane.layer import DOF
 from fsipetsc.scheme.sweep import row_of
 
-#: most quantities of each sort that a physics may have; distances of points that are a pair in the closure of a row
-PREPARED, FLUXES, EXTRAS, SUMS = 12, 5, 5, 4
-DISTANCES = 7
-#: rows of a ring: at order 8, a layer of 19 rows is all needed before the first one has its rates
-RING = 32
-#: rows of scratch: q and v, fluxes across, derivatives of those along, extras, sums over pairs, each in a ring; and of one row
-#: its slopes in both directions, fluxes along, fluxes and sums of its pairs, their weights, rates, and the lines of the grid
-ROWS = RING * (DOF + PREPARED + 2 * FLUXES + EXTRAS + SUMS) + 2 * PREPARED + 2 * FLUXES + 2 * SUMS + DISTANCES
-ROWS += DOF + 2 * LINE_ROWS
+#: most quantities of each sort that a physics may have
+PREPARED, FLUXES, EXTRAS, SUMS = 13, 4, 7, 4
+#: rows of scratch: v, fluxes across, derivatives of those along, extras, sums over pairs, each in a ring; and of one row its
+#: slopes in both directions, fluxes along, fluxes and sums of its pairs, rates, and what is known of the grid
+IN_RINGS = PREPARED + 2 * FLUXES + EXTRAS + SUMS
+BESIDE = 2 * PREPARED + 2 * FLUXES + 2 * SUMS + DOF + GRID_ROWS
 
 
 class Places(NamedTuple):
     """Where the rows of scratch stand."""
 
-    q: Ring
     v: Ring
     b: Ring
     d: Ring
@@ -66,8 +61,8 @@ class Places(NamedTuple):
     slopes: int
     a: int
     pairs: int
-    weights: int
     rates: int
+    lines: int
     stride: int
 
 
@@ -77,36 +72,61 @@ def scratch_stride(width: int) -> int:
     return 8 * (lines + 1 - lines % 2)
 
 
-def scratch(stride: int, first: int) -> np.ndarray:
+def ring_rows(op: np.ndarray, record: np.ndarray) -> int:
+    """Rows that a ring must have for a layer, a power of two: those between the first and the last that are still needed."""
+    (lo, hi), p, rows = record["end_y"].tolist(), int(op["p"]), int(op["rows"])
+
+    def last(j: int) -> int:
+        return lo + int(op["cols"]) - 1 if j < lo + rows else hi if j > hi - rows else j + p
+
+    most = 1
+    for j in range(*record["own_y"].tolist()):
+        first = lo if j < lo + rows else min(j - p, hi - int(op["cols"]) + 1)
+        ahead = max(last(f) for f in range(max(j - p, 0), min(last(j), int(record["height"]) - 1) + 1))
+        most = max(most, min(ahead, int(record["height"]) - 1) - max(first, 0) + 1)
+    return 1 << (most - 1).bit_length()
+
+
+def scratch(stride: int, first: int, ring: int) -> np.ndarray:
     """Scratch for rows so far apart, whose columns from number ``first`` on begin with a cache line."""
-    doubles = ROWS * stride + 4 * MARGIN
+    doubles = (ring * IN_RINGS + BESIDE) * stride + 4 * MARGIN
     room = np.zeros(doubles + 8)
     begin = -(room.ctypes.data // 8 + MARGIN + first) % 8
     return room[begin : begin + doubles]
 
 
 @njit(**OPTIONS)
-def places(stride):
+def places(layer, stride):
     """Of a layer whose rows are this far apart."""
-    first = MARGIN
-    q = Ring(first, stride, RING)
-    v = Ring(q.origin + DOF * RING * stride, stride, RING)
-    b = Ring(v.origin + PREPARED * RING * stride, stride, RING)
-    d = Ring(b.origin + FLUXES * RING * stride, stride, RING)
-    e = Ring(d.origin + FLUXES * RING * stride, stride, RING)
-    sums = Ring(e.origin + EXTRAS * RING * stride, stride, RING)
-    slopes = sums.origin + SUMS * RING * stride
+    apart, mask = layer.ring * stride, layer.ring - 1
+    v = Ring(MARGIN, apart, stride, mask)
+    b = Ring(v.origin + PREPARED * apart, apart, stride, mask)
+    d = Ring(b.origin + FLUXES * apart, apart, stride, mask)
+    e = Ring(d.origin + FLUXES * apart, apart, stride, mask)
+    sums = Ring(e.origin + EXTRAS * apart, apart, stride, mask)
+    slopes = sums.origin + SUMS * apart
     a = slopes + 2 * PREPARED * stride
     pairs = a + 2 * FLUXES * stride
-    weights = pairs + 2 * SUMS * stride
-    rates = weights + DISTANCES * stride
-    return Places(q, v, b, d, e, sums, slopes, a, pairs, weights, rates, stride)
+    rates = pairs + 2 * SUMS * stride
+    return Places(v, b, d, e, sums, slopes, a, pairs, rates, rates + DOF * stride, stride)
 
 
-@njit(**FORMULA)
-def lines_of(place):
-    """Where the lines of the grid stand."""
-    return place.rates + DOF * place.stride
+@njit(**OPTIONS)
+def heights(layer, op, j):
+    """zeta at row j, from 0 at the lower to 1 at the upper edge, and D_y of zeta and of zeta^2 there."""
+    lo, hi, per_length = layer.end_y[0], layer.end_y[1], 1.0 / (layer.ny - 1)
+    zeta, of_first, of_second = (layer.first_y + j) * per_length, 0.0, 0.0
+    if lo + op.rows <= j <= hi - op.rows:
+        for k in range(1, op.p + 1):
+            of_first += op.interior[k - 1] * (2 * k * per_length)
+        of_second = 2.0 * zeta * of_first
+    else:
+        end, step, r = (lo, 1, j - lo) if j < lo + op.rows else (hi, -1, hi - j)
+        for c in range(op.cols):
+            weight, there = step * op.closure[r, c], (layer.first_y + end + step * c) * per_length
+            of_first += weight * there
+            of_second += weight * (there * there)
+    return zeta, of_first / layer.h_y, of_second / layer.h_y
 
 
 @njit(**OPTIONS)
@@ -123,7 +143,6 @@ def sweep(law, layer, op, loose, s, place, y, f):
     lo, hi = layer.end_y[0], layer.end_y[1]
     prepared, fluxed = 0, max(layer.own_y[0] - op.p, 0)
     paired = fluxed
-    law.begin(law, layer, op, s, place)
     for j in range(layer.own_y[0], layer.own_y[1]):
         while fluxed <= min(last_needed(op, j, lo, hi), layer.height - 1):
             ahead = last_needed(op, fluxed, lo, hi) if len(law.differentiated) > 0 else fluxed
@@ -136,19 +155,17 @@ def sweep(law, layer, op, loose, s, place, y, f):
             law.meet(law, layer, op, s, place, paired)
             paired += 1
         rate_row(law, layer, op, loose, s, place, j)
-        law.amend(law, layer, op, s, place, lines_of(place), j)
+        law.amend(law, layer, op, s, place, place.lines, j)
         send_row(layer, s, place, f, j)
 
 
 @njit(**OPTIONS)
 def prepare_row(law, layer, s, place, y, j):
-    """Take row j of the unknowns apart, and v of it."""
+    """v of row j."""
     c, first = law.constants(law, layer), j * layer.width * DOF
-    q, v = each(row_of_ring.at, law.unknowns, place.q, j), each(row_of_ring.at, law.prepared, place.v, j)
+    v = each(row_of_ring.at, law.prepared, place.v, j)
     for i in range(0, layer.width, LANES):
-        here = load_interlaced(y, first + i * DOF, 5)
-        each(row_of.store, q, here, s, i)
-        each(row_of.store, v, law.prepare(law, c, here), s, i)
+        each(row_of.store, v, law.prepare(law, c, load_interlaced(y, first + i * DOF, 5)), s, i)
 
 
 @njit(**OPTIONS)
@@ -168,15 +185,14 @@ def flux_row(law, layer, op, loose, s, place, j):
     to_a = each(row_of_ring.row, law.fluxes, place.a, place.stride)
     to_b, to_e = each(row_of_ring.at, law.fluxes, place.b, j), each(row_of_ring.at, law.extras, place.e, j)
     sums = each(row_of_ring.at, law.sums, place.sums, j)
-    lines, zeta = lines_of(place), (layer.first_y + j) / (layer.ny - 1)
-    per_length = 1.0 / ((layer.ny - 1) * layer.h_y)
-    for i in range(a, b, LANES):
-        m, here = law.grid(s, lines, place.stride, per_length, i, zeta), each(row_of.load, v, s, i)
-        fluxes = law.flux(law, c, here, m, each(row_of.load, along_x, s, i), each(row_of.load, across_y, s, i))
+    height = heights(layer, op, j)
+    for i in range(a, b, WIDE):
+        m, here = law.grid(s, place.lines, place.stride, height, i), each(row_of_ring.load, v, s, i)
+        fluxes = law.flux(law, c, here, m, each(row_of_ring.load, along_x, s, i), each(row_of_ring.load, across_y, s, i))
         each(row_of.store, to_a, fluxes[0], s, i)
         each(row_of.store, to_b, fluxes[1], s, i)
         each(row_of.store, to_e, fluxes[2], s, i)
-        each(row_of.store, sums, spread(0.0), s, i)
+        each(row_of.store, sums, spread_wide(0.0), s, i)
     each(block_of.along, law.fluxes, to_a, law.loose, layer, op, loose, s, place, j)
 
 
@@ -217,14 +233,13 @@ def rate_row(law, layer, op, loose, s, place, j):
     across_y = each(row_of_ring.row, law.fluxes, place.a + len(law.fluxes) * place.stride, place.stride)
     each(block_of.across, law.fluxes, across_y, law.loose, layer, op, loose, s, place, j)
     c, along_x = law.constants(law, layer), each(row_of_ring.at, law.fluxes, place.d, j)
-    q, v = each(row_of_ring.at, law.unknowns, place.q, j), each(row_of_ring.at, law.prepared, place.v, j)
+    v = each(row_of_ring.at, law.prepared, place.v, j)
     e, sums = each(row_of_ring.at, law.extras, place.e, j), each(row_of_ring.at, law.sums, place.sums, j)
     to = each(row_of_ring.row, law.unknowns, place.rates, place.stride)
-    for i in range(layer.own_x[0], layer.own_x[1], LANES):
-        divergence = each(row_of_ring.sum, along_x, across_y, s, i)
-        here, there = each(row_of.load, q, s, i), each(row_of.load, v, s, i)
-        others = each(row_of.load, e, s, i), each(row_of.load, sums, s, i)
-        each(row_of.store, to, law.rate(law, c, here, there, divergence, *others), s, i)
+    for i in range(layer.own_x[0], layer.own_x[1], WIDE):
+        divergence, here = each(row_of_ring.sum, along_x, across_y, s, i), each(row_of_ring.load, v, s, i)
+        others = each(row_of_ring.load, e, s, i), each(row_of_ring.load, sums, s, i)
+        each(row_of.store, to, law.rate(law, c, here, divergence, *others), s, i)
 
 
 @njit(**OPTIONS)
@@ -273,8 +288,13 @@ def _second(row, stride):
 
 @njit(**FORMULA)
 def _sum(a, b, s, i):
-    return load(s, a + i) + load(s, b + i)
+    return load_wide(s, a + i) + load_wide(s, b + i)
 
 
-row_of_ring = Formulas(at=_at, row=_row, slope=_slope, second=_second, sum=_sum)
+@njit(**FORMULA)
+def _load(row, s, i):
+    return load_wide(s, row + i)
+
+
+row_of_ring = Formulas(at=_at, row=_row, slope=_slope, second=_second, sum=_sum, load=_load)
 block_of = Formulas(slopes=slopes, along=divergence_along, across=divergence_across)

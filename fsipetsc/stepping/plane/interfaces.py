@@ -26,6 +26,20 @@ from fsipetsc.scheme.plane.sweep import scratch_stride
 
 #: of what is known of a point, the kinetic energy of the solid
 _KINETIC = 10
+#: of some points out of several: numpy is faster with slices
+Index = slice | np.ndarray
+
+
+def together(chosen: np.ndarray) -> Index:
+    """What is True, as a slice where that can be, else by numbers."""
+    return as_slice(np.flatnonzero(chosen))
+
+
+def as_slice(numbers: np.ndarray) -> Index:
+    """Numbers that follow each other, as a slice; others as they are."""
+    if numbers.size and np.all(np.diff(numbers) == 1) and numbers[0] >= 0:
+        return slice(int(numbers[0]), int(numbers[-1]) + 1)
+    return numbers
 
 
 @dataclass(frozen=True)
@@ -64,15 +78,12 @@ class Line:
         self._stride, self._count, self._h = scratch_stride(count), count, grid.h_x
         self._ends = (-NOWHERE, NOWHERE) if grid.periodic else (-first, grid.nx - 1 - first)
         self._s = np.zeros(8 * self._stride + 2 * MARGIN)
-        self._rows = self._s[MARGIN : MARGIN + 8 * self._stride].reshape(8, self._stride)
         self.normals = np.zeros((piece.columns.size, 4))
 
     def lay(self, operators: np.ndarray, points: np.ndarray) -> None:
         """Find N = Ja2 = (-y_xi, x_xi) and its rate at the points, from where they are and how the solid moves."""
-        self._rows[:4, self._places] = points[:, 5:9].T
-        entries.line_slopes(operators, self._s, self._stride, self._count, *self._ends, self._h)
-        x, y, u, v = self._rows[4:, self._places]
-        self.normals[:, 0], self.normals[:, 1], self.normals[:, 2], self.normals[:, 3] = -y, 1.0 + x, -v, u
+        line = self._s, self._stride, self._count, *self._ends, self._h
+        entries.line_normals(operators, *line, self._places, points, self.normals)
 
 
 class Interfaces:
@@ -90,13 +101,18 @@ class Interfaces:
         total = sum(piece.columns.size for piece in self.pieces)
         self._points = np.zeros((total, COLUMNS))
         everything = [self._unknowns(piece) for piece in self.pieces]
-        self._fetched = [piece.own & self.slips[piece.number] for piece in self.pieces]
-        wanted = [self._rates_of(piece, own) for piece, own in zip(self.pieces, self._fetched, strict=True)]
-        self._sliding = np.zeros((sum(int(own.sum()) for own in self._fetched), RATES))
+        fetched = [piece.own & self.slips[piece.number] for piece in self.pieces]
+        wanted = [self._rates_of(piece, own) for piece, own in zip(self.pieces, fetched, strict=True)]
+        self._sliding = np.zeros((sum(int(own.sum()) for own in fetched), RATES))
+        self._fetched = [(together(own), int(own.sum())) for own in fetched]
         self._scatters = [_Scatter(world, everything, self._points)]
         if any(self.slips):
             self._scatters.append(_Scatter(rates, wanted, self._sliding))
         self._lines = [Line(layout, piece, self._reach) if self.slips[piece.number] else None for piece in self.pieces]
+        self._inside: dict[int, list[tuple[Piece, Index, Index]]] = {k: [] for k in range(len(layout.grids))}
+        for piece in self.pieces:
+            inside = together(piece.inside)
+            self._inside[piece.k].append((piece, inside, as_slice(piece.local[inside])))
         fluids = [layout.problem.layers[fluid] for fluid, _ in layout.problem.interfaces]
         entry = [entries.meet_sliding_at if slips else entries.meet_at for slips in self.slips]
         self._meet = [compiled(e, materials_of(fluid)) for e, fluid in zip(entry, fluids, strict=True)]
@@ -184,8 +200,7 @@ class Interfaces:
             return
         self._scatters[1].fetch()
         at = 0
-        for piece, line, chosen in zip(self.pieces, self._lines, self._fetched, strict=True):
-            count = int(chosen.sum())
+        for piece, line, (chosen, count) in zip(self.pieces, self._lines, self._fetched, strict=True):
             if count:
                 fetched, points = self._sliding[at : at + count], self._points[piece.at][chosen]
                 held, normals = piece.held[chosen], line.normals[chosen]
@@ -195,7 +210,7 @@ class Interfaces:
 
     def of(self, k: int) -> list[tuple[int, np.ndarray, np.ndarray]]:
         """(lower or upper edge, points, their columns among those held) of layer k."""
-        return [(p.side, self._points[p.at][p.inside], p.local[p.inside]) for p in self.pieces if p.k == k]
+        return [(p.side, self._points[p.at][inside], columns) for p, inside, columns in self._inside[k]]
 
     def known(self, piece: Piece) -> np.ndarray:
         """(points, COLUMNS), what is known of the points of a piece, after ``meet`` what they have together."""

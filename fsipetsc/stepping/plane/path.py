@@ -33,7 +33,7 @@ from fsipetsc.scheme.plane.equations import USUAL, PlaneForm, equations_of, mate
 from fsipetsc.scheme.plane.fields import SAVED
 from fsipetsc.scheme.plane.laws import compiled
 from fsipetsc.scheme.plane.look import WORDS
-from fsipetsc.scheme.plane.sweep import scratch, scratch_stride
+from fsipetsc.scheme.plane.sweep import ring_rows, scratch, scratch_stride
 from fsipetsc.scheme.runge_kutta import Stage
 from fsipetsc.stepping.plane.edge_data import EdgeData
 from fsipetsc.stepping.plane.fused import FusedSteps
@@ -154,7 +154,7 @@ class PlanePath:
             (entries.lay_lines, (*common, lines)),
             (entries.advance, (records, 0, values, values, values, 0.0, True, values, values, 0.0)),
             (entries.grid_jacobian, (records, 0, values, 1, grid)),
-            (entries.line_slopes, (ops, values, 1, 1, 1, 1, 1.0)),
+            (entries.line_normals, (ops, values, 1, 1, 1, 1, 1.0, np.empty(1, np.int64), grid, grid)),
             (entries.slide_at, (faces, 0, ops, grid, grid, np.empty(1, np.int64), grid)),
         ]
         return found + own
@@ -184,7 +184,8 @@ class LayerPart:
         self.columns, self.rows = layout.owned(k)
         width = int(self.record["width"])
         self._stride = scratch_stride(width)
-        self._s = scratch(self._stride, int(self.record["own_x"][0]))
+        self.record["ring"] = ring_rows(ops[0], self.record)
+        self._s = scratch(self._stride, int(self.record["own_x"][0]), int(self.record["ring"]))
         self._ys: list[np.ndarray] = []
         self.make_areas(1)
         self._vec = PETSc.Vec().createWithArray(layout.local(k, state).reshape(-1), bsize=DOF, comm=self._dm.comm)

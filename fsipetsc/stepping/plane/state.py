@@ -33,6 +33,8 @@ from fsipetsc.stepping.plane.path import PlanePath
 from fsipetsc.stepping.plane.watched import NAMES, Watched, chosen
 from fsipetsc.stepping.state import FAULT
 
+#: words of the energy, both components of the momentum, the entropy
+_INTEGRALS = [ENERGY, MOMENTUM_X, MOMENTUM_Y, ENTROPY]
 #: records of steps that are kept before they are written
 KEPT = min(CAPACITY, 4096)
 
@@ -74,7 +76,8 @@ class PlaneState:
         fluids = sum(layer.kind == "fluid" for layer in problem.layers)
         self.journal = np.zeros(KEPT, step_record(len(problem.layers), fluids, len(self.watched.points)))
         names = self.journal.dtype.names[2:]
-        self.latest = np.zeros(1, [(name, self.journal.dtype[name]) for name in names])[0]
+        latest = np.zeros(1, [(name, self.journal.dtype[name]) for name in names])
+        self.latest, self._latest = latest[0], latest.view(float)
         self.burst = np.empty(0)
         self.evaluations, self._t = 0, 0.0
         self.fault: InputError | None = None  # of a user's function, on this rank
@@ -178,9 +181,8 @@ class PlaneState:
         extremes = np.zeros(4 + len(layers))
         extremes[4:] = -np.inf
         extremes[3] = self.results[SAID_STOP]
-        for name in self.latest.dtype.names:
-            self.latest[name] = 0.0
-        fluid = -1
+        self._latest[:] = 0.0
+        fluid, integrals = -1, np.zeros(4)
         for k, layer in enumerate(layers):
             fluid += layer.kind == "fluid"
             part = self.path.part(k)
@@ -193,8 +195,9 @@ class PlaneState:
             extremes[4 + k] = -words[LEAST_J]
             if layer.kind == "fluid":
                 self.latest["mass"][fluid] = words[MASS]
-            for name, word in zip(("energy", "momentum_x", "momentum_y", "entropy"), (ENERGY, MOMENTUM_X, MOMENTUM_Y, ENTROPY)):
-                self.latest[name] += words[word]
+            integrals += words[_INTEGRALS]
+        for name, integral in zip(("energy", "momentum_x", "momentum_y", "entropy"), integrals, strict=True):
+            self.latest[name] = integral
         try:
             self.watched.look(self.latest, self._t)
         except InputError as error:
