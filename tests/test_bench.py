@@ -12,6 +12,8 @@ from helpers import mpirun, run
 
 pytest.importorskip("petsc4py")
 
+from fsipetsc.bench import plane, square
+from fsipetsc.bench.command import _FORMS
 from fsipetsc.bench.cost_model import Model, fit, rounds, scaling, shares
 from fsipetsc.bench.document import renew
 from fsipetsc.bench.measure import clock
@@ -22,6 +24,7 @@ from fsipetsc.errors import FileError, InputError
 from fsipetsc.options import defaults
 
 _QUICK = "-bench_orders 4 -bench_points 480,1000 -bench_seconds 0.01 -bench_repeats 2 -bench_more false".split()
+_QUICK += "-bench_dimensions", "1"
 TRUE = Model(overhead=5.0, work={4: 0.01, 8: 0.02}, overlap=0.3, latency=1.2, error=0.0)
 
 
@@ -93,6 +96,28 @@ def test_benchmarks_of_earlier_versions_are_read(tmp_path):
     without("speedup")
     with pytest.raises(FileError, match="speedup"):
         load(path)
+
+
+def test_a_benchmark_of_two_dimensions(tmp_path):
+    """Beside a program that takes 1 us; the table is saved, and can be put into a document."""
+    program = tmp_path / "plane"
+    program.write_text('#!/bin/sh\necho "$1 $2 $3  us/step cpu 2.0 median 1.0 best 0.5"\n')
+    program.chmod(0o755)
+    document = tmp_path / "page.md"
+    document.write_text("<!-- bench: plane -->\n<!-- end -->\n<!-- bench: steps -->\nas it was\n<!-- end -->\n")
+    words = "-bench_dimensions 2 -bench_orders 4 -bench_squares 32 -bench_form viscous -bench_seconds 0.01 -bench_repeats 2"
+    asked = (*words.split(), "-bench_plane_yardstick", str(tmp_path), "-bench_doc", str(document))
+    done = run("-m", "fsipetsc", "bench", *asked, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    (row,) = plane.load(tmp_path / "bench-plane.csv")
+    assert (row.order, row.form, row.n, row.ranks, row.yardstick) == (4, "viscous", 32, 1, 1.0)
+    assert row.ratio == pytest.approx(row.step, rel=0.9) and row.best <= row.step
+    assert 1.0 < row.gas < 1e4 and 1.0 < row.solid < 1e4 and row.doubles > 5 * 6
+    assert f"| {row.step:.4g} |" in document.read_text() and "as it was" in document.read_text()
+
+
+def test_names_of_forms():
+    assert tuple(square.FORMS) == _FORMS
 
 
 def test_forms_are_compared_per_point_in_pairs(monkeypatch):

@@ -1,4 +1,5 @@
-"""The command `python -m fsipetsc bench`: what a time step of the falling rod costs, and where the time goes.
+"""The command `python -m fsipetsc bench`: what a time step costs, of the falling rod and of a gas beneath a solid in two
+dimensions (fsipetsc.bench.plane), and where the time goes.
 
 Measured for orders, grids and numbers of ranks (`mpiexec -n N` for up to N), one after the other, with ranks that have
 no part sleeping: whole steps and their parts (fsipetsc.bench.measure), the bandwidth of memory, another program
@@ -28,10 +29,16 @@ def _orders_only(values: Sequence[int]) -> str | None:
     return None if values and set(values) <= {2, 4, 6, 8} else "orders out of 2, 4, 6, 8"
 
 
+def _dimensions_only(values: Sequence[int]) -> str | None:
+    return None if values and set(values) <= {1, 2} else "1, 2 or both"
+
+
 def _counts(values: Sequence[int]) -> str | None:
     return None if values and min(values) > 0 else "whole numbers above 0"
 
 
+#: the names in fsipetsc.bench.square, which takes long to load
+_FORMS = "entropy", "divergence", "viscous", "divergence-viscous"
 OPTIONS = (
     Option("bench_orders", "ints", (4, 6, 8), "", "orders to measure", check=_orders_only),
     Option(
@@ -43,6 +50,12 @@ OPTIONS = (
     Option("bench_repeats", int, 5, "", "samples of each number, of which the median counts", check="positive"),
     Option(
         *("bench_yardstick", str, None, "", "folder of another program to compare with: its `rod ORDER H T -q -n STEPS`"),
+    ),
+    Option("bench_dimensions", "ints", (1, 2), "", "measure problems of one dimension, of two", check=_dimensions_only),
+    Option("bench_squares", "ints", (64, 128, 256), "", "columns and rows of a layer in two dimensions", check=_counts),
+    Option("bench_form", str, "all", "", "what is measured in two dimensions", ("all", *_FORMS)),
+    Option(
+        *("bench_plane_yardstick", str, None, "", "folder of such a program of two dimensions: its `plane ORDER N N STEPS -q`"),
     ),
     Option("bench_more", bool, True, "", "measure weak scaling, output, start of the program and memory too"),
     Option("bench_from", str, None, "", "measure nothing: take the CSV of an earlier benchmark"),
@@ -83,17 +96,22 @@ def _present(study: BenchStudy, opt: Mapping[str, Any], say: Any) -> None:
     from fsipetsc.bench.cost_model import fit
     from fsipetsc.bench.document import model_text, renew
     from fsipetsc.bench.figure import draw
+    from fsipetsc.bench.plane import save
     from fsipetsc.bench.table import heading, line
 
+    path, model, written = Path(f"{opt['fsi_output']}.csv"), None, []
     if opt["bench_from"]:
         say("\n".join([heading(), *map(line, study.rows)]))
-    model = fit(study)
-    say(model_text(model, study))
-    path = Path(f"{opt['fsi_output']}.csv")
-    if not opt["bench_from"]:
-        study.save(path)
-    picture = draw(study, model, path.with_suffix(".png"))
-    written = [path, picture or "no picture: matplotlib is not installed"]
+    if study.rows:
+        model = fit(study)
+        say(model_text(model, study))
+        if not opt["bench_from"]:
+            study.save(path)
+        picture = draw(study, model, path.with_suffix(".png"))
+        written += [path, picture or "no picture: matplotlib is not installed"]
+    if study.plane and not opt["bench_from"]:
+        written.append(path.with_name(f"{path.stem}-plane.csv"))
+        save(study.plane, written[-1])
     if opt["bench_doc"]:
         written.append(renew(Path(opt["bench_doc"]), study, model))
     say("results in " + ", ".join(map(str, written)))

@@ -3,7 +3,7 @@
     <!-- bench: NAME -->
     <!-- end -->
 
-with NAME machine, steps, parts, scaling, around, model or expected. What stands between is replaced.
+with NAME machine, steps, parts, scaling, around, model, expected or, of two dimensions, plane. What stands between is replaced.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from fsipetsc.bench.cost_model import Model, half_speed, message, moved_bytes, relative_errors, scaling
+from fsipetsc.bench.plane import table
 from fsipetsc.bench.table import BenchStudy, entry, markdown
 from fsipetsc.errors import FileError, InputError
 from fsipetsc.operators.sbp import operator
@@ -34,10 +35,15 @@ def renew(path: Path, study: BenchStudy, model: Model | None) -> Path:
         "around": lambda: around(study),
         "model": lambda: model_text(model, study),
         "expected": lambda: expected(model, study),
+        "plane": lambda: table(study.plane),
     }
+
+    measured = {name for name in blocks if (study.plane if name == "plane" else study.rows or name == "machine")}
 
     def replace(match: re.Match[str]) -> str:
         name = match.group(1)
+        if name in blocks and name not in measured:
+            return match.group(0)  # of another dimension than what was measured
         if name not in blocks:
             raise InputError(f"{path}: there is no table '{name}' in a benchmark; there are {', '.join(blocks)}")
         return f"<!-- bench: {name} -->\n\n{blocks[name]()}\n\n<!-- end -->"

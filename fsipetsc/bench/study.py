@@ -14,11 +14,12 @@ from typing import Any, TypeVar
 
 from mpi4py import MPI
 
+from fsipetsc.bench import plane
 from fsipetsc.bench.around_the_loop import doubles_per_point, output_share, start_costs
 from fsipetsc.bench.cost_model import bound
 from fsipetsc.bench.measure import Stand, bandwidth, compare, spacing
 from fsipetsc.bench.table import FORMS, BenchStudy, Row, heading, line
-from fsipetsc.bench.yardstick import ENVIRONMENT, Yardstick
+from fsipetsc.bench.yardstick import ENVIRONMENT, PlaneYardstick, Yardstick
 from fsipetsc.cases import load_case
 from fsipetsc.errors import InputError
 from fsipetsc.options import defaults
@@ -60,6 +61,8 @@ class Bench:
         self.teams = {n: world.Split(0 if world.rank < n else MPI.UNDEFINED, world.rank) for n in self.ranks}
         folder = opt["bench_yardstick"] or os.environ.get(ENVIRONMENT)
         self.yardstick = self._on_first(lambda: Yardstick(folder)) if folder else None
+        of_plane = opt["bench_plane_yardstick"]
+        self.plane_yardstick = self._on_first(lambda: PlaneYardstick(of_plane)) if of_plane else None
 
     def _on_first(self, action: Callable[[], Result]) -> Result | None:
         """What an action gives on rank 0, None on others; its InputError on all."""
@@ -103,8 +106,9 @@ class Bench:
         for comm in self.teams.values():
             if comm != MPI.COMM_NULL:
                 comm.Free()
-        if self.yardstick is not None:
-            self.yardstick.close()
+        for program in (self.yardstick, self.plane_yardstick):
+            if program is not None:
+                program.close()
 
     # ------------------------------------------------------------------ steps
 
@@ -268,10 +272,13 @@ def measure(opt: Mapping[str, Any], world: MPI.Comm, say: Say) -> BenchStudy:
         if bench.study.facts["load before"] > _REST:
             load = bench.study.facts["load before"]
             say(f"note: this machine has other work to do (load {load:.2f}): times will be too long and uneven")
-        bench.steps()
-        if opt["bench_more"]:
-            bench.weak()
-            bench.around()
+        if 1 in opt["bench_dimensions"]:
+            bench.steps()
+            if opt["bench_more"]:
+                bench.weak()
+                bench.around()
+        if 2 in opt["bench_dimensions"]:
+            bench.study.plane = plane.measure(bench, bench.plane_yardstick)
         bench.study.facts["load after"] = os.getloadavg()[0]
         return bench.study
     finally:

@@ -7,10 +7,14 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from fsipetsc.errors import FileError
 from fsipetsc.operators.sbp import operator
 from fsipetsc.scheme.runge_kutta import STAGES
+
+if TYPE_CHECKING:
+    from fsipetsc.bench.plane import PlaneRow
 
 NAN = math.nan
 #: columns of other grids and forms of the gas, which benchmarks of earlier versions do not have
@@ -78,11 +82,12 @@ class Row:
 
 @dataclass
 class BenchStudy:
-    """All rows, and facts about the machine and the program: name -> number."""
+    """All rows, and facts about the machine and the program: name -> number. plane: fsipetsc.bench.plane.PlaneRow."""
 
     rows: list[Row] = field(default_factory=list)
     facts: dict[str, float] = field(default_factory=dict)
     about: dict[str, str] = field(default_factory=dict)
+    plane: list[PlaneRow] = field(default_factory=list)
 
     def at(self, order: int | None = None, ranks: int | None = None) -> list[Row]:
         """Rows of an order, of a number of ranks, or of both, from coarse to fine."""

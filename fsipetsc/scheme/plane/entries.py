@@ -9,53 +9,35 @@ from __future__ import annotations
 from numba import njit
 
 from fsipetsc.coupling.plane import meet, meet_sliding, slide
-from fsipetsc.operators.kernels import ENTRY, OPTIONS, U64
+from fsipetsc.operators.kernels import ENTRY, U64
 from fsipetsc.operators.rows import MARGIN, along
-from fsipetsc.operators.vectors import WIDE, fma, load_wide, store
 from fsipetsc.physics.plane.gas import LINE_ROWS
-from fsipetsc.physics.plane.layer import DOF
 from fsipetsc.scheme.plane.fields import gas_fields, solid_fields
 from fsipetsc.scheme.plane.geometry import lay
 from fsipetsc.scheme.plane.laws import GAS, SOLID
 from fsipetsc.scheme.plane.look import blended, look_at_gas, look_at_solid
 from fsipetsc.scheme.plane.sweep import places, sweep
+from fsipetsc.scheme.plane.targets import Target, advance
 
 
 @njit(**ENTRY)
-def gas_rates(layers, k, operators, s, stride, y, f):
-    """Rates of gas layer k at the points that are owned, to f."""
-    sweep(GAS, layers[k], operators[0], operators[1], s, places(layers[k], stride), y, f)
+def gas_rates(layers, k, operators, s, stride, y, f, source, onward, a, base, total, b):
+    """Rates of gas layer k at the points that are owned, to f or a Runge-Kutta stage: see fsipetsc.scheme.plane.targets."""
+    target = Target(f, source, onward, a, base, total, b)
+    sweep(GAS, layers[k], operators[0], operators[1], s, places(layers[k], stride), y, target)
 
 
 @njit(**ENTRY)
-def solid_rates(layers, k, operators, s, stride, y, f):
+def solid_rates(layers, k, operators, s, stride, y, f, source, onward, a, base, total, b):
     """Rates of solid layer k."""
-    sweep(SOLID, layers[k], operators[0], operators[1], s, places(layers[k], stride), y, f)
+    target = Target(f, source, onward, a, base, total, b)
+    sweep(SOLID, layers[k], operators[0], operators[1], s, places(layers[k], stride), y, target)
 
 
 @njit(**ENTRY)
-def advance(layers, k, f, source, onward, a, sums, base, total, b):
-    """onward = source + a f and, if that is wanted, total = base + b f, at the points of layer k that are owned.
-
-    f: of these alone; the others: of all points that are held.
-    """
-    layer = layers[k]
-    count = (layer.own_x[1] - layer.own_x[0]) * DOF
-    for j in range(layer.own_y[0], layer.own_y[1]):
-        at, rates = (j * layer.width + layer.own_x[0]) * DOF, (j - layer.own_y[0]) * count
-        add_row(f, rates, source, onward, at, count, a)
-        if sums:
-            add_row(f, rates, base, total, at, count, b)
-
-
-@njit(**OPTIONS)
-def add_row(f, rates, source, to, at, count, a):
-    """to = source + a f, of so many numbers from ``at`` on, which stand in f from ``rates`` on."""
-    whole = count - count % WIDE
-    for i in range(0, whole, WIDE):
-        store(to, at + i, fma(a, load_wide(f, rates + i), load_wide(source, at + i)))
-    for i in range(whole, count):
-        to[U64(at + i)] = fma(a, f[U64(rates + i)], source[U64(at + i)])
+def advance_ends(layers, k, f, source, onward, a, base, total, b):
+    """Send on the rates f of layer k at interfaces."""
+    advance(layers[k], Target(f, source, onward, a, base, total, b))
 
 
 @njit(**ENTRY)

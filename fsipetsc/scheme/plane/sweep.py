@@ -35,19 +35,20 @@ import numpy as np
 from numba import njit
 
 from fsipetsc.operators.formulas import Formulas, each
-from fsipetsc.operators.kernels import FORMULA, OPTIONS, U64
+from fsipetsc.operators.kernels import FORMULA, OPTIONS
 from fsipetsc.operators.rows import MARGIN, Ring, across, along, at
-from fsipetsc.operators.vectors import LANES, WIDE, load, load_interlaced, load_wide, spread_wide, store_interlaced
+from fsipetsc.operators.vectors import LANES, WIDE, load_interlaced, load_wide, spread_wide
 from fsipetsc.physics.plane.gas import GRID_ROWS
 from fsipetsc.physics.plane.layer import DOF
+from fsipetsc.scheme.plane.targets import send_row
 from fsipetsc.scheme.sweep import row_of
 
 #: most quantities of each sort that a physics may have
 PREPARED, FLUXES, EXTRAS, SUMS = 13, 4, 7, 4
 #: rows of scratch: v, fluxes across, derivatives of those along, extras, sums over pairs, each in a ring; and of one row its
-#: slopes in both directions, fluxes along, fluxes and sums of its pairs, rates, and what is known of the grid
+#: slopes in both directions, fluxes along, fluxes and sums of its pairs, rates, what is known of the grid, rates together again
 IN_RINGS = PREPARED + 2 * FLUXES + EXTRAS + SUMS
-BESIDE = 2 * PREPARED + 2 * FLUXES + 2 * SUMS + DOF + GRID_ROWS
+BESIDE = 2 * PREPARED + 2 * FLUXES + 2 * SUMS + DOF + GRID_ROWS + DOF
 
 
 class Places(NamedTuple):
@@ -63,6 +64,7 @@ class Places(NamedTuple):
     pairs: int
     rates: int
     lines: int
+    sent: int
     stride: int
 
 
@@ -108,7 +110,8 @@ def places(layer, stride):
     a = slopes + 2 * PREPARED * stride
     pairs = a + 2 * FLUXES * stride
     rates = pairs + 2 * SUMS * stride
-    return Places(v, b, d, e, sums, slopes, a, pairs, rates, rates + DOF * stride, stride)
+    lines = rates + DOF * stride
+    return Places(v, b, d, e, sums, slopes, a, pairs, rates, lines, lines + GRID_ROWS * stride, stride)
 
 
 @njit(**OPTIONS)
@@ -138,8 +141,8 @@ def last_needed(op, j, lo, hi):
 
 
 @njit(**OPTIONS)
-def sweep(law, layer, op, loose, s, place, y, f):
-    """Rates of the points that this rank owns, interlaced to f[own row, own column]; y: the unknowns of all points it holds."""
+def sweep(law, layer, op, loose, s, place, y, target):
+    """Rates of the points that this rank owns, to where ``target`` says; y: the unknowns of all points it holds."""
     lo, hi = layer.end_y[0], layer.end_y[1]
     prepared, fluxed = 0, max(layer.own_y[0] - op.p, 0)
     paired = fluxed
@@ -156,7 +159,7 @@ def sweep(law, layer, op, loose, s, place, y, f):
             paired += 1
         rate_row(law, layer, op, loose, s, place, j)
         law.amend(law, layer, op, s, place, place.lines, j)
-        send_row(layer, s, place, f, j)
+        send_row(layer, s, place, target, j)
 
 
 @njit(**OPTIONS)
@@ -240,27 +243,6 @@ def rate_row(law, layer, op, loose, s, place, j):
         divergence, here = each(row_of_ring.sum, along_x, across_y, s, i), each(row_of_ring.load, v, s, i)
         others = each(row_of_ring.load, e, s, i), each(row_of_ring.load, sums, s, i)
         each(row_of.store, to, law.rate(law, c, here, divergence, *others), s, i)
-
-
-@njit(**OPTIONS)
-def send_row(layer, s, place, f, j):
-    """Put the rates of row j together again."""
-    first, end, stride = layer.own_x[0], layer.own_x[1], place.stride
-    begin = (j - layer.own_y[0]) * (end - first) * DOF - first * DOF
-    whole = first + (end - first) // LANES * LANES
-    r = place.rates
-    for i in range(first, whole, LANES):
-        values = (
-            load(s, r + i),
-            load(s, r + stride + i),
-            load(s, r + 2 * stride + i),
-            load(s, r + 3 * stride + i),
-            load(s, r + 4 * stride + i),
-        )
-        store_interlaced(f, begin + i * DOF, values)
-    for i in range(whole, end):
-        for c in range(DOF):
-            f[U64(begin + i * DOF + c)] = s[U64(r + c * stride + i)]
 
 
 # what is done to each of some rows

@@ -48,10 +48,12 @@ class FusedSteps:
                 self._path.put_in_place(t)
             elif any(self._path.interfaces.slips):
                 self._meet(WORK)  # how normals turn follows from velocities that the completion may have changed
-            self._path.evaluate(t)
             a, b = dt * stage.a, dt * stage.b
             for part in self._path.layers:
-                part.advance(stage, a, b)
+                part.begin_stage(stage, a, b)
+            self._path.evaluate(t)
+            for part in self._path.layers:
+                part.end_stage()
             self._behind[stage.next] = self._behind[stage.source] + a * self._changes
             if stage.base >= 0:
                 self._behind[SUM] = self._behind[stage.base] + b * self._changes

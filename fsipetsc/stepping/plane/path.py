@@ -42,6 +42,8 @@ from fsipetsc.stepping.plane.natural import NaturalOrder
 
 #: doubles behind the points, into which vectors may reach
 SLACK = 64
+#: of a Runge-Kutta stage source, next, a, base, sum, b: where rates are wanted as they are
+_NO_STAGE = np.empty(0), np.empty(0), 0.0, np.empty(0), np.empty(0), 0.0
 #: rates, extremes and integrals, what is saved
 _OF_GAS = entries.gas_rates, entries.gas_look, entries.save_gas
 _OF_SOLID = entries.solid_rates, entries.solid_look, entries.save_solid
@@ -78,7 +80,7 @@ class PlanePath:
         f[:] = self.changes
 
     def evaluate(self, t: float) -> None:
-        """The rates of the local parts as they are, to ``changes``."""
+        """The rates of the local parts as they are, to ``changes``, or to the stage that the parts have been told."""
         for part in self.layers:
             part.evaluate(t)
         self.interfaces.slide(self._parts)
@@ -121,6 +123,11 @@ class PlanePath:
         for number, energies in self.interfaces.energies():
             self.layout.energies(number, y)[:] = energies
 
+    @property
+    def doubles(self) -> int:
+        """Doubles of memory on this rank: areas and scratch of its layers, and the parts of world vectors, the solution too."""
+        return 3 * self.state.size + sum(part.doubles for part in self.layers)
+
     def part(self, k: int) -> LayerPart | None:
         """This rank's part of layer k, if it has one."""
         return next((part for part in self.layers if part.k == k), None)
@@ -142,7 +149,8 @@ class PlanePath:
         for layer, equations in zip(self.layout.problem.layers, self._equations, strict=True):
             gas = layer.kind == "fluid"
             work = _OF_GAS if gas else _OF_SOLID
-            arguments = [(*common, values, values)] * 2 + [(*common, values, values, np.empty((1, 1, 1)))]
+            arguments = [(*common, values, values, *_NO_STAGE), (*common, values, values)]
+            arguments.append((*common, values, values, np.empty((1, 1, 1))))
             if gas:
                 points = self.interfaces.faces, 0, np.empty((1, 1)), np.empty(1, np.int64)
                 work = (*work, entries.meet_at, entries.meet_sliding_at)
@@ -152,7 +160,7 @@ class PlanePath:
         grid, faces = np.empty((1, 1)), self.interfaces.faces
         own = [
             (entries.lay_lines, (*common, lines)),
-            (entries.advance, (records, 0, values, values, values, 0.0, True, values, values, 0.0)),
+            (entries.advance_ends, (records, 0, values, *_NO_STAGE)),
             (entries.grid_jacobian, (records, 0, values, 1, grid)),
             (entries.line_normals, (ops, values, 1, 1, 1, 1, 1.0, np.empty(1, np.int64), grid, grid)),
             (entries.slide_at, (faces, 0, ops, grid, grid, np.empty(1, np.int64), grid)),
@@ -196,7 +204,7 @@ class LayerPart:
         self._lines[:, 1] = np.array(layer.Y)[:, None]
         evaluate, *others = _OF_GAS if self._gas else _OF_SOLID
         self._evaluate = compiled(evaluate, equations)
-        self._advance = entries.advance
+        self._stage = _NO_STAGE
         self._look, self._save = (compiled(entry, materials_of(layer)) for entry in others)
         self.order = NaturalOrder(self._dm)
         columns, rows = layout.held(k)
@@ -222,6 +230,11 @@ class LayerPart:
         self._views = [(y, held, held[rows, columns]) for y, held in zip(self._ys, self.areas, strict=True)]
         self.use(0)
 
+    @property
+    def doubles(self) -> int:
+        """Doubles of memory."""
+        return self._s.size + sum(y.size for y in self._ys)
+
     def use(self, area: int) -> None:
         """Let ``y``, ``held`` and ``own`` be an area: all points in a row, (height, width, DOF) of it, those that are owned."""
         self.y, self.held, self.own = self._views[area]
@@ -231,11 +244,15 @@ class LayerPart:
         ends, kinds = self.record["end_y"] - self.record["own_y"][0], self.record["edge_y"]
         return [int(row) for row, kind in zip(ends, kinds, strict=True) if kind == INTERFACE_END and 0 <= row < len(self.own)]
 
-    def advance(self, stage: Stage, a: float, b: float) -> None:
-        """Send on what the rates make of the points: next = source + a k, SUM = base + b k."""
-        ys, base = self._ys, int(stage.base)
-        total = ys[base], ys[SUM], b
-        self._advance(self._records, self.k, self._rates, ys[stage.source], ys[stage.next], a, base >= 0, *total)
+    def begin_stage(self, stage: Stage, a: float, b: float) -> None:
+        """Let the next evaluation of the rates k send them on: next = source + a k, SUM = base + b k."""
+        ys, sums = self._ys, (self._ys[stage.base], self._ys[SUM]) if stage.base >= 0 else _NO_STAGE[3:5]
+        self._stage = ys[stage.source], ys[stage.next], a, *sums, b
+
+    def end_stage(self) -> None:
+        """Send on the rates at interfaces, too; then rates are wanted as they are again."""
+        entries.advance_ends(self._records, self.k, self._rates, *self._stage)
+        self._stage = _NO_STAGE
 
     def fill_halos(self) -> None:
         """The ghost exchange of the layer, to the first area."""
@@ -260,7 +277,7 @@ class LayerPart:
 
     def evaluate(self, t: float) -> None:
         """The rates at this rank's points."""
-        self._evaluate(self._records, self.k, self._ops, self._s, self._stride, self.y, self._rates)
+        self._evaluate(self._records, self.k, self._ops, self._s, self._stride, self.y, self._rates, *self._stage)
         self.data.force(self, t, self._rates)
         self.data.push(self, self._rates)
 
@@ -270,7 +287,7 @@ class LayerPart:
 
     def evaluate_block(self, records: np.ndarray, y: np.ndarray, f: np.ndarray) -> None:
         """The rates, without forcing, of a block of what is held: the owned points of records[0], a record like this part's."""
-        self._evaluate(records, 0, self._ops, self._s, self._stride, y, f)
+        self._evaluate(records, 0, self._ops, self._s, self._stride, y, f, *_NO_STAGE)
 
     def load(self, side: int, columns: np.ndarray, traction: np.ndarray) -> None:
         """Add to the rates at an edge what a traction does: to those of J (rho, rho u, rho v, e), or to those of the
