@@ -80,6 +80,13 @@ COMMANDS = {
         options="fsipetsc.analysis.stability_options:sections",
         prints=True,
     ),
+    "flutter": Command(
+        "[-option value ... | RUN.h5]",
+        "growth of the panel's motion over dynamic pressure and Mach number; of a result, the limit cycle",
+        "fsipetsc.analysis.flutter:flutter",
+        parallel=True,
+        options="fsipetsc.analysis.flutter:sections",
+    ),
     "bench": Command(
         "[-option value ...]",
         "what a time step costs on 1 to N ranks, and where the time goes",

@@ -24,9 +24,10 @@ SHORT = {
     "stability": "-stability_points 20",
     "stability -sweep": "-density_ratios 1 -stiffness_ratios 1",
     "bench": "",
+    "flutter": "-fsi_h 0.0625 -panel_thickness 0.1 -flutter_machs 2 -flutter_lambdas 500,600 -ts_max_time 4",
 }
-#: what may be said beside success: a treatment that does not keep its promise
-VERDICTS = {"stability": (0, 3)}
+#: what may be said beside success: a treatment that does not keep its promise, a run too short for a limit cycle
+VERDICTS = {"stability": (0, 3), "flutter": (0, 3)}
 
 
 def blocks(text: str) -> list[tuple[str, str]]:
@@ -78,7 +79,8 @@ def command(line: str) -> None:
         return  # a few seconds each; the words are the same
     if kind == "plot":
         PLOTTED.append(words[1])
-    if "-help" not in words:
+    of_result = kind == "flutter" and words[-1].endswith(".h5")
+    if "-help" not in words and not of_result:
         words += SHORT.get(kind, "").split()
         if "-sweep" in words:
             words += SHORT["stability -sweep"].split()

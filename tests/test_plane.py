@@ -198,3 +198,36 @@ def test_orders(tmp_path):
             errors.append([result.errors[kind]["combined"] for kind in ("fluid", "solid")])
         found = np.log2(np.divide(*errors))
         assert found[0] > gas and found[1] > solid, (order, errors, found)
+
+
+#: a boundary layer, in parts slower than sound, that flows out
+LAYER = """
+import numpy as np
+from fsipetsc.boundaries.plane import Given, NoSlip, Open, Outflow
+from fsipetsc.physics.fluid import Fluid
+from fsipetsc.plane import PlaneFluidLayer, PlaneProblem
+
+OPTIONS = ()
+DEFAULTS = {"fsi_h": 0.0625, "ts_max_time": 3.0, "fsi_output_dt": 0.5}
+
+
+def flow(X, Y, t=0.0):
+    u = 2.0 * np.tanh(8.0 * Y)
+    T = 1.0 + 0.17 * (4.0 - u * u)
+    return [1.0 / T, u, 0.0 * X, T]
+
+
+def build(opt):
+    gas = Fluid(0.005, 0.0243, 1.4, 1 / 1.4)
+    layer = PlaneFluidLayer("gas", gas, (0.0, 1.0), flow, left=Given(flow), right=Outflow(1 / 1.4))
+    return PlaneProblem((layer,), X=(0.0, 1.0), lower=NoSlip(), upper=Open(1.0, 2.0, 0.0, 1.0), units="none")
+"""
+
+
+def test_a_boundary_layer_flows_out(tmp_path):
+    """Towards a steady flow that nowhere goes back; without a pressure beyond it does, from t = 1.5 on."""
+    (tmp_path / "layer.py").write_text(LAYER)
+    gas = computed(tmp_path, "layer.h5", "layer.py").layers[0]
+    assert gas["u"].min() > -1e-12
+    assert 0.69 < gas["p"].min() and gas["p"].max() < 1.05
+    assert np.abs(gas["u"][-1] - gas["u"][-2]).max() < 0.02

@@ -82,9 +82,15 @@ class Open:
 
 @dataclass(frozen=True)
 class Outflow:
-    """Gas flows out faster than sound: nothing is said of it."""
+    """Gas flows out. Nothing is said of it where it does so faster than sound; where it is slower, as in boundary layers, there
+    is this pressure [Pa] beyond; 0 for a flow that nowhere is.
+    """
 
+    pressure: float = 0.0
     kind = OUTFLOW
+
+    def __post_init__(self) -> None:
+        checks.numbers(self, "Outflow", {"pressure": checks.NONNEGATIVE})
 
 
 @dataclass(frozen=True)

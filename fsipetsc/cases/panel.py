@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.boundaries.plane import Clamped, Free, NoSlip, Open, Outflow, Slip
+from fsipetsc.boundaries.plane import Clamped, Free, Given, NoSlip, Open, Outflow, Slip
 from fsipetsc.options import Option
 from fsipetsc.physics.fluid import Fluid
 from fsipetsc.plane import PlaneFluidLayer, PlaneProblem, PlaneSolid, PlaneSolidLayer
@@ -33,13 +33,18 @@ OPTIONS = (
     Option("panel_mass", float, 10.0, "", "mass of the panel over rho, per length", check="positive"),
     Option("panel_thickness", float, 0.04, "m", "of the panel, whose length is 1", check="positive"),
     Option("panel_cells", int, 8, "", "cells across the panel, at least as many as the operator needs", check="positive"),
-    Option("panel_push", float, 1e-3, "", "velocity that the panel has at first, over the speed of sound", check="nonnegative"),
-    Option("panel_height", float, 0.75, "m", "of the gas", check="positive"),
+    Option("panel_push", float, 5e-3, "", "velocity that the panel has at first, over the speed of sound", check="nonnegative"),
+    Option("panel_height", float, 0.5, "m", "of the gas", check="positive"),
+    Option(
+        *("panel_rows", int, None, "", "cells across the gas; default: sqrt(M^2-1) times as close as along it, or as close"),
+        check="positive",
+    ),
     Option("fluid_mu", float, 0.0, "Pa s", "viscosity of the gas; 0: it slips along the wall", check="nonnegative"),
+    Option("panel_layer", float, 0.2, "m", "with viscosity: thickness of the boundary layer that flows in", check="positive"),
 )
-DEFAULTS = {"fsi_h": 1 / 32, "fsi_order": 4, "ts_max_time": 40.0, "fsi_output_dt": 0.5}
+DEFAULTS = {"fsi_h": 1 / 32, "fsi_order": 4, "fsi_dissipation": 1.0, "ts_max_time": 40.0, "fsi_output_dt": 0.25}
 
-GAMMA = 1.4
+GAMMA, PRANDTL = 1.4, 0.72
 #: edges of the gas in X
 X = (-0.5, 1.5)
 
@@ -47,23 +52,29 @@ X = (-0.5, 1.5)
 def build(opt: Mapping[str, Any]) -> PlaneProblem:
     """The panel between Y = -thickness and 0, the gas above."""
     M, h, mu = opt["panel_mach"], opt["panel_thickness"], opt["fluid_mu"]
+    height, beta = opt["panel_height"], float(np.sqrt(M * M - 1.0))
+    # the waves that a motion of the panel makes are beta times shorter across the flow than along it
+    rows = opt["panel_rows"] or int(np.ceil(height * max(beta, 1.0) / opt["fsi_h"] - 1e-9))
     p, rho = 1.0 / GAMMA, 1.0
-    gas = Fluid(mu, mu * GAMMA / (GAMMA - 1.0) * p / 0.72, GAMMA, p)
+    gas = Fluid(mu, mu * GAMMA / (GAMMA - 1.0) * p / PRANDTL, GAMMA, p)
     q = 0.5 * rho * M * M
-    stiffness = 2.0 * q / (opt["panel_lambda"] * np.sqrt(M * M - 1.0))
+    stiffness = 2.0 * q / (opt["panel_lambda"] * beta)
     modulus = 12.0 * stiffness / h**3  # 4 mu (lambda + mu) / (lambda + 2 mu), which is 3 mu for lambda = 2 mu
     mu_e = modulus / 3.0
     panel = PlaneSolid(mu_e, 2.0 * mu_e, 0.0, opt["panel_mass"] / h, 1.0, p_ref=p, heat="elastic")
 
-    def flow(X: np.ndarray, Y: np.ndarray) -> list[np.ndarray]:
-        along = M * np.tanh(40.0 * Y) if mu > 0 else M + 0.0 * X
-        return [np.ones_like(X), along, 0.0 * X, np.ones_like(X)]
+    def flow(X: np.ndarray, Y: np.ndarray, t: float = 0.0) -> list[np.ndarray]:
+        """With viscosity a boundary layer, hot at the wall as that of a gas of this Prandtl number (Crocco and Busemann)."""
+        along = M * np.tanh(2.0 * Y / opt["panel_layer"]) if mu > 0 else M + 0.0 * X
+        T = 1.0 + 0.5 * (GAMMA - 1.0) * PRANDTL**0.5 * (M * M - along * along)
+        return [1.0 / T, along, 0.0 * X, T]
 
     def push(X: np.ndarray, Y: np.ndarray) -> list[np.ndarray]:
         shape = np.sin(np.pi * X) ** 2 * (1.0 + np.cos(np.pi * X))
         return [0.0 * X, opt["panel_push"] * shape, np.ones_like(X), X, Y]
 
     outside = Open(rho, M, 0.0, 1.0)
+    echo = f"waves that the panel makes come back to it from Y = {height:g}: see -panel_height"
     return PlaneProblem(
         layers=(
             PlaneSolidLayer(
@@ -74,14 +85,16 @@ def build(opt: Mapping[str, Any]) -> PlaneProblem:
                 cells=opt["panel_cells"],
             ),
             PlaneFluidLayer(
-                *("gas", gas, (0.0, opt["panel_height"]), flow),
-                left=outside,
-                right=Outflow(),
+                *("gas", gas, (0.0, height), flow),
+                left=Given(flow) if mu > 0 else outside,
+                right=Outflow(p),
                 beside=NoSlip() if mu > 0 else Slip(),
+                cells=rows,
             ),
         ),
         X=X,
         lower=Free(p),
         upper=outside,
+        notes=(echo,) if 2.0 * height * beta < 1.0 else (),
         units="none",
     )

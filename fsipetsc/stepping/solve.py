@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -96,19 +96,25 @@ def plane_form(opt: Mapping[str, Any]) -> PlaneForm:
 
 
 def solve(
-    case: Any, opt: dict[str, Any], comm: MPI.Comm, announce: Callable[[str], None] = lambda text: None
+    case: Any,
+    opt: dict[str, Any],
+    comm: MPI.Comm,
+    announce: Callable[[str], None] = lambda text: None,
+    times: Sequence[float] = (),
+    look: Callable[[State | PlaneState, float], None] = lambda state, t: None,
 ) -> Outcome:
     """Integrate a case from t = 0 to -ts_max_time, or -ts_max_steps, and write nothing. Collective on comm.
 
-    announce: says on rank 0 that the kernels are being compiled, if they are. Raises InputError and ComputationError.
+    announce: says on rank 0 that the kernels are being compiled, if they are. look(state, t): called at 0, at these times [s]
+    in between and at the end. Raises InputError and ComputationError.
     """
     with make_state(build_problem(case, opt, comm), opt, comm) as state:
         state.compile(announce)
         integrator = Integrator(
             state,
             opt,
-            [opt["ts_max_time"]],
-            on_frame=lambda t: None,
+            sorted({*(float(t) for t in times if t < opt["ts_max_time"]), opt["ts_max_time"]}),
+            on_frame=lambda t: look(state, t),
             on_series=lambda: integrator.series.take(comm),
             on_step=lambda steps, t, dt: None,
             on_grids=lambda: None,

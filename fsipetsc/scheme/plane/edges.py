@@ -5,7 +5,8 @@ what does: -F.N / (h a_0), F.N the flux out of the layer per length of the edge:
 
     SLIP      (0, p N, p w) of the gas at the edge itself, w the velocity of the wall . N
     OPEN      (F(U_in) + F(U_out)).N / 2 - lambda (U_out - U_in) / 2, with the faster of the waves of both states
-    OUTFLOW   F(U_in).N
+    OUTFLOW   F(U_in).N; with a pressure p_b beyond and a Mach number through the edge m < 1, as OPEN: U_out has the density
+              and the velocity of U_in, and the pressure p + (1 - m^2) (p_b - p); m = 0 where gas flows in
     FREE      -p_b cof F . N on a solid: a pressure that follows the surface
 
 Interfaces (fsipetsc.coupling.plane), no-slip walls, what is clamped or given, need nothing: the unknowns are
@@ -71,10 +72,13 @@ def through(law, layer, op, s, place, j, i, kind, side, nx, ny, w, edge, h):
         s[U64(r + 3 * place.stride)] += scale * ny * p
         s[U64(r + 4 * place.stride)] += scale * w * p
         return
-    f = normal_flux(inside, u, v, p, nx, ny, w)
-    if kind == OPEN:
-        gas, given = law.gas.constants(layer), layer.outside[edge]
+    f, given = normal_flux(inside, u, v, p, nx, ny, w), layer.outside[edge]
+    if kind == OPEN or given[0] > 0.0:
+        gas = law.gas.constants(layer)
         rho_o, u_o, v_o, T_o = given[0], given[1], given[2], given[3]
+        if kind == OUTFLOW:
+            out = (2.0 * side - 1.0) * (nx * u + ny * v - w)
+            rho_o, u_o, v_o, T_o = rho, u, v, beyond(law, gas, rho, p, out / (nx * nx + ny * ny) ** 0.5, given[0])
         p_o = law.gas.pressure(gas, rho_o, T_o)
         e_o = rho_o * (law.gas.energy(gas, rho_o, T_o) + 0.5 * (u_o * u_o + v_o * v_o))
         g = normal_flux((rho_o, rho_o * u_o, rho_o * v_o, e_o), u_o, v_o, p_o, nx, ny, w)
@@ -90,6 +94,14 @@ def through(law, layer, op, s, place, j, i, kind, side, nx, ny, w, edge, h):
         )
     for c in range(4):
         s[U64(r + (c + 1) * place.stride)] += scale * f[c]
+
+
+@njit(**OPTIONS)
+def beyond(law, gas, rho, p, velocity, given):
+    """The temperature beyond an OUTFLOW with the pressure ``given``; velocity: of the gas through it."""
+    T = law.gas.temperature_of_pressure(gas, rho, p)
+    m_squared = max(velocity, 0.0) ** 2 / law.gas.sound_speed_squared(gas, rho, T)
+    return law.gas.temperature_of_pressure(gas, rho, p + max(1.0 - m_squared, 0.0) * (given - p))
 
 
 @njit(**OPTIONS)
