@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from fsipetsc.blame import missing
 from fsipetsc.cases import BUILT_IN, load_case, summaries
 from fsipetsc.errors import FileError, FsiError, InputError
-from fsipetsc.options import RUN, Option, read_options, table
+from fsipetsc.options import RUN, Option, table
 from fsipetsc.options.sources import HELP_FLAGS, given_options, is_option
 from fsipetsc.process.failure import end_together
 from fsipetsc.process.host import left_as_found
@@ -238,11 +238,12 @@ def _in_parallel(arguments: list[str]) -> int:
                 case_file = None if arguments[0] in BUILT_IN else arguments[0]
                 with heedless():
                     case = together(world, lambda: load_case(arguments[0], tuple(COMMANDS)))
-                    options = read_options(case, start_petsc(arguments[1:], world))
-                    debug = options["fsi_debug"]
-                    from fsipetsc.stepping.run import run_case
+                    given = start_petsc(arguments[1:], world)
+                    option = table(case)["fsi_debug"]
+                    debug = option.parse(given["fsi_debug"].text) if "fsi_debug" in given else option.default
+                    from fsipetsc.stepping.run import run_given
 
-                    run_case(case, options, world)
+                    run_given(case, given, world)
     except BrokenPipeError:
         abandon_stdout()
     except (Exception, KeyboardInterrupt) as error:

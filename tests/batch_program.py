@@ -20,10 +20,9 @@ def main(directory: str, runs: str) -> None:
     start_petsc([], comm)
     from fsipetsc.cases import load_case
     from fsipetsc.errors import FsiError
-    from fsipetsc.options import read_options
     from fsipetsc.options.sources import given_options
     from fsipetsc.scheme import plan
-    from fsipetsc.stepping.run import run_case
+    from fsipetsc.stepping.run import run_given
 
     least = (plan.LEAST_MIDDLE, plan.LEAST_TILED, plan.MOST_WAITING)
     for name, (case_name, text) in json.loads(Path(runs).read_text()).items():
@@ -32,7 +31,7 @@ def main(directory: str, runs: str) -> None:
         text = text.removeprefix("tiles ")
         given = given_options([*text.split(), "-fsi_quiet", "-fsi_output", f"{directory}/{name}.h5"], {})
         try:
-            run_case(case, read_options(case, given), comm)
+            run_given(case, given, comm)
         except FsiError as error:
             if comm.rank == 0:
                 Path(directory, f"{name}.txt").write_text(f"{type(error).__name__}: {error}")

@@ -24,7 +24,7 @@ from fsipetsc.cases import load_case
 from fsipetsc.errors import InputError
 from fsipetsc.options import defaults
 from fsipetsc.scheme.plan import RATE
-from fsipetsc.stepping.run import versions
+from fsipetsc.stepping.versions import versions
 
 Result = TypeVar("Result")
 Say = Callable[[str], None]

@@ -20,7 +20,7 @@ from fsipetsc.options.sources import Given
 
 __all__ = [
     *("COMMON", "PETSC_OPTIONS", "REQUIRED", "InForce", "Option", "check_petsc", "defaults", "groups", "publish"),
-    *("read_options", "read_table", "table"),
+    *("read_options", "read_table", "spelt", "table"),
 ]
 
 
@@ -39,6 +39,11 @@ def _between(least: float, most: float) -> Callable[[float], str | None]:
 
 def _fraction(part: float) -> str | None:
     return None if 0 < part <= 1 else "a number above 0 and not above 1"
+
+
+def _file_name(name: str) -> str | None:
+    fits = len(os.fsencode(os.path.basename(name))) <= LONGEST_NAME and "\0" not in name
+    return None if fits else f"a file name of at most {LONGEST_NAME} bytes"
 
 
 #: bytes of a file's name: MPI's input and output makes longer ones of it, and Open MPI 4 crashes on more than 255
@@ -84,12 +89,24 @@ DISCRETISATION = (
 OUTPUT = (
     Option(
         *("fsi_output", str, None, "", "result file (HDF5); an earlier result is never destroyed silently"),
-        check=lambda name: None if len(os.fsencode(os.path.basename(name))) <= LONGEST_NAME and "\0" not in name
-        else f"a file name of at most {LONGEST_NAME} bytes",
+        check=_file_name,
     ),
     Option("fsi_output_dt", float, None, "s", "interval at which profiles are saved", check="positive"),
     Option("fsi_output_times", "floats", None, "s", "times at which profiles are saved: t0,t1,…", check=_increasing),
     Option("fsi_points", "floats", None, "m", "in 2-D: X of points of interfaces that are recorded at each step: X0,X1,…"),
+)
+CHECKPOINTS = (
+    Option(
+        *("fsi_checkpoint", str, None, "", "file of checkpoints; NAME.checkpoint.h5 beside the result NAME.h5 if not given"),
+        check=_file_name,
+    ),
+    Option("fsi_checkpoint_steps", int, None, "steps", "steps from one checkpoint to the next", check="positive"),
+    Option("fsi_checkpoint_wall", float, None, "s", "wall time from one checkpoint to the next", check="positive"),
+    Option(
+        *("fsi_restart", str, None, "", "go on from a checkpoint; auto: from the newest good one, if there is one"),
+        check=_file_name,
+    ),
+    Option("fsi_wall_limit", float, None, "s", "wall time in which the run is to write a checkpoint and end", check="positive"),
 )
 RUN = (
     Option(
@@ -108,7 +125,7 @@ RUN = (
     Option("fsi_progress", bool, False, "", "show progress even when the output is not a terminal"),
     Option("fsi_debug", bool, False, "", "show the Python traceback of an error"),
 )
-COMMON: tuple[Option, ...] = DISCRETISATION + OUTPUT + RUN
+COMMON: tuple[Option, ...] = DISCRETISATION + OUTPUT + CHECKPOINTS + RUN
 
 _RK_TYPES = ("1fe", "2a", "2b", "3", "3bs", "4", "5f", "5dp", "5bs", "6vr", "7vr", "8vr")
 #: Runge-Kutta methods with an embedded one, which step-size control needs
@@ -153,6 +170,7 @@ def groups(case: Any, extra: Sequence[Option] = ()) -> dict[str, tuple[Option, .
         "This command": tuple(extra),
         "Discretisation": DISCRETISATION,
         "Output": OUTPUT,
+        "Checkpoints": CHECKPOINTS,
         "Run": RUN,
         "Time integration (PETSc)": PETSC_OPTIONS,
     }
@@ -208,13 +226,17 @@ class InForce(dict[str, Any]):
         raise InputError(f"opt[{name!r}]: there is no such option{_nearest(str(name), self)}")
 
 
-def read_options(case: Any, given: Mapping[str, Given], extra: Sequence[Option] = ()) -> dict[str, Any]:
+def read_options(
+    case: Any, given: Mapping[str, Given], extra: Sequence[Option] = (), inherited: Mapping[str, Any] | None = None
+) -> dict[str, Any]:
     """Name -> typed value of every option in force; PETSc must be initialised, and gets those that it is to follow.
 
-    given: what the user gave (fsipetsc.process.launch.start_petsc). Not collective; the same on all ranks. Raises
+    given: what the user gave (fsipetsc.process.launch.start_petsc). inherited: values, as JSON has them, that stand for the
+    defaults, those of a checkpoint. Not collective; the same on all ranks. Raises
     InputError for an unknown name, a missing or bad value and for options that contradict each other.
     """
-    values, chosen = _read(table(case, extra), given)
+    options = table(case, extra)
+    values, chosen = _read({name: _inheriting(option, inherited or {}) for name, option in options.items()}, given)
     _check_together(values, chosen)
     from petsc4py import PETSc
 
@@ -232,6 +254,23 @@ def read_options(case: Any, given: Mapping[str, Given], extra: Sequence[Option] 
         values["fsi_burst"] = 1  # something of PETSc's is to see every step
     publish(values)
     return values
+
+
+def _inheriting(option: Option, inherited: Mapping[str, Any]) -> Option:
+    """The option with the value that is inherited for a default, if there is one."""
+    if option.name not in inherited:
+        return option
+    try:
+        return replace(option, default=option.convert(inherited[option.name]))
+    except (ValueError, TypeError, OverflowError):
+        value = inherited[option.name]
+        raise InputError(f"the checkpoint has {value!r} for -{option.name}: expected {option.expected()}") from None
+
+
+def spelt(given: Mapping[str, Given], name: str) -> Given | None:
+    """What the user gave for an option, under one of its names."""
+    names = [name.lower(), *(alias for alias, meant in _ALIASES.items() if meant == name)]
+    return next((given[spelling] for spelling in names if spelling in given), None)
 
 
 def read_table(sections: Mapping[str, Sequence[Option]], given: Mapping[str, Given]) -> dict[str, Any]:

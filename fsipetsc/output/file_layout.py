@@ -31,6 +31,7 @@ import numpy as np
 from fsipetsc.output import commits, tables
 
 FORMAT = "fsipetsc result"
+CHUNK_BYTES = 2 << 20  # of frames: each is written at one go, and the system finds memory for a few MB faster than for many
 VERSION = 2  # in version 1, series was a group with a dataset for each name
 
 
@@ -67,6 +68,36 @@ def chunk_places(dataset: h5py.h5d.DatasetID, n: int, rows: int) -> list[int]:
     """Where in the file the chunks of a dataset of n rows lie, `rows` in each."""
     rest = (0,) * (dataset.rank - 1)
     return [dataset.get_chunk_info_by_coord((row, *rest)).byte_offset for row in range(0, n, rows)]
+
+
+def new_dataset(file: h5py.File, name: str, n: int, block: int) -> list[Any]:
+    """A dataset of n points with a block of numbers each, not filled, in chunks that lie in the file already.
+
+    Returns what a commit says of it: name, shape, points in a chunk, places of the chunks. Without filling, whatever of the
+    file was there before can be written to by others at once: nobody looks yet.
+    """
+    rows = _share(n, -(-8 * n * block // CHUNK_BYTES))
+    shape = (n, block) if block > 1 else (n,)
+    links = h5py.h5p.create(h5py.h5p.LINK_CREATE)
+    links.set_create_intermediate_group(True)
+    properties = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+    properties.set_chunk((rows, *shape[1:]))
+    properties.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
+    properties.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
+    dataset = h5py.h5d.create(file.id, None, h5py.h5t.IEEE_F64LE, h5py.h5s.create_simple(shape, shape), properties)
+    h5py.h5o.link(dataset, file.id, name.encode(), lcpl=links)
+    return [name, shape, rows, chunk_places(dataset, n, rows)]
+
+
+def room_for(n: int, block: int) -> int:
+    """Bytes that such a dataset takes."""
+    rows = _share(n, -(-8 * n * block // CHUNK_BYTES))
+    return 8 * -(-n // rows) * rows * block
+
+
+def _share(n: int, parts: int) -> int:
+    """Of n rows in so many chunks, or hardly fewer: HDF5 makes all chunks equally long, also the last one."""
+    return -(-n // min(n, parts))
 
 
 def describe(dtype: np.dtype[Any]) -> list[list[Any]]:

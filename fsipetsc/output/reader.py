@@ -48,7 +48,7 @@ class Run:
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = os.path.abspath(path)
-        with _damage(os.fspath(path)):
+        with damage(os.fspath(path)):
             self._source = result_sources.open_source(path)
             try:
                 self._read()
@@ -137,7 +137,7 @@ class Arrays(Mapping[str, Array]):
             raise KeyError(_unknown(self._what, name, self._kept))
         values = self._kept[name]
         if values is None:
-            with _damage(self._path, name):
+            with damage(self._path, name):
                 values = self._kept[name] = self._read(name)
         return values
 
@@ -191,7 +191,7 @@ class Layer(Arrays):
         chunk = next(c for c in self._chunks if c.first <= number < c.first + c.count)
         start = (number - chunk.first) * len(self.fields)
         values = np.full((len(self.fields), len(self.X)), np.nan)
-        with _damage(self._path, f"frame {number}"):
+        with damage(self._path, f"frame {number}"):
             values[:, chunk.place] = chunk.dataset[:, start : start + len(self.fields)].T
         return dict(zip(self.fields, values))
 
@@ -284,7 +284,7 @@ def open_run(path: str | os.PathLike[str]) -> Run:
 
 
 @contextmanager
-def _damage(path: str, what: str = "") -> Iterator[None]:
+def damage(path: str, what: str = "") -> Iterator[None]:
     """Whatever goes wrong while a file is read says that it is damaged: there is no end to what it may contain then."""
     try:
         yield

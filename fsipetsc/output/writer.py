@@ -22,20 +22,18 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypeVar
 
-import h5py
 import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
 from fsipetsc.errors import FileError, FsiError, is_petsc, petsc_words
-from fsipetsc.output import buffers, claim, commits, file_layout, hdf5, tables, transaction, xdmf
+from fsipetsc.output import buffers, claim, commits, continued, file_layout, hdf5, tables, transaction, xdmf
 from fsipetsc.process.interrupts import Interrupted
 from fsipetsc.process.together import agree
 
 Array = np.ndarray[Any, Any]
 Result = TypeVar("Result")
 Identity = tuple[int, int]  # device and number of a file
-CHUNK_BYTES = 2 << 20  # of frames: each is written at one go, and the system finds memory for a few MB faster than for many
 SPARE_BYTES = 256 << 10  # for what HDF5 needs besides the numbers
 
 
@@ -47,6 +45,8 @@ class RunWriter:
              FileError is raised while another run is writing it
     header   JSON-able: case, options, versions, ranks, interfaces (names), layers (name, kind, fields of each);
              units = "none" if the case is dimensionless
+    after    (frames, rows of the series) of this run, by header["run"], that a file of this name is to keep: the writer goes on
+             behind them, and what else is in it is cut off. Where there is no such file a new one begins.
     flush_seconds, buffer_frames, buffer_bytes
              frames are written every so many seconds (wall time; less often if a write takes more than 2 % of them),
              and when there are about this many or this many bytes on one rank
@@ -63,6 +63,7 @@ class RunWriter:
         path: str | os.PathLike[str],
         header: Mapping[str, Any],
         *,
+        after: tuple[int, int] | None = None,
         flush_seconds: float = 2.0,
         buffer_frames: int = 256,
         buffer_bytes: int = 16 << 20,
@@ -78,17 +79,17 @@ class RunWriter:
         self._next_flush = self._last_frame + flush_seconds
         self._buffer = buffers.FrameBuffer((), 0, 1)
         self._points: list[int] = []  # of each layer, of all ranks
-        self._segment, self._grids_written = -1, True
+        self._grids_written = True
         self._times: list[float] = []  # of the frames not yet written
         self._flag = np.zeros(1, np.int8)
-        self._steps = 0  # rows of the series in the file
         self._release: Callable[[], Any] = lambda: None  # on rank 0: lets other runs have the name
         self._failure: str | None = None  # on rank 0, of a write that was not collective
         self._closed = False
         self._log = commits.Log()  # with what follows: on rank 0
         self._new_frames: list[list[Any]] = []  # datasets of the frames that are being written
         self.path = Path(path)
-        self.path, self.kept_as, self._identity = self._on_root(lambda: self._create(path, header))
+        self.path, self.kept_as, self._identity, kept = self._on_root(lambda: self._create(path, header, after))
+        self.nframes, self._steps, self._segment = kept
         hdf5.be_silent()
         with self._viewer():  # a file that PETSc cannot open should not be found out after hours
             pass
@@ -221,8 +222,19 @@ class RunWriter:
 
     # ------------------------------------------------------------------ the file
 
-    def _create(self, path: str | os.PathLike[str], header: Mapping[str, Any]) -> tuple[Path, Path | None, Identity]:
-        """Make the file with its header. Returns its path, the new name of an earlier one, and its identity. On rank 0."""
+    @property
+    def rows(self) -> int:
+        """Of the series in the file. On rank 0."""
+        return self._steps
+
+    def _create(
+        self, path: str | os.PathLike[str], header: Mapping[str, Any], after: tuple[int, int] | None
+    ) -> tuple[Path, Path | None, Identity, tuple[int, int, int]]:
+        """Make the file with its header, or take one that is to be gone on with. On rank 0.
+
+        Returns its path, the new name of an earlier one, its identity, and frames, rows of the series and number of the last
+        segment that it has.
+        """
         target = Path(os.path.realpath(path))
         if not target.parent.is_dir():
             raise FileError(f"{path}: the directory {target.parent} does not exist")
@@ -232,6 +244,9 @@ class RunWriter:
             raise FileError(f"{path}: the directory {target.parent} is not writable")
         claimed = claim.Claim(target)
         self._release = weakref.finalize(self, claimed.release)
+        if after is not None and continued.is_of(target, header["run"]):
+            segment = continued.cut(target, after, _plain(header), self._log)
+            return target, None, _identity(target), (*after, segment)
         content, kept_as = file_layout.beginning(_plain(header), self._log), None
         while True:
             kept_as = claim.keep_earlier(target) or kept_as
@@ -239,7 +254,7 @@ class RunWriter:
                 xdmf.make_way(target, kept_as)
             identity = claim.publish(target, content)
             if identity is not None:
-                return target, kept_as, identity
+                return target, kept_as, identity, (0, 0, -1)
 
     def _locate(self) -> Path:
         """The file's present path. On rank 0. A later run of the same name may have renamed it: follow it there."""
@@ -264,27 +279,11 @@ class RunWriter:
         PETSc could create them, but it would write zeros first, and a program killed in the midst could leave a file
         that cannot be read. Like this PETSc only puts numbers where nobody looks yet.
         """
-        datasets = []  # name, points, numbers of each, points in a chunk
-        for name, i, local in self._datasets(count):
-            n, block = self._points[i], local.shape[1]
-            datasets.append((name, n, block, _share(n, -(-8 * n * block // CHUNK_BYTES))))
-        self._new_frames = []
+        datasets = [(name, self._points[i], local.shape[1]) for name, i, local in self._datasets(count)]
         size = self.path.stat().st_size
-        numbers = sum(-(-n // rows) * rows * block for _, n, block, rows in datasets)
-        transaction.ensure_space(self.path, 8 * numbers + SPARE_BYTES)
-        links = h5py.h5p.create(h5py.h5p.LINK_CREATE)
-        links.set_create_intermediate_group(True)
+        transaction.ensure_space(self.path, sum(file_layout.room_for(n, block) for _, n, block in datasets) + SPARE_BYTES)
         with transaction.changes(self.path) as file:
-            for name, n, block, rows in datasets:
-                shape = (n, block) if block > 1 else (n,)
-                properties = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
-                properties.set_chunk((rows, *shape[1:]))
-                properties.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
-                properties.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
-                space = h5py.h5s.create_simple(shape, shape)
-                dataset = h5py.h5d.create(file.id, None, h5py.h5t.IEEE_F64LE, space, properties)
-                h5py.h5o.link(dataset, file.id, name.encode(), lcpl=links)
-                self._new_frames.append([name, shape, rows, file_layout.chunk_places(dataset, n, rows)])
+            self._new_frames = [file_layout.new_dataset(file, *entry) for entry in datasets]
         return size
 
     def _view_frames(self, count: int) -> None:
@@ -372,11 +371,6 @@ class RunWriter:
             yield write
         finally:
             os.close(descriptor)
-
-
-def _share(n: int, parts: int) -> int:
-    """Of n rows in so many chunks, or hardly fewer: HDF5 makes all chunks equally long, also the last one."""
-    return -(-n // min(n, parts))
 
 
 def _identity(path: Path) -> Identity:

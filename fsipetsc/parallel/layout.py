@@ -121,7 +121,7 @@ class Layout:
     """Ownership of all layers on all ranks; collective on ``comm``.
 
     kept: the layout that this one takes the place of, whose ranks keep what they own where today's active points cannot
-    be dealt out to all of them: a gas may have shrunk since.
+    be dealt out to all of them: a gas may have shrunk since. shares: who owns what, if that is known.
 
     Attributes: records (LAYER array), dms (a DMDA or None per layer), grids, shares, local_size (doubles of the
     solution on this rank), work_size (doubles with halos), halo (its points).
@@ -137,6 +137,7 @@ class Layout:
         mode: str,
         conservative: bool,
         kept: Layout | None = None,
+        shares: list[list[tuple[int, int, int]]] | None = None,
     ) -> None:
         self.comm, self.problem, self.grids, self.h, self._order = comm, problem, grids, h, op.order
         self._conservative = conservative
@@ -146,7 +147,7 @@ class Layout:
             for k, (layer, grid) in enumerate(zip(problem.layers, grids, strict=True))
         ]
         try:
-            self.shares = partition(extents, comm.size, mode, max(self.halo, op.rows + 1))
+            self.shares = shares or partition(extents, comm.size, mode, max(self.halo, op.rows + 1))
         except InputError:
             if kept is None:
                 raise
@@ -188,7 +189,7 @@ class Layout:
         record["halo_lo"], record["halo_hi"] = begin - left, right - end
         record["stride"] = (right - left + ENDS + 7) // 8 * 8
         self.local_size += dof * (end - begin)
-        if self._conservative and record["kind"] == SOLID:
+        if self.energetic(k):
             record["ends"] = self.local_size
             self.local_size += ENDS
         self.work_size += dof * int(record["stride"])
@@ -218,6 +219,10 @@ class Layout:
                 )
             elif self._conservative:
                 record["unloaded"][side] = SHARED_HEAT if self._conducts(k) and self._conducts(k + 2 * side - 1) else UNLOADED
+
+    def energetic(self, k: int) -> bool:
+        """The kinetic energies of the ends of layer k are unknowns, too."""
+        return bool(self._conservative and self.records[k]["kind"] == SOLID)
 
     def _conducts(self, k: int) -> bool:
         """Layer k conducts heat."""

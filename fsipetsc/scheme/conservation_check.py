@@ -44,6 +44,15 @@ class Drifts:
         self._heat_capacity = invariants.get("heat_capacity", 0.0) + sum(cv * mass for cv, mass in gases)
         self._most = 0.0  # entropy produced
 
+    def memory(self) -> dict[str, Any]:
+        """What ``recall`` takes, as JSON has it."""
+        sums = {name: float(value) for name, value in self._sums.items()}
+        return {"rates": {name: float(value) for name, value in self._rates.items()}, "sums": sums, "most": float(self._most)}
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Go on behind the steps of which ``memory`` tells."""
+        self._rates, self._sums, self._most = dict(memory["rates"]), dict(memory["sums"]), memory["most"]
+
     def go_on(self, series: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         """The drifts in the next steps: name -> (steps,)."""
         result: dict[str, np.ndarray] = {}
@@ -100,6 +109,15 @@ class ConservationCheck:
         """unit: what stands behind a time in the message (fsipetsc.problem.Problem.unit)."""
         self._drifts, self._tolerance, self._unit = Drifts(invariants, initial), tolerance, unit
         self._steps = 0
+
+    def memory(self) -> dict[str, Any]:
+        """What ``recall`` takes, as JSON has it."""
+        return {"steps": self._steps, "drifts": self._drifts.memory()}
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Go on behind the steps of which ``memory`` tells."""
+        self._steps = memory["steps"]
+        self._drifts.recall(memory["drifts"])
 
     def look(self, block: np.ndarray) -> str | None:
         """What is wrong in some more steps, of which these are the records, or None."""

@@ -92,6 +92,18 @@ class ErrorControl:
         self._before.destroy()
 
 
+def begins_with_last_rates(ts: PETSc.TS) -> bool:
+    """Whether the steps of a Runge-Kutta method of PETSc's begin with the last rates of the step before (FSAL)."""
+    pointers, answer = [ctypes.c_void_p() for _ in range(5)], ctypes.c_int()
+    stages, order = ctypes.c_int64(), ctypes.c_int64()  # PETSc's integers may have 32 bits
+    A, b, c, embedded, interpolation = map(ctypes.byref, pointers)
+    found = ctypes.byref(stages), A, b, c, embedded, ctypes.byref(order), interpolation, ctypes.byref(answer)
+    code = ctypes.CDLL(PETSc.__file__).TSRKGetTableau(ctypes.c_void_p(ts.handle), *found)
+    if code:
+        raise PETSc.Error(code)
+    return bool(answer.value)
+
+
 def mean(comm: MPI.Comm, values: np.ndarray) -> float:
     """Mean of values not below zero on all ranks, the same for any distribution; inf if one is not finite. Collective.
 

@@ -19,9 +19,10 @@ from fsipetsc.process.together import agree
 from fsipetsc.scheme.burst import LONGEST, MADE, SHORTEST, TIME
 from fsipetsc.scheme.plan import BAD, EXHAUSTED, LOW, MOVED, RATE, SAID_STOP, STOP, TOO_SHORT, shares
 from fsipetsc.scheme.time_step import longest_step
-from fsipetsc.stepping.error_control import ErrorControl
+from fsipetsc.stepping.error_control import ErrorControl, begins_with_last_rates
 from fsipetsc.stepping.fused import NAME, FusedRK4
 from fsipetsc.stepping.output_times import OutputTimes
+from fsipetsc.stepping.pauses import OUT_OF_TIME, Pauses
 from fsipetsc.stepping.phases import logged
 from fsipetsc.stepping.plane.watched import NAMES as OF_POINTS
 from fsipetsc.stepping.series import Series
@@ -36,6 +37,8 @@ MOST_POINTS = 250_000
 #: Courant number beyond which steps are said to be long: the classical method, on a periodic grid, is unstable beyond 1.6
 #: to 2.8 (orders 8 to 2)
 FAR = 1.5
+#: what is kept in a checkpoint as it is
+_KEPT = "steps", "rejections", "t", "dt_range", "wall_time", "initial", "beyond"
 #: orders of PETSc's Runge-Kutta methods that have an embedded one
 PAIR_ORDER = {"2a": 2, "3bs": 3, "5f": 5, "5dp": 5, "5bs": 5, "6vr": 6, "7vr": 7, "8vr": 8}
 
@@ -45,7 +48,7 @@ class Integrator:
 
     opt: options in force. saved: times at which ``on_frame(t)`` is called. ``on_series()`` is called when the series
     must be written, ``on_step(steps, t, dt)`` after every burst of steps, ``on_grids()`` when the grids have been laid anew,
-    ``on_check()`` every CHECKED steps with -fsi_check.
+    ``on_check()`` every CHECKED steps with -fsi_check, ``on_checkpoint()`` when a checkpoint is due (stepping.pauses).
     """
 
     def __init__(
@@ -58,27 +61,31 @@ class Integrator:
         on_step: Callable[[int, float, float], None],
         on_grids: Callable[[], None],
         on_check: Callable[[], None] = lambda: None,
+        on_checkpoint: Callable[[], None] = lambda: None,
     ) -> None:
         self.state, self.opt = state, opt
         self.series = Series(state)
         self._next_check = CHECKED if opt["fsi_check"] else np.inf
         self._on_frame, self._on_series, self._on_step, self._on_grids = on_frame, on_series, on_step, on_grids
-        self._on_check = on_check
+        self._on_check, self._on_checkpoint = on_check, on_checkpoint
+        self.pauses = Pauses(opt, state.comm.rank == 0)
         self._times = OutputTimes(saved)
         self._steady = state.problem.steady_data
         self.steps = 0
         self.rejections = 0
         self.t = 0.0
         self.dt_range = [np.inf, 0.0]
-        self.wall_time = 0.0
-        self.raised = 0  # a signal on this rank; all stop after the first step of the next burst
+        self.wall_time = self._begun = 0.0
         self.stop_signal = 0
+        self.out_of_time = False
         self._proposal = np.inf
         self._fused = opt["ts_type"] == NAME
         self.burst_limit = 0  # most steps in one go; 0: steps are made one by one, stage by stage
         if self._fused and self._steady and state.burst.size:  # no longer than a signal may have to wait
             points = sum(grid.n for grid in state.layout.grids)
             self.burst_limit = max(1, min(opt["fsi_burst"], MOST_POINTS // points))
+        # of a method whose next step begins with the last rates of the one before: these, and those that a checkpoint had
+        self._reuses, self._last, self._given = False, np.empty(0), None
         self._rates: PETSc.Vec | None = None
         self._control: ErrorControl | None = None
         self._error: BaseException | None = None
@@ -95,6 +102,11 @@ class Integrator:
         """The end time is reached."""
         return self._times.done
 
+    @property
+    def _stopped(self) -> bool:
+        """Before the end, as somebody wanted it."""
+        return bool(self.stop_signal) or self.out_of_time
+
     def compile(self, announce: Callable[[str], None]) -> None:
         """Compile what PETSc's own methods call, if one of them is used, or load it. Not collective."""
         if not self._fused:
@@ -105,7 +117,19 @@ class Integrator:
     def _right_hand_side(self, ts: PETSc.TS, t: float, Y: PETSc.Vec, F: PETSc.Vec) -> None:
         if not self._steady:
             self.state.set_data(t)
-        self.state.right_hand_side(Y.getArray(readonly=True), F.getArray())
+        rates = F.getArray()
+        if self._given is not None:  # what the method would have kept if the run had not been stopped
+            rates[:], self._given = self._given, None
+            return
+        self.state.right_hand_side(Y.getArray(readonly=True), rates)
+        if self._reuses:
+            self._last[:] = rates
+
+    @property
+    def rates(self) -> np.ndarray | None:
+        """This rank's part of the last rates, if the next step of the method begins with them."""
+        moved = self.state.results[MOVED] or self.state.results[LOW]
+        return self._last if self._reuses and not moved else None
 
     def _post_step(self, ts: PETSc.TS) -> None:
         try:
@@ -140,8 +164,11 @@ class Integrator:
             self._on_series()
         if self._times.pass_time(t):
             self._on_frame(t)
-        self.stop_signal = int(flags[STOP])
-        if self._times.done or self.stop_signal or self.steps >= self.opt["ts_max_steps"]:
+        self.stop_signal, self.out_of_time = int(flags[STOP]), flags[STOP] == OUT_OF_TIME
+        last = self._times.done or self._stopped or self.steps >= self.opt["ts_max_steps"]
+        if self.pauses.due(self.steps, flags[STOP], last):
+            self._on_checkpoint()
+        if last:
             ts.setConvergedReason(PETSc.TS.ConvergedReason.CONVERGED_TIME)
             self._say_the_ends(ts)
         elif flags[LOW]:
@@ -231,11 +258,11 @@ class Integrator:
             bound = min(bound, self._proposal, self._control.longest)
             self._control.begin()
         self._step, self._target = self._times.step(self.t, bound)
-        self.state.results[SAID_STOP] = self.raised if self.state.fault is None else FAULT
+        self.state.results[SAID_STOP] = self.pauses.word() if self.state.fault is None else FAULT
         ts.setTimeStep(self._step)
         if self.burst_limit:
             opt, series = self.opt, self.series
-            allowed = min(self.burst_limit, opt["ts_max_steps"] - self.steps, series.room)
+            allowed = self.pauses.allowed(self.steps, min(self.burst_limit, opt["ts_max_steps"] - self.steps, series.room))
             times = self.t, self._step, self._target, self._times.target
             bounds = opt["fsi_cfl"], opt["ts_dt"] or 0.0, allowed
             self.state.burst[:] = *times, *bounds, 0, np.inf, 0.0, series.count
@@ -252,6 +279,8 @@ class Integrator:
             ts.setRHSFunction(self._right_hand_side, self._rates)
         if opt["ts_type"] == "rk":
             ts.setRKType(opt["ts_rk_type"])
+            self._reuses = begins_with_last_rates(ts)
+            self._last = np.empty(self.state.layout.local_size if self._reuses else 0)
         ts.setPostStep(logged("fsi hooks", self._post_step))
         ts.setExactFinalTime(PETSc.TS.ExactFinalTime.STEPOVER)
         ts.setSolution(self.state.solution)
@@ -289,11 +318,31 @@ class Integrator:
         self._times.pass_time(0.0)
         self._on_frame(0.0)
 
+    def memory(self) -> dict[str, Any]:
+        """What ``resume`` needs beside the state; as JSON holds it."""
+        return {
+            **{name: getattr(self, name) for name in _KEPT},
+            **{"evaluations": self.evaluations, "proposal": self._proposal},
+            "wall_time": self.wall_time + (time.perf_counter() - self._begun),
+        }
+
+    def resume(self, memory: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> None:
+        """Be where ``memory`` and ``state.capture()`` told of: then the same steps follow. InputError as of restore."""
+        state = self.state
+        for name in _KEPT:
+            setattr(self, name, memory[name])
+        self._proposal, state.evaluations = memory["proposal"], memory["evaluations"]
+        self._given = state.restore(arrays, self.t)
+        self._times.pass_time(self.t)
+        if state.results[LOW] and not self._times.done:
+            state.grow()
+        self._on_grids()
+
     def run(self) -> None:
         """Integrate to the end, a signal, or a failure, which is raised with the series complete."""
-        begun = time.perf_counter()
+        self._begun = time.perf_counter()
         try:
-            while not self._times.done and not self.stop_signal and self.steps < self.opt["ts_max_steps"]:
+            while not self._times.done and not self._stopped and self.steps < self.opt["ts_max_steps"]:
                 if not self._fused:
                     self._rates = self.state.solution.duplicate()
                 ts = self._create()
@@ -321,4 +370,4 @@ class Integrator:
                     self.state.grow(self.series.count)
                     self._on_grids()
         finally:
-            self.wall_time += time.perf_counter() - begun
+            self.wall_time += time.perf_counter() - self._begun

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import ctypes
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any, TypeVar
 
@@ -121,6 +121,11 @@ class LoggedState(State):
         with self._events["grow"]:
             super().grow(noted)
             self._measure()
+
+    def restore(self, arrays: Mapping[str, np.ndarray], t: float) -> np.ndarray | None:
+        rates = super().restore(arrays, t)
+        self._measure()
+        return rates
 
     def set_initial(self) -> None:
         with self._events["initial"]:

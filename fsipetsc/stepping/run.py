@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import platform
 import signal
+import threading
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
@@ -11,27 +11,43 @@ from typing import Any
 
 import numpy as np
 from mpi4py import MPI
-from petsc4py import PETSc
 
-import fsipetsc
 from fsipetsc.errors import ComputationError, FileError, FsiError, InputError
+from fsipetsc.options import read_options
+from fsipetsc.options.sources import Given
+from fsipetsc.output.checkpoint_file import CheckpointError
+from fsipetsc.output.file_layout import describe
 from fsipetsc.output.writer import RunWriter
 from fsipetsc.problem import Problem
 from fsipetsc.process.interrupts import Interrupted, heeded, take_over
 from fsipetsc.process.notes import PATIENCE, exchange
 from fsipetsc.scheme.conservation_check import ConservationCheck
+from fsipetsc.stepping.checkpoints import CheckpointKeeper
 from fsipetsc.stepping.integrator import Integrator
 from fsipetsc.stepping.output_times import saved_times
+from fsipetsc.stepping.pauses import Pauses
 from fsipetsc.stepping.phases import LOOP, OUTPUT, SET_UP, Phases
 from fsipetsc.stepping.report import Reporter
+from fsipetsc.stepping.restart import Past, check_options, check_problem, find_past
 from fsipetsc.stepping.solve import build_problem, make_state
 from fsipetsc.stepping.state import State
+from fsipetsc.stepping.versions import versions
 
 
-def run_case(case: Any, options: dict[str, Any], comm: MPI.Comm) -> None:
+def run_given(case: Any, given: Mapping[str, Given], comm: MPI.Comm) -> None:
+    """Run the case with the options that the user gave, from its beginning or a checkpoint. Collective; as ``run_case``."""
+    past = find_past(case, given, comm)
+    options = read_options(case, given, inherited=None if past is None else past.options)
+    if past is not None:
+        check_options(past, options, given)
+    run_case(case, options, comm, past)
+
+
+def run_case(case: Any, options: dict[str, Any], comm: MPI.Comm, past: Past | None = None) -> None:
     """Build the case's problem, integrate it and write its result. Collective on comm.
 
-    Raises InputError, ComputationError (after writing what was computed), FileError, Interrupted.
+    past: a checkpoint to go on from. Raises InputError, ComputationError (after writing what was computed), FileError,
+    Interrupted.
     """
     phases = Phases()
     with phases(SET_UP):
@@ -39,11 +55,14 @@ def run_case(case: Any, options: dict[str, Any], comm: MPI.Comm) -> None:
         state = make_state(problem, options, comm)
     with state:
         with phases(SET_UP):
+            if past is not None:
+                check_problem(past, problem, describe(state.journal.dtype))
             state.check_data()  # before there is a file
         with _apart(comm) as notes:
             with phases(SET_UP):
-                run = _Run(case, options, comm, notes, phases, state)
-            run.go()
+                run = _Run(case, options, comm, notes, phases, state, past)
+            with _asked(run.integrator.pauses):
+                run.go()
 
 
 @contextmanager
@@ -63,12 +82,21 @@ class _Run:
     """The pieces of one run, wired together."""
 
     def __init__(
-        self, case: Any, opt: Mapping[str, Any], comm: MPI.Comm, notes: MPI.Comm, phases: Phases, state: State
+        self,
+        case: Any,
+        opt: Mapping[str, Any],
+        comm: MPI.Comm,
+        notes: MPI.Comm,
+        phases: Phases,
+        state: State,
+        past: Past | None = None,
     ) -> None:
-        self.case, self.opt, self.comm, self.phases = case, opt, comm, phases
+        self.case, self.opt, self.comm, self.phases, self.past = case, opt, comm, phases, past
         self.problem, self.state = state.problem, state
         saved = saved_times(opt["ts_max_time"], opt["fsi_output_dt"], opt["fsi_output_times"], self.problem.unit("s"))
-        self.writer = RunWriter(comm, opt["fsi_output"], self._header())
+        self.keeper = CheckpointKeeper(comm, case.NAME, opt, state, past)
+        header, after = self._header(), None if past is None else self.keeper.written_before
+        self.writer = RunWriter(comm, opt["fsi_output"], header, after=after)
         self.writer.take_series = self._take
         self.report = Reporter(comm, case.NAME, opt)
         self.notes = notes
@@ -76,9 +104,8 @@ class _Run:
         self.watch: ConservationCheck | None = None
         self.fault: str | None = None  # on rank 0, what the watch has found
         self.checks = bool(opt["fsi_check"])
-        self.integrator = Integrator(
-            self.state, opt, saved, self._frame, self._series, self.report.step, self._grids, self._check
-        )
+        hooks = self._frame, self._series, self.report.step, self._grids, self._check, self._checkpoint
+        self.integrator = Integrator(self.state, opt, saved, *hooks)
 
     def _header(self) -> dict[str, Any]:
         return {
@@ -93,6 +120,7 @@ class _Run:
             "notes": list(self.problem.notes),
             "units": self.problem.units,
             "laws": self.problem.invariants,
+            **self.keeper.run,
         }
 
     def _grids(self) -> None:
@@ -119,10 +147,14 @@ class _Run:
             return
         steps = self.integrator.series.add_up(self.comm)
         if self.comm.rank == 0 and self.fault is None:
-            if self.watch is None:
-                invariants, unit = self.problem.invariants, self.problem.unit("s")
-                self.watch = ConservationCheck(invariants, self.integrator.initial, self.opt["fsi_check"], unit)
-            self.fault = self.watch.look(steps)
+            self.fault = self._conservation().look(steps)
+
+    def _conservation(self) -> ConservationCheck:
+        """The watch, which begins with the integrals at t = 0. On rank 0."""
+        if self.watch is None:
+            invariants, unit = self.problem.invariants, self.problem.unit("s")
+            self.watch = ConservationCheck(invariants, self.integrator.initial, self.opt["fsi_check"], unit)
+        return self.watch
 
     def _check(self) -> None:
         self._watch()
@@ -137,6 +169,32 @@ class _Run:
         with self.phases(OUTPUT, "fsi finish"):
             self.writer.flush()
         self._look()
+
+    def _checkpoint(self) -> None:
+        """Write all that has been computed, and then the checkpoint that goes on from there."""
+        begun = time.perf_counter()
+        with self.phases(OUTPUT, "fsi checkpoint"):
+            self.writer.flush()
+            self._look()  # what does not hold is nothing to go on from
+            memory = {
+                "memory": self.integrator.memory(),
+                "watch": self.watch.memory() if self.watch is not None else None,
+                "saved_at": self.saved_at,
+                "result": [self.writer.nframes, self.writer.rows],
+            }
+            self.keeper.write(memory, self.integrator.rates)
+        self.integrator.pauses.written(time.perf_counter() - begun)
+
+    def _resume(self, past: Past) -> None:
+        """Go on from a checkpoint."""
+        header, integrator = past.header, self.integrator
+        integrator.resume(header["memory"], self.keeper.arrays)
+        if header["watch"] is not None and self.checks and self.comm.rank == 0:
+            self._conservation().recall(header["watch"])
+        if self.writer.nframes:
+            self.saved_at = header["saved_at"]
+        else:  # a file of its own
+            self._frame(integrator.t)
 
     def _look(self) -> None:
         """Raise ComputationError on all ranks if an invariant that must hold does not, in steps that the watch has seen."""
@@ -155,19 +213,24 @@ class _Run:
         begun = time.perf_counter()
         try:
             self.report.begin(self.state)
+            for line in self.keeper.lines():
+                self.report.line(line)
             with self.phases(SET_UP):
                 say = self.report.line
                 self.state.compile(say, lambda: (self.state.compile_saving(), integrator.compile(say)))
-                integrator.start()
+                if self.past is None:
+                    integrator.start()
+                else:
+                    self._resume(self.past)
             self.report.start()
             if integrator.beyond:
                 self.report.line(f"note: {integrator.beyond}; explicit methods are unstable far beyond it")
-            with _signals(integrator), self.phases(LOOP):
+            with _signals(integrator.pauses), self.phases(LOOP):
                 integrator.run()
             self._last_frame()
             self._flush()  # so that the summary knows what it took
             found = self.state.errors(integrator.t, self.opt["fsi_norm"])
-        except (ComputationError, InputError) as error:
+        except (ComputationError, InputError, CheckpointError) as error:
             failure, self.checks = error, False
             self._flush()
         except BaseException as error:
@@ -185,9 +248,8 @@ class _Run:
         if integrator.stop_signal:
             number = integrator.stop_signal
             name, s = signal.Signals(number).name, self.problem.unit("s")
-            raise Interrupted(
-                number, f"stopped by {name} at t = {integrator.t:.6g}{s}; the result so far is in {self.writer.path}"
-            )
+            kept = f"the result so far is in {self.writer.path}, the checkpoint in {self.keeper.path}"
+            raise Interrupted(number, f"stopped by {name} at t = {integrator.t:.6g}{s}; {kept}")
 
     def _rescue(self, error: BaseException, wall: float) -> None:
         """Write what was computed before an error of any kind, if all ranks have met one and at the same place.
@@ -215,6 +277,11 @@ class _Run:
         integrator, s = self.integrator, self.problem.unit("s")
         if integrator.complete or integrator.stop_signal:
             return ""
+        if integrator.out_of_time:
+            return (
+                f"ended by -fsi_wall_limit at t = {integrator.t:g}{s}, before -ts_max_time {self.opt['ts_max_time']:g}{s}: "
+                f"-fsi_restart {self.keeper.path} goes on"
+            )
         return f"ended by -ts_max_steps at t = {integrator.t:g}{s}, before -ts_max_time {self.opt['ts_max_time']:g}{s}"
 
     def _summary(self, wall: float, failure: BaseException | None) -> dict[str, Any]:
@@ -244,35 +311,37 @@ def interface_names(problem: Problem) -> list[str]:
     return [f"{a.name} | {b.name}" for a, b in zip(problem.layers, problem.layers[1:], strict=False)]
 
 
-def versions() -> dict[str, str]:
-    """Versions of the program and of what it runs on."""
-    import mpi4py
-    import numba
-    import petsc4py
-
-    return {
-        "fsipetsc": fsipetsc.__version__,
-        "python": platform.python_version(),
-        "petsc": ".".join(map(str, PETSc.Sys.getVersion())),
-        "petsc4py": petsc4py.__version__,
-        "mpi4py": mpi4py.__version__,
-        "mpi": MPI.Get_library_version().split(",")[0].split("\n")[0],
-        "numba": numba.__version__,
-        "numpy": np.__version__,
-    }
-
-
 @contextmanager
-def _signals(integrator: Integrator):
-    """SIGTERM, SIGINT and SIGHUP let the current burst of steps end; all ranks stop together."""
+def _signals(pauses: Pauses):
+    """SIGTERM, SIGINT and SIGHUP let the current burst of steps end; all stop together. A second SIGINT ends at once."""
 
     def note(number: int, frame: object) -> None:
-        integrator.raised = number
+        pauses.raised = number
+        if number == signal.SIGINT:
+            signal.signal(number, signal.SIG_DFL)
 
     earlier = {number: signal.signal(number, note) for number in heeded()}
-    integrator.raised = integrator.raised or take_over()  # one that came before, and was not heard
+    pauses.raised = pauses.raised or take_over()  # one that came before, and was not heard
     try:
         yield
     finally:
         for number, handler in earlier.items():
-            signal.signal(number, handler)
+            if signal.getsignal(number) is note:
+                signal.signal(number, handler)
+
+
+@contextmanager
+def _asked(pauses: Pauses):
+    """SIGUSR1 asks for a checkpoint after the current burst of steps, or once the steps begin."""
+
+    def note(number: int, frame: object) -> None:
+        pauses.asked = True
+
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    earlier = signal.signal(signal.SIGUSR1, note)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGUSR1, earlier)

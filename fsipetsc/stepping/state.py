@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import lru_cache, partial
 from typing import Any
 
@@ -16,7 +16,7 @@ from fsipetsc.errors import FsiError, InputError
 from fsipetsc.operators.cache import compiling, garbage_waiting
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.layout import Grid, Layout, make_grids
-from fsipetsc.physics.layer import DOF, FLUID, SOLID
+from fsipetsc.physics.layer import FLUID, SOLID
 from fsipetsc.problem import FluidLayer, Problem
 from fsipetsc.process.together import agree, together
 from fsipetsc.scheme import runge_kutta
@@ -24,7 +24,7 @@ from fsipetsc.scheme.burst import MADE
 from fsipetsc.scheme.fields import fields
 from fsipetsc.scheme.laws import PLAIN, Form, ProblemLaws
 from fsipetsc.scheme.plan import BURST, FLAGS, FORCING, LIMITS, LOW, RATE, SAID_STOP, make_plan
-from fsipetsc.stepping import frames
+from fsipetsc.stepping import frames, snapshot
 from fsipetsc.stepping.diagnosis import describe_failure
 from fsipetsc.stepping.petsc_path import PetscPath, compile_entries
 
@@ -82,9 +82,9 @@ class State:
         runge_kutta.do_nothing(self.plan)
         also()
 
-    def _place(self, grids: list[Grid], kept: Layout | None = None) -> None:
+    def _place(self, grids: list[Grid], kept: Layout | None = None, shares: list | None = None) -> None:
         conservative = self._coupling == "conservative"
-        self.layout = Layout(self.comm, self.problem, self.op, self.h, grids, self._mode, conservative, kept)
+        self.layout = Layout(self.comm, self.problem, self.op, self.h, grids, self._mode, conservative, kept, shares)
         forced = any(layer.forcing for layer in self.problem.layers)
         asked = (forced, self._entropy, self._shared, self._form.narrow, self._form.shocks)
         self.plan, self._neighbours = make_plan(self.layout, self.op, self._coupling, *asked)
@@ -344,7 +344,7 @@ class State:
         every rank sees each layer once, whole.
         """
         old, y = self.layout, self.solution.getArray(readonly=True)
-        whole = [gather(self.comm, old, k, y) for k in range(len(old.grids))]
+        whole = [snapshot.gather(self.comm, old, k, y) for k in range(len(old.grids))]
         cells = {k: int(r["hi"] - r["lo"]) for k, r in enumerate(old.records) if r["kind"] == FLUID}
         results, journal = self.results.copy(), self.journal[:noted].copy()
         self._release()
@@ -365,6 +365,24 @@ class State:
                     self._note_kinetic_energies(k, y)
         runge_kutta.load_completed(self.plan, "solution")
 
+    def capture(self, rates: np.ndarray | None = None) -> dict[str, np.ndarray] | None:
+        """See fsipetsc.stepping.snapshot.capture."""
+        return snapshot.capture(self, rates)
+
+    def restore(self, arrays: Mapping[str, np.ndarray], t: float) -> np.ndarray | None:
+        """Be at time t [s] what arrays, known on all ranks, tell of; the rates among them, if any. InputError."""
+        grids, shares = snapshot.grids_of(self.problem, self.layout.grids, arrays), snapshot.shares_of(arrays, self.comm.size)
+        old = self.layout
+        self._release()
+        self._place(grids, old, shares)
+        self.results[:], snapshot.as_numbers(self.latest)[:] = arrays["results"], arrays["latest"]
+        self.set_data(t)
+        agree(self.comm, self.fault)
+        snapshot.put_frames(self.layout, arrays)
+        snapshot.put(self.layout, self.solution.getArray(), arrays)
+        runge_kutta.load_completed(self.plan, "solution")
+        return snapshot.rates_of(self.layout, arrays)
+
     def _release(self) -> None:
         if self._path is not None:
             self._path.destroy()
@@ -384,19 +402,3 @@ class State:
         """Destroy it, unless this rank may be alone with an error: the others would not meet it there."""
         if error is None or self.comm.size == 1 or (isinstance(error, FsiError) and error.collective):
             self.destroy()
-
-
-def gather(comm: MPI.Comm, layout: Layout, k: int, y: np.ndarray) -> np.ndarray:
-    """Layer k of the solution, shape (n, dof), on every rank. Collective."""
-    record = layout.records[k]
-    dof = DOF[record["kind"]]
-    counts = np.zeros(comm.size, np.int64)
-    for rank, begin, end in layout.shares[k]:
-        counts[rank] = dof * (end - begin)
-    whole = np.empty((int(record["n"]), dof))
-    offsets = np.zeros(comm.size, np.int64)
-    for rank, begin, _ in layout.shares[k]:
-        offsets[rank] = dof * begin
-    part = np.ascontiguousarray(layout.local(k, y)) if record["present"] else np.empty(0)
-    comm.Allgatherv([part, MPI.DOUBLE], [whole, counts, offsets, MPI.DOUBLE])
-    return whole

@@ -84,6 +84,22 @@ class PlaneLayout:
         a, b, c, d = share.block(rank)
         return b - a if c <= meeting.rows[1] < d else 0
 
+    def places(self, rank: int) -> list[tuple[str, tuple[slice, ...], int, tuple[int, ...]]]:
+        """What a rank has of the solution: "layerK" or, of interface N, "energiesN", place in it, where it begins, shape."""
+        found, at = [], 0
+        for k, share in enumerate(self.shares):
+            if rank in share.ranks:
+                a, b, c, d = share.block(rank)
+                found.append((f"layer{k}", (slice(c, d), slice(a, b)), at, (d - c, b - a, DOF)))
+            at += self._sizes[rank][k]
+        for number, meeting in enumerate(self.meetings):
+            count = self._sizes[rank][len(self.grids) + number]
+            if count:
+                a = self.shares[meeting.layers[1]].block(rank)[0]
+                found.append((f"energies{number}", (slice(a, a + count),), at, (count,)))
+            at += count
+        return found
+
     def index(self, k: int, columns: np.ndarray, row: int) -> np.ndarray:
         """Numbers in the world vector of the first unknowns of the points of layer k in a row."""
         found = np.empty(columns.size, np.int64)

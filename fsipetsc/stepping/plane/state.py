@@ -6,7 +6,7 @@ right-hand side is fsipetsc.stepping.plane.path; a fused step is one of fsipetsc
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numba
@@ -22,15 +22,17 @@ from fsipetsc.parallel.plane.grids import make_grids
 from fsipetsc.parallel.plane.layout import PlaneLayout
 from fsipetsc.physics.plane.layer import DOF
 from fsipetsc.plane import PlaneProblem
-from fsipetsc.process.together import together
+from fsipetsc.process.together import agree, together
 from fsipetsc.scheme.plan import BAD, CAPACITY, FLAGS, LIMITS, RATE, SAID_STOP, STAGES, STOP
 from fsipetsc.scheme.plane.equations import USUAL, PlaneForm
 from fsipetsc.scheme.plane.look import BAD as LOOKED_BAD
 from fsipetsc.scheme.plane.look import CONVECTION, DIFFUSION, ENERGY, ENTROPY, LEAST_J, MASS, MOMENTUM_X, MOMENTUM_Y
+from fsipetsc.stepping.plane import snapshot
 from fsipetsc.stepping.plane.diagnosis import describe_failure
 from fsipetsc.stepping.plane.edge_data import EdgeData
 from fsipetsc.stepping.plane.path import PlanePath
 from fsipetsc.stepping.plane.watched import NAMES, Watched, chosen
+from fsipetsc.stepping.snapshot import as_numbers
 from fsipetsc.stepping.state import FAULT
 
 #: words of the energy, both components of the momentum, the entropy
@@ -212,6 +214,23 @@ class PlaneState:
         """As fsipetsc.stepping.state.State._instant."""
         rate = float(self.results[RATE])
         return 0.25 / rate if 0.0 < rate < np.inf else 1e-3 * self.h
+
+    def capture(self, rates: np.ndarray | None = None) -> dict[str, np.ndarray] | None:
+        """See fsipetsc.stepping.plane.snapshot.capture."""
+        return snapshot.capture(self, rates)
+
+    def restore(self, arrays: Mapping[str, np.ndarray], t: float) -> np.ndarray | None:
+        """Be at time t [s] what arrays, known on all ranks, tell of; the rates among them, if any. InputError."""
+        snapshot.check(self, arrays)
+        self.results[:], as_numbers(self.latest)[:], self._t = arrays["results"], arrays["latest"], t
+        y = self.solution.getArray()
+        snapshot.put(self.layout, y, arrays)
+        try:
+            self.path.apply_conditions(y, t)  # to a copy: frames are saved from it
+        except InputError as error:
+            self._keep(error)
+        agree(self.comm, self.fault)
+        return snapshot.rates_of(self.layout, arrays)
 
     @property
     def reserve(self) -> int:

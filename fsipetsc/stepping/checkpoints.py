@@ -1,0 +1,92 @@
+"""The checkpoints of a run: what is in them, and where they are."""
+
+from __future__ import annotations
+
+import datetime
+import os
+import uuid
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from mpi4py import MPI
+
+from fsipetsc.errors import InputError
+from fsipetsc.output import checkpoint_file
+from fsipetsc.output.checkpoint_file import Checkpoint
+from fsipetsc.output.file_layout import describe
+from fsipetsc.process.together import together
+from fsipetsc.stepping.restart import Past, checkpoint_name, described
+from fsipetsc.stepping.state import State
+from fsipetsc.stepping.versions import versions
+
+
+class CheckpointKeeper:
+    """Writes the checkpoints of a run. Collective on comm. FileError, InputError where none could be written.
+
+    path: of the file. run: what the header of the result says of the run: "run", by which result and checkpoint know each
+    other, when it was "created", and the "restarts" since. arrays: of the checkpoint that it goes on from.
+    """
+
+    def __init__(self, comm: MPI.Comm, name: str, opt: Mapping[str, Any], state: State, past: Past | None) -> None:
+        self._comm, self._name, self._opt, self._state, self._past = comm, name, opt, state, past
+        self.path = checkpoint_name(opt["fsi_checkpoint"], opt["fsi_output"])
+        together(comm, self._check)
+        self.run = self._begin() if past is None else self._go_on(past)
+        self.arrays = {} if past is None else dict(past.arrays)
+        if past is not None and past.options["fsi_partition"] != opt["fsi_partition"]:
+            self.arrays.pop("shares", None)
+
+    def _check(self) -> None:
+        if self._comm.rank > 0:
+            return
+        result = os.path.realpath(self._opt["fsi_output"])
+        if result in map(os.path.realpath, (self.path, checkpoint_file.previous(self.path))):
+            raise InputError(f"-fsi_checkpoint {self.path}: that is where the result goes; give it another name")
+        if self._opt["fsi_checkpoint"] or self._opt["fsi_checkpoint_steps"] or self._opt["fsi_checkpoint_wall"]:
+            checkpoint_file.check_place(self.path)
+        checkpoint_file.tidy(self.path)
+
+    def _begin(self) -> dict[str, Any]:
+        created = datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds")
+        return {"run": uuid.uuid4().hex, "created": created}
+
+    def _go_on(self, past: Past) -> dict[str, Any]:
+        """The same run: only its restarts are noted."""
+        memory, run = past.header["memory"], past.header["run"]
+        this = {"t": memory["t"], "step": memory["steps"], "ranks": self._comm.size, "versions": versions()}
+        return {**run, "restarts": [*run.get("restarts", []), this]}
+
+    @property
+    def written_before(self) -> tuple[int, int]:
+        """Frames and steps that the result had at the checkpoint."""
+        frames, rows = self._past.header["result"]
+        return int(frames), int(rows)
+
+    def lines(self) -> list[str]:
+        """What is to be said of the checkpoint that the run goes on from."""
+        if self._past is None:
+            return []
+        memory, s = self._past.header["memory"], self._state.problem.unit("s")
+        lines = [*self._past.notes, f"goes on from {self._past.path}: step {memory['steps']}, t = {memory['t']:.6g}{s}"]
+        changed = [
+            f"{name} {was}, now {now}"
+            for (name, was), now in ((item, versions().get(item[0])) for item in self._past.header["versions"].items())
+            if was != now
+        ]
+        return lines + ([f"note: it was written by others: {'; '.join(changed)}"] if changed else [])
+
+    def write(self, memory: Mapping[str, Any], rates: np.ndarray | None) -> None:
+        """Write a checkpoint of the state as it is. memory: what else there is to know. CheckpointError."""
+        arrays = self._state.capture(rates)
+        together(self._comm, lambda: self._write(memory, arrays))
+
+    def _write(self, memory: Mapping[str, Any], arrays: dict[str, np.ndarray] | None) -> None:
+        if arrays is None:
+            return
+        header = {
+            **{"case": self._name, "options": dict(self._opt), "versions": versions(), "ranks": self._comm.size},
+            **{"problem": described(self._state.problem), "columns": describe(self._state.journal.dtype)},
+            **{"run": self.run, **memory},
+        }
+        checkpoint_file.write(self.path, checkpoint_file.pack(Checkpoint(header, arrays)))

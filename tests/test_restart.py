@@ -1,0 +1,96 @@
+"""A run that is stopped and goes on from a checkpoint is, in all that it computes and saves, the run that was not stopped."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from helpers import REPOSITORY, compute
+from test_ranks import SUMS
+
+import fsipetsc
+from fsipetsc.output import checkpoint_file
+
+pytest.importorskip("petsc4py")
+
+pytestmark = pytest.mark.mpi
+
+PISTON = str(REPOSITORY / "runs" / "piston.py")
+LAYERS = str(REPOSITORY / "tests" / "layers.py")
+WALLS = str(REPOSITORY / "tests" / "walls.py")
+_ROD = "-fsi_h 0.025 -ts_max_time 0.08 -fsi_output_dt 0.02"
+#: name -> case, options, steps after which the checkpoint is written that the run goes on from
+RUNS = {
+    "rod": ("rod", f"{_ROD} -fsi_check 1e-3", 400),
+    "grows": ("rod", f"{_ROD} -fsi_spare 0 -fsi_order 2", 400),
+    "balanced": ("rod", f"{_ROD} -fsi_partition balanced -fsi_shared_memory 0", 400),
+    "5dp": ("rod", "-fsi_h 0.05 -ts_max_time 0.1 -ts_rk_type 5dp -ts_adapt_type basic -ts_rtol 1e-7 -ts_atol 1e-7", 50),
+    "3bs": ("rod", "-fsi_h 0.05 -ts_max_time 0.02 -rod_gravity -1000 -ts_rk_type 3bs", 40),
+    "rk": ("rod", "-fsi_h 0.05 -ts_max_time 0.02 -rod_gravity -1000 -ts_type rk", 40),
+    "ssp": ("pulse", "-fsi_h 0.05 -fsi_order 2 -ts_max_time 0.002 -ts_type ssp", 10),
+    "mms": ("mms", "-fsi_h 0.025 -fsi_order 6 -ts_max_time 0.1 -fsi_output_dt 0.02", 8),
+    "piston": (PISTON, "-ts_max_time 0.048", 300),
+    "moving": (LAYERS, "-layers gsg -layers_moving yes -fsi_order 8 -fsi_h 0.025 -ts_max_time 0.2", 15),
+    "rigid": (LAYERS, "-layers gsgsg -fsi_mapping rigid -fsi_spare 0 -ts_max_time 0.2", 6),
+    "stretched": ("pulse", "-fsi_h 0.025 -fsi_mapping stretched -pulse_amplitude 1000 -ts_max_time 0.003", 30),
+    "energy": (LAYERS, "-layers gsgsg -fsi_mapping stretched -fsi_coupling energy -fsi_order 6 -ts_max_time 0.2", 6),
+    "walls": (WALLS, "-walls_state left -fsi_h 0.02 -fsi_order 6 -ts_max_time 0.1", 8),
+}
+#: ranks on which the runs are begun
+RANKS = 2
+
+
+def differences(a: Path, b: Path, same_ranks: bool) -> list[str]:
+    """What is not the same, bit for bit, in two results; sums over x count only on as many ranks."""
+    found = []
+    with fsipetsc.open_run(a) as one, fsipetsc.open_run(b) as other:
+        pairs = [("time", one.time, other.time)]
+        for mine, yours in zip(one.layers, other.layers, strict=True):
+            pairs.append((f"X of {mine.name}", mine.X, yours.X))
+            pairs += [(f"{name} of {mine.name}", mine[name], yours[name]) for name in mine.fields]
+        names = [name for name in one.series if same_ranks or name not in SUMS]
+        pairs += [(name, one.series[name], other.series[name]) for name in names]
+        found += [name for name, x, y in pairs if x.shape != y.shape or x.tobytes() != y.tobytes()]
+        for name in ("status", "t", "steps", "rejected_steps", "rhs_evaluations", "dt_min", "dt_max", "points", "interfaces"):
+            if one.summary[name] != other.summary[name]:
+                found.append(f"summary: {name}: {one.summary[name]}, {other.summary[name]}")
+        if one.errors != other.errors and same_ranks:
+            found.append("errors")
+    return found
+
+
+@pytest.fixture(scope="module")
+def begun(tmp_path_factory) -> Path:
+    """A folder with each run whole, NAME.h5, and stopped, NAME.cut.h5: after twice the steps, the checkpoint before counts."""
+    folder, runs = tmp_path_factory.mktemp("begun"), {}
+    for name, (case, text, steps) in RUNS.items():
+        runs[name] = case, text
+        runs[f"{name}.cut"] = case, f"{text} -ts_max_steps {2 * steps} -fsi_checkpoint_steps {steps}"
+    assert set(compute(RANKS, folder, runs)) == set(runs), [file.read_text() for file in folder.glob("*.txt")]
+    return folder
+
+
+@pytest.fixture(scope="module", params=[1, RANKS, 3])
+def gone_on(request, begun, tmp_path_factory):
+    """(ranks, folder) of the runs that went on from the earlier checkpoint, on so many ranks."""
+    folder, runs = tmp_path_factory.mktemp(f"on{request.param}"), {}
+    for name, (case, _, _) in RUNS.items():
+        shutil.copy(begun / f"{name}.cut.h5", folder / f"{name}.h5")
+        runs[name] = case, f"-fsi_restart {begun}/{name}.cut.checkpoint.previous.h5 -ts_max_steps 1000000000"
+    compute(request.param, folder, runs)
+    return request.param, folder
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_the_same_bits(name, begun, gone_on):
+    ranks, folder = gone_on
+    failed = folder / f"{name}.txt"
+    assert not failed.exists(), failed.read_text()
+    checkpoint = checkpoint_file.read(begun / f"{name}.cut.checkpoint.previous.h5")
+    assert checkpoint.header["memory"]["steps"] == RUNS[name][2]
+    with fsipetsc.open_run(begun / f"{name}.cut.h5") as cut, fsipetsc.open_run(begun / f"{name}.h5") as whole:
+        assert len(cut.series["t"]) == 2 * RUNS[name][2] < whole.summary["steps"], "nothing is to be cut off, or to go on with"
+    assert differences(begun / f"{name}.h5", folder / f"{name}.h5", ranks == RANKS) == []
+    assert np.isfinite(checkpoint.arrays["results"]).all()
