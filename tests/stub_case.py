@@ -7,15 +7,17 @@ from helpers import run
 #: the program with a stand-in for the solver: it prints the options, or does what the case's option -do says
 DRIVER = """
 import json, sys, types
+from fsipetsc.options import read_options
 
-def run_case(case, options, comm):
+def run_given(case, given, comm):
+    options = read_options(case, given)
     exec(options["do"], {"comm": comm, "case": case, "options": options})
     if comm.rank == 0:
         print(json.dumps(options), flush=True)
 
 for name in ("fsipetsc.stepping", "fsipetsc.stepping.run"):
     sys.modules[name] = types.ModuleType(name)
-sys.modules["fsipetsc.stepping.run"].run_case = run_case
+sys.modules["fsipetsc.stepping.run"].run_given = run_given
 from fsipetsc.cli import main
 sys.exit(main())
 """

@@ -128,7 +128,8 @@ def test_file_is_hardly_larger_than_its_numbers(tmp_path: Path) -> None:
     """HDF5 makes all chunks of a dataset equally long; also where the last one could have been nearly empty."""
     from mpi4py import MPI
 
-    from fsipetsc.output.writer import CHUNK_BYTES, RunWriter
+    from fsipetsc.output.file_layout import CHUNK_BYTES
+    from fsipetsc.output.writer import RunWriter
 
     for n in (CHUNK_BYTES // 40 + 1, 2 * CHUNK_BYTES // 40 + 1, 100):
         path = tmp_path / f"{n}.h5"

@@ -36,6 +36,8 @@ RUNS = {
     "rigid": (LAYERS, "-layers gsgsg -fsi_mapping rigid -fsi_spare 0 -ts_max_time 0.2", 6),
     "stretched": ("pulse", "-fsi_h 0.025 -fsi_mapping stretched -pulse_amplitude 1000 -ts_max_time 0.003", 30),
     "energy": (LAYERS, "-layers gsgsg -fsi_mapping stretched -fsi_coupling energy -fsi_order 6 -ts_max_time 0.2", 6),
+    "blast": ("blast", "-fsi_h 0.125 -fsi_order 2 -ts_max_time 0.3 -fsi_output_dt 0.05", 10),
+    "plane": ("plane_mms", "-fsi_h 0.0625 -ts_max_time 0.1 -ts_rk_type 3bs", 3),
     "walls": (WALLS, "-walls_state left -fsi_h 0.02 -fsi_order 6 -ts_max_time 0.1", 8),
 }
 #: ranks on which the runs are begun

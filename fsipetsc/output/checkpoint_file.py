@@ -132,8 +132,7 @@ def write(path: str | os.PathLike[str], content: bytes) -> None:
         os.replace(fresh, target)
         _synchronise(target.parent)
     except OSError as error:
-        with suppress(OSError):
-            fresh.unlink(missing_ok=True)
+        tidy(target)
         kept = f"; the one before is kept in {target}" if target.is_file() else ""
         raise CheckpointError(f"{path}: the checkpoint cannot be written: {error.strerror or error}{kept}") from None
 

@@ -11,6 +11,7 @@ one's while it is being written.
 from __future__ import annotations
 
 import fcntl
+import glob
 import itertools
 import os
 import re
@@ -40,6 +41,8 @@ class Claim:
             _held[target].release()
         self._descriptor = self._lock()
         _held[target] = self
+        if self._descriptor is not None:
+            self._tidy()
 
     def _lock(self) -> int | None:
         while True:
@@ -68,6 +71,12 @@ class Claim:
                 os.pwrite(descriptor, f"process {os.getpid()} on {socket.gethostname()}".encode(), 0)
                 return descriptor
             os.close(descriptor)  # who had it removed it meanwhile
+
+    def _tidy(self) -> None:
+        """Remove files that runs killed in the midst have left: nobody else makes such as long as we have the right."""
+        for left in self.target.parent.glob(f".{glob.escape(self.target.name)}.*.new"):
+            with suppress(OSError):
+                left.unlink()
 
     def _still_there(self, descriptor: int) -> bool:
         """Whether the locked file is still the one of this name."""

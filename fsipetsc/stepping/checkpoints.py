@@ -17,6 +17,7 @@ from fsipetsc.output.checkpoint_file import Checkpoint
 from fsipetsc.output.file_layout import describe
 from fsipetsc.process.together import together
 from fsipetsc.stepping.restart import Past, checkpoint_name, described
+from fsipetsc.stepping.snapshot import RATES
 from fsipetsc.stepping.state import State
 from fsipetsc.stepping.versions import versions
 
@@ -36,6 +37,8 @@ class CheckpointKeeper:
         self.arrays = {} if past is None else dict(past.arrays)
         if past is not None and past.options["fsi_partition"] != opt["fsi_partition"]:
             self.arrays.pop("shares", None)
+        if past is not None and any(past.options[name] != opt[name] for name in ("ts_type", "ts_rk_type")):
+            self.arrays = {name: array for name, array in self.arrays.items() if not name.startswith(RATES)}
 
     def _check(self) -> None:
         if self._comm.rank > 0:

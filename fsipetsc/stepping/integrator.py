@@ -86,6 +86,7 @@ class Integrator:
             self.burst_limit = max(1, min(opt["fsi_burst"], MOST_POINTS // points))
         # of a method whose next step begins with the last rates of the one before: these, and those that a checkpoint had
         self._reuses, self._last, self._given = False, np.empty(0), None
+        self._left = 0  # the state of the solution, for PETSc, when the method has made a step
         self._rates: PETSc.Vec | None = None
         self._control: ErrorControl | None = None
         self._error: BaseException | None = None
@@ -127,11 +128,15 @@ class Integrator:
 
     @property
     def rates(self) -> np.ndarray | None:
-        """This rank's part of the last rates, if the next step of the method begins with them."""
-        moved = self.state.results[MOVED] or self.state.results[LOW]
-        return self._last if self._reuses and not moved else None
+        """This rank's part of the last rates, if the next step of the method begins with them.
+
+        It does not where grids have moved, nor where PETSc knows that the solution is not what the method has left.
+        """
+        results, changed = self.state.results, self.state.solution.stateGet() != self._left
+        return self._last if self._reuses and not (results[MOVED] or results[LOW] or changed) else None
 
     def _post_step(self, ts: PETSc.TS) -> None:
+        self._left = self.state.solution.stateGet()
         try:
             self._after_step(ts)
         except BaseException as error:  # through PETSc it would become an error stack; raised again after TSSolve

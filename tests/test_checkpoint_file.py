@@ -1,0 +1,186 @@
+"""The file of a checkpoint: whole or refused, whatever is done to it; the one before stays until the new one is there."""
+
+from __future__ import annotations
+
+import errno
+import os
+
+import h5py
+import numpy as np
+import pytest
+from helpers import message, mpirun, solve
+
+from fsipetsc.errors import FileError
+from fsipetsc.output import checkpoint_file
+from fsipetsc.output.checkpoint_file import Checkpoint, CheckpointError, pack, previous, read, unpack, write
+
+SMALL = Checkpoint({"case": "rod", "memory": {"steps": 7, "t": 0.1, "longest": float("inf")}}, {"layer0": np.arange(6.0)})
+
+
+def test_what_is_written_is_read(tmp_path):
+    write(tmp_path / "a.h5", pack(SMALL))
+    found = read(tmp_path / "a.h5")
+    assert found.header == SMALL.header and np.array_equal(found.arrays["layer0"], SMALL.arrays["layer0"])
+    with h5py.File(tmp_path / "a.h5") as file:  # as it is for other programs
+        assert file["arrays/layer0"][3] == 3.0
+
+
+def test_each_byte_counts():
+    """Any one that is flipped is noticed, in one bit or in all."""
+    content = bytearray(pack(SMALL))
+    for i in range(len(content)):
+        for flip in (1 << i % 8, 0xFF):
+            content[i] ^= flip
+            with pytest.raises(FileError):
+                unpack(bytes(content), "a.h5")
+            content[i] ^= flip
+    unpack(bytes(content), "a.h5")
+
+
+def test_a_file_that_was_cut_off_is_noticed():
+    content = pack(SMALL)
+    for length in {0, 1, 19, 511, 512, 513, len(content) // 2, len(content) - 1}:
+        with pytest.raises(FileError, match=r"is not a checkpoint|damaged"):
+            unpack(content[:length], "a.h5")
+    with pytest.raises(FileError, match="it ends after"):
+        unpack(content[:-1], "a.h5")
+    with pytest.raises(FileError, match="damaged"):
+        unpack(content + b"\0", "a.h5")
+
+
+def test_what_is_no_checkpoint_is_refused(tmp_path):
+    (tmp_path / "text").write_text("not this one")
+    with h5py.File(tmp_path / "other.h5", "w") as file:
+        file["a"] = 1
+    os.mkfifo(tmp_path / "pipe")
+    for name, words in {
+        "text": "is not a checkpoint of fsipetsc",
+        "other.h5": "is not a checkpoint of fsipetsc",
+        "pipe": "is not a checkpoint of fsipetsc",
+        "none.h5": "there is no such file",
+        ".": "cannot be read: Is a directory",
+    }.items():
+        with pytest.raises(FileError, match=words):
+            read(tmp_path / name)
+
+
+def test_the_last_two_are_kept(tmp_path):
+    target = tmp_path / "a.h5"
+    for steps in (1, 2, 3):
+        write(target, pack(Checkpoint({"steps": steps}, {})))
+    assert (read(target).header["steps"], read(previous(target)).header["steps"]) == (3, 2)
+    assert {path.name for path in tmp_path.iterdir()} == {"a.h5", "a.previous.h5"}
+    target.unlink()
+    with pytest.raises(FileError, match=f"the one before it is there: {previous(target)}"):
+        read(target)
+
+
+@pytest.mark.parametrize("named", [False, True], ids=["without a name", "with a name"])
+@pytest.mark.parametrize("at", ["write", "fsync", "replace", "link"])
+def test_what_fails_in_the_middle_leaves_the_one_before(at, named, tmp_path, monkeypatch):
+    target = tmp_path / "a.h5"
+    for steps in (1, 2):
+        write(target, pack(Checkpoint({"steps": steps}, {})))
+    if named:
+        monkeypatch.delattr(os, "O_TMPFILE", raising=False)
+    real, calls = getattr(os, at), []
+
+    def full(*arguments, **more):
+        if at == "write" and not calls:
+            calls.append(real(arguments[0], bytes(arguments[1][:100])))  # the disk is full after some bytes
+            return calls[0]
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    with monkeypatch.context() as context:
+        context.setattr(os, at, full)
+        if at == "link" and named:  # where there are no links the name is taken by renaming alone
+            write(target, pack(Checkpoint({"steps": 3}, {})))
+        else:
+            with pytest.raises(CheckpointError, match="No space left on device; the one before is kept in"):
+                write(target, pack(Checkpoint({"steps": 3}, {})))
+            assert read(target).header["steps"] == 2
+    assert {path.name for path in tmp_path.iterdir()} == {"a.h5", "a.previous.h5"}
+    write(target, pack(Checkpoint({"steps": 4}, {})))
+    assert read(target).header["steps"] == 4
+
+
+SHORT = "rod -fsi_h 0.05 -ts_max_time 1 -ts_max_steps 60 -fsi_checkpoint_steps 20 -fsi_quiet".split()
+
+
+@pytest.fixture(scope="module")
+def stopped(tmp_path_factory):
+    """A folder with rod.h5 and its checkpoints."""
+    pytest.importorskip("petsc4py")
+    folder = tmp_path_factory.mktemp("stopped")
+    done = solve(*SHORT, cwd=folder)
+    assert (done.returncode, done.stderr) == (0, "")
+    return folder
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("ranks", [1, 3])
+def test_a_file_that_cannot_be_gone_on_from_ends_all(ranks, stopped, tmp_path):
+    """Status 4, one message, nothing written."""
+    good = (stopped / "rod.checkpoint.h5").read_bytes()
+    flipped = bytearray(good)
+    flipped[len(good) // 2] ^= 1
+    (tmp_path / "flipped.h5").write_bytes(flipped)
+    (tmp_path / "cut.h5").write_bytes(good[:-1000])
+    (tmp_path / "result.h5").write_bytes((stopped / "rod.h5").read_bytes())
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    cases = {"flipped.h5": "damaged", "cut.h5": "it ends after", "result.h5": "is not a checkpoint", "none.h5": "no such file"}
+    for name, words in cases.items() if ranks == 1 else list(cases.items())[:1]:
+        done = mpirun(ranks, "-m", "fsipetsc", "rod", "-fsi_restart", name, cwd=tmp_path)
+        message(done, 4, name, words)
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+def test_options_that_cannot_change_are_named(stopped, tmp_path):
+    checkpoint = stopped / "rod.checkpoint.h5"
+    for name, value in (("fsi_order", "6"), ("fsi_h", "0.025"), ("fsi_mapping", "stretched"), ("solid_kappa", "3")):
+        done = solve("rod", "-fsi_restart", checkpoint, f"-{name}", value, cwd=tmp_path)
+        message(done, 2, f"-{name} {value}: it was ", "cannot change at a restart; leave it out")
+    message(solve("pulse", "-fsi_restart", checkpoint, cwd=tmp_path), 2, "is a checkpoint of the case rod, not of pulse")
+    (tmp_path / "old.opts").write_text("-ts_dt 1e-5\n")
+    done = solve("rod", "-fsi_restart", checkpoint, "-options_file", "old.opts", cwd=tmp_path)
+    message(done, 2, "-ts_dt 1e-5 (options file old.opts, line 1)", "it was not given", "say it on the command line")
+    assert not list(tmp_path.glob("*.h5"))
+
+
+def test_steps_may_change_where_it_is_said_and_a_result_may_begin_anew(stopped, tmp_path):
+    import fsipetsc
+
+    checkpoint = stopped / "rod.checkpoint.h5"
+    words = "-ts_dt", "1e-5", "-ts_max_steps", 70, "-fsi_output", "new.h5"
+    done = solve("rod", "-fsi_restart", checkpoint, *words, cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "note: -ts_dt 1e-5: it was not given" in done.stdout and "step 60, t = " in done.stdout
+    with fsipetsc.open_run(tmp_path / "new.h5") as result:
+        assert result.series["dt"].tolist() == [1e-5] * 10
+        assert result.time[0] == result.header["restarts"][0]["t"] == checkpoint_file.read(checkpoint).header["memory"]["t"]
+        assert result.summary["steps"] == 70
+
+
+def test_auto_begins_takes_the_newest_and_passes_over_the_damaged(tmp_path):
+    """The line of a batch script."""
+    line = [*SHORT[:-1], "-fsi_restart", "auto"]
+    first = solve(*line, cwd=tmp_path)
+    assert (first.returncode, "goes on" in first.stdout) == (0, False), first.stderr
+    second = solve(*line, "-ts_max_steps", 80, cwd=tmp_path)
+    assert "goes on from rod.checkpoint.h5: step 60" in second.stdout, second.stderr
+    newest = tmp_path / "rod.checkpoint.h5"
+    newest.write_bytes(newest.read_bytes()[:-1])
+    third = solve(*line, "-ts_max_steps", 90, cwd=tmp_path)
+    assert "goes on from rod.checkpoint.previous.h5: step 60" in third.stdout, third.stderr
+    assert "note: rod.checkpoint.h5: the checkpoint is damaged" in third.stdout
+    for path in tmp_path.glob("*checkpoint*"):
+        path.write_bytes(b"fsipetsc checkpoint 1")
+    message(solve(*line, cwd=tmp_path), 4, "without them -fsi_restart auto begins anew")
+
+
+def test_places_where_no_checkpoint_can_be_are_found_out_before_the_run(tmp_path):
+    message(solve(*SHORT, "-fsi_checkpoint", "rod.h5", cwd=tmp_path), 2, "that is where the result goes")
+    message(solve(*SHORT, "-fsi_checkpoint", "no/a.h5", cwd=tmp_path), 4, "no/a.h5: the directory", "does not exist")
+    (tmp_path / "a.h5").mkdir()
+    message(solve(*SHORT, "-fsi_checkpoint", "a.h5", cwd=tmp_path), 4, "a.h5: exists and is not a regular file")
+    assert not (tmp_path / "rod.h5").exists()
