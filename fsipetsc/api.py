@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from fsipetsc.cases import load_case
 from fsipetsc.errors import FsiError, InputError
-from fsipetsc.options import read_options, table
+from fsipetsc.options import table
 from fsipetsc.output.reader import Run, open_run
 from fsipetsc.plane import PlaneProblem
 from fsipetsc.problem import Problem
@@ -50,12 +50,11 @@ def run(case: Any, comm: MPI.Comm | None, options: Mapping[str, Any]) -> Run:
 
 def _solve(case: Any, comm: MPI.Comm, options: Mapping[str, Any]) -> str:
     """Make the run; returns the path of its result."""
-    from fsipetsc.stepping.run import run_case
+    from fsipetsc.stepping.run import run_given
 
     loaded = together(comm, lambda: _case(case))
     words = together(comm, lambda: list(_words(loaded, {"quiet": True, **options})))
-    in_force = read_options(loaded, start_petsc(words, comm))
-    run_case(loaded, in_force, comm)
+    in_force = run_given(loaded, start_petsc(words, comm), comm)
     return os.path.abspath(in_force["fsi_output"])
 
 

@@ -34,13 +34,17 @@ from fsipetsc.stepping.state import State
 from fsipetsc.stepping.versions import versions
 
 
-def run_given(case: Any, given: Mapping[str, Given], comm: MPI.Comm) -> None:
-    """Run the case with the options that the user gave, from its beginning or a checkpoint. Collective; as ``run_case``."""
+def run_given(case: Any, given: Mapping[str, Given], comm: MPI.Comm) -> dict[str, Any]:
+    """Run the case with the options that the user gave, from its beginning or a checkpoint; those in force.
+
+    Collective; raises what ``run_case`` raises.
+    """
     past = find_past(case, given, comm)
     options = read_options(case, given, inherited=None if past is None else past.options)
     if past is not None:
         check_options(past, options, given)
     run_case(case, options, comm, past)
+    return options
 
 
 def run_case(case: Any, options: dict[str, Any], comm: MPI.Comm, past: Past | None = None) -> None:

@@ -192,6 +192,11 @@ class Interfaces:
                 line.lay(self._operators, points)
                 meet(self.faces, piece.number, points, piece.held, line.normals)
 
+    def fetch(self) -> None:
+        """Fetch the points of a completed step, which have met already. Collective."""
+        if self.slips:
+            self._scatters[0].fetch()
+
     def slide(self, parts: dict[int, Any]) -> None:
         """Fetch the rates where gases slip, and give both sides the traction between them; parts: k -> LayerPart.
         Collective.

@@ -226,7 +226,7 @@ class PlaneState:
         y = self.solution.getArray()
         snapshot.put(self.layout, y, arrays)
         try:
-            self.path.apply_conditions(y, t)  # to a copy: frames are saved from it
+            self.path.load_completed(y, t)
         except InputError as error:
             self._keep(error)
         agree(self.comm, self.fault)
