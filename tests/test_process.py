@@ -119,3 +119,28 @@ def test_a_host_of_runs_keeps_its_own_options(tmp_path):
     for name, steps in (("rod", 2), ("it's 3", 3)):
         with fsipetsc.open_run(tmp_path / f"{name}.h5") as result:
             assert (result.summary["steps"], result.options["fsi_order"]) == (steps, 4)
+
+
+RESTING = """
+import json, time
+from fsipetsc.process.launch import start_mpi
+from fsipetsc.process.together import wait_asleep
+
+comm, end = start_mpi(), time.monotonic() + 1.0
+spent = time.process_time()
+while comm.rank == 0 and time.monotonic() < end:
+    pass
+wait_asleep(comm)
+everybody = comm.gather((time.monotonic() >= end, time.process_time() - spent))
+if comm.rank == 0:
+    print(json.dumps(everybody))
+"""
+
+
+@pytest.mark.mpi
+def test_ranks_sleep_while_one_works():
+    """So that one that compiles has its core for itself, although MPI waits without a pause."""
+    done = mpirun(2, "-c", RESTING)
+    assert (done.returncode, done.stderr) == (0, "")
+    (worked, _), (waited, spent) = json.loads(done.stdout)
+    assert worked and waited and spent < 0.3

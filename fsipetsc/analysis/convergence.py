@@ -20,7 +20,7 @@ from fsipetsc.checks import counted
 from fsipetsc.errors import ComputationError, FileError, InputError
 from fsipetsc.options import Option, groups, read_options
 from fsipetsc.process.launch import start_petsc
-from fsipetsc.process.together import together
+from fsipetsc.process.together import together, wait_asleep
 from fsipetsc.usage import program
 
 if TYPE_CHECKING:
@@ -114,7 +114,7 @@ def study(case: Any, opt: Mapping[str, Any], given: Container[str], comm: MPI.Co
             say(f"\nkept the earlier {path} as {kept}")
         files = [path, path.with_suffix(".csv"), *convergence_figures(table, path)]
         say("\nresults in " + ", ".join(map(str, files)))
-    comm.Barrier()
+    wait_asleep(comm)
     if table.failures:
         first = next(f"order {order}, h = {h:g}: {text}" for (order, h), text in table.failures.items())
         raise ComputationError(f"{len(table.failures)} of {counted(len(orders) * len(table.hs), 'run')} failed; {first}")

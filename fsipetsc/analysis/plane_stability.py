@@ -18,6 +18,7 @@ from fsipetsc.errors import ComputationError, InputError
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.plane.grids import make_grids
 from fsipetsc.plane import PlaneProblem, PlaneSolid
+from fsipetsc.process.together import wait_asleep
 from fsipetsc.scheme.plane.equations import USUAL, PlaneForm
 
 if TYPE_CHECKING:
@@ -94,7 +95,7 @@ def plane_stability(opt: Mapping[str, Any], setting: PlaneSetting, comm: MPI.Com
     results = [shares[i % comm.size][i // comm.size] for i in range(len(tasks))]
     if comm.rank == 0 and not opt["fsi_quiet"]:
         print(table(opt, setting, results))
-    comm.Barrier()
+    wait_asleep(comm)
     _judge(results)
 
 

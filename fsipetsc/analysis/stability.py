@@ -29,7 +29,7 @@ from fsipetsc.errors import ComputationError, InputError
 from fsipetsc.options import read_options, read_table
 from fsipetsc.plane import PlaneProblem
 from fsipetsc.process.launch import start_petsc
-from fsipetsc.process.together import together
+from fsipetsc.process.together import together, wait_asleep
 
 if TYPE_CHECKING:
     from mpi4py import MPI
@@ -58,7 +58,7 @@ def stability(arguments: list[str], comm: MPI.Comm) -> None:
         for path in save(opt, results):
             if not opt["fsi_quiet"]:
                 print(f"saved {path}")
-    comm.Barrier()
+    wait_asleep(comm)
     judge(results)
 
 

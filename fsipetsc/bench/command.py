@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 from fsipetsc.options import RUN, read_table
 from fsipetsc.options.option import Option
 from fsipetsc.process.launch import start_petsc
+from fsipetsc.process.together import wait_asleep
 
 if TYPE_CHECKING:
     from mpi4py import MPI
@@ -88,7 +89,7 @@ def bench(arguments: list[str], comm: MPI.Comm) -> None:
         study = measure(opt, comm, say)
     if comm.rank == 0:
         _present(study, opt, say)
-    comm.Barrier()
+    wait_asleep(comm)
 
 
 def _present(study: BenchStudy, opt: Mapping[str, Any], say: Any) -> None:

@@ -23,6 +23,7 @@ from fsipetsc.bench.yardstick import ENVIRONMENT, PlaneYardstick, Yardstick
 from fsipetsc.cases import load_case
 from fsipetsc.errors import InputError
 from fsipetsc.options import defaults
+from fsipetsc.process.together import wait_asleep
 from fsipetsc.scheme.plan import RATE
 from fsipetsc.stepping.versions import versions
 
@@ -82,23 +83,17 @@ class Bench:
         chosen = {name: self.opt[name] for name in ("fsi_partition", "fsi_shared_memory")}
         return {**defaults(self.case), "fsi_order": order, "fsi_h": spacing(points), **chosen, **more}
 
-    def rest(self) -> None:
-        """Wait for all ranks, asleep."""
-        request = self.world.Ibarrier()
-        while not request.Test():
-            time.sleep(0.002)
-
     def alone(self, action: Callable[[], Result]) -> Result | None:
         """Do something on rank 0 while the others sleep."""
         value = action() if self.world.rank == 0 else None
-        self.rest()
+        wait_asleep(self.world)
         return value
 
     def team(self, ranks: int, action: Callable[[MPI.Comm], Result]) -> Result | None:
         """Do something on the first ranks while the others sleep."""
         comm = self.teams[ranks]
         value = action(comm) if comm != MPI.COMM_NULL else None
-        self.rest()
+        wait_asleep(self.world)
         return value
 
     def free(self) -> None:
@@ -159,7 +154,7 @@ class Bench:
                 stands[ranks] = self.team(ranks, lambda comm: Stand(self.case, self.options(order, points), comm, self.say))
                 fault = None
             except InputError as error:
-                self.rest()
+                wait_asleep(self.world)
                 fault = str(error)
             fault = self.world.bcast(fault)
             if fault:

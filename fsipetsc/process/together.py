@@ -1,7 +1,8 @@
-"""What each rank does for itself, and all go on from together: nobody waits for one that has failed."""
+"""What each rank does for itself, and all go on from together: nobody waits for one that has failed, nor takes its time."""
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeVar
 
@@ -27,6 +28,13 @@ def together(comm: MPI.Comm, action: Callable[[], Result]) -> Result:
         fault = error
     agree(comm, fault)
     return result
+
+
+def wait_asleep(comm: MPI.Comm) -> None:
+    """Wait for all ranks, asleep: where one compiles or draws, others that look out for it all the time may have its core."""
+    request = comm.Ibarrier()
+    while not request.Test():
+        time.sleep(0.002)
 
 
 def agree(comm: MPI.Comm, fault: FsiError | None, unheard: bool = True) -> None:

@@ -18,7 +18,7 @@ from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.layout import Grid, Layout, make_grids
 from fsipetsc.physics.layer import FLUID, SOLID
 from fsipetsc.problem import FluidLayer, Problem
-from fsipetsc.process.together import agree, together
+from fsipetsc.process.together import agree, together, wait_asleep
 from fsipetsc.scheme import runge_kutta
 from fsipetsc.scheme.burst import MADE
 from fsipetsc.scheme.fields import fields
@@ -78,7 +78,7 @@ class State:
             with garbage_waiting(), compiling(self.plan.compiled(runge_kutta.run_task), announce):
                 runge_kutta.do_nothing(self.plan)
                 also()
-        self.comm.Barrier()
+        wait_asleep(self.comm)
         runge_kutta.do_nothing(self.plan)
         also()
 

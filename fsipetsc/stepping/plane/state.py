@@ -22,7 +22,7 @@ from fsipetsc.parallel.plane.grids import make_grids
 from fsipetsc.parallel.plane.layout import PlaneLayout
 from fsipetsc.physics.plane.layer import DOF
 from fsipetsc.plane import PlaneProblem
-from fsipetsc.process.together import agree, together
+from fsipetsc.process.together import agree, together, wait_asleep
 from fsipetsc.scheme.plan import BAD, CAPACITY, FLAGS, LIMITS, RATE, SAID_STOP, STAGES, STOP
 from fsipetsc.scheme.plane.equations import USUAL, PlaneForm
 from fsipetsc.scheme.plane.look import BAD as LOOKED_BAD
@@ -95,7 +95,7 @@ class PlaneState:
             first, *_ = (entry for entry, _ in self.path.entries())
             with garbage_waiting(), compiling(first, announce):
                 self._compile()
-        self.comm.Barrier()
+        wait_asleep(self.comm)
         self._compile()
 
     def _compile(self) -> None:
