@@ -164,12 +164,14 @@ class ProblemLaws:
                 what = "the two-point form of convection is that of a perfect gas: take -fsi_convection divergence"
                 raise InputError(f"layer '{layer.name}' has a gas law of its own, and {what}")
         names = {digest(law): law for law in found}
+        # the same laws in another order are no others
+        names = dict(sorted(names.items(), key=lambda item: (item[1].kind, item[0])))
         if names.keys() <= _BUILT_IN.keys():
             names = _BUILT_IN
         self.layers, numbers = tuple(names.values()), {name: k for k, name in enumerate(names)}
         self.of_layers = [numbers[digest(law)] for law in found]
         met = [(self.of_layers[fluid], self.of_layers[solid]) for fluid, solid in problem.interfaces]
-        known = list(dict.fromkeys(met))
+        known = sorted(set(met))
         self.of_interfaces = [known.index(numbers) for numbers in met]
         self.pairs = tuple(pair(self.layers[fluid], self.layers[solid]) for fluid, solid in known)
         self._variants = None
