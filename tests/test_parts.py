@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections import Counter
+
 import numpy as np
 import pytest
 
 pytest.importorskip("numba")
 
+from llvmlite import binding
 from numba import njit
 
 from fsipetsc.operators.formulas import Formulas, each, with_chosen
 from fsipetsc.operators.kernels import FORMULA, OPTIONS
+from fsipetsc.operators.parts import Whole
 from fsipetsc.operators.variants import Variants
 
 
@@ -62,6 +66,31 @@ def machine_code(function):
     found = {c.library.get_pointer_to_function(c.fndesc.llvm_func_name) != 0 for c in function.overloads.values()}
     assert len(found) == 1, "none or all of one or more versions"
     return found.pop()
+
+
+def test_a_whole_takes_in_each_part_once(monkeypatch):
+    """Those too that several others need; none of them is left for itself."""
+    linked = Counter()
+    link_in = binding.ModuleRef.link_in
+
+    def counted(self, other, preserve=False):
+        linked[other.name] += 1
+        link_in(self, other, preserve)
+
+    whole = njit(pipeline_class=Whole, error_model="numpy")(lambda s, i: outer(s, i) + countdown(i) + inner(LAWS[0], s, i))
+    s = np.array([6.0, 12.0, 18.0])
+    expected = entry(s, 0) + 2.0  # and all parts are there
+    with monkeypatch.context() as patched:
+        patched.setattr(binding.ModuleRef, "link_in", counted)
+        assert whole(s, 0) == expected
+    # each part by its name: those of two laws, and what ``each`` and ``with_chosen`` are made into
+    assert {name: linked[name] for name in ("inner", "made", "a_half", "a_third", "countdown", "outer")} == {
+        **{"inner": 2, "made": 2},
+        **dict.fromkeys(("a_half", "a_third", "countdown", "outer"), 1),
+    }
+    (compiled,) = whole.overloads.values()
+    defined = [f.name for f in compiled.library._final_module.functions if not f.is_declaration]
+    assert not [name for name in defined if "a_half" in name or "inner" in name]
 
 
 def test_parts_are_in_their_callers_alone():

@@ -16,7 +16,7 @@ from numba import njit
 
 from fsipetsc.operators import sbp
 from fsipetsc.operators.cache import use_cache_folder
-from fsipetsc.operators.parts import PART
+from fsipetsc.operators.parts import PART, Whole
 from fsipetsc.operators.vectors import LANES, centred_difference, fma, lane, load, mirrored, spread
 
 #: Points that a kernel treats at once: its scratch rows stay in the first-level cache.
@@ -32,7 +32,7 @@ U64 = np.uint64
 #: Of functions that Python calls. No "contract": the compiler forms different fused operations in the vector and the
 #: scalar version of a formula, and a point's result would depend on where a rank's part begins. Where fusing pays,
 #: ``fma`` says so explicitly.
-ENTRY = {"cache": _KEPT, "error_model": "numpy", "nogil": True}
+ENTRY = {"pipeline_class": Whole, "cache": _KEPT, "error_model": "numpy", "nogil": True}
 #: Of functions that only compiled code calls: not kept on disk for themselves, nothing made to call them from Python, and
 #: no count kept of who refers to an array: that takes as long as some points, and all arrays outlive the call. What a
 #: formula calls becomes part of it, too, whatever its size: numba hands that down. (Ends and couplings as functions of their

@@ -60,8 +60,9 @@ class Variants:
         )
         other.__module__, other.__qualname__, other.__doc__ = plain.__module__, plain.__qualname__, plain.__doc__
         options = {key: value for key, value in function.targetoptions.items() if key != "nopython"}
+        options["pipeline_class"] = function._compiler.pipeline_class
         if function.stats.cache_path is None:
-            return njit(pipeline_class=function._compiler.pipeline_class, **options)(other)
+            return njit(**options)(other)
         return self._kept(other, options)
 
     def _kept(self, function: Any, options: dict[str, Any]) -> Any:
