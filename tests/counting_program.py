@@ -1,4 +1,4 @@
-"""Counts what a time step does, for tests/test_counts.py: MODE [options]; prints the counts of each rank as JSON.
+"""Counts what a step does, for tests/test_counts.py: "MODE options" ...; prints JSON, a list for each of the ranks' counts.
 
 traffic      arrays moved between a small cache and memory, by running the kernels' source, uncompiled, in a simulation
              of the cache; wants NUMBA_DISABLE_JIT=1
@@ -29,28 +29,28 @@ LINE, LINES = 8, 512
 BLOCK = 48
 
 
-def main(mode: str, *options: str) -> None:
-    shims = count_mpi() if mode == "messages" else None
+def main(*tasks: str) -> None:
+    """Each task: "MODE options"."""
+    modes = [task.split()[0] for task in tasks]
+    shims = count_mpi() if "messages" in modes else None
     from fsipetsc.process.launch import start_mpi, start_petsc
 
     comm = start_mpi()
-    given = start_petsc(options, comm)
+    start_petsc([], comm)
     from fsipetsc.cases import load_case
     from fsipetsc.options import read_options
+    from fsipetsc.options.sources import given_options
 
-    case = load_case("rod")
-    opt = read_options(case, given)
-    if mode == "traffic":
-        result = traffic(case, opt, comm)
-    elif mode == "messages":
-        result = messages(case, opt, comm, shims)
-    elif mode == "path":
-        result = path(case, opt, comm)
-    else:
-        result = allocations(case, opt, comm)
-    results = comm.gather(result)
+    case, every = load_case("rod"), []
+    for mode, task in zip(modes, tasks):
+        opt = read_options(case, given_options(task.split()[1:], {}))
+        if mode == "messages":
+            result = messages(case, opt, comm, shims)
+        else:
+            result = {"traffic": traffic, "path": path, "allocations": allocations}[mode](case, opt, comm)
+        every.append(comm.gather(result))
     if comm.rank == 0:
-        print(json.dumps(results))
+        print(json.dumps(every))
 
 
 # --- traffic

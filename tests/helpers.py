@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Mapping
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -54,7 +55,8 @@ def run(
 ) -> subprocess.CompletedProcess[str]:
     """`python *args` without mpiexec, output captured as text. Example: run("-m", "fsipetsc", "rod", "-help")."""
     command = [sys.executable, *map(str, args)]
-    return _capture(command, timeout, cwd, environment(env))
+    # Open MPI starts a process of its own beside each that it has not launched, which nothing here has a use for
+    return _capture(command, timeout, cwd, environment({"OMPI_MCA_ess_singleton_isolated": "1", **(env or {})}))
 
 
 def mpirun(
@@ -109,6 +111,7 @@ def _capture(
     return subprocess.CompletedProcess(command, process.returncode, out.replace("\0", ""), err.replace("\0", ""))
 
 
+@cache
 def from_python(function: Any, *law: Any) -> Any:
     """A compiled function that only compiled code calls, made callable; "not a number" and the like raise nothing.
 

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import json
+import subprocess
+
 import numpy as np
 import pytest
-from helpers import assert_readable, message, mpirun, run, solve
+from helpers import REPOSITORY, assert_readable, message, mpirun, run, solve
 
 import fsipetsc
 
@@ -42,15 +45,35 @@ BAD_INPUT = {
 }
 
 
+def status_of(name: str) -> int:
+    return 4 if name == "output directory" else 2
+
+
+@pytest.fixture(scope="module")
+def refused(tmp_path_factory) -> dict[str, subprocess.CompletedProcess[str]]:
+    """name -> BAD_INPUT as a process by itself would end: all run in one, which leaves nothing but its answers."""
+    where, listed = tmp_path_factory.mktemp("refused"), tmp_path_factory.mktemp("listed") / "runs.json"
+    listed.write_text(json.dumps([[status_of(name), line] for name, (line, _) in BAD_INPUT.items()]))
+    done = run(REPOSITORY / "tests" / "many_runs_program.py", listed, cwd=where)
+    answers = json.loads(done.stdout)  # and nothing else is said there
+    assert (done.returncode, done.stderr, answers["wrong"]) == (0, "", [])
+    assert list(where.iterdir()) == [], "nothing is left behind"
+    said = zip(BAD_INPUT, answers["said"], strict=True)
+    return {name: subprocess.CompletedProcess([], status_of(name), "", text) for name, text in said}
+
+
 @pytest.mark.parametrize("name", BAD_INPUT)
-def test_bad_input(name, tmp_path):
-    line, words = BAD_INPUT[name]
-    done = solve(*line.split(), cwd=tmp_path)
-    text = message(done, 4 if name == "output directory" else 2)
-    for word in words:
+def test_bad_input(name, refused):
+    text = message(refused[name], status_of(name))
+    for word in BAD_INPUT[name][1]:
         assert word in text
-    assert done.stdout == ""
-    assert list(tmp_path.iterdir()) == [], "nothing is left behind"
+
+
+def test_bad_input_in_a_process_of_its_own(tmp_path):
+    line, words = BAD_INPUT["misspelt option"]
+    done = solve(*line.split(), cwd=tmp_path)
+    assert all(word in message(done, 2) for word in words)
+    assert done.stdout == "" and list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.mpi
@@ -58,7 +81,7 @@ def test_bad_input(name, tmp_path):
 def test_bad_input_on_two_ranks(name, tmp_path):
     line, words = BAD_INPUT[name]
     done = mpirun(2, "-m", "fsipetsc", *line.split(), cwd=tmp_path)
-    text = message(done, 4 if name == "output directory" else 2)
+    text = message(done, status_of(name))
     for word in words:
         assert word in text
     assert "MPI_ABORT" not in done.stderr
