@@ -8,8 +8,10 @@ import signal
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import TextIO
 
 import pytest
+from costs import pytest_runtest_logreport, pytest_runtest_logstart, pytest_runtest_makereport, pytest_terminal_summary  # noqa: F401
 from helpers import REPOSITORY, compute
 from stub_case import CASE, DRIVER
 
@@ -18,9 +20,24 @@ from fsipetsc.output.reader import Run
 
 #: files of tests that take longest, the longest first
 DEAREST = (
-    *("ranks", "materials", "dissipation_runs", "signals", "narrow_runs", "own_laws", "time", "failures", "cli", "counts"),
-    *("shared_memory", "stability", "ends", "cache", "case_files", "convergence", "plane", "shock", "process", "live", "pulse"),
+    *("ranks", "signals", "own_laws", "time", "failures", "materials", "dissipation_runs", "two_point_runs", "narrow_runs"),
+    *("cli", "counts", "shared_memory", "stability", "ends", "cache", "case_files", "convergence", "plane", "shock"),
+    *("process", "live", "pulse", "same_bits"),
 )
+_SHORT = "-fsi_h 0.1 -ts_max_steps 2"
+#: runs that compile what nearly all tests need, and what some need beside it: in a session of MANY tests all in one process,
+#: where what has been compiled for one of them is there for the next (30 % less for each)
+FIRST = {"fused": ("rod", _SHORT), "rk": ("rod", f"{_SHORT} -ts_type rk"), "forced": ("mms", "-ts_max_steps 2")}
+MORE = {
+    "materials": (str(REPOSITORY / "tests" / "materials.py"), "-ts_max_steps 1"),
+    "narrow": ("mms", "-fsi_viscous narrow -ts_max_steps 1"),
+    **{
+        f"{name} {method}": ("mms", f"{form} -ts_type {method} -ts_max_steps 1")
+        for name, form in (("dissipation", "-fsi_dissipation 1 -fsi_shock 1"), ("two-point", "-fsi_convection entropy"))
+        for method in ("fused", "rk")
+    },
+}
+MANY = 1000
 ORDERS = (2, 4, 6, 8)
 PULSE_SPACINGS = (0.0125, 0.00625)
 BECKER_SPACINGS = (0.0125, 0.00625)
@@ -271,18 +288,37 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 @pytest.fixture(scope="session", autouse=True)
-def kernels(tmp_path_factory: pytest.TempPathFactory) -> None:
+def kernels(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> None:
     """Compile what is not compiled yet, once, so that no test waits for it longer than it can."""
     if importlib.util.find_spec("petsc4py") is None or importlib.util.find_spec("numba") is None:
         return
     from fsipetsc.operators import cache
 
-    with (tmp_path_factory.getbasetemp().parent / "kernels.lock").open("w") as lock:
+    folder = cache.use_cache_folder()
+    with (folder / "tests.lock").open("w") as lock, (folder / "tests-more.lock").open("w") as more:
+        if request.session.testscollected > MANY and _taken(lock) and not _taken(more):
+            compute(1, tmp_path_factory.mktemp("more"), MORE)  # rather than wait for the other one
         fcntl.flock(lock, fcntl.LOCK_EX)  # several processes of one session may come here at once
-        if not any(cache.use_cache_folder().rglob("runge_kutta.run_task-*.nbi")):
-            short = "-fsi_h 0.1 -ts_max_steps 2"
-            runs = {"fused": ("rod", short), "rk": ("rod", f"{short} -ts_type rk"), "forced": ("mms", "-ts_max_steps 2")}
-            compute(1, tmp_path_factory.mktemp("kernels"), runs)
+        if not any(folder.glob("*/runge_kutta.run_task-*.nbi")):
+            compute(1, tmp_path_factory.mktemp("kernels"), FIRST)
+
+
+@pytest.fixture(scope="session")
+def more_kernels(kernels: None) -> None:
+    """Wait for another process of the session that is compiling MORE."""
+    from fsipetsc.operators import cache
+
+    with (cache.cache_folder() / "tests-more.lock").open("w") as more:
+        fcntl.flock(more, fcntl.LOCK_EX)
+
+
+def _taken(lock: TextIO) -> bool:
+    """Whether another process has it; if not, this one has it now."""
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    return False
 
 
 @pytest.fixture(scope="session")

@@ -1,4 +1,4 @@
-"""Runs with dissipation, everywhere and at shocks: the same bits on any number of ranks, what is conserved, and its order."""
+"""Runs with dissipation, everywhere and at shocks: both paths, what is conserved, and its order."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ pytestmark = pytest.mark.mpi
 
 BOTH = "-fsi_dissipation 1 -fsi_shock 1"
 _SHARED = f"{BOTH} -fsi_partition balanced -ts_max_time 0.1 -fsi_output_dt 0.1"
+#: what test_same_bits runs on several ranks, too
 SHARED = {
     "sod 2": ("shock", f"{_SHARED} -fsi_order 2 -fsi_h 0.02"),
     "sod rigid": ("shock", f"{_SHARED} -fsi_order 4 -fsi_h 0.02 -fsi_mapping rigid -fsi_coupling energy"),
@@ -41,27 +42,15 @@ ALONE = {
 
 
 @pytest.fixture(scope="module")
-def runs(tmp_path_factory):
-    """(ranks, name) -> result."""
-    found = {}
-    for ranks, wanted in ((1, SHARED | ALONE), (2, SHARED), (3, SHARED), (5, SHARED)):
-        folder = tmp_path_factory.mktemp(f"dissipation{ranks}")
-        found |= {(ranks, name): fsipetsc.open_run(path) for name, path in compute(ranks, folder, wanted).items()}
-    return found
-
-
-@pytest.mark.parametrize("name", SHARED)
-@pytest.mark.parametrize("ranks", [2, 3, 5])
-def test_ranks_change_no_bit(runs, ranks, name):
-    one, more = runs[1, name], runs[ranks, name]
-    for a, b in zip(one.layers, more.layers, strict=True):
-        assert all(np.array_equal(a[field], b[field], equal_nan=True) for field in a.fields)
-    assert np.array_equal(one.series["t"], more.series["t"])
+def runs(more_kernels, tmp_path_factory):
+    """name -> result."""
+    files = compute(1, tmp_path_factory.mktemp("dissipation"), SHARED | ALONE)
+    return {name: fsipetsc.open_run(path) for name, path in files.items()}
 
 
 def test_the_two_paths(runs):
     """The fused method and PETSc's own make the same of a strong shock, but for T of the solid: see scheme/kinetic."""
-    fused, plain = runs[1, "strong 4"], runs[1, "strong rk"]
+    fused, plain = runs["strong 4"], runs["strong rk"]
     for a, b in zip(fused.layers, plain.layers, strict=True):
         for field in (name for name in a.fields if "rho" in a.fields or name != "T"):
             np.testing.assert_allclose(a[field], b[field], rtol=1e-9, atol=1e-9)
@@ -69,20 +58,20 @@ def test_the_two_paths(runs):
 
 @pytest.mark.parametrize("name", ["sod 2", "strong 4", "strong 8"])
 def test_shocks_keep_mass(runs, name):
-    series = runs[1, name].series
+    series = runs[name].series
     assert np.abs(series["mass"] / series["mass"][0] - 1).max() < 1e-13
 
 
 @pytest.mark.parametrize("order", LEAST)
 def test_orders(runs, order):
-    coarse, fine = (runs[1, f"mms {order} {h}"].errors for h in SPACINGS)
+    coarse, fine = (runs[f"mms {order} {h}"].errors for h in SPACINGS)
     for kind, least in zip(("fluid", "solid"), LEAST[order], strict=True):
         assert np.log2(coarse[kind]["combined"] / fine[kind]["combined"]) > least
 
 
 def test_box(runs):
     """What is smooth keeps mass and energy as without dissipation, and the entropy grows in each step."""
-    series = runs[1, "box"].series
+    series = runs["box"].series
     assert np.abs(series["mass"] / series["mass"][0] - 1).max() < 1e-13
     assert np.abs(series["energy"] / series["energy"][0] - 1).max() < 1e-12
     assert np.diff(series["entropy"]).min() > 0

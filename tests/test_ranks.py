@@ -85,7 +85,8 @@ RUNS = {
     "piston spare 0": (PISTON, "-ts_max_time 0.048 -fsi_spare 0"),
     "piston out": (PISTON, "-ts_max_time 0.02 -piston_speed -20 -fsi_spare 3"),
 }
-#: each coupling on either grid, by another order of the operators, walls and ends that are driven, and many layers
+#: what test_same_bits runs: each coupling on either grid, by another order of the operators, walls and ends that are driven,
+#: and many layers
 EVERY = {
     f"{mapping} {coupling}": (LAYERS, f"-fsi_mapping {mapping} -fsi_coupling {coupling} -fsi_order {order} {_LAYERS}")
     for mapping, orders in (("rigid", (2, 4, 6, 8)), ("stretched", (8, 6, 4, 2)))
@@ -171,21 +172,6 @@ def assert_same(one, other) -> None:
 def test_as_on_one_rank(results, name, n):
     assert results(n, name).summary["ranks"] == n
     assert_same(results(1, name), results(n, name))
-
-
-@pytest.fixture(scope="module")
-def every(tmp_path_factory):
-    """(ranks, name) -> result, of EVERY."""
-    folder = tmp_path_factory.mktemp("every")
-    files = {n: compute(n, folder / f"{n}", EVERY) for n in (1, 2, 3, 5)}
-    return {(n, name): fsipetsc.open_run(path) for n, found in files.items() for name, path in found.items()}
-
-
-@pytest.mark.parametrize("n", [2, 3, 5])
-@pytest.mark.parametrize("name", EVERY)
-def test_every_coupling_on_either_grid(every, name, n):
-    assert every[n, name].summary["ranks"] == n
-    assert_same(every[1, name], every[n, name])
 
 
 @pytest.mark.parametrize("n", [1, 4])

@@ -1,0 +1,53 @@
+"""Results are the same bit for bit on any number of ranks, whatever form the equations and whatever laws the materials have.
+
+The runs of several files, all of them in one process for each rank: that is what they share, and starts are what costs.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from helpers import compute
+
+import fsipetsc
+
+pytest.importorskip("petsc4py")
+
+import test_dissipation_runs
+import test_materials
+import test_narrow_runs
+import test_ranks
+import test_two_point_runs
+
+pytestmark = pytest.mark.mpi
+
+SHARED = {
+    f"{group} {name}": run
+    for group, runs in {
+        "coupling": test_ranks.EVERY,
+        "narrow": test_narrow_runs.SHARED,
+        "dissipation": test_dissipation_runs.SHARED,
+        "two-point": test_two_point_runs.SHARED,
+        "materials": test_materials.SHARED,
+    }.items()
+    for name, run in runs.items()
+}
+
+
+@pytest.fixture(scope="module")
+def results(more_kernels, tmp_path_factory):
+    """(ranks, name) -> result."""
+    found = {n: compute(n, tmp_path_factory.mktemp(f"shared{n}"), SHARED) for n in (1, 2, 3, 5)}
+    return {(n, name): fsipetsc.open_run(path) for n, files in found.items() for name, path in files.items()}
+
+
+@pytest.mark.parametrize("n", [2, 3, 5])
+@pytest.mark.parametrize("name", SHARED)
+def test_ranks_change_no_bit(results, name, n):
+    one, more = results[1, name], results[n, name]
+    assert more.summary["ranks"] == n
+    if name.startswith("coupling "):
+        test_ranks.assert_same(one, more)
+    for a, b in zip(one.layers, more.layers, strict=True):
+        assert all(np.array_equal(a[field], b[field], equal_nan=True) for field in a.fields)
+    assert np.array_equal(one.series["t"], more.series["t"])
