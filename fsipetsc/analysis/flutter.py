@@ -20,7 +20,7 @@ from fsipetsc.checks import counted
 from fsipetsc.errors import ComputationError, FileError, InputError
 from fsipetsc.options import Option, groups, read_options
 from fsipetsc.process.launch import start_petsc
-from fsipetsc.process.together import agree, together
+from fsipetsc.process.together import agree, together, wait_asleep
 
 if TYPE_CHECKING:
     from mpi4py import MPI
@@ -84,7 +84,7 @@ def flutter(arguments: list[str], comm: MPI.Comm) -> None:
     if comm.rank == 0:
         files = [study.save(path), *_pictures(study, path)]
         say("\nresults in " + ", ".join(map(str, files)))
-    comm.Barrier()
+    wait_asleep(comm)
     failures = [run for run in study.runs if run.failure]
     if failures:
         first = f"M = {failures[0].mach:g}, lambda = {failures[0].dynamic:g}: {failures[0].failure}"
