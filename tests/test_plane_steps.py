@@ -1,12 +1,18 @@
 """Fused steps in two dimensions against the classical Runge-Kutta method written out, with the rates of PETSc's methods."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from mpi4py import MPI
 
 from fsipetsc.boundaries.plane import Clamped, NoSlip, Open, Outflow, Slip
+from fsipetsc.errors import InputError
+from fsipetsc.operators.sbp import OPERATORS
+from fsipetsc.parallel.plane.grids import make_grids, share_out
 from fsipetsc.physics.fluid import Fluid
 from fsipetsc.plane import PlaneFluidLayer, PlaneProblem, PlaneSolid, PlaneSolidLayer
+from fsipetsc.scheme.plane.equations import USUAL, equations_of
 from fsipetsc.stepping.plane.state import PlaneState
 
 STEPS, DT = 3, 2e-3
@@ -53,6 +59,40 @@ def classical(state, y, dt):
         total, stage = total + b * dt * k, y + a * dt * k
     path.project(total, 0.0)
     return total
+
+
+def test_a_solid_in_which_no_heat_is_made_or_goes():
+    """Its own equations leave the heat out; with a conductivity that changes nothing it is as all others."""
+    problem = panel()
+    found = []
+    for kappa_e in (0.0, 1e-300):
+        layer = replace(problem.layers[0], material=replace(problem.layers[0].material, kappa_e=kappa_e))
+        with PlaneState(MPI.COMM_SELF, replace(problem, layers=(layer, problem.layers[1])), 4, 1 / 12) as state:
+            state.set_initial()
+            state.finish()
+            state.step(0.0, DT, True)
+            found.append(state.layout.local(0, state.solution.getArray()).copy())
+    assert len(equations_of(layer, USUAL).fluxes) == 3 and len(equations_of(problem.layers[0], USUAL).fluxes) == 2
+    assert np.abs(found[0] - found[1]).max() < 1e-14 and np.all(found[0][..., 4] == 1.0)
+
+
+@pytest.mark.parametrize(
+    ("h", "mode", "ranks"),
+    [(1 / 128, "auto", [(0, 1), (0, 1)]), (1 / 32, "auto", [(1,), (0,)]), (1 / 32, "balanced", [(0, 1), (0, 1)])],
+)
+def test_shares(h, mode, ranks):
+    """Of two ranks; those of large grids have as much of each layer."""
+    grids = make_grids(panel(), OPERATORS[4], h)
+    shares = share_out(grids, ["solid", "fluid"], OPERATORS[4], 2, mode)
+    assert [share.ranks for share in shares] in (ranks, ranks[::-1])
+    for share, grid in zip(shares, grids, strict=True):
+        sizes = [(b - a) * (d - c) for a, b, c, d in map(share.block, share.ranks)]
+        assert sum(sizes) == grid.nx * grid.ny and max(sizes) - min(sizes) <= max(grid.nx, grid.ny)
+
+
+def test_too_many_ranks_for_even_shares():
+    with pytest.raises(InputError, match=r"balanced: 4000 ranks .* \d+ is the largest"):
+        share_out(make_grids(panel(), OPERATORS[4], 1 / 32), ["solid", "fluid"], OPERATORS[4], 4000, "balanced")
 
 
 @pytest.mark.parametrize("problem", [periodic(False), periodic(True), panel()], ids=["sticks", "slips", "panel"])

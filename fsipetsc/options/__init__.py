@@ -118,7 +118,7 @@ RUN = (
         *("fsi_burst", int, 64, "steps", "most steps between looks at signals and progress; 1 with -ts_monitor…, -log_…"),
         check="positive",
     ),
-    Option("fsi_partition", str, "auto", "", "in 1-D: which ranks own which layers", ("auto", "physics", "balanced")),
+    Option("fsi_partition", str, "auto", "", "which ranks own which layers", ("auto", "physics", "balanced")),
     Option("fsi_shared_memory", bool, True, "", "in 1-D: up to 16 ranks, all on one node, exchange by memory, not messages"),
     Option("fsi_norm", str, "L2", "", "norm of the errors against an exact solution; L1 where it jumps", ("L1", "L2")),
     Option("fsi_quiet", bool, False, "", "print nothing but errors"),

@@ -66,7 +66,8 @@ def make_state(problem: Problem | PlaneProblem, opt: dict[str, Any], comm: MPI.C
         if opt["ts_type"] == FUSED and not problem.steady_data:
             opt["ts_type"] = "rk"
             publish(opt)
-        return PlaneState(comm, problem, opt["fsi_order"], opt["fsi_h"], form, opt["fsi_points"] or ())
+        points, partition = opt["fsi_points"] or (), opt["fsi_partition"]
+        return PlaneState(comm, problem, opt["fsi_order"], opt["fsi_h"], form, points, partition)
     if opt["fsi_points"]:
         raise InputError("-fsi_points is of two dimensions: in one, series of all interfaces are recorded anyway")
     names = ("fsi_order", "fsi_h", "fsi_coupling", "fsi_mapping", "fsi_partition", "fsi_spare")

@@ -12,6 +12,9 @@ from fsipetsc.operators.sbp import SBPOperator
 from fsipetsc.parallel.partition import apportion, by_physics
 from fsipetsc.plane import PlaneProblem
 
+#: points of a rank from which it weighs more that all have the same to do than that they send each other more
+BALANCED_FROM = 8192
+
 
 @dataclass(frozen=True)
 class PlaneGrid:
@@ -78,13 +81,25 @@ class Share:
         return np.array(self.ranks)[across * (len(self.columns) - 1) + along]
 
 
-def share_out(grids: Sequence[PlaneGrid], kinds: Sequence[str], op: SBPOperator, size: int) -> list[Share]:
+def share_out(
+    grids: Sequence[PlaneGrid], kinds: Sequence[str], op: SBPOperator, size: int, mode: str = "auto"
+) -> list[Share]:
     """Shares of each layer for ``size`` ranks; InputError, naming the largest number of ranks that would work.
 
-    One rank has all; fewer ranks than layers: gases on the lower half of the ranks, solids on the upper; else ranks in
-    proportion to points, one layer each, in blocks with short edges.
+    One rank has all. balanced: each rank a block of each layer. physics: fewer ranks than layers: gases on the lower half of
+    the ranks, solids on the upper; else ranks in proportion to points, one layer each, in blocks with short edges. auto:
+    balanced where ranks have BALANCED_FROM points and more, and that is possible, else physics.
     """
     caps = [_most(grid, op) for grid in grids]
+    even = all(_blocks(grid, op, size) for grid in grids)
+    if mode == "balanced" and not even:
+        most = next(n for n in range(size, 0, -1) if all(_blocks(grid, op, n) for grid in grids))
+        raise InputError(
+            f"-fsi_partition balanced: {size} ranks are more than each layer of this grid can feed: with at least "
+            f"{_least(op)} by {_least(op)} points on a rank {most} is the largest number that works"
+        )
+    if mode == "balanced" or (mode == "auto" and even and sum(g.nx * g.ny for g in grids) >= BALANCED_FROM * size):
+        return [_cut(grid, op, range(size)) for grid in grids]
     if size < len(grids) or size == 1:
         groups = [[0]] * len(grids) if size == 1 else [[rank] for rank in by_physics(kinds, size)]
     elif size > sum(caps):

@@ -24,6 +24,7 @@ class Halos:
     def __init__(self, layout: PlaneLayout, k: int, held: np.ndarray) -> None:
         self._kinds: list[MPI.Datatype] = []
         self._requests: list[MPI.Prequest] = []
+        self._own: list[tuple[np.ndarray, np.ndarray]] = []  # (halo, what comes there) within this block
         comm, share, halo = layout.dms[k].comm.tompi4py(), layout.shares[k], layout.halo
         along, across = len(share.columns) - 1, len(share.rows) - 1
         y, x = divmod(comm.rank, along)
@@ -34,6 +35,10 @@ class Halos:
                 continue
             rank, way = (y + dy) * along + to_x, 3 * dy + dx
             given, taken = ([_strip(*o, halo, d, out) for o, d in zip(own, (dy, dx), strict=True)] for out in (True, False))
+            if rank == comm.rank:  # the layer goes on where it began
+                rows, columns = slice(*given[0]), slice(*_strip(*own[1], halo, -dx, True))
+                self._own.append((held[rows, slice(*taken[1])], held[rows, columns]))
+                continue
             # tags: the way that it goes
             self._requests.append(comm.Send_init([held, 1, self._kind(held, *given)], rank, 4 + way))
             self._requests.append(comm.Recv_init([held, 1, self._kind(held, *taken)], rank, 4 - way))
@@ -47,11 +52,15 @@ class Halos:
 
     def start(self) -> None:
         """Begin the exchange; the array must not change before ``wait``, but for points within."""
-        MPI.Prequest.Startall(self._requests)
+        if self._requests:
+            MPI.Prequest.Startall(self._requests)
+        for halo, values in self._own:
+            halo[...] = values
 
     def wait(self) -> None:
         """The halos are there."""
-        MPI.Request.Waitall(self._requests)
+        if self._requests:
+            MPI.Request.Waitall(self._requests)
 
     def free(self) -> None:
         """Nothing may be under way."""

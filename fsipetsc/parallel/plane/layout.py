@@ -40,10 +40,12 @@ class PlaneLayout:
     layer in its part of the solution, and at [-1] the doubles of that), halo (points), meetings.
     """
 
-    def __init__(self, comm: MPI.Comm, problem: PlaneProblem, op: SBPOperator, grids: list[PlaneGrid]) -> None:
+    def __init__(
+        self, comm: MPI.Comm, problem: PlaneProblem, op: SBPOperator, grids: list[PlaneGrid], partition: str = "auto"
+    ) -> None:
         self.comm, self.problem, self.grids = comm, problem, grids
         self.halo = 2 * op.p
-        self.shares = share_out(grids, [layer.kind for layer in problem.layers], op, comm.size)
+        self.shares = share_out(grids, [layer.kind for layer in problem.layers], op, comm.size, partition)
         self.meetings = [self._meeting(fluid, solid) for fluid, solid in problem.interfaces]
         self._sizes = [self._blocks(rank) for rank in range(comm.size)]
         self._offsets = np.cumsum([0, *(sum(sizes) for sizes in self._sizes)])

@@ -73,8 +73,27 @@ def rate(law, c, v, divergence, extra, sums):
     )
 
 
-def plane_solid(elastic: Formulas) -> Formulas:
-    """The equations for a law, as fsipetsc.scheme.plane.sweep takes them."""
+@njit(**FORMULA)
+def cold_flux(law, c, v, m, along, across):
+    """(P_11, P_21) and (P_12, P_22)."""
+    p11, p12, p21, p22 = law.elastic.stress(c[0], (along[0] + 1.0, across[0], along[1], across[1] + 1.0))
+    return (p11, p21), (p12, p22), ()
+
+
+@njit(**FORMULA)
+def cold_rate(law, c, v, divergence, extra, sums):
+    """Of (x, y, u, v, T), of which the last one stays."""
+    return v[2], v[3], fma(divergence[0], c[2], c[4]), fma(divergence[1], c[2], c[5]), 0.0 * v[4]
+
+
+def plane_solid(elastic: Formulas, cold: bool = False) -> Formulas:
+    """The equations for a law, as fsipetsc.scheme.plane.sweep takes them; cold: nothing changes T, heat is neither made nor
+    conducted.
+    """
+    if cold:
+        warm = plane_solid(elastic)
+        new = {"differentiated": (0, 1), "fluxes": (0, 1), "loose": (1, 1), "extras": (), "flux": cold_flux, "rate": cold_rate}
+        return Formulas(**{**vars(warm), **new})
     return Formulas(
         kind=SOLID,
         elastic=elastic,

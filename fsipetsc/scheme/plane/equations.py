@@ -34,8 +34,9 @@ def equations_of(layer: PlaneFluidLayer | PlaneSolidLayer, form: PlaneForm) -> F
     """Those of a layer's material. InputError if there is no such form of them."""
     material = layer.material
     if isinstance(layer, PlaneSolidLayer):
-        solid = plane_solid(material.formulas)
-        return dissipative(solid) if form.dissipation > 0.0 else solid
+        if form.dissipation > 0.0:
+            return dissipative(plane_solid(material.formulas))
+        return plane_solid(material.formulas, material.heat == "elastic" and material.kappa_e == 0.0)
     gas, transport = formulas_of(material.law), formulas_of(material.transport)
     viscous = material.mu > 0.0 or material.kappa > 0.0
     if form.convection == "divergence":

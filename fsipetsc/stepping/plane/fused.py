@@ -13,16 +13,16 @@ import numpy as np
 
 from fsipetsc.operators.formulas import in_python
 from fsipetsc.parallel.plane.halos import Halos
-from fsipetsc.scheme.plan import STAGES, SUM, WORK
-from fsipetsc.scheme.runge_kutta import stage_of
+from fsipetsc.scheme.plan import STAGES
+from fsipetsc.scheme.runge_kutta import Stage, stage_of
 
 if TYPE_CHECKING:
     from fsipetsc.stepping.plane.path import PlanePath
 
-#: WORK, the areas of the two other stages, SUM
-AREAS = 4
+#: as in one dimension: that of the solution, those of the two other stages between them, the sum
+WORK, SUM, AREAS = 0, 3, 4
 #: of a step of length 1
-_STAGES = [in_python(stage_of)(number, 1.0) for number in range(STAGES)]
+_STAGES = [Stage(*map(int, stage[:4]), *stage[4:]) for stage in (in_python(stage_of)(n, 1.0) for n in range(STAGES))]
 
 
 class FusedSteps:
@@ -32,19 +32,17 @@ class FusedSteps:
         self._path, layout = path, path.layout
         behind = slice(int(layout.starts[len(layout.grids)]), None)
         self._state, self._changes = path.state[behind], path.changes[behind]
-        self._behind = np.zeros((AREAS, self._state.size))
-        for part in path.layers:
-            part.make_areas(AREAS)
-        self._halos = [[Halos(layout, part.k, part.areas[n]) for part in path.layers] for n in range(AREAS - 1)]
+        self._behind = list(np.zeros((AREAS, self._state.size)))
+        self._halos = [[Halos(layout, part.k, part.areas[n]) for part in path.layers] for n in range(SUM)]
         parts = [(part, layout.local(part.k, path.state)) for part in path.layers]
         self._rows = [(part, world, row) for part, world in parts for row in part.interface_rows()]
 
     def step(self, y: np.ndarray, t: float, dt: float) -> None:
         """Go by dt [s] from the completed solution at t [s], this rank's part y, which WORK holds, too; then WORK is raw."""
-        self._behind[WORK] = y[y.size - self._state.size :]
+        self._behind[WORK][:] = y[y.size - self._state.size :]
         for number, stage in enumerate(_STAGES):
             if number > 0:
-                self.bring(int(stage.area))
+                self.bring(stage.area)
                 self._path.put_in_place(t)
             elif any(self._path.interfaces.slips):
                 self._meet(WORK)  # how normals turn follows from velocities that the completion may have changed
@@ -54,9 +52,10 @@ class FusedSteps:
             self._path.evaluate(t)
             for part in self._path.layers:
                 part.end_stage()
-            self._behind[stage.next] = self._behind[stage.source] + a * self._changes
+            behind = self._behind
+            np.add(behind[stage.source], a * self._changes, out=behind[stage.next])
             if stage.base >= 0:
-                self._behind[SUM] = self._behind[stage.base] + b * self._changes
+                np.add(behind[stage.base], b * self._changes, out=behind[SUM])
 
     def bring(self, area: int = WORK) -> None:
         """Exchange halos of an area, and solve for what gas and solid have together at interfaces."""

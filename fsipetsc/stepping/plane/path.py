@@ -27,7 +27,6 @@ from fsipetsc.operators.sbp import OPERATOR, packed
 from fsipetsc.parallel.plane.layout import PlaneLayout
 from fsipetsc.physics.layer import FLUID
 from fsipetsc.physics.plane.layer import DOF
-from fsipetsc.scheme.plan import SUM
 from fsipetsc.scheme.plane import entries
 from fsipetsc.scheme.plane.equations import USUAL, PlaneForm, equations_of, materials_of
 from fsipetsc.scheme.plane.fields import SAVED
@@ -36,10 +35,12 @@ from fsipetsc.scheme.plane.look import WORDS
 from fsipetsc.scheme.plane.sweep import ring_rows, scratch, scratch_stride
 from fsipetsc.scheme.runge_kutta import Stage
 from fsipetsc.stepping.plane.edge_data import EdgeData
-from fsipetsc.stepping.plane.fused import FusedSteps
-from fsipetsc.stepping.plane.interfaces import Interfaces
+from fsipetsc.stepping.plane.fused import AREAS, SUM, FusedSteps
+from fsipetsc.stepping.plane.interfaces import Index, Interfaces
 from fsipetsc.stepping.plane.natural import NaturalOrder
 
+#: doubles by which areas begin further and further from the boundaries of pages
+STAGGER = 136
 #: doubles behind the points, into which vectors may reach
 SLACK = 64
 #: of a Runge-Kutta stage source, next, a, base, sum, b: where rates are wanted as they are
@@ -202,8 +203,7 @@ class LayerPart:
         self._stride = scratch_stride(width)
         self.record["ring"] = ring_rows(ops[0], self.record)
         self._s = scratch(self._stride, int(self.record["own_x"][0]), int(self.record["ring"]))
-        self._ys: list[np.ndarray] = []
-        self.make_areas(1)
+        self._make_areas()
         self._vec = PETSc.Vec().createWithArray(layout.local(k, state).reshape(-1), bsize=DOF, comm=self._dm.comm)
         self._local = PETSc.Vec().createWithArray(self.held.reshape(-1), bsize=DOF, comm=PETSc.COMM_SELF)
         self._rates = layout.local(k, rates).reshape(-1)
@@ -219,6 +219,11 @@ class LayerPart:
         grid = layout.grids[k]
         self._XY = np.concatenate([grid.x0 + columns * grid.h_x, grid.y0 + rows * grid.h_y])
         self.words = np.zeros(WORDS)
+        # rows of the edges, among those that are held and those that are owned, and rates there
+        self._edges = self.record["end_y"].tolist(), (self.record["end_y"] - self.record["own_y"][0]).tolist()
+        self._first, of_rows = int(self.record["own_x"][0]), self._rates.reshape(self.own.shape)
+        self._edge_rates = [of_rows[row] if 0 <= row < len(of_rows) else None for row in self._edges[1]]
+        self._Y, self._m0 = layer.Y, float(self.record["m0"])
         self._kinetic = [
             (layout.energies(number, rates), side) for number, side in self.sides() if layout.energies(number, rates).size
         ]
@@ -228,12 +233,15 @@ class LayerPart:
         found = [(n, meeting.layers) for n, meeting in enumerate(self._layout.meetings)]
         return [(n, int(fluid > self.k)) for n, (fluid, solid) in found if solid == self.k]
 
-    def make_areas(self, count: int) -> None:
-        """Have so many areas for the points that are held; the first one is in use then."""
+    def _make_areas(self) -> None:
+        """The areas for the points that are held, of which the first one is in use then."""
         height, width = int(self.record["height"]), int(self.record["width"])
-        while len(self._ys) < count:
-            self._ys.append(np.zeros(width * height * DOF + SLACK * DOF))
-        self.areas = [y[: width * height * DOF].reshape(height, width, DOF) for y in self._ys]
+        count, apart = width * height * DOF, width * height * DOF + SLACK * DOF + STAGGER
+        apart += -apart % 512 + STAGGER  # equal points of two areas must not evict each other from caches
+        # one piece, for which the system may have larger pages
+        self._memory = np.zeros(AREAS * apart)
+        self._ys = [self._memory[n * apart : (n + 1) * apart] for n in range(AREAS)]
+        self.areas = [y[:count].reshape(height, width, DOF) for y in self._ys]
         rows, columns = slice(*self.record["own_y"]), slice(*self.record["own_x"])
         self._views = [(y, held, held[rows, columns]) for y, held in zip(self._ys, self.areas, strict=True)]
         self.use(0)
@@ -241,7 +249,7 @@ class LayerPart:
     @property
     def doubles(self) -> int:
         """Doubles of memory."""
-        return self._s.size + sum(y.size for y in self._ys)
+        return self._s.size + self._memory.size
 
     def use(self, area: int) -> None:
         """Let ``y``, ``held`` and ``own`` be an area: all points in a row, (height, width, DOF) of it, those that are owned."""
@@ -269,13 +277,13 @@ class LayerPart:
 
     def join(self, side: int, points: np.ndarray, columns: np.ndarray) -> None:
         """Put what gas and solid have together at an interface in its place."""
-        row = int(self.record["end_y"][side])
-        if 0 <= row < self.record["height"]:
+        row = self._edges[0][side]
+        if 0 <= row < len(self.held):
             self.held[row, columns, 2:5] = points[:, 2:5] if self._gas else points[:, 7:10]
         if self._gas:
             lines = self._lines[side]
             lines[0, columns], lines[2, columns], lines[3, columns] = points[:, 5], points[:, 7], points[:, 8]
-            lines[1, columns] = self._layout.problem.layers[self.k].Y[side] + points[:, 6]
+            lines[1, columns] = self._Y[side] + points[:, 6]
 
     def hold(self, t: float) -> None:
         """Walls and edges where unknowns are given; then the lines of the grid."""
@@ -301,17 +309,19 @@ class LayerPart:
         """Add to the rates at an edge what a traction does: to those of J (rho, rho u, rho v, e), or to those of the
         velocity.
         """
-        row = int(self.record["end_y"][side] - self.record["own_y"][0])
-        f = self._rates.reshape(self.own.shape)[row]
-        at, which = columns - int(self.record["own_x"][0]), slice(0, 3) if self._gas else slice(3, 5)
-        f[at, 2 : 5 if self._gas else 4] += traction[:, which]
+        first = int(columns[0]) - self._first  # numpy is faster with a slice, which they mostly are
+        together = columns[-1] - columns[0] + 1 == columns.size
+        at: Index = slice(first, first + columns.size) if together else columns - self._first
+        if self._gas:
+            self._edge_rates[side][at, 2:5] += traction[:, :3]
+        else:
+            self._edge_rates[side][at, 2:4] += traction[:, 3:5]
 
     def note_power(self) -> None:
         """Rates of the kinetic energies of end points of a solid."""
         for rates, side in self._kinetic:
-            row = int(self.record["end_y"][side] - self.record["own_y"][0])
-            f, m0 = self._rates.reshape(*self.own.shape)[row], self.record["m0"]
-            rates[:] = m0 * (self.own[row, :, 2] * f[:, 2] + self.own[row, :, 3] * f[:, 3])
+            f, own = self._edge_rates[side], self.own[self._edges[1][side]]
+            rates[:] = self._m0 * (own[:, 2] * f[:, 2] + own[:, 3] * f[:, 3])
 
     def look(self) -> np.ndarray:
         """Words of fsipetsc.scheme.plane.look, of the local part as it is."""

@@ -54,8 +54,8 @@ def step_record(layers: int, fluids: int, points: int = 0) -> np.dtype:
 class PlaneState:
     """Layers, solution and what is known of it. Collective on ``comm``.
 
-    places: X [m] of points of interfaces that are watched. InputError where grid, order and ranks do not fit, a material and
-    the form of the equations, or such an X and the interfaces.
+    places: X [m] of points of interfaces that are watched. partition: as fsipetsc.parallel.plane.grids has it. InputError
+    where grid, order and ranks do not fit, a material and the form of the equations, or such an X and the interfaces.
     """
 
     def __init__(
@@ -66,10 +66,11 @@ class PlaneState:
         h: float,
         form: PlaneForm = USUAL,
         places: Sequence[float] = (),
+        partition: str = "auto",
     ) -> None:
         self.comm, self.problem, self.h, self.op = comm, problem, h, OPERATORS[order]
         self._order = order
-        self.layout = PlaneLayout(comm, problem, self.op, make_grids(problem, self.op, h))
+        self.layout = PlaneLayout(comm, problem, self.op, make_grids(problem, self.op, h), partition)
         self.solution = PETSc.Vec().createMPI((self.layout.local_size, None), comm=comm)
         self._data = EdgeData(self.layout, self._instant)
         self.path = PlanePath(self.layout, order, self._data, form)
