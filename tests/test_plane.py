@@ -54,13 +54,15 @@ def computed(folder, name, *words, ranks=1):
 
 @pytest.fixture(scope="module")
 def box(tmp_path_factory):
-    """Results of the box on 1, 2, 3, 6 ranks."""
+    """Results of the box on 1, 2, 3, 6 ranks, and on two that have parts of all layers."""
     folder = tmp_path_factory.mktemp("box")
     (folder / "box2d.py").write_text(BOX)
-    return {n: computed(folder, f"{n}.h5", "box2d.py", "-fsi_points", "0,0.3,1", ranks=n) for n in (1, 2, 3, 6)}
+    words = "box2d.py", "-fsi_points", "0,0.3,1"
+    results = {n: computed(folder, f"{n}.h5", *words, ranks=n) for n in (1, 2, 3, 6)}
+    return {**results, "2 even": computed(folder, "even.h5", *words, "-fsi_partition", "balanced", ranks=2)}
 
 
-@pytest.mark.parametrize("n", [2, 3, 6])
+@pytest.mark.parametrize("n", [2, 3, 6, "2 even"])
 def test_ranks_make_no_difference(box, n):
     one, several = box[1], box[n]
     watched = [name for name in one.series if name.endswith("_point")]

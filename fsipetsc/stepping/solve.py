@@ -83,7 +83,6 @@ _IN_THE_PLANE = {
     "fsi_coupling": ("conservative",),
     "fsi_mapping": ("auto", "stretched"),
     "fsi_viscous": ("wide",),
-    "fsi_partition": ("auto",),
 }
 
 
