@@ -9,11 +9,13 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 from helpers import PATIENCE, environment, message, mpirun, solve
 from kill_cycles import cycles, ranks_of
 from test_restart import differences
 
+import fsipetsc
 from fsipetsc.output import checkpoint_file
 
 pytest.importorskip("petsc4py")
@@ -158,3 +160,31 @@ def test_a_full_disk_in_the_middle_of_a_checkpoint(tmp_path):
 def test_killed_again_and_again(tmp_path):
     """Few times; scripts/soak does it many times, docs/reliability.md says what came of it."""
     assert len(cycles(tmp_path, "rod", 3, 1)) == 4
+
+
+@pytest.mark.parametrize("ranks", [1, 3])
+def test_a_run_that_fails_leaves_a_good_state(ranks, tmp_path):
+    """As a frame and as a checkpoint, from which it goes on with shorter steps."""
+    words = "rod -fsi_h 0.05 -ts_max_time 0.05 -fsi_cfl 3 -fsi_quiet".split()
+    done = mpirun(ranks, "-m", "fsipetsc", *words, cwd=tmp_path)
+    said = message(done, 3, "what was computed before is in", ", a good state of step ", "rod.checkpoint.h5")
+    header = checkpoint_file.read(tmp_path / "rod.checkpoint.h5").header
+    with fsipetsc.open_run(tmp_path / "rod.h5") as result:
+        assert result.time[-1] == header["memory"]["t"]
+        assert header["memory"]["steps"] < result.summary["steps"], said
+        assert all(np.isfinite(result.layers[1][name][-1]).all() for name in ("u", "T"))
+    done = solve(*words[:1], "-fsi_restart", "auto", "-fsi_cfl", 0.8, "-fsi_quiet", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    with fsipetsc.open_run(tmp_path / "rod.h5") as result:
+        assert result.complete and (np.diff(result.time) > 0).all() and len(result.series["t"]) == result.summary["steps"]
+
+
+def test_a_step_that_leaves_the_domain_is_made_again_shorter(tmp_path):
+    """With step-size control that tolerates everything but states that are none."""
+    words = "rod -fsi_h 0.05 -ts_max_time 0.02 -fsi_cfl 200 -fsi_quiet".split()
+    control = "-ts_rk_type 5dp -ts_adapt_type basic -ts_rtol 1e9 -ts_atol 1e9".split()
+    done = solve(*words, *control, cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    with fsipetsc.open_run(tmp_path / "rod.h5") as result:
+        assert result.summary["rejected_steps"] > 0
+        assert (result.layers[0]["T"][-1][np.isfinite(result.layers[0]["T"][-1])] > 0).all()

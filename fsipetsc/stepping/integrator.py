@@ -37,6 +37,8 @@ MOST_POINTS = 250_000
 #: Courant number beyond which steps are said to be long: the classical method, on a periodic grid, is unstable beyond 1.6
 #: to 2.8 (orders 8 to 2)
 FAR = 1.5
+#: steps, at least, between two states that are kept to go back to: a copy takes as long as a step of few points
+KEPT = 256
 #: what is kept in a checkpoint as it is
 _KEPT = "steps", "rejections", "t", "dt_range", "wall_time", "initial", "beyond"
 #: orders of PETSc's Runge-Kutta methods that have an embedded one
@@ -90,6 +92,8 @@ class Integrator:
         self._rates: PETSc.Vec | None = None
         self._control: ErrorControl | None = None
         self._error: BaseException | None = None
+        self._good: tuple[int, dict[str, Any], Any] | None = None  # rows of the series then, ``memory``, state
+        self._before: Any = None  # with step-size control: the state before the step
         self.initial: dict[str, Any] = {}
         self.beyond = ""  # what is to be said of steps that are too long
 
@@ -167,8 +171,10 @@ class Integrator:
             self._on_check()
         if not self.series.room:
             self._on_series()
-        if self._times.pass_time(t):
+        saved = self._times.pass_time(t)
+        if saved:
             self._on_frame(t)
+        self._keep(saved)
         self.stop_signal, self.out_of_time = int(flags[STOP]), flags[STOP] == OUT_OF_TIME
         last = self._times.done or self._stopped or self.steps >= self.opt["ts_max_steps"]
         if self.pauses.due(self.steps, flags[STOP], last):
@@ -196,7 +202,17 @@ class Integrator:
         if self._control is not None and self._rejected(ts, self._step):
             return False
         self._finish()
+        if self._control is not None and self._left_the_domain:
+            self._proposal = self._step * self.opt["ts_adapt_clip"][0]
+            self._refuse(ts)
+            return False
         return True
+
+    @property
+    def _left_the_domain(self) -> bool:
+        """The state is not one of the equations any more: not finite, a density, temperature or length not above 0."""
+        results = self.state.results
+        return bool(results[BAD] or results[EXHAUSTED] or not results[RATE] < np.inf)
 
     def _finish(self) -> None:
         self.state.finish()
@@ -206,9 +222,15 @@ class Integrator:
         control = self._control
         control.embedded()
         accepted, self._proposal = control.decide(dt, control.norm())
-        if accepted:
-            return False
+        if not accepted:
+            self._refuse(ts)
+        return not accepted
+
+    def _refuse(self, ts: PETSc.TS) -> None:
+        """Go back and plan a shorter step."""
+        control = self._control
         control.reject()
+        self.state.back(self._before)
         self.rejections += 1
         ts.setTime(self.t)
         if self._proposal < max(control.shortest, 1e-14 * max(1.0, self.t)):
@@ -218,7 +240,6 @@ class Integrator:
             raise ComputationError(f"step-size control finds no step at t = {self.t:.6g}{s}: {wanted}")
         ts.restartStep()
         self._plan_step(ts)
-        return True
 
     def _check(self, t: float, flags: list[float]) -> None:
         """Raise ComputationError if the new state cannot be gone on from; flags: flags and limits of the step."""
@@ -262,6 +283,7 @@ class Integrator:
         if self._control is not None:
             bound = min(bound, self._proposal, self._control.longest)
             self._control.begin()
+            self._before = self.state.keep()
         self._step, self._target = self._times.step(self.t, bound)
         self.state.results[SAID_STOP] = self.pauses.word() if self.state.fault is None else FAULT
         ts.setTimeStep(self._step)
@@ -327,9 +349,26 @@ class Integrator:
         """What ``resume`` needs beside the state; as JSON holds it."""
         return {
             **{name: getattr(self, name) for name in _KEPT},
+            "dt_range": list(self.dt_range),
             **{"evaluations": self.evaluations, "proposal": self._proposal},
             "wall_time": self.wall_time + (time.perf_counter() - self._begun),
         }
+
+    def _keep(self, now: bool) -> None:
+        """Keep the state from time to time, and if it is to be ``now``: no frame comes between it and a failure."""
+        if now or self._good is None or self.steps - self._good[1]["steps"] >= KEPT:
+            self._good = self.series.total, self.memory(), self.state.keep()
+
+    def go_back(self) -> tuple[int, dict[str, Any]] | None:
+        """Let the state be the last one that was kept; rows of the series that belong to later steps, ``memory`` of then.
+
+        None if there is none. What the integrator itself knows stays as it is.
+        """
+        if self._good is None:
+            return None
+        total, memory, kept = self._good
+        self.state.back(kept)
+        return self.series.total - total, memory
 
     def resume(self, memory: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> None:
         """Be where ``memory`` and ``state.capture()`` told of: then the same steps follow. InputError as of restore."""
@@ -353,6 +392,7 @@ class Integrator:
                 ts = self._create()
                 ts.setTime(self.t)
                 ts.setStepNumber(self.steps)
+                self._keep(True)
                 self._plan_step(ts)
                 try:
                     ts.solve(self.state.solution)

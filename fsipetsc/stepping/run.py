@@ -189,6 +189,25 @@ class _Run:
             self.keeper.write(memory, self.integrator.rates)
         self.integrator.pauses.written(time.perf_counter() - begun)
 
+    def _save_last_good(self) -> str:
+        """A frame and a checkpoint of the last good state that was kept; what is to be said of it."""
+        frames, found = self.writer.nframes, self.integrator.go_back()
+        if found is None:
+            return ""
+        after, memory = found
+        if memory["t"] > self.saved_at:
+            self._frame(memory["t"])
+            self._flush()
+        if self.opt["fsi_check"]:  # which has seen later steps
+            return ""
+        result = {"saved_at": min(self.saved_at, memory["t"]), "result": [frames, self.writer.rows - after]}
+        try:
+            self.keeper.write({"memory": memory, "watch": None, **result}, None)
+        except CheckpointError:
+            return ""  # the failure itself says more
+        when = f"step {memory['steps']}, t = {memory['t']:.6g}{self.problem.unit('s')}"
+        return f", a good state of {when}, in {self.keeper.path}"
+
     def _resume(self, past: Past) -> None:
         """Go on from a checkpoint."""
         header, integrator = past.header, self.integrator
@@ -213,6 +232,7 @@ class _Run:
         if self.writer.kept_as is not None:
             self.report.line(f"kept the earlier {opt['fsi_output']} as {self.writer.kept_as}")
         failure: FsiError | None = None
+        good = ""
         found: dict[str, dict[str, float]] | None = None
         begun = time.perf_counter()
         try:
@@ -237,6 +257,8 @@ class _Run:
         except (ComputationError, InputError, CheckpointError) as error:
             failure, self.checks = error, False
             self._flush()
+            if isinstance(error, ComputationError) and self.fault is None:
+                good = self._save_last_good()
         except BaseException as error:
             if isinstance(error, Interrupted) and integrator.steps:
                 number = error.status - 128
@@ -247,7 +269,7 @@ class _Run:
         self.writer.finish(summary, found)
         self.report.end(summary, found, self.writer.path)
         if failure is not None:
-            failure.args = (f"{failure}; what was computed before is in {self.writer.path}",)
+            failure.args = (f"{failure}; what was computed before is in {self.writer.path}{good}",)
             raise failure
         if integrator.stop_signal:
             number = integrator.stop_signal

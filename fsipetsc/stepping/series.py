@@ -21,6 +21,7 @@ class Series:
         self._first = record.fields[shares(record)[0]][1] // 8  # number of a record with which shares begin
         self._sums = np.empty((CACHED_STEPS, state.journal.dtype.itemsize // 8 - self._first))
         self.count = self._added = 0
+        self.total = 0  # steps kept since the beginning of this run
 
     @property
     def room(self) -> int:
@@ -34,6 +35,7 @@ class Series:
     def keep(self, steps: int) -> None:
         """The next steps in the journal belong to the series."""
         self.count += steps
+        self.total += steps
 
     def add_up(self, comm: MPI.Comm) -> np.ndarray:
         """The records of the steps kept since the last time, on rank 0 with the sums over all ranks. Collective.

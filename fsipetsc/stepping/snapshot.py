@@ -21,6 +21,7 @@ from fsipetsc.physics.layer import DOF, ENDS
 from fsipetsc.problem import Problem
 
 if TYPE_CHECKING:
+    from fsipetsc.stepping.plane.state import PlaneState
     from fsipetsc.stepping.state import State
 
 Array = np.ndarray
@@ -46,6 +47,19 @@ def capture(state: State, rates: Array | None = None) -> dict[str, Array] | None
     arrays["results"], arrays["latest"] = state.results.copy(), as_numbers(state.latest).copy()
     arrays["shares"] = np.array([(k, *share) for k, shares in enumerate(layout.shares) for share in shares])
     return arrays
+
+
+def kept(state: State | PlaneState) -> tuple[Array, ...]:
+    """Copies of what changes in a step, of this rank."""
+    solution = state.solution.getArray(readonly=True)
+    return tuple(part.copy() for part in (solution, state.layout.records, state.results, as_numbers(state.latest)))
+
+
+def put_back(state: State | PlaneState, copies: tuple[Array, ...]) -> None:
+    """Let what ``kept`` has copied be as it was."""
+    parts = state.solution.getArray(), state.layout.records, state.results, as_numbers(state.latest)
+    for part, copy in zip(parts, copies, strict=True):
+        part[:] = copy
 
 
 def whole_layers(layout: Layout, parts: list[Array] | None, prefix: str) -> dict[str, Array]:

@@ -365,6 +365,15 @@ class State:
                     self._note_kinetic_energies(k, y)
         runge_kutta.load_completed(self.plan, "solution")
 
+    def keep(self) -> tuple[np.ndarray, ...]:
+        """What ``back`` takes, of this rank: the completed state as it is, on these grids."""
+        return snapshot.kept(self)
+
+    def back(self, kept: tuple[np.ndarray, ...]) -> None:
+        """Be what was kept again."""
+        snapshot.put_back(self, kept)
+        runge_kutta.load_completed(self.plan, "solution")
+
     def capture(self, rates: np.ndarray | None = None) -> dict[str, np.ndarray] | None:
         """See fsipetsc.stepping.snapshot.capture."""
         return snapshot.capture(self, rates)

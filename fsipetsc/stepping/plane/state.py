@@ -32,7 +32,7 @@ from fsipetsc.stepping.plane.diagnosis import describe_failure
 from fsipetsc.stepping.plane.edge_data import EdgeData
 from fsipetsc.stepping.plane.path import PlanePath
 from fsipetsc.stepping.plane.watched import NAMES, Watched, chosen
-from fsipetsc.stepping.snapshot import as_numbers
+from fsipetsc.stepping.snapshot import as_numbers, kept, put_back
 from fsipetsc.stepping.state import FAULT
 
 #: words of the energy, both components of the momentum, the entropy
@@ -215,6 +215,16 @@ class PlaneState:
         """As fsipetsc.stepping.state.State._instant."""
         rate = float(self.results[RATE])
         return 0.25 / rate if 0.0 < rate < np.inf else 1e-3 * self.h
+
+    def keep(self) -> tuple[np.ndarray, ...]:
+        """What ``back`` takes, of this rank."""
+        return (*kept(self), np.array(self._t))
+
+    def back(self, copies: tuple[np.ndarray, ...]) -> None:
+        """Be what was kept again."""
+        put_back(self, copies[:-1])
+        self._t = float(copies[-1])
+        self.path.load_completed(self.solution.getArray(), self._t)
 
     def capture(self, rates: np.ndarray | None = None) -> dict[str, np.ndarray] | None:
         """See fsipetsc.stepping.plane.snapshot.capture."""
