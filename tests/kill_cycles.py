@@ -22,7 +22,7 @@ import fsipetsc
 #: case and options: runs of some seconds
 RUNS = {
     "rod": ("rod", "-ts_max_time", "3", "-fsi_output_dt", "0.02"),
-    "blast": ("blast", "-fsi_h", "0.125", "-ts_max_time", "30", "-fsi_output_dt", "0.1"),
+    "blast": ("blast", "-fsi_h", "0.125", "-ts_max_time", "200", "-fsi_output_dt", "0.5"),
 }
 #: wall time between checkpoints: many kills come in the middle of one
 INTERVAL = 0.05
