@@ -125,6 +125,9 @@ class PlaneState:
                 energy = layer.material.internal_energy(rho, T) + 0.5 * (u * u + v * v)
                 for c, value in enumerate((np.ones_like(rho), rho, rho * u, rho * v, rho * energy)):
                     q[..., c] = value
+        with np.errstate(all="ignore"):  # of what is given at edges that it can be had: nothing is held yet
+            for part in self.path.layers:
+                self._data.apply(part, 0.0)
         for number, meeting in enumerate(self.layout.meetings):
             energies = self.layout.energies(number, y)
             if energies.size:
