@@ -55,31 +55,34 @@ def problem(mu, kappa, m0, heat="coupled", lower=None):
 
 
 class Rates:
-    """A random state that fulfils all conditions (y), its rates (f), and the norms of both layers."""
+    """A random state that fulfils all conditions (y), its rates (f), and the norms of both layers.
 
-    def __init__(self, case, order, form=USUAL, rough=0.0):
+    rough: noise that is added; size: of the waves.
+    """
+
+    def __init__(self, case, order, form=USUAL, rough=0.0, size=1.0):
         op = OPERATORS[order]
         self.case, self.layout = case, PlaneLayout(MPI.COMM_SELF, case, op, make_grids(case, op, 1 / N))
         self.path = PlanePath(self.layout, order, EdgeData(self.layout), form)
         self.y, self.f = np.zeros(self.layout.local_size), np.zeros(self.layout.local_size)
         self.gas, self.solid = (self.layout.local(k, self.y) for k in range(2))
-        self._fill(rough)
+        self._fill(rough, size)
         self.path.project(self.y, 0.0)
         self.path.rates(self.y, self.f, 0.0)
         self.gas_rates, self.solid_rates = (self.layout.local(k, self.f) for k in range(2))
         self.norms = [op.norm_weights(g.ny)[:, None] * g.h_x * g.h_y for g in self.layout.grids]
 
-    def _fill(self, rough):
+    def _fill(self, rough, size):
         X, Y = self.layout.grids[0].points(*self.layout.owned(0))
-        waves = [smooth(seed, X, Y) for seed in range(5)]
+        waves = [size * smooth(seed, X, Y) for seed in range(5)]
         noise = rough * np.random.default_rng(7).uniform(-1, 1, (5, *X.shape))
         rho, T, J = 1 + 0.2 * waves[0] + noise[0], 1 + 0.2 * waves[1] + noise[1], 1 + 0.2 * waves[2]
         u, v = 0.5 * waves[3] + noise[2], 0.5 * waves[4] + noise[3]
         for c, value in enumerate((1.0, rho, rho * u, rho * v, rho * (2.5 * T + 0.5 * (u * u + v * v)))):
             self.gas[..., c] = J * value
         X, Y = self.layout.grids[1].points(*self.layout.owned(1))
-        for c, size in enumerate((0.03, 0.03, 0.3, 0.3, 0.2)):
-            self.solid[..., c] = (c == 4) + size * smooth(10 + c, X, Y) + (rough if c > 1 else 0.0) * noise[c]
+        for c, part in enumerate((0.03, 0.03, 0.3, 0.3, 0.2)):
+            self.solid[..., c] = (c == 4) + size * part * smooth(10 + c, X, Y) + (rough if c > 1 else 0.0) * noise[c]
         m0 = self.case.layers[1].material.m0
         self.layout.energies(0, self.y)[:] = 0.5 * m0 * (self.solid[0, :, 2] ** 2 + self.solid[0, :, 3] ** 2)
 

@@ -147,11 +147,6 @@ def moves(end: Edge | None) -> bool:
     return getattr(end, "x", None) is not None
 
 
-def holds_mass(end: Edge) -> bool:
-    """Whether no gas passes an edge."""
-    return end.kind in (NO_SLIP, SLIP, PERIODIC)
-
-
 def holds_energy(end: Edge) -> bool:
     """Whether neither heat nor work passes an edge."""
     still = end.kind in (NO_SLIP, SLIP, PERIODIC, CLAMPED, ROLLER) or (end.kind == FREE and end.pressure == 0.0)

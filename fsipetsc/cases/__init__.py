@@ -26,7 +26,8 @@ from fsipetsc.blame import explain, short
 from fsipetsc.errors import InputError
 from fsipetsc.options import Option, groups
 
-BUILT_IN = ("rod", "mms", "pulse", "box", "heat", "column", "piston", "shock", "plane_mms", "blast", "panel", "wave")
+IN_TWO_DIMENSIONS = ("plane_mms", "blast", "panel", "wave", "tube", "oblique")
+BUILT_IN = ("rod", "mms", "pulse", "box", "heat", "column", "piston", "shock", *IN_TWO_DIMENSIONS)
 
 
 def summaries() -> dict[str, str]:

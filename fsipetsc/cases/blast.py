@@ -1,7 +1,9 @@
 """A pressure pulse under an elastic plate: gas | plate, symmetric sides, a wall below, the ambient pressure above.
 
-The pulse spreads, bends the plate upwards, and comes back from the wall. The plate is free of stress under the ambient
-pressure, held at its sides against X alone, so the sides are planes of symmetry: a row of plates and pulses without end.
+The pulse spreads, bends the plate upwards, and comes back from the wall. With blast_kind shock it is a disc of one pressure,
+which sends a shock out from the start: that needs -fsi_shock and -fsi_dissipation. The plate is free of stress under the
+ambient pressure, held at its sides against X alone, so the sides are planes of symmetry: a row of plates and pulses without
+end.
 """
 
 from __future__ import annotations
@@ -25,6 +27,7 @@ OPTIONS = (
     Option("solid_density", float, 5.0, "kg/m3", "density of the plate", check="positive"),
     Option("solid_modulus", float, 40.0, "Pa", "2 mu_e + lambda_e of the plate, mu_e a quarter of it", check="positive"),
     Option("solid_law", str, "log", "", "law of the plate", ("log", "neo-hookean", "svk")),
+    Option("blast_kind", str, "pulse", "", "pulse: smooth, of one entropy; shock: a disc of high pressure", ("pulse", "shock")),
     Option("blast_height", float, 1.0, "Pa", "overpressure in its middle, over the ambient 1", check="nonnegative"),
     Option("blast_width", float, 0.15, "m", "of the pulse", check="positive"),
 )
@@ -43,12 +46,18 @@ def build(opt: Mapping[str, Any]) -> PlaneProblem:
         rho = p ** (1.0 / gas.gamma)
         return [rho, 0.0 * X, 0.0 * X, p / rho]
 
+    def disc(X: np.ndarray, Y: np.ndarray) -> list[np.ndarray]:
+        """Twice as hot as what is around it."""
+        inside = (X - 0.5) ** 2 + (Y - 0.5) ** 2 < opt["blast_width"] ** 2
+        p, T = np.where(inside, 1.0 + opt["blast_height"], 1.0), np.where(inside, 2.0, 1.0)
+        return [p / T, 0.0 * X, 0.0 * X, T]
+
     def rest(X: np.ndarray, Y: np.ndarray) -> list[np.ndarray]:
         return [0.0 * X, 0.0 * X, np.ones_like(X), X, Y]
 
     return PlaneProblem(
         layers=(
-            PlaneFluidLayer("gas", gas, (0.0, 1.0), pulse, left=Slip(), right=Slip()),
+            PlaneFluidLayer("gas", gas, (0.0, 1.0), disc if opt["blast_kind"] == "shock" else pulse, left=Slip(), right=Slip()),
             PlaneSolidLayer("plate", plate, (1.0, 1.25), rest, left=Roller(), right=Roller()),
         ),
         X=(0.0, 1.0),

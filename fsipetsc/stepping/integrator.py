@@ -41,6 +41,8 @@ FAR = 1.5
 KEPT = 256
 #: what is kept in a checkpoint as it is
 _KEPT = "steps", "rejections", "t", "dt_range", "wall_time", "initial", "beyond"
+#: what is noted of a step alone, not of a state
+OF_STEPS = ("impulse", "impulse_x", "impulse_y", "mass_in", "energy_in")
 #: orders of PETSc's Runge-Kutta methods that have an embedded one
 PAIR_ORDER = {"2a": 2, "3bs": 3, "5f": 5, "5dp": 5, "5bs": 5, "6vr": 6, "7vr": 7, "8vr": 8}
 
@@ -339,7 +341,7 @@ class Integrator:
             state.set_data(0.0)  # with differences in time of the length that a step has
         self._finish()
         self._check(0.0, state.results[:LAST].tolist())
-        found = {name: state.latest[name] for name in shares(state.latest.dtype) if name not in ("impulse", *OF_POINTS)}
+        found = {name: state.latest[name] for name in shares(state.latest.dtype) if name not in (*OF_STEPS, *OF_POINTS)}
         self.initial = {name: state.comm.allreduce(share).tolist() for name, share in found.items()}
         self.beyond = self._beyond(float(state.results[RATE]))
         self._times.pass_time(0.0)

@@ -2,7 +2,8 @@
 
 On each rank the solution is the concatenation of the rank's blocks of the layers, (J, J rho, J rho u, J rho v, J e) or (x,
 y, u, v, T) of a point side by side (x, y: displacement), and behind them the kinetic energies of the end points of solids
-at interfaces, interface by interface, of the columns that the rank owns.
+at interfaces, interface by interface, of the columns that the rank owns. Last come, of each layer that it has a part of, the
+GAINED numbers of fsipetsc.scheme.plane.gains.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from fsipetsc.boundaries.plane import PERIODIC
 from fsipetsc.operators.sbp import SBPOperator
 from fsipetsc.parallel.plane.grids import PlaneGrid, share_out
 from fsipetsc.physics.layer import FLUID, SOLID
-from fsipetsc.physics.plane.layer import COUPLED, DOF, ELASTIC, NOWHERE, PLANE_LAYER
+from fsipetsc.physics.plane.layer import COUPLED, DOF, ELASTIC, GAINED, NOWHERE, PLANE_LAYER
 from fsipetsc.plane import PlaneFluidLayer, PlaneProblem
 
 
@@ -69,14 +70,14 @@ class PlaneLayout:
         return Meeting((fluid, solid), rows, shift, shift + elastic.nx, shift)
 
     def _blocks(self, rank: int) -> list[int]:
-        """Doubles that a rank owns of each layer, and of the kinetic energies at each interface."""
+        """Doubles that a rank owns of each layer, of the kinetic energies at each interface, and of what each layer gains."""
         sizes = []
         for share in self.shares:
             a, b, c, d = share.block(rank) if rank in share.ranks else (0, 0, 0, 0)
             sizes.append((b - a) * (d - c) * DOF)
         for meeting in self.meetings:
             sizes.append(self._energies(meeting, rank))
-        return sizes
+        return sizes + [GAINED if rank in share.ranks else 0 for share in self.shares]
 
     def _energies(self, meeting: Meeting, rank: int) -> int:
         """Columns of a solid at an interface whose end points a rank owns."""
@@ -193,6 +194,11 @@ class PlaneLayout:
     def energies(self, number: int, array: np.ndarray) -> np.ndarray:
         """View of the kinetic energies at an interface there."""
         at = len(self.grids) + number
+        return array[self.starts[at] : self.starts[at + 1]]
+
+    def gains(self, k: int, array: np.ndarray) -> np.ndarray:
+        """View of what layer k has gained there, (GAINED,)."""
+        at = len(self.grids) + len(self.meetings) + k
         return array[self.starts[at] : self.starts[at + 1]]
 
     def held(self, k: int) -> tuple[np.ndarray, np.ndarray]:

@@ -14,6 +14,8 @@ from fsipetsc.physics.layer import NUMBERS
 
 #: unknowns per point: gas (J, J rho, J rho u, J rho v, J e), solid (x, y, u, v, T)
 DOF = 5
+#: what comes in through edges: mass, momentum along x and y, energy
+GAINED = 4
 #: where the edges in X of a periodic layer are
 NOWHERE = 1 << 40
 #: heat of a solid: with the work of the stresses (the paper's), or conducted only, beside an elastic energy
@@ -42,8 +44,9 @@ PLANE_LAYER = np.dtype(
         ("thermal", _I, (4,)),  # at the lower, upper, left and right edge: INSULATED or GIVEN_T
         ("outside", _F, (4, 4)),  # rho, u, v, T outside an open edge; T of a wall; pressure on a free edge
         ("force", _F, (2,)),
-        ("dissipation", _F),  # sigma/4^q of differences of half the order, and S/2 of first ones where shocks are
+        ("dissipation", _F),  # sigma/4^q of differences of half the order, and S/2 (or 0.7 S) of first ones where shocks are
         ("shocks", _F),
+        ("gained", _F, (GAINED,)),  # rates of what comes in through edges, see fsipetsc.scheme.plane.gains
         # gas
         ("gamma", _F),
         ("R", _F),

@@ -21,6 +21,7 @@ from fsipetsc.boundaries import INTERFACE_END
 from fsipetsc.boundaries.plane import FREE, OPEN, OUTFLOW, SLIP
 from fsipetsc.operators.kernels import OPTIONS, U64
 from fsipetsc.operators.rows import along, at
+from fsipetsc.scheme.plane.gains import gain
 
 
 @njit(**OPTIONS)
@@ -71,6 +72,7 @@ def through(law, layer, op, s, place, j, i, kind, side, nx, ny, w, edge, h):
         s[U64(r + 2 * place.stride)] += scale * nx * p
         s[U64(r + 3 * place.stride)] += scale * ny * p
         s[U64(r + 4 * place.stride)] += scale * w * p
+        gain(layer, op, j, i, 0.0, scale * nx * p, scale * ny * p, scale * w * p)
         return
     f, given = normal_flux(inside, u, v, p, nx, ny, w), layer.outside[edge]
     if kind == OPEN or given[0] > 0.0:
@@ -94,6 +96,7 @@ def through(law, layer, op, s, place, j, i, kind, side, nx, ny, w, edge, h):
         )
     for c in range(4):
         s[U64(r + (c + 1) * place.stride)] += scale * f[c]
+    gain(layer, op, j, i, scale * f[0], scale * f[1], scale * f[2], scale * f[3])
 
 
 @njit(**OPTIONS)
@@ -123,5 +126,8 @@ def amend_solid(law, layer, op, s, place, lines, j):
             v, to = at(place.v, k, j), (dx if k == 0 else dy)
             along(op, s, v, to, layer.own_x[0], layer.own_x[1], layer.end_x[0], layer.end_x[1], 1.0 / layer.h_x)
         for i in range(layer.own_x[0], layer.own_x[1]):
-            s[U64(place.rates + 2 * place.stride + i)] -= load * s[U64(dy + i)]
-            s[U64(place.rates + 3 * place.stride + i)] += load * (1.0 + s[U64(dx + i)])
+            a_x, a_y = -load * s[U64(dy + i)], load * (1.0 + s[U64(dx + i)])
+            s[U64(place.rates + 2 * place.stride + i)] += a_x
+            s[U64(place.rates + 3 * place.stride + i)] += a_y
+            u, v = s[U64(at(place.v, 2, j) + i)], s[U64(at(place.v, 3, j) + i)]
+            gain(layer, op, j, i, 0.0, layer.m0 * a_x, layer.m0 * a_y, layer.m0 * (u * a_x + v * a_y))

@@ -13,6 +13,7 @@ from fsipetsc.operators.kernels import ENTRY, U64
 from fsipetsc.operators.rows import MARGIN, along
 from fsipetsc.physics.plane.gas import LINE_ROWS
 from fsipetsc.scheme.plane.fields import gas_fields, solid_fields
+from fsipetsc.scheme.plane.gains import edge_sums, pull
 from fsipetsc.scheme.plane.geometry import lay
 from fsipetsc.scheme.plane.laws import GAS, SOLID
 from fsipetsc.scheme.plane.look import blended, look_at_gas, look_at_solid
@@ -85,6 +86,18 @@ def gas_look(layers, k, operators, s, stride, y, words):
 def solid_look(layers, k, operators, s, stride, y, words):
     """Of solid layer k."""
     look_at_solid(SOLID, layers[k], operators[0], s, places(layers[k], stride), y, words)
+
+
+@njit(**ENTRY)
+def edges_of(layers, k, operators, y, words):
+    """What the points at the edges of layer k have of mass, momentum and energy: see fsipetsc.scheme.plane.gains."""
+    edge_sums(layers[k], operators[0], y, words)
+
+
+@njit(**ENTRY)
+def pull_on(layers, k, operators, y, words):
+    """Momentum and energy that a body force gives to layer k over time: see fsipetsc.scheme.plane.gains."""
+    pull(layers[k], operators[0], y, words)
 
 
 @njit(**ENTRY)

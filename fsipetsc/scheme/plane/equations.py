@@ -6,7 +6,9 @@ from typing import NamedTuple
 
 from fsipetsc.errors import InputError
 from fsipetsc.operators.formulas import Formulas
+from fsipetsc.physics.dissipation import IN_LOOPS
 from fsipetsc.physics.material_law import formulas_of
+from fsipetsc.physics.own_laws import check
 from fsipetsc.physics.perfect_gas import perfect_gas
 from fsipetsc.physics.plane.dissipation import dissipative
 from fsipetsc.physics.plane.gas import plane_gas
@@ -19,7 +21,7 @@ class PlaneForm(NamedTuple):
     """How the equations are put in discrete terms.
 
     convection: of gases, "entropy" (two-point form, which conserves entropy; of perfect gases) or "divergence".
-    dissipation: sigma of fsipetsc.physics.plane.dissipation, 0 for none; of gases in two-point form, and of solids. shocks: S.
+    dissipation: sigma of fsipetsc.physics.plane.dissipation, shocks: S, 0 for none.
     """
 
     convection: str = "entropy"
@@ -32,26 +34,28 @@ USUAL = PlaneForm()
 
 def equations_of(layer: PlaneFluidLayer | PlaneSolidLayer, form: PlaneForm) -> Formulas:
     """Those of a layer's material. InputError if there is no such form of them."""
-    material = layer.material
+    material, dissipates = layer.material, form.dissipation > 0.0 or form.shocks > 0.0
     if isinstance(layer, PlaneSolidLayer):
-        if form.dissipation > 0.0:
+        if dissipates:
             return dissipative(plane_solid(material.formulas))
         return plane_solid(material.formulas, material.heat == "elastic" and material.kappa_e == 0.0)
     gas, transport = formulas_of(material.law), formulas_of(material.transport)
+    if dissipates and not getattr(gas, "knows_entropy", True):
+        what = "no formula entropy(c, rho, T), which -fsi_dissipation and -fsi_shock need"
+        raise InputError(f"layer '{layer.name}': its gas law has {what}")
+    if dissipates and getattr(gas, "own", False):
+        check(gas, "gas", IN_LOOPS)
     viscous = material.mu > 0.0 or material.kappa > 0.0
     if form.convection == "divergence":
-        if form.dissipation > 0.0 or form.shocks > 0.0:
-            raise InputError(
-                "-fsi_convection divergence has no -fsi_dissipation and -fsi_shock: expected -fsi_convection entropy"
-            )
-        return plane_gas(gas, transport, viscous)
-    if gas is not perfect_gas:
+        found = plane_gas(gas, transport, viscous)
+    elif gas is perfect_gas:
+        found = two_point_gas(gas, transport, viscous)
+    else:
         raise InputError(
             f"layer '{layer.name}': -fsi_convection entropy needs a perfect gas, and this one has a law of its own: "
             "expected -fsi_convection divergence"
         )
-    found = two_point_gas(gas, transport, viscous)
-    return dissipative(found) if form.dissipation > 0.0 or form.shocks > 0.0 else found
+    return dissipative(found) if dissipates else found
 
 
 def materials_of(layer: PlaneFluidLayer | PlaneSolidLayer) -> Formulas:

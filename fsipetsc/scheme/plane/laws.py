@@ -27,6 +27,7 @@ def law(equations: Formulas) -> Formulas:
     pairs, dissipation = hasattr(equations, "pair"), hasattr(equations, "dissipation")
     work = {
         "amend": amend_gas if equations.kind == FLUID else amend_solid,
+        "looks_ahead": int(dissipation or len(equations.differentiated) > 0),
         "meet": meet if equations.sums else no_sums,
         "give_across": pairs_across if pairs else nothing,
         "give_along": pairs_along if pairs else nothing,

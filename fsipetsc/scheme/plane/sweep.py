@@ -12,6 +12,7 @@ Only the J of a grid keeps the whole derivative. A physics is formulas at a poin
 
     unknowns, prepared, fluxes, extras  (0, 1, ...), a number for each of q, v, a (and b), e
     differentiated                   those of v of which D_x and D_y are wanted
+    looks_ahead                      1 if rows beyond those of a flux are needed, as for derivatives
     loose                            for each flux 1, or 0 for the whole derivative
     constants(law, layer)            numbers that the formulas need
     prepare(law, c, q)               v
@@ -44,7 +45,9 @@ from fsipetsc.scheme.plane.targets import send_row
 from fsipetsc.scheme.sweep import row_of
 
 #: most quantities of each sort that a physics may have
-PREPARED, FLUXES, EXTRAS, SUMS = 13, 4, 7, 4
+PREPARED, FLUXES, EXTRAS, SUMS = 14, 4, 7, 4
+#: number of the last of what is prepared, which is there for fsipetsc.scheme.plane.dissipation
+STEEPNESS = PREPARED - 1
 #: rows of scratch: v, fluxes across, derivatives of those along, extras, sums over pairs, each in a ring; and of one row its
 #: slopes in both directions, fluxes along, fluxes and sums of its pairs, rates, what is known of the grid, rates together again
 IN_RINGS = PREPARED + 2 * FLUXES + EXTRAS + SUMS
@@ -83,7 +86,7 @@ def ring_rows(op: np.ndarray, record: np.ndarray) -> int:
 
     most = 1
     for j in range(*record["own_y"].tolist()):
-        first = lo if j < lo + rows else min(j - p, hi - int(op["cols"]) + 1)
+        first = (lo if j < lo + rows else min(j - p, hi - int(op["cols"]) + 1)) - 1  # one more for dissipation's sensor
         ahead = max(last(f) for f in range(max(j - p, 0), min(last(j), int(record["height"]) - 1) + 1))
         most = max(most, min(ahead, int(record["height"]) - 1) - max(first, 0) + 1)
     return 1 << (most - 1).bit_length()
@@ -148,7 +151,7 @@ def sweep(law, layer, op, loose, s, place, y, target):
     paired = fluxed
     for j in range(layer.own_y[0], layer.own_y[1]):
         while fluxed <= min(last_needed(op, j, lo, hi), layer.height - 1):
-            ahead = last_needed(op, fluxed, lo, hi) if len(law.differentiated) > 0 else fluxed
+            ahead = last_needed(op, fluxed, lo, hi) if law.looks_ahead == 1 else fluxed
             while prepared <= min(ahead, layer.height - 1):
                 prepare_row(law, layer, s, place, y, prepared)
                 prepared += 1

@@ -210,7 +210,7 @@ class Interfaces:
                 fetched, points = self._sliding[at : at + count], self._points[piece.at][chosen]
                 held, normals = piece.held[chosen], line.normals[chosen]
                 entries.slide_at(self.faces, piece.number, self._operators, points, fetched, held, normals)
-                parts[piece.k].load(piece.side, piece.local[chosen], fetched)
+                parts[piece.k].load(piece.side, piece.local[chosen], fetched, held == HELD)
             at += count
 
     def of(self, k: int) -> list[tuple[int, np.ndarray, np.ndarray]]:

@@ -56,3 +56,4 @@ class MovingEdge:
         f[:, 2] += x
         f[:, 3] += y
         f[:, 4] += u * x + v * y
+        part.gain(np.arange(*part.record["own_x"]), x, y, u * x + v * y)

@@ -25,8 +25,9 @@ from fsipetsc.boundaries import INTERFACE_END
 from fsipetsc.operators.formulas import Formulas
 from fsipetsc.operators.sbp import OPERATOR, packed
 from fsipetsc.parallel.plane.layout import PlaneLayout
+from fsipetsc.physics.dissipation import SOLID_SHARE
 from fsipetsc.physics.layer import FLUID
-from fsipetsc.physics.plane.layer import DOF
+from fsipetsc.physics.plane.layer import DOF, GAINED
 from fsipetsc.scheme.plane import entries
 from fsipetsc.scheme.plane.equations import USUAL, PlaneForm, equations_of, materials_of
 from fsipetsc.scheme.plane.fields import SAVED
@@ -64,7 +65,8 @@ class PlanePath:
     def __init__(self, layout: PlaneLayout, order: int, edge_data: EdgeData, form: PlaneForm = USUAL) -> None:
         self.layout = layout
         self._equations = [equations_of(layer, form) for layer in layout.problem.layers]
-        layout.records["dissipation"], layout.records["shocks"] = form.dissipation / 2.0**order, 0.5 * form.shocks
+        layout.records["dissipation"] = form.dissipation / 2.0**order
+        layout.records["shocks"] = np.where(layout.records["kind"] == FLUID, 0.5, SOLID_SHARE) * form.shocks
         self.state, self.changes = np.zeros(layout.local_size), np.zeros(layout.local_size)
         self._world, self._rates = (PETSc.Vec().createWithArray(own, comm=layout.comm) for own in (self.state, self.changes))
         self.interfaces = Interfaces(layout, operators(order), self._world, self._rates)
@@ -87,6 +89,7 @@ class PlanePath:
         self.interfaces.slide(self._parts)
         for part in self.layers:
             part.note_power()
+            part.note_gains()
 
     def apply_conditions(self, y: np.ndarray, t: float) -> None:
         """Let the local parts of the layers hold this rank's part y and its halos, which fulfil all conditions."""
@@ -111,9 +114,12 @@ class PlanePath:
     def put_in_place(self, t: float) -> None:
         """What interfaces, walls and what is given make of the local parts; and the grids of gases."""
         for part in self.layers:
-            for side, points, columns in self.interfaces.of(part.k):
-                part.join(side, points, columns)
+            self._join(part)
             part.hold(t)
+
+    def _join(self, part: LayerPart) -> None:
+        for side, points, columns in self.interfaces.of(part.k):
+            part.join(side, points, columns)
 
     def step(self, y: np.ndarray, t: float, dt: float) -> None:
         """A fused step dt [s] from the completed solution y at t [s], whose data do not depend on time, to the local parts."""
@@ -123,11 +129,21 @@ class PlanePath:
         self._fused.bring()
 
     def project(self, y: np.ndarray, t: float, brought: bool = False) -> None:
-        """Let this rank's part y fulfil all conditions, in place; brought: the local parts hold it already."""
+        """Let this rank's part y fulfil all conditions, in place; what holds the points at edges counts as gained.
+
+        brought: the local parts hold it already.
+        """
         if not brought:
             self.bring(y)
-        self.put_in_place(t)
         for part in self.layers:
+            free = part.edges()
+            self._join(part)
+            met = part.edges()
+            part.hold(t)
+            held = part.edges()
+            # gas and solid give each other momentum, and energy, where they meet
+            here = held[0] - met[0], held[1] - free[1], held[2] - free[2], held[3] - met[3]
+            self.layout.gains(part.k, y)[:] = self.layout.gains(part.k, self.state) + here
             self.layout.local(part.k, y)[:] = part.own
         for number, energies in self.interfaces.energies():
             self.layout.energies(number, y)[:] = energies
@@ -136,6 +152,15 @@ class PlanePath:
     def doubles(self) -> int:
         """Doubles of memory on this rank: areas and scratch of its layers, and the parts of world vectors, the solution too."""
         return 3 * self.state.size + sum(part.doubles for part in self.layers)
+
+    def take_gains(self, y: np.ndarray) -> np.ndarray:
+        """What each layer has gained on this rank since the last time, (layers, GAINED); y forgets it."""
+        found = np.zeros((len(self.layout.grids), GAINED))
+        for part in self.layers:
+            gains = self.layout.gains(part.k, y)
+            found[part.k] = gains
+            gains[:] = 0.0
+        return found
 
     def part(self, k: int) -> LayerPart | None:
         """This rank's part of layer k, if it has one."""
@@ -171,6 +196,8 @@ class PlanePath:
             (entries.lay_lines, (*common, lines)),
             (entries.advance_ends, (records, 0, values, *_NO_STAGE)),
             (entries.grid_jacobian, (records, 0, values, 1, grid)),
+            (entries.edges_of, (records, 0, ops, values, values)),
+            (entries.pull_on, (records, 0, ops, values, values)),
             (entries.line_normals, (ops, values, 1, 1, 1, 1, 1.0, np.empty(1, np.int64), grid, grid)),
             (entries.slide_at, (faces, 0, ops, grid, grid, np.empty(1, np.int64), grid)),
         ]
@@ -207,6 +234,7 @@ class LayerPart:
         self._vec = PETSc.Vec().createWithArray(layout.local(k, state).reshape(-1), bsize=DOF, comm=self._dm.comm)
         self._local = PETSc.Vec().createWithArray(self.held.reshape(-1), bsize=DOF, comm=PETSc.COMM_SELF)
         self._rates = layout.local(k, rates).reshape(-1)
+        self._gains, self._edges = layout.gains(k, rates), np.zeros(GAINED)
         self._lines = np.zeros((2, 4, width))
         layer = layout.problem.layers[k]
         self._lines[:, 1] = np.array(layer.Y)[:, None]
@@ -293,6 +321,7 @@ class LayerPart:
 
     def evaluate(self, t: float) -> None:
         """The rates at this rank's points."""
+        self.record["gained"] = 0.0
         self._evaluate(self._records, self.k, self._ops, self._s, self._stride, self.y, self._rates, *self._stage)
         self.data.force(self, t, self._rates)
         self.data.push(self, self._rates)
@@ -305,9 +334,14 @@ class LayerPart:
         """The rates, without forcing, of a block of what is held: the owned points of records[0], a record like this part's."""
         self._evaluate(records, 0, self._ops, self._s, self._stride, y, f, *_NO_STAGE)
 
-    def load(self, side: int, columns: np.ndarray, traction: np.ndarray) -> None:
+    def edges(self) -> np.ndarray:
+        """What the points at the edges have of mass, momentum and energy now, (GAINED,)."""
+        entries.edges_of(self._records, self.k, self._ops, self.y, self._edges)
+        return self._edges.copy()
+
+    def load(self, side: int, columns: np.ndarray, traction: np.ndarray, clamped: np.ndarray) -> None:
         """Add to the rates at an edge what a traction does: to those of J (rho, rho u, rho v, e), or to those of the
-        velocity.
+        velocity. What a gas gets where the solid is clamped comes from outside.
         """
         first = int(columns[0]) - self._first  # numpy is faster with a slice, which they mostly are
         together = columns[-1] - columns[0] + 1 == columns.size
@@ -316,6 +350,23 @@ class LayerPart:
             self._edge_rates[side][at, 2:5] += traction[:, :3]
         else:
             self._edge_rates[side][at, 2:4] += traction[:, 3:5]
+
+        if self._gas and clamped.any():
+            self.gain(columns[clamped], traction[clamped, 0], traction[clamped, 1])
+
+    def gain(self, columns: np.ndarray, x: np.ndarray, y: np.ndarray, power: np.ndarray | float = 0.0) -> None:
+        """Count what has been added to the rates of momentum and energy in some columns held of the lower or upper edge."""
+        from_end, norm = np.abs(columns[:, None] - self.record["end_x"]).min(axis=1), self._ops[0]["norm"]
+        along = np.where(from_end < self._ops[0]["rows"], norm[np.minimum(from_end, norm.size - 1)], 1.0)
+        weights = along * (self.end_weight * self.record["h_x"] * self.record["h_y"])
+        self.record["gained"][1:] += (weights * x).sum(), (weights * y).sum(), (weights * power).sum()
+
+    def note_gains(self) -> None:
+        """Rates of what comes in through the edges, and by the body force."""
+        self._gains[:] = self.record["gained"]
+        if self.record["force"].any():
+            entries.pull_on(self._records, self.k, self._ops, self.y, self._edges)
+            self._gains[:] += self._edges
 
     def note_power(self) -> None:
         """Rates of the kinetic energies of end points of a solid."""

@@ -44,11 +44,14 @@ KEPT = min(CAPACITY, 4096)
 def step_record(layers: int, fluids: int, points: int = 0) -> np.dtype:
     """What is noted of a step: as fsipetsc.scheme.plan.step_record. least_J: of each layer; then come shares of the ranks:
     integrals, and what is known of the points that are watched.
+
+    mass_in, of each gas, impulse_x, impulse_y, energy_in: what came in during the step through the edges, and by body forces.
     """
-    masses = [("mass", "f8", (fluids,))] if fluids else []
-    integrals = [(name, "f8") for name in ("energy", "momentum_x", "momentum_y", "entropy")]
+    masses = [(name, "f8", (fluids,)) for name in ("mass", "mass_in") if fluids]
+    integrals = "energy", "momentum_x", "momentum_y", "entropy", "impulse_x", "impulse_y", "energy_in"
+    scalars = [(name, "f8") for name in integrals]
     watched = [(name, "f8", (points,)) for name in NAMES] if points else []
-    return np.dtype([("t", "f8"), ("dt", "f8"), ("least_J", "f8", (layers,)), *masses, *integrals, *watched])
+    return np.dtype([("t", "f8"), ("dt", "f8"), ("least_J", "f8", (layers,)), *masses, *scalars, *watched])
 
 
 class PlaneState:
@@ -183,11 +186,13 @@ class PlaneState:
             self.path.project(y, self._t, brought)
         except InputError as error:
             self._keep(error)
-        layers = self.problem.layers
+        layers, gains = self.problem.layers, self.path.take_gains(y)
         extremes = np.zeros(4 + len(layers))
         extremes[4:] = -np.inf
         extremes[3] = self.results[SAID_STOP]
         self._latest[:] = 0.0
+        for name, total in zip(("impulse_x", "impulse_y", "energy_in"), gains.sum(axis=0)[1:], strict=True):
+            self.latest[name] = total
         fluid, integrals = -1, np.zeros(4)
         for k, layer in enumerate(layers):
             fluid += layer.kind == "fluid"
@@ -200,7 +205,7 @@ class PlaneState:
             extremes[2] = max(extremes[2], words[LOOKED_BAD], float(not np.isfinite(words).all()))
             extremes[4 + k] = -words[LEAST_J]
             if layer.kind == "fluid":
-                self.latest["mass"][fluid] = words[MASS]
+                self.latest["mass"][fluid], self.latest["mass_in"][fluid] = words[MASS], gains[k, 0]
             integrals += words[_INTEGRALS]
         for name, integral in zip(("energy", "momentum_x", "momentum_y", "entropy"), integrals, strict=True):
             self.latest[name] = integral

@@ -1,0 +1,108 @@
+"""Shocks in two dimensions: the sensor, both directions alike, balances of open domains, a reflection known exactly, ranks."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from helpers import mpirun, run
+from test_plane_rates import ORDERS, USUAL, PlaneForm, Rates, problem
+
+import fsipetsc
+from fsipetsc.cases.oblique import GAMMA, State, behind, shock_angle
+from fsipetsc.errors import InputError
+from fsipetsc.output.plots.balances import departures
+
+#: an oblique shock over an elastic layer, through all that a run with shocks has: slip, open edges, clamped corners
+OBLIQUE = ("oblique", "-fsi_h", 1 / 16, "-fsi_order", 4, "-ts_max_time", 1.2, "-solid_cells", 8, "-solid_modulus", 10)
+#: the same gas with friction, which sticks to the layer
+VISCOUS = (*OBLIQUE, "-fluid_mu", 0.01, "-ts_max_time", 0.2)
+
+
+def computed(folder, name, *words, ranks=1):
+    """The result of a run, opened."""
+    arguments = ("-m", "fsipetsc", *map(str, words), "-fsi_output", name, "-fsi_quiet")
+    done = run(*arguments, cwd=folder) if ranks == 1 else mpirun(ranks, *arguments, cwd=folder)
+    assert (done.returncode, done.stderr) == (0, ""), done.stderr
+    return fsipetsc.open_run(folder / name)
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory):
+    """Of an oblique shock over a layer, on some numbers of ranks, and with friction."""
+    folder = tmp_path_factory.mktemp("oblique")
+    found = {ranks: computed(folder, f"{ranks}.h5", *OBLIQUE, ranks=ranks) for ranks in (1, 2, 3, 4)}
+    found |= {f"mu {ranks}": computed(folder, f"mu{ranks}.h5", *VISCOUS, ranks=ranks) for ranks in (1, 4)}
+    return found
+
+
+@pytest.mark.parametrize("order", ORDERS)
+def test_the_sensor_sees_nothing_in_smooth_flow(order):
+    """Gas and solid, along X and Y: the rates are the same bits with it and without. Not so where the state is rough."""
+    shocks = PlaneForm(shocks=1.0)
+    smooth = [Rates(problem(0.0, 0.0, 1.0, "elastic"), order, form, size=0.002) for form in (USUAL, shocks)]
+    rough = [Rates(problem(0.0, 0.0, 1.0, "elastic"), order, form, rough=0.1) for form in (USUAL, shocks)]
+    assert np.abs(smooth[0].f).max() > 1e-3
+    for k in range(2):
+        without, with_it = (state.layout.local(k, state.f) for state in smooth)
+        assert np.abs(with_it - without).max() <= 1e-15 * np.abs(without).max()
+        without, with_it = (state.layout.local(k, state.f) for state in rough)
+        assert np.abs(with_it - without).max() > 1e-2 * np.abs(without).max()
+    for state in (*smooth, *rough):
+        state.close()
+
+
+@pytest.mark.parametrize("order", [2, 8])
+def test_along_x_is_across_y(order, tmp_path):
+    options = ("tube", "-fsi_h", 1 / 24, "-tube_width", 1.0, "-fsi_order", order, "-fsi_check", 1e-12, "-ts_max_time", 0.1)
+    (x,), (y,) = (computed(tmp_path, f"{a}.h5", *options, "-tube_problem", a).layers for a in "xy")
+    assert x["u"].max() > 0.8
+    for name, other in (("rho", "rho"), ("u", "v"), ("v", "u"), ("T", "T")):
+        assert np.abs(x[name] - y[other].transpose(0, 2, 1)).max() < 1e-13, name
+
+
+def test_balances_of_an_open_domain(results):
+    """What comes in through the edges is counted, so mass, momentum and energy are known to round-off. No negative pressure."""
+    for result, solid in ((results[1], 1e-9), (results["mu 1"], 1e-9)):
+        found = departures(result)
+        assert set(found) == {"mass of 'gas'", "momentum along x", "momentum along y", "energy"}
+        assert abs(result.series["mass_in"]).min() > 0 and abs(result.series["impulse_y"]).min() > 0
+        for name, drift in found.items():
+            assert np.abs(drift).max() < (solid if name == "energy" else 1e-12), name
+        gas = result.layers[1]
+        assert min(gas["p"].min(), gas["rho"].min()) > 0.5 and result.series["least_J"].min() > 0.5
+
+
+def test_the_shock_bends_the_layer(results):
+    """Or the test above would be none."""
+    line = results[1].interface(0)
+    assert np.abs(line.displacement[-1]).max() > 0.01
+
+
+@pytest.mark.parametrize(("one", "several"), [(1, 2), (1, 3), (1, 4), ("mu 1", "mu 4")])
+def test_ranks_make_no_difference(results, one, several):
+    one, several = results[one], results[several]
+    assert np.array_equal(one.series["t"], several.series["t"]) and len(one.series["t"]) > 10
+    for a, b in zip(one.layers, several.layers, strict=True):
+        for name in a.fields:
+            assert np.array_equal(a[name], b[name]), (a.name, name)
+
+
+def test_a_reflected_shock(tmp_path):
+    """Densities and pressures of H. C. Yee, R. F. Warming and A. Harten, J. Comput. Phys. 57 (1985), 327-360; as computed."""
+    theta = np.radians(10.9408)
+    first = State(1.0, 1.0 / GAMMA, 2.9)
+    second, beta = behind(first, theta)
+    third, _ = behind(second, theta)
+    assert np.degrees(beta) == pytest.approx(29.0, abs=1e-3)
+    assert (second.rho, second.p) == pytest.approx((1.69997, 1.52819), rel=1e-4)
+    assert (third.rho, third.p) == pytest.approx((2.68728, 2.93407), rel=1e-4)
+    with pytest.raises(InputError, match="no attached shock"):
+        shock_angle(1.5, np.radians(20))
+
+    words = ("-oblique_wall", "rigid", "-oblique_angle", 10.9408, "-fsi_h", 1 / 16, "-ts_max_time", 3, "-fsi_check", 1e-11)
+    result = computed(tmp_path, "rigid.h5", "oblique", *words)
+    gas = result.layers[0]
+    x, y, p = gas.x[-1], gas.y[-1], gas["p"][-1]
+    between, after = (np.abs(x - 1.0) < 0.3) & (y > 0.8), (np.abs(x - 2.5) < 0.2) & (y < 0.1)
+    assert p[between].mean() == pytest.approx(second.p, rel=3e-3)
+    assert p[after].mean() == pytest.approx(third.p, rel=3e-3)
