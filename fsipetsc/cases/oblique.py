@@ -7,8 +7,8 @@ wall; its shock comes in at the upper left corner, at the angle beta to the flow
 
 and the wall turns the gas back by a second one (J. D. Anderson, Modern Compressible Flow, 3rd ed., 2003, Sec. 4.3, 4.6). What
 is behind each of them over a rigid wall is known; notes of the result say it. Over an elastic layer, which is clamped below and
-at its ends, the shock hits what it bends. Velocities are over the speed of sound of the gas that comes in, densities over its
-density.
+held against x at its ends, the shock hits what it bends. Velocities are over the speed of sound of the gas that comes in,
+densities over its density.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fsipetsc.boundaries.plane import Clamped, NoSlip, Open, Outflow, Slip
+from fsipetsc.boundaries.plane import Clamped, NoSlip, Open, Outflow, Roller, Slip
 from fsipetsc.errors import InputError
 from fsipetsc.options import Option
 from fsipetsc.physics.fluid import Fluid
@@ -122,11 +122,10 @@ def build(opt: Mapping[str, Any]) -> PlaneProblem:
     def rest(X: np.ndarray, Y: np.ndarray) -> list[np.ndarray]:
         return [0.0 * X, 0.0 * X, np.ones_like(X), X, Y]
 
-    ends = Clamped()
     below = PlaneSolidLayer(
         *("layer", solid, (-opt["solid_thickness"], 0.0), rest),
-        left=ends,
-        right=ends,
+        left=Roller(),
+        right=Roller(),
         cells=opt["solid_cells"],
     )
-    return PlaneProblem((below, layer), (0.0, length), ends, upper, notes=notes, units="none")
+    return PlaneProblem((below, layer), (0.0, length), Clamped(), upper, notes=notes, units="none")
