@@ -61,15 +61,18 @@ def test_along_x_is_across_y(order, tmp_path):
 
 
 def test_balances_of_an_open_domain(results):
-    """What comes in through the edges is counted, so mass, momentum and energy are known to round-off. No negative pressure."""
-    for result, solid in ((results[1], 1e-9), (results["mu 1"], 1e-9)):
+    """What comes in through the edges is counted: mass and momentum are known to round-off, and so is the energy but for what
+    the Runge-Kutta method makes of that within the solid, once the shock has hit it. No negative pressure.
+    """
+    for result in (results[1], results["mu 1"]):
         found = departures(result)
         assert set(found) == {"mass of 'gas'", "momentum along x", "momentum along y", "energy"}
         assert abs(result.series["mass_in"]).min() > 0 and abs(result.series["impulse_y"]).min() > 0
         for name, drift in found.items():
-            assert np.abs(drift).max() < (solid if name == "energy" else 1e-12), name
+            assert np.abs(drift).max() < (1e-7 if name == "energy" else 1e-12), name
         gas = result.layers[1]
         assert min(gas["p"].min(), gas["rho"].min()) > 0.5 and result.series["least_J"].min() > 0.5
+    assert np.abs(departures(results[1])["energy"][:10]).max() < 1e-13
 
 
 def test_the_shock_bends_the_layer(results):

@@ -58,6 +58,7 @@ def classical(state, y, dt):
         path.rates(stage, k, 0.0)
         total, stage = total + b * dt * k, y + a * dt * k
     path.project(total, 0.0)
+    path.take_gains(total)
     return total
 
 
