@@ -103,6 +103,11 @@ class PlaneLayout:
             at += count
         return found
 
+    def gains_at(self, rank: int) -> list[tuple[int, int]]:
+        """(layer, where what it has gained stands in a rank's part) of the layers that the rank has a part of."""
+        sizes = np.cumsum([0, *self._sizes[rank]])[len(self.grids) + len(self.meetings) :]
+        return [(k, int(sizes[k])) for k, share in enumerate(self.shares) if rank in share.ranks]
+
     def index(self, k: int, columns: np.ndarray, row: int) -> np.ndarray:
         """Numbers in the world vector of the first unknowns of the points of layer k in a row."""
         found = np.empty(columns.size, np.int64)

@@ -13,7 +13,14 @@ from numba import njit
 from fsipetsc.operators.kernels import OPTIONS, U64
 from fsipetsc.physics.layer import FLUID
 from fsipetsc.physics.plane.layer import DOF
-from fsipetsc.scheme.plane.look import area
+from fsipetsc.scheme.plane.sums import norm_at
+
+
+@njit(**OPTIONS)
+def area(layer, op, j, i):
+    """Weight of a point in an integral over the reference coordinates."""
+    along, across = norm_at(op, i, layer.end_x[0], layer.end_x[1]), norm_at(op, j, layer.end_y[0], layer.end_y[1])
+    return along * across * layer.h_x * layer.h_y
 
 
 @njit(**OPTIONS)

@@ -12,7 +12,7 @@ import numpy as np
 
 from fsipetsc.errors import InputError
 from fsipetsc.parallel.plane.layout import PlaneLayout
-from fsipetsc.physics.plane.layer import DOF
+from fsipetsc.physics.plane.layer import DOF, GAINED
 from fsipetsc.stepping.snapshot import RATES, as_numbers, gather_local
 
 if TYPE_CHECKING:
@@ -33,7 +33,9 @@ def capture(state: PlaneState, rates: Array | None = None) -> dict[str, Array] |
 
 
 def whole_layers(layout: PlaneLayout, parts: list[Array] | None, prefix: str) -> dict[str, Array]:
-    """Name -> points of a layer, (ny, nx, DOF), and kinetic energies at an interface, (nx,), from all ranks, on rank 0."""
+    """Name -> points of a layer, (ny, nx, DOF), and kinetic energies at an interface, (nx,), from all ranks, on rank 0; of
+    rates those of what each layer gains, too.
+    """
     if parts is None:
         return {}
     arrays = {f"{prefix}layer{k}": np.empty((grid.ny, grid.nx, DOF)) for k, grid in enumerate(layout.grids)}
@@ -43,6 +45,11 @@ def whole_layers(layout: PlaneLayout, parts: list[Array] | None, prefix: str) ->
         for name, place, at, shape in layout.places(rank):
             size = int(np.prod(shape))
             arrays[prefix + name][place] = part[at : at + size].reshape(shape)
+    if prefix:  # of a solution that is complete they are 0
+        arrays |= {f"{prefix}gains{k}": np.zeros(GAINED) for k in range(len(layout.grids))}
+        for rank, part in enumerate(parts):
+            for k, at in layout.gains_at(rank):
+                arrays[f"{prefix}gains{k}"] += part[at : at + GAINED]
     return arrays
 
 
@@ -51,6 +58,9 @@ def put(layout: PlaneLayout, y: Array, arrays: Mapping[str, Array], prefix: str 
     for name, place, at, shape in layout.places(layout.comm.rank):
         size = int(np.prod(shape))
         y[at : at + size] = arrays[prefix + name][place].reshape(-1)
+    for k, at in layout.gains_at(layout.comm.rank):  # one rank has those of all
+        first = layout.comm.rank == min(layout.shares[k].ranks)
+        y[at : at + GAINED] = arrays[f"{prefix}gains{k}"] if prefix and first else 0.0
 
 
 def check(state: PlaneState, arrays: Mapping[str, Array]) -> None:
