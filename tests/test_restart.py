@@ -42,7 +42,7 @@ RUNS = {
     "walls": (WALLS, "-walls_state left -fsi_h 0.02 -fsi_order 6 -ts_max_time 0.1", 8),
 }
 #: of what is integrated the last bits depend on the number of ranks
-SUMS = {*SUMS_ALONG_X, "momentum_x", "momentum_y"}
+SUMS = {*SUMS_ALONG_X, "momentum_x", "momentum_y", "impulse_x", "impulse_y", "mass_in", "energy_in"}
 #: ranks on which the runs are begun
 RANKS = 2
 
