@@ -234,7 +234,8 @@ class LayerPart:
         self._vec = PETSc.Vec().createWithArray(layout.local(k, state).reshape(-1), bsize=DOF, comm=self._dm.comm)
         self._local = PETSc.Vec().createWithArray(self.held.reshape(-1), bsize=DOF, comm=PETSc.COMM_SELF)
         self._rates = layout.local(k, rates).reshape(-1)
-        self._gains, self._edges = layout.gains(k, rates), np.zeros(GAINED)
+        self._gains, self._gained, self._sums = layout.gains(k, rates), self.record["gained"], np.zeros(GAINED)
+        self._pulled = bool(self.record["force"].any())
         self._lines = np.zeros((2, 4, width))
         layer = layout.problem.layers[k]
         self._lines[:, 1] = np.array(layer.Y)[:, None]
@@ -321,7 +322,7 @@ class LayerPart:
 
     def evaluate(self, t: float) -> None:
         """The rates at this rank's points."""
-        self.record["gained"] = 0.0
+        self._gained[:] = 0.0
         self._evaluate(self._records, self.k, self._ops, self._s, self._stride, self.y, self._rates, *self._stage)
         self.data.force(self, t, self._rates)
         self.data.push(self, self._rates)
@@ -336,8 +337,8 @@ class LayerPart:
 
     def edges(self) -> np.ndarray:
         """What the points at the edges have of mass, momentum and energy now, (GAINED,)."""
-        entries.edges_of(self._records, self.k, self._ops, self.y, self._edges)
-        return self._edges.copy()
+        entries.edges_of(self._records, self.k, self._ops, self.y, self._sums)
+        return self._sums.copy()
 
     def load(self, side: int, columns: np.ndarray, traction: np.ndarray, clamped: np.ndarray) -> None:
         """Add to the rates at an edge what a traction does: to those of J (rho, rho u, rho v, e), or to those of the
@@ -359,14 +360,14 @@ class LayerPart:
         from_end, norm = np.abs(columns[:, None] - self.record["end_x"]).min(axis=1), self._ops[0]["norm"]
         along = np.where(from_end < self._ops[0]["rows"], norm[np.minimum(from_end, norm.size - 1)], 1.0)
         weights = along * (self.end_weight * self.record["h_x"] * self.record["h_y"])
-        self.record["gained"][1:] += (weights * x).sum(), (weights * y).sum(), (weights * power).sum()
+        self._gained[1:] += (weights * x).sum(), (weights * y).sum(), (weights * power).sum()
 
     def note_gains(self) -> None:
         """Rates of what comes in through the edges, and by the body force."""
-        self._gains[:] = self.record["gained"]
-        if self.record["force"].any():
-            entries.pull_on(self._records, self.k, self._ops, self.y, self._edges)
-            self._gains[:] += self._edges
+        self._gains[:] = self._gained
+        if self._pulled:
+            entries.pull_on(self._records, self.k, self._ops, self.y, self._sums)
+            self._gains[:] += self._sums
 
     def note_power(self) -> None:
         """Rates of the kinetic energies of end points of a solid."""
