@@ -104,6 +104,16 @@ def test_a_floor_that_waves(tmp_path):
         assert np.array_equal(layer[name], three.layers[0][name]), name
 
 
+def test_gas_that_moves_at_first_sticks_to_walls_without_heat(tmp_path):
+    """Not that its motion there becomes heat at once; nor beside a wall, where the wall's motion is what it gets."""
+    text = WAVES.replace("(1.0, 0.0, 0.0, 1.0)", "(1.0, 0.5, 0.3, 1.0)").replace("T=1.0, x=floor", "x=floor")
+    (tmp_path / "wind.py").write_text(text)
+    for ranks in (1, 3):
+        layer = computed(tmp_path, f"{ranks}.h5", "wind.py", "-ts_max_steps", 1, ranks=ranks).layers[0]
+        assert np.abs(layer["T"][0] - 1.0).max() < 1e-14 and np.abs(layer["u"][0, -1]).max() == 0.0
+        assert np.allclose(layer["v"][0, 0], 0.2 * np.sin(np.pi * layer.X) ** 2, rtol=0, atol=1e-12)
+
+
 def test_what_cannot_be(tmp_path):
     def still(X, t):
         return X, 0.0

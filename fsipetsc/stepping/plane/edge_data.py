@@ -27,6 +27,7 @@ class EdgeData:
     def __init__(self, layout: PlaneLayout, instant: Callable[[], float] = lambda: 1e-4) -> None:
         """instant: says a time [s] in which little happens, for differences in time."""
         self._layout = layout
+        self._sticking: dict[int, list[Place]] = {k: [] for k in range(len(layout.grids))}
         self._moving: dict[int, list[MovingEdge]] = {k: [] for k in range(len(layout.grids))}
         self._holds: dict[int, list[Callable[[LayerPart, float], None]]] = {k: [] for k in range(len(layout.grids))}
         for k, layer in enumerate(layout.problem.layers):
@@ -55,6 +56,7 @@ class EdgeData:
             return
         X, Y = self._points(k, rows, columns)
         if end.kind == edges.NO_SLIP:
+            self._sticking[k].append((rows, columns))
             self._holds[k].append(partial(_stick, self._layout.problem.layers[k], end, (rows, columns), (X, Y)))
         elif end.kind in (edges.CLAMPED, edges.ROLLER):
             held = (2, 3) if end.kind == edges.CLAMPED else (2 + normal,)
@@ -72,6 +74,18 @@ class EdgeData:
             hold(part, t)
         for edge in self._moving[part.k]:
             edge.lay(part, t)
+
+    def begin(self, part: LayerPart, q: np.ndarray) -> None:
+        """Let initial data of a gas, (rows, columns, DOF) of the points that are owned, have the velocity of walls that it
+        sticks to, as the part holds it, at the temperature that is given for it.
+        """
+        (bottom, top), (left, right) = part.record["own_y"], part.record["own_x"]
+        for rows, columns in self._sticking[part.k]:
+            mine = (rows >= bottom) & (rows < top) & (columns >= left) & (columns < right)
+            at = rows[mine] - bottom, columns[mine] - left
+            stuck, old = part.own[at], q[at]
+            change = np.sum(stuck[:, 2:4] ** 2 - old[:, 2:4] ** 2, axis=1) / (2.0 * old[:, 1])
+            q[(*at, 2)], q[(*at, 3)], q[(*at, 4)] = stuck[:, 2], stuck[:, 3], old[:, 4] + change
 
     def push(self, part: LayerPart, rates: np.ndarray) -> None:
         """Add to the rates of the points that are owned what moving walls do to the gas that sticks to them."""

@@ -144,6 +144,7 @@ class PlaneState:
         y = self.solution.getArray()
         self.path.apply_conditions(y, 0.0)  # which lays the lines of the grids
         for part in self.path.layers:
+            self._data.begin(part, self.layout.local(part.k, y))
             part.stretch(self.layout.local(part.k, y))
 
     def set_data(self, t: float) -> None:
