@@ -22,7 +22,7 @@ import fsipetsc
 #: case and options: runs of some seconds
 RUNS = {
     "rod": ("rod", "-ts_max_time", "3", "-fsi_output_dt", "0.02"),
-    "blast": ("blast", "-fsi_h", "0.125", "-ts_max_time", "200", "-fsi_output_dt", "0.5"),
+    "blast": ("blast", "-fsi_h", "0.0625", "-fsi_order", "2", "-ts_max_time", "60", "-fsi_output_dt", "0.2"),
 }
 #: wall time between checkpoints: many kills come in the middle of one
 INTERVAL = 0.05
@@ -94,6 +94,7 @@ def killed_once(words: list[str], ranks: int, folder: Path, chance: random.Rando
     which = chance.choice(("one rank", "all ranks", "all and the launcher"))
     victims = {"one rank": computing[-1:], "all ranks": computing, "all and the launcher": [process.pid, *computing]}[which]
     if process.poll() is not None:
+        assert process.returncode == 0, f"ended with status {process.returncode} on {ranks} ranks"
         return "ended"
     for pid in victims:
         try:
