@@ -42,7 +42,8 @@ def _fraction(part: float) -> str | None:
 
 
 def _file_name(name: str) -> str | None:
-    fits = len(os.fsencode(os.path.basename(name))) <= LONGEST_NAME and "\0" not in name
+    last = os.path.basename(name)
+    fits = last not in ("", ".", "..") and len(os.fsencode(last)) <= LONGEST_NAME and "\0" not in name
     return None if fits else f"a file name of at most {LONGEST_NAME} bytes"
 
 
