@@ -56,7 +56,9 @@ def run(
     """`python *args` without mpiexec, output captured as text. Example: run("-m", "fsipetsc", "rod", "-help")."""
     command = [sys.executable, *map(str, args)]
     # Open MPI starts a process of its own beside each that it has not launched, which nothing here has a use for
-    return _capture(command, timeout, cwd, environment({"OMPI_MCA_ess_singleton_isolated": "1", **(env or {})}))
+    # (and then all have one directory for what they share, which the first that ends removes)
+    alone = {"OMPI_MCA_ess_singleton_isolated": "1", "OMPI_MCA_sharedfp": "^sm"}
+    return _capture(command, timeout, cwd, environment({**alone, **(env or {})}))
 
 
 def mpirun(

@@ -262,7 +262,7 @@ def test_who_waits_for_the_compiler_is_told_so(monkeypatch, tmp_path):
     [
         "rod -fsi_h 0.1 -ts_max_steps 2",
         "convergence mms -fsi_hs 0.05 -fsi_orders 2",
-        "bench -bench_points 480 -bench_orders 4 -bench_repeats 1 -bench_seconds 0.001 -bench_more no",
+        "bench -bench_points 480 -bench_orders 4 -bench_repeats 1 -bench_seconds 0.001 -bench_more no -bench_dimensions 1",
     ],
 )
 def test_every_command_that_compiles_says_so_first(line, tmp_path):
