@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from fsipetsc.cases import load_case
 from fsipetsc.errors import InputError
-from fsipetsc.options import groups
+from fsipetsc.options import above_one, groups
 from fsipetsc.options.option import Option
 
 if TYPE_CHECKING:
@@ -19,10 +19,6 @@ ORDERS = (2, 4, 6, 8)
 
 def _orders(values: tuple[int, ...]) -> str | None:
     return None if set(values) <= set(ORDERS) else "orders out of 2,4,6,8"
-
-
-def _above_one(value: float) -> str | None:
-    return None if value > 1 else "a number above 1"
 
 
 def _fractions(values: tuple[float, ...]) -> str | None:
@@ -57,7 +53,7 @@ SECTIONS: dict[str, tuple[Option, ...]] = {
         Option("fluid_rho", float, 1.0, "kg/m3", "density of the gas at rest", check="positive"),
         Option("fluid_T", float, 1.0, "K", "temperature, of the solid too", check="positive"),
         Option("fluid_p", float, None, "Pa", "pressure of the gas, instead of -fluid_rho", check="positive"),
-        Option("fluid_gamma", float, 1.4, "", "ratio of the specific heats", check=_above_one),
+        Option("fluid_gamma", float, 1.4, "", "ratio of the specific heats", check=above_one),
         Option("fluid_R", float, 1.0, "J/(kg K)", "gas constant over molar mass", check="positive"),
         Option("fluid_mu", float, 0.01, "Pa s", "viscosity", check="nonnegative"),
         Option("fluid_kappa", float, 0.03, "W/(m K)", "heat conductivity of the gas", check="nonnegative"),

@@ -6,20 +6,15 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from fsipetsc.options import Option
+from fsipetsc.options import Option, above_one
 from fsipetsc.physics.fluid import Fluid
 from fsipetsc.physics.solid import Solid
-
-
-def _above_one(value: float) -> str | None:
-    return None if value > 1 else "a number above 1"
-
 
 #: each with a default that a case replaces
 _KNOWN = (
     Option("fluid_mu", float, 0.0, "Pa s", "viscosity of the gas", check="nonnegative"),
     Option("fluid_kappa", float, 0.0, "W/(m K)", "heat conductivity of the gas", check="nonnegative"),
-    Option("fluid_gamma", float, 1.4, "", "ratio of the specific heats of the gas", check=_above_one),
+    Option("fluid_gamma", float, 1.4, "", "ratio of the specific heats of the gas", check=above_one),
     Option("fluid_R", float, 1.0, "J/(kg K)", "gas constant over molar mass", check="positive"),
     Option("solid_modulus", float, 1.0, "Pa", "2 mu_e + lambda_e of the solid", check="positive"),
     Option("solid_kappa", float, 0.0, "W/(m K)", "heat conductivity of the solid", check="nonnegative"),

@@ -20,7 +20,7 @@ import numpy as np
 
 from fsipetsc.boundaries.plane import Clamped, NoSlip, Open, Outflow, Roller, Slip
 from fsipetsc.errors import InputError
-from fsipetsc.options import Option
+from fsipetsc.options import Option, above_one
 from fsipetsc.physics.fluid import Fluid
 from fsipetsc.plane import PlaneFluidLayer, PlaneProblem, PlaneSolid, PlaneSolidLayer
 
@@ -30,7 +30,7 @@ SUMMARY = "an oblique shock reflected from a rigid wall or an elastic layer, in 
 OPTIONS = (
     Option(
         *("oblique_mach", float, 2.9, "", "Mach number of the gas that comes in"),
-        check=lambda M: None if M > 1 else "a number above 1",
+        check=above_one,
     ),
     Option("oblique_angle", float, 10.0, "degrees", "theta, by which the shock turns it", check="positive"),
     Option("oblique_wall", str, "elastic", "", "what is below", ("rigid", "elastic")),

@@ -25,7 +25,7 @@ from fsipetsc.boundaries import Wall, clamped, free
 from fsipetsc.cases.materials import gas_of, material_options, solid_of
 from fsipetsc.cases.riemann import GasState, Riemann, SolidState, behind_shock, shock_structure
 from fsipetsc.errors import InputError
-from fsipetsc.options import Option
+from fsipetsc.options import Option, above_one
 from fsipetsc.physics.fluid import Fluid
 from fsipetsc.physics.solid import Solid
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
@@ -37,7 +37,7 @@ OPTIONS = (
     Option("shock_problem", "str", "sod", "", "which problem", choices=("sod", "strong")),
     Option(
         *("shock_mach", "float", 3.0, "", "strong: Mach number of the shock in the gas"),
-        check=lambda mach: None if mach > 1 else "a number above 1",
+        check=above_one,
     ),
     *material_options(
         fluid_mu=0.0, fluid_kappa=0.0, solid_modulus=4.0, solid_density=0.5, solid_alpha=1.0, solid_gruneisen=0.0

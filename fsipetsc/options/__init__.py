@@ -6,159 +6,33 @@ PETSC_OPTIONS. The rest of the program gets a dict of typed values; PETSc's data
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
 from math import isqrt
 from typing import Any
 
 from fsipetsc.errors import InputError
-from fsipetsc.options.option import INT_MAX, REQUIRED, Option, brief
+from fsipetsc.options.option import REQUIRED, Option, above_one, brief
 from fsipetsc.options.petsc_names import AT_START, IN_LOOP, IN_SOURCES, is_family_name, why_refused
 from fsipetsc.options.sources import Given
+from fsipetsc.options.tables import (
+    ALIASES,
+    CHECKPOINTS,
+    COMMON,
+    DISCRETISATION,
+    EMBEDDED,
+    LONGEST_NAME,
+    OF_CONTROL,
+    OUTPUT,
+    PETSC_OPTIONS,
+    RUN,
+)
 
 __all__ = [
-    *("COMMON", "PETSC_OPTIONS", "REQUIRED", "InForce", "Option", "check_petsc", "defaults", "groups", "publish"),
-    *("read_options", "read_table", "spelt", "table"),
-]
-
-
-def _increasing(times: Sequence[float]) -> str | None:
-    rising = all(a < b for a, b in zip(times, times[1:]))
-    return None if rising and min(times, default=0) >= 0 else "times that are not negative and increase"
-
-
-def _around_one(clip: Sequence[float]) -> str | None:
-    return None if len(clip) == 2 and 0 < clip[0] < 1 < clip[1] else "two numbers, one between 0 and 1 and one above 1"
-
-
-def _between(least: float, most: float) -> Callable[[float], str | None]:
-    return lambda value: None if least <= value <= most else f"a number from {least} to {most}"
-
-
-def _fraction(part: float) -> str | None:
-    return None if 0 < part <= 1 else "a number above 0 and not above 1"
-
-
-def _file_name(name: str) -> str | None:
-    last = os.path.basename(name)
-    fits = last not in ("", ".", "..") and len(os.fsencode(last)) <= LONGEST_NAME and "\0" not in name
-    return None if fits else f"a file name of at most {LONGEST_NAME} bytes"
-
-
-#: bytes of a file's name: MPI's input and output makes longer ones of it, and Open MPI 4 crashes on more than 255
-LONGEST_NAME = 150
-
-DISCRETISATION = (
-    Option("fsi_order", int, 4, "", "interior order of the SBP operators", (2, 4, 6, 8)),
-    Option(
-        *("fsi_h", float, REQUIRED, "m", "grid spacing; interfaces, in 2-D ends of panels, must fall on grid points"),
-        check="positive",
-    ),
-    Option("fsi_cfl", float, 0.8, "", "Courant number of the time step; -ts_dt replaces it", check="positive"),
-    Option(
-        *("fsi_coupling", str, "conservative", "", "treatment of the interfaces; in 2-D conservative alone"),
-        choices=("projection", "energy", "traditional", "conservative"),
-    ),
-    Option(
-        *("fsi_mapping", str, "auto", ""),
-        help="grids of outer gases: rigid (embedded boundary), stretched; auto: that at walls, and in 2-D",
-        choices=("auto", "rigid", "stretched"),
-    ),
-    Option(
-        *("fsi_viscous", str, "wide", "", "second derivatives: D twice, or in 1-D such that reach half as far"),
-        choices=("wide", "narrow"),
-    ),
-    Option(
-        *("fsi_convection", str, "auto", "", "form of the gas's convection; entropy: two-point, which keeps it; auto: in 2-D"),
-        choices=("auto", "divergence", "entropy"),
-    ),
-    Option(
-        *("fsi_dissipation", float, 0.0, "", "dissipation by differences of half the order, times its usual size; 0: none"),
-        check=_between(0, 3),
-    ),
-    Option(
-        *("fsi_shock", float, 0.0, "", "dissipation where a sensor sees a shock, times its usual size; 0: none"),
-        check=_between(0, 2),
-    ),
-    Option(
-        *("fsi_spare", int, 16, "points", "in 1-D: free points kept beyond each embedded boundary before storage is enlarged"),
-        check="nonnegative",
-    ),
-)
-OUTPUT = (
-    Option(
-        *("fsi_output", str, None, "", "result file (HDF5); an earlier result is never destroyed silently"),
-        check=_file_name,
-    ),
-    Option("fsi_output_dt", float, None, "s", "interval at which profiles are saved", check="positive"),
-    Option("fsi_output_times", "floats", None, "s", "times at which profiles are saved: t0,t1,…", check=_increasing),
-    Option("fsi_points", "floats", None, "m", "in 2-D: X of points of interfaces that are recorded at each step: X0,X1,…"),
-)
-CHECKPOINTS = (
-    Option(
-        *("fsi_checkpoint", str, None, "", "file of checkpoints; NAME.checkpoint.h5 beside the result NAME.h5 if not given"),
-        check=_file_name,
-    ),
-    Option("fsi_checkpoint_steps", int, None, "steps", "steps from one checkpoint to the next", check="positive"),
-    Option("fsi_checkpoint_wall", float, None, "s", "wall time from one checkpoint to the next", check="positive"),
-    Option(
-        *("fsi_restart", str, None, "", "go on from a checkpoint; auto: from the newest good one, if there is one"),
-        check=_file_name,
-    ),
-    Option("fsi_wall_limit", float, None, "s", "wall time in which the run is to write a checkpoint and end", check="positive"),
-)
-RUN = (
-    Option(
-        *("fsi_check", float, None, "", "stop when mass, momentum, energy or entropy drifts by this fraction against its law"),
-        check="positive",
-    ),
-    Option("fsi_entropy", bool, False, "", "record the entropy, too; -fsi_check does so anyway, and 2-D always"),
-    Option(
-        *("fsi_burst", int, 64, "steps", "most steps between looks at signals and progress; 1 with -ts_monitor…, -log_…"),
-        check="positive",
-    ),
-    Option("fsi_partition", str, "auto", "", "which ranks own which layers", ("auto", "physics", "balanced")),
-    Option("fsi_shared_memory", bool, True, "", "in 1-D: up to 16 ranks, all on one node, exchange by memory, not messages"),
-    Option("fsi_norm", str, "L2", "", "norm of the errors against an exact solution; L1 where it jumps", ("L1", "L2")),
-    Option("fsi_quiet", bool, False, "", "print nothing but errors"),
-    Option("fsi_progress", bool, False, "", "show progress even when the output is not a terminal"),
-    Option("fsi_debug", bool, False, "", "show the Python traceback of an error"),
-)
-COMMON: tuple[Option, ...] = DISCRETISATION + OUTPUT + CHECKPOINTS + RUN
-
-_RK_TYPES = ("1fe", "2a", "2b", "3", "3bs", "4", "5f", "5dp", "5bs", "6vr", "7vr", "8vr")
-#: Runge-Kutta methods with an embedded one, which step-size control needs
-_EMBEDDED = ("2a", "3bs", "5f", "5dp", "5bs", "6vr", "7vr", "8vr")
-
-#: PETSc's options for which this program has defaults of its own, or which it must know
-PETSC_OPTIONS: tuple[Option, ...] = (
-    Option("ts_max_time", float, REQUIRED, "s", "time at which the run ends", check="nonnegative"),
-    Option("ts_max_steps", int, INT_MAX, "", "number of steps after which the run ends", check="nonnegative"),
-    Option(
-        "ts_dt", float, None, "s", "fixed time step, instead of -fsi_cfl; -ts_time_step is the same", check="positive"
-    ),
-    Option("ts_type", str, "fused", "", "time integrator; fused: rk of type 4 in one piece", ("fused", "rk", "ssp", "euler")),
-    Option("ts_rk_type", str, "4", "", "Runge–Kutta method", _RK_TYPES),
-    Option("ts_adapt_type", str, "none", "", "step-size control by an error estimate", ("none", "basic")),
-    Option("ts_rtol", float, 1e-4, "", "relative tolerance of step-size control", check="nonnegative"),
-    Option("ts_atol", float, 1e-4, "", "absolute tolerance of step-size control", check="nonnegative"),
-    Option("ts_adapt_dt_min", float, None, "s", "step-size control: a run that needs less fails", check="positive"),
-    Option("ts_adapt_dt_max", float, None, "s", "step-size control: no step is longer", check="positive"),
-    Option("ts_adapt_clip", "floats", (0.1, 10.0), "", "step-size control: least and largest change", check=_around_one),
-    Option("ts_adapt_safety", float, 0.9, "", "step-size control: part of the step that seems possible", check=_fraction),
-    Option("ts_adapt_reject_safety", float, 0.5, "", "… and part of that after a refused step", check=_fraction),
-    Option("ts_ssp_type", str, "rks2", "", "method of ssp", ("rks2", "rks3", "rk104")),
-    Option("ts_ssp_nstages", int, None, "stages", "of rks2 (2 or more), of rks3 (4, 9, 16, …)", check=lambda n: n > 1),
-)
-#: those that are nothing without step-size control
-_OF_CONTROL = (
-    *("ts_rtol", "ts_atol", "ts_adapt_dt_min", "ts_adapt_dt_max", "ts_adapt_clip", "ts_adapt_safety"),
-    "ts_adapt_reject_safety",
-)
-#: other spellings: of another release of PETSc, or deprecated there
-_ALIASES = {"ts_time_step": "ts_dt", "ts_final_time": "ts_max_time"}
+    "COMMON", "LONGEST_NAME", "PETSC_OPTIONS", "REQUIRED", "RUN", "InForce", "Option", "above_one", "check_petsc",
+    "defaults", "groups", "publish", "read_options", "read_table", "spelt", "table",
+]  # fmt: skip
 
 
 def groups(case: Any, extra: Sequence[Option] = ()) -> dict[str, tuple[Option, ...]]:
@@ -204,7 +78,7 @@ def _check_own_names(case: Any) -> None:
     taken = {option.name.lower() for option in COMMON + PETSC_OPTIONS}
     for option in case.OPTIONS:
         name = option.name.lower()
-        if name in taken or name in _ALIASES or is_family_name(name):
+        if name in taken or name in ALIASES or is_family_name(name):
             raise InputError(f"case {case.NAME}: its option -{option.name} exists already; give it another name")
         taken.add(name)
 
@@ -270,7 +144,7 @@ def _inheriting(option: Option, inherited: Mapping[str, Any]) -> Option:
 
 def spelt(given: Mapping[str, Given], name: str) -> Given | None:
     """What the user gave for an option, under one of its names."""
-    names = [name.lower(), *(alias for alias, meant in _ALIASES.items() if meant == name)]
+    names = [name.lower(), *(alias for alias, meant in ALIASES.items() if meant == name)]
     return next((given[spelling] for spelling in names if spelling in given), None)
 
 
@@ -287,7 +161,7 @@ def check_petsc(given: Mapping[str, Given]) -> None:
     for option in AT_START + IN_LOOP:
         if option.name in given:
             _value(option, given[option.name])
-    known = {option.name for option in _PASSED_ON + PETSC_OPTIONS} | set(_ALIASES)
+    known = {option.name for option in _PASSED_ON + PETSC_OPTIONS} | set(ALIASES)
     for name, one in given.items():
         if name not in known:
             nearest = get_close_matches(name, known, 1, 0.85)
@@ -306,7 +180,7 @@ def _read(options: Mapping[str, Option], given: Mapping[str, Given]) -> tuple[di
     values = {option.name: option.default for option in options.values()}
     chosen: dict[str, str] = {}
     for lower, one in given.items():
-        option = options.get(_ALIASES.get(lower, lower))
+        option = options.get(ALIASES.get(lower, lower))
         if option is None:
             continue
         value = _value(option, one)
@@ -326,7 +200,7 @@ def _value(option: Option, one: Given) -> Any:
 
 def _check_names(given: Mapping[str, Given], options: Mapping[str, Option]) -> None:
     passed = {option.name for option in _PASSED_ON}
-    aliases = {alias for alias, name in _ALIASES.items() if name in options}
+    aliases = {alias for alias, name in ALIASES.items() if name in options}
     spelt = {option.name for option in options.values()} | passed | aliases
     unknown = [
         f"-{brief(one.name)}{one.where}{_nearest(one.name, spelt)}"
@@ -359,13 +233,13 @@ def _check_together(values: dict[str, Any], given: Mapping[str, str]) -> None:
             raise InputError(f"-{option} must be given: the case has no default for it")
     if "ts_rk_type" in given and "ts_type" not in given:
         values["ts_type"] = "rk"  # who names one of PETSc's methods wants it, not the fused one
-    if values["ts_adapt_type"] == "basic" and not (values["ts_type"] == "rk" and values["ts_rk_type"] in _EMBEDDED):
+    if values["ts_adapt_type"] == "basic" and not (values["ts_type"] == "rk" and values["ts_rk_type"] in EMBEDDED):
         method = f"-ts_rk_type {values['ts_rk_type']}" if values["ts_type"] == "rk" else f"-ts_type {values['ts_type']}"
         raise InputError(
             f"-ts_adapt_type basic needs a method with an error estimate, which {method} has not: "
-            f"-ts_type rk with -ts_rk_type {', '.join(_EMBEDDED)}"
+            f"-ts_type rk with -ts_rk_type {', '.join(EMBEDDED)}"
         )
-    unheeded = [name for name in _OF_CONTROL if name in given] if values["ts_adapt_type"] == "none" else []
+    unheeded = [name for name in OF_CONTROL if name in given] if values["ts_adapt_type"] == "none" else []
     if unheeded:
         raise InputError(f"-{given[unheeded[0]]} needs -ts_adapt_type basic: without it there is no step-size control")
     _check_stages(values, given)
@@ -396,12 +270,12 @@ def publish(values: Mapping[str, Any]) -> None:
 
     database = PETSc.Options()
     dt_name = "ts_time_step" if _petsc_version() >= (3, 25) else "ts_dt"
-    for alias in _ALIASES:
+    for alias in ALIASES:
         database.delValue(alias)
     for option in PETSC_OPTIONS:
         value = values[option.name]
         database.delValue(option.name)
         method = option.name.split("_")[1]  # ts_rk_type is of ts_type rk
-        unused = (method in ("rk", "ssp") and values["ts_type"] != method) or option.name in _OF_CONTROL
+        unused = (method in ("rk", "ssp") and values["ts_type"] != method) or option.name in OF_CONTROL
         if value is not None and not unused:
             database.setValue(dt_name if option.name == "ts_dt" else option.name, str(value))

@@ -20,6 +20,11 @@ _TRUE = ("", "true", "yes", "1", "on")
 _FALSE = ("false", "no", "0", "off")
 
 
+def above_one(value: float) -> str | None:
+    """A check, of ratios of specific heats and of Mach numbers."""
+    return None if value > 1 else "a number above 1"
+
+
 @dataclass(frozen=True)
 class Option:
     """One option.
