@@ -17,8 +17,9 @@ from petsc4py import PETSc
 from fsipetsc.errors import ComputationError, clear_frames
 from fsipetsc.process.together import agree
 from fsipetsc.scheme.burst import LONGEST, MADE, SHORTEST, TIME
-from fsipetsc.scheme.plan import BAD, EXHAUSTED, LOW, MOVED, RATE, SAID_STOP, STOP, TOO_SHORT, shares
+from fsipetsc.scheme.plan import EXHAUSTED, LOW, MOVED, RATE, SAID_STOP, STOP, TOO_SHORT, shares
 from fsipetsc.scheme.time_step import longest_step
+from fsipetsc.stepping import verdicts
 from fsipetsc.stepping.error_control import ErrorControl, begins_with_last_rates
 from fsipetsc.stepping.fused import NAME, FusedRK4
 from fsipetsc.stepping.output_times import OutputTimes
@@ -34,9 +35,6 @@ LAST = STOP + 1
 CHECKED = 256
 #: points (of all ranks, spare ones too) times steps in one call
 MOST_POINTS = 250_000
-#: Courant number beyond which steps are said to be long: the classical method, on a periodic grid, is unstable beyond 1.6
-#: to 2.8 (orders 8 to 2)
-FAR = 1.5
 #: steps, at least, between two states that are kept to go back to: a copy takes as long as a step of few points
 KEPT = 256
 #: what is kept in a checkpoint as it is
@@ -165,7 +163,7 @@ class Integrator:
         self.dt_range = [min(self.dt_range[0], steps[0]), max(self.dt_range[1], steps[1])]
         flags = self.state.results[:LAST].tolist()
         self.series.keep(int(made) - 1)  # the last one only if it is sound
-        self._check(t, flags)
+        verdicts.check(self.state, t, self.steps, flags, self.beyond)
         self.series.keep(1)
         self._on_step(self.steps, t, steps[1])
         if self.steps >= self._next_check:
@@ -214,7 +212,7 @@ class Integrator:
     def _left_the_domain(self) -> bool:
         """The state is not one of the equations any more: not finite, a density, temperature or length not above 0."""
         results = self.state.results
-        return bool(results[BAD] or results[EXHAUSTED] or not results[RATE] < np.inf)
+        return verdicts.unsound(results) or bool(results[EXHAUSTED])
 
     def _finish(self) -> None:
         self.state.finish()
@@ -242,41 +240,6 @@ class Integrator:
             raise ComputationError(f"step-size control finds no step at t = {self.t:.6g}{s}: {wanted}")
         ts.restartStep()
         self._plan_step(ts)
-
-    def _check(self, t: float, flags: list[float]) -> None:
-        """Raise ComputationError if the new state cannot be gone on from; flags: flags and limits of the step."""
-        layers, s = self.state.problem.layers, self.state.problem.unit("s")
-        if flags[BAD] or not flags[RATE] < np.inf:
-            beyond = f"; {self.beyond}" if self.beyond else ""
-            raise ComputationError(self.state.failure(t, self.steps) + beyond)
-        if flags[EXHAUSTED]:
-            name = layers[int(flags[EXHAUSTED]) - 1].name
-            raise ComputationError(
-                f"the points of fluid layer '{name}' are used up at t = {t:.6g}{s}, step {self.steps}, "
-                f"{self._boundary(int(flags[EXHAUSTED]) - 1)}: its boundary crossed more than one cell in a step"
-            )
-        if flags[TOO_SHORT]:
-            k = int(flags[TOO_SHORT]) - 1
-            least = int(self.state.layout.records[k]["least"])
-            raise ComputationError(
-                f"fluid layer '{layers[k].name}' has become too short at t = {t:.6g}{s}, step {self.steps}, "
-                f"{self._boundary(k)}: the {self.state.op.name} operator needs {least} points"
-            )
-
-    def _beyond(self, rate: float) -> str:
-        """By how much the steps that were asked for exceed their bound, in words; "" if not by far. rate: 1/bound [1/s]."""
-        step, s = longest_step(self.opt["fsi_cfl"], self.opt["ts_dt"] or 0.0, rate), self.state.problem.unit("s")
-        if self.opt["ts_adapt_type"] != "none" or not step * rate > FAR:
-            return ""
-        asked = f"-ts_dt {step:g}{s}" if self.opt["ts_dt"] else f"-fsi_cfl {self.opt['fsi_cfl']:g}"
-        return f"{asked} is {step * rate:.3g} times the bound on the step at t = 0, {1 / rate:.3g}{s}"
-
-    def _boundary(self, k: int) -> str:
-        record = self.state.layout.records[k]
-        side = 0 if record["end_kind"][0] >= 0 else 1
-        interface, boundary = record["x_interface"], record["end_x"][side]
-        m = self.state.problem.unit("m")
-        return f"with its interface at x = {interface:.6g}{m} and its boundary at x = {boundary:.6g}{m}"
 
     # steps
 
@@ -340,10 +303,10 @@ class Integrator:
         if not self._steady:
             state.set_data(0.0)  # with differences in time of the length that a step has
         self._finish()
-        self._check(0.0, state.results[:LAST].tolist())
+        verdicts.check(state, 0.0, self.steps, state.results[:LAST].tolist(), self.beyond)
         found = {name: state.latest[name] for name in shares(state.latest.dtype) if name not in (*OF_STEPS, *OF_POINTS)}
         self.initial = {name: state.comm.allreduce(share).tolist() for name, share in found.items()}
-        self.beyond = self._beyond(float(state.results[RATE]))
+        self.beyond = verdicts.beyond_bound(state, self.opt)
         self._times.pass_time(0.0)
         self._on_frame(0.0)
 

@@ -8,7 +8,7 @@ the sums over ranks are the same, too.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -21,6 +21,7 @@ from fsipetsc.physics.layer import DOF, ENDS
 from fsipetsc.problem import Problem
 
 if TYPE_CHECKING:
+    from fsipetsc.parallel.plane.layout import PlaneLayout
     from fsipetsc.stepping.plane.state import PlaneState
     from fsipetsc.stepping.state import State
 
@@ -135,12 +136,12 @@ def put_frames(layout: Layout, arrays: Mapping[str, Array]) -> None:
         layout.records[name] = arrays[name]
 
 
-def rates_of(layout: Layout, arrays: Mapping[str, Array]) -> Array | None:
-    """This rank's part of the rates that were kept, if any."""
+def rates_of(layout: Layout | PlaneLayout, arrays: Mapping[str, Array], fill: Callable[..., None] = put) -> Array | None:
+    """This rank's part of the rates that were kept, if any; fill: ``put`` of the dimension."""
     if f"{RATES}layer0" not in arrays:
         return None
     rates = np.empty(layout.local_size)
-    put(layout, rates, arrays, RATES)
+    fill(layout, rates, arrays, RATES)
     return rates
 
 

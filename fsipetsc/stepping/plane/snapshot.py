@@ -69,12 +69,3 @@ def check(state: PlaneState, arrays: Mapping[str, Array]) -> None:
         ny, nx = arrays[f"layer{k}"].shape[:2]
         if (ny, nx) != (grid.ny, grid.nx):
             raise InputError(f"layer '{layer.name}' has {grid.nx} by {grid.ny} points, and {nx} by {ny} in the checkpoint")
-
-
-def rates_of(layout: PlaneLayout, arrays: Mapping[str, Array]) -> Array | None:
-    """This rank's part of the rates that were kept, if any."""
-    if f"{RATES}layer0" not in arrays:
-        return None
-    rates = np.empty(layout.local_size)
-    put(layout, rates, arrays, RATES)
-    return rates

@@ -32,7 +32,7 @@ from fsipetsc.stepping.plane.diagnosis import describe_failure
 from fsipetsc.stepping.plane.edge_data import EdgeData
 from fsipetsc.stepping.plane.path import PlanePath
 from fsipetsc.stepping.plane.watched import NAMES, Watched, chosen
-from fsipetsc.stepping.snapshot import as_numbers, kept, put_back
+from fsipetsc.stepping.snapshot import as_numbers, kept, put_back, rates_of
 from fsipetsc.stepping.state import FAULT
 
 #: words of the energy, both components of the momentum, the entropy
@@ -250,7 +250,7 @@ class PlaneState:
         except InputError as error:
             self._keep(error)
         agree(self.comm, self.fault)
-        return snapshot.rates_of(self.layout, arrays)
+        return rates_of(self.layout, arrays, snapshot.put)
 
     @property
     def reserve(self) -> int:
