@@ -21,7 +21,7 @@ from mpi4py import MPI
 
 from fsipetsc.bench import square
 from fsipetsc.bench.measure import Stand, clock
-from fsipetsc.bench.table import NAN, entry, markdown
+from fsipetsc.bench.table import NAN, cells, heading, kinds_of, line, markdown
 from fsipetsc.bench.yardstick import PlaneYardstick
 from fsipetsc.errors import FileError
 from fsipetsc.operators.sbp import operator
@@ -78,15 +78,9 @@ COLUMNS = (
 )
 
 
-def line(row: PlaneRow | None = None) -> str:
-    """A row for the terminal, or the line above the rows."""
-    texts = [name if row is None else entry(form, get(row)) for name, form, get in COLUMNS]
-    return "  ".join(f"{text:>{max(len(name), 7)}}" for text, (name, _, _) in zip(texts, COLUMNS, strict=True))
-
-
 def table(rows: Iterable[PlaneRow]) -> str:
     """All rows in Markdown."""
-    return markdown([name for name, _, _ in COLUMNS], [[entry(form, get(r)) for _, form, get in COLUMNS] for r in rows])
+    return markdown([name for name, _, _ in COLUMNS], [cells(row, COLUMNS) for row in rows])
 
 
 def save(rows: Iterable[PlaneRow], path: Path) -> None:
@@ -103,7 +97,7 @@ def save(rows: Iterable[PlaneRow], path: Path) -> None:
 
 def load(path: Path) -> list[PlaneRow]:
     """Rows that were saved. FileError."""
-    kinds = {f.name: {"int": int, "float": float, "str": str}[str(f.type)] for f in fields(PlaneRow)}
+    kinds = kinds_of(PlaneRow)
     try:
         with path.open(newline="", encoding="utf-8") as file:
             return [PlaneRow(**{k: kind(row[k] or "nan") for k, kind in kinds.items()}) for row in csv.DictReader(file)]
@@ -113,7 +107,7 @@ def load(path: Path) -> list[PlaneRow]:
 
 def measure(bench: Bench, yardstick: PlaneYardstick | None) -> list[PlaneRow]:
     """All rows, on rank 0. Collective."""
-    bench.say(line())
+    bench.say(heading(COLUMNS))
     rows: list[PlaneRow] = []
     opt = bench.opt
     forms = square.FORMS if opt["bench_form"] == "all" else (opt["bench_form"],)
@@ -123,7 +117,7 @@ def measure(bench: Bench, yardstick: PlaneYardstick | None) -> list[PlaneRow]:
         stands = {r: bench.team(r, lambda comm: Stand(square, options, comm, bench.say)) for r in bench.ranks}  # noqa: B023
         found = _rows(bench, stands, yardstick, order, form, n)
         for row in found:
-            bench.say(line(row))
+            bench.say(line(row, COLUMNS))
         rows += found
         for stand in stands.values():
             if stand is not None:

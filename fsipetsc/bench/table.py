@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from fsipetsc.errors import FileError
 from fsipetsc.operators.sbp import operator
@@ -124,7 +124,7 @@ class BenchStudy:
 
 def load(path: Path) -> BenchStudy:
     """A study that was saved. FileError if it cannot be read."""
-    kinds = {f.name: {"int": int, "float": float}[str(f.type)] for f in fields(Row)}
+    kinds = kinds_of(Row)
     try:
         study = BenchStudy()
         with path.open(newline="", encoding="utf-8") as file:
@@ -144,6 +144,11 @@ def load(path: Path) -> BenchStudy:
         raise FileError(f"{path}: is not the table of a benchmark: {error}") from error
 
 
+def kinds_of(row: type) -> dict[str, type]:
+    """Name of a row's number or text -> its type."""
+    return {f.name: {"int": int, "float": float, "str": str}[str(f.type)] for f in fields(row)}
+
+
 def _facts_path(path: Path) -> Path:
     return path.with_name(f"{path.stem}-facts.csv")
 
@@ -154,8 +159,9 @@ def _text(value: object) -> str:
     return str(value)
 
 
+Columns = Sequence[tuple[str, str, Callable[[Any], object]]]
 #: columns of the table: heading, format, number
-COLUMNS = (
+COLUMNS: Columns = (
     ("order", "{}", lambda r: operator(r.order).name),
     ("points", "{:d}", lambda r: r.points),
     ("ranks", "{:d}", lambda r: r.ranks),
@@ -174,9 +180,9 @@ COLUMNS = (
 )
 
 
-def cells(row: Row) -> list[str]:
-    """A row as texts, in the order of COLUMNS."""
-    return [entry(form, get(row)) for _, form, get in COLUMNS]
+def cells(row: Row | PlaneRow, columns: Columns = COLUMNS) -> list[str]:
+    """A row as texts, in the order of the columns."""
+    return [entry(form, get(row)) for _, form, get in columns]
 
 
 def entry(form: str, value: object) -> str:
@@ -184,14 +190,14 @@ def entry(form: str, value: object) -> str:
     return "–" if isinstance(value, float) and math.isnan(value) else form.format(value)
 
 
-def heading() -> str:
+def heading(columns: Columns = COLUMNS) -> str:
     """The line above the rows, for the terminal."""
-    return "  ".join(f"{name:>{_width(name)}}" for name, _, _ in COLUMNS)
+    return "  ".join(f"{name:>{_width(name)}}" for name, _, _ in columns)
 
 
-def line(row: Row) -> str:
+def line(row: Row | PlaneRow, columns: Columns = COLUMNS) -> str:
     """A row for the terminal."""
-    return "  ".join(f"{text:>{_width(name)}}" for text, (name, _, _) in zip(cells(row), COLUMNS))
+    return "  ".join(f"{text:>{_width(name)}}" for text, (name, _, _) in zip(cells(row, columns), columns))
 
 
 def _width(name: str) -> int:
