@@ -28,10 +28,7 @@ PREFIXES = ("", "fsi_", "ts_")
 
 def run(case: Any, comm: MPI.Comm | None, options: Mapping[str, Any]) -> Run:
     """See fsipetsc.run, whose work this is."""
-    start_mpi()
-    from mpi4py import MPI
-
-    comm = MPI.COMM_WORLD if comm is None else comm
+    comm = start_mpi() if comm is None else comm
     with left_as_found():
         notes = comm.Dup()
         try:

@@ -147,6 +147,7 @@ def test_a_claim_of_more_than_there_can_be(whole: bytes, tmp_path: Path) -> None
 def test_what_can_be_drawn_is_drawn(whole: bytes, tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
     from fsipetsc.output.plots import plot
+    from fsipetsc.output.report import report
 
     def change(file: h5py.File) -> None:
         rows = file["series"][...]
@@ -160,6 +161,9 @@ def test_what_can_be_drawn_is_drawn(whole: bytes, tmp_path: Path) -> None:
     assert caught.value.status == 4 and "\n" not in str(caught.value)
     drawn = {picture.name for picture in (tmp_path / "pictures").iterdir()}
     assert {"run-u.png", "run-T.png"} <= drawn
+    with pytest.raises(FileError, match=r"damaged, not drawn: .*the rest is in") as caught:
+        report(path, tmp_path)
+    assert caught.value.status == 4 and 'id="u"' in (tmp_path / "run.html").read_text()
 
 
 @pytest.mark.parametrize("command", ["info", "plot"])

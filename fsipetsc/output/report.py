@@ -10,15 +10,14 @@ import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from string import Template
-from typing import Any
 
 import numpy as np
 
-from fsipetsc.errors import FileError, InputError
+from fsipetsc.errors import FileError
 from fsipetsc.output.info import info_sections
-from fsipetsc.output.plots import pictures
+from fsipetsc.output.plots import complain, drawn, whole
 from fsipetsc.output.plots.animation import frames, shades, some
-from fsipetsc.output.plots.style import STYLE, drawing
+from fsipetsc.output.plots.style import STYLE, needed
 from fsipetsc.output.reader import Run, open_run
 
 FILM = 60  # frames under the slider; of more, some are left out
@@ -28,33 +27,33 @@ DPI = 110
 def report(path: str | os.PathLike[str], outdir: str | os.PathLike[str] = ".") -> Path:
     """Write NAME.html in `outdir`; its path.
 
-    Raises FileError if the result cannot be read or the page cannot be written, InputError without matplotlib.
+    Raises FileError if the result cannot be read or the page cannot be written, InputError without matplotlib. Of a damaged
+    result what can be drawn is in the page; the error names the rest.
     """
-    try:
-        matplotlib = drawing()
-    except ImportError as error:
-        raise InputError("report: matplotlib is not installed (pip install matplotlib)") from error
+    matplotlib = needed("report")
     target = Path(outdir) / f"{Path(path).stem}.html"
     with open_run(path) as run, matplotlib.rc_context({**STYLE, "savefig.dpi": DPI}), np.errstate(all="ignore"):
-        text = _page(run)
+        faults: list[str] = []
+        text = _page(run, faults)
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
         target.write_text(text, encoding="utf-8")
     except OSError as error:
         raise FileError(f"{target}: cannot write the report: {error.strerror or error}") from error
+    complain(path, faults, f"the rest is in {target}")
     return target
 
 
-def _page(run: Run) -> str:
+def _page(run: Run, faults: list[str]) -> str:
     template = Template(Path(__file__).with_name("report.html").read_text(encoding="utf-8"))
     chosen = some(run, FILM) if run.nframes > 1 else range(0)
     return template.substitute(
         title=html.escape(f"{run.case}: {Path(run.path).name}"),
         state="complete" if run.complete else html.escape(str(run.summary.get("status", "unfinished"))),
-        film=json.dumps(list(_film(run, chosen))),
+        film=json.dumps(list(whole(_film(run, chosen), faults, "film"))),
         times=json.dumps([float(run.time[frame]) for frame in chosen]),
         tables="\n".join(_table(title, rows) for title, rows in info_sections(run)),
-        pictures="\n".join(_figure(name, draw) for name, draw in pictures(run)),
+        pictures="\n".join(_figure(name, picture) for name, picture in drawn(run, faults)),
     )
 
 
@@ -71,13 +70,8 @@ def _film(run: Run, chosen: range) -> Iterator[str]:
         yield _address(kept.getvalue())
 
 
-def _figure(name: str, draw: Any) -> str:
-    from matplotlib.figure import Figure
-
-    figure, kept = Figure(), io.BytesIO()
-    draw(figure)
-    figure.savefig(kept, format="png")
-    return f'<figure id="{name}"><img alt="{name}" src="{_address(kept.getvalue())}"></figure>'
+def _figure(name: str, picture: bytes) -> str:
+    return f'<figure id="{name}"><img alt="{name}" src="{_address(picture)}"></figure>'
 
 
 def _address(picture: bytes) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
@@ -10,10 +11,10 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from fsipetsc.errors import FileError, InputError
+from fsipetsc.errors import FileError
 from fsipetsc.output.plots import balances, interfaces, plane, profiles, space_time, steps
 from fsipetsc.output.plots.quantities import PROFILES
-from fsipetsc.output.plots.style import STYLE, drawing
+from fsipetsc.output.plots.style import STYLE, needed
 from fsipetsc.output.reader import Run, open_run
 
 if TYPE_CHECKING:
@@ -34,37 +35,50 @@ def plot(
     Raises FileError if the result cannot be read or the pictures cannot be written, InputError without matplotlib. Of a
     damaged result all that can be drawn is drawn first; the error names the other pictures.
     """
-    try:
-        matplotlib = drawing()
-        from matplotlib.figure import Figure
-    except ImportError as error:
-        raise InputError("plot: matplotlib is not installed (pip install matplotlib)") from error
-    folder, written, faults = Path(outdir), [], []
+    matplotlib = needed("plot")
+    folder, written = Path(outdir), []
+    faults: list[str] = []
     with open_run(path) as run, matplotlib.rc_context(STYLE), np.errstate(all="ignore"):
-        for name, draw in _whole(pictures(run, times), faults):
-            figure = Figure()
+        for name, picture in drawn(run, faults, times):
             target = folder / f"{Path(path).stem}-{name}.png"
             try:
                 folder.mkdir(parents=True, exist_ok=True)
-                draw(figure)
-                figure.savefig(target)
+                target.write_bytes(picture)
                 written.append(target)
             except OSError as error:
                 raise FileError(f"{target}: cannot write the picture: {error.strerror}") from error
-            except Exception as error:  # there is no end to what may be wrong with damaged numbers
-                faults.append(f"{name} ({_reason(error)})")
-    if faults:
-        drawn = f"; {len(written)} pictures of it are in {folder}" if written else ""
-        raise FileError(f"{os.fspath(path)}: the result is damaged, not drawn: {', '.join(faults)}{drawn}")
+    complain(path, faults, f"{len(written)} pictures of it are in {folder}" if written else "")
     return written
 
 
-def _whole(found: Iterator[Item], faults: list[str]) -> Iterator[Item]:
+def drawn(run: Run, faults: list[str], times: Sequence[float] | None = None) -> Iterator[tuple[str, bytes]]:
+    """Name and PNG of each picture; of a damaged result those that can be drawn. faults: gets what the others failed of."""
+    from matplotlib.figure import Figure
+
+    for name, draw in whole(pictures(run, times), faults, "others"):
+        figure, kept = Figure(), io.BytesIO()
+        try:
+            draw(figure)
+            figure.savefig(kept, format="png")
+        except Exception as error:  # there is no end to what may be wrong with damaged numbers
+            faults.append(f"{name} ({_reason(error)})")
+            continue
+        yield name, kept.getvalue()
+
+
+def complain(path: str | os.PathLike[str], faults: Sequence[str], done: str) -> None:
+    """FileError if something could not be drawn; done: what there is nevertheless."""
+    if faults:
+        there = f"; {done}" if done else ""
+        raise FileError(f"{os.fspath(path)}: the result is damaged, not drawn: {', '.join(faults)}{there}")
+
+
+def whole(found: Iterator[Item], faults: list[str], what: str) -> Iterator[Item]:
     """What is found until something fails, which is noted."""
     try:
         yield from found
     except Exception as error:
-        faults.append(f"others ({_reason(error)})")
+        faults.append(f"{what} ({_reason(error)})")
 
 
 def _reason(error: Exception) -> str:

@@ -12,7 +12,7 @@ import numpy as np
 from fsipetsc.errors import FileError, InputError
 from fsipetsc.output.plots import film as of_profiles
 from fsipetsc.output.plots.plane import film as of_maps
-from fsipetsc.output.plots.style import BLUE, RED, STYLE, drawing
+from fsipetsc.output.plots.style import BLUE, RED, STYLE, needed
 from fsipetsc.output.reader import Run, open_run
 
 if TYPE_CHECKING:
@@ -29,10 +29,7 @@ def animate(path: str | os.PathLike[str], outdir: str | os.PathLike[str] = ".") 
     Raises FileError if the result cannot be read or the film cannot be written, InputError without matplotlib or for a
     result of less than two frames.
     """
-    try:
-        matplotlib = drawing()
-    except ImportError as error:
-        raise InputError("plot: matplotlib is not installed (pip install matplotlib)") from error
+    matplotlib = needed("plot")
     target = Path(outdir) / f"{Path(path).stem}.gif"
     with open_run(path) as run, matplotlib.rc_context(STYLE), np.errstate(all="ignore"):
         if run.nframes < 2:

@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from fsipetsc.errors import InputError
+
 BLUE, RED, GREEN, ORANGE, PURPLE, GREY, BLACK = (
     "#0072b2", "#d55e00", "#009e73", "#e69f00", "#a0528c", "#8a8a8a", "#222222",
 )  # fmt: skip
@@ -39,6 +41,14 @@ STYLE: dict[Any, Any] = {
     "savefig.dpi": 160,
 }
 MAX_POINTS = 20_000  # of a line; more cannot be seen
+
+
+def needed(command: str) -> ModuleType:
+    """matplotlib, for a command that is nothing without it. InputError where it is not installed."""
+    try:
+        return drawing()
+    except ImportError as error:
+        raise InputError(f"{command}: matplotlib is not installed (pip install matplotlib)") from error
 
 
 def drawing() -> ModuleType:
