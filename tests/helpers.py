@@ -132,6 +132,14 @@ def solve(*args: object, **more: Any) -> subprocess.CompletedProcess[str]:
     return run("-m", "fsipetsc", *args, **more)
 
 
+def computed(folder: Path, name: str, *words: object, ranks: int = 1) -> fsipetsc.output.reader.Run:
+    """The result folder/name of a run of the program on so many ranks, opened."""
+    arguments = ("-m", "fsipetsc", *words, "-fsi_output", name, "-fsi_quiet")
+    done = run(*arguments, cwd=folder) if ranks == 1 else mpirun(ranks, *arguments, cwd=folder)
+    assert (done.returncode, done.stderr) == (0, ""), done.stderr
+    return fsipetsc.open_run(folder / name)
+
+
 def message(done: subprocess.CompletedProcess[str], status: int, *words: str) -> str:
     """The program's one message; asserts the status, that the words are in it, and that no more is said but by the launcher."""
     assert done.returncode == status, done.stderr

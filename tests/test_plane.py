@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from helpers import mpirun, run
-
-import fsipetsc
+from helpers import computed, run
 
 #: gas | plate | gas, of which every kind of edge is one: closed but for the heat, and at rest but for a bump
 BOX = """
@@ -42,14 +40,6 @@ def build(opt):
         units="none",
     )
 """
-
-
-def computed(folder, name, *words, ranks=1):
-    """The result of a run, opened."""
-    arguments = ("-m", "fsipetsc", *words, "-fsi_output", name, "-fsi_quiet")
-    done = run(*arguments, cwd=folder) if ranks == 1 else mpirun(ranks, *arguments, cwd=folder)
-    assert (done.returncode, done.stderr) == (0, ""), done.stderr
-    return fsipetsc.open_run(folder / name)
 
 
 @pytest.fixture(scope="module")

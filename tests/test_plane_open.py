@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from test_plane import computed
+from helpers import computed
 
 CHANNEL = """
 import numpy as np

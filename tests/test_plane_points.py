@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from helpers import run
-from test_plane import computed
+from helpers import computed, run
 from test_plane_rates import ORDERS, Rates, problem
 
 from fsipetsc.cases import load_case, plane_mms

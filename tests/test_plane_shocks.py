@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from helpers import mpirun, run
+from helpers import computed
 from test_plane_rates import ORDERS, USUAL, PlaneForm, Rates, problem
 
-import fsipetsc
 from fsipetsc.cases.oblique import GAMMA, State, behind, shock_angle
 from fsipetsc.errors import InputError
 from fsipetsc.output.plots.balances import departures
@@ -16,14 +15,6 @@ from fsipetsc.output.plots.balances import departures
 OBLIQUE = ("oblique", "-fsi_h", 1 / 16, "-fsi_order", 4, "-ts_max_time", 1.2, "-solid_cells", 8, "-solid_modulus", 10)
 #: the same gas with friction, which sticks to the layer
 VISCOUS = (*OBLIQUE, "-fluid_mu", 0.01, "-ts_max_time", 0.2)
-
-
-def computed(folder, name, *words, ranks=1):
-    """The result of a run, opened."""
-    arguments = ("-m", "fsipetsc", *map(str, words), "-fsi_output", name, "-fsi_quiet")
-    done = run(*arguments, cwd=folder) if ranks == 1 else mpirun(ranks, *arguments, cwd=folder)
-    assert (done.returncode, done.stderr) == (0, ""), done.stderr
-    return fsipetsc.open_run(folder / name)
 
 
 @pytest.fixture(scope="module")

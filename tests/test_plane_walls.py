@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from helpers import REPOSITORY, mpirun
-from test_plane import computed
+from helpers import REPOSITORY, computed, mpirun
 
 from fsipetsc.boundaries.plane import Clamped, Given, NoSlip, Slip
 from fsipetsc.errors import InputError
