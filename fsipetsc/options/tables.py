@@ -106,8 +106,9 @@ RUN = (
     Option("fsi_partition", str, "auto", "", "which ranks own which layers", ("auto", "physics", "balanced")),
     Option("fsi_shared_memory", bool, True, "", "in 1-D: up to 16 ranks, all on one node, exchange by memory, not messages"),
     Option("fsi_norm", str, "L2", "", "norm of the errors against an exact solution; L1 where it jumps", ("L1", "L2")),
+    Option("fsi_view", bool, False, "", "print layers, ranks, points, materials, operators and method before the run"),
     Option("fsi_quiet", bool, False, "", "print nothing but errors"),
-    Option("fsi_progress", bool, False, "", "show progress even when the output is not a terminal"),
+    Option("fsi_progress", bool, False, "", "lines of progress from 2 s on, not 10 s, where the output is not a terminal"),
     Option("fsi_debug", bool, False, "", "show the Python traceback of an error"),
 )
 COMMON: tuple[Option, ...] = DISCRETISATION + OUTPUT + CHECKPOINTS + RUN

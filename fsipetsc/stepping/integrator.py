@@ -77,6 +77,7 @@ class Integrator:
         self.rejections = 0
         self.t = 0.0
         self.dt_range = [np.inf, 0.0]
+        self.last_step = np.inf  # the longest of the last burst
         self.wall_time = self._begun = 0.0
         self.stop_signal = 0
         self.out_of_time = False
@@ -158,7 +159,7 @@ class Integrator:
         if self.state.results[STOP] >= FAULT:  # the step was made with data that are wrong
             agree(self.state.comm, self.state.fault)
         ts.setTime(t)  # the sum of steps may miss a target by round-off
-        self.t, self.steps = t, self.steps + int(made)
+        self.t, self.steps, self.last_step = t, self.steps + int(made), steps[1]
         ts.setStepNumber(self.steps)
         self.dt_range = [min(self.dt_range[0], steps[0]), max(self.dt_range[1], steps[1])]
         flags = self.state.results[:LAST].tolist()

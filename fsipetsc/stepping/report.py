@@ -1,21 +1,21 @@
-"""What a run says: a line at the start, progress, a summary at the end. Rank 0 speaks."""
+"""What a run says: a line at the start, progress, a summary at the end that fits on a screen. Rank 0 speaks."""
 
 from __future__ import annotations
 
-import os
-import sys
-import time
-from collections.abc import Mapping
+import shlex
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from mpi4py import MPI
 
 from fsipetsc.checks import counted
+from fsipetsc.stepping.limits import reason, shares
+from fsipetsc.stepping.progress import Progress, duration
 from fsipetsc.stepping.state import State
 
-#: wall seconds between two reports of progress: rewritten in place on a terminal; else line by line, ever rarer
-_IN_PLACE, _LINES, _RAREST = 1.0, 2.0, 60.0
+#: characters of a line of the summary, and departures that are listed
+_WIDTH, _LISTED = 100, 4
 
 
 class Reporter:
@@ -23,27 +23,25 @@ class Reporter:
 
     def __init__(self, comm: MPI.Comm, name: str, opt: Mapping[str, Any]) -> None:
         self._speaks = comm.rank == 0 and not opt["fsi_quiet"]
-        # Open MPI gives the ranks a terminal of their own, whatever the output really goes to
-        launched = any(name in os.environ for name in ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK"))
-        self._terminal = sys.stdout.isatty() and not launched
-        self._shows = self._speaks and (sys.stdout.isatty() or opt["fsi_progress"])
-        self._interval = _IN_PLACE if self._terminal else _LINES
         self._name, self._opt, self._comm = name, opt, comm
-        self._begun = self._last = time.monotonic()
-        self._open_line = False
+        self._progress: Progress | None = None
+        self._state: State | None = None
         self._m, self._s, self._place = " m", " s", "x = {:.6g}"
-        self._next = 32  # steps before the clock is asked
 
     def line(self, text: str) -> None:
         """Print a line."""
         if self._speaks:
-            if self._open_line:
-                print()
-                self._open_line = False
+            self.clear()
             print(text, flush=True)
+
+    def clear(self) -> None:
+        """Take away what stands on a terminal for a moment only."""
+        if self._progress is not None:
+            self._progress.clear()
 
     def begin(self, state: State) -> None:
         """Say what is going to be computed."""
+        self._state = state
         self._m, self._s = state.problem.unit("m"), state.problem.unit("s")
         self._place = "x = {:.6g}" if state.problem.dimension == 1 else "y = {:.6g} on average"
         points, reserve = state.points, state.reserve
@@ -54,58 +52,67 @@ class Reporter:
             f"to t = {self._opt['ts_max_time']:g}{self._s}"
         )
 
-    def start(self) -> None:
-        """The time loop begins: what is left is reckoned from here."""
-        self._begun = self._last = time.monotonic()
+    def start(self, t: float, steps: int) -> None:
+        """The time loop begins."""
+        if self._speaks:
+            self._progress = Progress(self._opt["ts_max_time"], self._s, self._opt["fsi_progress"])
+            self._progress.start(t, steps)
 
     def step(self, steps: int, t: float, dt: float) -> None:
         """Show progress now and then."""
-        if not self._shows or steps < self._next:
-            return
-        self._next, now = steps + 32, time.monotonic()
-        if now - self._last < self._interval:
-            return
-        self._last = now
-        if not self._terminal:
-            self._interval = min(1.5 * self._interval, _RAREST)
-        end = self._opt["ts_max_time"]
-        left = (now - self._begun) * (end - t) / t if t > 0 else 0.0
-        done = f"  t = {t:.4g} of {end:g}{self._s} ({100 * t / end:.0f} %)"
-        text = f"{done}, step {steps}, dt = {dt:.3g}{self._s}, {_duration(left)} left"
-        if self._terminal:
-            print(f"\r{text:<78}", end="", flush=True)
-            self._open_line = True
-        else:
-            print(text, flush=True)
+        if self._progress is not None:
+            self._progress.step(steps, t, dt, lambda: reason(self._state, self._opt, dt))
 
     def end(self, summary: Mapping[str, Any], errors: Mapping[str, Any] | None, path: Path) -> None:
         """Print the summary."""
+        if not self._speaks:
+            return
         steps, wall = summary["steps"], summary["wall_time"]
         cost = f", {1e6 * wall / steps:.1f} µs per step" if steps else ""
         rejected = f" ({summary['rejected_steps']} rejected)" if summary["rejected_steps"] else ""
         early = summary["message"] if summary["status"] == "done" else ""
         how = early or f"{summary['status']} at t = {summary['t']:g}{self._s}"
-        self.line(f"{how}: {counted(steps, 'step')}{rejected} in {_duration(wall)}{cost}")
-        places = ", ".join(f"{name} at {self._place.format(x)}" for name, x in summary["interfaces"].items())
+        self.line(f"{how}: {counted(steps, 'step')}{rejected} in {duration(wall)}{cost}")
+        self._list("solved", [f"{layer.name} ({layer.kind})" for layer in self._state.problem.layers])
+        places = [f"{name} at {self._place.format(x)}" for name, x in summary["interfaces"].items()]
         points = counted(summary["points"], "point")
-        self.line(f"interfaces: {places}; {points}" if places else points)
+        if places:
+            self._list("interfaces", [*places[:-1], f"{places[-1]}; {points}"])
+        else:
+            self.line(points)
         self.line(_phases(summary["phases"]))
+        if steps:
+            parts = shares(summary["limits"], summary["t"])
+            bounds = [f"{what} ({100 * part:.0f} %)" if part < 1 else what for what, part in parts]
+            range_of_dt = f"{summary['dt_min']:.3g} … {summary['dt_max']:.3g}{self._s}"
+            self._list("dt", [f"{range_of_dt}, bounded by {bounds[0]}" if bounds else range_of_dt, *bounds[1:]])
+        kept = sorted(summary["departures"].items(), key=lambda item: -item[1])
+        more = [f"{len(kept) - _LISTED} more"] * (len(kept) > _LISTED)
+        self._list("kept", [*(f"{name} to {size:.1e}" for name, size in kept[:_LISTED]), *more])
         for kind, values in (errors or {}).items():
-            listed = ", ".join(f"{name} {value:.3e}" for name, value in values.items())
-            self.line(f"{self._opt['fsi_norm']} errors in the {kind}: {listed}")
+            listed = [f"{name} {value:.3e}" for name, value in values.items()]
+            self._list(f"{self._opt['fsi_norm']} errors in the {kind}", listed)
         self.line(f"result in {path}")
+        if summary["status"] == "done":
+            self.line(f"next: python -m fsipetsc plot {shlex.quote(self._opt['fsi_output'])}")
+
+    def _list(self, title: str, items: Sequence[str], most: int = 2) -> None:
+        """A line of items, or some lines; nothing where there are none."""
+        lines: list[str] = []
+        for number, item in enumerate(items):
+            piece = f"{item}{',' * (number + 1 < len(items))}"
+            if lines and len(lines[-1]) + len(piece) < _WIDTH:
+                lines[-1] += f" {piece}"
+            elif len(lines) == most:
+                lines[-1] = f"{lines[-1]} … ({len(items)} in all)"
+                break
+            else:
+                lines.append(f"  {piece}" if lines else f"{title}: {piece}")
+        for text in lines:
+            self.line(text)
 
 
 def _phases(seconds: Mapping[str, float]) -> str:
     """Where the time went, in a line."""
     total = sum(seconds.values())
-    return "phases: " + ", ".join(f"{k} {_duration(v)} ({100 * v / max(total, 1e-9):.0f} %)" for k, v in seconds.items())
-
-
-def _duration(seconds: float) -> str:
-    """Seconds in words that fit their size."""
-    if seconds < 60:
-        return f"{seconds:.3g} s"
-    if seconds < 3600:
-        return f"{int(seconds // 60)} min {int(seconds % 60)} s"
-    return f"{int(seconds // 3600)} h {int(seconds % 3600 // 60)} min"
+    return "phases: " + ", ".join(f"{k} {duration(v)} ({100 * v / max(total, 1e-9):.0f} %)" for k, v in seconds.items())

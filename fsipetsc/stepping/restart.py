@@ -23,7 +23,7 @@ from fsipetsc.output.checkpoint_file import Checkpoint
 from fsipetsc.process.together import together
 
 #: which ones belong to one run of the program, not to the computation: they are not those of the checkpoint
-_OF_A_RUN = {"fsi_quiet", "fsi_progress", "fsi_debug", "fsi_restart", "fsi_wall_limit"}
+_OF_A_RUN = {"fsi_quiet", "fsi_progress", "fsi_view", "fsi_debug", "fsi_restart", "fsi_wall_limit"}
 FREE = _OF_A_RUN | {
     *("fsi_output", "fsi_output_dt", "fsi_output_times", "fsi_checkpoint", "fsi_checkpoint_steps", "fsi_checkpoint_wall"),
     *("fsi_burst", "fsi_partition", "fsi_shared_memory", "fsi_norm", "fsi_check", "ts_max_time", "ts_max_steps"),

@@ -24,6 +24,8 @@ from fsipetsc.process.notes import PATIENCE, exchange
 from fsipetsc.scheme.conservation_check import ConservationCheck
 from fsipetsc.stepping.checkpoints import CheckpointKeeper
 from fsipetsc.stepping.integrator import Integrator
+from fsipetsc.stepping.ledgers import Ledgers
+from fsipetsc.stepping.limits import Limits
 from fsipetsc.stepping.output_times import saved_times
 from fsipetsc.stepping.pauses import Pauses
 from fsipetsc.stepping.phases import LOOP, OUTPUT, SET_UP, Phases
@@ -32,6 +34,7 @@ from fsipetsc.stepping.restart import Past, check_options, check_problem, find_p
 from fsipetsc.stepping.solve import build_problem, make_state
 from fsipetsc.stepping.state import State
 from fsipetsc.stepping.versions import versions
+from fsipetsc.stepping.view import view
 
 
 def run_given(case: Any, given: Mapping[str, Given], comm: MPI.Comm) -> dict[str, Any]:
@@ -108,6 +111,7 @@ class _Run:
         self.watch: ConservationCheck | None = None
         self.fault: str | None = None  # on rank 0, what the watch has found
         self.checks = bool(opt["fsi_check"])
+        self.ledgers, self.limits = Ledgers(self.problem.invariants), Limits(opt)
         hooks = self._frame, self._series, self.report.step, self._grids, self._check, self._checkpoint
         self.integrator = Integrator(self.state, opt, saved, *hooks)
 
@@ -132,6 +136,7 @@ class _Run:
         self._look()  # frames of the earlier grids may have been written, and steps with them
 
     def _frame(self, t: float) -> None:
+        self.limits.note(self.state, t, self.integrator.last_step)
         with self.phases(OUTPUT, "fsi frame"):
             self.writer.write_frame(t, self.state.save)
         self.saved_at = t
@@ -143,7 +148,10 @@ class _Run:
         if not series.count:
             return None
         self._watch()
-        return series.take(self.comm)
+        steps = series.take(self.comm)
+        if self.comm.rank == 0:
+            self.ledgers.add(steps, self.integrator.initial)
+        return steps
 
     def _watch(self) -> None:
         """Let the watch see the steps that it has not seen yet. Collective."""
@@ -183,6 +191,8 @@ class _Run:
             memory = {
                 "memory": self.integrator.memory(),
                 "watch": self.watch.memory() if self.watch is not None else None,
+                "ledgers": self.ledgers.memory(),
+                "limits": self.limits.changes,
                 "saved_at": self.saved_at,
                 "result": [self.writer.nframes, self.writer.rows],
             }
@@ -212,6 +222,8 @@ class _Run:
         """Go on from a checkpoint."""
         header, integrator = past.header, self.integrator
         integrator.resume(header["memory"], self.keeper.arrays)
+        self.ledgers.recall(header.get("ledgers"), integrator.initial)
+        self.limits.changes = list(header.get("limits", ()))
         if header["watch"] is not None and self.checks and self.comm.rank == 0:
             self._conservation().recall(header["watch"])
         if self.writer.nframes:
@@ -237,6 +249,8 @@ class _Run:
         begun = time.perf_counter()
         try:
             self.report.begin(self.state)
+            for line in view(self.state, self.case.NAME, opt) if opt["fsi_view"] else ():
+                self.report.line(line)
             for line in self.keeper.lines():
                 self.report.line(line)
             with self.phases(SET_UP):
@@ -246,7 +260,7 @@ class _Run:
                     integrator.start()
                 else:
                     self._resume(self.past)
-            self.report.start()
+            self.report.start(integrator.t, integrator.steps)
             if integrator.beyond:
                 self.report.line(f"note: {integrator.beyond}; explicit methods are unstable far beyond it")
             with _signals(integrator.pauses), self.phases(LOOP):
@@ -265,6 +279,8 @@ class _Run:
                 error.args = number, f"{signal.Signals(number).name} came while the result was being written"
             self._rescue(error, time.perf_counter() - begun)
             raise
+        finally:
+            self.report.clear()
         summary = self._summary(time.perf_counter() - begun, failure)
         self.writer.finish(summary, found)
         self.report.end(summary, found, self.writer.path)
@@ -327,6 +343,8 @@ class _Run:
             "wall_time": integrator.wall_time,
             "wall_time_total": wall,
             "phases": dict(self.phases.seconds),
+            "limits": self.limits.changes,
+            "departures": self.ledgers.departures,
             **{f"initial_{name}": value for name, value in integrator.initial.items()},
             "versions": versions(),
         }

@@ -66,7 +66,7 @@ class State:
         self._moving = [(k, side) for k, side, end in ends if "x" in in_time(end)]
         # in a step each time is asked for twice, and each answer takes several calls of the user's function
         self._end_motion = lru_cache(maxsize=8)(partial(given.end_motion, problem))
-        self._laws = together(comm, lambda: ProblemLaws(problem, entropy, form))
+        self.laws = together(comm, lambda: ProblemLaws(problem, entropy, form))
         self._place(make_grids(problem, self.op, h, spare, mapping))
 
     def compile(self, announce: Callable[[str], None], also: Callable[[], object] = lambda: None) -> None:
@@ -88,8 +88,8 @@ class State:
         forced = any(layer.forcing for layer in self.problem.layers)
         asked = (forced, self._entropy, self._shared, self._form.narrow, self._form.shocks)
         self.plan, self._neighbours = make_plan(self.layout, self.op, self._coupling, *asked)
-        self.plan.compiled = self._laws.compiled
-        self._laws.number(self.plan.layers, self.plan.faces)
+        self.plan.compiled = self.laws.compiled
+        self.laws.number(self.plan.layers, self.plan.faces)
         self.plan.layers["dissipation"], self.plan.layers["shocks"] = self._form.dissipation, self._form.shocks
         for record, grid in zip(self.layout.records, grids, strict=True):
             record["lo"], record["hi"] = grid.lo, grid.hi

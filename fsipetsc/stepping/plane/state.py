@@ -85,6 +85,7 @@ class PlaneState:
         latest = np.zeros(1, [(name, self.journal.dtype[name]) for name in names])
         self.latest, self._latest = latest[0], latest.view(float)
         self.burst = np.empty(0)
+        self.rates = np.zeros((len(problem.layers), 2))  # of convection and diffusion, of each layer, see stepping.limits
         self.evaluations, self._t = 0, 0.0
         self.fault: InputError | None = None  # of a user's function, on this rank
 
@@ -188,9 +189,9 @@ class PlaneState:
         except InputError as error:
             self._keep(error)
         layers, gains = self.problem.layers, self.path.take_gains(y)
-        extremes = np.zeros(4 + len(layers))
-        extremes[4:] = -np.inf
-        extremes[3] = self.results[SAID_STOP]
+        extremes = np.zeros(2 + 3 * len(layers))  # BAD, STOP, the least J and the rates of each layer
+        highest, rates = extremes[2 : 2 + len(layers)], extremes[2 + len(layers) :].reshape(-1, 2)
+        extremes[1], highest[:] = self.results[SAID_STOP], -np.inf
         self._latest[:] = 0.0
         for name, total in zip(("impulse_x", "impulse_y", "energy_in"), gains.sum(axis=0)[1:], strict=True):
             self.latest[name] = total
@@ -201,10 +202,9 @@ class PlaneState:
             if part is None:
                 continue
             words = part.look()
-            extremes[0] = max(extremes[0], words[CONVECTION])
-            extremes[1] = max(extremes[1], words[DIFFUSION])
-            extremes[2] = max(extremes[2], words[LOOKED_BAD], float(not np.isfinite(words).all()))
-            extremes[4 + k] = -words[LEAST_J]
+            rates[k] = words[CONVECTION], words[DIFFUSION]
+            extremes[0] = max(extremes[0], words[LOOKED_BAD], float(not np.isfinite(words).all()))
+            highest[k] = -words[LEAST_J]
             if layer.kind == "fluid":
                 self.latest["mass"][fluid], self.latest["mass_in"][fluid] = words[MASS], gains[k, 0]
             integrals += words[_INTEGRALS]
@@ -214,11 +214,12 @@ class PlaneState:
             self.watched.look(self.latest, self._t)
         except InputError as error:
             self._keep(error)
-            extremes[3] = self.results[SAID_STOP]
+            extremes[1] = self.results[SAID_STOP]
         self.comm.Allreduce(MPI.IN_PLACE, extremes, MPI.MAX)
-        self.results[RATE] = (extremes[0] ** 4 + extremes[1] ** 4) ** 0.25
-        self.results[BAD], self.results[STOP] = extremes[2], extremes[3]
-        self.latest["least_J"] = -extremes[4:]
+        self.rates, (convection, diffusion) = rates, rates.max(axis=0)
+        self.results[RATE] = (convection**4 + diffusion**4) ** 0.25
+        self.results[BAD], self.results[STOP] = extremes[:2]
+        self.latest["least_J"] = -highest
 
     def _instant(self) -> float:
         """As fsipetsc.stepping.state.State._instant."""

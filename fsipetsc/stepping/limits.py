@@ -1,0 +1,96 @@
+"""What bounds the time step: how fast each layer's waves and its friction and conduction are, in words and over the run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import lru_cache
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from fsipetsc.operators.formulas import Formulas, in_python
+from fsipetsc.physics.layer import FLUID
+from fsipetsc.scheme.extremes_and_sums import SIZE
+from fsipetsc.scheme.plan import RATE
+from fsipetsc.scheme.speeds import fluid_speeds, solid_speeds
+from fsipetsc.scheme.time_step import longest_step
+from fsipetsc.stepping.state import State
+
+#: by kind of layer: what convection is there, and what diffusion is
+_NAMES = {"fluid": ("sound", "friction and conduction"), "solid": ("waves", "conduction")}
+_SPEEDS = {True: in_python(fluid_speeds), False: in_python(solid_speeds)}
+#: a step that is shorter than its bound by more than this part has another reason
+_NEARLY = 1e-3
+
+
+def layer_rates(state: State) -> np.ndarray:
+    """Largest rates of convection and of diffusion [1/s] of each layer, shape (layers, 2), after a completed step.
+
+    All ranks know the extremes of which they are made, which are those of fsipetsc.scheme.time_step. Not collective.
+    """
+    if state.problem.dimension == 2:
+        return state.rates
+    plan, op = state.plan, state.plan.head["op"][0]
+    at = plan.start("everywhere" if state.comm.size > 1 else "extremes")
+    rates = np.zeros((len(plan.layers), 2))
+    with np.errstate(all="ignore"):
+        for k, layer in enumerate(plan.layers.view(np.recarray)):
+            law = _in_python(state.laws.layers[int(layer.law)])
+            _, speed, spread = _SPEEDS[bool(layer.kind == FLUID)](law, layer, plan.memory, at + SIZE * k)
+            spacing = layer.h * layer.J
+            rates[k] = op["pace"] * speed / spacing, op["stiffness"] * spread / (spacing * spacing)
+    return rates
+
+
+@lru_cache(maxsize=32)
+def _in_python(law: Formulas) -> SimpleNamespace:
+    """The formulas of a law's materials, for numbers."""
+    there = [name for name in ("gas", "transport", "pressing") if hasattr(law, name)]
+    return SimpleNamespace(
+        **{name: SimpleNamespace(**{n: in_python(f) for n, f in vars(getattr(law, name)).items()}) for name in there}
+    )
+
+
+def limiting(state: State) -> str:
+    """What is fastest of all layers, and bounds the step: as "sound in below"; "" where nothing is known of it."""
+    rates = layer_rates(state)
+    if not np.isfinite(rates).all() or not rates.any():
+        return ""
+    k, which = np.unravel_index(np.argmax(rates), rates.shape)
+    layer = state.problem.layers[k]
+    return f"{_NAMES[layer.kind][which]} in {layer.name}"
+
+
+def reason(state: State, opt: Mapping[str, Any], dt: float) -> str:
+    """Why a step of the length dt [s] that has just been made was not longer."""
+    if opt["ts_dt"]:
+        return "-ts_dt"
+    bound = longest_step(opt["fsi_cfl"], 0.0, float(state.results[RATE]))
+    if opt["ts_adapt_type"] != "none" and dt < (1.0 - _NEARLY) * bound:
+        return "its error"
+    return limiting(state)
+
+
+class Limits:
+    """What bounded the steps, noted at the saved times: ``changes`` is [time, what] for each time it is another thing."""
+
+    def __init__(self, opt: Mapping[str, Any]) -> None:
+        self._opt = opt
+        self.changes: list[list[Any]] = []
+
+    def note(self, state: State, t: float, dt: float) -> None:
+        """As it is at time t [s], after a step dt [s], or inf before the first one."""
+        found = reason(state, self._opt, dt)
+        if found and (not self.changes or self.changes[-1][1] != found):
+            self.changes.append([t, found])
+
+
+def shares(changes: Sequence[Sequence[Any]], end: float) -> list[tuple[str, float]]:
+    """(what, part of the time until ``end`` in which it bounded the steps), from `Limits.changes`, the largest first."""
+    parts: dict[str, float] = {}
+    times = [*(t for t, _ in changes), end]
+    for (_, what), begin, until in zip(changes, times, times[1:], strict=False):
+        parts[what] = parts.get(what, 0.0) + until - begin
+    whole = sum(parts.values())
+    return sorted(((what, part / whole if whole > 0 else 1.0) for what, part in parts.items()), key=lambda item: -item[1])
