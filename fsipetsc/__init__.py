@@ -5,19 +5,56 @@ Importing the package is cheap and needs neither PETSc nor MPI; opening a result
 
 from __future__ import annotations
 
+import importlib
 import os
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from mpi4py import MPI
 
+    from fsipetsc.boundaries import Dirichlet, Open, SolidEnd, Wall, absorbing, clamped, free
+    from fsipetsc.errors import ComputationError, FileError, FsiError, InputError
+    from fsipetsc.options import REQUIRED, Option
+    from fsipetsc.output.differences import compare
     from fsipetsc.output.reader import Run
+    from fsipetsc.physics.fluid import Fluid
+    from fsipetsc.physics.solid import Solid
+    from fsipetsc.plane import PlaneFluidLayer, PlaneProblem, PlaneSolid, PlaneSolidLayer
+    from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 
 # else numba, where colorama is installed, has it write to the standard output when the process ends
 os.environ.setdefault("NUMBA_DISABLE_ERROR_MESSAGE_HIGHLIGHTING", "1")
 
 __version__ = "0.1.0"
-__all__ = ["__version__", "open_run", "run"]
+#: what is public, with the modules that docs/python.md names; all else may change. Written out, so that type checkers see it
+__all__ = [
+    "REQUIRED", "ComputationError", "Dirichlet", "FileError", "Fluid", "FluidLayer", "FsiError", "InputError", "Open", "Option",
+    "PlaneFluidLayer", "PlaneProblem", "PlaneSolid", "PlaneSolidLayer", "Problem", "Run", "Solid", "SolidEnd", "SolidLayer",
+    "Wall", "__version__", "absorbing", "clamped", "compare", "free", "open_run", "run",
+]  # fmt: skip
+#: module -> what it has of these; imported when it is asked for
+_HOMES = {
+    "boundaries": ("Dirichlet", "Open", "SolidEnd", "Wall", "absorbing", "clamped", "free"),
+    "errors": ("ComputationError", "FileError", "FsiError", "InputError"),
+    "options": ("REQUIRED", "Option"),
+    "output.differences": ("compare",),
+    "output.reader": ("Run",),
+    "physics.fluid": ("Fluid",),
+    "physics.solid": ("Solid",),
+    "plane": ("PlaneFluidLayer", "PlaneProblem", "PlaneSolid", "PlaneSolidLayer"),
+    "problem": ("FluidLayer", "Problem", "SolidLayer"),
+}
+
+
+def __getattr__(name: str) -> Any:
+    home = next((module for module, names in _HOMES.items() if name in names), None)
+    if home is None:
+        raise AttributeError(f"module 'fsipetsc' has no attribute {name!r}")
+    return getattr(importlib.import_module(f"fsipetsc.{home}"), name)
+
+
+def __dir__() -> list[str]:
+    return __all__
 
 
 def open_run(path: str | os.PathLike[str]) -> Run:

@@ -52,7 +52,7 @@ def _solve(case: Any, comm: MPI.Comm, options: Mapping[str, Any]) -> str:
     loaded = together(comm, lambda: _case(case))
     words = together(comm, lambda: list(_words(loaded, {"quiet": True, **options})))
     in_force = run_given(loaded, start_petsc(words, comm), comm)
-    return os.path.abspath(in_force["fsi_output"])
+    return os.path.abspath(str(in_force["fsi_output"]))
 
 
 def _case(case: Any) -> Any:

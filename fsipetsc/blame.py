@@ -8,6 +8,7 @@ import sys
 import traceback
 from collections.abc import Callable
 from functools import partial
+from types import FrameType
 from typing import Any
 
 from fsipetsc.errors import FsiError, InputError
@@ -30,10 +31,13 @@ def explain(error: BaseException, path: str | os.PathLike[str]) -> str:
     if isinstance(error, SyntaxError):
         place = f", line {error.lineno}" if error.lineno else ""  # none where the file cannot even be decoded
         own = error.filename is None or os.path.realpath(error.filename) == os.path.realpath(path)
-        return f"case file {path}{place if own else f'{line}: {short(error.filename)}{place}'}: {error.msg}"
+        elsewhere = "" if own else f"{line}: {short(error.filename or '')}"
+        return f"case file {path}{elsewhere}{place}: {error.msg}"
     last = _last_frame(error)
-    deeper = last is not None and lines and os.path.realpath(last.filename) != os.path.realpath(path)
-    return f"case file {path}{line}: {f'{_place_of_frame(last)}: ' if deeper else ''}{reason(error)}"
+    deeper = ""
+    if last is not None and lines and os.path.realpath(last.filename) != os.path.realpath(path):
+        deeper = f"{_place_of_frame(last)}: "
+    return f"case file {path}{line}: {deeper}{reason(error)}"
 
 
 def reason(error: BaseException) -> str:
@@ -130,7 +134,7 @@ def compilers_words(error: BaseException) -> str:
 
 def place_of_caller() -> str:
     """"file, line N: " of the case file that called what calls this; "" if it is called by none."""
-    frame = sys._getframe(1)
+    frame: FrameType | None = sys._getframe(1)
     while frame is not None:
         name = os.path.abspath(frame.f_code.co_filename)
         if _is_users(name):

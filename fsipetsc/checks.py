@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from math import isfinite
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fsipetsc.errors import InputError
+
+#: what functions of a case take, and return for several unknowns
+Array = NDArray[Any]
+Fields = Sequence[Array]
 
 POSITIVE, NONNEGATIVE, ANY = "above 0", "not below 0", ""
 #: name of a number -> what it must be: "" for any, "above …" or "not below …"

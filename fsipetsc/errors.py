@@ -48,8 +48,9 @@ def petsc_words(error: BaseException) -> str:
     lines = [line.split("] ", 1)[-1] for line in str(error).splitlines()[1:]]
     routines = [line.split("()")[0] for line in lines if "() at " in line]
     reason = "; ".join(line for line in lines if "() at " not in line)
+    number = getattr(error, "ierr", "")
     return (
-        f"PETSc error {error.ierr}" + "".join(f" in {r}()" for r in routines[-1:]) + (f": {reason}" if reason else "")
+        f"PETSc error {number}" + "".join(f" in {r}()" for r in routines[-1:]) + (f": {reason}" if reason else "")
     )
 
 

@@ -7,16 +7,14 @@ become.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
-
-import numpy as np
 
 from fsipetsc.blame import place_of_caller
 from fsipetsc.boundaries import plane as edges
 from fsipetsc.boundaries.plane import Edge, NoSlip, Periodic
-from fsipetsc.checks import NONNEGATIVE, POSITIVE, described, extent, function, number, numbers
+from fsipetsc.checks import NONNEGATIVE, POSITIVE, Array, Fields, described, extent, function, number, numbers
 from fsipetsc.errors import InputError
 from fsipetsc.operators.formulas import Formulas, in_python
 from fsipetsc.physics.fluid import Fluid
@@ -24,9 +22,8 @@ from fsipetsc.physics.plane.log_solid import log_solid
 from fsipetsc.physics.plane.neo_hookean import neo_hookean
 from fsipetsc.physics.plane.st_venant_kirchhoff import st_venant_kirchhoff
 
-Fields = Sequence[np.ndarray]
-Initial = Callable[[np.ndarray, np.ndarray], Fields]
-Timed = Callable[[np.ndarray, np.ndarray, float], Fields]
+Initial = Callable[[Array, Array], Fields]
+Timed = Callable[[Array, Array, float], Fields]
 #: laws of solids by name
 ELASTIC = {"log": log_solid, "neo-hookean": neo_hookean, "svk": st_venant_kirchhoff}
 HEATS = ("coupled", "elastic")
@@ -76,7 +73,8 @@ class PlaneSolid:
 
     def stress(self, F: Fields) -> Fields:
         """(P_11, P_12, P_21, P_22) [Pa] for (F_11, F_12, F_21, F_22), by numpy."""
-        return in_python(self.formulas.stress)(in_python(self.formulas.constants)(self), F)
+        stress: Fields = in_python(self.formulas.stress)(in_python(self.formulas.constants)(self), F)
+        return stress
 
 
 @dataclass(frozen=True)
@@ -140,7 +138,7 @@ class PlaneSolidLayer:
 Layer = PlaneFluidLayer | PlaneSolidLayer
 
 
-def _force(value: object, owner: str) -> tuple[float, float]:
+def _force(value: Any, owner: str) -> tuple[float, float]:
     try:
         x, y = value
     except (TypeError, ValueError):
@@ -192,7 +190,7 @@ class PlaneProblem:
     X: tuple[float, float]
     lower: Edge
     upper: Edge
-    jumps: Callable[[int, np.ndarray, float], Fields] | None = None
+    jumps: Callable[[int, Array, float], Fields] | None = None
     notes: tuple[str, ...] = ()
     units: str = "SI"
     dimension: int = field(default=2, init=False)
@@ -211,7 +209,7 @@ class PlaneProblem:
                 raise InputError(
                     f"PlaneProblem: layer '{below.name}' ends at Y = {below.Y[1]:g}, '{above.name}' begins at {above.Y[0]:g}"
                 )
-        periodic = {layer.left.kind == edges.PERIODIC for layer in layers if layer.kind == "fluid" or layer.X is None}
+        periodic = {layer.left.kind == edges.PERIODIC for layer in layers if getattr(layer, "X", None) is None}
         if len(periodic) > 1:
             raise InputError("PlaneProblem: some layers are Periodic in X: expected all or none")
         for name, layer in (("lower", layers[0]), ("upper", layers[-1])):
@@ -232,7 +230,7 @@ class PlaneProblem:
 
     def slips(self, k: int) -> bool:
         """Whether gas layer k slips along solids: without viscosity nothing holds it."""
-        return self.layers[k].material.mu == 0.0
+        return getattr(self.layers[k].material, "mu", None) == 0.0
 
     def span(self, k: int) -> tuple[float, float]:
         """(left, right) of layer k [m]."""
@@ -257,19 +255,20 @@ class PlaneProblem:
         """
         if self.jumps is not None or any(layer.forcing for layer in self.layers):
             return {}
-        fluids = [k for k, layer in enumerate(self.layers) if layer.kind == "fluid"]
+        fluids = [layer for layer in self.layers if isinstance(layer, PlaneFluidLayer)]
         closed = all(edges.holds_energy(end) for k in range(len(self.layers)) for end in self.edges(k))
-        solids = [(layer.material, self._area(k)) for k, layer in enumerate(self.layers) if layer.kind == "solid"]
-        driven = any(end.kind == edges.GIVEN for k in range(len(self.layers)) if k not in fluids for end in self.edges(k))
+        numbered = [(k, layer) for k, layer in enumerate(self.layers) if isinstance(layer, PlaneSolidLayer)]
+        solids = [(layer.material, self._area(k)) for k, layer in numbered]
+        driven = any(end.kind == edges.GIVEN for k, _ in numbered for end in self.edges(k))
         whole = all(self.span(k) == self.X for k in range(len(self.layers)))
         return {
-            "masses": [[self.layers[k].name, number] for number, k in enumerate(fluids)],
+            "masses": [[layer.name, number] for number, layer in enumerate(fluids)],
             "momentum": whole,
             "energy": whole and not driven,
             "entropy": closed and all(solid.heat == "elastic" for solid, _ in solids),
             "inertia": sum(solid.m0 * area for solid, area in solids),
             "heat_capacity": sum(solid.m0 * solid.alpha * area for solid, area in solids),
-            "cv": [self.layers[k].material.cv for k in fluids],
+            "cv": [layer.material.cv for layer in fluids],
         }
 
     def _area(self, k: int) -> float:
@@ -279,7 +278,7 @@ class PlaneProblem:
     def edges(self, k: int) -> list[Edge]:
         """What stands at the edges of layer k but for interfaces."""
         layer = self.layers[k]
-        beside = [layer.beside] if layer.kind == "fluid" else []
+        beside = [layer.beside] if isinstance(layer, PlaneFluidLayer) else []
         return [end for end in (self.edge(k, 0), self.edge(k, 1), layer.left, layer.right, *beside) if end is not None]
 
     @property

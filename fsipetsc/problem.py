@@ -10,16 +10,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
-
 from fsipetsc.blame import place_of_caller
 from fsipetsc.boundaries import Boundary, SolidEnd, Wall, closes, in_time, needs_stretching
-from fsipetsc.checks import described, extent, function
+from fsipetsc.checks import Array, Fields, described, extent, function
 from fsipetsc.errors import InputError
 from fsipetsc.physics.fluid import Fluid
 from fsipetsc.physics.solid import Solid
 
-Fields = Sequence[np.ndarray]
 UNITS = ("SI", "none")
 #: what the grid of a gas does: it goes with the interface, over the embedded boundary; or it is stretched between its ends
 MAPPINGS = ("rigid", "stretched")
@@ -39,9 +36,9 @@ class FluidLayer:
     name: str
     material: Fluid
     X: tuple[float, float]
-    initial: Callable[[np.ndarray], Fields]
-    forcing: Callable[[np.ndarray, float], Fields] | None = None
-    exact: Callable[[np.ndarray, float], Fields] | None = None
+    initial: Callable[[Array], Fields]
+    forcing: Callable[[Array, float], Fields] | None = None
+    exact: Callable[[Array, float], Fields] | None = None
     mapping: str | None = None
     kind = "fluid"
     fields = ("rho", "u", "T", "p")
@@ -64,9 +61,9 @@ class SolidLayer:
     name: str
     material: Solid
     X: tuple[float, float]
-    initial: Callable[[np.ndarray], Fields]
-    forcing: Callable[[np.ndarray, float], Fields] | None = None
-    exact: Callable[[np.ndarray, float], Fields] | None = None
+    initial: Callable[[Array], Fields]
+    forcing: Callable[[Array, float], Fields] | None = None
+    exact: Callable[[Array, float], Fields] | None = None
     kind = "solid"
     fields = ("u", "sigma", "T", "x", "p")
 
@@ -122,7 +119,7 @@ class Problem:
                     f"at the outer end of the {layer.kind} layer '{layer.name}' stands {described(end)}: expected {fit}"
                 )
         for k, layer in enumerate(self.layers):
-            if layer.kind == "fluid" and layer.mapping == "rigid" and self.is_stretched(k, "rigid"):
+            if isinstance(layer, FluidLayer) and layer.mapping == "rigid" and self.is_stretched(k, "rigid"):
                 raise InputError(
                     f"layer '{layer.name}' has mapping='rigid': expected 'stretched' or None, because it has not one interface "
                     "and one end that insulates and stays where it is"
@@ -163,7 +160,7 @@ class Problem:
         ends = [end for at, end in ((0, self.left), (last, self.right)) if at == k]
         if len(ends) != 1 or any(map(needs_stretching, ends)):
             return True
-        chosen = self.layers[k].mapping or mapping
+        chosen = getattr(self.layers[k], "mapping", None) or mapping
         return chosen == "stretched" or (chosen == "auto" and isinstance(ends[0], Wall))
 
     def unit(self, name: str) -> str:
@@ -195,13 +192,13 @@ class Problem:
             return {}
         last = len(self.layers) - 1
         open_at = {k for k, end in ((0, self.left), (last, self.right)) if not isinstance(end, (Wall, SolidEnd))}
-        fluids = [k for k, layer in enumerate(self.layers) if layer.kind == "fluid"]
-        solids = [layer for layer in self.layers if layer.kind == "solid"]
+        fluids = [(k, layer) for k, layer in enumerate(self.layers) if isinstance(layer, FluidLayer)]
+        solids = [layer for layer in self.layers if isinstance(layer, SolidLayer)]
         closed = closes(self.left) and closes(self.right)
         return {
-            "masses": [[self.layers[k].name, i] for i, k in enumerate(fluids) if k not in open_at],
+            "masses": [[layer.name, i] for i, (k, layer) in enumerate(fluids) if k not in open_at],
             "inertia": sum(v.material.m0 * (v.X[1] - v.X[0]) for v in solids),
             "heat_capacity": sum(v.material.alpha * v.material.m0 * (v.X[1] - v.X[0]) for v in solids),
-            "cv": [self.layers[k].material.cv for k in fluids],
+            "cv": [layer.material.cv for _, layer in fluids],
             "energy": closed and not any(getattr(layer.material, "force", 0.0) for layer in self.layers),
         }

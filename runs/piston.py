@@ -15,11 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.boundaries import Wall, free
-from fsipetsc.options import Option
-from fsipetsc.physics.fluid import Fluid
-from fsipetsc.physics.solid import Solid
-from fsipetsc.problem import FluidLayer, Problem, SolidLayer
+from fsipetsc import Fluid, FluidLayer, Option, Problem, Solid, SolidLayer, Wall, free
 
 NAME = "piston"
 SUMMARY = "a piston flies into a closed cylinder of gas and bounces"

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import importlib
+import re
 import sys
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from helpers import mpirun, solve
+from helpers import REPOSITORY, mpirun, solve
 
 import fsipetsc
 from fsipetsc.errors import InputError
@@ -135,6 +137,20 @@ def test_without_xarray(results, monkeypatch):
     monkeypatch.setitem(sys.modules, "xarray", None)
     with fsipetsc.open_run(results / "a.h5") as run, pytest.raises(InputError, match="pip install xarray"):
         run.to_xarray()
+
+
+def test_what_is_public_is_there_and_told():
+    """In dir(), with a docstring, and in docs/python.md; asking for nothing costs no import."""
+    page = (REPOSITORY / "docs" / "python.md").read_text()
+    assert sorted(fsipetsc.__all__) == sorted(dir(fsipetsc)) and len(set(fsipetsc.__all__)) == len(fsipetsc.__all__)
+    for name in fsipetsc.__all__:
+        found = getattr(fsipetsc, name)
+        assert f"`{name}`" in page or f"`{name}(" in page, name
+        assert found is ... or isinstance(found, str) or found.__doc__, name
+    for name in re.findall(r"^\| `(fsipetsc\.[\w.]+)`", page, re.M):
+        assert importlib.import_module(name).__doc__, name
+    with pytest.raises(AttributeError, match="no attribute 'Walls'"):
+        fsipetsc.Walls  # noqa: B018
 
 
 def test_a_case_is_anything_with_build():

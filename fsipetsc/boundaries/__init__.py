@@ -149,7 +149,7 @@ class SolidEnd:
             checks.number(self.value, f"{name}: {value}")
         _check_heat(self, name)
 
-    def data(self, t: float) -> tuple[float, ...]:
+    def data(self, t: float) -> tuple[Timed]:
         return (self.value,)
 
 
@@ -191,11 +191,10 @@ def _check_heat(end: Wall | SolidEnd, owner: str) -> None:
 
 def heat_of(end: Boundary) -> tuple[int, Timed]:
     """(INSULATED, GIVEN_T or GIVEN_FLUX, what is given) at an end."""
-    if getattr(end, "T", None) is not None:
-        return GIVEN_T, end.T
-    if getattr(end, "heat_flux", None) is not None:
-        return GIVEN_FLUX, end.heat_flux
-    return INSULATED, 0.0
+    given: dict[int, Timed | None] = {}
+    if isinstance(end, (Wall, SolidEnd)):
+        given = {GIVEN_T: end.T, GIVEN_FLUX: end.heat_flux}
+    return next(((kind, value) for kind, value in given.items() if value is not None), (INSULATED, 0.0))
 
 
 def in_time(end: Boundary) -> dict[str, Callable[[float], float]]:

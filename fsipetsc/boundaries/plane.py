@@ -7,20 +7,17 @@ an interface, as in one dimension.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
-import numpy as np
-
 from fsipetsc import checks
+from fsipetsc.checks import Array, Fields
 from fsipetsc.errors import InputError
 
 NO_SLIP, SLIP, OPEN, OUTFLOW = 0, 1, 2, 3
 CLAMPED, FREE, ROLLER = 4, 5, 6
 GIVEN, PERIODIC = 7, 8
 GAS, SOLID = frozenset({NO_SLIP, SLIP, OPEN, OUTFLOW, GIVEN, PERIODIC}), frozenset({CLAMPED, FREE, ROLLER, GIVEN, PERIODIC})
-
-Fields = Sequence[np.ndarray]
 
 
 @dataclass(frozen=True)
@@ -31,7 +28,7 @@ class Periodic:
 
 
 #: x(X, t) -> (x, y) [m], velocity(X, t) -> (u, v) [m/s] of points of a wall
-Moving = Callable[[np.ndarray, float], Fields]
+Moving = Callable[[Array, float], Fields]
 
 
 @dataclass(frozen=True)
@@ -42,7 +39,7 @@ class NoSlip:
     found by differences of x if it is not given.
     """
 
-    T: float | Callable[[np.ndarray, np.ndarray, float], np.ndarray] | None = None
+    T: float | Callable[[Array, Array, float], Array] | None = None
     x: Moving | None = None
     velocity: Moving | None = None
     kind = NO_SLIP
@@ -124,7 +121,7 @@ class Given:
     rest, or moved as a NoSlip.
     """
 
-    values: Callable[[np.ndarray, np.ndarray, float], Fields]
+    values: Callable[[Array, Array, float], Fields]
     x: Moving | None = None
     velocity: Moving | None = None
     kind = GIVEN
@@ -134,7 +131,7 @@ class Given:
         checks.function(self.values, "Given: values", "values(X, Y, t) -> the unknowns")
 
 
-def _check_motion(end: Edge, name: str) -> None:
+def _check_motion(end: NoSlip | Slip | Given, name: str) -> None:
     """InputError where what moves an edge are no functions."""
     checks.function(end.x, f"{name}: x", "x(X, t) -> (x, y)", optional=True)
     checks.function(end.velocity, f"{name}: velocity", "velocity(X, t) -> (u, v)", optional=True)
@@ -149,7 +146,7 @@ def moves(end: Edge | None) -> bool:
 
 def holds_energy(end: Edge) -> bool:
     """Whether neither heat nor work passes an edge."""
-    still = end.kind in (NO_SLIP, SLIP, PERIODIC, CLAMPED, ROLLER) or (end.kind == FREE and end.pressure == 0.0)
+    still = isinstance(end, (NoSlip, Slip, Periodic, Clamped, Roller)) or (isinstance(end, Free) and end.pressure == 0.0)
     return still and getattr(end, "T", None) is None and not moves(end)
 
 

@@ -15,12 +15,11 @@ What to expect here: a beam between two clamps would swing with omega = 22.37 sq
 
 import numpy as np
 
+from fsipetsc import Fluid, Option, PlaneFluidLayer, PlaneProblem, PlaneSolid, PlaneSolidLayer
+
 # What may stand at an edge. Of a gas: NoSlip, Slip, Open, Outflow; of a solid: Clamped, Roller, Free; of both: Given,
 # and Periodic at the left and the right of all layers.
 from fsipetsc.boundaries.plane import Clamped, Free, NoSlip
-from fsipetsc.options import Option
-from fsipetsc.physics.fluid import Fluid
-from fsipetsc.plane import PlaneFluidLayer, PlaneProblem, PlaneSolid, PlaneSolidLayer
 
 # One line for -help. The result is named after this file; NAME = "..." here would name it otherwise.
 SUMMARY = "a plate clamped into the floor of a box of air rings"

@@ -16,11 +16,7 @@ at 10 m/s it goes 0.054 m to the right and comes back; the period is 0.034 s.
 import numpy as np
 
 # What may stand at the ends: Wall, Open, Dirichlet for a gas; clamped, free, absorbing for a solid.
-from fsipetsc.boundaries import Wall
-from fsipetsc.options import Option
-from fsipetsc.physics.fluid import Fluid
-from fsipetsc.physics.solid import Solid
-from fsipetsc.problem import FluidLayer, Problem, SolidLayer
+from fsipetsc import Fluid, FluidLayer, Option, Problem, Solid, SolidLayer, Wall
 
 # One line for -help. The result is named after this file; NAME = "..." here would name it otherwise.
 SUMMARY = "a plate swings between two gases in a closed tube"

@@ -8,7 +8,7 @@ nothing is looked up while the program runs.
 from __future__ import annotations
 
 from types import CellType, FunctionType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from numba import types
 from numba.core.imputils import lower_constant, lower_getattr_generic
@@ -23,6 +23,10 @@ class Formulas:
 
     def __init__(self, **members: Any) -> None:
         self.__dict__.update(members)
+
+    if TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any: ...
 
 
 class FormulasType(types.Dummy):
@@ -85,7 +89,7 @@ def _is_ours(value: Any) -> bool:
     return getattr(getattr(value, "py_func", None), "__module__", "").startswith("fsipetsc.")
 
 
-def each(function: Any, *arguments: Any) -> tuple:
+def each(function: Any, *arguments: Any) -> tuple[Any, ...]:
     """(function(a[0], ...), function(a[1], ...), ...) of the tuples a among the arguments, each other one given to each call.
 
     Tuples have the same length. function: a member of formulas.
@@ -106,7 +110,7 @@ def _each(function, *arguments):
     return _made(f"return ({''.join(call + ', ' for call in calls)})", "function, *arguments")
 
 
-def with_chosen(function: Any, choices: tuple, index: int, *arguments: Any) -> Any:
+def with_chosen(function: Any, choices: tuple[Any, ...], index: int, *arguments: Any) -> Any:
     """function(choices[index], *arguments): one of some formulas, found when the program runs. function: as in ``each``."""
     return function(choices[index], *arguments)
 

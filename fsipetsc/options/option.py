@@ -14,7 +14,7 @@ from fsipetsc.errors import InputError
 #: default of an option that the case or the user must give
 REQUIRED = ...
 INT_MAX = 2**31 - 1
-_KINDS = {int: "int", float: "float", str: "str", bool: "bool"}
+_KINDS: dict[type | str, str] = {int: "int", float: "float", str: "str", bool: "bool"}
 _CHECKS = ("positive", "nonnegative")
 _TRUE = ("", "true", "yes", "1", "on")
 _FALSE = ("false", "no", "0", "off")
@@ -45,7 +45,7 @@ class Option:
     check: str | Callable[[Any], str | bool | None] | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "kind", _KINDS.get(self.kind, self.kind))
+        object.__setattr__(self, "kind", _KINDS.get(self.kind, str(self.kind)))
         object.__setattr__(self, "unit", "" if self.unit == "-" else self.unit)
         if not isinstance(self.name, str) or not isinstance(self.unit, str) or not isinstance(self.help, str):
             raise TypeError(f"option {self.name!r}: name, unit and help must be texts")
@@ -68,7 +68,7 @@ class Option:
         if text == "" and self.needs_value:
             raise InputError(f"-{self.name} needs a value: {self.expected()}")
         try:
-            return self.convert(_READERS[self.kind](text.strip()))
+            return self.convert(_READERS[str(self.kind)](text.strip()))
         except (ValueError, OverflowError):
             raise InputError(f"bad value '{brief(text)}' for -{self.name}: expected {self.expected(text)}") from None
 
@@ -76,7 +76,7 @@ class Option:
         """A Python value as this option's type, checked; ValueError if it is not allowed."""
         if value is None or value is REQUIRED:
             return value
-        value = _CONVERTERS[self.kind](value)
+        value = _CONVERTERS[str(self.kind)](value)
         if self.choices is not None and value not in self.choices:
             raise ValueError
         if self._objection(value):
@@ -89,11 +89,11 @@ class Option:
             return "one of " + ", ".join(map(str, self.choices))
         if callable(self.check) and text is not None:
             try:
-                return self._objection(_CONVERTERS[self.kind](_READERS[self.kind](text))) or _NOUNS[self.kind]
+                return self._objection(_CONVERTERS[str(self.kind)](_READERS[str(self.kind)](text))) or _NOUNS[str(self.kind)]
             except (ValueError, OverflowError):
                 pass
-        bound = {"positive": " above 0", "nonnegative": " not below 0"}.get(self.check, "")
-        return _NOUNS[self.kind] + bound + (f" [{self.unit}]" if self.unit else "")
+        bound = {"positive": " above 0", "nonnegative": " not below 0"}.get(str(self.check), "")
+        return _NOUNS[str(self.kind)] + bound + (f" [{self.unit}]" if self.unit else "")
 
     def _objection(self, value: Any) -> str | None:
         """What would be valid if the value is out of range, else None."""
@@ -154,7 +154,7 @@ def _to_bool(value: Any) -> bool:
     return value
 
 
-_READERS = {
+_READERS: dict[str, Callable[[str], Any]] = {
     "int": _read_int,
     "float": _read_float,
     "str": str,
@@ -163,7 +163,7 @@ _READERS = {
     "floats": _list_of(_read_float),
     "optional": str,
 }
-_CONVERTERS = {
+_CONVERTERS: dict[str, Callable[[Any], Any]] = {
     "int": _to_int,
     "float": _to_float,
     "str": str,

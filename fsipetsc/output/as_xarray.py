@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from fsipetsc.errors import InputError
-from fsipetsc.output.reader import Run
+from fsipetsc.output.reader import PlaneLayer, Run
 
 if TYPE_CHECKING:
     import xarray
@@ -53,8 +53,8 @@ def to_xarray(run: Run) -> xarray.Dataset:
         name = "_".join(layer.name.split())
         across = f"X_{name}"
         coordinates[across] = (across, layer.X, {**_attributes("x", si), "long_name": "reference coordinate X"})
-        dimensions = ("time", across)
-        if run.dimension == 2:
+        dimensions: tuple[str, ...] = ("time", across)
+        if isinstance(layer, PlaneLayer):
             up = f"Y_{name}"
             coordinates[up] = (up, layer.Y, {**_attributes("y", si), "long_name": "reference coordinate Y"})
             dimensions = ("time", up, across)

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fsipetsc.output.reader import Array, Run, open_run
+from fsipetsc.checks import Array
+from fsipetsc.output.reader import Run, open_run
 
 
 @dataclass(frozen=True)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
-Array = np.ndarray
+from fsipetsc.checks import Array
 
 
 @dataclass(frozen=True)
@@ -53,7 +54,7 @@ def along_edge(name: str, number: int, fields: dict[str, Array], X: Array, Y: Ar
     """The line of a solid's edge row; fields: name -> (3, nframes, nx), of this row and the next ones within the solid, and Y
     (3,) of these. kappa_e: conductivity of the solid.
     """
-    order = min(2, len(X) - 1)
+    order: Literal[1, 2] = 2 if len(X) > 2 else 1
     x, y, T = (fields[quantity] for quantity in ("x", "y", "T"))
     (x_X, x_Y), (y_X, y_Y), (T_X, T_Y) = (
         (np.gradient(f[0], X, axis=-1, edge_order=order), (4.0 * f[1] - f[2] - 3.0 * f[0]) / (Y[2] - Y[0])) for f in (x, y, T)
@@ -65,5 +66,6 @@ def along_edge(name: str, number: int, fields: dict[str, Array], X: Array, Y: Ar
     t_y = edge["s_xy"] * n_x + edge["s_yy"] * n_y
     J = x_X * y_Y - x_Y * y_X
     T_x, T_y = (y_Y * T_X - y_X * T_Y) / J, (x_X * T_Y - x_Y * T_X) / J
-    motion = (edge[quantity] for quantity in ("x", "y", "u", "v", "T"))
-    return InterfaceLine(name, number, X, float(Y[0]), *motion, n_x, n_y, t_x, t_y, kappa_e * (T_x * n_x + T_y * n_y))
+    motion = {quantity: edge[quantity] for quantity in ("x", "y", "u", "v", "T")}
+    traction = {"n_x": n_x, "n_y": n_y, "t_x": t_x, "t_y": t_y, "heat": kappa_e * (T_x * n_x + T_y * n_y)}
+    return InterfaceLine(name, number, X, float(Y[0]), **motion, **traction)

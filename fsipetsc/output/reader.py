@@ -17,15 +17,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fsipetsc.checks import counted
+from fsipetsc.checks import Array, counted
 from fsipetsc.errors import FileError
 from fsipetsc.output import file_layout, result_sources
 from fsipetsc.output.interface_line import InterfaceLine, along_edge
 
 if TYPE_CHECKING:
     import xarray
-
-Array = np.ndarray
 
 
 class Run:
@@ -99,6 +97,7 @@ class Run:
         below = self.layers[number].kind == "solid"
         solid = number if below else number + 1
         layer, kappa_e = self.layers[solid], self.header["layers"][solid].get("kappa_e", np.nan)
+        assert isinstance(layer, PlaneLayer)
         rows = (-1, -2, -3) if below else (0, 1, 2)
         edge = {name: np.stack([layer[name][:, row] for row in rows]) for name in layer.fields}
         return along_edge(names[number], solid, edge, layer.X, layer.Y[list(rows)], kappa_e)
@@ -259,7 +258,7 @@ class PlaneLayer(Arrays):
         return f"<{self.kind} layer {self.name!r}: {self.size}; {', '.join(self.fields)}>"
 
 
-class _Named(dict):
+class _Named(dict[str, Any]):
     """A dict that says what it holds when asked for something else."""
 
     def __init__(self, what: str, content: Mapping[str, Any]) -> None:
@@ -302,7 +301,7 @@ def damage(path: str, what: str = "") -> Iterator[None]:
 
 def _check_header(header: Mapping[str, Any]) -> None:
     """Raise Damaged if what the reader and its users rely on is not there, or something else."""
-    layers = header.get("layers")
+    layers: Any = header.get("layers")
     good = isinstance(header.get("case"), str) and isinstance(header.get("options"), dict) and isinstance(layers, list)
     good = good and all(isinstance(name, str) for name in header.get("interfaces", ()))
     for layer in layers if good else ():

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from fsipetsc.checks import ANY, NONNEGATIVE, POSITIVE, number, numbers
+from fsipetsc.checks import ANY, NONNEGATIVE, POSITIVE, Array, number, numbers
 from fsipetsc.errors import InputError
 from fsipetsc.operators.formulas import Formulas, in_python
 from fsipetsc.operators.kernels import FORMULA, OPTIONS, U64
@@ -82,31 +82,31 @@ class Fluid:
         """Those of the transport law."""
         return numbers_of(self.transport)
 
-    def sound_speed(self, T: float | np.ndarray, rho: float | np.ndarray = 1.0) -> float | np.ndarray:
+    def sound_speed(self, T: float | Array, rho: float | Array = 1.0) -> float | Array:
         """Speed of sound [m/s] at temperature T [K] and density rho [kg/m3], which matters where the gas is not perfect."""
         return np.sqrt(self._of_law("sound_speed_squared", rho, T))
 
-    def internal_energy(self, rho: float | np.ndarray, T: float | np.ndarray) -> float | np.ndarray:
+    def internal_energy(self, rho: float | Array, T: float | Array) -> float | Array:
         """Internal energy per mass [J/kg] at density rho [kg/m3] and temperature T [K]."""
         return self._of_law("energy", rho, T)
 
-    def relative(self, T: float | np.ndarray) -> tuple[Any, Any]:
+    def relative(self, T: float | Array) -> tuple[Any, Any]:
         """(mu(T)/mu, kappa(T)/kappa), of the transport law."""
         transport = formulas_of(self.transport)
         return in_python(transport.relative)(in_python(transport.constants)(self), T)
 
-    def conserved(self, rho: np.ndarray, u: np.ndarray, T: np.ndarray) -> np.ndarray:
+    def conserved(self, rho: Array, u: Array, T: Array) -> Array:
         """(rho, rho u, e) of shape (..., 3) from density, velocity and temperature."""
         return np.stack([rho, rho * u, rho * (self._of_law("energy", rho, T) + 0.5 * u * u)], axis=-1)
 
-    def primitive(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    def primitive(self, q: Array) -> tuple[Array, Array, Array, Array]:
         """rho, u, T, p from the conserved variables q of shape (..., 3)."""
         rho = q[..., 0]
         u = q[..., 1] / rho
         T = self._of_law("temperature", rho, q[..., 2] / rho - 0.5 * u * u)
         return rho, u, T, self._of_law("pressure", rho, T)
 
-    def _of_law(self, name: str, *values: np.ndarray) -> np.ndarray:
+    def _of_law(self, name: str, *values: Any) -> Any:
         """A formula of the law, by numpy."""
         law = formulas_of(self.law)
         return in_python(getattr(law, name))(in_python(law.constants)(self), *values)

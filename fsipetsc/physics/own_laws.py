@@ -157,7 +157,7 @@ def _law(formulas: Formulas, given: dict[str, Any], numbers: Sequence[float] | N
         return formulas
     if "constants" not in given:
         raise InputError("numbers of a law: the formula constants(record) is missing, which finds them in the record")
-    return Law(formulas, numbers)
+    return Law(formulas, numbers)  # type: ignore[arg-type]  # it looks, and makes a tuple of them
 
 
 def check(law: Formulas, kind: str, in_loops: Sequence[str] = ()) -> None:

@@ -11,11 +11,11 @@ with p(epsilon, rho) an equation of state in epsilon = alpha T and rho = m0 / x_
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
-import numpy as np
 from numba import njit
 
-from fsipetsc.checks import ANY, NONNEGATIVE, POSITIVE, numbers
+from fsipetsc.checks import ANY, NONNEGATIVE, POSITIVE, Array, numbers
 from fsipetsc.errors import InputError
 from fsipetsc.operators.formulas import Formulas, in_python
 from fsipetsc.operators.kernels import FORMULA
@@ -60,11 +60,11 @@ class Solid:
         p, heat = self.pressure(T, x_X), self.alpha * self.m0
         return float(self._of_law("wave_modulus", self.K, heat, T, p, sigma, x_X) / self.m0) ** 0.5
 
-    def pressure(self, T: np.ndarray, x_X: np.ndarray) -> np.ndarray:
+    def pressure(self, T: float | Array, x_X: float | Array) -> Any:
         """p [Pa] at temperature T [K] and strain x_X; that of p(epsilon, rho) with epsilon = alpha T, rho = m0 / x_X."""
         return self._of_law("pressure", T, x_X)
 
-    def _of_law(self, name: str, *values: np.ndarray) -> np.ndarray:
+    def _of_law(self, name: str, *values: Any) -> Any:
         """A formula of the law of pressure, by numpy."""
         law = formulas_of(self.pressing)
         return in_python(getattr(law, name))(in_python(law.constants)(self), *values)
