@@ -187,8 +187,8 @@ _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(5) * np.array([[0.5], [0.5]]
 ALIKE = 0.01
 
 
-def check_motion(problem: Problem, side: int, step: float) -> None:
-    """InputError if the velocity that is given for a wall is not the rate of its place, on average over a step [s] from t = 0.
+def check_motion(problem: Problem, side: int, t: float, step: float) -> None:
+    """InputError if the velocity that is given for a wall is not the rate of its place, on average over a step [s] from t [s].
 
     What cannot be asked for at a later time is not asked for now.
     """
@@ -196,13 +196,14 @@ def check_motion(problem: Problem, side: int, step: float) -> None:
     if not {"x", "velocity"} <= functions.keys():
         return
     try:
-        begin, end = (_at(functions["x"], "x", side, t) for t in (0.0, step))
-        speeds = [_at(functions["velocity"], "velocity", side, step * at) for at in _POINTS.tolist()]
+        begin, end = (_at(functions["x"], "x", side, at) for at in (t, t + step))
+        speeds = [_at(functions["velocity"], "velocity", side, t + step * part) for part in _POINTS.tolist()]
     except InputError:
         return
     rate, given = (end - begin) / step, float(_WEIGHTS @ speeds)
     if abs(rate - given) > ALIKE * max(abs(rate), abs(given)) + 1e-12 * (abs(begin) + abs(end)) / step:
-        what = f"{given:.6g} on average until t = {step:.6g}, where x(t) rises by {rate:.6g} a second: expected the rate of x"
+        until = f"{given:.6g} on average until t = {t + step:.6g}"
+        what = f"{until}, where x(t) rises by {rate:.6g} a second: expected the rate of x"
         raise _fault(functions["velocity"], f"velocity of the {('left', 'right')[side]} end", what)
 
 

@@ -243,6 +243,10 @@ def _check_together(values: dict[str, Any], given: Mapping[str, str]) -> None:
     if unheeded:
         raise InputError(f"-{given[unheeded[0]]} needs -ts_adapt_type basic: without it there is no step-size control")
     _check_stages(values, given)
+    frames = [name for name in ("fsi_initial_frame", "fsi_initial_time") if values[name] is not None]
+    if len(frames) == 2 or (frames and values["fsi_initial"] is None):
+        what = "and -fsi_initial_time both choose a frame; give one of them" if frames[1:] else "needs -fsi_initial, a result"
+        raise InputError(f"-{frames[0]} {what}")
     # who names times does not want the interval that the case suggests, and the other way round
     if "fsi_output_times" in given and "fsi_output_dt" not in given:
         values["fsi_output_dt"] = None

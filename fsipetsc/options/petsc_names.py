@@ -76,7 +76,7 @@ _REFUSED = {
     "ts_fd_color": "there is no Jacobian: all methods are explicit",
     "ts_rk_multirate": "the right-hand side is not split into slow and fast parts",
     "ts_use_splitrhsfunction": "the right-hand side is not split into slow and fast parts",
-    "ts_init_time": "every run begins at t = 0, or where a checkpoint was written (-fsi_restart)",
+    "ts_init_time": "every run begins at t = 0, or where a frame (-fsi_initial) or a checkpoint (-fsi_restart) was written",
     "ts_exact_final_time": "every run ends exactly at -ts_max_time",
     "ts_monitor_": f"of PETSc's monitors only -ts_monitor works; {_SAVED}",
     "ts_view_": "of PETSc's views of the method only -ts_view works",

@@ -92,6 +92,12 @@ CHECKPOINTS = (
         check=_file_name,
     ),
     Option("fsi_wall_limit", float, None, "s", "wall time in which the run is to write a checkpoint and end", check="positive"),
+    Option(
+        *("fsi_initial", str, None, "", "result whose last frame the run begins with, on this grid, not with the case's data"),
+        check=_file_name,
+    ),
+    Option("fsi_initial_frame", int, None, "", "another frame of it: from 0 on, or from the last one, -1, back"),
+    Option("fsi_initial_time", float, None, "s", "the frame of it that is nearest to this time", check="nonnegative"),
 )
 RUN = (
     Option(

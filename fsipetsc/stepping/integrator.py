@@ -75,7 +75,7 @@ class Integrator:
         self._steady = state.problem.steady_data
         self.steps = 0
         self.rejections = 0
-        self.t = 0.0
+        self.t = state.begin
         self.dt_range = [np.inf, 0.0]
         self.last_step = np.inf  # the longest of the last burst
         self.wall_time = self._begun = 0.0
@@ -302,14 +302,14 @@ class Integrator:
             state.grow()
         self._on_grids()
         if not self._steady:
-            state.set_data(0.0)  # with differences in time of the length that a step has
+            state.set_data(self.t)  # with differences in time of the length that a step has
         self._finish()
-        verdicts.check(state, 0.0, self.steps, state.results[:LAST].tolist(), self.beyond)
+        verdicts.check(state, self.t, self.steps, state.results[:LAST].tolist(), self.beyond)
         found = {name: state.latest[name] for name in shares(state.latest.dtype) if name not in (*OF_STEPS, *OF_POINTS)}
         self.initial = {name: state.comm.allreduce(share).tolist() for name, share in found.items()}
         self.beyond = verdicts.beyond_bound(state, self.opt)
-        self._times.pass_time(0.0)
-        self._on_frame(0.0)
+        self._times.pass_time(self.t)
+        self._on_frame(self.t)
 
     def memory(self) -> dict[str, Any]:
         """What ``resume`` needs beside the state; as JSON holds it."""

@@ -32,6 +32,7 @@ from fsipetsc.stepping.phases import LOOP, OUTPUT, SET_UP, Phases
 from fsipetsc.stepping.report import Reporter
 from fsipetsc.stepping.restart import Past, check_options, check_problem, find_past
 from fsipetsc.stepping.solve import build_problem, make_state
+from fsipetsc.stepping.start import Start, find_start
 from fsipetsc.stepping.state import State
 from fsipetsc.stepping.versions import versions
 from fsipetsc.stepping.view import view
@@ -59,15 +60,18 @@ def run_case(case: Any, options: dict[str, Any], comm: MPI.Comm, past: Past | No
     phases = Phases()
     with phases(SET_UP):
         problem = build_problem(case, options, comm)
+        start = find_start(problem, options, comm) if past is None else None
         state = make_state(problem, options, comm)
     with state:
         with phases(SET_UP):
+            if start is not None:
+                state.begin_with(start)
             if past is not None:
                 check_problem(past, problem, describe(state.journal.dtype))
             state.check_data()  # before there is a file
         with _apart(comm) as notes:
             with phases(SET_UP):
-                run = _Run(case, options, comm, notes, phases, state, past)
+                run = _Run(case, options, comm, notes, phases, state, past, start)
             with _asked(run.integrator.pauses):
                 run.go()
 
@@ -97,8 +101,10 @@ class _Run:
         phases: Phases,
         state: State,
         past: Past | None = None,
+        start: Start | None = None,
     ) -> None:
         self.case, self.opt, self.comm, self.phases, self.past = case, opt, comm, phases, past
+        self.begun = [] if start is None else [start.line]
         self.problem, self.state = state.problem, state
         saved = saved_times(opt["ts_max_time"], opt["fsi_output_dt"], opt["fsi_output_times"], self.problem.unit("s"))
         self.keeper = CheckpointKeeper(comm, case.NAME, opt, state, past)
@@ -251,7 +257,7 @@ class _Run:
             self.report.begin(self.state)
             for line in view(self.state, self.case.NAME, opt) if opt["fsi_view"] else ():
                 self.report.line(line)
-            for line in self.keeper.lines():
+            for line in [*self.begun, *self.keeper.lines()]:
                 self.report.line(line)
             with self.phases(SET_UP):
                 say = self.report.line

@@ -108,6 +108,8 @@ def solve(
     announce: says on rank 0 that the kernels are being compiled, if they are. look(state, t): called at 0, at these times [s]
     in between and at the end. Raises InputError and ComputationError.
     """
+    if opt["fsi_initial"] is not None:
+        raise InputError("-fsi_initial: this command begins with the data of the case")
     with make_state(build_problem(case, opt, comm), opt, comm) as state:
         state.compile(announce)
         integrator = Integrator(

@@ -11,22 +11,23 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from fsipetsc import given
-from fsipetsc.boundaries import NODES, WALL, in_time
+from fsipetsc.boundaries import NODES, in_time
 from fsipetsc.errors import FsiError, InputError
 from fsipetsc.operators.cache import compiling, garbage_waiting
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.layout import Grid, Layout, make_grids
 from fsipetsc.physics.layer import FLUID, SOLID
-from fsipetsc.problem import FluidLayer, Problem
+from fsipetsc.problem import Problem
 from fsipetsc.process.together import agree, together, wait_asleep
 from fsipetsc.scheme import runge_kutta
 from fsipetsc.scheme.burst import MADE
 from fsipetsc.scheme.fields import fields
 from fsipetsc.scheme.laws import PLAIN, Form, ProblemLaws
 from fsipetsc.scheme.plan import BURST, FLAGS, FORCING, LIMITS, LOW, RATE, SAID_STOP, make_plan
-from fsipetsc.stepping import frames, snapshot
+from fsipetsc.stepping import frames, initial_data, snapshot
 from fsipetsc.stepping.diagnosis import describe_failure
 from fsipetsc.stepping.petsc_path import PetscPath, compile_entries
+from fsipetsc.stepping.start import Start
 
 #: what a rank says of STOP whose user's functions have failed: more than any signal
 FAULT = 1000.0
@@ -38,6 +39,7 @@ class State:
     Attributes: layout, plan, solution (world Vec); results of the last completed step (scheme.finish_step says where what
     stands); burst (scheme.burst); journal, the records of steps (scheme.plan.step_record), and latest, that of the last
     one without its time. The integrals in them are this rank's shares. evaluations of the right-hand side are counted.
+    begin: time [s] of the initial data; started: they are those of a frame (``begin_with``).
     Raises InputError where grid, order and number of ranks do not fit.
     """
 
@@ -57,13 +59,13 @@ class State:
     ) -> None:
         self.comm, self.problem, self.h = comm, problem, h
         self.op = OPERATORS[order]
-        self._coupling, self._mapping, self._mode, self._spare = coupling, mapping, mode, spare
+        self._coupling, self.mapping, self._mode, self._spare = coupling, mapping, mode, spare
         self._entropy, self._shared, self._form = entropy, shared, form
-        self.evaluations = 0
+        self.evaluations, self.begin, self.started = 0, 0.0, False
         self.fault: InputError | None = None  # of a user's function, on this rank
         self._path: PetscPath | None = None
         ends = ((0, 0, problem.left), (len(problem.layers) - 1, 1, problem.right))
-        self._moving = [(k, side) for k, side, end in ends if "x" in in_time(end)]
+        self.moving = [(k, side) for k, side, end in ends if "x" in in_time(end)]
         # in a step each time is asked for twice, and each answer takes several calls of the user's function
         self._end_motion = lru_cache(maxsize=8)(partial(given.end_motion, problem))
         self.laws = together(comm, lambda: ProblemLaws(problem, entropy, form))
@@ -118,8 +120,8 @@ class State:
             values = given.end_data(problem, side, t)
             records[k]["end_data"][side, : len(values)] = values
             records[k]["end_heat"][side] = given.end_heat(problem, side, t)
-        for k, side in self._moving:
-            records[k]["end_x"][side], records[k]["end_v"][side], records[k]["end_a"][side] = self._motion(side, t)
+        for k, side in self.moving:
+            records[k]["end_x"][side], records[k]["end_v"][side], records[k]["end_a"][side] = self.motion(side, t)
         if problem.jumps is not None:
             for k, face in enumerate(self.plan.faces):
                 face["jump"] = given.jumps(problem, k, t)
@@ -136,77 +138,23 @@ class State:
         own, begin, end = int(record["own_lo"]), int(record["lo"]), int(record["hi"]) + 1
         return slice(max(begin - own, 0), max(end - own, 0))
 
+    def begin_with(self, start: Start) -> None:
+        """Let initial data be those of a frame, at its time, instead of the case's. Collective."""
+        self.problem, self.begin, self.started = start.problem, start.t, True
+        if start.cells:
+            self._release()
+            self._place(make_grids(self.problem, self.op, self.h, self._spare, self.mapping, start.cells))
+
     def set_initial(self) -> None:
-        """Initial data of all layers, projected; t = 0. InputError where they are not what they must be."""
+        """Initial data of all layers, projected, at the time ``begin``. InputError where they are not what they must be."""
         self.check_data()
         self.finish()
 
     def check_data(self) -> None:
-        """Ask the user's functions for all data at t = 0. InputError, on all ranks, where they are not what they must be."""
-        edges = self.comm.allgather(together(self.comm, self._set_initial))
-        for k, side in self._moving:
-            self.layout.records[k]["end_x"][side] = self._motion(side, 0.0)[0]
-        ends = {point: x for found in edges for point, x in found.items()} | self._outer_ends()
-        given.check_ends(self.problem, ends, self.h, self._mapping)
-        self._stretch(ends)
-        self.set_data(0.0)
-        agree(self.comm, self.fault)
-
-    def _stop_at_walls(self, k: int, fields: list[np.ndarray]) -> None:
-        """The initial u of a gas; where its grid ends at a wall, the wall's: so the energy there is that of T. InputError."""
-        record, (rho, u, T) = self.layout.records[k], fields
-        fields[1] = u = u.copy()
-        for side, here in ((0, record["own_lo"] == 0), (1, record["own_hi"] == record["n"])):
-            if here and record["stretched"] and record["end_kind"][side] == WALL:
-                u[-side] = 0.0
-                if (k, side) in self._moving:
-                    with np.errstate(all="ignore"):
-                        sound = float(self.problem.layers[k].material.sound_speed(T[-side], rho[-side]))
-                    given.check_motion(self.problem, side, self.h / sound if sound > 0 else self.h)
-                    u[-side] = self._motion(side, 0.0)[1]
-
-    def _set_initial(self) -> dict[tuple[int, int], float]:
-        """Returns (solid layer, end) -> initial x of the end points [m] that this rank owns."""
-        y, edges = self.solution.getArray(), {}
-        for k, layer in enumerate(self.problem.layers):
-            if not self.layout.records[k]["present"]:
-                continue
-            X = self.layout.owned_X(k)
-            fields = given.initial(layer, X, self.active(k))
-            if layer.exact is not None:  # not found out at the end
-                given.fields(layer, "exact", X, 0.0, self.active(k))
-            if isinstance(layer, FluidLayer):
-                self._stop_at_walls(k, fields)
-                with np.errstate(all="ignore"):  # what comes of it is looked at
-                    self.layout.local(k, y)[:] = layer.material.conserved(*fields)
-            else:
-                self.layout.local(k, y)[:] = np.stack(fields, axis=-1)
-                self._note_kinetic_energies(k, y)
-                record = self.layout.records[k]
-                edges |= {(k, 0): fields[3][0]} if record["own_lo"] == 0 else {}
-                edges |= {(k, 1): fields[3][-1]} if record["own_hi"] == record["n"] else {}
-        return edges
-
-    def _outer_ends(self) -> dict[tuple[int, int], float]:
-        """As of given.check_ends, the places of the outer ends of gases, as if solids stood there."""
-        last, records = len(self.problem.layers) - 1, self.layout.records
-        places = {(-1, 1): records[0]["end_x"][0], (last + 1, 0): records[last]["end_x"][1]}
-        return {point: float(x) for point, x in places.items()}
-
-    def _note_kinetic_energies(self, k: int, y: np.ndarray) -> None:
-        """m0 u^2/2 of the end points of solid layer k, which the conservative coupling integrates, from their velocities."""
-        ends, part = self.layout.ends(k, y), self.layout.local(k, y)
-        if len(ends):
-            u = part[[0, -1], 0]
-            ends[:] = 0.5 * self.layout.records[k]["m0"] * u * u
-
-    def _stretch(self, ends: dict[tuple[int, int], float]) -> None:
-        """Let the unknowns of stretched layers be J (rho, rho u, e); ends: as of given.check_ends."""
-        y = self.solution.getArray()
-        for k, record in enumerate(self.layout.records):
-            if record["stretched"] and record["present"]:
-                first, last = record["end_x"] = ends[k - 1, 1], ends[k + 1, 0]
-                self.layout.local(k, y)[:] *= (last - first) / ((record["n"] - 1) * record["h"])
+        """Ask the user's functions for all data at the beginning. InputError, on all ranks, where they are not what they must
+        be.
+        """
+        initial_data.set_data(self)
 
     @property
     def places(self) -> list[float]:
@@ -317,10 +265,10 @@ class State:
         """
         found = []
         try:
-            for k, side in self._moving:
+            for k, side in self.moving:
                 record = self.layout.records[k]
-                x, (_, before, _) = float(record["end_x"][side]), self._motion(side, t)
-                end, after, _ = self._motion(side, t + dt)
+                x, (_, before, _) = float(record["end_x"][side]), self.motion(side, t)
+                end, after, _ = self.motion(side, t + dt)
                 middle = (6.0 * (end - x) / dt - before - after) / 4.0
                 places = x, x + 0.5 * dt * before, x + 0.5 * dt * middle, x + dt * middle, end
                 found.append((record, side, places, (before, middle, middle, after, after)))
@@ -328,7 +276,7 @@ class State:
             return []  # set_data will say it
         return found
 
-    def _motion(self, side: int, t: float) -> tuple[float, float, float]:
+    def motion(self, side: int, t: float) -> tuple[float, float, float]:
         """(x, velocity, acceleration) of a wall that moves: see given.end_motion. InputError."""
         return self._end_motion(side, t, self._instant())
 
@@ -349,7 +297,7 @@ class State:
         results, journal = self.results.copy(), self.journal[:noted].copy()
         self._release()
         spare = max(self._spare, NODES)
-        self._place(make_grids(self.problem, self.op, self.h, spare, self._mapping, cells, old.grids), old)
+        self._place(make_grids(self.problem, self.op, self.h, spare, self.mapping, cells, old.grids), old)
         self.results[:], self.journal[:noted] = results, journal
         self.results[LOW] = 0.0
         y = self.solution.getArray()
@@ -362,7 +310,7 @@ class State:
                 rows = np.arange(record["own_lo"], record["own_hi"]) - grid.lo
                 self.layout.local(k, y)[:] = active[np.clip(rows, 0, len(active) - 1)]
                 if record["kind"] == SOLID:
-                    self._note_kinetic_energies(k, y)
+                    initial_data.note_kinetic_energies(self.layout, k, y)
         runge_kutta.load_completed(self.plan, "solution")
 
     def keep(self) -> tuple[np.ndarray, ...]:

@@ -33,6 +33,7 @@ from fsipetsc.stepping.plane.edge_data import EdgeData
 from fsipetsc.stepping.plane.path import PlanePath
 from fsipetsc.stepping.plane.watched import NAMES, Watched, chosen
 from fsipetsc.stepping.snapshot import as_numbers, kept, put_back, rates_of
+from fsipetsc.stepping.start import Start
 from fsipetsc.stepping.state import FAULT
 
 #: words of the energy, both components of the momentum, the entropy
@@ -86,7 +87,8 @@ class PlaneState:
         self.latest, self._latest = latest[0], latest.view(float)
         self.burst = np.empty(0)
         self.rates = np.zeros((len(problem.layers), 2))  # of convection and diffusion, of each layer, see stepping.limits
-        self.evaluations, self._t = 0, 0.0
+        self.evaluations, self.begin, self._t = 0, 0.0, 0.0
+        self._jacobians: Mapping[int, Callable[..., Any]] = {}
         self.fault: InputError | None = None  # of a user's function, on this rank
 
     @property
@@ -107,8 +109,14 @@ class PlaneState:
         for entry, arguments in self.path.entries():
             entry.compile(tuple(numba.typeof(argument) for argument in arguments))
 
+    def begin_with(self, start: Start) -> None:
+        """Let initial data be those of a frame, at its time, instead of the case's."""
+        self.problem, self.begin, self._t, self._jacobians = start.problem, start.t, start.t, start.jacobians
+
     def check_data(self) -> None:
-        """Ask the case's functions for all data at t = 0. InputError, on all ranks, where they are not what they must be."""
+        """Ask the case's functions for all data at the time ``begin`` [s]. InputError, on all ranks, where they are not what
+        they must be.
+        """
         together(self.comm, self._ask)
 
     def _ask(self) -> None:
@@ -117,9 +125,9 @@ class PlaneState:
             if self.layout.dms[k] is None:
                 continue
             X, Y = self.layout.grids[k].points(*self.layout.owned(k))
-            values, q = given.plane_fields(layer, "initial", X, Y, 0.0), self.layout.local(k, y)
+            values, q = given.plane_fields(layer, "initial", X, Y, self.begin), self.layout.local(k, y)
             if layer.exact is not None:  # not found out at the end
-                given.plane_fields(layer, "exact", X, Y, 0.0)
+                given.plane_fields(layer, "exact", X, Y, self.begin)
             if layer.kind == "solid":
                 u, v, T, x, z = values
                 for c, value in enumerate((x - X, z - Y, u, v, T)):
@@ -127,11 +135,12 @@ class PlaneState:
             else:
                 rho, u, v, T = values
                 energy = layer.material.internal_energy(rho, T) + 0.5 * (u * u + v * v)
-                for c, value in enumerate((np.ones_like(rho), rho, rho * u, rho * v, rho * energy)):
-                    q[..., c] = value
+                J = self._jacobians[k](X, Y)[0] if k in self._jacobians else 1.0
+                for c, value in enumerate((1.0, rho, rho * u, rho * v, rho * energy)):
+                    q[..., c] = J * value
         with np.errstate(all="ignore"):  # of what is given at edges that it can be had: nothing is held yet
             for part in self.path.layers:
-                self._data.apply(part, 0.0)
+                self._data.apply(part, self.begin)
         for number, meeting in enumerate(self.layout.meetings):
             energies = self.layout.energies(number, y)
             if energies.size:
@@ -140,13 +149,14 @@ class PlaneState:
                 energies[:] = 0.5 * self.problem.layers[solid].material.m0 * (end[:, 2] ** 2 + end[:, 3] ** 2)
 
     def set_initial(self) -> None:
-        """Initial data of all layers, J of the grids, projected; t = 0. InputError."""
+        """Initial data of all layers, J of the grids, projected, at the time ``begin``. InputError."""
         self.check_data()
         y = self.solution.getArray()
-        self.path.apply_conditions(y, 0.0)  # which lays the lines of the grids
+        self.path.apply_conditions(y, self.begin)  # which lays the lines of the grids
         for part in self.path.layers:
             self._data.begin(part, self.layout.local(part.k, y))
-            part.stretch(self.layout.local(part.k, y))
+            if part.k not in self._jacobians:
+                part.stretch(self.layout.local(part.k, y))
 
     def set_data(self, t: float) -> None:
         """The next evaluation of the right-hand side is at time t [s]."""
