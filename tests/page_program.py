@@ -1,19 +1,21 @@
 """Runs the code blocks of documents as a reader would who goes from top to bottom, in one process: FOLDER PAGE.md ...
 
 Commands are called in their own words, but for the launcher, and shortened: a few steps, coarse grids. Each page has a
-folder of its own in FOLDER. Prints what went wrong, a block for each; `scripts/…` must exist, `#` begins a comment, and
-what is in [ ] may be left out.
+folder of its own in FOLDER. The cells of a notebook must print what stands in it. Prints what went wrong, a block for
+each; `scripts/…` must exist, `#` begins a comment, and what is in [ ] may be left out.
 """
 
 from __future__ import annotations
 
 import contextlib
 import io
+import json
 import os
 import re
 import shlex
 import sys
 import traceback
+import warnings
 from pathlib import Path
 
 REPOSITORY = Path(__file__).resolve().parent.parent
@@ -30,9 +32,16 @@ SHORT = {
 VERDICTS = {"stability": (0, 3), "flutter": (0, 3)}
 
 
-def blocks(text: str) -> list[tuple[str, str]]:
-    """(language, content) of each fenced block."""
-    return re.findall(r"^```(\w*)\n(.*?)^```$", text, re.S | re.M)
+def blocks(text: str) -> list[tuple[str, str, str | None]]:
+    """(language, content, None) of each fenced block."""
+    return [(*found, None) for found in re.findall(r"^```(\w*)\n(.*?)^```$", text, re.S | re.M)]
+
+
+def cells(text: str) -> list[tuple[str, str, str | None]]:
+    """("python", content, what it printed) of a notebook's cells of code."""
+    code = [cell for cell in json.loads(text)["cells"] if cell["cell_type"] == "code"]
+    printed = ["".join("".join(output.get("text", "")) for output in cell["outputs"]) for cell in code]
+    return [("python", "".join(cell["source"]), text) for cell, text in zip(code, printed, strict=True)]
 
 
 def main(folder: str, *pages: str) -> None:
@@ -42,11 +51,12 @@ def main(folder: str, *pages: str) -> None:
         (place / "runs").symlink_to(REPOSITORY / "runs")
         os.chdir(place)
         names: dict[str, object] = {"__name__": "__main__"}
-        for language, content in blocks(Path(page).read_text()):
+        for language, content, expected in (cells if page.endswith(".ipynb") else blocks)(Path(page).read_text()):
             try:
                 if language == "python":
-                    with contextlib.redirect_stdout(io.StringIO()):
+                    with contextlib.redirect_stdout(io.StringIO()) as said:
                         exec(content, names)
+                    assert expected in (None, said.getvalue()), said.getvalue()
                 elif language == "sh":
                     for line in content.splitlines():
                         command(line)
@@ -93,4 +103,5 @@ def command(line: str) -> None:
 PLOTTED: list[str] = []
 
 if __name__ == "__main__":
+    warnings.filterwarnings("ignore", "FigureCanvasAgg is non-interactive")
     main(*sys.argv[1:])
