@@ -83,23 +83,21 @@ def meet_sliding(pair, face, points, held, normals):
 
 
 @njit(**OPTIONS)
-def slide(face, weight, points, rates, held, normals):
-    """What the pressure pi between gas and solid, a traction pi N, adds to the rates at points where the gas slips.
+def slide(face, weight, q, f, held, normal):
+    """What the pressure pi between gas and solid, a traction pi N, adds to the rates at a point q where the gas slips.
 
     pi |N|^2 (1/M_f + 1/M_s) = N.(a_s - a_f) - N_t.(u - u_s), with the unloaded accelerations a and the masses M_f = h_gas
-    a_0 J rho, M_s = h a_0 m0: both sides go on with one normal velocity. rates: (n, RATES); in place, what is to be added:
-    to those of J (rho u, rho v, e) of the gas, and of the velocity of the solid. weight: a_0.
+    a_0 J rho, M_s = h a_0 m0: both sides go on with one normal velocity. f: (RATES,); in place, what is to be added: to
+    those of J (rho u, rho v, e) of the gas, and of the velocity of the solid. weight: a_0.
     """
-    for n in range(points.shape[0]):
-        q, f, normal = points[n], rates[n], normals[n]
-        nx, ny = normal[0], normal[1]
-        u, v = q[2] / q[1], q[3] / q[1]
-        a_x, a_y = (f[1] - u * f[0]) / q[1], (f[2] - v * f[0]) / q[1]
-        s_x, s_y = (0.0 if held[n] != 0 else f[3]), (0.0 if held[n] == HELD else f[4])
-        of_gas = 1.0 / (face.h_gas * weight * q[1])
-        of_solid = 0.0 if held[n] == HELD else 1.0 / (face.h * weight * face.m0)
-        turned = normal[2] * (u - q[7]) + normal[3] * (v - q[8])
-        pi = (nx * (s_x - a_x) + ny * (s_y - a_y) - turned) / ((nx * nx + ny * ny) * (of_gas + of_solid))
-        per_length = pi / (face.h_gas * weight)
-        f[0], f[1], f[2] = per_length * nx, per_length * ny, per_length * (nx * q[7] + ny * q[8])
-        f[3], f[4] = -pi * of_solid * nx, -pi * of_solid * ny
+    nx, ny = normal[0], normal[1]
+    u, v = q[2] / q[1], q[3] / q[1]
+    a_x, a_y = (f[1] - u * f[0]) / q[1], (f[2] - v * f[0]) / q[1]
+    s_x, s_y = (0.0 if held != 0 else f[3]), (0.0 if held == HELD else f[4])
+    of_gas = 1.0 / (face.h_gas * weight * q[1])
+    of_solid = 0.0 if held == HELD else 1.0 / (face.h * weight * face.m0)
+    turned = normal[2] * (u - q[7]) + normal[3] * (v - q[8])
+    pi = (nx * (s_x - a_x) + ny * (s_y - a_y) - turned) / ((nx * nx + ny * ny) * (of_gas + of_solid))
+    per_length = pi / (face.h_gas * weight)
+    f[0], f[1], f[2] = per_length * nx, per_length * ny, per_length * (nx * q[7] + ny * q[8])
+    f[3], f[4] = -pi * of_solid * nx, -pi * of_solid * ny

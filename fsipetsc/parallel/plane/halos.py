@@ -14,17 +14,21 @@ from mpi4py import MPI
 from fsipetsc.parallel.plane.layout import PlaneLayout
 from fsipetsc.physics.plane.layer import DOF
 
+#: what is known of a rectangle that is copied: where it goes, where it comes from, rows, doubles of each and to the next one
+RECTANGLE = 5
+
 
 class Halos:
     """The halos of this rank's part of layer k in an array of all points that it holds, (height, width, DOF) doubles.
 
-    Not collective, but all ranks of the layer must make theirs, and ``start`` and ``wait`` as often as the others do.
+    Attributes: requests, messages that all ranks of the layer must start as often as the others do; rectangles, (n, RECTANGLE),
+    what is copied within the block itself, counted from ``begin`` doubles before it. Not collective.
     """
 
-    def __init__(self, layout: PlaneLayout, k: int, held: np.ndarray) -> None:
+    def __init__(self, layout: PlaneLayout, k: int, held: np.ndarray, begin: int) -> None:
         self._kinds: list[MPI.Datatype] = []
-        self._requests: list[MPI.Prequest] = []
-        self._own: list[tuple[np.ndarray, np.ndarray]] = []  # (halo, what comes there) within this block
+        self.requests: list[MPI.Prequest] = []
+        rectangles = []
         comm, share, halo = layout.dms[k].comm.tompi4py(), layout.shares[k], layout.halo
         along, across = len(share.columns) - 1, len(share.rows) - 1
         y, x = divmod(comm.rank, along)
@@ -36,12 +40,15 @@ class Halos:
             rank, way = (y + dy) * along + to_x, 3 * dy + dx
             given, taken = ([_strip(*o, halo, d, out) for o, d in zip(own, (dy, dx), strict=True)] for out in (True, False))
             if rank == comm.rank:  # the layer goes on where it began
-                rows, columns = slice(*given[0]), slice(*_strip(*own[1], halo, -dx, True))
-                self._own.append((held[rows, slice(*taken[1])], held[rows, columns]))
+                (first, end), (to, to_end), (start, _) = given[0], taken[1], _strip(*own[1], halo, -dx, True)
+                stride = held.shape[1] * DOF
+                at = begin + first * stride
+                rectangles.append((at + to * DOF, at + start * DOF, end - first, (to_end - to) * DOF, stride))
                 continue
             # tags: the way that it goes
-            self._requests.append(comm.Send_init([held, 1, self._kind(held, *given)], rank, 4 + way))
-            self._requests.append(comm.Recv_init([held, 1, self._kind(held, *taken)], rank, 4 - way))
+            self.requests.append(comm.Send_init([held, 1, self._kind(held, *given)], rank, 4 + way))
+            self.requests.append(comm.Recv_init([held, 1, self._kind(held, *taken)], rank, 4 - way))
+        self.rectangles = np.array(rectangles, np.int64).reshape(-1, RECTANGLE)
 
     def _kind(self, held: np.ndarray, rows: tuple[int, int], columns: tuple[int, int]) -> MPI.Datatype:
         """Of a rectangle of points."""
@@ -50,25 +57,13 @@ class Halos:
         self._kinds.append(MPI.DOUBLE.Create_subarray((height, width * DOF), sizes, starts).Commit())
         return self._kinds[-1]
 
-    def start(self) -> None:
-        """Begin the exchange; the array must not change before ``wait``, but for points within."""
-        if self._requests:
-            MPI.Prequest.Startall(self._requests)
-        for halo, values in self._own:
-            halo[...] = values
-
-    def wait(self) -> None:
-        """The halos are there."""
-        if self._requests:
-            MPI.Request.Waitall(self._requests)
-
     def free(self) -> None:
         """Nothing may be under way."""
-        for thing in self._requests:
+        for thing in self.requests:
             thing.Free()
         for kind in self._kinds:
             kind.Free()
-        self._requests, self._kinds = [], []
+        self.requests, self._kinds = [], []
 
 
 def _strip(first: int, end: int, halo: int, way: int, out: bool) -> tuple[int, int]:

@@ -38,7 +38,8 @@ class PlaneLayout:
     """Ownership of all layers on all ranks. Collective on ``comm``.
 
     Attributes: grids, shares, records (PLANE_LAYER), dms (a DMDA or None per layer), starts (of this rank's block of each
-    layer in its part of the solution, and at [-1] the doubles of that), halo (points), meetings.
+    layer in its part of the solution, and at [-1] the doubles of that), offsets (of the parts of all ranks in the world
+    vector), halo (points), meetings.
     """
 
     def __init__(
@@ -49,7 +50,7 @@ class PlaneLayout:
         self.shares = share_out(grids, [layer.kind for layer in problem.layers], op, comm.size, partition)
         self.meetings = [self._meeting(fluid, solid) for fluid, solid in problem.interfaces]
         self._sizes = [self._blocks(rank) for rank in range(comm.size)]
-        self._offsets = np.cumsum([0, *(sum(sizes) for sizes in self._sizes)])
+        self.offsets = np.cumsum([0, *(sum(sizes) for sizes in self._sizes)])
         self.starts = np.cumsum([0, *self._sizes[comm.rank]])
         self.local_size = int(self.starts[-1])
         self.records = np.zeros(len(grids), PLANE_LAYER)
@@ -114,7 +115,7 @@ class PlaneLayout:
         for rank in np.unique(owners := self.shares[k].owners(columns, row)):
             a, b, c, _ = self.shares[k].block(rank)
             here = owners == rank
-            start = self._offsets[rank] + sum(self._sizes[rank][:k])
+            start = self.offsets[rank] + sum(self._sizes[rank][:k])
             found[here] = start + ((row - c) * (b - a) + columns[here] - a) * DOF
         return found
 
@@ -124,7 +125,7 @@ class PlaneLayout:
         k = meeting.layers[1]
         for rank in np.unique(owners := self.shares[k].owners(columns, meeting.rows[1])):
             here = owners == rank
-            start = self._offsets[rank] + sum(self._sizes[rank][: len(self.grids) + number])
+            start = self.offsets[rank] + sum(self._sizes[rank][: len(self.grids) + number])
             found[here] = start + columns[here] - self.shares[k].block(rank)[0]
         return found
 
@@ -201,10 +202,19 @@ class PlaneLayout:
         at = len(self.grids) + number
         return array[self.starts[at] : self.starts[at + 1]]
 
+    @property
+    def behind(self) -> slice:
+        """What stands behind the layers in this rank's part of a solution vector."""
+        return slice(int(self.starts[len(self.grids)]), self.local_size)
+
     def gains(self, k: int, array: np.ndarray) -> np.ndarray:
         """View of what layer k has gained there, (GAINED,)."""
-        at = len(self.grids) + len(self.meetings) + k
-        return array[self.starts[at] : self.starts[at + 1]]
+        at = self.gains_begin(k)
+        return array[at : at + (GAINED if self.dms[k] is not None else 0)]
+
+    def gains_begin(self, k: int) -> int:
+        """Where it begins there."""
+        return int(self.starts[len(self.grids) + len(self.meetings) + k])
 
     def held(self, k: int) -> tuple[np.ndarray, np.ndarray]:
         """(columns, rows), numbers of those of layer k that this rank holds, halos among them."""

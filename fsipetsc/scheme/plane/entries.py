@@ -10,11 +10,11 @@ from numba import njit
 
 from fsipetsc.coupling.plane import meet, meet_sliding, slide
 from fsipetsc.operators.kernels import ENTRY, U64
-from fsipetsc.operators.rows import MARGIN, along
 from fsipetsc.physics.plane.gas import LINE_ROWS
 from fsipetsc.scheme.plane.fields import gas_fields, solid_fields
-from fsipetsc.scheme.plane.gains import edge_sums, pull
-from fsipetsc.scheme.plane.geometry import lay
+from fsipetsc.scheme.plane.gains import edge_sums
+from fsipetsc.scheme.plane.geometry import find_normals, lay
+from fsipetsc.scheme.plane.joints import hold, join, load, note_gains, note_power
 from fsipetsc.scheme.plane.laws import GAS, SOLID
 from fsipetsc.scheme.plane.look import blended, look_at_gas, look_at_solid
 from fsipetsc.scheme.plane.sweep import places, sweep
@@ -22,23 +22,59 @@ from fsipetsc.scheme.plane.targets import Target, advance
 
 
 @njit(**ENTRY)
-def gas_rates(layers, k, operators, s, stride, y, f, source, onward, a, base, total, b):
+def gas_rates(layers, k, operators, s, stride, y, f, source, onward, base, total, a, b):
     """Rates of gas layer k at the points that are owned, to f or a Runge-Kutta stage: see fsipetsc.scheme.plane.targets."""
     target = Target(f, source, onward, a, base, total, b)
     sweep(GAS, layers[k], operators[0], operators[1], s, places(layers[k], stride), y, target)
 
 
 @njit(**ENTRY)
-def solid_rates(layers, k, operators, s, stride, y, f, source, onward, a, base, total, b):
+def solid_rates(layers, k, operators, s, stride, y, f, source, onward, base, total, a, b):
     """Rates of solid layer k."""
     target = Target(f, source, onward, a, base, total, b)
     sweep(SOLID, layers[k], operators[0], operators[1], s, places(layers[k], stride), y, target)
 
 
 @njit(**ENTRY)
-def advance_ends(layers, k, f, source, onward, a, base, total, b):
-    """Send on the rates f of layer k at interfaces."""
-    advance(layers[k], Target(f, source, onward, a, base, total, b))
+def settle(layers, k, operators, y, points, joined, lines, heights, held, numbers, sums):
+    """What interfaces and edges make of the points of layer k: see fsipetsc.scheme.plane.joints.
+
+    sums: (3, GAINED) for what the points at the edges have of mass, momentum and energy before, between and after, or (0, ...).
+    """
+    layer, op = layers[k], operators[0]
+    if sums.shape[0] > 0:
+        edge_sums(layer, op, y, sums[0])
+    join(layer, y, points, joined, lines, heights)
+    if sums.shape[0] > 0:
+        edge_sums(layer, op, y, sums[1])
+    hold(GAS, layer, y, held, numbers)
+    if sums.shape[0] > 0:
+        edge_sums(layer, op, y, sums[2])
+
+
+@njit(**ENTRY)
+def end_stage(
+    layers, k, operators, y, f, tractions, loaded, kinetic, words, changes, at, source, onward, base, total, a, b
+):
+    """What is left to do when the rates f of layer k are there: interfaces, and the rates of what stands behind the layers.
+
+    words: (GAINED,) of room; changes: the rates of all that the rank has, at: where those of what the layer gains are.
+    """
+    layer, op = layers[k], operators[0]
+    load(layer, op, f, tractions, loaded)
+    note_power(layer, y, f, kinetic, changes)
+    note_gains(layer, op, y, words, changes, at)
+    if onward.size > 0:
+        advance(layer, Target(f, source, onward, a, base, total, b))
+
+
+@njit(**ENTRY)
+def advance_behind(changes, source, onward, base, total, a, b):
+    """The same stage for what stands behind the layers."""
+    for n in range(changes.size):
+        onward[n] = source[n] + a * changes[n]
+        if total.size > 0:
+            total[n] = base[n] + b * changes[n]
 
 
 @njit(**ENTRY)
@@ -48,32 +84,27 @@ def meet_at(faces, k, points, held):
 
 
 @njit(**ENTRY)
-def meet_sliding_at(faces, k, points, held, normals):
-    """The same where the gas slips."""
+def meet_sliding_at(faces, k, points, held, operators, normals, s, stride, count, first, last, h, places):
+    """The same where the gas slips, with the normals of the line: see ``find_normals``."""
+    find_normals(operators[0], points, normals, s, stride, count, first, last, h, places)
     meet_sliding(GAS, faces[k], points, held, normals)
 
 
 @njit(**ENTRY)
-def slide_at(faces, k, operators, points, rates, held, normals):
-    """What the traction between a gas that slips and its solid adds to the rates of both: see fsipetsc.coupling.plane."""
-    slide(faces[k], operators[0].norm[0], points, rates, held, normals)
+def slide_at(faces, sliding, operators, points, rates, held, normals):
+    """What the traction between a gas that slips and its solid adds to the rates of both: see fsipetsc.coupling.plane.
+
+    sliding: (n, 2), interface and number of a point.
+    """
+    for n in range(sliding.shape[0]):
+        k, point = sliding[n]
+        slide(faces[k], operators[0].norm[0], points[point], rates[n], held[point], normals[point])
 
 
 @njit(**ENTRY)
-def line_normals(operators, s, stride, count, first, last, h, places, points, normals):
-    """N = (-y_xi, x_xi) and its rate at points of a line of ``count``, of which (x, y, u, v) are columns 5 to 8; s: 8 rows.
-
-    places: where on the line the points are; closures stand at first and last.
-    """
-    for n in range(places.size):
-        for c in range(4):
-            s[U64(MARGIN + c * stride + places[n])] = points[n, 5 + c]
-    for c in range(4):
-        along(operators[0], s, MARGIN + c * stride, MARGIN + (4 + c) * stride, 0, count, first, last, 1.0 / h)
-    for n in range(places.size):
-        slope = MARGIN + 4 * stride + places[n]
-        normals[n, 0], normals[n, 1] = -s[U64(slope + stride)], 1.0 + s[U64(slope)]
-        normals[n, 2], normals[n, 3] = -s[U64(slope + 3 * stride)], s[U64(slope + 2 * stride)]
+def line_normals(operators, points, normals, s, stride, count, first, last, h, places):
+    """Normals of another line: see ``find_normals``."""
+    find_normals(operators[0], points, normals, s, stride, count, first, last, h, places)
 
 
 @njit(**ENTRY)
@@ -92,12 +123,6 @@ def solid_look(layers, k, operators, s, stride, y, words):
 def edges_of(layers, k, operators, y, words):
     """What the points at the edges of layer k have of mass, momentum and energy: see fsipetsc.scheme.plane.gains."""
     edge_sums(layers[k], operators[0], y, words)
-
-
-@njit(**ENTRY)
-def pull_on(layers, k, operators, y, words):
-    """Momentum and energy that a body force gives to layer k over time: see fsipetsc.scheme.plane.gains."""
-    pull(layers[k], operators[0], y, words)
 
 
 @njit(**ENTRY)

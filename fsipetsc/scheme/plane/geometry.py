@@ -9,7 +9,7 @@ from __future__ import annotations
 from numba import njit
 
 from fsipetsc.operators.kernels import OPTIONS, U64
-from fsipetsc.operators.rows import along
+from fsipetsc.operators.rows import MARGIN, along
 from fsipetsc.operators.vectors import WIDE, fma, load_wide, store
 from fsipetsc.physics.plane.gas import DG1, DISTANCES, G1, G2, JA1, JA2_X, JA2_Y, LINE_ROWS, OF_PAIRS, PAIR_ROWS
 from fsipetsc.scheme.plane.sweep import columns
@@ -87,3 +87,20 @@ def weight_of_pair(op, i, k, lo, hi):
         if near < op.rows:
             return op.norm[near] * op.closure[near, far] if far < op.cols else 0.0
     return op.interior[k - 1] if k <= op.p else 0.0
+
+
+@njit(**OPTIONS)
+def find_normals(op, points, normals, s, stride, count, first, last, h, places):
+    """N = (-y_xi, x_xi) and its rate at points of a line of ``count``, of which (x, y, u, v) are columns 5 to 8; s: 8 rows.
+
+    places: where on the line the points are; closures stand at first and last.
+    """
+    for n in range(places.size):
+        for c in range(4):
+            s[U64(MARGIN + c * stride + places[n])] = points[n, 5 + c]
+    for c in range(4):
+        along(op, s, MARGIN + c * stride, MARGIN + (4 + c) * stride, 0, count, first, last, 1.0 / h)
+    for n in range(places.size):
+        slope = MARGIN + 4 * stride + places[n]
+        normals[n, 0], normals[n, 1] = -s[U64(slope + stride)], 1.0 + s[U64(slope)]
+        normals[n, 2], normals[n, 3] = -s[U64(slope + 3 * stride)], s[U64(slope + 2 * stride)]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from fsipetsc.stepping.plane.path import LayerPart
+    from fsipetsc.stepping.plane.part import LayerPart
     from fsipetsc.stepping.plane.state import PlaneState
 
 #: of what is saved of a point, columns that must be above 0, and those that must be numbers

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -11,17 +12,31 @@ import numpy as np
 from fsipetsc import given
 from fsipetsc.boundaries import plane as edges
 from fsipetsc.parallel.plane.layout import PlaneLayout
+from fsipetsc.physics.plane.layer import DOF
+from fsipetsc.scheme.plane.joints import NUMBERS, SET, STILL_X, STILL_Y, WARM
 from fsipetsc.stepping.plane.motion import MovingEdge
 
 if TYPE_CHECKING:
-    from fsipetsc.stepping.plane.path import LayerPart
+    from fsipetsc.stepping.plane.part import LayerPart
     from fsipetsc.stepping.plane.watched import Probe
+
+
+@dataclass(frozen=True)
+class Hold:
+    """What an edge does to some points: where their unknowns begin among all, what holds them and the numbers for that, as
+    fsipetsc.scheme.plane.joints has them. numbers: of time [s]; timed: whether they depend on it.
+    """
+
+    places: np.ndarray
+    what: int
+    numbers: Callable[[float], tuple] | None = None
+    timed: bool = False
 
 
 class EdgeData:
     """What is set at edges, and forcing: functions of the case's, asked for here, with what they mean for the unknowns.
 
-    One for each run; ``apply`` and ``force`` are not collective, and raise InputError on this rank alone.
+    One for each run; ``refresh``, ``lay`` and ``force`` are not collective, and raise InputError on this rank alone.
     """
 
     def __init__(self, layout: PlaneLayout, instant: Callable[[], float] = lambda: 1e-4) -> None:
@@ -29,7 +44,7 @@ class EdgeData:
         self._layout = layout
         self._sticking: dict[int, list[Place]] = {k: [] for k in range(len(layout.grids))}
         self._moving: dict[int, list[MovingEdge]] = {k: [] for k in range(len(layout.grids))}
-        self._holds: dict[int, list[Callable[[LayerPart, float], None]]] = {k: [] for k in range(len(layout.grids))}
+        holds: list[list[Hold]] = [[] for _ in layout.grids]
         for k, layer in enumerate(layout.problem.layers):
             if layout.dms[k] is None:
                 continue
@@ -44,34 +59,48 @@ class EdgeData:
                     if record["edge_y"][side] < 0:  # beside an interface
                         a, b = record["face"][side]
                         columns = columns[(columns < a) | (columns >= b)]
-                    self._note(k, end, np.full(columns.size, row), columns, 1)
+                    holds[k] += self._holds(k, end, np.full(columns.size, row), columns, 1)
                 column = int(record["end_x"][side])
                 if 0 <= column < record["width"]:
                     rows = np.arange(record["height"])
-                    self._note(k, (layer.left, layer.right)[side], rows, np.full(rows.size, column), 0)
+                    holds[k] += self._holds(k, (layer.left, layer.right)[side], rows, np.full(rows.size, column), 0)
+        #: of each layer (n, 2), where the unknowns of a point begin, what holds it; and (n, NUMBERS)
+        self.held = [_together(of_layer) for of_layer in holds]
+        self._timed = [_timed(of_layer, numbers) for of_layer, (_, numbers) in zip(holds, self.held, strict=True)]
 
-    def _note(self, k: int, end: edges.Edge, rows: np.ndarray, columns: np.ndarray, normal: int) -> None:
-        """Remember what to set at some points of layer k; normal: 0 for an edge in X, 1 in Y."""
+    def _holds(self, k: int, end: edges.Edge, rows: np.ndarray, columns: np.ndarray, normal: int) -> list[Hold]:
+        """What an edge does to some points of layer k; normal: 0 for an edge in X, 1 in Y."""
+        layer, record, grid = self._layout.problem.layers[k], self._layout.records[k], self._layout.grids[k]
+        places = (rows * int(record["width"]) + columns) * DOF
+        X, Y = grid.x0 + (record["first_x"] + columns) * grid.h_x, grid.y0 + (record["first_y"] + rows) * grid.h_y
         if not rows.size:
-            return
-        X, Y = self._points(k, rows, columns)
-        if end.kind == edges.NO_SLIP:
-            self._sticking[k].append((rows, columns))
-            self._holds[k].append(partial(_stick, self._layout.problem.layers[k], end, (rows, columns), (X, Y)))
-        elif end.kind in (edges.CLAMPED, edges.ROLLER):
-            held = (2, 3) if end.kind == edges.CLAMPED else (2 + normal,)
-            self._holds[k].append(partial(_clamp, held, (rows, columns)))
-        elif end.kind == edges.GIVEN:
-            self._holds[k].append(partial(_give, self._layout.problem.layers[k], end, (rows, columns), (X, Y)))
+            return []
+        if end.kind == edges.CLAMPED:
+            return [Hold(places, STILL_X | STILL_Y)]
+        if end.kind == edges.ROLLER:
+            return [Hold(places, STILL_Y if normal == 1 else STILL_X)]
+        if end.kind == edges.GIVEN:
+            return [Hold(places, SET, partial(_given, layer, end, X, Y), True)]
+        if end.kind != edges.NO_SLIP:
+            return []
+        self._sticking[k].append((rows, columns))
+        if end.T is None:
+            return [Hold(places, STILL_X | STILL_Y)]
+        if callable(end.T):
+            return [Hold(places, STILL_X | STILL_Y | WARM, partial(_wall_temperature, layer, end.T, X, Y), True)]
+        return [Hold(places, STILL_X | STILL_Y | WARM, lambda t: (end.T,))]
 
-    def _points(self, k: int, rows: np.ndarray, columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        grid, record = self._layout.grids[k], self._layout.records[k]
-        return grid.x0 + (record["first_x"] + columns) * grid.h_x, grid.y0 + (record["first_y"] + rows) * grid.h_y
+    def refresh(self, k: int, t: float) -> None:
+        """Let ``held`` of layer k be that at time t [s]."""
+        for numbers, of_time in self._timed[k]:
+            _set(numbers, of_time(t))
 
-    def apply(self, part: LayerPart, t: float) -> None:
-        """Set what is given at time t [s]."""
-        for hold in self._holds[part.k]:
-            hold(part, t)
+    def moves(self, k: int) -> bool:
+        """Whether an edge of layer k moves by itself."""
+        return bool(self._moving[k])
+
+    def lay(self, part: LayerPart, t: float) -> None:
+        """Let edges that move be where they are at time t [s], and the gas that sticks to them move with them."""
         for edge in self._moving[part.k]:
             edge.lay(part, t)
 
@@ -122,35 +151,42 @@ class EdgeData:
                 f[row, :, 4] += per_mass * heat / record["alpha"]
 
 
-Place, Points = tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]
+Place = tuple[np.ndarray, np.ndarray]
 
 
-def _clamp(held: tuple[int, ...], place: Place, part: LayerPart, t: float) -> None:
-    """No velocity, or none in one direction."""
-    for c in held:
-        part.held[(*place, c)] = 0.0
+def _together(holds: list[Hold]) -> tuple[np.ndarray, np.ndarray]:
+    """(n, 2) and (n, NUMBERS), the points of several edges one after another; numbers that depend on time are not there yet."""
+    held = [np.stack([hold.places, np.full(hold.places.size, hold.what)], axis=1) for hold in holds]
+    numbers = np.zeros((sum(len(points) for points in held), NUMBERS))
+    at = 0
+    for hold in holds:
+        if hold.numbers is not None and not hold.timed:
+            _set(numbers[at : at + hold.places.size], hold.numbers(0.0))
+        at += hold.places.size
+    return np.concatenate([np.empty((0, 2), np.int64), *held]), numbers
 
 
-def _stick(layer: Any, wall: edges.NoSlip, place: Place, points: Points, part: LayerPart, t: float) -> None:
-    """No velocity at a wall, and its temperature, if it has one."""
-    q = part.held
-    q[(*place, 2)] = q[(*place, 3)] = 0.0
-    if wall.T is not None:
-        T = given.wall_temperature(layer, wall.T, *points, t) if callable(wall.T) else wall.T
-        J, r = q[(*place, 0)], q[(*place, 1)]
-        q[(*place, 4)] = r * layer.material.internal_energy(r / J, T)
+def _timed(holds: list[Hold], numbers: np.ndarray) -> list[tuple[np.ndarray, Callable[[float], tuple]]]:
+    """Of those among ``_together`` that depend on time, the numbers' place and what knows them."""
+    ends = np.cumsum([0, *(hold.places.size for hold in holds)])
+    return [(numbers[a:b], hold.numbers) for hold, a, b in zip(holds, ends[:-1], ends[1:], strict=True) if hold.timed]
 
 
-def _give(layer: Any, end: edges.Given, place: Place, points: Points, part: LayerPart, t: float) -> None:
-    """All unknowns as the case says."""
-    values, q = given.edge_values(layer, end.values, *points, t), part.held
+def _set(numbers: np.ndarray, columns: tuple) -> None:
+    for c, column in enumerate(columns):
+        numbers[:, c] = column
+
+
+def _wall_temperature(layer: Any, T: Callable, X: np.ndarray, Y: np.ndarray, t: float) -> tuple:
+    """(T,) of a wall."""
+    return (given.wall_temperature(layer, T, X, Y, t),)
+
+
+def _given(layer: Any, end: edges.Given, X: np.ndarray, Y: np.ndarray, t: float) -> tuple:
+    """What the case says of all unknowns: (x, y, u, v, T) of a solid, displacements; (rho, u, v, e / rho) of a gas."""
+    values = given.edge_values(layer, end.values, X, Y, t)
     if layer.kind == "solid":
         u, v, T, x, y = values
-        for c, value in enumerate((x - points[0], y - points[1], u, v, T)):
-            q[(*place, c)] = value
-        return
+        return x - X, y - Y, u, v, T
     rho, u, v, T = values
-    r = q[(*place, 0)] * rho
-    e = r * (layer.material.internal_energy(rho, T) + 0.5 * (u * u + v * v))
-    for c, value in enumerate((r, r * u, r * v, e)):
-        q[(*place, c + 1)] = value
+    return rho, u, v, layer.material.internal_energy(rho, T) + 0.5 * (u * u + v * v)

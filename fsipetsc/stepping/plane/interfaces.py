@@ -8,7 +8,6 @@ slips along the solid, after them the rates of both, too: the traction between t
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
@@ -16,6 +15,7 @@ from petsc4py import PETSc
 from fsipetsc.boundaries import plane as edges
 from fsipetsc.coupling import INTERFACE
 from fsipetsc.coupling.plane import COLUMNS, HELD, HELD_X, RATES
+from fsipetsc.operators.prepared import Prepared
 from fsipetsc.operators.rows import MARGIN
 from fsipetsc.parallel.plane.layout import Meeting, PlaneLayout
 from fsipetsc.physics.plane.layer import DOF, NOWHERE
@@ -26,20 +26,6 @@ from fsipetsc.scheme.plane.sweep import scratch_stride
 
 #: of what is known of a point, the kinetic energy of the solid
 _KINETIC = 10
-#: of some points out of several: numpy is faster with slices
-Index = slice | np.ndarray
-
-
-def together(chosen: np.ndarray) -> Index:
-    """What is True, as a slice where that can be, else by numbers."""
-    return as_slice(np.flatnonzero(chosen))
-
-
-def as_slice(numbers: np.ndarray) -> Index:
-    """Numbers that follow each other, as a slice; others as they are."""
-    if numbers.size and np.all(np.diff(numbers) == 1) and numbers[0] >= 0:
-        return slice(int(numbers[0]), int(numbers[-1]) + 1)
-    return numbers
 
 
 @dataclass(frozen=True)
@@ -47,7 +33,8 @@ class Piece:
     """A piece of interface ``number`` as layer k needs it, whose lower (0) or upper edge it is.
 
     columns: of the gas; local: the same among those that the rank holds of layer k; inside: those that are; own: those
-    whose points at the interface the rank owns; at: where they stand among all points; held: HELD and the like.
+    whose points at the interface the rank owns; at: where they stand among all points, where both layers need the same columns
+    they are the same; held: HELD and the like.
     """
 
     number: int
@@ -64,7 +51,7 @@ class Piece:
 class Line:
     """The edge of a gas at an interface, or a stretch of it, with its normals; for a piece where the gas slips."""
 
-    def __init__(self, layout: PlaneLayout, piece: Piece, reach: int) -> None:
+    def __init__(self, layout: PlaneLayout, piece: Piece, reach: int, normals: np.ndarray | None = None) -> None:
         meeting = layout.meetings[piece.number]
         grid, record = layout.grids[meeting.layers[0]], layout.records[piece.k]
         shift = 0 if piece.k == meeting.layers[0] else meeting.shift
@@ -74,16 +61,16 @@ class Line:
             end = min(first + count, grid.nx)
             first = max(first, 0)
             count = end - first
-        self._places = piece.local + (int(record["first_x"]) + shift - first)
-        self._stride, self._count, self._h = scratch_stride(count), count, grid.h_x
-        self._ends = (-NOWHERE, NOWHERE) if grid.periodic else (-first, grid.nx - 1 - first)
-        self._s = np.zeros(8 * self._stride + 2 * MARGIN)
-        self.normals = np.zeros((piece.columns.size, 4))
+        places = piece.local + (int(record["first_x"]) + shift - first)
+        stride = scratch_stride(count)
+        ends = (-NOWHERE, NOWHERE) if grid.periodic else (-first, grid.nx - 1 - first)
+        self.normals = np.zeros((piece.columns.size, 4)) if normals is None else normals
+        #: what compiled functions get of it: normals, scratch, how it lies there, places of the points on it
+        self.arguments = self.normals, np.zeros(8 * stride + 2 * MARGIN), stride, count, *ends, grid.h_x, places
 
     def lay(self, operators: np.ndarray, points: np.ndarray) -> None:
         """Find N = Ja2 = (-y_xi, x_xi) and its rate at the points, from where they are and how the solid moves."""
-        line = self._s, self._stride, self._count, *self._ends, self._h
-        entries.line_normals(operators, *line, self._places, points, self.normals)
+        entries.line_normals(operators, points, *self.arguments)
 
 
 class Interfaces:
@@ -98,24 +85,29 @@ class Interfaces:
             self._face(number)
             for k in meeting.layers:
                 self._add(number, k, meeting)
-        total = sum(piece.columns.size for piece in self.pieces)
-        self._points = np.zeros((total, COLUMNS))
-        everything = [self._unknowns(piece) for piece in self.pieces]
-        fetched = [piece.own & self.slips[piece.number] for piece in self.pieces]
-        wanted = [self._rates_of(piece, own) for piece, own in zip(self.pieces, fetched, strict=True)]
-        self._sliding = np.zeros((sum(int(own.sum()) for own in fetched), RATES))
-        self._fetched = [(together(own), int(own.sum())) for own in fetched]
-        self._scatters = [_Scatter(world, everything, self._points)]
+        first = {piece.at.start: piece for piece in reversed(self.pieces)}
+        self._distinct = [piece for piece in self.pieces if first[piece.at.start] is piece]
+        total = max((piece.at.stop for piece in self.pieces), default=0)
+        self.points, self._normals = np.zeros((total, COLUMNS)), np.zeros((total, 4))
+        self._held, self._numbers = np.zeros(total, np.int64), np.zeros(total, np.int64)
+        #: numbers in the world vector of all that is known of the points, and of the rates where gases slip
+        self.wanted = np.zeros((total, COLUMNS), np.int64)
+        for piece in self._distinct:
+            self._held[piece.at], self._numbers[piece.at] = piece.held, piece.number
+            self.wanted[piece.at] = self._unknowns(piece)
+        sliding = [self._own(piece) for piece in self.pieces if self.slips[piece.number]]
+        self._sliding = np.unique(np.concatenate([np.empty(0, np.int64), *sliding]))
+        self.wanted_rates = self.wanted[self._sliding][:, [1, 2, 3, 7, 8]]
+        self.tractions = np.zeros((self._sliding.size, RATES))
+        self._scatters = [_Scatter(world, self.wanted, self.points)]
         if any(self.slips):
-            self._scatters.append(_Scatter(rates, wanted, self._sliding))
-        self._lines = [Line(layout, piece, self._reach) if self.slips[piece.number] else None for piece in self.pieces]
-        self._inside: dict[int, list[tuple[Piece, Index, Index]]] = {k: [] for k in range(len(layout.grids))}
-        for piece in self.pieces:
-            inside = together(piece.inside)
-            self._inside[piece.k].append((piece, inside, as_slice(piece.local[inside])))
-        fluids = [layout.problem.layers[fluid] for fluid, _ in layout.problem.interfaces]
-        entry = [entries.meet_sliding_at if slips else entries.meet_at for slips in self.slips]
-        self._meet = [compiled(e, materials_of(fluid)) for e, fluid in zip(entry, fluids, strict=True)]
+            self._scatters.append(_Scatter(rates, self.wanted_rates, self.tractions))
+        slipping = [piece for piece in self._distinct if self.slips[piece.number]]
+        self._lines = {p.at.start: Line(layout, p, self._reach, self._normals[p.at]) for p in slipping}
+        self.meetings = [self._meeting(piece) for piece in self._distinct]
+        of_sliding = np.stack([self._numbers[self._sliding], self._sliding], axis=1)
+        arrays = self.faces, of_sliding, operators, self.points, self.tractions, self._held, self._normals
+        self.sliding = [Prepared(entries.slide_at, *arrays)] if self._sliding.size else []
 
     @property
     def _reach(self) -> int:
@@ -149,10 +141,25 @@ class Interfaces:
             return
         owned = (local >= record["own_x"][0]) & (local < record["own_x"][1]) & (row in layout.owned(k)[1])
         inside = (local >= 0) & (local < record["width"])
-        start = self.pieces[-1].at.stop if self.pieces else 0
         side = int(meeting.layers[1 if gas else 0] > k)
-        at, held = slice(start, start + columns.size), self._holding(meeting, columns)
-        self.pieces.append(Piece(number, k, side, columns, local, inside, owned, at, held))
+        alike = (p.at for p in self.pieces if p.number == number and np.array_equal(p.columns, columns))
+        start = max((piece.at.stop for piece in self.pieces), default=0)
+        at = next(alike, slice(start, start + columns.size))
+        self.pieces.append(Piece(number, k, side, columns, local, inside, owned, at, self._holding(meeting, columns)))
+
+    def _own(self, piece: Piece) -> np.ndarray:
+        """Numbers of its points that the rank owns."""
+        return piece.at.start + np.flatnonzero(piece.own)
+
+    def _meeting(self, piece: Piece) -> Prepared:
+        """The call that solves for what gas and solid have together at the points of a piece."""
+        entry = entries.meet_sliding_at if self.slips[piece.number] else entries.meet_at
+        fluid, _ = self._layout.problem.interfaces[piece.number]
+        entry = compiled(entry, materials_of(self._layout.problem.layers[fluid]))
+        arguments = self.faces, piece.number, self.points[piece.at], self._held[piece.at]
+        if not self.slips[piece.number]:
+            return Prepared(entry, *arguments)
+        return Prepared(entry, *arguments, self._operators, *self._lines[piece.at.start].arguments)
 
     def _holding(self, meeting: Meeting, columns: np.ndarray) -> np.ndarray:
         """What holds the points in some columns of the gas: the ends of the solid, and walls of the gas."""
@@ -174,69 +181,65 @@ class Interfaces:
         energies = layout.index_of_energies(piece.number, columns - meeting.shift)
         return np.concatenate([gas[:, None] + np.arange(DOF), solid[:, None] + np.arange(DOF), energies[:, None]], axis=1)
 
-    def _rates_of(self, piece: Piece, chosen: np.ndarray) -> np.ndarray:
-        """(points, RATES) numbers in the world vector: of J (rho, rho u, rho v) of the gas, of the velocity of the solid."""
-        numbers = self._unknowns(piece)[chosen]
-        return numbers[:, [1, 2, 3, 7, 8]]
-
     def meet(self) -> None:
         """Fetch the points, and solve for what gas and solid have together. Collective."""
-        if not self.slips:
-            return
-        self._scatters[0].fetch()
-        for piece, line in zip(self.pieces, self._lines, strict=True):
-            points, meet = self._points[piece.at], self._meet[piece.number]
-            if line is None:
-                meet(self.faces, piece.number, points, piece.held)
-            else:
-                line.lay(self._operators, points)
-                meet(self.faces, piece.number, points, piece.held, line.normals)
+        self.fetch()
+        for meet in self.meetings:
+            meet()
 
     def fetch(self) -> None:
-        """Fetch the points of a completed step, which have met already. Collective."""
+        """Fetch the points; of a completed step, which have met already, that is all. Collective."""
         if self.slips:
             self._scatters[0].fetch()
 
-    def slide(self, parts: dict[int, Any]) -> None:
-        """Fetch the rates where gases slip, and give both sides the traction between them; parts: k -> LayerPart.
-        Collective.
-        """
-        if not any(self.slips):
-            return
-        self._scatters[1].fetch()
-        at = 0
-        for piece, line, (chosen, count) in zip(self.pieces, self._lines, self._fetched, strict=True):
-            if count:
-                fetched, points = self._sliding[at : at + count], self._points[piece.at][chosen]
-                held, normals = piece.held[chosen], line.normals[chosen]
-                entries.slide_at(self.faces, piece.number, self._operators, points, fetched, held, normals)
-                parts[piece.k].load(piece.side, piece.local[chosen], fetched, held == HELD)
-            at += count
+    def slide(self) -> None:
+        """Fetch the rates where gases slip, and find the tractions on both sides. Collective."""
+        if any(self.slips):
+            self._scatters[1].fetch()
+            for slide in self.sliding:
+                slide()
 
-    def of(self, k: int) -> list[tuple[int, np.ndarray, np.ndarray]]:
-        """(lower or upper edge, points, their columns among those held) of layer k."""
-        return [(p.side, self._points[p.at][inside], columns) for p, inside, columns in self._inside[k]]
+    def joined(self, k: int) -> np.ndarray:
+        """Of layer k (n, 3): numbers of the points that it joins, their columns among those held, lower or upper edge."""
+        found = [np.empty((0, 3), np.int64)]
+        for piece in self._of(k):
+            inside = np.flatnonzero(piece.inside)
+            found.append(np.stack([piece.at.start + inside, piece.local[inside], np.full(inside.size, piece.side)], axis=1))
+        return np.concatenate(found)
+
+    def loaded(self, k: int) -> np.ndarray:
+        """Of layer k (n, 4): numbers of the tractions on points of this rank, columns, edge, whether the solid is clamped."""
+        found = [np.empty((0, 4), np.int64)]
+        for piece in self._of(k):
+            if self.slips[piece.number]:
+                numbers, local = np.searchsorted(self._sliding, self._own(piece)), piece.local[piece.own]
+                held = (piece.held[piece.own] == HELD).astype(np.int64)
+                found.append(np.stack([numbers, local, np.full(local.size, piece.side), held], axis=1))
+        return np.concatenate(found)
+
+    def _of(self, k: int) -> list[Piece]:
+        return [piece for piece in self.pieces if piece.k == k]
 
     def known(self, piece: Piece) -> np.ndarray:
         """(points, COLUMNS), what is known of the points of a piece, after ``meet`` what they have together."""
-        return self._points[piece.at]
+        return self.points[piece.at]
 
     def lines(self) -> list[tuple[Piece, Line | None]]:
         """All pieces; of those where the gas slips the line, which ``meet`` lays."""
-        return list(zip(self.pieces, self._lines, strict=True))
+        return [(piece, self._lines.get(piece.at.start)) for piece in self.pieces]
 
     def lay(self, line: Line, piece: Piece) -> None:
         """Lay another line for a piece, through its points as they are."""
-        line.lay(self._operators, self._points[piece.at])
+        line.lay(self._operators, self.points[piece.at])
 
     def energies(self) -> list[tuple[int, np.ndarray]]:
         """(interface, kinetic energies of the end points of its solid that this rank owns)."""
-        return [(p.number, self._points[p.at][p.own, _KINETIC]) for p in self._of_solids()]
+        return [(p.number, self.points[p.at][p.own, _KINETIC]) for p in self._of_solids()]
 
     def heights(self) -> list[tuple[int, np.ndarray]]:
         """(interface, y of these points)."""
         layers = self._layout.problem.layers
-        return [(p.number, layers[p.k].Y[p.side] + self._points[p.at][p.own, 6]) for p in self._of_solids()]
+        return [(p.number, layers[p.k].Y[p.side] + self.points[p.at][p.own, 6]) for p in self._of_solids()]
 
     def _of_solids(self) -> list[Piece]:
         meetings = self._layout.meetings
@@ -251,8 +254,8 @@ class Interfaces:
 class _Scatter:
     """Fetches some numbers of a world vector, those wanted on this rank, into an array. Collective."""
 
-    def __init__(self, world: PETSc.Vec, wanted: list[np.ndarray], into: np.ndarray) -> None:
-        indices = np.concatenate([np.empty(0, np.int64), *(numbers.ravel() for numbers in wanted)])
+    def __init__(self, world: PETSc.Vec, wanted: np.ndarray, into: np.ndarray) -> None:
+        indices = wanted.ravel()
         self._world, self._vec = world, PETSc.Vec().createWithArray(into, comm=PETSc.COMM_SELF)
         self._from = PETSc.IS().createGeneral(indices.astype(PETSc.IntType), comm=world.comm)
         self._to = PETSc.IS().createStride(indices.size, 0, 1, comm=PETSc.COMM_SELF)

@@ -13,7 +13,7 @@ from fsipetsc.parallel.plane.layout import PlaneLayout
 
 if TYPE_CHECKING:
     from fsipetsc.boundaries.plane import Edge
-    from fsipetsc.stepping.plane.path import LayerPart
+    from fsipetsc.stepping.plane.part import LayerPart
 
 
 class MovingEdge:

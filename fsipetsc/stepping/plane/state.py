@@ -140,7 +140,8 @@ class PlaneState:
                     q[..., c] = J * value
         with np.errstate(all="ignore"):  # of what is given at edges that it can be had: nothing is held yet
             for part in self.path.layers:
-                self._data.apply(part, self.begin)
+                self._data.refresh(part.k, self.begin)
+                self._data.lay(part, self.begin)
         for number, meeting in enumerate(self.layout.meetings):
             energies = self.layout.energies(number, y)
             if energies.size:
@@ -183,7 +184,7 @@ class PlaneState:
 
         steady: the data do not depend on time; else PETSc's own methods make the steps (fsipetsc.stepping.solve).
         """
-        self.path.step(self.solution.getArray(), t, dt)
+        self.path.step(self.solution.getArray(), dt)
         self.evaluations += STAGES
         self._complete(brought=True)
 

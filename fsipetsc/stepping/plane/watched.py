@@ -23,7 +23,8 @@ from fsipetsc.plane import PlaneProblem
 from fsipetsc.stepping.plane.interfaces import Line, Piece
 
 if TYPE_CHECKING:
-    from fsipetsc.stepping.plane.path import LayerPart, PlanePath
+    from fsipetsc.stepping.plane.part import LayerPart
+    from fsipetsc.stepping.plane.path import PlanePath
 
 #: what is recorded of a point: position [m], velocity [m/s] and temperature [K] of the solid, what acts on it: traction [Pa]
 #: and heat flux [W/m2], per length of the interface as it is

@@ -1,0 +1,56 @@
+"""Where a rank keeps the stages of a step: areas of one memory, all with the same things at the same places.
+
+In an area stand, one after another, the points of each layer that the rank holds, halos among them, row by row with the
+unknowns of a point side by side, and what stands behind the layers in its part of the solution.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fsipetsc.parallel.plane.layout import PlaneLayout
+from fsipetsc.physics.plane.layer import DOF
+
+#: that of the solution, those of the two other stages between them, the sum: as in one dimension
+WORK, SUM, AREAS = 0, 3, 4
+#: doubles by which areas begin further and further from the boundaries of pages
+STAGGER = 136
+#: doubles behind the points of a layer, into which vectors may reach
+SLACK = 64 * DOF
+
+
+class Areas:
+    """The memory and what is where.
+
+    Attributes: memory; apart, doubles from an area to the next; begin, of layer k in an area; places, (local_size,), where the
+    numbers of this rank's part of the solution stand in an area.
+    """
+
+    def __init__(self, layout: PlaneLayout) -> None:
+        self._shapes = [(int(record["height"]), int(record["width"]), DOF) for record in layout.records]
+        sizes = [height * width * DOF + SLACK for height, width, _ in self._shapes]
+        sizes = [size + -size % 8 if dm is not None else 0 for size, dm in zip(sizes, layout.dms, strict=True)]
+        *self.begin, self._behind = np.cumsum([0, *sizes]).tolist()
+        behind = layout.behind
+        self._end = self._behind + behind.stop - behind.start
+        self.apart = self._end + -self._end % 512 + STAGGER  # equal points of two areas must not evict each other from caches
+        self.memory = np.zeros(AREAS * self.apart)  # one piece, for which the system may have larger pages
+        self.places = np.zeros(layout.local_size, np.int64)
+        for k, record in enumerate(layout.records):
+            if layout.dms[k] is not None:
+                numbers = self.begin[k] + np.arange(np.prod(self._shapes[k])).reshape(self._shapes[k])
+                layout.local(k, self.places)[...] = numbers[slice(*record["own_y"]), slice(*record["own_x"])]
+        self.places[behind] = np.arange(self._behind, self._end)
+
+    def unknowns(self, k: int, area: int = WORK) -> np.ndarray:
+        """Of the points of layer k in a row, and the room behind."""
+        end = (*self.begin, self._behind)[k + 1]
+        return self.memory[area * self.apart + self.begin[k] : area * self.apart + end]
+
+    def points(self, k: int, area: int = WORK) -> np.ndarray:
+        """The points of layer k, (height, width, DOF)."""
+        return self.unknowns(k, area)[: int(np.prod(self._shapes[k]))].reshape(self._shapes[k])
+
+    def behind(self, area: int = WORK) -> np.ndarray:
+        """What stands behind the layers."""
+        return self.memory[area * self.apart + self._behind : area * self.apart + self._end]

@@ -1,0 +1,198 @@
+"""A rank's part of one layer in two dimensions: its points, and what is done to them in a stage."""
+
+from __future__ import annotations
+
+import numpy as np
+from petsc4py import PETSc
+
+from fsipetsc.operators.formulas import Formulas
+from fsipetsc.operators.prepared import Prepared
+from fsipetsc.parallel.plane.areas import SUM, WORK, Areas
+from fsipetsc.parallel.plane.layout import PlaneLayout
+from fsipetsc.physics.layer import FLUID
+from fsipetsc.physics.plane.layer import DOF, GAINED
+from fsipetsc.scheme.plane import entries
+from fsipetsc.scheme.plane.equations import materials_of
+from fsipetsc.scheme.plane.fields import SAVED
+from fsipetsc.scheme.plane.laws import compiled
+from fsipetsc.scheme.plane.look import WORDS
+from fsipetsc.scheme.plane.sweep import ring_rows, scratch, scratch_stride
+from fsipetsc.scheme.runge_kutta import Stage
+from fsipetsc.stepping.plane.edge_data import EdgeData
+from fsipetsc.stepping.plane.interfaces import Interfaces
+from fsipetsc.stepping.plane.natural import NaturalOrder
+
+#: of a Runge-Kutta stage source, next, base, sum; a, b: where rates are wanted as they are
+NO_STAGE, NO_FACTORS = (np.empty(0), np.empty(0), np.empty(0), np.empty(0)), (0.0, 0.0)
+#: rates, extremes and integrals, what is saved
+OF_GAS = entries.gas_rates, entries.gas_look, entries.save_gas
+OF_SOLID = entries.solid_rates, entries.solid_look, entries.save_solid
+#: of what edges give: whether it counts what interfaces give, too
+_AT_INTERFACES = np.array([False, True, True, False])
+
+
+class LayerPart:
+    """This rank's part of layer k. state, changes: the rank's parts of world vectors, solution and rates.
+
+    y, held, own: the points of the first area, the one that the solution is in after a step: all in a row, (height, width, DOF)
+    of it, those that are owned.
+    """
+
+    def __init__(
+        self,
+        layout: PlaneLayout,
+        k: int,
+        operators: np.ndarray,
+        equations: Formulas,
+        areas: Areas,
+        interfaces: Interfaces,
+        vectors: tuple[np.ndarray, np.ndarray],
+        edge_data: EdgeData,
+    ) -> None:
+        state, changes = vectors
+        self.k, self._layout, self._ops, self.data, self._areas = k, layout, operators, edge_data, areas
+        self.record, self._records, self._dm = layout.records[k], layout.records, layout.dms[k]
+        self._gas, layer, grid = self.record["kind"] == FLUID, layout.problem.layers[k], layout.grids[k]
+        self.operator, self.end_weight = operators[0], float(operators[0]["norm"][0])
+        self.columns, self.rows = layout.owned(k)
+        width = int(self.record["width"])
+        self._stride = scratch_stride(width)
+        self.record["ring"] = ring_rows(operators[0], self.record)
+        self._s = scratch(self._stride, int(self.record["own_x"][0]), int(self.record["ring"]))
+        self.y, self.held = areas.unknowns(k), areas.points(k)
+        self.own = self.held[slice(*self.record["own_y"]), slice(*self.record["own_x"])]
+        self._vec = PETSc.Vec().createWithArray(layout.local(k, state).reshape(-1), bsize=DOF, comm=self._dm.comm)
+        self._local = PETSc.Vec().createWithArray(self.held.reshape(-1), bsize=DOF, comm=PETSc.COMM_SELF)
+        self._rates = layout.local(k, changes).reshape(-1)
+        self._gained, self._sums = self.record["gained"], np.zeros((3, GAINED))
+        self._lines = np.zeros((2, 4, width))
+        self._lines[:, 1] = np.array(layer.Y)[:, None]
+        evaluate, *others = OF_GAS if self._gas else OF_SOLID
+        self._evaluate = compiled(evaluate, equations)
+        look, self._save = (compiled(entry, materials_of(layer)) for entry in others)
+        self.order = NaturalOrder(self._dm)
+        columns, rows = layout.held(k)
+        self._XY = np.concatenate([grid.x0 + columns * grid.h_x, grid.y0 + rows * grid.h_y])
+        self.words = np.zeros(WORDS)
+        self._common = self._records, k, operators, self._s, self._stride
+        self._joined = interfaces.points, interfaces.joined(k)
+        rooms = np.zeros(GAINED), changes, layout.gains_begin(k)
+        self._ending = interfaces.tractions, interfaces.loaded(k), self._kinetic(), *rooms
+        self._settle, self._settle_noting = self._settling(WORK), self._settling(WORK, self._sums)
+        self._lay = Prepared(entries.lay_lines, *self._common, self._lines)
+        self._to_rates = Prepared(self._evaluate, *self._common, self.y, self._rates, *NO_STAGE, *NO_FACTORS)
+        self._look = Prepared(look, *self._common, self.y, self.words)
+        self._end = self._ending_of(self.y, *NO_STAGE)
+
+    def sides(self) -> list[tuple[int, int]]:
+        """(interface, lower or upper edge) where this layer is the solid."""
+        found = [(n, meeting.layers) for n, meeting in enumerate(self._layout.meetings)]
+        return [(n, int(fluid > self.k)) for n, (fluid, solid) in found if solid == self.k]
+
+    def _kinetic(self) -> np.ndarray:
+        """(n, 3), of end points of a solid at interfaces where the rate of their kinetic energy stands, column, edge."""
+        found, first = [np.empty((0, 3), np.int64)], int(self.record["own_x"][0])
+        for number, side in self.sides():
+            places = np.arange(self._layout.local_size)
+            at = self._layout.energies(number, places)
+            found.append(np.stack([at, first + np.arange(at.size), np.full(at.size, side)], axis=1))
+        return np.concatenate(found)
+
+    def _settling(self, area: int, sums: np.ndarray | None = None) -> Prepared:
+        """The call that puts what interfaces and edges have in its place in an area; sums: what is noted of edges."""
+        sums = np.empty((0, GAINED)) if sums is None else sums
+        y, heights = self._areas.unknowns(self.k, area), np.array(self._layout.problem.layers[self.k].Y)
+        arguments = *self._joined, self._lines, heights, *self.data.held[self.k], sums
+        return Prepared(entries.settle, *self._common[:3], y, *arguments)
+
+    def _ending_of(self, y: np.ndarray, *stage: np.ndarray) -> Prepared:
+        """The call that is due when rates of the points y are there."""
+        return Prepared(entries.end_stage, *self._common[:3], y, self._rates, *self._ending, *stage)
+
+    def settling(self, area: int) -> list[Prepared]:
+        """The calls that do in an area what ``settle`` does, where no data depend on time."""
+        return [self._settling(area)] + ([self._lay] if self._gas else [])
+
+    def in_stage(self, stage: Stage) -> tuple[Prepared, Prepared]:
+        """The calls that make the rates k of a stage, next = source + a k, SUM = base + b k, and end it; to be told a and b."""
+        y, source, onward = (self._areas.unknowns(self.k, area) for area in (stage.area, stage.source, stage.next))
+        both = [self._areas.unknowns(self.k, area) for area in (stage.base, SUM)] if stage.base >= 0 else NO_STAGE[2:]
+        rates = Prepared(self._evaluate, *self._common, y, self._rates, source, onward, *both)
+        return rates, self._ending_of(y, source, onward, *both)
+
+    def fill_halos(self) -> None:
+        """The ghost exchange of the layer, to the first area."""
+        self._dm.globalToLocal(self._vec, self._local)
+
+    def settle(self, t: float) -> None:
+        """Let interfaces, walls and what is given at time t [s] have the points as they want them; then the grid of a gas."""
+        self._settle_by(self._settle, t)
+
+    def complete(self, t: float) -> np.ndarray:
+        """``settle``; what the points gain by that, (GAINED,)."""
+        self._settle_by(self._settle_noting, t)
+        free, met, held = self._sums
+        if self.data.moves(self.k):
+            entries.edges_of(self._records, self.k, self._ops, self.y, held)
+        # gas and solid give each other momentum, and energy, where they meet
+        return held - np.where(_AT_INTERFACES, free, met)
+
+    def _settle_by(self, settle: Prepared, t: float) -> None:
+        self.data.refresh(self.k, t)
+        settle()
+        self.data.lay(self, t)
+        if self._gas:
+            self._lay()
+
+    def evaluate(self, t: float) -> None:
+        """The rates at this rank's points."""
+        self._to_rates()
+        self.data.force(self, t, self._rates)
+        self.data.push(self, self._rates)
+
+    def end(self) -> None:
+        """What is left to do for rates when interfaces have been looked at."""
+        self._end(*NO_FACTORS)
+
+    def line(self, side: int) -> np.ndarray:
+        """(4, width), the lower or upper line of a gas's grid: displacement in x, y, velocity, of the columns held."""
+        return self._lines[side]
+
+    def evaluate_block(self, records: np.ndarray, y: np.ndarray, f: np.ndarray) -> None:
+        """The rates, without forcing, of a block of what is held: the owned points of records[0], a record like this part's."""
+        self._evaluate(records, 0, *self._common[2:], y, f, *NO_STAGE, *NO_FACTORS)
+
+    def gain(self, columns: np.ndarray, x: np.ndarray, y: np.ndarray, power: np.ndarray) -> None:
+        """Count what has been added to the rates of momentum and energy in some columns held of the lower or upper edge."""
+        from_end, norm = np.abs(columns[:, None] - self.record["end_x"]).min(axis=1), self.operator["norm"]
+        along = np.where(from_end < self.operator["rows"], norm[np.minimum(from_end, norm.size - 1)], 1.0)
+        weights = along * (self.end_weight * self.record["h_x"] * self.record["h_y"])
+        self._gained[1:] += (weights * x).sum(), (weights * y).sum(), (weights * power).sum()
+
+    def look(self) -> np.ndarray:
+        """Words of fsipetsc.scheme.plane.look, of the local part as it is."""
+        self._look()
+        return self.words
+
+    def save(self) -> np.ndarray:
+        """What is saved of the points that this rank owns, (rows, columns, SAVED), of the local part as it is."""
+        out = np.empty((*self.own.shape[:2], SAVED))
+        self._save(*self._common, self.y, self._XY, out)
+        return out
+
+    def stretch(self, q: np.ndarray) -> None:
+        """Let the unknowns of a gas, given without J, be those with the J of the grid whose lines have been laid."""
+        if self._gas:
+            J = np.empty(q.shape[:2])
+            entries.grid_jacobian(self._records, self.k, self._s, self._stride, J)
+            q *= J[..., None]
+
+    @property
+    def doubles(self) -> int:
+        """Doubles of scratch."""
+        return self._s.size
+
+    def destroy(self) -> None:
+        self.order.destroy()
+        self._vec.destroy()
+        self._local.destroy()
