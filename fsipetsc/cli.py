@@ -94,6 +94,7 @@ COMMANDS = {
         parallel=True,
         options="fsipetsc.bench.command:SECTIONS",
     ),
+    "completion": Command("bash | zsh", "what the shell needs to complete cases, commands, options", "fsipetsc.cli:completion"),
 }
 _DEBUG = next(option for option in RUN if option.name == "fsi_debug")  # which every command takes
 _VERSION_FLAGS = ("--version", "-version")
@@ -316,6 +317,25 @@ def new(arguments: list[str]) -> None:
 
     path = new_case(name, tuple(COMMANDS), 1 if rest == arguments else 2)
     print(f"wrote {path}; it runs as it is:  {program()} {shlex.quote(str(path))}")
+
+
+def completion(arguments: list[str]) -> None:
+    """The command `completion bash`."""
+    (shell,), _ = _files("completion", arguments, 1, what="shell")
+    from fsipetsc.cases.stand_in import numba_stood_in
+    from fsipetsc.completion import script
+
+    with numba_stood_in():
+        cases = {name: tuple(table(load_case(name)).values()) for name in BUILT_IN}
+        commands = {name: _own_options(name) for name in COMMANDS}
+    print(script(shell, cases, commands), end="")
+
+
+def _own_options(name: str) -> tuple[Option, ...]:
+    """Those of a command, with a case and without."""
+    options = _named(COMMANDS[name].options) if COMMANDS[name].options else {}
+    sections = (options([]), options(["mms"])) if callable(options) else (options,)
+    return tuple(option for groups in sections for group in groups.values() for option in group)
 
 
 def _file_and_directory(

@@ -15,7 +15,7 @@ PACKAGE = REPOSITORY / "fsipetsc"
 ORDER = """
     __main__
     cli api
-    analysis bench
+    analysis bench completion
     stepping
     output
     process
