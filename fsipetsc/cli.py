@@ -9,6 +9,7 @@ import shlex
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import dropwhile
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fsipetsc.blame import missing
@@ -48,8 +49,8 @@ class Command(NamedTuple):
 COMMANDS = {
     "info": Command("RUN.h5", "what a result holds: case, options, times, layers, summary", "fsipetsc.cli:info"),
     "plot": Command(
-        "RUN.h5 [-o DIR] [-animate]",
-        "pictures (PNG) of a result; with -animate a film (GIF)",
+        "RUN.h5 [-o DIR|FILE] [-fields p,T] [-times 0,0.5] [-compare B.h5] [-all] [-animate]",
+        "a result on a page (PNG, or as FILE ends: PDF, SVG); all pictures; a film (GIF, MP4)",
         "fsipetsc.cli:plot",
     ),
     "report": Command(
@@ -98,8 +99,13 @@ COMMANDS = {
 }
 _DEBUG = next(option for option in RUN if option.name == "fsi_debug")  # which every command takes
 _VERSION_FLAGS = ("--version", "-version")
-_ANIMATE = ("-animate", "--animate")
 _PLANE = ("-plane", "--plane")
+#: what stands behind an option of the commands that make pictures; None: nothing
+_OF_REPORT = {"-o": "the name of a directory"}
+_OF_PLOT = {
+    **{"-o": "the name of a directory or a file", "-fields": "names of fields with commas", "-times": "times with commas"},
+    **{"-compare": "another result file", "-all": None, "-animate": None},
+}
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -272,33 +278,27 @@ def _command_in_parallel(arguments: list[str], world: MPI.Comm) -> None:
 
 def info(arguments: list[str]) -> None:
     """The command `info RUN.h5`."""
-    path, _ = _file_and_directory("info", arguments)
+    (path,), _ = _files("info", arguments, 1)
     from fsipetsc.output.info import info as show
 
     print(show(path))
 
 
 def plot(arguments: list[str]) -> None:
-    """The command `plot RUN.h5 [-o DIR] [-animate]`."""
-    film = [word for word in arguments if word in _ANIMATE]
-    path, directory = _file_and_directory("plot", [word for word in arguments if word not in _ANIMATE], flags=("-o",))
-    from fsipetsc.output.plots import plot as draw
+    """The command `plot RUN.h5` with its options."""
+    (path,), given = _files("plot", arguments, 1, flags=_OF_PLOT)
+    from fsipetsc.output.plots.command import draw
 
-    if film:
-        from fsipetsc.output.plots.animation import animate
-
-        print(animate(path, directory or os.curdir))
-        return
-    for picture in draw(path, directory or os.curdir):
+    for picture in draw(path, given):
         print(picture)
 
 
 def report(arguments: list[str]) -> None:
     """The command `report RUN.h5 [-o DIR]`."""
-    path, directory = _file_and_directory("report", arguments, flags=("-o",))
+    (path,), given = _files("report", arguments, 1, flags=_OF_REPORT)
     from fsipetsc.output.report import report as write
 
-    print(write(path, directory or os.curdir))
+    print(write(path, given.get("-o", os.curdir)))
 
 
 def diff(arguments: list[str]) -> None:
@@ -312,7 +312,7 @@ def diff(arguments: list[str]) -> None:
 def new(arguments: list[str]) -> None:
     """The command `new FILE.py [-plane]`."""
     rest = [word for word in arguments if word not in _PLANE]
-    name, _ = _file_and_directory("new", rest, what="name of a case file")
+    (name,), _ = _files("new", rest, 1, "name of a case file")
     from fsipetsc.output.new_case import new_case
 
     path = new_case(name, tuple(COMMANDS), 1 if rest == arguments else 2)
@@ -338,26 +338,26 @@ def _own_options(name: str) -> tuple[Option, ...]:
     return tuple(option for groups in sections for group in groups.values() for option in group)
 
 
-def _file_and_directory(
-    name: str, arguments: list[str], what: str = "result file", flags: Sequence[str] = ()
-) -> tuple[str, str | None]:
-    """The one file that a command wants and the value of -o; InputError for anything else. what: the file is."""
-    (file,), directory = _files(name, arguments, 1, what, flags)
-    return file, directory
-
-
 def _files(
-    name: str, arguments: list[str], count: int, what: str = "result file", flags: Sequence[str] = ()
-) -> tuple[list[str], str | None]:
-    """The files that a command wants, as many as `count`, and the value of -o."""
+    name: str,
+    arguments: list[str],
+    count: int,
+    what: str = "result file",
+    flags: Mapping[str, str | None] = MappingProxyType({}),
+) -> tuple[list[str], dict[str, str]]:
+    """The files that a command wants, as many as `count`, and its options with their values; InputError for anything else.
+
+    what: the files are. flags: option -> what stands behind it, None for nothing; two dashes are as good as one.
+    """
     usage = f"{program()} {name} {COMMANDS[name].arguments}"
-    words, directory, files = list(arguments), None, []
+    words, given, files = list(arguments), {}, []
     while words:
         word = words.pop(0)
-        if word in flags:
-            if not words:
-                raise InputError(f"{word} needs the name of a directory: {usage}")
-            directory = words.pop(0)
+        flag = word[1:] if word.startswith("--") else word
+        if flag in flags:
+            if flags[flag] is not None and (not words or is_option(words[0])):
+                raise InputError(f"{flag} needs {flags[flag]}: {usage}")
+            given[flag] = "" if flags[flag] is None else words.pop(0)
         elif word == f"-{_DEBUG.name}":
             continue  # see _debugging
         elif word.startswith("-"):
@@ -368,4 +368,4 @@ def _files(
         got = "none was given" if not files else "1 was given" if len(files) == 1 else f"{len(files)} were given"
         wanted = f"one {what}" if count == 1 else f"{count} {what}s"
         raise InputError(f"the command {name} wants {wanted}, {got}: {usage}")
-    return files, directory
+    return files, given

@@ -32,7 +32,7 @@ def test_help_flags(flag, here):
     text = run("-m", "fsipetsc", "stub.py", flag, "-fsi_h", "x").stdout
     assert "-solid_force" in text
     assert "0.1 m" in text
-    assert "plot RUN.h5 [-o DIR]" in run("-m", "fsipetsc", "plot", flag).stdout
+    assert "plot RUN.h5 [-o DIR|FILE]" in run("-m", "fsipetsc", "plot", flag).stdout
 
 
 @pytest.mark.parametrize("flag", ["--version", "-version"])

@@ -294,7 +294,7 @@ def test_sweep_can_be_read_and_told_apart():
 
 
 def test_command_says_what_it_wrote(results, tmp_path):
-    done = run("-m", "fsipetsc", "plot", results["box"].path, "-o", tmp_path / "new" / "folder")
+    done = run("-m", "fsipetsc", "plot", results["box"].path, "-all", "-o", tmp_path / "new" / "folder")
     assert done.returncode == 0 and done.stderr == ""
     written = done.stdout.split()
     assert sorted(written) == sorted(map(str, (tmp_path / "new" / "folder").iterdir())) and len(written) > 10
@@ -318,3 +318,102 @@ def test_rows_of_a_picture_ascend(figures):
         for picture in figures[name, "xt"].axes[1].collections:
             x, t = np.moveaxis(picture._coordinates, -1, 0)
             assert all((a < b).all() for a, b in pairwise(x.T)) and all((a < b).all() for a, b in pairwise(t))
+
+
+# the page
+
+
+@pytest.fixture(scope="module")
+def pages(results, tmp_path_factory):
+    """Name of a run -> its page, laid out."""
+    from fsipetsc.output.plots import page
+
+    drawn = {}
+    with matplotlib.rc_context(style.STYLE):
+        for name, result in results.items():
+            figure, faults = Figure(), []
+            FigureCanvasAgg(figure)
+            page.draw(figure, result, faults=faults)
+            assert faults == []
+            figure.canvas.draw()
+            drawn[name] = figure
+    return drawn
+
+
+def test_a_page_tells_the_story(results, pages):
+    """Maps of three fields, interfaces, energy, departures and what bounded the steps; no text on another."""
+    for name, figure in pages.items():
+        labels = [axes.get_ylabel() or axes.get_xlabel() for axes in figure.axes]
+        for word in ("change of energy", "time step", "interface"):
+            assert any(word in label for label in labels), (name, labels)
+        assert ("relative departure" in labels) == (name != "pulse" or bool(results[name].header["laws"]))
+        assert_texts_apart(name, figure)
+    steps_of = pages["rod"].axes[-1] if "time step" in pages["rod"].axes[-1].get_ylabel() else None
+    axes = steps_of or next(axes for axes in pages["rod"].axes if "time step" in axes.get_ylabel())
+    named = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert named == list(dict.fromkeys(what for _, what in results["rod"].summary["limits"])) and named
+    begin = [patch.get_extents().x0 for patch in axes.patches]
+    assert begin == sorted(begin) and len(begin) == len(results["rod"].summary["limits"])
+    energy = next(axes for axes in pages["rod"].axes if "change of energy" in axes.get_ylabel())
+    ((_, _, y),) = lines(energy)
+    change = results["rod"].series["energy"] - results["rod"].summary["initial_energy"]
+    assert np.allclose(y / np.abs(y).max(), change / np.abs(change).max())
+
+
+def test_plot_in_the_format_of_the_name(results, tmp_path):
+    from fsipetsc.cli import main
+
+    for name, begins in (("a.pdf", b"%PDF"), ("a.svg", b"<?xml"), ("a.png", b"\x89PNG")):
+        words = ["plot", results["box"].path, "--fields", "T,sigma", "--times", "0.1,0.5", "-o", str(tmp_path / "x" / name)]
+        assert main(words) == 0
+        assert (tmp_path / "x" / name).read_bytes().startswith(begins)
+    text = (tmp_path / "x" / "a.svg").read_text()
+    assert "temperature T" in text and "stress" in text and "velocity" not in text
+    frames = {results["box"].time[results["box"].at(t)] for t in (0.1, 0.5)}
+    assert all(f"t = {t:.4g}" in text for t in frames)
+    assert main(["plot", results["box"].path, "-compare", results["piston"].path, "-o", str(tmp_path / "both.svg")]) == 0
+    both = (tmp_path / "both.svg").read_text()
+    assert "box.h5 (lines) and piston.h5 (dashed)" in both and "largest difference" in both
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("-fields q", "-fields q: expected some of u, T, p, rho, sigma, strain"),
+        ("-times a", "-times a: expected times"),
+        ("-all -animate", "-all and -animate are two things"),
+        ("-o x.jpg", "-o x.jpg: expected a name that ends with .png, .pdf, .svg"),
+        ("-animate -o x.pdf", "expected a name that ends with .gif, .mp4"),
+        ("-times", "-times needs times with commas"),
+    ],
+)
+def test_plot_says_what_it_cannot_do(results, words, said, capsys):
+    from fsipetsc.cli import main
+
+    assert main(["plot", results["box"].path, *words.split()]) == 2
+    assert said in capsys.readouterr().err
+
+
+def test_films_need_ffmpeg_for_mp4_alone(results, tmp_path, monkeypatch, capsys):
+    from fsipetsc.cli import main
+    from fsipetsc.output.plots import animation
+
+    monkeypatch.setattr(animation.shutil, "which", lambda name: None)
+    monkeypatch.setitem(__import__("sys").modules, "imageio_ffmpeg", None)
+    assert main(["plot", results["pulse"].path, "-animate", "-o", str(tmp_path / "a.mp4")]) == 2
+    said = capsys.readouterr().err
+    assert "ffmpeg is not installed" in said and ".gif" in said and not list(tmp_path.iterdir())
+
+
+def test_a_film_as_mp4(results, tmp_path):
+    from fsipetsc.output.plots.animation import animate, ffmpeg
+
+    try:
+        ffmpeg()
+    except fsipetsc.errors.InputError:
+        pytest.skip("no ffmpeg")
+    film = animate(results["pulse"].path, tmp_path / "a.mp4", ("u", "T"))
+    assert film.read_bytes()[4:8] == b"ftyp" and film.stat().st_size > 5000
+    (tmp_path / "taken.mp4").mkdir()
+    with pytest.raises(FileError, match="ffmpeg cannot write"):
+        animate(results["pulse"].path, tmp_path / "taken.mp4")

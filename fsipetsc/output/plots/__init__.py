@@ -28,7 +28,7 @@ def plot(
     outdir: str | os.PathLike[str] = ".",
     times: Sequence[float] | None = None,
 ) -> list[Path]:
-    """Draw a result; returns the PNG files, named after the result.
+    """Draw all pictures of a result, each by itself; returns the PNG files, named after the result.
 
     times   of the profiles (the nearest saved frames are taken); by default some at which there is something to see
 
@@ -61,7 +61,7 @@ def drawn(run: Run, faults: list[str], times: Sequence[float] | None = None) -> 
             draw(figure)
             figure.savefig(kept, format="png")
         except Exception as error:  # there is no end to what may be wrong with damaged numbers
-            faults.append(f"{name} ({_reason(error)})")
+            faults.append(f"{name} ({reason(error)})")
             continue
         yield name, kept.getvalue()
 
@@ -78,10 +78,11 @@ def whole(found: Iterator[Item], faults: list[str], what: str) -> Iterator[Item]
     try:
         yield from found
     except Exception as error:
-        faults.append(f"{what} ({_reason(error)})")
+        faults.append(f"{what} ({reason(error)})")
 
 
-def _reason(error: Exception) -> str:
+def reason(error: Exception) -> str:
+    """Its message in a line."""
     return " ".join(str(error).split())[:200] or type(error).__name__
 
 

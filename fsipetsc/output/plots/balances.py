@@ -14,6 +14,7 @@ from fsipetsc.output.reader import Run
 from fsipetsc.scheme.conservation_check import drifts
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 Array = np.ndarray
@@ -35,6 +36,13 @@ def draw_balances(figure: Figure, run: Run) -> None:
     """Departures over time, the largest of some hundred parts of the run; and the tolerance, if the run had one."""
     figure.set_size_inches(5.6, 3.6)
     axes = figure.subplots()
+    draw_departures(axes, run)
+    axes.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=3, borderaxespad=0.1)
+    set_title(figure, of_run(run, "departure from the balances"))
+
+
+def draw_departures(axes: Axes, run: Run) -> None:
+    """The same on given axes, without a legend."""
     for k, (name, values) in enumerate(departures(run).items()):
         t, size = envelope(run.series["t"], np.abs(values))
         label = name if (size > 0).any() else f"{name} (none)"
@@ -44,9 +52,7 @@ def draw_balances(figure: Figure, run: Run) -> None:
         axes.axhline(run.options["fsi_check"], color=GREY, linestyle=":", label="-fsi_check")
     logarithmic(axes)
     axes.set_ylabel("relative departure")
-    axes.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=3, borderaxespad=0.1)
     time_axis(axes, run)
-    set_title(figure, of_run(run, "departure from the balances"))
 
 
 def draw_momentum(figure: Figure, run: Run) -> None:

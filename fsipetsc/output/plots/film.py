@@ -8,7 +8,7 @@ import numpy as np
 
 from fsipetsc.output.plots.profiles import domain
 from fsipetsc.output.plots.quantities import PROFILES
-from fsipetsc.output.plots.scales import axis_label, extremes, scaled, unit_of
+from fsipetsc.output.plots.scales import axis_label, extremes, named, scaled, unit_of
 from fsipetsc.output.plots.style import COLORS
 from fsipetsc.output.plots.titles import of_run, set_title
 from fsipetsc.output.reader import Run
@@ -18,14 +18,19 @@ SHOWN = PROFILES[:4]
 MARGIN = 0.05  # of a panel's height, above and below what occurs
 
 
-def film(run: Run, chosen: Sequence[int]) -> Iterator[np.ndarray]:
-    """(height, width, 3) of each chosen frame, colors from 0 to 255. The axes are those of the whole run."""
+def film(run: Run, chosen: Sequence[int], fields: Sequence[str] = ()) -> Iterator[np.ndarray]:
+    """(height, width, 3) of each chosen frame, colors from 0 to 255. The axes are those of the whole run.
+
+    fields: names of what is shown, four at most. InputError.
+    """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(8.0, 5.0), dpi=DPI)
     canvas, curves = FigureCanvasAgg(figure), []
-    shown = [quantity for quantity in SHOWN if any(quantity.of(layer.kind) for layer in run.layers)]
+    there = [quantity for quantity in PROFILES if any(quantity.of(layer.kind) for layer in run.layers)]
+    named(fields, [quantity.name for quantity in there])
+    shown = [q for q in there if (q.name in fields if fields else q in SHOWN)][: len(SHOWN)]
     grid = figure.subplots(2, 2, sharex=True, squeeze=False)
     for axes in grid.flat[len(shown) :]:
         axes.set_visible(False)

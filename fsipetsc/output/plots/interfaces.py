@@ -36,10 +36,7 @@ def draw_positions(figure: Figure, run: Run) -> None:
     lengths = list(_lengths(run))
     figure.set_size_inches(7.6 if lengths else 4.8, 3.4)
     grid = figure.subplots(1, 1 + bool(lengths), squeeze=False)[0]
-    label, x = moved("position x of the interface", "displacement of the interface", run.series["x_interface"])
-    scale = scaled(run, label, "m", x)
-    per_interface(grid[0], run, scale(x))
-    grid[0].set_ylabel(scale.label)
+    positions(grid[0], run)
     grid[0].legend()
     if lengths:
         label, *own = moved("length of the solid", "change of length of the solid", *(length for _, _, length in lengths))
@@ -52,6 +49,14 @@ def draw_positions(figure: Figure, run: Run) -> None:
     for axes in grid:
         time_axis(axes, run)
     set_title(figure, of_run(run, "interfaces"))
+
+
+def positions(axes: Axes, run: Run) -> None:
+    """Of all interfaces, or how far they have moved where that is little."""
+    label, x = moved("position x of the interface", "displacement of the interface", run.series["x_interface"])
+    scale = scaled(run, label, "m", x)
+    per_interface(axes, run, scale(x))
+    axes.set_ylabel(scale.label)
 
 
 def moved(absolute: str, change: str, *arrays: Array) -> tuple[str, Array]:

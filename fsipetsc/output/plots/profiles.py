@@ -50,7 +50,7 @@ def draw(figure: Figure, run: Run, quantity: Quantity, times: Sequence[float] | 
         _legend(grid[0, -1], grid[0, 0])
 
 
-def frames(run: Run, quantity: Quantity) -> tuple[list[int], int | None]:
+def frames(run: Run, quantity: Quantity, count: int = PANELS) -> tuple[list[int], int | None]:
     """Frames worth a panel, and which of them has the value furthest from rest (None if nothing ever happens).
 
     They are evenly spaced between the first in which something is to be seen and the last; that with the extreme takes the
@@ -64,7 +64,7 @@ def frames(run: Run, quantity: Quantity) -> tuple[list[int], int | None]:
     if not departure[extreme] > NOTHING * max(abs(low), abs(high)):
         return [run.nframes - 1], None
     begin = np.flatnonzero(departure > FLAT * departure[extreme])[0]
-    chosen = sorted({run.at(t) for t in np.linspace(run.time[begin], run.time[-1], PANELS)})
+    chosen = sorted({run.at(t) for t in np.linspace(run.time[begin], run.time[-1], count)})
     if extreme not in chosen:
         chosen.remove(min(chosen, key=lambda frame: abs(run.time[frame] - run.time[extreme])))
     return sorted({*chosen, extreme}), extreme

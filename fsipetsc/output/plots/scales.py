@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+
+from fsipetsc.errors import InputError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -120,3 +123,11 @@ def logarithmic(axes: Axes, most: int = 8) -> None:
     high = max(high, low + 1)
     axes.set_yscale("log")
     axes.set_ylim(10.0 ** max(low, high - most), 10.0**high)
+    axes.yaxis.set_minor_formatter(lambda value, place: "")  # of one decade they would be written, too
+
+
+def named(fields: Sequence[str], known: Sequence[str]) -> None:
+    """InputError for a name of a field that there is not."""
+    for name in fields:
+        if name not in known:
+            raise InputError(f"-fields {name}: expected some of {', '.join(known)}")

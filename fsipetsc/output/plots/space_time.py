@@ -9,14 +9,14 @@ import numpy as np
 
 from fsipetsc.checks import counted
 from fsipetsc.output.plots.profiles import domain
-from fsipetsc.output.plots.quantities import SPACE_TIME
+from fsipetsc.output.plots.quantities import SPACE_TIME, Quantity
 from fsipetsc.output.plots.scales import Scale, axis_label, extremes, scaled, value_at_rest
 from fsipetsc.output.plots.style import thin
 from fsipetsc.output.plots.titles import of_run, set_title
 from fsipetsc.output.reader import Layer, Run
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from matplotlib.figure import Figure, FigureBase
 
 Array = np.ndarray
 MAX_FRAMES, MAX_POINTS = 500, 1000  # of a layer
@@ -26,17 +26,24 @@ BOTH_SIGNS = 0.1  # a departure to the other side of rest that is smaller than t
 
 def draw(figure: Figure, run: Run) -> None:
     """A map for each quantity, with the interfaces as lines."""
-    from matplotlib.ticker import MaxNLocator
-
     figure.set_size_inches(3.5 * len(SPACE_TIME), 4.4)
     figure.set_layout_engine("constrained", w_pad=0.12)
-    grid = figure.subplots(1, len(SPACE_TIME), sharex=True, sharey=True)
+    draw_maps(figure, run, SPACE_TIME)
+    set_title(figure, of_run(run, f"space and time, {counted(run.nframes, 'frame')}"))
+
+
+def draw_maps(figure: FigureBase, run: Run, quantities: Sequence[Quantity]) -> None:
+    """The maps alone, side by side; quantities: of which some layer has each."""
+    from matplotlib.ticker import MaxNLocator
+
+    grid = figure.subplots(1, len(quantities), sharex=True, sharey=True, squeeze=False)[0]
     step = max(1, run.nframes // MAX_FRAMES)
-    for axes, quantity in zip(grid, SPACE_TIME):
-        values = [quantity.values(layer)[::step] for layer in run.layers]
+    for axes, quantity in zip(grid, quantities):
+        layers = [layer for layer in run.layers if quantity.of(layer.kind)]
+        values = [quantity.values(layer)[::step] for layer in layers]
         scale = scaled(run, quantity.label, quantity.unit, *values, start=np.concatenate([v[0] for v in values]))
         colors = palette(quantity.colormap, scale, values)
-        for layer, own in zip(run.layers, values):
+        for layer, own in zip(layers, values):
             x, t, smooth = mesh(run, layer, own, step)
             picture = axes.pcolormesh(x, t, np.ma.masked_invalid(scale(smooth)), rasterized=True, **colors)
         for position in _interface_positions(run):
@@ -51,7 +58,6 @@ def draw(figure: Figure, run: Run) -> None:
     grid[0].set_xlim(domain(run))
     grid[0].set_ylim(run.time[0], run.time[-1])
     grid[0].set_ylabel(axis_label(run, "t", "s"))
-    set_title(figure, of_run(run, f"space and time, {counted(run.nframes, 'frame')}"))
 
 
 def palette(colormap: str, scale: Scale, values: Sequence[Array], both: str = "RdBu_r") -> dict[str, object]:

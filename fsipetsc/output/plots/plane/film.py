@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from fsipetsc.output.plots.plane.maps import bar, colors, domain, panel, panel_size
-from fsipetsc.output.plots.plane.quantities import MAPS
+from fsipetsc.output.plots.plane.page import pairs_of
 from fsipetsc.output.plots.scales import axis_label, unit_of
 from fsipetsc.output.plots.titles import of_run, set_title
 from fsipetsc.output.reader import Run
@@ -15,12 +15,15 @@ from fsipetsc.output.reader import Run
 DPI = 100
 
 
-def film(run: Run, chosen: Sequence[int]) -> Iterator[np.ndarray]:
-    """(height, width, 3) of each chosen frame, colors from 0 to 255. Scales and extent are those of the whole run."""
+def film(run: Run, chosen: Sequence[int], fields: Sequence[str] = ()) -> Iterator[np.ndarray]:
+    """(height, width, 3) of each chosen frame, colors from 0 to 255. Scales and extent are those of the whole run.
+
+    fields: the name of what is shown, the first one counts. InputError.
+    """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    pair = MAPS[0]
+    pair = pairs_of(fields)[0]
     scales = [found for quantity in (pair.gas, pair.solid) if (found := colors(run, quantity, chosen))]
     ranges = domain(run)
     width, height = (1.5 * side for side in panel_size(ranges))
@@ -42,6 +45,7 @@ def film(run: Run, chosen: Sequence[int]) -> Iterator[np.ndarray]:
         yield np.array(canvas.buffer_rgba())[..., :3]
 
 
-def colormaps(run: Run, chosen: Sequence[int]) -> list[str]:
+def colormaps(run: Run, chosen: Sequence[int], fields: Sequence[str] = ()) -> list[str]:
     """Names of the color maps in the film: of the gas, of the solid."""
-    return [found.palette["cmap"] for quantity in (MAPS[0].gas, MAPS[0].solid) if (found := colors(run, quantity, chosen))]
+    pair = pairs_of(fields)[0]
+    return [found.palette["cmap"] for quantity in (pair.gas, pair.solid) if (found := colors(run, quantity, chosen))]

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 Array = np.ndarray
 SIZE = 3.6  # inches, the longer side of a panel
+TICK = 0.45  # inches, that the number at a tick of the horizontal axis takes
 
 
 @dataclass(frozen=True)
@@ -63,7 +64,7 @@ def draw(figure: Figure, run: Run, pair: Pair, times: Sequence[float] | None) ->
         axes.set_title(f"t = {run.time[frame]:.4g}{unit_of(run, 's')}", loc="left")
     for axes in grid.flat[len(chosen) :]:
         axes.set_visible(False)
-    few_ticks(grid[0, 0])
+    few_ticks(grid[0, 0], width)
     for own, picture in zip(scales, pictures):
         bar(figure, picture, own, grid, 6)
     figure.supxlabel(axis_label(run, "x", "m"), fontsize=9)
@@ -120,11 +121,13 @@ def bar(figure: Figure, picture: Any, own: Colors, grid: Any, ticks: int) -> Non
         made.ax.set_xlim(own.range)
 
 
-def few_ticks(axes: Axes) -> None:
-    """So many that their numbers have room."""
-    from matplotlib.ticker import MaxNLocator
+def few_ticks(axes: Axes, width: float = SIZE) -> None:
+    """So many that their numbers have room in panels of this width [inches]; of narrow ones the middle alone."""
+    from matplotlib.ticker import FixedLocator, MaxNLocator
 
-    axes.xaxis.set_major_locator(MaxNLocator(5))
+    room = int(width / TICK)
+    low, high = axes.get_xlim()
+    axes.xaxis.set_major_locator(MaxNLocator(min(room, 5)) if room > 1 else FixedLocator([0.5 * (low + high)]))
 
 
 def domain(run: Run) -> tuple[tuple[float, float], tuple[float, float]]:

@@ -60,3 +60,16 @@ MAPS = (
         _of_solid("T", "solid: temperature T", "K", field("T"), "Oranges"),
     ),
 )
+#: fields that a page may be asked for, beside MAPS
+ALL = (
+    *MAPS,
+    Pair(
+        *("u", "velocity along the layers"),
+        _of_gas("u", "gas: velocity u", "m/s", field("u"), "YlGnBu"),
+        _of_solid("u", "solid: velocity u", "m/s", field("u"), "Oranges"),
+    ),
+    *(
+        Pair(f"s_{xy}", f"pressure; stress σ_{xy}", MAPS[0].gas, stress)
+        for xy, stress in zip(("xx", "xy", "yy"), STRESSES, strict=True)
+    ),
+)

@@ -1,0 +1,167 @@
+"""Two results on a page: fields of both at the same times, interfaces, steps, and the largest differences as numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fsipetsc.errors import InputError
+from fsipetsc.output.differences import compare
+from fsipetsc.output.plots.page import PANELS, WIDTH, curves
+from fsipetsc.output.plots.plane.maps import bar, colors, domain, few_ticks, panel
+from fsipetsc.output.plots.plane.page import pairs_of, size_of
+from fsipetsc.output.plots.plane.quantities import Pair
+from fsipetsc.output.plots.quantities import PROFILES, SPACE_TIME
+from fsipetsc.output.plots.scales import axis_label, named, scaled, time_axis, unit_of
+from fsipetsc.output.plots.steps import unhurried
+from fsipetsc.output.plots.style import BLUE, ORANGE, SERIES, thin
+from fsipetsc.output.plots.titles import set_title
+from fsipetsc.output.reader import Run
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure, FigureBase
+
+#: series whose differences are listed beside those of fields; options that change nothing that is computed
+_SERIES = "x_interface", "u_interface", "T_interface", "energy", "mass", "least_J"
+_SHOWN_ONLY = "fsi_quiet", "fsi_progress", "fsi_view", "fsi_debug"
+TIMES, LISTED = 3, 12  # times in one dimension where none are given; differences that are listed
+
+
+def draw(figure: Figure, a: Run, b: Run, fields: Sequence[str] = (), times: Sequence[float] = ()) -> None:
+    """The page, on a figure of its own. InputError for results that have nothing in common, and as of ``page.draw``."""
+    if a.dimension != b.dimension or not a.nframes or not b.nframes:
+        raise InputError(f"plot -compare: {a.path} and {b.path}: expected two results of one dimension, with frames")
+    frames = _frames(a, b, times, TIMES if a.dimension == 1 else 1)
+    height, above = (_maps if a.dimension == 2 else _profiles)(a, b, fields, frames)
+    below = [partial(_steps, runs=(a, b)), partial(_differences, runs=(a, b))]
+    if a.dimension == 1 and a.interfaces and a.interfaces == b.interfaces:
+        below.insert(0, partial(_interfaces, runs=(a, b)))
+    figure.set_size_inches(WIDTH, 0.6 + height + PANELS)
+    figure.set_layout_engine("constrained", w_pad=0.08, h_pad=0.06)
+    parts = figure.subfigures(2, 1, height_ratios=[height, PANELS])
+    above(parts[0])
+    for axes, draw_on in zip(parts[1].subplots(1, len(below), width_ratios=[1] * (len(below) - 1) + [2]), below):
+        draw_on(axes)
+    set_title(figure, f"{_name(a)} (lines) and {_name(b)} (dashed)" if a.dimension == 1 else f"{_name(a)} and {_name(b)}")
+
+
+def _name(run: Run) -> str:
+    return Path(run.path).name
+
+
+def _frames(a: Run, b: Run, times: Sequence[float], count: int) -> list[tuple[int, int]]:
+    """Frames of both at the given times, or at some that both have; the nearest there are."""
+    common = np.intersect1d(a.time, b.time)
+    end = min(a.time[-1], b.time[-1])
+    known = common if common.size > 1 else np.linspace(0.0, end, count + 1)
+    wanted = times or [known[round(k * (len(known) - 1) / count)] for k in range(1, count + 1)]
+    return sorted({(a.at(t), b.at(t)) for t in wanted})
+
+
+def _profiles(
+    a: Run, b: Run, fields: Sequence[str], frames: Sequence[tuple[int, int]]
+) -> tuple[float, Callable[[FigureBase], None]]:
+    there = [q for q in PROFILES if all(any(q.of(layer.kind) for layer in run.layers) for run in (a, b))]
+    named(fields, [quantity.name for quantity in there])
+    chosen = [q for q in there if (q.name in fields if fields else q in SPACE_TIME)]
+
+    def above(figure: FigureBase) -> None:
+        for axes, quantity in zip(figure.subplots(1, len(chosen), sharex=True, squeeze=False)[0], chosen):
+            curves(axes, (a, b), quantity, list(zip(*frames)))
+        figure.axes[-1].legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=3, borderaxespad=0.1, fontsize=7)
+
+    return 3.2, above
+
+
+def _maps(
+    a: Run, b: Run, fields: Sequence[str], frames: Sequence[tuple[int, int]]
+) -> tuple[float, Callable[[FigureBase], None]]:
+    """The first result, the second, and the second less the first where their grids have as many points."""
+    pairs, ranges = pairs_of(fields), domain(a)
+    same = [x.name for x in a.layers] == [x.name for x in b.layers] and all(
+        (x.Y.size, x.X.size) == (y.Y.size, y.X.size) for x, y in zip(a.layers, b.layers)
+    )
+    rows = [(pair, at) for pair in pairs for at in frames]
+    width, height = size_of(ranges, 10.2 / (2 + same))
+
+    def above(figure: FigureBase) -> None:
+        for part, (pair, (i, j)) in zip(figure.subfigures(len(rows), 1, squeeze=False)[:, 0], rows):
+            grid = part.subplots(1, 2 + same, sharex=True, sharey=True)
+            scales = [found for quantity in (pair.gas, pair.solid) if (found := colors(a, quantity, [i]))]
+            for axes, run, frame in ((grid[0], a, i), (grid[1], b, j)):
+                pictures = panel(axes, run, frame, scales)
+                axes.set_title(f"{_name(run)}, t = {run.time[frame]:.4g}{unit_of(run, 's')}", loc="left", fontsize=8)
+            for own, picture in zip(scales, pictures):
+                bar(part, picture, own, list(grid[:2]), 6)
+            if same:
+                _difference(part, grid[2], a, b, pair, (i, j))
+            for axes in grid:
+                axes.set(aspect="equal", xlim=ranges[0], ylim=ranges[1], xlabel=axis_label(a, "x", "m"))
+            few_ticks(grid[0], width)
+            grid[0].set_ylabel(axis_label(a, "y", "m"))
+
+    return len(rows) * (height + 2.1), above
+
+
+def _difference(figure: FigureBase, axes: Axes, a: Run, b: Run, pair: Pair, at: tuple[int, int]) -> None:
+    """Second less first, of gases and of solids with a scale each."""
+    axes.grid(visible=False)
+    axes.set_title("second less first", loc="left", fontsize=8)
+    for kind, quantity, colormap in (("fluid", pair.gas, "RdBu_r"), ("solid", pair.solid, "PuOr_r")):
+        both = [(x, y) for x, y in zip(a.layers, b.layers) if x.kind == kind]
+        gaps = [quantity.values(y, at[1]) - quantity.values(x, at[0]) for x, y in both]
+        if not gaps:
+            continue
+        scale = scaled(a, quantity.label, quantity.unit, *gaps, start=np.zeros(1))
+        most = max(float(np.nanmax(np.abs(scale(gap)))) for gap in gaps) or 1.0
+        for (x, _), gap in zip(both, gaps):
+            fields, look = x.frame(at[0]), {"cmap": colormap, "vmin": -most, "vmax": most}
+            picture = axes.pcolormesh(fields["x"], fields["y"], scale(gap), shading="gouraud", rasterized=True, **look)
+        made = figure.colorbar(picture, ax=axes, location="top", aspect=24, pad=0.02)
+        made.set_label(scale.label)
+        made.outline.set_visible(False)
+        made.locator.set_params(nbins=3)
+
+
+def _interfaces(axes: Axes, runs: Sequence[Run]) -> None:
+    scale = scaled(runs[0], "position x of the interface", "m", *(run.series["x_interface"] for run in runs))
+    for run, style in zip(runs, ("-", "--")):
+        some = thin(len(run.series["t"]))
+        for k, x in enumerate(run.series["x_interface"].T):
+            axes.plot(run.series["t"][some], scale(x)[some], color=SERIES[k % len(SERIES)], linestyle=style, linewidth=1.2)
+    axes.set_ylabel(scale.label)
+    time_axis(axes, runs[0])
+
+
+def _steps(axes: Axes, runs: Sequence[Run]) -> None:
+    scale = scaled(runs[0], "time step", "s", *(run.series["dt"][unhurried(run)] for run in runs))
+    for run, color, style in zip(runs, (BLUE, ORANGE), ("-", "--")):
+        free = unhurried(run)
+        t, dt = run.series["t"][free], run.series["dt"][free]
+        some = thin(len(t))
+        look = {"color": color, "linestyle": style, "linewidth": 1.0, "label": _name(run)}
+        axes.plot(t[some], scale(dt)[some], **look)
+    axes.set_ylabel(scale.label)
+    axes.legend(loc="lower left", bbox_to_anchor=(0, 1), borderaxespad=0.1, fontsize=7)
+    time_axis(axes, runs[0])
+
+
+def _differences(axes: Axes, runs: Sequence[Run]) -> None:
+    """The largest differences and the options that differ, as text."""
+    found = compare(runs[0].path, runs[1].path)
+    telling = [d for d in found.differences if d.largest and (": " in d.name or d.name in _SERIES)]
+    rows = sorted(telling, key=lambda d: -(d.largest / d.scale if d.scale else np.inf))
+    title = f"{'largest difference':32}{'absolute':>10}{'relative':>10}"
+    lines = [title if rows else "equal, bit for bit, in what both have"]
+    lines += [f"{d.name:32.32}{d.largest:10.2e}{d.largest / d.scale if d.scale else np.nan:10.1e}" for d in rows[:LISTED]]
+    lines += [f"and {len(rows) - LISTED} more (the command diff)"] * (len(rows) > LISTED)
+    others = {name: pair for name, pair in found.options.items() if name not in _SHOWN_ONLY}
+    lines += [f"-{name}: {one}, {other}"[:60] for name, (one, other) in list(others.items())[:5]]
+    lines += [note[:60] for note in found.notes[:2]]
+    axes.axis("off")
+    axes.text(0.0, 1.0, "\n".join(lines), transform=axes.transAxes, va="top", family="monospace", fontsize=6.5)
