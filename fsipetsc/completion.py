@@ -13,19 +13,19 @@ _FILES = {"info": "h5", "plot": "h5", "report": "h5", "diff": "h5", "flutter": "
 _SCRIPT = """\
 # Completion of fsipetsc and scripts/run for {shell}:  eval "$(fsipetsc completion {shell})"
 {first}_fsipetsc() {{
-    local word=${{COMP_WORDS[COMP_CWORD]}} previous=${{COMP_WORDS[COMP_CWORD-1]}} words= files=
+    local word=${{COMP_WORDS[COMP_CWORD]}} previous=${{COMP_WORDS[COMP_CWORD-1]}} offered= files=
     COMPREPLY=()
     if [ "$COMP_CWORD" = 1 ]; then
-        words='{firsts}' files=py
+        offered='{firsts}' files=py
     else
         case $previous in
 {choices}
         {values}) return ;;
         esac
-        if [ -z "$words" ]; then
+        if [ -z "$offered" ]; then
             case ${{COMP_WORDS[1]}} in
 {options}
-            *) words='{common}' ;;
+            *) offered='{common}' ;;
             esac
             case ${{COMP_WORDS[1]}} in
 {files}
@@ -33,7 +33,7 @@ _SCRIPT = """\
         fi
     fi
     case $word in -*) files= ;; esac
-    COMPREPLY=($(compgen -W "$words" -- "$word"))
+    COMPREPLY=($(compgen -W "$offered" -- "$word"))
     if [ -n "$files" ]; then
         COMPREPLY+=($(compgen -f -X "!*.$files" -- "$word") $(compgen -d -- "$word"))
     fi
@@ -56,9 +56,9 @@ def script(shell: str, cases: Mapping[str, Sequence[Option]], commands: Mapping[
         shell=shell,
         first="autoload -U +X bashcompinit && bashcompinit\n" if shell == "zsh" else "",
         firsts=" ".join((*cases, *commands)),
-        choices="\n".join(f"        {name}) words='{' '.join(words)}' ;;" for name, words in sorted(choices.items())),
+        choices="\n".join(f"        {name}) offered='{' '.join(words)}' ;;" for name, words in sorted(choices.items())),
         values="|".join(sorted(values)),
-        options="\n".join(f"            {name}) words='{words}' ;;" for name, words in own.items()),
+        options="\n".join(f"            {name}) offered='{words}' ;;" for name, words in own.items()),
         common=_words(common),
         files="\n".join(f"            {name}) files={suffix} ;;" for name, suffix in _FILES.items()),
     )
