@@ -1,8 +1,9 @@
 """Runs the code blocks of documents as a reader would who goes from top to bottom, in one process: FOLDER PAGE.md ...
 
 Commands are called in their own words, but for the launcher, and shortened: a few steps, coarse grids. Each page has a
-folder of its own in FOLDER. The cells of a notebook must print what stands in it. Prints what went wrong, a block for
-each; `scripts/…` must exist, `#` begins a comment, and what is in [ ] may be left out.
+folder of its own in FOLDER. Python that begins with `# NAME.py` is that file, and `# NAME.py, goes on` more of it. What
+`# prints …` says, and what stands in a notebook, must be what is printed. Prints what went wrong, a block for each;
+`scripts/…` must exist, `#` begins a comment, and what is in [ ] may be left out.
 """
 
 from __future__ import annotations
@@ -53,9 +54,14 @@ def main(folder: str, *pages: str) -> None:
         names: dict[str, object] = {"__name__": "__main__"}
         for language, content, expected in (cells if page.endswith(".ipynb") else blocks)(Path(page).read_text()):
             try:
-                if language == "python":
+                if language == "python" and (named := re.match(r"# (\w+\.py)(, goes on)?\n", content)):
+                    with open(named[1], "a" if named[2] else "w") as file:
+                        file.write(content[named.end() :])
+                elif language == "python":
                     with contextlib.redirect_stdout(io.StringIO()) as said:
                         exec(content, names)
+                    told = re.findall(r"^# prints (.*)$", content, re.M)
+                    assert not told or told == [line.strip() for line in said.getvalue().splitlines()], said.getvalue()
                     assert expected in (None, said.getvalue()), said.getvalue()
                 elif language == "sh":
                     for line in content.splitlines():

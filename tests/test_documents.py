@@ -48,7 +48,8 @@ def options_in(text: str) -> set[str]:
 
 @pytest.mark.parametrize("name", DOCUMENTS)
 def test_options_in_the_documents_exist(name):
-    unknown = options_in(DOCUMENTS[name]) - known_options()
+    own = set(re.findall(r'Option\("(\w+)"', DOCUMENTS[name]))  # of a case that the page makes
+    unknown = options_in(DOCUMENTS[name]) - known_options() - own
     assert not unknown
 
 
