@@ -57,6 +57,11 @@ else:
 again = fsipetsc.run("rod", h=0.1, max_steps=5, output="again.h5")
 for name in first.layers[0].fields:
     assert np.array_equal(first.layers[0][name], again.layers[0][name], equal_nan=True)
+half = fsipetsc.run("rod", h=0.1, max_steps=3, checkpoint="half.ck.h5", checkpoint_steps=3, output="half.h5")
+on = fsipetsc.run("rod", restart="half.ck.h5", max_steps=5)
+assert on.path == half.path and len(half.series["t"]) == 3 and np.array_equal(on.series["t"], first.series["t"])
+begun = fsipetsc.run("rod", h=0.05, initial="rod.h5", max_steps=2, output="begun.h5")
+assert begun.time[0] == first.time[-1] > 0 and len(begun.series["t"]) == 2
 assert sys.argv == words
 """
 

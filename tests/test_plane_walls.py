@@ -11,72 +11,16 @@ from fsipetsc.errors import InputError
 from fsipetsc.physics.fluid import Fluid
 from fsipetsc.plane import PlaneFluidLayer, PlaneProblem, PlaneSolid, PlaneSolidLayer
 
-#: a piston below recedes as -t^4/4: a simple wave, known exactly (tests/receding.py)
-PISTON = """
-import numpy as np
-from receding import GAMMA, RHO, T, gas, piston
-from fsipetsc.boundaries.plane import Given, NoSlip, Open, Slip
-from fsipetsc.options import Option
-from fsipetsc.physics.fluid import Fluid
-from fsipetsc.plane import PlaneFluidLayer, PlaneProblem
-
-OPTIONS = (Option("wall", str, "NoSlip", "", ""), Option("known", bool, False, "", ""))
-DEFAULTS = {"fsi_h": 0.05, "ts_max_time": 0.9, "fsi_output_dt": 1.0}
+EDGES = REPOSITORY / "tests" / "moving_edges.py"
+WAVES = "-wall", "waves", "-ts_max_time", 0.5, "-fsi_output_dt", 0.25
 
 
-def exact(X, Y, t):
-    rho, v, temperature = gas(Y / 1.5 * (1.5 - piston(t)), t)
-    return rho, 0 * X, v, temperature
-
-
-def place(X, t):
-    return X, piston(t)
-
-
-def build(opt):
-    motion = {"x": place, **({"velocity": lambda X, t: (0.0, -t**3)} if opt["known"] else {})}
-    walls = {"NoSlip": NoSlip, "Slip": Slip, "Given": lambda **moved: Given(exact, **moved)}
-    layer = PlaneFluidLayer(
-        "gas", Fluid(0.0, 0.0, GAMMA, 1.0), (0.0, 1.5), lambda X, Y: exact(X, Y, 0.0), exact=exact
-    )
-    return PlaneProblem((layer,), (0.0, 8 * opt["fsi_h"]), walls[opt["wall"]](**motion), Open(RHO, 0.0, 0.0, T), units="none")
-"""
-#: a floor that waves, beside walls that stand still
-WAVES = """
-import numpy as np
-from fsipetsc.boundaries.plane import NoSlip, Slip
-from fsipetsc.physics.fluid import Fluid
-from fsipetsc.plane import PlaneFluidLayer, PlaneProblem
-
-OPTIONS = ()
-DEFAULTS = {"fsi_h": 1 / 20, "ts_max_time": 0.5, "fsi_output_dt": 0.25}
-
-
-def floor(X, t):
-    return X, 0.1 * np.sin(np.pi * X) ** 2 * np.sin(2 * t)
-
-
-def build(opt):
-    layer = PlaneFluidLayer(
-        "gas", Fluid(0.01, 0.02, 1.4, 1.0), (0.0, 1.0), lambda X, Y: (1.0, 0.0, 0.0, 1.0), left=Slip(), right=NoSlip()
-    )
-    return PlaneProblem((layer,), (0.0, 1.0), NoSlip(T=1.0, x=floor), NoSlip(), units="none")
-"""
-
-
-@pytest.fixture
-def piston(tmp_path):
-    (tmp_path / "receding.py").write_text((REPOSITORY / "tests" / "receding.py").read_text())
-    (tmp_path / "piston2d.py").write_text(PISTON)
-    return tmp_path
-
-
-def test_a_piston(piston):
+def test_a_piston(tmp_path):
     """Errors fall with the order of the closures, whatever stands at the wall."""
     for wall, most in (("NoSlip", 7.5e-5), ("Slip", 3.1e-5), ("Given", 5.2e-5)):
         errors = []
         for h in (0.05, 0.025):
-            result = computed(piston, f"{wall}{h}.h5", "piston2d.py", "-wall", wall, "-fsi_h", h)
+            result = computed(tmp_path, f"{wall}{h}.h5", EDGES, "-wall", wall, "-fsi_h", h)
             errors.append(result.errors["fluid"]["combined"])
             layer = result.layers[0]
             assert np.abs(layer.y[-1, 0] + 0.9**4 / 4).max() < 1e-15 and np.abs(layer["u"]).max() < 1e-13
@@ -85,16 +29,15 @@ def test_a_piston(piston):
         assert errors[1] < most and np.log2(errors[0] / errors[1]) > 2.6, (wall, errors)
 
 
-def test_a_velocity_that_is_known(piston):
-    one, two = (computed(piston, f"{known}.h5", "piston2d.py", "-known", known) for known in (0, 1))
+def test_a_velocity_that_is_known(tmp_path):
+    one, two = (computed(tmp_path, f"{known}.h5", EDGES, "-known", known) for known in (0, 1))
     assert np.abs(one.layers[0]["v"][-1] - two.layers[0]["v"][-1]).max() < 1e-8
     assert np.abs(two.layers[0]["v"][-1, 0] + 0.9**3).max() < 1e-15
 
 
 def test_a_floor_that_waves(tmp_path):
     """No gas is lost; it goes with the floor, has its temperature, and the bits do not depend on ranks."""
-    (tmp_path / "waves.py").write_text(WAVES)
-    one, three = (computed(tmp_path, f"{n}.h5", "waves.py", ranks=n) for n in (1, 3))
+    one, three = (computed(tmp_path, f"{n}.h5", EDGES, *WAVES, ranks=n) for n in (1, 3))
     layer, mass = one.layers[0], one.series["mass"][:, 0]
     assert np.abs(mass / mass[0] - 1).max() < 1e-14
     assert np.allclose(layer.y[:, 0], 0.1 * np.sin(np.pi * layer.X) ** 2 * np.sin(2 * one.time)[:, None], rtol=0, atol=1e-15)
@@ -105,10 +48,11 @@ def test_a_floor_that_waves(tmp_path):
 
 def test_gas_that_moves_at_first_sticks_to_walls_without_heat(tmp_path):
     """Not that its motion there becomes heat at once; nor beside a wall, where the wall's motion is what it gets."""
-    text = WAVES.replace("(1.0, 0.0, 0.0, 1.0)", "(1.0, 0.5, 0.3, 1.0)").replace("T=1.0, x=floor", "x=floor")
+    text = EDGES.read_text().replace("(1.0, 0.0, 0.0, 1.0)", "(1.0, 0.5, 0.3, 1.0)").replace("T=1.0, x=floor", "x=floor")
     (tmp_path / "wind.py").write_text(text)
+    (tmp_path / "receding.py").write_text((REPOSITORY / "tests" / "receding.py").read_text())
     for ranks in (1, 3):
-        layer = computed(tmp_path, f"{ranks}.h5", "wind.py", "-ts_max_steps", 1, ranks=ranks).layers[0]
+        layer = computed(tmp_path, f"{ranks}.h5", "wind.py", *WAVES, "-ts_max_steps", 1, ranks=ranks).layers[0]
         assert np.abs(layer["T"][0] - 1.0).max() < 1e-14 and np.abs(layer["u"][0, -1]).max() == 0.0
         assert np.allclose(layer["v"][0, 0], 0.2 * np.sin(np.pi * layer.X) ** 2, rtol=0, atol=1e-12)
 
@@ -129,10 +73,11 @@ def test_what_cannot_be(tmp_path):
     solid = PlaneSolidLayer("solid", PlaneSolid(1.0, 1.0, 0.0, 1.0, 1.0), (0.0, 1.0), lambda X, Y: (0, 0, 1, X, Y))
     with pytest.raises(InputError, match="upper: Given of a solid has x among its values"):
         PlaneProblem((solid,), (0.0, 1.0), Clamped(), Given(lambda X, Y, t: (0, 0, 1, X, Y), x=still))
-    (tmp_path / "waves.py").write_text(WAVES.replace("return X, 0.1", "return 0.1"))
-    done = mpirun(2, "-m", "fsipetsc", "waves.py", cwd=tmp_path)
+    (tmp_path / "waves.py").write_text(EDGES.read_text().replace("return X, 0.1", "return 0.1"))
+    (tmp_path / "receding.py").write_text((REPOSITORY / "tests" / "receding.py").read_text())
+    done = mpirun(2, "-m", "fsipetsc", "waves.py", *WAVES, cwd=tmp_path)
     assert (done.returncode, done.stderr.count("fsipetsc: error: ")) == (2, 1) and not list(tmp_path.glob("*.h5"))
-    assert "x of an edge of layer 'gas' at t = 0" in done.stderr and "waves.py, line 11" in done.stderr
+    assert "x of an edge of layer 'gas' at t = 0" in done.stderr and "waves.py, line 31" in done.stderr
 
 
 def test_a_temperature_beside_a_panel_may_depend_on_time():

@@ -20,6 +20,7 @@ pytestmark = pytest.mark.mpi
 PISTON = str(REPOSITORY / "runs" / "piston.py")
 LAYERS = str(REPOSITORY / "tests" / "layers.py")
 WALLS = str(REPOSITORY / "tests" / "walls.py")
+EDGES = str(REPOSITORY / "tests" / "moving_edges.py")
 _ROD = "-fsi_h 0.025 -ts_max_time 0.08 -fsi_output_dt 0.02"
 #: name -> case, options, steps after which the checkpoint is written that the run goes on from
 RUNS = {
@@ -39,6 +40,8 @@ RUNS = {
     "blast": ("blast", "-fsi_h 0.125 -fsi_order 2 -ts_max_time 0.3 -fsi_output_dt 0.05", 6),
     "slips": ("panel", "-fsi_h 0.125 -fsi_order 2 -ts_max_time 0.1 -fsi_output_dt 0.05", 12),
     "plane": ("plane_mms", "-fsi_h 0.0625 -ts_max_time 0.1 -ts_rk_type 3bs", 3),
+    "given": (EDGES, "-wall Given -fsi_h 0.1 -fsi_order 2 -ts_max_time 0.5 -fsi_output_dt 0.2", 3),
+    "waves": (EDGES, "-wall waves -fsi_h 0.1 -fsi_order 2 -ts_max_time 0.4 -fsi_output_dt 0.2", 3),
     "walls": (WALLS, "-walls_state left -fsi_h 0.02 -fsi_order 6 -ts_max_time 0.1", 8),
 }
 #: of what is integrated the last bits depend on the number of ranks
