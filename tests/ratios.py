@@ -1,0 +1,118 @@
+"""Light and heavy, soft and stiff solids between two gases: which couplings and grids are stable, and what linear theory says.
+
+A sound pulse in one of two closed gases around an elastic solid, of an amplitude at which all is linear. A run counts as
+stable if it comes to its end and no velocity in its second half is larger than in its first. Called by scripts/soak:
+ratios.py [ORDER ...].
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from itertools import product
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+from fsipetsc.boundaries import Wall
+from fsipetsc.errors import FsiError
+from fsipetsc.options import read_options
+from fsipetsc.options.sources import given_options
+from fsipetsc.physics.fluid import Fluid
+from fsipetsc.physics.solid import Solid
+from fsipetsc.problem import FluidLayer, Problem, SolidLayer
+from fsipetsc.process.launch import start_mpi, start_petsc
+
+#: m0 over the density of the gas, K over its pressure
+MASSES, STIFFNESSES = (1e-3, 1e-1, 1.0, 1e2, 1e4), (1e-2, 1.0, 1e2, 1e3)
+COUPLINGS, MAPPINGS = ("conservative", "energy", "projection", "traditional"), ("stretched", "rigid")
+#: cells of a layer; the end, some six times of the sound through a gas and back; relative pressure of the pulse
+CELLS, END, PULSE = 32, 10.0, 1e-4
+GAS = Fluid(0.01, 0.03, 1.4, 1.0)
+
+
+def problem(mass: float, stiffness: float) -> Problem:
+    """Gas | solid | gas between walls; the solid's heat capacity is the same for all."""
+    solid = Solid(K=stiffness, kappa_e=0.02, m0=mass, alpha=2.5 / mass)
+
+    def pulse(X: np.ndarray) -> list[np.ndarray]:
+        p = 1.0 + PULSE * np.exp(-(((X - 0.5) / 0.12) ** 2))
+        rho = p ** (1.0 / GAS.gamma)
+        return [rho, 0.0 * X, p / rho]
+
+    def rest(X: np.ndarray) -> list[np.ndarray]:
+        return [0.0 * X, 0.0 * X - 1.0, 0.0 * X + 1.0, X]
+
+    return Problem(
+        (
+            FluidLayer("left", GAS, (0.0, 1.0), pulse),
+            SolidLayer("solid", solid, (1.0, 2.0), rest),
+            FluidLayer("right", GAS, (2.0, 3.0), lambda X: [0.0 * X + 1.0, 0.0 * X, 0.0 * X + 1.0]),
+        ),
+        Wall(0.0),
+        Wall(3.0),
+        units="none",
+    )
+
+
+def run(mass: float, stiffness: float, coupling: str, mapping: str, order: int) -> tuple[bool, str]:
+    """Whether it is stable, and if not, how fast the velocity has grown or when the run ended."""
+    from fsipetsc.stepping.frames import layer_fields
+    from fsipetsc.stepping.solve import solve
+
+    case = SimpleNamespace(NAME="ratios", SUMMARY="", OPTIONS=(), DEFAULTS={}, build=lambda opt: problem(mass, stiffness))
+    words = f"-fsi_h {1 / CELLS} -fsi_order {order} -fsi_coupling {coupling} -fsi_mapping {mapping} -ts_max_time {END}"
+    seen: list[tuple[float, float]] = []
+
+    def look(state: Any, t: float) -> None:
+        columns = (1 if layer.kind == "fluid" else 0 for layer in state.problem.layers)
+        seen.append(
+            (t, max(float(np.nanmax(np.abs(part[:, c]))) for part, c in zip(layer_fields(state), columns, strict=True)))
+        )
+
+    times = np.linspace(0.0, END, 101)[1:]
+    try:
+        solve(case, read_options(case, given_options(words.split(), {})), start_mpi(), times=times, look=look)
+    except FsiError:
+        return False, f"ends at {seen[-1][0] if seen else 0.0:.1f}"
+    t, largest = np.array(seen).T
+    first, second = largest[t <= END / 2].max(), largest[t > END / 2].max()
+    if second <= first:
+        return True, ""
+    rate = np.polyfit(t[t > END / 2], np.log(largest[t > END / 2]), 1)[0]
+    return False, f"{rate:+.1g}/s"
+
+
+def theory(mass: float, stiffness: float, coupling: str, order: int) -> str:
+    """What `python -m fsipetsc stability` says of one interface: nothing, that the scheme has a growing mode, the equations,
+    or that the step is too long."""
+    from fsipetsc.analysis.stability_measures import measure
+    from fsipetsc.analysis.stability_state import Constant
+
+    rest = Constant(GAS, Solid(K=stiffness, kappa_e=0.02, m0=mass, alpha=2.5 / mass), 1.0, 1.0)
+    found = measure(rest, order, CELLS + 1, 1 / CELLS, coupling)
+    if not found.stable:
+        return "mode"
+    return "" if found.step_kept and found.heated_stable else "step" if not found.step_kept else "heat"
+
+
+def main(orders: list[int]) -> None:
+    start_petsc([], start_mpi())
+    print("| order, coupling, grids | stable | not stable: m0/ρ, K/p (how fast; what the linear theory has there) |")
+    print("|---|---|---|")
+    for order, coupling, mapping in product(orders, COUPLINGS, MAPPINGS):
+        faults = []
+        for mass, stiffness in product(MASSES, STIFFNESSES):
+            stable, how = run(mass, stiffness, coupling, mapping, order)
+            if not stable:
+                why = theory(mass, stiffness, coupling, order) or "nothing"
+                faults.append(f"{mass:g}, {stiffness:g} ({how}; {why})")
+        count = len(MASSES) * len(STIFFNESSES)
+        print(f"| {order}, {coupling}, {mapping} | {count - len(faults)} of {count} | {'; '.join(faults)} |", flush=True)
+
+
+if __name__ == "__main__":
+    main([int(word) for word in sys.argv[1:]] or [4])
