@@ -83,7 +83,9 @@ def call(function: Callable[..., Any], arguments: tuple[Any, ...], where: str) -
     except BaseException as error:  # SystemExit of one rank would leave the others waiting
         if isinstance(error, FsiError) and getattr(function, "__module__", "").startswith("fsipetsc.cases."):
             raise  # it is about an option
-        message = f"{place_of_error(error, function)}: {where}: {reason(error)}"
+        calls = [frame for frame in traceback.extract_tb(error.__traceback__) if _is_users(os.path.abspath(frame.filename))]
+        more = "; -fsi_debug shows how it came there" if len(calls) > 1 else ""
+        message = f"{place_of_error(error, function)}: {where}: {reason(error)}{more}"
         raise InputError(message, collective=False) from error
 
 

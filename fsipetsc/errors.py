@@ -10,10 +10,11 @@ class FsiError(Exception):
     """An error that is explained to the user in one message, without a traceback.
 
     collective: True if every rank raises it at the same place (then the program ends in order), False if one rank may
-    be alone with it (then the other ranks are stopped).
+    be alone with it (then the other ranks are stopped). told: the traceback where another rank has met it, else "".
     """
 
     status = 1
+    told = ""
 
     def __init__(self, message: str, *, collective: bool = True) -> None:
         super().__init__(message)
@@ -36,6 +37,11 @@ class FileError(FsiError):
     """A file could not be read or written."""
 
     status = 4
+
+
+def lines_of(error: BaseException) -> str:
+    """The traceback of an error and of what it came from."""
+    return "".join(traceback.format_exception(type(error), error, error.__traceback__)).rstrip()
 
 
 def is_petsc(error: BaseException) -> bool:

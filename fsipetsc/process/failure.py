@@ -8,7 +8,7 @@ import traceback
 from typing import TYPE_CHECKING
 
 from fsipetsc.blame import explain, frames_in, reason
-from fsipetsc.errors import FsiError, is_petsc, petsc_words
+from fsipetsc.errors import FsiError, is_petsc, lines_of, petsc_words
 from fsipetsc.process.notes import PATIENCE, exchange
 from fsipetsc.process.streams import abandon_stdout, say_error
 
@@ -88,5 +88,5 @@ def _print(message: str, error: BaseException, debug: bool) -> None:
     except (OSError, ValueError):
         abandon_stdout()
     if debug:
-        say_error("".join(traceback.format_exception(type(error), error, error.__traceback__)).rstrip())
+        say_error(getattr(error, "told", "") or lines_of(error))
     say_error(f"fsipetsc: error: {message}")

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeVar
 
-from fsipetsc.errors import FsiError, clear_frames
+from fsipetsc.errors import FsiError, clear_frames, lines_of
 from fsipetsc.process.interrupts import came
 
 if TYPE_CHECKING:
@@ -44,8 +44,10 @@ def agree(comm: MPI.Comm, fault: FsiError | None, unheard: bool = True) -> None:
     """
     clear_frames(fault)
     fault = (came() if unheard else None) or fault
-    known = comm.allgather(None if fault is None else (type(fault), fault.args))
+    known = comm.allgather(None if fault is None else (type(fault), fault.args, fault.told or lines_of(fault)))
     first = next((entry for entry in known if entry is not None), None)
     if first is not None:
-        kind, words = first
-        raise kind(*words) from fault
+        kind, words, told = first
+        error = kind(*words)
+        error.told = told
+        raise error from fault

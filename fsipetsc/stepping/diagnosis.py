@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterable, Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -12,44 +13,90 @@ if TYPE_CHECKING:
     from fsipetsc.stepping.state import State
 
 
-def describe_failure(state: State, t: float, step: int) -> str:
+class Seen(NamedTuple):
+    """What a rank sees of a layer. numbers: of the points, (n,), as they count over all ranks; values: field -> (n,), those
+    first of which others are made; positive: fields that must be above 0, the others need only be finite; place(i): of point i.
+    """
+
+    layer: int
+    numbers: np.ndarray
+    values: Mapping[str, np.ndarray]
+    positive: frozenset[str]
+    place: Callable[[int], str]
+
+
+class Failure(NamedTuple):
+    """What is wrong, in words, and what it is about: a topic of fsipetsc.stepping.advice."""
+
+    words: str
+    topic: str
+
+
+def describe_failure(state: State, t: float, step: int) -> Failure:
     """Field, layer, position, time and step of the first unphysical point, from the work arrays. Collective."""
-    found, m, s = None, state.problem.unit("m"), state.problem.unit("s")
-    for k, layer in enumerate(state.problem.layers):
-        if state.layout.records[k]["present"]:
-            found = found or _first_bad(state, k, layer)
-    found = min((f for f in state.comm.allgather(found) if f), default=None)
-    if found is None:
-        return f"the time step is not a number at t = {t:.6g}{s}, step {step}"
-    k, _, x, X, what = found
-    name = state.problem.layers[k].name
-    return f"{what} in layer '{name}' at x = {x:.6g}{m} (X = {X:.6g}{m}), t = {t:.6g}{s}, step {step}"
+    here = (k for k, record in enumerate(state.layout.records) if record["present"])
+    return described(state, (_seen(state, k) for k in here), t, step)
 
 
-def _first_bad(state: State, k: int, layer: object) -> tuple[int, int, float, float, str] | None:
-    """(layer, point, x, X, what) of the first unphysical point on this rank."""
-    record = state.layout.records[k]
-    fluid = isinstance(layer, FluidLayer)
-    work = state.plan.work(k)
-    first = int(record["own_lo"] - record["halo_lo"])
-    own = np.arange(max(record["own_lo"], record["lo"]), min(record["own_hi"], record["hi"] + 1))
-    q = work[own - first]
-    X = state.layout.grids[k].X()[own]
+def described(state: Any, seen: Iterable[Seen], t: float, step: int) -> Failure:
+    """The first unphysical point of all ranks; if there is none, that with the largest number. Collective."""
     with np.errstate(all="ignore"):
-        if fluid:
-            rho, u, T, _ = layer.material.primitive(q / record["J"])
-            x = X - state.layout.grids[k].anchor + record["x_interface"]
-            if record["stretched"]:
-                x = record["end_x"][0] + own * (record["h"] * record["J"])
-            checks = (("rho", rho), ("T", T), ("u", np.where(np.isfinite(u), 1.0, np.nan)))
-        else:
-            right = np.minimum(own + 1, record["n"] - 1) - first
-            x_X = np.where(own < record["n"] - 1, (work[right, 3] - q[:, 3]) / state.h, 1.0)
-            x, u = q[:, 3], q[:, 0]
-            checks = (("x_X", x_X), ("T", q[:, 2]), ("u", np.where(np.isfinite(u), 1.0, np.nan)))
-        bad = [(int(np.argmin(v > 0)), name, v) for name, v in checks if not np.all(v > 0)]
+        seen = list(seen)
+        bad = [found for found in map(_first_bad, seen) if found]
+        large = [found for found in map(_largest, seen) if found]
+    every = state.comm.allgather((min(bad, default=None), max(large, default=None)))
+    first, largest = min((b for b, _ in every if b), default=None), max((n for _, n in every if n), default=None)
+    s = state.problem.unit("s")
+    if first is None and largest is None:
+        return Failure(f"the time step is not a number at t = {t:.6g}{s}, step {step}", "finite")
+    if first is not None:
+        k, _, name, value, place = first
+        what = f"{name} = {value:.6g}" if np.isfinite(value) else f"{name} is not a finite number"
+    else:
+        _, k, name, value, place = largest
+        what = f"{name} = {value:.6g}, too large to go on with,"
+    words = f"{what} in layer '{state.problem.layers[k].name}' at {place}, t = {t:.6g}{s}, step {step}"
+    return Failure(words, "finite" if first is None or not np.isfinite(value) else name)
+
+
+def _first_bad(seen: Seen) -> tuple[int, int, str, float, str] | None:
+    """(layer, number of the point, field, value, place) of the first point that is not physical."""
+    bad = []
+    for name, values in seen.values.items():
+        good = (values > 0) & (values < np.inf) if name in seen.positive else np.isfinite(values)
+        if not good.all():
+            bad.append((int(np.argmin(good)), name))
     if not bad:
         return None
-    i, name, values = min(bad, key=lambda b: b[0])
-    what = f"{name} = {values[i]:.6g}" if np.isfinite(values[i]) else f"{name} is not a finite number"
-    return k, int(own[i]), float(x[i]), float(X[i]), what
+    i, name = min(bad, key=lambda entry: entry[0])
+    return seen.layer, int(seen.numbers[i]), name, float(seen.values[name][i]), seen.place(i)
+
+
+def _largest(seen: Seen) -> tuple[float, int, str, float, str] | None:
+    """(size, layer, field, value, place) of the number that is farthest from 0."""
+    found = []
+    for name, values in seen.values.items():
+        if values.size:
+            i = int(np.argmax(np.abs(values)))
+            found.append((float(abs(values[i])), seen.layer, name, float(values[i]), seen.place(i)))
+    return max(found, default=None)
+
+
+def _seen(state: State, k: int) -> Seen:
+    layer, record, grid = state.problem.layers[k], state.layout.records[k], state.layout.grids[k]
+    work, m = state.plan.work(k), state.problem.unit("m")
+    first = int(record["own_lo"] - record["halo_lo"])
+    own = np.arange(max(record["own_lo"], record["lo"]), min(record["own_hi"], record["hi"] + 1))
+    q, X = work[own - first], grid.X()[own]
+    if isinstance(layer, FluidLayer):
+        rho, u, T, _ = layer.material.primitive(q / record["J"])
+        x = X - grid.anchor + record["x_interface"]
+        if record["stretched"]:
+            x = record["end_x"][0] + own * (record["h"] * record["J"])
+        values, positive = {"J": np.full(len(own), record["J"]), "rho": rho, "u": u, "T": T}, {"J", "rho", "T"}
+    else:
+        right = np.minimum(own + 1, record["n"] - 1) - first
+        x_X = np.where(own < record["n"] - 1, (work[right, 3] - q[:, 3]) / state.h, 1.0)
+        u, sigma, T, x = (q[:, c] for c in range(4))
+        values, positive = {"x": x, "x_X": x_X, "u": u, "sigma": sigma, "T": T}, {"x_X", "T"}
+    return Seen(k, own, values, frozenset(positive), lambda i: f"x = {x[i]:.6g}{m} (X = {X[i]:.6g}{m})")

@@ -35,8 +35,9 @@ LAST = STOP + 1
 CHECKED = 256
 #: points (of all ranks, spare ones too) times steps in one call
 MOST_POINTS = 250_000
-#: steps, at least, between two states that are kept to go back to: a copy takes as long as a step of few points
-KEPT = 256
+#: dimension -> steps, at least, between two states that are kept to go back to: a copy takes as long as a step of few points in
+#: one dimension, where so many take 0.01 s, and a tenth of one in two
+KEPT = {1: 256, 2: 16}
 #: what is kept in a checkpoint as it is
 _KEPT = "steps", "rejections", "t", "dt_range", "wall_time", "initial", "beyond"
 #: what is noted of a step alone, not of a state
@@ -84,6 +85,7 @@ class Integrator:
         self._proposal = np.inf
         self._fused = opt["ts_type"] == NAME
         self.burst_limit = 0  # most steps in one go; 0: steps are made one by one, stage by stage
+        self._kept_every = KEPT[state.problem.dimension]
         if self._fused and self._steady and state.burst.size:  # no longer than a signal may have to wait
             points = sum(grid.n for grid in state.layout.grids)
             self.burst_limit = max(1, min(opt["fsi_burst"], MOST_POINTS // points))
@@ -164,7 +166,7 @@ class Integrator:
         self.dt_range = [min(self.dt_range[0], steps[0]), max(self.dt_range[1], steps[1])]
         flags = self.state.results[:LAST].tolist()
         self.series.keep(int(made) - 1)  # the last one only if it is sound
-        verdicts.check(self.state, t, self.steps, flags, self.beyond)
+        verdicts.check(self.state, t, self.steps, flags, self.opt, self.beyond)
         self.series.keep(1)
         self._on_step(self.steps, t, steps[1])
         if self.steps >= self._next_check:
@@ -211,9 +213,7 @@ class Integrator:
 
     @property
     def _left_the_domain(self) -> bool:
-        """The state is not one of the equations any more: not finite, a density, temperature or length not above 0."""
-        results = self.state.results
-        return verdicts.unsound(results) or bool(results[EXHAUSTED])
+        return verdicts.left_the_domain(self.state.results)
 
     def _finish(self) -> None:
         self.state.finish()
@@ -229,16 +229,16 @@ class Integrator:
 
     def _refuse(self, ts: PETSc.TS) -> None:
         """Go back and plan a shorter step."""
-        control = self._control
+        control, given_up = self._control, ""
+        if self._proposal < max(control.shortest, 1e-14 * max(1.0, self.t)):
+            agree(self.state.comm, self.state.fault)
+            given_up = verdicts.no_step(self.state, self._target, self.steps + 1, self._step, self._proposal, self.opt)
         control.reject()
         self.state.back(self._before)
         self.rejections += 1
         ts.setTime(self.t)
-        if self._proposal < max(control.shortest, 1e-14 * max(1.0, self.t)):
-            agree(self.state.comm, self.state.fault)
-            s = self.state.problem.unit("s")
-            wanted = f"it wants {self._proposal:.3g}{s}; see -ts_rtol, -ts_atol and -ts_adapt_dt_min"
-            raise ComputationError(f"step-size control finds no step at t = {self.t:.6g}{s}: {wanted}")
+        if given_up:
+            raise ComputationError(given_up)
         ts.restartStep()
         self._plan_step(ts)
 
@@ -304,7 +304,7 @@ class Integrator:
         if not self._steady:
             state.set_data(self.t)  # with differences in time of the length that a step has
         self._finish()
-        verdicts.check(state, self.t, self.steps, state.results[:LAST].tolist(), self.beyond)
+        verdicts.check(state, self.t, self.steps, state.results[:LAST].tolist(), self.opt, self.beyond)
         found = {name: state.latest[name] for name in shares(state.latest.dtype) if name not in (*OF_STEPS, *OF_POINTS)}
         self.initial = {name: state.comm.allreduce(share).tolist() for name, share in found.items()}
         self.beyond = verdicts.beyond_bound(state, self.opt)
@@ -322,7 +322,7 @@ class Integrator:
 
     def _keep(self, now: bool) -> None:
         """Keep the state from time to time, and if it is to be ``now``: no frame comes between it and a failure."""
-        if now or self._good is None or self.steps - self._good[1]["steps"] >= KEPT:
+        if now or self._good is None or self.steps - self._good[1]["steps"] >= self._kept_every:
             self._good = self.series.total, self.memory(), self.state.keep()
 
     def go_back(self) -> tuple[int, dict[str, Any]] | None:

@@ -207,7 +207,7 @@ class _Run:
 
     def _save_last_good(self) -> str:
         """A frame and a checkpoint of the last good state that was kept; what is to be said of it."""
-        frames, found = self.writer.nframes, self.integrator.go_back()
+        frames, saved_at, found = self.writer.nframes, self.saved_at, self.integrator.go_back()
         if found is None:
             return ""
         after, memory = found
@@ -216,7 +216,7 @@ class _Run:
             self._flush()
         if self.opt["fsi_check"]:  # which has seen later steps
             return ""
-        result = {"saved_at": min(self.saved_at, memory["t"]), "result": [frames, self.writer.rows - after]}
+        result = {"saved_at": min(saved_at, memory["t"]), "result": [frames, self.writer.rows - after]}
         try:
             self.keeper.write({"memory": memory, "watch": None, **result}, None)
         except CheckpointError:

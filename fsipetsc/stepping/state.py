@@ -25,7 +25,7 @@ from fsipetsc.scheme.fields import fields
 from fsipetsc.scheme.laws import PLAIN, Form, ProblemLaws
 from fsipetsc.scheme.plan import BURST, FLAGS, FORCING, LIMITS, LOW, RATE, SAID_STOP, make_plan
 from fsipetsc.stepping import frames, initial_data, snapshot
-from fsipetsc.stepping.diagnosis import describe_failure
+from fsipetsc.stepping.diagnosis import Failure, describe_failure
 from fsipetsc.stepping.petsc_path import PetscPath, compile_entries
 from fsipetsc.stepping.start import Start
 
@@ -195,8 +195,8 @@ class State:
         """See fsipetsc.stepping.frames.errors."""
         return frames.errors(self, t, norm)
 
-    def failure(self, t: float, step: int) -> str:
-        """What is wrong with a state that is not physical, in words. Collective."""
+    def failure(self, t: float, step: int) -> Failure:
+        """What is wrong with a state that is not physical. Collective."""
         return describe_failure(self, t, step)
 
     def unknowns(self, y: np.ndarray) -> list[np.ndarray]:

@@ -10,6 +10,7 @@ import numpy as np
 from fsipetsc.errors import ComputationError
 from fsipetsc.scheme.plan import BAD, EXHAUSTED, RATE, TOO_SHORT
 from fsipetsc.scheme.time_step import longest_step
+from fsipetsc.stepping.advice import advice
 
 if TYPE_CHECKING:
     from fsipetsc.stepping.state import State
@@ -24,23 +25,45 @@ def unsound(flags: Sequence[float] | np.ndarray) -> bool:
     return bool(flags[BAD] or not flags[RATE] < np.inf)
 
 
-def check(state: State, t: float, step: int, flags: Sequence[float], beyond: str) -> None:
-    """Raise ComputationError if the state at t [s] cannot be gone on from; beyond: what ``beyond_bound`` said."""
+def left_the_domain(flags: Sequence[float] | np.ndarray) -> bool:
+    """The state is not one of the equations any more: it is ``unsound``, or a boundary has left its grid."""
+    return unsound(flags) or bool(flags[EXHAUSTED])
+
+
+def no_step(state: State, t: float, step: int, dt: float, wanted: float, opt: Mapping[str, Any]) -> str:
+    """What is said where step-size control refuses a step of dt [s] to t [s] and has none left to try. Collective.
+
+    wanted: the step that it would make [s].
+    """
+    s = state.problem.unit("s")
+    if unsound(state.results):
+        words, topic = state.failure(t, step)
+        return f"{words}, after a step of {dt:.3g}{s} as after all longer ones; {advice(topic, opt)}"
+    said = f"step-size control finds no step at t = {t - dt:.6g}{s}, step {step}: it wants {wanted:.3g}{s}"
+    return f"{said}; {advice('control', opt)}"
+
+
+def check(state: State, t: float, step: int, flags: Sequence[float], opt: Mapping[str, Any], beyond: str) -> None:
+    """Raise ComputationError if the state at t [s] cannot be gone on from.
+
+    opt: options in force; beyond: what ``beyond_bound`` said.
+    """
     layers, s = state.problem.layers, state.problem.unit("s")
     if unsound(flags):
-        raise ComputationError(state.failure(t, step) + (f"; {beyond}" if beyond else ""))
+        words, topic = state.failure(t, step)
+        raise ComputationError("; ".join(filter(None, (words, beyond, advice(topic, opt)))))
     if flags[EXHAUSTED]:
         k = int(flags[EXHAUSTED]) - 1
         raise ComputationError(
             f"the points of fluid layer '{layers[k].name}' are used up at t = {t:.6g}{s}, step {step}, "
-            f"{_boundary(state, k)}: its boundary crossed more than one cell in a step"
+            f"{_boundary(state, k)}: its boundary crossed more than one cell in a step; {advice('crossed', opt)}"
         )
     if flags[TOO_SHORT]:
         k = int(flags[TOO_SHORT]) - 1
         least = int(state.layout.records[k]["least"])
         raise ComputationError(
             f"fluid layer '{layers[k].name}' has become too short at t = {t:.6g}{s}, step {step}, "
-            f"{_boundary(state, k)}: the {state.op.name} operator needs {least} points"
+            f"{_boundary(state, k)}: the {state.op.name} operator needs {least} points; {advice('short', opt)}"
         )
 
 

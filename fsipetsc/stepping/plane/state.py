@@ -27,6 +27,7 @@ from fsipetsc.scheme.plan import BAD, CAPACITY, FLAGS, LIMITS, RATE, SAID_STOP, 
 from fsipetsc.scheme.plane.equations import USUAL, PlaneForm
 from fsipetsc.scheme.plane.look import BAD as LOOKED_BAD
 from fsipetsc.scheme.plane.look import CONVECTION, DIFFUSION, ENERGY, ENTROPY, LEAST_J, MASS, MOMENTUM_X, MOMENTUM_Y
+from fsipetsc.stepping.diagnosis import Failure
 from fsipetsc.stepping.plane import snapshot
 from fsipetsc.stepping.plane.diagnosis import describe_failure
 from fsipetsc.stepping.plane.edge_data import EdgeData
@@ -228,7 +229,8 @@ class PlaneState:
             extremes[1] = self.results[SAID_STOP]
         self.comm.Allreduce(MPI.IN_PLACE, extremes, MPI.MAX)
         self.rates, (convection, diffusion) = rates, rates.max(axis=0)
-        self.results[RATE] = (convection**4 + diffusion**4) ** 0.25
+        with np.errstate(over="ignore"):  # what is too large is not gone on with
+            self.results[RATE] = (convection**4 + diffusion**4) ** 0.25
         self.results[BAD], self.results[STOP] = extremes[:2]
         self.latest["least_J"] = -highest
 
@@ -277,8 +279,8 @@ class PlaneState:
             own[number] += heights.sum(), heights.size
         return [float(total / count) for total, count in map(self.comm.allreduce, own)]
 
-    def failure(self, t: float, step: int) -> str:
-        """What is wrong with a state that is not physical, in words. Collective."""
+    def failure(self, t: float, step: int) -> Failure:
+        """What is wrong with a state that is not physical. Collective."""
         return describe_failure(self, t, step)
 
     def unknowns(self, y: np.ndarray) -> list[np.ndarray]:
