@@ -130,6 +130,10 @@ def test_xarray(results):
         assert np.array_equal(data["rod.x"].sel(X_rod=1.5, method="nearest"), run.layers[1].x[:, 5])
         assert data["series.x_interface"].dims == ("step", "interface") and data.attrs["case"] == "rod"
         assert np.array_equal(data["t"], run.series["t"]) and data["t"].attrs["units"] == "s"
+        for name, variable in data.variables.items():
+            assert variable.attrs.get("units") or variable.dtype.kind == "U", name
+        assert data["series.mass"].dims == ("step", "gas") and data["series.mass"].attrs["units"] == "kg m-2"
+        assert data["series.residual_T"].dims == ("step", "interface") and "below.x" in data.coords
 
 
 def test_xarray_opens_the_file(results):

@@ -28,7 +28,7 @@ from fsipetsc.output.plots.animation import animate
 from fsipetsc.output.plots.plane import maps
 from fsipetsc.output.plots.plane.quantities import MAPS
 
-BLAST = "-fsi_h 0.125 -ts_max_time 0.3 -fsi_output_dt 0.05"
+BLAST = "-fsi_h 0.125 -ts_max_time 0.3 -fsi_output_dt 0.05 -fsi_points 0.25,0.5"
 
 
 @pytest.fixture(scope="module")
@@ -264,3 +264,23 @@ def test_one_layer_alone_and_chosen_times(tmp_path):
     drawn = {path.stem for path in plot(tmp_path / "alone.h5", tmp_path, times=[0.0, 0.1])}
     assert drawn == {f"alone-{name}" for name in ("p", "rho", "v", "T", "stress", "ledgers", "steps")}
     assert animate(tmp_path / "alone.h5", tmp_path).stat().st_size > 1000
+
+
+def test_xarray(folder, blast):
+    """Dimensions with names, coordinates and units on everything; the file opened by its engine is the same."""
+    xarray = pytest.importorskip("xarray")
+    data = xarray.open_dataset(folder / "blast.h5", engine="fsipetsc")
+    gas, plate = blast.layers
+    names = [layer.name for layer in blast.layers]
+    field = data[f"{gas.name}.p"]
+    assert field.dims == ("time", f"Y_{gas.name}", f"X_{gas.name}") and np.array_equal(field, gas["p"])
+    assert np.array_equal(data[f"{plate.name}.y"], plate.y) and f"{plate.name}.y" in data.coords
+    for name, variable in data.variables.items():
+        assert variable.attrs.get("units") or variable.dtype.kind == "U", name
+    assert data["series.mass"].dims == ("step", "gas") and list(data["gas"].values) == [gas.name]
+    assert data["series.mass"].attrs["units"] == ("kg m-1" if data["time"].attrs["units"] == "s" else "1")
+    assert data["series.least_J"].dims == ("step", "layer") and list(data["layer"].values) == names
+    traction = data["series.t_y_point"]
+    assert traction.dims == ("step", "point")
+    assert list(data["point"].values) == [f"{gas.name} | {plate.name}, X = {X:g}" for X in (0.25, 0.5)]
+    assert np.array_equal(traction, blast.series["t_y_point"]) and data.identical(blast.to_xarray())

@@ -30,6 +30,35 @@ FIELDS = {
     "u_interface": ("m s-1", "velocity of the interfaces"),
     "sigma_interface": ("Pa", "stress at the interfaces"),
     "T_interface": ("K", "temperature at the interfaces"),
+    "residual_u": ("m s-1", "what is left of the condition on the velocity"),
+    "residual_stress": ("Pa", "what is left of the condition on the stress"),
+    "residual_T": ("K", "what is left of the condition on the temperature"),
+    "residual_flux": ("W m-2", "what is left of the condition on the heat flux"),
+    "force": ("Pa", "force of the ends and of gravity"),
+    "least_J": ("1", "least volume ratio of the grid"),
+    "x_point": ("m", "position of points of interfaces"),
+    "y_point": ("m", "position across of points of interfaces"),
+    "u_point": ("m s-1", "velocity of the solid at points of interfaces"),
+    "v_point": ("m s-1", "velocity across of the solid at points of interfaces"),
+    "T_point": ("K", "temperature of the solid at points of interfaces"),
+    "t_x_point": ("Pa", "traction on the solid at points of interfaces"),
+    "t_y_point": ("Pa", "traction across on the solid at points of interfaces"),
+    "q_point": ("W m-2", "heat flux into the solid at points of interfaces"),
+}
+#: the same of integrals; in one dimension they are per area [m-2], in two per depth [m-1]
+INTEGRALS = {
+    "mass": ("kg", "mass of each gas"),
+    "mass_in": ("kg", "mass of each gas that has come in"),
+    "energy": ("J", "energy of all layers"),
+    "energy_in": ("J", "energy that has come in"),
+    "entropy": ("J K-1", "entropy"),
+    "heating": ("W K-1", "heating of the solids by stress, over the temperature"),
+    "momentum": ("N s", "momentum of all layers"),
+    "momentum_x": ("N s", "momentum of all layers"),
+    "momentum_y": ("N s", "momentum of all layers across"),
+    "impulse": ("N s", "impulse of the ends and of gravity"),
+    "impulse_x": ("N s", "impulse of the edges"),
+    "impulse_y": ("N s", "impulse of the edges across"),
 }
 
 
@@ -37,8 +66,9 @@ def to_xarray(run: Run) -> xarray.Dataset:
     """All frames and series of a result.
 
     Fields are variables "LAYER.FIELD" of the dimensions time and X_LAYER (in two dimensions time, Y_LAYER, X_LAYER), with
-    the reference coordinates; series are "series.NAME" of the dimension step, with the coordinate t. A name of a layer is
-    written with _ in the place of blanks. Attributes: case, options, summary; of variables units and long_name.
+    the reference coordinates; the positions "LAYER.x", and "LAYER.y", are coordinates. Series are "series.NAME" of the
+    dimension step, with the coordinate t, and interface, gas, layer or point, which have names. A name of a layer is written
+    with _ in the place of blanks. Attributes: case, options, summary; of variables units and long_name.
 
     Raises InputError without xarray, FileError where the result is damaged.
     """
@@ -59,11 +89,18 @@ def to_xarray(run: Run) -> xarray.Dataset:
             coordinates[up] = (up, layer.Y, {**_attributes("y", si), "long_name": "reference coordinate Y"})
             dimensions = ("time", up, across)
         for field in layer.fields:
-            variables[f"{name}.{field}"] = (dimensions, layer[field], {**_attributes(field, si), "layer": layer.name})
+            where = coordinates if field in ("x", "y") else variables
+            where[f"{name}.{field}"] = (dimensions, layer[field], {**_attributes(field, si), "layer": layer.name})
+    names = _columns(run)
     for series in run.series:
         values = run.series[series]
-        dimensions = ("step",) if values.ndim == 1 else ("step", _columns(series, values.shape[1], run))
-        variables[f"series.{series}"] = (dimensions, values, _attributes(series, si))
+        dimensions = ("step",)
+        if values.ndim == 2:
+            of = next((of for of in _COLUMNS.get(series, ()) if len(names[of]) == values.shape[1]), f"of_{series}")
+            dimensions = ("step", of)
+            if of in names:
+                coordinates[of] = (of, names[of])
+        variables[f"series.{series}"] = (dimensions, values, _attributes(series, si, run.dimension))
     if "t" in run.series:
         coordinates["t"] = ("step", run.series["t"], _attributes("t", si))
     if run.interfaces:
@@ -73,14 +110,27 @@ def to_xarray(run: Run) -> xarray.Dataset:
     return xarray.Dataset(variables, coordinates, about)
 
 
-def _columns(series: str, count: int, run: Run) -> str:
-    """Name of the second dimension of a series: what its columns are."""
-    if series.endswith("_interface") and count == len(run.interfaces):
-        return "interface"
-    return f"of_{series}"
+#: what the columns of a series may be
+_COLUMNS = {"mass": ("gas",), "mass_in": ("gas",), "least_J": ("layer",)}
+_COLUMNS |= {name: ("interface",) for name in FIELDS if name.endswith("_interface") or name.startswith("residual_")}
+_COLUMNS |= {name: ("point",) for name in FIELDS if name.endswith("_point")}
 
 
-def _attributes(name: str, si: bool) -> dict[str, str]:
+def _columns(run: Run) -> dict[str, list[str]]:
+    """What the columns of series stand for, by name."""
+    return {
+        "interface": list(run.interfaces),
+        "gas": [layer.name for layer in run.layers if layer.kind == "fluid"],
+        "layer": [layer.name for layer in run.layers],
+        "point": [f"{name}, X = {X:g}" for name, X in run.points],
+    }
+
+
+def _attributes(name: str, si: bool, dimension: int = 0) -> dict[str, str]:
+    """Of a field or series; dimension: of the run, where it may be an integral."""
     unit, long_name = FIELDS.get(name, ("", ""))
+    if name in INTEGRALS:
+        unit, long_name = INTEGRALS[name]
+        unit += " m-2" if dimension == 1 else " m-1"
     found = {"units": unit if si else "1", "long_name": long_name}
     return {key: value for key, value in found.items() if value}
