@@ -21,6 +21,7 @@ from fsipetsc.process.failure import end_together
 from fsipetsc.process.host import left_as_found
 from fsipetsc.process.interrupts import Launcher, held_back, raised
 from fsipetsc.process.launch import launcher_rank, start_mpi, start_petsc
+from fsipetsc.process.leftovers import release_names
 from fsipetsc.process.streams import abandon_stdout, complete_streams, heedless
 from fsipetsc.process.together import together
 from fsipetsc.usage import case_help, command_help, overview, program
@@ -115,15 +116,15 @@ def main(argv: Sequence[str] | None = None) -> int:
     a notebook's: any number of runs can be made in it, and each leaves it as it was.
     """
     if argv is None:
-        return _main(sys.argv[1:])
+        return _main(sys.argv[1:], own=True)
     with left_as_found():
         return _main(list(argv))
 
 
-def _main(arguments: list[str]) -> int:
+def _main(arguments: list[str], own: bool = False) -> int:
     complete_streams()
     if _is_run(arguments):
-        return _in_parallel(arguments)
+        return _in_parallel(arguments, own)
     if launcher_rank() > 0:
         return 0  # rank 0 alone answers
     try:
@@ -228,7 +229,7 @@ def _version() -> str:
     return getattr(fsipetsc, "__version__", "(version unknown)")
 
 
-def _in_parallel(arguments: list[str]) -> int:
+def _in_parallel(arguments: list[str], own: bool) -> int:
     """A run, or a command that all ranks do together. Collective."""
     launcher, notes, status = Launcher(), None, 0
     case_file, debug = None, False
@@ -237,6 +238,8 @@ def _in_parallel(arguments: list[str]) -> int:
             with held_back():  # until all ranks can be told
                 launcher.follow()
                 world = start_mpi()
+                if own:
+                    release_names(world)
                 notes = world.Dup()
                 _import_slowly()
             if arguments[0] in COMMANDS:

@@ -74,6 +74,16 @@ def alive(pids: list[int]) -> list[int]:
     return found
 
 
+def job_of(pid: int) -> str:
+    """The part of the names of Open MPI's shared memory that is this job's, "" if that is not known."""
+    try:
+        entries = Path(f"/proc/{pid}/environ").read_bytes().split(b"\0")
+    except OSError:
+        return ""
+    found = [entry.split(b"=")[1] for entry in entries if entry.startswith(b"OMPI_MCA_ess_base_jobid=")]
+    return f"{int(found[0]):x}" if found else ""
+
+
 def killed_once(words: list[str], ranks: int, folder: Path, chance: random.Random) -> str:
     """Start a run, kill it at some moment; what was killed, or "ended" if it had come to its end before."""
     output, checkpoint = folder / "run.h5", folder / "run.checkpoint.h5"
@@ -90,6 +100,7 @@ def killed_once(words: list[str], ranks: int, folder: Path, chance: random.Rando
             break
         time.sleep(0.002)
     computing = ranks_of(process.pid, output)
+    job = "" if early or not computing else job_of(computing[0])
     everybody = [process.pid, *descendants(process.pid)]
     which = chance.choice(("one rank", "all ranks", "all and the launcher"))
     victims = {"one rank": computing[-1:], "all ranks": computing, "all and the launcher": [process.pid, *computing]}[which]
@@ -109,6 +120,8 @@ def killed_once(words: list[str], ranks: int, folder: Path, chance: random.Rando
     while (left := alive(everybody)) and time.monotonic() < end:
         time.sleep(0.01)
     assert not left, f"{which} killed, and 30 s later there is {left}"
+    shared = list(Path("/dev/shm").glob(f"*.{job}.*")) if job else []
+    assert not shared, f"{which} killed, and there is {shared}"
     return f"{which}{' at the start' if early else ''}"
 
 

@@ -21,6 +21,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from fsipetsc.errors import FileError
+from fsipetsc.process.leftovers import remove_session, session
 
 #: bytes of a lock file, which says who holds it
 _LONGEST = 300
@@ -56,7 +57,7 @@ class Claim:
                 if not self._still_there(descriptor):  # removed meanwhile: it stands for nothing
                     os.close(descriptor)
                     continue
-                who = os.pread(descriptor, _LONGEST, 0).decode(errors="replace").strip()
+                who = os.pread(descriptor, _LONGEST, 0).decode(errors="replace").split(", session ")[0].strip()
                 os.close(descriptor)
                 raise FileError(
                     f"{self.target}: another run is writing it{f' ({who})' if who else ''}; "
@@ -67,8 +68,11 @@ class Claim:
                 self._path.unlink(missing_ok=True)
                 return None
             if self._still_there(descriptor):
+                remove_session(os.pread(descriptor, _LONGEST, 0).decode(errors="replace"))  # of a run that was killed
                 os.ftruncate(descriptor, 0)
-                os.pwrite(descriptor, f"process {os.getpid()} on {socket.gethostname()}".encode(), 0)
+                who = f"process {os.getpid()} on {socket.gethostname()}"
+                more = f"{who}, session {session()}".encode()
+                os.pwrite(descriptor, more if session() and len(more) <= _LONGEST else who.encode(), 0)
                 return descriptor
             os.close(descriptor)  # who had it removed it meanwhile
 
