@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import ast
 import errno
+import io
 import os
+import pickle
 
 import h5py
 import numpy as np
 import pytest
-from helpers import message, mpirun, solve
+from helpers import REPOSITORY, message, mpirun, solve
 
 from fsipetsc.errors import FileError
 from fsipetsc.output import checkpoint_file
@@ -62,6 +65,78 @@ def test_what_is_no_checkpoint_is_refused(tmp_path):
     }.items():
         with pytest.raises(FileError, match=words):
             read(tmp_path / name)
+
+
+def made_by_somebody(change) -> bytes:
+    """A checkpoint with a right checksum that somebody has changed."""
+    with h5py.File(io.BytesIO(pack(SMALL)[checkpoint_file._HEAD :]), "r+") as file:
+        change(file)
+        file.flush()
+        body = file.id.get_file_image()
+    return checkpoint_file._head(body) + body
+
+
+class Trap:
+    """What would do harm if it were unpickled."""
+
+    def __reduce__(self):
+        return os.mkdir, ("sprung",)
+
+
+def linked(file: h5py.File) -> None:
+    file["arrays/layer1"] = h5py.ExternalLink("other.h5", "/a")
+
+
+def elsewhere(file: h5py.File) -> None:
+    file.create_dataset("arrays/layer1", (4,), "f8", external=[("numbers", 0, 32)])
+
+
+def of_references(file: h5py.File) -> None:
+    file["arrays/layer1"] = np.array([file["header"].ref], h5py.ref_dtype)
+
+
+FOREIGN = {
+    "texts": lambda file: file.__setitem__("arrays/layer1", ["a", "b"]),
+    "a pickle": lambda file: file.__setitem__("arrays/layer1", np.void(pickle.dumps(Trap()))),
+    "a pickle as text": lambda file: file.__setitem__("arrays/layer1", pickle.dumps(Trap(), 0)),
+    "rows of different lengths": lambda file: file.create_dataset("arrays/layer1", (2,), h5py.vlen_dtype("f8")),
+    "references": of_references,
+    "a group": lambda file: file.create_group("arrays/layer1"),
+    "another file": linked,
+    "numbers of another file": elsewhere,
+    "no header": lambda file: file.__delitem__("header"),
+    "a header of numbers": lambda file: (file.__delitem__("header"), file.__setitem__("header", 3.0)),
+    "a header that is no JSON": lambda file: (file.__delitem__("header"), file.__setitem__("header", "__import__('os')")),
+}
+
+
+@pytest.mark.parametrize("name", FOREIGN)
+def test_it_holds_numbers_and_text_and_nothing_is_done_with_them(name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    content = made_by_somebody(FOREIGN[name])
+    with pytest.raises(FileError, match=r"^a\.h5: is not a checkpoint of fsipetsc: "):
+        unpack(content, "a.h5")
+    assert not os.path.exists("sprung")
+
+
+#: what makes code of data; numba's own cache is trusted as fsipetsc.operators.trust says
+EVALUATES = {"eval", "exec", "load_pickle", "allow_pickle", "unsafe_load", "full_load", "marshal", "shelve", "dill", "joblib"}
+
+
+#: who has such a word: numba's cache the name of an error, formulas what they are made of by the package itself
+KNOWN = {("cache.py", "pickle"), ("cache.py", "UnpicklingError"), ("formulas.py", "exec")}
+
+
+def test_nothing_is_evaluated_or_unpickled():
+    """In the whole package; case files are imported as modules."""
+    found = set()
+    for path in (REPOSITORY / "fsipetsc").rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text())):
+            names = [getattr(node, key, None) for key in ("id", "attr", "arg", "module")]
+            names += [alias.name for alias in getattr(node, "names", ()) if isinstance(alias, ast.alias)]
+            words = [name for name in names if isinstance(name, str)]
+            found |= {(path.name, word) for word in words if word in EVALUATES or "pickl" in word.lower()}
+    assert found <= KNOWN, found - KNOWN
 
 
 def test_the_last_two_are_kept(tmp_path):

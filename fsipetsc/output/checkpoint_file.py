@@ -69,9 +69,21 @@ def unpack(content: bytes, name: str) -> Checkpoint:
         cut = length.isdigit() and int(length) > len(body)
         what = f"it ends after {len(content)} of {int(length) + _HEAD} bytes" if cut else "its checksum is another one"
         raise FileError(f"{name}: the checkpoint is damaged: {what}")
-    with h5py.File(io.BytesIO(body), "r") as file:
-        arrays = {key: dataset[...] for key, dataset in file.get("arrays", {}).items()}
-        return Checkpoint(json.loads(file["header"].asstr()[()]), arrays)
+    try:
+        with h5py.File(io.BytesIO(body), "r") as file:
+            group = file.get("arrays", {})
+            arrays = {key: _numbers(group, key) for key in group}
+            return Checkpoint(json.loads(file["header"].asstr()[()]), arrays)
+    except (KeyError, OSError, RuntimeError, TypeError, ValueError) as error:  # its checksum is right: somebody has made it so
+        raise FileError(f"{name}: is not a checkpoint of fsipetsc: {' '.join(str(error).split())}") from None
+
+
+def _numbers(group: h5py.Group, key: str) -> Array:
+    """A dataset of this file that holds numbers, not texts, references or what lies in other files. ValueError."""
+    found = group[key] if isinstance(group.get(key, getlink=True), h5py.HardLink) else None
+    if not isinstance(found, h5py.Dataset) or found.dtype.kind not in "fiu" or found.external:
+        raise ValueError(f"{key} holds no numbers")
+    return found[...]
 
 
 def _head(body: bytes) -> bytes:
