@@ -18,7 +18,6 @@ from fsipetsc.parallel.plane.layout import PlaneLayout
 from fsipetsc.physics.fluid import Fluid
 from fsipetsc.physics.perfect_gas import perfect_gas
 from fsipetsc.plane import PlaneFluidLayer, PlaneProblem, PlaneSolid, PlaneSolidLayer
-from fsipetsc.scheme.plane import entries
 from fsipetsc.scheme.plane.equations import USUAL, PlaneForm, equations_of
 from fsipetsc.stepping.plane.edge_data import EdgeData
 from fsipetsc.stepping.plane.path import PlanePath
@@ -186,7 +185,6 @@ def test_a_uniform_flow_stays(order, convection, sides):
     part.held[...] = (1 + 0.2 * np.cos(X))[:, None] * uniform
     part._lines[0] = 0.05 * np.sin(X), 0.1 * np.cos(X), 0.4 * np.cos(X), np.sin(X)
     part._lines[1] = 0.04 * np.cos(X), 1 + 0.1 * np.sin(X), -0.5 * np.sin(2 * X), 0.6 * np.cos(X)
-    entries.lay_lines(part._records, part.k, part._ops, part._s, part._stride, part._lines)
     part.evaluate(0.0)
     rates = part._rates.reshape(part.own.shape)
     assert np.abs(rates[..., 0]).max() > 1.0

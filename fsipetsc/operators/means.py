@@ -24,7 +24,7 @@ from math import factorial
 from numba import njit
 
 from fsipetsc.operators.kernels import FORMULA, OPTIONS
-from fsipetsc.operators.vectors import any_above, fma, logarithm, maximum, root, where_above
+from fsipetsc.operators.vectors import any_above, fma, larger, logarithm, root, where_above
 
 #: z up to which the polynomials of low and of high degree hold: where a is within 4 % and 70 % of b
 NEAR, FAR = 1.6e-3, 0.3
@@ -75,7 +75,7 @@ def mean_factors(z_a, z_b):
     b0, b1, b2, b3 = _NEAR_B
     a = fma(fma(fma(a3, z_a, a2), z_a, a1), z_a, a0)
     b = fma(fma(fma(b3, z_b, b2), z_b, b1), z_b, b0)
-    if any_above(maximum(z_a, z_b), NEAR):
+    if any_above(larger(z_a, z_b), NEAR):
         far_a, far_b = distant_factors(z_a, z_b)
         a, b = where_above(z_a, NEAR, far_a, a), where_above(z_b, NEAR, far_b, b)
     return a, b
@@ -87,7 +87,7 @@ def distant_factors(z_a, z_b):
     a, b = fma(_FAR_A[10], z_a, _FAR_A[9]), fma(_FAR_B[10], z_b, _FAR_B[9])
     for n in range(8, -1, -1):
         a, b = fma(a, z_a, _FAR_A[n]), fma(b, z_b, _FAR_B[n])
-    if any_above(maximum(z_a, z_b), FAR):
+    if any_above(larger(z_a, z_b), FAR):
         sinh, x = hyperbolic(z_a)
         a = where_above(z_a, FAR, 2.0 * sinh / (fma(0.5, z_a, 2.0) * x), a)  # tanh(x/2) = sinh x / (1 + cosh x)
         sinh, x = hyperbolic(z_b)

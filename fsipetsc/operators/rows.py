@@ -1,8 +1,9 @@
 """Derivatives of rows of values that stand side by side: along the rows, and across them. Compiled.
 
-A layer in two dimensions is gone through row by row. The rows that the derivatives need stand in scratch ``s``, those of a
-quantity in a ring, so that row j takes the place of one that is done with. Everything is done to rows, eight points at a
-time, and may be done to as many points beyond as fill a vector: rows have room for that.
+A layer in two dimensions is gone through in blocks of columns, and each row by row. The rows that the derivatives need stand
+in scratch ``s``, in a ring, so that row j takes the place of one that is done with. Everything is done to rows, eight points
+at a time, and may be done to as many points beyond as fill a vector: rows have room for that. The rows of all quantities are
+equally far apart, by a number that is known when this is compiled: so one register says where all quantities of a row are.
 """
 
 from __future__ import annotations
@@ -25,25 +26,27 @@ from fsipetsc.operators.vectors import LANES, WIDE, fma, load_wide, spread_wide,
 
 #: room before the first and behind the last point of a row
 MARGIN = 16
+#: columns of a block: what is needed of them at a time stays in the second level of caches
+BLOCK = 128
+#: doubles from one row of scratch to the next: an odd number of cache lines
+STRIDE = BLOCK + 2 * MARGIN + 8
+#: rows of different quantities that a ring may have
+QUANTITIES = 33
 
 
 class Ring(NamedTuple):
-    """Rows of quantities: row j of number k begins at origin + k apart + (j & mask) stride.
-
-    In scratch a quantity has a ring of rows, and the mask is one less than their number, a power of two; where all rows are
-    kept it is -1.
+    """Rows of quantities, of which each has as many as the others: row j of number k begins at
+    origin + ((j & mask) QUANTITIES + k) STRIDE; the mask is one less than their number, a power of two.
     """
 
     origin: int
-    apart: int
-    stride: int
     mask: int
 
 
 @njit(**FORMULA)
 def at(rows, k, j):
     """Where row j of quantity number k begins."""
-    return rows.origin + k * rows.apart + (j & rows.mask) * rows.stride
+    return rows.origin + ((j & rows.mask) * QUANTITIES + k) * STRIDE
 
 
 @njit(**OPTIONS)

@@ -6,7 +6,8 @@ by bit; a scalar in a formula stands for all lanes. Where memory is named by an 
 
 LANES is four on every machine: one AVX register, two of SSE or NEON, and enough for the widest stencil, which then
 reaches from one vector into its neighbours only. Formulas may as well be given vectors of WIDE lanes, one register of
-AVX-512, where that pays: arithmetic, functions and comparisons take both, but not in one formula.
+AVX-512, where that pays, or of TWICE as many: while a processor waits for the result of one half it works on the other.
+Arithmetic, functions and comparisons take all of them, but not in one formula.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from fsipetsc.operators.parts import PART
 
 LANES = 4
 WIDE = 8
+TWICE = 16
 
 _DOUBLES = ir.VectorType(ir.DoubleType(), LANES)
 _INT = ir.IntType(32)
@@ -43,7 +45,7 @@ class VectorType(types.Type):
         return ir.VectorType(ir.DoubleType(), self.lanes)
 
 
-vector, wide_vector = VectorType(LANES), VectorType(WIDE)
+vector, wide_vector, twice_vector = VectorType(LANES), VectorType(WIDE), VectorType(TWICE)
 
 
 @register_model(VectorType)
@@ -72,7 +74,7 @@ def _as_vectors(builder, values, kinds):
 
 def _define(op, instruction):
     """Arithmetic of two vectors, or of a vector and a scalar."""
-    pairs = [pair for v in (vector, wide_vector) for pair in ((v, v), (v, types.float64), (types.float64, v))]
+    pairs = [pair for v in (vector, wide_vector, twice_vector) for pair in ((v, v), (v, types.float64), (types.float64, v))]
 
     class Template(ConcreteTemplate):
         key = op
@@ -141,6 +143,35 @@ def maximum(typingctx, a, b):
 def minimum(typingctx, a, b):
     """The smaller one; not a number if one of them is not."""
     return _chosen("minimum", (a, b), "<")
+
+
+@intrinsic
+def larger(typingctx, a, b):
+    """a where it is larger, else b: one instruction, for what is only compared."""
+    kept_signature, _ = _function("larger", (a, b))
+
+    def codegen(context, builder, sig, args):
+        a, b = _as_vectors(builder, args, sig.args) if isinstance(sig.return_type, VectorType) else args
+        return builder.select(builder.fcmp_ordered(">", a, b), a, b)
+
+    return kept_signature, codegen
+
+
+@intrinsic
+def on_aligned_stack(typingctx):
+    """Let the stack of the function that this stands in begin with a cache line: vectors for which registers are missing would
+    each lie in two, else.
+    """
+
+    def codegen(context, builder, sig, args):
+        with builder.goto_entry_block():
+            room = builder.alloca(wide_vector.doubles)
+            room.align = 64
+        kind = ir.FunctionType(ir.VoidType(), [room.type])
+        builder.asm(kind, "", "r", [room], side_effect=True)  # no instruction, but one that the room must be there for
+        return context.get_dummy_value()
+
+    return types.none(), codegen
 
 
 @intrinsic
@@ -261,6 +292,13 @@ def spread_wide(typingctx, a):
 
 
 @intrinsic
+def spread_twice(typingctx, a):
+    """The number a in TWICE lanes."""
+    kind = twice_vector.doubles
+    return twice_vector(types.float64), lambda context, builder, sig, args: _spread(builder, args[0], kind)
+
+
+@intrinsic
 def numbers_from(typingctx, i):
     """i, i+1, ... as doubles."""
 
@@ -281,14 +319,29 @@ def lane(typingctx, v, j):
 @intrinsic
 def masked(typingctx, v, n, other):
     """The first n lanes of v, and the number ``other`` in those that follow."""
-    words = ir.VectorType(ir.IntType(64), LANES)
+    words = ir.VectorType(ir.IntType(64), v.lanes)
 
     def codegen(context, builder, sig, args):
-        numbers = ir.Constant(words, list(_EACH_LANE))
+        numbers = ir.Constant(words, list(range(v.lanes)))
         wanted = builder.icmp_signed("<", numbers, _spread(builder, args[1], words))
-        return builder.select(wanted, args[0], _spread(builder, args[2]))
+        return builder.select(wanted, args[0], _spread(builder, args[2], v.doubles))
 
-    return vector(v, types.intp, types.float64), codegen
+    return v(v, types.intp, types.float64), codegen
+
+
+@intrinsic
+def within(typingctx, v, i, a, b):
+    """Lane j of v where a <= i + j < b, else 0."""
+    words = ir.VectorType(ir.IntType(64), v.lanes)
+
+    def codegen(context, builder, sig, args):
+        value, at, first, end = args
+        numbers = builder.add(_spread(builder, at, words), ir.Constant(words, list(range(v.lanes))))
+        above = builder.icmp_signed(">=", numbers, _spread(builder, first, words))
+        below = builder.icmp_signed("<", numbers, _spread(builder, end, words))
+        return builder.select(builder.and_(above, below), value, ir.Constant(v.doubles, [0.0] * v.lanes))
+
+    return v(v, types.intp, types.intp, types.intp), codegen
 
 
 @intrinsic
@@ -364,6 +417,29 @@ def load_wide(typingctx, s, i):
 
 
 @intrinsic
+def load_twice(typingctx, s, i):
+    """s[i : i+TWICE]."""
+
+    def codegen(context, builder, sig, args):
+        value = builder.load(_place(context, builder, sig, args, twice_vector.doubles))
+        value.align = 8
+        return value
+
+    return twice_vector(s, types.intp), codegen
+
+
+@intrinsic(prefer_literal=True)
+def half(typingctx, v, k):
+    """The first (k = 0, literal) or second wide vector of one of TWICE lanes."""
+    first = WIDE * k.literal_value
+
+    def codegen(context, builder, sig, args):
+        return _shuffled(builder, args[0], args[0], range(first, first + WIDE))
+
+    return wide_vector(twice_vector, k), codegen
+
+
+@intrinsic
 def store(typingctx, s, i, v):
     """s[i : i+LANES] = v, or as many as v has."""
 
@@ -384,7 +460,8 @@ def store_interlaced(typingctx, s, i, values):
         while len(joined) > 2:  # pairs of equal length; the last one, if alone, with itself
             every = range(2 * joined[0].type.count)
             joined = [_shuffled(builder, a, b, every) for a, b in zip(joined[::2], joined[1::2] + joined[-1:])]
-        lanes = [c * LANES + j for j in _EACH_LANE for c in range(n)]
+        count = args[2].type.elements[0].count
+        lanes = [c * count + j for j in range(count) for c in range(n)]
         result = _shuffled(builder, joined[0], joined[-1], lanes)
         place = builder.bitcast(_place(context, builder, sig, args), result.type.as_pointer())
         builder.store(result, place).align = 8
@@ -393,16 +470,66 @@ def store_interlaced(typingctx, s, i, values):
     return types.none(s, types.intp, values), codegen
 
 
-@intrinsic(prefer_literal=True)
-def load_interlaced(typingctx, s, i, n):
-    """n vectors (n literal), number c of them s[i + c], s[i + n + c], ...: the reverse of ``store_interlaced``."""
+@intrinsic
+def interlaced(typingctx, values):
+    """n vectors of what ``store_interlaced`` would store of n: the first begins with lane 0 of each."""
+    n, lanes = len(values), values[0].lanes
+
+    def codegen(context, builder, sig, args):
+        numbers = [divmod(k, n) for k in range(n * lanes)]
+        parts = []
+        for k in range(0, n * lanes, lanes):
+            result = ir.Constant(values[0].doubles, ir.Undefined)
+            for c in range(n):
+                of_c = [lane for lane, (_, number) in enumerate(numbers[k : k + lanes]) if number == c]
+                picked = list(range(lanes))
+                for lane in of_c:
+                    picked[lane] = lanes + numbers[k + lane][0]
+                result = _shuffled(builder, result, builder.extract_value(args[0], c), picked)
+            parts.append(result)
+        return context.make_tuple(builder, sig.return_type, parts)
+
+    return types.UniTuple(values[0], n)(values), codegen
+
+
+def _load_interlaced(kind, s, i, n):
+    """Signature and code of what loads n vectors of a kind."""
     count = n.literal_value
 
     def codegen(context, builder, sig, args):
-        whole = ir.VectorType(ir.DoubleType(), count * LANES)
+        whole = ir.VectorType(ir.DoubleType(), count * kind.lanes)
         value = builder.load(builder.bitcast(_place(context, builder, sig, args), whole.as_pointer()))
         value.align = 8
-        parts = [_shuffled(builder, value, value, [c + count * j for j in _EACH_LANE]) for c in range(count)]
+        parts = [_shuffled(builder, value, value, [c + count * j for j in range(kind.lanes)]) for c in range(count)]
         return context.make_tuple(builder, sig.return_type, parts)
 
-    return types.UniTuple(vector, count)(s, types.intp, n), codegen
+    return types.UniTuple(kind, count)(s, types.intp, n), codegen
+
+
+@intrinsic(prefer_literal=True)
+def load_interlaced(typingctx, s, i, n):
+    """n vectors (n literal), number c of them s[i + c], s[i + n + c], ...: the reverse of ``store_interlaced``."""
+    return _load_interlaced(vector, s, i, n)
+
+
+@intrinsic(prefer_literal=True)
+def load_wide_interlaced(typingctx, s, i, n):
+    """The same of wide vectors."""
+    return _load_interlaced(wide_vector, s, i, n)
+
+
+@intrinsic(prefer_literal=True)
+def load_twice_interlaced(typingctx, s, i, n):
+    """The same of vectors of TWICE lanes."""
+    return _load_interlaced(twice_vector, s, i, n)
+
+
+@intrinsic(prefer_literal=True)
+def joined(typingctx, before, v, k):
+    """The last k lanes (k literal) of a vector and the first ones of that which follows: values k points to the left of v."""
+    n, lanes = k.literal_value, v.lanes
+
+    def codegen(context, builder, sig, args):
+        return _shuffled(builder, args[0], args[1], [lanes - n + j for j in range(lanes)])
+
+    return v(before, v, k), codegen

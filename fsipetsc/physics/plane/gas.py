@@ -26,7 +26,8 @@ from numba import njit
 
 from fsipetsc.operators.formulas import Formulas
 from fsipetsc.operators.kernels import FORMULA
-from fsipetsc.operators.vectors import fma, load_wide
+from fsipetsc.operators.rows import STRIDE
+from fsipetsc.operators.vectors import fma, load_twice
 from fsipetsc.physics.layer import FLUID
 
 #: lines of the grid: displacement in x, y, velocity, and derivatives along X of the first two, of the lower and the upper one
@@ -51,31 +52,31 @@ class Metrics(NamedTuple):
 
 
 @njit(**FORMULA)
-def metrics(s, lines, stride, height, i):
+def metrics(s, lines, height, i):
     """Of the grid at the points i ..; lines: where its lines stand, height: zeta and what D_eta makes of its powers."""
     zeta, first, second = height
-    more, most = line_of(s, lines, stride, G2 + 1, i), line_of(s, lines, stride, G2 + 2, i)
+    more, most = line_of(s, lines, G2 + 1, i), line_of(s, lines, G2 + 2, i)
     return Metrics(
-        line_of(s, lines, stride, JA1, i),
-        line_of(s, lines, stride, JA1 + 1, i),
-        between(s, lines, stride, JA2_X, zeta, i),
-        between(s, lines, stride, JA2_Y, zeta, i),
-        between(s, lines, stride, G1, zeta, i),
-        fma(zeta, fma(zeta, most, more), line_of(s, lines, stride, G2, i)),
-        between(s, lines, stride, DG1, zeta, i) + fma(first, more, second * most),
+        line_of(s, lines, JA1, i),
+        line_of(s, lines, JA1 + 1, i),
+        between(s, lines, JA2_X, zeta, i),
+        between(s, lines, JA2_Y, zeta, i),
+        between(s, lines, G1, zeta, i),
+        fma(zeta, fma(zeta, most, more), line_of(s, lines, G2, i)),
+        between(s, lines, DG1, zeta, i) + fma(first, more, second * most),
     )
 
 
 @njit(**FORMULA)
-def line_of(s, lines, stride, row, i):
+def line_of(s, lines, row, i):
     """What stands there."""
-    return load_wide(s, lines + row * stride + i)
+    return load_twice(s, lines + row * STRIDE + i)
 
 
 @njit(**FORMULA)
-def between(s, lines, stride, row, zeta, i):
+def between(s, lines, row, zeta, i):
     """Of what is linear in zeta."""
-    return fma(zeta, line_of(s, lines, stride, row + 1, i), line_of(s, lines, stride, row, i))
+    return fma(zeta, line_of(s, lines, row + 1, i), line_of(s, lines, row, i))
 
 
 @njit(**FORMULA)

@@ -37,7 +37,7 @@ def prepare(law, c, q):
 
 
 @njit(**FORMULA)
-def no_grid(s, lines, stride, height, i):
+def no_grid(s, lines, height, i):
     """Lagrangian coordinates need no metrics."""
     return ()
 

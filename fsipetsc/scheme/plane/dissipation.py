@@ -65,7 +65,7 @@ def _across(law, layer, op, s, place, j, q, strength, at_shocks):
     if j < lo or j + q > min(hi, layer.height - 1):
         return
     strength *= least_norm(op, j, q, lo, hi) / layer.h_y
-    a, b, f = layer.own_x[0], layer.own_x[1], fluxes_of(law, place)
+    a, b, f = place.first, place.end, fluxes_of(law, place)
     fluxes(law, layer, s, place, j, a, b, 1, q, strength, at_shocks)
     for m in range(q + 1):
         sums = each(row_of_ring.at, law.sums, place.sums, j + m)
@@ -75,7 +75,7 @@ def _across(law, layer, op, s, place, j, q, strength, at_shocks):
 
 @njit(**OPTIONS)
 def _along(law, layer, op, s, place, j, q, strength, at_shocks):
-    a, b, lo, hi = layer.own_x[0], layer.own_x[1], layer.end_x[0], layer.end_x[1]
+    a, b, lo, hi = place.first, place.end, layer.end_x[0], layer.end_x[1]
     first, last, f, gains = max(a - q, lo), min(b - 1, hi - q), fluxes_of(law, place), gains_of(law, place)
     fluxes(law, layer, s, place, j, first, last + 1, 0, q, strength / layer.h_x, at_shocks)
     for i in range(first, last + 1):
@@ -122,11 +122,11 @@ def look_across(law, layer, s, place, j):
     """s of row j from the rows beside it, none at an end."""
     to, c = at(place.v, STEEPNESS, j), law.constants(law, layer)
     if j == layer.end_y[0] or j == layer.end_y[1]:
-        fill(s, to, 0, layer.width, 0.0)
+        fill(s, to, place.first, place.end, 0.0)
         return
     below, above = each(row_of_ring.at, law.watched, place.v, j - 1), each(row_of_ring.at, law.watched, place.v, j + 1)
     here = each(row_of_ring.at, law.watched, place.v, j)
-    for i in range(0, layer.width, LANES):
+    for i in range(place.first, place.end, LANES):
         three = each(row_of.load, below, s, i), each(row_of.load, here, s, i), each(row_of.load, above, s, i)
         store(s, to + i, law.steepness(law, c, *three))
 
@@ -136,11 +136,11 @@ def look_along(law, layer, s, place, j, q):
     """s along row j, as far as differences of order q that reach its own points take it."""
     lo, hi = layer.end_x[0], layer.end_x[1]
     rows, c = each(row_of_ring.at, law.watched, place.v, j), law.constants(law, layer)
-    for i in range(max(layer.own_x[0] - q, lo), min(layer.own_x[1] - 1 + q, hi) + 1, LANES):
+    for i in range(max(place.first - q, lo), min(place.end - 1 + q, hi) + 1, LANES):
         three = each(row_of.load, rows, s, i - 1), each(row_of.load, rows, s, i), each(row_of.load, rows, s, i + 1)
         store(s, place.slopes + i, law.steepness(law, c, *three))
     for end in (lo, hi):
-        if 0 <= end < layer.width:
+        if place.first - q <= end < place.end + q:
             s[U64(place.slopes + end)] = 0.0
 
 

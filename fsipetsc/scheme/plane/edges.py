@@ -20,7 +20,8 @@ from numba import njit
 from fsipetsc.boundaries import INTERFACE_END
 from fsipetsc.boundaries.plane import FREE, OPEN, OUTFLOW, SLIP
 from fsipetsc.operators.kernels import OPTIONS, U64
-from fsipetsc.operators.rows import along, at
+from fsipetsc.operators.rows import STRIDE, along, at
+from fsipetsc.physics.plane.gas import LINE_ROWS
 from fsipetsc.scheme.plane.gains import gain
 
 
@@ -36,27 +37,26 @@ def kind_at(layer, side, i):
 @njit(**OPTIONS)
 def amend_gas(law, layer, op, s, place, lines, j):
     """Of a gas: all four edges."""
-    stride = place.stride
     zeta, per_length = (layer.first_y + j) / (layer.ny - 1), 1.0 / ((layer.ny - 1) * layer.h_y)
-    high = lines + 6 * stride
+    high = lines + LINE_ROWS * STRIDE
     for side in range(2):
         if j == layer.end_y[side]:
             line = high if side == 1 else lines
-            for i in range(layer.own_x[0], layer.own_x[1]):
+            for i in range(place.first, place.end):
                 kind = kind_at(layer, side, i)
                 if kind == SLIP or kind == OPEN or kind == OUTFLOW:
-                    nx, ny = -s[U64(line + 5 * stride + i)], 1.0 + s[U64(line + 4 * stride + i)]
-                    w = nx * s[U64(line + 2 * stride + i)] + ny * s[U64(line + 3 * stride + i)]
+                    nx, ny = -s[U64(line + 5 * STRIDE + i)], 1.0 + s[U64(line + 4 * STRIDE + i)]
+                    w = nx * s[U64(line + 2 * STRIDE + i)] + ny * s[U64(line + 3 * STRIDE + i)]
                     through(law, layer, op, s, place, j, i, kind, side, nx, ny, w, side, layer.h_y)
         i = layer.end_x[side]
-        if layer.own_x[0] <= i < layer.own_x[1]:
+        if place.first <= i < place.end:
             kind = layer.edge_x[side]
             if kind == SLIP or kind == OPEN or kind == OUTFLOW:
                 low, up = lines + i, high + i
-                nx = (s[U64(up + stride)] - s[U64(low + stride)]) * per_length
+                nx = (s[U64(up + STRIDE)] - s[U64(low + STRIDE)]) * per_length
                 ny = (s[U64(low)] - s[U64(up)]) * per_length
-                u, v = s[U64(low + 2 * stride)], s[U64(low + 3 * stride)]
-                u, v = u + zeta * (s[U64(up + 2 * stride)] - u), v + zeta * (s[U64(up + 3 * stride)] - v)
+                u, v = s[U64(low + 2 * STRIDE)], s[U64(low + 3 * STRIDE)]
+                u, v = u + zeta * (s[U64(up + 2 * STRIDE)] - u), v + zeta * (s[U64(up + 3 * STRIDE)] - v)
                 through(law, layer, op, s, place, j, i, kind, side, nx, ny, nx * u + ny * v, 2 + side, layer.h_x)
 
 
@@ -69,9 +69,9 @@ def through(law, layer, op, s, place, j, i, kind, side, nx, ny, w, edge, h):
     e, p = s[U64(at(place.v, 3, j) + i)], s[U64(at(place.v, 4, j) + i)]
     inside, scale, r = (rho, rho * u, rho * v, e), (1.0 - 2.0 * side) / (h * op.norm[0]), place.rates + i
     if kind == SLIP:
-        s[U64(r + 2 * place.stride)] += scale * nx * p
-        s[U64(r + 3 * place.stride)] += scale * ny * p
-        s[U64(r + 4 * place.stride)] += scale * w * p
+        s[U64(r + 2 * STRIDE)] += scale * nx * p
+        s[U64(r + 3 * STRIDE)] += scale * ny * p
+        s[U64(r + 4 * STRIDE)] += scale * w * p
         gain(layer, op, j, i, 0.0, scale * nx * p, scale * ny * p, scale * w * p)
         return
     f, given = normal_flux(inside, u, v, p, nx, ny, w), layer.outside[edge]
@@ -95,7 +95,7 @@ def through(law, layer, op, s, place, j, i, kind, side, nx, ny, w, edge, h):
             0.5 * (f[3] + g[3] - fastest * (e_o - inside[3])),
         )
     for c in range(4):
-        s[U64(r + (c + 1) * place.stride)] += scale * f[c]
+        s[U64(r + (c + 1) * STRIDE)] += scale * f[c]
     gain(layer, op, j, i, scale * f[0], scale * f[1], scale * f[2], scale * f[3])
 
 
@@ -121,13 +121,13 @@ def amend_solid(law, layer, op, s, place, lines, j):
         if j != layer.end_y[side] or layer.edge_y[side] != FREE or layer.outside[side, 0] == 0.0:
             continue
         load = (1.0 - 2.0 * side) * layer.outside[side, 0] / (layer.h_y * op.norm[0] * layer.m0)
-        dx, dy = place.slopes, place.slopes + 2 * place.stride
+        dx, dy = place.slopes, place.slopes + 2 * STRIDE
         for k in range(2):
             v, to = at(place.v, k, j), (dx if k == 0 else dy)
-            along(op, s, v, to, layer.own_x[0], layer.own_x[1], layer.end_x[0], layer.end_x[1], 1.0 / layer.h_x)
-        for i in range(layer.own_x[0], layer.own_x[1]):
+            along(op, s, v, to, place.first, place.end, layer.end_x[0], layer.end_x[1], 1.0 / layer.h_x)
+        for i in range(place.first, place.end):
             a_x, a_y = -load * s[U64(dy + i)], load * (1.0 + s[U64(dx + i)])
-            s[U64(place.rates + 2 * place.stride + i)] += a_x
-            s[U64(place.rates + 3 * place.stride + i)] += a_y
+            s[U64(place.rates + 2 * STRIDE + i)] += a_x
+            s[U64(place.rates + 3 * STRIDE + i)] += a_y
             u, v = s[U64(at(place.v, 2, j) + i)], s[U64(at(place.v, 3, j) + i)]
             gain(layer, op, j, i, 0.0, layer.m0 * a_x, layer.m0 * a_y, layer.m0 * (u * a_x + v * a_y))

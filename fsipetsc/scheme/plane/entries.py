@@ -1,7 +1,8 @@
 """What Python calls of a layer in two dimensions. Compiled; for the laws GAS and SOLID, see fsipetsc.scheme.plane.laws.
 
 layers: PLANE_LAYER records, k the number of one; operators: the operator, and that which is loose at its ends (see ``sweep``);
-s: scratch, stride from one row of it to the next; y: the unknowns of the points that are held.
+s: scratch; y: the unknowns of the points that are held; lines: (2, 4, columns held), displacement in x, y, and velocity of the
+lower and the upper line of a gas's grid.
 """
 
 from __future__ import annotations
@@ -9,30 +10,29 @@ from __future__ import annotations
 from numba import njit
 
 from fsipetsc.coupling.plane import meet, meet_sliding, slide
-from fsipetsc.operators.kernels import ENTRY, U64
-from fsipetsc.physics.plane.gas import LINE_ROWS
+from fsipetsc.operators.kernels import ENTRY
 from fsipetsc.scheme.plane.fields import gas_fields, solid_fields
 from fsipetsc.scheme.plane.gains import edge_sums
-from fsipetsc.scheme.plane.geometry import find_normals, lay
+from fsipetsc.scheme.plane.geometry import find_normals, jacobian, lay
 from fsipetsc.scheme.plane.joints import hold, join, load, note_gains, note_power
 from fsipetsc.scheme.plane.laws import GAS, SOLID
-from fsipetsc.scheme.plane.look import blended, look_at_gas, look_at_solid
-from fsipetsc.scheme.plane.sweep import places, sweep
+from fsipetsc.scheme.plane.look import look_at_gas, look_at_solid
+from fsipetsc.scheme.plane.sweep import block_width, place_of, sweep
 from fsipetsc.scheme.plane.targets import Target, advance
 
 
 @njit(**ENTRY)
-def gas_rates(layers, k, operators, s, stride, y, f, source, onward, base, total, a, b):
+def gas_rates(layers, k, operators, s, y, lines, f, source, onward, base, total, a, b):
     """Rates of gas layer k at the points that are owned, to f or a Runge-Kutta stage: see fsipetsc.scheme.plane.targets."""
     target = Target(f, source, onward, a, base, total, b)
-    sweep(GAS, layers[k], operators[0], operators[1], s, places(layers[k], stride), y, target)
+    sweep(GAS, layers[k], operators[0], operators[1], s, y, lines, target)
 
 
 @njit(**ENTRY)
-def solid_rates(layers, k, operators, s, stride, y, f, source, onward, base, total, a, b):
+def solid_rates(layers, k, operators, s, y, lines, f, source, onward, base, total, a, b):
     """Rates of solid layer k."""
     target = Target(f, source, onward, a, base, total, b)
-    sweep(SOLID, layers[k], operators[0], operators[1], s, places(layers[k], stride), y, target)
+    sweep(SOLID, layers[k], operators[0], operators[1], s, y, lines, target)
 
 
 @njit(**ENTRY)
@@ -108,15 +108,15 @@ def line_normals(operators, points, normals, s, stride, count, first, last, h, p
 
 
 @njit(**ENTRY)
-def gas_look(layers, k, operators, s, stride, y, words):
+def gas_look(layers, k, operators, s, y, lines, words):
     """Extremes and integrals of gas layer k: see fsipetsc.scheme.plane.look."""
-    look_at_gas(GAS, layers[k], operators[0], s, places(layers[k], stride), y, words)
+    look_at_gas(GAS, layers[k], operators[0], s, y, lines, words)
 
 
 @njit(**ENTRY)
-def solid_look(layers, k, operators, s, stride, y, words):
+def solid_look(layers, k, operators, s, y, lines, words):
     """Of solid layer k."""
-    look_at_solid(SOLID, layers[k], operators[0], s, places(layers[k], stride), y, words)
+    look_at_solid(SOLID, layers[k], operators[0], s, y, words)
 
 
 @njit(**ENTRY)
@@ -126,34 +126,22 @@ def edges_of(layers, k, operators, y, words):
 
 
 @njit(**ENTRY)
-def lay_lines(layers, k, operators, s, stride, lines):
-    """Put the lines of a gas layer's grid into scratch, and what follows from them: see fsipetsc.scheme.plane.geometry."""
-    lay(layers[k], operators[0], s, places(layers[k], stride), lines)
+def grid_jacobian(layers, k, operators, s, lines, J):
+    """J of the grid of gas layer k at the points that are owned."""
+    layer = layers[k]
+    for first in range(layer.own_x[0], layer.own_x[1], block_width(layer)):
+        place = place_of(layer, first)
+        lay(layer, operators[0], s, place, lines)
+        jacobian(layer, s, place, J)
 
 
 @njit(**ENTRY)
-def grid_jacobian(layers, k, s, stride, J):
-    """J of the grid of gas layer k at the points that are owned, whose lines stand in scratch."""
-    layer, place = layers[k], places(layers[k], stride)
-    low = place.lines
-    high = low + LINE_ROWS * stride
-    height = (layer.ny - 1) * layer.h_y
-    for j in range(J.shape[0]):
-        zeta = (layer.first_y + layer.own_y[0] + j) / (layer.ny - 1)
-        for n in range(J.shape[1]):
-            i = layer.own_x[0] + n
-            x_xi, y_xi = 1.0 + blended(s, low, high, 4 * stride + i, zeta), blended(s, low, high, 5 * stride + i, zeta)
-            x_eta = (s[U64(high + i)] - s[U64(low + i)]) / height
-            J[j, n] = x_xi * (s[U64(high + stride + i)] - s[U64(low + stride + i)]) / height - x_eta * y_xi
-
-
-@njit(**ENTRY)
-def save_gas(layers, k, operators, s, stride, y, X, out):
+def save_gas(layers, k, operators, s, y, lines, X, out):
     """What is saved of the points of gas layer k: see fsipetsc.scheme.plane.fields."""
-    gas_fields(GAS, layers[k], operators[0], s, places(layers[k], stride), y, X, out)
+    gas_fields(GAS, layers[k], y, lines, X, out)
 
 
 @njit(**ENTRY)
-def save_solid(layers, k, operators, s, stride, y, X, out):
+def save_solid(layers, k, operators, s, y, lines, X, out):
     """Of solid layer k."""
-    solid_fields(SOLID, layers[k], operators[0], s, places(layers[k], stride), y, X, out)
+    solid_fields(SOLID, layers[k], operators[0], s, y, X, out)

@@ -18,8 +18,9 @@ from fsipetsc.physics.plane.solid import plane_solid
 from fsipetsc.physics.plane.two_point import two_point_gas
 from fsipetsc.scheme.plane.dissipation import dissipate_across, dissipate_along
 from fsipetsc.scheme.plane.edges import amend_gas, amend_solid
-from fsipetsc.scheme.plane.pairs import nothing, pairs_across, pairs_along
-from fsipetsc.scheme.plane.sums import meet, no_sums
+from fsipetsc.scheme.plane.geometry import lay, no_grid
+from fsipetsc.scheme.plane.pairs import give_pairs
+from fsipetsc.scheme.plane.sums import complete, meet, no_sums
 
 
 def law(equations: Formulas) -> Formulas:
@@ -28,11 +29,11 @@ def law(equations: Formulas) -> Formulas:
     work = {
         "amend": amend_gas if equations.kind == FLUID else amend_solid,
         "looks_ahead": int(dissipation or len(equations.differentiated) > 0),
+        "lay": lay if equations.kind == FLUID else no_grid,
         "meet": meet if equations.sums else no_sums,
-        "give_across": pairs_across if pairs else nothing,
-        "give_along": pairs_along if pairs else nothing,
-        "dissipate_across": dissipate_across if dissipation else nothing,
-        "dissipate_along": dissipate_along if dissipation else nothing,
+        "give": give_pairs if pairs else complete,
+        "dissipate_across": dissipate_across if dissipation else no_sums,
+        "dissipate_along": dissipate_along if dissipation else no_sums,
     }
     return Formulas(**vars(equations), **work)
 

@@ -21,24 +21,27 @@ import numpy as np
 from numba import njit
 
 from fsipetsc.operators.kernels import FORMULA, OPTIONS, U64
-from fsipetsc.operators.rows import across, along, at
+from fsipetsc.operators.rows import STRIDE, across, along, at
 from fsipetsc.operators.vectors import (
-    LANES,
+    TWICE,
     fma,
+    half,
     lane,
-    load,
-    load_interlaced,
+    load_twice,
+    load_twice_interlaced,
     magnitude,
     masked,
     maximum,
     minimum,
+    on_aligned_stack,
     root,
-    spread,
+    spread_twice,
 )
 from fsipetsc.physics.plane.gas import JA1, JA2_X, JA2_Y, LINE_ROWS
 from fsipetsc.physics.plane.layer import DOF, ELASTIC, NOWHERE
+from fsipetsc.scheme.plane.geometry import lay
 from fsipetsc.scheme.plane.sums import norm_at
-from fsipetsc.scheme.plane.sweep import last_needed, prepare_row
+from fsipetsc.scheme.plane.sweep import block_width, last_needed, place_of, prepare_row
 
 CONVECTION, DIFFUSION, BAD, LEAST_J, MASS, MOMENTUM_X, MOMENTUM_Y, ENERGY, ENTROPY = range(9)
 #: number of words; those from MASS on are sums
@@ -62,7 +65,7 @@ class Seen(NamedTuple):
 @njit(**FORMULA)
 def nothing_seen():
     """To begin with."""
-    zero, most = spread(0.0), spread(np.inf)
+    zero, most = spread_twice(0.0), spread_twice(np.inf)
     return Seen(zero, zero, most, most, zero, zero, zero, zero, zero)
 
 
@@ -86,13 +89,17 @@ def with_more(seen, count, part, convection, diffusion, J, least, integrals):
 @njit(**FORMULA)
 def largest(v):
     """Of the lanes; not a number if one of them is not."""
-    return maximum(maximum(lane(v, 0), lane(v, 1)), maximum(lane(v, 2), lane(v, 3)))
+    v = maximum(half(v, 0), half(v, 1))
+    below, above = maximum(lane(v, 0), lane(v, 1)), maximum(lane(v, 2), lane(v, 3))
+    return maximum(maximum(below, above), maximum(maximum(lane(v, 4), lane(v, 5)), maximum(lane(v, 6), lane(v, 7))))
 
 
 @njit(**FORMULA)
 def total(v):
     """Of the lanes."""
-    return (lane(v, 0) + lane(v, 1)) + (lane(v, 2) + lane(v, 3))
+    v = half(v, 0) + half(v, 1)
+    below, above = (lane(v, 0) + lane(v, 1)) + (lane(v, 2) + lane(v, 3)), (lane(v, 4) + lane(v, 5)) + (lane(v, 6) + lane(v, 7))
+    return below + above
 
 
 @njit(**OPTIONS)
@@ -107,31 +114,43 @@ def note(seen, words):
 
 
 @njit(**OPTIONS)
-def weigh(layer, op, s, row):
-    """Weights of the columns that are owned in integrals over the reference coordinates, to a row of scratch."""
-    for i in range(layer.own_x[0], layer.own_x[1]):
+def weigh(layer, op, s, place):
+    """Weights of the columns of a block in integrals over the reference coordinates, to a row of scratch."""
+    for i in range(place.first, place.end):
         inside = layer.end_x[1] >= NOWHERE
-        s[U64(row + i)] = layer.h_x * layer.h_y * (1.0 if inside else norm_at(op, i, layer.end_x[0], layer.end_x[1]))
+        s[U64(place.rates + i)] = layer.h_x * layer.h_y * (1.0 if inside else norm_at(op, i, layer.end_x[0], layer.end_x[1]))
 
 
 @njit(**OPTIONS)
-def look_at_gas(law, layer, op, s, place, y, words):
-    """Words of a gas layer; its lines must stand in scratch."""
-    seen, c, stride, weights = nothing_seen(), law.constants(law, layer), place.stride, place.rates
-    weigh(layer, op, s, weights)
-    low, high = place.lines, place.lines + LINE_ROWS * stride
+def look_at_gas(law, layer, op, s, y, lines, words):
+    """Words of a gas layer."""
+    seen = nothing_seen()
+    for first in range(layer.own_x[0], layer.own_x[1], block_width(layer)):
+        place = place_of(layer, first)
+        lay(layer, op, s, place, lines)
+        seen = look_at_block_of_gas(law, layer, op, s, place, y, seen)
+    note(seen, words)
+
+
+@njit(**OPTIONS)
+def look_at_block_of_gas(law, layer, op, s, place, y, seen):
+    """What has been seen, and the points of a block, whose lines stand in scratch."""
+    on_aligned_stack()
+    weigh(layer, op, s, place)
+    c, low, high = law.constants(law, layer), place.lines, place.lines + LINE_ROWS * STRIDE
     for j in range(layer.own_y[0], layer.own_y[1]):
         zeta, first = (layer.first_y + j) / (layer.ny - 1), j * layer.width * DOF
         across_y = norm_at(op, j, layer.end_y[0], layer.end_y[1])
-        for i in range(layer.own_x[0], layer.own_x[1], LANES):
-            J, r, m, n, e = load_interlaced(y, first + i * DOF, 5)
-            per_J, per_r = 1.0 / J, 1.0 / r
+        for i in range(place.first, place.end, TWICE):
+            J, r, m, n, e = load_twice_interlaced(y, first + i * DOF, 5)
+            per_both = 1.0 / (J * r)  # divisions take as long as twenty products
+            per_J, per_r = r * per_both, J * per_both
             u, v, rho = m * per_r, n * per_r, r * per_J
             T = law.gas.temperature_in_loops(c[0], rho, e * per_r - 0.5 * fma(u, u, v * v))
-            a1x, a1y = load(s, place.lines + JA1 * stride + i), load(s, place.lines + (JA1 + 1) * stride + i)
-            a2x, a2y = between(s, place.lines, stride, JA2_X, zeta, i), between(s, place.lines, stride, JA2_Y, zeta, i)
-            u = u - blend(s, low + 2 * stride + i, high + 2 * stride + i, zeta)
-            v = v - blend(s, low + 3 * stride + i, high + 3 * stride + i, zeta)
+            a1x, a1y = load_twice(s, place.lines + JA1 * STRIDE + i), load_twice(s, place.lines + (JA1 + 1) * STRIDE + i)
+            a2x, a2y = between(s, place.lines, JA2_X, zeta, i), between(s, place.lines, JA2_Y, zeta, i)
+            u = u - blend(s, low + 2 * STRIDE + i, high + 2 * STRIDE + i, zeta)
+            v = v - blend(s, low + 3 * STRIDE + i, high + 3 * STRIDE + i, zeta)
             n1, n2 = fma(a1x, a1x, a1y * a1y), fma(a2x, a2x, a2y * a2y)
             squared, x, z = law.gas.sound_speed_squared(c[0], rho, T), per_J * (1.0 / layer.h_x), per_J * (1.0 / layer.h_y)
             fastest = (magnitude(fma(a1x, u, a1y * v)) + root(squared * n1)) * x
@@ -140,51 +159,62 @@ def look_at_gas(law, layer, op, s, place, y, words):
             spreading = maximum(4.0 / 3.0 * layer.mu * of_mu, layer.kappa * of_kappa / law.gas.heat_capacity(c[0], rho, T))
             diffusion = (op.stiffness * spreading) * (J * per_r) * fma(n1, x * x, n2 * (z * z))
             integrals = r, m, n, e, r * law.gas.entropy(c[0], rho, T)
-            part, least = across_y * load(s, weights + i), minimum(minimum(rho, T), J)
-            seen = with_more(seen, layer.own_x[1] - i, part, fastest, diffusion, J, least, integrals)
-    note(seen, words)
+            part, least = across_y * load_twice(s, place.rates + i), minimum(minimum(rho, T), J)
+            seen = with_more(seen, place.end - i, part, fastest, diffusion, J, least, integrals)
+    return seen
 
 
 @njit(**FORMULA)
-def between(s, lines, stride, row, zeta, i):
+def between(s, lines, row, zeta, i):
     """Of what is linear in zeta, see fsipetsc.scheme.plane.geometry."""
-    return fma(zeta, load(s, lines + (row + 1) * stride + i), load(s, lines + row * stride + i))
+    return fma(zeta, load_twice(s, lines + (row + 1) * STRIDE + i), load_twice(s, lines + row * STRIDE + i))
 
 
 @njit(**FORMULA)
 def blend(s, low, high, zeta):
     """Of a quantity of the lines, between them."""
-    below = load(s, low)
-    return fma(zeta, load(s, high) - below, below)
+    below = load_twice(s, low)
+    return fma(zeta, load_twice(s, high) - below, below)
 
 
 @njit(**OPTIONS)
-def blended(s, low, high, row, zeta):
-    """Of a quantity of the lines, between them."""
-    return s[U64(low + row)] + zeta * (s[U64(high + row)] - s[U64(low + row)])
-
-
-@njit(**OPTIONS)
-def look_at_solid(law, layer, op, s, place, y, words):
+def look_at_solid(law, layer, op, s, y, words):
     """Words of a solid layer. The energy: kinetic and m0 alpha T, and the elastic one W where the heat is without its work."""
-    seen, c, lo, hi, weights = nothing_seen(), law.elastic.constants(layer), layer.end_y[0], layer.end_y[1], place.rates
-    per_m0 = 1.0 / layer.m0
-    a, b, prepared, stride, slopes = layer.own_x[0], layer.own_x[1], 0, place.stride, place.slopes
-    weigh(layer, op, s, weights)
+    seen = nothing_seen()
+    for first in range(layer.own_x[0], layer.own_x[1], block_width(layer)):
+        seen = look_at_block_of_solid(law, layer, op, s, place_of(layer, first), y, seen)
+    note(seen, words)
+
+
+@njit(**OPTIONS)
+def strain_row(law, layer, op, s, place, y, j, prepared):
+    """Derivatives of the displacement at row j of a block of a solid, to slopes; how many rows are prepared, and were."""
+    lo, hi, a, b = layer.end_y[0], layer.end_y[1], place.first, place.end
+    while prepared <= min(last_needed(op, j, lo, hi), layer.height - 1):
+        prepare_row(law, layer, op, s, place, y, prepared)
+        prepared += 1
+    for k in range(2):
+        to = place.slopes + 2 * k * STRIDE
+        along(op, s, at(place.v, k, j), to, a, b, layer.end_x[0], layer.end_x[1], 1.0 / layer.h_x)
+        across(op, s, place.v, k, j, to + STRIDE, a, b, lo, hi, 1.0 / layer.h_y)
+    return prepared
+
+
+@njit(**OPTIONS)
+def look_at_block_of_solid(law, layer, op, s, place, y, seen):
+    """What has been seen, and the points of a block."""
+    on_aligned_stack()
+    c, a, b, prepared, slopes, per_m0 = law.elastic.constants(layer), place.first, place.end, 0, place.slopes, 1.0 / layer.m0
+    weigh(layer, op, s, place)
     for j in range(layer.own_y[0], layer.own_y[1]):
-        while prepared <= min(last_needed(op, j, lo, hi), layer.height - 1):
-            prepare_row(law, layer, s, place, y, prepared)
-            prepared += 1
-        for k in range(2):
-            to = slopes + 2 * k * stride
-            along(op, s, at(place.v, k, j), to, a, b, layer.end_x[0], layer.end_x[1], 1.0 / layer.h_x)
-            across(op, s, place.v, k, j, to + stride, a, b, lo, hi, 1.0 / layer.h_y)
-        across_y = norm_at(op, j, lo, hi)
+        prepared = strain_row(law, layer, op, s, place, y, j, prepared)
+        across_y = norm_at(op, j, layer.end_y[0], layer.end_y[1])
         u_row, v_row, T_row = at(place.v, 2, j), at(place.v, 3, j), at(place.v, 4, j)
-        for i in range(a, b, LANES):
+        for i in range(a, b, TWICE):
             d = slopes + i
-            F = load(s, d) + 1.0, load(s, d + stride), load(s, d + 2 * stride), load(s, d + 3 * stride) + 1.0
-            u, v, T = load(s, u_row + i), load(s, v_row + i), load(s, T_row + i)
+            f12, f21 = load_twice(s, d + STRIDE), load_twice(s, d + 2 * STRIDE)
+            F = load_twice(s, d) + 1.0, f12, f21, load_twice(s, d + 3 * STRIDE) + 1.0
+            u, v, T = load_twice(s, u_row + i), load_twice(s, v_row + i), load_twice(s, T_row + i)
             J, x, z = F[0] * F[3] - F[1] * F[2], fma(F[3], F[3], F[1] * F[1]), fma(F[2], F[2], F[0] * F[0])
             along_x, along_y = law.elastic.modulus(c, F, x, z)
             fastest = root(along_x * per_m0) * (1.0 / layer.h_x) + root(along_y * per_m0) * (1.0 / layer.h_y)
@@ -194,7 +224,7 @@ def look_at_solid(law, layer, op, s, place, y, words):
             if layer.heat == ELASTIC:
                 energy = energy + law.elastic.energy(c, F)
             moving = fastest + 0.0 * (u + v)  # which must be numbers, too
-            integrals = spread(layer.m0), layer.m0 * u, layer.m0 * v, energy, layer.m0 * layer.alpha * np.log(T)
-            part = across_y * load(s, weights + i)
+            integrals = spread_twice(layer.m0), layer.m0 * u, layer.m0 * v, energy, layer.m0 * layer.alpha * np.log(T)
+            part = across_y * load_twice(s, place.rates + i)
             seen = with_more(seen, b - i, part, moving, diffusion, J, minimum(J, T), integrals)
-    note(seen, words)
+    return seen

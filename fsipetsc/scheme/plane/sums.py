@@ -3,8 +3,9 @@
 Rows are met from below to above. What a point gets it gets in the same order, whoever owns it: from rows below, from its own as
 that is met, and then from the points beside it. A physics with sums has
 
-    give_across, dissipate_across(law, layer, op, s, place, j)    add to the sums of row j and of rows above it, times norm
-    give_along, dissipate_along(law, layer, op, s, place, j)      add to the gains of row j, times norm
+    dissipate_across(law, layer, op, s, place, j)    adds to the sums of row j and of rows above it, times norm
+    dissipate_along(law, layer, op, s, place, j)     adds to the gains of row j, times norm
+    give(law, layer, op, s, place, j)                the rest; where row j is owned, its sums are complete then
 """
 
 from __future__ import annotations
@@ -12,13 +13,13 @@ from __future__ import annotations
 from numba import njit
 
 from fsipetsc.operators.formulas import Formulas, each
-from fsipetsc.operators.kernels import FORMULA, OPTIONS, U64
-from fsipetsc.operators.rows import fill
+from fsipetsc.operators.kernels import FORMULA, U64
+from fsipetsc.operators.rows import STRIDE, fill
 from fsipetsc.operators.vectors import WIDE, load_wide, store
 from fsipetsc.scheme.plane.sweep import SUMS, row_of_ring
 
 
-@njit(**OPTIONS)
+@njit(**FORMULA)
 def no_sums(law, layer, op, s, place, j):
     """Of physics without them."""
 
@@ -26,37 +27,44 @@ def no_sums(law, layer, op, s, place, j):
 @njit(**FORMULA)
 def fluxes_of(law, place):
     """Rows of the fluxes of one distance."""
-    return each(row_of_ring.row, law.sums, place.pairs, place.stride)
+    return each(row_of_ring.row, law.sums, place.pairs)
 
 
 @njit(**FORMULA)
 def gains_of(law, place):
     """Rows of what is gained along a row."""
-    return each(row_of_ring.row, law.sums, place.pairs + SUMS * place.stride, place.stride)
+    return each(row_of_ring.row, law.sums, place.pairs + SUMS * STRIDE)
 
 
-@njit(**OPTIONS)
+@njit(**FORMULA)
 def meet(law, layer, op, s, place, j):
     """Row j gives and gets; then its sums are complete, if it is owned."""
-    law.give_across(law, layer, op, s, place, j)
     law.dissipate_across(law, layer, op, s, place, j)
+    if j >= layer.own_y[0]:
+        each(of_sums.clear, gains_of(law, place), s, place.first, place.end)
+        law.dissipate_along(law, layer, op, s, place, j)
+    law.give(law, layer, op, s, place, j)
+
+
+@njit(**FORMULA)
+def complete(law, layer, op, s, place, j):
+    """All that is given is there: sums and gains, over the norm, together."""
     if j < layer.own_y[0]:
         return
-    a, b = layer.own_x[0], layer.own_x[1]
+    a, b = place.first, place.end
     sums, gains = each(row_of_ring.at, law.sums, place.sums, j), gains_of(law, place)
-    each(of_sums.clear, gains, s, a, b)
-    law.give_along(law, layer, op, s, place, j)
-    law.dissipate_along(law, layer, op, s, place, j)
     for side in range(2):
-        if a <= layer.end_x[side] < b:
+        if layer.end_x[side] - op.rows < b and a < layer.end_x[side] + op.rows:
             for r in range(op.rows):
-                each(of_sums.divide, gains, op.norm[r], s, layer.end_x[side] + (1 - 2 * side) * r)
+                i = layer.end_x[side] + (1 - 2 * side) * r
+                if a <= i < b:
+                    each(of_sums.divide, gains, op.norm[r], s, i)
     scale = 1.0 / norm_at(op, j, layer.end_y[0], layer.end_y[1])
     for i in range(a, b, WIDE):
         each(of_sums.complete, sums, gains, scale, s, i)
 
 
-@njit(**OPTIONS)
+@njit(**FORMULA)
 def norm_at(op, n, first, last):
     """Weight of the norm at point n between the ends first and last, without h."""
     r = min(n - first, last - n)

@@ -8,15 +8,16 @@ with the unknowns q of a point, what is derived from them there (v), fluxes a al
 sums of what it has to do with other points, pair by pair.
 The boundary fluxes are left out: the operator is *loose* at the edges, h a_0 D_00 = +1/2 instead of -1/2, so that what
 comes out are the rates without traction, heat and mass through any edge (fsipetsc.scheme.plane.edges adds what there is).
-Only the J of a grid keeps the whole derivative. A physics is formulas at a point, of vectors of points:
+Only the J of a grid keeps the whole derivative, among the further quantities.
+A physics is formulas at a point, of vectors of points:
 
     unknowns, prepared, fluxes, extras  (0, 1, ...), a number for each of q, v, a (and b), e
     differentiated                   those of v of which D_x and D_y are wanted
     looks_ahead                      1 if rows beyond those of a flux are needed, as for derivatives
-    loose                            for each flux 1, or 0 for the whole derivative
     constants(law, layer)            numbers that the formulas need
     prepare(law, c, q)               v
-    grid(s, lines, stride, height, i)    metrics of the grid at the points i .., see ``heights``
+    lay(layer, op, s, place, lines)  puts what there is to know of the grid into scratch
+    grid(s, lines, height, i)        metrics of the grid at the points i .., see ``heights``
     flux(law, c, v, metrics, D_x v, D_y v)    a, b, e
     rate(law, c, v, divergence, e, sums)
     sums                             (0, 1, ...), a number for each unknown to which pairs of points give something, beside
@@ -24,8 +25,9 @@ Only the J of a grid keeps the whole derivative. A physics is formulas at a poin
     meet(law, layer, op, s, place, j)    what there is to do for the sums of row j
     amend(law, layer, op, s, place, lines, j)    gives the rates of row j what goes through the edges
 
-A row goes through three stages, each as far ahead of the next as the derivatives across rows need it: v, fluxes, rates. So
-what lies between q and its rate is never more than a ring of rows, which stays in a cache.
+The layer is gone through in blocks of columns. In a block a row goes through three stages, each as far ahead of the next as
+the derivatives across rows need it: v, fluxes, rates. So what lies between q and its rate is never more than a ring of rows
+of a block, which stays in a cache.
 """
 
 from __future__ import annotations
@@ -37,10 +39,11 @@ from numba import njit
 
 from fsipetsc.operators.formulas import Formulas, each
 from fsipetsc.operators.kernels import FORMULA, OPTIONS
-from fsipetsc.operators.rows import MARGIN, Ring, across, along, at
-from fsipetsc.operators.vectors import LANES, WIDE, load_interlaced, load_wide, spread_wide
+from fsipetsc.operators.rows import BLOCK, MARGIN, QUANTITIES, STRIDE, Ring, along, at
+from fsipetsc.operators.vectors import TWICE, WIDE, load_twice, load_wide, load_wide_interlaced, on_aligned_stack, spread_twice
 from fsipetsc.physics.plane.gas import GRID_ROWS
 from fsipetsc.physics.plane.layer import DOF
+from fsipetsc.scheme.plane.slopes import slopes_across, slopes_along, weigh_across, weigh_along
 from fsipetsc.scheme.plane.targets import send_row
 from fsipetsc.scheme.sweep import row_of
 
@@ -48,33 +51,32 @@ from fsipetsc.scheme.sweep import row_of
 PREPARED, FLUXES, EXTRAS, SUMS = 14, 4, 7, 4
 #: number of the last of what is prepared, which is there for fsipetsc.scheme.plane.dissipation
 STEEPNESS = PREPARED - 1
-#: rows of scratch: v, fluxes across, derivatives of those along, extras, sums over pairs, each in a ring; and of one row its
-#: slopes in both directions, fluxes along, fluxes and sums of its pairs, rates, what is known of the grid, rates together again
-IN_RINGS = PREPARED + 2 * FLUXES + EXTRAS + SUMS
-BESIDE = 2 * PREPARED + 2 * FLUXES + 2 * SUMS + DOF + GRID_ROWS + DOF
+#: in rings: v, fluxes along and across, extras, sums over pairs
+A, B, E, OF_SUMS = PREPARED, PREPARED + FLUXES, PREPARED + 2 * FLUXES, PREPARED + 2 * FLUXES + EXTRAS
+#: rows of scratch beside them: of one row its slopes in both directions, derivatives of fluxes along, fluxes and sums of its
+#: pairs, rates, what is known of the grid, weights of pairs with other rows and in derivatives
+BESIDE = 2 * PREPARED + FLUXES + 2 * SUMS + DOF + GRID_ROWS + 2
+assert OF_SUMS + SUMS == QUANTITIES
 
 
-class Places(NamedTuple):
-    """Where the rows of scratch stand."""
+class Place(NamedTuple):
+    """A block of columns first <= i < end of those that are owned, and where the rows of scratch stand: column i of a row that
+    begins at r is s[r + i]. The first column stands at the beginning of a cache line.
+    """
 
+    first: int
+    end: int
     v: Ring
+    a: Ring
     b: Ring
-    d: Ring
     e: Ring
     sums: Ring
     slopes: int
-    a: int
+    divergences: int
     pairs: int
     rates: int
     lines: int
-    sent: int
-    stride: int
-
-
-def scratch_stride(width: int) -> int:
-    """Doubles from one row of scratch to the next: an odd number of cache lines."""
-    lines = (width + 2 * MARGIN + 7) // 8
-    return 8 * (lines + 1 - lines % 2)
+    weights: int
 
 
 def ring_rows(op: np.ndarray, record: np.ndarray) -> int:
@@ -92,32 +94,63 @@ def ring_rows(op: np.ndarray, record: np.ndarray) -> int:
     return 1 << (most - 1).bit_length()
 
 
-def scratch(stride: int, first: int, ring: int) -> np.ndarray:
-    """Scratch for rows so far apart, whose columns from number ``first`` on begin with a cache line."""
-    doubles = (ring * IN_RINGS + BESIDE) * stride + 4 * MARGIN
+def scratch(ring: int) -> np.ndarray:
+    """Scratch for a block with so many rows in rings."""
+    doubles = (ring * QUANTITIES + BESIDE) * STRIDE
     room = np.zeros(doubles + 8)
-    begin = -(room.ctypes.data // 8 + MARGIN + first) % 8
+    begin = -(room.ctypes.data // 8) % 8
     return room[begin : begin + doubles]
 
 
-@njit(**OPTIONS)
-def places(layer, stride):
-    """Of a layer whose rows are this far apart."""
-    apart, mask = layer.ring * stride, layer.ring - 1
-    v = Ring(MARGIN, apart, stride, mask)
-    b = Ring(v.origin + PREPARED * apart, apart, stride, mask)
-    d = Ring(b.origin + FLUXES * apart, apart, stride, mask)
-    e = Ring(d.origin + FLUXES * apart, apart, stride, mask)
-    sums = Ring(e.origin + EXTRAS * apart, apart, stride, mask)
-    slopes = sums.origin + SUMS * apart
-    a = slopes + 2 * PREPARED * stride
-    pairs = a + 2 * FLUXES * stride
-    rates = pairs + 2 * SUMS * stride
-    lines = rates + DOF * stride
-    return Places(v, b, d, e, sums, slopes, a, pairs, rates, lines, lines + GRID_ROWS * stride, stride)
+@njit(**FORMULA)
+def block_width(layer):
+    """Columns of a block: all but the last one have as many."""
+    owned = layer.own_x[1] - layer.own_x[0]
+    blocks = (owned + BLOCK - 1) // BLOCK
+    return ((owned + blocks - 1) // blocks + WIDE - 1) // WIDE * WIDE
 
 
-@njit(**OPTIONS)
+@njit(**FORMULA)
+def place_of(layer, first):
+    """The block of a layer that begins at a column."""
+    origin, mask = MARGIN - first, layer.ring - 1
+    beside = origin + layer.ring * QUANTITIES * STRIDE
+    divergences = beside + 2 * PREPARED * STRIDE
+    pairs = divergences + FLUXES * STRIDE
+    rates = pairs + 2 * SUMS * STRIDE
+    lines = rates + DOF * STRIDE
+    return Place(
+        first,
+        min(first + block_width(layer), layer.own_x[1]),
+        Ring(origin, mask),
+        Ring(origin + A * STRIDE, mask),
+        Ring(origin + B * STRIDE, mask),
+        Ring(origin + E * STRIDE, mask),
+        Ring(origin + OF_SUMS * STRIDE, mask),
+        beside,
+        divergences,
+        pairs,
+        rates,
+        lines,
+        lines + GRID_ROWS * STRIDE,
+    )
+
+
+@njit(**FORMULA)
+def at_ends(layer, place):
+    """Whether an end in X is so near that its closure has to do with a block or what lies beside it."""
+    return layer.end_x[0] > place.first - 2 * MARGIN or layer.end_x[1] < place.end + 2 * MARGIN
+
+
+@njit(**FORMULA)
+def columns(layer, op, place, looks_ahead):
+    """(a, b): v must be known at the columns a <= i < b. a is whole vectors from the first column; below 0 there is nothing."""
+    beyond = op.p + op.cols if at_ends(layer, place) else op.p * (1 + looks_ahead)
+    vectors = (min(beyond, place.first) + WIDE - 1) // WIDE
+    return place.first - vectors * WIDE, min(place.end + beyond, layer.width)
+
+
+@njit(**FORMULA)
 def heights(layer, op, j):
     """zeta at row j, from 0 at the lower to 1 at the upper edge, and D_y of zeta and of zeta^2 there."""
     lo, hi, per_length = layer.end_y[0], layer.end_y[1], 1.0 / (layer.ny - 1)
@@ -135,7 +168,7 @@ def heights(layer, op, j):
     return zeta, of_first / layer.h_y, of_second / layer.h_y
 
 
-@njit(**OPTIONS)
+@njit(**FORMULA)
 def last_needed(op, j, lo, hi):
     """The last row that the derivative across rows takes at row j."""
     if j < lo + op.rows:
@@ -144,8 +177,20 @@ def last_needed(op, j, lo, hi):
 
 
 @njit(**OPTIONS)
-def sweep(law, layer, op, loose, s, place, y, target):
-    """Rates of the points that this rank owns, to where ``target`` says; y: the unknowns of all points it holds."""
+def sweep(law, layer, op, loose, s, y, lines, target):
+    """Rates of the points that this rank owns, to where ``target`` says; y: the unknowns of all points it holds; lines: of the
+    grid of a gas (fsipetsc.scheme.plane.geometry).
+    """
+    for first in range(layer.own_x[0], layer.own_x[1], block_width(layer)):
+        place = place_of(layer, first)
+        law.lay(layer, op, s, place, lines)
+        sweep_block(law, layer, op, loose, s, place, y, target)
+
+
+@njit(**FORMULA)
+def sweep_block(law, layer, op, loose, s, place, y, target):
+    """Those of a block of columns."""
+    on_aligned_stack()
     lo, hi = layer.end_y[0], layer.end_y[1]
     prepared, fluxed = 0, max(layer.own_y[0] - op.p, 0)
     paired = fluxed
@@ -153,9 +198,9 @@ def sweep(law, layer, op, loose, s, place, y, target):
         while fluxed <= min(last_needed(op, j, lo, hi), layer.height - 1):
             ahead = last_needed(op, fluxed, lo, hi) if law.looks_ahead == 1 else fluxed
             while prepared <= min(ahead, layer.height - 1):
-                prepare_row(law, layer, s, place, y, prepared)
+                prepare_row(law, layer, op, s, place, y, prepared)
                 prepared += 1
-            flux_row(law, layer, op, loose, s, place, fluxed)
+            flux_row(law, layer, op, s, place, fluxed)
             fluxed += 1
         while paired <= j:
             law.meet(law, layer, op, s, place, paired)
@@ -165,87 +210,82 @@ def sweep(law, layer, op, loose, s, place, y, target):
         send_row(layer, s, place, target, j)
 
 
-@njit(**OPTIONS)
-def prepare_row(law, layer, s, place, y, j):
+@njit(**FORMULA)
+def prepare_row(law, layer, op, s, place, y, j):
     """v of row j."""
-    c, first = law.constants(law, layer), j * layer.width * DOF
+    c, row, (a, b) = law.constants(law, layer), j * layer.width * DOF, columns(layer, op, place, law.looks_ahead)
     v = each(row_of_ring.at, law.prepared, place.v, j)
-    for i in range(0, layer.width, LANES):
-        each(row_of.store, v, law.prepare(law, c, load_interlaced(y, first + i * DOF, 5)), s, i)
+    for n in range(a, b, WIDE):
+        i = max(n, 0)
+        each(row_of.store, v, law.prepare(law, c, load_wide_interlaced(y, row + i * DOF, 5)), s, i)
 
 
-@njit(**OPTIONS)
-def columns(layer, op):
-    """(a, b): fluxes are needed at the columns a <= i < b."""
-    return max(layer.own_x[0] - op.p, 0), min(layer.own_x[1] + op.p, layer.width)
-
-
-@njit(**OPTIONS)
-def flux_row(law, layer, op, loose, s, place, j):
-    """Fluxes at row j; of those along it the derivative."""
-    a, b = columns(layer, op)
-    along_x = slope_rows(law, place)
-    each(block_of.slopes, law.differentiated, along_x, layer, op, s, place, j, a, b)
-    across_y = each(row_of_ring.second, along_x, place.stride)
+@njit(**FORMULA)
+def flux_row(law, layer, op, s, place, j):
+    """Fluxes at row j."""
+    on_aligned_stack()
+    a, b, near = place.first - WIDE, place.end + op.p, at_ends(layer, place)
+    ends = slope_rows(law, place)
+    if near:
+        each(block_of.slopes, law.differentiated, ends, layer, op, s, place, j, a, b)
+    along_x, across_y = weigh_along(layer, op, s, place), weigh_across(layer, op, s, place, j, False)
     v, c = each(row_of_ring.at, law.prepared, place.v, j), law.constants(law, layer)
-    to_a = each(row_of_ring.row, law.fluxes, place.a, place.stride)
-    to_b, to_e = each(row_of_ring.at, law.fluxes, place.b, j), each(row_of_ring.at, law.extras, place.e, j)
-    sums = each(row_of_ring.at, law.sums, place.sums, j)
+    to_a, to_b = each(row_of_ring.at, law.fluxes, place.a, j), each(row_of_ring.at, law.fluxes, place.b, j)
+    to_e, sums = each(row_of_ring.at, law.extras, place.e, j), each(row_of_ring.at, law.sums, place.sums, j)
     height = heights(layer, op, j)
-    for i in range(a, b, WIDE):
-        m, here = law.grid(s, place.lines, place.stride, height, i), each(row_of_ring.load, v, s, i)
-        fluxes = law.flux(law, c, here, m, each(row_of_ring.load, along_x, s, i), each(row_of_ring.load, across_y, s, i))
+    for i in range(a, b, TWICE):
+        m, here = law.grid(s, place.lines, height, i), each(row_of_ring.twice, v, s, i)
+        if near:
+            of_x = each(row_of_ring.twice, ends, s, i)
+        else:
+            of_x = slopes_along(law.differentiated, s, place.v, j, i, op.p, along_x)
+        fluxes = law.flux(law, c, here, m, of_x, slopes_across(law.differentiated, s, place.v, j, i, across_y))
         each(row_of.store, to_a, fluxes[0], s, i)
         each(row_of.store, to_b, fluxes[1], s, i)
         each(row_of.store, to_e, fluxes[2], s, i)
-        each(row_of.store, sums, spread_wide(0.0), s, i)
-    each(block_of.along, law.fluxes, to_a, law.loose, layer, op, loose, s, place, j)
+        each(row_of.store, sums, spread_twice(0.0), s, i)
 
 
 @njit(**FORMULA)
 def slope_rows(law, place):
-    """Where the slopes along X of each differentiated quantity stand."""
-    return each(row_of_ring.slope, law.differentiated, place.slopes, place.stride)
+    """Where the slopes along X of each differentiated quantity stand, if an end is near."""
+    return each(row_of_ring.row, law.differentiated, place.slopes)
 
 
 @njit(**OPTIONS)
 def slopes(number, to, layer, op, s, place, j, a, b):
-    """D_x and D_y of one quantity at row j."""
+    """D_x of one quantity at row j."""
     along(op, s, at(place.v, number, j), to, a, b, layer.end_x[0], layer.end_x[1], 1.0 / layer.h_x)
-    across(op, s, place.v, number, j, to + place.stride, a, b, layer.end_y[0], layer.end_y[1], 1.0 / layer.h_y)
     return 0
 
 
 @njit(**OPTIONS)
-def divergence_along(number, flux, is_loose, layer, op, loose, s, place, j):
-    """D_x of a flux along row j, to its ring."""
-    chosen = loose if is_loose == 1 else op
-    to = at(place.d, number, j)
-    along(chosen, s, flux, to, layer.own_x[0], layer.own_x[1], layer.end_x[0], layer.end_x[1], 1.0 / layer.h_x)
+def divergence_along(number, to, layer, loose, s, place, j):
+    """D_x of one flux along row j."""
+    flux = at(place.a, number, j)
+    along(loose, s, flux, to, place.first, place.end, layer.end_x[0], layer.end_x[1], 1.0 / layer.h_x)
     return 0
 
 
-@njit(**OPTIONS)
-def divergence_across(number, to, is_loose, layer, op, loose, s, place, j):
-    """D_y of a flux across rows at row j."""
-    chosen = loose if is_loose == 1 else op
-    across(chosen, s, place.b, number, j, to, layer.own_x[0], layer.own_x[1], layer.end_y[0], layer.end_y[1], 1.0 / layer.h_y)
-    return 0
-
-
-@njit(**OPTIONS)
+@njit(**FORMULA)
 def rate_row(law, layer, op, loose, s, place, j):
     """Rates at row j, to scratch."""
-    across_y = each(row_of_ring.row, law.fluxes, place.a + len(law.fluxes) * place.stride, place.stride)
-    each(block_of.across, law.fluxes, across_y, law.loose, layer, op, loose, s, place, j)
-    c, along_x = law.constants(law, layer), each(row_of_ring.at, law.fluxes, place.d, j)
-    v = each(row_of_ring.at, law.prepared, place.v, j)
+    on_aligned_stack()
+    near, ends = at_ends(layer, place), each(row_of_ring.row, law.fluxes, place.divergences)
+    if near:
+        each(block_of.along, law.fluxes, ends, layer, loose, s, place, j)
+    along_x, across_y = weigh_along(layer, op, s, place), weigh_across(layer, op, s, place, j, True)
+    c, v = law.constants(law, layer), each(row_of_ring.at, law.prepared, place.v, j)
     e, sums = each(row_of_ring.at, law.extras, place.e, j), each(row_of_ring.at, law.sums, place.sums, j)
-    to = each(row_of_ring.row, law.unknowns, place.rates, place.stride)
-    for i in range(layer.own_x[0], layer.own_x[1], WIDE):
-        divergence, here = each(row_of_ring.sum, along_x, across_y, s, i), each(row_of_ring.load, v, s, i)
-        others = each(row_of_ring.load, e, s, i), each(row_of_ring.load, sums, s, i)
-        each(row_of.store, to, law.rate(law, c, here, divergence, *others), s, i)
+    to = each(row_of_ring.row, law.unknowns, place.rates)
+    for i in range(place.first, place.end, TWICE):
+        if near:
+            of_x = each(row_of_ring.twice, ends, s, i)
+        else:
+            of_x = slopes_along(law.fluxes, s, place.a, j, i, op.p, along_x)
+        divergence = each(row_of_ring.sum, of_x, slopes_across(law.fluxes, s, place.b, j, i, across_y))
+        here, extra = each(row_of_ring.twice, v, s, i), each(row_of_ring.twice, e, s, i)
+        each(row_of.store, to, law.rate(law, c, here, divergence, extra, each(row_of_ring.twice, sums, s, i)), s, i)
 
 
 # what is done to each of some rows
@@ -257,23 +297,13 @@ def _at(number, ring, j):
 
 
 @njit(**FORMULA)
-def _row(number, origin, stride):
-    return origin + number * stride
+def _row(number, origin):
+    return origin + number * STRIDE
 
 
 @njit(**FORMULA)
-def _slope(number, origin, stride):
-    return origin + 2 * number * stride
-
-
-@njit(**FORMULA)
-def _second(row, stride):
-    return row + stride
-
-
-@njit(**FORMULA)
-def _sum(a, b, s, i):
-    return load_wide(s, a + i) + load_wide(s, b + i)
+def _sum(a, b):
+    return a + b
 
 
 @njit(**FORMULA)
@@ -281,5 +311,10 @@ def _load(row, s, i):
     return load_wide(s, row + i)
 
 
-row_of_ring = Formulas(at=_at, row=_row, slope=_slope, second=_second, sum=_sum, load=_load)
-block_of = Formulas(slopes=slopes, along=divergence_along, across=divergence_across)
+@njit(**FORMULA)
+def _twice(row, s, i):
+    return load_twice(s, row + i)
+
+
+row_of_ring = Formulas(at=_at, row=_row, sum=_sum, load=_load, twice=_twice)
+block_of = Formulas(slopes=slopes, along=divergence_along)

@@ -14,9 +14,14 @@ import numpy as np
 from numba import njit
 
 from fsipetsc.boundaries import INTERFACE_END
+from fsipetsc.operators.formulas import Formulas, each
 from fsipetsc.operators.kernels import FORMULA, OPTIONS, U64
-from fsipetsc.operators.vectors import LANES, WIDE, fma, load, load_wide, store, store_interlaced
+from fsipetsc.operators.rows import STRIDE
+from fsipetsc.operators.vectors import WIDE, fma, interlaced, load_wide, store
 from fsipetsc.physics.plane.layer import DOF
+
+#: those that the rates of a vector of points make
+_VECTORS = tuple(range(DOF))
 
 
 class Target(NamedTuple):
@@ -40,15 +45,29 @@ def at_interface(layer, j):
     return low or (j == layer.end_y[1] and layer.edge_y[1] == INTERFACE_END)
 
 
-@njit(**OPTIONS)
+@njit(**FORMULA)
 def send_row(layer, s, place, target, j):
-    """The rates of row j, from scratch."""
-    first, count = layer.own_x[0], (layer.own_x[1] - layer.own_x[0]) * DOF
-    if target.onward.size == 0 or at_interface(layer, j):
-        interlace(layer, s, place, target.rates, (j - layer.own_y[0]) * count - first * DOF)
-        return
-    interlace(layer, s, place, s, place.sent)
-    send_on(s, place.sent + first * DOF, target, (j * layer.width + first) * DOF, count)
+    """The rates of row j of a block, from scratch."""
+    as_they_are, width = target.onward.size == 0 or at_interface(layer, j), layer.own_x[1] - layer.own_x[0]
+    k = ((j - layer.own_y[0]) * width - layer.own_x[0]) * DOF
+    n, whole = j * layer.width * DOF, place.first + (place.end - place.first) // WIDE * WIDE
+    for i in range(place.first, whole, WIDE):
+        values = interlaced(each(of_parts.rate, _VECTORS, place, s, i))
+        if as_they_are:
+            each(of_parts.put, values, _VECTORS, target.rates, k + i * DOF)
+        else:
+            each(of_parts.send, values, _VECTORS, target.source, target.onward, target.a, n + i * DOF)
+    if not as_they_are and target.total.size > 0:
+        for i in range(place.first, whole, WIDE):
+            values = interlaced(each(of_parts.rate, _VECTORS, place, s, i))
+            each(of_parts.send, values, _VECTORS, target.base, target.total, target.b, n + i * DOF)
+    for i in range(whole, place.end):
+        for c in range(DOF):
+            rate = s[U64(place.rates + c * STRIDE + i)]
+            if as_they_are:
+                target.rates[U64(k + i * DOF + c)] = rate
+            else:
+                send_number(rate, target, n + i * DOF + c)
 
 
 @njit(**OPTIONS)
@@ -57,42 +76,38 @@ def advance(layer, target):
     first, count = layer.own_x[0], (layer.own_x[1] - layer.own_x[0]) * DOF
     for j in (layer.own_y[0], layer.own_y[1] - 1):
         if at_interface(layer, j):
-            rates = (j - layer.own_y[0]) * count
-            send_on(target.rates, rates, target, (j * layer.width + first) * DOF, count)
+            k, n = (j - layer.own_y[0]) * count, (j * layer.width + first) * DOF
+            for i in range(count):
+                send_number(target.rates[U64(k + i)], target, n + i)
 
 
-@njit(**OPTIONS)
-def interlace(layer, s, place, to, begin):
-    """Put the rates of a row together again, those of column i to to[begin + i DOF]."""
-    first, end, stride, r = layer.own_x[0], layer.own_x[1], place.stride, place.rates
-    whole = first + (end - first) // LANES * LANES
-    for i in range(first, whole, LANES):
-        values = (
-            load(s, r + i),
-            load(s, r + stride + i),
-            load(s, r + 2 * stride + i),
-            load(s, r + 3 * stride + i),
-            load(s, r + 4 * stride + i),
-        )
-        store_interlaced(to, begin + i * DOF, values)
-    for i in range(whole, end):
-        for c in range(DOF):
-            to[U64(begin + i * DOF + c)] = s[U64(r + c * stride + i)]
-
-
-@njit(**OPTIONS)
-def send_on(rates, k, target, at, count):
-    """Use ``count`` rates that begin at rates[k] for the points that begin at ``at``."""
-    add(rates, k, target.source, target.onward, at, count, target.a)
+@njit(**FORMULA)
+def send_number(rate, target, n):
+    """Use a rate of number n of the unknowns."""
+    target.onward[U64(n)] = fma(target.a, rate, target.source[U64(n)])
     if target.total.size > 0:
-        add(rates, k, target.base, target.total, at, count, target.b)
+        target.total[U64(n)] = fma(target.b, rate, target.base[U64(n)])
 
 
-@njit(**OPTIONS)
-def add(rates, k, source, to, at, count, a):
-    """to = source + a k, of so many numbers."""
-    whole = count - count % WIDE
-    for i in range(0, whole, WIDE):
-        store(to, at + i, fma(a, load_wide(rates, k + i), load_wide(source, at + i)))
-    for i in range(whole, count):
-        to[U64(at + i)] = fma(a, rates[U64(k + i)], source[U64(at + i)])
+# what is done with a vector of rates, of unknowns that stand together
+
+
+@njit(**FORMULA)
+def _send(rates, number, source, to, a, n):
+    i = n + WIDE * number
+    store(to, i, fma(a, rates, load_wide(source, i)))
+    return 0
+
+
+@njit(**FORMULA)
+def _put(rates, number, to, k):
+    store(to, k + WIDE * number, rates)
+    return 0
+
+
+@njit(**FORMULA)
+def _rate(number, place, s, i):
+    return load_wide(s, place.rates + number * STRIDE + i)
+
+
+of_parts = Formulas(rate=_rate, send=_send, put=_put)

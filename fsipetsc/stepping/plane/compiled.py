@@ -27,7 +27,7 @@ def needed(
     """(entry, arguments of the types that it gets), for all layers. equations: of each; faces: an INTERFACE array."""
     found = []
     layer = layout.records, 0
-    common = *layer, operators, _VALUES, 1
+    common = *layer, operators, _VALUES
     line = operators, _TABLE, _VALUES, 1, 1, 1, 1, 1.0, _NUMBERS
     points = faces, 0, _TABLE, _NUMBERS
     settle = *layer, operators, _VALUES, _TABLE, _PLACES, _LINES, _VALUES, _PLACES, _TABLE, _TABLE
@@ -35,9 +35,9 @@ def needed(
         gas, law = problem_layer.kind == "fluid", materials_of(problem_layer)
         rates, look, save = OF_GAS if gas else OF_SOLID
         found += [
-            (compiled(rates, own), (*common, _VALUES, _VALUES, *_STAGE)),
-            (compiled(look, law), (*common, _VALUES, _VALUES)),
-            (compiled(save, law), (*common, _VALUES, _VALUES, np.empty((1, 1, 1)))),
+            (compiled(rates, own), (*common, _VALUES, _LINES, _VALUES, *_STAGE)),
+            (compiled(look, law), (*common, _VALUES, _LINES, _VALUES)),
+            (compiled(save, law), (*common, _VALUES, _LINES, _VALUES, np.empty((1, 1, 1)))),
             (compiled(entries.settle, law), settle),
         ]
         if gas:
@@ -48,10 +48,9 @@ def needed(
     return [
         *found,
         (exchange, (_VALUES, 0, *fetched)),
-        (entries.lay_lines, (*common, _LINES)),
         (entries.end_stage, (*layer, operators, _VALUES, _VALUES, *ending, *_STAGE)),
         (entries.advance_behind, (_VALUES, *_STAGE)),
-        (entries.grid_jacobian, (*layer, _VALUES, 1, _TABLE)),
+        (entries.grid_jacobian, (*common, _LINES, _TABLE)),
         (entries.edges_of, (*layer, operators, _VALUES, _VALUES)),
         (entries.line_normals, (operators, _TABLE, *line[1:])),
         (entries.slide_at, (faces, _PLACES, operators, _TABLE, _TABLE, _NUMBERS, _TABLE)),

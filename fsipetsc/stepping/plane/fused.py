@@ -44,7 +44,7 @@ class FusedSteps:
         # how normals turn follows from velocities that the completion may have changed
         first = [self._points.prepared(memory, WORK * apart), *meetings] if slips else []
         self._slide = [self._rates.prepared(path.changes), *interfaces.sliding] if slips else []
-        settle = [[call for part in path.layers for call in part.settling(stage.area)] for stage in _STAGES]
+        settle = [[part.settling(stage.area) for part in path.layers] for stage in _STAGES]
         before = [first, *(self._bring[stage.area] + calls for stage, calls in zip(_STAGES[1:], settle[1:], strict=True))]
         self._stages = [(stage.a, stage.b, calls, *self._of_stage(stage)) for stage, calls in zip(_STAGES, before, strict=True)]
 

@@ -22,7 +22,6 @@ from fsipetsc.physics.plane.layer import DOF, NOWHERE
 from fsipetsc.scheme.plane import entries
 from fsipetsc.scheme.plane.equations import materials_of
 from fsipetsc.scheme.plane.laws import compiled
-from fsipetsc.scheme.plane.sweep import scratch_stride
 
 #: of what is known of a point, the kinetic energy of the solid
 _KINETIC = 10
@@ -62,7 +61,7 @@ class Line:
             first = max(first, 0)
             count = end - first
         places = piece.local + (int(record["first_x"]) + shift - first)
-        stride = scratch_stride(count)
+        stride = count + 2 * MARGIN
         ends = (-NOWHERE, NOWHERE) if grid.periodic else (-first, grid.nx - 1 - first)
         self.normals = np.zeros((piece.columns.size, 4)) if normals is None else normals
         #: what compiled functions get of it: normals, scratch, how it lies there, places of the points on it

@@ -16,7 +16,7 @@ from fsipetsc.scheme.plane.equations import materials_of
 from fsipetsc.scheme.plane.fields import SAVED
 from fsipetsc.scheme.plane.laws import compiled
 from fsipetsc.scheme.plane.look import WORDS
-from fsipetsc.scheme.plane.sweep import ring_rows, scratch, scratch_stride
+from fsipetsc.scheme.plane.sweep import ring_rows, scratch
 from fsipetsc.scheme.runge_kutta import Stage
 from fsipetsc.stepping.plane.edge_data import EdgeData
 from fsipetsc.stepping.plane.interfaces import Interfaces
@@ -56,9 +56,8 @@ class LayerPart:
         self.operator, self.end_weight = operators[0], float(operators[0]["norm"][0])
         self.columns, self.rows = layout.owned(k)
         width = int(self.record["width"])
-        self._stride = scratch_stride(width)
         self.record["ring"] = ring_rows(operators[0], self.record)
-        self._s = scratch(self._stride, int(self.record["own_x"][0]), int(self.record["ring"]))
+        self._s = scratch(int(self.record["ring"]))
         self.y, self.held = areas.unknowns(k), areas.points(k)
         self.own = self.held[slice(*self.record["own_y"]), slice(*self.record["own_x"])]
         self._vec = PETSc.Vec().createWithArray(layout.local(k, state).reshape(-1), bsize=DOF, comm=self._dm.comm)
@@ -74,14 +73,13 @@ class LayerPart:
         columns, rows = layout.held(k)
         self._XY = np.concatenate([grid.x0 + columns * grid.h_x, grid.y0 + rows * grid.h_y])
         self.words = np.zeros(WORDS)
-        self._common = self._records, k, operators, self._s, self._stride
+        self._common = self._records, k, operators, self._s
         self._joined = interfaces.points, interfaces.joined(k)
         rooms = np.zeros(GAINED), changes, layout.gains_begin(k)
         self._ending = interfaces.tractions, interfaces.loaded(k), self._kinetic(), *rooms
-        self._settle, self._settle_noting = self._settling(WORK), self._settling(WORK, self._sums)
-        self._lay = Prepared(entries.lay_lines, *self._common, self._lines)
-        self._to_rates = Prepared(self._evaluate, *self._common, self.y, self._rates, *NO_STAGE, *NO_FACTORS)
-        self._look = Prepared(look, *self._common, self.y, self.words)
+        self._settle, self._settle_noting = self.settling(WORK), self.settling(WORK, self._sums)
+        self._to_rates = Prepared(self._evaluate, *self._common, self.y, self._lines, self._rates, *NO_STAGE, *NO_FACTORS)
+        self._look = Prepared(look, *self._common, self.y, self._lines, self.words)
         self._end = self._ending_of(self.y, *NO_STAGE)
 
     def sides(self) -> list[tuple[int, int]]:
@@ -98,8 +96,10 @@ class LayerPart:
             found.append(np.stack([at, first + np.arange(at.size), np.full(at.size, side)], axis=1))
         return np.concatenate(found)
 
-    def _settling(self, area: int, sums: np.ndarray | None = None) -> Prepared:
-        """The call that puts what interfaces and edges have in its place in an area; sums: what is noted of edges."""
+    def settling(self, area: int, sums: np.ndarray | None = None) -> Prepared:
+        """The call that puts what interfaces and edges have in its place in an area; sums: what is noted of edges. ``settle``
+        does so where data depend on time.
+        """
         sums = np.empty((0, GAINED)) if sums is None else sums
         y, heights = self._areas.unknowns(self.k, area), np.array(self._layout.problem.layers[self.k].Y)
         arguments = *self._joined, self._lines, heights, *self.data.held[self.k], sums
@@ -109,15 +109,11 @@ class LayerPart:
         """The call that is due when rates of the points y are there."""
         return Prepared(entries.end_stage, *self._common[:3], y, self._rates, *self._ending, *stage)
 
-    def settling(self, area: int) -> list[Prepared]:
-        """The calls that do in an area what ``settle`` does, where no data depend on time."""
-        return [self._settling(area)] + ([self._lay] if self._gas else [])
-
     def in_stage(self, stage: Stage) -> tuple[Prepared, Prepared]:
         """The calls that make the rates k of a stage, next = source + a k, SUM = base + b k, and end it; to be told a and b."""
         y, source, onward = (self._areas.unknowns(self.k, area) for area in (stage.area, stage.source, stage.next))
         both = [self._areas.unknowns(self.k, area) for area in (stage.base, SUM)] if stage.base >= 0 else NO_STAGE[2:]
-        rates = Prepared(self._evaluate, *self._common, y, self._rates, source, onward, *both)
+        rates = Prepared(self._evaluate, *self._common, y, self._lines, self._rates, source, onward, *both)
         return rates, self._ending_of(y, source, onward, *both)
 
     def fill_halos(self) -> None:
@@ -125,7 +121,7 @@ class LayerPart:
         self._dm.globalToLocal(self._vec, self._local)
 
     def settle(self, t: float) -> None:
-        """Let interfaces, walls and what is given at time t [s] have the points as they want them; then the grid of a gas."""
+        """Let interfaces, walls and what is given at time t [s] have the points as they want them, and the lines of a gas's grid."""
         self._settle_by(self._settle, t)
 
     def complete(self, t: float) -> np.ndarray:
@@ -141,8 +137,6 @@ class LayerPart:
         self.data.refresh(self.k, t)
         settle()
         self.data.lay(self, t)
-        if self._gas:
-            self._lay()
 
     def evaluate(self, t: float) -> None:
         """The rates at this rank's points."""
@@ -160,7 +154,7 @@ class LayerPart:
 
     def evaluate_block(self, records: np.ndarray, y: np.ndarray, f: np.ndarray) -> None:
         """The rates, without forcing, of a block of what is held: the owned points of records[0], a record like this part's."""
-        self._evaluate(records, 0, *self._common[2:], y, f, *NO_STAGE, *NO_FACTORS)
+        self._evaluate(records, 0, *self._common[2:], y, self._lines, f, *NO_STAGE, *NO_FACTORS)
 
     def gain(self, columns: np.ndarray, x: np.ndarray, y: np.ndarray, power: np.ndarray) -> None:
         """Count what has been added to the rates of momentum and energy in some columns held of the lower or upper edge."""
@@ -177,14 +171,14 @@ class LayerPart:
     def save(self) -> np.ndarray:
         """What is saved of the points that this rank owns, (rows, columns, SAVED), of the local part as it is."""
         out = np.empty((*self.own.shape[:2], SAVED))
-        self._save(*self._common, self.y, self._XY, out)
+        self._save(*self._common, self.y, self._lines, self._XY, out)
         return out
 
     def stretch(self, q: np.ndarray) -> None:
         """Let the unknowns of a gas, given without J, be those with the J of the grid whose lines have been laid."""
         if self._gas:
             J = np.empty(q.shape[:2])
-            entries.grid_jacobian(self._records, self.k, self._s, self._stride, J)
+            entries.grid_jacobian(*self._common, self._lines, J)
             q *= J[..., None]
 
     @property
