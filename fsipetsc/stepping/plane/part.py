@@ -121,7 +121,7 @@ class LayerPart:
         self._dm.globalToLocal(self._vec, self._local)
 
     def settle(self, t: float) -> None:
-        """Let interfaces, walls and what is given at time t [s] have the points as they want them, and the lines of a gas's grid."""
+        """Let interfaces, walls and what is given at time t [s] have the points as they want them, and the lines of grids."""
         self._settle_by(self._settle, t)
 
     def complete(self, t: float) -> np.ndarray:
