@@ -123,7 +123,7 @@ def read_options(
         shown = "the fused method" if values["ts_type"] == "fused" else "the step-size control"
         raise InputError(
             f"-ts_view shows PETSc's methods, and {shown} is the program's own: it works with -ts_type rk, ssp or euler and "
-            "-ts_adapt_type none"
+            "-ts_adapt_type none; -fsi_view shows every method"
         )
     if "ts_monitor" in given or "log_view" in given:
         values["fsi_burst"] = 1  # something of PETSc's is to see every step
