@@ -27,8 +27,8 @@ RUNS = (
     ) for order in (2, 4, 6, 8)),
     *((f"{BLAST[0]}, {order}", (*BLAST, "-fsi_order", str(order)), 60.0) for order in (2, 4)),
 )  # fmt: skip
-#: seconds between two looks; bytes by which the memory may rise after the first third
-LOOKS, MOST = 0.5, 8 << 20
+#: seconds between two looks; bytes by which the memory may rise in the last two thirds; files that come and go
+LOOKS, MOST, FEW = 0.5, 8 << 20, 3
 
 
 def seen(pid: int) -> tuple[int, int] | None:
@@ -41,17 +41,19 @@ def seen(pid: int) -> tuple[int, int] | None:
 
 
 def watched(words: tuple[str, ...], folder: Path) -> tuple[str, list[tuple[int, int]]]:
-    """What a run says, and what was seen of it once it was making steps. AssertionError where it fails."""
+    """What a run says, and what was seen of it while it made steps. AssertionError where it fails."""
     output = folder / "run.h5"
     command = [sys.executable, "-m", "fsipetsc", *words, "-fsi_output", str(output)]
     alone = {"OMPI_MCA_ess_singleton_isolated": "1", "OMPI_MCA_sharedfp": "^sm"}
     process = subprocess.Popen(
         command, cwd=folder, env=environment(alone), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT
     )
-    found = []
+    found, begun = [], 0  # bytes of a result that is no more than its beginning
     while process.poll() is None:
         now = seen(process.pid)
-        if now is not None and output.exists():
+        size = output.stat().st_size if output.exists() else 0
+        begun = begun or size
+        if now is not None and size > begun:
             found.append(now)
         time.sleep(LOOKS)
     said = process.stdout.read().decode() if process.stdout else ""
@@ -72,11 +74,13 @@ def main(factor: float = 1.0) -> None:
                 energy, steps, t = run.series["energy"], run.summary["steps"], run.summary["t"]
         kept = next((line.removeprefix("kept: ") for line in said.splitlines() if line.startswith("kept: ")), "")
         late = energy[-max(1, len(energy) // 10) :] / energy[0]
-        settled = np.array(looks[len(looks) // 3 :] or looks)
+        settled = np.array(looks[len(looks) // 3 : -max(2, len(looks) // 10)])  # nor while it closes the file and ends
         memory, files = settled[:, 0], settled[:, 1]
         span = f"{memory.min() / 2**20:.0f} … {memory.max() / 2**20:.0f} | {files.min()} … {files.max()}"
         print(f"| {name} | {t:g} | {steps} | {kept} | {late.min():.6f} … {late.max():.6f} | {span} |", flush=True)
-        if not finite or memory.max() - memory[0] > MOST or files.max() > files[0]:
+        part = max(1, len(files) // 3)
+        more = np.median(files[-part:]) - np.median(files[:part])
+        if not finite or memory.max() - memory[0] > MOST or more > FEW:
             faults.append(name)
     if faults:
         sys.exit(f"not finite, or not as much memory and as many files as before: {'; '.join(faults)}")
