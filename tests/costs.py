@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
+from kept_ranks import KEPT
 
 #: files that are named
 _DEAREST = 12
@@ -18,9 +19,9 @@ _start, _before = time.time(), 0.0
 
 
 def _processors() -> float:
-    """Seconds of processors that this process and those that it has seen the end of have had."""
+    """Seconds of processors that this process, those that it has seen the end of, and jobs of those that it keeps have had."""
     used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
-    return sum(u.ru_utime + u.ru_stime for u in used)
+    return KEPT.cost + sum(u.ru_utime + u.ru_stime for u in used)
 
 
 def pytest_runtest_logstart() -> None:

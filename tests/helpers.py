@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import subprocess
 import sys
@@ -12,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from kept_ranks import KEPT
 
 import fsipetsc
 
@@ -42,6 +42,7 @@ def environment(extra: Mapping[str, str] | None = None) -> dict[str, str]:
     """
     env = {key: value for key, value in os.environ.items() if key != "PETSC_OPTIONS"}
     env.update(_MPI_ENVIRONMENT)
+    env.pop("PYTHONDONTWRITEBYTECODE", None)  # with it, each start compiles the sources: a quarter of what it costs
     env["PYTHONPATH"] = os.pathsep.join(p for p in (str(REPOSITORY), os.environ.get("PYTHONPATH")) if p)
     env.update(extra or {})
     return env
@@ -85,10 +86,8 @@ def compute(
     What ends with an error has no result in the returned dict; its message is in directory/NAME.txt.
     """
     directory.mkdir(parents=True, exist_ok=True)
-    listed = directory / "runs.json"
-    listed.write_text(json.dumps(runs))
-    done = mpirun(n, Path(__file__).with_name("batch_program.py"), directory, listed, timeout=timeout, cwd=directory)
-    assert (done.returncode, done.stderr) == (0, ""), done.stderr or done.stdout
+    status, out, err = KEPT.do(n, directory, timeout, environment(), runs=runs)
+    assert (status, err) == (0, ""), err or out
     return {name: directory / f"{name}.h5" for name in runs if not (directory / f"{name}.txt").exists()}
 
 
@@ -132,10 +131,15 @@ def solve(*args: object, **more: Any) -> subprocess.CompletedProcess[str]:
     return run("-m", "fsipetsc", *args, **more)
 
 
+def kept(*args: object, cwd: Path, ranks: int = 1, timeout: float = PATIENCE) -> subprocess.CompletedProcess[str]:
+    """What `python -m fsipetsc *args` does on so many ranks, by ranks that are there already: a start costs more than most runs."""
+    words = list(map(str, args))
+    return subprocess.CompletedProcess(words, *KEPT.do(ranks, cwd, timeout, environment(), words=words))
+
+
 def computed(folder: Path, name: str, *words: object, ranks: int = 1) -> fsipetsc.output.reader.Run:
     """The result folder/name of a run of the program on so many ranks, opened."""
-    arguments = ("-m", "fsipetsc", *words, "-fsi_output", name, "-fsi_quiet")
-    done = run(*arguments, cwd=folder) if ranks == 1 else mpirun(ranks, *arguments, cwd=folder)
+    done = kept(*words, "-fsi_output", name, "-fsi_quiet", cwd=folder, ranks=ranks)
     assert (done.returncode, done.stderr) == (0, ""), done.stderr
     return fsipetsc.open_run(folder / name)
 

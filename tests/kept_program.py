@@ -1,0 +1,115 @@
+"""One of the ranks that kept_ranks.py keeps for the runs of tests: does what it is told over a socket, until that is closed.
+
+Started under mpiexec: SOCKET. A job: the ranks that do it, from 0 on, the folder they do it in, and either the words of a command
+line, or runs, name -> (case, options), of which each leaves NAME.h5, or NAME.txt with its error, in the folder; options that
+begin with "tiles" ask for tiles on grids that are too coarse for them to pay. The answer: exit status, what was said, and the
+seconds of processors that it took.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import resource
+import socket
+import sys
+import tempfile
+import traceback
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from fsipetsc import cli
+from fsipetsc.process.launch import start_mpi, start_petsc
+
+
+@cache
+def first(n: int) -> Any:
+    """The communicator of so many ranks. Collective on them alone."""
+    world = start_mpi()
+    return world.Create_group(world.group.Incl(range(n)))
+
+
+@contextmanager
+def said(answer: dict[str, Any]) -> Iterator[None]:
+    """What is written within to the two streams, by C code too."""
+    with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
+        files = {1: out, 2: err}
+        kept = {number: os.dup(number) for number in files}
+        for number, file in files.items():
+            os.dup2(file.fileno(), number)
+        try:
+            yield
+        finally:
+            for stream in (sys.stdout, sys.stderr):
+                stream.flush()
+            for number, name in ((1, "stdout"), (2, "stderr")):
+                os.dup2(kept[number], number)
+                os.close(kept[number])
+                files[number].seek(0)
+                answer[name] = files[number].read().decode(errors="replace")
+
+
+def run_all(runs: dict[str, list[str]], comm: Any) -> None:
+    """Each as the command line would."""
+    from fsipetsc.cases import load_case
+    from fsipetsc.errors import FsiError
+    from fsipetsc.options.sources import given_options
+    from fsipetsc.process.host import left_as_found
+    from fsipetsc.scheme import plan
+    from fsipetsc.stepping.run import run_given
+
+    usual = (plan.LEAST_MIDDLE, plan.LEAST_TILED, plan.MOST_WAITING)
+    for name, (case_name, text) in runs.items():
+        tiles = text.startswith("tiles ")
+        plan.LEAST_MIDDLE, plan.LEAST_TILED, plan.MOST_WAITING = (16, 0, math.inf) if tiles else usual
+        given = given_options([*text.removeprefix("tiles ").split(), "-fsi_quiet", "-fsi_output", f"{name}.h5"], {})
+        try:
+            with left_as_found():
+                run_given(load_case(case_name), given, comm)
+        except FsiError as error:
+            if comm.rank == 0:
+                Path(f"{name}.txt").write_text(f"{type(error).__name__}: {error}")
+        finally:
+            plan.LEAST_MIDDLE, plan.LEAST_TILED, plan.MOST_WAITING = usual
+
+
+def do(job: dict[str, Any]) -> dict[str, Any]:
+    comm, answer = first(job["ranks"]), {}
+    cli.start_mpi = lambda: comm
+    os.chdir(job["folder"])
+    before, status = resource.getrusage(resource.RUSAGE_SELF), 0
+    with said(answer):
+        try:
+            if "runs" in job:
+                run_all(job["runs"], comm)
+            else:
+                status = cli.main(job["words"])
+        except BaseException:
+            status = 1
+            traceback.print_exc()
+    after = resource.getrusage(resource.RUSAGE_SELF)
+    os.chdir("/")
+    cost = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return {"status": status, "cost": cost, **answer}
+
+
+def main(place: str) -> None:
+    world = start_mpi()
+    start_petsc([], world)  # for which PETSc wants all ranks
+    sys.argv = ["-m"]
+    warnings.filterwarnings("always", category=RuntimeWarning)  # in each run, as if it were the process's first
+    with socket.socket(socket.AF_UNIX) as line:
+        line.connect(place)
+        with line.makefile("rw") as file:
+            print(world.rank, file=file, flush=True)
+            for job in file:
+                print(json.dumps(do(json.loads(job))), file=file, flush=True)
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
