@@ -126,20 +126,20 @@ def from_python(function: Any, *law: Any) -> Any:
     return njit(error_model="numpy")(lambda *arguments: function(*arguments))
 
 
-def solve(*args: object, **more: Any) -> subprocess.CompletedProcess[str]:
-    """`python -m fsipetsc *args` without mpiexec."""
-    return run("-m", "fsipetsc", *args, **more)
+def solve(
+    *args: object, cwd: str | os.PathLike[str] | None = None, ranks: int = 1, timeout: float = PATIENCE
+) -> subprocess.CompletedProcess[str]:
+    """What `mpiexec -n RANKS python -m fsipetsc *args` would do, by ranks that are there already: starts cost more than runs.
 
-
-def kept(*args: object, cwd: Path, ranks: int = 1, timeout: float = PATIENCE) -> subprocess.CompletedProcess[str]:
-    """What `python -m fsipetsc *args` does on so many ranks, by ranks that are there already: a start costs more than most runs."""
+    For what is about processes, streams or the environment there are run and mpirun.
+    """
     words = list(map(str, args))
-    return subprocess.CompletedProcess(words, *KEPT.do(ranks, cwd, timeout, environment(), words=words))
+    return subprocess.CompletedProcess(words, *KEPT.do(ranks, Path(cwd or "").resolve(), timeout, environment(), words=words))
 
 
 def computed(folder: Path, name: str, *words: object, ranks: int = 1) -> fsipetsc.output.reader.Run:
     """The result folder/name of a run of the program on so many ranks, opened."""
-    done = kept(*words, "-fsi_output", name, "-fsi_quiet", cwd=folder, ranks=ranks)
+    done = solve(*words, "-fsi_output", name, "-fsi_quiet", cwd=folder, ranks=ranks)
     assert (done.returncode, done.stderr) == (0, ""), done.stderr
     return fsipetsc.open_run(folder / name)
 

@@ -8,7 +8,7 @@ import time
 from types import SimpleNamespace
 
 import pytest
-from helpers import mpirun, run
+from helpers import solve
 
 pytest.importorskip("petsc4py")
 
@@ -107,7 +107,7 @@ def test_a_benchmark_of_two_dimensions(tmp_path):
     document.write_text("<!-- bench: plane -->\n<!-- end -->\n<!-- bench: steps -->\nas it was\n<!-- end -->\n")
     words = "-bench_dimensions 2 -bench_orders 4 -bench_squares 32 -bench_form viscous -bench_seconds 0.01 -bench_repeats 2"
     asked = (*words.split(), "-bench_plane_yardstick", str(tmp_path), "-bench_doc", str(document))
-    done = run("-m", "fsipetsc", "bench", *asked, cwd=tmp_path)
+    done = solve("bench", *asked, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     (row,) = plane.load(tmp_path / "bench-plane.csv")
     assert (row.order, row.form, row.n, row.ranks, row.yardstick) == (4, "viscous", 32, 1, 1.0)
@@ -186,7 +186,7 @@ def test_clock_takes_the_shortest_of_samples_that_are_long_enough(monkeypatch):
 
 @pytest.mark.mpi
 def test_command(tmp_path):
-    done = mpirun(2, "-m", "fsipetsc", "bench", *_QUICK, cwd=tmp_path)
+    done = solve("bench", *_QUICK, cwd=tmp_path, ranks=2)
     assert done.returncode == 0, done.stderr
     with (tmp_path / "bench.csv").open() as file:
         rows = list(csv.DictReader(file))
@@ -204,7 +204,7 @@ def test_command(tmp_path):
         assert [row[name] == "" for row in rows] == [False, True, False, True]
         assert all(0.2 < float(row[name]) < 20 for row in rows[::2])
     assert (tmp_path / "bench-facts.csv").exists()
-    again = run("-m", "fsipetsc", "bench", "-bench_from", "bench.csv", cwd=tmp_path)
+    again = solve("bench", "-bench_from", "bench.csv", cwd=tmp_path)
     assert again.returncode == 0, again.stderr
     assert "µs/step" in again.stdout
 
@@ -218,7 +218,7 @@ def test_command(tmp_path):
     ],
 )
 def test_bad_input(tmp_path, options, word):
-    done = run("-m", "fsipetsc", "bench", *options, cwd=tmp_path)
+    done = solve("bench", *options, cwd=tmp_path)
     assert done.returncode == 2
     assert word in done.stderr
     assert done.stderr.count("\n") == 1
@@ -226,7 +226,7 @@ def test_bad_input(tmp_path, options, word):
 
 def test_phases_in_the_summary_and_the_log(tmp_path):
     options = "-fsi_h 0.1 -ts_max_steps 20 -fsi_output_dt 1 -log_view".split()
-    done = run("-m", "fsipetsc", "rod", *options, cwd=tmp_path)
+    done = solve("rod", *options, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     for phase in ("set-up", "time loop", "output"):
         assert f"{phase} " in next(line for line in done.stdout.splitlines() if line.startswith("phases: "))

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from faulty_cases import ALONE, FAULTS, LATER, RIGHT, alone, faulty
-from helpers import REPOSITORY, mpirun, run
+from helpers import REPOSITORY, mpirun, solve
 
 import fsipetsc
 
@@ -41,7 +41,7 @@ def said(where):
 
 def test_the_case_that_the_faulty_ones_are_made_of_is_right(tmp_path):
     (tmp_path / "right.py").write_text(RIGHT)
-    done = run("-m", "fsipetsc", "right.py", "-fsi_quiet", cwd=tmp_path)
+    done = solve("right.py", "-fsi_quiet", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
 
 

@@ -6,7 +6,7 @@ import os
 import sys
 
 import pytest
-from helpers import message, run
+from helpers import message, solve
 from stub_case import CASE
 
 from fsipetsc.cases import BUILT_IN, load_case
@@ -55,7 +55,7 @@ def test_faulty_case_file(name, here):
 def test_a_pipe_is_no_case_file(here):
     """It could be read once, by one rank; and a pipe that nobody writes into would be waited for."""
     os.mkfifo(here / "pipe.py")
-    message(run("-m", "fsipetsc", "pipe.py"), 2, "pipe.py: not a regular file")
+    message(solve("pipe.py"), 2, "pipe.py: not a regular file")
     with pytest.raises(InputError, match="null"):
         load_case("a\0.py")
 

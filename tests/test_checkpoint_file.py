@@ -11,7 +11,7 @@ import pickle
 import h5py
 import numpy as np
 import pytest
-from helpers import REPOSITORY, message, mpirun, solve
+from helpers import REPOSITORY, message, solve
 
 from fsipetsc.errors import FileError
 from fsipetsc.output import checkpoint_file
@@ -205,7 +205,7 @@ def test_a_file_that_cannot_be_gone_on_from_ends_all(ranks, stopped, tmp_path):
     before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
     cases = {"flipped.h5": "damaged", "cut.h5": "it ends after", "result.h5": "is not a checkpoint", "none.h5": "no such file"}
     for name, words in cases.items() if ranks == 1 else list(cases.items())[:1]:
-        done = mpirun(ranks, "-m", "fsipetsc", "rod", "-fsi_restart", name, cwd=tmp_path)
+        done = solve("rod", "-fsi_restart", name, cwd=tmp_path, ranks=ranks)
         message(done, 4, name, words)
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
 

@@ -8,7 +8,7 @@ import subprocess
 import sys
 
 import pytest
-from helpers import environment, message, mpirun, run
+from helpers import environment, message, mpirun, run, solve
 from stub_case import run_stub
 
 from fsipetsc.cases import BUILT_IN, load_case
@@ -28,16 +28,16 @@ def test_overview_lists_cases_and_commands_without_importing_the_solver():
 
 @pytest.mark.parametrize("flag", ["-h", "-help", "--help"])
 def test_help_flags(flag, here):
-    assert "Cases" in run("-m", "fsipetsc", flag).stdout
-    text = run("-m", "fsipetsc", "stub.py", flag, "-fsi_h", "x").stdout
+    assert "Cases" in solve(flag).stdout
+    text = solve("stub.py", flag, "-fsi_h", "x").stdout
     assert "-solid_force" in text
     assert "0.1 m" in text
-    assert "plot RUN.h5 [-o DIR|FILE]" in run("-m", "fsipetsc", "plot", flag).stdout
+    assert "plot RUN.h5 [-o DIR|FILE]" in solve("plot", flag).stdout
 
 
 @pytest.mark.parametrize("flag", ["--version", "-version"])
 def test_version(flag):
-    done = run("-m", "fsipetsc", flag)
+    done = solve(flag)
     assert (done.returncode, done.stdout.split()[0], len(done.stdout.split())) == (0, "fsipetsc", 2)
 
 
@@ -99,7 +99,7 @@ def test_bad_words_in_the_environment(here):
 @pytest.mark.parametrize("args", [["rdo"], ["inf", "x.h5"], ["stub"], ["no.py"], ["no/case.py"]])
 def test_unknown_case_or_command(args, here):
     hint = {"rdo": "'rod'", "inf": "'info'", "stub": "'stub.py'"}.get(args[0], args[0])
-    message(run("-m", "fsipetsc", *args), 2, hint)
+    message(solve(*args), 2, hint)
 
 
 @pytest.mark.parametrize(
@@ -112,14 +112,14 @@ def test_unknown_case_or_command(args, here):
     ],
 )
 def test_bad_arguments_of_commands(args, words):
-    message(run("-m", "fsipetsc", *args), 2, *words)
+    message(solve(*args), 2, *words)
 
 
 @pytest.mark.parametrize("command", ["info", "plot"])
 def test_commands_report_a_file_that_is_not_there(command, here):
     pytest.importorskip("fsipetsc.output.plots")
     pytest.importorskip("fsipetsc.output.info")
-    message(run("-m", "fsipetsc", command, "no.h5"), 4, "no.h5")
+    message(solve(command, "no.h5"), 4, "no.h5")
 
 
 #: the program where packages of the extra "solver" are missing
@@ -225,13 +225,13 @@ class TestOnTwoRanks:
         message(mpirun(2, "driver.py", "stub.py", *args), status, *words)
 
     def test_unknown_case(self, here):
-        message(mpirun(2, "-m", "fsipetsc", "rdo"), 2, "'rod'")
+        message(solve("rdo", ranks=2), 2, "'rod'")
 
     @pytest.mark.parametrize("args", [[], ["stub.py", "-help"], ["--version"]])
     def test_texts_are_printed_once(self, args, here):
-        done = mpirun(2, "-m", "fsipetsc", *args)
+        done = solve(*args, ranks=2)
         assert done.returncode == 0
-        assert done.stdout == run("-m", "fsipetsc", *args).stdout
+        assert done.stdout == solve(*args).stdout
 
     def test_run(self, here):
         done = mpirun(2, "driver.py", "stub.py", "-fsi_order", 8)

@@ -7,7 +7,7 @@ import re
 
 import numpy as np
 import pytest
-from helpers import mpirun, run
+from helpers import solve
 
 import fsipetsc
 from fsipetsc.cases import box
@@ -26,7 +26,7 @@ def largest_drifts(path):
 @pytest.mark.mpi
 def test_box_keeps_all_that_must_not_change(tmp_path):
     options = ("-fsi_order", "6", "-fsi_h", "0.025", "-fsi_check", "1e-4", "-fsi_quiet")
-    done = mpirun(2, "-m", "fsipetsc", "box", *options, cwd=tmp_path)
+    done = solve("box", *options, cwd=tmp_path, ranks=2)
     assert done.returncode == 0, done.stderr
     found = largest_drifts(tmp_path / "box.h5")
     assert set(found) == {"mass of 'left'", "mass of 'right'", "momentum", "energy", "entropy"}
@@ -37,7 +37,7 @@ def test_box_keeps_all_that_must_not_change(tmp_path):
 
 def test_rod_momentum_is_the_impulse_of_gravity_and_ends(tmp_path):
     options = ("-fsi_h", "0.05", "-ts_max_time", "0.2", "-fsi_quiet")
-    done = run("-m", "fsipetsc", "rod", *options, cwd=tmp_path)
+    done = solve("rod", *options, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     found = largest_drifts(tmp_path / "rod.h5")
     assert set(found) == {"mass of 'below'", "momentum"}  # the upper end is open
@@ -48,7 +48,7 @@ def test_rod_momentum_is_the_impulse_of_gravity_and_ends(tmp_path):
 
 def test_check_stops_what_does_not_hold(tmp_path):
     options = ("-fsi_h", "0.05", "-ts_max_time", "0.3", "-fsi_check", "1e-7", "-fsi_quiet")
-    done = run("-m", "fsipetsc", "rod", *options, cwd=tmp_path)
+    done = solve("rod", *options, cwd=tmp_path)
     assert done.returncode == 3
     assert "mass of 'below' has drifted" in done.stderr and "Traceback" not in done.stderr
     assert len(fsipetsc.open_run(tmp_path / "rod.h5").series["t"]) > 0
@@ -59,7 +59,7 @@ def test_check_stops_what_does_not_hold(tmp_path):
 def test_check_holds_while_grids_grow(tmp_path, n):
     """The steps between the last frame and the growth are looked at before others take their place."""
     options = ("-fsi_h", "0.05", "-ts_max_time", "0.3", "-fsi_output_dt", "0.005", "-fsi_check", "1e-2", "-fsi_spare", "0")
-    done = mpirun(n, "-m", "fsipetsc", "rod", *options, "-fsi_quiet", cwd=tmp_path)
+    done = solve("rod", *options, "-fsi_quiet", cwd=tmp_path, ranks=n)
     assert done.returncode == 0, done.stderr
     with fsipetsc.open_run(tmp_path / "rod.h5") as result:
         assert len({len(layer.X) for layer in result.layers}) > 1 and result.complete
@@ -130,7 +130,7 @@ def test_a_watch_names_the_first_step_at_fault():
 
 def test_check_stops_near_the_fault(tmp_path):
     line = "box -fsi_coupling energy -fsi_mapping rigid -fsi_check 1e-8 -fsi_quiet"
-    done = run("-m", "fsipetsc", *line.split(), cwd=tmp_path)
+    done = solve(*line.split(), cwd=tmp_path)
     assert done.returncode == 3
     t, step = re.search(r"has drifted by .* at t = ([0-9.e-]+), step (\d+)", done.stderr).groups()  # without a unit
     with fsipetsc.open_run(tmp_path / "box.h5") as result:

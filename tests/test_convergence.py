@@ -7,7 +7,7 @@ import io
 
 import numpy as np
 import pytest
-from helpers import mpirun, run
+from helpers import mpirun, run, solve
 
 from fsipetsc.analysis import table1
 from fsipetsc.analysis.convergence_table import NAMES, ConvergenceStudy, load
@@ -68,7 +68,7 @@ def test_files_hold_what_was_found(tmp_path):
 def test_two_dimensions_have_errors_of_their_own(tmp_path):
     """The table by the command, which lays out its own grids; v and y are in it. Errors are integrals of the operators."""
     words = ("plane_mms", "-fsi_orders", "2,4", "-fsi_hs", "0.125,0.0625", "-fsi_quiet")
-    done = run("-m", "fsipetsc", "convergence", *words, cwd=tmp_path)
+    done = solve("convergence", *words, cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
     study = load(tmp_path / "plane_mms-convergence.h5")
     assert study.dimension == 2 and tuple(study.errors["solid"]) == (*"uvTxy", "combined")
@@ -117,7 +117,7 @@ def test_command(tmp_path):
 
 def test_orders_and_grids_count_once_and_one_grid_shows_no_order(tmp_path):
     line = "convergence mms -fsi_orders 4,2,4 -fsi_hs 0.05,0.05,0.05000000001 -ts_max_steps 2 -fsi_output s.h5"
-    done = run("-m", "fsipetsc", *line.split(), cwd=tmp_path)
+    done = solve(*line.split(), cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
     study = load(tmp_path / "s.h5")
     assert (study.orders, np.round(study.hs, 9).tolist(), study.errors["fluid"]["rho"].shape) == ((4, 2), [0.05], (2, 1))
@@ -159,14 +159,14 @@ def test_a_run_that_fails_is_one_line_of_the_table(tmp_path):
     ],
 )
 def test_bad_input(tmp_path, arguments, reason):
-    done = run("-m", "fsipetsc", "convergence", *arguments, cwd=tmp_path)
+    done = solve("convergence", *arguments, cwd=tmp_path)
     assert done.returncode == (4 if "nowhere" in reason else 2)
     assert done.stderr.count("\n") == 1 and reason in done.stderr
     assert not list(tmp_path.iterdir())
 
 
 def test_help_lists_the_options_of_study_and_case():
-    text = run("-m", "fsipetsc", "convergence", "mms", "-help").stdout
+    text = solve("convergence", "mms", "-help").stdout
     assert "-fsi_orders" in text and "-mms_epsilon" in text
 
 

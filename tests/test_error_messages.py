@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from helpers import message, mpirun, run
+from helpers import message, mpirun, run, solve
 from stub_case import run_stub
 
 RAISED = {
@@ -34,7 +34,7 @@ def test_debug_shows_the_traceback(here):
 
 @pytest.mark.parametrize("line", ["info no.h5", "plot no.h5", "convergence mms -no 1", "stability -no 1", "bench -no 1"])
 def test_every_command_shows_the_traceback(line, here):
-    done = run("-m", "fsipetsc", *line.split(), "-fsi_debug")
+    done = solve(*line.split(), "-fsi_debug")
     assert done.returncode == (4 if "no.h5" in line else 2), done.stderr
     assert done.stderr.startswith("Traceback")
     assert done.stderr.splitlines()[-1].startswith("fsipetsc: error: ")
@@ -44,7 +44,7 @@ def test_the_option_that_shows_the_traceback_counts_wherever_it_is_given(here):
     (here / "debug.opts").write_text("-fsi_debug\n")
     done = run("-m", "fsipetsc", "stability", "-no", 1, env={"PETSC_OPTIONS": "-options_file debug.opts"})
     assert done.stderr.startswith("Traceback")
-    message(run("-m", "fsipetsc", "stability", "-no", 1, "-fsi_debug", "no"), 2, "-no")
+    message(solve("stability", "-no", 1, "-fsi_debug", "no"), 2, "-no")
 
 
 @pytest.mark.mpi

@@ -80,7 +80,7 @@ def test_bad_input_in_a_process_of_its_own(tmp_path):
 @pytest.mark.parametrize("name", ["unknown option", "h that misses an interface", "too few points", "output directory"])
 def test_bad_input_on_two_ranks(name, tmp_path):
     line, words = BAD_INPUT[name]
-    done = mpirun(2, "-m", "fsipetsc", *line.split(), cwd=tmp_path)
+    done = solve(*line.split(), cwd=tmp_path, ranks=2)
     text = message(done, status_of(name))
     for word in words:
         assert word in text
@@ -92,7 +92,7 @@ def test_bad_input_on_two_ranks(name, tmp_path):
 
 @pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.mpi)])
 def test_a_step_beyond_the_stability_limit(ranks, tmp_path):
-    done = mpirun(ranks, "-m", "fsipetsc", *"rod -fsi_h 0.05 -fsi_cfl 5 -fsi_output_dt 0.002".split(), cwd=tmp_path)
+    done = solve(*"rod -fsi_h 0.05 -fsi_cfl 5 -fsi_output_dt 0.002".split(), cwd=tmp_path, ranks=ranks)
     text = message(done, 3)
     for word in ("in layer '", "at x = ", "(X = ", "t = ", ", step ", "what was computed before is in"):
         assert word in text
@@ -105,7 +105,7 @@ def test_a_failure_within_a_burst_loses_nothing(tmp_path):
     found = []
     for burst in (1, 64):
         line = f"rod -fsi_h 0.025 -ts_max_time 0.5 -ts_dt 3e-4 -fsi_burst {burst} -fsi_output {burst}.h5".split()
-        message(run("-m", "fsipetsc", *line, cwd=tmp_path), 3)
+        message(solve(*line, cwd=tmp_path), 3)
         with fsipetsc.open_run(tmp_path / f"{burst}.h5") as result:
             series = {name: result.series[name].tolist() for name in ("t", "dt", "x_interface", "mass")}
             said = [result.summary[name] for name in ("steps", "rhs_evaluations", "dt_min", "dt_max", "message")]
@@ -116,7 +116,7 @@ def test_a_failure_within_a_burst_loses_nothing(tmp_path):
 
 def test_the_message_is_the_same_on_any_number_of_ranks(tmp_path):
     line = "rod -fsi_h 0.05 -fsi_cfl 5 -fsi_output x.h5".split()
-    texts = {message(mpirun(n, "-m", "fsipetsc", *line, cwd=tmp_path), 3) for n in (1, 3)}
+    texts = {message(solve(*line, cwd=tmp_path, ranks=n), 3) for n in (1, 3)}
     assert len(texts) == 1
 
 
@@ -124,7 +124,7 @@ def test_the_message_is_the_same_on_any_number_of_ranks(tmp_path):
 def test_a_layer_that_becomes_too_short(ranks, tmp_path):
     """With a wall close under the rod there is soon no room for the 16 points of the 8/4 operator."""
     line = "rod -fsi_h 0.0125 -fsi_order 8 -rod_wall 0.81 -rod_top 3".split()
-    text = message(mpirun(ranks, "-m", "fsipetsc", *line, cwd=tmp_path), 3)
+    text = message(solve(*line, cwd=tmp_path, ranks=ranks), 3)
     for word in ("'below'", "too short", "t = ", ", step ", "x = ", "needs 16 points"):
         assert word in text
     assert_readable(tmp_path / "rod.h5", "failed", 0.5)
@@ -201,7 +201,7 @@ def test_an_error_of_one_rank_alone_ends_all(shared, tmp_path):
     """It is said once, and nobody waits for a rank that has left."""
     (tmp_path / "alone.py").write_text(ALONE)
     options = ("-fsi_h", "0.05", "-ts_max_time", "0.1", "-fsi_quiet", "-fsi_shared_memory", shared)
-    done = mpirun(2, "-m", "fsipetsc", "alone.py", *options, cwd=tmp_path)
+    done = solve("alone.py", *options, cwd=tmp_path, ranks=2)
     assert done.returncode == 2
     assert done.stderr.count("fsipetsc: error: ") == 1 and "no force is known" in done.stderr
 

@@ -6,7 +6,7 @@ import csv
 
 import numpy as np
 import pytest
-from helpers import message, mpirun, run, solve
+from helpers import message, solve
 
 pytest.importorskip("scipy")
 
@@ -117,7 +117,7 @@ def test_a_stretched_panel_has_a_limit_cycle():
 def test_runs_decay_below_and_grow_above(tmp_path):
     """On two ranks, which share the runs; a thick panel, whose onset the theory has with shear and rotary inertia."""
     words = f"flutter {COARSE} -flutter_lambdas 350,430,650 -fsi_output some.csv".split()
-    done = mpirun(2, "-m", "fsipetsc", *words, cwd=tmp_path)
+    done = solve(*words, cwd=tmp_path, ranks=2)
     assert (done.returncode, done.stderr) == (0, "")
     assert "onset of flutter" in done.stdout and (tmp_path / "some.png").stat().st_size > 10_000
     with (tmp_path / "some.csv").open() as file:
@@ -139,7 +139,7 @@ def test_one_message_each(tmp_path):
         "nothing.h5": "nothing.h5",
         "nothing.h5 -fsi_h 1": "one result file alone",
     }.items():
-        done = run("-m", "fsipetsc", "flutter", *words.split(), cwd=tmp_path)
+        done = solve("flutter", *words.split(), cwd=tmp_path)
         message(done, 4 if words == "nothing.h5" else 2, said)
 
 
@@ -148,4 +148,4 @@ def test_a_viscous_flow_over_the_panel_and_its_result(tmp_path):
     words = "panel -fsi_h 0.0625 -fluid_mu 0.01 -fsi_dissipation 0 -ts_max_time 0.05 -fsi_output_dt 0.01 -fsi_quiet"
     done = solve(*words.split(), cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
-    message(run("-m", "fsipetsc", "flutter", "panel.h5", cwd=tmp_path), 3, "periods of the panel's motion are seen")
+    message(solve("flutter", "panel.h5", cwd=tmp_path), 3, "periods of the panel's motion are seen")

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers import REPOSITORY, mpirun, run
+from helpers import REPOSITORY, solve
 
 import fsipetsc
 from fsipetsc.cases import load_case, template_text
@@ -22,14 +22,14 @@ TEMPLATE = REPOSITORY / "fsipetsc" / "cases" / "template.py"
 
 def test_the_case_runs_and_does_what_it_says(tmp_path):
     """On one rank as on two: the plate swings with the amplitude and the period of the file's own words."""
-    made = run("-m", "fsipetsc", "new", "my_case.py", cwd=tmp_path)
+    made = solve("new", "my_case.py", cwd=tmp_path)
     assert (made.returncode, made.stderr) == (0, "")
     assert "python -m fsipetsc my_case.py" in made.stdout
     text = (tmp_path / "my_case.py").read_text()
     assert "FILE.py" not in text and "NAME.h5" not in text and "plot my_case.h5" in text
     assert text.splitlines()[15:] == TEMPLATE.read_text().splitlines()[15:], "but for the names in its examples"
 
-    done = mpirun(2, "-m", "fsipetsc", "my_case.py", "-fsi_check", 1e-3, cwd=tmp_path)
+    done = solve("my_case.py", "-fsi_check", 1e-3, cwd=tmp_path, ranks=2)
     assert (done.returncode, done.stderr) == (0, "")
     with fsipetsc.open_run(tmp_path / "my_case.h5") as result:
         assert result.complete and result.nframes == 41
@@ -42,12 +42,12 @@ def test_the_case_runs_and_does_what_it_says(tmp_path):
 
 def test_two_dimensions(tmp_path):
     """The plate rings with the period of the file's own words, a beam's but for what these say; on three ranks as on one."""
-    made = run("-m", "fsipetsc", "new", "my_plate.py", "-plane", cwd=tmp_path)
+    made = solve("new", "my_plate.py", "-plane", cwd=tmp_path)
     assert (made.returncode, made.stderr) == (0, "")
     text, template = (tmp_path / "my_plate.py").read_text(), template_text(2)
     assert "FILE" not in text and "NAME." not in text and "my_plate.xdmf" in text
     assert text.splitlines()[12:] == template.splitlines()[12:] and [x for x in template.splitlines() if len(x) > 128] == []
-    done = run("-m", "fsipetsc", "my_plate.py", "-fsi_check", 1e-9, cwd=tmp_path)
+    done = solve("my_plate.py", "-fsi_check", 1e-9, cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
     with fsipetsc.open_run(tmp_path / "my_plate.h5") as result:
         assert result.complete and result.nframes == 41 and result.dimension == 2
@@ -56,7 +56,7 @@ def test_two_dimensions(tmp_path):
     zeros = [t[i] - y[i] * (t[i + 1] - t[i]) / (y[i + 1] - y[i]) for i in np.flatnonzero(y[1:] * y[:-1] < 0)]
     beam, told = re.search(r"period of\n([\d.]+) s; .* its period is ([\d.]+) s", text).groups()
     assert zeros[2] - zeros[0] == pytest.approx(float(told), abs=1e-5) and 1.0 < float(told) / float(beam) < 1.05
-    again = mpirun(3, "-m", "fsipetsc", "my_plate.py", "-fsi_output", "three.h5", "-fsi_quiet", cwd=tmp_path)
+    again = solve("my_plate.py", "-fsi_output", "three.h5", "-fsi_quiet", cwd=tmp_path, ranks=3)
     assert (again.returncode, again.stderr) == (0, "")
     with fsipetsc.open_run(tmp_path / "three.h5") as result:
         assert all(np.array_equal(last[name], values) for name, values in result.layers[1].frame(-1).items())
@@ -77,7 +77,7 @@ def test_what_is_there_stays(tmp_path):
     (tmp_path / "link.py").symlink_to("nowhere")
     (tmp_path / "folder.py").mkdir()
     for name in ("mine.py", "link.py", "folder.py"):
-        done = run("-m", "fsipetsc", "new", name, cwd=tmp_path)
+        done = solve("new", name, cwd=tmp_path)
         assert done.returncode == 4 and done.stderr.count("\n") == 1
         assert done.stderr.startswith(f"fsipetsc: error: {name}: exists already")
     assert (tmp_path / "mine.py").read_text() == "precious"
@@ -127,13 +127,13 @@ def test_a_place_that_is_none(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("words", [[], ["a.py", "b.py"], ["-x", "a.py"]])
 def test_bad_arguments(words, tmp_path):
-    done = run("-m", "fsipetsc", "new", *words, cwd=tmp_path)
+    done = solve("new", *words, cwd=tmp_path)
     assert done.returncode == 2 and done.stderr.count("\n") == 1 and "new FILE.py" in done.stderr
     assert os.listdir(tmp_path) == []
 
 
 @pytest.mark.mpi
 def test_one_of_two_ranks_writes_it(tmp_path):
-    done = mpirun(2, "-m", "fsipetsc", "new", "my_case.py", cwd=tmp_path)
+    done = solve("new", "my_case.py", cwd=tmp_path, ranks=2)
     assert (done.returncode, done.stderr, done.stdout.count("wrote")) == (0, "", 1)
     assert os.listdir(tmp_path) == ["my_case.py"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from helpers import REPOSITORY, mpirun
+from helpers import REPOSITORY, solve
 
 import fsipetsc
 
@@ -16,7 +16,7 @@ P0, GAMMA, MASS, SPEED = 1e5, 1.4, 250.0 * 0.2, 25.0
 @pytest.fixture(scope="module")
 def run(tmp_path_factory):
     folder = tmp_path_factory.mktemp("piston")
-    done = mpirun(2, "-m", "fsipetsc", REPOSITORY / "runs" / "piston.py", cwd=folder)
+    done = solve(REPOSITORY / "runs" / "piston.py", cwd=folder, ranks=2)
     assert (done.returncode, done.stderr) == (0, "")
     with fsipetsc.open_run(folder / "piston.h5") as result:
         yield result

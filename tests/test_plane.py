@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from helpers import computed, run
+from helpers import computed, solve
 
 #: gas | plate | gas, of which every kind of edge is one: closed but for the heat, and at rest but for a bump
 BOX = """
@@ -90,9 +90,9 @@ def test_a_closed_box_keeps_mass_and_energy(box):
 
 def test_a_drift_beyond_what_is_allowed_stops_the_run(box, tmp_path):
     (tmp_path / "box2d.py").write_text(BOX)
-    done = run("-m", "fsipetsc", "box2d.py", "-fsi_check", "1e-10", "-fsi_quiet", cwd=tmp_path)
+    done = solve("box2d.py", "-fsi_check", "1e-10", "-fsi_quiet", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
-    done = run("-m", "fsipetsc", "box2d.py", "-fsi_check", "1e-16", "-fsi_quiet", cwd=tmp_path)
+    done = solve("box2d.py", "-fsi_check", "1e-16", "-fsi_quiet", cwd=tmp_path)
     assert done.returncode == 3 and "has drifted by" in done.stderr and done.stderr.count("\n") == 1
 
 

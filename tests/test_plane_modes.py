@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers import run
+from helpers import run, solve
 
 from fsipetsc.analysis.plane_measures import PlaneRest, Waves, measure, nearest
 from fsipetsc.analysis.plane_modes import linearise, most, symbol, wave_number
@@ -146,14 +146,14 @@ def test_the_command(tmp_path):
     ],
 )
 def test_what_the_command_refuses(words, said, tmp_path):
-    done = run("-m", "fsipetsc", "stability", *words.split(), cwd=tmp_path)
+    done = solve("stability", *words.split(), cwd=tmp_path)
     assert (done.returncode, done.stderr.count("\n")) == (2, 1) and said in done.stderr, done.stderr
 
 
 def test_layers_of_a_case(tmp_path):
     """Its materials, grid and edges: a panel with a free surface, whose bending wave is slow; beside a gas above it."""
     words = "panel -stability_k 6.283185 -panel_height 0.25 -fsi_dissipation 0".split()
-    done = run("-m", "fsipetsc", "stability", *words, cwd=tmp_path)
+    done = solve("stability", *words, cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
     assert "9 points across the solid, 15 across the gas, columns 0.03125 m apart" in done.stdout
     real, _, imaginary = done.stdout.split("k =   6.2832")[1].split()[:3]

@@ -8,7 +8,7 @@ import xml.etree.ElementTree as ET
 
 import numpy as np
 import pytest
-from helpers import compute, run
+from helpers import compute, run, solve
 
 import fsipetsc
 
@@ -222,7 +222,7 @@ def test_ledgers_begin_at_the_start(figures, blast):
 
 
 def test_film(folder, blast, tmp_path):
-    done = run("-m", "fsipetsc", "plot", folder / "blast.h5", "-animate", "-o", tmp_path)
+    done = solve("plot", folder / "blast.h5", "-animate", "-o", tmp_path)
     assert (done.returncode, done.stdout.split()) == (0, [str(tmp_path / "blast.gif")])
     with Image.open(tmp_path / "blast.gif") as film:
         assert film.n_frames == blast.nframes
@@ -238,8 +238,8 @@ def test_film(folder, blast, tmp_path):
 
 def test_film_and_report_of_one_dimension(folder, tmp_path):
     """The slider of the page has a picture for each frame; everything is in the page itself."""
-    assert run("-m", "fsipetsc", "plot", folder / "pulse.h5", "-animate", "-o", tmp_path).returncode == 0
-    done = run("-m", "fsipetsc", "report", folder / "pulse.h5", "-o", tmp_path)
+    assert solve("plot", folder / "pulse.h5", "-animate", "-o", tmp_path).returncode == 0
+    done = solve("report", folder / "pulse.h5", "-o", tmp_path)
     assert (done.returncode, done.stdout.split()) == (0, [str(tmp_path / "pulse.html")]), done.stderr
     with fsipetsc.open_run(folder / "pulse.h5") as result, Image.open(tmp_path / "pulse.gif") as film:
         page = (tmp_path / "pulse.html").read_text()
@@ -260,7 +260,7 @@ def test_one_layer_alone_and_chosen_times(tmp_path):
         "    return PlaneProblem(layers=(layer,), X=(0, 1), lower=Free(1.1), upper=Free(1.0), units='none')\n"
     ).replace("PlaneSolidLayer('plate'", "PlaneSolidLayer('plate'")
     (tmp_path / "alone.py").write_text(case.replace("import Clamped, NoSlip, Slip", "import Clamped, Free"))
-    assert run("-m", "fsipetsc", "alone.py", "-ts_max_time", "0.1", "-fsi_quiet", cwd=tmp_path).returncode == 0
+    assert solve("alone.py", "-ts_max_time", "0.1", "-fsi_quiet", cwd=tmp_path).returncode == 0
     drawn = {path.stem for path in plot(tmp_path / "alone.h5", tmp_path, times=[0.0, 0.1])}
     assert drawn == {f"alone-{name}" for name in ("p", "rho", "v", "T", "stress", "ledgers", "steps")}
     assert animate(tmp_path / "alone.h5", tmp_path).stat().st_size > 1000

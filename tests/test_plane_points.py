@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from helpers import computed, run
+from helpers import computed, solve
 from test_plane_rates import ORDERS, Rates, problem
 
 from fsipetsc.cases import load_case, plane_mms
@@ -91,7 +91,7 @@ def test_fused_steps_have_the_same(tmp_path):
 
 def test_where_there_is_no_interface(tmp_path):
     for case, place, said in (("panel", 1.2, "no interface at this X"), ("mms", 0.5, "two dimensions")):
-        done = run("-m", "fsipetsc", case, "-fsi_points", place, "-ts_max_steps", 1, cwd=tmp_path)
+        done = solve(case, "-fsi_points", place, "-ts_max_steps", 1, cwd=tmp_path)
         assert (done.returncode, done.stderr.count("\n")) == (2, 1) and said in done.stderr and "-fsi_points" in done.stderr
     assert not list(tmp_path.glob("*.h5"))
 

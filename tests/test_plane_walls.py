@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from helpers import REPOSITORY, computed, mpirun
+from helpers import REPOSITORY, computed, solve
 
 from fsipetsc.boundaries.plane import Clamped, Given, NoSlip, Slip
 from fsipetsc.errors import InputError
@@ -75,7 +75,7 @@ def test_what_cannot_be(tmp_path):
         PlaneProblem((solid,), (0.0, 1.0), Clamped(), Given(lambda X, Y, t: (0, 0, 1, X, Y), x=still))
     (tmp_path / "waves.py").write_text(EDGES.read_text().replace("return X, 0.1", "return 0.1"))
     (tmp_path / "receding.py").write_text((REPOSITORY / "tests" / "receding.py").read_text())
-    done = mpirun(2, "-m", "fsipetsc", "waves.py", *WAVES, cwd=tmp_path)
+    done = solve("waves.py", *WAVES, cwd=tmp_path, ranks=2)
     assert (done.returncode, done.stderr.count("fsipetsc: error: ")) == (2, 1) and not list(tmp_path.glob("*.h5"))
     assert "x of an edge of layer 'gas' at t = 0" in done.stderr and "waves.py, line 31" in done.stderr
 

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from helpers import REPOSITORY, compute, run
+from helpers import REPOSITORY, compute, run, solve
 
 import fsipetsc
 from fsipetsc.errors import FileError
@@ -294,7 +294,7 @@ def test_sweep_can_be_read_and_told_apart():
 
 
 def test_command_says_what_it_wrote(results, tmp_path):
-    done = run("-m", "fsipetsc", "plot", results["box"].path, "-all", "-o", tmp_path / "new" / "folder")
+    done = solve("plot", results["box"].path, "-all", "-o", tmp_path / "new" / "folder")
     assert done.returncode == 0 and done.stderr == ""
     written = done.stdout.split()
     assert sorted(written) == sorted(map(str, (tmp_path / "new" / "folder").iterdir())) and len(written) > 10

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from helpers import REPOSITORY, compute, mpirun
+from helpers import REPOSITORY, compute, solve
 
 import fsipetsc
 
@@ -219,12 +219,12 @@ def test_the_boundary_crosses_from_one_rank_to_another_and_back(results):
 
 def test_the_largest_number_of_ranks_works_and_one_more_is_refused(tmp_path):
     args = "rod -fsi_h 0.125 -rod_top 4 -ts_max_steps 10".split()
-    refused = mpirun(5, "-m", "fsipetsc", *args, cwd=tmp_path)
+    refused = solve(*args, cwd=tmp_path, ranks=5)
     assert refused.returncode == 2
     assert refused.stderr.count("fsipetsc: error: ") == 1
     assert "5 ranks" in refused.stderr
     assert "4 is the largest number that works" in refused.stderr
-    assert mpirun(4, "-m", "fsipetsc", *args, cwd=tmp_path).returncode == 0
+    assert solve(*args, cwd=tmp_path, ranks=4).returncode == 0
     run = fsipetsc.open_run(tmp_path / "rod.h5")
     assert (run.summary["ranks"], run.summary["steps"]) == (4, 10)
 

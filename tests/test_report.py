@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from helpers import run
+from helpers import solve
 
 import fsipetsc
 
@@ -15,19 +15,19 @@ def where(tmp_path_factory):
     return tmp_path_factory.mktemp("report")
 
 
-def solve(where, *words):
-    return run("-m", "fsipetsc", "box", "-fsi_h", 0.1, "-fsi_order", 2, "-fsi_output", "r.h5", *words, cwd=where)
+def box(where, *words):
+    return solve("box", "-fsi_h", 0.1, "-fsi_order", 2, "-fsi_output", "r.h5", *words, cwd=where)
 
 
 def test_an_end_by_the_number_of_steps_is_not_said_to_be_the_end(where):
-    done = solve(where, "-ts_max_steps", 1)
+    done = box(where, "-ts_max_steps", 1)
     assert (done.returncode, done.stderr) == (0, "")
     with fsipetsc.open_run(where / "r.h5") as result:
         t, summary, complete = result.series["t"][-1], result.summary, result.complete
     words = f"ended by -ts_max_steps at t = {t:g}, before -ts_max_time 2"
     assert f"\n{words}: 1 step in " in done.stdout and "done at" not in done.stdout
     assert (summary["status"], summary["message"], complete) == ("done", words, True), "as the user wished"
-    assert words in run("-m", "fsipetsc", "info", "r.h5", cwd=where).stdout
+    assert words in solve("info", "r.h5", cwd=where).stdout
 
 
 ENDS = {("-ts_max_time", 0): "0 steps", ("-ts_max_time", 1e-6, "-ts_max_steps", 1): "1 step"}
@@ -35,7 +35,7 @@ ENDS = {("-ts_max_time", 0): "0 steps", ("-ts_max_time", 1e-6, "-ts_max_steps", 
 
 @pytest.mark.parametrize(("words", "steps"), ENDS.items())
 def test_the_end_is_the_end(words, steps, where):
-    done = solve(where, *words)
+    done = box(where, *words)
     assert f"done at t = {words[1]:g}: {steps} in " in done.stdout
     with fsipetsc.open_run(where / "r.h5") as result:
         assert result.summary["message"] == ""
@@ -46,7 +46,7 @@ def test_steps_far_beyond_their_bound_are_noted(where):
     noted = {}
     control = ("-ts_rk_type", "3bs", "-ts_adapt_type", "basic")
     for words in ((), ("-ts_dt", 1e-4), ("-ts_dt", 1.0), ("-fsi_cfl", 4), ("-fsi_cfl", 4, *control)):
-        done = solve(where, "-ts_max_steps", 1, *words)
+        done = box(where, "-ts_max_steps", 1, *words)
         noted[words] = [line for line in done.stdout.splitlines() if line.startswith("note: ")]
     with fsipetsc.open_run(where / "r.h5") as result:
         bound = result.series["dt"][0]
@@ -56,7 +56,7 @@ def test_steps_far_beyond_their_bound_are_noted(where):
 
 
 def test_a_run_that_fails_by_its_steps_says_so(where):
-    done = solve(where, "-ts_dt", 0.2, "-fsi_output_dt", 2)
+    done = box(where, "-ts_dt", 0.2, "-fsi_output_dt", 2)
     assert done.returncode == 3
     assert "; -ts_dt 0.2 is " in done.stderr and " times the bound on the step at t = 0" in done.stderr
 
@@ -85,12 +85,12 @@ def build(opt):
 def test_nothing_is_said_of_what_a_problem_has_not(where):
     """One solid: no interfaces, no errors in a gas, no orders of it."""
     (where / "bar.py").write_text(BAR)
-    done = run("-m", "fsipetsc", "bar.py", cwd=where)
+    done = solve("bar.py", cwd=where)
     assert (done.returncode, done.stderr) == (0, "")
     assert "\n11 points\n" in done.stdout and "interfaces" not in done.stdout and "fluid" not in done.stdout
     with fsipetsc.open_run(where / "bar.h5") as result:
         assert set(result.errors) == {"solid"} and 0 < result.errors["solid"]["combined"] < 1e-7
-    done = run("-m", "fsipetsc", "convergence", "bar.py", "-fsi_orders", 2, "-fsi_hs", "0.1,0.05", cwd=where)
+    done = solve("convergence", "bar.py", "-fsi_orders", 2, "-fsi_hs", "0.1,0.05", cwd=where)
     assert (done.returncode, done.stderr) == (0, "")
     assert "nan" not in done.stdout and "\nfluid" not in done.stdout
     order = float(done.stdout.split("\nsolid  2/1")[1].split()[0])

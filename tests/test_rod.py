@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from conftest import ORDERS
-from helpers import mpirun
+from helpers import solve
 
 import fsipetsc
 
@@ -40,7 +40,7 @@ def assert_conditions_hold(run) -> None:
 @pytest.mark.slow
 def test_the_command_of_the_readme(tmp_path):
     args = "rod -fsi_order 4 -fsi_h 0.025 -ts_max_time 0.908".split()
-    done = mpirun(2, "-m", "fsipetsc", *args, cwd=tmp_path)
+    done = solve(*args, cwd=tmp_path, ranks=2)
     assert (done.returncode, done.stderr) == (0, "")
     assert "done at t = 0.908 s" in done.stdout and "note:" not in done.stdout
     with fsipetsc.open_run(tmp_path / "rod.h5") as run:

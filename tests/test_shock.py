@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from conftest import ORDERS
-from helpers import compute, run
+from helpers import compute, solve
 
 import fsipetsc
 
@@ -67,10 +67,10 @@ def test_pictures_show_where_the_piston_was(results):
 
 
 def test_the_result_says_which_norm(tmp_path):
-    done = run("-m", "fsipetsc", "shock", "-fsi_h", 0.05, "-ts_max_time", 0.02, cwd=tmp_path)
+    done = solve("shock", "-fsi_h", 0.05, "-ts_max_time", 0.02, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert "L1 errors in the solid: u " in done.stdout
-    assert "L1 errors" in run("-m", "fsipetsc", "info", "shock.h5", cwd=tmp_path).stdout
+    assert "L1 errors" in solve("info", "shock.h5", cwd=tmp_path).stdout
 
 
 @pytest.mark.parametrize("options", [{}, {"shock_problem": "strong"}, {"shock_problem": "strong", "solid_gruneisen": 0.4}])

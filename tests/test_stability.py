@@ -12,7 +12,7 @@ import pytest
 pytest.importorskip("numba")
 pytest.importorskip("scipy")
 
-from helpers import REPOSITORY, from_python, mpirun, run
+from helpers import REPOSITORY, from_python, run, solve
 
 from fsipetsc.analysis.stability_linear import CENTRAL, assemble, interface_jacobian, rates
 from fsipetsc.analysis.stability_measures import few_eigenvalues, measure, range_basis, step_limit
@@ -224,7 +224,7 @@ def test_slepc_finds_the_same(monkeypatch):
 @pytest.fixture
 def command(tmp_path):
     pytest.importorskip("petsc4py")
-    return lambda *args: run("-m", "fsipetsc", "stability", *args, cwd=tmp_path)
+    return lambda *args: solve("stability", *args, cwd=tmp_path)
 
 
 SMALL = ("-sweep", "-stability_points", 16, "-density_ratios", "1e-3,1,1e3", "-stiffness_ratios", "0.01,1,100")
@@ -244,7 +244,7 @@ def swept(tmp_path_factory):
     """(folder, what was said) of a sweep on one rank."""
     pytest.importorskip("petsc4py")
     where = tmp_path_factory.mktemp("swept")
-    return where, run("-m", "fsipetsc", "stability", *SMALL, cwd=where)
+    return where, solve("stability", *SMALL, cwd=where)
 
 
 def test_sweep_with_energy_holds_everywhere(swept):
@@ -272,7 +272,7 @@ def test_sweep_with_traditional_ends_with_status_3(command, tmp_path):
 
 @pytest.mark.mpi
 def test_ranks_share_a_sweep(swept, tmp_path):
-    done = mpirun(2, "-m", "fsipetsc", "stability", *SMALL, "-fsi_output", "two", cwd=tmp_path)
+    done = solve("stability", *SMALL, "-fsi_output", "two", cwd=tmp_path, ranks=2)
     assert (done.returncode, done.stderr) == (0, "")
     assert (swept[0] / "stability-energy.csv").read_text() == (tmp_path / "two.csv").read_text()
 

@@ -14,7 +14,7 @@ pytest.importorskip("petsc4py")
 from dataclasses import replace
 
 import materials
-from helpers import REPOSITORY, run
+from helpers import REPOSITORY, solve
 from mpi4py import MPI
 
 from fsipetsc.analysis.stability_linear import CENTRAL, assemble
@@ -180,15 +180,15 @@ def van_der_waals_without_its_energy():
 def test_the_command_takes_a_case(tmp_path):
     case = str(REPOSITORY / "tests" / "materials.py")
     words = ("-materials_state", "column", "-stability_interface", "2", "-stability_points", "16", "-fsi_h", "0.05")
-    done = run("-m", "fsipetsc", "stability", case, *words, cwd=tmp_path)
+    done = solve("stability", case, *words, cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
     assert "stiffened gas (1.5, 4, 3, 1)" in done.stdout and "sutherland (8, 2, 2)" in done.stdout
     assert done.stdout.count("energy never grows") == 4 and "stability of conservative" in done.stdout
-    assert "-stability_interface" in run("-m", "fsipetsc", "stability", "box", "-help", cwd=tmp_path).stdout
+    assert "-stability_interface" in solve("stability", "box", "-help", cwd=tmp_path).stdout
     for words, said in (
         (("mms",), "layers 'left' and 'solid' begin with T = "),
         (("box", "-stability_interface", "7"), "-stability_interface 7: expected a number from 0 to"),
         (("box", "-solid_gamma", "1"), "-solid_gamma"),
     ):
-        done = run("-m", "fsipetsc", "stability", *words, cwd=tmp_path)
+        done = solve("stability", *words, cwd=tmp_path)
         assert done.returncode == 2 and said in done.stderr and done.stderr.count("\n") == 1, done.stderr

@@ -12,7 +12,7 @@ import time
 
 import numpy as np
 import pytest
-from helpers import PATIENCE, environment, mpirun, solve
+from helpers import PATIENCE, environment, solve
 
 import fsipetsc
 
@@ -150,7 +150,7 @@ def test_shares_of_the_time():
 def test_view_and_summary_on_two_ranks(tmp_path):
     """One run shows layers, ranks, points, materials, operators, method; its summary is that of one rank."""
     words = ("box", "-fsi_h", 0.05, "-ts_max_time", 0.5)
-    done = mpirun(2, "-m", "fsipetsc", *words, "-fsi_view", "-fsi_output", "two.h5", cwd=tmp_path)
+    done = solve(*words, "-fsi_view", "-fsi_output", "two.h5", cwd=tmp_path, ranks=2)
     assert (done.returncode, done.stderr) == (0, "")
     shown = done.stdout
     for text in (

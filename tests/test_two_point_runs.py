@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from helpers import REPOSITORY, compute, run
+from helpers import REPOSITORY, compute, solve
 
 import fsipetsc
 
@@ -65,7 +65,7 @@ def test_box(runs, order):
 
 
 def test_a_gas_law_of_its_own_is_refused(tmp_path):
-    done = run("-m", "fsipetsc", REPOSITORY / "tests" / "own_gas.py", "-fsi_convection", "entropy", cwd=tmp_path)
+    done = solve(REPOSITORY / "tests" / "own_gas.py", "-fsi_convection", "entropy", cwd=tmp_path)
     assert done.returncode == 2
     assert "has a gas law of its own" in done.stderr and "-fsi_convection divergence" in done.stderr
     assert "Traceback" not in done.stderr

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from helpers import run
+from helpers import solve
 
 import fsipetsc
 from fsipetsc.cases import wave
@@ -31,7 +31,7 @@ def test_the_scheme_follows_it(tmp_path, density, most):
     errors = []
     for n in (16, 24):
         words = ("-solid_density", density, "-fsi_h", 1 / n, "-ts_max_time", 0.4, "-fsi_output", f"{n}.h5", "-fsi_quiet")
-        done = run("-m", "fsipetsc", "wave", *words, cwd=tmp_path)
+        done = solve("wave", *words, cwd=tmp_path)
         assert (done.returncode, done.stderr) == (0, "")
         with fsipetsc.open_run(tmp_path / f"{n}.h5") as result:
             layer = result.layers[0]
