@@ -1,9 +1,9 @@
 """One of the ranks that kept_ranks.py keeps for the runs of tests: does what it is told over a socket, until that is closed.
 
 Started under mpiexec: SOCKET. A job: the ranks that do it, from 0 on, the folder they do it in, and either the words of a
-command line, or runs, name -> (case, options), of which each leaves NAME.h5, or NAME.txt with its error, in the folder; options that
-begin with "tiles" ask for tiles on grids that are too coarse for them to pay. The answer: exit status, what was said, and the
-seconds of processors that it took.
+command line, or runs, name -> (case, options), of which each leaves NAME.h5, or NAME.txt with its error, in the folder; options
+that begin with "tiles" ask for tiles on grids that are too coarse for them to pay. The answer: exit status, what was said, and
+the seconds of processors that it took.
 """
 
 from __future__ import annotations
