@@ -15,7 +15,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from helpers import environment, mpirun
+from helpers import environment, solve
 
 import fsipetsc
 
@@ -130,7 +130,7 @@ def cycles(folder: Path, case: str, kills: int, seed: int) -> list[str]:
     from test_restart import differences
 
     chance, words = random.Random(seed), [*RUNS[case], "-fsi_quiet"]
-    whole = mpirun(1, "-m", "fsipetsc", *words, "-fsi_output", folder / "whole.h5", cwd=folder)
+    whole = solve(*words, "-fsi_output", folder / "whole.h5", cwd=folder)
     assert whole.returncode == 0, whole.stderr
     words += ["-fsi_restart", "auto", "-fsi_checkpoint_wall", str(INTERVAL)]
     said, shared = [], set(os.listdir("/dev/shm"))
@@ -146,7 +146,7 @@ def cycles(folder: Path, case: str, kills: int, seed: int) -> list[str]:
             said.append(f"{ranks} ranks, {how}: no result yet")
         if len(said) % 5 == 0:
             print(said[-1], flush=True)
-    last = mpirun(chance.choice(RANKS), "-m", "fsipetsc", *words, "-fsi_output", folder / "run.h5", cwd=folder)
+    last = solve(*words, "-fsi_output", folder / "run.h5", cwd=folder, ranks=chance.choice(RANKS))
     assert last.returncode == 0, last.stderr
     assert differences(folder / "whole.h5", folder / "run.h5", same_ranks=False) == []
     left = {path.name for path in folder.iterdir()} - {"whole.h5", "run.h5", "run.checkpoint.h5", "run.checkpoint.previous.h5"}

@@ -8,7 +8,7 @@ import time
 from types import SimpleNamespace
 
 import pytest
-from helpers import solve
+from helpers import run, solve
 
 pytest.importorskip("petsc4py")
 
@@ -226,7 +226,7 @@ def test_bad_input(tmp_path, options, word):
 
 def test_phases_in_the_summary_and_the_log(tmp_path):
     options = "-fsi_h 0.1 -ts_max_steps 20 -fsi_output_dt 1 -log_view".split()
-    done = solve("rod", *options, cwd=tmp_path)
+    done = run("-m", "fsipetsc", "rod", *options, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     for phase in ("set-up", "time loop", "output"):
         assert f"{phase} " in next(line for line in done.stdout.splitlines() if line.startswith("phases: "))

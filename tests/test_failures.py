@@ -71,7 +71,7 @@ def test_bad_input(name, refused):
 
 def test_bad_input_in_a_process_of_its_own(tmp_path):
     line, words = BAD_INPUT["misspelt option"]
-    done = solve(*line.split(), cwd=tmp_path)
+    done = run("-m", "fsipetsc", *line.split(), cwd=tmp_path)
     assert all(word in message(done, 2) for word in words)
     assert done.stdout == "" and list(tmp_path.iterdir()) == []
 
@@ -92,7 +92,7 @@ def test_bad_input_on_two_ranks(name, tmp_path):
 
 @pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.mpi)])
 def test_a_step_beyond_the_stability_limit(ranks, tmp_path):
-    done = solve(*"rod -fsi_h 0.05 -fsi_cfl 5 -fsi_output_dt 0.002".split(), cwd=tmp_path, ranks=ranks)
+    done = mpirun(ranks, "-m", "fsipetsc", *"rod -fsi_h 0.05 -fsi_cfl 5 -fsi_output_dt 0.002".split(), cwd=tmp_path)
     text = message(done, 3)
     for word in ("in layer '", "at x = ", "(X = ", "t = ", ", step ", "what was computed before is in"):
         assert word in text
@@ -201,7 +201,7 @@ def test_an_error_of_one_rank_alone_ends_all(shared, tmp_path):
     """It is said once, and nobody waits for a rank that has left."""
     (tmp_path / "alone.py").write_text(ALONE)
     options = ("-fsi_h", "0.05", "-ts_max_time", "0.1", "-fsi_quiet", "-fsi_shared_memory", shared)
-    done = solve("alone.py", *options, cwd=tmp_path, ranks=2)
+    done = mpirun(2, "-m", "fsipetsc", "alone.py", *options, cwd=tmp_path)
     assert done.returncode == 2
     assert done.stderr.count("fsipetsc: error: ") == 1 and "no force is known" in done.stderr
 

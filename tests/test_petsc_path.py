@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 import pytest
-from helpers import solve
+from helpers import mpirun
 
 pytest.importorskip("petsc4py")
 
@@ -70,7 +70,7 @@ def test_both_make_the_same_rates(name, changed):
 def test_the_log_shows_what_petsc_does(tmp_path):
     """An exchange for each layer and right-hand side among the events of the time loop, and the sums of PETSc's method."""
     line = "rod -fsi_h 0.1 -ts_max_steps 20 -ts_type rk -fsi_partition physics -fsi_output_dt 1 -log_view -ts_view"
-    done = solve(*line.split(), cwd=tmp_path, ranks=2)
+    done = mpirun(2, "-m", "fsipetsc", *line.split(), cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     loop = re.split(r"Event Stage \d: ", done.stdout[re.search(r"Event Stage \d: time loop", done.stdout).end() :])[0]
     counts = {words[0]: int(words[1]) for words in map(str.split, loop.splitlines()) if len(words) > 10 and words[1].isdigit()}
