@@ -13,6 +13,7 @@ from typing import TextIO
 import pytest
 from costs import pytest_runtest_logreport, pytest_runtest_logstart, pytest_runtest_makereport, pytest_terminal_summary  # noqa: F401
 from helpers import REPOSITORY, compute
+from kept_ranks import KEPT
 from stub_case import CASE, DRIVER
 
 import fsipetsc
@@ -36,6 +37,10 @@ MORE = {
         for name, form in (("dissipation", "-fsi_dissipation 1 -fsi_shock 1"), ("two-point", "-fsi_convection entropy"))
         for method in ("fused", "rk")
     },
+    "plane": ("plane_mms", "-ts_max_steps 1"),
+    "plane dissipation": ("blast", "-fsi_h 0.125 -fluid_mu 0 -fluid_kappa 0 -fsi_dissipation 1 -fsi_shock 1 -ts_max_steps 1"),
+    "plane divergence": ("tube", "-fsi_h 0.125 -fsi_convection divergence -ts_max_steps 1"),
+    "plane shock": ("oblique", "-fsi_h 0.125 -ts_max_steps 1"),
 }
 MANY = 1000
 ORDERS = (2, 4, 6, 8)
@@ -279,6 +284,11 @@ def pytest_configure() -> None:
     """Interrupts reach what the tests start, where a shell has started them in the background and told them to ignore those."""
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def pytest_unconfigure() -> None:
+    """What the ranks have cost is known when they have ended."""
+    KEPT.close()
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -12,9 +12,12 @@ import json
 import math
 import os
 import resource
+import select
 import socket
 import sys
 import tempfile
+import threading
+import time
 import traceback
 import warnings
 from collections.abc import Iterator
@@ -25,6 +28,9 @@ from typing import Any
 
 from fsipetsc import cli
 from fsipetsc.process.launch import start_mpi, start_petsc
+
+#: seconds that an orderly end may take
+_FAREWELL = 10.0
 
 
 @cache
@@ -98,6 +104,15 @@ def do(job: dict[str, Any]) -> dict[str, Any]:
     return {"status": status, "cost": cost, **answer}
 
 
+def leave_after(line: socket.socket) -> None:
+    """End this process soon after the other end of the line has gone, even if a job hangs."""
+    gone = select.poll()
+    gone.register(line, select.POLLHUP | select.POLLRDHUP)
+    gone.poll()
+    time.sleep(_FAREWELL)
+    os._exit(1)
+
+
 def main(place: str) -> None:
     world = start_mpi()
     start_petsc([], world)  # for which PETSc wants all ranks
@@ -105,6 +120,7 @@ def main(place: str) -> None:
     warnings.filterwarnings("always", category=RuntimeWarning)  # in each run, as if it were the process's first
     with socket.socket(socket.AF_UNIX) as line:
         line.connect(place)
+        threading.Thread(target=leave_after, args=(line,), daemon=True).start()
         with line.makefile("rw") as file:
             print(world.rank, file=file, flush=True)
             for job in file:

@@ -108,5 +108,6 @@ class KeptRanks:
         shutil.rmtree(self._folder, ignore_errors=True)
 
 
+#: of this process
 KEPT = KeptRanks()
 atexit.register(KEPT.close)
