@@ -39,7 +39,7 @@ MORE = {
     },
     "plane": ("plane_mms", "-ts_max_steps 1"),
     "plane dissipation": ("blast", "-fsi_h 0.125 -fluid_mu 0 -fluid_kappa 0 -fsi_dissipation 1 -fsi_shock 1 -ts_max_steps 1"),
-    "plane divergence": ("tube", "-fsi_h 0.125 -fsi_convection divergence -ts_max_steps 1"),
+    "plane divergence": ("tube", "-fsi_h 0.125 -tube_width 1 -fsi_convection divergence -ts_max_steps 1"),
     "plane shock": ("oblique", "-fsi_h 0.125 -ts_max_steps 1"),
 }
 MANY = 1000

@@ -7,7 +7,7 @@ import io
 
 import numpy as np
 import pytest
-from helpers import mpirun, run, solve
+from helpers import solve
 
 from fsipetsc.analysis import table1
 from fsipetsc.analysis.convergence_table import NAMES, ConvergenceStudy, load
@@ -102,8 +102,8 @@ def test_the_reason_is_given_where_the_exponent_supports_it(rate):
 
 
 def test_command(tmp_path):
-    args = ("-m", "fsipetsc", "convergence", "mms", "-fsi_orders", "2,6", "-fsi_hs", "0.025,0.05")
-    done = run(*args, cwd=tmp_path)
+    args = ("convergence", "mms", "-fsi_orders", "2,6", "-fsi_hs", "0.025,0.05")
+    done = solve(*args, cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
     assert "Table 1 of the paper" in done.stdout
     study = load(tmp_path / "mms-convergence.h5")
@@ -112,7 +112,7 @@ def test_command(tmp_path):
     assert np.all(study.rates("solid")[:, 1] > (1.8, 4.1))
     for name in ("mms-convergence.csv", "mms-convergence-error.png", "mms-convergence-cost.png"):
         assert (tmp_path / name).stat().st_size > 100
-    assert "kept the earlier" in run(*args, "-ts_max_steps", "2", cwd=tmp_path).stdout
+    assert "kept the earlier" in solve(*args, "-ts_max_steps", "2", cwd=tmp_path).stdout
 
 
 def test_orders_and_grids_count_once_and_one_grid_shows_no_order(tmp_path):
@@ -129,8 +129,8 @@ def test_orders_and_grids_count_once_and_one_grid_shows_no_order(tmp_path):
 
 @pytest.mark.mpi
 def test_ranks_find_the_same_errors(tmp_path):
-    args = ("-m", "fsipetsc", "convergence", "pulse", "-fsi_orders", "4", "-fsi_hs", "0.1,0.05", "-fsi_output")
-    one, two = run(*args, "1.h5", cwd=tmp_path), mpirun(2, *args, "2.h5", cwd=tmp_path)
+    args = ("convergence", "pulse", "-fsi_orders", "4", "-fsi_hs", "0.1,0.05", "-fsi_output")
+    one, two = (solve(*args, f"{n}.h5", cwd=tmp_path, ranks=n) for n in (1, 2))
     assert (one.returncode, two.returncode) == (0, 0)
     one, two = load(tmp_path / "1.h5"), load(tmp_path / "2.h5")
     assert (one.ranks, two.ranks) == (1, 2)
@@ -139,10 +139,8 @@ def test_ranks_find_the_same_errors(tmp_path):
 
 
 def test_a_run_that_fails_is_one_line_of_the_table(tmp_path):
-    done = run(
-        *("-m", "fsipetsc", "convergence", "mms", "-fsi_orders", "4,8", "-fsi_hs", "0.05,0.025", "-fsi_cfl", "4"),
-        cwd=tmp_path,
-    )
+    line = "convergence mms -fsi_orders 4,8 -fsi_hs 0.05,0.025 -fsi_cfl 4"
+    done = solve(*line.split(), cwd=tmp_path)
     assert done.returncode == 3
     assert "  failed: " in done.stdout
     assert done.stderr.count("\n") == 1 and "runs failed; order " in done.stderr

@@ -13,7 +13,7 @@ import h5py
 import numpy as np
 import output_program as program
 import pytest
-from helpers import run
+from helpers import run, solve
 
 import fsipetsc
 from fsipetsc.errors import FileError
@@ -169,5 +169,5 @@ def test_what_can_be_drawn_is_drawn(whole: bytes, tmp_path: Path) -> None:
 @pytest.mark.parametrize("command", ["info", "plot"])
 def test_a_pipe_is_not_waited_for(tmp_path: Path, command: str) -> None:
     os.mkfifo(tmp_path / "run.h5")
-    done = run("-m", "fsipetsc", command, "run.h5", cwd=tmp_path, timeout=30)
+    done = solve(command, "run.h5", cwd=tmp_path, timeout=30)
     assert done.returncode == 4 and done.stderr.count("\n") == 1 and "no regular file" in done.stderr, done.stderr

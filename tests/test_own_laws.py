@@ -6,7 +6,7 @@ import types
 
 import numpy as np
 import pytest
-from helpers import PATIENCE, REPOSITORY, compute, from_python, run
+from helpers import REPOSITORY, compute, from_python, run, solve
 
 pytest.importorskip("numba")
 pytest.importorskip("petsc4py")
@@ -247,11 +247,11 @@ def test_a_run_with_a_wrong_law_ends_with_status_2(tmp_path):
     text = SUTHERLAND.read_text().replace("    return factor, factor\n", "    return factor, factor.wrong\n")
     (tmp_path / "wrong.py").write_text(text)
     line = 1 + text.splitlines().index("    return factor, factor.wrong")
-    done = run("-m", "fsipetsc", "wrong.py", cwd=tmp_path, timeout=PATIENCE)
+    done = solve("wrong.py", cwd=tmp_path)
     assert done.returncode == 2 and len(done.stderr.splitlines()) == 1, done.stderr
     assert done.stderr.startswith(f"fsipetsc: error: wrong.py, line {line}: relative cannot be compiled")
     (tmp_path / "entropy.py").write_text(
         OWN_GAS.read_text().replace("sound_speed_squared_of_energy entropy", "sound_speed_squared_of_energy")
     )
-    done = run("-m", "fsipetsc", "entropy.py", "-fsi_entropy", cwd=tmp_path, timeout=PATIENCE)
+    done = solve("entropy.py", "-fsi_entropy", cwd=tmp_path)
     assert done.returncode == 2 and "-fsi_entropy" in done.stderr and "'left'" in done.stderr, done.stderr

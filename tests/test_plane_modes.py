@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers import run, solve
+from helpers import solve
 
 from fsipetsc.analysis.plane_measures import PlaneRest, Waves, measure, nearest
 from fsipetsc.analysis.plane_modes import linearise, most, symbol, wave_number
@@ -122,12 +122,11 @@ def test_what_grows_is_heated_by_the_pressure_at_rest(m0, K):
 
 def test_the_command(tmp_path):
     """A table, the modes, and status 3 where something does not hold; heat of the pressure at rest is told apart."""
-    command = ("-m", "fsipetsc", "stability", "-stability_plane")
-    words = (*command, "-fsi_order", 4, "-stability_points", 8, "-stability_symbols", 0.2)
-    well = run(*words, "-sweep", "-density_ratios", "0.001,1000", "-stiffness_ratios", "0.1,10", cwd=tmp_path)
+    words = ("stability", "-stability_plane", "-fsi_order", 4, "-stability_points", 8, "-stability_symbols", 0.2)
+    well = solve(*words, "-sweep", "-density_ratios", "0.001,1000", "-stiffness_ratios", "0.1,10", cwd=tmp_path)
     assert (well.returncode, well.stderr) == (0, "") and "    4    0.001      0.1" in well.stdout
     grows = ("-solid_density", 1e-3, "-solid_modulus", 0.01, "-solid_alpha", 2500, "-solid_heat", "coupled")
-    heated = run(*words, *grows, cwd=tmp_path)
+    heated = solve(*words, *grows, cwd=tmp_path)
     assert (heated.returncode, heated.stderr) == (0, "") and "With it modes grow at up to" in heated.stdout
 
 
