@@ -13,7 +13,7 @@ import h5py
 import numpy as np
 import output_program as program
 import pytest
-from helpers import run, solve
+from helpers import solve
 
 import fsipetsc
 from fsipetsc.errors import FileError

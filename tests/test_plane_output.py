@@ -8,7 +8,7 @@ import xml.etree.ElementTree as ET
 
 import numpy as np
 import pytest
-from helpers import compute, run, solve
+from helpers import compute, solve
 
 import fsipetsc
 
