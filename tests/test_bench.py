@@ -8,7 +8,7 @@ import time
 from types import SimpleNamespace
 
 import pytest
-from helpers import run, solve
+from helpers import mpirun, run, solve
 
 pytest.importorskip("petsc4py")
 
@@ -186,7 +186,7 @@ def test_clock_takes_the_shortest_of_samples_that_are_long_enough(monkeypatch):
 
 @pytest.mark.mpi
 def test_command(tmp_path):
-    done = solve("bench", *_QUICK, cwd=tmp_path, ranks=2)
+    done = mpirun(2, "-m", "fsipetsc", "bench", *_QUICK, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     with (tmp_path / "bench.csv").open() as file:
         rows = list(csv.DictReader(file))
