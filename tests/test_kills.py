@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -78,6 +79,17 @@ def wait_for(path: Path, process: subprocess.Popen[str]) -> None:
     assert path.exists(), process.communicate()
 
 
+def wait_for_frames(path: Path, process: subprocess.Popen[str]) -> None:
+    """Until the run makes steps: until then it does not listen to all signals."""
+    end = time.monotonic() + PATIENCE
+    while process.poll() is None and time.monotonic() < end:
+        with suppress(fsipetsc.errors.FileError), fsipetsc.open_run(path) as result:
+            if result.nframes > 1:
+                return
+        time.sleep(0.02)
+    raise AssertionError(process.communicate())
+
+
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("whole")
@@ -104,7 +116,7 @@ def test_usr1_asks_for_a_checkpoint_and_the_run_goes_on(tmp_path):
     """Once without any option for checkpoints; the next time the earlier one is kept."""
     process = begin(2, tmp_path, *LINE, "-ts_max_time", 1000, "-fsi_output", tmp_path / "rod.h5")
     wait_for(tmp_path / "rod.h5", process)
-    time.sleep(0.5)
+    wait_for_frames(tmp_path / "rod.h5", process)
     steps = []
     for path in (tmp_path / "rod.checkpoint.h5", tmp_path / "rod.checkpoint.previous.h5"):
         os.kill(ranks_of(process.pid, tmp_path / "rod.h5")[-1], signal.SIGUSR1)
