@@ -19,7 +19,7 @@ from fsipetsc.operators.kernels import OPTIONS
 
 #: what is known of a point: J (1, rho, rho u, rho v, e) of the gas, (x, y, u, v, T) of the solid (displacements), and the
 #: kinetic energy m0 |u|^2 / 2 of its end point
-COLUMNS = 11
+COLUMNS, KINETIC = 11, 10
 #: what may hold a point
 HELD, HELD_X = 1, 2
 #: rates of J (rho, rho u, rho v) of the gas, and of the velocity of the solid

@@ -12,7 +12,7 @@ import numba
 
 
 class Prepared:
-    """``entry(*arguments, *numbers)``; only ``numbers``, if there are any, differ from call to call, all of them floats.
+    """``entry(*arguments, *others)``; only ``others``, if there are any, differ from call to call, but not their types.
 
     entry: an entry, compiled for these types at the first call, if it has not been before.
     """
@@ -23,8 +23,8 @@ class Prepared:
         self._entry, self._arguments = entry, arguments
         self._function = self._find
 
-    def __call__(self, *numbers: float) -> Any:
-        return self._function(*self._arguments, *numbers)
+    def __call__(self, *others: Any) -> Any:
+        return self._function(*self._arguments, *others)
 
     def _find(self, *arguments: Any) -> Any:
         """The first call."""

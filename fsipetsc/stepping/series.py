@@ -6,6 +6,7 @@ import numpy as np
 from mpi4py import MPI
 
 from fsipetsc.scheme.plan import shares
+from fsipetsc.stepping.snapshot import as_numbers
 from fsipetsc.stepping.state import State
 
 #: steps whose shares are added up at once: they stay in a cache
@@ -20,6 +21,8 @@ class Series:
         record = state.journal.dtype
         self._first = record.fields[shares(record)[0]][1] // 8  # number of a record with which shares begin
         self._sums = np.empty((CACHED_STEPS, state.journal.dtype.itemsize // 8 - self._first))
+        self._journal: np.ndarray | None = None
+        self._numbers = self._latest = np.empty(0)
         self.count = self._added = 0
         self.total = 0  # steps kept since the beginning of this run
 
@@ -30,7 +33,12 @@ class Series:
 
     def write(self, t: float, dt: float) -> None:
         """Put a step into the journal: time and step [s], with the state's results. A burst does so itself."""
-        self._state.journal[self.count] = (t, dt, *self._state.latest)
+        if self._journal is not self._state.journal:  # it has been laid anew
+            self._journal = self._state.journal
+            self._numbers = self._journal.view(np.float64).reshape(len(self._journal), -1)
+            self._latest = as_numbers(self._state.latest)
+        row = self._numbers[self.count]
+        row[0], row[1], row[2:] = t, dt, self._latest
 
     def keep(self, steps: int) -> None:
         """The next steps in the journal belong to the series."""

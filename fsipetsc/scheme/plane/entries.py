@@ -11,6 +11,7 @@ from numba import njit
 
 from fsipetsc.coupling.plane import meet, meet_sliding, slide
 from fsipetsc.operators.kernels import ENTRY
+from fsipetsc.scheme.plane.account import give_account, put_away
 from fsipetsc.scheme.plane.fields import gas_fields, solid_fields
 from fsipetsc.scheme.plane.gains import edge_sums
 from fsipetsc.scheme.plane.geometry import find_normals, jacobian, lay
@@ -117,6 +118,18 @@ def gas_look(layers, k, operators, s, y, lines, words):
 def solid_look(layers, k, operators, s, y, lines, words):
     """Of solid layer k."""
     look_at_solid(SOLID, layers[k], operators[0], s, y, words)
+
+
+@njit(**ENTRY)
+def put_away_step(layers, memory, begin, starts, gains, sums, points, ends, state, solution):
+    """Put a completed step in the solution: see fsipetsc.scheme.plane.account."""
+    put_away(layers, memory, begin, starts, gains, sums, points, ends, state, solution)
+
+
+@njit(**ENTRY)
+def account_of(layers, words, gains, extremes, rates, account, solution):
+    """Put what is known of all layers together: see fsipetsc.scheme.plane.account."""
+    give_account(layers, words, gains, solution, extremes, rates, account)
 
 
 @njit(**ENTRY)

@@ -44,11 +44,14 @@ def needed(
             found += [(compiled(entries.meet_at, law), points)]
             found += [(compiled(entries.meet_sliding_at, law), (*points, *line))]
     requests, ending = Requests([]), (_TABLE, _PLACES, _PLACES, _VALUES, _VALUES, 0)
+    away = _NUMBERS, _NUMBERS, _NUMBERS, np.empty((1, 1, 1))
     fetched = _PLACES, _NUMBERS, _VALUES, requests.handles, requests.statuses, _NUMBERS, _VALUES, _VALUES, _PLACES
     return [
         *found,
         (exchange, (_VALUES, 0, *fetched)),
         (entries.end_stage, (*layer, operators, _VALUES, _VALUES, *ending, *_STAGE)),
+        (entries.put_away_step, (layout.records, _VALUES, *away, _TABLE, _PLACES, _VALUES, _VALUES)),
+        (entries.account_of, (layout.records, _TABLE, _NUMBERS, _VALUES, _TABLE, _VALUES, _VALUES)),
         (entries.advance_behind, (_VALUES, *_STAGE)),
         (entries.grid_jacobian, (*common, _LINES, _TABLE)),
         (entries.edges_of, (*layer, operators, _VALUES, _VALUES)),

@@ -23,9 +23,6 @@ from fsipetsc.scheme.plane import entries
 from fsipetsc.scheme.plane.equations import materials_of
 from fsipetsc.scheme.plane.laws import compiled
 
-#: of what is known of a point, the kinetic energy of the solid
-_KINETIC = 10
-
 
 @dataclass(frozen=True)
 class Piece:
@@ -231,9 +228,13 @@ class Interfaces:
         """Lay another line for a piece, through its points as they are."""
         line.lay(self._operators, self.points[piece.at])
 
-    def energies(self) -> list[tuple[int, np.ndarray]]:
-        """(interface, kinetic energies of the end points of its solid that this rank owns)."""
-        return [(p.number, self.points[p.at][p.own, _KINETIC]) for p in self._of_solids()]
+    def ends(self) -> np.ndarray:
+        """Of the end points of solids that this rank owns (n, 2): where their kinetic energies stand in its part of the
+        solution, their numbers.
+        """
+        found, places = [np.empty((0, 2), np.int64)], np.arange(self._layout.local_size)
+        found += [np.stack([self._layout.energies(p.number, places), self._own(p)], axis=1) for p in self._of_solids()]
+        return np.concatenate(found)
 
     def heights(self) -> list[tuple[int, np.ndarray]]:
         """(interface, y of these points)."""

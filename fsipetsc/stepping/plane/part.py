@@ -15,7 +15,6 @@ from fsipetsc.scheme.plane import entries
 from fsipetsc.scheme.plane.equations import materials_of
 from fsipetsc.scheme.plane.fields import SAVED
 from fsipetsc.scheme.plane.laws import compiled
-from fsipetsc.scheme.plane.look import WORDS
 from fsipetsc.scheme.plane.sweep import ring_rows, scratch
 from fsipetsc.scheme.runge_kutta import Stage
 from fsipetsc.stepping.plane.edge_data import EdgeData
@@ -27,12 +26,11 @@ NO_STAGE, NO_FACTORS = (np.empty(0), np.empty(0), np.empty(0), np.empty(0)), (0.
 #: rates, extremes and integrals, what is saved
 OF_GAS = entries.gas_rates, entries.gas_look, entries.save_gas
 OF_SOLID = entries.solid_rates, entries.solid_look, entries.save_solid
-#: of what edges give: whether it counts what interfaces give, too
-_AT_INTERFACES = np.array([False, True, True, False])
 
 
 class LayerPart:
-    """This rank's part of layer k. state, changes: the rank's parts of world vectors, solution and rates.
+    """This rank's part of layer k. vectors: the rank's parts of world vectors, solution and rates; notes: (3, GAINED) for what
+    points at edges have, (WORDS,) for extremes and integrals.
 
     y, held, own: the points of the first area, the one that the solution is in after a step: all in a row, (height, width, DOF)
     of it, those that are owned.
@@ -48,8 +46,10 @@ class LayerPart:
         interfaces: Interfaces,
         vectors: tuple[np.ndarray, np.ndarray],
         edge_data: EdgeData,
+        notes: tuple[np.ndarray, np.ndarray],
     ) -> None:
         state, changes = vectors
+        self._sums, self.words = notes
         self.k, self._layout, self._ops, self.data, self._areas = k, layout, operators, edge_data, areas
         self.record, self._records, self._dm = layout.records[k], layout.records, layout.dms[k]
         self._gas, layer, grid = self.record["kind"] == FLUID, layout.problem.layers[k], layout.grids[k]
@@ -63,7 +63,7 @@ class LayerPart:
         self._vec = PETSc.Vec().createWithArray(layout.local(k, state).reshape(-1), bsize=DOF, comm=self._dm.comm)
         self._local = PETSc.Vec().createWithArray(self.held.reshape(-1), bsize=DOF, comm=PETSc.COMM_SELF)
         self._rates = layout.local(k, changes).reshape(-1)
-        self._gained, self._sums = self.record["gained"], np.zeros((3, GAINED))
+        self._gained = self.record["gained"]
         self._lines = np.zeros((2, 4, width))
         self._lines[:, 1] = np.array(layer.Y)[:, None]
         evaluate, *others = OF_GAS if self._gas else OF_SOLID
@@ -72,7 +72,6 @@ class LayerPart:
         self.order = NaturalOrder(self._dm)
         columns, rows = layout.held(k)
         self._XY = np.concatenate([grid.x0 + columns * grid.h_x, grid.y0 + rows * grid.h_y])
-        self.words = np.zeros(WORDS)
         self._common = self._records, k, operators, self._s
         self._joined = interfaces.points, interfaces.joined(k)
         rooms = np.zeros(GAINED), changes, layout.gains_begin(k)
@@ -124,14 +123,11 @@ class LayerPart:
         """Let interfaces, walls and what is given at time t [s] have the points as they want them, and the lines of grids."""
         self._settle_by(self._settle, t)
 
-    def complete(self, t: float) -> np.ndarray:
-        """``settle``; what the points gain by that, (GAINED,)."""
+    def complete(self, t: float) -> None:
+        """``settle``, and note what the points at edges have before, between and after what interfaces and edges do."""
         self._settle_by(self._settle_noting, t)
-        free, met, held = self._sums
         if self.data.moves(self.k):
-            entries.edges_of(self._records, self.k, self._ops, self.y, held)
-        # gas and solid give each other momentum, and energy, where they meet
-        return held - np.where(_AT_INTERFACES, free, met)
+            entries.edges_of(self._records, self.k, self._ops, self.y, self._sums[2])
 
     def _settle_by(self, settle: Prepared, t: float) -> None:
         self.data.refresh(self.k, t)

@@ -21,14 +21,17 @@ from typing import Any
 import numpy as np
 from petsc4py import PETSc
 
+from fsipetsc.operators.prepared import Prepared
 from fsipetsc.operators.sbp import OPERATOR, packed
 from fsipetsc.parallel.plane.areas import Areas
 from fsipetsc.parallel.plane.layout import PlaneLayout
 from fsipetsc.physics.dissipation import SOLID_SHARE
 from fsipetsc.physics.layer import FLUID
 from fsipetsc.physics.plane.layer import GAINED
+from fsipetsc.scheme.plane import entries
 from fsipetsc.scheme.plane.equations import USUAL, PlaneForm, equations_of
 from fsipetsc.scheme.plane.fields import SAVED
+from fsipetsc.scheme.plane.look import WORDS
 from fsipetsc.stepping.plane.compiled import needed
 from fsipetsc.stepping.plane.edge_data import EdgeData
 from fsipetsc.stepping.plane.fused import FusedSteps
@@ -57,11 +60,18 @@ class PlanePath:
         self.interfaces = Interfaces(layout, operators(order), self._world, self._rates)
         self.areas = Areas(layout)
         common, vectors = (self.areas, self.interfaces), (self.state, self.changes)
+        sums, self.words = np.zeros((len(layout.grids), 3, GAINED)), np.zeros((len(layout.grids), WORDS))
         self.layers = [
-            LayerPart(layout, k, operators(order), self._equations[k], *common, vectors, edge_data)
+            LayerPart(layout, k, operators(order), self._equations[k], *common, vectors, edge_data, (sums[k], self.words[k]))
             for k, dm in enumerate(layout.dms)
             if dm is not None
         ]
+        #: where what layers gain stands in this rank's part of the solution
+        self.gains = np.array([layout.gains_begin(k) for k in range(len(layout.grids))])
+        begins = np.array(self.areas.begin), layout.starts, self.gains
+        ends = self.interfaces.ends()
+        arrays = layout.records, self.areas.memory, *begins, sums, self.interfaces.points, ends, self.state
+        self._put_away = Prepared(entries.put_away_step, *arrays)
         self._fused: FusedSteps | None = None
 
     def rates(self, y: np.ndarray, f: np.ndarray, t: float) -> None:
@@ -117,24 +127,13 @@ class PlanePath:
         if not brought:
             self.bring(y)
         for part in self.layers:
-            self.layout.gains(part.k, y)[:] = self.layout.gains(part.k, self.state) + part.complete(t)
-            self.layout.local(part.k, y)[:] = part.own
-        for number, energies in self.interfaces.energies():
-            self.layout.energies(number, y)[:] = energies
+            part.complete(t)
+        self._put_away(y)
 
     @property
     def doubles(self) -> int:
         """Doubles of memory on this rank: areas and scratch of its layers, and the parts of world vectors, the solution too."""
         return 3 * self.state.size + self.areas.memory.size + sum(part.doubles for part in self.layers)
-
-    def take_gains(self, y: np.ndarray) -> np.ndarray:
-        """What each layer has gained on this rank since the last time, (layers, GAINED); y forgets it."""
-        found = np.zeros((len(self.layout.grids), GAINED))
-        for part in self.layers:
-            gains = self.layout.gains(part.k, y)
-            found[part.k] = gains
-            gains[:] = 0.0
-        return found
 
     def part(self, k: int) -> LayerPart | None:
         """This rank's part of layer k, if it has one."""

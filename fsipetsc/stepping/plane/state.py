@@ -17,6 +17,7 @@ from petsc4py import PETSc
 from fsipetsc import given
 from fsipetsc.errors import FsiError, InputError
 from fsipetsc.operators.cache import compiling, garbage_waiting
+from fsipetsc.operators.prepared import Prepared
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.plane.grids import make_grids
 from fsipetsc.parallel.plane.layout import PlaneLayout
@@ -24,9 +25,9 @@ from fsipetsc.physics.plane.layer import DOF
 from fsipetsc.plane import PlaneProblem
 from fsipetsc.process.together import agree, together, wait_asleep
 from fsipetsc.scheme.plan import BAD, CAPACITY, FLAGS, LIMITS, RATE, SAID_STOP, STAGES, STOP
+from fsipetsc.scheme.plane import entries
+from fsipetsc.scheme.plane.account import OF_ALL
 from fsipetsc.scheme.plane.equations import USUAL, PlaneForm
-from fsipetsc.scheme.plane.look import BAD as LOOKED_BAD
-from fsipetsc.scheme.plane.look import CONVECTION, DIFFUSION, ENERGY, ENTROPY, LEAST_J, MASS, MOMENTUM_X, MOMENTUM_Y
 from fsipetsc.stepping.diagnosis import Failure
 from fsipetsc.stepping.plane import snapshot
 from fsipetsc.stepping.plane.diagnosis import describe_failure
@@ -37,8 +38,6 @@ from fsipetsc.stepping.snapshot import as_numbers, kept, put_back, rates_of
 from fsipetsc.stepping.start import Start
 from fsipetsc.stepping.state import FAULT
 
-#: words of the energy, both components of the momentum, the entropy
-_INTEGRALS = [ENERGY, MOMENTUM_X, MOMENTUM_Y, ENTROPY]
 #: records of steps that are kept before they are written
 KEPT = min(CAPACITY, 4096)
 
@@ -87,7 +86,12 @@ class PlaneState:
         latest = np.zeros(1, [(name, self.journal.dtype[name]) for name in names])
         self.latest, self._latest = latest[0], latest.view(float)
         self.burst = np.empty(0)
-        self.rates = np.zeros((len(problem.layers), 2))  # of convection and diffusion, of each layer, see stepping.limits
+        layers = len(problem.layers)
+        self._extremes = np.zeros(2 + 3 * layers)  # STOP, BAD, the least J and the rates of each layer
+        self.rates = self._extremes[2 + layers :].reshape(-1, 2)  # of convection and diffusion, see stepping.limits
+        self._account_end = layers + 2 * fluids + OF_ALL
+        arrays = self._extremes[1 : 2 + layers], self.rates, self._latest[layers : self._account_end]
+        self._account = Prepared(entries.account_of, self.layout.records, self.path.words, self.path.gains, *arrays)
         self.evaluations, self.begin, self._t = 0, 0.0, 0.0
         self._jacobians: Mapping[int, Callable[..., Any]] = {}
         self.fault: InputError | None = None  # of a user's function, on this rank
@@ -200,39 +204,23 @@ class PlaneState:
             self.path.project(y, self._t, brought)
         except InputError as error:
             self._keep(error)
-        layers, gains = self.problem.layers, self.path.take_gains(y)
-        extremes = np.zeros(2 + 3 * len(layers))  # BAD, STOP, the least J and the rates of each layer
-        highest, rates = extremes[2 : 2 + len(layers)], extremes[2 + len(layers) :].reshape(-1, 2)
-        extremes[1], highest[:] = self.results[SAID_STOP], -np.inf
-        self._latest[:] = 0.0
-        for name, total in zip(("impulse_x", "impulse_y", "energy_in"), gains.sum(axis=0)[1:], strict=True):
-            self.latest[name] = total
-        fluid, integrals = -1, np.zeros(4)
-        for k, layer in enumerate(layers):
-            fluid += layer.kind == "fluid"
-            part = self.path.part(k)
-            if part is None:
-                continue
-            words = part.look()
-            rates[k] = words[CONVECTION], words[DIFFUSION]
-            extremes[0] = max(extremes[0], words[LOOKED_BAD], float(not np.isfinite(words).all()))
-            highest[k] = -words[LEAST_J]
-            if layer.kind == "fluid":
-                self.latest["mass"][fluid], self.latest["mass_in"][fluid] = words[MASS], gains[k, 0]
-            integrals += words[_INTEGRALS]
-        for name, integral in zip(("energy", "momentum_x", "momentum_y", "entropy"), integrals, strict=True):
-            self.latest[name] = integral
+        for part in self.path.layers:
+            part.look()
+        self._account(y)
+        self._latest[self._account_end :] = 0.0
         try:
             self.watched.look(self.latest, self._t)
         except InputError as error:
             self._keep(error)
-            extremes[1] = self.results[SAID_STOP]
-        self.comm.Allreduce(MPI.IN_PLACE, extremes, MPI.MAX)
-        self.rates, (convection, diffusion) = rates, rates.max(axis=0)
+        extremes = self._extremes
+        extremes[0] = self.results[SAID_STOP]
+        if self.comm.size > 1:
+            self.comm.Allreduce(MPI.IN_PLACE, extremes, MPI.MAX)
+        convection, diffusion = self.rates.max(axis=0)
         with np.errstate(over="ignore"):  # what is too large is not gone on with
             self.results[RATE] = (convection**4 + diffusion**4) ** 0.25
-        self.results[BAD], self.results[STOP] = extremes[:2]
-        self.latest["least_J"] = -highest
+        self.results[STOP], self.results[BAD] = extremes[:2]
+        np.negative(extremes[2 : 2 + len(self.rates)], out=self._latest[: len(self.rates)])
 
     def _instant(self) -> float:
         """As fsipetsc.stepping.state.State._instant."""
