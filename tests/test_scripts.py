@@ -75,6 +75,8 @@ def test_each_open_mpi_is_told_in_its_own_words(version, name, tmp_path):
     done = script("setup", "--print-env", PYTHON=str(stand_in(tmp_path, "python3", f'exec {sys.executable} "$@"')), PATH=path)
     assert done.returncode == 0, done.stderr
     assert [line for line in done.stdout.splitlines() if "PRTE_MCA" in line] == [f'export {name}="${{{name}:-:oversubscribe}}"']
+    relative = script("setup", "--print-env", PYTHON=os.path.relpath(tmp_path / "python3"), PATH=path)
+    assert f"'{tmp_path}/python3'" in relative.stdout
     named = script("setup", "--print-env", PYTHON=sys.executable, MPIEXEC=f"{tmp_path}/named --quiet")
     assert named.returncode == 0 and "PRTE_MCA_mapby" in named.stdout
 
