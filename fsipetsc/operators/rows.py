@@ -22,7 +22,8 @@ from fsipetsc.operators.kernels import (
     store_lanes,
     weights_of,
 )
-from fsipetsc.operators.vectors import LANES, WIDE, fma, load_wide, spread_wide, store
+from fsipetsc.operators.memory import load_wide, store
+from fsipetsc.operators.vectors import LANES, WIDE, fma, spread_wide
 
 #: room before the first and behind the last point of a row
 MARGIN = 16

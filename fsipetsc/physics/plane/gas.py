@@ -26,8 +26,9 @@ from numba import njit
 
 from fsipetsc.operators.formulas import Formulas
 from fsipetsc.operators.kernels import FORMULA
+from fsipetsc.operators.memory import load_twice
 from fsipetsc.operators.rows import STRIDE
-from fsipetsc.operators.vectors import fma, load_twice
+from fsipetsc.operators.vectors import fma
 from fsipetsc.physics.layer import FLUID
 
 #: lines of the grid: displacement in x, y, velocity, and derivatives along X of the first two, of the lower and the upper one

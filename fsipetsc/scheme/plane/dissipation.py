@@ -22,8 +22,9 @@ from numba import njit
 
 from fsipetsc.operators.formulas import Formulas, each
 from fsipetsc.operators.kernels import FORMULA, OPTIONS, U64
+from fsipetsc.operators.memory import load, store
 from fsipetsc.operators.rows import at, fill
-from fsipetsc.operators.vectors import LANES, fma, load, maximum, spread, store
+from fsipetsc.operators.vectors import LANES, fma, maximum, spread
 from fsipetsc.physics.plane.dissipation import MIDDLE, alpha
 from fsipetsc.scheme.plane.sums import fluxes_of, gains_of, norm_at
 from fsipetsc.scheme.plane.sweep import STEEPNESS, row_of_ring

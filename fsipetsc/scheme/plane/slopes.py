@@ -16,8 +16,9 @@ from numba import njit
 
 from fsipetsc.operators.formulas import Formulas, each
 from fsipetsc.operators.kernels import FORMULA, U64
+from fsipetsc.operators.memory import load_twice
 from fsipetsc.operators.rows import STRIDE, at
-from fsipetsc.operators.vectors import fma, load_twice
+from fsipetsc.operators.vectors import fma
 
 #: where weights stand among numbers of a block: along, across
 _ALONG, _ACROSS = 64, 72
