@@ -93,14 +93,8 @@ def _load_interlaced(kind, s, i, n):
 
 
 @intrinsic(prefer_literal=True)
-def load_interlaced(typingctx, s, i, n):
-    """n vectors (n literal), number c of them s[i + c], s[i + n + c], ...: the reverse of ``store_interlaced``."""
-    return _load_interlaced(vector, s, i, n)
-
-
-@intrinsic(prefer_literal=True)
 def load_wide_interlaced(typingctx, s, i, n):
-    """The same of wide vectors."""
+    """n wide vectors (n literal), number c of them s[i + c], s[i + n + c], ...: the reverse of ``store_interlaced``."""
     return _load_interlaced(wide_vector, s, i, n)
 
 

@@ -189,7 +189,6 @@ def plane_gas(gas: Formulas, transport: Formulas, viscous: bool) -> Formulas:
         prepared=tuple(range(11 if viscous else 6)),
         differentiated=(6, 7, 8) if viscous else (),
         fluxes=(0, 1, 2, 3),
-        loose=(1, 1, 1, 1),
         extras=(0,),
         sums=(),
         constants=constants,

@@ -175,11 +175,6 @@ def _difference(number, s, place, j, i, up, q):
 
 
 @njit(**FORMULA)
-def _at(number, ring, s, j, i):
-    return load(s, at(ring, number, j) + i)
-
-
-@njit(**FORMULA)
 def _give(gather, to, f, s, i, from_i, q, m):
     weight = _MIDDLE[q, m] if gather == MIDDLE else _DIFFERENCE[q, m]
     store(s, to + i, load(s, to + i) - weight * load(s, f + from_i))
@@ -199,4 +194,4 @@ def _blank(row, s, first, end):
     return 0
 
 
-of_differences = Formulas(difference=_difference, mean=middle, at=_at, give=_give, scale=_scale, blank=_blank)
+of_differences = Formulas(difference=_difference, mean=middle, give=_give, scale=_scale, blank=_blank)

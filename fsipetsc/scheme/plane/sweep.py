@@ -225,7 +225,8 @@ def prepare_row(law, layer, op, s, place, y, j):
 def flux_row(law, layer, op, s, place, j):
     """Fluxes at row j."""
     on_aligned_stack()
-    a, b, near = place.first - WIDE, place.end + op.p, at_ends(layer, place)
+    near = at_ends(layer, place)
+    a, b = place.first - WIDE, place.end + (op.rows if near else op.p)  # as far as closures of this block reach
     ends = slope_rows(law, place)
     if near:
         each(block_of.slopes, law.differentiated, ends, layer, op, s, place, j, a, b)
