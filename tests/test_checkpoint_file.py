@@ -7,6 +7,10 @@ import errno
 import io
 import os
 import pickle
+import shutil
+import socket
+import subprocess
+import sys
 
 import h5py
 import numpy as np
@@ -95,6 +99,17 @@ def of_references(file: h5py.File) -> None:
     file["arrays/layer1"] = np.array([file["header"].ref], h5py.ref_dtype)
 
 
+def virtual(file: h5py.File) -> None:
+    layout = h5py.VirtualLayout((4,), "f8")
+    layout[:] = h5py.VirtualSource("other.h5", "a", (4,))
+    file.create_virtual_dataset("arrays/layer1", layout)
+
+
+def in_place_of(name: str, what: object):
+    """A change: what was of this name is /kept, and in its place is something else."""
+    return lambda file: (file.move(name, "kept"), file.__setitem__(name, what))
+
+
 FOREIGN = {
     "texts": lambda file: file.__setitem__("arrays/layer1", ["a", "b"]),
     "a pickle": lambda file: file.__setitem__("arrays/layer1", np.void(pickle.dumps(Trap()))),
@@ -104,6 +119,12 @@ FOREIGN = {
     "a group": lambda file: file.create_group("arrays/layer1"),
     "another file": linked,
     "numbers of another file": elsewhere,
+    "numbers of another file, as a part of this": virtual,
+    "all of another file": in_place_of("arrays", h5py.ExternalLink("other.h5", "/numbers")),
+    "numbers of another name": in_place_of("arrays", h5py.SoftLink("/kept")),
+    "numbers without names": in_place_of("arrays", np.arange(2.0)),
+    "a header of another file": in_place_of("header", h5py.ExternalLink("other.h5", "/header")),
+    "a header of another name": in_place_of("header", h5py.SoftLink("/kept")),
     "no header": lambda file: file.__delitem__("header"),
     "a header of numbers": lambda file: (file.__delitem__("header"), file.__setitem__("header", 3.0)),
     "a header that is no JSON": lambda file: (file.__delitem__("header"), file.__setitem__("header", "__import__('os')")),
@@ -113,6 +134,8 @@ FOREIGN = {
 @pytest.mark.parametrize("name", FOREIGN)
 def test_it_holds_numbers_and_text_and_nothing_is_done_with_them(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    with h5py.File("other.h5", "w") as file:
+        file["a"], file["numbers/a"], file["header"] = np.arange(4.0), np.arange(4.0), "{}"
     content = made_by_somebody(FOREIGN[name])
     with pytest.raises(FileError, match=r"^a\.h5: is not a checkpoint of fsipetsc: "):
         unpack(content, "a.h5")
@@ -177,6 +200,50 @@ def test_what_fails_in_the_middle_leaves_the_one_before(at, named, tmp_path, mon
     assert {path.name for path in tmp_path.iterdir()} == {"a.h5", "a.previous.h5"}
     write(target, pack(Checkpoint({"steps": 4}, {})))
     assert read(target).header["steps"] == 4
+
+
+OTHERS = {"a text": b"years of work", "a result": b"\x89HDF\r\n\x1a\n" + bytes(600)}
+
+
+@pytest.mark.parametrize("what", OTHERS)
+@pytest.mark.parametrize("at", ["a.h5", "a.previous.h5"])
+def test_what_is_no_checkpoint_is_never_written_over(at, what, tmp_path):
+    """Before the run, and where it came there meanwhile."""
+    target, content = tmp_path / "a.h5", pack(SMALL)
+    if at == "a.previous.h5":
+        write(target, content)
+    (tmp_path / at).write_bytes(OTHERS[what])
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    with pytest.raises(FileError, match=f"{at}: exists and is not a checkpoint of fsipetsc: no checkpoint can be written"):
+        checkpoint_file.check_place(target)
+    with pytest.raises(CheckpointError, match=f"cannot be written: .*{at}: exists and is not a checkpoint"):
+        write(target, content)
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+def test_a_damaged_checkpoint_and_a_file_without_a_byte_are_written_over(tmp_path):
+    target = tmp_path / "a.h5"
+    for left in (pack(SMALL)[:-1], b""):
+        target.write_bytes(left)
+        checkpoint_file.check_place(target)
+        write(target, pack(SMALL))
+        assert read(target).header == SMALL.header and previous(target).read_bytes() == left
+
+
+def test_what_other_runs_are_writing_stays(tmp_path):
+    """Only what a process of this host has left that is no more is removed, and our own."""
+    gone = subprocess.Popen([sys.executable, "-c", ""])
+    gone.wait()
+    here = socket.gethostname()
+    for name in ("a.h5", "a.previous.h5"):
+        for host, number in ((here, gone.pid), (here, os.getpid()), (here, os.getppid()), (f"not{here}", gone.pid)):
+            (tmp_path / f".{name}.{host}.{number}.new").touch()
+    (tmp_path / ".a.h5.new").touch()
+    write(tmp_path / "a.h5", pack(SMALL))
+    checkpoint_file.tidy(tmp_path / "a.h5")
+    theirs = f"{here}.{os.getppid()}", f"not{here}.{gone.pid}"
+    kept = {f".{name}.{end}.new" for name in ("a.h5", "a.previous.h5") for end in theirs}
+    assert {path.name for path in tmp_path.iterdir()} == {"a.h5", ".a.h5.new", *kept}
 
 
 SHORT = "rod -fsi_h 0.05 -ts_max_time 1 -ts_max_steps 60 -fsi_checkpoint_steps 20 -fsi_quiet".split()
@@ -259,3 +326,15 @@ def test_places_where_no_checkpoint_can_be_are_found_out_before_the_run(tmp_path
     (tmp_path / "a.h5").mkdir()
     message(solve(*SHORT, "-fsi_checkpoint", "a.h5", cwd=tmp_path), 4, "a.h5: exists and is not a regular file")
     assert not (tmp_path / "rod.h5").exists()
+
+
+def test_no_other_file_is_taken_for_the_checkpoint(stopped, tmp_path):
+    """Nor that of -fsi_initial; a default name counts where checkpoints are asked for."""
+    shutil.copy(stopped / "rod.h5", tmp_path / "first.h5")
+    (tmp_path / "notes").write_text("years of work")
+    shutil.copy(tmp_path / "notes", tmp_path / "rod.checkpoint.h5")
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    begin = "-fsi_initial", "first.h5", "-fsi_initial_frame", "0", "-fsi_checkpoint", "first.h5"
+    for name, words in {"notes": ("-fsi_checkpoint", "notes"), "first.h5": begin, "rod.checkpoint.h5": ()}.items():
+        message(solve(*SHORT, *words, cwd=tmp_path), 4, f"{name}: exists and is not a checkpoint of fsipetsc")
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before

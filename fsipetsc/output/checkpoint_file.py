@@ -8,16 +8,19 @@ compared: each byte of the file, those of the first block among them, is held by
 
 A checkpoint is written beside the one that is there, synchronised, and then takes its name; the one before stays as
 NAME.previous.h5. The name always leads to a whole one, whenever the program is killed or the disk is full. Where the system has
-files without a name (Linux, most of its file systems) one that is not finished leaves nothing behind.
+files without a name (Linux, most of its file systems) one that is not finished leaves nothing behind. What stands at these
+names and is no checkpoint is never touched.
 """
 
 from __future__ import annotations
 
 import errno
+import glob
 import hashlib
 import io
 import json
 import os
+import socket
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -71,19 +74,27 @@ def unpack(content: bytes, name: str) -> Checkpoint:
         raise FileError(f"{name}: the checkpoint is damaged: {what}")
     try:
         with h5py.File(io.BytesIO(body), "r") as file:
-            group = file.get("arrays", {})
+            group = _own(file, "arrays", h5py.Group) if "arrays" in set(file) else {}
             arrays = {key: _numbers(group, key) for key in group}
-            return Checkpoint(json.loads(file["header"].asstr()[()]), arrays)
+            return Checkpoint(json.loads(_own(file, "header", h5py.Dataset).asstr()[()]), arrays)
     except (KeyError, OSError, RuntimeError, TypeError, ValueError) as error:  # its checksum is right: somebody has made it so
         raise FileError(f"{name}: is not a checkpoint of fsipetsc: {' '.join(str(error).split())}") from None
 
 
 def _numbers(group: h5py.Group, key: str) -> Array:
-    """A dataset of this file that holds numbers, not texts, references or what lies in other files. ValueError."""
-    found = group[key] if isinstance(group.get(key, getlink=True), h5py.HardLink) else None
-    if not isinstance(found, h5py.Dataset) or found.dtype.kind not in "fiu" or found.external:
+    """A dataset of this file that holds numbers, not texts or references. ValueError."""
+    found = _own(group, key, h5py.Dataset)
+    if found.dtype.kind not in "fiu":
         raise ValueError(f"{key} holds no numbers")
     return found[...]
+
+
+def _own(group: h5py.Group, key: str, kind: type) -> Any:
+    """What a group has by this name, if it lies in this file, and is of this kind: no link leads out of it. ValueError."""
+    found = group[key] if isinstance(group.get(key, getlink=True), h5py.HardLink) else None
+    if not isinstance(found, kind) or (isinstance(found, h5py.Dataset) and (found.external or found.is_virtual)):
+        raise ValueError(f"{key} is not what a checkpoint has, in this file")
+    return found
 
 
 def _head(body: bytes) -> bytes:
@@ -120,17 +131,38 @@ def check_place(path: str | os.PathLike[str]) -> None:
     target = Path(os.path.realpath(path))
     if not target.parent.is_dir():
         raise FileError(f"{path}: the directory {target.parent} does not exist")
-    for file in (target, previous(target)):
-        if os.path.lexists(file) and not file.is_file():
-            raise FileError(f"{file}: exists and is not a regular file: no checkpoint can be written there")
+    if fault := _in_the_way(target):
+        raise FileError(f"{fault}: no checkpoint can be written there")
     if not os.access(target.parent, os.W_OK | os.X_OK):
         raise FileError(f"{path}: the directory {target.parent} is not writable")
+
+
+def _in_the_way(target: Path) -> str:
+    """What stands at the name, or at that of the one before, and is none of ours, in words; "" if nothing does.
+
+    Whole or damaged, a checkpoint begins as such; a file without a byte is nothing that could be lost.
+    """
+    for file in (target, previous(target)):
+        if not os.path.lexists(file):
+            continue
+        if not file.is_file():
+            return f"{file}: exists and is not a regular file"
+        try:
+            with file.open("rb") as there:
+                start = there.read(len(_MAGIC))
+        except OSError as error:
+            return f"{file}: exists and cannot be read ({error.strerror})"
+        if start not in (b"", _MAGIC):
+            return f"{file}: exists and is not a checkpoint of fsipetsc"
+    return ""
 
 
 def write(path: str | os.PathLike[str], content: bytes) -> None:
     """Make this the newest checkpoint of a name, and what was there the one before. CheckpointError: then none has changed."""
     target = Path(os.path.realpath(path))
-    fresh = target.with_name(f".{target.name}.new")
+    if fault := _in_the_way(target):
+        raise CheckpointError(f"{path}: the checkpoint cannot be written: {fault}")
+    fresh = _passing(target)
     try:
         fresh.unlink(missing_ok=True)
         descriptor, named = _open(fresh)
@@ -150,11 +182,31 @@ def write(path: str | os.PathLike[str], content: bytes) -> None:
 
 
 def tidy(path: str | os.PathLike[str]) -> None:
-    """Remove what a program that was killed at the wrong moment may have left beside a checkpoint."""
+    """Remove what a program of this host that was killed at the wrong moment may have left beside a checkpoint, and our own."""
     target = Path(os.path.realpath(path))
     for name in (target.name, previous(target).name):
-        with suppress(OSError):
-            target.with_name(f".{name}.new").unlink()
+        start = f".{name}.{socket.gethostname()}."
+        for left in target.parent.glob(f"{glob.escape(start)}*.new"):
+            number = left.name[len(start) : -len(".new")]
+            if number.isdecimal() and (int(number) == os.getpid() or _is_gone(int(number))):
+                with suppress(OSError):
+                    left.unlink()
+
+
+def _passing(target: Path) -> Path:
+    """A name for a moment, which no other run has."""
+    return target.with_name(f".{target.name}.{socket.gethostname()}.{os.getpid()}.new")
+
+
+def _is_gone(number: int) -> bool:
+    """Whether no process has this number."""
+    try:
+        os.kill(number, 0)
+    except ProcessLookupError:
+        return True
+    except (OSError, OverflowError):  # somebody else's
+        return False
+    return False
 
 
 def _open(fresh: Path) -> tuple[int, bool]:
@@ -188,7 +240,7 @@ def _keep(target: Path) -> None:
     if not target.exists():
         return
     kept = previous(target)
-    passing = kept.with_name(f".{kept.name}.new")
+    passing = _passing(kept)
     passing.unlink(missing_ok=True)
     try:
         os.link(target, passing)
