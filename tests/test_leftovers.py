@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import socket
 import subprocess
 import sys
 from pathlib import Path
@@ -13,6 +14,8 @@ from fsipetsc.errors import FileError
 from fsipetsc.output.claim import Claim
 from fsipetsc.process import leftovers
 from fsipetsc.process.leftovers import remove_session
+
+HERE = f"process 1 on {socket.gethostname()}"
 
 
 @pytest.fixture
@@ -35,7 +38,7 @@ def test_only_the_session_of_a_launcher_that_is_gone_is_removed(tmp_path, dead):
     other = tmp_path / f"pid.{dead}"  # not in a folder of Open MPI's
     other.mkdir()
     for folder in (gone, there, other, gone.parent):
-        remove_session(f"process 1 on machine, session {folder}")
+        remove_session(f"{HERE}, session {folder}")
     assert not gone.exists() and there.exists() and other.exists()
 
 
@@ -45,15 +48,32 @@ def test_what_is_linked_there_stays(tmp_path, dead):
     folder = tmp_path / "ompi.machine.0" / f"pid.{dead}"
     folder.parent.mkdir()
     folder.symlink_to(kept)
-    remove_session(f"session {folder}")
+    remove_session(f"{HERE}, session {folder}")
     assert kept.exists() and folder.is_symlink()
+
+
+def test_of_what_nothing_is_known_nothing_is_removed(tmp_path, monkeypatch, dead):
+    """A session of another host, whose processes are not ours; words that only look like one; a system without /proc."""
+    folder = session(tmp_path, dead)
+    said = f"{HERE}, session {folder}"
+    elsewhere = said.replace(socket.gethostname(), "machine", 1)
+    for other in (elsewhere, f"session {folder}", f"{said}x", f"{said}/0", f"{said} or so"):
+        remove_session(other)
+        assert folder.exists(), other
+    exists = os.path.exists
+    with monkeypatch.context() as context:
+        context.setattr(os.path, "exists", lambda path: not str(path).startswith("/proc") and exists(path))
+        remove_session(said)
+        assert folder.exists()
+    remove_session(f"{said}\n")
+    assert not folder.exists()
 
 
 def test_the_next_run_of_a_result_removes_what_the_killed_one_named(tmp_path, monkeypatch, dead):
     """The lock of a run that goes on says nothing of it to others, and nothing is removed."""
     gone, own = session(tmp_path, dead), session(tmp_path, os.getpid())
     target = tmp_path / "run.h5"
-    (tmp_path / ".run.h5.lock").write_text(f"process {dead} on machine, session {gone}")
+    (tmp_path / ".run.h5.lock").write_text(f"process {dead} on {socket.gethostname()}, session {gone}")
     monkeypatch.setenv("OMPI_MCA_orte_jobfam_session_dir", str(own))
     claim = Claim(target)
     assert not gone.exists() and str(own) in (tmp_path / ".run.h5.lock").read_text()

@@ -14,6 +14,7 @@ import atexit
 import os
 import re
 import shutil
+import socket
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 
 _SEGMENT = re.compile(r"/\S*/vader_segment\.[^/\s]*\.(\d+)$")
 _SESSION = re.compile(r"/\S+/ompi\.[^/\s]+/pid\.(\d+)")
+_LOCK = re.compile(rf"process \d+ on ([^,\s]+), session ({_SESSION.pattern})")
 _KEPT = "OMPI_MCA_orte_jobfam_session_dir"
 
 
@@ -61,11 +63,16 @@ def session() -> str:
 
 
 def remove_session(said: str) -> None:
-    """Remove the folder that a killed run has named, if it is such a one, this user's, and its mpiexec is gone."""
-    match = _SESSION.search(said)
-    if match is None or match[0] == session() or os.path.exists(f"/proc/{match[1]}"):
+    """Remove the folder that a killed run has named, if it is such a one, this user's, and its mpiexec is gone.
+
+    said: the run's lock, "process N on HOST, session FOLDER". Of another host, or without /proc, nothing is known, nor removed.
+    """
+    match = _LOCK.fullmatch(said.strip())
+    if match is None or match[1] != socket.gethostname() or match[2] == session():
+        return
+    if not os.path.exists("/proc/self") or os.path.exists(f"/proc/{match[3]}"):
         return
     with suppress(OSError):
-        folder = Path(match[0])
+        folder = Path(match[2])
         if not folder.is_symlink() and not folder.parent.is_symlink() and folder.stat().st_uid == os.getuid():
             shutil.rmtree(folder, ignore_errors=True)
