@@ -55,6 +55,15 @@ def test_steps_far_beyond_their_bound_are_noted(where):
     assert list(noted.values()) == [[], [], []] and bound > 0
 
 
+def test_the_bound_is_that_of_the_time_at_which_the_run_begins(where):
+    """Of a frame that it begins with."""
+    box(where, "-ts_max_steps", 3)
+    with fsipetsc.open_run(where / "r.h5") as result:
+        t = result.time[-1]
+    done = box(where, "-fsi_initial", "r.h5", "-fsi_output", "later.h5", "-ts_max_steps", 1, "-fsi_cfl", 4)
+    assert t > 0 and f" times the bound on the step at t = {t:.6g}, " in done.stdout, done.stdout + done.stderr
+
+
 def test_a_run_that_fails_by_its_steps_says_so(where):
     done = box(where, "-ts_dt", 0.2, "-fsi_output_dt", 2)
     assert done.returncode == 3

@@ -74,7 +74,7 @@ def beyond_bound(state: State, opt: Mapping[str, Any]) -> str:
     if opt["ts_adapt_type"] != "none" or not step * rate > FAR:
         return ""
     asked = f"-ts_dt {step:g}{s}" if opt["ts_dt"] else f"-fsi_cfl {opt['fsi_cfl']:g}"
-    return f"{asked} is {step * rate:.3g} times the bound on the step at t = 0, {1 / rate:.3g}{s}"
+    return f"{asked} is {step * rate:.3g} times the bound on the step at t = {state.begin:.6g}{s}, {1 / rate:.3g}{s}"
 
 
 def _boundary(state: State, k: int) -> str:
