@@ -177,6 +177,17 @@ def test_view_and_summary_on_two_ranks(tmp_path):
         assert a.summary["departures"]["energy"] == pytest.approx(energy, rel=1e-6)
 
 
+@pytest.mark.parametrize("ranks", [1, 3])
+def test_ledgers_go_on_behind_a_failure(ranks, tmp_path):
+    """From the last good state on it fails again, and has the same to say."""
+    words, said = "rod -fsi_h 0.05 -ts_max_time 0.05 -fsi_cfl 3 -fsi_quiet".split(), []
+    for more in ((), ("-fsi_restart", "auto")):
+        assert solve(*words, *more, cwd=tmp_path, ranks=ranks).returncode == 3
+        with fsipetsc.open_run(tmp_path / "rod.h5") as result:
+            said.append({name: result.summary[name] for name in ("steps", "departures", "limits")})
+    assert said[0] == said[1] and said[0]["departures"] and said[0]["limits"], said
+
+
 def test_ledgers_go_on_behind_a_checkpoint(tmp_path):
     words = ("box", "-fsi_h", 0.05, "-fsi_order", 2, "-fsi_quiet")
     solve(*words, "-ts_max_time", 0.8, "-fsi_output", "whole.h5", cwd=tmp_path)

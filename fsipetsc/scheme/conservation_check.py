@@ -56,6 +56,7 @@ class Drifts:
         """Go on behind the steps of which ``memory`` tells."""
         self._rates, self._sums, self._most = dict(memory["rates"]), dict(memory["sums"]), memory["most"]
 
+    @np.errstate(all="ignore")  # a drift that is no number says so itself
     def go_on(self, series: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         """The drifts in the next steps: name -> (steps,)."""
         result: dict[str, np.ndarray] = {}

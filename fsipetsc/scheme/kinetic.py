@@ -18,8 +18,7 @@ from numba import njit
 
 from fsipetsc.boundaries import ABSORBING, FREE
 from fsipetsc.operators.kernels import OPTIONS, store_lanes
-from fsipetsc.operators.memory import load
-from fsipetsc.operators.vectors import LANES, fma
+from fsipetsc.operators.vectors import LANES, fma, load
 from fsipetsc.physics.layer import LOADED
 
 #: number of the temperature among the unknowns

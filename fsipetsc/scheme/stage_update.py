@@ -12,8 +12,7 @@ from typing import NamedTuple
 from numba import njit
 
 from fsipetsc.operators.kernels import FORMULA, store_lanes
-from fsipetsc.operators.memory import load, store
-from fsipetsc.operators.vectors import fma
+from fsipetsc.operators.vectors import fma, load, store
 
 
 class Target(NamedTuple):

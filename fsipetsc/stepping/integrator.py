@@ -325,16 +325,21 @@ class Integrator:
         if now or self._good is None or self.steps - self._good[1]["steps"] >= self._kept_every:
             self._good = self.series.total, self.memory(), self.state.keep()
 
-    def go_back(self) -> tuple[int, dict[str, Any]] | None:
-        """Let the state be the last one that was kept; rows of the series that belong to later steps, ``memory`` of then.
+    @property
+    def kept_steps(self) -> int:
+        """Steps of this run that lead to the state that ``go_back`` goes to."""
+        return 0 if self._good is None else self._good[0]
+
+    def go_back(self) -> dict[str, Any] | None:
+        """Let the state be the last one that was kept; ``memory`` of then.
 
         None if there is none. What the integrator itself knows stays as it is.
         """
         if self._good is None:
             return None
-        total, memory, kept = self._good
+        _, memory, kept = self._good
         self.state.back(kept)
-        return self.series.total - total, memory
+        return memory
 
     def resume(self, memory: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> None:
         """Be where ``memory`` and ``state.capture()`` told of: then the same steps follow. InputError as of restore."""

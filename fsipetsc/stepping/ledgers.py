@@ -13,29 +13,51 @@ from fsipetsc.scheme.conservation_check import Drifts
 class Ledgers:
     """The largest departures of the invariants of a problem (fsipetsc.scheme.conservation_check.drifts).
 
-    departures   name -> largest relative departure of any step so far
+    departures   name -> largest relative departure of any step so far; nan if one was no number
     """
 
     def __init__(self, invariants: Mapping[str, Any]) -> None:
         self._invariants = invariants
         self._drifts: Drifts | None = None
+        self._steps = 0  # added, of this run
+        self._kept: dict[str, Any] | None = None
         self.departures: dict[str, float] = {}
 
-    def add(self, steps: np.ndarray, initial: Mapping[str, Any]) -> None:
-        """The records of some more steps, on rank 0 with the sums over all ranks; initial: the integrals at t = 0."""
-        if not self._invariants or not len(steps) or not initial:
-            return
-        if self._drifts is None:
+    def begin(self, initial: Mapping[str, Any]) -> None:
+        """initial: the integrals at the beginning of the run."""
+        if self._invariants and initial:
             self._drifts = Drifts(self._invariants, initial)
+
+    def add(self, steps: np.ndarray, kept: int) -> None:
+        """The records of some more steps, on rank 0 with the sums over all ranks.
+
+        kept: how many steps of this run lead to the state to which it would go back (``memory_of_kept``).
+        """
+        before = kept - self._steps
+        self._steps += len(steps)
+        if before < 0:
+            self._add(steps)
+            return
+        self._add(steps[:before])
+        self._kept = self.memory()
+        self._add(steps[before:])
+
+    def _add(self, steps: np.ndarray) -> None:
+        if self._drifts is None or not len(steps):
+            return
         found = self._drifts.go_on({name: steps[name] for name in steps.dtype.names or ()})
-        for name, drift in found.items():
-            self.departures[name] = max(self.departures.get(name, 0.0), float(np.abs(drift).max()))
+        for name, drift in found.items():  # np.maximum: what is no number is larger than all
+            self.departures[name] = float(np.maximum(self.departures.get(name, 0.0), np.abs(drift).max()))
 
     def memory(self) -> dict[str, Any] | None:
         """What ``recall`` takes, as JSON has it."""
         if self._drifts is None:
             return None
         return {"drifts": self._drifts.memory(), "departures": dict(self.departures)}
+
+    def memory_of_kept(self, kept: int) -> dict[str, Any] | None:
+        """The ``memory`` after the first ``kept`` steps of this run, as ``add`` was told of them."""
+        return self.memory() if kept == self._steps else self._kept
 
     def recall(self, memory: Mapping[str, Any] | None, initial: Mapping[str, Any]) -> None:
         """Go on behind the steps of which ``memory`` tells; without it nothing is known of them, and nothing said."""

@@ -86,7 +86,7 @@ class Reporter:
             bounds = [f"{what} ({100 * part:.0f} %)" if part < 1 else what for what, part in parts]
             range_of_dt = f"{summary['dt_min']:.3g} … {summary['dt_max']:.3g}{self._s}"
             self._list("dt", [f"{range_of_dt}, bounded by {bounds[0]}" if bounds else range_of_dt, *bounds[1:]])
-        kept = sorted(summary["departures"].items(), key=lambda item: -item[1])
+        kept = sorted(summary["departures"].items(), key=lambda item: (item[1] == item[1], -item[1]))  # nan first
         more = [f"{len(kept) - _LISTED} more"] * (len(kept) > _LISTED)
         self._list("kept", [*(f"{name} to {size:.1e}" for name, size in kept[:_LISTED]), *more])
         for kind, values in (errors or {}).items():

@@ -156,7 +156,7 @@ class _Run:
         self._watch()
         steps = series.take(self.comm)
         if self.comm.rank == 0:
-            self.ledgers.add(steps, self.integrator.initial)
+            self.ledgers.add(steps, self.integrator.kept_steps)
         return steps
 
     def _watch(self) -> None:
@@ -197,28 +197,30 @@ class _Run:
             memory = {
                 "memory": self.integrator.memory(),
                 "watch": self.watch.memory() if self.watch is not None else None,
-                "ledgers": self.ledgers.memory(),
-                "limits": self.limits.changes,
-                "saved_at": self.saved_at,
+                **{"ledgers": self.ledgers.memory(), **self._of_frames()},
                 "result": [self.writer.nframes, self.writer.rows],
             }
             self.keeper.write(memory, self.integrator.rates)
         self.integrator.pauses.written(time.perf_counter() - begun)
 
+    def _of_frames(self) -> dict[str, Any]:
+        """What a checkpoint says of the frames before it; none is later than the last good state."""
+        return {"saved_at": self.saved_at, "limits": list(self.limits.changes)}
+
     def _save_last_good(self) -> str:
         """A frame and a checkpoint of the last good state that was kept; what is to be said of it."""
-        frames, saved_at, found = self.writer.nframes, self.saved_at, self.integrator.go_back()
-        if found is None:
+        integrator, before, frames = self.integrator, self._of_frames(), self.writer.nframes
+        memory, kept = integrator.go_back(), integrator.kept_steps
+        if memory is None:
             return ""
-        after, memory = found
         if memory["t"] > self.saved_at:
             self._frame(memory["t"])
             self._flush()
         if self.opt["fsi_check"]:  # which has seen later steps
             return ""
-        result = {"saved_at": min(saved_at, memory["t"]), "result": [frames, self.writer.rows - after]}
+        rows, ledgers = self.writer.rows - (integrator.series.total - kept), self.ledgers.memory_of_kept(kept)
         try:
-            self.keeper.write({"memory": memory, "watch": None, **result}, None)
+            self.keeper.write({"memory": memory, "watch": None, "ledgers": ledgers, **before, "result": [frames, rows]}, None)
         except CheckpointError:
             return ""  # the failure itself says more
         when = f"step {memory['steps']}, t = {memory['t']:.6g}{self.problem.unit('s')}"
@@ -264,6 +266,7 @@ class _Run:
                 self.state.compile(say, lambda: (self.state.compile_saving(), integrator.compile(say)))
                 if self.past is None:
                     integrator.start()
+                    self.ledgers.begin(integrator.initial)
                 else:
                     self._resume(self.past)
             self.report.start(integrator.t, integrator.steps)
