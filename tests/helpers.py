@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -68,13 +68,15 @@ def mpirun(
     timeout: float = PATIENCE,
     cwd: str | os.PathLike[str] | None = None,
     env: Mapping[str, str] | None = None,
+    under: Sequence[str] = (),
 ) -> subprocess.CompletedProcess[str]:
     """`mpiexec -n N python *args`, output captured as text; more ranks than cores are allowed.
 
+    under: words of a command that becomes the launcher (exec).
     Raises subprocess.TimeoutExpired after `timeout` seconds, with nothing left running.
     Example: mpirun(2, "-m", "fsipetsc", "rod", "-ts_max_time", 0.1, cwd=tmp_path).
     """
-    command = ["mpiexec", "-n", str(n), sys.executable, *map(str, args)]
+    command = [*under, "mpiexec", "-n", str(n), sys.executable, *map(str, args)]
     return _capture(command, timeout, cwd, environment(env))
 
 
