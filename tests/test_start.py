@@ -43,6 +43,10 @@ REFUSED = {
     "extents": ("blast", "-fsi_initial {plane}", ("layer 1, a fluid, reaches from X = 0 to 0.875; 'gas' from 0 to 1",)),
     "frame": ("rod", "-fsi_initial {rod} -fsi_initial_frame 3", ("-fsi_initial_frame 3", "0 to 2")),
     "end": ("rod", "-fsi_initial {rod} -ts_max_time 0.2", ("expected more than t = 0.2",)),
+    "times": (
+        *("rod", "-fsi_initial {rod} -fsi_initial_frame 1 -fsi_output_times 0.05,0.15"),
+        ("-fsi_output_times: 0.05 s would not be reached", "begins at t = 0.1 s"),
+    ),
     "alone": ("rod", "-fsi_initial_time 1", ("-fsi_initial_time needs -fsi_initial",)),
     "both": ("rod", "-fsi_initial {rod} -fsi_initial_time 1 -fsi_initial_frame 1", ("both choose a frame",)),
     "none": ("rod", "-fsi_initial none.h5", ("FileError", "none.h5")),
@@ -183,8 +187,12 @@ def test_what_does_not_fit(name, results):
 
 
 def test_messages(results, tmp_path):
-    """A file that is cut off, and a command that cannot begin with one."""
+    """A file that is cut off, and commands that cannot begin with one, nor with a checkpoint."""
     rod, cut = results.one / "rod.h5", tmp_path / "cut.h5"
     cut.write_bytes(rod.read_bytes()[:3000])
     message(solve("rod", "-fsi_initial", cut, cwd=tmp_path), 4, "cut.h5", "damaged")
-    message(solve("convergence", "mms", "-fsi_initial", rod, cwd=tmp_path), 2, "-fsi_initial")
+    for words in (("convergence", "mms"), ("stability", "box"), ("flutter",)):
+        for name in ("-fsi_initial", "-fsi_restart"):
+            done = solve(*words, name, rod, cwd=tmp_path)
+            message(done, 2, f"{name}: this command begins with the data of the case")
+            assert done.stdout == "", "at once"

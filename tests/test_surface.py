@@ -9,6 +9,7 @@ import select
 import subprocess
 import sys
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -95,6 +96,43 @@ def test_lines_where_there_is_no_terminal(tmp_path, monkeypatch, capsys):
         assert "dt = 0.001 s by sound in gas" in lines[0][1]
 
 
+@pytest.mark.parametrize(
+    ("most", "wall", "part", "left"),
+    [
+        (2**31 - 1, np.inf, 25, "3 min 0 s left"),
+        (1100, np.inf, 50, "1 min 0 s left to -ts_max_steps"),
+        (1100, 80.0, 75, "20 s left to -fsi_wall_limit"),
+        (1100, 600.0, 50, "1 min 0 s left to -ts_max_steps"),
+    ],
+)
+def test_what_is_left_is_left_to_the_nearest_end(monkeypatch, capsys, most, wall, part, left):
+    """And as that, the part that is done counts from where this run began: here a checkpoint at t = 2, after 1000 steps."""
+    from fsipetsc.stepping import progress, report
+
+    now = [500.0]
+    monkeypatch.setattr(progress.time, "monotonic", lambda: now[0])
+    monkeypatch.setattr(report, "reason", lambda state, opt, dt: "")
+    opt = {"fsi_quiet": False, "fsi_progress": True, "ts_max_time": 10.0, "ts_max_steps": most}
+    shown = report.Reporter(SimpleNamespace(rank=0, size=1), "rod", opt)
+    shown.start(2.0, 1000, 500.0 + wall)
+    now[0] += 60.0
+    shown.step(1050, 4.0, 1e-3)
+    said = capsys.readouterr().out
+    assert f"t = 4 of 10 s ({part} %), step 1050" in said and said.endswith(f", {left}\n"), said
+
+
+def test_when_the_wall_time_is_used_up():
+    from fsipetsc.stepping.pauses import OUT_OF_TIME, RESERVE, Pauses
+
+    opt = {"fsi_checkpoint_steps": None, "fsi_checkpoint_wall": None, "fsi_wall_limit": 100.0}
+    begun = time.monotonic()
+    pauses = Pauses(opt, True)
+    assert 0 <= pauses.ends - (begun + 100.0 - RESERVE) < 5 and pauses.word() == 0.0
+    pauses.written(40.0)
+    assert pauses.ends - begun < 0 and pauses.word() == OUT_OF_TIME
+    assert Pauses(opt, False).ends == Pauses({**opt, "fsi_wall_limit": None}, True).ends == np.inf
+
+
 def state_of(name, **options):
     """A state of a case on this rank, after its first step was planned; to be used as a context."""
     from fsipetsc.cases import load_case
@@ -138,6 +176,20 @@ def test_what_bounds_the_step_is_what_bounds_it(name):
         assert limits.reason(state, {**opt, "ts_dt": 1e-3}, 1e-3) == "-ts_dt"
         half = 0.5 * opt["fsi_cfl"] / state.results[RATE]
         assert limits.reason(state, {**opt, "ts_adapt_type": "basic"}, half) == "its error"
+
+
+@pytest.mark.parametrize("form", ["auto", "divergence", "entropy"])
+@pytest.mark.parametrize("name", ["box", "blast"])
+def test_view_says_the_form_that_the_state_has(name, form):
+    """Whatever `auto` stands for."""
+    from fsipetsc.stepping.view import view
+
+    state, opt = state_of(name, **CASES[name], fsi_convection=form)
+    with state:
+        settled = form if form != "auto" else "entropy" if name == "blast" else "divergence"
+        for asked in (form, "auto"):
+            lines = view(state, name, {**opt, "fsi_convection": asked})
+            assert any(line.startswith(f"    convection: {settled}, ") for line in lines), lines
 
 
 def test_shares_of_the_time():

@@ -32,6 +32,13 @@ def test_times_beyond_the_end_are_refused():
         saved_times(1.0, 0.5, (0.3, 1.5, 5.0))
 
 
+def test_times_before_the_begin_are_refused():
+    """As of a run that begins with a frame; an interval counts from 0 nevertheless."""
+    with pytest.raises(InputError, match=r"-fsi_output_times: 0, 0.1 s would not be reached, the run begins at t = 0.2 s"):
+        saved_times(1.0, 0.5, (0.0, 0.1, 0.2, 0.3), begin=0.2)
+    assert saved_times(1.0, 0.5, (0.2, 0.3), begin=0.2) == [0.0, 0.2, 0.3, 0.5, 1.0]
+
+
 def test_messages_of_a_problem_without_dimensions_name_no_unit():
     for interval, times in ((0.5, (1.5,)), (1e-9, None)):
         with pytest.raises(InputError) as caught:

@@ -81,9 +81,10 @@ def study(case: Any, opt: Mapping[str, Any], given: Container[str], comm: MPI.Co
     opt: options in force, those of this command included. given: names of those that the user gave.
     """
     from fsipetsc.output.plots.convergence import convergence_figures
-    from fsipetsc.stepping.solve import build_problem
+    from fsipetsc.stepping.solve import build_problem, check_begin
     from fsipetsc.stepping.versions import versions
 
+    check_begin(opt)
     path = _target(case, opt, given)
     orders, problem = tuple(dict.fromkeys(opt["fsi_orders"])), build_problem(case, opt, comm)
     spacings = opt["fsi_hs"] or tuple(factor * opt["fsi_h"] for factor in FACTORS[problem.dimension])

@@ -67,7 +67,10 @@ def flutter(arguments: list[str], comm: MPI.Comm) -> None:
         return
     case = load_case("panel")
     given = start_petsc(arguments, comm)
+    from fsipetsc.stepping.solve import check_begin  # PETSc has been started
+
     opt = read_options(case, given, OPTIONS)
+    check_begin(opt)
     for name, instead in (("panel_mach", "flutter_machs"), ("panel_lambda", "flutter_lambdas")):
         if name in given:
             raise InputError(f"-{name} is for a single run; the command flutter takes -{instead}, a list")

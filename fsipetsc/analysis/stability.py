@@ -80,9 +80,10 @@ def described(arguments: list[str], comm: MPI.Comm) -> tuple[dict[str, Any], Con
     given = start_petsc(arguments[1:], comm)
     from fsipetsc.analysis.plane_stability import setting_of_problem
     from fsipetsc.analysis.stability_state import of_problem
-    from fsipetsc.stepping.solve import build_problem, plane_form
+    from fsipetsc.stepping.solve import build_problem, check_begin, plane_form
 
     opt = read_options(case, given, FOR_CASES)
+    check_begin(opt)
     problem = build_problem(case, opt, comm)
     plane = isinstance(problem, PlaneProblem)
     if "fsi_order" not in given and not (plane and "fsi_orders" not in given):

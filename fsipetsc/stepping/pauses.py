@@ -7,6 +7,7 @@ the clock of rank 0 alone is asked. Checkpoints after a number of steps need no 
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Mapping
 from typing import Any
@@ -30,6 +31,13 @@ class Pauses:
         self._begun = self._last = self._looked = time.monotonic()
         self._longest = self._cost = 0.0  # seconds between two looks at the clock, and of a checkpoint
 
+    @property
+    def ends(self) -> float:
+        """When the last step is to end, by time.monotonic: the wall time less what follows; inf: no matter, or not here."""
+        if self._limit is None:
+            return math.inf
+        return self._begun + self._limit - (RESERVE + 2.0 * self._longest + 3.0 * self._cost)
+
     def word(self) -> float:
         """What this rank has to say after the next step. To be asked before each burst of steps."""
         if self.raised:
@@ -37,10 +45,8 @@ class Pauses:
         if self._limit is not None or self._interval is not None:
             now = time.monotonic()
             self._longest, self._looked = max(self._longest, now - self._looked), now
-            if self._limit is not None:
-                reserve = RESERVE + 2.0 * self._longest + 3.0 * self._cost
-                if now + reserve >= self._begun + self._limit:
-                    return OUT_OF_TIME
+            if now >= self.ends:
+                return OUT_OF_TIME
             if self._interval is not None and now >= self._last + self._interval:
                 return CHECKPOINT
         return CHECKPOINT if self.asked else 0.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import shutil
 import sys
@@ -33,17 +34,18 @@ def on_terminal() -> bool:
 
 
 class Progress:
-    """Shown by one rank. end: time at which the run ends; unit: behind it; asked: -fsi_progress."""
+    """Shown by one rank. end: time at which the run ends; unit: behind it; asked: -fsi_progress; most: steps in all."""
 
-    def __init__(self, end: float, unit: str, asked: bool) -> None:
-        self._end, self._unit = end, unit
+    def __init__(self, end: float, unit: str, asked: bool, most: float = math.inf) -> None:
+        self._end, self._unit, self._most = end, unit, most
         self._bar = _new_bar() if on_terminal() else None
         self._interval = _BAR if self._bar is not None else _ASKED if asked else _FIRST
         self._next, self._shown = 0, False
 
-    def start(self, t: float, steps: int) -> None:
-        """The time loop begins at time t: what is left is reckoned from here."""
+    def start(self, t: float, steps: int, until: float = math.inf) -> None:
+        """The time loop begins at time t: what is done and left is reckoned from here. until: the clock's time when it ends."""
         self._begin = self._seen = t, steps, time.monotonic()
+        self._until = until
         self._next = steps + 1
 
     def step(self, steps: int, t: float, dt: float, reason: Callable[[], str]) -> None:
@@ -55,21 +57,30 @@ class Progress:
             self._next = steps + (_STEPS if self._bar is None else 1)
             return
         self._seen = t, steps, now
-        t0, _, begun = self._begin
-        left = (now - begun) * (self._end - t) / (t - t0) if t > t0 else 0.0
-        part = min(1.0, t / self._end) if self._end > 0 else 1.0
+        part, to = self._done(t, steps, now)
+        left = f"{duration((now - self._begin[2]) * (1.0 / part - 1.0))} left{to}"
         why, rate = reason(), _handy((steps - before) / (now - last))
         if self._bar is not None:
             self._shown = True
             self._bar.n, self._bar.ncols = part, shutil.get_terminal_size().columns - 1
             self._bar.set_description_str(f"t {t:.4g}/{self._end:g}{self._unit}", refresh=False)
             bound = f"dt {dt:.3g}{self._unit}{f': {why}' if why else ''}"
-            self._bar.set_postfix_str(f"{duration(left)} left, step {steps} ({rate}/s), {bound}")
+            self._bar.set_postfix_str(f"{left}, step {steps} ({rate}/s), {bound}")
             return
         self._interval = min(1.5 * self._interval, _RAREST)
         done = f"  t = {t:.4g} of {self._end:g}{self._unit} ({100 * part:.0f} %), step {steps}"
         bound = f"dt = {dt:.3g}{self._unit}{f' by {why}' if why else ''}"
-        print(f"{done}, {bound}, {rate} steps/s, {duration(left)} left", flush=True)
+        print(f"{done}, {bound}, {rate} steps/s, {left}", flush=True)
+
+    def _done(self, t: float, steps: int, now: float) -> tuple[float, str]:
+        """Part of the way to the end that comes first, and which end that is, if it is not the run's time."""
+        ends = (self._end, ""), (self._most, " to -ts_max_steps"), (self._until, " to -fsi_wall_limit")
+        parts = [
+            ((at - begin) / (end - begin) if end > begin else 1.0, to)
+            for at, begin, (end, to) in zip((t, steps, now), self._begin, ends, strict=True)
+        ]
+        part, to = max(parts, key=lambda entry: entry[0])
+        return min(part, 1.0), to
 
     def clear(self) -> None:
         """Make room for a line: the bar comes back with the next step that shows it."""

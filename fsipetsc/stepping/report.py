@@ -52,11 +52,12 @@ class Reporter:
             f"to t = {self._opt['ts_max_time']:g}{self._s}"
         )
 
-    def start(self, t: float, steps: int) -> None:
-        """The time loop begins."""
+    def start(self, t: float, steps: int, until: float) -> None:
+        """The time loop begins; until: see Progress."""
         if self._speaks:
-            self._progress = Progress(self._opt["ts_max_time"], self._s, self._opt["fsi_progress"])
-            self._progress.start(t, steps)
+            opt = self._opt
+            self._progress = Progress(opt["ts_max_time"], self._s, opt["fsi_progress"], opt["ts_max_steps"])
+            self._progress.start(t, steps, until)
 
     def step(self, steps: int, t: float, dt: float) -> None:
         """Show progress now and then."""

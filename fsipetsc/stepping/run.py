@@ -106,7 +106,8 @@ class _Run:
         self.case, self.opt, self.comm, self.phases, self.past = case, opt, comm, phases, past
         self.begun = [] if start is None else [start.line]
         self.problem, self.state = state.problem, state
-        saved = saved_times(opt["ts_max_time"], opt["fsi_output_dt"], opt["fsi_output_times"], self.problem.unit("s"))
+        times = opt["ts_max_time"], opt["fsi_output_dt"], opt["fsi_output_times"]
+        saved = saved_times(*times, self.problem.unit("s"), state.begin)
         self.keeper = CheckpointKeeper(comm, case.NAME, opt, state, past)
         header, after = self._header(), None if past is None else self.keeper.written_before
         self.writer = RunWriter(comm, opt["fsi_output"], header, after=after)
@@ -269,7 +270,7 @@ class _Run:
                     self.ledgers.begin(integrator.initial)
                 else:
                     self._resume(self.past)
-            self.report.start(integrator.t, integrator.steps)
+            self.report.start(integrator.t, integrator.steps, integrator.pauses.ends)
             if integrator.beyond:
                 self.report.line(f"note: {integrator.beyond}; explicit methods are unstable far beyond it")
             with _signals(integrator.pauses), self.phases(LOOP):

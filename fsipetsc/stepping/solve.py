@@ -95,6 +95,13 @@ def plane_form(opt: Mapping[str, Any]) -> PlaneForm:
     return PlaneForm(convection, SIGMA * opt["fsi_dissipation"], opt["fsi_shock"])
 
 
+def check_begin(opt: Mapping[str, Any]) -> None:
+    """InputError for options by which a run begins elsewhere: of a command that begins with the data of a case."""
+    for name in ("fsi_initial", "fsi_restart"):
+        if opt[name] is not None:
+            raise InputError(f"-{name}: this command begins with the data of the case")
+
+
 def solve(
     case: Any,
     opt: dict[str, Any],
@@ -108,8 +115,7 @@ def solve(
     announce: says on rank 0 that the kernels are being compiled, if they are. look(state, t): called at 0, at these times [s]
     in between and at the end. Raises InputError and ComputationError.
     """
-    if opt["fsi_initial"] is not None:
-        raise InputError("-fsi_initial: this command begins with the data of the case")
+    check_begin(opt)
     with make_state(build_problem(case, opt, comm), opt, comm) as state:
         state.compile(announce)
         integrator = Integrator(

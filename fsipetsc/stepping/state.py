@@ -39,7 +39,7 @@ class State:
     Attributes: layout, plan, solution (world Vec); results of the last completed step (scheme.finish_step says where what
     stands); burst (scheme.burst); journal, the records of steps (scheme.plan.step_record), and latest, that of the last
     one without its time. The integrals in them are this rank's shares. evaluations of the right-hand side are counted.
-    begin: time [s] of the initial data; started: they are those of a frame (``begin_with``).
+    begin: time [s] of the initial data; started: they are those of a frame (``begin_with``). convection: its form.
     Raises InputError where grid, order and number of ranks do not fit.
     """
 
@@ -61,6 +61,7 @@ class State:
         self.op = OPERATORS[order]
         self._coupling, self.mapping, self._mode, self._spare = coupling, mapping, mode, spare
         self._entropy, self._shared, self._form = entropy, shared, form
+        self.convection = "entropy" if form.entropy else "divergence"
         self.evaluations, self.begin, self.started = 0, 0.0, False
         self.fault: InputError | None = None  # of a user's function, on this rank
         self._path: PetscPath | None = None

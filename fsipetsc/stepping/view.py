@@ -67,10 +67,7 @@ def _ranks(state: State, k: int) -> str:
 def _operators(state: State, opt: Mapping[str, Any]) -> Iterator[str]:
     op = state.op
     yield f"  Operators: SBP {op.name}, stencil of {2 * op.p + 1} points, {op.rows} rows in the closure, diagonal norm"
-    convection = opt["fsi_convection"]
-    if convection == "auto":
-        convection = "entropy" if state.problem.dimension == 2 else "divergence"
-    yield f"    convection: {convection}, dissipation {opt['fsi_dissipation']:g}, at shocks {opt['fsi_shock']:g}"
+    yield f"    convection: {state.convection}, dissipation {opt['fsi_dissipation']:g}, at shocks {opt['fsi_shock']:g}"
     yield f"    second derivatives: {opt['fsi_viscous']}"
 
 

@@ -77,7 +77,7 @@ class PlaneState:
         self.layout = PlaneLayout(comm, problem, self.op, make_grids(problem, self.op, h), partition)
         self.solution = PETSc.Vec().createMPI((self.layout.local_size, None), comm=comm)
         self._data = EdgeData(self.layout, self._instant)
-        self.path = PlanePath(self.layout, order, self._data, form)
+        self.path, self.convection = PlanePath(self.layout, order, self._data, form), form.convection
         self.watched = Watched(self.layout, self.path, chosen(problem, self.layout, places))
         self.results = np.zeros(FLAGS + LIMITS)
         fluids = sum(layer.kind == "fluid" for layer in problem.layers)
