@@ -107,6 +107,7 @@ _OF_PLOT = {
     **{"-o": "the name of a directory or a file", "-fields": "names of fields with commas", "-times": "times with commas"},
     **{"-compare": "another result file", "-all": None, "-animate": None},
 }
+_FLAGS = {"plot": _OF_PLOT, "report": _OF_REPORT, "new": {_PLANE[0]: None}}
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -331,7 +332,7 @@ def completion(arguments: list[str]) -> None:
     with numba_stood_in():
         cases = {name: tuple(table(load_case(name)).values()) for name in BUILT_IN}
         commands = {name: _own_options(name) for name in COMMANDS}
-    print(script(shell, cases, commands), end="")
+    print(script(shell, cases, commands, _FLAGS), end="")
 
 
 def _own_options(name: str) -> tuple[Option, ...]:

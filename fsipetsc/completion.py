@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 from fsipetsc.errors import InputError
 from fsipetsc.options import Option
@@ -42,8 +42,16 @@ complete -o default -F _fsipetsc fsipetsc scripts/run
 """
 
 
-def script(shell: str, cases: Mapping[str, Sequence[Option]], commands: Mapping[str, Sequence[Option]]) -> str:
-    """A program for a shell that reads it in; cases, commands: name -> its options. InputError for another shell."""
+def script(
+    shell: str,
+    cases: Mapping[str, Sequence[Option]],
+    commands: Mapping[str, Sequence[Option]],
+    flags: Mapping[str, Mapping[str, str | None]],
+) -> str:
+    """A program for a shell that reads it in; cases, commands: name -> its options. InputError for another shell.
+
+    flags: name of a command -> options of its own, "-name" -> what stands behind, None for nothing.
+    """
     if shell not in SHELLS:
         raise InputError(f"completion: there is none for '{shell}': expected {' or '.join(SHELLS)}")
     common = set.intersection(*({option.name for option in options} for options in cases.values()))
@@ -51,7 +59,11 @@ def script(shell: str, cases: Mapping[str, Sequence[Option]], commands: Mapping[
     choices = {f"-{name}": map(str, option.choices) for name, option in known.items() if option.choices}
     choices |= {f"-{name}": ("true", "false") for name, option in known.items() if option.kind == "bool"}
     values = [f"-{name}" for name, option in known.items() if option.needs_value and not option.choices]
-    own = {name: _words(option.name for option in options) for name, options in {**cases, **commands}.items()}
+    values += {flag for those in flags.values() for flag, behind in those.items() if behind is not None}
+    own = {
+        name: _words(*(option.name for option in options), *(flag[1:] for flag in flags.get(name, ())))
+        for name, options in {**cases, **commands}.items()
+    }
     return _SCRIPT.format(
         shell=shell,
         first="autoload -U +X bashcompinit && bashcompinit\n" if shell == "zsh" else "",
@@ -59,10 +71,10 @@ def script(shell: str, cases: Mapping[str, Sequence[Option]], commands: Mapping[
         choices="\n".join(f"        {name}) offered='{' '.join(words)}' ;;" for name, words in sorted(choices.items())),
         values="|".join(sorted(values)),
         options="\n".join(f"            {name}) offered='{words}' ;;" for name, words in own.items()),
-        common=_words(common),
+        common=_words(*common),
         files="\n".join(f"            {name}) files={suffix} ;;" for name, suffix in _FILES.items()),
     )
 
 
-def _words(names: Iterable[str]) -> str:
+def _words(*names: str) -> str:
     return " ".join(sorted(f"-{name}" for name in {*names, "help"}))

@@ -47,6 +47,10 @@ def test_bash(written):
     assert complete(written, "fsipetsc", "rod", "-fsi_h", "") == set()
     assert complete(written, "fsipetsc", "convergence", "mms", "-fsi_or") == {"-fsi_order", "-fsi_orders"}
     assert complete(written, "fsipetsc", "info", "") == {"-help", "a.h5"}
+    assert complete(written, "fsipetsc", "plot", "-") == {"-help", "-o", "-fields", "-times", "-compare", "-all", "-animate"}
+    assert complete(written, "fsipetsc", "plot", "a.h5", "-fields", "") == set()
+    assert complete(written, "fsipetsc", "plot", "a.h5", "-a") == {"-all", "-animate"}
+    assert "-plane" in complete(written, "fsipetsc", "new", "-")
 
 
 def test_zsh(written):

@@ -17,7 +17,7 @@ import matplotlib
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from fsipetsc.output.plots import interfaces, pictures, plot, profiles, quantities, scales, space_time, steps, style, titles
+from fsipetsc.output.plots import interfaces, pictures, plot, profiles, quantities, scales, space_time, steps, style
 
 USUAL = {"u", "T", "p", "rho", "sigma", "strain", "xt", "interfaces", "traces", "residuals", "momentum", "steps", "balance"}
 DRAWN = {
@@ -261,38 +261,6 @@ def test_interfaces_that_hardly_move_are_drawn_as_displacements():
     assert interfaces.moved("where", "how far", x * [[1], [1.5]])[0] == "where"
 
 
-def test_colors_differ_in_lightness_or_hue():
-    """For eyes that see no difference between red and green, too."""
-    for colors in (list(style.COLORS.values()), [color for color, _ in style.ORDERS.values()], style.SERIES):
-        for i, a in enumerate(colors):
-            assert all(np.abs(seen(a) - seen(b)).max() > 0.12 for b in colors[:i]), colors
-
-
-def seen(color):
-    """A color as eyes with deuteranopia see it, by a linear model."""
-    model = np.array([[0.367, 0.861, -0.228], [0.280, 0.673, 0.047], [-0.012, 0.043, 0.969]])
-    return np.clip(model @ np.power(matplotlib.colors.to_rgb(color), 2.2), 0, 1) ** (1 / 2.2)
-
-
-@pytest.mark.parametrize(
-    "title", ["short", "Fig. 7: errors over wall time  (--quick: coarser grids)", 40 * "word "]
-)
-def test_titles_are_not_cut_off(title):
-    figure = Figure(figsize=(4.8, 3.8))
-    titles.set_title(figure, title)
-    box = figure._suptitle.get_window_extent(figure.canvas.get_renderer())
-    assert 0 <= box.x0 and box.x1 <= figure.bbox.width
-    assert figure._suptitle.get_text().split() == title.split()
-
-
-def test_sweep_can_be_read_and_told_apart():
-    """Cells where all is well differ from every color of the others, for all eyes, and the numbers are no fine print."""
-    from fsipetsc.analysis.stability_report import NUMBERS, WELL
-
-    shades = [seen(matplotlib.colormaps["Oranges"](value)[:3]) for value in np.linspace(0, 1, 20)]
-    assert min(np.abs(seen(WELL) - shade).max() for shade in shades) > 0.06 and NUMBERS >= 9
-
-
 def test_command_says_what_it_wrote(results, tmp_path):
     done = solve("plot", results["box"].path, "-all", "-o", tmp_path / "new" / "folder")
     assert done.returncode == 0 and done.stderr == ""
@@ -371,9 +339,6 @@ def test_plot_in_the_format_of_the_name(results, tmp_path):
     assert "temperature T" in text and "stress" in text and "velocity" not in text
     frames = {results["box"].time[results["box"].at(t)] for t in (0.1, 0.5)}
     assert all(f"t = {t:.4g}" in text for t in frames)
-    assert main(["plot", results["box"].path, "-compare", results["piston"].path, "-o", str(tmp_path / "both.svg")]) == 0
-    both = (tmp_path / "both.svg").read_text()
-    assert "box.h5 (lines) and piston.h5 (dashed)" in both and "largest difference" in both
 
 
 @pytest.mark.parametrize(

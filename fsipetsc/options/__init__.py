@@ -23,6 +23,7 @@ from fsipetsc.options.tables import (
     DISCRETISATION,
     EMBEDDED,
     LONGEST_NAME,
+    OF_A_RUN,
     OF_CONTROL,
     OUTPUT,
     PETSC_OPTIONS,
@@ -30,7 +31,7 @@ from fsipetsc.options.tables import (
 )
 
 __all__ = [
-    "COMMON", "LONGEST_NAME", "PETSC_OPTIONS", "REQUIRED", "RUN", "InForce", "Option", "above_one", "check_petsc",
+    "COMMON", "LONGEST_NAME", "OF_A_RUN", "PETSC_OPTIONS", "REQUIRED", "RUN", "InForce", "Option", "above_one", "check_petsc",
     "defaults", "groups", "publish", "read_options", "read_table", "spelt", "table",
 ]  # fmt: skip
 

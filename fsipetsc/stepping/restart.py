@@ -16,15 +16,13 @@ import numpy as np
 from mpi4py import MPI
 
 from fsipetsc.errors import FileError, InputError
-from fsipetsc.options import PETSC_OPTIONS, spelt, table
+from fsipetsc.options import OF_A_RUN, PETSC_OPTIONS, spelt, table
 from fsipetsc.options.sources import Given
 from fsipetsc.output import checkpoint_file
 from fsipetsc.output.checkpoint_file import Checkpoint
 from fsipetsc.process.together import together
 
-#: which ones belong to one run of the program, not to the computation: they are not those of the checkpoint
-_OF_A_RUN = {"fsi_quiet", "fsi_progress", "fsi_view", "fsi_debug", "fsi_restart", "fsi_wall_limit"}
-FREE = _OF_A_RUN | {
+FREE = OF_A_RUN | {
     *("fsi_output", "fsi_output_dt", "fsi_output_times", "fsi_checkpoint", "fsi_checkpoint_steps", "fsi_checkpoint_wall"),
     *("fsi_burst", "fsi_partition", "fsi_shared_memory", "fsi_norm", "fsi_check", "ts_max_time", "ts_max_steps"),
 }
@@ -43,7 +41,7 @@ class Past(NamedTuple):
     @property
     def options(self) -> dict[str, Any]:
         """Those that are taken over where they are not given."""
-        return {name: value for name, value in self.header["options"].items() if name not in _OF_A_RUN}
+        return {name: value for name, value in self.header["options"].items() if name not in OF_A_RUN}
 
 
 def checkpoint_name(checkpoint: str | None, output: str) -> str:

@@ -33,13 +33,15 @@ def draw(path: str, given: Mapping[str, str]) -> list[Path]:
     if "-all" in given:
         return plot(path, where, times)
     target = where if where.suffix in PICTURES else where / f"{Path(path).stem}.png"
+    faults: list[str] = []
     if "-compare" in given:
         other = given["-compare"]
         if where.suffix not in PICTURES:
             target = where / f"{Path(path).stem}-{Path(other).stem}.png"
         with open_run(path) as a, open_run(other) as b:
-            return [_write(target, lambda figure: compare.draw(figure, a, b, fields, times))]
-    faults: list[str] = []
+            written = _write(target, lambda figure: compare.draw(figure, a, b, fields, times, faults=faults), faults)
+        complain(f"{path} or {other}", faults, f"the rest is in {written}")
+        return [written]
     with open_run(path) as run:
         written = _write(target, lambda figure: page.draw(figure, run, fields, times, faults=faults), faults)
     complain(path, faults, f"the rest is in {written}")

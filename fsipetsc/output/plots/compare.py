@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fsipetsc.errors import InputError
+from fsipetsc.options import OF_A_RUN
 from fsipetsc.output.differences import compare
-from fsipetsc.output.plots.page import PANELS, WIDTH, curves
+from fsipetsc.output.plots import reason, whole
+from fsipetsc.output.plots.page import PANELS, WIDTH, attempt, curves
 from fsipetsc.output.plots.plane.maps import bar, colors, domain, few_ticks, panel
 from fsipetsc.output.plots.plane.page import pairs_of, size_of
 from fsipetsc.output.plots.plane.quantities import Pair
@@ -26,28 +28,46 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure, FigureBase
 
-#: series whose differences are listed beside those of fields; options that change nothing that is computed
+#: series whose differences are listed beside those of fields
 _SERIES = "x_interface", "u_interface", "T_interface", "energy", "mass", "least_J"
-_SHOWN_ONLY = "fsi_quiet", "fsi_progress", "fsi_view", "fsi_debug"
 TIMES, LISTED = 3, 12  # times in one dimension where none are given; differences that are listed
 
 
-def draw(figure: Figure, a: Run, b: Run, fields: Sequence[str] = (), times: Sequence[float] = ()) -> None:
-    """The page, on a figure of its own. InputError for results that have nothing in common, and as of ``page.draw``."""
+def draw(
+    figure: Figure, a: Run, b: Run, fields: Sequence[str] = (), times: Sequence[float] = (), *, faults: list[str]
+) -> None:
+    """The page, on a figure of its own. InputError for results that have nothing in common, and as of ``page.draw``.
+
+    faults: gets what of damaged results could not be drawn.
+    """
     if a.dimension != b.dimension or not a.nframes or not b.nframes:
         raise InputError(f"plot -compare: {a.path} and {b.path}: expected two results of one dimension, with frames")
-    frames = _frames(a, b, times, TIMES if a.dimension == 1 else 1)
-    height, above = (_maps if a.dimension == 2 else _profiles)(a, b, fields, frames)
-    below = [partial(_steps, runs=(a, b)), partial(_differences, runs=(a, b))]
-    if a.dimension == 1 and a.interfaces and a.interfaces == b.interfaces:
-        below.insert(0, partial(_interfaces, runs=(a, b)))
+    height, above = 0.01, lambda part: None
+    try:
+        frames = _frames(a, b, times, TIMES if a.dimension == 1 else 1)
+        height, above = (_maps if a.dimension == 2 else _profiles)(a, b, fields, frames)
+    except InputError:
+        raise
+    except Exception as error:
+        faults.append(f"fields ({reason(error)})")
+    below = [*whole(_panels(a, b), faults, "panels"), partial(_differences, runs=(a, b))]
     figure.set_size_inches(WIDTH, 0.6 + height + PANELS)
     figure.set_layout_engine("constrained", w_pad=0.08, h_pad=0.06)
     parts = figure.subfigures(2, 1, height_ratios=[height, PANELS])
-    above(parts[0])
-    for axes, draw_on in zip(parts[1].subplots(1, len(below), width_ratios=[1] * (len(below) - 1) + [2]), below):
-        draw_on(axes)
+    attempt(partial(above, parts[0]), faults, "fields")
+    panels = parts[1].subplots(1, len(below), width_ratios=[1] * (len(below) - 1) + [2], squeeze=False)[0]
+    for axes, draw_on in zip(panels, below):
+        attempt(partial(draw_on, axes), faults, draw_on.func.__name__.strip("_"))
     set_title(figure, f"{_name(a)} (lines) and {_name(b)} (dashed)" if a.dimension == 1 else f"{_name(a)} and {_name(b)}")
+
+
+def _panels(a: Run, b: Run) -> Iterator[Callable[[Axes], None]]:
+    """What there is to be drawn below, beside the differences; of a run without steps there are no series."""
+    known = {name for name in a.series if all(len(run.series.get(name, ())) > 1 for run in (a, b))}
+    if {"t", "x_interface"} <= known and a.dimension == 1 and a.interfaces and a.interfaces == b.interfaces:
+        yield partial(_interfaces, runs=(a, b))
+    if {"t", "dt"} <= known:
+        yield partial(_steps, runs=(a, b))
 
 
 def _name(run: Run) -> str:
@@ -83,9 +103,7 @@ def _maps(
 ) -> tuple[float, Callable[[FigureBase], None]]:
     """The first result, the second, and the second less the first where their grids have as many points."""
     pairs, ranges = pairs_of(fields), domain(a)
-    same = [x.name for x in a.layers] == [x.name for x in b.layers] and all(
-        (x.Y.size, x.X.size) == (y.Y.size, y.X.size) for x, y in zip(a.layers, b.layers)
-    )
+    same = alike(a, b)
     rows = [(pair, at) for pair in pairs for at in frames]
     width, height = size_of(ranges, 10.2 / (2 + same))
 
@@ -106,6 +124,12 @@ def _maps(
             grid[0].set_ylabel(axis_label(a, "y", "m"))
 
     return len(rows) * (height + 2.1), above
+
+
+def alike(a: Run, b: Run) -> bool:
+    """Whether the layers of two results have the same names, kinds and numbers of points."""
+    shapes = ([(layer.name, layer.kind, layer.Y.size, layer.X.size) for layer in run.layers] for run in (a, b))
+    return next(shapes) == next(shapes)
 
 
 def _difference(figure: FigureBase, axes: Axes, a: Run, b: Run, pair: Pair, at: tuple[int, int]) -> None:
@@ -160,7 +184,7 @@ def _differences(axes: Axes, runs: Sequence[Run]) -> None:
     lines = [title if rows else "equal, bit for bit, in what both have"]
     lines += [f"{d.name:32.32}{d.largest:10.2e}{d.largest / d.scale if d.scale else np.nan:10.1e}" for d in rows[:LISTED]]
     lines += [f"and {len(rows) - LISTED} more (the command diff)"] * (len(rows) > LISTED)
-    others = {name: pair for name, pair in found.options.items() if name not in _SHOWN_ONLY}
+    others = {name: pair for name, pair in found.options.items() if name not in OF_A_RUN}
     lines += [f"-{name}: {one}, {other}"[:60] for name, (one, other) in list(others.items())[:5]]
     lines += [note[:60] for note in found.notes[:2]]
     axes.axis("off")

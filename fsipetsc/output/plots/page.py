@@ -51,14 +51,14 @@ def draw(
     figure.set_size_inches(WIDTH, 0.6 + height + PANELS * bool(below))
     figure.set_layout_engine("constrained", w_pad=0.08, h_pad=0.06)
     parts = figure.subfigures(1 + bool(below), 1, height_ratios=[height, PANELS][: 1 + bool(below)], squeeze=False)[:, 0]
-    _attempt(partial(above, parts[0]), faults, "fields")
+    attempt(partial(above, parts[0]), faults, "fields")
     if below:
         for axes, panel in zip(parts[1].subplots(1, len(below), squeeze=False)[0], below):
-            _attempt(partial(panel, axes), faults, panel.func.__name__.strip("_"))
+            attempt(partial(panel, axes), faults, panel.func.__name__.strip("_"))
     set_title(figure, of_run(run, _story(run)))
 
 
-def _attempt(action: Callable[[], None], faults: list[str], what: str) -> None:
+def attempt(action: Callable[[], None], faults: list[str], what: str) -> None:
     """Draw something; of damaged numbers there is no end to what may be wrong with them."""
     try:
         action()

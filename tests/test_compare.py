@@ -1,0 +1,107 @@
+"""Pages of two results: what is drawn of both, of what one of them has not, and of damaged ones."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+
+import h5py
+import numpy as np
+import output_program as program
+import pytest
+
+pytest.importorskip("matplotlib")
+pytest.importorskip("petsc4py")
+
+from fsipetsc.cli import main
+from fsipetsc.output.plots import compare
+
+STEPS, MOVED, FIELDS = "time step", "position x of the interface", "temperature T"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory) -> Path:
+    """Two results, one without steps, and one whose steps are at no time."""
+    where = tmp_path_factory.mktemp("compared")
+    for name, frames in (("long", 12), ("short", 9)):
+        program.write(str(where / f"{name}.h5"), frames, "blocks")
+
+    def without(file: h5py.File) -> None:
+        del file["series"]
+
+    def damage(file: h5py.File) -> None:
+        rows = file["series"][...]
+        rows["t"] = np.inf
+        del file["series"]
+        file["series"] = rows
+
+    changes: dict[str, Callable[[h5py.File], None]] = {"still": without, "damaged": damage}
+    for name, change in changes.items():
+        (where / f"{name}.h5").write_bytes((where / "long.h5").read_bytes())
+        with h5py.File(where / f"{name}.h5", "r+") as file:
+            change(file)
+    return where
+
+
+def drawn(folder: Path, a: str, b: str, *words: str, status: int = 0) -> str:
+    """The page as SVG."""
+    target = folder / f"{a}-{b}.svg"
+    assert main(["plot", str(folder / f"{a}.h5"), "-compare", str(folder / f"{b}.h5"), *words, "-o", str(target)]) == status
+    return target.read_text()
+
+
+def test_two_results(folder, capsys):
+    page = drawn(folder, "long", "short")
+    assert "long.h5 (lines) and short.h5 (dashed)" in page
+    for text in (STEPS, MOVED, FIELDS, "largest difference", "equal, bit for bit"):
+        assert (text in page) == (text != "largest difference"), text  # what both have are the same numbers
+    page = drawn(folder, "long", "short", "-fields", "p")
+    assert FIELDS not in page and "pressure" in page
+    assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize("names", [("still", "long"), ("long", "still"), ("still", "still")])
+def test_results_without_steps(folder, names, capsys):
+    """Frames alone, as of a run that was to make none: what both have is drawn."""
+    page = drawn(folder, *names)
+    assert FIELDS in page and STEPS not in page and MOVED not in page
+    assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize("names", [("damaged", "long"), ("damaged", "damaged")])
+def test_damaged_results(folder, names, capsys):
+    """What can be drawn is; the one message names both, and what could not be drawn."""
+    page = drawn(folder, *names, status=4)
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1 and "the result is damaged, not drawn: " in said and "the rest is in " in said, said
+    assert all(f"{name}.h5" in said for name in names) and FIELDS in page
+
+
+def test_maps_are_subtracted_where_layers_are_the_same():
+    """By name, kind and points: gases have other fields than solids."""
+
+    def run(*layers: tuple[str, str, int]) -> SimpleNamespace:
+        made = [SimpleNamespace(name=name, kind=kind, X=np.zeros(n), Y=np.zeros(3)) for name, kind, n in layers]
+        return SimpleNamespace(layers=made)
+
+    one = run(("a", "fluid", 5), ("b", "solid", 5))
+    assert compare.alike(one, run(("a", "fluid", 5), ("b", "solid", 5)))
+    for other in (
+        run(("a", "fluid", 5), ("b", "fluid", 5)),
+        run(("a", "fluid", 5), ("c", "solid", 5)),
+        run(("a", "fluid", 5), ("b", "solid", 6)),
+        run(("a", "fluid", 5)),
+    ):
+        assert not compare.alike(one, other) and not compare.alike(other, one)
+
+
+def test_options_of_one_run_of_the_program_are_not_listed(monkeypatch):
+    """The same ones that no checkpoint keeps."""
+    options = {"fsi_h": (0.1, 0.2), "fsi_view": (True, False), "fsi_restart": (None, "auto"), "fsi_wall_limit": (None, 5.0)}
+    found = SimpleNamespace(differences=(), notes=(), options=options)
+    monkeypatch.setattr(compare, "compare", lambda a, b: found)
+    written: list[str] = []
+    axes = SimpleNamespace(axis=lambda how: None, transAxes=None, text=lambda x, y, text, **look: written.append(text))
+    compare._differences(axes, [SimpleNamespace(path="a"), SimpleNamespace(path="b")])
+    assert "-fsi_h: 0.1, 0.2" in written[0] and written[0].count("-fsi_") == 1
