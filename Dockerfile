@@ -1,7 +1,7 @@
-# docker build -t fsipetsc . && docker run --rm -v "$PWD:/work" fsipetsc rod
+# docker build -t fsipetsc . && docker run --rm -v "$PWD:/data" fsipetsc rod
 FROM debian:bookworm-slim
 COPY . /opt/fsipetsc
 RUN /opt/fsipetsc/scripts/setup && rm -rf /var/lib/apt/lists/*
 ENV NUMBA_CACHE_DIR=/opt/kernels OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
-WORKDIR /work
+WORKDIR /data
 ENTRYPOINT ["/opt/fsipetsc/scripts/run"]
