@@ -19,7 +19,7 @@ PAGES = [REPOSITORY / "README.md", *sorted((REPOSITORY / "docs").glob("*.md"))]
 DOCUMENTS = {page.name: page.read_text() for page in PAGES}
 OPTIONS_FILES = sorted((REPOSITORY / "runs").rglob("*.opts"))
 #: stems of Open MPI's, PETSc's and other programs' options that the documents may name
-FOREIGN = {"o", "n", "m", "help", "animate", "plane", "all", "fields", "times", "compare"}
+FOREIGN = {"o", "n", "m", "help", "animate", "plane", "all", "fields", "times", "compare", "options_left", "options_view"}
 
 
 def known_options() -> set[str]:
