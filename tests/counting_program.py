@@ -168,13 +168,13 @@ def interpret() -> None:
 
 
 def load_lanes(s: Any, i: int) -> np.ndarray:
-    """As vectors.load, of the simulated memory or an array seen as flat."""
+    """As memory.load, of the simulated memory or an array seen as flat."""
     s = s.ravel() if isinstance(s, np.ndarray) else s
     return np.array([s[i + j] for j in range(LANES)])
 
 
 def store_lanes(s: Any, i: int, values: np.ndarray) -> None:
-    """As vectors.store."""
+    """As memory.store."""
     for j, value in enumerate(values):
         s[i + j] = value
 

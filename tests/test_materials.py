@@ -19,8 +19,8 @@ from fsipetsc.boundaries import Wall, clamped
 from fsipetsc.cases import load_case
 from fsipetsc.errors import InputError
 from fsipetsc.operators.formulas import in_python
+from fsipetsc.operators.memory import load, store
 from fsipetsc.operators.variants import digest
-from fsipetsc.operators.vectors import load, store
 from fsipetsc.options import defaults
 from fsipetsc.physics.fluid import Fluid
 from fsipetsc.physics.layer import LAYER, NUMBERS

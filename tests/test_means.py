@@ -10,7 +10,8 @@ from numba import njit
 
 from fsipetsc.operators.logarithms import log_near_one
 from fsipetsc.operators.means import distance, mean_factors
-from fsipetsc.operators.vectors import LANES, WIDE, load, load_wide, store
+from fsipetsc.operators.memory import load, load_wide, store
+from fsipetsc.operators.vectors import LANES, WIDE
 
 
 @njit

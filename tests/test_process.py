@@ -126,12 +126,14 @@ import json, time
 from fsipetsc.process.launch import start_mpi
 from fsipetsc.process.together import wait_asleep
 
-comm, end = start_mpi(), time.monotonic() + 1.0
+comm = start_mpi()
+comm.Barrier()
+end = time.monotonic() + 1.0
 spent = time.process_time()
 while comm.rank == 0 and time.monotonic() < end:
     pass
 wait_asleep(comm)
-everybody = comm.gather((time.monotonic() >= end, time.process_time() - spent))
+everybody = comm.gather((time.monotonic() >= end - 0.1, time.process_time() - spent))
 if comm.rank == 0:
     print(json.dumps(everybody))
 """

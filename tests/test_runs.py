@@ -6,7 +6,7 @@ import re
 import shlex
 
 import pytest
-from helpers import REPOSITORY, solve
+from helpers import REPOSITORY, run, solve
 
 pytest.importorskip("petsc4py")
 
@@ -59,7 +59,7 @@ def test_petscs_own_options_behave_as_in_its_examples(tmp_path):
     (tmp_path / "a.yaml").write_text("fsi:\n  h: 0.1\n  order: 2\nts:\n  type: rk\n  rk_type: 3bs\n")
     (tmp_path / "b.opts").write_text("-ts_max_steps 3\n-ts_monitor\n")
     words = "-options_file_yaml a.yaml -options_file b.opts -ts_view -log_view :log.txt -malloc_debug -malloc_dump -memory_view"
-    done = solve("rod", *words.split(), "-malloc_view", cwd=tmp_path)
+    done = run("-m", "fsipetsc", "rod", *words.split(), "-malloc_view", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     steps = re.findall(r"^(\d+) TS dt (\S+) time (\S+)$", done.stdout, re.M)
     assert [int(number) for number, *_ in steps] == [0, 1, 2, 3], done.stdout

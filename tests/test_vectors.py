@@ -12,18 +12,8 @@ numba = pytest.importorskip("numba")
 
 from fsipetsc.operators import vectors
 from fsipetsc.operators.kernels import store_lanes
-from fsipetsc.operators.vectors import (
-    LANES,
-    centred_difference,
-    fma,
-    lane,
-    load,
-    masked,
-    mirrored,
-    spread,
-    store,
-    store_interlaced,
-)
+from fsipetsc.operators.memory import load, store, store_interlaced
+from fsipetsc.operators.vectors import LANES, centred_difference, fma, lane, masked, mirrored, spread
 
 A, B, C = np.random.default_rng(7).uniform(-2, 2, (3, LANES))
 ODD = np.array([1.0, -1.0, np.inf, -np.inf, np.nan, 0.0])

@@ -13,8 +13,9 @@ from numba import njit
 
 from fsipetsc.operators.formulas import Formulas
 from fsipetsc.operators.kernels import FORMULA, OPTIONS, U64
+from fsipetsc.operators.memory import load
 from fsipetsc.operators.narrow import difference
-from fsipetsc.operators.vectors import fma, load
+from fsipetsc.operators.vectors import fma
 
 #: weights of the differences up to the order 8, by order
 _DIFFERENCE = np.array([difference(order) + [0] * (8 - order) for order in range(9)], dtype=float)

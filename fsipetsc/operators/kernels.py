@@ -16,8 +16,9 @@ from numba import njit
 
 from fsipetsc.operators import sbp
 from fsipetsc.operators.cache import use_cache_folder
+from fsipetsc.operators.memory import load
 from fsipetsc.operators.parts import PART, Whole
-from fsipetsc.operators.vectors import LANES, centred_difference, fma, lane, load, mirrored, spread
+from fsipetsc.operators.vectors import LANES, centred_difference, fma, lane, mirrored, spread
 
 #: Points that a kernel treats at once: its scratch rows stay in the first-level cache.
 BLOCK = 512

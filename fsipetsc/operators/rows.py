@@ -15,14 +15,14 @@ from numba import njit
 from fsipetsc.operators.kernels import (
     FORMULA,
     OPTIONS,
-    U64,
     closure,
     end_of,
     end_rows,
     store_lanes,
     weights_of,
 )
-from fsipetsc.operators.vectors import LANES, WIDE, fma, load_wide, spread_wide, store
+from fsipetsc.operators.memory import load_wide, store
+from fsipetsc.operators.vectors import LANES, WIDE, fma, spread_wide
 
 #: room before the first and behind the last point of a row
 MARGIN = 16
@@ -57,7 +57,7 @@ def along(op, s, v, out, a, b, lo, hi, scale):
     """
     weights = weights_of(op, scale)
     for i in range(a, b, WIDE):
-        store(s, out + i, difference(op.p, weights, s, v + i, 1))
+        store(s, out + i, difference(op.p, weights, s, v + i))
     for side in range(2):
         end, known = end_of(lo, hi, side, lo, hi + 1)
         if a - op.rows <= end <= b + op.rows:
@@ -68,15 +68,15 @@ def along(op, s, v, out, a, b, lo, hi, scale):
 
 
 @njit(**FORMULA)
-def difference(p, weights, s, at, step):
-    """Interior formula sum_k c_k (v[i+k] - v[i-k]) at the points s[at ...], whose neighbours are ``step`` apart."""
-    d = weights[0] * (load_wide(s, at + step) - load_wide(s, at - step))
+def difference(p, weights, s, at):
+    """Interior formula sum_k c_k (v[i+k] - v[i-k]) at the points s[at ...]."""
+    d = weights[0] * (load_wide(s, at + 1) - load_wide(s, at - 1))
     if p > 1:
-        d = fma(weights[1], load_wide(s, at + 2 * step) - load_wide(s, at - 2 * step), d)
+        d = fma(weights[1], load_wide(s, at + 2) - load_wide(s, at - 2), d)
         if p > 2:
-            d = fma(weights[2], load_wide(s, at + 3 * step) - load_wide(s, at - 3 * step), d)
+            d = fma(weights[2], load_wide(s, at + 3) - load_wide(s, at - 3), d)
             if p > 3:
-                d = fma(weights[3], load_wide(s, at + 4 * step) - load_wide(s, at - 4 * step), d)
+                d = fma(weights[3], load_wide(s, at + 4) - load_wide(s, at - 4), d)
     return d
 
 
@@ -121,9 +121,3 @@ def fill(s, out, a, b, value):
     v = spread_wide(value)
     for i in range(a, b, WIDE):
         store(s, out + i, v)
-
-
-@njit(**FORMULA)
-def number(s, i):
-    """s[i]."""
-    return s[U64(i)]

@@ -16,7 +16,8 @@ from __future__ import annotations
 from numba import njit
 
 from fsipetsc.operators.kernels import FORMULA, OPTIONS, U64
-from fsipetsc.operators.vectors import LANES, load, magnitude, masked, maximum, minimum, spread, store
+from fsipetsc.operators.memory import load, store
+from fsipetsc.operators.vectors import LANES, magnitude, masked, maximum, minimum, spread
 
 #: e
 SMALL = 0.05

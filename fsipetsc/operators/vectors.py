@@ -27,7 +27,7 @@ LANES = 4
 WIDE = 8
 TWICE = 16
 
-_DOUBLES = ir.VectorType(ir.DoubleType(), LANES)
+DOUBLES = ir.VectorType(ir.DoubleType(), LANES)
 _INT = ir.IntType(32)
 _EACH_LANE = range(LANES)
 
@@ -54,15 +54,15 @@ class _VectorModel(models.PrimitiveModel):
         super().__init__(manager, kind, kind.doubles)
 
 
-def _shuffled(builder, a, b, lanes):
+def shuffled(builder, a, b, lanes):
     """Lanes picked from a (0, 1, ...) and b (LANES, ...)."""
     return builder.shuffle_vector(a, b, ir.Constant(ir.VectorType(_INT, len(lanes)), list(lanes)))
 
 
-def _spread(builder, value, kind=_DOUBLES):
+def _spread(builder, value, kind=DOUBLES):
     """A scalar in all lanes."""
     nothing = ir.Constant(kind, ir.Undefined)
-    return _shuffled(builder, builder.insert_element(nothing, value, ir.Constant(_INT, 0)), nothing, [0] * kind.count)
+    return shuffled(builder, builder.insert_element(nothing, value, ir.Constant(_INT, 0)), nothing, [0] * kind.count)
 
 
 def _as_vectors(builder, values, kinds):
@@ -304,7 +304,7 @@ def numbers_from(typingctx, i):
 
     def codegen(context, builder, sig, args):
         first = builder.sitofp(args[0], ir.DoubleType())
-        return builder.fadd(_spread(builder, first), ir.Constant(_DOUBLES, [float(j) for j in _EACH_LANE]))
+        return builder.fadd(_spread(builder, first), ir.Constant(DOUBLES, [float(j) for j in _EACH_LANE]))
 
     return vector(types.intp), codegen
 
@@ -369,7 +369,7 @@ def where_above(typingctx, v, limit, larger, other):
 @intrinsic
 def mirrored(typingctx, v):
     """The lanes in the opposite order."""
-    return vector(v), lambda context, builder, sig, args: _shuffled(builder, args[0], args[0], _EACH_LANE[::-1])
+    return vector(v), lambda context, builder, sig, args: shuffled(builder, args[0], args[0], _EACH_LANE[::-1])
 
 
 @intrinsic(prefer_literal=True)
@@ -379,53 +379,11 @@ def centred_difference(typingctx, before, v, after, k):
 
     def codegen(context, builder, sig, args):
         left, here, right, _ = args
-        ahead = _shuffled(builder, here, right, [n + j for j in _EACH_LANE])
-        behind = _shuffled(builder, left, here, [LANES - n + j for j in _EACH_LANE])
+        ahead = shuffled(builder, here, right, [n + j for j in _EACH_LANE])
+        behind = shuffled(builder, left, here, [LANES - n + j for j in _EACH_LANE])
         return builder.fsub(ahead, behind)
 
     return vector(before, v, after, k), codegen
-
-
-def _place(context, builder, sig, args, doubles=_DOUBLES):
-    """Pointer to a vector at an element of an array."""
-    data = context.make_array(sig.args[0])(context, builder, args[0]).data
-    return builder.bitcast(builder.gep(data, [args[1]]), doubles.as_pointer())
-
-
-@intrinsic
-def load(typingctx, s, i):
-    """s[i : i+LANES]; s: any contiguous array, seen as flat."""
-
-    def codegen(context, builder, sig, args):
-        value = builder.load(_place(context, builder, sig, args))
-        value.align = 8
-        return value
-
-    return vector(s, types.intp), codegen
-
-
-@intrinsic
-def load_wide(typingctx, s, i):
-    """s[i : i+WIDE]."""
-
-    def codegen(context, builder, sig, args):
-        value = builder.load(_place(context, builder, sig, args, wide_vector.doubles))
-        value.align = 8
-        return value
-
-    return wide_vector(s, types.intp), codegen
-
-
-@intrinsic
-def load_twice(typingctx, s, i):
-    """s[i : i+TWICE]."""
-
-    def codegen(context, builder, sig, args):
-        value = builder.load(_place(context, builder, sig, args, twice_vector.doubles))
-        value.align = 8
-        return value
-
-    return twice_vector(s, types.intp), codegen
 
 
 @intrinsic(prefer_literal=True)
@@ -434,40 +392,9 @@ def half(typingctx, v, k):
     first = WIDE * k.literal_value
 
     def codegen(context, builder, sig, args):
-        return _shuffled(builder, args[0], args[0], range(first, first + WIDE))
+        return shuffled(builder, args[0], args[0], range(first, first + WIDE))
 
     return wide_vector(twice_vector, k), codegen
-
-
-@intrinsic
-def store(typingctx, s, i, v):
-    """s[i : i+LANES] = v, or as many as v has."""
-
-    def codegen(context, builder, sig, args):
-        builder.store(args[2], _place(context, builder, sig, args, v.doubles)).align = 8
-        return context.get_dummy_value()
-
-    return types.none(s, types.intp, v), codegen
-
-
-@intrinsic
-def store_interlaced(typingctx, s, i, values):
-    """s[i + n j + c] = values[c][j] for a tuple of n vectors: what belongs to one point comes to stand together."""
-    n = len(values)
-
-    def codegen(context, builder, sig, args):
-        joined = [builder.extract_value(args[2], c) for c in range(n)]
-        while len(joined) > 2:  # pairs of equal length; the last one, if alone, with itself
-            every = range(2 * joined[0].type.count)
-            joined = [_shuffled(builder, a, b, every) for a, b in zip(joined[::2], joined[1::2] + joined[-1:])]
-        count = args[2].type.elements[0].count
-        lanes = [c * count + j for j in range(count) for c in range(n)]
-        result = _shuffled(builder, joined[0], joined[-1], lanes)
-        place = builder.bitcast(_place(context, builder, sig, args), result.type.as_pointer())
-        builder.store(result, place).align = 8
-        return context.get_dummy_value()
-
-    return types.none(s, types.intp, values), codegen
 
 
 @intrinsic
@@ -485,43 +412,11 @@ def interlaced(typingctx, values):
                 picked = list(range(lanes))
                 for lane in of_c:
                     picked[lane] = lanes + numbers[k + lane][0]
-                result = _shuffled(builder, result, builder.extract_value(args[0], c), picked)
+                result = shuffled(builder, result, builder.extract_value(args[0], c), picked)
             parts.append(result)
         return context.make_tuple(builder, sig.return_type, parts)
 
     return types.UniTuple(values[0], n)(values), codegen
-
-
-def _load_interlaced(kind, s, i, n):
-    """Signature and code of what loads n vectors of a kind."""
-    count = n.literal_value
-
-    def codegen(context, builder, sig, args):
-        whole = ir.VectorType(ir.DoubleType(), count * kind.lanes)
-        value = builder.load(builder.bitcast(_place(context, builder, sig, args), whole.as_pointer()))
-        value.align = 8
-        parts = [_shuffled(builder, value, value, [c + count * j for j in range(kind.lanes)]) for c in range(count)]
-        return context.make_tuple(builder, sig.return_type, parts)
-
-    return types.UniTuple(kind, count)(s, types.intp, n), codegen
-
-
-@intrinsic(prefer_literal=True)
-def load_interlaced(typingctx, s, i, n):
-    """n vectors (n literal), number c of them s[i + c], s[i + n + c], ...: the reverse of ``store_interlaced``."""
-    return _load_interlaced(vector, s, i, n)
-
-
-@intrinsic(prefer_literal=True)
-def load_wide_interlaced(typingctx, s, i, n):
-    """The same of wide vectors."""
-    return _load_interlaced(wide_vector, s, i, n)
-
-
-@intrinsic(prefer_literal=True)
-def load_twice_interlaced(typingctx, s, i, n):
-    """The same of vectors of TWICE lanes."""
-    return _load_interlaced(twice_vector, s, i, n)
 
 
 @intrinsic(prefer_literal=True)
@@ -530,6 +425,6 @@ def joined(typingctx, before, v, k):
     n, lanes = k.literal_value, v.lanes
 
     def codegen(context, builder, sig, args):
-        return _shuffled(builder, args[0], args[1], [lanes - n + j for j in range(lanes)])
+        return shuffled(builder, args[0], args[1], [lanes - n + j for j in range(lanes)])
 
     return v(before, v, k), codegen

@@ -12,7 +12,8 @@ import numpy as np
 from numba import njit
 
 from fsipetsc.operators.kernels import FORMULA, OPTIONS, U64, whole_vectors
-from fsipetsc.operators.vectors import LANES, load, store_interlaced
+from fsipetsc.operators.memory import load, store_interlaced
+from fsipetsc.operators.vectors import LANES
 from fsipetsc.parallel.mpi import mpi_startall, mpi_waitall
 from fsipetsc.parallel.pointers import rows_of
 from fsipetsc.parallel.shared_memory import largest, next_turn

@@ -44,8 +44,9 @@ from numba import njit
 from fsipetsc.operators.differences import DIFFERENCE, MIDDLE
 from fsipetsc.operators.formulas import Formulas
 from fsipetsc.operators.kernels import FORMULA, OPTIONS, ROW
+from fsipetsc.operators.memory import load, store
 from fsipetsc.operators.sensor import largest_within, sense, weigh_ends
-from fsipetsc.operators.vectors import LANES, fma, load, magnitude, maximum, numbers_from, root, spread, store
+from fsipetsc.operators.vectors import LANES, fma, magnitude, maximum, numbers_from, root, spread
 from fsipetsc.physics import fluid
 
 #: usual sigma

@@ -13,11 +13,11 @@ import numpy as np
 from numba import njit
 
 from fsipetsc.operators.kernels import OPTIONS, U64
+from fsipetsc.operators.memory import load
 from fsipetsc.operators.vectors import (
     LANES,
     fma,
     lane,
-    load,
     magnitude,
     masked,
     maximum,

@@ -18,7 +18,8 @@ from numba import njit
 
 from fsipetsc.boundaries import ABSORBING, FREE
 from fsipetsc.operators.kernels import OPTIONS, store_lanes
-from fsipetsc.operators.vectors import LANES, fma, load
+from fsipetsc.operators.memory import load
+from fsipetsc.operators.vectors import LANES, fma
 from fsipetsc.physics.layer import LOADED
 
 #: number of the temperature among the unknowns

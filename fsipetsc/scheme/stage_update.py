@@ -12,7 +12,8 @@ from typing import NamedTuple
 from numba import njit
 
 from fsipetsc.operators.kernels import FORMULA, store_lanes
-from fsipetsc.operators.vectors import fma, load, store
+from fsipetsc.operators.memory import load, store
+from fsipetsc.operators.vectors import fma
 
 
 class Target(NamedTuple):

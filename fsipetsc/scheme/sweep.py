@@ -42,7 +42,8 @@ from fsipetsc.operators.kernels import (
     weights_of,
     whole_vectors,
 )
-from fsipetsc.operators.vectors import LANES, load, store
+from fsipetsc.operators.memory import load, store
+from fsipetsc.operators.vectors import LANES
 from fsipetsc.scheme.stage_update import update_stage, update_stage_lanes
 
 #: first row of scratch of the fluxes; those before are for what is prepared

@@ -11,7 +11,8 @@ from numba import njit
 
 from fsipetsc.operators.formulas import Formulas, each
 from fsipetsc.operators.kernels import FORMULA, OPTIONS, ROW, U64, end_of, end_rows, row_length, store_lanes, whole_vectors
-from fsipetsc.operators.vectors import LANES, fma, lane, load, mirrored, numbers_from, spread, store
+from fsipetsc.operators.memory import load, store
+from fsipetsc.operators.vectors import LANES, fma, lane, mirrored, numbers_from, spread
 from fsipetsc.scheme.end_rates import end_slopes
 from fsipetsc.scheme.sweep import row_of
 from fsipetsc.scheme.undivided import add_undivided, undivided_of

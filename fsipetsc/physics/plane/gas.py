@@ -26,8 +26,9 @@ from numba import njit
 
 from fsipetsc.operators.formulas import Formulas
 from fsipetsc.operators.kernels import FORMULA
+from fsipetsc.operators.memory import load_twice
 from fsipetsc.operators.rows import STRIDE
-from fsipetsc.operators.vectors import fma, load_twice
+from fsipetsc.operators.vectors import fma
 from fsipetsc.physics.layer import FLUID
 
 #: lines of the grid: displacement in x, y, velocity, and derivatives along X of the first two, of the lower and the upper one
@@ -188,7 +189,6 @@ def plane_gas(gas: Formulas, transport: Formulas, viscous: bool) -> Formulas:
         prepared=tuple(range(11 if viscous else 6)),
         differentiated=(6, 7, 8) if viscous else (),
         fluxes=(0, 1, 2, 3),
-        loose=(1, 1, 1, 1),
         extras=(0,),
         sums=(),
         constants=constants,

@@ -92,7 +92,7 @@ def plane_solid(elastic: Formulas, cold: bool = False) -> Formulas:
     """
     if cold:
         warm = plane_solid(elastic)
-        new = {"differentiated": (0, 1), "fluxes": (0, 1), "loose": (1, 1), "extras": (), "flux": cold_flux, "rate": cold_rate}
+        new = {"differentiated": (0, 1), "fluxes": (0, 1), "extras": (), "flux": cold_flux, "rate": cold_rate}
         return Formulas(**{**vars(warm), **new})
     return Formulas(
         kind=SOLID,
@@ -101,7 +101,6 @@ def plane_solid(elastic: Formulas, cold: bool = False) -> Formulas:
         prepared=(0, 1, 2, 3, 4),
         differentiated=(0, 1, 2, 3, 4),
         fluxes=(0, 1, 2),
-        loose=(1, 1, 1),
         extras=(0,),
         sums=(),
         constants=constants,

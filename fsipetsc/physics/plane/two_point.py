@@ -126,7 +126,6 @@ def two_point_gas(gas: Formulas, transport: Formulas, viscous: bool) -> Formulas
         prepared=tuple(range(12 if viscous else 9)),
         differentiated=(7, 9, 10) if viscous else (),
         fluxes=(0, 1, 2) if viscous else (),
-        loose=(1, 1, 1) if viscous else (),
         extras=(0,),
         paired=(0, 1, 2, 4, 5, 6, 7),
         sums=(0, 1, 2, 3),

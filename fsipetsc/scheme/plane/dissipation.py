@@ -22,8 +22,9 @@ from numba import njit
 
 from fsipetsc.operators.formulas import Formulas, each
 from fsipetsc.operators.kernels import FORMULA, OPTIONS, U64
+from fsipetsc.operators.memory import load, store
 from fsipetsc.operators.rows import at, fill
-from fsipetsc.operators.vectors import LANES, fma, load, maximum, spread, store
+from fsipetsc.operators.vectors import LANES, fma, maximum, spread
 from fsipetsc.physics.plane.dissipation import MIDDLE, alpha
 from fsipetsc.scheme.plane.sums import fluxes_of, gains_of, norm_at
 from fsipetsc.scheme.plane.sweep import STEEPNESS, row_of_ring
@@ -174,11 +175,6 @@ def _difference(number, s, place, j, i, up, q):
 
 
 @njit(**FORMULA)
-def _at(number, ring, s, j, i):
-    return load(s, at(ring, number, j) + i)
-
-
-@njit(**FORMULA)
 def _give(gather, to, f, s, i, from_i, q, m):
     weight = _MIDDLE[q, m] if gather == MIDDLE else _DIFFERENCE[q, m]
     store(s, to + i, load(s, to + i) - weight * load(s, f + from_i))
@@ -198,4 +194,4 @@ def _blank(row, s, first, end):
     return 0
 
 
-of_differences = Formulas(difference=_difference, mean=middle, at=_at, give=_give, scale=_scale, blank=_blank)
+of_differences = Formulas(difference=_difference, mean=middle, give=_give, scale=_scale, blank=_blank)

@@ -9,8 +9,9 @@ from __future__ import annotations
 from numba import njit
 
 from fsipetsc.operators.kernels import FORMULA, OPTIONS, U64
+from fsipetsc.operators.memory import load_wide, store
 from fsipetsc.operators.rows import MARGIN, STRIDE, along
-from fsipetsc.operators.vectors import WIDE, fma, load_wide, store
+from fsipetsc.operators.vectors import WIDE, fma
 from fsipetsc.physics.plane.gas import DG1, DISTANCES, G1, G2, JA1, JA2_X, JA2_Y, LINE_ROWS, OF_PAIRS, PAIR_ROWS
 from fsipetsc.scheme.plane.sweep import at_ends, columns
 

@@ -21,14 +21,13 @@ import numpy as np
 from numba import njit
 
 from fsipetsc.operators.kernels import FORMULA, OPTIONS, U64
+from fsipetsc.operators.memory import load_twice, load_twice_interlaced
 from fsipetsc.operators.rows import STRIDE, across, along, at
 from fsipetsc.operators.vectors import (
     TWICE,
     fma,
     half,
     lane,
-    load_twice,
-    load_twice_interlaced,
     magnitude,
     masked,
     maximum,

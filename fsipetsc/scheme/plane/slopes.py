@@ -16,8 +16,9 @@ from numba import njit
 
 from fsipetsc.operators.formulas import Formulas, each
 from fsipetsc.operators.kernels import FORMULA, U64
+from fsipetsc.operators.memory import load_twice
 from fsipetsc.operators.rows import STRIDE, at
-from fsipetsc.operators.vectors import fma, load_twice
+from fsipetsc.operators.vectors import fma
 
 #: where weights stand among numbers of a block: along, across
 _ALONG, _ACROSS = 64, 72
@@ -41,7 +42,7 @@ def weigh_along(layer, op, s, place):
     """Where the weights of D_x stand, by distance, where no end is reached."""
     to = place.weights + place.first + _ALONG
     for k in range(op.p):
-        s[U64(to + k)] = op.interior[k] / layer.h_x
+        s[U64(to + k)] = (1.0 / layer.h_x) * op.interior[k]  # as fsipetsc.operators.rows.along has it, next to ends
     return to
 
 
@@ -51,7 +52,7 @@ def weigh_across(layer, op, s, place, j, loose):
     lo, hi, to = layer.end_y[0], layer.end_y[1], place.weights + place.first + _ACROSS
     if lo + op.rows <= j <= hi - op.rows:
         for k in range(op.p):
-            s[U64(to + k)] = op.interior[k] / layer.h_y
+            s[U64(to + k)] = (1.0 / layer.h_y) * op.interior[k]
         return Terms(op.p, to, j + 1, 1, j - 1, -1, 0.0)
     end, step, r = (lo, 1, j - lo) if j < lo + op.rows else (hi, -1, hi - j)
     for c in range(op.cols):
@@ -64,8 +65,8 @@ def weigh_across(layer, op, s, place, j, loose):
 def slopes_along(numbers, s, ring, j, i, count, weights):
     """D_x of quantities in a ring at the points i .. of row j, where no end is reached."""
     here = at(ring, 0, j) + i
-    found = each(of_quantities.own, numbers, s, here, 0.0)
-    for k in range(count):
+    found = each(of_quantities.first, numbers, s, here + 1, here - 1, s[U64(weights)])
+    for k in range(1, count):
         found = each(of_quantities.more, found, numbers, s, here + (k + 1), here - (k + 1), s[U64(weights + k)])
     return found
 
@@ -90,4 +91,9 @@ def _more(found, number, s, up, down, weight):
     return fma(weight, load_twice(s, up + number * STRIDE) - load_twice(s, down + number * STRIDE), found)
 
 
-of_quantities = Formulas(own=_own, more=_more)
+@njit(**FORMULA)
+def _first(number, s, up, down, weight):
+    return weight * (load_twice(s, up + number * STRIDE) - load_twice(s, down + number * STRIDE))
+
+
+of_quantities = Formulas(own=_own, first=_first, more=_more)

@@ -14,8 +14,9 @@ from numba import njit
 
 from fsipetsc.operators.formulas import Formulas, each
 from fsipetsc.operators.kernels import FORMULA, U64
+from fsipetsc.operators.memory import load_wide, store
 from fsipetsc.operators.rows import STRIDE, fill
-from fsipetsc.operators.vectors import WIDE, load_wide, store
+from fsipetsc.operators.vectors import WIDE
 from fsipetsc.scheme.plane.sweep import SUMS, row_of_ring
 
 

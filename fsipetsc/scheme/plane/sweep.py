@@ -39,8 +39,9 @@ from numba import njit
 
 from fsipetsc.operators.formulas import Formulas, each
 from fsipetsc.operators.kernels import FORMULA, OPTIONS
+from fsipetsc.operators.memory import load_twice, load_wide, load_wide_interlaced
 from fsipetsc.operators.rows import BLOCK, MARGIN, QUANTITIES, STRIDE, Ring, along, at
-from fsipetsc.operators.vectors import TWICE, WIDE, load_twice, load_wide, load_wide_interlaced, on_aligned_stack, spread_twice
+from fsipetsc.operators.vectors import TWICE, WIDE, on_aligned_stack, spread_twice
 from fsipetsc.physics.plane.gas import GRID_ROWS
 from fsipetsc.physics.plane.layer import DOF
 from fsipetsc.scheme.plane.slopes import slopes_across, slopes_along, weigh_across, weigh_along
@@ -224,7 +225,8 @@ def prepare_row(law, layer, op, s, place, y, j):
 def flux_row(law, layer, op, s, place, j):
     """Fluxes at row j."""
     on_aligned_stack()
-    a, b, near = place.first - WIDE, place.end + op.p, at_ends(layer, place)
+    near = at_ends(layer, place)
+    a, b = place.first - WIDE, place.end + (op.rows if near else op.p)  # as far as closures of this block reach
     ends = slope_rows(law, place)
     if near:
         each(block_of.slopes, law.differentiated, ends, layer, op, s, place, j, a, b)

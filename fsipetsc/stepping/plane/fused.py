@@ -79,4 +79,4 @@ class FusedSteps:
         """Release the messages."""
         for thing in (*(h for several in self._halos for h in several), self._points, self._rates):
             thing.free()
-        self._halos = []
+        self._halos, self._stages, self._bring, self._slide = [], [], [], []

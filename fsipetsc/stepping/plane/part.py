@@ -68,7 +68,8 @@ class LayerPart:
         self._lines[:, 1] = np.array(layer.Y)[:, None]
         evaluate, *others = OF_GAS if self._gas else OF_SOLID
         self._evaluate = compiled(evaluate, equations)
-        look, self._save = (compiled(entry, materials_of(layer)) for entry in others)
+        law = materials_of(layer)
+        look, self._save, self._settle_entry = (compiled(entry, law) for entry in (*others, entries.settle))
         self.order = NaturalOrder(self._dm)
         columns, rows = layout.held(k)
         self._XY = np.concatenate([grid.x0 + columns * grid.h_x, grid.y0 + rows * grid.h_y])
@@ -102,7 +103,7 @@ class LayerPart:
         sums = np.empty((0, GAINED)) if sums is None else sums
         y, heights = self._areas.unknowns(self.k, area), np.array(self._layout.problem.layers[self.k].Y)
         arguments = *self._joined, self._lines, heights, *self.data.held[self.k], sums
-        return Prepared(entries.settle, *self._common[:3], y, *arguments)
+        return Prepared(self._settle_entry, *self._common[:3], y, *arguments)
 
     def _ending_of(self, y: np.ndarray, *stage: np.ndarray) -> Prepared:
         """The call that is due when rates of the points y are there."""

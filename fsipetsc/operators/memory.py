@@ -1,0 +1,104 @@
+"""Vectors and memory: ``load`` and ``store``, and their likes for unknowns that stand together point by point. Compiled.
+
+s is any contiguous array, seen as flat; nothing is checked.
+"""
+
+from __future__ import annotations
+
+from llvmlite import ir
+from numba import types
+from numba.extending import intrinsic
+
+from fsipetsc.operators.vectors import DOUBLES, shuffled, twice_vector, vector, wide_vector
+
+
+def _place(context, builder, sig, args, doubles=DOUBLES):
+    """Pointer to a vector at an element of an array."""
+    data = context.make_array(sig.args[0])(context, builder, args[0]).data
+    return builder.bitcast(builder.gep(data, [args[1]]), doubles.as_pointer())
+
+
+def _load(kind, s, i):
+    """Signature and code of what loads a vector of a kind."""
+
+    def codegen(context, builder, sig, args):
+        value = builder.load(_place(context, builder, sig, args, kind.doubles))
+        value.align = 8
+        return value
+
+    return kind(s, types.intp), codegen
+
+
+@intrinsic
+def load(typingctx, s, i):
+    """s[i : i+LANES]."""
+    return _load(vector, s, i)
+
+
+@intrinsic
+def load_wide(typingctx, s, i):
+    """s[i : i+WIDE]."""
+    return _load(wide_vector, s, i)
+
+
+@intrinsic
+def load_twice(typingctx, s, i):
+    """s[i : i+TWICE]."""
+    return _load(twice_vector, s, i)
+
+
+@intrinsic
+def store(typingctx, s, i, v):
+    """s[i : i+LANES] = v, or as many as v has."""
+
+    def codegen(context, builder, sig, args):
+        builder.store(args[2], _place(context, builder, sig, args, v.doubles)).align = 8
+        return context.get_dummy_value()
+
+    return types.none(s, types.intp, v), codegen
+
+
+@intrinsic
+def store_interlaced(typingctx, s, i, values):
+    """s[i + n j + c] = values[c][j] for a tuple of n vectors: what belongs to one point comes to stand together."""
+    n = len(values)
+
+    def codegen(context, builder, sig, args):
+        joined = [builder.extract_value(args[2], c) for c in range(n)]
+        while len(joined) > 2:  # pairs of equal length; the last one, if alone, with itself
+            every = range(2 * joined[0].type.count)
+            joined = [shuffled(builder, a, b, every) for a, b in zip(joined[::2], joined[1::2] + joined[-1:])]
+        count = args[2].type.elements[0].count
+        lanes = [c * count + j for j in range(count) for c in range(n)]
+        result = shuffled(builder, joined[0], joined[-1], lanes)
+        place = builder.bitcast(_place(context, builder, sig, args), result.type.as_pointer())
+        builder.store(result, place).align = 8
+        return context.get_dummy_value()
+
+    return types.none(s, types.intp, values), codegen
+
+
+def _load_interlaced(kind, s, i, n):
+    """Signature and code of what loads n vectors of a kind."""
+    count = n.literal_value
+
+    def codegen(context, builder, sig, args):
+        whole = ir.VectorType(ir.DoubleType(), count * kind.lanes)
+        value = builder.load(builder.bitcast(_place(context, builder, sig, args), whole.as_pointer()))
+        value.align = 8
+        parts = [shuffled(builder, value, value, [c + count * j for j in range(kind.lanes)]) for c in range(count)]
+        return context.make_tuple(builder, sig.return_type, parts)
+
+    return types.UniTuple(kind, count)(s, types.intp, n), codegen
+
+
+@intrinsic(prefer_literal=True)
+def load_wide_interlaced(typingctx, s, i, n):
+    """n wide vectors (n literal), number c of them s[i + c], s[i + n + c], ...: the reverse of ``store_interlaced``."""
+    return _load_interlaced(wide_vector, s, i, n)
+
+
+@intrinsic(prefer_literal=True)
+def load_twice_interlaced(typingctx, s, i, n):
+    """The same of vectors of TWICE lanes."""
+    return _load_interlaced(twice_vector, s, i, n)
