@@ -43,7 +43,8 @@ class InterfaceLine:
 
     @property
     def pressure(self) -> Array:
-        return -(self.t_x * self.n_x + self.t_y * self.n_y)
+        pressure: Array = -(self.t_x * self.n_x + self.t_y * self.n_y)  # of no known type to mypy with some versions of numpy
+        return pressure
 
     @property
     def displacement(self) -> Array:
