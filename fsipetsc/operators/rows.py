@@ -1,4 +1,4 @@
-"""Derivatives of rows of values that stand side by side: along the rows, and across them. Compiled.
+"""Rows of values that stand side by side, and their derivatives along the rows. Compiled.
 
 A layer in two dimensions is gone through in blocks of columns, and each row by row. The rows that the derivatives need stand
 in scratch ``s``, in a ring, so that row j takes the place of one that is done with. Everything is done to rows, eight points
@@ -78,41 +78,6 @@ def difference(p, weights, s, at):
             if p > 3:
                 d = fma(weights[3], load_wide(s, at + 4) - load_wide(s, at - 4), d)
     return d
-
-
-@njit(**OPTIONS)
-def across(op, s, rows, k, j, out, a, b, lo, hi, scale):
-    """scale h D across the rows of quantity k at row j, to s[out + i], a <= i < b; closures stand at the rows lo and hi."""
-    if lo + op.rows <= j <= hi - op.rows:
-        across_inside(op, s, rows, k, j, out, a, b, scale)
-        return
-    side = 0 if j < lo + op.rows else 1
-    end, step, r = (lo, 1, j - lo) if side == 0 else (hi, -1, hi - j)
-    for c in range(op.cols):
-        weight, row = step * scale * op.closure[r, c], at(rows, k, end + step * c)
-        if c == 0:
-            for i in range(a, b, WIDE):
-                store(s, out + i, weight * load_wide(s, row + i))
-        elif weight != 0.0:
-            for i in range(a, b, WIDE):
-                store(s, out + i, fma(weight, load_wide(s, row + i), load_wide(s, out + i)))
-
-
-@njit(**OPTIONS)
-def across_inside(op, s, rows, k, j, out, a, b, scale):
-    """The same where the interior formula holds."""
-    c1, c2, c3, c4 = weights_of(op, scale)
-    u1, d1, u2, d2 = at(rows, k, j + 1), at(rows, k, j - 1), at(rows, k, j + 2), at(rows, k, j - 2)
-    u3, d3, u4, d4 = at(rows, k, j + 3), at(rows, k, j - 3), at(rows, k, j + 4), at(rows, k, j - 4)
-    for i in range(a, b, WIDE):
-        d = c1 * (load_wide(s, u1 + i) - load_wide(s, d1 + i))
-        if op.p > 1:
-            d = fma(c2, load_wide(s, u2 + i) - load_wide(s, d2 + i), d)
-            if op.p > 2:
-                d = fma(c3, load_wide(s, u3 + i) - load_wide(s, d3 + i), d)
-                if op.p > 3:
-                    d = fma(c4, load_wide(s, u4 + i) - load_wide(s, d4 + i), d)
-        store(s, out + i, d)
 
 
 @njit(**OPTIONS)

@@ -281,21 +281,24 @@ def spread(typingctx, a):
     """The vector that has the number a in all lanes; a itself if it is a vector."""
     if isinstance(a, VectorType):
         return a(a), lambda context, builder, sig, args: args[0]
-    return vector(types.float64), lambda context, builder, sig, args: _spread(builder, args[0])
+    return _spread_to(vector)
+
+
+def _spread_to(kind):
+    """Signature and code of what makes a vector of a kind of a number."""
+    return kind(types.float64), lambda context, builder, sig, args: _spread(builder, args[0], kind.doubles)
 
 
 @intrinsic
 def spread_wide(typingctx, a):
     """The number a in WIDE lanes."""
-    kind = wide_vector.doubles
-    return wide_vector(types.float64), lambda context, builder, sig, args: _spread(builder, args[0], kind)
+    return _spread_to(wide_vector)
 
 
 @intrinsic
 def spread_twice(typingctx, a):
     """The number a in TWICE lanes."""
-    kind = twice_vector.doubles
-    return twice_vector(types.float64), lambda context, builder, sig, args: _spread(builder, args[0], kind)
+    return _spread_to(twice_vector)
 
 
 @intrinsic

@@ -21,8 +21,8 @@ import numpy as np
 from numba import njit
 
 from fsipetsc.operators.kernels import FORMULA, OPTIONS, U64
-from fsipetsc.operators.memory import load_twice, load_twice_interlaced
-from fsipetsc.operators.rows import STRIDE, across, along, at
+from fsipetsc.operators.memory import load_twice, load_twice_interlaced, store
+from fsipetsc.operators.rows import STRIDE, along, at
 from fsipetsc.operators.vectors import (
     TWICE,
     fma,
@@ -36,9 +36,10 @@ from fsipetsc.operators.vectors import (
     root,
     spread_twice,
 )
-from fsipetsc.physics.plane.gas import JA1, JA2_X, JA2_Y, LINE_ROWS
+from fsipetsc.physics.plane.gas import JA1, JA2_X, JA2_Y, LINE_ROWS, between, line_of
 from fsipetsc.physics.plane.layer import DOF, ELASTIC, NOWHERE
 from fsipetsc.scheme.plane.geometry import lay
+from fsipetsc.scheme.plane.slopes import slopes_across, weigh_across
 from fsipetsc.scheme.plane.sums import norm_at
 from fsipetsc.scheme.plane.sweep import block_width, last_needed, place_of, prepare_row
 
@@ -146,7 +147,7 @@ def look_at_block_of_gas(law, layer, op, s, place, y, seen):
             per_J, per_r = r * per_both, J * per_both
             u, v, rho = m * per_r, n * per_r, r * per_J
             T = law.gas.temperature_in_loops(c[0], rho, e * per_r - 0.5 * fma(u, u, v * v))
-            a1x, a1y = load_twice(s, place.lines + JA1 * STRIDE + i), load_twice(s, place.lines + (JA1 + 1) * STRIDE + i)
+            a1x, a1y = line_of(s, place.lines, JA1, i), line_of(s, place.lines, JA1 + 1, i)
             a2x, a2y = between(s, place.lines, JA2_X, zeta, i), between(s, place.lines, JA2_Y, zeta, i)
             u = u - blend(s, low + 2 * STRIDE + i, high + 2 * STRIDE + i, zeta)
             v = v - blend(s, low + 3 * STRIDE + i, high + 3 * STRIDE + i, zeta)
@@ -161,12 +162,6 @@ def look_at_block_of_gas(law, layer, op, s, place, y, seen):
             part, least = across_y * load_twice(s, place.rates + i), minimum(minimum(rho, T), J)
             seen = with_more(seen, place.end - i, part, fastest, diffusion, J, least, integrals)
     return seen
-
-
-@njit(**FORMULA)
-def between(s, lines, row, zeta, i):
-    """Of what is linear in zeta, see fsipetsc.scheme.plane.geometry."""
-    return fma(zeta, load_twice(s, lines + (row + 1) * STRIDE + i), load_twice(s, lines + row * STRIDE + i))
 
 
 @njit(**FORMULA)
@@ -188,14 +183,18 @@ def look_at_solid(law, layer, op, s, y, words):
 @njit(**OPTIONS)
 def strain_row(law, layer, op, s, place, y, j, prepared):
     """Derivatives of the displacement at row j of a block of a solid, to slopes; how many rows are prepared, and were."""
-    lo, hi, a, b = layer.end_y[0], layer.end_y[1], place.first, place.end
-    while prepared <= min(last_needed(op, j, lo, hi), layer.height - 1):
+    a, b = place.first, place.end
+    while prepared <= min(last_needed(op, j, layer.end_y[0], layer.end_y[1]), layer.height - 1):
         prepare_row(law, layer, op, s, place, y, prepared)
         prepared += 1
     for k in range(2):
         to = place.slopes + 2 * k * STRIDE
         along(op, s, at(place.v, k, j), to, a, b, layer.end_x[0], layer.end_x[1], 1.0 / layer.h_x)
-        across(op, s, place.v, k, j, to + STRIDE, a, b, lo, hi, 1.0 / layer.h_y)
+    terms = weigh_across(layer, op, s, place, j, False)
+    for i in range(a, b, TWICE):
+        x, y = slopes_across((0, 1), s, place.v, j, i, terms)
+        store(s, place.slopes + STRIDE + i, x)
+        store(s, place.slopes + 3 * STRIDE + i, y)
     return prepared
 
 

@@ -192,7 +192,7 @@ def sweep(law, layer, op, loose, s, y, lines, target):
 def sweep_block(law, layer, op, loose, s, place, y, target):
     """Those of a block of columns."""
     on_aligned_stack()
-    lo, hi = layer.end_y[0], layer.end_y[1]
+    lo, hi, along_x = layer.end_y[0], layer.end_y[1], weigh_along(layer, op, s, place)
     prepared, fluxed = 0, max(layer.own_y[0] - op.p, 0)
     paired = fluxed
     for j in range(layer.own_y[0], layer.own_y[1]):
@@ -201,12 +201,12 @@ def sweep_block(law, layer, op, loose, s, place, y, target):
             while prepared <= min(ahead, layer.height - 1):
                 prepare_row(law, layer, op, s, place, y, prepared)
                 prepared += 1
-            flux_row(law, layer, op, s, place, fluxed)
+            flux_row(law, layer, op, s, place, along_x, fluxed)
             fluxed += 1
         while paired <= j:
             law.meet(law, layer, op, s, place, paired)
             paired += 1
-        rate_row(law, layer, op, loose, s, place, j)
+        rate_row(law, layer, op, loose, s, place, along_x, j)
         law.amend(law, layer, op, s, place, place.lines, j)
         send_row(layer, s, place, target, j)
 
@@ -222,15 +222,15 @@ def prepare_row(law, layer, op, s, place, y, j):
 
 
 @njit(**FORMULA)
-def flux_row(law, layer, op, s, place, j):
-    """Fluxes at row j."""
+def flux_row(law, layer, op, s, place, along_x, j):
+    """Fluxes at row j. along_x: where the weights of D_x stand, see ``weigh_along``."""
     on_aligned_stack()
     near = at_ends(layer, place)
     a, b = place.first - WIDE, place.end + (op.rows if near else op.p)  # as far as closures of this block reach
     ends = slope_rows(law, place)
     if near:
         each(block_of.slopes, law.differentiated, ends, layer, op, s, place, j, a, b)
-    along_x, across_y = weigh_along(layer, op, s, place), weigh_across(layer, op, s, place, j, False)
+    across_y = weigh_across(layer, op, s, place, j, False)
     v, c = each(row_of_ring.at, law.prepared, place.v, j), law.constants(law, layer)
     to_a, to_b = each(row_of_ring.at, law.fluxes, place.a, j), each(row_of_ring.at, law.fluxes, place.b, j)
     to_e, sums = each(row_of_ring.at, law.extras, place.e, j), each(row_of_ring.at, law.sums, place.sums, j)
@@ -270,13 +270,13 @@ def divergence_along(number, to, layer, loose, s, place, j):
 
 
 @njit(**FORMULA)
-def rate_row(law, layer, op, loose, s, place, j):
-    """Rates at row j, to scratch."""
+def rate_row(law, layer, op, loose, s, place, along_x, j):
+    """Rates at row j, to scratch. along_x: as in ``flux_row``."""
     on_aligned_stack()
     near, ends = at_ends(layer, place), each(row_of_ring.row, law.fluxes, place.divergences)
     if near:
         each(block_of.along, law.fluxes, ends, layer, loose, s, place, j)
-    along_x, across_y = weigh_along(layer, op, s, place), weigh_across(layer, op, s, place, j, True)
+    across_y = weigh_across(layer, op, s, place, j, True)
     c, v = law.constants(law, layer), each(row_of_ring.at, law.prepared, place.v, j)
     e, sums = each(row_of_ring.at, law.extras, place.e, j), each(row_of_ring.at, law.sums, place.sums, j)
     to = each(row_of_ring.row, law.unknowns, place.rates)
