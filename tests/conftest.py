@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import fcntl
 import importlib.util
+import os
 import signal
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -19,11 +20,12 @@ from stub_case import CASE, DRIVER
 import fsipetsc
 from fsipetsc.output.reader import Run
 
-#: files of tests that take longest, the longest first
+#: files of tests that take longest, the longest first; those for which MORE is compiled behind others, which are done meanwhile
 DEAREST = (
-    *("ranks", "signals", "own_laws", "time", "failures", "materials", "dissipation_runs", "two_point_runs", "narrow_runs"),
-    *("cli", "counts", "shared_memory", "stability", "ends", "cache", "case_files", "convergence", "plane", "shock"),
-    *("process", "live", "pulse", "same_bits"),
+    *("ranks", "signals", "own_laws", "failures", "counts", "cache", "time", "kills", "ends", "stability", "process", "live"),
+    *("case_files", "convergence", "shared_memory", "cli", "pulse", "claim", "bench", "api"),
+    *("documents", "restart", "materials", "dissipation_runs", "two_point_runs", "narrow_runs", "same_bits", "faults", "disk"),
+    *("stability_laws", "start", "plane", "flutter", "plane_modes", "plane_shocks", "plane_rates", "shock", "plane_output"),
 )
 _SHORT = "-fsi_h 0.1 -ts_max_steps 2"
 #: runs that compile what nearly all tests need, and what some need beside it: in a session of MANY tests all in one process,
@@ -280,10 +282,24 @@ class Computed:
         return self._open[path]
 
 
-def pytest_configure() -> None:
-    """Interrupts reach what the tests start, where a shell has started them in the background and told them to ignore those."""
+def pytest_configure(config: pytest.Config) -> None:
+    """Interrupts reach what the tests start, where a shell has started them in the background and told them to ignore those.
+
+    Where several processes share the tests, each of them has processors of its own, and so has all that it starts: ranks on
+    the same ones offer them to each other at once while they wait, and take half of what they take where each waits for one
+    that another process's rank has.
+    """
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
+    shared = getattr(config, "workerinput", None)
+    if shared is not None and hasattr(os, "sched_setaffinity"):
+        os.sched_setaffinity(0, processors(int(shared["workerid"].removeprefix("gw")), shared["workercount"]))
+
+
+def processors(worker: int, workers: int) -> set[int]:
+    """Those of one of the processes that share the tests: as many as there are for each, at least one."""
+    every = sorted(os.sched_getaffinity(0))
+    return set(every[worker % len(every) :: workers])
 
 
 def pytest_unconfigure() -> None:

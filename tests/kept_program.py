@@ -2,8 +2,9 @@
 
 Started under mpiexec: SOCKET. A job: the ranks that do it, from 0 on, the folder they do it in, and either the words of a
 command line, or runs, name -> (case, options), of which each leaves NAME.h5, or NAME.txt with its error, in the folder; options
-that begin with "tiles" ask for tiles on grids that are too coarse for them to pay. The answer: exit status, what was said, and
-the seconds of processors that it took.
+that begin with "tiles" ask for tiles on grids that are too coarse for them to pay. With a command line there may be
+petsc_options, for the environment, and stand_in, a source that defines what takes the place of stepping.run.run_given. The
+answer: exit status, what was said, and the seconds of processors that it took.
 """
 
 from __future__ import annotations
@@ -84,6 +85,25 @@ def run_all(runs: dict[str, list[str]], comm: Any) -> None:
             plan.LEAST_MIDDLE, plan.LEAST_TILED, plan.MOST_WAITING = usual
 
 
+def run_line(job: dict[str, Any]) -> int:
+    """A command line; its status."""
+    from fsipetsc.stepping import run
+
+    usual, environment = run.run_given, dict(os.environ)
+    if "stand_in" in job:
+        names: dict[str, Any] = {}
+        exec(job["stand_in"], names)
+        run.run_given = names["run_given"]
+    if "petsc_options" in job:
+        os.environ["PETSC_OPTIONS"] = job["petsc_options"]
+    try:
+        return cli.main(job["words"])
+    finally:
+        run.run_given = usual
+        os.environ.clear()
+        os.environ.update(environment)
+
+
 def do(job: dict[str, Any]) -> dict[str, Any]:
     comm, answer = first(job["ranks"]), {}
     cli.start_mpi = lambda: comm
@@ -94,7 +114,7 @@ def do(job: dict[str, Any]) -> dict[str, Any]:
             if "runs" in job:
                 run_all(job["runs"], comm)
             else:
-                status = cli.main(job["words"])
+                status = run_line(job)
         except BaseException:
             status = 1
             traceback.print_exc()

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from helpers import run
+import subprocess
+from pathlib import Path
 
-#: the program with a stand-in for the solver: it prints the options, or does what the case's option -do says
-DRIVER = """
-import json, sys, types
+from helpers import PATIENCE, environment, run
+from kept_ranks import KEPT
+
+#: a stand-in for the solver: it prints the options, or does what the case's option -do says
+STAND_IN = """
+import json
 from fsipetsc.options import read_options
 
 def run_given(case, given, comm):
@@ -14,7 +18,10 @@ def run_given(case, given, comm):
     exec(options["do"], {"comm": comm, "case": case, "options": options})
     if comm.rank == 0:
         print(json.dumps(options), flush=True)
-
+"""
+#: the program with it
+DRIVER = f"""{STAND_IN}
+import sys, types
 for name in ("fsipetsc.stepping", "fsipetsc.stepping.run"):
     sys.modules[name] = types.ModuleType(name)
 sys.modules["fsipetsc.stepping.run"].run_given = run_given
@@ -34,5 +41,13 @@ def build(opt):
 """
 
 
-def run_stub(*args, **more):
+def run_stub(*args, ranks=1, petsc_options=None):
+    """The program with the stand-in and the case file, by ranks that are there already."""
+    words, more = ["stub.py", *map(str, args)], {} if petsc_options is None else {"petsc_options": petsc_options}
+    answer = KEPT.do(ranks, Path.cwd(), PATIENCE, environment(), words=words, stand_in=STAND_IN, **more)
+    return subprocess.CompletedProcess(words, *answer)
+
+
+def start_stub(*args, **more):
+    """The same in a process of its own."""
     return run("driver.py", "stub.py", *args, **more)

@@ -9,7 +9,7 @@ import sys
 
 import pytest
 from helpers import environment, message, mpirun, run, solve
-from stub_case import run_stub
+from stub_case import run_stub, start_stub
 
 from fsipetsc.cases import BUILT_IN, load_case
 
@@ -54,9 +54,11 @@ def test_run_gets_typed_options_from_everywhere(here):
     (here / "a.opts").write_text("# comment\n-fsi_order 6  # more\n\n-fsi_cfl 0.5\n")
     (here / "b.yaml").write_text("fsi:\n  spare: 3\nfsi_output_times: [0.1, 0.5]\nfsi_quiet: true\n")
     args = ["-options_file", "a.opts", "-options_file", "b.yaml", "-fsi_cfl", 0.7, "-solid_force", -10]
-    done = run_stub(*args, env={"PETSC_OPTIONS": "-fsi_cfl 0.6 -ts_dt 0.25"})
+    done = start_stub(*args, env={"PETSC_OPTIONS": "-fsi_cfl 0.6 -ts_dt 0.25"})
     assert (done.returncode, done.stderr) == (0, "")
+    again = run_stub(*args, petsc_options="-fsi_cfl 0.6 -ts_dt 0.25")
     opt = json.loads(done.stdout)
+    assert (again.returncode, again.stderr, json.loads(again.stdout)) == (0, "", opt), "by ranks that are there already"
     assert (opt["fsi_order"], opt["fsi_spare"], opt["fsi_quiet"]) == (6, 3, True)
     assert (opt["fsi_cfl"], opt["ts_dt"], opt["solid_force"]) == (0.7, 0.25, -10.0)
     assert opt["fsi_output_times"] == [0.1, 0.5]
@@ -85,13 +87,14 @@ def test_bad_input(name, here):
     (here / "two.opts").write_text("-fsi_h 0.1 -fsi_order 6\n")
     (here / "bad.yaml").write_text("fsi_h: [0.1\nfsi_order: 6\n")
     args, status, words = BAD_INPUT[name]
-    message(run_stub(*args), status, *words)
+    # PETSc's own options are looked at when it starts
+    message((start_stub if name.endswith(("for PETSc", "unknown option")) else run_stub)(*args), status, *words)
 
 
 def test_bad_words_in_the_environment(here):
-    message(run_stub(env={"PETSC_OPTIONS": "fsi_h 3"}), 2, "'fsi_h'", "PETSC_OPTIONS")
+    message(run_stub(petsc_options="fsi_h 3"), 2, "'fsi_h'", "PETSC_OPTIONS")
     for flag in ("-h", "-help", "--help"):  # it would be passed over in silence
-        message(run_stub(env={"PETSC_OPTIONS": f"-fsi_order 6 {flag}"}), 2, f"{flag} in PETSC_OPTIONS", "command line")
+        message(run_stub(petsc_options=f"-fsi_order 6 {flag}"), 2, f"{flag} in PETSC_OPTIONS", "command line")
     (here / "help.opts").write_text("-fsi_order 6\n-help\n")
     message(run_stub("-options_file", "help.opts"), 2, "-help (options file help.opts, line 2)")
 
@@ -222,7 +225,8 @@ class TestOnTwoRanks:
         (here / "bad.opts").write_text("-fsi_h 0.1\nfsi_order 6\n")
         (here / "bad.yaml").write_text("fsi_h: [0.1\nfsi_order: 6\n")
         args, status, words = BAD_INPUT[name]
-        message(mpirun(2, "driver.py", "stub.py", *args), status, *words)
+        own = name == "unknown option"
+        message(mpirun(2, "driver.py", "stub.py", *args) if own else run_stub(*args, ranks=2), status, *words)
 
     def test_unknown_case(self, here):
         message(solve("rdo", ranks=2), 2, "'rod'")

@@ -13,11 +13,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from mpi4py import MPI
-from scipy.interpolate import BSpline, make_interp_spline
 
 from fsipetsc import given
 from fsipetsc.boundaries import in_time
@@ -27,6 +26,9 @@ from fsipetsc.parallel.layout import ghost_index
 from fsipetsc.plane import PlaneProblem
 from fsipetsc.problem import FluidLayer, Problem
 from fsipetsc.process.together import together
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline  # when it is used: its import is a fifth of the start of a run
 
 Array = np.ndarray
 #: what is taken of a frame
@@ -235,6 +237,8 @@ def _spline(values: Array, order: int, periodic: bool = False) -> BSpline:
         values = np.concatenate([values, values[:1]])
     count = len(values)
     degree = min(order + 1, count - 1 - count % 2)  # odd, and with points enough
+    from scipy.interpolate import make_interp_spline
+
     return make_interp_spline(np.arange(count), values, degree, bc_type="periodic" if periodic else None)
 
 
@@ -284,6 +288,6 @@ def between(values: Array, columns: Array, rows: Array, order: int, periodic: bo
     in_rows = np.moveaxis(along.c, 1, 0)
     lines = _spline(in_rows, order)(rows)
     lines[on_row] = in_rows[row[on_row]]
-    found = BSpline(along.t, np.moveaxis(lines, 1, 0), along.k)(columns)
+    found = type(along)(along.t, np.moveaxis(lines, 1, 0), along.k)(columns)
     found[np.ix_(on_column, on_row)] = values[np.ix_(column[on_column], row[on_row])]
     return found
