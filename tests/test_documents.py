@@ -9,7 +9,7 @@ import shlex
 
 import numpy as np
 import pytest
-from helpers import REPOSITORY, compute, run
+from helpers import REPOSITORY, compute, run, solve
 
 import fsipetsc
 
@@ -18,6 +18,7 @@ pytest.importorskip("petsc4py")
 PAGES = [REPOSITORY / "README.md", *sorted((REPOSITORY / "docs").glob("*.md"))]
 DOCUMENTS = {page.name: page.read_text() for page in PAGES}
 OPTIONS_FILES = sorted((REPOSITORY / "runs").rglob("*.opts"))
+ALONE = REPOSITORY / "runs" / "piston.opts"
 #: stems of Open MPI's, PETSc's and other programs' options that the documents may name
 FOREIGN = {"o", "n", "m", "help", "animate", "plane", "all", "fields", "times", "compare", "options_left", "options_view"}
 
@@ -119,8 +120,18 @@ def started(tmp_path_factory):
         assert rest[:2] == ["-options_file", str(path.relative_to(REPOSITORY))], path
         given = [line.split(" #")[0] for line in text.splitlines() if line and not line.startswith("#")]
         limit = "" if 0 < stated_steps(text) < 5000 else "-ts_max_steps 3"
+        if path == ALONE:  # so that what is compiled for other tests will do
+            limit += " -fsi_shock 1e-300"
         runs[path.stem + path.parent.name] = (case, " ".join([*given, *rest[2:], limit]))
     return compute(1, folder, runs), folder
+
+
+@pytest.mark.long
+def test_the_options_file_that_a_variant_is_compiled_for(tmp_path):
+    """As it stands: dissipation without any at shocks."""
+    done = solve("piston", "-options_file", ALONE, "-ts_max_steps", 3, "-fsi_quiet", cwd=tmp_path)
+    assert "-fsi_dissipation" in ALONE.read_text() and "-fsi_shock" not in ALONE.read_text()
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 @pytest.mark.parametrize("path", OPTIONS_FILES, ids=lambda path: str(path.relative_to(REPOSITORY)))

@@ -125,6 +125,7 @@ def compare(problem: Problem, k: int, order: int, coupling: str, narrow: bool = 
             assert np.abs(near).max() < 1e-8 * np.abs(wanted / unit).max(), (c, j, near)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("order", "coupling"), list(zip((8, 6, 4, 2), COUPLINGS)))
 @pytest.mark.parametrize("k", [2, 4])
 def test_the_linear_scheme_is_the_derivative_of_the_right_hand_side(k, order, coupling):
@@ -132,7 +133,7 @@ def test_the_linear_scheme_is_the_derivative_of_the_right_hand_side(k, order, co
     compare(five_layers(), k, order if k == 2 else 10 - order, coupling)
 
 
-@pytest.mark.parametrize("narrow", [False, True], ids=["wide", "narrow"])
+@pytest.mark.parametrize("narrow", [False, pytest.param(True, marks=pytest.mark.long)], ids=["wide", "narrow"])
 @pytest.mark.parametrize(("order", "coupling"), [(4, "conservative"), (6, "energy")])
 def test_so_it_is_of_a_strained_solid_with_either_second_derivative(order, coupling, narrow):
     compare(built_in(), 2, order, coupling, narrow)
