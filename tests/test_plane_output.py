@@ -33,10 +33,12 @@ BLAST = "-fsi_h 0.125 -ts_max_time 0.3 -fsi_output_dt 0.05 -fsi_points 0.25,0.5"
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """Of results: a plate between two gases, cut in two, one under a pulse, and one of one dimension."""
+    """Of results: a plate between two gases, cut in two, one ten times as high as wide, one under a pulse, and one of one dimension."""
     there = tmp_path_factory.mktemp("plane output")
     (there / "box2d.py").write_text(BOX)
+    (there / "tall2d.py").write_text(BOX.replace("X=(0, 1)", "X=(0, 0.25)"))
     runs = {
+        "tall": (str(there / "tall2d.py"), "-fsi_h 0.03125 -ts_max_time 0.05 -fsi_output_dt 0.02"),
         "box": (str(there / "box2d.py"), "-ts_max_time 0.6 -fsi_output_dt 0.2"),
         "blast": ("blast", BLAST),
         "pulse": ("pulse", "-fsi_h 0.1 -ts_max_steps 5"),
@@ -168,11 +170,11 @@ def test_info_and_repr_say_the_grid(box):
 
 
 @pytest.fixture(scope="module")
-def figures(box, blast):
+def figures(folder, box, blast):
     """(run, picture) -> the figure, laid out."""
     drawn = {}
-    with matplotlib.rc_context(style.STYLE), np.errstate(all="ignore"):
-        for name, result in (("box", box), ("blast", blast)):
+    with matplotlib.rc_context(style.STYLE), np.errstate(all="ignore"), fsipetsc.open_run(folder / "tall.h5") as tall:
+        for name, result in (("box", box), ("tall", tall), ("blast", blast)):
             for picture, draw in pictures(result):
                 figure = drawn[name, picture] = Figure()
                 FigureCanvasAgg(figure)
@@ -183,7 +185,7 @@ def figures(box, blast):
 
 def test_pictures_can_be_read(figures):
     names = {"p", "rho", "v", "T", "stress", "interfaces", "ledgers", "steps"}
-    assert set(figures) == {(case, name) for case in ("box", "blast") for name in names}
+    assert set(figures) == {(case, name) for case in ("box", "tall", "blast") for name in names}
     for key, figure in figures.items():
         assert_texts_apart(key, figure)
 
@@ -262,6 +264,10 @@ def test_one_layer_alone_and_chosen_times(tmp_path):
     (tmp_path / "alone.py").write_text(case.replace("import Clamped, NoSlip, Slip", "import Clamped, Free"))
     assert solve("alone.py", "-ts_max_time", "0.1", "-fsi_quiet", cwd=tmp_path).returncode == 0
     drawn = {path.stem for path in plot(tmp_path / "alone.h5", tmp_path, times=[0.0, 0.1])}
+    with fsipetsc.open_run(tmp_path / "alone.h5") as result:
+        figure = Figure()
+        dict(pictures(result))["p"](figure)
+        assert figure._suptitle.get_text().startswith("alone, stress in solids  (")  # and no gas
     assert drawn == {f"alone-{name}" for name in ("p", "rho", "v", "T", "stress", "ledgers", "steps")}
     assert animate(tmp_path / "alone.h5", tmp_path).stat().st_size > 1000
 

@@ -38,7 +38,7 @@ def film(run: Run, chosen: Sequence[int], fields: Sequence[str] = ()) -> Iterato
         if number == 0:
             for own, picture in zip(scales, pictures):
                 bar(figure, picture, own, axes, 6)
-            set_title(figure, of_run(run, pair.title))
+            set_title(figure, of_run(run, pair.title_of({layer.kind for layer in run.layers})))
             canvas.draw()
             figure.set_layout_engine("none")  # nothing moves from now on but what is drawn
         canvas.draw()

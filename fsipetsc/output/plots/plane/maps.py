@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 Array = np.ndarray
 SIZE = 3.6  # inches, the longer side of a panel
 TICK = 0.45  # inches, that the number at a tick of the horizontal axis takes
+NARROW = 1.3  # inches, the width of panels that would leave no room for what stands above them, if they were moved together
 
 
 @dataclass(frozen=True)
@@ -50,13 +51,13 @@ def colors(run: Run, quantity: Quantity, chosen: Sequence[int]) -> Colors | None
 def draw(figure: Figure, run: Run, pair: Pair, times: Sequence[float] | None) -> None:
     """A panel for each of the times, or for those of `profiles.frames`."""
     chosen = chosen_frames(run, pair.gas, pair.solid, times)
-    columns = 1 if len(chosen) == 1 else 2
-    rows = -(-len(chosen) // columns)
     ranges = domain(run)
     width, height = panel_size(ranges)
+    columns = min(len(chosen), 2 if width > NARROW else 4)
+    rows = -(-len(chosen) // columns)
     scales = [found for quantity in (pair.gas, pair.solid) if (found := colors(run, quantity, chosen))]
     figure.set_size_inches(max(5.0, 0.7 + (width + 0.3) * columns), 0.6 + 0.6 * len(scales) + (height + 0.4) * rows)
-    figure.set_layout_engine("compressed")
+    together(figure, width)
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     for axes, frame in zip(grid.flat, chosen):
         pictures = panel(axes, run, frame, scales)
@@ -69,7 +70,7 @@ def draw(figure: Figure, run: Run, pair: Pair, times: Sequence[float] | None) ->
         bar(figure, picture, own, grid, 6)
     figure.supxlabel(axis_label(run, "x", "m"), fontsize=9)
     figure.supylabel(axis_label(run, "y", "m"), fontsize=9)
-    set_title(figure, of_run(run, pair.title))
+    set_title(figure, of_run(run, pair.title_of({layer.kind for layer in run.layers})))
 
 
 def chosen_frames(run: Run, gas: Quantity, solid: Quantity, times: Sequence[float] | None) -> list[int]:
@@ -119,6 +120,11 @@ def bar(figure: Figure, picture: Any, own: Colors, grid: Any, ticks: int) -> Non
     made.locator = MaxNLocator(ticks)
     if own.range[0] < own.range[1] and own.scale.constant is None:
         made.ax.set_xlim(own.range)
+
+
+def together(figure: Figure, width: float) -> None:
+    """Panels of this width [inches] stand close to each other, narrow ones apart, across the whole figure."""
+    figure.set_layout_engine("compressed" if width > NARROW else "constrained")
 
 
 def few_ticks(axes: Axes, width: float = SIZE) -> None:

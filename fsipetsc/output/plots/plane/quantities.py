@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -24,6 +24,11 @@ class Pair(NamedTuple):
 
     def of(self, kind: str) -> Quantity:
         return self.gas if kind == "fluid" else self.solid
+
+    def title_of(self, kinds: Collection[str]) -> str:
+        """Without what there is not: the title says first what is shown of gases, then of solids, if that is something else."""
+        parts = self.title.split("; ")
+        return self.title if len(kinds) > 1 else parts[0 if "fluid" in kinds else -1]
 
 
 def _shear(fields: Mapping[str, Array]) -> Array:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from fsipetsc.output.plots.plane.maps import bar, chosen_frames, colors, few_ticks, mesh, outline
+from fsipetsc.output.plots.plane.maps import bar, chosen_frames, colors, few_ticks, mesh, outline, together
 from fsipetsc.output.plots.plane.quantities import STRESSES
 from fsipetsc.output.plots.scales import axis_label, extremes, unit_of
 from fsipetsc.output.plots.titles import of_run, set_title
@@ -24,7 +24,8 @@ def draw(figure: Figure, run: Run, times: Sequence[float] | None) -> None:
     rows = [(frame, layer) for layer in solids for frame in chosen]
     heights = [min(1.0, max(THIN, height(layer))) for _, layer in rows]
     figure.set_size_inches(3.3 * len(STRESSES), 1.5 + sum(0.35 + 2.6 * share for share in heights))
-    figure.set_layout_engine("compressed")
+    width = min(3.0, 2.6 / max(map(height, solids)))
+    together(figure, width)
     grid = figure.subplots(len(rows), len(STRESSES), sharex=True, sharey=len(solids) == 1, squeeze=False, height_ratios=heights)
     higher = False
     for column, quantity in enumerate(STRESSES):
@@ -41,7 +42,7 @@ def draw(figure: Figure, run: Run, times: Sequence[float] | None) -> None:
                 name = f"{layer.name}, " if len(solids) > 1 else ""
                 axes.set_title(f"{name}t = {run.time[frame]:.4g}{unit_of(run, 's')}", loc="left")
         bar(figure, picture, own, list(grid[:, column]), 3)
-    few_ticks(grid[0, 0])
+    few_ticks(grid[0, 0], width)
     figure.supxlabel(axis_label(run, "x", "m"), fontsize=9)
     figure.supylabel(axis_label(run, "y", "m"), fontsize=9)
     set_title(figure, of_run(run, f"stresses in the solid{', drawn higher than it is' if higher else ''}"))
