@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
+import subprocess
 import xml.etree.ElementTree as ET
+from html import unescape
 
 import numpy as np
 import pytest
@@ -25,7 +28,7 @@ from fsipetsc.output import file_layout, xdmf
 from fsipetsc.output.info import info
 from fsipetsc.output.plots import pictures, plot, style
 from fsipetsc.output.plots.animation import animate
-from fsipetsc.output.plots.plane import maps
+from fsipetsc.output.plots.plane import film, maps
 from fsipetsc.output.plots.plane.quantities import MAPS
 
 BLAST = "-fsi_h 0.125 -ts_max_time 0.3 -fsi_output_dt 0.05 -fsi_points 0.25,0.5"
@@ -33,7 +36,7 @@ BLAST = "-fsi_h 0.125 -ts_max_time 0.3 -fsi_output_dt 0.05 -fsi_points 0.25,0.5"
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """Of results: a plate between two gases, cut in two, one ten times as high as wide, one under a pulse, and one of one dimension."""
+    """Of results: a plate between two gases, cut in two, one much higher than wide, one under a pulse, one of one dimension."""
     there = tmp_path_factory.mktemp("plane output")
     (there / "box2d.py").write_text(BOX)
     (there / "tall2d.py").write_text(BOX.replace("X=(0, 1)", "X=(0, 0.25)"))
@@ -226,11 +229,11 @@ def test_ledgers_begin_at_the_start(figures, blast):
 def test_film(folder, blast, tmp_path):
     done = solve("plot", folder / "blast.h5", "-animate", "-o", tmp_path)
     assert (done.returncode, done.stdout.split()) == (0, [str(tmp_path / "blast.gif")])
-    with Image.open(tmp_path / "blast.gif") as film:
-        assert film.n_frames == blast.nframes
-        first = np.asarray(film.convert("RGB"))
-        film.seek(film.n_frames - 1)
-        last = np.asarray(film.convert("RGB"))
+    with Image.open(tmp_path / "blast.gif") as moving:
+        assert moving.n_frames == blast.nframes
+        first = np.asarray(moving.convert("RGB"))
+        moving.seek(moving.n_frames - 1)
+        last = np.asarray(moving.convert("RGB"))
     assert first.shape == last.shape and (first != last).any(axis=-1).mean() > 0.1
     # the bars have the colors of the maps up to their end, not some that a frame happens to have
     for shade in (0.6, 0.8, 1.0):
@@ -238,15 +241,58 @@ def test_film(folder, blast, tmp_path):
         assert (np.abs(last - color).max(axis=-1) <= 4).any(), shade
 
 
+def test_what_is_written_in_a_film_can_be_read(folder, monkeypatch):
+    kept = []
+    monkeypatch.setattr(film, "set_title", lambda figure, title: kept.append(figure))
+    with matplotlib.rc_context(style.STYLE), fsipetsc.open_run(folder / "tall.h5") as tall:
+        for _ in film.film(tall, [1, 2]):
+            assert_texts_apart("film", kept[0])
+
+
+#: put into a page: moves the slider, plays the film for a while, and tells what became of it
+PROBE = """<script>
+const seen = {said, frames: film.length, moved: []};
+for (const k of [0, Math.floor(film.length / 2)]) {
+  slider.value = k; slider.dispatchEvent(new Event("input")); seen.moved.push(frame.src === film[k]);
+}
+play.click();
+const begin = +slider.value;
+setTimeout(() => {
+  play.click();
+  seen.played = (+slider.value - begin + film.length) % film.length;
+  seen.follows = frame.src === film[slider.value] && time.value === "t = " + times[slider.value].toPrecision(4);
+  seen.loaded = [...document.images].every(image => image.complete && image.naturalWidth > 0);
+  document.body.dataset.seen = JSON.stringify(seen);
+}, 300);
+</script>"""
+LISTEN = """<script>const said = []; addEventListener("error", e => said.push(e.message));
+for (const kind of ["error", "warn", "log"]) console[kind] = (...words) => said.push(words.join(" "));</script>"""
+
+
+def test_the_report_in_a_browser(folder, blast, tmp_path):
+    """Nothing is complained of; the slider and the button move the picture."""
+    browser = shutil.which("chromium") or shutil.which("google-chrome") or pytest.skip("no browser")
+    assert solve("report", folder / "blast.h5", "-o", tmp_path).returncode == 0
+    page = (tmp_path / "blast.html").read_text()
+    (tmp_path / "probed.html").write_text(page.replace("<head>", "<head>" + LISTEN).replace("</body>", PROBE + "</body>"))
+    words = "--headless --no-sandbox --disable-gpu --virtual-time-budget=2000 --enable-logging=stderr --dump-dom".split()
+    place = [f"--user-data-dir={tmp_path}/profile", f"file://{tmp_path}/probed.html"]
+    done = subprocess.run([browser, *words, *place], capture_output=True, text=True, timeout=120, check=False)
+    (seen,) = re.findall(r'data-seen="(.*?)"', done.stdout)
+    seen = json.loads(unescape(seen))
+    assert 0 < seen.pop("played") < seen.pop("frames") == blast.nframes, done.stderr
+    assert seen == {"said": [], "moved": [True, True], "follows": True, "loaded": True} and "CONSOLE" not in done.stderr
+
+
 def test_film_and_report_of_one_dimension(folder, tmp_path):
     """The slider of the page has a picture for each frame; everything is in the page itself."""
     assert solve("plot", folder / "pulse.h5", "-animate", "-o", tmp_path).returncode == 0
     done = solve("report", folder / "pulse.h5", "-o", tmp_path)
     assert (done.returncode, done.stdout.split()) == (0, [str(tmp_path / "pulse.html")]), done.stderr
-    with fsipetsc.open_run(folder / "pulse.h5") as result, Image.open(tmp_path / "pulse.gif") as film:
+    with fsipetsc.open_run(folder / "pulse.h5") as result, Image.open(tmp_path / "pulse.gif") as moving:
         page = (tmp_path / "pulse.html").read_text()
         (pictures,) = re.findall(r"const film = (\[.*?\]), times = (\[.*?\]);", page)
-        assert len(json.loads(pictures[0])) == film.n_frames == result.nframes
+        assert len(json.loads(pictures[0])) == moving.n_frames == result.nframes
         assert json.loads(pictures[1]) == list(result.time)
         assert all(f"-{name}" in page for name in result.options)
         sources = re.findall(r'src="([^"]*)"', page) + json.loads(pictures[0])

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from fsipetsc.output.plots.plane.maps import bar, colors, domain, panel, panel_size
+from fsipetsc.output.plots.plane.maps import bar, colors, domain, few_ticks, panel, panel_size
 from fsipetsc.output.plots.plane.page import pairs_of
 from fsipetsc.output.plots.scales import axis_label, unit_of
 from fsipetsc.output.plots.titles import of_run, set_title
@@ -33,6 +33,7 @@ def film(run: Run, chosen: Sequence[int], fields: Sequence[str] = ()) -> Iterato
         axes.clear()
         pictures = panel(axes, run, frame, scales)
         axes.set(aspect="equal", xlim=ranges[0], ylim=ranges[1])
+        few_ticks(axes, width)
         axes.set(xlabel=axis_label(run, "x", "m"), ylabel=axis_label(run, "y", "m"))
         axes.set_title(f"t = {run.time[frame]:.4g}{unit_of(run, 's')}", loc="left")
         if number == 0:
