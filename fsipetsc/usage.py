@@ -16,6 +16,8 @@ from fsipetsc.options.petsc_names import AT_START, IN_LOOP, IN_SOURCES
 _TYPES = {"int": "int", "float": "float", "str": "text", "bool": "bool", "ints": "ints", "floats": "floats"}
 
 
+#: characters of the first column of an overview
+_LEFT = 29
 _HEADER = ("option", "type", "default", "meaning")
 _NOTES = """
 An option is written -name value. If one is given more than once the last counts, and the command line overrides
@@ -43,9 +45,25 @@ def overview(cases: Mapping[str, str], commands: Mapping[str, tuple[str, str]]) 
     }
     lines = ["fsipetsc: fluid–structure interaction in layers, with PETSc"]
     for title, rows in sections.items():
-        width = 2 + max(map(len, rows))
-        lines += ["", title, *(f"  {left:<{width}}{right}".rstrip() for left, right in rows.items())]
+        lines += ["", title, *_listed(rows)]
     return "\n".join(lines)
+
+
+def _listed(rows: Mapping[str, str]) -> list[str]:
+    """Names and what they mean in two columns; of what is too long for the first one the meaning begins a new line."""
+    indent = 4 + max(len(left) for left in rows if len(left) <= _LEFT)
+    lines = []
+    for left, right in rows.items():
+        first = f"  {left:<{indent - 2}}" if len(left) <= _LEFT else " " * indent
+        if len(left) > _LEFT:
+            lines += textwrap.wrap(left, _width(), initial_indent="  ", subsequent_indent="    ", break_on_hyphens=False)
+        lines += textwrap.wrap(right, _width(), initial_indent=first, subsequent_indent=" " * indent, break_on_hyphens=False)
+    return lines
+
+
+def _width() -> int:
+    """Of what is printed, in characters."""
+    return min(max(shutil.get_terminal_size((110, 24)).columns, 80), 120)
 
 
 def case_help(case: Any, called: str) -> str:
@@ -65,7 +83,7 @@ def _help(
     groups: Mapping[str, Sequence[Option]],
     petsc: Sequence[Option] = IN_SOURCES + IN_LOOP + AT_START,
 ) -> str:
-    width = min(max(shutil.get_terminal_size((110, 24)).columns, 80), 120)
+    width = _width()
     sections = {heading: [_row(option) for option in options] for heading, options in groups.items()}
     sections["More of PETSc"] = [(f"-{option.name}", *_taken(option), option.help) for option in petsc]
     rows = [row for section in sections.values() for row in section]

@@ -348,6 +348,7 @@ def test_plot_in_the_format_of_the_name(results, tmp_path):
         ("-times a", "-times a: expected times"),
         ("-all -animate", "-all and -animate are two things"),
         ("-o x.jpg", "-o x.jpg: expected a name that ends with .png, .pdf, .svg"),
+        ("-o x.bmp", "-o x.bmp: expected a name that ends with .png, .pdf, .svg"),
         ("-animate -o x.pdf", "expected a name that ends with .gif, .mp4"),
         ("-times", "-times needs times with commas"),
     ],

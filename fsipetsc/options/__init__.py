@@ -215,7 +215,8 @@ def _check_names(given: Mapping[str, Given], options: Mapping[str, Option]) -> N
 def _petsc_version() -> tuple[int, int]:
     from petsc4py import PETSc
 
-    return tuple(PETSc.Sys.getVersion()[:2])
+    major, minor, *_ = PETSc.Sys.getVersion()
+    return major, minor
 
 
 def _nearest(name: str, names: Iterable[str]) -> str:

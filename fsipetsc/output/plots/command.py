@@ -58,7 +58,7 @@ def _check_together(given: Mapping[str, str], where: Path) -> None:
     if "-all" in given and "-fields" in given:
         raise InputError("plot: -fields are of pages and films; -all draws all there are")
     suffixes = FILMS if "-animate" in given else () if "-all" in given else PICTURES
-    known = {*PICTURES, *FILMS, ".jpg", ".jpeg", ".eps", ".ps", ".tif", ".tiff", ".webm", ".avi", ".mov"}
+    known = {*PICTURES, *FILMS, ".jpg", ".jpeg", ".bmp", ".webp", ".eps", ".ps", ".tif", ".tiff", ".webm", ".avi", ".mov"}
     if where.suffix.lower() in known and where.suffix not in suffixes:
         wanted = f"a name that ends with {', '.join(suffixes)}, or a directory" if suffixes else "a directory"
         raise InputError(f"plot: -o {where}: expected {wanted}")
