@@ -20,30 +20,39 @@ from stub_case import CASE, DRIVER
 import fsipetsc
 from fsipetsc.output.reader import Run
 
-#: files of tests that take longest, the longest first; those for which MORE is compiled behind others, which are done meanwhile
+#: files of tests that take longest, the longest first; behind others those for which more is compiled meanwhile
 DEAREST = (
-    *("ranks", "signals", "own_laws", "failures", "counts", "cache", "time", "kills", "ends", "stability", "process", "live"),
-    *("case_files", "convergence", "shared_memory", "cli", "pulse", "claim", "bench", "api"),
-    *("documents", "restart", "materials", "dissipation_runs", "two_point_runs", "narrow_runs", "same_bits", "faults", "disk"),
-    *("stability_laws", "start", "plane", "flutter", "plane_modes", "plane_shocks", "plane_rates", "shock", "plane_output"),
+    *("signals", "failures", "counts", "cache", "time", "kills", "ends", "stability", "process", "live", "case_files"),
+    *("convergence", "shared_memory", "cli", "pulse", "claim", "api"),
+    *("ranks", "own_laws", "documents", "restart", "materials", "dissipation_runs", "two_point_runs", "narrow_runs"),
+    *("same_bits", "faults", "disk", "start", "plane_modes", "plane", "flutter", "plane_shocks", "plane_rates", "shock"),
+    *("bench", "stability_laws", "plane_output"),
 )
 _SHORT = "-fsi_h 0.1 -ts_max_steps 2"
-#: runs that compile what nearly all tests need, and what some need beside it: in a session of MANY tests all in one process,
-#: where what has been compiled for one of them is there for the next (30 % less for each)
-FIRST = {"fused": ("rod", _SHORT), "rk": ("rod", f"{_SHORT} -ts_type rk"), "forced": ("mms", "-ts_max_steps 2")}
-MORE = {
-    "materials": (str(REPOSITORY / "tests" / "materials.py"), "-ts_max_steps 1"),
-    "narrow": ("mms", "-fsi_viscous narrow -ts_max_steps 1"),
-    **{
-        f"{name} {method}": ("mms", f"{form} -ts_type {method} -ts_max_steps 1")
-        for name, form in (("dissipation", "-fsi_dissipation 1 -fsi_shock 1"), ("two-point", "-fsi_convection entropy"))
-        for method in ("fused", "rk")
+_RUNS, _TESTS = REPOSITORY / "runs", REPOSITORY / "tests"
+_SHOCKS = "-fsi_dissipation 1 -fsi_shock 1 -ts_max_steps 1"
+#: runs that compile what several files of tests need, in parts that processes of a session of MANY tests share out: each part
+#: in one, where what has been compiled for one run is there for the next (30 % less for each). All wait for the first part
+PARTS: tuple[dict[str, tuple[str, str]], ...] = (
+    {"fused": ("rod", _SHORT), "rk": ("rod", f"{_SHORT} -ts_type rk"), "forced": ("mms", "-ts_max_steps 2")},
+    {
+        "materials": (str(_TESTS / "materials.py"), "-ts_max_steps 1"),
+        "sutherland": (str(_RUNS / "sutherland.py"), "-ts_max_steps 1"),
     },
-    "plane": ("plane_mms", "-ts_max_steps 1"),
-    "plane dissipation": ("blast", "-fsi_h 0.125 -fluid_mu 0 -fluid_kappa 0 -fsi_dissipation 1 -fsi_shock 1 -ts_max_steps 1"),
-    "plane divergence": ("tube", "-fsi_h 0.125 -tube_width 1 -fsi_convection divergence -ts_max_steps 1"),
-    "plane shock": ("oblique", "-fsi_h 0.125 -ts_max_steps 1"),
-}
+    {
+        "narrow": ("mms", "-fsi_viscous narrow -ts_max_steps 1"),
+        "dissipation": ("mms", _SHOCKS),
+        "dissipation rk": ("mms", f"{_SHOCKS} -ts_type rk"),
+    },
+    {
+        "two-point": ("mms", "-fsi_convection entropy -ts_max_steps 1"),
+        "two-point rk": ("mms", "-fsi_convection entropy -ts_type rk -ts_max_steps 1"),
+        "plane": ("plane_mms", "-ts_max_steps 1"),
+        "plane dissipation": ("blast", f"-fsi_h 0.125 -fluid_mu 0 -fluid_kappa 0 {_SHOCKS}"),
+        "plane divergence": ("tube", "-fsi_h 0.125 -tube_width 1 -fsi_convection divergence -ts_max_steps 1"),
+        "plane shock": ("oblique", "-fsi_h 0.125 -ts_max_steps 1"),
+    },
+)
 MANY = 1000
 ORDERS = (2, 4, 6, 8)
 PULSE_SPACINGS = (0.0125, 0.00625)
@@ -318,24 +327,38 @@ def kernels(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFac
     """Compile what is not compiled yet, once, so that no test waits for it longer than it can."""
     if importlib.util.find_spec("petsc4py") is None or importlib.util.find_spec("numba") is None:
         return
-    from fsipetsc.operators import cache
-
-    folder = cache.use_cache_folder()
-    with (folder / "tests.lock").open("w") as lock, (folder / "tests-more.lock").open("w") as more:
-        if request.session.testscollected > MANY and _taken(lock) and not _taken(more):
-            compute(1, tmp_path_factory.mktemp("more"), MORE)  # rather than wait for the other one
-        fcntl.flock(lock, fcntl.LOCK_EX)  # several processes of one session may come here at once
-        if not any(folder.glob("*/runge_kutta.run_task-*.nbi")):
-            compute(1, tmp_path_factory.mktemp("kernels"), FIRST)
+    for k in range(len(PARTS)) if request.session.testscollected > MANY else ():
+        with _lock(k) as lock:
+            if not _taken(lock):
+                _compile(k, tmp_path_factory)
+    with _lock(0) as lock:  # several processes of one session may come here at once
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        _compile(0, tmp_path_factory)
 
 
 @pytest.fixture(scope="session")
 def more_kernels(kernels: None) -> None:
-    """Wait for another process of the session that is compiling MORE."""
+    """Wait for other processes of the session that are compiling parts."""
+    for k in range(len(PARTS)):
+        with _lock(k) as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+
+
+def _compile(k: int, tmp_path_factory: pytest.TempPathFactory) -> None:
+    """Compile a part, if that has not been done; whoever does it has the lock."""
     from fsipetsc.operators import cache
 
-    with (cache.cache_folder() / "tests-more.lock").open("w") as more:
-        fcntl.flock(more, fcntl.LOCK_EX)
+    done, what = cache.cache_folder() / f"tests{k}.done", repr(PARTS[k])
+    if not done.exists() or done.read_text() != what:
+        compute(1, tmp_path_factory.mktemp("kernels"), PARTS[k])
+        done.write_text(what)
+
+
+def _lock(k: int) -> TextIO:
+    """The file by which processes tell each other that a part is being compiled."""
+    from fsipetsc.operators import cache
+
+    return (cache.use_cache_folder() / f"tests{k}.lock").open("w")
 
 
 def _taken(lock: TextIO) -> bool:

@@ -22,7 +22,7 @@ def answers(ranks: int, where: Path, texts: dict[str, str], status: int | None =
         (where / f"case{number}" / "faulty.py").write_text(text)
         runs.append([status, f"case{number}/faulty.py -fsi_quiet -fsi_output case{number}/faulty.h5"])
     (where / "runs.json").write_text(json.dumps(runs))
-    done = mpirun(ranks, REPOSITORY / "tests" / "many_runs_program.py", "runs.json", cwd=where, timeout=120)
+    done = mpirun(ranks, REPOSITORY / "tests" / "many_runs_program.py", "runs.json", cwd=where)
     assert (done.returncode, done.stderr) == (0, "")
     answer = json.loads(done.stdout)
     assert answer["wrong"] == []

@@ -9,7 +9,7 @@ import shutil
 import subprocess
 
 import pytest
-from helpers import REPOSITORY
+from helpers import PATIENCE, REPOSITORY
 
 from fsipetsc import cli
 from fsipetsc.cases import BUILT_IN
@@ -31,7 +31,7 @@ def written(tmp_path_factory):
 def complete(folder, *words: str) -> set[str]:
     """What bash offers for the last word."""
     text = """set -u; . ./bash; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _fsipetsc; printf '%s\\n' "${COMPREPLY[@]-}" """
-    done = subprocess.run(["bash", "-c", text, "bash", *words], cwd=folder, capture_output=True, text=True, timeout=60)
+    done = subprocess.run(["bash", "-c", text, "bash", *words], cwd=folder, capture_output=True, text=True, timeout=PATIENCE)
     assert (done.returncode, done.stderr) == (0, ""), done.stderr
     return set(done.stdout.split())
 

@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from helpers import PATIENCE
 
 from fsipetsc.errors import FileError
 from fsipetsc.output.claim import Claim
@@ -78,7 +79,7 @@ def test_the_next_run_of_a_result_removes_what_the_killed_one_named(tmp_path, mo
     claim = Claim(target)
     assert not gone.exists() and str(own) in (tmp_path / ".run.h5.lock").read_text()
     program = f"from pathlib import Path\nfrom fsipetsc.output.claim import Claim\nClaim(Path({str(target)!r}))"
-    done = subprocess.run([sys.executable, "-c", program], text=True, capture_output=True, timeout=60)
+    done = subprocess.run([sys.executable, "-c", program], text=True, capture_output=True, timeout=PATIENCE)
     assert FileError.__name__ in done.stderr and "another run is writing it" in done.stderr and "session" not in done.stderr
     claim.release()
     assert own.exists()

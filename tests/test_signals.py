@@ -53,13 +53,13 @@ def test_a_signal_to_one_rank_while_it_starts_ends_all(tmp_path):
     for number, delay in ((signal.SIGINT, 0.3), (signal.SIGHUP, 0.7), (signal.SIGTERM, 1.2)):
         pipe = subprocess.PIPE
         process = subprocess.Popen(command, cwd=tmp_path, env=environment(), text=True, stdout=pipe, stderr=pipe)
-        end = time.monotonic() + 30
+        end = time.monotonic() + PATIENCE
         while len(started_ranks := ranks_of(process.pid)) < ranks and time.monotonic() < end:
             time.sleep(0.01)  # the list of the system may lack somebody who was in it before
         while processors(started_ranks[-1]) < delay and time.monotonic() < end:
             time.sleep(0.01)
         os.kill(started_ranks[-1], number)
-        _, err = process.communicate(timeout=60)
+        _, err = process.communicate(timeout=PATIENCE)
         assert process.returncode == 128 + number, err
         assert err.count("fsipetsc: error: ") <= 1 and "Traceback" not in err
 
@@ -121,7 +121,7 @@ def test_a_signal_whose_exception_is_not_heard_is(place, words, ranks, tmp_path)
     rank = ranks - 1 if place == "SIGNAL" else 0  # which has the first layer
     text = UNHEARD.replace(place, words.format(rank=rank)).replace("SIGNAL", "pass").replace("SECOND", "pass")
     (tmp_path / "unheard.py").write_text(text)
-    done = solve("unheard.py", *LONG[1:], "-fsi_quiet", cwd=tmp_path, timeout=60, ranks=ranks)
+    done = solve("unheard.py", *LONG[1:], "-fsi_quiet", cwd=tmp_path, ranks=ranks)
     assert message(done, 129) == "fsipetsc: error: stopped by SIGHUP before the first step"
 
 
@@ -131,7 +131,7 @@ def test_an_error_in_the_initial_data_of_one_rank_alone_ends_all(tmp_path):
     text = UNHEARD.replace("SIGNAL", "pass").replace("SECOND", "raise ValueError('no density is known')")
     (tmp_path / "unheard.py").write_text(text)
     line = "unheard.py -fsi_h 0.025 -fsi_partition physics -fsi_quiet".split()
-    done = mpirun(2, "-m", "fsipetsc", *line, cwd=tmp_path, timeout=60)
+    done = mpirun(2, "-m", "fsipetsc", *line, cwd=tmp_path)
     assert message(done, 2).endswith("ValueError: no density is known")
 
 
@@ -157,7 +157,7 @@ sys.exit(cli.main("rod -fsi_h 0.1 -ts_max_time 1000 -fsi_quiet".split()))
 
 @pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.mpi)])
 def test_a_signal_not_heard_just_before_the_time_loop_ends_it_at_its_first_step(ranks, tmp_path):
-    done = mpirun(ranks, "-c", HOLE, cwd=tmp_path, timeout=60)
+    done = mpirun(ranks, "-c", HOLE, cwd=tmp_path)
     assert "stopped by SIGHUP at t = " in message(done, 129)
     with fsipetsc.open_run(tmp_path / "rod.h5") as result:
         assert (result.summary["status"], result.summary["steps"]) == ("stopped", 1)
@@ -191,7 +191,7 @@ sys.exit(cli.main("rod -fsi_h 0.1 -ts_max_steps 2 -fsi_quiet".split()))
 
 def test_a_library_that_answers_a_signal_itself_does_not_keep_it(tmp_path):
     """UCX, below some MPI, wants SIGHUP for itself."""
-    done = run("-c", TAKEN, cwd=tmp_path, timeout=60)
+    done = run("-c", TAKEN, cwd=tmp_path)
     assert message(done, 129) == "fsipetsc: error: stopped by SIGHUP before the first step"
 
 
@@ -232,8 +232,8 @@ def test_ranks_end_in_order_when_their_launcher_is_killed(tmp_path):
     process = started(2, tmp_path)
     ranks = ranks_of(process.pid)
     process.kill()
-    process.communicate(timeout=30)
-    end = time.monotonic() + 30
+    process.communicate(timeout=PATIENCE)
+    end = time.monotonic() + PATIENCE
     while any(Path(f"/proc/{rank}").exists() for rank in ranks) and time.monotonic() < end:
         time.sleep(0.05)
     left = [rank for rank in ranks if Path(f"/proc/{rank}").exists()]
@@ -338,7 +338,7 @@ sys.exit(cli.main("rod -fsi_h 0.1 -ts_max_time 1000 -fsi_quiet".split()))
 )
 def test_a_signal_while_the_result_is_made_is_no_fault_of_the_file(ranks, place, rank, tmp_path):
     """Within what one rank does, where any exception is taken for a file that cannot be written, on all ranks."""
-    done = mpirun(ranks, "-c", WRITING, place, rank, cwd=tmp_path, timeout=60)
+    done = mpirun(ranks, "-c", WRITING, place, rank, cwd=tmp_path)
     assert message(done, 143) == "fsipetsc: error: stopped by SIGTERM before the first step"
     assert "MPI_ABORT" not in done.stderr
 

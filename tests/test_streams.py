@@ -6,7 +6,7 @@ import subprocess
 import sys
 
 import pytest
-from helpers import REPOSITORY, environment, run
+from helpers import PATIENCE, REPOSITORY, environment, run
 
 import fsipetsc
 
@@ -20,9 +20,8 @@ COMPUTES = f"{sys.executable} -m fsipetsc {' '.join(RUN)}"
 
 def shell(line: str, cwd) -> tuple[int, str]:
     """(status, stderr) of a line for bash."""
-    done = subprocess.run(
-        ["bash", "-c", line], cwd=cwd, env=environment(), stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120
-    )
+    given = {"cwd": cwd, "env": environment(), "stdin": subprocess.DEVNULL, "timeout": PATIENCE}
+    done = subprocess.run(["bash", "-c", line], capture_output=True, text=True, **given)
     return done.returncode, done.stderr
 
 
