@@ -63,6 +63,8 @@ VISCOUS = {
     "mu": "-fluid_mu 0.1 -fluid_kappa 0",
     "kappa": "-fluid_mu 0 -fluid_kappa 0.3",
 }
+#: orders with which each is computed: two of the three with each order
+VISCOUS_ORDERS = {"both": (4, 6, 8), "mu": (2, 6), "kappa": (2, 4, 8)}
 #: where the pulse starts -> time at which both waves are inside
 PULSE_STARTS = {0.75: 0.0035, -0.75: 0.003}
 #: name -> density and modulus; the wave speed is 500 m/s in all. The gas: 1.16 kg/m3, 347 m/s
@@ -176,9 +178,9 @@ GROUPS: dict[str, list[tuple[int, dict[str, tuple[str, str]]]]] = {
             1,
             {
                 f"order{q}_h{h}_{name}": ("mms", f"-fsi_h {h} -fsi_order {q} -fsi_output_dt 1 {options}")
-                for q in ORDERS
                 for h in (0.05, 0.025)
                 for name, options in VISCOUS.items()
+                for q in VISCOUS_ORDERS[name]
             },
         )
     ],

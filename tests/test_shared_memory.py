@@ -83,7 +83,7 @@ def meet(ranks: int, *hows: str, **env: str) -> dict[str, list[list]]:
 
 
 @pytest.mark.mpi
-@pytest.mark.parametrize("ranks", [2, 3, 4])
+@pytest.mark.parametrize("ranks", [3, 4])  # two meet below
 def test_all_learn_the_largest_of_each_word(ranks):
     """Bit for bit, as whole numbers without sign: also of what is not a number. Where one rank can have no box, by messages."""
     wanted = {"mailboxes": True, "messages": False} | ({"one without": False, "one without room": False} if ranks == 3 else {})
