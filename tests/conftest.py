@@ -313,8 +313,8 @@ def processors(worker: int, workers: int) -> set[int]:
     return set(every[worker % len(every) :: workers])
 
 
-def pytest_unconfigure() -> None:
-    """What the ranks have cost is known when they have ended."""
+def pytest_sessionfinish() -> None:
+    """What the ranks have cost is known when they have ended; before who sums up ends this process."""
     KEPT.close()
 
 

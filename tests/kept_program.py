@@ -31,7 +31,7 @@ from fsipetsc import cli
 from fsipetsc.process.launch import start_mpi, start_petsc
 
 #: seconds that an orderly end may take
-_FAREWELL = 10.0
+_FAREWELL = 60.0
 
 
 @cache

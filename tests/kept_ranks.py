@@ -22,7 +22,8 @@ from typing import Any
 
 #: as many ranks as there can be
 MOST = 6
-_START = 120.0
+#: seconds that they may take to start and to end
+_START, _END = 120.0, 60.0
 
 
 class KeptRanks:
@@ -101,7 +102,7 @@ class KeptRanks:
             if kill:
                 process.terminate()  # mpiexec ends its ranks on that
             try:
-                process.wait(10)
+                process.wait(_END)
             except subprocess.TimeoutExpired:
                 process.kill()
                 process.wait()
