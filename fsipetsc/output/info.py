@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from fsipetsc.options.option import INT_MAX
 from fsipetsc.output.reader import Layer, PlaneLayer, Run, open_run
 
 
@@ -103,6 +104,8 @@ def _text(value: Any) -> str:
         return "yes" if value else "no"
     if value is None:
         return "none"
+    if value == INT_MAX:
+        return "no limit"
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
