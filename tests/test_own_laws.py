@@ -11,16 +11,23 @@ from helpers import REPOSITORY, compute, from_python, run, solve
 pytest.importorskip("numba")
 pytest.importorskip("petsc4py")
 
+import own_gas
 from numba import njit
+from test_stability import N, kernel_rates, record
 
 import fsipetsc
+from fsipetsc.boundaries import Wall
 from fsipetsc.errors import InputError
 from fsipetsc.operators import variants
 from fsipetsc.operators.formulas import Formulas
 from fsipetsc.physics.fluid import Fluid
+from fsipetsc.physics.layer import FLUID
 from fsipetsc.physics.own_laws import check, gas_law, pressure_law, transport_law
 from fsipetsc.physics.perfect_gas import perfect_gas
 from fsipetsc.physics.solid import Solid
+from fsipetsc.problem import FluidLayer, Problem
+from fsipetsc.scheme.laws import ProblemLaws
+from fsipetsc.scheme.sweep import sweep
 
 SUTHERLAND, OWN_GAS = REPOSITORY / "runs" / "sutherland.py", REPOSITORY / "tests" / "own_gas.py"
 NEEDED = {
@@ -37,9 +44,8 @@ NEEDED = {
 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory):
-    """name -> result; those of one process share what is compiled for their laws."""
+    """name -> result, with Sutherland's law; those of one process share what is compiled for it."""
     folder = tmp_path_factory.mktemp("laws")
-    short = "-fsi_h 0.025 -ts_max_time 1 -fsi_entropy"
     found = compute(
         1,
         folder / "one",
@@ -47,6 +53,20 @@ def runs(tmp_path_factory):
             **{f"hot_{h}": (str(SUTHERLAND), f"-fsi_h {h} -fsi_cfl 0.5") for h in (0.025, 0.0125, 0.00625)},
             "hot_papers": (str(SUTHERLAND), "-fsi_h 0.0125 -fsi_mapping rigid -fsi_coupling energy"),
             "constant": (str(SUTHERLAND), "-fsi_h 0.025 -hot_law 0"),
+        },
+    )
+    found |= {"two_ranks": compute(2, folder / "two", {"hot": (str(SUTHERLAND), "-fsi_h 0.0125 -fsi_cfl 0.5")})["hot"]}
+    return {name: fsipetsc.open_run(path) for name, path in found.items()}
+
+
+@pytest.fixture(scope="module")
+def boxes(tmp_path_factory):
+    """name -> result, with a gas law of its own or the built-in one."""
+    short = "-fsi_h 0.025 -ts_max_time 1 -fsi_entropy"
+    found = compute(
+        1,
+        tmp_path_factory.mktemp("boxes"),
+        {
             "built_in": ("box", short),
             "by_hand": (str(OWN_GAS), short),
             "perfect": ("box", f"{short} -fluid_gamma 1.5"),
@@ -55,7 +75,6 @@ def runs(tmp_path_factory):
             "noble_energy": (str(OWN_GAS), f"{short} -fluid_gamma 1.5 -fsi_coupling energy"),
         },
     )
-    found |= {"two_ranks": compute(2, folder / "two", {"hot": (str(SUTHERLAND), "-fsi_h 0.0125 -fsi_cfl 0.5")})["hot"]}
     return {name: fsipetsc.open_run(path) for name, path in found.items()}
 
 
@@ -68,16 +87,39 @@ def same(a, b) -> bool:
     )
 
 
-def test_a_perfect_gas_written_by_hand_has_the_bits_of_the_built_in_one(runs):
-    assert same(runs["built_in"], runs["by_hand"])
+def test_rates_of_a_perfect_gas_written_by_hand_have_the_bits_of_the_built_in_one():
+    """At one state, from the compiled sweep; and those of another gas are others."""
+    law = gas_law(**{name: getattr(own_gas, name) for name in own_gas.NAMES})
+    fluids = Fluid(0.01, 0.03, 1.4, 1.0), Fluid(0.01, 0.03, 1.4, 1.0, law=law)
+    built_in, by_hand = (from_python(sweep, ProblemLaws(alone(fluid)).layers[0]) for fluid in fluids)
+    x, layer = np.linspace(0, 1, N), record(FLUID, 1 / (N - 1))
+    state = fluids[0].conserved(1 + 0.2 * np.sin(3 * x), 0.1 * np.cos(4 * x), 0.8 + 0.1 * x * x).T
+    for gamma in (1.4, 1.5):
+        gas = Fluid(0.01, 0.03, gamma, 1.0)
+        layer["gamma"], layer["R"], layer["cv"], layer["mu"], layer["kappa"] = gamma, gas.R, gas.cv, 4 / 3 * gas.mu, gas.kappa
+        found = [kernel_rates(kernel, layer, 4, state) for kernel in (built_in, by_hand)]
+        assert np.abs(found[0]).max(axis=1).min() > 1e-3
+        assert np.array_equal(*found) == (gamma == 1.4)
+
+
+def alone(fluid):
+    """A problem that is a gas of this material between walls."""
+    layer = FluidLayer("gas", fluid, (0.0, 1.0), lambda X: [1 + 0 * X, 0 * X, 1 + 0 * X])
+    return Problem((layer,), Wall(0.0), Wall(1.0), units="none")
+
+
+@pytest.mark.long
+def test_a_perfect_gas_written_by_hand_has_the_bits_of_the_built_in_one(boxes):
+    assert same(boxes["built_in"], boxes["by_hand"])
     for name in ("mass", "energy", "momentum", "entropy", "residual_stress"):
-        assert np.array_equal(runs["built_in"].series[name], runs["by_hand"].series[name]), name
+        assert np.array_equal(boxes["built_in"].series[name], boxes["by_hand"].series[name]), name
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["noble", "noble_energy"])
-def test_another_gas_conserves_as_the_perfect_one_does(runs, name):
+def test_another_gas_conserves_as_the_perfect_one_does(boxes, name):
     """And is another one: the same energy in another pressure."""
-    own, perfect = runs[name].series, runs[name.replace("noble", "perfect")].series
+    own, perfect = boxes[name].series, boxes[name.replace("noble", "perfect")].series
     assert np.abs(own["x_interface"][-1] - perfect["x_interface"][-1]).max() > 1e-4
     drift = {k: np.abs(s["mass"] / s["mass"][0] - 1).max() for k, s in (("own", own), ("perfect", perfect))}
     assert drift["own"] < 1.5 * drift["perfect"]

@@ -118,9 +118,10 @@ SAME = {
     "piston spare 0": "piston",
 }
 
-#: ranks -> the runs that are made on them: each on one rank, on two, and on three or four
-ON = {1: list(RUNS), 2: list(RUNS), 4: list(dict.fromkeys([*SAME, *SAME.values()]))}
-ON[3] = [name for name in RUNS if name not in ON[4]]
+#: ranks -> the runs that are made on them: each on one rank, on two or three, and those of SAME on four
+ON = {1: list(RUNS), 4: list(dict.fromkeys([*SAME, *SAME.values()]))}
+ON[3] = [name for name in RUNS if name not in ON[4]][1::2]
+ON[2] = [name for name in RUNS if name not in ON[3]]
 
 #: of what is integrated over x the last bits depend on the number of ranks
 SUMS = ("mass", "momentum", "force", "impulse", "energy", "entropy", "heating")

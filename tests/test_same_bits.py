@@ -34,8 +34,8 @@ SHARED = {
 }
 
 
-#: ranks -> the runs that are made on them: each on one rank, on two, and on three or five
-ON = {1: list(SHARED), 2: list(SHARED), 3: list(SHARED)[::2], 5: list(SHARED)[1::2]}
+#: ranks -> the runs that are made on them: each on one rank and on two, three or five
+ON = {1: list(SHARED), 2: list(SHARED)[::2], 3: list(SHARED)[1::2], 5: list(SHARED)[::4]}
 
 
 @pytest.fixture(scope="module")
