@@ -74,13 +74,13 @@ def replace(name: str, value: object) -> Callable[[h5py.File], object]:
 def test_bytes(whole: bytes, tmp_path: Path) -> None:
     """Some bytes are others, or the end is missing."""
     rng, path, fates = random.Random(3), tmp_path / "run.h5", []
-    for k in range(250):
+    for k in range(150):
         copy = bytearray(whole)
         for _ in range(rng.choice([1, 3, 10])):
             copy[rng.randrange(rng.choice([len(copy), 20_000, 3000]))] = rng.randrange(256)
         path.write_bytes(copy[: rng.randrange(len(copy))] if k % 5 == 0 else copy)
         fates.append(read_all(path))
-    assert 20 < sum(fates) < 230
+    assert 15 < sum(fates) < 135
 
 
 def test_datasets(whole: bytes, tmp_path: Path) -> None:

@@ -148,7 +148,7 @@ def test_a_reader_finds_what_was_flushed(tmp_path: Path, n: int) -> None:
 
 
 @pytest.mark.mpi
-@pytest.mark.parametrize(("n", "times"), [(1, 5), (2, 2)])
+@pytest.mark.parametrize(("n", "times"), [(1, 3), (2, 2)])
 def test_killed_at_any_moment(tmp_path: Path, n: int, times: int) -> None:
     for k in range(times):
         path = tmp_path / f"run{k}.h5"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from helpers import PATIENCE, environment, mpirun
@@ -38,7 +39,7 @@ FAULTS = {
 }
 
 
-@njit
+@njit(cache=True)
 def meet(worlds, memory):
     base = memory.ctypes.data
     largest(worlds[0], base, base + 8 * WORDS, WORDS)
@@ -74,27 +75,35 @@ if comm.rank == 0:
 """
 
 
-def meet(ranks: int, *hows: str, **env: str) -> dict[str, list[list]]:
+@pytest.fixture(scope="module")
+def program(tmp_path_factory) -> Path:
+    """A file, so that what it compiles is kept."""
+    path = tmp_path_factory.mktemp("meeting") / "meeting.py"
+    path.write_text(PROGRAM)
+    return path
+
+
+def meet(program: Path, ranks: int, *hows: str, **env: str) -> dict[str, list[list]]:
     """By how they meet, one way after the other, of each rank: whether all are on one node, whether they have mailboxes,
     and turns in which it learnt something wrong."""
-    done = mpirun(ranks, "-c", PROGRAM, *hows, env=env)
+    done = mpirun(ranks, program, *hows, env=env)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout.splitlines()[-1])  # behind what a library says: UCX, of a root without /sys
 
 
 @pytest.mark.mpi
 @pytest.mark.parametrize("ranks", [3, 4])  # two meet below
-def test_all_learn_the_largest_of_each_word(ranks):
+def test_all_learn_the_largest_of_each_word(program, ranks):
     """Bit for bit, as whole numbers without sign: also of what is not a number. Where one rank can have no box, by messages."""
     wanted = {"mailboxes": True, "messages": False} | ({"one without": False, "one without room": False} if ranks == 3 else {})
-    assert meet(ranks, *wanted) == {how: [[True, boxes, 0]] * ranks for how, boxes in wanted.items()}
+    assert meet(program, ranks, *wanted) == {how: [[True, boxes, 0]] * ranks for how, boxes in wanted.items()}
 
 
 @pytest.mark.mpi
 @pytest.mark.skipif(not may_mount(), reason="only root can make a small /dev/shm, and not everywhere")
-def test_where_shared_memory_is_too_small_messages_are_sent():
+def test_where_shared_memory_is_too_small_messages_are_sent(program):
     """Open MPI 4.1 would leave one rank waiting for the other."""
-    command = [*SMALL, "mpiexec", "-n", "2", sys.executable, "-c", PROGRAM, "boxes"]
+    command = [*SMALL, "mpiexec", "-n", "2", sys.executable, program, "boxes"]
     env = environment({"OMPI_MCA_btl": "self,tcp"})  # messages through shared memory have no room either
     done = subprocess.run(command, env=env, capture_output=True, text=True, timeout=PATIENCE)
     assert done.returncode == 0, done.stderr
@@ -102,8 +111,8 @@ def test_where_shared_memory_is_too_small_messages_are_sent():
 
 
 @pytest.mark.mpi
-def test_where_the_library_has_no_shared_windows_messages_are_sent():
+def test_where_the_library_has_no_shared_windows_messages_are_sent(program):
     """Open MPI without the component that makes them; another library takes no notice of the variable."""
-    found = meet(2, "mailboxes", OMPI_MCA_osc="^sm")["mailboxes"]
+    found = meet(program, 2, "mailboxes", OMPI_MCA_osc="^sm")["mailboxes"]
     assert [(together, wrong) for together, _, wrong in found] == [(True, 0)] * 2
     assert found[0][1] == found[1][1]

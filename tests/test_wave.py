@@ -25,7 +25,7 @@ def test_the_spectral_solution():
         wave.layers(DEFAULT).mode(2 * np.pi, 500)
 
 
-@pytest.mark.parametrize(("density", "most"), [(1.0, 8e-3), (1e-3, 2e-2)])
+@pytest.mark.parametrize(("density", "most"), [(1.0, 8e-3), pytest.param(1e-3, 2e-2, marks=pytest.mark.long)])
 def test_the_scheme_follows_it(tmp_path, density, most):
     """Rates by 16 and 24 columns, order 4: near, and nearer."""
     errors = []
