@@ -83,10 +83,24 @@ def call(function: Callable[..., Any], arguments: tuple[Any, ...], where: str) -
     except BaseException as error:  # SystemExit of one rank would leave the others waiting
         if isinstance(error, FsiError) and getattr(function, "__module__", "").startswith("fsipetsc.cases."):
             raise  # it is about an option
-        calls = [frame for frame in traceback.extract_tb(error.__traceback__) if _is_users(os.path.abspath(frame.filename))]
-        more = "; -fsi_debug shows how it came there" if len(calls) > 1 else ""
-        message = f"{place_of_error(error, function)}: {where}: {reason(error)}{more}"
-        raise InputError(message, collective=False) from error
+        fault = InputError(f"{place_of_error(error, function)}: {where}: {reason(error)}", collective=False)
+        fault.users = users_lines(error)
+        raise fault from error
+
+
+def users_lines(error: BaseException) -> str:
+    """The traceback of an error of a user's function, from the first line of the user's on.
+
+    "" if there is none: for what this package explains in one message, for numba's words, and for cases of this package.
+    """
+    place = error.__traceback__
+    while place is not None and not _is_users(os.path.abspath(place.tb_frame.f_code.co_filename)):
+        place = place.tb_next
+    if place is None or isinstance(error, FsiError) or _is_compilers(error):
+        return ""
+    if os.path.abspath(place.tb_frame.f_code.co_filename).startswith(_CASES):
+        return ""
+    return "".join(traceback.format_exception(type(error), error, place)).rstrip()
 
 
 def place_of_error(error: BaseException, function: Callable[..., Any]) -> str:

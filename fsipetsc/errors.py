@@ -11,10 +11,11 @@ class FsiError(Exception):
 
     collective: True if every rank raises it at the same place (then the program ends in order), False if one rank may
     be alone with it (then the other ranks are stopped). told: the traceback where another rank has met it, else "".
+    users: the part of it that belongs beside the message, in the code of a user, else "" (fsipetsc.blame.users_lines).
     """
 
     status = 1
-    told = ""
+    told = users = ""
 
     def __init__(self, message: str, *, collective: bool = True) -> None:
         super().__init__(message)

@@ -210,6 +210,13 @@ ALONE: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "jumps later": (_J, f"if ALONE and t > 1.5e-5: sys.exit()\n        {_J}", ("LINE if ALONE", "sys.exit()", "faulty.h5")),
     "exact at the end": (_E, f"if t > 0: sys.exit()\n        {_E}", ("LINE if t > 0", "sys.exit()", "faulty.h5")),
 }
+#: of FAULTS, those in which a function raises what nobody has foreseen
+RAISING = {
+    *("check fails", "an exception that cannot be told", "an exception that tells much", "exit in build"),
+    *("BaseException in build", "missing property", "a velocity of a wall raises", "initial raises", "raises in numpy"),
+    *("initial ends the program", "initial raises an odd exception", "compiled: an exception", "a stress fails later"),
+    *("forcing fails later", "jumps end the program later"),
+}
 
 
 def alone(name: str) -> tuple[str, list[str]]:

@@ -12,7 +12,7 @@ from pathlib import Path
 import claim_program
 import output_program
 import pytest
-from helpers import PATIENCE, environment, run
+from helpers import PATIENCE, environment, message, run, solve
 
 import fsipetsc
 from fsipetsc.errors import FileError
@@ -133,3 +133,32 @@ def test_without_hard_links_nothing_is_overwritten_either(tmp_path: Path, monkey
     monkeypatch.setattr("fsipetsc.output.claim.os.path.lexists", lambda path: False)  # made between a look and the writing
     assert publish(target, b"another's") is None
     assert target.read_bytes() == b"ours" and os.listdir(tmp_path) == ["run.h5"]
+
+
+@pytest.mark.parametrize("ranks", [1, pytest.param(3, marks=pytest.mark.mpi)])
+def test_checkpoints_of_a_name_are_one_run_s(tmp_path: Path, ranks: int) -> None:
+    """Another one is refused, whichever way it comes to the name, and nothing has changed; a killed run's lock is none."""
+    pytest.importorskip("petsc4py")
+    words = "rod -fsi_h 0.05 -ts_max_steps 3 -fsi_quiet".split()
+    assert solve(*words, "-fsi_output", "a.h5", "-fsi_checkpoint_steps", 2, cwd=tmp_path).returncode == 0
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    assert sorted(before) == ["a.checkpoint.h5", "a.checkpoint.previous.h5", "a.h5"]
+    lock = tmp_path / ".a.checkpoint.h5.lock"
+    claim = Claim(tmp_path / "a.checkpoint.h5")  # as a run has it; the result's name is free
+    here = f"(process {os.getpid()} on "
+    for more, said in (
+        ("-fsi_output b.h5 -fsi_checkpoint a.checkpoint.h5", "a.checkpoint.h5: another run writes its checkpoints (process "),
+        ("-fsi_output b.h5 -fsi_checkpoint a.checkpoint.h5 -fsi_restart auto", "a name of its own with -fsi_checkpoint"),
+        ("-fsi_output a.hdf5", "a.hdf5: another run is writing it, or its checkpoints (process "),
+        ("-fsi_output a.h5 -fsi_restart auto", "give this one a name of its own with -fsi_output"),
+    ):
+        message(solve(*words, *more.split(), cwd=tmp_path, ranks=ranks), 4, said, here)
+        assert {path.name: path.read_bytes() for path in tmp_path.iterdir() if path != lock} == before, more
+    claim.release()
+    lock.write_text("process 12345 on a machine, of a killed run")
+    done = solve(*words, "-fsi_output", "b.h5", "-fsi_checkpoint", "a.checkpoint.h5", cwd=tmp_path, ranks=ranks)
+    assert (done.returncode, done.stderr) == (0, "") and sorted(os.listdir(tmp_path)) == sorted([*before, "b.h5"])
+    lock.mkdir()
+    done = solve(*words, "-fsi_output", "c.h5", "-fsi_checkpoint", "a.checkpoint.h5", cwd=tmp_path, ranks=ranks)
+    message(done, 4, "a.checkpoint.h5: no checkpoint can be written there: Is a directory")
+    assert not (tmp_path / "c.h5").exists()

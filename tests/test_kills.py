@@ -118,7 +118,7 @@ def test_a_run_that_a_signal_stopped_goes_on(whole, tmp_path):
 
 
 def test_usr1_asks_for_a_checkpoint_and_the_run_goes_on(tmp_path):
-    """Once without any option for checkpoints; the next time the earlier one is kept."""
+    """Once without any option for checkpoints; the next time the earlier one is kept. No other run may write there."""
     process = begin(2, tmp_path, *LINE, "-ts_max_time", 1000, "-fsi_output", tmp_path / "rod.h5", env=LEFT)
     wait_for(tmp_path / "rod.h5", process)
     wait_for_frames(tmp_path / "rod.h5", process)
@@ -128,6 +128,9 @@ def test_usr1_asks_for_a_checkpoint_and_the_run_goes_on(tmp_path):
         wait_for(path, process)
         steps.append(checkpoint_file.read(tmp_path / "rod.checkpoint.h5").header["memory"]["steps"])
     assert steps[0] < steps[1]
+    other = "-fsi_output", "other.h5", "-fsi_checkpoint", "rod.checkpoint.h5"
+    message(solve(*LINE, *other, cwd=tmp_path), 4, "rod.checkpoint.h5: another run writes its checkpoints (process ")
+    assert not (tmp_path / "other.h5").exists()
     process.terminate()  # mpiexec, which kills its ranks later, and has a status of its own
     _, err = process.communicate(timeout=PATIENCE)
     # Open MPI 5's launcher passes on nothing that is said after it was told to end

@@ -120,7 +120,8 @@ def _complete(module: ModuleType, path: Path) -> None:
         groups(module)
     except InputError as error:
         if str(error).startswith(f"{short(path.resolve())}, line "):  # a function of the file's has failed
-            raise InputError(f"case file {error}") from None
+            error.args = (f"case file {error}",)
+            raise
         name = "DEFAULTS" if "default" in str(error).lower() else "OPTIONS"
         raise InputError(f"case file {path}{_line_of(name, path)}: {error}") from None
 

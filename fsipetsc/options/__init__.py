@@ -196,7 +196,8 @@ def _value(option: Option, one: Given) -> Any:
     try:
         return option.parse(one.text)
     except InputError as error:
-        raise InputError(f"{error}{one.where}") from None
+        error.args = (f"{error}{one.where}",)
+        raise
 
 
 def _check_names(given: Mapping[str, Given], options: Mapping[str, Option]) -> None:

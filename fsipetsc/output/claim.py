@@ -1,6 +1,6 @@
-"""Who may write the result of a name: one run at a time, and nothing is ever overwritten.
+"""Who may write the result of a name, or its checkpoints: one run at a time, and no result is ever overwritten.
 
-A run holds a lock on .NAME.lock beside the result, which the system takes back when the program ends in whatever way; the
+A run holds a lock on .NAME.lock beside the file, which the system takes back when the program ends in whatever way; the
 file that a killed run leaves is of no account. A second run of the same name is refused while the first goes on. The
 result is not locked itself: on network file systems that would keep the other ranks from writing it. Something else of the
 lock's name is left as it is, and the run refused.
@@ -29,14 +29,16 @@ _held: dict[Path, Claim] = {}  # of this process
 
 
 class Claim:
-    """The right to write the result `target`, until `release`.
+    """The right to write the file `target`, until `release`.
 
-    Raises FileError if another process has it. In this process the later one takes it over: the earlier run has failed,
-    or it finds its file under the new name.
+    Raises FileError if another process has it, which says what ("rod.h5: another run is writing it") and the option that gives
+    another name. In this process the later one takes it over: the earlier run has failed, or it finds its file under the new
+    name.
     """
 
-    def __init__(self, target: Path) -> None:
+    def __init__(self, target: Path, what: str = "", option: str = "-fsi_output") -> None:
         self.target = target
+        self._what, self._option = what or f"{target}: another run is writing it", option
         self._path = target.with_name(f".{target.name}.lock")
         if target in _held:
             _held[target].release()
@@ -60,8 +62,7 @@ class Claim:
                 who = os.pread(descriptor, _LONGEST, 0).decode(errors="replace").split(", session ")[0].strip()
                 os.close(descriptor)
                 raise FileError(
-                    f"{self.target}: another run is writing it{f' ({who})' if who else ''}; "
-                    "give this one a name of its own with -fsi_output"
+                    f"{self._what}{f' ({who})' if who else ''}; give this one a name of its own with {self._option}"
                 ) from None
             except OSError:  # no locks here
                 os.close(descriptor)

@@ -87,6 +87,7 @@ def _print(message: str, error: BaseException, debug: bool) -> None:
         sys.stdout.flush()
     except (OSError, ValueError):
         abandon_stdout()
-    if debug:
-        say_error(getattr(error, "told", "") or lines_of(error))
+    told = getattr(error, "told", "") or lines_of(error) if debug else getattr(error, "users", "")
+    if told:
+        say_error(told)
     say_error(f"fsipetsc: error: {message}")

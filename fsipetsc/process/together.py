@@ -44,10 +44,10 @@ def agree(comm: MPI.Comm, fault: FsiError | None, unheard: bool = True) -> None:
     """
     clear_frames(fault)
     fault = (came() if unheard else None) or fault
-    known = comm.allgather(None if fault is None else (type(fault), fault.args, fault.told or lines_of(fault)))
+    known = comm.allgather(None if fault is None else (type(fault), fault.args, fault.told or lines_of(fault), fault.users))
     first = next((entry for entry in known if entry is not None), None)
     if first is not None:
-        kind, words, told = first
+        kind, words, told, users = first
         error = kind(*words)
-        error.told = told
+        error.told, error.users = told, users
         raise error from fault

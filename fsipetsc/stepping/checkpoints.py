@@ -5,15 +5,18 @@ from __future__ import annotations
 import datetime
 import os
 import uuid
-from collections.abc import Mapping
+import weakref
+from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from mpi4py import MPI
 
-from fsipetsc.errors import InputError
+from fsipetsc.errors import FileError, InputError
 from fsipetsc.output import checkpoint_file
 from fsipetsc.output.checkpoint_file import Checkpoint
+from fsipetsc.output.claim import Claim
 from fsipetsc.output.file_layout import describe
 from fsipetsc.process.together import together
 from fsipetsc.stepping.restart import Past, checkpoint_name, described
@@ -23,15 +26,19 @@ from fsipetsc.stepping.versions import versions
 
 
 class CheckpointKeeper:
-    """Writes the checkpoints of a run. Collective on comm. FileError, InputError where none could be written.
+    """Writes the checkpoints of a run, which alone may write these until `close`. Collective on comm.
 
-    path: of the file. run: what the header of the result says of the run: "run", by which result and checkpoint know each
-    other, when it was "created", and the "restarts" since. arrays: of the checkpoint that it goes on from.
+    FileError, InputError where none could be written, or another run writes its own there.
+
+    path: of the file. past: what the run goes on from. run: what the header of the result says of the run: "run", by which
+    result and checkpoint know each other, when it was "created", and the "restarts" since. arrays: of the checkpoint that it
+    goes on from.
     """
 
     def __init__(self, comm: MPI.Comm, name: str, opt: Mapping[str, Any], state: State, past: Past | None) -> None:
-        self._comm, self._name, self._opt, self._state, self._past = comm, name, opt, state, past
+        self._comm, self._name, self._opt, self._state, self.past = comm, name, opt, state, past
         self.path = checkpoint_name(opt["fsi_checkpoint"], opt["fsi_output"])
+        self.close: Callable[[], None] = lambda: None
         together(comm, self._check)
         self.run = self._begin() if past is None else self._go_on(past)
         self.arrays = {} if past is None else dict(past.arrays)
@@ -46,9 +53,23 @@ class CheckpointKeeper:
         result = os.path.realpath(self._opt["fsi_output"])
         if result in map(os.path.realpath, (self.path, checkpoint_file.previous(self.path))):
             raise InputError(f"-fsi_checkpoint {self.path}: that is where the result goes; give it another name")
-        if self._opt["fsi_checkpoint"] or self._opt["fsi_checkpoint_steps"] or self._opt["fsi_checkpoint_wall"]:
+        asked = any(self._opt[name] for name in ("fsi_checkpoint", "fsi_checkpoint_steps", "fsi_checkpoint_wall"))
+        if asked:
             checkpoint_file.check_place(self.path)
-        checkpoint_file.tidy(self.path)
+        if asked or os.access(os.path.dirname(result), os.W_OK | os.X_OK):  # else the result says what is wrong
+            self._claim()
+            checkpoint_file.tidy(self.path)
+
+    def _claim(self) -> None:
+        """Let no other run write there: one that has the same result, or one whose result has a name that begins like it."""
+        named, output = self._opt["fsi_checkpoint"], self._opt["fsi_output"]
+        own = f"{output}: another run is writing it, or its checkpoints"
+        what = f"{named}: another run writes its checkpoints" if named else own
+        try:
+            claimed = Claim(Path(os.path.realpath(self.path)), what, "-fsi_checkpoint" if named else "-fsi_output")
+        except OSError as error:
+            raise FileError(f"{self.path}: no checkpoint can be written there: {error.strerror}") from None
+        self.close = weakref.finalize(self, claimed.release)
 
     def _begin(self) -> dict[str, Any]:
         created = datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds")
@@ -63,18 +84,18 @@ class CheckpointKeeper:
     @property
     def written_before(self) -> tuple[int, int]:
         """Frames and steps that the result had at the checkpoint."""
-        frames, rows = self._past.header["result"]
+        frames, rows = self.past.header["result"]
         return int(frames), int(rows)
 
     def lines(self) -> list[str]:
         """What is to be said of the checkpoint that the run goes on from."""
-        if self._past is None:
+        if self.past is None:
             return []
-        memory, s = self._past.header["memory"], self._state.problem.unit("s")
-        lines = [*self._past.notes, f"goes on from {self._past.path}: step {memory['steps']}, t = {memory['t']:.6g}{s}"]
+        memory, s = self.past.header["memory"], self._state.problem.unit("s")
+        lines = [*self.past.notes, f"goes on from {self.past.path}: step {memory['steps']}, t = {memory['t']:.6g}{s}"]
         changed = [
             f"{name} {was}, now {now}"
-            for (name, was), now in ((item, versions().get(item[0])) for item in self._past.header["versions"].items())
+            for (name, was), now in ((item, versions().get(item[0])) for item in self.past.header["versions"].items())
             if was != now
         ]
         return lines + ([f"note: it was written by others: {'; '.join(changed)}"] if changed else [])

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+import os
+from collections.abc import Collection, Sequence
+
+import numpy as np
 
 from fsipetsc.errors import InputError
+from fsipetsc.output.reader import open_run
 from fsipetsc.scheme.time_step import next_step
 
 #: profiles of a run
@@ -24,14 +28,28 @@ def saved_times(
     before, beyond = (sorted(t for t in saved if t < begin), sorted(t for t in saved if t > t_end))
     why = f"the run begins at t = {begin:g}{unit}" if before else f"the run ends at -ts_max_time {t_end:g}{unit}"
     if unmet := before or beyond:
-        listed = ", ".join(f"{t:g}" for t in unmet[:5]) + (" …" if len(unmet) > 5 else "")
-        raise InputError(f"-fsi_output_times: {listed}{unit} would not be reached, {why}")
+        raise InputError(f"-fsi_output_times: {listed(unmet)}{unit} would not be reached, {why}")
     if interval is not None:
         if t_end / interval > MOST:
             raise InputError(f"-fsi_output_dt {interval:g} would save more than {MOST} profiles to t = {t_end:g}{unit}")
         saved.update(min(k * interval, t_end) for k in range(math.floor(t_end / interval * (1 + 1e-12)) + 1))
     saved.add(t_end)
     return sorted(saved)
+
+
+def times_without_frame(times: Collection[float], t: float, path: str | os.PathLike[str]) -> str:
+    """Those of the times [s] up to t at which the result has no frame, listed; "" if there are none. FileError."""
+    early = sorted(time for time in times if time <= t)
+    if not early:
+        return ""
+    with open_run(path) as run:
+        frames = np.asarray(run.time)
+    return listed([time for time in early if not np.isclose(frames, time, rtol=1e-12, atol=0.0).any()])
+
+
+def listed(times: Sequence[float]) -> str:
+    """The first ones."""
+    return ", ".join(f"{t:g}" for t in times[:5]) + (" …" if len(times) > 5 else "")
 
 
 class OutputTimes:

@@ -6,7 +6,7 @@ import signal
 import threading
 import time
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import closing, contextmanager, suppress
 from typing import Any
 
 import numpy as np
@@ -21,12 +21,13 @@ from fsipetsc.output.writer import RunWriter
 from fsipetsc.problem import Problem
 from fsipetsc.process.interrupts import Interrupted, heeded, take_over
 from fsipetsc.process.notes import PATIENCE, exchange
+from fsipetsc.process.together import together
 from fsipetsc.scheme.conservation_check import ConservationCheck
 from fsipetsc.stepping.checkpoints import CheckpointKeeper
 from fsipetsc.stepping.integrator import Integrator
 from fsipetsc.stepping.ledgers import Ledgers
 from fsipetsc.stepping.limits import Limits
-from fsipetsc.stepping.output_times import saved_times
+from fsipetsc.stepping.output_times import saved_times, times_without_frame
 from fsipetsc.stepping.pauses import Pauses
 from fsipetsc.stepping.phases import LOOP, OUTPUT, SET_UP, Phases
 from fsipetsc.stepping.report import Reporter
@@ -69,9 +70,9 @@ def run_case(case: Any, options: dict[str, Any], comm: MPI.Comm, past: Past | No
             if past is not None:
                 check_problem(past, problem, describe(state.journal.dtype))
             state.check_data()  # before there is a file
-        with _apart(comm) as notes:
+        with _apart(comm) as notes, closing(CheckpointKeeper(comm, case.NAME, options, state, past)) as keeper:
             with phases(SET_UP):
-                run = _Run(case, options, comm, notes, phases, state, past, start)
+                run = _Run(case, options, comm, notes, phases, state, keeper, start)
             with _asked(run.integrator.pauses):
                 run.go()
 
@@ -100,16 +101,15 @@ class _Run:
         notes: MPI.Comm,
         phases: Phases,
         state: State,
-        past: Past | None = None,
+        keeper: CheckpointKeeper,
         start: Start | None = None,
     ) -> None:
-        self.case, self.opt, self.comm, self.phases, self.past = case, opt, comm, phases, past
+        self.case, self.opt, self.comm, self.phases, self.keeper = case, opt, comm, phases, keeper
         self.begun = [] if start is None else [start.line]
         self.problem, self.state = state.problem, state
         times = opt["ts_max_time"], opt["fsi_output_dt"], opt["fsi_output_times"]
         saved = saved_times(*times, self.problem.unit("s"), state.begin)
-        self.keeper = CheckpointKeeper(comm, case.NAME, opt, state, past)
-        header, after = self._header(), None if past is None else self.keeper.written_before
+        header, after = self._header(), None if keeper.past is None else keeper.written_before
         self.writer = RunWriter(comm, opt["fsi_output"], header, after=after)
         self.writer.take_series = self._take
         self.report = Reporter(comm, case.NAME, opt)
@@ -235,6 +235,11 @@ class _Run:
         self.limits.changes = list(header.get("limits", ()))
         if header["watch"] is not None and self.checks and self.comm.rank == 0:
             self._conservation().recall(header["watch"])
+        asked = set(self.opt["fsi_output_times"] or ()) - set(past.options["fsi_output_times"] or ())
+        missed = together(self.comm, lambda: times_without_frame(asked, integrator.t, self.writer.path))
+        if missed:
+            missed += self.problem.unit("s")
+            self.report.line(f"note: -fsi_output_times: {missed}, before the checkpoint: no frames are made there")
         if self.writer.nframes:
             self.saved_at = header["saved_at"]
         else:  # a file of its own
@@ -265,11 +270,11 @@ class _Run:
             with self.phases(SET_UP):
                 say = self.report.line
                 self.state.compile(say, lambda: (self.state.compile_saving(), integrator.compile(say)))
-                if self.past is None:
+                if self.keeper.past is None:
                     integrator.start()
                     self.ledgers.begin(integrator.initial)
                 else:
-                    self._resume(self.past)
+                    self._resume(self.keeper.past)
             self.report.start(integrator.t, integrator.steps, integrator.pauses.ends)
             if integrator.beyond:
                 self.report.line(f"note: {integrator.beyond}; explicit methods are unstable far beyond it")
