@@ -83,9 +83,14 @@ def call(function: Callable[..., Any], arguments: tuple[Any, ...], where: str) -
     except BaseException as error:  # SystemExit of one rank would leave the others waiting
         if isinstance(error, FsiError) and getattr(function, "__module__", "").startswith("fsipetsc.cases."):
             raise  # it is about an option
-        fault = InputError(f"{place_of_error(error, function)}: {where}: {reason(error)}", collective=False)
-        fault.users = users_lines(error)
-        raise fault from error
+        raise _explained(error, function, where) from error
+
+
+def _explained(error: BaseException, function: Callable[..., Any], where: str) -> InputError:
+    """What a user's function has raised, for `call`: whose frame must not hold it, as it holds the frame, and all beyond."""
+    fault = InputError(f"{place_of_error(error, function)}: {where}: {reason(error)}", collective=False)
+    fault.users = users_lines(error)
+    return fault
 
 
 def users_lines(error: BaseException) -> str:

@@ -21,7 +21,7 @@ from fsipetsc.process.failure import end_together
 from fsipetsc.process.host import left_as_found
 from fsipetsc.process.interrupts import Launcher, held_back, raised
 from fsipetsc.process.launch import launcher_rank, start_mpi, start_petsc
-from fsipetsc.process.leftovers import release_names
+from fsipetsc.process.leftovers import mark_start, release_names
 from fsipetsc.process.streams import abandon_stdout, complete_streams, heedless
 from fsipetsc.process.together import together
 from fsipetsc.usage import case_help, command_help, overview, program
@@ -238,6 +238,8 @@ def _in_parallel(arguments: list[str], own: bool) -> int:
         with raised("" if arguments[0] in COMMANDS else "before the first step"):
             with held_back():  # until all ranks can be told
                 launcher.follow()
+                if own:
+                    mark_start()
                 world = start_mpi()
                 if own:
                     release_names(world)

@@ -1,15 +1,18 @@
-"""What a killed run leaves of Open MPI's: only the folder of its own session is removed, and only when its mpiexec is gone."""
+"""What a killed run leaves of Open MPI's: only what is its own is removed, by a later run, when nobody has it any more."""
 
 from __future__ import annotations
 
 import os
+import signal
 import socket
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
-from helpers import PATIENCE
+from helpers import PATIENCE, REPOSITORY, environment, run
+from kill_cycles import alive, descendants
 
 from fsipetsc.errors import FileError
 from fsipetsc.output.claim import Claim
@@ -90,3 +93,75 @@ def test_names_are_known_by_what_is_mapped(tmp_path, monkeypatch):
     (tmp_path / "maps").write_text(lines)
     monkeypatch.setattr("builtins.open", lambda *_: (tmp_path / "maps").open())
     assert leftovers._mapped() == {"/dev/shm/vader_segment.machine.0.13f10001.1": "1"}
+
+
+@pytest.fixture
+def begins(tmp_path, monkeypatch) -> Path:
+    """A folder for temporary files, shared memory in it; this process is the first rank of job abc, and its mpiexec."""
+    monkeypatch.setattr(leftovers.tempfile, "gettempdir", lambda: str(tmp_path))
+    for name, value in (
+        ("OMPI_MCA_btl_vader_backing_directory", str(tmp_path)),
+        ("OMPI_MCA_osc_sm_backing_directory", str(tmp_path)),
+        ("OMPI_MCA_orte_jobfam_session_dir", str(session(tmp_path, os.getpid()))),
+        ("OMPI_MCA_ess_base_jobid", str(0xABC)),
+        ("OMPI_COMM_WORLD_LOCAL_RANK", "0"),
+    ):
+        monkeypatch.setenv(name, value)
+    return tmp_path
+
+
+def test_what_a_mark_tells_of_is_removed_when_nobody_holds_it(begins, dead):
+    """Not so of another host, nor shared memory of other jobs; a mark stays as long as its mpiexec."""
+    user, gone = os.getuid(), session(begins, dead)
+    names = "vader_segment.machine.0.def.0", "vader_segment.machine.0.def.1", "osc_sm.machine.def.0.7"
+    memory = [begins / name for name in names]
+    others = [begins / name for name in ("vader_segment.machine.0.defa.0", "other.0.def.0", f"fsipetsc.{user + 1}.def.start")]
+    stale, elsewhere, living = (begins / f"fsipetsc.{user}.{job}.start" for job in ("def", "defa", "fed"))
+    for path in (*memory, *others):
+        path.touch()
+    stale.write_text(f"{HERE}, session {gone}")
+    elsewhere.write_text(f"process 1 on machine, session {gone}")
+    living.write_text(f"{HERE}, session {gone.with_name(f'pid.{os.getpid()}')}")
+    leftovers.mark_start()
+    own = begins / f"fsipetsc.{user}.abc.start"
+    assert not stale.exists() and not gone.exists() and not any(path.exists() for path in memory)
+    assert all(path.exists() for path in (*others, elsewhere, living)) and str(os.getpid()) in own.read_text()
+    again = subprocess.run(
+        [sys.executable, "-c", "from fsipetsc.process.leftovers import mark_start; mark_start()"],
+        env={**os.environ, "TMPDIR": str(begins), "PYTHONPATH": str(REPOSITORY)},
+        check=False,
+        timeout=60,
+    )
+    assert again.returncode == 0 and own.exists(), "what is held is a run that goes on"
+    leftovers.remove_mark()
+    assert not own.exists()
+    leftovers.remove_mark()
+
+
+@pytest.mark.mpi
+def test_the_next_run_removes_what_one_leaves_that_is_killed_as_it_begins(tmp_path):
+    """All ranks and the launcher, when there is shared memory and no result yet; the next run is of another name."""
+    pytest.importorskip("petsc4py")
+    temporary, memory = tmp_path / "t", tmp_path / "m"
+    temporary.mkdir(), memory.mkdir()
+    where = {"TMPDIR": str(temporary)}
+    where |= {f"OMPI_MCA_{name}_backing_directory": str(memory) for name in ("btl_vader", "osc_sm")}
+    command = ["mpiexec", "-n", "2", sys.executable, "-m", "fsipetsc", "rod", "-fsi_quiet"]
+    killed = subprocess.Popen(command, cwd=tmp_path, env=environment(where), stderr=subprocess.DEVNULL)
+    end = time.monotonic() + PATIENCE
+    while not list(memory.iterdir()) and killed.poll() is None and time.monotonic() < end:
+        time.sleep(0.001)
+    everybody = [killed.pid, *descendants(killed.pid)]
+    for pid in everybody:
+        os.kill(pid, signal.SIGKILL)
+    killed.wait()
+    while alive(everybody) and time.monotonic() < end:
+        time.sleep(0.01)
+    if not list(temporary.glob("fsipetsc.*.start")):
+        pytest.skip("another MPI, of whose jobs nothing is known")
+    assert list(temporary.glob("ompi.*/pid.*"))
+    words = "rod -fsi_h 0.05 -ts_max_steps 1 -fsi_quiet -fsi_output next.h5".split()
+    done = run("-m", "fsipetsc", *words, cwd=tmp_path, env=where)
+    assert (done.returncode, done.stderr) == (0, "")
+    left = [path for path in (*temporary.rglob("*"), *memory.iterdir()) if not path.is_dir()]
+    assert not left and not list(temporary.glob("ompi.*/pid.*"))

@@ -15,16 +15,13 @@ import glob
 import itertools
 import os
 import re
-import socket
 import stat
 from contextlib import suppress
 from pathlib import Path
 
 from fsipetsc.errors import FileError
-from fsipetsc.process.leftovers import remove_session, session
+from fsipetsc.process.leftovers import LONGEST, remove_session, whereabouts
 
-#: bytes of a lock file, which says who holds it
-_LONGEST = 300
 _held: dict[Path, Claim] = {}  # of this process
 
 
@@ -59,7 +56,7 @@ class Claim:
                 if not self._still_there(descriptor):  # removed meanwhile: it stands for nothing
                     os.close(descriptor)
                     continue
-                who = os.pread(descriptor, _LONGEST, 0).decode(errors="replace").split(", session ")[0].strip()
+                who = os.pread(descriptor, LONGEST, 0).decode(errors="replace").split(", session ")[0].strip()
                 os.close(descriptor)
                 raise FileError(
                     f"{self._what}{f' ({who})' if who else ''}; give this one a name of its own with {self._option}"
@@ -69,11 +66,9 @@ class Claim:
                 self._path.unlink(missing_ok=True)
                 return None
             if self._still_there(descriptor):
-                remove_session(os.pread(descriptor, _LONGEST, 0).decode(errors="replace"))  # of a run that was killed
+                remove_session(os.pread(descriptor, LONGEST, 0).decode(errors="replace"))  # of a run that was killed
                 os.ftruncate(descriptor, 0)
-                who = f"process {os.getpid()} on {socket.gethostname()}"
-                more = f"{who}, session {session()}".encode()
-                os.pwrite(descriptor, more if session() and len(more) <= _LONGEST else who.encode(), 0)
+                os.pwrite(descriptor, whereabouts().encode(), 0)
                 return descriptor
             os.close(descriptor)  # who had it removed it meanwhile
 
@@ -104,9 +99,9 @@ class Claim:
 def _is_lock(descriptor: int) -> bool:
     """Whether an open file is what a run makes: empty, or with one line about who it is, and of this name only."""
     status = os.fstat(descriptor)
-    if not stat.S_ISREG(status.st_mode) or status.st_nlink > 1 or status.st_size > _LONGEST:
+    if not stat.S_ISREG(status.st_mode) or status.st_nlink > 1 or status.st_size > LONGEST:
         return False
-    return re.fullmatch(rb"(process \d+ on [^\n]*)?", os.pread(descriptor, _LONGEST, 0)) is not None
+    return re.fullmatch(rb"(process \d+ on [^\n]*)?", os.pread(descriptor, LONGEST, 0)) is not None
 
 
 def keep_earlier(target: Path) -> Path | None:

@@ -6,15 +6,21 @@ is not there in the end, so an empty file takes its place for that moment.
 
 mpiexec keeps a folder of its session (ompi.HOST.USER/pid.N), which it removes when it ends. If it is killed, too, nobody does;
 the next run of the same result does, which knows from the lock of the killed one where it is (fsipetsc.output.claim).
+
+Until there is that lock, and until all have mapped the memory, a mark in the folder for temporary files stands for both: it is
+there from the first moment of the program on, locked by the process that made it. If a run is killed so early, the next one of
+this user on this host finds a mark that nobody holds, and removes what it tells of, and the mark.
 """
 
 from __future__ import annotations
 
 import atexit
+import fcntl
 import os
 import re
 import shutil
 import socket
+import tempfile
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -25,7 +31,76 @@ if TYPE_CHECKING:
 _SEGMENT = re.compile(r"/\S*/vader_segment\.[^/\s]*\.(\d+)$")
 _SESSION = re.compile(r"/\S+/ompi\.[^/\s]+/pid\.(\d+)")
 _LOCK = re.compile(rf"process \d+ on ([^,\s]+), session ({_SESSION.pattern})")
-_KEPT = "OMPI_MCA_orte_jobfam_session_dir"
+_KEPT, _JOB, _ON_NODE = "OMPI_MCA_orte_jobfam_session_dir", "OMPI_MCA_ess_base_jobid", "OMPI_COMM_WORLD_LOCAL_RANK"
+#: first words of the names of Open MPI's shared memory, which have the number of the job in them -> what says where it is
+_SHARED = {"vader_segment": "OMPI_MCA_btl_vader_backing_directory", "osc_sm": "OMPI_MCA_osc_sm_backing_directory"}
+_MARK = re.compile(r"fsipetsc\.(\d+)\.([0-9a-f]+)\.start")
+#: bytes of what a mark or a lock says
+LONGEST = 300
+_marks: dict[Path, int] = {}  # of this process -> descriptor, which holds the lock
+
+
+def mark_start() -> None:
+    """Say that a job of mpiexec begins, and remove what those have left that were killed as they began.
+
+    For a process of the program's own. The first rank of a node does so for all; one without mpiexec has nothing to say.
+    """
+    if os.environ.get(_ON_NODE, "0") != "0":
+        return
+    folder = Path(tempfile.gettempdir())
+    with suppress(OSError):
+        for path in sorted(folder.iterdir()):
+            match = _MARK.fullmatch(path.name)
+            if match and int(match[1]) == os.getuid():
+                _follow(path, match[2])
+    job = os.environ.get(_JOB, "")
+    if not session() or not job.isdigit():
+        return
+    path = folder / f"fsipetsc.{os.getuid()}.{int(job):x}.start"
+    with suppress(OSError):
+        descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW, 0o600)
+        _marks[path] = descriptor
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        os.write(descriptor, whereabouts().encode())
+    atexit.register(remove_mark)
+
+
+def remove_mark() -> None:
+    """What the mark tells of is known otherwise by now, or gone."""
+    while _marks:
+        path, descriptor = _marks.popitem()
+        with suppress(OSError):
+            path.unlink()
+        os.close(descriptor)
+
+
+def _follow(path: Path, job: str) -> None:
+    """Remove what a mark tells of if nobody holds it, and the mark if nothing is left. OSError."""
+    descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
+    try:
+        if os.fstat(descriptor).st_uid != os.getuid() or os.fstat(descriptor).st_nlink != 1:
+            return
+        with suppress(BlockingIOError):
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            said = os.pread(descriptor, LONGEST, 0).decode(errors="replace")
+            if said and f" on {socket.gethostname()}, " not in said:
+                return
+            remove_session(said)
+            _remove_shared(job)
+            match = _LOCK.fullmatch(said)
+            if match is None or not os.path.lexists(match[2]):
+                path.unlink()
+    finally:
+        os.close(descriptor)
+
+
+def _remove_shared(job: str) -> None:
+    """The shared memory of a job that is no more."""
+    for word, elsewhere in _SHARED.items():
+        for path in Path(os.environ.get(elsewhere, "/dev/shm")).glob(f"{word}.*.{job}.*"):
+            with suppress(OSError):
+                if path.lstat().st_uid == os.getuid():
+                    path.unlink()
 
 
 def release_names(comm: MPI.Comm) -> None:
@@ -60,6 +135,13 @@ def session() -> str:
     """The folder of mpiexec's session, "" if there is none."""
     folder = os.environ.get(_KEPT, "")
     return folder if _SESSION.fullmatch(folder) else ""
+
+
+def whereabouts() -> str:
+    """Who this is, in words that others can follow: process, host and, if that is short enough to say, session."""
+    who = f"process {os.getpid()} on {socket.gethostname()}"
+    more = f"{who}, session {session()}"
+    return more if session() and len(more.encode()) <= LONGEST else who
 
 
 def remove_session(said: str) -> None:

@@ -20,6 +20,7 @@ from fsipetsc.output.file_layout import describe
 from fsipetsc.output.writer import RunWriter
 from fsipetsc.problem import Problem
 from fsipetsc.process.interrupts import Interrupted, heeded, take_over
+from fsipetsc.process.leftovers import remove_mark
 from fsipetsc.process.notes import PATIENCE, exchange
 from fsipetsc.process.together import together
 from fsipetsc.scheme.conservation_check import ConservationCheck
@@ -73,6 +74,7 @@ def run_case(case: Any, options: dict[str, Any], comm: MPI.Comm, past: Past | No
         with _apart(comm) as notes, closing(CheckpointKeeper(comm, case.NAME, options, state, past)) as keeper:
             with phases(SET_UP):
                 run = _Run(case, options, comm, notes, phases, state, keeper, start)
+                remove_mark()  # from now on the result's lock says it
             with _asked(run.integrator.pauses):
                 run.go()
 
