@@ -15,7 +15,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from helpers import environment, solve
+from helpers import environment, run, solve
 
 import fsipetsc
 
@@ -84,14 +84,19 @@ def job_of(pid: int) -> str:
     return f"{int(found[0]):x}" if found else ""
 
 
-def killed_once(words: list[str], ranks: int, folder: Path, chance: random.Random) -> str:
+def places(temporary: str, memory: str) -> dict[str, str]:
+    """The environment in which Open MPI has its sessions and its shared memory there."""
+    shared = {f"OMPI_MCA_{name}_backing_directory": memory for name in ("btl_vader", "osc_sm")}
+    return {"TMPDIR": temporary, **shared}
+
+
+def killed_once(words: list[str], ranks: int, folder: Path, where: dict[str, str], chance: random.Random) -> str:
     """Start a run, kill it at some moment; what was killed, or "ended" if it had come to its end before."""
     output, checkpoint = folder / "run.h5", folder / "run.checkpoint.h5"
     before = checkpoint.stat().st_mtime_ns if checkpoint.exists() else 0
     command = ["mpiexec", "-n", str(ranks), sys.executable, "-m", "fsipetsc", *words, "-fsi_output", str(output)]
-    process = subprocess.Popen(
-        command, cwd=folder, env=environment(), stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    )
+    none = subprocess.DEVNULL
+    process = subprocess.Popen(command, cwd=folder, env=environment(where), stdin=none, stdout=none, stderr=none)
     early = chance.random() < 0.15  # while it starts
     end, everybody = time.monotonic() + (chance.uniform(0.3, 3.0) if early else PATIENCE), []
     while process.poll() is None and time.monotonic() < end:
@@ -102,8 +107,8 @@ def killed_once(words: list[str], ranks: int, folder: Path, chance: random.Rando
     computing = ranks_of(process.pid, output)
     job = "" if early or not computing else job_of(computing[0])
     everybody = [process.pid, *descendants(process.pid)]
-    which = chance.choice(("one rank", "all ranks", "all and the launcher"))
-    victims = {"one rank": computing[-1:], "all ranks": computing, "all and the launcher": [process.pid, *computing]}[which]
+    which = chance.choice(("one rank", "all ranks", "all and the launcher")) if computing else "the launcher"
+    victims = {"one rank": computing[-1:], "all ranks": computing}.get(which, [process.pid, *computing])
     if process.poll() is not None:
         assert process.returncode == 0, f"ended with status {process.returncode} on {ranks} ranks"
         return "ended"
@@ -113,14 +118,14 @@ def killed_once(words: list[str], ranks: int, folder: Path, chance: random.Rando
         except ProcessLookupError:
             pass
     try:
-        process.wait(60)
+        process.wait(PATIENCE)
     finally:
         process.kill()
     end = time.monotonic() + 120
     while (left := alive(everybody)) and time.monotonic() < end:
         time.sleep(0.01)
     assert not left, f"{which} killed, and 2 minutes later there is {left}"
-    shared = list(Path("/dev/shm").glob(f"*.{job}.*")) if job else []
+    shared = list(Path(where["OMPI_MCA_btl_vader_backing_directory"]).glob(f"*.{job}.*")) if job else []
     assert not shared, f"{which} killed, and there is {shared}"
     return f"{which}{' at the start' if early else ''}"
 
@@ -133,10 +138,27 @@ def cycles(folder: Path, case: str, kills: int, seed: int) -> list[str]:
     whole = solve(*words, "-fsi_output", folder / "whole.h5", cwd=folder)
     assert whole.returncode == 0, whole.stderr
     words += ["-fsi_restart", "auto", "-fsi_checkpoint_wall", str(INTERVAL)]
-    said, shared = [], set(os.listdir("/dev/shm"))
+    anywhere = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
+    with anywhere as temporary, tempfile.TemporaryDirectory(dir="/dev/shm") as memory:
+        where = places(temporary, memory)
+        said = killed(folder, words, kills, where, chance)
+        last = run("-m", "fsipetsc", *words, "-fsi_output", folder / "run.h5", cwd=folder, env=where)
+        files = [path for path in (*Path(memory).iterdir(), *Path(temporary).glob("fsipetsc.*"))]
+        sessions = len(list(Path(temporary).glob("ompi.*/pid.*")))
+    assert last.returncode == 0, last.stderr
+    assert differences(folder / "whole.h5", folder / "run.h5", same_ranks=False) == []
+    left = {path.name for path in folder.iterdir()} - {"whole.h5", "run.h5", "run.checkpoint.h5", "run.checkpoint.previous.h5"}
+    assert not {name for name in left if not name.endswith(".xdmf")}, left
+    assert not files, files
+    return [*said, f"sessions of mpiexec that are left, killed before the program began: {sessions}"]
+
+
+def killed(folder: Path, words: list[str], kills: int, where: dict[str, str], chance: random.Random) -> list[str]:
+    """Kill it so many times; what was killed, and what the result had then."""
+    said: list[str] = []
     while len(said) < kills:
         ranks = chance.choice(RANKS)
-        how = killed_once(words, ranks, folder, chance)
+        how = killed_once(words, ranks, folder, where, chance)
         assert how != "ended", f"the run was over after {len(said)} kills: {said}"
         if (folder / "run.h5").exists():
             with fsipetsc.open_run(folder / "run.h5") as result:
@@ -146,13 +168,7 @@ def cycles(folder: Path, case: str, kills: int, seed: int) -> list[str]:
             said.append(f"{ranks} ranks, {how}: no result yet")
         if len(said) % 5 == 0:
             print(said[-1], flush=True)
-    last = solve(*words, "-fsi_output", folder / "run.h5", cwd=folder)  # more ranks than cores would take long
-    assert last.returncode == 0, last.stderr
-    assert differences(folder / "whole.h5", folder / "run.h5", same_ranks=False) == []
-    left = {path.name for path in folder.iterdir()} - {"whole.h5", "run.h5", "run.checkpoint.h5", "run.checkpoint.previous.h5"}
-    assert not {name for name in left if not name.endswith(".xdmf")}, left
-    ours = {name for name in set(os.listdir("/dev/shm")) - shared if (Path("/dev/shm") / name).stat().st_uid == os.getuid()}
-    return [*said, f"in /dev/shm beside what was there: {sorted(ours)}"]
+    return said
 
 
 if __name__ == "__main__":

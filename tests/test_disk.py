@@ -40,7 +40,7 @@ SAID = {
     **{f"checkpoint {place}": ("exists and is not a regular file", place) for place in ("/dev/full", "/dev/null")},
     **{f"restart {place}": ("is not a checkpoint of fsipetsc", place) for place in ("/dev/full", "/dev/null")},
     "output /proc/x.h5": ("cannot write: No such file", "/proc/x.h5"),
-    "checkpoint /proc/x.h5": ("the checkpoint cannot be written: No such file", "what was computed before is in"),
+    "checkpoint /proc/x.h5": ("no checkpoint can be written there: No such file", "/proc/x.h5"),
     "restart /proc/x.h5": ("there is no such file", "/proc/x.h5"),
     "output no/where.h5": ("does not exist", "no/where.h5"),
     "checkpoint no/where.h5": ("does not exist", "no/where.h5"),

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 from helpers import PATIENCE, REPOSITORY, environment, run
-from kill_cycles import alive, descendants
+from kill_cycles import alive, descendants, places
 
 from fsipetsc.errors import FileError
 from fsipetsc.output.claim import Claim
@@ -144,8 +144,7 @@ def test_the_next_run_removes_what_one_leaves_that_is_killed_as_it_begins(tmp_pa
     pytest.importorskip("petsc4py")
     temporary, memory = tmp_path / "t", tmp_path / "m"
     temporary.mkdir(), memory.mkdir()
-    where = {"TMPDIR": str(temporary)}
-    where |= {f"OMPI_MCA_{name}_backing_directory": str(memory) for name in ("btl_vader", "osc_sm")}
+    where = places(str(temporary), str(memory))
     command = ["mpiexec", "-n", "2", sys.executable, "-m", "fsipetsc", "rod", "-fsi_quiet"]
     killed = subprocess.Popen(command, cwd=tmp_path, env=environment(where), stderr=subprocess.DEVNULL)
     end = time.monotonic() + PATIENCE
