@@ -57,10 +57,10 @@ class CheckpointKeeper:
         if asked:
             checkpoint_file.check_place(self.path)
         if asked or os.access(os.path.dirname(result), os.W_OK | os.X_OK):  # else the result says what is wrong
-            self._claim()
+            self._claim(asked)
             checkpoint_file.tidy(self.path)
 
-    def _claim(self) -> None:
+    def _claim(self, asked: bool) -> None:
         """Let no other run write there: one that has the same result, or one whose result has a name that begins like it."""
         named, output = self._opt["fsi_checkpoint"], self._opt["fsi_output"]
         own = f"{output}: another run is writing it, or its checkpoints"
@@ -68,6 +68,8 @@ class CheckpointKeeper:
         try:
             claimed = Claim(Path(os.path.realpath(self.path)), what, "-fsi_checkpoint" if named else "-fsi_output")
         except OSError as error:
+            if not asked:  # the result will say it, if it is so there, too
+                return
             raise FileError(f"{self.path}: no checkpoint can be written there: {error.strerror}") from None
         self.close = weakref.finalize(self, claimed.release)
 
