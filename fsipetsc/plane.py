@@ -18,6 +18,7 @@ from fsipetsc.checks import NONNEGATIVE, POSITIVE, Array, Fields, described, ext
 from fsipetsc.errors import InputError
 from fsipetsc.operators.formulas import Formulas, in_python
 from fsipetsc.physics.fluid import Fluid
+from fsipetsc.physics.own_laws import check_energy
 from fsipetsc.physics.plane.log_solid import log_solid
 from fsipetsc.physics.plane.neo_hookean import neo_hookean
 from fsipetsc.physics.plane.st_venant_kirchhoff import st_venant_kirchhoff
@@ -36,7 +37,7 @@ class PlaneSolid:
 
     mu_e, lambda_e: Lame's constants [Pa]; kappa_e: heat conductivity [W/(m K)]; m0: density at rest [kg/m3]; alpha: specific
     heat [J/(kg K)]; p_ref: pressure under which it is free of strain [Pa]; law: "log" (the paper's), "neo-hookean", "svk",
-    or formulas as in fsipetsc.physics.plane.log_solid; heat: "coupled" (the paper's: what stresses do becomes heat) or
+    or what fsipetsc.physics.own_laws.elastic_law returns; heat: "coupled" (the paper's: what stresses do becomes heat) or
     "elastic" (beside an elastic energy). InputError for what is no number or out of range.
     """
 
@@ -55,10 +56,15 @@ class PlaneSolid:
         numbers(self, "PlaneSolid", {**ranges, "p_ref": ""})
         if not self.K > 0.0:
             raise InputError("PlaneSolid: mu_e and lambda_e are 0: expected one of them above 0")
-        if not isinstance(self.law, Formulas) and self.law not in ELASTIC:
-            raise InputError(f"PlaneSolid: law is {described(self.law)}: expected {', '.join(map(repr, ELASTIC))} or formulas")
+        if not (hasattr(self.law, "modulus") if isinstance(self.law, Formulas) else self.law in tuple(ELASTIC)):
+            known = f"{', '.join(map(repr, ELASTIC))}, or what elastic_law(…) returns"
+            raise InputError(f"PlaneSolid: law is {described(self.law)}: expected {known}")
         if self.heat not in HEATS:
             raise InputError(f"PlaneSolid: heat is {described(self.heat)}: expected {' or '.join(map(repr, HEATS))}")
+        if getattr(self.formulas, "own", False):
+            if self.heat == "elastic" and not self.formulas.knows_energy:
+                raise InputError("PlaneSolid: its law has no formula energy(c, F), which heat='elastic' needs")
+            check_energy(self.formulas, self)
         object.__setattr__(self, "force", _force(self.force, "PlaneSolid"))
 
     @property

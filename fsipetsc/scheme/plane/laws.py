@@ -12,6 +12,7 @@ from fsipetsc.operators.formulas import Formulas
 from fsipetsc.operators.variants import Variants, digest
 from fsipetsc.physics.constant_transport import constant_transport
 from fsipetsc.physics.layer import FLUID
+from fsipetsc.physics.own_laws import check
 from fsipetsc.physics.perfect_gas import perfect_gas
 from fsipetsc.physics.plane.log_solid import log_solid
 from fsipetsc.physics.plane.solid import plane_solid
@@ -45,11 +46,16 @@ _BUILT_IN = {digest(GAS), digest(SOLID)}
 
 
 def compiled(entry: Any, equations: Formulas) -> Any:
-    """An entry for a layer of these equations, which may be those that it names."""
+    """An entry for a layer of these equations, which may be those that it names. InputError for formulas of a stress that
+    cannot be compiled.
+    """
     wanted = law(equations)
     name = digest(wanted)
     if name in _BUILT_IN:
         return entry
     if name not in _VARIANTS:
+        elastic: Any = getattr(wanted, "elastic", None)
+        if getattr(elastic, "own", False) and not Variants.on_disk(f"plane-{name}"):
+            check(elastic.plain, "elastic")
         _VARIANTS[name] = Variants(((GAS if wanted.kind == FLUID else SOLID, wanted),), f"plane-{name}")
     return _VARIANTS[name].of(entry)
