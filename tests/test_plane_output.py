@@ -24,6 +24,7 @@ from PIL import Image
 from test_plane import BOX
 from test_plots import assert_texts_apart
 
+from fsipetsc.cli import main
 from fsipetsc.output import file_layout, xdmf
 from fsipetsc.output.info import info
 from fsipetsc.output.plots import pictures, plot, style
@@ -301,8 +302,8 @@ def test_film_and_report_of_one_dimension(folder, tmp_path):
         assert len(sources) > 10 and all(source.startswith("data:image/png;base64,") for source in sources)
 
 
-def test_one_layer_alone_and_chosen_times(tmp_path):
-    """No interface, no gas, and times that are asked for."""
+def test_one_layer_alone_and_chosen_times(folder, tmp_path):
+    """No interface, no gas, and times that are asked for; beside a result with a gas."""
     case = BOX.split("def build")[0] + (
         "def build(opt):\n"
         "    layer = PlaneSolidLayer('plate', plate, (0, 0.5), rest, left=Clamped(), right=Clamped())\n"
@@ -317,6 +318,10 @@ def test_one_layer_alone_and_chosen_times(tmp_path):
         assert figure._suptitle.get_text().startswith("alone, stress in solids  (")  # and no gas
     assert drawn == {f"alone-{name}" for name in ("p", "rho", "v", "T", "stress", "ledgers", "steps")}
     assert animate(tmp_path / "alone.h5", tmp_path).stat().st_size > 1000
+    for names in ((folder / "blast.h5", tmp_path / "alone.h5"), (tmp_path / "alone.h5", folder / "blast.h5")):
+        assert main(["plot", str(names[0]), "-compare", str(names[1]), "-o", str(tmp_path / "both.svg")]) == 0
+        page = (tmp_path / "both.svg").read_text()
+        assert "gas: pressure p" in page and "solid: stress" in page, names
 
 
 def test_xarray(folder, blast):

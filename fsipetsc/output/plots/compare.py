@@ -18,7 +18,7 @@ from fsipetsc.output.plots.plane.maps import bar, colors, domain, few_ticks, pan
 from fsipetsc.output.plots.plane.page import pairs_of, size_of
 from fsipetsc.output.plots.plane.quantities import Pair
 from fsipetsc.output.plots.quantities import PROFILES, SPACE_TIME
-from fsipetsc.output.plots.scales import axis_label, named, scaled, time_axis, unit_of
+from fsipetsc.output.plots.scales import axis_label, extremes, named, scaled, time_axis, unit_of
 from fsipetsc.output.plots.steps import unhurried
 from fsipetsc.output.plots.style import BLUE, ORANGE, SERIES, thin
 from fsipetsc.output.plots.titles import set_title
@@ -41,7 +41,7 @@ def draw(
     faults: gets what of damaged results could not be drawn.
     """
     if a.dimension != b.dimension or not a.nframes or not b.nframes:
-        raise InputError(f"plot -compare: {a.path} and {b.path}: expected two results of one dimension, with frames")
+        raise InputError(f"plot -compare: {a.path} and {b.path}: expected two results of equal dimension, with frames")
     height, above = 0.01, lambda part: None
     try:
         frames = _frames(a, b, times, TIMES if a.dimension == 1 else 1)
@@ -102,20 +102,22 @@ def _maps(
     a: Run, b: Run, fields: Sequence[str], frames: Sequence[tuple[int, int]]
 ) -> tuple[float, Callable[[FigureBase], None]]:
     """The first result, the second, and the second less the first where their grids have as many points."""
-    pairs, ranges = pairs_of(fields), domain(a)
-    same = alike(a, b)
+    pairs, same = pairs_of(fields), alike(a, b)
+    ranges = [extremes(*map(np.array, both)) for both in zip(domain(a), domain(b))]
     rows = [(pair, at) for pair in pairs for at in frames]
     width, height = size_of(ranges, 10.2 / (2 + same))
 
     def above(figure: FigureBase) -> None:
         for part, (pair, (i, j)) in zip(figure.subfigures(len(rows), 1, squeeze=False)[:, 0], rows):
             grid = part.subplots(1, 2 + same, sharex=True, sharey=True)
-            scales = [found for quantity in (pair.gas, pair.solid) if (found := colors(a, quantity, [i]))]
+            either = [colors(a, quantity, [i]) or colors(b, quantity, [j]) for quantity in (pair.gas, pair.solid)]
+            scales = [found for found in either if found]
+            drawn = []
             for axes, run, frame in ((grid[0], a, i), (grid[1], b, j)):
-                pictures = panel(axes, run, frame, scales)
+                drawn.append(panel(axes, run, frame, scales))
                 axes.set_title(f"{_name(run)}, t = {run.time[frame]:.4g}{unit_of(run, 's')}", loc="left", fontsize=8)
-            for own, picture in zip(scales, pictures):
-                bar(part, picture, own, list(grid[:2]), 6)
+            for own, first, second in zip(scales, *drawn):
+                bar(part, first or second, own, list(grid[:2]), 6)
             if same:
                 _difference(part, grid[2], a, b, pair, (i, j))
             for axes in grid:

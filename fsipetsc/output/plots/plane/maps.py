@@ -82,7 +82,7 @@ def chosen_frames(run: Run, gas: Quantity, solid: Quantity, times: Sequence[floa
 
 
 def panel(axes: Axes, run: Run, frame: int, scales: Sequence[Colors]) -> list[Any]:
-    """Draw one frame; what there is to make a color bar of, one for each scale."""
+    """Draw one frame; what there is to make a color bar of, one for each scale: None if no layer has it."""
     drawn = {}
     axes.grid(visible=False)
     for layer in run.layers:
@@ -92,7 +92,7 @@ def panel(axes: Axes, run: Run, frame: int, scales: Sequence[Colors]) -> list[An
                 drawn[number] = mesh(axes, layer, fields, own, frame)
         if layer.kind == "solid":
             outline(axes, fields["x"], fields["y"])
-    return [drawn[number] for number in range(len(scales))]
+    return [drawn.get(number) for number in range(len(scales))]
 
 
 def mesh(axes: Axes, layer: PlaneLayer, fields: dict[str, Array], own: Colors, frame: int) -> Any:
