@@ -22,6 +22,7 @@ OPTIONS_FILES = sorted((REPOSITORY / "runs").rglob("*.opts"))
 ALONE = {"piston.opts": "-fsi_shock 1e-300", "panel_viscous.opts": "-fsi_dissipation 0"}
 #: stems of Open MPI's, PETSc's and other programs' options that the documents may name
 FOREIGN = {"o", "n", "m", "help", "animate", "plane", "all", "fields", "times", "compare", "options_left", "options_view"}
+FOREIGN |= {"cost"}
 
 
 def known_options() -> set[str]:
