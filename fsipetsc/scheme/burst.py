@@ -7,6 +7,8 @@ Its plan and what came of it stand in the words at ``head.burst`` in the memory;
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from numba import njit
 
 from fsipetsc.operators.kernels import OPTIONS, U64, copy
@@ -17,6 +19,20 @@ from fsipetsc.scheme.time_step import longest_step, next_step
 #: Courant number, or the step that is given and else 0; steps that may be made, and have been; shortest and longest;
 #: first row of the journal to be filled
 TIME, DT, NEXT, TARGET, COURANT, FIXED, ALLOWED, MADE, SHORTEST, LONGEST, FIRST = range(11)
+
+
+class Notes(NamedTuple):
+    """Where things stand in the memory: what ``goes_on`` has to know of a head, for those who have no other.
+
+    row: doubles of a record in the journal; states: what goes there behind the time and the step.
+    """
+
+    burst: int
+    results: int
+    journal: int
+    row: int
+    states: int
+
 
 _longest_step, _next_step = njit(**OPTIONS)(longest_step), njit(**OPTIONS)(next_step)
 

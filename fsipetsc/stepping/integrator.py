@@ -33,8 +33,8 @@ from fsipetsc.stepping.state import FAULT, State
 LAST = STOP + 1
 #: with -fsi_check: steps after which conservation is looked at
 CHECKED = 256
-#: points (of all ranks, spare ones too) times steps in one call
-MOST_POINTS = 250_000
+#: dimension -> points (of all ranks, spare ones too) times steps in one call
+MOST_POINTS = {1: 250_000, 2: 2_000_000}
 #: dimension -> steps, at least, between two states that are kept to go back to: a copy takes as long as a step of few points in
 #: one dimension, where so many take 0.01 s, and a tenth of one in two
 KEPT = {1: 256, 2: 16}
@@ -86,9 +86,9 @@ class Integrator:
         self._fused = opt["ts_type"] == NAME
         self.burst_limit = 0  # most steps in one go; 0: steps are made one by one, stage by stage
         self._kept_every = KEPT[state.problem.dimension]
-        if self._fused and self._steady and state.burst.size:  # no longer than a signal may have to wait
-            points = sum(grid.n for grid in state.layout.grids)
-            self.burst_limit = max(1, min(opt["fsi_burst"], MOST_POINTS // points))
+        if self._fused and self._steady:  # no longer than a signal may have to wait
+            points = state.points + state.reserve
+            self.burst_limit = max(1, min(opt["fsi_burst"], MOST_POINTS[state.problem.dimension] // points, self._kept_every))
         # of a method whose next step begins with the last rates of the one before: these, and those that a checkpoint had
         self._reuses, self._last, self._given = False, np.empty(0), None
         self._left = 0  # the state of the solution, for PETSc, when the method has made a step

@@ -27,12 +27,10 @@ OF_ALL = 7
 
 
 @njit(**OPTIONS)
-def put_away(layers, memory, begin, starts, gains, sums, points, ends, state, solution):
-    """The completed step, from the area that begins with ``memory``, to this rank's part of the solution.
+def put_away(layers, memory, begin, starts, solution):
+    """The points of a completed step, from the area that begins with ``memory``, to this rank's part of the solution.
 
-    begin: where layers begin there; starts, gains: where their points and what they gain stand in the solution. sums: (layers,
-    3, GAINED), of edges before, between and after what interfaces and edges do to them; ends: (n, 2), where the kinetic energy
-    of a point of an interface goes, its number. state: the part of the solution before that.
+    begin: where layers begin there; starts: where their points stand in the solution.
     """
     for k in range(layers.size):
         layer = layers[k]
@@ -44,6 +42,19 @@ def put_away(layers, memory, begin, starts, gains, sums, points, ends, state, so
             to = starts[k] + (j - layer.own_y[0]) * columns
             for i in range(columns):
                 solution[U64(to + i)] = memory[U64(source + i)]
+
+
+@njit(**OPTIONS)
+def put_away_behind(layers, gains, sums, points, ends, state, solution):
+    """Likewise what stands behind the layers.
+
+    gains: where what layers gain stands in the solution. sums: (layers, 3, GAINED), of edges before, between and after what
+    interfaces and edges do to them; ends: (n, 2), where the kinetic energy of a point of an interface goes, its number. state:
+    the part of the solution before that.
+    """
+    for k in range(layers.size):
+        if layers[k].width == 0:
+            continue
         for c in range(GAINED):
             # gas and solid give each other momentum, and energy, where they meet
             before = sums[k, 0, c] if c == 1 or c == 2 else sums[k, 1, c]

@@ -11,7 +11,8 @@ from numba import njit
 
 from fsipetsc.coupling.plane import meet, meet_sliding, slide
 from fsipetsc.operators.kernels import ENTRY
-from fsipetsc.scheme.plane.account import give_account, put_away
+from fsipetsc.scheme.burst import goes_on
+from fsipetsc.scheme.plane.account import give_account, put_away, put_away_behind
 from fsipetsc.scheme.plane.fields import gas_fields, solid_fields
 from fsipetsc.scheme.plane.gains import edge_sums
 from fsipetsc.scheme.plane.geometry import find_normals, jacobian, lay
@@ -121,9 +122,21 @@ def solid_look(layers, k, operators, s, y, lines, words):
 
 
 @njit(**ENTRY)
-def put_away_step(layers, memory, begin, starts, gains, sums, points, ends, state, solution):
-    """Put a completed step in the solution: see fsipetsc.scheme.plane.account."""
-    put_away(layers, memory, begin, starts, gains, sums, points, ends, state, solution)
+def put_away_points(layers, memory, begin, starts, solution):
+    """Put the points of a completed step in the solution: see fsipetsc.scheme.plane.account."""
+    put_away(layers, memory, begin, starts, solution)
+
+
+@njit(**ENTRY)
+def put_away_others(layers, gains, sums, points, ends, state, solution):
+    """Likewise what stands behind the layers."""
+    put_away_behind(layers, gains, sums, points, ends, state, solution)
+
+
+@njit(**ENTRY)
+def plan_next(notes, memory):
+    """Whether another step follows in the same burst; notes: where things stand in ``memory``. See fsipetsc.scheme.burst."""
+    return goes_on(notes, memory)
 
 
 @njit(**ENTRY)

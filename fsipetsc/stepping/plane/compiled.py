@@ -11,6 +11,7 @@ from fsipetsc.operators.formulas import Formulas
 from fsipetsc.parallel.mpi import Requests
 from fsipetsc.parallel.plane.fetch import exchange
 from fsipetsc.parallel.plane.layout import PlaneLayout
+from fsipetsc.scheme.burst import Notes
 from fsipetsc.scheme.plane import entries
 from fsipetsc.scheme.plane.equations import materials_of
 from fsipetsc.scheme.plane.laws import compiled
@@ -44,13 +45,14 @@ def needed(
             found += [(compiled(entries.meet_at, law), points)]
             found += [(compiled(entries.meet_sliding_at, law), (*points, *line))]
     requests, ending = Requests([]), (_TABLE, _PLACES, _PLACES, _VALUES, _VALUES, 0)
-    away = _NUMBERS, _NUMBERS, _NUMBERS, np.empty((1, 1, 1))
     fetched = _PLACES, _NUMBERS, _VALUES, requests.handles, requests.statuses, _NUMBERS, _VALUES, _VALUES, _PLACES
     return [
         *found,
         (exchange, (_VALUES, 0, *fetched)),
         (entries.end_stage, (*layer, operators, _VALUES, _VALUES, *ending, *_STAGE)),
-        (entries.put_away_step, (layout.records, _VALUES, *away, _TABLE, _PLACES, _VALUES, _VALUES)),
+        (entries.put_away_points, (layout.records, _VALUES, _NUMBERS, _NUMBERS, _VALUES)),
+        (entries.put_away_others, (layout.records, _NUMBERS, np.empty((1, 1, 1)), _TABLE, _PLACES, _VALUES, _VALUES)),
+        (entries.plan_next, (Notes(0, 0, 0, 0, 0), _VALUES)),
         (entries.account_of, (layout.records, _TABLE, _NUMBERS, _VALUES, _TABLE, _VALUES, _VALUES)),
         (entries.advance_behind, (_VALUES, *_STAGE)),
         (entries.grid_jacobian, (*common, _LINES, _TABLE)),

@@ -59,7 +59,7 @@ class FusedSteps:
         return [rates for rates, _ in of_layers], [*(end for _, end in of_layers), ending]
 
     def step(self, y: np.ndarray, dt: float) -> None:
-        """Go by dt [s] from the completed solution, this rank's part y, which WORK holds, too; then WORK is raw."""
+        """Go by dt [s] from the completed solution in WORK; then WORK is raw. Of y what stands behind the points is read."""
         self._work[:] = y[self._behind]
         for a, b, before, rates, ending in self._stages:
             a, b = dt * a, dt * b

@@ -68,10 +68,10 @@ class PlanePath:
         ]
         #: where what layers gain stands in this rank's part of the solution
         self.gains = np.array([layout.gains_begin(k) for k in range(len(layout.grids))])
-        begins = np.array(self.areas.begin), layout.starts, self.gains
-        ends = self.interfaces.ends()
-        arrays = layout.records, self.areas.memory, *begins, sums, self.interfaces.points, ends, self.state
-        self._put_away = Prepared(entries.put_away_step, *arrays)
+        points = layout.records, self.areas.memory, np.array(self.areas.begin), layout.starts
+        others = layout.records, self.gains, sums, self.interfaces.points, self.interfaces.ends(), self.state
+        self._put_points = Prepared(entries.put_away_points, *points)
+        self._put_others = Prepared(entries.put_away_others, *others)
         self._fused: FusedSteps | None = None
 
     def rates(self, y: np.ndarray, f: np.ndarray, t: float) -> None:
@@ -114,21 +114,29 @@ class PlanePath:
             part.settle(t)
 
     def step(self, y: np.ndarray, dt: float) -> None:
-        """A fused step dt [s] from the completed solution y, whose data do not depend on time, to the local parts, raw."""
+        """A fused step dt [s] of the local parts, whose data do not depend on time, from a completed solution to a raw one.
+
+        y: this rank's part of the solution; only what stands behind the points is read.
+        """
         if self._fused is None:
             self._fused = FusedSteps(self)
         self._fused.step(y, dt)
 
-    def project(self, y: np.ndarray, t: float, brought: bool = False) -> None:
-        """Let this rank's part y fulfil all conditions, in place; what holds the points at edges counts as gained.
+    def project(self, y: np.ndarray, t: float) -> None:
+        """Let this rank's part y fulfil all conditions, in place; what holds the points at edges counts as gained."""
+        self.bring(y)
+        self.complete(y, t)
+        self.put_points(y)
 
-        brought: the local parts hold it already.
-        """
-        if not brought:
-            self.bring(y)
+    def complete(self, y: np.ndarray, t: float) -> None:
+        """The same for the local parts, which hold y already; of y only what stands behind the points of the layers."""
         for part in self.layers:
             part.complete(t)
-        self._put_away(y)
+        self._put_others(y)
+
+    def put_points(self, y: np.ndarray) -> None:
+        """Let the points of y be those of the local parts."""
+        self._put_points(y)
 
     @property
     def doubles(self) -> int:

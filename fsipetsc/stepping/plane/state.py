@@ -24,7 +24,8 @@ from fsipetsc.parallel.plane.layout import PlaneLayout
 from fsipetsc.physics.plane.layer import DOF
 from fsipetsc.plane import PlaneProblem
 from fsipetsc.process.together import agree, together, wait_asleep
-from fsipetsc.scheme.plan import BAD, CAPACITY, FLAGS, LIMITS, RATE, SAID_STOP, STAGES, STOP
+from fsipetsc.scheme.burst import DT, Notes
+from fsipetsc.scheme.plan import BAD, BURST, CAPACITY, FLAGS, LIMITS, RATE, SAID_STOP, STAGES, STOP
 from fsipetsc.scheme.plane import entries
 from fsipetsc.scheme.plane.account import OF_ALL
 from fsipetsc.scheme.plane.equations import USUAL, PlaneForm
@@ -79,13 +80,16 @@ class PlaneState:
         self._data = EdgeData(self.layout, self._instant)
         self.path, self.convection = PlanePath(self.layout, order, self._data, form), form.convection
         self.watched = Watched(self.layout, self.path, chosen(problem, self.layout, places))
-        self.results = np.zeros(FLAGS + LIMITS)
         fluids = sum(layer.kind == "fluid" for layer in problem.layers)
-        self.journal = np.zeros(KEPT, step_record(len(problem.layers), fluids, len(self.watched.points)))
-        names = self.journal.dtype.names[2:]
-        latest = np.zeros(1, [(name, self.journal.dtype[name]) for name in names])
-        self.latest, self._latest = latest[0], latest.view(float)
-        self.burst = np.empty(0)
+        record = step_record(len(problem.layers), fluids, len(self.watched.points))
+        row = record.itemsize // 8
+        sizes = BURST, FLAGS + LIMITS, KEPT * row, row - 2
+        begins = np.cumsum([0, *sizes]).tolist()
+        memory = np.zeros(begins.pop())
+        self.burst, self.results, journal, self._latest = np.split(memory, begins[1:])
+        self.journal = journal.view(record)
+        self.latest = self._latest.view([(name, record[name]) for name in record.names[2:]])[0]
+        self._plan_next = Prepared(entries.plan_next, Notes(*begins[:3], row, begins[3]), memory)
         layers = len(problem.layers)
         self._extremes = np.zeros(2 + 3 * layers)  # STOP, BAD, the least J and the rates of each layer
         self.rates = self._extremes[2 + layers :].reshape(-1, 2)  # of convection and diffusion, see stepping.limits
@@ -185,23 +189,31 @@ class PlaneState:
         self.path.project(y, self._t)
 
     def step(self, t: float, dt: float, steady: bool) -> None:
-        """A step dt [s] of the fused Runge-Kutta method from the completed solution at t [s], and its completion.
+        """A step dt [s] of the fused Runge-Kutta method from the completed solution at t [s], and its completion; then those
+        that follow as the burst allows.
 
         steady: the data do not depend on time; else PETSc's own methods make the steps (fsipetsc.stepping.solve).
         """
-        self.path.step(self.solution.getArray(), dt)
-        self.evaluations += STAGES
-        self._complete(brought=True)
+        y, more = self.solution.getArray(), True
+        while more:
+            self.path.step(y, dt)
+            self.evaluations += STAGES
+            self._complete(y)
+            more = self._plan_next()
+            dt = float(self.burst[DT])
+        self.path.put_points(y)
 
     def finish(self) -> None:
         """Complete a step that PETSc has made."""
-        self._complete()
-
-    def _complete(self, brought: bool = False) -> None:
-        """Project the solution, look at it, bound the next step; brought: the path holds it, raw."""
         y = self.solution.getArray()
+        self.path.bring(y)
+        self._complete(y)
+        self.path.put_points(y)
+
+    def _complete(self, y: np.ndarray) -> None:
+        """Project the local parts, look at them, bound the next step; of y only what stands behind the points is changed."""
         try:
-            self.path.project(y, self._t, brought)
+            self.path.complete(y, self._t)
         except InputError as error:
             self._keep(error)
         for part in self.path.layers:
