@@ -11,8 +11,9 @@ import numpy as np
 from fsipetsc.parallel.plane.layout import PlaneLayout
 from fsipetsc.physics.plane.layer import DOF
 
-#: that of the solution, those of the two other stages between them, the sum: as in one dimension
-WORK, SUM, AREAS = 0, 3, 4
+#: that of the solution, which is the first stage's; behind it those of the other stages; and the sum, see
+#: fsipetsc.scheme.plane.targets
+WORK, SUM, AREAS = 0, 4, 5
 #: doubles by which areas begin further and further from the boundaries of pages
 STAGGER = 136
 #: doubles behind the points of a layer, into which vectors may reach

@@ -24,16 +24,16 @@ from fsipetsc.scheme.plane.targets import Target, advance
 
 
 @njit(**ENTRY)
-def gas_rates(layers, k, operators, s, y, lines, f, source, onward, base, total, a, b):
+def gas_rates(layers, k, operators, s, y, lines, f, source, onward, base, total, stages, a, b):
     """Rates of gas layer k at the points that are owned, to f or a Runge-Kutta stage: see fsipetsc.scheme.plane.targets."""
-    target = Target(f, source, onward, a, base, total, b)
+    target = Target(f, source, onward, a, base, total, b, stages)
     sweep(GAS, layers[k], operators[0], operators[1], s, y, lines, target)
 
 
 @njit(**ENTRY)
-def solid_rates(layers, k, operators, s, y, lines, f, source, onward, base, total, a, b):
+def solid_rates(layers, k, operators, s, y, lines, f, source, onward, base, total, stages, a, b):
     """Rates of solid layer k."""
-    target = Target(f, source, onward, a, base, total, b)
+    target = Target(f, source, onward, a, base, total, b, stages)
     sweep(SOLID, layers[k], operators[0], operators[1], s, y, lines, target)
 
 
@@ -56,7 +56,7 @@ def settle(layers, k, operators, y, points, joined, lines, heights, held, number
 
 @njit(**ENTRY)
 def end_stage(
-    layers, k, operators, y, f, tractions, loaded, kinetic, words, changes, at, source, onward, base, total, a, b
+    layers, k, operators, y, f, tractions, loaded, kinetic, words, changes, at, source, onward, base, total, stages, a, b
 ):
     """What is left to do when the rates f of layer k are there: interfaces, and the rates of what stands behind the layers.
 
@@ -67,7 +67,7 @@ def end_stage(
     note_power(layer, y, f, kinetic, changes)
     note_gains(layer, op, y, words, changes, at)
     if onward.size > 0:
-        advance(layer, Target(f, source, onward, a, base, total, b))
+        advance(layer, Target(f, source, onward, a, base, total, b, stages))
 
 
 @njit(**ENTRY)

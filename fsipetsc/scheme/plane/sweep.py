@@ -41,7 +41,7 @@ from fsipetsc.operators.formulas import Formulas, each
 from fsipetsc.operators.kernels import FORMULA, OPTIONS
 from fsipetsc.operators.memory import load_twice, load_wide, load_wide_interlaced
 from fsipetsc.operators.rows import BLOCK, MARGIN, QUANTITIES, STRIDE, Ring, along, at
-from fsipetsc.operators.vectors import TWICE, WIDE, on_aligned_stack, spread_twice
+from fsipetsc.operators.vectors import TWICE, WIDE, on_aligned_stack, spread_twice, within
 from fsipetsc.physics.plane.gas import GRID_ROWS
 from fsipetsc.physics.plane.layer import DOF
 from fsipetsc.scheme.plane.slopes import slopes_across, slopes_along, weigh_across, weigh_along
@@ -226,7 +226,9 @@ def flux_row(law, layer, op, s, place, along_x, j):
     """Fluxes at row j. along_x: where the weights of D_x stand, see ``weigh_along``."""
     on_aligned_stack()
     near = at_ends(layer, place)
-    a, b = place.first - WIDE, place.end + (op.rows if near else op.p)  # as far as closures of this block reach
+    reach = op.rows if near else op.p  # as far as closures of this block do
+    a, b = place.first - WIDE, place.end + reach
+    known, end = max(place.first - reach, layer.end_x[0]), min(b, layer.end_x[1] + 1)
     ends = slope_rows(law, place)
     if near:
         each(block_of.slopes, law.differentiated, ends, layer, op, s, place, j, a, b)
@@ -241,6 +243,7 @@ def flux_row(law, layer, op, s, place, along_x, j):
             of_x = each(row_of_ring.twice, ends, s, i)
         else:
             of_x = slopes_along(law.differentiated, s, place.v, j, i, op.p, along_x)
+        of_x = each(row_of_ring.within, of_x, i, known, end)  # where there is nothing formulas would leave their usual path
         fluxes = law.flux(law, c, here, m, of_x, slopes_across(law.differentiated, s, place.v, j, i, across_y))
         each(row_of.store, to_a, fluxes[0], s, i)
         each(row_of.store, to_b, fluxes[1], s, i)
@@ -318,5 +321,10 @@ def _twice(row, s, i):
     return load_twice(s, row + i)
 
 
-row_of_ring = Formulas(at=_at, row=_row, sum=_sum, load=_load, twice=_twice)
+@njit(**FORMULA)
+def _within(values, i, first, end):
+    return within(values, i, first, end)
+
+
+row_of_ring = Formulas(at=_at, row=_row, sum=_sum, load=_load, twice=_twice, within=_within)
 block_of = Formulas(slopes=slopes, along=divergence_along)

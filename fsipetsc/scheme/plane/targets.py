@@ -2,7 +2,12 @@
 
     onward = source + a k,        total = base + b k
 
-as fsipetsc.scheme.stage_update has it in one dimension. At interfaces the two sides may have to be told a traction first
+as fsipetsc.scheme.stage_update has it in one dimension, but totals are kept of points at edges alone, whose unknowns are
+changed between two stages. What the others have been in the stages y0, y1, y2, y3 tells their rates, so that the last one makes
+
+    onward = y0 + ((y1 - y0) + 2 (y2 - y0) + (y3 - y0))/3 + a k
+
+of them, and a third of what goes through memory does not. At interfaces the two sides may have to be told a traction first
 (fsipetsc.coupling.plane, ``slide``): rows there are kept as rates, and sent on by ``advance`` when that is done.
 """
 
@@ -23,11 +28,12 @@ from fsipetsc.physics.plane.layer import DOF
 
 #: those that the rates of a vector of points make
 _VECTORS = tuple(range(DOF))
+_THIRD = 1.0 / 3.0
 
 
 class Target(NamedTuple):
     """rates: of the points that are owned; the others: of all that are held, empty where rates are all that is wanted,
-    total where no sum is.
+    total in the last stage, stages in all others: there they are y1, y2, y3, and y0 stands in ``onward``.
     """
 
     rates: np.ndarray
@@ -37,6 +43,7 @@ class Target(NamedTuple):
     base: np.ndarray
     total: np.ndarray
     b: float
+    stages: tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
 @njit(**FORMULA)
@@ -52,23 +59,29 @@ def send_row(layer, s, place, target, j):
     as_they_are, width = target.onward.size == 0 or at_interface(layer, j), layer.own_x[1] - layer.own_x[0]
     k = ((j - layer.own_y[0]) * width - layer.own_x[0]) * DOF
     n, whole = j * layer.width * DOF, place.first + (place.end - place.first) // WIDE * WIDE
+    at_edge, ends = j == layer.end_y[0] or j == layer.end_y[1], target.stages[0].size > 0
     for i in range(place.first, whole, WIDE):
         values = interlaced(each(of_parts.rate, _VECTORS, place, s, i))
         if as_they_are:
             each(of_parts.put, values, _VECTORS, target.rates, k + i * DOF)
+        elif ends:
+            each(of_parts.end, values, _VECTORS, target, n + i * DOF)
         else:
-            each(of_parts.send, values, _VECTORS, target.source, target.onward, target.a, n + i * DOF)
-    if not as_they_are and target.total.size > 0:
-        for i in range(place.first, whole, WIDE):
-            values = interlaced(each(of_parts.rate, _VECTORS, place, s, i))
-            each(of_parts.send, values, _VECTORS, target.base, target.total, target.b, n + i * DOF)
+            each(of_parts.send, values, _VECTORS, target, n + i * DOF)
     for i in range(whole, place.end):
         for c in range(DOF):
             rate = s[U64(place.rates + c * STRIDE + i)]
             if as_they_are:
                 target.rates[U64(k + i * DOF + c)] = rate
+            elif ends:
+                end_number(rate, target, n + i * DOF + c)
             else:
                 send_number(rate, target, n + i * DOF + c)
+    if at_edge and not as_they_are:
+        send_totals(s, place, target, n, place.first, place.end)
+    elif not as_they_are:
+        for end in layer.end_x:
+            send_totals(s, place, target, n, max(place.first, end), min(place.end, end + 1))
 
 
 @njit(**OPTIONS)
@@ -79,24 +92,62 @@ def advance(layer, target):
         if at_interface(layer, j):
             k, n = (j - layer.own_y[0]) * count, (j * layer.width + first) * DOF
             for i in range(count):
-                send_number(target.rates[U64(k + i)], target, n + i)
+                send_total(target.rates[U64(k + i)], target, n + i)
 
 
 @njit(**FORMULA)
 def send_number(rate, target, n):
     """Use a rate of number n of the unknowns."""
     target.onward[U64(n)] = fma(target.a, rate, target.source[U64(n)])
+
+
+@njit(**OPTIONS)
+def send_totals(s, place, target, n, first, end):
+    """Those of points at edges, of some columns of a row whose unknowns begin at n."""
+    for i in range(first, end):
+        for c in range(DOF):
+            send_total(s[U64(place.rates + c * STRIDE + i)], target, n + i * DOF + c)
+
+
+@njit(**FORMULA)
+def end_number(rate, target, n):
+    """Likewise in the last stage."""
+    first, second, third = target.stages
+    start = target.onward[U64(n)]
+    target.onward[U64(n)] = combined(rate, target.a, start, first[U64(n)], second[U64(n)], third[U64(n)])
+
+
+@njit(**FORMULA)
+def send_total(rate, target, n):
+    """Use a rate of number n of the unknowns, of a point at an edge."""
+    send_number(rate, target, n)
     if target.total.size > 0:
         target.total[U64(n)] = fma(target.b, rate, target.base[U64(n)])
+
+
+@njit(**FORMULA)
+def combined(rate, a, start, first, second, third):
+    """The end of a step."""
+    rest = second - start
+    return fma(a, rate, start + _THIRD * ((first - start) + (third - start) + (rest + rest)))
 
 
 # what is done with a vector of rates, of unknowns that stand together
 
 
 @njit(**FORMULA)
-def _send(rates, number, source, to, a, n):
+def _send(rates, number, target, n):
     i = n + WIDE * number
-    store(to, i, fma(a, rates, load_wide(source, i)))
+    store(target.onward, i, fma(target.a, rates, load_wide(target.source, i)))
+    return 0
+
+
+@njit(**FORMULA)
+def _end(rates, number, target, n):
+    i = n + WIDE * number
+    start, (first, second, third) = load_wide(target.onward, i), target.stages
+    first, second, third = load_wide(first, i), load_wide(second, i), load_wide(third, i)
+    store(target.onward, i, combined(rates, target.a, start, first, second, third))
     return 0
 
 
@@ -111,4 +162,4 @@ def _rate(number, place, s, i):
     return load_wide(s, place.rates + number * STRIDE + i)
 
 
-of_parts = Formulas(rate=_rate, send=_send, put=_put)
+of_parts = Formulas(rate=_rate, send=_send, end=_end, put=_put)

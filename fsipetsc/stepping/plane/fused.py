@@ -1,9 +1,9 @@
 """The fused Runge-Kutta method in two dimensions: the stages of fsipetsc.scheme.runge_kutta, each written where the next reads.
 
 What a rank has stands in areas (fsipetsc.parallel.plane.areas), as in one dimension: a stage reads one, and sends source + a k
-to another and base + b k to the sum. What is done in a stage is what fsipetsc.stepping.plane.path does for PETSc, by the same
-compiled functions; here they are prepared for all stages before the first step, and points of interfaces and halos come in
-messages of their own.
+to another and, at edges, base + b k to the sum (fsipetsc.scheme.plane.targets). What is done in a stage is what
+fsipetsc.stepping.plane.path does for PETSc, by the same compiled functions; here they are prepared for all stages before the
+first step, and points of interfaces and halos come in messages of their own.
 """
 
 from __future__ import annotations
@@ -18,14 +18,22 @@ from fsipetsc.parallel.plane.areas import SUM, WORK
 from fsipetsc.parallel.plane.fetch import Fetch
 from fsipetsc.parallel.plane.halos import Halos
 from fsipetsc.scheme.plan import STAGES
+from fsipetsc.scheme.plan import SUM as OTHER_SUM
 from fsipetsc.scheme.plane import entries
 from fsipetsc.scheme.runge_kutta import Stage, stage_of
 
 if TYPE_CHECKING:
     from fsipetsc.stepping.plane.path import PlanePath
 
-#: of a step of length 1
-_STAGES = [Stage(*map(int, stage[:4]), *stage[4:]) for stage in (in_python(stage_of)(n, 1.0) for n in range(STAGES))]
+
+def _stage(number: int) -> Stage:
+    """Of a step of length 1: that of one dimension, but each finds its values in an area of its own."""
+    known = Stage(*in_python(stage_of)(number, 1.0))
+    source, base = (SUM if area == OTHER_SUM else int(area) for area in (known.source, known.base))
+    return Stage(WORK + number, WORK + (number + 1) % STAGES, source, base, known.a, known.b)
+
+
+_STAGES = [_stage(number) for number in range(STAGES)]
 
 
 class FusedSteps:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from petsc4py import PETSc
 
@@ -21,8 +23,8 @@ from fsipetsc.stepping.plane.edge_data import EdgeData
 from fsipetsc.stepping.plane.interfaces import Interfaces
 from fsipetsc.stepping.plane.natural import NaturalOrder
 
-#: of a Runge-Kutta stage source, next, base, sum; a, b: where rates are wanted as they are
-NO_STAGE, NO_FACTORS = (np.empty(0), np.empty(0), np.empty(0), np.empty(0)), (0.0, 0.0)
+#: of a Runge-Kutta stage source, next, base, sum, all stages; a, b: where rates are wanted as they are
+NO_STAGE, NO_FACTORS = (*(np.empty(0) for _ in range(4)), (np.empty(0), np.empty(0), np.empty(0))), (0.0, 0.0)
 #: rates, extremes and integrals, what is saved
 OF_GAS = entries.gas_rates, entries.gas_look, entries.save_gas
 OF_SOLID = entries.solid_rates, entries.solid_look, entries.save_solid
@@ -105,16 +107,20 @@ class LayerPart:
         arguments = *self._joined, self._lines, heights, *self.data.held[self.k], sums
         return Prepared(self._settle_entry, *self._common[:3], y, *arguments)
 
-    def _ending_of(self, y: np.ndarray, *stage: np.ndarray) -> Prepared:
+    def _ending_of(self, y: np.ndarray, *stage: Any) -> Prepared:
         """The call that is due when rates of the points y are there."""
         return Prepared(entries.end_stage, *self._common[:3], y, self._rates, *self._ending, *stage)
 
     def in_stage(self, stage: Stage) -> tuple[Prepared, Prepared]:
         """The calls that make the rates k of a stage, next = source + a k, SUM = base + b k, and end it; to be told a and b."""
         y, source, onward = (self._areas.unknowns(self.k, area) for area in (stage.area, stage.source, stage.next))
-        both = [self._areas.unknowns(self.k, area) for area in (stage.base, SUM)] if stage.base >= 0 else NO_STAGE[2:]
-        rates = Prepared(self._evaluate, *self._common, y, self._lines, self._rates, source, onward, *both)
-        return rates, self._ending_of(y, source, onward, *both)
+        both, stages = NO_STAGE[2:4], NO_STAGE[4]
+        if stage.base >= 0:
+            both = tuple(self._areas.unknowns(self.k, area) for area in (stage.base, SUM))
+        else:
+            stages = tuple(self._areas.unknowns(self.k, area) for area in range(WORK + 1, SUM))
+        rates = Prepared(self._evaluate, *self._common, y, self._lines, self._rates, source, onward, *both, stages)
+        return rates, self._ending_of(y, source, onward, *both, stages)
 
     def fill_halos(self) -> None:
         """The ghost exchange of the layer, to the first area."""
