@@ -53,12 +53,17 @@ def conduction(kappa_e, F, Tx, Ty):
 
 @njit(**FORMULA)
 def flux(law, c, v, m, along, across):
-    """(P_11, P_21, heat) and (P_12, P_22, heat) in the two directions, and what heats."""
+    """(P_11, P_21, heat) and (P_12, P_22, heat) in the two directions, and P : grad (u, v)."""
     F = along[0] + 1.0, across[0], along[1], across[1] + 1.0
     p11, p12, p21, p22 = law.elastic.stress(c[0], F)
     qx, qy = conduction(c[1], F, along[4], across[4])
-    work = c[6] * fma(p11, along[2], fma(p12, across[2], fma(p21, along[3], p22 * across[3])))
-    return (p11, p21, qx), (p12, p22, qy), (work,)
+    return (p11, p21, qx), (p12, p22, qy), (work(p11, p12, p21, p22, along, across),)
+
+
+@njit(**FORMULA)
+def work(p11, p12, p21, p22, along, across):
+    """P : grad (u, v)."""
+    return fma(p11, along[2], fma(p12, across[2], fma(p21, along[3], p22 * across[3])))
 
 
 @njit(**FORMULA)
@@ -69,15 +74,15 @@ def rate(law, c, v, divergence, extra, sums):
         v[3],
         fma(divergence[0], c[2], c[4]),
         fma(divergence[1], c[2], c[5]),
-        (divergence[2] + extra[0]) * c[3],
+        fma(c[6], extra[0], divergence[2]) * c[3],
     )
 
 
 @njit(**FORMULA)
 def cold_flux(law, c, v, m, along, across):
-    """(P_11, P_21) and (P_12, P_22)."""
+    """(P_11, P_21) and (P_12, P_22), and P : grad (u, v)."""
     p11, p12, p21, p22 = law.elastic.stress(c[0], (along[0] + 1.0, across[0], along[1], across[1] + 1.0))
-    return (p11, p21), (p12, p22), ()
+    return (p11, p21), (p12, p22), (work(p11, p12, p21, p22, along, across),)
 
 
 @njit(**FORMULA)
@@ -92,7 +97,7 @@ def plane_solid(elastic: Formulas, cold: bool = False) -> Formulas:
     """
     if cold:
         warm = plane_solid(elastic)
-        new = {"differentiated": (0, 1), "fluxes": (0, 1), "extras": (), "flux": cold_flux, "rate": cold_rate}
+        new = {"differentiated": (0, 1, 2, 3), "fluxes": (0, 1), "flux": cold_flux, "rate": cold_rate}
         return Formulas(**{**vars(warm), **new})
     return Formulas(
         kind=SOLID,

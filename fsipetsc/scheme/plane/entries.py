@@ -24,16 +24,16 @@ from fsipetsc.scheme.plane.targets import Target, advance
 
 
 @njit(**ENTRY)
-def gas_rates(layers, k, operators, s, y, lines, f, source, onward, base, total, stages, a, b):
+def gas_rates(layers, k, operators, s, y, lines, f, source, onward, base, total, stages, kept, a, b):
     """Rates of gas layer k at the points that are owned, to f or a Runge-Kutta stage: see fsipetsc.scheme.plane.targets."""
-    target = Target(f, source, onward, a, base, total, b, stages)
+    target = Target(f, source, onward, a, base, total, b, stages, kept)
     sweep(GAS, layers[k], operators[0], operators[1], s, y, lines, target)
 
 
 @njit(**ENTRY)
-def solid_rates(layers, k, operators, s, y, lines, f, source, onward, base, total, stages, a, b):
+def solid_rates(layers, k, operators, s, y, lines, f, source, onward, base, total, stages, kept, a, b):
     """Rates of solid layer k."""
-    target = Target(f, source, onward, a, base, total, b, stages)
+    target = Target(f, source, onward, a, base, total, b, stages, kept)
     sweep(SOLID, layers[k], operators[0], operators[1], s, y, lines, target)
 
 
@@ -56,7 +56,7 @@ def settle(layers, k, operators, y, points, joined, lines, heights, held, number
 
 @njit(**ENTRY)
 def end_stage(
-    layers, k, operators, y, f, tractions, loaded, kinetic, words, changes, at, source, onward, base, total, stages, a, b
+    layers, k, operators, y, f, tractions, loaded, kinetic, words, changes, at, source, onward, base, total, stages, kept, a, b
 ):
     """What is left to do when the rates f of layer k are there: interfaces, and the rates of what stands behind the layers.
 
@@ -67,7 +67,7 @@ def end_stage(
     note_power(layer, y, f, kinetic, changes)
     note_gains(layer, op, y, words, changes, at)
     if onward.size > 0:
-        advance(layer, Target(f, source, onward, a, base, total, b, stages))
+        advance(layer, Target(f, source, onward, a, base, total, b, stages, kept))
 
 
 @njit(**ENTRY)
@@ -110,15 +110,15 @@ def line_normals(operators, points, normals, s, stride, count, first, last, h, p
 
 
 @njit(**ENTRY)
-def gas_look(layers, k, operators, s, y, lines, words):
+def gas_look(layers, k, operators, s, y, lines, words, kept, mend):
     """Extremes and integrals of gas layer k: see fsipetsc.scheme.plane.look."""
     look_at_gas(GAS, layers[k], operators[0], s, y, lines, words)
 
 
 @njit(**ENTRY)
-def solid_look(layers, k, operators, s, y, lines, words):
-    """Of solid layer k."""
-    look_at_solid(SOLID, layers[k], operators[0], s, y, words)
+def solid_look(layers, k, operators, s, y, lines, words, kept, mend):
+    """Of solid layer k; kept, mend: see fsipetsc.scheme.plane.kinetic."""
+    look_at_solid(SOLID, layers[k], operators[0], s, y, words, kept, mend)
 
 
 @njit(**ENTRY)

@@ -20,6 +20,7 @@ from fsipetsc.physics.plane.two_point import two_point_gas
 from fsipetsc.scheme.plane.dissipation import dissipate_across, dissipate_along
 from fsipetsc.scheme.plane.edges import amend_gas, amend_solid
 from fsipetsc.scheme.plane.geometry import lay, no_grid
+from fsipetsc.scheme.plane.kinetic import keep_power, leave_power
 from fsipetsc.scheme.plane.pairs import give_pairs
 from fsipetsc.scheme.plane.sums import complete, meet, no_sums
 
@@ -29,6 +30,7 @@ def law(equations: Formulas) -> Formulas:
     pairs, dissipation = hasattr(equations, "pair"), hasattr(equations, "dissipation")
     work = {
         "amend": amend_gas if equations.kind == FLUID else amend_solid,
+        "keep": leave_power if equations.kind == FLUID else keep_power,
         "looks_ahead": int(dissipation or len(equations.differentiated) > 0),
         "lay": lay if equations.kind == FLUID else no_grid,
         "meet": meet if equations.sums else no_sums,

@@ -39,9 +39,11 @@ from fsipetsc.operators.vectors import (
 from fsipetsc.physics.plane.gas import JA1, JA2_X, JA2_Y, LINE_ROWS, between, line_of
 from fsipetsc.physics.plane.layer import DOF, ELASTIC, NOWHERE
 from fsipetsc.scheme.plane.geometry import lay
+from fsipetsc.scheme.plane.kinetic import mended
 from fsipetsc.scheme.plane.slopes import slopes_across, weigh_across
 from fsipetsc.scheme.plane.sums import norm_at
 from fsipetsc.scheme.plane.sweep import block_width, last_needed, place_of, prepare_row
+from fsipetsc.scheme.plane.targets import at_interface
 
 CONVECTION, DIFFUSION, BAD, LEAST_J, MASS, MOMENTUM_X, MOMENTUM_Y, ENERGY, ENTROPY = range(9)
 #: number of words; those from MASS on are sums
@@ -172,11 +174,14 @@ def blend(s, low, high, zeta):
 
 
 @njit(**OPTIONS)
-def look_at_solid(law, layer, op, s, y, words):
-    """Words of a solid layer. The energy: kinetic and m0 alpha T, and the elastic one W where the heat is without its work."""
+def look_at_solid(law, layer, op, s, y, words, kept, mend):
+    """Words of a solid layer. The energy: kinetic and m0 alpha T, and the elastic one W where the heat is without its work.
+
+    kept, mend: see fsipetsc.scheme.plane.kinetic.
+    """
     seen = nothing_seen()
     for first in range(layer.own_x[0], layer.own_x[1], block_width(layer)):
-        seen = look_at_block_of_solid(law, layer, op, s, place_of(layer, first), y, seen)
+        seen = look_at_block_of_solid(law, layer, op, s, place_of(layer, first), y, kept, mend, seen)
     note(seen, words)
 
 
@@ -199,7 +204,7 @@ def strain_row(law, layer, op, s, place, y, j, prepared):
 
 
 @njit(**OPTIONS)
-def look_at_block_of_solid(law, layer, op, s, place, y, seen):
+def look_at_block_of_solid(law, layer, op, s, place, y, kept, mend, seen):
     """What has been seen, and the points of a block."""
     on_aligned_stack()
     c, a, b, prepared, slopes, per_m0 = law.elastic.constants(layer), place.first, place.end, 0, place.slopes, 1.0 / layer.m0
@@ -208,6 +213,7 @@ def look_at_block_of_solid(law, layer, op, s, place, y, seen):
         prepared = strain_row(law, layer, op, s, place, y, j, prepared)
         across_y = norm_at(op, j, layer.end_y[0], layer.end_y[1])
         u_row, v_row, T_row = at(place.v, 2, j), at(place.v, 3, j), at(place.v, 4, j)
+        moving = 0.0 if at_interface(layer, j) else 1.0
         for i in range(a, b, TWICE):
             d = slopes + i
             f12, f21 = load_twice(s, d + STRIDE), load_twice(s, d + 2 * STRIDE)
@@ -218,11 +224,13 @@ def look_at_block_of_solid(law, layer, op, s, place, y, seen):
             fastest = root(along_x * per_m0) * (1.0 / layer.h_x) + root(along_y * per_m0) * (1.0 / layer.h_y)
             spreading = (op.stiffness * layer.kappa_e / (layer.alpha * layer.m0)) / J
             diffusion = spreading * fma(x, 1.0 / layer.h_x**2, z * (1.0 / layer.h_y**2))
-            energy = layer.m0 * fma(0.5, fma(u, u, v * v), layer.alpha * T)
+            kinetic, elastic = (0.5 * layer.m0) * fma(u, u, v * v), spread_twice(0.0)
             if layer.heat == ELASTIC:
-                energy = energy + law.elastic.energy(c, F)
-            moving = fastest + 0.0 * (u + v)  # which must be numbers, too
+                elastic = law.elastic.energy(c, F)
+            T = mended(layer, y, kept, mend, j, i, b - i, fma(moving, kinetic, elastic), T)
+            energy = kinetic + elastic + (layer.m0 * layer.alpha) * T
+            fastest = fastest + 0.0 * (u + v)  # which must be numbers, too
             integrals = spread_twice(layer.m0), layer.m0 * u, layer.m0 * v, energy, layer.m0 * layer.alpha * np.log(T)
             part = across_y * load_twice(s, place.rates + i)
-            seen = with_more(seen, b - i, part, moving, diffusion, J, minimum(J, T), integrals)
+            seen = with_more(seen, b - i, part, fastest, diffusion, J, minimum(J, T), integrals)
     return seen

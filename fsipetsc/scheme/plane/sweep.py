@@ -24,6 +24,7 @@ A physics is formulas at a point, of vectors of points:
                                      ``paired`` and ``pair``: see fsipetsc.scheme.plane.pairs
     meet(law, layer, op, s, place, j)    what there is to do for the sums of row j
     amend(law, layer, op, s, place, lines, j)    gives the rates of row j what goes through the edges
+    keep(layer, s, place, target, j)     notes what the step is to keep of row j
 
 The layer is gone through in blocks of columns. In a block a row goes through three stages, each as far ahead of the next as
 the derivatives across rows need it: v, fluxes, rates. So what lies between q and its rate is never more than a ring of rows
@@ -208,6 +209,7 @@ def sweep_block(law, layer, op, loose, s, place, y, target):
             paired += 1
         rate_row(law, layer, op, loose, s, place, along_x, j)
         law.amend(law, layer, op, s, place, place.lines, j)
+        law.keep(layer, s, place, target, j)
         send_row(layer, s, place, target, j)
 
 

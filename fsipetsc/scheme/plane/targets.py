@@ -33,7 +33,8 @@ _THIRD = 1.0 / 3.0
 
 class Target(NamedTuple):
     """rates: of the points that are owned; the others: of all that are held, empty where rates are all that is wanted,
-    total in the last stage, stages in all others: there they are y1, y2, y3, and y0 stands in ``onward``.
+    total in the last stage, stages in all others: there they are y1, y2, y3, and y0 stands in ``onward``. kept: see
+    fsipetsc.scheme.plane.kinetic, empty where that is not wanted.
     """
 
     rates: np.ndarray
@@ -44,6 +45,7 @@ class Target(NamedTuple):
     total: np.ndarray
     b: float
     stages: tuple[np.ndarray, np.ndarray, np.ndarray]
+    kept: np.ndarray
 
 
 @njit(**FORMULA)

@@ -37,7 +37,7 @@ def needed(
         rates, look, save = OF_GAS if gas else OF_SOLID
         found += [
             (compiled(rates, own), (*common, _VALUES, _LINES, _VALUES, *_STAGE)),
-            (compiled(look, law), (*common, _VALUES, _LINES, _VALUES)),
+            (compiled(look, law), (*common, _VALUES, _LINES, _VALUES, _VALUES, True)),
             (compiled(save, law), (*common, _VALUES, _LINES, _VALUES, np.empty((1, 1, 1)))),
             (compiled(entries.settle, law), settle),
         ]

@@ -16,6 +16,7 @@ from fsipetsc.physics.plane.layer import DOF, GAINED
 from fsipetsc.scheme.plane import entries
 from fsipetsc.scheme.plane.equations import materials_of
 from fsipetsc.scheme.plane.fields import SAVED
+from fsipetsc.scheme.plane.kinetic import kept_size
 from fsipetsc.scheme.plane.laws import compiled
 from fsipetsc.scheme.plane.sweep import ring_rows, scratch
 from fsipetsc.scheme.runge_kutta import Stage
@@ -23,8 +24,9 @@ from fsipetsc.stepping.plane.edge_data import EdgeData
 from fsipetsc.stepping.plane.interfaces import Interfaces
 from fsipetsc.stepping.plane.natural import NaturalOrder
 
-#: of a Runge-Kutta stage source, next, base, sum, all stages; a, b: where rates are wanted as they are
-NO_STAGE, NO_FACTORS = (*(np.empty(0) for _ in range(4)), (np.empty(0), np.empty(0), np.empty(0))), (0.0, 0.0)
+#: of a Runge-Kutta stage source, next, base, sum, all stages, what is kept; a, b: where rates are wanted as they are
+NO_STAGE = (*(np.empty(0) for _ in range(4)), (np.empty(0), np.empty(0), np.empty(0)), np.empty(0))
+NO_FACTORS = 0.0, 0.0
 #: rates, extremes and integrals, what is saved
 OF_GAS = entries.gas_rates, entries.gas_look, entries.save_gas
 OF_SOLID = entries.solid_rates, entries.solid_look, entries.save_solid
@@ -81,7 +83,8 @@ class LayerPart:
         self._ending = interfaces.tractions, interfaces.loaded(k), self._kinetic(), *rooms
         self._settle, self._settle_noting = self.settling(WORK), self.settling(WORK, self._sums)
         self._to_rates = Prepared(self._evaluate, *self._common, self.y, self._lines, self._rates, *NO_STAGE, *NO_FACTORS)
-        self._look = Prepared(look, *self._common, self.y, self._lines, self.words)
+        self._kept = np.zeros(0 if self._gas else kept_size(self.rows.size, self.columns.size))
+        self._look = Prepared(look, *self._common, self.y, self._lines, self.words, self._kept)
         self._end = self._ending_of(self.y, *NO_STAGE)
 
     def sides(self) -> list[tuple[int, int]]:
@@ -119,8 +122,9 @@ class LayerPart:
             both = tuple(self._areas.unknowns(self.k, area) for area in (stage.base, SUM))
         else:
             stages = tuple(self._areas.unknowns(self.k, area) for area in range(WORK + 1, SUM))
-        rates = Prepared(self._evaluate, *self._common, y, self._lines, self._rates, source, onward, *both, stages)
-        return rates, self._ending_of(y, source, onward, *both, stages)
+        arrays = source, onward, *both, stages, self._kept
+        rates = Prepared(self._evaluate, *self._common, y, self._lines, self._rates, *arrays)
+        return rates, self._ending_of(y, *arrays)
 
     def fill_halos(self) -> None:
         """The ghost exchange of the layer, to the first area."""
@@ -166,9 +170,11 @@ class LayerPart:
         weights = along * (self.end_weight * self.record["h_x"] * self.record["h_y"])
         self._gained[1:] += (weights * x).sum(), (weights * y).sum(), (weights * power).sum()
 
-    def look(self) -> np.ndarray:
-        """Words of fsipetsc.scheme.plane.look, of the local part as it is."""
-        self._look()
+    def look(self, mend: bool = False) -> np.ndarray:
+        """Words of fsipetsc.scheme.plane.look, of the local part as it is; mend: the temperature of a solid makes up for what
+        a fused step, the last one after another look, has not kept of its energy.
+        """
+        self._look(mend)
         return self.words
 
     def save(self) -> np.ndarray:
@@ -187,7 +193,7 @@ class LayerPart:
     @property
     def doubles(self) -> int:
         """Doubles of scratch."""
-        return self._s.size
+        return self._s.size + self._kept.size
 
     def destroy(self) -> None:
         self.order.destroy()

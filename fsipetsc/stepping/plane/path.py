@@ -72,6 +72,7 @@ class PlanePath:
         others = layout.records, self.gains, sums, self.interfaces.points, self.interfaces.ends(), self.state
         self._put_points = Prepared(entries.put_away_points, *points)
         self._put_others = Prepared(entries.put_away_others, *others)
+        self._conducts = any(layer.kind == "solid" and layer.material.kappa_e > 0.0 for layer in layout.problem.layers)
         self._fused: FusedSteps | None = None
 
     def rates(self, y: np.ndarray, f: np.ndarray, t: float) -> None:
@@ -100,6 +101,14 @@ class PlanePath:
         for part in self.layers:
             part.fill_halos()
         self.put_in_place(t)
+        self.look()
+
+    def look(self, mend: bool = False) -> None:
+        """At the completed local parts, see ``LayerPart.look``; mend: after a fused step."""
+        for part in self.layers:
+            part.look(mend)
+        if mend and self._conducts:
+            self._fused.share()
 
     def bring(self, y: np.ndarray) -> None:
         """Let the local parts hold y and its halos, and solve for what gas and solid have together at interfaces."""

@@ -198,7 +198,7 @@ class PlaneState:
         while more:
             self.path.step(y, dt)
             self.evaluations += STAGES
-            self._complete(y)
+            self._complete(y, True)
             more = self._plan_next()
             dt = float(self.burst[DT])
         self.path.put_points(y)
@@ -210,14 +210,16 @@ class PlaneState:
         self._complete(y)
         self.path.put_points(y)
 
-    def _complete(self, y: np.ndarray) -> None:
-        """Project the local parts, look at them, bound the next step; of y only what stands behind the points is changed."""
+    def _complete(self, y: np.ndarray, fused: bool = False) -> None:
+        """Project the local parts, look at them, bound the next step; of y only what stands behind the points is changed.
+
+        fused: after a fused step.
+        """
         try:
             self.path.complete(y, self._t)
         except InputError as error:
             self._keep(error)
-        for part in self.path.layers:
-            part.look()
+        self.path.look(fused)
         self._account(y)
         self._latest[self._account_end :] = 0.0
         try:
