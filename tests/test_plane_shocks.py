@@ -17,6 +17,35 @@ OBLIQUE = ("oblique", "-fsi_h", 1 / 16, "-fsi_order", 4, "-ts_max_time", 1.2, "-
 VISCOUS = (*OBLIQUE, "-fluid_mu", 0.01, "-ts_max_time", 0.2)
 
 
+#: a layer that conducts, which a pulse of pressure hits, between two gases
+WARM = """
+import numpy as np
+from fsipetsc.boundaries.plane import NoSlip
+from fsipetsc.physics.fluid import Fluid
+from fsipetsc.plane import PlaneFluidLayer, PlaneProblem, PlaneSolid, PlaneSolidLayer
+
+OPTIONS = ()
+DEFAULTS = {"fsi_h": 0.05, "ts_max_time": 0.5}
+
+def gas(X, Y):
+    pulse = 1 + 0.5 * np.exp(-((X - 0.5) ** 2 + (Y - 0.5) ** 2) / 0.02)
+    return pulse, 0 * X, 0 * X, 0 * X + 1.0
+
+def plate(X, Y):
+    return 0 * X, 0 * X, 1.0 + 0.1 * np.cos(2 * np.pi * X), X, Y
+
+def build(opt):
+    solid = PlaneSolid(1.0, 2.0, 0.01, 2.0, 1.0, p_ref=1.0, heat="elastic")
+    air = Fluid(0.01, 0.01, 1.4, 1.0)
+    layers = (
+        PlaneFluidLayer("below", air, (0.0, 1.0), gas, cells=19),
+        PlaneSolidLayer("plate", solid, (1.0, 1.5), plate, cells=15),
+        PlaneFluidLayer("above", air, (1.5, 2.5), gas, cells=19),
+    )
+    return PlaneProblem(layers, (0.0, 1.0), NoSlip(), NoSlip(), units="none")
+"""
+
+
 @pytest.fixture(scope="module")
 def results(tmp_path_factory):
     """Of an oblique shock over a layer, on some numbers of ranks, and with friction."""
@@ -53,18 +82,40 @@ def test_along_x_is_across_y(order, form, tmp_path):
 
 
 def test_balances_of_an_open_domain(results):
-    """What comes in through the edges is counted: mass and momentum are known to round-off, and so is the energy but for what
-    the Runge-Kutta method makes of that within the solid, once the shock has hit it. No negative pressure.
-    """
+    """What comes in through the edges is counted: mass, momentum and energy are known to round-off. No negative pressure."""
     for result in (results[1], results["mu 1"]):
         found = departures(result)
         assert set(found) == {"mass of 'gas'", "momentum along x", "momentum along y", "energy"}
         assert abs(result.series["mass_in"]).min() > 0 and abs(result.series["impulse_y"]).min() > 0
         for name, drift in found.items():
-            assert np.abs(drift).max() < (1e-7 if name == "energy" else 1e-12), name
+            assert np.abs(drift).max() < 1e-13, name
         gas = result.layers[1]
         assert min(gas["p"].min(), gas["rho"].min()) > 0.5 and result.series["least_J"].min() > 0.5
-    assert np.abs(departures(results[1])["energy"][:10]).max() < 1e-13
+
+
+@pytest.mark.parametrize("order", ORDERS)
+def test_a_step_keeps_the_energy_of_a_solid(order, tmp_path):
+    """To round-off, though it is not linear in the unknowns: Sod's tube into an elastic layer. PETSc's method does not keep it,
+    but goes the same way otherwise.
+    """
+    words = "tube", "-fsi_order", order, "-fsi_h", 1 / 32, "-tube_width", 0.5, "-ts_max_time", 0.6
+    fused, plain = (computed(tmp_path, f"{kind}.h5", *words, "-ts_type", kind) for kind in ("fused", "rk"))
+    kept, lost = (np.abs(departures(result)["energy"]).max() for result in (fused, plain))
+    assert kept < 1e-14 < 1e-9 < lost < 1e-4
+    for a, b in zip(fused.layers, plain.layers, strict=True):
+        for name in a.fields:
+            assert np.abs(a[name][-1] - b[name][-1]).max() < 1e-3, name
+
+
+def test_heat_conducted_beside_an_elastic_energy_is_kept_too(tmp_path):
+    """And what follows from it on other ranks: temperatures beyond cuts are those of their owners."""
+    (tmp_path / "warm.py").write_text(WARM)
+    one, *others = (computed(tmp_path, f"{n}.h5", "warm.py", ranks=n) for n in (1, 3))
+    assert np.abs(departures(one)["energy"]).max() < 1e-14
+    assert np.abs(one.layers[1]["T"][-1] - one.layers[1]["T"][0]).max() > 1e-3
+    for several in others:
+        for a, b in zip(one.layers, several.layers, strict=True):
+            assert all(np.array_equal(a[name], b[name]) for name in a.fields)
 
 
 def test_the_shock_bends_the_layer(results):
