@@ -17,7 +17,7 @@ OBLIQUE = ("oblique", "-fsi_h", 1 / 16, "-fsi_order", 4, "-ts_max_time", 1.2, "-
 VISCOUS = (*OBLIQUE, "-fluid_mu", 0.01, "-ts_max_time", 0.2)
 
 
-#: a layer that conducts, which a pulse of pressure hits, between two gases
+#: a layer that conducts, which a pulse of pressure hits, between two gases; LENGTH: along X
 WARM = """
 import numpy as np
 from fsipetsc.boundaries.plane import NoSlip
@@ -28,7 +28,7 @@ OPTIONS = ()
 DEFAULTS = {"fsi_h": 0.05, "ts_max_time": 0.5}
 
 def gas(X, Y):
-    pulse = 1 + 0.5 * np.exp(-((X - 0.5) ** 2 + (Y - 0.5) ** 2) / 0.02)
+    pulse = 1 + 0.5 * np.exp(-((X - 0.5 * LENGTH) ** 2 + (Y - 0.5) ** 2) / 0.02)
     return pulse, 0 * X, 0 * X, 0 * X + 1.0
 
 def plate(X, Y):
@@ -42,7 +42,7 @@ def build(opt):
         PlaneSolidLayer("plate", solid, (1.0, 1.5), plate, cells=15),
         PlaneFluidLayer("above", air, (1.5, 2.5), gas, cells=19),
     )
-    return PlaneProblem(layers, (0.0, 1.0), NoSlip(), NoSlip(), units="none")
+    return PlaneProblem(layers, (0.0, LENGTH), NoSlip(), NoSlip(), units="none")
 """
 
 
@@ -107,9 +107,12 @@ def test_a_step_keeps_the_energy_of_a_solid(order, tmp_path):
             assert np.abs(a[name][-1] - b[name][-1]).max() < 1e-3, name
 
 
-def test_heat_conducted_beside_an_elastic_energy_is_kept_too(tmp_path):
-    """And what follows from it on other ranks: temperatures beyond cuts are those of their owners."""
-    (tmp_path / "warm.py").write_text(WARM)
+@pytest.mark.parametrize("length", [1.0, 10.0])
+def test_heat_conducted_beside_an_elastic_energy_is_kept_too(length, tmp_path):
+    """And what follows from it on other ranks: temperatures beyond cuts are those of their owners. In long layers blocks of
+    columns end within a vector.
+    """
+    (tmp_path / "warm.py").write_text(WARM.replace("LENGTH", str(length)))
     one, *others = (computed(tmp_path, f"{n}.h5", "warm.py", ranks=n) for n in (1, 3))
     assert np.abs(departures(one)["energy"]).max() < 1e-14
     assert np.abs(one.layers[1]["T"][-1] - one.layers[1]["T"][0]).max() > 1e-3

@@ -22,7 +22,7 @@ from numba import njit
 from fsipetsc.operators.kernels import FORMULA, U64
 from fsipetsc.operators.memory import load_twice, load_wide, store
 from fsipetsc.operators.rows import STRIDE, at
-from fsipetsc.operators.vectors import TWICE, WIDE, fma
+from fsipetsc.operators.vectors import TWICE, WIDE, fma, half
 from fsipetsc.physics.plane.layer import DOF, ELASTIC
 from fsipetsc.scheme.plane.targets import at_interface
 
@@ -69,17 +69,20 @@ def keep_power(layer, s, place, target, j):
 
 
 @njit(**FORMULA)
-def mended(layer, y, kept, mend, j, i, count, energy, T):
+def mended(layer, s, room, y, kept, mend, j, i, count, energy, T):
     """T of a vector of points i .. of row j, of which the first ``count`` are meant, whose M is ``energy``; this is kept.
 
-    mend: whether it is to be what makes up for ``energy``, or as it is.
+    mend: whether it is to be what makes up for ``energy``, or as it is. room: where in s there is some for a vector.
     """
     at = row_kept(layer, j) + i
     if mend:
         T = fma(1.0 / (layer.m0 * layer.alpha), load_twice(kept, at) - energy, T)
         to = (j * layer.width + i) * DOF + _T
-        store(kept, at, T)
+        store(s, room, T)
         for n in range(min(count, TWICE)):
-            y[U64(to + n * DOF)] = kept[U64(at + n)]
-    store(kept, at, energy)
+            y[U64(to + n * DOF)] = s[U64(room + n)]
+    if count > WIDE:
+        store(kept, at, energy)
+    else:  # a block is of whole wide vectors, and what follows is the next one's
+        store(kept, at, half(energy, 0))
     return T

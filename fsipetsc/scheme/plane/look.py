@@ -227,7 +227,7 @@ def look_at_block_of_solid(law, layer, op, s, place, y, kept, mend, seen):
             kinetic, elastic = (0.5 * layer.m0) * fma(u, u, v * v), spread_twice(0.0)
             if layer.heat == ELASTIC:
                 elastic = law.elastic.energy(c, F)
-            T = mended(layer, y, kept, mend, j, i, b - i, fma(moving, kinetic, elastic), T)
+            T = mended(layer, s, place.rates + STRIDE + i, y, kept, mend, j, i, b - i, fma(moving, kinetic, elastic), T)
             energy = kinetic + elastic + (layer.m0 * layer.alpha) * T
             fastest = fastest + 0.0 * (u + v)  # which must be numbers, too
             integrals = spread_twice(layer.m0), layer.m0 * u, layer.m0 * v, energy, layer.m0 * layer.alpha * np.log(T)
