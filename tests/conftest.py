@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import fcntl
+import hashlib
 import importlib.util
 import os
 import signal
+import sys
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -99,8 +101,7 @@ _LOUD_PULSE = (
 )
 _SHORT_FALL = "-fsi_h 0.1 -ts_max_time 0.004 -fsi_output_dt 1"
 _NONLINEAR_PULSE = (
-    "-fsi_h 0.05 -ts_max_time 0.002 -fsi_output_dt 0.001 -pulse_amplitude 1000 "
-    "-fluid_mu 0.5 -fluid_kappa 0.7 -solid_kappa 0.5"
+    "-fsi_h 0.05 -ts_max_time 0.002 -fsi_output_dt 0.001 -pulse_amplitude 1000 -fluid_mu 0.5 -fluid_kappa 0.7 -solid_kappa 0.5"
 )
 
 
@@ -135,9 +136,7 @@ GROUPS: dict[str, list[tuple[int, dict[str, tuple[str, str]]]]] = {
         for orders in ((2, 6), (4, 8))
     ],
     "rod_fine": [(1, {"order4": ("rod", "-fsi_h 0.0125 -ts_max_time 0.908")})],
-    "rest": [
-        (1, {f"order{q}": ("rod", f"-fsi_h 0.05 -fsi_order {q} -rod_gravity 0 -ts_max_time 0.2") for q in ORDERS})
-    ],
+    "rest": [(1, {f"order{q}": ("rod", f"-fsi_h 0.05 -fsi_order {q} -rod_gravity 0 -ts_max_time 0.2") for q in ORDERS})],
     "open": [
         (
             1,
@@ -293,17 +292,20 @@ class Computed:
         return self._open[path]
 
 
-def pytest_configure(config: pytest.Config) -> None:
-    """Interrupts reach what the tests start, where a shell has started them in the background and told them to ignore those.
-
-    Where several processes share the tests, each of them has processors of its own, and so has all that it starts: ranks on
-    the same ones offer them to each other at once while they wait, and take half of what they take where each waits for one
-    that another process's rank has.
-    """
+def pytest_configure() -> None:
+    """Interrupts reach what the tests start, where a shell has started them in the background and told them to ignore those."""
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
-    shared = getattr(config, "workerinput", None)
-    if shared is not None and hasattr(os, "sched_setaffinity"):
+
+
+def pytest_collection_finish(session: pytest.Session) -> None:
+    """Where several processes share MANY tests, each of them has processors of its own, and so has all that it starts.
+
+    Ranks on the same ones offer them to each other at once while they wait, and take half of what they take where each waits
+    for one that another process's rank has. Of few tests one process may have all: it would leave processors idle.
+    """
+    shared = getattr(session.config, "workerinput", None)
+    if shared is not None and len(session.items) > MANY and hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, processors(int(shared["workerid"].removeprefix("gw")), shared["workercount"]))
 
 
@@ -348,12 +350,20 @@ def more_kernels(kernels: None) -> None:
 
 def _compile(k: int, tmp_path_factory: pytest.TempPathFactory) -> None:
     """Compile a part, if that has not been done; whoever does it has the lock."""
-    from fsipetsc.operators import cache
-
-    done, what = cache.cache_folder() / f"tests{k}.done", repr(PARTS[k])
+    done, what = done_file(k), repr(PARTS[k])
     if not done.exists() or done.read_text() != what:
         compute(1, tmp_path_factory.mktemp("kernels"), PARTS[k])
         done.write_text(what)
+
+
+def done_file(k: int) -> Path:
+    """What says that a part is compiled: for this Python, this numba and this processor, which their kernels are of."""
+    import numba
+    from llvmlite import binding
+
+    processor = numba.config.CPU_NAME or binding.get_host_cpu_name(), numba.config.CPU_FEATURES
+    digest = hashlib.sha256(repr((sys.version, numba.__version__, processor)).encode()).hexdigest()[:16]
+    return Path(numba.config.CACHE_DIR) / f"tests{k}-{digest}.done"
 
 
 def _lock(k: int) -> TextIO:

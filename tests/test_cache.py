@@ -8,7 +8,9 @@ import os
 import shutil
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
+import conftest
 import pytest
 from helpers import REPOSITORY, run
 
@@ -131,6 +133,33 @@ def test_a_change_in_a_source_file_is_noticed(tmp_path):
     other = tmp_path / "fsipetsc" / "operators" / "sbp.py"
     os.utime(other, ns=(1, 1))
     assert answer() == ["1.0", "0"]
+
+
+def test_what_tests_have_compiled_is_of_one_python_numba_and_processor(monkeypatch):
+    files = {conftest.done_file(k) for k in (0, 1)}
+    assert {conftest.done_file(0)} < files and len({path.parent for path in files}) == 1
+    for name, value in {
+        "sys.version": "3.0",
+        "numba.__version__": "0.0",
+        "llvmlite.binding.get_host_cpu_name": lambda: "another",
+        "numba.config.CPU_NAME": "generic",
+        "numba.config.CPU_FEATURES": "+sse2",
+    }.items():
+        with monkeypatch.context() as patch:
+            patch.setattr(name, value)
+            files.add(conftest.done_file(0))
+    assert len(files) == 7
+
+
+def test_many_tests_have_processors_of_their_own_and_few_have_all(monkeypatch):
+    """A session of one file has one process that is busy."""
+    bound = []
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0, 1, 2, 3}, raising=False)
+    monkeypatch.setattr(os, "sched_setaffinity", lambda _, processors: bound.append(processors), raising=False)
+    one_of_two = SimpleNamespace(workerinput={"workerid": "gw1", "workercount": 2})
+    for config, tests in ((one_of_two, 10), (SimpleNamespace(), 5000), (one_of_two, 5000)):
+        conftest.pytest_collection_finish(SimpleNamespace(config=config, items=[None] * tests))
+    assert bound == [{1, 3}]
 
 
 def test_a_cache_that_is_lost_ends_no_run(tmp_path):
