@@ -12,7 +12,7 @@ pytest.importorskip("hypothesis")
 
 
 def test_random_inputs_end_with_one_message(tmp_path):
-    done = run(REPOSITORY / "tests" / "fuzz_program.py", 1000, cwd=tmp_path)
+    done = run(REPOSITORY / "tests" / "fuzz_program.py", 2000, cwd=tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
     inputs, well = re.search(r"^(\d+) inputs; status: 0: (\d+)", done.stdout).groups()
-    assert int(inputs) >= 1000 and int(well) > 25
+    assert int(inputs) >= 2000 and int(well) > 50
