@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers import PATIENCE, environment, message, mpirun, solve
-from kill_cycles import cycles, ranks_of
+from kill_cycles import alive, cycles, descendants, ranks_of
 from test_restart import differences
 
 import fsipetsc
@@ -136,6 +136,28 @@ def test_usr1_asks_for_a_checkpoint_and_the_run_goes_on(tmp_path):
     # Open MPI 5's launcher passes on nothing that is said after it was told to end
     assert err.count("stopped by SIGTERM at t = ") == 1 or not err, err
     assert checkpoint_file.read(tmp_path / "rod.checkpoint.h5").header["memory"]["steps"] > steps[1]
+
+
+def test_a_launcher_that_kills_soon_loses_no_checkpoint(tmp_path):
+    """mpiexec as it is gives ranks that are to end a second: whatever they had time for, what is there goes on."""
+    process = begin(2, tmp_path, *LINE, "-ts_max_time", 1000, "-fsi_checkpoint_wall", 0.1)
+    path = tmp_path / "rod.checkpoint.h5"
+    wait_for(path, process)
+    everybody, before = [process.pid, *descendants(process.pid)], checkpoint_file.read(path).header["memory"]
+    process.terminate()
+    process.communicate(timeout=PATIENCE)
+    end = time.monotonic() + PATIENCE
+    while alive(everybody) and time.monotonic() < end:
+        time.sleep(0.01)
+    assert process.returncode != 0 and not alive(everybody)
+    after = checkpoint_file.read(path).header["memory"]
+    assert after["steps"] >= before["steps"]
+    with fsipetsc.open_run(tmp_path / "rod.h5") as result:
+        assert result.nframes > 0
+    done = solve(*LINE, "-ts_max_time", after["t"] + 0.05, "-fsi_restart", "auto", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    with fsipetsc.open_run(tmp_path / "rod.h5") as result:
+        assert result.complete and len(result.series["t"]) == result.summary["steps"] > after["steps"]
 
 
 def test_a_second_sigint_ends_at_once(tmp_path):
