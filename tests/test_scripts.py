@@ -81,6 +81,70 @@ def test_each_open_mpi_is_told_in_its_own_words(version, name, tmp_path):
     assert named.returncode == 0 and "PRTE_MCA_mapby" in named.stdout
 
 
+#: a Python whose pip and configure do nothing that it takes time to do, and say what they were asked for
+PRETENDS = """
+echo "$@" >> "$HOME/asked"
+case "$*" in
+*' download '*) touch "$HOME/x" && tar -czf "${*%%/source *}/source/petsc-1.tar.gz" -C "$HOME" x ;;
+./configure*) exit 1 ;;
+esac
+"""
+
+
+@pytest.fixture
+def from_source(tmp_path):
+    """from_source(**env): scripts/setup --petsc-from-source where nothing lacks and PETSc cannot be configured."""
+    bin = tmp_path / "bin"
+    stand_in(bin, "dpkg-query", "printf installed")
+    stand_in(bin, "pkg-config", "exit 1")
+    stand_in(tmp_path / "home", "nothing", "")
+    python = stand_in(tmp_path / "home" / "bin", "python3", PRETENDS.replace("${*%%/source *}", f"{tmp_path}/home"))
+    usual = {"PATH": f"{bin}:/usr/bin:/bin", "PYTHON": str(python), "HOME": str(tmp_path), "HDF5_DIR": "/hdf5"}
+    home = os.path.relpath(tmp_path / "home")
+    return lambda **env: script("setup", "--petsc-from-source", **usual | {"PETSC_HOME": home} | env)
+
+
+def test_only_what_the_script_made_is_removed(from_source, tmp_path):
+    """A second time it begins anew with folders of its own; somebody's own are left, one as the other."""
+    for _ in range(2):
+        done = from_source()
+        assert done.returncode == 2 and "could not compile PETSc" in done.stderr, done.stderr
+    for name in ("petsc", "source"):
+        (tmp_path / "home" / name / "mine").touch()
+        (tmp_path / "home" / name / "made-by-scripts-setup").unlink()
+        done = from_source()
+        assert (done.returncode, done.stdout) == (2, "")
+        assert f"/home/{name} is there, but was not made by this script." in done.stderr
+        assert (tmp_path / "home" / name / "mine").exists()
+        (tmp_path / "home" / name / "made-by-scripts-setup").touch()
+
+
+def test_petsc_home_may_be_relative(from_source, tmp_path):
+    assert from_source().returncode == 2
+    asked = (tmp_path / "asked").read_text()
+    assert f"--dest {os.getcwd()}/" in asked and f"--prefix={os.getcwd()}/" in asked
+
+
+def test_without_hdf5_nothing_is_compiled(from_source, tmp_path):
+    done = from_source(HDF5_DIR="")
+    assert done.returncode == 2 and done.stderr.splitlines()[-2].endswith("found no HDF5 for MPI."), done.stderr
+    assert "configure" not in (tmp_path / "asked").read_text() and not (tmp_path / "home" / "source").exists()
+
+
+def test_each_version_of_the_matrix_has_a_folder(tmp_path):
+    """Also where PETSC_HOME says where, from here."""
+    root = tmp_path / "a checkout"
+    root.mkdir()
+    log = tmp_path / "log"
+    stand_in(root / "scripts", "setup", f'echo "$PETSC_VERSION $PETSC_HOME" >> "{log}"; exit 1')
+    shutil.copy(REPOSITORY / "scripts" / "matrix", root / "scripts")
+    for home, where in (("", f"{root}/.petsc"), ("here/p", f"{os.getcwd()}/here/p")):
+        env = {"PETSC_HOME": home, "TMPDIR": str(tmp_path)}
+        assert script("matrix", "source:3.22", "source", "noble", root=root, **env).returncode == 1
+        assert log.read_text().splitlines() == [f"3.22 {where}-3.22", f" {where}", f"3.19 {where}-noble"]
+        log.unlink()
+
+
 def test_bare_machine_explains_itself():
     assert "--keep" in script("bare-machine", "--help").stdout
     done = script("bare-machine", "--no-such")
