@@ -7,7 +7,7 @@ changed, whatever happens. The old file may be that of a killed run, of which on
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing
 from itertools import groupby
 from pathlib import Path
@@ -22,6 +22,14 @@ from fsipetsc.output.reader import damage
 from fsipetsc.output.result_sources import Finished, Frames, Unfinished, open_source
 
 Source = Finished | Unfinished
+
+
+class Kept(NamedTuple):
+    """What a result is to keep: so many frames, and rows of the series, the last of which is at the time t [s]."""
+
+    frames: int
+    rows: int
+    t: float
 
 
 class Piece(NamedTuple):
@@ -39,30 +47,33 @@ def is_of(path: Path, run: str) -> bool:
         return source.header.get("run") == run
 
 
-def cut(path: Path, kept: tuple[int, int], header: Mapping[str, Any], log: commits.Log) -> int:
+def cut(path: Path, kept: Kept, header: Mapping[str, Any], log: commits.Log, settle: Callable[[], None]) -> int:
     """Let a result end after so many frames and rows of the series, with this header; its first commit goes to ``log``.
 
-    Returns the number of its last segment, -1 if it has none. FileError if it has fewer.
+    settle: is called when the new file is whole, and the old one still there. Returns the number of its last segment, -1 if it
+    has none. FileError if it has fewer, or others.
     """
     fresh = path.with_name(f".{path.name}.{os.getpid()}.new")
     try:
         with damage(str(path)), closing(open_source(path)) as source:
             segment = _copy(source, fresh, path, kept, header, log)
+        settle()
         os.replace(fresh, path)
     finally:
         fresh.unlink(missing_ok=True)
     return segment
 
 
-def _copy(
-    source: Source, fresh: Path, path: Path, kept: tuple[int, int], header: Mapping[str, Any], log: commits.Log
-) -> int:
-    frames, rows = kept
+def _copy(source: Source, fresh: Path, path: Path, kept: Kept, header: Mapping[str, Any], log: commits.Log) -> int:
+    frames, rows, t = kept
     time, series = source.time()[:frames], _rows(source, rows)
     pieces = [_pieces(source, k, frames) for k in range(len(header["layers"]))]
     if len(time) < frames or len(series) < rows or any(sum(piece.kept for piece in own) < frames for own in pieces):
         found = f"{len(time)} frames and {len(series)} steps"
         raise FileError(f"{path}: is not what the checkpoint goes on from: it has {found}, not {frames} and {rows}")
+    if rows and series["t"][-1] != t:  # steps of a run that went on otherwise
+        found = f"its step {rows} ends at t = {series['t'][-1]:.17g}"
+        raise FileError(f"{path}: is not what the checkpoint goes on from: {found}, not {t:.17g}")
     fresh.write_bytes(file_layout.beginning(header, log))
     transaction.ensure_space(fresh, path.stat().st_size + (1 << 20))
     entry: dict[str, Any] = {"time": {"rows": frames}, "frames": []}

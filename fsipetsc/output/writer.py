@@ -45,8 +45,9 @@ class RunWriter:
              FileError is raised while another run is writing it
     header   JSON-able: case, options, versions, ranks, interfaces (names), layers (name, kind, fields of each);
              units = "none" if the case is dimensionless
-    after    (frames, rows of the series) of this run, by header["run"], that a file of this name is to keep: the writer goes on
-             behind them, and what else is in it is cut off. Where there is no such file a new one begins.
+    after    what of this run, by header["run"], a file of this name is to keep: the writer goes on behind it, and what else is
+             in it is cut off. Where there is no such file a new one begins.
+    settle   is called on rank 0 when all that can be known before is known to be well, and no file has changed
     flush_seconds, buffer_frames, buffer_bytes
              frames are written every so many seconds (wall time; less often if a write takes more than 2 % of them),
              and when there are about this many or this many bytes on one rank
@@ -63,7 +64,8 @@ class RunWriter:
         path: str | os.PathLike[str],
         header: Mapping[str, Any],
         *,
-        after: tuple[int, int] | None = None,
+        after: continued.Kept | None = None,
+        settle: Callable[[], None] = lambda: None,
         flush_seconds: float = 2.0,
         buffer_frames: int = 256,
         buffer_bytes: int = 16 << 20,
@@ -88,7 +90,7 @@ class RunWriter:
         self._log = commits.Log()  # with what follows: on rank 0
         self._new_frames: list[list[Any]] = []  # datasets of the frames that are being written
         self.path = Path(path)
-        self.path, self.kept_as, self._identity, kept = self._on_root(lambda: self._create(path, header, after))
+        self.path, self.kept_as, self._identity, kept = self._on_root(lambda: self._create(path, header, after, settle))
         self.nframes, self._steps, self._segment = kept
         hdf5.be_silent()
         with self._viewer():  # a file that PETSc cannot open should not be found out after hours
@@ -228,7 +230,11 @@ class RunWriter:
         return self._steps
 
     def _create(
-        self, path: str | os.PathLike[str], header: Mapping[str, Any], after: tuple[int, int] | None
+        self,
+        path: str | os.PathLike[str],
+        header: Mapping[str, Any],
+        after: continued.Kept | None,
+        settle: Callable[[], None],
     ) -> tuple[Path, Path | None, Identity, tuple[int, int, int]]:
         """Make the file with its header, or take one that is to be gone on with. On rank 0.
 
@@ -245,8 +251,9 @@ class RunWriter:
         claimed = claim.Claim(target)
         self._release = weakref.finalize(self, claimed.release)
         if after is not None and continued.is_of(target, header["run"]):
-            segment = continued.cut(target, after, _plain(header), self._log)
-            return target, None, _identity(target), (*after, segment)
+            segment = continued.cut(target, after, _plain(header), self._log, settle)
+            return target, None, _identity(target), (after.frames, after.rows, segment)
+        settle()
         content, kept_as = file_layout.beginning(_plain(header), self._log), None
         while True:
             kept_as = claim.keep_earlier(target) or kept_as

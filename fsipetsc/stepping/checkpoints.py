@@ -17,9 +17,10 @@ from fsipetsc.errors import FileError, InputError
 from fsipetsc.output import checkpoint_file
 from fsipetsc.output.checkpoint_file import Checkpoint
 from fsipetsc.output.claim import Claim
+from fsipetsc.output.continued import Kept
 from fsipetsc.output.file_layout import describe
 from fsipetsc.process.together import together
-from fsipetsc.stepping.restart import Past, checkpoint_name, described
+from fsipetsc.stepping.restart import AUTO, Past, check_unchanged, checkpoint_name, described, remove_abandoned
 from fsipetsc.stepping.snapshot import RATES
 from fsipetsc.stepping.state import State
 from fsipetsc.stepping.versions import versions
@@ -59,6 +60,12 @@ class CheckpointKeeper:
         if asked or os.access(os.path.dirname(result), os.W_OK | os.X_OK):  # else the result says what is wrong
             self._claim(asked)
             checkpoint_file.tidy(self.path)
+        if self.past is not None or self._opt["fsi_restart"] == AUTO:  # who had the right to write until now may have written
+            try:
+                check_unchanged(self.past, self.path)
+            except FileError:
+                self.close()
+                raise
 
     def _claim(self, asked: bool) -> None:
         """Let no other run write there: one that has the same result, or one whose result has a name that begins like it."""
@@ -84,10 +91,17 @@ class CheckpointKeeper:
         return {**run, "restarts": [*run.get("restarts", []), this]}
 
     @property
-    def written_before(self) -> tuple[int, int]:
-        """Frames and steps that the result had at the checkpoint."""
+    def written_before(self) -> Kept | None:
+        """What the result had at the checkpoint; None if the run begins."""
+        if self.past is None:
+            return None
         frames, rows = self.past.header["result"]
-        return int(frames), int(rows)
+        return Kept(int(frames), int(rows), float(self.past.header["memory"]["t"]))
+
+    def settle(self) -> None:
+        """From now on there is nothing beyond the checkpoint that the run goes on from. On rank 0. FileError."""
+        if self.past is not None:
+            remove_abandoned(self.past, self.path)
 
     def lines(self) -> list[str]:
         """What is to be said of the checkpoint that the run goes on from."""

@@ -7,6 +7,7 @@ only if the command line itself says so, not a file of options of former days (S
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from pathlib import Path
@@ -28,15 +29,22 @@ FREE = OF_A_RUN | {
 }
 STEPS = ({option.name for option in PETSC_OPTIONS} | {"fsi_cfl"}) - FREE
 AUTO = "auto"
+_Found = tuple[str, Checkpoint, list[str]]  # path, content, notes
+_Seen = dict[str, tuple[int, ...] | None]
 
 
 class Past(NamedTuple):
-    """What a run goes on from; the same on all ranks. notes: lines that are to be said."""
+    """What a run goes on from; the same on all ranks.
+
+    notes: lines that are to be said. seen: file -> what it was (`_identity`) when this was read: the one that was read, and
+    those where the run will write its checkpoints.
+    """
 
     path: str
     header: dict[str, Any]
     arrays: dict[str, np.ndarray]
     notes: list[str]
+    seen: _Seen
 
     @property
     def options(self) -> dict[str, Any]:
@@ -56,23 +64,77 @@ def find_past(case: Any, given: Mapping[str, Given], comm: MPI.Comm) -> Past | N
         return None
     options = table(case)
     name = options["fsi_restart"].parse(asked.text)
-    find = (lambda: _newest(_own_name(options, given))) if name == AUTO else (lambda: _named(name))
-    found = together(comm, lambda: find() if comm.rank == 0 else None)
-    past = _known_to_all(found, comm)
+    found, seen = together(comm, lambda: _find(name, options, given) if comm.rank == 0 else (None, {}))
+    past = _known_to_all(found, seen, comm)
     if past is not None and past.header["case"] != case.NAME:
         raise InputError(f"-fsi_restart: {past.path} is a checkpoint of the case {past.header['case']}, not of {case.NAME}")
     return past
 
 
-def _own_name(options: Mapping[str, Any], given: Mapping[str, Given]) -> str:
-    values = (options[name].parse(given[name].text) if name in given else options[name].default for name in _NAMES)
+def _find(name: str, options: Mapping[str, Any], given: Mapping[str, Given]) -> tuple[_Found | None, _Seen]:
+    """What -fsi_restart NAME asks for. Of each file is noted what it is before it is read."""
+    if name == AUTO:
+        own = _own_name(options, given, {})
+        seen = _look_at(own, checkpoint_file.previous(own))
+        return _newest(own), seen
+    seen = _look_at(name)
+    found = _named(name)
+    own = _own_name(options, given, found[1].header.get("options", {}))
+    return found, _look_at(own, checkpoint_file.previous(own)) | seen
+
+
+def _own_name(options: Mapping[str, Any], given: Mapping[str, Given], inherited: Mapping[str, Any]) -> str:
+    """Where the run will write its checkpoints."""
+    names = "fsi_checkpoint", "fsi_output"
+    values = (
+        options[name].parse(given[name].text) if name in given else inherited.get(name, options[name].default) for name in names
+    )
     return checkpoint_name(*values)
 
 
-_NAMES = "fsi_checkpoint", "fsi_output"
+def _look_at(*paths: str | Path) -> _Seen:
+    return {str(path): _identity(path) for path in paths}
 
 
-def _named(name: str) -> tuple[str, Checkpoint, list[str]]:
+def _identity(path: str | Path) -> tuple[int, ...] | None:
+    """What is another one as soon as something else is written there; None where there is no file."""
+    try:
+        status = os.stat(path)
+    except OSError:
+        return None
+    return status.st_dev, status.st_ino, status.st_mtime_ns, status.st_size
+
+
+def check_unchanged(past: Past | None, path: str) -> None:
+    """FileError if another run has written checkpoints since those were looked for that this one goes on from.
+
+    past: None if -fsi_restart auto has found none. path: where this run will write its own. On rank 0.
+    """
+    seen = dict.fromkeys((path, str(checkpoint_file.previous(path)))) if past is None else past.seen
+    for name, before in seen.items():
+        if _identity(name) != before:
+            raise FileError(f"{name}: has changed since it was read: another run has gone on; start again")
+
+
+def remove_abandoned(past: Past, path: str) -> None:
+    """Remove checkpoints of the same run beyond the one that it goes on from: -fsi_restart auto would take them for the newest.
+
+    path: where the run will write its own; what else there is of it elsewhere is not touched. On rank 0. FileError.
+    """
+    memory = past.header["memory"]
+    for file in (Path(path), checkpoint_file.previous(path)):
+        good, _ = _good(file)
+        if good is None or _run(good.header) != _run(past.header):
+            continue
+        steps, t = good.header["memory"]["steps"], good.header["memory"]["t"]
+        if steps > memory["steps"] or (steps == memory["steps"] and t != memory["t"]):
+            try:
+                file.unlink()
+            except OSError as error:
+                raise FileError(f"{file}: of steps that are given up, cannot be removed: {error.strerror}") from None
+
+
+def _named(name: str) -> _Found:
     """The checkpoint of a file. FileError, which names the one before it if that is whole."""
     try:
         return name, checkpoint_file.read(name), []
@@ -83,9 +145,10 @@ def _named(name: str) -> tuple[str, Checkpoint, list[str]]:
         raise
 
 
-def _newest(name: str) -> tuple[str, Checkpoint, list[str]] | None:
-    """The newest good one of this name, None if there is none."""
-    found, notes = [], []
+def _newest(name: str) -> _Found | None:
+    """The newest good one of this name, None if there is none: of two runs that of the one which has written last."""
+    found: list[tuple[int, str, Checkpoint]] = []
+    notes = []
     for path in (Path(name), checkpoint_file.previous(name)):
         good, why = _good(path)
         if good is not None:
@@ -96,8 +159,13 @@ def _newest(name: str) -> tuple[str, Checkpoint, list[str]] | None:
         if notes:
             raise FileError(f"{'; '.join(notes)}; without them -fsi_restart auto begins anew")
         return None
-    _, path, good = max(found, key=lambda entry: entry[0])
+    same = len({_run(entry[2].header) for entry in found}) == 1
+    _, path, good = max(found, key=lambda entry: entry[0]) if same else found[0]
     return path, good, [f"note: {why}" for why in notes]
+
+
+def _run(header: Mapping[str, Any]) -> str | None:
+    return header.get("run", {}).get("run")
 
 
 def _good(path: Path) -> tuple[Checkpoint | None, str]:
@@ -107,20 +175,20 @@ def _good(path: Path) -> tuple[Checkpoint | None, str]:
         return None, str(error)
 
 
-def _known_to_all(found: tuple[str, Checkpoint, list[str]] | None, comm: MPI.Comm) -> Past | None:
+def _known_to_all(found: _Found | None, seen: _Seen, comm: MPI.Comm) -> Past | None:
     """What rank 0 has found. Collective."""
     shapes = None
     if found is not None:
         shapes = {name: (array.shape, array.dtype.str) for name, array in found[1].arrays.items()}
-    told = comm.bcast(None if found is None else (found[0], found[1].header, found[2], shapes))
+    told = comm.bcast(None if found is None else (found[0], found[1].header, found[2], seen, shapes))
     if told is None:
         return None
-    path, header, notes, shapes = told
+    path, header, notes, seen, shapes = told
     arrays = {}
     for name, (shape, kind) in shapes.items():
         arrays[name] = np.ascontiguousarray(found[1].arrays[name]) if found is not None else np.empty(shape, kind)
         comm.Bcast(arrays[name].view(np.uint8).reshape(-1) if arrays[name].size else np.empty(0, np.uint8))
-    return Past(path, header, arrays, notes)
+    return Past(path, header, arrays, notes, seen)
 
 
 def check_options(past: Past, opt: Mapping[str, Any], given: Mapping[str, Given]) -> None:

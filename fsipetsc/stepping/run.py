@@ -22,7 +22,6 @@ from fsipetsc.problem import Problem
 from fsipetsc.process.interrupts import Interrupted, heeded, take_over
 from fsipetsc.process.leftovers import remove_mark
 from fsipetsc.process.notes import PATIENCE, exchange
-from fsipetsc.process.together import together
 from fsipetsc.scheme.conservation_check import ConservationCheck
 from fsipetsc.stepping.checkpoints import CheckpointKeeper
 from fsipetsc.stepping.integrator import Integrator
@@ -111,8 +110,8 @@ class _Run:
         self.problem, self.state = state.problem, state
         times = opt["ts_max_time"], opt["fsi_output_dt"], opt["fsi_output_times"]
         saved = saved_times(*times, self.problem.unit("s"), state.begin)
-        header, after = self._header(), None if keeper.past is None else keeper.written_before
-        self.writer = RunWriter(comm, opt["fsi_output"], header, after=after)
+        after = keeper.written_before
+        self.writer = RunWriter(comm, opt["fsi_output"], self._header(), after=after, settle=keeper.settle)
         self.writer.take_series = self._take
         self.report = Reporter(comm, case.NAME, opt)
         self.notes = notes
@@ -237,15 +236,22 @@ class _Run:
         self.limits.changes = list(header.get("limits", ()))
         if header["watch"] is not None and self.checks and self.comm.rank == 0:
             self._conservation().recall(header["watch"])
-        asked = set(self.opt["fsi_output_times"] or ()) - set(past.options["fsi_output_times"] or ())
-        missed = together(self.comm, lambda: times_without_frame(asked, integrator.t, self.writer.path))
-        if missed:
-            missed += self.problem.unit("s")
-            self.report.line(f"note: -fsi_output_times: {missed}, before the checkpoint: no frames are made there")
+        self._note_missed(past)
         if self.writer.nframes:
             self.saved_at = header["saved_at"]
         else:  # a file of its own
             self._frame(integrator.t)
+
+    def _note_missed(self, past: Past) -> None:
+        """Say which output times come too late. A mere note: not collective, and a file that cannot be read ends nothing."""
+        asked = set(self.opt["fsi_output_times"] or ()) - set(past.options["fsi_output_times"] or ())
+        if self.comm.rank > 0:
+            return
+        with suppress(FileError):
+            missed = times_without_frame(asked, self.integrator.t, self.writer.path)
+            if missed:
+                missed += self.problem.unit("s")
+                self.report.line(f"note: -fsi_output_times: {missed}, before the checkpoint: no frames are made there")
 
     def _look(self) -> None:
         """Raise ComputationError on all ranks if an invariant that must hold does not, in steps that the watch has seen."""

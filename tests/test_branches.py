@@ -1,0 +1,117 @@
+"""Checkpoints that are not those of the steps before: of steps given up, of other runs, of one that went on meanwhile."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from helpers import message, solve
+
+import fsipetsc
+from fsipetsc.errors import FileError
+from fsipetsc.output import checkpoint_file
+from fsipetsc.output.claim import Claim
+from fsipetsc.stepping.output_times import times_without_frame
+
+pytest.importorskip("petsc4py")
+
+WORDS = "rod -fsi_h 0.05 -ts_max_time 1 -fsi_checkpoint_steps 20 -ts_max_steps".split()
+NEWEST, BEFORE = "rod.checkpoint.h5", "rod.checkpoint.previous.h5"
+#: the rod; as it begins, the files that stand ready take their places: of a run that had the right to write until now
+MEANWHILE = """
+import os
+from contextlib import suppress
+from fsipetsc.cases import rod
+
+NAME, OPTIONS, DEFAULTS = "meanwhile", rod.OPTIONS, rod.DEFAULTS
+
+
+def build(opt):
+    for name in os.listdir("ready") if os.path.isdir("ready") else ():
+        with suppress(FileNotFoundError):  # another rank was faster
+            os.replace(f"ready/{name}", name)
+    return rod.build(opt)
+"""
+
+
+def steps(path: Path) -> int:
+    return checkpoint_file.read(path).header["memory"]["steps"]
+
+
+def goes_on(folder: Path, *words: object, ranks: int = 1) -> str:
+    """From which checkpoint, as the run says itself."""
+    done = solve(*words, cwd=folder, ranks=ranks)
+    assert (done.returncode, done.stderr) == (0, "")
+    return done.stdout.partition("goes on from ")[2].partition(", t = ")[0]
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in folder.glob("*.h5")}
+
+
+@pytest.mark.mpi
+def test_what_was_given_up_is_not_gone_on_from(tmp_path):
+    """Neither steps beyond an earlier checkpoint that was named, nor those of a former run; nor are two branches joined."""
+    assert goes_on(tmp_path, *WORDS, 40) == ""
+    shutil.copy(tmp_path / NEWEST, tmp_path / "old.h5")
+    assert goes_on(tmp_path, *WORDS, 30, "-ts_dt", "1e-5", "-fsi_restart", BEFORE) == f"{BEFORE}: step 20"
+    assert [steps(tmp_path / name) for name in (NEWEST, BEFORE)] == [30, 20]
+    assert goes_on(tmp_path, *WORDS, 50, "-fsi_restart", "auto", ranks=2) == f"{NEWEST}: step 30"
+    before = contents(tmp_path)
+    message(solve(*WORDS, 60, "-fsi_restart", "old.h5", cwd=tmp_path), 4, "its step 40 ends at t = ")
+    assert contents(tmp_path) == before
+    assert goes_on(tmp_path, *WORDS, 10) == ""
+    assert [steps(tmp_path / name) for name in (NEWEST, BEFORE)] == [10, 50]
+    assert goes_on(tmp_path, *WORDS, 25, "-fsi_restart", "auto") == f"{NEWEST}: step 10"
+    with fsipetsc.open_run(tmp_path / "rod.h5") as result:
+        assert result.summary["steps"] == len(result.series["t"]) == 25
+
+
+@pytest.mark.mpi
+def test_what_is_given_up_stays_until_the_run_can_begin(tmp_path):
+    """Where another one is writing the result nothing has changed."""
+    assert goes_on(tmp_path, *WORDS, 40) == ""
+    before = contents(tmp_path)
+    claim = Claim(tmp_path / "rod.h5")
+    message(solve(*WORDS, 60, "-fsi_restart", BEFORE, cwd=tmp_path, ranks=2), 4, "rod.h5: another run is writing it")
+    claim.release()
+    assert contents(tmp_path) == before
+
+
+@pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.mpi)])
+@pytest.mark.parametrize("asked", ["auto", NEWEST])
+def test_a_checkpoint_that_another_run_has_written_meanwhile(asked, ranks, tmp_path):
+    """Between a look and the lock: `auto` found none, or the one that was named is the one before by now."""
+    (tmp_path / "meanwhile.py").write_text(MEANWHILE)
+    (tmp_path / "ready").mkdir()
+    words = ["meanwhile.py", *WORDS[1:], 60, "-fsi_output", "rod.h5"]
+    assert goes_on(tmp_path, *words, "-ts_max_steps", 40) == ""
+    shutil.move(tmp_path / NEWEST, tmp_path / "ready" / NEWEST)
+    (shutil.move if asked == "auto" else shutil.copy)(tmp_path / BEFORE, tmp_path / "ready" / BEFORE)
+    if asked == NEWEST:
+        shutil.move(tmp_path / BEFORE, tmp_path / NEWEST)
+    everything = {**contents(tmp_path), **contents(tmp_path / "ready")}
+    done = solve(*words, "-fsi_restart", asked, cwd=tmp_path, ranks=ranks)
+    message(done, 4, "has changed since it was read: another run has gone on; start again")
+    assert contents(tmp_path) == everything
+    assert goes_on(tmp_path, *words, "-fsi_restart", asked) == f"{NEWEST}: step 40"
+
+
+@pytest.mark.parametrize("rank", [0, 1])
+def test_a_mere_note_ends_no_run(rank, tmp_path):
+    """The result cannot be read, on rank 0; no other rank looks, nor waits."""
+    from fsipetsc.stepping.run import _Run
+
+    def line(text: str) -> None:
+        raise AssertionError(text)
+
+    path = tmp_path / "rod.h5"
+    path.write_text("no result")
+    past = SimpleNamespace(options={"fsi_output_times": None})
+    run = SimpleNamespace(opt={"fsi_output_times": [0.1]}, comm=SimpleNamespace(rank=rank), report=SimpleNamespace(line=line))
+    run.integrator, run.writer = SimpleNamespace(t=0.2), SimpleNamespace(path=path)
+    with pytest.raises(FileError):
+        times_without_frame([0.1], 0.2, path)
+    _Run._note_missed(run, past)
