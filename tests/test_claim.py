@@ -123,6 +123,35 @@ def test_what_is_no_lock_stays_as_it_is(tmp_path: Path, monkeypatch, make, locks
     assert (before[0].st_ino, before[0].st_mtime_ns, before[1]) == (after[0].st_ino, after[0].st_mtime_ns, after[1])
 
 
+@pytest.mark.parametrize("sticky", [False, True], ids=["may be removed", "may not be removed"])
+def test_the_lock_of_another_user_s_killed_run_is_none(tmp_path: Path, monkeypatch, sticky: bool) -> None:
+    """Its file cannot be written: it is locked all the same, and makes way where the folder lets it."""
+    lock = tmp_path / ".run.h5.lock"
+    lock.write_text("process 12345 on a machine, of a killed run")
+    theirs, opened = lock.stat().st_ino, os.open
+
+    def open_(path, flags, *mode):
+        if Path(path) == lock and flags & os.O_RDWR and lock.exists() and lock.stat().st_ino == theirs:
+            raise PermissionError(13, "Permission denied")
+        return opened(path, flags, *mode)
+
+    def refuse(*_: object, **__: object) -> None:
+        raise PermissionError(1, "Operation not permitted")
+
+    monkeypatch.setattr("fsipetsc.output.claim.os.open", open_)
+    if sticky:
+        monkeypatch.setattr("fsipetsc.output.claim.Path.unlink", refuse)
+    claim = Claim(tmp_path / "run.h5")
+    program = f"from pathlib import Path\nfrom fsipetsc.output.claim import Claim\nClaim(Path({str(tmp_path / 'run.h5')!r}))"
+    second = subprocess.run(
+        [sys.executable, "-c", program], env=environment(), text=True, capture_output=True, timeout=PATIENCE
+    )
+    assert "another run is writing it" in second.stderr
+    assert lock.read_text().startswith("process 12345 on a" if sticky else f"process {os.getpid()} on ")
+    claim.release()
+    assert lock.exists() == sticky
+
+
 def test_without_hard_links_nothing_is_overwritten_either(tmp_path: Path, monkeypatch) -> None:
     def refuse(*_: object) -> None:
         raise OSError("no hard links here")

@@ -138,6 +138,61 @@ def test_what_a_mark_tells_of_is_removed_when_nobody_holds_it(begins, dead):
     leftovers.remove_mark()
 
 
+def test_a_mark_that_cannot_be_followed_stops_nothing(begins, dead):
+    user, gone = os.getuid(), session(begins, dead)
+    first, second = (begins / f"fsipetsc.{user}.{job}.start" for job in ("d", "e"))
+    first.symlink_to("nowhere")
+    second.write_text(f"{HERE}, session {gone}")
+    leftovers.mark_start()
+    leftovers.remove_mark()
+    assert first.is_symlink() and not second.exists() and not gone.exists()
+
+
+def test_a_mark_that_is_being_made(begins, monkeypatch):
+    """Another run finds it before it is locked, and removes it: it is made once more, and no memory is touched."""
+    own, memory = begins / f"fsipetsc.{os.getuid()}.abc.start", begins / "vader_segment.machine.0.abc.1"
+    memory.touch()
+    lock, met = leftovers.fcntl.flock, []
+
+    def late(descriptor: int, how: int) -> None:
+        if not met:
+            met.append(own.stat().st_ino)
+            leftovers._follow(own, "abc")
+            assert not own.exists()
+        lock(descriptor, how)
+
+    monkeypatch.setattr(leftovers.fcntl, "flock", late)
+    leftovers.mark_start()
+    assert met and str(os.getpid()) in own.read_text() and memory.exists()
+    leftovers.remove_mark()
+
+
+def test_a_mark_of_the_name_that_was_made_anew_stays(begins, dead, monkeypatch):
+    """Between opening and locking it was removed, and a job of the same number has made its own."""
+    own, memory = begins / f"fsipetsc.{os.getuid()}.abc.start", begins / "vader_segment.machine.0.abc.1"
+    memory.touch()
+    own.write_text(f"{HERE}, session {session(begins, dead)}")
+    lock = leftovers.fcntl.flock
+
+    def late(descriptor: int, how: int) -> None:
+        own.with_name("new").touch()
+        os.replace(own.with_name("new"), own)
+        lock(descriptor, how)
+
+    monkeypatch.setattr(leftovers.fcntl, "flock", late)
+    leftovers._follow(own, "abc")
+    assert own.exists() and memory.exists()
+
+
+def test_without_locks_there_is_no_mark(begins, monkeypatch):
+    def refuse(*_: object) -> None:
+        raise OSError("no locks here")
+
+    monkeypatch.setattr(leftovers.fcntl, "flock", refuse)
+    leftovers.mark_start()
+    assert not list(begins.glob("fsipetsc.*"))
+
+
 @pytest.mark.mpi
 def test_the_next_run_removes_what_one_leaves_that_is_killed_as_it_begins(tmp_path):
     """All ranks and the launcher, when there is shared memory and no result yet; the next run is of another name."""
@@ -156,9 +211,9 @@ def test_the_next_run_removes_what_one_leaves_that_is_killed_as_it_begins(tmp_pa
     killed.wait()
     while alive(everybody) and time.monotonic() < end:
         time.sleep(0.01)
-    if not list(temporary.glob("fsipetsc.*.start")):
+    if not list(temporary.glob("ompi.*/pid.*")):
         pytest.skip("another MPI, of whose jobs nothing is known")
-    assert list(temporary.glob("ompi.*/pid.*"))
+    assert list(temporary.glob("fsipetsc.*.start"))
     words = "rod -fsi_h 0.05 -ts_max_steps 1 -fsi_quiet -fsi_output next.h5".split()
     done = run("-m", "fsipetsc", *words, cwd=tmp_path, env=where)
     assert (done.returncode, done.stderr) == (0, "")

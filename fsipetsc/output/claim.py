@@ -20,7 +20,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from fsipetsc.errors import FileError
-from fsipetsc.process.leftovers import LONGEST, remove_session, whereabouts
+from fsipetsc.process.leftovers import LONGEST, is_still, remove_session, whereabouts
 
 _held: dict[Path, Claim] = {}  # of this process
 
@@ -46,14 +46,14 @@ class Claim:
 
     def _lock(self) -> int | None:
         while True:
-            descriptor = os.open(self._path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK, 0o666)
+            descriptor, own = self._open()
             if not _is_lock(descriptor):
                 os.close(descriptor)
                 raise FileError(f"{self._path}: stands where the lock of {self.target.name} belongs, and is none; move it away")
             try:
                 fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError:
-                if not self._still_there(descriptor):  # removed meanwhile: it stands for nothing
+                if not is_still(descriptor, self._path):  # removed meanwhile: it stands for nothing
                     os.close(descriptor)
                     continue
                 who = os.pread(descriptor, LONGEST, 0).decode(errors="replace").split(", session ")[0].strip()
@@ -63,14 +63,43 @@ class Claim:
                 ) from None
             except OSError:  # no locks here
                 os.close(descriptor)
+                if not own:  # there may be some, for who can write the file
+                    raise
                 self._path.unlink(missing_ok=True)
                 return None
-            if self._still_there(descriptor):
-                remove_session(os.pread(descriptor, LONGEST, 0).decode(errors="replace"))  # of a run that was killed
-                os.ftruncate(descriptor, 0)
-                os.pwrite(descriptor, whereabouts().encode(), 0)
+            if is_still(descriptor, self._path) and (own or not self._make_way()):
+                if own:
+                    remove_session(os.pread(descriptor, LONGEST, 0).decode(errors="replace"))  # of a run that was killed
+                    os.ftruncate(descriptor, 0)
+                    os.pwrite(descriptor, whereabouts().encode(), 0)
                 return descriptor
-            os.close(descriptor)  # who had it removed it meanwhile
+            os.close(descriptor)  # it was removed meanwhile
+
+    def _open(self) -> tuple[int, bool]:
+        """(descriptor of the lock's file, whether it can be written). OSError where none can be made.
+
+        That of another user's run often cannot be, and on some systems not be opened as one that may be new: to be locked it
+        need only be read. FileError if it cannot be.
+        """
+        common = os.O_NOFOLLOW | os.O_NONBLOCK
+        while True:
+            try:
+                return os.open(self._path, os.O_RDWR | os.O_CREAT | common, 0o666), True
+            except PermissionError:
+                if not os.path.lexists(self._path):
+                    raise
+            with suppress(FileNotFoundError):  # removed meanwhile
+                try:
+                    return os.open(self._path, os.O_RDONLY | common), False
+                except PermissionError:
+                    raise FileError(f"{self._path}: the lock of another user's run, which cannot be read") from None
+
+    def _make_way(self) -> bool:
+        """Remove another user's file, which is locked and would tell of a run that is no more; whether that may be done."""
+        with suppress(PermissionError):
+            self._path.unlink()
+            return True
+        return False
 
     def _tidy(self) -> None:
         """Remove files that runs killed in the midst have left: nobody else makes such as long as we have the right."""
@@ -78,18 +107,12 @@ class Claim:
             with suppress(OSError):
                 left.unlink()
 
-    def _still_there(self, descriptor: int) -> bool:
-        """Whether the locked file is still the one of this name."""
-        with suppress(FileNotFoundError):
-            return os.path.samestat(os.fstat(descriptor), os.lstat(self._path))
-        return False
-
     def release(self) -> None:
         """Let others write the result. May be called again."""
         descriptor, self._descriptor = self._descriptor, None
         if descriptor is not None:
             with suppress(OSError):
-                if self._still_there(descriptor):
+                if is_still(descriptor, self._path):
                     self._path.unlink()
             os.close(descriptor)
         if _held.get(self.target) is self:

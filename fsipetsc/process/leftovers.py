@@ -48,20 +48,17 @@ def mark_start() -> None:
     if os.environ.get(_ON_NODE, "0") != "0":
         return
     folder = Path(tempfile.gettempdir())
-    with suppress(OSError):
-        for path in sorted(folder.iterdir()):
-            match = _MARK.fullmatch(path.name)
-            if match and int(match[1]) == os.getuid():
-                _follow(path, match[2])
+    for name in _names(folder):
+        match = _MARK.fullmatch(name)
+        if match and int(match[1]) == os.getuid():
+            with suppress(OSError):  # one that cannot be read, or removed, stops nothing
+                _follow(folder / name, match[2])
     job = os.environ.get(_JOB, "")
     if not session() or not job.isdigit():
         return
     path = folder / f"fsipetsc.{os.getuid()}.{int(job):x}.start"
     with suppress(OSError):
-        descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW, 0o600)
-        _marks[path] = descriptor
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        os.write(descriptor, whereabouts().encode())
+        _make(path)
     atexit.register(remove_mark)
 
 
@@ -74,6 +71,37 @@ def remove_mark() -> None:
         os.close(descriptor)
 
 
+def _names(folder: Path) -> list[str]:
+    try:
+        return sorted(os.listdir(folder))
+    except OSError:
+        return []
+
+
+def _make(path: Path) -> None:
+    """Make a mark, and hold it. OSError, also where there is one."""
+    while path not in _marks:
+        descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW, 0o600)
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX)  # another run that has found it as it came holds it for a moment
+            if is_still(descriptor, path):
+                os.write(descriptor, whereabouts().encode())
+                _marks[path] = descriptor
+        except OSError:  # no locks here, or a full disk: a mark that nobody holds would stand for a killed run
+            path.unlink(missing_ok=True)
+            raise
+        finally:
+            if path not in _marks:
+                os.close(descriptor)
+
+
+def is_still(descriptor: int, path: Path) -> bool:
+    """Whether an open file is still the one of this name: what is locked may have been removed meanwhile."""
+    with suppress(FileNotFoundError):
+        return os.path.samestat(os.fstat(descriptor), os.lstat(path))
+    return False
+
+
 def _follow(path: Path, job: str) -> None:
     """Remove what a mark tells of if nobody holds it, and the mark if nothing is left. OSError."""
     descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
@@ -83,7 +111,10 @@ def _follow(path: Path, job: str) -> None:
         with suppress(BlockingIOError):
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
             said = os.pread(descriptor, LONGEST, 0).decode(errors="replace")
-            if said and f" on {socket.gethostname()}, " not in said:
+            if not is_still(descriptor, path) or (said and f" on {socket.gethostname()}, " not in said):
+                return
+            if not said:  # one that is being made, whose job goes on, or was killed in the midst of it
+                path.unlink()
                 return
             remove_session(said)
             _remove_shared(job)
