@@ -150,6 +150,8 @@ def cycles(folder: Path, case: str, kills: int, seed: int) -> list[str]:
     left = {path.name for path in folder.iterdir()} - {"whole.h5", "run.h5", "run.checkpoint.h5", "run.checkpoint.previous.h5"}
     assert not {name for name in left if not name.endswith(".xdmf")}, left
     assert not files, files
+    begun = sum("the launcher at the start" in one for one in said)  # they may have come before the program's first line
+    assert sessions <= begun, f"{sessions} folders of sessions are left, and {begun} launchers were killed at the start"
     return [*said, f"sessions of mpiexec that are left, killed before the program began: {sessions}"]
 
 
