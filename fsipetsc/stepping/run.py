@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import signal
-import threading
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import closing, contextmanager, suppress
@@ -19,7 +18,7 @@ from fsipetsc.output.checkpoint_file import CheckpointError
 from fsipetsc.output.file_layout import describe
 from fsipetsc.output.writer import RunWriter
 from fsipetsc.problem import Problem
-from fsipetsc.process.interrupts import Interrupted, heeded, take_over
+from fsipetsc.process.interrupts import Interrupted
 from fsipetsc.process.leftovers import remove_mark
 from fsipetsc.process.notes import PATIENCE, exchange
 from fsipetsc.scheme.conservation_check import ConservationCheck
@@ -28,10 +27,10 @@ from fsipetsc.stepping.integrator import Integrator
 from fsipetsc.stepping.ledgers import Ledgers
 from fsipetsc.stepping.limits import Limits
 from fsipetsc.stepping.output_times import saved_times, times_without_frame
-from fsipetsc.stepping.pauses import Pauses
 from fsipetsc.stepping.phases import LOOP, OUTPUT, SET_UP, Phases
 from fsipetsc.stepping.report import Reporter
 from fsipetsc.stepping.restart import Past, check_options, check_problem, find_past
+from fsipetsc.stepping.signals import asks, ends
 from fsipetsc.stepping.solve import build_problem, make_state
 from fsipetsc.stepping.start import Start, find_start
 from fsipetsc.stepping.state import State
@@ -74,7 +73,7 @@ def run_case(case: Any, options: dict[str, Any], comm: MPI.Comm, past: Past | No
             with phases(SET_UP):
                 run = _Run(case, options, comm, notes, phases, state, keeper, start)
                 remove_mark()  # from now on the result's lock says it
-            with _asked(run.integrator.pauses):
+            with asks(run.integrator.pauses):
                 run.go()
 
 
@@ -286,7 +285,7 @@ class _Run:
             self.report.start(integrator.t, integrator.steps, integrator.pauses.ends)
             if integrator.beyond:
                 self.report.line(f"note: {integrator.beyond}; explicit methods are unstable far beyond it")
-            with _signals(integrator.pauses), self.phases(LOOP):
+            with ends(integrator.pauses), self.phases(LOOP):
                 integrator.run()
             self._last_frame()
             self._flush()  # so that the summary knows what it took
@@ -376,39 +375,3 @@ class _Run:
 def interface_names(problem: Problem) -> list[str]:
     """Names of the interfaces, from left to right."""
     return [f"{a.name} | {b.name}" for a, b in zip(problem.layers, problem.layers[1:], strict=False)]
-
-
-@contextmanager
-def _signals(pauses: Pauses):
-    """SIGTERM, SIGINT and SIGHUP let the current burst of steps end; all stop together. A second SIGINT ends at once."""
-
-    def note(number: int, frame: object) -> None:
-        pauses.raised = number
-        if number == signal.SIGINT:
-            signal.signal(number, signal.SIG_DFL)
-
-    earlier = {number: signal.signal(number, note) for number in heeded()}
-    pauses.raised = pauses.raised or take_over()  # one that came before, and was not heard
-    try:
-        yield
-    finally:
-        for number, handler in earlier.items():
-            if signal.getsignal(number) is note:
-                signal.signal(number, handler)
-
-
-@contextmanager
-def _asked(pauses: Pauses):
-    """SIGUSR1 asks for a checkpoint after the current burst of steps, or once the steps begin."""
-
-    def note(number: int, frame: object) -> None:
-        pauses.asked = True
-
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    earlier = signal.signal(signal.SIGUSR1, note)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGUSR1, earlier)
