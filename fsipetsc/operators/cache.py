@@ -108,7 +108,7 @@ def compiling(function: Callable[..., object], announce: Callable[[str], None]) 
     """Within, a function (numba's) may be compiled: say so if it is not on disk, and once more if it takes long."""
     own = Path(getattr(getattr(function, "stats", None), "cache_path", None) or "").parent.name
     own = own if own.startswith("laws-") else ""  # the folder of make_folder that it is kept in, if any
-    if any((cache_folder() / own).glob(f"*/*.{function.__name__}-*.nbi")):
+    if any((cache_folder() / own).glob(f"*/*.{function.__name__}[-.]*.nbi")):
         yield
         return
     once = "for the laws of this case" if own else "after installation"

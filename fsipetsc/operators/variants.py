@@ -58,7 +58,10 @@ class Variants:
         other = types.FunctionType(
             plain.__code__, {**plain.__globals__, **changed}, plain.__name__, plain.__defaults__, plain.__closure__
         )
-        other.__module__, other.__qualname__, other.__doc__ = plain.__module__, plain.__qualname__, plain.__doc__
+        other.__module__, other.__doc__ = plain.__module__, plain.__doc__
+        # The linker knows code by this name, and a number that another process, which has compiled another variant, may have
+        # given as well: where both are loaded from disk, one would be called for the other.
+        other.__qualname__ = f"{plain.__qualname__}.{self._name}"
         options = {key: value for key, value in function.targetoptions.items() if key != "nopython"}
         options["pipeline_class"] = function._compiler.pipeline_class
         if function.stats.cache_path is None:
