@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers import PATIENCE, assert_readable, environment, message, mpirun, run, solve
+from said import parted
 
 import fsipetsc
 
@@ -132,7 +133,8 @@ def test_an_error_in_the_initial_data_of_one_rank_alone_ends_all(tmp_path):
     (tmp_path / "unheard.py").write_text(text)
     line = "unheard.py -fsi_h 0.025 -fsi_partition physics -fsi_quiet".split()
     done = mpirun(2, "-m", "fsipetsc", *line, cwd=tmp_path)
-    assert message(done, 2).endswith("ValueError: no density is known")
+    traceback, done.stderr = parted(done.stderr)
+    assert "unheard.py" in traceback and message(done, 2).endswith("ValueError: no density is known")
 
 
 HOLE = """
