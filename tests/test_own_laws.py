@@ -276,6 +276,10 @@ def test_a_digest_knows_all_that_a_law_consists_of():
     )
 
 
+#: for a function that is not to become a part of who calls it
+TOO_LONG = "    T = max(T, math.sin(T))\n" * 60
+
+
 def test_a_law_that_changes_is_compiled_anew_and_one_that_does_not_is_not(tmp_path):
     """The same file with another number, and the first one again; and both in one process, which others have compiled: each is
     itself, though the linker might know them by the same name.
@@ -304,8 +308,8 @@ def test_a_law_that_changes_is_compiled_anew_and_one_that_does_not_is_not(tmp_pa
         "LAWS = (constant_transport,)\n"
         "@njit(**OPTIONS)\n"
         "def inner(T):\n"
-        + "    T = max(T, math.sin(T))\n" * 60  # too long to become a part of who calls it
-        + "    return LAWS[0].relative(LAWS[0].constants(T), T)[1]\n"
+        f"{TOO_LONG}"
+        "    return LAWS[0].relative(LAWS[0].constants(T), T)[1]\n"
         "@njit(**ENTRY)\n"
         "def entry(T):\n    return inner(T) - inner(2.0 * T) + inner(2.0 * T) + 1.0\n"
     )
@@ -367,6 +371,32 @@ def test_a_stress_and_an_energy_that_do_not_belong_together():
     with pytest.raises(InputError, match=r"no formula energy\(c, F\), which heat='elastic' needs"):
         PlaneSolid(**RUBBER, law=elastic_law(stress=stress))
     PlaneSolid(**(RUBBER | {"heat": "coupled"}), law=elastic_law(stress=stress))
+    three = PlaneSolid(**RUBBER, law=elastic_law(stress=lambda c, F: F[:3], energy=energy))
+    with pytest.raises(InputError, match="stress returns 3 values"):
+        check(three.formulas.plain, "elastic")
+
+
+def test_an_energy_that_rises_steeply():
+    """Of a solid that is nearly incompressible: W = mu (|F|^2/2 - 1 + (J^-n - 1)/n), n = lambda/mu = 2,500."""
+
+    def pressed(c, F):
+        J = F[0] * F[3] - F[1] * F[2]
+        push = J ** (-c[1] / c[0] - 1.0)
+        return (
+            c[0] * (F[0] - push * F[3]),
+            c[0] * (F[1] + push * F[2]),
+            c[0] * (F[2] + push * F[1]),
+            c[0] * (F[3] - push * F[0]),
+        )
+
+    def stored(c, F):
+        J, n = F[0] * F[3] - F[1] * F[2], c[1] / c[0]
+        return c[0] * (0.5 * (F[0] ** 2 + F[1] ** 2 + F[2] ** 2 + F[3] ** 2) - 1.0 + (J**-n - 1.0) / n)
+
+    rubber = {**RUBBER, "lambda_e": 1e9}
+    PlaneSolid(**rubber, law=elastic_law(stress=pressed, energy=stored))
+    with pytest.raises(InputError, match="stress is not the derivative of energy"):
+        PlaneSolid(**rubber, law=elastic_law(stress=pressed, energy=lambda c, F: 1.00001 * stored(c, F)))
 
 
 def test_laws_that_are_not_whole():

@@ -85,8 +85,8 @@ def test_fused_steps_have_the_same(tmp_path):
     options = ("blast", "-fsi_h", 0.125, "-fsi_points", "0.25,0.5", "-ts_dt", 0.005, "-ts_max_steps", 40)
     fused, plain = (computed(tmp_path, f"{kind}.h5", *options, "-ts_type", kind) for kind in ("fused", "rk"))
     for name in NAMES:
-        # but for the heat that solids get in fused steps alone
-        assert np.allclose(fused.series[name], plain.series[name], rtol=1e-8, atol=1e-8), name
+        close = 1e-11 if name in ("x_point", "y_point") else 1e-8  # solids get heat in fused steps alone, by which p rises
+        assert np.allclose(fused.series[name], plain.series[name], rtol=close, atol=close), name
     assert np.ptp(fused.series["t_y_point"][:, 1]) > 0.1
 
 

@@ -88,7 +88,9 @@ class Integrator:
         self._kept_every = KEPT[state.problem.dimension]
         if self._fused and self._steady:  # no longer than a signal may have to wait
             points = state.points + state.reserve
-            self.burst_limit = max(1, min(opt["fsi_burst"], MOST_POINTS[state.problem.dimension] // points, self._kept_every))
+            self.burst_limit = max(1, min(opt["fsi_burst"], MOST_POINTS[state.problem.dimension] // points))
+            if state.problem.dimension == 2:
+                self.burst_limit = min(self.burst_limit, self._kept_every)
         # of a method whose next step begins with the last rates of the one before: these, and those that a checkpoint had
         self._reuses, self._last, self._given = False, np.empty(0), None
         self._left = 0  # the state of the solution, for PETSc, when the method has made a step

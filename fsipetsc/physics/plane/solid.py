@@ -92,7 +92,7 @@ def cold_rate(law, c, v, divergence, extra, sums):
 
 
 def plane_solid(elastic: Formulas, cold: bool = False) -> Formulas:
-    """The equations for a law, as fsipetsc.scheme.plane.sweep takes them; cold: nothing changes T, heat is neither made nor
+    """The equations for a law, as fsipetsc.scheme.plane.sweep takes them; cold: they leave T as it is, heat is neither made nor
     conducted.
     """
     if cold:

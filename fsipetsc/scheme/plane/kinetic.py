@@ -12,7 +12,8 @@ that, its T gets:
     kept = M_0 + dt sum_k b_k (M_t)_k,        m0 alpha T += kept - M
 
 F takes neighbours, so this is done where strains are known anyway, in the look at the new solution. T acts on nothing but heat.
-At interfaces the coupling integrates the kinetic energy itself (fsipetsc.coupling.plane); there M is W alone.
+At interfaces the coupling integrates the kinetic energy itself (fsipetsc.coupling.plane); there M is W alone. Where gas and
+solid both conduct and the heat is ELASTIC, their temperatures there differ by what T gets in a step until they meet again.
 """
 
 from __future__ import annotations

@@ -115,7 +115,7 @@ class LayerPart:
         return Prepared(entries.end_stage, *self._common[:3], y, self._rates, *self._ending, *stage)
 
     def in_stage(self, stage: Stage) -> tuple[Prepared, Prepared]:
-        """The calls that make the rates k of a stage, next = source + a k, SUM = base + b k, and end it; to be told a and b."""
+        """The calls that make the rates k of a stage, next = source + a k, at edges SUM = base + b k, and end it, by a, b."""
         y, source, onward = (self._areas.unknowns(self.k, area) for area in (stage.area, stage.source, stage.next))
         both, stages = NO_STAGE[2:4], NO_STAGE[4]
         if stage.base >= 0:

@@ -95,7 +95,9 @@ class PlanePath:
         self.put_in_place(t)
 
     def load_completed(self, y: np.ndarray, t: float) -> None:
-        """Let the local parts be what ``project`` has left of y: to meet once more would change a last bit."""
+        """Let the local parts be what ``project`` has left of y: to meet once more would change a last bit. And look, as fused
+        steps need it.
+        """
         self.state[:] = y
         self.interfaces.fetch()
         for part in self.layers:

@@ -97,7 +97,8 @@ class _Known:
         self._h = tuple(layout.grids[k].h_y for k in meeting.layers)
         part = path.part(piece.k)
         self._weight = part.end_weight
-        self._probe = Probe(layout, part, int(part.record["end_y"][piece.side]), int(piece.local[i]))
+        row, column = int(part.record["end_y"][piece.side]), int(piece.local[i])
+        self._probe, self._here = Probe(layout, part, row, column), part.held[row, column]
 
     def look(self, record: np.void, t: float) -> None:
         q, n = self._points[self._i].tolist(), self._n
@@ -110,7 +111,8 @@ class _Known:
         for name, value in zip(NAMES[5:], (*traction, heat), strict=True):
             record[name][n] += value / length
         if not self._gas:
-            own = self._X + q[_SOLID], self._Y + q[_SOLID + 1], *q[_SOLID + 2 : _SOLID + 5]
+            # (T may have got more after gas and solid have met)
+            own = self._X + q[_SOLID], self._Y + q[_SOLID + 1], *q[_SOLID + 2 : _SOLID + 4], self._here[4]
             for name, value in zip(NAMES[:5], own, strict=True):
                 record[name][n] += value
 
