@@ -24,7 +24,7 @@ def on_a_terminal(*words, cwd, env=None):
     """Everything that the program writes to a terminal of 100 columns, and its exit status."""
     ours, its = pty.openpty()
     command = [sys.executable, "-m", "fsipetsc", *map(str, words)]
-    alone = {"OMPI_MCA_ess_singleton_isolated": "1", "COLUMNS": "100", **(env or {})}
+    alone = {"OMPI_MCA_ess_singleton_isolated": "1", "OMPI_MCA_sharedfp": "^sm", "COLUMNS": "100", **(env or {})}
     process = subprocess.Popen(command, cwd=cwd, env=environment(alone), stdin=its, stdout=its, stderr=its)
     os.close(its)
     said, until = b"", time.monotonic() + PATIENCE
