@@ -143,7 +143,9 @@ def cycles(folder: Path, case: str, kills: int, seed: int) -> list[str]:
         where = places(temporary, memory)
         said = killed(folder, words, kills, where, chance)
         last = run("-m", "fsipetsc", *words, "-fsi_output", folder / "run.h5", cwd=folder, env=where)
-        files = [path for path in (*Path(memory).iterdir(), *Path(temporary).glob("fsipetsc.*"))]
+        # (Open MPI 5 names its memory otherwise, and the program does not know whose it is: docs/reliability.md)
+        memories = [path for path in Path(memory).iterdir() if not path.name.startswith("sm_segment")]
+        files = [*memories, *Path(temporary).glob("fsipetsc.*")]
         sessions = len(list(Path(temporary).glob("ompi.*/pid.*")))
     assert last.returncode == 0, last.stderr
     assert differences(folder / "whole.h5", folder / "run.h5", same_ranks=False) == []
