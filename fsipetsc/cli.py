@@ -100,14 +100,14 @@ COMMANDS = {
 }
 _DEBUG = next(option for option in RUN if option.name == "fsi_debug")  # which every command takes
 _VERSION_FLAGS = ("--version", "-version")
-_PLANE = ("-plane", "--plane")
-#: what stands behind an option of the commands that make pictures; None: nothing
+#: what stands behind an option of the commands that make pictures or a case file; None: nothing
 _OF_REPORT = {"-o": "the name of a directory"}
 _OF_PLOT = {
     **{"-o": "the name of a directory or a file", "-fields": "names of fields with commas", "-times": "times with commas"},
     **{"-compare": "another result file", "-all": None, "-animate": None},
 }
-_FLAGS = {"plot": _OF_PLOT, "report": _OF_REPORT, "new": {_PLANE[0]: None}}
+_OF_NEW = {"-plane": None}
+_FLAGS = {"plot": _OF_PLOT, "report": _OF_REPORT, "new": _OF_NEW}
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -295,7 +295,7 @@ def plot(arguments: list[str]) -> None:
     (path,), given = _files("plot", arguments, 1, flags=_OF_PLOT)
     from fsipetsc.output.plots.command import draw
 
-    for picture in draw(path, given):
+    for picture in draw(path, given, print):
         print(picture)
 
 
@@ -317,11 +317,10 @@ def diff(arguments: list[str]) -> None:
 
 def new(arguments: list[str]) -> None:
     """The command `new FILE.py [-plane]`."""
-    rest = [word for word in arguments if word not in _PLANE]
-    (name,), _ = _files("new", rest, 1, "name of a case file")
+    (name,), given = _files("new", arguments, 1, "name of a case file", flags=_OF_NEW)
     from fsipetsc.output.new_case import new_case
 
-    path = new_case(name, tuple(COMMANDS), 1 if rest == arguments else 2)
+    path = new_case(name, tuple(COMMANDS), 2 if "-plane" in given else 1)
     print(f"wrote {path}; it runs as it is:  {program()} {shlex.quote(str(path))}")
 
 

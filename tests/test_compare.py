@@ -14,8 +14,10 @@ import pytest
 pytest.importorskip("matplotlib")
 pytest.importorskip("petsc4py")
 
+import fsipetsc
 from fsipetsc.cli import main
-from fsipetsc.output.plots import compare
+from fsipetsc.output.plots import command, compare
+from fsipetsc.output.plots.frames import apart, outside
 
 STEPS, MOVED, FIELDS = "time step", "position x of the interface", "temperature T"
 
@@ -59,6 +61,33 @@ def test_two_results(folder, capsys):
     page = drawn(folder, "long", "short", "-fields", "p")
     assert FIELDS not in page and "pressure" in page
     assert capsys.readouterr().err == ""
+
+
+def test_times_that_a_result_does_not_have_are_said(folder, capsys, monkeypatch):
+    """By the page of a run, of two and by all pictures."""
+    ends = {name: fsipetsc.open_run(folder / f"{name}.h5").time[-1] for name in ("long", "short")}
+    assert ends["short"] < ends["long"]
+    told = {name: f"{name}.h5 ends at t = {t:g} s; its last frame is drawn" for name, t in ends.items()}
+    monkeypatch.setattr(command, "plot", lambda *arguments: [Path("all.png")])
+    for words, names in (((), ["long"]), (("-compare", str(folder / "short.h5")), ["long", "short"]), (("-all",), ["long"])):
+        where = folder if words == ("-all",) else folder / "drawn.svg"
+        assert main(["plot", str(folder / "long.h5"), "-o", str(where), "-times", "77", *words]) == 0
+        *said, _ = capsys.readouterr().out.splitlines()
+        assert said == [f"note: -times 77: {told[name]}" for name in names]
+
+
+def test_which_times_are_said():
+    a, b = (SimpleNamespace(path=f"/x/{name}.h5", time=np.array(t), nframes=2, header={}) for name, t in (
+        ("a", [0.5, 1.0]), ("b", [0.5, 0.75]),
+    ))  # fmt: skip
+    assert list(outside(a, [0.5, 0.7, 1.0 + 1e-12])) == []
+    assert list(outside(a, [0.0, 1.5, 0.7, 2.0])) == [
+        "note: -times 0: a.h5 begins at t = 0.5 s; its first frame is drawn",
+        "note: -times 1.5,2: a.h5 ends at t = 1 s; its last frame is drawn",
+    ]
+    assert list(outside(SimpleNamespace(nframes=0), [1.0])) == []
+    assert list(apart(a, b, [(0, 0), (1, 1)])) == ["note: a.h5 and b.h5 are at other times: t = 1 and 0.75 s"]
+    assert list(apart(a, b, [(0, 0)])) == []
 
 
 @pytest.mark.parametrize("names", [("still", "long"), ("long", "still"), ("still", "still")])

@@ -10,7 +10,7 @@ import numpy as np
 from fsipetsc.bench.cost_model import Model, bandwidth, message, moved_bytes, scaling
 from fsipetsc.bench.table import BenchStudy
 from fsipetsc.errors import FileError
-from fsipetsc.output.plots.style import BLACK, BLUE, GREY, ORANGE, ORDERS, RED, STYLE, drawing
+from fsipetsc.output.plots.style import BLACK, BLUE, GREY, ORANGE, ORDERS, RED, STYLE, drawing, legend_above
 from fsipetsc.output.plots.titles import set_title
 from fsipetsc.scheme.runge_kutta import STAGES
 
@@ -82,7 +82,7 @@ def _parts(axes: Axes, study: BenchStudy) -> None:
     axes.set_ylim(0, max(100.0, below.max()))
     axes.grid(False)
     axes.set_title(f"where a step goes, order {order}", loc="left", pad=18)
-    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, columnspacing=1.0, handlelength=1.0)
+    legend_above(axes, side="right", columns=4, columnspacing=1.0, handlelength=1.0)
 
 
 def _speed_up(axes: Axes, study: BenchStudy, model: Model | None) -> None:

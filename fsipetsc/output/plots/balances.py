@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fsipetsc.output.plots.scales import logarithmic, scaled, time_axis
-from fsipetsc.output.plots.style import BLACK, GREY, LINES, SERIES, envelope, thin
+from fsipetsc.output.plots.style import BLACK, GREY, LINES, SERIES, envelope, legend_above, thin
 from fsipetsc.output.plots.titles import of_run, set_title
 from fsipetsc.output.reader import Run
 from fsipetsc.scheme.conservation_check import drifts
@@ -37,7 +37,7 @@ def draw_balances(figure: Figure, run: Run) -> None:
     figure.set_size_inches(5.6, 3.6)
     axes = figure.subplots()
     draw_departures(axes, run)
-    axes.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=3, borderaxespad=0.1)
+    legend_above(axes, side="right", columns=3)
     set_title(figure, of_run(run, "departure from the balances"))
 
 

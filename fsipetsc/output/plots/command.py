@@ -13,6 +13,7 @@ import numpy as np
 from fsipetsc.errors import FileError, InputError
 from fsipetsc.output.plots import compare, complain, page, plot, reason
 from fsipetsc.output.plots.animation import FILMS, animate
+from fsipetsc.output.plots.frames import apart, outside
 from fsipetsc.output.plots.style import STYLE, needed
 from fsipetsc.output.reader import open_run
 
@@ -22,8 +23,11 @@ if TYPE_CHECKING:
 PICTURES = (".png", ".pdf", ".svg")
 
 
-def draw(path: str, given: Mapping[str, str]) -> list[Path]:
-    """Do what the options ask for (fsipetsc.cli); the files that have been written. InputError, FileError."""
+def draw(path: str, given: Mapping[str, str], say: Callable[[str], None]) -> list[Path]:
+    """Do what the options ask for (fsipetsc.cli); the files that have been written. InputError, FileError.
+
+    say: is told of times that are asked for and that a result does not have.
+    """
     times = _times(given["-times"]) if "-times" in given else ()
     fields = tuple(name.strip() for name in given["-fields"].split(",")) if "-fields" in given else ()
     where = Path(given.get("-o", os.curdir))
@@ -31,21 +35,39 @@ def draw(path: str, given: Mapping[str, str]) -> list[Path]:
     if "-animate" in given:
         return [animate(path, where, fields)]
     if "-all" in given:
-        return plot(path, where, times)
-    target = where if where.suffix in PICTURES else where / f"{Path(path).stem}.png"
+        written = plot(path, where, times)
+        with open_run(path) as run:
+            notes = list(outside(run, times))
+    elif "-compare" in given:
+        written, notes = _compare(path, given["-compare"], where, fields, times)
+    else:
+        written, notes = _page(path, where, fields, times)
+    for note in notes:
+        say(note)
+    return written
+
+
+_Done = tuple[list[Path], list[str]]  # files, notes
+
+
+def _page(path: str, where: Path, fields: Sequence[str], times: Sequence[float]) -> _Done:
     faults: list[str] = []
-    if "-compare" in given:
-        other = given["-compare"]
-        if where.suffix not in PICTURES:
-            target = where / f"{Path(path).stem}-{Path(other).stem}.png"
-        with open_run(path) as a, open_run(other) as b:
-            written = _write(target, lambda figure: compare.draw(figure, a, b, fields, times, faults=faults), faults)
-        complain(f"{path} or {other}", faults, f"the rest is in {written}")
-        return [written]
+    target = where if where.suffix in PICTURES else where / f"{Path(path).stem}.png"
     with open_run(path) as run:
-        written = _write(target, lambda figure: page.draw(figure, run, fields, times, faults=faults), faults)
-    complain(path, faults, f"the rest is in {written}")
-    return [written]
+        _write(target, lambda figure: page.draw(figure, run, fields, times, faults=faults), faults)
+        notes = list(outside(run, times))
+    complain(path, faults, f"the rest is in {target}")
+    return [target], notes
+
+
+def _compare(path: str, other: str, where: Path, fields: Sequence[str], times: Sequence[float]) -> _Done:
+    faults: list[str] = []
+    target = where if where.suffix in PICTURES else where / f"{Path(path).stem}-{Path(other).stem}.png"
+    with open_run(path) as a, open_run(other) as b:
+        _write(target, lambda figure: compare.draw(figure, a, b, fields, times, faults=faults), faults)
+        notes = [*outside(a, times), *outside(b, times)] or list(apart(a, b, compare.frames(a, b, times)))
+    complain(f"{path} or {other}", faults, f"the rest is in {target}")
+    return [target], notes
 
 
 def _check_together(given: Mapping[str, str], where: Path) -> None:
@@ -74,7 +96,7 @@ def _times(text: str) -> tuple[float, ...]:
     return times
 
 
-def _write(target: Path, draw_on: Callable[[Figure], None], faults: Sequence[str] = ()) -> Path:
+def _write(target: Path, draw_on: Callable[[Figure], None], faults: Sequence[str]) -> None:
     """Draw a figure and keep it; faults: what could not be drawn, of numbers of which even axes may fail."""
     matplotlib = needed("plot")
     from matplotlib.figure import Figure
@@ -92,4 +114,3 @@ def _write(target: Path, draw_on: Callable[[Figure], None], faults: Sequence[str
                 raise
             what = ", ".join(faults)
             raise FileError(f"the result is damaged, nothing of it can be drawn: {what}; {reason(error)}") from error
-    return target

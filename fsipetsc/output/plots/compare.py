@@ -13,14 +13,15 @@ from fsipetsc.errors import InputError
 from fsipetsc.options import OF_A_RUN
 from fsipetsc.output.differences import compare
 from fsipetsc.output.plots import reason, whole
+from fsipetsc.output.plots.frames import moment
 from fsipetsc.output.plots.page import PANELS, WIDTH, attempt, curves
 from fsipetsc.output.plots.plane.maps import bar, colors, domain, few_ticks, panel
 from fsipetsc.output.plots.plane.page import pairs_of, size_of
 from fsipetsc.output.plots.plane.quantities import Pair
 from fsipetsc.output.plots.quantities import PROFILES, SPACE_TIME
-from fsipetsc.output.plots.scales import axis_label, extremes, named, scaled, time_axis, unit_of
+from fsipetsc.output.plots.scales import axis_label, extremes, named, scaled, time_axis
 from fsipetsc.output.plots.steps import unhurried
-from fsipetsc.output.plots.style import BLUE, ORANGE, SERIES, thin
+from fsipetsc.output.plots.style import BLUE, ORANGE, SERIES, SMALL_LEGEND, bar_above, legend_above, thin
 from fsipetsc.output.plots.titles import set_title
 from fsipetsc.output.reader import Run
 
@@ -44,8 +45,7 @@ def draw(
         raise InputError(f"plot -compare: {a.path} and {b.path}: expected two results of equal dimension, with frames")
     height, above = 0.01, lambda part: None
     try:
-        frames = _frames(a, b, times, TIMES if a.dimension == 1 else 1)
-        height, above = (_maps if a.dimension == 2 else _profiles)(a, b, fields, frames)
+        height, above = (_maps if a.dimension == 2 else _profiles)(a, b, fields, frames(a, b, times))
     except InputError:
         raise
     except Exception as error:
@@ -74,37 +74,38 @@ def _name(run: Run) -> str:
     return Path(run.path).name
 
 
-def _frames(a: Run, b: Run, times: Sequence[float], count: int) -> list[tuple[int, int]]:
+def frames(a: Run, b: Run, times: Sequence[float]) -> list[tuple[int, int]]:
     """Frames of both at the given times, or at some that both have; the nearest there are."""
+    count = TIMES if a.dimension == 1 else 1
     common = np.intersect1d(a.time, b.time)
-    end = min(a.time[-1], b.time[-1])
-    known = common if common.size > 1 else np.linspace(0.0, end, count + 1)
+    start, end = max(a.time[0], b.time[0]), min(a.time[-1], b.time[-1])
+    known = common if common.size > 1 else np.linspace(start, end, count + 1)
     wanted = times or [known[round(k * (len(known) - 1) / count)] for k in range(1, count + 1)]
     return sorted({(a.at(t), b.at(t)) for t in wanted})
 
 
 def _profiles(
-    a: Run, b: Run, fields: Sequence[str], frames: Sequence[tuple[int, int]]
+    a: Run, b: Run, fields: Sequence[str], chosen: Sequence[tuple[int, int]]
 ) -> tuple[float, Callable[[FigureBase], None]]:
     there = [q for q in PROFILES if all(any(q.of(layer.kind) for layer in run.layers) for run in (a, b))]
     named(fields, [quantity.name for quantity in there])
-    chosen = [q for q in there if (q.name in fields if fields else q in SPACE_TIME)]
+    shown = [q for q in there if (q.name in fields if fields else q in SPACE_TIME)]
 
     def above(figure: FigureBase) -> None:
-        for axes, quantity in zip(figure.subplots(1, len(chosen), sharex=True, squeeze=False)[0], chosen):
-            curves(axes, (a, b), quantity, list(zip(*frames)))
-        figure.axes[-1].legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=3, borderaxespad=0.1, fontsize=7)
+        for axes, quantity in zip(figure.subplots(1, len(shown), sharex=True, squeeze=False)[0], shown):
+            curves(axes, (a, b), quantity, list(zip(*chosen)))
+        legend_above(figure.axes[-1], side="right", columns=3, fontsize=7)
 
     return 3.2, above
 
 
 def _maps(
-    a: Run, b: Run, fields: Sequence[str], frames: Sequence[tuple[int, int]]
+    a: Run, b: Run, fields: Sequence[str], chosen: Sequence[tuple[int, int]]
 ) -> tuple[float, Callable[[FigureBase], None]]:
     """The first result, the second, and the second less the first where their grids have as many points."""
     pairs, same = pairs_of(fields), alike(a, b)
     ranges = [extremes(*map(np.array, both)) for both in zip(domain(a), domain(b))]
-    rows = [(pair, at) for pair in pairs for at in frames]
+    rows = [(pair, at) for pair in pairs for at in chosen]
     width, height = size_of(ranges, 10.2 / (2 + same))
 
     def above(figure: FigureBase) -> None:
@@ -115,7 +116,7 @@ def _maps(
             drawn = []
             for axes, run, frame in ((grid[0], a, i), (grid[1], b, j)):
                 drawn.append(panel(axes, run, frame, scales))
-                axes.set_title(f"{_name(run)}, t = {run.time[frame]:.4g}{unit_of(run, 's')}", loc="left", fontsize=8)
+                axes.set_title(f"{_name(run)}, {moment(run, frame)}", loc="left", fontsize=8)
             for own, first, second in zip(scales, *drawn):
                 bar(part, first or second, own, list(grid[:2]), 6)
             if same:
@@ -148,10 +149,7 @@ def _difference(figure: FigureBase, axes: Axes, a: Run, b: Run, pair: Pair, at: 
         for (x, _), gap in zip(both, gaps):
             fields, look = x.frame(at[0]), {"cmap": colormap, "vmin": -most, "vmax": most}
             picture = axes.pcolormesh(fields["x"], fields["y"], scale(gap), shading="gouraud", rasterized=True, **look)
-        made = figure.colorbar(picture, ax=axes, location="top", aspect=24, pad=0.02)
-        made.set_label(scale.label)
-        made.outline.set_visible(False)
-        made.locator.set_params(nbins=3)
+        bar_above(figure, picture, axes, scale.label, 3, aspect=24)
 
 
 def _interfaces(axes: Axes, runs: Sequence[Run]) -> None:
@@ -173,7 +171,7 @@ def _steps(axes: Axes, runs: Sequence[Run]) -> None:
         look = {"color": color, "linestyle": style, "linewidth": 1.0, "label": _name(run)}
         axes.plot(t[some], scale(dt)[some], **look)
     axes.set_ylabel(scale.label)
-    axes.legend(loc="lower left", bbox_to_anchor=(0, 1), borderaxespad=0.1, fontsize=7)
+    legend_above(axes, **SMALL_LEGEND)
     time_axis(axes, runs[0])
 
 

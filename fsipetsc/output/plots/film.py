@@ -6,9 +6,10 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from fsipetsc.output.plots.frames import moment
 from fsipetsc.output.plots.profiles import domain
 from fsipetsc.output.plots.quantities import PROFILES
-from fsipetsc.output.plots.scales import axis_label, extremes, named, scaled, unit_of
+from fsipetsc.output.plots.scales import axis_label, extremes, named, scaled
 from fsipetsc.output.plots.style import COLORS
 from fsipetsc.output.plots.titles import of_run, set_title
 from fsipetsc.output.reader import Run
@@ -47,7 +48,7 @@ def film(run: Run, chosen: Sequence[int], fields: Sequence[str] = ()) -> Iterato
     for number, frame in enumerate(chosen):
         for line, layer, values in curves:
             line.set_data(layer.x[frame], values[frame])
-        set_title(figure, of_run(run, f"t = {run.time[frame]:.4g}{unit_of(run, 's')}"))
+        set_title(figure, of_run(run, moment(run, frame)))
         if number == 0:
             canvas.draw()
             figure.set_layout_engine("none")  # nothing moves from now on but the lines

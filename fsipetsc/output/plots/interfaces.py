@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fsipetsc.output.plots.scales import SMALL, axis_label, logarithmic, scaled, time_axis
-from fsipetsc.output.plots.style import COLORS, LINES, SERIES, envelope, thin
+from fsipetsc.output.plots.style import COLORS, LINES, SERIES, envelope, in_two_lines, legend_above, thin
 from fsipetsc.output.plots.titles import of_run, set_title
 from fsipetsc.output.reader import Run
 
@@ -90,8 +90,8 @@ def draw_traces(figure: Figure, run: Run) -> None:
         scale = scaled(run, *TRACES[name], run.series[name], start=run.series[name][0])
         per_interface(axes, run, scale(run.series[name]))
         scale.limit(axes)
-        axes.set_ylabel(scale.label.replace(", less", ",\nless"))
-    _legend(grid[0])
+        axes.set_ylabel(in_two_lines(scale.label))
+    legend_above(grid[0], side="right", columns=4)
     time_axis(grid[-1], run)
     figure.align_ylabels(grid)
     set_title(figure, of_run(run, "at the interfaces"))
@@ -117,7 +117,7 @@ def draw_residuals(figure: Figure, run: Run) -> None:
     for axes in grid[-1]:
         time_axis(axes, run)
     if len(run.interfaces) > 1:
-        _legend(grid[0, -1])
+        legend_above(grid[0, -1], side="right", columns=4)
     figure.align_ylabels(grid)
     set_title(figure, of_run(run, "residuals of the interface conditions (where not 0)"))
 
@@ -133,8 +133,3 @@ def _line(run: Run, k: int) -> dict[str, Any]:
     """Look and name of the line of interface k."""
     name = run.interfaces[k] if k < len(run.interfaces) else f"interface {k + 1}"
     return {"color": SERIES[k % len(SERIES)], "linestyle": LINES[k % len(LINES)], "label": name}
-
-
-def _legend(axes: Axes) -> None:
-    """Above the panel."""
-    axes.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=4, borderaxespad=0.1)

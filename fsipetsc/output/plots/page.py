@@ -10,11 +10,12 @@ import numpy as np
 
 from fsipetsc.errors import InputError
 from fsipetsc.output.plots import balances, interfaces, profiles, reason, space_time, whole
+from fsipetsc.output.plots.frames import at_times, moment
 from fsipetsc.output.plots.plane import page as plane_page
 from fsipetsc.output.plots.quantities import PROFILES, SPACE_TIME, Quantity
-from fsipetsc.output.plots.scales import named, scaled, time_axis, unit_of
+from fsipetsc.output.plots.scales import named, scaled, time_axis
 from fsipetsc.output.plots.steps import draw_steps
-from fsipetsc.output.plots.style import BLACK, thin
+from fsipetsc.output.plots.style import BLACK, SMALL_LEGEND, legend_above, shade, thin
 from fsipetsc.output.plots.titles import of_run, set_title
 from fsipetsc.output.reader import Run
 
@@ -84,7 +85,7 @@ def panels(run: Run) -> list[Callable[[Axes], None]]:
 
 def _story(run: Run) -> str:
     steps = f"{run.summary['steps']:,} steps" if "steps" in run.summary else f"{len(run.series.get('t', ()))} steps so far"
-    end = f"t = {run.time[-1]:.4g}{unit_of(run, 's')}" if run.nframes else "no frame"
+    end = moment(run, -1) if run.nframes else "no frame"
     return f"{end}, {steps}"
 
 
@@ -100,7 +101,7 @@ def _profiles_or_maps(run: Run, fields: Sequence[str], times: Sequence[float]) -
 
 def _profiles(figure: FigureBase, run: Run, quantities: Sequence[Quantity], times: Sequence[float]) -> None:
     """A panel for each quantity, a line for each time, the later the darker."""
-    frames = sorted({run.at(t) for t in times}) if times else list(range(run.nframes))
+    frames = at_times(run, times) if times else list(range(run.nframes))
     for axes, quantity in zip(figure.subplots(1, len(quantities), sharex=True, squeeze=False)[0], quantities):
         curves(axes, [run], quantity, [frames])
     _legend(figure.axes[-1], 12, columns=4)
@@ -108,8 +109,6 @@ def _profiles(figure: FigureBase, run: Run, quantities: Sequence[Quantity], time
 
 def curves(axes: Axes, runs: Sequence[Run], quantity: Quantity, frames: Sequence[Sequence[int]]) -> None:
     """A quantity over x at frames of each of the runs; the second run dashed."""
-    from matplotlib import colormaps
-
     drawn = [
         (number, frame, layer.frame(frame)["x"], quantity.values(layer, frame))
         for number, (run, some) in enumerate(zip(runs, frames))
@@ -117,16 +116,15 @@ def curves(axes: Axes, runs: Sequence[Run], quantity: Quantity, frames: Sequence
         for layer in run.layers
         if quantity.of(layer.kind)
     ]
-    run, last = runs[0], max(len(some) for some in frames) - 1
+    run, count = runs[0], max(len(some) for some in frames)
     at_start = [v for layer in run.layers if (v := quantity.values(layer, 0)) is not None]
     scale = scaled(run, quantity.label, quantity.unit, *(y for *_, y in drawn), start=np.concatenate(at_start))
     seen = set()
     for number, frame, x, y in drawn:
         place = list(frames[number]).index(frame)
-        color = colormaps["cividis_r"](0.15 + 0.85 * place / max(last, 1))
         label = f"t = {runs[number].time[frame]:.4g}" if number == 0 and frame not in seen else None
         seen |= {frame} if number == 0 else set()
-        axes.plot(x, scale(y), color=color, linestyle="-" if number == 0 else "--", linewidth=1.2, label=label)
+        axes.plot(x, scale(y), linestyle="-" if number == 0 else "--", linewidth=1.2, color=shade(place, count), label=label)
     axes.set_xlim(profiles.domain(run))
     axes.set_ylabel(scale.label)
     axes.set_xlabel(profiles.axis_label(run, "x", "m"))
@@ -166,5 +164,4 @@ def _legend(axes: Axes, most: int = 5, columns: int = 1) -> None:
     if len(labels) > most:
         handles, labels = handles[:most], [*labels[: most - 1], f"{labels[most - 1]}, …"]
     if handles:
-        place = {"loc": "lower left", "bbox_to_anchor": (0, 1), "borderaxespad": 0.1}
-        axes.legend(handles, labels, **place, handlelength=1.6, fontsize=7, ncols=columns)
+        legend_above(axes, handles, labels, columns=columns, **SMALL_LEGEND)

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fsipetsc.output.plots.frames import at_times, moment
 from fsipetsc.output.plots.quantities import Quantity
-from fsipetsc.output.plots.scales import NOTHING, axis_label, extremes, scaled, unit_of, value_at_rest
-from fsipetsc.output.plots.style import COLORS
+from fsipetsc.output.plots.scales import NOTHING, axis_label, extremes, scaled, value_at_rest
+from fsipetsc.output.plots.style import COLORS, legend_above
 from fsipetsc.output.plots.titles import of_run, set_title
 from fsipetsc.output.reader import Layer, Run
 
@@ -24,7 +25,7 @@ FLAT = 0.1  # a frame that is nearer to rest than this part of the extreme shows
 
 def draw(figure: Figure, run: Run, quantity: Quantity, times: Sequence[float] | None) -> None:
     """A panel for each of the times, or for those of `frames`."""
-    chosen, extreme = (sorted({run.at(t) for t in times}), None) if times else frames(run, quantity)
+    chosen, extreme = (at_times(run, times), None) if times else frames(run, quantity)
     columns = 1 if len(chosen) == 1 else 2 if len(chosen) <= 4 else 3
     rows = -(-len(chosen) // columns)
     figure.set_size_inches(max(5.0, 3.6 * columns), 0.6 + 2.5 * rows)
@@ -37,7 +38,7 @@ def draw(figure: Figure, run: Run, quantity: Quantity, times: Sequence[float] | 
         for kind, x, y in curves[frame]:
             axes.plot(x, scale(y), color=COLORS[kind], label=kind)
         note = ", extreme" if frame == extreme else ""
-        axes.set_title(f"t = {run.time[frame]:.4g}{unit_of(run, 's')}{note}", loc="left")
+        axes.set_title(moment(run, frame) + note, loc="left")
     for axes in grid.flat[len(chosen) :]:
         axes.set_visible(False)
     kinds = {kind for some in curves.values() for kind, _, _ in some}
@@ -64,7 +65,7 @@ def frames(run: Run, quantity: Quantity, count: int = PANELS) -> tuple[list[int]
     if not departure[extreme] > NOTHING * max(abs(low), abs(high)):
         return [run.nframes - 1], None
     begin = np.flatnonzero(departure > FLAT * departure[extreme])[0]
-    chosen = sorted({run.at(t) for t in np.linspace(run.time[begin], run.time[-1], count)})
+    chosen = at_times(run, np.linspace(run.time[begin], run.time[-1], count).tolist())
     if extreme not in chosen:
         chosen.remove(min(chosen, key=lambda frame: abs(run.time[frame] - run.time[extreme])))
     return sorted({*chosen, extreme}), extreme
@@ -100,6 +101,4 @@ def _legend(place: Axes, source: Axes) -> None:
     """One entry per kind of layer, above the panel at the top right, beside its title."""
     handles, labels = source.get_legend_handles_labels()
     entries = dict(zip(labels, handles))
-    place.legend(
-        entries.values(), entries.keys(), loc="lower right", bbox_to_anchor=(1, 1), ncols=len(entries), borderaxespad=0.1
-    )
+    legend_above(place, entries.values(), entries.keys(), side="right", columns=len(entries))

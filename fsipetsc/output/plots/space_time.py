@@ -11,7 +11,7 @@ from fsipetsc.checks import counted
 from fsipetsc.output.plots.profiles import domain
 from fsipetsc.output.plots.quantities import SPACE_TIME, Quantity
 from fsipetsc.output.plots.scales import Scale, axis_label, extremes, scaled, value_at_rest
-from fsipetsc.output.plots.style import thin
+from fsipetsc.output.plots.style import bar_above, in_two_lines, thin
 from fsipetsc.output.plots.titles import of_run, set_title
 from fsipetsc.output.reader import Layer, Run
 
@@ -34,8 +34,6 @@ def draw(figure: Figure, run: Run) -> None:
 
 def draw_maps(figure: FigureBase, run: Run, quantities: Sequence[Quantity]) -> None:
     """The maps alone, side by side; quantities: of which some layer has each."""
-    from matplotlib.ticker import MaxNLocator
-
     grid = figure.subplots(1, len(quantities), sharex=True, sharey=True, squeeze=False)[0]
     step = max(1, run.nframes // MAX_FRAMES)
     for axes, quantity in zip(grid, quantities):
@@ -51,10 +49,7 @@ def draw_maps(figure: FigureBase, run: Run, quantities: Sequence[Quantity]) -> N
             axes.plot(*position, color="black", linewidth=0.8)
         axes.grid(visible=False)
         axes.set_xlabel(axis_label(run, "x", "m"))
-        bar = figure.colorbar(picture, ax=axes, location="top", aspect=30, pad=0.02)
-        bar.set_label(scale.label.replace(", less", ",\nless"))
-        bar.outline.set_visible(False)
-        bar.locator = MaxNLocator(4)
+        bar_above(figure, picture, axes, in_two_lines(scale.label), aspect=30)
     grid[0].set_xlim(domain(run))
     grid[0].set_ylim(run.time[0], run.time[-1])
     grid[0].set_ylabel(axis_label(run, "t", "s"))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fsipetsc.output.plots.scales import scaled, time_axis
-from fsipetsc.output.plots.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, RED, thin
+from fsipetsc.output.plots.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, RED, SMALL_LEGEND, legend_above, thin
 from fsipetsc.output.plots.titles import of_run, set_title
 from fsipetsc.output.reader import Run
 
@@ -45,7 +45,7 @@ def bounded(axes: Axes, run: Run) -> None:
         color = colors.setdefault(what, (GREY, ORANGE, BLUE, GREEN, PURPLE, RED)[len(colors) % 6])
         axes.axvspan(begin, until, color=color, alpha=0.3, linewidth=0, label=what if new else None)
     if colors:
-        axes.legend(loc="lower left", bbox_to_anchor=(0, 1), borderaxespad=0.1, handlelength=1.0, fontsize=7)
+        legend_above(axes, **SMALL_LEGEND)
 
 
 def unhurried(run: Run) -> np.ndarray:

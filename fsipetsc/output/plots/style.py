@@ -5,11 +5,16 @@ from __future__ import annotations
 import os
 import sys
 from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fsipetsc.errors import InputError
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.colorbar import Colorbar
+    from matplotlib.figure import FigureBase
 
 BLUE, RED, GREEN, ORANGE, PURPLE, GREY, BLACK = (
     "#0072b2", "#d55e00", "#009e73", "#e69f00", "#a0528c", "#8a8a8a", "#222222",
@@ -41,6 +46,7 @@ STYLE: dict[Any, Any] = {
     "savefig.dpi": 160,
 }
 MAX_POINTS = 20_000  # of a line; more cannot be seen
+SMALL_LEGEND: dict[str, Any] = {"fontsize": 7, "handlelength": 1.4}
 
 
 def needed(command: str) -> ModuleType:
@@ -69,6 +75,35 @@ def drawing() -> ModuleType:
         finally:
             os.environ["MPLBACKEND"] = named
     return matplotlib
+
+
+def legend_above(axes: Axes, *entries: Any, side: str = "left", columns: int = 1, **look: Any) -> None:
+    """A legend above a panel, at this side of it. entries: handles and labels; without them those of the panel."""
+    place = {"loc": f"lower {side}", "bbox_to_anchor": (0 if side == "left" else 1, 1), "borderaxespad": 0.1}
+    axes.legend(*entries, **place, ncols=columns, **look)
+
+
+def bar_above(figure: FigureBase, picture: Any, axes: Any, label: str, ticks: int = 4, **look: Any) -> Colorbar:
+    """A color bar above panels."""
+    from matplotlib.ticker import MaxNLocator
+
+    made = figure.colorbar(picture, ax=axes, location="top", pad=0.02, **look)
+    made.set_label(label)
+    made.outline.set_visible(False)
+    made.locator = MaxNLocator(ticks)
+    return made
+
+
+def in_two_lines(label: str) -> str:
+    """A label that may be too long for its axis (`Scale.label`)."""
+    return label.replace(", less", ",\nless")
+
+
+def shade(place: int, count: int) -> Any:
+    """The color of a line that is one of several times, the later the darker."""
+    from matplotlib import colormaps
+
+    return colormaps["cividis_r"](0.15 + 0.85 * place / max(count - 1, 1))
 
 
 def thin(n: int) -> slice:

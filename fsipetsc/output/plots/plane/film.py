@@ -6,9 +6,10 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from fsipetsc.output.plots.frames import moment
 from fsipetsc.output.plots.plane.maps import bar, colors, domain, few_ticks, panel, panel_size
 from fsipetsc.output.plots.plane.page import pairs_of
-from fsipetsc.output.plots.scales import axis_label, unit_of
+from fsipetsc.output.plots.scales import axis_label
 from fsipetsc.output.plots.titles import of_run, set_title
 from fsipetsc.output.reader import Run
 
@@ -35,7 +36,7 @@ def film(run: Run, chosen: Sequence[int], fields: Sequence[str] = ()) -> Iterato
         axes.set(aspect="equal", xlim=ranges[0], ylim=ranges[1])
         few_ticks(axes, width)
         axes.set(xlabel=axis_label(run, "x", "m"), ylabel=axis_label(run, "y", "m"))
-        axes.set_title(f"t = {run.time[frame]:.4g}{unit_of(run, 's')}", loc="left")
+        axes.set_title(moment(run, frame), loc="left")
         if number == 0:
             for own, picture in zip(scales, pictures):
                 bar(figure, picture, own, axes, 6)

@@ -9,7 +9,7 @@ import numpy as np
 from fsipetsc.output.interface_line import InterfaceLine
 from fsipetsc.output.plots.scales import axis_label, scaled
 from fsipetsc.output.plots.space_time import palette
-from fsipetsc.output.plots.style import LINES, SERIES
+from fsipetsc.output.plots.style import LINES, SERIES, bar_above, in_two_lines
 from fsipetsc.output.plots.titles import of_run, set_title
 from fsipetsc.output.reader import Run
 
@@ -57,12 +57,7 @@ def points(line: InterfaceLine) -> list[int]:
 
 
 def _map(figure: Figure, axes: Axes, run: Run, X: Array, values: Array, label: str, colored: dict) -> None:
-    from matplotlib.ticker import MaxNLocator
-
     picture = axes.pcolormesh(X, run.time, values, shading="gouraud", rasterized=True, **colored)
     axes.grid(visible=False)
     axes.set(xlabel=axis_label(run, "X", "m"), ylabel=axis_label(run, "t", "s"))
-    bar = figure.colorbar(picture, ax=axes, location="top", aspect=30, pad=0.02)
-    bar.set_label(label.replace(", less", ",\nless"))
-    bar.outline.set_visible(False)
-    bar.locator = MaxNLocator(4)
+    bar_above(figure, picture, axes, in_two_lines(label), aspect=30)

@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fsipetsc.output.plots.frames import at_times, moment
 from fsipetsc.output.plots.plane.quantities import OF_SOLIDS, Pair
-from fsipetsc.output.plots.profiles import frames
+from fsipetsc.output.plots.profiles import PANELS, frames
 from fsipetsc.output.plots.quantities import Quantity
-from fsipetsc.output.plots.scales import Scale, axis_label, extremes, scaled, unit_of
+from fsipetsc.output.plots.scales import Scale, axis_label, extremes, scaled
 from fsipetsc.output.plots.space_time import palette
+from fsipetsc.output.plots.style import bar_above, in_two_lines
 from fsipetsc.output.plots.titles import of_run, set_title
 from fsipetsc.output.reader import PlaneLayer, Run
 
@@ -62,7 +64,7 @@ def draw(figure: Figure, run: Run, pair: Pair, times: Sequence[float] | None) ->
     for axes, frame in zip(grid.flat, chosen):
         pictures = panel(axes, run, frame, scales)
         axes.set(aspect="equal", xlim=ranges[0], ylim=ranges[1])
-        axes.set_title(f"t = {run.time[frame]:.4g}{unit_of(run, 's')}", loc="left")
+        axes.set_title(moment(run, frame), loc="left")
     for axes in grid.flat[len(chosen) :]:
         axes.set_visible(False)
     few_ticks(grid[0, 0], width)
@@ -73,12 +75,14 @@ def draw(figure: Figure, run: Run, pair: Pair, times: Sequence[float] | None) ->
     set_title(figure, of_run(run, pair.title_of({layer.kind for layer in run.layers})))
 
 
-def chosen_frames(run: Run, gas: Quantity, solid: Quantity, times: Sequence[float] | None) -> list[int]:
-    """The frames nearest to the times, or those worth a panel: as the gas has it, the solid where there is none."""
+def chosen_frames(
+    run: Run, gas: Quantity, solid: Quantity, times: Sequence[float] | None, count: int = PANELS
+) -> list[int]:
+    """The frames nearest to the times, or so many worth a panel: as the gas has it, the solid where there is none."""
     if times:
-        return sorted({run.at(t) for t in times})
+        return at_times(run, times)
     has_gas = any(layer.kind == "fluid" for layer in run.layers)
-    return frames(run, gas if has_gas else solid)[0]
+    return frames(run, gas if has_gas else solid, count)[0]
 
 
 def panel(axes: Axes, run: Run, frame: int, scales: Sequence[Colors]) -> list[Any]:
@@ -112,12 +116,8 @@ def outline(axes: Axes, x: Array, y: Array, inside: int = 8) -> None:
 
 def bar(figure: Figure, picture: Any, own: Colors, grid: Any, ticks: int) -> None:
     """A color bar above the panels, of the values that there are: pressures below 0 would be a riddle."""
-    from matplotlib.ticker import MaxNLocator
-
-    made = figure.colorbar(picture, ax=grid, location="top", aspect=8 * ticks, pad=0.02, shrink=0.9)
-    made.set_label(own.scale.label.replace(", less", ",\nless") if ticks < 6 else own.scale.label)
-    made.outline.set_visible(False)
-    made.locator = MaxNLocator(ticks)
+    label = in_two_lines(own.scale.label) if ticks < 6 else own.scale.label
+    made = bar_above(figure, picture, grid, label, ticks, aspect=8 * ticks, shrink=0.9)
     if own.range[0] < own.range[1] and own.scale.constant is None:
         made.ax.set_xlim(own.range)
 

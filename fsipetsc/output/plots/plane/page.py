@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fsipetsc.output.interface_line import InterfaceLine
+from fsipetsc.output.plots.frames import evenly, moment
 from fsipetsc.output.plots.plane.interfaces import points
-from fsipetsc.output.plots.plane.maps import bar, colors, domain, few_ticks, panel
+from fsipetsc.output.plots.plane.maps import bar, chosen_frames, colors, domain, few_ticks, panel
 from fsipetsc.output.plots.plane.quantities import ALL, MAPS, Pair
-from fsipetsc.output.plots.profiles import frames
-from fsipetsc.output.plots.scales import axis_label, named, scaled, unit_of
-from fsipetsc.output.plots.style import LINES, SERIES
+from fsipetsc.output.plots.scales import axis_label, named, scaled
+from fsipetsc.output.plots.style import LINES, SERIES, SMALL_LEGEND, legend_above, shade
 from fsipetsc.output.reader import Run
 
 if TYPE_CHECKING:
@@ -32,13 +32,11 @@ def maps_of(run: Run, fields: Sequence[str], times: Sequence[float]) -> tuple[fl
     """Height [inches] and drawing function of maps: of pressure and stress, or what is asked for. InputError."""
     pairs, ranges = pairs_of(fields), domain(run)
     columns, count = shape(ranges)
-    kinds = {layer.kind for layer in run.layers}
-    of = pairs[0].gas if "fluid" in kinds else pairs[0].solid
-    chosen = sorted({run.at(t) for t in times}) if times else frames(run, of, count)[0]
+    chosen = chosen_frames(run, pairs[0].gas, pairs[0].solid, times, count)
     columns = min(columns, len(chosen))
     rows = -(-len(chosen) // columns)
     width, height = size_of(ranges, WIDTH / columns)
-    bars = len(kinds)
+    bars = len({layer.kind for layer in run.layers})
     heights = [rows * (height + TITLE) + BAR * bars + 0.3] * len(pairs)
     return sum(heights), partial(_maps, run=run, pairs=pairs, chosen=chosen, columns=columns, width=width)
 
@@ -77,7 +75,7 @@ def maps(figure: FigureBase, grid: np.ndarray, run: Run, chosen: Sequence[int], 
     for axes, frame in zip(grid.flat, chosen):
         pictures = panel(axes, run, frame, scales)
         axes.set(aspect="equal", xlim=ranges[0], ylim=ranges[1])
-        axes.set_title(f"t = {run.time[frame]:.4g}{unit_of(run, 's')}", loc="left", fontsize=8)
+        axes.set_title(moment(run, frame), loc="left", fontsize=8)
     for axes in grid.flat[len(chosen) :]:
         axes.set_visible(False)
     few_ticks(grid[0, 0], width)
@@ -102,14 +100,12 @@ def panels(run: Run) -> list[Callable[[Axes], None]]:
 
 def _shape(axes: Axes, run: Run, line: InterfaceLine) -> None:
     """The interface as a line at some times, the later the darker."""
-    from matplotlib import colormaps
-
     scale = scaled(run, "deflection", "m", line.displacement)
-    for place, frame in enumerate(some := sorted({round(part * (run.nframes - 1)) for part in np.linspace(0, 1, 5)})):
-        color = colormaps["cividis_r"](0.15 + 0.85 * place / max(len(some) - 1, 1))
-        axes.plot(line.X, scale(line.displacement[frame]), color=color, linewidth=1.2, label=f"t = {run.time[frame]:.4g}")
+    for place, frame in enumerate(some := evenly(run, 5)):
+        look = {"color": shade(place, len(some)), "linewidth": 1.2, "label": f"t = {run.time[frame]:.4g}"}
+        axes.plot(line.X, scale(line.displacement[frame]), **look)
     axes.set(xlabel=axis_label(run, "X", "m"), ylabel=scale.label)
-    axes.legend(title=line.name if len(run.interfaces) > 1 else None, **_ABOVE)
+    legend_above(axes, columns=2, title=line.name if len(run.interfaces) > 1 else None, **SMALL_LEGEND)
 
 
 def _deflection(axes: Axes, run: Run, line: InterfaceLine) -> None:
@@ -119,27 +115,22 @@ def _deflection(axes: Axes, run: Run, line: InterfaceLine) -> None:
         look = {"color": SERIES[k % len(SERIES)], "linestyle": LINES[k % len(LINES)], "linewidth": 1.2}
         axes.plot(run.time, scale(line.displacement[:, point]), **look, label=f"X = {line.X[point]:.4g}")
     axes.set(xlabel=axis_label(run, "t", "s"), ylabel=scale.label, xlim=(run.time[0], run.time[-1]))
-    axes.legend(**_ABOVE)
-
-
-_ABOVE = {"loc": "lower left", "bbox_to_anchor": (0, 1), "borderaxespad": 0.1, "handlelength": 1.4, "fontsize": 7, "ncols": 2}
+    legend_above(axes, columns=2, **SMALL_LEGEND)
 
 
 def _cut(axes: Axes, run: Run) -> None:
     """Pressure, or the stress, along the middle of the first layer, in the direction in which it is longer."""
-    from matplotlib import colormaps
-
     layer = run.layers[0]
     (left, right), (low, high) = domain(run)
     upright = high - low > right - left
     name = "p" if layer.kind == "fluid" else "s_yy" if upright else "s_xx"
-    some = sorted({round(part * (run.nframes - 1)) for part in np.linspace(0, 1, 4)})
+    some = evenly(run, 4)
     middle = (slice(None), layer.X.size // 2) if upright else (layer.Y.size // 2, slice(None))
     cuts = [(layer.frame(frame)["y" if upright else "x"][middle], layer.frame(frame)[name][middle]) for frame in some]
     label = "pressure" if name == "p" else f"stress {name}"
     scale = scaled(run, label, "Pa", *(values for _, values in cuts), start=cuts[0][1])
     for place, (frame, (where, values)) in enumerate(zip(some, cuts)):
-        color = colormaps["cividis_r"](0.15 + 0.85 * place / max(len(some) - 1, 1))
-        axes.plot(where, scale(values), color=color, linewidth=1.2, label=f"t = {run.time[frame]:.4g}")
+        look = {"color": shade(place, len(some)), "linewidth": 1.2, "label": f"t = {run.time[frame]:.4g}"}
+        axes.plot(where, scale(values), **look)
     axes.set(xlabel=axis_label(run, "y" if upright else "x", "m"), ylabel=f"{scale.label}, in the middle")
-    axes.legend(**_ABOVE)
+    legend_above(axes, columns=2, **SMALL_LEGEND)

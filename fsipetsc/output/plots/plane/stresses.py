@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from fsipetsc.output.plots.frames import moment
 from fsipetsc.output.plots.plane.maps import bar, chosen_frames, colors, few_ticks, mesh, outline, together
 from fsipetsc.output.plots.plane.quantities import STRESSES
-from fsipetsc.output.plots.scales import axis_label, extremes, unit_of
+from fsipetsc.output.plots.scales import axis_label, extremes
 from fsipetsc.output.plots.titles import of_run, set_title
 from fsipetsc.output.reader import PlaneLayer, Run
 
@@ -40,7 +41,7 @@ def draw(figure: Figure, run: Run, times: Sequence[float] | None) -> None:
             axes.set(xlim=extremes(layer["x"]), ylim=extremes(layer["y"]), aspect="auto" if thin else "equal")
             if column == 0:
                 name = f"{layer.name}, " if len(solids) > 1 else ""
-                axes.set_title(f"{name}t = {run.time[frame]:.4g}{unit_of(run, 's')}", loc="left")
+                axes.set_title(name + moment(run, frame), loc="left")
         bar(figure, picture, own, list(grid[:, column]), 3)
     few_ticks(grid[0, 0], width)
     figure.supxlabel(axis_label(run, "x", "m"), fontsize=9)
