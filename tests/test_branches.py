@@ -12,6 +12,7 @@ from helpers import message, solve
 import fsipetsc
 from fsipetsc.errors import FileError
 from fsipetsc.output import checkpoint_file
+from fsipetsc.output.checkpoint_file import Checkpoint
 from fsipetsc.output.claim import Claim
 from fsipetsc.stepping.output_times import times_without_frame
 
@@ -67,6 +68,30 @@ def test_what_was_given_up_is_not_gone_on_from(tmp_path):
     assert goes_on(tmp_path, *WORDS, 25, "-fsi_restart", "auto") == f"{NEWEST}: step 10"
     with fsipetsc.open_run(tmp_path / "rod.h5") as result:
         assert result.summary["steps"] == len(result.series["t"]) == 25
+
+
+def test_how_long_a_run_took_in_parts(tmp_path):
+    """Steps and times are of the whole run, `part` and `phases` of what came since the restart; unknown is unknown."""
+    assert goes_on(tmp_path, *WORDS, 40) == ""
+    first = checkpoint_file.read(tmp_path / NEWEST)
+    loop, total = first.header["memory"]["wall_time"], first.header["wall_time_total"]
+    with fsipetsc.open_run(tmp_path / "rod.h5") as result:
+        summary = result.summary
+    assert 0 < loop <= summary["wall_time"] and loop < total <= summary["wall_time_total"] == sum(summary["phases"].values())
+    assert summary["part"] == {name: summary[name] for name in ("steps", "wall_time", "wall_time_total")}
+    former = Checkpoint({name: value for name, value in first.header.items() if name != "wall_time_total"}, first.arrays)
+    (tmp_path / "former.h5").write_bytes(checkpoint_file.pack(former))
+    without = 60, "-fsi_restart", "former.h5", "-fsi_output", "f.h5"
+    for words, before in (((50, "-fsi_restart", "auto"), total), (without, None)):
+        done = solve(*WORDS, *words, cwd=tmp_path)
+        assert done.returncode == 0 and f"\n{words[0] - 40} steps of these in " in done.stdout
+        assert "since the restart\n" in done.stdout and "phases since the restart: " in done.stdout
+        with fsipetsc.open_run(tmp_path / ("rod.h5" if before else "f.h5")) as result:
+            summary, part = result.summary, result.summary["part"]
+        assert (summary["steps"], part["steps"]) == (words[0], words[0] - 40)
+        assert summary["wall_time"] == pytest.approx(loop + part["wall_time"], abs=1e-9) and part["wall_time"] > 0
+        assert part["wall_time_total"] == pytest.approx(sum(summary["phases"].values()), abs=1e-9)
+        assert summary["wall_time_total"] == (before and pytest.approx(before + part["wall_time_total"], abs=1e-9))
 
 
 @pytest.mark.mpi

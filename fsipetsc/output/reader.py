@@ -31,7 +31,8 @@ class Run:
 
     case, options       name of the case; dict of every option in force
     header              what was known at the start: versions, ranks, created, …
-    summary             steps, rhs_evaluations, points, ranks, wall_time (s), versions …; unfinished: the header's
+    summary             steps, rhs_evaluations, wall_time (s) … of the whole run, part: since its last restart; points, ranks,
+                        versions …; unfinished: the header's
     errors              layer kind -> name -> error at the end, L2 or as -fsi_norm says; empty where no exact solution is known
     complete            whether the run came to its end; if not, summary["status"] may say why
     time, nframes       (nframes,) times of the saved frames

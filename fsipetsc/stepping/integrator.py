@@ -80,6 +80,7 @@ class Integrator:
         self.dt_range = [np.inf, 0.0]
         self.last_step = np.inf  # the longest of the last burst
         self.wall_time = self._begun = 0.0
+        self.before = 0, 0.0  # steps and wall time [s] of the parts of the run before this one
         self.stop_signal = 0
         self.out_of_time = False
         self._proposal = np.inf
@@ -348,6 +349,7 @@ class Integrator:
         state = self.state
         for name in _KEPT:
             setattr(self, name, memory[name])
+        self.before = self.steps, self.wall_time
         self._proposal, state.evaluations = memory["proposal"], memory["evaluations"]
         self._given = state.restore(arrays, self.t)
         self._times.pass_time(self.t)

@@ -55,6 +55,11 @@ class Phases:
             self._book()
             self._open.pop()
 
+    def total(self) -> float:
+        """Of all of them so far [s]."""
+        self._book()
+        return sum(self.seconds.values())
+
     def _book(self) -> None:
         """The time since the last change belongs to the innermost open phase."""
         now = time.perf_counter()

@@ -74,6 +74,10 @@ class Reporter:
         early = summary["message"] if summary["status"] == "done" else ""
         how = early or f"{summary['status']} at t = {summary['t']:g}{self._s}"
         self.line(f"{how}: {counted(steps, 'step')}{rejected} in {duration(wall)}{cost}")
+        part, since = summary["part"], ""
+        if part["steps"] < steps:
+            since = " since the restart"
+            self.line(f"{counted(part['steps'], 'step')} of these in {duration(part['wall_time'])}{since}")
         self._list("solved", [f"{layer.name} ({layer.kind})" for layer in self._state.problem.layers])
         places = [f"{name} at {self._place.format(x)}" for name, x in summary["interfaces"].items()]
         points = counted(summary["points"], "point")
@@ -81,7 +85,7 @@ class Reporter:
             self._list("interfaces", [*places[:-1], f"{places[-1]}; {points}"])
         else:
             self.line(points)
-        self.line(_phases(summary["phases"]))
+        self.line(_phases(summary["phases"], since))
         if steps:
             parts = shares(summary["limits"], summary["t"])
             bounds = [f"{what} ({100 * part:.0f} %)" if part < 1 else what for what, part in parts]
@@ -113,7 +117,7 @@ class Reporter:
             self.line(text)
 
 
-def _phases(seconds: Mapping[str, float]) -> str:
-    """Where the time went, in a line."""
+def _phases(seconds: Mapping[str, float], since: str) -> str:
+    """Where the time went, in a line; since: when, if it is not all."""
     total = sum(seconds.values())
-    return "phases: " + ", ".join(f"{k} {duration(v)} ({100 * v / max(total, 1e-9):.0f} %)" for k, v in seconds.items())
+    return f"phases{since}: " + ", ".join(f"{k} {duration(v)} ({100 * v / max(total, 1e-9):.0f} %)" for k, v in seconds.items())

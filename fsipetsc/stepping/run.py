@@ -200,6 +200,7 @@ class _Run:
                 "watch": self.watch.memory() if self.watch is not None else None,
                 **{"ledgers": self.ledgers.memory(), **self._of_frames()},
                 "result": [self.writer.nframes, self.writer.rows],
+                "wall_time_total": self._total(),
             }
             self.keeper.write(memory, self.integrator.rates)
         self.integrator.pauses.written(time.perf_counter() - begun)
@@ -220,8 +221,9 @@ class _Run:
         if self.opt["fsi_check"]:  # which has seen later steps
             return ""
         rows, ledgers = self.writer.rows - (integrator.series.total - kept), self.ledgers.memory_of_kept(kept)
+        of_result = {"ledgers": ledgers, **before, "result": [frames, rows], "wall_time_total": self._total()}
         try:
-            self.keeper.write({"memory": memory, "watch": None, "ledgers": ledgers, **before, "result": [frames, rows]}, None)
+            self.keeper.write({"memory": memory, "watch": None, **of_result}, None)
         except CheckpointError:
             return ""  # the failure itself says more
         when = f"step {memory['steps']}, t = {memory['t']:.6g}{self.problem.unit('s')}"
@@ -267,7 +269,6 @@ class _Run:
         failure: FsiError | None = None
         good = ""
         found: dict[str, dict[str, float]] | None = None
-        begun = time.perf_counter()
         try:
             self.report.begin(self.state)
             for line in view(self.state, self.case.NAME, opt) if opt["fsi_view"] else ():
@@ -299,11 +300,11 @@ class _Run:
             if isinstance(error, Interrupted) and integrator.steps:
                 number = error.status - 128
                 error.args = number, f"{signal.Signals(number).name} came while the result was being written"
-            self._rescue(error, time.perf_counter() - begun)
+            self._rescue(error)
             raise
         finally:
             self.report.clear()
-        summary = self._summary(time.perf_counter() - begun, failure)
+        summary = self._summary(failure)
         self.writer.finish(summary, found)
         self.report.end(summary, found, self.writer.path)
         if failure is not None:
@@ -315,7 +316,7 @@ class _Run:
             kept = f"the result so far is in {self.writer.path}, the checkpoint in {self.keeper.path}"
             raise Interrupted(number, f"stopped by {name} at t = {integrator.t:.6g}{s}; {kept}")
 
-    def _rescue(self, error: BaseException, wall: float) -> None:
+    def _rescue(self, error: BaseException) -> None:
         """Write what was computed before an error of any kind, if all ranks have met one and at the same place.
 
         Writing takes all ranks: what one of them alone has not written is lost when the others are stopped.
@@ -328,7 +329,7 @@ class _Run:
         if len(heard) == self.comm.size:
             if self.integrator.initial and set(heard.values()) == {place}:
                 with suppress(FileError):  # the error itself says more
-                    self.writer.finish(self._summary(wall, error))
+                    self.writer.finish(self._summary(error))
             self.notes.Free()
 
     def _last_frame(self) -> None:
@@ -348,8 +349,16 @@ class _Run:
             )
         return f"ended by -ts_max_steps at t = {integrator.t:g}{s}, before -ts_max_time {self.opt['ts_max_time']:g}{s}"
 
-    def _summary(self, wall: float, failure: BaseException | None) -> dict[str, Any]:
+    def _total(self) -> float | None:
+        """Wall time [s] of the run so far with set-up and output, in its earlier parts too; None if that is not known."""
+        past = self.keeper.past
+        before = 0.0 if past is None else past.header.get("wall_time_total")  # of earlier versions there is none
+        return None if before is None else before + self.phases.total()
+
+    def _summary(self, failure: BaseException | None) -> dict[str, Any]:
         integrator = self.integrator
+        steps, wall_time = integrator.before
+        this = {"steps": integrator.steps - steps, "wall_time": integrator.wall_time - wall_time}
         return {
             "status": "failed" if failure else ("stopped" if integrator.stop_signal else "done"),
             "message": (str(failure) or type(failure).__name__) if failure else self._early_end(),
@@ -363,7 +372,8 @@ class _Run:
             "interfaces": dict(zip(interface_names(self.problem), self.state.places, strict=True)),
             "ranks": self.comm.size,
             "wall_time": integrator.wall_time,
-            "wall_time_total": wall,
+            "wall_time_total": self._total(),
+            "part": {**this, "wall_time_total": self.phases.total()},
             "phases": dict(self.phases.seconds),
             "limits": self.limits.changes,
             "departures": self.ledgers.departures,
