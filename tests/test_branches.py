@@ -64,10 +64,49 @@ def test_what_was_given_up_is_not_gone_on_from(tmp_path):
     message(solve(*WORDS, 60, "-fsi_restart", "old.h5", cwd=tmp_path), 4, "its step 40 ends at t = ")
     assert contents(tmp_path) == before
     assert goes_on(tmp_path, *WORDS, 10) == ""
-    assert [steps(tmp_path / name) for name in (NEWEST, BEFORE)] == [10, 50]
+    assert steps(tmp_path / NEWEST) == 10 and not (tmp_path / BEFORE).exists()
     assert goes_on(tmp_path, *WORDS, 25, "-fsi_restart", "auto") == f"{NEWEST}: step 10"
     with fsipetsc.open_run(tmp_path / "rod.h5") as result:
         assert result.summary["steps"] == len(result.series["t"]) == 25
+
+
+def test_checkpoints_of_an_earlier_run_are_kept(tmp_path):
+    """As its result is, and with its number: so the earlier run can be gone on with, bit for bit as it stood."""
+    assert goes_on(tmp_path, *WORDS, 40) == ""
+    first = contents(tmp_path)
+    (tmp_path / "rod.1.checkpoint.previous.h5").write_text("of somebody else")
+    done = solve(*WORDS, 60, cwd=tmp_path)
+    assert "kept the earlier rod.h5 as " in done.stdout and done.stdout.count("kept ") == 2
+    names = {name: name.replace("rod.", "rod.2.") for name in first}
+    assert f"kept earlier checkpoints as {tmp_path / names[NEWEST]}, {tmp_path / names[BEFORE]}\n" in done.stdout
+    assert {name: (tmp_path / kept).read_bytes() for name, kept in names.items()} == first
+    assert [steps(tmp_path / name) for name in (NEWEST, BEFORE)] == [60, 40]
+    second = contents(tmp_path)
+    words = "-fsi_restart", "auto", "-fsi_output", "rod.2.h5"
+    assert goes_on(tmp_path, *WORDS, 50, *words) == f"{names[NEWEST]}: step 40"
+    with fsipetsc.open_run(tmp_path / "rod.2.h5") as result:
+        assert len(result.series["t"]) == 50
+    for name in (*first, "rod.1.checkpoint.previous.h5"):  # and nothing else has changed
+        assert (tmp_path / name).read_bytes() == second[name]
+
+
+@pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.mpi)])
+def test_checkpoints_of_another_run_are_kept_by_one_that_goes_on(ranks, tmp_path):
+    """From a checkpoint elsewhere, where its own ones will stand; what is no checkpoint stays where it is."""
+    assert goes_on(tmp_path, *WORDS, 20) == ""
+    shutil.move(tmp_path / NEWEST, tmp_path / "old.h5")
+    words = *WORDS, 60, "-fsi_checkpoint", "own.h5"
+    assert goes_on(tmp_path, *words) == ""
+    newest, before = (tmp_path / name for name in ("own.h5", "own.previous.h5"))
+    first = {path.name: path.read_bytes() for path in (newest, before)}
+    assert goes_on(tmp_path, *words, "-fsi_restart", "old.h5", ranks=ranks) == "old.h5: step 20"
+    assert [steps(path) for path in (newest, before)] == [60, 40]
+    assert {name: (tmp_path / name.replace("own.", "own.1.")).read_bytes() for name in first} == first
+    assert goes_on(tmp_path, *words, "-fsi_restart", "own.previous.h5", ranks=ranks) == "own.previous.h5: step 40"
+    assert not (tmp_path / "own.2.h5").exists()
+    newest.write_text("a text")
+    message(solve(*words, cwd=tmp_path, ranks=ranks), 4, "own.h5: exists and is not a checkpoint of fsipetsc")
+    assert newest.read_text() == "a text" and not (tmp_path / "own.2.previous.h5").exists()
 
 
 def test_how_long_a_run_took_in_parts(tmp_path):

@@ -16,7 +16,7 @@ from helpers import PATIENCE, environment, message, run, solve
 
 import fsipetsc
 from fsipetsc.errors import FileError
-from fsipetsc.output.claim import Claim, keep_earlier, publish
+from fsipetsc.output.claim import Claim, keep_earlier, publish, set_aside
 
 PROGRAM = Path(claim_program.__file__)
 
@@ -84,6 +84,25 @@ def test_what_others_left_is_neither_followed_nor_overwritten(tmp_path: Path) ->
     claim.release()
     claim.release()
     assert sorted(os.listdir(tmp_path)) == ["elsewhere", "run.1.h5", "run.2.h5", "run.h5"]
+
+
+@pytest.mark.parametrize("seen", [True, False])
+def test_files_that_belong_together_get_the_same_number(seen: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first that is free for all, also where another program takes one at the last moment; no empty file is left."""
+    result, checkpoint, before = (tmp_path / f"run.{rest}" for rest in ("h5", "checkpoint.h5", "checkpoint.previous.h5"))
+    for path in (result, checkpoint, tmp_path / "run.1.checkpoint.h5", tmp_path / "run.2.h5"):
+        path.write_text(path.name)
+    if seen:
+        assert set_aside([], "run") == {} == set_aside([before], "run")
+        (tmp_path / "run.3.checkpoint.previous.h5").mkdir()
+    else:
+        monkeypatch.setattr(os.path, "lexists", lambda path: False)
+    number = 4 if seen else 3
+    renamed = {path: path.with_name(f"run.{number}{path.name[3:]}") for path in (result, checkpoint)}
+    assert set_aside([result, checkpoint], "run", [before]) == renamed
+    assert all(new.read_text() == old.name for old, new in renamed.items())
+    there = {"run.1.checkpoint.h5", "run.2.h5"} | ({"run.3.checkpoint.previous.h5"} if seen else set())
+    assert {path.name for path in tmp_path.iterdir()} == there | {new.name for new in renamed.values()}
 
 
 def other_file(path: Path) -> None:
@@ -186,7 +205,10 @@ def test_checkpoints_of_a_name_are_one_run_s(tmp_path: Path, ranks: int) -> None
     claim.release()
     lock.write_text("process 12345 on a machine, of a killed run")
     done = solve(*words, "-fsi_output", "b.h5", "-fsi_checkpoint", "a.checkpoint.h5", cwd=tmp_path, ranks=ranks)
-    assert (done.returncode, done.stderr) == (0, "") and sorted(os.listdir(tmp_path)) == sorted([*before, "b.h5"])
+    assert (done.returncode, done.stderr) == (0, "")
+    kept = {"a.checkpoint.1.h5": "a.checkpoint.h5", "a.checkpoint.1.previous.h5": "a.checkpoint.previous.h5"}
+    assert {(tmp_path / name).read_bytes() == before[earlier] for name, earlier in kept.items()} == {True}
+    assert sorted(os.listdir(tmp_path)) == sorted([*kept, "a.h5", "b.h5"])
     lock.mkdir()
     done = solve(*words, "-fsi_output", "c.h5", "-fsi_checkpoint", "a.checkpoint.h5", cwd=tmp_path, ranks=ranks)
     message(done, 4, "a.checkpoint.h5: no checkpoint can be written there: Is a directory")

@@ -126,6 +126,15 @@ def read(path: str | os.PathLike[str]) -> Checkpoint:
     return unpack(content, name)
 
 
+def is_one(path: Path) -> bool:
+    """Whether a file begins as a checkpoint does, whole or damaged; not if it cannot be read."""
+    with suppress(OSError):
+        if path.is_file():  # a pipe would wait for somebody who writes
+            with path.open("rb") as file:
+                return file.read(len(_MAGIC)) == _MAGIC
+    return False
+
+
 def check_place(path: str | os.PathLike[str]) -> None:
     """FileError where no checkpoint could be written, as far as that can be known before."""
     target = Path(os.path.realpath(path))

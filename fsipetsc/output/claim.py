@@ -16,6 +16,7 @@ import itertools
 import os
 import re
 import stat
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 
@@ -127,32 +128,47 @@ def _is_lock(descriptor: int) -> bool:
     return re.fullmatch(rb"(process \d+ on [^\n]*)?", os.pread(descriptor, LONGEST, 0)) is not None
 
 
-def keep_earlier(target: Path) -> Path | None:
-    """Give an existing result the first free name NAME.1.h5, NAME.2.h5 …; that name, None if there is no result."""
+def is_there(target: Path) -> bool:
+    """Whether there is a result. FileError for what stands in its place and is no regular file."""
     try:
         mode = os.lstat(target).st_mode
     except FileNotFoundError:
-        return None
+        return False
     if not stat.S_ISREG(mode):
         raise FileError(f"{target}: exists and is not a regular file")
+    return True
+
+
+def keep_earlier(target: Path) -> Path | None:
+    """Give an existing result the first free name NAME.1.h5, NAME.2.h5 …; that name, None if there is no result."""
+    return set_aside([target], target.stem).get(target) if is_there(target) else None
+
+
+def set_aside(files: Sequence[Path], stem: str, beside: Sequence[Path] = ()) -> dict[Path, Path]:
+    """Give files, whose names begin with a stem, the first free number behind it: NAME.1.h5, NAME.1.checkpoint.h5.
+
+    beside: files that stay, or are not there, and whose names with that number are to be free, too. Returns old -> new names.
+    """
     for k in itertools.count(1):
-        name = target.with_name(f"{target.stem}.{k}{target.suffix}")
-        if os.path.lexists(name):
+        names = {file: file.with_name(f"{stem}.{k}{file.name.removeprefix(stem)}") for file in (*files, *beside)}
+        if any(map(os.path.lexists, names.values())):
             continue
+        taken, renamed = [], {}
         try:
-            os.close(os.open(name, os.O_WRONLY | os.O_CREAT | os.O_EXCL))  # from now on the name is taken
+            for file in files:
+                os.close(os.open(names[file], os.O_WRONLY | os.O_CREAT | os.O_EXCL))
+                taken.append(names[file])
+            for file in files:
+                with suppress(FileNotFoundError):  # another run was faster
+                    os.rename(file, names[file])
+                    renamed[file] = names[file]
         except FileExistsError:
             continue
-        try:
-            os.rename(target, name)
-        except FileNotFoundError:  # another run was faster
-            name.unlink()
-            return None
-        except OSError:
-            name.unlink()
-            raise
-        return name
-    raise AssertionError  # there is always a free name
+        finally:
+            for name in set(taken) - set(renamed.values()):
+                name.unlink()
+        return renamed
+    raise AssertionError  # there is always a free number
 
 
 def publish(target: Path, content: bytes) -> tuple[int, int] | None:

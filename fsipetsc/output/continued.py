@@ -47,7 +47,7 @@ def is_of(path: Path, run: str) -> bool:
         return source.header.get("run") == run
 
 
-def cut(path: Path, kept: Kept, header: Mapping[str, Any], log: commits.Log, settle: Callable[[], None]) -> int:
+def cut(path: Path, kept: Kept, header: Mapping[str, Any], log: commits.Log, settle: Callable[[], object]) -> int:
     """Let a result end after so many frames and rows of the series, with this header; its first commit goes to ``log``.
 
     settle: is called when the new file is whole, and the old one still there. Returns the number of its last segment, -1 if it

@@ -34,6 +34,7 @@ from fsipetsc.process.together import agree
 Array = np.ndarray[Any, Any]
 Result = TypeVar("Result")
 Identity = tuple[int, int]  # device and number of a file
+Settle = Callable[[Path | None], Path | None]
 SPARE_BYTES = 256 << 10  # for what HDF5 needs besides the numbers
 
 
@@ -47,7 +48,8 @@ class RunWriter:
              units = "none" if the case is dimensionless
     after    what of this run, by header["run"], a file of this name is to keep: the writer goes on behind it, and what else is
              in it is cut off. Where there is no such file a new one begins.
-    settle   is called on rank 0 when all that can be known before is known to be well, and no file has changed
+    settle   is called on rank 0 when all that can be known before is known to be well, and no file has changed; with an earlier
+             result that is to be kept, None if there is none. It may give that one its new name, which it then returns
     flush_seconds, buffer_frames, buffer_bytes
              frames are written every so many seconds (wall time; less often if a write takes more than 2 % of them),
              and when there are about this many or this many bytes on one rank
@@ -65,7 +67,7 @@ class RunWriter:
         header: Mapping[str, Any],
         *,
         after: continued.Kept | None = None,
-        settle: Callable[[], None] = lambda: None,
+        settle: Settle = lambda earlier: None,
         flush_seconds: float = 2.0,
         buffer_frames: int = 256,
         buffer_bytes: int = 16 << 20,
@@ -234,7 +236,7 @@ class RunWriter:
         path: str | os.PathLike[str],
         header: Mapping[str, Any],
         after: continued.Kept | None,
-        settle: Callable[[], None],
+        settle: Settle,
     ) -> tuple[Path, Path | None, Identity, tuple[int, int, int]]:
         """Make the file with its header, or take one that is to be gone on with. On rank 0.
 
@@ -251,10 +253,10 @@ class RunWriter:
         claimed = claim.Claim(target)
         self._release = weakref.finalize(self, claimed.release)
         if after is not None and continued.is_of(target, header["run"]):
-            segment = continued.cut(target, after, _plain(header), self._log, settle)
+            segment = continued.cut(target, after, _plain(header), self._log, lambda: settle(None))
             return target, None, _identity(target), (after.frames, after.rows, segment)
-        settle()
-        content, kept_as = file_layout.beginning(_plain(header), self._log), None
+        kept_as = settle(target if claim.is_there(target) else None)
+        content = file_layout.beginning(_plain(header), self._log)
         while True:
             kept_as = claim.keep_earlier(target) or kept_as
             if self._plane:

@@ -16,11 +16,11 @@ from mpi4py import MPI
 from fsipetsc.errors import FileError, InputError
 from fsipetsc.output import checkpoint_file
 from fsipetsc.output.checkpoint_file import Checkpoint
-from fsipetsc.output.claim import Claim
+from fsipetsc.output.claim import Claim, set_aside
 from fsipetsc.output.continued import Kept
 from fsipetsc.output.file_layout import describe
 from fsipetsc.process.together import together
-from fsipetsc.stepping.restart import AUTO, Past, check_unchanged, checkpoint_name, described, remove_abandoned
+from fsipetsc.stepping.restart import AUTO, Past, check_unchanged, checkpoint_name, described, is_of_another, remove_abandoned
 from fsipetsc.stepping.snapshot import RATES
 from fsipetsc.stepping.state import State
 from fsipetsc.stepping.versions import versions
@@ -40,6 +40,7 @@ class CheckpointKeeper:
         self._comm, self._name, self._opt, self._state, self.past = comm, name, opt, state, past
         self.path = checkpoint_name(opt["fsi_checkpoint"], opt["fsi_output"])
         self.close: Callable[[], None] = lambda: None
+        self.kept: list[Path] = []  # on rank 0: new names of checkpoints of other runs
         together(comm, self._check)
         self.run = self._begin() if past is None else self._go_on(past)
         self.arrays = {} if past is None else dict(past.arrays)
@@ -98,10 +99,28 @@ class CheckpointKeeper:
         frames, rows = self.past.header["result"]
         return Kept(int(frames), int(rows), float(self.past.header["memory"]["t"]))
 
-    def settle(self) -> None:
-        """From now on there is nothing beyond the checkpoint that the run goes on from. On rank 0. FileError."""
+    def settle(self, earlier: Path | None) -> Path | None:
+        """From now on there is nothing beyond the checkpoint that the run goes on from, nor one of another run in the way.
+
+        earlier: a result of this name that is to be kept, None if there is none: it gets the same number as checkpoints that
+        are named after it (fsipetsc.output.claim). Returns its new name, None if it has none yet. On rank 0. FileError.
+        """
         if self.past is not None:
             remove_abandoned(self.past, self.path)
+        result, newest = (Path(os.path.realpath(path)) for path in (self._opt["fsi_output"], self.path))
+        own = [newest, checkpoint_file.previous(newest)]
+        others = [file for file in own if is_of_another(file, self.past)]
+        named_after = newest.parent == result.parent and newest.name.startswith(f"{result.stem}.")
+        files = [*others, earlier] if earlier is not None and named_after else others
+        if not files:
+            return None
+        try:
+            kept = set_aside(files, result.stem if named_after else newest.stem, [result, *own] if named_after else own)
+        except OSError as error:
+            fault = f"{error.filename}: {error.strerror}"
+            raise FileError(f"{result}: what an earlier run has left cannot be kept under another name: {fault}") from None
+        self.kept = [kept[file] for file in others if file in kept]
+        return None if earlier is None else kept.get(earlier)
 
     def lines(self) -> list[str]:
         """What is to be said of the checkpoint that the run goes on from."""

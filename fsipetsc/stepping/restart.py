@@ -134,6 +134,17 @@ def remove_abandoned(past: Past, path: str) -> None:
                 raise FileError(f"{file}: of steps that are given up, cannot be removed: {error.strerror}") from None
 
 
+def is_of_another(path: Path, past: Past | None) -> bool:
+    """Whether there is a checkpoint of another run than the one that goes on from this; past: None if one begins. On rank 0.
+
+    Of a damaged one nobody can go on, nor tell whose it is: a run that goes on takes it for its own.
+    """
+    if past is None:
+        return checkpoint_file.is_one(path)
+    good, _ = _good(path)
+    return good is not None and _run(good.header) != _run(past.header)
+
+
 def _named(name: str) -> _Found:
     """The checkpoint of a file. FileError, which names the one before it if that is whole."""
     try:

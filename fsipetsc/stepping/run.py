@@ -266,6 +266,8 @@ class _Run:
         opt, integrator = self.opt, self.integrator
         if self.writer.kept_as is not None:
             self.report.line(f"kept the earlier {opt['fsi_output']} as {self.writer.kept_as}")
+        if self.keeper.kept:
+            self.report.line(f"kept earlier checkpoints as {', '.join(map(str, self.keeper.kept))}")
         failure: FsiError | None = None
         good = ""
         found: dict[str, dict[str, float]] | None = None
