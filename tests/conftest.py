@@ -31,16 +31,13 @@ DEAREST = (
     *("bench", "stability_laws", "plane_output"),
 )
 _SHORT = "-fsi_h 0.1 -ts_max_steps 2"
-_RUNS, _TESTS = REPOSITORY / "runs", REPOSITORY / "tests"
+_TESTS = REPOSITORY / "tests"
 _SHOCKS = "-fsi_dissipation 1 -fsi_shock 1 -ts_max_steps 1"
 #: runs that compile what several files of tests need, in parts that processes of a session of MANY tests share out: each part
 #: in one, where what has been compiled for one run is there for the next (30 % less for each). All wait for the first part
 PARTS: tuple[dict[str, tuple[str, str]], ...] = (
     {"fused": ("rod", _SHORT), "rk": ("rod", f"{_SHORT} -ts_type rk"), "forced": ("mms", "-ts_max_steps 2")},
-    {
-        "materials": (str(_TESTS / "materials.py"), "-ts_max_steps 1"),
-        "sutherland": (str(_RUNS / "sutherland.py"), "-ts_max_steps 1"),
-    },
+    {"materials": (str(_TESTS / "materials.py"), "-ts_max_steps 1")},
     {
         "narrow": ("mms", "-fsi_viscous narrow -ts_max_steps 1"),
         "dissipation": ("mms", _SHOCKS),

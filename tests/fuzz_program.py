@@ -15,6 +15,7 @@ import sys
 import tempfile
 import traceback
 from collections import Counter
+from functools import cache
 from pathlib import Path
 
 from faulty_cases import RIGHT
@@ -61,34 +62,41 @@ def fitting(option: object) -> st.SearchStrategy[str]:
     return kinds.get(option.kind, st.sampled_from(["a", "x.h5", "/", "/dev/null", "none/x.h5"]))
 
 
-@st.composite
-def chosen(draw: st.DrawFn, case: str) -> list[tuple[str, str]]:
-    """Some options of a case with values, most of them of the right kind."""
-    known = [option for option in table(load_case(case)).values() if option.name not in LEFT_ALONE]
-    found = []
-    for _ in range(draw(st.integers(0, 4))):
-        option = draw(st.sampled_from(known))
-        name = draw(st.one_of(st.just(option.name), st.just(option.name.upper()), st.just(option.name[:-1])))
-        found.append((name, draw(st.one_of(fitting(option), JUNK))))
-    return found
+@cache
+def options_of(case: str) -> st.SearchStrategy[list[tuple[str, str]]]:
+    """Some options of a case with values, most of them of the right kind. (Made once: that costs more than many draws.)"""
+    return st.lists(
+        st.one_of(
+            [
+                st.tuples(st.sampled_from([option.name, option.name.upper(), option.name[:-1]]), st.one_of(fitting(option), JUNK))
+                for option in table(load_case(case)).values()
+                if option.name not in LEFT_ALONE
+            ]
+        ),
+        max_size=4,
+    )
+
+
+A_CASE, WHERE = st.sampled_from(CASES), st.sampled_from(["words", "file", "yaml", "junk"])
+JUNK_FILE = st.tuples(st.sampled_from(["some.opts", "some.yaml"]), st.binary(max_size=60))
 
 
 @st.composite
 def a_run(draw: st.DrawFn) -> tuple[list[str], dict[str, bytes]]:
     """(words, files) of a run whose options are somewhere: on the command line, in a file, in YAML."""
-    case = draw(st.sampled_from(CASES))
-    options = draw(chosen(case))
-    kind = draw(st.sampled_from(["words", "file", "yaml", "junk"]))
-    if kind == "words":
+    case, where = draw(A_CASE), draw(WHERE)
+    if where == "junk":
+        name, content = draw(JUNK_FILE)
+        return [case, "-options_file", name], {name: content}
+    options = draw(options_of(case))
+    if where == "words":
         return [case, *(word for name, value in options for word in (f"-{name}", value))], {}
-    if kind == "file":
-        text = "\n".join(f"-{name} {value}" for name, value in options)
-        return [case, "-options_file", "some.opts"], {"some.opts": text.encode(errors="replace")}
-    if kind == "yaml":
-        text = "\n".join(f"{name}: {value}" for name, value in options)
-        return [case, "-options_file", "some.yaml"], {"some.yaml": text.encode(errors="replace")}
-    name = draw(st.sampled_from(["some.opts", "some.yaml"]))
-    return [case, "-options_file", name], {name: draw(st.binary(max_size=60))}
+    name, line = ("some.opts", "-{} {}") if where == "file" else ("some.yaml", "{}: {}")
+    text = "\n".join(line.format(*option) for option in options)
+    return [case, "-options_file", name], {name: text.encode(errors="replace")}
+
+
+PUT = st.one_of(st.sampled_from(["", "0", "-1", "None", "1e400", "X", "t", "(", "'", "\n", "np.nan", "[]"]), JUNK)
 
 
 @st.composite
@@ -98,7 +106,7 @@ def a_case_file(draw: st.DrawFn) -> tuple[list[str], dict[str, bytes]]:
     for _ in range(draw(st.integers(1, 3))):
         begin = draw(st.integers(0, len(text) - 1))
         length = draw(st.integers(0, 8))
-        put = draw(st.one_of(st.sampled_from(["", "0", "-1", "None", "1e400", "X", "t", "(", "'", "\n", "np.nan", "[]"]), JUNK))
+        put = draw(PUT)
         text = text[:begin] + put + text[begin + length :]
     return ["mine.py"], {"mine.py": text.encode(errors="replace")}
 
@@ -116,11 +124,15 @@ def a_damaged_file(draw: st.DrawFn) -> tuple[list[str], dict[str, bytes]]:
     return [draw(st.sampled_from(["info", "info", "diff"])), "given.h5"], {"given.h5": bytes(content[:cut])}
 
 
+WORDS = st.lists(
+    st.one_of(st.sampled_from([*COMMANDS, *CASES, "-help", "-o", "-fsi_h", "-ts_dt", "new.py", "none.h5"]), JUNK), max_size=4
+)
+
+
 @st.composite
 def words(draw: st.DrawFn) -> tuple[list[str], dict[str, bytes]]:
     """Anything: names of commands and cases, options, nonsense."""
-    some = st.one_of(st.sampled_from([*COMMANDS, *CASES, "-help", "-o", "-fsi_h", "-ts_dt", "new.py", "none.h5"]), JUNK)
-    found = draw(st.lists(some, max_size=4))
+    found = draw(WORDS)
     first = found[0] if found else ""
     return ([] if first in ("bench", "convergence", "stability", "flutter", "plot", "report") else found), {}
 

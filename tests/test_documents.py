@@ -19,7 +19,10 @@ PAGES = [REPOSITORY / "README.md", *sorted((REPOSITORY / "docs").glob("*.md"))]
 DOCUMENTS = {page.name: page.read_text() for page in PAGES}
 OPTIONS_FILES = sorted((REPOSITORY / "runs").rglob("*.opts"))
 #: files for which kernels would be compiled that no other test needs -> what makes do with those of others
-ALONE = {"piston.opts": "-fsi_shock 1e-300", "panel_viscous.opts": "-fsi_dissipation 0"}
+ALONE = {
+    **{"piston.opts": "-fsi_shock 1e-300", "panel_viscous.opts": "-fsi_dissipation 0"},
+    "blast_shock.opts": "-fluid_mu 0 -fluid_kappa 0",
+}
 #: stems of Open MPI's, PETSc's and other programs' options that the documents may name
 FOREIGN = {"o", "n", "m", "help", "animate", "plane", "all", "fields", "times", "compare", "options_left", "options_view"}
 FOREIGN |= {"cost"}

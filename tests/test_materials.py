@@ -238,7 +238,7 @@ def test_the_prandtl_number_instead_of_kappa():
 
 def laws_of(transports, pressings):
     """The laws of gas | solid | gas with these."""
-    left, solid, right = load_case(str(CASE)).build({"materials_state": "column"}).layers[:3]
+    left, solid, right = load_case(str(CASE)).build({"materials_state": "column", "materials_powers": "own"}).layers[:3]
     gases = [replace(layer, material=replace(layer.material, transport=law)) for layer, law in zip((left, right), transports)]
     solid = replace(solid, material=replace(solid.material, pressing=pressings))
     return ProblemLaws(Problem((gases[0], solid, gases[1]), Wall(0.0), Wall(3.0)))
@@ -257,7 +257,7 @@ def test_the_order_of_layers_needs_no_compiler():
     """Gas | solid | gas, and solid | gas | solid of the same materials: the same code, with other numbers of the layers."""
     gas, rock = sutherland(273.0, 111.0), stiffened_gas(4.4, 6e8, 300.0)
     one = laws_of((gas, gas), rock)
-    layers = load_case(str(CASE)).build({"materials_state": "column"}).layers
+    layers = load_case(str(CASE)).build({"materials_state": "column", "materials_powers": "own"}).layers
     above = replace(layers[0], name="gas", material=replace(layers[0].material, transport=gas))
     below = replace(layers[1], X=(-1.0, layers[0].X[0]), material=replace(layers[1].material, pressing=rock))
     other = ProblemLaws(Problem((below, above), clamped(), Wall(1.0)))
@@ -334,16 +334,35 @@ def runs(more_kernels, tmp_path_factory):
                 listed[f"{state}_{order}_{h}"] = (str(CASE), f"-fsi_order {order} -fsi_h {h} -materials_state {state}")
     for h in COARSE:
         listed[f"papers_4_{h}"] = (str(CASE), f"-fsi_h {h} -materials_state column {PAPERS}")
+    listed["energy"] = (str(CASE), "-fsi_h 0.05 -fsi_coupling energy -materials_state mms")
     listed |= {f"fall_{c}": (str(CASE), f"-fsi_h 0.05 -fsi_cfl {c} -materials_state fall") for c in (0.4, 0.2)}
     return {name: fsipetsc.open_run(path) for name, path in compute(1, folder, listed).items()}
 
 
 @pytest.mark.parametrize("order", ORDERS)
 def test_the_manufactured_solution_converges_as_that_of_the_built_in_laws(runs, order):
-    """Five layers: Sutherland's law, powers of T, Mie's and Grüneisen's pressure, a stiffened gas, and a force on all."""
+    """Five layers: Sutherland's law, powers of T by hand, Mie's and Grüneisen's pressure, a stiffened gas; a force on all."""
     runs = [runs[f"mms_{order}_{h}"] for h in SPACINGS[order]]
     coarse, fine = (np.array([run.errors[kind]["combined"] for kind in ("fluid", "solid")]) for run in runs)
     assert np.all(np.log2(coarse / fine) >= LEAST_RATE[order])
+
+
+@pytest.mark.long
+def test_it_does_so_with_powers_that_are_built_in(tmp_path):
+    """As with the same law by hand."""
+    options = "-fsi_order 4 -fsi_h 0.05 -materials_state mms -materials_powers"
+    files = compute(1, tmp_path, {name: (str(CASE), f"{options} {name}") for name in ("own", "built-in")})
+    own, built_in = (fsipetsc.open_run(files[name]) for name in ("own", "built-in"))
+    for a, b in zip(own.layers, built_in.layers, strict=True):
+        for field in a.fields:
+            np.testing.assert_allclose(a[field][-1], b[field][-1], rtol=1e-11, atol=1e-12)
+
+
+def test_interfaces_meet_their_conditions_with_the_viscosity_there(runs):
+    """To round-off, with the coupling that fulfils them; stresses and heat fluxes are of the size of 10 and 1."""
+    series = runs["energy"].series
+    for name in ("residual_stress", "residual_flux"):
+        assert np.abs(series[name]).max() < 1e-12
 
 
 @pytest.mark.parametrize("name", [*(f"column_{order}" for order in ORDERS), "papers_4"])

@@ -15,6 +15,8 @@ from fsipetsc.output.plots.balances import departures
 OBLIQUE = ("oblique", "-fsi_h", 1 / 16, "-fsi_order", 4, "-ts_max_time", 1.2, "-solid_cells", 8, "-solid_modulus", 10)
 #: the same gas with friction, which sticks to the layer
 VISCOUS = (*OBLIQUE, "-fluid_mu", 0.01, "-ts_max_time", 0.2)
+#: with friction alone; the form with both is compiled for the tests that are long only
+ALONE = (*VISCOUS, "-fsi_dissipation", 0, "-fsi_shock", 0)
 
 
 #: a layer that conducts, which a pulse of pressure hits, between two gases; LENGTH: along X
@@ -48,11 +50,18 @@ def build(opt):
 
 @pytest.fixture(scope="module")
 def results(tmp_path_factory):
-    """Of an oblique shock over a layer, on some numbers of ranks, and with friction."""
-    folder = tmp_path_factory.mktemp("oblique")
-    found = {ranks: computed(folder, f"{ranks}.h5", *OBLIQUE, ranks=ranks) for ranks in (1, 2, 3, 4)}
-    found |= {f"mu {ranks}": computed(folder, f"mu{ranks}.h5", *VISCOUS, ranks=ranks) for ranks in (1, 4)}
-    return found
+    """results(name, ranks): of an oblique shock over a layer, without friction, with it, and with it alone."""
+    folder, kept = tmp_path_factory.mktemp("oblique"), {}
+
+    def get(name, ranks):
+        if (name, ranks) not in kept:
+            words = {"inviscid": OBLIQUE, "viscous": VISCOUS, "viscous alone": ALONE}[name]
+            kept[name, ranks] = computed(folder, f"{name.replace(' ', '_')}{ranks}.h5", *words, ranks=ranks)
+        return kept[name, ranks]
+
+    return get
+
+
 
 
 @pytest.mark.parametrize("order", ORDERS)
@@ -81,16 +90,19 @@ def test_along_x_is_across_y(order, form, tmp_path):
         assert np.abs(x[name] - y[other].transpose(0, 2, 1)).max() < 1e-13, name
 
 
-def test_balances_of_an_open_domain(results):
+@pytest.mark.parametrize(
+    ("name", "least"), [("inviscid", 0.5), ("viscous alone", 0.1), pytest.param("viscous", 0.5, marks=pytest.mark.long)]
+)
+def test_balances_of_an_open_domain(results, name, least):
     """What comes in through the edges is counted: mass, momentum and energy are known to round-off. No negative pressure."""
-    for result in (results[1], results["mu 1"]):
-        found = departures(result)
-        assert set(found) == {"mass of 'gas'", "momentum along x", "momentum along y", "energy"}
-        assert abs(result.series["mass_in"]).min() > 0 and abs(result.series["impulse_y"]).min() > 0
-        for name, drift in found.items():
-            assert np.abs(drift).max() < 1e-13, name
-        gas = result.layers[1]
-        assert min(gas["p"].min(), gas["rho"].min()) > 0.5 and result.series["least_J"].min() > 0.5
+    result = results(name, 1)
+    found = departures(result)
+    assert set(found) == {"mass of 'gas'", "momentum along x", "momentum along y", "energy"}
+    assert abs(result.series["mass_in"]).min() > 0 and abs(result.series["impulse_y"]).min() > 0
+    for of, drift in found.items():
+        assert np.abs(drift).max() < 1e-13, of
+    gas = result.layers[1]
+    assert min(gas["p"].min(), gas["rho"].min()) > least and result.series["least_J"].min() > 0.5
 
 
 @pytest.mark.parametrize("order", ORDERS)
@@ -126,13 +138,16 @@ def test_heat_conducted_beside_an_elastic_energy_is_kept_too(length, tmp_path):
 
 def test_the_shock_bends_the_layer(results):
     """Or the test above would be none."""
-    line = results[1].interface(0)
+    line = results("inviscid", 1).interface(0)
     assert np.abs(line.displacement[-1]).max() > 0.01
 
 
-@pytest.mark.parametrize(("one", "several"), [(1, 2), (1, 3), (1, 4), ("mu 1", "mu 4")])
-def test_ranks_make_no_difference(results, one, several):
-    one, several = results[one], results[several]
+@pytest.mark.parametrize(
+    ("name", "ranks"),
+    [*(("inviscid", n) for n in (2, 3, 4)), ("viscous alone", 4), pytest.param("viscous", 4, marks=pytest.mark.long)],
+)
+def test_ranks_make_no_difference(results, name, ranks):
+    one, several = results(name, 1), results(name, ranks)
     assert np.array_equal(one.series["t"], several.series["t"]) and len(one.series["t"]) > 10
     for a, b in zip(one.layers, several.layers, strict=True):
         for name in a.fields:

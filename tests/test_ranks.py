@@ -12,7 +12,6 @@ pytest.importorskip("petsc4py")
 
 pytestmark = pytest.mark.mpi
 
-SUTHERLAND = str(REPOSITORY / "runs" / "sutherland.py")
 LAYERS = str(REPOSITORY / "tests" / "layers.py")
 PISTON = str(REPOSITORY / "runs" / "piston.py")
 WALLS = str(REPOSITORY / "tests" / "walls.py")
@@ -56,7 +55,6 @@ RUNS = {
         "pulse",
         "-fsi_h 0.05 -fsi_order 4 -ts_max_steps 120 -ts_max_time 1 -solid_gruneisen 0.5 -pulse_amplitude 1000",
     ),
-    "gas of its own": (SUTHERLAND, "-ts_max_steps 60 -fsi_partition balanced"),
     "rod rk": ("rod", f"{_FALL} -ts_type rk"),
     "rod rk balanced": ("rod", f"{_FALL} -ts_type rk -fsi_partition balanced"),
     "rod rk spare 0": ("rod", f"{_FALL} -ts_type rk -fsi_spare 0 -fsi_shared_memory 0"),
