@@ -65,16 +65,10 @@ def fitting(option: object) -> st.SearchStrategy[str]:
 @cache
 def options_of(case: str) -> st.SearchStrategy[list[tuple[str, str]]]:
     """Some options of a case with values, most of them of the right kind. (Made once: that costs more than many draws.)"""
-    return st.lists(
-        st.one_of(
-            [
-                st.tuples(st.sampled_from([option.name, option.name.upper(), option.name[:-1]]), st.one_of(fitting(option), JUNK))
-                for option in table(load_case(case)).values()
-                if option.name not in LEFT_ALONE
-            ]
-        ),
-        max_size=4,
-    )
+    known = [option for option in table(load_case(case)).values() if option.name not in LEFT_ALONE]
+    names = [st.sampled_from([option.name, option.name.upper(), option.name[:-1]]) for option in known]
+    values = [st.one_of(fitting(option), JUNK) for option in known]
+    return st.lists(st.one_of([st.tuples(*pair) for pair in zip(names, values)]), max_size=4)
 
 
 A_CASE, WHERE = st.sampled_from(CASES), st.sampled_from(["words", "file", "yaml", "junk"])

@@ -3,8 +3,8 @@
 gas | solid | gas | solid | gas: Sutherland's law, the pressure of Mie and Grüneisen, Sutherland's law with other numbers, that
 of a stiffened gas, powers of T, written by hand as a user would, or built in; a body force acts on all. The solids move as that
 of the case mms. The outer gases have rigid grids, the inner one is stretched: X stands for x with x_X = J, x_t = w. The forcing
-is the equations (3.1), (3.2) themselves, with laws written as the literature has them: p of rho and epsilon. Derivatives of what
-no formula is wanted for are imaginary parts at a point beside the real axis: exact but for round-off.
+is the equations (3.1), (3.2) themselves, with laws written as the literature has them: p of rho and epsilon. Derivatives of
+what no formula is wanted for are imaginary parts at a point beside the real axis: exact but for round-off.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ NAME = "materials"
 SUMMARY = "manufactured solution with other materials"
 OPTIONS = (
     Option("materials_state", str, "mms", "", "manufactured; a column, held or falling", choices=("mms", "column", "fall")),
-    Option("materials_powers", str, "own", "", "law of the last gas: by hand, or the same built in", choices=("own", "built-in")),
+    Option("materials_powers", str, "own", "", "law of the last gas: by hand, or built in", choices=("own", "built-in")),
 )
 DEFAULTS = {"fsi_h": 0.025, "ts_max_time": 0.45, "fsi_output_dt": 1.0}
 
