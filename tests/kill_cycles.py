@@ -18,6 +18,7 @@ from pathlib import Path
 from helpers import environment, run, solve
 
 import fsipetsc
+from fsipetsc.process.leftovers import job_number
 
 #: case and options: runs of some seconds
 RUNS = {
@@ -77,17 +78,21 @@ def alive(pids: list[int]) -> list[int]:
 def job_of(pid: int) -> str:
     """The part of the names of Open MPI's shared memory that is this job's, "" if that is not known."""
     try:
-        entries = Path(f"/proc/{pid}/environ").read_bytes().split(b"\0")
+        entries = Path(f"/proc/{pid}/environ").read_text(errors="replace").split("\0")
     except OSError:
         return ""
-    found = [entry.split(b"=")[1] for entry in entries if entry.startswith(b"OMPI_MCA_ess_base_jobid=")]
-    return f"{int(found[0]):x}" if found else ""
+    return job_number(dict(entry.split("=", 1) for entry in entries if "=" in entry))
 
 
 def places(temporary: str, memory: str) -> dict[str, str]:
     """The environment in which Open MPI has its sessions and its shared memory there."""
-    shared = {f"OMPI_MCA_{name}_backing_directory": memory for name in ("btl_vader", "osc_sm")}
+    shared = {f"OMPI_MCA_{name}_backing_directory": memory for name in ("btl_vader", "btl_sm", "osc_sm")}
     return {"TMPDIR": temporary, **shared}
+
+
+def sessions_in(temporary: str | os.PathLike[str]) -> list[Path]:
+    """Folders of sessions of Open MPI 4 and 5."""
+    return [path for name in ("ompi.*/pid.*", "prterun.*") for path in Path(temporary).glob(name)]
 
 
 def killed_once(words: list[str], ranks: int, folder: Path, where: dict[str, str], chance: random.Random) -> str:
@@ -143,10 +148,8 @@ def cycles(folder: Path, case: str, kills: int, seed: int) -> list[str]:
         where = places(temporary, memory)
         said = killed(folder, words, kills, where, chance)
         last = run("-m", "fsipetsc", *words, "-fsi_output", folder / "run.h5", cwd=folder, env=where)
-        # (Open MPI 5 names its memory otherwise, and the program does not know whose it is: docs/reliability.md)
-        memories = [path for path in Path(memory).iterdir() if not path.name.startswith("sm_segment")]
-        files = [*memories, *Path(temporary).glob("fsipetsc.*")]
-        sessions = len(list(Path(temporary).glob("ompi.*/pid.*")))
+        files = [*Path(memory).iterdir(), *Path(temporary).glob("fsipetsc.*")]
+        sessions = len(sessions_in(temporary))
     assert last.returncode == 0, last.stderr
     assert differences(folder / "whole.h5", folder / "run.h5", same_ranks=False) == []
     left = {path.name for path in folder.iterdir()} - {"whole.h5", "run.h5", "run.checkpoint.h5", "run.checkpoint.previous.h5"}

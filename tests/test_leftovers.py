@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 import signal
 import socket
@@ -9,15 +10,16 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from helpers import PATIENCE, REPOSITORY, environment, run
-from kill_cycles import alive, descendants, places
+from kill_cycles import alive, descendants, places, sessions_in
 
 from fsipetsc.errors import FileError
 from fsipetsc.output.claim import Claim
 from fsipetsc.process import leftovers
-from fsipetsc.process.leftovers import remove_session
+from fsipetsc.process.leftovers import job_number, remove_session
 
 HERE = f"process 1 on {socket.gethostname()}"
 
@@ -30,15 +32,16 @@ def dead() -> int:
     return process.pid
 
 
-def session(base: Path, number: int) -> Path:
-    folder = base / "ompi.machine.0" / f"pid.{number}"
+def session(base: Path, number: int, name: str = "ompi.machine.0/pid.{}") -> Path:
+    folder = base / name.format(number)
     (folder / "0").mkdir(parents=True)
     (folder / "contact.txt").write_text("somebody")
     return folder
 
 
-def test_only_the_session_of_a_launcher_that_is_gone_is_removed(tmp_path, dead):
-    gone, there = session(tmp_path, dead), session(tmp_path, os.getpid())
+@pytest.mark.parametrize("name", ["ompi.machine.0/pid.{}", "prterun.machine.{}.0"])
+def test_only_the_session_of_a_launcher_that_is_gone_is_removed(name, tmp_path, dead):
+    gone, there = session(tmp_path, dead, name), session(tmp_path, os.getpid(), name)
     other = tmp_path / f"pid.{dead}"  # not in a folder of Open MPI's
     other.mkdir()
     for folder in (gone, there, other, gone.parent):
@@ -88,11 +91,47 @@ def test_the_next_run_of_a_result_removes_what_the_killed_one_named(tmp_path, mo
     assert own.exists()
 
 
-def test_names_are_known_by_what_is_mapped(tmp_path, monkeypatch):
-    lines = "7f-80 rw-s 0 00:01 5   /dev/shm/vader_segment.machine.0.13f10001.1\n7f-81 r--p 0 00:01 6   /usr/lib/vader.so\n"
+@pytest.mark.parametrize("name", ["vader_segment", "sm_segment"])
+def test_names_are_known_by_what_is_mapped(name, tmp_path, monkeypatch):
+    lines = f"7f-80 rw-s 0 00:01 5   /dev/shm/{name}.machine.0.13f10001.1\n7f-81 r--p 0 00:01 6   /usr/lib/vader.so\n"
     (tmp_path / "maps").write_text(lines)
     monkeypatch.setattr("builtins.open", lambda *_: (tmp_path / "maps").open())
-    assert leftovers._mapped() == {"/dev/shm/vader_segment.machine.0.13f10001.1": "1"}
+    assert leftovers._mapped() == {f"/dev/shm/{name}.machine.0.13f10001.1": "1"}
+
+
+@pytest.mark.parametrize("number", ["1", None])
+@pytest.mark.parametrize("name", ["vader_segment", "sm_segment"])
+def test_names_are_removed_once_all_have_mapped_them(name, number, tmp_path, monkeypatch):
+    """Of a job of mpiexec, and of a process alone; Open MPI 4 has an empty file in its place in the end."""
+    ranks = 1 if number is None else 2
+    paths = [tmp_path / f"{name}.machine.0.13f10001.{rank}" for rank in range(ranks)]
+    own, registered = paths[-1], []
+    for path in paths:
+        path.write_text("memory")
+    monkeypatch.setattr(leftovers, "_mapped", lambda: {str(path): path.suffix[1:] for path in paths})
+    monkeypatch.setattr(leftovers.atexit, "register", lambda *call: registered.append(call))
+    if number is None:
+        monkeypatch.delenv("OMPI_COMM_WORLD_LOCAL_RANK", raising=False)
+    else:
+        monkeypatch.setenv("OMPI_COMM_WORLD_LOCAL_RANK", number)
+    leftovers.release_names(SimpleNamespace(size=2, allgather=lambda entry: [entry, (1, 1)]))
+    assert own.exists(), "one rank has not mapped all"
+    leftovers.release_names(SimpleNamespace(size=ranks, allgather=lambda entry: [entry] * ranks))
+    assert not own.exists() and [path.exists() for path in paths] == [True, False][2 - ranks :]
+    assert registered == ([(leftovers._put_back, str(own))] if name == "vader_segment" else [])
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "job"),
+    [
+        ("OMPI_MCA_ess_base_jobid", str(0x13F10001), "13f10001"),
+        ("PMIX_NAMESPACE", "prterun-vm-13306@1", "adff0001"),  # as Open MPI 5.0.7 names its memory then
+        ("PMIX_NAMESPACE", "prterun-vm-13306@2", "adff0002"),
+        ("PMIX_NAMESPACE", "slurm.pmix.7.0", ""),
+    ],
+)
+def test_the_number_of_a_job(name, value, job):
+    assert job_number({name: value}) == job
 
 
 @pytest.fixture
@@ -101,6 +140,7 @@ def begins(tmp_path, monkeypatch) -> Path:
     monkeypatch.setattr(leftovers.tempfile, "gettempdir", lambda: str(tmp_path))
     for name, value in (
         ("OMPI_MCA_btl_vader_backing_directory", str(tmp_path)),
+        ("OMPI_MCA_btl_sm_backing_directory", str(tmp_path)),
         ("OMPI_MCA_osc_sm_backing_directory", str(tmp_path)),
         ("OMPI_MCA_orte_jobfam_session_dir", str(session(tmp_path, os.getpid()))),
         ("OMPI_MCA_ess_base_jobid", str(0xABC)),
@@ -135,6 +175,30 @@ def test_what_a_mark_tells_of_is_removed_when_nobody_holds_it(begins, dead):
     assert again.returncode == 0 and own.exists(), "what is held is a run that goes on"
     leftovers.remove_mark()
     assert not own.exists()
+    leftovers.remove_mark()
+
+
+def test_marks_and_memory_of_open_mpi_5(begins, monkeypatch, dead):
+    """Of a dead job they go; of one that holds its mark, or has the number of this job, memory stays."""
+    for name in ("OMPI_MCA_ess_base_jobid", "OMPI_MCA_orte_jobfam_session_dir"):
+        monkeypatch.delenv(name)
+    monkeypatch.setenv("PMIX_NAMESPACE", "prterun-vm-13306@1")
+    monkeypatch.setenv("PMIX_SERVER_TMPDIR", str(session(begins, os.getpid(), "prterun.vm.{}.0")))
+    user, gone = os.getuid(), session(begins, dead, "prterun.vm.{}.0")
+    jobs = "def0001", "1230001", "adff0001"
+    memory = {job: begins / f"sm_segment.vm.0.{job}.1" for job in jobs}
+    marks = {job: begins / f"fsipetsc.{user}.{job}.start" for job in jobs}
+    for job in jobs:
+        memory[job].touch()
+        marks[job].write_text(f"{HERE}, session {gone}")
+    with marks["1230001"].open() as living:
+        fcntl.flock(living, fcntl.LOCK_EX)
+        leftovers.mark_start()
+    assert [job for job in jobs if memory[job].exists()] == ["1230001", "adff0001"] and not gone.exists()
+    assert [job for job in jobs if marks[job].exists()] == ["1230001", "adff0001"]
+    assert str(os.getpid()) in marks["adff0001"].read_text()
+    leftovers.mark_start()
+    assert not memory["1230001"].exists() and memory["adff0001"].exists()
     leftovers.remove_mark()
 
 
@@ -211,11 +275,11 @@ def test_the_next_run_removes_what_one_leaves_that_is_killed_as_it_begins(tmp_pa
     killed.wait()
     while alive(everybody) and time.monotonic() < end:
         time.sleep(0.01)
-    if not list(temporary.glob("ompi.*/pid.*")):
+    if not sessions_in(temporary):
         pytest.skip("another MPI, of whose jobs nothing is known")
     assert list(temporary.glob("fsipetsc.*.start"))
     words = "rod -fsi_h 0.05 -ts_max_steps 1 -fsi_quiet -fsi_output next.h5".split()
     done = run("-m", "fsipetsc", *words, cwd=tmp_path, env=where)
     assert (done.returncode, done.stderr) == (0, "")
     left = [path for path in (*temporary.rglob("*"), *memory.iterdir()) if not path.is_dir()]
-    assert not left and not list(temporary.glob("ompi.*/pid.*"))
+    assert not left and not sessions_in(temporary)

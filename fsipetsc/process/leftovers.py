@@ -1,11 +1,13 @@
 """Files of Open MPI's that a run which is killed (SIGKILL) would leave behind: shared memory, and the folder of a session.
 
-Each rank has a file in /dev/shm (vader_segment…) through which others on its node write to it. Once all have mapped it, nobody
-needs its name: it is removed, and the memory goes with the last process, however that ends. Open MPI complains where the name
-is not there in the end, so an empty file takes its place for that moment.
+Each rank has a file in /dev/shm (vader_segment…, sm_segment… of Open MPI 5) through which others on its node write to it. Once
+all have mapped it, nobody needs its name: it is removed, and the memory goes with the last process, however that ends. Open MPI
+4 complains where the name is not there in the end, so an empty file takes its place for that moment; 5 does not, and a process
+that no mpiexec has started leaves the file, however it ends (5.0.7).
 
-mpiexec keeps a folder of its session (ompi.HOST.USER/pid.N), which it removes when it ends. If it is killed, too, nobody does;
-the next run of the same result does, which knows from the lock of the killed one where it is (fsipetsc.output.claim).
+mpiexec keeps a folder of its session (ompi.HOST.USER/pid.N, prterun.HOST.N.USER), which it removes when it ends. If it is
+killed, too, nobody does; the next run of the same result does, which knows from the lock of the killed one where it is
+(fsipetsc.output.claim).
 
 Until there is that lock, and until all have mapped the memory, a mark in the folder for temporary files stands for both: it is
 there from the first moment of the program on, locked by the process that made it. If a run is killed so early, the next one of
@@ -21,6 +23,7 @@ import re
 import shutil
 import socket
 import tempfile
+from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -28,12 +31,19 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from mpi4py import MPI
 
-_SEGMENT = re.compile(r"/\S*/vader_segment\.[^/\s]*\.(\d+)$")
-_SESSION = re.compile(r"/\S+/ompi\.[^/\s]+/pid\.(\d+)")
+_SEGMENT = re.compile(r"/\S*/(?:vader|sm)_segment\.[^/\s]*\.(\d+)$")
+_SESSION = re.compile(r"/\S+/(?:ompi\.[^/\s]+/pid\.(?=\d+$)|prterun\.[^/\s]+\.(?=\d+\.\d+$))(\d+)(?:\.\d+)?")
 _LOCK = re.compile(rf"process \d+ on ([^,\s]+), session ({_SESSION.pattern})")
-_KEPT, _JOB, _ON_NODE = "OMPI_MCA_orte_jobfam_session_dir", "OMPI_MCA_ess_base_jobid", "OMPI_COMM_WORLD_LOCAL_RANK"
+#: where the session is, and which job this is: of Open MPI 4 and, as PMIx has it, of 5
+_KEPT = "OMPI_MCA_orte_jobfam_session_dir", "PMIX_SERVER_TMPDIR"
+_JOB, _NAMESPACE = "OMPI_MCA_ess_base_jobid", "PMIX_NAMESPACE"
+_ON_NODE = "OMPI_COMM_WORLD_LOCAL_RANK"
 #: first words of the names of Open MPI's shared memory, which have the number of the job in them -> what says where it is
-_SHARED = {"vader_segment": "OMPI_MCA_btl_vader_backing_directory", "osc_sm": "OMPI_MCA_osc_sm_backing_directory"}
+_SHARED = {
+    "vader_segment": "OMPI_MCA_btl_vader_backing_directory",
+    "sm_segment": "OMPI_MCA_btl_sm_backing_directory",
+    "osc_sm": "OMPI_MCA_osc_sm_backing_directory",
+}
 _MARK = re.compile(r"fsipetsc\.(\d+)\.([0-9a-f]+)\.start")
 #: bytes of what a mark or a lock says
 LONGEST = 300
@@ -47,19 +57,40 @@ def mark_start() -> None:
     """
     if os.environ.get(_ON_NODE, "0") != "0":
         return
-    folder = Path(tempfile.gettempdir())
+    folder, own = Path(tempfile.gettempdir()), job_number(os.environ)
     for name in _names(folder):
         match = _MARK.fullmatch(name)
         if match and int(match[1]) == os.getuid():
             with suppress(OSError):  # one that cannot be read, or removed, stops nothing
-                _follow(folder / name, match[2])
-    job = os.environ.get(_JOB, "")
-    if not session() or not job.isdigit():
+                _follow(folder / name, match[2], own)
+    if not session() or not own:
         return
-    path = folder / f"fsipetsc.{os.getuid()}.{int(job):x}.start"
+    path = folder / f"fsipetsc.{os.getuid()}.{own}.start"
     with suppress(OSError):
         _make(path)
     atexit.register(remove_mark)
+
+
+def job_number(environment: Mapping[str, str]) -> str:
+    """The number of a process's job as it stands in the names of its shared memory, hexadecimal; "" without mpiexec.
+
+    Open MPI 5 makes it of the name that mpiexec gives the job, "prterun-HOST-PID@1": 16 bits of a hash of what stands before
+    the @, R. J. Jenkins' one-at-a-time hash (Dr. Dobb's Journal, September 1997), and 16 of the number behind it.
+    """
+    job, name = environment.get(_JOB, ""), environment.get(_NAMESPACE, "")
+    if job.isdigit():
+        return f"{int(job):x}"
+    words = re.fullmatch(r"(prterun-\S+)@(\d+)", name)
+    if words is None:
+        return ""
+    number = 0
+    for byte in words[1].encode():
+        number = (number + byte) * 0x401 & 0xFFFFFFFF
+        number ^= number >> 6
+    number = number * 9 & 0xFFFFFFFF
+    number ^= number >> 11
+    number = number * 0x8001 & 0xFFFFFFFF
+    return f"{(number >> 16 ^ number & 0xFFFF) << 16 | int(words[2]) & 0xFFFF:x}"
 
 
 def remove_mark() -> None:
@@ -102,8 +133,11 @@ def is_still(descriptor: int, path: Path) -> bool:
     return False
 
 
-def _follow(path: Path, job: str) -> None:
-    """Remove what a mark tells of if nobody holds it, and the mark if nothing is left. OSError."""
+def _follow(path: Path, job: str, own: str = "") -> None:
+    """Remove what a mark tells of if nobody holds it, and the mark if nothing is left. OSError.
+
+    job: whose mark it is. own: of this process; one that was killed may have had the same number, and new files the same names.
+    """
     descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
     try:
         if os.fstat(descriptor).st_uid != os.getuid() or os.fstat(descriptor).st_nlink != 1:
@@ -117,7 +151,8 @@ def _follow(path: Path, job: str) -> None:
                 path.unlink()
                 return
             remove_session(said)
-            _remove_shared(job)
+            if job != own:
+                _remove_shared(job)
             match = _LOCK.fullmatch(said)
             if match is None or not os.path.lexists(match[2]):
                 path.unlink()
@@ -139,14 +174,15 @@ def release_names(comm: MPI.Comm) -> None:
 
     Collective; nothing happens with another MPI.
     """
-    found = _mapped()
-    own = [path for path, number in found.items() if number == os.environ.get("OMPI_COMM_WORLD_LOCAL_RANK")]
+    found, this = _mapped(), os.environ.get(_ON_NODE)  # without mpiexec: of this process alone
+    own = [path for path, number in found.items() if this is None or number == this]
     everybody = comm.allgather((len(own), len(found)))
     if any(entry != (1, comm.size) for entry in everybody):  # among them: ranks on several nodes
         return
     with suppress(OSError):
         os.unlink(own[0])
-        atexit.register(_put_back, own[0])  # before MPI ends, which takes the name away
+        if "/vader_segment." in own[0]:
+            atexit.register(_put_back, own[0])  # before MPI ends, which takes the name away
 
 
 def _mapped() -> dict[str, str]:
@@ -164,8 +200,8 @@ def _put_back(path: str) -> None:
 
 def session() -> str:
     """The folder of mpiexec's session, "" if there is none."""
-    folder = os.environ.get(_KEPT, "")
-    return folder if _SESSION.fullmatch(folder) else ""
+    folders = (os.environ.get(name, "") for name in _KEPT)
+    return next(filter(_SESSION.fullmatch, folders), "")
 
 
 def whereabouts() -> str:
