@@ -360,7 +360,7 @@ def _files(
         word = words.pop(0)
         flag = word[1:] if word.startswith("--") else word
         if flag in flags:
-            if flags[flag] is not None and (not words or is_option(words[0])):
+            if flags[flag] is not None and (not words or not words[0] or is_option(words[0])):
                 raise InputError(f"{flag} needs {flags[flag]}: {usage}")
             given[flag] = "" if flags[flag] is None else words.pop(0)
         elif word == f"-{_DEBUG.name}":
@@ -369,6 +369,8 @@ def _files(
             raise InputError(f"unknown option {word} of the command {name}: {usage}")
         else:
             files.append(word)
+    if "" in files:
+        raise InputError(f"the command {name} wants files, and '' names none: {usage}")
     if len(files) != count:
         got = "none was given" if not files else "1 was given" if len(files) == 1 else f"{len(files)} were given"
         wanted = f"one {what}" if count == 1 else f"{count} {what}s"

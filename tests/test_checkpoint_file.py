@@ -323,6 +323,9 @@ def test_auto_begins_takes_the_newest_and_passes_over_the_damaged(tmp_path):
 def test_places_where_no_checkpoint_can_be_are_found_out_before_the_run(tmp_path):
     message(solve(*SHORT, "-fsi_checkpoint", "rod.h5", cwd=tmp_path), 2, "that is where the result goes")
     message(solve(*SHORT, "-fsi_checkpoint", "no/a.h5", cwd=tmp_path), 4, "no/a.h5: the directory", "does not exist")
+    (tmp_path / "text").write_text("a text")
+    message(solve(*SHORT, "-fsi_checkpoint", "text/a.h5", cwd=tmp_path), 4, "text/a.h5: ", "text is not a directory")
+    message(solve(*SHORT[:-3], "-fsi_output", "text/a.h5", cwd=tmp_path), 4, "text/a.h5: ", "text is not a directory")
     (tmp_path / "a.h5").mkdir()
     message(solve(*SHORT, "-fsi_checkpoint", "a.h5", cwd=tmp_path), 4, "a.h5: exists and is not a regular file")
     assert not (tmp_path / "rod.h5").exists()

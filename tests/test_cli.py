@@ -7,11 +7,14 @@ import os
 import subprocess
 import sys
 
+import h5py
 import pytest
 from helpers import environment, message, mpirun, run, solve
 from stub_case import run_stub, start_stub
 
 from fsipetsc.cases import BUILT_IN, load_case
+from fsipetsc.cli import main
+from fsipetsc.output import checkpoint_file
 
 
 def test_overview_lists_cases_and_commands_without_importing_the_solver():
@@ -115,17 +118,41 @@ def test_unknown_case_or_command(args, here):
         (["info", "a.h5", "b.h5"], ["2 were given"]),
         (["info", "-x", "a.h5"], ["-x"]),
         (["plot", "a.h5", "-o"], ["-o needs"]),
+        (["report", "a.h5", "-o", ""], ["-o needs"]),
+        (["info", ""], ["'' names none", "info RUN.h5"]),
+        (["diff", "a.h5", ""], ["'' names none"]),
     ],
 )
 def test_bad_arguments_of_commands(args, words):
     message(solve(*args), 2, *words)
 
 
-@pytest.mark.parametrize("command", ["info", "plot"])
-def test_commands_report_a_file_that_is_not_there(command, here):
-    pytest.importorskip("fsipetsc.output.plots")
-    pytest.importorskip("fsipetsc.output.info")
-    message(solve(command, "no.h5"), 4, "no.h5")
+@pytest.mark.parametrize("command", ["info {}", "plot {}", "plot {} -all", "plot {} -animate", "report {}", "diff {} no.h5"])
+def test_commands_that_read_a_result_say_what_a_file_is_instead(command, here, capsys):
+    """One line, status 4, and nothing is written."""
+    pytest.importorskip("matplotlib")
+    files = {"no.h5": "there is no such file", "folder.h5": "is a directory, not a result", "pipe.h5": "is no regular file"}
+    files |= {"text.h5": "is not an HDF5 file", "empty.h5": "is not an HDF5 file", "other.h5": "is not a result of fsipetsc"}
+    files |= {"a.checkpoint.h5": "is a checkpoint of fsipetsc, not a result", "text.h5/x.h5": "may not be read: Not a dir"}
+    (here / "folder.h5").mkdir()
+    (here / "text.h5").write_text("a text, longer than the signature of HDF5")
+    (here / "empty.h5").touch()
+    os.mkfifo(here / "pipe.h5")
+    h5py.File(here / "other.h5", "w").close()
+    checkpoint_file.write(here / "a.checkpoint.h5", checkpoint_file.pack(checkpoint_file.Checkpoint({}, {})))
+    before = sorted(os.listdir(here))
+    for name, reason in files.items():
+        assert main(command.format(name).split()) == 4
+        said = capsys.readouterr()
+        assert said.err.startswith(f"fsipetsc: error: {name}: {reason}") and said.err.count("\n") == 1, said.err
+        assert said.out == ""
+    assert sorted(os.listdir(here)) == before
+
+
+def test_a_result_is_no_case(here, capsys):
+    (here / "rod.h5").touch()
+    assert main(["rod.h5"]) == 2
+    assert "'rod.h5' is no case; results are for commands: info rod.h5, plot rod.h5" in capsys.readouterr().err
 
 
 #: the program where packages of the extra "solver" are missing

@@ -98,6 +98,17 @@ def test_results_without_steps(folder, names, capsys):
     assert capsys.readouterr().err == ""
 
 
+@pytest.mark.parametrize("words", ["plot {} -o text/a.png", "plot {} -o text", "plot {} -animate -o text", "report {} -o text"])
+def test_a_file_where_a_directory_should_be(words, folder, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "text").write_text("a text")
+    monkeypatch.setattr(command.page, "draw", lambda *_, **__: None)  # what is drawn does not matter here
+    monkeypatch.setattr("fsipetsc.output.report._page", lambda *_: "")
+    assert main(words.format(folder / "short.h5").split()) == 4
+    said = capsys.readouterr().err
+    assert "cannot write the " in said and said.endswith(": text is not a directory\n") and said.count("\n") == 1, said
+
+
 @pytest.mark.parametrize("names", [("damaged", "long"), ("damaged", "damaged")])
 def test_damaged_results(folder, names, capsys):
     """What can be drawn is; the one message names both, and what could not be drawn."""

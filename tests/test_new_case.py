@@ -120,6 +120,9 @@ def test_a_place_that_is_none(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with pytest.raises(FileError, match=r"no/case\.py: the directory no does not exist"):
         new_case("no/case.py", ())
+    (tmp_path / "text").write_text("a text")
+    with pytest.raises(FileError, match=r"text/case\.py: text is not a directory"):
+        new_case("text/case.py", ())
     monkeypatch.setattr("fsipetsc.output.new_case.publish", lambda *_: open("/dev/full/x"))
     with pytest.raises(FileError, match=r"case\.py: cannot be written: Not a directory"):
         new_case("case.py", ())

@@ -29,6 +29,7 @@ import h5py
 import numpy as np
 
 from fsipetsc.errors import FileError
+from fsipetsc.output.places import check_folder
 
 Array = np.ndarray[Any, Any]
 _MAGIC = b"fsipetsc checkpoint "
@@ -138,8 +139,7 @@ def is_one(path: Path) -> bool:
 def check_place(path: str | os.PathLike[str]) -> None:
     """FileError where no checkpoint could be written, as far as that can be known before."""
     target = Path(os.path.realpath(path))
-    if not target.parent.is_dir():
-        raise FileError(f"{path}: the directory {target.parent} does not exist")
+    check_folder(path, target.parent)
     if fault := _in_the_way(target):
         raise FileError(f"{fault}: no checkpoint can be written there")
     if not os.access(target.parent, os.W_OK | os.X_OK):

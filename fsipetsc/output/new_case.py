@@ -13,6 +13,7 @@ from fsipetsc.cases import BUILT_IN, template_text
 from fsipetsc.errors import FileError, InputError
 from fsipetsc.options import LONGEST_NAME
 from fsipetsc.output.claim import publish
+from fsipetsc.output.places import check_folder
 
 
 def new_case(name: str, commands: Sequence[str], dimension: int = 1) -> Path:
@@ -23,8 +24,7 @@ def new_case(name: str, commands: Sequence[str], dimension: int = 1) -> Path:
     """
     path = Path(name)
     _check(path, name, commands)
-    if not path.parent.is_dir():
-        raise FileError(f"{name}: the directory {path.parent} does not exist")
+    check_folder(name, path.parent)
     text = template_text(dimension)
     if re.fullmatch(r"[\w./-]+", name):  # as it may stand in the examples
         text = text.replace("FILE.py", name)

@@ -13,8 +13,8 @@ from string import Template
 
 import numpy as np
 
-from fsipetsc.errors import FileError
 from fsipetsc.output.info import info_sections
+from fsipetsc.output.places import writing
 from fsipetsc.output.plots import complain, drawn, whole
 from fsipetsc.output.plots.animation import frames, shades, some
 from fsipetsc.output.plots.style import STYLE, needed
@@ -35,11 +35,8 @@ def report(path: str | os.PathLike[str], outdir: str | os.PathLike[str] = ".") -
     with open_run(path) as run, matplotlib.rc_context({**STYLE, "savefig.dpi": DPI}), np.errstate(all="ignore"):
         faults: list[str] = []
         text = _page(run, faults)
-    try:
-        target.parent.mkdir(parents=True, exist_ok=True)
+    with writing(target, "the report"):
         target.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise FileError(f"{target}: cannot write the report: {error.strerror or error}") from error
     complain(path, faults, f"the rest is in {target}")
     return target
 

@@ -10,6 +10,7 @@ import json
 import os
 import stat
 from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import h5py
@@ -17,6 +18,7 @@ import numpy as np
 
 from fsipetsc.errors import FileError
 from fsipetsc.output import commits, file_layout, tables
+from fsipetsc.output.checkpoint_file import is_one
 
 Array = np.ndarray
 _MOST_COMPRESSED = 1000  # times: a dataset that claims more than that of what is stored is damaged
@@ -80,7 +82,8 @@ class Finished:
     def _begin(self, name: str) -> None:
         attributes = self._file.attrs
         if attributes.get("format") != file_layout.FORMAT:
-            raise FileError(f"{name}: is not a result of fsipetsc")
+            what = "is a checkpoint of fsipetsc, not a result" if is_one(Path(name)) else "is not a result of fsipetsc"
+            raise FileError(f"{name}: {what}")
         version = int(attributes["version"])
         if version > file_layout.VERSION:
             raise FileError(f"{name}: was written by a newer fsipetsc (file format {version}); update to read it")

@@ -28,6 +28,7 @@ from petsc4py import PETSc
 
 from fsipetsc.errors import FileError, FsiError, is_petsc, petsc_words
 from fsipetsc.output import buffers, claim, commits, continued, file_layout, hdf5, tables, transaction, xdmf
+from fsipetsc.output.places import check_folder
 from fsipetsc.process.interrupts import Interrupted
 from fsipetsc.process.together import agree
 
@@ -244,8 +245,7 @@ class RunWriter:
         segment that it has.
         """
         target = Path(os.path.realpath(path))
-        if not target.parent.is_dir():
-            raise FileError(f"{path}: the directory {target.parent} does not exist")
+        check_folder(path, target.parent)
         if target.is_dir():
             raise FileError(f"{path}: is a directory, not a file")
         if not os.access(target.parent, os.W_OK | os.X_OK):

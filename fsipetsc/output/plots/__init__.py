@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from fsipetsc.errors import FileError
+from fsipetsc.output.places import writing
 from fsipetsc.output.plots import balances, interfaces, plane, profiles, space_time, steps
 from fsipetsc.output.plots.quantities import PROFILES
 from fsipetsc.output.plots.style import STYLE, needed
@@ -41,12 +42,9 @@ def plot(
     with open_run(path) as run, matplotlib.rc_context(STYLE), np.errstate(all="ignore"):
         for name, picture in drawn(run, faults, times):
             target = folder / f"{Path(path).stem}-{name}.png"
-            try:
-                folder.mkdir(parents=True, exist_ok=True)
+            with writing(target):
                 target.write_bytes(picture)
-                written.append(target)
-            except OSError as error:
-                raise FileError(f"{target}: cannot write the picture: {error.strerror}") from error
+            written.append(target)
     complain(path, faults, f"{len(written)} pictures of it are in {folder}" if written else "")
     return written
 

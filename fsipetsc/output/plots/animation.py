@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fsipetsc.errors import FileError, InputError
+from fsipetsc.output.places import writing
 from fsipetsc.output.plots import film as of_profiles
 from fsipetsc.output.plots.plane import film as of_maps
 from fsipetsc.output.plots.style import BLUE, RED, STYLE, needed
@@ -41,14 +42,11 @@ def animate(path: str | os.PathLike[str], out: str | os.PathLike[str] = ".", fie
             raise InputError(f"-animate: {os.fspath(path)} has {run.nframes} frames: expected two or more")
         chosen = some(run, MOST)
         rate = min(FASTEST, max(1.0, len(chosen) / SECONDS))
-        try:
-            target.parent.mkdir(parents=True, exist_ok=True)
+        with writing(target):
             if program:
                 _write_mp4(frames(run, chosen, fields), target, rate, program)
             else:
                 _write_gif(run, chosen, fields, target, rate)
-        except OSError as error:
-            raise FileError(f"{target}: cannot write the picture: {error.strerror or error}") from error
     return target
 
 

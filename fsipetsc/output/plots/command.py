@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fsipetsc.errors import FileError, InputError
+from fsipetsc.output.places import writing
 from fsipetsc.output.plots import compare, complain, page, plot, reason
 from fsipetsc.output.plots.animation import FILMS, animate
 from fsipetsc.output.plots.frames import apart, outside
@@ -105,10 +106,10 @@ def _write(target: Path, draw_on: Callable[[Figure], None], faults: Sequence[str
         figure = Figure()
         draw_on(figure)
         try:
-            target.parent.mkdir(parents=True, exist_ok=True)
-            figure.savefig(target)
-        except OSError as error:
-            raise FileError(f"{target}: cannot write the picture: {error.strerror or error}") from error
+            with writing(target):
+                figure.savefig(target)
+        except FileError:
+            raise
         except Exception as error:
             if not faults:
                 raise
