@@ -96,7 +96,8 @@ def _explained(error: BaseException, function: Callable[..., Any], where: str) -
 def users_lines(error: BaseException) -> str:
     """The traceback of an error of a user's function, from the first line of the user's on.
 
-    "" if there is none: for what this package explains in one message, for numba's words, and for cases of this package.
+    "" if there is none: for what this package explains in one message, for numba's words, and for cases of this package. Of an
+    error that came while another one was dealt with, that one's too, if it has been in the user's code.
     """
     place = error.__traceback__
     while place is not None and not _is_users(os.path.abspath(place.tb_frame.f_code.co_filename)):
@@ -105,7 +106,9 @@ def users_lines(error: BaseException) -> str:
         return ""
     if os.path.abspath(place.tb_frame.f_code.co_filename).startswith(_CASES):
         return ""
-    return "".join(traceback.format_exception(type(error), error, place)).rstrip()
+    before = error.__cause__ or (None if error.__suppress_context__ else error.__context__)
+    chain = before is not None and _last_frame(before) is not None
+    return "".join(traceback.format_exception(type(error), error, place, chain=chain)).rstrip()
 
 
 def place_of_error(error: BaseException, function: Callable[..., Any]) -> str:

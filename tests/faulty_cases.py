@@ -167,6 +167,11 @@ FAULTS: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "x falls": (_S, _S.replace(", X]", ", 3 - X]"), ("initial of layer 'rod'", "x does not rise")),
     "initial raises": (_G, "return 1 / 0", ("LINE return 1 / 0", "ZeroDivisionError")),
     "raises in numpy": (_G, "return np.linalg.inv(X)", ("LINE return np.linalg", "LinAlgError")),
+    "raises after another one": (
+        _G,
+        "import collections; return collections.ChainMap().pop(X.size)",
+        ("LINE import collections", "KeyError"),
+    ),
     "initial ends the program": (_G, "sys.exit(5)", ("LINE sys.exit(5)", "sys.exit()")),
     "initial raises an odd exception": (_G, "raise GeneratorExit('x')", ("LINE raise Gen", "GeneratorExit")),
     "exact of a wrong length": (_E, "return g_initial(X)[:2]", ("LINE def g_exact", "exact of layer 'air'", "2 values")),
@@ -215,7 +220,7 @@ RAISING = {
     *("check fails", "an exception that cannot be told", "an exception that tells much", "exit in build"),
     *("BaseException in build", "missing property", "a velocity of a wall raises", "initial raises", "raises in numpy"),
     *("initial ends the program", "initial raises an odd exception", "compiled: an exception", "a stress fails later"),
-    *("forcing fails later", "jumps end the program later"),
+    *("forcing fails later", "jumps end the program later", "raises after another one"),
 }
 
 
