@@ -82,11 +82,26 @@ def _load_interlaced(kind, s, i, n):
     """Signature and code of what loads n vectors of a kind."""
     count = n.literal_value
 
+    lanes = kind.lanes
+
     def codegen(context, builder, sig, args):
-        whole = ir.VectorType(ir.DoubleType(), count * kind.lanes)
-        value = builder.load(builder.bitcast(_place(context, builder, sig, args), whole.as_pointer()))
-        value.align = 8
-        parts = [shuffled(builder, value, value, [c + count * j for j in range(kind.lanes)]) for c in range(count)]
+        place = _place(context, builder, sig, args, kind.doubles)
+        found = [builder.load(builder.gep(place, [ir.Constant(ir.IntType(32), k)])) for k in range(count)]
+        for value in found:
+            value.align = 8
+        parts = []
+        for c in range(count):
+            numbers = [c + count * j for j in range(lanes)]
+            if len({number % lanes for number in numbers}) == lanes:  # each lane of one vector: pick, then put in order
+                picked, of_lane = found[0], {number % lanes: number // lanes for number in numbers}
+                for k in range(1, count):
+                    picked = shuffled(builder, picked, found[k], [j + lanes * (of_lane[j] == k) for j in range(lanes)])
+                parts.append(shuffled(builder, picked, picked, [number % lanes for number in numbers]))
+            else:
+                whole = ir.VectorType(ir.DoubleType(), count * lanes)
+                value = builder.load(builder.bitcast(place, whole.as_pointer()))
+                value.align = 8
+                parts.append(shuffled(builder, value, value, numbers))
         return context.make_tuple(builder, sig.return_type, parts)
 
     return types.UniTuple(kind, count)(s, types.intp, n), codegen

@@ -13,6 +13,7 @@ Arithmetic, functions and comparisons take all of them, but not in one formula.
 from __future__ import annotations
 
 import operator
+from math import gcd
 
 import numpy as np
 from llvmlite import ir
@@ -238,7 +239,7 @@ _OF_ARTANH = tuple(2.0 / (2 * n + 1) for n in range(10, -1, -1))
 
 @njit(**PART, forceinline=True, error_model="numpy")
 def of_normal_numbers(x):
-    """ln x without a call for each lane; of other numbers than normal ones above 0 what they make of x - x."""
+    """ln x without a call for each lane; not a number where x is not a normal one above 0."""
     n = binary_exponent(x)
     m = scaled_down(x, n)
     f = (m - 1.0) / (m + 1.0)
@@ -246,7 +247,7 @@ def of_normal_numbers(x):
     for c in _OF_ARTANH[1:]:
         found = fma(found, z, c)
     found = fma(n, _LN2, fma(f, found, n * _LN2_REST))
-    return where_above(x, 0.0, found + (x - x), 0.0 * x / (x - x))
+    return where_above(x, 0.0, found + (x - x), fma(0.0, x, np.nan))
 
 
 for _ufunc, _vectors in ((np.sqrt, root), (np.exp, exponential), (np.log, of_normal_numbers)):
@@ -404,18 +405,22 @@ def half(typingctx, v, k):
 def interlaced(typingctx, values):
     """n vectors of what ``store_interlaced`` would store of n: the first begins with lane 0 of each."""
     n, lanes = len(values), values[0].lanes
+    apart = gcd(n, lanes) == 1  # then what one of them gives to all results goes to a lane each: first there, then chosen
 
     def codegen(context, builder, sig, args):
-        numbers = [divmod(k, n) for k in range(n * lanes)]
+        found = [builder.extract_value(args[0], c) for c in range(n)]
+        if apart:
+            places = [sorted(range(lanes), key=lambda j, c=c: (c + n * j) % lanes) for c in range(n)]
+            found = [shuffled(builder, v, v, order) for v, order in zip(found, places, strict=True)]
         parts = []
         for k in range(0, n * lanes, lanes):
             result = ir.Constant(values[0].doubles, ir.Undefined)
             for c in range(n):
-                of_c = [lane for lane, (_, number) in enumerate(numbers[k : k + lanes]) if number == c]
                 picked = list(range(lanes))
-                for lane in of_c:
-                    picked[lane] = lanes + numbers[k + lane][0]
-                result = shuffled(builder, result, builder.extract_value(args[0], c), picked)
+                for at, number in enumerate(range(k, k + lanes)):
+                    if number % n == c:
+                        picked[at] = lanes + (at if apart else number // n)
+                result = shuffled(builder, result, found[c], picked)
             parts.append(result)
         return context.make_tuple(builder, sig.return_type, parts)
 

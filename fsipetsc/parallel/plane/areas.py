@@ -16,6 +16,8 @@ from fsipetsc.physics.plane.layer import DOF
 WORK, SUM, AREAS = 0, 4, 5
 #: doubles by which areas begin further and further from the boundaries of pages
 STAGGER = 136
+#: doubles of a cache line: with the first point that is owned one begins, and with each row where the width allows it
+LINE = 8
 #: doubles behind the points of a layer, into which vectors may reach
 SLACK = 64 * DOF
 
@@ -29,13 +31,17 @@ class Areas:
 
     def __init__(self, layout: PlaneLayout) -> None:
         self._shapes = [(int(record["height"]), int(record["width"]), DOF) for record in layout.records]
-        sizes = [height * width * DOF + SLACK for height, width, _ in self._shapes]
-        sizes = [size + -size % 8 if dm is not None else 0 for size, dm in zip(sizes, layout.dms, strict=True)]
-        *self.begin, self._behind = np.cumsum([0, *sizes]).tolist()
+        self.begin, self._behind = [], 0
+        for (height, width, _), record, dm in zip(self._shapes, layout.records, layout.dms, strict=True):
+            first = (int(record["own_y"][0]) * width + int(record["own_x"][0])) * DOF
+            self.begin.append(self._behind + -(self._behind + first) % LINE)
+            self._behind = self.begin[-1] + (height * width * DOF + SLACK if dm is not None else 0)
+        self._behind += -self._behind % LINE
         behind = layout.behind
         self._end = self._behind + behind.stop - behind.start
         self.apart = self._end + -self._end % 512 + STAGGER  # equal points of two areas must not evict each other from caches
-        self.memory = np.zeros(AREAS * self.apart)  # one piece, for which the system may have larger pages
+        room = np.zeros(AREAS * self.apart + LINE)  # one piece, for which the system may have larger pages
+        self.memory = room[-(room.ctypes.data // room.itemsize) % LINE :][: AREAS * self.apart]
         self.places = np.zeros(layout.local_size, np.int64)
         for k, record in enumerate(layout.records):
             if layout.dms[k] is not None:

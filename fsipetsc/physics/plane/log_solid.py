@@ -7,7 +7,6 @@ A law is formulas of numbers or vectors of points; F = (F_11, F_12, F_21, F_22),
 
 from __future__ import annotations
 
-import numpy as np
 from numba import njit
 
 from fsipetsc.operators.formulas import Formulas
@@ -42,8 +41,9 @@ def energy(c, F):
     f11, f12, f21, f22 = F
     mu, K, p = c
     J = f11 * f22 - f12 * f21
-    of_J = K * (J * np.log(J) - J + 1.0) - mu * (0.5 * (J * J - 1.0) - np.log(J)) - p * (J - 1.0)
-    return mu * (0.5 * (f11 * f11 + f12 * f12 + f21 * f21 + f22 * f22) - 1.0 - np.log(J)) + of_J
+    ln = log_near_one(J)
+    of_J = K * (J * ln - J + 1.0) - mu * (0.5 * (J * J - 1.0) - ln) - p * (J - 1.0)
+    return mu * (0.5 * (f11 * f11 + f12 * f12 + f21 * f21 + f22 * f22) - 1.0 - ln) + of_J
 
 
 @njit(**FORMULA)

@@ -5,7 +5,6 @@ The formulas are those that ``log_solid`` lists.
 
 from __future__ import annotations
 
-import numpy as np
 from numba import njit
 
 from fsipetsc.operators.formulas import Formulas
@@ -40,8 +39,9 @@ def energy(c, F):
     f11, f12, f21, f22 = F
     mu, lam, p = c
     J = f11 * f22 - f12 * f21
-    shear = mu * (0.5 * (f11 * f11 + f12 * f12 + f21 * f21 + f22 * f22) - 1.0 - np.log(J))
-    return shear + 0.5 * lam * np.log(J) * np.log(J) - p * (J - 1.0)
+    ln = log_near_one(J)
+    shear = mu * (0.5 * (f11 * f11 + f12 * f12 + f21 * f21 + f22 * f22) - 1.0 - ln)
+    return shear + 0.5 * lam * ln * ln - p * (J - 1.0)
 
 
 @njit(**FORMULA)
@@ -50,7 +50,7 @@ def modulus(c, F, squared_x, squared_y):
     f11, f12, f21, f22 = F
     mu, lam, _ = c
     J = f11 * f22 - f12 * f21
-    curvature = max((lam * (1.0 - np.log(J)) + mu) / (J * J), 0.0)
+    curvature = max((lam * (1.0 - log_near_one(J)) + mu) / (J * J), 0.0)
     return mu + curvature * squared_x, mu + curvature * squared_y
 
 

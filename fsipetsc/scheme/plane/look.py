@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from fsipetsc.operators.formulas import Formulas, each
 from fsipetsc.operators.kernels import FORMULA, OPTIONS, U64
 from fsipetsc.operators.memory import load_twice, load_twice_interlaced, store
 from fsipetsc.operators.rows import STRIDE, along, at
@@ -35,6 +36,7 @@ from fsipetsc.operators.vectors import (
     on_aligned_stack,
     root,
     spread_twice,
+    where_above,
 )
 from fsipetsc.physics.plane.gas import JA1, JA2_X, JA2_Y, LINE_ROWS, between, line_of
 from fsipetsc.physics.plane.layer import DOF, ELASTIC, NOWHERE
@@ -46,6 +48,8 @@ from fsipetsc.scheme.plane.sweep import block_width, last_needed, place_of, prep
 from fsipetsc.scheme.plane.targets import at_interface
 
 CONVECTION, DIFFUSION, BAD, LEAST_J, MASS, MOMENTUM_X, MOMENTUM_Y, ENERGY, ENTROPY = range(9)
+#: what rounding may leave of nothing
+_TINY = 1e-300
 #: number of words; those from MASS on are sums
 WORDS = 9
 
@@ -72,19 +76,36 @@ def nothing_seen():
 
 
 @njit(**FORMULA)
+def _times(v, part):
+    return part * v
+
+
+@njit(**FORMULA)
+def _first(v, count, other):
+    return masked(v, count, other)
+
+
+of_vectors = Formulas(times=_times, first=_first)
+
+
+@njit(**FORMULA)
 def with_more(seen, count, part, convection, diffusion, J, least, integrals):
     """And so many of a vector of points; part: their weights in integrals."""
-    mass, x, y, energy, entropy = integrals
+    mass, x, y, energy, entropy = each(of_vectors.times, integrals, part)
+    if count < TWICE:
+        mass, x, y, energy, entropy = each(of_vectors.first, (mass, x, y, energy, entropy), count, 0.0)
+        convection, diffusion = each(of_vectors.first, (convection, diffusion), count, 0.0)
+        J, least = each(of_vectors.first, (J, least), count, np.inf)
     return Seen(
-        maximum(seen.convection, masked(convection, count, 0.0)),
-        maximum(seen.diffusion, masked(diffusion, count, 0.0)),
-        minimum(seen.least_J, masked(J, count, np.inf)),
-        minimum(seen.least, masked(least, count, np.inf)),
-        seen.mass + masked(part * mass, count, 0.0),
-        seen.x + masked(part * x, count, 0.0),
-        seen.y + masked(part * y, count, 0.0),
-        seen.energy + masked(part * energy, count, 0.0),
-        seen.entropy + masked(part * entropy, count, 0.0),
+        maximum(seen.convection, convection),
+        maximum(seen.diffusion, diffusion),
+        minimum(seen.least_J, J),
+        minimum(seen.least, least),
+        seen.mass + mass,
+        seen.x + x,
+        seen.y + y,
+        seen.energy + energy,
+        seen.entropy + entropy,
     )
 
 
@@ -140,6 +161,7 @@ def look_at_block_of_gas(law, layer, op, s, place, y, seen):
     on_aligned_stack()
     weigh(layer, op, s, place)
     c, low, high = law.constants(law, layer), place.lines, place.lines + LINE_ROWS * STRIDE
+    per_h_x, per_h_y = 1.0 / layer.h_x, 1.0 / layer.h_y
     for j in range(layer.own_y[0], layer.own_y[1]):
         zeta, first = (layer.first_y + j) / (layer.ny - 1), j * layer.width * DOF
         across_y = norm_at(op, j, layer.end_y[0], layer.end_y[1])
@@ -154,7 +176,7 @@ def look_at_block_of_gas(law, layer, op, s, place, y, seen):
             u = u - blend(s, low + 2 * STRIDE + i, high + 2 * STRIDE + i, zeta)
             v = v - blend(s, low + 3 * STRIDE + i, high + 3 * STRIDE + i, zeta)
             n1, n2 = fma(a1x, a1x, a1y * a1y), fma(a2x, a2x, a2y * a2y)
-            squared, x, z = law.gas.sound_speed_squared(c[0], rho, T), per_J * (1.0 / layer.h_x), per_J * (1.0 / layer.h_y)
+            squared, x, z = law.gas.sound_speed_squared(c[0], rho, T), per_J * per_h_x, per_J * per_h_y
             fastest = (magnitude(fma(a1x, u, a1y * v)) + root(squared * n1)) * x
             fastest = fastest + (magnitude(fma(a2x, u, a2y * v)) + root(squared * n2)) * z
             of_mu, of_kappa = law.transport.relative(c[1], T)
@@ -183,6 +205,7 @@ def look_at_solid(law, layer, op, s, y, words, kept, mend):
     for first in range(layer.own_x[0], layer.own_x[1], block_width(layer)):
         seen = look_at_block_of_solid(law, layer, op, s, place_of(layer, first), y, kept, mend, seen)
     note(seen, words)
+    words[CONVECTION] = np.sqrt(words[CONVECTION])
 
 
 @njit(**OPTIONS)
@@ -205,9 +228,10 @@ def strain_row(law, layer, op, s, place, y, j, prepared):
 
 @njit(**OPTIONS)
 def look_at_block_of_solid(law, layer, op, s, place, y, kept, mend, seen):
-    """What has been seen, and the points of a block."""
+    """What has been seen, and the points of a block; of the rate of convection its square, which takes one root of a point."""
     on_aligned_stack()
-    c, a, b, prepared, slopes, per_m0 = law.elastic.constants(layer), place.first, place.end, 0, place.slopes, 1.0 / layer.m0
+    per_x, per_y = 1.0 / (layer.m0 * layer.h_x**2), 1.0 / (layer.m0 * layer.h_y**2)
+    c, a, b, prepared, slopes = law.elastic.constants(layer), place.first, place.end, 0, place.slopes
     weigh(layer, op, s, place)
     for j in range(layer.own_y[0], layer.own_y[1]):
         prepared = strain_row(law, layer, op, s, place, y, j, prepared)
@@ -221,9 +245,13 @@ def look_at_block_of_solid(law, layer, op, s, place, y, kept, mend, seen):
             u, v, T = load_twice(s, u_row + i), load_twice(s, v_row + i), load_twice(s, T_row + i)
             J, x, z = F[0] * F[3] - F[1] * F[2], fma(F[3], F[3], F[1] * F[1]), fma(F[2], F[2], F[0] * F[0])
             along_x, along_y = law.elastic.modulus(c, F, x, z)
-            fastest = root(along_x * per_m0) * (1.0 / layer.h_x) + root(along_y * per_m0) * (1.0 / layer.h_y)
-            spreading = (op.stiffness * layer.kappa_e / (layer.alpha * layer.m0)) / J
-            diffusion = spreading * fma(x, 1.0 / layer.h_x**2, z * (1.0 / layer.h_y**2))
+            along_x, along_y = along_x * per_x, along_y * per_y
+            fastest = along_x + along_y + 2.0 * root(along_x * along_y)
+            fastest = where_above(minimum(along_x, along_y), -_TINY, fastest, spread_twice(np.nan))
+            diffusion = spread_twice(0.0)
+            if layer.kappa_e > 0.0:
+                spreading = (op.stiffness * layer.kappa_e / (layer.alpha * layer.m0)) / J
+                diffusion = spreading * layer.m0 * fma(x, per_x, z * per_y)
             kinetic, elastic = (0.5 * layer.m0) * fma(u, u, v * v), spread_twice(0.0)
             if layer.heat == ELASTIC:
                 elastic = law.elastic.energy(c, F)

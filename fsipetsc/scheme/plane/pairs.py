@@ -48,7 +48,7 @@ def give_pairs(law, layer, op, s, place, j):
     gains, nothing = gains_of(law, place), each(of_pairs.nothing, law.sums)
     zeta, p = (layer.first_y + j) / (layer.ny - 1), op.p
     scale, lo, end = 1.0 / norm_at(op, j, layer.end_y[0], layer.end_y[1]), layer.end_x[0], layer.end_x[1] + 1
-    before_1, before_2, before_3, before_4 = nothing, nothing, nothing, nothing
+    before_1, before_2, more = nothing, nothing, near or p > 2
     for i in range(a - WIDE if owned else a, b, WIDE):
         here = each(row_of_ring.load, v, s, i)
         if i >= a:
@@ -60,12 +60,20 @@ def give_pairs(law, layer, op, s, place, j):
             if p > 1:
                 f = pair_along(law, c, s, place, v, here, zeta, i, 2, near, lo, end)
                 gain, before_2 = each(of_pairs.balance_2, gain, before_2, f), f
-                if p > 2:
-                    f = pair_along(law, c, s, place, v, here, zeta, i, 3, near, lo, end)
-                    gain, before_3 = each(of_pairs.balance_3, gain, before_3, f), f
-                    if p > 3:
-                        f = pair_along(law, c, s, place, v, here, zeta, i, 4, near, lo, end)
-                        gain, before_4 = each(of_pairs.balance_4, gain, before_4, f), f
+            if i >= a:
+                if more:
+                    each(row_of.store, gains, gain, s, i)
+                else:
+                    each(of_pairs.complete, sums, gain, scale, s, i)
+    if owned and p > 2:  # by themselves: what no register holds costs more than to go along the row again
+        before_1, before_2 = nothing, nothing
+        for i in range(a - WIDE, b, WIDE):
+            here, gain = each(row_of_ring.load, v, s, i), each(row_of_ring.load, gains, s, i)
+            f = pair_along(law, c, s, place, v, here, zeta, i, 3, near, lo, end)
+            gain, before_1 = each(of_pairs.balance_3, gain, before_1, f), f
+            if p > 3:
+                f = pair_along(law, c, s, place, v, here, zeta, i, 4, near, lo, end)
+                gain, before_2 = each(of_pairs.balance_4, gain, before_2, f), f
             if i >= a:
                 if near:
                     each(row_of.store, gains, gain, s, i)

@@ -81,8 +81,10 @@ class Place(NamedTuple):
     weights: int
 
 
-def ring_rows(op: np.ndarray, record: np.ndarray) -> int:
-    """Rows that a ring must have for a layer, a power of two: those between the first and the last that are still needed."""
+def ring_rows(op: np.ndarray, record: np.ndarray, behind: int = 0) -> int:
+    """Rows that a ring must have for a layer, a power of two: those between the first and the last that are still needed;
+    behind: more than derivatives take.
+    """
     (lo, hi), p, rows = record["end_y"].tolist(), int(op["p"]), int(op["rows"])
 
     def last(j: int) -> int:
@@ -90,7 +92,7 @@ def ring_rows(op: np.ndarray, record: np.ndarray) -> int:
 
     most = 1
     for j in range(*record["own_y"].tolist()):
-        first = (lo if j < lo + rows else min(j - p, hi - int(op["cols"]) + 1)) - 1  # one more for dissipation's sensor
+        first = (lo if j < lo + rows else min(j - p, hi - int(op["cols"]) + 1)) - behind
         ahead = max(last(f) for f in range(max(j - p, 0), min(last(j), int(record["height"]) - 1) + 1))
         most = max(most, min(ahead, int(record["height"]) - 1) - max(first, 0) + 1)
     return 1 << (most - 1).bit_length()

@@ -60,7 +60,7 @@ class LayerPart:
         self.operator, self.end_weight = operators[0], float(operators[0]["norm"][0])
         self.columns, self.rows = layout.owned(k)
         width = int(self.record["width"])
-        self.record["ring"] = ring_rows(operators[0], self.record)
+        self.record["ring"] = ring_rows(operators[0], self.record, int(hasattr(equations, "dissipation")))
         self._s = scratch(int(self.record["ring"]))
         self.y, self.held = areas.unknowns(k), areas.points(k)
         self.own = self.held[slice(*self.record["own_y"]), slice(*self.record["own_x"])]
