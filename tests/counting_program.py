@@ -180,7 +180,7 @@ def store_lanes(s: Any, i: int, values: np.ndarray) -> None:
 
 
 def difference(before: np.ndarray, v: np.ndarray, after: np.ndarray, k: int) -> np.ndarray:
-    """As vectors.centred_difference."""
+    """As lanes.centred_difference."""
     row = np.concatenate([before, v, after])
     return row[LANES + k : 2 * LANES + k] - row[LANES - k : 2 * LANES - k]
 

@@ -12,8 +12,9 @@ numba = pytest.importorskip("numba")
 
 from fsipetsc.operators import vectors
 from fsipetsc.operators.kernels import store_lanes
-from fsipetsc.operators.memory import load, store, store_interlaced
-from fsipetsc.operators.vectors import LANES, centred_difference, fma, lane, masked, mirrored, spread
+from fsipetsc.operators.lanes import centred_difference, interlaced, lane, masked, mirrored
+from fsipetsc.operators.memory import load, load_wide_interlaced, store, store_interlaced
+from fsipetsc.operators.vectors import LANES, WIDE, fma, spread
 
 A, B, C = np.random.default_rng(7).uniform(-2, 2, (3, LANES))
 ODD = np.array([1.0, -1.0, np.inf, -np.inf, np.nan, 0.0])
@@ -105,3 +106,19 @@ def test_interlaced(n):
     out = np.zeros(n * LANES + 2)
     put(rows, out, n == 3)
     assert np.array_equal(out[1:-1], rows[:n].T.ravel()) and out[0] == out[-1] == 0
+
+
+def test_five_unknowns_that_stand_together_are_taken_apart_and_put_together():
+    together = np.random.default_rng(5).uniform(size=5 * WIDE)
+
+    @numba.njit
+    def there_and_back(source, apart, back):
+        values = load_wide_interlaced(source, 0, 5)
+        for c, (one, other) in enumerate(zip(values, interlaced(values))):
+            store(apart, c * WIDE, one)
+            store(back, c * WIDE, other)
+
+    apart, back = np.zeros(5 * WIDE), np.zeros(5 * WIDE)
+    there_and_back(together, apart, back)
+    assert np.array_equal(apart.reshape(5, WIDE), together.reshape(WIDE, 5).T)
+    assert np.array_equal(back, together)

@@ -14,11 +14,13 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+import fsipetsc.operators.ufuncs  # noqa: F401  for formulas that name what numpy has
 from fsipetsc.operators import sbp
 from fsipetsc.operators.cache import use_cache_folder
+from fsipetsc.operators.lanes import centred_difference, lane, mirrored
 from fsipetsc.operators.memory import load
 from fsipetsc.operators.parts import PART, Whole
-from fsipetsc.operators.vectors import LANES, centred_difference, fma, lane, mirrored, spread
+from fsipetsc.operators.vectors import LANES, fma, spread
 
 #: Points that a kernel treats at once: its scratch rows stay in the first-level cache.
 BLOCK = 512

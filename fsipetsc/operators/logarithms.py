@@ -19,8 +19,9 @@ from numba import njit
 from numba.extending import overload
 
 from fsipetsc.operators.kernels import FORMULA, OPTIONS
+from fsipetsc.operators.lanes import any_above, where_above
 from fsipetsc.operators.means import economized
-from fsipetsc.operators.vectors import VectorType, any_above, fma, logarithm, where_above
+from fsipetsc.operators.vectors import VectorType, fma, logarithm
 
 #: d^2 of x = 1.1, and f^2 of x = 5/4
 NEAREST, NEAR = 0.01, 1 / 81

@@ -24,7 +24,8 @@ from math import factorial
 from numba import njit
 
 from fsipetsc.operators.kernels import FORMULA, OPTIONS
-from fsipetsc.operators.vectors import any_above, fma, larger, logarithm, root, where_above
+from fsipetsc.operators.lanes import any_above, where_above
+from fsipetsc.operators.vectors import fma, larger, logarithm, root
 
 #: z up to which the polynomials of low and of high degree hold: where a is within 4 % and 70 % of b
 NEAR, FAR = 1.6e-3, 0.3

@@ -5,6 +5,8 @@ s is any contiguous array, seen as flat; nothing is checked.
 
 from __future__ import annotations
 
+from math import gcd
+
 from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
@@ -80,28 +82,21 @@ def store_interlaced(typingctx, s, i, values):
 
 def _load_interlaced(kind, s, i, n):
     """Signature and code of what loads n vectors of a kind."""
-    count = n.literal_value
-
-    lanes = kind.lanes
+    count, lanes = n.literal_value, kind.lanes
+    assert gcd(count, lanes) == 1  # so each lane is wanted of one of the vectors that stand there: first chosen, then in order
 
     def codegen(context, builder, sig, args):
         place = _place(context, builder, sig, args, kind.doubles)
-        found = [builder.load(builder.gep(place, [ir.Constant(ir.IntType(32), k)])) for k in range(count)]
-        for value in found:
+        there = [builder.load(builder.gep(place, [ir.Constant(ir.IntType(32), k)])) for k in range(count)]
+        for value in there:
             value.align = 8
         parts = []
         for c in range(count):
-            numbers = [c + count * j for j in range(lanes)]
-            if len({number % lanes for number in numbers}) == lanes:  # each lane of one vector: pick, then put in order
-                picked, of_lane = found[0], {number % lanes: number // lanes for number in numbers}
-                for k in range(1, count):
-                    picked = shuffled(builder, picked, found[k], [j + lanes * (of_lane[j] == k) for j in range(lanes)])
-                parts.append(shuffled(builder, picked, picked, [number % lanes for number in numbers]))
-            else:
-                whole = ir.VectorType(ir.DoubleType(), count * lanes)
-                value = builder.load(builder.bitcast(place, whole.as_pointer()))
-                value.align = 8
-                parts.append(shuffled(builder, value, value, numbers))
+            at, picked = [c + count * j for j in range(lanes)], there[0]
+            whose = {place % lanes: place // lanes for place in at}
+            for k in range(1, count):
+                picked = shuffled(builder, picked, there[k], [j + lanes * (whose[j] == k) for j in range(lanes)])
+            parts.append(shuffled(builder, picked, picked, [place % lanes for place in at]))
         return context.make_tuple(builder, sig.return_type, parts)
 
     return types.UniTuple(kind, count)(s, types.intp, n), codegen
@@ -109,7 +104,7 @@ def _load_interlaced(kind, s, i, n):
 
 @intrinsic(prefer_literal=True)
 def load_wide_interlaced(typingctx, s, i, n):
-    """n wide vectors (n literal), number c of them s[i + c], s[i + n + c], ...: the reverse of ``store_interlaced``."""
+    """n wide vectors (n literal, odd), number c of them s[i + c], s[i + n + c], ...: the reverse of ``store_interlaced``."""
     return _load_interlaced(wide_vector, s, i, n)
 
 

@@ -16,8 +16,9 @@ from __future__ import annotations
 from numba import njit
 
 from fsipetsc.operators.kernels import FORMULA, OPTIONS, U64
+from fsipetsc.operators.lanes import masked
 from fsipetsc.operators.memory import load, store
-from fsipetsc.operators.vectors import LANES, magnitude, masked, maximum, minimum, spread
+from fsipetsc.operators.vectors import LANES, magnitude, maximum, minimum, spread
 
 #: e
 SMALL = 0.05

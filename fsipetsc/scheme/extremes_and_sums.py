@@ -13,20 +13,9 @@ import numpy as np
 from numba import njit
 
 from fsipetsc.operators.kernels import OPTIONS, U64
+from fsipetsc.operators.lanes import lane, masked, mirrored
 from fsipetsc.operators.memory import load
-from fsipetsc.operators.vectors import (
-    LANES,
-    fma,
-    lane,
-    magnitude,
-    masked,
-    maximum,
-    minimum,
-    mirrored,
-    numbers_from,
-    root,
-    spread,
-)
+from fsipetsc.operators.vectors import LANES, fma, magnitude, maximum, minimum, numbers_from, root, spread
 from fsipetsc.physics.layer import FLUID
 
 SPEED, LEAST_RHO, LEAST_T = 0, 1, 2

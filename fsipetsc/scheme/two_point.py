@@ -11,8 +11,9 @@ from numba import njit
 
 from fsipetsc.operators.formulas import Formulas, each
 from fsipetsc.operators.kernels import FORMULA, OPTIONS, ROW, U64, end_of, end_rows, row_length, store_lanes, whole_vectors
+from fsipetsc.operators.lanes import lane, mirrored
 from fsipetsc.operators.memory import load, store
-from fsipetsc.operators.vectors import LANES, fma, lane, mirrored, numbers_from, spread
+from fsipetsc.operators.vectors import LANES, fma, numbers_from, spread
 from fsipetsc.scheme.end_rates import end_slopes
 from fsipetsc.scheme.sweep import row_of
 from fsipetsc.scheme.undivided import add_undivided, undivided_of

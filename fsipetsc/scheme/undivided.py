@@ -38,8 +38,9 @@ from fsipetsc.boundaries import INTERFACE_END, WALL
 from fsipetsc.operators.differences import difference_of, mean_of, pairs_of, weight_of, weights_of_mean
 from fsipetsc.operators.formulas import Formulas, each
 from fsipetsc.operators.kernels import FORMULA, OPTIONS, ROW, U64, store_lanes, whole_vectors
+from fsipetsc.operators.lanes import masked
 from fsipetsc.operators.memory import load, store
-from fsipetsc.operators.vectors import LANES, fma, masked, spread
+from fsipetsc.operators.vectors import LANES, fma, spread
 from fsipetsc.parallel.exchange import kinetic_energy_of
 from fsipetsc.physics.layer import LOADED
 from fsipetsc.scheme.end_rates import add_to_rate

@@ -9,6 +9,8 @@ from fsipetsc.coupling.plane import KINETIC
 from fsipetsc.operators.kernels import OPTIONS, U64
 from fsipetsc.physics.layer import FLUID
 from fsipetsc.physics.plane.layer import DOF, GAINED
+from fsipetsc.scheme.plan import BAD as NOT_PHYSICAL
+from fsipetsc.scheme.plan import RATE, STOP
 from fsipetsc.scheme.plane.look import (
     BAD,
     CONVECTION,
@@ -94,3 +96,18 @@ def give_account(layers, words, gains, solution, extremes, rates, account):
         for c in range(1, GAINED):
             of_all[3 + c] += came[c]
         came[:] = 0.0
+
+
+@njit(**OPTIONS)
+def give_bounds(extremes, layers, results, least_J):
+    """Put what is known of all ranks, the largest of each, into results: STOP, BAD, and RATE = 1/dt at Courant number 1.
+
+    extremes: STOP, BAD, -J of each of so many layers, their rates of convection and diffusion.
+    """
+    results[STOP], results[NOT_PHYSICAL], convection, diffusion = extremes[0], extremes[1], 0.0, 0.0
+    for k in range(layers):
+        least_J[k] = -extremes[2 + k]
+        rates = 2 + layers + 2 * k
+        convection, diffusion = max(convection, extremes[rates]), max(diffusion, extremes[rates + 1])
+    convection, diffusion = convection * convection, diffusion * diffusion
+    results[RATE] = np.sqrt(np.sqrt(convection * convection + diffusion * diffusion))

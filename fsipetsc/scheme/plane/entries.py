@@ -12,7 +12,7 @@ from numba import njit
 from fsipetsc.coupling.plane import meet, meet_sliding, slide
 from fsipetsc.operators.kernels import ENTRY
 from fsipetsc.scheme.burst import goes_on
-from fsipetsc.scheme.plane.account import give_account, put_away, put_away_behind
+from fsipetsc.scheme.plane.account import give_account, give_bounds, put_away, put_away_behind
 from fsipetsc.scheme.plane.fields import gas_fields, solid_fields
 from fsipetsc.scheme.plane.gains import edge_sums
 from fsipetsc.scheme.plane.geometry import find_normals, jacobian, lay
@@ -143,6 +143,12 @@ def plan_next(notes, memory):
 def account_of(layers, words, gains, extremes, rates, account, solution):
     """Put what is known of all layers together: see fsipetsc.scheme.plane.account."""
     give_account(layers, words, gains, solution, extremes, rates, account)
+
+
+@njit(**ENTRY)
+def bounds_of(extremes, layers, results, least_J):
+    """What bounds the next step, of all layers on all ranks: see fsipetsc.scheme.plane.account."""
+    give_bounds(extremes, layers, results, least_J)
 
 
 @njit(**ENTRY)

@@ -21,9 +21,10 @@ from __future__ import annotations
 from numba import njit
 
 from fsipetsc.operators.kernels import FORMULA, U64
+from fsipetsc.operators.lanes import half
 from fsipetsc.operators.memory import load_twice, load_wide, store
 from fsipetsc.operators.rows import STRIDE, at
-from fsipetsc.operators.vectors import TWICE, WIDE, fma, half
+from fsipetsc.operators.vectors import TWICE, WIDE, fma
 from fsipetsc.physics.plane.layer import DOF, ELASTIC
 from fsipetsc.scheme.plane.targets import at_interface
 

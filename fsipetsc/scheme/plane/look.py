@@ -22,22 +22,10 @@ from numba import njit
 
 from fsipetsc.operators.formulas import Formulas, each
 from fsipetsc.operators.kernels import FORMULA, OPTIONS, U64
+from fsipetsc.operators.lanes import half, lane, masked, where_above
 from fsipetsc.operators.memory import load_twice, load_twice_interlaced, store
 from fsipetsc.operators.rows import STRIDE, along, at
-from fsipetsc.operators.vectors import (
-    TWICE,
-    fma,
-    half,
-    lane,
-    magnitude,
-    masked,
-    maximum,
-    minimum,
-    on_aligned_stack,
-    root,
-    spread_twice,
-    where_above,
-)
+from fsipetsc.operators.vectors import TWICE, fma, magnitude, maximum, minimum, on_aligned_stack, root, spread_twice
 from fsipetsc.physics.plane.gas import JA1, JA2_X, JA2_Y, LINE_ROWS, between, line_of
 from fsipetsc.physics.plane.layer import DOF, ELASTIC, NOWHERE
 from fsipetsc.scheme.plane.geometry import lay

@@ -23,9 +23,10 @@ from numba import njit
 
 from fsipetsc.operators.formulas import Formulas, each
 from fsipetsc.operators.kernels import FORMULA, OPTIONS, U64
+from fsipetsc.operators.lanes import joined, within
 from fsipetsc.operators.memory import load_wide, store
 from fsipetsc.operators.rows import STRIDE, at, fill
-from fsipetsc.operators.vectors import WIDE, fma, joined, on_aligned_stack, spread_wide, within
+from fsipetsc.operators.vectors import WIDE, fma, on_aligned_stack, spread_wide
 from fsipetsc.physics.plane.gas import G2, JA2_X, JA2_Y, OF_PAIRS, PAIR_ROWS
 from fsipetsc.scheme.plane.geometry import weight_of_pair
 from fsipetsc.scheme.plane.sums import complete, fluxes_of, gains_of, norm_at

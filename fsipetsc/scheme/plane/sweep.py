@@ -40,9 +40,10 @@ from numba import njit
 
 from fsipetsc.operators.formulas import Formulas, each
 from fsipetsc.operators.kernels import FORMULA, OPTIONS
+from fsipetsc.operators.lanes import within
 from fsipetsc.operators.memory import load_twice, load_wide, load_wide_interlaced
 from fsipetsc.operators.rows import BLOCK, MARGIN, QUANTITIES, STRIDE, Ring, along, at
-from fsipetsc.operators.vectors import TWICE, WIDE, on_aligned_stack, spread_twice, within
+from fsipetsc.operators.vectors import TWICE, WIDE, on_aligned_stack, spread_twice
 from fsipetsc.physics.plane.gas import GRID_ROWS
 from fsipetsc.physics.plane.layer import DOF
 from fsipetsc.scheme.plane.slopes import slopes_across, slopes_along, weigh_across, weigh_along

@@ -21,9 +21,10 @@ from numba import njit
 from fsipetsc.boundaries import INTERFACE_END
 from fsipetsc.operators.formulas import Formulas, each
 from fsipetsc.operators.kernels import FORMULA, OPTIONS, U64
+from fsipetsc.operators.lanes import interlaced
 from fsipetsc.operators.memory import load_wide, store
 from fsipetsc.operators.rows import STRIDE
-from fsipetsc.operators.vectors import WIDE, fma, interlaced
+from fsipetsc.operators.vectors import WIDE, fma
 from fsipetsc.physics.plane.layer import DOF
 
 #: those that the rates of a vector of points make

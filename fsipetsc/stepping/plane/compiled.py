@@ -54,6 +54,7 @@ def needed(
         (entries.put_away_others, (layout.records, _NUMBERS, np.empty((1, 1, 1)), _TABLE, _PLACES, _VALUES, _VALUES)),
         (entries.plan_next, (Notes(0, 0, 0, 0, 0), _VALUES)),
         (entries.account_of, (layout.records, _TABLE, _NUMBERS, _VALUES, _TABLE, _VALUES, _VALUES)),
+        (entries.bounds_of, (_VALUES, 1, _VALUES, _VALUES)),
         (entries.advance_behind, (_VALUES, *NO_STAGE[:4], *NO_FACTORS)),
         (entries.grid_jacobian, (*common, _LINES, _TABLE)),
         (entries.edges_of, (*layer, operators, _VALUES, _VALUES)),

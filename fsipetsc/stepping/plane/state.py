@@ -25,7 +25,7 @@ from fsipetsc.physics.plane.layer import DOF
 from fsipetsc.plane import PlaneProblem
 from fsipetsc.process.together import agree, together, wait_asleep
 from fsipetsc.scheme.burst import DT, Notes
-from fsipetsc.scheme.plan import BAD, BURST, CAPACITY, FLAGS, LIMITS, RATE, SAID_STOP, STAGES, STOP
+from fsipetsc.scheme.plan import BURST, CAPACITY, FLAGS, LIMITS, RATE, SAID_STOP, STAGES
 from fsipetsc.scheme.plane import entries
 from fsipetsc.scheme.plane.account import OF_ALL
 from fsipetsc.scheme.plane.equations import USUAL, PlaneForm
@@ -96,6 +96,7 @@ class PlaneState:
         self._account_end = layers + 2 * fluids + OF_ALL
         arrays = self._extremes[1 : 2 + layers], self.rates, self._latest[layers : self._account_end]
         self._account = Prepared(entries.account_of, self.layout.records, self.path.words, self.path.gains, *arrays)
+        self._bound = Prepared(entries.bounds_of, self._extremes, layers, self.results, self._latest[:layers])
         self.evaluations, self.begin, self._t = 0, 0.0, 0.0
         self._jacobians: Mapping[int, Callable[..., Any]] = {}
         self.fault: InputError | None = None  # of a user's function, on this rank
@@ -221,20 +222,16 @@ class PlaneState:
             self._keep(error)
         self.path.look(fused)
         self._account(y)
-        self._latest[self._account_end :] = 0.0
-        try:
-            self.watched.look(self.latest, self._t)
-        except InputError as error:
-            self._keep(error)
-        extremes = self._extremes
-        extremes[0] = self.results[SAID_STOP]
+        if self.watched.points:
+            self._latest[self._account_end :] = 0.0
+            try:
+                self.watched.look(self.latest, self._t)
+            except InputError as error:
+                self._keep(error)
+        self._extremes[0] = self.results[SAID_STOP]
         if self.comm.size > 1:
-            self.comm.Allreduce(MPI.IN_PLACE, extremes, MPI.MAX)
-        convection, diffusion = self.rates.max(axis=0)
-        with np.errstate(over="ignore"):  # what is too large is not gone on with
-            self.results[RATE] = (convection**4 + diffusion**4) ** 0.25
-        self.results[STOP], self.results[BAD] = extremes[:2]
-        np.negative(extremes[2 : 2 + len(self.rates)], out=self._latest[: len(self.rates)])
+            self.comm.Allreduce(MPI.IN_PLACE, self._extremes, MPI.MAX)
+        self._bound()
 
     def _instant(self) -> float:
         """As fsipetsc.stepping.state.State._instant."""
