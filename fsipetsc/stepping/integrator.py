@@ -252,7 +252,7 @@ class Integrator:
         if self._control is not None:
             bound = min(bound, self._proposal, self._control.longest)
             self._control.begin()
-            self._before = self.state.keep()
+            self._before = self.state.keep(self._before)
         self._step, self._target = self._times.step(self.t, bound)
         self.state.results[SAID_STOP] = self.pauses.word() if self.state.fault is None else FAULT
         ts.setTimeStep(self._step)
@@ -326,7 +326,7 @@ class Integrator:
     def _keep(self, now: bool) -> None:
         """Keep the state from time to time, and if it is to be ``now``: no frame comes between it and a failure."""
         if now or self._good is None or self.steps - self._good[1]["steps"] >= self._kept_every:
-            self._good = self.series.total, self.memory(), self.state.keep()
+            self._good = self.series.total, self.memory(), self.state.keep(self._good and self._good[2])
 
     @property
     def kept_steps(self) -> int:

@@ -314,9 +314,9 @@ class State:
                     initial_data.note_kinetic_energies(self.layout, k, y)
         runge_kutta.load_completed(self.plan, "solution")
 
-    def keep(self) -> tuple[np.ndarray, ...]:
-        """What ``back`` takes, of this rank: the completed state as it is, on these grids."""
-        return snapshot.kept(self)
+    def keep(self, room: tuple[np.ndarray, ...] | None = None) -> tuple[np.ndarray, ...]:
+        """What ``back`` takes, of this rank: the completed state as it is, on these grids; room: what it may overwrite."""
+        return snapshot.kept(self, room)
 
     def back(self, kept: tuple[np.ndarray, ...]) -> None:
         """Be what was kept again."""

@@ -18,7 +18,6 @@ from fsipetsc.scheme.plane.equations import materials_of
 from fsipetsc.scheme.plane.fields import SAVED
 from fsipetsc.scheme.plane.kinetic import kept_size
 from fsipetsc.scheme.plane.laws import compiled
-from fsipetsc.scheme.plane.sweep import ring_rows, scratch
 from fsipetsc.scheme.runge_kutta import Stage
 from fsipetsc.stepping.plane.edge_data import EdgeData
 from fsipetsc.stepping.plane.interfaces import Interfaces
@@ -33,8 +32,8 @@ OF_SOLID = entries.solid_rates, entries.solid_look, entries.save_solid
 
 
 class LayerPart:
-    """This rank's part of layer k. vectors: the rank's parts of world vectors, solution and rates; notes: (3, GAINED) for what
-    points at edges have, (WORDS,) for extremes and integrals.
+    """This rank's part of layer k. scratch: room for rows during a call. vectors: the rank's parts of world vectors, solution
+    and rates; notes: (3, GAINED) for what points at edges have, (WORDS,) for extremes and integrals.
 
     y, held, own: the points of the first area, the one that the solution is in after a step: all in a row, (height, width, DOF)
     of it, those that are owned.
@@ -46,6 +45,7 @@ class LayerPart:
         k: int,
         operators: np.ndarray,
         equations: Formulas,
+        scratch: np.ndarray,
         areas: Areas,
         interfaces: Interfaces,
         vectors: tuple[np.ndarray, np.ndarray],
@@ -60,8 +60,6 @@ class LayerPart:
         self.operator, self.end_weight = operators[0], float(operators[0]["norm"][0])
         self.columns, self.rows = layout.owned(k)
         width = int(self.record["width"])
-        self.record["ring"] = ring_rows(operators[0], self.record, int(hasattr(equations, "dissipation")))
-        self._s = scratch(int(self.record["ring"]))
         self.y, self.held = areas.unknowns(k), areas.points(k)
         self.own = self.held[slice(*self.record["own_y"]), slice(*self.record["own_x"])]
         self._vec = PETSc.Vec().createWithArray(layout.local(k, state).reshape(-1), bsize=DOF, comm=self._dm.comm)
@@ -77,7 +75,7 @@ class LayerPart:
         self.order = NaturalOrder(self._dm)
         columns, rows = layout.held(k)
         self._XY = np.concatenate([grid.x0 + columns * grid.h_x, grid.y0 + rows * grid.h_y])
-        self._common = self._records, k, operators, self._s
+        self._common = self._records, k, operators, scratch
         self._joined = interfaces.points, interfaces.joined(k)
         rooms = np.zeros(GAINED), changes, layout.gains_begin(k)
         self._ending = interfaces.tractions, interfaces.loaded(k), self._kinetic(), *rooms
@@ -192,8 +190,8 @@ class LayerPart:
 
     @property
     def doubles(self) -> int:
-        """Doubles of scratch."""
-        return self._s.size + self._kept.size
+        """Doubles of memory that nothing else counts."""
+        return self._kept.size
 
     def destroy(self) -> None:
         self.order.destroy()

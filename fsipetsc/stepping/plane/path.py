@@ -32,6 +32,7 @@ from fsipetsc.scheme.plane import entries
 from fsipetsc.scheme.plane.equations import USUAL, PlaneForm, equations_of
 from fsipetsc.scheme.plane.fields import SAVED
 from fsipetsc.scheme.plane.look import WORDS
+from fsipetsc.scheme.plane.sweep import ring_rows, scratch
 from fsipetsc.stepping.plane.compiled import needed
 from fsipetsc.stepping.plane.edge_data import EdgeData
 from fsipetsc.stepping.plane.fused import FusedSteps
@@ -59,7 +60,13 @@ class PlanePath:
         self._world, self._rates = (PETSc.Vec().createWithArray(own, comm=layout.comm) for own in (self.state, self.changes))
         self.interfaces = Interfaces(layout, operators(order), self._world, self._rates)
         self.areas = Areas(layout)
-        common, vectors = (self.areas, self.interfaces), (self.state, self.changes)
+        shocks = [int(hasattr(equations, "dissipation")) for equations in self._equations]
+        layout.records["ring"] = [
+            1 if dm is None else ring_rows(operators(order)[0], record, behind)
+            for dm, record, behind in zip(layout.dms, layout.records, shocks, strict=True)
+        ]
+        self._scratch = scratch(int(layout.records["ring"].max()))  # of one layer after the other: caches know it already
+        common, vectors = (self._scratch, self.areas, self.interfaces), (self.state, self.changes)
         sums, self.words = np.zeros((len(layout.grids), 3, GAINED)), np.zeros((len(layout.grids), WORDS))
         self.layers = [
             LayerPart(layout, k, operators(order), self._equations[k], *common, vectors, edge_data, (sums[k], self.words[k]))
@@ -152,7 +159,7 @@ class PlanePath:
     @property
     def doubles(self) -> int:
         """Doubles of memory on this rank: areas and scratch of its layers, and the parts of world vectors, the solution too."""
-        return 3 * self.state.size + self.areas.memory.size + sum(part.doubles for part in self.layers)
+        return 3 * self.state.size + self.areas.memory.size + self._scratch.size + sum(part.doubles for part in self.layers)
 
     def part(self, k: int) -> LayerPart | None:
         """This rank's part of layer k, if it has one."""

@@ -238,9 +238,9 @@ class PlaneState:
         rate = float(self.results[RATE])
         return 0.25 / rate if 0.0 < rate < np.inf else 1e-3 * self.h
 
-    def keep(self) -> tuple[np.ndarray, ...]:
-        """What ``back`` takes, of this rank."""
-        return (*kept(self), np.array(self._t))
+    def keep(self, room: tuple[np.ndarray, ...] | None = None) -> tuple[np.ndarray, ...]:
+        """As fsipetsc.stepping.state.State.keep."""
+        return (*kept(self, room and room[:-1]), np.array(self._t))
 
     def back(self, copies: tuple[np.ndarray, ...]) -> None:
         """Be what was kept again."""
