@@ -290,7 +290,7 @@ def test_a_signal_to_rank_0_stops_all(tmp_path):
 
 def test_a_killed_run_leaves_its_frames(tmp_path):
     process = started(1, tmp_path)
-    time.sleep(1.0)
+    time.sleep(0.3)
     process.kill()
     process.communicate(timeout=PATIENCE)
     assert process.returncode == -signal.SIGKILL
