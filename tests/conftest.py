@@ -48,7 +48,6 @@ PARTS: tuple[dict[str, tuple[str, str]], ...] = (
     {
         "plane": ("plane_mms", "-ts_max_steps 1"),
         "plane dissipation": ("blast", f"-fsi_h 0.125 -fluid_mu 0 -fluid_kappa 0 {_SHOCKS}"),
-        "plane divergence": ("tube", "-fsi_h 0.125 -tube_width 1 -fsi_convection divergence -ts_max_steps 1"),
         "plane shock": ("oblique", "-fsi_h 0.125 -ts_max_steps 1"),
     },
 )

@@ -24,6 +24,7 @@ from fsipetsc.physics.own_laws import check, elastic_law, gas_law, pressure_law,
 from fsipetsc.physics.perfect_gas import perfect_gas
 from fsipetsc.physics.plane.log_solid import log_solid
 from fsipetsc.physics.solid import Solid
+from fsipetsc.plane import ELASTIC
 from fsipetsc.problem import FluidLayer, Problem
 from fsipetsc.scheme.laws import ProblemLaws
 from fsipetsc.scheme.sweep import sweep
@@ -203,6 +204,24 @@ def test_a_stress_written_by_hand_is_that_of_the_built_in_law():
             laws = (own.formulas, own), (log_solid, built_in)
             found = [in_python(getattr(law, name))(in_python(law.constants)(solid), F, *more) for law, solid in laws]
             np.testing.assert_allclose(*found, rtol=within, atol=1e-13 * own.K)
+
+
+@pytest.mark.parametrize("law", ELASTIC)
+def test_built_in_stresses_and_moduli_are_derivatives_of_the_energy(law):
+    """P = dW/dF; no wave along X or Y is faster than the modulus says."""
+    solid, step = PlaneSolid(**RUBBER, law=law), 1e-4
+    energy, modulus = (in_python(getattr(solid.formulas, name)) for name in ("energy", "modulus"))
+    c = in_python(solid.formulas.constants)(solid)
+    for F in (1.0, 0.0, 0.0, 1.0), (1.1, 0.05, -0.08, 0.95), (0.8, -0.3, 0.2, 1.3):
+        shifts = step * np.eye(4)
+        slopes = [(energy(c, F + d) - energy(c, F - d)) / (2 * step) for d in shifts]
+        np.testing.assert_allclose(solid.stress(F), slopes, rtol=0, atol=1e-6 * solid.K)
+        bends = [[energy(c, F + a + b) - energy(c, F + a - b) for b in shifts] for a in shifts]
+        bends -= np.array([[energy(c, F - a + b) - energy(c, F - a - b) for b in shifts] for a in shifts])
+        found = modulus(c, F, F[3] ** 2 + F[1] ** 2, F[2] ** 2 + F[0] ** 2)
+        for k in range(2):  # F_11, F_21 change in waves along X, F_12, F_22 in those along Y
+            fastest = np.linalg.eigvalsh(bends[k::2, k::2] / (4 * step**2)).max()
+            assert (1 - 1e-5) * fastest <= found[k] <= 2 * fastest
 
 
 @pytest.mark.long
