@@ -14,6 +14,7 @@ from fsipetsc.physics.fluid import Fluid
 from fsipetsc.physics.plane.layer import GAINED
 from fsipetsc.plane import PlaneFluidLayer, PlaneProblem, PlaneSolid, PlaneSolidLayer
 from fsipetsc.scheme.plane.equations import USUAL, equations_of
+from fsipetsc.stepping.plane import fused
 from fsipetsc.stepping.plane.state import PlaneState
 
 STEPS, DT = 3, 2e-3
@@ -121,3 +122,18 @@ def test_a_fused_step_is_the_classical_method(problem):
         assert np.abs(found - expected).max() < 1e-13 * np.abs(expected).max()
         assert np.abs(found - before).max() > 1e-3  # or it would be no test
         assert state.evaluations == 4 * STEPS
+
+
+@pytest.mark.parametrize("problem", [periodic(False), periodic(True)], ids=["sticks", "slips"])
+def test_a_program_makes_the_steps_that_python_makes(problem, monkeypatch):
+    """From the second one on, with the same bits."""
+    found = []
+    for warm in (1, 1000):
+        monkeypatch.setattr(fused, "WARM", warm)
+        with PlaneState(MPI.COMM_SELF, problem, 4, 1 / 12) as state:
+            state.set_initial()
+            state.finish()
+            for step in range(4):
+                state.step(step * DT, DT * (1 + step / 7), True)
+            found.append(state.solution.getArray().copy())
+    assert np.array_equal(*found)

@@ -17,18 +17,21 @@ class Prepared:
     entry: an entry, compiled for these types at the first call, if it has not been before.
     """
 
-    __slots__ = "_arguments", "_entry", "_function"
+    __slots__ = "_function", "arguments", "entry"
 
     def __init__(self, entry: Any, *arguments: Any) -> None:
-        self._entry, self._arguments = entry, arguments
+        self.entry, self.arguments = entry, arguments
         self._function = self._find
 
     def __call__(self, *others: Any) -> Any:
-        return self._function(*self._arguments, *others)
+        return self._function(*self.arguments, *others)
+
+    def found(self, types: tuple[Any, ...]) -> Any:
+        """numba's result of having compiled the entry for arguments of these types."""
+        self.entry.compile(types)
+        return self.entry.overloads[types]
 
     def _find(self, *arguments: Any) -> Any:
         """The first call."""
-        types = tuple(numba.typeof(argument) for argument in arguments)
-        self._entry.compile(types)
-        self._function = self._entry.get_overload(types)
+        self._function = self.found(tuple(numba.typeof(argument) for argument in arguments)).entry_point
         return self._function(*arguments)

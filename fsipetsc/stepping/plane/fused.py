@@ -14,6 +14,7 @@ import numpy as np
 
 from fsipetsc.operators.formulas import in_python
 from fsipetsc.operators.prepared import Prepared
+from fsipetsc.operators.program import Program
 from fsipetsc.parallel.plane.areas import SUM, WORK
 from fsipetsc.parallel.plane.fetch import Fetch
 from fsipetsc.parallel.plane.halos import Halos
@@ -33,6 +34,8 @@ def _stage(number: int) -> Stage:
     return Stage(WORK + number, WORK + (number + 1) % STAGES, source, base, known.a, known.b)
 
 
+#: steps after which it pays to make a program of the calls of a step, which takes as long as some hundred of small ones
+WARM = 64
 _STAGES = [_stage(number) for number in range(STAGES)]
 
 
@@ -54,7 +57,15 @@ class FusedSteps:
         self._slide = [self._rates.prepared(path.changes), *interfaces.sliding] if slips else []
         settle = [[part.settling(stage.area) for part in path.layers] for stage in _STAGES]
         before = [first, *(self._bring[stage.area] + calls for stage, calls in zip(_STAGES[1:], settle[1:], strict=True))]
-        self._stages = [(stage.a, stage.b, calls, *self._of_stage(stage)) for stage, calls in zip(_STAGES, before, strict=True)]
+        #: each with its factors, beside which it gets those times the step
+        self._calls: list[tuple[Prepared, tuple[float, ...]]] = []
+        for stage, calls in zip(_STAGES, before, strict=True):
+            factors, (rates, ending) = (stage.a, stage.b), self._of_stage(stage)
+            self._calls += [(call, ()) for call in calls] + [(call, factors) for call in rates]
+            self._calls += [(call, ()) for call in self._slide] + [(call, factors) for call in ending]
+        self._calls += [(call, ()) for call in self._bring[WORK]]
+        self._made = 0
+        self._program: Program | None = None
 
     def _of_stage(self, stage: Stage) -> tuple[list[Prepared], list[Prepared]]:
         """The rates, and what is left to do when they are there; both to be told a and b."""
@@ -69,19 +80,15 @@ class FusedSteps:
     def step(self, y: np.ndarray, dt: float) -> None:
         """Go by dt [s] from the completed solution in WORK; then WORK is raw. Of y what stands behind the points is read."""
         self._work[:] = y[self._behind]
-        for a, b, before, rates, ending in self._stages:
-            a, b = dt * a, dt * b
-            for call in before:
-                call()
-            for call in rates:
-                call(a, b)
-            for call in self._slide:
-                call()
-            for call in ending:
-                call(a, b)
-        for call in self._bring[WORK]:
-            call()
+        if self._program is None:
+            for call, factors in self._calls:
+                call(*(dt * factor for factor in factors))
+        else:
+            self._program(dt)
         self._path.state[self._behind] = self._work
+        self._made += 1
+        if self._made == WARM:
+            self._program = Program(self._calls)
 
     def share(self) -> None:
         """Let halos of WORK be what the owners have."""
@@ -91,4 +98,4 @@ class FusedSteps:
         """Release the messages."""
         for thing in (*(h for several in self._halos for h in several), self._points, self._rates):
             thing.free()
-        self._halos, self._stages, self._bring, self._slide = [], [], [], []
+        self._halos, self._calls, self._bring, self._slide, self._program = [], [], [], [], None
