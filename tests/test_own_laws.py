@@ -10,6 +10,7 @@ pytest.importorskip("numba")
 pytest.importorskip("petsc4py")
 
 import own_gas
+from numba import njit
 from test_stability import N, kernel_rates, record
 
 import fsipetsc
@@ -18,6 +19,8 @@ from fsipetsc.boundaries import Wall
 from fsipetsc.boundaries.plane import Clamped, NoSlip
 from fsipetsc.errors import InputError
 from fsipetsc.operators.formulas import Formulas, in_python
+from fsipetsc.operators.memory import load_wide, store
+from fsipetsc.operators.vectors import WIDE
 from fsipetsc.physics.fluid import Fluid
 from fsipetsc.physics.layer import FLUID
 from fsipetsc.physics.own_laws import check, elastic_law, gas_law, pressure_law, transport_law
@@ -222,6 +225,28 @@ def test_built_in_stresses_and_moduli_are_derivatives_of_the_energy(law):
         for k in range(2):  # F_11, F_21 change in waves along X, F_12, F_22 in those along Y
             fastest = np.linalg.eigvalsh(bends[k::2, k::2] / (4 * step**2)).max()
             assert (1 - 1e-5) * fastest <= found[k] <= 2 * fastest
+
+
+def test_the_neo_hookean_law_of_vectors_is_that_of_numbers():
+    """Lane by lane, near J = 1 and far from it: no other test runs it compiled."""
+    solid, rng = PlaneSolid(**RUBBER, law="neo-hookean"), np.random.default_rng(4)
+    law = solid.formulas
+    F = np.array([1.0, 0.0, 0.0, 1.0])[:, None] + rng.uniform(-0.5, 0.5, (4, WIDE)) * np.logspace(-6, 0, WIDE)
+
+    @njit
+    def evaluate(F, c, out):
+        f = load_wide(F, 0), load_wide(F, WIDE), load_wide(F, 2 * WIDE), load_wide(F, 3 * WIDE)
+        a, b, p, q = law.stress(c, f)
+        x, y = law.modulus(c, f, f[3] * f[3] + f[1] * f[1], f[2] * f[2] + f[0] * f[0])
+        for n, value in enumerate((a, b, p, q, law.energy(c, f), x, y)):
+            store(out, n * WIDE, value)
+
+    c = in_python(law.constants)(solid)
+    evaluate(F, c, out := np.zeros((7, WIDE)))
+    for f, found in zip(F.T, out.T, strict=True):
+        moduli = in_python(law.modulus)(c, f, f[3] ** 2 + f[1] ** 2, f[2] ** 2 + f[0] ** 2)
+        expected = *solid.stress(tuple(f)), in_python(law.energy)(c, f), *moduli
+        np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-14 * solid.K)
 
 
 @pytest.mark.long

@@ -13,8 +13,9 @@ numba = pytest.importorskip("numba")
 from fsipetsc.operators import vectors
 from fsipetsc.operators.kernels import store_lanes
 from fsipetsc.operators.lanes import centred_difference, interlaced, lane, masked, mirrored
-from fsipetsc.operators.memory import load, load_wide_interlaced, store, store_interlaced
-from fsipetsc.operators.vectors import LANES, WIDE, fma, spread
+from fsipetsc.operators.memory import load, load_twice, load_wide, load_wide_interlaced, store, store_interlaced
+from fsipetsc.operators.vectors import LANES, TWICE, WIDE, fma, spread
+from fsipetsc.scheme.plane.look import squared_sum
 
 A, B, C = np.random.default_rng(7).uniform(-2, 2, (3, LANES))
 ODD = np.array([1.0, -1.0, np.inf, -np.inf, np.nan, 0.0])
@@ -122,3 +123,29 @@ def test_five_unknowns_that_stand_together_are_taken_apart_and_put_together():
     there_and_back(together, apart, back)
     assert np.array_equal(apart.reshape(5, WIDE), together.reshape(WIDE, 5).T)
     assert np.array_equal(back, together)
+
+
+def test_squares_of_sums_of_roots():
+    """Of a modulus below 0 none, also where both are, whose product has a root."""
+    x = np.array([4.0, 0.0, -1.0, -1.0, 2.0, 0.0, 9.0, np.nan] * 2)
+    y = np.array([9.0, 0.0, -1.0, 4.0, -0.5, 3.0, np.inf, 1.0] * 2)
+
+    @numba.njit
+    def squares(x, y, out):
+        store(out, 0, squared_sum(load_twice(x, 0), load_twice(y, 0)))
+
+    squares(x, y, out := np.zeros(TWICE))
+    expected = [25.0, 0.0, np.nan, np.nan, np.nan, 3.0, np.inf, np.nan] * 2
+    np.testing.assert_allclose(out, expected, rtol=1e-15)
+
+
+def test_logarithms_of_numbers_that_are_not_normal():
+    tiny = np.finfo(float).tiny
+    x = np.array([tiny, np.nextafter(tiny, 0.0), 5e-324, 0.0, -1.0, np.inf, np.nan, 1.0])
+
+    @numba.njit
+    def logs(x, out):
+        store(out, 0, np.log(load_wide(x, 0)))
+
+    logs(x, out := np.zeros(WIDE))
+    assert np.isnan(out[1:7]).all() and out[7] == 0.0 and abs(out[0] / np.log(tiny) - 1) < 1e-15

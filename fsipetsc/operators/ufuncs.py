@@ -46,6 +46,7 @@ def scaled_down(typingctx, x, n):
     return x(x, n), codegen
 
 
+_NOT_NORMAL = float(np.nextafter(np.finfo(float).tiny, 0.0))  # the largest one
 _ROOT_OF_HALF = int(np.array(np.sqrt(0.5)).view(np.int64))
 _LN2, _LN2_REST = 6.93147180369123816490e-01, 1.90821492927058770002e-10  # together ln 2; n times the first is exact
 #: 2/(2n + 1): ln x = 2 artanh f = sum_n 2 f^(2n + 1)/(2n + 1), f = (x - 1)/(x + 1), up to round-off for |f| <= 0.1716
@@ -62,7 +63,7 @@ def of_normal_numbers(x):
     for c in _OF_ARTANH[1:]:
         found = fma(found, z, c)
     found = fma(n, _LN2, fma(f, found, n * _LN2_REST))
-    return where_above(x, 0.0, found + (x - x), fma(0.0, x, np.nan))
+    return where_above(x, _NOT_NORMAL, found + (x - x), fma(0.0, x, np.nan))
 
 
 for _ufunc, _vectors in ((np.sqrt, root), (np.exp, exponential), (np.log, of_normal_numbers)):

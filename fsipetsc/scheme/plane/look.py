@@ -36,8 +36,8 @@ from fsipetsc.scheme.plane.sweep import block_width, last_needed, place_of, prep
 from fsipetsc.scheme.plane.targets import at_interface
 
 CONVECTION, DIFFUSION, BAD, LEAST_J, MASS, MOMENTUM_X, MOMENTUM_Y, ENERGY, ENTROPY = range(9)
-#: what rounding may leave of nothing
-_TINY = 1e-300
+#: the largest number below 0, about: a modulus may be 0, not less
+_BELOW = -1e-300
 #: number of words; those from MASS on are sums
 WORDS = 9
 
@@ -196,6 +196,12 @@ def look_at_solid(law, layer, op, s, y, words, kept, mend):
     words[CONVECTION] = np.sqrt(words[CONVECTION])
 
 
+@njit(**FORMULA)
+def squared_sum(x, y):
+    """(sqrt x + sqrt y)^2; not a number where one of them is below 0."""
+    return where_above(minimum(x, y), _BELOW, x + y + 2.0 * root(x * y), spread_twice(np.nan))
+
+
 @njit(**OPTIONS)
 def strain_row(law, layer, op, s, place, y, j, prepared):
     """Derivatives of the displacement at row j of a block of a solid, to slopes; how many rows are prepared, and were."""
@@ -233,9 +239,7 @@ def look_at_block_of_solid(law, layer, op, s, place, y, kept, mend, seen):
             u, v, T = load_twice(s, u_row + i), load_twice(s, v_row + i), load_twice(s, T_row + i)
             J, x, z = F[0] * F[3] - F[1] * F[2], fma(F[3], F[3], F[1] * F[1]), fma(F[2], F[2], F[0] * F[0])
             along_x, along_y = law.elastic.modulus(c, F, x, z)
-            along_x, along_y = along_x * per_x, along_y * per_y
-            fastest = along_x + along_y + 2.0 * root(along_x * along_y)
-            fastest = where_above(minimum(along_x, along_y), -_TINY, fastest, spread_twice(np.nan))
+            fastest = squared_sum(along_x * per_x, along_y * per_y)
             diffusion = spread_twice(0.0)
             if layer.kappa_e > 0.0:
                 spreading = (op.stiffness * layer.kappa_e / (layer.alpha * layer.m0)) / J
