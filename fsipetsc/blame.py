@@ -97,18 +97,39 @@ def users_lines(error: BaseException) -> str:
     """The traceback of an error of a user's function, from the first line of the user's on.
 
     "" if there is none: for what this package explains in one message, for numba's words, and for cases of this package. Of an
-    error that came while another one was dealt with, that one's too, if it has been in the user's code.
+    error that came while others were dealt with, or because of them, theirs too, back to the first that has been in the user's
+    code or that the user has named as the cause; not what a library has dealt with before.
     """
-    place = error.__traceback__
-    while place is not None and not _is_users(os.path.abspath(place.tb_frame.f_code.co_filename)):
-        place = place.tb_next
-    if place is None or isinstance(error, FsiError) or _is_compilers(error):
+    first = next(filter(None, _users_files(error)), "")
+    if not first or first.startswith(_CASES) or isinstance(error, FsiError) or _is_compilers(error):
         return ""
-    if os.path.abspath(place.tb_frame.f_code.co_filename).startswith(_CASES):
-        return ""
-    before = error.__cause__ or (None if error.__suppress_context__ else error.__context__)
-    chain = before is not None and _last_frame(before) is not None
-    return "".join(traceback.format_exception(type(error), error, place, chain=chain)).rstrip()
+    told = traceback.TracebackException(type(error), error, error.__traceback__)
+    _shorten(told, error)
+    return "".join(told.format()).rstrip()
+
+
+def _shorten(told: traceback.TracebackException, error: BaseException) -> None:
+    """Let what is told of an error and of those before it begin with the first that is the user's, each in the user's code."""
+    first = told
+    while True:
+        files = _users_files(error)
+        del told.stack[: next((k for k, name in enumerate(files) if name), 0)]
+        before, told_before = error.__cause__, told.__cause__
+        named = before is not None and any(files[-1:])  # by the user, who has raised the error
+        if before is None and not error.__suppress_context__:
+            before, told_before = error.__context__, told.__context__
+        if before is None or told_before is None:
+            break
+        told, error = told_before, before
+        if named or any(_users_files(error)):
+            first = told
+    first.__cause__ = first.__context__ = None
+
+
+def _users_files(error: BaseException) -> list[str]:
+    """Of each frame of an error's traceback the file if it is the user's, else ""."""
+    names = (os.path.abspath(frame.f_code.co_filename) for frame, _ in traceback.walk_tb(error.__traceback__))
+    return [name if _is_users(name) else "" for name in names]
 
 
 def place_of_error(error: BaseException, function: Callable[..., Any]) -> str:

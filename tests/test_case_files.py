@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import re
 from pathlib import Path
@@ -12,6 +13,8 @@ from helpers import REPOSITORY, mpirun, solve
 from said import parted
 
 import fsipetsc
+from fsipetsc.blame import call
+from fsipetsc.errors import InputError
 
 pytest.importorskip("petsc4py")
 
@@ -83,6 +86,43 @@ def test_the_traceback_of_a_function_that_raises_begins_in_the_case_file(said):
         assert re.match(r'  File "[^"]*/faulty.py", line \d+, in ', text), (name, text)
         kind = text.splitlines()[-1].split(":")[0].split(".")[-1]
         assert kind in parted(said[name])[1], (name, text)
+
+
+#: bodies of functions, and the beginnings of the lines that say which errors there were, in their order
+CHAINS = {
+    "a library's own alone": ("ChainMap().pop(1)", ["KeyError: 'Key not"]),
+    "before a library's own": (
+        "try: 1 / 0\n    except ZeroDivisionError: ChainMap().pop(1)",
+        ["ZeroDivisionError", "KeyError: 1", "KeyError: 'Key not"],
+    ),
+    "after a library's own": (
+        "try: ChainMap().pop(1)\n    except KeyError: 1 / 0",
+        ["KeyError: 'Key not", "ZeroDivisionError"],
+    ),
+    "named, never raised": ("raise ValueError from TypeError('text')", ["TypeError: text", "ValueError"]),
+    "hidden": ("try: 1 / 0\n    except ZeroDivisionError: raise ValueError from None", ["ValueError"]),
+    "in a ring": (
+        "a, b = ValueError(), TypeError()\n    a.__cause__, b.__cause__ = b, a\n    raise a",
+        ["TypeError", "ValueError"],
+    ),
+}
+
+
+@pytest.mark.parametrize("name", CHAINS)
+def test_errors_before_the_last_begin_with_the_first_of_the_user_s(name, tmp_path):
+    """What a library has dealt with before that is its own affair."""
+    body, kinds = CHAINS[name]
+    (tmp_path / "chains.py").write_text(f"from collections import ChainMap\ndef function():\n    {body}\n")
+    spec = importlib.util.spec_from_file_location("chains", tmp_path / "chains.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    with pytest.raises(InputError) as caught:
+        call(module.function, (), "what it is")
+    text = caught.value.users
+    said = re.findall(r"^(?!Traceback|The above|During)\S.*", text, re.M)
+    assert [line.startswith(kind) for line, kind in zip(said, kinds, strict=True)] == [True] * len(kinds), text
+    places = re.findall(r'^Traceback .*\n  File "(.*)", line', text, re.M)
+    assert places[0] == str(tmp_path / "chains.py") and "fsipetsc/" not in text.replace(str(tmp_path), ""), text
 
 
 def test_a_result_is_left_only_by_what_was_computed(where, said):

@@ -105,6 +105,27 @@ def test_files_that_belong_together_get_the_same_number(seen: bool, tmp_path: Pa
     assert {path.name for path in tmp_path.iterdir()} == there | {new.name for new in renamed.values()}
 
 
+def test_where_one_cannot_be_renamed_all_keep_their_names(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The last is another user's, in a folder where only owners may rename; a file that has come meanwhile is not replaced."""
+    files = [tmp_path / f"run.{rest}" for rest in ("checkpoint.h5", "checkpoint.previous.h5", "h5")]
+    for path in files:
+        path.write_text(path.name)
+    rename = os.rename
+
+    def refuse(old: Path, new: Path) -> None:
+        if old == files[2]:
+            files[1].write_text("new")
+            raise PermissionError(1, "Operation not permitted", str(old))
+        rename(old, new)
+
+    monkeypatch.setattr(os, "rename", refuse)
+    with pytest.raises(PermissionError, match=r"run\.h5"):
+        set_aside(files, "run")
+    there = {path.name: path.read_text() for path in tmp_path.iterdir()}
+    kept = {"run.1.checkpoint.previous.h5": files[1].name, files[1].name: "new"}
+    assert there == {files[0].name: files[0].name, **kept, "run.h5": "run.h5"}
+
+
 def other_file(path: Path) -> None:
     path.write_text("process of thought: precious")
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import re
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
@@ -16,6 +18,8 @@ pytest.importorskip("petsc4py")
 
 import fsipetsc
 from fsipetsc.cli import main
+from fsipetsc.errors import FileError
+from fsipetsc.output.places import check_folder, writing
 from fsipetsc.output.plots import command, compare
 from fsipetsc.output.plots.frames import apart, outside
 
@@ -107,6 +111,26 @@ def test_a_file_where_a_directory_should_be(words, folder, tmp_path, monkeypatch
     assert main(words.format(folder / "short.h5").split()) == 4
     said = capsys.readouterr().err
     assert "cannot write the " in said and said.endswith(": text is not a directory\n") and said.count("\n") == 1, said
+
+
+@pytest.mark.parametrize("where", ["x" * 300, "closed/in", "there/in"])
+def test_a_directory_that_cannot_be_looked_for(where, tmp_path, monkeypatch):
+    """A name that is too long; below a directory that may not be looked into, at which the system's calls are as for a user."""
+    stat = os.stat
+
+    def refuse(path, *more, **words):
+        if os.fspath(path).startswith(str(tmp_path / "closed" / "in")):
+            raise PermissionError(13, "Permission denied", os.fspath(path))
+        return stat(path, *more, **words)
+
+    monkeypatch.setattr(os, "stat", refuse)
+    target, parent = tmp_path / where / "a.png", tmp_path / where
+    reason = "File name too long" if where == "x" * 300 else "Permission denied"
+    with pytest.raises(FileError, match=f"cannot write the picture: {reason}"), writing(target):
+        raise PermissionError(13, "Permission denied", str(target))
+    if not where.startswith("there"):
+        with pytest.raises(FileError, match=re.escape(f"a.png: {parent}: {reason}")):
+            check_folder(target, parent)
 
 
 @pytest.mark.parametrize("names", [("damaged", "long"), ("damaged", "damaged")])

@@ -123,8 +123,11 @@ def test_what_went_wrong_is_named_and_what_helps(said):
         for word in (f"fsipetsc: error: {what}", *place, "what usually helps: "):
             assert word in texts[name], (name, word, texts[name])
         with fsipetsc.open_run(where / f"{name}.h5") as result:
-            assert result.summary["status"] == "failed" and result.summary["steps"] >= 10
-        good = checkpoint_file.read(where / f"{name}.checkpoint.h5").header["memory"]
+            summary = result.summary
+        assert summary["status"] == "failed" and summary["steps"] >= 10
+        header = checkpoint_file.read(where / f"{name}.checkpoint.h5").header
+        good, given_up = header["memory"], summary["wall_time"] - header["memory"]["wall_time"]
+        assert 0 < header["wall_time_total"] <= summary["wall_time_total"] - given_up and given_up >= 0
         assert f"a good state of step {good['steps']}, " in texts[name]
 
 

@@ -178,6 +178,20 @@ def test_what_a_mark_tells_of_is_removed_when_nobody_holds_it(begins, dead):
     leftovers.remove_mark()
 
 
+def test_memory_stays_while_there_is_a_process_of_the_launcher_s_number(begins):
+    """Which may be the mpiexec of another job, and that has the same names then; the mark stays for a later run."""
+    launcher = subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE)
+    memory, mark = begins / "vader_segment.machine.0.def.1", begins / f"fsipetsc.{os.getuid()}.def.start"
+    memory.touch()
+    mark.write_text(f"{HERE}, session {begins}/ompi.machine.0/pid.{launcher.pid}")  # a folder that is gone already
+    leftovers.mark_start()
+    assert memory.exists() and mark.exists()
+    launcher.communicate(b"\n")
+    leftovers.mark_start()
+    assert not memory.exists() and not mark.exists()
+    leftovers.remove_mark()
+
+
 def test_marks_and_memory_of_open_mpi_5(begins, monkeypatch, dead):
     """Of a dead job they go; of one that holds its mark, or has the number of this job, memory stays."""
     for name in ("OMPI_MCA_ess_base_jobid", "OMPI_MCA_orte_jobfam_session_dir"):

@@ -95,7 +95,7 @@ def test_xdmf_has_the_numbers_of_all_frames(folder, name):
 
 def test_xdmf_goes_with_its_result(tmp_path):
     """A second run of the same name keeps the result and the XDMF of the first; what is no XDMF is left alone."""
-    words = "blast", "-fsi_h", "0.125", "-fsi_quiet", "-ts_max_steps"
+    words = "blast", "-fsi_h", "0.125", "-fsi_quiet", "-fsi_checkpoint_steps", "2", "-ts_max_steps"
     for steps in (2, 3):
         assert solve(*words, steps, cwd=tmp_path).returncode == 0
     for name, steps in (("blast.1", 2), ("blast", 3)):
@@ -103,8 +103,11 @@ def test_xdmf_goes_with_its_result(tmp_path):
         assert f">{name}.h5:/segment" in text and text.count("h5:/") == text.count(f">{name}.h5:/")
         assert fsipetsc.open_run(tmp_path / f"{name}.h5").summary["steps"] == steps
     (tmp_path / "blast.xdmf").write_text("mine")
+    there = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    assert {"blast.checkpoint.h5", "blast.1.checkpoint.h5"} < there.keys()
     done = solve(*words, 2, cwd=tmp_path)
-    assert done.returncode == 4 and "blast.xdmf" in done.stderr and (tmp_path / "blast.xdmf").read_text() == "mine"
+    assert done.returncode == 4 and "blast.xdmf" in done.stderr
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == there, "a run that is refused changes nothing"
 
 
 def test_one_dimension_has_no_xdmf(folder):

@@ -65,9 +65,9 @@ def load_case(name_or_path: str, also: Sequence[str] = ()) -> ModuleType:
         return importlib.import_module(f"fsipetsc.cases.{name_or_path}")
     if name_or_path.endswith(".py") or os.sep in name_or_path:
         return _load_file(Path(name_or_path))
-    if name_or_path.endswith(".h5") and Path(name_or_path).is_file():
+    if name_or_path.endswith(".h5") and os.path.isfile(name_or_path):
         raise InputError(f"'{name_or_path}' is no case; results are for commands: info {name_or_path}, plot {name_or_path}")
-    beside = [f"{name_or_path}.py"] if Path(f"{name_or_path}.py").is_file() else []
+    beside = [f"{name_or_path}.py"] if os.path.isfile(f"{name_or_path}.py") else []
     near = beside or get_close_matches(name_or_path, [*BUILT_IN, *also], 1, 0.5)
     hint = f"; did you mean '{near[0]}'?" if near else "."
     raise InputError(f"unknown case '{name_or_path}'{hint} There are {', '.join(BUILT_IN)}, and any case file (.py)")

@@ -148,6 +148,7 @@ def set_aside(files: Sequence[Path], stem: str, beside: Sequence[Path] = ()) -> 
     """Give files, whose names begin with a stem, the first free number behind it: NAME.1.h5, NAME.1.checkpoint.h5.
 
     beside: files that stay, or are not there, and whose names with that number are to be free, too. Returns old -> new names.
+    OSError if one cannot be renamed; then all have their old names.
     """
     for k in itertools.count(1):
         names = {file: file.with_name(f"{stem}.{k}{file.name.removeprefix(stem)}") for file in (*files, *beside)}
@@ -164,6 +165,11 @@ def set_aside(files: Sequence[Path], stem: str, beside: Sequence[Path] = ()) -> 
                     renamed[file] = names[file]
         except FileExistsError:
             continue
+        except OSError:  # one is another user's, in a folder where only owners may rename: what belongs together stays so
+            for file, name in renamed.items():
+                if not os.path.lexists(file):
+                    os.rename(name, file)
+            raise
         finally:
             for name in set(taken) - set(renamed.values()):
                 name.unlink()

@@ -252,6 +252,8 @@ class RunWriter:
             raise FileError(f"{path}: the directory {target.parent} is not writable")
         claimed = claim.Claim(target)
         self._release = weakref.finalize(self, claimed.release)
+        if self._plane:
+            xdmf.earlier(target)  # what is none refuses the run, before ``settle`` has renamed anything
         if after is not None and continued.is_of(target, header["run"]):
             segment = continued.cut(target, after, _plain(header), self._log, lambda: settle(None))
             return target, None, _identity(target), (after.frames, after.rows, segment)

@@ -41,17 +41,26 @@ def write(path: str | os.PathLike[str]) -> Path:
     return target
 
 
-def make_way(result: Path, kept_as: Path | None) -> None:
-    """Let the XDMF of an earlier result go with it to its new name. FileError if something else stands there; OSError."""
+def earlier(result: Path) -> str | None:
+    """The XDMF that stands beside a result, None if there is none. FileError if something else stands there; OSError."""
     target = name_beside(result)
     if not target.exists():
-        return
-    ours, text = f">{escape(result.name)}:/", target.read_text(encoding="utf-8", errors="replace") if target.is_file() else ""
+        return None
+    text = target.read_text(encoding="utf-8", errors="replace") if target.is_file() else ""
     if not text.startswith(_HEAD):
         raise FileError(f"{target}: stands where the XDMF of {result.name} belongs, and is none; move it away")
+    return text
+
+
+def make_way(result: Path, kept_as: Path | None) -> None:
+    """Let the XDMF of an earlier result go with it to its new name. FileError, OSError as of ``earlier``."""
+    text = earlier(result)
+    if text is None:
+        return
     if kept_as is not None:
-        name_beside(kept_as).write_text(text.replace(ours, f">{escape(kept_as.name)}:/"), encoding="utf-8")
-    target.unlink()
+        own = text.replace(f">{escape(result.name)}:/", f">{escape(kept_as.name)}:/")
+        name_beside(kept_as).write_text(own, encoding="utf-8")
+    name_beside(result).unlink()
 
 
 def _text(run: Run) -> Iterator[str]:

@@ -134,7 +134,7 @@ def is_still(descriptor: int, path: Path) -> bool:
 
 
 def _follow(path: Path, job: str, own: str = "") -> None:
-    """Remove what a mark tells of if nobody holds it, and the mark if nothing is left. OSError.
+    """Remove what a mark tells of if nobody holds it and its mpiexec is gone, and the mark if nothing is left. OSError.
 
     job: whose mark it is. own: of this process; one that was killed may have had the same number, and new files the same names.
     """
@@ -151,13 +151,20 @@ def _follow(path: Path, job: str, own: str = "") -> None:
                 path.unlink()
                 return
             remove_session(said)
-            if job != own:
-                _remove_shared(job)
             match = _LOCK.fullmatch(said)
-            if match is None or not os.path.lexists(match[2]):
+            # a later mpiexec that has the number of the killed one has a job of the same number, and memory of the same names
+            goes_on = job != own and match is not None and _is_running(match[3])
+            if job != own and not goes_on:
+                _remove_shared(job)
+            if match is None or not (goes_on or os.path.lexists(match[2])):
                 path.unlink()
     finally:
         os.close(descriptor)
+
+
+def _is_running(number: str) -> bool:
+    """Whether there is a process of this number; not, without /proc."""
+    return os.path.exists(f"/proc/{number}")
 
 
 def _remove_shared(job: str) -> None:
@@ -219,7 +226,7 @@ def remove_session(said: str) -> None:
     match = _LOCK.fullmatch(said.strip())
     if match is None or match[1] != socket.gethostname() or match[2] == session():
         return
-    if not os.path.exists("/proc/self") or os.path.exists(f"/proc/{match[3]}"):
+    if not os.path.exists("/proc/self") or _is_running(match[3]):
         return
     with suppress(OSError):
         folder = Path(match[2])

@@ -221,7 +221,9 @@ class _Run:
         if self.opt["fsi_check"]:  # which has seen later steps
             return ""
         rows, ledgers = self.writer.rows - (integrator.series.total - kept), self.ledgers.memory_of_kept(kept)
-        of_result = {"ledgers": ledgers, **before, "result": [frames, rows], "wall_time_total": self._total()}
+        total, given_up = self._total(), integrator.wall_time - memory["wall_time"]
+        total = None if total is None else total - given_up
+        of_result = {"ledgers": ledgers, **before, "result": [frames, rows], "wall_time_total": total}
         try:
             self.keeper.write({"memory": memory, "watch": None, **of_result}, None)
         except CheckpointError:
