@@ -9,6 +9,7 @@ from math import gcd
 
 from llvmlite import ir
 from numba import types
+from numba.core.cgutils import get_or_insert_function
 from numba.extending import intrinsic
 
 from fsipetsc.operators.vectors import DOUBLES, shuffled, twice_vector, vector, wide_vector
@@ -58,6 +59,21 @@ def store(typingctx, s, i, v):
         return context.get_dummy_value()
 
     return types.none(s, types.intp, v), codegen
+
+
+@intrinsic
+def fetch(typingctx, s, i):
+    """Have the cache line of s[i], wherever that is, brought to the second cache while other work goes on."""
+    place, number = ir.IntType(8).as_pointer(), ir.IntType(32)
+
+    def codegen(context, builder, sig, args):
+        at = builder.bitcast(_place(context, builder, sig, args), place)
+        kind = ir.FunctionType(ir.VoidType(), [place, number, number, number])
+        to_read, second, data = number(0), number(2), number(1)
+        builder.call(get_or_insert_function(builder.module, kind, "llvm.prefetch.p0i8"), [at, to_read, second, data])
+        return context.get_dummy_value()
+
+    return types.none(s, types.intp), codegen
 
 
 @intrinsic

@@ -47,7 +47,7 @@ from fsipetsc.operators.vectors import TWICE, WIDE, on_aligned_stack, spread_twi
 from fsipetsc.physics.plane.gas import GRID_ROWS
 from fsipetsc.physics.plane.layer import DOF
 from fsipetsc.scheme.plane.slopes import slopes_across, slopes_along, weigh_across, weigh_along
-from fsipetsc.scheme.plane.targets import send_row
+from fsipetsc.scheme.plane.targets import fetch_points, send_row, too_large
 from fsipetsc.scheme.sweep import row_of
 
 #: most quantities of each sort that a physics may have
@@ -220,9 +220,11 @@ def sweep_block(law, layer, op, loose, s, place, y, target):
 def prepare_row(law, layer, op, s, place, y, j):
     """v of row j."""
     c, row, (a, b) = law.constants(law, layer), j * layer.width * DOF, columns(layer, op, place, law.looks_ahead)
-    v = each(row_of_ring.at, law.prepared, place.v, j)
+    v, far = each(row_of_ring.at, law.prepared, place.v, j), too_large(layer)
     for n in range(a, b, WIDE):
         i = max(n, 0)
+        if far:
+            fetch_points(y, row + (layer.width + i) * DOF)
         each(row_of.store, v, law.prepare(law, c, load_wide_interlaced(y, row + i * DOF, 5)), s, i)
 
 

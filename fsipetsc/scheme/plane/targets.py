@@ -22,7 +22,7 @@ from fsipetsc.boundaries import INTERFACE_END
 from fsipetsc.operators.formulas import Formulas, each
 from fsipetsc.operators.kernels import FORMULA, OPTIONS, U64
 from fsipetsc.operators.lanes import interlaced
-from fsipetsc.operators.memory import load_wide, store
+from fsipetsc.operators.memory import fetch, load_wide, store
 from fsipetsc.operators.rows import STRIDE
 from fsipetsc.operators.vectors import WIDE, fma
 from fsipetsc.physics.plane.layer import DOF
@@ -30,6 +30,10 @@ from fsipetsc.physics.plane.layer import DOF
 #: those that the rates of a vector of points make
 _VECTORS = tuple(range(DOF))
 _THIRD = 1.0 / 3.0
+#: doubles of a cache line
+LINE = 8
+#: points of a layer whose stages stay in a second cache of 1 to 2 MB
+SMALL = 8192
 
 
 class Target(NamedTuple):
@@ -57,13 +61,40 @@ def at_interface(layer, j):
 
 
 @njit(**FORMULA)
+def too_large(layer):
+    """Whether the stages of a layer do not stay in the second cache from one to the next."""
+    return layer.height * layer.width > SMALL
+
+
+@njit(**FORMULA)
+def fetch_points(unknowns, n):
+    """Have those of WIDE points, which begin at number n, brought near."""
+    for k in range(0, WIDE * DOF, LINE):
+        fetch(unknowns, n + k)
+
+
+@njit(**FORMULA)
+def fetch_next(layer, target, n, ends):
+    """Have what ``send_row`` takes and makes in the next row brought near, beyond points whose unknowns begin at number n."""
+    n = n + layer.width * DOF
+    fetch_points(target.onward, n)
+    if ends:
+        each(of_parts.fetch, target.stages, n)
+    else:
+        fetch_points(target.source, n)
+
+
+@njit(**FORMULA)
 def send_row(layer, s, place, target, j):
     """The rates of row j of a block, from scratch."""
     as_they_are, width = target.onward.size == 0 or at_interface(layer, j), layer.own_x[1] - layer.own_x[0]
     k = ((j - layer.own_y[0]) * width - layer.own_x[0]) * DOF
     n, whole = j * layer.width * DOF, place.first + (place.end - place.first) // WIDE * WIDE
     at_edge, ends = j == layer.end_y[0] or j == layer.end_y[1], target.stages[0].size > 0
+    far = too_large(layer) and not as_they_are
     for i in range(place.first, whole, WIDE):
+        if far:
+            fetch_next(layer, target, n + i * DOF, ends)
         values = interlaced(each(of_parts.rate, _VECTORS, place, s, i))
         if as_they_are:
             each(of_parts.put, values, _VECTORS, target.rates, k + i * DOF)
@@ -155,6 +186,12 @@ def _end(rates, number, target, n):
 
 
 @njit(**FORMULA)
+def _fetch(stage, n):
+    fetch_points(stage, n)
+    return 0
+
+
+@njit(**FORMULA)
 def _put(rates, number, to, k):
     store(to, k + WIDE * number, rates)
     return 0
@@ -165,4 +202,4 @@ def _rate(number, place, s, i):
     return load_wide(s, place.rates + number * STRIDE + i)
 
 
-of_parts = Formulas(rate=_rate, send=_send, end=_end, put=_put)
+of_parts = Formulas(rate=_rate, send=_send, end=_end, put=_put, fetch=_fetch)
