@@ -53,7 +53,7 @@ OPTIONS = (
         *("bench_yardstick", str, None, "", "folder of another program to compare with: its `rod ORDER H T -q -n STEPS`"),
     ),
     Option("bench_dimensions", "ints", (1, 2), "", "measure problems of one dimension, of two", check=_dimensions_only),
-    Option("bench_squares", "ints", (64, 128, 256), "", "columns and rows of a layer in two dimensions", check=_counts),
+    Option("bench_squares", "ints", (64, 128, 256, 512), "", "columns and rows of a layer in two dimensions", check=_counts),
     Option("bench_form", str, "all", "", "what is measured in two dimensions", ("all", *_FORMS)),
     Option(
         *("bench_plane_yardstick", str, None, "", "folder of such a program of two dimensions: its `plane ORDER N N STEPS -q`"),
