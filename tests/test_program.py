@@ -25,6 +25,11 @@ def refuse(out, limit):
         raise ValueError
 
 
+@njit
+def double(x):
+    return 2.0 * x
+
+
 def test_each_call_gets_what_it_was_prepared_with_and_its_share_of_the_number():
     table, pair, out = np.arange(6.0).reshape(2, 3), (np.array([7.0]), np.array([11.0])), np.zeros(3)
     first, second = Prepared(note, table, pair, 3, True, out), Prepared(note, table, pair, 3, False, out[1:])
@@ -39,6 +44,12 @@ def test_each_call_gets_what_it_was_prepared_with_and_its_share_of_the_number():
 def test_an_exception_ends_it():
     out = np.zeros(1)
     program = Program([(Prepared(refuse, out, 1.5), ()), (Prepared(refuse, out, 9.0), ())])
-    with pytest.raises(RuntimeError):
-        program(0.0), program(0.0)
+    program(0.0)
+    with pytest.raises(RuntimeError, match="refuse has raised"):
+        program(0.0)
     assert out[0] == 3.0
+
+
+def test_a_function_that_returns_something_is_refused():
+    with pytest.raises(TypeError, match="double returns float64"):
+        Program([(Prepared(double, 1.5), ())])
