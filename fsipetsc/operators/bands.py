@@ -1,0 +1,80 @@
+"""SBP first derivatives as weights of pairs of nodes: what the volume terms of all dimensions are made of.
+
+D = H^-1 Q with Q + Q^T = diag(-1, 0, …, 0, 1). Beside its diagonal Q is antisymmetric, so it is a band of weights of pairs,
+
+    S[k, i] = 2 Q[i, i + k],    k = 1 … K,
+
+closures included; the diagonal, which holds the boundary terms, is left out. Its rows sum to 0, so that
+
+    (D f)_i   =  sum_l S_il (f_l - f_i) / 2 / weight_i        the derivative
+    (D° f)_i  =  sum_l S_il (f_l + f_i) / 2 / weight_i        the same without the flux through the ends
+
+with S_il = S[l - i, i] for l > i and -S[i - l, l] for l < i, and weight = h H.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fsipetsc.operators.sbp import operator
+
+Array = NDArray[np.float64]
+
+
+class Band(NamedTuple):
+    """Pair weights of one axis of n nodes.
+
+    S: (K + 1, n), S[k, i] of the nodes i and i + k, 0 where there is no such pair, S[0] is 0; periodic: i + k counts on from
+    the beginning. weight: (n,), h times the norm.
+    """
+
+    S: Array
+    weight: Array
+
+    @property
+    def reach(self) -> int:
+        """K, the largest distance between two nodes of a pair."""
+        return len(self.S) - 1
+
+    def part(self, begin: int, end: int) -> Band:
+        """That of the nodes begin … end - 1, which may lie beyond the ends of a periodic axis."""
+        chosen = np.arange(begin, end) % len(self.weight)
+        return Band(np.ascontiguousarray(self.S[:, chosen]), self.weight[chosen])
+
+    def matrix(self) -> Array:
+        """D as a dense (n, n) array."""
+        n = len(self.weight)
+        Q = np.zeros((n, n))
+        for k in range(1, len(self.S)):
+            i = np.arange(n)
+            np.add.at(Q, (i, (i + k) % n), 0.5 * self.S[k])
+            np.add.at(Q, ((i + k) % n, i), -0.5 * self.S[k])
+        return (Q - np.diag(Q.sum(axis=1))) / self.weight[:, None]
+
+
+#: an axis that is not there: one node, no pairs
+NO_AXIS = Band(np.zeros((1, 1)), np.ones(1))
+
+
+def band(order: int, cells: int, periodic: bool = False) -> Band:
+    """The pair weights of the operator of this order on [0, 1] with so many cells.
+
+    cells + 1 nodes, or as many as cells on a periodic axis. ValueError if these are too few.
+    """
+    op, h = operator(order), 1.0 / cells
+    if periodic:
+        if cells < 2 * op.p + 1:
+            raise ValueError(f"a periodic axis needs at least {2 * op.p + 1} cells at order {order}, not {cells}")
+        S = np.zeros((op.p + 1, cells))
+        S[1:] = 2.0 * np.array([float(c) for c in op.interior])[:, None]
+        return Band(S, np.full(cells, h))
+    n = cells + 1
+    Q = op.norm_weights(n)[:, None] * op.matrix(n)
+    reach = op.reach
+    S = np.zeros((reach + 1, n))
+    for k in range(1, reach + 1):
+        S[k, : n - k] = 2.0 * np.diagonal(Q, k)
+    return Band(S, h * op.norm_weights(n))
