@@ -1,0 +1,141 @@
+"""What passes faces of blocks that are open, loaded or heated: added to the rates of the nodes there. Compiled.
+
+The volume terms let nothing pass a face. With the outward area vector n of a face per unit of its reference coordinates, and
+the velocity v of the grid, a node at it gets -f / weight, weight that of its axis, where f is
+
+    open       F(U_in, U_out) = 1/2 (F(U_in) + F(U_out)) - 1/2 lambda (U_out - U_in),    F(U) = n . (f(U) - v U),
+               lambda = max over both states of |n . (u - v)| + c |n|                      (local Lax-Friedrichs)
+    outflow    F(U_in); with a pressure p_b beyond and a Mach number m < 1 through the face as open, with U_out of density and
+               velocity of U_in and of pressure p + (1 - m^2)(p_b - p); m = 0 where gas flows in
+    free       p_b n(x) on a solid, n(x) the area vector of the face where it is now: a pressure that follows it
+
+All are equal to n . f for a uniform state, so that uniform flow stays uniform.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from fsipetsc.operators.loops import CALL, formulas
+
+Array = NDArray[Any]
+formulas("pressure", "internal_energy", "temperature", "sound_speed_squared", "temperature_of")
+
+
+class Face(NamedTuple):
+    """Nodes of a face of a block on a rank.
+
+    ghosted, owned: (n,) numbers of its nodes in the ghosted array and among the owned ones. axis, sign: of its outward
+    normal. per_weight: 1 / weight of the axis at the face.
+    """
+
+    ghosted: Array
+    owned: Array
+    axis: int
+    sign: float
+    per_weight: float
+
+
+@njit(**CALL)
+def _energy_density(law, rho, u, T):
+    square = 0.0
+    for c in range(u.size):
+        square += u[c] * u[c]
+    return rho * (law.internal_energy(rho, T) + 0.5 * square)
+
+
+@njit(**CALL)
+def _flux(law, rho, u, T, n, g, out):
+    """out = n . (f - v U) of (rho, rho u, E); returns |n . u - g| + c |n|."""
+    d = u.size
+    through, area = 0.0, 0.0
+    for c in range(d):
+        through += n[c] * u[c]
+        area += n[c] * n[c]
+    p = law.pressure(rho, T)
+    out[0] = rho * (through - g)
+    for c in range(d):
+        out[1 + c] = rho * u[c] * (through - g) + n[c] * p
+    out[d + 1] = _energy_density(law, rho, u, T) * (through - g) + p * through
+    return abs(through - g) + np.sqrt(law.sound_speed_squared(rho, T) * area)
+
+
+@njit(**CALL)
+def inside(law, q, u):
+    """(rho, T) of a node, u is filled; q: (J, J rho, J rho u, J E)."""
+    d = u.size
+    rho, square = q[1] / q[0], 0.0
+    for c in range(d):
+        u[c] = q[2 + c] / q[1]
+        square += u[c] * u[c]
+    return rho, law.temperature(rho, q[2 + d] / q[1] - 0.5 * square)
+
+
+@njit(**CALL)
+def open_face(law, face, q, metrics, outside, pressure, rates):
+    """Add what passes an open face to ``rates`` (owned, d + 3).
+
+    q: (ghosted, d + 3); metrics: (d d + d + 1, ghosted). outside: (n, d + 2), (rho, u, T) beyond. pressure: that beyond an
+    outflow, 0 for one that is supersonic; below 0: the face is open, not an outflow.
+    """
+    d = q.shape[1] - 3
+    n, u, u_out = np.zeros(d), np.zeros(d), np.zeros(d)
+    f, f_out = np.zeros(d + 2), np.zeros(d + 2)
+    for i in range(face.ghosted.size):
+        at = face.ghosted[i]
+        g, area = 0.0, 0.0
+        for c in range(d):
+            n[c] = face.sign * metrics[face.axis * d + c, at]
+            g += n[c] * metrics[d * d + c, at]
+            area += n[c] * n[c]
+        rho, T = inside(law, q[at], u)
+        fastest = _flux(law, rho, u, T, n, g, f)
+        if pressure != 0.0:
+            rho_out, T_out = outside[i, 0], outside[i, d + 1]
+            for c in range(d):
+                u_out[c] = outside[i, 1 + c]
+            if pressure > 0.0:
+                through = -g
+                for c in range(d):
+                    through += n[c] * u[c]
+                    u_out[c] = u[c]
+                m = max(through, 0.0) / np.sqrt(area * law.sound_speed_squared(rho, T))
+                p = law.pressure(rho, T)
+                rho_out, T_out = rho, law.temperature_of(rho, p + max(1.0 - m * m, 0.0) * (pressure - p))
+            fastest = max(fastest, _flux(law, rho_out, u_out, T_out, n, g, f_out))
+            f[:] = 0.5 * (f + f_out)
+            f[0] -= 0.5 * fastest * (rho_out - rho)
+            for c in range(d):
+                f[1 + c] -= 0.5 * fastest * (rho_out * u_out[c] - rho * u[c])
+            jump = _energy_density(law, rho_out, u_out, T_out) - _energy_density(law, rho, u, T)
+            f[d + 1] -= 0.5 * fastest * jump
+        for c in range(d + 2):
+            rates[face.owned[i], 1 + c] -= face.per_weight * f[c]
+
+
+@njit(**CALL)
+def load_face(face, normals, pressure, q, inertia, rates):
+    """Add a pressure on a solid's face to ``rates`` (owned, 2d + 1) of velocity and energy.
+
+    normals: (n, d) outward area vectors of the face where it is now. q: (ghosted, 2d + 1). inertia: (ghosted,), J0 m0.
+    """
+    d = normals.shape[1]
+    for i in range(face.ghosted.size):
+        at, power = face.ghosted[i], 0.0
+        for c in range(d):
+            force = -pressure[i] * normals[i, c] * face.per_weight / inertia[at]
+            rates[face.owned[i], d + c] += force
+            power += force * q[at, d + c]
+        rates[face.owned[i], 2 * d] += power
+
+
+@njit(**CALL)
+def heat_face(face, areas, flux, inertia, rates, column):
+    """Add a heat flux [W/m2] into a gas (inertia 1) or a solid to column ``column`` of ``rates``; areas: (n,) |n|."""
+    for i in range(face.ghosted.size):
+        at = face.ghosted[i]
+        rates[face.owned[i], column] += flux[i] * areas[i] * face.per_weight / inertia[at]
