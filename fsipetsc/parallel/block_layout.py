@@ -1,0 +1,375 @@
+"""Who owns which nodes of blocks: a DMDA for each block, and a world vector that holds all blocks.
+
+Each block has a communicator of its own, with the ranks that own a part of it. The world vector,
+which TS integrates, is on each rank the concatenation of the rank's parts of the blocks. The
+unknowns of a node stand side by side:
+
+    gas     (J, J rho, J rho u_1 … J rho u_d, J E)              d + 3 numbers
+    solid   (D_1 … D_d, v_1 … v_d, e)                           2 d + 1 numbers
+
+Nodes of a block are numbered n = i_0 + N_0 (i_1 + N_1 i_2), and so are those of a rank's part.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import prod
+from typing import Any
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import NDArray
+from petsc4py import PETSc
+
+from fsipetsc.errors import InputError
+from fsipetsc.operators.bands import NO_AXIS, Band
+from fsipetsc.operators.sbp import OPERATORS
+from fsipetsc.parallel.block_shares import Extent, Share, share_out
+from fsipetsc.scheme.patch import Patch
+
+Array = NDArray[np.float64]
+Numbers = NDArray[np.int64]
+Spans = Sequence[tuple[int, int]]
+AXES = 3
+
+
+def unknowns(kind: str, d: int) -> int:
+    """Numbers of a node."""
+    return d + 3 if kind == "fluid" else 2 * d + 1
+
+
+@dataclass(frozen=True)
+class Part:
+    """This rank's part of block k.
+
+    patch: its sizes. bands: pair weights of the three axes, of the nodes of the ghosted array.
+    dof: unknowns of a node. begin, end: of its numbers in this rank's part of the world vector.
+    numbers: (M,) of the nodes that it owns, ghosted_numbers: (N,) of all in the ghosted array.
+    comm: of the ranks of the block. scatter: of PETSc, from the block's vector to the ghosted one.
+    local: (N, dof), the ghosted array.
+    """
+
+    k: int
+    patch: Patch
+    bands: tuple[Band, Band, Band]
+    dof: int
+    begin: int
+    end: int
+    numbers: Numbers
+    ghosted_numbers: Numbers
+    comm: MPI.Comm
+    dm: PETSc.DMDA
+    scatter: PETSc.Scatter
+    local: Array
+    local_vector: PETSc.Vec
+
+    @property
+    def has_halo(self) -> bool:
+        """Whether the ghosted array has nodes that the rank does not own."""
+        return self.patch.own != self.patch.ghosted
+
+    def rows(self, nodes: Numbers) -> Numbers:
+        """Places among ``numbers`` of nodes of the block that this rank owns."""
+        found = np.searchsorted(self.numbers, nodes)
+        assert np.array_equal(self.numbers[found], nodes), "a node of another rank"
+        return found
+
+    def at(self, nodes: Numbers) -> Numbers:
+        """Where the unknowns of nodes that it owns begin in the rank's world array."""
+        return self.begin + self.dof * self.rows(nodes)
+
+    def ghosted_rows(self, rows: Numbers) -> Numbers:
+        """Places in the ghosted array of owned nodes, by their places among these."""
+        own, ghosted, first = self.patch
+        i, j, k = np.unravel_index(rows, own, order="F")
+        return i + first[0] + ghosted[0] * (j + first[1] + ghosted[1] * (k + first[2]))
+
+
+class BlockLayout:
+    """Parts of all blocks on all ranks. Collective on ``comm``.
+
+    problem: fsipetsc.blocks.problem.BlockProblem. halos: width of the halo of each block, and
+    whether differences along two axes are taken one after the other, see ``halos_of``.
+    partition: as ``share_out`` has it.
+
+    shares: of each block, known to all ranks. parts: of this rank, in the order of the blocks.
+    local_size: of this rank's part of the world vector, which begins at offsets[rank].
+    InputError where a block has too few nodes for the operator, or there are too many ranks.
+    """
+
+    def __init__(
+        self,
+        comm: MPI.Comm,
+        problem: Any,
+        order: int,
+        halos: Sequence[tuple[int, bool]] | None = None,
+        partition: str = "auto",
+    ) -> None:
+        self.comm, self.problem, self.order = comm, problem, order
+        self._halos = halos_of(problem, order) if halos is None else list(halos)
+        blocks = problem.blocks
+        self.shapes = [tuple(int(n) for n in block.shape) for block in blocks]
+        widths = [width for width, _ in self._halos]
+        extents = [extent_of(b, order, width) for b, width in zip(blocks, widths, strict=True)]
+        self.shares = share_out(extents, comm.size, partition)
+        self.dofs = [unknowns(block.kind, block.dimension) for block in blocks]
+        _check_size(blocks, self.dofs)
+        self.sizes = [self._sizes(rank) for rank in range(comm.size)]
+        self.offsets = np.cumsum([0, *(sum(sizes) for sizes in self.sizes)])
+        self.local_size = sum(self.sizes[comm.rank])
+        found = [self._place(k) for k in range(len(blocks))]
+        self.parts: list[Part] = [part for part in found if part is not None]
+        self._of_block = found
+
+    def _sizes(self, rank: int) -> list[int]:
+        """Of the parts of all blocks in a rank's part of the world vector."""
+        return [
+            dof * prod(b - a for a, b in share.part(rank)) if rank in share.ranks else 0
+            for dof, share in zip(self.dofs, self.shares, strict=True)
+        ]
+
+    def _place(self, k: int) -> Part | None:
+        """Make the DMDA of block k on its ranks. Collective."""
+        share, block, rank = self.shares[k], self.problem.blocks[k], self.comm.rank
+        here = rank in share.ranks
+        place = share.ranks.index(rank) if here else 0
+        comm = self.comm.Split(0 if here else MPI.UNDEFINED, place)
+        if not here:
+            return None
+        width, corners = self._halos[k]
+        kinds, stencils = PETSc.DM.BoundaryType, PETSc.DMDA.StencilType
+        dm = PETSc.DMDA().create(
+            dim=block.dimension,
+            dof=self.dofs[k],
+            sizes=self.shapes[k],
+            proc_sizes=share.grid,
+            ownership_ranges=tuple(np.diff(cuts).astype(PETSc.IntType) for cuts in share.cuts),
+            boundary_type=tuple(kinds.PERIODIC if p else kinds.NONE for p in periodic(block)),
+            stencil_type=stencils.BOX if corners else stencils.STAR,
+            stencil_width=width,
+            comm=comm,
+        )
+        own, ghosted = _ranges(dm.getCorners()), _ranges(dm.getGhostCorners())
+        assert own == _padded(share.part(rank)), "PETSc cuts the block otherwise"
+        patch = _patch(own, ghosted)
+        axes = range(block.dimension)
+        bands = [block.band(self.order, axis).part(*ghosted[axis]) for axis in axes]
+        begin = sum(self.sizes[rank][:k])
+        dof = self.dofs[k]
+        local = np.ones((prod(patch.ghosted), dof))  # corners of a star never get other numbers
+        return Part(
+            k=k,
+            patch=patch,
+            bands=(*bands, *[NO_AXIS] * (AXES - len(bands))),
+            dof=dof,
+            begin=begin,
+            end=begin + self.sizes[rank][k],
+            numbers=_numbers(own, self.shapes[k]),
+            ghosted_numbers=_numbers(ghosted, self.shapes[k]),
+            comm=comm,
+            dm=dm,
+            scatter=dm.getScatter()[0],
+            local=local,
+            local_vector=PETSc.Vec().createWithArray(
+                local.reshape(-1), bsize=dof, comm=PETSc.COMM_SELF
+            ),
+        )
+
+    def part(self, k: int) -> Part | None:
+        """This rank's part of block k; None if it has none."""
+        return self._of_block[k]
+
+    def owned(self, k: int, array: Array) -> Array:
+        """View, (M, dof), of block k in this rank's part of a world vector; M may be 0."""
+        part = self._of_block[k]
+        if part is None:
+            return np.empty((0, self.dofs[k]))
+        return array[part.begin : part.end].reshape(-1, part.dof)
+
+    def owners(self, k: int, nodes: Numbers) -> Numbers:
+        """Ranks that own nodes of block k."""
+        return self.shares[k].owners(nodes)
+
+    def vector(self, array: Array | None = None) -> BlockVector:
+        """This rank's part of a world vector, in new memory, or that of ``array``. Collective."""
+        return BlockVector(self, np.zeros(self.local_size) if array is None else array)
+
+    def pieces(self, rank: int) -> list[tuple[int, tuple[slice, ...], int, tuple[int, ...]]]:
+        """What a rank has of a world vector: block, place in it, beginning, shape.
+
+        Places and shapes have the last axis first, as numpy has it.
+        """
+        found, at = [], 0
+        for k, share in enumerate(self.shares):
+            if rank in share.ranks:
+                spans = share.part(rank)[::-1]
+                shape = (*(b - a for a, b in spans), self.dofs[k])
+                found.append((k, tuple(slice(a, b) for a, b in spans), at, shape))
+            at += self.sizes[rank][k]
+        return found
+
+    def destroy(self) -> None:
+        """Destroy vectors and DMDAs, then their communicators. Collective."""
+        for part in self.parts:
+            part.local_vector.destroy()
+            part.scatter.destroy()
+            part.dm.destroy()
+        for part in self.parts:
+            part.comm.Free()
+        self.parts, self._of_block = [], []
+
+
+class BlockVector:
+    """This rank's part of a world vector, ``array``.
+
+    A PETSc vector of each block lies in the same memory, for the halo exchange.
+    """
+
+    def __init__(self, layout: BlockLayout, array: Array) -> None:
+        self.array, self._layout = array, layout
+        self._exchanged = []
+        for part in layout.parts:
+            own = array[part.begin : part.end]
+            vector = PETSc.Vec().createWithArray(own, bsize=part.dof, comm=part.comm)
+            assert vector.getArray(readonly=True).ctypes.data == own.ctypes.data, "PETSc has copied"
+            self._exchanged.append((part, vector))
+
+    def owned(self, k: int) -> Array:
+        """View (M, dof) of block k."""
+        return self._layout.owned(k, self.array)
+
+    def begin(self) -> None:
+        """Begin to fill the ghosted arrays; what is sent must not change before ``end``."""
+        for part, vector in self._exchanged:
+            if part.has_halo:
+                part.scatter.scatterBegin(vector, part.local_vector)
+
+    def end(self) -> None:
+        """End it."""
+        for part, vector in self._exchanged:
+            if part.has_halo:
+                part.scatter.scatterEnd(vector, part.local_vector)
+
+    def ghosted(self, k: int) -> Array:
+        """(N, dof): block k with halos, as of the last ``end``; without halos the owned part."""
+        part = self._layout.part(k)
+        return part.local if part.has_halo else self.owned(k)
+
+    def destroy(self) -> None:
+        """Destroy the vectors, before the layout."""
+        for _, vector in self._exchanged:
+            vector.destroy()
+        self._exchanged = []
+
+
+class FaceGather:
+    """Numbers of nodes on faces of block k, from the ranks that own the nodes to all of the block.
+
+    faces: name -> node numbers. A node in several faces has a row in each. nodes: those that this
+    rank owns. local: (nodes, columns), of these, to be filled. whole: name -> (nodes of the face,
+    columns), the same on every rank. Collective on the ranks of the block.
+    """
+
+    def __init__(
+        self, layout: BlockLayout, k: int, faces: Mapping[Any, Numbers], columns: int
+    ) -> None:
+        part = layout.part(k)
+        assert part is not None, "for the ranks of the block"
+        self._comm = part.comm
+        lists = [np.asarray(nodes, np.int64) for nodes in faces.values()]
+        every = np.concatenate(lists) if lists else np.empty(0, np.int64)
+        owners = layout.owners(k, every) if every.size else every
+        self._whole = np.empty((every.size, columns))
+        ends = np.cumsum([nodes.size for nodes in lists])
+        views = np.split(self._whole, ends[:-1]) if lists else []
+        self.whole: dict[Any, Array] = dict(zip(faces, views, strict=True))
+        self.nodes = every[owners == layout.comm.rank]
+        self.local = np.empty((self.nodes.size, columns))
+        by_rank = [np.flatnonzero(owners == rank) for rank in layout.shares[k].ranks]
+        self._order = np.concatenate(by_rank) if by_rank else every
+        self._counts = [columns * rows.size for rows in by_rank]
+        self._received = np.empty((every.size, columns))
+        self._alone = part.comm.size == 1
+        self._request = MPI.REQUEST_NULL
+
+    def begin(self) -> None:
+        """Send what is in ``local``, which must not change before ``end``."""
+        if not self._alone:
+            into = [self._received, self._counts, MPI.DOUBLE]
+            self._request = self._comm.Iallgatherv([self.local, MPI.DOUBLE], into)
+
+    def end(self) -> None:
+        """``whole`` is filled."""
+        if self._alone:
+            self._whole[self._order] = self.local
+        else:
+            self._request.Wait()
+            self._whole[self._order] = self._received
+
+
+def halos_of(problem: Any, order: int) -> list[tuple[int, bool]]:
+    """(width of the halo, whether its corners are needed) of each block.
+
+    Where derivatives act twice, in solids and in gases with viscosity or conduction, a node needs
+    2 p others to each side, and corners; else p, and at least 2.
+    """
+    p = order // 2
+    found = []
+    for block in problem.blocks:
+        material = block.material
+        twice = block.kind == "solid" or material.mu > 0.0 or material.kappa > 0.0
+        found.append((2 * p, True) if twice else (max(p, 2), False))
+    return found
+
+
+def extent_of(block: Any, order: int, halo: int) -> Extent:
+    """A block as its partition sees it. InputError where it has too few nodes."""
+    op, shape = OPERATORS[order], tuple(int(n) for n in block.shape)
+    for axis, (n, closed) in enumerate(zip(shape, periodic(block), strict=True)):
+        least = max(2 * op.p + 1, halo) if closed else op.min_points
+        if n < least:
+            kind = "periodic " if closed else ""
+            raise InputError(
+                f"block '{block.name}' has {n} nodes along its {kind}axis {axis}: the {op.name} "
+                f"operator needs at least {least}"
+            )
+    end, inner = max(op.rows + op.p, halo), max(2 * op.p, halo)
+    return Extent(block.name, block.kind, shape, periodic(block), end, inner, halo)
+
+
+def periodic(block: Any) -> tuple[bool, ...]:
+    """Whether a block is periodic, per axis."""
+    return tuple(map(bool, block.periodic)) or (False,) * block.dimension
+
+
+def _check_size(blocks: Sequence[Any], dofs: Sequence[int]) -> None:
+    """InputError where a block has more numbers than PETSc can count."""
+    for block, dof in zip(blocks, dofs, strict=True):
+        if prod(block.shape) * dof > np.iinfo(PETSc.IntType).max:
+            nodes = " by ".join(map(str, block.shape))
+            raise InputError(f"block '{block.name}' has {nodes} nodes: PETSc cannot count them")
+
+
+def _ranges(corners: tuple[tuple[int, ...], tuple[int, ...]]) -> tuple[tuple[int, int], ...]:
+    """(first, first beyond) of three axes, of what PETSc says."""
+    return _padded([(a, a + n) for a, n in zip(*corners, strict=True)])
+
+
+def _patch(own: Spans, ghosted: Spans) -> Patch:
+    sizes = [tuple(b - a for a, b in spans) for spans in (own, ghosted)]
+    return Patch(*sizes, tuple(a - g for (a, _), (g, _) in zip(own, ghosted, strict=True)))
+
+
+def _padded(spans: Sequence[tuple[int, int]]) -> tuple[tuple[int, int], ...]:
+    return (*spans, *[(0, 1)] * (AXES - len(spans)))
+
+
+def _numbers(ranges: Sequence[tuple[int, int]], shape: Sequence[int]) -> Numbers:
+    """Of the nodes within, axis 0 first; beyond a periodic end follows the other one."""
+    sizes = (*shape, *[1] * (AXES - len(shape)))
+    i, j, k = (np.arange(a, b) % n for (a, b), n in zip(ranges, sizes, strict=True))
+    return (i + sizes[0] * (j[:, None] + sizes[1] * k[:, None, None])).reshape(-1)
+
+
+__all__ = ["BlockLayout", "BlockVector", "FaceGather", "Part", "Share", "halos_of", "unknowns"]

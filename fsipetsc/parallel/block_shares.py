@@ -1,0 +1,286 @@
+"""How the ranks share the nodes of blocks: plain integers, no communication.
+
+The nodes of a block are cut along its axes; a *part* is what lies between cuts, and belongs to
+one rank. A rank that has an end of an axis has all rows of the closure there and what they reach;
+parts in the middle have at least the nodes of a halo.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from math import prod
+
+import numpy as np
+
+from fsipetsc.errors import InputError
+
+MODES = ("auto", "physics", "balanced")
+#: work of a node, relative to a solid's: measured for gas in entropy form
+COST = {"fluid": 1.9, "solid": 1.0}
+#: work [nodes of a solid] that sending and receiving one message costs
+MESSAGE = 100.0
+#: "auto" cuts blocks across materials only if that makes the slowest rank faster by this factor
+WORTH_IT = 1.1
+
+
+@dataclass(frozen=True)
+class Extent:
+    """A block as its partition sees it.
+
+    shape: nodes per axis. periodic: per axis. end, inner: nodes, at least, that a rank has along an
+    axis, if it has an end of the axis, and if not. halo: width of the halo.
+    """
+
+    name: str
+    kind: str
+    shape: tuple[int, ...]
+    periodic: tuple[bool, ...]
+    end: int
+    inner: int
+    halo: int
+
+    @property
+    def size(self) -> int:
+        """Nodes."""
+        return prod(self.shape)
+
+    @property
+    def work(self) -> float:
+        """Of all nodes."""
+        return self.size * COST[self.kind]
+
+    @property
+    def longest(self) -> int:
+        """The axis with most nodes; of several the last one, along which rows stay whole."""
+        return max(range(len(self.shape)), key=lambda a: (self.shape[a], a))
+
+    def most(self, axis: int) -> int:
+        """Parts that there can be along an axis."""
+        n = self.shape[axis]
+        if self.periodic[axis]:
+            return max(1, n // self.inner)
+        return 1 if n < 2 * self.end else 2 + (n - 2 * self.end) // self.inner
+
+    @property
+    def cap(self) -> int:
+        """Parts that there can be."""
+        return prod(self.most(a) for a in range(len(self.shape)))
+
+    def allows(self, axis: int, cuts: Sequence[int]) -> bool:
+        """Whether parts between these cuts are large enough."""
+        sizes = [b - a for a, b in pairwise(cuts)]
+        if len(sizes) == 1:
+            return True
+        if self.periodic[axis]:
+            return min(sizes) >= self.inner
+        return min(sizes[0], sizes[-1]) >= self.end and min(sizes) >= self.inner
+
+    def even(self, axis: int, parts: int) -> tuple[int, ...]:
+        """Cuts into so many parts, not more than ``most``, as even as they can be."""
+        n = self.shape[axis]
+        cuts = _even(0, n, parts)
+        if self.allows(axis, cuts):
+            return cuts
+        return 0, *_even(self.end, n - self.end, parts - 2), n
+
+
+def _even(begin: int, end: int, parts: int) -> tuple[int, ...]:
+    return tuple(begin + (end - begin) * k // parts for k in range(parts + 1))
+
+
+@dataclass(frozen=True)
+class Share:
+    """The ranks of a block, those along axis 0 side by side, and the cuts of each axis."""
+
+    ranks: tuple[int, ...]
+    cuts: tuple[tuple[int, ...], ...]
+
+    @property
+    def grid(self) -> tuple[int, ...]:
+        """Parts per axis."""
+        return tuple(len(cuts) - 1 for cuts in self.cuts)
+
+    def part(self, rank: int) -> tuple[tuple[int, int], ...]:
+        """(first node, first node beyond) of a rank, per axis."""
+        place = np.unravel_index(self.ranks.index(rank), self.grid, order="F")
+        return tuple((cuts[i], cuts[i + 1]) for cuts, i in zip(self.cuts, place, strict=True))
+
+    def owners(self, nodes: np.ndarray) -> np.ndarray:
+        """The ranks that own nodes, which are counted with axis 0 first."""
+        shape = tuple(cuts[-1] for cuts in self.cuts)
+        places = np.unravel_index(np.asarray(nodes), shape, order="F")
+        at = [np.searchsorted(c, i, "right") - 1 for c, i in zip(self.cuts, places, strict=True)]
+        return np.array(self.ranks)[np.ravel_multi_index(at, self.grid, order="F")]
+
+
+def share_out(extents: Sequence[Extent], size: int, mode: str = "auto") -> list[Share]:
+    """The share of each block, for ``size`` ranks.
+
+    physics: each rank has one block, or a part of one; with fewer ranks than blocks whole blocks,
+    and gas and solid on different ranks. balanced: equal work for all ranks, in the order of the
+    blocks, gas first; blocks are cut along their longest axes only. auto: the one with which the
+    slowest rank has less to do.
+    InputError, which names the largest number of ranks that works, if these are too many.
+    """
+    if size == 1:
+        return [Share((0,), _uncut(extent)) for extent in extents]
+    apart, chained = _physics(extents, size), _balanced(extents, size)
+    if mode == "balanced":
+        if chained is None:
+            raise InputError(_too_many(size, _most_balanced(extents, size), extents))
+        return chained
+    if apart is None:
+        raise InputError(_too_many(size, sum(e.cap for e in extents), extents))
+    if mode == "physics" or chained is None:
+        return apart
+    gain = slowest(extents, apart, size) / slowest(extents, chained, size)
+    return chained if gain > WORTH_IT else apart
+
+
+def _uncut(extent: Extent) -> tuple[tuple[int, ...], ...]:
+    return tuple((0, n) for n in extent.shape)
+
+
+def slowest(extents: Sequence[Extent], shares: Sequence[Share], size: int) -> float:
+    """Work of the rank that has most to do: nodes, half of the halos, messages."""
+    work = np.zeros(size)
+    for extent, share in zip(extents, shares, strict=True):
+        for rank in share.ranks:
+            nodes, neighbours = 1.0, 0
+            for axis, (begin, end) in enumerate(share.part(rank)):
+                whole = end - begin == extent.shape[axis]
+                outer = (begin == 0) + (end == extent.shape[axis])
+                sides = 0 if whole else 2 if extent.periodic[axis] else 2 - outer
+                nodes *= end - begin + 0.5 * sides * extent.halo
+                neighbours += sides
+            work[rank] += COST[extent.kind] * nodes + MESSAGE * neighbours
+    return float(work.max())
+
+
+def _too_many(size: int, most: int, extents: Sequence[Extent]) -> str:
+    least = min(extent.end for extent in extents)
+    return (
+        f"{size} ranks are more than these blocks can feed: with at least {least} nodes along each "
+        f"cut axis on a rank, {most} is the largest number that works"
+    )
+
+
+# each rank one block, or a part of one
+
+
+def _physics(extents: Sequence[Extent], size: int) -> list[Share] | None:
+    if size < len(extents):
+        ranks = _whole(extents, size)
+        return [Share((r,), _uncut(extent)) for extent, r in zip(extents, ranks, strict=True)]
+    caps = [extent.cap for extent in extents]
+    if size > sum(caps):
+        return None
+    counts = _apportion([extent.work for extent in extents], caps, size)
+    shares, first = [], 0
+    for extent, count in zip(extents, counts, strict=True):
+        shares.append(_cut(extent, range(first, first + count)))
+        first += count
+    return shares
+
+
+def _whole(extents: Sequence[Extent], size: int) -> list[int]:
+    """A rank for each block, of fewer ranks than blocks: gas on the lower ones."""
+    kinds = {kind: [k for k, e in enumerate(extents) if e.kind == kind] for kind in COST}
+    kinds = {kind: blocks for kind, blocks in kinds.items() if blocks}
+    work = [sum(extents[k].work for k in blocks) for blocks in kinds.values()]
+    counts = [size]
+    if len(kinds) == 2:
+        counts = _apportion(work, [len(blocks) for blocks in kinds.values()], size)
+    ranks, first = [0] * len(extents), 0
+    for blocks, count in zip(kinds.values(), counts, strict=True):
+        loads = [0.0] * count
+        for k in sorted(blocks, key=lambda k: (-extents[k].work, k)):  # the largest first
+            least = loads.index(min(loads))
+            loads[least] += extents[k].work
+            ranks[k] = first + least
+        first += count
+    return ranks
+
+
+def _apportion(work: Sequence[float], caps: Sequence[int], size: int) -> list[int]:
+    """Ranks for each, one at least; each further one goes where a rank has most work."""
+    counts = [1] * len(work)
+    for _ in range(size - len(work)):
+        open_ones = [k for k in range(len(work)) if counts[k] < caps[k]]
+        counts[max(open_ones, key=lambda k: work[k] / counts[k])] += 1
+    return counts
+
+
+def _cut(extent: Extent, ranks: range) -> Share:
+    """A block on these ranks, or on some of them if it cannot be cut into so many parts."""
+    count = next(n for n in range(len(ranks), 0, -1) if _grid(extent, n))
+    grid = _grid(extent, count)
+    cuts = tuple(extent.even(axis, parts) for axis, parts in enumerate(grid))
+    return Share(tuple(ranks[:count]), cuts)
+
+
+def _grid(extent: Extent, count: int) -> tuple[int, ...] | None:
+    """Parts per axis, ``count`` in all, with the fewest nodes along cuts; None if impossible."""
+    fits = [
+        grid
+        for grid in _factors(count, len(extent.shape))
+        if all(parts <= extent.most(axis) for axis, parts in enumerate(grid))
+    ]
+
+    def nodes_along_cuts(grid: tuple[int, ...]) -> tuple[float, tuple[int, ...]]:
+        lengths = [extent.size / extent.shape[axis] for axis in range(len(grid))]
+        return sum((parts - 1) * length for parts, length in zip(grid, lengths, strict=True)), grid
+
+    return min(fits, key=nodes_along_cuts, default=None)
+
+
+def _factors(count: int, axes: int) -> list[tuple[int, ...]]:
+    """All ways to write a number as a product of ``axes`` numbers."""
+    if axes == 1:
+        return [(count,)]
+    divisors = [n for n in range(1, count + 1) if count % n == 0]
+    return [(n, *rest) for n in divisors for rest in _factors(count // n, axes - 1)]
+
+
+# equal work for all
+
+
+def _most_balanced(extents: Sequence[Extent], size: int) -> int:
+    return next(n for n in range(size - 1, 0, -1) if n == 1 or _balanced(extents, n))
+
+
+def _balanced(extents: Sequence[Extent], size: int) -> list[Share] | None:
+    """Blocks one after the other on a line of work, cut into equal pieces; None if impossible."""
+    order = sorted(range(len(extents)), key=lambda k: (extents[k].kind != "fluid", k))
+    total = sum(extent.work for extent in extents)
+    shares: list[Share | None] = [None] * len(extents)
+    used: set[int] = set()
+    begun = 0.0
+    for k in order:
+        ended = begun + extents[k].work
+        share = _slabs(extents[k], begun * size / total, ended * size / total, size)
+        if share is None:
+            return None
+        shares[k] = share
+        used.update(share.ranks)
+        begun = ended
+    return shares if len(used) == size else None
+
+
+def _slabs(extent: Extent, begin: float, end: float, size: int) -> Share | None:
+    """A block between the places ``begin`` and ``end`` on a line on which rank r has r … r + 1."""
+    axis, n = extent.longest, extent.shape[extent.longest]
+    first, last = min(int(begin + 1e-9), size - 1), min(int(end - 1e-9), size - 1)
+    inner = [round(n * (rank - begin) / (end - begin)) for rank in range(first + 1, last + 1)]
+    # a part that would be too small goes to the next rank
+    least = extent.inner if extent.periodic[axis] else extent.end
+    cuts = [0, *(0 if cut < least else n if cut > n - least else cut for cut in inner), n]
+    kept = [(rank, a, b) for rank, (a, b) in zip(range(first, last + 1), pairwise(cuts)) if b > a]
+    along = (0, *(b for _, _, b in kept))
+    if not extent.allows(axis, along):
+        return None
+    whole = list(_uncut(extent))
+    whole[axis] = along
+    return Share(tuple(rank for rank, _, _ in kept), tuple(whole))
