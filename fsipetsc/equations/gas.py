@@ -1,0 +1,197 @@
+"""Compressible Navier–Stokes equations on a curvilinear grid that moves, for d = 1, 2, 3.
+
+With the metrics a^k of the logical directions k, the velocity v of the grid and g^k = a^k . v,
+
+    J_t    = sum_k (a^k . D_k v + v . D_k a^k)
+    (JU)_t = - sum_k D_k (a^k . f - g^k U - a^k . f_v) + J s
+
+    U   = (rho, rho u, E),        E = rho (e(rho, T) + |u|^2/2)
+    f   = (rho u, rho u u + p, (E + p) u)
+    f_v = (0, tau, tau u + kappa grad T),   tau = mu (grad u + grad u^T - 2/3 div u)
+    s   = (0, rho b, rho b . u)             b: body force per mass
+
+a . f is the flux through the area a. Two-point fluxes of the nodes l and r, {q} = (q_l + q_r)/2:
+
+    F = {a} . f# - g U#,    g = (a_l . v_r + a_r . v_l)/2
+    U# = rho^ (1, {u}, u_l . u_r/2 + e(rho^, T^))
+    {a} . f# = V U# + (0, {a} {p}, (p_l V_r + p_r V_l)/2),    V_l = {a} . u_l,  V = (V_l + V_r)/2
+
+with rho^ the logarithmic mean of rho, T^ one over that of 1/T. They conserve entropy for a perfect
+gas (H. Ranocha, Generalised summation-by-parts operators and entropy stability, 2018; moving grids:
+G. Schnücke et al., J. Sci. Comput. 82, 2020) and for a stiffened gas, whose entropy is that of a
+perfect gas with the pressure p + p_inf and the energy E - p_inf: p_inf adds constants to f and U.
+Any other gas law wants the mean flux {a . f} - g {U}.
+
+Gradients are those of the entropy variables (u, -1)/T, because then viscosity and conduction
+produce entropy at each node: grad u = T (grad (u/T) + u grad (-1/T)), grad T = T^2 grad (-1/T).
+
+The unknowns of a node are q = (J, J rho, J rho u, J E). w = (rho, p, T, u_1 … u_d, 1/rho, 1/T) are
+its primitive variables, with the reciprocals that two-point fluxes need.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba.extending import register_jitable
+
+from fsipetsc.equations.means import (
+    distance,
+    harmonic_mean,
+    logarithmic_mean,
+    near_harmonic_mean,
+    near_mean,
+)
+from fsipetsc.equations.tensors import add_unit, apply, outer, trace, transpose
+from fsipetsc.operators.loops import add, along, dot, formulas, mean, scale
+
+formulas("primitive", "state", "velocity", "densities", "conserved", "flux", "mean_flux")
+formulas("pair_flux", "near_pair_flux", "near_pair_flux_at_rest", "pair_distance")
+formulas("speed_of_sound", "entropy_density", "entropy_variables", "first_entropy_variable")
+formulas("velocity_gradient", "viscous_stress", "conduction", "viscous_flux")
+formulas("body_force", "diffusivity")
+
+
+class Gas(NamedTuple):
+    """The equations for a gas law, a transport law and numbers.
+
+    law, transport: as in fsipetsc.materials. mu: viscosity [Pa s], kappa: conductivity [W/(m K)];
+    the transport law multiplies both. force: (d,) body force per mass [m/s2].
+    """
+
+    law: Any
+    transport: Any
+    mu: float
+    kappa: float
+    force: tuple[float, ...]
+
+    def primitive(self, q):
+        """w of q = (J, J rho, J rho u, J E)."""
+        both = 1.0 / (q[0] * q[1])  # one division, not two
+        rho, per_rho = q[1] * (q[1] * both), q[0] * (q[0] * both)
+        per_mass = q[0] * both
+        u = scale(per_mass, q[2:-1])
+        T = self.law.temperature(rho, q[-1] * per_mass - 0.5 * dot(u, u))
+        return (rho, self.law.pressure(rho, T), T, *u, per_rho, 1.0 / T)
+
+    def state(self, rho, u, T):
+        """w of density, velocity and temperature."""
+        return (rho, self.law.pressure(rho, T), T, *u, 1.0 / rho, 1.0 / T)
+
+    def velocity(self, w):
+        """u."""
+        return w[3:-2]
+
+    def densities(self, w):
+        """U, per volume."""
+        rho, u = w[0], w[3:-2]
+        energy = self.law.energy_density(rho, w[2]) + 0.5 * rho * dot(u, u)
+        return (rho, *scale(rho, u), energy)
+
+    def conserved(self, J, rho, u, T):
+        """q of density, velocity and temperature."""
+        energy = self.law.energy_density(rho, T) + 0.5 * rho * dot(u, u)
+        return (J, J * rho, *scale(J * rho, u), J * energy)
+
+    def flux(self, w, a):
+        """a . f, the inviscid flux through the area a at rest."""
+        rho, p, u = w[0], w[1], w[3:-2]
+        through = dot(a, u)
+        energy = self.law.energy_density(rho, w[2]) + 0.5 * rho * dot(u, u)
+        mass = rho * through
+        return (mass, *along(scale(mass, u), p, a), (energy + p) * through)
+
+    def mean_flux(self, l, r, a_l, v_l, a_r, v_r):
+        """{a . f} - g {U} of two nodes: the divergence form, for any gas law."""
+        f, U = mean(self.flux(l, a_l), self.flux(r, a_r)), mean(self.densities(l), self.densities(r))
+        return along(f, -volume_flux(a_l, v_l, a_r, v_r), U)
+
+    def pair_flux(self, l, r, a_l, v_l, a_r, v_r):
+        """F of any two nodes; it takes logarithms, which LLVM does not vectorise."""
+        g = volume_flux(a_l, v_l, a_r, v_r)
+        rho = logarithmic_mean(l[0], r[0], distance(l[0], r[0], l[-2], r[-2]))
+        T = harmonic_mean(l[2], r[2], distance(l[2], r[2], l[-1], r[-1]))
+        return two_point_flux(self.law, l, r, mean(a_l, a_r), g, rho, T)
+
+    def near_pair_flux(self, l, r, a_l, v_l, a_r, v_r):
+        """The same where pair_distance is at most NEAR, without a logarithm and a division."""
+        g = volume_flux(a_l, v_l, a_r, v_r)
+        rho = near_mean(l[0], r[0], distance(l[0], r[0], l[-2], r[-2]))
+        T = near_harmonic_mean(l[2], r[2], distance(l[2], r[2], l[-1], r[-1]))
+        return two_point_flux(self.law, l, r, mean(a_l, a_r), g, rho, T)
+
+    def near_pair_flux_at_rest(self, l, r, a_l, a_r):
+        """near_pair_flux on a grid at rest."""
+        rho = near_mean(l[0], r[0], distance(l[0], r[0], l[-2], r[-2]))
+        T = near_harmonic_mean(l[2], r[2], distance(l[2], r[2], l[-1], r[-1]))
+        return two_point_flux(self.law, l, r, mean(a_l, a_r), 0.0, rho, T)
+
+    def pair_distance(self, l, r):
+        """How far two states are apart: the larger distance (means.py) of density, temperature."""
+        return max(distance(l[0], r[0], l[-2], r[-2]), distance(l[2], r[2], l[-1], r[-1]))
+
+    def speed_of_sound(self, w):
+        """c [m/s]."""
+        return np.sqrt(self.law.sound_speed_squared(w[0], w[2]))
+
+    def entropy_density(self, w):
+        """rho s [J/(m3 K)]."""
+        return w[0] * self.law.entropy(w[0], w[2])
+
+    def entropy_variables(self, w):
+        """(u_1 … u_d, -1)/T: those whose gradients are taken."""
+        return (*scale(w[-1], w[3:-2]), -w[-1])
+
+    def first_entropy_variable(self, w):
+        """(e + p/rho - |u|^2/2)/T - s, the one of mass; all d + 2 are -d(rho s)/dU."""
+        u = w[3:-2]
+        h = (self.law.energy_density(w[0], w[2]) + w[1]) * w[-2]
+        return (h - 0.5 * dot(u, u)) * w[-1] - self.law.entropy(w[0], w[2])
+
+    def velocity_gradient(self, w, scaled, inverse):
+        """The tensor du_i/dx_j; scaled: the tensor grad (u/T), inverse: grad (-1/T)."""
+        return scale(w[2], add(scaled, outer(w[3:-2], inverse)))
+
+    def viscous_stress(self, w, scaled, inverse):
+        """The tensor tau [Pa]; scaled, inverse: as in velocity_gradient."""
+        G = self.velocity_gradient(w, scaled, inverse)
+        mu = self.mu * self.transport.viscosity(w[2])
+        return add_unit(-2.0 / 3.0 * mu * trace(G), scale(mu, add(G, transpose(G))))
+
+    def conduction(self, w, inverse):
+        """kappa grad T [W/m2], from grad (-1/T)."""
+        return scale(self.kappa * self.transport.conductivity(w[2]) * (w[2] * w[2]), inverse)
+
+    def viscous_flux(self, w, tau, conduction, a):
+        """(tau a, a . (tau u + kappa grad T)): a . f_v without its first number, which is 0."""
+        traction = apply(tau, a)
+        return (*traction, dot(traction, w[3:-2]) + dot(conduction, a))
+
+    def body_force(self, q):
+        """(J rho b, J rho b . u): J s without its first number, which is 0."""
+        return (*scale(q[1], self.force), dot(self.force, q[2:-1]))
+
+    def diffusivity(self, w):
+        """The larger of those of momentum, 4/3 mu/rho, and heat, kappa/(rho cv) [m2/s]."""
+        mu, kappa = self.transport.viscosity(w[2]), self.transport.conductivity(w[2])
+        of_heat = self.kappa * kappa / self.law.heat_capacity(w[0], w[2])
+        return max(4.0 / 3.0 * self.mu * mu, of_heat) * w[-2]
+
+
+@register_jitable
+def volume_flux(a_l, v_l, a_r, v_r):
+    """g of two nodes, from their area vectors and velocities of the grid."""
+    return 0.5 * (dot(a_l, v_r) + dot(a_r, v_l))
+
+
+@register_jitable
+def two_point_flux(law, l, r, a, g, rho, T):
+    """a . f# - g U#, with the means rho and T."""
+    u_l, u_r = l[3:-2], r[3:-2]
+    through_l, through_r = dot(a, u_l), dot(a, u_r)
+    relative = 0.5 * (through_l + through_r) - g
+    mass = rho * relative
+    momentum = along(scale(mass, mean(u_l, u_r)), 0.5 * (l[1] + r[1]), a)
+    energy = relative * (law.energy_density(rho, T) + 0.5 * rho * dot(u_l, u_r))
+    return (mass, *momentum, energy + 0.5 * (l[1] * through_r + r[1] * through_l))
