@@ -16,6 +16,10 @@ from numba import types
 from numba.core.compiler import Compiler
 from numba.extending import overload, overload_method, register_jitable
 
+from fsipetsc.operators.kernel_cache import use_kernel_cache
+
+use_kernel_cache()  # before the first kernel is defined
+
 
 class NoAlias(Compiler):
     """numba's compiler with its flag ``noalias``: arrays given to a function do not overlap."""

@@ -1,0 +1,45 @@
+"""Where numba keeps compiled kernels: a folder named by a hash of the package's sources.
+
+numba renews a cached function when its own file changes, not when a formula in another file does. So kernels of other sources
+are in another folder. Below NUMBA_CACHE_DIR, if that is set, else in the user's cache folder; where none can be written to,
+numba compiles anew in each process.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import tempfile
+from functools import cache
+from pathlib import Path
+
+import numba
+
+#: folders of the package with compiled code or formulas
+COMPILED = ("operators", "equations", "materials", "blocks", "scheme", "paper")
+
+
+def source_hash() -> str:
+    """Of the sources that are compiled."""
+    package = Path(__file__).resolve().parent.parent
+    digest = hashlib.sha256()
+    for folder in COMPILED:
+        for path in sorted((package / folder).glob("*.py")):
+            digest.update(path.name.encode() + path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+@cache
+def use_kernel_cache() -> Path:
+    """Let numba keep kernels in a folder of these sources, from now on; the folder."""
+    given = os.environ.get("NUMBA_CACHE_DIR")
+    home = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
+    base = Path(given) if given else Path(home) / "fsipetsc"
+    try:
+        (base / source_hash()).mkdir(parents=True, exist_ok=True)
+    except OSError:
+        base = Path(tempfile.gettempdir()) / f"fsipetsc-{os.getuid()}"
+        (base / source_hash()).mkdir(parents=True, exist_ok=True)
+    folder = base / source_hash()
+    numba.config.CACHE_DIR = str(folder)
+    return folder
