@@ -248,7 +248,9 @@ def _factors(count: int, axes: int) -> list[tuple[int, ...]]:
 
 
 def _most_balanced(extents: Sequence[Extent], size: int) -> int:
-    return next(n for n in range(size - 1, 0, -1) if n == 1 or _balanced(extents, n))
+    caps = sum(extent.most(extent.longest) for extent in extents)
+    tried = range(min(size - 1, caps), 1, -1)
+    return next((n for n in tried if _balanced(extents, n)), 1)
 
 
 def _balanced(extents: Sequence[Extent], size: int) -> list[Share] | None:

@@ -1,0 +1,138 @@
+"""Blocks on ranks: shares of their nodes, layouts, halos, what goes between faces and particles."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from math import prod
+
+import numpy as np
+import pytest
+
+pytest.importorskip("petsc4py")
+
+from helpers import REPOSITORY, mpirun
+
+from fsipetsc.errors import InputError
+from fsipetsc.parallel.block_shares import COST, MODES, Extent, share_out, slowest
+
+
+def extent(kind: str, shape: tuple[int, ...], ring: int | None = None, p: int = 2) -> Extent:
+    """A block for the operators 2/1 (p = 1) or 4/2; ring: a periodic axis."""
+    rows = {1: 1, 2: 4}[p]
+    periodic = tuple(axis == ring for axis in range(len(shape)))
+    return Extent("block", kind, shape, periodic, rows + p, 2 * p, 2 * p)
+
+
+PROBLEMS = {
+    "line": [extent("fluid", (81,)), extent("solid", (41,)), extent("fluid", (161,))],
+    "flat": [extent("fluid", (128, 64)), extent("solid", (128, 33))],
+    "annulus": [
+        extent("fluid", (96, 17), 0),
+        extent("solid", (96, 9), 0),
+        extent("fluid", (96, 21), 0),
+    ],
+    "nine": [extent("fluid" if k % 3 else "solid", (13 + k, 25)) for k in range(9)],
+    "box": [extent("fluid", (33, 30, 27), p=1), extent("solid", (33, 30, 12), p=1)],
+}
+ALL = pytest.mark.parametrize("blocks", PROBLEMS.values(), ids=PROBLEMS)
+EVERY_MODE = pytest.mark.parametrize("mode", MODES)
+
+
+def most(blocks: list[Extent], mode: str) -> int:
+    """The largest number of ranks that works, as the message says."""
+    with pytest.raises(InputError) as caught:
+        share_out(blocks, 10**6, mode)
+    assert str(caught.value).startswith("1000000 ranks")
+    return int(str(caught.value).split(", ")[-1].split()[0])
+
+
+@ALL
+@EVERY_MODE
+def test_every_node_has_one_owner_and_parts_are_large_enough(blocks, mode):
+    largest = most(blocks, mode)
+    assert largest >= 6
+    for size in {*range(1, 12), largest // 2, largest} & set(range(1, largest + 1)):
+        for block, share in zip(blocks, share_out(blocks, size, mode), strict=True):
+            assert len(set(share.ranks)) == len(share.ranks) == prod(share.grid)
+            assert set(share.ranks) <= set(range(size))
+            assert share.ranks == tuple(sorted(share.ranks))
+            owners = np.full(block.shape, -1)
+            for rank in share.ranks:
+                part = share.part(rank)
+                place = tuple(slice(a, b) for a, b in part)
+                assert (owners[place] == -1).all()
+                owners[place] = rank
+                for axis, (a, b) in enumerate(part):
+                    n = block.shape[axis]
+                    ends = not block.periodic[axis] and (a == 0 or b == n)
+                    assert b - a >= (block.end if ends else block.inner) or b - a == n
+            assert np.array_equal(
+                share.owners(np.arange(block.size)), owners.reshape(-1, order="F")
+            )
+
+
+@ALL
+@EVERY_MODE
+def test_one_rank_more_than_work_is_too_many(blocks, mode):
+    largest = most(blocks, mode)
+    share_out(blocks, largest, mode)
+    with pytest.raises(InputError, match=f"{largest + 1} ranks are more"):
+        share_out(blocks, largest + 1, mode)
+
+
+@ALL
+def test_gas_and_solid_are_apart_where_there_are_ranks(blocks):
+    for size in range(2, 12):
+        shares = share_out(blocks, size, "physics")
+        ranks = {
+            kind: {
+                r for b, s in zip(blocks, shares, strict=True) if b.kind == kind for r in s.ranks
+            }
+            for kind in COST
+        }
+        assert not ranks["fluid"] & ranks["solid"]
+
+
+def test_work_is_shared_by_cost_and_not_by_nodes():
+    blocks = [extent("fluid", (128, 128)), extent("solid", (128, 128))]
+    total = sum(block.work for block in blocks)
+    shares = share_out(blocks, 2, "auto")
+    assert slowest(blocks, shares, 2) < 1.03 * total / 2, "balanced: gas is cut"
+    assert shares[0].ranks == (0, 1) and shares[1].ranks == (1,)
+    by_physics = share_out(blocks, 2, "physics")
+    assert slowest(blocks, by_physics, 2) == pytest.approx(total * 1.9 / 2.9, rel=1e-3)
+    assert share_out(blocks, 3, "physics")[0].ranks == (0, 1), "gas has more work"
+
+
+def test_few_nodes_stay_together():
+    """Messages cost more than what they save."""
+    assert [share.ranks for share in share_out(PROBLEMS["line"][:2], 2)] == [(0,), (1,)]
+
+
+@pytest.mark.parametrize(("count", "grid"), [(2, (2, 1)), (4, (4, 1)), (6, (6, 1)), (8, (4, 2))])
+def test_cuts_are_short(count, grid):
+    (share,) = share_out([extent("fluid", (200, 60))], count, "physics")
+    assert share.grid == grid
+
+
+def test_parts_in_the_middle_may_be_smaller_than_those_at_ends():
+    block = extent("fluid", (25,))  # ends of 6, parts of 4 between
+    (share,) = share_out([block], block.most(0), "physics")
+    assert [b - a for a, b in pairwise(share.cuts[0])] == [6, 4, 4, 5, 6]
+
+
+@pytest.mark.parametrize("shape", [(24,), (24, 30)])
+@pytest.mark.parametrize("ring", [None, 0])
+def test_cap_is_what_can_be_cut(shape, ring):
+    block = extent("solid", shape, ring)
+    assert len(share_out([block], block.cap, "physics")[0].ranks) == block.cap
+    with pytest.raises(InputError):
+        share_out([block], block.cap + 1, "physics")
+
+
+@pytest.mark.mpi
+def test_layouts_and_exchanges_on_one_to_five_ranks():
+    """Halos, bands, faces, pieces and particles: see layout_program.py."""
+    done = mpirun(5, "-m", "mpi4py", REPOSITORY / "tests" / "layout_program.py")
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == "all right\n"
