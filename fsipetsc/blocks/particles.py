@@ -19,9 +19,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
+
 from fsipetsc.blocks.conditions import Clamped, Given, NoSlip, Open, Roller, Slip
 from fsipetsc.blocks.problem import BlockProblem, Meeting
-from numpy.typing import NDArray
 
 SLIDES, WALL, ROLLS = 0, 1, 2
 #: unit normals with at least this scalar product belong to one smooth wall
@@ -37,33 +38,38 @@ class Particle:
     """What holds one particle.
 
     members: (block, node), ascending. constraints: (kind, faces of members). sticks: gas and solid have one velocity.
-    wall, clamp, given_gas, given_solid: the condition that prescribes the velocity of the gas, the motion of the solid, all
-    unknowns; None where there is none. warm: a condition that gives a temperature. shares_heat: gas and solid have one
-    temperature.
+    wall, slip, clamp, given_gas, given_solid: the condition that prescribes the velocity of the gas, that of a wall along
+    which it slips, the motion of the solid, all unknowns; None where there is none. warm: a condition that gives a
+    temperature. shares_heat: gas and solid have one temperature. shares_energy: solid members have one energy per mass, as
+    one temperature asks for where stresses heat.
     """
 
     members: list[tuple[int, int]]
     constraints: list[tuple[int, list[Face]]] = field(default_factory=list)
     sticks: bool = False
     shares_heat: bool = False
+    shares_energy: bool = False
     wall: Any = None
+    slip: Any = None
     clamp: Any = None
     given_gas: Any = None
     given_solid: Any = None
     warm: Any = None
 
+    @property
+    def moves(self) -> bool:
+        """Whether walls or given faces move it by themselves."""
+        return any(getattr(c, "x", None) is not None for c in (self.wall, self.slip, self.given_gas))
+
 
 def particles_of(problem: BlockProblem) -> list[Particle]:
     """All particles of a problem, in the order of their first members."""
     met = _faces_of_members(problem)
-    members = sorted(met)
-    places = np.concatenate(
-        [problem.places(k, np.array([n for b, n in members if b == k])) for k in sorted({b for b, _ in members})]
-    )
     groups: dict[int, list[tuple[int, int]]] = defaultdict(list)
-    for member, group in zip(members, _at_one_place(places, problem.tolerance), strict=True):
-        groups[int(group)].append(member)
-    return [_particle(problem, those, met) for those in groups.values()]
+    for particle, block, node in zip(*(numbers.tolist() for numbers in problem.members), strict=True):
+        groups[particle].append((block, node))
+    hinged = _hinged(problem)
+    return [_particle(problem, members, met, hinged) for members in groups.values()]
 
 
 def _faces_of_members(problem: BlockProblem) -> dict[tuple[int, int], list[tuple[int, int, Any]]]:
@@ -76,17 +82,20 @@ def _faces_of_members(problem: BlockProblem) -> dict[tuple[int, int], list[tuple
     return found
 
 
-def _at_one_place(places: Array, tolerance: float) -> Array:
-    """(n,) the number of the first of the places (n, d) that is closer than the tolerance."""
-    from scipy.spatial import cKDTree
+def _hinged(problem: BlockProblem) -> set[tuple[int, int]]:
+    """The nodes nearest to the points that are held."""
+    found = set()
+    for name, place, _ in problem.points:
+        k = problem.number(name)
+        nodes = np.unique(np.concatenate([problem.face_nodes(k, *face) for face in problem.faces_of(k)]))
+        distance = np.linalg.norm(problem.places(k, nodes) - np.asarray(place), axis=1)
+        found.add((k, int(nodes[np.argmin(distance)])))
+    return found
 
-    group = np.arange(len(places))
-    for a, b in sorted(cKDTree(places).query_pairs(tolerance)):
-        group[b] = min(group[b], group[a])
-    return group
 
-
-def _particle(problem: BlockProblem, members: list[tuple[int, int]], faces: Any) -> Particle:
+def _particle(
+    problem: BlockProblem, members: list[tuple[int, int]], faces: Any, hinged: set[tuple[int, int]]
+) -> Particle:
     particle = Particle(members)
     slides: list[Face] = []
     walls: list[tuple[Face, str]] = []
@@ -96,16 +105,19 @@ def _particle(problem: BlockProblem, members: list[tuple[int, int]], faces: Any)
         for axis, side, met in faces[k, n]:
             face = number, axis, side
             if isinstance(met, Meeting):
-                if gas and problem.blocks[met.other].kind == "solid":
-                    _meet_solid(particle, problem.blocks[k], problem.blocks[met.other], face, slides)
+                if gas and problem.blocks[met.block].kind == "solid":
+                    _meet_solid(particle, problem.blocks[k], problem.blocks[met.block], face, slides)
             elif isinstance(met, Slip):
                 walls.append((face, met.name))
+                particle.slip = _moving_first(particle.slip, met)
             elif isinstance(met, Roller):
                 rolls.append((face, ""))
             else:
                 _take_over(particle, met, gas)
-    if particle.clamp is None and problem.hinged(members):
+    if particle.clamp is None and hinged.intersection(members):
         particle.clamp = Clamped()
+    solids = [problem.blocks[k].material for k, _ in members if problem.blocks[k].kind == "solid"]
+    particle.shares_energy = all(solid.heat == "coupled" for solid in solids)
     if not particle.sticks:
         particle.constraints += [(SLIDES, group) for group in _corners(slides)]
     same_wall = _SameWall(problem, members)
@@ -189,6 +201,25 @@ class _SameWall:
         return float(n @ m) > SMOOTH or recedes
 
     def _of(self, face: Face) -> tuple[Array, Array, Array]:
-        """(outward unit normal, place of the node, mean place of its neighbours within the face)."""
+        """(outward unit normal, place of the node, mean place of its neighbours within the face), of the reference map."""
         number, axis, side = face
-        return self._problem.face_normal(*self._members[number], axis, side)
+        k, node = self._members[number]
+        block, d = self._problem.blocks[k], self._problem.dimension
+        index = np.array(np.unravel_index(node, block.shape[::-1])[::-1])
+        place, steps, around = self._place(k, index), [], []
+        for along in range(d):
+            ends = []
+            for step in (-1, 1):
+                other = index.copy()
+                other[along] += step
+                if block.periodic[along] or 0 <= other[along] < block.shape[along]:
+                    ends.append(self._place(k, other) - place if step > 0 else place - self._place(k, other))
+                    if along != axis:
+                        around.append(place + step * ends[-1])
+            steps.append(sum(ends) / len(ends))
+        normal = np.linalg.inv(np.array(steps))[:, axis] * (1.0 if side else -1.0)
+        mean = sum(around) / len(around) if around else place
+        return normal / np.linalg.norm(normal), place, mean
+
+    def _place(self, k: int, index: Array) -> Array:
+        return self._problem.positions(k, [(int(i), int(i) + 1) for i in index])[:, 0]

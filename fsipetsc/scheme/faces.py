@@ -117,6 +117,50 @@ def open_face(law, face, q, metrics, outside, pressure, rates):
             rates[face.owned[i], 1 + c] -= face.per_weight * f[c]
 
 
+def area_vectors(face: Face, ghosted: Any, bands: Any, X: Array, q: Array) -> Array:
+    """(n, d) outward area vectors of a solid's face where it is now.
+
+    X: (d, ghosted nodes) reference places, q: (ghosted nodes, 2d + 1), whose first numbers are the displacement.
+    """
+    d = len(X)
+    out = np.empty((face.ghosted.size, d))
+    if d == 1:
+        out[:] = face.sign
+        return out
+    axes = [axis for axis in range(d) if axis != face.axis]
+    strides = [1, ghosted[0], ghosted[0] * ghosted[1]]
+    tangents = [
+        tangent(face.ghosted, bands[a].S, bands[a].weight, strides[a], ghosted[a], X, q) for a in axes
+    ]
+    if d == 2:
+        (tx, ty), sign = tangents[0].T, face.sign if face.axis == 0 else -face.sign
+        out[:, 0], out[:, 1] = sign * ty, -sign * tx
+        return out
+    first, second = tangents if face.axis != 1 else tangents[::-1]
+    return face.sign * np.cross(first, second)
+
+
+@njit(**CALL)
+def tangent(nodes, S, weight, stride, size, X, q):
+    """(n, d) derivative of the place x = X + D along an axis, at nodes of the ghosted array."""
+    d = X.shape[0]
+    out = np.zeros((nodes.size, d))
+    for i in range(nodes.size):
+        at = nodes[i]
+        place = at // stride % size
+        for k in range(1, S.shape[0]):
+            for c in range(d):
+                if place + k < size and S[k, place] != 0.0:
+                    to = at + k * stride
+                    out[i, c] += S[k, place] * (X[c, to] + q[to, c] - X[c, at] - q[at, c])
+                if place - k >= 0 and S[k, place - k] != 0.0:
+                    to = at - k * stride
+                    out[i, c] -= S[k, place - k] * (X[c, to] + q[to, c] - X[c, at] - q[at, c])
+        for c in range(d):
+            out[i, c] *= 0.5 / weight[place]
+    return out
+
+
 @njit(**CALL)
 def load_face(face, normals, pressure, q, inertia, rates):
     """Add a pressure on a solid's face to ``rates`` (owned, 2d + 1) of velocity and energy.

@@ -42,9 +42,8 @@ class Table(NamedTuple):
 
     begin: (p + 1,), rows of particle p are row[begin[p]:begin[p + 1]], in the order that all ranks have. kind: (rows,) GAS or
     SOLID. at: (own,) where the unknowns of a member begin in the world's vector. weight: (rows,) H of a gas member, M_s of a
-    solid one. capacity: (rows,) specific heat alpha of a solid member.
-    count: (p,) number of constraints; constraint: (p, K) their kinds. sticks, held_gas, held_solid, given_gas, given_solid,
-    warm, shares_heat: (p,) 1 or 0; see fsipetsc.blocks.particles.
+    solid one. count: (p,) number of constraints; constraint: (p, K) their kinds. All others are 1 or 0 for each particle; see
+    fsipetsc.blocks.particles.
     """
 
     begin: Array
@@ -52,7 +51,6 @@ class Table(NamedTuple):
     kind: Array
     at: Array
     weight: Array
-    capacity: Array
     count: Array
     constraint: Array
     sticks: Array
@@ -62,6 +60,7 @@ class Table(NamedTuple):
     given_solid: Array
     warm: Array
     shares_heat: Array
+    shares_energy: Array
 
 
 class Data(NamedTuple):
@@ -82,7 +81,7 @@ class Data(NamedTuple):
 
 class State(NamedTuple):
     """What `share` found, for each particle: mass of gas and solid (p,), V (p,), U of the gas (p, d + 2), displacement (p, d),
-    velocity (p, d) and energy (p,) of the solid.
+    velocity (p, d) and energy (p,) of the solid. mean_energy: (p,) that of its members, before anything changed it.
     """
 
     mass: Array
@@ -92,6 +91,7 @@ class State(NamedTuple):
     place: Array
     velocity: Array
     energy: Array
+    mean_energy: Array
 
 
 @njit(**CALL)
@@ -136,10 +136,10 @@ def _kinetic(P, M):
 
 
 @njit(**CALL)
-def share(table, law, d, rows, data, state):
+def share(table, d, rows, data, state):
     """From the sums in ``rows``: one U, one displacement, velocity and energy; what sticks has one velocity.
 
-    law: of the gas. The kinetic energy that the solid loses goes to the gas.
+    The kinetic energy that the solid loses goes to the gas.
     """
     gas, solid = np.zeros(d + 3), np.zeros(2 * d + 2)
     for p in range(table.begin.size - 1):
@@ -148,6 +148,7 @@ def share(table, law, d, rows, data, state):
         M_s, P_s = solid[2 * d + 1], solid[d : 2 * d]
         state.V[p], state.mass[p], state.solid_mass[p] = V, M, M_s
         if M_s > 0.0:
+            state.mean_energy[p] = solid[2 * d] / M_s
             for c in range(d):
                 state.place[p, c] = solid[c] / M_s
         if table.held_solid[p]:
@@ -340,7 +341,10 @@ def give_state(table, d, y, state):
             else:
                 for c in range(d):
                     y[at + c], y[at + d + c] = state.place[p, c], state.velocity[p, c]
-                y[at + 2 * d] = state.energy[p]
+                if table.shares_energy[p] or table.given_solid[p]:
+                    y[at + 2 * d] = state.energy[p]
+                else:
+                    y[at + 2 * d] += state.energy[p] - state.mean_energy[p]
 
 
 @njit(**CALL)
@@ -427,5 +431,8 @@ def give_rates(table, d, y, f, state, rates):
                     f[at + 1 + c] = y[at] * rates[p, c] + state.U[p, c] * f[at]
             else:
                 for c in range(d):
-                    f[at + d + c] = rates[p, d + 2 + c]
-                f[at + 2 * d] = rates[p, 2 * d + 2]
+                    force = rates[p, d + 2 + c] - f[at + d + c]
+                    f[at + d + c] += force
+                    f[at + 2 * d] += force * state.velocity[p, c]
+                if table.shares_energy[p]:
+                    f[at + 2 * d] = rates[p, 2 * d + 2]

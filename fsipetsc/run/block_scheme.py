@@ -1,0 +1,135 @@
+"""The semi-discrete scheme of blocks: one right-hand side, for any number of dimensions and ranks.
+
+    complete   particles share what is extensive; the grids of the gas follow the solids; velocities obey the constraints
+    rates      volume terms of each block, what passes open faces, forcing; then the constraints of the particles
+
+`y` is a fsipetsc.parallel.block_layout.BlockVector; `f` an array of the same layout.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fsipetsc.blocks.particles import particles_of
+from fsipetsc.materials.perfect_gas import PerfectGas
+from fsipetsc.parallel.block_layout import BlockLayout, BlockVector
+from fsipetsc.run.gas_part import GasPart
+from fsipetsc.run.particle_system import ParticleSystem
+from fsipetsc.run.solid_part import SolidPart
+
+Array = NDArray[Any]
+
+
+class Scheme:
+    """Right-hand side of a problem on this rank's parts of its blocks. Making one is collective on ``layout.comm``.
+
+    form: fsipetsc.run.block_state.BlockForm, of convection and dissipation. instant: says a time [s] in which little happens.
+    """
+
+    def __init__(
+        self, layout: BlockLayout, problem: Any, order: int, form: Any, instant: Callable[[], float] = lambda: 1e-4
+    ) -> None:
+        self.layout, self.problem = layout, problem
+        self.dimension = problem.dimension
+        particles = particles_of(problem)
+        self.parts: dict[int, GasPart | SolidPart] = {}
+        for part in layout.parts:
+            kind = GasPart if problem.blocks[part.k].kind == "fluid" else SolidPart
+            self.parts[part.k] = kind(layout, part, order, form)
+        self._gases = [part for part in self.parts.values() if isinstance(part, GasPart)]
+        solids = {k: part.inertia for k, part in self.parts.items() if isinstance(part, SolidPart)}
+        gases = [block.material for block in problem.blocks if block.kind == "fluid"]
+        law = gases[0].equations(self.dimension).law if gases else PerfectGas(1.4, 1.0)
+        self.particles = ParticleSystem(layout, particles, law, solids, instant)
+        for gas in self._gases:
+            gas.follow(particles, self.particles)
+
+    @property
+    def steady(self) -> bool:
+        """No data of conditions, forcing or jumps depend on time."""
+        timed = self.particles.prescribed.timed or any(part.timed for part in self.parts.values())
+        return not timed and self.problem.jumps is None
+
+    def initial(self, t: float, y: BlockVector) -> None:
+        """Fill y with the data of the case at time t [s]. InputError for what its functions return."""
+        for k, part in self.parts.items():
+            part.initial(t, y.owned(k))
+
+    def stretch(self, t: float, y: BlockVector) -> None:
+        """Let J of gases be that of the grid where the solids have it, at fixed density, velocity and temperature."""
+        self.particles.share(y.array, t)
+        self._move(t)
+        for gas in self._gases:
+            gas.stretch(y.owned(gas.part.k))
+
+    def complete(self, t: float, y: BlockVector) -> None:
+        """Let y obey all that holds its particles, in place. Collective."""
+        self.particles.share(y.array, t)
+        self._move(t)
+        self.particles.find_normals(self._metrics)
+        self.particles.settle(y.array)
+        velocities = self.particles.velocities()
+        for gas in self._gases:
+            gas.begin_velocities(velocities)
+        for gas in self._gases:
+            gas.end_velocities()
+
+    @property
+    def _metrics(self) -> dict[int, Array]:
+        return {k: part.metrics for k, part in self.parts.items()}
+
+    def _move(self, t: float) -> None:
+        """Let the grids follow the displacement of solids and walls."""
+        places = self.particles.places(t)
+        for gas in self._gases:
+            gas.begin_positions(places)
+        for gas in self._gases:
+            gas.end_positions()
+
+    def rates(self, t: float, y: BlockVector, f: Array) -> None:
+        """f = dy/dt for a completed y. Collective."""
+        y.begin()
+        self.particles.find_turning(self._metrics)
+        y.end()
+        for k, part in self.parts.items():
+            part.rates(t, y.ghosted(k), self.layout.owned(k, f))
+        self.particles.constrain(y.array, f)
+
+    def bounds(self, t: float, y: BlockVector) -> Array:
+        """(blocks, 3): 1 if a state is unphysical, largest rates of convection and diffusion [1/s] of this rank's nodes."""
+        found = np.zeros((len(self.problem.blocks), 3))
+        for k, part in self.parts.items():
+            found[k] = part.bounds(y.owned(k), y.ghosted(k))
+        return found
+
+    def integrals(self, t: float, y: BlockVector) -> dict[str, Any]:
+        """This rank's shares of the integrals of the solution."""
+        totals: dict[str, Any] = {name: np.zeros(n) if n else 0.0 for name, n in self.recorded.items()}
+        fluids = [k for k, block in enumerate(self.problem.blocks) if block.kind == "fluid"]
+        for k, part in self.parts.items():
+            found = part.integrals(y.ghosted(k))
+            for name, number in found.items():
+                if name == "mass":
+                    totals["mass"][fluids.index(k)] += number
+                else:
+                    totals[name] += number
+        return totals
+
+    @property
+    def recorded(self) -> dict[str, int]:
+        """Name of each integral -> its length, 0 for a number."""
+        fluids = sum(block.kind == "fluid" for block in self.problem.blocks)
+        momentum = [f"momentum_{x}" for x in "xyz"[: self.dimension]]
+        return {"mass": fluids, "energy": 0, **dict.fromkeys(momentum, 0), "entropy": 0}
+
+    def fields(self, t: float, y: BlockVector, k: int) -> Array:
+        """(M, columns) what is saved of this rank's nodes of block k."""
+        return self.parts[k].fields(y.ghosted(k))
+
+    def destroy(self) -> None:
+        """Release messages."""
+        self.particles.destroy()

@@ -1,0 +1,109 @@
+"""A rank's part of a gas block: its moving grid, rates, what is saved of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fsipetsc.blocks.grid import GridMotion
+from fsipetsc.blocks.particles import Particle
+from fsipetsc.parallel.block_layout import BlockLayout, FaceGather, Part
+from fsipetsc.run.face_terms import FaceTerms, ranges_of
+from fsipetsc.run.particle_system import ParticleSystem
+from fsipetsc.scheme.gas_rates import gas_rates, scratch
+
+Array = NDArray[Any]
+
+
+class GasPart:
+    """One part of a gas block. metrics: (d d + d + 1, ghosted nodes), a^k, velocity of the grid, J_t."""
+
+    def __init__(self, layout: BlockLayout, part: Part, order: int, form: Any) -> None:
+        self.part, self._layout, self._problem = part, layout, layout.problem
+        self.block = self._problem.blocks[part.k]
+        self._order, self._form = order, form
+        self._d = d = self.block.dimension
+        self._like = (0.0,) * d
+        self.equations = self.block.material.equations(d)
+        self._ranges = ranges_of(part)[:d]
+        self.X = self._problem.positions(part.k, self._ranges)
+        nodes = self.X.shape[1]
+        self.metrics = np.zeros((d * d + d + 1, nodes))
+        self._owned = part.ghosted_rows(np.arange(part.numbers.size))
+        self._faces = FaceTerms(self._problem, part, np.ones(nodes))
+        self._scratch = scratch(self._like)
+
+    @property
+    def timed(self) -> bool:
+        """Data of faces or forcing depend on time."""
+        return self._faces.timed or self.block.forcing is not None
+
+    def follow(self, particles: Sequence[Particle], system: ParticleSystem) -> None:
+        """Let the grid follow the particles that have a solid, or are on walls that move. Collective on the block's ranks."""
+        k, blocks = self.part.k, self._problem.blocks
+        nodes = np.array(
+            [
+                n
+                for particle in particles
+                if particle.moves or any(blocks[b].kind == "solid" for b, _ in particle.members)
+                for b, n in particle.members
+                if b == k
+            ],
+            np.int64,
+        )
+        self.grid = GridMotion(self._problem, k, self._order, self._ranges, nodes)
+        self._gather = FaceGather(self._layout, k, {"known": nodes}, self._d)
+        own, particle = system.nodes[k]
+        self._particles = particle[np.searchsorted(own, self._gather.nodes)]
+        self.moves = nodes.size > 0
+        if not self.moves:
+            self.grid.move(np.empty((0, self._d)), self.metrics)
+
+    def begin_positions(self, places: Array) -> None:
+        """Send what this rank knows of displacements; places: (particles, d)."""
+        if self.moves:
+            self._gather.local[:] = places[self._particles]
+            self._gather.begin()
+
+    def end_positions(self) -> None:
+        """a^k of the grid as it is now."""
+        if self.moves:
+            self._gather.end()
+            self.grid.move(self._gather.whole["known"], self.metrics)
+
+    def begin_velocities(self, velocities: Array) -> None:
+        """Send what this rank knows of velocities."""
+        self.begin_positions(velocities)
+
+    def end_velocities(self) -> None:
+        """Velocity of the grid and J_t."""
+        if self.moves:
+            self._gather.end()
+            self.grid.velocities(self._gather.whole["known"], self.metrics)
+
+    def initial(self, t: float, q: Array) -> None:
+        """Fill q (M, d + 3) with the case's data, with J = 1."""
+        d, X = self._d, self.X[:, self._owned]
+        rho, *u, T = (np.asarray(v) * np.ones(X.shape[1]) for v in self.block.initial(*X))
+        for c, values in enumerate(self.equations.conserved(1.0, rho, tuple(u), T)):
+            q[:, c] = values
+        assert len(u) == d
+
+    def stretch(self, q: Array) -> None:
+        """Let J be that of the grid, at the same density, velocity and temperature."""
+        q *= (self.grid.jacobian()[self._owned] / q[:, 0])[:, None]
+
+    def rates(self, t: float, q: Array, rates: Array) -> None:
+        """rates (M, d + 3) of the volume terms, of faces and of forcing; q: (N, d + 3)."""
+        bands = self.part.bands
+        S, w = [band.S for band in bands], [band.weight for band in bands]
+        arguments = self.equations, self._like, self._form, q, self.metrics, *S, *w, self.part.patch
+        gas_rates(*arguments, rates, self._scratch)
+        self._faces.add(t, self.equations.law, q, self.metrics, rates)
+        if self.block.forcing is not None:
+            J = q[self._owned, 0]
+            for c, values in enumerate(self.block.forcing(*self.X[:, self._owned], t)):
+                rates[:, 1 + c] += J * values

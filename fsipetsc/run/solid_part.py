@@ -1,0 +1,93 @@
+"""A rank's part of a solid block: metrics, rates, what is saved of it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fsipetsc.blocks.metrics import solid_metrics
+from fsipetsc.parallel.block_layout import BlockLayout, Part
+from fsipetsc.run.face_terms import FaceTerms, face_of, ranges_of
+from fsipetsc.scheme.solid_rates import scratch, solid_rates, solid_stress
+
+Array = NDArray[Any]
+
+
+class SolidPart:
+    """One part of a solid block. metrics: (d d + 1, ghosted nodes), A^k and J0; inertia: J0 m0."""
+
+    def __init__(self, layout: BlockLayout, part: Part, order: int, form: Any) -> None:
+        self.part, self._problem = part, layout.problem
+        self.block = self._problem.blocks[part.k]
+        self._d = d = self.block.dimension
+        self._like = (0.0,) * d
+        self.equations = self.block.material.equations(d)
+        ranges = ranges_of(part)[:d]
+        self.X = self._problem.positions(part.k, ranges)
+        self.metrics = solid_metrics(self._problem, part.k, order, ranges)
+        self.inertia = self.metrics[d * d] * self.equations.m0
+        self._faces = FaceTerms(self._problem, part, self.inertia, self.X)
+        self._interfaces = [
+            face_of(self._problem, part, *face)
+            for face in self._problem.faces_of(part.k)
+            if self._problem.is_interface(part.k, *face)
+        ]
+        self._owned = part.ghosted_rows(np.arange(part.numbers.size))
+        self._scratch = scratch(self._like)
+
+    @property
+    def timed(self) -> bool:
+        """Data of faces or forcing depend on time."""
+        return self._faces.timed or self.block.forcing is not None
+
+    def initial(self, t: float, q: Array) -> None:
+        """Fill q (M, 2d + 1) with the case's data."""
+        d, X = self._d, self.X[:, self._owned]
+        values = [np.asarray(v) * np.ones(X.shape[1]) for v in self.block.initial(*X)]
+        v, T, x = values[:d], values[d], values[d + 1 :]
+        for c in range(d):
+            q[:, c], q[:, d + c] = x[c] - X[c], v[c]
+        q[:, 2 * d] = self.equations.alpha * T + 0.5 * sum(c * c for c in v)
+        # the elastic energy, too, where it is part of e
+        self._add_stored(q)
+
+    def _add_stored(self, q: Array) -> None:
+        """Not in a part with halos: initial data are the same on both sides of a cut, so halos come from the case as well."""
+
+    def rates(self, t: float, q: Array, rates: Array) -> None:
+        """rates (M, 2d + 1) of the volume terms, of faces and of forcing; q: (N, 2d + 1)."""
+        bands = self.part.bands
+        S, w = [band.S for band in bands], [band.weight for band in bands]
+        solid_rates(self.equations, self._like, q, self.metrics, *S, *w, self.part.patch, rates, self._scratch)
+        self._faces.add(t, None, q, self.metrics, rates)
+        self._supply(t, q, rates)
+        self._force(t, q, rates)
+
+    def _supply(self, t: float, q: Array, rates: Array) -> None:
+        """What interfaces supply from outside: traction and heat per reference area."""
+        if self._problem.jumps is None:
+            return
+        d = self._d
+        for face in self._interfaces:
+            X, at = self.X[:, face.ghosted], face.ghosted
+            *traction, heat = (np.asarray(v) * np.ones(at.size) for v in self._problem.jumps(*X, t))
+            area = np.sqrt(sum(self.metrics[face.axis * d + c, at] ** 2 for c in range(d)))
+            scale = area * face.per_weight / self.inertia[at]
+            for c in range(d):
+                rates[face.owned, d + c] += scale * traction[c]
+                rates[face.owned, 2 * d] += scale * traction[c] * q[at, d + c]
+            rates[face.owned, 2 * d] += scale * heat
+
+    def _force(self, t: float, q: Array, rates: Array) -> None:
+        """The case's forcing, right-hand sides of velocity, temperature and place."""
+        if self.block.forcing is None:
+            return
+        d = self._d
+        values = self.block.forcing(*self.X[:, self._owned], t)
+        for c in range(d):
+            rates[:, d + c] += values[c]
+            rates[:, c] += values[d + 1 + c]
+            rates[:, 2 * d] += q[self._owned, d + c] * values[c]
+        rates[:, 2 * d] += self.equations.alpha * values[d]

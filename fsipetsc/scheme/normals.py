@@ -1,0 +1,101 @@
+"""Area vectors of faces at particles, and how they turn. Compiled.
+
+The area vector of a face of axis k is +-a^k times the weights of the other axes. With x' the velocity of the grid it turns by
+
+    2-D      (D_2 y', -D_2 x') on faces of axis 1,   (-D_1 y', D_1 x') on those of axis 2
+
+which takes derivatives within the face only. In 1-D it does not turn.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from fsipetsc.errors import InputError
+from fsipetsc.operators.loops import CALL
+
+Array = NDArray[Any]
+
+
+class Faces(NamedTuple):
+    """Faces of a block at members of this rank: row of the member in a table, node in the ghosted array and its places along
+    the three axes, axis of the face, sign of its outward normal times the weights of the other axes, first column of its
+    constraint in the table.
+    """
+
+    row: Array
+    node: Array
+    place: Array
+    axis: Array
+    weight: Array
+    column: Array
+
+
+def listed(part: Any, rows: list[tuple[int, int, int, float, int]]) -> Faces:
+    """From (row, number of the node in the block, axis, sign, column)."""
+    row, number, axis, sign, column = (np.array(values) for values in zip(*rows, strict=True))
+    node = part.ghosted_rows(part.rows(number))
+    nx, ny, _ = part.patch.ghosted
+    place = np.stack([node % nx, node // nx % ny, node // (nx * ny)])
+    weights = np.stack([band.weight[at] for band, at in zip(part.bands, place, strict=True)])
+    weight = sign * weights.prod(axis=0) / weights[axis, np.arange(axis.size)]
+    return Faces(row, node, place, axis, weight, column)
+
+
+@njit(**CALL)
+def add_normals(faces, d, metrics, table):
+    """Add area vectors to the rows of a table; metrics: (d d + …, ghosted nodes)."""
+    for i in range(faces.row.size):
+        for c in range(d):
+            area = metrics[faces.axis[i] * d + c, faces.node[i]]
+            table[faces.row[i], faces.column[i] + c] += faces.weight[i] * area
+
+
+def add_turning(faces: Faces, part: Any, bands: Any, d: int, metrics: Array, table: Array) -> None:
+    """Add how area vectors of a gas turn."""
+    if d == 1:
+        return
+    if d == 3:
+        raise InputError("gas that slips along walls or solids is not there yet in three dimensions")
+    stride = np.array([1, part.patch.ghosted[0]])
+    _turn_in_plane(faces, bands[0].S, bands[1].S, bands[0].weight, bands[1].weight, stride, metrics, table)
+
+
+@njit(**CALL)
+def _turn_in_plane(faces, S0, S1, weight0, weight1, stride, metrics, table):
+    for i in range(faces.row.size):
+        axis, other = faces.axis[i], 1 - faces.axis[i]
+        place, at = faces.place[other, i], faces.node[i]
+        S = S0 if other == 0 else S1
+        weight = weight0[place] if other == 0 else weight1[place]
+        x = derivative(S, weight, stride[other], metrics[4], at, place)
+        y = derivative(S, weight, stride[other], metrics[5], at, place)
+        sign = faces.weight[i] if axis == 0 else -faces.weight[i]
+        table[faces.row[i], faces.column[i]] += sign * y
+        table[faces.row[i], faces.column[i] + 1] -= sign * x
+
+
+@njit(**CALL)
+def derivative(S, weight, stride, values, at, place):
+    """D of values (ghosted nodes,) at node ``at``, which is number ``place`` along the axis."""
+    total = 0.0
+    for k in range(1, S.shape[0]):
+        if place + k < S.shape[1] and S[k, place] != 0.0:
+            total += S[k, place] * (values[at + k * stride] - values[at])
+        if place - k >= 0 and S[k, place - k] != 0.0:
+            total -= S[k, place - k] * (values[at - k * stride] - values[at])
+    return 0.5 * total / weight
+
+
+@njit(**CALL)
+def sum_members(particle, row, table, total):
+    """Add rows of members, in their order, to particles; total: (p, K, d), table: (rows, K d)."""
+    total[:] = 0.0
+    d = total.shape[2]
+    for m in range(particle.size):
+        for c in range(table.shape[1]):
+            total[particle[m], c // d, c % d] += table[row[m], c]
