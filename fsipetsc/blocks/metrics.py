@@ -1,13 +1,13 @@
-"""Metric terms of blocks: derivatives D_k of places, the solid's metrics, the gas's in curl form.
+"""Metric terms of blocks from derivatives D_k of places: cofactors of solids, the gas's curl form.
 
-Derivatives of a node come from differences of pairs of nodes, in an order that is its own mirror image and without fused
-multiplications: blocks that share a face get the same bits for what lies within it, whichever way their axes run. Along
-periodic axes only periodic functions are differentiated: X = y + sum_k xi_k P_k, P_k the period of axis k or 0.
+D of a node comes from differences of pairs of nodes, in an order that is its own mirror image and
+without fused multiplications: blocks that share a face get the same bits for what lies within it,
+whichever way their axes run. Along periodic axes only periodic functions are differentiated:
+X = y + sum_k xi_k P_k, with P_k the period of axis k, or 0.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -18,31 +18,101 @@ from fsipetsc.blocks.maps import place_text
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.checks import Array
 from fsipetsc.errors import InputError
-from fsipetsc.operators.bands import Band
 from fsipetsc.operators.loops import CALL, LOOP
 
 #: of loops that round each operation by itself
 EXACT: dict[str, Any] = {**LOOP, "fastmath": {"nsz"}}
-#: (i, j, k) cyclic
-CYCLIC = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
+
+
+class Wide:
+    """A range of nodes of a block, and the wider one that their derivatives need.
+
+    where: the range, beyond the ends on periodic axes only. wide: it and, as far as there are nodes, as
+    many more on each side as pairs reach. sizes: nodes of the wide range along each axis. S, weight: of
+    the bands of the axes, cut to it. P: (d, d), the periods. y: (d, N), the periodic part of X.
+    """
+
+    def __init__(self, problem: BlockProblem, k: int, order: int, where: Range) -> None:
+        block = problem.blocks[k]
+        self.where, self.wide, bands = [tuple(ends) for ends in where], [], []
+        for axis, (begin, end) in enumerate(where):
+            band = block.band(order, axis)
+            begin, end = begin - band.reach, end + band.reach
+            if not block.periodic[axis]:
+                begin, end = max(begin, 0), min(end, block.shape[axis])
+            self.wide.append((begin, end))
+            bands.append(band.part(begin, end))
+        self.S, self.weight = tuple(band.S for band in bands), tuple(band.weight for band in bands)
+        self.sizes = tuple(end - begin for begin, end in self.wide)
+        ranges = list(zip(self.where, self.wide))[::-1]
+        self._inner = tuple(slice(a - first, b - first) for (a, b), (first, _) in ranges)
+        closed = np.array(block.periodic)[:, None]
+        self.P = np.where(closed, block.periods, 0.0)
+        self.y = self._periodic_part(problem, k)
+
+    def inner(self, f: Array) -> Array:
+        """The part of f (…, wide nodes) on the range, (…, nodes)."""
+        seen = f.reshape(*f.shape[:-1], *self.sizes[::-1])[(..., *self._inner)]
+        return seen.reshape(*f.shape[:-1], -1)
+
+    def gradients(self) -> Array:
+        """D_k X (d, d, nodes of the range): axis, component."""
+        G = np.empty((len(self.S), *self.y.shape))
+        for k, before in enumerate(np.cumprod((1, *self.sizes[:-1]))):
+            for c, y in enumerate(self.y):
+                differentiate(G[k, c], y, self.S[k], self.weight[k], before)
+        return self.inner(G) + self.P[..., None]
+
+    def _periodic_part(self, problem: BlockProblem, k: int) -> Array:
+        block = problem.blocks[k]
+        index = [i % n for i, n in zip(mesh([np.arange(*ends) for ends in self.wide]), block.shape)]
+        y = problem.places(k, np.ravel_multi_index(index[::-1], block.shape[::-1]).ravel()).T
+        for P, i, cells in zip(self.P, index, block.cells):
+            y = y - np.multiply.outer(P, i.ravel() / cells)
+        return np.ascontiguousarray(y)
+
+
+def solid_metrics(problem: BlockProblem, k: int, order: int, where: Range) -> Array:
+    """A^1, …, A^d and J0 of a range of nodes, (d d + 1, N). InputError if J0 <= 0.
+
+    J0 = det G, A^k = J0 G^-T e_k from G = D X, node by node.
+    """
+    block = problem.blocks[k]
+    G = Wide(problem, k, order, where).gradients()
+    J = determinant(G)
+    check_positive(block, J, problem.positions(k, where))
+    return np.concatenate([cofactors(G).reshape(-1, J.size), J[None]])
+
+
+def cofactors(G: Array) -> Array:
+    """A^k, (d, d, N) as G, with A^k . G_l = det G where k = l and 0 elsewhere."""
+    if len(G) == 1:
+        return np.ones_like(G)
+    if len(G) == 2:
+        (a, b), (c, e) = G
+        return np.array([[e, -c], [-b, a]])
+    return np.array([np.cross(G[j], G[k], axis=0) for j, k in ((1, 2), (2, 0), (0, 1))])
+
+
+def check_positive(block: Block, J: Array, X: Array) -> None:
+    """InputError where J (N,) of the nodes at X (d, N) is not above 0; this rank may be alone."""
+    if not J.min() > 0.0:
+        i = int(np.argmin(J))
+        found = f"J = {J[i]:.3g} at {place_text(X[:, i])}"
+        raise InputError(f"{block}: {found}: expected J > 0: more cells, another map", collective=False)
 
 
 @njit(**EXACT)
-def _differences(out, f, S, k):
-    """out_i += S_ki (f_i+k - f_i) + S_k,i-k (f_i - f_i-k) along a row, so far as it goes."""
-    n = f.size
-    for i in range(min(k, n - k)):
-        out[i] += S[i] * (f[i + k] - f[i])
-    for i in range(k, n - k):
-        out[i] += S[i] * (f[i + k] - f[i]) + S[i - k] * (f[i] - f[i - k])
-    for i in range(max(k, n - k), n):
-        out[i] += S[i - k] * (f[i] - f[i - k])
+def _add_along(out, behind, f, ahead, s_behind, s):
+    """out_i += S_ki (f_i+k - f_i) + S_k,i-k (f_i - f_i-k), pairs of one k along a row."""
+    for i in range(out.size):
+        out[i] += s[i] * (ahead[i] - f[i]) + s_behind[i] * (f[i] - behind[i])
 
 
 @njit(**EXACT)
-def _differences_of_rows(out, behind, f, ahead, s_behind, s):
-    """The same across rows: out += s (ahead - f) + s_behind (f - behind)."""
-    for i in range(f.size):
+def _add_across(out, behind, f, ahead, s_behind, s):
+    """The same with rows ahead and behind, which have one weight each."""
+    for i in range(out.size):
         out[i] += s * (ahead[i] - f[i]) + s_behind * (f[i] - behind[i])
 
 
@@ -60,130 +130,102 @@ def _multiply_row(out, c):
 
 @njit(**CALL)
 def differentiate(out, f, S, weight, before):
-    """out = D f along one axis of flat arrays (N,), `before` nodes of faster axes between its neighbours.
+    """out = D f along one axis of flat arrays (N,), `before` nodes of faster axes between neighbours.
 
     S, weight: of a Band, cut to the nodes that f has. Next to a cut the result is of no use.
     """
-    n = weight.size
-    size = n * before
-    out[:] = 0.0
-    for start in range(0, f.size, size):
+    n, half = weight.size, 0.5 / weight
+    for a in range(0, f.size, n * before):
         if before == 1:
-            row = out[start : start + n]
-            for k in range(1, S.shape[0]):
-                _differences(row, f[start : start + n], S[k], k)
-            _multiply(row, 0.5 / weight)
-            continue
-        for i in range(n):
-            a = start + i * before
-            row, here = out[a : a + before], f[a : a + before]
-            for k in range(1, S.shape[0]):
-                s_behind, s = S[k, i - k] if i >= k else 0.0, S[k, i] if i + k < n else 0.0
-                if s != 0.0 or s_behind != 0.0:
-                    b = a - k * before if i >= k else a
-                    c = a + k * before if i + k < n else a
-                    _differences_of_rows(row, f[b : b + before], here, f[c : c + before], s_behind, s)
-            _multiply_row(row, 0.5 / weight[i])
+            _differentiate_row(out[a : a + n], f[a : a + n], S, half)
+        else:
+            _differentiate_rows(out[a : a + n * before], f[a : a + n * before], S, half, before)
 
 
-class Wide:
-    """A range of nodes of a block, and the wider one that their derivatives need.
+@njit(**CALL)
+def _differentiate_row(out, f, S, half):
+    n = out.size
+    out[:] = 0.0
+    for k in range(1, min(S.shape[0], n)):
+        s = S[k]
+        for i in range(min(k, n - k)):
+            out[i] += s[i] * (f[i + k] - f[i])
+        if n > 2 * k:
+            m = n - k
+            _add_along(out[k:m], f[: m - k], f[k:m], f[2 * k :], s[: m - k], s[k:m])
+        for i in range(max(k, n - k), n):
+            out[i] += s[i - k] * (f[i] - f[i - k])
+    _multiply(out, half)
 
-    where: the range, beyond the ends on periodic axes only. wide: it and `reach` nodes more on each side of each axis, as far as
-    there are nodes. shape, wide_shape: numbers of nodes, axis 0 first. bands: of each axis, cut to the wide range.
+
+@njit(**CALL)
+def _differentiate_rows(out, f, S, half, m):
+    n = half.size
+    for i in range(n):
+        a = i * m
+        row, here = out[a : a + m], f[a : a + m]
+        row[:] = 0.0
+        for k in range(1, S.shape[0]):
+            s = S[k, i] if i + k < n else 0.0
+            s_behind = S[k, i - k] if i >= k else 0.0
+            if s != 0.0 or s_behind != 0.0:
+                b, c = a - k * m * (i >= k), a + k * m * (i + k < n)
+                _add_across(row, f[b : b + m], here, f[c : c + m], s_behind, s)
+        _multiply_row(row, half[i])
+
+
+@njit(**EXACT)
+def _potential(q, f, g, slope_f, slope_g, P_f, P_g):
+    """q = 1/2 (f D g - g D f) + f P_g - g P_f."""
+    for i in range(q.size):
+        half = 0.5 * (f[i] * slope_g[i] - g[i] * slope_f[i])
+        q[i] = half + (f[i] * P_g - g[i] * P_f)
+
+
+@njit(**EXACT)
+def _less(out, f, c):
+    for i in range(out.size):
+        out[i] = (out[i] - f[i]) + c
+
+
+@njit(**CALL)
+def curl_metrics(a, y, P, S, weight, slopes, q):
+    """a^1, a^2, a^3 (3, 3, N) in three dimensions, with sum_k D_k a^k = 0. Of use away from cuts.
+
+    (a^i)_n = D_j q_k - D_k q_j,  q_k = 1/2 (x_m D_k x_l - x_l D_k x_m),  (i, j, k) and (n, m, l) cyclic:
+    Thomas and Lombard, AIAA J. 17 (1979) 1030-1037. With x = y + sum_k xi_k P_k, by the product rule,
+
+        q_k = 1/2 (y_m D_k y_l - y_l D_k y_m) + y_m P_kl - y_l P_km,   (a^i)_n += P_jm P_kl - P_km P_jl
+
+    y: (3, N). P, S, weight: of a Wide. slopes: (3, 3, N), filled with D_k y. q: (4, N), scratch.
     """
-
-    def __init__(self, block: Block, order: int, where: Range) -> None:
-        self.block, self.where = block, [tuple(ends) for ends in where]
-        whole = [block.band(order, axis) for axis in range(block.dimension)]
-        self.wide = [
-            (begin - band.reach, end + band.reach) if closed else (max(begin - band.reach, 0), min(end + band.reach, n))
-            for (begin, end), band, closed, n in zip(where, whole, block.periodic, block.shape)
-        ]
-        self.bands: list[Band] = [band.part(*ends) for band, ends in zip(whole, self.wide)]
-        self.shape, self.wide_shape = (tuple(b - a for a, b in ends) for ends in (self.where, self.wide))
-        self._inner = tuple(slice(a - c, b - c) for (a, b), (c, _) in zip(self.where[::-1], self.wide[::-1]))
-
-    def inner(self, f: Array) -> Array:
-        """The part of f (…, wide nodes) on the range, (…, nodes)."""
-        seen = f.reshape(*f.shape[:-1], *self.wide_shape[::-1])[(..., *self._inner)]
-        return seen.reshape(*f.shape[:-1], -1)
-
-    def derivative(self, axis: int, f: Array) -> Array:
-        """D_axis f of f (…, wide nodes)."""
-        before = int(np.prod(self.wide_shape[:axis]))
-        out, flat = np.empty_like(f), f.reshape(-1, f.shape[-1])
-        for row, values in zip(out.reshape(flat.shape), flat):
-            differentiate(row, values, *self.bands[axis], before)
-        return out
-
-    @property
-    def periods(self) -> Array:
-        """P_k of axis k, (d, d), 0 where it is not periodic."""
-        block = self.block
-        return np.array([P if closed else 0.0 * P for P, closed in zip(block.periods, block.periodic)])
-
-    def periodic_part(self, problem: BlockProblem, k: int) -> Array:
-        """y = X - sum_k xi_k P_k of the wide nodes, (d, N)."""
-        block = self.block
-        index = [i % n for i, n in zip(mesh([np.arange(*ends) for ends in self.wide]), block.shape)]
-        numbers = np.ravel_multi_index(index[::-1], block.shape[::-1]).ravel()
-        y = problem.places(k, numbers).T
-        for P, i, cells in zip(self.periods, index, block.cells):
-            y = y - np.multiply.outer(P, i.ravel() / cells)
-        return np.ascontiguousarray(y)
+    before = (1, weight[0].size, weight[0].size * weight[1].size)
+    for k in range(3):
+        for c in range(3):
+            differentiate(slopes[k, c], y[c], S[k], weight[k], before[k])
+    for n in range(3):
+        m, l = (n + 1) % 3, (n + 2) % 3
+        for k in range(3):
+            _potential(q[k], y[m], y[l], slopes[k, m], slopes[k, l], P[k, m], P[k, l])
+        for i in range(3):
+            j, k = (i + 1) % 3, (i + 2) % 3
+            differentiate(a[i, n], q[k], S[j], weight[j], before[j])
+            differentiate(q[3], q[j], S[k], weight[k], before[k])
+            _less(a[i, n], q[3], P[j, m] * P[k, l] - P[k, m] * P[j, l])
 
 
-def gradients(wide: Wide, y: Array) -> Array:
-    """D_k X (d, d, N): axis, component, wide node; y its periodic part."""
-    return np.array([wide.derivative(k, y) + P[:, None] for k, P in enumerate(wide.periods)])
+@njit(**EXACT)
+def _add_product(out, f, g):
+    for i in range(out.size):
+        out[i] += f[i] * g[i]
 
 
-def solid_metrics(problem: BlockProblem, k: int, order: int, where: Range) -> Array:
-    """A^1, …, A^d and J0 of a range of nodes, (d d + 1, N): cofactors and determinant of D_k X. InputError if J0 <= 0."""
-    block = problem.blocks[k]
-    wide = Wide(block, order, where)
-    G = wide.inner(gradients(wide, wide.periodic_part(problem, k)))
-    J = determinant(G)
-    check_positive(block, J, problem.positions(k, where))
-    return np.concatenate([cofactors(G).reshape(-1, J.size), J[None]])
-
-
-def cofactors(G: Array) -> Array:
-    """A^k with A^k . G_l = det G where k = l and 0 elsewhere, (d, d, N) as G."""
-    if len(G) == 1:
-        return np.ones_like(G)
-    if len(G) == 2:
-        (a, b), (c, e) = G
-        return np.array([[e, -c], [-b, a]])
-    return np.array([_cross(G[j], G[k]) for _, j, k in CYCLIC])
-
-
-def _cross(a: Array, b: Array) -> list[Array]:
-    return [a[m] * b[l] - a[l] * b[m] for _, m, l in CYCLIC]
-
-
-def check_positive(block: Block, J: Array, X: Array) -> None:
-    """InputError where J (N,) of the nodes at X (d, N) is not above 0; this rank may be alone with it."""
-    if not J.min() > 0.0:
-        i = int(np.argmin(J))
-        at = place_text(X[:, i])
-        raise InputError(f"{block}: J = {J[i]:.3g} at {at}: expected J > 0; more cells or another map", collective=False)
-
-
-def curl_metrics(wide: Wide, y: Array) -> Array:
-    """a^1, a^2, a^3 in three dimensions, (3, 3, N) at the nodes of the range, with sum_k D_k a^k = 0.
-
-    (a^i)_n = D_j q_kn - D_k q_jn,  q_kn = 1/2 (x_m D_k x_l - x_l D_k x_m), (i, j, k) and (n, m, l) cyclic. Thomas and Lombard,
-    AIAA J. 17 (1979) 1030-1037. With x = y + sum_k xi_k P_k, by the product rule,
-
-        q_kn = 1/2 (y_m D_k y_l - y_l D_k y_m) + y_m P_kl - y_l P_km,    (a^i)_n += P_jm P_kl - P_km P_jl.
-    """
-    P, D = wide.periods, [wide.derivative(k, y) for k in range(3)]
-    a = np.zeros((3, 3, int(np.prod(wide.shape))))
-    for n, m, l in CYCLIC:
-        q = [0.5 * (y[m] * D[k][l] - y[l] * D[k][m]) + (y[m] * P[k, l] - y[l] * P[k, m]) for k in range(3)]
-        for i, j, k in CYCLIC:
-            curl = wide.derivative(j, q[k]) - wide.derivative(k, q[j])
-            a[i, n] = wide.inner(curl) + (P[j, m] * P[k, l] - P[k, m] * P[j, l])
-    return a
+@njit(**CALL)
+def volume_rate(J_t, a, v, S, weight, slope):
+    """J_t = sum_k a^k . D_k v (N,) from a (3, 3, N), v (3, N); slope: (N,), scratch."""
+    before = (1, weight[0].size, weight[0].size * weight[1].size)
+    J_t[:] = 0.0
+    for k in range(3):
+        for c in range(3):
+            differentiate(slope, v[c], S[k], weight[k], before[k])
+            _add_product(J_t, a[k, c], slope)
