@@ -1,5 +1,5 @@
-"""Cases of the block engine: the manufactured solution fulfils the equations, as they are written in
-physical coordinates, and in two dimensions it is that of ``plane_mms``.
+"""Cases of the block engine: the manufactured solution fulfils the equations as they are written
+in physical coordinates, and in two dimensions it is that of ``plane_mms``.
 """
 
 from __future__ import annotations
@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fsipetsc.cases import box_mms, plane_mms
+from fsipetsc.cases import manufactured, plane_mms
 
 DIMENSIONS = (1, 2, 3)
 LAWS = ("log", "neo-hookean", "svk", "linear")
@@ -19,7 +19,7 @@ OFFSETS = np.array([-3, -2, -1, 1, 2, 3]) * STEP
 
 def solution(d, law="neo-hookean"):
     """Viscous and conducting on both sides."""
-    return box_mms.Solution(d, mu=0.3, kappa=0.2, kappa_e=0.4, law=law)
+    return manufactured.Solution(d, mu=0.3, kappa=0.2, kappa_e=0.4, law=law)
 
 
 def points(d, low, high, n=7):
@@ -29,7 +29,7 @@ def points(d, low, high, n=7):
 
 
 def slope(function, where, axis):
-    """The derivative by differences of a function of d coordinates and t, arrays (n,), to (…, n)."""
+    """The derivative of a function of d coordinates and t, arrays (n,), by differences: (…, n)."""
     n = len(where[0])
     at = [np.tile(np.broadcast_to(w, n), (6, 1)) for w in where]
     at[axis] = at[axis] + OFFSETS[:, None]
@@ -50,7 +50,7 @@ def label(exact, x, t):
     X = np.array(x, float)
     for _ in range(8):
         off = place_in_gas(exact, list(X), t) - x
-        G = np.moveaxis(exact.grid(box_mms.Place(list(X), t))[0], -1, 0)
+        G = np.moveaxis(exact.grid(manufactured.Place(list(X), t))[0], -1, 0)
         X = X - np.linalg.solve(G, off.T[..., None])[..., 0].T
     assert np.abs(off).max() < 1e-14
     return list(X)
@@ -58,7 +58,7 @@ def label(exact, x, t):
 
 def eulerian(exact):
     """(rho, u, T)(*x, t) in physical coordinates."""
-    return lambda *where: np.array(exact.exact_gas(*label(exact, np.array(where[:-1]), where[-1]), where[-1]))
+    return lambda *where: np.array(exact.exact_gas(*label(exact, where[:-1], where[-1]), where[-1]))
 
 
 def stress_of_gas(exact, fields, where):
@@ -122,7 +122,7 @@ def test_stress_is_the_derivative_of_the_energy(d, law):
     """And what a solid in fewer dimensions has is that of one held across the others."""
     rough = np.random.default_rng(d)
     F = np.eye(d) + 0.1 * rough.uniform(-1, 1, (6, d, d))
-    P = np.moveaxis(box_mms.stress(law, 1.3, 0.7, np.moveaxis(F, 0, 2)), 2, 0)
+    P = np.moveaxis(manufactured.stress(law, 1.3, 0.7, np.moveaxis(F, 0, 2)), 2, 0)
     for i in range(d):
         for k in range(d):
 
@@ -153,10 +153,11 @@ def test_solid_fulfils_its_equations_with_its_forcing(d):
         """P and the conducted heat below it, [component, axis]; P : v_X."""
         fields_X = gradient(fields, at)
         F = fields_X[d + 1 :]
-        P = box_mms.stress("log", exact.mu_e, exact.lambda_e, F)
+        P = manufactured.stress("log", exact.mu_e, exact.lambda_e, F)
         inverse = np.linalg.inv(np.moveaxis(F, 2, 0))
-        spread = np.linalg.det(np.moveaxis(F, 2, 0)) * np.einsum("nki,nji,jn->kn", inverse, inverse, fields_X[d])
-        return np.concatenate([P, exact.kappa_e * spread[None]]), (P * fields_X[:d]).sum((0, 1))
+        spread = np.einsum("nki,nji,jn->kn", inverse, inverse, fields_X[d])
+        heat = exact.kappa_e * np.linalg.det(np.moveaxis(F, 2, 0)) * spread
+        return np.concatenate([P, heat[None]]), (P * fields_X[:d]).sum((0, 1))
 
     rates, work = slope(fields, where, d), inner(*where)[1]
     divergence = sum(slope(lambda *at, k=k: inner(*at)[0][:, k], where, k) for k in range(d))
@@ -184,8 +185,9 @@ def test_interface(d):
     F = fields_X[d + 1 :]
     J, inverse = np.linalg.det(np.moveaxis(F, 2, 0)), np.linalg.inv(np.moveaxis(F, 2, 0))
     area = J * inverse[:, -1].T  # of the surface, per reference area, into the solid
-    into_solid = -box_mms.stress(exact.law, exact.mu_e, exact.lambda_e, F)[:, -1]
-    heat_of_solid = -exact.kappa_e * J * np.einsum("ni,nji,jn->n", inverse[:, -1], inverse, fields_X[d])
+    into_solid = -manufactured.stress(exact.law, exact.mu_e, exact.lambda_e, F)[:, -1]
+    spread = np.einsum("ni,nji,jn->n", inverse[:, -1], inverse, fields_X[d])
+    heat_of_solid = -exact.kappa_e * J * spread
     place = [*place_in_gas(exact, X, t), t]
     tau, heat = stress_of_gas(exact, eulerian(exact), place)
     p = gas[0] * exact.R * gas[-1]
@@ -202,7 +204,7 @@ def test_two_dimensions_are_plane_mms(law):
     """Whose errors are in a table: all its functions, to round-off."""
     opt = {"fluid_mu": 0.02, "fluid_kappa": 0.03, "solid_law": law, "solid_kappa": 0.05}
     gas, solid = plane_mms.build(opt).layers
-    exact = box_mms.Solution(2, 0.02, 0.03, 0.05, law)
+    exact = manufactured.Solution(2, 0.02, 0.03, 0.05, law)
     X, Y = np.meshgrid(np.arange(8) / 8, np.linspace(0, 1, 9))
     for t in (0.0, 0.37):
         pairs = (
@@ -218,13 +220,13 @@ def test_two_dimensions_are_plane_mms(law):
 
 @pytest.mark.parametrize("d", DIMENSIONS)
 def test_grids_do_not_fold(d):
-    """Neither that of the gas nor the solid, for all t of a long run; the density and T stay above 0."""
+    """Neither that of the gas nor the solid, for all t; the density and T stay above 0."""
     exact = solution(d)
     X = np.meshgrid(*[np.arange(12) / 12] * (d - 1), np.linspace(0, 1, 7))
     for t in np.linspace(0.0, 6.0, 25):
-        gas, above = box_mms.Place(X, t), box_mms.Place([*X[:-1], X[-1] + 1], t)
+        gas, above = manufactured.Place(X, t), manufactured.Place([*X[:-1], X[-1] + 1], t)
         F = exact.displacement.at(above).gradient
-        assert box_mms.determinant(exact.grid(gas)[0]).min() > 0.4
-        assert box_mms.determinant(F + box_mms.unit(F)).min() > 0.4
+        assert manufactured.determinant(exact.grid(gas)[0]).min() > 0.4
+        assert manufactured.determinant(F + manufactured.unit(F)).min() > 0.4
         rho, *_, T = exact.exact_gas(*X, t)
         assert rho.min() > 0.7 and T.min() > 0.7

@@ -1,0 +1,354 @@
+"""Problems that say layers, in one or two dimensions, as problems that say blocks.
+
+A PlaneProblem (fsipetsc.plane) has layers one above the other, its Y is the last axis. A Problem
+(fsipetsc.problem) with the conservative coupling and gases whose grids go from end to end is one
+dimension of the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from fsipetsc.blocks import conditions as new
+from fsipetsc.blocks.block import Block
+from fsipetsc.blocks.layers import Layer, layers
+from fsipetsc.blocks.maps import rectangle
+from fsipetsc.blocks.old_materials import gas_of, line_solid_of, solid_of
+from fsipetsc.blocks.problem import BlockProblem
+from fsipetsc.boundaries import CLAMPED, FREE, Dirichlet, Open, SolidEnd, Wall
+from fsipetsc.boundaries import plane as edges
+from fsipetsc.checks import Array
+from fsipetsc.errors import InputError
+from fsipetsc.operators.sbp import operator
+from fsipetsc.plane import PlaneFluidLayer, PlaneProblem
+from fsipetsc.problem import FluidLayer, Problem, SolidLayer
+
+Function = Callable[..., Any]
+
+# -- two dimensions
+
+
+def blocks_of(problem: PlaneProblem, h: float, order: int) -> BlockProblem:
+    """A PlaneProblem as blocks.
+
+    h: spacing [m] along X, and across layers that do not say cells; order: of the operators, whose
+    least number of cells these have then. InputError.
+    """
+    stack = [_plane_layer(layer) for layer in problem.layers]
+    return layers(
+        *stack,
+        lower=_condition(problem.lower),
+        upper=_condition(problem.upper),
+        along=(problem.X,),
+        h=h,
+        order=order,
+        jumps=_plane_jumps(problem),
+        notes=problem.notes,
+        units=problem.units,
+    )
+
+
+def _plane_layer(layer: Any) -> Layer:
+    """A layer of two dimensions."""
+    gas = isinstance(layer, PlaneFluidLayer)
+    named = {(0, 0): layer.left, (0, 1): layer.right}
+    sides = {at: _condition(end) for at, end in named.items() if end.kind != edges.PERIODIC}
+    return Layer(
+        layer.name,
+        gas_of(layer.material, layer.force) if gas else solid_of(layer.material),
+        layer.Y,
+        in_rows(layer.initial),
+        cells=layer.cells,
+        span=None if gas or layer.X is None else (layer.X,),
+        sides=sides or None,
+        beside=_condition(layer.beside) if gas else None,
+        forcing=layer.forcing and in_rows(layer.forcing),
+        exact=layer.exact and in_rows(layer.exact),
+    )
+
+
+def _condition(end: edges.Edge) -> new.Condition:
+    """What stands at an edge, of a face."""
+    if isinstance(end, (edges.NoSlip, edges.Slip, edges.Given)):
+        moved = {"x": _of_line(end.x), "velocity": _of_line(end.velocity)}
+        if isinstance(end, edges.NoSlip):
+            return new.NoSlip(T=end.T, **moved)
+        return new.Slip(**moved) if isinstance(end, edges.Slip) else new.Given(end.values, **moved)
+    if isinstance(end, edges.Open):
+        return new.Open(end.rho, (end.u, end.v), end.T)
+    if isinstance(end, edges.Outflow):
+        return new.Outflow(end.pressure)
+    if isinstance(end, edges.Free):
+        return new.Free(end.pressure)
+    return new.Clamped() if isinstance(end, edges.Clamped) else new.Roller()
+
+
+def _of_line(function: Function | None) -> Function | None:
+    """f(X, t) of a point of an edge, as a function of X, Y and t."""
+    return function and (lambda X, Y, t: function(X, t))
+
+
+def _plane_jumps(problem: PlaneProblem) -> Function | None:
+    """What the interfaces supply, by place: the nearest one is asked."""
+    if problem.jumps is None:
+        return None
+    heights = np.array([layer.Y[1] for layer in problem.layers[:-1]])
+
+    def supplied(X: Array, Y: Array, t: float) -> Array:
+        nearest = np.argmin(np.abs(np.asarray(Y)[..., None] - heights), axis=-1)
+        found = np.zeros((3, *np.shape(X)))
+        for k in range(len(heights)):
+            if (here := nearest == k).any():
+                found[:, here] = [v + 0.0 * X[here] for v in problem.jumps(k, X[here], t)]
+        return found
+
+    return supplied
+
+
+def in_rows(function: Function) -> Function:
+    """A function of X and Y, (rows, columns) with rows of equal Y, as one of nodes in a row."""
+
+    def called(X: Array, Y: Array, *t: float) -> Any:
+        change = np.flatnonzero(Y != Y.flat[0]) if Y.ndim == 1 and Y.size else []
+        columns = int(change[0]) if len(change) else Y.size
+        if Y.ndim != 1 or columns < 2 or Y.size % columns:
+            return function(X, Y, *t)
+        shape = Y.size // columns, columns
+        values = function(X.reshape(shape), Y.reshape(shape), *t)
+        if not isinstance(values, (tuple, list, np.ndarray)):
+            return values
+        return [v.reshape(-1) if np.shape(v) == shape else v for v in values]
+
+    called.__wrapped__ = function
+    return called
+
+
+# -- one dimension
+
+
+def blocks_of_line(problem: Problem, h: float, order: int) -> BlockProblem:
+    """A Problem in one dimension as blocks.
+
+    h: spacing [m]; order: of the operators. InputError where h does not fit a solid, or for what
+    only the paper's method has.
+    """
+    blocks, faces, notes = [], {}, list(problem.notes)
+    ends = {0: problem.left, 1: problem.right}
+    for k, layer in enumerate(problem.layers):
+        at_end = {0: k == 0, 1: k == len(problem.layers) - 1}
+        outer = {side: end for side, end in ends.items() if at_end[side]}
+        low = layer.X[0] if k == 0 else problem.layers[k - 1].X[1]
+        if isinstance(layer, SolidLayer):
+            blocks.append(_solid_block(layer, (low, layer.X[1]), h))
+            found = {side: _solid_end(end, layer, side) for side, end in outer.items()}
+        else:
+            grid = _gas_grid(layer, (low, layer.X[1]), outer, notes)
+            blocks.append(_gas_block(layer, grid, h, order))
+            found = {side: _gas_end(end, layer, grid[side]) for side, end in outer.items()}
+        faces |= {(layer.name, 0, side): condition for side, condition in found.items()}
+    jumps = _line_jumps(problem)
+    return BlockProblem(tuple(blocks), faces, jumps, notes=tuple(notes), units=problem.units)
+
+
+def _gas_grid(
+    layer: FluidLayer, X: tuple[float, float], outer: dict[int, Any], notes: list[str]
+) -> tuple[float, float]:
+    """Ends of the gas's grid before solids and walls move: where walls and open ends at rest are.
+
+    Where that is not the layer's end, a note says so.
+    """
+    found = list(X)
+    for side, end in outer.items():
+        if not isinstance(end, Wall) or not end.moves:
+            if abs(end.x - X[side]) > 1e-9 * (X[1] - X[0]):
+                notes.append(
+                    f"layer '{layer.name}' ends at X = {X[side]:g}, its {type(end).__name__} is at "
+                    f"x = {end.x:g}: the gas is stretched to it, and has another mass"
+                )
+            found[side] = float(end.x)
+    if not found[0] < found[1]:
+        raise InputError(
+            f"layer '{layer.name}' would begin at x = {found[0]:g} and end at {found[1]:g}: "
+            "expected its ends in the order of X"
+        )
+    return found[0], found[1]
+
+
+def _gas_block(layer: FluidLayer, grid: tuple[float, float], h: float, order: int) -> Block:
+    """The functions of the layer go with the points of its X, wherever its grid begins and ends."""
+    (a, b), (low, high) = layer.X, grid
+
+    def of_grid(function: Function | None) -> Function | None:
+        if function is None or (a, b) == (low, high):
+            return function
+        return lambda x, *t: function(a + (x - low) / (high - low) * (b - a), *t)
+
+    cells = max(round((b - a) / h), operator(order).min_points - 1)
+    return Block(
+        layer.name,
+        gas_of(layer.material, (layer.material.force,)),
+        rectangle(low, high),
+        (cells,),
+        of_grid(layer.initial),
+        of_grid(layer.forcing),
+        of_grid(layer.exact),
+    )
+
+
+def _solid_block(layer: SolidLayer, X: tuple[float, float], h: float) -> Block:
+    width = (X[1] - X[0]) / h
+    cells = max(1, round(width))
+    if abs(width - cells) > 1e-6 * max(1.0, width):
+        raise InputError(
+            f"-fsi_h {h:.10g} misses an interface: layer '{layer.name}' of length {X[1] - X[0]:g} "
+            f"would have {width:.6g} cells; the nearest spacings that fit are "
+            f"{(X[1] - X[0]) / max(1, np.ceil(width)):.10g} and "
+            f"{(X[1] - X[0]) / max(1, np.floor(width)):.10g}"
+        )
+    stress = _Prestress(layer)
+    uniform = stress.uniform()
+    return Block(
+        layer.name,
+        line_solid_of(layer.material, 0.0 if uniform is None else -uniform),
+        rectangle(*X),
+        (cells,),
+        _without_stress(layer.initial),
+        _forces_alone(layer),
+        layer.exact and _without_stress(layer.exact),
+        **({"prestress": stress} if uniform is None else {}),
+    )
+
+
+def _without_stress(function: Function) -> Function:
+    """(u, sigma, T, x) of a solid as (v, T, x): its stress follows from x."""
+
+    def called(*where: Any) -> Any:
+        u, _, T, x = function(*where)
+        return u, T, x
+
+    called.__wrapped__ = function
+    return called
+
+
+def _forces_alone(layer: SolidLayer) -> Function | None:
+    """The forcing of a solid without that of its stress, which must be 0. InputError."""
+    if layer.forcing is None:
+        return None
+
+    def called(X: Array, t: float) -> Any:
+        u, sigma, T, x = layer.forcing(X, t)
+        if np.any(sigma):
+            raise InputError(
+                f"forcing of layer '{layer.name}' at t = {t:.6g}: sigma has a right-hand side, but "
+                "follows from x here: expected 0, or -fsi_mapping rigid"
+            )
+        return u, T, x
+
+    return called
+
+
+class _Prestress:
+    """What the initial stress of a solid is beside K ln x_X [Pa]: a function of X."""
+
+    #: points through which x goes, in steps of a thousandth of the layer, and the polynomials there
+    steps = np.arange(-3, 4)
+    powers = np.linalg.inv(np.vander(steps.astype(float), increasing=True))
+
+    def __init__(self, layer: SolidLayer) -> None:
+        self.layer, self.step = layer, 1e-3 * (layer.X[1] - layer.X[0])
+
+    def __call__(self, X: Array) -> tuple[Array]:
+        _, sigma, _, _ = self.layer.initial(X)
+        return (sigma - self.layer.material.K * np.log(self.stretch(X)),)
+
+    def stretch(self, X: Array) -> Array:
+        """x_X, of the displacement by polynomials of sixth degree, within the layer."""
+        reach = 3 * self.step
+        middle = np.clip(X, self.layer.X[0] + reach, self.layer.X[1] - reach)
+        around = [middle + j * self.step for j in self.steps]
+        moved = np.array([self.layer.initial(place)[3] - place for place in around])
+        z, c = (X - middle) / self.step, np.tensordot(self.powers, moved, 1)
+        return 1.0 + sum(k * c[k] * z ** (k - 1) for k in range(1, len(c))) / self.step
+
+    def uniform(self) -> float | None:
+        """Its value if it is everywhere the same but for round-off of the derivatives."""
+        low, high = self.layer.X
+        X = np.linspace(low, high, 101)
+        K, (_, sigma, _, x) = self.layer.material.K, self.layer.initial(X)
+        (found,) = self(X)
+        noise = 3e-15 * K * (np.abs(x).max() if np.any(x != X) else 0.0) / self.step
+        strained = K * np.ptp(np.log(self.stretch(X)))
+        if np.ptp(found) > noise + 1e-6 * (np.ptp(sigma) + strained):
+            return None
+        return float(found[0] if np.ptp(found) == 0.0 else np.median(found))
+
+
+def _gas_end(end: Any, layer: FluidLayer, X: float) -> new.Condition:
+    """What stands at an outer end of a gas."""
+    if isinstance(end, Wall):
+        x = end.x if end.moves else None
+        return new.NoSlip(
+            T=_of_point(end.T),
+            heat_flux=_of_point(end.heat_flux),
+            x=x and (lambda X, t: (x(t) + 0.0 * X,)),
+            velocity=end.velocity and (lambda X, t: (end.velocity(t) + 0.0 * X,)),
+        )
+    if isinstance(end, Dirichlet):
+        return new.Given(lambda X, t: tuple(v + 0.0 * X for v in end.values(t)))
+    if isinstance(end, Open):
+        gas = gas_of(layer.material, (layer.material.force,))
+        return new.Open(float(gas.gas_law.density(end.p0, end.T0)), (end.u0,), end.T0)
+    raise InputError(f"layer '{layer.name}': no end of a gas: {end}")
+
+
+def _solid_end(end: SolidEnd, layer: SolidLayer, side: int) -> new.Condition:
+    """What stands at an outer end of a solid."""
+    heat = {"T": _of_point(end.T), "heat_flux": _of_point(end.heat_flux)}
+    if end.kind == CLAMPED:
+        if not callable(end.value) and end.value == 0.0:
+            return new.Clamped(**heat)
+        velocity = end.value
+        return new.Clamped(velocity=_vector_at(velocity), **heat)
+    if end.kind == FREE:
+        stress = end.value
+        pressure = (lambda X, t: -stress(t) + 0.0 * X) if callable(stress) else -stress
+        return new.Free(pressure, **heat)
+    return new.Absorbing(_of_point(end.value), **heat)
+
+
+def _of_point(value: Any) -> Any:
+    """A number, or a function of t as one of X and t."""
+    return (lambda X, t: value(t) + 0.0 * X) if callable(value) else value
+
+
+def _vector_at(value: Any) -> Function:
+    """The same with one component."""
+    return lambda X, t: ((value(t) if callable(value) else value) + 0.0 * X,)
+
+
+def _line_jumps(problem: Problem) -> Function | None:
+    """(traction, heat) that interfaces supply, by place. InputError for jumps of u and T."""
+    if problem.jumps is None:
+        return None
+    places = np.array([layer.X[1] for layer in problem.layers[:-1]])
+
+    def supplied(X: Array, t: float) -> Array:
+        found = np.zeros((2, *np.shape(X)))
+        for k, place in enumerate(places):
+            here = np.abs(X - place) <= np.abs(X[..., None] - places).min(axis=-1)
+            if not here.any():
+                continue
+            u, stress, T, flux = problem.jumps(k, t)
+            if u != 0.0 or T != 0.0:
+                raise InputError(
+                    f"jumps at interface {k} at t = {t:.6g}: g_u = {u:g}, g_T = {T:g}: expected 0 "
+                    "where gas and solid are one particle, or -fsi_mapping rigid"
+                )
+            into_solid = 1.0 if problem.layers[k].kind == "fluid" else -1.0
+            found[:, here] = np.array([[-into_solid * stress], [-into_solid * flux]])
+        return found
+
+    return supplied
