@@ -46,7 +46,7 @@ _formulas: dict[Callable[..., Any], Callable[..., Any]] = {}
 
 
 def formulas(*names: str) -> None:
-    """Let compiled code call methods of these names of NamedTuple classes."""
+    """Let compiled code call methods of these names of NamedTuple classes; no NamedTuple may have fields of these names."""
     for name in names:
         if name not in _known:
             _known.add(name)

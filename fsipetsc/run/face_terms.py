@@ -59,11 +59,14 @@ class FaceTerms:
         return faces.area_vectors(face, self._part.patch.ghosted, self._part.bands, self._reference, q)
 
 
-def ranges_of(part: Part) -> list[tuple[int, int]]:
-    """First node and first beyond of the ghosted array along each axis; beyond the ends of periodic axes they go on."""
+def ranges_of(part: Part, shape: Sequence[int]) -> list[tuple[int, int]]:
+    """First node and first beyond of the ghosted array along each axis of a block of this shape; they go on beyond the ends
+    of periodic axes.
+    """
+    begins = np.unravel_index(int(part.numbers[0]), shape, order="F")
     return [
-        (begin - first, begin - first + size)
-        for begin, first, size in zip(part.first_owned, part.patch.first, part.patch.ghosted, strict=True)
+        (int(begin) - first, int(begin) - first + size)
+        for begin, first, size in zip(begins, part.patch.first, part.patch.ghosted, strict=False)
     ]
 
 

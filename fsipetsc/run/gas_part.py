@@ -13,7 +13,7 @@ from fsipetsc.blocks.particles import Particle
 from fsipetsc.parallel.block_layout import BlockLayout, FaceGather, Part
 from fsipetsc.run.face_terms import FaceTerms, ranges_of
 from fsipetsc.run.particle_system import ParticleSystem
-from fsipetsc.scheme.gas_rates import gas_rates, scratch
+from fsipetsc.scheme.gas_rates import DivergenceForm, EntropyForm, Inviscid, Viscous, gas_rates, scratch
 
 Array = NDArray[Any]
 
@@ -24,17 +24,20 @@ class GasPart:
     def __init__(self, layout: BlockLayout, part: Part, order: int, form: Any) -> None:
         self.part, self._layout, self._problem = part, layout, layout.problem
         self.block = self._problem.blocks[part.k]
-        self._order, self._form = order, form
+        self._order = order
         self._d = d = self.block.dimension
         self._like = (0.0,) * d
         self.equations = self.block.material.equations(d)
-        self._ranges = ranges_of(part)[:d]
+        self._ranges = ranges_of(part, self.block.shape)
         self.X = self._problem.positions(part.k, self._ranges)
         nodes = self.X.shape[1]
         self.metrics = np.zeros((d * d + d + 1, nodes))
         self._owned = part.ghosted_rows(np.arange(part.numbers.size))
         self._faces = FaceTerms(self._problem, part, np.ones(nodes))
-        self._scratch = scratch(self._like)
+        material = self.block.material
+        self._form = EntropyForm() if form.convection == "entropy" else DivergenceForm()
+        self._friction = Viscous() if material.mu > 0.0 or material.kappa > 0.0 else Inviscid()
+        self._scratch = scratch(self._like, self._form, self._friction, part.bands)
 
     @property
     def timed(self) -> bool:
@@ -100,8 +103,8 @@ class GasPart:
         """rates (M, d + 3) of the volume terms, of faces and of forcing; q: (N, d + 3)."""
         bands = self.part.bands
         S, w = [band.S for band in bands], [band.weight for band in bands]
-        arguments = self.equations, self._like, self._form, q, self.metrics, *S, *w, self.part.patch
-        gas_rates(*arguments, rates, self._scratch)
+        chosen = self.equations, self._like, self._form, self._friction
+        gas_rates(*chosen, q, self.metrics, *S, *w, self.part.patch, rates, self._scratch)
         self._faces.add(t, self.equations.law, q, self.metrics, rates)
         if self.block.forcing is not None:
             J = q[self._owned, 0]

@@ -197,7 +197,7 @@ class ParticleSystem:
 
     def places(self, t: float) -> Array:
         """(p, d) displacement of solids, and of walls that move by themselves, at time t [s]; 0 elsewhere."""
-        found, moving = self.state.place.copy(), self.prescribed.moving
+        found, moving = self.state.D.copy(), self.prescribed.moving
         if moving.size:
             alone = self.state.solid_mass[moving] == 0.0
             found[moving[alone]] = self.prescribed.displacement(t)[alone]
@@ -205,7 +205,7 @@ class ParticleSystem:
 
     def velocities(self) -> Array:
         """(p, d) the velocities that belong to ``places``."""
-        found, moving = self.state.velocity.copy(), self.prescribed.moving
+        found, moving = self.state.v.copy(), self.prescribed.moving
         alone = moving[self.state.solid_mass[moving] == 0.0]
         found[alone] = self.data.wall[alone]
         return found

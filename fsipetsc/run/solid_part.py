@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from fsipetsc.blocks.metrics import solid_metrics
 from fsipetsc.parallel.block_layout import BlockLayout, Part
 from fsipetsc.run.face_terms import FaceTerms, face_of, ranges_of
-from fsipetsc.scheme.solid_rates import scratch, solid_rates, solid_stress
+from fsipetsc.scheme.solid_rates import solid_rates, solid_scratch
 
 Array = NDArray[Any]
 
@@ -24,7 +24,7 @@ class SolidPart:
         self._d = d = self.block.dimension
         self._like = (0.0,) * d
         self.equations = self.block.material.equations(d)
-        ranges = ranges_of(part)[:d]
+        ranges = ranges_of(part, self.block.shape)
         self.X = self._problem.positions(part.k, ranges)
         self.metrics = solid_metrics(self._problem, part.k, order, ranges)
         self.inertia = self.metrics[d * d] * self.equations.m0
@@ -35,7 +35,7 @@ class SolidPart:
             if self._problem.is_interface(part.k, *face)
         ]
         self._owned = part.ghosted_rows(np.arange(part.numbers.size))
-        self._scratch = scratch(self._like)
+        self._scratch = solid_scratch(d, max(band.reach for band in part.bands))
 
     @property
     def timed(self) -> bool:

@@ -80,17 +80,17 @@ class Data(NamedTuple):
 
 
 class State(NamedTuple):
-    """What `share` found, for each particle: mass of gas and solid (p,), V (p,), U of the gas (p, d + 2), displacement (p, d),
-    velocity (p, d) and energy (p,) of the solid. mean_energy: (p,) that of its members, before anything changed it.
+    """What `share` found, for each particle: mass of gas and solid (p,), V (p,), U of the gas (p, d + 2), displacement D and
+    velocity v (p, d) and energy per mass e (p,) of the solid. mean_energy: (p,) that of its members before a change.
     """
 
     mass: Array
     solid_mass: Array
     V: Array
     U: Array
-    place: Array
-    velocity: Array
-    energy: Array
+    D: Array
+    v: Array
+    e: Array
     mean_energy: Array
 
 
@@ -150,10 +150,10 @@ def share(table, d, rows, data, state):
         if M_s > 0.0:
             state.mean_energy[p] = solid[2 * d] / M_s
             for c in range(d):
-                state.place[p, c] = solid[c] / M_s
+                state.D[p, c] = solid[c] / M_s
         if table.held_solid[p]:
             for c in range(d):
-                state.place[p, c] = data.clamp[p, c]
+                state.D[p, c] = data.clamp[p, c]
                 P_s[c] = M_s * data.clamp_velocity[p, c]
         if table.held_gas[p]:
             for c in range(d):
@@ -176,7 +176,7 @@ def share(table, d, rows, data, state):
             state.mass[p] = M
         if table.given_solid[p]:
             for c in range(d):
-                state.place[p, c], P_s[c] = data.solid[p, c], M_s * data.solid[p, d + c]
+                state.D[p, c], P_s[c] = data.solid[p, c], M_s * data.solid[p, d + c]
             solid[2 * d] = M_s * data.solid[p, 2 * d]
         _put(state, p, d, V, M, P, E, M_s, P_s, solid[2 * d])
 
@@ -188,9 +188,9 @@ def _put(state, p, d, V, M, P, E, M_s, P_s, E_s):
         for c in range(d):
             state.U[p, 1 + c] = P[c] / V
     if M_s > 0.0:
-        state.energy[p] = E_s / M_s
+        state.e[p] = E_s / M_s
         for c in range(d):
-            state.velocity[p, c] = P_s[c] / M_s
+            state.v[p, c] = P_s[c] / M_s
 
 
 @njit(**CALL)
@@ -199,38 +199,44 @@ def slide(table, d, normals, data, state):
 
     normals: (p, K, d).
     """
-    u, v, zero = np.zeros(d), np.zeros(d), np.zeros(normals.shape[1])
+    u, v, wanted, room = np.zeros(d), np.zeros(d), np.zeros(normals.shape[1]), room_for(normals.shape[1])
     for p in range(table.begin.size - 1):
         if table.count[p] == 0:
             continue
         M, M_s = state.mass[p], state.solid_mass[p]
         for c in range(d):
             u[c] = state.U[p, 1 + c] / state.U[p, 0] if M > 0.0 else 0.0
-            v[c] = state.velocity[p, c]
+            v[c] = state.v[p, c]
         before = 0.0
         for c in range(d):
             before += 0.5 * M_s * v[c] * v[c]
-        wanted = zero.copy()
         for k in range(table.count[p]):
+            wanted[k] = 0.0
             if table.constraint[p, k] == WALL:
                 for c in range(d):
                     wanted[k] += normals[p, k, c] * data.wall[p, c]
-        solve(table, p, normals[p], wanted, M, M_s, u, v)
+        solve(table, p, normals, wanted, M, M_s, u, v, room)
         after = 0.0
         for c in range(d):
             after += 0.5 * M_s * v[c] * v[c]
-            state.velocity[p, c] = v[c]
+            state.v[p, c] = v[c]
             if M > 0.0:
                 state.U[p, 1 + c] = state.U[p, 0] * u[c]
         if M_s > 0.0 and M > 0.0:
-            state.energy[p] += (after - before) / M_s
+            state.e[p] += (after - before) / M_s
             state.U[p, d + 1] -= (after - before) / state.V[p]
 
 
 @njit(**CALL)
-def solve(table, p, N, wanted, M, M_s, a, b):
+def room_for(K):
+    """Room for `solve` with at most K constraints: rows of A, then multipliers pi, gamma, sigma and sizes of pivots."""
+    return np.zeros((K + 4, K))
+
+
+@njit(**CALL)
+def solve(table, p, normals, wanted, M, M_s, a, b, room):
     """Change the vectors a of the gas and b of the solid, least in their masses, so that
-    N_c . (gamma_c a + sigma_c b) = wanted_c; returns the multipliers.
+    N_c . (gamma_c a + sigma_c b) = wanted_c; the multipliers are room[K_most].
     """
     K, d = table.count[p], a.size
     sticks = table.sticks[p] == 1 and M > 0.0 and M_s > 0.0
@@ -239,8 +245,8 @@ def solve(table, p, N, wanted, M, M_s, a, b):
     if sticks:
         held = table.held_gas[p] or table.held_solid[p]
         per_gas = per_solid = 0.0 if held else 1.0 / (M + M_s)
-    A, pi = np.zeros((K, K)), np.zeros(K)
-    gamma, sigma = np.zeros(K), np.zeros(K)
+    most, N = room.shape[1], normals[p]
+    A, pi, gamma, sigma = room[:K, :K], room[most, :K], room[most + 1], room[most + 2]
     for k in range(K):
         kind = table.constraint[p, k]
         gamma[k] = 0.0 if kind == ROLLS and not sticks else 1.0
@@ -249,29 +255,28 @@ def solve(table, p, N, wanted, M, M_s, a, b):
         pi[k] = wanted[k]
         for c in range(d):
             pi[k] -= N[k, c] * (gamma[k] * a[c] + sigma[k] * b[c])
+    for k in range(K):
         for e in range(K):
+            A[k, e] = 0.0
             both = gamma[k] * gamma[e] * per_gas + sigma[k] * sigma[e] * per_solid
             for c in range(d):
                 A[k, e] += N[k, c] * N[e, c] * both
-    eliminate(A, pi)
+    eliminate(A, pi, room[most + 3])
     for k in range(K):
         for c in range(d):
             a[c] += gamma[k] * pi[k] * N[k, c] * per_gas
             b[c] += (gamma[k] if sticks else sigma[k]) * pi[k] * N[k, c] * per_solid
-    return pi
 
 
 @njit(**CALL)
-def eliminate(A, x):
+def eliminate(A, x, size):
     """Solve A pi = x in place of x for a symmetric semidefinite A; constraints that others imply get no force."""
     K = x.size
-    size = np.zeros(K)
     for k in range(K):
         size[k] = A[k, k]
-    kept = np.zeros(K, np.bool_)
     for k in range(K):
-        kept[k] = A[k, k] > REDUNDANT * size[k]
-        if not kept[k]:
+        if not A[k, k] > REDUNDANT * size[k]:
+            size[k] = -1.0
             continue
         for e in range(k + 1, K):
             factor = A[e, k] / A[k, k]
@@ -279,7 +284,7 @@ def eliminate(A, x):
             for c in range(k, K):
                 A[e, c] -= factor * A[k, c]
     for k in range(K - 1, -1, -1):
-        if not kept[k]:
+        if size[k] < 0.0:
             x[k] = 0.0
             continue
         for e in range(k + 1, K):
@@ -301,13 +306,13 @@ def share_heat(table, law, d, table_energy, data, state):
         for c in range(d):
             if M > 0.0:
                 of_gas += 0.5 * (state.U[p, 1 + c] / rho) ** 2
-            of_solid += 0.5 * state.velocity[p, c] ** 2
+            of_solid += 0.5 * state.v[p, c] ** 2
         of_solid += table_energy[p, 0]
         alpha = table_energy[p, 1]
         T = data.T[p]
         if not table.warm[p]:
-            heat = M * (state.U[p, d + 1] / rho - of_gas) + M_s * (state.energy[p] - of_solid)
-            T = (state.energy[p] - of_solid) / alpha
+            heat = M * (state.U[p, d + 1] / rho - of_gas) + M_s * (state.e[p] - of_solid)
+            T = (state.e[p] - of_solid) / alpha
             for _ in range(20):
                 missing = heat - M * law.internal_energy(rho, T) - M_s * alpha * T
                 change = missing / (M * law.heat_capacity(rho, T) + M_s * alpha)
@@ -317,13 +322,13 @@ def share_heat(table, law, d, table_energy, data, state):
         if M > 0.0:
             energy = law.internal_energy(rho, T) + of_gas
             if M_s > 0.0 and not table.warm[p]:  # the sum stays to the last bit
-                of_both = M * state.U[p, d + 1] / rho + M_s * state.energy[p]
-                state.energy[p] = of_solid + alpha * T
-                state.U[p, d + 1] = rho * (of_both - M_s * state.energy[p]) / M
+                of_both = M * state.U[p, d + 1] / rho + M_s * state.e[p]
+                state.e[p] = of_solid + alpha * T
+                state.U[p, d + 1] = rho * (of_both - M_s * state.e[p]) / M
                 continue
             state.U[p, d + 1] = rho * energy
         if M_s > 0.0 and alpha > 0.0:
-            state.energy[p] = of_solid + alpha * T
+            state.e[p] = of_solid + alpha * T
 
 
 @njit(**CALL)
@@ -340,11 +345,11 @@ def give_state(table, d, y, state):
                     y[at + 1 + c] = y[at] * state.U[p, c]
             else:
                 for c in range(d):
-                    y[at + c], y[at + d + c] = state.place[p, c], state.velocity[p, c]
+                    y[at + c], y[at + d + c] = state.D[p, c], state.v[p, c]
                 if table.shares_energy[p] or table.given_solid[p]:
-                    y[at + 2 * d] = state.energy[p]
+                    y[at + 2 * d] = state.e[p]
                 else:
-                    y[at + 2 * d] += state.energy[p] - state.mean_energy[p]
+                    y[at + 2 * d] += state.e[p] - state.mean_energy[p]
 
 
 @njit(**CALL)
@@ -356,15 +361,17 @@ def constrain(table, d, rows, normals, turning, data, state, rates):
     """
     gas, solid = np.zeros(d + 3), np.zeros(2 * d + 2)
     u, v, a, b, wanted = np.zeros(d), np.zeros(d), np.zeros(d), np.zeros(d), np.zeros(normals.shape[1])
+    free_a, free_b, room = np.zeros(d), np.zeros(d), room_for(normals.shape[1])
+    pi = room[normals.shape[1]]
     for p in range(table.begin.size - 1):
         _add(table, p, rows, gas, solid)
         M, M_s, V = state.mass[p], state.solid_mass[p], state.V[p]
         for c in range(d):
             u[c] = state.U[p, 1 + c] / state.U[p, 0] if M > 0.0 else 0.0
-            v[c] = state.velocity[p, c]
+            v[c] = state.v[p, c]
             a[c] = (gas[2 + c] - u[c] * gas[1]) / M if M > 0.0 else 0.0
             b[c] = solid[d + c] / M_s if M_s > 0.0 else 0.0
-        before_a, before_b = a.copy(), b.copy()
+            free_a[c], free_b[c] = a[c], b[c]
         _hold(table, p, data, M, M_s, a, b)
         for k in range(table.count[p]):
             wanted[k] = 0.0
@@ -375,10 +382,10 @@ def constrain(table, d, rows, normals, turning, data, state, rates):
                     wanted[k] += normals[p, k, c] * data.wall_rate[p, c]
                     wanted[k] -= turning[p, k, c] * (u[c] - data.wall[p, c])
         if table.count[p] > 0:
-            pi = solve(table, p, normals[p], wanted, M, M_s, a, b)
+            solve(table, p, normals, wanted, M, M_s, a, b, room)
         E, E_s = gas[2 + d], solid[2 * d]
         for c in range(d):
-            force, force_s = M * (a[c] - before_a[c]), M_s * (b[c] - before_b[c])
+            force, force_s = M * (a[c] - free_a[c]), M_s * (b[c] - free_b[c])
             gas[2 + c] += force
             E_s += force_s * v[c]
             if table.sticks[p] or table.held_gas[p] or table.count[p] == 0:
@@ -433,6 +440,6 @@ def give_rates(table, d, y, f, state, rates):
                 for c in range(d):
                     force = rates[p, d + 2 + c] - f[at + d + c]
                     f[at + d + c] += force
-                    f[at + 2 * d] += force * state.velocity[p, c]
+                    f[at + 2 * d] += force * state.v[p, c]
                 if table.shares_energy[p]:
                     f[at + 2 * d] = rates[p, 2 * d + 2]

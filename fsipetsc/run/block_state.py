@@ -1,0 +1,377 @@
+"""The state of a run of blocks: solution, scheme, what is known after a step, what is saved.
+
+It has the names that stepping.run, stepping.integrator and the writer ask for: ``solution``, ``results``, ``journal``,
+``right_hand_side``, ``finish``, ``save`` …; the equations are those of fsipetsc.run.block_scheme.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+from mpi4py import MPI
+from petsc4py import PETSc
+
+from fsipetsc.errors import FsiError, InputError
+from fsipetsc.operators.sbp import OPERATORS
+from fsipetsc.parallel.block_layout import BlockLayout, BlockVector
+from fsipetsc.parallel.natural_order import NaturalOrder
+from fsipetsc.process.together import agree, together, wait_asleep
+from fsipetsc.run import snapshot
+from fsipetsc.run.columns import fields_of, gained, step_record
+from fsipetsc.run.errors_of_blocks import errors
+from fsipetsc.run.failures import describe_failure
+from fsipetsc.run.fused import STAGES, FusedRK4
+from fsipetsc.run.run_problem import RunProblem
+from fsipetsc.scheme.plan import BAD, FLAGS, LIMITS, RATE, SAID_STOP, STOP
+from fsipetsc.stepping.diagnosis import Failure
+from fsipetsc.stepping.snapshot import as_numbers, rates_of
+from fsipetsc.stepping.start import Start
+from fsipetsc.stepping.state import FAULT
+
+#: records of steps that are kept before they are written
+KEPT = 4096
+#: seconds of compiling after which a word is due
+PATIENCE = 2.0
+
+
+class BlockForm(NamedTuple):
+    """convection: "auto", "entropy" or "divergence"; dissipation, shock: times the usual size."""
+
+    convection: str = "auto"
+    dissipation: float = 0.0
+    shock: float = 0.0
+
+
+def make_scheme(*arguments: Any) -> Any:
+    """The scheme of fsipetsc.run.block_scheme. Collective."""
+    from fsipetsc.run.block_scheme import Scheme
+
+    return Scheme(*arguments)
+
+
+class BlockState:
+    """Solution and everything that belongs to it; all methods are collective on ``comm``.
+
+    y: this rank's part of the solution, with a vector for each block; ``solution`` is the same
+    memory as a world vector. results: flags and limits as in fsipetsc.scheme.plan. journal, latest:
+    records of steps; integrals in them are this rank's shares. rates: (blocks, 2), largest ones of
+    convection and diffusion [1/s]. h: spacing [m] that was asked for.
+    InputError where blocks, order and ranks do not fit.
+    """
+
+    #: steps are made one by one
+    bursts = False
+
+    def __init__(
+        self,
+        comm: MPI.Comm,
+        problem: RunProblem,
+        order: int,
+        h: float,
+        form: BlockForm = BlockForm(),  # noqa: B008
+        partition: str = "auto",
+    ) -> None:
+        self.comm, self.problem, self.h, self.op = comm, problem, h, OPERATORS[order]
+        self._order, self.convection = order, form.convection
+        blocks, d = problem.layers, problem.dimension
+        gases = sum(block.kind == "fluid" for block in blocks)
+        self._gained = gained(gases, d)
+        behind = self._gained.itemsize // 8
+        self.layout = BlockLayout(comm, problem, order, partition=partition, behind=behind)
+        self.y = self.layout.vector()
+        self._stage = self.layout.vector()
+        size = (self.layout.local_size, None)
+        self.solution = PETSc.Vec().createWithArray(self.y.array, size=size, comm=comm)
+        self.results = np.zeros(FLAGS + LIMITS)
+        self.scheme = together(
+            comm, lambda: make_scheme(self.layout, problem, order, form, self._instant)
+        )
+        self._fused = FusedRK4(self.layout, self.scheme, self._stage)
+        record = step_record(len(blocks), gases, d, getattr(self.scheme, "more", ()))
+        self.journal = np.zeros(KEPT, record)
+        self.latest = np.zeros(1, [(name, record[name]) for name in record.names[2:]])[0]
+        self._extremes = np.zeros(1 + 5 * len(blocks))
+        self.rates = np.zeros((len(blocks), 2))
+        self.evaluations, self.begin, self._t = 0, 0.0, 0.0
+        self.fault: InputError | None = None  # of a user's function, on this rank
+        self._orders = self._make_orders()
+
+    # size and names
+
+    @property
+    def points(self) -> int:
+        """Nodes of all blocks."""
+        return sum(int(np.prod(shape)) for shape in self.layout.shapes)
+
+    @property
+    def reserve(self) -> int:
+        """Nodes held in reserve: no grid grows."""
+        return 0
+
+    @property
+    def recorded(self) -> list[list[float]]:
+        """Points of interfaces that are recorded at each step: none yet."""
+        return []
+
+    # set-up
+
+    def compile(
+        self, announce: Callable[[str], None], also: Callable[[], object] = lambda: None
+    ) -> None:
+        """Compile the kernels: one rank first, the others take its result from the disk."""
+        if self.comm.rank == 0:
+            words = "compiling the kernels for the materials of this case"
+            timer = threading.Timer(PATIENCE, announce, (words,))
+            timer.daemon = True
+            timer.start()
+            try:
+                self._compile()
+            finally:
+                timer.cancel()
+        wait_asleep(self.comm)
+        self._compile()
+
+    def _compile(self) -> None:
+        compiled = getattr(self.scheme, "compile", None)
+        if compiled is not None:
+            compiled()
+
+    def compile_saving(self) -> None:
+        """All has been compiled."""
+
+    def compile_path(self, announce: Callable[[str], None]) -> None:
+        """All has been compiled."""
+
+    def begin_with(self, start: Start) -> None:
+        """Let initial data be those of a frame. InputError: not of blocks."""
+        raise InputError("-fsi_initial: a problem of blocks begins with the data of its case")
+
+    def check_data(self) -> None:
+        """Ask the case's functions for all data at the time ``begin`` [s]. InputError."""
+        together(self.comm, lambda: self.scheme.initial(self.begin, self.y))
+
+    def set_initial(self) -> None:
+        """Initial data of all blocks and J of the grids. InputError."""
+        self.check_data()
+        self.y.behind[:] = 0.0
+        self._guarded(lambda: self.scheme.stretch(self.begin, self.y))
+        agree(self.comm, self.fault)
+
+    def set_data(self, t: float) -> None:
+        """The next evaluation of the right-hand side is at time t [s]."""
+        self._t = t
+
+    # steps
+
+    def _guarded(self, action: Callable[[], object]) -> None:
+        """A fault of a function of the case's is kept: all ranks learn of it after the step."""
+        try:
+            action()
+        except InputError as error:
+            self.fault = self.fault or error
+            self.results[SAID_STOP] = FAULT
+
+    def right_hand_side(self, y: np.ndarray, f: np.ndarray) -> None:
+        """f = dy/dt of this rank's part, at y completed; y stays as it is."""
+        self.evaluations += 1
+        f[f.size - self.layout.behind :] = 0.0
+        self._load_stage(y)
+        self._guarded(lambda: self.scheme.rates(self._t, self._stage, f))
+
+    def _load_stage(self, y: np.ndarray) -> None:
+        self._stage.array[:] = y
+        self._guarded(lambda: self.scheme.complete(self._t, self._stage))
+
+    def project(self, y: np.ndarray) -> None:
+        """Let this rank's part y obey all conditions, in place."""
+        self._load_stage(y)
+        y[:] = self._stage.array
+
+    def step(self, t: float, dt: float, steady: bool) -> None:
+        """A step dt [s] of the fused method from the completed solution at t [s]."""
+        self.evaluations += STAGES
+        self._guarded(lambda: self._fused.step(t, dt, self.y))
+        self._t = t + dt
+        self._look()
+
+    def finish(self) -> None:
+        """Complete a step that PETSc has made."""
+        self._guarded(lambda: self.scheme.complete(self._t, self.y))
+        self.solution.stateIncrease()
+        self._look()
+
+    def _look(self) -> None:
+        """What is known of the completed solution: bounds of all ranks, shares of the integrals."""
+        self.y.begin()
+        self.y.end()
+        count = len(self.layout.shapes)
+        rows = self._extremes[1:].reshape(count, 5)
+        rows[:] = 0.0, 0.0, 0.0, -np.inf, 0.0
+        found = self.scheme.bounds(self._t, self.y)
+        rows[:, : found.shape[1]] = found
+        self._extremes[0] = self.results[SAID_STOP]
+        if self.comm.size > 1:
+            self.comm.Allreduce(MPI.IN_PLACE, self._extremes, MPI.MAX)
+        self.rates[:] = rows[:, 1:3]
+        convection, diffusion = self.rates.max(axis=0)
+        self.results[RATE] = (convection**4 + diffusion**4) ** 0.25
+        self.results[BAD] = float(rows[:, 0].max() > 0.0)
+        self.results[STOP] = self._extremes[0]
+        self.latest["least_J"], self.latest["J_error"] = -rows[:, 3], rows[:, 4]
+        for name, share in self.scheme.integrals(self._t, self.y).items():
+            self.latest[name] = share
+        came = self.y.behind.view(self._gained)[0]
+        for name in self._gained.names:
+            self.latest[name] = came[name]
+        self.y.behind[:] = 0.0
+
+    def _instant(self) -> float:
+        """A time [s] in which little happens, for differences in time."""
+        rate = float(self.results[RATE])
+        return 0.25 / rate if 0.0 < rate < np.inf else 1e-3 * self.h
+
+    # to go back, checkpoints
+
+    def keep(self, room: tuple[np.ndarray, ...] | None = None) -> tuple[np.ndarray, ...]:
+        """What ``back`` takes, of this rank; room: arrays that it may overwrite."""
+        parts = self._changing()
+        if room is None:
+            return tuple(np.copy(part) for part in parts)
+        for part, copy in zip(parts, room, strict=True):
+            copy[...] = part
+        return room
+
+    def _changing(self) -> tuple[np.ndarray, ...]:
+        return self.y.array, self.results, as_numbers(self.latest), np.array(self._t)
+
+    def back(self, copies: tuple[np.ndarray, ...]) -> None:
+        """Be what was kept again."""
+        *copies, t = copies
+        for part, copy in zip(self._changing(), copies, strict=False):
+            part[:] = copy
+        self._t = float(t)
+        self.solution.stateIncrease()
+        self._reload()
+
+    def _reload(self) -> None:
+        """What the scheme derives from a completed solution follows it, which stays as it is."""
+        self._load_stage(self.y.array)
+        self.y.begin()
+        self.y.end()
+
+    def capture(self, rates: np.ndarray | None = None) -> dict[str, np.ndarray] | None:
+        """See fsipetsc.run.snapshot.capture."""
+        return snapshot.capture(self, rates)
+
+    def restore(self, arrays: Mapping[str, np.ndarray], t: float) -> np.ndarray | None:
+        """Be at time t [s] what arrays, known on all ranks, tell of; the rates among them. InputError."""
+        snapshot.check(self, arrays)
+        self.results[:], as_numbers(self.latest)[:] = arrays["results"], arrays["latest"]
+        self._t = t
+        snapshot.put(self.layout, self.y.array, arrays)
+        self._reload()
+        agree(self.comm, self.fault)
+        return rates_of(self.layout, arrays, snapshot.put)
+
+    def unknowns(self, y: np.ndarray) -> list[np.ndarray]:
+        """Those of this rank's part y, block by block."""
+        return [self.layout.owned(part.k, y) for part in self.layout.parts]
+
+    # what is saved and said
+
+    def _make_orders(self) -> dict[int, NaturalOrder]:
+        d = self.problem.dimension
+        widths = [len(fields_of(block.kind, d)) for block in self.problem.layers]
+        return {part.k: NaturalOrder(part, widths[part.k]) for part in self.layout.parts}
+
+    def header(self) -> list[dict[str, Any]]:
+        """What a result file says of each block."""
+        d = self.problem.dimension
+        return [
+            {
+                "name": block.name,
+                "kind": block.kind,
+                "fields": list(fields_of(block.kind, d)),
+                "shape": list(shape[::-1]),
+                "periodic": list(block.periodic)[::-1],
+            }
+            for block, shape in zip(self.problem.layers, self.layout.shapes, strict=True)
+        ]
+
+    def grids(self) -> list[dict[str, Any]]:
+        """What the writer must know: numbers of nodes and their places in the reference map."""
+        found = []
+        for k, shape in enumerate(self.layout.shapes):
+            order = self._orders.get(k)
+            numbers = np.empty(0, np.int64) if order is None else order.numbers
+            X = np.empty((0, self.problem.dimension))
+            if numbers.size:
+                X = self.problem.places(k, numbers)
+            entry = {"local": len(numbers), "n": int(np.prod(shape))}
+            found.append({**entry, "X": np.column_stack([numbers, X])})
+        return found
+
+    def fields(self, k: int) -> np.ndarray:
+        """(M, columns) of ``fields_of``: what is saved of this rank's nodes of block k."""
+        return self.scheme.fields(self._t, self.y, k)
+
+    def save(self, slots: tuple[np.ndarray, np.ndarray, Any]) -> None:
+        """Put what is saved of this rank's nodes in the slots of a frame. Collective."""
+        values, starts, strides = slots
+        for k, stride in enumerate(np.broadcast_to(strides, len(self.layout.shapes))):
+            if k in self._orders:
+                rows = self._orders[k].reorder(self.fields(k))
+                into = values[int(starts[k]) :]
+                sizes = (8 * int(stride), 8)
+                np.lib.stride_tricks.as_strided(into, rows.shape, sizes)[:] = rows
+
+    @property
+    def places(self) -> list[float]:
+        """Mean of the last coordinate [m] of each interface."""
+        problem, found = self.problem, []
+        last = problem.dimension - 1
+        for number, (_, k) in enumerate(problem.interfaces):
+            part, total = self.layout.part(k), np.zeros(2)
+            if part is not None:
+                nodes = problem.interface_nodes(number)
+                mine = nodes[self.layout.owners(k, nodes) == self.comm.rank]
+                if mine.size:
+                    D = self.y.owned(k)[part.rows(mine), last]
+                    total += (problem.places(k, mine)[:, last] + D).sum(), mine.size
+            found.append(self.comm.allreduce(total))
+        return [float(total / count) for total, count in found]
+
+    def errors(self, t: float, norm: str) -> dict[str, dict[str, float]] | None:
+        """See fsipetsc.run.errors_of_blocks."""
+        return errors(self, t, norm)
+
+    def failure(self, t: float, step: int) -> Failure:
+        """What is wrong with a state that is not physical. Collective."""
+        return describe_failure(self, t, step)
+
+    def destroy(self) -> None:
+        """Free messages, vectors, DMDAs and communicators, in this order."""
+        self.scheme.destroy()
+        for order in self._orders.values():
+            order.destroy()
+        for vector in (self.y, self._stage, self.solution):
+            vector.destroy()
+        self.layout.destroy()
+
+    def __enter__(self) -> BlockState:
+        return self
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        """Destroy it, unless this rank may be alone with an error."""
+        if (
+            error is None
+            or self.comm.size == 1
+            or (isinstance(error, FsiError) and error.collective)
+        ):
+            self.destroy()
+
+
+__all__ = ["BlockForm", "BlockState", "BlockVector", "make_scheme"]

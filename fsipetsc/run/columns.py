@@ -1,0 +1,50 @@
+"""What is saved and recorded of blocks in d dimensions: names of fields and of series."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fsipetsc.run.run_problem import PLACES, VELOCITIES
+
+
+def fields_of(kind: str, d: int) -> tuple[str, ...]:
+    """Saved of each node.
+
+    gas: density, velocity, temperature, pressure, J, position. solid: velocity, temperature, Cauchy
+    stress (of one dimension sigma), position.
+    """
+    u, x = tuple(VELOCITIES[:d]), tuple(PLACES[:d])
+    if kind == "fluid":
+        return ("rho", *u, "T", "p", "J", *x)
+    stresses = [f"s_{PLACES[i]}{PLACES[j]}" for i in range(d) for j in range(i, d)]
+    return (*u, "T", *(stresses if d > 1 else ["sigma"]), *x)
+
+
+def compared(kind: str, d: int) -> tuple[str, ...]:
+    """Held against an exact solution: what ``initial`` and ``exact`` of a block give, by name."""
+    u, x = tuple(VELOCITIES[:d]), tuple(PLACES[:d])
+    return ("rho", *u, "T") if kind == "fluid" else (*u, "T", *x)
+
+
+def gained(gases: int, d: int) -> np.dtype:
+    """What came in from outside in a step: mass of each block of gas, impulse, energy."""
+    impulses = [(f"impulse_{x}", "f8") for x in PLACES[:d]]
+    masses = [("mass_in", "f8", (gases,))] if gases else []
+    return np.dtype([*masses, *impulses, ("energy_in", "f8")])
+
+
+def step_record(blocks: int, gases: int, d: int, more: Sequence[str] = ()) -> np.dtype:
+    """Recorded of a step.
+
+    Time after it, its length; of each block the least J, and the largest |J - det D x| / J of a
+    gas; then shares of the ranks, to be added up: integrals, ``more`` of these, and what came in.
+    """
+    masses = [("mass", "f8", (gases,))] if gases else []
+    momenta = [(f"momentum_{x}", "f8") for x in PLACES[:d]]
+    integrals = [*masses, ("energy", "f8"), *momenta, ("entropy", "f8"), *((n, "f8") for n in more)]
+    came = gained(gases, d)
+    rest = [(name, came[name].base, came[name].shape) for name in came.names]
+    extremes = [(name, "f8", (blocks,)) for name in ("least_J", "J_error")]
+    return np.dtype([("t", "f8"), ("dt", "f8"), *extremes, *integrals, *rest])

@@ -1,0 +1,156 @@
+"""A problem of blocks under the names that a run asks for: layers, interfaces, what must not change."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from fsipetsc.blocks.block import Block
+from fsipetsc.blocks.conditions import holds_energy, steady
+from fsipetsc.blocks.problem import BlockProblem, Meeting
+
+#: letters of axes, of positions and of velocities
+PLACES, VELOCITIES = "xyz", "uvw"
+#: cells per axis by which the size of a block is estimated
+_CELLS = 8
+
+
+class RunProblem:
+    """A BlockProblem as a run sees it; what it does not have itself it has from the problem.
+
+    layers: its blocks. bodies: numbers of the blocks of each body of gas, which joins connect.
+    """
+
+    def __init__(self, problem: BlockProblem) -> None:
+        self.blocks_problem = problem
+        self.layers: tuple[Block, ...] = problem.blocks
+        self.notes: tuple[str, ...] = tuple(problem.notes)
+        self.bodies = _bodies(problem)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.blocks_problem, name)
+
+    def unit(self, name: str) -> str:
+        """What stands behind a number in a message: " m", or nothing without dimensions."""
+        return f" {name}" if self.units == "SI" else ""
+
+    @cached_property
+    def interfaces(self) -> list[tuple[int, int]]:
+        """(block of gas, block of a solid) that have faces in common, in the order of blocks."""
+        found = set()
+        for k, face in self._faces(Meeting):
+            other = self.faces_of(k)[face].block
+            if self.layers[k].kind == "fluid" and self.layers[other].kind == "solid":
+                found.add((k, other))
+        return sorted(found, key=sorted)
+
+    @property
+    def interface_names(self) -> list[str]:
+        """As "gas | plate", the block with the lower number first."""
+        pairs = (sorted(pair) for pair in self.interfaces)
+        return [" | ".join(self.layers[k].name for k in pair) for pair in pairs]
+
+    def interface_nodes(self, number: int) -> np.ndarray:
+        """Nodes of the solid on an interface, each once."""
+        gas, solid = self.interfaces[number]
+        faces = [
+            self.face_nodes(solid, *face)
+            for face, met in self.faces_of(solid).items()
+            if isinstance(met, Meeting) and met.block == gas
+        ]
+        return np.unique(np.concatenate(faces))
+
+    @property
+    def steady_data(self) -> bool:
+        """No data of faces and no forcing depend on time."""
+        forced = any(block.forcing is not None for block in self.layers)
+        conditions = (self.faces_of(k)[face] for k, face in self._faces())
+        still = all(steady(c) for c in conditions if not isinstance(c, Meeting))
+        return still and not forced and self.jumps is None
+
+    @cached_property
+    def invariants(self) -> dict[str, Any]:
+        """What must not change, as JSON has it: see fsipetsc.scheme.conservation_check.
+
+        Less what comes in through faces and by body forces, the mass of each body of gas, momentum
+        and energy; entropy where nothing comes in and stresses do not heat the solids.
+        """
+        if self.jumps is not None or any(block.forcing is not None for block in self.layers):
+            return {}
+        solids = [block for block in self.layers if block.kind == "solid"]
+        conditions = [self.faces_of(k)[face] for k, face in self._faces()]
+        closed = all(holds_energy(c) for c in conditions if not isinstance(c, Meeting))
+        elastic = all(getattr(solid.material, "heat", "") == "elastic" for solid in solids)
+        masses = [solid.material.m0 * _size(solid) for solid in solids]
+        capacities = [m * solid.material.alpha for m, solid in zip(masses, solids, strict=True)]
+        return {
+            "masses": [list(entry) for entry in zip(self.body_names, self._columns, strict=True)],
+            "momentum": True,
+            "energy": True,
+            "entropy": closed and elastic,
+            "inertia": sum(masses),
+            "heat_capacity": sum(capacities),
+        }
+
+    @property
+    def body_names(self) -> list[str]:
+        """Names of the bodies of gas: those of their blocks."""
+        return [" + ".join(self.layers[k].name for k in body) for body in self.bodies]
+
+    @property
+    def _columns(self) -> list[list[int]]:
+        """Numbers of the blocks of each body among those of gas."""
+        gases = [k for k, block in enumerate(self.layers) if block.kind == "fluid"]
+        return [[gases.index(k) for k in body] for body in self.bodies]
+
+    def _faces(self, kind: type = object) -> list[tuple[int, tuple[int, int]]]:
+        """(block, face) where something of this kind stands."""
+        return [
+            (k, face)
+            for k in range(len(self.layers))
+            for face, stands in self.faces_of(k).items()
+            if isinstance(stands, kind)
+        ]
+
+
+def _bodies(problem: BlockProblem) -> list[list[int]]:
+    """Blocks of gas that joins connect."""
+    bodies: list[list[int]] = []
+    seen: set[int] = set()
+    for first, block in enumerate(problem.blocks):
+        if block.kind != "fluid" or first in seen:
+            continue
+        body, waiting = [], [first]
+        while waiting:
+            k = waiting.pop()
+            if k in seen:
+                continue
+            seen.add(k)
+            body.append(k)
+            met = (m for m in problem.faces_of(k).values() if isinstance(m, Meeting))
+            waiting += [m.block for m in met if problem.blocks[m.block].kind == "fluid"]
+        bodies.append(sorted(body))
+    return bodies
+
+
+def _size(block: Block) -> float:
+    """About the volume of a block: that of some cells, by their middles."""
+    axes = [(np.arange(_CELLS) + 0.5) / _CELLS] * block.dimension
+    xi = np.stack(np.meshgrid(*axes, indexing="ij"))
+    step = 1e-4
+
+    def slope(axis: int) -> Sequence[np.ndarray]:
+        shift = np.zeros_like(xi)
+        shift[axis] = step
+        high, low = (np.array(_values(block.map, xi + s * shift)) for s in (1.0, -1.0))
+        return (high - low) / (2.0 * step)
+
+    matrix = np.stack([slope(axis) for axis in range(block.dimension)])
+    return float(np.abs(np.linalg.det(np.moveaxis(matrix, (0, 1), (-2, -1)))).mean())
+
+
+def _values(function: Callable[..., Any], xi: np.ndarray) -> list[np.ndarray]:
+    return [np.broadcast_to(value, xi[0].shape) for value in function(tuple(xi))]

@@ -1,0 +1,66 @@
+"""A state of blocks taken apart for a checkpoint, and put together again, on any number of ranks.
+
+Arrays hold whole blocks, (…, n_1, n_0, unknowns), so the solution does not depend on who had what.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import prod
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fsipetsc.errors import InputError
+from fsipetsc.parallel.block_layout import BlockLayout
+from fsipetsc.stepping.snapshot import RATES, as_numbers, gather_local
+
+if TYPE_CHECKING:
+    from fsipetsc.run.block_state import BlockState
+
+Array = np.ndarray
+
+
+def capture(state: BlockState, rates: Array | None = None) -> dict[str, Array] | None:
+    """The arrays, on rank 0. Collective. rates: the last ones of this rank, if a step needs them."""
+    arrays = whole_blocks(state.layout, gather_local(state.comm, state.y.array), "")
+    if rates is not None:
+        arrays |= whole_blocks(state.layout, gather_local(state.comm, rates), RATES)
+    if state.comm.rank > 0:
+        return None
+    arrays["results"], arrays["latest"] = state.results.copy(), as_numbers(state.latest).copy()
+    return arrays
+
+
+def whole_blocks(layout: BlockLayout, parts: list[Array] | None, prefix: str) -> dict[str, Array]:
+    """Name -> nodes of a block, from the parts of all ranks, on rank 0.
+
+    What stands behind the nodes is added up; behind a completed solution there are zeros.
+    """
+    if parts is None:
+        return {}
+    shapes = [(*shape[::-1], dof) for shape, dof in zip(layout.shapes, layout.dofs, strict=True)]
+    arrays = {f"{prefix}layer{k}": np.empty(shape) for k, shape in enumerate(shapes)}
+    behind = np.zeros(layout.behind)
+    for rank, part in enumerate(parts):
+        for k, place, at, shape in layout.pieces(rank):
+            arrays[f"{prefix}layer{k}"][place] = part[at : at + prod(shape)].reshape(shape)
+        behind += part[part.size - layout.behind :]
+    arrays[f"{prefix}behind"] = behind
+    return arrays
+
+
+def put(layout: BlockLayout, y: Array, arrays: Mapping[str, Array], prefix: str = "") -> None:
+    """Fill this rank's part y of a vector from whole blocks."""
+    for k, place, at, shape in layout.pieces(layout.comm.rank):
+        y[at : at + prod(shape)] = arrays[f"{prefix}layer{k}"][place].reshape(-1)
+    y[y.size - layout.behind :] = arrays[f"{prefix}behind"] if layout.comm.rank == 0 else 0.0
+
+
+def check(state: BlockState, arrays: Mapping[str, Array]) -> None:
+    """InputError if the arrays are those of other grids."""
+    for k, (block, shape) in enumerate(zip(state.problem.layers, state.layout.shapes, strict=True)):
+        there = arrays[f"layer{k}"].shape[-2::-1]
+        if there != shape:
+            now, then = (" by ".join(map(str, sizes)) for sizes in (shape, there))
+            raise InputError(f"block '{block.name}' has {now} nodes, and {then} in the checkpoint")
