@@ -43,17 +43,19 @@ def gas_of(material: Any, force: Sequence[float]) -> Fluid:
         own = tuple(force) if any(force) else material.force
         return replace(material, force=own)
     numbers = material.mu, material.kappa, material.gamma, material.R
-    return Fluid(*numbers, _law(material.law), _law(material.transport), tuple(force))
+    own = tuple(force) if any(force) else 0.0
+    return Fluid(*numbers, _law(material.law), _law(material.transport), own)
 
 
 def solid_of(material: Any) -> ElasticSolid:
     """A solid in plane strain. InputError for a law of a case."""
     if isinstance(material, ElasticSolid):
         return material
-    names = "mu_e", "lambda_e", "kappa_e", "m0", "alpha", "p_ref", "law", "heat", "force"
     if not isinstance(material.law, str):
         _law(material.law)
-    return ElasticSolid(*(getattr(material, name) for name in names))
+    names = "mu_e", "lambda_e", "kappa_e", "m0", "alpha", "p_ref", "law", "heat"
+    force = material.force if any(material.force) else 0.0
+    return ElasticSolid(*(getattr(material, name) for name in names), force=force)
 
 
 def line_solid_of(material: Any, p_ref: float) -> ElasticSolid:

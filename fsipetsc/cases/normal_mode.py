@@ -109,7 +109,7 @@ class Layers:
         one, ik, D2, E2 = np.eye(n), 1j * k, D @ D, E @ E
         mu, kappa, p = gas.mu, gas.kappa, rho * gas.R * T
         pressure = {0: gas.R * T, 3: gas.R * rho}
-        for c, weight in ((0, 1.0), (1, rho), (2, rho), (3, rho * gas.cv)):
+        for c, weight in ((0, 1.0), (1, rho), (2, rho), (3, rho * gas.R / (gas.gamma - 1.0))):
             B[c, :, c] = weight * one
         A[0, :, 1], A[0, :, 2] = -rho * ik * one, -rho * D
         A[3, :, 1], A[3, :, 2], A[3, :, 3] = -p * ik * one, -p * D, kappa * (D2 - k * k * one)

@@ -248,7 +248,8 @@ class Riemann:
     right: SolidState
 
     def __post_init__(self) -> None:
-        if formulas_of(self.gas.law) is not perfect_gas or formulas_of(self.solid.pressing) is not gruneisen:
+        perfect = self.gas.law is None or formulas_of(self.gas.law) is perfect_gas
+        if not perfect or formulas_of(self.solid.pressing) is not gruneisen:
             raise InputError("an exact solution is known of a perfect gas and of a solid with Grüneisen's pressure or none")
         if not min(self.left.rho, self.left.p, self.right.T, self.right.F) > 0:
             raise InputError(f"{self.left}, {self.right}: expected rho, p, T and F above 0")

@@ -1,0 +1,105 @@
+"""An elastic ring around a gas that is compressed on one side: blocks that are curved.
+
+    python -m fsipetsc FILE.py                                 # run it
+    mpiexec -n 2 python -m fsipetsc FILE.py -ring_density 500  # on two ranks, with an option
+    python -m fsipetsc FILE.py -help                           # all options
+    python -m fsipetsc plot NAME.h5 -o pictures                # draw the result
+    python -m fsipetsc plot NAME.h5 -animate                   # a film of it; ParaView: NAME.xdmf
+
+This file is a case: data, and functions of X and Y. Change what you like and run it again: what is
+wrong is answered by one message that names the block, the face and the place. All that a case may
+say: docs/cases.md.
+
+What to expect here: the pulse runs around the pipe in the middle and pushes the ring outwards where
+it arrives; the ring swings, mostly as an ellipse.
+"""
+
+import numpy as np
+
+from fsipetsc.blocks.block import Block
+
+# What may stand at a face. Of a gas: NoSlip, Slip, Open, Outflow; of a solid: Clamped, Free,
+# Roller; of both: Given and Periodic.
+from fsipetsc.blocks.conditions import Free, Slip
+
+# Maps of the unit square to a block: rectangle, corners, annulus, transfinite, nodes, or any
+# function of (xi_0, xi_1), arrays of numbers from 0 to 1, that returns X and Y and is smooth.
+from fsipetsc.blocks.maps import annulus
+from fsipetsc.blocks.problem import BlockProblem
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.solid import ElasticSolid
+from fsipetsc.options import Option
+
+# One line for -help. The result is named after this file; NAME = "..." would name it otherwise.
+SUMMARY = "an elastic ring around a gas that is compressed on one side"
+
+# Options of this case: name, type, default, unit, meaning, and perhaps what is allowed.
+OPTIONS = (
+    Option("ring_modulus", float, 1e6, "Pa", "2 mu + lambda of the ring", check="positive"),
+    Option("ring_density", float, 1000.0, "kg/m3", "of the ring", check="positive"),
+    Option("pulse", float, 0.5, "", "overpressure of the pulse, over that of the air"),
+)
+
+# Defaults of the program's own options for this case. Blocks say their numbers of cells themselves;
+# fsi_h is here the spacing of the grid along the radius, see below.
+DEFAULTS = {
+    "fsi_h": 0.01,  # grid spacing [m]
+    "fsi_order": 4,  # order of the differences: 2, 4, 6 or 8
+    "ts_max_time": 0.02,  # the run begins at t = 0 and ends here [s]
+    "fsi_output_dt": 0.0002,  # fields are saved that often [s]
+}
+
+P0, T0 = 1e5, 300.0  # of the air at the start: pressure [Pa], temperature [K]
+PIPE, INNER, OUTER = 0.1, 0.4, 0.5  # radii: of the pipe in the middle, of the ring [m]
+
+
+def build(opt):
+    """The problem, for the options in force: opt["ring_density"], opt["fsi_h"] and so on."""
+    # Materials. A gas: viscosity [Pa s] (0: it slips along walls and solids), heat conductivity
+    # [W/(m K)], gamma, gas constant R/M [J/(kg K)]. A solid: mu and lambda [Pa], heat conductivity,
+    # density [kg/m3], specific heat [J/(kg K)], the pressure under which it is free of stress;
+    # law="log", "svk" or "linear" would be another material.
+    air = Fluid(mu=0.0, kappa=0.0, gamma=1.4, R=287.0)
+    rubber = ElasticSolid(
+        mu_e=opt["ring_modulus"] / 4,
+        lambda_e=opt["ring_modulus"] / 2,
+        kappa_e=0.0,
+        m0=opt["ring_density"],
+        alpha=1500.0,
+        p_ref=P0,
+        law="neo-hookean",
+        heat="elastic",
+    )
+
+    # Initial data: from arrays X and Y of coordinates [m], of one shape, for each unknown an array
+    # of that shape or one number. The grid of a gas follows the solids; X and Y are of the map.
+    def pulse(X, Y):
+        p = P0 * (1.0 + opt["pulse"] * np.exp(-((X - 0.25) ** 2 + Y**2) / 0.05**2))
+        T = T0 * (p / P0) ** (1.0 - 1.0 / air.gamma)
+        return p / (air.R * T), 0.0, 0.0, T  # density, velocity in x and y, temperature
+
+    def at_rest(X, Y):
+        return 0.0, 0.0, T0, X, Y  # velocity, temperature, where X, Y is
+
+    # Blocks: name, material, map, cells along its axes, initial data. Axes of an annulus: along the
+    # radius, and around, where it is periodic. Faces of two blocks that have the same nodes meet.
+    # exact=function(X, Y, t) would let errors be computed, forcing=function(X, Y, t) would add
+    # right-hand sides.
+    def cells(thickness):
+        return max(8, round(thickness / opt["fsi_h"]))
+
+    around = 8 * round(np.pi * INNER / 8 / opt["fsi_h"])
+    blocks = (
+        Block(
+            *("gas", air, annulus(PIPE, INNER), (cells(INNER - PIPE), around), pulse),
+            periodic=(False, True),
+        ),
+        Block(
+            *("ring", rubber, annulus(INNER, OUTER), (cells(OUTER - INNER), around), at_rest),
+            periodic=(False, True),
+        ),
+    )
+    # Each face that meets no other one has a condition: (block, axis, side), side 0 at xi = 0.
+    # In the middle a pipe along which the gas slips, outside a pressure that follows the ring.
+    faces = {("gas", 0, 0): Slip(), ("ring", 0, 1): Free(P0)}
+    return BlockProblem(blocks, faces)

@@ -1,0 +1,156 @@
+"""An oblique shock that is reflected from a wall: a rigid one, or an elastic layer upon it.
+
+Gas comes in from the left at the Mach number M along the wall y = 0. A wedge above turns it by
+an angle theta towards the wall; its shock comes in at the upper left corner, at the angle beta
+to the flow, with
+
+    tan theta = 2 cot beta (M^2 sin^2 beta - 1) / (M^2 (gamma + cos 2 beta) + 2),
+
+and the wall turns the gas back by a second one (J. D. Anderson, Modern Compressible Flow, 3rd
+ed., 2003, Sec. 4.3, 4.6). What is behind each of them over a rigid wall is known; notes of the
+result say it. Over an elastic layer, which is clamped below and held against x at its ends, the
+shock hits what it bends. Velocities are over the speed of sound of the gas that comes in,
+densities over its density.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fsipetsc.blocks.conditions import Clamped, NoSlip, Open, Outflow, Roller, Slip
+from fsipetsc.blocks.layers import Layer, layers
+from fsipetsc.blocks.problem import BlockProblem
+from fsipetsc.errors import InputError
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.solid import ElasticSolid
+from fsipetsc.options import Option, above_one
+
+NAME = "oblique"
+SUMMARY = "an oblique shock reflected from a rigid wall or an elastic layer, in two dimensions"
+
+OPTIONS = (
+    Option("oblique_mach", float, 2.9, "", "Mach number of the gas that comes in", check=above_one),
+    Option(
+        *("oblique_angle", float, 10.0, "degrees", "theta, by which the shock turns it"),
+        check="positive",
+    ),
+    Option("oblique_wall", str, "elastic", "", "what is below", ("rigid", "elastic")),
+    Option("oblique_length", float, 3.0, "m", "of the gas along it, 1 high", check="positive"),
+    Option(
+        *("solid_modulus", float, 40.0, "", "K = 2 mu_e + lambda_e over the pressure of the gas"),
+        check="positive",
+    ),
+    Option("solid_density", float, 10.0, "", "of the layer over that of the gas", check="positive"),
+    Option("solid_thickness", float, 0.25, "m", "of the layer", check="positive"),
+    Option(
+        *("solid_cells", int, 18, ""),
+        help="cells across the layer, at least as many as the operator needs",
+        check="positive",
+    ),
+    Option(
+        *("fluid_mu", float, 0.0, "", "viscosity of the gas; 0: it slips along the wall"),
+        check="nonnegative",
+    ),
+)
+DEFAULTS = {
+    **{"fsi_h": 1 / 32, "fsi_order": 4, "ts_max_time": 4.0, "fsi_output_dt": 0.25},
+    **{"fsi_shock": 1.0, "fsi_dissipation": 1.0},
+}
+
+GAMMA = 1.4
+
+
+class State(NamedTuple):
+    """Density, pressure, Mach number."""
+
+    rho: float
+    p: float
+    M: float
+
+    @property
+    def speed(self) -> float:
+        """Velocity, whatever its direction."""
+        return self.M * np.sqrt(GAMMA * self.p / self.rho)
+
+
+def shock_angle(M: float, theta: float) -> float:
+    """beta [rad] of the weak shock that turns a flow by theta [rad]. InputError if none does."""
+    from scipy.optimize import brentq
+
+    def turned(beta: float) -> float:
+        normal = (M * np.sin(beta)) ** 2
+        below = M * M * (GAMMA + np.cos(2.0 * beta)) + 2.0
+        return np.arctan(2.0 / np.tan(beta) * (normal - 1.0) / below)
+
+    angles = np.linspace(np.arcsin(1.0 / M), 0.5 * np.pi, 2001)
+    most = angles[np.argmax([turned(beta) for beta in angles])]
+    if turned(most) <= theta:
+        raise InputError(
+            f"no attached shock turns a flow of M = {M:.4g} by {np.degrees(theta):.4g} degrees: "
+            f"expected less than {np.degrees(turned(most)):.4g}"
+        )
+    return brentq(lambda beta: turned(beta) - theta, angles[0], most, xtol=1e-15, rtol=1e-14)
+
+
+def behind(state: State, theta: float) -> tuple[State, float]:
+    """(What is behind the weak shock that turns a flow by theta, its angle beta to it) [rad]."""
+    beta = shock_angle(state.M, theta)
+    normal = (state.M * np.sin(beta)) ** 2
+    rho = state.rho * (GAMMA + 1.0) * normal / ((GAMMA - 1.0) * normal + 2.0)
+    p = state.p * (1.0 + 2.0 * GAMMA / (GAMMA + 1.0) * (normal - 1.0))
+    half = 0.5 * (GAMMA - 1.0)
+    M = np.sqrt((1.0 + half * normal) / (GAMMA * normal - half)) / np.sin(beta - theta)
+    return State(rho, p, float(M)), beta
+
+
+def build(opt: Mapping[str, Any]) -> BlockProblem:
+    """The gas between Y = 0 and 1, the layer below it."""
+    theta, mu, length = np.radians(opt["oblique_angle"]), opt["fluid_mu"], opt["oblique_length"]
+    first = State(1.0, 1.0 / GAMMA, opt["oblique_mach"])
+    second, beta = behind(first, theta)
+    third, back = behind(second, theta)
+    R = 1.0 / GAMMA
+    gas = Fluid(mu, mu * GAMMA / (GAMMA - 1.0) * R / 0.72, GAMMA, R)
+
+    def flow(X: np.ndarray, Y: np.ndarray) -> list[np.ndarray]:
+        along = first.M * (np.tanh(40.0 * Y) if mu > 0 else 1.0 + 0.0 * X)
+        return [np.ones_like(X), along, 0.0 * X, np.ones_like(X)]
+
+    u, v = second.speed * np.cos(theta), -second.speed * np.sin(theta)
+    sides = {(0, 0): Open(first.rho, (first.M, 0.0), 1.0), (0, 1): Outflow()}
+    stack = [Layer("gas", gas, (0.0, 1.0), flow, sides=sides)]
+    lower = NoSlip() if mu > 0 else Slip()
+    if opt["oblique_wall"] == "elastic":
+        stack, lower = [_layer(opt, first.p), *stack], Clamped()
+    p_2, p_3 = second.p / first.p, third.p / first.p
+    return layers(
+        *stack,
+        along=((0.0, length),),
+        lower=lower,
+        upper=Open(second.rho, (u, v), second.p / (R * second.rho)),
+        h=opt["fsi_h"],
+        order=opt["fsi_order"],
+        notes=(
+            f"the shock comes in at {np.degrees(beta):.6g} degrees and meets a rigid wall at "
+            f"x = {1.0 / np.tan(beta):.6g}; the reflected one leaves at "
+            f"{np.degrees(back - theta):.6g} degrees to it",
+            f"behind the first p/p_1 = {p_2:.8g}, M = {second.M:.6g}; "
+            f"behind the second p/p_1 = {p_3:.8g}, M = {third.M:.6g}",
+        ),
+        units="none",
+    )
+
+
+def _layer(opt: Mapping[str, Any], p: float) -> Layer:
+    """The elastic layer, free of stress under the pressure p."""
+    K = opt["solid_modulus"] * p
+    solid = ElasticSolid(K / 4, K / 2, 0.0, opt["solid_density"], 1.0, p_ref=p, heat="elastic")
+
+    def rest(X: np.ndarray, Y: np.ndarray) -> list[np.ndarray]:
+        return [0.0 * X, 0.0 * X, np.ones_like(X), X, Y]
+
+    across = -opt["solid_thickness"], 0.0
+    return Layer("layer", solid, across, rest, cells=opt["solid_cells"], sides=Roller())

@@ -1,0 +1,433 @@
+"""Blocks of flat layers: what meets, what stands at the other faces, cuts where a layer ends; cases
+that say layers, as blocks, with the nodes and initial data that they had.
+"""
+
+from __future__ import annotations
+
+import importlib
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fsipetsc import boundaries, plane, problem
+from fsipetsc.blocks import conditions as new
+from fsipetsc.blocks.from_layers import blocks_of, blocks_of_line
+from fsipetsc.blocks.layers import Layer, layers
+from fsipetsc.blocks.problem import Meeting
+from fsipetsc.boundaries import plane as edges
+from fsipetsc.cases import load_case
+from fsipetsc.errors import InputError
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.solid import ElasticSolid
+from fsipetsc.operators.sbp import operator
+from fsipetsc.options import defaults
+from fsipetsc.physics.fluid import Fluid as OldFluid
+from fsipetsc.physics.solid import Solid as OldSolid
+
+IN_A_PLANE = ("plane_mms", "blast", "panel", "wave", "tube", "oblique")
+GAS, SOLID = Fluid(0.1, 0.1, 1.4, 1.0), ElasticSolid(1.0, 1.0, 0.1, 1.0, 1.0)
+
+
+def gas(across, **more):
+    return Layer("gas", GAS, across, lambda *X: (1.0, *[0.0] * len(X), 1.0), **more)
+
+
+def solid(across, **more):
+    return Layer("solid", SOLID, across, lambda *X: (*[0.0] * len(X), 1.0, *X), **more)
+
+
+def seen(found, k):
+    """Of block k: face -> what stands there, (name of the block, axis, side) where it meets one."""
+    names = [block.name for block in found.blocks]
+    return {
+        face: (names[kind.block], kind.axis, kind.side) if isinstance(kind, Meeting) else kind
+        for face, kind in found.faces_of(k).items()
+    }
+
+
+# -- layers
+
+
+@pytest.mark.parametrize("d", [1, 2, 3])
+def test_two_layers_that_go_on(d):
+    """Periodic along, one interface, the ends below and above."""
+    along = ((0.0, 1.0), (-1.0, 1.0))[: d - 1]
+    stack = gas((0.0, 0.5), cells=4), solid((0.5, 1.0))
+    found = layers(*stack, along=along, h=0.125, lower=new.NoSlip(), upper=new.Free(2.0))
+    below, above = found.blocks
+    assert (below.cells, above.cells) == ((8, 16)[: d - 1] + (4,), (8, 16)[: d - 1] + (4,))
+    assert below.periodic == above.periodic == (True,) * (d - 1) + (False,)
+    across = d - 1
+    assert seen(found, 0) == {(across, 0): new.NoSlip(), (across, 1): ("solid", across, 0)}
+    assert seen(found, 1) == {(across, 0): ("gas", across, 1), (across, 1): new.Free(2.0)}
+    low, high = (block.map(tuple(np.array([0.0, 1.0]) for _ in range(d))) for block in found.blocks)
+    assert low[-1].tolist() == [0.0, 0.5] and high[-1].tolist() == [0.5, 1.0]
+
+
+def test_a_panel_in_a_wall():
+    """The gas is three blocks, joined; the walls beside the panel are one wall of one name."""
+    sides = {(0, 0): new.Slip(), (0, 1): new.Outflow(1.0)}
+    found = layers(
+        solid((-0.1, 0.0), cells=8, span=[(0.0, 1.0)], sides=new.Clamped()),
+        gas((0.0, 0.5), sides=sides, beside=new.Slip()),
+        along=((-0.5, 1.5),),
+        h=0.125,
+        lower=new.Free(1.0),
+        upper=new.NoSlip(),
+    )
+    assert [(block.name, block.cells) for block in found.blocks] == [
+        *(("solid", (8, 8)), ("gas 1", (4, 4))),
+        *(("gas 2", (8, 4)), ("gas 3", (4, 4))),
+    ]
+    beside = new.Slip(name="gas lower beside")
+    assert [seen(found, k) for k in range(4)] == [
+        {
+            **{(0, 0): new.Clamped(), (0, 1): new.Clamped()},
+            **{(1, 0): new.Free(1.0), (1, 1): ("gas 2", 1, 0)},
+        },
+        {
+            **{(0, 0): new.Slip(name="gas 0 0"), (0, 1): ("gas 2", 0, 0)},
+            **{(1, 0): beside, (1, 1): new.NoSlip()},
+        },
+        {
+            **{(0, 0): ("gas 1", 0, 1), (0, 1): ("gas 3", 0, 0)},
+            **{(1, 0): ("solid", 1, 1), (1, 1): new.NoSlip()},
+        },
+        {
+            **{(0, 0): ("gas 2", 0, 1), (0, 1): new.Outflow(1.0)},
+            **{(1, 0): beside, (1, 1): new.NoSlip()},
+        },
+    ]
+    X = [found.places(k, found.face_nodes(k, 1, 0))[:, 0] for k in (1, 2, 3)]
+    assert [(x[0], x[-1]) for x in X] == [(-0.5, 0.0), (0.0, 1.0), (1.0, 1.5)]
+
+
+def test_a_panel_under_a_gas_that_goes_on():
+    """The outer pieces of the gas meet each other around the period."""
+    found = layers(
+        solid((-0.1, 0.0), cells=8, span=[(0.25, 0.75)], sides=new.Clamped()),
+        gas((0.0, 0.5), beside=new.NoSlip()),
+        along=((0.0, 1.0),),
+        h=0.125,
+        lower=new.Free(),
+        upper=new.NoSlip(),
+    )
+    assert seen(found, 1)[0, 0] == ("gas 3", 0, 1) and seen(found, 3)[0, 1] == ("gas 1", 0, 0)
+    assert found.faces_of(1)[0, 0].shift == (1.0, 0.0)
+
+
+def test_a_strip_and_a_plate_in_three_dimensions():
+    """A strip is cut along one axis, a plate along both."""
+    clamps = {(0, 0): new.Clamped(), (0, 1): new.Clamped()}
+    walls = {"lower": new.NoSlip(), "upper": new.Free(), "along": ((0, 1), (0, 1)), "h": 0.125}
+    below = gas((0.0, 0.5), beside=new.NoSlip())
+    strip = layers(below, solid((0.5, 0.75), span=[(0.25, 0.75), None], sides=clamps), **walls)
+    assert [block.cells[:2] for block in strip.blocks] == [(2, 8), (4, 8), (2, 8), (4, 8)]
+    assert all(block.periodic == (False, True, False) for block in strip.blocks)
+    span = [(0.25, 0.75), (0.25, 0.5)]
+    plate = layers(below, solid((0.5, 0.75), span=span, sides=new.Clamped()), **walls)
+    assert len(plate.blocks) == 10 and seen(plate, 9)[2, 0] == ("gas 5", 2, 1)
+    assert sum(kind == new.NoSlip() for k in range(9) for kind in seen(plate, k).values()) == 17
+
+
+def test_cuts_go_through_all_layers():
+    """A gas between a panel below and a plate that reaches over all: the plate is cut, too."""
+    panel = replace(solid((-0.25, 0.0), span=[(0.0, 0.5)], sides=new.Clamped()), name="panel")
+    stack = panel, gas((0.0, 0.5), beside=new.NoSlip()), solid((0.5, 1.0))
+    ends = {"lower": new.Free(), "upper": new.Free(), "sides": None}
+    found = layers(*stack, along=((0.0, 1.0),), h=0.125, **ends)
+    names = ["panel", "gas 1", "gas 2", "solid 1", "solid 2"]
+    assert [block.name for block in found.blocks] == names
+    assert seen(found, 3)[0, 1] == ("solid 2", 0, 0) and seen(found, 3)[1, 0] == ("gas 1", 1, 1)
+
+
+def test_as_many_cells_across_as_the_operator_needs():
+    """Where a layer does not say how many."""
+    stack = gas((0.0, 0.125)), solid((0.125, 0.5), cells=20)
+    found = layers(*stack, lower=new.NoSlip(), upper=new.Free(), h=0.125, order=6)
+    assert [block.cells for block in found.blocks] == [(operator(6).min_points - 1,), (20,)]
+
+
+@pytest.mark.parametrize(
+    ("stack", "more", "words"),
+    [
+        ((), {}, "one or more of Layer"),
+        ((gas((0.0, 0.5)), solid((0.6, 1.0))), {}, "ends at 0.5, 'solid' begins at 0.6"),
+        ((gas((0.0, 0.5)),), {"h": None}, "neither cells nor h"),
+        ((gas((0.0, 0.5)),), {"h": None, "cells": (8, 8)}, "one for each of along"),
+        ((gas((0.0, 0.5)), solid((0.5, 1.0), span=[(0.1, 0.6)])), {}, "0.125 apart from 0 to 1"),
+        ((gas((0.0, 0.5)), solid((0.5, 1.0), span=[(0.25, 0.5)] * 2)), {}, "span: expected"),
+        (
+            (gas((0.0, 0.5), beside=new.Slip()), solid((0.5, 1.0), span=[(0.25, 0.5)])),
+            *({}, "span: sides: nothing"),
+        ),
+        (
+            (gas((0.0, 0.5)), solid((0.5, 1.0), span=[(0.25, 0.5)], sides=new.Clamped())),
+            *({}, "'solid' does not reach over all of it: expected beside"),
+        ),
+    ],
+)
+def test_layers_that_do_not_fit(stack, more, words):
+    more = {"lower": new.NoSlip(), "upper": new.Free(), "along": ((0.0, 1.0),), "h": 0.125, **more}
+    with pytest.raises(InputError, match=words):
+        layers(*stack, **more)
+
+
+def test_a_layer_without_cells():
+    with pytest.raises(InputError, match="cells is 0"):
+        gas((0.0, 0.5), cells=0)
+
+
+# -- cases in two dimensions
+
+
+@pytest.mark.parametrize("name", IN_A_PLANE)
+def test_nodes_and_initial_data_are_those_of_the_layers(name):
+    """Every node of the grid that the layers had, with the data that they have there."""
+    case = load_case(name)
+    opt = defaults(case)
+    old = case.build(opt)
+    found = blocks_of(old, opt["fsi_h"], opt["fsi_order"])
+    assert found.notes == old.notes and found.units == old.units
+    columns = round((old.X[1] - old.X[0]) / opt["fsi_h"])
+    h_x = (old.X[1] - old.X[0]) / columns
+    for number, layer in enumerate(old.layers):
+        pieces = [k for k, block in enumerate(found.blocks) if block.name.startswith(layer.name)]
+        left, right = old.span(number)
+        n = round((right - left) / h_x) + (not old.periodic)
+        rows = [found.places(k, np.arange(found.blocks[k].shape[0]))[:, 0] for k in pieces]
+        X = np.concatenate(rows)
+        assert np.abs(np.unique(X) - (left + h_x * np.arange(n))).max() < 1e-13
+        for k in pieces:
+            block = found.blocks[k]
+            assert block.periodic == (old.periodic, False) and block.kind == layer.kind
+            shape = block.shape[::-1]
+            X, Y = found.places(k, np.arange(np.prod(shape))).T
+            assert np.ptp(Y) == layer.Y[1] - layer.Y[0]
+            values = layer.initial(X.reshape(shape), Y.reshape(shape))
+            for have, value in zip(block.initial(X, Y), values, strict=True):
+                want = np.broadcast_to(value, shape).ravel()
+                assert np.array_equal(np.broadcast_to(have, X.shape), want)
+
+
+def test_conditions_of_the_panel():
+    """Clamped at its ends, the cavity's pressure behind it; in, out, above, beside of the gas."""
+    case = load_case("panel")
+    opt = defaults(case)
+    found = blocks_of(case.build(opt), opt["fsi_h"], opt["fsi_order"])
+    p = 1.0 / 1.4
+    outside, beside = new.Open(1.0, (2.0, 0.0), 1.0), new.Slip(name="gas lower beside")
+    assert seen(found, 0) == {
+        **{(0, 0): new.Clamped(), (0, 1): new.Clamped()},
+        **{(1, 0): new.Free(p), (1, 1): ("gas 2", 1, 0)},
+    }
+    first, middle, last = (seen(found, k) for k in (1, 2, 3))
+    assert first == {(0, 0): outside, (0, 1): ("gas 2", 0, 0), (1, 0): beside, (1, 1): outside}
+    assert middle[1, 0] == ("panel", 1, 1) and middle[1, 1] == outside
+    assert last[0, 1] == new.Outflow(p) and last[1, 0] == beside
+
+
+def test_all_kinds_of_edges():
+    """Each with its data; those that move are asked with X alone."""
+    moved, speed = (lambda X, t: (X, t + 0.0 * X)), (lambda X, t: (0.0 * X, 1.0 + 0.0 * X))
+    values = lambda X, Y, t: (1.0, 0.0, 0.0, 1.0)  # noqa: E731
+    still = lambda X, Y: (1.0, 0.0, 0.0, 1.0)  # noqa: E731
+    pairs = [
+        (edges.NoSlip(T=3.0), new.NoSlip(T=3.0)),
+        (edges.Slip(), new.Slip(name="gas lower")),
+        (edges.Open(1.0, 2.0, 3.0, 4.0), new.Open(1.0, (2.0, 3.0), 4.0)),
+        (edges.Outflow(0.5), new.Outflow(0.5)),
+        (edges.Given(values), new.Given(values)),
+    ]
+
+    def lower(end):
+        layer = plane.PlaneFluidLayer("gas", OldFluid(0.1, 0.1, 1.4, 1.0), (0.0, 1.0), still)
+        built = blocks_of(plane.PlaneProblem((layer,), (0.0, 1.0), end, edges.Slip()), 0.125, 2)
+        return built.faces_of(0)[1, 0]
+
+    assert [lower(old) for old, _ in pairs] == [now for _, now in pairs]
+    X = np.array([0.25, 0.5])
+    for kind in (edges.NoSlip, edges.Slip):
+        found = lower(kind(x=moved, velocity=speed))
+        assert np.array_equal(found.x(X, 0.0 * X, 3.0), moved(X, 3.0))
+        assert np.array_equal(found.velocity(X, 0.0 * X, 3.0), speed(X, 3.0))
+    assert lower(edges.Given(values, x=moved)).x(X, X, 2.0)[1].tolist() == [2.0, 2.0]
+
+
+def test_jumps_are_asked_by_interface():
+    """Three layers: each of two interfaces has its own."""
+    still = lambda X, Y: (1.0, 0.0, 0.0, 1.0)  # noqa: E731
+    rest = lambda X, Y: (0.0, 0.0, 1.0, X, Y)  # noqa: E731
+    fluid, material = OldFluid(0.1, 0.1, 1.4, 1.0), plane.PlaneSolid(1.0, 1.0, 0.0, 1.0, 1.0)
+    stack = (
+        plane.PlaneFluidLayer("low", fluid, (0.0, 1.0), still),
+        plane.PlaneSolidLayer("mid", material, (1.0, 2.0), rest),
+        plane.PlaneFluidLayer("high", fluid, (2.0, 3.0), still),
+    )
+    jumps = lambda k, X, t: (k + X, 10.0 * k, t)  # noqa: E731
+    old = plane.PlaneProblem(stack, (0.0, 1.0), edges.Slip(), edges.Slip(), jumps=jumps)
+    X, Y = np.array([0.1, 0.2, 0.3]), np.array([1.0, 2.0, 2.0])
+    found = blocks_of(old, 0.125, 2).jumps(X, Y, 7.0)
+    assert np.allclose(found, [[0.1, 1.2, 1.3], [0.0, 10.0, 10.0], [7.0, 7.0, 7.0]])
+
+
+def test_functions_of_layers_get_rows():
+    """As ever arrays (rows, columns), rows of equal Y, also where nodes come one after another."""
+    shapes = []
+
+    def still(X, Y):
+        shapes.append(X.shape)
+        assert (Y == Y[:, :1]).all() and (X == X[:1]).all()
+        return np.ones_like(X), X[0] + 0.0 * X, 0.0, 1.0
+
+    layer = plane.PlaneFluidLayer("gas", OldFluid(0.1, 0.1, 1.4, 1.0), (0.0, 1.0), still)
+    old = plane.PlaneProblem((layer,), (0.0, 1.0), edges.Slip(), edges.Slip())
+    found = blocks_of(old, 0.125, 2)
+    X, Y = found.places(0, np.arange(72)).T
+    values = found.blocks[0].initial(X, Y)
+    assert shapes == [(9, 8)] and np.array_equal(values[1], X) and values[2] == 0.0
+
+
+# -- the same in terms of blocks
+
+
+@pytest.mark.parametrize("name", IN_A_PLANE)
+def test_cases_in_terms_of_blocks_are_those_of_layers(name):
+    """Options, defaults, notes, blocks, conditions, initial data."""
+    old, now = load_case(name), importlib.import_module(f"fsipetsc.cases.of_blocks.{name}")
+    opt = defaults(old)
+    assert opt == defaults(now) and old.NAME == now.NAME
+    a, b = blocks_of(old.build(opt), opt["fsi_h"], opt["fsi_order"]), now.build(opt)
+    assert (a.notes, a.units) == (b.notes, b.units)
+    for k, (one, other) in enumerate(zip(a.blocks, b.blocks, strict=True)):
+        assert (one.name, one.shape, one.periodic) == (other.name, other.shape, other.periodic)
+        assert one.material == other.material
+        assert [type(kind) for kind in a.faces_of(k).values()] == [
+            type(kind) for kind in b.faces_of(k).values()
+        ]
+        X = a.places(k, np.arange(np.prod(one.shape))).T
+        for have, want in zip(one.initial(*X), other.initial(*X), strict=True):
+            assert np.abs(have - want).max() < 1e-15
+
+
+# -- one dimension
+
+
+def line(*stack, left=None, right=None, **more):
+    """A Problem; ends: walls at the ends of gases, clamps of solids."""
+    ends = []
+    for end, layer, side in ((left, stack[0], 0), (right, stack[-1], 1)):
+        usual = boundaries.Wall(layer.X[side]) if layer.kind == "fluid" else boundaries.clamped()
+        ends.append(usual if end is None else end)
+    return problem.Problem(stack, *ends, **more)
+
+
+def line_gas(X, **more):
+    name = more.pop("name", "gas")
+    fluid = OldFluid(0.1, 0.1, 1.4, 2.0)
+    return problem.FluidLayer(name, fluid, X, lambda X: (X, 0.0, 1.0), **more)
+
+
+def line_solid(X, initial=lambda X: (0.0, -1.0 + 0.0 * X, 1.0, X), **more):
+    return problem.SolidLayer("solid", OldSolid(4.0, 0.1, 1.0, 1.0), X, initial, **more)
+
+
+@pytest.mark.parametrize("name", ["column", "piston", "shock", "heat"])
+def test_cases_of_one_dimension(name):
+    """A block for each layer, with its initial data; a uniform initial stress is p_ref."""
+    case = load_case(name)
+    opt = defaults(case)
+    old = case.build(opt)
+    found = blocks_of_line(old, opt["fsi_h"], opt["fsi_order"])
+    assert [block.name for block in found.blocks] == [layer.name for layer in old.layers]
+    for k, layer in enumerate(old.layers):
+        block = found.blocks[k]
+        X = found.places(k, np.arange(*block.shape))[:, 0]
+        assert np.abs(X - np.linspace(*layer.X, *block.shape)).max() < 1e-13
+        values, want = block.initial(X), list(layer.initial(X))
+        if layer.kind == "solid":
+            del want[1]
+            assert block.material.K == layer.material.K
+        for have, value in zip(values, want, strict=True):
+            assert np.array_equal(have, value)
+    pressures = {"column": 1.0, "piston": 1e5, "shock": 0.1, "heat": 1.0}
+    solids = [block.material for block in found.blocks if block.kind == "solid"]
+    assert [s.p_ref for s in solids] == pytest.approx([pressures[name]] * len(solids), rel=1e-13)
+
+
+def test_ends_of_one_dimension():
+    """Walls that move, warm or heated ones; open and given ends; clamped and free solids."""
+    wall = boundaries.Wall(lambda t: 0.1 * t, T=lambda t: 1.0 + t, velocity=lambda t: 0.1)
+    old = line(line_gas((0.0, 1.0)), line_solid((1.0, 2.0)), left=wall)
+    found = blocks_of_line(old, 0.125, 2)
+    end, X = found.faces_of(0)[0, 0], np.zeros(1)
+    assert end.x(X, 2.0) == (0.2,) and end.velocity(X, 2.0) == (0.1,) and end.T(X, 2.0) == 3.0
+    assert found.faces_of(1)[0, 1] == new.Clamped()
+    for old_end, now in (
+        (boundaries.Wall(0.0, heat_flux=2.0), new.NoSlip(heat_flux=2.0)),
+        (boundaries.Open(0.0, 3.0, 1.5, 0.25), new.Open(1.0, (0.25,), 1.5)),
+    ):
+        old = line(line_gas((0.0, 1.0)), line_solid((1.0, 2.0)), left=old_end)
+        assert blocks_of_line(old, 0.125, 2).faces_of(0)[0, 0] == now
+    given = boundaries.Dirichlet(0.0, lambda t: (1.0, t, 2.0))
+    old = line(line_gas((0.0, 1.0)), line_solid((1.0, 2.0)), left=given)
+    values = blocks_of_line(old, 0.125, 2).faces_of(0)[0, 0].values(X, 3.0)
+    assert [float(v) for v in np.ravel(values)] == [1.0, 3.0, 2.0]
+    for old_end, now in (
+        (boundaries.free(-2.0, T=3.0), new.Free(2.0, T=3.0)),
+        (boundaries.clamped(heat_flux=1.0), new.Clamped(heat_flux=1.0)),
+    ):
+        old = line(line_gas((0.0, 1.0)), line_solid((1.0, 2.0)), right=old_end)
+        assert blocks_of_line(old, 0.125, 2).faces_of(1)[0, 1] == now
+    old = line(line_gas((0.0, 1.0)), line_solid((1.0, 2.0)), right=boundaries.free(lambda t: -t))
+    assert blocks_of_line(old, 0.125, 2).faces_of(1)[0, 1].pressure(X, 3.0) == 3.0
+
+
+def test_a_wall_that_is_not_at_the_end_of_its_layer():
+    """The gas reaches to it, with the data of the layer's points; a note says so."""
+    old = line(line_gas((0.0, 1.0)), line_solid((1.0, 2.0)), left=boundaries.Wall(-1.0))
+    found = blocks_of_line(old, 0.125, 2)
+    X = found.places(0, np.arange(9))[:, 0]
+    assert np.allclose(X, np.linspace(-1.0, 1.0, 9)) and found.faces_of(0)[0, 0] == new.NoSlip()
+    assert np.allclose(found.blocks[0].initial(X)[0], np.linspace(0.0, 1.0, 9))
+    assert len(found.notes) == 1 and "x = -1" in found.notes[0] and "'gas'" in found.notes[0]
+    for wrong in (boundaries.Wall(1.0), boundaries.Wall(3.0)):
+        old = line(line_gas((0.0, 1.0)), line_solid((1.0, 2.0)), left=wrong)
+        with pytest.raises(InputError, match="in the order of X"):
+            blocks_of_line(old, 0.125, 2)
+
+
+def test_stress_that_follows_from_strain_is_no_prestress():
+    """sigma = K ln x_X - p, whatever x: p_ref is p."""
+
+    def strained(X):
+        x = X + 0.1 * np.sin(3.0 * X)
+        return 0.0, 4.0 * np.log(1.0 + 0.3 * np.cos(3.0 * X)) - 0.5, 1.0, x
+
+    found = blocks_of_line(line(line_gas((0.0, 1.0)), line_solid((1.0, 2.0), strained)), 0.125, 2)
+    assert found.blocks[1].material.p_ref == pytest.approx(0.5, abs=1e-9)
+
+
+def test_jumps_in_one_dimension():
+    """Seen from the solid: on either side, traction and heat that it gets from outside."""
+    jumps = lambda k, t: (0.0, 2.0 + k, 0.0, 5.0 + t)  # noqa: E731
+    stack = line_gas((0.0, 1.0)), line_solid((1.0, 2.0)), line_gas((2.0, 3.0), name="high")
+    old = line(*stack, jumps=jumps)
+    found = np.array(blocks_of_line(old, 0.125, 2).jumps(np.array([1.0, 2.0]), 1.0))
+    assert found.tolist() == [[-2.0, 3.0], [-6.0, 6.0]]
+    old = line(*stack, jumps=lambda k, t: (1.0, 0.0, 0.0, 0.0))
+    with pytest.raises(InputError, match="g_u = 1"):
+        blocks_of_line(old, 0.125, 2).jumps(np.array([1.0]), 0.0)
+
+
+def test_what_a_line_cannot_be():
+    """A spacing that misses an interface; forcing of a stress that follows from x."""
+    old = line(line_gas((0.0, 1.0)), line_solid((1.0, 2.0)))
+    with pytest.raises(InputError, match="-fsi_h 0.3 misses an interface"):
+        blocks_of_line(old, 0.3, 2)
+    forced = line_solid((1.0, 2.0), forcing=lambda X, t: (1.0, t, 2.0, 0.0))
+    block = blocks_of_line(line(line_gas((0.0, 1.0)), forced), 0.125, 2).blocks[1]
+    assert block.forcing(np.ones(1), 0.0) == (1.0, 2.0, 0.0)
+    with pytest.raises(InputError, match="sigma has a right-hand side"):
+        block.forcing(np.ones(1), 1.0)
