@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import combinations
+from itertools import combinations, product
 
 import numpy as np
 
@@ -12,83 +12,68 @@ from fsipetsc.blocks.maps import place_text
 from fsipetsc.checks import Array
 from fsipetsc.errors import InputError
 
-#: nodes along an axis of a face by which a block in 3-D is bounded here
-_MOST = 65
+#: cells along an axis of a face of a block in 3-D, of which triangles are made
+_MOST = 64
 
 
 def check_overlap(blocks: Sequence[Block]) -> None:
-    """InputError where a point inside one block is inside another; a sample of points."""
+    """InputError where a point inside one block is inside another; of each, 3^d cells are tried."""
     bounds = [_boundary(block) for block in blocks]
+    boxes = [(bound.min(axis=(0, 1)), bound.max(axis=(0, 1))) for bound in bounds]
     for a, b in combinations(range(len(blocks)), 2):
-        (low, high), (other_low, other_high) = _box(bounds[a]), _box(bounds[b])
-        if not np.all((low < other_high) & (other_low < high)):
+        (low, high), (other_low, other_high) = boxes[a], boxes[b]
+        if np.any(low >= other_high) or np.any(other_low >= high):
             continue
         for inner, outer in ((a, b), (b, a)):
-            points = _inside(blocks[inner])
-            winding = _winding(points, bounds[outer])
-            if np.abs(winding).max() > 0.5:
-                place = place_text(points[:, int(np.argmax(np.abs(winding)))])
-                raise InputError(f"{blocks[a]} and {blocks[b]} overlap at {place}: expected blocks that meet at faces only")
+            for point in _inside(blocks[inner]):
+                if abs(_angles(np.moveaxis(bounds[outer] - point, 0, -1)).sum()) > 0.5:
+                    where = f"{blocks[a]} and {blocks[b]} overlap at {place_text(point)}"
+                    raise InputError(f"{where}: expected blocks that meet at faces only")
 
 
 def _inside(block: Block) -> Array:
-    """Centres of some cells, (d, M)."""
-    at = [np.unique([c // 6, c // 2, c - 1 - c // 6]) for c in block.cells]
-    index = np.meshgrid(*at, indexing="ij")
-    cells = np.stack([i.ravel() for i in index])
-    return np.stack([block.positions([(i, i + 2) for i in cell]).mean(axis=1) for cell in cells.T], axis=1)
+    """Centres of some cells, (M, d)."""
+    cells = product(*({c // 6, c // 2, c - 1 - c // 6} for c in block.cells))
+    return np.array([block.positions([(i, i + 2) for i in cell]).mean(axis=1) for cell in cells])
 
 
 def _boundary(block: Block) -> Array:
-    """The simplices that bound a block, oriented: (M, d corners, d)."""
+    """The points, segments or triangles that bound a block, oriented: (M, d corners, d)."""
     d, found = block.dimension, []
-    for axis in range(d):
-        for side in (0, 1):
-            last = block.cells[axis] if side else 0
-            where = [(last, last + 1) if k == axis else (0, c + 1) for k, c in enumerate(block.cells)]
-            sizes = [c + 1 for k, c in enumerate(block.cells) if k != axis][::-1]
-            X = np.moveaxis(block.positions(where).reshape(d, *sizes), 0, -1)
-            pieces = _simplices(X)
-            found.append(pieces if (axis + side) % 2 else pieces[:, ::-1])
+    for axis, side in product(range(d), (0, 1)):
+        index = [np.arange(c + 1) for c in block.cells]
+        if d == 3:
+            index = [np.unique(np.linspace(0, i[-1], min(len(i), _MOST + 1)).astype(int)) for i in index]
+        index[axis] = index[axis][-1:] if side else index[axis][:1]
+        mesh = np.meshgrid(*index[::-1], indexing="ij")[::-1]
+        X = np.moveaxis(np.squeeze(block.places(mesh), axis=d - axis), 0, -1)
+        pieces = _simplices(X)
+        found.append(pieces if (axis + side) % 2 else pieces[:, ::-1])
     return np.concatenate(found)
 
 
 def _simplices(X: Array) -> Array:
-    """Points, segments or triangles of a face with nodes X (…, d)."""
+    """Those of a face with nodes X (…, d)."""
     if X.ndim == 1:
         return X[None, None]
     if X.ndim == 2:
         return np.stack([X[:-1], X[1:]], axis=1)
-    X = X[_some(X.shape[0])][:, _some(X.shape[1])]
-    a, b, c, e = (part.reshape(-1, 3) for part in (X[:-1, :-1], X[:-1, 1:], X[1:, 1:], X[1:, :-1]))
+    corners = X[:-1, :-1], X[:-1, 1:], X[1:, 1:], X[1:, :-1]
+    a, b, c, e = (X.reshape(-1, 3) for X in corners)
     return np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, e], axis=1)])
 
 
-def _some(n: int) -> Array:
-    return np.unique(np.linspace(0, n - 1, min(n, _MOST)).astype(int))
+def _angles(corners: Array) -> Array:
+    """Part of all directions that simplices (d corners, d, M) take, seen from 0.
 
-
-def _box(simplices: Array) -> tuple[Array, Array]:
-    return simplices.min(axis=(0, 1)), simplices.max(axis=(0, 1))
-
-
-def _winding(points: Array, simplices: Array) -> Array:
-    """How often closed simplices go around each of the points (d, M): their solid angles over that of all directions.
-
-    In 3-D after van Oosterom and Strackee, IEEE Trans. Biomed. Eng. 30 (1983) 125-126.
+    In 3-D: van Oosterom and Strackee, IEEE Trans. Biomed. Eng. 30 (1983) 125-126.
     """
-    return np.array([_angle(np.moveaxis(simplices - point, 0, -1)).sum() for point in points.T])
-
-
-def _angle(corners: Array) -> Array:
-    """Part of all directions that simplices (d corners, d, M) take, seen from 0."""
     if len(corners) == 1:
-        return 0.5 * np.sign(corners[0, 0])
+        return 0.5 * np.sign(corners[0, 0]) * np.array([-1.0, 1.0])
     volume = determinant(corners)
     if len(corners) == 2:
-        a, b = corners
-        return np.arctan2(volume, (a * b).sum(axis=0)) / (2.0 * np.pi)
+        return np.arctan2(volume, (corners[0] * corners[1]).sum(axis=0)) / (2.0 * np.pi)
     a, b, c = corners
     la, lb, lc = (np.sqrt((x * x).sum(axis=0)) for x in corners)
-    below = la * lb * lc + (a * b).sum(axis=0) * lc + (b * c).sum(axis=0) * la + (c * a).sum(axis=0) * lb
-    return np.arctan2(volume, below) / (2.0 * np.pi)
+    ab, bc, ca = ((x * y).sum(axis=0) for x, y in ((a, b), (b, c), (c, a)))
+    return np.arctan2(volume, la * lb * lc + ab * lc + bc * la + ca * lb) / (2.0 * np.pi)

@@ -1,8 +1,9 @@
 """A problem: blocks, what stands at their faces, and which faces and nodes of them are at one place.
 
-Faces are (block, axis, side), side 0 at xi_axis = 0 and 1 at xi_axis = 1. Faces whose nodes are at the same places meet: a join
-of gas and gas or solid and solid, an interface of gas and solid. Every other face needs a condition. Nodes of faces at one
-place are one particle (SCHEME-BLOCKS.md, section 3), also where blocks touch at an edge or a vertex only.
+Faces are (block, axis, side), side 0 at xi_axis = 0 and 1 at xi_axis = 1. Faces whose nodes are at the
+same places meet: a join of gas and gas or solid and solid, an interface of gas and solid. Every other
+face needs a condition. Nodes of faces at one place are one particle (SCHEME-BLOCKS.md, section 3),
+also where blocks touch at an edge or a vertex only.
 """
 
 from __future__ import annotations
@@ -14,8 +15,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fsipetsc.blocks.block import Block, Range, mesh
-from fsipetsc.blocks.conditions import Condition, Hinge, Open, Periodic
-from fsipetsc.blocks.faces import Face, all_faces, orientation, same_place, tolerance, united
+from fsipetsc.blocks.conditions import Condition, Hinge, Periodic
+from fsipetsc.blocks.faces import Face, all_faces, orientation, same_place, same_within, united
 from fsipetsc.blocks.maps import place_text
 from fsipetsc.blocks.overlap import check_overlap
 from fsipetsc.checks import Array, described, function
@@ -29,8 +30,9 @@ FaceName = tuple[str, int, int]
 class Meeting:
     """What stands at a face that another one meets: its number of block, axis and side.
 
-    order: node j of this face is node order[j] of the other one. axes, flips: the k-th axis of this face runs along axis
-    axes[k] of the other block, backwards where flips[k]. shift: what takes this face to the other one [m], 0 but for Periodic.
+    order: node j of this face is node order[j] of the other one. axes, flips: the k-th axis of this face
+    runs along axis axes[k] of the other block, backwards where flips[k]. shift: what takes this face to
+    the other one [m], 0 but for Periodic.
     """
 
     block: int
@@ -42,8 +44,15 @@ class Meeting:
     shift: tuple[float, ...]
 
 
+#: of the faces (axis, side) of a block
+Kinds = dict[tuple[int, int], Condition | Meeting]
+
+
 class Members(NamedTuple):
-    """All nodes of faces, sorted by particle, block, node: integer arrays (M,); particles count from 0."""
+    """All nodes of faces, sorted by particle, block, node: integer arrays (M,).
+
+    Particles count from 0, in the order of their first members.
+    """
 
     particle: Array
     block: Array
@@ -54,9 +63,10 @@ class Members(NamedTuple):
 class BlockProblem:
     """Blocks and the conditions at their faces. InputError for what does not fit together.
 
-    faces: (block name, axis, side) -> condition, for each face that no other one meets; or pairs of these. jumps(*X, t) ->
-    (traction per axis [Pa], heat [W/m2]) per reference area that interfaces supply from outside, or None. points: (block
-    name, place X, Hinge()) for points of solids' faces that are held. notes: lines for the summary. units: "SI" or "".
+    faces: (block name, axis, side) -> condition, for each face that no other one meets; or pairs of
+    these. jumps(*X, t) -> (traction per axis [Pa], heat [W/m2]) per reference area that interfaces
+    supply from outside, or None. points: (block name, place X, Hinge()) for points of solids' faces that
+    are held. notes: lines for the summary. units: "SI" or "".
     """
 
     blocks: tuple[Block, ...]
@@ -75,16 +85,17 @@ class BlockProblem:
         blocks = tuple(self.blocks)
         self._put("blocks", blocks)
         _check_blocks(blocks)
-        function(self.jumps, "BlockProblem: jumps", "jumps(*X, t) -> (traction per axis, heat)", optional=True)
+        form = "jumps(*X, t) -> (traction per axis, heat)"
+        function(self.jumps, "BlockProblem: jumps", form, optional=True)
         self._put("faces", self._named_faces())
         check_overlap(blocks)
         faces = all_faces(blocks)
-        self._put("tolerance", tolerance(faces))
-        kinds, labels, particles = _Matching(faces, self.faces, self.tolerance).result()
-        self._put("_kinds", kinds)
+        self._put("tolerance", same_within(faces))
         self._put("_faces", {(face.block, face.axis, face.side): face for face in faces})
-        self._put("members", _members(faces, particles))
-        self._share_places(faces, labels)
+        matching = _Matching(faces, self.faces, self.tolerance)
+        self._put("_kinds", matching.kinds(len(blocks)))
+        self._put("members", matching.members())
+        matching.share_places()
         self._put("held", tuple(self._held_point(*point) for point in self.points))
 
     @property
@@ -96,16 +107,17 @@ class BlockProblem:
         """Of a block. InputError if there is none of this name."""
         names = [block.name for block in self.blocks]
         if name not in names:
-            raise InputError(f"there is no block {described(name)}: expected one of {', '.join(map(repr, names))}")
+            known = ", ".join(map(repr, names))
+            raise InputError(f"there is no block {described(name)}: expected one of {known}")
         return names.index(name)
 
     def check(self, order: int) -> None:
-        """InputError where an axis of a block has too few nodes for the operators of this order."""
+        """InputError where an axis has too few nodes for the operators of this order."""
         for block in self.blocks:
             for axis in range(self.dimension):
                 block.band(order, axis)
 
-    def faces_of(self, k: int) -> dict[tuple[int, int], Condition | Meeting]:
+    def faces_of(self, k: int) -> Kinds:
         """(axis, side) -> what stands at the faces of block k; nothing on a periodic axis."""
         return self._kinds[k]
 
@@ -117,7 +129,8 @@ class BlockProblem:
     @property
     def joined(self) -> bool:
         """Whether there are joins of gas and gas or solid and solid."""
-        meeting = [(k, *face) for k, kinds in enumerate(self._kinds) for face, kind in kinds.items() if isinstance(kind, Meeting)]
+        faces = ((k, *face) for k, kinds in enumerate(self._kinds) for face in kinds)
+        meeting = (f for f in faces if isinstance(self._kinds[f[0]][f[1:]], Meeting))
         return not all(self.is_interface(*face) for face in meeting)
 
     def face_nodes(self, k: int, axis: int, side: int) -> Array:
@@ -126,11 +139,13 @@ class BlockProblem:
 
     def places(self, k: int, nodes: Array) -> Array:
         """X of nodes of block k, (len, d); on faces the same bits for all nodes at one place."""
-        return self._places(k, np.unravel_index(np.asarray(nodes), self.blocks[k].shape[::-1])[::-1]).T
+        shape = self.blocks[k].shape[::-1]
+        return self._places(k, np.unravel_index(np.asarray(nodes), shape)[::-1]).T
 
     def positions(self, k: int, where: Range) -> Array:
         """X of a range of nodes of block k, (d, N), axis 0 fastest, as `places`. Beyond the ends of a
-        periodic axis they go on."""
+        periodic axis they go on.
+        """
         index = mesh([np.arange(*ends) for ends in where])
         return self._places(k, index).reshape(self.dimension, -1)
 
@@ -142,20 +157,15 @@ class BlockProblem:
         """At a node of a face: the outward unit normal of the reference map, the place X of the node, and
         the mean place of its neighbours on the face; of a point, a place inwards. (d,) each.
         """
-        block, d = self.blocks[k], self.dimension
+        block, slopes, around = self.blocks[k], [], []
         index = np.array(np.unravel_index(node, block.shape[::-1]))[::-1, None]
-        here, slopes, around = self._places(k, index)[:, 0], [], []
-        for along in range(d):
-            found = []
-            for step in (-1, 1):
-                other = index.copy()
-                other[along] += step
-                if block.periodic[along] or 0 <= other[along, 0] < block.shape[along]:
-                    X = self._places(k, other)[:, 0]
-                    found.append(step * (X - here))
-                    if along != axis:
-                        around.append(X)
-            slopes.append(np.mean(found, axis=0))
+        here = self._places(k, index)[:, 0]
+        for along, n in enumerate(block.shape):
+            steps = [s for s in (-1, 1) if block.periodic[along] or 0 <= index[along, 0] + s < n]
+            unit = np.arange(self.dimension)[:, None] == along
+            places = [self._places(k, index + s * unit)[:, 0] for s in steps]
+            slopes.append(np.mean([s * (X - here) for s, X in zip(steps, places)], axis=0))
+            around += places if along != axis else []
         normal = np.linalg.inv(np.array(slopes))[:, axis] * (1.0 if side else -1.0)
         normal /= np.linalg.norm(normal)
         return normal, here, np.mean(around, axis=0) if around else here - normal
@@ -165,155 +175,154 @@ class BlockProblem:
         block = self.blocks[k]
         X = block.places(index)
         for axis, side in self._kinds[k]:
-            face = self._faces[k, axis, side]
             there = index[axis] == (block.shape[axis] - 1 if side else 0)
             if there.any():
-                X[:, there] = face.places([i[there] for i in index])
+                X[:, there] = self._faces[k, axis, side].places([i[there] for i in index])
         return X
 
     def _put(self, name: str, value: Any) -> None:
         object.__setattr__(self, name, value)
 
     def _named_faces(self) -> dict[FaceName, Condition]:
-        """The faces as a dict; InputError for names that are wrong or come twice, and for conditions of another kind."""
+        """The faces as a dict. InputError for wrong names and conditions, and for those named twice."""
         given = self.faces.items() if isinstance(self.faces, Mapping) else list(self.faces)
         found: dict[FaceName, Condition] = {}
         for name, condition in given:
             if not isinstance(name, tuple) or len(name) != 3:
-                raise InputError(f"BlockProblem: faces: {described(name)}: expected (block name, axis, side)")
+                wanted = "expected (block name, axis, side)"
+                raise InputError(f"BlockProblem: faces: {described(name)}: {wanted}")
             block = self.blocks[self.number(name[0])]
             where = f"{block}, face (axis {name[1]}, side {name[2]})"
             if name[1] not in range(block.dimension) or name[2] not in (0, 1):
-                raise InputError(f"{where}: expected an axis from 0 to {block.dimension - 1} and side 0 or 1")
+                last = block.dimension - 1
+                raise InputError(f"{where}: expected an axis from 0 to {last} and side 0 or 1")
             if block.periodic[name[1]]:
-                raise InputError(f"{where} is named, but the block is periodic along this axis: it has no face there")
+                raise InputError(f"{where} is named, but a periodic axis has no faces")
             if name in found:
                 raise InputError(f"{where} is named twice: expected one condition")
             _check_condition(block, where, condition)
             found[name] = condition
         return found
 
-    def _share_places(self, faces: Sequence[Face], labels: Sequence[Array]) -> None:
-        """Nodes at one place get the X of the first of them."""
-        together = np.concatenate(labels)
-        first = np.unique(together, return_index=True)[1]
-        X = np.concatenate([face.X for face in faces])[first]
-        for face, label in zip(faces, labels):
-            face.X[...] = X[label]
-
     def _held_point(self, name: str, place: Any, condition: Hinge) -> tuple[int, int, Hinge]:
-        """(block, node, condition). InputError where no node of a face of a solid is at the place."""
-        k = self.number(name)
+        """(block, node, condition). InputError where no node of a solid's face is at the place."""
+        k, d = self.number(name), self.dimension
         block, X = self.blocks[k], np.atleast_1d(np.asarray(place, float))
         where = f"{block}, point at {place_text(X)}"
-        if block.kind != "solid" or not isinstance(condition, Hinge) or X.shape != (self.dimension,):
-            raise InputError(f"{where}: expected (name of a solid, {self.dimension} coordinates, Hinge())")
-        mine = [face for face in self._faces.values() if face.block == k]
-        nodes, places = (np.concatenate([getattr(face, what) for face in mine]) for what in ("nodes", "X"))
+        if block.kind != "solid" or not isinstance(condition, Hinge) or X.shape != (d,):
+            raise InputError(f"{where}: expected (name of a solid, {d} coordinates, Hinge())")
+        nodes = np.unique([n for f in self._kinds[k] for n in self.face_nodes(k, *f)])
+        places = self.places(k, nodes)
         apart = np.abs(places - X).max(axis=1)
         i = int(np.argmin(apart))
         if not apart[i] <= 1e3 * self.tolerance:
-            raise InputError(f"{where}: there is no node of a face; the nearest is at {place_text(places[i])}")
+            nearest = place_text(places[i])
+            raise InputError(f"{where}: no node of a face is there; the nearest is at {nearest}")
         return k, int(nodes[i]), condition
 
 
 class _Matching:
-    """Finds which faces have the same nodes."""
+    """Which faces have the same nodes, which nodes are one particle."""
 
-    def __init__(self, faces: list[Face], named: Mapping[FaceName, Condition], apart: float) -> None:
-        self.faces = faces
+    def __init__(self, faces: list[Face], named: Mapping[FaceName, Condition], within: float) -> None:
+        self.faces, self._pairs = faces, []
         self.given = [named.get((face.owner.name, face.axis, face.side)) for face in faces]
-        shifted = [f for f, condition in enumerate(self.given) if isinstance(condition, Periodic)]
-        X = [face.X for face in faces] + [faces[f].X + self.given[f].shift for f in shifted]
-        self.count, labels = 0, np.split(same_place(np.concatenate(X), apart), np.cumsum([len(x) for x in X])[:-1])
+        periodic = [f for f, given in enumerate(self.given) if isinstance(given, Periodic)]
+        X = [face.X for face in faces] + [faces[f].X + self.given[f].shift for f in periodic]
+        labels = same_place(np.concatenate(X), within) if X else np.zeros(0, int)
+        labels = np.split(labels, np.cumsum([len(x) for x in X])[:-1])
         self.labels = labels[: len(faces)]
-        self.shifted = dict(zip(shifted, labels[len(faces) :]))
-        self.at: dict[bytes, list[int]] = {}
+        # those of the nodes that a face meets
+        self.wanted = dict(enumerate(self.labels)) | dict(zip(periodic, labels[len(faces) :]))
+        self._at: dict[bytes, list[int]] = {}
         for f, label in enumerate(self.labels):
-            self.at.setdefault(_key(label), []).append(f)
+            self._at.setdefault(_key(label), []).append(f)
 
-    def result(self) -> tuple[list[dict[tuple[int, int], Condition | Meeting]], list[Array], list[Array]]:
-        """Kinds of faces by block; for each face its nodes' labels: of their place, and of their particle. InputError."""
-        kinds: list[dict[tuple[int, int], Condition | Meeting]] = [{} for _ in range(1 + max(face.block for face in self.faces))]
-        pairs = []
+    def kinds(self, blocks: int) -> list[Kinds]:
+        """What stands at the faces of each block. InputError."""
+        kinds: list[Kinds] = [{} for _ in range(blocks)]
         for f, face in enumerate(self.faces):
             partner = self._partner(f)
-            if partner is None:
-                kinds[face.block][face.axis, face.side] = self.given[f]
-            else:
-                meeting = self._meeting(f, partner)
-                kinds[face.block][face.axis, face.side] = meeting
-                pairs.append((self.labels[f], self.labels[partner][meeting.order]))
-        every = np.concatenate(self.labels)
-        particle = united(every.max() + 1, pairs)
-        return kinds, self.labels, [particle[label] for label in self.labels]
+            kind = self.given[f] if partner is None else self._meeting(f, partner)
+            kinds[face.block][face.axis, face.side] = kind
+        return kinds
+
+    def members(self) -> Members:
+        """After `kinds`."""
+        faces = self.faces
+        if not faces:
+            return Members(*np.zeros((3, 0), int))
+        label = united(np.concatenate(self.labels), self._pairs)
+        block = np.concatenate([np.full(len(face.nodes), face.block) for face in faces])
+        node = np.concatenate([face.nodes for face in faces])
+        order = np.lexsort((node, block))
+        again = np.append(False, (np.diff([block[order], node[order]]) == 0).all(axis=0))
+        label, block, node = (a[order][~again] for a in (label, block, node))
+        _, first, inverse = np.unique(label, return_index=True, return_inverse=True)
+        particle = np.argsort(np.argsort(first))[inverse]
+        order = np.lexsort((node, block, particle))
+        return Members(particle[order], block[order], node[order])
+
+    def share_places(self) -> None:
+        """Nodes at one place get the X of the first of them."""
+        if self.faces:
+            known, first = np.unique(np.concatenate(self.labels), return_index=True)
+            X = np.concatenate([face.X for face in self.faces])[first]
+            for face, label in zip(self.faces, self.labels):
+                face.X[...] = X[np.searchsorted(known, label)]
 
     def _partner(self, f: int) -> int | None:
-        """The face that face f meets, or None. InputError where it has a condition too many or none."""
+        """The face that face f meets, or None. InputError for a condition too many or none."""
         face, condition = self.faces[f], self.given[f]
-        found = [g for g in self.at.get(_key(self.shifted.get(f, self.labels[f])), []) if g != f]
+        found = [g for g in self._at.get(_key(self.wanted[f]), []) if g != f]
         if len(found) > 1:
-            raise InputError(f"{face}, {self.faces[found[0]]} and {self.faces[found[1]]} are at one place: expected two faces")
+            others = f"{self.faces[found[0]]} and {self.faces[found[1]]}"
+            raise InputError(f"{face}, {others} are at one place: expected two faces")
         if isinstance(condition, Periodic):
-            back = [g for g in found if _key(self.shifted.get(g, ())) == _key(self.labels[f])]
-            if not back:
-                raise InputError(
-                    f"{face} is Periodic, and there is no Periodic face with the same nodes at {place_text(face.X[0])}"
-                    f" + {condition.shift}: expected one with the opposite shift"
-                )
-            return back[0]
-        if found and condition is not None:
-            what = type(condition).__name__
-            raise InputError(f"{face} meets {self.faces[found[0]]} and is named {what}(…), too: expected no condition")
-        if not found and condition is None:
+            if not found or _key(self.wanted[found[0]]) != _key(self.labels[f]):
+                at = f"{place_text(face.X[0])} + {condition.shift}"
+                wanted = "expected one with the opposite shift"
+                raise InputError(f"{face} is Periodic, and no Periodic face begins at {at}: {wanted}")
+        elif found and condition is not None:
+            what = f"{self.faces[found[0]]} and is named {type(condition).__name__}(…), too"
+            raise InputError(f"{face} meets {what}: expected no condition")
+        elif not found and condition is None:
             raise InputError(self._why_alone(f))
         return found[0] if found else None
 
     def _meeting(self, f: int, partner: int) -> Meeting:
         face, other, condition = self.faces[f], self.faces[partner], self.given[f]
-        order, axes, flips = orientation(face, self.shifted.get(f, self.labels[f]), other, self.labels[partner])
-        if isinstance(condition, Periodic) and face.owner.kind != other.owner.kind:
-            raise InputError(f"{face} is Periodic and goes on at {other}: expected gas and gas or solid and solid")
-        shift = condition.shift if isinstance(condition, Periodic) else (0.0,) * face.owner.dimension
+        order, axes, flips = orientation(face, self.wanted[f], other, self.labels[partner])
+        self._pairs.append((self.labels[f], self.labels[partner][order]))
+        shift = (0.0,) * face.owner.dimension
+        if isinstance(condition, Periodic):
+            shift = condition.shift
+            if face.owner.kind != other.owner.kind:
+                raise InputError(f"{face} is Periodic and goes on at {other}: expected one material")
         return Meeting(other.block, other.axis, other.side, order, axes, flips, shift)
 
     def _why_alone(self, f: int) -> str:
         """What is wrong with a face that has no condition and that no other meets."""
-        face, label = self.faces[f], self.labels[f]
-        others = [g for g in range(len(self.faces)) if g != f]
+        face, corners = self.faces[f], self.faces[f].corners(self.labels[f])
+        centre, others = face.X.mean(axis=0), [g for g in range(len(self.faces)) if g != f]
         for g in others:
-            other, its = self.faces[g], self.labels[g]
-            if face.shape and _key(face.corners(label)) == _key(other.corners(its)):
+            other = self.faces[g]
+            if face.shape and np.array_equal(corners, other.corners(self.labels[g])):
                 if sorted(face.shape) != sorted(other.shape):
-                    numbers = " by ".join(map(str, face.shape)), " by ".join(map(str, other.shape))
-                    at = place_text(face.X.mean(axis=0))
-                    return f"{face} has {numbers[0]} nodes, {other} that it meets about {at} has {numbers[1]}: expected the same"
-                at = place_text(face.X[int(np.argmin(np.isin(label, its)))])
-                return f"{face} and {other} do not conform: the node at {at} is of one of them only"
-        at = place_text(face.X.mean(axis=0))
-        alone = f"{face}, about {at}, has no condition, and no face with the same nodes meets it"
-        if not others:
-            return alone
-        apart = [np.linalg.norm(self.faces[g].X.mean(axis=0) - face.X.mean(axis=0)) for g in others]
-        nearest = int(np.argmin(apart))
-        return f"{alone}: expected one of both; the nearest is {self.faces[others[nearest]]}, {apart[nearest]:.3g} away"
+                    mine, its = (" by ".join(map(str, x.shape)) for x in (face, other))
+                    between = f"{face} has {mine} nodes, {other} that it meets has {its}"
+                    return f"{between}, about {place_text(centre)}: expected the same"
+                alone = int(np.argmin(np.isin(self.labels[f], self.labels[g])))
+                return f"{face} and {other} do not conform at {place_text(face.X[alone])}"
+        apart = [np.linalg.norm(self.faces[g].X.mean(axis=0) - centre) for g in others]
+        near = int(np.argmin(apart))
+        nearest = f"{self.faces[others[near]]}, {apart[near]:.3g} away"
+        alone = f"{face}, about {place_text(centre)}, has no condition, and no face with the same nodes"
+        return f"{alone} meets it: expected one of both; the nearest is {nearest}"
 
 
-def _key(labels: Any) -> bytes:
-    return np.sort(np.asarray(labels, int)).tobytes()
-
-
-def _members(faces: Sequence[Face], particles: Sequence[Array]) -> Members:
-    block = np.concatenate([np.full(len(face.nodes), face.block) for face in faces])
-    node = np.concatenate([face.nodes for face in faces])
-    label, first, particle = np.unique(np.concatenate(particles), return_index=True, return_inverse=True)
-    smallest = np.full(len(label), len(node))
-    np.minimum.at(smallest, particle, np.lexsort((node, block)).argsort())
-    particle = smallest.argsort().argsort()[particle]
-    order = np.lexsort((node, block, particle))
-    found = np.array([particle, block, node])[:, order]
-    again = np.append(False, (np.diff(found) == 0).all(axis=0))  # nodes of two faces of a block
-    return Members(*found[:, ~again])
+def _key(labels: Array) -> bytes:
+    return np.sort(labels).tobytes()
 
 
 def _check_blocks(blocks: tuple[Any, ...]) -> None:
@@ -321,17 +330,22 @@ def _check_blocks(blocks: tuple[Any, ...]) -> None:
         raise InputError("BlockProblem: blocks: expected one or more Blocks")
     for k, block in enumerate(blocks):
         if block.name in [other.name for other in blocks[:k]]:
-            raise InputError(f"BlockProblem: two blocks are named '{block.name}': expected different names")
+            raise InputError(f"BlockProblem: two blocks are named '{block.name}'")
         if block.dimension != blocks[0].dimension:
-            raise InputError(f"{block} has {block.dimension} dimensions, {blocks[0]} {blocks[0].dimension}: expected the same")
+            numbers = f"{block.dimension} dimensions, {blocks[0]} {blocks[0].dimension}"
+            raise InputError(f"{block} has {numbers}: expected the same")
 
 
 def _check_condition(block: Block, where: str, condition: Any) -> None:
+    """InputError for what is no condition of this kind of block, or has another dimension."""
     if not isinstance(condition, Condition) or isinstance(condition, Hinge):
-        raise InputError(f"{where}: {described(condition)}: expected a condition, as NoSlip() or Clamped()")
+        wanted = "expected a condition, as NoSlip() or Clamped()"
+        raise InputError(f"{where}: {described(condition)}: {wanted}")
+    name = type(condition).__name__
     if block.kind not in condition.of:
-        raise InputError(f"{where}: {type(condition).__name__} is a condition of a {'gas' if block.kind == 'solid' else 'solid'}")
-    if isinstance(condition, Open) and not callable(condition.u) and len(condition.u) != block.dimension:
-        raise InputError(f"{where}: Open: u has {len(condition.u)} numbers: expected {block.dimension}")
-    if isinstance(condition, Periodic) and len(condition.shift) != block.dimension:
-        raise InputError(f"{where}: Periodic: shift has {len(condition.shift)} numbers: expected {block.dimension}")
+        raise InputError(f"{where}: {name} is no condition of a {block.kind}")
+    vector = {"Open": "u", "Periodic": "shift"}.get(name, "")
+    numbers = getattr(condition, vector, ())
+    if vector and not callable(numbers) and len(numbers) != block.dimension:
+        found = f"{vector} has {len(numbers)} numbers"
+        raise InputError(f"{where}: {name}: {found}: expected {block.dimension}")
