@@ -115,6 +115,8 @@ store = _by_length("store", "rows, i, values", _lines("rows[@][i] = values[@]"))
 add_to = _by_length("add_to", "rows, i, c, values", _lines("rows[@][i] += c * values[@]"))
 #: array[c, a:b] for each c of like; views must be made where they are used, else numba counts references to them
 rows = _by_length("rows", "like, array, a, b", _tuple("array[@, a:b]"), inline="always")
+#: array[c, n] for each c of like: the numbers of one node of an array by components
+column = _by_length("column", "like, array, n", _tuple("array[@, n]"))
 #: array[n, c] for each c of like: the numbers of one node of an interlaced array
 node = _by_length("node", "like, array, n", _tuple("array[n, @]"))
 put_node = _by_length("put_node", "array, n, values", _lines("array[n, @] = values[@]"))

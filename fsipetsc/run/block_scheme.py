@@ -20,6 +20,7 @@ from fsipetsc.parallel.block_layout import BlockLayout, BlockVector
 from fsipetsc.run.gas_part import GasPart
 from fsipetsc.run.particle_system import ParticleSystem
 from fsipetsc.run.solid_part import SolidPart
+from fsipetsc.scheme.block_look import LEAST_J, LOOKED
 
 Array = NDArray[Any]
 
@@ -92,6 +93,7 @@ class Scheme:
 
     def rates(self, t: float, y: BlockVector, f: Array) -> None:
         """f = dy/dt for a completed y. Collective."""
+        f[f.size - self.layout.behind :] = 0.0
         y.begin()
         self.particles.find_turning(self._metrics)
         y.end()
@@ -100,31 +102,28 @@ class Scheme:
         self.particles.constrain(y.array, f)
 
     def bounds(self, t: float, y: BlockVector) -> Array:
-        """(blocks, 3): 1 if a state is unphysical, largest rates of convection and diffusion [1/s] of this rank's nodes."""
-        found = np.zeros((len(self.problem.blocks), 3))
+        """(blocks, LOOKED) of fsipetsc.scheme.block_look for this rank's nodes; halos of y are filled."""
+        found = np.zeros((len(self.problem.blocks), LOOKED))
+        found[:, LEAST_J] = -np.inf
+        self._sums = {}
         for k, part in self.parts.items():
-            found[k] = part.bounds(y.owned(k), y.ghosted(k))
+            found[k], self._sums[k] = part.look(y.ghosted(k))
         return found
 
     def integrals(self, t: float, y: BlockVector) -> dict[str, Any]:
-        """This rank's shares of the integrals of the solution."""
-        totals: dict[str, Any] = {name: np.zeros(n) if n else 0.0 for name, n in self.recorded.items()}
+        """This rank's shares of the integrals of the solution that ``bounds`` has looked at."""
         fluids = [k for k, block in enumerate(self.problem.blocks) if block.kind == "fluid"]
-        for k, part in self.parts.items():
-            found = part.integrals(y.ghosted(k))
+        names = [f"momentum_{x}" for x in "xyz"[: self.dimension]]
+        totals: dict[str, Any] = dict.fromkeys(["energy", *names, "entropy"], 0.0)
+        if fluids:
+            totals["mass"] = np.zeros(len(fluids))
+        for k, found in self._sums.items():
             for name, number in found.items():
                 if name == "mass":
                     totals["mass"][fluids.index(k)] += number
                 else:
                     totals[name] += number
         return totals
-
-    @property
-    def recorded(self) -> dict[str, int]:
-        """Name of each integral -> its length, 0 for a number."""
-        fluids = sum(block.kind == "fluid" for block in self.problem.blocks)
-        momentum = [f"momentum_{x}" for x in "xyz"[: self.dimension]]
-        return {"mass": fluids, "energy": 0, **dict.fromkeys(momentum, 0), "entropy": 0}
 
     def fields(self, t: float, y: BlockVector, k: int) -> Array:
         """(M, columns) what is saved of this rank's nodes of block k."""

@@ -10,12 +10,16 @@ from numpy.typing import NDArray
 
 from fsipetsc.blocks.grid import GridMotion
 from fsipetsc.blocks.particles import Particle
+from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.parallel.block_layout import BlockLayout, FaceGather, Part
 from fsipetsc.run.face_terms import FaceTerms, ranges_of
 from fsipetsc.run.particle_system import ParticleSystem
+from fsipetsc.scheme import block_look
 from fsipetsc.scheme.gas_rates import DivergenceForm, EntropyForm, Inviscid, Viscous, gas_rates, scratch
 
 Array = NDArray[Any]
+#: names of the components of momentum
+MOMENTUM = ("momentum_x", "momentum_y", "momentum_z")
 
 
 class GasPart:
@@ -30,12 +34,13 @@ class GasPart:
         self.equations = self.block.material.equations(d)
         self._ranges = ranges_of(part, self.block.shape)
         self.X = self._problem.positions(part.k, self._ranges)
+        self._per_h = np.array(self.block.cells, float)
         nodes = self.X.shape[1]
         self.metrics = np.zeros((d * d + d + 1, nodes))
         self._owned = part.ghosted_rows(np.arange(part.numbers.size))
         self._faces = FaceTerms(self._problem, part, np.ones(nodes))
         material = self.block.material
-        self._form = EntropyForm() if form.convection == "entropy" else DivergenceForm()
+        self._form = DivergenceForm() if form.convection == "divergence" else EntropyForm()
         self._friction = Viscous() if material.mu > 0.0 or material.kappa > 0.0 else Inviscid()
         self._scratch = scratch(self._like, self._form, self._friction, part.bands)
 
@@ -98,6 +103,25 @@ class GasPart:
     def stretch(self, q: Array) -> None:
         """Let J be that of the grid, at the same density, velocity and temperature."""
         q *= (self.grid.jacobian()[self._owned] / q[:, 0])[:, None]
+
+    def look(self, q: Array) -> tuple[Array, dict[str, float]]:
+        """What bounds a step, and integrals of the owned nodes: see fsipetsc.scheme.block_look; q: (N, d + 3)."""
+        d, weights = self._d, [band.weight for band in self.part.bands]
+        seen, sums = np.zeros(block_look.LOOKED), np.zeros(d + 3)
+        arguments = self.equations, self._like, q, self.metrics, self._per_h, STIFFNESS_OF_WIDE
+        block_look.gas_look(*arguments, *weights, self.part.patch, seen, sums)
+        if self.moves:
+            J, own = q[self._owned, 0], self.grid.jacobian()[self._owned]
+            seen[block_look.J_ERROR] = np.abs(J - own).max() / np.abs(own).max() if J.size else 0.0
+        names = ["mass", *MOMENTUM[:d], "energy", "entropy"]
+        return seen, dict(zip(names, sums.tolist(), strict=True))
+
+    def fields(self, q: Array) -> Array:
+        """(M, 2d + 4) what is saved of the owned nodes: rho, u, T, p, J, x."""
+        q = q[self._owned]
+        w = self.equations.primitive(tuple(q.T))
+        x = self.grid.positions()[:, self._owned]
+        return np.stack([w[0], *self.equations.velocity(w), w[2], w[1], q[:, 0], *x], axis=-1)
 
     def rates(self, t: float, q: Array, rates: Array) -> None:
         """rates (M, d + 3) of the volume terms, of faces and of forcing; q: (N, d + 3)."""

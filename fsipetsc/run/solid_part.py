@@ -8,8 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.blocks.metrics import solid_metrics
+from fsipetsc.equations.tensors import determinant
+from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.parallel.block_layout import BlockLayout, Part
 from fsipetsc.run.face_terms import FaceTerms, face_of, ranges_of
+from fsipetsc.run.gas_part import MOMENTUM
+from fsipetsc.scheme import block_look
 from fsipetsc.scheme.solid_rates import solid_rates, solid_scratch
 
 Array = NDArray[Any]
@@ -35,6 +39,8 @@ class SolidPart:
             if self._problem.is_interface(part.k, *face)
         ]
         self._owned = part.ghosted_rows(np.arange(part.numbers.size))
+        self._per_h = np.array(self.block.cells, float)
+        self._F = np.zeros((d * d, part.numbers.size))
         self._scratch = solid_scratch(d, max(band.reach for band in part.bands))
 
     @property
@@ -49,12 +55,46 @@ class SolidPart:
         v, T, x = values[:d], values[d], values[d + 1 :]
         for c in range(d):
             q[:, c], q[:, d + c] = x[c] - X[c], v[c]
-        q[:, 2 * d] = self.equations.alpha * T + 0.5 * sum(c * c for c in v)
-        # the elastic energy, too, where it is part of e
-        self._add_stored(q)
+        stored = (1.0 - self.equations.coupled) * self.equations.law.energy(self._strain_of(x)) / self.equations.m0
+        q[:, 2 * d] = self.equations.alpha * T + stored + 0.5 * sum(c * c for c in v)
 
-    def _add_stored(self, q: Array) -> None:
-        """Not in a part with halos: initial data are the same on both sides of a cut, so halos come from the case as well."""
+    def _strain_of(self, x: list[Array]) -> tuple[Array, ...]:
+        """F of the owned nodes where these stand at x of the case, which knows the nodes of halos as well."""
+        del x
+        q = np.zeros((self.X.shape[1], 2 * self._d + 1))
+        places = self.block.initial(*self.X)[self._d + 1 :]
+        for c in range(self._d):
+            q[:, c] = places[c] - self.X[c]
+        return tuple(self._deformation(q))
+
+    def _deformation(self, q: Array) -> Array:
+        """F (d d, M) of the owned nodes."""
+        bands, F = self.part.bands, self._F
+        S, w = [band.S for band in bands], [band.weight for band in bands]
+        block_look.deformation(self._like, q, self.metrics, *S, *w, self.part.patch, F)
+        return F
+
+    def look(self, q: Array) -> tuple[Array, dict[str, float]]:
+        """What bounds a step, and integrals of the owned nodes: see fsipetsc.scheme.block_look; q: (N, 2d + 1)."""
+        d, weights = self._d, [band.weight for band in self.part.bands]
+        seen, sums = np.zeros(block_look.LOOKED), np.zeros(d + 1)
+        arguments = self.equations, self._like, q, self.metrics, self._per_h, STIFFNESS_OF_WIDE
+        F = self._deformation(q)
+        block_look.solid_look(*arguments, *weights, self.part.patch, F, seen, sums)
+        return seen, dict(zip([*MOMENTUM[:d], "energy"], sums.tolist(), strict=True))
+
+    def fields(self, q: Array) -> Array:
+        """(M, …) what is saved of the owned nodes: v, T, Cauchy stress P F^T / J, x."""
+        d = self._d
+        F, own = tuple(self._deformation(q)), q[self._owned]
+        v = tuple(own[:, d : 2 * d].T)
+        T = self.equations.temperature(v, own[:, 2 * d], F)
+        P, J = self.equations.stress_at(F, T), determinant(F)
+        stresses = [
+            sum(P[i * d + m] * F[j * d + m] for m in range(d)) / J for i in range(d) for j in range(i, d)
+        ]
+        x = self.X[:, self._owned] + own[:, :d].T
+        return np.stack([*v, T, *stresses, *x], axis=-1)
 
     def rates(self, t: float, q: Array, rates: Array) -> None:
         """rates (M, 2d + 1) of the volume terms, of faces and of forcing; q: (N, 2d + 1)."""
