@@ -14,6 +14,7 @@ from mpi4py import MPI
 from fsipetsc.operators.bands import band
 from fsipetsc.parallel.block_layout import BlockLayout, FaceGather
 from fsipetsc.parallel.particle_exchange import ParticleExchange
+from fsipetsc.process.together import wait_asleep
 
 
 class Block:
@@ -141,7 +142,7 @@ def main():
                             check(layout)
                         layout.destroy()
             comm.Free()
-        world.Barrier()
+        wait_asleep(world)
     if world.rank == 0:
         print("all right")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from fsipetsc.errors import InputError
-from fsipetsc.output.reader import PlaneLayer, Run
+from fsipetsc.output.reader import BlockLayer, PlaneLayer, Run
 
 if TYPE_CHECKING:
     import xarray
@@ -15,14 +15,17 @@ FIELDS = {
     "rho": ("kg m-3", "density"),
     "u": ("m s-1", "velocity"),
     "v": ("m s-1", "velocity across"),
+    "w": ("m s-1", "velocity along z"),
     "T": ("K", "temperature"),
     "p": ("Pa", "pressure"),
     "sigma": ("Pa", "stress"),
     "s_xx": ("Pa", "Cauchy stress xx"),
     "s_xy": ("Pa", "Cauchy stress xy"),
     "s_yy": ("Pa", "Cauchy stress yy"),
+    **{f"s_{ij}": ("Pa", f"Cauchy stress {ij}") for ij in ("xz", "yz", "zz")},
     "x": ("m", "position"),
     "y": ("m", "position across"),
+    "z": ("m", "position along z"),
     "J": ("1", "volume ratio of the grid"),
     "t": ("s", "time"),
     "dt": ("s", "time step"),
@@ -36,6 +39,7 @@ FIELDS = {
     "residual_flux": ("W m-2", "what is left of the condition on the heat flux"),
     "force": ("Pa", "force of the ends and of gravity"),
     "least_J": ("1", "least volume ratio of the grid"),
+    "J_error": ("1", "largest departure of J from the volume ratio of the grid, relative"),
     "x_point": ("m", "position of points of interfaces"),
     "y_point": ("m", "position across of points of interfaces"),
     "u_point": ("m s-1", "velocity of the solid at points of interfaces"),
@@ -56,9 +60,11 @@ INTEGRALS = {
     "momentum": ("N s", "momentum of all layers"),
     "momentum_x": ("N s", "momentum of all layers"),
     "momentum_y": ("N s", "momentum of all layers across"),
+    "momentum_z": ("N s", "momentum of all layers along z"),
     "impulse": ("N s", "impulse of the ends and of gravity"),
     "impulse_x": ("N s", "impulse of the edges"),
     "impulse_y": ("N s", "impulse of the edges across"),
+    "impulse_z": ("N s", "impulse of the edges along z"),
 }
 
 
@@ -81,6 +87,9 @@ def to_xarray(run: Run) -> xarray.Dataset:
     coordinates: dict[str, Any] = {"time": ("time", run.time, _attributes("t", si))}
     for layer in run.layers:
         name = "_".join(layer.name.split())
+        if isinstance(layer, BlockLayer):
+            _add_block(layer, name, si, variables, coordinates)
+            continue
         across = f"X_{name}"
         coordinates[across] = (across, layer.X, {**_attributes("x", si), "long_name": "reference coordinate X"})
         dimensions: tuple[str, ...] = ("time", across)
@@ -110,8 +119,25 @@ def to_xarray(run: Run) -> xarray.Dataset:
     return xarray.Dataset(variables, coordinates, about)
 
 
+def _add_block(layer: BlockLayer, name: str, si: bool, variables: dict[str, Any], coordinates: dict[str, Any]) -> None:
+    """Fields of a block: of the dimensions time, …, Y_NAME, X_NAME; of a curved one places are coordinates NAME.X …"""
+    axes = "XYZ"[: len(layer.shape)]
+    own = [f"{axis}_{name}" for axis in axes]
+    dimensions = ("time", *own[::-1])
+    for axis, dimension in zip(axes, own, strict=True):
+        values = getattr(layer, axis)
+        about = {**_attributes(axis.lower(), si), "long_name": f"reference coordinate {axis}"}
+        if values.ndim == 1:
+            coordinates[dimension] = (dimension, values, about)
+        else:
+            coordinates[f"{name}.{axis}"] = (dimensions[1:], values, about)
+    for field in layer.fields:
+        where = coordinates if field in "xyz" else variables
+        where[f"{name}.{field}"] = (dimensions, layer[field], {**_attributes(field, si), "layer": layer.name})
+
+
 #: what the columns of a series may be
-_COLUMNS = {"mass": ("gas",), "mass_in": ("gas",), "least_J": ("layer",)}
+_COLUMNS = {"mass": ("gas",), "mass_in": ("gas",), "least_J": ("layer",), "J_error": ("layer",)}
 _COLUMNS |= {name: ("interface",) for name in FIELDS if name.endswith("_interface") or name.startswith("residual_")}
 _COLUMNS |= {name: ("point",) for name in FIELDS if name.endswith("_point")}
 

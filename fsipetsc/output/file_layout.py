@@ -5,14 +5,15 @@
     /time                               (nframes,) times of the saved frames; says how many frames count
     /series                             (nsteps,) records, one per time step, of numbers (t, dt, energy, …) and arrays
                                         (x_interface, …; mass); not there if there are no steps
-    /segment0000/layer00/X              (n,) Lagrangian grid
+    /segment0000/layer00/X              (n,) Lagrangian grid; of blocks (n, 1 + d), numbers of nodes and places
     /segment0000/layer00/framesA-B      (n, k·c) frames A … B: for each point, the c columns of each of the k frames
     /commits                            what can be read while the run goes on, see `commits`; of no account afterwards
 
 The columns of a layer are its fields, then the positions x where x is not a field. A new segment begins whenever a grid
 has grown. Frames share a dataset because creating one costs as much as a frame; the order point – frame – column lets
 every rank write its points as one block, so that what is written does not depend on the number of ranks. In two dimensions
-points are counted row by row, X is their number, and the header has shape, origin and spacing; see also `xdmf`.
+points are counted row by row, X is their number, and the header has shape, origin and spacing; see also `xdmf`. Of a problem
+of blocks a layer is a block, points are counted with axis 0 first, and the header has their shape, (…, n_1, n_0).
 """
 
 from __future__ import annotations

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.options.option import INT_MAX
-from fsipetsc.output.reader import Layer, PlaneLayer, Run, open_run
+from fsipetsc.output.reader import BlockLayer, Layer, PlaneLayer, Run, open_run
 
 
 def info(path: str | os.PathLike[str]) -> str:
@@ -57,6 +57,10 @@ def _overview(run: Run) -> list[tuple[str, str]]:
 def _layers(run: Run) -> Iterable[tuple[str, str]]:
     """Active points come and go where a layer meets a fixed end; those held in reserve for it are stored, too."""
     for layer in run.layers:
+        if isinstance(layer, BlockLayer):
+            ranges = [_range(f", {name} =", getattr(layer, name)) for name in "XYZ"[: run.dimension]]
+            yield layer.name, f"{layer.kind}, {layer.size}{''.join(ranges)}; {', '.join(layer.fields)}"
+            continue
         if isinstance(layer, PlaneLayer):
             grid = f"{layer.size}{_range(', X =', layer.X)}{_range(', Y =', layer.Y)}"
             yield layer.name, f"{layer.kind}, {grid}; {', '.join(layer.fields)}"
@@ -77,9 +81,10 @@ def _active(layer: Layer, nframes: int) -> str:
 
 def _positions(run: Run) -> str:
     """Where the interfaces are at the end."""
-    if run.dimension == 2 and run.summary.get("interfaces"):
-        heights = run.summary["interfaces"].items()
-        return ", ".join(f"{name} at y = {y:.6g} on average" for name, y in heights) + f" at t = {run.summary['t']:g}"
+    if (run.dimension == 2 or run.blocks) and run.summary.get("interfaces"):
+        axis, heights = " xyz"[run.dimension], run.summary["interfaces"].items()
+        mean = " on average" * (run.dimension > 1)
+        return ", ".join(f"{name} at {axis} = {y:.6g}{mean}" for name, y in heights) + f" at t = {run.summary['t']:g}"
     if not len(run.series.get("x_interface", ())):
         return ", ".join(run.interfaces) or "none"
     last = zip(run.interfaces, np.atleast_1d(run.series["x_interface"][-1]))

@@ -38,6 +38,7 @@ class Run:
     time, nframes       (nframes,) times of the saved frames
     layers              tuple of :class:`Layer`, from left to right
     dimension           1 or 2; in two, layers are :class:`PlaneLayer`, from below, and `interface` has the lines between them
+    blocks              of a problem of blocks name -> :class:`BlockLayer`, in 1 to 3 dimensions; else empty
     interfaces          their names, from left to right
     points              of the series in two dimensions (-fsi_points): tuple of (name of the interface, X)
     series              name -> (nsteps,) or (nsteps, m), one row per time step: "t", "dt", "x_interface", …
@@ -75,10 +76,18 @@ class Run:
         if not np.all(np.isfinite(self.time)) or np.any(np.diff(self.time) < 0):
             raise result_sources.Damaged("the times of its frames are not ascending numbers")
         self.dimension = int(self.header.get("dimension", 1))
-        kind = PlaneLayer if self.dimension == 2 else Layer
-        self.layers = tuple(kind(self.path, entry, own, self.nframes) for entry, own in zip(self.header["layers"], chunks))
+        self.layers = tuple(
+            self._layer(entry)(self.path, entry, own, self.nframes) for entry, own in zip(self.header["layers"], chunks)
+        )
+        self.blocks = _Named("block", {layer.name: layer for layer in self.layers if isinstance(layer, BlockLayer)})
         series = self._source.series()
         self.series: Mapping[str, Array] = Arrays(self.path, "series", series.names, series.read)
+
+    def _layer(self, entry: Mapping[str, Any]) -> Any:
+        """What kind of layer an entry of the header tells of."""
+        if "shape" in entry and "origin" not in entry:
+            return BlockLayer
+        return PlaneLayer if self.dimension == 2 else Layer
 
     def at(self, t: float) -> int:
         """Number of the frame saved nearest to time t."""
@@ -91,7 +100,7 @@ class Run:
 
         KeyError or IndexError if there is none.
         """
-        names = list(self.interfaces) if self.dimension == 2 else []
+        names = list(self.interfaces) if self.dimension == 2 and not self.blocks else []
         if isinstance(k, str) and k not in names:
             raise KeyError(_unknown("line of an interface", k, names))
         number = names.index(k) if isinstance(k, str) else range(len(names))[k]
@@ -226,7 +235,7 @@ class PlaneLayer(Arrays):
         self._points = Layer(path, entry, chunks, nframes)
         self.name, self.kind, self.fields = self._points.name, self._points.kind, self._points.fields
         super().__init__(path, f"field in layer {self.name!r}", self.fields, self._read_field)
-        ny, nx = self._shape = tuple(int(n) for n in entry["shape"])
+        ny, nx = self._shape = self.shape = tuple(int(n) for n in entry["shape"])
         (x0, y0), (h_x, h_y) = entry["origin"], entry["spacing"]
         self.X, self.Y = x0 + h_x * np.arange(nx), y0 + h_y * np.arange(ny)
 
@@ -259,6 +268,72 @@ class PlaneLayer(Arrays):
         return f"<{self.kind} layer {self.name!r}: {self.size}; {', '.join(self.fields)}>"
 
 
+class BlockLayer(Arrays):
+    """A block of a run in d dimensions; `block[name]` is (nframes, n_{d-1}, …, n_0).
+
+    name, kind, fields   gas rho, u, v, w, T, p, J, x, y, z; solid u, v, w, T, stresses, x, y, z, as far as there are dimensions
+    shape                (n_{d-1}, …, n_0)
+    X, Y, Z              places in the reference map, of the same shape; where X depends on axis 0 alone, Y on axis 1 …, (n_0,),
+                         (n_1,), …
+    x, y, z              (nframes, …) positions
+    """
+
+    def __init__(self, path: str, entry: Mapping[str, Any], chunks: list[_Chunk], nframes: int) -> None:
+        self._points = Layer(path, entry, chunks, nframes)
+        self.name, self.kind, self.fields = self._points.name, self._points.kind, self._points.fields
+        super().__init__(path, f"field in block {self.name!r}", self.fields, self._read_field)
+        self.shape = tuple(int(n) for n in entry["shape"])
+        d = len(self.shape)
+        places = chunks[0].places if chunks else np.full((int(np.prod(self.shape)), d), np.nan)
+        if places is None or places.shape != (int(np.prod(self.shape)), d):
+            raise result_sources.Damaged(f"places of block {self.name!r} are missing")
+        full = [places[:, axis].reshape(self.shape) for axis in range(d)]
+        self.X, self.Y, self.Z = _short(full) + [np.zeros(1)] * (3 - d)
+
+    x = property(lambda self: self["x"])
+    y = property(lambda self: self["y"])
+    z = property(lambda self: self["z"])
+
+    @property
+    def h(self) -> float:
+        """Mean spacing [m] of X along axis 0."""
+        X = self.X if self.X.ndim == 1 else self.X.reshape(-1, self.shape[-1])[0]
+        return float(X[-1] - X[0]) / max(1, len(X) - 1)
+
+    @property
+    def size(self) -> str:
+        """Of its grid, in words."""
+        return f"{' by '.join(map(str, self.shape[::-1]))} points"
+
+    def frame(self, number: int) -> dict[str, Array]:
+        """All fields of one frame, name -> (n_{d-1}, …, n_0)."""
+        return {name: values.reshape(self.shape) for name, values in self._points.frame(number).items()}
+
+    def place(self, number: int) -> tuple[str, int, tuple[int, int]]:
+        """As of a Layer."""
+        return self._points.place(number)
+
+    def _read_field(self, name: str) -> Array:
+        return self._points[name].reshape(-1, *self.shape)
+
+    def __repr__(self) -> str:
+        return f"<{self.kind} block {self.name!r}: {self.size}; {', '.join(self.fields)}>"
+
+
+def _short(places: list[Array]) -> list[Array]:
+    """Coordinates as arrays along their own axes, if each depends on its own axis alone."""
+    d = len(places)
+    lines = []
+    for axis, values in enumerate(places):
+        own = d - 1 - axis  # the axis of the array
+        line = values[tuple(slice(None) if k == own else 0 for k in range(d))]
+        shape = [-1 if k == own else 1 for k in range(d)]
+        if not np.allclose(values, line.reshape(shape), rtol=0.0, atol=1e-12 * np.ptp(values)):
+            return places
+        lines.append(line)
+    return lines
+
+
 class _Named(dict[str, Any]):
     """A dict that says what it holds when asked for something else."""
 
@@ -274,7 +349,9 @@ class _Chunk:
     """Some consecutive frames of a layer, in one dataset."""
 
     def __init__(self, first: int, count: int, dataset: result_sources.Dataset, X: Array) -> None:
-        self.first, self.count, self.dataset, self.X = first, count, dataset, X
+        numbers = X if X.ndim == 1 else X[:, 0]
+        self.first, self.count, self.dataset, self.X = first, count, dataset, numbers
+        self.places = None if X.ndim == 1 else X[:, 1:]  # of blocks
         self.place = slice(0, len(X))  # of its grid in the largest one
 
 
@@ -317,7 +394,8 @@ def _chunks(source: result_sources.Finished | result_sources.Unfinished, layer: 
     grids: dict[bytes, Array] = {}  # one array for each
     found = []
     for first, count, dataset, X in source.frames(layer):
-        if not len(X) or not np.all(np.isfinite(X)) or np.any(np.diff(X) <= 0):
+        numbers = X if X.ndim == 1 else X[:, 0]
+        if not len(X) or not np.all(np.isfinite(X)) or np.any(np.diff(numbers) <= 0):
             raise result_sources.Damaged(f"a grid of layer {layer + 1} is not ascending numbers")
         found.append(_Chunk(first, count, dataset, grids.setdefault(X.tobytes(), X)))
     return sorted(found, key=lambda chunk: chunk.first)

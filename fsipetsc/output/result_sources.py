@@ -60,7 +60,7 @@ class Series(NamedTuple):
 
 
 class Frames(NamedTuple):
-    """A dataset of some consecutive frames of a layer, and their grid, (n,)."""
+    """A dataset of some consecutive frames of a layer, and their grid, (n,), of blocks (n, 1 + d)."""
 
     first: int
     count: int
@@ -118,7 +118,7 @@ class Finished:
         for name in self._file:
             group = self._file.get(f"{name}/layer{layer:02d}") if name.startswith("segment") else None
             if isinstance(group, h5py.Group) and "X" in group:
-                X = self._dataset(f"{group.name}/X", 1)[...]
+                X = self._dataset(f"{group.name}/X")[...]
                 for dataset in group:
                     numbers = file_layout.parse_frames_name(dataset)
                     if numbers is not None:

@@ -77,12 +77,12 @@ class RunWriter:
         self.nframes = 0  # frames given so far, written or not
         self.take_series: Callable[[], Array | None] = lambda: None
         self._comm, self._root = comm, comm.rank == 0
-        self._plane = header.get("dimension", 1) == 2
-        (self._width,) = {len(file_layout.columns(layer)) for layer in header["layers"]}  # the same for all
+        self._plane = header.get("dimension", 1) > 1
+        self._widths = [len(file_layout.columns(layer)) for layer in header["layers"]]
         self._flush_seconds, self._max_frames, self._max_bytes = flush_seconds, buffer_frames, buffer_bytes
         self._last_frame = time.monotonic()
         self._next_flush = self._last_frame + flush_seconds
-        self._buffer = buffers.FrameBuffer((), 0, 1)
+        self._buffer = buffers.FrameBuffer((), (), 1)
         self._points: list[int] = []  # of each layer, of all ranks
         self._grids_written = True
         self._times: list[float] = []  # of the frames not yet written
@@ -105,18 +105,19 @@ class RunWriter:
         """Announce the grids of the frames to come. Collective; to be called first and whenever a grid has grown.
 
         Each layer has `local`, the number of points this rank owns (0 where it owns none), `n`, that of all ranks,
-        and `X`, (local,) the Lagrangian coordinates in ascending order; ranks own points in the order of the ranks.
+        and `X`, (local,) the Lagrangian coordinates in ascending order; ranks own points in the order of the ranks. Of
+        blocks (local, 1 + d): numbers of points, and coordinates.
         """
         if self._times:
             self.flush()
         if self._grids_written:  # else the last segment has no frames, and this one takes its place
             self._segment += 1
         self._grids_written = False
-        frame_bytes = sum(8 * int(layer["local"]) * self._width for layer in layers)
+        frame_bytes = sum(8 * int(layer["local"]) * width for layer, width in zip(layers, self._widths, strict=True))
         largest = max(self._comm.allgather(frame_bytes))
         capacity = max(1, min(self._max_frames, self._max_bytes // max(1, largest)))
         self._points = [int(layer["n"]) for layer in layers]
-        self._buffer = buffers.FrameBuffer(layers, self._width, capacity)
+        self._buffer = buffers.FrameBuffer(layers, self._widths, capacity)
 
     def write_frame(self, t: float, fill: Callable[[buffers.Slots], Any]) -> None:
         """Save the fields at time t. Collective.
@@ -161,7 +162,7 @@ class RunWriter:
         self.flush()
         self._on_root(lambda: self._conclude(summary, errors))
         self._release()
-        self._buffer = buffers.FrameBuffer((), 0, 1)
+        self._buffer = buffers.FrameBuffer((), (), 1)
         self._closed = True
 
     # ------------------------------------------------------------------ when, and failing together
@@ -281,7 +282,7 @@ class RunWriter:
         for i, X in enumerate(self._buffer.X):
             group = file_layout.group_name(self._segment, i)
             if not self._grids_written:
-                yield f"{group}/X", i, X[:, None]
+                yield f"{group}/X", i, X
             yield f"{group}/{frames}", i, self._buffer.part(i, count)
 
     def _prepare(self, count: int) -> int:

@@ -14,12 +14,12 @@ from pathlib import Path
 from xml.sax.saxutils import escape, quoteattr
 
 from fsipetsc.errors import FileError
-from fsipetsc.output.reader import PlaneLayer, Run, open_run
+from fsipetsc.output.reader import BlockLayer, PlaneLayer, Run, open_run
 
 _HEAD = '<?xml version="1.0" ?>\n<!DOCTYPE Xdmf SYSTEM "Xdmf.dtd" []>\n<Xdmf Version="2.0">\n<Domain>\n'
 _TAIL = "</Domain>\n</Xdmf>\n"
-#: vectors made of two columns that stand side by side
-_VECTORS = {"velocity": ("u", "v")}
+#: vectors made of columns that stand side by side
+_VECTORS = {"velocity": ("u", "v", "w")}
 
 
 def name_beside(path: str | os.PathLike[str]) -> Path:
@@ -74,10 +74,11 @@ def _text(run: Run) -> Iterator[str]:
     yield "</Grid>\n" + _TAIL
 
 
-def _layer(layer: PlaneLayer, frame: int, file: str) -> Iterator[str]:
+def _layer(layer: PlaneLayer | BlockLayer, frame: int, file: str) -> Iterator[str]:
     """One layer in one frame."""
     dataset, first, shape = layer.place(frame)
-    grid, columns = f"1 {len(layer.Y)} {len(layer.X)}", layer.fields
+    d, columns = len(layer.shape), layer.fields
+    grid = " ".join(map(str, (1, *layer.shape) if d == 2 else layer.shape))
 
     def slab(names: Iterable[str]) -> str:
         """These columns, which stand side by side."""
@@ -93,10 +94,10 @@ def _layer(layer: PlaneLayer, frame: int, file: str) -> Iterator[str]:
 
     yield f'<Grid Name={quoteattr(layer.name)} GridType="Uniform">\n'
     yield f'<Topology TopologyType="3DSMesh" Dimensions="{grid}"/>\n'
-    yield f'<Geometry GeometryType="XY">{slab(("x", "y"))}</Geometry>\n'
+    yield f'<Geometry GeometryType="{"XYZ"[:d]}">{slab("xyz"[:d])}</Geometry>\n'
     for name in columns:
-        if name not in ("x", "y"):
+        if name not in "xyz"[:d]:
             yield f'<Attribute Name="{name}" AttributeType="Scalar" Center="Node">{slab((name,))}</Attribute>\n'
     for name, parts in _VECTORS.items():
-        yield f'<Attribute Name="{name}" AttributeType="Vector" Center="Node">{slab(parts)}</Attribute>\n'
+        yield f'<Attribute Name="{name}" AttributeType="Vector" Center="Node">{slab(parts[:d])}</Attribute>\n'
     yield "</Grid>\n"

@@ -91,7 +91,7 @@ class BlockLayout:
 
     problem: fsipetsc.blocks.problem.BlockProblem. halos: width of the halo of each block, and
     whether differences along two axes are taken one after the other, see ``halos_of``.
-    partition: as ``share_out`` has it.
+    partition: as ``share_out`` has it. behind: numbers that each rank has behind those of nodes.
 
     shares: of each block, known to all ranks. parts: of this rank, in the order of the blocks.
     local_size: of this rank's part of the world vector, which begins at offsets[rank].
@@ -105,6 +105,7 @@ class BlockLayout:
         order: int,
         halos: Sequence[tuple[int, bool]] | None = None,
         partition: str = "auto",
+        behind: int = 0,
     ) -> None:
         self.comm, self.problem, self.order = comm, problem, order
         self._halos = halos_of(problem, order) if halos is None else list(halos)
@@ -116,8 +117,9 @@ class BlockLayout:
         self.dofs = [unknowns(block.kind, block.dimension) for block in blocks]
         _check_size(blocks, self.dofs)
         self.sizes = [self._sizes(rank) for rank in range(comm.size)]
-        self.offsets = np.cumsum([0, *(sum(sizes) for sizes in self.sizes)])
-        self.local_size = sum(self.sizes[comm.rank])
+        self.offsets = np.cumsum([0, *(sum(sizes) + behind for sizes in self.sizes)])
+        self.behind = behind
+        self.local_size = sum(self.sizes[comm.rank]) + behind
         found = [self._place(k) for k in range(len(blocks))]
         self.parts: list[Part] = [part for part in found if part is not None]
         self._of_block = found
@@ -238,6 +240,11 @@ class BlockVector:
     def owned(self, k: int) -> Array:
         """View (M, dof) of block k."""
         return self._layout.owned(k, self.array)
+
+    @property
+    def behind(self) -> Array:
+        """View of the numbers behind those of nodes."""
+        return self.array[self.array.size - self._layout.behind :]
 
     def begin(self) -> None:
         """Begin to fill the ghosted arrays; what is sent must not change before ``end``."""

@@ -23,7 +23,7 @@ from fsipetsc.run import snapshot
 from fsipetsc.run.columns import fields_of, gained, step_record
 from fsipetsc.run.errors_of_blocks import errors
 from fsipetsc.run.failures import describe_failure
-from fsipetsc.run.fused import STAGES, FusedRK4
+from fsipetsc.run.fused import STAGES, FusedRK4, compile_stages
 from fsipetsc.run.run_problem import RunProblem
 from fsipetsc.scheme.plan import BAD, FLAGS, LIMITS, RATE, SAID_STOP, STOP
 from fsipetsc.stepping.diagnosis import Failure
@@ -135,6 +135,7 @@ class BlockState:
         self._compile()
 
     def _compile(self) -> None:
+        compile_stages()
         compiled = getattr(self.scheme, "compile", None)
         if compiled is not None:
             compiled()
@@ -146,8 +147,8 @@ class BlockState:
         """All has been compiled."""
 
     def begin_with(self, start: Start) -> None:
-        """Let initial data be those of a frame. InputError: not of blocks."""
-        raise InputError("-fsi_initial: a problem of blocks begins with the data of its case")
+        """Let initial data be those of a frame: stepping.start has none for blocks."""
+        raise NotImplementedError
 
     def check_data(self) -> None:
         """Ask the case's functions for all data at the time ``begin`` [s]. InputError."""

@@ -1,8 +1,10 @@
 """The classical Runge-Kutta method of fourth order, each stage written where the next one is read.
 
-It is PETSc's ``-ts_type rk -ts_rk_type 4`` up to round-off, on the same right-hand side: with the rates k of a stage
+It is PETSc's ``-ts_type rk -ts_rk_type 4`` up to round-off, on the same right-hand side. With the
+rates k of a stage
 
-    stage = y + a k,  sum = base + b k       a = dt/2, dt/2, dt;   b = dt/6, dt/3, dt/3;   y = sum + dt/6 k
+    stage = y + a k,   sum = base + b k     a = dt/2, dt/2, dt;  b = dt/6, dt/3, dt/3
+    y = sum + dt/6 k                        after the last one
 
 in one pass over memory. Stages and the step are completed, see fsipetsc.run.block_scheme.
 """
@@ -41,6 +43,14 @@ def last_stage(total, k, b, y):
     """y = total + b k."""
     for i in range(y.size):
         y[i] = total[i] + b * k[i]
+
+
+def compile_stages() -> None:
+    """Compile the loops, or load them."""
+    y, k, stage, total = np.zeros((4, 1))
+    next_stage(y, k, 0.0, 0.0, stage, total)
+    further_stage(y, k, 0.0, 0.0, stage, total)
+    last_stage(total, k, 0.0, y)
 
 
 class FusedRK4:

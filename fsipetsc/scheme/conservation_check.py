@@ -39,7 +39,7 @@ class Drifts:
         self._invariants, self._initial = invariants, initial
         self._rates: dict[str, float] = {name: initial.get(name, 0.0) for name in ("force", "heating")}  # the last ones
         self._sums: dict[str, float] = {}
-        masses = initial.get("mass", ())
+        masses = np.asarray(initial.get("mass", ())).tolist()
         energy = max(initial.get("energy", 0.0), 0.0)
         #: what round-off makes of a momentum that nothing has changed is nothing beside this
         self._momentum_of_all = np.sqrt(energy * (invariants.get("inertia", 0.0) + sum(masses)))
@@ -63,12 +63,14 @@ class Drifts:
         invariants, initial = self._invariants, self._initial
         if not invariants or not len(series["dt"]):
             return result
-        for name, column in invariants["masses"]:
-            came = self._sum(f"into '{name}'", series["mass_in"][:, column]) if "mass_in" in series else 0.0
-            result[f"mass of '{name}'"] = (series["mass"][:, column] - came) / initial["mass"][column] - 1
+        for name, columns in invariants["masses"]:
+            chosen = np.atleast_1d(columns)  # of blocks of gas that are joined
+            came = self._sum(f"into '{name}'", series["mass_in"][:, chosen].sum(axis=1)) if "mass_in" in series else 0.0
+            first = sum(initial["mass"][column] for column in chosen)
+            result[f"mass of '{name}'"] = (series["mass"][:, chosen].sum(axis=1) - came) / first - 1
         if "force" in series:
             result["momentum"] = self._momentum(series)
-        for axis in "xy" if "impulse_x" in series and invariants.get("momentum") else "":
+        for axis in (x for x in "xyz" if f"impulse_{x}" in series and invariants.get("momentum")):
             result[f"momentum along {axis}"] = self._plane_momentum(series, axis)
         if invariants["energy"]:
             came = self._sum("energy", series["energy_in"]) if "energy_in" in series else 0.0
@@ -119,7 +121,7 @@ class ConservationCheck:
     """Says which invariant has drifted by more than a tolerance, and when it was first. On rank 0."""
 
     _NAMES = ("dt", "mass", "momentum", "force", "impulse", "energy", "entropy", "heating")
-    _NAMES += "mass_in", "momentum_x", "momentum_y", "impulse_x", "impulse_y", "energy_in"
+    _NAMES += "mass_in", "momentum_x", "momentum_y", "impulse_x", "impulse_y", "energy_in", "momentum_z", "impulse_z"
 
     def __init__(self, invariants: Mapping[str, Any], initial: Mapping[str, Any], tolerance: float, unit: str = " s") -> None:
         """unit: what stands behind a time in the message (fsipetsc.problem.Problem.unit)."""

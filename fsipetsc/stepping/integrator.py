@@ -41,7 +41,7 @@ KEPT = {1: 256, 2: 16}
 #: what is kept in a checkpoint as it is
 _KEPT = "steps", "rejections", "t", "dt_range", "wall_time", "initial", "beyond"
 #: what is noted of a step alone, not of a state
-OF_STEPS = ("impulse", "impulse_x", "impulse_y", "mass_in", "energy_in")
+OF_STEPS = ("impulse", "impulse_x", "impulse_y", "impulse_z", "mass_in", "energy_in")
 #: orders of PETSc's Runge-Kutta methods that have an embedded one
 PAIR_ORDER = {"2a": 2, "3bs": 3, "5f": 5, "5dp": 5, "5bs": 5, "6vr": 6, "7vr": 7, "8vr": 8}
 
@@ -86,8 +86,8 @@ class Integrator:
         self._proposal = np.inf
         self._fused = opt["ts_type"] == NAME
         self.burst_limit = 0  # most steps in one go; 0: steps are made one by one, stage by stage
-        self._kept_every = KEPT[state.problem.dimension]
-        if self._fused and self._steady:  # no longer than a signal may have to wait
+        self._kept_every = KEPT.get(state.problem.dimension, KEPT[2])
+        if self._fused and self._steady and getattr(state, "bursts", True):  # no longer than a signal may have to wait
             points = state.points + state.reserve
             self.burst_limit = max(1, min(opt["fsi_burst"], MOST_POINTS[state.problem.dimension] // points))
             if state.problem.dimension == 2:

@@ -43,7 +43,8 @@ class Reporter:
         """Say what is going to be computed."""
         self._state = state
         self._m, self._s = state.problem.unit("m"), state.problem.unit("s")
-        self._place = "x = {:.6g}" if state.problem.dimension == 1 else "y = {:.6g} on average"
+        axis = " xyz"[state.problem.dimension]
+        self._place = f"{axis} = {{:.6g}}{' on average' if axis != 'x' else ''}"
         points, reserve = state.points, state.reserve
         held = f" ({reserve} more in reserve)" if reserve else ""
         ranks = counted(self._comm.size, "rank")

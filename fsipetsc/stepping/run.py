@@ -21,6 +21,7 @@ from fsipetsc.problem import Problem
 from fsipetsc.process.interrupts import Interrupted
 from fsipetsc.process.leftovers import remove_mark
 from fsipetsc.process.notes import PATIENCE, exchange
+from fsipetsc.run.run_problem import RunProblem
 from fsipetsc.scheme.conservation_check import ConservationCheck
 from fsipetsc.stepping.checkpoints import CheckpointKeeper
 from fsipetsc.stepping.integrator import Integrator
@@ -387,5 +388,7 @@ class _Run:
 
 
 def interface_names(problem: Problem) -> list[str]:
-    """Names of the interfaces, from left to right."""
+    """Names of the interfaces, from left to right; of blocks in their order."""
+    if isinstance(problem, RunProblem):
+        return problem.interface_names
     return [f"{a.name} | {b.name}" for a, b in zip(problem.layers, problem.layers[1:], strict=False)]

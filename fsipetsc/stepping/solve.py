@@ -10,6 +10,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from fsipetsc.blame import call, place_of
+from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.checks import described
 from fsipetsc.errors import InputError
 from fsipetsc.options import InForce, publish
@@ -17,6 +18,8 @@ from fsipetsc.physics.dissipation import SIGMA
 from fsipetsc.plane import PlaneProblem
 from fsipetsc.problem import Problem
 from fsipetsc.process.together import together
+from fsipetsc.run.block_state import BlockForm, BlockState
+from fsipetsc.run.run_problem import RunProblem
 from fsipetsc.scheme.laws import Form
 from fsipetsc.scheme.plane.equations import PlaneForm
 from fsipetsc.stepping.fused import NAME as FUSED
@@ -42,11 +45,13 @@ class Outcome:
     errors: dict[str, dict[str, float]] | None
 
 
-def build_problem(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Problem | PlaneProblem:
+def build_problem(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Problem | PlaneProblem | RunProblem:
     """What the case says for the options in force. Collective; InputError, with file and line of a user's case file."""
 
-    def build() -> Problem | PlaneProblem:
+    def build() -> Problem | PlaneProblem | RunProblem:
         problem = call(case.build, (InForce(opt),), "build")
+        if isinstance(problem, BlockProblem):
+            return RunProblem(problem)
         if not isinstance(problem, (Problem, PlaneProblem)):
             found = "nothing (is its return missing?)" if problem is None else described(problem)
             raise InputError(f"{place_of(case.build)}: build(opt) returns {found}: expected a Problem or PlaneProblem")
@@ -55,12 +60,18 @@ def build_problem(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Problem 
     return together(comm, build)
 
 
-def make_state(problem: Problem | PlaneProblem, opt: dict[str, Any], comm: MPI.Comm) -> State | PlaneState:
+def make_state(
+    problem: Problem | PlaneProblem | RunProblem, opt: dict[str, Any], comm: MPI.Comm
+) -> State | PlaneState | BlockState:
     """The state that the options in force ask for; with -log_view one that logs what it does. Collective.
 
     In two dimensions PETSc's methods make the steps where data depend on time: rk stands in ``opt`` for fused then.
     InputError where grid, order and ranks do not fit.
     """
+    if isinstance(problem, RunProblem):
+        plane_form(opt)
+        of_blocks = BlockForm(opt["fsi_convection"], opt["fsi_dissipation"], opt["fsi_shock"])
+        return BlockState(comm, problem, opt["fsi_order"], opt["fsi_h"], of_blocks, opt["fsi_partition"])
     if isinstance(problem, PlaneProblem):
         form = plane_form(opt)
         if opt["ts_type"] == FUSED and not problem.steady_data:

@@ -26,6 +26,7 @@ from fsipetsc.parallel.layout import ghost_index
 from fsipetsc.plane import PlaneProblem
 from fsipetsc.problem import FluidLayer, Problem
 from fsipetsc.process.together import together
+from fsipetsc.run.run_problem import RunProblem
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline  # when it is used: its import is a fifth of the start of a run
@@ -74,6 +75,8 @@ def find_start(problem: Problem | PlaneProblem, opt: Mapping[str, Any], comm: MP
     """What -fsi_initial asks for, if anything. Collective. FileError; InputError where the frame does not fit the case."""
     if opt["fsi_initial"] is None:
         return None
+    if isinstance(problem, RunProblem):
+        raise InputError("-fsi_initial: a problem of blocks begins with the data of its case")
     frame = comm.bcast(together(comm, lambda: _read(opt) if comm.rank == 0 else None))
     s = problem.unit("s")
     if not frame.t < opt["ts_max_time"]:

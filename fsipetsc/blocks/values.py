@@ -1,0 +1,80 @@
+"""What the functions of a block return for places and times: checked, and explained where it is wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from fsipetsc.blame import call, place_of
+from fsipetsc.checks import Array, described
+from fsipetsc.errors import InputError
+
+
+def names_of(kind: str, what: str, d: int) -> tuple[str, ...]:
+    """What initial, exact, values and forcing of a block of a kind return, by name."""
+    u, x = "uvw"[:d], "xyz"[:d]
+    if kind == "solid":
+        return (*u, "T", *x)
+    return ("rho", *(f"rho {c}" for c in u), "e") if what == "forcing" else ("rho", *u, "T")
+
+
+def block_values(block: Any, what: str, X: Array, t: float) -> list[Array]:
+    """Values of block.initial, exact or forcing at places X (d, n) at time t [s], (n,) each.
+
+    InputError, perhaps on this rank alone; rho and T must be above 0.
+    """
+    function = getattr(block, what)
+    where = f"{what} of block '{block.name}'" + ("" if what == "initial" else f" at t = {t:.6g}")
+    arguments = tuple(X) if what == "initial" else (*X, t)
+    return checked(function, arguments, X, names_of(block.kind, what, len(X)), where)
+
+
+def checked(
+    function: Callable[..., Any],
+    arguments: Sequence[Any],
+    X: Array,
+    names: Sequence[str],
+    where: str,
+) -> list[Array]:
+    """What a function of the case's returns, an array of (n,) for each name. InputError."""
+    with np.errstate(all="ignore"):  # what comes of it is looked at
+        values = call(function, tuple(arguments), where)
+    expected = f"expected {len(names)} values ({', '.join(names)})"
+    if values is None:
+        raise _fault(function, where, f"returns nothing (is its return missing?): {expected}")
+    if not isinstance(values, (tuple, list, np.ndarray)) or np.ndim(values) == 0:
+        raise _fault(function, where, f"returns {described(values)}: {expected} in a tuple")
+    if len(values) != len(names):
+        raise _fault(function, where, f"returns {len(values)} values: {expected}")
+    pairs = zip(names, values, strict=True)
+    return [_array(value, name, X, function, where) for name, value in pairs]
+
+
+def _array(value: Any, name: str, X: Array, function: Callable[..., Any], where: str) -> Array:
+    """One of the values, for all places."""
+    size = X.shape[1]
+    try:
+        array = np.asarray(value)
+    except (ValueError, TypeError):  # rows of different lengths
+        array = np.asarray(None)
+    if array.dtype.kind not in "iuf" or np.ma.is_masked(value):
+        found = "complex" if array.dtype.kind == "c" else described(value)
+        raise _fault(function, where, f"{name} is {found}: expected real numbers")
+    if array.shape not in ((), (1,), (size,)):
+        shape = f"{name} has the shape {array.shape}: expected ({size},), as X has, or one number"
+        raise _fault(function, where, shape)
+    array = np.broadcast_to(array.astype(float, copy=False), (size,))
+    positive = name in ("rho", "T")
+    good = np.isfinite(array) & ((array > 0.0) | (not positive))
+    if not good.all():
+        i = int(np.argmin(good))
+        place = ", ".join(f"{c} = {x:.6g}" for c, x in zip("XYZ", X[:, i], strict=False))
+        wanted = "a number above 0" if positive else "a finite number"
+        raise _fault(function, where, f"{name} = {array[i]:.6g} at {place}: expected {wanted}")
+    return array
+
+
+def _fault(function: Callable[..., Any], where: str, what: str) -> InputError:
+    return InputError(f"{place_of(function)}: {where}: {what}", collective=False)
