@@ -24,6 +24,8 @@ from typing import Any
 import numpy as np
 from numba.extending import overload, register_jitable
 
+from fsipetsc.equations.logarithm import log
+
 #: distance up to which two numbers are near: within 18 % of each other
 NEAR = 0.03
 _DEGREE, _TERMS = 5, 16
@@ -90,7 +92,7 @@ def near_harmonic_mean(a, b, z):
 @register_jitable
 def logarithm_of_ratio(a, b, z):
     """ln(a/b) if z > NEAR, else 1."""
-    return np.log(select(z > NEAR, a / b, np.e))
+    return log(select(z > NEAR, a / b, np.e))
 
 
 @register_jitable

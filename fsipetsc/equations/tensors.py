@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from math import isqrt
 
+from numba.extending import register_jitable
+
 from fsipetsc.operators.loops import _by_length as by_length
 
 Entry = Callable[[int, int, int], str]
@@ -55,16 +57,42 @@ def _trace(n: int) -> str:
     return " return " + _sum(isqrt(n), lambda k: f"F[{k * isqrt(n) + k}]")
 
 
+def _invariant_excess(n: int) -> str:
+    """|F|^2 - d without cancellation near the unit tensor."""
+    off = " + ".join(f"F[{k}] * F[{k}]" for k in range(n) if k % (isqrt(n) + 1))
+    unit = " + ".join(f"(F[{k}] - 1.0) * (F[{k}] + 1.0)" for k in range(0, n, isqrt(n) + 1))
+    return " return " + unit + (" + " + off if off else "")
+
+
+def _largest_eigenvalue(n: int) -> str:
+    """The right end of Gershgorin's circles."""
+    d = isqrt(n)
+    row = [
+        " + ".join(f"abs(B[{i * d + j}])" for j in range(d) if j != i) or "0.0" for i in range(d)
+    ]
+    ends = [f"B[{i * d + i}] + {row[i]}" for i in range(d)]
+    nested = ends[0]
+    for end in ends[1:]:
+        nested = f"max({nested}, {end})"
+    return " return " + nested
+
+
 determinant = by_length("determinant", "F", _determinant)
 #: det F times F^-T
 cofactor = by_length("cofactor", "F", _tensor(_cofactor))
 #: sum of F_ii
 trace = by_length("trace", "F", _trace)
+#: |F|^2 - d
+invariant_excess = by_length("invariant_excess", "F", _invariant_excess)
+#: an upper bound of the eigenvalues of a symmetric tensor, exact for a diagonal one
+largest_eigenvalue = by_length("largest_eigenvalue", "B", _largest_eigenvalue)
 transpose = by_length("transpose", "F", _tensor(lambda i, j, d: f"F[{j * d + i}]"))
 #: F + c times the unit tensor
 add_unit = by_length(
     "add_unit", "c, F", _tensor(lambda i, j, d: f"F[{i * d + j}]" + " + c" * (i == j))
 )
+#: row i times c_i
+scale_rows = by_length("scale_rows", "c, F", _tensor(lambda i, j, d: f"c[{i}] * F[{i * d + j}]"))
 #: F G
 product = by_length(
     "product",
@@ -86,6 +114,16 @@ apply_transposed = by_length(
     "apply_transposed", "F, a", _vector(lambda j, d: _sum(d, lambda i: f"F[{i * d + j}] * a[{i}]"))
 )
 #: a b^T, from two vectors
-outer = by_length(
-    "outer", "a, b", lambda d: _tensor(lambda i, j, d: f"a[{i}] * b[{j}]")(d * d)
+outer = by_length("outer", "a, b", lambda d: _tensor(lambda i, j, d: f"a[{i}] * b[{j}]")(d * d))
+#: A B^T
+product_transposed = by_length(
+    "product_transposed",
+    "A, B",
+    _tensor(lambda i, j, d: _sum(d, lambda k: f"A[{i * d + k}] * B[{j * d + k}]")),
 )
+
+
+@register_jitable
+def largest_stretch(F):
+    """An upper bound of |F N|^2 over directions N, exact for a rotation or a diagonal F."""
+    return largest_eigenvalue(transposed_product(F, F))

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from fsipetsc.materials.formulas import TRANSPORT_LAW  # noqa: F401  (registers the names)
-
 
 class ConstantTransport(NamedTuple):
-    """mu and kappa are those of the material; T [K]."""
+    """mu and kappa are those of the material, times a factor; T [K]."""
+
+    factor: float = 1.0
 
     def viscosity(self, T):
         """mu(T)/mu."""
-        return 1.0
+        return self.factor
 
     def conductivity(self, T):
         """kappa(T)/kappa."""
-        return 1.0
+        return self.factor

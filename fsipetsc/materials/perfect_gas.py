@@ -1,15 +1,10 @@
-"""Perfect gas: p = rho R T, e = cv T, with cv = R/(gamma - 1).
-
-Entropy s = cv ln T - R ln rho, up to a constant.
-"""
+"""Perfect gas: p = rho R T, e = cv T, cv = R/(gamma - 1), entropy s = cv ln T - R ln rho."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-
-from fsipetsc.materials.formulas import GAS_LAW  # noqa: F401  (registers the names)
+from fsipetsc.equations.logarithm import log
 
 
 class PerfectGas(NamedTuple):
@@ -35,15 +30,19 @@ class PerfectGas(NamedTuple):
 
     def temperature(self, rho, e):
         """T [K]."""
-        return e * ((self.gamma - 1.0) / self.R)
+        return (self.gamma - 1.0) / self.R * e
 
     def density(self, p, T):
         """rho [kg/m3]."""
         return p / (self.R * T)
 
+    def temperature_of(self, rho, p):
+        """T [K] of a pressure."""
+        return p / (self.R * rho)
+
     def heat_capacity(self, rho, T):
         """cv [J/(kg K)]."""
-        return self.R / (self.gamma - 1.0) + 0.0 * T
+        return self.R / (self.gamma - 1.0)
 
     def sound_speed_squared(self, rho, T):
         """c^2 [m2/s2]."""
@@ -51,7 +50,7 @@ class PerfectGas(NamedTuple):
 
     def entropy(self, rho, T):
         """s [J/(kg K)]."""
-        return self.R / (self.gamma - 1.0) * np.log(T) - self.R * np.log(rho)
+        return self.R / (self.gamma - 1.0) * log(T) - self.R * log(rho)
 
     def bulk_modulus(self, rho, T):
         """rho dp/drho at constant T [Pa]."""

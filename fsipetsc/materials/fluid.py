@@ -1,0 +1,104 @@
+"""What a case says of a gas."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from fsipetsc.checks import ANY, NONNEGATIVE, POSITIVE, described, number, numbers
+from fsipetsc.equations.gas import Gas
+from fsipetsc.errors import InputError
+from fsipetsc.materials import own
+from fsipetsc.materials.constant_transport import ConstantTransport
+from fsipetsc.materials.perfect_gas import PerfectGas
+from fsipetsc.materials.stiffened_gas import StiffenedGas
+
+
+@dataclass(frozen=True)
+class Fluid:
+    """A gas; perfect, unless another law is given.
+
+    mu: shear viscosity [Pa s]; kappa: heat conductivity [W/(m K)]; gamma: ratio of the specific
+    heats, above 1; R: gas constant over molar mass [J/(kg K)]. law: None for the perfect gas of
+    gamma and R, stiffened_gas(…), own.gas_law(…); transport: None for constants, sutherland(…),
+    power_law(…), own.transport_law(…); force: body force per mass [m/s2], a number in one dimension
+    or a tuple. InputError for what is no number, out of range or no law.
+    """
+
+    mu: float
+    kappa: float
+    gamma: float
+    R: float
+    law: Any = None
+    transport: Any = None
+    force: float | tuple[float, ...] = 0.0
+    kind = "fluid"
+
+    def __post_init__(self) -> None:
+        ranges = {"mu": NONNEGATIVE, "kappa": NONNEGATIVE, "gamma": "above 1", "R": POSITIVE}
+        numbers(self, "Fluid", ranges)
+        object.__setattr__(self, "force", checked_force(self.force, "Fluid"))
+        self.equations(len(self.force) if isinstance(self.force, tuple) else 1)
+
+    @property
+    def gas_law(self) -> Any:
+        """The equation of state as formulas."""
+        law = PerfectGas(self.gamma, self.R) if self.law is None else self.law
+        return own.checked_law(law, "Fluid: law", own.GAS)
+
+    @property
+    def transport_law(self) -> Any:
+        """Viscosity and conductivity as formulas."""
+        transport = ConstantTransport() if self.transport is None else self.transport
+        return own.checked_law(transport, "Fluid: transport", own.TRANSPORT)
+
+    @classmethod
+    def with_prandtl(cls, mu: float, prandtl: float, gamma: float, R: float, **more: Any) -> Fluid:
+        """A perfect gas with kappa(T) = cp mu(T)/Pr, Pr the Prandtl number.
+
+        more: transport and force. InputError as well where the transport law does not multiply mu
+        and kappa with the same, or another gas law is given.
+        """
+        gas = cls(mu, 0.0, gamma, R, **more)
+        if gas.law is not None:
+            raise InputError("Fluid.with_prandtl: law is given: expected none, as cp is no number")
+        T = np.array([100.0, 300.0, 3000.0])
+        law = gas.transport_law
+        if not np.allclose(law.viscosity(T), law.conductivity(T), rtol=1e-12, atol=0.0):
+            problem = "transport has a law of its own for kappa: expected the same as for mu"
+            raise InputError(f"Fluid.with_prandtl: {problem}")
+        cp = gas.gamma * gas.R / (gas.gamma - 1.0)
+        prandtl = number(prandtl, "Fluid.with_prandtl: prandtl", POSITIVE)
+        return replace(gas, kappa=cp * gas.mu / prandtl)
+
+    @property
+    def has_entropy_flux(self) -> bool:
+        """Whether the two-point flux of fsipetsc.equations.gas conserves entropy for its law."""
+        return isinstance(self.gas_law, (PerfectGas, StiffenedGas))
+
+    def equations(self, d: int) -> Gas:
+        """Its equations in d dimensions; InputError if force has not d numbers."""
+        force = force_in(self.force, d, "Fluid")
+        return Gas(self.gas_law, self.transport_law, self.mu, self.kappa, force)
+
+
+def checked_force(force: Any, owner: str) -> float | tuple[float, ...]:
+    """A body force [m/s2], a number or a tuple of one to three; InputError."""
+    if isinstance(force, (tuple, list)):
+        if not 1 <= len(force) <= 3:
+            expected = "expected a number, or one for each dimension"
+            raise InputError(f"{owner}: force is {described(force)}: {expected}")
+        return tuple(number(b, f"{owner}: force[{k}]", ANY, "m/s2") for k, b in enumerate(force))
+    return number(force, f"{owner}: force", ANY, "m/s2")
+
+
+def force_in(force: float | tuple[float, ...], d: int, owner: str) -> tuple[float, ...]:
+    """The body force as d numbers; InputError if it is given with others than d, but for 0."""
+    given = force if isinstance(force, tuple) else (force,)
+    if not any(given):
+        return (0.0,) * d
+    if len(given) != d:
+        raise InputError(f"{owner}: force is {described(force)}: expected {d} numbers [m/s2]")
+    return given

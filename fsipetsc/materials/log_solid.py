@@ -1,0 +1,42 @@
+"""The hyperelastic solid whose uniaxial stress is P = K ln F - p_ref, with K = 2 mu_e + lambda_e.
+
+    W = mu_e/2 (|F|^2 - d - 2 ln J) + U(J)
+    U = K (J ln J - J + 1) - mu_e ((J^2 - 1)/2 - ln J) - p_ref (J - 1)
+    P = dW/dF = mu_e F + (K ln J - mu_e J - p_ref) cof F,    J = det F
+
+In one dimension: B. Sjögreen and J. W. Banks (2012), (4.19).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from fsipetsc.equations.logarithm import log
+from fsipetsc.equations.tensors import cofactor, determinant, invariant_excess, largest_stretch
+from fsipetsc.operators.loops import along, scale
+
+
+class Log(NamedTuple):
+    """mu_e, lambda_e: Lamé's constants [Pa], p_ref: pressure under which F = 1 [Pa]."""
+
+    mu_e: float
+    lambda_e: float
+    p_ref: float
+
+    def stress(self, F):
+        """P [Pa]."""
+        J, K = determinant(F), 2.0 * self.mu_e + self.lambda_e
+        pull = K * log(J) - self.mu_e * J - self.p_ref
+        return along(scale(self.mu_e, F), pull, cofactor(F))
+
+    def energy(self, F):
+        """W [J/m3]."""
+        J, K = determinant(F), 2.0 * self.mu_e + self.lambda_e
+        shear = 0.5 * self.mu_e * (invariant_excess(F) - (J - 1.0) * (J + 1.0))
+        return shear + K * (J * log(J) - J + 1.0) - self.p_ref * (J - 1.0)
+
+    def wave_modulus(self, F):
+        """Largest m0 c^2 [Pa]: mu_e + (K/J - mu_e) |cof F N|^2 in the direction N."""
+        K = 2.0 * self.mu_e + self.lambda_e
+        stiffening = max(K / determinant(F) - self.mu_e, 0.0)
+        return self.mu_e + stiffening * largest_stretch(cofactor(F))

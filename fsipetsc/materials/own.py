@@ -1,0 +1,304 @@
+"""Laws that a case file brings: plain functions of numbers, or a NamedTuple class like those here.
+
+They are compiled, so they have no ``if`` on their arguments (formulas.py). A law with numbers of its
+own is an instance of a NamedTuple class with these methods; one without is made of functions here.
+
+Compiled loops are kept on disk under the types of their arguments. So that a changed formula is
+another type, a law of a case gets a class whose name has a hash of its formulas.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import inspect
+from collections.abc import Callable, Mapping
+from types import CodeType, FunctionType, ModuleType
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit, types
+from numba.extending import register_jitable
+
+from fsipetsc.checks import described
+from fsipetsc.errors import InputError
+from fsipetsc.materials.formulas import GAS_LAW, SOLID_LAW, SOLID_PRESSURE, TRANSPORT_LAW
+from fsipetsc.operators.loops import _by_length as by_length
+from fsipetsc.operators.loops import formulas as compiled_methods
+from fsipetsc.operators.loops import zeros
+
+Formula = Callable[..., Any]
+#: step of differences, relative to rho and T
+STEP = 2.0**-17
+_classes: dict[str, type] = {}
+
+
+class Kind(NamedTuple):
+    """names: formulas and their arguments, needed: those that must be given, derived: the others."""
+
+    maker: str
+    names: Mapping[str, str]
+    needed: tuple[str, ...]
+    derived: Mapping[str, Formula]
+
+
+# What is not given of a gas law
+
+
+def energy_density(self, rho, T):
+    """rho e [J/m3]."""
+    return rho * self.internal_energy(rho, T)
+
+
+def heat_capacity(self, rho, T):
+    """de/dT [J/(kg K)]."""
+    more, less = self.internal_energy(rho, T + STEP * T), self.internal_energy(rho, T - STEP * T)
+    return (more - less) / (2.0 * STEP * T)
+
+
+def bulk_modulus(self, rho, T):
+    """rho dp/drho [Pa]."""
+    more, less = self.pressure(rho + STEP * rho, T), self.pressure(rho - STEP * rho, T)
+    return (more - less) / (2.0 * STEP)
+
+
+def pressure_by_temperature(self, rho, T):
+    """dp/dT [Pa/K]."""
+    return (self.pressure(rho, T + STEP * T) - self.pressure(rho, T - STEP * T)) / (2.0 * STEP * T)
+
+
+def sound_speed_squared(self, rho, T):
+    """dp/drho + T/(rho^2 cv) (dp/dT)^2 [m2/s2]."""
+    slope = self.pressure_by_temperature(rho, T) / rho
+    return self.bulk_modulus(rho, T) / rho + T * slope * slope / self.heat_capacity(rho, T)
+
+
+def no_entropy(self, rho, T):
+    """Not a number."""
+    return np.nan * T
+
+
+# What is not given of a solid law
+
+
+def _numbers(item: str) -> Callable[[int], str]:
+    return lambda n: " return (" + "".join(item.replace("@", str(k)) + "," for k in range(n)) + ")"
+
+
+#: F with F[n] raised by step
+bumped = by_length("bumped", "F, n, step", _numbers("F[@] + step * (n == @)"))
+#: a + c |P - Q|
+add_slopes = by_length("add_slopes", "a, c, P, Q", _numbers("a[@] + c * abs(P[@] - Q[@])"))
+
+
+def wave_modulus(self, F):
+    """Upper bound of m0 c^2 [Pa]: the largest row of dP/dF, by differences."""
+    rows = zeros(F)
+    for n in range(len(F)):
+        more, less = self.stress(bumped(F, n, STEP)), self.stress(bumped(F, n, -STEP))
+        rows = add_slopes(rows, 0.5 / STEP, more, less)
+    return max(rows)
+
+
+def no_energy(self, F):
+    """Nothing: heat 'elastic' is refused."""
+    return 0.0
+
+
+GAS = Kind(
+    "gas_law",
+    GAS_LAW,
+    ("pressure", "internal_energy", "temperature", "density", "temperature_of"),
+    {
+        "energy_density": energy_density,
+        "heat_capacity": heat_capacity,
+        "bulk_modulus": bulk_modulus,
+        "pressure_by_temperature": pressure_by_temperature,
+        "sound_speed_squared": sound_speed_squared,
+        "entropy": no_entropy,
+    },
+)
+TRANSPORT = Kind("transport_law", TRANSPORT_LAW, ("viscosity", "conductivity"), {})
+SOLID = Kind(
+    "solid_law", SOLID_LAW, ("stress",), {"wave_modulus": wave_modulus, "energy": no_energy}
+)
+PRESSURE = Kind("pressure_law", SOLID_PRESSURE, ("pressure",), {})
+
+
+def gas_law(**formulas: Formula) -> Any:
+    """A gas law of functions of numbers, named and with the arguments of formulas.GAS_LAW.
+
+    pressure, internal_energy, temperature, density and temperature_of are needed; the others follow
+    from these, but for the entropy, which is not a number if it is not given. InputError for other names
+    or arguments, or what cannot be compiled.
+    """
+    return _law_of(GAS, formulas)
+
+
+def transport_law(viscosity: Formula, conductivity: Formula | None = None) -> Any:
+    """viscosity(T) = mu(T)/mu, conductivity(T) = kappa(T)/kappa or the same. InputError."""
+    formulas = {"viscosity": viscosity, "conductivity": conductivity or viscosity}
+    return _law_of(TRANSPORT, formulas)
+
+
+def solid_law(**formulas: Formula) -> Any:
+    """A solid law of stress(F) -> P = dW/dF [Pa], d*d numbers each, row by row.
+
+    energy(F) -> W [J/m3] is needed for heat 'elastic'; wave_modulus(F) -> largest m0 c^2 [Pa] is
+    else found by differences of the stress. p_ref of the solid is not added. InputError.
+    """
+    return _law_of(SOLID, formulas)
+
+
+def pressure_law(pressure: Formula) -> Any:
+    """The pressure of a solid, pressure(J, T, m0, alpha) -> p [Pa]. InputError."""
+    return _law_of(PRESSURE, {"pressure": pressure})
+
+
+def checked_law(law: Any, what: str, kind: Kind) -> Any:
+    """The law, with the formulas that its class lacks; InputError if it is no law of this kind."""
+    cls = type(law)
+    if not (isinstance(law, tuple) and hasattr(cls, "_fields")):
+        raise InputError(f"{what} is {described(law)}: expected what {kind.maker}(…) returns")
+    if cls.__module__.startswith("fsipetsc.") and all(hasattr(cls, name) for name in kind.names):
+        return law
+    own = {n: f for n, f in vars(cls).items() if isinstance(f, FunctionType) and n[0] != "_"}
+    _check_names(what, kind, own, ("self",))
+    numbers = tuple(float(v) if isinstance(v, (int, float)) else v for v in law)
+    return _class(cls.__name__, cls._fields, {**kind.derived, **own})(*numbers)
+
+
+def knows_energy(law: Any) -> bool:
+    """Whether a solid law has an energy."""
+    return type(law).energy is not no_energy
+
+
+def check_solid_law(law: Any, d: int) -> None:
+    """InputError if the stress of a law of a case has not d*d numbers or is not dW/dF."""
+    if type(law).__name__ not in _classes:
+        return
+    unit = np.eye(d).ravel()
+    for shift in (0.0, 0.03):
+        F = tuple((unit + shift * np.cos(np.arange(d * d))).tolist())
+        P = law.stress(F)
+        if not (isinstance(P, tuple) and len(P) == d * d and np.isfinite(P).all()):
+            found = f"{described(P)} at F = {F}: expected a tuple of {d * d} numbers"
+            raise InputError(f"stress of a solid law is {found}")
+        if knows_energy(law):
+            _check_slopes(law, F, P)
+
+
+def _check_slopes(law: Any, F: tuple[float, ...], P: tuple[float, ...]) -> None:
+    size = max(*map(abs, P), law.wave_modulus(F))
+    for k in range(len(F)):
+        slope = (law.energy(bumped(F, k, STEP)) - law.energy(bumped(F, k, -STEP))) / (2.0 * STEP)
+        if not abs(slope - P[k]) <= 1e-5 * size:
+            words = f"P[{k}] = {P[k]:g}, and energy rises by {slope:g} with F[{k}]"
+            problem = f"stress is not the derivative of energy: at F = {F}, {words}"
+            raise InputError(f"a solid law: {problem}")
+
+
+def _law_of(kind: Kind, formulas: Mapping[str, Formula]) -> Any:
+    """A law without numbers, of functions."""
+    plain = {name: getattr(formula, "py_func", formula) for name, formula in formulas.items()}
+    _check_names(kind.maker, kind, plain, ())
+    counts = {name: len(arguments.split(",")) for name, arguments in kind.names.items()}
+    methods = {name: _METHODS[counts[name]](register_jitable(f)) for name, f in plain.items()}
+    if kind is not SOLID:  # whose number of arguments depends on the dimension
+        for name, formula in plain.items():
+            _compile(f"{kind.maker}: {name}", formula, counts[name])
+    return _class(kind.maker, ("unused",), {**kind.derived, **methods}, plain)(
+        0.0
+    )  # numba needs a field
+
+
+def _check_names(
+    what: str, kind: Kind, given: Mapping[str, Formula], first: tuple[str, ...]
+) -> None:
+    """InputError for a formula that is missing, unknown or has not its arguments."""
+    for name in kind.needed:
+        if name not in given:
+            raise InputError(f"{what}: the formula {name}({kind.names[name]}) is missing")
+    for name, formula in given.items():
+        if name not in kind.names:
+            if first:  # helpers of a class
+                continue
+            known = ", ".join(kind.names)
+            raise InputError(f"{what}: there is no formula '{name}': expected {known}")
+        if not inspect.isfunction(formula):
+            expected = f"expected a function {name}({kind.names[name]})"
+            raise InputError(f"{what}: {name} is {described(formula)}: {expected}")
+        wanted = (*first, *kind.names[name].split(", "))
+        found = tuple(inspect.signature(formula).parameters)
+        if len(found) != len(wanted):
+            form = f"{name}({', '.join(found)}): expected {name}({', '.join(wanted)})"
+            raise InputError(f"{what}: {form}")
+
+
+def _compile(what: str, formula: Formula, count: int) -> None:
+    """InputError if numba cannot compile a formula of so many numbers to one number."""
+    try:
+        compiled = njit(formula)
+        compiled.compile((types.float64,) * count)
+        (found,) = compiled.nopython_signatures
+    except Exception as error:  # numba's, of many kinds
+        reason = (str(error).strip() or repr(error)).splitlines()[0]
+        raise InputError(f"{what} cannot be compiled: {reason}") from error
+    if not isinstance(found.return_type, (types.Float, types.Integer)):
+        kind = found.return_type
+        raise InputError(f"{what} returns a value of the type {kind}: expected a number")
+
+
+#: methods that call a function, by the number of its arguments
+_METHODS: dict[int, Callable[[Formula], Formula]] = {
+    1: lambda f: lambda self, a: f(a),
+    2: lambda f: lambda self, a, b: f(a, b),
+    4: lambda f: lambda self, a, b, c, d: f(a, b, c, d),
+}
+
+
+def _class(
+    name: str,
+    fields: tuple[str, ...],
+    methods: Mapping[str, Formula],
+    sources: Mapping[str, Formula] | None = None,
+) -> type:
+    """A NamedTuple class with these methods, named by a hash of their sources."""
+    digest = hashlib.sha256(repr(fields).encode())
+    for key, formula in sorted((methods if sources is None else sources).items()):
+        digest.update(key.encode() + _fingerprint(formula, set()).encode())
+    full = f"{name}_{digest.hexdigest()[:16]}"
+    if full not in _classes:
+        made = NamedTuple(full, [(field, Any) for field in fields])
+        made.__module__ = __name__
+        for key, formula in methods.items():
+            setattr(made, key, formula)
+        compiled_methods(*methods)
+        _classes[full] = made
+    return _classes[full]
+
+
+def __getattr__(name: str) -> Any:
+    """The class of a law of a case, for numba's cache; an empty one for laws of other cases."""
+    if name in _classes:
+        return _classes[name]
+    if "_" in name and not name.startswith("_"):
+        return _classes.setdefault(name, NamedTuple(name, []))
+    raise AttributeError(name)
+
+
+def _fingerprint(value: Any, seen: set[int]) -> str:
+    """What tells a formula from another one: its code, constants, and what it refers to."""
+    if id(value) in seen:
+        return ""
+    if isinstance(value, FunctionType):
+        seen.add(id(value))
+        names = inspect.getclosurevars(value)
+        parts = {**names.nonlocals, **names.globals}
+        inner = "".join(f"{k}={_fingerprint(v, seen)};" for k, v in sorted(parts.items()))
+        return _fingerprint(value.__code__, seen) + inner + repr(value.__defaults__)
+    if isinstance(value, CodeType):
+        constants = "".join(_fingerprint(c, seen) for c in value.co_consts[1:])
+        return value.co_code.hex() + repr(value.co_names) + constants
+    if isinstance(value, ModuleType):
+        return value.__name__
+    return _fingerprint(value.py_func, seen) if hasattr(value, "py_func") else repr(value)

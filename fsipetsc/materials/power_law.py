@@ -1,0 +1,37 @@
+"""Viscosity and conductivity as powers of the temperature: mu(T)/mu = (T/T_ref)^n.
+
+n = 1/2: hard spheres, n = 1: Maxwell's molecules (S. Chapman and T. G. Cowling, The Mathematical
+Theory of Non-Uniform Gases); n of gases: F. M. White, Viscous Fluid Flow (1974), Tables 1-2 (mu)
+and 1-3 (kappa), air: 0.67 and 0.81.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from fsipetsc.checks import ANY, POSITIVE, number
+
+
+class PowerLaw(NamedTuple):
+    """T_ref: where mu and kappa are those of the material [K]; n, n_kappa: powers."""
+
+    T_ref: float
+    n: float
+    n_kappa: float
+
+    def viscosity(self, T):
+        """mu(T)/mu."""
+        return (T / self.T_ref) ** self.n
+
+    def conductivity(self, T):
+        """kappa(T)/kappa."""
+        return (T / self.T_ref) ** self.n_kappa
+
+
+def power_law(T_ref: float, n: float, n_kappa: float | None = None) -> PowerLaw:
+    """The law with checked numbers; n_kappa: n if it is not given. InputError."""
+    return PowerLaw(
+        number(T_ref, "power_law: T_ref", POSITIVE, "K"),
+        number(n, "power_law: n", ANY),
+        number(n if n_kappa is None else n_kappa, "power_law: n_kappa", ANY),
+    )

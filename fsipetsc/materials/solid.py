@@ -1,0 +1,98 @@
+"""What a case says of a solid."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from fsipetsc.checks import ANY, NONNEGATIVE, POSITIVE, described, numbers
+from fsipetsc.equations.solid import Solid
+from fsipetsc.errors import InputError
+from fsipetsc.materials import own
+from fsipetsc.materials.fluid import checked_force, force_in
+from fsipetsc.materials.linear_elastic import LinearElastic
+from fsipetsc.materials.log_solid import Log
+from fsipetsc.materials.neo_hookean import NeoHookean
+from fsipetsc.materials.solid_pressure import ConstantPressure
+from fsipetsc.materials.st_venant_kirchhoff import StVenantKirchhoff
+
+#: laws by name
+LAWS = {
+    "log": Log,
+    "neo-hookean": NeoHookean,
+    "svk": StVenantKirchhoff,
+    "linear": LinearElastic,
+}
+HEATS = ("coupled", "elastic")
+
+
+@dataclass(frozen=True)
+class ElasticSolid:
+    """A hyperelastic solid: plane strain in two dimensions, uniaxial strain in one.
+
+    mu_e, lambda_e: Lamé's constants [Pa]; kappa_e: heat conductivity [W/(m K)]; m0: density at rest
+    [kg/m3]; alpha: specific heat [J/(kg K)]; p_ref: pressure under which it is free of strain [Pa].
+    law: "log", "neo-hookean", "svk", "linear" or own.solid_law(…), which knows its own constants.
+    heat: "coupled" (the work of stresses becomes heat) or "elastic" (beside an elastic energy).
+    force: body force per mass [m/s2], a number in one dimension or a tuple. pressure: None,
+    gruneisen(…), mie_gruneisen(…), stiffened_pressure(…) or own.pressure_law(…), which adds
+    -p cof F to the stress. InputError for what is no number, out of range or no law.
+    """
+
+    mu_e: float
+    lambda_e: float
+    kappa_e: float
+    m0: float
+    alpha: float
+    p_ref: float = 0.0
+    law: Any = "log"
+    heat: str = "coupled"
+    force: float | tuple[float, ...] = 0.0
+    pressure: Any = None
+    kind = "solid"
+
+    def __post_init__(self) -> None:
+        ranges = {"mu_e": NONNEGATIVE, "lambda_e": NONNEGATIVE, "kappa_e": NONNEGATIVE}
+        numbers(self, "ElasticSolid", {**ranges, "m0": POSITIVE, "alpha": POSITIVE, "p_ref": ANY})
+        if self.heat not in HEATS:
+            expected = " or ".join(map(repr, HEATS))
+            raise InputError(f"ElasticSolid: heat is {described(self.heat)}: expected {expected}")
+        object.__setattr__(self, "force", checked_force(self.force, "ElasticSolid"))
+        law = self.solid_law
+        if self.heat == "elastic" and not own.knows_energy(law):
+            problem = "its law has no formula energy(F), which heat='elastic' needs"
+            raise InputError(f"ElasticSolid: {problem}")
+        self.pressure_law  # noqa: B018  (checks it)
+
+    @property
+    def solid_law(self) -> Any:
+        """The stress as formulas."""
+        if not isinstance(self.law, str):
+            return own.checked_law(self.law, "ElasticSolid: law", own.SOLID)
+        if self.law not in LAWS:
+            known = f"{', '.join(map(repr, LAWS))} or what solid_law(…) returns"
+            raise InputError(f"ElasticSolid: law is {described(self.law)}: expected {known}")
+        if not self.K > 0.0:
+            problem = "mu_e and lambda_e are 0: expected one of them above 0"
+            raise InputError(f"ElasticSolid: {problem}")
+        return LAWS[self.law](self.mu_e, self.lambda_e, self.p_ref)
+
+    @property
+    def pressure_law(self) -> Any:
+        """The pressure as a formula."""
+        law = ConstantPressure() if self.pressure is None else self.pressure
+        return own.checked_law(law, "ElasticSolid: pressure", own.PRESSURE)
+
+    @property
+    def K(self) -> float:
+        """2 mu_e + lambda_e [Pa]."""
+        return 2.0 * self.mu_e + self.lambda_e
+
+    def equations(self, d: int) -> Solid:
+        """Its equations in d dimensions; InputError if force has not d numbers."""
+        force = force_in(self.force, d, "ElasticSolid")
+        law = self.solid_law
+        own.check_solid_law(law, d)
+        coupled = 1.0 if self.heat == "coupled" else 0.0
+        constants = (self.m0, self.alpha, self.kappa_e, coupled)
+        return Solid(law, self.pressure_law, *constants, force)

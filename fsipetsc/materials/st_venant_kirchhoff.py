@@ -1,0 +1,56 @@
+"""St. Venant–Kirchhoff solid: Hooke's law for the strain of Green.
+
+E = (F^T F - 1)/2,    S = lambda_e tr(E) + 2 mu_e E
+W = lambda_e/2 tr(E)^2 + mu_e |E|^2 - p_ref (J - 1)
+P = dW/dF = F S - p_ref cof F
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from fsipetsc.equations.tensors import (
+    add_unit,
+    cofactor,
+    determinant,
+    largest_eigenvalue,
+    largest_stretch,
+    product,
+    trace,
+    transposed_product,
+)
+from fsipetsc.operators.loops import along, dot, formulas, scale
+
+formulas("strain", "second_stress")
+
+
+class StVenantKirchhoff(NamedTuple):
+    """mu_e, lambda_e: Lamé's constants [Pa], p_ref: pressure under which F = 1 [Pa]."""
+
+    mu_e: float
+    lambda_e: float
+    p_ref: float
+
+    def strain(self, F):
+        """E."""
+        return scale(0.5, add_unit(-1.0, transposed_product(F, F)))
+
+    def second_stress(self, F):
+        """S [Pa], the second Piola–Kirchhoff stress."""
+        E = self.strain(F)
+        return add_unit(self.lambda_e * trace(E), scale(2.0 * self.mu_e, E))
+
+    def stress(self, F):
+        """P [Pa]."""
+        return along(product(F, self.second_stress(F)), -self.p_ref, cofactor(F))
+
+    def energy(self, F):
+        """W [J/m3]."""
+        E = self.strain(F)
+        of_trace = 0.5 * self.lambda_e * trace(E) * trace(E)
+        return of_trace + self.mu_e * dot(E, E) - self.p_ref * (determinant(F) - 1.0)
+
+    def wave_modulus(self, F):
+        """Upper bound of m0 c^2 [Pa]: K |F N|^2 + N . S N."""
+        pull = max(largest_eigenvalue(self.second_stress(F)), 0.0)
+        return (2.0 * self.mu_e + self.lambda_e) * largest_stretch(F) + pull

@@ -1,0 +1,73 @@
+"""Stiffened gas, a liquid: p = (gamma - 1) rho cv T - p_inf, e = cv T + p_inf/rho.
+
+So e = (p + gamma p_inf)/((gamma - 1) rho): F. H. Harlow and A. A. Amsden, Fluid Dynamics, LA-4700
+(1971). p + p_inf, e - p_inf/rho and s = cv ln T - (gamma - 1) cv ln rho are those of a perfect gas.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from fsipetsc.checks import NONNEGATIVE, POSITIVE, number
+from fsipetsc.equations.logarithm import log
+
+
+class StiffenedGas(NamedTuple):
+    """gamma: ratio of the specific heats [-], cv: specific heat [J/(kg K)], p_inf: [Pa]."""
+
+    gamma: float
+    cv: float
+    p_inf: float
+
+    def pressure(self, rho, T):
+        """p [Pa]."""
+        return (self.gamma - 1.0) * self.cv * rho * T - self.p_inf
+
+    def internal_energy(self, rho, T):
+        """e [J/kg]."""
+        return self.cv * T + self.p_inf / rho
+
+    def energy_density(self, rho, T):
+        """rho e [J/m3]."""
+        return self.cv * rho * T + self.p_inf
+
+    def temperature(self, rho, e):
+        """T [K]."""
+        return (e - self.p_inf / rho) / self.cv
+
+    def density(self, p, T):
+        """rho [kg/m3]."""
+        return (p + self.p_inf) / ((self.gamma - 1.0) * self.cv * T)
+
+    def temperature_of(self, rho, p):
+        """T [K] of a pressure."""
+        return (p + self.p_inf) / ((self.gamma - 1.0) * self.cv * rho)
+
+    def heat_capacity(self, rho, T):
+        """cv [J/(kg K)]."""
+        return self.cv
+
+    def sound_speed_squared(self, rho, T):
+        """c^2 = gamma (p + p_inf)/rho [m2/s2]."""
+        return self.gamma * (self.gamma - 1.0) * self.cv * T
+
+    def entropy(self, rho, T):
+        """s [J/(kg K)]."""
+        return self.cv * (log(T) - (self.gamma - 1.0) * log(rho))
+
+    def bulk_modulus(self, rho, T):
+        """rho dp/drho at constant T [Pa]."""
+        return (self.gamma - 1.0) * self.cv * rho * T
+
+    def pressure_by_temperature(self, rho, T):
+        """dp/dT at constant rho [Pa/K]."""
+        return (self.gamma - 1.0) * self.cv * rho
+
+
+def stiffened_gas(gamma: float, cv: float, p_inf: float) -> StiffenedGas:
+    """The law with checked numbers; InputError for what is out of range."""
+    return StiffenedGas(
+        number(gamma, "stiffened_gas: gamma", "above 1"),
+        number(cv, "stiffened_gas: cv", POSITIVE, "J/(kg K)"),
+        number(p_inf, "stiffened_gas: p_inf", NONNEGATIVE, "Pa"),
+    )
