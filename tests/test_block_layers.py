@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import importlib
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -35,6 +36,15 @@ def gas(across, **more):
 
 def solid(across, **more):
     return Layer("solid", SOLID, across, lambda *X: (*[0.0] * len(X), 1.0, *X), **more)
+
+
+@cache
+def built(name):
+    """(case, options, its layers, these as blocks)."""
+    case = load_case(name)
+    opt = defaults(case)
+    old = case.build(opt)
+    return case, opt, old, blocks_of(old, opt["fsi_h"], opt["fsi_order"])
 
 
 def seen(found, k):
@@ -128,6 +138,7 @@ def test_a_strip_and_a_plate_in_three_dimensions():
     span = [(0.25, 0.75), (0.25, 0.5)]
     plate = layers(below, solid((0.5, 0.75), span=span, sides=new.Clamped()), **walls)
     assert len(plate.blocks) == 10 and seen(plate, 9)[2, 0] == ("gas 5", 2, 1)
+    assert seen(plate, 0)[0, 1] == ("gas 2", 0, 0) and seen(plate, 0)[1, 1] == ("gas 4", 1, 0)
     assert sum(kind == new.NoSlip() for k in range(9) for kind in seen(plate, k).values()) == 17
 
 
@@ -185,10 +196,7 @@ def test_a_layer_without_cells():
 @pytest.mark.parametrize("name", IN_A_PLANE)
 def test_nodes_and_initial_data_are_those_of_the_layers(name):
     """Every node of the grid that the layers had, with the data that they have there."""
-    case = load_case(name)
-    opt = defaults(case)
-    old = case.build(opt)
-    found = blocks_of(old, opt["fsi_h"], opt["fsi_order"])
+    _, opt, old, found = built(name)
     assert found.notes == old.notes and found.units == old.units
     columns = round((old.X[1] - old.X[0]) / opt["fsi_h"])
     h_x = (old.X[1] - old.X[0]) / columns
@@ -213,9 +221,7 @@ def test_nodes_and_initial_data_are_those_of_the_layers(name):
 
 def test_conditions_of_the_panel():
     """Clamped at its ends, the cavity's pressure behind it; in, out, above, beside of the gas."""
-    case = load_case("panel")
-    opt = defaults(case)
-    found = blocks_of(case.build(opt), opt["fsi_h"], opt["fsi_order"])
+    found = built("panel")[-1]
     p = 1.0 / 1.4
     outside, beside = new.Open(1.0, (2.0, 0.0), 1.0), new.Slip(name="gas lower beside")
     assert seen(found, 0) == {
@@ -295,10 +301,10 @@ def test_functions_of_layers_get_rows():
 @pytest.mark.parametrize("name", IN_A_PLANE)
 def test_cases_in_terms_of_blocks_are_those_of_layers(name):
     """Options, defaults, notes, blocks, conditions, initial data."""
-    old, now = load_case(name), importlib.import_module(f"fsipetsc.cases.of_blocks.{name}")
-    opt = defaults(old)
+    now = importlib.import_module(f"fsipetsc.cases.of_blocks.{name}")
+    old, opt, _, a = built(name)
     assert opt == defaults(now) and old.NAME == now.NAME
-    a, b = blocks_of(old.build(opt), opt["fsi_h"], opt["fsi_order"]), now.build(opt)
+    b = now.build(opt)
     assert (a.notes, a.units) == (b.notes, b.units)
     for k, (one, other) in enumerate(zip(a.blocks, b.blocks, strict=True)):
         assert (one.name, one.shape, one.periodic) == (other.name, other.shape, other.periodic)
