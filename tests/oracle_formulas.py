@@ -1,0 +1,323 @@
+"""What the oracle of blocks (block_oracle.py) is made of: materials, conditions, formulas at a
+point, SBP matrices.
+
+Fields are numpy arrays with their components in front. Nothing here is shared with the engine but
+the exact SBP coefficients.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fsipetsc.operators.sbp import operator
+
+TINY = 1e-30  # step into the complex plane, for derivatives of given functions of time
+
+
+class Gas(NamedTuple):
+    """p = rho R T - p_inf; rho times internal energy = rho cv T + p_inf; transport(T): factors of
+    mu and kappa.
+    """
+
+    gamma: float = 1.4
+    R: float = 1.0
+    mu: float = 0.0
+    kappa: float = 0.0
+    p_inf: float = 0.0
+    force: tuple = ()
+    transport: Callable = lambda T: (1.0, 1.0)
+    kind = "gas"
+
+    @property
+    def cv(self):
+        return self.R / (self.gamma - 1.0)
+
+
+class Solid(NamedTuple):
+    """law: "log", "neo-hookean", "svk" or "linear"; heat: "coupled" or "elastic"."""
+
+    law: str = "log"
+    mu_e: float = 1.0
+    lambda_e: float = 2.0
+    m0: float = 2.0
+    alpha: float = 1.5
+    kappa: float = 0.0
+    p_ref: float = 0.0
+    heat: str = "coupled"
+    force: tuple = ()
+    kind = "solid"
+
+
+class Block(NamedTuple):
+    """X: (d, n_1, ..., n_d) reference places; periods: by axis None, or the vector X(1) - X(0) of a
+    periodic axis. forcing(X, t): right-hand sides of (rho, rho u, E) of a gas, of (v, T) of a
+    solid.
+    """
+
+    name: str
+    material: Any
+    X: np.ndarray
+    periods: tuple = ()
+    forcing: Callable | None = None
+
+
+class Motion(NamedTuple):
+    """Functions of (X, t): place, velocity and acceleration of points of a wall or clamp."""
+
+    x: Callable
+    velocity: Callable
+    acceleration: Callable
+
+
+REST = Motion(lambda X, t: X, lambda X, t: 0.0 * X, lambda X, t: 0.0 * X)
+
+
+class NoSlip(NamedTuple):
+    """T: a number or T(X, t); heat_flux: into the gas, per area."""
+
+    T: Any = None
+    heat_flux: float = 0.0
+    motion: Motion = REST
+
+
+class Slip(NamedTuple):
+    """Walls of one name are one constraint. Without names faces that meet smoothly or at a convex
+    edge are one.
+    """
+
+    name: str = ""
+    motion: Motion = REST
+
+
+class Open(NamedTuple):
+    """The state outside."""
+
+    rho: float
+    u: tuple
+    T: float
+
+
+class Outflow(NamedTuple):
+    """The pressure outside where the flow is subsonic; 0: none."""
+
+    pressure: float = 0.0
+
+
+class Given(NamedTuple):
+    """values(X, t): (rho, u_1..d, T) of a gas, (v_1..d, T, x_1..d) of a solid."""
+
+    values: Callable
+    motion: Motion = REST
+
+
+class Clamped(NamedTuple):
+    """heat_flux: into the solid, per area of the reference state."""
+
+    motion: Motion = REST
+    T: Any = None
+    heat_flux: float = 0.0
+
+
+class Roller(NamedTuple):
+    """No motion along the normal of the reference state."""
+
+
+class Free(NamedTuple):
+    """A pressure that follows the surface."""
+
+    pressure: float = 0.0
+    T: Any = None
+    heat_flux: float = 0.0
+
+
+class Problem(NamedTuple):
+    """faces: conditions by (block's name, axis, side), or a function of it for all faces that meet
+    no other; hinges: (block's name, index of a node) of solids held there. form: "entropy" or
+    "divergence"; flux: "cross", g(i,l) = (a_i.v_l + a_l.v_i)/2, or "mean", that of the older code;
+    dissipation: sigma, over 4^q. jumps(X, t): (traction, heat) per reference area that interfaces
+    supply from outside, d + 1 numbers.
+    """
+
+    blocks: tuple
+    faces: dict | Callable
+    order: int = 4
+    hinges: tuple = ()
+    form: str = "entropy"
+    flux: str = "cross"
+    dissipation: float = 0.0
+    jumps: Callable | None = None
+
+
+class State(NamedTuple):
+    """Of a gas, per volume."""
+
+    rho: np.ndarray
+    u: np.ndarray
+    p: np.ndarray
+    T: np.ndarray
+    E: np.ndarray
+
+
+class Row(NamedTuple):
+    """gas . (of the gas) + solid . (of the solid) = value; powers: the work of its force on both,
+    over its multiplier.
+    """
+
+    gas: np.ndarray
+    solid: np.ndarray
+    gas_power: float
+    solid_power: float
+    value: float
+    owner: Any
+
+
+# numbers and matrices
+
+
+def at(value, X, t):
+    return value(X, t) if callable(value) else value
+
+
+def rate_of(value, X, t):
+    """Its derivative in time."""
+    if not callable(value):
+        return 0.0 * np.asarray(value)
+    return np.imag(np.array(value(X, t + 1j * TINY), complex)) / TINY
+
+
+def dot(a, b):
+    return (a * b).sum(axis=0)
+
+
+def cross(a, b):
+    return np.array(
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    )
+
+
+def spread(vector, d):
+    """Components in front of d axes of length 1."""
+    return np.reshape(vector, (-1, *[1] * d))
+
+
+def along(matrix, f, k, d):
+    """matrix times f along the logical axis k, one of the last d axes of f."""
+    axis = f.ndim - d + k
+    return np.moveaxis(np.tensordot(matrix, f, (1, axis)), 0, axis)
+
+
+def sbp(order, nodes, periodic):
+    """(D, norm times h) of one axis of [0, 1]."""
+    op = operator(order)
+    if not periodic:
+        h = 1.0 / (nodes - 1)
+        return op.matrix(nodes, h), h * op.norm_weights(nodes)
+    D, one = np.zeros((nodes, nodes)), np.eye(nodes)
+    for k, weight in enumerate(op.interior, start=1):
+        D += float(weight) * nodes * (np.roll(one, k, axis=1) - np.roll(one, -k, axis=1))
+    return D, np.full(nodes, 1.0 / nodes)
+
+
+def gauss(rows, z, inverse_mass):
+    """z' nearest to z in the norm of the masses that obeys the rows, and their multipliers (force =
+    multiplier * row). Rows may say the same.
+    """
+    C = np.array([np.concatenate([r.gas, r.solid]) for r in rows])
+    B = C * np.sqrt(inverse_mass)
+    size = np.sqrt((B * B).sum(axis=1))
+    B, gap = B / size[:, None], (C @ z - [r.value for r in rows]) / size
+    multipliers = -np.linalg.pinv(B @ B.T, rcond=1e-10, hermitian=True) @ gap
+    return z + np.sqrt(inverse_mass) * (B.T @ multipliers), multipliers / size
+
+
+# gas
+
+
+def gas_state(m, q):
+    """From (J, J rho, J rho u, J E)."""
+    rho, u, E = q[1] / q[0], q[2:-1] / q[1], q[-1] / q[0]
+    T = ((E - m.p_inf) / rho - 0.5 * dot(u, u)) / m.cv
+    return State(rho, u, rho * m.R * T - m.p_inf, T, E)
+
+
+def conserved(m, rho, u, T):
+    """(rho, rho u, E)."""
+    return np.array([rho, *(rho * u), rho * (m.cv * T + 0.5 * dot(u, u)) + m.p_inf])
+
+
+def entropy_of(m, s):
+    return m.cv * np.log(s.T) - m.R * np.log(s.rho)
+
+
+def flux(s, a, g):
+    """a.f(U) - g U at a point."""
+    V = dot(a, s.u)
+    return np.array([s.rho * (V - g), *(s.rho * s.u * (V - g) + a * s.p), s.E * (V - g) + s.p * V])
+
+
+def log_mean(a, b):
+    """(a - b) / log(a/b), by a series near a = b (Ismail and Roe 2009)."""
+    f2 = ((a - b) / (a + b)) ** 2
+    near = f2 < 1e-3
+    series = 1.0 + f2 / 3.0 + f2**2 / 5.0 + f2**3 / 7.0 + f2**4 / 9.0 + f2**5 / 11.0
+    exact = np.log(np.where(near, 2.0, a / b)) / np.where(near, 1.0, 2.0 * (a - b) / (a + b))
+    return 0.5 * (a + b) / np.where(near, series, exact)
+
+
+def pair_flux(m, left, right, a, g):
+    """Ranocha's flux (2018) between two states, {a}.f# - g U#; a: mean metrics, g: volume flux of
+    the pair.
+    """
+    p, u = 0.5 * (left.p + right.p), 0.5 * (left.u + right.u)
+    mass = log_mean(left.rho, right.rho) * (dot(a, u) - g)
+    c = 0.5 * dot(left.u, right.u) + m.cv / log_mean(1.0 / left.T, 1.0 / right.T)
+    work = 0.5 * ((left.p + m.p_inf) * dot(a, right.u) + (right.p + m.p_inf) * dot(a, left.u))
+    return np.array([mass, *(mass * u + a * p), mass * c + work - g * m.p_inf])
+
+
+# solid
+
+
+def three(F):
+    """F of d dimensions as one of three, without strain in the others."""
+    G = np.zeros((3, 3, *F.shape[2:]), F.dtype)
+    for i in range(3):
+        G[i, i] = 1.0
+    G[: len(F), : len(F)] = F
+    return G
+
+
+def cofactor(F):
+    """cof F = J F^-T, for any d."""
+    G = three(F)
+    return np.array([cross(G[1], G[2]), cross(G[2], G[0]), cross(G[0], G[1])])[: len(F), : len(F)]
+
+
+def det(F):
+    G = three(F)
+    return dot(G[0], cross(G[1], G[2]))
+
+
+def energy_and_stress(m, F, p_ref):
+    """(W, P) of a solid's law."""
+    G, J, n = three(F), det(F), len(F)
+    mu, lam, K = m.mu_e, m.lambda_e, 2.0 * m.mu_e + m.lambda_e
+    if m.law in ("log", "neo-hookean"):
+        if m.law == "log":
+            U = K * (J * np.log(J) - J + 1.0) - mu * (0.5 * (J**2 - 1.0) - np.log(J))
+            slope = K * np.log(J) - mu * (J - 1.0 / J)
+        else:
+            U, slope = 0.5 * lam * np.log(J) ** 2, lam * np.log(J) / J
+        W = 0.5 * mu * ((G * G).sum(axis=(0, 1)) - 3.0 - 2.0 * np.log(J)) + U
+        P = mu * F + (slope - mu / J) * cofactor(F)
+    else:
+        one, nonlinear = three(np.zeros((0, 0, *F.shape[2:]))), m.law == "svk"
+        square = np.einsum("ki...,kj...->ij...", G, G)
+        E = 0.5 * (square - one) if nonlinear else 0.5 * (G + np.swapaxes(G, 0, 1)) - one
+        S = lam * np.trace(E) * one + 2.0 * mu * E
+        W = 0.5 * (S * E).sum(axis=(0, 1))
+        P = (np.einsum("ik...,kj...->ij...", G, S) if nonlinear else S)[:n, :n]
+    return W - p_ref * (J - 1.0), P - p_ref * cofactor(F)

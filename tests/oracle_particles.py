@@ -1,0 +1,249 @@
+"""Particles of the oracle of blocks: what is at one place, and what holds it (SCHEME-BLOCKS.md 3,
+4).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from itertools import product
+from typing import Any, NamedTuple
+
+import numpy as np
+from oracle_formulas import REST, Clamped, Given, NoSlip, Open, Roller, Row, Slip, at, rate_of
+from oracle_volume import Volume
+
+#: two faces are walls of their own where one goes into the gas of the other more steeply than by 30
+#: degrees
+CONCAVE = -0.5
+
+
+class Face(NamedTuple):
+    """One face at one node, with its condition (None where it meets another face)."""
+
+    block: int
+    axis: int
+    side: int
+    node: tuple
+    condition: Any
+    owner: tuple
+
+
+@dataclass
+class Particle:
+    """All nodes at one place: (block, node)."""
+
+    gas: list = field(default_factory=list)
+    solid: list = field(default_factory=list)
+    contact: list = field(default_factory=list)  # faces of gases that meet a solid
+    outer: list = field(default_factory=list)  # faces with a condition
+    slips: list = field(
+        default_factory=list
+    )  # groups of faces along which the gas slips: one constraint each
+    hinged: bool = False
+
+
+class Particles(Volume):
+    """Blocks, and the nodes of their faces put together by place."""
+
+    def __init__(self, problem):
+        super().__init__(problem)
+        self.particles, self.reference = (
+            [],
+            [self.metrics(k, b.X) for k, b in enumerate(self.blocks)],
+        )
+        self._find_particles()
+
+    def _find_particles(self):
+        size = max(np.ptp(b.X) for b in self.blocks)
+        by_place, by_face = {}, {}
+        for k, b in enumerate(self.blocks):
+            n = b.X.shape[1:]
+            for axis, side in product(range(self.d), (0, 1)):
+                if self.periodic(k, axis):
+                    continue
+                nodes = list(
+                    product(
+                        *(
+                            range(n[j]) if j != axis else [(0, n[j] - 1)[side]]
+                            for j in range(self.d)
+                        )
+                    )
+                )
+                keys = [
+                    tuple(np.round(self.place(k, node) / (1e-7 * size)).astype(int))
+                    for node in nodes
+                ]
+                by_face.setdefault(frozenset(keys), []).append((k, axis, side, nodes, keys))
+                for node, key in zip(nodes, keys):
+                    p = by_place.setdefault(key, Particle())
+                    members = p.gas if b.material.kind == "gas" else p.solid
+                    if (k, node) not in members:
+                        members.append((k, node))
+                    p.hinged = p.hinged or (b.name, node) in self.problem.hinges
+        for faces in by_face.values():
+            for k, axis, side, nodes, keys in faces:
+                owner, kinds = (
+                    (self.names[k], axis, side),
+                    [self.blocks[f[0]].material.kind for f in faces],
+                )
+                given = self.problem.faces
+                condition = (
+                    given.get(owner)
+                    if isinstance(given, dict)
+                    else given(owner)
+                    if len(faces) == 1
+                    else None
+                )
+                if len(faces) - 1 + (condition is not None) != 1:
+                    raise ValueError(f"face {owner}: one condition or one other face expected")
+                for node, key in zip(nodes, keys):
+                    face = Face(k, axis, side, node, condition, owner)
+                    if condition is not None:
+                        by_place[key].outer.append(face)
+                    elif self.blocks[k].material.kind == "gas" and "solid" in kinds:
+                        by_place[key].contact.append(face)
+        self.particles = list(by_place.values())
+        for p in self.particles:
+            self._group_slips(p)
+            for member in p.gas + p.solid:
+                self.of_node[member] = p
+
+    def place(self, k, node):
+        return self.blocks[k].X[(slice(None), *node)]
+
+    def normal(self, face, a):
+        """Outward area vector at a node, from metrics a (or their rate)."""
+        k, axis, side, node = face[:4]
+        return (
+            (2 * side - 1)
+            * a[(axis, slice(None), *node)]
+            * self.W[k][node]
+            / self.axes[k][axis][2][node[axis]]
+        )
+
+    def _sticks(self, p):
+        return any(self.blocks[f.block].material.mu > 0.0 for f in p.contact)
+
+    def _group_slips(self, p):
+        """Faces along which the gas slips, at walls or solids, are one constraint unless they meet
+        at a concave edge. Walls with names are one if the names are, and else not.
+        """
+        found = [] if self._sticks(p) else [(f, "", *self._directions(f)) for f in p.contact]
+        found += [
+            (f, f.condition.name, *self._directions(f))
+            for f in p.outer
+            if isinstance(f.condition, Slip)
+        ]
+        groups = []
+        for face in found:
+            fits = [
+                group for group in groups if all(self._one_wall(face, other) for other in group)
+            ]
+            (fits[0] if fits else groups.append([]) or groups[-1]).append(face)
+        p.slips = [[face[0] for face in group] for group in groups]
+
+    @staticmethod
+    def _one_wall(a, b):
+        (_, name, normal, inward), (_, other_name, other_normal, other_inward) = a, b
+        if name and other_name:
+            return name == other_name
+        return min(inward @ other_normal, other_inward @ normal) > CONCAVE
+
+    def _directions(self, f):
+        """Unit normal of a face at a node, and the direction from the node into the face (0 in its
+        middle).
+        """
+        k, axis, _, node = f[:4]
+        normal, inward = self.normal(f, self.reference[k]), np.zeros(self.d)
+        for j in range(self.d):
+            for step in (-1, 1):
+                other = [i + step * (j == m) for m, i in enumerate(node)]
+                if (
+                    j != axis
+                    and 0 <= other[j] < self.blocks[k].X.shape[1 + j]
+                    and not self.periodic(k, j)
+                ):
+                    toward = self.place(k, tuple(other)) - self.place(k, node)
+                    inward += toward / np.linalg.norm(toward)
+        return normal / np.linalg.norm(normal), inward / max(np.linalg.norm(inward), 1e-3)
+
+    def _kind(self, face):
+        return self.blocks[face.block].material.kind
+
+    def _conducts(self, p):
+        """Whether gas and solid of a particle have one temperature."""
+        members = p.gas[:1] + p.solid[:1]
+        return len(members) == 2 and all(self.blocks[k].material.kappa > 0.0 for k, _ in members)
+
+    def _held(self, p, t):
+        """(T, T_t) or None, of the gas and of the solid."""
+        found = {"gas": None, "solid": None}
+        for f in p.outer:
+            T = None if isinstance(f.condition, Open) else getattr(f.condition, "T", None)
+            if T is not None:
+                X = self.place(f.block, f.node)
+                found[self._kind(f)] = at(T, X, t), rate_of(T, X, t)
+        both = found["gas"] or found["solid"]
+        return (both, both) if self._conducts(p) else (found["gas"], found["solid"])
+
+    def _given(self, p, kind):
+        """The face at which the unknowns of a kind are given, or None."""
+        return next(
+            (f for f in p.outer if isinstance(f.condition, Given) and self._kind(f) == kind), None
+        )
+
+    def rows(self, p, grids, t, level, u, v):
+        """Constraints of places (level 0, of solids alone), velocities (1), accelerations (2)."""
+        zero, unit, found = np.zeros(self.d), np.eye(self.d), []
+        if self._sticks(p) and level > 0:
+            found += [Row(e, -e, e @ v, -e @ v, 0.0, "inside") for e in unit]
+        for group in p.slips if level > 0 else ():
+            found.append(self._slip_row(p, group, grids, t, level, u, v))
+        for f in p.outer:
+            c, (x, w, w_t) = f.condition, self._motion(f, t)
+            if isinstance(c, NoSlip) and level > 0:
+                found += [
+                    Row(e, zero, e @ w, 0.0, (w @ e, w_t @ e)[level - 1], f.owner) for e in unit
+                ]
+            elif isinstance(c, Clamped):
+                found += [
+                    Row(zero, e, 0.0, e @ w, (x @ e, w @ e, w_t @ e)[level], f.owner) for e in unit
+                ]
+            elif isinstance(c, Roller):
+                n = self.normal(f, self.solids[f.block][0])
+                found.append(Row(zero, n, 0.0, 0.0, 0.0, f.owner))
+        if p.hinged:
+            found += [Row(zero, e, 0.0, 0.0, 0.0, "hinge") for e in unit]
+        return found
+
+    def _motion(self, face, t):
+        """Displacement, velocity, acceleration of a wall or clamp."""
+        motion, X = getattr(face.condition, "motion", REST), self.place(face.block, face.node)
+        return motion.x(X, t) - X, motion.velocity(X, t), motion.acceleration(X, t)
+
+    def _slip_row(self, p, group, grids, t, level, u, v):
+        """sum n.(u - w) = 0 over the faces of a group, w the velocity of the solid or the wall, or
+        its derivative.
+        """
+        N, on_solid, value, power = np.zeros(self.d), np.zeros(self.d), 0.0, 0.0
+        for f in group:
+            n, n_t = self.normal(f, grids[f.block].a), self.normal(f, grids[f.block].a_t)
+            N = N + n
+            if f in p.contact:
+                on_solid, turned, power = on_solid - n, n_t @ (u - v), power + n @ v
+            else:
+                _, w, w_t = self._motion(f, t)
+                turned, value, power = (
+                    n_t @ (u - w),
+                    value + (n @ w, n @ w_t)[level - 1],
+                    power + n @ w,
+                )
+            value -= turned if level == 2 else 0.0
+        return Row(
+            N,
+            on_solid,
+            power,
+            on_solid @ v,
+            value,
+            "inside" if group[0] in p.contact else group[0].owner,
+        )
