@@ -26,11 +26,9 @@ from fsipetsc.output.reader import Run
 
 #: files of tests that take longest, the longest first; behind others those for which more is compiled meanwhile
 DEAREST = (
-    *("signals", "failures", "counts", "cache", "time", "kills", "ends", "stability", "process", "live", "case_files"),
-    *("convergence", "shared_memory", "cli", "pulse", "claim", "api"),
-    *("ranks", "own_laws", "documents", "restart", "materials", "dissipation_runs", "two_point_runs", "narrow_runs"),
-    *("same_bits", "faults", "disk", "start", "plane_modes", "plane", "flutter", "plane_shocks", "plane_rates", "shock"),
-    *("bench", "stability_laws", "plane_output"),
+    *("signals", "failures", "stability", "time", "kills", "process", "case_files", "ends", "claim", "cli", "convergence"),
+    *("ranks", "documents", "restart", "same_bits", "dissipation_runs", "plane_output", "plane", "shock", "faults"),
+    *("plane_modes", "plots", "plane_shocks", "disk", "flutter", "end_point", "two_point_rates", "kernels", "start"),
 )
 _SHORT = "-fsi_h 0.1 -ts_max_steps 2"
 _SHOCKS = "-fsi_dissipation 1 -fsi_shock 1 -ts_max_steps 1"

@@ -46,7 +46,7 @@ def build(opt):
 
 @pytest.fixture(scope="module")
 def box(tmp_path_factory):
-    """Results of the box on 1, 2, 3, 6 ranks, and on two that have parts of all layers."""
+    """Results of the box on 1, 2, 4 ranks, and on two that have parts of all layers."""
     folder = tmp_path_factory.mktemp("box")
     (folder / "box2d.py").write_text(BOX)
     words = "box2d.py", "-fsi_points", "0,0.3,1"
@@ -176,8 +176,8 @@ def test_without_variation_in_x_it_is_the_run_in_one_dimension(tmp_path):
 
 
 def test_the_result_tells_its_shape(box):
-    assert box[3].dimension == 2
-    below, plate, _ = box[3].layers
+    assert box[4].dimension == 2
+    below, plate, _ = box[4].layers
     assert below["rho"].shape == (3, 17, 17) and plate["s_xy"].shape == (3, 9, 17)
     assert below.X.shape == (17,) and below.Y[-1] == 1.0 and plate.Y[0] == 1.0
     # what lies on the interface belongs to both
