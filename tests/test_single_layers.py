@@ -47,9 +47,11 @@ def test_compiled_functions_name_a_pair_of_laws_all_the_same(problem, form):
     assert len(laws.pairs) > 0 and laws.of_interfaces == []
 
 
-@pytest.mark.long  # kernels that no other test needs
-@pytest.mark.parametrize("options", ["-fsi_convection entropy", "-fsi_viscous narrow", "-fsi_dissipation 1 -fsi_shock 1"])
-@pytest.mark.parametrize("kind", ["g", "s"])
+ENTROPY, *OTHERS = "-fsi_convection entropy", "-fsi_viscous narrow", "-fsi_dissipation 1 -fsi_shock 1"
+LONG = [(kind, options) for kind in "gs" for options in OTHERS]  # kernels that no other test needs
+
+
+@pytest.mark.parametrize(("kind", "options"), [("g", ENTROPY), *(pytest.param(*one, marks=pytest.mark.long) for one in LONG)])
 def test_it_runs_and_keeps_mass_and_energy(kind, options, tmp_path):
     words = *options.split(), "-layers", kind, "-fsi_h", "0.025", "-ts_max_time", "0.3", "-fsi_output", "alone.h5", "-fsi_quiet"
     done = solve(LAYERS, *words, cwd=tmp_path)
