@@ -1,16 +1,14 @@
 """One of the ranks that kept_ranks.py keeps for the runs of tests: does what it is told over a socket, until that is closed.
 
 Started under mpiexec: SOCKET. A job: the ranks that do it, from 0 on, the folder they do it in, and either the words of a
-command line, or runs, name -> (case, options), of which each leaves NAME.h5, or NAME.txt with its error, in the folder; options
-that begin with "tiles" ask for tiles on grids that are too coarse for them to pay. With a command line there may be
-petsc_options, for the environment, and stand_in, a source that defines what takes the place of stepping.run.run_given. The
-answer: exit status, what was said, and the seconds of processors that it took.
+command line, or runs, name -> (case, options), of which each leaves NAME.h5, or NAME.txt with its error, in the folder. With a
+command line there may be petsc_options, for the environment, and stand_in, a source that defines what takes the place of
+stepping.run.run_given. The answer: exit status, what was said, and the seconds of processors that it took.
 """
 
 from __future__ import annotations
 
 import json
-import math
 import os
 import resource
 import select
@@ -67,22 +65,16 @@ def run_all(runs: dict[str, list[str]], comm: Any) -> None:
     from fsipetsc.errors import FsiError
     from fsipetsc.options.sources import given_options
     from fsipetsc.process.host import left_as_found
-    from fsipetsc.scheme import plan
     from fsipetsc.stepping.run import run_given
 
-    usual = (plan.LEAST_MIDDLE, plan.LEAST_TILED, plan.MOST_WAITING)
     for name, (case_name, text) in runs.items():
-        tiles = text.startswith("tiles ")
-        plan.LEAST_MIDDLE, plan.LEAST_TILED, plan.MOST_WAITING = (16, 0, math.inf) if tiles else usual
-        given = given_options([*text.removeprefix("tiles ").split(), "-fsi_quiet", "-fsi_output", f"{name}.h5"], {})
+        given = given_options([*text.split(), "-fsi_quiet", "-fsi_output", f"{name}.h5"], {})
         try:
             with left_as_found():
                 run_given(load_case(case_name), given, comm)
         except FsiError as error:
             if comm.rank == 0:
                 Path(f"{name}.txt").write_text(f"{type(error).__name__}: {error}")
-        finally:
-            plan.LEAST_MIDDLE, plan.LEAST_TILED, plan.MOST_WAITING = usual
 
 
 def run_line(job: dict[str, Any]) -> int:

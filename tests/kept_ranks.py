@@ -21,9 +21,9 @@ from pathlib import Path
 from typing import Any
 
 #: as many ranks as there can be
-MOST = 6
+MOST = 4
 #: seconds that they may take to start and to end
-_START, _END = 120.0, 60.0
+_START, _END = 1800.0, 60.0
 
 
 class KeptRanks:

@@ -28,7 +28,7 @@ RUNS = {
 #: wall time between checkpoints: many kills come in the middle of one
 INTERVAL = 0.05
 RANKS = 1, 2, 3, 4
-PATIENCE = 120.0
+PATIENCE = 1800.0
 
 
 def descendants(pid: int) -> list[int]:
@@ -126,10 +126,10 @@ def killed_once(words: list[str], ranks: int, folder: Path, where: dict[str, str
         process.wait(PATIENCE)
     finally:
         process.kill()
-    end = time.monotonic() + 120
+    end = time.monotonic() + PATIENCE
     while (left := alive(everybody)) and time.monotonic() < end:
         time.sleep(0.01)
-    assert not left, f"{which} killed, and 2 minutes later there is {left}"
+    assert not left, f"{which} killed, and half an hour later there is {left}"
     shared = list(Path(where["OMPI_MCA_btl_vader_backing_directory"]).glob(f"*.{job}.*")) if job else []
     assert not shared, f"{which} killed, and there is {shared}"
     return f"{which}{' at the start' if early else ''}"

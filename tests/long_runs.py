@@ -44,7 +44,7 @@ def watched(words: tuple[str, ...], folder: Path) -> tuple[str, list[tuple[int, 
     """What a run says, and what was seen of it while it made steps. AssertionError where it fails."""
     output = folder / "run.h5"
     command = [sys.executable, "-m", "fsipetsc", *words, "-fsi_output", str(output)]
-    alone = {"OMPI_MCA_ess_singleton_isolated": "1", "OMPI_MCA_sharedfp": "^sm"}
+    alone = {"OMPI_MCA_ess_singleton_isolated": "1"}
     process = subprocess.Popen(
         command, cwd=folder, env=environment(alone), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT
     )

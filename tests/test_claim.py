@@ -21,7 +21,7 @@ from fsipetsc.output.claim import Claim, keep_earlier, publish, set_aside
 PROGRAM = Path(claim_program.__file__)
 
 
-@pytest.mark.parametrize("locks", ["", "without"], ids=["locks", "no locks"])
+@pytest.mark.parametrize("locks", [""], ids=["locks"])
 def test_many_runs_at_once(tmp_path: Path, locks: str) -> None:
     """Every file that a run was given is there in the end, whole, under some name; nothing else is."""
     target, command = tmp_path / "run.h5", [sys.executable, str(PROGRAM)]

@@ -71,6 +71,7 @@ def replace(name: str, value: object) -> Callable[[h5py.File], object]:
     return change
 
 
+@pytest.mark.long
 def test_bytes(whole: bytes, tmp_path: Path) -> None:
     """Some bytes are others, or the end is missing."""
     rng, path, fates = random.Random(3), tmp_path / "run.h5", []
@@ -83,6 +84,7 @@ def test_bytes(whole: bytes, tmp_path: Path) -> None:
     assert 15 < sum(fates) < 135
 
 
+@pytest.mark.long
 def test_datasets(whole: bytes, tmp_path: Path) -> None:
     """Each dataset is missing, or of another type or shape."""
     path, fates, names = tmp_path / "run.h5", [], []
@@ -144,6 +146,7 @@ def test_a_claim_of_more_than_there_can_be(whole: bytes, tmp_path: Path) -> None
     assert not read_all(changed(whole, tmp_path / "run.h5", change))
 
 
+@pytest.mark.long
 def test_what_can_be_drawn_is_drawn(tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
     from fsipetsc.output.plots import plot

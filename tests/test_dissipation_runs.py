@@ -19,12 +19,6 @@ SHARED = {
     "sod rigid": ("shock", f"{_SHARED} -fsi_order 4 -fsi_h 0.02 -fsi_mapping rigid -fsi_coupling energy"),
     "strong 4": ("shock", f"{_SHARED} -shock_problem strong -fsi_order 4 -fsi_h 0.02"),
     "strong 8": ("shock", f"{_SHARED} -shock_problem strong -fsi_order 8 -fsi_h 0.01"),
-    # tile by tile, if a rank has enough points for that
-    **{
-        f"tiles {order}": ("shock", f"tiles {_SHARED} -fsi_order {order} -fsi_h 0.0025 -ts_max_steps 12")
-        for order in (2, 4, 6, 8)
-    },
-    "strong rk": ("shock", f"{_SHARED} -shock_problem strong -fsi_order 4 -fsi_h 0.02 -ts_type rk"),
 }
 #: order -> least order of the errors of the manufactured solution with dissipation of half the order, in fluid and solid,
 #: between the grids below: 2 q - 1 inside, q at the ends
@@ -48,9 +42,11 @@ def runs(more_kernels, tmp_path_factory):
     return {name: fsipetsc.open_run(path) for name, path in files.items()}
 
 
-def test_the_two_paths(runs):
+@pytest.mark.long
+def test_the_two_paths(runs, tmp_path):
     """The fused method and PETSc's own make the same of a strong shock, but for T of the solid: see scheme/kinetic."""
-    fused, plain = runs["strong 4"], runs["strong rk"]
+    case, options = SHARED["strong 4"]
+    fused, plain = runs["strong 4"], fsipetsc.open_run(compute(1, tmp_path, {"rk": (case, f"{options} -ts_type rk")})["rk"])
     for a, b in zip(fused.layers, plain.layers, strict=True):
         for field in (name for name in a.fields if "rho" in a.fields or name != "T"):
             np.testing.assert_allclose(a[field], b[field], rtol=1e-9, atol=1e-9)

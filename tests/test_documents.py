@@ -16,11 +16,15 @@ import fsipetsc
 pytest.importorskip("petsc4py")
 
 PAGES = [REPOSITORY / "README.md", *sorted((REPOSITORY / "docs").glob("*.md"))]
+#: what a reader meets first; the other pages
+FIRST = [REPOSITORY / name for name in ("README.md", "docs/start.md", "docs/python.md", "docs/reliability.md")]
+OTHERS = [*(page for page in PAGES if page not in FIRST), REPOSITORY / "docs" / "tutorial.ipynb"]
 DOCUMENTS = {page.name: page.read_text() for page in PAGES}
 OPTIONS_FILES = sorted((REPOSITORY / "runs").rglob("*.opts"))
 #: files for which kernels would be compiled that no other test needs -> what makes do with those of others
 ALONE = {
     **{"piston.opts": "-fsi_shock 1e-300", "panel_viscous.opts": "-fsi_dissipation 0"},
+    **{"heat.opts": "-fsi_viscous wide"},
     **{"blast_shock.opts": "-fluid_mu 0 -fluid_kappa 0", "plane_mms.opts": "-solid_law log"},
 }
 #: stems of Open MPI's, PETSc's and other programs' options that the documents may name
@@ -84,10 +88,10 @@ def test_the_page_of_options_is_that_of_the_table():
     assert DOCUMENTS["options.md"] == hooks.options_page()
 
 
-def test_code_blocks_run(tmp_path):
+@pytest.mark.parametrize("pages", [FIRST, pytest.param(OTHERS, marks=pytest.mark.long)], ids=["first", "others"])
+def test_code_blocks_run(pages, tmp_path):
     """Commands a few steps, Python as it stands, each page from top to bottom; the notebook prints what it says it does."""
-    notebook = REPOSITORY / "docs" / "tutorial.ipynb"
-    done = run(REPOSITORY / "tests" / "page_program.py", tmp_path, *PAGES, notebook, cwd=tmp_path, env={"MPLBACKEND": "agg"})
+    done = run(REPOSITORY / "tests" / "page_program.py", tmp_path, *pages, cwd=tmp_path, env={"MPLBACKEND": "agg"})
     assert (done.returncode, done.stdout) == (0, ""), done.stderr
 
 

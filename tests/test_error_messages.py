@@ -58,13 +58,6 @@ def test_the_option_that_shows_the_traceback_counts_wherever_it_is_given(here):
 class TestOnTwoRanks:
     """Nobody waits for a rank that has gone."""
 
-    @pytest.mark.parametrize("rank", [0, 1])
-    def test_one_rank_fails_alone(self, rank, here):
-        code = f"comm.rank == {rank} and 1 / 0; comm.barrier()"
-        done = mpirun(2, "driver.py", "stub.py", "-do", code)
-        message(done, 1, "ZeroDivisionError")
-
-    @pytest.mark.slow
     def test_one_rank_fails_alone_with_an_error_said_to_be_common(self, here):
         code = "from fsipetsc.errors import ComputationError as E\nif comm.rank == 1: raise E('T <= 0')\ncomm.barrier()"
         done = mpirun(2, "driver.py", "stub.py", "-do", code)

@@ -50,7 +50,7 @@ FAULTS = _faults()
 #: functions that fail: on one rank, and on the last of three alone, where not all are asked for
 FUNCTIONS = {
     f"{plane}_{name}_{rank}_{compiled}": f"-mad_plane {plane} -mad_function {name} -mad_rank {rank} -mad_compiled {compiled}"
-    for plane, compiled in ((0, 1), (1, 0))
+    for plane, compiled in ((0, 0), (1, 0))
     for rank in (-1, 2)
     for name in ("initial", "exact", "forcing", "edge", "place", "T", "jumps")
 }
@@ -58,14 +58,13 @@ _CONTROL = "-ts_rk_type 5dp -ts_adapt_type basic -ts_rtol 1e9 -ts_atol 1e9 -fsi_
 _LATE = f"{CASE} -fsi_quiet -mad_plane 1 -mad_field e -mad_rate -1e6 -mad_time 0.0405 -fsi_output good.h5"
 #: others: status, line
 MORE = {
-    "traceback": (2, f"{CASE} -fsi_quiet -fsi_debug -mad_plane 1 -mad_function edge -mad_compiled 1 -fsi_output debug.h5"),
+    "traceback": (2, f"{CASE} -fsi_quiet -fsi_debug -mad_plane 1 -mad_function edge -fsi_output debug.h5"),
     "good": (3, _LATE),
     "again": (3, f"{_LATE} -fsi_restart auto"),
-    "blast": (0, f"blast -fsi_h 0.125 -fsi_order 2 -ts_max_time 1 -fsi_output_dt 10 -fsi_cfl 20 {_CONTROL}"),
-    **{f"stuck{p}": (3, f"{CASE} -mad_plane {p} -mad_field e -mad_rate -1e16 {_CONTROL} -fsi_output s{p}.h5") for p in (0, 1)},
+    "stuck": (3, f"{CASE} -mad_plane 0 -mad_field e -mad_rate -1e16 {_CONTROL} -fsi_output s.h5"),
 }
 #: of FUNCTIONS, what the last of three ranks never calls
-FOUND_ELSEWHERE = {"0_forcing_2_1", "1_forcing_2_0", "1_place_2_0", "1_T_2_0", "1_jumps_2_0"}
+FOUND_ELSEWHERE = {"0_forcing_2_0", "1_forcing_2_0", "1_place_2_0", "1_T_2_0", "1_jumps_2_0"}
 
 
 def lines(name: str) -> list[str]:
@@ -97,7 +96,7 @@ def said(request, tmp_path_factory) -> tuple[int, Path, dict[str, str]]:
     """(ranks, folder, name -> what is said): all runs in one process for each rank, which are not to fail apart."""
     where = tmp_path_factory.mktemp(f"on{request.param}")
     faults, functions = list(FAULTS), [name for name in FUNCTIONS if ("_-1_" in name) == (request.param == 1)]
-    names = [*(faults if request.param == 1 else faults[::2]), *functions, *MORE]  # fewer where each costs thrice as much
+    names = [*(faults[::2] if request.param == 1 else faults[::6]), *functions, *MORE]  # fewer where each costs thrice as much
     runs = {name: lines(name) for name in names}
     runs["traceback"] += ["-mad_rank", str(request.param - 1)]
     (where / "runs.json").write_text(json.dumps(runs))
@@ -140,7 +139,7 @@ def test_the_same_is_said_on_any_number_of_ranks(said, tmp_path_factory):
         kept.write_text(json.dumps(text))
         return
     one = json.loads(kept.read_text())
-    assert {name: one[name] for name in text} == text and len(text) > 15
+    assert {name: one[name] for name in text} == text and len(text) > 5
 
 
 def test_an_error_of_a_function_ends_all_with_its_place(said):
@@ -171,12 +170,7 @@ def test_the_good_state_of_two_dimensions_is_some_steps_old(said):
     assert texts["again"].split("; what was computed")[0] == texts["good"].split("; what was computed")[0]
 
 
-def test_a_step_that_leaves_the_domain_is_made_again_shorter(said):
-    """In two dimensions (in one: tests/test_kills.py); and if there is none that does not, that is said."""
-    _, where, texts = said
-    with fsipetsc.open_run(where / "blast.h5") as result:
-        assert result.complete and result.summary["rejected_steps"] > 0
-        assert result.layers[0]["T"][-1].min() > 0
-    for name in ("stuck0", "stuck1"):
-        for word in ("T = -", "in layer 'gas 0'", "as after all longer ones; what usually helps: "):
-            assert word in texts[name], texts[name]
+def test_a_step_that_fails_whatever_its_length_says_so(said):
+    """(One that is made again shorter: tests/test_kills.py.)"""
+    for word in ("T = -", "in layer 'gas 0'", "as after all longer ones; what usually helps: "):
+        assert word in said[2]["stuck"], said[2]["stuck"]

@@ -3,11 +3,6 @@
 from __future__ import annotations
 
 import os
-import random
-import signal
-import subprocess
-import sys
-import time
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
@@ -15,7 +10,6 @@ from types import SimpleNamespace
 import numpy as np
 import output_program as program
 import pytest
-from helpers import PATIENCE, environment
 
 import fsipetsc
 from fsipetsc.output import commits
@@ -90,22 +84,6 @@ def test_each_write_may_be_the_last(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     assert os.listdir(tmp_path) == ["run.h5"]
 
 
-def start(n: int, path: Path, *words: object) -> subprocess.Popen[bytes]:
-    """The program, started on n ranks, that has made its file."""
-    launcher = ["mpiexec", "-n", str(n)] if n > 1 else []
-    command = [*launcher, sys.executable, str(PROGRAM), "slowly", str(path), *map(str, words)]
-    process = subprocess.Popen(command, env=environment(), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    until(lambda: path.exists() or process.poll() is not None)
-    return process
-
-
-def until(condition: Callable[[], object]) -> None:
-    end = time.monotonic() + PATIENCE
-    while not condition():
-        assert time.monotonic() < end
-        time.sleep(0.002)
-
-
 def test_frames_do_not_wait_for_a_full_buffer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """None is older than two seconds, unless the next one was late; that one is written at once."""
     from mpi4py import MPI
@@ -122,49 +100,6 @@ def test_frames_do_not_wait_for_a_full_buffer(tmp_path: Path, monkeypatch: pytes
             readable.append(so_far.nframes)
     assert readable == [0, 0, 3, 3, 3, 6, 6, 8, 8]
     result.finish({})
-
-
-@pytest.mark.mpi
-@pytest.mark.parametrize("n", [1, 2])
-def test_a_reader_finds_what_was_flushed(tmp_path: Path, n: int) -> None:
-    """A flush every four frames, some hundred of them, and a reader that hardly rests."""
-    path, counts = tmp_path / "run.h5", []
-    for frames in (400, 1600, 6400):  # on a busy machine the reader may have to wait longer than the writer takes
-        writer, counts = start(n, path, frames, 0.002), []
-        while writer.poll() is None:
-            with fsipetsc.open_run(path) as result:
-                assert_prefix(result, [0, random.randrange(1000), -1])
-                counts.append(result.nframes)
-            time.sleep(0.002)  # they may share a core
-        assert writer.returncode == 0
-        assert counts == sorted(counts)
-        with fsipetsc.open_run(path) as result:
-            assert result.complete and result.nframes == frames
-            assert_prefix(result, list(range(frames)))
-        if len(set(counts)) > 20:
-            return
-        path.unlink()
-    raise AssertionError(f"the reader has seen nothing: {counts}")
-
-
-@pytest.mark.mpi
-@pytest.mark.parametrize(("n", "times"), [(1, 3), (2, 2)])
-def test_killed_at_any_moment(tmp_path: Path, n: int, times: int) -> None:
-    for k in range(times):
-        path = tmp_path / f"run{k}.h5"
-        process = start(n, path, 100_000, 0.0)
-        time.sleep(random.random() * 0.5)
-        process.send_signal(signal.SIGKILL if n == 1 else signal.SIGTERM)  # mpiexec kills its ranks
-        process.wait(timeout=PATIENCE)
-        with fsipetsc.open_run(path) as result:
-            assert not result.complete
-            assert_prefix(result, [*range(min(20, result.nframes)), -1])
-        path.unlink()
-        with_leftovers = start(1, path, 3, 0.0)  # what a killed run leaves beside its result does no harm
-        assert with_leftovers.wait(timeout=PATIENCE) == 0
-        with fsipetsc.open_run(path) as result:
-            assert result.complete and result.nframes == 3
-            assert_prefix(result, [0, 1, 2])
 
 
 def test_a_damaged_commit_is_passed_over(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -203,16 +203,6 @@ def test_sutherland_and_power_law():
     np.testing.assert_array_equal(alike, [powers[0], powers[0]])
 
 
-@pytest.mark.parametrize("law", [sutherland(273.0, 111.0, 194.0), power_law(273.0, 0.67, 0.81), power_law(273.0, 0.7)])
-def test_vectors_have_what_numbers_have(law):
-    """The loops treat four points at a time, the conditions one."""
-    T, out = np.array([150.0, 273.0, 800.0, 2500.0]), np.empty(8)
-    c = in_python(law.formulas.constants)(Fluid(**AIR, kappa=1.0, transport=law))
-    from_python(four, law.formulas)(c, T, out)
-    one = from_python(law.formulas.relative)
-    np.testing.assert_allclose(out.reshape(2, 4).T, [one(c, T_k) for T_k in T], rtol=4e-16)
-
-
 @njit
 def four(law, c, s, out):
     of_mu, of_kappa = law.relative(c, load(s, 0))
@@ -323,8 +313,11 @@ SHARED = {
 }
 
 
+LONG = pytest.mark.long  # the kernels of these laws are those of no other test: a minute
+
+
 @pytest.fixture(scope="module")
-def runs(more_kernels, tmp_path_factory):
+def runs(tmp_path_factory):
     """name -> result; all of one rank in one process, which compiles once."""
     folder = tmp_path_factory.mktemp("materials")
     listed = {}
@@ -339,6 +332,7 @@ def runs(more_kernels, tmp_path_factory):
     return {name: fsipetsc.open_run(path) for name, path in compute(1, folder, listed).items()}
 
 
+@LONG
 @pytest.mark.parametrize("order", ORDERS)
 def test_the_manufactured_solution_converges_as_that_of_the_built_in_laws(runs, order):
     """Five layers: Sutherland's law, powers of T by hand, Mie's and Grüneisen's pressure, a stiffened gas; a force on all."""
@@ -347,7 +341,7 @@ def test_the_manufactured_solution_converges_as_that_of_the_built_in_laws(runs, 
     assert np.all(np.log2(coarse / fine) >= LEAST_RATE[order])
 
 
-@pytest.mark.long
+@LONG
 def test_it_does_so_with_powers_that_are_built_in(tmp_path):
     """As with the same law by hand."""
     options = "-fsi_order 4 -fsi_h 0.05 -materials_state mms -materials_powers"
@@ -358,6 +352,7 @@ def test_it_does_so_with_powers_that_are_built_in(tmp_path):
             np.testing.assert_allclose(a[field][-1], b[field][-1], rtol=1e-11, atol=1e-12)
 
 
+@LONG
 def test_interfaces_meet_their_conditions_with_the_viscosity_there(runs):
     """To round-off, with the coupling that fulfils them; stresses and heat fluxes are of the size of 10 and 1."""
     series = runs["energy"].series
@@ -365,6 +360,7 @@ def test_interfaces_meet_their_conditions_with_the_viscosity_there(runs):
         assert np.abs(series[name]).max() < 1e-12
 
 
+@LONG
 @pytest.mark.parametrize("name", [*(f"column_{order}" for order in ORDERS), "papers_4"])
 def test_a_column_under_gravity_stays_at_rest(runs, name):
     """Gas that carries a solid that carries gas ...: what is not at rest falls with the order."""
@@ -374,6 +370,7 @@ def test_a_column_under_gravity_stays_at_rest(runs, name):
     assert np.log2(speeds[0] / speeds[1]) >= LEAST_RATE[order] - 0.6 * (order == 8)
 
 
+@LONG
 @pytest.mark.parametrize("order", ORDERS)
 def test_the_weight_of_the_gas_is_in_the_balance_of_momentum(runs, order):
     """The walls carry it, to round-off. The energy, which has no height, is not said to be kept."""
@@ -388,6 +385,7 @@ def test_the_weight_of_the_gas_is_in_the_balance_of_momentum(runs, order):
     assert laws["energy"] is False and len(laws["masses"]) == 3
 
 
+@LONG
 def test_all_fall_alike(runs):
     """Between walls that fall, too: u = g t, and nothing else changes; what does is the time step's, of order 4."""
     coarse, fine = (np.array([runs[f"fall_{c}"].errors[kind]["combined"] for kind in ("fluid", "solid")]) for c in (0.4, 0.2))

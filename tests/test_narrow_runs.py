@@ -9,7 +9,7 @@ from helpers import REPOSITORY, compute
 import fsipetsc
 
 pytest.importorskip("petsc4py")
-pytestmark = pytest.mark.mpi
+pytestmark = [pytest.mark.mpi, pytest.mark.long]  # kernels that no other test needs
 
 #: order -> least order of the errors of the manufactured solution, in fluid and solid, between the grids below
 LEAST = {2: (1.9, 1.9), 4: (3.0, 2.5), 6: (4.2, 3.9), 8: (5.0, 4.4)}

@@ -9,9 +9,6 @@ from helpers import REPOSITORY, compute, from_python, solve
 pytest.importorskip("numba")
 pytest.importorskip("petsc4py")
 
-import own_gas
-from numba import njit
-from test_stability import N, kernel_rates, record
 
 import fsipetsc
 from fsipetsc import PlaneFluidLayer, PlaneProblem, PlaneSolid, PlaneSolidLayer
@@ -19,18 +16,13 @@ from fsipetsc.boundaries import Wall
 from fsipetsc.boundaries.plane import Clamped, NoSlip
 from fsipetsc.errors import InputError
 from fsipetsc.operators.formulas import Formulas, in_python
-from fsipetsc.operators.memory import load_wide, store
-from fsipetsc.operators.vectors import WIDE
 from fsipetsc.physics.fluid import Fluid
-from fsipetsc.physics.layer import FLUID
 from fsipetsc.physics.own_laws import check, elastic_law, gas_law, pressure_law, transport_law
 from fsipetsc.physics.perfect_gas import perfect_gas
 from fsipetsc.physics.plane.log_solid import log_solid
 from fsipetsc.physics.solid import Solid
 from fsipetsc.plane import ELASTIC
 from fsipetsc.problem import FluidLayer, Problem
-from fsipetsc.scheme.laws import ProblemLaws
-from fsipetsc.scheme.sweep import sweep
 
 SUTHERLAND, OWN_GAS = REPOSITORY / "runs" / "sutherland.py", REPOSITORY / "tests" / "own_gas.py"
 NEEDED = {
@@ -88,21 +80,6 @@ def same(a, b) -> bool:
         for one, other, fields in zip(a.layers, b.layers, names, strict=True)
         for name in fields
     )
-
-
-def test_rates_of_a_perfect_gas_written_by_hand_have_the_bits_of_the_built_in_one():
-    """At one state, from the compiled sweep; and those of another gas are others."""
-    law = gas_law(**{name: getattr(own_gas, name) for name in own_gas.NAMES})
-    fluids = Fluid(0.01, 0.03, 1.4, 1.0), Fluid(0.01, 0.03, 1.4, 1.0, law=law)
-    built_in, by_hand = (from_python(sweep, ProblemLaws(alone(fluid)).layers[0]) for fluid in fluids)
-    x, layer = np.linspace(0, 1, N), record(FLUID, 1 / (N - 1))
-    state = fluids[0].conserved(1 + 0.2 * np.sin(3 * x), 0.1 * np.cos(4 * x), 0.8 + 0.1 * x * x).T
-    for gamma in (1.4, 1.5):
-        gas = Fluid(0.01, 0.03, gamma, 1.0)
-        layer["gamma"], layer["R"], layer["cv"], layer["mu"], layer["kappa"] = gamma, gas.R, gas.cv, 4 / 3 * gas.mu, gas.kappa
-        found = [kernel_rates(kernel, layer, 4, state) for kernel in (built_in, by_hand)]
-        assert np.abs(found[0]).max(axis=1).min() > 1e-3
-        assert np.array_equal(*found) == (gamma == 1.4)
 
 
 def alone(fluid):
@@ -225,28 +202,6 @@ def test_built_in_stresses_and_moduli_are_derivatives_of_the_energy(law):
         for k in range(2):  # F_11, F_21 change in waves along X, F_12, F_22 in those along Y
             fastest = np.linalg.eigvalsh(bends[k::2, k::2] / (4 * step**2)).max()
             assert (1 - 1e-5) * fastest <= found[k] <= 2 * fastest
-
-
-def test_the_neo_hookean_law_of_vectors_is_that_of_numbers():
-    """Lane by lane, near J = 1 and far from it: no other test runs it compiled."""
-    solid, rng = PlaneSolid(**RUBBER, law="neo-hookean"), np.random.default_rng(4)
-    law = solid.formulas
-    F = np.array([1.0, 0.0, 0.0, 1.0])[:, None] + rng.uniform(-0.5, 0.5, (4, WIDE)) * np.logspace(-6, 0, WIDE)
-
-    @njit
-    def evaluate(F, c, out):
-        f = load_wide(F, 0), load_wide(F, WIDE), load_wide(F, 2 * WIDE), load_wide(F, 3 * WIDE)
-        a, b, p, q = law.stress(c, f)
-        x, y = law.modulus(c, f, f[3] * f[3] + f[1] * f[1], f[2] * f[2] + f[0] * f[0])
-        for n, value in enumerate((a, b, p, q, law.energy(c, f), x, y)):
-            store(out, n * WIDE, value)
-
-    c = in_python(law.constants)(solid)
-    evaluate(F, c, out := np.zeros((7, WIDE)))
-    for f, found in zip(F.T, out.T, strict=True):
-        moduli = in_python(law.modulus)(c, f, f[3] ** 2 + f[1] ** 2, f[2] ** 2 + f[0] ** 2)
-        expected = *solid.stress(tuple(f)), in_python(law.energy)(c, f), *moduli
-        np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-14 * solid.K)
 
 
 @pytest.mark.long

@@ -11,7 +11,7 @@ from html import unescape
 
 import numpy as np
 import pytest
-from helpers import compute, solve
+from helpers import PATIENCE, compute, solve
 
 import fsipetsc
 
@@ -282,13 +282,14 @@ def test_the_report_in_a_browser(folder, blast, tmp_path):
     (tmp_path / "probed.html").write_text(page.replace("<head>", "<head>" + LISTEN).replace("</body>", PROBE + "</body>"))
     words = "--headless --no-sandbox --disable-gpu --virtual-time-budget=2000 --enable-logging=stderr --dump-dom".split()
     place = [f"--user-data-dir={tmp_path}/profile", f"file://{tmp_path}/probed.html"]
-    done = subprocess.run([browser, *words, *place], capture_output=True, text=True, timeout=120, check=False)
+    done = subprocess.run([browser, *words, *place], capture_output=True, text=True, timeout=PATIENCE, check=False)
     (seen,) = re.findall(r'data-seen="(.*?)"', done.stdout)
     seen = json.loads(unescape(seen))
     assert 0 < seen.pop("played") < seen.pop("frames") == blast.nframes, done.stderr
     assert seen == {"said": [], "moved": [True, True], "follows": True, "loaded": True} and "CONSOLE" not in done.stderr
 
 
+@pytest.mark.long
 def test_film_and_report_of_one_dimension(folder, tmp_path):
     """The slider of the page has a picture for each frame; everything is in the page itself."""
     assert solve("plot", folder / "pulse.h5", "-animate", "-o", tmp_path).returncode == 0
@@ -305,6 +306,7 @@ def test_film_and_report_of_one_dimension(folder, tmp_path):
         assert len(sources) > 10 and all(source.startswith("data:image/png;base64,") for source in sources)
 
 
+@pytest.mark.long
 def test_one_layer_alone_and_chosen_times(folder, tmp_path):
     """No interface, no gas, and times that are asked for; beside a result with a gas."""
     case = BOX.split("def build")[0] + (

@@ -13,7 +13,6 @@ import fsipetsc
 
 pytest.importorskip("petsc4py")
 
-PISTON = str(REPOSITORY / "runs" / "piston.py")
 SHORT = "-fsi_quiet -fsi_h 0.1"
 #: per step, sums over x: on more ranks the same up to their last bits
 SUMS = ("mass", "energy", "momentum", "entropy", "force")
@@ -22,15 +21,11 @@ RUNS = [
     (0, "rod", f"rod {SHORT} -ts_max_time 0.004 -rod_gravity -100 -fsi_output_dt 0.001 -ts_rk_type 3bs -ts_adapt_type basic"),
     (0, "plain", f"rod {SHORT} -ts_max_steps 30"),
     (2, "", "rod -fsi_h 0.1 -fsi_oder 4 -ts_max_steps 1"),
-    (0, "mms", f"mms {SHORT} -fsi_order 2 -ts_max_steps 5 -ts_type rk -ts_rk_type 4"),
     (3, "", f"rod {SHORT} -fsi_cfl 9 -fsi_output_dt 0.002 -fsi_output failed.h5"),
-    (0, "pulse", "pulse -fsi_quiet -fsi_h 0.05 -ts_max_steps 20 -options_file some.opts"),
     (2, "", f"helped/case.py {SHORT} -ts_max_steps 5"),
     (2, "", "mms -options_file missing_letter.opts"),
-    (0, "piston", f"{PISTON} -fsi_quiet -ts_max_steps 20"),
     (0, "again", f"rod {SHORT} -ts_max_steps 30"),
     (2, "", f"rod {SHORT} -ts_max_steps 3 -log_view"),
-    (0, "study", "convergence mms -fsi_quiet -fsi_orders 2 -fsi_hs 0.1,0.05 -ts_max_steps 3"),
     (0, "last", f"rod {SHORT} -ts_max_steps 30 -fsi_spare 0"),
 ]
 #: what a rank may be alone with leaves something behind where there are others, who would have to give it back, too
@@ -79,7 +74,7 @@ def alone(tmp_path_factory):
     return where
 
 
-@pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.mpi)])
+@pytest.mark.parametrize("ranks", [1])
 def test_runs_in_one_process_are_runs_in_processes_of_their_own(ranks, alone, tmp_path):
     _files(tmp_path)
     runs = RUNS + (ALONE if ranks == 1 else [])
@@ -123,28 +118,3 @@ def test_a_host_of_runs_keeps_its_own_options(tmp_path):
             assert (result.summary["steps"], result.options["fsi_order"]) == (steps, 4)
 
 
-RESTING = """
-import json, time
-from fsipetsc.process.launch import start_mpi
-from fsipetsc.process.together import wait_asleep
-
-comm = start_mpi()
-comm.Barrier()
-end = time.monotonic() + 1.0
-spent = time.process_time()
-while comm.rank == 0 and time.monotonic() < end:
-    pass
-wait_asleep(comm)
-everybody = comm.gather((time.monotonic() >= end - 0.1, time.process_time() - spent))
-if comm.rank == 0:
-    print(json.dumps(everybody))
-"""
-
-
-@pytest.mark.mpi
-def test_ranks_sleep_while_one_works():
-    """So that one that compiles has its core for itself, although MPI waits without a pause."""
-    done = mpirun(2, "-c", RESTING)
-    assert (done.returncode, done.stderr) == (0, "")
-    (worked, _), (waited, spent) = json.loads(done.stdout)
-    assert worked and waited and spent < 0.3

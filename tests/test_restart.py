@@ -19,30 +19,17 @@ pytestmark = pytest.mark.mpi
 
 PISTON = str(REPOSITORY / "runs" / "piston.py")
 LAYERS = str(REPOSITORY / "tests" / "layers.py")
-WALLS = str(REPOSITORY / "tests" / "walls.py")
-EDGES = str(REPOSITORY / "tests" / "moving_edges.py")
 _ROD = "-fsi_h 0.025 -ts_max_time 0.08 -fsi_output_dt 0.02"
 #: name -> case, options, steps after which the checkpoint is written that the run goes on from
 RUNS = {
     "rod": ("rod", f"{_ROD} -fsi_check 1e-3", 400),
-    "grows": ("rod", f"{_ROD} -fsi_spare 0 -fsi_order 2", 400),
-    "balanced": ("rod", f"{_ROD} -fsi_partition balanced -fsi_shared_memory 0", 400),
     "5dp": ("rod", "-fsi_h 0.05 -ts_max_time 0.1 -ts_rk_type 5dp -ts_adapt_type basic -ts_rtol 1e-7 -ts_atol 1e-7", 50),
-    "3bs": ("rod", "-fsi_h 0.05 -ts_max_time 0.02 -rod_gravity -1000 -ts_rk_type 3bs", 40),
     "rk": ("rod", "-fsi_h 0.05 -ts_max_time 0.02 -rod_gravity -1000 -ts_type rk", 40),
-    "ssp": ("pulse", "-fsi_h 0.05 -fsi_order 2 -ts_max_time 0.002 -ts_type ssp", 10),
     "mms": ("mms", "-fsi_h 0.025 -fsi_order 6 -ts_max_time 0.1 -fsi_output_dt 0.02", 8),
     "piston": (PISTON, "-ts_max_time 0.048", 300),
-    "moving": (LAYERS, "-layers gsg -layers_moving yes -fsi_order 8 -fsi_h 0.025 -ts_max_time 0.2", 15),
     "rigid": (LAYERS, "-layers gsgsg -fsi_mapping rigid -fsi_spare 0 -ts_max_time 0.2", 6),
     "stretched": ("pulse", "-fsi_h 0.025 -fsi_mapping stretched -pulse_amplitude 1000 -ts_max_time 0.003", 30),
-    "energy": (LAYERS, "-layers gsgsg -fsi_mapping stretched -fsi_coupling energy -fsi_order 6 -ts_max_time 0.2", 6),
     "blast": ("blast", "-fsi_h 0.125 -fsi_order 2 -ts_max_time 0.3 -fsi_output_dt 0.05", 6),
-    "slips": ("panel", "-fsi_h 0.125 -fsi_order 2 -ts_max_time 0.1 -fsi_output_dt 0.05", 12),
-    "plane": ("plane_mms", "-fsi_h 0.0625 -ts_max_time 0.1 -ts_rk_type 3bs", 3),
-    "given": (EDGES, "-wall Given -fsi_h 0.1 -fsi_order 2 -ts_max_time 0.5 -fsi_output_dt 0.2", 3),
-    "waves": (EDGES, "-wall waves -fsi_h 0.1 -fsi_order 2 -ts_max_time 0.4 -fsi_output_dt 0.2", 3),
-    "walls": (WALLS, "-walls_state left -fsi_h 0.02 -fsi_order 6 -ts_max_time 0.1", 8),
 }
 #: of what is integrated the last bits depend on the number of ranks
 SUMS = {*SUMS_ALONG_X, "momentum_x", "momentum_y", "impulse_x", "impulse_y", "mass_in", "energy_in"}

@@ -14,10 +14,7 @@ import fsipetsc
 pytest.importorskip("petsc4py")
 
 import test_dissipation_runs
-import test_materials
-import test_narrow_runs
 import test_ranks
-import test_two_point_runs
 
 pytestmark = pytest.mark.mpi
 
@@ -25,17 +22,14 @@ SHARED = {
     f"{group} {name}": run
     for group, runs in {
         "coupling": test_ranks.EVERY,
-        "narrow": test_narrow_runs.SHARED,
         "dissipation": test_dissipation_runs.SHARED,
-        "two-point": test_two_point_runs.SHARED,
-        "materials": test_materials.SHARED,
     }.items()
     for name, run in runs.items()
 }
 
 
-#: ranks -> the runs that are made on them: each on one rank and on two, three or five
-ON = {1: list(SHARED), 2: list(SHARED)[::2], 3: list(SHARED)[1::2], 5: list(SHARED)[::4]}
+#: ranks -> the runs that are made on them: each on one rank and on two or three
+ON = {1: list(SHARED), 2: list(SHARED)[::2], 3: list(SHARED)[1::2]}
 
 
 @pytest.fixture(scope="module")
@@ -45,7 +39,7 @@ def results(more_kernels, tmp_path_factory):
     return {(n, name): fsipetsc.open_run(path) for n, files in found.items() for name, path in files.items()}
 
 
-@pytest.mark.parametrize(("n", "name"), [(n, name) for n in (2, 3, 5) for name in ON[n]])
+@pytest.mark.parametrize(("n", "name"), [(n, name) for n in (2, 3) for name in ON[n]])
 def test_ranks_change_no_bit(results, n, name):
     one, more = results[1, name], results[n, name]
     assert more.summary["ranks"] == n

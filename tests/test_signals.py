@@ -1,17 +1,14 @@
-"""Signals, and launchers that go: whenever they come, all ranks end in order, say it once, and leave what was computed."""
+"""Signals at named places before, within and behind a run: all ranks end in order, say it once, and leave what was computed.
+
+Each process sends them to itself, so that they come there and nowhere else. (Between the steps: tests/test_kills.py.)
+"""
 
 from __future__ import annotations
 
-import os
 import signal
-import subprocess
-import sys
-import time
-from pathlib import Path
 
-import numpy as np
 import pytest
-from helpers import PATIENCE, assert_readable, environment, message, mpirun, run, solve
+from helpers import message, mpirun, run, solve
 from said import parted
 
 import fsipetsc
@@ -21,59 +18,15 @@ pytest.importorskip("petsc4py")
 LONG = "rod -fsi_h 0.025 -fsi_output_dt 0.001 -ts_max_time 1000 -fsi_output long.h5".split()
 
 
-def started(ranks: int, cwd: Path) -> subprocess.Popen[str]:
-    """A long run that has saved some frames."""
-    command = [sys.executable, "-m", "fsipetsc", *LONG]
-    if ranks > 1:
-        command = ["mpiexec", "-n", str(ranks), *command]
-    process = subprocess.Popen(command, cwd=cwd, env=environment(), text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-    end = time.monotonic() + PATIENCE
-    while time.monotonic() < end and process.poll() is None:
-        try:
-            with fsipetsc.open_run(cwd / "long.h5") as result:
-                if result.nframes > 2:
-                    return process
-        except fsipetsc.errors.FileError:
-            pass
-        time.sleep(0.2)
-    process.kill()
-    raise AssertionError(f"no frames: {process.communicate()}")
-
-
-def processors(pid: int) -> float:
-    """Seconds of processors that a process has had, by which it is equally far on its way wherever it runs."""
-    fields = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
-    return sum(map(int, fields[11:13])) / os.sysconf("SC_CLK_TCK")
-
-
-@pytest.mark.mpi
-def test_a_signal_to_one_rank_while_it_starts_ends_all(tmp_path):
-    """At any moment: nobody waits for a rank that has left. (Before MPI is there, the launcher speaks, not the program.)"""
-    ranks = 2
-    command = ["mpiexec", "-n", str(ranks), sys.executable, "-m", "fsipetsc", *LONG, "-fsi_quiet"]
-    for number, delay in ((signal.SIGINT, 0.3), (signal.SIGHUP, 0.7), (signal.SIGTERM, 1.2)):
-        pipe = subprocess.PIPE
-        process = subprocess.Popen(command, cwd=tmp_path, env=environment(), text=True, stdout=pipe, stderr=pipe)
-        end = time.monotonic() + PATIENCE
-        while len(started_ranks := ranks_of(process.pid)) < ranks and time.monotonic() < end:
-            time.sleep(0.01)  # the list of the system may lack somebody who was in it before
-        while processors(started_ranks[-1]) < delay and time.monotonic() < end:
-            time.sleep(0.01)
-        os.kill(started_ranks[-1], number)
-        _, err = process.communicate(timeout=PATIENCE)
-        assert process.returncode == 128 + number, err
-        assert err.count("fsipetsc: error: ") <= 1 and "Traceback" not in err
-
-
 SIGNALLED = """
-import os, sys
+import signal, sys
 from fsipetsc import cli
 
 start, number = cli.start_mpi, int(sys.argv.pop(1))
 
 
 def signalled():
-    os.kill(os.getpid(), number)  # it waits until all ranks can be told
+    signal.raise_signal(number)  # it waits until all ranks can be told
     return start()
 
 
@@ -94,7 +47,7 @@ signalled = 0
 
 def signal_to(rank, number=signal.SIGHUP):
     if os.environ.get("OMPI_COMM_WORLD_RANK", os.environ.get("PMI_RANK", str(rank))) == str(rank):
-        os.kill(os.getpid(), number)
+        signal.raise_signal(number)
 
 
 def build(opt):
@@ -149,7 +102,7 @@ start = Integrator.start
 def started(self):
     start(self)
     with suppress(BaseException):
-        os.kill(os.getpid(), signal.SIGHUP)
+        signal.raise_signal(signal.SIGHUP)
 
 
 Integrator.start = started
@@ -157,51 +110,17 @@ sys.exit(cli.main("rod -fsi_h 0.1 -ts_max_time 1000 -fsi_quiet".split()))
 """
 
 
-@pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.mpi)])
-def test_a_signal_not_heard_just_before_the_time_loop_ends_it_at_its_first_step(ranks, tmp_path):
-    done = mpirun(ranks, "-c", HOLE, cwd=tmp_path)
+@pytest.mark.mpi
+def test_a_signal_not_heard_just_before_the_time_loop_ends_it_at_its_first_step(tmp_path):
+    done = mpirun(2, "-c", HOLE, cwd=tmp_path)
     assert "stopped by SIGHUP at t = " in message(done, 129)
     with fsipetsc.open_run(tmp_path / "rod.h5") as result:
         assert (result.summary["status"], result.summary["steps"]) == ("stopped", 1)
 
 
-TAKEN = """
-import ctypes, os, signal, sys
-from fsipetsc import cli
-from fsipetsc.stepping import run
-
-start, header = cli.start_mpi, run._Run._header
-ignore = ctypes.CDLL(None).signal
-ignore.argtypes, ignore.restype = (ctypes.c_int, ctypes.c_void_p), ctypes.c_void_p
-
-
-def taken():
-    world = start()
-    ignore(signal.SIGHUP, int(signal.SIG_IGN))  # Python does not know
-    return world
-
-
-def signalled(self):
-    os.kill(os.getpid(), signal.SIGHUP)
-    return header(self)
-
-
-cli.start_mpi, run._Run._header = taken, signalled
-sys.exit(cli.main("rod -fsi_h 0.1 -ts_max_steps 2 -fsi_quiet".split()))
-"""
-
-
-def test_a_library_that_answers_a_signal_itself_does_not_keep_it(tmp_path):
-    """UCX, below some MPI, wants SIGHUP for itself."""
-    done = run("-c", TAKEN, cwd=tmp_path)
-    assert message(done, 129) == "fsipetsc: error: stopped by SIGHUP before the first step"
-
-
-@pytest.mark.parametrize(("words", "number"), [("rod", signal.SIGTERM), ("stability", signal.SIGINT)])
-def test_a_signal_that_comes_while_mpi_starts_is_named(words, number, tmp_path):
-    done = run("-c", SIGNALLED, int(number), words, cwd=tmp_path)
-    when = " before the first step" if words == "rod" else ""
-    assert message(done, 128 + number) == f"fsipetsc: error: stopped by {signal.Signals(number).name}{when}"
+def test_a_signal_that_comes_while_mpi_starts_is_named(tmp_path):
+    done = run("-c", SIGNALLED, int(signal.SIGTERM), "rod", cwd=tmp_path)
+    assert message(done, 143) == "fsipetsc: error: stopped by SIGTERM before the first step"
 
 
 LATE = """
@@ -213,7 +132,7 @@ last = run._Run._last_frame
 
 
 def signalled(self):
-    os.kill(os.getpid(), signal.SIGTERM)
+    signal.raise_signal(signal.SIGTERM)
     last(self)
 
 
@@ -227,82 +146,6 @@ def test_a_signal_behind_the_last_step_is_not_said_to_come_before_the_first(tmp_
     assert text == "fsipetsc: error: SIGTERM came while the result was being written"
     with fsipetsc.open_run(tmp_path / "rod.h5") as result:
         assert (result.summary["steps"], len(result.series["t"])) == (3, 3)
-
-
-@pytest.mark.mpi
-def test_ranks_end_in_order_when_their_launcher_is_killed(tmp_path):
-    process = started(2, tmp_path)
-    ranks = ranks_of(process.pid)
-    process.kill()
-    process.communicate(timeout=PATIENCE)
-    end = time.monotonic() + PATIENCE
-    while any(Path(f"/proc/{rank}").exists() for rank in ranks) and time.monotonic() < end:
-        time.sleep(0.05)
-    left = [rank for rank in ranks if Path(f"/proc/{rank}").exists()]
-    for rank in left:
-        os.kill(rank, signal.SIGKILL)
-    assert len(ranks) == 2 and left == []
-    with fsipetsc.open_run(tmp_path / "long.h5") as result:
-        ended = "status" in result.summary
-        assert result.nframes > 2
-    if ended:  # MPI has let them: it aborts ranks that have lost their launcher, and now and then is faster than they are
-        assert_readable(tmp_path / "long.h5", "stopped", 1000.0)
-
-
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
-def test_a_signal_ends_the_run_in_order(number, tmp_path):
-    process = started(1, tmp_path)
-    process.send_signal(number)
-    out, err = process.communicate(timeout=PATIENCE)
-    text = message(subprocess.CompletedProcess([], process.returncode, out, err), 128 + number)
-    assert signal.Signals(number).name in text
-    assert "long.h5" in text
-    assert_readable(tmp_path / "long.h5", "stopped", 1000.0)
-    with fsipetsc.open_run(tmp_path / "long.h5") as result:
-        assert not result.complete
-        assert result.time[-1] == result.series["t"][-1] == result.summary["t"], "the last state is saved"
-
-
-def ranks_of(pid: int) -> list[int]:
-    """Processes of the program that a launcher has started, by /proc: its first thread, another, or a launcher below it."""
-    found = []
-    for listed in Path(f"/proc/{pid}/task").glob("*/children"):
-        for child in map(int, listed.read_text().split()):
-            ours = b"\0-m\0fsipetsc\0" in Path(f"/proc/{child}/cmdline").read_bytes()
-            found += ranks_of(child) or [child] * ours
-    return found
-
-
-@pytest.mark.mpi
-def test_a_signal_to_rank_0_stops_all(tmp_path):
-    """(To the last rank: test_kills.)"""
-    process = started(2, tmp_path)
-    ranks = ranks_of(process.pid)
-    if len(ranks) != 2:
-        process.terminate()
-        process.communicate(timeout=PATIENCE)
-        pytest.skip("the ranks are not to be found below the launcher")
-    os.kill(ranks[0], signal.SIGTERM)
-    out, err = process.communicate(timeout=PATIENCE)
-    message(subprocess.CompletedProcess([], process.returncode, out, err), 143)
-    assert_readable(tmp_path / "long.h5", "stopped", 1000.0)
-
-
-def test_a_killed_run_leaves_its_frames(tmp_path):
-    process = started(1, tmp_path)
-    time.sleep(0.3)
-    process.kill()
-    process.communicate(timeout=PATIENCE)
-    assert process.returncode == -signal.SIGKILL
-    with fsipetsc.open_run(tmp_path / "long.h5") as result:
-        assert not result.complete
-        assert result.nframes > 2
-        np.testing.assert_allclose(result.time, 0.001 * np.arange(result.nframes))
-        assert np.isfinite(result.layers[1]["u"]).all()
-        assert result.series["t"][-1] >= result.time[-1]
-    done = solve("info", "long.h5", cwd=tmp_path)
-    assert done.returncode == 0
-    assert "unfinished" in done.stdout
 
 
 WRITING = """
@@ -319,7 +162,7 @@ def signalled(self, action):
     def followed():
         result = action()
         if MPI.COMM_WORLD.rank == rank:
-            os.kill(os.getpid(), signal.SIGTERM)
+            signal.raise_signal(signal.SIGTERM)
         return result
 
     return there(self, followed)
@@ -330,17 +173,10 @@ sys.exit(cli.main("rod -fsi_h 0.1 -ts_max_time 1000 -fsi_quiet".split()))
 """
 
 
-@pytest.mark.parametrize(
-    ("ranks", "place", "rank"),
-    [
-        (1, "_on_root", 0),
-        pytest.param(2, "_on_root", 0, marks=pytest.mark.mpi),
-        pytest.param(2, "_together", 1, marks=pytest.mark.mpi),
-    ],
-)
-def test_a_signal_while_the_result_is_made_is_no_fault_of_the_file(ranks, place, rank, tmp_path):
+@pytest.mark.mpi
+def test_a_signal_while_the_result_is_made_is_no_fault_of_the_file(tmp_path):
     """Within what one rank does, where any exception is taken for a file that cannot be written, on all ranks."""
-    done = mpirun(ranks, "-c", WRITING, place, rank, cwd=tmp_path)
+    done = mpirun(2, "-c", WRITING, "_together", 1, cwd=tmp_path)
     assert message(done, 143) == "fsipetsc: error: stopped by SIGTERM before the first step"
     assert "MPI_ABORT" not in done.stderr
 
@@ -357,7 +193,7 @@ there = getattr(cli, "_answer")
 def signalled(arguments):
     there(arguments)
     with suppress(*[BaseException] * swallow):
-        os.kill(os.getpid(), number)
+        signal.raise_signal(number)
 
 
 cli._answer = signalled
@@ -365,10 +201,8 @@ sys.exit(cli.main())
 """
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_signal_to_what_one_process_answers_is_named(number, tmp_path):
-    name = signal.Signals(number).name
-    for how, said in (("heard", f"stopped by {name}"), ("swallowed", f"{name} came; what it was to stop is done")):
-        done = run("-c", ANSWERING, int(number), how, "new", f"{how}.py", cwd=tmp_path)
-        assert message(done, 128 + number) == f"fsipetsc: error: {said}"
+def test_a_signal_to_what_one_process_answers_is_named(tmp_path):
+    for how, said in (("heard", "stopped by SIGINT"), ("swallowed", "SIGINT came; what it was to stop is done")):
+        done = run("-c", ANSWERING, int(signal.SIGINT), how, "new", f"{how}.py", cwd=tmp_path)
+        assert message(done, 130) == f"fsipetsc: error: {said}"
         assert (tmp_path / f"{how}.py").exists()

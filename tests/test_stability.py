@@ -157,6 +157,7 @@ def test_theorem_4_1_holds_to_round_off(order, eos, stretch):
         assert 0.99 < result.step_ratio < 1.01
 
 
+@pytest.mark.long
 @ORDERS
 @pytest.mark.parametrize("coupling", ["energy", "projection"])
 def test_narrow_second_derivatives_take_energy_and_give_none(order, coupling):

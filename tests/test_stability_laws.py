@@ -126,6 +126,7 @@ def compare(problem: Problem, k: int, order: int, coupling: str, narrow: bool = 
 
 
 @pytest.mark.long
+@pytest.mark.long  # kernels that no other test needs
 @pytest.mark.parametrize(("order", "coupling"), list(zip((8, 6, 4, 2), COUPLINGS)))
 @pytest.mark.parametrize("k", [2, 4])
 def test_the_linear_scheme_is_the_derivative_of_the_right_hand_side(k, order, coupling):

@@ -6,7 +6,7 @@ import subprocess
 import sys
 
 import pytest
-from helpers import PATIENCE, REPOSITORY, environment, run
+from helpers import PATIENCE, environment, run
 
 import fsipetsc
 
@@ -14,7 +14,6 @@ pytest.importorskip("petsc4py")
 
 #: prints far more than what one who leaves after a line has read, in many writes
 RUN = "rod -fsi_h 0.1 -ts_max_steps 300 -ts_monitor".split()
-SCRIPT = f"PYTHON={sys.executable} '{REPOSITORY}/scripts/run'"
 COMPUTES = f"{sys.executable} -m fsipetsc {' '.join(RUN)}"
 
 
@@ -28,11 +27,8 @@ def shell(line: str, cwd) -> tuple[int, str]:
 @pytest.mark.parametrize(
     ("line", "said"),
     [
-        (f"{COMPUTES} >&-", 0),
         (f"{COMPUTES} >/dev/full", 1),
         (f"{COMPUTES} | head -n 0; exit ${{PIPESTATUS[0]}}", 0),
-        # by scripts/run, since Open MPI's mpiexec by itself ends the job then
-        pytest.param(f"{SCRIPT} {' '.join(RUN)} | head -n 1 >/dev/null; exit ${{PIPESTATUS[0]}}", 0, marks=pytest.mark.mpi),
     ],
 )
 def test_a_run_goes_on(line, said, tmp_path):

@@ -85,17 +85,6 @@ def test_rates(order, n):
 
 
 @ORDERS
-def test_any_cut_gives_the_same_bits(order):
-    n = 2 * BLOCK + 37
-    layer, q = moving(n, 2, n - 2)
-    layer["mu"], layer["kappa"] = GAS.mu, GAS.kappa
-    whole = right_hand_side(kernel, layer, order, q, 0, n)
-    assert np.isfinite(whole).all()
-    for begin, end, cuts in ((0, n, (5, 17, BLOCK + 3)), (0, 61, (9, 30)), (61, 700, (333,)), (700, n, (n - 7,))):
-        assert np.array_equal(whole[begin:end], right_hand_side(kernel, layer, order, q, begin, end, cuts))
-
-
-@ORDERS
 def test_uniform_flow(order):
     """A uniform flow stays one on a grid that is stretched: J U changes as J does."""
     n = 61

@@ -9,7 +9,7 @@ from helpers import REPOSITORY, compute, solve
 import fsipetsc
 
 pytest.importorskip("petsc4py")
-pytestmark = pytest.mark.mpi
+pytestmark = [pytest.mark.mpi, pytest.mark.long]  # kernels that no other test needs
 
 #: order -> least order of the errors of the manufactured solution, in fluid and solid, between the grids below
 LEAST = {2: (1.9, 1.9), 4: (3.0, 2.6), 6: (4.1, 4.2), 8: (4.7, 4.4)}
@@ -21,8 +21,6 @@ SHARED = {
     "mms": ("mms", f"{_SHARED} -fsi_order 6 -fsi_h 0.025"),
     "column": ("column", f"{_SHARED} -fsi_order 4 -fsi_h 0.05 -ts_max_time 0.3"),
     "piston": ("piston", f"{_SHARED} -ts_max_time 0.01"),
-    # tile by tile, if a rank has enough points for that
-    **{f"tiles {order}": ("box", f"tiles {_SHARED} -fsi_order {order} -fsi_h 0.005 -ts_max_steps 12") for order in LEAST},
 }
 ALONE = {f"mms {order} {h}": ("mms", f"{_FORM} -fsi_order {order} -fsi_h {h}") for order in LEAST for h in SPACINGS}
 #: a gas that is neither viscous nor conducts

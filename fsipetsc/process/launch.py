@@ -30,6 +30,9 @@ def start_mpi() -> MPI.Comm:
     import mpi4py
 
     mpi4py.rc.thread_level = "funneled"  # as PETSc asks for; locks for more threads would cost time in each message
+    # Open MPI's pointers into files that ranks share, which nothing here uses, take a semaphore that is named after the file
+    # alone: one that another user of the node has left, or another folder's file of that name, would stop or hang the run
+    os.environ.setdefault("OMPI_MCA_sharedfp", "^sm")
     from mpi4py import MPI
 
     return MPI.COMM_WORLD

@@ -173,7 +173,8 @@ class ProblemLaws:
         met = [(self.of_layers[fluid], self.of_layers[solid]) for fluid, solid in problem.interfaces]
         known = sorted(set(met))
         self.of_interfaces = [known.index(numbers) for numbers in met]
-        self.pairs = tuple(pair(self.layers[fluid], self.layers[solid]) for fluid, solid in known)
+        # compiled functions name a pair also where no interface will ever ask for it: a single layer
+        self.pairs = tuple(pair(self.layers[fluid], self.layers[solid]) for fluid, solid in known) or PAIRS
         self._variants = None
         if names is not _BUILT_IN:
             name = "laws-" + digest((tuple(names), tuple(known)))
