@@ -55,12 +55,13 @@ class SolidPart:
         v, T, x = values[:d], values[d], values[d + 1 :]
         for c in range(d):
             q[:, c], q[:, d + c] = x[c] - X[c], v[c]
-        stored = (1.0 - self.equations.coupled) * self.equations.law.energy(self._strain_of(x)) / self.equations.m0
-        q[:, 2 * d] = self.equations.alpha * T + stored + 0.5 * sum(c * c for c in v)
+        solid = self.equations
+        q[:, 2 * d] = solid.alpha * T + 0.5 * sum(c * c for c in v)
+        if not solid.coupled:
+            q[:, 2 * d] += solid.law.energy(self._strain_of_case()) / solid.m0
 
-    def _strain_of(self, x: list[Array]) -> tuple[Array, ...]:
-        """F of the owned nodes where these stand at x of the case, which knows the nodes of halos as well."""
-        del x
+    def _strain_of_case(self) -> tuple[Array, ...]:
+        """F of the owned nodes from the case's places, which it knows in halos as well."""
         q = np.zeros((self.X.shape[1], 2 * self._d + 1))
         places = self.block.initial(*self.X)[self._d + 1 :]
         for c in range(self._d):
