@@ -1,7 +1,8 @@
 """The state of a run of blocks: solution, scheme, what is known after a step, what is saved.
 
-It has the names that stepping.run, stepping.integrator and the writer ask for: ``solution``, ``results``, ``journal``,
-``right_hand_side``, ``finish``, ``save`` …; the equations are those of fsipetsc.run.block_scheme.
+It has the names that stepping.run, stepping.integrator and the writer ask for: ``solution``,
+``results``, ``journal``, ``right_hand_side``, ``finish``, ``save`` …; the equations are those of
+fsipetsc.run.block_scheme.
 """
 
 from __future__ import annotations
@@ -35,6 +36,8 @@ from fsipetsc.stepping.state import FAULT
 KEPT = 4096
 #: seconds of compiling after which a word is due
 PATIENCE = 2.0
+#: nodes of a problem that rank 0 can hold alone
+MOST_ALONE = 500_000
 
 
 class BlockForm(NamedTuple):
@@ -50,6 +53,18 @@ def make_scheme(*arguments: Any) -> Any:
     from fsipetsc.run.block_scheme import Scheme
 
     return Scheme(*arguments)
+
+
+def _call_all(scheme: Any, y: BlockVector, t: float) -> None:
+    """Call all of a scheme, at the initial data. Collective on its communicator."""
+    scheme.initial(t, y)
+    scheme.stretch(t, y)
+    scheme.complete(t, y)
+    scheme.rates(t, y, np.zeros_like(y.array))
+    scheme.bounds(t, y)
+    scheme.integrals(t, y)
+    for part in scheme.layout.parts:
+        scheme.fields(t, y, part.k)
 
 
 class BlockState:
@@ -75,7 +90,7 @@ class BlockState:
         partition: str = "auto",
     ) -> None:
         self.comm, self.problem, self.h, self.op = comm, problem, h, OPERATORS[order]
-        self._order, self.convection = order, form.convection
+        self._order, self._form, self.convection = order, form, form.convection
         blocks, d = problem.layers, problem.dimension
         gases = sum(block.kind == "fluid" for block in blocks)
         self._gained = gained(gases, d)
@@ -121,24 +136,36 @@ class BlockState:
     def compile(
         self, announce: Callable[[str], None], also: Callable[[], object] = lambda: None
     ) -> None:
-        """Compile the kernels: one rank first, the others take its result from the disk."""
+        """Compile the kernels: rank 0 first, the others find them on the disk.
+
+        Rank 0 tries all of the scheme on the whole problem, alone; on very large ones each rank
+        compiles when it comes to it.
+        """
         if self.comm.rank == 0:
             words = "compiling the kernels for the materials of this case"
             timer = threading.Timer(PATIENCE, announce, (words,))
             timer.daemon = True
             timer.start()
             try:
-                self._compile()
+                compile_stages()
+                self._try_scheme()
             finally:
                 timer.cancel()
         wait_asleep(self.comm)
-        self._compile()
-
-    def _compile(self) -> None:
         compile_stages()
-        compiled = getattr(self.scheme, "compile", None)
-        if compiled is not None:
-            compiled()
+
+    def _try_scheme(self) -> None:
+        """Call all of the scheme once. On rank 0."""
+        if self.comm.size == 1:
+            _call_all(self.scheme, self._stage, self.begin)
+        elif self.points <= MOST_ALONE:
+            alone = BlockLayout(MPI.COMM_SELF, self.problem, self._order, behind=self.layout.behind)
+            y = alone.vector()
+            scheme = make_scheme(alone, self.problem, self._order, self._form, self._instant)
+            _call_all(scheme, y, self.begin)
+            scheme.destroy()
+            y.destroy()
+            alone.destroy()
 
     def compile_saving(self) -> None:
         """All has been compiled."""
@@ -268,7 +295,10 @@ class BlockState:
         return snapshot.capture(self, rates)
 
     def restore(self, arrays: Mapping[str, np.ndarray], t: float) -> np.ndarray | None:
-        """Be at time t [s] what arrays, known on all ranks, tell of; the rates among them. InputError."""
+        """Be at time t [s] what arrays tell of, which all ranks know; the rates among them.
+
+        InputError for other grids.
+        """
         snapshot.check(self, arrays)
         self.results[:], as_numbers(self.latest)[:] = arrays["results"], arrays["latest"]
         self._t = t
