@@ -15,6 +15,7 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
+from fsipetsc.checks import counted
 from fsipetsc.errors import FsiError, InputError
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_layout import BlockLayout, BlockVector
@@ -28,6 +29,7 @@ from fsipetsc.run.fused import STAGES, FusedRK4, compile_stages
 from fsipetsc.run.run_problem import RunProblem
 from fsipetsc.scheme.plan import BAD, FLAGS, LIMITS, RATE, SAID_STOP, STOP
 from fsipetsc.stepping.diagnosis import Failure
+from fsipetsc.stepping.phases import logged
 from fsipetsc.stepping.snapshot import as_numbers, rates_of
 from fsipetsc.stepping.start import Start
 from fsipetsc.stepping.state import FAULT
@@ -104,6 +106,8 @@ class BlockState:
         self.scheme = together(
             comm, lambda: make_scheme(self.layout, problem, order, form, self._instant)
         )
+        for name in ("complete", "rates", "bounds", "integrals"):
+            setattr(self.scheme, name, logged(f"fsi {name}", getattr(self.scheme, name)))
         self._fused = FusedRK4(self.layout, self.scheme, self._stage)
         record = step_record(len(blocks), gases, d, getattr(self.scheme, "more", ()))
         self.journal = np.zeros(KEPT, record)
@@ -115,6 +119,11 @@ class BlockState:
         self._orders = self._make_orders()
 
     # size and names
+
+    @property
+    def grid_text(self) -> str:
+        """About the grid, in the first line of a run."""
+        return counted(len(self.problem.layers), "block")
 
     @property
     def points(self) -> int:
