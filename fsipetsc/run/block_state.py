@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,12 +23,14 @@ from fsipetsc.parallel.block_layout import BlockLayout, BlockVector
 from fsipetsc.parallel.natural_order import NaturalOrder
 from fsipetsc.process.together import agree, together, wait_asleep
 from fsipetsc.run import snapshot
+from fsipetsc.run.after_step import WORDS, note_extremes, plan_next
 from fsipetsc.run.columns import fields_of, gained, step_record
 from fsipetsc.run.errors_of_blocks import errors
 from fsipetsc.run.failures import describe_failure
 from fsipetsc.run.fused import STAGES, FusedRK4, compile_stages
 from fsipetsc.run.run_problem import RunProblem
-from fsipetsc.scheme.plan import BAD, FLAGS, LIMITS, RATE, SAID_STOP, STOP
+from fsipetsc.scheme.burst import DT
+from fsipetsc.scheme.plan import BURST, FLAGS, LIMITS, RATE, SAID_STOP
 from fsipetsc.stepping.diagnosis import Failure
 from fsipetsc.stepping.phases import logged
 from fsipetsc.stepping.snapshot import as_numbers, rates_of
@@ -79,9 +82,6 @@ class BlockState:
     InputError where blocks, order and ranks do not fit.
     """
 
-    #: steps are made one by one
-    bursts = False
-
     def __init__(
         self,
         comm: MPI.Comm,
@@ -95,14 +95,13 @@ class BlockState:
         self._order, self._form, self.convection = order, form, form.convection
         blocks, d = problem.layers, problem.dimension
         gases = sum(block.kind == "fluid" for block in blocks)
-        self._gained = gained(gases, d)
-        behind = self._gained.itemsize // 8
+        behind = gained(gases, d).itemsize // 8
         self.layout = BlockLayout(comm, problem, order, partition=partition, behind=behind)
         self.y = self.layout.vector()
         self._stage = self.layout.vector()
         size = (self.layout.local_size, None)
         self.solution = PETSc.Vec().createWithArray(self.y.array, size=size, comm=comm)
-        self.results = np.zeros(FLAGS + LIMITS)
+        self.results = np.zeros(FLAGS + LIMITS)  # until there are records
         self.scheme = together(
             comm, lambda: make_scheme(self.layout, problem, order, form, self._instant)
         )
@@ -110,13 +109,25 @@ class BlockState:
             setattr(self.scheme, name, logged(f"fsi {name}", getattr(self.scheme, name)))
         self._fused = FusedRK4(self.layout, self.scheme, self._stage)
         record = step_record(len(blocks), gases, d, getattr(self.scheme, "more", ()))
-        self.journal = np.zeros(KEPT, record)
-        self.latest = np.zeros(1, [(name, record[name]) for name in record.names[2:]])[0]
-        self._extremes = np.zeros(1 + 5 * len(blocks))
+        self._lay_records(record)
+        self._extremes = np.zeros(1 + WORDS * len(blocks))
         self.rates = np.zeros((len(blocks), 2))
         self.evaluations, self.begin, self._t = 0, 0.0, 0.0
         self.fault: InputError | None = None  # of a user's function, on this rank
         self._orders = self._make_orders()
+
+    def _lay_records(self, record: np.dtype) -> None:
+        """Flags, what a burst of steps is told, and the records of steps."""
+        row = record.itemsize // 8
+        self.results, self.burst = np.zeros(FLAGS + LIMITS), np.zeros(BURST)
+        rows, self._latest = np.zeros((KEPT, row)), np.zeros(row - 2)
+        self.journal = rows.reshape(-1).view(record)
+        own = np.dtype([(name, record[name]) for name in record.names[2:]])
+        self.latest = self._latest.view(own)[0]
+        self._plan_next = partial(plan_next, self.burst, self.results, rows, self._latest)
+        begins = {name: own.fields[name][1] // 8 for name in own.names}
+        sizes = {name: own[name].itemsize // 8 for name in own.names}
+        self._columns = {name: slice(at, at + sizes[name]) for name, at in begins.items()}
 
     # size and names
 
@@ -156,12 +167,18 @@ class BlockState:
             timer.daemon = True
             timer.start()
             try:
-                compile_stages()
+                self._compile_own()
                 self._try_scheme()
             finally:
                 timer.cancel()
         wait_asleep(self.comm)
+        self._compile_own()
+
+    def _compile_own(self) -> None:
         compile_stages()
+        extremes, rates = np.zeros(1 + WORDS), np.zeros((1, 2))
+        note_extremes(extremes, rates, np.zeros(FLAGS + LIMITS), np.zeros(2))
+        self._plan_next()  # nothing is allowed yet
 
     def _try_scheme(self) -> None:
         """Call all of the scheme once. On rank 0."""
@@ -208,7 +225,11 @@ class BlockState:
         try:
             action()
         except InputError as error:
-            self.fault = self.fault or error
+            self._keep_fault(error)
+
+    def _keep_fault(self, fault: InputError | None) -> None:
+        if fault is not None:
+            self.fault = self.fault or fault
             self.results[SAID_STOP] = FAULT
 
     def right_hand_side(self, y: np.ndarray, f: np.ndarray) -> None:
@@ -228,11 +249,18 @@ class BlockState:
         y[:] = self._stage.array
 
     def step(self, t: float, dt: float, steady: bool) -> None:
-        """A step dt [s] of the fused method from the completed solution at t [s]."""
-        self.evaluations += STAGES
-        self._guarded(lambda: self._fused.step(t, dt, self.y))
-        self._t = t + dt
-        self._look()
+        """A step dt [s] of the fused method from the completed solution at t [s].
+
+        Others follow as the burst allows: none where data depend on time.
+        """
+        more = True
+        while more:
+            self.evaluations += STAGES
+            self._guarded(partial(self._fused.step, t, dt, self.y))
+            t = self._t = t + dt
+            self._look()
+            more = self._plan_next()
+            dt = float(self.burst[DT])
 
     def finish(self) -> None:
         """Complete a step that PETSc has made."""
@@ -244,26 +272,18 @@ class BlockState:
         """What is known of the completed solution: bounds of all ranks, shares of the integrals."""
         self.y.begin()
         self.y.end()
-        count = len(self.layout.shapes)
-        rows = self._extremes[1:].reshape(count, 5)
-        rows[:] = 0.0, 0.0, 0.0, -np.inf, 0.0
+        self._keep_fault(getattr(self.scheme, "fault", None))
         found = self.scheme.bounds(self._t, self.y)
-        rows[:, : found.shape[1]] = found
+        self._extremes[1:].reshape(-1, WORDS)[:, : found.shape[1]] = found
         self._extremes[0] = self.results[SAID_STOP]
         if self.comm.size > 1:
             self.comm.Allreduce(MPI.IN_PLACE, self._extremes, MPI.MAX)
-        self.rates[:] = rows[:, 1:3]
-        convection, diffusion = self.rates.max(axis=0)
-        self.results[RATE] = (convection**4 + diffusion**4) ** 0.25
-        self.results[BAD] = float(rows[:, 0].max() > 0.0)
-        self.results[STOP] = self._extremes[0]
-        self.latest["least_J"], self.latest["J_error"] = -rows[:, 3], rows[:, 4]
+        note_extremes(self._extremes, self.rates, self.results, self._latest)
         for name, share in self.scheme.integrals(self._t, self.y).items():
-            self.latest[name] = share
-        came = self.y.behind.view(self._gained)[0]
-        for name in self._gained.names:
-            self.latest[name] = came[name]
-        self.y.behind[:] = 0.0
+            self._latest[self._columns[name]] = share
+        came = self.y.behind  # in the order of the last columns
+        self._latest[self._latest.size - came.size :] = came
+        came[:] = 0.0
 
     def _instant(self) -> float:
         """A time [s] in which little happens, for differences in time."""
