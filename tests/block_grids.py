@@ -32,7 +32,9 @@ def ripples(X, periodic):
 
 
 def turned_box(lower, axes, flips, periodic=None):
-    """A warped unit box: the k-th logical axis runs along coordinate axes[k], backwards where flips[k]."""
+    """A warped unit box: the k-th logical axis runs along coordinate axes[k], backwards where
+    flips[k].
+    """
 
     def places(xi):
         X = [None] * len(xi)
@@ -47,13 +49,24 @@ def box(name, cells, material=GAS, lower=None, axes=None, flips=None, periodic=N
     d = len(cells)
     lower, axes, flips = lower or (0.0,) * d, axes or range(d), flips or (False,) * d
     return Block(
-        name, material, turned_box(lower, axes, flips, periodic), cells, nothing, periodic=periodic or ()
+        name,
+        material,
+        turned_box(lower, axes, flips, periodic),
+        cells,
+        nothing,
+        periodic=periodic or (),
     )
 
 
 def closed(*blocks):
     """A problem of blocks with walls where no other block is."""
-    names = [(b.name, k, s) for b in blocks for k in range(b.dimension) if not b.periodic[k] for s in (0, 1)]
+    names = [
+        (b.name, k, s)
+        for b in blocks
+        for k in range(b.dimension)
+        if not b.periodic[k]
+        for s in (0, 1)
+    ]
     kinds = {block.name: Free() if block.material is SOLID else NoSlip() for block in blocks}
     met = set()
     for one in blocks:
@@ -65,7 +78,9 @@ def closed(*blocks):
 
 def meeting(one, other):
     """Faces of one block that have the same nodes as one of the other."""
-    return {(one.name, *face) for face in faces(one) for f in faces(other) if same(one, face, other, f)}
+    return {
+        (one.name, *face) for face in faces(one) for f in faces(other) if same(one, face, other, f)
+    }
 
 
 def faces(block):
@@ -74,8 +89,10 @@ def faces(block):
 
 def same(one, face, other, f):
     X, Y = one.face_positions(*face), other.face_positions(*f)
-    return X.shape == Y.shape and np.allclose(np.sort(X.sum(axis=0)), np.sort(Y.sum(axis=0)), atol=1e-9) and (
-        np.allclose(X.mean(axis=1), Y.mean(axis=1), atol=1e-9)
+    return (
+        X.shape == Y.shape
+        and np.allclose(np.sort(X.sum(axis=0)), np.sort(Y.sum(axis=0)), atol=1e-9)
+        and (np.allclose(X.mean(axis=1), Y.mean(axis=1), atol=1e-9))
     )
 
 

@@ -1,6 +1,6 @@
 """A scheme of blocks that solves no equations: unknowns spread, and particles share them.
 
-It has what fsipetsc.run.block_state asks of a scheme, and its numbers depend on halos and particles.
+It has what fsipetsc.run.block_state asks of a scheme. Numbers depend on halos and particles.
 """
 
 from __future__ import annotations

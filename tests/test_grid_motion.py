@@ -16,7 +16,9 @@ CELLS = {1: (8,), 2: (8, 10), 3: (8, 9, 10)}
 
 
 def moved(problem, nodes, values, where=None, order=4):
-    """Displacement (d, N) and metrics where the given nodes move by values (M, d), which are velocities, too."""
+    """Displacement (d, N) and metrics where the given nodes move by values (M, d), which are
+    velocities, too.
+    """
     block = problem.blocks[0]
     where, d = where or whole(block), block.dimension
     motion = GridMotion(problem, 0, order, where, nodes)
@@ -28,7 +30,9 @@ def moved(problem, nodes, values, where=None, order=4):
 
 def logical(block):
     """xi (d, N) of the nodes."""
-    grids = np.meshgrid(*(np.arange(n) / c for n, c in zip(block.shape[::-1], block.cells[::-1])), indexing="ij")
+    grids = np.meshgrid(
+        *(np.arange(n) / c for n, c in zip(block.shape[::-1], block.cells[::-1])), indexing="ij"
+    )
     return np.array([g.ravel() for g in grids[::-1]])
 
 
@@ -86,7 +90,14 @@ def test_faces_that_are_not_given_follow_from_their_vertices(d):
     xi = logical(block)
     chosen = [corner for corner in product((0, 1), repeat=d) if sum(corner) != 1]
     values = np.random.default_rng(5).random((len(chosen), d))
-    nodes = [int(np.ravel_multi_index([s * (n - 1) for s, n in zip(c, block.shape)][::-1], block.shape[::-1])) for c in chosen]
+    nodes = [
+        int(
+            np.ravel_multi_index(
+                [s * (n - 1) for s, n in zip(c, block.shape)][::-1], block.shape[::-1]
+            )
+        )
+        for c in chosen
+    ]
     weights = [np.prod([x if s else 1 - x for s, x in zip(c, xi)], axis=0) for c in chosen]
     found, metrics = moved(problem, nodes, values)
     expected = sum(np.multiply.outer(v, w) for v, w in zip(values, weights))
@@ -100,7 +111,9 @@ def test_faces_follow_from_edges_that_are_given_in_three_dimensions():
     x, y, z = logical(block)
     edge = np.flatnonzero((y == 0) & (z == 1))
     bend = np.sin(3 * x) + 0.2
-    found, _ = moved(problem, edge, np.stack([0.1 * bend[edge], 0 * edge, 0.2 * bend[edge]], axis=1))
+    found, _ = moved(
+        problem, edge, np.stack([0.1 * bend[edge], 0 * edge, 0.2 * bend[edge]], axis=1)
+    )
     assert np.abs(found[0] - 0.1 * bend * (1 - y) * z).max() <= 1e-15
     assert np.abs(found[2] - 0.2 * bend * (1 - y) * z).max() <= 1e-15 and not found[1].any()
 
@@ -115,7 +128,10 @@ def test_a_face_that_is_given_bends_those_beside_it_linearly():
     assert np.abs(found - np.array([[0.1], [0.2]]) * bend * y).max() <= 1e-15
 
 
-@pytest.mark.parametrize("periodic", ((True, False), (False, True), (True, False, False), (True, True, False), (True, True)))
+@pytest.mark.parametrize(
+    "periodic",
+    ((True, False), (False, True), (True, False, False), (True, True, False), (True, True)),
+)
 def test_along_periodic_axes_nothing_is_blended(periodic):
     d = len(periodic)
     problem = closed(box("g", (10, 12, 11)[:d], periodic=periodic))
@@ -128,7 +144,9 @@ def test_along_periodic_axes_nothing_is_blended(periodic):
         return
     axis = d - 1 if not periodic[-1] else 0
     nodes = problem.face_nodes(0, axis, 1)
-    where = [(-2, n + 2) if closed_axis else (0, n) for n, closed_axis in zip(block.shape, periodic)]
+    where = [
+        (-2, n + 2) if closed_axis else (0, n) for n, closed_axis in zip(block.shape, periodic)
+    ]
     found, metrics = moved(problem, nodes, np.outer(bend[nodes], np.ones(d)), where)
     inner = tuple(slice(2, -2) if closed_axis else slice(None) for closed_axis in periodic[::-1])
     sizes = [b - a for a, b in where][::-1]
@@ -153,7 +171,9 @@ def test_a_ring_that_grows_stays_one():
     assert np.allclose(np.hypot(*x), radius, atol=1e-14)
     J = 0.7 * 2 * np.pi * radius
     det = metrics[0] * metrics[3] - metrics[1] * metrics[2]
-    assert np.abs(det / J - 1).max() < 1e-3 and np.allclose(np.hypot(*metrics[4:6]), 0.3 * (2 - radius) / 0.7, atol=1e-14)
+    assert np.abs(det / J - 1).max() < 1e-3 and np.allclose(
+        np.hypot(*metrics[4:6]), 0.3 * (2 - radius) / 0.7, atol=1e-14
+    )
 
 
 def test_nothing_moves_where_nothing_is_given():

@@ -42,7 +42,9 @@ def test_differentiate_is_D_along_every_axis(order):
         out = np.empty_like(f)
         differentiate(out, f, b.S, b.weight, int(np.prod(sizes[:axis])))
         along = 2 - axis
-        expected = np.moveaxis(np.tensordot(b.matrix(), f.reshape(sizes[::-1]), (1, along)), 0, along)
+        expected = np.moveaxis(
+            np.tensordot(b.matrix(), f.reshape(sizes[::-1]), (1, along)), 0, along
+        )
         assert np.abs(out - expected.ravel()).max() <= 1e-12
 
 
@@ -112,7 +114,9 @@ def curl_form(block, order, x):
 
 @pytest.mark.parametrize("order", ORDERS)
 def test_periods_in_three_dimensions_belong_to_the_curl(order):
-    """A block that is periodic with a period along all coordinates: the mean of a^i is the cofactor of the periods."""
+    """A block that is periodic with a period along all coordinates: the mean of a^i is the cofactor
+    of the periods.
+    """
     problem = closed(box("g", (16, 17, 18), periodic=(True, True, False)))
     block = problem.blocks[0]
     _, metrics = displaced(problem, 0, order, nodes_of(problem, 0)[:0])
@@ -147,22 +151,37 @@ def test_J_t_in_three_dimensions_is_so_to_the_order_of_the_scheme(order, rate):
 @pytest.mark.parametrize("order", ORDERS)
 def test_both_sides_of_a_join_have_the_same_area_vectors_in_two_dimensions(order):
     cells = (17, 17)
-    for axes, flips in (((0, 1), (False, False)), ((1, 0), (True, False)), ((1, 0), (False, True)), ((0, 1), (True, True))):
-        check_join(order, box("a", cells), box("b", cells, lower=(1.0, 0.0), axes=axes, flips=flips))
+    for axes, flips in (
+        ((0, 1), (False, False)),
+        ((1, 0), (True, False)),
+        ((1, 0), (False, True)),
+        ((0, 1), (True, True)),
+    ):
+        check_join(
+            order, box("a", cells), box("b", cells, lower=(1.0, 0.0), axes=axes, flips=flips)
+        )
 
 
 @pytest.mark.parametrize("order", ORDERS)
 def test_both_sides_of_a_join_have_the_same_area_vectors_in_three_dimensions(order):
     cells = (16, 16, 16)
-    turns = ((0, 1, 2), (False, False, False)), ((1, 2, 0), (True, False, True)), ((2, 1, 0), (True, False, False))
+    turns = (
+        ((0, 1, 2), (False, False, False)),
+        ((1, 2, 0), (True, False, True)),
+        ((2, 1, 0), (True, False, False)),
+    )
     for axes, flips in (*turns, ((0, 2, 1), (True, True, True))):
-        check_join(order, box("a", cells), box("b", cells, lower=(1.0, 0.0, 0.0), axes=axes, flips=flips))
+        check_join(
+            order, box("a", cells), box("b", cells, lower=(1.0, 0.0, 0.0), axes=axes, flips=flips)
+        )
 
 
 def check_join(order, *blocks):
-    """Area vectors +-a^k and velocities at the common face are the same bits, if a face that both touch is known."""
+    """Area vectors +-a^k and velocities at the common face are the same bits, if a face that both
+    touch is known.
+    """
     problem = closed(*blocks)
-    ((axis, side), met), = joins(problem, 0)
+    (((axis, side), met),) = joins(problem, 0)
     d, found = problem.dimension, []
     for k in (0, 1):
         X = problem.places(k, np.arange(int(np.prod(blocks[k].shape))))
@@ -175,7 +194,10 @@ def check_join(order, *blocks):
         assert len(nodes) == np.prod(blocks[k].shape[1:])
         motion, metrics = displaced(problem, k, order, nodes)
         found.append((metrics, motion.positions()))
-    mine, others = problem.face_nodes(0, axis, side), problem.face_nodes(1, met.axis, met.side)[met.order]
+    mine, others = (
+        problem.face_nodes(0, axis, side),
+        problem.face_nodes(1, met.axis, met.side)[met.order],
+    )
     (a, x), (b, y) = found
     sign = (1 if side else -1) * (-1 if met.side else 1)
     assert np.array_equal(x[:, mine], y[:, others])
@@ -188,7 +210,13 @@ def check_join(order, *blocks):
 @pytest.mark.parametrize("order", ORDERS)
 @pytest.mark.parametrize("material", (GAS, SOLID))
 def test_metrics_of_a_patch_are_those_of_the_block(material, order):
-    for periodic in ((False, False), (True, False), (False, True), (False, False, False), (True, False, False)):
+    for periodic in (
+        (False, False),
+        (True, False),
+        (False, True),
+        (False, False, False),
+        (True, False, False),
+    ):
         d = len(periodic)
         problem = closed(box("g", CELLS[d], material, periodic=periodic))
         block = problem.blocks[0]
@@ -198,7 +226,9 @@ def test_metrics_of_a_patch_are_those_of_the_block(material, order):
         for axis, (begin, end) in enumerate(full):
             for cut in ((begin, begin + 7), (begin + 5, end - 2), (end - 6, end)):
                 where = [cut if k == axis else ends for k, ends in enumerate(full)]
-                inner = tuple(slice(a - b, c - b) for (a, c), (b, _) in zip(where[::-1], full[::-1]))
+                inner = tuple(
+                    slice(a - b, c - b) for (a, c), (b, _) in zip(where[::-1], full[::-1])
+                )
                 part = metrics_on(problem, order, where)
                 shape = [b - a for a, b in full][::-1]
                 expected = all_of.reshape(-1, *shape)[(slice(None), *inner)].reshape(len(part), -1)
@@ -217,7 +247,9 @@ def test_what_is_beyond_a_periodic_end_has_the_same_bits():
     problem = closed(ring)
     beyond = solid_metrics(problem, 0, 4, [(0, 13), (-3, 3)]).reshape(5, 6, 13)
     within = solid_metrics(problem, 0, 4, [(0, 13), (0, 24)]).reshape(5, 24, 13)
-    assert np.array_equal(beyond[:, :3], within[:, -3:]) and np.array_equal(beyond[:, 3:], within[:, :3])
+    assert np.array_equal(beyond[:, :3], within[:, -3:]) and np.array_equal(
+        beyond[:, 3:], within[:, :3]
+    )
 
 
 def test_J_below_zero_is_told_with_its_place():
@@ -229,7 +261,9 @@ def test_J_below_zero_is_told_with_its_place():
 
     block = Block("steep", SOLID, steep, (24, 24), lambda *X: X)
     problem = closed(block)
-    with pytest.raises(InputError, match=r"block 'steep': J = -.* at \(X, Y\) = .*: expected J > 0") as caught:
+    with pytest.raises(
+        InputError, match=r"block 'steep': J = -.* at \(X, Y\) = .*: expected J > 0"
+    ) as caught:
         solid_metrics(problem, 0, 8, whole(block))
     assert not caught.value.collective
     with pytest.raises(InputError, match="J = nan"):

@@ -1,4 +1,5 @@
-"""Geometry of a problem: blocks with their maps, the faces between them, metrics, motion of the gas's grid.
+"""Geometry of a problem: blocks with their maps, the faces between them, metrics, motion of the
+gas's grid.
 
 maps        logical cube [0, 1]^d -> places X
 block       Block: a map, numbers of cells, a material, initial data

@@ -1,7 +1,7 @@
 """A block: a logical cube of nodes with a map, a material and initial data.
 
-Nodes of axis k are xi_k = i/cells_k, i = 0 … cells_k, or 0 … cells_k - 1 where the axis is periodic. Axis 0 is the fastest in
-memory: node number n = i_0 + N_0 (i_1 + N_1 i_2).
+Nodes of axis k are xi_k = i/cells_k, i = 0 … cells_k, or 0 … cells_k - 1 where the axis is
+periodic. Axis 0 is the fastest in memory: node number n = i_0 + N_0 (i_1 + N_1 i_2).
 """
 
 from __future__ import annotations
@@ -29,10 +29,11 @@ _LOOKED_AT = 32
 class Block:
     """A block of gas or of a solid. InputError for what is wrong with it.
 
-    material: a Fluid or an ElasticSolid. map: fsipetsc.blocks.maps; of a solid it gives material coordinates X, of a gas the
-    grid before anything moves. cells: of each axis. initial(*X) -> (rho, u_1..u_d, T) of a gas, (v_1..v_d, T, x_1..x_d) of
-    a solid. exact(*X, t) -> the same. forcing(*X, t) -> right-hand sides of (rho, rho u_1..u_d, e) of a gas, per volume, and
-    of the unknowns of initial of a solid. periodic: which axes close in themselves and have no faces.
+    material: a Fluid or an ElasticSolid. map: fsipetsc.blocks.maps; of a solid it gives material
+    coordinates X, of a gas the grid before anything moves. cells: of each axis. initial(*X) ->
+    (rho, u_1..u_d, T) of a gas, (v_1..v_d, T, x_1..x_d) of a solid. exact(*X, t) -> the same.
+    forcing(*X, t) -> right-hand sides of (rho, rho u_1..u_d, e) of a gas, per volume, and of the
+    unknowns of initial of a solid. periodic: which axes close in themselves and have no faces.
     """
 
     name: str
@@ -45,18 +46,18 @@ class Block:
     periodic: tuple[bool, ...] = ()
 
     def __post_init__(self) -> None:
-        name = self.name
+        name, material = self.name, self.material
         if not isinstance(name, str) or not name.isprintable() or not name.strip() or "|" in name:
-            raise InputError(f"Block: name is {described(name)}: expected a text of one line without |")
-        if not (hasattr(self.material, "m0") or hasattr(self.material, "mu")):
-            raise InputError(f"{self}: material is {described(self.material)}: expected a Fluid or an ElasticSolid")
+            raise InputError(f"Block: name is {described(name)}: expected a line of text without |")
+        if not (hasattr(material, "m0") or hasattr(material, "mu")):
+            wanted = "expected a Fluid or an ElasticSolid"
+            raise InputError(f"{self}: material is {described(material)}: {wanted}")
         self._check_axes()
-        function(self.map, f"{self}: map", "X(xi) -> d arrays")
-        self._check_map()
         function(self.initial, f"{self}: initial", "initial(*X) -> the unknowns")
         function(self.exact, f"{self}: exact", "exact(*X, t) -> the unknowns", optional=True)
-        function(self.forcing, f"{self}: forcing", "forcing(*X, t) -> the right-hand sides", optional=True)
-        self._check_jacobian()
+        function(self.forcing, f"{self}: forcing", "forcing(*X, t) -> the rates", optional=True)
+        function(self.map, f"{self}: map", "X(xi) -> d arrays")
+        self._check_map()
 
     def __str__(self) -> str:
         return f"block '{self.name}'"
@@ -85,11 +86,13 @@ class Block:
 
     def positions(self, where: Range) -> Array:
         """Places X of a range of nodes, (d, N), axis 0 fastest. Beyond the ends of a periodic axis
-        they go on. InputError."""
-        return self.places(mesh([np.arange(*ends) for ends in where])).reshape(self.dimension, -1)
+        they go on. InputError.
+        """
+        index = mesh([np.arange(*ends) for ends in where])
+        return self.places(index).reshape(self.dimension, -1)
 
     def places(self, index: Sequence[Array]) -> Array:
-        """Places X of the nodes of these indices, d arrays of one shape: (d, …). InputError."""
+        """Places X (d, …) of the nodes of these indices, d arrays of one shape. InputError."""
         turns = [i // n if closed else 0 for i, n, closed in zip(index, self.shape, self.periodic)]
         within = (i - turn * n for i, turn, n in zip(index, turns, self.shape))
         X = self._mapped(tuple(i / c for i, c in zip(within, self.cells)))
@@ -100,117 +103,123 @@ class Block:
 
     @cached_property
     def periods(self) -> tuple[Array, ...]:
-        """X(xi_k = 1) - X(xi_k = 0) of each axis k, (d,) each; of use where the axis is periodic."""
-        return tuple(self._period(axis) for axis in range(self.dimension))
+        """X(xi_k = 1) - X(xi_k = 0) (d,) of each axis k, of use where it is periodic. InputError
+        where the ends of a periodic axis are not one vector apart.
+        """
+        found = []
+        for axis, closed in enumerate(self.periodic):
+            xi = [np.arange(n) / c for n, c in zip(self.shape, self.cells)]
+            ends = (mesh([*xi[:axis], np.array([s]), *xi[axis + 1 :]]) for s in (0.0, 1.0))
+            low, high = (self._mapped(end).reshape(self.dimension, -1) for end in ends)
+            apart, size = high - low, np.abs(low).max() + np.abs(high).max()
+            period = apart.mean(axis=1)
+            if closed and np.abs(apart - period[:, None]).max() > 1e-9 * size:
+                wrong = f"axis {axis} is periodic, and its map is not"
+                raise InputError(f"{self}: {wrong}: expected ends that are one vector apart")
+            found.append(np.where(np.abs(period) < 1e-12 * size, 0.0, period))
+        return tuple(found)
 
     def face_positions(self, axis: int, side: int) -> Array:
         """Places X of the nodes of a face, (d, N), lower axis fastest."""
-        return self.positions(_ends(self.shape, axis, side))
+        end = self.shape[axis] - 1 if side else 0
+        ends = ((end, end + 1) if k == axis else (0, n) for k, n in enumerate(self.shape))
+        return self.positions(list(ends))
 
-    def _period(self, axis: int) -> Array:
-        """The mean over the nodes at both ends; InputError where they are not one vector apart on a periodic axis."""
-        others = [np.arange(n) / c for n, c in zip(self.shape, self.cells)]
-        low, high = (self._mapped(mesh([*others[:axis], np.array([s]), *others[axis + 1 :]])) for s in (0.0, 1.0))
-        apart = (high - low).reshape(self.dimension, -1)
-        period, size = apart.mean(axis=1), np.abs(low).max() + np.abs(apart).max()
-        if self.periodic[axis] and np.abs(apart - period[:, None]).max() > 1e-9 * size:
-            raise InputError(f"{self}: axis {axis} is periodic, and its map is not: expected ends that are one vector apart")
-        return np.where(np.abs(period) < 1e-12 * size, 0.0, period)
-
-    def _mapped(self, xi: tuple[Array, ...]) -> Array:
-        """X at logical coordinates, (d, …). InputError for what a map raises, and for values that are no places."""
+    def _mapped(self, xi: Sequence[Array]) -> Array:
+        """X (d, …) at logical coordinates. InputError for what a map raises, and for what is no
+        place.
+        """
         d = self.dimension
         try:
-            values = self.map(xi)
+            values = self.map(tuple(xi))
             X = np.array([np.broadcast_to(np.asarray(x, float), xi[0].shape) for x in values])
-        except InputError:
-            raise
         except Exception as error:
             raise InputError(f"{self}: its map fails: {type(error).__name__}: {error}") from error
         if len(X) != d:
-            raise InputError(f"{self}: its map gives {len(X)} coordinates: expected {d}, as cells has {d} numbers")
+            raise InputError(f"{self}: its map gives {len(X)} coordinates: expected {d}")
         wrong = ~np.isfinite(X).all(axis=0)
         if wrong.any():
             at = np.unravel_index(int(np.argmax(wrong)), wrong.shape)
-            where = ", ".join(f"{s[at]:.6g}" for s in xi)
-            found = place_text(X[(slice(None), *at)])
+            found, where = place_text(X[(slice(None), *at)]), ", ".join(f"{s[at]:.6g}" for s in xi)
             raise InputError(f"{self}: its map gives {found} at xi = ({where}): expected numbers")
         return X
 
     def _check_axes(self) -> None:
         """InputError for wrong cells or periodic; both become tuples."""
-        cells = (self.cells,) if isinstance(self.cells, (int, np.integer)) else self.cells
+        cells = (self.cells,) if isinstance(self.cells, int) else self.cells
         good = isinstance(cells, (tuple, list)) and 1 <= len(cells) <= 3
-        if not good or not all(isinstance(c, (int, np.integer)) and not isinstance(c, bool) and c > 0 for c in cells):
-            raise InputError(f"{self}: cells is {described(self.cells)}: expected 1, 2 or 3 whole numbers above 0")
+        whole = (int, np.integer)
+        if not good or not all(isinstance(c, whole) and c is not True and c > 0 for c in cells):
+            wanted = "expected 1, 2 or 3 whole numbers above 0"
+            raise InputError(f"{self}: cells is {described(self.cells)}: {wanted}")
         periodic = tuple(self.periodic) or (False,) * len(cells)
-        if len(periodic) != len(cells) or not all(isinstance(p, (bool, np.bool_)) for p in periodic):
-            raise InputError(f"{self}: periodic is {described(self.periodic)}: expected True or False for each axis")
+        if len(periodic) != len(cells) or not all(isinstance(p, bool) for p in periodic):
+            wanted = "expected True or False for each axis"
+            raise InputError(f"{self}: periodic is {described(self.periodic)}: {wanted}")
         object.__setattr__(self, "cells", tuple(int(c) for c in cells))
-        object.__setattr__(self, "periodic", tuple(bool(p) for p in periodic))
+        object.__setattr__(self, "periodic", periodic)
 
     def _check_map(self) -> None:
-        """InputError where the map has another dimension, another grid, or kinks."""
+        """InputError where the map has another dimension or grid, kinks, J <= 0, or no period."""
         d = getattr(self.map, "dimension", self.dimension)
         if d != self.dimension:
-            raise InputError(f"{self}: its map has {d} dimensions, cells {self.dimension}: expected the same")
-        if isinstance(self.map, Nodes):
-            if self.map.cells != self.cells:
-                raise InputError(f"{self}: its map has {self.map.cells} cells, the block {self.cells}: expected the same")
-        else:
+            raise InputError(f"{self}: its map has {d} dimensions, cells {self.dimension} numbers")
+        if not isinstance(self.map, Nodes):
             self._check_smooth()
-        for axis in range(self.dimension):
-            if self.periodic[axis]:
-                self._period(axis)
+        elif self.map.cells != self.cells:
+            raise InputError(f"{self}: its map has {self.map.cells} cells, the block {self.cells}")
+        self._check_jacobian()
+        if any(self.periodic):
+            _ = self.periods
 
     def _check_smooth(self) -> None:
-        """InputError at a kink or a jump: where second differences along an axis do not fall as the square of the spacing.
+        """InputError where second differences along an axis do not fall as the square of the
+        spacing.
 
-        Of a smooth map they fall by 64 from 256 to 2048 intervals, at a kink by 4 to 16, at a jump not at all.
+        Of a smooth map they fall by 64 from 256 to 2048 intervals, at a kink by 4 to 16, at a jump
+        not.
         """
         for axis in range(self.dimension):
             lines = [np.array([0.0, 0.31, 1.0])] * self.dimension
             lines[axis] = np.arange(2049) / 2048
             X = np.moveaxis(self._mapped(mesh(lines)), self.dimension - axis, -1)
-            coarse, fine = (np.linalg.norm(X[..., 2 * m :: m] - 2 * X[..., m:-m:m] + X[..., : -2 * m : m], axis=0) for m in (8, 1))
+            fine, coarse = (np.linalg.norm(_second(X[..., ::m]), axis=0) for m in (1, 8))
             length = np.linalg.norm(np.diff(X), axis=0).max(axis=-1)
             largest = fine.max(axis=-1)
             rough = (largest > coarse.max(axis=-1) / 32) & (largest > 1e-3 * length)
             if rough.any():
                 line = np.unravel_index(int(np.argmax(rough)), rough.shape)
-                i = int(np.argmax(fine[line])) + 1
-                place = place_text(X[(slice(None), *line, i)])
-                raise InputError(f"{self}: its map is not smooth along axis {axis}, at {place}: expected one without kinks")
+                place = place_text(X[(slice(None), *line, int(np.argmax(fine[line])) + 1)])
+                raise InputError(f"{self}: its map is not smooth along axis {axis}, at {place}")
 
     def _check_jacobian(self) -> None:
-        """InputError where the edges of a cell at one of its ends are left-handed or have no volume; a sample of cells."""
-        d = self.dimension
-        at = [np.unique(np.linspace(0, c - 1, min(c, _LOOKED_AT)).astype(int)) for c in self.cells]
-
-        def places(shifts: Sequence[int]) -> Array:
-            return self._mapped(mesh([(i + s) / c for i, s, c in zip(at, shifts, self.cells)]))
-
-        for corner in product((0, 1), repeat=d):
-            X = places(corner)
-            edges = []
-            for k in range(d):
-                ahead = places([1 - s if j == k else s for j, s in enumerate(corner)])
-                edges.append((X - ahead) if corner[k] else (ahead - X))
-            J = determinant(np.array(edges).reshape(d, d, -1))
+        """InputError where the edges of a cell at one of its corners are left-handed or have no
+        volume; a sample of cells.
+        """
+        d, looked_at = self.dimension, [min(c, _LOOKED_AT) for c in self.cells]
+        at = [np.linspace(0, c - 1, n).astype(int) for c, n in zip(self.cells, looked_at)]
+        X = {
+            corner: self._mapped(mesh([(i + s) / c for i, s, c in zip(at, corner, self.cells)]))
+            for corner in product((0, 1), repeat=d)
+        }
+        for corner, here in X.items():
+            ends = [[(*corner[:k], end, *corner[k + 1 :]) for end in (1, 0)] for k in range(d)]
+            J = determinant(np.array([X[ahead] - X[behind] for ahead, behind in ends])).ravel()
             if not J.min() > 0.0:
                 i = int(np.argmin(J))
-                place = place_text(X.reshape(d, -1)[:, i])
-                raise InputError(f"{self}: its map has J = {J[i]:.3g} per cell at {place}: expected J > 0, axes in right-handed order")
+                found = f"J = {J[i]:.3g} per cell at {place_text(here.reshape(d, -1)[:, i])}"
+                wanted = "expected J > 0, axes in right-handed order"
+                raise InputError(f"{self}: its map has {found}: {wanted}")
 
 
 def determinant(edges: Array) -> Array:
-    """det of d vectors at N points: (d, d, N) -> (N,)."""
+    """det of d vectors: (d, d, …) -> (…)."""
     if len(edges) == 1:
         return edges[0, 0]
     if len(edges) == 2:
         return edges[0, 0] * edges[1, 1] - edges[0, 1] * edges[1, 0]
     a, b, c = edges
-    return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])
+    return (a * np.cross(b, c, axis=0)).sum(axis=0)
 
 
 def mesh(axes: Sequence[Array]) -> tuple[Array, ...]:
@@ -218,7 +227,5 @@ def mesh(axes: Sequence[Array]) -> tuple[Array, ...]:
     return tuple(np.meshgrid(*axes[::-1], indexing="ij")[::-1])
 
 
-def _ends(shape: Sequence[int], axis: int, side: int) -> list[tuple[int, int]]:
-    """The range of nodes of a face."""
-    last = shape[axis] - 1 if side else 0
-    return [(last, last + 1) if k == axis else (0, n) for k, n in enumerate(shape)]
+def _second(X: Array) -> Array:
+    return X[..., 2:] - 2.0 * X[..., 1:-1] + X[..., :-2]

@@ -1,4 +1,6 @@
-"""Faces of blocks: their nodes, which nodes are at one place, how two faces with the same nodes lie."""
+"""Faces of blocks: their nodes, which nodes are at one place, how two faces with the same nodes
+lie.
+"""
 
 from __future__ import annotations
 
@@ -118,7 +120,7 @@ def orientation(
         order = seen.ravel()
         if np.array_equal(others[order], labels):
             return order, tuple(other.axes[k] for k in axes), flips
-    raise InputError(f"{face} and {other} have the same nodes in another order: they do not conform")
+    raise InputError(f"{face} and {other} have the same nodes in another order")
 
 
 def _turned(array: Array) -> Iterator[tuple[tuple[int, ...], tuple[bool, ...], Array]]:

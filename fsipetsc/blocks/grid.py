@@ -1,10 +1,11 @@
 """The grid of a gas block: x = X + the displacements of its faces, blended (SCHEME-BLOCKS.md, 5).
 
-Nodes of faces whose displacement is known, at solids and at walls that move, have it. A face that is
-known in all its nodes is taken as it is; any other one is blended from its edges, edges are linear
-between their vertices, and vertices that are not known do not move. Inside is the Boolean sum of the
-faces: Gordon and Hall, Int. J. Numer. Meth. Eng. 7 (1973) 461-477. Along periodic axes there are no
-faces, and nothing is blended. The velocity of the grid is the same blend of the faces' velocities.
+Nodes of faces whose displacement is known, at solids and at walls that move, have it. A face that
+is known in all its nodes is taken as it is; any other one is blended from its edges, edges are
+linear between their vertices, and vertices that are not known do not move. Inside is the Boolean
+sum of the faces: Gordon and Hall, Int. J. Numer. Meth. Eng. 7 (1973) 461-477. Along periodic axes
+there are no faces, and nothing is blended. The velocity of the grid is the same blend of the faces'
+velocities.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from numba import njit
 from fsipetsc.blocks.block import Block, Range, determinant, mesh
 from fsipetsc.blocks.faces import face_nodes
 from fsipetsc.blocks.metrics import EXACT, Wide, curl_metrics, volume_rate
-from fsipetsc.blocks.plane_grid import lines_of, plane_metrics, plane_velocities
+from fsipetsc.blocks.plane_grid import PlaneGrid
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.checks import Array
 from fsipetsc.operators.loops import CALL
@@ -28,11 +29,13 @@ Entity = Sequence[int | None]
 
 
 class GridMotion:
-    """Positions, velocities and metrics of a range of nodes of gas block k (of a rank: the ghosted).
+    """Positions, velocities and metrics of a range of nodes of gas block k (of a rank: the
+    ghosted).
 
-    nodes: numbers (M,) of those nodes on faces of the whole block whose displacement and velocity will
-    be given, in any order. `move` and `velocities` fill metrics (d d + d + 1, N): a^1 … a^d, the
-    velocity of the grid, J_t = sum_k a^k . D_k v, which sum_k D_k a^k = 0 makes the whole of it.
+    nodes: numbers (M,) of those nodes on faces of the whole block whose displacement and velocity
+    will be given, in any order. `move` and `velocities` fill metrics (d d + d + 1, N): a^1 … a^d,
+    the velocity of the grid, J_t = sum_k a^k . D_k v, which sum_k D_k a^k = 0 makes the whole of
+    it.
     """
 
     def __init__(
@@ -49,7 +52,10 @@ class GridMotion:
             self._blend_wide = Blend(block, self._wide.wide, self._hull)
         else:
             self._G = np.ascontiguousarray(self._wide.gradients().reshape(-1, self._X.shape[1]))
-            self._lines = lines_of(self._wide, block, self._hull, end_weights)
+            pairs = (end_weights(block, axis, np.arange(*ends)) for axis, ends in enumerate(where))
+            self._weights = [weight for pair in pairs for weight in pair]
+            if block.dimension == 2:
+                self._plane = PlaneGrid(block, self._wide, self._hull, self._weights)
 
     def move(self, displacement: Array, metrics: Array) -> None:
         """Fill a^1 … a^d from the displacement (M, d) [m] of the given nodes."""
@@ -59,23 +65,23 @@ class GridMotion:
         if d == 1:
             metrics[0] = 1.0
         elif d == 2:
-            plane_metrics(metrics, self._G, self._moved, self._lines)
+            self._plane.metrics(metrics, self._G, self._moved)
         else:
             np.add(wide.y, self._blend_wide.on_nodes(self._moved), out=self._x)
             curl_metrics(self._a, self._x, wide.P, wide.S, wide.weight, self._slopes, self._q)
             metrics[:9] = wide.inner(self._a).reshape(9, -1)
 
     def velocities(self, velocity: Array, metrics: Array) -> None:
-        """Fill the velocity of the grid and J_t from the velocity (M, d) [m/s] of the given nodes, after
-        `move`.
+        """Fill the velocity of the grid and J_t from the velocity (M, d) [m/s] of the given nodes,
+        after `move`.
         """
         d, wide = self.block.dimension, self._wide
         self._hull.fill(self._moving, velocity)
         if d == 1:
-            (low, high), (l, h) = self._hull.ends(self._moving), (self._lines.low[0], self._lines.high[0])
+            (low, high), (l, h) = self._hull.ends(self._moving), self._weights
             metrics[1], metrics[2] = l * low + h * high, high - low
         elif d == 2:
-            plane_velocities(metrics, self._moving, self._lines)
+            self._plane.velocities(metrics, self._moving)
         else:
             self._v[:] = self._blend_wide.on_nodes(self._moving)
             J_t, scratch = self._q[:2]
@@ -102,7 +108,7 @@ class GridMotion:
 class Hull:
     """The nodes of all faces of a block, numbers (H,) ascending; values at them are arrays (d, H).
 
-    Of those that are not given, lines follow from two ends, faces from their edges and vertices.
+    Nodes of edges that are not given follow from their ends, those of faces from edges, vertices.
     """
 
     def __init__(self, block: Block, given: Array) -> None:
@@ -111,17 +117,14 @@ class Hull:
         faces = [face_nodes(block.shape, k, s) for k in range(d) for s in sides[k] if s is not None]
         self.nodes = np.unique(np.concatenate([np.zeros(0, int), *faces]))
         self._given = self.columns(np.asarray(given, int))
-        known = np.isin(self.nodes, given)
-        lines, sheets = [], []
+        known, pieces = np.isin(self.nodes, given), {1: [], 2: []}
         for entity in product(*sides):
             free = [k for k in range(d) if entity[k] is None and not block.periodic[k]]
-            if entity.count(None) == d or known[self._entity(entity)[0]].all():
-                continue
-            if len(free) == 1:
-                lines.append(self._entity(entity, free, [{free[0]: 0}, {free[0]: 1}]))
-            elif len(free) == 2:
-                sheets.append(self._entity(entity, free, _around(*free)))
-        self._pieces = (*_together(lines, 3, 2), *_together(sheets, 9, 4))
+            inside = entity.count(None) == d
+            if free and not inside and not known[self._columns(self._nodes_of(entity))].all():
+                pieces[len(free)].append(self._follows(entity, free))
+        none = np.zeros((9, 0), int), np.zeros((4, 0))
+        self._pieces = [np.concatenate(p, axis=1) for p in zip(none, *pieces[1], *pieces[2])]
 
     def zeros(self) -> Array:
         """Values 0."""
@@ -133,29 +136,40 @@ class Hull:
 
     def fill(self, values: Array, given: Array) -> None:
         """Complete values (d, H) from those of the given nodes (M, d)."""
-        given = np.ascontiguousarray(given, dtype=float)
-        _fill(values, given, self._given, *self._pieces)
+        _fill(values, np.ascontiguousarray(given, dtype=float), self._given, *self._pieces)
 
     def ends(self, values: Array) -> tuple[float, float]:
         """Values at both ends of a block in 1-D; 0 if it is periodic."""
         return (values[0, 0], values[0, -1]) if values.size else (0.0, 0.0)
 
-    def _entity(
-        self, entity: Entity, inner: Sequence[int] = (), sources: Sequence[dict[int, int]] = ()
-    ) -> tuple[Array, Array]:
-        """Columns (1 + sources, T) of the nodes of an entity, along some axes its inner ones only, and of
-        those that they follow from, at ends of axes; weights (2 inner, T) of the ends.
+    def _nodes_of(self, entity: Entity, inner: Sequence[int] = ()) -> list[Array]:
+        """Indices (T,) of an entity's nodes along each axis; along some, inner ones only."""
+        ranges = []
+        for k, (n, side) in enumerate(zip(self.block.shape, entity)):
+            whole = np.arange(n)
+            free = whole[1:-1] if k in inner else whole
+            ranges.append(free if side is None else whole[-1:] if side else whole[:1])
+        return [index.ravel() for index in mesh(ranges)]
+
+    def _columns(self, index: Sequence[Array]) -> Array:
+        index = [i % n for i, n in zip(index, self.block.shape)]
+        return self.columns(np.ravel_multi_index(index[::-1], self.block.shape[::-1]))
+
+    def _follows(self, entity: Entity, free: Sequence[int]) -> tuple[Array, Array]:
+        """Columns (9, T) of the inner nodes of an edge or a face, of its edges low a, high a, low b,
+        high b, and of four vertices; weights (4, T) of the edges. An edge has its ends as edges a.
         """
-        shape, ranges = self.block.shape, []
-        for k, (n, side) in enumerate(zip(shape, entity)):
-            fixed = np.array([side and n - 1])
-            ranges.append(fixed if side is not None else np.arange(n)[1:-1] if k in inner else np.arange(n))
-        index = [i.ravel() for i in mesh(ranges)]
+        index = self._nodes_of(entity, free)
+        a, b = free[0], free[-1]
+        edges = [{a: 0}, {a: -1}, {b: 0}, {b: -1}]
+        vertices = [{a: i, b: j} for i, j in ((0, 0), (-1, -1), (-1, 0), (0, -1))]
         columns = []
-        for ends in ({}, *sources):
-            at = [ends[k] * (n - 1) + 0 * i if k in ends else i for k, (n, i) in enumerate(zip(shape, index))]
-            columns.append(self.columns(np.ravel_multi_index(at[::-1], shape[::-1])))
-        weights = [w for k in inner for w in end_weights(self.block, k, index[k])]
+        for ends in ({}, *edges, *vertices):
+            at = [i if k not in ends else 0 * i + ends[k] for k, i in enumerate(index)]
+            columns.append(self._columns(at))
+        weights = [w for k in (a, b) for w in end_weights(self.block, k, index[k])]
+        if a == b:
+            weights[2:] = [0.0 * w for w in weights[2:]]
         return np.array(columns), np.array(weights)
 
 
@@ -167,46 +181,34 @@ def end_weights(block: Block, axis: int, index: Array) -> tuple[Array, Array]:
     return (cells - index) / cells, index / cells
 
 
-def _around(a: int, b: int) -> list[dict[int, int]]:
-    """Ends of axes: the edges low a, high a, low b, high b, then the vertices of a face."""
-    edges = [{a: 0}, {a: 1}, {b: 0}, {b: 1}]
-    return edges + [{a: 0, b: 0}, {a: 1, b: 1}, {a: 1, b: 0}, {a: 0, b: 1}]
-
-
-def _together(pieces: list[tuple[Array, Array]], rows: int, weights: int) -> tuple[Array, Array]:
-    none = np.zeros((rows, 0), int), np.zeros((weights, 0))
-    return tuple(np.concatenate(parts, axis=1) for parts in zip(none, *pieces))
-
-
 @njit(**CALL)
-def _fill(values, given, known, lines, line_weights, sheets, sheet_weights):
-    """Lines between their ends, then faces; sums do not depend on the order of ends and axes."""
+def _fill(values, given, known, columns, weights):
+    """Edges between their ends, then faces; sums do not depend on the order of ends and axes."""
     for c in range(values.shape[0]):
         f = values[c]
         for m in range(known.size):
             f[known[m]] = given[m, c]
-        for t in range(lines.shape[1]):
-            to, low, high = lines[:, t]
-            f[to] = line_weights[0, t] * f[low] + line_weights[1, t] * f[high]
-        for t in range(sheets.shape[1]):
-            to, a0, a1, b0, b1, v00, v11, v10, v01 = sheets[:, t]
-            la, ha, lb, hb = sheet_weights[:, t]
+        for t in range(columns.shape[1]):
+            to, a0, a1, b0, b1, v00, v11, v10, v01 = columns[:, t]
+            la, ha, lb, hb = weights[:, t]
             edges = (la * f[a0] + ha * f[a1]) + (lb * f[b0] + hb * f[b1])
-            vertices = (la * lb * f[v00] + ha * hb * f[v11]) + (ha * lb * f[v10] + la * hb * f[v01])
-            f[to] = edges - vertices
+            equal = la * lb * f[v00] + ha * hb * f[v11]
+            f[to] = edges - (equal + (ha * lb * f[v10] + la * hb * f[v01]))
 
 
 class Blend:
-    """The Boolean sum of faces on a range of nodes: axis after axis, what is missing at the two faces is
-    added, linear between them.
+    """The Boolean sum of faces on a range of nodes: axis after axis, what is missing at the two
+    faces is added, linear between them.
     """
 
     def __init__(self, block: Block, where: Range, hull: Hull) -> None:
-        d, self._axes = block.dimension, [k for k in range(block.dimension) if not block.periodic[k]]
+        d = block.dimension
+        self._axes = [k for k in range(d) if not block.periodic[k]]
         index = [np.arange(*ends) % n for ends, n in zip(where, block.shape)]
         for k in self._axes:  # both ends are taken along
             index[k] = np.concatenate([[0], index[k], [block.shape[k] - 1]])
-        self._inner = tuple(slice(None) if closed else slice(1, -1) for closed in block.periodic[::-1])
+        within = slice(None), slice(1, -1)
+        self._inner = tuple(within[not closed] for closed in block.periodic[::-1])
         self._u = np.zeros((d, *(len(i) for i in index[::-1])))
         self._faces, self._weights = [], []
         for axis in self._axes:
@@ -223,8 +225,9 @@ class Blend:
         faces = [values[:, columns] for columns in self._faces]
         for axis, low, high, (l, h) in zip(self._axes, faces[::2], faces[1::2], self._weights):
             before = int(np.prod(u.shape[d - axis + 1 :]))
-            missing = [face - np.take(u, [end], axis=d - axis) for face, end in ((low, 0), (high, -1))]
-            _add_between(u.reshape(-1), *(part.reshape(-1) for part in missing), l, h, before)
+            first, last = (np.take(u, [end], axis=d - axis) for end in (0, -1))
+            missing = (low - first).reshape(-1), (high - last).reshape(-1)
+            _add_between(u.reshape(-1), *missing, l, h, before)
         for axis, low, high, weights in zip(self._axes, faces[::2], faces[1::2], self._weights):
             for face, weight in zip((low, high), weights):
                 np.moveaxis(u, d - axis, 0)[weight == 1.0] = np.moveaxis(face, d - axis, 0)

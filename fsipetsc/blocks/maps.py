@@ -1,7 +1,8 @@
 """Maps of the logical cube [0, 1]^d to places X.
 
-A map is a callable X(xi) -> d arrays, xi a tuple of d arrays of one shape. Any function of this form will do; it must be
-smooth, and right-handed: det(dX/dxi) > 0. Those made here know their dimension.
+A map is a callable X(xi) -> d arrays, xi a tuple of d arrays of one shape. Any function of this
+form will do; it must be smooth, and right-handed: det(dX/dxi) > 0. Those made here know their
+dimension.
 """
 
 from __future__ import annotations
@@ -27,11 +28,10 @@ class Mapped:
 
     function: Map
     dimension: int
-    name: str
 
     def __call__(self, xi: Places) -> Places:
         """Places X, d arrays of the shape of those in xi."""
-        return tuple(np.asarray(x, float) + np.zeros(np.shape(xi[0])) for x in self.function(xi))
+        return tuple(x + 0.0 * xi[0] for x in self.function(xi))
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,65 +57,69 @@ class Nodes:
 
 
 def rectangle(lower: Any, upper: Any) -> Mapped:
-    """The interval, rectangle or box between two corners [m]: numbers in 1-D, else d numbers each. InputError."""
+    """The interval, rectangle or box between two corners [m], numbers or d numbers. InputError."""
     low, high = _point(lower, "rectangle: lower"), _point(upper, "rectangle: upper")
     if len(low) != len(high) or not all(a < b for a, b in zip(low, high)):
-        raise InputError(f"rectangle: lower is {low}, upper {high}: expected each coordinate of upper above that of lower")
+        wanted = "expected each coordinate of upper above that of lower"
+        raise InputError(f"rectangle: lower is {low}, upper {high}: {wanted}")
 
     def places(xi: Places) -> Places:
         return tuple((1.0 - s) * a + s * b for s, a, b in zip(xi, low, high))
 
-    return Mapped(places, len(low), "rectangle")
+    return Mapped(places, len(low))
 
 
 def corners(*points: Any) -> Mapped:
-    """Multilinear between 2, 4 or 8 corners [m], axis 0 fastest: (0, 0), (1, 0), (0, 1), (1, 1). InputError."""
+    """Multilinear between 2^d corners [m], axis 0 fastest: (0, 0), (1, 0), (0, 1), (1, 1).
+    InputError.
+    """
     found = [_point(point, f"corners: point {k}") for k, point in enumerate(points)]
     d = len(found[0]) if found else 0
     if not 1 <= d <= 3 or len(found) != 2**d or any(len(point) != d for point in found):
-        raise InputError(f"corners: {len(found)} points are given: expected 2^d points of d numbers each, d = 1, 2 or 3")
+        wanted = "expected 2^d points of d numbers each, d = 1, 2 or 3"
+        raise InputError(f"corners: {len(found)} points are given: {wanted}")
 
     def places(xi: Places) -> Places:
-        values = [tuple(x + 0.0 * xi[0] for x in point) for point in found]
+        values = found
         for s in xi:
             pairs = zip(values[::2], values[1::2])
-            values = [tuple((1.0 - s) * a + s * b for a, b in zip(low, high)) for low, high in pairs]
+            values = [tuple((1.0 - s) * a + s * b for a, b in zip(*pair)) for pair in pairs]
         return values[0]
 
-    return Mapped(places, d, "corners")
+    return Mapped(places, d)
 
 
-def annulus(inner: float, outer: float, angles: Sequence[float] = (0.0, 2.0 * np.pi), centre: Any = (0.0, 0.0)) -> Mapped:
+def annulus(
+    inner: float, outer: float, angles: Any = (0.0, 2.0 * np.pi), centre: Any = (0.0, 0.0)
+) -> Mapped:
     """Ring or part of one: axis 0 along the radius [m], axis 1 along the angle. InputError.
 
     The whole ring is periodic along axis 1: Block(…, periodic=(False, True)).
     """
-    a, b = number(inner, "annulus: inner", POSITIVE, "m"), number(outer, "annulus: outer", POSITIVE, "m")
+    a, b = number(inner, "annulus: inner", POSITIVE), number(outer, "annulus: outer", POSITIVE)
     (begin, end), (x, y) = _point(angles, "annulus: angles"), _point(centre, "annulus: centre")
     if not (a < b and 0.0 < end - begin <= 2.0 * np.pi + 1e-12):
-        raise InputError(
-            f"annulus: radii {a:g} and {b:g}, angles {begin:g} and {end:g}: expected the inner radius below the outer one,"
-            " and an angle that rises by no more than 2 pi"
-        )
+        wanted = "expected inner below outer, and an angle that rises by no more than 2 pi"
+        raise InputError(f"annulus: radii {a:g} and {b:g}, angles {begin:g} and {end:g}: {wanted}")
 
     def places(xi: Places) -> Places:
         r, angle = (1.0 - xi[0]) * a + xi[0] * b, (1.0 - xi[1]) * begin + xi[1] * end
         return x + r * np.cos(angle), y + r * np.sin(angle)
 
-    return Mapped(places, 2, "annulus")
+    return Mapped(places, 2)
 
 
 def transfinite(*faces: tuple[Callable[..., Any], Callable[..., Any]]) -> Mapped:
-    """Gordon–Hall map between 2 d faces: for each axis those at xi_k = 0 and 1. InputError where they do not fit together.
+    """Gordon–Hall map between 2 d faces: for each axis those at xi_k = 0 and 1. InputError.
 
-    Each face is a function of the d - 1 other logical coordinates that gives d arrays; in 2-D four curves,
+    Each face is a function of the d - 1 other logical coordinates that gives d arrays. In 2-D:
     transfinite((left, right), (lower, upper)), left and right of xi_1, lower and upper of xi_0.
     """
     d = len(faces)
     if d not in (2, 3) or any(not isinstance(pair, tuple) or len(pair) != 2 for pair in faces):
-        raise InputError("transfinite: expected (low, high), two functions, for each of 2 or 3 axes")
+        raise InputError("transfinite: expected (low, high), functions, for each of 2 or 3 axes")
 
-    def on_face(axis: int, side: int, xi: Places) -> Array:
+    def on_face(axis: int, side: int, xi: Sequence[Array]) -> Array:
         values = faces[axis][side](*(s for k, s in enumerate(xi) if k != axis))
         return np.array([x + 0.0 * xi[0] for x in values])
 
@@ -124,68 +128,66 @@ def transfinite(*faces: tuple[Callable[..., Any], Callable[..., Any]]) -> Mapped
         for count in range(1, d + 1):
             for axes in combinations(range(d), count):
                 for sides in product((0, 1), repeat=count):
-                    at = list(xi)
-                    weight = (-1.0) ** (count + 1)
+                    at, weight = list(xi), (-1.0) ** (count + 1)
                     for axis, side in zip(axes, sides):
                         weight = weight * (xi[axis] if side else 1.0 - xi[axis])
-                        at[axis] = np.full(np.shape(xi[0]), float(side))
-                    total += weight * on_face(axes[0], sides[0], tuple(at))
+                        at[axis] = side + 0.0 * xi[0]
+                    total += weight * on_face(axes[0], sides[0], at)
         return tuple(total)
 
     _check_edges(d, on_face)
-    return Mapped(places, d, "transfinite")
+    return Mapped(places, d)
 
 
-def _check_edges(d: int, on_face: Callable[[int, int, Places], Array]) -> None:
+def _check_edges(d: int, on_face: Callable[[int, int, Sequence[Array]], Array]) -> None:
     """InputError where two faces of a transfinite map have different edges."""
-    s = np.linspace(0.0, 1.0, 5)
-    for a, b in combinations(range(d), 2):
-        for sides in product((0, 1), repeat=2):
-            at = [s] * d
-            at[a], at[b] = np.full(5, float(sides[0])), np.full(5, float(sides[1]))
-            one, other = on_face(a, sides[0], tuple(at)), on_face(b, sides[1], tuple(at))
-            apart = np.abs(one - other).max(axis=0)
-            i = int(np.argmax(apart))
-            if not apart[i] <= 1e-9 * (np.abs(one).max() + 1e-300):
-                raise InputError(
-                    f"transfinite: faces (axis {a}, side {sides[0]}) and (axis {b}, side {sides[1]}) do not meet:"
-                    f" {place_text(one[:, i])} and {place_text(other[:, i])}"
-                )
+    for (a, b), (p, q) in product(combinations(range(d), 2), product((0, 1), repeat=2)):
+        at = [np.linspace(0.0, 1.0, 5)] * d
+        at[a], at[b] = p + 0.0 * at[0], q + 0.0 * at[0]
+        one, other = on_face(a, p, at), on_face(b, q, at)
+        apart = np.abs(one - other).max(axis=0)
+        i = int(np.argmax(apart))
+        if not apart[i] <= 1e-9 * (np.abs(one).max() + 1e-300):
+            places = f"{place_text(one[:, i])} and {place_text(other[:, i])}"
+            both = f"faces (axis {a}, side {p}) and (axis {b}, side {q})"
+            raise InputError(f"transfinite: {both} do not meet: {places}")
 
 
 def stretched(map: Map, *functions: Callable[[Array], Array] | None) -> Mapped:
     """X(s_0(xi_0), …): a function of [0, 1] onto itself for each axis, or None. InputError."""
-    for k, function in enumerate(functions):
-        ends = [0.0, 1.0] if function is None else [float(function(np.array(s))) for s in (0.0, 1.0)]
+    for k, s in enumerate(functions):
+        ends = [0.0, 1.0] if s is None else [float(s(np.array(end))) for end in (0.0, 1.0)]
         if not np.allclose(ends, (0.0, 1.0), rtol=0.0, atol=1e-12):
-            raise InputError(f"stretched: function {k} takes 0 and 1 to {ends[0]:g} and {ends[1]:g}: expected 0 and 1")
+            found = f"{ends[0]:g} and {ends[1]:g}"
+            raise InputError(f"stretched: function {k} takes 0 and 1 to {found}: expected 0 and 1")
     d = getattr(map, "dimension", len(functions))
     if d != len(functions):
-        raise InputError(f"stretched: {len(functions)} functions for a map of {d} dimensions: expected one for each axis")
+        raise InputError(f"stretched: {len(functions)} functions for a map of {d} dimensions")
 
     def places(xi: Places) -> Places:
-        return tuple(map(tuple(s if f is None else f(s) for s, f in zip(xi, functions))))
+        return tuple(map(tuple(x if s is None else s(x) for x, s in zip(xi, functions))))
 
-    return Mapped(places, d, "stretched")
+    return Mapped(places, d)
 
 
 def nodes(places: Any) -> Nodes:
-    """A grid from an array of nodes, (n_0, 1), (n_1, n_0, 2) or (n_2, n_1, n_0, 3) [m]. InputError.
+    """A grid of nodes, (n_0, 1), (n_1, n_0, 2) or (n_2, n_1, n_0, 3) [m]. InputError.
 
     On a periodic axis the last nodes are the first ones, a period on.
     """
     array = np.array(places, float)
     if not 2 <= array.ndim <= 4 or array.shape[-1] != array.ndim - 1 or min(array.shape[:-1]) < 2:
-        raise InputError(f"nodes: {described(array)}: expected the shape (n_0, 1), (n_1, n_0, 2) or (n_2, n_1, n_0, 3)")
+        wanted = "expected the shape (n_0, 1), (n_1, n_0, 2) or (n_2, n_1, n_0, 3)"
+        raise InputError(f"nodes: {described(array)}: {wanted}")
     return Nodes(array)
 
 
 def place_text(X: Any) -> str:
     """"X = 1", "(X, Y) = (1, 2)": a place in a message."""
-    values = np.ravel(X)
-    if len(values) == 1:
-        return f"X = {values[0]:.6g}"
-    return f"({', '.join('XYZ'[: len(values)])}) = ({', '.join(f'{x:.6g}' for x in values)})"
+    numbers = [f"{x:.6g}" for x in np.ravel(X)]
+    if len(numbers) == 1:
+        return f"X = {numbers[0]}"
+    return f"({', '.join('XYZ'[: len(numbers)])}) = ({', '.join(numbers)})"
 
 
 def _point(value: Any, what: str) -> tuple[float, ...]:

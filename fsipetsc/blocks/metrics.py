@@ -27,9 +27,10 @@ EXACT: dict[str, Any] = {**LOOP, "fastmath": {"nsz"}}
 class Wide:
     """A range of nodes of a block, and the wider one that their derivatives need.
 
-    where: the range, beyond the ends on periodic axes only. wide: it and, as far as there are nodes, as
-    many more on each side as pairs reach. sizes: nodes of the wide range along each axis. S, weight: of
-    the bands of the axes, cut to it. P: (d, d), the periods. y: (d, N), the periodic part of X.
+    where: the range, beyond the ends on periodic axes only. wide: it and, as far as there are
+    nodes, as many more on each side as pairs reach. sizes: nodes of the wide range along each axis.
+    S, weight: of the bands of the axes, cut to it. P: (d, d), the periods. y: (d, N), the periodic
+    part of X.
     """
 
     def __init__(self, problem: BlockProblem, k: int, order: int, where: Range) -> None:
@@ -99,7 +100,8 @@ def check_positive(block: Block, J: Array, X: Array) -> None:
     if not J.min() > 0.0:
         i = int(np.argmin(J))
         found = f"J = {J[i]:.3g} at {place_text(X[:, i])}"
-        raise InputError(f"{block}: {found}: expected J > 0: more cells, another map", collective=False)
+        wanted = "expected J > 0: more cells, or another map"
+        raise InputError(f"{block}: {found}: {wanted}", collective=False)
 
 
 @njit(**EXACT)
@@ -130,7 +132,8 @@ def _multiply_row(out, c):
 
 @njit(**CALL)
 def differentiate(out, f, S, weight, before):
-    """out = D f along one axis of flat arrays (N,), `before` nodes of faster axes between neighbours.
+    """out = D f along one axis of flat arrays (N,), `before` nodes of faster axes between
+    neighbours.
 
     S, weight: of a Band, cut to the nodes that f has. Next to a cut the result is of no use.
     """
@@ -192,10 +195,12 @@ def _less(out, f, c):
 def curl_metrics(a, y, P, S, weight, slopes, q):
     """a^1, a^2, a^3 (3, 3, N) in three dimensions, with sum_k D_k a^k = 0. Of use away from cuts.
 
-    (a^i)_n = D_j q_k - D_k q_j,  q_k = 1/2 (x_m D_k x_l - x_l D_k x_m),  (i, j, k) and (n, m, l) cyclic:
-    Thomas and Lombard, AIAA J. 17 (1979) 1030-1037. With x = y + sum_k xi_k P_k, by the product rule,
+    (a^i)_n = D_j q_k - D_k q_j,  q_k = 1/2 (x_m D_k x_l - x_l D_k x_m),  (i, j, k) and (n, m, l)
+    cyclic: Thomas and Lombard, AIAA J. 17 (1979) 1030-1037. With x = y + sum_k xi_k P_k, by the
+    product rule,
 
-        q_k = 1/2 (y_m D_k y_l - y_l D_k y_m) + y_m P_kl - y_l P_km,   (a^i)_n += P_jm P_kl - P_km P_jl
+        q_k = 1/2 (y_m D_k y_l - y_l D_k y_m) + y_m P_kl - y_l P_km,   (a^i)_n += P_jm P_kl - P_km
+        P_jl
 
     y: (3, N). P, S, weight: of a Wide. slopes: (3, 3, N), filled with D_k y. q: (4, N), scratch.
     """

@@ -43,7 +43,8 @@ def _boundary(block: Block) -> Array:
     for axis, side in product(range(d), (0, 1)):
         index = [np.arange(c + 1) for c in block.cells]
         if d == 3:
-            index = [np.unique(np.linspace(0, i[-1], min(len(i), _MOST + 1)).astype(int)) for i in index]
+            numbers = (min(c, _MOST) + 1 for c in block.cells)
+            index = [np.linspace(0, i[-1], n).astype(int) for i, n in zip(index, numbers)]
         index[axis] = index[axis][-1:] if side else index[axis][:1]
         mesh = np.meshgrid(*index[::-1], indexing="ij")[::-1]
         X = np.moveaxis(np.squeeze(block.places(mesh), axis=d - axis), 0, -1)

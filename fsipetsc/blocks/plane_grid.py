@@ -1,21 +1,21 @@
-"""Metrics of a moving grid in two dimensions, whose faces alone are differentiated. Compiled.
+"""Metrics of a moving grid in two dimensions, of which only the faces are differentiated. Compiled.
 
-D_k of a linear function is exact, so derivatives of a blend of faces are blends of derivatives along
-them. With S, N the faces along axis 1 at the low and high end of axis 2, W, E those along axis 2, and
-l, h the weights of low and high ends,
+D_k of a linear function is exact, so derivatives of a blend of faces are blends of derivatives
+along them. With S, N the faces along axis 1 at the low and high end of axis 2, W, E those along
+axis 2, and l, h the weights of low and high ends,
 
-    Q_ij    = l_j S_i + h_j N_i
-    u_ij    = Q_ij + l_i (W_j - Q_0j) + h_i (E_j - Q_nj)
+    Q_ij     = l_j S_i + h_j N_i
+    u_ij     = Q_ij + l_i (W_j - Q_0j) + h_i (E_j - Q_nj)
     D_1 u_ij = l_j D_1 S_i + h_j D_1 N_i + [E_j - W_j - (Q_nj - Q_0j)]
     D_2 u_ij = l_i D_2 W_j + h_i D_2 E_j + [N_i - S_i - l_i (N_0 - S_0) - h_i (N_n - S_n)]
 
-The brackets are 0 to the bit at W and E or at S and N. Along a periodic axis there are no faces; then
-the other two, l, h, and the values at vertices are 0.
+The brackets are 0 to the bit at S and N, or W and E. Along a periodic axis there are no faces
+across it; then their values, those at vertices, l and h are 0.
 """
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numba import njit
@@ -27,77 +27,112 @@ from fsipetsc.checks import Array
 from fsipetsc.operators.loops import CALL, add, dot, load, rows, scale, store, sub
 
 
-class Lines(NamedTuple):
-    """A range of nodes of a block, for compiled code; pairs are of axis 0 and 1.
+class PlaneGrid:
+    """The faces of a range of nodes of a block, of which values (2, H) at the hull are given.
 
-    columns: the nodes of the two faces along the axis among those of the hull, (2, n) of the wide range,
-    (2, 0) if there are none. S, weight: of its band. first: where the range begins in the wide one. low,
-    high: weights of the ends (n,). corners: of the vertices among the hull, side of axis 0 + 2 of axis 1.
+    weights: of the low and high ends of each axis, on the range.
     """
 
-    columns: tuple[Array, ...]
-    S: tuple[Array, ...]
-    weight: tuple[Array, ...]
-    first: tuple[int, ...]
-    low: tuple[Array, ...]
-    high: tuple[Array, ...]
-    corners: Array
+    def __init__(self, block: Block, wide: Wide, hull: Any, weights: list[Array]) -> None:
+        self._axes, self._faces = [], []
+        for axis, (begin, end) in enumerate(wide.wide):
+            index, n = np.arange(begin, end) % block.shape[axis], weights[2 * axis].size
+            faces = [face_nodes(block.shape, 1 - axis, side)[index] for side in (0, 1)]
+            columns = hull.columns(np.array(faces)[:, : 0 if block.periodic[1 - axis] else None])
+            first = wide.where[axis][0] - begin
+            f, slope, scratch = np.zeros((4, n)), np.zeros((4, n)), np.zeros((2, end - begin))
+            self._axes.append((columns, wide.S[axis], wide.weight[axis], first, f, slope, scratch))
+        corners = np.zeros((2, 0), int)
+        if not any(block.periodic):
+            corners = np.array([face_nodes(block.shape, 1, side)[[0, -1]] for side in (0, 1)])
+        self._corners, self._ends = hull.columns(corners), np.zeros((4, 2))
+        rise = np.zeros((2, weights[0].size))
+        (*_, f, slope, _), (*_, g, steep, _) = self._axes
+        along = tuple(slope[:2]), tuple(slope[2:]), tuple(rise)
+        self._rise = f, rise, weights[0], weights[1]
+        self._slopes = *along, *weights, g, steep, self._ends
+        self._values = tuple(f[:2]), tuple(f[2:]), *self._slopes
 
+    def metrics(self, metrics: Array, G: Array, displacement: Array) -> None:
+        """Fill a^1, a^2; G: (4, N), D_1 X and D_2 X."""
+        self._differentiate(displacement)
+        _plane_metrics(metrics, G, *self._slopes)
 
-def lines_of(wide: Wide, block: Block, hull: Any, end_weights: Any) -> Lines:
-    """Of a block in 1-D or 2-D, where there are no faces along its axis."""
-    d, columns, weights = block.dimension, [], []
-    for axis, (begin, end) in enumerate(wide.wide):
-        along = np.arange(begin, end) % block.shape[axis]
-        faces = [face_nodes(block.shape, 1 - axis, s)[along] for s in (0, 1) if d == 2]
-        if d == 1 or block.periodic[1 - axis]:
-            faces = np.zeros((2, 0), int)
-        columns.append(hull.columns(np.array(faces)))
-        weights.append(end_weights(block, axis, np.arange(*wide.where[axis])))
-    first = tuple(begin - wide_begin for (begin, _), (wide_begin, _) in zip(wide.where, wide.wide))
-    corners = np.zeros(0, int)
-    if d == 2 and not any(block.periodic):
-        corners = np.concatenate([face_nodes(block.shape, 1, side)[[0, -1]] for side in (0, 1)])
-    low, high = zip(*weights)
-    return Lines(tuple(columns), wide.S, wide.weight, first, low, high, hull.columns(corners))
+    def velocities(self, metrics: Array, velocity: Array) -> None:
+        """Fill the velocity v and J_t = a^1 . D_1 v + a^2 . D_2 v."""
+        self._differentiate(velocity)
+        _plane_velocities(metrics, *self._values)
+
+    def _differentiate(self, values: Array) -> None:
+        for axis in self._axes:
+            _along(values, *axis)
+        _across(values, self._corners, self._ends, *self._rise)
 
 
 @njit(**CALL)
-def plane_metrics(metrics, G, values, lines):
-    """Fill a^1, a^2 from values (2, H) of the displacement; G: (4, N), D_1 X and D_2 X."""
-    like, low, high = (0.0, 0.0), lines.low[0], lines.high[0]
-    n, corners = low.size, _corners(values, lines.corners)
-    f, slope = _along(values, lines, 0)
-    g, rise_of = _along(values, lines, 1)
-    rise = _rise(f, corners, low, high)
-    for j in range(lines.low[1].size):
-        l, h, a, b = lines.low[1][j], lines.high[1][j], j * n, (j + 1) * n
-        start, stop = _ends(corners, l, h)
-        across = sub(sub(_pair(g, 2, j), _pair(g, 0, j)), sub(stop, start))
-        low_slope, high_slope = _pair(rise_of, 0, j), _pair(rise_of, 2, j)
+def _along(values, columns, S, weight, first, f, slope, scratch):
+    """Values and derivatives along the two faces of an axis, (4, n): rows 2 side + component."""
+    if columns.size == 0:
+        return
+    n = f.shape[1]
+    given, derivative = scratch[0], scratch[1]
+    for row in range(4):
+        side, c = row // 2, row % 2
+        for i in range(given.size):
+            given[i] = values[c, columns[side, i]]
+        differentiate(derivative, given, S, weight, 1)
+        for i in range(n):
+            f[row, i] = given[first + i]
+            slope[row, i] = derivative[first + i]
+
+
+@njit(**CALL)
+def _across(values, corners, ends, f, rise, low, high):
+    """Values at the four vertices, (4, 2), and [N_i - S_i - l_i (N_0 - S_0) - h_i (N_n - S_n)]."""
+    for c in range(2):
+        for end in range(corners.shape[1]):
+            ends[end, c] = values[c, corners[0, end]]
+            ends[2 + end, c] = values[c, corners[1, end]]
+        at_low, at_high = ends[2, c] - ends[0, c], ends[3, c] - ends[1, c]
+        for i in range(low.size):
+            rise[c, i] = (f[2 + c, i] - f[c, i]) - (low[i] * at_low + high[i] * at_high)
+
+
+@njit(**CALL)
+def _row(ends, g, steep, l, h, j):
+    """Of row j: Q_0, Q_n, W, E, D_2 W, D_2 E."""
+    start = l * ends[0, 0] + h * ends[2, 0], l * ends[0, 1] + h * ends[2, 1]
+    stop = l * ends[1, 0] + h * ends[3, 0], l * ends[1, 1] + h * ends[3, 1]
+    values = (g[0, j], g[1, j]), (g[2, j], g[3, j])
+    return start, stop, *values, (steep[0, j], steep[1, j]), (steep[2, j], steep[3, j])
+
+
+@njit(**CALL)
+def _plane_metrics(metrics, G, S, N, rise, low, high, low_y, high_y, g, steep, ends):
+    like, n = (0.0, 0.0), low.size
+    for j in range(low_y.size):
+        l, h, a, b = low_y[j], high_y[j], j * n, (j + 1) * n
+        start, stop, west, east, west_slope, east_slope = _row(ends, g, steep, l, h, j)
+        across = sub(sub(east, west), sub(stop, start))
         a1, a2 = rows(like, metrics, a, b), rows(like, metrics[2:], a, b)
         G1, G2 = rows(like, G, a, b), rows(like, G[2:], a, b)
-        S, N, B = rows(like, slope, 0, n), rows(like, slope[2:], 0, n), rows(like, rise, 0, n)
-        _row_of_metrics(a1, a2, G1, G2, S, N, B, low, high, l, h, across, low_slope, high_slope)
+        of_row = l, h, across, west_slope, east_slope
+        _row_of_metrics(a1, a2, G1, G2, S, N, rise, low, high, of_row)
 
 
 @njit(**CALL)
-def plane_velocities(metrics, values, lines):
-    """Fill the velocity v and J_t = a^1 . D_1 v + a^2 . D_2 v from values (2, H) of the velocity."""
-    like, low, high = (0.0, 0.0), lines.low[0], lines.high[0]
-    n, corners = low.size, _corners(values, lines.corners)
-    f, slope = _along(values, lines, 0)
-    g, rise_of = _along(values, lines, 1)
-    rise = _rise(f, corners, low, high)
-    for j in range(lines.low[1].size):
-        l, h, a, b = lines.low[1][j], lines.high[1][j], j * n, (j + 1) * n
-        (start, stop), west, east = _ends(corners, l, h), _pair(g, 0, j), _pair(g, 2, j)
-        across, low_slope, high_slope = sub(sub(east, west), sub(stop, start)), _pair(rise_of, 0, j), _pair(rise_of, 2, j)
-        a1, a2, v = rows(like, metrics, a, b), rows(like, metrics[2:], a, b), rows(like, metrics[4:], a, b)
-        S, N, B = rows(like, slope, 0, n), rows(like, slope[2:], 0, n), rows(like, rise, 0, n)
-        fS, fN = rows(like, f, 0, n), rows(like, f[2:], 0, n)
+def _plane_velocities(
+    metrics, fS, fN, S, N, rise, low, high, low_y, high_y, g, steep, ends
+):
+    like, n = (0.0, 0.0), low.size
+    for j in range(low_y.size):
+        l, h, a, b = low_y[j], high_y[j], j * n, (j + 1) * n
+        start, stop, west, east, west_slope, east_slope = _row(ends, g, steep, l, h, j)
+        across = sub(sub(east, west), sub(stop, start))
+        a1, a2 = rows(like, metrics, a, b), rows(like, metrics[2:], a, b)
+        v, J_t = rows(like, metrics[4:], a, b), metrics[6, a:b]
+        _row_of_rates(J_t, a1, a2, S, N, rise, low, high, (l, h, across, west_slope, east_slope))
         _row_of_velocities(v, fS, fN, low, high, l, h, sub(west, start), sub(east, stop))
-        _row_of_rates(metrics[6, a:b], a1, a2, S, N, B, low, high, l, h, across, low_slope, high_slope)
         if low[0] == 1.0:
             store(v, 0, west)
         if high[n - 1] == 1.0:
@@ -105,77 +140,30 @@ def plane_velocities(metrics, values, lines):
 
 
 @njit(**EXACT)
-def _row_of_metrics(a1, a2, G1, G2, S, N, B, low, high, l, h, across, low_slope, high_slope):
+def _row_of_metrics(a1, a2, G1, G2, S, N, rise, low, high, of_row):
     """a^1 = (D_2 y, -D_2 x), a^2 = (-D_1 y, D_1 x) of a row of nodes."""
+    l, h, across, west, east = of_row
     for i in range(low.size):
         D1 = add(add(scale(l, load(S, i)), scale(h, load(N, i))), across)
-        D2 = add(add(scale(low[i], low_slope), scale(high[i], high_slope)), load(B, i))
+        D2 = add(add(scale(low[i], west), scale(high[i], east)), load(rise, i))
         x1, x2 = add(load(G1, i), D1), add(load(G2, i), D2)
         store(a1, i, (x2[1], -x2[0]))
         store(a2, i, (-x1[1], x1[0]))
 
 
 @njit(**EXACT)
-def _row_of_velocities(v, S, N, low, high, l, h, west, east):
-    """v of a row of nodes."""
-    for i in range(low.size):
-        Q = add(scale(l, load(S, i)), scale(h, load(N, i)))
-        store(v, i, add(Q, add(scale(low[i], west), scale(high[i], east))))
-
-
-@njit(**EXACT)
-def _row_of_rates(J_t, a1, a2, S, N, B, low, high, l, h, across, low_slope, high_slope):
+def _row_of_rates(J_t, a1, a2, S, N, rise, low, high, of_row):
     """J_t of a row of nodes."""
+    l, h, across, west, east = of_row
     for i in range(low.size):
         D1 = add(add(scale(l, load(S, i)), scale(h, load(N, i))), across)
-        D2 = add(add(scale(low[i], low_slope), scale(high[i], high_slope)), load(B, i))
+        D2 = add(add(scale(low[i], west), scale(high[i], east)), load(rise, i))
         J_t[i] = dot(load(a1, i), D1) + dot(load(a2, i), D2)
 
 
-@njit(**CALL)
-def _along(values, lines, axis):
-    """Values and derivatives along the two faces of an axis, (4, n): rows 2 side + component; or 0."""
-    columns, weight, first = lines.columns[axis], lines.weight[axis], lines.first[axis]
-    f, slope = np.zeros((4, weight.size)), np.zeros((4, weight.size))
-    if columns.size > 0:
-        for row in range(4):
-            given, at, face = values[row % 2], columns[row // 2], f[row]
-            for i in range(weight.size):
-                face[i] = given[at[i]]
-        differentiate(slope.reshape(-1), f.reshape(-1), lines.S[axis], weight, 1)
-    end = first + lines.low[axis].size
-    return f[:, first:end].copy(), slope[:, first:end].copy()
-
-
-@njit(**CALL)
-def _corners(values, columns):
-    """Values (4, 2) at the vertices; 0 if there are none."""
-    corners = np.zeros((4, 2))
-    for k in range(columns.size):
-        for c in range(2):
-            corners[k, c] = values[c, columns[k]]
-    return corners
-
-
-@njit(**CALL)
-def _pair(f, row, j):
-    return f[row, j], f[row + 1, j]
-
-
-@njit(**CALL)
-def _ends(corners, l, h):
-    """Q_0j and Q_nj."""
-    start = l * corners[0, 0] + h * corners[2, 0], l * corners[0, 1] + h * corners[2, 1]
-    stop = l * corners[1, 0] + h * corners[3, 0], l * corners[1, 1] + h * corners[3, 1]
-    return start, stop
-
-
-@njit(**CALL)
-def _rise(f, corners, low, high):
-    """[N_i - S_i - l_i (N_0 - S_0) - h_i (N_n - S_n)], (2, n), from values f along S and N."""
-    rise = np.empty((2, low.size))
-    for c in range(2):
-        at_low, at_high = corners[2, c] - corners[0, c], corners[3, c] - corners[1, c]
-        for i in range(low.size):
-            rise[c, i] = (f[2 + c, i] - f[c, i]) - (low[i] * at_low + high[i] * at_high)
-    return rise
+@njit(**EXACT)
+def _row_of_velocities(v, S, N, low, high, l, h, west, east):
+    """v of a row of nodes; west, east: what Q misses there."""
+    for i in range(low.size):
+        Q = add(scale(l, load(S, i)), scale(h, load(N, i)))
+        store(v, i, add(Q, add(scale(low[i], west), scale(high[i], east))))

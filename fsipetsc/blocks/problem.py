@@ -1,9 +1,10 @@
-"""A problem: blocks, what stands at their faces, and which faces and nodes of them are at one place.
+"""A problem: blocks, what stands at their faces, and which faces and nodes of them are at one
+place.
 
-Faces are (block, axis, side), side 0 at xi_axis = 0 and 1 at xi_axis = 1. Faces whose nodes are at the
-same places meet: a join of gas and gas or solid and solid, an interface of gas and solid. Every other
-face needs a condition. Nodes of faces at one place are one particle (SCHEME-BLOCKS.md, section 3),
-also where blocks touch at an edge or a vertex only.
+Faces are (block, axis, side), side 0 at xi_axis = 0 and 1 at xi_axis = 1. Faces whose nodes are at
+the same places meet: a join of gas and gas or solid and solid, an interface of gas and solid. Every
+other face needs a condition. Nodes of faces at one place are one particle (SCHEME-BLOCKS.md,
+section 3), also where blocks touch at an edge or a vertex only.
 """
 
 from __future__ import annotations
@@ -30,9 +31,9 @@ FaceName = tuple[str, int, int]
 class Meeting:
     """What stands at a face that another one meets: its number of block, axis and side.
 
-    order: node j of this face is node order[j] of the other one. axes, flips: the k-th axis of this face
-    runs along axis axes[k] of the other block, backwards where flips[k]. shift: what takes this face to
-    the other one [m], 0 but for Periodic.
+    order: node j of this face is node order[j] of the other one. axes, flips: the k-th axis of this
+    face runs along axis axes[k] of the other block, backwards where flips[k]. shift: what takes
+    this face to the other one [m], 0 but for Periodic.
     """
 
     block: int
@@ -65,8 +66,8 @@ class BlockProblem:
 
     faces: (block name, axis, side) -> condition, for each face that no other one meets; or pairs of
     these. jumps(*X, t) -> (traction per axis [Pa], heat [W/m2]) per reference area that interfaces
-    supply from outside, or None. points: (block name, place X, Hinge()) for points of solids' faces that
-    are held. notes: lines for the summary. units: "SI" or "".
+    supply from outside, or None. points: (block name, place X, Hinge()) for points of solids' faces
+    that are held. notes: lines for the summary. units: "SI" or "".
     """
 
     blocks: tuple[Block, ...]
@@ -143,8 +144,8 @@ class BlockProblem:
         return self._places(k, np.unravel_index(np.asarray(nodes), shape)[::-1]).T
 
     def positions(self, k: int, where: Range) -> Array:
-        """X of a range of nodes of block k, (d, N), axis 0 fastest, as `places`. Beyond the ends of a
-        periodic axis they go on.
+        """X of a range of nodes of block k, (d, N), axis 0 fastest, as `places`. Beyond the ends of
+        a periodic axis they go on.
         """
         index = mesh([np.arange(*ends) for ends in where])
         return self._places(k, index).reshape(self.dimension, -1)
@@ -154,8 +155,9 @@ class BlockProblem:
         return not {(k, node) for k, node, _ in self.held}.isdisjoint(members)
 
     def face_normal(self, k: int, node: int, axis: int, side: int) -> tuple[Array, Array, Array]:
-        """At a node of a face: the outward unit normal of the reference map, the place X of the node, and
-        the mean place of its neighbours on the face; of a point, a place inwards. (d,) each.
+        """At a node of a face: the outward unit normal of the reference map, the place X of the
+        node, and the mean place of its neighbours on the face; of a point, a place inwards. (d,)
+        each.
         """
         block, slopes, around = self.blocks[k], [], []
         index = np.array(np.unravel_index(node, block.shape[::-1]))[::-1, None]
@@ -184,7 +186,9 @@ class BlockProblem:
         object.__setattr__(self, name, value)
 
     def _named_faces(self) -> dict[FaceName, Condition]:
-        """The faces as a dict. InputError for wrong names and conditions, and for those named twice."""
+        """The faces as a dict. InputError for wrong names and conditions, and for those named
+        twice.
+        """
         given = self.faces.items() if isinstance(self.faces, Mapping) else list(self.faces)
         found: dict[FaceName, Condition] = {}
         for name, condition in given:
@@ -224,7 +228,7 @@ class BlockProblem:
 class _Matching:
     """Which faces have the same nodes, which nodes are one particle."""
 
-    def __init__(self, faces: list[Face], named: Mapping[FaceName, Condition], within: float) -> None:
+    def __init__(self, faces: list[Face], named: Mapping[Any, Condition], within: float) -> None:
         self.faces, self._pairs = faces, []
         self.given = [named.get((face.owner.name, face.axis, face.side)) for face in faces]
         periodic = [f for f, given in enumerate(self.given) if isinstance(given, Periodic)]
@@ -282,7 +286,7 @@ class _Matching:
             if not found or _key(self.wanted[found[0]]) != _key(self.labels[f]):
                 at = f"{place_text(face.X[0])} + {condition.shift}"
                 wanted = "expected one with the opposite shift"
-                raise InputError(f"{face} is Periodic, and no Periodic face begins at {at}: {wanted}")
+                raise InputError(f"{face} is Periodic, and no Periodic face is at {at}: {wanted}")
         elif found and condition is not None:
             what = f"{self.faces[found[0]]} and is named {type(condition).__name__}(…), too"
             raise InputError(f"{face} meets {what}: expected no condition")
@@ -298,7 +302,7 @@ class _Matching:
         if isinstance(condition, Periodic):
             shift = condition.shift
             if face.owner.kind != other.owner.kind:
-                raise InputError(f"{face} is Periodic and goes on at {other}: expected one material")
+                raise InputError(f"{face} goes on at {other}: expected gas and gas, or two solids")
         return Meeting(other.block, other.axis, other.side, order, axes, flips, shift)
 
     def _why_alone(self, f: int) -> str:
@@ -317,8 +321,9 @@ class _Matching:
         apart = [np.linalg.norm(self.faces[g].X.mean(axis=0) - centre) for g in others]
         near = int(np.argmin(apart))
         nearest = f"{self.faces[others[near]]}, {apart[near]:.3g} away"
-        alone = f"{face}, about {place_text(centre)}, has no condition, and no face with the same nodes"
-        return f"{alone} meets it: expected one of both; the nearest is {nearest}"
+        alone = f"{face}, about {place_text(centre)}, has no condition"
+        wanted = f"expected one, or a face with the same nodes; the nearest is {nearest}"
+        return f"{alone}, and no face meets it: {wanted}"
 
 
 def _key(labels: Array) -> bytes:

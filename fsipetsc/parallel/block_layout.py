@@ -230,12 +230,15 @@ class BlockVector:
 
     def __init__(self, layout: BlockLayout, array: Array) -> None:
         self.array, self._layout = array, layout
-        self._exchanged = []
+        self._vectors: list[PETSc.Vec] = []
+        self._exchanged: list[tuple[PETSc.Scatter, PETSc.Vec, PETSc.Vec]] = []
         for part in layout.parts:
             own = array[part.begin : part.end]
             vector = PETSc.Vec().createWithArray(own, bsize=part.dof, comm=part.comm)
             assert vector.getArray(readonly=True).ctypes.data == own.ctypes.data, "PETSc has copied"
-            self._exchanged.append((part, vector))
+            self._vectors.append(vector)
+            if part.has_halo:
+                self._exchanged.append((part.scatter, vector, part.local_vector))
 
     def owned(self, k: int) -> Array:
         """View (M, dof) of block k."""
@@ -248,15 +251,13 @@ class BlockVector:
 
     def begin(self) -> None:
         """Begin to fill the ghosted arrays; what is sent must not change before ``end``."""
-        for part, vector in self._exchanged:
-            if part.has_halo:
-                part.scatter.scatterBegin(vector, part.local_vector)
+        for scatter, vector, local in self._exchanged:
+            scatter.scatterBegin(vector, local)
 
     def end(self) -> None:
         """End it."""
-        for part, vector in self._exchanged:
-            if part.has_halo:
-                part.scatter.scatterEnd(vector, part.local_vector)
+        for scatter, vector, local in self._exchanged:
+            scatter.scatterEnd(vector, local)
 
     def ghosted(self, k: int) -> Array:
         """(N, dof): block k with halos, as of the last ``end``; without halos the owned part."""
@@ -265,9 +266,9 @@ class BlockVector:
 
     def destroy(self) -> None:
         """Destroy the vectors, before the layout."""
-        for _, vector in self._exchanged:
+        for vector in self._vectors:
             vector.destroy()
-        self._exchanged = []
+        self._vectors, self._exchanged = [], []
 
 
 class FaceGather:

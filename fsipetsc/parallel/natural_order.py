@@ -1,4 +1,4 @@
-"""From PETSc's order of the nodes of a block to the natural one, that of their numbers: of files."""
+"""From PETSc's order of the nodes of a block to the natural one, that of their numbers."""
 
 from __future__ import annotations
 

@@ -1,32 +1,38 @@
 """The state of a run of blocks: solution, scheme, what is known after a step, what is saved.
 
-It has the names that stepping.run, stepping.integrator and the writer ask for: ``solution``, ``results``, ``journal``,
-``right_hand_side``, ``finish``, ``save`` …; the equations are those of fsipetsc.run.block_scheme.
+It has the names that stepping.run, stepping.integrator and the writer ask for: ``solution``,
+``results``, ``journal``, ``right_hand_side``, ``finish``, ``save`` …; the equations are those of
+fsipetsc.run.block_scheme.
 """
 
 from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
+from fsipetsc.checks import counted
 from fsipetsc.errors import FsiError, InputError
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_layout import BlockLayout, BlockVector
 from fsipetsc.parallel.natural_order import NaturalOrder
 from fsipetsc.process.together import agree, together, wait_asleep
 from fsipetsc.run import snapshot
+from fsipetsc.run.after_step import WORDS, note_extremes, plan_next
 from fsipetsc.run.columns import fields_of, gained, step_record
 from fsipetsc.run.errors_of_blocks import errors
 from fsipetsc.run.failures import describe_failure
 from fsipetsc.run.fused import STAGES, FusedRK4, compile_stages
 from fsipetsc.run.run_problem import RunProblem
-from fsipetsc.scheme.plan import BAD, FLAGS, LIMITS, RATE, SAID_STOP, STOP
+from fsipetsc.scheme.burst import DT
+from fsipetsc.scheme.plan import BURST, FLAGS, LIMITS, RATE, SAID_STOP
 from fsipetsc.stepping.diagnosis import Failure
+from fsipetsc.stepping.phases import logged
 from fsipetsc.stepping.snapshot import as_numbers, rates_of
 from fsipetsc.stepping.start import Start
 from fsipetsc.stepping.state import FAULT
@@ -35,6 +41,8 @@ from fsipetsc.stepping.state import FAULT
 KEPT = 4096
 #: seconds of compiling after which a word is due
 PATIENCE = 2.0
+#: nodes of a problem that rank 0 can hold alone
+MOST_ALONE = 500_000
 
 
 class BlockForm(NamedTuple):
@@ -52,6 +60,18 @@ def make_scheme(*arguments: Any) -> Any:
     return Scheme(*arguments)
 
 
+def _call_all(scheme: Any, y: BlockVector, t: float) -> None:
+    """Call all of a scheme, at the initial data. Collective on its communicator."""
+    scheme.initial(t, y)
+    scheme.stretch(t, y)
+    scheme.complete(t, y)
+    scheme.rates(t, y, np.zeros_like(y.array))
+    scheme.bounds(t, y)
+    scheme.integrals(t, y)
+    for part in scheme.layout.parts:
+        scheme.fields(t, y, part.k)
+
+
 class BlockState:
     """Solution and everything that belongs to it; all methods are collective on ``comm``.
 
@@ -61,9 +81,6 @@ class BlockState:
     convection and diffusion [1/s]. h: spacing [m] that was asked for.
     InputError where blocks, order and ranks do not fit.
     """
-
-    #: steps are made one by one
-    bursts = False
 
     def __init__(
         self,
@@ -75,31 +92,49 @@ class BlockState:
         partition: str = "auto",
     ) -> None:
         self.comm, self.problem, self.h, self.op = comm, problem, h, OPERATORS[order]
-        self._order, self.convection = order, form.convection
+        self._order, self._form, self.convection = order, form, form.convection
         blocks, d = problem.layers, problem.dimension
         gases = sum(block.kind == "fluid" for block in blocks)
-        self._gained = gained(gases, d)
-        behind = self._gained.itemsize // 8
+        behind = gained(gases, d).itemsize // 8
         self.layout = BlockLayout(comm, problem, order, partition=partition, behind=behind)
         self.y = self.layout.vector()
         self._stage = self.layout.vector()
         size = (self.layout.local_size, None)
         self.solution = PETSc.Vec().createWithArray(self.y.array, size=size, comm=comm)
-        self.results = np.zeros(FLAGS + LIMITS)
+        self.results = np.zeros(FLAGS + LIMITS)  # until there are records
         self.scheme = together(
             comm, lambda: make_scheme(self.layout, problem, order, form, self._instant)
         )
+        for name in ("complete", "rates", "bounds", "integrals"):
+            setattr(self.scheme, name, logged(f"fsi {name}", getattr(self.scheme, name)))
         self._fused = FusedRK4(self.layout, self.scheme, self._stage)
         record = step_record(len(blocks), gases, d, getattr(self.scheme, "more", ()))
-        self.journal = np.zeros(KEPT, record)
-        self.latest = np.zeros(1, [(name, record[name]) for name in record.names[2:]])[0]
-        self._extremes = np.zeros(1 + 5 * len(blocks))
+        self._lay_records(record)
+        self._extremes = np.zeros(1 + WORDS * len(blocks))
         self.rates = np.zeros((len(blocks), 2))
         self.evaluations, self.begin, self._t = 0, 0.0, 0.0
         self.fault: InputError | None = None  # of a user's function, on this rank
         self._orders = self._make_orders()
 
+    def _lay_records(self, record: np.dtype) -> None:
+        """Flags, what a burst of steps is told, and the records of steps."""
+        row = record.itemsize // 8
+        self.results, self.burst = np.zeros(FLAGS + LIMITS), np.zeros(BURST)
+        rows, self._latest = np.zeros((KEPT, row)), np.zeros(row - 2)
+        self.journal = rows.reshape(-1).view(record)
+        own = np.dtype([(name, record[name]) for name in record.names[2:]])
+        self.latest = self._latest.view(own)[0]
+        self._plan_next = partial(plan_next, self.burst, self.results, rows, self._latest)
+        begins = {name: own.fields[name][1] // 8 for name in own.names}
+        sizes = {name: own[name].itemsize // 8 for name in own.names}
+        self._columns = {name: slice(at, at + sizes[name]) for name, at in begins.items()}
+
     # size and names
+
+    @property
+    def grid_text(self) -> str:
+        """About the grid, in the first line of a run."""
+        return counted(len(self.problem.layers), "block")
 
     @property
     def points(self) -> int:
@@ -121,24 +156,42 @@ class BlockState:
     def compile(
         self, announce: Callable[[str], None], also: Callable[[], object] = lambda: None
     ) -> None:
-        """Compile the kernels: one rank first, the others take its result from the disk."""
+        """Compile the kernels: rank 0 first, the others find them on the disk.
+
+        Rank 0 tries all of the scheme on the whole problem, alone; on very large ones each rank
+        compiles when it comes to it.
+        """
         if self.comm.rank == 0:
             words = "compiling the kernels for the materials of this case"
             timer = threading.Timer(PATIENCE, announce, (words,))
             timer.daemon = True
             timer.start()
             try:
-                self._compile()
+                self._compile_own()
+                self._try_scheme()
             finally:
                 timer.cancel()
         wait_asleep(self.comm)
-        self._compile()
+        self._compile_own()
 
-    def _compile(self) -> None:
+    def _compile_own(self) -> None:
         compile_stages()
-        compiled = getattr(self.scheme, "compile", None)
-        if compiled is not None:
-            compiled()
+        extremes, rates = np.zeros(1 + WORDS), np.zeros((1, 2))
+        note_extremes(extremes, rates, np.zeros(FLAGS + LIMITS), np.zeros(2))
+        self._plan_next()  # nothing is allowed yet
+
+    def _try_scheme(self) -> None:
+        """Call all of the scheme once. On rank 0."""
+        if self.comm.size == 1:
+            _call_all(self.scheme, self._stage, self.begin)
+        elif self.points <= MOST_ALONE:
+            alone = BlockLayout(MPI.COMM_SELF, self.problem, self._order, behind=self.layout.behind)
+            y = alone.vector()
+            scheme = make_scheme(alone, self.problem, self._order, self._form, self._instant)
+            _call_all(scheme, y, self.begin)
+            scheme.destroy()
+            y.destroy()
+            alone.destroy()
 
     def compile_saving(self) -> None:
         """All has been compiled."""
@@ -172,7 +225,11 @@ class BlockState:
         try:
             action()
         except InputError as error:
-            self.fault = self.fault or error
+            self._keep_fault(error)
+
+    def _keep_fault(self, fault: InputError | None) -> None:
+        if fault is not None:
+            self.fault = self.fault or fault
             self.results[SAID_STOP] = FAULT
 
     def right_hand_side(self, y: np.ndarray, f: np.ndarray) -> None:
@@ -192,11 +249,18 @@ class BlockState:
         y[:] = self._stage.array
 
     def step(self, t: float, dt: float, steady: bool) -> None:
-        """A step dt [s] of the fused method from the completed solution at t [s]."""
-        self.evaluations += STAGES
-        self._guarded(lambda: self._fused.step(t, dt, self.y))
-        self._t = t + dt
-        self._look()
+        """A step dt [s] of the fused method from the completed solution at t [s].
+
+        Others follow as the burst allows: none where data depend on time.
+        """
+        more = True
+        while more:
+            self.evaluations += STAGES
+            self._guarded(partial(self._fused.step, t, dt, self.y))
+            t = self._t = t + dt
+            self._look()
+            more = self._plan_next()
+            dt = float(self.burst[DT])
 
     def finish(self) -> None:
         """Complete a step that PETSc has made."""
@@ -208,26 +272,18 @@ class BlockState:
         """What is known of the completed solution: bounds of all ranks, shares of the integrals."""
         self.y.begin()
         self.y.end()
-        count = len(self.layout.shapes)
-        rows = self._extremes[1:].reshape(count, 5)
-        rows[:] = 0.0, 0.0, 0.0, -np.inf, 0.0
+        self._keep_fault(getattr(self.scheme, "fault", None))
         found = self.scheme.bounds(self._t, self.y)
-        rows[:, : found.shape[1]] = found
+        self._extremes[1:].reshape(-1, WORDS)[:, : found.shape[1]] = found
         self._extremes[0] = self.results[SAID_STOP]
         if self.comm.size > 1:
             self.comm.Allreduce(MPI.IN_PLACE, self._extremes, MPI.MAX)
-        self.rates[:] = rows[:, 1:3]
-        convection, diffusion = self.rates.max(axis=0)
-        self.results[RATE] = (convection**4 + diffusion**4) ** 0.25
-        self.results[BAD] = float(rows[:, 0].max() > 0.0)
-        self.results[STOP] = self._extremes[0]
-        self.latest["least_J"], self.latest["J_error"] = -rows[:, 3], rows[:, 4]
+        note_extremes(self._extremes, self.rates, self.results, self._latest)
         for name, share in self.scheme.integrals(self._t, self.y).items():
-            self.latest[name] = share
-        came = self.y.behind.view(self._gained)[0]
-        for name in self._gained.names:
-            self.latest[name] = came[name]
-        self.y.behind[:] = 0.0
+            self._latest[self._columns[name]] = share
+        came = self.y.behind  # in the order of the last columns
+        self._latest[self._latest.size - came.size :] = came
+        came[:] = 0.0
 
     def _instant(self) -> float:
         """A time [s] in which little happens, for differences in time."""
@@ -268,7 +324,10 @@ class BlockState:
         return snapshot.capture(self, rates)
 
     def restore(self, arrays: Mapping[str, np.ndarray], t: float) -> np.ndarray | None:
-        """Be at time t [s] what arrays, known on all ranks, tell of; the rates among them. InputError."""
+        """Be at time t [s] what arrays tell of, which all ranks know; the rates among them.
+
+        InputError for other grids.
+        """
         snapshot.check(self, arrays)
         self.results[:], as_numbers(self.latest)[:] = arrays["results"], arrays["latest"]
         self._t = t

@@ -1,4 +1,4 @@
-"""Errors against exact solutions: norms with the weights of the operators and the volume of the map."""
+"""Errors against exact solutions: norms with the operators' weights and the volume of the map."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ Array = np.ndarray
 def errors(state: BlockState, t: float, norm: str = "L2") -> dict[str, dict[str, float]] | None:
     """Errors at time t [s]: kind of block -> name -> (sum w |difference|^p)^(1/p), and "combined".
 
-    norm: "L1" or "L2", p = 1 or 2. w: H times J of the reference map. All blocks of a kind together.
-    None without an exact solution. Collective; InputError if it cannot be had.
+    norm: "L1" or "L2", p = 1 or 2. w: H times J of the reference map. All blocks of a kind are
+    taken together. None without an exact solution. Collective; InputError if it cannot be had.
     """
     blocks, d = state.problem.layers, state.problem.dimension
     if any(block.exact is None for block in blocks):

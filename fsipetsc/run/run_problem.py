@@ -1,4 +1,4 @@
-"""A problem of blocks under the names that a run asks for: layers, interfaces, what must not change."""
+"""A problem of blocks under the names that a run asks for: layers, interfaces, invariants."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ Array = np.ndarray
 
 
 def capture(state: BlockState, rates: Array | None = None) -> dict[str, Array] | None:
-    """The arrays, on rank 0. Collective. rates: the last ones of this rank, if a step needs them."""
+    """The arrays, on rank 0. Collective. rates: the last ones of this rank, if steps need them."""
     arrays = whole_blocks(state.layout, gather_local(state.comm, state.y.array), "")
     if rates is not None:
         arrays |= whole_blocks(state.layout, gather_local(state.comm, rates), RATES)

@@ -87,10 +87,11 @@ class Integrator:
         self._fused = opt["ts_type"] == NAME
         self.burst_limit = 0  # most steps in one go; 0: steps are made one by one, stage by stage
         self._kept_every = KEPT.get(state.problem.dimension, KEPT[2])
-        if self._fused and self._steady and getattr(state, "bursts", True):  # no longer than a signal may have to wait
+        if self._fused and self._steady:  # no longer than a signal may have to wait
             points = state.points + state.reserve
-            self.burst_limit = max(1, min(opt["fsi_burst"], MOST_POINTS[state.problem.dimension] // points))
-            if state.problem.dimension == 2:
+            most = MOST_POINTS.get(state.problem.dimension, MOST_POINTS[2])
+            self.burst_limit = max(1, min(opt["fsi_burst"], most // points))
+            if state.problem.dimension > 1:
                 self.burst_limit = min(self.burst_limit, self._kept_every)
         # of a method whose next step begins with the last rates of the one before: these, and those that a checkpoint had
         self._reuses, self._last, self._given = False, np.empty(0), None

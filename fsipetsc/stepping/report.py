@@ -48,8 +48,9 @@ class Reporter:
         points, reserve = state.points, state.reserve
         held = f" ({reserve} more in reserve)" if reserve else ""
         ranks = counted(self._comm.size, "rank")
+        grid = getattr(state, "grid_text", f"h = {state.h:g}{self._m}")
         self.line(
-            f"{self._name}: order {state.op.name}, h = {state.h:g}{self._m}, {points} points{held} on {ranks}, "
+            f"{self._name}: order {state.op.name}, {grid}, {points} points{held} on {ranks}, "
             f"to t = {self._opt['ts_max_time']:g}{self._s}"
         )
 

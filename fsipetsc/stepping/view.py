@@ -9,6 +9,8 @@ from typing import Any
 from fsipetsc.boundaries import ABSORBING, CLAMPED, FREE, SolidEnd
 from fsipetsc.operators.formulas import Formulas
 from fsipetsc.physics.material_law import Law
+from fsipetsc.run.run_problem import RunProblem
+from fsipetsc.run.view_of_blocks import block_lines
 from fsipetsc.stepping.state import State
 
 #: kind of a solid's end -> its name and that of its value
@@ -22,7 +24,11 @@ def view(state: State, name: str, opt: Mapping[str, Any]) -> list[str]:
     problem, size = state.problem, state.comm.size
     m, plane = problem.unit("m"), problem.dimension == 2
     lines = [f"FSI Object: ({name}) {size} MPI process{'es' * (size > 1)}"]
-    lines.append(f"  type: {problem.dimension}-D, {len(problem.layers)} layers, {state.points} points, units {problem.units}")
+    of = "blocks" if isinstance(problem, RunProblem) else "layers"
+    lines.append(f"  type: {problem.dimension}-D, {len(problem.layers)} {of}, {state.points} points, units {problem.units}")
+    if isinstance(problem, RunProblem):
+        lines += [*block_lines(state, described), *_operators(state, opt)]
+        return [*lines, f"  Time: {_method(opt)}, to t = {opt['ts_max_time']:g}{problem.unit('s')}"]
     for k, layer in enumerate(problem.layers):
         low, high = layer.Y if plane else layer.X
         lines.append(f"  Layer {k}: ({layer.name}) {layer.kind}, {'Y' if plane else 'X'} = {low:g} … {high:g}{m}")
@@ -85,8 +91,12 @@ def described(thing: Any) -> str:
     kind, values = type(thing).__name__, [(entry.name, getattr(thing, entry.name)) for entry in fields(thing)]
     if isinstance(thing, SolidEnd):
         kind, values = _SOLID_ENDS[thing.kind][0], [(_SOLID_ENDS[thing.kind][1], thing.value), *values[2:]]
-    known = ", ".join(f"{name} {_text(value)}" for name, value in values if value is not None)
+    known = ", ".join(f"{name} {_text(value)}" for name, value in values if not _empty(value))
     return f"{kind}{f': {known}' if known else ''}"
+
+
+def _empty(value: Any) -> bool:
+    return value is None or (isinstance(value, str) and not value)
 
 
 def _text(value: Any) -> str:
