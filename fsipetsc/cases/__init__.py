@@ -26,8 +26,9 @@ from fsipetsc.blame import explain, short
 from fsipetsc.errors import InputError
 from fsipetsc.options import Option, groups
 
+OF_BLOCKS = ("box_mms",)
 IN_TWO_DIMENSIONS = ("plane_mms", "blast", "panel", "wave", "tube", "oblique")
-BUILT_IN = ("rod", "mms", "pulse", "box", "heat", "column", "piston", "shock", *IN_TWO_DIMENSIONS)
+BUILT_IN = ("rod", "mms", "pulse", "box", "heat", "column", "piston", "shock", *IN_TWO_DIMENSIONS, *OF_BLOCKS)
 
 
 def summaries() -> dict[str, str]:

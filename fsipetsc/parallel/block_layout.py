@@ -26,7 +26,7 @@ from fsipetsc.errors import InputError
 from fsipetsc.operators.bands import NO_AXIS, Band
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_shares import Extent, Share, share_out
-from fsipetsc.scheme.patch import Patch
+from fsipetsc.operators.patch import Patch
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]

@@ -26,7 +26,7 @@ from fsipetsc.equations.means import NEAR
 from fsipetsc.equations.tensors import outer
 from fsipetsc.materials import formulas as _  # noqa: F401  (names of the formulas of laws)
 from fsipetsc.operators.loops import CALL, LOOP, add, along, dot, formulas, mean, scale, sub, zeros
-from fsipetsc.scheme.patch import Patch
+from fsipetsc.operators.patch import Patch
 from fsipetsc.scheme.rows import MARGIN, ONE, ROW, TILE, U64, Array, aligned, at, put
 
 #: rows of a tile along the second of three axes
