@@ -14,9 +14,9 @@ from mpi4py import MPI
 from stub_scheme import StubScheme
 
 import fsipetsc
+from fsipetsc.blockrun import block_state
 from fsipetsc.errors import FsiError
 from fsipetsc.process.together import wait_asleep
-from fsipetsc.run import block_state
 
 HERE = Path(__file__).resolve().parent
 

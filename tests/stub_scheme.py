@@ -1,15 +1,15 @@
 """A scheme of blocks that solves no equations: unknowns spread, and particles share them.
 
-It has what fsipetsc.run.block_state asks of a scheme. Numbers depend on halos and particles.
+It has what fsipetsc.blockrun.block_state asks of a scheme. Numbers depend on halos and particles.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
+from fsipetsc.blockrun.columns import fields_of
 from fsipetsc.blocks.values import block_values
 from fsipetsc.parallel.particle_exchange import ParticleExchange
-from fsipetsc.run.columns import fields_of
 
 #: of the spreading [1/s], and of what is added to the last unknown of a node
 RATE, SOURCE = 0.3, 0.01

@@ -66,7 +66,7 @@ def test_two_layers_that_go_on(d):
     stack = gas((0.0, 0.5), cells=4), solid((0.5, 1.0))
     found = layers(*stack, along=along, h=0.125, lower=new.NoSlip(), upper=new.Free(2.0))
     below, above = found.blocks
-    assert (below.cells, above.cells) == ((8, 16)[: d - 1] + (4,), (8, 16)[: d - 1] + (4,))
+    assert below.cells == above.cells == (*(8, 16)[: d - 1], 4)
     assert below.periodic == above.periodic == (True,) * (d - 1) + (False,)
     across = d - 1
     assert seen(found, 0) == {(across, 0): new.NoSlip(), (across, 1): ("solid", across, 0)}
@@ -430,7 +430,7 @@ def test_jumps_in_one_dimension():
 def test_what_a_line_cannot_be():
     """A spacing that misses an interface; forcing of a stress that follows from x."""
     old = line(line_gas((0.0, 1.0)), line_solid((1.0, 2.0)))
-    with pytest.raises(InputError, match="-fsi_h 0.3 misses an interface"):
+    with pytest.raises(InputError, match=r"-fsi_h 0\.3 misses an interface"):
         blocks_of_line(old, 0.3, 2)
     forced = line_solid((1.0, 2.0), forcing=lambda X, t: (1.0, t, 2.0, 0.0))
     block = blocks_of_line(line(line_gas((0.0, 1.0)), forced), 0.125, 2).blocks[1]

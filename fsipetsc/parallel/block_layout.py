@@ -24,9 +24,9 @@ from petsc4py import PETSc
 
 from fsipetsc.errors import InputError
 from fsipetsc.operators.bands import NO_AXIS, Band
+from fsipetsc.operators.patch import Patch
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_shares import Extent, Share, share_out
-from fsipetsc.operators.patch import Patch
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]

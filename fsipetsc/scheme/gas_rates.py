@@ -26,7 +26,6 @@ from fsipetsc.equations.means import NEAR
 from fsipetsc.equations.tensors import outer
 from fsipetsc.materials import formulas as _  # noqa: F401  (names of the formulas of laws)
 from fsipetsc.operators.loops import CALL, LOOP, add, along, dot, formulas, mean, scale, sub, zeros
-from fsipetsc.operators.patch import Patch
 from fsipetsc.scheme.rows import MARGIN, ONE, ROW, TILE, U64, Array, aligned, at, put
 
 #: rows of a tile along the second of three axes
@@ -142,7 +141,9 @@ class Columns(NamedTuple):
 
 
 class Axis(NamedTuple):
-    """One axis of a patch: pair weights and weights, the nodes begin … end - 1 of size that are owned, their distance in memory."""
+    """One axis of a patch: pair weights and weights, the nodes begin … end - 1 of size that are owned, and their distance in
+    memory.
+    """
 
     S: Array
     weight: Array
@@ -460,7 +461,8 @@ def rates_along(gas, like, form, friction, tile, work, row, count):
         i, n = max(a, tile.x0), min(b + k, tile.x1) - max(a, tile.x0)
         at_rate = U64(MARGIN + i - tile.x0)
         gather_first(
-            like, work.first, at_rate - U64(k), at_rate, work.gain, work.loss, U64(k) * ROW + at_rate, work.rate, at_rate, U64(n)
+            like, work.first, at_rate - U64(k), at_rate, work.gain, work.loss,
+            U64(k) * ROW + at_rate, work.rate, at_rate, U64(n)
         )
 
 
@@ -686,5 +688,6 @@ def viscous_layer(gas, like, axes, tile, work, layer):
             slopes_beside(like, axes, tile, work, layer, j, True, column, column + U64(len(like) - 1) * of_axis, n)
         w = work.w
         viscous_row(
-            gas, like, w, row + columns.primitives, row + columns.areas, row + columns.scaled, work.slope, column, w, row + columns.frictions, n
+            gas, like, w, row + columns.primitives, row + columns.areas, row + columns.scaled,
+            work.slope, column, w, row + columns.frictions, n
         )

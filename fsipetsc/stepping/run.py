@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
+from fsipetsc.blockrun.run_problem import RunProblem
 from fsipetsc.errors import ComputationError, FileError, FsiError, InputError
 from fsipetsc.options import read_options
 from fsipetsc.options.sources import Given
@@ -21,7 +22,6 @@ from fsipetsc.problem import Problem
 from fsipetsc.process.interrupts import Interrupted
 from fsipetsc.process.leftovers import remove_mark
 from fsipetsc.process.notes import PATIENCE, exchange
-from fsipetsc.run.run_problem import RunProblem
 from fsipetsc.scheme.conservation_check import ConservationCheck
 from fsipetsc.stepping.checkpoints import CheckpointKeeper
 from fsipetsc.stepping.integrator import Integrator

@@ -10,6 +10,8 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from fsipetsc.blame import call, place_of
+from fsipetsc.blockrun.block_state import BlockForm, BlockState
+from fsipetsc.blockrun.run_problem import RunProblem
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.checks import described
 from fsipetsc.errors import InputError
@@ -18,8 +20,6 @@ from fsipetsc.physics.dissipation import SIGMA
 from fsipetsc.plane import PlaneProblem
 from fsipetsc.problem import Problem
 from fsipetsc.process.together import together
-from fsipetsc.run.block_state import BlockForm, BlockState
-from fsipetsc.run.run_problem import RunProblem
 from fsipetsc.scheme.laws import Form
 from fsipetsc.scheme.plane.equations import PlaneForm
 from fsipetsc.stepping.fused import NAME as FUSED

@@ -19,6 +19,7 @@ import numpy as np
 from mpi4py import MPI
 
 from fsipetsc import given
+from fsipetsc.blockrun.run_problem import RunProblem
 from fsipetsc.boundaries import in_time
 from fsipetsc.errors import InputError
 from fsipetsc.output.reader import open_run
@@ -26,7 +27,6 @@ from fsipetsc.parallel.layout import ghost_index
 from fsipetsc.plane import PlaneProblem
 from fsipetsc.problem import FluidLayer, Problem
 from fsipetsc.process.together import together
-from fsipetsc.run.run_problem import RunProblem
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline  # when it is used: its import is a fifth of the start of a run

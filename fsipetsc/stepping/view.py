@@ -6,11 +6,11 @@ from collections.abc import Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from typing import Any
 
+from fsipetsc.blockrun.run_problem import RunProblem
+from fsipetsc.blockrun.view_of_blocks import block_lines
 from fsipetsc.boundaries import ABSORBING, CLAMPED, FREE, SolidEnd
 from fsipetsc.operators.formulas import Formulas
 from fsipetsc.physics.material_law import Law
-from fsipetsc.run.run_problem import RunProblem
-from fsipetsc.run.view_of_blocks import block_lines
 from fsipetsc.stepping.state import State
 
 #: kind of a solid's end -> its name and that of its value

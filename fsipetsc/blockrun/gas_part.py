@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fsipetsc.blockrun.face_terms import FaceTerms, ranges_of
+from fsipetsc.blockrun.particle_system import ParticleSystem
 from fsipetsc.blocks.grid import GridMotion
 from fsipetsc.blocks.particles import Particle
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.parallel.block_layout import BlockLayout, FaceGather, Part
-from fsipetsc.run.face_terms import FaceTerms, ranges_of
-from fsipetsc.run.particle_system import ParticleSystem
 from fsipetsc.scheme import block_look
 from fsipetsc.scheme.gas_rates import DivergenceForm, EntropyForm, Inviscid, Viscous, gas_rates, scratch
 

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fsipetsc.blockrun.prescribed import timed, value
 from fsipetsc.blocks.conditions import Free, Open, Outflow
 from fsipetsc.parallel.block_layout import Part
-from fsipetsc.run.prescribed import timed, value
 from fsipetsc.scheme import faces
 from fsipetsc.scheme.faces import Face
 

@@ -2,7 +2,7 @@
 
 It has the names that stepping.run, stepping.integrator and the writer ask for: ``solution``,
 ``results``, ``journal``, ``right_hand_side``, ``finish``, ``save`` …; the equations are those of
-fsipetsc.run.block_scheme.
+fsipetsc.blockrun.block_scheme.
 """
 
 from __future__ import annotations
@@ -16,19 +16,19 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
+from fsipetsc.blockrun import snapshot
+from fsipetsc.blockrun.after_step import WORDS, note_extremes, plan_next
+from fsipetsc.blockrun.columns import fields_of, gained, step_record
+from fsipetsc.blockrun.errors_of_blocks import errors
+from fsipetsc.blockrun.failures import describe_failure
+from fsipetsc.blockrun.fused import STAGES, FusedRK4, compile_stages
+from fsipetsc.blockrun.run_problem import RunProblem
 from fsipetsc.checks import counted
 from fsipetsc.errors import FsiError, InputError
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_layout import BlockLayout, BlockVector
 from fsipetsc.parallel.natural_order import NaturalOrder
 from fsipetsc.process.together import agree, together, wait_asleep
-from fsipetsc.run import snapshot
-from fsipetsc.run.after_step import WORDS, note_extremes, plan_next
-from fsipetsc.run.columns import fields_of, gained, step_record
-from fsipetsc.run.errors_of_blocks import errors
-from fsipetsc.run.failures import describe_failure
-from fsipetsc.run.fused import STAGES, FusedRK4, compile_stages
-from fsipetsc.run.run_problem import RunProblem
 from fsipetsc.scheme.burst import DT
 from fsipetsc.scheme.plan import BURST, FLAGS, LIMITS, RATE, SAID_STOP
 from fsipetsc.stepping.diagnosis import Failure
@@ -54,8 +54,8 @@ class BlockForm(NamedTuple):
 
 
 def make_scheme(*arguments: Any) -> Any:
-    """The scheme of fsipetsc.run.block_scheme. Collective."""
-    from fsipetsc.run.block_scheme import Scheme
+    """The scheme of fsipetsc.blockrun.block_scheme. Collective."""
+    from fsipetsc.blockrun.block_scheme import Scheme
 
     return Scheme(*arguments)
 
@@ -320,7 +320,7 @@ class BlockState:
         self.y.end()
 
     def capture(self, rates: np.ndarray | None = None) -> dict[str, np.ndarray] | None:
-        """See fsipetsc.run.snapshot.capture."""
+        """See fsipetsc.blockrun.snapshot.capture."""
         return snapshot.capture(self, rates)
 
     def restore(self, arrays: Mapping[str, np.ndarray], t: float) -> np.ndarray | None:
@@ -405,7 +405,7 @@ class BlockState:
         return [float(total / count) for total, count in found]
 
     def errors(self, t: float, norm: str) -> dict[str, dict[str, float]] | None:
-        """See fsipetsc.run.errors_of_blocks."""
+        """See fsipetsc.blockrun.errors_of_blocks."""
         return errors(self, t, norm)
 
     def failure(self, t: float, step: int) -> Failure:

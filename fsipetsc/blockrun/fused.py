@@ -6,7 +6,7 @@ rates k of a stage
     stage = y + a k,   sum = base + b k     a = dt/2, dt/2, dt;  b = dt/6, dt/3, dt/3
     y = sum + dt/6 k                        after the last one
 
-in one pass over memory. Stages and the step are completed, see fsipetsc.run.block_scheme.
+in one pass over memory. Stages and the step are completed, see fsipetsc.blockrun.block_scheme.
 """
 
 from __future__ import annotations

@@ -14,12 +14,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fsipetsc.blockrun.gas_part import GasPart
+from fsipetsc.blockrun.particle_system import ParticleSystem
+from fsipetsc.blockrun.solid_part import SolidPart
 from fsipetsc.blocks.particles import particles_of
 from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.parallel.block_layout import BlockLayout, BlockVector
-from fsipetsc.run.gas_part import GasPart
-from fsipetsc.run.particle_system import ParticleSystem
-from fsipetsc.run.solid_part import SolidPart
 from fsipetsc.scheme.block_look import LEAST_J, LOOKED
 
 Array = NDArray[Any]
@@ -28,7 +28,8 @@ Array = NDArray[Any]
 class Scheme:
     """Right-hand side of a problem on this rank's parts of its blocks. Making one is collective on ``layout.comm``.
 
-    form: fsipetsc.run.block_state.BlockForm, of convection and dissipation. instant: says a time [s] in which little happens.
+    form: fsipetsc.blockrun.block_state.BlockForm, of convection and dissipation. instant: says a
+    time [s] in which little happens.
     """
 
     def __init__(

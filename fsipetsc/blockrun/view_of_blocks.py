@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from math import prod
 from typing import TYPE_CHECKING, Any
 
+from fsipetsc.blockrun.run_problem import PLACES
 from fsipetsc.blocks.problem import Meeting
-from fsipetsc.run.run_problem import PLACES
 
 if TYPE_CHECKING:
-    from fsipetsc.run.block_state import BlockState
+    from fsipetsc.blockrun.block_state import BlockState
 
 #: parts of a block that are listed
 _LISTED = 4

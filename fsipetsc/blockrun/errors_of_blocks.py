@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fsipetsc.blockrun.columns import compared, fields_of
 from fsipetsc.blocks.values import block_values
 from fsipetsc.process.together import together
-from fsipetsc.run.columns import compared, fields_of
 
 if TYPE_CHECKING:
+    from fsipetsc.blockrun.block_state import BlockState
     from fsipetsc.parallel.block_layout import Part
-    from fsipetsc.run.block_state import BlockState
 
 Array = np.ndarray
 

@@ -16,7 +16,7 @@ from fsipetsc.parallel.block_layout import BlockLayout
 from fsipetsc.stepping.snapshot import RATES, as_numbers, gather_local
 
 if TYPE_CHECKING:
-    from fsipetsc.run.block_state import BlockState
+    from fsipetsc.blockrun.block_state import BlockState
 
 Array = np.ndarray
 

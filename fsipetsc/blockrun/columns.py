@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fsipetsc.run.run_problem import PLACES, VELOCITIES
+from fsipetsc.blockrun.run_problem import PLACES, VELOCITIES
 
 
 def fields_of(kind: str, d: int) -> tuple[str, ...]:

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fsipetsc.run.columns import fields_of
-from fsipetsc.run.run_problem import PLACES, VELOCITIES
+from fsipetsc.blockrun.columns import fields_of
+from fsipetsc.blockrun.run_problem import PLACES, VELOCITIES
 from fsipetsc.stepping.diagnosis import Failure, Seen, described
 
 if TYPE_CHECKING:
+    from fsipetsc.blockrun.block_state import BlockState
     from fsipetsc.parallel.block_layout import Part
-    from fsipetsc.run.block_state import BlockState
 
 
 def describe_failure(state: BlockState, t: float, step: int) -> Failure:

@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fsipetsc.blockrun.prescribed import Prescribed
 from fsipetsc.blocks.particles import ROLLS, Particle
 from fsipetsc.parallel.block_layout import BlockLayout, Part
 from fsipetsc.parallel.particle_exchange import ParticleExchange
-from fsipetsc.run.prescribed import Prescribed
 from fsipetsc.scheme import normals as of_faces
 from fsipetsc.scheme import particles as kernels
 from fsipetsc.scheme.particles import GAS, SOLID, Data, State, Table

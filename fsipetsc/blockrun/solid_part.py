@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fsipetsc.blockrun.face_terms import FaceTerms, face_of, ranges_of
+from fsipetsc.blockrun.gas_part import MOMENTUM
 from fsipetsc.blocks.metrics import solid_metrics
 from fsipetsc.equations.tensors import determinant
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.parallel.block_layout import BlockLayout, Part
-from fsipetsc.run.face_terms import FaceTerms, face_of, ranges_of
-from fsipetsc.run.gas_part import MOMENTUM
 from fsipetsc.scheme import block_look
 from fsipetsc.scheme.solid_rates import solid_rates, solid_scratch
 

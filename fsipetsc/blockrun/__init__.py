@@ -1,0 +1,1 @@
+"""Runs of problems of blocks: their right-hand side, state, steps, snapshots and what is saved."""
