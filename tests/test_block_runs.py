@@ -158,10 +158,20 @@ def test_what_a_result_has(runs):
         assert run.blocks["gas"]["rho"].shape == (run.nframes, 13)
         assert run.blocks["plate"].fields == ("u", "T", "sigma", "x")
         assert run.blocks["plate"].h == pytest.approx(0.5 / 12)
+        assert run.series["x_interface"][-1] == run.blocks["plate"].x[-1, 0]
+        assert run.series["u_interface"][-1] == run.blocks["plate"]["u"][-1, 0]
     text = info(folder / "3d_2.h5")
     assert "plate" in text and "9 by 8 by 7 points" in text and "z = " in text
     assert (folder / "3d_2.xdmf").read_text().count('"XYZ"') == 3 * 6
     assert not (folder / "1d_1.xdmf").exists()
+
+
+def test_an_interface_is_a_line(runs):
+    with fsipetsc.open_run(runs[0] / "2d_2.h5") as run:
+        line, plate = run.interface("gas | plate"), run.blocks["plate"]
+        assert np.array_equal(line.x, plate.x[:, 0]) and np.array_equal(line.T, plate["T"][:, 0])
+        assert np.allclose(line.n_y, -1.0, atol=0.05), "out of the plate, downwards"
+        assert np.allclose(line.displacement, plate.y[:, 0] - 1.0)
 
 
 def test_xarray_has_dimensions_of_blocks(runs):

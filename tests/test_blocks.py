@@ -26,6 +26,7 @@ from fsipetsc.blocks.conditions import (
     moves,
     steady,
 )
+from fsipetsc.blocks.overlap import _angles, _boundary
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.errors import InputError
 
@@ -105,7 +106,7 @@ def test_a_grid_of_nodes_is_a_map():
             lambda: maps.transfinite(
                 (lambda s: (0 * s, s), lambda s: (1, s)), (lambda s: (s, 0), lambda s: (s, 2))
             ),
-            r"faces \(axis 0, side 0\) and \(axis 1, side 1\) do not meet: \(X, Y\) = \(0, 1\) and \(X, Y\) = \(0, 2\)",
+            r"side 0\) and \(axis 1, side 1\) do not meet: \(X, Y\) = \(0, 1\) and \(X, Y\) = \(0, 2\)",
         ),
         (
             lambda: maps.stretched(maps.rectangle(0, 1), lambda s: 2 * s),
@@ -196,6 +197,8 @@ def test_nodes_count_from_axis_0_and_go_on_beyond_periodic_ends():
     X = block.positions([(-1, 6), (0, 2)]).reshape(2, 2, 7)
     assert np.allclose(X[0, 0], np.arange(-1, 6) / 4) and np.allclose(X[1, :, 0], [0.0, 0.2])
     assert block.periods[0].tolist() == [1.0, 0.0]
+    problem = BlockProblem([block], {("a", 1, 0): Slip(), ("a", 1, 1): Slip()})
+    assert np.array_equal(problem.positions(0, [(-1, 6), (0, 6)])[:, :14], X.reshape(2, -1))
     assert np.array_equal(block.face_positions(1, 1), np.array([np.arange(4) / 4, np.ones(4)]))
 
 
@@ -454,12 +457,16 @@ PROBLEMS = [
         "block 'a' and block 'b' overlap",
     ),
     (
+        lambda: (beside((0.1, 0.1), (0.3, 0.3)), walls("a", "b")),
+        "block 'a' and block 'b' overlap",
+    ),
+    (
         lambda: (beside(cells=(8, 9)), walls("a", "b", but=[A, B])),
-        r"block 'a', face \(axis 0, side 1\) has 9 nodes, block 'b', face \(axis 0, side 0\) that it meets has 10",
+        r"side 1\) has 9 nodes, block 'b', face \(axis 0, side 0\) that it meets has 10",
     ),
     (
         lambda: ([square(), Block("b", GAS, curved, (8, 8), nothing)], walls("a", "b", but=[A, B])),
-        r"face \(axis 0, side 1\) and block 'b', face \(axis 0, side 0\) do not conform at \(X, Y\) = \(1, 0.125\)",
+        r"side 1\) and block 'b', face \(axis 0, side 0\) do not conform at \(X, Y\) = \(1, 0.125\)",
     ),
     (
         lambda: (beside(), walls("a", "b", but=[B])),
@@ -551,6 +558,22 @@ def test_nodes_in_another_order_are_told():
 def test_wrong_points_are_told(point, message):
     with pytest.raises(InputError, match=message):
         BlockProblem([square("s", material=SOLID)], walls("s", condition=Free()), points=[point])
+
+
+@pytest.mark.parametrize("d", (1, 2, 3))
+def test_what_bounds_a_block_goes_once_around_what_is_inside(d):
+    turned = box("a", (5,) * d, axes=range(d)[::-1], flips=(d > 1, False, False)[:d])
+    for block in (box("a", (5,) * d), turned):
+        for X, turns in ((0.4, 1.0), (0.7, 1.0), (-0.4, 0.0), (1.5, 0.0)):
+            bound = np.moveaxis(_boundary(block) - np.full(d, X), 0, -1)
+            assert abs(abs(_angles(bound).sum()) - turns) <= 1e-12
+
+
+@pytest.mark.parametrize("d", (1, 2, 3))
+def test_blocks_that_overlap_are_told_in_all_dimensions(d):
+    one, other = box("a", (6,) * d), box("b", (6,) * d, lower=(0.4,) * d)
+    with pytest.raises(InputError, match="block 'a' and block 'b' overlap at"):
+        closed(one, other)
 
 
 def test_wrong_jumps_are_told():

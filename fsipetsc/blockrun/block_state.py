@@ -8,7 +8,7 @@ fsipetsc.blockrun.block_scheme.
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -18,7 +18,7 @@ from petsc4py import PETSc
 
 from fsipetsc.blockrun import snapshot
 from fsipetsc.blockrun.after_step import WORDS, note_extremes, plan_next
-from fsipetsc.blockrun.columns import fields_of, gained, step_record
+from fsipetsc.blockrun.columns import OF_INTERFACES, fields_of, gained, step_record
 from fsipetsc.blockrun.errors_of_blocks import errors
 from fsipetsc.blockrun.failures import describe_failure
 from fsipetsc.blockrun.fused import STAGES, FusedRK4, compile_stages
@@ -108,7 +108,9 @@ class BlockState:
         for name in ("complete", "rates", "bounds", "integrals"):
             setattr(self.scheme, name, logged(f"fsi {name}", getattr(self.scheme, name)))
         self._fused = FusedRK4(self.layout, self.scheme, self._stage)
-        record = step_record(len(blocks), gases, d, getattr(self.scheme, "more", ()))
+        more, interfaces = getattr(self.scheme, "more", ()), len(problem.interfaces)
+        record = step_record(len(blocks), gases, d, interfaces, more)
+        self._ends = list(self._interface_ends()) if d == 1 else []
         self._lay_records(record)
         self._extremes = np.zeros(1 + WORDS * len(blocks))
         self.rates = np.zeros((len(blocks), 2))
@@ -128,6 +130,14 @@ class BlockState:
         begins = {name: own.fields[name][1] // 8 for name in own.names}
         sizes = {name: own[name].itemsize // 8 for name in own.names}
         self._columns = {name: slice(at, at + sizes[name]) for name, at in begins.items()}
+
+    def _interface_ends(self) -> Iterator[tuple[int, int, float]]:
+        """Of interfaces in one dimension with the solid's end here: number, where D, v are, X."""
+        for number, (_, k) in enumerate(self.problem.interfaces):
+            part, nodes = self.layout.part(k), self.problem.interface_nodes(number)
+            if part is not None and nodes[0] in part.numbers:
+                X = float(self.problem.places(k, nodes)[0, 0])
+                yield number, int(part.at(nodes[:1])[0]), X
 
     # size and names
 
@@ -281,6 +291,9 @@ class BlockState:
         note_extremes(self._extremes, self.rates, self.results, self._latest)
         for name, share in self.scheme.integrals(self._t, self.y).items():
             self._latest[self._columns[name]] = share
+        for number, at, X in self._ends:
+            for name, value in zip(OF_INTERFACES, self.y.array[at : at + 2].tolist(), strict=True):
+                self.latest[name][number] = value + (X if name == "x_interface" else 0.0)
         came = self.y.behind  # in the order of the last columns
         self._latest[self._latest.size - came.size :] = came
         came[:] = 0.0
@@ -357,6 +370,7 @@ class BlockState:
                 "fields": list(fields_of(block.kind, d)),
                 "shape": list(shape[::-1]),
                 "periodic": list(block.periodic)[::-1],
+                **({"kappa_e": block.material.kappa_e} if block.kind == "solid" else {}),
             }
             for block, shape in zip(self.problem.layers, self.layout.shapes, strict=True)
         ]

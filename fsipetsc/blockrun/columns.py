@@ -35,16 +35,24 @@ def gained(gases: int, d: int) -> np.dtype:
     return np.dtype([*masses, *impulses, ("energy_in", "f8")])
 
 
-def step_record(blocks: int, gases: int, d: int, more: Sequence[str] = ()) -> np.dtype:
+#: recorded of interfaces in one dimension: position [m] and velocity [m/s] of the solid's end
+OF_INTERFACES = "x_interface", "u_interface"
+
+
+def step_record(
+    blocks: int, gases: int, d: int, interfaces: int, more: Sequence[str] = ()
+) -> np.dtype:
     """Recorded of a step.
 
     Time after it, its length; of each block the least J, and the largest |J - det D x| / J of a
-    gas; then shares of the ranks, to be added up: integrals, ``more`` of these, and what came in.
+    gas; then shares of the ranks, to be added up: integrals, ``more`` of these, in one dimension
+    OF_INTERFACES, and what came in.
     """
     masses = [("mass", "f8", (gases,))] if gases else []
     momenta = [(f"momentum_{x}", "f8") for x in PLACES[:d]]
     integrals = [*masses, ("energy", "f8"), *momenta, ("entropy", "f8"), *((n, "f8") for n in more)]
     came = gained(gases, d)
     rest = [(name, came[name].base, came[name].shape) for name in came.names]
+    lines = [(name, "f8", (interfaces,)) for name in OF_INTERFACES] if d == 1 and interfaces else []
     extremes = [(name, "f8", (blocks,)) for name in ("least_J", "J_error")]
-    return np.dtype([("t", "f8"), ("dt", "f8"), *extremes, *integrals, *rest])
+    return np.dtype([("t", "f8"), ("dt", "f8"), *extremes, *integrals, *lines, *rest])

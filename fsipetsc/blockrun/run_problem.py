@@ -55,13 +55,21 @@ class RunProblem:
 
     def interface_nodes(self, number: int) -> np.ndarray:
         """Nodes of the solid on an interface, each once."""
-        gas, solid = self.interfaces[number]
-        faces = [
-            self.face_nodes(solid, *face)
-            for face, met in self.faces_of(solid).items()
-            if isinstance(met, Meeting) and met.block == gas
-        ]
+        _, solid = self.interfaces[number]
+        faces = [self.face_nodes(solid, *face) for face in self._solid_faces(number)]
         return np.unique(np.concatenate(faces))
+
+    @property
+    def interface_faces(self) -> list[list[int]]:
+        """[block, axis, side] of the solid's face on each interface, the first one of several."""
+        pairs = enumerate(self.interfaces)
+        return [[solid, *self._solid_faces(number)[0]] for number, (_, solid) in pairs]
+
+    def _solid_faces(self, number: int) -> list[tuple[int, int]]:
+        """(axis, side) of the solid's faces on an interface."""
+        gas, solid = self.interfaces[number]
+        faces = self.faces_of(solid).items()
+        return sorted(f for f, met in faces if isinstance(met, Meeting) and met.block == gas)
 
     @property
     def steady_data(self) -> bool:

@@ -10,7 +10,7 @@ from itertools import permutations, product
 
 import numpy as np
 
-from fsipetsc.blocks.block import Block
+from fsipetsc.blocks.block import Block, mesh
 from fsipetsc.checks import Array
 from fsipetsc.errors import InputError
 
@@ -20,8 +20,9 @@ _OF_CELL, _OF_ALL = 1e-9, 1e-13
 
 def face_nodes(shape: Sequence[int], axis: int, side: int) -> Array:
     """Numbers of a face's nodes, lower axis fastest; shape: nodes of the block along its axes."""
-    numbers = np.arange(int(np.prod(shape))).reshape(shape[::-1])
-    return np.take(numbers, -1 if side else 0, axis=len(shape) - 1 - axis).ravel()
+    ends = range(shape[axis])[-1:] if side else range(1)
+    index = mesh([np.array(ends if k == axis else range(n)) for k, n in enumerate(shape)])
+    return np.ravel_multi_index(index[::-1], shape[::-1]).ravel()
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +86,7 @@ def same_within(faces: Sequence[Face]) -> float:
         size = max(size, float(np.abs(X).max()))
         for axis in range(X.ndim - 1):
             lengths = np.linalg.norm(np.diff(X, axis=axis), axis=-1)
-            edges.append(lengths[lengths > 0.0].min(initial=np.inf))
+            edges.append(lengths.min(initial=np.inf))
         across = np.diff([face.owner.face_positions(face.axis, side) for side in (0, 1)], axis=0)
         edges.append(np.linalg.norm(across[0], axis=0).max() / face.owner.cells[face.axis])
     return float(max(_OF_CELL * min(edges), _OF_ALL * size)) if faces else 0.0

@@ -78,8 +78,7 @@ class GridMotion:
         d, wide = self.block.dimension, self._wide
         self._hull.fill(self._moving, velocity)
         if d == 1:
-            (low, high), (l, h) = self._hull.ends(self._moving), self._weights
-            metrics[1], metrics[2] = l * low + h * high, high - low
+            _line_velocities(metrics, *self._hull.ends(self._moving), *self._weights)
         elif d == 2:
             self._plane.velocities(metrics, self._moving)
         else:
@@ -103,6 +102,14 @@ class GridMotion:
             return a * e - b * c
         low, high = self._hull.ends(self._moved)
         return self._G[0] + (high - low)
+
+
+@njit(**CALL)
+def _line_velocities(metrics, at_low, at_high, low, high):
+    """v and J_t = D v in 1-D, from the velocities of both ends and their weights."""
+    for i in range(low.size):
+        metrics[1, i] = low[i] * at_low + high[i] * at_high
+        metrics[2, i] = at_high - at_low
 
 
 class Hull:
@@ -156,8 +163,8 @@ class Hull:
         return self.columns(np.ravel_multi_index(index[::-1], self.block.shape[::-1]))
 
     def _follows(self, entity: Entity, free: Sequence[int]) -> tuple[Array, Array]:
-        """Columns (9, T) of the inner nodes of an edge or a face, of its edges low a, high a, low b,
-        high b, and of four vertices; weights (4, T) of the edges. An edge has its ends as edges a.
+        """Columns (9, T) of the inner nodes of an edge or a face, of its edges low a, high a, low
+        b, high b, of four vertices; weights (4, T) of the edges. An edge has its ends as edges a.
         """
         index = self._nodes_of(entity, free)
         a, b = free[0], free[-1]
@@ -193,7 +200,8 @@ def _fill(values, given, known, columns, weights):
             la, ha, lb, hb = weights[:, t]
             edges = (la * f[a0] + ha * f[a1]) + (lb * f[b0] + hb * f[b1])
             equal = la * lb * f[v00] + ha * hb * f[v11]
-            f[to] = edges - (equal + (ha * lb * f[v10] + la * hb * f[v01]))
+            opposite = ha * lb * f[v10] + la * hb * f[v01]
+            f[to] = edges - (equal + opposite)
 
 
 class Blend:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, replace
+from typing import Any, Literal
 
 import numpy as np
 
@@ -15,7 +15,8 @@ class InterfaceLine:
     """The edge row of the solid at an interface; all but X are (nframes, nx).
 
     name, solid   of the interface; number of the layer that is the solid
-    X             (nx,) [m] reference coordinate, of the solid's points
+    X             (nx,) [m] reference coordinate, of the solid's points; of blocks the length along the face
+    Y             [m] reference height; of blocks (nx,)
     x, y          [m] position
     u, v, T       [m/s], [K] velocity and temperature of the solid
     n_x, n_y      unit normal out of the solid, by differences of second order along the line
@@ -29,7 +30,7 @@ class InterfaceLine:
     name: str
     solid: int
     X: Array
-    Y: float
+    Y: float | Array
     x: Array
     y: Array
     u: Array
@@ -49,6 +50,30 @@ class InterfaceLine:
     @property
     def displacement(self) -> Array:
         return self.y - self.Y
+
+
+def along_face(name: str, number: int, layer: Any, axis: int, side: int, kappa_e: float) -> InterfaceLine:
+    """The line of a face of a block of a solid; layer: fsipetsc.output.reader.BlockLayer, number: its number."""
+
+    def rows(values: Array) -> Array:
+        """(3, …, n), of the face and the next ones within."""
+        count = values.shape[-1 - axis]
+        chosen = [count - 1 - i if side else i for i in range(3)]
+        return np.moveaxis(np.take(values, chosen, axis=-1 - axis), -1 - axis, 0)
+
+    full = np.broadcast_arrays(*_whole(layer.X, layer.Y))
+    X, Y = (rows(values)[0] for values in full)
+    length = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(X), np.diff(Y)))])
+    fields = {field: rows(layer[field]) for field in layer.fields}
+    # along the face and upwards are right-handed directions: upwards axis 1 goes up, and axis 0 down
+    inward = 1.0 if (axis == 0) == (side == 1) else -1.0
+    line = along_edge(name, number, fields, length, inward * np.arange(3.0), kappa_e)
+    return replace(line, Y=Y)
+
+
+def _whole(X: Array, Y: Array) -> tuple[Array, Array]:
+    """Coordinates of a block as arrays of (n_1, n_0), or such that can be broadcast to these."""
+    return (X, Y[:, None]) if X.ndim == 1 else (X, Y)
 
 
 def along_edge(name: str, number: int, fields: dict[str, Array], X: Array, Y: Array, kappa_e: float) -> InterfaceLine:

@@ -20,7 +20,7 @@ import numpy as np
 from fsipetsc.checks import Array, counted
 from fsipetsc.errors import FileError
 from fsipetsc.output import file_layout, result_sources
-from fsipetsc.output.interface_line import InterfaceLine, along_edge
+from fsipetsc.output.interface_line import InterfaceLine, along_edge, along_face
 
 if TYPE_CHECKING:
     import xarray
@@ -100,10 +100,14 @@ class Run:
 
         KeyError or IndexError if there is none.
         """
-        names = list(self.interfaces) if self.dimension == 2 and not self.blocks else []
+        names = list(self.interfaces) if self.dimension == 2 else []
         if isinstance(k, str) and k not in names:
             raise KeyError(_unknown("line of an interface", k, names))
         number = names.index(k) if isinstance(k, str) else range(len(names))[k]
+        if self.blocks:
+            solid, axis, side = self.header["interface_faces"][number]
+            kappa_e = self.header["layers"][solid].get("kappa_e", np.nan)
+            return along_face(names[number], solid, self.layers[solid], axis, side, kappa_e)
         below = self.layers[number].kind == "solid"
         solid = number if below else number + 1
         layer, kappa_e = self.layers[solid], self.header["layers"][solid].get("kappa_e", np.nan)

@@ -41,7 +41,10 @@ KEPT = {1: 256, 2: 16}
 #: what is kept in a checkpoint as it is
 _KEPT = "steps", "rejections", "t", "dt_range", "wall_time", "initial", "beyond"
 #: what is noted of a step alone, not of a state
-OF_STEPS = ("impulse", "impulse_x", "impulse_y", "impulse_z", "mass_in", "energy_in")
+OF_STEPS = (
+    *("impulse", "impulse_x", "impulse_y", "impulse_z", "mass_in", "energy_in"),
+    *("x_interface", "u_interface"),  # of blocks in one dimension
+)
 #: orders of PETSc's Runge-Kutta methods that have an embedded one
 PAIR_ORDER = {"2a": 2, "3bs": 3, "5f": 5, "5dp": 5, "5bs": 5, "6vr": 6, "7vr": 7, "8vr": 8}
 

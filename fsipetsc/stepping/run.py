@@ -132,6 +132,7 @@ class _Run:
             "ranks": self.comm.size,
             "layers": self.state.header(),
             "interfaces": interface_names(self.problem),
+            **({"interface_faces": self.problem.interface_faces} if isinstance(self.problem, RunProblem) else {}),
             "points": self.state.recorded,
             "notes": list(self.problem.notes),
             "units": self.problem.units,
