@@ -72,9 +72,12 @@ def band(order: int, cells: int, periodic: bool = False) -> Band:
         S[1:] = 2.0 * np.array([float(c) for c in op.interior])[:, None]
         return Band(S, np.full(cells, h))
     n = cells + 1
-    Q = op.norm_weights(n)[:, None] * op.matrix(n)
-    reach = op.reach
-    S = np.zeros((reach + 1, n))
-    for k in range(1, reach + 1):
-        S[k, : n - k] = 2.0 * np.diagonal(Q, k)
-    return Band(S, h * op.norm_weights(n))
+    weight = h * op.norm_weights(n)
+    S = np.zeros((op.reach + 1, n))
+    for k, c in enumerate(op.interior, start=1):
+        S[k, op.rows : n - op.rows - k] = 2.0 * float(c)
+    for i, row in enumerate(op.closure):
+        for j in range(i + 1, len(row)):
+            if row[j]:  # as fractions, so that the other end is the mirror image to the last bit
+                S[j - i, i] = S[j - i, n - 1 - j] = float(2 * op.norm[i] * row[j])
+    return Band(S, weight)

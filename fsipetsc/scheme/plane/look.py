@@ -52,8 +52,8 @@ class Seen(NamedTuple):
     mass: float
     x: float
     y: float
-    energy: float
-    entropy: float
+    e: float
+    s: float
 
 
 @njit(**FORMULA)
@@ -92,8 +92,8 @@ def with_more(seen, count, part, convection, diffusion, J, least, integrals):
         seen.mass + mass,
         seen.x + x,
         seen.y + y,
-        seen.energy + energy,
-        seen.entropy + entropy,
+        seen.e + energy,
+        seen.s + entropy,
     )
 
 
@@ -121,7 +121,7 @@ def note(seen, words):
     sound = -largest(-1.0 * seen.least) > 0.0 and words[CONVECTION] < np.inf
     words[BAD] = 0.0 if sound else 1.0
     words[MASS], words[MOMENTUM_X], words[MOMENTUM_Y] = total(seen.mass), total(seen.x), total(seen.y)
-    words[ENERGY], words[ENTROPY] = total(seen.energy), total(seen.entropy)
+    words[ENERGY], words[ENTROPY] = total(seen.e), total(seen.s)
 
 
 @njit(**OPTIONS)
