@@ -457,7 +457,7 @@ PROBLEMS = [
         "block 'a' and block 'b' overlap",
     ),
     (
-        lambda: (beside((0.1, 0.1), (0.3, 0.3)), walls("a", "b")),
+        lambda: (beside((0.3, 0.3), (0.45, 0.45)), walls("a", "b")),
         "block 'a' and block 'b' overlap",
     ),
     (
