@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import os
 import time
 from typing import TYPE_CHECKING, TypeVar
 
@@ -10,9 +12,22 @@ if TYPE_CHECKING:
 
 Word = TypeVar("Word")
 
+#: where a machine is so busy that ranks come late by seconds: the one number that PATIENCE is then
+VARIABLE = "FSIPETSC_PATIENCE"
+
+
+def _patience(text: str) -> dict[bool, float]:
+    """PATIENCE with the variable's text: that of seconds, or whatever else, which changes nothing."""
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = math.nan
+    return {True: seconds, False: seconds} if seconds >= 0.0 else {True: 10.0, False: 1.0}
+
+
 #: seconds for the other ranks to fail as well, before they are stopped: after an error that all ranks meet together,
 #: and after one that a rank may be alone with
-PATIENCE = {True: 10.0, False: 1.0}
+PATIENCE = _patience(os.environ.get(VARIABLE, ""))
 _NOTE = 1
 
 
