@@ -1,6 +1,6 @@
 """An elastic ring around a gas that is compressed on one side: blocks that are curved.
 
-    python -m fsipetsc FILE.py                                 # run it: ten seconds; two minutes the first time
+    python -m fsipetsc FILE.py                                 # ten seconds, at first minutes
     mpiexec -n 2 python -m fsipetsc FILE.py -ring_density 500  # on two ranks, with an option
     python -m fsipetsc FILE.py -help                           # all options
     python -m fsipetsc plot NAME.h5 -o pictures                # draw the result
@@ -10,9 +10,10 @@ This file is a case: data, and functions of X and Y. Change what you like and ru
 wrong is answered by one message that names the block, the face and the place. All that a case may
 say: docs/cases.md.
 
-What to expect here: gas and ring are springs, and the ring breathes with
-    omega^2 = (E h/r^2 + 2 gamma P0 r/(r^2 - r_pipe^2)) / (density h),    h = 0.1 m, r = 0.4 m,
-that is a period of 0.019 s, by 5.6 mm with the pulse as it is; it also bends, as an ellipse.
+What to expect here: gas and ring are springs, and the ring, E = 3/4 ring_modulus, breathes with
+    omega^2 = (E h/r^2 + 2 gamma P0 r/(r^2 - r_pipe^2)) / (density h),    h = 0.1 m, r = 0.4 m.
+For so thick a ring that is near: 0.018 s is the period by it, 0.019 s the one that is computed. The
+ring widens by 5.6 mm with the pulse as it is; it also bends, as an ellipse.
 """
 
 import numpy as np
