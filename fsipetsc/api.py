@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
+from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.cases import load_case
 from fsipetsc.errors import FsiError, InputError
 from fsipetsc.options import table
@@ -59,6 +60,9 @@ def _case(case: Any) -> Any:
     """What a case file would define."""
     if isinstance(case, (Problem, PlaneProblem)):
         return SimpleNamespace(NAME="problem", SUMMARY="", OPTIONS=(), DEFAULTS={}, build=lambda opt: case)
+    if isinstance(case, BlockProblem):  # whose cells are given
+        h = {"fsi_h": 1.0}
+        return SimpleNamespace(NAME="problem", SUMMARY="", OPTIONS=(), DEFAULTS=h, build=lambda opt: case)
     if isinstance(case, (str, os.PathLike)):
         return load_case(os.fspath(case))
     if callable(getattr(case, "build", None)):

@@ -6,6 +6,7 @@ Says "all right", or ends with an AssertionError.
 from __future__ import annotations
 
 import sys
+import traceback
 from types import SimpleNamespace
 
 import numpy as np
@@ -148,5 +149,9 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    try:
+        main()
+    except BaseException:
+        traceback.print_exc()
+        MPI.COMM_WORLD.Abort(1)
     sys.stdout.flush()

@@ -104,6 +104,14 @@ def test_work_is_shared_by_cost_and_not_by_nodes():
     assert share_out(blocks, 3, "physics")[0].ranks == (0, 1), "gas has more work"
 
 
+def test_gas_comes_first_on_a_line_of_equal_work():
+    """So that one rank at most has both, whatever the order of the blocks."""
+    blocks = [extent("solid" if k % 2 == 0 else "fluid", (60, 60)) for k in range(4)]
+    shares = share_out(blocks, 5, "balanced")
+    gas, solid = ({r for s in shares[first::2] for r in s.ranks} for first in (1, 0))
+    assert max(gas) <= min(solid)
+
+
 def test_few_nodes_stay_together():
     """Messages cost more than what they save."""
     assert [share.ranks for share in share_out(PROBLEMS["line"][:2], 2)] == [(0,), (1,)]

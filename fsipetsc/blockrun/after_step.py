@@ -47,9 +47,8 @@ def note_extremes(extremes, rates, results, latest):
         bad = max(bad, extremes[at])
         rates[k, 0], rates[k, 1] = extremes[at + 1], extremes[at + 2]
         latest[k], latest[blocks + k] = -extremes[at + 3], extremes[at + 4]
-        # what is no number stays one
-        convection = extremes[at + 1] if not extremes[at + 1] <= convection else convection
-        diffusion = extremes[at + 2] if not extremes[at + 2] <= diffusion else diffusion
+        convection = np.maximum(convection, extremes[at + 1])  # what is no number stays one
+        diffusion = np.maximum(diffusion, extremes[at + 2])
     results[RATE] = np.sqrt(np.sqrt(convection**4 + diffusion**4))
     results[BAD], results[STOP] = bad, extremes[0]
 

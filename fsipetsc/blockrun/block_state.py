@@ -78,7 +78,7 @@ class BlockState:
     y: this rank's part of the solution, with a vector for each block; ``solution`` is the same
     memory as a world vector. results: flags and limits as in fsipetsc.scheme.plan. journal, latest:
     records of steps; integrals in them are this rank's shares. rates: (blocks, 2), largest ones of
-    convection and diffusion [1/s]. h: spacing [m] that was asked for.
+    convection and diffusion [1/s]. h: size of the smallest cells [m].
     InputError where blocks, order and ranks do not fit.
     """
 
@@ -87,11 +87,11 @@ class BlockState:
         comm: MPI.Comm,
         problem: RunProblem,
         order: int,
-        h: float,
         form: BlockForm = BlockForm(),  # noqa: B008
         partition: str = "auto",
     ) -> None:
-        self.comm, self.problem, self.h, self.op = comm, problem, h, OPERATORS[order]
+        self.comm, self.problem, self.op = comm, problem, OPERATORS[order]
+        self.h = float(problem.spacing)
         self._order, self._form, self.convection = order, form, form.convection
         blocks, d = problem.layers, problem.dimension
         gases = sum(block.kind == "fluid" for block in blocks)

@@ -71,6 +71,12 @@ class RunProblem:
         faces = self.faces_of(solid).items()
         return sorted(f for f, met in faces if isinstance(met, Meeting) and met.block == gas)
 
+    @cached_property
+    def spacing(self) -> float:
+        """The smallest mean size of the cells of a block [m]."""
+        d = self.dimension
+        return min((_size(b) / np.prod(b.cells)) ** (1.0 / d) for b in self.layers)
+
     @property
     def steady_data(self) -> bool:
         """No data of faces and no forcing depend on time."""

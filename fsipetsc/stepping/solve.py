@@ -71,7 +71,7 @@ def make_state(
     if isinstance(problem, RunProblem):
         plane_form(opt)
         of_blocks = BlockForm(opt["fsi_convection"], opt["fsi_dissipation"], opt["fsi_shock"])
-        return BlockState(comm, problem, opt["fsi_order"], opt["fsi_h"], of_blocks, opt["fsi_partition"])
+        return BlockState(comm, problem, opt["fsi_order"], of_blocks, opt["fsi_partition"])
     if isinstance(problem, PlaneProblem):
         form = plane_form(opt)
         if opt["ts_type"] == FUSED and not problem.steady_data:

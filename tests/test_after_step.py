@@ -1,0 +1,88 @@
+"""What follows a step of blocks: flags, the bound on the next step, the plan of a burst."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+pytest.importorskip("numba")
+
+from fsipetsc.blockrun.after_step import WORDS, note_extremes, plan_next
+from fsipetsc.scheme import burst as words
+from fsipetsc.scheme.plan import BAD, BURST, FLAGS, LIMITS, RATE, STOP
+
+
+def noted(rows, stop=0.0):
+    """(rates, results, latest) of the extremes of some blocks."""
+    rows = np.array(rows)
+    rates, results = np.zeros((len(rows), 2)), np.zeros(FLAGS + LIMITS)
+    latest = np.zeros(2 * len(rows) + 3)
+    assert rows.shape[1] == WORDS
+    note_extremes(np.concatenate([[stop], rows.ravel()]), rates, results, latest)
+    return rates, results, latest
+
+
+def test_the_bound_is_the_4_norm_of_the_largest_rates():
+    rows = [[0.0, 3.0, 1.0, -0.5, 0.1], [0.0, 2.0, 4.0, -0.25, 0.2]]
+    rates, results, latest = noted(rows, stop=0.5)
+    assert np.array_equal(rates, [[3.0, 1.0], [2.0, 4.0]])
+    assert results[RATE] == pytest.approx((3.0**4 + 4.0**4) ** 0.25, rel=1e-15)
+    assert (results[BAD], results[STOP]) == (0.0, 0.5)
+    assert latest.tolist() == [0.5, 0.25, 0.1, 0.2, 0.0, 0.0, 0.0]
+
+
+@pytest.mark.parametrize("k", [0, 1])
+@pytest.mark.parametrize("column", [1, 2])
+def test_what_is_no_number_stays_one(k, column):
+    rows = np.ones((2, WORDS))
+    rows[:, 0] = 0.0
+    rows[k, column] = np.nan
+    assert np.isnan(noted(rows)[1][RATE])
+    rows[1 - k, 0] = 1.0
+    assert noted(rows)[1][BAD] == 1.0
+
+
+def planned(target, allowed, *, rate=10.0, courant=0.8, fixed=0.0, end=None):
+    """Times and steps of a burst from t = 0 in the journal, and the burst itself."""
+    burst, results = np.zeros(BURST), np.zeros(FLAGS + LIMITS)
+    journal, latest = np.zeros((32, 4)), np.array([7.0, 8.0])
+    results[RATE] = rate
+    dt = fixed or courant / rate
+    burst[:] = 0.0, dt, dt, target, courant, fixed, allowed, 0.0, np.inf, 0.0, 3.0
+    for step in range(40):
+        if step == end:
+            results[STOP] = 1.0
+        if not plan_next(burst, results, journal, latest):
+            break
+    made = int(burst[words.MADE])
+    assert (journal[:3] == 0.0).all() and (journal[3 + made :] == 0.0).all()
+    assert (journal[3 : 3 + made, 2:] == latest).all()
+    assert not plan_next(burst, results, journal, latest), "it has ended"
+    return journal[3 : 3 + made, :2], burst
+
+
+def test_a_burst_hits_its_target_without_a_tiny_step():
+    rows, burst = planned(0.5, 20)
+    assert rows[-1, 0] == 0.5 and burst[words.TIME] == 0.5
+    assert np.allclose(rows[:, 1], [0.08] * 5 + [0.05] * 2), "the rest in two equal steps"
+    assert np.allclose(np.cumsum(rows[:, 1]), rows[:, 0], rtol=1e-15)
+    assert (burst[words.SHORTEST], burst[words.LONGEST]) == (rows[:, 1].min(), rows[:, 1].max())
+
+
+def test_a_burst_makes_no_more_steps_than_allowed():
+    assert len(planned(10.0, 4)[0]) == 4
+    assert len(planned(10.0, 1)[0]) == 1
+
+
+def test_a_burst_ends_with_a_word_of_a_rank():
+    assert len(planned(10.0, 20, end=2)[0]) == 3
+
+
+def test_given_steps_are_as_long_as_given():
+    assert np.array_equal(planned(1.0, 3, fixed=0.01)[0][:, 1], [0.01] * 3)
+
+
+def test_without_a_burst_nothing_is_noted():
+    journal = np.zeros((2, 4))
+    assert not plan_next(np.zeros(BURST), np.zeros(FLAGS + LIMITS), journal, np.ones(2))
+    assert (journal == 0.0).all()
