@@ -288,6 +288,8 @@ def pytest_configure(config: pytest.Config) -> None:
     """Interrupts reach what the tests start, where a shell has started them in the background and told them to ignore those."""
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
+    # else Open MPI starts a process of its own for the tests that use MPI in this one, and ends this one when that has gone
+    os.environ.setdefault("OMPI_MCA_ess_singleton_isolated", "1")
     global OUTPUT
     OUTPUT = getattr(config, "workeroutput", None)
 
