@@ -73,6 +73,14 @@ class EntropyForm(NamedTuple):
         """Nothing is kept."""
         return None
 
+    def two(self, gas, l, r, a_l, v_l, a_r, v_r):
+        """The flux of two states."""
+        return gas.pair_flux(l, r, a_l, v_l, a_r, v_r)
+
+    def through(self, gas, l, r, a, g):
+        """The same through the area a whose volume flux is g."""
+        return gas.flux_through(l, r, a, g)
+
 
 class DivergenceForm(NamedTuple):
     """Means of the fluxes of two nodes: cheaper, for any gas law, without a statement on entropy."""
@@ -99,6 +107,12 @@ class DivergenceForm(NamedTuple):
     def keep(self, gas, like, w, row, n):
         for k in range(len(like)):
             keep_fluxes(gas, like, w, place_of(like, self, row, k), n)
+
+    def two(self, gas, l, r, a_l, v_l, a_r, v_r):
+        return gas.mean_flux(l, r, a_l, v_l, a_r, v_r)
+
+    def through(self, gas, l, r, a, g):
+        return gas.mean_flux_through(l, r, a, g)
 
 
 class Inviscid(NamedTuple):
