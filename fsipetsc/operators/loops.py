@@ -54,12 +54,12 @@ def formulas(*names: str) -> None:
 
 
 def _register(name: str) -> None:
-    @overload_method(types.BaseNamedTuple, name)
+    @overload_method(types.BaseNamedTuple, name, jit_options={"forceinline": True})
     def method(law, *arguments):
         found = getattr(law.instance_class, name, None)
         if found is None:
             return None
-        formula = _formulas.setdefault(found, register_jitable(found))
+        formula = _formulas.setdefault(found, register_jitable(forceinline=True)(found))
 
         def call(law, *arguments):
             return formula(law, *arguments)
@@ -85,7 +85,7 @@ def _by_length(name: str, arguments: str, body: Callable[[int], str], inline: st
     length = "max(len(v) for v in (" + arguments + ",) if isinstance(v, tuple))"
     exec(f"def {name}({arguments}):\n return source({length})({arguments})", space)
     exec(f"def _build({arguments}): return build({arguments})", space)
-    overload(space[name], inline=inline)(space["_build"])
+    overload(space[name], inline=inline, jit_options={"forceinline": True})(space["_build"])
     return space[name]
 
 
