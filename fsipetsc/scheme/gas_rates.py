@@ -25,7 +25,7 @@ from fsipetsc.equations.gas import volume_flux
 from fsipetsc.equations.means import NEAR
 from fsipetsc.equations.tensors import outer
 from fsipetsc.materials import formulas as _  # noqa: F401  (names of the formulas of laws)
-from fsipetsc.operators.loops import CALL, LOOP, add, along, dot, formulas, mean, scale, sub, zeros
+from fsipetsc.operators.loops import CALL, INNER_CALL, INNER_LOOP, add, along, dot, formulas, mean, scale, sub, zeros
 from fsipetsc.scheme.rows import MARGIN, ONE, ROW, TILE, U64, Array, aligned, at, put
 
 #: rows of a tile along the second of three axes
@@ -236,7 +236,7 @@ def scratch(like: Any, form: Any, friction: Any, bands: Any) -> Work:
     )
 
 
-@njit(**CALL)
+@register_jitable
 def ring(k):
     """Where fluxes of pairs of distance k begin: those of distance m < k take m + 1 places."""
     return (k - 1) * (k + 2) // 2 if k > 0 else 0
@@ -245,7 +245,7 @@ def ring(k):
 # loops over nodes of a row
 
 
-@njit(**LOOP)
+@njit(**INNER_LOOP)
 def load_state(gas, like, q, first, w, row, n):
     """Primitive variables of interlaced nodes."""
     like_q = (*like, 0.0, 0.0, 0.0)
@@ -254,14 +254,14 @@ def load_state(gas, like, q, first, w, row, n):
         put(w, row, ROW, i, gas.primitive(at(like_q, q, first, ONE, i * count)))
 
 
-@njit(**LOOP)
+@njit(**INNER_LOOP)
 def load_metrics(like, metrics, first, step, w, row, n):
     """A part of the metrics."""
     for i in range(n):
         put(w, row, ROW, i, at(like, metrics, first, step, i))
 
 
-@njit(**LOOP)
+@njit(**INNER_LOOP)
 def load_values(gas, like, w, state, to, values, n):
     """Conserved variables."""
     like_w = (*like, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -269,7 +269,7 @@ def load_values(gas, like, w, state, to, values, n):
         put(to, values, ROW, i, gas.densities(at(like_w, w, state, ROW, i)))
 
 
-@njit(**LOOP)
+@njit(**INNER_LOOP)
 def load_flux(gas, like, w, state, area, to, flux, n):
     """Inviscid fluxes through one of the areas."""
     like_w = (*like, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -277,7 +277,7 @@ def load_flux(gas, like, w, state, area, to, flux, n):
         put(to, flux, ROW, i, gas.flux(at(like_w, w, state, ROW, i), at(like, w, area, ROW, i)))
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def load_fluxes(gas, like, columns, w, row, to, n):
     """Conserved variables and inviscid fluxes through all areas."""
     d = U64(len(like))
@@ -287,7 +287,7 @@ def load_fluxes(gas, like, columns, w, row, to, n):
         load_flux(gas, like, w, row + columns.primitives, area, to, flux, n)
 
 
-@njit(**LOOP)
+@njit(**INNER_LOOP)
 def pair_row(gas, like, form, friction, w, values, velocity, area, flux, viscous, other, to, at_to, n):
     """Fluxes of nodes of a row and those `other` numbers on; how many are farther apart than NEAR."""
     like_w, like_f, like_s = form.values_like(like), form.flux_like(like), friction.friction_like(like)
@@ -305,7 +305,7 @@ def pair_row(gas, like, form, friction, w, values, velocity, area, flux, viscous
     return far
 
 
-@njit(**LOOP)
+@njit(**INNER_LOOP)
 def far_row(gas, like, form, friction, w, values, velocity, area, flux, viscous, other, to, at_to, n):
     """The same again for pairs that are farther apart than NEAR."""
     like_w, like_f, like_s = form.values_like(like), form.flux_like(like), friction.friction_like(like)
@@ -321,7 +321,7 @@ def far_row(gas, like, form, friction, w, values, velocity, area, flux, viscous,
             put(to, at_to, ROW, i, friction.less(F, s_l, s_r))
 
 
-@njit(**LOOP)
+@njit(**INNER_LOOP)
 def gather_first(like, flux, low, high, gain, loss, at_gain, rate, at_rate, n):
     """rate += gain F_low - loss F_high, with pair weights of each node."""
     like_f = (*like, 0.0, 0.0)
@@ -331,7 +331,7 @@ def gather_first(like, flux, low, high, gain, loss, at_gain, rate, at_rate, n):
         put(rate, at_rate, ROW, i, along(here, -loss[at_gain + i], at(like_f, flux, high, ROW, i)))
 
 
-@njit(**LOOP)
+@njit(**INNER_LOOP)
 def gather(like, flux, low, high, gain, loss, rate, at_rate, n):
     """rate += gain F_low - loss F_high."""
     like_f = (*like, 0.0, 0.0)
@@ -341,21 +341,21 @@ def gather(like, flux, low, high, gain, loss, rate, at_rate, n):
         put(rate, at_rate, ROW, i, along(here, -loss, at(like_f, flux, high, ROW, i)))
 
 
-@njit(**LOOP)
+@njit(**INNER_LOOP)
 def clear(like, to, start, n):
     """Zeros."""
     for i in range(n):
         put(to, start, ROW, i, zeros((*like, 0.0, 0.0)))
 
 
-@njit(**LOOP)
+@njit(**INNER_LOOP)
 def clear_slopes(like, to, start, n):
     """Zeros."""
     for i in range(n):
         put(to, start, ROW, i, zeros((*like, 0.0)))
 
 
-@njit(**LOOP)
+@njit(**INNER_LOOP)
 def store_rates(like, rate, at_rate, metrics, J_t, rates, first, n):
     """J_t and the rates of a row, interlaced."""
     like_f = (*like, 0.0, 0.0)
@@ -364,7 +364,7 @@ def store_rates(like, rate, at_rate, metrics, J_t, rates, first, n):
         put(rates, first, ONE, i * count, (metrics[J_t + i], *at(like_f, rate, at_rate, ROW, i)))
 
 
-@njit(**LOOP)
+@njit(**INNER_LOOP)
 def add_body_force(gas, like, q, first, rates, to, n):
     """rates += J s."""
     like_q = (*like, 0.0, 0.0, 0.0)
@@ -378,7 +378,7 @@ def add_body_force(gas, like, q, first, rates, to, n):
 # a tile
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def weigh_first(axis, tile, gain, loss):
     """S / weight of nodes of a tile, of the pairs (i - k, i) and (i, i + k)."""
     for k in range(1, axis.S.shape[0]):
@@ -389,7 +389,7 @@ def weigh_first(axis, tile, gain, loss):
             loss[to] = axis.S[k, i] / axis.weight[i]
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def find_spans(axis, tile, spans):
     """Where along the first axis there are pairs: spans[m] = (k, a, b), of the nodes a … b - 1 and those k on; how many."""
     count = 0
@@ -405,14 +405,14 @@ def find_spans(axis, tile, spans):
     return count
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def row_of(work, inner, tile, reach, layer, j):
     """Where the row j of a layer begins in work.w."""
     first = tile.y0 - reach * (inner.S.shape[0] - 1)
     return U64((layer % work.layers) * work.depth + j - first) * work.columns.size
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def load_layer(gas, like, form, friction, q, metrics, axes, tile, work, layer):
     """The rows of a layer that are read."""
     inner, last, columns, w = axes.inner, axes.last, work.columns, work.w
@@ -436,7 +436,7 @@ def load_layer(gas, like, form, friction, q, metrics, axes, tile, work, layer):
         friction.prepare(gas, like, columns, q, node * U64(len(like_q)), w, row, n, U64(along))
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def pairs(gas, like, form, friction, work, row, k_axis, other, to, at_to, n):
     """Fluxes of n pairs of nodes: of a row, from its column at `row`, and those `other` numbers on, along an axis."""
     columns, d = work.columns, len(like)
@@ -449,7 +449,7 @@ def pairs(gas, like, form, friction, work, row, k_axis, other, to, at_to, n):
         far_row(gas, like, form, friction, w, values, velocity, area, flux, viscous, other, to, at_to, U64(n))
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def rates_along(gas, like, form, friction, tile, work, row, count):
     """What pairs of nodes of a row give it."""
     for m in range(count):
@@ -466,7 +466,7 @@ def rates_along(gas, like, form, friction, tile, work, row, count):
         )
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def gather_across(like, axis, flux, place, size, here, i, work, n):
     """What pairs across rows or layers give node i of an axis; their fluxes stand `place` on in a ring of pieces of `size`."""
     for k in range(1, axis.S.shape[0]):
@@ -479,7 +479,7 @@ def gather_across(like, axis, flux, place, size, here, i, work, n):
             gather(like, flux, low, high, gain, loss, work.rate, here, n)
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def pairs_across(gas, like, form, friction, axes, tile, work, layer, j, along_last, flux, place, size):
     """Fluxes of pairs of row j of a layer and those in layers (or rows) farther on."""
     axis, k_axis = (axes.last, len(like) - 1) if along_last else (axes.inner, 1)
@@ -493,7 +493,7 @@ def pairs_across(gas, like, form, friction, axes, tile, work, layer, j, along_la
             pairs(gas, like, form, friction, work, row + U64(MARGIN), k_axis, other, flux, to, tile.x1 - tile.x0)
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def rates_of_layer(gas, like, form, friction, q, metrics, axes, tile, work, rates, layer, count):
     """Fluxes of the pairs that begin in a layer; its rates if it is owned."""
     inner, last = axes.inner, axes.last
@@ -523,7 +523,7 @@ def rates_of_layer(gas, like, form, friction, q, metrics, axes, tile, work, rate
                 add_body_force(gas, like, q, U64(node * columns), rates, to, n)
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def rates_of_tile(gas, like, form, friction, q, metrics, axes, tile, work, rates):
     """Sweep along the last axis: load layers, complete them, take the pairs that begin in them."""
     last = axes.last
@@ -564,13 +564,13 @@ def gas_rates(gas, like, form, friction, q, metrics, S0, S1, S2, w0, w1, w2, pat
             rates_of_tile(gas, like, form, friction, q, metrics, axes, tile, work, rates)
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def parts(count, most):
     """Into how many parts of at most so many."""
     return (count + most - 1) // most
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def part(begin, end, m, count):
     """Where part m of so many begins."""
     return begin + (end - begin) * m // count
@@ -579,7 +579,7 @@ def part(begin, end, m, count):
 # viscous fluxes
 
 
-@njit(**LOOP)
+@njit(**INNER_LOOP)
 def load_entropy_variables(gas, like, q, first, w, state, to, entropy, n):
     """(u, -1)/T and 1/J."""
     like_w, count = (*like, 0.0, 0.0, 0.0, 0.0, 0.0), U64(len(like) + 3)
@@ -588,7 +588,7 @@ def load_entropy_variables(gas, like, q, first, w, state, to, entropy, n):
         put(to, entropy, ROW, i, (*z, 1.0 / q[first + i * count]))
 
 
-@njit(**LOOP)
+@njit(**INNER_LOOP)
 def slopes_first(like, w, low, here, high, gain, loss, at_gain, slope, to, n):
     """Adds what pairs along a row give to the derivatives of z."""
     like_z = (*like, 0.0)
@@ -599,7 +599,7 @@ def slopes_first(like, w, low, here, high, gain, loss, at_gain, slope, to, n):
         put(slope, to, ROW, i, add(at(like_z, slope, to, ROW, i), more))
 
 
-@njit(**LOOP)
+@njit(**INNER_LOOP)
 def slopes_across(like, w, low, here, high, gain, loss, slope, to, n):
     """The same of pairs across rows."""
     like_z = (*like, 0.0)
@@ -618,7 +618,7 @@ def slopes_of(like, w, area, slope, to, i, k):
     return outer(g[:-1], a), scale(g[-1], a)
 
 
-@njit(**LOOP)
+@njit(**INNER_LOOP)
 def viscous_row(gas, like, w, state, area, entropy, slope, to, result, friction, n):
     """a^k . f_v of all axes k, from the derivatives of z along them."""
     like_w, d = (*like, 0.0, 0.0, 0.0, 0.0, 0.0), U64(len(like))
@@ -639,7 +639,7 @@ def viscous_row(gas, like, w, state, area, entropy, slope, to, result, friction,
             put(result, friction + k * (d + ONE) * ROW, ROW, i, gas.viscous_flux(here, stress, heat, a))
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def slopes_along(like, axis, work, row, slope, at_column, n):
     """Derivatives of z along a row."""
     for k in range(1, axis.S.shape[0]):
@@ -649,7 +649,7 @@ def slopes_along(like, axis, work, row, slope, at_column, n):
         slopes_first(like, work.w, low, z, high, work.gain, work.loss, at_gain, work.slope, slope, n)
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def slopes_beside(like, axes, tile, work, layer, j, along_last, column, slope, n):
     """Derivatives of z across rows or layers."""
     axis, i = (axes.last, layer) if along_last else (axes.inner, j)
@@ -667,7 +667,7 @@ def slopes_beside(like, axes, tile, work, layer, j, along_last, column, slope, n
             slopes_across(like, work.w, low, z, high, gain, loss, work.slope, slope, n)
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def viscous_layer(gas, like, axes, tile, work, layer):
     """Viscous fluxes of the rows of a layer that pairs with owned nodes take."""
     inner, last, columns = axes.inner, axes.last, work.columns
