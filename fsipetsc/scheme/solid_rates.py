@@ -36,7 +36,7 @@ from fsipetsc.equations.tensors import (
     transposed_product,
 )
 from fsipetsc.operators.bands import Band
-from fsipetsc.operators.loops import CALL, LOOP, add, along, dot, scale
+from fsipetsc.operators.loops import CALL, INNER_CALL, INNER_LOOP, add, along, dot, scale
 from fsipetsc.operators.loops import _by_length as by_length
 from fsipetsc.operators.patch import Patch
 from fsipetsc.scheme.rows import U64, at, put
@@ -75,13 +75,15 @@ class Layout(NamedTuple):
 
 
 class Row(NamedTuple):
-    """n nodes along the first axis from x, y, z on: numbers of the first one in the patch and the tile.
+    """n nodes along the first axis from x, y, z on: numbers of the first one in arrays.
 
-    From its node ``begin`` to ``end`` all have the neighbours of the interior.
+    patch, own: in those of a patch, and of its owned nodes; tile: in those of a tile, whose layer
+    ``place`` it is in. From its node ``begin`` to ``end`` all have the neighbours of the interior.
     """
 
     n: int
     patch: int
+    own: int
     tile: int
     x: int
     y: int
@@ -129,6 +131,7 @@ def solid_work(solid: Any, bands: Any, regular: tuple[int, int], patch: Patch) -
     conducts = int(solid.kappa > 0.0)
     tiles = tiles_of(patch, d)
     boxes = np.array([boxes_of(bands, own, conducts and not solid.coupled) for own in tiles])
+    boxes[:, [NEAR, WARM]] *= conducts  # else no rows of T and heats
     row, inner = (int((b[:, 1] - b[:, 0]).max()) for b in (boxes[:, KNOWN, 0], boxes[:, KNOWN, 1]))
     reach = bands[2].reach
     layout = Layout(row, row * inner, (3 + conducts) * reach + 1, *regular)
@@ -204,10 +207,10 @@ def solid_rates(solid, like, q, metrics, prestress, rates, work):
     halo; metrics: (d*d + 1, N) A^1 … A^d and J0; prestress: (d*d, N) what P has beside, or (d*d, 0).
     The halo is of two interior reaches, of three for conduction with heat 'elastic'.
     """
-    patch, layout, lags, boxes, jumps, weights, unknowns, strains, tractions, temps, heats, slopes, found = work
+    patch, layout, lags, boxes, jumps, weights = work[:6]
+    unknowns, strains, tractions, temps, heats, slopes, found = work[6:]
     q, metrics, rates = q.reshape(q.size), metrics.reshape(metrics.size), rates.reshape(rates.size)
-    extra, conducts = prestress.reshape(prestress.size), solid.kappa > 0.0
-    table = jumps, weights, layout
+    extra, table, d = prestress.reshape(prestress.size), (jumps, weights, layout), ONE * len(like)
     for tile in range(boxes.shape[0]):
         for z in range(boxes[tile, KNOWN, 2, 0], boxes[tile, OWN, 2, 1] + lags[2]):
             begin, end = rows_of(boxes, tile, KNOWN, z)
@@ -216,50 +219,52 @@ def solid_rates(solid, like, q, metrics, prestress, rates, work):
             begin, end = rows_of(boxes, tile, STRAINED, z - lags[0])
             for y in range(begin, end):
                 row = row_of(patch, layout, boxes, tile, STRAINED, y, z - lags[0])
-                strain_row(solid, like, table, row, metrics, extra, unknowns, slopes, strains, tractions)
-            if conducts:
-                begin, end = rows_of(boxes, tile, WARM, z - lags[0])
-                for y in range(begin, end):
-                    row = row_of(patch, layout, boxes, tile, WARM, y, z - lags[0])
-                    find_temps(solid, like, row, unknowns, strains, temps)
-                begin, end = rows_of(boxes, tile, NEAR, z - lags[1])
-                for y in range(begin, end):
-                    row = row_of(patch, layout, boxes, tile, NEAR, y, z - lags[1])
-                    heat_row(solid, like, table, row, metrics, temps, slopes, strains, heats)
+                differentiate(like, table, row, PLAIN, unknowns, NONE, NONE, d, slopes, NONE)
+                strain(like, metrics, row, slopes, strains)
+                relieve(solid, like, extra, row, strains, unknowns)
+                pull(solid, like, metrics, row, unknowns, strains, tractions)
+                pull_more(like, metrics, extra, row, tractions)
+            begin, end = rows_of(boxes, tile, WARM, z - lags[0])
+            for y in range(begin, end):
+                row = row_of(patch, layout, boxes, tile, WARM, y, z - lags[0])
+                find_temps(solid, like, row, unknowns, strains, temps)
+            begin, end = rows_of(boxes, tile, NEAR, z - lags[1])
+            for y in range(begin, end):
+                row = row_of(patch, layout, boxes, tile, NEAR, y, z - lags[1])
+                differentiate(like, table, row, PLAIN, temps, NONE, NONE, ONE, slopes, NONE)
+                conduct(solid, like, metrics, row, slopes, strains, heats)
             begin, end = rows_of(boxes, tile, OWN, z - lags[2])
             for y in range(begin, end):
                 row = row_of(patch, layout, boxes, tile, OWN, y, z - lags[2])
-                rate_row(solid, like, table, row, metrics, unknowns, tractions, heats, slopes, found)
-                give(like, found, owned(patch, row), row.n, rates)
+                differentiate(like, table, row, FREE, tractions, NONE, d, d, slopes, NONE)
+                differentiate(like, table, row, PLAIN, unknowns, d, NONE, d, slopes, d * d)
+                if solid.kappa > 0.0:
+                    differentiate(like, table, row, FREE, heats, NONE, ONE, ONE, slopes, (d + d) * d)
+                accelerate(solid, like, metrics, row, slopes, unknowns, tractions, found)
+                give(like, found, row, rates)
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def rows_of(boxes, tile, stage, z):
     """The rows of a layer that are in a box: begin, end."""
     here = boxes[tile, stage, 2, 0] <= z < boxes[tile, stage, 2, 1]
     return boxes[tile, stage, 1, 0], boxes[tile, stage, 1, 1] if here else boxes[tile, stage, 1, 0]
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def row_of(patch, layout, boxes, tile, stage, y, z):
     """The row of a box at y, z."""
     x, n = boxes[tile, stage, 0, 0], boxes[tile, stage, 0, 1] - boxes[tile, stage, 0, 0]
-    in_patch = (z * patch.ghosted[1] + y) * patch.ghosted[0] + x
-    x0, y0 = boxes[tile, KNOWN, 0, 0], boxes[tile, KNOWN, 1, 0]
-    place = z % layout.layers
-    in_tile = place * layout.layer + (y - y0) * layout.row + x - x0
+    (nx, ny, _), (own_x, own_y, _), first = patch.ghosted, patch.own, patch.first
+    own = ((z - first[2]) * own_y + y - first[1]) * own_x + x - first[0]
+    place, x0, y0 = z % layout.layers, boxes[tile, KNOWN, 0, 0], boxes[tile, KNOWN, 1, 0]
+    node = place * layout.layer + (y - y0) * layout.row + x - x0
     begin = min(max(layout.begin - x, 0), n)
-    return Row(n, in_patch, in_tile, x, y, z, place, begin, max(min(layout.end - x, n), begin))
+    end = max(min(layout.end - x, n), begin)
+    return Row(n, (z * ny + y) * nx + x, own, node, x, y, z, place, begin, end)
 
 
-@njit(**CALL)
-def owned(patch, row):
-    """Number of the first node of a row in rates."""
-    (nx, ny, _), (x, y, z) = patch.own, patch.first
-    return ((row.z - z) * ny + row.y - y) * nx + row.x - x
-
-
-@njit(**LOOP)
+@njit(**INNER_LOOP)
 def take(like, q, row, unknowns):
     """Take the interlaced unknowns apart."""
     dof = 2 * len(like) + 1
@@ -269,27 +274,27 @@ def take(like, q, row, unknowns):
             unknowns[to + i] = q[of + i * U64(dof)]
 
 
-@njit(**LOOP)
-def give(like, found, node, n, rates):
+@njit(**INNER_LOOP)
+def give(like, found, row, rates):
     """Interlace the rates."""
     dof = 2 * len(like) + 1
     for c in range(dof):
-        to, of = U64(node * dof + c), U64(c) * WIDTH
-        for i in range(U64(n)):
+        to, of = U64(row.own * dof + c), U64(c) * WIDTH
+        for i in range(U64(row.n)):
             rates[to + i * U64(dof)] = found[of + i]
 
 
 # Rows
 
 
-@njit(**LOOP)
-def differentiate(like, jumps, weights, layout, row, kind, f, first, next_k, count, out, to):
+@njit(**INNER_LOOP)
+def differentiate(like, table, row, kind, f, first, next_k, count, out, to):
     """D_k f, or D°_k f if kind is FREE, for k = 1 … d: to components of out, from ``to`` on.
 
     Along axis k those of count components of f, an array of a tile, from first + k next_k on.
     Nodes with the same neighbours are taken together: all across the row, and those in the interior.
     """
-    step = step_of(like)
+    (jumps, weights, layout), step = table, step_of(like)
     for k in range(len(like)):
         axis, begin = 2 * k if len(like) == 2 else k, 0
         while begin < row.n:
@@ -314,7 +319,7 @@ def differentiate(like, jumps, weights, layout, row, kind, f, first, next_k, cou
             begin = end
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def away(layout, row, axis, jump):
     """Numbers between a node and a neighbour along an axis in the arrays of a tile."""
     if axis < 2:
@@ -324,19 +329,7 @@ def away(layout, row, axis, jump):
     return (jump + ring) * layout.layer
 
 
-@njit(**CALL)
-def strain_row(solid, like, table, row, metrics, extra, unknowns, slopes, strains, tractions):
-    """F and t^k."""
-    differentiate(like, *table, row, PLAIN, unknowns, NONE, NONE, ONE * len(like), slopes, NONE)
-    strain(like, metrics, row, slopes, strains)
-    if extra.size > 0 and solid.coupled == 0.0:
-        relieve(solid, like, extra, row, strains, unknowns)
-    pull(solid, like, metrics, row, unknowns, strains, tractions)
-    if extra.size > 0:
-        pull_more(like, metrics, extra, row, tractions)
-
-
-@njit(**LOOP)
+@njit(**INNER_LOOP)
 def strain(like, metrics, row, slopes, strains):
     """F = 1 + 1/J0 sum_k D_k D A^k."""
     nine, step = outer(like, like), U64(step_of(like))
@@ -347,18 +340,19 @@ def strain(like, metrics, row, slopes, strains):
         put(strains, node, step, i, add_unit(1.0, gradient))
 
 
-@njit(**LOOP)
+@njit(**INNER_LOOP)
 def relieve(solid, like, extra, row, strains, unknowns):
     """Take the energy of a prestress S, S : (F - 1)/m0, from e: only T follows from e."""
+    n = row.n if extra.size > 0 and solid.coupled == 0.0 else 0
     nine, step = outer(like, like), U64(step_of(like))
     N, node, g = U64(extra.size // len(nine)), U64(row.tile), U64(row.patch)
     e = node + U64(2 * len(like)) * step
-    for i in range(U64(row.n)):
+    for i in range(U64(n)):
         S, F = at(nine, extra, g, N, i), at(nine, strains, node, step, i)
         unknowns[e + i] -= dot(S, add_unit(-1.0, F)) / solid.m0
 
 
-@njit(**LOOP)
+@njit(**INNER_LOOP)
 def pull(solid, like, metrics, row, unknowns, strains, tractions):
     """t^k = P A^k."""
     nine, step, d = outer(like, like), U64(step_of(like)), U64(len(like))
@@ -370,18 +364,18 @@ def pull(solid, like, metrics, row, unknowns, strains, tractions):
         put(tractions, node, step, i, product_transposed(A, P))
 
 
-@njit(**LOOP)
+@njit(**INNER_LOOP)
 def pull_more(like, metrics, extra, row, tractions):
     """t^k += S A^k of a prestress."""
-    nine, step = outer(like, like), U64(step_of(like))
+    n, nine, step = row.n if extra.size > 0 else 0, outer(like, like), U64(step_of(like))
     N, node, g = U64(extra.size // len(nine)), U64(row.tile), U64(row.patch)
-    for i in range(U64(row.n)):
+    for i in range(U64(n)):
         A, S = at(nine, metrics, g, N, i), at(nine, extra, g, N, i)
         more = add(at(nine, tractions, node, step, i), product_transposed(A, S))
         put(tractions, node, step, i, more)
 
 
-@njit(**LOOP)
+@njit(**INNER_LOOP)
 def find_temps(solid, like, row, unknowns, strains, temps):
     """T; with heat 'coupled' F does not matter, and is not known everywhere."""
     nine, step, d = outer(like, like), U64(step_of(like)), U64(len(like))
@@ -395,14 +389,7 @@ def find_temps(solid, like, row, unknowns, strains, temps):
             temps[node + i] = solid.temperature(v, e, at(nine, strains, node, step, i))
 
 
-@njit(**CALL)
-def heat_row(solid, like, table, row, metrics, temps, slopes, strains, heats):
-    """A^k . h."""
-    differentiate(like, *table, row, PLAIN, temps, NONE, NONE, ONE, slopes, NONE)
-    conduct(solid, like, metrics, row, slopes, strains, heats)
-
-
-@njit(**LOOP)
+@njit(**INNER_LOOP)
 def conduct(solid, like, metrics, row, slopes, strains, heats):
     """A^k . h with grad T = 1/J0 sum_k A^k D_k T."""
     nine, step = outer(like, like), U64(step_of(like))
@@ -414,18 +401,7 @@ def conduct(solid, like, metrics, row, slopes, strains, heats):
         put(heats, node, step, i, apply(A, h))
 
 
-@njit(**CALL)
-def rate_row(solid, like, table, row, metrics, unknowns, tractions, heats, slopes, found):
-    """Rates of owned nodes."""
-    d = ONE * len(like)
-    differentiate(like, *table, row, FREE, tractions, NONE, d, d, slopes, NONE)
-    differentiate(like, *table, row, PLAIN, unknowns, d, NONE, d, slopes, d * d)
-    if solid.kappa > 0.0:
-        differentiate(like, *table, row, FREE, heats, NONE, ONE, ONE, slopes, (d + d) * d)
-    accelerate(solid, like, metrics, row, slopes, unknowns, tractions, found)
-
-
-@njit(**LOOP)
+@njit(**INNER_LOOP)
 def accelerate(solid, like, metrics, row, slopes, unknowns, tractions, found):
     """(v, Div P/m0 + b, Div (P^T v + h)/m0 + b . v); slopes: D°_k t^k, D_k v, D°_k A^k . h."""
     nine, step, d = outer(like, like), U64(step_of(like)), U64(len(like))
