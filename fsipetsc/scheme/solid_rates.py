@@ -57,6 +57,12 @@ step_of = by_length("step_of", "like", lambda d: f" return {STEPS[d - 1]}")
 #: what is known of a tile's nodes: rates, t^k and heats, T, F, unknowns
 OWN, NEAR, WARM, STRAINED, KNOWN = map(U64, range(5))
 
+#: sum of weights w times f at some places, i nodes on
+weighted = by_length(
+    "weighted",
+    "w, f, places, i",
+    lambda n: " return " + " + ".join(f"w[{k}] * f[places[{k}] + i]" for k in range(n)),
+)
 #: a_1 + … + a_d
 total = by_length("total", "a", lambda d: " return " + " + ".join(f"a[{k}]" for k in range(d)))
 
@@ -301,21 +307,22 @@ def differentiate(like, table, row, kind, f, first, next_k, count, out, to):
             end, x = row.n, row.y if axis == 1 else row.z
             if axis == 0:
                 end, x = max(row.end, begin + 1) if begin == row.begin else begin + 1, row.x + begin
-            w = weights[kind, axis, x]
-            for m in range(1, 1 + jumps[axis, x, 0], 4):
-                w_a, w_b, w_c, w_d = w[m], w[m + 1], w[m + 2], w[m + 3]
-                a = away(layout, row, axis, jumps[axis, x, m])
-                b = away(layout, row, axis, jumps[axis, x, m + 1])
-                c = away(layout, row, axis, jumps[axis, x, m + 2])
-                d = away(layout, row, axis, jumps[axis, x, m + 3])
+            w, far = weights[kind, axis, x], jumps[axis, x]
+            for m in range(1, 1 + far[0], 4):
+                four = w[m], w[m + 1], w[m + 2], w[m + 3]
+                a, b = away(layout, row, axis, far[m]), away(layout, row, axis, far[m + 1])
+                c, d = away(layout, row, axis, far[m + 2]), away(layout, row, axis, far[m + 3])
                 for l in range(count):
                     node = (first + k * next_k + l) * step + row.tile + begin
-                    at_a, at_b, at_c, at_d = U64(node + a), U64(node + b), U64(node + c), U64(node + d)
+                    there = U64(node + a), U64(node + b), U64(node + c), U64(node + d)
                     here = U64(to + k * count + l) * WIDTH + U64(begin)
+                    if end == begin + 1:  # a loop over one node takes twice as long
+                        before = out[here] if m > 1 else 0.0
+                        out[here] = before + weighted(four, f, there, U64(0))
+                        continue
                     for i in range(U64(end - begin)):
                         before = out[here + i] if m > 1 else 0.0
-                        near = w_a * f[at_a + i] + w_b * f[at_b + i]
-                        out[here + i] = before + near + w_c * f[at_c + i] + w_d * f[at_d + i]
+                        out[here + i] = before + weighted(four, f, there, i)
             begin = end
 
 
