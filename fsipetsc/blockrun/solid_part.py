@@ -10,17 +10,24 @@ from numpy.typing import NDArray
 from fsipetsc.blockrun.face_terms import FaceTerms, face_of, ranges_of
 from fsipetsc.blockrun.gas_part import MOMENTUM
 from fsipetsc.blocks.metrics import solid_metrics
-from fsipetsc.equations.tensors import determinant
+from fsipetsc.blocks.values import prestress_of
+from fsipetsc.equations.tensors import add_unit, determinant
+from fsipetsc.operators.loops import dot
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
+from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_layout import BlockLayout, Part
 from fsipetsc.scheme import block_look
-from fsipetsc.scheme.solid_rates import solid_rates, solid_scratch
+from fsipetsc.scheme.solid_rates import Work, solid_rates, solid_work
 
 Array = NDArray[Any]
 
 
 class SolidPart:
-    """One part of a solid block. metrics: (d d + 1, ghosted nodes), A^k and J0; inertia: J0 m0."""
+    """One part of a solid block.
+
+    metrics: (d d + 1, ghosted nodes), A^k and J0; inertia: J0 m0; prestress: (d d, ghosted nodes),
+    or (d d, 0) of a block that has none.
+    """
 
     def __init__(self, layout: BlockLayout, part: Part, order: int, form: Any) -> None:
         self.part, self._problem = part, layout.problem
@@ -41,7 +48,14 @@ class SolidPart:
         self._owned = part.ghosted_rows(np.arange(part.numbers.size))
         self._per_h = np.array(self.block.cells, float)
         self._F = np.zeros((d * d, part.numbers.size))
-        self._scratch = solid_scratch(d, max(band.reach for band in part.bands))
+        self.prestress = prestress_of(self.block, self.X)
+        self._work = self._make_work(OPERATORS[order].rows, ranges[0][0])
+
+    def _make_work(self, rows: int, first: int) -> Work:
+        """Memory of rates. rows: of the closures; first: the first ghosted node along axis 0."""
+        part, nodes = self.part, self.block.shape[0]
+        inside = (0, part.patch.ghosted[0]) if self.block.periodic[0] else (rows - first, nodes - rows - first)
+        return solid_work(self.equations, part.bands, inside, part.patch)
 
     @property
     def timed(self) -> bool:
@@ -58,7 +72,8 @@ class SolidPart:
         solid = self.equations
         q[:, 2 * d] = solid.alpha * T + 0.5 * sum(c * c for c in v)
         if not solid.coupled:
-            q[:, 2 * d] += solid.law.energy(self._strain_of_case()) / solid.m0
+            F = self._strain_of_case()
+            q[:, 2 * d] += solid.law.energy(F) / solid.m0 + self._stored_by_prestress(F)
 
     def _strain_of_case(self) -> tuple[Array, ...]:
         """F of the owned nodes from the case's places, which it knows in halos as well."""
@@ -67,6 +82,17 @@ class SolidPart:
         for c in range(self._d):
             q[:, c] = places[c] - self.X[c]
         return tuple(self._deformation(q))
+
+    def _stored_by_prestress(self, F: Any) -> Any:
+        """Energy per mass [J/kg] of the owned nodes with heat 'elastic': S : (F - 1)/m0."""
+        if self.equations.coupled or not self.prestress.size:
+            return 0.0
+        return dot(tuple(self._own_prestress), add_unit(-1.0, tuple(F))) / self.equations.m0
+
+    @property
+    def _own_prestress(self) -> Array:
+        """(d d, M) of the owned nodes, 0 if there is none."""
+        return self.prestress[:, self._owned] if self.prestress.size else np.zeros((self._d**2, 1))
 
     def _deformation(self, q: Array) -> Array:
         """F (d d, M) of the owned nodes."""
@@ -79,9 +105,13 @@ class SolidPart:
         """What bounds a step, and integrals of the owned nodes: see fsipetsc.scheme.block_look; q: (N, 2d + 1)."""
         d, weights = self._d, [band.weight for band in self.part.bands]
         seen, sums = np.zeros(block_look.LOOKED), np.zeros(d + 1)
-        arguments = self.equations, self._like, q, self.metrics, self._per_h, STIFFNESS_OF_WIDE
-        F = self._deformation(q)
-        block_look.solid_look(*arguments, *weights, self.part.patch, F, seen, sums)
+        F, of_block = self._deformation(q), (self.metrics, self._per_h, STIFFNESS_OF_WIDE)
+        arguments = *of_block, *weights, self.part.patch, F, seen
+        block_look.solid_look(self.equations, self._like, q, *arguments, sums)
+        if self.prestress.size and not self.equations.coupled:
+            thermal = q.copy()
+            thermal[self._owned, 2 * d] -= self._stored_by_prestress(F)
+            block_look.solid_look(self.equations, self._like, thermal, *arguments, np.zeros(d + 1))
         return seen, dict(zip([*MOMENTUM[:d], "energy"], sums.tolist(), strict=True))
 
     def fields(self, q: Array) -> Array:
@@ -89,8 +119,8 @@ class SolidPart:
         d = self._d
         F, own = tuple(self._deformation(q)), q[self._owned]
         v = tuple(own[:, d : 2 * d].T)
-        T = self.equations.temperature(v, own[:, 2 * d], F)
-        P, J = self.equations.stress_at(F, T), determinant(F)
+        T = self.equations.temperature(v, own[:, 2 * d] - self._stored_by_prestress(F), F)
+        P, J = self.equations.stress_at(F, T) + self._own_prestress, determinant(F)
         stresses = [
             sum(P[i * d + m] * F[j * d + m] for m in range(d)) / J for i in range(d) for j in range(i, d)
         ]
@@ -99,9 +129,8 @@ class SolidPart:
 
     def rates(self, t: float, q: Array, rates: Array) -> None:
         """rates (M, 2d + 1) of the volume terms, of faces and of forcing; q: (N, 2d + 1)."""
-        bands = self.part.bands
-        S, w = [band.S for band in bands], [band.weight for band in bands]
-        solid_rates(self.equations, self._like, q, self.metrics, *S, *w, self.part.patch, rates, self._scratch)
+        arguments = self.equations, self._like, q, self.metrics, self.prestress
+        solid_rates(*arguments, rates, self._work)
         self._faces.add(t, None, q, self.metrics, rates)
         self._supply(t, q, rates)
         self._force(t, q, rates)

@@ -31,6 +31,19 @@ def block_values(block: Any, what: str, X: Array, t: float) -> list[Array]:
     return checked(function, arguments, X, names_of(block.kind, what, len(X)), where)
 
 
+def prestress_of(block: Any, X: Array) -> Array:
+    """block.prestress (d d, n) [Pa] at places X (d, n), or (d d, 0) of a block that has none.
+
+    InputError, perhaps on this rank alone.
+    """
+    d = len(X)
+    if block.prestress is None:
+        return np.zeros((d * d, 0))
+    names = [f"S_{i}{j}" for i in "xyz"[:d] for j in "xyz"[:d]]
+    where = f"prestress of block '{block.name}'"
+    return np.array(checked(block.prestress, tuple(X), X, names, where))
+
+
 def checked(
     function: Callable[..., Any],
     arguments: Sequence[Any],
