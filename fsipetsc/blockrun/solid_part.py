@@ -7,9 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.blockrun.face_terms import FaceTerms, face_of, ranges_of
+from fsipetsc.blockrun.asked import Asked
+from fsipetsc.blockrun.face_terms import FaceTerms, ranges_of, strain, weights_of
 from fsipetsc.blockrun.gas_part import MOMENTUM
 from fsipetsc.blocks.metrics import solid_metrics
+from fsipetsc.blocks.values import block_values
 from fsipetsc.equations.tensors import determinant
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.parallel.block_layout import BlockLayout, Part
@@ -22,7 +24,9 @@ Array = NDArray[Any]
 class SolidPart:
     """One part of a solid block. metrics: (d d + 1, ghosted nodes), A^k and J0; inertia: J0 m0."""
 
-    def __init__(self, layout: BlockLayout, part: Part, order: int, form: Any) -> None:
+    def __init__(
+        self, layout: BlockLayout, part: Part, order: int, form: Any, asked: Asked
+    ) -> None:
         self.part, self._problem = part, layout.problem
         self.block = self._problem.blocks[part.k]
         self._d = d = self.block.dimension
@@ -32,13 +36,10 @@ class SolidPart:
         self.X = self._problem.positions(part.k, ranges)
         self.metrics = solid_metrics(self._problem, part.k, order, ranges)
         self.inertia = self.metrics[d * d] * self.equations.m0
-        self._faces = FaceTerms(self._problem, part, self.inertia, self.X)
-        self._interfaces = [
-            face_of(self._problem, part, *face)
-            for face in self._problem.faces_of(part.k)
-            if self._problem.is_interface(part.k, *face)
-        ]
+        self._asked = asked
+        self.faces = FaceTerms(self._problem, part, self.equations, self.inertia, self.X, asked)
         self._owned = part.ghosted_rows(np.arange(part.numbers.size))
+        self._masses = weights_of(part, self._owned) * self.inertia[self._owned]
         self._per_h = np.array(self.block.cells, float)
         self._F = np.zeros((d * d, part.numbers.size))
         self._scratch = solid_scratch(d, max(band.reach for band in part.bands))
@@ -46,7 +47,7 @@ class SolidPart:
     @property
     def timed(self) -> bool:
         """Data of faces or forcing depend on time."""
-        return self._faces.timed or self.block.forcing is not None
+        return self.faces.timed or self.block.forcing is not None
 
     def initial(self, t: float, q: Array) -> None:
         """Fill q (M, 2d + 1) with the case's data."""
@@ -97,38 +98,48 @@ class SolidPart:
         x = self.X[:, self._owned] + own[:, :d].T
         return np.stack([*v, T, *stresses, *x], axis=-1)
 
-    def rates(self, t: float, q: Array, rates: Array) -> None:
-        """rates (M, 2d + 1) of the volume terms, of faces and of forcing; q: (N, 2d + 1)."""
-        bands = self.part.bands
-        S, w = [band.S for band in bands], [band.weight for band in bands]
-        solid_rates(self.equations, self._like, q, self.metrics, *S, *w, self.part.patch, rates, self._scratch)
-        self._faces.add(t, None, q, self.metrics, rates)
-        self._supply(t, q, rates)
-        self._force(t, q, rates)
+    def stored(self, q: Array, nodes: Array) -> Array:
+        """(n,) energy per mass [J/kg] that is neither kinetic nor heat, of nodes of the block that
+        this rank owns.
+        """
+        if self.equations.coupled:
+            return np.zeros(nodes.size)
+        at = self.part.ghosted_rows(self.part.rows(nodes))
+        F = strain(self.part, at, self.metrics, q)
+        return self.equations.law.energy(tuple(F)) / self.equations.m0
 
-    def _supply(self, t: float, q: Array, rates: Array) -> None:
-        """What interfaces supply from outside: traction and heat per reference area."""
-        if self._problem.jumps is None:
-            return
-        d = self._d
-        for face in self._interfaces:
-            X, at = self.X[:, face.ghosted], face.ghosted
-            *traction, heat = (np.asarray(v) * np.ones(at.size) for v in self._problem.jumps(*X, t))
-            area = np.sqrt(sum(self.metrics[face.axis * d + c, at] ** 2 for c in range(d)))
-            scale = area * face.per_weight / self.inertia[at]
-            for c in range(d):
-                rates[face.owned, d + c] += scale * traction[c]
-                rates[face.owned, 2 * d] += scale * traction[c] * q[at, d + c]
-            rates[face.owned, 2 * d] += scale * heat
-
-    def _force(self, t: float, q: Array, rates: Array) -> None:
-        """The case's forcing, right-hand sides of velocity, temperature and place."""
+    def ask(self, t: float) -> list[Array]:
+        """The case's forcing at time t [s]; nothing if there is none. InputError the first time."""
         if self.block.forcing is None:
-            return
+            return []
+        X = self.X[:, self._owned]
+        key = "forcing", self.part.k
+        return self._asked(key, t, lambda: block_values(self.block, "forcing", X, t))
+
+    def rates(self, t: float, q: Array, rates: Array, gain: Array) -> None:
+        """rates (M, 2d + 1) of the volume terms, of faces and of forcing; q: (N, 2d + 1). What
+        comes in is added to gain (d + 2,): mass, impulse, energy.
+        """
+        bands, d = self.part.bands, self._d
+        S, w = [band.S for band in bands], [band.weight for band in bands]
+        chosen = self.equations, self._like, q, self.metrics
+        solid_rates(*chosen, *S, *w, self.part.patch, rates, self._scratch)
+        self.faces.add(t, q, self.metrics, rates, gain)
+        force, v = np.array(self.equations.force), q[self._owned, d : 2 * d]
+        if force.any():
+            gain[1 : 1 + d] += self._masses.sum() * force
+            gain[1 + d] += self._masses @ (v @ force)
+        if forcing := self.ask(t):
+            self._force(forcing, v, rates, gain)
+
+    def _force(self, forcing: list[Array], v: Array, rates: Array, gain: Array) -> None:
+        """The case's forcing, right-hand sides of velocity, temperature and place."""
         d = self._d
-        values = self.block.forcing(*self.X[:, self._owned], t)
+        heat = self.equations.alpha * forcing[d]
         for c in range(d):
-            rates[:, d + c] += values[c]
-            rates[:, c] += values[d + 1 + c]
-            rates[:, 2 * d] += q[self._owned, d + c] * values[c]
-        rates[:, 2 * d] += self.equations.alpha * values[d]
+            rates[:, d + c] += forcing[c]
+            rates[:, c] += forcing[d + 1 + c]
+            heat = heat + v[:, c] * forcing[c]
+            gain[1 + c] += self._masses @ forcing[c]
+        rates[:, 2 * d] += heat
+        gain[1 + d] += self._masses @ heat

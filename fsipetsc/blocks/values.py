@@ -52,6 +52,15 @@ def checked(
     return [_array(value, name, X, function, where) for name, value in pairs]
 
 
+def checked_one(
+    function: Callable[..., Any], arguments: Sequence[Any], X: Array, name: str, where: str
+) -> Array:
+    """The same of a function that returns one value."""
+    with np.errstate(all="ignore"):
+        value = call(function, tuple(arguments), where)
+    return _array(value, name, X, function, where)
+
+
 def _array(value: Any, name: str, X: Array, function: Callable[..., Any], where: str) -> Array:
     """One of the values, for all places."""
     size = X.shape[1]
