@@ -38,8 +38,7 @@ def condition_of(given):
         kept["values"] = by_components(given.values)
     if motion is not oracle.REST:
         kept["x"] = by_components(motion.x)
-        if not isinstance(given, oracle.Clamped):
-            kept["velocity"] = by_components(motion.velocity)
+        kept["velocity"] = by_components(motion.velocity)
     return getattr(conditions, type(given).__name__)(**kept)
 
 

@@ -1,7 +1,7 @@
 """The engine's completion and rates at random states are the oracle's, to round-off.
 
-Where gas and solid have one temperature, only the sum of their energies' rates is compared: how it
-is divided between them is no matter, for completion shares it.
+Where members have one temperature, only the sum of their energies' rates is compared: how it is
+divided between them is no matter, for completion shares it.
 """
 
 from __future__ import annotations
@@ -19,10 +19,18 @@ ELASTIC = Gas(mu=0.02, kappa=0.03), Solid("svk", kappa=0.05, heat="elastic")
 
 
 def with_sums(oracle, rates):
-    """Rates, with the sum of those of the energy where gas and solid share heat."""
+    """Rates, with the sum of those of the energy where temperatures are shared; none of what is
+    given, nor of energies where temperatures are.
+    """
     found = {name: value.copy() for name, value in rates.items()}
     for p in oracle.particles:
-        if oracle._conducts(p):
+        warm = oracle._held(p, 0.0)
+        for i, (kind, members) in enumerate((("gas", p.gas), ("solid", p.solid))):
+            given = oracle._given(p, kind) is not None
+            for k, node in members:
+                if given or warm[i] is not None:
+                    found[oracle.names[k]][(slice(0 if given else -1, None), *node)] = 0.0
+        if oracle._conducts(p) or len(p.solid) > 1:
             total = sum(oracle.W[k][i] * rates[oracle.names[k]][(-1, *i)] for k, i in p.gas)
             for k, i in p.solid:
                 M = (oracle.W[k] * oracle.solids[k][1])[i] * oracle.blocks[k].material.m0
@@ -32,14 +40,16 @@ def with_sums(oracle, rates):
     return found
 
 
-def check(shape, both, order, faces=closed, t=0.0, **options):
-    """Compare both at a state that obeys nothing before."""
+def check(shape, both, order, faces=closed, t=0.0, most=1e-11, **options):
+    """Compare both at a state that obeys nothing before; most: of the rates' differences."""
     oracle = made(SHAPES[shape](NODES[order]), *both, order, faces, **options)
     engine = Engine(oracle)
     raw = {
         b.name: oracle.random_block(k, np.random.default_rng(k), 0.5)
         for k, b in enumerate(oracle.blocks)
     }
+    for k in oracle.solids:  # the oracle moves what rolls back into its plane
+        raw[oracle.names[k]][: oracle.d] = oracle.complete(raw, t)[oracle.names[k]][: oracle.d]
     q, found = oracle.complete(raw, t), engine.complete(raw, t)
     assert max(np.abs(q[name] - raw[name]).max() for name in q) > 1e-3
     for name in q:
@@ -47,7 +57,7 @@ def check(shape, both, order, faces=closed, t=0.0, **options):
     expected, found = with_sums(oracle, oracle.rates(q, t)), with_sums(oracle, engine.rates(q, t))
     size = max(np.abs(r).max() for r in expected.values())
     for name in q:
-        assert np.abs(found[name] - expected[name]).max() < 1e-11 * size, name
+        assert np.abs(found[name] - expected[name]).max() < most * size, name
 
 
 @pytest.mark.parametrize("both", [SLIPPING, STICKING, ELASTIC], ids=["slip", "stick", "elastic"])
@@ -80,8 +90,8 @@ def moving_faces(owner):
         return clamp if (axis, side) == (0, 0) else Roller() if axis == 0 else Free(0.2, T=1.2)
     kinds = {
         (1, 0): NoSlip(T=lambda X, t: 1.1 + 0.1 * np.sin(t + X[0]), motion=wobbling(0.03, 0.2)),
-        (0, 0): Slip(motion=wobbling(0.02, 0.4)),
-        (0, 1): NoSlip(heat_flux=0.2),
+        (0, 0): Slip(motion=wobbling(0.03, 0.2)),
+        (0, 1): NoSlip(heat_flux=0.2, motion=wobbling(0.03, 0.2)),
     }
     return kinds.get((axis, side), Slip())
 
@@ -104,7 +114,8 @@ def solid_values(X, t):
 @pytest.mark.parametrize("both", [SLIPPING, STICKING], ids=["slip", "stick"])
 @pytest.mark.parametrize("faces", [open_faces, moving_faces, given_faces])
 def test_conditions(faces, both):
-    check("walls", both, 4, faces, t=0.3)
+    moved = faces is moving_faces  # accelerations of walls are differences of their velocities
+    check("walls", both, 4, faces, t=0.3, most=1e-8 if moved else 1e-11)
 
 
 @pytest.mark.parametrize("form", ["entropy", "divergence"])

@@ -44,7 +44,7 @@ def checked(
     expected = f"expected {len(names)} values ({', '.join(names)})"
     if values is None:
         raise _fault(function, where, f"returns nothing (is its return missing?): {expected}")
-    if not isinstance(values, (tuple, list, np.ndarray)) or np.ndim(values) == 0:
+    if not isinstance(values, (tuple, list, np.ndarray)) or getattr(values, "ndim", 1) == 0:
         raise _fault(function, where, f"returns {described(values)}: {expected} in a tuple")
     if len(values) != len(names):
         raise _fault(function, where, f"returns {len(values)} values: {expected}")
