@@ -77,17 +77,16 @@ def test_at_other_orders(shape, both, order):
 def open_faces(owner):
     """Flow in, out, a free solid."""
     if owner[0].startswith("solid"):
-        return Free(0.7) if owner[1:] == (1, 1) else Clamped()
+        return {(1, 1): Free(0.7), (0, 1): Roller()}.get(owner[1:], Clamped())
     kinds = {(0, 0): Open(0.9, (0.5, -0.2), 1.1), (0, 1): Outflow(0.8), (1, 0): Slip()}
     return kinds.get(owner[1:], Open(1.2, (0.3, 0.4), 0.9))
 
 
 def moving_faces(owner):
-    """Walls and clamps that move, temperatures that are held, heat that comes in, rollers."""
+    """Walls and clamps that move, temperatures that are held, heat that comes in."""
     name, axis, side = owner
     if name.startswith("solid"):
-        clamp = Clamped(wobbling(0.02, 0.4), heat_flux=0.3)
-        return clamp if (axis, side) == (0, 0) else Roller() if axis == 0 else Free(0.2, T=1.2)
+        return Clamped(wobbling(0.03, 0.2), heat_flux=0.3) if axis == 0 else Free(0.2, T=1.2)
     kinds = {
         (1, 0): NoSlip(T=lambda X, t: 1.1 + 0.1 * np.sin(t + X[0]), motion=wobbling(0.03, 0.2)),
         (0, 0): Slip(motion=wobbling(0.03, 0.2)),
