@@ -4,6 +4,8 @@ that.
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 
@@ -11,6 +13,7 @@ pytest.importorskip("petsc4py")
 
 import block_shapes as shapes
 from block_ledgers import unbooked
+from helpers import REPOSITORY, mpirun
 
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.conditions import (
@@ -223,3 +226,15 @@ def test_one_dimension(mu):
         return Absorbing(-0.3) if side else Clamped(velocity=blown)
 
     check(problem_of(shape, faces, gas(1, mu, 0.2), solid(1, force=0.3)), only=(X, 2))
+
+
+@pytest.mark.mpi
+def test_on_two_ranks():
+    """The same bits, all booked, and no rank waits for one whose data are wrong."""
+    done = mpirun(2, "-m", "mpi4py", REPOSITORY / "tests" / "block_scheme_program.py")
+    assert done.returncode == 0, done.stderr
+    said = json.loads(done.stdout.splitlines()[-1])
+    assert (said["panel"], said["slipping"]) == (0, 0)
+    assert said["unbooked"] < 1e-13
+    wrong = [fault for fault in said["faults"] if fault]
+    assert len(wrong) == 1 and "T of NoSlip at t = 0.0015" in wrong[0] and "T = -1" in wrong[0]

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from fsipetsc.blockrun.asked import Asked, data, datum
 from fsipetsc.blocks.conditions import Absorbing, Free, Open, Outflow, steady
+from fsipetsc.blocks.metrics import Wide, curl_metrics
 from fsipetsc.blocks.problem import Meeting
 from fsipetsc.blocks.values import checked
 from fsipetsc.parallel.block_layout import Part
@@ -26,12 +27,17 @@ class FaceTerms:
 
     equations: of the block. inertia: (ghosted nodes,), J0 m0 of a solid, 1 of a gas. reference: (d,
     ghosted nodes) places X in the reference map. asked: has the data of the case.
+
+    In three dimensions the pressure p_ref under which a solid is free of strain is no part of its
+    stress: -p_ref cof F would not be at rest with a gas. Faces to gas, and those with a traction of
+    their own, get p_ref n(x) instead, n in the curl form that the gas has.
     """
 
     def __init__(
         self,
         problem: Any,
         part: Part,
+        order: int,
         equations: Any,
         inertia: Array,
         reference: Array,
@@ -40,15 +46,21 @@ class FaceTerms:
         self._part, self._equations, self._inertia = part, equations, inertia
         self._reference, self._asked, self._jumps = reference, asked, problem.jumps
         self._d, self._gas = problem.dimension, problem.blocks[part.k].kind == "fluid"
+        self.p_ref = _left_out(problem.blocks[part.k])
+        self._turned: dict[int, TurnedFace] = {}
         self._faces: list[tuple[Any, Face, Array]] = []
         for (axis, side), condition in problem.faces_of(part.k).items():
             interface = isinstance(condition, Meeting) and problem.is_interface(part.k, axis, side)
             supplied = interface and not self._gas and self._jumps is not None
-            if supplied or _acts(condition):
+            loaded = self.p_ref != 0.0 and self.p_ref != _beyond(problem, condition)
+            if supplied or loaded or _acts(condition):
                 face = face_of(problem, part, axis, side)
                 if face.owned.size:
                     places = problem.places(part.k, part.numbers[face.owned])
                     self._faces.append((condition, face, places))
+                    if self._d == 3 and not self._gas:
+                        turned = TurnedFace(problem, part, order, axis, side)
+                        self._turned[len(self._faces) - 1] = turned
         conditions = [c for c, _, _ in self._faces if not isinstance(c, Meeting)]
         self.timed = len(conditions) < len(self._faces) or not all(map(steady, conditions))
 
@@ -61,12 +73,13 @@ class FaceTerms:
         """Add all terms at time t [s] to ``rates`` (owned, dof) and ``gain`` (d + 2,); q: (ghosted,
         dof).
         """
-        for (condition, face, _), found in zip(self._faces, self.ask(t), strict=True):
+        pairs = zip(self._faces, self.ask(t), strict=True)
+        for number, ((condition, face, _), found) in enumerate(pairs):
             if "outside" in found:
                 arguments = found["outside"], found["pressure"], rates, gain
                 faces.open_face(self._equations.law, face, q, metrics, *arguments)
             if not self._gas:
-                forces = self._forces(condition, face, found, q, metrics)
+                forces = self._forces(number, found, q, metrics)
                 faces.push_face(face, forces, q, self._inertia, rates, gain)
             if "heat" in found:
                 heat = found["heat"] * self._areas(face, metrics)
@@ -78,6 +91,8 @@ class FaceTerms:
         d, found = self._d, {}
         if isinstance(condition, Meeting):
             names = *(f"traction along {x}" for x in "xyz"[:d]), "heat"
+            if self._jumps is None:
+                return {}
             values = checked(self._jumps, (*X.T, t), X.T, names, f"jumps at t = {t:.6g}")
             return {"traction": np.stack(values[:-1], axis=-1), "heat": values[-1]}
         if isinstance(condition, Open):
@@ -99,24 +114,78 @@ class FaceTerms:
         return np.sqrt((at * at).sum(axis=0))
 
     def _forces(
-        self, condition: Any, face: Face, found: dict[str, Array], q: Array, metrics: Array
+        self, number: int, found: dict[str, Array], q: Array, metrics: Array
     ) -> Array:
         """(n, d) on a face of a solid."""
-        if "traction" in found:
-            return found["traction"] * self._areas(face, metrics)[:, None]
-        if isinstance(condition, Free):
-            axes = [axis for axis in range(self._d) if axis != face.axis]
-            tangents = [self._slope(axis, face, q, self._reference) for axis in axes]
-            return -found["pressure"][:, None] * faces.area_vectors(face, tangents)
+        condition, face, _ = self._faces[number]
         forces = np.zeros((face.ghosted.size, self._d))
-        if isinstance(condition, Absorbing):
+        if "traction" in found:
+            forces += found["traction"] * self._areas(face, metrics)[:, None]
+        if "stress" in found:
             F = strain(self._part, face.ghosted, metrics, q)
             arguments = F, found["stress"], q, metrics, forces
             faces.absorb(self._equations, (0.0,) * self._d, face, *arguments)
+        pressure = found.get("pressure", 0.0) - self.p_ref * _unheld(condition)
+        if np.any(pressure):
+            if self._d == 3:
+                normals = self._turned[number](q)
+            else:
+                axes = [axis for axis in range(self._d) if axis != face.axis]
+                nodes, X = face.ghosted, self._reference
+                tangents = [slope(self._part, axis, nodes, q, X) for axis in axes]
+                normals = faces.area_vectors(face, tangents)
+            forces -= np.broadcast_to(pressure, len(normals))[:, None] * normals
         return forces
 
-    def _slope(self, axis: int, face: Face, q: Array, X: Array) -> Array:
-        return slope(self._part, axis, face.ghosted, q, X)
+
+class TurnedFace:
+    """Area vectors of a rank's nodes of a solid's face in three dimensions, where it is now: in the
+    curl form, with derivatives within the face only, and the bits that a gas there has.
+    """
+
+    def __init__(self, problem: Any, part: Part, order: int, axis: int, side: int) -> None:
+        shape = problem.blocks[part.k].shape
+        ghosted = ranges_of(part, shape)
+        sizes = zip(ghosted, part.patch.first, part.patch.own, strict=True)
+        where = [(begin + first, begin + first + own) for (begin, _), first, own in sizes]
+        where[axis] = (shape[axis] - 1, shape[axis]) if side else (0, 1)
+        self._axis, self._sign = axis, 1.0 if side else -1.0
+        self._wide = wide = Wide(problem, part.k, order, where)
+        index = [
+            np.clip(np.arange(*ends) - begin, 0, end - begin - 1)
+            for ends, (begin, end) in zip(wide.wide, ghosted, strict=True)
+        ]
+        nx, ny, _ = part.patch.ghosted
+        x, y, z = np.meshgrid(*index, indexing="ij")
+        self._at = (x + nx * (y + ny * z)).ravel(order="F")
+        n = self._at.size
+        self._a, self._slopes, self._scratch = (np.empty((3, 3, n)) for _ in range(3))
+
+    def __call__(self, q: Array) -> Array:
+        """(n, 3) outward; q: (ghosted, 7)."""
+        wide = self._wide
+        y = wide.y + q[self._at, :3].T
+        scratch = self._scratch.reshape(9, -1)[:4]
+        curl_metrics(self._a, y, wide.P, wide.S, wide.weight, self._slopes, scratch)
+        return self._sign * wide.inner(self._a[self._axis]).T
+
+
+def _left_out(block: Any) -> float:
+    """p_ref where it is no part of the stress."""
+    solid = block.kind == "solid" and isinstance(block.material.law, str)
+    return block.material.p_ref if solid and block.dimension == 3 else 0.0
+
+
+def _unheld(condition: Any) -> bool:
+    """Whether the traction on a face is not that of a clamp or a roller."""
+    return isinstance(condition, (Meeting, Free, Absorbing))
+
+
+def _beyond(problem: Any, condition: Any) -> float:
+    """p_ref beyond a face; what stands at a held one is as if it went on."""
+    if isinstance(condition, Meeting):
+        return _left_out(problem.blocks[condition.block])
+    return 0.0
 
 
 def slope(part: Part, axis: int, nodes: Array, q: Array, X: Array) -> Array:

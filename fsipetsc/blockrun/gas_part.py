@@ -44,9 +44,8 @@ class GasPart:
         self.metrics = np.zeros((d * d + d + 1, nodes))
         self._owned = part.ghosted_rows(np.arange(part.numbers.size))
         self._weights, self._asked = weights_of(part, self._owned), asked
-        self.faces = FaceTerms(
-            self._problem, part, self.equations, np.ones(nodes), self.X, asked
-        )
+        equations, inertia = self.equations, np.ones(nodes)
+        self.faces = FaceTerms(self._problem, part, order, equations, inertia, self.X, asked)
         material = self.block.material
         self._form = DivergenceForm() if form.convection == "divergence" else EntropyForm()
         self._friction = Viscous() if material.mu > 0.0 or material.kappa > 0.0 else Inviscid()

@@ -37,7 +37,8 @@ class SolidPart:
         self.metrics = solid_metrics(self._problem, part.k, order, ranges)
         self.inertia = self.metrics[d * d] * self.equations.m0
         self._asked = asked
-        self.faces = FaceTerms(self._problem, part, self.equations, self.inertia, self.X, asked)
+        equations, inertia = self.equations, self.inertia
+        self.faces = FaceTerms(self._problem, part, order, equations, inertia, self.X, asked)
         self._owned = part.ghosted_rows(np.arange(part.numbers.size))
         self._masses = weights_of(part, self._owned) * self.inertia[self._owned]
         self._per_h = np.array(self.block.cells, float)
@@ -92,9 +93,9 @@ class SolidPart:
         v = tuple(own[:, d : 2 * d].T)
         T = self.equations.temperature(v, own[:, 2 * d], F)
         P, J = self.equations.stress_at(F, T), determinant(F)
-        stresses = [
-            sum(P[i * d + m] * F[j * d + m] for m in range(d)) / J for i in range(d) for j in range(i, d)
-        ]
+        pairs = [(i, j) for i in range(d) for j in range(i, d)]
+        stresses = [sum(P[i * d + m] * F[j * d + m] for m in range(d)) / J for i, j in pairs]
+        stresses = [s - self.faces.p_ref * (i == j) for s, (i, j) in zip(stresses, pairs, strict=True)]
         x = self.X[:, self._owned] + own[:, :d].T
         return np.stack([*v, T, *stresses, *x], axis=-1)
 

@@ -132,17 +132,13 @@ def open_face(law, face, q, metrics, outside, pressure, rates, gain):
 
 
 def area_vectors(face: Face, tangents: list[Array]) -> Array:
-    """(n, d) outward area vectors of a solid's face where it is now, from D_k x along the axes of
-    the face, (n, d) each.
+    """(n, d) outward area vectors of a solid's face where it is now, from D_k x (n, d) along the
+    axes of the face, in one or two dimensions.
     """
-    n, d = face.ghosted.size, len(tangents) + 1
-    if d == 1:
-        return np.full((n, 1), face.sign)
-    if d == 2:
-        (tx, ty), sign = tangents[0].T, face.sign if face.axis == 0 else -face.sign
-        return np.stack([sign * ty, -sign * tx], axis=-1)
-    first, second = tangents if face.axis != 1 else tangents[::-1]
-    return face.sign * np.cross(first, second)
+    if not tangents:
+        return np.full((face.ghosted.size, 1), face.sign)
+    (tx, ty), sign = tangents[0].T, face.sign if face.axis == 0 else -face.sign
+    return np.stack([sign * ty, -sign * tx], axis=-1)
 
 
 @njit(**CALL)
