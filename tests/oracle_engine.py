@@ -6,6 +6,8 @@ import numpy as np
 import oracle_formulas as oracle
 from mpi4py import MPI
 
+from fsipetsc.blockrun.block_scheme import Scheme
+from fsipetsc.blockrun.block_state import BlockForm
 from fsipetsc.blocks import conditions
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.conditions import Hinge
@@ -14,8 +16,6 @@ from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.parallel.block_layout import BlockLayout
-from fsipetsc.blockrun.block_scheme import Scheme
-from fsipetsc.blockrun.block_state import BlockForm
 
 
 def by_components(function):

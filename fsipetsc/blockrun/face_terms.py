@@ -74,7 +74,7 @@ class FaceTerms:
         dof).
         """
         pairs = zip(self._faces, self.ask(t), strict=True)
-        for number, ((condition, face, _), found) in enumerate(pairs):
+        for number, ((_, face, _), found) in enumerate(pairs):
             if "outside" in found:
                 arguments = found["outside"], found["pressure"], rates, gain
                 faces.open_face(self._equations.law, face, q, metrics, *arguments)
