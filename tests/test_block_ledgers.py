@@ -206,7 +206,7 @@ def test_forces_in_the_volume(heat):
     def faces(name, axis, side):
         return Slip() if name == "gas" else Free()
 
-    shape, points = shapes.layers(N + 1, False), (("solid", (0.5, 1.6), Hinge()),)
+    shape, points = shapes.layers(N + 1, False), (("solid", (4.0 / N, 1.6), Hinge()),)
     fluid, plate = gas(force=0.3), solid(heat=heat, force=-0.2)
     came = check(problem_of(shape, faces, fluid, plate, **options), only=(MASS, X, Y, ENERGY))
     held = check(problem_of(shape, faces, fluid, plate, points, **options))

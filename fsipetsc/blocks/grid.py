@@ -96,7 +96,7 @@ class GridMotion:
         for sign in (1.0, -1.0):
             y = self._x + sign * self._v
             curl_metrics(a, y, wide.P, wide.S, wide.weight, slopes, self._q)
-            found.append(wide.inner(a).reshape(9, -1))
+            found.append(wide.inner(a).reshape(9, -1).copy())
         return 0.5 * (found[0] - found[1])
 
     def positions(self) -> Array:
