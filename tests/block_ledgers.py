@@ -25,7 +25,6 @@ class Steps:
         self.scheme = Scheme(self.layout, problem, order, form or BlockForm(), lambda: 1e-3)
         self.y, stage = self.layout.vector(), self.layout.vector()
         self._stepper = FusedRK4(self.layout, self.scheme, stage)
-        self._f = np.zeros(self.layout.local_size)
         self.t = 0.0
         self.scheme.initial(0.0, self.y)
         self.scheme.stretch(0.0, self.y)
@@ -57,11 +56,6 @@ class Steps:
         """What has come in: mass of all gas, impulse, energy."""
         came = self._all(self.came)
         return np.array([came[: self.gases].sum(), *came[self.gases :]])
-
-    def rates(self):
-        """dy/dt at y; what comes in is behind."""
-        self.scheme.rates(self.t, self.y, self._f)
-        return self._f
 
     def close(self):
         self.scheme.destroy()

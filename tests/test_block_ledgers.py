@@ -12,7 +12,7 @@ import pytest
 pytest.importorskip("petsc4py")
 
 import block_shapes as shapes
-from block_ledgers import unbooked
+from block_ledgers import steps_of, unbooked
 from helpers import REPOSITORY, mpirun
 
 from fsipetsc.blocks.block import Block
@@ -226,6 +226,38 @@ def test_one_dimension(mu):
         return Absorbing(-0.3) if side else Clamped(velocity=blown)
 
     check(problem_of(shape, faces, gas(1, mu, 0.2), solid(1, force=0.3)), only=(X, 2))
+
+
+@pytest.mark.parametrize("heat", ["elastic", "coupled"])
+@pytest.mark.parametrize("mu", [0.0, 0.02])
+def test_what_completion_takes(mu, heat):
+    """From a state that obeys nothing: what walls, clamps and data add is booked, and nothing else
+    changes.
+    """
+
+    def faces(name, axis, side):
+        if name == "gas 20" and axis == 1:
+            return Given(lambda X, Y, t: (1.1, 0.2, 0.1, 1.2 + 0.0 * X))
+        if name.startswith("gas"):
+            return NoSlip(T=1.3) if (axis, side) == (1, 1) else Slip(x=moved)
+        return Clamped(velocity=lambda X, Y, t: (0.3, 0.2 + 0.0 * X))
+
+    problem = problem_of(shapes.panel(N + 1), faces, gas(mu=mu), solid(heat=heat))
+    with steps_of(problem) as run:
+        rng = np.random.default_rng(1)
+        for k, block in enumerate(problem.blocks):
+            q, d = run.y.owned(k), 2
+            if block.kind == "fluid":
+                q[:, 2:4] += q[:, :1] * rng.uniform(-0.3, 0.3, (len(q), d))
+                q[:, 1] *= rng.uniform(0.9, 1.1, len(q))
+            else:
+                q[:, d : 2 * d] += rng.uniform(-0.3, 0.3, (len(q), d))
+        before = run.integrals()
+        run.scheme.complete(0.0, run.y)
+        run.came += run.y.behind
+        change, came = run.integrals() - before, run.gained()
+        assert np.abs(change - came).max() < 1e-14 * before[-1], change - came
+        assert np.abs(came).min() > 1e-5
 
 
 @pytest.mark.mpi

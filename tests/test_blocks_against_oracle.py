@@ -12,7 +12,19 @@ import pytest
 pytest.importorskip("petsc4py")
 
 from oracle_engine import Engine
-from oracle_formulas import Clamped, Free, Gas, Given, NoSlip, Open, Outflow, Roller, Slip, Solid
+from oracle_formulas import (
+    Clamped,
+    Free,
+    Gas,
+    Given,
+    Motion,
+    NoSlip,
+    Open,
+    Outflow,
+    Roller,
+    Slip,
+    Solid,
+)
 from test_block_oracle import NODES, SHAPES, SLIPPING, STICKING, closed, made, wobbling
 
 ELASTIC = Gas(mu=0.02, kappa=0.03), Solid("svk", kappa=0.05, heat="elastic")
@@ -95,6 +107,27 @@ def moving_faces(owner):
     return kinds.get((axis, side), Slip())
 
 
+def bending_faces(owner):
+    """Walls along which gas slips, and which bend; the solid is free."""
+    if owner[0] == "solid":
+        return Free(0.3)
+    return Slip(motion=BENDING) if owner[1:] in ((1, 0), (0, 1)) else Slip()
+
+
+def bent(rate):
+    """A place that moves, derived so often in time."""
+
+    def function(X, t):
+        wave = (np.sin(2.0 * t), 2.0 * np.cos(2.0 * t), -4.0 * np.sin(2.0 * t))[rate]
+        bump = X[0] * (1.0 - X[1])
+        return X * (rate == 0) + 0.1 * wave * np.array([bump * (1.0 + X[1]), bump * (1.0 + X[0])])
+
+    return function
+
+
+BENDING = Motion(bent(0), bent(1), bent(2))
+
+
 def given_faces(owner):
     """Unknowns that are given; slip beside."""
     if owner[0] == "solid":
@@ -111,9 +144,9 @@ def solid_values(X, t):
 
 
 @pytest.mark.parametrize("both", [SLIPPING, STICKING], ids=["slip", "stick"])
-@pytest.mark.parametrize("faces", [open_faces, moving_faces, given_faces])
+@pytest.mark.parametrize("faces", [open_faces, moving_faces, bending_faces, given_faces])
 def test_conditions(faces, both):
-    moved = faces is moving_faces  # accelerations of walls are differences of their velocities
+    moved = faces in (moving_faces, bending_faces)  # accelerations of walls are differences of their velocities
     check("walls", both, 4, faces, t=0.3, most=1e-8 if moved else 1e-11)
 
 
