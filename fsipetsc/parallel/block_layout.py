@@ -327,9 +327,12 @@ def halos_of(problem: Any, order: int, shocks: bool = False) -> list[tuple[int, 
     found = []
     for block in problem.blocks:
         material = block.material
-        twice = block.kind == "solid" or material.mu > 0.0 or material.kappa > 0.0
-        thrice = getattr(material, "heat", "") == "elastic" and material.kappa_e > 0.0
-        found.append(((2 + thrice) * p, True) if twice else (max(p + shocks, 2), False))
+        if block.kind == "solid":
+            thrice = material.heat == "elastic" and material.kappa_e > 0.0
+            found.append((3 * p if thrice else 2 * p, True))
+        else:
+            twice = material.mu > 0.0 or material.kappa > 0.0
+            found.append((2 * p, True) if twice else (max(p + shocks, 2), False))
     return found
 
 
