@@ -59,7 +59,7 @@ DISCRETISATION = (
         choices=("auto", "divergence", "entropy"),
     ),
     Option(
-        *("fsi_dissipation", float, 0.0, "", "dissipation, times its usual size; 0: 1 where blocks are joined; -1: none"),
+        *("fsi_dissipation", float, 0.0, "", "times its usual size; 0: 1 where blocks are joined, else none; -1: none"),
         check=_between(-1, 3),
     ),
     Option(
