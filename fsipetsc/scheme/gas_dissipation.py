@@ -14,8 +14,8 @@ At shocks the flux of a pair of nodes i < l goes in part from node to node:
                   and      alpha_il S_il F(m, m + 1; a_il, g_il)  between m and m + 1,  i <= m < l,
 
 with F(m, m + 1; a, g) the two-point flux of neighbours through the area a and volume flux g of the
-pair. What leaves i arrives at l. In a uniform flow each link has the flux F(i, l), so it stays. With
-the potentials psi, phi of the entropy, (z_l - z_i) . F(i, l; a, g) = a . (psi_l - psi_i) -
+pair. What leaves i arrives at l. In a uniform flow each link has the flux F(i, l), so it stays.
+With the potentials psi, phi of the entropy, (z_l - z_i) . F(i, l; a, g) = a . (psi_l - psi_i) -
 g (phi_l - phi_i): the sum over the links is that of the pair, whatever alpha is, so the change of
 entropy stays, too. F is linear in a and g, so neighbours have one flux, through
 
@@ -98,8 +98,8 @@ def gas_dissipation(
 ):
     """Add both terms to the rates (M, d + 3) of the owned nodes.
 
-    sigma, shock: sizes, 0: none. q, metrics, S0 … S2, patch: as in fsipetsc.scheme.gas_rates, with a
-    halo of q + 1 nodes. difference: fsipetsc.operators.undivided.
+    sigma, shock: sizes, 0: none. q, metrics, S0 … S2, patch: as in fsipetsc.scheme.gas_rates, with
+    a halo of q + 1 nodes. difference: fsipetsc.operators.undivided.
     """
     q, metrics, rates, N = q.reshape(-1), metrics.reshape(-1), rates.reshape(-1), room.alpha.size
     own, ghosted, first = patch.own, patch.ghosted, patch.first
@@ -155,7 +155,7 @@ def shifted_sum(like, array, start, step, i, stride, weights):
 
 @njit(**INNER_LOOP)
 def fluxes(gas, like, strength, weights, norm, metrics, k, stride, room, n):
-    """sigma/4^q lambda U_z Delta z of the differences by their first nodes, 0 if one does not fit."""
+    """sigma/4^q lambda U_z Delta z of differences by their first nodes, 0 if one does not fit."""
     like_z, nothing = (*like, 0.0, 0.0), (*zeros(like), 0.0, 0.0)
     d, order, none = len(like), len(weights) - 1, U64(0)
     low, high = U64(order // 2) * stride, U64((order + 1) // 2) * stride

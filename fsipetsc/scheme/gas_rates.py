@@ -150,9 +150,7 @@ class Viscous(NamedTuple):
 
 
 class Axis(NamedTuple):
-    """One axis of a patch: its band, the nodes begin … end - 1 of size that are owned, their distance
-    in memory.
-    """
+    """One axis of a patch: band, owned nodes begin … end - 1 of size, distance in memory."""
 
     S: Array
     weight: Array
@@ -186,8 +184,8 @@ class Work(NamedTuple):
     w: rows of nodes with `numbers` each, `layers` layers of `depth` rows, `before` of these before
     the tile. high: sums of each row as the upper one of pairs, low: of one row as the lower one.
     slope: D_k z of one row. gain, loss: (K + 1, ROW) S over the weight of the upper and the lower
-    node of pairs along the first axis, by distance; their rows 0 serve the other axes. spans: (n, 3)
-    distance, begin and end of pairs along the first axis.
+    node of pairs along the first axis, by distance; their rows 0 serve the other axes. spans:
+    (n, 3) distance, begin and end of pairs along the first axis.
     """
 
     layers: int
