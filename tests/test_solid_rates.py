@@ -169,7 +169,7 @@ CASES = [
     (2, 2, {"kappa_e": 0.4}),
     (2, 4, {"law": "svk", "force": (0.3, -0.7)}),
     (2, 4, {"law": "neo-hookean", "kappa_e": 0.4, "heat": "elastic", "force": (0.3, -0.7)}),
-    (2, 6, {"pressure": gruneisen(1.2), "p_ref": 0.3}),
+    (2, 6, {"pressing": gruneisen(1.2), "p_ref": 0.3}),
     (3, 2, {"kappa_e": 0.4, "heat": "elastic"}),
     (3, 4, {"law": "linear"}),
     (3, 4, {"kappa_e": 0.4, "force": (0.3, -0.7, 0.2)}),
