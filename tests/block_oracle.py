@@ -177,9 +177,19 @@ class Oracle(Particles):
         if face:
             values = rate_of(face.condition.values, self.place(face.block, face.node), t)
             acceleration, T_t = values[: self.d], values[self.d]
-        for k, node in p.solid:
+        own = [self._own_heating(terms[k], node, v) for k, node in p.solid]
+        more = T_t - np.dot([terms[k][0][node] for k, node in p.solid], own) / (s.M * alpha)
+        for (k, node), heating in zip(p.solid, own):
             e_t = v @ acceleration + terms[k][3][node] / terms[k][0][node] + alpha * T_t
+            if self._apart(p):
+                e_t += heating + alpha * (more - T_t)
             out[self.names[k]][(slice(None), *node)] = np.array([*v, *acceleration, e_t])
+
+    @staticmethod
+    def _own_heating(terms, node, v):
+        """alpha T_t of a node by the terms of its own block."""
+        M, force, energy, stored = (part[(..., *node)] for part in terms)
+        return (energy - v @ force - stored) / M
 
     @staticmethod
     def _from_values(m, values):
@@ -249,8 +259,7 @@ class Oracle(Particles):
 
     def complete(self, q, t=0.0, grid=None):
         """The state with members of particles made one and all conditions fulfilled. Sums are kept,
-        but for what walls and clamps take; E of a gas and e of a solid stay where no temperature is
-        shared or held.
+        but for what walls and clamps take. The kinetic energy that a solid loses goes to the gas.
         """
         d, q = self.d, {name: value.copy() for name, value in q.items()}
         sums = [self._sums(p, q) for p in self.particles]
@@ -272,6 +281,7 @@ class Oracle(Particles):
         return q
 
     def _complete(self, p, s, q, t, grids, W):
+        before = s.energy
         d, z, inverse, C, H = (
             self.d,
             np.zeros(2 * self.d),
@@ -287,6 +297,9 @@ class Oracle(Particles):
         if rows:
             z = gauss(rows, z, inverse)[0]
         u, v = z[:d], z[d:]
+        if p.gas and p.solid and not self._clamped(p):  # what the solid loses goes to the gas
+            change = 0.5 * (s.M * v @ v - s.P @ s.P / s.M)
+            s.energy, s.Q[-1] = s.energy + change, s.Q[-1] - change
         if p.gas:
             m = self.blocks[p.gas[0][0]].material
             C[0], H[0] = s.Q[1] * m.cv, s.Q[-1] - 0.5 * s.Q[1] * u @ u - m.p_inf * s.Q[0]
@@ -314,9 +327,10 @@ class Oracle(Particles):
             values = np.array(face.condition.values(self.place(face.block, face.node), t))
             v, T[1] = values[:d], values[d]
         for (k, node), w in zip(p.solid, stored):
-            q[self.names[k]][(slice(d, None), *node)] = np.array(
-                [*v, 0.5 * v @ v + w + n.alpha * T[1]]
-            )
+            at_node, e = q[self.names[k]][(slice(None), *node)], 0.5 * v @ v + w + n.alpha * T[1]
+            if self._apart(p) and held[1] is None:
+                e = at_node[-1] + (s.energy - before) / s.M
+            at_node[d:] = *v, e
 
     def random_state(self, rng, size=1.0):
         """Completed; node by node random. With clamps and walls as at t = 0."""

@@ -69,10 +69,7 @@ class Particles(Volume):
                         )
                     )
                 )
-                keys = [
-                    tuple(np.round(self.place(k, node) / (1e-7 * size)).astype(int))
-                    for node in nodes
-                ]
+                keys = [self._key(k, node, 1e-7 * size) for node in nodes]
                 by_face.setdefault(frozenset(keys), []).append((k, axis, side, nodes, keys))
                 for node, key in zip(nodes, keys):
                     p = by_place.setdefault(key, Particle())
@@ -107,6 +104,10 @@ class Particles(Volume):
             self._group_slips(p)
             for member in p.gas + p.solid:
                 self.of_node[member] = p
+
+    def _key(self, k, node, size):
+        """Of a place: whole numbers, whose bounds are no places that anyone would choose."""
+        return tuple(np.floor(self.place(k, node) / size + 0.3819660113).astype(int))
 
     def place(self, k, node):
         return self.blocks[k].X[(slice(None), *node)]
@@ -185,6 +186,18 @@ class Particles(Volume):
                 found[self._kind(f)] = at(T, X, t), rate_of(T, X, t)
         both = found["gas"] or found["solid"]
         return (both, both) if self._conducts(p) else (found["gas"], found["solid"])
+
+    def _apart(self, p):
+        """Whether each member of a solid keeps its own temperature: W is an energy of its own, and
+        no heat is conducted.
+        """
+        solids = [self.blocks[k].material for k, _ in p.solid]
+        given = self._given(p, "solid") is not None
+        return all(m.heat == "elastic" and m.kappa == 0.0 for m in solids) and not given
+
+    @staticmethod
+    def _clamped(p):
+        return p.hinged or any(isinstance(f.condition, Clamped) for f in p.outer)
 
     def _given(self, p, kind):
         """The face at which the unknowns of a kind are given, or None."""

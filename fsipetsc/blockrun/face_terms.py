@@ -1,4 +1,6 @@
-"""What passes the faces of this rank's parts of blocks: lists of nodes and data for fsipetsc.scheme.faces."""
+"""What passes the faces of this rank's parts of blocks: lists of nodes and data for
+fsipetsc.scheme.faces.
+"""
 
 from __future__ import annotations
 
@@ -8,8 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.blockrun.prescribed import timed, value
-from fsipetsc.blocks.conditions import Free, Open, Outflow
+from fsipetsc.blockrun.asked import Asked, data, datum
+from fsipetsc.blocks.conditions import Absorbing, Free, Open, Outflow, steady
+from fsipetsc.blocks.metrics import Wide, curl_metrics
+from fsipetsc.blocks.problem import Meeting
+from fsipetsc.blocks.values import checked
 from fsipetsc.parallel.block_layout import Part
 from fsipetsc.scheme import faces
 from fsipetsc.scheme.faces import Face
@@ -18,50 +23,192 @@ Array = NDArray[Any]
 
 
 class FaceTerms:
-    """Terms of the faces with a condition of one part of a block.
+    """Terms of the faces of one part of a block that have a condition, or interfaces with jumps.
 
-    inertia: (ghosted nodes,), J0 m0 of a solid, 1 of a gas. Functions of the case are asked at each time.
+    equations: of the block. inertia: (ghosted nodes,), J0 m0 of a solid, 1 of a gas. reference: (d,
+    ghosted nodes) places X in the reference map. asked: has the data of the case.
+
+    In three dimensions the pressure p_ref under which a solid is free of strain is no part of its
+    stress: -p_ref cof F would not be at rest with a gas. Faces to gas, and those with a traction of
+    their own, get p_ref n(x) instead, n in the curl form that the gas has.
     """
 
-    def __init__(self, problem: Any, part: Part, inertia: Array, reference: Array | None = None) -> None:
-        """reference: (d, ghosted nodes) places X in the reference map; of a solid."""
-        self._part, self._inertia, self._reference = part, inertia, reference
-        self._block = problem.blocks[part.k]
+    def __init__(
+        self,
+        problem: Any,
+        part: Part,
+        order: int,
+        equations: Any,
+        inertia: Array,
+        reference: Array,
+        asked: Asked,
+    ) -> None:
+        self._part, self._equations, self._inertia = part, equations, inertia
+        self._reference, self._asked, self._jumps = reference, asked, problem.jumps
+        self._d, self._gas = problem.dimension, problem.blocks[part.k].kind == "fluid"
+        self.p_ref = _left_out(problem.blocks[part.k])
+        self._turned: dict[int, TurnedFace] = {}
         self._faces: list[tuple[Any, Face, Array]] = []
         for (axis, side), condition in problem.faces_of(part.k).items():
-            if isinstance(condition, (Open, Outflow)) or _loads(condition) or _heats(condition):
+            interface = isinstance(condition, Meeting) and problem.is_interface(part.k, axis, side)
+            supplied = interface and not self._gas and self._jumps is not None
+            loaded = self.p_ref != 0.0 and self.p_ref != _beyond(problem, condition)
+            if supplied or loaded or _acts(condition):
                 face = face_of(problem, part, axis, side)
-                places = problem.places(part.k, part.numbers[face.owned]) if face.owned.size else np.empty((0, 1))
-                self._faces.append((condition, face, places))
-        self.timed = any(timed(condition) for condition, _, _ in self._faces)
+                if face.owned.size:
+                    places = problem.places(part.k, part.numbers[face.owned])
+                    self._faces.append((condition, face, places))
+                    if self._d == 3 and not self._gas:
+                        turned = TurnedFace(problem, part, order, axis, side)
+                        self._turned[len(self._faces) - 1] = turned
+        conditions = [c for c, _, _ in self._faces if not isinstance(c, Meeting)]
+        self.timed = len(conditions) < len(self._faces) or not all(map(steady, conditions))
 
-    def add(self, t: float, gas_law: Any, q: Array, metrics: Array, rates: Array) -> None:
-        """Add all terms at time t [s] to ``rates`` (owned, dof); q: (ghosted, dof)."""
-        d = self._block.dimension
-        for condition, face, X in self._faces:
-            if not face.owned.size:
-                continue
-            if isinstance(condition, (Open, Outflow)):
-                outside, pressure = _beyond(condition, X, t)
-                faces.open_face(gas_law, face, q, metrics, outside, pressure, rates)
-            if _loads(condition):
-                pressure = value(condition.pressure, X, t)
-                normals = self._area_vectors(face, q)
-                faces.load_face(face, normals, pressure, q, self._inertia, rates)
-            if _heats(condition):
-                areas = np.sqrt(sum(metrics[face.axis * d + c, face.ghosted] ** 2 for c in range(d)))
-                column = d + 2 if self._block.kind == "fluid" else 2 * d
-                flux = value(condition.heat_flux, X, t)
-                faces.heat_face(face, areas, flux, self._inertia, rates, column)
+    def ask(self, t: float) -> list[dict[str, Array]]:
+        """Data of all faces at time t [s]. InputError the first time."""
+        key, instant = ("faces", self._part.k), t if self.timed else None
+        return self._asked(key, instant, lambda: [self._data(c, X, t) for c, _, X in self._faces])
 
-    def _area_vectors(self, face: Face, q: Array) -> Array:
-        """(n, d) area vectors of a solid's face where it is now, outward."""
-        return faces.area_vectors(face, self._part.patch.ghosted, self._part.bands, self._reference, q)
+    def add(self, t: float, q: Array, metrics: Array, rates: Array, gain: Array) -> None:
+        """Add all terms at time t [s] to ``rates`` (owned, dof) and ``gain`` (d + 2,); q: (ghosted,
+        dof).
+        """
+        pairs = zip(self._faces, self.ask(t), strict=True)
+        for number, ((_, face, _), found) in enumerate(pairs):
+            if "outside" in found:
+                arguments = found["outside"], found["pressure"], rates, gain
+                faces.open_face(self._equations.law, face, q, metrics, *arguments)
+            if not self._gas:
+                forces = self._forces(number, found, q, metrics)
+                faces.push_face(face, forces, q, self._inertia, rates, gain)
+            if "heat" in found:
+                heat = found["heat"] * self._areas(face, metrics)
+                column = rates.shape[1] - 1
+                faces.heat_face(face, heat, self._inertia, rates, column, gain)
+
+    def _data(self, condition: Any, X: Array, t: float) -> dict[str, Array]:
+        """What a face is given."""
+        d, found = self._d, {}
+        if isinstance(condition, Meeting):
+            names = *(f"traction along {x}" for x in "xyz"[:d]), "heat"
+            if self._jumps is None:
+                return {}
+            values = checked(self._jumps, (*X.T, t), X.T, names, f"jumps at t = {t:.6g}")
+            return {"traction": np.stack(values[:-1], axis=-1), "heat": values[-1]}
+        if isinstance(condition, Open):
+            found = {"outside": _outside(condition, X, t), "pressure": np.full(len(X), -1.0)}
+        elif isinstance(condition, Outflow):
+            outside = np.empty((len(X), d + 2))
+            found = {"outside": outside, "pressure": datum(condition, "pressure", X, t)}
+        elif isinstance(condition, Free):
+            found["pressure"] = datum(condition, "pressure", X, t)
+        elif isinstance(condition, Absorbing):
+            found["stress"] = datum(condition, "stress", X, t)
+        if getattr(condition, "heat_flux", None) is not None:
+            found["heat"] = datum(condition, "heat_flux", X, t)
+        return found
+
+    def _areas(self, face: Face, metrics: Array) -> Array:
+        """(n,) of a gas where it is now, of a solid at rest."""
+        at = metrics[face.axis * self._d : (face.axis + 1) * self._d, face.ghosted]
+        return np.sqrt((at * at).sum(axis=0))
+
+    def _forces(
+        self, number: int, found: dict[str, Array], q: Array, metrics: Array
+    ) -> Array:
+        """(n, d) on a face of a solid."""
+        condition, face, _ = self._faces[number]
+        forces = np.zeros((face.ghosted.size, self._d))
+        if "traction" in found:
+            forces += found["traction"] * self._areas(face, metrics)[:, None]
+        if "stress" in found:
+            F = strain(self._part, face.ghosted, metrics, q)
+            arguments = F, found["stress"], q, metrics, forces
+            faces.absorb(self._equations, (0.0,) * self._d, face, *arguments)
+        pressure = found.get("pressure", 0.0) - self.p_ref * _unheld(condition)
+        if np.any(pressure):
+            if self._d == 3:
+                normals = self._turned[number](q)
+            else:
+                axes = [axis for axis in range(self._d) if axis != face.axis]
+                nodes, X = face.ghosted, self._reference
+                tangents = [slope(self._part, axis, nodes, q, X) for axis in axes]
+                normals = faces.area_vectors(face, tangents)
+            forces -= np.broadcast_to(pressure, len(normals))[:, None] * normals
+        return forces
+
+
+class TurnedFace:
+    """Area vectors of a rank's nodes of a solid's face in three dimensions, where it is now: in the
+    curl form, with derivatives within the face only, and the bits that a gas there has.
+    """
+
+    def __init__(self, problem: Any, part: Part, order: int, axis: int, side: int) -> None:
+        shape = problem.blocks[part.k].shape
+        ghosted = ranges_of(part, shape)
+        sizes = zip(ghosted, part.patch.first, part.patch.own, strict=True)
+        where = [(begin + first, begin + first + own) for (begin, _), first, own in sizes]
+        where[axis] = (shape[axis] - 1, shape[axis]) if side else (0, 1)
+        self._axis, self._sign = axis, 1.0 if side else -1.0
+        self._wide = wide = Wide(problem, part.k, order, where)
+        index = [
+            np.clip(np.arange(*ends) - begin, 0, end - begin - 1)
+            for ends, (begin, end) in zip(wide.wide, ghosted, strict=True)
+        ]
+        nx, ny, _ = part.patch.ghosted
+        x, y, z = np.meshgrid(*index, indexing="ij")
+        self._at = (x + nx * (y + ny * z)).ravel(order="F")
+        n = self._at.size
+        self._a, self._slopes, self._scratch = (np.empty((3, 3, n)) for _ in range(3))
+
+    def __call__(self, q: Array) -> Array:
+        """(n, 3) outward; q: (ghosted, 7)."""
+        wide = self._wide
+        y = wide.y + q[self._at, :3].T
+        scratch = self._scratch.reshape(9, -1)[:4]
+        curl_metrics(self._a, y, wide.P, wide.S, wide.weight, self._slopes, scratch)
+        return self._sign * wide.inner(self._a[self._axis]).T
+
+
+def _left_out(block: Any) -> float:
+    """p_ref where it is no part of the stress."""
+    solid = block.kind == "solid" and isinstance(block.material.law, str)
+    return block.material.p_ref if solid and block.dimension == 3 else 0.0
+
+
+def _unheld(condition: Any) -> bool:
+    """Whether the traction on a face is not that of a clamp or a roller."""
+    return isinstance(condition, (Meeting, Free, Absorbing))
+
+
+def _beyond(problem: Any, condition: Any) -> float:
+    """p_ref beyond a face; what stands at a held one is as if it went on."""
+    if isinstance(condition, Meeting):
+        return _left_out(problem.blocks[condition.block])
+    return 0.0
+
+
+def slope(part: Part, axis: int, nodes: Array, q: Array, X: Array) -> Array:
+    """(n, d) D_k of X (d, ghosted) + displacement along an axis, at nodes of the ghosted array."""
+    sizes, band = part.patch.ghosted, part.bands[axis]
+    stride = int(np.prod(sizes[:axis], dtype=int))
+    return faces.tangent(nodes, band.S, band.weight, stride, sizes[axis], X, q)
+
+
+def strain(part: Part, nodes: Array, metrics: Array, q: Array) -> Array:
+    """F = 1 + sum_k D_k D A^k / J0 (d d, n) of a solid at nodes of the ghosted array."""
+    d, n = (q.shape[1] - 1) // 2, nodes.size
+    F = np.tile(np.eye(d)[..., None], (1, 1, n))
+    nothing = np.zeros((d, q.shape[0]))
+    for k in range(d):
+        A = metrics[k * d : (k + 1) * d, nodes] / metrics[d * d, nodes]
+        F += slope(part, k, nodes, q, nothing).T[:, None] * A
+    return F.reshape(d * d, n)
 
 
 def ranges_of(part: Part, shape: Sequence[int]) -> list[tuple[int, int]]:
-    """First node and first beyond of the ghosted array along each axis of a block of this shape; they go on beyond the ends
-    of periodic axes.
+    """First node and first beyond of the ghosted array along each axis of a block of this shape;
+    they go on beyond the ends of periodic axes.
     """
     begins = np.unravel_index(int(part.numbers[0]), shape, order="F")
     return [
@@ -78,24 +225,41 @@ def face_of(problem: Any, part: Part, axis: int, side: int) -> Face:
     ghosted = part.ghosted_rows(owned)
     last = part.patch.first[axis] + (part.patch.own[axis] - 1 if side else 0)
     weight = float(part.bands[axis].weight[last])
-    return Face(ghosted, owned, axis, 1.0 if side else -1.0, 1.0 / weight)
+    across = weights_of(part, ghosted) / weight
+    return Face(ghosted, owned, axis, 1.0 if side else -1.0, 1.0 / weight, across)
 
 
-def _loads(condition: Any) -> bool:
-    pressure = getattr(condition, "pressure", 0.0)
-    return isinstance(condition, Free) and (callable(pressure) or pressure != 0.0)
+def weights_of(part: Part, ghosted: Array) -> Array:
+    """(n,) H of nodes of the ghosted array: the product of the weights of the axes."""
+    nx, ny, _ = part.patch.ghosted
+    places = ghosted % nx, ghosted // nx % ny, ghosted // (nx * ny)
+    product = np.ones(ghosted.size)
+    for band, place in zip(part.bands, places, strict=True):
+        product *= band.weight[place]
+    return product
 
 
-def _heats(condition: Any) -> bool:
-    return getattr(condition, "heat_flux", None) is not None
+def _acts(condition: Any) -> bool:
+    """Whether a condition adds to rates."""
+    pressed = isinstance(condition, Free) and condition.pressure != 0.0
+    heated = getattr(condition, "heat_flux", None) is not None
+    return pressed or heated or isinstance(condition, (Open, Outflow, Absorbing))
 
 
-def _beyond(condition: Any, X: Array, t: float) -> tuple[Array, float]:
-    """(n, d + 2) density, velocity and temperature beyond an open face, and the pressure beyond an outflow."""
-    if isinstance(condition, Outflow):
-        pressure = condition.pressure
-        return np.empty((len(X), X.shape[1] + 2)), float(pressure(*X.T, t) if callable(pressure) else pressure)
-    u: Sequence[Any] = condition.u(*X.T, t) if callable(condition.u) else condition.u
-    velocity = [value(c, X, t) for c in u]
-    return np.stack([value(condition.rho, X, t), *velocity, value(condition.T, X, t)], axis=-1), -1.0
+def _outside(condition: Open, X: Array, t: float) -> Array:
+    """(n, d + 2) density, velocity and temperature beyond an open face."""
+    d = X.shape[1]
+    if callable(condition.u):
+        u = data(condition, "u", X, t, "uvw"[:d])
+    else:
+        u = np.stack([_component(condition, c, X, t) for c in range(d)], axis=-1)
+    rho, T = datum(condition, "rho", X, t), datum(condition, "T", X, t)
+    return np.column_stack([rho, u, T])
 
+
+def _component(condition: Open, c: int, X: Array, t: float) -> Array:
+    of = condition.u[c]
+    if not callable(of):
+        return np.full(len(X), of)
+    where = f"u of Open at t = {t:.6g}"
+    return checked(lambda *a: (of(*a),), (*X.T, t), X.T, "uvw"[c], where)[0]

@@ -8,13 +8,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.blockrun.face_terms import FaceTerms, ranges_of
+from fsipetsc.blockrun.asked import Asked
+from fsipetsc.blockrun.face_terms import FaceTerms, ranges_of, weights_of
 from fsipetsc.blockrun.particle_system import ParticleSystem
 from fsipetsc.blocks.grid import GridMotion
 from fsipetsc.blocks.particles import Particle
+from fsipetsc.blocks.values import block_values
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
+from fsipetsc.operators.undivided import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, FaceGather, Part
 from fsipetsc.scheme import block_look
+from fsipetsc.scheme import normals as of_faces
+from fsipetsc.scheme.gas_dissipation import gas_dissipation, room
 from fsipetsc.scheme.gas_rates import DivergenceForm, EntropyForm, Inviscid, Viscous, gas_rates, scratch
 
 Array = NDArray[Any]
@@ -25,7 +30,9 @@ MOMENTUM = ("momentum_x", "momentum_y", "momentum_z")
 class GasPart:
     """One part of a gas block. metrics: (d d + d + 1, ghosted nodes), a^k, velocity of the grid, J_t."""
 
-    def __init__(self, layout: BlockLayout, part: Part, order: int, form: Any) -> None:
+    def __init__(
+        self, layout: BlockLayout, part: Part, order: int, form: Any, asked: Asked
+    ) -> None:
         self.part, self._layout, self._problem = part, layout, layout.problem
         self.block = self._problem.blocks[part.k]
         self._order = order
@@ -38,16 +45,22 @@ class GasPart:
         nodes = self.X.shape[1]
         self.metrics = np.zeros((d * d + d + 1, nodes))
         self._owned = part.ghosted_rows(np.arange(part.numbers.size))
-        self._faces = FaceTerms(self._problem, part, np.ones(nodes))
+        self._weights, self._asked = weights_of(part, self._owned), asked
+        equations, inertia = self.equations, np.ones(nodes)
+        self.faces = FaceTerms(self._problem, part, order, equations, inertia, self.X, asked)
         material = self.block.material
         self._form = DivergenceForm() if form.convection == "divergence" else EntropyForm()
         self._friction = Viscous() if material.mu > 0.0 or material.kappa > 0.0 else Inviscid()
+        self._sigma, self._shock = sigma_of(form.dissipation, self._problem.joined), form.shock
+        if self._sigma > 0.0 or self._shock > 0.0:
+            self._differences = differences(d, order, part.bands, self.block.cells)
+            self._room = room(d, self._differences)
         self._scratch = scratch(self._like, self._form, self._friction, part.bands)
 
     @property
     def timed(self) -> bool:
         """Data of faces or forcing depend on time."""
-        return self._faces.timed or self.block.forcing is not None
+        return self.faces.timed or self.block.forcing is not None
 
     def follow(self, particles: Sequence[Particle], system: ParticleSystem) -> None:
         """Let the grid follow the particles that have a solid, or are on walls that move. Collective on the block's ranks."""
@@ -123,14 +136,40 @@ class GasPart:
         x = self.grid.positions()[:, self._owned]
         return np.stack([w[0], *self.equations.velocity(w), w[2], w[1], q[:, 0], *x], axis=-1)
 
-    def rates(self, t: float, q: Array, rates: Array) -> None:
-        """rates (M, d + 3) of the volume terms, of faces and of forcing; q: (N, d + 3)."""
-        bands = self.part.bands
+    def add_turning(self, faces: Any, table: Array) -> None:
+        """Add how area vectors at faces turn to rows of a table."""
+        if self.moves and self._d == 2:
+            of_faces.add_turning(faces, self.part, self.metrics, table)
+        elif self.moves and self._d == 3:
+            of_faces.add_normals(faces, 3, self.grid.turning(), table)
+
+    def ask(self, t: float) -> list[Array]:
+        """The case's forcing at time t [s]; nothing if there is none. InputError the first time."""
+        if self.block.forcing is None:
+            return []
+        X = self.X[:, self._owned]
+        key = "forcing", self.part.k
+        return self._asked(key, t, lambda: block_values(self.block, "forcing", X, t))
+
+    def rates(self, t: float, q: Array, rates: Array, gain: Array) -> None:
+        """rates (M, d + 3) of the volume terms, of faces and of forcing; q: (N, d + 3). What comes
+        in is added to gain (d + 2,): mass, impulse, energy.
+        """
+        bands, d = self.part.bands, self._d
         S, w = [band.S for band in bands], [band.weight for band in bands]
         chosen = self.equations, self._like, self._form, self._friction
         gas_rates(*chosen, q, self.metrics, *S, *w, self.part.patch, rates, self._scratch)
-        self._faces.add(t, self.equations.law, q, self.metrics, rates)
-        if self.block.forcing is not None:
-            J = q[self._owned, 0]
-            for c, values in enumerate(self.block.forcing(*self.X[:, self._owned], t)):
-                rates[:, 1 + c] += J * values
+        if self._sigma > 0.0 or self._shock > 0.0:
+            strengths, more = (self._sigma, self._shock), (self._differences, self.part.patch)
+            equations = self.equations, self._like, self._form
+            gas_dissipation(*equations, *strengths, q, self.metrics, *S, *more, rates, self._room)
+        self.faces.add(t, q, self.metrics, rates, gain)
+        force = np.array(self.equations.force)
+        if force.any():
+            mass, *momentum = self._weights @ q[self._owned, 1 : 2 + d]
+            gain[1 : 1 + d] += mass * force
+            gain[1 + d] += force @ momentum
+        J = q[self._owned, 0]
+        for c, values in enumerate(self.ask(t)):
+            rates[:, 1 + c] += J * values
+            gain[c] += self._weights @ (J * values)

@@ -1,7 +1,8 @@
-"""The particles in which a rank takes part: tables for the compiled code, exchanges with other ranks, prescribed data.
+"""The particles in which a rank takes part: tables for the compiled code, exchanges with other
+ranks, prescribed data.
 
-Owners of the members of a particle send each other what is extensive of them; each adds it up in the same order and solves the
-same small system. See fsipetsc.scheme.particles for what is solved.
+Owners of the members of a particle send each other what is extensive of them; each adds it up in
+the same order and solves the same small system. See fsipetsc.scheme.particles for what is solved.
 """
 
 from __future__ import annotations
@@ -10,8 +11,10 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
+from mpi4py import MPI
 from numpy.typing import NDArray
 
+from fsipetsc.blockrun.asked import Asked
 from fsipetsc.blockrun.prescribed import Prescribed
 from fsipetsc.blocks.particles import ROLLS, Particle
 from fsipetsc.parallel.block_layout import BlockLayout, Part
@@ -28,8 +31,11 @@ class ParticleSystem:
 
     law: of the gas, any law where there is no gas. inertia: block -> (ghosted nodes,), J0 m0 of
     solids. instant: says a time [s] in which little happens, for differences in time of what moves.
+    asked: has the data of conditions.
 
-    nodes: block -> (numbers of this rank's nodes that are members, their particles here).
+    nodes: block -> (numbers of this rank's nodes that are members, their particles here). stores:
+    whether elastic energies of members matter to temperatures anywhere; then members: block ->
+    (rows of the table, numbers of nodes) of those here whose energy is wanted.
     """
 
     def __init__(
@@ -39,6 +45,7 @@ class ParticleSystem:
         law: Any,
         inertia: dict[int, Array],
         instant: Callable[[], float],
+        asked: Asked,
     ) -> None:
         self._layout, self._law, self._d = layout, law, layout.problem.blocks[0].dimension
         members, owners = _members(layout, particles)
@@ -52,54 +59,78 @@ class ParticleSystem:
         number = local[members[:, 0]]
         columns = max(self._d + 3, 2 * self._d + 2)
         self._exchange = ParticleExchange(layout.comm, number, owners, columns, tag=1)
-        self.table = self._table(number, members, inertia)
+        self.table = self._table(number, members, owners, inertia)
         self.nodes = self._nodes(members, number)
         self._constraints(number, members, owners)
+        self._storing(particles, number, members, owners)
         self.state = _state(here.size, self._d)
-        self.prescribed = Prescribed(layout.problem, self._particles, law, instant)
-        self._energy = np.zeros((here.size, 2))
-        self._energy[:, 1] = [self._alpha(p) for p in self._particles]
-        self._rates = np.zeros((here.size, 2 * self._d + 3))
+        kernels.weigh_heat(self.table, self._stored, self.state)
+        self.prescribed = Prescribed(layout.problem, self._particles, law, instant, asked)
+        self._rates = np.zeros((here.size, 2 * self._d + 2))
 
-    def _table(self, number: Array, members: Array, inertia: dict[int, Array]) -> Table:
+    def _table(
+        self, number: Array, members: Array, owners: Array, inertia: dict[int, Array]
+    ) -> Table:
         """What the compiled code takes. members: (n, 3), particle, block, node."""
         layout, row, mine = self._layout, self._exchange.row, self._exchange.mine
         count, blocks = len(self._particles), layout.problem.blocks
-        kind = np.empty(len(members), np.int64)
+        kind, alpha = np.empty(len(members), np.int64), np.zeros(len(members))
         kind[row] = [SOLID if blocks[k].kind == "solid" else GAS for k in members[:, 1]]
-        at, weight = np.empty(mine.size, np.int64), np.zeros(len(members))
+        alpha[row] = [getattr(blocks[k].material, "alpha", 0.0) for k in members[:, 1]]
+        at, weight = np.empty(mine.size, np.int64), self._weights(number, members, owners, inertia)
         for i, (_, k, node) in enumerate(members[mine].tolist()):
-            part = layout.part(k)
-            n = int(part.rows(np.array([node]))[0])
-            ghosted = int(part.ghosted_rows(np.array([n]))[0])
-            at[i] = part.begin + n * part.dof
-            weight[i] = _weight(part, ghosted) * (inertia[k][ghosted] if k in inertia else 1.0)
+            at[i] = layout.part(k).at(np.array([node]))[0]
         most = max([1, *(len(p.constraints) for p in self._particles)])
         constraint = np.zeros((count, most), np.int64)
         for p, particle in enumerate(self._particles):
-            for c, (which, _) in enumerate(particle.constraints):
-                constraint[p, c] = which
+            constraint[p, : len(particle.constraints)] = [c.kind for c in particle.constraints]
+        begin = np.searchsorted(number, np.arange(count + 1))
+        gases = [k for k, block in enumerate(blocks) if block.kind == "fluid"]
+        of_gas = [[k for k, _ in p.members if k in gases][:1] for p in self._particles]
 
         def flags(of: Callable[[Particle], Any]) -> Array:
             return np.array([int(bool(of(p))) for p in self._particles], np.int64)
 
         return Table(
-            begin=np.searchsorted(number, np.arange(count + 1)),
+            begin=begin,
             row=row,
             kind=kind,
             at=at,
             weight=weight,
+            alpha=alpha,
             count=np.array([len(p.constraints) for p in self._particles], np.int64),
             constraint=constraint,
+            column=np.array([gases.index(k[0]) if k else 0 for k in of_gas], np.int64),
+            mine=(owners[begin[:-1]] == layout.comm.rank).astype(np.int64),
+            free_gas=flags(lambda p: not (p.wall or p.given_gas or (p.sticks and p.clamp))),
+            free_solid=flags(lambda p: not (p.clamp or p.given_solid or (p.sticks and p.wall))),
+            placed=flags(lambda p: p.clamp and (p.clamp.x or not p.clamp.velocity)),
             sticks=flags(lambda p: p.sticks),
-            held_gas=flags(lambda p: p.wall is not None),
-            held_solid=flags(lambda p: p.clamp is not None),
-            given_gas=flags(lambda p: p.given_gas is not None),
-            given_solid=flags(lambda p: p.given_solid is not None),
-            warm=flags(lambda p: p.warm is not None),
+            held_gas=flags(lambda p: p.wall),
+            held_solid=flags(lambda p: p.clamp),
+            given_gas=flags(lambda p: p.given_gas),
+            given_solid=flags(lambda p: p.given_solid),
+            warm_gas=flags(lambda p: p.warm_gas),
+            warm_solid=flags(lambda p: p.warm_solid or p.given_solid),
             shares_heat=flags(lambda p: p.shares_heat),
-            shares_energy=flags(lambda p: p.shares_energy),
+            one_T=flags(lambda p: p.one_T),
         )
+
+    def _weights(
+        self, number: Array, members: Array, owners: Array, inertia: dict[int, Array]
+    ) -> Array:
+        """(rows,) H of gas members, M_s of solid ones, of all ranks."""
+        exchange = ParticleExchange(self._layout.comm, number, owners, 1, tag=3)
+        for i, (_, k, node) in enumerate(members[exchange.mine].tolist()):
+            part = self._layout.part(k)
+            ghosted = int(part.ghosted_rows(part.rows(np.array([node])))[0])
+            mass = inertia[k][ghosted] if k in inertia else 1.0
+            exchange.table[i, 0] = _weight(part, ghosted) * mass
+        exchange.begin()
+        exchange.end()
+        found = exchange.table[:, 0].copy()
+        exchange.destroy()
+        return found
 
     def _nodes(self, members: Array, number: Array) -> dict[int, tuple[Array, Array]]:
         mine, found = self._exchange.mine, {}
@@ -109,53 +140,97 @@ class ParticleSystem:
             found[part.k] = members[of_block, 2][order], number[of_block][order]
         return found
 
-    def _alpha(self, particle: Particle) -> float:
-        blocks = [self._layout.problem.blocks[k] for k, _ in particle.members]
-        return next((float(b.material.alpha) for b in blocks if b.kind == "solid"), 0.0)
+    # elastic energies of members
+
+    def _storing(
+        self, particles: Sequence[Particle], number: Array, members: Array, owners: Array
+    ) -> None:
+        """Which members of this rank tell the others what they store."""
+        self._stored = np.zeros(len(members))
+        self.stores, self.members = any(p.stores for p in particles), {}
+        if not self.stores:
+            return
+        self._store_exchange = ParticleExchange(self._layout.comm, number, owners, 1, tag=4)
+        mine = self._store_exchange.mine
+        wanted = np.array([p.stores for p in self._particles], bool)[number[mine]]
+        for part in self._layout.parts:
+            if self._layout.problem.blocks[part.k].kind == "solid":
+                rows = np.flatnonzero(wanted & (members[mine, 1] == part.k))
+                self.members[part.k] = rows, members[mine[rows], 2]
+
+    def give_places(self, y: Array) -> None:
+        """Solid members get the displacement of their particle."""
+        kernels.give_places(self.table, self._d, y, self.state)
+
+    def note_stored(self, stored: dict[int, Array]) -> None:
+        """stored: block -> energy per mass [J/kg] of ``members`` that is neither kinetic nor heat.
+        Collective among neighbours.
+        """
+        exchange = self._store_exchange
+        for k, values in stored.items():
+            exchange.table[self.members[k][0], 0] = values
+        exchange.begin()
+        exchange.end()
+        self._stored[:] = exchange.table[:, 0]
+        kernels.weigh_heat(self.table, self._stored, self.state)
 
     # normals of constraints
 
     def _constraints(self, number: Array, members: Array, owners: Array) -> None:
-        """Lists of the faces whose area vectors make the normals, and their exchange."""
+        """Lists of the faces whose area vectors make the normals, and their exchange.
+
+        A member's row has G and S of each constraint; a face of the gas at a solid is in both.
+        """
         layout, d = self._layout, self._d
         bound = np.array([len(p.constraints) > 0 for p in self._particles], bool)
         chosen = bound[number] if number.size else np.zeros(0, bool)
         K = self.table.constraint.shape[1]
-        self.slips = layout.comm.allreduce(int(bound.any()), op=_largest()) > 0
-        self.normals = np.zeros((bound.size, K, d))
-        self.turning = np.zeros((bound.size, K, d))
+        self.slips = layout.comm.allreduce(int(bound.any()), op=MPI.MAX) > 0
+        self.normals = np.zeros((bound.size, K, 2 * d))
+        self.turning = np.zeros((bound.size, K, 2 * d))
         if not self.slips:
             return
-        self._normal_exchange = ParticleExchange(layout.comm, number[chosen], owners[chosen], K * d, tag=2)
-        mine = np.flatnonzero(chosen)[self._normal_exchange.mine]
+        exchange = ParticleExchange(layout.comm, number[chosen], owners[chosen], 2 * K * d, tag=2)
+        self._normal_exchange, self._normal_particle = exchange, number[chosen]
+        mine = np.flatnonzero(chosen)[exchange.mine]
         place = {(int(k), int(n)): row for row, (_, k, n) in enumerate(members[mine].tolist())}
-        self._normal_rows = self._normal_exchange.row
-        self._normal_particle = number[chosen]
-        found: dict[int, list[tuple[int, int, int, float, int]]] = {part.k: [] for part in layout.parts}
+        found: dict[int, list[tuple[int, int, int, float, int]]] = {p.k: [] for p in layout.parts}
         for particle in self._particles:
-            for c, (which, faces) in enumerate(particle.constraints):
-                for m, axis, side in faces:
+            for c, (kind, walls, solids) in enumerate(particle.constraints):
+                on_gas, on_solid = 2 * c * d, (2 * c + 1) * d
+                parts = [(face, on_solid if kind == ROLLS else on_gas, 1.0) for face in walls]
+                parts += [(face, on_gas, 1.0) for face in solids]
+                parts += [(face, on_solid, -1.0) for face in solids]
+                for (m, axis, side), column, sign in parts:
                     k, node = particle.members[m]
                     if (k, node) in place:
-                        found[k].append((place[k, node], node, axis, -1.0 if side == 0 else 1.0, c * d))
-                        assert (which == ROLLS) == (layout.problem.blocks[k].kind == "solid")
-        self._faces = {k: of_faces.listed(layout.part(k), rows) for k, rows in found.items() if rows}
+                        outward = sign if side else -sign
+                        found[k].append((place[k, node], node, axis, outward, column))
+        faces = {k: of_faces.listed(layout.part(k), rows) for k, rows in found.items() if rows}
+        self._faces = faces
 
     def find_normals(self, metrics: dict[int, Array]) -> None:
-        """``normals`` from the metrics of the blocks, (…, ghosted nodes) each. Collective among neighbours."""
+        """``normals`` from the metrics of the blocks, (…, ghosted nodes) each. Collective among
+        neighbours.
+        """
+
+        def add(k: int, out: Array) -> None:
+            of_faces.add_normals(self._faces[k], self._d, metrics[k], out)
+
         if self.slips:
-            self._sum_normals(self.normals, lambda k, out: of_faces.add_normals(self._faces[k], self._d, metrics[k], out))
+            self._sum_normals(self.normals, add)
 
-    def find_turning(self, metrics: dict[int, Array]) -> None:
-        """``turning``, how normals change in time, from the velocity of the grid in the metrics. Collective."""
+    def find_turning(self, turn: dict[int, Callable[[Any, Array], None]]) -> None:
+        """``turning``, how normals change in time. Collective among neighbours.
+
+        turn: gas block -> adds how its area vectors at faces turn to rows of a table.
+        """
+
+        def add(k: int, out: Array) -> None:
+            if k in turn:
+                turn[k](self._faces[k], out)
+
         if self.slips:
-            bands = {part.k: part.bands for part in self._layout.parts}
-            kinds = [block.kind for block in self._layout.problem.blocks]
-
-            def add(k: int, out: Array) -> None:
-                if kinds[k] == "fluid":
-                    of_faces.add_turning(self._faces[k], self._layout.part(k), bands[k], self._d, metrics[k], out)
-
             self._sum_normals(self.turning, add)
 
     def _sum_normals(self, total: Array, add: Callable[[int, Array], None]) -> None:
@@ -165,38 +240,44 @@ class ParticleSystem:
             add(k, exchange.table)
         exchange.begin()
         exchange.end()
-        of_faces.sum_members(self._normal_particle, self._normal_rows, exchange.table, total)
+        of_faces.sum_members(self._normal_particle, exchange.row, exchange.table, total)
 
-    # what the scheme calls
+    # what the scheme calls; gain: masses, impulse and energy that come in, which are added to it
 
-    def share(self, y: Array, t: float) -> None:
-        """Sums of the members; ``state`` has what the particles share, but for slipping and temperatures."""
+    def share(self, y: Array, t: float, gain: Array) -> None:
+        """Sums of the members; ``state`` has what the particles share, but for slipping and
+        temperatures.
+        """
         self.data: Data = self.prescribed.at(t)
         kernels.fill_state(self.table, self._d, y, self._exchange.table)
         self._exchange.begin()
         self._exchange.end()
-        kernels.share(self.table, self._d, self._exchange.table, self.data, self.state)
+        rows = self._exchange.table
+        kernels.share(self.table, self._d, rows, self.data, self.state, gain)
 
-    def settle(self, y: Array) -> None:
-        """Project velocities on what constraints allow, share heat, and give all members what their particle has."""
+    def settle(self, y: Array, gain: Array) -> None:
+        """Project velocities on what constraints allow, share heat, and give all members what their
+        particle has.
+        """
+        table, d, data, state = self.table, self._d, self.data, self.state
         if self.slips:
-            kernels.slide(self.table, self._d, self.normals, self.data, self.state)
-        kernels.share_heat(self.table, self._law, self._d, self._energy, self.data, self.state)
-        kernels.give_state(self.table, self._d, y, self.state)
+            kernels.slide(table, d, self.normals, data, state, gain)
+        kernels.share_heat(table, self._law, d, data, state, gain)
+        kernels.give_state(table, d, self._stored, y, state)
 
-    def constrain(self, y: Array, f: Array) -> None:
+    def constrain(self, y: Array, f: Array, gain: Array) -> None:
         """Rates of all members under the constraints of their particles, in place."""
         kernels.fill_rates(self.table, self._d, f, self._exchange.table)
         self._exchange.begin()
         self._exchange.end()
-        rows = self._exchange.table
-        kernels.constrain(
-            self.table, self._d, rows, self.normals, self.turning, self.data, self.state, self._rates
-        )
-        kernels.give_rates(self.table, self._d, y, f, self.state, self._rates)
-
+        table, d, data, state = self.table, self._d, self.data, self.state
+        sums = self._exchange.table, self.normals, self.turning
+        kernels.constrain(table, d, *sums, data, state, self._rates, gain)
+        kernels.give_rates(table, d, y, f, state, self._rates)
     def places(self, t: float) -> Array:
-        """(p, d) displacement of solids, and of walls that move by themselves, at time t [s]; 0 elsewhere."""
+        """(p, d) displacement of solids, and of walls that move by themselves, at time t [s]; 0
+        elsewhere.
+        """
         found, moving = self.state.D.copy(), self.prescribed.moving
         if moving.size:
             alone = self.state.solid_mass[moving] == 0.0
@@ -215,17 +296,14 @@ class ParticleSystem:
         self._exchange.destroy()
         if self.slips:
             self._normal_exchange.destroy()
-
-
-def _largest() -> Any:
-    from mpi4py import MPI
-
-    return MPI.MAX
+        if self.stores:
+            self._store_exchange.destroy()
 
 
 def _members(layout: BlockLayout, particles: Sequence[Particle]) -> tuple[Array, Array]:
     """(n, 3), particle, block, node of all members, by particle; and the ranks that own them."""
-    members = np.array([(p, k, n) for p, one in enumerate(particles) for k, n in one.members], np.int64).reshape(-1, 3)
+    listed = [(p, k, n) for p, one in enumerate(particles) for k, n in one.members]
+    members = np.array(listed, np.int64).reshape(-1, 3)
     owners = np.empty(len(members), np.int64)
     for k in range(len(layout.problem.blocks)):
         of_block = members[:, 1] == k
@@ -244,5 +322,6 @@ def _weight(part: Part, ghosted: int) -> float:
 
 
 def _state(count: int, d: int) -> State:
-    shapes = (count,), (count,), (count,), (count, d + 2), (count, d), (count, d), (count,), (count,)
+    one, many = (count,), (count, d)
+    shapes = one, one, one, (count, d + 2), many, many, one, one, one, one
     return State(*(np.zeros(shape) for shape in shapes))

@@ -1,4 +1,6 @@
-"""What conditions prescribe at an instant for the particles of a rank: motion, temperatures, all unknowns."""
+"""What conditions prescribe at an instant for the particles of a rank: motion, temperatures, all
+unknowns.
+"""
 
 from __future__ import annotations
 
@@ -8,129 +10,131 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fsipetsc.blockrun.asked import Asked, data, datum
+from fsipetsc.blocks.conditions import moves, steady
 from fsipetsc.blocks.particles import Particle
+from fsipetsc.blocks.values import names_of
 from fsipetsc.scheme.particles import Data
 
 Array = NDArray[Any]
+#: conditions of a particle that have data
+NAMES = "wall", "slip", "clamp", "warm_gas", "warm_solid", "given_gas", "given_solid"
+#: those by which the gas's grid moves
+WALLS = "wall", "slip", "given_gas"
 
 
 class Prescribed:
-    """Data of conditions. Functions of the case are asked for arrays of all particles of a condition at once.
+    """Data of conditions. Functions of the case are asked for all particles of a condition at once.
 
     law: of the gas. instant: says a time [s] in which little happens, for differences in time.
+    moving: particles on walls that move, by which the grid goes along. timed: data depend on time.
     """
 
-    def __init__(self, problem: Any, particles: Sequence[Particle], law: Any, instant: Callable[[], float]) -> None:
-        self._problem, self._law, self._instant = problem, law, instant
-        self._d = d = problem.blocks[0].dimension
-        count = len(particles)
-        self._data = Data(
-            *(np.zeros((count, d)) for _ in range(5)), np.zeros(count), np.zeros((count, d + 2)), np.zeros((count, 2 * d + 1))
-        )
-        self._x = np.array([problem.places(k, np.array([n]))[0] for k, n in (p.members[0] for p in particles)])
-        self._x = self._x.reshape(count, d)
-        self._at = -np.inf
-        self._groups = {
-            name: self._grouped(particles, name)
-            for name in ("wall", "slip", "clamp", "warm", "given_gas", "given_solid")
-        }
-        self.timed = any(timed(condition) for group in self._groups.values() for condition, _ in group)
-        self._materials = [self._solid_of(p) for p in particles]
-        #: displacement of particles on walls that move, by which the grid goes along
-        self.moving = np.unique(
-            np.concatenate(
-                [np.empty(0, np.int64)]
-                + [chosen for name in ("wall", "slip", "given_gas") for c, chosen in self._groups[name] if moves(c)]
-            )
-        )
-
-    @staticmethod
-    def _grouped(particles: Sequence[Particle], name: str) -> list[tuple[Any, Array]]:
-        """Conditions and the particles they hold."""
-        found: dict[int, tuple[Any, list[int]]] = {}
-        for p, particle in enumerate(particles):
-            condition = getattr(particle, name)
-            if condition is not None:
-                found.setdefault(id(condition), (condition, []))[1].append(p)
-        return [(condition, np.array(chosen)) for condition, chosen in found.values()]
-
-    def _solid_of(self, particle: Particle) -> Any:
-        blocks = [self._problem.blocks[k] for k, _ in particle.members]
-        return next((b.material for b in blocks if b.kind == "solid"), None)
+    def __init__(
+        self,
+        problem: Any,
+        particles: Sequence[Particle],
+        law: Any,
+        instant: Callable[[], float],
+        asked: Asked,
+    ) -> None:
+        self._law, self._instant, self._asked = law, instant, asked
+        self._d = d = problem.dimension
+        n = len(particles)
+        vectors = (np.zeros((n, d)) for _ in range(5))
+        several = np.zeros((n, d + 2)), np.zeros((n, 2 * d))
+        self._data = Data(*vectors, np.zeros(n), np.zeros(n), *several)
+        first = [p.members[0] for p in particles]
+        places = [problem.places(k, np.array([node]))[0] for k, node in first]
+        self._x = np.array(places).reshape(n, d)
+        self._groups = {name: _grouped(particles, name) for name in NAMES}
+        found = [c for group in self._groups.values() for c, _ in group]
+        self.timed = not all(steady(condition) for condition in found)
+        self._by_differences = any(moves(c) or _velocity(c) for c in found)
+        walls = [who for name in WALLS for c, who in self._groups[name] if moves(c)]
+        self.moving = np.unique(np.concatenate([np.empty(0, np.int64), *walls]))
 
     def at(self, t: float) -> Data:
-        """Data at time t [s]; the same arrays each time. InputError for what a function of the case's returns."""
-        if t == self._at or (self._at > -np.inf and not self.timed):
-            return self._data
-        self._at = t
-        data = self._data
-        for condition, chosen in self._groups["wall"] + self._groups["slip"]:
-            _, data.wall[chosen], data.wall_rate[chosen] = self._motion(condition, self._x[chosen], t)
-        for condition, chosen in self._groups["clamp"]:
-            place, data.clamp_velocity[chosen], data.clamp_rate[chosen] = self._motion(condition, self._x[chosen], t)
-            data.clamp[chosen] = place - self._x[chosen]
-        for condition, chosen in self._groups["warm"]:
-            data.T[chosen] = value(condition.T, self._x[chosen], t)
-        for condition, chosen in self._groups["given_gas"]:
-            self._give_gas(condition, chosen, t)
-            if moves(condition):
-                _, data.wall[chosen], data.wall_rate[chosen] = self._motion(condition, self._x[chosen], t)
-        for condition, chosen in self._groups["given_solid"]:
-            self._give_solid(condition, chosen, t)
-        return data
+        """Data at time t [s]; the same arrays each time. InputError the first time."""
+        return self._asked("particles", self._when(t), lambda: self._fill(t))
 
     def displacement(self, t: float) -> Array:
         """(moving particles, d) displacement of those on walls that move at time t [s]."""
+        return self._asked("walls", self._when(t), lambda: self._displacement(t))
+
+    def _when(self, t: float) -> Any:
+        """What the data depend on."""
+        if not self.timed:
+            return None
+        return (t, self._instant()) if self._by_differences else t
+
+    def _fill(self, t: float) -> Data:
+        out, x = self._data, self._x
+        walls = self._groups["slip"] + self._groups["wall"]
+        for condition, who in sorted(walls, key=lambda group: moves(group[0])):  # the last one holds
+            _, out.wall[who], out.wall_rate[who] = self._motion(condition, x[who], t)
+        for condition, who in self._groups["clamp"]:
+            place, out.clamp_velocity[who], out.clamp_rate[who] = self._motion(condition, x[who], t)
+            out.clamp[who] = place - x[who]
+        for condition, who in self._groups["warm_gas"]:
+            out.T[who] = datum(condition, "T", x[who], t)
+        for condition, who in self._groups["warm_solid"]:
+            out.T_solid[who] = datum(condition, "T", x[who], t)
+        for condition, who in self._groups["given_gas"]:
+            self._give_gas(condition, who, t)
+            if moves(condition):
+                _, out.wall[who], out.wall_rate[who] = self._motion(condition, x[who], t)
+        for condition, who in self._groups["given_solid"]:
+            values = data(condition, "values", x[who], t, names_of("solid", "values", self._d))
+            v, T, place = np.split(values, [self._d, self._d + 1], axis=1)
+            out.solid[who] = np.concatenate([place - x[who], v], axis=1)
+            out.T_solid[who] = T[:, 0]
+        return out
+
+    def _displacement(self, t: float) -> Array:
         found = np.zeros_like(self._x)
-        for name in ("wall", "slip", "given_gas"):
-            for condition, chosen in self._groups[name]:
+        for name in WALLS:
+            for condition, who in self._groups[name]:
                 if moves(condition):
-                    found[chosen] = self._motion(condition, self._x[chosen], t)[0] - self._x[chosen]
+                    found[who] = self._motion(condition, self._x[who], t)[0] - self._x[who]
         return found[self.moving]
 
     def _motion(self, condition: Any, X: Array, t: float) -> tuple[Array, Array, Array]:
-        """(place, velocity, acceleration), (n, d) each; by central differences where they are not given."""
+        """(place, velocity, acceleration), (n, d) each; by central differences where they are not
+        given. Without a place it is X.
+        """
+        s, d = self._instant(), self._d
+
+        def x(t: float) -> Array:
+            return data(condition, "x", X, t, "xyz"[:d])
+
+        def velocity(t: float) -> Array:
+            return data(condition, "velocity", X, t, "uvw"[:d])
+
+        place = x(t) if moves(condition) else X
+        if _velocity(condition):
+            return place, velocity(t), (velocity(t + s) - velocity(t - s)) / (2 * s)
         if not moves(condition):
-            return X, np.zeros_like(X), np.zeros_like(X)
-        s = self._instant()
-        place = vector(condition.x, X, t)
-        if condition.velocity is not None:
-            velocity = vector(condition.velocity, X, t)
-            rate = (vector(condition.velocity, X, t + s) - vector(condition.velocity, X, t - s)) / (2 * s)
-            return place, velocity, rate
-        after, before = vector(condition.x, X, t + s), vector(condition.x, X, t - s)
+            return place, np.zeros_like(X), np.zeros_like(X)
+        after, before = x(t + s), x(t - s)
         return place, (after - before) / (2 * s), (after - 2 * place + before) / (s * s)
 
-    def _give_gas(self, condition: Any, chosen: Array, t: float) -> None:
-        rho, *u, T = (np.asarray(v) * np.ones(chosen.size) for v in condition.values(*self._x[chosen].T, t))
+    def _give_gas(self, condition: Any, who: Array, t: float) -> None:
+        values = data(condition, "values", self._x[who], t, names_of("fluid", "values", self._d))
+        rho, *u, T = values.T
         energy = rho * (self._law.internal_energy(rho, T) + 0.5 * sum(c * c for c in u))
-        self._data.gas[chosen] = np.stack([rho, *(rho * c for c in u), energy], axis=-1)
-
-    def _give_solid(self, condition: Any, chosen: Array, t: float) -> None:
-        d, X = self._d, self._x[chosen]
-        values = [np.asarray(v) * np.ones(chosen.size) for v in condition.values(*X.T, t)]
-        v, T, x = values[:d], values[d], values[d + 1 :]
-        alpha = np.array([self._materials[p].alpha for p in chosen])
-        energy = alpha * T + 0.5 * sum(c * c for c in v)
-        self._data.solid[chosen] = np.stack([*(a - b for a, b in zip(x, X.T, strict=True)), *v, energy], axis=-1)
+        self._data.gas[who] = np.stack([rho, *(rho * c for c in u), energy], axis=-1)
 
 
-def moves(condition: Any) -> bool:
-    """Whether what a condition holds moves as it says."""
-    return getattr(condition, "x", None) is not None
+def _velocity(condition: Any) -> Any:
+    return getattr(condition, "velocity", None)
 
 
-def timed(condition: Any) -> bool:
-    """Whether the data of a condition depend on time."""
-    return any(callable(getattr(condition, name, None)) for name in ("x", "velocity", "T", "heat_flux", "values", "pressure"))
-
-
-def value(of: Any, X: Array, t: float) -> Array:
-    """(n,) of a number or a function of (*X, t)."""
-    found = of(*X.T, t) if callable(of) else of
-    return np.asarray(found) * np.ones(len(X))
-
-
-def vector(of: Any, X: Array, t: float) -> Array:
-    """(n, d) of a function of (*X, t)."""
-    return np.stack([np.asarray(c) * np.ones(len(X)) for c in of(*X.T, t)], axis=-1)
+def _grouped(particles: Sequence[Particle], name: str) -> list[tuple[Any, Array]]:
+    """Conditions and the particles they hold."""
+    found: dict[int, tuple[Any, list[int]]] = {}
+    for p, particle in enumerate(particles):
+        condition = getattr(particle, name)
+        if condition is not None:
+            found.setdefault(id(condition), (condition, []))[1].append(p)
+    return [(condition, np.array(who)) for condition, who in found.values()]

@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.blockrun.face_terms import FaceTerms, face_of, ranges_of
+from fsipetsc.blockrun.asked import Asked
+from fsipetsc.blockrun.face_terms import FaceTerms, ranges_of, strain, weights_of
 from fsipetsc.blockrun.gas_part import MOMENTUM
 from fsipetsc.blocks.metrics import solid_metrics
-from fsipetsc.blocks.values import prestress_of
+from fsipetsc.blocks.values import block_values, prestress_of
 from fsipetsc.equations.tensors import add_unit, determinant
 from fsipetsc.operators.loops import dot
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
@@ -29,7 +30,9 @@ class SolidPart:
     or (d d, 0) of a block that has none.
     """
 
-    def __init__(self, layout: BlockLayout, part: Part, order: int, form: Any) -> None:
+    def __init__(
+        self, layout: BlockLayout, part: Part, order: int, form: Any, asked: Asked
+    ) -> None:
         self.part, self._problem = part, layout.problem
         self.block = self._problem.blocks[part.k]
         self._d = d = self.block.dimension
@@ -39,13 +42,11 @@ class SolidPart:
         self.X = self._problem.positions(part.k, ranges)
         self.metrics = solid_metrics(self._problem, part.k, order, ranges)
         self.inertia = self.metrics[d * d] * self.equations.m0
-        self._faces = FaceTerms(self._problem, part, self.inertia, self.X)
-        self._interfaces = [
-            face_of(self._problem, part, *face)
-            for face in self._problem.faces_of(part.k)
-            if self._problem.is_interface(part.k, *face)
-        ]
+        self._asked = asked
+        equations, inertia = self.equations, self.inertia
+        self.faces = FaceTerms(self._problem, part, order, equations, inertia, self.X, asked)
         self._owned = part.ghosted_rows(np.arange(part.numbers.size))
+        self._masses = weights_of(part, self._owned) * self.inertia[self._owned]
         self._per_h = np.array(self.block.cells, float)
         self._F = np.zeros((d * d, part.numbers.size))
         self.prestress = prestress_of(self.block, self.X)
@@ -60,7 +61,7 @@ class SolidPart:
     @property
     def timed(self) -> bool:
         """Data of faces or forcing depend on time."""
-        return self._faces.timed or self.block.forcing is not None
+        return self.faces.timed or self.block.forcing is not None
 
     def initial(self, t: float, q: Array) -> None:
         """Fill q (M, 2d + 1) with the case's data."""
@@ -73,7 +74,7 @@ class SolidPart:
         q[:, 2 * d] = solid.alpha * T + 0.5 * sum(c * c for c in v)
         if not solid.coupled:
             F = self._strain_of_case()
-            q[:, 2 * d] += solid.law.energy(F) / solid.m0 + self._stored_by_prestress(F)
+            q[:, 2 * d] += solid.law.energy(F) / solid.m0 + self._stored_by_prestress(F, self._owned)
 
     def _strain_of_case(self) -> tuple[Array, ...]:
         """F of the owned nodes from the case's places, which it knows in halos as well."""
@@ -83,16 +84,15 @@ class SolidPart:
             q[:, c] = places[c] - self.X[c]
         return tuple(self._deformation(q))
 
-    def _stored_by_prestress(self, F: Any) -> Any:
-        """Energy per mass [J/kg] of the owned nodes with heat 'elastic': S : (F - 1)/m0."""
+    def _stored_by_prestress(self, F: Any, at: Array) -> Any:
+        """Energy per mass [J/kg] of ghosted nodes with heat 'elastic': S : (F - 1)/m0."""
         if self.equations.coupled or not self.prestress.size:
             return 0.0
-        return dot(tuple(self._own_prestress), add_unit(-1.0, tuple(F))) / self.equations.m0
+        return dot(tuple(self._prestress_at(at)), add_unit(-1.0, tuple(F))) / self.equations.m0
 
-    @property
-    def _own_prestress(self) -> Array:
-        """(d d, M) of the owned nodes, 0 if there is none."""
-        return self.prestress[:, self._owned] if self.prestress.size else np.zeros((self._d**2, 1))
+    def _prestress_at(self, at: Array) -> Array:
+        """(d d, …) of ghosted nodes, 0 if there is none."""
+        return self.prestress[:, at] if self.prestress.size else np.zeros((self._d**2, 1))
 
     def _deformation(self, q: Array) -> Array:
         """F (d d, M) of the owned nodes."""
@@ -110,7 +110,7 @@ class SolidPart:
         block_look.solid_look(self.equations, self._like, q, *arguments, sums)
         if self.prestress.size and not self.equations.coupled:
             thermal = q.copy()
-            thermal[self._owned, 2 * d] -= self._stored_by_prestress(F)
+            thermal[self._owned, 2 * d] -= self._stored_by_prestress(F, self._owned)
             block_look.solid_look(self.equations, self._like, thermal, *arguments, np.zeros(d + 1))
         return seen, dict(zip([*MOMENTUM[:d], "energy"], sums.tolist(), strict=True))
 
@@ -119,45 +119,54 @@ class SolidPart:
         d = self._d
         F, own = tuple(self._deformation(q)), q[self._owned]
         v = tuple(own[:, d : 2 * d].T)
-        T = self.equations.temperature(v, own[:, 2 * d] - self._stored_by_prestress(F), F)
-        P, J = self.equations.stress_at(F, T) + self._own_prestress, determinant(F)
-        stresses = [
-            sum(P[i * d + m] * F[j * d + m] for m in range(d)) / J for i in range(d) for j in range(i, d)
-        ]
+        T = self.equations.temperature(v, own[:, 2 * d] - self._stored_by_prestress(F, self._owned), F)
+        P, J = self.equations.stress_at(F, T) + self._prestress_at(self._owned), determinant(F)
+        pairs = [(i, j) for i in range(d) for j in range(i, d)]
+        stresses = [sum(P[i * d + m] * F[j * d + m] for m in range(d)) / J for i, j in pairs]
+        stresses = [s - self.faces.p_ref * (i == j) for s, (i, j) in zip(stresses, pairs, strict=True)]
         x = self.X[:, self._owned] + own[:, :d].T
         return np.stack([*v, T, *stresses, *x], axis=-1)
 
-    def rates(self, t: float, q: Array, rates: Array) -> None:
-        """rates (M, 2d + 1) of the volume terms, of faces and of forcing; q: (N, 2d + 1)."""
-        arguments = self.equations, self._like, q, self.metrics, self.prestress
-        solid_rates(*arguments, rates, self._work)
-        self._faces.add(t, None, q, self.metrics, rates)
-        self._supply(t, q, rates)
-        self._force(t, q, rates)
+    def stored(self, q: Array, nodes: Array) -> Array:
+        """(n,) energy per mass [J/kg] that is neither kinetic nor heat, of nodes of the block that
+        this rank owns.
+        """
+        if self.equations.coupled:
+            return np.zeros(nodes.size)
+        at = self.part.ghosted_rows(self.part.rows(nodes))
+        F = strain(self.part, at, self.metrics, q)
+        return self.equations.law.energy(tuple(F)) / self.equations.m0 + self._stored_by_prestress(F, at)
 
-    def _supply(self, t: float, q: Array, rates: Array) -> None:
-        """What interfaces supply from outside: traction and heat per reference area."""
-        if self._problem.jumps is None:
-            return
-        d = self._d
-        for face in self._interfaces:
-            X, at = self.X[:, face.ghosted], face.ghosted
-            *traction, heat = (np.asarray(v) * np.ones(at.size) for v in self._problem.jumps(*X, t))
-            area = np.sqrt(sum(self.metrics[face.axis * d + c, at] ** 2 for c in range(d)))
-            scale = area * face.per_weight / self.inertia[at]
-            for c in range(d):
-                rates[face.owned, d + c] += scale * traction[c]
-                rates[face.owned, 2 * d] += scale * traction[c] * q[at, d + c]
-            rates[face.owned, 2 * d] += scale * heat
-
-    def _force(self, t: float, q: Array, rates: Array) -> None:
-        """The case's forcing, right-hand sides of velocity, temperature and place."""
+    def ask(self, t: float) -> list[Array]:
+        """The case's forcing at time t [s]; nothing if there is none. InputError the first time."""
         if self.block.forcing is None:
-            return
+            return []
+        X = self.X[:, self._owned]
+        key = "forcing", self.part.k
+        return self._asked(key, t, lambda: block_values(self.block, "forcing", X, t))
+
+    def rates(self, t: float, q: Array, rates: Array, gain: Array) -> None:
+        """rates (M, 2d + 1) of the volume terms, of faces and of forcing; q: (N, 2d + 1). What
+        comes in is added to gain (d + 2,): mass, impulse, energy.
+        """
         d = self._d
-        values = self.block.forcing(*self.X[:, self._owned], t)
+        solid_rates(self.equations, self._like, q, self.metrics, self.prestress, rates, self._work)
+        self.faces.add(t, q, self.metrics, rates, gain)
+        force, v = np.array(self.equations.force), q[self._owned, d : 2 * d]
+        if force.any():
+            gain[1 : 1 + d] += self._masses.sum() * force
+            gain[1 + d] += self._masses @ (v @ force)
+        if forcing := self.ask(t):
+            self._force(forcing, v, rates, gain)
+
+    def _force(self, forcing: list[Array], v: Array, rates: Array, gain: Array) -> None:
+        """The case's forcing, right-hand sides of velocity, temperature and place."""
+        d = self._d
+        heat = self.equations.alpha * forcing[d]
         for c in range(d):
-            rates[:, d + c] += values[c]
-            rates[:, c] += values[d + 1 + c]
-            rates[:, 2 * d] += q[self._owned, d + c] * values[c]
-        rates[:, 2 * d] += self.equations.alpha * values[d]
+            rates[:, d + c] += forcing[c]
+            rates[:, c] += forcing[d + 1 + c]
+            heat = heat + v[:, c] * forcing[c]
+            gain[1 + c] += self._masses @ forcing[c]
+        rates[:, 2 * d] += heat
+        gain[1 + d] += self._masses @ heat

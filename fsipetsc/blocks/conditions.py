@@ -20,7 +20,7 @@ Datum = float | Function | None
 
 FLUID, SOLID, BOTH = frozenset({"fluid"}), frozenset({"solid"}), frozenset({"fluid", "solid"})
 #: data by name: what numbers must be, and what functions return
-_NUMBERS = {"T": POSITIVE, "heat_flux": ANY, "rho": POSITIVE, "pressure": ANY}
+_NUMBERS = {"T": POSITIVE, "heat_flux": ANY, "rho": POSITIVE, "pressure": ANY, "stress": ANY}
 _FUNCTIONS = {"x": "d positions", "velocity": "d velocities", "values": "the unknowns"}
 _VECTORS = "u", "shift"
 
@@ -45,7 +45,7 @@ class _Checked:
         given = {key for key, value in vars(self).items() if value is not None}
         if {"T", "heat_flux"} <= given:
             raise InputError(f"{name}: T and heat_flux are both given: expected one, or neither")
-        if "velocity" in given and "x" not in given:
+        if "velocity" in given and "x" not in given and not isinstance(self, Clamped):
             raise InputError(f"{name}: velocity is given, and x is not: expected both, or x alone")
 
 
@@ -127,11 +127,14 @@ class Given(_Checked):
 class Clamped(_Checked):
     """The solid is held where it is, or moved to x(*X, t) -> d positions [m]; T, heat_flux as
     NoSlip.
+
+    With velocity(*X, t) -> d velocities [m/s] alone it moves so from where it is at first.
     """
 
     x: Function | None = None
     T: Datum = None
     heat_flux: Datum = None
+    velocity: Function | None = None
     of: ClassVar[frozenset[str]] = SOLID
 
 
@@ -146,9 +149,28 @@ class Free(_Checked):
 
 
 @dataclass(frozen=True)
-class Roller(_Checked):
-    """The solid may slide along the face's plane without friction; or a plane of symmetry."""
+class Absorbing(_Checked):
+    """The solid goes on beyond the face, under a stress [Pa], a tension if above 0: waves along the
+    normal n pass. The traction per area at rest is (stress - Z n . v) n, Z = m0 c, c the speed of
+    longitudinal waves; waves of shear are reflected. T, heat_flux as of a NoSlip.
 
+    Source: Lysmer and Kuhlemeyer, J. Eng. Mech. Div. ASCE 95 (1969) 859-877, the normal dashpot.
+    """
+
+    stress: Datum = 0.0
+    T: Datum = None
+    heat_flux: Datum = None
+    of: ClassVar[frozenset[str]] = SOLID
+
+
+@dataclass(frozen=True)
+class Roller(_Checked):
+    """The solid may slide along the face's plane without friction; or a plane of symmetry. T,
+    heat_flux as of a NoSlip.
+    """
+
+    T: Datum = None
+    heat_flux: Datum = None
     of: ClassVar[frozenset[str]] = SOLID
 
 
@@ -173,7 +195,9 @@ class Periodic(_Checked):
     of: ClassVar[frozenset[str]] = BOTH
 
 
-Condition = NoSlip | Slip | Open | Outflow | Given | Clamped | Free | Roller | Hinge | Periodic
+Condition = (
+    NoSlip | Slip | Open | Outflow | Given | Clamped | Free | Absorbing | Roller | Hinge | Periodic
+)
 
 
 def moves(condition: Any) -> bool:
@@ -189,6 +213,8 @@ def steady(condition: Any) -> bool:
 
 def holds_energy(condition: Any) -> bool:
     """Whether neither heat nor work passes a face."""
-    if isinstance(condition, (Open, Outflow, Given)) or getattr(condition, "pressure", 0.0) != 0.0:
+    if isinstance(condition, (Open, Outflow, Given, Absorbing)):
         return False
-    return all(getattr(condition, name, None) is None for name in ("T", "heat_flux", "x"))
+    names = "T", "heat_flux", "x", "velocity"
+    still = all(getattr(condition, name, None) is None for name in names)
+    return still and getattr(condition, "pressure", 0.0) == 0.0

@@ -87,6 +87,18 @@ class GridMotion:
             volume_rate(J_t, self._a, self._v, wide.S, wide.weight, scratch)
             metrics[9:12], metrics[12] = wide.inner(self._v), wide.inner(J_t)
 
+    def turning(self) -> Array:
+        """How a^1, a^2, a^3 (9, N) change in time after `velocities`, in three dimensions: they are
+        bilinear in the places.
+        """
+        wide, found = self._wide, []
+        a, slopes = np.empty_like(self._a), np.empty_like(self._slopes)
+        for sign in (1.0, -1.0):
+            y = self._x + sign * self._v
+            curl_metrics(a, y, wide.P, wide.S, wide.weight, slopes, self._q)
+            found.append(wide.inner(a).reshape(9, -1).copy())
+        return 0.5 * (found[0] - found[1])
+
     def positions(self) -> Array:
         """x (d, N) [m] after the last `move`."""
         if self._blend is None:

@@ -1,75 +1,96 @@
 """Nodes of several blocks at one place are one particle: who belongs to it, and what holds it.
 
-All nodes on faces of blocks are *members*, (block, node); members at one place are a *particle*. What a particle is subject to
-follows from the faces of its members: faces where gas meets a solid, and faces with a condition. A direction in which it
-cannot move freely is a *constraint*, with a normal that is the sum of the area vectors of some faces:
+All nodes on faces of blocks are *members*, (block, node); members at one place are a *particle*.
+What a particle is subject to follows from the faces of its members: faces where gas meets a solid,
+and faces with a condition. A direction in which it cannot move freely is a *constraint*. With the
+area vectors n of faces, those of gas pointing out of it, a the accelerations,
 
-    SLIDES   gas slips along a solid:          N . (a_gas - a_solid) given
-    WALL     gas slips along a wall:           N . a_gas             given
-    ROLLS    a solid slips along a wall:       N . a_solid  =  0
+    SLIPS   gas slips along faces of solids, walls, or both that go on smoothly or around a convex
+            edge: sum_solids n . (a_gas - a_solid) + sum_walls n . (a_gas - a_wall) given
+    ROLLS   a solid slips along a wall: sum n . a_solid = 0
 
-Sticking gas and what is clamped or given needs no normal. Source: the constraints of Gauss's principle, one particle at a
-time; at corners of bodies the normals of all faces at the body are summed.
+One sum for a wall and a solid that goes on from it: two normals that differ by the error of the
+differences would hold the gas in all directions. Faces that meet at a concave edge, in a notch, are
+constraints of their own. Sticking gas and what is clamped or given needs no normal.
+Source: SCHEME-BLOCKS.md, 4.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.blocks.conditions import Clamped, Given, NoSlip, Open, Roller, Slip
+from fsipetsc.blocks.conditions import Clamped, Given, NoSlip, Open, Roller, Slip, moves
 from fsipetsc.blocks.problem import BlockProblem, Meeting
 
-SLIDES, WALL, ROLLS = 0, 1, 2
-#: unit normals with at least this scalar product belong to one smooth wall
+SLIPS, ROLLS = 0, 1
+#: a wall that goes into the gas of another one more steeply than by 30 degrees is a wall of its own
+CONCAVE = -0.5
+#: rollers whose unit normals have at least this scalar product are one
 SMOOTH = 0.8
 
 Array = NDArray[Any]
-#: (number of the member in its particle, axis, side)
-Face = tuple[int, int, int]
+
+
+class Face(NamedTuple):
+    """A face at a node: number of the member in its particle, axis, side."""
+
+    member: int
+    axis: int
+    side: int
+
+
+class Constraint(NamedTuple):
+    """kind: SLIPS or ROLLS. walls: faces at walls; solids: faces of the gas at solids."""
+
+    kind: int
+    walls: list[Face]
+    solids: list[Face]
 
 
 @dataclass
 class Particle:
     """What holds one particle.
 
-    members: (block, node), ascending. constraints: (kind, faces of members). sticks: gas and solid have one velocity.
-    wall, slip, clamp, given_gas, given_solid: the condition that prescribes the velocity of the gas, that of a wall along
-    which it slips, the motion of the solid, all unknowns; None where there is none. warm: a condition that gives a
-    temperature. shares_heat: gas and solid have one temperature. shares_energy: solid members have one energy per mass, as
-    one temperature asks for where stresses heat.
+    members: (block, node), ascending. sticks: gas and solid have one velocity. shares_heat: they
+    have one temperature. one_T: several solid members have one temperature. stores: that takes an
+    elastic energy into account. The others are conditions, None where there is none: wall
+    prescribes the velocity of the gas, slip that of a wall along which it slips, clamp the motion
+    of the solid, given_gas and given_solid all unknowns, warm_gas and warm_solid a temperature.
     """
 
     members: list[tuple[int, int]]
-    constraints: list[tuple[int, list[Face]]] = field(default_factory=list)
+    constraints: list[Constraint] = field(default_factory=list)
     sticks: bool = False
     shares_heat: bool = False
-    shares_energy: bool = False
+    one_T: bool = False
+    stores: bool = False
     wall: Any = None
     slip: Any = None
     clamp: Any = None
     given_gas: Any = None
     given_solid: Any = None
-    warm: Any = None
+    warm_gas: Any = None
+    warm_solid: Any = None
 
     @property
     def moves(self) -> bool:
         """Whether walls or given faces move it by themselves."""
-        return any(getattr(c, "x", None) is not None for c in (self.wall, self.slip, self.given_gas))
+        return any(c is not None and moves(c) for c in (self.wall, self.slip, self.given_gas))
 
 
 def particles_of(problem: BlockProblem) -> list[Particle]:
     """All particles of a problem, in the order of their first members."""
     met = _faces_of_members(problem)
     groups: dict[int, list[tuple[int, int]]] = defaultdict(list)
-    for particle, block, node in zip(*(numbers.tolist() for numbers in problem.members), strict=True):
+    numbers = (array.tolist() for array in problem.members)
+    for particle, block, node in zip(*numbers, strict=True):
         groups[particle].append((block, node))
-    hinged = _hinged(problem)
-    return [_particle(problem, members, met, hinged) for members in groups.values()]
+    return [_particle(problem, members, met) for members in groups.values()]
 
 
 def _faces_of_members(problem: BlockProblem) -> dict[tuple[int, int], list[tuple[int, int, Any]]]:
@@ -82,144 +103,117 @@ def _faces_of_members(problem: BlockProblem) -> dict[tuple[int, int], list[tuple
     return found
 
 
-def _hinged(problem: BlockProblem) -> set[tuple[int, int]]:
-    """The nodes nearest to the points that are held."""
-    found = set()
-    for name, place, _ in problem.points:
-        k = problem.number(name)
-        nodes = np.unique(np.concatenate([problem.face_nodes(k, *face) for face in problem.faces_of(k)]))
-        distance = np.linalg.norm(problem.places(k, nodes) - np.asarray(place), axis=1)
-        found.add((k, int(nodes[np.argmin(distance)])))
-    return found
-
-
-def _particle(
-    problem: BlockProblem, members: list[tuple[int, int]], faces: Any, hinged: set[tuple[int, int]]
-) -> Particle:
+def _particle(problem: BlockProblem, members: list[tuple[int, int]], faces: Any) -> Particle:
     particle = Particle(members)
-    slides: list[Face] = []
-    walls: list[tuple[Face, str]] = []
-    rolls: list[tuple[Face, str]] = []
+    slips: list[tuple[Face, Any]] = []  # with the wall's condition; None at a solid
+    rolls: list[Face] = []
     for number, (k, n) in enumerate(members):
         gas = problem.blocks[k].kind == "fluid"
         for axis, side, met in faces[k, n]:
-            face = number, axis, side
+            face = Face(number, axis, side)
             if isinstance(met, Meeting):
                 if gas and problem.blocks[met.block].kind == "solid":
-                    _meet_solid(particle, problem.blocks[k], problem.blocks[met.block], face, slides)
-            elif isinstance(met, Slip):
-                walls.append((face, met.name))
-                particle.slip = _moving_first(particle.slip, met)
+                    slips.append((face, None))
+                    _meet_solid(particle, problem.blocks[k], problem.blocks[met.block])
+                continue
+            if isinstance(met, Slip):
+                slips.append((face, met))
             elif isinstance(met, Roller):
-                rolls.append((face, ""))
-            else:
-                _take_over(particle, met, gas)
-    if particle.clamp is None and hinged.intersection(members):
+                rolls.append(face)
+            _take_over(particle, met, gas)
+    if particle.clamp is None and problem.hinged(members):
         particle.clamp = Clamped()
-    solids = [problem.blocks[k].material for k, _ in members if problem.blocks[k].kind == "solid"]
-    particle.shares_energy = all(solid.heat == "coupled" for solid in solids)
-    if not particle.sticks:
-        particle.constraints += [(SLIDES, group) for group in _corners(slides)]
-    same_wall = _SameWall(problem, members)
-    particle.constraints += [(WALL, group) for group in _grouped(walls, same_wall)]
-    particle.constraints += [(ROLLS, group) for group in _grouped(rolls, same_wall)]
+    if particle.sticks:
+        slips = [(face, wall) for face, wall in slips if wall is not None]
+    directions = _Directions(problem, members)
+    particle.constraints = [_slips(group) for group in _grouped(slips, directions.one_wall)]
+    rollers = _grouped(rolls, directions.one_roller)
+    particle.constraints += [Constraint(ROLLS, group, []) for group in rollers]
+    _settle_heat(particle, [problem.blocks[k].material for k, _ in members])
     return particle
 
 
-def _meet_solid(particle: Particle, gas: Any, solid: Any, face: Face, slides: list[Face]) -> None:
-    """Viscous gas sticks to the solid, else it slides; they have one temperature where both conduct."""
-    if gas.material.mu > 0.0:
-        particle.sticks = True
-    else:
-        slides.append(face)
-    if gas.material.kappa > 0.0 and solid.material.kappa_e > 0.0:
-        particle.shares_heat = True
+def _meet_solid(particle: Particle, gas: Any, solid: Any) -> None:
+    """Viscous gas sticks to the solid; they have one temperature where both conduct."""
+    particle.sticks = particle.sticks or gas.material.mu > 0.0
+    conducts = gas.material.kappa > 0.0 and solid.material.kappa_e > 0.0
+    particle.shares_heat = particle.shares_heat or conducts
 
 
 def _take_over(particle: Particle, met: Any, gas: bool) -> None:
-    """What a condition without a normal holds."""
-    if isinstance(met, NoSlip):
-        particle.wall = _moving_first(particle.wall, met)
-    elif isinstance(met, Clamped):
-        particle.clamp = _moving_first(particle.clamp, met)
+    """What a condition holds beside a direction."""
+    names = {NoSlip: "wall", Slip: "slip", Clamped: "clamp"}
+    if type(met) in names:
+        name = names[type(met)]
+        setattr(particle, name, _moving_first(getattr(particle, name), met))
     elif isinstance(met, Given):
-        name = "given_gas" if gas else "given_solid"
-        setattr(particle, name, met)
+        setattr(particle, "given_gas" if gas else "given_solid", met)
     if getattr(met, "T", None) is not None and not isinstance(met, Open):
-        particle.warm = met
+        setattr(particle, "warm_gas" if gas else "warm_solid", met)
 
 
 def _moving_first(known: Any, other: Any) -> Any:
     """Of two conditions at one particle that which prescribes a motion."""
-    if known is None or (other.x is not None and known.x is None):
-        return other
-    return known
+
+    def moving(condition: Any) -> bool:
+        return condition.x is not None or condition.velocity is not None
+
+    return other if known is None or (moving(other) and not moving(known)) else known
 
 
-def _corners(faces: list[Face]) -> list[list[Face]]:
-    """Faces of several members are summed to one normal; those of one member, in a notch, are constraints of their own."""
-    groups: list[list[Face]] = []
+def _settle_heat(particle: Particle, materials: list[Any]) -> None:
+    """Who has one temperature, and whether elastic energies matter to it."""
+    if particle.shares_heat:
+        warm = particle.warm_gas or particle.warm_solid
+        particle.warm_gas = particle.warm_solid = warm
+    solids = [material for material in materials if material.kind == "solid"]
+    elastic = any(solid.heat == "elastic" for solid in solids)
+    conducts = all(solid.heat == "coupled" or solid.kappa_e > 0.0 for solid in solids)
+    held = particle.warm_solid is not None or particle.given_solid is not None
+    particle.one_T = len(solids) > 1 and (conducts or held)
+    particle.stores = elastic and (particle.one_T or held or particle.shares_heat)
+
+
+def _slips(group: list[tuple[Face, Any]]) -> Constraint:
+    walls = [face for face, wall in group if wall is not None]
+    return Constraint(SLIPS, walls, [face for face, wall in group if wall is None])
+
+
+def _grouped(faces: list[Any], one: Any) -> list[list[Any]]:
+    """Faces of which each is one with all others of its group."""
+    groups: list[list[Any]] = []
     for face in faces:
-        for group in groups:
-            if all(face[0] != other[0] for other in group):
-                group.append(face)
-                break
-        else:
+        fits = (group for group in groups if all(one(face, other) for other in group))
+        group = next(fits, None)
+        if group is None:
             groups.append([face])
+        else:
+            group.append(face)
     return groups
 
 
-def _grouped(faces: list[tuple[Face, str]], same_wall: _SameWall) -> list[list[Face]]:
-    """Faces of one wall are one constraint."""
-    groups: list[list[tuple[Face, str]]] = []
-    for face in faces:
-        for group in groups:
-            if any(same_wall(face, other) for other in group):
-                group.append(face)
-                break
-        else:
-            groups.append([face])
-    return [[face for face, _ in group] for group in groups]
-
-
-class _SameWall:
-    """Whether two faces at a particle belong to one wall: by their names, if they have any; else if it goes on smoothly, or
-    around a corner that juts into the gas.
-    """
+class _Directions:
+    """Whether two faces at a particle are one constraint."""
 
     def __init__(self, problem: BlockProblem, members: list[tuple[int, int]]) -> None:
         self._problem, self._members = problem, members
 
-    def __call__(self, one: tuple[Face, str], other: tuple[Face, str]) -> bool:
-        if one[1] or other[1]:
-            return one[1] == other[1]
-        if one[0][0] == other[0][0]:
-            return False
-        n, place, _ = self._of(one[0])
-        m, _, within = self._of(other[0])
-        recedes = float((within - place) @ n) > 1e-6 * float(np.linalg.norm(within - place))
-        return float(n @ m) > SMOOTH or recedes
+    def one_wall(self, one: tuple[Face, Any], other: tuple[Face, Any]) -> bool:
+        """By the names of walls if both have one; else unless one goes into the other's gas."""
+        names = [getattr(wall, "name", "") for _, wall in (one, other)]
+        if all(names):
+            return names[0] == names[1]
+        (n, into), (m, along) = self._of(one[0]), self._of(other[0])
+        return bool(min(into @ m, along @ n) > CONCAVE)
 
-    def _of(self, face: Face) -> tuple[Array, Array, Array]:
-        """(outward unit normal, place of the node, mean place of its neighbours within the face), of the reference map."""
-        number, axis, side = face
-        k, node = self._members[number]
-        block, d = self._problem.blocks[k], self._problem.dimension
-        index = np.array(np.unravel_index(node, block.shape[::-1])[::-1])
-        place, steps, around = self._place(k, index), [], []
-        for along in range(d):
-            ends = []
-            for step in (-1, 1):
-                other = index.copy()
-                other[along] += step
-                if block.periodic[along] or 0 <= other[along] < block.shape[along]:
-                    ends.append(self._place(k, other) - place if step > 0 else place - self._place(k, other))
-                    if along != axis:
-                        around.append(place + step * ends[-1])
-            steps.append(sum(ends) / len(ends))
-        normal = np.linalg.inv(np.array(steps))[:, axis] * (1.0 if side else -1.0)
-        mean = sum(around) / len(around) if around else place
-        return normal / np.linalg.norm(normal), place, mean
+    def one_roller(self, one: Face, other: Face) -> bool:
+        """Where the face goes on smoothly."""
+        return bool(self._of(one)[0] @ self._of(other)[0] > SMOOTH)
 
-    def _place(self, k: int, index: Array) -> Array:
-        return self._problem.positions(k, [(int(i), int(i) + 1) for i in index])[:, 0]
+    def _of(self, face: Face) -> tuple[Array, Array]:
+        """Outward unit normal, and unit vector from the node into the face, of the reference map.
+        """
+        k, node = self._members[face.member]
+        normal, place, within = self._problem.face_normal(k, node, face.axis, face.side)
+        into = within - place
+        return normal, into / np.linalg.norm(into)

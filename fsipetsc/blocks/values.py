@@ -57,12 +57,21 @@ def checked(
     expected = f"expected {len(names)} values ({', '.join(names)})"
     if values is None:
         raise _fault(function, where, f"returns nothing (is its return missing?): {expected}")
-    if not isinstance(values, (tuple, list, np.ndarray)) or np.ndim(values) == 0:
+    if not isinstance(values, (tuple, list, np.ndarray)) or getattr(values, "ndim", 1) == 0:
         raise _fault(function, where, f"returns {described(values)}: {expected} in a tuple")
     if len(values) != len(names):
         raise _fault(function, where, f"returns {len(values)} values: {expected}")
     pairs = zip(names, values, strict=True)
     return [_array(value, name, X, function, where) for name, value in pairs]
+
+
+def checked_one(
+    function: Callable[..., Any], arguments: Sequence[Any], X: Array, name: str, where: str
+) -> Array:
+    """The same of a function that returns one value."""
+    with np.errstate(all="ignore"):
+        value = call(function, tuple(arguments), where)
+    return _array(value, name, X, function, where)
 
 
 def _array(value: Any, name: str, X: Array, function: Callable[..., Any], where: str) -> Array:

@@ -111,9 +111,15 @@ class ElasticSolid:
         return float(np.sqrt(modulus / self.m0))
 
     def equations(self, d: int) -> Solid:
-        """Its equations in d dimensions; InputError if force has not d numbers."""
+        """Its equations in d dimensions; InputError if force has not d numbers.
+
+        In three dimensions p_ref is left out of the stress: faces have it (fsipetsc.blockrun.
+        face_terms), so that a solid under p_ref is at rest exactly.
+        """
         force = force_in(self.force, d, "ElasticSolid")
         law = self.solid_law
+        if d == 3 and isinstance(self.law, str):
+            law = law._replace(p_ref=0.0)
         own.check_solid_law(law, d)
         coupled = 1.0 if self.heat == "coupled" else 0.0
         constants = (self.m0, self.alpha, self.kappa_e, coupled)

@@ -130,6 +130,7 @@ mean = _by_length("mean", "a, b", _tuple("0.5 * (a[@] + b[@])"))
 #: a + c b
 along = _by_length("along", "a, c, b", _tuple("a[@] + c * b[@]"))
 zeros = _by_length("zeros", "a", _tuple("0.0 * a[@]"))
+choose = _by_length("choose", "first, a, b", _tuple("a[@] if first else b[@]"))
 #: rows[c][i], as a tuple
 load = _by_length("load", "rows, i", _tuple("rows[@][i]"))
 store = _by_length("store", "rows, i, values", _lines("rows[@][i] = values[@]"))

@@ -1,13 +1,19 @@
-"""What passes faces of blocks that are open, loaded or heated: added to the rates of the nodes there. Compiled.
+"""What passes faces of blocks that are open, loaded or heated: added to the rates of the nodes
+there, and, times the weights of these, to ``gain``: mass, momentum, energy. Compiled.
 
-The volume terms let nothing pass a face. With the outward area vector n of a face per unit of its reference coordinates, and
-the velocity v of the grid, a node at it gets -f / weight, weight that of its axis, where f is
+The volume terms let nothing pass a face. With the outward area vector n of a face per unit of its
+reference coordinates, and the velocity v of the grid, a node at it gets -f / weight, weight that of
+its axis, where f is
 
-    open       F(U_in, U_out) = 1/2 (F(U_in) + F(U_out)) - 1/2 lambda (U_out - U_in),    F(U) = n . (f(U) - v U),
-               lambda = max over both states of |n . (u - v)| + c |n|                      (local Lax-Friedrichs)
-    outflow    F(U_in); with a pressure p_b beyond and a Mach number m < 1 through the face as open, with U_out of density and
-               velocity of U_in and of pressure p + (1 - m^2)(p_b - p); m = 0 where gas flows in
-    free       p_b n(x) on a solid, n(x) the area vector of the face where it is now: a pressure that follows it
+    open       F(U_in, U_out) = 1/2 (F(U_in) + F(U_out)) - 1/2 lambda (U_out - U_in),
+               F(U) = n . (f(U) - v U), lambda = max over both of |n . (u - v)| + c |n|
+               (local Lax-Friedrichs)
+    outflow    F(U_in); with a pressure p_b beyond and a Mach number m < 1 through the face as open,
+               with U_out of density and velocity of U_in and of pressure p + (1 - m^2)(p_b - p);
+               m = 0 where gas flows in
+    free       p_b n(x) on a solid, n(x) the area vector of the face where it is now: a pressure
+               that follows it
+    absorbing  (Z N . v - stress) N |A| on a solid, N the unit normal and |A| the area at rest
 
 All are equal to n . f for a uniform state, so that uniform flow stays uniform.
 """
@@ -20,17 +26,21 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from fsipetsc.operators.loops import CALL, formulas
+from fsipetsc.equations.tensors import outer
+from fsipetsc.operators.loops import CALL, column, formulas
+from fsipetsc.scheme.rows import U64
 
 Array = NDArray[Any]
 formulas("pressure", "internal_energy", "temperature", "sound_speed_squared", "temperature_of")
+formulas("wave_modulus_at")
 
 
 class Face(NamedTuple):
     """Nodes of a face of a block on a rank.
 
-    ghosted, owned: (n,) numbers of its nodes in the ghosted array and among the owned ones. axis, sign: of its outward
-    normal. per_weight: 1 / weight of the axis at the face.
+    ghosted, owned: (n,) numbers of its nodes in the ghosted array and among the owned ones. axis,
+    sign: of its outward normal. per_weight: 1 / weight of the axis at the face. across: (n,)
+    product of the weights of the other axes.
     """
 
     ghosted: Array
@@ -38,6 +48,7 @@ class Face(NamedTuple):
     axis: int
     sign: float
     per_weight: float
+    across: Array
 
 
 @njit(**CALL)
@@ -76,11 +87,12 @@ def inside(law, q, u):
 
 
 @njit(**CALL)
-def open_face(law, face, q, metrics, outside, pressure, rates):
+def open_face(law, face, q, metrics, outside, pressure, rates, gain):
     """Add what passes an open face to ``rates`` (owned, d + 3).
 
-    q: (ghosted, d + 3); metrics: (d d + d + 1, ghosted). outside: (n, d + 2), (rho, u, T) beyond. pressure: that beyond an
-    outflow, 0 for one that is supersonic; below 0: the face is open, not an outflow.
+    q: (ghosted, d + 3); metrics: (d d + d + 1, ghosted). outside: (n, d + 2), (rho, u, T) beyond.
+    pressure: (n,) that beyond an outflow, 0 for one that is supersonic; below 0: the face is open,
+    not an outflow.
     """
     d = q.shape[1] - 3
     n, u, u_out = np.zeros(d), np.zeros(d), np.zeros(d)
@@ -94,18 +106,19 @@ def open_face(law, face, q, metrics, outside, pressure, rates):
             area += n[c] * n[c]
         rho, T = inside(law, q[at], u)
         fastest = _flux(law, rho, u, T, n, g, f)
-        if pressure != 0.0:
+        if pressure[i] != 0.0:
             rho_out, T_out = outside[i, 0], outside[i, d + 1]
             for c in range(d):
                 u_out[c] = outside[i, 1 + c]
-            if pressure > 0.0:
+            if pressure[i] > 0.0:
                 through = -g
                 for c in range(d):
                     through += n[c] * u[c]
                     u_out[c] = u[c]
                 m = max(through, 0.0) / np.sqrt(area * law.sound_speed_squared(rho, T))
                 p = law.pressure(rho, T)
-                rho_out, T_out = rho, law.temperature_of(rho, p + max(1.0 - m * m, 0.0) * (pressure - p))
+                beyond = p + max(1.0 - m * m, 0.0) * (pressure[i] - p)
+                rho_out, T_out = rho, law.temperature_of(rho, beyond)
             fastest = max(fastest, _flux(law, rho_out, u_out, T_out, n, g, f_out))
             f[:] = 0.5 * (f + f_out)
             f[0] -= 0.5 * fastest * (rho_out - rho)
@@ -115,34 +128,26 @@ def open_face(law, face, q, metrics, outside, pressure, rates):
             f[d + 1] -= 0.5 * fastest * jump
         for c in range(d + 2):
             rates[face.owned[i], 1 + c] -= face.per_weight * f[c]
+            gain[c] -= face.across[i] * f[c]
 
 
-def area_vectors(face: Face, ghosted: Any, bands: Any, X: Array, q: Array) -> Array:
-    """(n, d) outward area vectors of a solid's face where it is now.
-
-    X: (d, ghosted nodes) reference places, q: (ghosted nodes, 2d + 1), whose first numbers are the displacement.
+def area_vectors(face: Face, tangents: list[Array]) -> Array:
+    """(n, d) outward area vectors of a solid's face where it is now, from D_k x (n, d) along the
+    axes of the face, in one or two dimensions.
     """
-    d = len(X)
-    out = np.empty((face.ghosted.size, d))
-    if d == 1:
-        out[:] = face.sign
-        return out
-    axes = [axis for axis in range(d) if axis != face.axis]
-    strides = [1, ghosted[0], ghosted[0] * ghosted[1]]
-    tangents = [
-        tangent(face.ghosted, bands[a].S, bands[a].weight, strides[a], ghosted[a], X, q) for a in axes
-    ]
-    if d == 2:
-        (tx, ty), sign = tangents[0].T, face.sign if face.axis == 0 else -face.sign
-        out[:, 0], out[:, 1] = sign * ty, -sign * tx
-        return out
-    first, second = tangents if face.axis != 1 else tangents[::-1]
-    return face.sign * np.cross(first, second)
+    if not tangents:
+        return np.full((face.ghosted.size, 1), face.sign)
+    (tx, ty), sign = tangents[0].T, face.sign if face.axis == 0 else -face.sign
+    return np.stack([sign * ty, -sign * tx], axis=-1)
 
 
 @njit(**CALL)
 def tangent(nodes, S, weight, stride, size, X, q):
-    """(n, d) derivative of the place x = X + D along an axis, at nodes of the ghosted array."""
+    """(n, d) derivative of the place x = X + D along an axis, at nodes of the ghosted array.
+
+    size: nodes of the ghosted array along the axis, stride apart. X: (d, ghosted), q: (ghosted, …),
+    whose first numbers are the displacement.
+    """
     d = X.shape[0]
     out = np.zeros((nodes.size, d))
     for i in range(nodes.size):
@@ -162,24 +167,50 @@ def tangent(nodes, S, weight, stride, size, X, q):
 
 
 @njit(**CALL)
-def load_face(face, normals, pressure, q, inertia, rates):
-    """Add a pressure on a solid's face to ``rates`` (owned, 2d + 1) of velocity and energy.
+def push_face(face, forces, q, inertia, rates, gain):
+    """Add forces (n, d) on a solid's face, over ``across``, to ``rates`` (owned, 2d + 1) of
+    velocity and energy.
 
-    normals: (n, d) outward area vectors of the face where it is now. q: (ghosted, 2d + 1). inertia: (ghosted,), J0 m0.
+    q: (ghosted, 2d + 1). inertia: (ghosted,), J0 m0.
     """
-    d = normals.shape[1]
+    d = forces.shape[1]
     for i in range(face.ghosted.size):
         at, power = face.ghosted[i], 0.0
+        scale = face.per_weight / inertia[at]
         for c in range(d):
-            force = -pressure[i] * normals[i, c] * face.per_weight / inertia[at]
-            rates[face.owned[i], d + c] += force
-            power += force * q[at, d + c]
-        rates[face.owned[i], 2 * d] += power
+            rates[face.owned[i], d + c] += scale * forces[i, c]
+            gain[1 + c] += face.across[i] * forces[i, c]
+            power += forces[i, c] * q[at, d + c]
+        rates[face.owned[i], 2 * d] += scale * power
+        gain[1 + d] += face.across[i] * power
 
 
 @njit(**CALL)
-def heat_face(face, areas, flux, inertia, rates, column):
-    """Add a heat flux [W/m2] into a gas (inertia 1) or a solid to column ``column`` of ``rates``; areas: (n,) |n|."""
+def absorb(solid, like, face, F, stress, q, metrics, forces):
+    """Add (stress - Z N . v) N |A| to forces (n, d); F: (d d, n), Z = sqrt(m0 wave modulus)."""
+    d = len(like)
     for i in range(face.ghosted.size):
         at = face.ghosted[i]
-        rates[face.owned[i], column] += flux[i] * areas[i] * face.per_weight / inertia[at]
+        here = column((*like, *like, 0.0), q.T, U64(at))
+        here_F = column(outer(like, like), F, U64(i))
+        T = solid.temperature(here[d:-1], here[-1], here_F)
+        impedance = np.sqrt(solid.m0 * solid.wave_modulus_at(here_F, T))
+        area, through = 0.0, 0.0
+        for c in range(d):
+            A = face.sign * metrics[face.axis * d + c, at]
+            area += A * A
+            through += A * here[d + c]
+        push = stress[i] - impedance * through / np.sqrt(area)
+        for c in range(d):
+            forces[i, c] += push * face.sign * metrics[face.axis * d + c, at]
+
+
+@njit(**CALL)
+def heat_face(face, heat, inertia, rates, column, gain):
+    """Add heat (n,) [W] that comes into a gas (inertia 1) or a solid, over ``across``, to column
+    ``column`` of ``rates``.
+    """
+    for i in range(face.ghosted.size):
+        scale = face.per_weight / inertia[face.ghosted[i]]
+        rates[face.owned[i], column] += scale * heat[i]
+        gain[gain.size - 1] += face.across[i] * heat[i]

@@ -1,10 +1,12 @@
 """Area vectors of faces at particles, and how they turn. Compiled.
 
-The area vector of a face of axis k is +-a^k times the weights of the other axes. With x' the velocity of the grid it turns by
+The area vector of a face of axis k is +-a^k times the weights of the other axes. With x' the
+velocity of the grid it turns by
 
     2-D      (D_2 y', -D_2 x') on faces of axis 1,   (-D_1 y', D_1 x') on those of axis 2
 
-which takes derivatives within the face only. In 1-D it does not turn.
+which takes derivatives within the face only. In 1-D it does not turn. In 3-D a^k is bilinear in
+places, and turns by 1/2 (a^k(x + x') - a^k(x - x')): see GridMotion.turning.
 """
 
 from __future__ import annotations
@@ -15,16 +17,15 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from fsipetsc.errors import InputError
 from fsipetsc.operators.loops import CALL
 
 Array = NDArray[Any]
 
 
 class Faces(NamedTuple):
-    """Faces of a block at members of this rank: row of the member in a table, node in the ghosted array and its places along
-    the three axes, axis of the face, sign of its outward normal times the weights of the other axes, first column of its
-    constraint in the table.
+    """Faces of a block at members of this rank: row of the member in a table, node in the ghosted
+    array and its places along the three axes, axis of the face, sign of its outward normal times
+    the weights of the other axes, column of the table where its area vector begins.
     """
 
     row: Array
@@ -55,14 +56,11 @@ def add_normals(faces, d, metrics, table):
             table[faces.row[i], faces.column[i] + c] += faces.weight[i] * area
 
 
-def add_turning(faces: Faces, part: Any, bands: Any, d: int, metrics: Array, table: Array) -> None:
-    """Add how area vectors of a gas turn."""
-    if d == 1:
-        return
-    if d == 3:
-        raise InputError("gas that slips along walls or solids is not there yet in three dimensions")
+def add_turning(faces: Faces, part: Any, metrics: Array, table: Array) -> None:
+    """Add how area vectors of a gas turn in two dimensions; metrics: (7, ghosted nodes)."""
     stride = np.array([1, part.patch.ghosted[0]])
-    _turn_in_plane(faces, bands[0].S, bands[1].S, bands[0].weight, bands[1].weight, stride, metrics, table)
+    S, weights = zip(*((band.S, band.weight) for band in part.bands[:2]), strict=True)
+    _turn_in_plane(faces, *S, *weights, stride, metrics, table)
 
 
 @njit(**CALL)
@@ -93,9 +91,9 @@ def derivative(S, weight, stride, values, at, place):
 
 @njit(**CALL)
 def sum_members(particle, row, table, total):
-    """Add rows of members, in their order, to particles; total: (p, K, d), table: (rows, K d)."""
+    """Add rows of members, in their order, to particles; total: (p, K, n), table: (rows, K n)."""
     total[:] = 0.0
-    d = total.shape[2]
+    n = total.shape[2]
     for m in range(particle.size):
         for c in range(table.shape[1]):
-            total[particle[m], c // d, c % d] += table[row[m], c]
+            total[particle[m], c // n, c % n] += table[row[m], c]

@@ -1,21 +1,27 @@
-"""Particles: sums over members, constraints by Gauss's principle, and what each member gets back. Compiled.
+"""Particles: sums over members, constraints by Gauss's principle, and what each member gets back.
 
-Gas members of a particle share U = (rho, rho u, E), solid members share displacement, velocity and energy. With the sums
+Compiled. Gas members of a particle share U = (rho, rho u, E), solid members share displacement and
+velocity, and have one temperature or each its own. With the sums
 
     gas    V = sum H J,  M = sum H J rho,  P = sum H J rho u,  E = sum H J e
     solid  M_s = sum H J0 m0,  and those of M_s times displacement, velocity, energy per mass e_s
 
-`share` gives all members what follows from the sums; sums are linear in the unknowns, so that a Runge-Kutta method keeps them.
-`constrain` does the same for rates. With a_g = (R_m - u R_rho)/M and a_s = F/M_s the accelerations without constraints, it
-minimises
+`share` gives all members what follows from the sums; sums are linear in the unknowns, so that a
+Runge-Kutta method keeps them. `constrain` does the same for rates. With a_g = (R_m - u R_rho)/M and
+a_s = F/M_s the accelerations without constraints, it minimises
 
-    1/2 M |a_g' - a_g|^2 + 1/2 M_s |a_s' - a_s|^2      where  N_c . (gamma_c a_g' + sigma_c a_s') = b_c:
+    1/2 M |a_g' - a_g|^2 + 1/2 M_s |a_s' - a_s|^2     where     G_c . a_g' + S_c . a_s' = b_c:
 
-forces gamma_c pi_c N_c on the gas and sigma_c pi_c N_c on the solid, with pi from the symmetric system
+forces pi_c G_c on the gas and pi_c S_c on the solid, with pi from the symmetric system
 
-    sum_e N_c . N_e (gamma_c gamma_e / M + sigma_c sigma_e / M_s) pi_e  =  b_c - N_c . (gamma_c a_g + sigma_c a_s).
+    sum_e (G_c . G_e / M + S_c . S_e / M_s) pi_e  =  b_c - G_c . a_g - S_c . a_s.
 
-Sticking gas and solid are one body of mass M + M_s. A body whose motion is given counts as infinitely heavy.
+G_c is the sum of the area vectors of gas faces, S_c minus that of those at a solid, so that G_c +
+S_c is the sum over walls: what they push comes in from outside. Sticking gas and solid are one body
+of mass M + M_s. A body whose motion is given counts as infinitely heavy.
+
+What comes in is added to ``gain``: masses of the gas blocks, impulse (d), energy. Constraints tell
+it by their forces, data that replace unknowns by the change.
 """
 
 from __future__ import annotations
@@ -26,11 +32,11 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from fsipetsc.blocks.particles import ROLLS, SLIDES, WALL
+from fsipetsc.blocks.particles import SLIPS
 from fsipetsc.operators.loops import CALL, formulas
 
 Array = NDArray[Any]
-formulas("internal_energy", "heat_capacity", "temperature")
+formulas("internal_energy", "heat_capacity")
 
 GAS, SOLID = 0, 1
 #: a pivot below this part of its size before elimination belongs to a constraint that others imply
@@ -40,10 +46,13 @@ REDUNDANT = 1e-9
 class Table(NamedTuple):
     """Particles on a rank. Rows are members; those of this rank come first, in any order.
 
-    begin: (p + 1,), rows of particle p are row[begin[p]:begin[p + 1]], in the order that all ranks have. kind: (rows,) GAS or
-    SOLID. at: (own,) where the unknowns of a member begin in the world's vector. weight: (rows,) H of a gas member, M_s of a
-    solid one. count: (p,) number of constraints; constraint: (p, K) their kinds. All others are 1 or 0 for each particle; see
-    fsipetsc.blocks.particles.
+    begin: (p + 1,), rows of particle p are row[begin[p]:begin[p + 1]], in the order that all ranks
+    have. kind: (rows,) GAS or SOLID. at: (own,) where the unknowns of a member begin in the world's
+    vector. weight: (rows,) H of a gas member, M_s of a solid one; alpha: (rows,) specific heat of
+    solids. count: (p,) number of constraints; constraint: (p, K) their kinds. column: (p,) where
+    the mass of the gas is in ``gain``. mine: whether this rank adds to it. free_gas, free_solid:
+    whether forces move them. placed: a clamp gives the place. All these and those that follow are 1
+    or 0 for each particle; see fsipetsc.blocks.particles.
     """
 
     begin: Array
@@ -51,22 +60,30 @@ class Table(NamedTuple):
     kind: Array
     at: Array
     weight: Array
+    alpha: Array
     count: Array
     constraint: Array
+    column: Array
+    mine: Array
+    free_gas: Array
+    free_solid: Array
+    placed: Array
     sticks: Array
     held_gas: Array
     held_solid: Array
     given_gas: Array
     given_solid: Array
-    warm: Array
+    warm_gas: Array
+    warm_solid: Array
     shares_heat: Array
-    shares_energy: Array
+    one_T: Array
 
 
 class Data(NamedTuple):
-    """What conditions prescribe at an instant, for each particle: velocity and acceleration of walls (p, d), displacement,
-    velocity and acceleration of clamps (p, d), temperatures (p,), all unknowns: (p, d + 2) of a gas, (rho, rho u, E), and
-    (p, 2d + 1) of a solid, (displacement, velocity, energy per mass).
+    """What conditions prescribe at an instant, for each particle: velocity and acceleration of
+    walls (p, d), displacement, velocity and acceleration of clamps (p, d), temperatures (p,) of gas
+    and solid, all unknowns: (p, d + 2) of a gas, (rho, rho u, E), and (p, 2d) of a solid, place
+    less X and velocity.
     """
 
     wall: Array
@@ -75,13 +92,16 @@ class Data(NamedTuple):
     clamp_velocity: Array
     clamp_rate: Array
     T: Array
+    T_solid: Array
     gas: Array
     solid: Array
 
 
 class State(NamedTuple):
-    """What `share` found, for each particle: mass of gas and solid (p,), V (p,), U of the gas (p, d + 2), displacement D and
-    velocity v (p, d) and energy per mass e (p,) of the solid. mean_energy: (p,) that of its members before a change.
+    """What `share` found, for each particle: mass of gas and solid (p,), V (p,), U of the gas (p, d
+    + 2), displacement D and velocity v (p, d) and energy per mass e (p,) of the solid. mean_energy:
+    (p,) that of its members before a change. capacity, potential: (p,) mean specific heat and mean
+    energy per mass that is neither kinetic nor heat, of the solid.
     """
 
     mass: Array
@@ -92,11 +112,13 @@ class State(NamedTuple):
     v: Array
     e: Array
     mean_energy: Array
+    capacity: Array
+    potential: Array
 
 
 @njit(**CALL)
 def fill_state(table, d, y, out):
-    """Rows of this rank's members: H q of a gas, (M_s D, M_s v, M_s e, M_s) of a solid. out: (rows, columns)."""
+    """Rows of this rank's members: H q of a gas, (M_s D, M_s v, M_s e, M_s) of a solid."""
     for r in range(table.at.size):
         gas = table.kind[r] == GAS
         for c in range(d + 3 if gas else 2 * d + 1):
@@ -136,89 +158,106 @@ def _kinetic(P, M):
 
 
 @njit(**CALL)
-def share(table, d, rows, data, state):
-    """From the sums in ``rows``: one U, one displacement, velocity and energy; what sticks has one velocity.
-
-    The kinetic energy that the solid loses goes to the gas.
+def share(table, d, rows, data, state, gain):
+    """From the sums in ``rows``: one U, one displacement and velocity; what sticks has one
+    velocity, and the kinetic energy that the solid loses by that goes to the gas.
     """
     gas, solid = np.zeros(d + 3), np.zeros(2 * d + 2)
+    before, before_s = np.zeros(d + 3), np.zeros(2 * d + 2)
     for p in range(table.begin.size - 1):
         _add(table, p, rows, gas, solid)
-        V, M, P, E = gas[0], gas[1], gas[2 : 2 + d], gas[2 + d]
-        M_s, P_s = solid[2 * d + 1], solid[d : 2 * d]
-        state.V[p], state.mass[p], state.solid_mass[p] = V, M, M_s
+        before[:], before_s[:] = gas, solid
+        M_s = solid[2 * d + 1]
+        state.solid_mass[p] = M_s
         if M_s > 0.0:
             state.mean_energy[p] = solid[2 * d] / M_s
             for c in range(d):
                 state.D[p, c] = solid[c] / M_s
-        if table.held_solid[p]:
+        _hold_velocities(table, p, d, data, gas, solid)
+        if table.placed[p]:
             for c in range(d):
                 state.D[p, c] = data.clamp[p, c]
-                P_s[c] = M_s * data.clamp_velocity[p, c]
-        if table.held_gas[p]:
-            for c in range(d):
-                P[c] = M * data.wall[p, c]
-        if table.sticks[p]:
-            before = _kinetic(P_s, M_s)
-            for c in range(d):
-                both = P_s[c] / M_s if table.held_solid[p] else (P[c] + P_s[c]) / (M + M_s)
-                if table.held_gas[p] and not table.held_solid[p]:
-                    both = data.wall[p, c]
-                P[c], P_s[c] = M * both, M_s * both
-            change = 0.0 if table.held_solid[p] else _kinetic(P_s, M_s) - before
-            solid[2 * d] += change
-            E -= change
         if table.given_gas[p]:
-            V = V if V > 0.0 else 1.0
-            M, E = V * data.gas[p, 0], V * data.gas[p, d + 1]
-            for c in range(d):
-                P[c] = V * data.gas[p, 1 + c]
-            state.mass[p] = M
+            for c in range(d + 2):
+                gas[1 + c] = gas[0] * data.gas[p, c]
         if table.given_solid[p]:
             for c in range(d):
-                state.D[p, c], P_s[c] = data.solid[p, c], M_s * data.solid[p, d + c]
-            solid[2 * d] = M_s * data.solid[p, 2 * d]
-        _put(state, p, d, V, M, P, E, M_s, P_s, solid[2 * d])
+                state.D[p, c], solid[d + c] = data.solid[p, c], M_s * data.solid[p, d + c]
+        _put(state, p, d, gas, solid)
+        given = table.given_gas[p] or table.given_solid[p]
+        if table.mine[p] and (table.held_gas[p] or table.held_solid[p] or given):
+            gain[table.column[p]] += gas[1] - before[1]
+            for c in range(d):
+                change = (gas[2 + c] - before[2 + c]) + (solid[d + c] - before_s[d + c])
+                gain[gain.size - 1 - d + c] += change
+            change = (gas[d + 2] - before[d + 2]) + (solid[2 * d] - before_s[2 * d])
+            gain[gain.size - 1] += change
 
 
 @njit(**CALL)
-def _put(state, p, d, V, M, P, E, M_s, P_s, E_s):
-    if V > 0.0:
-        state.U[p, 0], state.U[p, d + 1] = M / V, E / V
+def _hold_velocities(table, p, d, data, gas, solid):
+    """Momenta of bodies whose motion is given, and of what sticks together."""
+    M, P = gas[1], gas[2 : 2 + d]
+    M_s, P_s = solid[2 * d + 1], solid[d : 2 * d]
+    if table.held_solid[p]:
         for c in range(d):
-            state.U[p, 1 + c] = P[c] / V
+            P_s[c] = M_s * data.clamp_velocity[p, c]
+    if table.held_gas[p]:
+        for c in range(d):
+            P[c] = M * data.wall[p, c]
+    if table.sticks[p]:
+        before = _kinetic(P_s, M_s)
+        for c in range(d):
+            both = P_s[c] / M_s if table.held_solid[p] else (P[c] + P_s[c]) / (M + M_s)
+            if table.held_gas[p] and not table.held_solid[p]:
+                both = data.wall[p, c]
+            P[c], P_s[c] = M * both, M_s * both
+        if not table.held_solid[p]:
+            change = _kinetic(P_s, M_s) - before
+            solid[2 * d] += change
+            gas[2 + d] -= change
+
+
+@njit(**CALL)
+def _put(state, p, d, gas, solid):
+    state.V[p], state.mass[p] = gas[0], gas[1]
+    if gas[0] > 0.0:
+        for c in range(d + 2):
+            state.U[p, c] = gas[1 + c] / gas[0]
+    M_s = solid[2 * d + 1]
     if M_s > 0.0:
-        state.e[p] = E_s / M_s
+        state.e[p] = solid[2 * d] / M_s
         for c in range(d):
-            state.v[p, c] = P_s[c] / M_s
+            state.v[p, c] = solid[d + c] / M_s
 
 
 @njit(**CALL)
-def slide(table, d, normals, data, state):
-    """Project velocities on what the constraints allow; the kinetic energy that the solid loses goes to the gas.
-
-    normals: (p, K, d).
+def slide(table, d, normals, data, state, gain):
+    """Project velocities on what the constraints allow; the kinetic energy that the solid loses
+    goes to the gas. normals: (p, K, 2d), G and S.
     """
-    u, v, wanted, room = np.zeros(d), np.zeros(d), np.zeros(normals.shape[1]), room_for(normals.shape[1])
+    K = normals.shape[1]
+    u, v, wanted, room = np.zeros(d), np.zeros(d), np.zeros(K), room_for(K, d)
     for p in range(table.begin.size - 1):
         if table.count[p] == 0:
             continue
         M, M_s = state.mass[p], state.solid_mass[p]
+        before = 0.0
         for c in range(d):
             u[c] = state.U[p, 1 + c] / state.U[p, 0] if M > 0.0 else 0.0
             v[c] = state.v[p, c]
-        before = 0.0
-        for c in range(d):
             before += 0.5 * M_s * v[c] * v[c]
         for k in range(table.count[p]):
             wanted[k] = 0.0
-            if table.constraint[p, k] == WALL:
+            if table.constraint[p, k] == SLIPS:
                 for c in range(d):
-                    wanted[k] += normals[p, k, c] * data.wall[p, c]
+                    wanted[k] += (normals[p, k, c] + normals[p, k, d + c]) * data.wall[p, c]
         solve(table, p, normals, wanted, M, M_s, u, v, room)
         after = 0.0
         for c in range(d):
             after += 0.5 * M_s * v[c] * v[c]
+            if table.mine[p]:
+                gain[gain.size - 1 - d + c] += _pushed(table, p, normals, room[1], c, d)
             state.v[p, c] = v[c]
             if M > 0.0:
                 state.U[p, 1 + c] = state.U[p, 0] * u[c]
@@ -228,49 +267,60 @@ def slide(table, d, normals, data, state):
 
 
 @njit(**CALL)
-def room_for(K):
-    """Room for `solve` with at most K constraints: rows of A, then multipliers pi, gamma, sigma and sizes of pivots."""
-    return np.zeros((K + 4, K))
+def _pushed(table, p, normals, pi, c, d):
+    """Component c of what the constraints' forces pi do to bodies that they move."""
+    total = 0.0
+    for k in range(table.count[p]):
+        on_gas, on_solid = normals[p, k, c], normals[p, k, d + c]
+        both = table.free_gas[p] * on_gas + table.free_solid[p] * on_solid
+        total += pi[k] * both
+    return total
+
+
+@njit(**CALL)
+def room_for(K, d):
+    """Room for `solve` with at most K constraints: A, multipliers pi, sizes of pivots, G and S."""
+    return np.zeros((K, K)), np.zeros(K), np.zeros(K), np.zeros((K, 2 * d))
 
 
 @njit(**CALL)
 def solve(table, p, normals, wanted, M, M_s, a, b, room):
     """Change the vectors a of the gas and b of the solid, least in their masses, so that
-    N_c . (gamma_c a + sigma_c b) = wanted_c; the multipliers are room[K_most].
+    G_c . a + S_c . b = wanted_c; the multipliers are room[1].
     """
     K, d = table.count[p], a.size
-    sticks = table.sticks[p] == 1 and M > 0.0 and M_s > 0.0
-    per_gas = 0.0 if table.held_gas[p] or M == 0.0 else 1.0 / M
-    per_solid = 0.0 if table.held_solid[p] or M_s == 0.0 else 1.0 / M_s
+    per_gas = 1.0 / M if M > 0.0 and table.free_gas[p] else 0.0
+    per_solid = 1.0 / M_s if M_s > 0.0 and table.free_solid[p] else 0.0
+    A, pi, N = room[0][:K, :K], room[1][:K], room[3]
+    sticks = table.sticks[p] == 1
     if sticks:
-        held = table.held_gas[p] or table.held_solid[p]
-        per_gas = per_solid = 0.0 if held else 1.0 / (M + M_s)
-    most, N = room.shape[1], normals[p]
-    A, pi, gamma, sigma = room[:K, :K], room[most, :K], room[most + 1], room[most + 2]
-    for k in range(K):
-        kind = table.constraint[p, k]
-        gamma[k] = 0.0 if kind == ROLLS and not sticks else 1.0
-        sigma[k] = 0.0 if sticks else (-1.0 if kind == SLIDES else (1.0 if kind == ROLLS else 0.0))
+        per_gas = 1.0 / (M + M_s) if table.free_gas[p] else 0.0
     for k in range(K):
         pi[k] = wanted[k]
         for c in range(d):
-            pi[k] -= N[k, c] * (gamma[k] * a[c] + sigma[k] * b[c])
+            on_gas, on_solid = normals[p, k, c], normals[p, k, d + c]
+            N[k, c] = on_gas + on_solid if sticks else on_gas
+            N[k, d + c] = 0.0 if sticks else on_solid
+            pi[k] -= N[k, c] * a[c] + N[k, d + c] * b[c]
     for k in range(K):
         for e in range(K):
             A[k, e] = 0.0
-            both = gamma[k] * gamma[e] * per_gas + sigma[k] * sigma[e] * per_solid
             for c in range(d):
-                A[k, e] += N[k, c] * N[e, c] * both
-    eliminate(A, pi, room[most + 3])
-    for k in range(K):
-        for c in range(d):
-            a[c] += gamma[k] * pi[k] * N[k, c] * per_gas
-            b[c] += (gamma[k] if sticks else sigma[k]) * pi[k] * N[k, c] * per_solid
+                A[k, e] += N[k, c] * N[e, c] * per_gas + N[k, d + c] * N[e, d + c] * per_solid
+    eliminate(A, pi, room[2])
+    for c in range(d):
+        for k in range(K):
+            a[c] += pi[k] * N[k, c] * per_gas
+            b[c] += pi[k] * N[k, d + c] * per_solid
+        if sticks:
+            b[c] = a[c]
 
 
 @njit(**CALL)
 def eliminate(A, x, size):
-    """Solve A pi = x in place of x for a symmetric semidefinite A; constraints that others imply get no force."""
+    """Solve A pi = x in place of x for a symmetric semidefinite A; constraints that others imply
+    get no force.
+    """
     K = x.size
     for k in range(K):
         size[k] = A[k, k]
@@ -293,48 +343,91 @@ def eliminate(A, x, size):
 
 
 @njit(**CALL)
-def share_heat(table, law, d, table_energy, data, state):
-    """One temperature of gas and solid where both conduct, or that which is given.
-
-    law: of the gas. table_energy: (p, 2), of the solid: its energy per mass that is neither kinetic nor heat, and alpha.
+def weigh_heat(table, stored, state):
+    """Mean specific heat of the solid members of each particle and mean of what they store: (rows,)
+    energy per mass.
     """
     for p in range(table.begin.size - 1):
-        if not (table.shares_heat[p] or table.warm[p]):
+        mass, capacity, potential = 0.0, 0.0, 0.0
+        for m in range(table.begin[p], table.begin[p + 1]):
+            r = table.row[m]
+            if table.kind[r] == SOLID:
+                mass += table.weight[r]
+                capacity += table.weight[r] * table.alpha[r]
+                potential += table.weight[r] * stored[r]
+        if mass > 0.0:
+            state.capacity[p], state.potential[p] = capacity / mass, potential / mass
+
+
+@njit(**CALL)
+def share_heat(table, law, d, data, state, gain):
+    """One temperature of gas and solid where both conduct, or that which is given. law: of the gas.
+    """
+    for p in range(table.begin.size - 1):
+        warm_gas, warm_solid = table.warm_gas[p] == 1, table.warm_solid[p] == 1
+        both = table.shares_heat[p] == 1 and not warm_gas and not warm_solid
+        if not (both or warm_gas or warm_solid):
             continue
         rho, M, M_s = state.U[p, 0], state.mass[p], state.solid_mass[p]
-        of_gas, of_solid = 0.0, 0.0
+        of_gas, of_solid = 0.0, state.potential[p]
         for c in range(d):
             if M > 0.0:
                 of_gas += 0.5 * (state.U[p, 1 + c] / rho) ** 2
             of_solid += 0.5 * state.v[p, c] ** 2
-        of_solid += table_energy[p, 0]
-        alpha = table_energy[p, 1]
-        T = data.T[p]
-        if not table.warm[p]:
-            heat = M * (state.U[p, d + 1] / rho - of_gas) + M_s * (state.e[p] - of_solid)
-            T = (state.e[p] - of_solid) / alpha
-            for _ in range(20):
-                missing = heat - M * law.internal_energy(rho, T) - M_s * alpha * T
-                change = missing / (M * law.heat_capacity(rho, T) + M_s * alpha)
-                T += change
-                if not abs(change) > 1e-15 * abs(T):
-                    break
-        if M > 0.0:
-            energy = law.internal_energy(rho, T) + of_gas
-            if M_s > 0.0 and not table.warm[p]:  # the sum stays to the last bit
-                of_both = M * state.U[p, d + 1] / rho + M_s * state.e[p]
-                state.e[p] = of_solid + alpha * T
-                state.U[p, d + 1] = rho * (of_both - M_s * state.e[p]) / M
-                continue
-            state.U[p, d + 1] = rho * energy
-        if M_s > 0.0 and alpha > 0.0:
-            state.e[p] = of_solid + alpha * T
+        if both:
+            T = _common_temperature(law, p, of_gas, of_solid, state)
+            sum_of_both = M * state.U[p, d + 1] / rho + M_s * state.e[p]  # it stays
+            state.e[p] = of_solid + state.capacity[p] * T
+            state.U[p, d + 1] = rho * (sum_of_both - M_s * state.e[p]) / M
+        came = 0.0
+        if warm_gas and M > 0.0:
+            E = rho * (law.internal_energy(rho, data.T[p]) + of_gas)
+            came += state.V[p] * (E - state.U[p, d + 1])
+            state.U[p, d + 1] = E
+        if warm_solid and M_s > 0.0:
+            e = of_solid + state.capacity[p] * data.T_solid[p]
+            came += M_s * (e - state.e[p])
+            state.e[p] = e
+        if table.mine[p]:
+            gain[gain.size - 1] += came
 
 
 @njit(**CALL)
-def give_state(table, d, y, state):
-    """Members of this rank get what their particle has; each keeps its own J."""
+def _common_temperature(law, p, of_gas, of_solid, state):
+    """T at which gas and solid have the heat that they have together, by Newton's method."""
+    rho, M, M_s = state.U[p, 0], state.mass[p], state.solid_mass[p]
+    energy = state.U[p, state.U.shape[1] - 1] / rho
+    heat = M * (energy - of_gas) + M_s * (state.e[p] - of_solid)
+    capacity = M_s * state.capacity[p]
+    T = (state.e[p] - of_solid) / state.capacity[p]
+    for _ in range(20):
+        missing = heat - M * law.internal_energy(rho, T) - capacity * T
+        change = missing / (M * law.heat_capacity(rho, T) + capacity)
+        T += change
+        if not abs(change) > 1e-15 * abs(T):
+            break
+    return T
+
+
+@njit(**CALL)
+def give_places(table, d, y, state):
+    """Solid members of this rank get the displacement of their particle."""
     for p in range(table.begin.size - 1):
+        for m in range(table.begin[p], table.begin[p + 1]):
+            r = table.row[m]
+            if r < table.at.size and table.kind[r] == SOLID:
+                for c in range(d):
+                    y[table.at[r] + c] = state.D[p, c]
+
+
+@njit(**CALL)
+def give_state(table, d, stored, y, state):
+    """Members of this rank get what their particle has; each keeps its own J. stored: (rows,)."""
+    for p in range(table.begin.size - 1):
+        kinetic = 0.0
+        for c in range(d):
+            kinetic += 0.5 * state.v[p, c] ** 2
+        heat = state.e[p] - kinetic - state.potential[p]
         for m in range(table.begin[p], table.begin[p + 1]):
             r = table.row[m]
             if r >= table.at.size:
@@ -343,26 +436,26 @@ def give_state(table, d, y, state):
             if table.kind[r] == GAS:
                 for c in range(d + 2):
                     y[at + 1 + c] = y[at] * state.U[p, c]
+                continue
+            for c in range(d):
+                y[at + c], y[at + d + c] = state.D[p, c], state.v[p, c]
+            if table.one_T[p]:
+                y[at + 2 * d] = kinetic + stored[r] + heat * table.alpha[r] / state.capacity[p]
             else:
-                for c in range(d):
-                    y[at + c], y[at + d + c] = state.D[p, c], state.v[p, c]
-                if table.shares_energy[p] or table.given_solid[p]:
-                    y[at + 2 * d] = state.e[p]
-                else:
-                    y[at + 2 * d] += state.e[p] - state.mean_energy[p]
+                y[at + 2 * d] += state.e[p] - state.mean_energy[p]
 
 
 @njit(**CALL)
-def constrain(table, d, rows, normals, turning, data, state, rates):
+def constrain(table, d, rows, normals, turning, data, state, rates, gain):
     """Rates of particles from sums of members' rates in ``rows``, under their constraints.
 
-    normals, turning: (p, K, d), N and how it turns. rates: (p, 2d + 3): of (rho, rho u, E) of the gas, then accelerations
-    and energy of the solid.
+    normals, turning: (p, K, 2d), G and S and how they turn. rates: (p, 2d + 2): of (rho, rho u, E)
+    of the gas, then accelerations of the solid.
     """
+    K = normals.shape[1]
     gas, solid = np.zeros(d + 3), np.zeros(2 * d + 2)
-    u, v, a, b, wanted = np.zeros(d), np.zeros(d), np.zeros(d), np.zeros(d), np.zeros(normals.shape[1])
-    free_a, free_b, room = np.zeros(d), np.zeros(d), room_for(normals.shape[1])
-    pi = room[normals.shape[1]]
+    u, v, a, b, wanted = np.zeros(d), np.zeros(d), np.zeros(d), np.zeros(d), np.zeros(K)
+    force, force_s, room = np.zeros(d), np.zeros(d), room_for(K, d)
     for p in range(table.begin.size - 1):
         _add(table, p, rows, gas, solid)
         M, M_s, V = state.mass[p], state.solid_mass[p], state.V[p]
@@ -371,40 +464,31 @@ def constrain(table, d, rows, normals, turning, data, state, rates):
             v[c] = state.v[p, c]
             a[c] = (gas[2 + c] - u[c] * gas[1]) / M if M > 0.0 else 0.0
             b[c] = solid[d + c] / M_s if M_s > 0.0 else 0.0
-            free_a[c], free_b[c] = a[c], b[c]
+            force[c], force_s[c] = -M * a[c], -M_s * b[c]
         _hold(table, p, data, M, M_s, a, b)
-        for k in range(table.count[p]):
-            wanted[k] = 0.0
-            for c in range(d):
-                if table.constraint[p, k] == SLIDES:
-                    wanted[k] -= turning[p, k, c] * (u[c] - v[c])
-                elif table.constraint[p, k] == WALL:
-                    wanted[k] += normals[p, k, c] * data.wall_rate[p, c]
-                    wanted[k] -= turning[p, k, c] * (u[c] - data.wall[p, c])
         if table.count[p] > 0:
+            _want(table, p, normals, turning, data, u, v, wanted)
             solve(table, p, normals, wanted, M, M_s, a, b, room)
-        E, E_s = gas[2 + d], solid[2 * d]
+        of_rows = table.count[p] > 0 and table.free_gas[p] and not table.sticks[p]
+        power, power_s = 0.0, 0.0
+        if of_rows:
+            power = _power(table, p, normals, room[1], data, v)
         for c in range(d):
-            force, force_s = M * (a[c] - free_a[c]), M_s * (b[c] - free_b[c])
-            gas[2 + c] += force
-            E_s += force_s * v[c]
-            if table.sticks[p] or table.held_gas[p] or table.count[p] == 0:
-                E += force * u[c]
-        if table.count[p] > 0 and not (table.sticks[p] or table.held_gas[p]):
-            for k in range(table.count[p]):
-                for c in range(d):
-                    if table.constraint[p, k] == SLIDES:
-                        E += pi[k] * normals[p, k, c] * v[c]
-                    elif table.constraint[p, k] == WALL:
-                        E += pi[k] * normals[p, k, c] * data.wall[p, c]
+            force[c] += M * a[c]
+            force_s[c] += M_s * b[c]
+            power_s += force_s[c] * v[c]
+            gas[2 + c] += force[c]
+            if not of_rows:
+                power += force[c] * u[c]
+        if table.mine[p]:
+            pushes = force, force_s, power + power_s
+            _note_forces(table, p, normals, room[1], data, v, pushes, gain)
         if M > 0.0:
-            rates[p, 0] = (gas[1] - state.U[p, 0] * gas[0]) / V
-            for c in range(d):
-                rates[p, 1 + c] = (gas[2 + c] - state.U[p, 1 + c] * gas[0]) / V
-            rates[p, d + 1] = (E - state.U[p, d + 1] * gas[0]) / V
+            gas[2 + d] += power
+            for c in range(d + 2):
+                rates[p, c] = (gas[1 + c] - state.U[p, c] * gas[0]) / V
         for c in range(d):
             rates[p, d + 2 + c] = b[c]
-        rates[p, 2 * d + 2] = E_s / M_s if M_s > 0.0 else 0.0
 
 
 @njit(**CALL)
@@ -425,8 +509,54 @@ def _hold(table, p, data, M, M_s, a, b):
 
 
 @njit(**CALL)
+def _want(table, p, normals, turning, data, u, v, wanted):
+    """b_c: walls accelerate, and area vectors turn under the relative velocity."""
+    d = u.size
+    for k in range(table.count[p]):
+        wanted[k] = 0.0
+        if table.constraint[p, k] == SLIPS:
+            for c in range(d):
+                at_solid, of_walls = -turning[p, k, d + c], turning[p, k, c] + turning[p, k, d + c]
+                wanted[k] -= at_solid * (u[c] - v[c]) + of_walls * (u[c] - data.wall[p, c])
+                N = normals[p, k, c] + normals[p, k, d + c]
+                wanted[k] += N * data.wall_rate[p, c]
+
+
+@njit(**CALL)
+def _power(table, p, normals, pi, data, v):
+    """Of the forces on gas that slips: each face's moves as the solid or the wall there."""
+    d, power = v.size, 0.0
+    for k in range(table.count[p]):
+        if table.constraint[p, k] == SLIPS:
+            for c in range(d):
+                at_solid, of_walls = -normals[p, k, d + c], normals[p, k, c] + normals[p, k, d + c]
+                power += pi[k] * (at_solid * v[c] + of_walls * data.wall[p, c])
+    return power
+
+
+@njit(**CALL)
+def _note_forces(table, p, normals, pi, data, v, pushes, gain):
+    """What walls and clamps do to a particle. Where all is free to move, only walls' own forces
+    count: those between gas and solid must cancel.
+    """
+    d, (force, force_s, power) = v.size, pushes
+    begin, end = gain.size - 1 - d, gain.size - 1
+    if not (table.free_gas[p] and table.free_solid[p]):
+        for c in range(d):
+            gain[begin + c] += force[c] + force_s[c]
+        gain[end] += power
+        return
+    for k in range(table.count[p]):
+        slips = table.constraint[p, k] == SLIPS
+        for c in range(d):
+            push = pi[k] * (normals[p, k, c] + normals[p, k, d + c])
+            gain[begin + c] += push
+            gain[end] += push * (data.wall[p, c] if slips else v[c])
+
+
+@njit(**CALL)
 def give_rates(table, d, y, f, state, rates):
-    """(J U)_t = J U_t + U J_t of gas members; accelerations and energies of solid ones."""
+    """(J U)_t = J U_t + U J_t of gas members; accelerations of solid ones, and their power."""
     for p in range(table.begin.size - 1):
         for m in range(table.begin[p], table.begin[p + 1]):
             r = table.row[m]
@@ -441,5 +571,3 @@ def give_rates(table, d, y, f, state, rates):
                     force = rates[p, d + 2 + c] - f[at + d + c]
                     f[at + d + c] += force
                     f[at + 2 * d] += force * state.v[p, c]
-                if table.shares_energy[p]:
-                    f[at + 2 * d] = rates[p, 2 * d + 2]

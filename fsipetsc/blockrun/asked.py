@@ -1,0 +1,53 @@
+"""What functions of a case return for an instant."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fsipetsc.blocks.values import checked, checked_one
+from fsipetsc.errors import InputError
+
+Array = NDArray[Any]
+
+
+class Asked:
+    """Data of the last instant, which several stages have in common.
+
+    fault: the first InputError of a function. The rank goes on with the data before it, so that
+    others do not wait for its messages; all end after the step.
+    """
+
+    def __init__(self) -> None:
+        self.fault: InputError | None = None
+        self._known: dict[Any, tuple[Any, Any]] = {}
+
+    def __call__(self, key: Any, instant: Any, make: Callable[[], Any]) -> Any:
+        """make(), called once for an instant; InputError if the first call fails."""
+        known = self._known.get(key)
+        if known is None or known[0] != instant:
+            try:
+                known = self._known[key] = instant, make()
+            except InputError as error:
+                if known is None:
+                    raise
+                self.fault = self.fault or error
+        return known[1]
+
+
+def datum(condition: Any, name: str, X: Array, t: float) -> Array:
+    """(n,) a datum of a condition, a number or a function of (*X, t); X: (n, d). InputError."""
+    of = getattr(condition, name)
+    if not callable(of):
+        return np.full(len(X), float(of))
+    where = f"{name} of {type(condition).__name__} at t = {t:.6g}"
+    return checked_one(of, (*X.T, t), X.T, name, where)
+
+
+def data(condition: Any, name: str, X: Array, t: float, names: Sequence[str]) -> Array:
+    """(n, len(names)) what a condition's function of (*X, t) returns. InputError."""
+    where = f"{name} of {type(condition).__name__} at t = {t:.6g}"
+    return np.stack(checked(getattr(condition, name), (*X.T, t), X.T, names, where), axis=-1)

@@ -1,0 +1,272 @@
+"""What comes in through faces and by forces is booked as it comes: the integrals change by just
+that.
+"""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+pytest.importorskip("petsc4py")
+
+import block_shapes as shapes
+from block_ledgers import steps_of, unbooked
+from helpers import REPOSITORY, mpirun
+
+from fsipetsc.blocks.block import Block
+from fsipetsc.blocks.conditions import (
+    Absorbing,
+    Clamped,
+    Free,
+    Given,
+    Hinge,
+    NoSlip,
+    Open,
+    Outflow,
+    Roller,
+    Slip,
+)
+from fsipetsc.blocks.maps import annulus, nodes
+from fsipetsc.blocks.problem import BlockProblem
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.solid import ElasticSolid
+
+MASS, X, Y, ENERGY = range(4)
+#: cells along an axis
+N = 7
+
+
+def gas(d=2, mu=0.0, force=0.0):
+    return Fluid(mu, 0.03, 1.4, 1.0, force=(force,) * d if d > 1 else force)
+
+
+def solid(d=2, heat="elastic", force=0.0, kappa=0.05):
+    force = (force,) * d if d > 1 else force
+    return ElasticSolid(1.0, 2.0, kappa, 2.0, 1.5, 0.3, "neo-hookean", heat, force=force)
+
+
+def swirling(*X):
+    d = len(X)
+    wave = [0.2 * np.sin(3.0 * X[c] + 2.0 * X[-1] + c) for c in range(d)]
+    return [1.0 + 0.2 * np.cos(2.0 * sum(X)), *wave, 1.0 + 0.1 * np.sin(3.0 * X[0] + 1.0)]
+
+
+def bent(*X):
+    d = len(X)
+    v = [0.1 * np.cos(2.0 * X[0] + 3.0 * X[-1] + c) for c in range(d)]
+    x = [X[c] + 0.02 * np.sin(2.0 * X[c - 1] + c) for c in range(d)]
+    return [*v, 1.1 + 0.1 * np.sin(2.0 * X[0] + X[-1]), *x]
+
+
+def block(name, X, material, **options):
+    """A block on an array of nodes, as in block_shapes."""
+    cells, d = tuple(n - 1 for n in X.shape[1:]), len(X)
+    initial = swirling if material.kind == "fluid" else bent
+    return Block(name, material, nodes(X.transpose(*range(d, 0, -1), 0)), cells, initial, **options)
+
+
+def problem_of(shape, faces, fluid, plate, points=(), **options):
+    """A problem on a shape; faces: (name, axis, side) -> condition of those that meet nothing."""
+    blocks = []
+    for name, (X, _) in shape.items():
+        material = fluid if name.startswith("gas") else plate
+        blocks.append(block(name, X, material, **options.get(name.split()[0], {})))
+    found = {}
+    for k, one in enumerate(blocks):
+        for axis in range(one.dimension):
+            for side in (0, 1):
+                if not met(blocks, k, axis, side):
+                    found[one.name, axis, side] = faces(one.name, axis, side)
+    return BlockProblem(tuple(blocks), found, options.get("jumps"), points=points)
+
+
+def met(blocks, k, axis, side):
+    """Whether another block has a face at the same place, by its middle."""
+    d = blocks[k].dimension
+
+    def middle(one, axis, side):
+        return np.mean(one.face_positions(axis, side), axis=1)
+
+    here = middle(blocks[k], axis, side)
+    others = [(j, a, s) for j in range(len(blocks)) for a in range(d) for s in (0, 1)]
+    others.remove((k, axis, side))
+    return any(np.allclose(here, middle(blocks[j], a, s), atol=1e-9) for j, a, s in others)
+
+
+def closed(name, axis, side):
+    """Slip walls and rollers."""
+    return Slip() if name.startswith("gas") else Roller()
+
+
+def check(problem, *, only=(), least=1e-7, most=1e-13, **options):
+    """All is booked, and of these entries there is something to book."""
+    left, came = unbooked(problem, **options)
+    assert np.abs(left).max() < most, left
+    for entry in only:
+        assert abs(came[entry]) > least, came
+    return came
+
+
+@pytest.mark.parametrize("heat", ["elastic", "coupled"])
+def test_a_box_with_walls(heat):
+    """Nothing comes in but impulses."""
+    shape = shapes.warped(shapes.layers(N + 1, False), 0.03)
+    came = check(problem_of(shape, closed, gas(), solid(heat=heat)), only=(X, Y))
+    assert abs(came[MASS]) == 0.0 and abs(came[ENERGY]) < 1e-15
+
+
+def test_an_open_tube():
+    def faces(name, axis, side):
+        if axis == 1:
+            return Slip()
+        return Outflow(0.8) if side else Open(0.9, (0.5, -0.2), 1.1)
+
+    shape = {"gas": shapes.box((0, 0), (1, 1), N + 1, N + 1)}
+    check(problem_of(shapes.warped(shape), faces, gas(), None), only=(MASS, X, Y, ENERGY))
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.02])
+def test_a_clamped_panel(mu):
+    def faces(name, axis, side):
+        return closed(name, axis, side) if name.startswith("gas") else Clamped()
+
+    came = check(problem_of(shapes.panel(N + 1), faces, gas(mu=mu), solid()), only=(X, Y))
+    assert abs(came[MASS]) == 0.0 and abs(came[ENERGY]) < 1e-15
+
+
+def test_a_ring_under_outer_pressure():
+    """The case of cases/block_template.py."""
+    air, rubber = gas(), solid()
+    blocks = (
+        Block("gas", air, annulus(0.5, 1.0), (N, 12), swirling, periodic=(False, True)),
+        Block("ring", rubber, annulus(1.0, 1.3), (N, 12), bent, periodic=(False, True)),
+    )
+    pressure = lambda X, Y, t: 0.4 + 0.2 * X + t  # noqa: E731
+    faces = {("gas", 0, 0): Slip(), ("ring", 0, 1): Free(pressure)}
+    check(BlockProblem(blocks, faces), only=(X, Y, ENERGY))
+
+
+def moved(*X_and_t):
+    *X, t = X_and_t
+    return [x + 0.1 * np.sin(3.0 * t + c) * (1.0 + X[0]) for c, x in enumerate(X)]
+
+
+def blown(X, t):
+    return (0.3 * np.sin(2.0 * t) + 0.2 + 0.0 * X,)
+
+
+CONDITIONS = {
+    "heat through walls": (NoSlip(heat_flux=0.4), Clamped(heat_flux=0.3), (ENERGY,)),
+    "temperatures": (NoSlip(T=1.3), Clamped(T=1.4), (ENERGY,)),
+    "walls and clamps that move": (NoSlip(x=moved), Clamped(x=moved), (X, Y, ENERGY)),
+    "slip walls that move": (Slip(x=moved), Roller(heat_flux=0.2), (X, Y, ENERGY)),
+    "free, warm": (NoSlip(), Free(0.4, T=1.2), (X, Y, ENERGY)),
+    "absorbing": (Slip(), Absorbing(-0.2, heat_flux=0.1), (X, Y, ENERGY)),
+    "given": (
+        Given(lambda X, Y, t: (1.0 + 0.1 * np.sin(t + X), 0.1, 0.2 * t, 1.0 + 0.0 * Y)),
+        Given(lambda X, Y, t: (0.1, 0.2 * t, 1.1 + 0.0 * X, X + 0.1 * t, Y + 0.1 * t**2)),
+        (MASS, X, Y, ENERGY),
+    ),
+}
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.02])
+@pytest.mark.parametrize("heat", ["elastic", "coupled"])
+@pytest.mark.parametrize("name", CONDITIONS)
+def test_conditions(name, heat, mu):
+    """At the lower and upper ends of gas | solid with slip walls and rollers beside."""
+    below, above, only = CONDITIONS[name]
+
+    def faces(name, axis, side):
+        if axis == 0:
+            return closed(name, axis, side)
+        return below if name == "gas" else above
+
+    shape = shapes.layers(N + 1, False)
+    check(problem_of(shape, faces, gas(mu=mu), solid(heat=heat)), only=only)
+
+
+@pytest.mark.parametrize("heat", ["elastic", "coupled"])
+def test_forces_in_the_volume(heat):
+    """Body forces, forcing, what interfaces supply; a point that is held."""
+
+    def forced(X, Y, t):
+        return 0.1 + 0.0 * X, 0.2 * Y, 0.3 * X, 0.4 + t + 0.0 * X
+
+    def forced_solid(X, Y, t):
+        return 0.2 * Y, 0.1 * X, 0.3 + 0.0 * X, 0.01 * Y, 0.02 * X
+
+    def supplied(X, Y, t):
+        return 0.3 + X, 0.2 * X, 0.1 + t + 0.0 * X
+
+    options = {"gas": {"forcing": forced}, "solid": {"forcing": forced_solid}, "jumps": supplied}
+
+    def faces(name, axis, side):
+        return Slip() if name == "gas" else Free()
+
+    shape, points = shapes.layers(N + 1, False), (("solid", (4.0 / N, 1.6), Hinge()),)
+    fluid, plate = gas(force=0.3), solid(heat=heat, force=-0.2)
+    came = check(problem_of(shape, faces, fluid, plate, **options), only=(MASS, X, Y, ENERGY))
+    held = check(problem_of(shape, faces, fluid, plate, points, **options))
+    assert abs(held[Y] - came[Y]) > 1e-6
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.02])
+def test_one_dimension(mu):
+    """A pushed layer that pushes another on."""
+    shape = {
+        "solid": shapes.box((0.0,), (0.4,), 9),
+        "gas": shapes.box((0.4,), (1.0,), 9),
+        "solid beyond": shapes.box((1.0,), (1.4,), 9),
+    }
+
+    def faces(name, axis, side):
+        return Absorbing(-0.3) if side else Clamped(velocity=blown)
+
+    check(problem_of(shape, faces, gas(1, mu, 0.2), solid(1, force=0.3)), only=(X, 2))
+
+
+@pytest.mark.parametrize("heat", ["elastic", "coupled"])
+@pytest.mark.parametrize("mu", [0.0, 0.02])
+def test_what_completion_takes(mu, heat):
+    """From a state that obeys nothing: what walls, clamps and data add is booked, and nothing else
+    changes.
+    """
+
+    def faces(name, axis, side):
+        if name == "gas 20" and axis == 1:
+            return Given(lambda X, Y, t: (1.1, 0.2, 0.1, 1.2 + 0.0 * X))
+        if name.startswith("gas"):
+            return NoSlip(T=1.3) if (axis, side) == (1, 1) else Slip(x=moved)
+        return Clamped(velocity=lambda X, Y, t: (0.3, 0.2 + 0.0 * X))
+
+    problem = problem_of(shapes.panel(N + 1), faces, gas(mu=mu), solid(heat=heat))
+    with steps_of(problem) as run:
+        rng = np.random.default_rng(1)
+        for k, block in enumerate(problem.blocks):
+            q, d = run.y.owned(k), 2
+            if block.kind == "fluid":
+                q[:, 2:4] += q[:, :1] * rng.uniform(-0.3, 0.3, (len(q), d))
+                q[:, 1] *= rng.uniform(0.9, 1.1, len(q))
+            else:
+                q[:, d : 2 * d] += rng.uniform(-0.3, 0.3, (len(q), d))
+        before = run.integrals()
+        run.scheme.complete(0.0, run.y)
+        run.came += run.y.behind
+        change, came = run.integrals() - before, run.gained()
+        assert np.abs(change - came).max() < 1e-14 * before[-1], change - came
+        assert np.abs(came).min() > 1e-5
+
+
+@pytest.mark.mpi
+def test_on_two_ranks():
+    """The same bits, all booked, and no rank waits for one whose data are wrong."""
+    done = mpirun(2, "-m", "mpi4py", REPOSITORY / "tests" / "block_scheme_program.py")
+    assert done.returncode == 0, done.stderr
+    said = json.loads(done.stdout.splitlines()[-1])
+    assert (said["panel"], said["slipping"]) == (0, 0)
+    assert said["unbooked"] < 1e-13
+    wrong = [fault for fault in said["faults"] if fault]
+    assert len(wrong) == 1 and "T of NoSlip at t = 0.0015" in wrong[0] and "T = -1" in wrong[0]

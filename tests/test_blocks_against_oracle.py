@@ -1,0 +1,164 @@
+"""The engine's completion and rates at random states are the oracle's, to round-off.
+
+Where members have one temperature, only the sum of their energies' rates is compared: how it is
+divided between them is no matter, for completion shares it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+pytest.importorskip("petsc4py")
+
+from oracle_engine import Engine
+from oracle_formulas import (
+    Clamped,
+    Free,
+    Gas,
+    Given,
+    Motion,
+    NoSlip,
+    Open,
+    Outflow,
+    Roller,
+    Slip,
+    Solid,
+)
+from test_block_oracle import NODES, SHAPES, SLIPPING, STICKING, closed, made, wobbling
+
+ELASTIC = Gas(mu=0.02, kappa=0.03), Solid("svk", kappa=0.05, heat="elastic")
+
+
+def with_sums(oracle, rates):
+    """Rates, with the sum of those of the energy where temperatures are shared; none of what is
+    given, nor of energies where temperatures are.
+    """
+    found = {name: value.copy() for name, value in rates.items()}
+    for p in oracle.particles:
+        warm = oracle._held(p, 0.0)
+        for i, (kind, members) in enumerate((("gas", p.gas), ("solid", p.solid))):
+            given = oracle._given(p, kind) is not None
+            for k, node in members:
+                if given or warm[i] is not None:
+                    found[oracle.names[k]][(slice(0 if given else -1, None), *node)] = 0.0
+        if oracle._conducts(p) or len(p.solid) > 1:
+            total = sum(oracle.W[k][i] * rates[oracle.names[k]][(-1, *i)] for k, i in p.gas)
+            for k, i in p.solid:
+                M = (oracle.W[k] * oracle.solids[k][1])[i] * oracle.blocks[k].material.m0
+                total += M * rates[oracle.names[k]][(-1, *i)]
+            for k, i in p.gas + p.solid:
+                found[oracle.names[k]][(-1, *i)] = total
+    return found
+
+
+def check(shape, both, order, faces=closed, t=0.0, most=1e-11, **options):
+    """Compare both at a state that obeys nothing before; most: of the rates' differences."""
+    oracle = made(SHAPES[shape](NODES[order]), *both, order, faces, **options)
+    engine = Engine(oracle)
+    raw = {
+        b.name: oracle.random_block(k, np.random.default_rng(k), 0.5)
+        for k, b in enumerate(oracle.blocks)
+    }
+    for k in oracle.solids:  # the oracle moves what rolls back into its plane
+        raw[oracle.names[k]][: oracle.d] = oracle.complete(raw, t)[oracle.names[k]][: oracle.d]
+    q, found = oracle.complete(raw, t), engine.complete(raw, t)
+    assert max(np.abs(q[name] - raw[name]).max() for name in q) > 1e-3
+    for name in q:
+        assert np.abs(found[name] - q[name]).max() < 1e-12, name
+    expected, found = with_sums(oracle, oracle.rates(q, t)), with_sums(oracle, engine.rates(q, t))
+    size = max(np.abs(r).max() for r in expected.values())
+    for name in q:
+        assert np.abs(found[name] - expected[name]).max() < most * size, name
+
+
+@pytest.mark.parametrize("both", [SLIPPING, STICKING, ELASTIC], ids=["slip", "stick", "elastic"])
+@pytest.mark.parametrize("shape", SHAPES)
+def test_at_order_four(shape, both):
+    check(shape, both, 4)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("order", [2, 6, 8])
+@pytest.mark.parametrize("both", [SLIPPING, STICKING], ids=["slip", "stick"])
+@pytest.mark.parametrize("shape", ["line", "walls", "panel", "disk"])
+def test_at_other_orders(shape, both, order):
+    check(shape, both, order)
+
+
+def open_faces(owner):
+    """Flow in, out, a free solid."""
+    if owner[0].startswith("solid"):
+        return {(1, 1): Free(0.7), (0, 1): Roller()}.get(owner[1:], Clamped())
+    kinds = {(0, 0): Open(0.9, (0.5, -0.2), 1.1), (0, 1): Outflow(0.8), (1, 0): Slip()}
+    return kinds.get(owner[1:], Open(1.2, (0.3, 0.4), 0.9))
+
+
+def moving_faces(owner):
+    """Walls and clamps that move, temperatures that are held, heat that comes in."""
+    name, axis, side = owner
+    if name.startswith("solid"):
+        return Clamped(wobbling(0.03, 0.2), heat_flux=0.3) if axis == 0 else Free(0.2, T=1.2)
+    kinds = {
+        (1, 0): NoSlip(T=lambda X, t: 1.1 + 0.1 * np.sin(t + X[0]), motion=wobbling(0.03, 0.2)),
+        (0, 0): Slip(motion=wobbling(0.03, 0.2)),
+        (0, 1): NoSlip(heat_flux=0.2, motion=wobbling(0.03, 0.2)),
+    }
+    return kinds.get((axis, side), Slip())
+
+
+def bending_faces(owner):
+    """Walls along which gas slips, and which bend; the solid is free."""
+    if owner[0] == "solid":
+        return Free(0.3)
+    return Slip(motion=BENDING) if owner[1:] in ((1, 0), (0, 1)) else Slip()
+
+
+def bent(rate):
+    """A place that moves, derived so often in time."""
+
+    def function(X, t):
+        wave = (np.sin(2.0 * t), 2.0 * np.cos(2.0 * t), -4.0 * np.sin(2.0 * t))[rate]
+        bump = X[0] * (1.0 - X[1])
+        return X * (rate == 0) + 0.1 * wave * np.array([bump * (1.0 + X[1]), bump * (1.0 + X[0])])
+
+    return function
+
+
+BENDING = Motion(bent(0), bent(1), bent(2))
+
+
+def given_faces(owner):
+    """Unknowns that are given; slip beside."""
+    if owner[0] == "solid":
+        return Given(solid_values) if owner[1:] == (1, 1) else Free()
+    return Given(gas_values) if owner[1:] == (1, 0) else Slip()
+
+
+def gas_values(X, t):
+    return 1.1 + 0.1 * np.sin(t + X[0]), 0.2 * t, 0.1 + 0 * t, 1 + 0.2 * np.sin(2 * t)
+
+
+def solid_values(X, t):
+    return 0.05 * np.cos(t), 0.1 + 0 * t, 1 + 0.1 * t, X[0] + 0.05 * np.sin(t), X[1] + 0.1 * t
+
+
+@pytest.mark.parametrize("both", [SLIPPING, STICKING], ids=["slip", "stick"])
+@pytest.mark.parametrize("faces", [open_faces, moving_faces, bending_faces, given_faces])
+def test_conditions(faces, both):
+    moved = faces in (moving_faces, bending_faces)  # accelerations of walls are differences of their velocities
+    check("walls", both, 4, faces, t=0.3, most=1e-8 if moved else 1e-11)
+
+
+@pytest.mark.parametrize("form", ["entropy", "divergence"])
+def test_other_terms(form):
+    """Body forces, p_ref, either form of convection."""
+    gas = Gas(1.8, 0.7, mu=0.02, force=(0.3, -0.2))
+    solid = Solid("log", 1.0, 2.0, 3.0, 1.5, 0.05, 0.7, "coupled", (0.3, -0.2))
+    check("disk", (gas, solid), 4, form=form)
+
+
+@pytest.mark.parametrize("law", ["log", "linear"])
+def test_pressure_of_reference_in_three_dimensions(law):
+    gas = Gas(mu=0.02)
+    check("three", (gas, Solid(law, 1.0, 2.0, 3.0, 1.5, 0.05, 0.7)), 4)
