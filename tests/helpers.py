@@ -23,6 +23,7 @@ _MPI_ENVIRONMENT = {
     "OMPI_MCA_rmaps_base_oversubscribe": "1",
     "OMPI_MCA_btl_base_warn_component_unused": "0",
     "OMPI_MCA_btl": "^tcp",  # all ranks are on this node, and of some networks Open MPI complains
+    "OMPI_MCA_io_ompio_priority": "0",  # as in a run: see fsipetsc.process.launch
     "OMPI_MCA_hwloc_base_binding_policy": "none",  # two jobs at a time would share the first cores
     "OMPI_MCA_mpi_yield_when_idle": "1",  # a rank that waits must not take the core from the one that it waits for
     "HWLOC_HIDE_ERRORS": "2",  # a bare root may have no /sys

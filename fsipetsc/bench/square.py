@@ -1,7 +1,8 @@
-"""The problem that is measured in two dimensions: a gas above a wall, beneath a solid that is clamped above, periodic in X.
+"""The problem that ``bench`` measures: a gas beneath a solid in one, two or three dimensions.
 
-Both are one high and one long, and begin with smooth disturbances of a tenth: what moves and bends costs as much as it ever
-will, and nothing else is there.
+Both blocks are unit cubes with n nodes along each axis, periodic along the interface. The gas has
+a wall below, the solid is clamped above. Initial disturbances are smooth and of a tenth, so that
+everything moves and bends, and nothing else is there.
 """
 
 from __future__ import annotations
@@ -11,47 +12,53 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.boundaries.plane import Clamped, NoSlip
+from fsipetsc.blocks.conditions import Clamped, NoSlip
+from fsipetsc.blocks.layers import Layer, layers
+from fsipetsc.blocks.problem import BlockProblem
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.options import Option
-from fsipetsc.physics.fluid import Fluid
-from fsipetsc.plane import PlaneFluidLayer, PlaneProblem, PlaneSolid, PlaneSolidLayer
 
 NAME = "square"
-SUMMARY = "gas | solid, both squares, for measuring what a step costs in two dimensions"
-OPTIONS = (Option("square_friction", bool, False, "", "friction and conduction in both"),)
+SUMMARY = "gas | solid, two squares, for measuring what a step costs"
+OPTIONS = (
+    Option("square_dimension", int, 2, "", "number of dimensions", (1, 2, 3)),
+    Option("square_viscous", bool, False, "", "viscosity and conduction in both"),
+)
 DEFAULTS = {"fsi_h": 1 / 64, "fsi_order": 4, "ts_max_time": 1.0}
-
-#: name -> options of the run, and words for the other program
-FORMS: dict[str, tuple[dict[str, Any], tuple[str, ...]]] = {
-    "entropy": ({}, ()),
-    "divergence": ({"fsi_convection": "divergence"}, ("-form", "div")),
-    "viscous": ({"square_friction": True}, ("-visc", "1")),
-    "divergence-viscous": ({"fsi_convection": "divergence", "square_friction": True}, ("-form", "div", "-visc", "1")),
-}
 _K, _SIZE = 2.0 * np.pi, 0.1
 
 
-def gas(X: np.ndarray, Y: np.ndarray) -> tuple[np.ndarray, ...]:
-    """(rho, u, v, T)."""
-    between = 4.0 * Y * (1.0 - Y)
-    u, v = _SIZE * between * np.sin(_K * X), _SIZE * between * np.cos(_K * X)
-    return 1.0 + _SIZE * np.sin(_K * X + Y), u, v, 1.0 + _SIZE * np.cos(_K * X) * np.sin(Y)
+def gas(*X: np.ndarray) -> tuple[np.ndarray, ...]:
+    """(rho, u_1 … u_d, T)."""
+    *beside, Y = X
+    phase, between = _K * sum(beside, 0.0 * Y), 4.0 * _SIZE * Y * (1.0 - Y)
+    along = [between * np.sin(phase + k) for k in range(len(beside))]
+    rho, T = 1.0 + _SIZE * np.sin(phase + Y), 1.0 + _SIZE * np.cos(phase) * np.sin(Y)
+    return rho, *along, between * np.cos(phase), T
 
 
-def solid(X: np.ndarray, Y: np.ndarray) -> tuple[np.ndarray, ...]:
-    """(u, v, T, x, y)."""
-    u, v = 0.5 * _SIZE * (2.0 - Y) * np.sin(_K * X + Y), 0.4 * _SIZE * (2.0 - Y) * np.cos(_K * X) * np.sin(Y)
-    x, y = 0.1 * _SIZE * np.sin(_K * X) * np.cos(3.0 * Y), 0.2 * _SIZE * np.cos(_K * X) * np.sin(2.0 * Y)
-    return u, v, np.ones_like(X), X + x, Y + y
+def solid(*X: np.ndarray) -> tuple[np.ndarray, ...]:
+    """(v_1 … v_d, T, x_1 … x_d)."""
+    *beside, Y = X
+    phase, above = _K * sum(beside, 0.0 * Y), _SIZE * (2.0 - Y)
+    along = [0.5 * above * np.sin(phase + Y + k) for k in range(len(beside))]
+    places = [x + 0.1 * _SIZE * np.sin(phase) * np.cos(3.0 * Y) for x in beside]
+    v, y = 0.4 * above * np.cos(phase) * np.sin(Y), Y + 0.2 * _SIZE * np.cos(phase) * np.sin(2 * Y)
+    return *along, v, 1.0 + 0.0 * Y, *places, y
 
 
-def build(opt: Mapping[str, Any]) -> PlaneProblem:
-    """As many rows in either layer as columns."""
-    friction, cells = opt["square_friction"], round(1.0 / opt["fsi_h"]) - 1
-    mu, kappa, kappa_e = (0.02, 0.03, 0.02) if friction else (0.0, 0.0, 0.0)
-    plate = PlaneSolid(1.5, 2.0, kappa_e, 2.0, 1.0, heat="elastic")
-    layers = (
-        PlaneFluidLayer("gas", Fluid(mu, kappa, 1.4, 1.0), (0.0, 1.0), gas, cells=cells),
-        PlaneSolidLayer("solid", plate, (1.0, 2.0), solid, cells=cells),
+def build(opt: Mapping[str, Any]) -> BlockProblem:
+    """n = 1/h nodes along each axis of a block."""
+    d, n = opt["square_dimension"], round(1.0 / opt["fsi_h"])
+    mu, kappa, kappa_e = (0.02, 0.03, 0.02) if opt["square_viscous"] else (0.0, 0.0, 0.0)
+    plate = ElasticSolid(1.5, 2.0, kappa_e, 2.0, 1.0, heat="elastic")
+    return layers(
+        Layer("gas", Fluid(mu, kappa, 1.4, 1.0), (0.0, 1.0), gas, cells=n - 1),
+        Layer("solid", plate, (1.0, 2.0), solid, cells=n - 1),
+        lower=NoSlip(),
+        upper=Clamped(),
+        along=((0.0, 1.0),) * (d - 1),
+        cells=(n,) * (d - 1),
+        units="none",
     )
-    return PlaneProblem(layers, (0.0, 1.0), NoSlip(), Clamped(), units="none")

@@ -26,7 +26,7 @@ from fsipetsc.blockrun.run_problem import RunProblem
 from fsipetsc.checks import counted
 from fsipetsc.errors import FsiError, InputError
 from fsipetsc.operators.sbp import OPERATORS
-from fsipetsc.parallel.block_layout import BlockLayout, BlockVector
+from fsipetsc.parallel.block_layout import BlockLayout, BlockVector, halos_of
 from fsipetsc.parallel.natural_order import NaturalOrder
 from fsipetsc.process.together import agree, together, wait_asleep
 from fsipetsc.scheme.burst import DT
@@ -96,7 +96,8 @@ class BlockState:
         blocks, d = problem.layers, problem.dimension
         gases = sum(block.kind == "fluid" for block in blocks)
         behind = gained(gases, d).itemsize // 8
-        self.layout = BlockLayout(comm, problem, order, partition=partition, behind=behind)
+        self._halos = halos_of(problem, order, form.shock > 0.0)
+        self.layout = BlockLayout(comm, problem, order, self._halos, partition, behind=behind)
         self.y = self.layout.vector()
         self._stage = self.layout.vector()
         size = (self.layout.local_size, None)
@@ -195,7 +196,8 @@ class BlockState:
         if self.comm.size == 1:
             _call_all(self.scheme, self._stage, self.begin)
         elif self.points <= MOST_ALONE:
-            alone = BlockLayout(MPI.COMM_SELF, self.problem, self._order, behind=self.layout.behind)
+            behind = self.layout.behind
+            alone = BlockLayout(MPI.COMM_SELF, self.problem, self._order, self._halos, behind=behind)
             y = alone.vector()
             scheme = make_scheme(alone, self.problem, self._order, self._form, self._instant)
             _call_all(scheme, y, self.begin)

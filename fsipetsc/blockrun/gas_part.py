@@ -15,9 +15,11 @@ from fsipetsc.blocks.grid import GridMotion
 from fsipetsc.blocks.particles import Particle
 from fsipetsc.blocks.values import block_values
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
+from fsipetsc.operators.undivided import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, FaceGather, Part
 from fsipetsc.scheme import block_look
 from fsipetsc.scheme import normals as of_faces
+from fsipetsc.scheme.gas_dissipation import gas_dissipation, room
 from fsipetsc.scheme.gas_rates import DivergenceForm, EntropyForm, Inviscid, Viscous, gas_rates, scratch
 
 Array = NDArray[Any]
@@ -49,6 +51,10 @@ class GasPart:
         material = self.block.material
         self._form = DivergenceForm() if form.convection == "divergence" else EntropyForm()
         self._friction = Viscous() if material.mu > 0.0 or material.kappa > 0.0 else Inviscid()
+        self._sigma, self._shock = sigma_of(form.dissipation, self._problem.joined), form.shock
+        if self._sigma > 0.0 or self._shock > 0.0:
+            self._differences = differences(d, order, part.bands, self.block.cells)
+            self._room = room(d, self._differences)
         self._scratch = scratch(self._like, self._form, self._friction, part.bands)
 
     @property
@@ -153,6 +159,10 @@ class GasPart:
         S, w = [band.S for band in bands], [band.weight for band in bands]
         chosen = self.equations, self._like, self._form, self._friction
         gas_rates(*chosen, q, self.metrics, *S, *w, self.part.patch, rates, self._scratch)
+        if self._sigma > 0.0 or self._shock > 0.0:
+            strengths, more = (self._sigma, self._shock), (self._differences, self.part.patch)
+            equations = self.equations, self._like, self._form
+            gas_dissipation(*equations, *strengths, q, self.metrics, *S, *more, rates, self._room)
         self.faces.add(t, q, self.metrics, rates, gain)
         force = np.array(self.equations.force)
         if force.any():

@@ -11,18 +11,24 @@ from fsipetsc.blockrun.asked import Asked
 from fsipetsc.blockrun.face_terms import FaceTerms, ranges_of, strain, weights_of
 from fsipetsc.blockrun.gas_part import MOMENTUM
 from fsipetsc.blocks.metrics import solid_metrics
-from fsipetsc.blocks.values import block_values
-from fsipetsc.equations.tensors import determinant
+from fsipetsc.blocks.values import block_values, prestress_of
+from fsipetsc.equations.tensors import add_unit, determinant
+from fsipetsc.operators.loops import dot
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
+from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_layout import BlockLayout, Part
 from fsipetsc.scheme import block_look
-from fsipetsc.scheme.solid_rates import solid_rates, solid_scratch
+from fsipetsc.scheme.solid_rates import Work, solid_rates, solid_work
 
 Array = NDArray[Any]
 
 
 class SolidPart:
-    """One part of a solid block. metrics: (d d + 1, ghosted nodes), A^k and J0; inertia: J0 m0."""
+    """One part of a solid block.
+
+    metrics: (d d + 1, ghosted nodes), A^k and J0; inertia: J0 m0; prestress: (d d, ghosted nodes),
+    or (d d, 0) of a block that has none.
+    """
 
     def __init__(
         self, layout: BlockLayout, part: Part, order: int, form: Any, asked: Asked
@@ -43,7 +49,14 @@ class SolidPart:
         self._masses = weights_of(part, self._owned) * self.inertia[self._owned]
         self._per_h = np.array(self.block.cells, float)
         self._F = np.zeros((d * d, part.numbers.size))
-        self._scratch = solid_scratch(d, max(band.reach for band in part.bands))
+        self.prestress = prestress_of(self.block, self.X)
+        self._work = self._make_work(OPERATORS[order].rows, ranges[0][0])
+
+    def _make_work(self, rows: int, first: int) -> Work:
+        """Memory of rates. rows: of the closures; first: the first ghosted node along axis 0."""
+        part, nodes = self.part, self.block.shape[0]
+        inside = (0, part.patch.ghosted[0]) if self.block.periodic[0] else (rows - first, nodes - rows - first)
+        return solid_work(self.equations, part.bands, inside, part.patch)
 
     @property
     def timed(self) -> bool:
@@ -60,7 +73,8 @@ class SolidPart:
         solid = self.equations
         q[:, 2 * d] = solid.alpha * T + 0.5 * sum(c * c for c in v)
         if not solid.coupled:
-            q[:, 2 * d] += solid.law.energy(self._strain_of_case()) / solid.m0
+            F = self._strain_of_case()
+            q[:, 2 * d] += solid.law.energy(F) / solid.m0 + self._stored_by_prestress(F, self._owned)
 
     def _strain_of_case(self) -> tuple[Array, ...]:
         """F of the owned nodes from the case's places, which it knows in halos as well."""
@@ -69,6 +83,16 @@ class SolidPart:
         for c in range(self._d):
             q[:, c] = places[c] - self.X[c]
         return tuple(self._deformation(q))
+
+    def _stored_by_prestress(self, F: Any, at: Array) -> Any:
+        """Energy per mass [J/kg] of ghosted nodes with heat 'elastic': S : (F - 1)/m0."""
+        if self.equations.coupled or not self.prestress.size:
+            return 0.0
+        return dot(tuple(self._prestress_at(at)), add_unit(-1.0, tuple(F))) / self.equations.m0
+
+    def _prestress_at(self, at: Array) -> Array:
+        """(d d, …) of ghosted nodes, 0 if there is none."""
+        return self.prestress[:, at] if self.prestress.size else np.zeros((self._d**2, 1))
 
     def _deformation(self, q: Array) -> Array:
         """F (d d, M) of the owned nodes."""
@@ -81,9 +105,13 @@ class SolidPart:
         """What bounds a step, and integrals of the owned nodes: see fsipetsc.scheme.block_look; q: (N, 2d + 1)."""
         d, weights = self._d, [band.weight for band in self.part.bands]
         seen, sums = np.zeros(block_look.LOOKED), np.zeros(d + 1)
-        arguments = self.equations, self._like, q, self.metrics, self._per_h, STIFFNESS_OF_WIDE
-        F = self._deformation(q)
-        block_look.solid_look(*arguments, *weights, self.part.patch, F, seen, sums)
+        F, of_block = self._deformation(q), (self.metrics, self._per_h, STIFFNESS_OF_WIDE)
+        arguments = *of_block, *weights, self.part.patch, F, seen
+        block_look.solid_look(self.equations, self._like, q, *arguments, sums)
+        if self.prestress.size and not self.equations.coupled:
+            thermal = q.copy()
+            thermal[self._owned, 2 * d] -= self._stored_by_prestress(F, self._owned)
+            block_look.solid_look(self.equations, self._like, thermal, *arguments, np.zeros(d + 1))
         return seen, dict(zip([*MOMENTUM[:d], "energy"], sums.tolist(), strict=True))
 
     def fields(self, q: Array) -> Array:
@@ -91,8 +119,8 @@ class SolidPart:
         d = self._d
         F, own = tuple(self._deformation(q)), q[self._owned]
         v = tuple(own[:, d : 2 * d].T)
-        T = self.equations.temperature(v, own[:, 2 * d], F)
-        P, J = self.equations.stress_at(F, T), determinant(F)
+        T = self.equations.temperature(v, own[:, 2 * d] - self._stored_by_prestress(F, self._owned), F)
+        P, J = self.equations.stress_at(F, T) + self._prestress_at(self._owned), determinant(F)
         pairs = [(i, j) for i in range(d) for j in range(i, d)]
         stresses = [sum(P[i * d + m] * F[j * d + m] for m in range(d)) / J for i, j in pairs]
         stresses = [s - self.faces.p_ref * (i == j) for s, (i, j) in zip(stresses, pairs, strict=True)]
@@ -107,7 +135,7 @@ class SolidPart:
             return np.zeros(nodes.size)
         at = self.part.ghosted_rows(self.part.rows(nodes))
         F = strain(self.part, at, self.metrics, q)
-        return self.equations.law.energy(tuple(F)) / self.equations.m0
+        return self.equations.law.energy(tuple(F)) / self.equations.m0 + self._stored_by_prestress(F, at)
 
     def ask(self, t: float) -> list[Array]:
         """The case's forcing at time t [s]; nothing if there is none. InputError the first time."""
@@ -121,10 +149,8 @@ class SolidPart:
         """rates (M, 2d + 1) of the volume terms, of faces and of forcing; q: (N, 2d + 1). What
         comes in is added to gain (d + 2,): mass, impulse, energy.
         """
-        bands, d = self.part.bands, self._d
-        S, w = [band.S for band in bands], [band.weight for band in bands]
-        chosen = self.equations, self._like, q, self.metrics
-        solid_rates(*chosen, *S, *w, self.part.patch, rates, self._scratch)
+        d = self._d
+        solid_rates(self.equations, self._like, q, self.metrics, self.prestress, rates, self._work)
         self.faces.add(t, q, self.metrics, rates, gain)
         force, v = np.array(self.equations.force), q[self._owned, d : 2 * d]
         if force.any():

@@ -34,6 +34,8 @@ class Block:
     (rho, u_1..u_d, T) of a gas, (v_1..v_d, T, x_1..x_d) of a solid. exact(*X, t) -> the same.
     forcing(*X, t) -> right-hand sides of (rho, rho u_1..u_d, e) of a gas, per volume, and of the
     unknowns of initial of a solid. periodic: which axes close in themselves and have no faces.
+    prestress(*X) -> d*d numbers, row by row: stress [Pa] that a solid has beside that of its law, at
+    its nodes for all time. Its energy is S : (F - 1) with heat 'elastic', else its work becomes heat.
     """
 
     name: str
@@ -44,6 +46,7 @@ class Block:
     forcing: Callable[..., Any] | None = None
     exact: Callable[..., Any] | None = None
     periodic: tuple[bool, ...] = ()
+    prestress: Callable[..., Any] | None = None
 
     def __post_init__(self) -> None:
         name, material = self.name, self.material
@@ -56,6 +59,9 @@ class Block:
         function(self.initial, f"{self}: initial", "initial(*X) -> the unknowns")
         function(self.exact, f"{self}: exact", "exact(*X, t) -> the unknowns", optional=True)
         function(self.forcing, f"{self}: forcing", "forcing(*X, t) -> the rates", optional=True)
+        function(self.prestress, f"{self}: prestress", "prestress(*X) -> P [Pa]", optional=True)
+        if self.prestress is not None and self.kind == "fluid":
+            raise InputError(f"{self}: prestress is given: expected none, as it is a gas")
         function(self.map, f"{self}: map", "X(xi) -> d arrays")
         self._check_map()
 

@@ -20,15 +20,45 @@ def names_of(kind: str, what: str, d: int) -> tuple[str, ...]:
     return ("rho", *(f"rho {c}" for c in u), "e") if what == "forcing" else ("rho", *u, "T")
 
 
-def block_values(block: Any, what: str, X: Array, t: float) -> list[Array]:
+class AtNodes:
+    """Initial data of a block that are known at its nodes: values (nodes, unknowns)."""
+
+    def __init__(self, values: Array) -> None:
+        self.values = values
+
+    def __call__(self, *X: Array) -> list[Array]:
+        """They are no functions of the place."""
+        raise InputError("initial data of a frame are known at the nodes alone")
+
+
+def block_values(
+    block: Any, what: str, X: Array, t: float, nodes: Array | None = None
+) -> list[Array]:
     """Values of block.initial, exact or forcing at places X (d, n) at time t [s], (n,) each.
 
-    InputError, perhaps on this rank alone; rho and T must be above 0.
+    nodes: their numbers, which AtNodes needs. InputError, perhaps on this rank alone; rho and T
+    must be above 0.
     """
     function = getattr(block, what)
+    if isinstance(function, AtNodes):
+        return list(function.values[nodes].T)
     where = f"{what} of block '{block.name}'" + ("" if what == "initial" else f" at t = {t:.6g}")
     arguments = tuple(X) if what == "initial" else (*X, t)
-    return checked(function, arguments, X, names_of(block.kind, what, len(X)), where)
+    names = names_of(block.kind, what, len(X))
+    return checked(function, arguments, X, names, where, physical=what != "forcing")
+
+
+def prestress_of(block: Any, X: Array) -> Array:
+    """block.prestress (d d, n) [Pa] at places X (d, n), or (d d, 0) of a block that has none.
+
+    InputError, perhaps on this rank alone.
+    """
+    d = len(X)
+    if block.prestress is None:
+        return np.zeros((d * d, 0))
+    names = [f"S_{i}{j}" for i in "xyz"[:d] for j in "xyz"[:d]]
+    where = f"prestress of block '{block.name}'"
+    return np.array(checked(block.prestress, tuple(X), X, names, where))
 
 
 def checked(
@@ -37,8 +67,12 @@ def checked(
     X: Array,
     names: Sequence[str],
     where: str,
+    physical: bool = True,
 ) -> list[Array]:
-    """What a function of the case's returns, an array of (n,) for each name. InputError."""
+    """What a function of the case's returns, an array of (n,) for each name. InputError.
+
+    physical: what is called rho or T must be above 0.
+    """
     with np.errstate(all="ignore"):  # what comes of it is looked at
         values = call(function, tuple(arguments), where)
     expected = f"expected {len(names)} values ({', '.join(names)})"
@@ -49,7 +83,7 @@ def checked(
     if len(values) != len(names):
         raise _fault(function, where, f"returns {len(values)} values: {expected}")
     pairs = zip(names, values, strict=True)
-    return [_array(value, name, X, function, where) for name, value in pairs]
+    return [_array(value, name, X, function, where, physical) for name, value in pairs]
 
 
 def checked_one(
@@ -58,10 +92,12 @@ def checked_one(
     """The same of a function that returns one value."""
     with np.errstate(all="ignore"):
         value = call(function, tuple(arguments), where)
-    return _array(value, name, X, function, where)
+    return _array(value, name, X, function, where, True)
 
 
-def _array(value: Any, name: str, X: Array, function: Callable[..., Any], where: str) -> Array:
+def _array(
+    value: Any, name: str, X: Array, function: Callable[..., Any], where: str, physical: bool
+) -> Array:
     """One of the values, for all places."""
     size = X.shape[1]
     try:
@@ -75,7 +111,7 @@ def _array(value: Any, name: str, X: Array, function: Callable[..., Any], where:
         shape = f"{name} has the shape {array.shape}: expected ({size},), as X has, or one number"
         raise _fault(function, where, shape)
     array = np.broadcast_to(array.astype(float, copy=False), (size,))
-    positive = name in ("rho", "T")
+    positive = physical and name in ("rho", "T")
     good = np.isfinite(array) & ((array > 0.0) | (not positive))
     if not good.all():
         i = int(np.argmin(good))

@@ -44,13 +44,7 @@ from fsipetsc.equations.means import (
     near_mean,
 )
 from fsipetsc.equations.tensors import add_unit, apply, outer, trace, transpose
-from fsipetsc.operators.loops import add, along, dot, formulas, mean, scale
-
-formulas("primitive", "state", "velocity", "densities", "conserved", "flux", "mean_flux")
-formulas("pair_flux", "near_pair_flux", "near_pair_flux_at_rest", "pair_distance")
-formulas("speed_of_sound", "entropy_density", "entropy_variables", "first_entropy_variable")
-formulas("velocity_gradient", "viscous_stress", "conduction", "viscous_flux")
-formulas("body_force", "diffusivity")
+from fsipetsc.operators.loops import add, along, dot, mean, scale
 
 
 class Gas(NamedTuple):
@@ -110,10 +104,18 @@ class Gas(NamedTuple):
 
     def pair_flux(self, l, r, a_l, v_l, a_r, v_r):
         """F of any two nodes."""
-        g = volume_flux(a_l, v_l, a_r, v_r)
+        return self.flux_through(l, r, mean(a_l, a_r), volume_flux(a_l, v_l, a_r, v_r))
+
+    def flux_through(self, l, r, a, g):
+        """a . f# - g U# of any two nodes: linear in a and g."""
         rho = logarithmic_mean(l[0], r[0], distance(l[0], r[0], l[-2], r[-2]))
         T = harmonic_mean(l[2], r[2], distance(l[2], r[2], l[-1], r[-1]))
-        return two_point_flux(self.law, l, r, mean(a_l, a_r), g, rho, T)
+        return two_point_flux(self.law, l, r, a, g, rho, T)
+
+    def mean_flux_through(self, l, r, a, g):
+        """{a . f} - g {U} of two nodes, through one area."""
+        f = mean(self.flux(l, a), self.flux(r, a))
+        return along(f, -g, mean(self.densities(l), self.densities(r)))
 
     def near_pair_flux(self, l, r, a_l, v_l, a_r, v_r):
         """The same where pair_distance is at most NEAR, in half the time: no logarithm, no division."""
@@ -121,12 +123,6 @@ class Gas(NamedTuple):
         rho = near_mean(l[0], r[0], distance(l[0], r[0], l[-2], r[-2]))
         T = near_harmonic_mean(l[2], r[2], distance(l[2], r[2], l[-1], r[-1]))
         return two_point_flux(self.law, l, r, mean(a_l, a_r), g, rho, T)
-
-    def near_pair_flux_at_rest(self, l, r, a_l, a_r):
-        """near_pair_flux on a grid at rest."""
-        rho = near_mean(l[0], r[0], distance(l[0], r[0], l[-2], r[-2]))
-        T = near_harmonic_mean(l[2], r[2], distance(l[2], r[2], l[-1], r[-1]))
-        return two_point_flux(self.law, l, r, mean(a_l, a_r), 0.0, rho, T)
 
     def pair_distance(self, l, r):
         """How far two states are apart: the larger distance (means.py) of density, temperature."""
@@ -149,6 +145,26 @@ class Gas(NamedTuple):
         u = w[3:-2]
         h = (self.law.energy_density(w[0], w[2]) + w[1]) * w[-2]
         return (h - 0.5 * dot(u, u)) * w[-1] - self.law.entropy(w[0], w[2])
+
+    def fastest(self, w, a, g):
+        """|a . u - g| + c |a|: the fastest wave through the area a whose volume flux is g."""
+        c_squared = self.law.sound_speed_squared(w[0], w[2])
+        return abs(dot(a, w[3:-2]) - g) + np.sqrt(c_squared * dot(a, a))
+
+    def densities_of_change(self, w, change):
+        """U_z dz, U by the d + 2 entropy variables z = ((h - |u|^2/2)/T - s, u/T, -1/T), at w.
+
+        A sum of squares where rho, T, cv and rho dp/drho are positive: dz . U_z dz > 0.
+        """
+        rho, p, T, u = w[0], w[1], w[2], w[3:-2]
+        first, of_u, of_T = change[0], change[1:-1], change[-1]
+        law = self.law
+        H = (law.energy_density(rho, T) + p - T * law.pressure_by_temperature(rho, T)) * w[-2]
+        H = H + 0.5 * dot(u, u)
+        mass = rho * rho * T / law.bulk_modulus(rho, T) * (first + dot(u, of_u) + H * of_T)
+        push = scale(rho * T, along(of_u, of_T, u))
+        heat = rho * law.heat_capacity(rho, T) * T * T * of_T
+        return (mass, *along(push, mass, u), H * mass + dot(u, push) + heat)
 
     def velocity_gradient(self, w, scaled, inverse):
         """The tensor du_i/dx_j; scaled: the tensor grad (u/T), inverse: grad (-1/T)."""

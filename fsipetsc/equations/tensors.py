@@ -113,6 +113,10 @@ apply = by_length(
 apply_transposed = by_length(
     "apply_transposed", "F, a", _vector(lambda j, d: _sum(d, lambda i: f"F[{i * d + j}] * a[{i}]"))
 )
+#: sum_i F_ij
+column_sums = by_length(
+    "column_sums", "F", _vector(lambda j, d: _sum(d, lambda i: f"F[{i * d + j}]"))
+)
 #: a b^T, from two vectors
 outer = by_length("outer", "a, b", lambda d: _tensor(lambda i, j, d: f"a[{i}] * b[{j}]")(d * d))
 #: A B^T

@@ -1,7 +1,7 @@
 """How loops are compiled, and functions of tuples, by which one source serves one, two and three dimensions.
 
 Equations and laws are NamedTuple classes whose methods are scalar formulas, as ``gas.pressure(rho, T)``. The same source runs
-in plain Python, on numpy arrays, and in compiled loops: `formulas` makes methods of these names known to numba.
+in plain Python, on numpy arrays, and in compiled loops.
 
 Functions of tuples are written out for the length of their arguments when they are compiled. Loops over rows get tuples of
 rows; LLVM turns them into vector instructions because ``noalias`` says that the arrays of a call do not overlap.
@@ -10,11 +10,14 @@ rows; LLVM turns them into vector instructions because ``noalias`` says that the
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
+from inspect import isfunction
 from typing import Any
 
-from numba import types
+from numba import njit, types
 from numba.core.compiler import Compiler
-from numba.extending import overload, overload_method, register_jitable
+from numba.core.typing.templates import AbstractTemplate, AttributeTemplate
+from numba.extending import infer_getattr, lower_builtin, overload
 
 from fsipetsc.operators.kernel_cache import use_kernel_cache
 
@@ -40,31 +43,49 @@ LOOP = {
 }
 #: of functions that call loops
 CALL = {"error_model": "numpy", "boundscheck": False, "nogil": True, "cache": True}
+#: spares compile time in functions that compiled code alone calls; Python crashes if it calls them
+_INNER = {"cache": False, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+INNER_LOOP, INNER_CALL = {**LOOP, **_INNER}, {**CALL, **_INNER}
+#: the same of formulas, which are always put into the loops that call them
+_FORMULA = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "forceinline": True}
 
-_known: set[str] = set()
-_formulas: dict[Callable[..., Any], Callable[..., Any]] = {}
+
+@infer_getattr
+class _Formulas(AttributeTemplate):
+    """Lets compiled code call the methods of NamedTuple classes."""
+
+    key = types.BaseNamedTuple
+
+    def generic_resolve(self, law: Any, name: str) -> Any:
+        found = getattr(law.instance_class, name, None)
+        return types.BoundFunction(_method(found), law) if isfunction(found) else None
+
+
+@cache
+def _method(formula: Callable[..., Any]) -> Any:
+    """What numba must know of a method: its type for given arguments, and how it is called."""
+    dispatcher = njit(**_FORMULA)(formula)
+
+    class Method(AbstractTemplate):
+        key = formula
+
+        def generic(self, arguments: Any, keywords: Any) -> Any:
+            compiled, given = types.Dispatcher(dispatcher), (self.this, *arguments)
+            return compiled.get_call_type(self.context, given, keywords).as_method()
+
+    @lower_builtin(formula, types.VarArg(types.Any))
+    def call(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        compiled = types.Dispatcher(dispatcher)
+        found = compiled.get_call_type(context.typing_context, signature.args, {})
+        function = context.get_function(compiled, found)
+        context.add_linking_libs(getattr(function, "libs", ()))
+        return function(builder, arguments)
+
+    return Method
 
 
 def formulas(*names: str) -> None:
-    """Let compiled code call methods of these names of NamedTuple classes; no NamedTuple may have fields of these names."""
-    for name in names:
-        if name not in _known:
-            _known.add(name)
-            _register(name)
-
-
-def _register(name: str) -> None:
-    @overload_method(types.BaseNamedTuple, name)
-    def method(law, *arguments):
-        found = getattr(law.instance_class, name, None)
-        if found is None:
-            return None
-        formula = _formulas.setdefault(found, register_jitable(found))
-
-        def call(law, *arguments):
-            return formula(law, *arguments)
-
-        return call
+    """Not needed any more: compiled code may call all methods of NamedTuple classes."""
 
 
 def _by_length(name: str, arguments: str, body: Callable[[int], str], inline: str = "never") -> Any:
@@ -85,7 +106,7 @@ def _by_length(name: str, arguments: str, body: Callable[[int], str], inline: st
     length = "max(len(v) for v in (" + arguments + ",) if isinstance(v, tuple))"
     exec(f"def {name}({arguments}):\n return source({length})({arguments})", space)
     exec(f"def _build({arguments}): return build({arguments})", space)
-    overload(space[name], inline=inline)(space["_build"])
+    overload(space[name], inline=inline, jit_options=_FORMULA)(space["_build"])
     return space[name]
 
 
@@ -109,6 +130,7 @@ mean = _by_length("mean", "a, b", _tuple("0.5 * (a[@] + b[@])"))
 #: a + c b
 along = _by_length("along", "a, c, b", _tuple("a[@] + c * b[@]"))
 zeros = _by_length("zeros", "a", _tuple("0.0 * a[@]"))
+choose = _by_length("choose", "first, a, b", _tuple("a[@] if first else b[@]"))
 #: rows[c][i], as a tuple
 load = _by_length("load", "rows, i", _tuple("rows[@][i]"))
 store = _by_length("store", "rows, i, values", _lines("rows[@][i] = values[@]"))

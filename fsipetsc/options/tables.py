@@ -59,8 +59,8 @@ DISCRETISATION = (
         choices=("auto", "divergence", "entropy"),
     ),
     Option(
-        *("fsi_dissipation", float, 0.0, "", "dissipation by differences of half the order, times its usual size; 0: none"),
-        check=_between(0, 3),
+        *("fsi_dissipation", float, 0.0, "", "times its usual size; 0: 1 where blocks are joined, else none; -1: none"),
+        check=_between(-1, 3),
     ),
     Option(
         *("fsi_shock", float, 0.0, "", "dissipation where a sensor sees a shock, times its usual size; 0: none"),

@@ -316,12 +316,12 @@ class FaceGather:
             self._whole[self._order] = self._received
 
 
-def halos_of(problem: Any, order: int) -> list[tuple[int, bool]]:
+def halos_of(problem: Any, order: int, shocks: bool = False) -> list[tuple[int, bool]]:
     """(width of the halo, whether its corners are needed) of each block.
 
     Where derivatives act twice, in solids and in gases with viscosity or conduction, a node needs
-    2 p others to each side, and corners, 3 p where a solid has a temperature that takes its strain
-    and conducts heat; else p, and at least 2.
+    2 p others to each side, and corners; 3 p where a solid's temperature follows from its strain
+    and is conducted; else p, one more at shocks, and at least 2.
     """
     p = order // 2
     found = []
@@ -332,7 +332,7 @@ def halos_of(problem: Any, order: int) -> list[tuple[int, bool]]:
             found.append((3 * p if thrice else 2 * p, True))
         else:
             twice = material.mu > 0.0 or material.kappa > 0.0
-            found.append((2 * p, True) if twice else (max(p, 2), False))
+            found.append((2 * p, True) if twice else (max(p + shocks, 2), False))
     return found
 
 

@@ -30,9 +30,10 @@ def start_mpi() -> MPI.Comm:
     import mpi4py
 
     mpi4py.rc.thread_level = "funneled"  # as PETSc asks for; locks for more threads would cost time in each message
-    # Open MPI's pointers into files that ranks share, which nothing here uses, take a semaphore that is named after the file
-    # alone: one that another user of the node has left, or another folder's file of that name, would stop or hang the run
-    os.environ.setdefault("OMPI_MCA_sharedfp", "^sm")
+    # Of Open MPI's two drivers of parallel files, its own (ompio) opens more beside each file, though nothing here asks for it:
+    # a semaphore named after the file alone, so that one left by another user stops or hangs a run, or NAME.h5-….lock, which
+    # a killed run leaves. The other one, ROMIO, does not.
+    os.environ.setdefault("OMPI_MCA_io_ompio_priority", "0")
     from mpi4py import MPI
 
     return MPI.COMM_WORLD

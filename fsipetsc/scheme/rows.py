@@ -11,13 +11,15 @@ a view per component keeps a call short: 17 ns with a dozen components, where vi
 from __future__ import annotations
 
 import numpy as np
+from numba import config
 from numpy.typing import NDArray
 
 from fsipetsc.operators.loops import _by_length
 
 Array = NDArray[np.float64]
 
-U64 = np.uint64
+#: plain Python's where nothing is compiled: numpy makes a float of an unsigned and a signed integer
+U64 = int if config.DISABLE_JIT else np.uint64
 #: nodes of a row of a tile: MARGIN, TILE at most, MARGIN
 TILE, MARGIN = 72, 24
 ROW = U64(TILE + 2 * MARGIN)

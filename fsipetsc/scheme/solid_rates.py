@@ -1,474 +1,424 @@
-"""Rates of the nodes of a solid block, boundary-flux-free, tile by tile.
+"""Rates of the nodes of a solid block, boundary-flux-free, layer by layer.
 
 fsipetsc.equations.solid has the equations, fsipetsc.operators.bands the weights S_il of pairs. With
-the pair sums of an axis
 
-    (S f)_i = sum_l S_il f_l,      s_i = sum_l S_il  (not 0 only near the ends)
+    D_k f   = sum_l S_il (f_l - f_i) / (2 weight_i)     derivative along axis k
+    D°_k f  = sum_l S_il (f_l + f_i) / (2 weight_i)     the same without the flux through the ends
 
-the derivative of f is (S f - s f)/(2 weight), that without the flux through the ends is
-(S f + s f)/(2 weight), and the power of the tractions t^k = P A^k is
+and the tractions t^k = P A^k, the rates of displacement, velocity and energy are
 
-    sum_l S_il (t_i . v_l + t_l . v_i)/2 = (t . S v + v . S t)/2,    divided by the weight.
+    D_t = v,    J0 m0 v_t = sum_k D°_k t^k,    J0 m0 e_t = v . sum_k D°_k t^k + sum_k t^k . D_k v.
 
-A tile is a box of nodes. F and t^k are found in the box that its pairs reach, from unknowns in the
-box that these reach in turn; conduction reaches once more. What two tiles need is found twice, by
-the same operations: rates do not depend on the tiles, nor on how a block is cut.
+The power is, pair by pair, S_il (t_i . v_l + t_l . v_i)/2: nothing is lost or won.
+
+A tile is a range of nodes along the first axis, and along the second one of three. Its layers along
+the last axis are swept: a layer is loaded, F and t^k are found one reach behind, rates two reaches
+behind. Arrays keep as many layers as are needed, in a ring. What two tiles need is found twice by
+the same operations: rates do not depend on tiles, nor on how a block is cut.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from itertools import product
+from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit, types
-from numba.extending import overload, register_jitable
+from numba import njit
 from numpy.typing import NDArray
 
 from fsipetsc.equations.tensors import (
     add_unit,
     apply,
     apply_transposed,
+    column_sums,
     outer,
     product_transposed,
-    scale_rows,
     transposed_product,
 )
-from fsipetsc.operators.loops import CALL, LOOP, add, along, column, dot, scale, sub
+from fsipetsc.operators.bands import Band
+from fsipetsc.operators.loops import CALL, INNER_CALL, INNER_LOOP, add, along, dot, scale
 from fsipetsc.operators.loops import _by_length as by_length
-from fsipetsc.operators.loops import _lines as each
-from fsipetsc.operators.loops import _tuple as numbers
+from fsipetsc.operators.patch import Patch
+from fsipetsc.scheme.rows import U64, at, put
 
-Array = NDArray[np.float64]
-#: most nodes of a tile along each axis, for d = 1, 2, 3
-TILES = ((1024, 1, 1), (128, 32, 1), (64, 16, 16))
-#: rows of Scratch.lines: 1/(2 weight), s, and of each distance the weights ahead and behind
-HALF, ONE, PAIRS = 0, 1, 2
-#: indices of arrays: with signed ones, which might be negative, LLVM makes no vector code
-U64 = np.uint64
+Array = NDArray[Any]
+#: as numbers of numba's usual type: it compiles a function anew for each literal one
+NONE, ONE = np.int64(0), np.int64(1)
+PLAIN, FREE = NONE, ONE
+#: most nodes of a tile along the first axis, and along the second one of three, for d = 1, 2, 3
+TILES = ((1024, 1), (128, 1), (64, 16))
+#: longest pairs of all operators; nodes of a row with all that they reach
+REACH = 7
+WIDTH = U64(1024 + 6 * REACH)
+#: numbers between components of the nodes of a tile, for d = 1, 2, 3. LLVM makes vector code of loops
+#: that store many components only if it knows how far they are apart
+STEPS = 1096, 29 * 170 + 6, 29 * 58 * 106 + 12
+step_of = by_length("step_of", "like", lambda d: f" return {STEPS[d - 1]}")
+#: what is known of a tile's nodes: rates, t^k and heats, T, F, unknowns
+OWN, NEAR, WARM, STRAINED, KNOWN = map(U64, range(5))
 
-put_column = by_length("put_column", "array, i, values", each("array[@, i] = values[@]"))
-#: as many of three numbers as like has
-first_of = by_length("first_of", "like, a, b, c", lambda n: f" return ({','.join('abc'[:n])},)")
-#: a_k b_k
-multiply = by_length("multiply", "a, b", numbers("a[@] * b[@]"))
+#: sum of weights w times f at some places, i nodes on
+weighted = by_length(
+    "weighted",
+    "w, f, places, i",
+    lambda n: " return " + " + ".join(f"w[{k}] * f[places[{k}] + i]" for k in range(n)),
+)
+#: a_1 + … + a_d
+total = by_length("total", "a", lambda d: " return " + " + ".join(f"a[{k}]" for k in range(d)))
 
 
-class Scratch(NamedTuple):
-    """Room for a tile, by node of a box of their own behind a margin, and for a row of nodes.
+class Layout(NamedTuple):
+    """Of a tile's arrays, row, layer: nodes of a row and of a layer; layers: how many are kept.
 
-    unknowns: q, strains: F, tractions: t^1 … t^d, temps: T, heats: A^k . h. lines: (3, rows, nodes)
-    data of the axes. sums, found: pair sums and rates of a row.
+    begin, end: nodes of the first axis with the same neighbours, those of the interior.
     """
 
+    row: int
+    layer: int
+    layers: int
+    begin: int
+    end: int
+
+
+class Row(NamedTuple):
+    """n nodes along the first axis from x, y, z on: numbers of the first one in arrays.
+
+    patch, own: in those of a patch, and of its owned nodes; tile: in those of a tile, whose layer
+    ``place`` it is in. From its node ``begin`` to ``end`` all have the neighbours of the interior.
+    """
+
+    n: int
+    patch: int
+    own: int
+    tile: int
+    x: int
+    y: int
+    z: int
+    place: int
+    begin: int
+    end: int
+
+
+class Work(NamedTuple):
+    """What solid_rates knows of a patch, and its memory. The axes are first, inner and last one.
+
+    patch: in this order. lags: layers from loading to t^k, conduction, rates. boxes: (tiles, 5, 3, 2)
+    first node and first beyond of OWN … KNOWN. jumps: (3, n, 1 + most) of each axis and node how many
+    neighbours there are, and how far; weights: sum_l S_il, and S_il of these, over 2 weight_i. In flat
+    arrays by components, of the nodes of a tile: unknowns, strains F, tractions t^k, temps T, heats
+    A^k . h; of the nodes of a row: slopes, found (rates).
+    """
+
+    patch: Patch
+    layout: Layout
+    lags: tuple[int, int, int]
+    boxes: Array
+    jumps: Array
+    weights: Array
     unknowns: Array
     strains: Array
     tractions: Array
     temps: Array
     heats: Array
-    lines: Array
-    sums: Array
+    slopes: Array
     found: Array
 
 
-class Row(NamedTuple):
-    """n nodes along axis 0; g: number of the first in the patch; x, y, z: its places in lines."""
-
-    n: int
-    g: int
-    x: int
-    y: int
-    z: int
+# What is known before
 
 
-def solid_scratch(d: int, reach: int) -> Scratch:
-    """Room for solid_rates in d dimensions with bands of this reach."""
-    extent = [n + 6 * reach if k < d else 1 for k, n in enumerate(TILES[d - 1])]
-    size = int(np.prod(extent)) + 2 * even(reach)
-    by_node = [np.zeros((count, size)) for count in (2 * d + 1, d * d, d * d, 1, d)]
-    lines = np.zeros((3, PAIRS + 2 * even(reach), max(extent)))
-    return Scratch(
-        *by_node, lines, np.zeros((2 * d * d, extent[0])), np.zeros((2 * d + 1, extent[0]))
-    )
+def solid_work(solid: Any, bands: Any, regular: tuple[int, int], patch: Patch) -> Work:
+    """Work for a patch with these three bands of its ghosted nodes.
+
+    regular: nodes of axis 0, from … to, whose rows of D are those of the interior.
+    """
+    d = len(solid.force)
+    bands, patch = in_order(bands, d), Patch(*(in_order(of_axes, d) for of_axes in patch))
+    conducts = int(solid.kappa > 0.0)
+    tiles = tiles_of(patch, d)
+    boxes = np.array([boxes_of(bands, own, conducts and not solid.coupled) for own in tiles])
+    boxes[:, [NEAR, WARM]] *= conducts  # else no rows of T and heats
+    row, inner = (int((b[:, 1] - b[:, 0]).max()) for b in (boxes[:, KNOWN, 0], boxes[:, KNOWN, 1]))
+    reach = bands[2].reach
+    layout = Layout(row, row * inner, (3 + conducts) * reach + 1, *regular)
+    lags = reach, (1 + conducts) * reach, (2 + conducts) * reach
+    memory = [np.zeros(count * STEPS[d - 1]) for count in (2 * d + 1, d * d, d * d, 1, d)]
+    of_row = [np.zeros(count * int(WIDTH)) for count in (2 * d * d + d, 2 * d + 1)]
+    return Work(patch, layout, lags, boxes, *neighbours(bands), *memory, *of_row)
 
 
-@register_jitable
-def even(n):
-    """The even number that is not below n."""
-    return n + n % 2
+def in_order(of_axes: Any, d: int) -> Any:
+    """First axis, second one of three, last one."""
+    return (of_axes[0], of_axes[2], of_axes[1]) if d == 2 else tuple(of_axes)
+
+
+def tiles_of(patch: Patch, d: int) -> list[Any]:
+    """Tiles of the owned nodes: (begin, end) along each axis."""
+    cuts = []
+    for first, count, most in zip(patch.first, patch.own, (*TILES[d - 1], patch.own[2])):
+        ends = range(first, first + count, most)
+        cuts.append([(begin, min(begin + most, first + count)) for begin in ends])
+    return list(product(*cuts))
+
+
+def boxes_of(bands: tuple[Band, ...], own: Any, further: bool) -> list[Any]:
+    """OWN … KNOWN of a tile. further: T follows from F, so that both are needed around t^k."""
+
+    def reached(box: Any) -> Any:
+        return [reached_along(b.S, *ends) for b, ends in zip(bands, box, strict=True)]
+
+    near = reached(own)
+    warm = reached(near)
+    return [own, near, warm, warm if further else near, reached(warm) if further else warm]
+
+
+def reached_along(S: Array, begin: int, end: int) -> tuple[int, int]:
+    """First node and first beyond of those in pairs with nodes begin … end - 1."""
+    low, high = begin, end
+    for m in range(1, len(S)):
+        ahead = np.flatnonzero(S[m, begin:end])
+        behind = np.flatnonzero(S[m, max(begin - m, 0) : end - m]) if end > m else ()
+        high = max(high, begin + ahead[-1] + m + 1) if len(ahead) else high
+        low = min(low, max(begin - m, 0) + behind[0]) if len(behind) else low
+    return low, min(high, S.shape[1])
+
+
+def neighbours(bands: Any) -> tuple[Array, Array]:
+    """jumps and weights of Work."""
+    most = max(2 * band.reach + 1 for band in bands)
+    shape = 3, max(len(band.weight) for band in bands), 1 + most + -most % 4
+    jumps, weights = np.zeros(shape, np.int64), np.zeros((2, *shape))
+    for axis, (S, weight) in enumerate(bands):
+        for i in range(len(weight)):
+            pairs = [(m, S[m, i]) for m in range(1, min(len(S), len(weight) - i))]
+            pairs += [(-m, -S[m, i - m]) for m in range(1, min(len(S), i + 1))]
+            own = sum(S_il for _, S_il in pairs)
+            pairs = [(m, S_il) for m, S_il in [*pairs, (0, own)] if abs(S_il) > 1e-12]
+            here = slice(1, 1 + len(pairs))
+            jumps[axis, i, 0], jumps[axis, i, here] = len(pairs), [m for m, _ in pairs]
+            for kind, sign in ((PLAIN, -1.0), (FREE, 1.0)):
+                signed = [S_il if m else sign * S_il for m, S_il in pairs]
+                weights[kind, axis, i, here] = np.array(signed) / (2.0 * weight[i])
+    return jumps, weights
+
+
+# The sweep
 
 
 @njit(**CALL)
-def solid_rates(solid, like, q, metrics, S0, S1, S2, w0, w1, w2, patch, rates, scratch):
+def solid_rates(solid, like, q, metrics, prestress, rates, work):
     """Fill rates (M, 2d + 1) of the owned nodes of a patch.
 
     solid: fsipetsc.equations.solid.Solid; like: d zeros; q: (N, 2d + 1) unknowns of the nodes with
-    halo; metrics: (d*d + 1, N) A^1 … A^d and J0; S0, S1, S2, w0, w1, w2: pair weights and weights
-    along the axes, of the nodes with halo; patch: own, ghosted, first. The halo is of two interior
-    reaches, of three for conduction with heat 'elastic'. scratch: solid_scratch(d, reach).
+    halo; metrics: (d*d + 1, N) A^1 … A^d and J0; prestress: (d*d, N) what P has beside, or (d*d, 0).
+    The halo is of two interior reaches, of three for conduction with heat 'elastic'.
     """
-    bands = ((S0, w0), (S1, w1), (S2, w2))
-    most, first, own = TILES[len(like) - 1], patch.first, patch.own
-    for z in range(first[2], first[2] + own[2], most[2]):
-        for y in range(first[1], first[1] + own[1], most[1]):
-            for x in range(first[0], first[0] + own[0], most[0]):
-                box = (
-                    (x, min(x + most[0], first[0] + own[0])),
-                    (y, min(y + most[1], first[1] + own[1])),
-                    (z, min(z + most[2], first[2] + own[2])),
-                )
-                tile_rates(solid, like, q, metrics, bands, patch, box, rates, scratch)
+    patch, layout, lags, boxes, jumps, weights = work[:6]
+    unknowns, strains, tractions, temps, heats, slopes, found = work[6:]
+    q, metrics, rates = q.reshape(q.size), metrics.reshape(metrics.size), rates.reshape(rates.size)
+    extra, table, d = prestress.reshape(prestress.size), (jumps, weights, layout), ONE * len(like)
+    for tile in range(boxes.shape[0]):
+        for z in range(boxes[tile, KNOWN, 2, 0], boxes[tile, OWN, 2, 1] + lags[2]):
+            begin, end = rows_of(boxes, tile, KNOWN, z)
+            for y in range(begin, end):
+                take(like, q, row_of(patch, layout, boxes, tile, KNOWN, y, z), unknowns)
+            begin, end = rows_of(boxes, tile, STRAINED, z - lags[0])
+            for y in range(begin, end):
+                row = row_of(patch, layout, boxes, tile, STRAINED, y, z - lags[0])
+                differentiate(like, table, row, PLAIN, unknowns, NONE, NONE, d, slopes, NONE)
+                strain(like, metrics, row, slopes, strains)
+                relieve(solid, like, extra, row, strains, unknowns)
+                pull(solid, like, metrics, row, unknowns, strains, tractions)
+                pull_more(like, metrics, extra, row, tractions)
+            begin, end = rows_of(boxes, tile, WARM, z - lags[0])
+            for y in range(begin, end):
+                row = row_of(patch, layout, boxes, tile, WARM, y, z - lags[0])
+                find_temps(solid, like, row, unknowns, strains, temps)
+            begin, end = rows_of(boxes, tile, NEAR, z - lags[1])
+            for y in range(begin, end):
+                row = row_of(patch, layout, boxes, tile, NEAR, y, z - lags[1])
+                differentiate(like, table, row, PLAIN, temps, NONE, NONE, ONE, slopes, NONE)
+                conduct(solid, like, metrics, row, slopes, strains, heats)
+            begin, end = rows_of(boxes, tile, OWN, z - lags[2])
+            for y in range(begin, end):
+                row = row_of(patch, layout, boxes, tile, OWN, y, z - lags[2])
+                differentiate(like, table, row, FREE, tractions, NONE, d, d, slopes, NONE)
+                differentiate(like, table, row, PLAIN, unknowns, d, NONE, d, slopes, d * d)
+                if solid.kappa > 0.0:
+                    differentiate(like, table, row, FREE, heats, NONE, ONE, ONE, slopes, (d + d) * d)
+                accelerate(solid, like, metrics, row, slopes, unknowns, tractions, found)
+                give(like, found, row, rates)
 
 
-@njit(**CALL)
-def tile_rates(solid, like, q, metrics, bands, patch, box, rates, scratch):
-    """Rates of the nodes of a box, ((begin, end) along each axis)."""
-    conducts, elastic = solid.kappa > 0.0, solid.coupled == 0.0
-    near = reached(bands, box)
-    warm = reached(bands, near)
-    strained = warm if conducts and elastic else near
-    known = reached(bands, warm) if conducts and elastic else warm
-    spans = fill_lines(bands, known, scratch.lines)
-    load(q, patch, known, scratch)
-    for z in range(strained[2][0], strained[2][1]):
-        for y in range(strained[1][0], strained[1][1]):
-            strain_row(solid, like, metrics, patch, spans, strained, known, y, z, scratch)
-    if conducts:
-        for z in range(warm[2][0], warm[2][1]):
-            for y in range(warm[1][0], warm[1][1]):
-                warm_row(solid, like, patch, elastic, warm, strained, known, y, z, scratch)
-        for z in range(near[2][0], near[2][1]):
-            for y in range(near[1][0], near[1][1]):
-                heat_row(
-                    solid, like, metrics, patch, spans, near, warm, strained, known, y, z, scratch
-                )
-    for z in range(box[2][0], box[2][1]):
-        for y in range(box[1][0], box[1][1]):
-            row = rate_row(solid, like, metrics, patch, spans, box, strained, known, y, z, scratch)
-            if conducts:
-                add_heat(solid, like, metrics, spans, box, near, row, y, z, scratch)
-            give(scratch.found, rates, owned(patch, box[0][0], y, z), row.n)
+@njit(**INNER_CALL)
+def rows_of(boxes, tile, stage, z):
+    """The rows of a layer that are in a box: begin, end."""
+    here = boxes[tile, stage, 2, 0] <= z < boxes[tile, stage, 2, 1]
+    return boxes[tile, stage, 1, 0], boxes[tile, stage, 1, 1] if here else boxes[tile, stage, 1, 0]
 
 
-@njit(**CALL)
-def reached(bands, box):
-    """The box of nodes that are in pairs with nodes of a box."""
-    return (
-        reached_along(bands[0][0], box[0]),
-        reached_along(bands[1][0], box[1]),
-        reached_along(bands[2][0], box[2]),
-    )
-
-
-@njit(**CALL)
-def reached_along(S, nodes):
-    """The range of nodes that are in pairs with a range of nodes."""
-    begin, end = nodes
-    lowest, highest = begin, end
-    for n in range(1, S.shape[0]):
-        for i in range(max(end - n, begin), end):
-            if S[n, i] != 0.0:
-                highest = max(highest, i + n + 1)
-        for i in range(max(begin, n), min(begin + n, end)):
-            if S[n, i - n] != 0.0:
-                lowest = min(lowest, i - n)
-    return lowest, min(highest, S.shape[1])
-
-
-@njit(**CALL)
-def fill_lines(bands, known, lines):
-    """Data of the axes for the nodes of a box; the largest distance of a pair along each axis."""
-    return (
-        fill_line(bands[0][0], bands[0][1], known[0], lines[0]),
-        fill_line(bands[1][0], bands[1][1], known[1], lines[1]),
-        fill_line(bands[2][0], bands[2][1], known[2], lines[2]),
-    )
-
-
-@njit(**CALL)
-def fill_line(S, w, nodes, line):
-    """1/(2 weight), s and weights of pairs of a range of nodes; the largest distance of a pair."""
-    span = 0
-    for i in range(nodes[0], nodes[1]):
-        line[HALF, i - nodes[0]], s = 0.5 / w[i], 0.0
-        for n in range(1, S.shape[0]):
-            ahead, behind = S[n, i], -S[n, i - n] if i >= n else 0.0
-            line[PAIRS + 2 * n - 2, i - nodes[0]] = ahead
-            line[PAIRS + 2 * n - 1, i - nodes[0]] = behind
-            s += ahead + behind
-            if ahead != 0.0 or behind != 0.0:
-                span = max(span, n)
-        line[ONE, i - nodes[0]] = s
-    return span
-
-
-@njit(**CALL)
-def row_of(patch, box, known, y, z):
+@njit(**INNER_CALL)
+def row_of(patch, layout, boxes, tile, stage, y, z):
     """The row of a box at y, z."""
-    x = box[0][0]
-    g = (z * patch.ghosted[1] + y) * patch.ghosted[0] + x
-    return Row(box[0][1] - x, g, x - known[0][0], y - known[1][0], z - known[2][0])
+    x, n = boxes[tile, stage, 0, 0], boxes[tile, stage, 0, 1] - boxes[tile, stage, 0, 0]
+    (nx, ny, _), (own_x, own_y, _), first = patch.ghosted, patch.own, patch.first
+    own = ((z - first[2]) * own_y + y - first[1]) * own_x + x - first[0]
+    place, x0, y0 = z % layout.layers, boxes[tile, KNOWN, 0, 0], boxes[tile, KNOWN, 1, 0]
+    node = place * layout.layer + (y - y0) * layout.row + x - x0
+    begin = min(max(layout.begin - x, 0), n)
+    end = max(min(layout.end - x, n), begin)
+    return Row(n, (z * ny + y) * nx + x, own, node, x, y, z, place, begin, end)
 
 
-@njit(**CALL)
-def owned(patch, x, y, z):
-    """Number of a node in rates."""
-    own, first = patch.own, patch.first
-    return ((z - first[2]) * own[1] + y - first[1]) * own[0] + x - first[0]
-
-
-@njit(**CALL)
-def index(lines, box, x, y, z):
-    """Number of a node in the arrays of a box, whose margin is as wide as pairs are long."""
-    (x0, x1), (y0, y1), (z0, _) = box
-    return lines.shape[1] // 2 + ((z - z0) * (y1 - y0) + y - y0) * (x1 - x0) + x - x0
-
-
-@njit(**CALL)
-def load(q, patch, known, scratch):
+@njit(**INNER_LOOP)
+def take(like, q, row, unknowns):
     """Take the interlaced unknowns apart."""
-    for z in range(known[2][0], known[2][1]):
-        for y in range(known[1][0], known[1][1]):
-            row = row_of(patch, known, known, y, z)
-            at = index(scratch.lines, known, known[0][0], y, z)
-            take(q, row.g, scratch.unknowns, at, row.n)
+    dof = 2 * len(like) + 1
+    for c in range(dof):
+        to, of = U64(c * step_of(like) + row.tile), U64(row.patch * dof + c)
+        for i in range(U64(row.n)):
+            unknowns[to + i] = q[of + i * U64(dof)]
 
 
-@njit(**LOOP)
-def take(q, g, unknowns, at, n):
-    """From interlaced numbers."""
-    for c in range(q.shape[1]):
-        for i in range(n):
-            unknowns[U64(c), U64(at + i)] = q[U64(g + i), U64(c)]
+@njit(**INNER_LOOP)
+def give(like, found, row, rates):
+    """Interlace the rates."""
+    dof = 2 * len(like) + 1
+    for c in range(dof):
+        to, of = U64(row.own * dof + c), U64(c) * WIDTH
+        for i in range(U64(row.n)):
+            rates[to + i * U64(dof)] = found[of + i]
 
 
-@njit(**LOOP)
-def give(found, rates, first, n):
-    """To interlaced numbers."""
-    for c in range(rates.shape[1]):
-        for i in range(n):
-            rates[U64(first + i), U64(c)] = found[U64(c), U64(i)]
+# Rows
 
 
-@njit(**CALL)
-def pair_sums(like, k, span, row, f, box, lines, x, y, z, out):
-    """out = S f along the axis k, of the numbers f of the nodes of a row of n that begins at x, y, z.
+@njit(**INNER_LOOP)
+def differentiate(like, table, row, kind, f, first, next_k, count, out, to):
+    """D_k f, or D°_k f if kind is FREE, for k = 1 … d: to components of out, from ``to`` on.
 
-    box: that of f. Two distances at a time; pairs that are not there have the weight 0.
+    Along axis k those of count components of f, an array of a tile, from first + k next_k on.
+    Nodes with the same neighbours are taken together: all across the row, and those in the interior.
     """
-    nx, ny = box[0][1] - box[0][0], box[1][1] - box[1][0]
-    at, step = index(lines, box, x, y, z), 1 if k == 0 else nx if k == 1 else nx * ny
-    i, line = row.x if k == 0 else row.y if k == 1 else row.z, lines[k]
-    for m in range(1, span + 1, 2):
-        w = PAIRS + 2 * m - 2
-        if k == 0:
-            end = i + row.n
-            weights = line[w, i:end], line[w + 1, i:end], line[w + 2, i:end], line[w + 3, i:end]
-            far = (m + 1) * (m + 1 <= span)
-            add_pairs(like, f, at, m, -m, far, -far, weights, m == 1, out, row.n)
-        else:
-            a, b, c, d = line[w, i], line[w + 1, i], line[w + 2, i], line[w + 3, i]
-            ahead, behind = m * step * (a != 0.0), -m * step * (b != 0.0)
-            farther, back = (m + 1) * step * (c != 0.0), -(m + 1) * step * (d != 0.0)
-            add_pairs(like, f, at, ahead, behind, farther, back, (a, b, c, d), m == 1, out, row.n)
+    (jumps, weights, layout), step = table, step_of(like)
+    for k in range(len(like)):
+        axis, begin = 2 * k if len(like) == 2 else k, 0
+        while begin < row.n:
+            end, x = row.n, row.y if axis == 1 else row.z
+            if axis == 0:
+                end, x = max(row.end, begin + 1) if begin == row.begin else begin + 1, row.x + begin
+            w, far = weights[kind, axis, x], jumps[axis, x]
+            for m in range(1, 1 + far[0], 4):
+                four = w[m], w[m + 1], w[m + 2], w[m + 3]
+                a, b = away(layout, row, axis, far[m]), away(layout, row, axis, far[m + 1])
+                c, d = away(layout, row, axis, far[m + 2]), away(layout, row, axis, far[m + 3])
+                for l in range(count):
+                    node = (first + k * next_k + l) * step + row.tile + begin
+                    there = U64(node + a), U64(node + b), U64(node + c), U64(node + d)
+                    here = U64(to + k * count + l) * WIDTH + U64(begin)
+                    if end == begin + 1:  # a loop over one node takes twice as long
+                        before = out[here] if m > 1 else 0.0
+                        out[here] = before + weighted(four, f, there, U64(0))
+                        continue
+                    for i in range(U64(end - begin)):
+                        before = out[here + i] if m > 1 else 0.0
+                        out[here + i] = before + weighted(four, f, there, i)
+            begin = end
 
 
-def weight(weights, i):
-    """A number, or one of an array."""
-    return weights[i] if isinstance(weights, np.ndarray) else weights
+@njit(**INNER_CALL)
+def away(layout, row, axis, jump):
+    """Numbers between a node and a neighbour along an axis in the arrays of a tile."""
+    if axis < 2:
+        return jump if axis == 0 else jump * layout.row
+    there = row.place + jump
+    ring = 0 if 0 <= there < layout.layers else layout.layers if there < 0 else -layout.layers
+    return (jump + ring) * layout.layer
 
 
-@overload(weight)
-def _weight(weights, i):
-    if isinstance(weights, types.Array):
-        return lambda weights, i: weights[i]
-    return lambda weights, i: weights
-
-
-@register_jitable
-def four_pairs(like, f, ahead, behind, farther, back, weights, i):
-    """The sum over four nodes."""
-    value = scale(weight(weights[0], i), column(like, f, U64(ahead)))
-    value = along(value, weight(weights[1], i), column(like, f, U64(behind)))
-    value = along(value, weight(weights[2], i), column(like, f, U64(farther)))
-    return along(value, weight(weights[3], i), column(like, f, U64(back)))
-
-
-@njit(**LOOP)
-def add_pairs(like, f, at, ahead, behind, farther, back, weights, fresh, out, n):
-    """Pair sums of n nodes with four others each, from their distances in f."""
-    a, b, c, d = at + ahead, at + behind, at + farther, at + back
-    if fresh:
-        for i in range(n):
-            put_column(out, i, four_pairs(like, f, a + i, b + i, c + i, d + i, weights, U64(i)))
-    else:
-        for i in range(n):
-            value = four_pairs(like, f, a + i, b + i, c + i, d + i, weights, U64(i))
-            put_column(out, i, add(column(like, out, i), value))
-
-
-@register_jitable
-def factors(like, lines, row, i):
-    """1/(2 weight) and s of each axis at a node of a row."""
-    x, y, z = U64(row.x + i), U64(row.y), U64(row.z)
-    half = first_of(like, lines[0, HALF, x], lines[1, HALF, y], lines[2, HALF, z])
-    return half, first_of(like, lines[0, ONE, x], lines[1, ONE, y], lines[2, ONE, z])
-
-
-@njit(**CALL)
-def strain_row(solid, like, metrics, patch, spans, strained, known, y, z, scratch):
-    """F and t^k of a row."""
-    d, x, nine, lines = len(like), strained[0][0], outer(like, like), scratch.lines
-    row, unknowns, sums = row_of(patch, strained, known, y, z), scratch.unknowns, scratch.sums
-    for k in range(d):
-        pair_sums(like, k, spans[k], row, unknowns, known, lines, x, y, z, sums[k * d :])
-    at, to = index(lines, known, x, y, z), index(lines, strained, x, y, z)
-    deform(like, nine, metrics, row, lines, sums, unknowns, at, scratch.strains, to)
-    pull(solid, like, nine, metrics, row, unknowns, at, scratch.strains, scratch.tractions, to)
-
-
-@njit(**LOOP)
-def deform(like, nine, metrics, row, lines, sums, unknowns, at, strains, to):
+@njit(**INNER_LOOP)
+def strain(like, metrics, row, slopes, strains):
     """F = 1 + 1/J0 sum_k D_k D A^k."""
-    for i in range(row.n):
-        g, (half, s) = U64(row.g + i), factors(like, lines, row, i)
-        slopes = sub(column(nine, sums, i), outer(s, column(like, unknowns, U64(at + i))))
-        per_J0 = 1.0 / metrics[len(nine), g]
-        A = scale_rows(scale(per_J0, half), column(nine, metrics, g))
-        put_column(strains, U64(to + i), add_unit(1.0, transposed_product(slopes, A)))
+    nine, step = outer(like, like), U64(step_of(like))
+    N, node, g = U64(metrics.size // (len(nine) + 1)), U64(row.tile), U64(row.patch)
+    for i in range(U64(row.n)):
+        A, J0 = at(nine, metrics, g, N, i), metrics[g + U64(len(nine)) * N + i]
+        gradient = scale(1.0 / J0, transposed_product(at(nine, slopes, U64(0), WIDTH, i), A))
+        put(strains, node, step, i, add_unit(1.0, gradient))
 
 
-@njit(**LOOP)
-def pull(solid, like, nine, metrics, row, unknowns, at, strains, tractions, to):
+@njit(**INNER_LOOP)
+def relieve(solid, like, extra, row, strains, unknowns):
+    """Take the energy of a prestress S, S : (F - 1)/m0, from e: only T follows from e."""
+    n = row.n if extra.size > 0 and solid.coupled == 0.0 else 0
+    nine, step = outer(like, like), U64(step_of(like))
+    N, node, g = U64(extra.size // len(nine)), U64(row.tile), U64(row.patch)
+    e = node + U64(2 * len(like)) * step
+    for i in range(U64(n)):
+        S, F = at(nine, extra, g, N, i), at(nine, strains, node, step, i)
+        unknowns[e + i] -= dot(S, add_unit(-1.0, F)) / solid.m0
+
+
+@njit(**INNER_LOOP)
+def pull(solid, like, metrics, row, unknowns, strains, tractions):
     """t^k = P A^k."""
-    d = len(like)
-    velocities = unknowns[d:]
-    for i in range(row.n):
-        F, v = column(nine, strains, U64(to + i)), column(like, velocities, U64(at + i))
-        T = solid.temperature(v, unknowns[2 * d, U64(at + i)], F)
-        A = column(nine, metrics, U64(row.g + i))
-        put_column(tractions, U64(to + i), product_transposed(A, solid.stress_at(F, T)))
+    nine, step, d = outer(like, like), U64(step_of(like)), U64(len(like))
+    N, node, g = U64(metrics.size // (len(nine) + 1)), U64(row.tile), U64(row.patch)
+    for i in range(U64(row.n)):
+        A, F = at(nine, metrics, g, N, i), at(nine, strains, node, step, i)
+        v, e = at(like, unknowns, node + d * step, step, i), unknowns[node + U64(2) * d * step + i]
+        P = solid.stress_at(F, solid.temperature(v, e, F))
+        put(tractions, node, step, i, product_transposed(A, P))
 
 
-@njit(**CALL)
-def warm_row(solid, like, patch, elastic, warm, strained, known, y, z, scratch):
-    """T of a row."""
-    x, lines, n = warm[0][0], scratch.lines, warm[0][1] - warm[0][0]
-    at, to = index(lines, known, x, y, z), index(lines, warm, x, y, z)
-    nine, unknowns, temps = outer(like, like), scratch.unknowns, scratch.temps
-    if elastic:  # F is known in the same box
-        temperatures(solid, like, nine, unknowns, at, scratch.strains, temps, to, n)
-    else:
-        coupled_temperatures(solid, like, nine, unknowns, at, temps, to, n)
+@njit(**INNER_LOOP)
+def pull_more(like, metrics, extra, row, tractions):
+    """t^k += S A^k of a prestress."""
+    n, nine, step = row.n if extra.size > 0 else 0, outer(like, like), U64(step_of(like))
+    N, node, g = U64(extra.size // len(nine)), U64(row.tile), U64(row.patch)
+    for i in range(U64(n)):
+        A, S = at(nine, metrics, g, N, i), at(nine, extra, g, N, i)
+        more = add(at(nine, tractions, node, step, i), product_transposed(A, S))
+        put(tractions, node, step, i, more)
 
 
-@njit(**LOOP)
-def temperatures(solid, like, nine, unknowns, at, strains, temps, to, n):
-    """T with heat 'elastic'."""
-    d = len(like)
-    velocities = unknowns[d:]
-    for i in range(n):
-        v, F = column(like, velocities, U64(at + i)), column(nine, strains, U64(to + i))
-        temps[0, U64(to + i)] = solid.temperature(v, unknowns[2 * d, U64(at + i)], F)
+@njit(**INNER_LOOP)
+def find_temps(solid, like, row, unknowns, strains, temps):
+    """T; with heat 'coupled' F does not matter, and is not known everywhere."""
+    nine, step, d = outer(like, like), U64(step_of(like)), U64(len(like))
+    node, first = U64(row.tile), U64(row.tile) + d * step
+    for i in range(U64(row.n)):
+        v, e = at(like, unknowns, first, step, i), unknowns[first + d * step + i]
+        temps[node + i] = solid.temperature(v, e, add_unit(1.0, nine))
+    if solid.coupled == 0.0:
+        for i in range(U64(row.n)):
+            v, e = at(like, unknowns, first, step, i), unknowns[first + d * step + i]
+            temps[node + i] = solid.temperature(v, e, at(nine, strains, node, step, i))
 
 
-@njit(**LOOP)
-def coupled_temperatures(solid, like, nine, unknowns, at, temps, to, n):
-    """T with heat 'coupled', for which F does not matter."""
-    d = len(like)
-    velocities, F = unknowns[d:], add_unit(1.0, nine)
-    for i in range(n):
-        v, e = column(like, velocities, U64(at + i)), unknowns[2 * d, U64(at + i)]
-        temps[0, U64(to + i)] = solid.temperature(v, e, F)
-
-
-@njit(**CALL)
-def heat_row(solid, like, metrics, patch, spans, near, warm, strained, known, y, z, scratch):
-    """A^k . h of a row."""
-    x, lines, temps, sums = near[0][0], scratch.lines, scratch.temps, scratch.sums
-    row = row_of(patch, near, known, y, z)
-    for k in range(len(like)):
-        pair_sums((0.0,), k, spans[k], row, temps, warm, lines, x, y, z, sums[k:])
-    at, to = index(lines, warm, x, y, z), index(lines, near, x, y, z)
-    strains, F = scratch.strains, index(lines, strained, x, y, z)
-    conduct(
-        solid,
-        like,
-        outer(like, like),
-        metrics,
-        row,
-        lines,
-        sums,
-        temps,
-        at,
-        strains,
-        F,
-        scratch.heats,
-        to,
-    )
-
-
-@njit(**LOOP)
-def conduct(solid, like, nine, metrics, row, lines, sums, temps, at, strains, F, heats, to):
+@njit(**INNER_LOOP)
+def conduct(solid, like, metrics, row, slopes, strains, heats):
     """A^k . h with grad T = 1/J0 sum_k A^k D_k T."""
-    for i in range(row.n):
-        g, (half, s) = U64(row.g + i), factors(like, lines, row, i)
-        differences = along(column(like, sums, i), -temps[0, U64(at + i)], s)
-        per_J0, A = 1.0 / metrics[len(nine), g], column(nine, metrics, g)
-        gradient = apply_transposed(A, scale(per_J0, multiply(half, differences)))
-        h = solid.heat_flux(column(nine, strains, U64(F + i)), gradient)
-        put_column(heats, U64(to + i), apply(A, h))
+    nine, step = outer(like, like), U64(step_of(like))
+    N, node, g = U64(metrics.size // (len(nine) + 1)), U64(row.tile), U64(row.patch)
+    for i in range(U64(row.n)):
+        A, J0 = at(nine, metrics, g, N, i), metrics[g + U64(len(nine)) * N + i]
+        gradient = scale(1.0 / J0, apply_transposed(A, at(like, slopes, U64(0), WIDTH, i)))
+        h = solid.heat_flux(at(nine, strains, node, step, i), gradient)
+        put(heats, node, step, i, apply(A, h))
 
 
-@njit(**CALL)
-def rate_row(solid, like, metrics, patch, spans, box, strained, known, y, z, scratch):
-    """Rates of a row without conduction, to scratch.found; the row."""
-    d, x, nine, lines = len(like), box[0][0], outer(like, like), scratch.lines
-    row, sums, t, q = (
-        row_of(patch, box, known, y, z),
-        scratch.sums,
-        scratch.tractions,
-        scratch.unknowns,
-    )
-    for k in range(d):
-        pair_sums(like, k, spans[k], row, t[k * d :], strained, lines, x, y, z, sums[k * d :])
-        pair_sums(like, k, spans[k], row, q[d:], known, lines, x, y, z, sums[(d + k) * d :])
-    at, tractions = index(lines, known, x, y, z), index(lines, strained, x, y, z)
-    accelerate(solid, like, nine, metrics, row, lines, sums, q, at, t, tractions, scratch.found)
-    return row
-
-
-@njit(**LOOP)
-def accelerate(solid, like, nine, metrics, row, lines, sums, unknowns, at, tractions, t_at, found):
-    """(v, Div P/m0 + b, Div (P^T v)/m0 + b . v)."""
-    velocities, velocity_sums = unknowns[len(like) :], sums[len(nine) :]
-    for i in range(row.n):
-        half, s = factors(like, lines, row, i)
-        per_mass = 1.0 / (metrics[len(nine), U64(row.g + i)] * solid.m0)
-        t, v = column(nine, tractions, U64(t_at + i)), column(like, velocities, U64(at + i))
-        of_t, of_v = column(nine, sums, i), column(nine, velocity_sums, i)
-        force = apply_transposed(add(of_t, scale_rows(s, t)), half)
-        power = dot(scale_rows(half, of_v), t) + dot(apply_transposed(of_t, half), v)
+@njit(**INNER_LOOP)
+def accelerate(solid, like, metrics, row, slopes, unknowns, tractions, found):
+    """(v, Div P/m0 + b, Div (P^T v + h)/m0 + b . v); slopes: D°_k t^k, D_k v, D°_k A^k . h."""
+    nine, step, d = outer(like, like), U64(step_of(like)), U64(len(like))
+    N, node, g = U64(metrics.size // (len(nine) + 1)), U64(row.tile), U64(row.patch)
+    for i in range(U64(row.n)):
+        per_mass = 1.0 / (metrics[g + d * d * N + i] * solid.m0)
+        v, t = at(like, unknowns, node + d * step, step, i), at(nine, tractions, node, step, i)
+        force = column_sums(at(nine, slopes, U64(0), WIDTH, i))
+        heat = total(at(like, slopes, U64(2) * d * d * WIDTH, WIDTH, i))
+        power = dot(v, force) + dot(t, at(nine, slopes, d * d * WIDTH, WIDTH, i)) + heat
         acceleration = along(solid.force, per_mass, force)
-        put_column(found, i, (*v, *acceleration, per_mass * power + dot(solid.force, v)))
-
-
-@njit(**CALL)
-def add_heat(solid, like, metrics, spans, box, near, row, y, z, scratch):
-    """Add conduction to the rates of a row."""
-    x, lines, heats, sums = box[0][0], scratch.lines, scratch.heats, scratch.sums
-    for k in range(len(like)):
-        pair_sums((0.0,), k, spans[k], row, heats[k:], near, lines, x, y, z, sums[k:])
-    heat_up(
-        solid, like, metrics, row, lines, sums, heats, index(lines, near, x, y, z), scratch.found
-    )
-
-
-@njit(**LOOP)
-def heat_up(solid, like, metrics, row, lines, sums, heats, at, found):
-    """Add Div h/m0."""
-    d = len(like)
-    for i in range(row.n):
-        half, s = factors(like, lines, row, i)
-        per_mass = 1.0 / (metrics[d * d, U64(row.g + i)] * solid.m0)
-        h = multiply(s, column(like, heats, U64(at + i)))
-        found[2 * d, i] += per_mass * dot(half, add(column(like, sums, i), h))
+        energy = per_mass * power + dot(solid.force, v)
+        put(found, U64(0), WIDTH, i, (*v, *acceleration, energy))

@@ -1,0 +1,223 @@
+"""Rates of solid blocks against dense matrices, what they conserve, and that they do not depend on cuts."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+pytest.importorskip("numba")
+
+from fsipetsc.materials.solid import ElasticSolid
+from fsipetsc.materials.solid_pressure import gruneisen
+from fsipetsc.operators.bands import NO_AXIS, Band, band
+from fsipetsc.operators.patch import Patch
+from fsipetsc.operators.sbp import OPERATORS
+from fsipetsc.scheme import solid_rates as module
+from fsipetsc.scheme.solid_rates import solid_rates, solid_work
+
+#: cells of the axes, for each order and dimension
+CELLS = {1: (29,), 2: (20, 18), 3: (15, 14, 16)}
+
+
+class Block:
+    """A solid block on a curved map with a random state, whole: bands, metrics A^k and J0, unknowns.
+
+    Arrays (…, nodes): axis 0 is the fastest, as in a DMDA.
+    """
+
+    def __init__(self, d, order, periodic=(), seed=0, cells=None, **material):
+        rng = np.random.default_rng(seed)
+        self.d, self.like = d, (0.0,) * d
+        cells = cells or CELLS[d]
+        periodic = tuple(periodic) + (False,) * (d - len(periodic))
+        self.bands = [band(order, n, p) for n, p in zip(cells, periodic, strict=True)]
+        self.shape = tuple(len(b.weight) for b in self.bands)
+        self.periodic, self.order = periodic, order
+        grids = [np.arange(n) / c for n, c in zip(self.shape, cells, strict=True)]
+        xi = [g.ravel() for g in np.meshgrid(*grids[::-1], indexing="ij")][::-1]
+        self.xi = xi
+        self.D = [self.along(b.matrix(), k) for k, b in enumerate(self.bands)]
+        self.weight = np.ones(1)
+        for b in self.bands:
+            self.weight = np.kron(b.weight, self.weight)
+        waves = [sum(np.sin(2 * np.pi * xi[k] + 0.7 * c + k) for k in range(d)) for c in range(d)]
+        self.X = [1.5 * xi[c] + 0.3 * xi[(c + 1) % d] * (d > 1) + 0.04 * waves[c] for c in range(d)]
+        slope = np.array([[D @ self.periodic_part(c, k) for k, D in enumerate(self.D)] for c in range(d)])
+        G = slope + np.array([[np.full(len(xi[0]), self.jump(c, k)) for k in range(d)] for c in range(d)])
+        G = np.moveaxis(G, -1, 0)  # G[node, c, k] = D_k X_c
+        J0 = np.linalg.det(G)
+        A = J0[:, None, None] * np.linalg.inv(G)  # A[node, k, c]
+        assert J0.min() > 0
+        self.G, self.A, self.J0 = G, A, J0
+        self.metrics = np.concatenate([A.reshape(-1, d * d).T, J0[None]])
+        self.material = {"mu_e": 1.3, "lambda_e": 2.1, "kappa_e": 0.0, "m0": 1.7, "alpha": 0.6} | material
+        self.solid = ElasticSolid(**self.material).equations(d)
+        self.prestress = np.zeros((d * d, 0))
+        self.displacement = 0.004 * rng.standard_normal((d, len(J0)))
+        self.v, self.T = rng.standard_normal((d, len(J0))), 1.0 + rng.random(len(J0))
+        self.set_unknowns()
+
+    def jump(self, c, k):
+        """X_c(1) - X_c(0) along a periodic axis k, which is no part of the periodic function."""
+        if not self.periodic[k]:
+            return 0.0
+        return 1.5 * (c == k) + 0.3 * ((c + 1) % self.d == k) * (self.d > 1)
+
+    def periodic_part(self, c, k):
+        return self.X[c] - self.jump(c, k) * self.xi[k]
+
+    def along(self, matrix, k):
+        """A matrix of one axis as one of all nodes."""
+        whole = np.eye(1)
+        for m, n in enumerate(self.shape):
+            whole = np.kron(matrix if m == k else np.eye(n), whole)
+        return whole
+
+    def set_unknowns(self):
+        F = tuple(self.strain().reshape(-1, self.d**2).T)
+        e = self.solid.total_energy(tuple(self.v), self.T, F) + self.stored(F)
+        self.q = np.concatenate([self.displacement, self.v, e[None]]).T.copy()
+
+    def stored(self, F):
+        """Energy per mass of the prestress."""
+        if self.solid.coupled or not self.prestress.size:
+            return 0.0
+        unit = np.eye(self.d).ravel()[:, None]
+        return (self.prestress * (np.array(F) - unit)).sum(0) / self.solid.m0
+
+    def strain(self):
+        """F[node, i, j]."""
+        slopes = np.array([[D @ u for D in self.D] for u in self.displacement])  # [i, k, node]
+        return np.eye(self.d) + np.einsum("ikn,nkj->nij", slopes, self.A) / self.J0[:, None, None]
+
+    def reference(self):
+        """Rates by dense matrices."""
+        d, solid, F = self.d, self.solid, self.strain()
+        flat = tuple(F.reshape(-1, d * d).T)
+        v, e = self.q[:, d : 2 * d].T, self.q[:, 2 * d]
+        T = solid.temperature(tuple(v), e - self.stored(flat), flat)
+        P = np.array(solid.stress_at(flat, T))
+        P = (P + self.prestress if self.prestress.size else P).T.reshape(-1, d, d)
+        t = np.einsum("nij,nkj->kin", P, self.A)
+        gradient = np.einsum("nkj,kn->jn", self.A, np.array([D @ T for D in self.D])) / self.J0
+        inverse = np.linalg.inv(F)
+        h = solid.kappa * np.linalg.det(F) * np.einsum("nia,nja,jn->in", inverse, inverse, gradient)
+        force, power = np.zeros((d, len(e))), np.zeros(len(e))
+        for k, b in enumerate(self.bands):
+            loose = self.without_flux(k, b)
+            force += np.array([loose @ t[k, i] for i in range(d)])
+            heat = np.einsum("nj,jn->n", self.A[:, k], h)
+            work = sum((loose @ t[k, i]) * v[i] + t[k, i] * (self.D[k] @ v[i]) for i in range(d))
+            power += work + loose @ heat
+        mass = self.J0 * solid.m0
+        b = np.array(solid.force)[:, None]
+        rates = [*v, *(force / mass + b), power / mass + (b * v).sum(0)]
+        return np.array(rates).T
+
+    def without_flux(self, k, b):
+        """D°_k = - H^-1 D_k^T H, D_k without the flux through the ends."""
+        return self.along(-(b.weight[:, None] * b.matrix()).T / b.weight[:, None], k)
+
+    def rates(self, cuts=None, widths=None):
+        """Rates by the kernels, in patches cut at these nodes of each axis."""
+        d, M = self.d, len(self.J0)
+        found = np.full((M, 2 * d + 1), np.nan)
+        cuts = cuts or ((),) * d
+        ranges = [list(zip((0, *c), (*c, n), strict=True)) for c, n in zip(cuts, self.shape, strict=True)]
+        width = widths or (2 if self.solid.coupled or not self.solid.kappa else 3) * (self.order // 2)
+        numbers = np.arange(M).reshape(self.shape[::-1])
+        for part in np.ndindex(*map(len, ranges)):
+            own = [ranges[k][part[k]] for k in range(d)]
+            ghosted, first, picks, parts = [], [], [], []
+            for k, (begin, end) in enumerate(own):
+                n = self.shape[k]
+                low, high = begin - width, end + width
+                if not self.periodic[k]:
+                    low, high = max(low, 0), min(high, n)
+                ghosted.append(high - low)
+                first.append(begin - low)
+                picks.append(np.arange(low, high) % n)
+                parts.append(self.cut_band(k, low, high))
+            picked = numbers[np.ix_(*picks[::-1])].ravel()
+            owned = numbers[np.ix_(*[np.arange(b, e) for b, e in own][::-1])].ravel()
+            pad = lambda values, filler: tuple(int(v) for v in values) + (filler,) * (3 - d)  # noqa: E731
+            patch = Patch(pad([e - b for b, e in own], 1), pad(ghosted, 1), pad(first, 0))
+            bands = [*parts, *[NO_AXIS] * (3 - d)]
+            rates = np.zeros((len(owned), 2 * d + 1))
+            rows, low = OPERATORS[self.order].rows, own[0][0] - first[0]
+            inside = (0, ghosted[0]) if self.periodic[0] else (rows - low, self.shape[0] - rows - low)
+            work = solid_work(self.solid, bands, inside, patch)
+            metrics = np.ascontiguousarray(self.metrics[:, picked])
+            prestress = np.ascontiguousarray(self.prestress[:, picked]) if self.prestress.size else self.prestress
+            solid_rates(self.solid, self.like, self.q[picked], metrics, prestress, rates, work)
+            found[owned] = rates
+        return found
+
+    def cut_band(self, k, low, high):
+        return self.bands[k].part(low, high) if self.periodic[k] else self.clipped(k, low, high)
+
+    def clipped(self, k, low, high):
+        b = self.bands[k]
+        return Band(np.ascontiguousarray(b.S[:, low:high]), b.weight[low:high])
+
+
+CASES = [
+    (1, 2, {}),
+    (1, 4, {"kappa_e": 0.4}),
+    (1, 6, {"kappa_e": 0.4, "heat": "elastic"}),
+    (1, 8, {"p_ref": 0.7}),
+    (2, 2, {"kappa_e": 0.4}),
+    (2, 4, {"law": "svk", "force": (0.3, -0.7)}),
+    (2, 4, {"law": "neo-hookean", "kappa_e": 0.4, "heat": "elastic", "force": (0.3, -0.7)}),
+    (2, 6, {"pressure": gruneisen(1.2), "p_ref": 0.3}),
+    (3, 2, {"kappa_e": 0.4, "heat": "elastic"}),
+    (3, 4, {"law": "linear"}),
+    (3, 4, {"kappa_e": 0.4, "force": (0.3, -0.7, 0.2)}),
+]
+PERIODIC = [(1, 4, (True,), {"kappa_e": 0.3}), (2, 4, (True, False), {"kappa_e": 0.3, "heat": "elastic"}),
+            (2, 6, (False, True), {}), (3, 2, (True, False, True), {})]
+
+
+@pytest.mark.parametrize(("d", "order", "material"), CASES)
+def test_rates_are_those_of_dense_matrices(d, order, material):
+    block = Block(d, order, **material)
+    found, wanted = block.rates(), block.reference()
+    assert np.abs(found - wanted).max() <= 1e-12 * np.abs(wanted).max()
+
+
+@pytest.mark.parametrize(("d", "order", "periodic", "material"), PERIODIC)
+def test_rates_of_periodic_blocks(d, order, periodic, material):
+    block = Block(d, order, periodic, **material)
+    found, wanted = block.rates(), block.reference()
+    assert np.abs(found - wanted).max() <= 1e-12 * np.abs(wanted).max()
+
+
+CUTS = [
+    (1, 4, (), ((9, 17),), {"kappa_e": 0.4}),
+    (2, 4, (), ((9,), (8,)), {"law": "svk", "force": (0.3, -0.7)}),
+    (2, 4, (True, False), ((5, 11), ()), {"kappa_e": 0.3, "heat": "elastic"}),
+    (3, 2, (), ((7,), (5, 9), (8,)), {"kappa_e": 0.4, "heat": "elastic"}),
+]
+
+
+@pytest.mark.parametrize(("d", "order", "periodic", "cuts", "material"), CUTS)
+def test_rates_do_not_depend_on_cuts(d, order, periodic, cuts, material):
+    block = Block(d, order, periodic, **material)
+    assert np.array_equal(block.rates(cuts), block.rates())
+
+
+@pytest.mark.parametrize(("d", "order", "periodic", "cuts", "material"), CUTS)
+def test_rates_do_not_depend_on_tiles(d, order, periodic, cuts, material, monkeypatch):
+    block = Block(d, order, periodic, **material)
+    whole = block.rates()
+    monkeypatch.setattr(module, "TILES", ((7, 1), (6, 1), (6, 5)))
+    assert np.array_equal(block.rates(), whole)
+
+
+@pytest.mark.parametrize("heat", ["coupled", "elastic"])
+def test_a_prestress_is_part_of_the_stress(heat):
+    block = Block(2, 4, law="svk", kappa_e=0.4, heat=heat)
+    block.prestress = 0.5 * np.random.default_rng(3).standard_normal((4, len(block.J0)))
+    block.set_unknowns()
+    found, wanted = block.rates(), block.reference()
+    assert np.abs(found - wanted).max() <= 1e-12 * np.abs(wanted).max()
