@@ -383,6 +383,7 @@ class _Run:
             "phases": dict(self.phases.seconds),
             "limits": self.limits.changes,
             "departures": self.ledgers.departures,
+            "J_error": self.ledgers.J_error,
             **{f"initial_{name}": value for name, value in integrator.initial.items()},
             "versions": versions(),
         }
