@@ -14,6 +14,8 @@ from fsipetsc.stepping.limits import reason, shares
 from fsipetsc.stepping.progress import Progress, duration
 from fsipetsc.stepping.state import State
 
+#: a larger departure of J from the volume of the grid is told
+MOST_J_ERROR = 0.01
 #: characters of a line of the summary, and departures that are listed
 _WIDTH, _LISTED = 100, 4
 
@@ -96,6 +98,9 @@ class Reporter:
         kept = sorted(summary["departures"].items(), key=lambda item: (item[1] == item[1], -item[1]))  # nan first
         more = [f"{len(kept) - _LISTED} more"] * (len(kept) > _LISTED)
         self._list("kept", [*(f"{name} to {size:.1e}" for name, size in kept[:_LISTED]), *more])
+        if not summary["J_error"] <= MOST_J_ERROR:
+            by = f"{100 * summary['J_error']:.2g} %"
+            self.line(f"note: J has departed by {by} from the volume of the gas's grid (J_error)")
         for kind, values in (errors or {}).items():
             listed = [f"{name} {value:.3e}" for name, value in values.items()]
             self._list(f"{self._opt['fsi_norm']} errors in the {kind}", listed)
