@@ -139,6 +139,20 @@ def test_who_has_one_temperature(heat, kappa):
     assert at(problem, 0.5, 0.0).warm_gas.T == 1.5
 
 
+def test_a_temperature_that_is_given_is_that_of_all_solids_there():
+    shape = {
+        "solid a": shapes.box((0, 0), (1, 1), N, N),
+        "solid b": shapes.box((1, 0), (2, 1), N, N),
+    }
+
+    def faces(name, axis, side):
+        return Free(T=1.2) if (axis, side) == (1, 1) else Free()
+
+    problem = problem_of(shape, faces, gas(), solid(heat="elastic", kappa=0.0))
+    warm, other = at(problem, 1.0, 1.0), at(problem, 1.0, 0.5)
+    assert warm.one_T and warm.stores and not other.one_T and not other.stores
+
+
 def test_who_holds_what():
     def moving(*X_and_t):
         return X_and_t[:-1]

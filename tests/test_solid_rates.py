@@ -146,12 +146,15 @@ class Block:
             rates = np.zeros((len(owned), 2 * d + 1))
             rows, low = OPERATORS[self.order].rows, own[0][0] - first[0]
             inside = (0, ghosted[0]) if self.periodic[0] else (rows - low, self.shape[0] - rows - low)
-            work = solid_work(self.solid, bands, inside, patch)
             metrics = np.ascontiguousarray(self.metrics[:, picked])
             prestress = np.ascontiguousarray(self.prestress[:, picked]) if self.prestress.size else self.prestress
-            solid_rates(self.solid, self.like, self.q[picked], metrics, prestress, rates, work)
+            self.of_patch(self.q[picked], metrics, bands, patch, rates, prestress, inside)
             found[owned] = rates
         return found
+
+    def of_patch(self, q, metrics, bands, patch, rates, prestress, inside):
+        work = solid_work(self.solid, bands, inside, patch)
+        solid_rates(self.solid, self.like, q, metrics, prestress, rates, work)
 
     def cut_band(self, k, low, high):
         return self.bands[k].part(low, high) if self.periodic[k] else self.clipped(k, low, high)
@@ -169,7 +172,7 @@ CASES = [
     (2, 2, {"kappa_e": 0.4}),
     (2, 4, {"law": "svk", "force": (0.3, -0.7)}),
     (2, 4, {"law": "neo-hookean", "kappa_e": 0.4, "heat": "elastic", "force": (0.3, -0.7)}),
-    (2, 6, {"pressure": gruneisen(1.2), "p_ref": 0.3}),
+    (2, 6, {"pressing": gruneisen(1.2), "p_ref": 0.3}),
     (3, 2, {"kappa_e": 0.4, "heat": "elastic"}),
     (3, 4, {"law": "linear"}),
     (3, 4, {"kappa_e": 0.4, "force": (0.3, -0.7, 0.2)}),

@@ -30,13 +30,15 @@ from fsipetsc.parallel.block_layout import BlockLayout, BlockVector, halos_of
 from fsipetsc.parallel.natural_order import NaturalOrder
 from fsipetsc.process.together import agree, together, wait_asleep
 from fsipetsc.scheme.burst import DT
-from fsipetsc.scheme.plan import BURST, FLAGS, LIMITS, RATE, SAID_STOP
+from fsipetsc.scheme.plan import BAD, BURST, FLAGS, LIMITS, RATE, SAID_STOP
 from fsipetsc.stepping.diagnosis import Failure
 from fsipetsc.stepping.phases import logged
 from fsipetsc.stepping.snapshot import as_numbers, rates_of
 from fsipetsc.stepping.start import Start
 from fsipetsc.stepping.state import FAULT
 
+#: of how many parts a step is made, one after the other, until its state is physical
+PARTS = 1, 2, 4, 8, 16
 #: records of steps that are kept before they are written
 KEPT = 4096
 #: seconds of compiling after which a word is due
@@ -109,6 +111,7 @@ class BlockState:
         for name in ("complete", "rates", "bounds", "integrals"):
             setattr(self.scheme, name, logged(f"fsi {name}", getattr(self.scheme, name)))
         self._fused = FusedRK4(self.layout, self.scheme, self._stage)
+        self._before, self.retries = np.empty_like(self.y.array), 0
         more, interfaces = getattr(self.scheme, "more", ()), len(problem.interfaces)
         record = step_record(len(blocks), gases, d, interfaces, more)
         self._ends = list(self._interface_ends()) if d == 1 else []
@@ -267,12 +270,25 @@ class BlockState:
         """
         more = True
         while more:
-            self.evaluations += STAGES
-            self._guarded(partial(self._fused.step, t, dt, self.y))
-            t = self._t = t + dt
-            self._look()
+            self._advance(t, dt)
+            t = self._t
             more = self._plan_next()
             dt = float(self.burst[DT])
+
+    def _advance(self, t: float, dt: float) -> None:
+        """Make the step; one that leaves an unphysical state is made anew in 2, 4 … parts."""
+        self._before[:] = self.y.array
+        for parts in PARTS:
+            for part in range(parts):
+                self.evaluations += STAGES
+                begin = t + dt * part / parts
+                self._guarded(partial(self._fused.step, begin, dt / parts, self.y))
+            self._t = t + dt
+            self._look()
+            if self.results[BAD] == 0.0 or parts == PARTS[-1]:
+                break
+            self.y.array[:] = self._before
+            self.retries += 1
 
     def finish(self) -> None:
         """Complete a step that PETSc has made."""

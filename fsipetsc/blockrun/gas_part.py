@@ -123,6 +123,8 @@ class GasPart:
         seen, sums = np.zeros(block_look.LOOKED), np.zeros(d + 3)
         arguments = self.equations, self._like, q, self.metrics, self._per_h, STIFFNESS_OF_WIDE
         block_look.gas_look(*arguments, *weights, self.part.patch, seen, sums)
+        if seen[block_look.BAD]:
+            self._scratch.w[:] = 0.0  # nothing that is no number may stay there for a step made anew
         if self.moves:
             J, own = q[self._owned, 0], self.grid.jacobian()[self._owned]
             seen[block_look.J_ERROR] = np.abs(J - own).max() / np.abs(own).max() if J.size else 0.0

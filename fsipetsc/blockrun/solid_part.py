@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -16,8 +17,10 @@ from fsipetsc.equations.tensors import add_unit, determinant
 from fsipetsc.operators.loops import dot
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.operators.sbp import OPERATORS
+from fsipetsc.operators.undivided import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, Part
 from fsipetsc.scheme import block_look
+from fsipetsc.scheme.solid_dissipation import AT_SHOCKS, SMALL, Damping, room, solid_dissipation
 from fsipetsc.scheme.solid_rates import Work, solid_rates, solid_work
 
 Array = NDArray[Any]
@@ -51,12 +54,25 @@ class SolidPart:
         self._F = np.zeros((d * d, part.numbers.size))
         self.prestress = prestress_of(self.block, self.X)
         self._work = self._make_work(OPERATORS[order].rows, ranges[0][0])
+        self._dissipation = list(self._make_dissipation(order, form))
 
     def _make_work(self, rows: int, first: int) -> Work:
         """Memory of rates. rows: of the closures; first: the first ghosted node along axis 0."""
         part, nodes = self.part, self.block.shape[0]
         inside = (0, part.patch.ghosted[0]) if self.block.periodic[0] else (rows - first, nodes - rows - first)
         return solid_work(self.equations, part.bands, inside, part.patch)
+
+    def _make_dissipation(self, order: int, form: Any) -> Iterator[tuple[Any, ...]]:
+        """What solid_dissipation wants of each term: that of all nodes, and that of shocks."""
+        d, solid, bands, cells = self._d, self.equations, self.part.bands, self.block.cells
+        K = solid.law.wave_modulus(tuple(np.eye(d).ravel().tolist()))
+        of_solid = np.sqrt(K * solid.m0), solid.m0, SMALL * np.sqrt(K / solid.m0)
+        sigma = sigma_of(form.dissipation, self._problem.joined) / 4.0 ** (order // 2)
+        terms = (order, sigma, -sigma * (form.shock > 0.0)), (2, 0.0, AT_SHOCKS * form.shock)
+        for order_of_term, a, b in terms:
+            if a > 0.0 or b > 0.0:
+                found = differences(d, order_of_term, bands, cells)
+                yield Damping(a, b, *of_solid), found, room(d, found)
 
     @property
     def timed(self) -> bool:
@@ -151,6 +167,8 @@ class SolidPart:
         """
         d = self._d
         solid_rates(self.equations, self._like, q, self.metrics, self.prestress, rates, self._work)
+        for damping, found, memory in self._dissipation:
+            solid_dissipation(self._like, damping, q, self.metrics, found, self.part.patch, rates, memory)
         self.faces.add(t, q, self.metrics, rates, gain)
         force, v = np.array(self.equations.force), q[self._owned, d : 2 * d]
         if force.any():

@@ -64,7 +64,7 @@ def line_solid_of(material: Any, p_ref: float) -> ElasticSolid:
     if pressure is None and material.gruneisen > 0.0:
         pressure = Gruneisen(material.gruneisen)
     numbers = material.kappa_e, material.m0, material.alpha, p_ref
-    return ElasticSolid(0.0, material.K, *numbers, force=material.force, pressure=pressure)
+    return ElasticSolid(0.0, material.K, *numbers, force=material.force, pressing=pressure)
 
 
 def _law(law: Any) -> Any:

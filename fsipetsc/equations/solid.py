@@ -31,9 +31,8 @@ from fsipetsc.equations.tensors import (
     determinant,
     largest_stretch,
 )
-from fsipetsc.operators.loops import along, dot, formulas, scale
+from fsipetsc.operators.loops import along, dot, scale
 
-formulas("temperature", "total_energy", "stress_at", "heat_flux", "wave_modulus_at")
 #: step of differences of a pressure, which only the wave modulus takes
 STEP = 2.0**-17
 

@@ -23,7 +23,6 @@ from fsipetsc.checks import described
 from fsipetsc.errors import InputError
 from fsipetsc.materials.formulas import GAS_LAW, SOLID_LAW, SOLID_PRESSURE, TRANSPORT_LAW
 from fsipetsc.operators.loops import _by_length as by_length
-from fsipetsc.operators.loops import formulas as compiled_methods
 from fsipetsc.operators.loops import zeros
 
 Formula = Callable[..., Any]
@@ -135,9 +134,22 @@ def gas_law(**formulas: Formula) -> Any:
 
 
 def transport_law(viscosity: Formula, conductivity: Formula | None = None) -> Any:
-    """viscosity(T) = mu(T)/mu, conductivity(T) = kappa(T)/kappa or the same. InputError."""
+    """viscosity(T) = mu(T)/mu, conductivity(T) = kappa(T)/kappa or the same. InputError.
+
+    One function relative(T) may return both, (mu(T)/mu, kappa(T)/kappa).
+    """
+    if conductivity is None and _returns_two(viscosity):
+        both = register_jitable(getattr(viscosity, "py_func", viscosity))
+        viscosity, conductivity = (lambda T: both(T)[0]), (lambda T: both(T)[1])
     formulas = {"viscosity": viscosity, "conductivity": conductivity or viscosity}
     return _law_of(TRANSPORT, formulas)
+
+
+def _returns_two(formula: Formula) -> bool:
+    try:
+        return np.shape(formula(300.0)) == (2,)
+    except Exception:  # what is wrong is said when it is compiled
+        return False
 
 
 def solid_law(**formulas: Formula) -> Any:
@@ -272,7 +284,6 @@ def _class(
         made.__module__ = __name__
         for key, formula in methods.items():
             setattr(made, key, formula)
-        compiled_methods(*methods)
         _classes[full] = made
     return _classes[full]
 

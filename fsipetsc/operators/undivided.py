@@ -1,10 +1,11 @@
 """Undivided differences along the axes of a block, of which dissipation is made.
 
-    (Delta_q f)_i = sum_m (-1)^(q - m) C(q, m) f_(i + m),    m = 0 … q,    all of its nodes in the block
+    (Delta_q f)_i = sum_m (-1)^(q - m) C(q, m) f_(i + m),    m = 0 … q,    of nodes in the block
 
-Dissipation takes H^-1 Delta_q^T F from the rates, with F of each difference. The weights of a difference add up to 0,
-so sums of the rates stay. Next to ends a difference counts as much as the least norm of its nodes, or it would be as
-much stiffer there as that is small. Differences end where a block does; a node of a join has those of both sides.
+Dissipation takes H^-1 Delta_q^T F from the rates, with F of each difference. The weights of a
+difference add up to 0, so sums of the rates stay. Next to ends a difference counts as much as the
+least norm of its nodes, or it would be as much stiffer there as that is small. Differences end
+where a block does; a node of a join has those of both sides.
 """
 
 from __future__ import annotations
@@ -19,21 +20,21 @@ from numpy.typing import NDArray
 from fsipetsc.operators.bands import Band
 
 Array = NDArray[np.float64]
-#: usual size of dissipation: sigma, the differences of order q = half the order are taken times sigma / 4^q
+#: usual size of dissipation: differences of order q, half that of the scheme, count sigma / 4^q
 SIGMA = 0.3
 
 
 def sigma_of(option: float, joined: bool) -> float:
-    """sigma of the option -fsi_dissipation: 0 is 1 where blocks are joined, below 0 is none there either."""
+    """sigma of -fsi_dissipation: 0 is 1 where blocks are joined, below 0 is none even there."""
     return SIGMA * max(0.0, option if option != 0.0 else float(joined))
 
 
 class Differences(NamedTuple):
     """Those of a patch, over its ghosted array of N nodes, axis 0 contiguous.
 
-    weights: (q + 1) numbers of a difference. strides: of the axes in memory. norm: (axes, N) the least norm of the nodes
-    of the difference that begins at a node, 0 where it does not fit. per_weight: (axes, N) 1 / weight of a node along
-    the axis.
+    weights: (q + 1) numbers of a difference. strides: of the axes in memory. norm: (axes, N) the least
+    norm of the nodes of the difference that begins at a node, 0 where it does not fit. per_weight:
+    (axes, N) 1 / weight of a node along the axis.
     """
 
     weights: tuple[float, ...]
@@ -43,7 +44,9 @@ class Differences(NamedTuple):
 
 
 def differences(d: int, order: int, bands: Sequence[Band], cells: Sequence[int]) -> Differences:
-    """Of half the order of the scheme. bands: three, cut to the ghosted array; cells: of the whole block, by axis."""
+    """Of half the order of the scheme. bands: of three axes, cut to the ghosted array; cells: of the
+    whole block, by axis.
+    """
     q = order // 2
     shape = [len(band.weight) for band in bands]
     norm, per_weight = [], []

@@ -370,7 +370,7 @@ class _Run:
             "message": (str(failure) or type(failure).__name__) if failure else self._early_end(),
             "t": integrator.t,
             "steps": integrator.steps,
-            "rejected_steps": integrator.rejections,
+            "rejected_steps": integrator.rejections + getattr(self.state, "retries", 0),
             "rhs_evaluations": integrator.evaluations,
             "dt_min": integrator.dt_range[0] if integrator.steps else None,
             "dt_max": integrator.dt_range[1] if integrator.steps else None,
