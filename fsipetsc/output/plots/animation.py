@@ -15,7 +15,7 @@ import numpy as np
 from fsipetsc.errors import FileError, InputError
 from fsipetsc.output.places import writing
 from fsipetsc.output.plots import film as of_profiles
-from fsipetsc.output.plots.plane import film as of_maps
+from fsipetsc.output.plots.maps import film as of_maps
 from fsipetsc.output.plots.style import BLUE, RED, STYLE, needed
 from fsipetsc.output.reader import Run, open_run
 
