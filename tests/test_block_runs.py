@@ -13,7 +13,7 @@ import pytest
 
 pytest.importorskip("petsc4py")
 
-from helpers import REPOSITORY, mpirun
+from helpers import REPOSITORY, mpirun, solve
 
 import fsipetsc
 from fsipetsc.output.differences import compare
@@ -204,3 +204,10 @@ def test_a_failure_names_field_block_and_place(runs):
 def test_bad_input_ends_with_one_message(runs, name, words):
     status, message = runs[1][name]
     assert status == 2 and words in message, message
+
+
+@pytest.mark.parametrize("command", ["plot", "report"])
+def test_no_pictures_of_three_dimensions(runs, command):
+    """One message, with the file that ParaView opens."""
+    done = solve(command, runs[0] / "3d_1.h5")
+    assert done.returncode == 2 and "ParaView opens 3d_1.xdmf" in done.stderr

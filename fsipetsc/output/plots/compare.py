@@ -13,7 +13,7 @@ from fsipetsc.errors import InputError
 from fsipetsc.options import OF_A_RUN
 from fsipetsc.output.differences import compare
 from fsipetsc.output.plots import reason, whole
-from fsipetsc.output.plots.frames import moment
+from fsipetsc.output.plots.frames import check_drawable, moment
 from fsipetsc.output.plots.maps.page import pairs_of, size_of
 from fsipetsc.output.plots.maps.panels import bar, colors, domain, few_ticks, panel
 from fsipetsc.output.plots.maps.quantities import Pair
@@ -41,6 +41,7 @@ def draw(
 
     faults: gets what of damaged results could not be drawn.
     """
+    check_drawable(a)
     if a.dimension != b.dimension or not a.nframes or not b.nframes:
         raise InputError(f"plot -compare: {a.path} and {b.path}: expected two results of equal dimension, with frames")
     height, above = 0.01, lambda part: None

@@ -10,7 +10,7 @@ import numpy as np
 
 from fsipetsc.errors import InputError
 from fsipetsc.output.plots import balances, interfaces, profiles, reason, space_time, whole
-from fsipetsc.output.plots.frames import at_times, moment
+from fsipetsc.output.plots.frames import at_times, check_drawable, moment
 from fsipetsc.output.plots.maps import page as of_maps
 from fsipetsc.output.plots.quantities import PROFILES, SPACE_TIME, Quantity
 from fsipetsc.output.plots.scales import named, scaled, time_axis
@@ -40,6 +40,7 @@ def draw(
 
     faults: gets what of a damaged result could not be drawn.
     """
+    check_drawable(run)
     below = list(whole(iter(panels(run)), faults, "panels"))
     find = of_maps.maps_of if run.dimension == 2 else _profiles_or_maps
     height, above = MAPS, lambda part: None
