@@ -50,7 +50,7 @@ from fsipetsc.equations.gas import volume_flux
 from fsipetsc.operators.loops import (
     CALL,
     INNER_CALL,
-    INNER_LOOP,
+    EXACT_LOOP,
     add,
     along,
     choose,
@@ -125,7 +125,7 @@ def gas_dissipation(
                 collect(like, weights, of_axis, sigma > 0.0, node, U64(stride), room, rates, to, n)
 
 
-@njit(**INNER_LOOP)
+@njit(**EXACT_LOOP)
 def prepare(gas, like, q, state, z, n):
     """Primitive and entropy variables of interlaced nodes."""
     like_q = (*like, 0.0, 0.0, 0.0)
@@ -153,7 +153,7 @@ def shifted_sum(like, array, start, step, i, stride, weights):
     return found
 
 
-@njit(**INNER_LOOP)
+@njit(**EXACT_LOOP)
 def fluxes(gas, like, strength, weights, norm, metrics, k, stride, room, n):
     """sigma/4^q lambda U_z Delta z of differences by their first nodes, 0 if one does not fit."""
     like_z, nothing = (*like, 0.0, 0.0), (*zeros(like), 0.0, 0.0)
@@ -189,7 +189,7 @@ def largest(alpha, i, stride, weights):
     return found
 
 
-@njit(**INNER_LOOP)
+@njit(**EXACT_LOOP)
 def collect(like, weights, per_weight, differs, node, stride, room, rates, to, n):
     """Add sums and H^-1 Delta^T F to the rates of a row of owned nodes; all is interlaced there."""
     like_f, N, count = (*like, 0.0, 0.0), U64(per_weight.size), U64(len(like) + 3)
@@ -234,7 +234,7 @@ def sense(state, alpha, stride, length):
     return most
 
 
-@njit(**INNER_LOOP)
+@njit(**EXACT_LOOP)
 def sense_row(state, alpha, stride, N):
     """alpha of density and pressure."""
     for i in range(stride, N - stride):

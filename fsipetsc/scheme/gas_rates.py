@@ -28,8 +28,8 @@ from fsipetsc.equations.means import NEAR
 from fsipetsc.equations.tensors import outer
 from fsipetsc.operators.loops import (
     CALL,
-    INNER_CALL,
-    INNER_LOOP,
+    INLINED_CALL,
+    EXACT_LOOP,
     add,
     along,
     choose,
@@ -260,7 +260,7 @@ def pair_of(like, w, place, i, j):
 # loops over nodes of a row
 
 
-@njit(**INNER_LOOP)
+@njit(**EXACT_LOOP)
 def load_row(gas, like, q, at_q, metrics, at_m, step, w, row, n):
     """Primitive variables and metrics."""
     like_q, like_m = (*like, 0.0, 0.0, 0.0), (*outer(like, like), *like)
@@ -270,7 +270,7 @@ def load_row(gas, like, q, at_q, metrics, at_m, step, w, row, n):
         put(w, row, ROW, i, (*state, *at(like_m, metrics, at_m, step, i)))
 
 
-@njit(**INNER_LOOP)
+@njit(**EXACT_LOOP)
 def keep_fluxes(gas, like, w, place, n):
     """Conserved variables and the inviscid flux through one of the areas."""
     for i in range(n):
@@ -279,7 +279,7 @@ def keep_fluxes(gas, like, w, place, n):
         put(w, place.flux, ROW, i, gas.flux(state, a))
 
 
-@njit(**INNER_LOOP)
+@njit(**EXACT_LOOP)
 def pair_row(
     gas, like, form, friction, w, place, other, gain, loss, weights, low, lower, high, upper, n
 ):
@@ -300,7 +300,7 @@ def pair_row(
     return far
 
 
-@njit(**INNER_LOOP)
+@njit(**EXACT_LOOP)
 def far_row(gas, like, form, w, place, other, gain, loss, weights, low, lower, high, upper, n):
     """Add the fluxes that were left out."""
     like_f = (*like, 0.0, 0.0)
@@ -312,7 +312,7 @@ def far_row(gas, like, form, w, place, other, gain, loss, weights, low, lower, h
             put(high, upper, ROW, i, along(at(like_f, high, upper, ROW, i), gain[weights + i], F))
 
 
-@njit(**INNER_LOOP)
+@njit(**EXACT_LOOP)
 def store_row(gas, like, low, high, upper, q, at_q, metrics, J_t, rates, to, n):
     """J_t and the rates of a row, interlaced."""
     like_f, like_q = (*like, 0.0, 0.0), (*like, 0.0, 0.0, 0.0)
@@ -323,7 +323,7 @@ def store_row(gas, like, low, high, upper, q, at_q, metrics, J_t, rates, to, n):
         put(rates, to, ONE, i * count, (metrics[J_t + i], total[0], *add(total[1:], force)))
 
 
-@njit(**INNER_LOOP)
+@njit(**EXACT_LOOP)
 def clear(to, start, components, n):
     """Zeros."""
     for c in range(components):
@@ -331,7 +331,7 @@ def clear(to, start, components, n):
             to[start + U64(c) * ROW + i] = 0.0
 
 
-@njit(**INNER_LOOP)
+@njit(**EXACT_LOOP)
 def fill(gain, loss, upper, lower, n):
     """Weights of pairs across rows, which are the same for all nodes of a row."""
     for i in range(n):
@@ -341,7 +341,7 @@ def fill(gain, loss, upper, lower, n):
 # a tile
 
 
-@njit(**INNER_CALL)
+@njit(**INLINED_CALL)
 def weigh(axis, tile, gain, loss):
     """S over the weights of both nodes of pairs along the first axis, 0 where there are none."""
     for k in range(1, axis.S.shape[0]):
@@ -355,7 +355,7 @@ def weigh(axis, tile, gain, loss):
                 )
 
 
-@njit(**INNER_CALL)
+@njit(**INLINED_CALL)
 def find_spans(axis, x0, x1, spans):
     """Pairs along the first axis: (k, a, b), of the nodes a … b - 1 and those k on; how many."""
     count = 0
@@ -383,7 +383,7 @@ def row_of(work, tile, layer, j):
     return number_of(work, tile, layer, j) * U64(work.numbers) * ROW
 
 
-@njit(**INNER_CALL)
+@njit(**INLINED_CALL)
 def load_layer(gas, like, form, friction, q, metrics, axes, tile, work, layer):
     """The rows of a layer that are read."""
     inner, last, d = axes.inner, axes.last, len(like)
@@ -404,7 +404,7 @@ def load_layer(gas, like, form, friction, q, metrics, axes, tile, work, layer):
         clear(work.high, number_of(work, tile, layer, j) * U64(d + 2) * ROW, d + 2, ROW)
 
 
-@njit(**INNER_CALL)
+@njit(**INLINED_CALL)
 def pairs(gas, like, form, friction, work, row, k, other, weights, column, upper, n):
     """Add the fluxes of n pairs along axis k, of nodes of a row and those `other` numbers on.
 
@@ -418,7 +418,7 @@ def pairs(gas, like, form, friction, work, row, k, other, weights, column, upper
         far_row(gas, like, form, w, place, other, gain, loss, *more, U64(n))
 
 
-@njit(**INNER_CALL)
+@njit(**INLINED_CALL)
 def pairs_across(gas, like, form, friction, axes, tile, work, layer, j, along_last):
     """The pairs of row j of a layer with those in layers (or rows) farther on."""
     axis, k_axis = (axes.last, len(like) - 1) if along_last else (axes.inner, 1)
@@ -434,7 +434,7 @@ def pairs_across(gas, like, form, friction, axes, tile, work, layer, j, along_la
             pairs(gas, like, form, friction, work, row, k_axis, other, U64(0), column, upper, n)
 
 
-@njit(**INNER_CALL)
+@njit(**INLINED_CALL)
 def sweep_layer(gas, like, form, friction, q, metrics, axes, tile, work, rates, layer):
     """Add the fluxes of the pairs that begin in a layer; its rates if it is owned."""
     first, inner, last, d = axes.first, axes.inner, axes.last, len(like)
@@ -465,7 +465,7 @@ def sweep_layer(gas, like, form, friction, q, metrics, axes, tile, work, rates, 
             store_row(gas, like, work.low, work.high, upper, q, at_q, metrics, J_t, rates, to, n)
 
 
-@njit(**INNER_CALL)
+@njit(**INLINED_CALL)
 def sweep(gas, like, form, friction, q, metrics, axes, tile, work, rates):
     """Sweep a tile along the last axis: load layers, complete them, take pairs that begin there."""
     last = axes.last
@@ -516,7 +516,7 @@ def part(begin, end, m, count):
 # viscous fluxes
 
 
-@njit(**INNER_LOOP)
+@njit(**EXACT_LOOP)
 def slope_row(gas, like, w, low, here, high, gain, below, loss, above, slope, to, n):
     """Add what the nodes before and after give to D z."""
     like_w, like_z = state_like(like), (*like, 0.0)
@@ -536,7 +536,7 @@ def slopes_of(like, w, areas, slope, to, i, k):
     return outer(g[:-1], a), scale(g[-1], a)
 
 
-@njit(**INNER_LOOP)
+@njit(**EXACT_LOOP)
 def viscous_row(gas, like, w, place, q, at_q, slope, to, n):
     """a^k . f_v of all axes k, from the derivatives of z along them."""
     d, count = U64(len(like)), U64(len(like) + 3)
@@ -558,7 +558,7 @@ def viscous_row(gas, like, w, place, q, at_q, slope, to, n):
             put(w, place.viscous + k * (d + ONE) * ROW, ROW, i, flux)
 
 
-@njit(**INNER_CALL)
+@njit(**INLINED_CALL)
 def slopes(gas, like, axes, tile, work, layer, j, column, n):
     """D_k z of a row for each axis k."""
     w, gain, loss, slope, of_axis = (
@@ -604,7 +604,7 @@ def slopes(gas, like, axes, tile, work, layer, j, column, n):
                 slope_row(gas, like, w, low, here, high, gain, none, loss, none, slope, to, n)
 
 
-@njit(**INNER_CALL)
+@njit(**INLINED_CALL)
 def viscous_layer(gas, like, form, q, axes, tile, work, layer):
     """Viscous fluxes of the rows of a layer that pairs with owned nodes take."""
     first, inner, last = axes.first, axes.inner, axes.last
