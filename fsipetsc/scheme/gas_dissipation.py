@@ -49,8 +49,8 @@ from numba.extending import register_jitable
 from fsipetsc.equations.gas import volume_flux
 from fsipetsc.operators.loops import (
     CALL,
-    INNER_CALL,
     EXACT_LOOP,
+    INNER_CALL,
     add,
     along,
     choose,

@@ -28,8 +28,8 @@ from fsipetsc.equations.means import NEAR
 from fsipetsc.equations.tensors import outer
 from fsipetsc.operators.loops import (
     CALL,
-    INLINED_CALL,
     EXACT_LOOP,
+    INLINED_CALL,
     add,
     along,
     choose,
