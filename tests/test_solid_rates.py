@@ -12,8 +12,9 @@ from fsipetsc.materials.solid_pressure import gruneisen
 from fsipetsc.operators.bands import NO_AXIS, Band, band
 from fsipetsc.operators.patch import Patch
 from fsipetsc.operators.sbp import OPERATORS
-from fsipetsc.scheme import solid_rates as module
-from fsipetsc.scheme.solid_rates import solid_rates, solid_work
+from fsipetsc.scheme import solid_work as module
+from fsipetsc.scheme.solid_rates import solid_rates
+from fsipetsc.scheme.solid_work import solid_work
 
 #: cells of the axes, for each order and dimension
 CELLS = {1: (29,), 2: (20, 18), 3: (15, 14, 16)}
