@@ -198,7 +198,7 @@ def test_rates_of_periodic_blocks(d, order, periodic, material):
 
 CUTS = [
     (1, 4, (), ((9, 17),), {"kappa_e": 0.4}),
-    (2, 4, (), ((9,), (8,)), {"law": "svk", "force": (0.3, -0.7)}),
+    (2, 4, (), ((9,), (8,)), {"force": (0.3, -0.7)}),
     (2, 4, (True, False), ((5, 11), ()), {"kappa_e": 0.3, "heat": "elastic"}),
     (3, 2, (), ((7,), (5, 9), (8,)), {"kappa_e": 0.4, "heat": "elastic"}),
 ]
@@ -220,7 +220,7 @@ def test_rates_do_not_depend_on_tiles(d, order, periodic, cuts, material, monkey
 
 @pytest.mark.parametrize("heat", ["coupled", "elastic"])
 def test_a_prestress_is_part_of_the_stress(heat):
-    block = Block(2, 4, law="svk", kappa_e=0.4, heat=heat)
+    block = Block(2, 4, (False, True), kappa_e=0.4, heat=heat, force=(0.3, -0.7))
     block.prestress = 0.5 * np.random.default_rng(3).standard_normal((4, len(block.J0)))
     block.set_unknowns()
     found, wanted = block.rates(), block.reference()

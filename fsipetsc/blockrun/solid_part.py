@@ -13,7 +13,7 @@ from fsipetsc.blockrun.face_terms import FaceTerms, ranges_of, strain, weights_o
 from fsipetsc.blockrun.gas_part import MOMENTUM
 from fsipetsc.blocks.metrics import solid_metrics
 from fsipetsc.blocks.values import block_values, prestress_of
-from fsipetsc.equations.tensors import add_unit, determinant
+from fsipetsc.equations.tensors import add_unit, apply, cofactor, determinant
 from fsipetsc.operators.loops import dot
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.operators.sbp import OPERATORS
@@ -85,7 +85,7 @@ class SolidPart:
     def initial(self, t: float, q: Array) -> None:
         """Fill q (M, 2d + 1) with the case's data."""
         d, X = self._d, self.X[:, self._owned]
-        values = [np.asarray(v) * np.ones(X.shape[1]) for v in self.block.initial(*X)]
+        values = block_values(self.block, "initial", X, t, self.part.numbers)
         v, T, x = values[:d], values[d], values[d + 1 :]
         for c in range(d):
             q[:, c], q[:, d + c] = x[c] - X[c], v[c]
@@ -98,7 +98,8 @@ class SolidPart:
     def _strain_of_case(self) -> tuple[Array, ...]:
         """F of the owned nodes from the case's places, which it knows in halos as well."""
         q = np.zeros((self.X.shape[1], 2 * self._d + 1))
-        places = self.block.initial(*self.X)[self._d + 1 :]
+        nodes = self.part.ghosted_numbers
+        places = block_values(self.block, "initial", self.X, 0.0, nodes)[self._d + 1 :]
         for c in range(self._d):
             q[:, c] = places[c] - self.X[c]
         return tuple(self._deformation(q))
@@ -141,19 +142,26 @@ class SolidPart:
             block_look.solid_look(self.equations, self._like, thermal, *arguments, np.zeros(d + 1))
         return seen, dict(zip([*MOMENTUM[:d], "energy"], sums.tolist(), strict=True))
 
-    def fields(self, q: Array) -> Array:
-        """(M, …) what is saved of the owned nodes: v, T, Cauchy stress P F^T / J, x."""
+    def normal(self, row: int, axis: int, side: int) -> Array:
+        """(d,) unit normal out of the solid of a face as it is, at an owned node, by the last F."""
         d = self._d
-        F, own = tuple(self._deformation(q)), q[self._owned]
+        A = tuple(self.metrics[axis * d : (axis + 1) * d, self._owned[row]] * (2 * side - 1))
+        n = np.array(apply(cofactor(tuple(self._F[:, row])), A))
+        return n / np.linalg.norm(n)
+
+    def fields(self, q: Array, rows: slice = slice(None)) -> Array:
+        """(…, …) what is saved of these rows of the owned nodes: v, T, Cauchy stress P F^T / J, x."""
+        d, nodes = self._d, self._owned[rows]
+        F, own = tuple(self._deformation(q)[:, rows]), q[nodes]
         v = tuple(own[:, d : 2 * d].T)
-        e = own[:, 2 * d] - self._stored_by_prestress(F, self._owned)
+        e = own[:, 2 * d] - self._stored_by_prestress(F, nodes)
         T = self.equations.temperature(v, e, F)
-        P, J = self.equations.stress_at(F, T) + self._prestress_at(self._owned), determinant(F)
+        P, J = self.equations.stress_at(F, T) + self._prestress_at(nodes), determinant(F)
         pairs = [(i, j) for i in range(d) for j in range(i, d)]
         stresses = [sum(P[i * d + m] * F[j * d + m] for m in range(d)) / J for i, j in pairs]
         p_ref = self.faces.p_ref
         stresses = [s - p_ref * (i == j) for s, (i, j) in zip(stresses, pairs, strict=True)]
-        x = self.X[:, self._owned] + own[:, :d].T
+        x = self.X[:, nodes] + own[:, :d].T
         return np.stack([*v, T, *stresses, *x], axis=-1)
 
     def stored(self, q: Array, nodes: Array) -> Array:
