@@ -81,6 +81,7 @@ class ParticleSystem:
         for i, (_, k, node) in enumerate(members[mine].tolist()):
             at[i] = layout.part(k).at(np.array([node]))[0]
         most = max([1, *(len(p.constraints) for p in self._particles)])
+        most = layout.comm.allreduce(most, op=MPI.MAX)  # rows of all ranks are of one length
         constraint = np.zeros((count, most), np.int64)
         for p, particle in enumerate(self._particles):
             constraint[p, : len(particle.constraints)] = [c.kind for c in particle.constraints]
