@@ -39,7 +39,15 @@ def prestress(X, Y):
 
 def block(heat="elastic", stress=prestress, **more):
     material = ElasticSolid(**NUMBERS, law="svk", heat=heat)
-    return Block("plate", material, rectangle((0.0, 0.0), (1.0, 2.0)), (8, 9), stretched, prestress=stress, **more)
+    return Block(
+        "plate",
+        material,
+        rectangle((0.0, 0.0), (1.0, 2.0)),
+        (8, 9),
+        stretched,
+        prestress=stress,
+        **more,
+    )
 
 
 def part_of(made):
@@ -50,7 +58,7 @@ def part_of(made):
 
 @pytest.mark.parametrize("heat", ["coupled", "elastic"])
 def test_initial_data_come_back(heat):
-    """v, T and x; the stress is (P + S) F^T / J; e has the energy of law and prestress if it is one."""
+    """v, T and x; the stress is (P + S) F^T / J; e has the energy of both with heat 'elastic'."""
     made = block(heat)
     layout, part = part_of(made)
     y = layout.vector()
@@ -69,7 +77,9 @@ def test_initial_data_come_back(heat):
     e = 0.6 * 1.5 + 0.5 * 0.05 + (stored if heat == "elastic" else 0.0)
     assert np.abs(y.owned(0)[:, 4] - e).max() < 1e-12
     looked, sums = part.look(y.owned(0))
-    assert looked[0] == 0.0 and sums["energy"] == pytest.approx((y.owned(0)[:, 4] * part._masses).sum())
+    assert looked[0] == 0.0 and sums["energy"] == pytest.approx(
+        (y.owned(0)[:, 4] * part._masses).sum()
+    )
 
 
 def test_a_state_whose_heat_is_gone_is_bad():
@@ -88,7 +98,9 @@ def test_wrong_prestresses():
     with pytest.raises(InputError, match="prestress is given: expected none, as it is a gas"):
         Block("gas", gas, rectangle(0.0, 1.0), (8,), lambda X: (1, 0, 1), prestress=lambda X: (1,))
     X = np.zeros((2, 3))
-    with pytest.raises(InputError, match=r"returns 2 values: expected 4 values \(S_xx, S_xy, S_yx, S_yy\)"):
+    with pytest.raises(
+        InputError, match=r"returns 2 values: expected 4 values \(S_xx, S_xy, S_yx, S_yy\)"
+    ):
         prestress_of(block(stress=lambda X, Y: (1.0, 2.0)), X)
     assert prestress_of(block(stress=None), X).shape == (4, 0)
 
@@ -98,7 +110,8 @@ def test_halos_of_solids():
 
     def halo(**more):
         material = ElasticSolid(**{**NUMBERS, **more})
-        return halos_of(SimpleNamespace(blocks=[SimpleNamespace(kind="solid", material=material)]), 6)[0]
+        made = SimpleNamespace(kind="solid", material=material)
+        return halos_of(SimpleNamespace(blocks=[made]), 6)[0]
 
     assert halo(heat="elastic") == (9, True)
     assert halo(heat="coupled") == halo(heat="elastic", kappa_e=0.0) == (6, True)
