@@ -28,7 +28,7 @@ ALONE = {
     **{"blast_shock.opts": "-fluid_mu 0 -fluid_kappa 0", "plane_mms.opts": "-solid_law log"},
 }
 #: stems of Open MPI's, PETSc's and other programs' options that the documents may name
-FOREIGN = {"o", "n", "m", "help", "animate", "plane", "all", "fields", "times", "compare", "options_left", "options_view"}
+FOREIGN = {"o", "n", "m", "help", "animate", "blocks", "all", "fields", "times", "compare", "options_left", "options_view"}
 FOREIGN |= {"cost"}
 
 

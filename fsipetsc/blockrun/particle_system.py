@@ -83,6 +83,7 @@ class ParticleSystem:
             own = members[mine, 1] == part.k
             at[own] = part.at(members[mine[own], 2])
         most = max([1, *(len(p.constraints) for p in self._particles)])
+        most = layout.comm.allreduce(most, op=MPI.MAX)  # rows of all ranks are of one length
         constraint = np.zeros((count, most), np.int64)
         for p, particle in enumerate(self._particles):
             constraint[p, : len(particle.constraints)] = [c.kind for c in particle.constraints]

@@ -47,17 +47,6 @@ def gas_of(material: Any, force: Sequence[float]) -> Fluid:
     return Fluid(*numbers, _law(material.law), _law(material.transport), own)
 
 
-def solid_of(material: Any) -> ElasticSolid:
-    """A solid in plane strain. InputError for a law of a case."""
-    if isinstance(material, ElasticSolid):
-        return material
-    if not isinstance(material.law, str):
-        _law(material.law)
-    names = "mu_e", "lambda_e", "kappa_e", "m0", "alpha", "p_ref", "law", "heat"
-    force = material.force if any(material.force) else 0.0
-    return ElasticSolid(*(getattr(material, name) for name in names), force=force)
-
-
 def line_solid_of(material: Any, p_ref: float) -> ElasticSolid:
     """A solid in one dimension, whose stress is K ln x_X - p_ref less its pressure. InputError."""
     pressure = _law(material.pressing)
