@@ -72,6 +72,11 @@ def test_a_panel_that_is_flush_with_a_wall():
     }
     problem = problem_of(shape, closed, gas(), solid())
     assert kinds(at(problem, 1.0, 1.0)) == [(SLIPS, 1, 1)]
+
+    def named(name, axis, side):
+        return Clamped() if name == "solid" else Slip(name=f"wall {axis}")
+
+    assert kinds(at(problem_of(shape, named, gas(), solid()), 1.0, 1.0)) == [(SLIPS, 1, 1)]
     assert sorted(kinds(at(problem, 0.0, 1.0))) == [(SLIPS, 0, 1), (SLIPS, 1, 0)]
 
 
@@ -134,6 +139,20 @@ def test_who_has_one_temperature(heat, kappa):
     assert at(problem, 0.5, 0.0).warm_gas.T == 1.5
 
 
+def test_a_temperature_that_is_given_is_that_of_all_solids_there():
+    shape = {
+        "solid a": shapes.box((0, 0), (1, 1), N, N),
+        "solid b": shapes.box((1, 0), (2, 1), N, N),
+    }
+
+    def faces(name, axis, side):
+        return Free(T=1.2) if (axis, side) == (1, 1) else Free()
+
+    problem = problem_of(shape, faces, gas(), solid(heat="elastic", kappa=0.0))
+    warm, other = at(problem, 1.0, 1.0), at(problem, 1.0, 0.5)
+    assert warm.one_T and warm.stores and not other.one_T and not other.stores
+
+
 def test_who_holds_what():
     def moving(*X_and_t):
         return X_and_t[:-1]
@@ -146,12 +165,15 @@ def test_who_holds_what():
             return Absorbing()
         if name == "gas 00":
             return NoSlip(x=moving) if axis == 1 else NoSlip()
+        if name == "gas 21":
+            return NoSlip(x=moving) if axis == 0 else NoSlip()
         if name == "gas 20":
             return given if axis == 0 else Slip(x=moving)
         return open_face if axis == 0 else Slip()
 
     problem = panel(faces, points=(("solid", (1.15, 0.7), Hinge()),))
     assert at(problem, 0.0, 0.0).wall.x is moving, "what moves holds"
+    assert at(problem, 2.5, 1.5).wall.x is moving
     assert at(problem, 0.0, 0.0).moves and not at(problem, 0.0, 0.35).moves
     assert at(problem, 2.5, 0.35).given_gas is given and at(problem, 2.5, 0.35).moves
     assert at(problem, 1.9, 0.0).slip.x is moving and at(problem, 1.9, 0.0).moves

@@ -12,8 +12,9 @@ from fsipetsc.materials.solid_pressure import gruneisen
 from fsipetsc.operators.bands import NO_AXIS, Band, band
 from fsipetsc.operators.patch import Patch
 from fsipetsc.operators.sbp import OPERATORS
-from fsipetsc.scheme import solid_rates as module
-from fsipetsc.scheme.solid_rates import solid_rates, solid_work
+from fsipetsc.scheme import solid_work as module
+from fsipetsc.scheme.solid_rates import solid_rates
+from fsipetsc.scheme.solid_work import solid_work
 
 #: cells of the axes, for each order and dimension
 CELLS = {1: (29,), 2: (20, 18), 3: (15, 14, 16)}
@@ -197,7 +198,7 @@ def test_rates_of_periodic_blocks(d, order, periodic, material):
 
 CUTS = [
     (1, 4, (), ((9, 17),), {"kappa_e": 0.4}),
-    (2, 4, (), ((9,), (8,)), {"law": "svk", "force": (0.3, -0.7)}),
+    (2, 4, (), ((9,), (8,)), {"force": (0.3, -0.7)}),
     (2, 4, (True, False), ((5, 11), ()), {"kappa_e": 0.3, "heat": "elastic"}),
     (3, 2, (), ((7,), (5, 9), (8,)), {"kappa_e": 0.4, "heat": "elastic"}),
 ]
@@ -219,7 +220,7 @@ def test_rates_do_not_depend_on_tiles(d, order, periodic, cuts, material, monkey
 
 @pytest.mark.parametrize("heat", ["coupled", "elastic"])
 def test_a_prestress_is_part_of_the_stress(heat):
-    block = Block(2, 4, law="svk", kappa_e=0.4, heat=heat)
+    block = Block(2, 4, (False, True), kappa_e=0.4, heat=heat, force=(0.3, -0.7))
     block.prestress = 0.5 * np.random.default_rng(3).standard_normal((4, len(block.J0)))
     block.set_unknowns()
     found, wanted = block.rates(), block.reference()

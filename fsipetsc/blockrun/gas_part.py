@@ -20,7 +20,14 @@ from fsipetsc.parallel.block_layout import BlockLayout, FaceGather, Part
 from fsipetsc.scheme import block_look
 from fsipetsc.scheme import normals as of_faces
 from fsipetsc.scheme.gas_dissipation import gas_dissipation, room
-from fsipetsc.scheme.gas_rates import DivergenceForm, EntropyForm, Inviscid, Viscous, gas_rates, scratch
+from fsipetsc.scheme.gas_rates import (
+    DivergenceForm,
+    EntropyForm,
+    Inviscid,
+    Viscous,
+    gas_rates,
+    scratch,
+)
 
 Array = NDArray[Any]
 #: names of the components of momentum
@@ -28,7 +35,7 @@ MOMENTUM = ("momentum_x", "momentum_y", "momentum_z")
 
 
 class GasPart:
-    """One part of a gas block. metrics: (d d + d + 1, ghosted nodes), a^k, velocity of the grid, J_t."""
+    """One part of a gas block. metrics: (d d + d + 1, N), a^k, velocity of the grid, J_t."""
 
     def __init__(
         self, layout: BlockLayout, part: Part, order: int, form: Any, asked: Asked
@@ -63,7 +70,10 @@ class GasPart:
         return self.faces.timed or self.block.forcing is not None
 
     def follow(self, particles: Sequence[Particle], system: ParticleSystem) -> None:
-        """Let the grid follow the particles that have a solid, or are on walls that move. Collective on the block's ranks."""
+        """Let the grid follow the particles that have a solid, or are on walls that move.
+
+        Collective on the block's ranks.
+        """
         k, blocks = self.part.k, self._problem.blocks
         nodes = np.array(
             [
@@ -118,13 +128,15 @@ class GasPart:
         q *= (self.grid.jacobian()[self._owned] / q[:, 0])[:, None]
 
     def look(self, q: Array) -> tuple[Array, dict[str, float]]:
-        """What bounds a step, and integrals of the owned nodes: see fsipetsc.scheme.block_look; q: (N, d + 3)."""
+        """What bounds a step, integrals: see fsipetsc.scheme.block_look; q: (N, d + 3)."""
         d, weights = self._d, [band.weight for band in self.part.bands]
         seen, sums = np.zeros(block_look.LOOKED), np.zeros(d + 3)
         arguments = self.equations, self._like, q, self.metrics, self._per_h, STIFFNESS_OF_WIDE
         block_look.gas_look(*arguments, *weights, self.part.patch, seen, sums)
         if seen[block_look.BAD]:
-            self._scratch.w[:] = 0.0  # nothing that is no number may stay there for a step made anew
+            self._scratch.w[:] = (
+                0.0  # nothing that is no number may stay there for a step made anew
+            )
         if self.moves:
             J, own = q[self._owned, 0], self.grid.jacobian()[self._owned]
             seen[block_look.J_ERROR] = np.abs(J - own).max() / np.abs(own).max() if J.size else 0.0

@@ -98,9 +98,8 @@ class Reporter:
         kept = sorted(summary["departures"].items(), key=lambda item: (item[1] == item[1], -item[1]))  # nan first
         more = [f"{len(kept) - _LISTED} more"] * (len(kept) > _LISTED)
         self._list("kept", [*(f"{name} to {size:.1e}" for name, size in kept[:_LISTED]), *more])
-        if not summary["J_error"] <= MOST_J_ERROR:
-            by = f"{100 * summary['J_error']:.2g} %"
-            self.line(f"note: J has departed by {by} from the volume of the gas's grid (J_error)")
+        for text in about_volumes(summary["J_error"]):
+            self.line(text)
         for kind, values in (errors or {}).items():
             listed = [f"{name} {value:.3e}" for name, value in values.items()]
             self._list(f"{self._opt['fsi_norm']} errors in the {kind}", listed)
@@ -122,6 +121,13 @@ class Reporter:
                 lines.append(f"  {piece}" if lines else f"{title}: {piece}")
         for text in lines:
             self.line(text)
+
+
+def about_volumes(J_error: float) -> list[str]:
+    """A line if J has departed far from the volume of the grid."""
+    if J_error <= MOST_J_ERROR:
+        return []
+    return [f"note: J has departed by {100 * J_error:.2g} % from the volume of the grid (J_error)"]
 
 
 def _phases(seconds: Mapping[str, float], since: str) -> str:
