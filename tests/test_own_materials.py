@@ -33,7 +33,12 @@ def log_stress(F):
     mu, K = 1.3, 4.7
     J = F[0] * F[3] - F[1] * F[2]
     pull = K * np.log(J) - mu * J
-    return (mu * F[0] + pull * F[3], mu * F[1] - pull * F[2], mu * F[2] - pull * F[1], mu * F[3] + pull * F[0])
+    return (
+        mu * F[0] + pull * F[3],
+        mu * F[1] - pull * F[2],
+        mu * F[2] - pull * F[1],
+        mu * F[3] + pull * F[0],
+    )
 
 
 def log_energy(F):
@@ -47,7 +52,9 @@ def test_what_follows_from_the_needed_formulas_of_a_gas():
     own, built_in = Fluid(0.0, 0.0, 1.4, R, law=gas_law(**GAS)).gas_law, PerfectGas(1.4, R)
     rho, T = 1.3, 310.0
     for name in ("energy_density", "heat_capacity", "bulk_modulus", "pressure_by_temperature"):
-        assert getattr(own, name)(rho, T) == pytest.approx(getattr(built_in, name)(rho, T), rel=1e-9)
+        assert getattr(own, name)(rho, T) == pytest.approx(
+            getattr(built_in, name)(rho, T), rel=1e-9
+        )
     assert own.sound_speed_squared(rho, T) == pytest.approx(1.4 * R * T, rel=1e-9)
     assert np.isnan(own.entropy(rho, T))
 
@@ -85,7 +92,9 @@ def test_what_a_fluid_says():
     assert air.internal_energy(1.2, 300.0) == pytest.approx(CV * 300.0)
     assert air.relative(273.0) == pytest.approx((1.0, 1.0))
     of_mu, of_kappa = air.relative(546.0)
-    assert of_mu == pytest.approx(2.0**1.5 * 384.0 / 657.0) and of_kappa == pytest.approx(2.0**1.5 * 467.0 / 740.0)
+    assert of_mu == pytest.approx(2.0**1.5 * 384.0 / 657.0) and of_kappa == pytest.approx(
+        2.0**1.5 * 467.0 / 740.0
+    )
     water = Fluid(1e-3, 0.6, 4.4, 1.0, law=stiffened_gas(4.4, 1000.0, 6e8))
     p = water.gas_law.pressure(1000.0, 300.0)
     assert water.sound_speed(300.0, 1000.0) == pytest.approx(np.sqrt(4.4 * (p + 6e8) / 1000.0))
@@ -116,7 +125,10 @@ def test_an_own_stress_is_that_of_the_built_in_law():
 
 def test_rates_with_an_own_law_are_those_of_the_built_in_one():
     """And with its pressure."""
-    own = {"law": solid_law(stress=log_stress), "pressing": pressure_law(lambda J, T, m0, alpha: 1.2 * m0 * alpha * T / J)}
+    own = {
+        "law": solid_law(stress=log_stress),
+        "pressing": pressure_law(lambda J, T, m0, alpha: 1.2 * m0 * alpha * T / J),
+    }
     block = Block(2, 4, cells=(12, 12), **own)
     found = block.rates()
     wanted = block.reference()
@@ -126,15 +138,33 @@ def test_rates_with_an_own_law_are_those_of_the_built_in_one():
 @pytest.mark.parametrize(
     ("make", "said"),
     [
-        (lambda: gas_law(pressure=GAS["pressure"]), r"gas_law: the formula internal_energy\(rho, T\) is missing"),
+        (
+            lambda: gas_law(pressure=GAS["pressure"]),
+            r"gas_law: the formula internal_energy\(rho, T\) is missing",
+        ),
         (lambda: gas_law(**GAS, viscosity=GAS["pressure"]), "there is no formula 'viscosity'"),
-        (lambda: gas_law(**GAS | {"density": lambda p: p}), r"density\(p\): expected density\(p, T\)"),
-        (lambda: gas_law(**GAS | {"density": lambda p, T: T.nowhere}), "gas_law: density cannot be compiled"),
-        (lambda: gas_law(**GAS | {"density": lambda p, T: (p, T)}), "density returns a value of the type"),
+        (
+            lambda: gas_law(**GAS | {"density": lambda p: p}),
+            r"density\(p\): expected density\(p, T\)",
+        ),
+        (
+            lambda: gas_law(**GAS | {"density": lambda p, T: T.nowhere}),
+            "gas_law: density cannot be compiled",
+        ),
+        (
+            lambda: gas_law(**GAS | {"density": lambda p, T: (p, T)}),
+            "density returns a value of the type",
+        ),
         (lambda: transport_law(3), "viscosity is 3: expected a function"),
         (lambda: solid_law(energy=log_energy), r"solid_law: the formula stress\(F\) is missing"),
-        (lambda: Fluid(1.0, 1.0, 1.4, R, transport=lambda T: T), r"expected what transport_law\(…\) returns"),
-        (lambda: Fluid(1.0, 1.0, 1.4, R, law=3), r"Fluid: law is 3: expected what gas_law\(…\) returns"),
+        (
+            lambda: Fluid(1.0, 1.0, 1.4, R, transport=lambda T: T),
+            r"expected what transport_law\(…\) returns",
+        ),
+        (
+            lambda: Fluid(1.0, 1.0, 1.4, R, law=3),
+            r"Fluid: law is 3: expected what gas_law\(…\) returns",
+        ),
         (
             lambda: ElasticSolid(**SOLID, law=solid_law(stress=log_stress), heat="elastic"),
             r"no formula energy\(F\), which heat='elastic' needs",

@@ -1,4 +1,4 @@
-"""Dissipation of solid blocks against dense matrices; what it conserves; that it does not depend on cuts."""
+"""Dissipation of solid blocks: against dense matrices, what it conserves, no dependence on cuts."""
 
 from __future__ import annotations
 
@@ -112,7 +112,9 @@ def test_momentum_and_energy_stay_and_motion_becomes_heat(d, order, q, a, b, per
     assert lost < 0.0
     assert np.abs((mass * rates[:, d:]).sum(0)).max() < 1e-13 * np.abs(mass * rates[:, d:]).sum()
     warmed = rates[:, -1] - (v * rates[:, d : 2 * d]).sum(1)
-    assert warmed.min() >= -1e-12 * warmed.max() and (mass[:, 0] * warmed).sum() == pytest.approx(-lost)
+    assert warmed.min() >= -1e-12 * warmed.max() and (mass[:, 0] * warmed).sum() == pytest.approx(
+        -lost
+    )
 
 
 def test_dissipation_does_not_depend_on_cuts():

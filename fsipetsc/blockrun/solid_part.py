@@ -21,7 +21,8 @@ from fsipetsc.operators.undivided import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, Part
 from fsipetsc.scheme import block_look
 from fsipetsc.scheme.solid_dissipation import AT_SHOCKS, SMALL, Damping, room, solid_dissipation
-from fsipetsc.scheme.solid_rates import Work, solid_rates, solid_work
+from fsipetsc.scheme.solid_rates import solid_rates
+from fsipetsc.scheme.solid_work import Work, solid_work
 
 Array = NDArray[Any]
 
@@ -59,7 +60,9 @@ class SolidPart:
     def _make_work(self, rows: int, first: int) -> Work:
         """Memory of rates. rows: of the closures; first: the first ghosted node along axis 0."""
         part, nodes = self.part, self.block.shape[0]
-        inside = (0, part.patch.ghosted[0]) if self.block.periodic[0] else (rows - first, nodes - rows - first)
+        inside = rows - first, nodes - rows - first
+        if self.block.periodic[0]:
+            inside = 0, part.patch.ghosted[0]
         return solid_work(self.equations, part.bands, inside, part.patch)
 
     def _make_dissipation(self, order: int, form: Any) -> Iterator[tuple[Any, ...]]:
@@ -90,7 +93,7 @@ class SolidPart:
         q[:, 2 * d] = solid.alpha * T + 0.5 * sum(c * c for c in v)
         if not solid.coupled:
             F = self._strain_of_case()
-            q[:, 2 * d] += solid.law.energy(F) / solid.m0 + self._stored_by_prestress(F, self._owned)
+            q[:, 2 * d] += self._stored(F, self._owned)
 
     def _strain_of_case(self) -> tuple[Array, ...]:
         """F of the owned nodes from the case's places, which it knows in halos as well."""
@@ -100,6 +103,11 @@ class SolidPart:
         for c in range(self._d):
             q[:, c] = places[c] - self.X[c]
         return tuple(self._deformation(q))
+
+    def _stored(self, F: Any, at: Array) -> Any:
+        """Energy per mass [J/kg] of ghosted nodes that heat 'elastic' has beside alpha T."""
+        of_law = self.equations.law.energy(tuple(F)) / self.equations.m0
+        return of_law + self._stored_by_prestress(F, at)
 
     def _stored_by_prestress(self, F: Any, at: Array) -> Any:
         """Energy per mass [J/kg] of ghosted nodes with heat 'elastic': S : (F - 1)/m0."""
@@ -119,7 +127,10 @@ class SolidPart:
         return F
 
     def look(self, q: Array) -> tuple[Array, dict[str, float]]:
-        """What bounds a step, and integrals of the owned nodes: see fsipetsc.scheme.block_look; q: (N, 2d + 1)."""
+        """What bounds a step, and integrals of the owned nodes; q: (N, 2d + 1).
+
+        See fsipetsc.scheme.block_look.
+        """
         d, weights = self._d, [band.weight for band in self.part.bands]
         seen, sums = np.zeros(block_look.LOOKED), np.zeros(d + 1)
         F, of_block = self._deformation(q), (self.metrics, self._per_h, STIFFNESS_OF_WIDE)
@@ -143,11 +154,13 @@ class SolidPart:
         d, nodes = self._d, self._owned[rows]
         F, own = tuple(self._deformation(q)[:, rows]), q[nodes]
         v = tuple(own[:, d : 2 * d].T)
-        T = self.equations.temperature(v, own[:, 2 * d] - self._stored_by_prestress(F, nodes), F)
+        e = own[:, 2 * d] - self._stored_by_prestress(F, nodes)
+        T = self.equations.temperature(v, e, F)
         P, J = self.equations.stress_at(F, T) + self._prestress_at(nodes), determinant(F)
         pairs = [(i, j) for i in range(d) for j in range(i, d)]
         stresses = [sum(P[i * d + m] * F[j * d + m] for m in range(d)) / J for i, j in pairs]
-        stresses = [s - self.faces.p_ref * (i == j) for s, (i, j) in zip(stresses, pairs, strict=True)]
+        p_ref = self.faces.p_ref
+        stresses = [s - p_ref * (i == j) for s, (i, j) in zip(stresses, pairs, strict=True)]
         x = self.X[:, nodes] + own[:, :d].T
         return np.stack([*v, T, *stresses, *x], axis=-1)
 
@@ -159,7 +172,7 @@ class SolidPart:
             return np.zeros(nodes.size)
         at = self.part.ghosted_rows(self.part.rows(nodes))
         F = strain(self.part, at, self.metrics, q)
-        return self.equations.law.energy(tuple(F)) / self.equations.m0 + self._stored_by_prestress(F, at)
+        return self._stored(F, at)
 
     def ask(self, t: float) -> list[Array]:
         """The case's forcing at time t [s]; nothing if there is none. InputError the first time."""
@@ -176,7 +189,8 @@ class SolidPart:
         d = self._d
         solid_rates(self.equations, self._like, q, self.metrics, self.prestress, rates, self._work)
         for damping, found, memory in self._dissipation:
-            solid_dissipation(self._like, damping, q, self.metrics, found, self.part.patch, rates, memory)
+            arguments = self._like, damping, q, self.metrics, found, self.part.patch
+            solid_dissipation(*arguments, rates, memory)
         self.faces.add(t, q, self.metrics, rates, gain)
         force, v = np.array(self.equations.force), q[self._owned, d : 2 * d]
         if force.any():

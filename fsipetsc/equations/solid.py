@@ -40,9 +40,9 @@ STEP = 2.0**-17
 class Solid(NamedTuple):
     """The equations for laws of stress and pressure and numbers.
 
-    law, pressing: stress and pressure, as in fsipetsc.materials. m0: density at rest [kg/m3], alpha:
-    specific heat [J/(kg K)], kappa: conductivity [W/(m K)], coupled: 1, or 0 with heat 'elastic'.
-    force: (d,) body force per mass [m/s2].
+    law, pressing: stress and pressure, as in fsipetsc.materials. m0: density at rest [kg/m3],
+    alpha: specific heat [J/(kg K)], kappa: conductivity [W/(m K)], coupled: 1, or 0 with heat
+    'elastic'. force: (d,) body force per mass [m/s2].
     """
 
     law: Any

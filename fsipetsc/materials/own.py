@@ -1,7 +1,8 @@
 """Laws that a case file brings: plain functions of numbers, or a NamedTuple class like those here.
 
-They are compiled, so they have no ``if`` on their arguments (formulas.py). A law with numbers of its
-own is an instance of a NamedTuple class with these methods; one without is made of functions here.
+They are compiled, so they have no ``if`` on their arguments (formulas.py). A law with numbers of
+its own is an instance of a NamedTuple class with these methods; one without is made of functions
+here.
 
 Compiled loops are kept on disk under the types of their arguments. So that a changed formula is
 another type, a law of a case gets a class whose name has a hash of its formulas.
@@ -32,7 +33,7 @@ _classes: dict[str, type] = {}
 
 
 class Kind(NamedTuple):
-    """names: formulas and their arguments, needed: those that must be given, derived: the others."""
+    """names: formulas and their arguments, needed: what must be given, derived: the others."""
 
     maker: str
     names: Mapping[str, str]
@@ -127,8 +128,8 @@ def gas_law(**formulas: Formula) -> Any:
     """A gas law of functions of numbers, named and with the arguments of formulas.GAS_LAW.
 
     pressure, internal_energy, temperature, density and temperature_of are needed; the others follow
-    from these, but for the entropy, which is not a number if it is not given. InputError for other names
-    or arguments, or what cannot be compiled.
+    from these, but for the entropy, which is not a number if it is not given. InputError for other
+    names or arguments, or what cannot be compiled.
     """
     return _law_of(GAS, formulas)
 

@@ -99,9 +99,9 @@ class ElasticSolid:
         return self.pressure_law.pressure(J, T, self.m0, self.alpha)
 
     def sound_speed(self, x_X: float = 1.0, T: float = 0.0, sigma: float = 0.0) -> float:
-        """Speed of small waves in one dimension, without conduction, in Lagrangian coordinates [m/s].
+        """Speed of small waves in one dimension in Lagrangian coordinates [m/s], without conduction.
 
-        m0 c^2 = dsigma/dx_X - p_x + p_T (p - sigma)/(alpha m0), sigma: stress without pressure [Pa].
+        m0 c^2 = dsigma/dx_X - p_x + p_T (p - sigma)/(alpha m0), sigma: stress without p [Pa].
         """
         dx, dT = STEP * x_X, STEP * (1.0 + abs(T))
         by_x = (self.pressure(T, x_X + dx) - self.pressure(T, x_X - dx)) / (2.0 * dx)

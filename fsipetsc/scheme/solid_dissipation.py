@@ -6,15 +6,17 @@ Along each axis k, with undivided differences of the velocity (fsipetsc.operator
     J0 m0 v_t  -=  H_k^-1 Delta_q^T F
     J0 m0 e_t  -=  v . H_k^-1 Delta_q^T F  -  H_k^-1 M_q^T (F . Delta_q v)
 
-K: wave modulus at rest, M_q: the mean of the nodes in the middle of a difference, where A^k is taken, too. Momentum and
-energy stay, and entropy grows, as F . Delta_q v >= 0.
+K: wave modulus at rest, M_q: the mean of the nodes in the middle of a difference, where A^k is
+taken, too. Momentum and energy stay, and entropy grows, as F . Delta_q v >= 0.
 
-Everywhere: q half the order of the scheme, a = sigma/4^q. At shocks: q = 1, a = 0, b = 0.7 times the option; there the
-former has b = -a. alpha of a difference is the largest of its nodes, that of a node the larger one of the components of v,
+Everywhere: q half the order of the scheme, a = sigma/4^q. At shocks: q = 1, a = 0, b = 0.7 times
+the option; then the former has b = -a. alpha of a difference is the largest of its nodes, that of a
+node the largest of the components of v,
 
     alpha = min(1, max(0, 2.5 (s - 0.03))),   s = |d_+ - d_-| / (|d_+| + |d_-| + 0.02 sqrt(K/m0)),
 
-d_+ = v_j+1 - v_j, d_- = v_j - v_j-1, and 0 at an end. In smooth motion s falls with h^2 and alpha is 0.
+d_+ = v_j+1 - v_j, d_- = v_j - v_j-1, and 0 at an end. In smooth motion s falls with h^2 and alpha
+is 0.
 """
 
 from __future__ import annotations
@@ -77,8 +79,8 @@ def solid_dissipation(like, damping, q, metrics, difference, patch, rates, room)
             for y in range(own[1]):
                 g = first[0] + ghosted[0] * (first[1] + y + ghosted[1] * (first[2] + z))
                 to = own[0] * (y + own[1] * z)
-                weights, per_weight = difference.weights, difference.per_weight[k]
-                collect(like, damping, q, metrics, stride, weights, per_weight, room, g, to, own[0], rates)
+                weights, per = difference.weights, difference.per_weight[k]
+                collect(like, damping, q, metrics, stride, weights, per, room, g, to, own[0], rates)
 
 
 @njit(**INNER_LOOP)
@@ -89,15 +91,15 @@ def sense(like, small, q, alpha, stride, length):
         place, s = i // stride % length, 0.0
         if 0 < place < length - 1:
             for c in range(d, 2 * d):
-                below, here, above = q[(i - stride) * dof + c], q[i * dof + c], q[(i + stride) * dof + c]
-                rise, fall = above - here, here - below
+                here = q[i * dof + c]
+                rise, fall = q[(i + stride) * dof + c] - here, here - q[(i - stride) * dof + c]
                 s = max(s, abs(rise - fall) / (abs(rise) + abs(fall) + small))
         alpha[i] = min(1.0, max(0.0, RISE * (s - NO_SHOCK)))
 
 
 @njit(**INNER_LOOP)
 def lose(like, damping, q, metrics, k, stride, weights, norm, room):
-    """F and F . Delta v of the differences that begin at each node; norm is 0 where they do not fit."""
+    """F and F . Delta v of the differences that begin at each node; norm is 0 where none fits."""
     d, dof, order, N = len(like), U64(2 * len(like) + 1), len(weights) - 1, norm.size
     area, before, step, apart = U64(k * d * N), U64(room.before), U64(N), U64(room.before + N)
     low, high, next_one = U64(order // 2 * stride), U64((order + 1) // 2 * stride), U64(stride)
@@ -123,7 +125,8 @@ def collect(like, damping, q, metrics, stride, weights, per_weight, room, g, to,
     for i in range(U64(n)):
         node = U64(g) + i
         per_mass = per_weight[node] / (metrics[U64(d * d * N) + node] * damping.m0)
-        force = scale(-sign * per_mass, shifted_sum(like, room.F, back, apart, i, next_one, weights))
+        total = shifted_sum(like, room.F, back, apart, i, next_one, weights)
+        force = scale(-sign * per_mass, total)
         v, place = at(like, q, U64(d), ONE, node * dof), (U64(to) + i) * dof + U64(d)
         heat = 0.5 * per_mass * (room.F[loss - low + i] + room.F[loss - high + i])
         power = dot(v, force) + heat
