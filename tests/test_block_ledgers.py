@@ -280,6 +280,21 @@ def test_what_completion_takes(faces, mu, heat):
         assert np.abs(came[1:3]).min() > 1e-5 and (not panel or np.abs(came).min() > 1e-5)
 
 
+def test_three_dimensions():
+    """Where p_ref of the solid acts on its faces, and does work there."""
+    zero = (0.0,) * 3
+    fluid = Fluid(0.02, 0.03, 1.4, 1.0, force=zero)
+    plate = ElasticSolid(1.0, 2.0, 0.05, 2.0, 1.5, 0.3, "svk", "coupled", force=zero)
+
+    def faces(name, axis, side):
+        if name == "solid":
+            return Free(0.2)
+        return Slip(x=lambda X, Y, Z, t: (X, Y, Z + 0.1 * t * X)) if axis == 2 else Slip()
+
+    problem = problem_of(shapes.three(4), faces, fluid, plate)
+    check(problem, only=(X, Y, 3, 4), least=1e-9)
+
+
 def records(run, steps, dt, lose=None):
     """What a run records of steps; after some, momentum along x is lost."""
     names = ("t", "dt", "mass", "mass_in", "energy", "energy_in")

@@ -107,6 +107,27 @@ def test_a_blast_differs_by_no_more_than_the_errors_of_the_scheme(tmp_path):
         assert np.abs(result.layers[0]["J"][-1] - 1.0).max() > 1e-4  # or the plate has not moved
 
 
+@pytest.mark.long
+@pytest.mark.parametrize("name", ["tube-x-40", "tube-elastic-40"])
+def test_shocks_have_no_larger_errors(name, tmp_path):
+    errors = frozen(name).facts["errors"]
+    with of_command(name, tmp_path) as result:
+        for kind, found in result.errors.items():
+            assert found["combined"] < tolerance(name)[1] * errors[kind]["combined"], kind
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", ["oblique", "panel"])
+def test_flows_over_solids_differ_by_no_more_than_twice_the_errors(name, tmp_path):
+    """Slip walls, dissipation; the panel's ends in joined blocks, where it is that in all but its motion along itself, 3."""
+    bounds, most = scheme_error(f"{name}-16", f"{name}-32"), tolerance(f"{name}-16")[1]
+    with of_command(f"{name}-16", tmp_path) as result:
+        for layer, fields in departures(f"{name}-16", result).items():
+            for field in fields.keys() - {"J"}:
+                times = 3.0 if (layer, field) == ("panel", "u") else most
+                assert fields[field] < times * bounds[layer][field], (layer, field)
+
+
 @pytest.fixture(scope="module")
 def box(tmp_path_factory):
     """Results of the box on 1, 2, 4 ranks, and on two that have parts of all blocks."""
@@ -136,7 +157,7 @@ def test_recorded_nodes_are_those_of_the_frames(box):
     result = box[1]
     below, plate, _ = result.layers
     names = ["below | plate"] * 3 + ["plate | above"] * 3
-    assert [name for name, _ in result.points[:6]] == sorted(names)
+    assert [name for name, _ in result.points[:6]] == names
     assert result.points[6:] == (("below", (0.375, 0.625)), ("plate", (0.5, 1.25)))
     last = {name: values[-1] for name, values in result.series.items() if name.endswith("_point")}
     for name, series in (("x", "x_point"), ("v", "v_point"), ("T", "T_point"), ("p", "p_point")):
@@ -151,7 +172,7 @@ def test_recorded_nodes_are_those_of_the_frames(box):
                 assert last[f"{name}_point"][number] == getattr(line, name)[-1, column], name
             for name in ("t_x", "t_y"):
                 gap = last[f"{name}_point"][number] - getattr(line, name)[-1, column]
-                assert abs(gap) < 1e-6, (name, number)  # normals by other differences
+                assert abs(gap) < 1e-4, (name, number)  # normals by differences of second order there
     assert np.ptp(result.series["t_y_point"], axis=0)[1] > 1e-5
 
 

@@ -58,8 +58,8 @@ def setting_of_problem(problem: RunProblem, opt: Mapping[str, Any], form: BlockF
         raise InputError(f"stability: the case has blocks in {problem.dimension} dimensions: expected two")
     known, k = problem.interfaces, opt["stability_interface"]
     if not 0 <= k < len(known):
-        count = f"0 to {len(known) - 1}" if known else "a case with an interface"
-        raise InputError(f"-stability_interface {k}: expected {count}")
+        listed = [f"{number} ({name})" for number, name in enumerate(problem.interface_names)]
+        raise InputError(f"-stability_interface {k}: expected {', '.join(listed) or 'a case with an interface'}")
     fluid, solid = known[k]
     gas, elastic = problem.layers[fluid], problem.layers[solid]
     (_, _, side), nodes = problem.interface_faces[k], problem.interface_nodes(k)

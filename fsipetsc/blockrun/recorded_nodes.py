@@ -37,7 +37,8 @@ def chosen(problem: RunProblem, points: Sequence[float], probes: str | None) -> 
     """What the options ask for: the nearest nodes. InputError for places outside."""
     if points and problem.dimension != 2:
         raise InputError("-fsi_points is of two dimensions: expected -fsi_probes X,Y,Z;…")
-    found = [node for X in points for node in _on_interfaces(problem, X)]
+    on_interfaces = dict.fromkeys(node for X in points for node in _on_interfaces(problem, X))
+    found = sorted(on_interfaces, key=lambda node: problem.interface_names.index(node.name))
     return found + [_nearest(problem, place) for place in _places(probes, problem.dimension)]
 
 

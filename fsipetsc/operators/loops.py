@@ -48,8 +48,6 @@ CALL = {"error_model": "numpy", "boundscheck": False, "nogil": True, "cache": Tr
 #: spares compile time in functions that compiled code alone calls; Python crashes if it calls them
 _INNER = {"cache": False, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 INNER_LOOP, INNER_CALL = {**LOOP, **_INNER}, {**CALL, **_INNER}
-#: of parts of a sweep: put into what calls them, they count no references to arrays (a third of it)
-INLINED_CALL = {**INNER_CALL, "forceinline": True}
 #: the same of formulas, which are always put into the loops that call them
 _FORMULA = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "forceinline": True}
 

@@ -27,12 +27,10 @@ from numba import njit
 from numpy.typing import NDArray
 
 from fsipetsc.equations.tensors import outer
-from fsipetsc.operators.loops import CALL, INNER_CALL, column, formulas
+from fsipetsc.operators.loops import CALL, INNER_CALL, column
 from fsipetsc.scheme.rows import U64
 
 Array = NDArray[Any]
-formulas("pressure", "internal_energy", "temperature", "sound_speed_squared", "temperature_of")
-formulas("wave_modulus_at")
 
 
 class Face(NamedTuple):

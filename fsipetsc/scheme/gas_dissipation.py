@@ -31,7 +31,7 @@ alpha of a pair is the largest of its nodes and of those between. At a node j
     s = |d_+ - d_-| / (|d_+| + |d_-| + 0.05 (a_j+1 + 2 a_j + a_j-1)),
 
 the larger s of a = rho and a = p (the form is of R. C. Swanson and E. Turkel, J. Comput. Phys. 101,
-1992); at an end, alpha of its neighbour. In smooth flow s falls with h^2 and alpha is 0.
+1992); 0 at an end, whose pairs have its neighbour's. In smooth flow s falls with h^2 and alpha is 0.
 
 Finite volumes between the nodes of a summation-by-parts scheme: S. Hennemann et al., J. Comput.
 Phys. 426, 2021. That alpha may vary from pair to pair, with the metrics of pairs in their links,
@@ -221,7 +221,7 @@ def collect(like, weights, per_weight, differs, node, stride, room, rates, to, n
 
 @njit(**INNER_CALL)
 def sense(state, alpha, stride, length):
-    """alpha of all nodes along an axis of so many; the largest."""
+    """alpha of all nodes along an axis of so many, 0 at its ends; the largest."""
     N = alpha.size
     alpha[:] = 0.0
     sense_row(state, alpha, U64(stride), U64(N))
@@ -231,12 +231,6 @@ def sense(state, alpha, stride, length):
         if place == 0 or place == length - 1:
             alpha[i] = 0.0
         most = max(most, alpha[i])
-    for i in range(N):
-        place = i // stride % length
-        if place == 0:
-            alpha[i] = alpha[i + stride]
-        elif place == length - 1:
-            alpha[i] = alpha[i - stride]
     return most
 
 

@@ -28,7 +28,7 @@ from fsipetsc.equations.means import NEAR
 from fsipetsc.equations.tensors import outer
 from fsipetsc.operators.loops import (
     CALL,
-    INLINED_CALL,
+    INNER_CALL,
     INNER_LOOP,
     add,
     along,
@@ -341,7 +341,7 @@ def fill(gain, loss, upper, lower, n):
 # a tile
 
 
-@njit(**INLINED_CALL)
+@njit(**INNER_CALL)
 def weigh(axis, tile, gain, loss):
     """S over the weights of both nodes of pairs along the first axis, 0 where there are none."""
     for k in range(1, axis.S.shape[0]):
@@ -355,7 +355,7 @@ def weigh(axis, tile, gain, loss):
                 )
 
 
-@njit(**INLINED_CALL)
+@njit(**INNER_CALL)
 def find_spans(axis, x0, x1, spans):
     """Pairs along the first axis: (k, a, b), of the nodes a … b - 1 and those k on; how many."""
     count = 0
@@ -383,7 +383,7 @@ def row_of(work, tile, layer, j):
     return number_of(work, tile, layer, j) * U64(work.numbers) * ROW
 
 
-@njit(**INLINED_CALL)
+@njit(**INNER_CALL)
 def load_layer(gas, like, form, friction, q, metrics, axes, tile, work, layer):
     """The rows of a layer that are read."""
     inner, last, d = axes.inner, axes.last, len(like)
@@ -404,7 +404,7 @@ def load_layer(gas, like, form, friction, q, metrics, axes, tile, work, layer):
         clear(work.high, number_of(work, tile, layer, j) * U64(d + 2) * ROW, d + 2, ROW)
 
 
-@njit(**INLINED_CALL)
+@njit(**INNER_CALL)
 def pairs(gas, like, form, friction, work, row, k, other, weights, column, upper, n):
     """Add the fluxes of n pairs along axis k, of nodes of a row and those `other` numbers on.
 
@@ -418,7 +418,7 @@ def pairs(gas, like, form, friction, work, row, k, other, weights, column, upper
         far_row(gas, like, form, w, place, other, gain, loss, *more, U64(n))
 
 
-@njit(**INLINED_CALL)
+@njit(**INNER_CALL)
 def pairs_across(gas, like, form, friction, axes, tile, work, layer, j, along_last):
     """The pairs of row j of a layer with those in layers (or rows) farther on."""
     axis, k_axis = (axes.last, len(like) - 1) if along_last else (axes.inner, 1)
@@ -434,7 +434,7 @@ def pairs_across(gas, like, form, friction, axes, tile, work, layer, j, along_la
             pairs(gas, like, form, friction, work, row, k_axis, other, U64(0), column, upper, n)
 
 
-@njit(**INLINED_CALL)
+@njit(**INNER_CALL)
 def sweep_layer(gas, like, form, friction, q, metrics, axes, tile, work, rates, layer):
     """Add the fluxes of the pairs that begin in a layer; its rates if it is owned."""
     first, inner, last, d = axes.first, axes.inner, axes.last, len(like)
@@ -465,7 +465,7 @@ def sweep_layer(gas, like, form, friction, q, metrics, axes, tile, work, rates, 
             store_row(gas, like, work.low, work.high, upper, q, at_q, metrics, J_t, rates, to, n)
 
 
-@njit(**INLINED_CALL)
+@njit(**INNER_CALL)
 def sweep(gas, like, form, friction, q, metrics, axes, tile, work, rates):
     """Sweep a tile along the last axis: load layers, complete them, take pairs that begin there."""
     last = axes.last
@@ -558,7 +558,7 @@ def viscous_row(gas, like, w, place, q, at_q, slope, to, n):
             put(w, place.viscous + k * (d + ONE) * ROW, ROW, i, flux)
 
 
-@njit(**INLINED_CALL)
+@njit(**INNER_CALL)
 def slopes(gas, like, axes, tile, work, layer, j, column, n):
     """D_k z of a row for each axis k."""
     w, gain, loss, slope, of_axis = (
@@ -604,7 +604,7 @@ def slopes(gas, like, axes, tile, work, layer, j, column, n):
                 slope_row(gas, like, w, low, here, high, gain, none, loss, none, slope, to, n)
 
 
-@njit(**INLINED_CALL)
+@njit(**INNER_CALL)
 def viscous_layer(gas, like, form, q, axes, tile, work, layer):
     """Viscous fluxes of the rows of a layer that pairs with owned nodes take."""
     first, inner, last = axes.first, axes.inner, axes.last

@@ -33,10 +33,9 @@ from numba import njit
 from numpy.typing import NDArray
 
 from fsipetsc.blocks.particles import SLIPS
-from fsipetsc.operators.loops import CALL, INNER_CALL, formulas
+from fsipetsc.operators.loops import CALL, INNER_CALL
 
 Array = NDArray[Any]
-formulas("internal_energy", "heat_capacity")
 
 GAS, SOLID = 0, 1
 #: a pivot below this part of its size before elimination belongs to a constraint that others imply
