@@ -104,7 +104,9 @@ def test_same_grid_same_fields(name, results):
             for field in now.fields:
                 part = slice(None) if a[field].shape == b[field].shape else np.isfinite(a[field])
                 other = slice(None) if a[field].shape == b[field].shape else np.isfinite(b[field])
-                tolerance = 1e-13 if field.startswith("s_") else 4e-16 if field != "u" else 1e-13
+                tolerance = 1e-13 if field.startswith("s_") or field == "u" else 4e-16
+                if name == "same_plane":
+                    tolerance = max(tolerance, 2e-15)  # blocks keep energies, from which T and p follow
                 assert same(a[field][part], b[field][other]) <= tolerance, field
         # … and so does the run: rounding alone has changed
         for before, now in zip(old.layers, new.layers, strict=True):

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 import fsipetsc
 from fsipetsc import BlockProblem, Fluid, FluidLayer, InputError, Option, Problem, Solid, SolidLayer, free
-from fsipetsc.blocks.conditions import NoSlip, Outflow
+from fsipetsc.blocks.conditions import Condition, NoSlip, Outflow
 from fsipetsc.blocks.layers import Layer, layers
 from fsipetsc.boundaries import Wall
 from fsipetsc.materials.fluid import Fluid as Gas
@@ -34,7 +34,7 @@ def plane() -> BlockProblem:
     def still(X: Array, Y: Array) -> tuple[Array, ...]:
         return 1.0 + 0.0 * X, 0.0 * X, 0.0 * Y, 300.0 + 0.0 * Y
 
-    sides = {(0, 0): NoSlip(), (0, 1): Outflow(1e5)}
+    sides: dict[tuple[int, int], Condition] = {(0, 0): NoSlip(), (0, 1): Outflow(1e5)}
     air = Layer("air", Gas(0.0, 0.0, 1.4, 287.0), (0.0, 1.0), still, sides=sides)
     return layers(air, along=((0.0, 1.0),), h=0.1, lower=NoSlip(), upper=NoSlip())
 

@@ -126,6 +126,11 @@ class SolidPart:
         block_look.deformation(self._like, q, self.metrics, *S, *w, self.part.patch, F)
         return F
 
+    def volume_ratio(self, q: Array) -> Array:
+        """(M,) det F of the owned nodes."""
+        ratio: Array = determinant(tuple(self._deformation(q)))
+        return ratio
+
     def look(self, q: Array) -> tuple[Array, dict[str, float]]:
         """What bounds a step, and integrals of the owned nodes; q: (N, 2d + 1).
 
