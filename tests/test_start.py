@@ -106,12 +106,14 @@ def test_same_grid_same_fields(name, results):
                 other = slice(None) if a[field].shape == b[field].shape else np.isfinite(b[field])
                 tolerance = 1e-13 if field.startswith("s_") or field == "u" else 4e-16
                 if name == "same_plane":
-                    tolerance = max(tolerance, 2e-15)  # blocks keep energies, from which T and p follow
+                    # blocks keep energies, from which T and p follow; J begins anew as that of the grid, from
+                    # which the integrated one differs by what Runge–Kutta loses
+                    tolerance = 1e-8 if field == "J" else max(tolerance, 2e-15)
                 assert same(a[field][part], b[field][other]) <= tolerance, field
         # … and so does the run: rounding alone has changed
         for before, now in zip(old.layers, new.layers, strict=True):
             a, b = before.frame(2)["T"], now.frame(1)["T"]
-            assert same(a[np.isfinite(a)], b[np.isfinite(b)]) < 1e-11
+            assert same(a[np.isfinite(a)], b[np.isfinite(b)]) < (1e-8 if name == "same_plane" else 1e-11)
 
 
 @pytest.mark.parametrize("name", (*STARTS, "cut", "on"))
