@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.blockrun.asked import Asked
+from fsipetsc.blockrun.asked import Asked, Forced
 from fsipetsc.blockrun.face_terms import FaceTerms, ranges_of, weights_of
 from fsipetsc.blockrun.particle_system import ParticleSystem
 from fsipetsc.blocks.grid import GridMotion
@@ -34,7 +34,7 @@ Array = NDArray[Any]
 MOMENTUM = ("momentum_x", "momentum_y", "momentum_z")
 
 
-class GasPart:
+class GasPart(Forced):
     """One part of a gas block. metrics: (d d + d + 1, N), a^k, velocity of the grid, J_t."""
 
     def __init__(
@@ -63,11 +63,6 @@ class GasPart:
             self._differences = differences(d, order, part.bands, self.block.cells)
             self._room = room(d, self._differences)
         self._scratch = scratch(self._like, self._form, self._friction, part.bands)
-
-    @property
-    def timed(self) -> bool:
-        """Data of faces or forcing depend on time."""
-        return self.faces.timed or self.block.forcing is not None
 
     def follow(self, particles: Sequence[Particle], system: ParticleSystem) -> None:
         """Let the grid follow the particles that have a solid, or are on walls that move.
@@ -133,10 +128,8 @@ class GasPart:
         seen, sums = np.zeros(block_look.LOOKED), np.zeros(d + 3)
         arguments = self.equations, self._like, q, self.metrics, self._per_h, STIFFNESS_OF_WIDE
         block_look.gas_look(*arguments, *weights, self.part.patch, seen, sums)
-        if seen[block_look.BAD]:
-            self._scratch.w[:] = (
-                0.0  # nothing that is no number may stay there for a step made anew
-            )
+        if seen[block_look.BAD]:  # no NaN may stay there for a step that is made again
+            self._scratch.w[:] = 0.0
         if self.moves:
             J, own = q[self._owned, 0], self.grid.jacobian()[self._owned]
             seen[block_look.J_ERROR] = np.abs(J - own).max() / np.abs(own).max() if J.size else 0.0
@@ -160,14 +153,6 @@ class GasPart:
             of_faces.add_turning(faces, self.part, self.metrics, table)
         elif self.moves and self._d == 3:
             of_faces.add_normals(faces, 3, self.grid.turning(), table)
-
-    def ask(self, t: float) -> list[Array]:
-        """The case's forcing at time t [s]; nothing if there is none. InputError the first time."""
-        if self.block.forcing is None:
-            return []
-        X = self.X[:, self._owned]
-        key = "forcing", self.part.k
-        return self._asked(key, t, lambda: block_values(self.block, "forcing", X, t))
 
     def rates(self, t: float, q: Array, rates: Array, gain: Array) -> None:
         """rates (M, d + 3) of the volume terms, of faces and of forcing; q: (N, d + 3). What comes

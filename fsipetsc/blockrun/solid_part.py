@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.blockrun.asked import Asked
+from fsipetsc.blockrun.asked import Asked, Forced
 from fsipetsc.blockrun.face_terms import FaceTerms, ranges_of, strain, weights_of
 from fsipetsc.blockrun.gas_part import MOMENTUM
 from fsipetsc.blocks.metrics import solid_metrics
@@ -27,7 +27,7 @@ from fsipetsc.scheme.solid_work import Work, solid_work
 Array = NDArray[Any]
 
 
-class SolidPart:
+class SolidPart(Forced):
     """One part of a solid block.
 
     metrics: (d d + 1, ghosted nodes), A^k and J0; inertia: J0 m0; prestress: (d d, ghosted nodes),
@@ -76,11 +76,6 @@ class SolidPart:
             if a > 0.0 or b > 0.0:
                 found = differences(d, order_of_term, bands, cells)
                 yield Damping(a, b, *of_solid), found, room(d, found)
-
-    @property
-    def timed(self) -> bool:
-        """Data of faces or forcing depend on time."""
-        return self.faces.timed or self.block.forcing is not None
 
     def initial(self, t: float, q: Array) -> None:
         """Fill q (M, 2d + 1) with the case's data."""
@@ -178,14 +173,6 @@ class SolidPart:
         at = self.part.ghosted_rows(self.part.rows(nodes))
         F = strain(self.part, at, self.metrics, q)
         return self._stored(F, at)
-
-    def ask(self, t: float) -> list[Array]:
-        """The case's forcing at time t [s]; nothing if there is none. InputError the first time."""
-        if self.block.forcing is None:
-            return []
-        X = self.X[:, self._owned]
-        key = "forcing", self.part.k
-        return self._asked(key, t, lambda: block_values(self.block, "forcing", X, t))
 
     def rates(self, t: float, q: Array, rates: Array, gain: Array) -> None:
         """rates (M, 2d + 1) of the volume terms, of faces and of forcing; q: (N, 2d + 1). What

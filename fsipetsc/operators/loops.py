@@ -90,10 +90,6 @@ def _method(formula: Callable[..., Any]) -> Any:
     return Method
 
 
-def formulas(*names: str) -> None:
-    """Not needed any more: compiled code may call all methods of NamedTuple classes."""
-
-
 def _by_length(name: str, arguments: str, body: Callable[[int], str], inline: str = "never") -> Any:
     """A function of tuples, by its source for tuples of length n, in Python and compiled."""
     made: dict[int, Any] = {}

@@ -200,9 +200,7 @@ def collect(like, weights, per_weight, differs, node, stride, room, rates, to, n
     )
     for i in range(n):
         more = at(like_f, room.sums, node, N, i)
-        if (
-            differs
-        ):  # weights of Delta^T are those of Delta in reverse order, or these with the other sign
+        if differs:  # weights of Delta^T: those of Delta in reverse order, perhaps with sign -1
             more = along(
                 more, -sign, shifted_sum(like_f, room.F, back, N + before, i, stride, weights)
             )
