@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.cases import load_case
-from fsipetsc.errors import FsiError, InputError
+from fsipetsc.errors import InputError
 from fsipetsc.options import table
 from fsipetsc.output.reader import Run, open_run
 from fsipetsc.problem import Problem
 from fsipetsc.process.failure import end_together
 from fsipetsc.process.host import left_as_found
-from fsipetsc.process.interrupts import Interrupted
 from fsipetsc.process.launch import start_mpi, start_petsc
 from fsipetsc.process.together import together
 
@@ -34,12 +33,10 @@ def run(case: Any, comm: MPI.Comm | None, options: Mapping[str, Any]) -> Run:
         try:
             path = _solve(case, comm, options)
         except BaseException as error:
-            if isinstance(error, FsiError) and error.collective:
+            if getattr(error, "collective", comm.size == 1):
                 notes.Free()
-            elif comm.size > 1:  # perhaps on this rank alone: the others must not wait for it
+            else:  # perhaps on this rank alone: the others must not wait for it
                 end_together(error, notes)
-            if isinstance(error, Interrupted) and error.status == 130:
-                raise KeyboardInterrupt(str(error)) from error
             raise
         notes.Free()
     return open_run(path)

@@ -19,9 +19,7 @@ from fsipetsc.options import RUN, Option, table
 from fsipetsc.options.sources import HELP_FLAGS, given_options, is_option
 from fsipetsc.process.failure import end_together
 from fsipetsc.process.host import left_as_found
-from fsipetsc.process.interrupts import Launcher, held_back, raised
 from fsipetsc.process.launch import launcher_rank, start_mpi, start_petsc
-from fsipetsc.process.leftovers import mark_start, release_names
 from fsipetsc.process.streams import abandon_stdout, complete_streams, heedless
 from fsipetsc.process.together import together
 from fsipetsc.usage import case_help, command_help, overview, program
@@ -96,7 +94,6 @@ COMMANDS = {
         parallel=True,
         options="fsipetsc.bench.command:SECTIONS",
     ),
-    "completion": Command("bash | zsh", "what the shell needs to complete cases, commands, options", "fsipetsc.cli:completion"),
 }
 _DEBUG = next(option for option in RUN if option.name == "fsi_debug")  # which every command takes
 _VERSION_FLAGS = ("--version", "-version")
@@ -107,7 +104,6 @@ _OF_PLOT = {
     **{"-compare": "another result file", "-all": None, "-animate": None},
 }
 _OF_NEW = {"-blocks": None}
-_FLAGS = {"plot": _OF_PLOT, "report": _OF_REPORT, "new": _OF_NEW}
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -117,21 +113,20 @@ def main(argv: Sequence[str] | None = None) -> int:
     a notebook's: any number of runs can be made in it, and each leaves it as it was.
     """
     if argv is None:
-        return _main(sys.argv[1:], own=True)
+        return _main(sys.argv[1:])
     with left_as_found():
         return _main(list(argv))
 
 
-def _main(arguments: list[str], own: bool = False) -> int:
+def _main(arguments: list[str]) -> int:
     complete_streams()
     if _is_run(arguments):
-        return _in_parallel(arguments, own)
+        return _in_parallel(arguments)
     if launcher_rank() > 0:
         return 0  # rank 0 alone answers
     try:
-        with raised():
-            _answer(arguments)
-            _flush()
+        _answer(arguments)
+        _flush()
     except BrokenPipeError:  # the reader, a pager or head, has seen enough
         abandon_stdout()
     except (Exception, KeyboardInterrupt) as error:
@@ -230,49 +225,32 @@ def _version() -> str:
     return getattr(fsipetsc, "__version__", "(version unknown)")
 
 
-def _in_parallel(arguments: list[str], own: bool) -> int:
+def _in_parallel(arguments: list[str]) -> int:
     """A run, or a command that all ranks do together. Collective."""
-    launcher, notes, status = Launcher(), None, 0
-    case_file, debug = None, False
+    notes, case_file, debug = None, None, False
     try:
-        with raised("" if arguments[0] in COMMANDS else "before the first step"):
-            with held_back():  # until all ranks can be told
-                launcher.follow()
-                if own:
-                    mark_start()
-                world = start_mpi()
-                if own:
-                    release_names(world)
-                notes = world.Dup()
-                _import_slowly()
-            if arguments[0] in COMMANDS:
-                _command_in_parallel(arguments, world)
-            else:
-                case_file = None if arguments[0] in BUILT_IN else arguments[0]
-                with heedless():
-                    case = together(world, lambda: load_case(arguments[0], tuple(COMMANDS)))
-                    given = start_petsc(arguments[1:], world)
-                    option = table(case)["fsi_debug"]
-                    debug = option.parse(given["fsi_debug"].text) if "fsi_debug" in given else option.default
-                    from fsipetsc.stepping.run import run_given
+        world = start_mpi()
+        notes = world.Dup()
+        if arguments[0] in COMMANDS:
+            _command_in_parallel(arguments, world)
+        else:
+            case_file = None if arguments[0] in BUILT_IN else arguments[0]
+            with heedless():
+                case = together(world, lambda: load_case(arguments[0], tuple(COMMANDS)))
+                given = start_petsc(arguments[1:], world)
+                option = table(case)["fsi_debug"]
+                debug = option.parse(given["fsi_debug"].text) if "fsi_debug" in given else option.default
+                from fsipetsc.stepping.run import run_given
 
-                    run_given(case, given, world)
+                run_given(case, given, world)
     except BrokenPipeError:
         abandon_stdout()
     except (Exception, KeyboardInterrupt) as error:
-        status = end_together(error, notes, debug=debug or _debugging(arguments), case_file=case_file, launcher=launcher)
+        return end_together(error, notes, debug=debug or _debugging(arguments), case_file=case_file)
     finally:
-        launcher.leave_if_gone(status)
         if notes is not None:
             notes.Free()
-    return status
-
-
-def _import_slowly() -> None:
-    """Load what takes long and would be left half loaded by a signal; what is missing is missed where it is needed."""
-    for name in ("numpy", "numba", "petsc4py", "h5py"):
-        with contextlib.suppress(ImportError):
-            importlib.import_module(name)
+    return 0
 
 
 def _command_in_parallel(arguments: list[str], world: MPI.Comm) -> None:
@@ -322,25 +300,6 @@ def new(arguments: list[str]) -> None:
 
     path = new_case(name, tuple(COMMANDS), "-blocks" in given)
     print(f"wrote {path}; it runs as it is:  {program()} {shlex.quote(str(path))}")
-
-
-def completion(arguments: list[str]) -> None:
-    """The command `completion bash`."""
-    (shell,), _ = _files("completion", arguments, 1, what="shell")
-    from fsipetsc.cases.stand_in import numba_stood_in
-    from fsipetsc.completion import script
-
-    with numba_stood_in():
-        cases = {name: tuple(table(load_case(name)).values()) for name in BUILT_IN}
-        commands = {name: _own_options(name) for name in COMMANDS}
-    print(script(shell, cases, commands, _FLAGS), end="")
-
-
-def _own_options(name: str) -> tuple[Option, ...]:
-    """Those of a command, with a case and without."""
-    options = _named(COMMANDS[name].options) if COMMANDS[name].options else {}
-    sections = (options([]), options(["mms"])) if callable(options) else (options,)
-    return tuple(option for groups in sections for group in groups.values() for option in group)
 
 
 def _files(

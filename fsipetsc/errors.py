@@ -40,6 +40,19 @@ class FileError(FsiError):
     status = 4
 
 
+class Interrupted(KeyboardInterrupt):
+    """A signal has ended a run, after its checkpoint. All ranks raise it together.
+
+    It is no FsiError: what a program does about a run that fails must not go on after a SIGTERM.
+    """
+
+    collective = True
+
+    def __init__(self, number: int, message: str) -> None:
+        super().__init__(message)
+        self.status = 128 + number
+
+
 def lines_of(error: BaseException) -> str:
     """The traceback of an error and of what it came from."""
     return "".join(traceback.format_exception(type(error), error, error.__traceback__)).rstrip()

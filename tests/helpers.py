@@ -27,7 +27,6 @@ _MPI_ENVIRONMENT = {
     "OMPI_MCA_hwloc_base_binding_policy": "none",  # two jobs at a time would share the first cores
     "OMPI_MCA_mpi_yield_when_idle": "1",  # a rank that waits must not take the core from the one that it waits for
     "HWLOC_HIDE_ERRORS": "2",  # a bare root may have no /sys
-    "FSIPETSC_PATIENCE": "1200",  # all ranks that fail are heard of, and one of them speaks; see ALONE
     "OMP_NUM_THREADS": "1",
     "OPENBLAS_NUM_THREADS": "1",
 }
@@ -35,10 +34,6 @@ _MPI_ENVIRONMENT = {
 
 #: seconds after which what should have ended long ago is taken for hung, on a machine as busy as can be; no test measures time
 PATIENCE = 1800
-
-
-#: where one rank fails and the others wait for it, or compute: they are stopped after a second
-ALONE = {"FSIPETSC_PATIENCE": "1"}
 
 
 def environment(extra: Mapping[str, str] | None = None) -> dict[str, str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from helpers import ALONE, message, mpirun, run, solve
+from helpers import message, mpirun, run, solve
 from stub_case import run_stub, start_stub
 
 RAISED = {
@@ -60,7 +60,7 @@ class TestOnTwoRanks:
 
     def test_one_rank_fails_alone_with_an_error_said_to_be_common(self, here):
         code = "from fsipetsc.errors import ComputationError as E\nif comm.rank == 1: raise E('T <= 0')\ncomm.barrier()"
-        done = mpirun(2, "driver.py", "stub.py", "-do", code, env=ALONE)
+        done = mpirun(2, "driver.py", "stub.py", "-do", code)
         message(done, 3, "T <= 0")
 
     @pytest.mark.parametrize("code", ["1 / 0", "from fsipetsc.errors import ComputationError as E; raise E('T <= 0')"])

@@ -15,7 +15,7 @@ PACKAGE = REPOSITORY / "fsipetsc"
 ORDER = """
     __main__
     cli api
-    analysis bench completion
+    analysis bench
     stepping
     output
     process

@@ -61,52 +61,14 @@ IN_SOURCES = (
     Option("skip_petscrc", bool, None, "", "do not read .petscrc, petscrc and ~/.petscrc"),
 )
 
-_EXPLICIT = "all methods are explicit: there is no system to solve"
-_OWN_LAYOUT = "the program lays out vectors and grids itself"
-_SAVED = "profiles are saved with -fsi_output_dt or -fsi_output_times"
-_CONTROL = (
-    "the error control is the program's own; of PETSc's options it follows -ts_adapt_type, _dt_min, _dt_max, _clip, "
-    "_safety and _reject_safety"
-)
-#: beginning of a name (the first that fits counts) -> why it is refused
-_REFUSED = {
-    "ts_adjoint": "there is no adjoint of this problem",
-    "ts_eval_times": "the times of output are set by -fsi_output_dt or -fsi_output_times",
-    "ts_time_span": "the times of output are set by -fsi_output_dt or -fsi_output_times",
-    "ts_fd_color": "there is no Jacobian: all methods are explicit",
-    "ts_rk_multirate": "the right-hand side is not split into slow and fast parts",
-    "ts_use_splitrhsfunction": "the right-hand side is not split into slow and fast parts",
-    "ts_init_time": "every run begins at t = 0, or where a frame (-fsi_initial) or a checkpoint (-fsi_restart) was written",
-    "ts_exact_final_time": "every run ends exactly at -ts_max_time",
-    "ts_monitor_": f"of PETSc's monitors only -ts_monitor works; {_SAVED}",
-    "ts_view_": "of PETSc's views of the method only -ts_view works",
-    "ts_trajectory": _SAVED,
-    "ts_save_trajectory": _SAVED,
-    "ts_adapt_": _CONTROL,
-    "ts_max_reject": _CONTROL,
-    "ts_max_step_rejections": _CONTROL,
-    "ts_event_": "nothing looks for events",
-    "options_left": "every option that is accepted has an effect",
-    "options_view": "`fsipetsc info` shows the options of a result",
-    "options_monitor": "`fsipetsc info` shows the options of a result",
-    "options_string": "give the options themselves, or a file with -options_file",
-    "prefix_": "options have no prefixes here",
-    "python": "the program starts PETSc from Python",
-    **dict.fromkeys(("ksp_", "pc_", "snes_", "mat_", "matstash_", "ts_max_snes"), _EXPLICIT),
-    **dict.fromkeys(
-        ("vec_", "vecload_", "vecscatter_", "vecstash_", "is_", "sf_", "petscsf_", "dm_", "da_", "layout_"), _OWN_LAYOUT
-    ),
-    "log_": "of PETSc's logs only -log_view works",
-    "malloc": "of PETSc's checks of memory only -malloc_debug, -malloc_dump and -malloc_view work",
-    **dict.fromkeys(("viewer_", "draw_", "saws", "nox", "display", "x_virtual"), "PETSc draws nothing here"),
-}
-#: other names and beginnings of names that are PETSc's
+#: beginnings of names of PETSc's solvers
+_SOLVERS = ("ksp_", "pc_", "snes_", "mat_", "ts_max_snes")
+#: beginnings of other names of PETSc's
 _OTHERS = (
-    *("ts_", "options_", "device_", "root_device_", "random_", "hdf5_", "cuda_", "hip_", "kokkos_", "object_", "objects_"),
-    *("on_error_", "error_output_", "start_in_debugger", "stop_for_debugger", "debug_terminal", "debugger_", "fp_trap"),
-    *("check_pointer_intensity", "checkfunctionlist", "checkstack", "citations", "default_device_type", "get_total_flops"),
-    *("history", "mpi_return_on_error", "mpidump", "not_shared_tmp", "shared_tmp", "petsc_", "splitreduction_", "tmp"),
-    *("use_gpu_aware_mpi", "viewfromoptions", "info_exclude"),
+    *("ts_", "vec_", "vecscatter_", "is_", "sf_", "petscsf_", "dm_", "da_", "options_", "prefix_"),
+    *("log_", "malloc", "viewer_", "draw_", "device_", "random_", "hdf5_", "cuda_", "hip_", "kokkos_"),
+    *("object", "on_error_", "start_in_debugger", "stop_for_debugger", "debug_terminal", "debugger_"),
+    *("fp_trap", "check_pointer_intensity", "citations", "petsc_", "shared_tmp", "not_shared_tmp", "saws"),
 )
 _SHORT = ("v", "help", "version")
 
@@ -114,7 +76,7 @@ _SHORT = ("v", "help", "version")
 def is_family_name(name: str) -> bool:
     """True if a name (lower case, without dash) is one of PETSc's or starts like some of PETSc's."""
     here = {option.name for option in AT_START + IN_LOOP + IN_SOURCES}
-    return name in here or name in _SHORT or name.startswith((*_REFUSED, *_OTHERS))
+    return name in here or name in _SHORT or name.startswith((*_SOLVERS, *_OTHERS))
 
 
 def is_start_name(name: str) -> bool:
@@ -124,7 +86,8 @@ def is_start_name(name: str) -> bool:
 
 def why_refused(name: str) -> str | None:
     """Why an option of PETSc's (lower case, without dash) is not taken; None if it is no name of PETSc's."""
-    reasons = [reason for start, reason in _REFUSED.items() if name.startswith(start)]
-    if reasons:
-        return reasons[0]
-    return "PETSc has options of such names, but none that works here" if name.startswith(_OTHERS) else None
+    if name.startswith(_SOLVERS):
+        return "all methods are explicit: there is no system to solve"
+    if name.startswith(_OTHERS):
+        return "it would have no effect; -help lists the options of PETSc's that have one"
+    return None

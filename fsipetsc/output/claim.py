@@ -15,13 +15,24 @@ import glob
 import itertools
 import os
 import re
+import socket
 import stat
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 
 from fsipetsc.errors import FileError
-from fsipetsc.process.leftovers import LONGEST, is_still, remove_session, whereabouts
+
+#: bytes of what a lock says
+LONGEST = 300
+
+
+def is_still(descriptor: int, path: Path) -> bool:
+    """Whether an open file is still the one of this name: what is locked may have been removed meanwhile."""
+    with suppress(FileNotFoundError):
+        return os.path.samestat(os.fstat(descriptor), os.lstat(path))
+    return False
+
 
 _held: dict[Path, Claim] = {}  # of this process
 
@@ -70,9 +81,8 @@ class Claim:
                 return None
             if is_still(descriptor, self._path) and (own or not self._make_way()):
                 if own:
-                    remove_session(os.pread(descriptor, LONGEST, 0).decode(errors="replace"))  # of a run that was killed
                     os.ftruncate(descriptor, 0)
-                    os.pwrite(descriptor, whereabouts().encode(), 0)
+                    os.pwrite(descriptor, f"process {os.getpid()} on {socket.gethostname()}".encode(), 0)
                 return descriptor
             os.close(descriptor)  # it was removed meanwhile
 

@@ -29,7 +29,6 @@ from petsc4py import PETSc
 from fsipetsc.errors import FileError, FsiError, is_petsc, petsc_words
 from fsipetsc.output import buffers, claim, commits, continued, file_layout, hdf5, tables, transaction, xdmf
 from fsipetsc.output.places import check_folder
-from fsipetsc.process.interrupts import Interrupted
 from fsipetsc.process.together import agree
 
 Array = np.ndarray[Any, Any]
@@ -192,7 +191,7 @@ class RunWriter:
             try:
                 value = action()
             except Exception as error:
-                fault = self._fault(error)
+                fault = FileError(self._explain(error))
         self._agree(fault)
         return self._comm.bcast(value, root=0)
 
@@ -202,17 +201,13 @@ class RunWriter:
         try:
             action()
         except Exception as error:
-            fault = self._fault(error)
+            fault = FileError(self._explain(error))
         self._agree(fault)
-
-    def _fault(self, error: Exception) -> FsiError:
-        """What an error of this rank is for all: a signal that has come meanwhile is no fault of the file."""
-        return error if isinstance(error, Interrupted) else FileError(self._explain(error))
 
     def _agree(self, fault: FsiError | None) -> None:
         """Raise the fault of any rank on all ranks. Collective."""
         try:
-            agree(self._comm, fault, unheard=False)  # what is left to write is written after a signal, too
+            agree(self._comm, fault)
         except FsiError:
             self._closed = True
             self._release()

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
-import sys
-import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from fsipetsc.errors import FsiError, InputError
@@ -14,7 +11,6 @@ from fsipetsc.options import check_petsc
 from fsipetsc.options.petsc_names import AT_START
 from fsipetsc.options.sources import Given, given_options
 from fsipetsc.process.host import begin_options, petsc_runs
-from fsipetsc.process.streams import say_error
 
 if TYPE_CHECKING:
     from mpi4py import MPI
@@ -64,20 +60,17 @@ def start_petsc(arguments: Sequence[str], comm: MPI.Comm) -> dict[str, Given]:
 def _initialise(start: Mapping[str, str]) -> None:
     """Start PETSc with options of it, name -> text."""
     words = [word for name, text in start.items() for word in (f"-{name}", text) if word]
-    always = ["-skip_petscrc", "-no_signal_handler"]  # a SIGTERM is the program's business, not a page about debuggers
+    always = ["-skip_petscrc", "-no_signal_handler"]  # a SIGTERM is the program's business
     import petsc4py
 
-    kept: list[str] = []
     environment = os.environ.pop("PETSC_OPTIONS", None)
     try:
-        with _stderr_kept(kept):
-            petsc4py.init(["fsipetsc", *words, *always])
+        petsc4py.init(["fsipetsc", *words, *always])
     except RuntimeError:
-        raise InputError(_petsc_complaint(kept[0])) from None
+        raise InputError(f"PETSc could not start with {' '.join(words)}") from None
     finally:
         if environment is not None:
             os.environ["PETSC_OPTIONS"] = environment
-    say_error(kept[0], end="")
 
 
 def _together(comm: MPI.Comm, arguments: Sequence[str]) -> dict[str, Given]:
@@ -93,30 +86,3 @@ def _together(comm: MPI.Comm, arguments: Sequence[str]) -> dict[str, Given]:
     if isinstance(found, FsiError):
         raise found
     return found
-
-
-@contextlib.contextmanager
-def _stderr_kept(kept: list[str]) -> Iterator[None]:
-    """Append to `kept`, in one piece, what is written to stderr in the meantime, by C code too."""
-    with tempfile.TemporaryFile() as file:
-        sys.stderr.flush()
-        saved = os.dup(2)
-        os.dup2(file.fileno(), 2)
-        try:
-            yield
-        finally:
-            os.dup2(saved, 2)
-            os.close(saved)
-            file.seek(0)
-            kept.append(file.read().decode(errors="replace"))
-
-
-def _petsc_complaint(text: str) -> str:
-    """PETSc's reason out of its error page: the lines between its headline and the pointer to its FAQ."""
-    lines = [line.split("PETSC ERROR: ", 1)[1] for line in text.splitlines() if "PETSC ERROR: " in line]
-    reason = []
-    for line in lines[1:]:
-        if line.startswith(("See http", "WARNING", "Petsc Release", "#")):
-            break
-        reason.append(line.strip())
-    return "PETSc could not start: " + ("; ".join(reason) or "no reason given")

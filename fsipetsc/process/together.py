@@ -7,7 +7,6 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeVar
 
 from fsipetsc.errors import FsiError, clear_frames, lines_of
-from fsipetsc.process.interrupts import came
 
 if TYPE_CHECKING:
     from mpi4py import MPI
@@ -18,8 +17,7 @@ Result = TypeVar("Result")
 def together(comm: MPI.Comm, action: Callable[[], Result]) -> Result:
     """What action() returns on this rank. Collective, though the action must not be.
 
-    If it raises an FsiError on any rank, all ranks raise the error of the lowest one; so they do, whatever came of it,
-    if there has been a signal.
+    If it raises an FsiError on any rank, all ranks raise the error of the lowest one.
     """
     fault, result = None, None
     try:
@@ -37,13 +35,9 @@ def wait_asleep(comm: MPI.Comm) -> None:
         time.sleep(0.002)
 
 
-def agree(comm: MPI.Comm, fault: FsiError | None, unheard: bool = True) -> None:
-    """Raise the fault of the lowest rank that has one, on all ranks; none may have. Collective.
-
-    unheard: a signal is one, too, that has come before and that nobody has taken over.
-    """
+def agree(comm: MPI.Comm, fault: FsiError | None) -> None:
+    """Raise the fault of the lowest rank that has one, on all ranks; none may have. Collective."""
     clear_frames(fault)
-    fault = (came() if unheard else None) or fault
     known = comm.allgather(None if fault is None else (type(fault), fault.args, fault.told or lines_of(fault), fault.users))
     first = next((entry for entry in known if entry is not None), None)
     if first is not None:

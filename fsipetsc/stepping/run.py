@@ -4,24 +4,21 @@ from __future__ import annotations
 
 import signal
 import time
-from collections.abc import Iterator, Mapping
-from contextlib import closing, contextmanager, suppress
+from collections.abc import Mapping
+from contextlib import closing, suppress
 from typing import Any
 
 import numpy as np
 from mpi4py import MPI
 
 from fsipetsc.blockrun.run_problem import RunProblem
-from fsipetsc.errors import ComputationError, FileError, FsiError, InputError
+from fsipetsc.errors import ComputationError, FileError, FsiError, InputError, Interrupted
 from fsipetsc.options import read_options
 from fsipetsc.options.sources import Given
 from fsipetsc.output.checkpoint_file import CheckpointError
 from fsipetsc.output.file_layout import describe
 from fsipetsc.output.writer import RunWriter
 from fsipetsc.problem import Problem
-from fsipetsc.process.interrupts import Interrupted
-from fsipetsc.process.leftovers import remove_mark
-from fsipetsc.process.notes import PATIENCE, exchange
 from fsipetsc.scheme.conservation_check import ConservationCheck
 from fsipetsc.stepping.checkpoints import CheckpointKeeper
 from fsipetsc.stepping.integrator import Integrator
@@ -72,25 +69,11 @@ def run_case(case: Any, options: dict[str, Any], comm: MPI.Comm, past: Past | No
             if past is not None:
                 check_problem(past, problem, describe(state.journal.dtype))
             state.check_data()  # before there is a file
-        with _apart(comm) as notes, closing(CheckpointKeeper(comm, case.NAME, options, state, past)) as keeper:
+        with closing(CheckpointKeeper(comm, case.NAME, options, state, past)) as keeper:
             with phases(SET_UP):
-                run = _Run(case, options, comm, notes, phases, state, keeper, start)
-                remove_mark()  # from now on the result's lock says it
-            with asks(run.integrator.pauses):
+                run = _Run(case, options, comm, phases, state, keeper, start)
+            with asks(run.integrator.pauses), ends(run.integrator.pauses):
                 run.go()
-
-
-@contextmanager
-def _apart(comm: MPI.Comm) -> Iterator[MPI.Comm]:
-    """A communicator like ``comm`` for notes alone. Collective, also where it is freed: not if a rank may fail alone."""
-    notes = comm.Dup()
-    try:
-        yield notes
-    except BaseException as error:
-        if notes != MPI.COMM_NULL and (comm.size == 1 or (isinstance(error, FsiError) and error.collective)):
-            notes.Free()
-        raise
-    notes.Free()
 
 
 class _Run:
@@ -101,7 +84,6 @@ class _Run:
         case: Any,
         opt: Mapping[str, Any],
         comm: MPI.Comm,
-        notes: MPI.Comm,
         phases: Phases,
         state: State,
         keeper: CheckpointKeeper,
@@ -116,7 +98,6 @@ class _Run:
         self.writer = RunWriter(comm, opt["fsi_output"], self._header(), after=after, settle=keeper.settle)
         self.writer.take_series = self._take
         self.report = Reporter(comm, case.NAME, opt)
-        self.notes = notes
         self.saved_at = -1.0
         self.watch: ConservationCheck | None = None
         self.fault: str | None = None  # on rank 0, what the watch has found
@@ -294,7 +275,7 @@ class _Run:
             self.report.start(integrator.t, integrator.steps, integrator.pauses.ends)
             if integrator.beyond:
                 self.report.line(f"note: {integrator.beyond}; explicit methods are unstable far beyond it")
-            with ends(integrator.pauses), self.phases(LOOP):
+            with self.phases(LOOP):
                 integrator.run()
             self._last_frame()
             self._flush()  # so that the summary knows what it took
@@ -305,9 +286,6 @@ class _Run:
             if isinstance(error, ComputationError) and self.fault is None:
                 good = self._save_last_good()
         except BaseException as error:
-            if isinstance(error, Interrupted) and integrator.steps:
-                number = error.status - 128
-                error.args = number, f"{signal.Signals(number).name} came while the result was being written"
             self._rescue(error)
             raise
         finally:
@@ -325,20 +303,15 @@ class _Run:
             raise Interrupted(number, f"stopped by {name} at t = {integrator.t:.6g}{s}; {kept}")
 
     def _rescue(self, error: BaseException) -> None:
-        """Write what was computed before an error of any kind, if all ranks have met one and at the same place.
+        """Write what was computed before an error that all ranks have met at the same place.
 
         Writing takes all ranks: what one of them alone has not written is lost when the others are stopped.
         """
-        if isinstance(error, FileError):
+        if isinstance(error, FileError) or not getattr(error, "collective", self.comm.size == 1):
             return
-        collective = isinstance(error, FsiError) and error.collective
-        place = self.integrator.steps, self.writer.nframes
-        heard = exchange(self.notes, place, PATIENCE[collective]) if self.comm.size > 1 else {0: place}
-        if len(heard) == self.comm.size:
-            if self.integrator.initial and set(heard.values()) == {place}:
-                with suppress(FileError):  # the error itself says more
-                    self.writer.finish(self._summary(error))
-            self.notes.Free()
+        if self.integrator.initial:
+            with suppress(FileError):  # the error itself says more
+                self.writer.finish(self._summary(error))
 
     def _last_frame(self) -> None:
         """A run that ends between two saved times still keeps its last state."""

@@ -7,21 +7,30 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from fsipetsc.process.interrupts import heeded, take_over
 from fsipetsc.stepping.pauses import Pauses
+
+#: what ends a run in order
+STOPPING = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
 
 
 @contextmanager
 def ends(pauses: Pauses) -> Iterator[None]:
-    """SIGTERM, SIGINT and SIGHUP let the current burst of steps end; all stop together. A second SIGINT ends at once."""
+    """SIGTERM, SIGINT and SIGHUP let the current burst of steps end; all ranks stop together.
+
+    One that comes before the first step is answered after it; one after the last step is not
+    answered. A second SIGINT ends at once. A signal that is ignored stays so, as SIGHUP under nohup.
+    """
 
     def note(number: int, frame: object) -> None:
         pauses.raised = number
         if number == signal.SIGINT:
             signal.signal(number, signal.SIG_DFL)
 
-    earlier = {number: signal.signal(number, note) for number in heeded()}
-    pauses.raised = pauses.raised or take_over()  # one that came before, and was not heard
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    heeded = [n for n in STOPPING if signal.getsignal(n) is not signal.SIG_IGN]
+    earlier = {number: signal.signal(number, note) for number in heeded}
     try:
         yield
     finally:
