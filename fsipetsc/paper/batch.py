@@ -1,0 +1,254 @@
+"""Several steps of the classical Runge-Kutta method in one compiled call, on one rank.
+
+Below some thousand points Python's calls would take longer than the arithmetic. What is called here are the loops that the
+right-hand side of fsipetsc.paper.parts calls, in the same order, so both make the same numbers. A layer that there is not is None.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from numba import njit
+
+from fsipetsc.paper.coupling import couple, put_rows, residuals, take_rows
+from fsipetsc.paper.ends import close_solid, distance, fill_ghost, move_boundary
+from fsipetsc.paper.rates import elastic_rates, gas_rates
+from fsipetsc.paper.stencils import CALL, LOOP, Array, U
+from fsipetsc.paper.sums import SHARES, bound, gas_speeds, layer_rates, look_at_gas, look_at_solid, solid_speeds
+from fsipetsc.scheme.burst import (
+    ALLOWED,
+    COURANT,
+    DT,
+    FIRST,
+    FIXED,
+    LONGEST,
+    MADE,
+    NEXT,
+    SHORTEST,
+    TARGET,
+    TIME,
+)
+from fsipetsc.scheme.plan import BAD, EXHAUSTED, LOW, MOVED, RATE, SAID_STOP, STOP, TOO_SHORT
+from fsipetsc.scheme.time_step import longest_step, next_step
+
+_longest_step, _next_step = njit(**CALL)(longest_step), njit(**CALL)(next_step)
+#: of the method
+STAGES = 4
+
+
+@njit(**LOOP)
+def advance(y, k, stage, total, number, dt):
+    """What a stage of the classical method does with its rates k: the next stage, and the sum that becomes the solution."""
+    a = dt if number == 2 else 0.5 * dt
+    b = dt / 3.0 if 0 < number < 3 else dt / 6.0
+    if number == 0:
+        for i in range(y.size):
+            total[U(i)] = y[U(i)] + b * k[U(i)]
+            stage[U(i)] = y[U(i)] + a * k[U(i)]
+    elif number < 3:
+        for i in range(y.size):
+            total[U(i)] += b * k[U(i)]
+            stage[U(i)] = y[U(i)] + a * k[U(i)]
+    else:
+        for i in range(y.size):
+            stage[U(i)] = total[U(i)] + b * k[U(i)]
+
+
+@njit(**CALL)
+def interface_points(face, gas, solid):
+    """(point of the gas, step into it, point of the solid, step into it), among the owned points of their owners."""
+    if face.n > 0.0:
+        return gas.lo - gas.own_lo, 1, solid.hi - solid.own_lo, -1
+    return gas.hi - gas.own_lo, -1, solid.lo - solid.own_lo, 1
+
+
+@njit(**CALL)
+def join(op, face, jump, gases, q_gas, solids, q_solid, f, s):
+    """Couple gas and solid, both owned by this rank, and let the frame follow; f, s: room for the rows, which stay there."""
+    gas, solid = gases[0], solids[0]
+    at_gas, into_gas, at_solid, into_solid = interface_points(face, gas, solid)
+    take_rows(q_gas, at_gas, into_gas, f)
+    take_rows(q_solid, at_solid, into_solid, s)
+    couple(op, face, jump, f, s)
+    put_rows(q_gas, at_gas, into_gas, f)
+    put_rows(q_solid, at_solid, into_solid, s)
+    gas.s, gas.x_interface = f[0, 1] / f[0, 0], s[0, 3]
+
+
+@njit(**CALL)
+def boundary_moves(op, law, gases, q, side, number, flags):
+    """Let the embedded boundary of layer ``number`` move over the grid; flags: see fsipetsc.scheme.plan."""
+    moved, exhausted = move_boundary(op, law, gases, q, side)
+    gas = gases[0]
+    if moved:
+        flags[MOVED] = 1.0
+    if exhausted:
+        flags[EXHAUSTED] = 1.0 + number
+    if (gas.lo == 0) if side == 0 else (gas.hi == gas.n - 1):
+        flags[LOW] = 1.0 + number
+    if distance(gas, side) <= gas.least - 2 + 1e-9:
+        flags[TOO_SHORT] = 1.0 + number
+
+
+@njit(**CALL)
+def note_interface(op, face, jump, f, s, out):
+    """x, u, sigma, T and the residuals of the four conditions."""
+    out[0], out[1], out[2], out[3] = s[0, 3], s[0, 0], s[0, 1], s[0, 2]
+    residuals(op, face, jump, f, s, out[4:])
+
+
+@njit(**CALL)
+def goes_on(burst, results, journal, latest):
+    """Note the step just made in burst and journal, and plan the next one; False if none follows."""
+    allowed = burst[ALLOWED]
+    burst[ALLOWED] = 0.0
+    if allowed == 0.0:
+        return False
+    t, dt, made = burst[NEXT], burst[DT], burst[MADE]
+    row = journal[int(burst[FIRST] + made)]
+    row[0], row[1], row[2:] = t, dt, latest
+    burst[TIME], burst[MADE] = t, made + 1
+    burst[SHORTEST], burst[LONGEST] = min(burst[SHORTEST], dt), max(burst[LONGEST], dt)
+    for flag in (LOW, EXHAUSTED, TOO_SHORT, BAD, STOP):
+        if results[flag] != 0.0:
+            return False
+    rate, target = results[RATE], burst[TARGET]
+    if t >= target or made + 1 >= allowed or not 0.0 < rate < 1e300:
+        return False
+    burst[DT], burst[NEXT] = _next_step(t, target, _longest_step(burst[COURANT], burst[FIXED], rate))
+    burst[ALLOWED] = allowed
+    return True
+
+
+class Room(NamedTuple):
+    """Arrays of a state, layers and interfaces counted as if there were three and two; there: whether they are, as gases.
+
+    jumps (2, 4); f, s: rows of the interfaces; seen (3, SEEN), shares (3, SHARES): see fsipetsc.paper.sums; notes (2, 8): of
+    ``note_interface``; rates (3, 2): of convection and diffusion; results, burst, journal (steps, numbers), latest: see
+    fsipetsc.scheme.plan.
+    """
+
+    there: Array
+    jumps: Array
+    f: Array
+    s: Array
+    seen: Array
+    shares: Array
+    notes: Array
+    rates: Array
+    results: Array
+    burst: Array
+    journal: Array
+    latest: Array
+
+
+@njit(**CALL)
+def note_step(room):
+    """Fill ``latest`` from notes and shares: see fsipetsc.scheme.plan.step_record."""
+    latest, shares, at = room.latest, room.shares, 0
+    for c in range(8):
+        for face in range(2):
+            if room.there[2 * face]:
+                latest[at] = room.notes[face, c]
+                at += 1
+    for k in range(3):
+        if room.there[k]:
+            latest[at] = shares[k, 0]
+            at += 1
+    for c in range(1, SHARES):
+        if at == len(latest):
+            return  # entropy and heating are not wanted
+        latest[at] = shares[0, c] + shares[1, c] + shares[2, c]
+        at += 1
+        if c == 3:
+            latest[at] = 0.0  # the impulse of ends: none has been given its velocity by one
+            at += 1
+
+
+@njit(**CALL)
+def bound_step(op, room, good):
+    """The limits among the results, from the rates of the layers; good: all of them are physical."""
+    room.results[RATE] = bound(room.rates[:, 0].max(), room.rates[:, 1].max())
+    room.results[BAD] = 0.0 if good else 1.0
+
+
+# one rank; a layer may be None
+
+
+@njit(**CALL)
+def _join(op, face, k, gas, solid, room):
+    if gas is not None:
+        args = gas.record, gas.stage, solid.record, solid.stage
+        join(op, face, room.jumps[k], args[0], args[1], args[2], args[3], room.f[k], room.s[k])
+
+
+@njit(**CALL)
+def _fill(op, gas, side):
+    if gas is not None:
+        fill_ghost(op, gas.law, gas.record, gas.stage, side, False)
+
+
+@njit(**CALL)
+def _advance(op, gas, number, dt):
+    if gas is not None:
+        gas_rates(op, gas.law, gas.record, gas.stage, gas.forcing, gas.scratch, gas.k)
+        advance(gas.y.ravel(), gas.k.ravel(), gas.stage.ravel(), gas.total.ravel(), number, dt)
+
+
+@njit(**CALL)
+def _look(op, face, gas, side, number, entropy, room):
+    """Move the boundary and look at the layer; whether it is physical."""
+    if gas is None:
+        return True
+    k = 2 * side
+    boundary_moves(op, gas.law, gas.record, gas.stage, side, number, room.results)
+    look_at_gas(op, gas.law, gas.record, gas.stage, entropy, room.seen[k], room.shares[k])
+    note_interface(op, face, room.jumps[side], room.f[side], room.s[side], room.notes[side])
+    speeds = gas_speeds(gas.law, room.seen[k])
+    good, room.rates[k, 0], room.rates[k, 1] = layer_rates(op, speeds, gas.record[0].h)
+    gas.y[:] = gas.stage
+    return good
+
+
+@njit(**CALL)
+def conditions(op, left, solid, right, faces, room):
+    """Fulfil all conditions in the stage."""
+    _join(op, faces[0], 0, left, solid, room)
+    _join(op, faces[1], 1, right, solid, room)
+    close_solid(op, solid.law, solid.record, solid.stage)
+    _fill(op, left, 0)
+    _fill(op, right, 1)
+
+
+@njit(**CALL)
+def complete(op, left, solid, right, faces, entropy, room):
+    """Complete a step whose raw result is the stage."""
+    conditions(op, left, solid, right, faces, room)
+    room.results[:RATE] = 0.0
+    first = 1 if room.there[0] else 0
+    good = _look(op, faces[0], left, 0, 0, entropy, room)
+    look_at_solid(op, solid.law, solid.record, solid.stage, entropy, room.seen[1], room.shares[1])
+    speeds = solid_speeds(solid.law, room.seen[1])
+    fine, room.rates[1, 0], room.rates[1, 1] = layer_rates(op, speeds, solid.record[0].h)
+    solid.y[:] = solid.stage
+    good = _look(op, faces[1], right, 1, first + 1, entropy, room) and fine and good
+    room.results[STOP] = room.results[SAID_STOP]
+    bound_step(op, room, good)
+    note_step(room)
+
+
+@njit(**CALL)
+def run_steps(op, left, solid, right, faces, entropy, room, dt):
+    """A step dt from the completed solution, its completion, and further steps as the burst allows."""
+    more = True
+    while more:
+        for number in range(STAGES):
+            if number > 0:
+                conditions(op, left, solid, right, faces, room)
+            _advance(op, left, number, dt)
+            _advance(op, right, number, dt)
+            elastic_rates(op, solid.law, solid.record, solid.stage, solid.forcing, solid.scratch, solid.k)
+            advance(solid.y.ravel(), solid.k.ravel(), solid.stage.ravel(), solid.total.ravel(), number, dt)
+        complete(op, left, solid, right, faces, entropy, room)
+        more = goes_on(room.burst, room.results, room.journal, room.latest)
+        dt = room.burst[DT] if more else dt

@@ -1,0 +1,158 @@
+"""The SBP first derivative on rows of values, and the formulas of an embedded boundary.
+
+Rows hold the points of a rank with their halos. The closures stand at the first and the last active point, A and B. The same
+formula is evaluated in the same order for a point whoever owns it, so results do not depend on the number of ranks: that is
+why no loop here may reorder or contract (``LOOP``).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from fsipetsc.operators import loops
+from fsipetsc.operators.narrow import STIFFNESS, STIFFNESS_OF_WIDE, difference, end_term, levels
+from fsipetsc.operators.sbp import operator, row_length
+
+Array = NDArray[np.float64]
+#: IEEE arithmetic as it is written
+LOOP = {**loops.LOOP, "fastmath": False}
+CALL = loops.CALL
+#: index arithmetic is of signed numbers; an index made unsigned spares the question whether it counts from the end
+U = np.uint64
+
+
+class Operator(NamedTuple):
+    """D for h = 1: sum_k interior[k-1] (v[i+k] - v[i-k]); closure (rows, columns) at the left end; norm (rows,).
+
+    reach: of D; n: points that its first row reaches; diffusion: its bound on the step, see fsipetsc.operators.narrow. For narrow second
+    derivatives, else empty: differences (8, 9), the weights of Delta_q in row q-1; means (p, p), row k those of Delta_{p+1+k};
+    end (T, T).
+    """
+
+    p: int
+    n: int
+    reach: int
+    interior: Array
+    closure: Array
+    norm: Array
+    diffusion: float
+    differences: Array
+    means: Array
+    end: Array
+
+
+def packed(order: int, narrow: bool = False) -> Operator:
+    """That of an interior order. ValueError if there is none."""
+    op = operator(order)
+    floats = np.vectorize(float, otypes=[float])
+    interior = np.zeros(4)
+    interior[: op.p] = floats(op.interior)
+    differences, means, end = np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((0, 0))
+    if narrow:
+        differences, means = np.zeros((8, 9)), np.zeros((op.p, op.p))
+        for q in range(1, 9):
+            differences[q - 1, : q + 1] = difference(q)
+        for k, level in enumerate(levels(op.interior)):
+            means[k, : len(level.weights)] = floats(level.weights)
+        end = floats(end_term(op.interior)).reshape(len(end_term(op.interior)), -1)
+    diffusion = STIFFNESS[order] if narrow else STIFFNESS_OF_WIDE
+    closure, norm = floats(op.closure), floats(op.norm)
+    return Operator(op.p, row_length(op), op.reach, interior, closure, norm, diffusion, differences, means, end)
+
+
+@njit(**LOOP)
+def derivative(op, f, out, a, b, A, B, scale):
+    """out = scale h D f at the points a .. b-1; f is known where that reaches, or to A, B."""
+    rows, columns = op.closure.shape
+    first, end = max(a, A + rows), min(b, B + 1 - rows)
+    c1, c2, c3, c4 = op.interior[0], op.interior[1], op.interior[2], op.interior[3]
+    if op.p == 1:
+        for i in range(first, end):
+            out[U(i)] = scale * (c1 * (f[U(i + 1)] - f[U(i - 1)]))
+    elif op.p == 2:
+        for i in range(first, end):
+            near = c1 * (f[U(i + 1)] - f[U(i - 1)])
+            out[U(i)] = scale * (near + c2 * (f[U(i + 2)] - f[U(i - 2)]))
+    elif op.p == 3:
+        for i in range(first, end):
+            near = c1 * (f[U(i + 1)] - f[U(i - 1)]) + c2 * (f[U(i + 2)] - f[U(i - 2)])
+            out[U(i)] = scale * (near + c3 * (f[U(i + 3)] - f[U(i - 3)]))
+    else:
+        for i in range(first, end):
+            near = c1 * (f[U(i + 1)] - f[U(i - 1)]) + c2 * (f[U(i + 2)] - f[U(i - 2)])
+            far = c3 * (f[U(i + 3)] - f[U(i - 3)]) + c4 * (f[U(i + 4)] - f[U(i - 4)])
+            out[U(i)] = scale * (near + far)
+    for r in range(rows):
+        if a <= A + r < b:
+            total = 0.0
+            for c in range(columns):
+                total += op.closure[r, c] * f[U(A + c)]
+            out[U(A + r)] = scale * total
+        if a <= B - r < b:
+            total = 0.0
+            for c in range(columns):
+                total += op.closure[r, c] * f[U(B - c)]
+            out[U(B - r)] = -scale * total
+
+
+@njit(**LOOP)
+def weight(op, r):
+    """Norm weight of the point number r from an end."""
+    return op.norm[r] if r < len(op.norm) else 1.0
+
+
+@njit(**LOOP)
+def lagrange(delta, degree, weights, slopes):
+    """Lagrange weights and their derivatives at delta for the nodes 0, 1, ..., degree.
+
+    Node 0 is the ghost point and the boundary lies delta cells inside of it; (4.26) is degree 2, with the
+    sign of its third weight corrected so that the weights sum to one.
+    """
+    for k in range(degree + 1):
+        value, denominator, slope = 1.0, 1.0, 0.0
+        for m in range(degree + 1):
+            if m != k:
+                slope = slope * (delta - m) + value
+                value *= delta - m
+                denominator *= k - m
+        weights[k] = value / denominator
+        slopes[k] = slope / denominator
+
+
+@njit(**LOOP)
+def dirichlet_ghost(g, v, weights, degree, least):
+    """Value of the ghost point (node 0) so that the interpolant takes the value g at the boundary.
+
+    v[1..degree] are the nodes inside. The q-th difference is added with eta = max(0, least - L_0): the formula
+    of Kreiss & Petersson (2006) as in (4.26), but with an eta that vanishes where L_0 is large enough, because
+    a constant one spoils the accuracy when the boundary is close to the ghost point.
+    """
+    eta = max(0.0, least - weights[0])
+    s, binomial = g, 1.0
+    for k in range(1, degree + 1):
+        binomial *= -(degree + 1.0 - k) / k
+        s -= (weights[k] + eta * binomial) * v[k]
+    return s / (weights[0] + eta)
+
+
+@njit(**LOOP)
+def neumann_ghost(v, slopes, degree):
+    """Value of the ghost point so that the interpolant has zero slope at the boundary (Kreiss et al. 2004)."""
+    s = 0.0
+    for k in range(1, degree + 1):
+        s -= slopes[k] * v[k]
+    return s / slopes[0]
+
+
+@njit(**LOOP)
+def extrapolated(v, degree):
+    """Value at node 0 of the polynomial through the nodes 1 .. degree + 1."""
+    s, binomial = 0.0, 1.0
+    for k in range(1, degree + 2):
+        binomial *= -(degree + 2.0 - k) / k
+        s -= binomial * v[k]
+    return s
