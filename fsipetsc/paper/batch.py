@@ -13,7 +13,7 @@ from numba import njit
 from fsipetsc.paper.coupling import couple, put_rows, residuals, take_rows
 from fsipetsc.paper.ends import close_solid, distance, fill_ghost, move_boundary
 from fsipetsc.paper.rates import elastic_rates, gas_rates
-from fsipetsc.paper.stencils import CALL, LOOP, Array, U
+from fsipetsc.paper.stencils import CALL, INNER, LEFT, LOOP, OLD, RIGHT, Array, U
 from fsipetsc.paper.sums import SHARES, bound, gas_speeds, layer_rates, look_at_gas, look_at_solid, solid_speeds
 from fsipetsc.scheme.burst import (
     ALLOWED,
@@ -31,12 +31,15 @@ from fsipetsc.scheme.burst import (
 from fsipetsc.scheme.plan import BAD, EXHAUSTED, LOW, MOVED, RATE, SAID_STOP, STOP, TOO_SHORT
 from fsipetsc.scheme.time_step import longest_step, next_step
 
-_longest_step, _next_step = njit(**CALL)(longest_step), njit(**CALL)(next_step)
+_longest_step, _next_step = njit(**INNER)(longest_step), njit(**INNER)(next_step)
 #: of the method
 STAGES = 4
+#: what ``run_task`` does: stage ``number`` of a step dt, or for STAGES its completion; a step dt from the completed solution, its
+#: completion, and further steps as the burst allows
+STAGE, STEPS = 0, 1
 
 
-@njit(**LOOP)
+@njit(**CALL)
 def advance(y, k, stage, total, number, dt):
     """What a stage of the classical method does with its rates k: the next stage, and the sum that becomes the solution."""
     a = dt if number == 2 else 0.5 * dt
@@ -105,8 +108,10 @@ def goes_on(burst, results, journal, latest):
     if allowed == 0.0:
         return False
     t, dt, made = burst[NEXT], burst[DT], burst[MADE]
-    row = journal[int(burst[FIRST] + made)]
-    row[0], row[1], row[2:] = t, dt, latest
+    row = int(burst[FIRST] + made)
+    journal[row, 0], journal[row, 1] = t, dt
+    for c in range(len(latest)):
+        journal[row, c + 2] = latest[c]
     burst[TIME], burst[MADE] = t, made + 1
     burst[SHORTEST], burst[LONGEST] = min(burst[SHORTEST], dt), max(burst[LONGEST], dt)
     for flag in (LOW, EXHAUSTED, TOO_SHORT, BAD, STOP):
@@ -175,27 +180,26 @@ def bound_step(op, room, good):
 # one rank; a layer may be None
 
 
-@njit(**CALL)
+@njit(**INNER)
 def _join(op, face, k, gas, solid, room):
     if gas is not None:
-        args = gas.record, gas.stage, solid.record, solid.stage
-        join(op, face, room.jumps[k], args[0], args[1], args[2], args[3], room.f[k], room.s[k])
+        join(op, face, room.jumps[k], gas.record, gas.stage, solid.record, solid.stage, room.f[k], room.s[k])
 
 
-@njit(**CALL)
+@njit(**INNER)
 def _fill(op, gas, side):
     if gas is not None:
-        fill_ghost(op, gas.law, gas.record, gas.stage, side, False)
+        fill_ghost(op, gas.law, gas.record, gas.stage, side, OLD)
 
 
-@njit(**CALL)
+@njit(**INNER)
 def _advance(op, gas, number, dt):
     if gas is not None:
         gas_rates(op, gas.law, gas.record, gas.stage, gas.forcing, gas.scratch, gas.k)
         advance(gas.y.ravel(), gas.k.ravel(), gas.stage.ravel(), gas.total.ravel(), number, dt)
 
 
-@njit(**CALL)
+@njit(**INNER)
 def _look(op, face, gas, side, number, entropy, room):
     """Move the boundary and look at the layer; whether it is physical."""
     if gas is None:
@@ -204,51 +208,65 @@ def _look(op, face, gas, side, number, entropy, room):
     boundary_moves(op, gas.law, gas.record, gas.stage, side, number, room.results)
     look_at_gas(op, gas.law, gas.record, gas.stage, entropy, room.seen[k], room.shares[k])
     note_interface(op, face, room.jumps[side], room.f[side], room.s[side], room.notes[side])
-    speeds = gas_speeds(gas.law, room.seen[k])
-    good, room.rates[k, 0], room.rates[k, 1] = layer_rates(op, speeds, gas.record[0].h)
-    gas.y[:] = gas.stage
+    good, room.rates[k, 0], room.rates[k, 1] = layer_rates(op, gas_speeds(gas.law, room.seen[k]), gas.record[0].h)
     return good
 
 
-@njit(**CALL)
-def conditions(op, left, solid, right, faces, room):
+@njit(**INNER)
+def _conditions(op, left, solid, right, faces, room):
     """Fulfil all conditions in the stage."""
-    _join(op, faces[0], 0, left, solid, room)
-    _join(op, faces[1], 1, right, solid, room)
+    _join(op, faces[0], LEFT, left, solid, room)
+    _join(op, faces[1], RIGHT, right, solid, room)
     close_solid(op, solid.law, solid.record, solid.stage)
-    _fill(op, left, 0)
-    _fill(op, right, 1)
+    _fill(op, left, LEFT)
+    _fill(op, right, RIGHT)
 
 
-@njit(**CALL)
-def complete(op, left, solid, right, faces, entropy, room):
-    """Complete a step whose raw result is the stage."""
-    conditions(op, left, solid, right, faces, room)
-    room.results[:RATE] = 0.0
-    first = 1 if room.there[0] else 0
-    good = _look(op, faces[0], left, 0, 0, entropy, room)
+@njit(**INNER)
+def _complete(op, left, solid, right, faces, entropy, room):
+    """Let boundaries move in the stage, which fulfils the conditions, and look at it."""
+    for flag in range(RATE):
+        room.results[flag] = 0.0
+    middle = 1 if room.there[0] else 0
+    good = _look(op, faces[0], left, LEFT, 0 * middle, entropy, room)
     look_at_solid(op, solid.law, solid.record, solid.stage, entropy, room.seen[1], room.shares[1])
     speeds = solid_speeds(solid.law, room.seen[1])
     fine, room.rates[1, 0], room.rates[1, 1] = layer_rates(op, speeds, solid.record[0].h)
-    solid.y[:] = solid.stage
-    good = _look(op, faces[1], right, 1, first + 1, entropy, room) and fine and good
+    good = _look(op, faces[1], right, RIGHT, middle + 1, entropy, room) and fine and good
     room.results[STOP] = room.results[SAID_STOP]
     bound_step(op, room, good)
     note_step(room)
 
 
+@njit(**INNER)
+def _keep(part):
+    if part is not None:
+        for i in range(part.y.shape[0]):
+            for c in range(part.y.shape[1]):
+                part.y[U(i), U(c)] = part.stage[U(i), U(c)]
+
+
 @njit(**CALL)
-def run_steps(op, left, solid, right, faces, entropy, room, dt):
-    """A step dt from the completed solution, its completion, and further steps as the burst allows."""
+def run_task(task, op, left, solid, right, faces, entropy, room, number, dt):
+    """One of the tasks; the completed solution is y, and the stage is the same where a step begins."""
+    first, end, completes = (0, STAGES, True) if task == STEPS else (number, number + 1, number == STAGES)
     more = True
     while more:
-        for number in range(STAGES):
-            if number > 0:
-                conditions(op, left, solid, right, faces, room)
-            _advance(op, left, number, dt)
-            _advance(op, right, number, dt)
-            elastic_rates(op, solid.law, solid.record, solid.stage, solid.forcing, solid.scratch, solid.k)
-            advance(solid.y.ravel(), solid.k.ravel(), solid.stage.ravel(), solid.total.ravel(), number, dt)
-        complete(op, left, solid, right, faces, entropy, room)
-        more = goes_on(room.burst, room.results, room.journal, room.latest)
-        dt = room.burst[DT] if more else dt
+        for stage in range(first, end):
+            if stage > 0:
+                _conditions(op, left, solid, right, faces, room)
+            if stage < STAGES:
+                _advance(op, left, stage, dt)
+                _advance(op, right, stage, dt)
+                elastic_rates(op, solid.law, solid.record, solid.stage, solid.forcing, solid.scratch, solid.k)
+                advance(solid.y.ravel(), solid.k.ravel(), solid.stage.ravel(), solid.total.ravel(), stage, dt)
+        if completes:
+            if task == STEPS:
+                _conditions(op, left, solid, right, faces, room)
+            _complete(op, left, solid, right, faces, entropy, room)
+            _keep(left)
+            _keep(solid)
+            _keep(right)
+        more = task == STEPS and goes_on(room.burst, room.results, room.journal, room.latest)
+        if more:
+            dt = room.burst[DT]

@@ -42,12 +42,15 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+import numpy as np
 from numba import njit
 
-from fsipetsc.paper.stencils import CALL, LOOP, weight
+from fsipetsc.paper.stencils import CALL, INNER, weight
 
 PROJECTION, ENERGY, TRADITIONAL = 0, 1, 2
 KINDS = {"projection": PROJECTION, "energy": ENERGY, "traditional": TRADITIONAL}
+#: rows, as no literals
+FIRST, SECOND = np.int64(0), np.int64(1)
 #: the conductivity at the interface has the temperature that it leads to, but for this fraction, or after so many attempts
 AGREED, REFINEMENTS = 1e-15, 20
 
@@ -73,7 +76,7 @@ def couple(op, face, jump, f, s):
         traditional(op, face, jump, f, s)
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def strain(op, face, s):
     """x_X of the solid."""
     d, x_X = -face.n / face.h, 0.0
@@ -82,19 +85,19 @@ def strain(op, face, s):
     return d * x_X
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def gas_at(face, f, j):
     """(u, T) in row j."""
     return face.gas.velocity_and_temperature(f[j, 0], f[j, 1], f[j, 2])
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def put_gas(face, f, j, rho, u, T):
     """Let the gas in row j be of this density, velocity and temperature."""
     f[j, 0], f[j, 1], f[j, 2] = rho, rho * u, face.gas.total_energy(rho, u, T)
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def temperatures(op, face, jump, f, s, x_X):
     """(T_f, T_s) at the interface by continuity of temperature and heat flux, (4.21).
 
@@ -103,7 +106,7 @@ def temperatures(op, face, jump, f, s, x_X):
     with the kappa of its new temperature: where that depends on T, the temperatures are found again with it.
     """
     beta, rest_f, rest_s, d = op.closure[0], 0.0, 0.0, face.n / face.h
-    T_f, T_s = gas_at(face, f, 0)[1], s[0, 2]
+    T_f, T_s = gas_at(face, f, FIRST)[1], s[0, 2]
     for j in range(1, op.n):
         rest_f += beta[j] * gas_at(face, f, j)[1]
         rest_s += beta[j] * s[j, 2]
@@ -123,7 +126,7 @@ def temperatures(op, face, jump, f, s, x_X):
     return T_f, T_s
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def projection(op, face, jump, f, s):
     """The paper's projection."""
     gas, solid, beta, d, a_0 = face.gas, face.solid, op.closure[0], face.n / face.h, op.norm[0]
@@ -161,20 +164,20 @@ def projection(op, face, jump, f, s):
         f[j, 1], f[j, 2] = rho_j * u, internal + 0.5 * rho_j * u * u
     # (4.24)
     u = f[0, 1] / f[0, 0]
-    put_gas(face, f, 0, gas.law.density(mu * u_X - s[0, 1] + p_s + jump[1], T_f), u, T_f)
+    put_gas(face, f, FIRST, gas.law.density(mu * u_X - s[0, 1] + p_s + jump[1], T_f), u, T_f)
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def energy(op, face, jump, f, s):
     """The orthogonal projection of Theorem 4.1; again, where kappa depends on T, until it has its new temperature."""
     for _ in range(REFINEMENTS):
-        used = face.gas.conductivity(gas_at(face, f, 0)[1])
+        used = face.gas.conductivity(gas_at(face, f, FIRST)[1])
         T = projected(op, face, jump, f, s)
         if not abs(face.gas.conductivity(T) - used) > AGREED * used:
             return
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def multipliers(S11, S12, S22, S23, S24, S33, S34, S44, r1, r2, r3, r4):
     """(l1, l2, l3, l4) with S l = r; S symmetric and positive definite, S13 = S14 = 0. Cholesky without roots."""
     v12 = S12 / S11
@@ -189,17 +192,17 @@ def multipliers(S11, S12, S22, S23, S24, S33, S34, S44, r1, r2, r3, r4):
     return r1 / S11 - v12 * l2, l2, l3, l4
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def projected(op, face, jump, f, s):
     """Project with the kappa of the temperature as it is; returns the gas's new temperature at the interface."""
     gas, solid, beta, d, a_0 = face.gas, face.solid, op.closure[0], face.n / face.h, op.norm[0]
     x_X = strain(op, face, s)
     # the state that the weights belong to
-    rho, (u, T) = f[1, 0], gas_at(face, f, 1)
+    rho, (u, T) = f[1, 0], gas_at(face, f, SECOND)
     bulk, p_T, T_s = gas.law.bulk_modulus(rho, T), gas.law.pressure_by_temperature(rho, T), s[0, 2]
     K, c = (solid.K + solid.law.stiffness(T_s, x_X)) / x_X, solid.law.pressure_by_temperature(T_s, x_X)
     tau_f, tau_s = T / (rho * gas.law.heat_capacity(rho, T)), T / (solid.alpha * solid.m0)
-    u_f, T_f = gas_at(face, f, 0)
+    u_f, T_f = gas_at(face, f, FIRST)
     mu, kappa, k_s = gas.viscosity(T_f), gas.conductivity(T_f), solid.kappa_e / x_X
     u_X, Tf_X, Ts_X, squares = 0.0, 0.0, 0.0, 0.0
     for j in range(op.n):
@@ -241,16 +244,16 @@ def projected(op, face, jump, f, s):
         put_gas(face, f, j, rho_j, u, T)
     # (4.24)
     p_0 = gas.viscosity(T_f) * u_X - s[0, 1] + solid.law.pressure(s[0, 2], x_X) + jump[1]
-    put_gas(face, f, 0, gas.law.density(p_0, T_f), u_f, T_f)
+    put_gas(face, f, FIRST, gas.law.density(p_0, T_f), u_f, T_f)
     return T_f
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def traditional(op, face, jump, f, s):
     """The solid moves the gas, the gas loads the solid."""
     x_X = strain(op, face, s)
     T_f, T_s = temperatures(op, face, jump, f, s, x_X)
-    put_gas(face, f, 0, f[0, 0], s[0, 0] - jump[0], T_f)
+    put_gas(face, f, FIRST, f[0, 0], s[0, 0] - jump[0], T_f)
     u_X = 0.0
     for j in range(op.n):
         u_X += face.n / face.h * op.closure[0, j] * (f[j, 1] / f[j, 0])
@@ -268,7 +271,7 @@ def residuals(op, face, jump, f, s, out):
         u_X += d_j * u
         Tf_X += d_j * T
         Ts_X -= d_j * s[j, 2]
-    x_X, (u, T) = strain(op, face, s), gas_at(face, f, 0)
+    x_X, (u, T) = strain(op, face, s), gas_at(face, f, FIRST)
     p_s, p_f = face.solid.law.pressure(s[0, 2], x_X), face.gas.law.pressure(f[0, 0], T)
     out[0] = s[0, 0] - u - jump[0]
     out[1] = s[0, 1] - p_s + p_f - face.gas.viscosity(T) * u_X - jump[1]

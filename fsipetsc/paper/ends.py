@@ -19,32 +19,32 @@ from fsipetsc.boundaries.open import LONGEST
 from fsipetsc.boundaries.open import NEW_POINT as NEW_OPEN
 from fsipetsc.boundaries.wall import ETA, ETA_NARROW
 from fsipetsc.boundaries.wall import NEW_POINT as NEW_WALL
-from fsipetsc.paper.stencils import CALL, LOOP, dirichlet_ghost, extrapolated, lagrange, neumann_ghost
+from fsipetsc.paper.stencils import CALL, INNER, LEFT, NEW, OLD, dirichlet_ghost, extrapolated, lagrange, neumann_ghost
 from fsipetsc.physics.layer import GIVEN_FLUX, GIVEN_T
 
 #: least weight of the ghost point in the formula for data that are given
 LEAST = 0.25
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def distance(layer, side):
     """From the interface to the embedded boundary, in cells, from where the frame is: not by (4.25)."""
     return abs(layer.end_x[side] - layer.x_interface) / layer.h
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def beyond_boundary(layer, side):
     """delta: how far the ghost point lies outside, in cells."""
     return layer.hi - layer.lo - distance(layer, side)
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def depth_of(layer):
     """Points inside the ghost point that are taken. Who owns the next point to come in must have them in its halo."""
     return min(min(NODES - 1, layer.halo - 1), layer.hi - layer.lo)
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def fetch(gas, layer, q, ghost, side, nodes, begin):
     """nodes from column ``begin`` on, of a gas whose ghost point is q[ghost]."""
     step = 1 - 2 * side
@@ -67,11 +67,11 @@ def fill_ghost(op, gas, layers, q, side, new):
         return
     n, kind = 2.0 * side - 1.0, layer.end_kind[side]
     nodes, weights, slopes = np.zeros((3, NODES)), np.zeros(NODES), np.zeros(NODES)
-    fetch(gas, layer, q, ghost, side, nodes, 1 if new else 0)
+    fetch(gas, layer, q, ghost, side, nodes, int(new))
     if new:
         degree = NEW_WALL if kind == WALL else (NEW_OPEN if kind == OPEN else NEW_DIRICHLET)
         for c in range(3):
-            nodes[c, 0] = extrapolated(nodes[c], degree)
+            nodes[c, 0] = extrapolated(nodes[c], np.int64(degree))
     delta = beyond_boundary(layer, side)
     lagrange(delta, layer.end_degree[side], weights, slopes)
     if kind == WALL:
@@ -84,12 +84,12 @@ def fill_ghost(op, gas, layers, q, side, new):
     q[ghost, 0], q[ghost, 1], q[ghost, 2] = rho, rho * u, gas.total_energy(rho, u, T)
 
 
-@njit(**CALL)
+@njit(**INNER)
 def gradient_values(gas, layer, q, ghost, side):
     """(u, T) that the gradients in friction and conduction see at the ghost point q[ghost], which is filled."""
     n = 2.0 * side - 1.0
     nodes, weights, slopes = np.zeros((3, NODES)), np.zeros(NODES), np.zeros(NODES)
-    fetch(gas, layer, q, ghost, side, nodes, 0)
+    fetch(gas, layer, q, ghost, side, nodes, LEFT)
     if layer.end_kind[side] == OPEN:
         return open_gradients(gas, layer, side, n, nodes)
     degree, data = layer.end_degree[side], layer.end_data[side]
@@ -102,7 +102,7 @@ def gradient_values(gas, layer, q, ghost, side):
 # wall
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def insulated_slopes(delta, s, narrow, slopes):
     """Turn slopes of degree s at delta into the weights of the formula for T; returns how many nodes inside it has.
 
@@ -121,7 +121,7 @@ def insulated_slopes(delta, s, narrow, slopes):
     return last
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def wall(op, gas, layer, side, n, delta, nodes, weights, slopes):
     """Adiabatic no-slip wall: u = 0, T_X = 0, and p + n Z u keeps its value."""
     rho, u, T = nodes[0, 0], nodes[1, 0], nodes[2, 0]
@@ -136,7 +136,7 @@ def wall(op, gas, layer, side, n, delta, nodes, weights, slopes):
 # given data
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def given_data(gas, layer, side, n, nodes, weights):
     """Exact (rho, u, T): as many of them as come in along characteristics.
 
@@ -168,7 +168,7 @@ def given_data(gas, layer, side, n, nodes, weights):
 # open end
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def gas_beyond(gas, layer, side):
     """(rho0, c0, tau, alpha, p_T/cv, b, kappa) of the gas beyond an open end, and how much of order 1 there is, 0 to 1."""
     p0, T0 = layer.end_data[side, 0], layer.end_data[side, 1]
@@ -182,14 +182,14 @@ def gas_beyond(gas, layer, side):
     return rho, c, tau, alpha, by_heat, 0.5 * (mu - tau * by_heat * kappa), kappa, part
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def carried(layer, a, alpha, part):
     """How much of q_nn = 0 there is where gas flows out with a, 0 to 1."""
     carrying = max(a, 0.0) * LONGEST * layer.h * (layer.hi - layer.lo)
     return part * carrying / (carrying + alpha)
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def open_end(gas, layer, side, n, nodes):
     """Towards gas of p0, T0 and velocity u0: no sound comes in, up to order 0 or 1 in the viscosity; on outflow the entropy
     keeps its value, on inflow it is that of the gas beyond. end_data = (p0, T0, u0, order).
@@ -226,7 +226,7 @@ def open_end(gas, layer, side, n, nodes):
     nodes[2, 0] = gas.law.temperature_of_pressure(rho, p0 + sound)
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def open_gradients(gas, layer, side, n, nodes):
     """(u, T) for the gradients at an open end: heat and friction are imposed there."""
     u, T, T1 = nodes[1, 0], nodes[2, 0], nodes[2, 1]
@@ -249,7 +249,7 @@ def open_gradients(gas, layer, side, n, nodes):
 # a boundary that moves over the grid
 
 
-@njit(**CALL)
+@njit(**INNER)
 def move_boundary(op, gas, layers, q, side):
     """Let the ghost point be the first one at or beyond the boundary; (it is another one now, no point is left).
 
@@ -268,14 +268,14 @@ def move_boundary(op, gas, layers, q, side):
             layer.lo -= 1
         else:
             layer.hi += 1
-        fill_ghost(op, gas, layers, q, side, True)
+        fill_ghost(op, gas, layers, q, side, NEW)
         moved = True
     if layer.hi - layer.lo > target >= layer.least - 1:
         if side == 0:
             layer.lo = layer.hi - target
         else:
             layer.hi = layer.lo + target
-        fill_ghost(op, gas, layers, q, side, False)
+        fill_ghost(op, gas, layers, q, side, OLD)
         moved = True
     return moved, False
 

@@ -16,13 +16,13 @@ from __future__ import annotations
 
 from numba import njit
 
-from fsipetsc.paper.stencils import CALL, LOOP, U, weight
+from fsipetsc.paper.stencils import INNER, U, weight
 
 #: where the sum of the differences that begin at point 0 stands: they may begin before the rank's points
 MARGIN = 8
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def coefficients(gas, u, T, b, u_b, kappa, first, last):
     """mu', u mu' and kappa at the points first .. last-1."""
     for i in range(first, last):
@@ -32,14 +32,14 @@ def coefficients(gas, u, T, b, u_b, kappa, first, last):
         kappa[U(i)] = gas.kappa * of_kappa
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def conductivities(solid, stretch, b, first, last):
     """kappa_e / x_X."""
     for i in range(first, last):
         b[U(i)] = solid.kappa_e * stretch[U(i)]
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def add_level(weights, means, q, b, y, g, first, last):
     """g += mean_q(b) Delta_q y of the differences that begin at first .. last-1."""
     skipped = (q + 1 - len(means)) // 2
@@ -52,7 +52,7 @@ def add_level(weights, means, q, b, y, g, first, last):
         g[U(i + MARGIN)] += mean * difference
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def gather(weights, q, g, out, first, last):
     """out -= Delta_q^T g at the points first .. last-1."""
     for i in range(first, last):
@@ -62,7 +62,7 @@ def gather(weights, q, g, out, first, last):
         out[U(i)] -= total
 
 
-@njit(**CALL)
+@njit(**INNER)
 def subtract(op, b, y, g, out, a, c, A, B):
     """out -= R(b) y at the points a .. c-1; g: scratch, longer by 2 MARGIN."""
     T = len(op.end)
@@ -89,7 +89,7 @@ def subtract(op, b, y, g, out, a, c, A, B):
         gather(weights, q, g, out, a, c)
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def divide(op, out, scale, a, c, A, B):
     """out = scale H^-1 out."""
     for i in range(a, c):
@@ -100,7 +100,7 @@ def divide(op, out, scale, a, c, A, B):
                 out[i] /= weight(op, r)
 
 
-@njit(**CALL)
+@njit(**INNER)
 def narrow_gas(op, gas, h, u, T, b, u_b, kappa, g, momentum, energy, a, c, A, B):
     """What is added to the rates of momentum and energy at the points a .. c-1; u, T as the gradients see them."""
     coefficients(gas, u, T, b, u_b, kappa, max(A, a - 2 * op.p), min(B + 1, c + 2 * op.p))
@@ -113,7 +113,7 @@ def narrow_gas(op, gas, h, u, T, b, u_b, kappa, g, momentum, energy, a, c, A, B)
     divide(op, energy, 1.0 / (h * h), a, c, A, B)
 
 
-@njit(**CALL)
+@njit(**INNER)
 def narrow_solid(op, solid, h, T, stretch, b, g, heat, a, c, A, B):
     """What is added to the rates of temperature at the points a .. c-1."""
     reach = min(op.reach, 2 * op.p)

@@ -6,19 +6,22 @@ D acts twice, so rates need values within twice its reach.
 
 from __future__ import annotations
 
+import numpy as np
 from numba import njit
 
 from fsipetsc.boundaries import DIRICHLET, INTERFACE_END, OPEN
 from fsipetsc.paper.ends import gradient_values
 from fsipetsc.paper.equations import gas_flux, solid_flux, solid_rates
 from fsipetsc.paper.narrow import MARGIN, narrow_gas, narrow_solid
-from fsipetsc.paper.stencils import CALL, LOOP, U, derivative
+from fsipetsc.paper.stencils import CALL, INNER, LEFT, RIGHT, U, derivative
 
+#: numbers of unknowns that narrow second derivatives add to: momentum, and energy or T
+MOMENTUM, THIRD = np.int64(1), np.int64(2)
 #: rows of scratch, and by how much they are longer than there are points
 ROWS, MORE = 19, 2 * MARGIN
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def ranges(op, layer):
     """(a, b, A, B, f0, f1, v0, v1) among a rank's points with halos: rates are wanted at a .. b-1, the active ones that it
     owns; A and B are the first and the last active point of all; fluxes are needed at f0 .. f1-1, values at v0 .. v1-1.
@@ -33,7 +36,7 @@ def ranges(op, layer):
 # gas
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def primitive_rows(gas, q, rho, m, e, u, T, a, b):
     """The conserved unknowns, u and T at the points a .. b-1."""
     for i in range(a, b):
@@ -44,7 +47,7 @@ def primitive_rows(gas, q, rho, m, e, u, T, a, b):
         T[U(i)] = gas.law.temperature_in_loops(density, energy * r - 0.5 * v * v)
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def gas_fluxes(gas, s, rho, m, e, u, T, u_X, T_X, f, g, h, a, b):
     """The three fluxes of (4.20)."""
     for i in range(a, b):
@@ -53,7 +56,7 @@ def gas_fluxes(gas, s, rho, m, e, u, T, u_X, T_X, f, g, h, a, b):
         )
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def put_gas(force, rho, m, f_X, g_X, h_X, out, a, b, shift):
     """out = -(fluxes)_X and what the body force does."""
     for i in range(a, b):
@@ -63,15 +66,23 @@ def put_gas(force, rho, m, f_X, g_X, h_X, out, a, b, shift):
         out[k, 2] = force * m[U(i)] - h_X[U(i)]
 
 
-@njit(**LOOP)
-def add_columns(change, out):
-    """out += change, of the same shape."""
+@njit(**INNER)
+def clear(out):
+    """out = 0."""
     for i in range(out.shape[0]):
+        for c in range(out.shape[1]):
+            out[U(i), U(c)] = 0.0
+
+
+@njit(**INNER)
+def add_columns(change, out, first, end):
+    """out += change, in the rows first .. end-1."""
+    for i in range(first, end):
         for c in range(out.shape[1]):
             out[U(i), U(c)] += change[U(i), U(c)]
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def entropy_keeping(gas, rho, m, e, rho_t, m_t, e_t, u_X):
     """What must be added to e_t so that the entropy of a gas's interface point obeys rho T S_t = mu' u_X^2.
 
@@ -91,7 +102,7 @@ def entropy_keeping(gas, rho, m, e, rho_t, m_t, e_t, u_X):
 def gas_rates(op, gas, layers, q, forcing, w, out):
     """(4.20). q: (points with halos, 3); forcing: (owned, 3), or (0, 3) for none; w: scratch; out: (owned, 3)."""
     layer = layers[0]
-    out[:] = 0.0
+    clear(out)
     a, b, A, B, f0, f1, v0, v1 = ranges(op, layer)
     if a >= b:
         return
@@ -99,7 +110,7 @@ def gas_rates(op, gas, layers, q, forcing, w, out):
     f, g, h, f_X, g_X, h_X = w[7], w[8], w[9], w[10], w[11], w[12]
     per_h = 1.0 / layer.h
     primitive_rows(gas, q, rho, m, e, u, T, v0, v1)
-    side = 1 if layer.end_kind[0] == INTERFACE_END else 0
+    side = RIGHT if layer.end_kind[0] == INTERFACE_END else LEFT
     ghost, kind = (A if side == 0 else B), layer.end_kind[side]
     apart = (kind == OPEN or kind == DIRICHLET) and v0 <= ghost < v1
     own_u, own_T = 0.0, 0.0
@@ -119,35 +130,35 @@ def gas_rates(op, gas, layers, q, forcing, w, out):
     shift = layer.halo_lo
     put_gas(gas.force, rho, m, f_X, g_X, h_X, out, a, b, shift)
     if len(op.means):
-        add_to(w[17], out[:, 1], a, b, shift)
-        add_to(w[18], out[:, 2], a, b, shift)
+        add_to(w[17], out, MOMENTUM, a, b, shift)
+        add_to(w[18], out, THIRD, a, b, shift)
     end = B if side == 0 else A
     if gas.kappa == 0.0 and a <= end < b:
         out[end - shift, 2] += entropy_keeping(
             gas, rho[end], m[end], e[end], -f_X[end], -g_X[end], -h_X[end], u_X[end]
         )
     if len(forcing):
-        add_columns(forcing[a - shift : b - shift], out[a - shift : b - shift])
+        add_columns(forcing, out, a - shift, b - shift)
 
 
-@njit(**LOOP)
-def add_to(change, out, a, b, shift):
-    """out += change at the points a .. b-1."""
+@njit(**INNER)
+def add_to(change, out, column, a, b, shift):
+    """A column of out += change at the points a .. b-1."""
     for i in range(a, b):
-        out[U(i - shift)] += change[U(i)]
+        out[U(i - shift), U(column)] += change[U(i)]
 
 
 # solid
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def solid_rows(q, u, sigma, T, x, a, b):
     """The unknowns at the points a .. b-1."""
     for i in range(a, b):
         u[U(i)], sigma[U(i)], T[U(i)], x[U(i)] = q[U(i), 0], q[U(i), 1], q[U(i), 2], q[U(i), 3]
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def solid_fluxes(solid, sigma, T, x_X, T_X, stretch, net, conducted, a, b):
     """What of (4.19) is differentiated once more."""
     for i in range(a, b):
@@ -156,7 +167,7 @@ def solid_fluxes(solid, sigma, T, x_X, T_X, stretch, net, conducted, a, b):
         )
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def put_solid(solid, u, stretch, net, u_X, net_X, conducted_X, out, a, b, shift):
     """out = (u, sigma, T, x)_t."""
     for i in range(a, b):
@@ -171,7 +182,7 @@ def put_solid(solid, u, stretch, net, u_X, net_X, conducted_X, out, a, b, shift)
 def elastic_rates(op, solid, layers, q, forcing, w, out):
     """(4.19). q: (points with halos, 4); forcing: (owned, 4), or (0, 4) for none; w: scratch; out: (owned, 4)."""
     layer = layers[0]
-    out[:] = 0.0
+    clear(out)
     a, b, A, B, f0, f1, v0, v1 = ranges(op, layer)
     if a >= b:
         return
@@ -189,6 +200,6 @@ def elastic_rates(op, solid, layers, q, forcing, w, out):
     put_solid(solid, u, stretch, net, u_X, net_X, conducted_X, out, a, b, shift)
     if len(op.means):
         narrow_solid(op, solid, layer.h, T, stretch, w[12], w[13], w[14], a, b, A, B)
-        add_to(w[14], out[:, 2], a, b, shift)
+        add_to(w[14], out, THIRD, a, b, shift)
     if len(forcing):
-        add_columns(forcing[a - shift : b - shift], out[a - shift : b - shift])
+        add_columns(forcing, out, a - shift, b - shift)

@@ -126,7 +126,7 @@ class PaperState:
         return self.comm.size == 1
 
     def _chain(self) -> tuple[Any, ...]:
-        """What ``run_steps`` takes, but for the step; on one rank."""
+        """What ``batch.run_task`` takes of the state; on one rank."""
         parts: list[Any] = [None] * 3
         faces: list[Any] = [None] * 2
         for layer in self.path.layers:
@@ -139,12 +139,12 @@ class PaperState:
         """Compile the kernels if that has not been done for this machine: one rank first, the others take its result."""
 
         def everything() -> None:
-            if self._batched and self.problem.steady_data:
-                batch.run_steps.compile(tuple(map(numba.typeof, (*self._chain(), 0.1))))
+            if self._batched:
+                batch.run_task.compile(tuple(map(numba.typeof, (batch.STEPS, *self._chain(), 0, 0.1))))
             also()
 
         if self.comm.rank == 0:
-            with garbage_waiting(), compiling(batch.run_steps, announce):
+            with garbage_waiting(), compiling(batch.run_task, announce):
                 everything()
         wait_asleep(self.comm)
         everything()
@@ -339,9 +339,18 @@ class PaperState:
         self.path.stage[:] = self.path.y
         self._complete()
 
+    def _run(self, task: int, number: int = 0, dt: float = 0.0) -> None:
+        """A task of the compiled batch, on one rank."""
+        batch.run_task(task, *self._chain(), number, dt)
+        for part in self.path.layers if task == batch.STEPS or number == batch.STAGES else ():
+            part.owned[:] = part.part.stage
+
     def _complete(self) -> None:
         """Project the stage, which is the new solution, let boundaries move, and look at it."""
         path, room, records = self.path, self._room, self.layout.records
+        if self._batched:
+            self._run(batch.STAGE, batch.STAGES)
+            return
         path.fulfil_conditions()
         self.results[:RATE] = 0.0
         for part in path.layers:
@@ -360,8 +369,7 @@ class PaperState:
                 of = interface.jump, interface.f, interface.s, room.notes[interface.side]
                 batch.note_interface(self._operator, interface.face, *of)
         self.results[STOP] = self.results[SAID_STOP]
-        if self.comm.size > 1:
-            self._tell()
+        self._tell()
         good = True
         for k, (law, record) in enumerate(zip(self.laws, records, strict=True)):
             number = self._first + k
@@ -405,9 +413,7 @@ class PaperState:
         """
         room = self._room
         if steady and self._batched:
-            batch.run_steps(*self._chain(), dt)
-            for part in self.path.layers:
-                part.owned[:] = part.part.stage
+            self._run(batch.STEPS, dt=dt)
             self.evaluations += batch.STAGES * max(1, int(self.burst[MADE]))
             return
         self._step(t, dt, steady)
@@ -421,11 +427,17 @@ class PaperState:
                 self.set_data(t + fraction * dt)
             if number == batch.STAGES:
                 self._complete()
-                return
-            if number > 0:
-                self.path.fulfil_conditions()
-            self.path.evaluate(self.path.k)
-            self.path.advance(number, dt)
+            elif self._batched:
+                self._run(batch.STAGE, number, dt)
+            else:
+                self._stage(number, dt)
+
+    def _stage(self, number: int, dt: float) -> None:
+        """A stage by way of PETSc's exchange."""
+        if number > 0:
+            self.path.fulfil_conditions()
+        self.path.evaluate(self.path.k)
+        self.path.advance(number, dt)
 
     # grids that grow, checkpoints
 

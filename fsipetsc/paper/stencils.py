@@ -20,9 +20,14 @@ from fsipetsc.operators.sbp import operator, row_length
 Array = NDArray[np.float64]
 #: IEEE arithmetic as it is written
 LOOP = {**loops.LOOP, "fastmath": False}
-CALL = loops.CALL
+CALL = {**loops.CALL, "fastmath": False}
+#: of what only compiled code calls: nothing is made to call it from Python, and it is not kept for itself
+INNER = {**LOOP, "cache": False, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 #: index arithmetic is of signed numbers; an index made unsigned spares the question whether it counts from the end
 U = np.uint64
+#: numbers that are no literals: of a function that is given a literal numba compiles a version for just this one
+LEFT, RIGHT = np.int64(0), np.int64(1)
+OLD, NEW = np.bool_(False), np.bool_(True)
 
 
 class Operator(NamedTuple):
@@ -58,13 +63,14 @@ def packed(order: int, narrow: bool = False) -> Operator:
             differences[q - 1, : q + 1] = difference(q)
         for k, level in enumerate(levels(op.interior)):
             means[k, : len(level.weights)] = floats(level.weights)
-        end = floats(end_term(op.interior)).reshape(len(end_term(op.interior)), -1)
+        end = end_term(op.interior)
+        end = floats(end).reshape(end.shape) if end.size else np.zeros((0, 0))
     diffusion = STIFFNESS[order] if narrow else STIFFNESS_OF_WIDE
     closure, norm = floats(op.closure), floats(op.norm)
     return Operator(op.p, row_length(op), op.reach, interior, closure, norm, diffusion, differences, means, end)
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def derivative(op, f, out, a, b, A, B, scale):
     """out = scale h D f at the points a .. b-1; f is known where that reaches, or to A, B."""
     rows, columns = op.closure.shape
@@ -99,13 +105,13 @@ def derivative(op, f, out, a, b, A, B, scale):
             out[U(B - r)] = -scale * total
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def weight(op, r):
     """Norm weight of the point number r from an end."""
     return op.norm[r] if r < len(op.norm) else 1.0
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def lagrange(delta, degree, weights, slopes):
     """Lagrange weights and their derivatives at delta for the nodes 0, 1, ..., degree.
 
@@ -123,7 +129,7 @@ def lagrange(delta, degree, weights, slopes):
         slopes[k] = slope / denominator
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def dirichlet_ghost(g, v, weights, degree, least):
     """Value of the ghost point (node 0) so that the interpolant takes the value g at the boundary.
 
@@ -139,7 +145,7 @@ def dirichlet_ghost(g, v, weights, degree, least):
     return s / (weights[0] + eta)
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def neumann_ghost(v, slopes, degree):
     """Value of the ghost point so that the interpolant has zero slope at the boundary (Kreiss et al. 2004)."""
     s = 0.0
@@ -148,7 +154,7 @@ def neumann_ghost(v, slopes, degree):
     return s / slopes[0]
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def extrapolated(v, degree):
     """Value at node 0 of the polynomial through the nodes 1 .. degree + 1."""
     s, binomial = 0.0, 1.0

@@ -15,25 +15,27 @@ from numba import njit
 
 from fsipetsc.boundaries import INTERFACE_END, WALL
 from fsipetsc.paper.ends import beyond_boundary, gradient_values
-from fsipetsc.paper.stencils import CALL, LOOP, U, lagrange, weight
+from fsipetsc.paper.stencils import CALL, INNER, U, lagrange, weight
 
 #: numbers of a layer that are looked at: the extremes, and 1 where a number is not finite
 SEEN, SHARES = 5, 6
+#: unknowns of a solid, as no literals, and a degree
+VELOCITY, PLACE, CUBIC = np.int64(0), np.int64(3), np.int64(3)
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def owned(layer):
     """(first, end) of the active points that this rank owns, and the rank's first point with its halo."""
     return max(layer.own_lo, layer.lo), min(layer.own_hi, layer.hi + 1), layer.own_lo - layer.halo_lo
 
 
-@njit(**CALL)
+@njit(**INNER)
 def nothing_seen(seen):
     """Of a layer without points of this rank."""
     seen[0], seen[1], seen[2], seen[3], seen[4] = -np.inf, np.inf, np.inf, -np.inf, 0.0
 
 
-@njit(**CALL)
+@njit(**INNER)
 def see_gas(op, gas, layers, q, seen, sums):
     """Extremes and weighted sums, without h. q: (points with halos, 3)."""
     layer = layers[0]
@@ -69,7 +71,7 @@ def see_gas(op, gas, layers, q, seen, sums):
                 sums[c] -= strip_integral(four, strip)
 
 
-@njit(**CALL)
+@njit(**INNER)
 def see_solid(op, solid, layers, q, seen, sums):
     """Extremes and weighted sums, without h. q: (points with halos, 4)."""
     layer = layers[0]
@@ -121,14 +123,14 @@ def solid_speeds(solid, seen):
     return good, np.sqrt(c2), solid.kappa_e * stretch / heat
 
 
-@njit(**LOOP)
+@njit(**CALL)
 def layer_rates(op, speeds, h):
     """(physical, rate of convection, rate of diffusion [1/s])."""
     good, speed, spread = speeds
     return good, speed / h, op.diffusion * spread / (h * h)
 
 
-@njit(**LOOP)
+@njit(**CALL)
 def bound(convection, diffusion):
     """1/dt at Courant number 1, the 4-norm of the largest rates: the smaller of the two steps alone is too long."""
     squares = convection * convection, diffusion * diffusion
@@ -138,7 +140,7 @@ def bound(convection, diffusion):
 # integrals
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def strip_integral(v, delta):
     """Integral from the ghost point (0) to the boundary (delta) of the cubic through the last four points."""
     d2, d3, d4 = delta * delta, delta**3, delta**4
@@ -149,13 +151,13 @@ def strip_integral(v, delta):
     return a0 * v[0] + a1 * v[1] + a2 * v[2] + a3 * v[3]
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def norm_weight(op, layer, i):
     """Of an active point."""
     return weight(op, min(i - layer.lo, layer.hi - i))
 
 
-@njit(**CALL)
+@njit(**INNER)
 def gas_force(gas, layers, q):
     """Force [Pa] of the boundary that this rank owns, -n (rho u^2 + p - mu' u_X), from the cubic through four points."""
     layer, force, weights, slopes = layers[0], 0.0, np.zeros(4), np.zeros(4)
@@ -164,7 +166,7 @@ def gas_force(gas, layers, q):
         ghost, step = (layer.lo, 1) if side == 0 else (layer.hi, -1)
         if layer.end_kind[side] == INTERFACE_END or not first <= ghost < end:
             continue
-        lagrange(beyond_boundary(layer, side), 3, weights, slopes)
+        lagrange(beyond_boundary(layer, side), CUBIC, weights, slopes)
         flux, T, seen_u = 0.0, 0.0, 0.0
         if layer.end_kind[side] != WALL:
             seen_u = gradient_values(gas, layer, q, ghost - origin, side)[0]
@@ -184,7 +186,7 @@ def gas_force(gas, layers, q):
     return force
 
 
-@njit(**CALL)
+@njit(**INNER)
 def solid_force(op, solid, layers, q):
     """Force [Pa] of the outer ends that this rank owns, n (sigma - p)."""
     layer, force = layers[0], 0.0
@@ -201,7 +203,7 @@ def solid_force(op, solid, layers, q):
     return force
 
 
-@njit(**CALL)
+@njit(**INNER)
 def gas_entropy(op, gas, layers, q):
     """This rank's part of the entropy, without h."""
     layer, result = layers[0], 0.0
@@ -218,14 +220,14 @@ def gas_entropy(op, gas, layers, q):
     return result
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def entropy_density(gas, q, i):
     """rho S."""
     T = gas.velocity_and_temperature(q[i, 0], q[i, 1], q[i, 2])[1]
     return q[i, 0] * gas.law.entropy(q[i, 0], T)
 
 
-@njit(**LOOP)
+@njit(**INNER)
 def slope_at(op, layer, q, i, c, origin):
     """h D of unknown c at the active point i."""
     rows, columns = op.closure.shape
@@ -242,20 +244,20 @@ def slope_at(op, layer, q, i, c, origin):
     return total
 
 
-@njit(**CALL)
+@njit(**INNER)
 def solid_entropy(op, solid, layers, q):
     """(entropy, rate of heating by stress over T) of this rank's part without h: alpha m0 ln T, (sigma - p) u_X / T."""
     layer, entropy, heating, per_h = layers[0], 0.0, 0.0, 1.0 / layers[0].h
     first, end, origin = owned(layer)
     for i in range(first, end):
         T, a = q[i - origin, 2], norm_weight(op, layer, i)
-        u_X, x_X = per_h * slope_at(op, layer, q, i, 0, origin), per_h * slope_at(op, layer, q, i, 3, origin)
+        u_X, x_X = per_h * slope_at(op, layer, q, i, VELOCITY, origin), per_h * slope_at(op, layer, q, i, PLACE, origin)
         entropy += a * np.log(T)
         heating += a * (q[i - origin, 1] - solid.law.pressure(T, x_X)) * u_X / T
     return solid.alpha * solid.m0 * entropy, heating
 
 
-@njit(**CALL)
+@njit(**INNER)
 def norm_sum(op, layers):
     """Sum of the norm weights of the owned points."""
     first, end, _ = owned(layers[0])
@@ -271,7 +273,8 @@ def look_at_gas(op, gas, layers, q, entropy, seen, shares):
 
     q: (points with halos, 3); entropy: whether it is wanted.
     """
-    shares[:] = 0.0
+    for c in range(SHARES):
+        shares[c] = 0.0
     if layers[0].present == 0:
         nothing_seen(seen)
         return
@@ -286,7 +289,8 @@ def look_at_gas(op, gas, layers, q, entropy, seen, shares):
 @njit(**CALL)
 def look_at_solid(op, solid, layers, q, entropy, seen, shares):
     """The same of a solid; heating: the rate at which stress heats it, over T [W/(m2 K)]. q: (points with halos, 4)."""
-    shares[:] = 0.0
+    for c in range(SHARES):
+        shares[c] = 0.0
     if layers[0].present == 0:
         nothing_seen(seen)
         return
@@ -310,7 +314,8 @@ def gas_fields(gas, layers, q, out):
     interface = layer.lo if layer.end_kind[0] == INTERFACE_END else layer.hi
     for i in range(layer.own_lo, layer.own_hi):
         k, j = i - layer.own_lo, i - layer.own_lo + layer.halo_lo
-        out[k] = np.nan
+        for c in range(5):
+            out[k, c] = np.nan
         if layer.lo <= i <= layer.hi:
             rho, (u, T) = q[j, 0], gas.velocity_and_temperature(q[j, 0], q[j, 1], q[j, 2])
             out[k, 0], out[k, 1], out[k, 2], out[k, 3] = rho, u, T, gas.law.pressure(rho, T)
@@ -323,5 +328,6 @@ def solid_fields(op, solid, layers, q, out):
     layer, origin = layers[0], layers[0].own_lo - layers[0].halo_lo
     for i in range(layer.own_lo, layer.own_hi):
         k, j = i - layer.own_lo, i - origin
-        out[k, :4] = q[j]
-        out[k, 4] = solid.law.pressure(q[j, 2], slope_at(op, layer, q, i, 3, origin) / layer.h)
+        for c in range(4):
+            out[k, c] = q[j, c]
+        out[k, 4] = solid.law.pressure(q[j, 2], slope_at(op, layer, q, i, PLACE, origin) / layer.h)

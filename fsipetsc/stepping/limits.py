@@ -29,7 +29,7 @@ def layer_rates(state: State) -> np.ndarray:
 
     All ranks know the extremes of which they are made, which are those of fsipetsc.scheme.time_step. Not collective.
     """
-    if state.problem.dimension == 2:
+    if hasattr(state, "rates"):
         return state.rates
     plan, op = state.plan, state.plan.head["op"][0]
     at = plan.start("everywhere" if state.comm.size > 1 else "extremes")
