@@ -6,15 +6,14 @@ right-hand side of fsipetsc.paper.parts calls, in the same order, so both make t
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
+import numpy as np
 from numba import njit
 
 from fsipetsc.paper.coupling import couple, put_rows, residuals, take_rows
 from fsipetsc.paper.ends import close_solid, distance, fill_ghost, move_boundary
 from fsipetsc.paper.rates import elastic_rates, gas_rates
-from fsipetsc.paper.stencils import CALL, INNER, LEFT, LOOP, OLD, RIGHT, Array, U
-from fsipetsc.paper.sums import SHARES, bound, gas_speeds, layer_rates, look_at_gas, look_at_solid, solid_speeds
+from fsipetsc.paper.stencils import CALL, INNER, LEFT, OLD, RIGHT, U
+from fsipetsc.paper.sums import SEEN, SHARES, bound, gas_speeds, layer_rates, look_at_gas, look_at_solid, solid_speeds
 from fsipetsc.scheme.burst import (
     ALLOWED,
     COURANT,
@@ -28,7 +27,7 @@ from fsipetsc.scheme.burst import (
     TARGET,
     TIME,
 )
-from fsipetsc.scheme.plan import BAD, EXHAUSTED, LOW, MOVED, RATE, SAID_STOP, STOP, TOO_SHORT
+from fsipetsc.scheme.plan import BAD, BURST, EXHAUSTED, FLAGS, LIMITS, LOW, MOVED, RATE, SAID_STOP, STOP, TOO_SHORT
 from fsipetsc.scheme.time_step import longest_step, next_step
 
 _longest_step, _next_step = njit(**INNER)(longest_step), njit(**INNER)(next_step)
@@ -66,23 +65,21 @@ def interface_points(face, gas, solid):
 
 
 @njit(**CALL)
-def join(op, face, jump, gases, q_gas, solids, q_solid, f, s):
+def join(op, face, jump, gas, q_gas, solid, q_solid, f, s):
     """Couple gas and solid, both owned by this rank, and let the frame follow; f, s: room for the rows, which stay there."""
-    gas, solid = gases[0], solids[0]
     at_gas, into_gas, at_solid, into_solid = interface_points(face, gas, solid)
-    take_rows(q_gas, at_gas, into_gas, f)
-    take_rows(q_solid, at_solid, into_solid, s)
+    take_rows(op, q_gas, at_gas, into_gas, f)
+    take_rows(op, q_solid, at_solid, into_solid, s)
     couple(op, face, jump, f, s)
-    put_rows(q_gas, at_gas, into_gas, f)
-    put_rows(q_solid, at_solid, into_solid, s)
+    put_rows(op, q_gas, at_gas, into_gas, f)
+    put_rows(op, q_solid, at_solid, into_solid, s)
     gas.s, gas.x_interface = f[0, 1] / f[0, 0], s[0, 3]
 
 
 @njit(**CALL)
-def boundary_moves(op, law, gases, q, side, number, flags):
+def boundary_moves(op, law, gas, q, side, number, flags):
     """Let the embedded boundary of layer ``number`` move over the grid; flags: see fsipetsc.scheme.plan."""
-    moved, exhausted = move_boundary(op, law, gases, q, side)
-    gas = gases[0]
+    moved, exhausted = move_boundary(op, law, gas, q, side)
     if moved:
         flags[MOVED] = 1.0
     if exhausted:
@@ -101,8 +98,9 @@ def note_interface(op, face, jump, f, s, out):
 
 
 @njit(**CALL)
-def goes_on(burst, results, journal, latest):
+def goes_on(room, journal):
     """Note the step just made in burst and journal, and plan the next one; False if none follows."""
+    burst, results = room.burst, room.results
     allowed = burst[ALLOWED]
     burst[ALLOWED] = 0.0
     if allowed == 0.0:
@@ -110,8 +108,8 @@ def goes_on(burst, results, journal, latest):
     t, dt, made = burst[NEXT], burst[DT], burst[MADE]
     row = int(burst[FIRST] + made)
     journal[row, 0], journal[row, 1] = t, dt
-    for c in range(len(latest)):
-        journal[row, c + 2] = latest[c]
+    for c in range(room.numbers):
+        journal[row, c + 2] = room.latest[c]
     burst[TIME], burst[MADE] = t, made + 1
     burst[SHORTEST], burst[LONGEST] = min(burst[SHORTEST], dt), max(burst[LONGEST], dt)
     for flag in (LOW, EXHAUSTED, TOO_SHORT, BAD, STOP):
@@ -125,26 +123,19 @@ def goes_on(burst, results, journal, latest):
     return True
 
 
-class Room(NamedTuple):
-    """Arrays of a state, layers and interfaces counted as if there were three and two; there: whether they are, as gases.
-
-    jumps (2, 4); f, s: rows of the interfaces; seen (3, SEEN), shares (3, SHARES): see fsipetsc.paper.sums; notes (2, 8): of
-    ``note_interface``; rates (3, 2): of convection and diffusion; results, burst, journal (steps, numbers), latest: see
-    fsipetsc.scheme.plan.
-    """
-
-    there: Array
-    jumps: Array
-    f: Array
-    s: Array
-    seen: Array
-    shares: Array
-    notes: Array
-    rates: Array
-    results: Array
-    burst: Array
-    journal: Array
-    latest: Array
+_F = np.float64
+#: what a state works with; layers and interfaces are counted as if there were three and two. there: whether they are, as gases;
+#: rows f, s and jumps of the interfaces; seen, shares, rates (of convection and diffusion) of the layers: see
+#: fsipetsc.paper.sums; notes: of ``note_interface``; results, burst, latest (of so many ``numbers``): see fsipetsc.scheme.plan
+ROOM = np.dtype(
+    [
+        *[("there", np.int64, (3,)), ("numbers", np.int64)],
+        *[("jumps", _F, (2, 4)), ("f", _F, (2, 8, 3)), ("s", _F, (2, 8, 4)), ("notes", _F, (2, 8))],
+        *[("seen", _F, (3, SEEN)), ("shares", _F, (3, SHARES)), ("rates", _F, (3, 2))],
+        *[("results", _F, (FLAGS + LIMITS,)), ("burst", _F, (BURST,)), ("latest", _F, (24,))],
+    ],
+    align=True,
+)
 
 
 @njit(**CALL)
@@ -153,15 +144,15 @@ def note_step(room):
     latest, shares, at = room.latest, room.shares, 0
     for c in range(8):
         for face in range(2):
-            if room.there[2 * face]:
+            if room.there[2 * face] != 0:
                 latest[at] = room.notes[face, c]
                 at += 1
     for k in range(3):
-        if room.there[k]:
+        if room.there[k] != 0:
             latest[at] = shares[k, 0]
             at += 1
     for c in range(1, SHARES):
-        if at == len(latest):
+        if at == room.numbers:
             return  # entropy and heating are not wanted
         latest[at] = shares[0, c] + shares[1, c] + shares[2, c]
         at += 1
@@ -173,7 +164,9 @@ def note_step(room):
 @njit(**CALL)
 def bound_step(op, room, good):
     """The limits among the results, from the rates of the layers; good: all of them are physical."""
-    room.results[RATE] = bound(room.rates[:, 0].max(), room.rates[:, 1].max())
+    convection = max(max(room.rates[0, 0], room.rates[1, 0]), room.rates[2, 0])
+    diffusion = max(max(room.rates[0, 1], room.rates[1, 1]), room.rates[2, 1])
+    room.results[RATE] = bound(convection, diffusion)
     room.results[BAD] = 0.0 if good else 1.0
 
 
@@ -206,9 +199,9 @@ def _look(op, face, gas, side, number, entropy, room):
         return True
     k = 2 * side
     boundary_moves(op, gas.law, gas.record, gas.stage, side, number, room.results)
-    look_at_gas(op, gas.law, gas.record, gas.stage, entropy, room.seen[k], room.shares[k])
+    look_at_gas(op, gas.law, gas.record, gas.stage, gas.scratch, entropy, room.seen[k], room.shares[k])
     note_interface(op, face, room.jumps[side], room.f[side], room.s[side], room.notes[side])
-    good, room.rates[k, 0], room.rates[k, 1] = layer_rates(op, gas_speeds(gas.law, room.seen[k]), gas.record[0].h)
+    good, room.rates[k, 0], room.rates[k, 1] = layer_rates(op, gas_speeds(gas.law, room.seen[k]), gas.record.h)
     return good
 
 
@@ -227,11 +220,13 @@ def _complete(op, left, solid, right, faces, entropy, room):
     """Let boundaries move in the stage, which fulfils the conditions, and look at it."""
     for flag in range(RATE):
         room.results[flag] = 0.0
-    middle = 1 if room.there[0] else 0
-    good = _look(op, faces[0], left, LEFT, 0 * middle, entropy, room)
-    look_at_solid(op, solid.law, solid.record, solid.stage, entropy, room.seen[1], room.shares[1])
+    middle = room.there[0]
+    good = _look(op, faces[0], left, LEFT, LEFT, entropy, room)
+    look_at_solid(
+        op, solid.law, solid.record, solid.stage, solid.scratch, entropy, room.seen[1], room.shares[1]
+    )
     speeds = solid_speeds(solid.law, room.seen[1])
-    fine, room.rates[1, 0], room.rates[1, 1] = layer_rates(op, speeds, solid.record[0].h)
+    fine, room.rates[1, 0], room.rates[1, 1] = layer_rates(op, speeds, solid.record.h)
     good = _look(op, faces[1], right, RIGHT, middle + 1, entropy, room) and fine and good
     room.results[STOP] = room.results[SAID_STOP]
     bound_step(op, room, good)
@@ -247,7 +242,7 @@ def _keep(part):
 
 
 @njit(**CALL)
-def run_task(task, op, left, solid, right, faces, entropy, room, number, dt):
+def run_task(task, op, left, solid, right, faces, entropy, room, journal, number, dt):
     """One of the tasks; the completed solution is y, and the stage is the same where a step begins."""
     first, end, completes = (0, STAGES, True) if task == STEPS else (number, number + 1, number == STAGES)
     more = True
@@ -267,6 +262,6 @@ def run_task(task, op, left, solid, right, faces, entropy, room, number, dt):
             _keep(left)
             _keep(solid)
             _keep(right)
-        more = task == STEPS and goes_on(room.burst, room.results, room.journal, room.latest)
+        more = task == STEPS and goes_on(room, journal)
         if more:
             dt = room.burst[DT]

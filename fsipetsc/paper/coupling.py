@@ -280,16 +280,16 @@ def residuals(op, face, jump, f, s, out):
 
 
 @njit(**CALL)
-def take_rows(q, end, step, rows):
-    """rows[j] = q[end + j step]."""
-    for j in range(rows.shape[0]):
+def take_rows(op, q, end, step, rows):
+    """rows[j] = q[end + j step], as far as D reaches."""
+    for j in range(op.n):
         for c in range(rows.shape[1]):
             rows[j, c] = q[end + step * j, c]
 
 
 @njit(**CALL)
-def put_rows(q, end, step, rows):
+def put_rows(op, q, end, step, rows):
     """The other way round."""
-    for j in range(rows.shape[0]):
+    for j in range(op.n):
         for c in range(rows.shape[1]):
             q[end + step * j, c] = rows[j, c]

@@ -5,7 +5,8 @@ cells outside. Only what the condition gives is overwritten there: outgoing char
 Z = rho c. (A ghost point with extrapolated density, or with all variables prescribed, makes the scheme unstable.)
 fsipetsc.boundaries says why each formula is as it is, with measurements: wall.py, open.py, dirichlet.py, solid_ends.py.
 
-``nodes`` (3, NODES) holds (rho, u, T) at the ghost point (column 0) and inside of it; n is the outward normal, -1 left, 1 right.
+``nodes`` (5, NODES) holds (rho, u, T) at the ghost point (column 0) and inside of it, and two rows of weights; n is the outward
+normal, -1 left, 1 right.
 """
 
 from __future__ import annotations
@@ -55,18 +56,18 @@ def fetch(gas, layer, q, ghost, side, nodes, begin):
 
 
 @njit(**CALL)
-def fill_ghost(op, gas, layers, q, side, new):
+def fill_ghost(op, gas, layer, q, side, new):
     """Give the ghost point its values, where a rank has the points that this takes: all who need it do.
 
     q: (points with halos, 3); new: the ghost point has no values yet.
     """
-    layer = layers[0]
     ghost = (layer.lo if side == 0 else layer.hi) - (layer.own_lo - layer.halo_lo)
     last = ghost + (1 - 2 * side) * depth_of(layer)
     if not (0 <= ghost < len(q) and 0 <= last < len(q)):
         return
     n, kind = 2.0 * side - 1.0, layer.end_kind[side]
-    nodes, weights, slopes = np.zeros((3, NODES)), np.zeros(NODES), np.zeros(NODES)
+    nodes = np.zeros((5, NODES))
+    weights, slopes = nodes[3], nodes[4]
     fetch(gas, layer, q, ghost, side, nodes, int(new))
     if new:
         degree = NEW_WALL if kind == WALL else (NEW_OPEN if kind == OPEN else NEW_DIRICHLET)
@@ -88,7 +89,8 @@ def fill_ghost(op, gas, layers, q, side, new):
 def gradient_values(gas, layer, q, ghost, side):
     """(u, T) that the gradients in friction and conduction see at the ghost point q[ghost], which is filled."""
     n = 2.0 * side - 1.0
-    nodes, weights, slopes = np.zeros((3, NODES)), np.zeros(NODES), np.zeros(NODES)
+    nodes = np.zeros((5, NODES))
+    weights, slopes = nodes[3], nodes[4]
     fetch(gas, layer, q, ghost, side, nodes, LEFT)
     if layer.end_kind[side] == OPEN:
         return open_gradients(gas, layer, side, n, nodes)
@@ -129,7 +131,7 @@ def wall(op, gas, layer, side, n, delta, nodes, weights, slopes):
     u_G = dirichlet_ghost(0.0, nodes[1], weights, layer.end_degree[side], LEAST)
     p_G = gas.law.pressure(rho, T) - n * Z * (u_G - u)
     lagrange(delta, op.p, weights, slopes)
-    T_G = neumann_ghost(nodes[2], slopes, insulated_slopes(delta, op.p, len(op.means) > 0, slopes))
+    T_G = neumann_ghost(nodes[2], slopes, insulated_slopes(delta, op.p, op.narrow, slopes))
     nodes[0, 0], nodes[1, 0], nodes[2, 0] = gas.law.density(p_G, T_G), u_G, T_G
 
 
@@ -250,13 +252,13 @@ def open_gradients(gas, layer, side, n, nodes):
 
 
 @njit(**INNER)
-def move_boundary(op, gas, layers, q, side):
+def move_boundary(op, gas, layer, q, side):
     """Let the ghost point be the first one at or beyond the boundary; (it is another one now, no point is left).
 
     A point that comes in is extrapolated and becomes the ghost point, the old one keeps its value; where the boundary moves
     inwards the last interior point becomes the ghost point. q: (points with halos, 3). All ranks of a layer decide alike.
     """
-    layer, moved = layers[0], False
+    moved = False
     cells = distance(layer, side)
     if not cells < 1e15:
         return False, False  # not a number: the bounds on the step will tell
@@ -268,14 +270,14 @@ def move_boundary(op, gas, layers, q, side):
             layer.lo -= 1
         else:
             layer.hi += 1
-        fill_ghost(op, gas, layers, q, side, NEW)
+        fill_ghost(op, gas, layer, q, side, NEW)
         moved = True
     if layer.hi - layer.lo > target >= layer.least - 1:
         if side == 0:
             layer.lo = layer.hi - target
         else:
             layer.hi = layer.lo + target
-        fill_ghost(op, gas, layers, q, side, OLD)
+        fill_ghost(op, gas, layer, q, side, OLD)
         moved = True
     return moved, False
 
@@ -284,13 +286,13 @@ def move_boundary(op, gas, layers, q, side):
 
 
 @njit(**CALL)
-def close_solid(op, solid, layers, q):
+def close_solid(op, solid, layer, q):
     """Apply the conditions at the outer ends of a solid that this rank owns. q: (owned, 4).
 
     Clamped: end_data = (u,). Free, absorbing: (sigma - p,), the latter of the solid at rest beyond the end: the
     characteristic that leaves, sigma - p - n Z u, Z = m0 c, keeps its value.
     """
-    layer, beta = layers[0], op.closure[0]
+    beta = op.closure[0]
     for side in range(2):
         end, step, kind = (layer.lo, 1, layer.end_kind[0]) if side == 0 else (layer.hi, -1, layer.end_kind[1])
         if kind == INTERFACE_END or not layer.own_lo <= end < layer.own_hi:

@@ -65,8 +65,8 @@ def gather(weights, q, g, out, first, last):
 @njit(**INNER)
 def subtract(op, b, y, g, out, a, c, A, B):
     """out -= R(b) y at the points a .. c-1; g: scratch, longer by 2 MARGIN."""
-    T = len(op.end)
-    for level in range(len(op.means)):
+    T = op.ends
+    for level in range(op.p):
         q = op.p + 1 + level
         count = 2 * op.p - q + 1
         weights, means = op.differences[q - 1], op.means[level, :count]
@@ -94,7 +94,7 @@ def divide(op, out, scale, a, c, A, B):
     """out = scale H^-1 out."""
     for i in range(a, c):
         out[U(i)] *= scale
-    for r in range(len(op.norm)):
+    for r in range(op.rows):
         for i in (A + r, B - r):
             if a <= i < c:
                 out[i] /= weight(op, r)

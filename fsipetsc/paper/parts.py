@@ -27,7 +27,6 @@ from fsipetsc.paper.coupling import Face, couple, put_rows, take_rows
 from fsipetsc.paper.laws import Elastic, Gas
 from fsipetsc.paper.layer import Part
 from fsipetsc.paper.layout import Layout
-from fsipetsc.paper.stencils import Operator
 from fsipetsc.physics.layer import DOF, FLUID
 
 Array = np.ndarray
@@ -37,17 +36,24 @@ class RightHandSide:
     """dy/dt of the world vector, and the arrays that a step works in. All methods are collective.
 
     Arrays of this rank's doubles: stage, on which the conditions are imposed; y: the solution's own memory; total, k. layers:
-    those that this rank has a part of. forced: layers with forcing.
+    those that this rank has a part of. forced: layers with forcing; room: ROOM of fsipetsc.paper.batch.
     """
 
     def __init__(
-        self, layout: Layout, op: Operator, laws: Sequence[Gas | Elastic], kind: int, y: Array, forced: Sequence[bool]
+        self,
+        layout: Layout,
+        op: np.void,
+        laws: Sequence[Gas | Elastic],
+        kind: int,
+        y: Array,
+        forced: Sequence[bool],
+        room: np.void,
     ) -> None:
         self.op, self.y = op, y
         self.stage, self.total, self.k = (np.zeros(layout.local_size) for _ in range(3))
         here = [k for k, dm in enumerate(layout.dms) if dm is not None]
         self.layers = [LayerPart(layout, self, k, laws[k], forced[k]) for k in here]
-        self.interfaces = [Interface(layout, self, k, laws, kind) for k in range(len(layout.problem.interfaces))]
+        self.interfaces = [Interface(layout, self, k, laws, kind, room) for k in range(len(layout.problem.interfaces))]
 
     def fulfil_conditions(self) -> None:
         """Let the stage, and the local vectors with it, fulfil all conditions; of ghost points only the latter."""
@@ -91,8 +97,8 @@ class LayerPart:
 
     def __init__(self, layout: Layout, rhs: RightHandSide, k: int, law: Gas | Elastic, forced: bool) -> None:
         self.number, self._layout, self._op, self._dm = k, layout, rhs.op, layout.dms[k]
-        self.record, self.law = layout.records[k : k + 1], law
-        record, dof = self.record[0], DOF[layout.records[k]["kind"]]
+        self.record, self.law = layout.records[k], law
+        record, dof = self.record, DOF[layout.records[k]["kind"]]
         self.is_gas = bool(record["kind"] == FLUID)
         count = int(record["own_hi"] - record["own_lo"])
         points = count + int(record["halo_lo"] + record["halo_hi"])
@@ -116,7 +122,7 @@ class LayerPart:
         if not self.is_gas:
             ends.close_solid(self._op, self.law, self.record, self.part.stage)
         elif self._comm.size > 1:
-            record, owner = self.record[0], 0 if self.side == 1 else self._comm.size - 1
+            record, owner = self.record, 0 if self.side == 1 else self._comm.size - 1
             told = np.array([record["s"], record["x_interface"]])
             self._comm.Bcast(told, owner)
             record["s"], record["x_interface"] = told
@@ -143,17 +149,18 @@ class LayerPart:
 class Interface:
     """Interface number k. jump: prescribed jumps; f, s: the rows of its two sides, of those ranks that own one."""
 
-    def __init__(self, layout: Layout, rhs: RightHandSide, k: int, laws: Sequence[Gas | Elastic], kind: int) -> None:
+    def __init__(self, layout: Layout, rhs: RightHandSide, k: int, laws: Sequence[Gas | Elastic], kind: int, room: np.void) -> None:
         self._op, self._comm = rhs.op, layout.comm
         gas, solid = layout.problem.interfaces[k]
+        side = 1 if gas > solid else 0
         self.face = Face(kind, laws[gas], laws[solid], 1.0 if gas > solid else -1.0, float(layout.records[solid]["h"]))
-        self.jump, self.f, self.s = np.zeros(4), np.zeros((rhs.op.n, 3)), np.zeros((rhs.op.n, 4))
-        self._records = [layout.records[n : n + 1] for n in (gas, solid)]
+        self.jump, self.f, self.s = room["jumps"][side], room["f"][side], room["s"][side]
+        self._records = [layout.records[n] for n in (gas, solid)]
         self._parts = [layout.local(n, rhs.stage) for n in (gas, solid)]
         # the rank with the last point of a layer has all of the rows, see fsipetsc.parallel.partition
         self.owners = [layout.shares[n][-1 if n == min(gas, solid) else 0][0] for n in (gas, solid)]
         self.here = [owner == self._comm.rank for owner in self.owners]
-        self.side, self.gas = (1 if gas > solid else 0), gas
+        self.side = side
 
     def couple(self) -> None:
         """Couple the two sides in the stage; the record of the gas has the frame's velocity and place then."""
@@ -165,9 +172,9 @@ class Interface:
             return
         mine, other = (0, 1) if self.here[0] else (1, 0)
         rows, rank = (self.f, self.s), self.owners[other]
-        at = batch.interface_points(self.face, gas[0], solid[0])[2 * mine : 2 * mine + 2]
-        take_rows(self._parts[mine], *at, rows[mine])
+        at = batch.interface_points(self.face, gas, solid)[2 * mine : 2 * mine + 2]
+        take_rows(self._op, self._parts[mine], *at, rows[mine])
         self._comm.Sendrecv(rows[mine], rank, recvbuf=rows[other], source=rank)
         couple(self._op, self.face, self.jump, self.f, self.s)
-        put_rows(self._parts[mine], *at, rows[mine])
-        gas[0]["s"], gas[0]["x_interface"] = self.f[0, 1] / self.f[0, 0], self.s[0, 3]
+        put_rows(self._op, self._parts[mine], *at, rows[mine])
+        gas["s"], gas["x_interface"] = self.f[0, 1] / self.f[0, 0], self.s[0, 3]

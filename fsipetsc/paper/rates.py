@@ -99,9 +99,8 @@ def entropy_keeping(gas, rho, m, e, rho_t, m_t, e_t, u_X):
 
 
 @njit(**CALL)
-def gas_rates(op, gas, layers, q, forcing, w, out):
+def gas_rates(op, gas, layer, q, forcing, w, out):
     """(4.20). q: (points with halos, 3); forcing: (owned, 3), or (0, 3) for none; w: scratch; out: (owned, 3)."""
-    layer = layers[0]
     clear(out)
     a, b, A, B, f0, f1, v0, v1 = ranges(op, layer)
     if a >= b:
@@ -119,7 +118,7 @@ def gas_rates(op, gas, layers, q, forcing, w, out):
         u[ghost], T[ghost] = gradient_values(gas, layer, q, ghost, side)
     derivative(op, u, u_X, f0, f1, A, B, per_h)
     derivative(op, T, T_X, f0, f1, A, B, per_h)
-    if len(op.means):
+    if op.narrow:
         narrow_gas(op, gas, layer.h, u, T, w[13], w[14], w[15], w[16], w[17], w[18], a, b, A, B)
     if apart:
         u[ghost], T[ghost] = own_u, own_T
@@ -129,7 +128,7 @@ def gas_rates(op, gas, layers, q, forcing, w, out):
     derivative(op, h, h_X, a, b, A, B, per_h)
     shift = layer.halo_lo
     put_gas(gas.force, rho, m, f_X, g_X, h_X, out, a, b, shift)
-    if len(op.means):
+    if op.narrow:
         add_to(w[17], out, MOMENTUM, a, b, shift)
         add_to(w[18], out, THIRD, a, b, shift)
     end = B if side == 0 else A
@@ -179,9 +178,8 @@ def put_solid(solid, u, stretch, net, u_X, net_X, conducted_X, out, a, b, shift)
 
 
 @njit(**CALL)
-def elastic_rates(op, solid, layers, q, forcing, w, out):
+def elastic_rates(op, solid, layer, q, forcing, w, out):
     """(4.19). q: (points with halos, 4); forcing: (owned, 4), or (0, 4) for none; w: scratch; out: (owned, 4)."""
-    layer = layers[0]
     clear(out)
     a, b, A, B, f0, f1, v0, v1 = ranges(op, layer)
     if a >= b:
@@ -198,7 +196,7 @@ def elastic_rates(op, solid, layers, q, forcing, w, out):
     derivative(op, conducted, conducted_X, a, b, A, B, per_h)
     shift = layer.halo_lo
     put_solid(solid, u, stretch, net, u_X, net_X, conducted_X, out, a, b, shift)
-    if len(op.means):
+    if op.narrow:
         narrow_solid(op, solid, layer.h, T, stretch, w[12], w[13], w[14], a, b, A, B)
         add_to(w[14], out, THIRD, a, b, shift)
     if len(forcing):

@@ -15,7 +15,7 @@ from fsipetsc.boundaries import NODES
 from fsipetsc.errors import FsiError, InputError
 from fsipetsc.operators.cache import compiling, garbage_waiting
 from fsipetsc.operators.sbp import OPERATORS
-from fsipetsc.paper import batch, coupling, ends, layout, rates, sums
+from fsipetsc.paper import batch, coupling, layout, sums
 from fsipetsc.paper.laws import check_entropy, elastic_of, gas_of
 from fsipetsc.paper.parts import RightHandSide
 from fsipetsc.paper.stencils import packed
@@ -24,7 +24,7 @@ from fsipetsc.physics.layer import FLUID
 from fsipetsc.problem import FluidLayer, Problem
 from fsipetsc.process.together import agree, together, wait_asleep
 from fsipetsc.scheme.burst import MADE
-from fsipetsc.scheme.plan import BURST, CAPACITY, FLAGS, LIMITS, LOW, RATE, SAID_STOP, STOP, step_record
+from fsipetsc.scheme.plan import CAPACITY, LOW, RATE, SAID_STOP, STOP, step_record
 from fsipetsc.stepping import initial_data, snapshot
 from fsipetsc.stepping.diagnosis import Failure, Seen, described
 from fsipetsc.stepping.start import Start
@@ -89,36 +89,16 @@ class PaperState:
         values = np.zeros(self.layout.local_size)
         self.solution = PETSc.Vec().createWithArray(values, comm=self.comm)
         forced = [layer.forcing is not None for layer in problem.layers]
-        self.path = RightHandSide(self.layout, self._operator, self.laws, self._kind, values, forced)
-        faces = len(problem.interfaces)
+        room = self._room = np.zeros(1, batch.ROOM)[0]
+        self.path = RightHandSide(self.layout, self._operator, self.laws, self._kind, values, forced, room)
         gases = [layer.kind == "fluid" for layer in problem.layers]
-        there = np.zeros(3, bool)
-        there[self._first : self._first + len(gases)] = gases
-        record = step_record(faces, sum(gases), self._entropy)
-        self.results, self.burst = np.zeros(FLAGS + LIMITS), np.zeros(BURST)
+        room["there"][self._first : self._first + len(gases)] = gases
+        record = step_record(len(problem.interfaces), sum(gases), self._entropy)
         self.journal = np.zeros(CAPACITY, record)
-        numbers = self.journal.view(np.float64).reshape(CAPACITY, -1)
-        names = record.names[2:]
-        own = np.zeros(numbers.shape[1] - 2)
-        self.latest = own.view([(name, record[name]) for name in names])[0] if len(own) else own
-        n = self._operator.n
-        self._room = batch.Room(
-            there,
-            np.zeros((2, 4)),
-            np.zeros((2, n, 3)),
-            np.zeros((2, n, 4)),
-            np.zeros((3, sums.SEEN)),
-            np.zeros((3, sums.SHARES)),
-            np.zeros((2, 8)),
-            np.zeros((3, 2)),
-            self.results,
-            self.burst,
-            numbers,
-            own,
-        )
-        for interface in self.path.interfaces:  # they work in the room of the batch
-            side = interface.side
-            interface.jump, interface.f, interface.s = (v[side] for v in (self._room.jumps, self._room.f, self._room.s))
+        self._journal = self.journal.view(np.float64).reshape(CAPACITY, -1)
+        names, count = record.names[2:], self._journal.shape[1] - 2
+        self.results, self.burst, room["numbers"] = room["results"], room["burst"], count
+        self.latest = room["latest"][:count].view([(name, record[name]) for name in names])[0]
 
     @property
     def _batched(self) -> bool:
@@ -133,7 +113,7 @@ class PaperState:
             parts[self._first + layer.number] = layer.part
         for interface in self.path.interfaces:
             faces[interface.side] = interface.face
-        return self._operator, *parts, tuple(faces), self._entropy, self._room
+        return self._operator, *parts, tuple(faces), self._entropy, self._room, self._journal
 
     def compile(self, announce: Callable[[str], None], also: Callable[[], object] = lambda: None) -> None:
         """Compile the kernels if that has not been done for this machine: one rank first, the others take its result."""
@@ -212,7 +192,7 @@ class PaperState:
 
     @property
     def rates(self) -> Array:
-        return self._room.rates[self._first : self._first + len(self.laws)]
+        return self._room["rates"][self._first : self._first + len(self.laws)]
 
     @property
     def places(self) -> list[float]:
@@ -300,7 +280,7 @@ class PaperState:
     def _seen(self) -> Iterable[Seen]:
         m = self.problem.unit("m")
         for part in self.path.layers:
-            k, record, grid = part.number, part.record[0], self.layout.grids[part.number]
+            k, record, grid = part.number, part.record, self.layout.grids[part.number]
             active, first = self.active(k), int(record["halo_lo"])
             own = np.arange(record["own_lo"], record["own_hi"])[active]
             q, X = part.owned[active], grid.X()[own]
@@ -355,26 +335,26 @@ class PaperState:
         self.results[:RATE] = 0.0
         for part in path.layers:
             number = self._first + part.number
-            seen, shares = room.seen[number], room.shares[number]
+            seen, shares = room["seen"][number], room["shares"][number]
             arguments = self._operator, part.law, part.record, part.local
             if part.is_gas:
                 batch.boundary_moves(*arguments, part.side, part.number, self.results)
-                sums.look_at_gas(*arguments, self._entropy, seen, shares)
+                sums.look_at_gas(*arguments, part.part.scratch, self._entropy, seen, shares)
             else:
-                sums.look_at_solid(*arguments, self._entropy, seen, shares)
+                sums.look_at_solid(*arguments, part.part.scratch, self._entropy, seen, shares)
         path.keep_ghosts()
         path.y[:] = path.stage
         for interface in path.interfaces:
             if interface.here[1]:
-                of = interface.jump, interface.f, interface.s, room.notes[interface.side]
+                of = interface.jump, interface.f, interface.s, room["notes"][interface.side]
                 batch.note_interface(self._operator, interface.face, *of)
         self.results[STOP] = self.results[SAID_STOP]
         self._tell()
         good = True
         for k, (law, record) in enumerate(zip(self.laws, records, strict=True)):
             number = self._first + k
-            speeds = (sums.gas_speeds if record["kind"] == FLUID else sums.solid_speeds)(law, room.seen[number])
-            fine, *room.rates[number] = sums.layer_rates(self._operator, speeds, float(record["h"]))
+            speeds = (sums.gas_speeds if record["kind"] == FLUID else sums.solid_speeds)(law, room["seen"][number])
+            fine, *room["rates"][number] = sums.layer_rates(self._operator, speeds, float(record["h"]))
             good = good and fine
         batch.bound_step(self._operator, room, good)
         batch.note_step(room)
@@ -386,11 +366,11 @@ class PaperState:
         signs = [(-1, -1, -1, 1, 1), (1, -1, -1, 1, 1)]
         for k, record in enumerate(records):
             if record["present"]:
-                seen[k, : sums.SEEN] = room.seen[self._first + k] * signs[record["kind"] == FLUID]
+                seen[k, : sums.SEEN] = room["seen"][self._first + k] * signs[record["kind"] == FLUID]
                 seen[k, sums.SEEN :] = [record[name] for name in ("lo", "hi", "s", "x_interface")]
         for k, interface in enumerate(self.path.interfaces):
             if interface.here[1]:
-                notes[k] = room.notes[interface.side]
+                notes[k] = room["notes"][interface.side]
         flags = np.append(self.results[:RATE], self.results[STOP])
         told = np.concatenate([seen.ravel(), notes.ravel(), flags])
         told[np.isnan(told)] = np.inf  # the largest of numbers and what is none depends on their order
@@ -398,12 +378,12 @@ class PaperState:
         seen, notes, flags = np.split(told, np.cumsum([seen.size, notes.size]))
         seen = seen.reshape(len(records), -1)
         for k, record in enumerate(records):
-            room.seen[self._first + k] = seen[k, : sums.SEEN] * signs[record["kind"] == FLUID]
+            room["seen"][self._first + k] = seen[k, : sums.SEEN] * signs[record["kind"] == FLUID]
             record["lo"], record["hi"], record["s"], record["x_interface"] = seen[k, sums.SEEN :]
             if not record["present"]:
-                room.shares[self._first + k] = 0.0
+                room["shares"][self._first + k] = 0.0
         for k, interface in enumerate(self.path.interfaces):
-            room.notes[interface.side] = notes.reshape(-1, 8)[k]
+            room["notes"][interface.side] = notes.reshape(-1, 8)[k]
         self.results[:RATE], self.results[STOP] = flags[:RATE], flags[RATE]
 
     def step(self, t: float, dt: float, steady: bool) -> None:
@@ -411,13 +391,12 @@ class PaperState:
 
         steady: the data do not depend on time; then further steps follow as the burst allows, by itself none.
         """
-        room = self._room
         if steady and self._batched:
             self._run(batch.STEPS, dt=dt)
             self.evaluations += batch.STAGES * max(1, int(self.burst[MADE]))
             return
         self._step(t, dt, steady)
-        while steady and batch.goes_on(self.burst, self.results, room.journal, room.latest):
+        while steady and batch.goes_on(self._room, self._journal):
             self._step(t, self.burst[batch.DT], steady)
 
     def _step(self, t: float, dt: float, steady: bool) -> None:
@@ -456,15 +435,13 @@ class PaperState:
         old, y = self.layout, self.path.y
         whole = [snapshot.gather(self.comm, old, k, y) for k in range(len(old.grids))]
         cells = {k: int(r["hi"] - r["lo"]) for k, r in enumerate(old.records) if r["kind"] == FLUID}
-        results, journal, room = self.results.copy(), self.journal[:noted].copy(), self._room
+        journal, room = self.journal[:noted].copy(), self._room
         self._release()
         spare = max(self._spare, NODES)
         self._place(layout.make_grids(self.problem, self.op, self.h, spare, cells, old.grids), old)
-        self.results[:], self.journal[:noted] = results, journal
-        self.results[LOW] = 0.0
-        for new, before in zip(self._room, room, strict=True):
-            if new.shape == before.shape and new.dtype == float and new is not self._room.journal:
-                new[:] = before
+        self.journal[:noted] = journal
+        for name in room.dtype.names:
+            self._room[name] = room[name]
         self.results[LOW] = 0.0
         for k, (grid, record, before) in enumerate(zip(self.layout.grids, self.layout.records, old.records, strict=True)):
             for name in ("s", "x_interface", "end_x", "end_data", "end_heat"):

@@ -7,8 +7,6 @@ why no loop here may reorder or contract (``LOOP``).
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
@@ -30,50 +28,48 @@ LEFT, RIGHT = np.int64(0), np.int64(1)
 OLD, NEW = np.bool_(False), np.bool_(True)
 
 
-class Operator(NamedTuple):
-    """D for h = 1: sum_k interior[k-1] (v[i+k] - v[i-k]); closure (rows, columns) at the left end; norm (rows,).
-
-    reach: of D; n: points that its first row reaches; diffusion: its bound on the step, see fsipetsc.operators.narrow. For narrow second
-    derivatives, else empty: differences (8, 9), the weights of Delta_q in row q-1; means (p, p), row k those of Delta_{p+1+k};
-    end (T, T).
-    """
-
-    p: int
-    n: int
-    reach: int
-    interior: Array
-    closure: Array
-    norm: Array
-    diffusion: float
-    differences: Array
-    means: Array
-    end: Array
+_I, _F = np.int64, np.float64
+#: D for h = 1: sum_k interior[k-1] (v[i+k] - v[i-k]), k = 1 .. p; closure[:rows, :columns] at the left end; norm[:rows]; reach;
+#: n: points that its first row reaches; diffusion: its bound on the step. narrow: 1 for narrow second derivatives (see
+#: fsipetsc.operators.narrow), and for these differences, the weights of Delta_q in row q-1; means, those of Delta_{p+1+k} in
+#: row k; end[:ends, :ends]. A record, because compiled code keeps count of who refers to an array, not of who to a record.
+OPERATOR = np.dtype(
+    [
+        *[(name, _I) for name in ("p", "n", "reach", "rows", "columns", "narrow", "ends")],
+        ("diffusion", _F),
+        *[("interior", _F, (4,)), ("closure", _F, (8, 12)), ("norm", _F, (8,))],
+        *[("differences", _F, (8, 9)), ("means", _F, (4, 4)), ("end", _F, (4, 4))],
+    ],
+    align=True,
+)
 
 
-def packed(order: int, narrow: bool = False) -> Operator:
+def packed(order: int, narrow: bool = False) -> np.void:
     """That of an interior order. ValueError if there is none."""
-    op = operator(order)
+    op, record = operator(order), np.zeros(1, OPERATOR)[0]
+    rows, columns = np.shape(op.closure)
+    record["p"], record["n"], record["reach"] = op.p, row_length(op), op.reach
+    record["rows"], record["columns"], record["narrow"] = rows, columns, narrow
+    record["diffusion"] = STIFFNESS[order] if narrow else STIFFNESS_OF_WIDE
     floats = np.vectorize(float, otypes=[float])
-    interior = np.zeros(4)
-    interior[: op.p] = floats(op.interior)
-    differences, means, end = np.zeros((0, 0)), np.zeros((0, 0)), np.zeros((0, 0))
+    record["interior"][: op.p], record["norm"][:rows] = floats(op.interior), floats(op.norm)
+    record["closure"][:rows, :columns] = floats(op.closure)
     if narrow:
-        differences, means = np.zeros((8, 9)), np.zeros((op.p, op.p))
         for q in range(1, 9):
-            differences[q - 1, : q + 1] = difference(q)
+            record["differences"][q - 1, : q + 1] = difference(q)
         for k, level in enumerate(levels(op.interior)):
-            means[k, : len(level.weights)] = floats(level.weights)
+            record["means"][k, : len(level.weights)] = floats(level.weights)
         end = end_term(op.interior)
-        end = floats(end).reshape(end.shape) if end.size else np.zeros((0, 0))
-    diffusion = STIFFNESS[order] if narrow else STIFFNESS_OF_WIDE
-    closure, norm = floats(op.closure), floats(op.norm)
-    return Operator(op.p, row_length(op), op.reach, interior, closure, norm, diffusion, differences, means, end)
+        if end.size:
+            record["ends"] = len(end)
+            record["end"][: len(end), : len(end)] = floats(end)
+    return record
 
 
 @njit(**INNER)
 def derivative(op, f, out, a, b, A, B, scale):
     """out = scale h D f at the points a .. b-1; f is known where that reaches, or to A, B."""
-    rows, columns = op.closure.shape
+    rows, columns = op.rows, op.columns
     first, end = max(a, A + rows), min(b, B + 1 - rows)
     c1, c2, c3, c4 = op.interior[0], op.interior[1], op.interior[2], op.interior[3]
     if op.p == 1:
@@ -92,6 +88,9 @@ def derivative(op, f, out, a, b, A, B, scale):
             near = c1 * (f[U(i + 1)] - f[U(i - 1)]) + c2 * (f[U(i + 2)] - f[U(i - 2)])
             far = c3 * (f[U(i + 3)] - f[U(i - 3)]) + c4 * (f[U(i + 4)] - f[U(i - 4)])
             out[U(i)] = scale * (near + far)
+    if a <= A and B < b:
+        both_closures(op, f, out, A, B, scale)
+        return
     for r in range(rows):
         if a <= A + r < b:
             total = 0.0
@@ -106,9 +105,26 @@ def derivative(op, f, out, a, b, A, B, scale):
 
 
 @njit(**INNER)
+def both_closures(op, f, out, A, B, scale):
+    """The closures of both ends; two rows of each at a time, because a sum waits for each of its terms."""
+    rows, columns = op.rows, op.columns
+    for r in range(0, rows, 2):
+        s = min(r + 1, rows - 1)
+        left, right, next_left, next_right = 0.0, 0.0, 0.0, 0.0
+        for c in range(columns):
+            at_left, at_right, v, w = f[U(A + c)], f[U(B - c)], op.closure[U(r), U(c)], op.closure[U(s), U(c)]
+            left += v * at_left
+            right += v * at_right
+            next_left += w * at_left
+            next_right += w * at_right
+        out[U(A + r)], out[U(B - r)] = scale * left, -scale * right
+        out[U(A + s)], out[U(B - s)] = scale * next_left, -scale * next_right
+
+
+@njit(**INNER)
 def weight(op, r):
     """Norm weight of the point number r from an end."""
-    return op.norm[r] if r < len(op.norm) else 1.0
+    return op.norm[r] if r < op.rows else 1.0
 
 
 @njit(**INNER)
@@ -162,3 +178,42 @@ def extrapolated(v, degree):
         binomial *= -(degree + 2.0 - k) / k
         s -= binomial * v[k]
     return s
+
+
+# of rows of values, four at a time
+
+
+@njit(**INNER)
+def total(v, a, b):
+    """Sum of v[a:b]; its last bits depend on where it begins."""
+    s, t, x, y = 0.0, 0.0, 0.0, 0.0
+    whole = a + (b - a) // 4 * 4
+    for i in range(a, whole, 4):
+        s, t, x, y = s + v[U(i)], t + v[U(i + 1)], x + v[U(i + 2)], y + v[U(i + 3)]
+    for i in range(whole, b):
+        s += v[U(i)]
+    return (s + t) + (x + y)
+
+
+@njit(**INNER)
+def largest(v, a, b):
+    """The largest of v[a:b], -inf if there is none; what is not a number does not count."""
+    s, t, x, y = -np.inf, -np.inf, -np.inf, -np.inf
+    whole = a + (b - a) // 4 * 4
+    for i in range(a, whole, 4):
+        s, t, x, y = max(s, v[U(i)]), max(t, v[U(i + 1)]), max(x, v[U(i + 2)]), max(y, v[U(i + 3)])
+    for i in range(whole, b):
+        s = max(s, v[U(i)])
+    return max(max(s, t), max(x, y))
+
+
+@njit(**INNER)
+def smallest(v, a, b):
+    """The smallest of v[a:b], inf if there is none; what is not a number does not count."""
+    s, t, x, y = np.inf, np.inf, np.inf, np.inf
+    whole = a + (b - a) // 4 * 4
+    for i in range(a, whole, 4):
+        s, t, x, y = min(s, v[U(i)]), min(t, v[U(i + 1)]), min(x, v[U(i + 2)]), min(y, v[U(i + 3)])
+    for i in range(whole, b):
+        s = min(s, v[U(i)])
+    return min(min(s, t), min(x, y))

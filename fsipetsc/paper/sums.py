@@ -15,7 +15,8 @@ from numba import njit
 
 from fsipetsc.boundaries import INTERFACE_END, WALL
 from fsipetsc.paper.ends import beyond_boundary, gradient_values
-from fsipetsc.paper.stencils import CALL, INNER, U, lagrange, weight
+from fsipetsc.paper.rates import primitive_rows, solid_rows
+from fsipetsc.paper.stencils import CALL, INNER, U, lagrange, largest, smallest, total, weight
 
 #: numbers of a layer that are looked at: the extremes, and 1 where a number is not finite
 SEEN, SHARES = 5, 6
@@ -36,28 +37,28 @@ def nothing_seen(seen):
 
 
 @njit(**INNER)
-def see_gas(op, gas, layers, q, seen, sums):
-    """Extremes and weighted sums, without h. q: (points with halos, 3)."""
-    layer = layers[0]
+def speeds_of(gas, s, rho, m, e, u, speed, a, b):
+    """|u-s| + c."""
+    for i in range(a, b):
+        internal = e[U(i)] / rho[U(i)] - 0.5 * u[U(i)] * u[U(i)]
+        speed[U(i)] = abs(u[U(i)] - s) + np.sqrt(gas.law.sound_speed_squared_of_energy(rho[U(i)], internal))
+
+
+@njit(**INNER)
+def see_gas(op, gas, layer, q, w, seen, sums):
+    """Extremes and weighted sums, without h. q: (points with halos, 3); w: scratch."""
     first, end, origin = owned(layer)
     nothing_seen(seen)
-    speed, light, cold, hot = -np.inf, np.inf, np.inf, -np.inf
-    mass, momentum, energy, rest = 0.0, 0.0, 0.0, 0.0
-    for i in range(first - origin, end - origin):
-        rho, m, e = q[U(i), 0], q[U(i), 1], q[U(i), 2]
-        r = 1.0 / rho
-        u = m * r
-        internal = e * r - 0.5 * u * u
-        T = gas.law.temperature_in_loops(rho, internal)
-        speed = max(speed, abs(u - layer.s) + np.sqrt(gas.law.sound_speed_squared_of_energy(rho, internal)))
-        light, cold, hot = min(light, rho), min(cold, T), max(hot, T)
-        mass, momentum, energy = mass + rho, momentum + m, energy + e
-        rest += T
-    seen[0], seen[1], seen[2], seen[3] = speed, light, cold, hot
-    if not (np.isfinite(mass) and np.isfinite(momentum) and np.isfinite(energy) and np.isfinite(rest)):
+    a, b = first - origin, end - origin
+    rho, m, e, u, T, speed = w[0], w[1], w[2], w[3], w[4], w[5]
+    primitive_rows(gas, q, rho, m, e, u, T, a, b)
+    speeds_of(gas, layer.s, rho, m, e, u, speed, a, b)
+    seen[0], seen[1] = largest(speed, a, b), smallest(rho, a, b)
+    seen[2], seen[3] = smallest(T, a, b), largest(T, a, b)
+    sums[0], sums[1], sums[2] = total(rho, a, b), total(m, a, b), total(e, a, b)
+    if not np.isfinite(sums[0] + sums[1] + sums[2] + total(T, a, b) + total(speed, a, b)):
         seen[4] = 1.0
-    sums[0], sums[1], sums[2] = mass, momentum, energy
-    for r in range(len(op.norm)):
+    for r in range(op.rows):
         for i in (layer.lo + r, layer.hi - r):
             if first <= i < end:
                 for c in range(3):
@@ -72,25 +73,30 @@ def see_gas(op, gas, layers, q, seen, sums):
 
 
 @njit(**INNER)
-def see_solid(op, solid, layers, q, seen, sums):
-    """Extremes and weighted sums, without h. q: (points with halos, 4)."""
-    layer = layers[0]
+def strains_and_squares(per_h, u, x, x_X, square, a, b):
+    """Differences of x to the point before, and u^2."""
+    for i in range(a, b):
+        square[U(i)] = u[U(i)] * u[U(i)]
+        x_X[U(i)] = (x[U(i)] - x[U(i - 1)]) * per_h
+
+
+@njit(**INNER)
+def see_solid(op, solid, layer, q, w, seen, sums):
+    """Extremes and weighted sums, without h. q: (points with halos, 4); w: scratch."""
     first, end, origin = owned(layer)
     nothing_seen(seen)
-    strain, pulled, cold, hot = np.inf, np.inf, np.inf, -np.inf
-    momentum, kinetic, heat, rest, per_h = 0.0, 0.0, 0.0, 0.0, 1.0 / layer.h
-    for i in range(first - origin, end - origin):
-        u, sigma, T = q[U(i), 0], q[U(i), 1], q[U(i), 2]
-        pulled, cold, hot = min(pulled, sigma), min(cold, T), max(hot, T)
-        momentum, kinetic, heat, rest = momentum + u, kinetic + u * u, heat + T, rest + sigma
-    for i in range(max(first, layer.lo + 1) - origin, end - origin):
-        x_X = (q[U(i), 3] - q[U(i - 1), 3]) * per_h
-        strain, rest = min(strain, x_X), rest + x_X
-    seen[0], seen[1], seen[2], seen[3] = strain, pulled, cold, hot
-    if not (np.isfinite(momentum) and np.isfinite(heat) and np.isfinite(rest) and np.isfinite(kinetic)):
+    a, b = first - origin, end - origin
+    after = max(a, layer.lo + 1 - origin)  # of the points behind the first
+    u, sigma, T, x, x_X, square = w[0], w[1], w[2], w[3], w[4], w[5]
+    solid_rows(q, u, sigma, T, x, after - 1, b)
+    square[U(after - 1)] = u[U(after - 1)] * u[U(after - 1)]
+    strains_and_squares(1.0 / layer.h, u, x, x_X, square, after, b)
+    seen[0], seen[1] = smallest(x_X, after, b), smallest(sigma, a, b)
+    seen[2], seen[3] = smallest(T, a, b), largest(T, a, b)
+    sums[0], sums[1], sums[2] = total(u, a, b), total(square, a, b), total(T, a, b)
+    if not np.isfinite(sums[0] + sums[1] + sums[2] + total(sigma, a, b) + total(x_X, after, b)):
         seen[4] = 1.0
-    sums[0], sums[1], sums[2] = momentum, kinetic, heat
-    for r in range(len(op.norm)):
+    for r in range(op.rows):
         for i in (layer.lo + r, layer.hi - r):
             if first <= i < end:
                 u, change = q[i - origin, 0], op.norm[r] - 1.0
@@ -158,9 +164,9 @@ def norm_weight(op, layer, i):
 
 
 @njit(**INNER)
-def gas_force(gas, layers, q):
+def gas_force(gas, layer, q):
     """Force [Pa] of the boundary that this rank owns, -n (rho u^2 + p - mu' u_X), from the cubic through four points."""
-    layer, force, weights, slopes = layers[0], 0.0, np.zeros(4), np.zeros(4)
+    force, weights, slopes = 0.0, np.zeros(4), np.zeros(4)
     first, end, origin = owned(layer)
     for side in range(2):
         ghost, step = (layer.lo, 1) if side == 0 else (layer.hi, -1)
@@ -187,9 +193,9 @@ def gas_force(gas, layers, q):
 
 
 @njit(**INNER)
-def solid_force(op, solid, layers, q):
+def solid_force(op, solid, layer, q):
     """Force [Pa] of the outer ends that this rank owns, n (sigma - p)."""
-    layer, force = layers[0], 0.0
+    force = 0.0
     first, end, origin = owned(layer)
     for side in range(2):
         point, step = (layer.lo, 1) if side == 0 else (layer.hi, -1)
@@ -204,9 +210,9 @@ def solid_force(op, solid, layers, q):
 
 
 @njit(**INNER)
-def gas_entropy(op, gas, layers, q):
+def gas_entropy(op, gas, layer, q):
     """This rank's part of the entropy, without h."""
-    layer, result = layers[0], 0.0
+    result = 0.0
     first, end, origin = owned(layer)
     for i in range(first, end):
         result += norm_weight(op, layer, i) * entropy_density(gas, q, i - origin)
@@ -230,24 +236,24 @@ def entropy_density(gas, q, i):
 @njit(**INNER)
 def slope_at(op, layer, q, i, c, origin):
     """h D of unknown c at the active point i."""
-    rows, columns = op.closure.shape
-    total, r, last = 0.0, i - layer.lo, layer.hi - i
+    rows, columns = op.rows, op.columns
+    slope, r, last = 0.0, i - layer.lo, layer.hi - i
     if r < rows:
         for k in range(columns):
-            total += op.closure[r, k] * q[layer.lo + k - origin, c]
+            slope += op.closure[r, k] * q[layer.lo + k - origin, c]
     elif last < rows:
         for k in range(columns):
-            total -= op.closure[last, k] * q[layer.hi - k - origin, c]
+            slope -= op.closure[last, k] * q[layer.hi - k - origin, c]
     else:
         for k in range(1, op.p + 1):
-            total += op.interior[k - 1] * (q[i + k - origin, c] - q[i - k - origin, c])
-    return total
+            slope += op.interior[k - 1] * (q[i + k - origin, c] - q[i - k - origin, c])
+    return slope
 
 
 @njit(**INNER)
-def solid_entropy(op, solid, layers, q):
+def solid_entropy(op, solid, layer, q):
     """(entropy, rate of heating by stress over T) of this rank's part without h: alpha m0 ln T, (sigma - p) u_X / T."""
-    layer, entropy, heating, per_h = layers[0], 0.0, 0.0, 1.0 / layers[0].h
+    entropy, heating, per_h = 0.0, 0.0, 1.0 / layer.h
     first, end, origin = owned(layer)
     for i in range(first, end):
         T, a = q[i - origin, 2], norm_weight(op, layer, i)
@@ -258,59 +264,58 @@ def solid_entropy(op, solid, layers, q):
 
 
 @njit(**INNER)
-def norm_sum(op, layers):
+def norm_sum(op, layer):
     """Sum of the norm weights of the owned points."""
-    first, end, _ = owned(layers[0])
-    total = 0.0
+    first, end, _ = owned(layer)
+    result = 0.0
     for i in range(first, end):
-        total += norm_weight(op, layers[0], i)
-    return total
+        result += norm_weight(op, layer, i)
+    return result
 
 
 @njit(**CALL)
-def look_at_gas(op, gas, layers, q, entropy, seen, shares):
+def look_at_gas(op, gas, layer, q, w, entropy, seen, shares):
     """Extremes, and this rank's shares: mass [kg/m2], energy [J/m2], momentum, force [Pa], entropy, heating (0).
 
-    q: (points with halos, 3); entropy: whether it is wanted.
+    q: (points with halos, 3); w: scratch; entropy: whether it is wanted.
     """
     for c in range(SHARES):
         shares[c] = 0.0
-    if layers[0].present == 0:
+    if layer.present == 0:
         nothing_seen(seen)
         return
-    h, sums = layers[0].h, np.zeros(3)
-    see_gas(op, gas, layers, q, seen, sums)
+    h, sums = layer.h, np.zeros(3)
+    see_gas(op, gas, layer, q, w, seen, sums)
     shares[0], shares[1], shares[2] = h * sums[0], h * sums[2], h * sums[1]
-    shares[3] = gas.force * shares[0] + gas_force(gas, layers, q)
+    shares[3] = gas.force * shares[0] + gas_force(gas, layer, q)
     if entropy:
-        shares[4] = h * gas_entropy(op, gas, layers, q)
+        shares[4] = h * gas_entropy(op, gas, layer, q)
 
 
 @njit(**CALL)
-def look_at_solid(op, solid, layers, q, entropy, seen, shares):
+def look_at_solid(op, solid, layer, q, w, entropy, seen, shares):
     """The same of a solid; heating: the rate at which stress heats it, over T [W/(m2 K)]. q: (points with halos, 4)."""
     for c in range(SHARES):
         shares[c] = 0.0
-    if layers[0].present == 0:
+    if layer.present == 0:
         nothing_seen(seen)
         return
-    mass, sums = solid.m0 * layers[0].h, np.zeros(3)
-    see_solid(op, solid, layers, q, seen, sums)
+    mass, sums = solid.m0 * layer.h, np.zeros(3)
+    see_solid(op, solid, layer, q, w, seen, sums)
     shares[1], shares[2] = mass * (0.5 * sums[1] + solid.alpha * sums[2]), mass * sums[0]
-    shares[3] = solid.force * mass * norm_sum(op, layers) + solid_force(op, solid, layers, q)
+    shares[3] = solid.force * mass * norm_sum(op, layer) + solid_force(op, solid, layer, q)
     if entropy:
-        shares[4], shares[5] = solid_entropy(op, solid, layers, q)
-        shares[4] *= layers[0].h
-        shares[5] *= layers[0].h
+        shares[4], shares[5] = solid_entropy(op, solid, layer, q)
+        shares[4] *= layer.h
+        shares[5] *= layer.h
 
 
 # what is saved
 
 
 @njit(**CALL)
-def gas_fields(gas, layers, q, out):
+def gas_fields(gas, layer, q, out):
     """rho, u, T, p and x of the owned points, (owned, 5); NaN where inactive. q: (points with halos, 3)."""
-    layer = layers[0]
     interface = layer.lo if layer.end_kind[0] == INTERFACE_END else layer.hi
     for i in range(layer.own_lo, layer.own_hi):
         k, j = i - layer.own_lo, i - layer.own_lo + layer.halo_lo
@@ -323,9 +328,9 @@ def gas_fields(gas, layers, q, out):
 
 
 @njit(**CALL)
-def solid_fields(op, solid, layers, q, out):
+def solid_fields(op, solid, layer, q, out):
     """u, sigma, T, x and p of the owned points, (owned, 5). q: (points with halos, 4)."""
-    layer, origin = layers[0], layers[0].own_lo - layers[0].halo_lo
+    origin = layer.own_lo - layer.halo_lo
     for i in range(layer.own_lo, layer.own_hi):
         k, j = i - layer.own_lo, i - origin
         for c in range(4):
