@@ -56,7 +56,7 @@ def advance(y, k, stage, total, number, dt):
             stage[U(i)] = total[U(i)] + b * k[U(i)]
 
 
-@njit(**CALL)
+@njit(**INNER)
 def interface_points(face, gas, solid):
     """(point of the gas, step into it, point of the solid, step into it), among the owned points of their owners."""
     if face.n > 0.0:
@@ -64,7 +64,7 @@ def interface_points(face, gas, solid):
     return gas.hi - gas.own_lo, -1, solid.lo - solid.own_lo, 1
 
 
-@njit(**CALL)
+@njit(**INNER)
 def join(op, face, jump, gas, q_gas, solid, q_solid, f, s):
     """Couple gas and solid, both owned by this rank, and let the frame follow; f, s: room for the rows, which stay there."""
     at_gas, into_gas, at_solid, into_solid = interface_points(face, gas, solid)
@@ -76,7 +76,7 @@ def join(op, face, jump, gas, q_gas, solid, q_solid, f, s):
     gas.s, gas.x_interface = f[0, 1] / f[0, 0], s[0, 3]
 
 
-@njit(**CALL)
+@njit(**INNER)
 def boundary_moves(op, law, gas, q, side, number, flags):
     """Let the embedded boundary of layer ``number`` move over the grid; flags: see fsipetsc.scheme.plan."""
     moved, exhausted = move_boundary(op, law, gas, q, side)
@@ -90,14 +90,14 @@ def boundary_moves(op, law, gas, q, side, number, flags):
         flags[TOO_SHORT] = 1.0 + number
 
 
-@njit(**CALL)
+@njit(**INNER)
 def note_interface(op, face, jump, f, s, out):
     """x, u, sigma, T and the residuals of the four conditions."""
     out[0], out[1], out[2], out[3] = s[0, 3], s[0, 0], s[0, 1], s[0, 2]
     residuals(op, face, jump, f, s, out[4:])
 
 
-@njit(**CALL)
+@njit(**INNER)
 def goes_on(room, journal):
     """Note the step just made in burst and journal, and plan the next one; False if none follows."""
     burst, results = room.burst, room.results
@@ -138,7 +138,7 @@ ROOM = np.dtype(
 )
 
 
-@njit(**CALL)
+@njit(**INNER)
 def note_step(room):
     """Fill ``latest`` from notes and shares: see fsipetsc.scheme.plan.step_record."""
     latest, shares, at = room.latest, room.shares, 0
@@ -161,7 +161,7 @@ def note_step(room):
             at += 1
 
 
-@njit(**CALL)
+@njit(**INNER)
 def bound_step(op, room, good):
     """The limits among the results, from the rates of the layers; good: all of them are physical."""
     convection = max(max(room.rates[0, 0], room.rates[1, 0]), room.rates[2, 0])
@@ -176,19 +176,19 @@ def bound_step(op, room, good):
 @njit(**INNER)
 def _join(op, face, k, gas, solid, room):
     if gas is not None:
-        join(op, face, room.jumps[k], gas.record, gas.stage, solid.record, solid.stage, room.f[k], room.s[k])
+        join(op, face, room.jumps[k], gas.record[0], gas.stage, solid.record[0], solid.stage, room.f[k], room.s[k])
 
 
 @njit(**INNER)
 def _fill(op, gas, side):
     if gas is not None:
-        fill_ghost(op, gas.law, gas.record, gas.stage, side, OLD)
+        fill_ghost(op, gas.law, gas.record[0], gas.stage, side, OLD)
 
 
 @njit(**INNER)
 def _advance(op, gas, number, dt):
     if gas is not None:
-        gas_rates(op, gas.law, gas.record, gas.stage, gas.forcing, gas.scratch, gas.k)
+        gas_rates(op, gas.law, gas.record[0], gas.stage, gas.forcing, gas.scratch, gas.k)
         advance(gas.y.ravel(), gas.k.ravel(), gas.stage.ravel(), gas.total.ravel(), number, dt)
 
 
@@ -198,10 +198,10 @@ def _look(op, face, gas, side, number, entropy, room):
     if gas is None:
         return True
     k = 2 * side
-    boundary_moves(op, gas.law, gas.record, gas.stage, side, number, room.results)
-    look_at_gas(op, gas.law, gas.record, gas.stage, gas.scratch, entropy, room.seen[k], room.shares[k])
+    boundary_moves(op, gas.law, gas.record[0], gas.stage, side, number, room.results)
+    look_at_gas(op, gas.law, gas.record[0], gas.stage, gas.scratch, entropy, room.seen[k], room.shares[k])
     note_interface(op, face, room.jumps[side], room.f[side], room.s[side], room.notes[side])
-    good, room.rates[k, 0], room.rates[k, 1] = layer_rates(op, gas_speeds(gas.law, room.seen[k]), gas.record.h)
+    good, room.rates[k, 0], room.rates[k, 1] = layer_rates(op, gas_speeds(gas.law, room.seen[k]), gas.record[0].h)
     return good
 
 
@@ -210,7 +210,7 @@ def _conditions(op, left, solid, right, faces, room):
     """Fulfil all conditions in the stage."""
     _join(op, faces[0], LEFT, left, solid, room)
     _join(op, faces[1], RIGHT, right, solid, room)
-    close_solid(op, solid.law, solid.record, solid.stage)
+    close_solid(op, solid.law, solid.record[0], solid.stage)
     _fill(op, left, LEFT)
     _fill(op, right, RIGHT)
 
@@ -223,10 +223,10 @@ def _complete(op, left, solid, right, faces, entropy, room):
     middle = room.there[0]
     good = _look(op, faces[0], left, LEFT, LEFT, entropy, room)
     look_at_solid(
-        op, solid.law, solid.record, solid.stage, solid.scratch, entropy, room.seen[1], room.shares[1]
+        op, solid.law, solid.record[0], solid.stage, solid.scratch, entropy, room.seen[1], room.shares[1]
     )
     speeds = solid_speeds(solid.law, room.seen[1])
-    fine, room.rates[1, 0], room.rates[1, 1] = layer_rates(op, speeds, solid.record.h)
+    fine, room.rates[1, 0], room.rates[1, 1] = layer_rates(op, speeds, solid.record[0].h)
     good = _look(op, faces[1], right, RIGHT, middle + 1, entropy, room) and fine and good
     room.results[STOP] = room.results[SAID_STOP]
     bound_step(op, room, good)
@@ -242,8 +242,9 @@ def _keep(part):
 
 
 @njit(**CALL)
-def run_task(task, op, left, solid, right, faces, entropy, room, journal, number, dt):
+def run_task(task, ops, left, solid, right, faces, entropy, rooms, journal, number, dt):
     """One of the tasks; the completed solution is y, and the stage is the same where a step begins."""
+    op, room = ops[0], rooms[0]
     first, end, completes = (0, STAGES, True) if task == STEPS else (number, number + 1, number == STAGES)
     more = True
     while more:
@@ -253,7 +254,7 @@ def run_task(task, op, left, solid, right, faces, entropy, room, journal, number
             if stage < STAGES:
                 _advance(op, left, stage, dt)
                 _advance(op, right, stage, dt)
-                elastic_rates(op, solid.law, solid.record, solid.stage, solid.forcing, solid.scratch, solid.k)
+                elastic_rates(op, solid.law, solid.record[0], solid.stage, solid.forcing, solid.scratch, solid.k)
                 advance(solid.y.ravel(), solid.k.ravel(), solid.stage.ravel(), solid.total.ravel(), stage, dt)
         if completes:
             if task == STEPS:

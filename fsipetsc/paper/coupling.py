@@ -45,7 +45,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from fsipetsc.paper.stencils import CALL, INNER, weight
+from fsipetsc.paper.stencils import INNER, weight
 
 PROJECTION, ENERGY, TRADITIONAL = 0, 1, 2
 KINDS = {"projection": PROJECTION, "energy": ENERGY, "traditional": TRADITIONAL}
@@ -65,7 +65,7 @@ class Face(NamedTuple):
     h: float
 
 
-@njit(**CALL)
+@njit(**INNER)
 def couple(op, face, jump, f, s):
     """Apply the treatment that the interface has."""
     if face.kind == PROJECTION:
@@ -262,7 +262,7 @@ def traditional(op, face, jump, f, s):
     s[0, 2] = T_s
 
 
-@njit(**CALL)
+@njit(**INNER)
 def residuals(op, face, jump, f, s, out):
     """What the four conditions are off by."""
     u_X, Tf_X, Ts_X, d = 0.0, 0.0, 0.0, face.n / face.h
@@ -279,7 +279,7 @@ def residuals(op, face, jump, f, s, out):
     out[3] = face.solid.kappa_e / x_X * Ts_X - face.gas.conductivity(T) * Tf_X - jump[3]
 
 
-@njit(**CALL)
+@njit(**INNER)
 def take_rows(op, q, end, step, rows):
     """rows[j] = q[end + j step], as far as D reaches."""
     for j in range(op.n):
@@ -287,7 +287,7 @@ def take_rows(op, q, end, step, rows):
             rows[j, c] = q[end + step * j, c]
 
 
-@njit(**CALL)
+@njit(**INNER)
 def put_rows(op, q, end, step, rows):
     """The other way round."""
     for j in range(op.n):

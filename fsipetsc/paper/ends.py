@@ -20,7 +20,7 @@ from fsipetsc.boundaries.open import LONGEST
 from fsipetsc.boundaries.open import NEW_POINT as NEW_OPEN
 from fsipetsc.boundaries.wall import ETA, ETA_NARROW
 from fsipetsc.boundaries.wall import NEW_POINT as NEW_WALL
-from fsipetsc.paper.stencils import CALL, INNER, LEFT, NEW, OLD, dirichlet_ghost, extrapolated, lagrange, neumann_ghost
+from fsipetsc.paper.stencils import INNER, LEFT, NEW, OLD, dirichlet_ghost, extrapolated, lagrange, neumann_ghost
 from fsipetsc.physics.layer import GIVEN_FLUX, GIVEN_T
 
 #: least weight of the ghost point in the formula for data that are given
@@ -55,7 +55,7 @@ def fetch(gas, layer, q, ghost, side, nodes, begin):
         nodes[1, k], nodes[2, k] = gas.velocity_and_temperature(q[i, 0], q[i, 1], q[i, 2])
 
 
-@njit(**CALL)
+@njit(**INNER)
 def fill_ghost(op, gas, layer, q, side, new):
     """Give the ghost point its values, where a rank has the points that this takes: all who need it do.
 
@@ -285,7 +285,7 @@ def move_boundary(op, gas, layer, q, side):
 # solid
 
 
-@njit(**CALL)
+@njit(**INNER)
 def close_solid(op, solid, layer, q):
     """Apply the conditions at the outer ends of a solid that this rank owns. q: (owned, 4).
 

@@ -44,12 +44,12 @@ RECORD = np.dtype(
 class Part(NamedTuple):
     """What compiled code takes of a rank's part of a layer.
 
-    law: Gas or Elastic; record: a RECORD; forcing (owned, unknowns) or (0, unknowns); scratch: rows; y, stage, total, k:
+    law: Gas or Elastic; record: one RECORD; forcing (owned, unknowns) or (0, unknowns); scratch: rows; y, stage, total, k:
     the completed solution, that of a stage, the sum of the stages and rates, (owned, unknowns) each.
     """
 
     law: Any
-    record: np.void
+    record: np.ndarray
     forcing: np.ndarray
     scratch: np.ndarray
     y: np.ndarray

@@ -22,8 +22,8 @@ import numpy as np
 from petsc4py import PETSc
 
 from fsipetsc.boundaries import INTERFACE_END
-from fsipetsc.paper import batch, ends, rates
-from fsipetsc.paper.coupling import Face, couple, put_rows, take_rows
+from fsipetsc.paper import batch, entries, rates
+from fsipetsc.paper.coupling import Face
 from fsipetsc.paper.laws import Elastic, Gas
 from fsipetsc.paper.layer import Part
 from fsipetsc.paper.layout import Layout
@@ -42,7 +42,7 @@ class RightHandSide:
     def __init__(
         self,
         layout: Layout,
-        op: np.void,
+        op: Array,
         laws: Sequence[Gas | Elastic],
         kind: int,
         y: Array,
@@ -56,20 +56,18 @@ class RightHandSide:
         self.interfaces = [Interface(layout, self, k, laws, kind, room) for k in range(len(layout.problem.interfaces))]
 
     def fulfil_conditions(self) -> None:
-        """Let the stage, and the local vectors with it, fulfil all conditions; of ghost points only the latter."""
+        """Let the stage, and the local vectors with it, fulfil all conditions but for ghost points, which are filled later."""
         for interface in self.interfaces:
             interface.couple()
         for layer in self.layers:
             layer.close_end()
         for layer in self.layers:
             layer.fill_halos()
-        for layer in self.layers:
-            layer.fill_ghost()
 
-    def evaluate(self, f: Array) -> None:
-        """Rates of a state that fulfils the conditions, to this rank's part f."""
+    def evaluate(self, f: Array, filled: bool = False) -> None:
+        """Rates of a state that fulfils the conditions, to this rank's part f; filled: so do the ghost points."""
         for layer in self.layers:
-            layer.evaluate(f)
+            layer.evaluate(f, filled)
 
     def rates(self, y: Array, f: Array) -> None:
         """f = dy/dt of this rank's part, for the boundary data, jumps and forcing set last; y stays as it is."""
@@ -97,8 +95,8 @@ class LayerPart:
 
     def __init__(self, layout: Layout, rhs: RightHandSide, k: int, law: Gas | Elastic, forced: bool) -> None:
         self.number, self._layout, self._op, self._dm = k, layout, rhs.op, layout.dms[k]
-        self.record, self.law = layout.records[k], law
-        record, dof = self.record, DOF[layout.records[k]["kind"]]
+        self.record, self.law = layout.records[k : k + 1], law
+        record, dof = self.record[0], DOF[layout.records[k]["kind"]]
         self.is_gas = bool(record["kind"] == FLUID)
         count = int(record["own_hi"] - record["own_lo"])
         points = count + int(record["halo_lo"] + record["halo_hi"])
@@ -120,9 +118,9 @@ class LayerPart:
     def close_end(self) -> None:
         """What comes before the exchange: the outer ends of a solid; all ranks of a gas hear of the frame."""
         if not self.is_gas:
-            ends.close_solid(self._op, self.law, self.record, self.part.stage)
+            entries.close_end(self._op, self.law, self.record, self.part.stage)
         elif self._comm.size > 1:
-            record, owner = self.record, 0 if self.side == 1 else self._comm.size - 1
+            record, owner = self.record[0], 0 if self.side == 1 else self._comm.size - 1
             told = np.array([record["s"], record["x_interface"]])
             self._comm.Bcast(told, owner)
             record["s"], record["x_interface"] = told
@@ -134,12 +132,16 @@ class LayerPart:
     def fill_ghost(self) -> None:
         """The embedded boundary of a gas, wherever its ghost point is needed."""
         if self.is_gas:
-            ends.fill_ghost(self._op, self.law, self.record, self.local, self.side, False)
+            entries.fill(self._op, self.law, self.record, self.local, self.side)
 
-    def evaluate(self, f: Array) -> None:
-        """The rates at this rank's points."""
-        kernel = rates.gas_rates if self.is_gas else rates.elastic_rates
-        kernel(self._op, self.law, self.record, self.local, self.forcing, self.part.scratch, self.own(f))
+    def evaluate(self, f: Array, filled: bool) -> None:
+        """The rates at this rank's points; filled: the ghost point has its values."""
+        arguments = self.forcing, self.part.scratch, self.own(f)
+        if self.is_gas:
+            side = -1 if filled else self.side
+            entries.evaluate_gas(self._op, self.law, self.record, self.local, side, *arguments)
+        else:
+            entries.evaluate_solid(self._op, self.law, self.record, self.local, *arguments)
 
     def destroy(self) -> None:
         self._global.destroy()
@@ -155,7 +157,7 @@ class Interface:
         side = 1 if gas > solid else 0
         self.face = Face(kind, laws[gas], laws[solid], 1.0 if gas > solid else -1.0, float(layout.records[solid]["h"]))
         self.jump, self.f, self.s = room["jumps"][side], room["f"][side], room["s"][side]
-        self._records = [layout.records[n] for n in (gas, solid)]
+        self._records = [layout.records[n : n + 1] for n in (gas, solid)]
         self._parts = [layout.local(n, rhs.stage) for n in (gas, solid)]
         # the rank with the last point of a layer has all of the rows, see fsipetsc.parallel.partition
         self.owners = [layout.shares[n][-1 if n == min(gas, solid) else 0][0] for n in (gas, solid)]
@@ -168,13 +170,10 @@ class Interface:
             return
         (gas, solid), (q_gas, q_solid) = self._records, self._parts
         if all(self.here):
-            batch.join(self._op, self.face, self.jump, gas, q_gas, solid, q_solid, self.f, self.s)
+            entries.join(self._op, self.face, self.jump, gas, q_gas, solid, q_solid, self.f, self.s)
             return
         mine, other = (0, 1) if self.here[0] else (1, 0)
         rows, rank = (self.f, self.s), self.owners[other]
-        at = batch.interface_points(self.face, gas, solid)[2 * mine : 2 * mine + 2]
-        take_rows(self._op, self._parts[mine], *at, rows[mine])
+        entries.take_side(self._op, self.face, gas, solid, mine, self._parts[mine], rows[mine])
         self._comm.Sendrecv(rows[mine], rank, recvbuf=rows[other], source=rank)
-        couple(self._op, self.face, self.jump, self.f, self.s)
-        put_rows(self._op, self._parts[mine], *at, rows[mine])
-        gas["s"], gas["x_interface"] = self.f[0, 1] / self.f[0, 0], self.s[0, 3]
+        entries.couple_side(self._op, self.face, self.jump, gas, solid, mine, self._parts[mine], self.f, self.s)

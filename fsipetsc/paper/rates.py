@@ -13,7 +13,7 @@ from fsipetsc.boundaries import DIRICHLET, INTERFACE_END, OPEN
 from fsipetsc.paper.ends import gradient_values
 from fsipetsc.paper.equations import gas_flux, solid_flux, solid_rates
 from fsipetsc.paper.narrow import MARGIN, narrow_gas, narrow_solid
-from fsipetsc.paper.stencils import CALL, INNER, LEFT, RIGHT, U, derivative
+from fsipetsc.paper.stencils import INNER, LEFT, RIGHT, U, derivative
 
 #: numbers of unknowns that narrow second derivatives add to: momentum, and energy or T
 MOMENTUM, THIRD = np.int64(1), np.int64(2)
@@ -98,7 +98,7 @@ def entropy_keeping(gas, rho, m, e, rho_t, m_t, e_t, u_X):
     return u * m_t + (h - 0.5 * u * u) * rho_t + gas.viscosity(T) * u_X * u_X - e_t
 
 
-@njit(**CALL)
+@njit(**INNER)
 def gas_rates(op, gas, layer, q, forcing, w, out):
     """(4.20). q: (points with halos, 3); forcing: (owned, 3), or (0, 3) for none; w: scratch; out: (owned, 3)."""
     clear(out)
@@ -177,7 +177,7 @@ def put_solid(solid, u, stretch, net, u_X, net_X, conducted_X, out, a, b, shift)
         out[k, 0], out[k, 1], out[k, 2], out[k, 3] = u_t, sigma_t, T_t, x_t
 
 
-@njit(**CALL)
+@njit(**INNER)
 def elastic_rates(op, solid, layer, q, forcing, w, out):
     """(4.19). q: (points with halos, 4); forcing: (owned, 4), or (0, 4) for none; w: scratch; out: (owned, 4)."""
     clear(out)

@@ -15,7 +15,7 @@ from fsipetsc.boundaries import NODES
 from fsipetsc.errors import FsiError, InputError
 from fsipetsc.operators.cache import compiling, garbage_waiting
 from fsipetsc.operators.sbp import OPERATORS
-from fsipetsc.paper import batch, coupling, layout, sums
+from fsipetsc.paper import batch, coupling, entries, layout, sums
 from fsipetsc.paper.laws import check_entropy, elastic_of, gas_of
 from fsipetsc.paper.parts import RightHandSide
 from fsipetsc.paper.stencils import packed
@@ -89,7 +89,8 @@ class PaperState:
         values = np.zeros(self.layout.local_size)
         self.solution = PETSc.Vec().createWithArray(values, comm=self.comm)
         forced = [layer.forcing is not None for layer in problem.layers]
-        room = self._room = np.zeros(1, batch.ROOM)[0]
+        self._rooms = np.zeros(1, batch.ROOM)
+        room = self._room = self._rooms[0]
         self.path = RightHandSide(self.layout, self._operator, self.laws, self._kind, values, forced, room)
         gases = [layer.kind == "fluid" for layer in problem.layers]
         room["there"][self._first : self._first + len(gases)] = gases
@@ -113,7 +114,7 @@ class PaperState:
             parts[self._first + layer.number] = layer.part
         for interface in self.path.interfaces:
             faces[interface.side] = interface.face
-        return self._operator, *parts, tuple(faces), self._entropy, self._room, self._journal
+        return self._operator, *parts, tuple(faces), self._entropy, self._rooms, self._journal
 
     def compile(self, announce: Callable[[str], None], also: Callable[[], object] = lambda: None) -> None:
         """Compile the kernels if that has not been done for this machine: one rank first, the others take its result."""
@@ -229,9 +230,9 @@ class PaperState:
         for part in self.path.layers:
             out = found[part.number] = np.empty((len(part.owned), 5))
             if part.is_gas:
-                sums.gas_fields(part.law, part.record, part.local, out)
+                entries.gas_fields(part.law, part.record, part.local, out)
             else:
-                sums.solid_fields(self._operator, part.law, part.record, part.local, out)
+                entries.solid_fields(self._operator, part.law, part.record, part.local, out)
         return found
 
     def save(self, slots: tuple[Array, Array, int]) -> None:
@@ -311,6 +312,8 @@ class PaperState:
         """Fill the ghost points of this rank's part y and project its interfaces, in place; undoes the completion."""
         self.path.stage[:] = y
         self.path.fulfil_conditions()
+        for part in self.path.layers:
+            part.fill_ghost()
         self.path.keep_ghosts()
         y[:] = self.path.stage
 
@@ -327,37 +330,30 @@ class PaperState:
 
     def _complete(self) -> None:
         """Project the stage, which is the new solution, let boundaries move, and look at it."""
-        path, room, records = self.path, self._room, self.layout.records
+        path, records = self.path, self.layout.records
         if self._batched:
             self._run(batch.STAGE, batch.STAGES)
             return
         path.fulfil_conditions()
         self.results[:RATE] = 0.0
         for part in path.layers:
-            number = self._first + part.number
-            seen, shares = room["seen"][number], room["shares"][number]
-            arguments = self._operator, part.law, part.record, part.local
+            arguments = self._operator, part.law, part.record, part.local, part.part.scratch
             if part.is_gas:
-                batch.boundary_moves(*arguments, part.side, part.number, self.results)
-                sums.look_at_gas(*arguments, part.part.scratch, self._entropy, seen, shares)
+                entries.look_at_gas(*arguments, part.side, part.number, self._entropy, self._rooms)
             else:
-                sums.look_at_solid(*arguments, part.part.scratch, self._entropy, seen, shares)
+                entries.look_at_solid(*arguments, self._entropy, self._rooms)
         path.keep_ghosts()
         path.y[:] = path.stage
         for interface in path.interfaces:
             if interface.here[1]:
-                of = interface.jump, interface.f, interface.s, room["notes"][interface.side]
-                batch.note_interface(self._operator, interface.face, *of)
+                entries.note_interface(self._operator, interface.face, interface.side, self._rooms)
         self.results[STOP] = self.results[SAID_STOP]
         self._tell()
         good = True
         for k, (law, record) in enumerate(zip(self.laws, records, strict=True)):
-            number = self._first + k
-            speeds = (sums.gas_speeds if record["kind"] == FLUID else sums.solid_speeds)(law, room["seen"][number])
-            fine, *room["rates"][number] = sums.layer_rates(self._operator, speeds, float(record["h"]))
-            good = good and fine
-        batch.bound_step(self._operator, room, good)
-        batch.note_step(room)
+            speeds = entries.gas_rates_of_step if record["kind"] == FLUID else entries.solid_rates_of_step
+            good &= speeds(self._operator, law, float(record["h"]), self._first + k, self._rooms)
+        entries.finish_step(self._operator, self._rooms, good)
 
     def _tell(self) -> None:
         """Let all ranks know what each has seen, exactly: the largest numbers, of least ones the largest negative ones."""
@@ -396,7 +392,7 @@ class PaperState:
             self.evaluations += batch.STAGES * max(1, int(self.burst[MADE]))
             return
         self._step(t, dt, steady)
-        while steady and batch.goes_on(self._room, self._journal):
+        while steady and entries.goes_on(self._rooms, self._journal):
             self._step(t, self.burst[batch.DT], steady)
 
     def _step(self, t: float, dt: float, steady: bool) -> None:
@@ -415,7 +411,7 @@ class PaperState:
         """A stage by way of PETSc's exchange."""
         if number > 0:
             self.path.fulfil_conditions()
-        self.path.evaluate(self.path.k)
+        self.path.evaluate(self.path.k, filled=number == 0)
         self.path.advance(number, dt)
 
     # grids that grow, checkpoints

@@ -44,9 +44,10 @@ OPERATOR = np.dtype(
 )
 
 
-def packed(order: int, narrow: bool = False) -> np.void:
-    """That of an interior order. ValueError if there is none."""
-    op, record = operator(order), np.zeros(1, OPERATOR)[0]
+def packed(order: int, narrow: bool = False) -> Array:
+    """That of an interior order, shape (1,). ValueError if there is none."""
+    op, records = operator(order), np.zeros(1, OPERATOR)
+    record = records[0]
     rows, columns = np.shape(op.closure)
     record["p"], record["n"], record["reach"] = op.p, row_length(op), op.reach
     record["rows"], record["columns"], record["narrow"] = rows, columns, narrow
@@ -63,7 +64,7 @@ def packed(order: int, narrow: bool = False) -> np.void:
         if end.size:
             record["ends"] = len(end)
             record["end"][: len(end), : len(end)] = floats(end)
-    return record
+    return records
 
 
 @njit(**INNER)

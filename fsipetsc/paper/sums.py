@@ -16,7 +16,7 @@ from numba import njit
 from fsipetsc.boundaries import INTERFACE_END, WALL
 from fsipetsc.paper.ends import beyond_boundary, gradient_values
 from fsipetsc.paper.rates import primitive_rows, solid_rows
-from fsipetsc.paper.stencils import CALL, INNER, U, lagrange, largest, smallest, total, weight
+from fsipetsc.paper.stencils import INNER, U, lagrange, largest, smallest, total, weight
 
 #: numbers of a layer that are looked at: the extremes, and 1 where a number is not finite
 SEEN, SHARES = 5, 6
@@ -108,7 +108,7 @@ def see_solid(op, solid, layer, q, w, seen, sums):
 # bounds on the step
 
 
-@njit(**CALL)
+@njit(**INNER)
 def gas_speeds(gas, seen):
     """(physical, largest |u-s| + c, largest max(mu'/rho, kappa/(rho cv)))."""
     speed, rho, cold, hot = seen[0], seen[1], seen[2], seen[3]
@@ -118,7 +118,7 @@ def gas_speeds(gas, seen):
     return seen[4] == 0.0 and rho > 0.0 and cold > 0.0 and speed < np.inf, speed, max(mu, kappa / cv) / rho
 
 
-@njit(**CALL)
+@njit(**INNER)
 def solid_speeds(solid, seen):
     """(physical, largest speed of waves, largest kappa_e/(alpha m0 x_X)), in Lagrangian coordinates."""
     shortest, pulled, cold, hot = seen[0], seen[1], seen[2], seen[3]
@@ -129,14 +129,14 @@ def solid_speeds(solid, seen):
     return good, np.sqrt(c2), solid.kappa_e * stretch / heat
 
 
-@njit(**CALL)
+@njit(**INNER)
 def layer_rates(op, speeds, h):
     """(physical, rate of convection, rate of diffusion [1/s])."""
     good, speed, spread = speeds
     return good, speed / h, op.diffusion * spread / (h * h)
 
 
-@njit(**CALL)
+@njit(**INNER)
 def bound(convection, diffusion):
     """1/dt at Courant number 1, the 4-norm of the largest rates: the smaller of the two steps alone is too long."""
     squares = convection * convection, diffusion * diffusion
@@ -273,7 +273,7 @@ def norm_sum(op, layer):
     return result
 
 
-@njit(**CALL)
+@njit(**INNER)
 def look_at_gas(op, gas, layer, q, w, entropy, seen, shares):
     """Extremes, and this rank's shares: mass [kg/m2], energy [J/m2], momentum, force [Pa], entropy, heating (0).
 
@@ -292,7 +292,7 @@ def look_at_gas(op, gas, layer, q, w, entropy, seen, shares):
         shares[4] = h * gas_entropy(op, gas, layer, q)
 
 
-@njit(**CALL)
+@njit(**INNER)
 def look_at_solid(op, solid, layer, q, w, entropy, seen, shares):
     """The same of a solid; heating: the rate at which stress heats it, over T [W/(m2 K)]. q: (points with halos, 4)."""
     for c in range(SHARES):
@@ -313,7 +313,7 @@ def look_at_solid(op, solid, layer, q, w, entropy, seen, shares):
 # what is saved
 
 
-@njit(**CALL)
+@njit(**INNER)
 def gas_fields(gas, layer, q, out):
     """rho, u, T, p and x of the owned points, (owned, 5); NaN where inactive. q: (points with halos, 3)."""
     interface = layer.lo if layer.end_kind[0] == INTERFACE_END else layer.hi
@@ -327,7 +327,7 @@ def gas_fields(gas, layer, q, out):
             out[k, 4] = (i - interface) * layer.h + layer.x_interface
 
 
-@njit(**CALL)
+@njit(**INNER)
 def solid_fields(op, solid, layer, q, out):
     """u, sigma, T, x and p of the owned points, (owned, 5). q: (points with halos, 4)."""
     origin = layer.own_lo - layer.halo_lo
