@@ -60,7 +60,9 @@ def disturbed(state, y, seed, noise):
         part = state.layout.local(k, y)
         size = np.abs(part).max(axis=0)
         if layer.kind == "fluid":
-            size[1] = part[:, 0].max() * float(layer.material.sound_speed(part[0, 2] / part[0, 0] / layer.material.cv))
+            size[1] = part[:, 0].max() * float(
+                layer.material.sound_speed(part[0, 2] / part[0, 0] / layer.material.cv)
+            )
         else:
             size[0], size[3] = layer.material.sound_speed(), 0.1 * state.h
         part += noise * size * rng.uniform(-1, 1, part.shape)
@@ -76,7 +78,10 @@ def off(found, expected, scale=None):
 def size_of(name, state):
     """What a difference in an integral is compared with: forces on two ends may cancel."""
     record = state.latest
-    sizes = {"force": np.abs(record["sigma_interface"]).max(), "momentum": 1e-3 * abs(record["energy"]) ** 0.5}
+    sizes = {
+        "force": np.abs(record["sigma_interface"]).max(),
+        "momentum": 1e-3 * abs(record["energy"]) ** 0.5,
+    }
     return max(np.abs(record[name]).max(), sizes.get(name, 0.0))
 
 
@@ -90,7 +95,15 @@ def assert_alike(old, new, noise=0.02, rest=1e-12):
         y = old.solution.getArray().copy()
         assert off(new.solution.getArray(), y) < rest
         assert off(new.results, old.results) < 1e-12
-        for name in ("energy", "force", "entropy", "mass", "x_interface", "sigma_interface", "T_interface"):
+        for name in (
+            "energy",
+            "force",
+            "entropy",
+            "mass",
+            "x_interface",
+            "sigma_interface",
+            "T_interface",
+        ):
             if name in old.latest.dtype.names:
                 found, expected = np.atleast_1d(new.latest[name]), np.atleast_1d(old.latest[name])
                 assert off(found, expected, size_of(name, old)) < 1e-11, name
@@ -113,7 +126,9 @@ def assert_alike(old, new, noise=0.02, rest=1e-12):
             assert off(new.results, old.results) < 1e-12
             for name in ("energy", "momentum", "force", "entropy", "heating"):
                 assert off(new.latest[name], old.latest[name], size_of(name, old)) < 1e-11, name
-            assert [(r["lo"], r["hi"]) for r in new.layout.records] == [(r["lo"], r["hi"]) for r in old.layout.records]
+            assert [(r["lo"], r["hi"]) for r in new.layout.records] == [
+                (r["lo"], r["hi"]) for r in old.layout.records
+            ]
 
 
 @pytest.mark.parametrize("order", (2, 4, 6, 8))
@@ -127,9 +142,18 @@ def test_rates_are_those_of_the_older_program(name, coupling, viscous, order):
 @pytest.mark.parametrize("coupling", ("projection", "energy", "traditional"))
 @pytest.mark.parametrize("conducting", ("both", "gas", "solid", "none"))
 def test_without_heat_on_a_side(coupling, conducting):
-    heat = {"fluid_kappa": 0.7 * (conducting in ("both", "gas")), "solid_kappa": 0.5 * (conducting in ("both", "solid"))}
+    heat = {
+        "fluid_kappa": 0.7 * (conducting in ("both", "gas")),
+        "solid_kappa": 0.5 * (conducting in ("both", "solid")),
+    }
     for order in (4, 8):
-        changed = {**_VISCOUS, **heat, "solid_gruneisen": 0.3, "fsi_order": order, "fsi_coupling": coupling}
+        changed = {
+            **_VISCOUS,
+            **heat,
+            "solid_gruneisen": 0.3,
+            "fsi_order": order,
+            "fsi_coupling": coupling,
+        }
         assert_alike(*pair_of("pulse", **changed))
 
 
@@ -144,7 +168,9 @@ def test_ends_of_solids(end, order):
 @pytest.mark.parametrize("order", (2, 8))
 def test_ends_of_gases(end, order):
     for changed in (_VISCOUS, {"pulse_amplitude": 100.0}):
-        assert_alike(*pair_of("pulse", ends=(None, GAS_ENDS[end]), **changed, fsi_order=order), rest=1e-11)
+        assert_alike(
+            *pair_of("pulse", ends=(None, GAS_ENDS[end]), **changed, fsi_order=order), rest=1e-11
+        )
 
 
 def _noble_abel():
@@ -170,7 +196,9 @@ def test_other_laws(coupling):
 
 
 def test_sutherland_and_a_body_force():
-    old, new = pair_of("rod", laws=(None, sutherland(273.0, 111.0, 194.0), None), fsi_viscous="narrow")
+    old, new = pair_of(
+        "rod", laws=(None, sutherland(273.0, 111.0, 194.0), None), fsi_viscous="narrow"
+    )
     assert_alike(old, new)
 
 

@@ -13,7 +13,16 @@ from fsipetsc.paper.coupling import couple, put_rows, residuals, take_rows
 from fsipetsc.paper.ends import close_solid, distance, fill_ghost, move_boundary
 from fsipetsc.paper.rates import elastic_rates, gas_rates
 from fsipetsc.paper.stencils import CALL, INNER, LEFT, OLD, RIGHT, U
-from fsipetsc.paper.sums import SEEN, SHARES, bound, gas_speeds, layer_rates, look_at_gas, look_at_solid, solid_speeds
+from fsipetsc.paper.sums import (
+    SEEN,
+    SHARES,
+    bound,
+    gas_speeds,
+    layer_rates,
+    look_at_gas,
+    look_at_solid,
+    solid_speeds,
+)
 from fsipetsc.scheme.burst import (
     ALLOWED,
     COURANT,
@@ -27,7 +36,19 @@ from fsipetsc.scheme.burst import (
     TARGET,
     TIME,
 )
-from fsipetsc.scheme.plan import BAD, BURST, EXHAUSTED, FLAGS, LIMITS, LOW, MOVED, RATE, SAID_STOP, STOP, TOO_SHORT
+from fsipetsc.scheme.plan import (
+    BAD,
+    BURST,
+    EXHAUSTED,
+    FLAGS,
+    LIMITS,
+    LOW,
+    MOVED,
+    RATE,
+    SAID_STOP,
+    STOP,
+    TOO_SHORT,
+)
 from fsipetsc.scheme.time_step import longest_step, next_step
 
 _longest_step, _next_step = njit(**INNER)(longest_step), njit(**INNER)(next_step)
@@ -118,7 +139,9 @@ def goes_on(room, journal):
     rate, target = results[RATE], burst[TARGET]
     if t >= target or made + 1 >= allowed or not 0.0 < rate < 1e300:
         return False
-    burst[DT], burst[NEXT] = _next_step(t, target, _longest_step(burst[COURANT], burst[FIXED], rate))
+    burst[DT], burst[NEXT] = _next_step(
+        t, target, _longest_step(burst[COURANT], burst[FIXED], rate)
+    )
     burst[ALLOWED] = allowed
     return True
 
@@ -176,7 +199,17 @@ def bound_step(op, room, good):
 @njit(**INNER)
 def _join(op, face, k, gas, solid, room):
     if gas is not None:
-        join(op, face, room.jumps[k], gas.record[0], gas.stage, solid.record[0], solid.stage, room.f[k], room.s[k])
+        join(
+            op,
+            face,
+            room.jumps[k],
+            gas.record[0],
+            gas.stage,
+            solid.record[0],
+            solid.stage,
+            room.f[k],
+            room.s[k],
+        )
 
 
 @njit(**INNER)
@@ -199,9 +232,13 @@ def _look(op, face, gas, side, number, entropy, room):
         return True
     k = 2 * side
     boundary_moves(op, gas.law, gas.record[0], gas.stage, side, number, room.results)
-    look_at_gas(op, gas.law, gas.record[0], gas.stage, gas.scratch, entropy, room.seen[k], room.shares[k])
+    look_at_gas(
+        op, gas.law, gas.record[0], gas.stage, gas.scratch, entropy, room.seen[k], room.shares[k]
+    )
     note_interface(op, face, room.jumps[side], room.f[side], room.s[side], room.notes[side])
-    good, room.rates[k, 0], room.rates[k, 1] = layer_rates(op, gas_speeds(gas.law, room.seen[k]), gas.record[0].h)
+    good, room.rates[k, 0], room.rates[k, 1] = layer_rates(
+        op, gas_speeds(gas.law, room.seen[k]), gas.record[0].h
+    )
     return good
 
 
@@ -223,7 +260,14 @@ def _complete(op, left, solid, right, faces, entropy, room):
     middle = room.there[0]
     good = _look(op, faces[0], left, LEFT, LEFT, entropy, room)
     look_at_solid(
-        op, solid.law, solid.record[0], solid.stage, solid.scratch, entropy, room.seen[1], room.shares[1]
+        op,
+        solid.law,
+        solid.record[0],
+        solid.stage,
+        solid.scratch,
+        entropy,
+        room.seen[1],
+        room.shares[1],
     )
     speeds = solid_speeds(solid.law, room.seen[1])
     fine, room.rates[1, 0], room.rates[1, 1] = layer_rates(op, speeds, solid.record[0].h)
@@ -245,7 +289,9 @@ def _keep(part):
 def run_task(task, ops, left, solid, right, faces, entropy, rooms, journal, number, dt):
     """One of the tasks; the completed solution is y, and the stage is the same where a step begins."""
     op, room = ops[0], rooms[0]
-    first, end, completes = (0, STAGES, True) if task == STEPS else (number, number + 1, number == STAGES)
+    first, end, completes = (
+        (0, STAGES, True) if task == STEPS else (number, number + 1, number == STAGES)
+    )
     more = True
     while more:
         for stage in range(first, end):
@@ -254,8 +300,23 @@ def run_task(task, ops, left, solid, right, faces, entropy, rooms, journal, numb
             if stage < STAGES:
                 _advance(op, left, stage, dt)
                 _advance(op, right, stage, dt)
-                elastic_rates(op, solid.law, solid.record[0], solid.stage, solid.forcing, solid.scratch, solid.k)
-                advance(solid.y.ravel(), solid.k.ravel(), solid.stage.ravel(), solid.total.ravel(), stage, dt)
+                elastic_rates(
+                    op,
+                    solid.law,
+                    solid.record[0],
+                    solid.stage,
+                    solid.forcing,
+                    solid.scratch,
+                    solid.k,
+                )
+                advance(
+                    solid.y.ravel(),
+                    solid.k.ravel(),
+                    solid.stage.ravel(),
+                    solid.total.ravel(),
+                    stage,
+                    dt,
+                )
         if completes:
             if task == STEPS:
                 _conditions(op, left, solid, right, faces, room)

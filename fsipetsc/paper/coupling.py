@@ -114,7 +114,9 @@ def temperatures(op, face, jump, f, s, x_X):
     k_s, k_f = face.solid.kappa_e / x_X, face.gas.conductivity(T_f)
     for _ in range(REFINEMENTS):
         if k_s > 0.0 and k_f > 0.0:
-            T_f = (jump[3] - k_s * (rest_s + d_s * jump[2]) + k_f * rest_f) / (k_s * d_s - k_f * d_f)
+            T_f = (jump[3] - k_s * (rest_s + d_s * jump[2]) + k_f * rest_f) / (
+                k_s * d_s - k_f * d_f
+            )
             T_s = T_f + jump[2]
         elif k_s > 0.0:
             T_s = (jump[3] / k_s - rest_s) / d_s
@@ -200,7 +202,10 @@ def projected(op, face, jump, f, s):
     # the state that the weights belong to
     rho, (u, T) = f[1, 0], gas_at(face, f, SECOND)
     bulk, p_T, T_s = gas.law.bulk_modulus(rho, T), gas.law.pressure_by_temperature(rho, T), s[0, 2]
-    K, c = (solid.K + solid.law.stiffness(T_s, x_X)) / x_X, solid.law.pressure_by_temperature(T_s, x_X)
+    K, c = (
+        (solid.K + solid.law.stiffness(T_s, x_X)) / x_X,
+        solid.law.pressure_by_temperature(T_s, x_X),
+    )
     tau_f, tau_s = T / (rho * gas.law.heat_capacity(rho, T)), T / (solid.alpha * solid.m0)
     u_f, T_f = gas_at(face, f, FIRST)
     mu, kappa, k_s = gas.viscosity(T_f), gas.conductivity(T_f), solid.kappa_e / x_X

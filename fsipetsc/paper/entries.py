@@ -83,7 +83,9 @@ def look_at_gas(ops, gas, layers, q, w, side, number, entropy, rooms):
 @njit(**CALL)
 def look_at_solid(ops, solid, layers, q, w, entropy, rooms):
     """After a step: look at the points."""
-    sums.look_at_solid(ops[0], solid, layers[0], q, w, entropy, rooms[0].seen[1], rooms[0].shares[1])
+    sums.look_at_solid(
+        ops[0], solid, layers[0], q, w, entropy, rooms[0].seen[1], rooms[0].shares[1]
+    )
 
 
 @njit(**CALL)
@@ -97,7 +99,9 @@ def note_interface(ops, face, k, rooms):
 def gas_rates_of_step(ops, gas, h, k, rooms):
     """Rates of convection and diffusion, from what all ranks have seen; whether the gas is physical."""
     room = rooms[0]
-    good, room.rates[k, 0], room.rates[k, 1] = sums.layer_rates(ops[0], sums.gas_speeds(gas, room.seen[k]), h)
+    good, room.rates[k, 0], room.rates[k, 1] = sums.layer_rates(
+        ops[0], sums.gas_speeds(gas, room.seen[k]), h
+    )
     return good
 
 
@@ -105,7 +109,9 @@ def gas_rates_of_step(ops, gas, h, k, rooms):
 def solid_rates_of_step(ops, solid, h, k, rooms):
     """The same of a solid."""
     room = rooms[0]
-    good, room.rates[k, 0], room.rates[k, 1] = sums.layer_rates(ops[0], sums.solid_speeds(solid, room.seen[k]), h)
+    good, room.rates[k, 0], room.rates[k, 1] = sums.layer_rates(
+        ops[0], sums.solid_speeds(solid, room.seen[k]), h
+    )
     return good
 
 

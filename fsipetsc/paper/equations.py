@@ -27,7 +27,11 @@ def gas_flux(gas, s, rho, m, e, u, T, u_X, T_X):
     """(rho (u-s), rho u (u-s) + p - mu' u_X, e (u-s) + u (p - mu' u_X) - kappa T_X)."""
     of_mu, of_kappa = gas.transport.relative(T)
     relative, pressing = u - s, gas.law.pressure(rho, T) - gas.mu * of_mu * u_X
-    return rho * relative, m * relative + pressing, e * relative + u * pressing - gas.kappa * of_kappa * T_X
+    return (
+        rho * relative,
+        m * relative + pressing,
+        e * relative + u * pressing - gas.kappa * of_kappa * T_X,
+    )
 
 
 @register_jitable

@@ -78,8 +78,13 @@ class Elastic(NamedTuple):
 
 def gas_of(material: Fluid) -> Gas:
     """InputError for a law of the user's that cannot be compiled."""
-    law, transport = _law(material.law, material, "gas"), _law(material.transport, material, "transport")
-    return Gas(law, transport, 4.0 / 3.0 * material.mu, material.kappa, material.gamma, material.force)
+    law, transport = (
+        _law(material.law, material, "gas"),
+        _law(material.transport, material, "transport"),
+    )
+    return Gas(
+        law, transport, 4.0 / 3.0 * material.mu, material.kappa, material.gamma, material.force
+    )
 
 
 def elastic_of(material: Solid) -> Elastic:
@@ -110,7 +115,9 @@ def _law(law: Any, material: Fluid | Solid, kind: str) -> Any:
     if name not in _classes:
         if getattr(found, "own", False):
             own_laws.check(found, kind)
-        _classes[name] = globals()[name] = _class(name, found)  # numba's cache finds the class by its name
+        _classes[name] = globals()[name] = _class(
+            name, found
+        )  # numba's cache finds the class by its name
     return _classes[name](_floats(constants))
 
 
@@ -146,7 +153,9 @@ def _jitable(function: Any, made: dict[int, Any]) -> Any:
         scope = plain.__globals__
         called = {n: v for n, v in ((n, scope.get(n)) for n in plain.__code__.co_names) if _ours(v)}
         scope = {**scope, **{n: _jitable(v, made) for n, v in called.items()}}
-        cells = tuple(CellType(_inner(cell.cell_contents, made)) for cell in plain.__closure__ or ())
+        cells = tuple(
+            CellType(_inner(cell.cell_contents, made)) for cell in plain.__closure__ or ()
+        )
         copy = FunctionType(plain.__code__, scope, plain.__name__, plain.__defaults__, cells)
         made[id(plain)] = register_jitable(copy)
     return made[id(plain)]

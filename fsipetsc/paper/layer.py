@@ -29,7 +29,11 @@ RECORD = np.dtype(
         ("end_degree", _I, (2,)),
         ("end_x", _F, (2,)),  # of a boundary
         ("end_data", _F, (2, 4)),
-        ("end_thermal", _I, (2,)),  # INSULATED, GIVEN_T or GIVEN_FLUX, at the end of a solid, and the temperature
+        (
+            "end_thermal",
+            _I,
+            (2,),
+        ),  # INSULATED, GIVEN_T or GIVEN_FLUX, at the end of a solid, and the temperature
         ("end_heat", _F, (2,)),  # or heat flux that is given
         # of other programs' grids, for what reads records: these are none
         ("stretched", _I),

@@ -61,7 +61,10 @@ def make_grids(
             degree = degree_of(problem.left if k == 0 else problem.right, op.order)
             # the treatment of the interface must not change the points of a boundary's formulas
             least = max(op.min_points, nodes_needed(degree) + 2, degree + 1 + row_length(op))
-            n = max(G + 1 + (spare + max(1, G // 8) if spare >= 8 else spare), before[k].n if before else 0)
+            n = max(
+                G + 1 + (spare + max(1, G // 8) if spare >= 8 else spare),
+                before[k].n if before else 0,
+            )
             room = n - 1 - G
             grid = Grid(n, room, n - 1, h, layer.X[1], n - 1, least)
             if k > 0:
@@ -107,13 +110,18 @@ class Layout:
         self.comm, self.problem, self.grids, self._order = comm, problem, grids, op.order
         self.halo = max(2 * op.reach, 6)
         pairs = list(zip(problem.layers, grids, strict=True))
-        extents = [Extent(v.kind, g.n, g.hi - g.lo + 1, k == 0 and v.kind == "fluid") for k, (v, g) in enumerate(pairs)]
+        extents = [
+            Extent(v.kind, g.n, g.hi - g.lo + 1, k == 0 and v.kind == "fluid")
+            for k, (v, g) in enumerate(pairs)
+        ]
         try:
             self.shares = shares or partition(extents, comm.size, mode, max(self.halo, op.rows + 1))
         except InputError:
             if kept is None:
                 raise
-            self.shares = [stretched(extent, own) for extent, own in zip(extents, kept.shares, strict=True)]
+            self.shares = [
+                stretched(extent, own) for extent, own in zip(extents, kept.shares, strict=True)
+            ]
         self.records = np.zeros(len(grids), RECORD)
         self._comms: list[MPI.Comm] = []
         self.dms: list[PETSc.DMDA | None] = []
@@ -131,8 +139,14 @@ class Layout:
         record["halo"], record["J"], record["end_kind"] = self.halo, 1.0, INTERFACE_END
         for side, end in ((0, self.problem.left), (1, self.problem.right)):
             if k == (0, len(layers) - 1)[side]:
-                record["end_kind"][side], record["end_degree"][side] = end.kind, degree_of(end, self._order)
-                record["end_thermal"][side], record["end_x"][side] = heat_of(end)[0], getattr(end, "x", 0.0)
+                record["end_kind"][side], record["end_degree"][side] = (
+                    end.kind,
+                    degree_of(end, self._order),
+                )
+                record["end_thermal"][side], record["end_x"][side] = (
+                    heat_of(end)[0],
+                    getattr(end, "x", 0.0),
+                )
 
     def _place(self, k: int) -> None:
         """Make the DMDA of layer k on its owners and note what this rank owns."""

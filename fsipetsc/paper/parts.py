@@ -53,7 +53,10 @@ class RightHandSide:
         self.stage, self.total, self.k = (np.zeros(layout.local_size) for _ in range(3))
         here = [k for k, dm in enumerate(layout.dms) if dm is not None]
         self.layers = [LayerPart(layout, self, k, laws[k], forced[k]) for k in here]
-        self.interfaces = [Interface(layout, self, k, laws, kind, room) for k in range(len(layout.problem.interfaces))]
+        self.interfaces = [
+            Interface(layout, self, k, laws, kind, room)
+            for k in range(len(layout.problem.interfaces))
+        ]
 
     def fulfil_conditions(self) -> None:
         """Let the stage, and the local vectors with it, fulfil all conditions but for ghost points, which are filled later."""
@@ -93,7 +96,9 @@ class RightHandSide:
 class LayerPart:
     """This rank's part of layer k of a right-hand side."""
 
-    def __init__(self, layout: Layout, rhs: RightHandSide, k: int, law: Gas | Elastic, forced: bool) -> None:
+    def __init__(
+        self, layout: Layout, rhs: RightHandSide, k: int, law: Gas | Elastic, forced: bool
+    ) -> None:
         self.number, self._layout, self._op, self._dm = k, layout, rhs.op, layout.dms[k]
         self.record, self.law = layout.records[k : k + 1], law
         record, dof = self.record[0], DOF[layout.records[k]["kind"]]
@@ -151,11 +156,25 @@ class LayerPart:
 class Interface:
     """Interface number k. jump: prescribed jumps; f, s: the rows of its two sides, of those ranks that own one."""
 
-    def __init__(self, layout: Layout, rhs: RightHandSide, k: int, laws: Sequence[Gas | Elastic], kind: int, room: np.void) -> None:
+    def __init__(
+        self,
+        layout: Layout,
+        rhs: RightHandSide,
+        k: int,
+        laws: Sequence[Gas | Elastic],
+        kind: int,
+        room: np.void,
+    ) -> None:
         self._op, self._comm = rhs.op, layout.comm
         gas, solid = layout.problem.interfaces[k]
         side = 1 if gas > solid else 0
-        self.face = Face(kind, laws[gas], laws[solid], 1.0 if gas > solid else -1.0, float(layout.records[solid]["h"]))
+        self.face = Face(
+            kind,
+            laws[gas],
+            laws[solid],
+            1.0 if gas > solid else -1.0,
+            float(layout.records[solid]["h"]),
+        )
         self.jump, self.f, self.s = room["jumps"][side], room["f"][side], room["s"][side]
         self._records = [layout.records[n : n + 1] for n in (gas, solid)]
         self._parts = [layout.local(n, rhs.stage) for n in (gas, solid)]
@@ -176,4 +195,6 @@ class Interface:
         rows, rank = (self.f, self.s), self.owners[other]
         entries.take_side(self._op, self.face, gas, solid, mine, self._parts[mine], rows[mine])
         self._comm.Sendrecv(rows[mine], rank, recvbuf=rows[other], source=rank)
-        entries.couple_side(self._op, self.face, self.jump, gas, solid, mine, self._parts[mine], self.f, self.s)
+        entries.couple_side(
+            self._op, self.face, self.jump, gas, solid, mine, self._parts[mine], self.f, self.s
+        )

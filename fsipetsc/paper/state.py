@@ -67,23 +67,34 @@ class PaperState:
     ) -> None:
         layout.check_form(problem, mapping)
         if coupling_name not in coupling.KINDS:
-            raise InputError(f"-fsi_coupling {coupling_name}: expected {', '.join(coupling.KINDS)}, in the paper's method")
+            raise InputError(
+                f"-fsi_coupling {coupling_name}: expected {', '.join(coupling.KINDS)}, in the paper's method"
+            )
         self.comm, self.problem, self.h, self.mapping = comm, problem, h, mapping
         self.op, self._operator = OPERATORS[order], packed(order, narrow)
-        self._kind, self._mode, self._spare, self._entropy = coupling.KINDS[coupling_name], mode, spare, entropy
+        self._kind, self._mode, self._spare, self._entropy = (
+            coupling.KINDS[coupling_name],
+            mode,
+            spare,
+            entropy,
+        )
         self.evaluations, self.begin, self.started = 0, 0.0, False
         self.fault: InputError | None = None  # of a user's function, on this rank
         if entropy:
             check_entropy(problem.layers)
         make = {"fluid": gas_of, "solid": elastic_of}
-        self.laws = together(comm, lambda: [make[layer.kind](layer.material) for layer in problem.layers])
+        self.laws = together(
+            comm, lambda: [make[layer.kind](layer.material) for layer in problem.layers]
+        )
         # layers are counted from the left gas, which there may not be
         self._first = 0 if problem.layers[0].kind == "fluid" else 1
         self._place(layout.make_grids(problem, self.op, h, spare))
 
     # memory
 
-    def _place(self, grids: list[Grid], kept: layout.Layout | None = None, shares: list | None = None) -> None:
+    def _place(
+        self, grids: list[Grid], kept: layout.Layout | None = None, shares: list | None = None
+    ) -> None:
         problem = self.problem
         self.layout = layout.Layout(self.comm, problem, self.op, grids, self._mode, kept, shares)
         values = np.zeros(self.layout.local_size)
@@ -91,7 +102,9 @@ class PaperState:
         forced = [layer.forcing is not None for layer in problem.layers]
         self._rooms = np.zeros(1, batch.ROOM)
         room = self._room = self._rooms[0]
-        self.path = RightHandSide(self.layout, self._operator, self.laws, self._kind, values, forced, room)
+        self.path = RightHandSide(
+            self.layout, self._operator, self.laws, self._kind, values, forced, room
+        )
         gases = [layer.kind == "fluid" for layer in problem.layers]
         room["there"][self._first : self._first + len(gases)] = gases
         record = step_record(len(problem.interfaces), sum(gases), self._entropy)
@@ -116,12 +129,16 @@ class PaperState:
             faces[interface.side] = interface.face
         return self._operator, *parts, tuple(faces), self._entropy, self._rooms, self._journal
 
-    def compile(self, announce: Callable[[str], None], also: Callable[[], object] = lambda: None) -> None:
+    def compile(
+        self, announce: Callable[[str], None], also: Callable[[], object] = lambda: None
+    ) -> None:
         """Compile the kernels if that has not been done for this machine: one rank first, the others take its result."""
 
         def everything() -> None:
             if self._batched:
-                batch.run_task.compile(tuple(map(numba.typeof, (batch.STEPS, *self._chain(), 0, 0.1))))
+                batch.run_task.compile(
+                    tuple(map(numba.typeof, (batch.STEPS, *self._chain(), 0, 0.1)))
+                )
             also()
 
         if self.comm.rank == 0:
@@ -163,7 +180,9 @@ class PaperState:
         for layer in self.path.layers:
             if len(layer.forcing):
                 k = layer.number
-                values = given.fields(problem.layers[k], "forcing", self.layout.owned_X(k), t, self.active(k))
+                values = given.fields(
+                    problem.layers[k], "forcing", self.layout.owned_X(k), t, self.active(k)
+                )
                 for c, value in enumerate(values):
                     layer.forcing[:, c] = value
 
@@ -217,12 +236,17 @@ class PaperState:
 
     def header(self) -> list[dict[str, Any]]:
         """What a result file says of each layer."""
-        return [{"name": v.name, "kind": v.kind, "fields": list(v.fields)} for v in self.problem.layers]
+        return [
+            {"name": v.name, "kind": v.kind, "fields": list(v.fields)} for v in self.problem.layers
+        ]
 
     def grids(self) -> list[dict[str, Any]]:
         """What the writer must know of the points of each layer: see RunWriter.start_segment."""
         records = enumerate(self.layout.records)
-        return [{"local": int(r["own_hi"] - r["own_lo"]), "n": int(r["n"]), "X": self.layout.owned_X(k)} for k, r in records]
+        return [
+            {"local": int(r["own_hi"] - r["own_lo"]), "n": int(r["n"]), "X": self.layout.owned_X(k)}
+            for k, r in records
+        ]
 
     def _fields(self) -> dict[int, Array]:
         """What is saved of this rank's points, (owned points, 5) by layer."""
@@ -252,7 +276,11 @@ class PaperState:
         if any(layer.exact is None for layer in layers):
             return None
         names = {"fluid": ("rho", "u", "T"), "solid": ("u", "sigma", "T", "x")}
-        totals = {kind: np.zeros(len(found)) for kind, found in names.items() if kind in {v.kind for v in layers}}
+        totals = {
+            kind: np.zeros(len(found))
+            for kind, found in names.items()
+            if kind in {v.kind for v in layers}
+        }
         power, fields = {"L1": 1, "L2": 2}[norm], self._fields()
 
         def exact() -> dict[int, list[Array]]:
@@ -263,14 +291,18 @@ class PaperState:
             record, index = records[k], np.arange(records[k]["own_lo"], records[k]["own_hi"])
             counted = (index >= record["lo"]) & (index <= record["hi"])
             for side, ghost in ((0, record["lo"]), (1, record["hi"])):
-                counted &= (index != ghost) | (layers[k].kind == "solid") | (record["end_kind"][side] < 0)
+                counted &= (
+                    (index != ghost) | (layers[k].kind == "solid") | (record["end_kind"][side] < 0)
+                )
             for c, value in enumerate(values):
                 difference = np.abs(fields[k][counted, c] - value[counted])
                 totals[layers[k].kind][c] += record["h"] * np.sum(difference**power)
         result = {}
         for kind, total in totals.items():
             powers = self.comm.allreduce(total)
-            result[kind] = {n: float(v) for n, v in zip(names[kind], powers ** (1 / power), strict=True)}
+            result[kind] = {
+                n: float(v) for n, v in zip(names[kind], powers ** (1 / power), strict=True)
+            }
             result[kind]["combined"] = float(powers.sum() ** (1 / power))
         return result
 
@@ -291,9 +323,14 @@ class PaperState:
                 values, positive = {"rho": rho, "u": u, "T": T}, {"rho", "T"}
             else:
                 right = np.minimum(own + 1, record["n"] - 1) - record["own_lo"] + first
-                x_X = np.where(own < record["n"] - 1, (part.local[right, 3] - q[:, 3]) / self.h, 1.0)
+                x_X = np.where(
+                    own < record["n"] - 1, (part.local[right, 3] - q[:, 3]) / self.h, 1.0
+                )
                 u, sigma, T, x = q.T
-                values, positive = {"x": x, "x_X": x_X, "u": u, "sigma": sigma, "T": T}, {"x_X", "T"}
+                values, positive = (
+                    {"x": x, "x_X": x_X, "u": u, "sigma": sigma, "T": T},
+                    {"x_X", "T"},
+                )
             place = (lambda i, x=x, X=X: f"x = {x[i]:.6g}{m} (X = {X[i]:.6g}{m})")  # fmt: skip
             yield Seen(k, own, values, frozenset(positive), place)
 
@@ -351,25 +388,36 @@ class PaperState:
         self._tell()
         good = True
         for k, (law, record) in enumerate(zip(self.laws, records, strict=True)):
-            speeds = entries.gas_rates_of_step if record["kind"] == FLUID else entries.solid_rates_of_step
+            speeds = (
+                entries.gas_rates_of_step
+                if record["kind"] == FLUID
+                else entries.solid_rates_of_step
+            )
             good &= speeds(self._operator, law, float(record["h"]), self._first + k, self._rooms)
         entries.finish_step(self._operator, self._rooms, good)
 
     def _tell(self) -> None:
         """Let all ranks know what each has seen, exactly: the largest numbers, of least ones the largest negative ones."""
         room, records = self._room, self.layout.records
-        seen, notes = np.full((len(records), sums.SEEN + FRAME), -np.inf), np.full((len(self.path.interfaces), 8), -np.inf)
+        seen, notes = (
+            np.full((len(records), sums.SEEN + FRAME), -np.inf),
+            np.full((len(self.path.interfaces), 8), -np.inf),
+        )
         signs = [(-1, -1, -1, 1, 1), (1, -1, -1, 1, 1)]
         for k, record in enumerate(records):
             if record["present"]:
-                seen[k, : sums.SEEN] = room["seen"][self._first + k] * signs[record["kind"] == FLUID]
+                seen[k, : sums.SEEN] = (
+                    room["seen"][self._first + k] * signs[record["kind"] == FLUID]
+                )
                 seen[k, sums.SEEN :] = [record[name] for name in ("lo", "hi", "s", "x_interface")]
         for k, interface in enumerate(self.path.interfaces):
             if interface.here[1]:
                 notes[k] = room["notes"][interface.side]
         flags = np.append(self.results[:RATE], self.results[STOP])
         told = np.concatenate([seen.ravel(), notes.ravel(), flags])
-        told[np.isnan(told)] = np.inf  # the largest of numbers and what is none depends on their order
+        told[np.isnan(told)] = (
+            np.inf
+        )  # the largest of numbers and what is none depends on their order
         self.comm.Allreduce(MPI.IN_PLACE, told, MPI.MAX)
         seen, notes, flags = np.split(told, np.cumsum([seen.size, notes.size]))
         seen = seen.reshape(len(records), -1)
@@ -439,7 +487,9 @@ class PaperState:
         for name in room.dtype.names:
             self._room[name] = room[name]
         self.results[LOW] = 0.0
-        for k, (grid, record, before) in enumerate(zip(self.layout.grids, self.layout.records, old.records, strict=True)):
+        for k, (grid, record, before) in enumerate(
+            zip(self.layout.grids, self.layout.records, old.records, strict=True)
+        ):
             for name in ("s", "x_interface", "end_x", "end_data", "end_heat"):
                 record[name] = before[name]
             if record["present"]:
@@ -463,7 +513,10 @@ class PaperState:
 
     def restore(self, arrays: Mapping[str, Array], t: float) -> Array | None:
         """Be at time t [s] what arrays, known on all ranks, tell of; the rates among them, if any. InputError."""
-        grids, shares = snapshot.grids_of(self.problem, self.layout.grids, arrays), snapshot.shares_of(arrays, self.comm.size)
+        grids, shares = (
+            snapshot.grids_of(self.problem, self.layout.grids, arrays),
+            snapshot.shares_of(arrays, self.comm.size),
+        )
         old = self.layout
         self._release()
         self._place(grids, old, shares)
@@ -489,7 +542,11 @@ class PaperState:
 
     def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
         """Destroy it, unless this rank may be alone with an error: the others would not meet it there."""
-        if error is None or self.comm.size == 1 or (isinstance(error, FsiError) and error.collective):
+        if (
+            error is None
+            or self.comm.size == 1
+            or (isinstance(error, FsiError) and error.collective)
+        ):
             self.destroy()
 
 
@@ -497,9 +554,13 @@ def make_paper_state(problem: Problem, opt: Mapping[str, Any], comm: MPI.Comm) -
     """The state that the options in force ask for. Collective. InputError for what the paper's method has not."""
     for name in ("fsi_dissipation", "fsi_shock"):
         if opt[name]:
-            raise InputError(f"-{name} {opt[name]:g}: the paper's method has none: take -fsi_coupling conservative")
+            raise InputError(
+                f"-{name} {opt[name]:g}: the paper's method has none: take -fsi_coupling conservative"
+            )
     if opt["fsi_convection"] == "entropy":
         raise InputError("-fsi_convection entropy: the paper's method has the divergence form")
     names = ("fsi_order", "fsi_h", "fsi_coupling", "fsi_mapping", "fsi_partition", "fsi_spare")
     entropy = bool(opt["fsi_entropy"] or opt["fsi_check"])
-    return PaperState(comm, problem, *(opt[name] for name in names), entropy, opt["fsi_viscous"] == "narrow")
+    return PaperState(
+        comm, problem, *(opt[name] for name in names), entropy, opt["fsi_viscous"] == "narrow"
+    )

@@ -113,7 +113,12 @@ def both_closures(op, f, out, A, B, scale):
         s = min(r + 1, rows - 1)
         left, right, next_left, next_right = 0.0, 0.0, 0.0, 0.0
         for c in range(columns):
-            at_left, at_right, v, w = f[U(A + c)], f[U(B - c)], op.closure[U(r), U(c)], op.closure[U(s), U(c)]
+            at_left, at_right, v, w = (
+                f[U(A + c)],
+                f[U(B - c)],
+                op.closure[U(r), U(c)],
+                op.closure[U(s), U(c)],
+            )
             left += v * at_left
             right += v * at_right
             next_left += w * at_left

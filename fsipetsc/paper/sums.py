@@ -27,7 +27,11 @@ VELOCITY, PLACE, CUBIC = np.int64(0), np.int64(3), np.int64(3)
 @njit(**INNER)
 def owned(layer):
     """(first, end) of the active points that this rank owns, and the rank's first point with its halo."""
-    return max(layer.own_lo, layer.lo), min(layer.own_hi, layer.hi + 1), layer.own_lo - layer.halo_lo
+    return (
+        max(layer.own_lo, layer.lo),
+        min(layer.own_hi, layer.hi + 1),
+        layer.own_lo - layer.halo_lo,
+    )
 
 
 @njit(**INNER)
@@ -41,7 +45,9 @@ def speeds_of(gas, s, rho, m, e, u, speed, a, b):
     """|u-s| + c."""
     for i in range(a, b):
         internal = e[U(i)] / rho[U(i)] - 0.5 * u[U(i)] * u[U(i)]
-        speed[U(i)] = abs(u[U(i)] - s) + np.sqrt(gas.law.sound_speed_squared_of_energy(rho[U(i)], internal))
+        speed[U(i)] = abs(u[U(i)] - s) + np.sqrt(
+            gas.law.sound_speed_squared_of_energy(rho[U(i)], internal)
+        )
 
 
 @njit(**INNER)
@@ -115,7 +121,11 @@ def gas_speeds(gas, seen):
     mu = max(gas.viscosity(cold), gas.viscosity(hot))
     kappa = max(gas.conductivity(cold), gas.conductivity(hot))
     cv = min(gas.law.heat_capacity(rho, cold), gas.law.heat_capacity(rho, hot))
-    return seen[4] == 0.0 and rho > 0.0 and cold > 0.0 and speed < np.inf, speed, max(mu, kappa / cv) / rho
+    return (
+        seen[4] == 0.0 and rho > 0.0 and cold > 0.0 and speed < np.inf,
+        speed,
+        max(mu, kappa / cv) / rho,
+    )
 
 
 @njit(**INNER)
@@ -222,7 +232,9 @@ def gas_entropy(op, gas, layer, q):
             i = ghost - origin
             near = entropy_density(gas, q, i), entropy_density(gas, q, i + step)
             far = entropy_density(gas, q, i + 2 * step), entropy_density(gas, q, i + 3 * step)
-            result -= strip_integral((near[0], near[1], far[0], far[1]), beyond_boundary(layer, side))
+            result -= strip_integral(
+                (near[0], near[1], far[0], far[1]), beyond_boundary(layer, side)
+            )
     return result
 
 
@@ -257,7 +269,10 @@ def solid_entropy(op, solid, layer, q):
     first, end, origin = owned(layer)
     for i in range(first, end):
         T, a = q[i - origin, 2], norm_weight(op, layer, i)
-        u_X, x_X = per_h * slope_at(op, layer, q, i, VELOCITY, origin), per_h * slope_at(op, layer, q, i, PLACE, origin)
+        u_X, x_X = (
+            per_h * slope_at(op, layer, q, i, VELOCITY, origin),
+            per_h * slope_at(op, layer, q, i, PLACE, origin),
+        )
         entropy += a * np.log(T)
         heating += a * (q[i - origin, 1] - solid.law.pressure(T, x_X)) * u_X / T
     return solid.alpha * solid.m0 * entropy, heating
