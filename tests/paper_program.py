@@ -1,4 +1,5 @@
-"""The program with the paper's method in place of the older one: the arguments are those of ``python -m fsipetsc``."""
+"""The program with the paper's method in place of the older one: the arguments are those of
+``python -m fsipetsc``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""The paper's method, fsipetsc.paper, held against the program that it replaces: rates, projections, integrals, bounds."""
+"""The paper's method, fsipetsc.paper, held against the program that it replaces: rates,
+projections, integrals, bounds."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""Runs of the paper's method, fsipetsc.paper: against the program that it replaces, on several ranks, and after a restart."""
+"""Runs of the paper's method, fsipetsc.paper: against the program that it replaces, on several
+ranks, and after a restart."""
 
 from __future__ import annotations
 
@@ -14,16 +15,19 @@ PROGRAM = REPOSITORY / "tests" / "paper_program.py"
 #: name -> case and options
 RUNS = {
     "rod": "rod -fsi_h 0.05 -ts_max_time 0.1 -fsi_output_dt 0.05 -fsi_entropy",
-    "falling": "rod -fsi_h 0.1 -fsi_order 2 -ts_max_time 0.5 -fsi_output_dt 0.25 -fsi_spare 0 -fsi_coupling energy",
+    "falling": "rod -fsi_h 0.1 -fsi_order 2 -ts_max_time 0.5 -fsi_output_dt 0.25 -fsi_spare 0 "
+    "-fsi_coupling energy",
     "mms": "mms -fsi_h 0.05 -fsi_order 6 -fsi_output_dt 0.15",
     "pulse": "pulse -fsi_h 0.025 -ts_max_time 0.002 -fsi_output_dt 0.001 -ts_type rk",
 }
 #: the same on several ranks, which take turns on few processors
 SHARED = {
     "rod": "rod -fsi_h 0.05 -ts_max_steps 20 -fsi_entropy",
-    "falling": "rod -fsi_h 0.1 -fsi_order 2 -ts_max_steps 60 -fsi_spare 0 -fsi_coupling energy -rod_gravity -9000",
+    "falling": "rod -fsi_h 0.1 -fsi_order 2 -ts_max_steps 60 -fsi_spare 0 -fsi_coupling energy "
+    "-rod_gravity -9000",
     "mms": "mms -fsi_h 0.05 -fsi_order 6 -ts_max_steps 20",
-    "pulse": "pulse -fsi_h 0.025 -ts_max_steps 20 -ts_type rk -fsi_coupling traditional -fsi_viscous narrow",
+    "pulse": "pulse -fsi_h 0.025 -ts_max_steps 20 -ts_type rk -fsi_coupling traditional "
+    "-fsi_viscous narrow",
 }
 
 
@@ -85,7 +89,8 @@ def test_as_the_older_program(results, name):
 
 
 def test_errors_of_the_manufactured_solution(results):
-    """SCHEME.md, section 5: 6/3 at h = 0.05 has 1.9e-4 and 2.8e-4 with an older treatment of the ends; not more."""
+    """SCHEME.md, section 5: 6/3 at h = 0.05 has 1.9e-4 and 2.8e-4 with an older treatment of the
+    ends; not more."""
     errors = results["mms"][1].errors
     assert errors["fluid"]["combined"] < 2e-4 and errors["solid"]["combined"] < 3e-4
 
@@ -103,7 +108,8 @@ def alone(tmp_path_factory):
 @pytest.mark.mpi
 @pytest.mark.parametrize("ranks", (2, 3, 4))
 def test_ranks_change_no_bit(alone, ranks, tmp_path):
-    """By batches on one rank, by way of PETSc's exchange on more: where boundaries move over the grid, too."""
+    """By batches on one rank, by way of PETSc's exchange on more: where boundaries move over the
+    grid, too."""
     for name, line in SHARED.items():
         share = "balanced" if ranks == 3 and name in ("mms", "pulse") else "auto"
         done = mpirun(

@@ -1,7 +1,8 @@
 """Several steps of the classical Runge-Kutta method in one compiled call, on one rank.
 
-Below some thousand points Python's calls would take longer than the arithmetic. What is called here are the loops that the
-right-hand side of fsipetsc.paper.parts calls, in the same order, so both make the same numbers. A layer that there is not is None.
+Below some thousand points Python's calls would take longer than the arithmetic. What is called here
+are the loops that the right-hand side of fsipetsc.paper.parts calls, in the same order, so both
+make the same numbers. A layer that there is not is None.
 """
 
 from __future__ import annotations
@@ -54,14 +55,15 @@ from fsipetsc.scheme.time_step import longest_step, next_step
 _longest_step, _next_step = njit(**INNER)(longest_step), njit(**INNER)(next_step)
 #: of the method
 STAGES = 4
-#: what ``run_task`` does: stage ``number`` of a step dt, or for STAGES its completion; a step dt from the completed solution, its
-#: completion, and further steps as the burst allows
+#: what ``run_task`` does: stage ``number`` of a step dt, or for STAGES its completion; a step dt
+#: from the completed solution, its completion, and further steps as the burst allows
 STAGE, STEPS = 0, 1
 
 
 @njit(**CALL)
 def advance(y, k, stage, total, number, dt):
-    """What a stage of the classical method does with its rates k: the next stage, and the sum that becomes the solution."""
+    """What a stage of the classical method does with its rates k: the next stage, and the sum that
+    becomes the solution."""
     a = dt if number == 2 else 0.5 * dt
     b = dt / 3.0 if 0 < number < 3 else dt / 6.0
     if number == 0:
@@ -79,7 +81,8 @@ def advance(y, k, stage, total, number, dt):
 
 @njit(**INNER)
 def interface_points(face, gas, solid):
-    """(point of the gas, step into it, point of the solid, step into it), among the owned points of their owners."""
+    """(point of the gas, step into it, point of the solid, step into it), among the owned points of
+    their owners."""
     if face.n > 0.0:
         return gas.lo - gas.own_lo, 1, solid.hi - solid.own_lo, -1
     return gas.hi - gas.own_lo, -1, solid.lo - solid.own_lo, 1
@@ -87,7 +90,8 @@ def interface_points(face, gas, solid):
 
 @njit(**INNER)
 def join(op, face, jump, gas, q_gas, solid, q_solid, f, s):
-    """Couple gas and solid, both owned by this rank, and let the frame follow; f, s: room for the rows, which stay there."""
+    """Couple gas and solid, both owned by this rank, and let the frame follow; f, s: room for the
+    rows, which stay there."""
     at_gas, into_gas, at_solid, into_solid = interface_points(face, gas, solid)
     take_rows(op, q_gas, at_gas, into_gas, f)
     take_rows(op, q_solid, at_solid, into_solid, s)
@@ -99,7 +103,8 @@ def join(op, face, jump, gas, q_gas, solid, q_solid, f, s):
 
 @njit(**INNER)
 def boundary_moves(op, law, gas, q, side, number, flags):
-    """Let the embedded boundary of layer ``number`` move over the grid; flags: see fsipetsc.scheme.plan."""
+    """Let the embedded boundary of layer ``number`` move over the grid; flags: see
+    fsipetsc.scheme.plan."""
     moved, exhausted = move_boundary(op, law, gas, q, side)
     if moved:
         flags[MOVED] = 1.0
@@ -120,7 +125,8 @@ def note_interface(op, face, jump, f, s, out):
 
 @njit(**INNER)
 def goes_on(room, journal):
-    """Note the step just made in burst and journal, and plan the next one; False if none follows."""
+    """Note the step just made in burst and journal, and plan the next one; False if none
+    follows."""
     burst, results = room.burst, room.results
     allowed = burst[ALLOWED]
     burst[ALLOWED] = 0.0
@@ -147,9 +153,10 @@ def goes_on(room, journal):
 
 
 _F = np.float64
-#: what a state works with; layers and interfaces are counted as if there were three and two. there: whether they are, as gases;
-#: rows f, s and jumps of the interfaces; seen, shares, rates (of convection and diffusion) of the layers: see
-#: fsipetsc.paper.sums; notes: of ``note_interface``; results, burst, latest (of so many ``numbers``): see fsipetsc.scheme.plan
+#: what a state works with; layers and interfaces are counted as if there were three and two. there:
+#: whether they are, as gases; rows f, s and jumps of the interfaces; seen, shares, rates (of
+#: convection and diffusion) of the layers: see fsipetsc.paper.sums; notes: of ``note_interface``;
+#: results, burst, latest (of so many ``numbers``): see fsipetsc.scheme.plan
 ROOM = np.dtype(
     [
         *[("there", np.int64, (3,)), ("numbers", np.int64)],
@@ -186,7 +193,8 @@ def note_step(room):
 
 @njit(**INNER)
 def bound_step(op, room, good):
-    """The limits among the results, from the rates of the layers; good: all of them are physical."""
+    """The limits among the results, from the rates of the layers; good: all of them are
+    physical."""
     convection = max(max(room.rates[0, 0], room.rates[1, 0]), room.rates[2, 0])
     diffusion = max(max(room.rates[0, 1], room.rates[1, 1]), room.rates[2, 1])
     room.results[RATE] = bound(convection, diffusion)
@@ -287,7 +295,8 @@ def _keep(part):
 
 @njit(**CALL)
 def run_task(task, ops, left, solid, right, faces, entropy, rooms, journal, number, dt):
-    """One of the tasks; the completed solution is y, and the stage is the same where a step begins."""
+    """One of the tasks; the completed solution is y, and the stage is the same where a step
+    begins."""
     op, room = ops[0], rooms[0]
     first, end, completes = (
         (0, STAGES, True) if task == STEPS else (number, number + 1, number == STAGES)

@@ -1,29 +1,40 @@
-"""What holds at an interface: three treatments, each of the rows of both sides that a condition can reach. Compiled.
+"""What holds at an interface: three treatments, each of the rows of both sides that a condition can
+reach. Compiled.
 
-Rows are counted from the interface into each material: f[j] = (rho, rho u, e)_j of the gas, s[j] = (u, sigma, T, x)_j of the
-solid. A treatment changes both in place so that (2.6)-(2.8b) hold up to the prescribed jumps,
+Rows are counted from the interface into each material: f[j] = (rho, rho u, e)_j of the gas, s[j] =
+(u, sigma, T, x)_j of the solid. A treatment changes both in place so that (2.6)-(2.8b) hold up to
+the prescribed jumps,
 
-    g_u = u_s - u_f    g_stress = sigma - p_s + p - mu' u_X    g_T = T_s - T_f    g_flux = kappa_e/x_X T_s,X - kappa T_f,X
+    g_u = u_s - u_f                          g_T = T_s - T_f
+    g_stress = sigma - p_s + p - mu' u_X     g_flux = kappa_e/x_X T_s,X - kappa T_f,X
 
-d_j is the row of D in the gas, -d_j in the solid: beta_j/h if the gas lies right of the solid, n = 1, else -beta_j/h. a_j are
-the weights of the norm, K, m0, ... the numbers of the solid, hats the state one point into the gas.
+d_j is the row of D in the gas, -d_j in the solid: beta_j/h if the gas lies right of the solid, n =
+1, else -beta_j/h. a_j are the weights of the norm, K, m0, ... the numbers of the solid, hats the
+state one point into the gas.
 
-*Projection*, what the paper runs (Theorem 4.2, Sec. 4.2): temperatures first, by (4.21); with them held, (u, sigma, rho) are
-projected orthogonally, in the norm of the symmetric variables, on g_u and g_stress, with multipliers from
+*Projection*, what the paper runs (Theorem 4.2, Sec. 4.2): temperatures first, by (4.21); with them
+held, (u, sigma, rho) are projected orthogonally, in the norm of the symmetric variables, on g_u and
+g_stress, with multipliers from
 
-    (1/m0 + 1/rho^) l1/a_0 + mu' d_0/(a_0 rho^) l2                            = u~_s - u~_f - g_u                       (4.23)
-    mu' d_0/(a_0 rho^) l1 + ((K + p^)/a_0 + mu'^2 sum_j d_j^2/(a_j rho^)) l2  = sigma~ - p_s + p~ - mu' (D u~)_0 - g_stress
+    (1/m0 + 1/rho^) l1/a_0 + mu' d_0/(a_0 rho^) l2 = u~_s - u~_f - g_u                       (4.23)
+    mu' d_0/(a_0 rho^) l1 + ((K + p^)/a_0 + mu'^2 sum_j d_j^2/(a_j rho^)) l2
+                                                   = sigma~ - p_s + p~ - mu' (D u~)_0 - g_stress
 
-    u_s = u~_s - l1/(a_0 m0)    sigma = sigma~ - K l2/a_0    u_j = u~_j + (l1 [j=0] + mu' d_j l2)/(a_j rho^)    (4.9), (4.10)
+    u_s = u~_s - l1/(a_0 m0)    sigma = sigma~ - K l2/a_0                                     (4.9)
+    u_j = u~_j + (l1 [j=0] + mu' d_j l2)/(a_j rho^)                                          (4.10)
 
-and rho_0 from p_0 = mu' (D u)_0 - sigma + p_s + g_stress, (4.24). rho p_rho takes the place of p^ in a gas that is not perfect.
+and rho_0 from p_0 = mu' (D u)_0 - sigma + p_s + g_stress, (4.24). rho p_rho takes the place of p^
+in a gas that is not perfect.
 
-*Energy*, Theorem 4.1: all four conditions at once, the temperatures among the unknowns, orthogonally in
+*Energy*, Theorem 4.1: all four conditions at once, the temperatures among the unknowns,
+orthogonally in
 
-    E = h sum_j a_j (W q^2)_j,   W: rho: p_rho/rho^, u: rho^, T: rho^ cv/T^;   u: m0, sigma: 1/K^, T: alpha m0/T^
+    E = h sum_j a_j (W q^2)_j,    gas: W = p_rho/rho^ (rho), rho^ (u), rho^ cv/T^ (T)
+                                  solid: W = m0 (u), 1/K^ (sigma), alpha m0/T^ (T)
 
-with K^ = (K - x_X dp_s/dx_X)/x_X. The q with C(q) = 0 nearest to q~ are q~ - W^-1 grad C . l/a_j, where S l = C(q~) with the Gram
-matrix S of grad C. c = dp_s/dT, k_s = kappa_e/x_X, tau_f = T^/(rho^ cv), tau_s = T^/(alpha m0):
+with K^ = (K - x_X dp_s/dx_X)/x_X. The q with C(q) = 0 nearest to q~ are q~ - W^-1 grad C . l/a_j,
+where S l = C(q~) with the Gram matrix S of grad C. c = dp_s/dT, k_s = kappa_e/x_X, tau_f = T^/(rho^
+cv), tau_s = T^/(alpha m0):
 
     a_0 S11 = 1/m0 + 1/rho^       a_0 S12 = mu' d_0/rho^       S13 = S14 = 0
     a_0 S22 = K^ + rho^ p_rho + c^2 tau_s + p_T^2 tau_f + mu'^2 sum_j (a_0/a_j) d_j^2/rho^
@@ -31,11 +42,13 @@ matrix S of grad C. c = dp_s/dT, k_s = kappa_e/x_X, tau_f = T^/(rho^ cv), tau_s 
     a_0 S33 = tau_s + tau_f                    a_0 S34 = d_0 (kappa tau_f - k_s tau_s)
     a_0 S44 = (k_s^2 tau_s + kappa^2 tau_f) sum_j (a_0/a_j) d_j^2
 
-Where a side does not conduct heat, the energy asks for less: no g_T, and no g_flux either if none does. About the weights in a
-solid without pressure, where (3.11) is singular, see fsipetsc.coupling.energy; rho_0 follows from (4.24) again.
+Where a side does not conduct heat, the energy asks for less: no g_T, and no g_flux either if none
+does. About the weights in a solid without pressure, where (3.11) is singular, see
+fsipetsc.coupling.energy; rho_0 follows from (4.24) again.
 
-*Traditional*: the solid moves the gas, u_f = u~_s - g_u, and the gas loads the solid, sigma = p_s - p + mu' u_X + g_stress, both
-temperatures from (4.21). The energy may grow without bound, the more so the lighter the solid: it is here to be compared with.
+*Traditional*: the solid moves the gas, u_f = u~_s - g_u, and the gas loads the solid, sigma = p_s -
+p + mu' u_X + g_stress, both temperatures from (4.21). The energy may grow without bound, the more
+so the lighter the solid: it is here to be compared with.
 """
 
 from __future__ import annotations
@@ -51,12 +64,14 @@ PROJECTION, ENERGY, TRADITIONAL = 0, 1, 2
 KINDS = {"projection": PROJECTION, "energy": ENERGY, "traditional": TRADITIONAL}
 #: rows, as no literals
 FIRST, SECOND = np.int64(0), np.int64(1)
-#: the conductivity at the interface has the temperature that it leads to, but for this fraction, or after so many attempts
+#: the conductivity at the interface has the temperature that it leads to, but for this fraction, or
+#: after so many attempts
 AGREED, REFINEMENTS = 1e-15, 20
 
 
 class Face(NamedTuple):
-    """An interface. n: 1 if the gas lies right of the solid, else -1; h: spacing [m] on both sides."""
+    """An interface. n: 1 if the gas lies right of the solid, else -1; h: spacing [m] on both
+    sides."""
 
     kind: int
     gas: Any
@@ -101,9 +116,10 @@ def put_gas(face, f, j, rho, u, T):
 def temperatures(op, face, jump, f, s, x_X):
     """(T_f, T_s) at the interface by continuity of temperature and heat flux, (4.21).
 
-    Without heat conduction on either side the temperatures do not couple. With conduction on one side only,
-    continuity of T cannot be imposed: that side gets its heat flux, the other keeps its temperature. The gas conducts
-    with the kappa of its new temperature: where that depends on T, the temperatures are found again with it.
+    Without heat conduction on either side the temperatures do not couple. With conduction on one
+    side only, continuity of T cannot be imposed: that side gets its heat flux, the other keeps its
+    temperature. The gas conducts with the kappa of its new temperature: where that depends on T,
+    the temperatures are found again with it.
     """
     beta, rest_f, rest_s, d = op.closure[0], 0.0, 0.0, face.n / face.h
     T_f, T_s = gas_at(face, f, FIRST)[1], s[0, 2]
@@ -171,7 +187,8 @@ def projection(op, face, jump, f, s):
 
 @njit(**INNER)
 def energy(op, face, jump, f, s):
-    """The orthogonal projection of Theorem 4.1; again, where kappa depends on T, until it has its new temperature."""
+    """The orthogonal projection of Theorem 4.1; again, where kappa depends on T, until it has its
+    new temperature."""
     for _ in range(REFINEMENTS):
         used = face.gas.conductivity(gas_at(face, f, FIRST)[1])
         T = projected(op, face, jump, f, s)
@@ -181,7 +198,8 @@ def energy(op, face, jump, f, s):
 
 @njit(**INNER)
 def multipliers(S11, S12, S22, S23, S24, S33, S34, S44, r1, r2, r3, r4):
-    """(l1, l2, l3, l4) with S l = r; S symmetric and positive definite, S13 = S14 = 0. Cholesky without roots."""
+    """(l1, l2, l3, l4) with S l = r; S symmetric and positive definite, S13 = S14 = 0. Cholesky
+    without roots."""
     v12 = S12 / S11
     D2, y2 = S22 - v12 * S12, r2 - v12 * r1
     v23, v24 = S23 / D2, S24 / D2
@@ -196,7 +214,8 @@ def multipliers(S11, S12, S22, S23, S24, S33, S34, S44, r1, r2, r3, r4):
 
 @njit(**INNER)
 def projected(op, face, jump, f, s):
-    """Project with the kappa of the temperature as it is; returns the gas's new temperature at the interface."""
+    """Project with the kappa of the temperature as it is; returns the gas's new temperature at the
+    interface."""
     gas, solid, beta, d, a_0 = face.gas, face.solid, op.closure[0], face.n / face.h, op.norm[0]
     x_X = strain(op, face, s)
     # the state that the weights belong to

@@ -1,12 +1,14 @@
-"""The outer ends: embedded boundaries of gases, with their ghost points, and ends of a solid. Compiled.
+"""The outer ends: embedded boundaries of gases, with their ghost points, and ends of a solid.
+Compiled.
 
-An embedded boundary stands at x_w; the ghost point is the first point of the frame's grid at or beyond it, delta in [0, 1)
-cells outside. Only what the condition gives is overwritten there: outgoing characteristics keep their values, with
-Z = rho c. (A ghost point with extrapolated density, or with all variables prescribed, makes the scheme unstable.)
-fsipetsc.boundaries says why each formula is as it is, with measurements: wall.py, open.py, dirichlet.py, solid_ends.py.
+An embedded boundary stands at x_w; the ghost point is the first point of the frame's grid at or
+beyond it, delta in [0, 1) cells outside. Only what the condition gives is overwritten there:
+outgoing characteristics keep their values, with Z = rho c. (A ghost point with extrapolated
+density, or with all variables prescribed, makes the scheme unstable.) fsipetsc.boundaries says why
+each formula is as it is, with measurements: wall.py, open.py, dirichlet.py, solid_ends.py.
 
-``nodes`` (5, NODES) holds (rho, u, T) at the ghost point (column 0) and inside of it, and two rows of weights; n is the outward
-normal, -1 left, 1 right.
+``nodes`` (5, NODES) holds (rho, u, T) at the ghost point (column 0) and inside of it, and two rows
+of weights; n is the outward normal, -1 left, 1 right.
 """
 
 from __future__ import annotations
@@ -14,7 +16,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from fsipetsc.boundaries import CLAMPED, DIRICHLET, FREE, INTERFACE_END, NODES, OPEN, WALL
+from fsipetsc.boundaries import CLAMPED, FREE, INTERFACE_END, NODES, OPEN, WALL
 from fsipetsc.boundaries.dirichlet import NEW_POINT as NEW_DIRICHLET
 from fsipetsc.boundaries.open import LONGEST
 from fsipetsc.boundaries.open import NEW_POINT as NEW_OPEN
@@ -38,7 +40,8 @@ LEAST = 0.25
 
 @njit(**INNER)
 def distance(layer, side):
-    """From the interface to the embedded boundary, in cells, from where the frame is: not by (4.25)."""
+    """From the interface to the embedded boundary, in cells, from where the frame is: not by
+    (4.25)."""
     return abs(layer.end_x[side] - layer.x_interface) / layer.h
 
 
@@ -50,7 +53,8 @@ def beyond_boundary(layer, side):
 
 @njit(**INNER)
 def depth_of(layer):
-    """Points inside the ghost point that are taken. Who owns the next point to come in must have them in its halo."""
+    """Points inside the ghost point that are taken. Who owns the next point to come in must have
+    them in its halo."""
     return min(min(NODES - 1, layer.halo - 1), layer.hi - layer.lo)
 
 
@@ -66,7 +70,8 @@ def fetch(gas, layer, q, ghost, side, nodes, begin):
 
 @njit(**INNER)
 def fill_ghost(op, gas, layer, q, side, new):
-    """Give the ghost point its values, where a rank has the points that this takes: all who need it do.
+    """Give the ghost point its values, where a rank has the points that this takes: all who need it
+    do.
 
     q: (points with halos, 3); new: the ghost point has no values yet.
     """
@@ -96,7 +101,8 @@ def fill_ghost(op, gas, layer, q, side, new):
 
 @njit(**INNER)
 def gradient_values(gas, layer, q, ghost, side):
-    """(u, T) that the gradients in friction and conduction see at the ghost point q[ghost], which is filled."""
+    """(u, T) that the gradients in friction and conduction see at the ghost point q[ghost], which
+    is filled."""
     n = 2.0 * side - 1.0
     nodes = np.zeros((5, NODES))
     weights, slopes = nodes[3], nodes[4]
@@ -117,9 +123,11 @@ def gradient_values(gas, layer, q, ghost, side):
 
 @njit(**INNER)
 def insulated_slopes(delta, s, narrow, slopes):
-    """Turn slopes of degree s at delta into the weights of the formula for T; returns how many nodes inside it has.
+    """Turn slopes of degree s at delta into the weights of the formula for T; returns how many
+    nodes inside it has.
 
-    Differences of the orders s + 1 ... are added, with eta fitted to the error that D makes at its closure.
+    Differences of the orders s + 1 ... are added, with eta fitted to the error that D makes at its
+    closure.
     """
     last = s + 3 if s == 4 else s + 1
     for k in range(s + 1, last + 1):
@@ -153,8 +161,9 @@ def wall(op, gas, layer, side, n, delta, nodes, weights, slopes):
 def given_data(gas, layer, side, n, nodes, weights):
     """Exact (rho, u, T): as many of them as come in along characteristics.
 
-    Inflow faster than sound: all three; inflow: p - n Z u and the entropy rho - p/c^2; outflow: p - n Z u; faster than
-    sound: nothing. What viscosity and conduction ask for besides is imposed in the gradients.
+    Inflow faster than sound: all three; inflow: p - n Z u and the entropy rho - p/c^2; outflow: p -
+    n Z u; faster than sound: nothing. What viscosity and conduction ask for besides is imposed in
+    the gradients.
     """
     degree, data = layer.end_degree[side], layer.end_data[side]
     rho, u, T = nodes[0, 0], nodes[1, 0], nodes[2, 0]
@@ -183,7 +192,8 @@ def given_data(gas, layer, side, n, nodes, weights):
 
 @njit(**INNER)
 def gas_beyond(gas, layer, side):
-    """(rho0, c0, tau, alpha, p_T/cv, b, kappa) of the gas beyond an open end, and how much of order 1 there is, 0 to 1."""
+    """(rho0, c0, tau, alpha, p_T/cv, b, kappa) of the gas beyond an open end, and how much of order
+    1 there is, 0 to 1."""
     p0, T0 = layer.end_data[side, 0], layer.end_data[side, 1]
     rho = gas.law.density(p0, T0)
     c2, cv = gas.law.sound_speed_squared(rho, T0), gas.law.heat_capacity(rho, T0)
@@ -204,8 +214,9 @@ def carried(layer, a, alpha, part):
 
 @njit(**INNER)
 def open_end(gas, layer, side, n, nodes):
-    """Towards gas of p0, T0 and velocity u0: no sound comes in, up to order 0 or 1 in the viscosity; on outflow the entropy
-    keeps its value, on inflow it is that of the gas beyond. end_data = (p0, T0, u0, order).
+    """Towards gas of p0, T0 and velocity u0: no sound comes in, up to order 0 or 1 in the
+    viscosity; on outflow the entropy keeps its value, on inflow it is that of the gas beyond.
+    end_data = (p0, T0, u0, order).
     """
     p0, T0, u0 = layer.end_data[side, 0], layer.end_data[side, 1], layer.end_data[side, 2]
     rho0, c0, tau, alpha, by_heat, b, kappa, part = gas_beyond(gas, layer, side)
@@ -267,10 +278,12 @@ def open_gradients(gas, layer, side, n, nodes):
 
 @njit(**INNER)
 def move_boundary(op, gas, layer, q, side):
-    """Let the ghost point be the first one at or beyond the boundary; (it is another one now, no point is left).
+    """Let the ghost point be the first one at or beyond the boundary; (it is another one now, no
+    point is left).
 
-    A point that comes in is extrapolated and becomes the ghost point, the old one keeps its value; where the boundary moves
-    inwards the last interior point becomes the ghost point. q: (points with halos, 3). All ranks of a layer decide alike.
+    A point that comes in is extrapolated and becomes the ghost point, the old one keeps its value;
+    where the boundary moves inwards the last interior point becomes the ghost point. q: (points
+    with halos, 3). All ranks of a layer decide alike.
     """
     moved = False
     cells = distance(layer, side)
@@ -303,8 +316,8 @@ def move_boundary(op, gas, layer, q, side):
 def close_solid(op, solid, layer, q):
     """Apply the conditions at the outer ends of a solid that this rank owns. q: (owned, 4).
 
-    Clamped: end_data = (u,). Free, absorbing: (sigma - p,), the latter of the solid at rest beyond the end: the
-    characteristic that leaves, sigma - p - n Z u, Z = m0 c, keeps its value.
+    Clamped: end_data = (u,). Free, absorbing: (sigma - p,), the latter of the solid at rest beyond
+    the end: the characteristic that leaves, sigma - p - n Z u, Z = m0 c, keeps its value.
     """
     beta = op.closure[0]
     for side in range(2):

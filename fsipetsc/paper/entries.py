@@ -1,4 +1,5 @@
-"""What Python calls of the compiled method, where PETSc's exchange stands between: one call where several things can be done.
+"""What Python calls of the compiled method, where PETSc's exchange stands between: one call where
+several things can be done.
 
 Records are handed over as arrays of length one, which takes numba a third of the time.
 """
@@ -97,7 +98,8 @@ def note_interface(ops, face, k, rooms):
 
 @njit(**CALL)
 def gas_rates_of_step(ops, gas, h, k, rooms):
-    """Rates of convection and diffusion, from what all ranks have seen; whether the gas is physical."""
+    """Rates of convection and diffusion, from what all ranks have seen; whether the gas is
+    physical."""
     room = rooms[0]
     good, room.rates[k, 0], room.rates[k, 1] = sums.layer_rates(
         ops[0], sums.gas_speeds(gas, room.seen[k]), h

@@ -1,17 +1,19 @@
 """The equations of the paper at a point.
 
-Gas, (4.20): compressible Navier-Stokes in a rigid frame that moves with the velocity s(t) of the gas's interface point,
-X = x - x_I(t) + X_I, mu' = 4 mu / 3, e = rho (internal energy + u^2/2):
+Gas, (4.20): compressible Navier-Stokes in a rigid frame that moves with the velocity s(t) of the
+gas's interface point, X = x - x_I(t) + X_I, mu' = 4 mu / 3, e = rho (internal energy + u^2/2):
 
     rho_t     + (rho (u-s))_X                                            = 0
     (rho u)_t + (rho u (u-s) + p - mu' u_X)_X                            = rho force
     e_t       + (e (u-s) + u (p - mu' u_X) - kappa T_X)_X                = rho u force
 
-Friction and conduction stand inside the outer derivative, so that D is applied twice and mu and kappa may vary.
+Friction and conduction stand inside the outer derivative, so that D is applied twice and mu and
+kappa may vary.
 
-Solid, (4.19): Lagrangian, sigma an unknown beside the pressure p(epsilon, rho), epsilon = alpha T, rho = m0 / x_X:
+Solid, (4.19): Lagrangian, sigma an unknown beside the pressure p(epsilon, rho), epsilon = alpha T,
+rho = m0 / x_X:
 
-    u_t          = (sigma - p)_X / m0 + force                 (the paper's T row is misprinted: this is (3.1c))
+    u_t          = (sigma - p)_X / m0 + force         (T: the paper's row is misprinted, see (3.1c))
     sigma_t      = K / x_X u_X
     alpha m0 T_t = (sigma - p) u_X + (kappa_e / x_X T_X)_X
     x_t          = u

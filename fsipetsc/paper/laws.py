@@ -1,8 +1,9 @@
 """The materials of a case as NamedTuples, whose scalar methods compiled loops call.
 
-A case builds ``Fluid`` and ``Solid`` with laws that are functions of numbers, fsipetsc.physics.perfect_gas for one: the gas's
-p(rho, T), e(rho, T), ..., its mu(T)/mu and kappa(T)/kappa, and the pressure of the solid. Here each law becomes a class of its
-own that holds its constants and has its functions for methods: ``gas.law.pressure(rho, T)``.
+A case builds ``Fluid`` and ``Solid`` with laws that are functions of numbers,
+fsipetsc.physics.perfect_gas for one: the gas's p(rho, T), e(rho, T), ..., its mu(T)/mu and
+kappa(T)/kappa, and the pressure of the solid. Here each law becomes a class of its own that holds
+its constants and has its functions for methods: ``gas.law.pressure(rho, T)``.
 """
 
 from __future__ import annotations
@@ -33,8 +34,8 @@ formulas(*METHODS, "viscosity", "conductivity", "velocity_and_temperature", "tot
 class Gas(NamedTuple):
     """mu: 4/3 of the shear viscosity [Pa s]; kappa [W/(m K)]; force: body force per mass [m/s2].
 
-    law: the equation of state, of rho, T, and the internal energy per mass e; transport: what mu and kappa are multiplied
-    with.
+    law: the equation of state, of rho, T, and the internal energy per mass e; transport: what mu
+    and kappa are multiplied with.
     """
 
     law: Any
@@ -63,7 +64,8 @@ class Gas(NamedTuple):
 
 
 class Elastic(NamedTuple):
-    """K = 2 mu_e + lambda_e [Pa]; kappa_e [W/(m K)]; m0 [kg/m3]; alpha [J/(kg K)]; force: body force per mass [m/s2].
+    """K = 2 mu_e + lambda_e [Pa]; kappa_e [W/(m K)]; m0 [kg/m3]; alpha [J/(kg K)]; force: body
+    force per mass [m/s2].
 
     law: the pressure p of T and x_X.
     """
@@ -134,7 +136,7 @@ def _floats(constants: Any) -> Any:
 
 
 def _class(name: str, law: Formulas) -> type:
-    base = NamedTuple(name, [("c", Any)])
+    base = NamedTuple(name, [("c", Any)])  # noqa: UP014  whose name is made
     methods = {n: _method(_jitable(f, {})) for n, f in vars(law).items() if n in METHODS}
     return type(name, (base,), {**methods, "__slots__": (), "__module__": __name__})
 
@@ -147,7 +149,8 @@ def _method(formula: Any) -> Any:
 
 
 def _jitable(function: Any, made: dict[int, Any]) -> Any:
-    """A compiled function's source, for compiled code and Python, and so are those of this package that it calls."""
+    """A compiled function's source, for compiled code and Python, and so are those of this package
+    that it calls."""
     plain = getattr(function, "py_func", function)
     if id(plain) not in made:
         scope = plain.__globals__

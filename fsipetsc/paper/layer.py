@@ -1,4 +1,5 @@
-"""The record of a layer: which points there are, whose they are, how the frame moves, what stands at the outer end."""
+"""The record of a layer: which points there are, whose they are, how the frame moves, what stands
+at the outer end."""
 
 from __future__ import annotations
 
@@ -48,8 +49,9 @@ RECORD = np.dtype(
 class Part(NamedTuple):
     """What compiled code takes of a rank's part of a layer.
 
-    law: Gas or Elastic; record: one RECORD; forcing (owned, unknowns) or (0, unknowns); scratch: rows; y, stage, total, k:
-    the completed solution, that of a stage, the sum of the stages and rates, (owned, unknowns) each.
+    law: Gas or Elastic; record: one RECORD; forcing (owned, unknowns) or (0, unknowns); scratch:
+    rows; y, stage, total, k: the completed solution, that of a stage, the sum of the stages and
+    rates, (owned, unknowns) each.
     """
 
     law: Any

@@ -1,7 +1,8 @@
-"""Who owns which points: grids, and a DMDA for each layer on a communicator of the ranks that have a part of it.
+"""Who owns which points: grids, and a DMDA for each layer on a communicator of the ranks that have
+a part of it.
 
-The solution is one world vector; its part on a rank is the concatenation of the rank's parts of the layers, each
-interlaced (gas rho, rho u, e; solid u, sigma, T, x).
+The solution is one world vector; its part on a rank is the concatenation of the rank's parts of the
+layers, each interlaced (gas rho, rho u, e; solid u, sigma, T, x).
 """
 
 from __future__ import annotations
@@ -25,12 +26,14 @@ Array = np.ndarray
 
 
 def check_form(problem: Problem, mapping: str) -> None:
-    """InputError for a problem that is not of the paper's form: a solid, and at most a gas on either side of it."""
+    """InputError for a problem that is not of the paper's form: a solid, and at most a gas on
+    either side of it."""
     for k, layer in enumerate(problem.layers):
         if isinstance(layer, FluidLayer) and problem.is_stretched(k, mapping):
             raise InputError(
-                f"layer '{layer.name}': the paper's method has rigid frames, between one interface and one end that insulates "
-                "and stays where it is: take -fsi_mapping rigid, or -fsi_coupling conservative"
+                f"layer '{layer.name}': the paper's method has rigid frames, between one "
+                "interface and one end that insulates and stays where it is: take -fsi_mapping rigid, or "
+                "-fsi_coupling conservative"
             )
 
 
@@ -53,8 +56,8 @@ def make_grids(
         width = length / h
         if not width + spare < MOST_CELLS:
             raise InputError(
-                f"layer '{layer.name}' of length {length:g} would have {width:.3g} cells with -fsi_h {h:g} "
-                f"and -fsi_spare {spare}; {MOST_CELLS} are too many"
+                f"layer '{layer.name}' of length {length:g} would have {width:.3g} cells with "
+                f"-fsi_h {h:g} and -fsi_spare {spare}; {MOST_CELLS} are too many"
             )
         if isinstance(layer, FluidLayer):
             G = (cells or {}).get(k, ghost_index(width))
@@ -74,14 +77,16 @@ def make_grids(
             if abs(width - count) > 1e-6 * max(1.0, width):
                 fits = length / max(1, np.ceil(width)), length / max(1, np.floor(width))
                 raise InputError(
-                    f"-fsi_h {h:.10g} misses an interface: layer '{layer.name}' of length {length:g} would have {width:.6g} "
-                    f"cells; the nearest spacings that fit are {fits[0]:.10g} and {fits[1]:.10g}"
+                    f"-fsi_h {h:.10g} misses an interface: layer '{layer.name}' of length "
+                    f"{length:g} would have {width:.6g} cells; the nearest spacings that fit are "
+                    f"{fits[0]:.10g} and {fits[1]:.10g}"
                 )
             grid = Grid(count + 1, 0, count, h, layer.X[0], 0, max(4, op.min_points))
         if grid.hi - grid.lo + 1 < grid.least:
             raise InputError(
-                f"layer '{layer.name}' has {grid.hi - grid.lo + 1} points with -fsi_h {h:g}; the {op.name} operator "
-                f"(-fsi_order {op.order}) needs at least {grid.least}: take a smaller -fsi_h or a lower -fsi_order"
+                f"layer '{layer.name}' has {grid.hi - grid.lo + 1} points with -fsi_h {h:g}; the "
+                f"{op.name} operator (-fsi_order {op.order}) needs at least {grid.least}: take a "
+                "smaller -fsi_h or a lower -fsi_order"
             )
         grids.append(grid)
     return grids
@@ -90,11 +95,12 @@ def make_grids(
 class Layout:
     """Ownership of all layers on all ranks; collective on ``comm``.
 
-    kept: the layout that this one takes the place of, whose ranks keep what they own where today's active points cannot
-    be dealt out to all of them: a gas may have shrunk since. shares: who owns what, if that is known.
+    kept: the layout that this one takes the place of, whose ranks keep what they own where today's
+    active points cannot be dealt out to all of them: a gas may have shrunk since. shares: who owns
+    what, if that is known.
 
-    Attributes: records (RECORD array), dms (a DMDA or None per layer), grids, shares, halo (points of one), local_size
-    (doubles of the solution on this rank).
+    Attributes: records (RECORD array), dms (a DMDA or None per layer), grids, shares, halo (points
+    of one), local_size (doubles of the solution on this rank).
     """
 
     def __init__(

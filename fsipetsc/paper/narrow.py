@@ -1,15 +1,18 @@
-"""What makes friction and conduction narrow: terms of undivided differences for the rates. Compiled.
+"""What makes friction and conduction narrow: terms of undivided differences for the rates.
+Compiled.
 
-D acts twice on u and T, with b = mu', kappa or kappa_e / x_X between. The narrow second derivative of
-fsipetsc.operators.narrow is D2(b) = D b D - H^-1 R(b), R(b) = sum_q Delta_q^T mean_q(b) Delta_q, q = p+1 .. 2p, so that
+D acts twice on u and T, with b = mu', kappa or kappa_e / x_X between. The narrow second derivative
+of fsipetsc.operators.narrow is D2(b) = D b D - H^-1 R(b), R(b) = sum_q Delta_q^T mean_q(b) Delta_q,
+q = p+1 .. 2p, so that
 
     (rho u)_t     -=  H^-1 R(b) u / h^2
     e_t           -=  H^-1 (R(u b) u + R(kappa) T) / h^2
     alpha m0 T_t  -=  H^-1 R(kappa_e / x_X) T / h^2              (solid)
 
-Columns of R add up to nothing: mass, momentum and total energy hold as with D twice. What the flow loses in kinetic energy,
-sum_q mean_q(b) (Delta_q u)^2, the heat gains. Delta_q at i takes the values at i .. i+q. At either end the first T differences
-of each order are left out; of order p+1 a term ``end`` (T, T) of their own stands instead, with b at point T.
+Columns of R add up to nothing: mass, momentum and total energy hold as with D twice. What the flow
+loses in kinetic energy, sum_q mean_q(b) (Delta_q u)^2, the heat gains. Delta_q at i takes the
+values at i .. i+q. At either end the first T differences of each order are left out; of order p+1 a
+term ``end`` (T, T) of their own stands instead, with b at point T.
 """
 
 from __future__ import annotations
@@ -18,7 +21,8 @@ from numba import njit
 
 from fsipetsc.paper.stencils import INNER, U, weight
 
-#: where the sum of the differences that begin at point 0 stands: they may begin before the rank's points
+#: where the sum of the differences that begin at point 0 stands: they may begin before the rank's
+#: points
 MARGIN = 8
 
 
@@ -102,7 +106,8 @@ def divide(op, out, scale, a, c, A, B):
 
 @njit(**INNER)
 def narrow_gas(op, gas, h, u, T, b, u_b, kappa, g, momentum, energy, a, c, A, B):
-    """What is added to the rates of momentum and energy at the points a .. c-1; u, T as the gradients see them."""
+    """What is added to the rates of momentum and energy at the points a .. c-1; u, T as the
+    gradients see them."""
     coefficients(gas, u, T, b, u_b, kappa, max(A, a - 2 * op.p), min(B + 1, c + 2 * op.p))
     for i in range(a, c):
         momentum[i] = energy[i] = 0.0

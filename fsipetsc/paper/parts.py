@@ -1,22 +1,23 @@
 """The right-hand side, with PETSc's ghost exchange: what is done, to be read from top to bottom.
 
-A layer lives on the ranks that own points of it: a DMDA on their communicator knows who owns which, and the rates read its
-local vectors. One evaluation:
+A layer lives on the ranks that own points of it: a DMDA on their communicator knows who owns which,
+and the rates read its local vectors. One evaluation:
 
-    1  interfaces   the owners of the two sides of an interface swap the rows that D reaches from it, and each of them
-                    solves the same small system                                             (Thm 4.1, Sec. 4.2)
-    2  frames       the owner of a gas's interface point tells the layer its velocity s and its place x_I (4.20), (4.25)
+    1  interfaces   the owners of the two sides of an interface swap the rows that D reaches from
+                    it, and each of them solves the same small system      (Thm 4.1, Sec. 4.2)
+    2  frames       the owner of a gas's interface point tells the layer its velocity s and its
+                    place x_I                                              (4.20), (4.25)
     3  halos        DMDA fills the local vectors: twice the reach of D, because D acts twice
-    4  points       ghost points (4.26), then the rates of all points                        (4.19), (4.20)
+    4  points       ghost points (4.26), then the rates of all points      (4.19), (4.20)
 
-Interfaces come before halos, so that neighbours of an owner get rows that fulfil the conditions. The point arithmetic is the
-same on any number of ranks, and nothing is added up over ranks: so are the results, bit for bit.
+Interfaces come before halos, so that neighbours of an owner get rows that fulfil the conditions.
+The point arithmetic is the same on any number of ranks, and nothing is added up over ranks: so are
+the results, bit for bit.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
@@ -35,8 +36,9 @@ Array = np.ndarray
 class RightHandSide:
     """dy/dt of the world vector, and the arrays that a step works in. All methods are collective.
 
-    Arrays of this rank's doubles: stage, on which the conditions are imposed; y: the solution's own memory; total, k. layers:
-    those that this rank has a part of. forced: layers with forcing; room: ROOM of fsipetsc.paper.batch.
+    Arrays of this rank's doubles: stage, on which the conditions are imposed; y: the solution's own
+    memory; total, k. layers: those that this rank has a part of. forced: layers with forcing; room:
+    ROOM of fsipetsc.paper.batch.
     """
 
     def __init__(
@@ -59,7 +61,8 @@ class RightHandSide:
         ]
 
     def fulfil_conditions(self) -> None:
-        """Let the stage, and the local vectors with it, fulfil all conditions but for ghost points, which are filled later."""
+        """Let the stage, and the local vectors with it, fulfil all conditions but for ghost points,
+        which are filled later."""
         for interface in self.interfaces:
             interface.couple()
         for layer in self.layers:
@@ -68,12 +71,14 @@ class RightHandSide:
             layer.fill_halos()
 
     def evaluate(self, f: Array, filled: bool = False) -> None:
-        """Rates of a state that fulfils the conditions, to this rank's part f; filled: so do the ghost points."""
+        """Rates of a state that fulfils the conditions, to this rank's part f; filled: so do the
+        ghost points."""
         for layer in self.layers:
             layer.evaluate(f, filled)
 
     def rates(self, y: Array, f: Array) -> None:
-        """f = dy/dt of this rank's part, for the boundary data, jumps and forcing set last; y stays as it is."""
+        """f = dy/dt of this rank's part, for the boundary data, jumps and forcing set last; y stays
+        as it is."""
         self.stage[:] = y
         self.fulfil_conditions()
         self.evaluate(f)
@@ -121,7 +126,8 @@ class LayerPart:
         return self._layout.local(self.number, array)
 
     def close_end(self) -> None:
-        """What comes before the exchange: the outer ends of a solid; all ranks of a gas hear of the frame."""
+        """What comes before the exchange: the outer ends of a solid; all ranks of a gas hear of the
+        frame."""
         if not self.is_gas:
             entries.close_end(self._op, self.law, self.record, self.part.stage)
         elif self._comm.size > 1:
@@ -154,7 +160,8 @@ class LayerPart:
 
 
 class Interface:
-    """Interface number k. jump: prescribed jumps; f, s: the rows of its two sides, of those ranks that own one."""
+    """Interface number k. jump: prescribed jumps; f, s: the rows of its two sides, of those ranks
+    that own one."""
 
     def __init__(
         self,
@@ -178,13 +185,15 @@ class Interface:
         self.jump, self.f, self.s = room["jumps"][side], room["f"][side], room["s"][side]
         self._records = [layout.records[n : n + 1] for n in (gas, solid)]
         self._parts = [layout.local(n, rhs.stage) for n in (gas, solid)]
-        # the rank with the last point of a layer has all of the rows, see fsipetsc.parallel.partition
+        # the rank with the last point of a layer has all of the rows, see
+        # fsipetsc.parallel.partition
         self.owners = [layout.shares[n][-1 if n == min(gas, solid) else 0][0] for n in (gas, solid)]
         self.here = [owner == self._comm.rank for owner in self.owners]
         self.side = side
 
     def couple(self) -> None:
-        """Couple the two sides in the stage; the record of the gas has the frame's velocity and place then."""
+        """Couple the two sides in the stage; the record of the gas has the frame's velocity and
+        place then."""
         if not any(self.here):
             return
         (gas, solid), (q_gas, q_solid) = self._records, self._parts

@@ -1,7 +1,8 @@
-"""dy/dt at a rank's points of a layer, from its points with halos, which fulfil all conditions. Compiled.
+"""dy/dt at a rank's points of a layer, from its points with halos, which fulfil all conditions.
+Compiled.
 
-The unknowns of a point stand together in memory, as PETSc has them; the loops work on a row of scratch for each quantity.
-D acts twice, so rates need values within twice its reach.
+The unknowns of a point stand together in memory, as PETSc has them; the loops work on a row of
+scratch for each quantity. D acts twice, so rates need values within twice its reach.
 """
 
 from __future__ import annotations
@@ -23,8 +24,9 @@ ROWS, MORE = 19, 2 * MARGIN
 
 @njit(**INNER)
 def ranges(op, layer):
-    """(a, b, A, B, f0, f1, v0, v1) among a rank's points with halos: rates are wanted at a .. b-1, the active ones that it
-    owns; A and B are the first and the last active point of all; fluxes are needed at f0 .. f1-1, values at v0 .. v1-1.
+    """(a, b, A, B, f0, f1, v0, v1) among a rank's points with halos: rates are wanted at a .. b-1,
+    the active ones that it owns; A and B are the first and the last active point of all; fluxes are
+    needed at f0 .. f1-1, values at v0 .. v1-1.
     """
     first = layer.own_lo - layer.halo_lo
     A, B = layer.lo - first, layer.hi - first
@@ -84,14 +86,15 @@ def add_columns(change, out, first, end):
 
 @njit(**INNER)
 def entropy_keeping(gas, rho, m, e, rho_t, m_t, e_t, u_X):
-    """What must be added to e_t so that the entropy of a gas's interface point obeys rho T S_t = mu' u_X^2.
+    """What must be added to e_t so that the entropy of a gas's interface point obeys rho T S_t =
+    mu' u_X^2.
 
     Without conduction this point is a particle that no heat reaches, and with h = eps + p/rho
 
         e_t = u m_t + (h - u^2/2) rho_t + mu' u_X^2.
 
-    The error that the closure makes in the energy, and the entropy that a shock leaves there, would stay for ever: nothing
-    carries them away.
+    The error that the closure makes in the energy, and the entropy that a shock leaves there, would
+    stay for ever: nothing carries them away.
     """
     u, T = gas.velocity_and_temperature(rho, m, e)
     h = e / rho - 0.5 * u * u + gas.law.pressure(rho, T) / rho
@@ -100,7 +103,8 @@ def entropy_keeping(gas, rho, m, e, rho_t, m_t, e_t, u_X):
 
 @njit(**INNER)
 def gas_rates(op, gas, layer, q, forcing, w, out):
-    """(4.20). q: (points with halos, 3); forcing: (owned, 3), or (0, 3) for none; w: scratch; out: (owned, 3)."""
+    """(4.20). q: (points with halos, 3); forcing: (owned, 3), or (0, 3) for none; w: scratch; out:
+    (owned, 3)."""
     clear(out)
     a, b, A, B, f0, f1, v0, v1 = ranges(op, layer)
     if a >= b:
@@ -179,7 +183,8 @@ def put_solid(solid, u, stretch, net, u_X, net_X, conducted_X, out, a, b, shift)
 
 @njit(**INNER)
 def elastic_rates(op, solid, layer, q, forcing, w, out):
-    """(4.19). q: (points with halos, 4); forcing: (owned, 4), or (0, 4) for none; w: scratch; out: (owned, 4)."""
+    """(4.19). q: (points with halos, 4); forcing: (owned, 4), or (0, 4) for none; w: scratch; out:
+    (owned, 4)."""
     clear(out)
     a, b, A, B, f0, f1, v0, v1 = ranges(op, layer)
     if a >= b:

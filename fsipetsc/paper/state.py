@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numba
 import numpy as np
@@ -21,7 +21,7 @@ from fsipetsc.paper.parts import RightHandSide
 from fsipetsc.paper.stencils import packed
 from fsipetsc.parallel.layout import Grid
 from fsipetsc.physics.layer import FLUID
-from fsipetsc.problem import FluidLayer, Problem
+from fsipetsc.problem import Problem
 from fsipetsc.process.together import agree, together, wait_asleep
 from fsipetsc.scheme.burst import MADE
 from fsipetsc.scheme.plan import CAPACITY, LOW, RATE, SAID_STOP, STOP, step_record
@@ -34,18 +34,32 @@ Array = np.ndarray
 FAULT = 1000.0
 #: times of the stages, in steps, and of the completed step
 FRACTIONS = 0.0, 0.5, 0.5, 1.0, 1.0
-#: numbers of a layer that all ranks learn after a step, beside those that are seen: lo, hi, s, x_interface
+#: numbers of a layer that all ranks learn after a step, beside those that are seen: lo, hi, s,
+#: x_interface
 FRAME = 4
+
+
+class _Place(NamedTuple):
+    """Says where point i is: at x in space, X in the layer."""
+
+    x: Array
+    X: Array
+    unit: str
+
+    def __call__(self, i: int) -> str:
+        return f"x = {self.x[i]:.6g}{self.unit} (X = {self.X[i]:.6g}{self.unit})"
 
 
 class PaperState:
     """Solution and everything that belongs to it; all methods are collective on ``comm``.
 
-    Attributes: layout; solution (world Vec); results of the last completed step; burst (fsipetsc.scheme.burst); journal, the
-    records of steps (fsipetsc.scheme.plan.step_record), and latest, that of the last one without its time. The integrals in
-    them are this rank's shares. evaluations of the right-hand side are counted. rates: (layers, 2), the largest rates of
-    convection and diffusion [1/s] of each layer. begin: time [s] of the initial data; started: they are those of a frame.
-    Raises InputError where grid, order and number of ranks do not fit, or the problem is not of the paper's form.
+    Attributes: layout; solution (world Vec); results of the last completed step; burst
+    (fsipetsc.scheme.burst); journal, the records of steps (fsipetsc.scheme.plan.step_record), and
+    latest, that of the last one without its time. The integrals in them are this rank's shares.
+    evaluations of the right-hand side are counted. rates: (layers, 2), the largest rates of
+    convection and diffusion [1/s] of each layer. begin: time [s] of the initial data; started: they
+    are those of a frame. Raises InputError where grid, order and number of ranks do not fit, or the
+    problem is not of the paper's form.
     """
 
     convection = "divergence"
@@ -68,7 +82,8 @@ class PaperState:
         layout.check_form(problem, mapping)
         if coupling_name not in coupling.KINDS:
             raise InputError(
-                f"-fsi_coupling {coupling_name}: expected {', '.join(coupling.KINDS)}, in the paper's method"
+                f"-fsi_coupling {coupling_name}: expected {', '.join(coupling.KINDS)}, "
+                "in the paper's method"
             )
         self.comm, self.problem, self.h, self.mapping = comm, problem, h, mapping
         self.op, self._operator = OPERATORS[order], packed(order, narrow)
@@ -132,7 +147,8 @@ class PaperState:
     def compile(
         self, announce: Callable[[str], None], also: Callable[[], object] = lambda: None
     ) -> None:
-        """Compile the kernels if that has not been done for this machine: one rank first, the others take its result."""
+        """Compile the kernels if that has not been done for this machine: one rank first, the
+        others take its result."""
 
         def everything() -> None:
             if self._batched:
@@ -152,15 +168,17 @@ class PaperState:
         self._fields()
 
     def compile_path(self, announce: Callable[[str], None]) -> None:
-        """Compile what PETSc's own methods call: that happens when it is called first, in a few seconds."""
+        """Compile what PETSc's own methods call: that happens when it is called first, in a few
+        seconds."""
 
     # data
 
     def set_data(self, t: float) -> None:
-        """Evaluate boundary data, jumps and forcing at time t [s] for the next evaluation of the right-hand side.
+        """Evaluate boundary data, jumps and forcing at time t [s] for the next evaluation of the
+        right-hand side.
 
-        If a function of the user's fails, here alone perhaps, the data stay as they are, the step goes on, and all ranks
-        learn of it when it is complete: see ``fault``.
+        If a function of the user's fails, here alone perhaps, the data stay as they are, the step
+        goes on, and all ranks learn of it when it is complete: see ``fault``.
         """
         try:
             self._set_data(t)
@@ -200,12 +218,13 @@ class PaperState:
             self._place(layout.make_grids(self.problem, self.op, self.h, self._spare, start.cells))
 
     def set_initial(self) -> None:
-        """Initial data of all layers, projected, at the time ``begin``. InputError where they are not what they must be."""
+        """Initial data of all layers, projected, at the time ``begin``. InputError where they are
+        not what they must be."""
         self.check_data()
         self.finish()
 
     def check_data(self) -> None:
-        """Ask the user's functions for all data at the beginning. InputError, on all ranks, where they are not as they must be."""
+        """Ask for all data at the beginning. InputError, on all ranks, where they are wrong."""
         initial_data.set_data(self)
 
     # what is said of it
@@ -260,17 +279,20 @@ class PaperState:
         return found
 
     def save(self, slots: tuple[Array, Array, int]) -> None:
-        """Put what is saved of this rank's points in the slots of a frame (fsipetsc.output.buffers.Slots)."""
+        """Put what is saved of this rank's points in the slots of a frame
+        (fsipetsc.output.buffers.Slots)."""
         out, starts, stride = slots
         for k, fields in self._fields().items():
             for c in range(5):
                 out[starts[k] + c :: stride][: len(fields)] = fields[:, c]
 
     def errors(self, t: float, norm: str = "L2") -> dict[str, dict[str, float]] | None:
-        """Errors at time t [s]: kind of layer -> name -> (h sum |difference|^p)^(1/p), and "combined" over the unknowns.
+        """Errors at time t [s]: kind of layer -> name -> (h sum |difference|^p)^(1/p), and
+        "combined" over the unknowns.
 
-        norm: "L1" or "L2", p = 1 or 2. Over the active points without ghosts, all layers of a kind together. None without
-        an exact solution. Collective; InputError if the exact solution cannot be had.
+        norm: "L1" or "L2", p = 1 or 2. Over the active points without ghosts, all layers of a kind
+        together. None without an exact solution. Collective; InputError if the exact solution
+        cannot be had.
         """
         layers, records = self.problem.layers, self.layout.records
         if any(layer.exact is None for layer in layers):
@@ -331,8 +353,7 @@ class PaperState:
                     {"x": x, "x_X": x_X, "u": u, "sigma": sigma, "T": T},
                     {"x_X", "T"},
                 )
-            place = (lambda i, x=x, X=X: f"x = {x[i]:.6g}{m} (X = {X[i]:.6g}{m})")  # fmt: skip
-            yield Seen(k, own, values, frozenset(positive), place)
+            yield Seen(k, own, values, frozenset(positive), _Place(x, X, m))
 
     def unknowns(self, y: Array) -> list[Array]:
         """The active ones in this rank's part y, layer by layer."""
@@ -346,7 +367,8 @@ class PaperState:
         self.path.rates(y, f)
 
     def project(self, y: Array) -> None:
-        """Fill the ghost points of this rank's part y and project its interfaces, in place; undoes the completion."""
+        """Fill the ghost points of this rank's part y and project its interfaces, in place; undoes
+        the completion."""
         self.path.stage[:] = y
         self.path.fulfil_conditions()
         for part in self.path.layers:
@@ -397,7 +419,8 @@ class PaperState:
         entries.finish_step(self._operator, self._rooms, good)
 
     def _tell(self) -> None:
-        """Let all ranks know what each has seen, exactly: the largest numbers, of least ones the largest negative ones."""
+        """Let all ranks know what each has seen, exactly: the largest numbers, of least ones the
+        largest negative ones."""
         room, records = self._room, self.layout.records
         seen, notes = (
             np.full((len(records), sums.SEEN + FRAME), -np.inf),
@@ -431,9 +454,11 @@ class PaperState:
         self.results[:RATE], self.results[STOP] = flags[:RATE], flags[RATE]
 
     def step(self, t: float, dt: float, steady: bool) -> None:
-        """A step dt [s] of the classical Runge-Kutta method from the completed solution at t [s], and its completion.
+        """A step dt [s] of the classical Runge-Kutta method from the completed solution at t [s],
+        and its completion.
 
-        steady: the data do not depend on time; then further steps follow as the burst allows, by itself none.
+        steady: the data do not depend on time; then further steps follow as the burst allows, by
+        itself none.
         """
         if steady and self._batched:
             self._run(batch.STEPS, dt=dt)
@@ -471,10 +496,11 @@ class PaperState:
             part.fill_halos()
 
     def grow(self, noted: int = 0) -> None:
-        """Lay the grids anew with more spare points at the embedded boundaries; the completed solution moves along.
+        """Lay the grids anew with more spare points at the embedded boundaries; the completed
+        solution moves along.
 
-        noted: records of the journal that are needed. Nothing else changes, not even in the last bit. Rare, so it is simple:
-        every rank sees each layer once, whole.
+        noted: records of the journal that are needed. Nothing else changes, not even in the last
+        bit. Rare, so it is simple: every rank sees each layer once, whole.
         """
         old, y = self.layout, self.path.y
         whole = [snapshot.gather(self.comm, old, k, y) for k in range(len(old.grids))]
@@ -499,7 +525,8 @@ class PaperState:
         self._load()
 
     def keep(self, room: tuple[Array, ...] | None = None) -> tuple[Array, ...]:
-        """What ``back`` takes, of this rank: the completed state as it is, on these grids; room: what it may overwrite."""
+        """What ``back`` takes, of this rank: the completed state as it is, on these grids; room:
+        what it may overwrite."""
         return snapshot.kept(self, room)
 
     def back(self, kept: tuple[Array, ...]) -> None:
@@ -512,7 +539,8 @@ class PaperState:
         return snapshot.capture(self, rates)
 
     def restore(self, arrays: Mapping[str, Array], t: float) -> Array | None:
-        """Be at time t [s] what arrays, known on all ranks, tell of; the rates among them, if any. InputError."""
+        """Be at time t [s] what arrays, known on all ranks, tell of; the rates among them, if any.
+        InputError."""
         grids, shares = (
             snapshot.grids_of(self.problem, self.layout.grids, arrays),
             snapshot.shares_of(arrays, self.comm.size),
@@ -541,7 +569,8 @@ class PaperState:
         return self
 
     def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
-        """Destroy it, unless this rank may be alone with an error: the others would not meet it there."""
+        """Destroy it, unless this rank may be alone with an error: the others would not meet it
+        there."""
         if (
             error is None
             or self.comm.size == 1
@@ -551,11 +580,13 @@ class PaperState:
 
 
 def make_paper_state(problem: Problem, opt: Mapping[str, Any], comm: MPI.Comm) -> PaperState:
-    """The state that the options in force ask for. Collective. InputError for what the paper's method has not."""
+    """The state that the options in force ask for. Collective. InputError for what the paper's
+    method has not."""
     for name in ("fsi_dissipation", "fsi_shock"):
         if opt[name]:
             raise InputError(
-                f"-{name} {opt[name]:g}: the paper's method has none: take -fsi_coupling conservative"
+                f"-{name} {opt[name]:g}: the paper's method has none: "
+                "take -fsi_coupling conservative"
             )
     if opt["fsi_convection"] == "entropy":
         raise InputError("-fsi_convection entropy: the paper's method has the divergence form")

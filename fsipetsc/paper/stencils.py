@@ -1,8 +1,9 @@
 """The SBP first derivative on rows of values, and the formulas of an embedded boundary.
 
-Rows hold the points of a rank with their halos. The closures stand at the first and the last active point, A and B. The same
-formula is evaluated in the same order for a point whoever owns it, so results do not depend on the number of ranks: that is
-why no loop here may reorder or contract (``LOOP``).
+Rows hold the points of a rank with their halos. The closures stand at the first and the last active
+point, A and B. The same formula is evaluated in the same order for a point whoever owns it, so
+results do not depend on the number of ranks: that is why no loop here may reorder or contract
+(``LOOP``).
 """
 
 from __future__ import annotations
@@ -19,20 +20,25 @@ Array = NDArray[np.float64]
 #: IEEE arithmetic as it is written
 LOOP = {**loops.LOOP, "fastmath": False}
 CALL = {**loops.CALL, "fastmath": False}
-#: of what only compiled code calls: nothing is made to call it from Python, and it is not kept for itself
+#: of what only compiled code calls: nothing is made to call it from Python, and it is not kept for
+#: itself
 INNER = {**LOOP, "cache": False, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-#: index arithmetic is of signed numbers; an index made unsigned spares the question whether it counts from the end
+#: index arithmetic is of signed numbers; an index made unsigned spares the question whether it
+#: counts from the end
 U = np.uint64
-#: numbers that are no literals: of a function that is given a literal numba compiles a version for just this one
+#: numbers that are no literals: of a function that is given a literal numba compiles a version for
+#: just this one
 LEFT, RIGHT = np.int64(0), np.int64(1)
 OLD, NEW = np.bool_(False), np.bool_(True)
 
 
 _I, _F = np.int64, np.float64
-#: D for h = 1: sum_k interior[k-1] (v[i+k] - v[i-k]), k = 1 .. p; closure[:rows, :columns] at the left end; norm[:rows]; reach;
-#: n: points that its first row reaches; diffusion: its bound on the step. narrow: 1 for narrow second derivatives (see
-#: fsipetsc.operators.narrow), and for these differences, the weights of Delta_q in row q-1; means, those of Delta_{p+1+k} in
-#: row k; end[:ends, :ends]. A record, because compiled code keeps count of who refers to an array, not of who to a record.
+#: D for h = 1: sum_k interior[k-1] (v[i+k] - v[i-k]), k = 1 .. p; closure[:rows, :columns] at the
+#: left end; norm[:rows]; reach; n: points that its first row reaches; diffusion: its bound on the
+#: step. narrow: 1 for narrow second derivatives (see fsipetsc.operators.narrow), and for these
+#: differences, the weights of Delta_q in row q-1; means, those of Delta_{p+1+k} in row k;
+#: end[:ends, :ends]. A record, because compiled code keeps count of who refers to an array, not of
+#: who to a record.
 OPERATOR = np.dtype(
     [
         *[(name, _I) for name in ("p", "n", "reach", "rows", "columns", "narrow", "ends")],
@@ -107,7 +113,8 @@ def derivative(op, f, out, a, b, A, B, scale):
 
 @njit(**INNER)
 def both_closures(op, f, out, A, B, scale):
-    """The closures of both ends; two rows of each at a time, because a sum waits for each of its terms."""
+    """The closures of both ends; two rows of each at a time, because a sum waits for each of its
+    terms."""
     rows, columns = op.rows, op.columns
     for r in range(0, rows, 2):
         s = min(r + 1, rows - 1)
@@ -137,8 +144,8 @@ def weight(op, r):
 def lagrange(delta, degree, weights, slopes):
     """Lagrange weights and their derivatives at delta for the nodes 0, 1, ..., degree.
 
-    Node 0 is the ghost point and the boundary lies delta cells inside of it; (4.26) is degree 2, with the
-    sign of its third weight corrected so that the weights sum to one.
+    Node 0 is the ghost point and the boundary lies delta cells inside of it; (4.26) is degree 2,
+    with the sign of its third weight corrected so that the weights sum to one.
     """
     for k in range(degree + 1):
         value, denominator, slope = 1.0, 1.0, 0.0
@@ -155,9 +162,10 @@ def lagrange(delta, degree, weights, slopes):
 def dirichlet_ghost(g, v, weights, degree, least):
     """Value of the ghost point (node 0) so that the interpolant takes the value g at the boundary.
 
-    v[1..degree] are the nodes inside. The q-th difference is added with eta = max(0, least - L_0): the formula
-    of Kreiss & Petersson (2006) as in (4.26), but with an eta that vanishes where L_0 is large enough, because
-    a constant one spoils the accuracy when the boundary is close to the ghost point.
+    v[1..degree] are the nodes inside. The q-th difference is added with eta = max(0, least - L_0):
+    the formula of Kreiss & Petersson (2006) as in (4.26), but with an eta that vanishes where L_0
+    is large enough, because a constant one spoils the accuracy when the boundary is close to the
+    ghost point.
     """
     eta = max(0.0, least - weights[0])
     s, binomial = g, 1.0
@@ -169,7 +177,8 @@ def dirichlet_ghost(g, v, weights, degree, least):
 
 @njit(**INNER)
 def neumann_ghost(v, slopes, degree):
-    """Value of the ghost point so that the interpolant has zero slope at the boundary (Kreiss et al. 2004)."""
+    """Value of the ghost point so that the interpolant has zero slope at the boundary (Kreiss et
+    al. 2004)."""
     s = 0.0
     for k in range(1, degree + 1):
         s -= slopes[k] * v[k]

@@ -1,8 +1,9 @@
-"""What is looked at after a step: extremes that bound the next one, integrals, and what a frame saves. Compiled.
+"""What is looked at after a step: extremes that bound the next one, integrals, and what a frame
+saves. Compiled.
 
-Extremes are exact, whoever owns the points; sums over ranks may differ by round-off, and nothing that is computed on
-depends on them. Quadrature with the norm of the operator, per cross-section; the strip between an embedded boundary and its
-ghost point does not count.
+Extremes are exact, whoever owns the points; sums over ranks may differ by round-off, and nothing
+that is computed on depends on them. Quadrature with the norm of the operator, per cross-section;
+the strip between an embedded boundary and its ghost point does not count.
 
     gas     largest |u-s| + c; least rho, least T, largest T;        sums of rho, rho u, e
     solid   least x_X, least sigma, least T, largest T;              sums of u, u^2, T
@@ -26,7 +27,8 @@ VELOCITY, PLACE, CUBIC = np.int64(0), np.int64(3), np.int64(3)
 
 @njit(**INNER)
 def owned(layer):
-    """(first, end) of the active points that this rank owns, and the rank's first point with its halo."""
+    """(first, end) of the active points that this rank owns, and the rank's first point with its
+    halo."""
     return (
         max(layer.own_lo, layer.lo),
         min(layer.own_hi, layer.hi + 1),
@@ -130,7 +132,8 @@ def gas_speeds(gas, seen):
 
 @njit(**INNER)
 def solid_speeds(solid, seen):
-    """(physical, largest speed of waves, largest kappa_e/(alpha m0 x_X)), in Lagrangian coordinates."""
+    """(physical, largest speed of waves, largest kappa_e/(alpha m0 x_X)), in Lagrangian
+    coordinates."""
     shortest, pulled, cold, hot = seen[0], seen[1], seen[2], seen[3]
     stretch, heat = 1.0 / shortest, solid.alpha * solid.m0
     p = solid.law.pressure_in_loops(hot, stretch)
@@ -148,7 +151,8 @@ def layer_rates(op, speeds, h):
 
 @njit(**INNER)
 def bound(convection, diffusion):
-    """1/dt at Courant number 1, the 4-norm of the largest rates: the smaller of the two steps alone is too long."""
+    """1/dt at Courant number 1, the 4-norm of the largest rates: the smaller of the two steps alone
+    is too long."""
     squares = convection * convection, diffusion * diffusion
     return np.sqrt(np.sqrt(squares[0] * squares[0] + squares[1] * squares[1]))
 
@@ -158,7 +162,8 @@ def bound(convection, diffusion):
 
 @njit(**INNER)
 def strip_integral(v, delta):
-    """Integral from the ghost point (0) to the boundary (delta) of the cubic through the last four points."""
+    """Integral from the ghost point (0) to the boundary (delta) of the cubic through the last four
+    points."""
     d2, d3, d4 = delta * delta, delta**3, delta**4
     a0 = delta - 11.0 / 12.0 * d2 + d3 / 3.0 - d4 / 24.0
     a1 = 1.5 * d2 - 5.0 / 6.0 * d3 + d4 / 8.0
@@ -175,7 +180,8 @@ def norm_weight(op, layer, i):
 
 @njit(**INNER)
 def gas_force(gas, layer, q):
-    """Force [Pa] of the boundary that this rank owns, -n (rho u^2 + p - mu' u_X), from the cubic through four points."""
+    """Force [Pa] of the boundary that this rank owns, -n (rho u^2 + p - mu' u_X), from the cubic
+    through four points."""
     force, weights, slopes = 0.0, np.zeros(4), np.zeros(4)
     first, end, origin = owned(layer)
     for side in range(2):
@@ -264,7 +270,8 @@ def slope_at(op, layer, q, i, c, origin):
 
 @njit(**INNER)
 def solid_entropy(op, solid, layer, q):
-    """(entropy, rate of heating by stress over T) of this rank's part without h: alpha m0 ln T, (sigma - p) u_X / T."""
+    """(entropy, rate of heating by stress over T) of this rank's part without h: alpha m0 ln T,
+    (sigma - p) u_X / T."""
     entropy, heating, per_h = 0.0, 0.0, 1.0 / layer.h
     first, end, origin = owned(layer)
     for i in range(first, end):
@@ -290,7 +297,8 @@ def norm_sum(op, layer):
 
 @njit(**INNER)
 def look_at_gas(op, gas, layer, q, w, entropy, seen, shares):
-    """Extremes, and this rank's shares: mass [kg/m2], energy [J/m2], momentum, force [Pa], entropy, heating (0).
+    """Extremes, and this rank's shares: mass [kg/m2], energy [J/m2], momentum, force [Pa], entropy,
+    heating (0).
 
     q: (points with halos, 3); w: scratch; entropy: whether it is wanted.
     """
@@ -309,7 +317,8 @@ def look_at_gas(op, gas, layer, q, w, entropy, seen, shares):
 
 @njit(**INNER)
 def look_at_solid(op, solid, layer, q, w, entropy, seen, shares):
-    """The same of a solid; heating: the rate at which stress heats it, over T [W/(m2 K)]. q: (points with halos, 4)."""
+    """The same of a solid; heating: the rate at which stress heats it, over T [W/(m2 K)]. q:
+    (points with halos, 4)."""
     for c in range(SHARES):
         shares[c] = 0.0
     if layer.present == 0:
@@ -330,7 +339,8 @@ def look_at_solid(op, solid, layer, q, w, entropy, seen, shares):
 
 @njit(**INNER)
 def gas_fields(gas, layer, q, out):
-    """rho, u, T, p and x of the owned points, (owned, 5); NaN where inactive. q: (points with halos, 3)."""
+    """rho, u, T, p and x of the owned points, (owned, 5); NaN where inactive. q: (points with
+    halos, 3)."""
     interface = layer.lo if layer.end_kind[0] == INTERFACE_END else layer.hi
     for i in range(layer.own_lo, layer.own_hi):
         k, j = i - layer.own_lo, i - layer.own_lo + layer.halo_lo
