@@ -29,7 +29,7 @@ from numba.core.caching import FunctionCache
 from fsipetsc.operators import trust
 
 #: folders of the package that hold compiled code
-COMPILED = ("operators", "physics", "coupling", "boundaries", "parallel", "scheme")
+COMPILED = ("operators", "physics", "coupling", "boundaries", "parallel", "scheme", "paper")
 #: folders of other states of the sources that are kept however long they have not been used, and the time in which a
 #: folder counts as used [s]
 _KEPT, _IN_USE = 3, 86400.0

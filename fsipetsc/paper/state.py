@@ -1,0 +1,597 @@
+"""The state of a run of the paper's method: what fsipetsc.stepping drives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, NamedTuple
+
+import numba
+import numpy as np
+from mpi4py import MPI
+from petsc4py import PETSc
+
+from fsipetsc import given
+from fsipetsc.boundaries import NODES
+from fsipetsc.errors import FsiError, InputError
+from fsipetsc.operators.cache import compiling, garbage_waiting
+from fsipetsc.operators.sbp import OPERATORS
+from fsipetsc.paper import batch, coupling, entries, layout, sums
+from fsipetsc.paper.laws import check_entropy, elastic_of, gas_of
+from fsipetsc.paper.parts import RightHandSide
+from fsipetsc.paper.stencils import packed
+from fsipetsc.parallel.layout import Grid
+from fsipetsc.physics.layer import FLUID
+from fsipetsc.problem import Problem
+from fsipetsc.process.together import agree, together, wait_asleep
+from fsipetsc.scheme.burst import MADE
+from fsipetsc.scheme.plan import CAPACITY, LOW, RATE, SAID_STOP, STOP, step_record
+from fsipetsc.stepping import initial_data, snapshot
+from fsipetsc.stepping.diagnosis import Failure, Seen, described
+from fsipetsc.stepping.start import Start
+
+Array = np.ndarray
+#: what a rank says of STOP whose user's functions have failed: more than any signal
+FAULT = 1000.0
+#: times of the stages, in steps, and of the completed step
+FRACTIONS = 0.0, 0.5, 0.5, 1.0, 1.0
+#: numbers of a layer that all ranks learn after a step, beside those that are seen: lo, hi, s,
+#: x_interface
+FRAME = 4
+
+
+class _Place(NamedTuple):
+    """Says where point i is: at x in space, X in the layer."""
+
+    x: Array
+    X: Array
+    unit: str
+
+    def __call__(self, i: int) -> str:
+        return f"x = {self.x[i]:.6g}{self.unit} (X = {self.X[i]:.6g}{self.unit})"
+
+
+class PaperState:
+    """Solution and everything that belongs to it; all methods are collective on ``comm``.
+
+    Attributes: layout; solution (world Vec); results of the last completed step; burst
+    (fsipetsc.scheme.burst); journal, the records of steps (fsipetsc.scheme.plan.step_record), and
+    latest, that of the last one without its time. The integrals in them are this rank's shares.
+    evaluations of the right-hand side are counted. rates: (layers, 2), the largest rates of
+    convection and diffusion [1/s] of each layer. begin: time [s] of the initial data; started: they
+    are those of a frame. Raises InputError where grid, order and number of ranks do not fit, or the
+    problem is not of the paper's form.
+    """
+
+    convection = "divergence"
+    #: what initial data of walls that move would need: none does
+    moving: tuple[tuple[int, int], ...] = ()
+
+    def __init__(
+        self,
+        comm: MPI.Comm,
+        problem: Problem,
+        order: int,
+        h: float,
+        coupling_name: str,
+        mapping: str = "rigid",
+        mode: str = "auto",
+        spare: int = 64,
+        entropy: bool = False,
+        narrow: bool = False,
+    ) -> None:
+        layout.check_form(problem, mapping)
+        if coupling_name not in coupling.KINDS:
+            raise InputError(
+                f"-fsi_coupling {coupling_name}: expected {', '.join(coupling.KINDS)}, "
+                "in the paper's method"
+            )
+        self.comm, self.problem, self.h, self.mapping = comm, problem, h, mapping
+        self.op, self._operator = OPERATORS[order], packed(order, narrow)
+        self._kind, self._mode, self._spare, self._entropy = (
+            coupling.KINDS[coupling_name],
+            mode,
+            spare,
+            entropy,
+        )
+        self.evaluations, self.begin, self.started = 0, 0.0, False
+        self.fault: InputError | None = None  # of a user's function, on this rank
+        if entropy:
+            check_entropy(problem.layers)
+        make = {"fluid": gas_of, "solid": elastic_of}
+        self.laws = together(
+            comm, lambda: [make[layer.kind](layer.material) for layer in problem.layers]
+        )
+        # layers are counted from the left gas, which there may not be
+        self._first = 0 if problem.layers[0].kind == "fluid" else 1
+        self._place(layout.make_grids(problem, self.op, h, spare))
+
+    # memory
+
+    def _place(
+        self, grids: list[Grid], kept: layout.Layout | None = None, shares: list | None = None
+    ) -> None:
+        problem = self.problem
+        self.layout = layout.Layout(self.comm, problem, self.op, grids, self._mode, kept, shares)
+        values = np.zeros(self.layout.local_size)
+        self.solution = PETSc.Vec().createWithArray(values, comm=self.comm)
+        forced = [layer.forcing is not None for layer in problem.layers]
+        self._rooms = np.zeros(1, batch.ROOM)
+        room = self._room = self._rooms[0]
+        self.path = RightHandSide(
+            self.layout, self._operator, self.laws, self._kind, values, forced, room
+        )
+        gases = [layer.kind == "fluid" for layer in problem.layers]
+        room["there"][self._first : self._first + len(gases)] = gases
+        record = step_record(len(problem.interfaces), sum(gases), self._entropy)
+        self.journal = np.zeros(CAPACITY, record)
+        self._journal = self.journal.view(np.float64).reshape(CAPACITY, -1)
+        names, count = record.names[2:], self._journal.shape[1] - 2
+        self.results, self.burst, room["numbers"] = room["results"], room["burst"], count
+        self.latest = room["latest"][:count].view([(name, record[name]) for name in names])[0]
+
+    @property
+    def _batched(self) -> bool:
+        """One rank, which has all: steps go together."""
+        return self.comm.size == 1
+
+    def _chain(self) -> tuple[Any, ...]:
+        """What ``batch.run_task`` takes of the state; on one rank."""
+        parts: list[Any] = [None] * 3
+        faces: list[Any] = [None] * 2
+        for layer in self.path.layers:
+            parts[self._first + layer.number] = layer.part
+        for interface in self.path.interfaces:
+            faces[interface.side] = interface.face
+        return self._operator, *parts, tuple(faces), self._entropy, self._rooms, self._journal
+
+    def compile(
+        self, announce: Callable[[str], None], also: Callable[[], object] = lambda: None
+    ) -> None:
+        """Compile the kernels if that has not been done for this machine: one rank first, the
+        others take its result."""
+
+        def everything() -> None:
+            if self._batched:
+                batch.run_task.compile(
+                    tuple(map(numba.typeof, (batch.STEPS, *self._chain(), 0, 0.1)))
+                )
+            also()
+
+        if self.comm.rank == 0:
+            with garbage_waiting(), compiling(batch.run_task, announce):
+                everything()
+        wait_asleep(self.comm)
+        everything()
+
+    def compile_saving(self) -> None:
+        """Compile what frames take."""
+        self._fields()
+
+    def compile_path(self, announce: Callable[[str], None]) -> None:
+        """Compile what PETSc's own methods call: that happens when it is called first, in a few
+        seconds."""
+
+    # data
+
+    def set_data(self, t: float) -> None:
+        """Evaluate boundary data, jumps and forcing at time t [s] for the next evaluation of the
+        right-hand side.
+
+        If a function of the user's fails, here alone perhaps, the data stay as they are, the step
+        goes on, and all ranks learn of it when it is complete: see ``fault``.
+        """
+        try:
+            self._set_data(t)
+        except InputError as error:
+            self.fault = self.fault or error
+            self.results[SAID_STOP] = FAULT
+
+    def _set_data(self, t: float) -> None:
+        problem, records = self.problem, self.layout.records
+        for k, side in ((0, 0), (len(records) - 1, 1)):
+            values = given.end_data(problem, side, t)
+            records[k]["end_data"][side, : len(values)] = values
+            records[k]["end_heat"][side] = given.end_heat(problem, side, t)
+        if problem.jumps is not None:
+            for k, interface in enumerate(self.path.interfaces):
+                interface.jump[:] = given.jumps(problem, k, t)
+        for layer in self.path.layers:
+            if len(layer.forcing):
+                k = layer.number
+                values = given.fields(
+                    problem.layers[k], "forcing", self.layout.owned_X(k), t, self.active(k)
+                )
+                for c, value in enumerate(values):
+                    layer.forcing[:, c] = value
+
+    def active(self, k: int) -> slice:
+        """The active ones among this rank's points of layer k."""
+        record = self.layout.records[k]
+        own, begin, end = int(record["own_lo"]), int(record["lo"]), int(record["hi"]) + 1
+        return slice(max(begin - own, 0), max(end - own, 0))
+
+    def begin_with(self, start: Start) -> None:
+        """Let initial data be those of a frame, at its time, instead of the case's. Collective."""
+        self.problem, self.begin, self.started = start.problem, start.t, True
+        if start.cells:
+            self._release()
+            self._place(layout.make_grids(self.problem, self.op, self.h, self._spare, start.cells))
+
+    def set_initial(self) -> None:
+        """Initial data of all layers, projected, at the time ``begin``. InputError where they are
+        not what they must be."""
+        self.check_data()
+        self.finish()
+
+    def check_data(self) -> None:
+        """Ask for all data at the beginning. InputError, on all ranks, where they are wrong."""
+        initial_data.set_data(self)
+
+    # what is said of it
+
+    @property
+    def rates(self) -> Array:
+        return self._room["rates"][self._first : self._first + len(self.laws)]
+
+    @property
+    def places(self) -> list[float]:
+        """Positions x [m] of the interfaces."""
+        return self.latest["x_interface"].tolist() if self.path.interfaces else []
+
+    @property
+    def points(self) -> int:
+        """Active points of all layers."""
+        return sum(int(r["hi"] - r["lo"]) + 1 for r in self.layout.records)
+
+    @property
+    def reserve(self) -> int:
+        """Points held in reserve, at first."""
+        return sum(g.n - (g.hi - g.lo + 1) for g in self.layout.grids)
+
+    @property
+    def recorded(self) -> list[list[float]]:
+        """Points of interfaces that are recorded at each step, as in two dimensions: none."""
+        return []
+
+    def header(self) -> list[dict[str, Any]]:
+        """What a result file says of each layer."""
+        return [
+            {"name": v.name, "kind": v.kind, "fields": list(v.fields)} for v in self.problem.layers
+        ]
+
+    def grids(self) -> list[dict[str, Any]]:
+        """What the writer must know of the points of each layer: see RunWriter.start_segment."""
+        records = enumerate(self.layout.records)
+        return [
+            {"local": int(r["own_hi"] - r["own_lo"]), "n": int(r["n"]), "X": self.layout.owned_X(k)}
+            for k, r in records
+        ]
+
+    def _fields(self) -> dict[int, Array]:
+        """What is saved of this rank's points, (owned points, 5) by layer."""
+        found = {}
+        for part in self.path.layers:
+            out = found[part.number] = np.empty((len(part.owned), 5))
+            if part.is_gas:
+                entries.gas_fields(part.law, part.record, part.local, out)
+            else:
+                entries.solid_fields(self._operator, part.law, part.record, part.local, out)
+        return found
+
+    def save(self, slots: tuple[Array, Array, int]) -> None:
+        """Put what is saved of this rank's points in the slots of a frame
+        (fsipetsc.output.buffers.Slots)."""
+        out, starts, stride = slots
+        for k, fields in self._fields().items():
+            for c in range(5):
+                out[starts[k] + c :: stride][: len(fields)] = fields[:, c]
+
+    def errors(self, t: float, norm: str = "L2") -> dict[str, dict[str, float]] | None:
+        """Errors at time t [s]: kind of layer -> name -> (h sum |difference|^p)^(1/p), and
+        "combined" over the unknowns.
+
+        norm: "L1" or "L2", p = 1 or 2. Over the active points without ghosts, all layers of a kind
+        together. None without an exact solution. Collective; InputError if the exact solution
+        cannot be had.
+        """
+        layers, records = self.problem.layers, self.layout.records
+        if any(layer.exact is None for layer in layers):
+            return None
+        names = {"fluid": ("rho", "u", "T"), "solid": ("u", "sigma", "T", "x")}
+        totals = {
+            kind: np.zeros(len(found))
+            for kind, found in names.items()
+            if kind in {v.kind for v in layers}
+        }
+        power, fields = {"L1": 1, "L2": 2}[norm], self._fields()
+
+        def exact() -> dict[int, list[Array]]:
+            X = self.layout.owned_X
+            return {k: given.fields(layers[k], "exact", X(k), t, self.active(k)) for k in fields}
+
+        for k, values in together(self.comm, exact).items():
+            record, index = records[k], np.arange(records[k]["own_lo"], records[k]["own_hi"])
+            counted = (index >= record["lo"]) & (index <= record["hi"])
+            for side, ghost in ((0, record["lo"]), (1, record["hi"])):
+                counted &= (
+                    (index != ghost) | (layers[k].kind == "solid") | (record["end_kind"][side] < 0)
+                )
+            for c, value in enumerate(values):
+                difference = np.abs(fields[k][counted, c] - value[counted])
+                totals[layers[k].kind][c] += record["h"] * np.sum(difference**power)
+        result = {}
+        for kind, total in totals.items():
+            powers = self.comm.allreduce(total)
+            result[kind] = {
+                n: float(v) for n, v in zip(names[kind], powers ** (1 / power), strict=True)
+            }
+            result[kind]["combined"] = float(powers.sum() ** (1 / power))
+        return result
+
+    def failure(self, t: float, step: int) -> Failure:
+        """What is wrong with a state that is not physical. Collective."""
+        return described(self, self._seen(), t, step)
+
+    def _seen(self) -> Iterable[Seen]:
+        m = self.problem.unit("m")
+        for part in self.path.layers:
+            k, record, grid = part.number, part.record, self.layout.grids[part.number]
+            active, first = self.active(k), int(record["halo_lo"])
+            own = np.arange(record["own_lo"], record["own_hi"])[active]
+            q, X = part.owned[active], grid.X()[own]
+            if part.is_gas:
+                rho, u, T, _ = self.problem.layers[k].material.primitive(q)
+                x = X - grid.anchor + record["x_interface"]
+                values, positive = {"rho": rho, "u": u, "T": T}, {"rho", "T"}
+            else:
+                right = np.minimum(own + 1, record["n"] - 1) - record["own_lo"] + first
+                x_X = np.where(
+                    own < record["n"] - 1, (part.local[right, 3] - q[:, 3]) / self.h, 1.0
+                )
+                u, sigma, T, x = q.T
+                values, positive = (
+                    {"x": x, "x_X": x_X, "u": u, "sigma": sigma, "T": T},
+                    {"x_X", "T"},
+                )
+            yield Seen(k, own, values, frozenset(positive), _Place(x, X, m))
+
+    def unknowns(self, y: Array) -> list[Array]:
+        """The active ones in this rank's part y, layer by layer."""
+        return [part.own(y)[self.active(part.number)] for part in self.path.layers]
+
+    # steps
+
+    def right_hand_side(self, y: Array, f: Array) -> None:
+        """f = dy/dt of this rank's part, at the projected y, for the data set last."""
+        self.evaluations += 1
+        self.path.rates(y, f)
+
+    def project(self, y: Array) -> None:
+        """Fill the ghost points of this rank's part y and project its interfaces, in place; undoes
+        the completion."""
+        self.path.stage[:] = y
+        self.path.fulfil_conditions()
+        for part in self.path.layers:
+            part.fill_ghost()
+        self.path.keep_ghosts()
+        y[:] = self.path.stage
+
+    def finish(self) -> None:
+        """Complete a step whose raw result PETSc has left in the solution."""
+        self.path.stage[:] = self.path.y
+        self._complete()
+
+    def _run(self, task: int, number: int = 0, dt: float = 0.0) -> None:
+        """A task of the compiled batch, on one rank."""
+        batch.run_task(task, *self._chain(), number, dt)
+        for part in self.path.layers if task == batch.STEPS or number == batch.STAGES else ():
+            part.owned[:] = part.part.stage
+
+    def _complete(self) -> None:
+        """Project the stage, which is the new solution, let boundaries move, and look at it."""
+        path, records = self.path, self.layout.records
+        if self._batched:
+            self._run(batch.STAGE, batch.STAGES)
+            return
+        path.fulfil_conditions()
+        self.results[:RATE] = 0.0
+        for part in path.layers:
+            arguments = self._operator, part.law, part.record, part.local, part.part.scratch
+            if part.is_gas:
+                entries.look_at_gas(*arguments, part.side, part.number, self._entropy, self._rooms)
+            else:
+                entries.look_at_solid(*arguments, self._entropy, self._rooms)
+        path.keep_ghosts()
+        path.y[:] = path.stage
+        for interface in path.interfaces:
+            if interface.here[1]:
+                entries.note_interface(self._operator, interface.face, interface.side, self._rooms)
+        self.results[STOP] = self.results[SAID_STOP]
+        self._tell()
+        good = True
+        for k, (law, record) in enumerate(zip(self.laws, records, strict=True)):
+            speeds = (
+                entries.gas_rates_of_step
+                if record["kind"] == FLUID
+                else entries.solid_rates_of_step
+            )
+            good &= speeds(self._operator, law, float(record["h"]), self._first + k, self._rooms)
+        entries.finish_step(self._operator, self._rooms, good)
+
+    def _tell(self) -> None:
+        """Let all ranks know what each has seen, exactly: the largest numbers, of least ones the
+        largest negative ones."""
+        room, records = self._room, self.layout.records
+        seen, notes = (
+            np.full((len(records), sums.SEEN + FRAME), -np.inf),
+            np.full((len(self.path.interfaces), 8), -np.inf),
+        )
+        signs = [(-1, -1, -1, 1, 1), (1, -1, -1, 1, 1)]
+        for k, record in enumerate(records):
+            if record["present"]:
+                seen[k, : sums.SEEN] = (
+                    room["seen"][self._first + k] * signs[record["kind"] == FLUID]
+                )
+                seen[k, sums.SEEN :] = [record[name] for name in ("lo", "hi", "s", "x_interface")]
+        for k, interface in enumerate(self.path.interfaces):
+            if interface.here[1]:
+                notes[k] = room["notes"][interface.side]
+        flags = np.append(self.results[:RATE], self.results[STOP])
+        told = np.concatenate([seen.ravel(), notes.ravel(), flags])
+        told[np.isnan(told)] = (
+            np.inf
+        )  # the largest of numbers and what is none depends on their order
+        self.comm.Allreduce(MPI.IN_PLACE, told, MPI.MAX)
+        seen, notes, flags = np.split(told, np.cumsum([seen.size, notes.size]))
+        seen = seen.reshape(len(records), -1)
+        for k, record in enumerate(records):
+            room["seen"][self._first + k] = seen[k, : sums.SEEN] * signs[record["kind"] == FLUID]
+            record["lo"], record["hi"], record["s"], record["x_interface"] = seen[k, sums.SEEN :]
+            if not record["present"]:
+                room["shares"][self._first + k] = 0.0
+        for k, interface in enumerate(self.path.interfaces):
+            room["notes"][interface.side] = notes.reshape(-1, 8)[k]
+        self.results[:RATE], self.results[STOP] = flags[:RATE], flags[RATE]
+
+    def step(self, t: float, dt: float, steady: bool) -> None:
+        """A step dt [s] of the classical Runge-Kutta method from the completed solution at t [s],
+        and its completion.
+
+        steady: the data do not depend on time; then further steps follow as the burst allows, by
+        itself none.
+        """
+        if steady and self._batched:
+            self._run(batch.STEPS, dt=dt)
+            self.evaluations += batch.STAGES * max(1, int(self.burst[MADE]))
+            return
+        self._step(t, dt, steady)
+        while steady and entries.goes_on(self._rooms, self._journal):
+            self._step(t, self.burst[batch.DT], steady)
+
+    def _step(self, t: float, dt: float, steady: bool) -> None:
+        self.evaluations += batch.STAGES
+        for number, fraction in enumerate(FRACTIONS):
+            if not steady:
+                self.set_data(t + fraction * dt)
+            if number == batch.STAGES:
+                self._complete()
+            elif self._batched:
+                self._run(batch.STAGE, number, dt)
+            else:
+                self._stage(number, dt)
+
+    def _stage(self, number: int, dt: float) -> None:
+        """A stage by way of PETSc's exchange."""
+        if number > 0:
+            self.path.fulfil_conditions()
+        self.path.evaluate(self.path.k, filled=number == 0)
+        self.path.advance(number, dt)
+
+    # grids that grow, checkpoints
+
+    def _load(self) -> None:
+        """Go on from the solution, which fulfils the conditions: a completed one."""
+        self.path.stage[:] = self.path.y
+        for part in self.path.layers:
+            part.fill_halos()
+
+    def grow(self, noted: int = 0) -> None:
+        """Lay the grids anew with more spare points at the embedded boundaries; the completed
+        solution moves along.
+
+        noted: records of the journal that are needed. Nothing else changes, not even in the last
+        bit. Rare, so it is simple: every rank sees each layer once, whole.
+        """
+        old, y = self.layout, self.path.y
+        whole = [snapshot.gather(self.comm, old, k, y) for k in range(len(old.grids))]
+        cells = {k: int(r["hi"] - r["lo"]) for k, r in enumerate(old.records) if r["kind"] == FLUID}
+        journal, room = self.journal[:noted].copy(), self._room
+        self._release()
+        spare = max(self._spare, NODES)
+        self._place(layout.make_grids(self.problem, self.op, self.h, spare, cells, old.grids), old)
+        self.journal[:noted] = journal
+        for name in room.dtype.names:
+            self._room[name] = room[name]
+        self.results[LOW] = 0.0
+        for k, (grid, record, before) in enumerate(
+            zip(self.layout.grids, self.layout.records, old.records, strict=True)
+        ):
+            for name in ("s", "x_interface", "end_x", "end_data", "end_heat"):
+                record[name] = before[name]
+            if record["present"]:
+                active = whole[k][before["lo"] : before["hi"] + 1]
+                rows = np.arange(record["own_lo"], record["own_hi"]) - grid.lo
+                self.layout.local(k, self.path.y)[:] = active[np.clip(rows, 0, len(active) - 1)]
+        self._load()
+
+    def keep(self, room: tuple[Array, ...] | None = None) -> tuple[Array, ...]:
+        """What ``back`` takes, of this rank: the completed state as it is, on these grids; room:
+        what it may overwrite."""
+        return snapshot.kept(self, room)
+
+    def back(self, kept: tuple[Array, ...]) -> None:
+        """Be what was kept again."""
+        snapshot.put_back(self, kept)
+        self._load()
+
+    def capture(self, rates: Array | None = None) -> dict[str, Array] | None:
+        """See fsipetsc.stepping.snapshot.capture."""
+        return snapshot.capture(self, rates)
+
+    def restore(self, arrays: Mapping[str, Array], t: float) -> Array | None:
+        """Be at time t [s] what arrays, known on all ranks, tell of; the rates among them, if any.
+        InputError."""
+        grids, shares = (
+            snapshot.grids_of(self.problem, self.layout.grids, arrays),
+            snapshot.shares_of(arrays, self.comm.size),
+        )
+        old = self.layout
+        self._release()
+        self._place(grids, old, shares)
+        self.results[:], snapshot.as_numbers(self.latest)[:] = arrays["results"], arrays["latest"]
+        self.set_data(t)
+        agree(self.comm, self.fault)
+        snapshot.put_frames(self.layout, arrays)
+        snapshot.put(self.layout, self.path.y, arrays)
+        self._load()
+        return snapshot.rates_of(self.layout, arrays)
+
+    def _release(self) -> None:
+        self.path.destroy()
+        self.solution.destroy()
+        self.layout.destroy()
+
+    def destroy(self) -> None:
+        """Free vectors, DMDAs and communicators, in this order."""
+        self._release()
+
+    def __enter__(self) -> PaperState:
+        return self
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        """Destroy it, unless this rank may be alone with an error: the others would not meet it
+        there."""
+        if (
+            error is None
+            or self.comm.size == 1
+            or (isinstance(error, FsiError) and error.collective)
+        ):
+            self.destroy()
+
+
+def make_paper_state(problem: Problem, opt: Mapping[str, Any], comm: MPI.Comm) -> PaperState:
+    """The state that the options in force ask for. Collective. InputError for what the paper's
+    method has not."""
+    for name in ("fsi_dissipation", "fsi_shock"):
+        if opt[name]:
+            raise InputError(
+                f"-{name} {opt[name]:g}: the paper's method has none: "
+                "take -fsi_coupling conservative"
+            )
+    if opt["fsi_convection"] == "entropy":
+        raise InputError("-fsi_convection entropy: the paper's method has the divergence form")
+    names = ("fsi_order", "fsi_h", "fsi_coupling", "fsi_mapping", "fsi_partition", "fsi_spare")
+    entropy = bool(opt["fsi_entropy"] or opt["fsi_check"])
+    return PaperState(
+        comm, problem, *(opt[name] for name in names), entropy, opt["fsi_viscous"] == "narrow"
+    )
