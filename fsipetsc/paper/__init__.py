@@ -16,5 +16,7 @@ and go. Where the paper has misprints the formulas are the corrected ones. From 
     layout      who owns which points: a DMDA for each layer
     parts       the right-hand side, with PETSc's ghost exchange
     batch       several steps in one compiled call, on one rank
+    after_step  what several ranks do after a step
+    fields      what is saved, errors, what is wrong with a state
     state       what the time integration drives
 """

@@ -104,7 +104,7 @@ class LayerPart:
     def __init__(
         self, layout: Layout, rhs: RightHandSide, k: int, law: Gas | Elastic, forced: bool
     ) -> None:
-        self.number, self._layout, self._op, self._dm = k, layout, rhs.op, layout.dms[k]
+        self.number, self._layout, self.op, self._dm = k, layout, rhs.op, layout.dms[k]
         self.record, self.law = layout.records[k : k + 1], law
         record, dof = self.record[0], DOF[layout.records[k]["kind"]]
         self.is_gas = bool(record["kind"] == FLUID)
@@ -129,7 +129,7 @@ class LayerPart:
         """What comes before the exchange: the outer ends of a solid; all ranks of a gas hear of the
         frame."""
         if not self.is_gas:
-            entries.close_end(self._op, self.law, self.record, self.part.stage)
+            entries.close_end(self.op, self.law, self.record, self.part.stage)
         elif self._comm.size > 1:
             record, owner = self.record[0], 0 if self.side == 1 else self._comm.size - 1
             told = np.array([record["s"], record["x_interface"]])
@@ -143,16 +143,16 @@ class LayerPart:
     def fill_ghost(self) -> None:
         """The embedded boundary of a gas, wherever its ghost point is needed."""
         if self.is_gas:
-            entries.fill(self._op, self.law, self.record, self.local, self.side)
+            entries.fill(self.op, self.law, self.record, self.local, self.side)
 
     def evaluate(self, f: Array, filled: bool) -> None:
         """The rates at this rank's points; filled: the ghost point has its values."""
         arguments = self.forcing, self.part.scratch, self.own(f)
         if self.is_gas:
             side = -1 if filled else self.side
-            entries.evaluate_gas(self._op, self.law, self.record, self.local, side, *arguments)
+            entries.evaluate_gas(self.op, self.law, self.record, self.local, side, *arguments)
         else:
-            entries.evaluate_solid(self._op, self.law, self.record, self.local, *arguments)
+            entries.evaluate_solid(self.op, self.law, self.record, self.local, *arguments)
 
     def destroy(self) -> None:
         self._global.destroy()

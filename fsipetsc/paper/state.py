@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
-from typing import Any, NamedTuple
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import numba
 import numpy as np
@@ -15,7 +15,7 @@ from fsipetsc.boundaries import NODES
 from fsipetsc.errors import FsiError, InputError
 from fsipetsc.operators.cache import compiling, garbage_waiting
 from fsipetsc.operators.sbp import OPERATORS
-from fsipetsc.paper import batch, coupling, entries, layout, sums
+from fsipetsc.paper import after_step, batch, coupling, entries, fields, layout
 from fsipetsc.paper.laws import check_entropy, elastic_of, gas_of
 from fsipetsc.paper.parts import RightHandSide
 from fsipetsc.paper.stencils import packed
@@ -24,9 +24,10 @@ from fsipetsc.physics.layer import FLUID
 from fsipetsc.problem import Problem
 from fsipetsc.process.together import agree, together, wait_asleep
 from fsipetsc.scheme.burst import MADE
-from fsipetsc.scheme.plan import CAPACITY, LOW, RATE, SAID_STOP, STOP, step_record
+from fsipetsc.scheme.plan import CAPACITY, LOW, SAID_STOP, step_record
 from fsipetsc.stepping import initial_data, snapshot
-from fsipetsc.stepping.diagnosis import Failure, Seen, described
+from fsipetsc.stepping.diagnosis import Failure, described
+from fsipetsc.stepping.phases import logged
 from fsipetsc.stepping.start import Start
 
 Array = np.ndarray
@@ -34,20 +35,6 @@ Array = np.ndarray
 FAULT = 1000.0
 #: times of the stages, in steps, and of the completed step
 FRACTIONS = 0.0, 0.5, 0.5, 1.0, 1.0
-#: numbers of a layer that all ranks learn after a step, beside those that are seen: lo, hi, s,
-#: x_interface
-FRAME = 4
-
-
-class _Place(NamedTuple):
-    """Says where point i is: at x in space, X in the layer."""
-
-    x: Array
-    X: Array
-    unit: str
-
-    def __call__(self, i: int) -> str:
-        return f"x = {self.x[i]:.6g}{self.unit} (X = {self.X[i]:.6g}{self.unit})"
 
 
 class PaperState:
@@ -86,13 +73,9 @@ class PaperState:
                 "in the paper's method"
             )
         self.comm, self.problem, self.h, self.mapping = comm, problem, h, mapping
-        self.op, self._operator = OPERATORS[order], packed(order, narrow)
-        self._kind, self._mode, self._spare, self._entropy = (
-            coupling.KINDS[coupling_name],
-            mode,
-            spare,
-            entropy,
-        )
+        self.op, self.operator = OPERATORS[order], packed(order, narrow)
+        self._kind = coupling.KINDS[coupling_name]
+        self._mode, self._spare, self.entropy = mode, spare, entropy
         self.evaluations, self.begin, self.started = 0, 0.0, False
         self.fault: InputError | None = None  # of a user's function, on this rank
         if entropy:
@@ -102,7 +85,7 @@ class PaperState:
             comm, lambda: [make[layer.kind](layer.material) for layer in problem.layers]
         )
         # layers are counted from the left gas, which there may not be
-        self._first = 0 if problem.layers[0].kind == "fluid" else 1
+        self.first = 0 if problem.layers[0].kind == "fluid" else 1
         self._place(layout.make_grids(problem, self.op, h, spare))
 
     # memory
@@ -115,14 +98,14 @@ class PaperState:
         values = np.zeros(self.layout.local_size)
         self.solution = PETSc.Vec().createWithArray(values, comm=self.comm)
         forced = [layer.forcing is not None for layer in problem.layers]
-        self._rooms = np.zeros(1, batch.ROOM)
-        room = self._room = self._rooms[0]
+        self.rooms = np.zeros(1, batch.ROOM)
+        room = self._room = self.rooms[0]
         self.path = RightHandSide(
-            self.layout, self._operator, self.laws, self._kind, values, forced, room
+            self.layout, self.operator, self.laws, self._kind, values, forced, room
         )
         gases = [layer.kind == "fluid" for layer in problem.layers]
-        room["there"][self._first : self._first + len(gases)] = gases
-        record = step_record(len(problem.interfaces), sum(gases), self._entropy)
+        room["there"][self.first : self.first + len(gases)] = gases
+        record = step_record(len(problem.interfaces), sum(gases), self.entropy)
         self.journal = np.zeros(CAPACITY, record)
         self._journal = self.journal.view(np.float64).reshape(CAPACITY, -1)
         names, count = record.names[2:], self._journal.shape[1] - 2
@@ -139,10 +122,10 @@ class PaperState:
         parts: list[Any] = [None] * 3
         faces: list[Any] = [None] * 2
         for layer in self.path.layers:
-            parts[self._first + layer.number] = layer.part
+            parts[self.first + layer.number] = layer.part
         for interface in self.path.interfaces:
             faces[interface.side] = interface.face
-        return self._operator, *parts, tuple(faces), self._entropy, self._rooms, self._journal
+        return self.operator, *parts, tuple(faces), self.entropy, self.rooms, self._journal
 
     def compile(
         self, announce: Callable[[str], None], also: Callable[[], object] = lambda: None
@@ -165,7 +148,7 @@ class PaperState:
 
     def compile_saving(self) -> None:
         """Compile what frames take."""
-        self._fields()
+        fields.fields(self)
 
     def compile_path(self, announce: Callable[[str], None]) -> None:
         """Compile what PETSc's own methods call: that happens when it is called first, in a few
@@ -231,7 +214,7 @@ class PaperState:
 
     @property
     def rates(self) -> Array:
-        return self._room["rates"][self._first : self._first + len(self.laws)]
+        return self._room["rates"][self.first : self.first + len(self.laws)]
 
     @property
     def places(self) -> list[float]:
@@ -267,93 +250,21 @@ class PaperState:
             for k, r in records
         ]
 
-    def _fields(self) -> dict[int, Array]:
-        """What is saved of this rank's points, (owned points, 5) by layer."""
-        found = {}
-        for part in self.path.layers:
-            out = found[part.number] = np.empty((len(part.owned), 5))
-            if part.is_gas:
-                entries.gas_fields(part.law, part.record, part.local, out)
-            else:
-                entries.solid_fields(self._operator, part.law, part.record, part.local, out)
-        return found
-
     def save(self, slots: tuple[Array, Array, int]) -> None:
         """Put what is saved of this rank's points in the slots of a frame
         (fsipetsc.output.buffers.Slots)."""
         out, starts, stride = slots
-        for k, fields in self._fields().items():
+        for k, values in fields.fields(self).items():
             for c in range(5):
-                out[starts[k] + c :: stride][: len(fields)] = fields[:, c]
+                out[starts[k] + c :: stride][: len(values)] = values[:, c]
 
     def errors(self, t: float, norm: str = "L2") -> dict[str, dict[str, float]] | None:
-        """Errors at time t [s]: kind of layer -> name -> (h sum |difference|^p)^(1/p), and
-        "combined" over the unknowns.
-
-        norm: "L1" or "L2", p = 1 or 2. Over the active points without ghosts, all layers of a kind
-        together. None without an exact solution. Collective; InputError if the exact solution
-        cannot be had.
-        """
-        layers, records = self.problem.layers, self.layout.records
-        if any(layer.exact is None for layer in layers):
-            return None
-        names = {"fluid": ("rho", "u", "T"), "solid": ("u", "sigma", "T", "x")}
-        totals = {
-            kind: np.zeros(len(found))
-            for kind, found in names.items()
-            if kind in {v.kind for v in layers}
-        }
-        power, fields = {"L1": 1, "L2": 2}[norm], self._fields()
-
-        def exact() -> dict[int, list[Array]]:
-            X = self.layout.owned_X
-            return {k: given.fields(layers[k], "exact", X(k), t, self.active(k)) for k in fields}
-
-        for k, values in together(self.comm, exact).items():
-            record, index = records[k], np.arange(records[k]["own_lo"], records[k]["own_hi"])
-            counted = (index >= record["lo"]) & (index <= record["hi"])
-            for side, ghost in ((0, record["lo"]), (1, record["hi"])):
-                counted &= (
-                    (index != ghost) | (layers[k].kind == "solid") | (record["end_kind"][side] < 0)
-                )
-            for c, value in enumerate(values):
-                difference = np.abs(fields[k][counted, c] - value[counted])
-                totals[layers[k].kind][c] += record["h"] * np.sum(difference**power)
-        result = {}
-        for kind, total in totals.items():
-            powers = self.comm.allreduce(total)
-            result[kind] = {
-                n: float(v) for n, v in zip(names[kind], powers ** (1 / power), strict=True)
-            }
-            result[kind]["combined"] = float(powers.sum() ** (1 / power))
-        return result
+        """See fsipetsc.paper.fields.errors."""
+        return fields.errors(self, t, norm)
 
     def failure(self, t: float, step: int) -> Failure:
         """What is wrong with a state that is not physical. Collective."""
-        return described(self, self._seen(), t, step)
-
-    def _seen(self) -> Iterable[Seen]:
-        m = self.problem.unit("m")
-        for part in self.path.layers:
-            k, record, grid = part.number, part.record, self.layout.grids[part.number]
-            active, first = self.active(k), int(record["halo_lo"])
-            own = np.arange(record["own_lo"], record["own_hi"])[active]
-            q, X = part.owned[active], grid.X()[own]
-            if part.is_gas:
-                rho, u, T, _ = self.problem.layers[k].material.primitive(q)
-                x = X - grid.anchor + record["x_interface"]
-                values, positive = {"rho": rho, "u": u, "T": T}, {"rho", "T"}
-            else:
-                right = np.minimum(own + 1, record["n"] - 1) - record["own_lo"] + first
-                x_X = np.where(
-                    own < record["n"] - 1, (part.local[right, 3] - q[:, 3]) / self.h, 1.0
-                )
-                u, sigma, T, x = q.T
-                values, positive = (
-                    {"x": x, "x_X": x_X, "u": u, "sigma": sigma, "T": T},
-                    {"x_X", "T"},
-                )
-            yield Seen(k, own, values, frozenset(positive), _Place(x, X, m))
+        return described(self, fields.seen(self), t, step)
 
     def unknowns(self, y: Array) -> list[Array]:
         """The active ones in this rank's part y, layer by layer."""
@@ -381,77 +292,18 @@ class PaperState:
         self.path.stage[:] = self.path.y
         self._complete()
 
+    def _complete(self) -> None:
+        """Project the stage, which is the new solution, let boundaries move, and look at it."""
+        if self._batched:
+            self._run(batch.STAGE, batch.STAGES)
+        else:
+            after_step.complete(self)
+
     def _run(self, task: int, number: int = 0, dt: float = 0.0) -> None:
         """A task of the compiled batch, on one rank."""
         batch.run_task(task, *self._chain(), number, dt)
         for part in self.path.layers if task == batch.STEPS or number == batch.STAGES else ():
             part.owned[:] = part.part.stage
-
-    def _complete(self) -> None:
-        """Project the stage, which is the new solution, let boundaries move, and look at it."""
-        path, records = self.path, self.layout.records
-        if self._batched:
-            self._run(batch.STAGE, batch.STAGES)
-            return
-        path.fulfil_conditions()
-        self.results[:RATE] = 0.0
-        for part in path.layers:
-            arguments = self._operator, part.law, part.record, part.local, part.part.scratch
-            if part.is_gas:
-                entries.look_at_gas(*arguments, part.side, part.number, self._entropy, self._rooms)
-            else:
-                entries.look_at_solid(*arguments, self._entropy, self._rooms)
-        path.keep_ghosts()
-        path.y[:] = path.stage
-        for interface in path.interfaces:
-            if interface.here[1]:
-                entries.note_interface(self._operator, interface.face, interface.side, self._rooms)
-        self.results[STOP] = self.results[SAID_STOP]
-        self._tell()
-        good = True
-        for k, (law, record) in enumerate(zip(self.laws, records, strict=True)):
-            speeds = (
-                entries.gas_rates_of_step
-                if record["kind"] == FLUID
-                else entries.solid_rates_of_step
-            )
-            good &= speeds(self._operator, law, float(record["h"]), self._first + k, self._rooms)
-        entries.finish_step(self._operator, self._rooms, good)
-
-    def _tell(self) -> None:
-        """Let all ranks know what each has seen, exactly: the largest numbers, of least ones the
-        largest negative ones."""
-        room, records = self._room, self.layout.records
-        seen, notes = (
-            np.full((len(records), sums.SEEN + FRAME), -np.inf),
-            np.full((len(self.path.interfaces), 8), -np.inf),
-        )
-        signs = [(-1, -1, -1, 1, 1), (1, -1, -1, 1, 1)]
-        for k, record in enumerate(records):
-            if record["present"]:
-                seen[k, : sums.SEEN] = (
-                    room["seen"][self._first + k] * signs[record["kind"] == FLUID]
-                )
-                seen[k, sums.SEEN :] = [record[name] for name in ("lo", "hi", "s", "x_interface")]
-        for k, interface in enumerate(self.path.interfaces):
-            if interface.here[1]:
-                notes[k] = room["notes"][interface.side]
-        flags = np.append(self.results[:RATE], self.results[STOP])
-        told = np.concatenate([seen.ravel(), notes.ravel(), flags])
-        told[np.isnan(told)] = (
-            np.inf
-        )  # the largest of numbers and what is none depends on their order
-        self.comm.Allreduce(MPI.IN_PLACE, told, MPI.MAX)
-        seen, notes, flags = np.split(told, np.cumsum([seen.size, notes.size]))
-        seen = seen.reshape(len(records), -1)
-        for k, record in enumerate(records):
-            room["seen"][self._first + k] = seen[k, : sums.SEEN] * signs[record["kind"] == FLUID]
-            record["lo"], record["hi"], record["s"], record["x_interface"] = seen[k, sums.SEEN :]
-            if not record["present"]:
-                room["shares"][self._first + k] = 0.0
-        for k, interface in enumerate(self.path.interfaces):
-            room["notes"][interface.side] = notes.reshape(-1, 8)[k]
-        self.results[:RATE], self.results[STOP] = flags[:RATE], flags[RATE]
 
     def step(self, t: float, dt: float, steady: bool) -> None:
         """A step dt [s] of the classical Runge-Kutta method from the completed solution at t [s],
@@ -465,7 +317,7 @@ class PaperState:
             self.evaluations += batch.STAGES * max(1, int(self.burst[MADE]))
             return
         self._step(t, dt, steady)
-        while steady and entries.goes_on(self._rooms, self._journal):
+        while steady and entries.goes_on(self.rooms, self._journal):
             self._step(t, self.burst[batch.DT], steady)
 
     def _step(self, t: float, dt: float, steady: bool) -> None:
@@ -579,11 +431,39 @@ class PaperState:
             self.destroy()
 
 
+#: options whose numbers above 0 ask for what the paper does not have
+_WITHOUT = "fsi_dissipation", "fsi_shock"
+#: methods that appear in PETSc's log, as "fsi NAME"
+_EVENTS = {
+    "step": "step",
+    "right_hand_side": "rates",
+    "finish": "complete",
+    "grow": "grow",
+    "set_initial": "initial",
+}
+
+
+def is_of_paper(problem: Problem, opt: Mapping[str, Any]) -> bool:
+    """Whether the options in force ask for the paper's method: one of its couplings and rigid
+    frames alone."""
+    return (
+        opt["fsi_coupling"] in coupling.KINDS
+        and opt["fsi_convection"] != "entropy"
+        and all(opt[name] <= 0 for name in _WITHOUT)
+        and not any(
+            layer.kind == "fluid" and problem.is_stretched(k, opt["fsi_mapping"])
+            for k, layer in enumerate(problem.layers)
+        )
+    )
+
+
 def make_paper_state(problem: Problem, opt: Mapping[str, Any], comm: MPI.Comm) -> PaperState:
-    """The state that the options in force ask for. Collective. InputError for what the paper's
-    method has not."""
-    for name in ("fsi_dissipation", "fsi_shock"):
-        if opt[name]:
+    """The state that the options in force ask for; with -log_view its work appears in PETSc's log.
+
+    Collective. InputError for what the paper's method has not.
+    """
+    for name in _WITHOUT:
+        if opt[name] > 0:
             raise InputError(
                 f"-{name} {opt[name]:g}: the paper's method has none: "
                 "take -fsi_coupling conservative"
@@ -592,6 +472,9 @@ def make_paper_state(problem: Problem, opt: Mapping[str, Any], comm: MPI.Comm) -
         raise InputError("-fsi_convection entropy: the paper's method has the divergence form")
     names = ("fsi_order", "fsi_h", "fsi_coupling", "fsi_mapping", "fsi_partition", "fsi_spare")
     entropy = bool(opt["fsi_entropy"] or opt["fsi_check"])
-    return PaperState(
+    state = PaperState(
         comm, problem, *(opt[name] for name in names), entropy, opt["fsi_viscous"] == "narrow"
     )
+    for method, name in _EVENTS.items():
+        setattr(state, method, logged(f"fsi {name}", getattr(state, method)))
+    return state

@@ -16,6 +16,7 @@ from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.checks import described
 from fsipetsc.errors import InputError
 from fsipetsc.options import InForce, publish
+from fsipetsc.paper.state import PaperState, is_of_paper, make_paper_state
 from fsipetsc.physics.dissipation import SIGMA
 from fsipetsc.plane import PlaneProblem
 from fsipetsc.problem import Problem
@@ -62,7 +63,7 @@ def build_problem(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Problem 
 
 def make_state(
     problem: Problem | PlaneProblem | RunProblem, opt: dict[str, Any], comm: MPI.Comm
-) -> State | PlaneState | BlockState:
+) -> State | PaperState | PlaneState | BlockState:
     """The state that the options in force ask for; with -log_view one that logs what it does. Collective.
 
     In two dimensions PETSc's methods make the steps where data depend on time: rk stands in ``opt`` for fused then.
@@ -81,6 +82,8 @@ def make_state(
         return PlaneState(comm, problem, opt["fsi_order"], opt["fsi_h"], form, points, partition)
     if opt["fsi_points"]:
         raise InputError("-fsi_points is of two dimensions: in one, series of all interfaces are recorded anyway")
+    if is_of_paper(problem, opt):
+        return make_paper_state(problem, opt, comm)
     names = ("fsi_order", "fsi_h", "fsi_coupling", "fsi_mapping", "fsi_partition", "fsi_spare")
     kind = LoggedState if PETSc.Log.isActive() else State
     entropy = bool(opt["fsi_entropy"] or opt["fsi_check"])
