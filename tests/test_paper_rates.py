@@ -21,7 +21,7 @@ from fsipetsc.physics.own_laws import gas_law
 from fsipetsc.physics.power_law import power_law
 from fsipetsc.physics.stiffened_gas import stiffened_gas
 from fsipetsc.physics.sutherland import sutherland
-from fsipetsc.stepping.solve import make_state
+from fsipetsc.stepping.solve import make_layer_state
 
 SOLID_ENDS = {
     "clamped": clamped(0.3, T=310.0),
@@ -51,7 +51,8 @@ def pair_of(name, ends=(None, None), laws=(None, None, None), **changed):
         material = replace(layer.material, **{k: v for k, v in given.items() if v is not None})
         layers.append(replace(layer, material=material))
     problem = replace(problem, left=left, right=right, layers=tuple(layers))
-    return make_state(problem, opt, MPI.COMM_SELF), make_paper_state(problem, opt, MPI.COMM_SELF)
+    old = make_layer_state(problem, opt, MPI.COMM_SELF)
+    return old, make_paper_state(problem, opt, MPI.COMM_SELF)
 
 
 def disturbed(state, y, seed, noise):

@@ -11,7 +11,8 @@ pytest.importorskip("petsc4py")
 
 import fsipetsc
 
-PROGRAM = REPOSITORY / "tests" / "paper_program.py"
+OLDER = REPOSITORY / "tests" / "older_program.py"
+PROGRAM = "-m", "fsipetsc"
 #: name -> case and options
 RUNS = {
     "rod": "rod -fsi_h 0.05 -ts_max_time 0.1 -fsi_output_dt 0.05 -fsi_entropy",
@@ -41,7 +42,7 @@ def results(tmp_path_factory):
     where, found = tmp_path_factory.mktemp("paper"), {}
     for name, line in RUNS.items():
         files = where / f"{name}_old.h5", where / f"{name}_new.h5"
-        for program, path in zip((("-m", "fsipetsc"), (PROGRAM,)), files, strict=True):
+        for program, path in zip(((OLDER,), PROGRAM), files, strict=True):
             done = run(*program, *line.split(), "-fsi_output", path)
             assert done.returncode == 0, done.stderr
         found[name] = tuple(fsipetsc.open_run(path) for path in files)
@@ -100,7 +101,7 @@ def alone(tmp_path_factory):
     """name -> result of one of SHARED on one rank."""
     where = tmp_path_factory.mktemp("alone")
     for name, line in SHARED.items():
-        done = run(PROGRAM, *line.split(), "-fsi_output", where / f"{name}.h5")
+        done = run(*PROGRAM, *line.split(), "-fsi_output", where / f"{name}.h5")
         assert done.returncode == 0, done.stderr
     return {name: fsipetsc.open_run(where / f"{name}.h5") for name in SHARED}
 
@@ -114,7 +115,7 @@ def test_ranks_change_no_bit(alone, ranks, tmp_path):
         share = "balanced" if ranks == 3 and name in ("mms", "pulse") else "auto"
         done = mpirun(
             ranks,
-            PROGRAM,
+            *PROGRAM,
             *line.split(),
             "-fsi_output",
             tmp_path / f"{name}.h5",
@@ -148,7 +149,7 @@ def test_a_restart_changes_no_bit(results, name, tmp_path):
     line, whole = RUNS[name].split(), results[name][1]
     half = max(2, whole.summary["steps"] // 2)
     first = run(
-        PROGRAM,
+        *PROGRAM,
         *line,
         "-ts_max_steps",
         half,
@@ -161,7 +162,7 @@ def test_a_restart_changes_no_bit(results, name, tmp_path):
     assert first.returncode == 0, first.stderr
     checkpoint = next(path for path in tmp_path.iterdir() if "checkpoint" in path.name)
     again = run(
-        PROGRAM, line[0], "-fsi_restart", checkpoint, "-ts_max_steps", 1_000_000, cwd=tmp_path
+        *PROGRAM, line[0], "-fsi_restart", checkpoint, "-ts_max_steps", 1_000_000, cwd=tmp_path
     )
     assert again.returncode == 0, again.stderr
     found = fsipetsc.open_run(tmp_path / "a.h5")

@@ -84,6 +84,11 @@ def make_state(
         raise InputError("-fsi_points is of two dimensions: in one, series of all interfaces are recorded anyway")
     if is_of_paper(problem, opt):
         return make_paper_state(problem, opt, comm)
+    return make_layer_state(problem, opt, comm)
+
+
+def make_layer_state(problem: Problem, opt: Mapping[str, Any], comm: MPI.Comm) -> State:
+    """The state of the program that the paper's method and blocks replace. Collective."""
     names = ("fsi_order", "fsi_h", "fsi_coupling", "fsi_mapping", "fsi_partition", "fsi_spare")
     kind = LoggedState if PETSc.Log.isActive() else State
     entropy = bool(opt["fsi_entropy"] or opt["fsi_check"])
