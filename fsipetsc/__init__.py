@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from mpi4py import MPI
 
+    from fsipetsc.blocks.block import Block
+    from fsipetsc.blocks.problem import BlockProblem
     from fsipetsc.boundaries import Dirichlet, Open, SolidEnd, Wall, absorbing, clamped, free
     from fsipetsc.errors import ComputationError, FileError, FsiError, InputError
     from fsipetsc.options import REQUIRED, Option
@@ -19,7 +21,6 @@ if TYPE_CHECKING:
     from fsipetsc.output.reader import Run
     from fsipetsc.physics.fluid import Fluid
     from fsipetsc.physics.solid import Solid
-    from fsipetsc.plane import PlaneFluidLayer, PlaneProblem, PlaneSolid, PlaneSolidLayer
     from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 
 # else numba, where colorama is installed, has it write to the standard output when the process ends
@@ -28,12 +29,14 @@ os.environ.setdefault("NUMBA_DISABLE_ERROR_MESSAGE_HIGHLIGHTING", "1")
 __version__ = "0.1.0"
 #: what is public, with the modules that docs/python.md names; all else may change. Written out, so that type checkers see it
 __all__ = [
-    "REQUIRED", "ComputationError", "Dirichlet", "FileError", "Fluid", "FluidLayer", "FsiError", "InputError", "Open", "Option",
-    "PlaneFluidLayer", "PlaneProblem", "PlaneSolid", "PlaneSolidLayer", "Problem", "Run", "Solid", "SolidEnd", "SolidLayer",
-    "Wall", "__version__", "absorbing", "clamped", "compare", "free", "open_run", "run",
+    "REQUIRED", "Block", "BlockProblem", "ComputationError", "Dirichlet", "FileError", "Fluid", "FluidLayer", "FsiError",
+    "InputError", "Open", "Option", "Problem", "Run", "Solid", "SolidEnd", "SolidLayer", "Wall", "__version__",
+    "absorbing", "clamped", "compare", "free", "open_run", "run",
 ]  # fmt: skip
 #: module -> what it has of these; imported when it is asked for
 _HOMES = {
+    "blocks.block": ("Block",),
+    "blocks.problem": ("BlockProblem",),
     "boundaries": ("Dirichlet", "Open", "SolidEnd", "Wall", "absorbing", "clamped", "free"),
     "errors": ("ComputationError", "FileError", "FsiError", "InputError"),
     "options": ("REQUIRED", "Option"),
@@ -41,7 +44,6 @@ _HOMES = {
     "output.reader": ("Run",),
     "physics.fluid": ("Fluid",),
     "physics.solid": ("Solid",),
-    "plane": ("PlaneFluidLayer", "PlaneProblem", "PlaneSolid", "PlaneSolidLayer"),
     "problem": ("FluidLayer", "Problem", "SolidLayer"),
 }
 
@@ -71,7 +73,8 @@ def run(case: Any, *, comm: MPI.Comm | None = None, **options: Any) -> Run:
     """Solve a case and return its result, opened. Collective on ``comm``; needs PETSc and MPI.
 
     case      name of a built-in case, path of a case file, a :class:`fsipetsc.problem.Problem` or
-              :class:`fsipetsc.plane.PlaneProblem`, or anything with what a case file defines (``build(opt)``, ``OPTIONS`` …)
+              :class:`fsipetsc.blocks.problem.BlockProblem`, or anything with what a case file defines
+              (``build(opt)``, ``OPTIONS`` …)
     comm      mpi4py communicator; None: COMM_WORLD
     options   those of the command line, ``fsi_`` and ``ts_`` may be left out: ``order=6, h=0.025, max_time=0.1``; lists
               where it has commas; None for the default. ``quiet=False`` prints what a run prints. The result is

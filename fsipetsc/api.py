@@ -12,7 +12,6 @@ from fsipetsc.cases import load_case
 from fsipetsc.errors import FsiError, InputError
 from fsipetsc.options import table
 from fsipetsc.output.reader import Run, open_run
-from fsipetsc.plane import PlaneProblem
 from fsipetsc.problem import Problem
 from fsipetsc.process.failure import end_together
 from fsipetsc.process.host import left_as_found
@@ -58,7 +57,7 @@ def _solve(case: Any, comm: MPI.Comm, options: Mapping[str, Any]) -> str:
 
 def _case(case: Any) -> Any:
     """What a case file would define."""
-    if isinstance(case, (Problem, PlaneProblem)):
+    if isinstance(case, Problem):
         return SimpleNamespace(NAME="problem", SUMMARY="", OPTIONS=(), DEFAULTS={}, build=lambda opt: case)
     if isinstance(case, BlockProblem):  # whose cells are given
         h = {"fsi_h": 1.0}

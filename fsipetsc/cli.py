@@ -63,8 +63,8 @@ COMMANDS = {
         "fsipetsc.cli:diff",
     ),
     "new": Command(
-        "FILE.py [-plane]",
-        "a case file of your own to start from, -plane: in two dimensions; commented, and it runs",
+        "FILE.py [-blocks]",
+        "a case file of your own to start from, -blocks: in two dimensions; commented, and it runs",
         "fsipetsc.cli:new",
     ),
     "convergence": Command(
@@ -106,7 +106,7 @@ _OF_PLOT = {
     **{"-o": "the name of a directory or a file", "-fields": "names of fields with commas", "-times": "times with commas"},
     **{"-compare": "another result file", "-all": None, "-animate": None},
 }
-_OF_NEW = {"-plane": None}
+_OF_NEW = {"-blocks": None}
 _FLAGS = {"plot": _OF_PLOT, "report": _OF_REPORT, "new": _OF_NEW}
 
 
@@ -316,11 +316,11 @@ def diff(arguments: list[str]) -> None:
 
 
 def new(arguments: list[str]) -> None:
-    """The command `new FILE.py [-plane]`."""
+    """The command `new FILE.py [-blocks]`."""
     (name,), given = _files("new", arguments, 1, "name of a case file", flags=_OF_NEW)
     from fsipetsc.output.new_case import new_case
 
-    path = new_case(name, tuple(COMMANDS), 2 if "-plane" in given else 1)
+    path = new_case(name, tuple(COMMANDS), "-blocks" in given)
     print(f"wrote {path}; it runs as it is:  {program()} {shlex.quote(str(path))}")
 
 

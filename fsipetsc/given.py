@@ -25,12 +25,6 @@ UNKNOWNS = {
     **{("solid", what): ("u", "sigma", "T", "x") for what in ("initial", "exact", "forcing")},
     ("fluid", "forcing"): ("rho", "rho u", "e"),
 }
-#: the same in two dimensions
-PLANE_UNKNOWNS = {
-    **{("fluid", what): ("rho", "u", "v", "T") for what in ("initial", "exact", "values")},
-    **{("solid", what): ("u", "v", "T", "x", "y") for what in ("initial", "exact", "forcing", "values")},
-    ("fluid", "forcing"): ("rho", "rho u", "rho v", "e"),
-}
 JUMPS = ("g_u", "g_stress", "g_T", "g_flux")
 
 
@@ -67,71 +61,6 @@ def initial(layer: Layer, X: np.ndarray, active: slice) -> list[np.ndarray]:
             i = int(np.argmin(np.diff(values) > 0))
             raise _fault(layer.initial, where, f"x does not rise with X behind X = {X[active][i]:.6g}: expected positions [m]")
     return found
-
-
-def plane_fields(layer: Any, what: str, X: np.ndarray, Y: np.ndarray, t: float) -> list[np.ndarray]:
-    """The values of layer.initial, exact or forcing in two dimensions at time t [s], each of X's shape. InputError.
-
-    Initial data are physical: rho > 0, T > 0.
-    """
-    where = f"{what} of layer '{layer.name}'" + ("" if what == "initial" else f" at t = {t:.6g}")
-    arguments = (X, Y) if what == "initial" else (X, Y, t)
-    return _plane_values(layer, what, getattr(layer, what), arguments, where)
-
-
-def edge_values(layer: Any, function: Callable[..., Any], X: np.ndarray, Y: np.ndarray, t: float) -> list[np.ndarray]:
-    """What is given at an edge of a layer in two dimensions. InputError."""
-    return _plane_values(layer, "values", function, (X, Y, t), f"values at an edge of layer '{layer.name}' at t = {t:.6g}")
-
-
-def wall_temperature(layer: Any, function: Callable[..., Any], X: np.ndarray, Y: np.ndarray, t: float) -> np.ndarray:
-    """T [K] of a wall in two dimensions. InputError."""
-    where = f"T of a wall of layer '{layer.name}' at t = {t:.6g}"
-    return _plane_array(_asked(function, (X, Y, t), where), "T", X, Y, function, where)
-
-
-def plane_motion(layer: Any, end: Any, X: np.ndarray, t: float, step: float) -> np.ndarray:
-    """(6, n): x, y, velocity and acceleration of the points X of an edge that moves; step [s]: of differences. InputError."""
-
-    def at(function: Callable[..., Any], name: str, time: float) -> np.ndarray:
-        where = f"{name} of an edge of layer '{layer.name}' at t = {time:.6g}"
-        names = ("x", "y") if name == "x" else ("u", "v")
-        values = _listed(_asked(function, (X, time), where), names, function, where)
-        return np.array([_plane_array(v, n, X, X, function, where) for n, v in zip(names, values, strict=True)])
-
-    x, function, name = at(end.x, "x", t), end.velocity or end.x, "velocity" if end.velocity else "x"
-    around = [[at(function, name, t + sign * k * step) for sign in (1, -1)] for k in (1, 2, 3)]
-    slope = sum(c * (ahead - behind) for c, (ahead, behind) in zip(_SLOPE, around, strict=True)) / step
-    if end.velocity:
-        return np.concatenate([x, at(function, name, t), slope])
-    bend = _BEND[0] * x + sum(c * (ahead + behind) for c, (ahead, behind) in zip(_BEND[1:], around, strict=True))
-    return np.concatenate([x, slope, bend / (step * step)])
-
-
-def supplied(problem: Any, k: int, X: np.ndarray, t: float) -> list[np.ndarray]:
-    """Traction and heat that interface k is supplied with in two dimensions. InputError."""
-    where, names = f"jumps at interface {k} at t = {t:.6g}", ("g_x", "g_y", "g_q")
-    values = _listed(_asked(problem.jumps, (k, X, t), where), names, problem.jumps, where)
-    return [_plane_array(v, name, X, X, problem.jumps, where) for name, v in zip(names, values, strict=True)]
-
-
-def _plane_values(layer: Any, what: str, function: Callable[..., Any], arguments: tuple, where: str) -> list[np.ndarray]:
-    names, (X, Y) = PLANE_UNKNOWNS[layer.kind, what], arguments[:2]
-    values = _listed(_asked(function, arguments, where), names, function, where)
-    return [_plane_array(v, name, X, Y, function, where, what != "forcing") for name, v in zip(names, values, strict=True)]
-
-
-def _plane_array(
-    value: Any, name: str, X: np.ndarray, Y: np.ndarray, function: Callable[..., Any], where: str, physical: bool = True
-) -> np.ndarray:
-    array = _real(value, X.shape, name, function, where)
-    positive = physical and name in ("rho", "T")
-    good = np.isfinite(array) & ((array > 0) | (not positive))
-    if not good.all():
-        at = np.unravel_index(int(np.argmin(good)), X.shape)
-        expected = "a number above 0" if positive else "a finite number"
-        raise _fault(function, where, f"{name} = {array[at]:.6g} at X = {X[at]:.6g}, Y = {Y[at]:.6g}: expected {expected}")
-    return array
 
 
 def end_data(problem: Problem, side: int, t: float) -> Sequence[float]:

@@ -137,8 +137,9 @@ def tube(n):
     for name, inner, outer in (("gas", 0.5, 1.0), ("solid", 1.0, 1.4)):
         around, length = np.arange(n) / n, np.arange(n) / n
         phi, z, s = np.meshgrid(2 * np.pi * around, length, np.linspace(0, 1, n), indexing="ij")
-        r = (inner + (outer - inner) * s) * (1 + 0.05 * np.sin(2 * np.pi * z + phi))
+        radius = inner + (outer - inner) * s
+        r = radius * (1 + 0.05 * np.sin(2 * np.pi * z + phi))
         x = r * np.cos(phi) + 0.1 * np.sin(2 * np.pi * z)
-        along = z + 0.03 * np.sin(2 * phi) * np.cos(2 * np.pi * z) * s
+        along = z + 0.03 * np.sin(2 * phi) * np.cos(2 * np.pi * z) * radius
         found[name] = np.array([x, r * np.sin(phi), along]), ((0, 0, 0), (0, 0, 1.0), None)
     return found

@@ -27,8 +27,8 @@ from fsipetsc.output.reader import Run
 #: files of tests that take longest, the longest first; behind others those for which more is compiled meanwhile
 DEAREST = (
     *("signals", "failures", "stability", "time", "kills", "process", "case_files", "ends", "claim", "cli", "convergence"),
-    *("ranks", "documents", "restart", "same_bits", "dissipation_runs", "plane_output", "plane", "shock", "faults"),
-    *("plane_modes", "plots", "plane_shocks", "disk", "flutter", "end_point", "two_point_rates", "kernels", "start"),
+    *("ranks", "documents", "restart", "same_bits", "dissipation_runs", "plane_output", "plane_cases", "shock", "faults"),
+    *("wave_modes", "plots", "disk", "flutter", "end_point", "two_point_rates", "kernels", "start"),
 )
 _SHORT = "-fsi_h 0.1 -ts_max_steps 2"
 _SHOCKS = "-fsi_dissipation 1 -fsi_shock 1 -ts_max_steps 1"
@@ -39,7 +39,7 @@ PARTS: tuple[dict[str, tuple[str, str]], ...] = (
     {
         "plane": ("plane_mms", "-ts_max_steps 1"),
         "plane dissipation": ("blast", f"-fsi_h 0.125 -fluid_mu 0 -fluid_kappa 0 {_SHOCKS}"),
-        "plane shock": ("oblique", "-fsi_h 0.125 -ts_max_steps 1"),
+        "plane elastic": ("wave", "-fsi_h 0.125 -fluid_mu 0 -fluid_kappa 0 -ts_max_steps 1"),
     },
 )
 #: parts that one process compiles, one after the other: what is in several of them it works out once, a fifth of all

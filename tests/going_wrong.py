@@ -15,12 +15,15 @@ import numpy as np
 from mpi4py import MPI
 from numba import njit
 
+from fsipetsc.blocks import conditions
+from fsipetsc.blocks.layers import Layer, layers
+from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.boundaries import Wall, clamped
-from fsipetsc.boundaries import plane as edges
+from fsipetsc.materials.fluid import Fluid as Gas
+from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.options import Option
 from fsipetsc.physics.fluid import Fluid
 from fsipetsc.physics.solid import Solid
-from fsipetsc.plane import PlaneFluidLayer, PlaneProblem, PlaneSolid, PlaneSolidLayer
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 
 NAME = "going_wrong"
@@ -46,7 +49,7 @@ UNKNOWNS = {
     (2, "s"): ("u", "v", "T", "x", "y"),
 }
 GAS, BAR = Fluid(0.01, 0.03, 1.4, 1.0), Solid(20.0, 0.02, 2.0, 1.0)
-PLATE = PlaneSolid(5.0, 10.0, 0.02, 2.0, 1.0, p_ref=1.0)
+AIR, PLATE = Gas(0.01, 0.03, 1.4, 1.0), ElasticSolid(5.0, 10.0, 0.02, 2.0, 1.0, p_ref=1.0)
 
 
 def refuse() -> None:
@@ -56,9 +59,9 @@ def refuse() -> None:
 refuse_compiled = njit(refuse)
 
 
-def build(opt: Mapping[str, Any]) -> Problem | PlaneProblem:
+def build(opt: Mapping[str, Any]) -> Problem | BlockProblem:
     """Layers of thickness 1 at rest, in two dimensions of width 1; a gas that is the first one has a wall."""
-    layers = [(_plane_layer if opt["mad_plane"] else _layer)(opt, k, kind) for k, kind in enumerate(opt["mad_layers"])]
+    stack = [(_plane_layer if opt["mad_plane"] else _layer)(opt, k, kind) for k, kind in enumerate(opt["mad_layers"])]
     fails, name = lambda function, what: _failing(opt, function, what), opt["mad_function"]
     first, last = opt["mad_layers"][0], opt["mad_layers"][-1]
 
@@ -67,23 +70,25 @@ def build(opt: Mapping[str, Any]) -> Problem | PlaneProblem:
         return opt["mad_rate"] * max(0.0, t - opt["mad_time"]), opt["mad_rate"] * (t >= opt["mad_time"])
 
     if opt["mad_plane"]:
-        lower, upper = (edges.NoSlip() if kind == "g" else edges.Clamped() for kind in (first, last))
+        lower, upper = (conditions.NoSlip() if kind == "g" else conditions.Clamped() for kind in (first, last))
         if name == "place":
-            lower = edges.NoSlip(x=fails(lambda X, t: (X, 0 * X), "place"))
+            lower = conditions.NoSlip(x=fails(lambda X, Y, t: (X, 0 * X), "place"))
         if opt["mad_field"] == "place":
-            lower = edges.Slip(lambda X, t: (X, 0 * X + wall(t)[0]), lambda X, t: (0 * X, 0 * X + wall(t)[1]))
+            moves = (lambda X, Y, t: (X, 0 * X + wall(t)[0])), (lambda X, Y, t: (0 * X, 0 * X + wall(t)[1]))
+            lower = conditions.Slip(*moves)
         if name == "T":
-            lower = edges.NoSlip(T=fails(lambda X, Y, t: 1 + 0 * X, "T"))
+            lower = conditions.NoSlip(T=fails(lambda X, Y, t: 1 + 0 * X, "T"))
         if name == "edge":
-            upper = edges.Given(fails(lambda X, Y, t: (1 + 0 * X, 0 * X, 0 * X, 1 + 0 * X), "edge"))
-        jumps = fails(lambda k, X, t: (0 * X, 0 * X, 0 * X), "jumps") if name == "jumps" else None
-        return PlaneProblem(tuple(layers), (0.0, 1.0), lower, upper, jumps, units="none")
+            upper = conditions.Given(fails(lambda X, Y, t: (1 + 0 * X, 0 * X, 0 * X, 1 + 0 * X), "edge"))
+        jumps = fails(lambda X, Y, t: (0 * X, 0 * X, 0 * X), "jumps") if name == "jumps" else None
+        ends = {"lower": lower, "upper": upper, "jumps": jumps, "units": "none"}
+        return layers(*stack, along=((0.0, 1.0),), h=opt["fsi_h"], order=opt["fsi_order"], **ends)
     place = fails(lambda t: 0.0, "place") if name == "place" else 0.0
     heat = {"T": fails(lambda t: 1.0, "T")} if name == "T" else {}
     left = Wall(place, **heat) if first == "g" else clamped()
-    right = Wall(float(len(layers))) if last == "g" else clamped(fails(lambda t: 0.0, "edge") if name == "edge" else 0.0)
+    right = Wall(float(len(stack))) if last == "g" else clamped(fails(lambda t: 0.0, "edge") if name == "edge" else 0.0)
     jumps = fails(lambda k, t: (0.0, 0.0, 0.0, 0.0), "jumps") if name == "jumps" else None
-    return Problem(tuple(layers), left, right, jumps, units="none")
+    return Problem(tuple(stack), left, right, jumps, units="none")
 
 
 def _failing(opt: Mapping[str, Any], function: Callable[..., Any], what: str) -> Callable[..., Any]:
@@ -98,7 +103,7 @@ def _failing(opt: Mapping[str, Any], function: Callable[..., Any], what: str) ->
     return called
 
 
-def _plane_layer(opt: Mapping[str, Any], k: int, kind: str) -> PlaneFluidLayer | PlaneSolidLayer:
+def _plane_layer(opt: Mapping[str, Any], k: int, kind: str) -> Layer:
     def gas(X, Y):
         return [1 + 0 * X, 0 * X, 0 * X, 1 + 0 * X]
 
@@ -106,8 +111,8 @@ def _plane_layer(opt: Mapping[str, Any], k: int, kind: str) -> PlaneFluidLayer |
         return [0 * X, 0 * X, 1 + 0 * X, X, Y]
 
     if kind == "g":
-        return PlaneFluidLayer(f"gas {k}", GAS, (k, k + 1), _failing(opt, gas, "initial"), **_functions(opt, k, kind, 2, gas))
-    return PlaneSolidLayer(f"bar {k}", PLATE, (k, k + 1), plate, **_functions(opt, k, kind, 2, plate))
+        return Layer(f"gas {k}", AIR, (k, k + 1), _failing(opt, gas, "initial"), **_functions(opt, k, kind, 2, gas))
+    return Layer(f"bar {k}", PLATE, (k, k + 1), plate, **_functions(opt, k, kind, 2, plate))
 
 
 def _layer(opt: Mapping[str, Any], k: int, kind: str) -> FluidLayer | SolidLayer:

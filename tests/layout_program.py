@@ -23,7 +23,8 @@ class Block:
 
     def __init__(self, name, kind, shape, periodic, mu=0.0):
         self.name, self.kind, self.shape, self.periodic = name, kind, shape, periodic
-        self.dimension, self.material = len(shape), SimpleNamespace(mu=mu, kappa=0.0)
+        self.dimension = len(shape)
+        self.material = SimpleNamespace(mu=mu, kappa=0.0, heat="coupled")
 
     def band(self, order, axis):
         closed = self.periodic[axis]

@@ -83,7 +83,7 @@ class Engine:
         self.shapes = {b.name: b.X.shape[1:] for b in p.blocks}
         self.problem = BlockProblem(tuple(map(block_of, p.blocks)), faces, points=points)
         self.layout = BlockLayout(comm, self.problem, p.order)
-        form = BlockForm(p.form, p.dissipation / 0.3)
+        form = BlockForm(p.form, p.dissipation / 0.3 or -1.0)  # 0: on where blocks are joined
         self.scheme = Scheme(self.layout, self.problem, p.order, form)
         self.y, self.f = self.layout.vector(), self.layout.vector()
 

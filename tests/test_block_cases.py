@@ -1,5 +1,5 @@
 """Cases of the block engine: the manufactured solution fulfils the equations as they are written
-in physical coordinates, and in two dimensions it is that of ``plane_mms``.
+in physical coordinates.
 """
 
 from __future__ import annotations
@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fsipetsc.cases import manufactured, plane_mms
+from fsipetsc.cases import manufactured
 
 DIMENSIONS = (1, 2, 3)
 LAWS = ("log", "neo-hookean", "svk", "linear")
@@ -197,25 +197,6 @@ def test_interface(d):
     assert np.abs(found[:-1] - (into_solid - from_gas)).max() < 2e-7
     assert np.abs(found[-1] - (heat_of_solid - heat_of_gas)).max() < 2e-7
     assert np.abs(found).max(axis=1).min() > 0.05
-
-
-@pytest.mark.parametrize("law", ["log", "neo-hookean", "svk"])
-def test_two_dimensions_are_plane_mms(law):
-    """Whose errors are in a table: all its functions, to round-off."""
-    opt = {"fluid_mu": 0.02, "fluid_kappa": 0.03, "solid_law": law, "solid_kappa": 0.05}
-    gas, solid = plane_mms.build(opt).layers
-    exact = manufactured.Solution(2, 0.02, 0.03, 0.05, law)
-    X, Y = np.meshgrid(np.arange(8) / 8, np.linspace(0, 1, 9))
-    for t in (0.0, 0.37):
-        pairs = (
-            (gas.exact(X, Y, t), exact.exact_gas(X, Y, t)),
-            (gas.forcing(X, Y, t), exact.force_gas(X, Y, t)),
-            (solid.exact(X, Y + 1, t), exact.exact_solid(X, Y + 1, t)),
-            (solid.forcing(X, Y + 1, t), exact.force_solid(X, Y + 1, t)),
-            (plane_mms.build(opt).jumps(0, X[0], t), exact.supplied(X[0], 1 + 0 * X[0], t)),
-        )
-        for old, new in pairs:
-            assert np.abs(np.array(old) - np.array(new)).max() < 1e-13
 
 
 @pytest.mark.parametrize("d", DIMENSIONS)

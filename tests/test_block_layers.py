@@ -4,19 +4,16 @@ that say layers, as blocks, with the nodes and initial data that they had.
 
 from __future__ import annotations
 
-import importlib
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
 import pytest
 
-from fsipetsc import boundaries, plane, problem
+from fsipetsc import boundaries, problem
 from fsipetsc.blocks import conditions as new
-from fsipetsc.blocks.from_layers import blocks_of, blocks_of_line
+from fsipetsc.blocks.from_layers import blocks_of_line
 from fsipetsc.blocks.layers import Layer, layers
 from fsipetsc.blocks.problem import Meeting
-from fsipetsc.boundaries import plane as edges
 from fsipetsc.cases import load_case
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
@@ -26,7 +23,6 @@ from fsipetsc.options import defaults
 from fsipetsc.physics.fluid import Fluid as OldFluid
 from fsipetsc.physics.solid import Solid as OldSolid
 
-IN_A_PLANE = ("plane_mms", "blast", "panel", "wave", "tube", "oblique")
 GAS, SOLID = Fluid(0.1, 0.1, 1.4, 1.0), ElasticSolid(1.0, 1.0, 0.1, 1.0, 1.0)
 
 
@@ -36,15 +32,6 @@ def gas(across, **more):
 
 def solid(across, **more):
     return Layer("solid", SOLID, across, lambda *X: (*[0.0] * len(X), 1.0, *X), **more)
-
-
-@cache
-def built(name):
-    """(case, options, its layers, these as blocks)."""
-    case = load_case(name)
-    opt = defaults(case)
-    old = case.build(opt)
-    return case, opt, old, blocks_of(old, opt["fsi_h"], opt["fsi_order"])
 
 
 def seen(found, k):
@@ -193,35 +180,10 @@ def test_a_layer_without_cells():
 # -- cases in two dimensions
 
 
-@pytest.mark.parametrize("name", IN_A_PLANE)
-def test_nodes_and_initial_data_are_those_of_the_layers(name):
-    """Every node of the grid that the layers had, with the data that they have there."""
-    _, opt, old, found = built(name)
-    assert found.notes == old.notes and found.units == old.units
-    columns = round((old.X[1] - old.X[0]) / opt["fsi_h"])
-    h_x = (old.X[1] - old.X[0]) / columns
-    for number, layer in enumerate(old.layers):
-        pieces = [k for k, block in enumerate(found.blocks) if block.name.startswith(layer.name)]
-        left, right = old.span(number)
-        n = round((right - left) / h_x) + (not old.periodic)
-        rows = [found.places(k, np.arange(found.blocks[k].shape[0]))[:, 0] for k in pieces]
-        X = np.concatenate(rows)
-        assert np.abs(np.unique(X) - (left + h_x * np.arange(n))).max() < 1e-13
-        for k in pieces:
-            block = found.blocks[k]
-            assert block.periodic == (old.periodic, False) and block.kind == layer.kind
-            shape = block.shape[::-1]
-            X, Y = found.places(k, np.arange(np.prod(shape))).T
-            assert np.ptp(Y) == layer.Y[1] - layer.Y[0]
-            values = layer.initial(X.reshape(shape), Y.reshape(shape))
-            for have, value in zip(block.initial(X, Y), values, strict=True):
-                want = np.broadcast_to(value, shape).ravel()
-                assert np.array_equal(np.broadcast_to(have, X.shape), want)
-
-
 def test_conditions_of_the_panel():
     """Clamped at its ends, the cavity's pressure behind it; in, out, above, beside of the gas."""
-    found = built("panel")[-1]
+    case = load_case("panel")
+    found = case.build(defaults(case))
     p = 1.0 / 1.4
     outside, beside = new.Open(1.0, (2.0, 0.0), 1.0), new.Slip(name="gas lower beside")
     assert seen(found, 0) == {
@@ -232,89 +194,6 @@ def test_conditions_of_the_panel():
     assert first == {(0, 0): outside, (0, 1): ("gas 2", 0, 0), (1, 0): beside, (1, 1): outside}
     assert middle[1, 0] == ("panel", 1, 1) and middle[1, 1] == outside
     assert last[0, 1] == new.Outflow(p) and last[1, 0] == beside
-
-
-def test_all_kinds_of_edges():
-    """Each with its data; those that move are asked with X alone."""
-    moved, speed = (lambda X, t: (X, t + 0.0 * X)), (lambda X, t: (0.0 * X, 1.0 + 0.0 * X))
-    values = lambda X, Y, t: (1.0, 0.0, 0.0, 1.0)  # noqa: E731
-    still = lambda X, Y: (1.0, 0.0, 0.0, 1.0)  # noqa: E731
-    pairs = [
-        (edges.NoSlip(T=3.0), new.NoSlip(T=3.0)),
-        (edges.Slip(), new.Slip(name="gas lower")),
-        (edges.Open(1.0, 2.0, 3.0, 4.0), new.Open(1.0, (2.0, 3.0), 4.0)),
-        (edges.Outflow(0.5), new.Outflow(0.5)),
-        (edges.Given(values), new.Given(values)),
-    ]
-
-    def lower(end):
-        layer = plane.PlaneFluidLayer("gas", OldFluid(0.1, 0.1, 1.4, 1.0), (0.0, 1.0), still)
-        built = blocks_of(plane.PlaneProblem((layer,), (0.0, 1.0), end, edges.Slip()), 0.125, 2)
-        return built.faces_of(0)[1, 0]
-
-    assert [lower(old) for old, _ in pairs] == [now for _, now in pairs]
-    X = np.array([0.25, 0.5])
-    for kind in (edges.NoSlip, edges.Slip):
-        found = lower(kind(x=moved, velocity=speed))
-        assert np.array_equal(found.x(X, 0.0 * X, 3.0), moved(X, 3.0))
-        assert np.array_equal(found.velocity(X, 0.0 * X, 3.0), speed(X, 3.0))
-    assert lower(edges.Given(values, x=moved)).x(X, X, 2.0)[1].tolist() == [2.0, 2.0]
-
-
-def test_jumps_are_asked_by_interface():
-    """Three layers: each of two interfaces has its own."""
-    still = lambda X, Y: (1.0, 0.0, 0.0, 1.0)  # noqa: E731
-    rest = lambda X, Y: (0.0, 0.0, 1.0, X, Y)  # noqa: E731
-    fluid, material = OldFluid(0.1, 0.1, 1.4, 1.0), plane.PlaneSolid(1.0, 1.0, 0.0, 1.0, 1.0)
-    stack = (
-        plane.PlaneFluidLayer("low", fluid, (0.0, 1.0), still),
-        plane.PlaneSolidLayer("mid", material, (1.0, 2.0), rest),
-        plane.PlaneFluidLayer("high", fluid, (2.0, 3.0), still),
-    )
-    jumps = lambda k, X, t: (k + X, 10.0 * k, t)  # noqa: E731
-    old = plane.PlaneProblem(stack, (0.0, 1.0), edges.Slip(), edges.Slip(), jumps=jumps)
-    X, Y = np.array([0.1, 0.2, 0.3]), np.array([1.0, 2.0, 2.0])
-    found = blocks_of(old, 0.125, 2).jumps(X, Y, 7.0)
-    assert np.allclose(found, [[0.1, 1.2, 1.3], [0.0, 10.0, 10.0], [7.0, 7.0, 7.0]])
-
-
-def test_functions_of_layers_get_rows():
-    """As ever arrays (rows, columns), rows of equal Y, also where nodes come one after another."""
-    shapes = []
-
-    def still(X, Y):
-        shapes.append(X.shape)
-        assert (Y == Y[:, :1]).all() and (X == X[:1]).all()
-        return np.ones_like(X), X[0] + 0.0 * X, 0.0, 1.0
-
-    layer = plane.PlaneFluidLayer("gas", OldFluid(0.1, 0.1, 1.4, 1.0), (0.0, 1.0), still)
-    old = plane.PlaneProblem((layer,), (0.0, 1.0), edges.Slip(), edges.Slip())
-    found = blocks_of(old, 0.125, 2)
-    X, Y = found.places(0, np.arange(72)).T
-    values = found.blocks[0].initial(X, Y)
-    assert shapes == [(9, 8)] and np.array_equal(values[1], X) and values[2] == 0.0
-
-
-# -- the same in terms of blocks
-
-
-@pytest.mark.parametrize("name", IN_A_PLANE)
-def test_cases_in_terms_of_blocks_are_those_of_layers(name):
-    """Options, defaults, notes, blocks, conditions, initial data."""
-    now = importlib.import_module(f"fsipetsc.cases.of_blocks.{name}")
-    old, opt, _, a = built(name)
-    assert opt == defaults(now) and old.NAME == now.NAME
-    b = now.build(opt)
-    assert (a.notes, a.units) == (b.notes, b.units)
-    for k, (one, other) in enumerate(zip(a.blocks, b.blocks, strict=True)):
-        assert (one.name, one.shape, one.periodic) == (other.name, other.shape, other.periodic)
-        assert one.material == other.material
-        assert [type(kind) for kind in a.faces_of(k).values()] == [
-            type(kind) for kind in b.faces_of(k).values()
-        ]
-        X = a.places(k, np.arange(np.prod(one.shape))).T
-        for have, want in zip(one.initial(*X), other.initial(*X), strict=True):
-            assert np.abs(have - want).max() < 1e-15
 
 
 # -- one dimension

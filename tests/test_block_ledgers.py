@@ -15,6 +15,7 @@ import block_shapes as shapes
 from block_ledgers import steps_of, unbooked
 from helpers import REPOSITORY, mpirun
 
+from fsipetsc.blockrun.run_problem import RunProblem
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.conditions import (
     Absorbing,
@@ -28,10 +29,13 @@ from fsipetsc.blocks.conditions import (
     Roller,
     Slip,
 )
-from fsipetsc.blocks.maps import annulus, nodes
+from fsipetsc.blocks.maps import annulus, nodes, rectangle
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
+from fsipetsc.scheme.conservation_check import ConservationCheck
+from fsipetsc.stepping.ledgers import Ledgers
+from fsipetsc.stepping.report import about_volumes
 
 MASS, X, Y, ENERGY = range(4)
 #: cells along an axis
@@ -63,8 +67,12 @@ def bent(*X):
 def block(name, X, material, **options):
     """A block on an array of nodes, as in block_shapes."""
     cells, d = tuple(n - 1 for n in X.shape[1:]), len(X)
-    initial = swirling if material.kind == "fluid" else bent
+    initial = options.pop("initial", swirling if material.kind == "fluid" else bent)
     return Block(name, material, nodes(X.transpose(*range(d, 0, -1), 0)), cells, initial, **options)
+
+
+def straight(X, Y):
+    return [*bent(X, Y)[:3], X, Y]
 
 
 def problem_of(shape, faces, fluid, plate, points=(), **options):
@@ -72,7 +80,7 @@ def problem_of(shape, faces, fluid, plate, points=(), **options):
     blocks = []
     for name, (X, _) in shape.items():
         material = fluid if name.startswith("gas") else plate
-        blocks.append(block(name, X, material, **options.get(name.split()[0], {})))
+        blocks.append(block(name, X, material, **dict(options.get(name.split()[0], {}))))
     found = {}
     for k, one in enumerate(blocks):
         for axis in range(one.dimension):
@@ -228,24 +236,36 @@ def test_one_dimension(mu):
     check(problem_of(shape, faces, gas(1, mu, 0.2), solid(1, force=0.3)), only=(X, 2))
 
 
+def all_kinds(name, axis, side):
+    """Given data, walls of both kinds, clamps."""
+    if name == "gas 20" and axis == 1:
+        return Given(lambda X, Y, t: (1.1, 0.2, 0.1, 1.2 + 0.0 * X))
+    if name.startswith("gas"):
+        return NoSlip(T=1.3) if (axis, side) == (1, 1) else Slip(x=moved)
+    return Clamped(velocity=lambda X, Y, t: (0.3, 0.2 + 0.0 * X))
+
+
+def taken_along(name, axis, side):
+    """A solid that is free beside moving walls, to which its gas sticks."""
+    if name.startswith("gas"):
+        wall = NoSlip(x=lambda X, Y, t: (X + 0.2 * t, Y + 0.3 * t))
+        return Open(0.9, (0.5, -0.2), 1.1) if axis == 1 else wall
+    return Free()
+
+
 @pytest.mark.parametrize("heat", ["elastic", "coupled"])
 @pytest.mark.parametrize("mu", [0.0, 0.02])
-def test_what_completion_takes(mu, heat):
+@pytest.mark.parametrize("faces", [all_kinds, taken_along])
+def test_what_completion_takes(faces, mu, heat):
     """From a state that obeys nothing: what walls, clamps and data add is booked, and nothing else
     changes.
     """
-
-    def faces(name, axis, side):
-        if name == "gas 20" and axis == 1:
-            return Given(lambda X, Y, t: (1.1, 0.2, 0.1, 1.2 + 0.0 * X))
-        if name.startswith("gas"):
-            return NoSlip(T=1.3) if (axis, side) == (1, 1) else Slip(x=moved)
-        return Clamped(velocity=lambda X, Y, t: (0.3, 0.2 + 0.0 * X))
-
-    problem = problem_of(shapes.panel(N + 1), faces, gas(mu=mu), solid(heat=heat))
-    with steps_of(problem) as run:
+    panel = faces is all_kinds
+    shape = shapes.panel(N + 1) if panel else shapes.layers(N + 1, False)
+    options = {} if panel else {"solid": {"initial": straight}}
+    with steps_of(problem_of(shape, faces, gas(mu=mu), solid(heat=heat), **options)) as run:
         rng = np.random.default_rng(1)
-        for k, block in enumerate(problem.blocks):
+        for k, block in enumerate(run.problem.blocks):
             q, d = run.y.owned(k), 2
             if block.kind == "fluid":
                 q[:, 2:4] += q[:, :1] * rng.uniform(-0.3, 0.3, (len(q), d))
@@ -257,7 +277,78 @@ def test_what_completion_takes(mu, heat):
         run.came += run.y.behind
         change, came = run.integrals() - before, run.gained()
         assert np.abs(change - came).max() < 1e-14 * before[-1], change - came
-        assert np.abs(came).min() > 1e-5
+        assert np.abs(came[1:3]).min() > 1e-5 and (not panel or np.abs(came).min() > 1e-5)
+
+
+def test_three_dimensions():
+    """Where p_ref of the solid acts on its faces, and does work there."""
+    zero = (0.0,) * 3
+    fluid = Fluid(0.02, 0.03, 1.4, 1.0, force=zero)
+    plate = ElasticSolid(1.0, 2.0, 0.05, 2.0, 1.5, 0.3, "svk", "coupled", force=zero)
+
+    def faces(name, axis, side):
+        if name == "solid":
+            return Free(0.2)
+        return Slip(x=lambda X, Y, Z, t: (X, Y, Z + 0.1 * t * X)) if axis == 2 else Slip()
+
+    problem = problem_of(shapes.three(4), faces, fluid, plate)
+    check(problem, only=(X, Y, 3, 4), least=1e-9)
+
+
+def records(run, steps, dt, lose=None):
+    """What a run records of steps; after some, momentum along x is lost."""
+    names = ("t", "dt", "mass", "mass_in", "energy", "energy_in")
+    names += "momentum_x", "momentum_y", "impulse_x", "impulse_y"
+    kind = np.dtype([(n, "f8", (1,)) if n.startswith("mass") else (n, "f8") for n in names])
+    found = np.zeros(steps, kind)
+    for i in range(steps):
+        if i == lose:
+            q = run.y.owned(0)
+            q[:, 4] -= 0.5 * q[:, 2] ** 2 / q[:, 1]
+            q[:, 2] = 0.0
+        before = run.came.copy()
+        run.step(dt)
+        mass, *momentum, energy = run.integrals()
+        into, *impulse, heat = run.came - before
+        found[i] = (run.t, dt, mass, into, energy, heat, *momentum, *impulse)
+    return found
+
+
+@pytest.mark.parametrize("lose", [None, 3])
+def test_the_watch_sees_the_loss_of_a_small_wave(lose):
+    """The momentum of a wave of 1e-5 between walls, whose impulses come from the constraints."""
+
+    def wave(X, Y):
+        u = 1e-5 * np.exp(-(((X - 0.5) / 0.15) ** 2))
+        return 1.0 + u / np.sqrt(1.4), u, 0.0 * X, 1.0 + 0.4 * u / np.sqrt(1.4)
+
+    one = Block("gas", gas(), rectangle((0, 0), (1, 1)), (16, N), wave)
+    walls = {("gas", axis, side): Slip() for axis in (0, 1) for side in (0, 1)}
+    problem = RunProblem(BlockProblem((one,), walls))
+    with steps_of(problem) as run:
+        mass, x, y, energy = run.integrals()
+        initial = {"mass": [mass], "momentum_x": x, "momentum_y": y, "energy": energy}
+        initial["entropy"] = 0.0
+        invariants = {**problem.invariants, "entropy": False}
+        said = ConservationCheck(invariants, initial, 1e-9).look(records(run, 10, 0.02, lose))
+    assert (said or "")[:16] == ("momentum along x" if lose else "")
+
+
+def test_a_departure_of_volumes_is_told():
+    """From 1 % on; what is no number, too. It is remembered over a restart."""
+    steps = np.zeros(3, [("t", "f8"), ("dt", "f8"), ("J_error", "f8", (2,))])
+    steps["J_error"][1] = 0.001, 0.03
+    ledgers = Ledgers({})
+    for step in range(3):
+        ledgers.add(steps[step : step + 1], 0)
+    assert ledgers.J_error == 0.03
+    assert "J has departed by 3 %" in about_volumes(ledgers.J_error)[0]
+    assert about_volumes(0.0099) == [] and len(about_volumes(np.nan)) == 1
+    known, again = Ledgers({"masses": [], "energy": False}), Ledgers({})
+    known.begin({"mass": []})
+    known.add(steps, 3)
+    again.recall(known.memory(), {})
+    assert again.J_error == 0.03
 
 
 @pytest.mark.mpi

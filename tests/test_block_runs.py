@@ -13,7 +13,7 @@ import pytest
 
 pytest.importorskip("petsc4py")
 
-from helpers import REPOSITORY, mpirun
+from helpers import REPOSITORY, mpirun, solve
 
 import fsipetsc
 from fsipetsc.output.differences import compare
@@ -49,7 +49,7 @@ def jobs() -> dict[str, list]:
     found["fails"] = [2, {"case_fails": True}]
     found["fault"] = [2, {"case_fault": True}]
     found["grids"] = [1, {"fsi_restart": "fused_half.checkpoint.h5", "case_dimension": 3}]
-    found["initial"] = [1, {"fsi_initial": "2d_1.h5", "ts_max_time": 0.2}]
+    found["initial"] = [1, {"fsi_initial": "2d_1.h5", "case_dimension": 3, "ts_max_time": 0.2}]
     found["many"] = [4, {"case_dimension": 1, "fsi_order": 6}]
     return found
 
@@ -197,10 +197,17 @@ def test_a_failure_names_field_block_and_place(runs):
     [
         ("fault", "initial of block 'gas': returns 1 values: expected 4 values (rho, u, v, T)"),
         ("grids", "case_dimension"),
-        ("initial", "-fsi_initial: a problem of blocks"),
+        ("initial", "2d_1.h5 has 2 dimension(s), the case 3"),
         ("many", "ranks are more than these blocks can feed"),
     ],
 )
 def test_bad_input_ends_with_one_message(runs, name, words):
     status, message = runs[1][name]
     assert status == 2 and words in message, message
+
+
+@pytest.mark.parametrize("command", ["plot", "report"])
+def test_no_pictures_of_three_dimensions(runs, command):
+    """One message, with the file that ParaView opens."""
+    done = solve(command, runs[0] / "3d_1.h5")
+    assert done.returncode == 2 and "ParaView opens 3d_1.xdmf" in done.stderr

@@ -86,6 +86,11 @@ def test_at_other_orders(shape, both, order):
     check(shape, both, order)
 
 
+@pytest.mark.parametrize("shape", ["ring", "panel"])
+def test_dissipation(shape):
+    check(shape, SLIPPING, 4, dissipation=0.3)
+
+
 def open_faces(owner):
     """Flow in, out, a free solid."""
     if owner[0].startswith("solid"):

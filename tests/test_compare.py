@@ -146,7 +146,7 @@ def test_maps_are_subtracted_where_layers_are_the_same():
     """By name, kind and points: gases have other fields than solids."""
 
     def run(*layers: tuple[str, str, int]) -> SimpleNamespace:
-        made = [SimpleNamespace(name=name, kind=kind, X=np.zeros(n), Y=np.zeros(3)) for name, kind, n in layers]
+        made = [SimpleNamespace(name=name, kind=kind, shape=(3, n)) for name, kind, n in layers]
         return SimpleNamespace(layers=made)
 
     one = run(("a", "fluid", 5), ("b", "solid", 5))

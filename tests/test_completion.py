@@ -50,7 +50,7 @@ def test_bash(written):
     assert complete(written, "fsipetsc", "plot", "-") == {"-help", "-o", "-fields", "-times", "-compare", "-all", "-animate"}
     assert complete(written, "fsipetsc", "plot", "a.h5", "-fields", "") == set()
     assert complete(written, "fsipetsc", "plot", "a.h5", "-a") == {"-all", "-animate"}
-    assert "-plane" in complete(written, "fsipetsc", "new", "-")
+    assert "-blocks" in complete(written, "fsipetsc", "new", "-")
 
 
 def test_zsh(written):

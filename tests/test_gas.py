@@ -84,9 +84,7 @@ def test_entropy_variables_are_the_derivative_of_entropy(case):
     def entropy(U):
         return -gas.entropy_density(gas.primitive((1.0, *U)))
 
-    slopes = [
-        (entropy(U + STEP * e) - entropy(U - STEP * e)) / (2.0 * STEP) for e in np.eye(d + 2)
-    ]
+    slopes = [(entropy(U + STEP * e) - entropy(U - STEP * e)) / (2.0 * STEP) for e in np.eye(d + 2)]
     np.testing.assert_allclose(variables(gas, w), slopes, rtol=1e-7, atol=1e-8)
 
 

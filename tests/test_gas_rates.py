@@ -268,13 +268,57 @@ def test_chains_of_neighbours_give_the_entropy_of_their_pair(d, order):
 
     alpha is between 0 and 1 and varies from node to node.
     """
-    s = setting(d, order=order, spread=0.3)
+    s = setting(d, order=order, spread=0.03)
     found = weights(s) * dissipation_of(s, 0.0, 1e-300)
     parts = np.abs(found[:, 1:] * variables(s)).sum()
     if order > 2:  # the pairs of order 2 are neighbours, but for none
         assert np.abs(found).max() > 1e-5
     assert np.abs(found.sum(axis=0)).max() < 1e-14
     assert abs((found[:, 1:] * variables(s)).sum()) < 1e-14 * max(parts, 1.0)
+
+
+def steepness(a):
+    """(n,) s of a line of values, 0 at the ends."""
+    rise, fall = a[2:] - a[1:-1], a[1:-1] - a[:-2]
+    size = np.abs(rise) + np.abs(fall) + 0.05 * (a[2:] + 2.0 * a[1:-1] + a[:-2])
+    return np.pad(np.abs(rise - fall) / size, 1)
+
+
+@pytest.mark.parametrize("order", [2, 4, 6])
+def test_shock_terms_of_a_line(order):
+    """Against sums over all pairs and links, one by one."""
+    s = setting(1, order=order, spread=0.03)
+    gas, v = s.oracle.blocks[0].material, s.grid.v
+    state, n, S = formulas.gas_state(gas, s.q), s.q.shape[1], s.oracle.axes[0][0][1]
+    s_most = np.maximum(steepness(state.rho), steepness(state.p))
+    alpha = np.clip(2.5 * (s_most - 0.03), 0.0, 1.0)
+    assert 0 < (alpha < 0.2).sum() < n and (order == 6 or min(alpha[1], alpha[-2]) > 0.0)
+
+    def at(i):
+        return formulas.State(*(f[..., i] for f in state))
+
+    exact, A, G = np.zeros((3, n)), np.zeros(n), np.zeros(n)
+    for i in range(n):
+        for l in range(i + 1, n):
+            weight, g = alpha[i : l + 1].max() * S[i, l], 0.5 * (v[0, i] + v[0, l])
+            F = weight * formulas.pair_flux(gas, at(i), at(l), np.ones(1), g)
+            exact[:, i] += F
+            exact[:, l] -= F
+            A[i:l] += weight
+            G[i:l] += weight * g
+    for m in range(n - 1):
+        l, r = at(m), at(m + 1)
+        c = [np.sqrt(gas.gamma * gas.R * side.T) for side in (l, r)]
+        speed = max(
+            abs(A[m] * side.u[0] - G[m]) + of_sound * abs(A[m])
+            for side, of_sound in zip((l, r), c, strict=True)
+        )
+        jump = formulas.conserved(gas, r.rho, r.u, r.T) - formulas.conserved(gas, l.rho, l.u, l.T)
+        F = formulas.pair_flux(gas, l, r, A[m : m + 1], G[m]) - 0.5 * 0.9 * speed * jump
+        exact[:, m] -= F
+        exact[:, m + 1] += F
+    found = weights(s) * dissipation_of(s, 0.0, 0.9)
+    np.testing.assert_allclose(found[:, 1:].T, exact, rtol=0.0, atol=1e-14 * n)
 
 
 def test_smooth_flow_has_no_shocks():

@@ -26,7 +26,7 @@ ORDER = """
     scheme
     parallel
     blocks
-    problem plane
+    problem
     coupling boundaries
     physics
     materials
@@ -43,7 +43,7 @@ SAME = {"blockrun": "stepping", "paper": "stepping"}
 KNOW_MPI = {"cli", "api", "analysis", "bench", "stepping", "output", "process", "parallel"}
 KNOW_PETSC = {"analysis", "bench", "stepping", "output", "process", "options", "parallel"}
 #: files of ``parallel`` that know PETSc: those that have the DMDAs
-PETSC_IN_PARALLEL = {f"parallel/{name}.py" for name in ("layout", "plane/layout", "block_layout", "natural_order")}
+PETSC_IN_PARALLEL = {f"parallel/{name}.py" for name in ("layout", "block_layout", "natural_order")}
 
 
 def imports(source: str) -> Iterator[tuple[int, str]]:

@@ -1,4 +1,4 @@
-"""Logarithmic means and logarithms of vectors, against 40 digits."""
+"""Logarithmic means of vectors, against 40 digits."""
 
 from __future__ import annotations
 
@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 from numba import njit
 
-from fsipetsc.operators.logarithms import log_near_one
 from fsipetsc.operators.means import distance, mean_factors
-from fsipetsc.operators.memory import load, load_wide, store
-from fsipetsc.operators.vectors import LANES, WIDE
+from fsipetsc.operators.memory import load_wide, store
+from fsipetsc.operators.vectors import WIDE
 
 
 @njit
@@ -22,12 +21,6 @@ def means(a, b, arithmetic, harmonic):
         of_mean, of_inverse = mean_factors(z, z)
         store(arithmetic, i, 0.5 * (x + y) * of_mean)
         store(harmonic, i, 0.5 * (x + y) * of_inverse)
-
-
-@njit
-def logs(x, out):
-    for i in range(0, len(x), LANES):
-        store(out, i, log_near_one(load(x, i)))
 
 
 def off(found, exact):
@@ -69,18 +62,3 @@ def test_a_lane_does_not_see_the_others():
     same = np.arange(64) % 8 != 3
     for one, other in zip(alone, together, strict=True):
         assert np.array_equal(one[same], other[same])
-
-
-def test_logarithm_near_one():
-    rng = np.random.default_rng(3)
-    x = np.concatenate(
-        [np.exp(rng.uniform(-0.23, 0.23, 400)), 1 + 10.0 ** rng.uniform(-15, -1, 400), rng.uniform(0.01, 9, 400)]
-    )
-    x, out = x[x != 1][:1192], np.empty(1192)
-    logs(x, out)
-    with localcontext() as context:
-        context.prec = 40
-        assert off(out, [value.ln() for value in map(Decimal, x.tolist())]) < 5e-16
-    special = np.array([1.0, 0.0, -1.0, -0.5, np.nan, 1.1, 0.9, 2.0])
-    logs(special, found := np.empty(8))
-    assert found[0] == 0.0 and found[1] == -np.inf and np.isnan(found[2:5]).all() and np.isfinite(found[5:]).all()

@@ -11,17 +11,12 @@ pytest.importorskip("petsc4py")
 
 
 import fsipetsc
-from fsipetsc import PlaneFluidLayer, PlaneProblem, PlaneSolid, PlaneSolidLayer
 from fsipetsc.boundaries import Wall
-from fsipetsc.boundaries.plane import Clamped, NoSlip
 from fsipetsc.errors import InputError
-from fsipetsc.operators.formulas import Formulas, in_python
 from fsipetsc.physics.fluid import Fluid
-from fsipetsc.physics.own_laws import check, elastic_law, gas_law, pressure_law, transport_law
+from fsipetsc.physics.own_laws import check, gas_law, pressure_law, transport_law
 from fsipetsc.physics.perfect_gas import perfect_gas
-from fsipetsc.physics.plane.log_solid import log_solid
 from fsipetsc.physics.solid import Solid
-from fsipetsc.plane import ELASTIC
 from fsipetsc.problem import FluidLayer, Problem
 
 SUTHERLAND, OWN_GAS = REPOSITORY / "runs" / "sutherland.py", REPOSITORY / "tests" / "own_gas.py"
@@ -155,85 +150,6 @@ def test_what_follows_from_the_needed_formulas():
     np.testing.assert_allclose(*speeds, rtol=1e-14)
 
 
-def stress(c, F):
-    """That of ``log_solid``."""
-    f11, f12, f21, f22 = F
-    mu, K = c[0], 2.0 * c[0] + c[1]
-    J = f11 * f22 - f12 * f21
-    volumetric = K * np.log(J) - mu * J
-    return mu * f11 + volumetric * f22, mu * f12 - volumetric * f21, mu * f21 - volumetric * f12, mu * f22 + volumetric * f11
-
-
-def energy(c, F):
-    mu, K = c[0], 2.0 * c[0] + c[1]
-    J = F[0] * F[3] - F[1] * F[2]
-    shear = 0.5 * mu * (F[0] ** 2 + F[1] ** 2 + F[2] ** 2 + F[3] ** 2 - 1.0 - J * J)
-    return shear + K * (J * np.log(J) - J + 1.0)
-
-
-RUBBER = {"mu_e": 4e5, "lambda_e": 1.6e6, "kappa_e": 0.2, "m0": 1000.0, "alpha": 1500.0, "p_ref": 1e5, "heat": "elastic"}
-
-
-def test_a_stress_written_by_hand_is_that_of_the_built_in_law():
-    """With the pressure of reference, which is added, and moduli by differences."""
-    own, built_in = PlaneSolid(**RUBBER, law=elastic_law(stress=stress, energy=energy)), PlaneSolid(**RUBBER, law="log")
-    for F in (1.0, 0.0, 0.0, 1.0), (1.1, 0.05, -0.08, 0.95), (0.7, -0.3, 0.2, 1.3):
-        np.testing.assert_allclose(own.stress(F), built_in.stress(F), rtol=0, atol=1e-13 * own.K)
-        squared = F[3] ** 2 + F[1] ** 2, F[2] ** 2 + F[0] ** 2
-        for name, more, within in ("energy", (), 1e-13), ("modulus", squared, 1e-8):
-            laws = (own.formulas, own), (log_solid, built_in)
-            found = [in_python(getattr(law, name))(in_python(law.constants)(solid), F, *more) for law, solid in laws]
-            np.testing.assert_allclose(*found, rtol=within, atol=1e-13 * own.K)
-
-
-@pytest.mark.parametrize("law", ELASTIC)
-def test_built_in_stresses_and_moduli_are_derivatives_of_the_energy(law):
-    """P = dW/dF; no wave along X or Y is faster than the modulus says."""
-    solid, step = PlaneSolid(**RUBBER, law=law), 1e-4
-    energy, modulus = (in_python(getattr(solid.formulas, name)) for name in ("energy", "modulus"))
-    c = in_python(solid.formulas.constants)(solid)
-    for F in (1.0, 0.0, 0.0, 1.0), (1.1, 0.05, -0.08, 0.95), (0.8, -0.3, 0.2, 1.3):
-        shifts = step * np.eye(4)
-        slopes = [(energy(c, F + d) - energy(c, F - d)) / (2 * step) for d in shifts]
-        np.testing.assert_allclose(solid.stress(F), slopes, rtol=0, atol=1e-6 * solid.K)
-        bends = [[energy(c, F + a + b) - energy(c, F + a - b) for b in shifts] for a in shifts]
-        bends -= np.array([[energy(c, F - a + b) - energy(c, F - a - b) for b in shifts] for a in shifts])
-        found = modulus(c, F, F[3] ** 2 + F[1] ** 2, F[2] ** 2 + F[0] ** 2)
-        for k in range(2):  # F_11, F_21 change in waves along X, F_12, F_22 in those along Y
-            fastest = np.linalg.eigvalsh(bends[k::2, k::2] / (4 * step**2)).max()
-            assert (1 - 1e-5) * fastest <= found[k] <= 2 * fastest
-
-
-@pytest.mark.long
-def test_a_plate_of_an_own_law_moves_as_that_of_the_built_in_one(tmp_path):
-    """And keeps the energy, of which its own is a part."""
-
-    def box(law):
-        solid = PlaneSolid(**RUBBER, law=law)
-
-        def pulse(X, Y):
-            p = 1e5 * (1 + 0.5 * np.exp(-((X - 0.1) ** 2 + (Y - 0.04) ** 2) / 0.02**2))
-            return p / (287.0 * 300.0), 0.0, 0.0, 300.0
-
-        layers = (
-            PlaneSolidLayer("plate", solid, (-0.02, 0.0), lambda X, Y: (0.0, 0.0, 300.0, X, Y), cells=8),
-            PlaneFluidLayer("air", Fluid(2e-5, 0.026, 1.4, 287.0), (0.0, 0.1), pulse),
-        )
-        return PlaneProblem(layers, X=(0.0, 0.2), lower=Clamped(), upper=NoSlip())
-
-    laws = {"own": elastic_law(stress=stress, energy=energy), "built_in": "log"}
-    own, built_in = (
-        fsipetsc.run(box(law), h=0.01, max_time=5e-4, output_dt=5e-4, output=str(tmp_path / f"{name}.h5"))
-        for name, law in laws.items()
-    )
-    moved = built_in.interface(0).displacement[-1]
-    assert np.abs(moved).max() > 1e-5
-    assert np.abs(own.interface(0).displacement[-1] - moved).max() < 1e-10 * np.abs(moved).max()
-    # (the step is that of the built-in law to the differences' 1e-9)
-    for found in (own, built_in):  # to 2e-11, by the length of the steps; W takes part with more than 1e-7
-        assert np.ptp(found.series["energy"]) < 1e-10 * found.series["energy"][0]
-
-
 # what is wrong
 
 
@@ -254,64 +170,7 @@ def test_a_wrong_law_is_blamed(relative, said):
     assert said in str(caught.value) and f"test_own_laws.py, line {line}: " in str(caught.value)
 
 
-@pytest.mark.parametrize(
-    ("formulas", "said"),
-    [
-        ({"stress": lambda c, F: F[:3]}, "stress returns 3 values: expected (P_11, P_12, P_21, P_22), four numbers"),
-        ({"stress": lambda c, F: F[0]}, "stress returns a value of the type float64: expected (P_11"),
-        ({"stress": lambda c, F: F, "modulus": lambda c, F: F}, "modulus returns 4 values: expected (m0 c^2 along X"),
-        (
-            {"stress": lambda c, F: (1.0 if F[0] > 1 else 2.0, F[1], F[2], F[3])},
-            "stress cannot be compiled for vectors of points",
-        ),
-    ],
-)
-def test_a_wrong_stress_is_blamed(formulas, said):
-    with pytest.raises(InputError) as caught:
-        check(elastic_law(**formulas).plain, "elastic")
-    assert said in str(caught.value) and "test_own_laws.py, line " in str(caught.value)
-
-
-def test_a_stress_and_an_energy_that_do_not_belong_together():
-    with pytest.raises(InputError, match=r"test_own_laws.py, line \d+: stress is not the derivative of energy: at F = "):
-        PlaneSolid(**RUBBER, law=elastic_law(stress=stress, energy=lambda c, F: 1.001 * energy(c, F)))
-    with pytest.raises(InputError, match=r"no formula energy\(c, F\), which heat='elastic' needs"):
-        PlaneSolid(**RUBBER, law=elastic_law(stress=stress))
-    PlaneSolid(**(RUBBER | {"heat": "coupled"}), law=elastic_law(stress=stress))
-    three = PlaneSolid(**RUBBER, law=elastic_law(stress=lambda c, F: F[:3], energy=energy))
-    with pytest.raises(InputError, match="stress returns 3 values"):
-        check(three.formulas.plain, "elastic")
-
-
-def test_an_energy_that_rises_steeply():
-    """Of a solid that is nearly incompressible: W = mu (|F|^2/2 - 1 + (J^-n - 1)/n), n = lambda/mu = 2,500."""
-
-    def pressed(c, F):
-        J = F[0] * F[3] - F[1] * F[2]
-        push = J ** (-c[1] / c[0] - 1.0)
-        return (
-            c[0] * (F[0] - push * F[3]),
-            c[0] * (F[1] + push * F[2]),
-            c[0] * (F[2] + push * F[1]),
-            c[0] * (F[3] - push * F[0]),
-        )
-
-    def stored(c, F):
-        J, n = F[0] * F[3] - F[1] * F[2], c[1] / c[0]
-        return c[0] * (0.5 * (F[0] ** 2 + F[1] ** 2 + F[2] ** 2 + F[3] ** 2) - 1.0 + (J**-n - 1.0) / n)
-
-    rubber = {**RUBBER, "lambda_e": 1e9}
-    PlaneSolid(**rubber, law=elastic_law(stress=pressed, energy=stored))
-    with pytest.raises(InputError, match="stress is not the derivative of energy"):
-        PlaneSolid(**rubber, law=elastic_law(stress=pressed, energy=lambda c, F: 1.00001 * stored(c, F)))
-
-
 def test_laws_that_are_not_whole():
-    with pytest.raises(InputError, match=r"elastic_law: the formula stress\(c, F\) is missing"):
-        elastic_law(energy=energy)
-    for law in (stress, [1], Formulas(stress=1)):
-        with pytest.raises(InputError, match=r"PlaneSolid: law is .*: expected .*, or what elastic_law\(…\) returns"):
-            PlaneSolid(**RUBBER, law=law)
     with pytest.raises(InputError, match=r"gas_law: the formula energy\(c, rho, T\) is missing"):
         gas_law(temperature=NEEDED["temperature"])
     with pytest.raises(InputError, match="there is no formula 'viscosity'"):

@@ -1,4 +1,4 @@
-"""Rates of solid blocks against dense matrices, what they conserve, and that they do not depend on cuts."""
+"""Rates of solid blocks: against dense matrices, what they conserve, no dependence on cuts."""
 
 from __future__ import annotations
 
@@ -12,11 +12,17 @@ from fsipetsc.materials.solid_pressure import gruneisen
 from fsipetsc.operators.bands import NO_AXIS, Band, band
 from fsipetsc.operators.patch import Patch
 from fsipetsc.operators.sbp import OPERATORS
-from fsipetsc.scheme import solid_rates as module
-from fsipetsc.scheme.solid_rates import solid_rates, solid_work
+from fsipetsc.scheme import solid_work as module
+from fsipetsc.scheme.solid_rates import solid_rates
+from fsipetsc.scheme.solid_work import solid_work
 
 #: cells of the axes, for each order and dimension
 CELLS = {1: (29,), 2: (20, 18), 3: (15, 14, 16)}
+
+
+def three(values, filler):
+    """Numbers of the axes of a patch."""
+    return tuple(map(int, values)) + (filler,) * (3 - len(values))
 
 
 class Block:
@@ -42,15 +48,25 @@ class Block:
             self.weight = np.kron(b.weight, self.weight)
         waves = [sum(np.sin(2 * np.pi * xi[k] + 0.7 * c + k) for k in range(d)) for c in range(d)]
         self.X = [1.5 * xi[c] + 0.3 * xi[(c + 1) % d] * (d > 1) + 0.04 * waves[c] for c in range(d)]
-        slope = np.array([[D @ self.periodic_part(c, k) for k, D in enumerate(self.D)] for c in range(d)])
-        G = slope + np.array([[np.full(len(xi[0]), self.jump(c, k)) for k in range(d)] for c in range(d)])
+        slope = np.array(
+            [[D @ self.periodic_part(c, k) for k, D in enumerate(self.D)] for c in range(d)]
+        )
+        G = slope + np.array(
+            [[np.full(len(xi[0]), self.jump(c, k)) for k in range(d)] for c in range(d)]
+        )
         G = np.moveaxis(G, -1, 0)  # G[node, c, k] = D_k X_c
         J0 = np.linalg.det(G)
         A = J0[:, None, None] * np.linalg.inv(G)  # A[node, k, c]
         assert J0.min() > 0
         self.G, self.A, self.J0 = G, A, J0
         self.metrics = np.concatenate([A.reshape(-1, d * d).T, J0[None]])
-        self.material = {"mu_e": 1.3, "lambda_e": 2.1, "kappa_e": 0.0, "m0": 1.7, "alpha": 0.6} | material
+        self.material = {
+            "mu_e": 1.3,
+            "lambda_e": 2.1,
+            "kappa_e": 0.0,
+            "m0": 1.7,
+            "alpha": 0.6,
+        } | material
         self.solid = ElasticSolid(**self.material).equations(d)
         self.prestress = np.zeros((d * d, 0))
         self.displacement = 0.004 * rng.standard_normal((d, len(J0)))
@@ -123,8 +139,12 @@ class Block:
         d, M = self.d, len(self.J0)
         found = np.full((M, 2 * d + 1), np.nan)
         cuts = cuts or ((),) * d
-        ranges = [list(zip((0, *c), (*c, n), strict=True)) for c, n in zip(cuts, self.shape, strict=True)]
-        width = widths or (2 if self.solid.coupled or not self.solid.kappa else 3) * (self.order // 2)
+        ranges = [
+            list(zip((0, *c), (*c, n), strict=True)) for c, n in zip(cuts, self.shape, strict=True)
+        ]
+        width = widths or (2 if self.solid.coupled or not self.solid.kappa else 3) * (
+            self.order // 2
+        )
         numbers = np.arange(M).reshape(self.shape[::-1])
         for part in np.ndindex(*map(len, ranges)):
             own = [ranges[k][part[k]] for k in range(d)]
@@ -140,18 +160,27 @@ class Block:
                 parts.append(self.cut_band(k, low, high))
             picked = numbers[np.ix_(*picks[::-1])].ravel()
             owned = numbers[np.ix_(*[np.arange(b, e) for b, e in own][::-1])].ravel()
-            pad = lambda values, filler: tuple(int(v) for v in values) + (filler,) * (3 - d)  # noqa: E731
-            patch = Patch(pad([e - b for b, e in own], 1), pad(ghosted, 1), pad(first, 0))
+            mine = [e - b for b, e in own]
+            patch = Patch(three(mine, 1), three(ghosted, 1), three(first, 0))
             bands = [*parts, *[NO_AXIS] * (3 - d)]
             rates = np.zeros((len(owned), 2 * d + 1))
             rows, low = OPERATORS[self.order].rows, own[0][0] - first[0]
-            inside = (0, ghosted[0]) if self.periodic[0] else (rows - low, self.shape[0] - rows - low)
-            work = solid_work(self.solid, bands, inside, patch)
+            inside = (
+                (0, ghosted[0]) if self.periodic[0] else (rows - low, self.shape[0] - rows - low)
+            )
             metrics = np.ascontiguousarray(self.metrics[:, picked])
-            prestress = np.ascontiguousarray(self.prestress[:, picked]) if self.prestress.size else self.prestress
-            solid_rates(self.solid, self.like, self.q[picked], metrics, prestress, rates, work)
+            prestress = (
+                np.ascontiguousarray(self.prestress[:, picked])
+                if self.prestress.size
+                else self.prestress
+            )
+            self.of_patch(self.q[picked], metrics, bands, patch, rates, prestress, inside)
             found[owned] = rates
         return found
+
+    def of_patch(self, q, metrics, bands, patch, rates, prestress, inside):
+        work = solid_work(self.solid, bands, inside, patch)
+        solid_rates(self.solid, self.like, q, metrics, prestress, rates, work)
 
     def cut_band(self, k, low, high):
         return self.bands[k].part(low, high) if self.periodic[k] else self.clipped(k, low, high)
@@ -169,13 +198,17 @@ CASES = [
     (2, 2, {"kappa_e": 0.4}),
     (2, 4, {"law": "svk", "force": (0.3, -0.7)}),
     (2, 4, {"law": "neo-hookean", "kappa_e": 0.4, "heat": "elastic", "force": (0.3, -0.7)}),
-    (2, 6, {"pressure": gruneisen(1.2), "p_ref": 0.3}),
+    (2, 6, {"pressing": gruneisen(1.2), "p_ref": 0.3}),
     (3, 2, {"kappa_e": 0.4, "heat": "elastic"}),
     (3, 4, {"law": "linear"}),
     (3, 4, {"kappa_e": 0.4, "force": (0.3, -0.7, 0.2)}),
 ]
-PERIODIC = [(1, 4, (True,), {"kappa_e": 0.3}), (2, 4, (True, False), {"kappa_e": 0.3, "heat": "elastic"}),
-            (2, 6, (False, True), {}), (3, 2, (True, False, True), {})]
+PERIODIC = [
+    (1, 4, (True,), {"kappa_e": 0.3}),
+    (2, 4, (True, False), {"kappa_e": 0.3, "heat": "elastic"}),
+    (2, 6, (False, True), {}),
+    (3, 2, (True, False, True), {}),
+]
 
 
 @pytest.mark.parametrize(("d", "order", "material"), CASES)
@@ -194,7 +227,7 @@ def test_rates_of_periodic_blocks(d, order, periodic, material):
 
 CUTS = [
     (1, 4, (), ((9, 17),), {"kappa_e": 0.4}),
-    (2, 4, (), ((9,), (8,)), {"law": "svk", "force": (0.3, -0.7)}),
+    (2, 4, (), ((9,), (8,)), {"force": (0.3, -0.7)}),
     (2, 4, (True, False), ((5, 11), ()), {"kappa_e": 0.3, "heat": "elastic"}),
     (3, 2, (), ((7,), (5, 9), (8,)), {"kappa_e": 0.4, "heat": "elastic"}),
 ]
@@ -216,8 +249,41 @@ def test_rates_do_not_depend_on_tiles(d, order, periodic, cuts, material, monkey
 
 @pytest.mark.parametrize("heat", ["coupled", "elastic"])
 def test_a_prestress_is_part_of_the_stress(heat):
-    block = Block(2, 4, law="svk", kappa_e=0.4, heat=heat)
+    block = Block(2, 4, (False, True), kappa_e=0.4, heat=heat, force=(0.3, -0.7))
     block.prestress = 0.5 * np.random.default_rng(3).standard_normal((4, len(block.J0)))
     block.set_unknowns()
     found, wanted = block.rates(), block.reference()
     assert np.abs(found - wanted).max() <= 1e-12 * np.abs(wanted).max()
+
+
+@pytest.mark.parametrize("periodic", [(), (True, False)])
+def test_sums_stay(periodic):
+    """Nothing passes the ends: momentum, energy and, in a block with ends, angular momentum."""
+    block = Block(2, 4, periodic, kappa_e=0.4, heat="elastic")
+    rates, x = block.rates(), np.array(block.X) + block.displacement
+    push = (block.weight * block.J0 * block.solid.m0)[:, None] * rates[:, 2:]
+    assert np.abs(push.sum(0)).max() < 1e-13 * np.abs(push).sum()
+    if not periodic:
+        turning = x[0] * push[:, 1] - x[1] * push[:, 0]
+        assert abs(turning.sum()) < 1e-13 * np.abs(turning).sum()
+
+
+@pytest.mark.parametrize("heat", ["coupled", "elastic"])
+def test_where_the_power_of_stresses_goes(heat):
+    """P : F_t of each node; it becomes heat ('coupled'), or is W_t and heats nothing ('elastic')."""
+    block = Block(2, 4, kappa_e=0.0, heat=heat)
+    rates, (v, T), step = block.rates(), (block.v, block.T), 1e-6
+    F = block.strain()
+    kept = block.displacement
+    block.displacement = kept + step * v
+    F_t = (block.strain() - F) / step
+    block.displacement = kept
+    P = np.array(block.solid.stress_at(tuple(F.reshape(-1, 4).T), T)).T.reshape(-1, 2, 2)
+    power = (P * F_t).sum((1, 2)) / block.solid.m0
+    warmed = rates[:, 4] - (v.T * rates[:, 2:4]).sum(1)  # e_t less that of |v|^2/2
+    if heat == "elastic":
+        law, flat = block.solid.law, lambda G: tuple(G.reshape(-1, 4).T)
+        W_t = (law.energy(flat(F + step * F_t)) - law.energy(flat(F - step * F_t))) / (2 * step)
+        assert np.abs(warmed - W_t / block.solid.m0).max() < 1e-7 * np.abs(W_t).max()
+    size = np.abs(power).max()
+    assert size > 0.1 and np.abs(warmed - power).max() < 1e-8 * size

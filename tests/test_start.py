@@ -15,7 +15,7 @@ import fsipetsc
 pytest.importorskip("petsc4py")
 
 from fsipetsc.cases import load_case
-from fsipetsc.stepping.start import between, interpolated
+from fsipetsc.stepping.splines import interpolated
 
 pytestmark = pytest.mark.mpi
 
@@ -40,7 +40,7 @@ REFUSED = {
     "wall": ("mms", "-fsi_initial {rod}", ("the left end stands at x = 0.25", "reaches to")),
     "kinds": (WALLS, "-fsi_initial {rod}", ("has the layers fluid, solid, fluid; the case has fluid",)),
     "dimension": ("blast", "-fsi_initial {rod}", ("1 dimension",)),
-    "extents": ("blast", "-fsi_initial {plane}", ("layer 1, a fluid, reaches from X = 0 to 0.875; 'gas' from 0 to 1",)),
+    "extents": ("blast", "-fsi_initial {plane}", ("block 'gas' is periodic along other axes than 'gas'",)),
     "frame": ("rod", "-fsi_initial {rod} -fsi_initial_frame 3", ("-fsi_initial_frame 3", "0 to 2")),
     "end": ("rod", "-fsi_initial {rod} -ts_max_time 0.2", ("expected more than t = 0.2",)),
     "times": (
@@ -104,12 +104,16 @@ def test_same_grid_same_fields(name, results):
             for field in now.fields:
                 part = slice(None) if a[field].shape == b[field].shape else np.isfinite(a[field])
                 other = slice(None) if a[field].shape == b[field].shape else np.isfinite(b[field])
-                tolerance = 1e-13 if field.startswith("s_") else 4e-16 if field != "u" else 1e-13
+                tolerance = 1e-13 if field.startswith("s_") or field == "u" else 4e-16
+                if name == "same_plane":
+                    # blocks keep energies, from which T and p follow; J begins anew as that of the grid, from
+                    # which the integrated one differs by what Runge–Kutta loses
+                    tolerance = 1e-8 if field == "J" else max(tolerance, 2e-15)
                 assert same(a[field][part], b[field][other]) <= tolerance, field
         # … and so does the run: rounding alone has changed
         for before, now in zip(old.layers, new.layers, strict=True):
             a, b = before.frame(2)["T"], now.frame(1)["T"]
-            assert same(a[np.isfinite(a)], b[np.isfinite(b)]) < 1e-11
+            assert same(a[np.isfinite(a)], b[np.isfinite(b)]) < (1e-8 if name == "same_plane" else 1e-11)
 
 
 @pytest.mark.parametrize("name", (*STARTS, "cut", "on"))
@@ -157,8 +161,8 @@ def test_the_interpolation_has_the_order_of_the_scheme(order, results):
 
 @pytest.mark.parametrize("order", ORDERS)
 def test_orders_of_the_splines(order):
-    """In a line and in a plane that is periodic in X; at points of both grids the numbers are what they were."""
-    errors = {"line": [], "plane": []}
+    """Along a line and around a period; at points of both grids the numbers are what they were."""
+    errors = {"line": [], "ring": []}
     places, turns = np.linspace(0, 1, 38), np.linspace(0, 1, 24, endpoint=False)
     for n in (24, 48):
         x, around = np.linspace(0, 1, n + 1), np.arange(n) / n
@@ -166,13 +170,12 @@ def test_orders_of_the_splines(order):
         found = interpolated(line, places * n, order)
         errors["line"].append(np.abs(found - np.stack([np.sin(9 * places), np.exp(3 * places)], axis=-1)).max())
         assert found[0].tobytes() == line[0].tobytes() and found[-1].tobytes() == line[-1].tobytes()
-        plane = (np.sin(4 * np.pi * around)[:, None] * np.exp(3 * x))[..., None]
-        shifted = turns + 0.013
-        found = between(plane, shifted * n, places * n, order, True)
-        errors["plane"].append(np.abs(found[..., 0] - np.sin(4 * np.pi * shifted)[:, None] * np.exp(3 * places)).max())
-        some = between(plane, shifted[3:5] * n, places[:2] * n, order, True)
-        assert some.tobytes() == found[3:5, :2].tobytes(), "what is asked for beside it must not matter"
-        assert between(plane, np.arange(n), np.arange(n + 1), order, True).tobytes() == plane.tobytes()
+        ring, shifted = np.sin(4 * np.pi * around)[:, None], turns + 0.013
+        found = interpolated(ring, shifted * n, order, True)
+        errors["ring"].append(np.abs(found[:, 0] - np.sin(4 * np.pi * shifted)).max())
+        some = interpolated(ring, shifted[3:5] * n, order, True)
+        assert some.tobytes() == found[3:5].tobytes(), "what is asked for beside it must not matter"
+        assert interpolated(ring, np.arange(n), order, True).tobytes() == ring.tobytes()
     for coarse, fine in errors.values():
         assert fine < coarse / 2 ** (order - 0.2), errors
 

@@ -257,9 +257,10 @@ def test_view_of_a_case_in_two_dimensions(tmp_path):
     done = solve("panel", "-fsi_view", "-ts_max_steps", 0, cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
     for text in (
-        "  type: 2-D, 2 layers, 2182 points, units none\n",
-        "    grid: 65 x 29 points, h = 0.03125, 0.0178571, X = -0.5 … 1.5\n    ranks: 0 (65 x 29)\n",
-        "    right: Outflow: pressure 0.714286\n",
+        "  type: 2-D, 4 blocks, 2240 points, units none\n",
+        "  Block 1: (gas 1) fluid, 17 x 29 nodes\n",
+        "X = -0.5 … 0, Y = 0 … 0.5\n    ranks: 0 (17 x 29)\n",
+        "Outflow: pressure 0.714286\n",
         "law log, heat elastic",
         "    convection: entropy, dissipation 1, at shocks 0\n",
     ):

@@ -16,13 +16,13 @@ KNOWN = -0.367881432498 + 4.726877249787j
 
 
 def known(density):
-    return wave.layers({**DEFAULT, "solid_density": density}).mode(2 * np.pi, 0).s
+    return wave.both_of({**DEFAULT, "solid_density": density}).mode(2 * np.pi, 0).s
 
 
 def test_the_spectral_solution():
     assert abs(known(1.0) - KNOWN) < 1e-8
     with pytest.raises(InputError, match="-wave_mode 500: expected a number below"):
-        wave.layers(DEFAULT).mode(2 * np.pi, 500)
+        wave.both_of(DEFAULT).mode(2 * np.pi, 500)
 
 
 @pytest.mark.parametrize(("density", "most"), [(1.0, 8e-3), pytest.param(1e-3, 2e-2, marks=pytest.mark.long)])

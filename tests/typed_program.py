@@ -6,9 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 import fsipetsc
-from fsipetsc import Fluid, FluidLayer, InputError, Option, PlaneFluidLayer, PlaneProblem, Problem, Solid, SolidLayer, free
+from fsipetsc import BlockProblem, Fluid, FluidLayer, InputError, Option, Problem, Solid, SolidLayer, free
+from fsipetsc.blocks.conditions import Condition, NoSlip, Outflow
+from fsipetsc.blocks.layers import Layer, layers
 from fsipetsc.boundaries import Wall
-from fsipetsc.boundaries.plane import NoSlip, Outflow
+from fsipetsc.materials.fluid import Fluid as Gas
 
 Array = NDArray[np.float64]
 OPTIONS = (Option("speed", float, 10.0, "m/s", "of the plate", check="positive"),)
@@ -28,12 +30,13 @@ def build(opt: dict[str, float]) -> Problem:
     return Problem(layers, left=Wall(0.0, T=lambda t: 300.0 + t), right=free(-1e5))
 
 
-def plane() -> PlaneProblem:
+def plane() -> BlockProblem:
     def still(X: Array, Y: Array) -> tuple[Array, ...]:
         return 1.0 + 0.0 * X, 0.0 * X, 0.0 * Y, 300.0 + 0.0 * Y
 
-    air = PlaneFluidLayer("air", Fluid(0.0, 0.0, 1.4, 287.0), (0.0, 1.0), still, left=NoSlip(), right=Outflow(1e5))
-    return PlaneProblem((air,), X=(0.0, 1.0), lower=NoSlip(), upper=NoSlip())
+    sides: dict[tuple[int, int], Condition] = {(0, 0): NoSlip(), (0, 1): Outflow(1e5)}
+    air = Layer("air", Gas(0.0, 0.0, 1.4, 287.0), (0.0, 1.0), still, sides=sides)
+    return layers(air, along=((0.0, 1.0),), h=0.1, lower=NoSlip(), upper=NoSlip())
 
 
 def study() -> dict[int, float]:

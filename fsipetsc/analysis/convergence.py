@@ -26,7 +26,7 @@ from fsipetsc.usage import program
 if TYPE_CHECKING:
     from mpi4py import MPI
 
-    from fsipetsc.plane import PlaneProblem
+    from fsipetsc.blockrun.run_problem import RunProblem
     from fsipetsc.problem import Problem
 
 #: by dimension, what -fsi_h is multiplied with for the grids of a study
@@ -149,7 +149,7 @@ def _run_all(case: Any, opt: Mapping[str, Any], comm: MPI.Comm, table: Convergen
 
 
 def _check(
-    case: Any, problem: Problem | PlaneProblem, opt: Mapping[str, Any], comm: MPI.Comm, table: ConvergenceStudy
+    case: Any, problem: Problem | RunProblem, opt: Mapping[str, Any], comm: MPI.Comm, table: ConvergenceStudy
 ) -> None:
     """Lay every grid once, so that what does not fit is known before the first run. Collective; InputError."""
     from fsipetsc.stepping.solve import make_state

@@ -186,8 +186,8 @@ def observe(case: Any, opt: dict[str, Any], times: Sequence[float]) -> tuple[Mot
 
     def look(state: Any, t: float) -> None:
         k = next(k for k, layer in enumerate(state.problem.layers) if layer.kind == "solid")
-        rows = state.layout.local(k, state.solution.getArray(readonly=True))
-        middle = rows[len(rows) // 2]
+        columns, rows = state.problem.layers[k].shape
+        middle = state.y.owned(k).reshape(rows, columns, -1)[rows // 2]  # displacement, velocity, energy
         frames.append((t, middle[:, 1].copy(), middle[:, 3].copy()))
 
     outcome = solve(case, dict(opt), MPI.COMM_SELF, times=times, look=look)

@@ -24,19 +24,19 @@ from fsipetsc.analysis.stability_options import (
     orders,
     swept,
 )
+from fsipetsc.blockrun.run_problem import RunProblem
 from fsipetsc.cases import load_case
 from fsipetsc.errors import ComputationError, InputError
 from fsipetsc.options import read_options, read_table
-from fsipetsc.plane import PlaneProblem
 from fsipetsc.process.launch import start_petsc
 from fsipetsc.process.together import together, wait_asleep
 
 if TYPE_CHECKING:
     from mpi4py import MPI
 
-    from fsipetsc.analysis.plane_stability import PlaneSetting
     from fsipetsc.analysis.stability_measures import Result
     from fsipetsc.analysis.stability_state import Constant
+    from fsipetsc.analysis.wave_stability import WaveSetting
 
 PROMISES = {"conservative": "estimate", "energy": "estimate", "projection": "modes", "traditional": "modes"}
 
@@ -46,10 +46,10 @@ def stability(arguments: list[str], comm: MPI.Comm) -> None:
     for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(name, "1")  # the matrices are small: threads would only get in each other's way
     opt, state = described(arguments, comm)
-    from fsipetsc.analysis.plane_stability import PlaneSetting, plane_stability  # PETSc has been started
+    from fsipetsc.analysis.wave_stability import WaveSetting, wave_stability  # PETSc has been started
 
-    if isinstance(state, PlaneSetting):
-        plane_stability(opt, state, comm)
+    if isinstance(state, WaveSetting):
+        wave_stability(opt, state, comm)
         return
     results = compute(opt, state, comm)
     if comm.rank == 0 and not opt["fsi_quiet"]:
@@ -62,7 +62,7 @@ def stability(arguments: list[str], comm: MPI.Comm) -> None:
     judge(results)
 
 
-def described(arguments: list[str], comm: MPI.Comm) -> tuple[dict[str, Any], Constant | PlaneSetting]:
+def described(arguments: list[str], comm: MPI.Comm) -> tuple[dict[str, Any], Constant | WaveSetting]:
     """Options and the state at rest. Collective. InputError, also where a case has none."""
     if not named(arguments):
         given = start_petsc(arguments, comm)
@@ -70,7 +70,7 @@ def described(arguments: list[str], comm: MPI.Comm) -> tuple[dict[str, Any], Con
         check(opt)
         state = together(comm, lambda: constant_state(opt))
         if opt["stability_plane"]:
-            from fsipetsc.analysis.plane_stability import setting_of_options
+            from fsipetsc.analysis.wave_stability import setting_of_options
 
             return opt, setting_of_options(opt, state, given)
         _only_in_two(given, "-stability_plane asks for two dimensions")
@@ -78,21 +78,21 @@ def described(arguments: list[str], comm: MPI.Comm) -> tuple[dict[str, Any], Con
 
     case = together(comm, lambda: load_case(arguments[0]))
     given = start_petsc(arguments[1:], comm)
-    from fsipetsc.analysis.plane_stability import setting_of_problem
     from fsipetsc.analysis.stability_state import of_problem
-    from fsipetsc.stepping.solve import build_problem, check_begin, plane_form
+    from fsipetsc.analysis.wave_stability import setting_of_problem
+    from fsipetsc.stepping.solve import block_form, build_problem, check_begin
 
     opt = read_options(case, given, FOR_CASES)
     check_begin(opt)
     problem = build_problem(case, opt, comm)
-    plane = isinstance(problem, PlaneProblem)
+    plane = isinstance(problem, RunProblem)
     if "fsi_order" not in given and not (plane and "fsi_orders" not in given):
         opt["fsi_order"] = None  # in two dimensions the layers of a case may be too thin for other orders than its own
     if "fsi_output" not in given:
         opt["fsi_output"] = None
     check(opt)
     if plane:
-        return opt, together(comm, lambda: setting_of_problem(problem, opt, plane_form(opt)))
+        return opt, together(comm, lambda: setting_of_problem(problem, opt, block_form(opt)))
     _only_in_two(given, f"{case.NAME} is a case of one dimension")
     return opt, together(comm, lambda: of_problem(problem, opt["stability_interface"], opt["fsi_h"]))
 

@@ -43,8 +43,8 @@ def solid(*X: np.ndarray) -> tuple[np.ndarray, ...]:
     *beside, Y = X
     phase, above = _K * sum(beside, 0.0 * Y), _SIZE * (2.0 - Y)
     along = [0.5 * above * np.sin(phase + Y + k) for k in range(len(beside))]
-    places = [x + 0.1 * _SIZE * np.sin(phase) * np.cos(3.0 * Y) for x in beside]
-    v, y = 0.4 * above * np.cos(phase) * np.sin(Y), Y + 0.2 * _SIZE * np.cos(phase) * np.sin(2 * Y)
+    places = [x + 0.1 * above * np.sin(phase) * np.cos(3.0 * Y) for x in beside]
+    v, y = 0.4 * above * np.cos(phase) * np.sin(Y), Y + 0.2 * above * np.cos(phase) * np.sin(2 * Y)
     return *along, v, 1.0 + 0.0 * Y, *places, y
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.blocks.values import checked, checked_one
+from fsipetsc.blocks.values import block_values, checked, checked_one
 from fsipetsc.errors import InputError
 
 Array = NDArray[Any]
@@ -36,6 +36,32 @@ class Asked:
                     raise
                 self.fault = self.fault or error
         return known[1]
+
+
+class Forced:
+    """What parts of gas and solid blocks have in common: their case's forcing.
+
+    It takes ``block``, ``part``, ``faces``, ``X`` and the owned nodes from the part.
+    """
+
+    block: Any
+    part: Any
+    faces: Any
+    X: Array
+    _owned: Array
+    _asked: Asked
+
+    @property
+    def timed(self) -> bool:
+        """Data of faces or forcing depend on time."""
+        return self.faces.timed or self.block.forcing is not None
+
+    def ask(self, t: float) -> list[Array]:
+        """The case's forcing at time t [s]; nothing if there is none. InputError the first time."""
+        if self.block.forcing is None:
+            return []
+        X, key = self.X[:, self._owned], ("forcing", self.part.k)
+        return self._asked(key, t, lambda: block_values(self.block, "forcing", X, t))
 
 
 def datum(condition: Any, name: str, X: Array, t: float) -> Array:

@@ -179,6 +179,10 @@ class Scheme:
                     totals[name] += number
         return totals
 
+    def volume_ratio(self, y: BlockVector, k: int) -> Array:
+        """(M,) det F of this rank's nodes of the solid block k."""
+        return self.parts[k].volume_ratio(y.ghosted(k))
+
     def fields(self, t: float, y: BlockVector, k: int) -> Array:
         """(M, columns) what is saved of this rank's nodes of block k."""
         return self.parts[k].fields(y.ghosted(k))

@@ -8,7 +8,7 @@ fsipetsc.blockrun.block_scheme.
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -22,6 +22,7 @@ from fsipetsc.blockrun.columns import OF_INTERFACES, fields_of, gained, step_rec
 from fsipetsc.blockrun.errors_of_blocks import errors
 from fsipetsc.blockrun.failures import describe_failure
 from fsipetsc.blockrun.fused import STAGES, FusedRK4, compile_stages
+from fsipetsc.blockrun.recorded_nodes import Recorded, Recorder
 from fsipetsc.blockrun.run_problem import RunProblem
 from fsipetsc.checks import counted
 from fsipetsc.errors import FsiError, InputError
@@ -81,7 +82,7 @@ class BlockState:
     memory as a world vector. results: flags and limits as in fsipetsc.scheme.plan. journal, latest:
     records of steps; integrals in them are this rank's shares. rates: (blocks, 2), largest ones of
     convection and diffusion [1/s]. h: size of the smallest cells [m].
-    InputError where blocks, order and ranks do not fit.
+    recorded: nodes to be recorded at each step. InputError where blocks, order and ranks do not fit.
     """
 
     def __init__(
@@ -91,10 +92,12 @@ class BlockState:
         order: int,
         form: BlockForm = BlockForm(),  # noqa: B008
         partition: str = "auto",
+        recorded: Sequence[Recorded] = (),
     ) -> None:
         self.comm, self.problem, self.op = comm, problem, OPERATORS[order]
         self.h = float(problem.spacing)
-        self._order, self._form, self.convection = order, form, form.convection
+        self._order, self._form = order, form
+        self.convection = "divergence" if form.convection == "divergence" else "entropy"
         blocks, d = problem.layers, problem.dimension
         gases = sum(block.kind == "fluid" for block in blocks)
         behind = gained(gases, d).itemsize // 8
@@ -113,8 +116,10 @@ class BlockState:
         self._fused = FusedRK4(self.layout, self.scheme, self._stage)
         self._before, self.retries = np.empty_like(self.y.array), 0
         more, interfaces = getattr(self.scheme, "more", ()), len(problem.interfaces)
-        record = step_record(len(blocks), gases, d, interfaces, more)
+        self._recorded = tuple(recorded)
+        record = step_record(len(blocks), gases, d, interfaces, len(self._recorded), more)
         self._ends = list(self._interface_ends()) if d == 1 else []
+        self._recorder = Recorder(self, self._recorded)
         self._lay_records(record)
         self._extremes = np.zeros(1 + WORDS * len(blocks))
         self.rates = np.zeros((len(blocks), 2))
@@ -161,9 +166,9 @@ class BlockState:
         return 0
 
     @property
-    def recorded(self) -> list[list[float]]:
-        """Points of interfaces that are recorded at each step: none yet."""
-        return []
+    def recorded(self) -> list[list[Any]]:
+        """Name of the interface or block, and X, of the nodes that are recorded at each step."""
+        return [[node.name, list(node.X)] for node in self._recorded]
 
     # set-up
 
@@ -215,8 +220,8 @@ class BlockState:
         """All has been compiled."""
 
     def begin_with(self, start: Start) -> None:
-        """Let initial data be those of a frame: stepping.start has none for blocks."""
-        raise NotImplementedError
+        """Begin at the time of a frame, whose data the blocks of the problem have."""
+        self.begin = self._t = start.t
 
     def check_data(self) -> None:
         """Ask the case's functions for all data at the time ``begin`` [s]. InputError."""
@@ -312,6 +317,7 @@ class BlockState:
         for number, at, X in self._ends:
             for name, value in zip(OF_INTERFACES, self.y.array[at : at + 2].tolist(), strict=True):
                 self.latest[name][number] = value + (X if name == "x_interface" else 0.0)
+        self._recorder.look(self.latest)
         came = self.y.behind  # in the order of the last columns
         self._latest[self._latest.size - came.size :] = came
         came[:] = 0.0

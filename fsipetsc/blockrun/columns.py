@@ -39,14 +39,20 @@ def gained(gases: int, d: int) -> np.dtype:
 OF_INTERFACES = "x_interface", "u_interface"
 
 
+def point_names(d: int) -> tuple[str, ...]:
+    """Recorded of chosen nodes: place [m], velocity [m/s], T [K], pressure, traction [Pa]."""
+    names = *PLACES[:d], *VELOCITIES[:d], "T", "p", *(f"t_{x}" for x in PLACES[:d])
+    return tuple(f"{name}_point" for name in names)
+
+
 def step_record(
-    blocks: int, gases: int, d: int, interfaces: int, more: Sequence[str] = ()
+    blocks: int, gases: int, d: int, interfaces: int, points: int = 0, more: Sequence[str] = ()
 ) -> np.dtype:
     """Recorded of a step.
 
     Time after it, its length; of each block the least J, and the largest |J - det D x| / J of a
     gas; then shares of the ranks, to be added up: integrals, ``more`` of these, in one dimension
-    OF_INTERFACES, and what came in.
+    OF_INTERFACES, ``point_names`` of so many nodes, and what came in.
     """
     masses = [("mass", "f8", (gases,))] if gases else []
     momenta = [(f"momentum_{x}", "f8") for x in PLACES[:d]]
@@ -54,5 +60,6 @@ def step_record(
     came = gained(gases, d)
     rest = [(name, came[name].base, came[name].shape) for name in came.names]
     lines = [(name, "f8", (interfaces,)) for name in OF_INTERFACES] if d == 1 and interfaces else []
+    lines += [(name, "f8", (points,)) for name in point_names(d)] if points else []
     extremes = [(name, "f8", (blocks,)) for name in ("least_J", "J_error")]
     return np.dtype([("t", "f8"), ("dt", "f8"), *extremes, *integrals, *lines, *rest])

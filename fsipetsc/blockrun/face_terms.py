@@ -52,7 +52,7 @@ class FaceTerms:
         for (axis, side), condition in problem.faces_of(part.k).items():
             interface = isinstance(condition, Meeting) and problem.is_interface(part.k, axis, side)
             supplied = interface and not self._gas and self._jumps is not None
-            loaded = self.p_ref != 0.0 and self.p_ref != _beyond(problem, condition)
+            loaded = _unheld(condition) and self.p_ref not in (0.0, _beyond(problem, condition))
             if supplied or loaded or _acts(condition):
                 face = face_of(problem, part, axis, side)
                 if face.owned.size:
@@ -61,8 +61,9 @@ class FaceTerms:
                     if self._d == 3 and not self._gas:
                         turned = TurnedFace(problem, part, order, axis, side)
                         self._turned[len(self._faces) - 1] = turned
-        conditions = [c for c, _, _ in self._faces if not isinstance(c, Meeting)]
-        self.timed = len(conditions) < len(self._faces) or not all(map(steady, conditions))
+        meets = [isinstance(condition, Meeting) for condition, _, _ in self._faces]
+        still = all(meeting or steady(c) for (c, _, _), meeting in zip(self._faces, meets))
+        self.timed = not still or (any(meets) and self._jumps is not None)
 
     def ask(self, t: float) -> list[dict[str, Array]]:
         """Data of all faces at time t [s]. InputError the first time."""
@@ -182,7 +183,7 @@ def _unheld(condition: Any) -> bool:
 
 
 def _beyond(problem: Any, condition: Any) -> float:
-    """p_ref beyond a face; what stands at a held one is as if it went on."""
+    """p_ref of what a face meets."""
     if isinstance(condition, Meeting):
         return _left_out(problem.blocks[condition.block])
     return 0.0

@@ -29,6 +29,9 @@ def _seen(state: BlockState, part: Part) -> Seen:
         if kind == "fluid"
         else (*PLACES[:d], *VELOCITIES[:d], "T")
     )
+    if kind == "solid":  # a temperature of a law of J < 0 is no number: J says more
+        columns["J"] = state.scheme.volume_ratio(state.y, part.k)
+        names = ("J", *names)
     values = {name: columns[name] for name in names}
     X = problem.places(part.k, part.numbers)
 
@@ -37,5 +40,5 @@ def _seen(state: BlockState, part: Part) -> Seen:
         then = ", ".join(f"{c.upper()} = {X[i, axis]:.6g}{m}" for axis, c in enumerate(PLACES[:d]))
         return f"{now} ({then})"
 
-    positive = frozenset(("J", "rho", "T")) if kind == "fluid" else frozenset(("T",))
+    positive = frozenset(("J", "rho", "T"))
     return Seen(part.k, np.asarray(part.numbers), values, positive, place)

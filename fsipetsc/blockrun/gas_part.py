@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.blockrun.asked import Asked
+from fsipetsc.blockrun.asked import Asked, Forced
 from fsipetsc.blockrun.face_terms import FaceTerms, ranges_of, weights_of
 from fsipetsc.blockrun.particle_system import ParticleSystem
 from fsipetsc.blocks.grid import GridMotion
@@ -20,15 +20,22 @@ from fsipetsc.parallel.block_layout import BlockLayout, FaceGather, Part
 from fsipetsc.scheme import block_look
 from fsipetsc.scheme import normals as of_faces
 from fsipetsc.scheme.gas_dissipation import gas_dissipation, room
-from fsipetsc.scheme.gas_rates import DivergenceForm, EntropyForm, Inviscid, Viscous, gas_rates, scratch
+from fsipetsc.scheme.gas_rates import (
+    DivergenceForm,
+    EntropyForm,
+    Inviscid,
+    Viscous,
+    gas_rates,
+    scratch,
+)
 
 Array = NDArray[Any]
 #: names of the components of momentum
 MOMENTUM = ("momentum_x", "momentum_y", "momentum_z")
 
 
-class GasPart:
-    """One part of a gas block. metrics: (d d + d + 1, ghosted nodes), a^k, velocity of the grid, J_t."""
+class GasPart(Forced):
+    """One part of a gas block. metrics: (d d + d + 1, N), a^k, velocity of the grid, J_t."""
 
     def __init__(
         self, layout: BlockLayout, part: Part, order: int, form: Any, asked: Asked
@@ -57,13 +64,11 @@ class GasPart:
             self._room = room(d, self._differences)
         self._scratch = scratch(self._like, self._form, self._friction, part.bands)
 
-    @property
-    def timed(self) -> bool:
-        """Data of faces or forcing depend on time."""
-        return self.faces.timed or self.block.forcing is not None
-
     def follow(self, particles: Sequence[Particle], system: ParticleSystem) -> None:
-        """Let the grid follow the particles that have a solid, or are on walls that move. Collective on the block's ranks."""
+        """Let the grid follow the particles that have a solid, or are on walls that move.
+
+        Collective on the block's ranks.
+        """
         k, blocks = self.part.k, self._problem.blocks
         nodes = np.array(
             [
@@ -80,8 +85,9 @@ class GasPart:
         own, particle = system.nodes[k]
         self._particles = particle[np.searchsorted(own, self._gather.nodes)]
         self.moves = nodes.size > 0
-        if not self.moves:
-            self.grid.move(np.empty((0, self._d)), self.metrics)
+        self.grid.move(np.zeros((nodes.size, self._d)), self.metrics)
+        #: J of the reference map, over which that of the solution is saved and looked at
+        self._reference = self.grid.jacobian()[self._owned].copy()
 
     def begin_positions(self, places: Array) -> None:
         """Send what this rank knows of displacements; places: (particles, d)."""
@@ -107,36 +113,39 @@ class GasPart:
 
     def initial(self, t: float, q: Array) -> None:
         """Fill q (M, d + 3) with the case's data, with J = 1."""
-        d, X = self._d, self.X[:, self._owned]
-        rho, *u, T = (np.asarray(v) * np.ones(X.shape[1]) for v in self.block.initial(*X))
+        X = self.X[:, self._owned]
+        rho, *u, T = block_values(self.block, "initial", X, t, self.part.numbers)
         for c, values in enumerate(self.equations.conserved(1.0, rho, tuple(u), T)):
             q[:, c] = values
-        assert len(u) == d
 
     def stretch(self, q: Array) -> None:
         """Let J be that of the grid, at the same density, velocity and temperature."""
         q *= (self.grid.jacobian()[self._owned] / q[:, 0])[:, None]
 
     def look(self, q: Array) -> tuple[Array, dict[str, float]]:
-        """What bounds a step, and integrals of the owned nodes: see fsipetsc.scheme.block_look; q: (N, d + 3)."""
+        """What bounds a step, integrals: see fsipetsc.scheme.block_look; q: (N, d + 3)."""
         d, weights = self._d, [band.weight for band in self.part.bands]
         seen, sums = np.zeros(block_look.LOOKED), np.zeros(d + 3)
         arguments = self.equations, self._like, q, self.metrics, self._per_h, STIFFNESS_OF_WIDE
         block_look.gas_look(*arguments, *weights, self.part.patch, seen, sums)
-        if seen[block_look.BAD]:
-            self._scratch.w[:] = 0.0  # nothing that is no number may stay there for a step made anew
+        if seen[block_look.BAD]:  # no NaN may stay there for a step that is made again
+            self._scratch.w[:] = 0.0
         if self.moves:
             J, own = q[self._owned, 0], self.grid.jacobian()[self._owned]
             seen[block_look.J_ERROR] = np.abs(J - own).max() / np.abs(own).max() if J.size else 0.0
+        seen[block_look.LEAST_J] = -(q[self._owned, 0] / self._reference).min()
         names = ["mass", *MOMENTUM[:d], "energy", "entropy"]
         return seen, dict(zip(names, sums.tolist(), strict=True))
 
-    def fields(self, q: Array) -> Array:
-        """(M, 2d + 4) what is saved of the owned nodes: rho, u, T, p, J, x."""
-        q = q[self._owned]
+    def fields(self, q: Array, rows: slice = slice(None)) -> Array:
+        """(…, 2d + 4) what is saved of these rows of the owned nodes: rho, u, T, p, J over that of
+        the reference map, x.
+        """
+        own, J = self._owned[rows], self._reference[rows]
+        q = q[own]
         w = self.equations.primitive(tuple(q.T))
-        x = self.grid.positions()[:, self._owned]
-        return np.stack([w[0], *self.equations.velocity(w), w[2], w[1], q[:, 0], *x], axis=-1)
+        x = self.grid.positions()[:, own]
+        return np.stack([w[0], *self.equations.velocity(w), w[2], w[1], q[:, 0] / J, *x], axis=-1)
 
     def add_turning(self, faces: Any, table: Array) -> None:
         """Add how area vectors at faces turn to rows of a table."""
@@ -144,14 +153,6 @@ class GasPart:
             of_faces.add_turning(faces, self.part, self.metrics, table)
         elif self.moves and self._d == 3:
             of_faces.add_normals(faces, 3, self.grid.turning(), table)
-
-    def ask(self, t: float) -> list[Array]:
-        """The case's forcing at time t [s]; nothing if there is none. InputError the first time."""
-        if self.block.forcing is None:
-            return []
-        X = self.X[:, self._owned]
-        key = "forcing", self.part.k
-        return self._asked(key, t, lambda: block_values(self.block, "forcing", X, t))
 
     def rates(self, t: float, q: Array, rates: Array, gain: Array) -> None:
         """rates (M, d + 3) of the volume terms, of faces and of forcing; q: (N, d + 3). What comes

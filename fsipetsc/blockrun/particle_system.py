@@ -15,9 +15,10 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from fsipetsc.blockrun.asked import Asked
+from fsipetsc.blockrun.face_terms import weights_of
 from fsipetsc.blockrun.prescribed import Prescribed
 from fsipetsc.blocks.particles import ROLLS, Particle
-from fsipetsc.parallel.block_layout import BlockLayout, Part
+from fsipetsc.parallel.block_layout import BlockLayout
 from fsipetsc.parallel.particle_exchange import ParticleExchange
 from fsipetsc.scheme import normals as of_faces
 from fsipetsc.scheme import particles as kernels
@@ -78,9 +79,11 @@ class ParticleSystem:
         kind[row] = [SOLID if blocks[k].kind == "solid" else GAS for k in members[:, 1]]
         alpha[row] = [getattr(blocks[k].material, "alpha", 0.0) for k in members[:, 1]]
         at, weight = np.empty(mine.size, np.int64), self._weights(number, members, owners, inertia)
-        for i, (_, k, node) in enumerate(members[mine].tolist()):
-            at[i] = layout.part(k).at(np.array([node]))[0]
+        for part in layout.parts:
+            own = members[mine, 1] == part.k
+            at[own] = part.at(members[mine[own], 2])
         most = max([1, *(len(p.constraints) for p in self._particles)])
+        most = layout.comm.allreduce(most, op=MPI.MAX)  # rows of all ranks are of one length
         constraint = np.zeros((count, most), np.int64)
         for p, particle in enumerate(self._particles):
             constraint[p, : len(particle.constraints)] = [c.kind for c in particle.constraints]
@@ -121,11 +124,11 @@ class ParticleSystem:
     ) -> Array:
         """(rows,) H of gas members, M_s of solid ones, of all ranks."""
         exchange = ParticleExchange(self._layout.comm, number, owners, 1, tag=3)
-        for i, (_, k, node) in enumerate(members[exchange.mine].tolist()):
-            part = self._layout.part(k)
-            ghosted = int(part.ghosted_rows(part.rows(np.array([node])))[0])
-            mass = inertia[k][ghosted] if k in inertia else 1.0
-            exchange.table[i, 0] = _weight(part, ghosted) * mass
+        for part in self._layout.parts:
+            rows = np.flatnonzero(members[exchange.mine, 1] == part.k)
+            nodes = part.ghosted_rows(part.rows(members[exchange.mine[rows], 2]))
+            mass = inertia[part.k][nodes] if part.k in inertia else 1.0
+            exchange.table[rows, 0] = weights_of(part, nodes) * mass
         exchange.begin()
         exchange.end()
         found = exchange.table[:, 0].copy()
@@ -309,16 +312,6 @@ def _members(layout: BlockLayout, particles: Sequence[Particle]) -> tuple[Array,
         of_block = members[:, 1] == k
         owners[of_block] = layout.owners(k, members[of_block, 2])
     return members, owners
-
-
-def _weight(part: Part, ghosted: int) -> float:
-    """H of a node: the product of the weights of the axes."""
-    nx, ny, _ = part.patch.ghosted
-    places = ghosted % nx, ghosted // nx % ny, ghosted // (nx * ny)
-    product = 1.0
-    for band, place in zip(part.bands, places, strict=True):
-        product *= float(band.weight[place])
-    return product
 
 
 def _state(count: int, d: int) -> State:

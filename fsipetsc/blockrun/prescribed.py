@@ -71,7 +71,8 @@ class Prescribed:
     def _fill(self, t: float) -> Data:
         out, x = self._data, self._x
         walls = self._groups["slip"] + self._groups["wall"]
-        for condition, who in sorted(walls, key=lambda group: moves(group[0])):  # the last one holds
+        walls.sort(key=lambda group: moves(group[0]))  # the last one holds
+        for condition, who in walls:
             _, out.wall[who], out.wall_rate[who] = self._motion(condition, x[who], t)
         for condition, who in self._groups["clamp"]:
             place, out.clamp_velocity[who], out.clamp_rate[who] = self._motion(condition, x[who], t)

@@ -2,28 +2,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.blockrun.asked import Asked
+from fsipetsc.blockrun.asked import Asked, Forced
 from fsipetsc.blockrun.face_terms import FaceTerms, ranges_of, strain, weights_of
 from fsipetsc.blockrun.gas_part import MOMENTUM
 from fsipetsc.blocks.metrics import solid_metrics
 from fsipetsc.blocks.values import block_values, prestress_of
-from fsipetsc.equations.tensors import add_unit, determinant
+from fsipetsc.equations.tensors import add_unit, apply, cofactor, determinant
 from fsipetsc.operators.loops import dot
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.operators.sbp import OPERATORS
+from fsipetsc.operators.undivided import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, Part
 from fsipetsc.scheme import block_look
-from fsipetsc.scheme.solid_rates import Work, solid_rates, solid_work
+from fsipetsc.scheme.solid_dissipation import AT_SHOCKS, SMALL, Damping, room, solid_dissipation
+from fsipetsc.scheme.solid_rates import solid_rates
+from fsipetsc.scheme.solid_work import Work, solid_work
 
 Array = NDArray[Any]
 
 
-class SolidPart:
+class SolidPart(Forced):
     """One part of a solid block.
 
     metrics: (d d + 1, ghosted nodes), A^k and J0; inertia: J0 m0; prestress: (d d, ghosted nodes),
@@ -51,22 +55,32 @@ class SolidPart:
         self._F = np.zeros((d * d, part.numbers.size))
         self.prestress = prestress_of(self.block, self.X)
         self._work = self._make_work(OPERATORS[order].rows, ranges[0][0])
+        self._dissipation = list(self._make_dissipation(order, form))
 
     def _make_work(self, rows: int, first: int) -> Work:
         """Memory of rates. rows: of the closures; first: the first ghosted node along axis 0."""
         part, nodes = self.part, self.block.shape[0]
-        inside = (0, part.patch.ghosted[0]) if self.block.periodic[0] else (rows - first, nodes - rows - first)
+        inside = rows - first, nodes - rows - first
+        if self.block.periodic[0]:
+            inside = 0, part.patch.ghosted[0]
         return solid_work(self.equations, part.bands, inside, part.patch)
 
-    @property
-    def timed(self) -> bool:
-        """Data of faces or forcing depend on time."""
-        return self.faces.timed or self.block.forcing is not None
+    def _make_dissipation(self, order: int, form: Any) -> Iterator[tuple[Any, ...]]:
+        """What solid_dissipation wants of each term: that of all nodes, and that of shocks."""
+        d, solid, bands, cells = self._d, self.equations, self.part.bands, self.block.cells
+        K = solid.law.wave_modulus(tuple(np.eye(d).ravel().tolist()))
+        of_solid = np.sqrt(K * solid.m0), solid.m0, SMALL * np.sqrt(K / solid.m0)
+        sigma = sigma_of(form.dissipation, self._problem.joined) / 4.0 ** (order // 2)
+        terms = (order, sigma, -sigma * (form.shock > 0.0)), (2, 0.0, AT_SHOCKS * form.shock)
+        for order_of_term, a, b in terms:
+            if a > 0.0 or b > 0.0:
+                found = differences(d, order_of_term, bands, cells)
+                yield Damping(a, b, *of_solid), found, room(d, found)
 
     def initial(self, t: float, q: Array) -> None:
         """Fill q (M, 2d + 1) with the case's data."""
         d, X = self._d, self.X[:, self._owned]
-        values = [np.asarray(v) * np.ones(X.shape[1]) for v in self.block.initial(*X)]
+        values = block_values(self.block, "initial", X, t, self.part.numbers)
         v, T, x = values[:d], values[d], values[d + 1 :]
         for c in range(d):
             q[:, c], q[:, d + c] = x[c] - X[c], v[c]
@@ -74,15 +88,21 @@ class SolidPart:
         q[:, 2 * d] = solid.alpha * T + 0.5 * sum(c * c for c in v)
         if not solid.coupled:
             F = self._strain_of_case()
-            q[:, 2 * d] += solid.law.energy(F) / solid.m0 + self._stored_by_prestress(F, self._owned)
+            q[:, 2 * d] += self._stored(F, self._owned)
 
     def _strain_of_case(self) -> tuple[Array, ...]:
         """F of the owned nodes from the case's places, which it knows in halos as well."""
         q = np.zeros((self.X.shape[1], 2 * self._d + 1))
-        places = self.block.initial(*self.X)[self._d + 1 :]
+        nodes = self.part.ghosted_numbers
+        places = block_values(self.block, "initial", self.X, 0.0, nodes)[self._d + 1 :]
         for c in range(self._d):
             q[:, c] = places[c] - self.X[c]
         return tuple(self._deformation(q))
+
+    def _stored(self, F: Any, at: Array) -> Any:
+        """Energy per mass [J/kg] of ghosted nodes that heat 'elastic' has beside alpha T."""
+        of_law = self.equations.law.energy(tuple(F)) / self.equations.m0
+        return of_law + self._stored_by_prestress(F, at)
 
     def _stored_by_prestress(self, F: Any, at: Array) -> Any:
         """Energy per mass [J/kg] of ghosted nodes with heat 'elastic': S : (F - 1)/m0."""
@@ -101,8 +121,16 @@ class SolidPart:
         block_look.deformation(self._like, q, self.metrics, *S, *w, self.part.patch, F)
         return F
 
+    def volume_ratio(self, q: Array) -> Array:
+        """(M,) det F of the owned nodes."""
+        ratio: Array = determinant(tuple(self._deformation(q)))
+        return ratio
+
     def look(self, q: Array) -> tuple[Array, dict[str, float]]:
-        """What bounds a step, and integrals of the owned nodes: see fsipetsc.scheme.block_look; q: (N, 2d + 1)."""
+        """What bounds a step, and integrals of the owned nodes; q: (N, 2d + 1).
+
+        See fsipetsc.scheme.block_look.
+        """
         d, weights = self._d, [band.weight for band in self.part.bands]
         seen, sums = np.zeros(block_look.LOOKED), np.zeros(d + 1)
         F, of_block = self._deformation(q), (self.metrics, self._per_h, STIFFNESS_OF_WIDE)
@@ -114,17 +142,26 @@ class SolidPart:
             block_look.solid_look(self.equations, self._like, thermal, *arguments, np.zeros(d + 1))
         return seen, dict(zip([*MOMENTUM[:d], "energy"], sums.tolist(), strict=True))
 
-    def fields(self, q: Array) -> Array:
-        """(M, …) what is saved of the owned nodes: v, T, Cauchy stress P F^T / J, x."""
+    def normal(self, row: int, axis: int, side: int) -> Array:
+        """(d,) unit normal out of the solid of a face as it is, at an owned node, by the last F."""
         d = self._d
-        F, own = tuple(self._deformation(q)), q[self._owned]
+        A = tuple(self.metrics[axis * d : (axis + 1) * d, self._owned[row]] * (2 * side - 1))
+        n = np.array(apply(cofactor(tuple(self._F[:, row])), A))
+        return n / np.linalg.norm(n)
+
+    def fields(self, q: Array, rows: slice = slice(None)) -> Array:
+        """(…, …) what is saved of these rows of the owned nodes: v, T, Cauchy stress P F^T / J, x."""
+        d, nodes = self._d, self._owned[rows]
+        F, own = tuple(self._deformation(q)[:, rows]), q[nodes]
         v = tuple(own[:, d : 2 * d].T)
-        T = self.equations.temperature(v, own[:, 2 * d] - self._stored_by_prestress(F, self._owned), F)
-        P, J = self.equations.stress_at(F, T) + self._prestress_at(self._owned), determinant(F)
+        e = own[:, 2 * d] - self._stored_by_prestress(F, nodes)
+        T = self.equations.temperature(v, e, F)
+        P, J = self.equations.stress_at(F, T) + self._prestress_at(nodes), determinant(F)
         pairs = [(i, j) for i in range(d) for j in range(i, d)]
         stresses = [sum(P[i * d + m] * F[j * d + m] for m in range(d)) / J for i, j in pairs]
-        stresses = [s - self.faces.p_ref * (i == j) for s, (i, j) in zip(stresses, pairs, strict=True)]
-        x = self.X[:, self._owned] + own[:, :d].T
+        p_ref = self.faces.p_ref
+        stresses = [s - p_ref * (i == j) for s, (i, j) in zip(stresses, pairs, strict=True)]
+        x = self.X[:, nodes] + own[:, :d].T
         return np.stack([*v, T, *stresses, *x], axis=-1)
 
     def stored(self, q: Array, nodes: Array) -> Array:
@@ -135,15 +172,7 @@ class SolidPart:
             return np.zeros(nodes.size)
         at = self.part.ghosted_rows(self.part.rows(nodes))
         F = strain(self.part, at, self.metrics, q)
-        return self.equations.law.energy(tuple(F)) / self.equations.m0 + self._stored_by_prestress(F, at)
-
-    def ask(self, t: float) -> list[Array]:
-        """The case's forcing at time t [s]; nothing if there is none. InputError the first time."""
-        if self.block.forcing is None:
-            return []
-        X = self.X[:, self._owned]
-        key = "forcing", self.part.k
-        return self._asked(key, t, lambda: block_values(self.block, "forcing", X, t))
+        return self._stored(F, at)
 
     def rates(self, t: float, q: Array, rates: Array, gain: Array) -> None:
         """rates (M, 2d + 1) of the volume terms, of faces and of forcing; q: (N, 2d + 1). What
@@ -151,6 +180,9 @@ class SolidPart:
         """
         d = self._d
         solid_rates(self.equations, self._like, q, self.metrics, self.prestress, rates, self._work)
+        for damping, found, memory in self._dissipation:
+            arguments = self._like, damping, q, self.metrics, found, self.part.patch
+            solid_dissipation(*arguments, rates, memory)
         self.faces.add(t, q, self.metrics, rates, gain)
         force, v = np.array(self.equations.force), q[self._owned, d : 2 * d]
         if force.any():

@@ -1,8 +1,7 @@
-"""Problems that say layers, in one or two dimensions, as problems that say blocks.
+"""Problems that say layers as problems that say blocks.
 
-A PlaneProblem (fsipetsc.plane) has layers one above the other, its Y is the last axis. A Problem
-(fsipetsc.problem) with the conservative coupling and gases whose grids go from end to end is one
-dimension of the same.
+A Problem (fsipetsc.problem) with the conservative coupling and gases whose grids go from end to
+end is one dimension of the blocks.
 """
 
 from __future__ import annotations
@@ -14,120 +13,16 @@ import numpy as np
 
 from fsipetsc.blocks import conditions as new
 from fsipetsc.blocks.block import Block
-from fsipetsc.blocks.layers import Layer, layers
 from fsipetsc.blocks.maps import rectangle
-from fsipetsc.blocks.old_materials import gas_of, line_solid_of, solid_of
+from fsipetsc.blocks.old_materials import gas_of, line_solid_of
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.boundaries import CLAMPED, FREE, Dirichlet, Open, SolidEnd, Wall
-from fsipetsc.boundaries import plane as edges
 from fsipetsc.checks import Array
 from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import operator
-from fsipetsc.plane import PlaneFluidLayer, PlaneProblem
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 
 Function = Callable[..., Any]
-
-# -- two dimensions
-
-
-def blocks_of(problem: PlaneProblem, h: float, order: int) -> BlockProblem:
-    """A PlaneProblem as blocks.
-
-    h: spacing [m] along X, and across layers that do not say cells; order: of the operators, whose
-    least number of cells these have then. InputError.
-    """
-    stack = [_plane_layer(layer) for layer in problem.layers]
-    return layers(
-        *stack,
-        lower=_condition(problem.lower),
-        upper=_condition(problem.upper),
-        along=(problem.X,),
-        h=h,
-        order=order,
-        jumps=_plane_jumps(problem),
-        notes=problem.notes,
-        units=problem.units,
-    )
-
-
-def _plane_layer(layer: Any) -> Layer:
-    """A layer of two dimensions."""
-    gas = isinstance(layer, PlaneFluidLayer)
-    named = {(0, 0): layer.left, (0, 1): layer.right}
-    sides = {at: _condition(end) for at, end in named.items() if end.kind != edges.PERIODIC}
-    return Layer(
-        layer.name,
-        gas_of(layer.material, layer.force) if gas else solid_of(layer.material),
-        layer.Y,
-        in_rows(layer.initial),
-        cells=layer.cells,
-        span=None if gas or layer.X is None else (layer.X,),
-        sides=sides or None,
-        beside=_condition(layer.beside) if gas else None,
-        forcing=layer.forcing and in_rows(layer.forcing),
-        exact=layer.exact and in_rows(layer.exact),
-    )
-
-
-def _condition(end: edges.Edge) -> new.Condition:
-    """What stands at an edge, of a face."""
-    if isinstance(end, (edges.NoSlip, edges.Slip, edges.Given)):
-        moved = {"x": _of_line(end.x), "velocity": _of_line(end.velocity)}
-        if isinstance(end, edges.NoSlip):
-            return new.NoSlip(T=end.T, **moved)
-        return new.Slip(**moved) if isinstance(end, edges.Slip) else new.Given(end.values, **moved)
-    if isinstance(end, edges.Open):
-        return new.Open(end.rho, (end.u, end.v), end.T)
-    if isinstance(end, edges.Outflow):
-        return new.Outflow(end.pressure)
-    if isinstance(end, edges.Free):
-        return new.Free(end.pressure)
-    return new.Clamped() if isinstance(end, edges.Clamped) else new.Roller()
-
-
-def _of_line(function: Function | None) -> Function | None:
-    """f(X, t) of a point of an edge, as a function of X, Y and t."""
-    return function and (lambda X, Y, t: function(X, t))
-
-
-def _plane_jumps(problem: PlaneProblem) -> Function | None:
-    """What the interfaces supply, by place: the nearest one is asked."""
-    if problem.jumps is None:
-        return None
-    heights = np.array([layer.Y[1] for layer in problem.layers[:-1]])
-
-    def supplied(X: Array, Y: Array, t: float) -> Array:
-        nearest = np.argmin(np.abs(np.asarray(Y)[..., None] - heights), axis=-1)
-        found = np.zeros((3, *np.shape(X)))
-        for k in range(len(heights)):
-            if (here := nearest == k).any():
-                found[:, here] = [v + 0.0 * X[here] for v in problem.jumps(k, X[here], t)]
-        return found
-
-    return supplied
-
-
-def in_rows(function: Function) -> Function:
-    """A function of X and Y, (rows, columns) with rows of equal Y, as one of nodes in a row."""
-
-    def called(X: Array, Y: Array, *t: float) -> Any:
-        change = np.flatnonzero(Y != Y.flat[0]) if Y.ndim == 1 and Y.size else []
-        columns = int(change[0]) if len(change) else Y.size
-        if Y.ndim != 1 or columns < 2 or Y.size % columns:
-            return function(X, Y, *t)
-        shape = Y.size // columns, columns
-        values = function(X.reshape(shape), Y.reshape(shape), *t)
-        if not isinstance(values, (tuple, list, np.ndarray)):
-            return values
-        return [v.reshape(-1) if np.shape(v) == shape else v for v in values]
-
-    called.__wrapped__ = function
-    return called
-
-
-# -- one dimension
-
 
 def blocks_of_line(problem: Problem, h: float, order: int) -> BlockProblem:
     """A Problem in one dimension as blocks.

@@ -18,10 +18,10 @@ from fsipetsc.blocks.maps import place_text
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.checks import Array
 from fsipetsc.errors import InputError
-from fsipetsc.operators.loops import CALL, LOOP
+from fsipetsc.operators.loops import CALL, INNER_CALL, INNER_LOOP
 
 #: of loops that round each operation by itself
-EXACT: dict[str, Any] = {**LOOP, "fastmath": {"nsz"}}
+EXACT: dict[str, Any] = {**INNER_LOOP, "fastmath": {"nsz"}}
 
 
 class Wide:
@@ -145,7 +145,7 @@ def differentiate(out, f, S, weight, before):
             _differentiate_rows(out[a : a + n * before], f[a : a + n * before], S, half, before)
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def _differentiate_row(out, f, S, half):
     n = out.size
     out[:] = 0.0
@@ -161,7 +161,7 @@ def _differentiate_row(out, f, S, half):
     _multiply(out, half)
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def _differentiate_rows(out, f, S, half, m):
     n = half.size
     for i in range(n):

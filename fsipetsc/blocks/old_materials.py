@@ -47,24 +47,13 @@ def gas_of(material: Any, force: Sequence[float]) -> Fluid:
     return Fluid(*numbers, _law(material.law), _law(material.transport), own)
 
 
-def solid_of(material: Any) -> ElasticSolid:
-    """A solid in plane strain. InputError for a law of a case."""
-    if isinstance(material, ElasticSolid):
-        return material
-    if not isinstance(material.law, str):
-        _law(material.law)
-    names = "mu_e", "lambda_e", "kappa_e", "m0", "alpha", "p_ref", "law", "heat"
-    force = material.force if any(material.force) else 0.0
-    return ElasticSolid(*(getattr(material, name) for name in names), force=force)
-
-
 def line_solid_of(material: Any, p_ref: float) -> ElasticSolid:
     """A solid in one dimension, whose stress is K ln x_X - p_ref less its pressure. InputError."""
     pressure = _law(material.pressing)
     if pressure is None and material.gruneisen > 0.0:
         pressure = Gruneisen(material.gruneisen)
     numbers = material.kappa_e, material.m0, material.alpha, p_ref
-    return ElasticSolid(0.0, material.K, *numbers, force=material.force, pressure=pressure)
+    return ElasticSolid(0.0, material.K, *numbers, force=material.force, pressing=pressure)
 
 
 def _law(law: Any) -> Any:

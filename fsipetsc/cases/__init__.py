@@ -5,7 +5,8 @@ A case is a module with
   SUMMARY   str, one line                               (… empty)
   OPTIONS   tuple of fsipetsc.options.Option: materials, geometry
   DEFAULTS  dict, name of an option -> default that replaces the common one   (… empty)
-  build     function of the options in force (name -> value) that returns a fsipetsc.problem.Problem
+  build     function of the options in force (name -> value) that returns a fsipetsc.problem.Problem or
+            fsipetsc.blocks.problem.BlockProblem
 To add a built-in case, write its file here and add its name to BUILT_IN. Nothing is imported before it is needed.
 """
 
@@ -26,9 +27,9 @@ from fsipetsc.blame import explain, short
 from fsipetsc.errors import InputError
 from fsipetsc.options import Option, groups
 
-OF_BLOCKS = ("box_mms",)
-IN_TWO_DIMENSIONS = ("plane_mms", "blast", "panel", "wave", "tube", "oblique")
-BUILT_IN = ("rod", "mms", "pulse", "box", "heat", "column", "piston", "shock", *IN_TWO_DIMENSIONS, *OF_BLOCKS)
+OF_LAYERS = ("rod", "mms", "pulse", "box", "heat", "column", "piston", "shock")
+OF_BLOCKS = ("plane_mms", "blast", "panel", "wave", "tube", "oblique", "box_mms")
+BUILT_IN = (*OF_LAYERS, *OF_BLOCKS)
 
 
 def summaries() -> dict[str, str]:
@@ -36,9 +37,11 @@ def summaries() -> dict[str, str]:
     return {name: _summary(Path(__file__).with_name(f"{name}.py")) for name in BUILT_IN}
 
 
-def template_text(dimension: int = 1) -> str:
-    """The text of a case file to start from, of one or two dimensions; in it FILE.py and NAME stand for its own name."""
-    name = "template.py" if dimension == 1 else "plane_template.py"
+def template_text(blocks: bool = False) -> str:
+    """The text of a case file to start from, of layers in one dimension or of blocks in two; in it FILE.py and NAME stand for
+    its own name.
+    """
+    name = "block_template.py" if blocks else "template.py"
     return Path(__file__).with_name(name).read_text(encoding="utf-8")
 
 

@@ -19,8 +19,8 @@ import numpy as np
 from scipy.linalg import eig
 
 from fsipetsc.errors import InputError
-from fsipetsc.physics.fluid import Fluid
-from fsipetsc.plane import PlaneSolid
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.solid import ElasticSolid
 
 #: points of the collocation in either layer
 POINTS = 36
@@ -68,7 +68,7 @@ class Layers:
     """What has the modes: a gas of density rho and temperature T [SI], height high, over a solid of this depth."""
 
     gas: Fluid
-    solid: PlaneSolid
+    solid: ElasticSolid
     height: float
     depth: float
     rho: float = 1.0

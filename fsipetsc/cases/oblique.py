@@ -1,13 +1,15 @@
-"""An oblique shock that is reflected from a wall: from a rigid one, or from an elastic layer upon it.
+"""An oblique shock that is reflected from a wall: a rigid one, or an elastic layer upon it.
 
-Gas comes in from the left at the Mach number M along the wall y = 0. A wedge above turns it by an angle theta towards the
-wall; its shock comes in at the upper left corner, at the angle beta to the flow, with
+Gas comes in from the left at the Mach number M along the wall y = 0. A wedge above turns it by
+an angle theta towards the wall; its shock comes in at the upper left corner, at the angle beta
+to the flow, with
 
     tan theta = 2 cot beta (M^2 sin^2 beta - 1) / (M^2 (gamma + cos 2 beta) + 2),
 
-and the wall turns the gas back by a second one (J. D. Anderson, Modern Compressible Flow, 3rd ed., 2003, Sec. 4.3, 4.6). What
-is behind each of them over a rigid wall is known; notes of the result say it. Over an elastic layer, which is clamped below and
-held against x at its ends, the shock hits what it bends. Velocities are over the speed of sound of the gas that comes in,
+and the wall turns the gas back by a second one (J. D. Anderson, Modern Compressible Flow, 3rd
+ed., 2003, Sec. 4.3, 4.6). What is behind each of them over a rigid wall is known; notes of the
+result say it. Over an elastic layer, which is clamped below and held against x at its ends, the
+shock hits what it bends. Velocities are over the speed of sound of the gas that comes in,
 densities over its density.
 """
 
@@ -18,28 +20,40 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fsipetsc.boundaries.plane import Clamped, NoSlip, Open, Outflow, Roller, Slip
+from fsipetsc.blocks.conditions import Clamped, NoSlip, Open, Outflow, Roller, Slip
+from fsipetsc.blocks.layers import Layer, layers
+from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.errors import InputError
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.options import Option, above_one
-from fsipetsc.physics.fluid import Fluid
-from fsipetsc.plane import PlaneFluidLayer, PlaneProblem, PlaneSolid, PlaneSolidLayer
 
 NAME = "oblique"
 SUMMARY = "an oblique shock reflected from a rigid wall or an elastic layer, in two dimensions"
 
 OPTIONS = (
+    Option("oblique_mach", float, 2.9, "", "Mach number of the gas that comes in", check=above_one),
     Option(
-        *("oblique_mach", float, 2.9, "", "Mach number of the gas that comes in"),
-        check=above_one,
+        *("oblique_angle", float, 10.0, "degrees", "theta, by which the shock turns it"),
+        check="positive",
     ),
-    Option("oblique_angle", float, 10.0, "degrees", "theta, by which the shock turns it", check="positive"),
     Option("oblique_wall", str, "elastic", "", "what is below", ("rigid", "elastic")),
-    Option("oblique_length", float, 3.0, "m", "of the gas along the wall, 1 high", check="positive"),
-    Option("solid_modulus", float, 40.0, "", "K = 2 mu_e + lambda_e over the pressure of the gas", check="positive"),
+    Option("oblique_length", float, 3.0, "m", "of the gas along it, 1 high", check="positive"),
+    Option(
+        *("solid_modulus", float, 40.0, "", "K = 2 mu_e + lambda_e over the pressure of the gas"),
+        check="positive",
+    ),
     Option("solid_density", float, 10.0, "", "of the layer over that of the gas", check="positive"),
     Option("solid_thickness", float, 0.25, "m", "of the layer", check="positive"),
-    Option("solid_cells", int, 18, "", "cells across the layer, at least as many as the operator needs", check="positive"),
-    Option("fluid_mu", float, 0.0, "", "viscosity of the gas; 0: it slips along the wall", check="nonnegative"),
+    Option(
+        *("solid_cells", int, 18, ""),
+        help="cells across the layer, at least as many as the operator needs",
+        check="positive",
+    ),
+    Option(
+        *("fluid_mu", float, 0.0, "", "viscosity of the gas; 0: it slips along the wall"),
+        check="nonnegative",
+    ),
 )
 DEFAULTS = {
     **{"fsi_h": 1 / 32, "fsi_order": 4, "ts_max_time": 4.0, "fsi_output_dt": 0.25},
@@ -68,7 +82,8 @@ def shock_angle(M: float, theta: float) -> float:
 
     def turned(beta: float) -> float:
         normal = (M * np.sin(beta)) ** 2
-        return np.arctan(2.0 / np.tan(beta) * (normal - 1.0) / (M * M * (GAMMA + np.cos(2.0 * beta)) + 2.0))
+        below = M * M * (GAMMA + np.cos(2.0 * beta)) + 2.0
+        return np.arctan(2.0 / np.tan(beta) * (normal - 1.0) / below)
 
     angles = np.linspace(np.arcsin(1.0 / M), 0.5 * np.pi, 2001)
     most = angles[np.argmax([turned(beta) for beta in angles])]
@@ -81,16 +96,17 @@ def shock_angle(M: float, theta: float) -> float:
 
 
 def behind(state: State, theta: float) -> tuple[State, float]:
-    """(the state behind the weak shock that turns a flow by theta [rad], the shock's angle beta [rad] to the flow before)."""
+    """(What is behind the weak shock that turns a flow by theta, its angle beta to it) [rad]."""
     beta = shock_angle(state.M, theta)
     normal = (state.M * np.sin(beta)) ** 2
     rho = state.rho * (GAMMA + 1.0) * normal / ((GAMMA - 1.0) * normal + 2.0)
     p = state.p * (1.0 + 2.0 * GAMMA / (GAMMA + 1.0) * (normal - 1.0))
-    M = np.sqrt((1.0 + 0.5 * (GAMMA - 1.0) * normal) / (GAMMA * normal - 0.5 * (GAMMA - 1.0))) / np.sin(beta - theta)
+    half = 0.5 * (GAMMA - 1.0)
+    M = np.sqrt((1.0 + half * normal) / (GAMMA * normal - half)) / np.sin(beta - theta)
     return State(rho, p, float(M)), beta
 
 
-def build(opt: Mapping[str, Any]) -> PlaneProblem:
+def build(opt: Mapping[str, Any]) -> BlockProblem:
     """The gas between Y = 0 and 1, the layer below it."""
     theta, mu, length = np.radians(opt["oblique_angle"]), opt["fluid_mu"], opt["oblique_length"]
     first = State(1.0, 1.0 / GAMMA, opt["oblique_mach"])
@@ -104,28 +120,37 @@ def build(opt: Mapping[str, Any]) -> PlaneProblem:
         return [np.ones_like(X), along, 0.0 * X, np.ones_like(X)]
 
     u, v = second.speed * np.cos(theta), -second.speed * np.sin(theta)
-    upper = Open(second.rho, u, v, second.p / (R * second.rho))
-    layer = PlaneFluidLayer("gas", gas, (0.0, 1.0), flow, left=Open(first.rho, first.M, 0.0, 1.0), right=Outflow())
-    at = 1.0 / np.tan(beta)
-    notes = (
-        f"the shock comes in at {np.degrees(beta):.6g} degrees and meets a rigid wall at x = {at:.6g}; "
-        f"the reflected one leaves at {np.degrees(back - theta):.6g} degrees to it",
-        f"behind the first p/p_1 = {second.p / first.p:.8g}, M = {second.M:.6g}; "
-        f"behind the second p/p_1 = {third.p / first.p:.8g}, M = {third.M:.6g}",
+    sides = {(0, 0): Open(first.rho, (first.M, 0.0), 1.0), (0, 1): Outflow()}
+    stack = [Layer("gas", gas, (0.0, 1.0), flow, sides=sides)]
+    lower = NoSlip() if mu > 0 else Slip()
+    if opt["oblique_wall"] == "elastic":
+        stack, lower = [_layer(opt, first.p), *stack], Clamped()
+    p_2, p_3 = second.p / first.p, third.p / first.p
+    return layers(
+        *stack,
+        along=((0.0, length),),
+        lower=lower,
+        upper=Open(second.rho, (u, v), second.p / (R * second.rho)),
+        h=opt["fsi_h"],
+        order=opt["fsi_order"],
+        notes=(
+            f"the shock comes in at {np.degrees(beta):.6g} degrees and meets a rigid wall at "
+            f"x = {1.0 / np.tan(beta):.6g}; the reflected one leaves at "
+            f"{np.degrees(back - theta):.6g} degrees to it",
+            f"behind the first p/p_1 = {p_2:.8g}, M = {second.M:.6g}; "
+            f"behind the second p/p_1 = {p_3:.8g}, M = {third.M:.6g}",
+        ),
+        units="none",
     )
-    if opt["oblique_wall"] == "rigid":
-        wall = NoSlip() if mu > 0 else Slip()
-        return PlaneProblem((layer,), (0.0, length), wall, upper, notes=notes, units="none")
-    K = opt["solid_modulus"] * first.p
-    solid = PlaneSolid(K / 4, K / 2, 0.0, opt["solid_density"], 1.0, p_ref=first.p, heat="elastic")
+
+
+def _layer(opt: Mapping[str, Any], p: float) -> Layer:
+    """The elastic layer, free of stress under the pressure p."""
+    K = opt["solid_modulus"] * p
+    solid = ElasticSolid(K / 4, K / 2, 0.0, opt["solid_density"], 1.0, p_ref=p, heat="elastic")
 
     def rest(X: np.ndarray, Y: np.ndarray) -> list[np.ndarray]:
         return [0.0 * X, 0.0 * X, np.ones_like(X), X, Y]
 
-    below = PlaneSolidLayer(
-        *("layer", solid, (-opt["solid_thickness"], 0.0), rest),
-        left=Roller(),
-        right=Roller(),
-        cells=opt["solid_cells"],
-    )
-    return PlaneProblem((below, layer), (0.0, length), Clamped(), upper, notes=notes, units="none")
+    across = -opt["solid_thickness"], 0.0
+    return Layer("layer", solid, across, rest, cells=opt["solid_cells"], sides=Roller())

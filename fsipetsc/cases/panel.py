@@ -1,15 +1,16 @@
 """Supersonic flow over an elastic panel that is clamped into a wall: panel flutter.
 
-Gas flows along y = 0 at the Mach number M; between x = 0 and 1 the wall is a panel of thickness panel_thickness, behind which a
-cavity has the pressure of the flow. The panel is pushed a little at the beginning. Above a critical dynamic pressure its
-oscillation grows to a limit cycle, below it decays. With D the bending stiffness, L = 1 and q the dynamic pressure, the
-parameter is
+Gas flows along y = 0 at the Mach number M; between x = 0 and 1 the wall is a panel of thickness
+panel_thickness, behind which a cavity has the pressure of the flow. The panel is pushed a little
+at the beginning. Above a critical dynamic pressure its oscillation grows to a limit cycle, below
+it decays. With D the bending stiffness, L = 1 and q the dynamic pressure, the parameter is
 
-    lambda = 2 q L^3 / (D sqrt(M^2 - 1)),     D = h^3/12 . 4 mu_e (lambda_e + mu_e) / (lambda_e + 2 mu_e)     (plane strain)
+    lambda = 2 q L^3 / (D sqrt(M^2 - 1)),
+    D = h^3/12 . 4 mu_e (lambda_e + mu_e) / (lambda_e + 2 mu_e)       (plane strain)
 
-and quasi-steady supersonic theory has flutter of a clamped panel from lambda = 636.57 on (E. H. Dowell, Aeroelasticity of
-Plates and Shells, 1975). panel_lambda sets the stiffness; unit of velocity is the speed of sound of the flow, of density
-its density.
+and quasi-steady supersonic theory has flutter of a clamped panel from lambda = 636.57 on (E. H.
+Dowell, Aeroelasticity of Plates and Shells, 1975). panel_lambda sets the stiffness; unit of
+velocity is the speed of sound of the flow, of density its density.
 """
 
 from __future__ import annotations
@@ -19,52 +20,81 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.boundaries.plane import Clamped, Free, Given, NoSlip, Open, Outflow, Slip
+from fsipetsc.blocks.conditions import Clamped, Free, Given, NoSlip, Open, Outflow, Slip
+from fsipetsc.blocks.layers import Layer, layers
+from fsipetsc.blocks.problem import BlockProblem
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.options import Option, above_one
-from fsipetsc.physics.fluid import Fluid
-from fsipetsc.plane import PlaneFluidLayer, PlaneProblem, PlaneSolid, PlaneSolidLayer
 
 NAME = "panel"
 SUMMARY = "supersonic flow over an elastic panel clamped into a wall, which flutters"
 
 OPTIONS = (
     Option("panel_mach", float, 2.0, "", "Mach number of the flow", check=above_one),
-    Option("panel_lambda", float, 800.0, "", "dynamic pressure over stiffness, 2 q / (D sqrt(M^2-1))", check="positive"),
-    Option("panel_mass", float, 10.0, "", "mass of the panel over rho, per length", check="positive"),
-    Option("panel_thickness", float, 0.04, "m", "of the panel, whose length is 1", check="positive"),
-    Option("panel_cells", int, 8, "", "cells across the panel, at least as many as the operator needs", check="positive"),
-    Option("panel_push", float, 5e-3, "", "velocity that the panel has at first, over the speed of sound", check="nonnegative"),
-    Option("panel_height", float, 0.5, "m", "of the gas", check="positive"),
     Option(
-        *("panel_rows", int, None, "", "cells across the gas; default: sqrt(M^2-1) times as close as along it, or as close"),
+        *("panel_lambda", float, 800.0, ""),
+        help="dynamic pressure over stiffness, 2 q / (D sqrt(M^2-1))",
         check="positive",
     ),
-    Option("fluid_mu", float, 0.0, "Pa s", "viscosity of the gas; 0: it slips along the wall", check="nonnegative"),
-    Option("panel_layer", float, 0.2, "m", "with viscosity: thickness of the boundary layer that flows in", check="positive"),
+    Option("panel_mass", float, 10.0, "", "of the panel over rho, per length", check="positive"),
+    Option(
+        *("panel_thickness", float, 0.04, "m", "of the panel, whose length is 1"),
+        check="positive",
+    ),
+    Option(
+        *("panel_cells", int, 8, ""),
+        help="cells across the panel, at least as many as the operator needs",
+        check="positive",
+    ),
+    Option(
+        *("panel_push", float, 5e-3, ""),
+        help="velocity that the panel has at first, over the speed of sound",
+        check="nonnegative",
+    ),
+    Option("panel_height", float, 0.5, "m", "of the gas", check="positive"),
+    Option(
+        *("panel_rows", int, None, ""),
+        help="cells across the gas; default: sqrt(M^2-1) times as close as along it, or as close",
+        check="positive",
+    ),
+    Option(
+        *("fluid_mu", float, 0.0, "Pa s", "viscosity of the gas; 0: it slips along the wall"),
+        check="nonnegative",
+    ),
+    Option(
+        *("panel_layer", float, 0.2, "m"),
+        help="with viscosity: thickness of the boundary layer that flows in",
+        check="positive",
+    ),
 )
-DEFAULTS = {"fsi_h": 1 / 32, "fsi_order": 4, "fsi_dissipation": 1.0, "ts_max_time": 40.0, "fsi_output_dt": 0.25}
+DEFAULTS = {
+    **{"fsi_h": 1 / 32, "fsi_order": 4, "fsi_dissipation": 1.0},
+    **{"ts_max_time": 40.0, "fsi_output_dt": 0.25},
+}
 
 GAMMA, PRANDTL = 1.4, 0.72
 #: edges of the gas in X
 X = (-0.5, 1.5)
 
 
-def build(opt: Mapping[str, Any]) -> PlaneProblem:
+def build(opt: Mapping[str, Any]) -> BlockProblem:
     """The panel between Y = -thickness and 0, the gas above."""
     M, h, mu = opt["panel_mach"], opt["panel_thickness"], opt["fluid_mu"]
     height, beta = opt["panel_height"], float(np.sqrt(M * M - 1.0))
-    # the waves that a motion of the panel makes are beta times shorter across the flow than along it
+    # waves that a motion of the panel makes are beta times shorter across the flow than along it
     rows = opt["panel_rows"] or int(np.ceil(height * max(beta, 1.0) / opt["fsi_h"] - 1e-9))
     p, rho = 1.0 / GAMMA, 1.0
     gas = Fluid(mu, mu * GAMMA / (GAMMA - 1.0) * p / PRANDTL, GAMMA, p)
     q = 0.5 * rho * M * M
     stiffness = 2.0 * q / (opt["panel_lambda"] * beta)
-    modulus = 12.0 * stiffness / h**3  # 4 mu (lambda + mu) / (lambda + 2 mu), which is 3 mu for lambda = 2 mu
-    mu_e = modulus / 3.0
-    panel = PlaneSolid(mu_e, 2.0 * mu_e, 0.0, opt["panel_mass"] / h, 1.0, p_ref=p, heat="elastic")
+    # 12 D/h^3 = 4 mu (lambda + mu) / (lambda + 2 mu), which is 3 mu for lambda = 2 mu
+    mu_e = 12.0 * stiffness / h**3 / 3.0
+    density = opt["panel_mass"] / h
+    panel = ElasticSolid(mu_e, 2.0 * mu_e, 0.0, density, 1.0, p_ref=p, heat="elastic")
 
     def flow(X: np.ndarray, Y: np.ndarray, t: float = 0.0) -> list[np.ndarray]:
-        """With viscosity a boundary layer, hot at the wall as that of a gas of this Prandtl number (Crocco and Busemann)."""
+        """With viscosity a boundary layer, hot at the wall as Crocco and Busemann have it."""
         along = M * np.tanh(2.0 * Y / opt["panel_layer"]) if mu > 0 else M + 0.0 * X
         T = 1.0 + 0.5 * (GAMMA - 1.0) * PRANDTL**0.5 * (M * M - along * along)
         return [1.0 / T, along, 0.0 * X, T]
@@ -73,28 +103,26 @@ def build(opt: Mapping[str, Any]) -> PlaneProblem:
         shape = np.sin(np.pi * X) ** 2 * (1.0 + np.cos(np.pi * X))
         return [0.0 * X, opt["panel_push"] * shape, np.ones_like(X), X, Y]
 
-    outside = Open(rho, M, 0.0, 1.0)
+    outside = Open(rho, (M, 0.0), 1.0)
     echo = f"waves that the panel makes come back to it from Y = {height:g}: see -panel_height"
-    return PlaneProblem(
-        layers=(
-            PlaneSolidLayer(
-                *("panel", panel, (-h, 0.0), push),
-                X=(0.0, 1.0),
-                left=Clamped(),
-                right=Clamped(),
-                cells=opt["panel_cells"],
-            ),
-            PlaneFluidLayer(
-                *("gas", gas, (0.0, height), flow),
-                left=Given(flow) if mu > 0 else outside,
-                right=Outflow(p),
-                beside=NoSlip() if mu > 0 else Slip(),
-                cells=rows,
-            ),
+    return layers(
+        Layer(
+            *("panel", panel, (-h, 0.0), push),
+            cells=opt["panel_cells"],
+            span=((0.0, 1.0),),
+            sides=Clamped(),
         ),
-        X=X,
+        Layer(
+            *("gas", gas, (0.0, height), flow),
+            cells=rows,
+            sides={(0, 0): Given(flow) if mu > 0 else outside, (0, 1): Outflow(p)},
+            beside=NoSlip() if mu > 0 else Slip(),
+        ),
+        along=(X,),
         lower=Free(p),
         upper=outside,
+        h=opt["fsi_h"],
+        order=opt["fsi_order"],
         notes=(echo,) if 2.0 * height * beta < 1.0 else (),
         units="none",
     )

@@ -1,12 +1,13 @@
-"""Sod's shock tube in a plane: along X, across Y, or across Y into an elastic layer. Exact solutions along a line.
+"""Sod's shock tube in a plane: along X, across Y, or across Y into an elastic layer.
 
-Along X and across Y the gas of high pressure is on the left, or below; halfway the gas of low pressure begins. Walls all
-around let it slip, so that what is computed of one is that of the other with X and Y exchanged. `elastic` has an elastic layer
-in the place of the upper half, as the case `shock` has a rod. The exact solution is that of fsipetsc.cases.riemann, for where
+Along X and across Y the gas of high pressure is on the left, or below; halfway the gas of low
+pressure begins. Walls all around let it slip, so that what is computed of one is that of the
+other with X and Y exchanged. `elastic` has an elastic layer in the place of the upper half, as
+the case `shock` has a rod. The exact solution is that of fsipetsc.cases.riemann, for where
 nothing varies along X the law `log` is that of the rod. The tube is periodic there.
 
-The exact solution is that without viscosity and conduction, until a wave comes to an end. Errors are in L1, in which a shock
-has order 1.
+The exact solution is that without viscosity and conduction, until a wave comes to an end. Errors
+are in L1, in which a shock has order 1.
 """
 
 from __future__ import annotations
@@ -18,21 +19,34 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.boundaries.plane import Clamped, Slip
+from fsipetsc.blocks.conditions import Clamped, Slip
+from fsipetsc.blocks.layers import Layer, layers
+from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.cases.riemann import GasState, GasWave
 from fsipetsc.cases.shock import GAMMA, HIGH, LOW, T_ROD, R, Solution
+from fsipetsc.checks import Fields
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.options import Option
-from fsipetsc.physics.fluid import Fluid
 from fsipetsc.physics.solid import Solid
-from fsipetsc.plane import Fields, PlaneFluidLayer, PlaneProblem, PlaneSolid, PlaneSolidLayer
 
 NAME = "tube"
-SUMMARY = "a shock tube in two dimensions, along X, across Y or into an elastic layer: errors against the exact solution"
+SUMMARY = "a shock tube in a plane, along X, across Y or into an elastic layer: exact solution"
 
 OPTIONS = (
-    Option("tube_problem", str, "elastic", "", "along X, across Y, or across Y into an elastic layer", ("x", "y", "elastic")),
-    Option("tube_width", float, 0.25, "m", "of the tube, 1 long, or 2 with the layer", check="positive"),
-    Option("solid_modulus", float, 4.0, "Pa", "K = 2 mu_e + lambda_e of the layer, mu_e a quarter of it", check="positive"),
+    Option(
+        *("tube_problem", str, "elastic", "", "along X, across Y, or that into an elastic layer"),
+        choices=("x", "y", "elastic"),
+    ),
+    Option(
+        *("tube_width", float, 0.25, "m", "of the tube, 1 long, or 2 with the layer"),
+        check="positive",
+    ),
+    Option(
+        *("solid_modulus", float, 4.0, "Pa"),
+        help="K = 2 mu_e + lambda_e of the layer, mu_e a quarter of it",
+        check="positive",
+    ),
     Option("solid_density", float, 0.5, "kg/m3", "of the layer", check="positive"),
 )
 DEFAULTS = {
@@ -58,7 +72,8 @@ class Tube:
         from scipy.optimize import brentq
 
         left, right = self.waves
-        p = brentq(lambda p: float(left.velocity(p) + right.velocity(p)), 1e-3, 10.0, xtol=1e-300, rtol=1e-14)
+        apart = lambda p: float(left.velocity(p) + right.velocity(p))  # noqa: E731
+        p = brentq(apart, 1e-3, 10.0, xtol=1e-300, rtol=1e-14)
         return p, float(left.velocity(p))
 
     def at(self, x: np.ndarray, t: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -73,29 +88,36 @@ class Tube:
         return rho, u, p / (rho * self.gas.R)
 
 
-def build(opt: Mapping[str, Any]) -> PlaneProblem:
+def build(opt: Mapping[str, Any]) -> BlockProblem:
     """The gas from 0 to 1, the layer from 1 to 2."""
-    gas, width = Fluid(0.0, 0.0, GAMMA, R), opt["tube_width"]
-    return _elastic(opt, gas, width) if opt["tube_problem"] == "elastic" else _alone(gas, width, opt["tube_problem"] == "x")
+    return _elastic(opt) if opt["tube_problem"] == "elastic" else _alone(opt)
 
 
-def _alone(gas: Fluid, width: float, along: bool) -> PlaneProblem:
-    tube, wall = Tube(gas), Slip()
+def _alone(opt: Mapping[str, Any]) -> BlockProblem:
+    gas, width, along = Fluid(0.0, 0.0, GAMMA, R), opt["tube_width"], opt["tube_problem"] == "x"
+    tube = Tube(gas)
 
     def exact(X: np.ndarray, Y: np.ndarray, t: float = 0.0) -> Fields:
         rho, u, T = tube.at((X if along else Y) - 0.5, t)
         return (rho, u, 0.0 * u, T) if along else (rho, 0.0 * u, u, T)
 
     p, u = tube.middle
-    layer = PlaneFluidLayer("gas", gas, (0.0, width if along else 1.0), exact, left=wall, right=wall, exact=exact)
-    note = f"between the waves p = {p:.10g}, u = {u:.10g}"
-    return PlaneProblem((layer,), (0.0, 1.0 if along else width), wall, wall, notes=(note,), units="none")
+    return layers(
+        Layer("gas", gas, (0.0, width if along else 1.0), exact, sides=Slip(), exact=exact),
+        along=((0.0, 1.0 if along else width),),
+        lower=Slip(),
+        upper=Slip(),
+        h=opt["fsi_h"],
+        order=opt["fsi_order"],
+        notes=(f"between the waves p = {p:.10g}, u = {u:.10g}",),
+        units="none",
+    )
 
 
-def _elastic(opt: Mapping[str, Any], gas: Fluid, width: float) -> PlaneProblem:
-    K = opt["solid_modulus"]
-    solution = Solution(gas, Solid(K, 0.0, opt["solid_density"], 1.0), HIGH)
-    solid = PlaneSolid(K / 4, K / 2, 0.0, opt["solid_density"], 1.0, p_ref=LOW.p)
+def _elastic(opt: Mapping[str, Any]) -> BlockProblem:
+    gas, K, density = Fluid(0.0, 0.0, GAMMA, R), opt["solid_modulus"], opt["solid_density"]
+    solution = Solution(gas, Solid(K, 0.0, density, 1.0), HIGH)
+    solid = ElasticSolid(K / 4, K / 2, 0.0, density, 1.0, p_ref=LOW.p)
 
     def in_gas(X: np.ndarray, Y: np.ndarray, t: float = 0.0) -> Fields:
         rho, v, T = solution.in_gas(Y, t)
@@ -105,17 +127,17 @@ def _elastic(opt: Mapping[str, Any], gas: Fluid, width: float) -> PlaneProblem:
         v, _, T, y = solution.in_solid(Y, t)
         return 0.0 * v, v, T, X, y
 
-    riemann = solution.riemann
-    return PlaneProblem(
-        layers=(
-            PlaneFluidLayer("gas", gas, (0.0, 1.0), in_gas, exact=in_gas),
-            PlaneSolidLayer("layer", solid, (1.0, 2.0), in_solid, exact=in_solid),
-        ),
-        X=(0.0, width),
+    at = solution.riemann
+    return layers(
+        Layer("gas", gas, (0.0, 1.0), in_gas, exact=in_gas),
+        Layer("layer", solid, (1.0, 2.0), in_solid, exact=in_solid),
+        along=((0.0, opt["tube_width"]),),
         lower=Slip(),
         upper=Clamped(),
+        h=opt["fsi_h"],
+        order=opt["fsi_order"],
         notes=(
-            f"interface: p = {riemann.p:.10g}, v = {riemann.u:.10g}, y_Y = {riemann.F:.10g}, T = {T_ROD:g} before",
+            f"interface: p = {at.p:.10g}, v = {at.u:.10g}, y_Y = {at.F:.10g}, T = {T_ROD:g} before",
             f"the exact solution holds until t = {solution.valid:.6g}",
         ),
         units="none",

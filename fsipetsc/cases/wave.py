@@ -1,7 +1,8 @@
-"""A wave along the interface between a gas and an elastic layer, a normal mode of the two: its rate s is known.
+"""A wave along the interface of a gas and an elastic layer, a normal mode of known rate s.
 
-Gas above, between the interface and a rigid adiabatic wall, solid below, on a clamped end; both at rest but for the mode of
-the linear equations (fsipetsc.cases.normal_mode), whose size is small. What is exact to that size goes as exp(s t).
+Gas above, between the interface and a rigid adiabatic wall, solid below, on a clamped end; both
+at rest but for the mode of the linear equations (fsipetsc.cases.normal_mode), whose size is
+small. What is exact to that size goes as exp(s t).
 """
 
 from __future__ import annotations
@@ -11,55 +12,80 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.boundaries.plane import Clamped, NoSlip, Slip
+from fsipetsc.blocks.conditions import Clamped, NoSlip, Slip
+from fsipetsc.blocks.layers import Layer, layers
+from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.cases.normal_mode import Layers, Mode, interpolated
+from fsipetsc.checks import Fields
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.options import Option
-from fsipetsc.physics.fluid import Fluid
-from fsipetsc.plane import Fields, PlaneFluidLayer, PlaneProblem, PlaneSolid, PlaneSolidLayer
 
 NAME = "wave"
 SUMMARY = "a normal mode of a gas over an elastic layer, whose frequency and decay are known"
 
 OPTIONS = (
-    Option("wave_number", float, 2.0 * np.pi, "1/m", "k; the problem is one wave long", check="positive"),
-    Option("wave_mode", int, 0, "", "which mode, of those that swing more than they decay", check="nonnegative"),
-    Option("wave_size", float, 1e-5, "m", "greatest displacement of the interface", check="positive"),
+    Option(
+        *("wave_number", float, 2.0 * np.pi, "1/m", "k; the problem is one wave long"),
+        check="positive",
+    ),
+    Option(
+        *("wave_mode", int, 0, "", "which mode, of those that swing more than they decay"),
+        check="nonnegative",
+    ),
+    Option("wave_size", float, 1e-5, "m", "of the interface's displacement", check="positive"),
     Option("wave_height", float, 1.0, "m", "of the gas", check="positive"),
     Option("wave_depth", float, 0.5, "m", "of the solid", check="positive"),
-    Option("fluid_mu", float, 0.01, "Pa s", "viscosity of the gas; 0: it slips along the solid", check="nonnegative"),
-    Option("fluid_kappa", float, 0.035 / 0.72, "W/(m K)", "heat conductivity of the gas", check="nonnegative"),
-    Option("solid_density", float, 1.0, "kg/m3", "of the solid; that of the gas is 1", check="positive"),
+    Option(
+        *("fluid_mu", float, 0.01, "Pa s", "viscosity of the gas; 0: it slips along the solid"),
+        check="nonnegative",
+    ),
+    Option(
+        *("fluid_kappa", float, 0.035 / 0.72, "W/(m K)", "heat conductivity of the gas"),
+        check="nonnegative",
+    ),
+    Option(
+        *("solid_density", float, 1.0, "kg/m3", "of the solid; that of the gas is 1"),
+        check="positive",
+    ),
     Option("solid_mu", float, 1.0, "Pa", "mu_e; the pressure of the gas is 1", check="positive"),
     Option("solid_lambda", float, 1.0, "Pa", "lambda_e", check="nonnegative"),
 )
 DEFAULTS = {"fsi_h": 1 / 32, "fsi_order": 4, "ts_max_time": 1.0, "fsi_output_dt": 0.05}
 
 
-def layers(opt: Mapping[str, Any]) -> Layers:
+def both_of(opt: Mapping[str, Any]) -> Layers:
     """Gas and solid of the options."""
     gas = Fluid(opt["fluid_mu"], opt["fluid_kappa"], 1.4, 1.0)
-    solid = PlaneSolid(opt["solid_mu"], opt["solid_lambda"], 0.0, opt["solid_density"], 1.0, p_ref=1.0, heat="elastic")
+    numbers = opt["solid_mu"], opt["solid_lambda"], 0.0, opt["solid_density"], 1.0
+    solid = ElasticSolid(*numbers, p_ref=1.0, heat="elastic")
     return Layers(gas, solid, opt["wave_height"], opt["wave_depth"])
 
 
 def measured(t: np.ndarray, X: np.ndarray, displacement: np.ndarray) -> complex:
-    """s [1/s] of a displacement of the interface, (times, columns) [m], by a line through the logarithms of its amplitudes."""
+    """s [1/s] of a displacement of the interface, (times, columns) [m].
+
+    By a line through the logarithms of its amplitudes.
+    """
     amplitudes = displacement @ np.exp(-2j * np.pi * np.arange(len(X)) / len(X))
-    logs = np.log(np.abs(amplitudes)) + 1j * np.unwrap(np.angle(amplitudes))
-    return complex(*np.polyfit(t, np.stack([logs.real, logs.imag], axis=1), 1)[0])
+    logs = np.stack([np.log(np.abs(amplitudes)), np.unwrap(np.angle(amplitudes))], axis=1)
+    return complex(*np.polyfit(t, logs, 1)[0])
 
 
-def build(opt: Mapping[str, Any]) -> PlaneProblem:
+def build(opt: Mapping[str, Any]) -> BlockProblem:
     """The solid below Y = 0, the gas above."""
-    both, k, size = layers(opt), opt["wave_number"], opt["wave_size"]
+    both, k, size = both_of(opt), opt["wave_number"], opt["wave_size"]
     mode = both.mode(k, opt["wave_mode"])
     low, high = (-both.depth, 0.0), (0.0, both.height)
 
-    def swinging(amplitudes: np.ndarray, ends: tuple[float, float], X: np.ndarray, Y: np.ndarray, t: float) -> Fields:
+    def swinging(
+        amplitudes: np.ndarray, ends: tuple[float, float], X: np.ndarray, Y: np.ndarray, t: float
+    ) -> Fields:
         """Real parts of the amplitudes times exp(i k X + s t)."""
         phase = size * np.exp(1j * k * X + mode.s * t)
-        rows = [interpolated(values, *ends, Y[:, :1] if Y.ndim > 1 else Y) for values in amplitudes]
-        return [np.real(row * phase) for row in rows]
+        heights, of_height = np.unique(Y, return_inverse=True)
+        rows = [interpolated(values, *ends, heights)[of_height] for values in amplitudes]
+        return [np.real(row.reshape(X.shape) * phase) for row in rows]
 
     def gas(X: np.ndarray, Y: np.ndarray, t: float = 0.0) -> Fields:
         rho, u, v, T = swinging(mode.gas, high, X, Y, t)
@@ -70,15 +96,14 @@ def build(opt: Mapping[str, Any]) -> PlaneProblem:
         # without conduction and work of the stresses its temperature stays
         return u, v, both.T + 0.0 * X, X + x, Y + y
 
-    wall = NoSlip() if opt["fluid_mu"] > 0 else Slip()
-    return PlaneProblem(
-        layers=(
-            PlaneSolidLayer("layer", both.solid, low, solid, exact=solid),
-            PlaneFluidLayer("gas", both.gas, high, gas, exact=gas),
-        ),
-        X=(0.0, 2.0 * np.pi / k),
+    return layers(
+        Layer("layer", both.solid, low, solid, exact=solid),
+        Layer("gas", both.gas, high, gas, exact=gas),
+        along=((0.0, 2.0 * np.pi / k),),
         lower=Clamped(),
-        upper=wall,
+        upper=NoSlip() if opt["fluid_mu"] > 0 else Slip(),
+        h=opt["fsi_h"],
+        order=opt["fsi_order"],
         notes=(_note(mode),),
         units="none",
     )

@@ -118,7 +118,7 @@ class Gas(NamedTuple):
         return along(f, -g, mean(self.densities(l), self.densities(r)))
 
     def near_pair_flux(self, l, r, a_l, v_l, a_r, v_r):
-        """The same where pair_distance is at most NEAR, in half the time: no logarithm, no division."""
+        """The same where pair_distance is at most NEAR, in half the time: without logarithms."""
         g = volume_flux(a_l, v_l, a_r, v_r)
         rho = near_mean(l[0], r[0], distance(l[0], r[0], l[-2], r[-2]))
         T = near_harmonic_mean(l[2], r[2], distance(l[2], r[2], l[-1], r[-1]))

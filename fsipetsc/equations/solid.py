@@ -31,9 +31,8 @@ from fsipetsc.equations.tensors import (
     determinant,
     largest_stretch,
 )
-from fsipetsc.operators.loops import along, dot, formulas, scale
+from fsipetsc.operators.loops import along, dot, scale
 
-formulas("temperature", "total_energy", "stress_at", "heat_flux", "wave_modulus_at")
 #: step of differences of a pressure, which only the wave modulus takes
 STEP = 2.0**-17
 
@@ -41,9 +40,9 @@ STEP = 2.0**-17
 class Solid(NamedTuple):
     """The equations for laws of stress and pressure and numbers.
 
-    law, pressing: stress and pressure, as in fsipetsc.materials. m0: density at rest [kg/m3], alpha:
-    specific heat [J/(kg K)], kappa: conductivity [W/(m K)], coupled: 1, or 0 with heat 'elastic'.
-    force: (d,) body force per mass [m/s2].
+    law, pressing: stress and pressure, as in fsipetsc.materials. m0: density at rest [kg/m3],
+    alpha: specific heat [J/(kg K)], kappa: conductivity [W/(m K)], coupled: 1, or 0 with heat
+    'elastic'. force: (d,) body force per mass [m/s2].
     """
 
     law: Any

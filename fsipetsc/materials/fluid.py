@@ -64,14 +64,29 @@ class Fluid:
         gas = cls(mu, 0.0, gamma, R, **more)
         if gas.law is not None:
             raise InputError("Fluid.with_prandtl: law is given: expected none, as cp is no number")
-        T = np.array([100.0, 300.0, 3000.0])
-        law = gas.transport_law
-        if not np.allclose(law.viscosity(T), law.conductivity(T), rtol=1e-12, atol=0.0):
+        if not np.allclose(*gas.relative(np.array([100.0, 300.0, 3000.0])), rtol=1e-12, atol=0.0):
             problem = "transport has a law of its own for kappa: expected the same as for mu"
             raise InputError(f"Fluid.with_prandtl: {problem}")
-        cp = gas.gamma * gas.R / (gas.gamma - 1.0)
+        cp = gas.gamma * gas.cv
         prandtl = number(prandtl, "Fluid.with_prandtl: prandtl", POSITIVE)
         return replace(gas, kappa=cp * gas.mu / prandtl)
+
+    @property
+    def cv(self) -> float:
+        """Specific heat at constant volume of the perfect gas of gamma and R [J/(kg K)]."""
+        return self.R / (self.gamma - 1.0)
+
+    def sound_speed(self, T: Any, rho: Any = 1.0) -> Any:
+        """Speed of sound [m/s] at T [K] and rho [kg/m3], which a perfect gas does not need."""
+        return np.sqrt(self.gas_law.sound_speed_squared(rho, T))
+
+    def internal_energy(self, rho: Any, T: Any) -> Any:
+        """Internal energy per mass [J/kg] at rho [kg/m3] and T [K]."""
+        return self.gas_law.internal_energy(rho, T)
+
+    def relative(self, T: Any) -> tuple[Any, Any]:
+        """(mu(T)/mu, kappa(T)/kappa) of the transport law at T [K]."""
+        return self.transport_law.viscosity(T), self.transport_law.conductivity(T)
 
     @property
     def has_entropy_flux(self) -> bool:

@@ -7,8 +7,6 @@ arguments. Other functions of numpy work as well, but loops with them are slower
 
 from __future__ import annotations
 
-from fsipetsc.operators.loops import formulas
-
 #: of a gas: name -> arguments; rho [kg/m3], T [K], e [J/kg], p [Pa]
 GAS_LAW = {
     "pressure": "rho, T",
@@ -29,5 +27,3 @@ TRANSPORT_LAW = {"viscosity": "T", "conductivity": "T"}
 SOLID_LAW = {"stress": "F", "energy": "F", "wave_modulus": "F"}
 #: of the pressure of a solid; J: det F, m0: density at rest, alpha: specific heat
 SOLID_PRESSURE = {"pressure": "J, T, m0, alpha"}
-
-formulas(*GAS_LAW, *TRANSPORT_LAW, *SOLID_LAW, *SOLID_PRESSURE)

@@ -11,9 +11,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from fsipetsc.equations.tensors import add_unit, cofactor, determinant, trace, transpose
-from fsipetsc.operators.loops import add, along, dot, formulas, scale
-
-formulas("small_strain")
+from fsipetsc.operators.loops import add, along, dot, scale
 
 
 class LinearElastic(NamedTuple):

@@ -1,7 +1,8 @@
 """Laws that a case file brings: plain functions of numbers, or a NamedTuple class like those here.
 
-They are compiled, so they have no ``if`` on their arguments (formulas.py). A law with numbers of its
-own is an instance of a NamedTuple class with these methods; one without is made of functions here.
+They are compiled, so they have no ``if`` on their arguments (formulas.py). A law with numbers of
+its own is an instance of a NamedTuple class with these methods; one without is made of functions
+here.
 
 Compiled loops are kept on disk under the types of their arguments. So that a changed formula is
 another type, a law of a case gets a class whose name has a hash of its formulas.
@@ -23,7 +24,6 @@ from fsipetsc.checks import described
 from fsipetsc.errors import InputError
 from fsipetsc.materials.formulas import GAS_LAW, SOLID_LAW, SOLID_PRESSURE, TRANSPORT_LAW
 from fsipetsc.operators.loops import _by_length as by_length
-from fsipetsc.operators.loops import formulas as compiled_methods
 from fsipetsc.operators.loops import zeros
 
 Formula = Callable[..., Any]
@@ -33,7 +33,7 @@ _classes: dict[str, type] = {}
 
 
 class Kind(NamedTuple):
-    """names: formulas and their arguments, needed: those that must be given, derived: the others."""
+    """names: formulas and their arguments, needed: what must be given, derived: the others."""
 
     maker: str
     names: Mapping[str, str]
@@ -128,16 +128,29 @@ def gas_law(**formulas: Formula) -> Any:
     """A gas law of functions of numbers, named and with the arguments of formulas.GAS_LAW.
 
     pressure, internal_energy, temperature, density and temperature_of are needed; the others follow
-    from these, but for the entropy, which is not a number if it is not given. InputError for other names
-    or arguments, or what cannot be compiled.
+    from these, but for the entropy, which is not a number if it is not given. InputError for other
+    names or arguments, or what cannot be compiled.
     """
     return _law_of(GAS, formulas)
 
 
 def transport_law(viscosity: Formula, conductivity: Formula | None = None) -> Any:
-    """viscosity(T) = mu(T)/mu, conductivity(T) = kappa(T)/kappa or the same. InputError."""
+    """viscosity(T) = mu(T)/mu, conductivity(T) = kappa(T)/kappa or the same. InputError.
+
+    One function relative(T) may return both, (mu(T)/mu, kappa(T)/kappa).
+    """
+    if conductivity is None and _returns_two(viscosity):
+        both = register_jitable(getattr(viscosity, "py_func", viscosity))
+        viscosity, conductivity = (lambda T: both(T)[0]), (lambda T: both(T)[1])
     formulas = {"viscosity": viscosity, "conductivity": conductivity or viscosity}
     return _law_of(TRANSPORT, formulas)
+
+
+def _returns_two(formula: Formula) -> bool:
+    try:
+        return np.shape(formula(300.0)) == (2,)
+    except Exception:  # what is wrong is said when it is compiled
+        return False
 
 
 def solid_law(**formulas: Formula) -> Any:
@@ -272,7 +285,6 @@ def _class(
         made.__module__ = __name__
         for key, formula in methods.items():
             setattr(made, key, formula)
-        compiled_methods(*methods)
         _classes[full] = made
     return _classes[full]
 

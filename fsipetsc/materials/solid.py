@@ -5,8 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from fsipetsc.checks import ANY, NONNEGATIVE, POSITIVE, described, numbers
-from fsipetsc.equations.solid import Solid
+from fsipetsc.equations.solid import STEP, Solid
 from fsipetsc.errors import InputError
 from fsipetsc.materials import own
 from fsipetsc.materials.fluid import checked_force, force_in
@@ -34,7 +36,7 @@ class ElasticSolid:
     [kg/m3]; alpha: specific heat [J/(kg K)]; p_ref: pressure under which it is free of strain [Pa].
     law: "log", "neo-hookean", "svk", "linear" or own.solid_law(…), which knows its own constants.
     heat: "coupled" (the work of stresses becomes heat) or "elastic" (beside an elastic energy).
-    force: body force per mass [m/s2], a number in one dimension or a tuple. pressure: None,
+    force: body force per mass [m/s2], a number in one dimension or a tuple. pressing: None,
     gruneisen(…), mie_gruneisen(…), stiffened_pressure(…) or own.pressure_law(…), which adds
     -p cof F to the stress. InputError for what is no number, out of range or no law.
     """
@@ -48,7 +50,7 @@ class ElasticSolid:
     law: Any = "log"
     heat: str = "coupled"
     force: float | tuple[float, ...] = 0.0
-    pressure: Any = None
+    pressing: Any = None
     kind = "solid"
 
     def __post_init__(self) -> None:
@@ -80,13 +82,33 @@ class ElasticSolid:
     @property
     def pressure_law(self) -> Any:
         """The pressure as a formula."""
-        law = ConstantPressure() if self.pressure is None else self.pressure
-        return own.checked_law(law, "ElasticSolid: pressure", own.PRESSURE)
+        law = ConstantPressure() if self.pressing is None else self.pressing
+        return own.checked_law(law, "ElasticSolid: pressing", own.PRESSURE)
 
     @property
     def K(self) -> float:
         """2 mu_e + lambda_e [Pa]."""
         return 2.0 * self.mu_e + self.lambda_e
+
+    def stress(self, F: tuple[Any, ...]) -> tuple[Any, ...]:
+        """P [Pa] of its law, d*d numbers as F, row by row; without the pressure of ``pressing``."""
+        return self.solid_law.stress(F)
+
+    def pressure(self, T: Any, J: Any = 1.0) -> Any:
+        """p [Pa] of ``pressing`` at T [K] and J = det F, x_X in one dimension."""
+        return self.pressure_law.pressure(J, T, self.m0, self.alpha)
+
+    def sound_speed(self, x_X: float = 1.0, T: float = 0.0, sigma: float = 0.0) -> float:
+        """Speed of small waves in one dimension in Lagrangian coordinates [m/s], without conduction.
+
+        m0 c^2 = dsigma/dx_X - p_x + p_T (p - sigma)/(alpha m0), sigma: stress without p [Pa].
+        """
+        dx, dT = STEP * x_X, STEP * (1.0 + abs(T))
+        by_x = (self.pressure(T, x_X + dx) - self.pressure(T, x_X - dx)) / (2.0 * dx)
+        by_T = (self.pressure(T + dT, x_X) - self.pressure(T - dT, x_X)) / (2.0 * dT)
+        heating = by_T * (self.pressure(T, x_X) - sigma) / (self.alpha * self.m0)
+        modulus = self.solid_law.wave_modulus((x_X,)) - by_x + heating
+        return float(np.sqrt(modulus / self.m0))
 
     def equations(self, d: int) -> Solid:
         """Its equations in d dimensions; InputError if force has not d numbers.

@@ -19,9 +19,7 @@ from fsipetsc.equations.tensors import (
     trace,
     transposed_product,
 )
-from fsipetsc.operators.loops import along, dot, formulas, scale
-
-formulas("strain", "second_stress")
+from fsipetsc.operators.loops import along, dot, scale
 
 
 class StVenantKirchhoff(NamedTuple):

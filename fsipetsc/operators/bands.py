@@ -1,13 +1,14 @@
-"""SBP first derivatives as weights of pairs of nodes: what the volume terms of all dimensions are made of.
+"""SBP first derivatives as weights of pairs of nodes: what the volume terms are made of.
 
-D = H^-1 Q with Q + Q^T = diag(-1, 0, …, 0, 1). Beside its diagonal Q is antisymmetric, so it is a band of weights of pairs,
+D = H^-1 Q with Q + Q^T = diag(-1, 0, …, 0, 1). Beside its diagonal Q is antisymmetric, so it is a
+band of weights of pairs,
 
     S[k, i] = 2 Q[i, i + k],    k = 1 … K,
 
-closures included; the diagonal, which holds the boundary terms, is left out. Its rows sum to 0, so that
+closures included; the diagonal, which holds the boundary terms, is left out. Its rows sum to 0, so
 
-    (D f)_i   =  sum_l S_il (f_l - f_i) / 2 / weight_i        the derivative
-    (D° f)_i  =  sum_l S_il (f_l + f_i) / 2 / weight_i        the same without the flux through the ends
+    (D f)_i   =  sum_l S_il (f_l - f_i) / 2 / weight_i    the derivative
+    (D° f)_i  =  sum_l S_il (f_l + f_i) / 2 / weight_i    without the flux through the ends
 
 with S_il = S[l - i, i] for l > i and -S[i - l, l] for l < i, and weight = h H.
 """
@@ -27,8 +28,8 @@ Array = NDArray[np.float64]
 class Band(NamedTuple):
     """Pair weights of one axis of n nodes.
 
-    S: (K + 1, n), S[k, i] of the nodes i and i + k, 0 where there is no such pair, S[0] is 0; periodic: i + k counts on from
-    the beginning. weight: (n,), h times the norm.
+    S: (K + 1, n), S[k, i] of the nodes i and i + k, 0 where there is no such pair, S[0] is 0;
+    periodic: i + k counts on from the beginning. weight: (n,), h times the norm.
     """
 
     S: Array
@@ -67,7 +68,8 @@ def band(order: int, cells: int, periodic: bool = False) -> Band:
     op, h = operator(order), 1.0 / cells
     if periodic:
         if cells < 2 * op.p + 1:
-            raise ValueError(f"a periodic axis needs at least {2 * op.p + 1} cells at order {order}, not {cells}")
+            least = f"a periodic axis needs at least {2 * op.p + 1} cells at order {order}"
+            raise ValueError(f"{least}, not {cells}")
         S = np.zeros((op.p + 1, cells))
         S[1:] = 2.0 * np.array([float(c) for c in op.interior])[:, None]
         return Band(S, np.full(cells, h))

@@ -1,8 +1,8 @@
 """Where numba keeps compiled kernels: a folder named by a hash of the package's sources.
 
-numba renews a cached function when its own file changes, not when a formula in another file does. So kernels of other sources
-are in another folder. Below NUMBA_CACHE_DIR, if that is set, else in the user's cache folder; where none can be written to,
-numba compiles anew in each process.
+numba renews a cached function when its own file changes, not when a formula in another file does.
+So kernels of other sources are in another folder: below NUMBA_CACHE_DIR, if that is set, else in
+the user's cache folder. Where none can be written to, numba compiles anew in each process.
 """
 
 from __future__ import annotations

@@ -1,10 +1,12 @@
-"""How loops are compiled, and functions of tuples, by which one source serves one, two and three dimensions.
+"""How loops are compiled, and functions of tuples: one source serves one, two and three dimensions.
 
-Equations and laws are NamedTuple classes whose methods are scalar formulas, as ``gas.pressure(rho, T)``. The same source runs
-in plain Python, on numpy arrays, and in compiled loops.
+Equations and laws are NamedTuple classes whose methods are scalar formulas, as
+``gas.pressure(rho, T)``. The same source runs in plain Python, on numpy arrays, and in compiled
+loops.
 
-Functions of tuples are written out for the length of their arguments when they are compiled. Loops over rows get tuples of
-rows; LLVM turns them into vector instructions because ``noalias`` says that the arrays of a call do not overlap.
+Functions of tuples are written out for the length of their arguments when they are compiled. Loops
+over rows get tuples of rows; LLVM turns them into vector instructions because ``noalias`` says that
+the arrays of a call do not overlap.
 """
 
 from __future__ import annotations
@@ -46,6 +48,10 @@ CALL = {"error_model": "numpy", "boundscheck": False, "nogil": True, "cache": Tr
 #: spares compile time in functions that compiled code alone calls; Python crashes if it calls them
 _INNER = {"cache": False, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 INNER_LOOP, INNER_CALL = {**LOOP, **_INNER}, {**CALL, **_INNER}
+#: of parts of a sweep: put into what calls them, they count no references to arrays
+INLINED_CALL = {**INNER_CALL, "forceinline": True}
+#: of loops that round each operation by itself: the same bits in vectors and in the rest of a row
+EXACT_LOOP = {**INNER_LOOP, "fastmath": {"nsz"}}
 #: the same of formulas, which are always put into the loops that call them
 _FORMULA = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "forceinline": True}
 
@@ -84,12 +90,8 @@ def _method(formula: Callable[..., Any]) -> Any:
     return Method
 
 
-def formulas(*names: str) -> None:
-    """Not needed any more: compiled code may call all methods of NamedTuple classes."""
-
-
 def _by_length(name: str, arguments: str, body: Callable[[int], str], inline: str = "never") -> Any:
-    """A function of tuples, defined by its source for tuples of length n, in Python and compiled."""
+    """A function of tuples, by its source for tuples of length n, in Python and compiled."""
     made: dict[int, Any] = {}
 
     def source(n: int) -> Any:
@@ -135,7 +137,7 @@ choose = _by_length("choose", "first, a, b", _tuple("a[@] if first else b[@]"))
 load = _by_length("load", "rows, i", _tuple("rows[@][i]"))
 store = _by_length("store", "rows, i, values", _lines("rows[@][i] = values[@]"))
 add_to = _by_length("add_to", "rows, i, c, values", _lines("rows[@][i] += c * values[@]"))
-#: array[c, a:b] for each c of like; views must be made where they are used, else numba counts references to them
+#: array[c, a:b] for each c of like, made where it is used: else numba counts references to views
 rows = _by_length("rows", "like, array, a, b", _tuple("array[@, a:b]"), inline="always")
 #: array[c, n] for each c of like: the numbers of one node of an array by components
 column = _by_length("column", "like, array, n", _tuple("array[@, n]"))

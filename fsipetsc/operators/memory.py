@@ -12,7 +12,7 @@ from numba import types
 from numba.core.cgutils import get_or_insert_function
 from numba.extending import intrinsic
 
-from fsipetsc.operators.vectors import DOUBLES, shuffled, twice_vector, vector, wide_vector
+from fsipetsc.operators.vectors import DOUBLES, shuffled, vector, wide_vector
 
 
 def _place(context, builder, sig, args, doubles=DOUBLES):
@@ -42,12 +42,6 @@ def load(typingctx, s, i):
 def load_wide(typingctx, s, i):
     """s[i : i+WIDE]."""
     return _load(wide_vector, s, i)
-
-
-@intrinsic
-def load_twice(typingctx, s, i):
-    """s[i : i+TWICE]."""
-    return _load(twice_vector, s, i)
 
 
 @intrinsic
@@ -116,15 +110,3 @@ def _load_interlaced(kind, s, i, n):
         return context.make_tuple(builder, sig.return_type, parts)
 
     return types.UniTuple(kind, count)(s, types.intp, n), codegen
-
-
-@intrinsic(prefer_literal=True)
-def load_wide_interlaced(typingctx, s, i, n):
-    """n wide vectors (n literal, odd), number c of them s[i + c], s[i + n + c], ...: the reverse of ``store_interlaced``."""
-    return _load_interlaced(wide_vector, s, i, n)
-
-
-@intrinsic(prefer_literal=True)
-def load_twice_interlaced(typingctx, s, i, n):
-    """The same of vectors of TWICE lanes."""
-    return _load_interlaced(twice_vector, s, i, n)

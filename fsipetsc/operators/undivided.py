@@ -32,9 +32,9 @@ def sigma_of(option: float, joined: bool) -> float:
 class Differences(NamedTuple):
     """Those of a patch, over its ghosted array of N nodes, axis 0 contiguous.
 
-    weights: (q + 1) numbers of a difference. strides: of the axes in memory. norm: (axes, N) the least
-    norm of the nodes of the difference that begins at a node, 0 where it does not fit. per_weight:
-    (axes, N) 1 / weight of a node along the axis.
+    weights: (q + 1) numbers of a difference. strides: of the axes in memory. norm: (axes, N) the
+    least norm of the nodes of the difference that begins at a node, 0 where it does not fit.
+    per_weight: (axes, N) 1 / weight of a node along the axis.
     """
 
     weights: tuple[float, ...]
@@ -44,8 +44,8 @@ class Differences(NamedTuple):
 
 
 def differences(d: int, order: int, bands: Sequence[Band], cells: Sequence[int]) -> Differences:
-    """Of half the order of the scheme. bands: of three axes, cut to the ghosted array; cells: of the
-    whole block, by axis.
+    """Of half the order of the scheme. bands: three, cut to the ghosted array; cells: of the whole
+    block, by axis.
     """
     q = order // 2
     shape = [len(band.weight) for band in bands]

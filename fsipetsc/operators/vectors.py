@@ -155,23 +155,6 @@ def larger(typingctx, a, b):
 
 
 @intrinsic
-def on_aligned_stack(typingctx):
-    """Let the stack of the function that this stands in begin with a cache line: vectors for which registers are missing would
-    each lie in two, else.
-    """
-
-    def codegen(context, builder, sig, args):
-        with builder.goto_entry_block():
-            room = builder.alloca(wide_vector.doubles)
-            room.align = 64
-        kind = ir.FunctionType(ir.VoidType(), [room.type])
-        builder.asm(kind, "", "r", [room], side_effect=True)  # no instruction, but one that the room must be there for
-        return context.get_dummy_value()
-
-    return types.none(), codegen
-
-
-@intrinsic
 def root(typingctx, a):
     """Square root."""
     return _function("sqrt", (a,))
@@ -212,18 +195,6 @@ def spread(typingctx, a):
 def _spread_to(kind):
     """Signature and code of what makes a vector of a kind of a number."""
     return kind(types.float64), lambda context, builder, sig, args: spread_value(builder, args[0], kind.doubles)
-
-
-@intrinsic
-def spread_wide(typingctx, a):
-    """The number a in WIDE lanes."""
-    return _spread_to(wide_vector)
-
-
-@intrinsic
-def spread_twice(typingctx, a):
-    """The number a in TWICE lanes."""
-    return _spread_to(twice_vector)
 
 
 @intrinsic

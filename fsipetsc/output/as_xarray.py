@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from fsipetsc.errors import InputError
-from fsipetsc.output.reader import BlockLayer, PlaneLayer, Run
+from fsipetsc.output.reader import BlockLayer, Run
 
 if TYPE_CHECKING:
     import xarray
@@ -40,14 +40,11 @@ FIELDS = {
     "force": ("Pa", "force of the ends and of gravity"),
     "least_J": ("1", "least volume ratio of the grid"),
     "J_error": ("1", "largest departure of J from the volume ratio of the grid, relative"),
-    "x_point": ("m", "position of points of interfaces"),
-    "y_point": ("m", "position across of points of interfaces"),
-    "u_point": ("m s-1", "velocity of the solid at points of interfaces"),
-    "v_point": ("m s-1", "velocity across of the solid at points of interfaces"),
-    "T_point": ("K", "temperature of the solid at points of interfaces"),
-    "t_x_point": ("Pa", "traction on the solid at points of interfaces"),
-    "t_y_point": ("Pa", "traction across on the solid at points of interfaces"),
-    "q_point": ("W m-2", "heat flux into the solid at points of interfaces"),
+    **{f"{x}_point": ("m", f"position {x} of recorded nodes") for x in "xyz"},
+    **{f"{u}_point": ("m s-1", f"velocity {u} of recorded nodes") for u in "uvw"},
+    "T_point": ("K", "temperature of recorded nodes"),
+    "p_point": ("Pa", "pressure of recorded nodes, of solids the mean of the stresses with the other sign"),
+    **{f"t_{x}_point": ("Pa", f"traction along {x} on the solid at recorded nodes of interfaces") for x in "xyz"},
 }
 #: the same of integrals; in one dimension they are per area [m-2], in two per depth [m-1]
 INTEGRALS = {
@@ -72,7 +69,7 @@ def to_xarray(run: Run) -> xarray.Dataset:
     """All frames and series of a result.
 
     Fields are variables "LAYER.FIELD" of the dimensions time and X_LAYER (in two dimensions time, Y_LAYER, X_LAYER), with
-    the reference coordinates; the positions "LAYER.x", and "LAYER.y", are coordinates. Series are "series.NAME" of the
+    the reference coordinates; the positions "LAYER.x" … are coordinates. Series are "series.NAME" of the
     dimension step, with the coordinate t, and interface, gas, layer or point, which have names. A name of a layer is written
     with _ in the place of blanks. Attributes: case, options, summary; of variables units and long_name.
 
@@ -92,18 +89,13 @@ def to_xarray(run: Run) -> xarray.Dataset:
             continue
         across = f"X_{name}"
         coordinates[across] = (across, layer.X, {**_attributes("x", si), "long_name": "reference coordinate X"})
-        dimensions: tuple[str, ...] = ("time", across)
-        if isinstance(layer, PlaneLayer):
-            up = f"Y_{name}"
-            coordinates[up] = (up, layer.Y, {**_attributes("y", si), "long_name": "reference coordinate Y"})
-            dimensions = ("time", up, across)
         for field in layer.fields:
-            where = coordinates if field in ("x", "y") else variables
-            where[f"{name}.{field}"] = (dimensions, layer[field], {**_attributes(field, si), "layer": layer.name})
+            where = coordinates if field == "x" else variables
+            where[f"{name}.{field}"] = (("time", across), layer[field], {**_attributes(field, si), "layer": layer.name})
     names = _columns(run)
     for series in run.series:
         values = run.series[series]
-        dimensions = ("step",)
+        dimensions: tuple[str, ...] = ("step",)
         if values.ndim == 2:
             of = next((of for of in _COLUMNS.get(series, ()) if len(names[of]) == values.shape[1]), f"of_{series}")
             dimensions = ("step", of)
@@ -148,7 +140,7 @@ def _columns(run: Run) -> dict[str, list[str]]:
         "interface": list(run.interfaces),
         "gas": [layer.name for layer in run.layers if layer.kind == "fluid"],
         "layer": [layer.name for layer in run.layers],
-        "point": [f"{name}, X = {X:g}" for name, X in run.points],
+        "point": [f"{name} at {', '.join(f'{x:g}' for x in X)}" for name, X in run.points],
     }
 
 

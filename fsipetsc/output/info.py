@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.options.option import INT_MAX
-from fsipetsc.output.reader import BlockLayer, Layer, PlaneLayer, Run, open_run
+from fsipetsc.output.reader import BlockLayer, Layer, Run, open_run
 
 
 def info(path: str | os.PathLike[str]) -> str:
@@ -49,7 +49,7 @@ def _overview(run: Run) -> list[tuple[str, str]]:
     rows.append(("series", ", ".join(run.series) or "none"))
     rows.append(("interfaces", _positions(run)))
     if run.points:
-        rows.append(("points", ", ".join(f"{name} at X = {X:.6g}" for name, X in run.points)))
+        rows.append(("points", ", ".join(f"{name} at {_place(X)}" for name, X in run.points)))
     rows.extend(("note", note) for note in run.header.get("notes", ()))
     return rows
 
@@ -61,12 +61,12 @@ def _layers(run: Run) -> Iterable[tuple[str, str]]:
             ranges = [_range(f", {name} =", getattr(layer, name)) for name in "XYZ"[: run.dimension]]
             yield layer.name, f"{layer.kind}, {layer.size}{''.join(ranges)}; {', '.join(layer.fields)}"
             continue
-        if isinstance(layer, PlaneLayer):
-            grid = f"{layer.size}{_range(', X =', layer.X)}{_range(', Y =', layer.Y)}"
-            yield layer.name, f"{layer.kind}, {grid}; {', '.join(layer.fields)}"
-            continue
         grid = f"{len(layer.X)} points{_active(layer, run.nframes)}{_range(', X =', layer.X)}, h = {layer.h:g}"
         yield layer.name, f"{layer.kind}, {grid}; {', '.join(layer.fields)}"
+
+
+def _place(X: Iterable[float]) -> str:
+    return ", ".join(f"{name} = {x:.6g}" for name, x in zip("XYZ", X))
 
 
 def _active(layer: Layer, nframes: int) -> str:

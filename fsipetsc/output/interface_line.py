@@ -1,4 +1,4 @@
-"""An interface of a run in two dimensions as a line: where it is, how it moves, what acts on it; from the frames."""
+"""An interface in two dimensions as a line: where it is, how it moves, what acts on it; from the frames."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from fsipetsc.checks import Array
 
 @dataclass(frozen=True)
 class InterfaceLine:
-    """The edge row of the solid at an interface; all but X are (nframes, nx).
+    """The face of the solid at an interface; all but X and Y are (nframes, n).
 
-    name, solid   of the interface; number of the layer that is the solid
-    X             (nx,) [m] reference coordinate, of the solid's points; of blocks the length along the face
-    Y             [m] reference height; of blocks (nx,)
+    name, solid   of the interface; number of the block that is the solid
+    X             (n,) [m] length along the face in the reference map; X where that is a straight line along X
+    Y             (n,) [m] reference height
     x, y          [m] position
     u, v, T       [m/s], [K] velocity and temperature of the solid
     n_x, n_y      unit normal out of the solid, by differences of second order along the line
@@ -24,13 +24,13 @@ class InterfaceLine:
     pressure      [Pa] -t.n, what pushes the solid
     heat          [W/m2] heat flux into the solid, kappa_e n.grad T, per length of the line as it is, by such differences within
                   the solid; NaN in results of earlier versions
-    displacement  [m] y less that of the reference, Y
+    displacement  [m] y - Y; of a face that is not flat along X, along the normal of the reference into the solid
     """
 
     name: str
     solid: int
     X: Array
-    Y: float | Array
+    Y: Array
     x: Array
     y: Array
     u: Array
@@ -41,15 +41,12 @@ class InterfaceLine:
     t_x: Array
     t_y: Array
     heat: Array
+    displacement: Array
 
     @property
     def pressure(self) -> Array:
         pressure: Array = -(self.t_x * self.n_x + self.t_y * self.n_y)  # of no known type to mypy with some versions of numpy
         return pressure
-
-    @property
-    def displacement(self) -> Array:
-        return self.y - self.Y
 
 
 def along_face(name: str, number: int, layer: Any, axis: int, side: int, kappa_e: float) -> InterfaceLine:
@@ -64,11 +61,17 @@ def along_face(name: str, number: int, layer: Any, axis: int, side: int, kappa_e
     full = np.broadcast_arrays(*_whole(layer.X, layer.Y))
     X, Y = (rows(values)[0] for values in full)
     length = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(X), np.diff(Y)))])
+    flat = np.ptp(Y) <= 1e-12 * length[-1] and X[-1] > X[0]
     fields = {field: rows(layer[field]) for field in layer.fields}
     # along the face and upwards are right-handed directions: upwards axis 1 goes up, and axis 0 down
     inward = 1.0 if (axis == 0) == (side == 1) else -1.0
-    line = along_edge(name, number, fields, length, inward * np.arange(3.0), kappa_e)
-    return replace(line, Y=Y)
+    along = length + X[0] if flat else length
+    line = along_edge(name, number, fields, along, inward * np.arange(3.0), kappa_e)
+    if flat:
+        return replace(line, Y=Y, displacement=line.y - Y)
+    X_s, Y_s = (np.gradient(values, length, edge_order=2) for values in (X, Y))
+    into = -inward * (Y_s * (line.x - X) - X_s * (line.y - Y))
+    return replace(line, Y=Y, displacement=into)
 
 
 def _whole(X: Array, Y: Array) -> tuple[Array, Array]:
@@ -94,4 +97,4 @@ def along_edge(name: str, number: int, fields: dict[str, Array], X: Array, Y: Ar
     T_x, T_y = (y_Y * T_X - y_X * T_Y) / J, (x_X * T_Y - x_Y * T_X) / J
     motion = {quantity: edge[quantity] for quantity in ("x", "y", "u", "v", "T")}
     traction = {"n_x": n_x, "n_y": n_y, "t_x": t_x, "t_y": t_y, "heat": kappa_e * (T_x * n_x + T_y * n_y)}
-    return InterfaceLine(name, number, X, float(Y[0]), **motion, **traction)
+    return InterfaceLine(name, number, X, Y[0] + 0.0 * X, **motion, **traction, displacement=0.0 * x[0])

@@ -1,4 +1,4 @@
-"""A case file to start from: a copy of fsipetsc/cases/template.py, or plane_template.py, under a name of the user's."""
+"""A case file to start from: a copy of fsipetsc/cases/template.py, or block_template.py, under a name of the user's."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from fsipetsc.output.claim import publish
 from fsipetsc.output.places import check_folder
 
 
-def new_case(name: str, commands: Sequence[str], dimension: int = 1) -> Path:
-    """Write the template of one or two dimensions as the file `name`, whole or not at all; its path.
+def new_case(name: str, commands: Sequence[str], blocks: bool = False) -> Path:
+    """Write the template of layers, or of blocks, as the file `name`, whole or not at all; its path.
 
     commands: names of the program's commands. InputError for a name that could not be run, or would hide something else;
     FileError where there is a file already, which is left as it is, or none can be written.
@@ -25,7 +25,7 @@ def new_case(name: str, commands: Sequence[str], dimension: int = 1) -> Path:
     path = Path(name)
     _check(path, name, commands)
     check_folder(name, path.parent)
-    text = template_text(dimension)
+    text = template_text(blocks)
     if re.fullmatch(r"[\w./-]+", name):  # as it may stand in the examples
         text = text.replace("FILE.py", name)
         for suffix in ("h5", "xdmf"):

@@ -20,7 +20,7 @@ import numpy as np
 from fsipetsc.checks import Array, counted
 from fsipetsc.errors import FileError
 from fsipetsc.output import file_layout, result_sources
-from fsipetsc.output.interface_line import InterfaceLine, along_edge, along_face
+from fsipetsc.output.interface_line import InterfaceLine, along_face
 
 if TYPE_CHECKING:
     import xarray
@@ -37,10 +37,10 @@ class Run:
     complete            whether the run came to its end; if not, summary["status"] may say why
     time, nframes       (nframes,) times of the saved frames
     layers              tuple of :class:`Layer`, from left to right
-    dimension           1 or 2; in two, layers are :class:`PlaneLayer`, from below, and `interface` has the lines between them
+    dimension           1, 2 or 3; in two `interface` has the lines between gas and solid
     blocks              of a problem of blocks name -> :class:`BlockLayer`, in 1 to 3 dimensions; else empty
     interfaces          their names, from left to right
-    points              of the series in two dimensions (-fsi_points): tuple of (name of the interface, X)
+    points              recorded at each step (-fsi_points, -fsi_probes): tuple of (name of the interface or block, (X, …))
     series              name -> (nsteps,) or (nsteps, m), one row per time step: "t", "dt", "x_interface", …
 
     Use it as a context manager or call `close`; what was read before stays usable.
@@ -63,7 +63,7 @@ class Run:
         self.options: dict[str, Any] = _Named("option", self.header["options"])
         self.interfaces: tuple[str, ...] = tuple(self.header.get("interfaces", ()))
         points = self.header.get("points", ())
-        self.points: tuple[tuple[str, float], ...] = tuple((self.interfaces[int(k)], float(X)) for k, X in points)
+        self.points: tuple[tuple[str, tuple[float, ...]], ...] = tuple((name, tuple(X)) for name, X in points)
         known: dict[str, Any] = {name: self.header[name] for name in ("versions", "ranks") if name in self.header}
         self.summary: dict[str, Any] = _Named("summary entry", {**known, **self._source.summary})
         self.complete = self._source.complete and self.summary.get("status", "done") == "done"
@@ -85,9 +85,7 @@ class Run:
 
     def _layer(self, entry: Mapping[str, Any]) -> Any:
         """What kind of layer an entry of the header tells of."""
-        if "shape" in entry and "origin" not in entry:
-            return BlockLayer
-        return PlaneLayer if self.dimension == 2 else Layer
+        return BlockLayer if "shape" in entry else Layer
 
     def at(self, t: float) -> int:
         """Number of the frame saved nearest to time t."""
@@ -104,17 +102,9 @@ class Run:
         if isinstance(k, str) and k not in names:
             raise KeyError(_unknown("line of an interface", k, names))
         number = names.index(k) if isinstance(k, str) else range(len(names))[k]
-        if self.blocks:
-            solid, axis, side = self.header["interface_faces"][number]
-            kappa_e = self.header["layers"][solid].get("kappa_e", np.nan)
-            return along_face(names[number], solid, self.layers[solid], axis, side, kappa_e)
-        below = self.layers[number].kind == "solid"
-        solid = number if below else number + 1
-        layer, kappa_e = self.layers[solid], self.header["layers"][solid].get("kappa_e", np.nan)
-        assert isinstance(layer, PlaneLayer)
-        rows = (-1, -2, -3) if below else (0, 1, 2)
-        edge = {name: np.stack([layer[name][:, row] for row in rows]) for name in layer.fields}
-        return along_edge(names[number], solid, edge, layer.X, layer.Y[list(rows)], kappa_e)
+        solid, axis, side = self.header["interface_faces"][number]
+        kappa_e = self.header["layers"][solid].get("kappa_e", np.nan)
+        return along_face(names[number], solid, self.layers[solid], axis, side, kappa_e)
 
     def to_xarray(self) -> xarray.Dataset:
         """All frames and series with dimensions, coordinates and units; see :mod:`fsipetsc.output.as_xarray`."""
@@ -227,51 +217,6 @@ class Layer(Arrays):
         return f"<{self.kind} layer {self.name!r}: {self.size}{span}; {', '.join(self.fields)}>"
 
 
-class PlaneLayer(Arrays):
-    """A layer of a run in two dimensions; `layer[name]` is (nframes, ny, nx).
-
-    name, kind, fields   as of a Layer: fluid rho, u, v, T, p, J, x, y; solid u, v, T, s_xx, s_xy, s_yy, x, y
-    X, Y                 (nx,), (ny,) reference coordinates
-    x, y                 (nframes, ny, nx) positions
-    """
-
-    def __init__(self, path: str, entry: Mapping[str, Any], chunks: list[_Chunk], nframes: int) -> None:
-        self._points = Layer(path, entry, chunks, nframes)
-        self.name, self.kind, self.fields = self._points.name, self._points.kind, self._points.fields
-        super().__init__(path, f"field in layer {self.name!r}", self.fields, self._read_field)
-        ny, nx = self._shape = self.shape = tuple(int(n) for n in entry["shape"])
-        (x0, y0), (h_x, h_y) = entry["origin"], entry["spacing"]
-        self.X, self.Y = x0 + h_x * np.arange(nx), y0 + h_y * np.arange(ny)
-
-    @property
-    def x(self) -> Array:
-        return self["x"]
-
-    @property
-    def y(self) -> Array:
-        return self["y"]
-
-    @property
-    def size(self) -> str:
-        """Of its grid, in words."""
-        ny, nx = self._shape
-        return f"{nx} by {ny} points"
-
-    def frame(self, number: int) -> dict[str, Array]:
-        """All fields of one frame, name -> (ny, nx)."""
-        return {name: values.reshape(self._shape) for name, values in self._points.frame(number).items()}
-
-    def place(self, number: int) -> tuple[str, int, tuple[int, int]]:
-        """As of a Layer."""
-        return self._points.place(number)
-
-    def _read_field(self, name: str) -> Array:
-        return self._points[name].reshape(-1, *self._shape)
-
-    def __repr__(self) -> str:
-        return f"<{self.kind} layer {self.name!r}: {self.size}; {', '.join(self.fields)}>"
-
-
 class BlockLayer(Arrays):
     """A block of a run in d dimensions; `block[name]` is (nframes, n_{d-1}, …, n_0).
 
@@ -279,6 +224,7 @@ class BlockLayer(Arrays):
     shape                (n_{d-1}, …, n_0)
     X, Y, Z              places in the reference map, of the same shape; where X depends on axis 0 alone, Y on axis 1 …, (n_0,),
                          (n_1,), …
+    places, periodic     (…, d) the same as they are; whether axis 0, 1, … is periodic
     x, y, z              (nframes, …) positions
     """
 
@@ -291,8 +237,21 @@ class BlockLayer(Arrays):
         places = chunks[0].places if chunks else np.full((int(np.prod(self.shape)), d), np.nan)
         if places is None or places.shape != (int(np.prod(self.shape)), d):
             raise result_sources.Damaged(f"places of block {self.name!r} are missing")
-        full = [places[:, axis].reshape(self.shape) for axis in range(d)]
+        self.places = places.reshape(*self.shape, d)
+        self.periodic = tuple(entry.get("periodic", [False] * d)[::-1])
+        full = [self.places[..., axis] for axis in range(d)]
         self.X, self.Y, self.Z = _short(full) + [np.zeros(1)] * (3 - d)
+
+    @property
+    def rings(self) -> tuple[int, ...]:
+        """Axes of the arrays along which the block closes where it begins, as an annulus does."""
+        d, found = len(self.shape), []
+        for axis in range(d):
+            ends = [np.take(self.places, at, axis=axis) for at in (0, 1, -1)]
+            step, gap = (np.linalg.norm(end - ends[0], axis=-1).max() for end in ends[1:])
+            if self.periodic[d - 1 - axis] and gap < 3.0 * step:
+                found.append(axis)
+        return tuple(found)
 
     x = property(lambda self: self["x"])
     y = property(lambda self: self["y"])

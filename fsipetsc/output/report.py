@@ -17,6 +17,7 @@ from fsipetsc.output.info import info_sections
 from fsipetsc.output.places import writing
 from fsipetsc.output.plots import complain, drawn, whole
 from fsipetsc.output.plots.animation import frames, shades, some
+from fsipetsc.output.plots.frames import check_drawable
 from fsipetsc.output.plots.style import STYLE, needed
 from fsipetsc.output.reader import Run, open_run
 
@@ -33,6 +34,7 @@ def report(path: str | os.PathLike[str], outdir: str | os.PathLike[str] = ".") -
     matplotlib = needed("report")
     target = Path(outdir) / f"{Path(path).stem}.html"
     with open_run(path) as run, matplotlib.rc_context({**STYLE, "savefig.dpi": DPI}), np.errstate(all="ignore"):
+        check_drawable(run)
         faults: list[str] = []
         text = _page(run, faults)
     with writing(target, "the report"):

@@ -14,7 +14,7 @@ from pathlib import Path
 from xml.sax.saxutils import escape, quoteattr
 
 from fsipetsc.errors import FileError
-from fsipetsc.output.reader import BlockLayer, PlaneLayer, Run, open_run
+from fsipetsc.output.reader import BlockLayer, Run, open_run
 
 _HEAD = '<?xml version="1.0" ?>\n<!DOCTYPE Xdmf SYSTEM "Xdmf.dtd" []>\n<Xdmf Version="2.0">\n<Domain>\n'
 _TAIL = "</Domain>\n</Xdmf>\n"
@@ -74,8 +74,8 @@ def _text(run: Run) -> Iterator[str]:
     yield "</Grid>\n" + _TAIL
 
 
-def _layer(layer: PlaneLayer | BlockLayer, frame: int, file: str) -> Iterator[str]:
-    """One layer in one frame."""
+def _layer(layer: BlockLayer, frame: int, file: str) -> Iterator[str]:
+    """One block in one frame."""
     dataset, first, shape = layer.place(frame)
     d, columns = len(layer.shape), layer.fields
     grid = " ".join(map(str, (1, *layer.shape) if d == 2 else layer.shape))

@@ -15,7 +15,6 @@ from numba.extending import register_jitable
 
 from fsipetsc.errors import InputError
 from fsipetsc.operators.formulas import Formulas, in_python
-from fsipetsc.operators.loops import formulas
 from fsipetsc.operators.variants import digest
 from fsipetsc.physics import own_laws
 from fsipetsc.physics.fluid import Fluid
@@ -28,35 +27,6 @@ METHODS = (
     | {name for name in own_laws.PRESSING | own_laws.PRESSING_MORE if name != "constants"}
     | set(own_laws.TRANSPORT)
 )
-formulas(*METHODS, "viscosity", "conductivity", "velocity_and_temperature", "total_energy")
-
-
-class Gas(NamedTuple):
-    """mu: 4/3 of the shear viscosity [Pa s]; kappa [W/(m K)]; force: body force per mass [m/s2].
-
-    law: the equation of state, of rho, T, and the internal energy per mass e; transport: what mu
-    and kappa are multiplied with.
-    """
-
-    law: Any
-    transport: Any
-    mu: float
-    kappa: float
-    gamma: float
-    force: float
-
-    def viscosity(self, T):
-        """mu' = 4/3 mu(T)."""
-        return self.mu * self.transport.relative(T)[0]
-
-    def conductivity(self, T):
-        """kappa(T)."""
-        return self.kappa * self.transport.relative(T)[1]
-
-    def velocity_and_temperature(self, rho, m, E):
-        """(u, T) from (rho, rho u, e), the last one per volume."""
-        u = m / rho
-        return u, self.law.temperature(rho, E / rho - 0.5 * u * u)
 
     def total_energy(self, rho, u, T):
         """e, per volume."""

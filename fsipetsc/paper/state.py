@@ -443,20 +443,6 @@ _EVENTS = {
 }
 
 
-def is_of_paper(problem: Problem, opt: Mapping[str, Any]) -> bool:
-    """Whether the options in force ask for the paper's method: one of its couplings and rigid
-    frames alone."""
-    return (
-        opt["fsi_coupling"] in coupling.KINDS
-        and opt["fsi_convection"] != "entropy"
-        and all(opt[name] <= 0 for name in _WITHOUT)
-        and not any(
-            layer.kind == "fluid" and problem.is_stretched(k, opt["fsi_mapping"])
-            for k, layer in enumerate(problem.layers)
-        )
-    )
-
-
 def make_paper_state(problem: Problem, opt: Mapping[str, Any], comm: MPI.Comm) -> PaperState:
     """The state that the options in force ask for; with -log_view its work appears in PETSc's log.
 

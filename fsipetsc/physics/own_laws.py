@@ -1,5 +1,6 @@
-"""Laws of materials that a case file brings: a gas, its viscosity and conductivity, the pressure of a solid, and in two
-dimensions its stress.
+"""Laws of materials that a case file in one dimension brings: a gas, its viscosity and conductivity, the pressure of a solid.
+
+Of blocks: fsipetsc.materials.own.
 
 A law is functions of numbers that numba can compile: they are compiled for numbers and for vectors of points
 (fsipetsc.operators.vectors), so they have no ``if`` on their arguments; +, -, *, /, ** and numpy's sqrt, exp and log do. c is
@@ -26,7 +27,6 @@ from fsipetsc.operators.vectors import vector
 from fsipetsc.physics import constant_transport, gruneisen, perfect_gas
 from fsipetsc.physics.layer import LAYER
 from fsipetsc.physics.material_law import Law
-from fsipetsc.physics.plane.layer import PLANE_LAYER
 
 #: what a law of each kind must have, and what follows if it is not given: name -> arguments
 TRANSPORT = {"relative": "T"}
@@ -57,19 +57,11 @@ PRESSING_MORE = {
     "pressure_in_loops": "c, T, stretch",
     "wave_modulus": "c, K, heat, T, p, sigma, x_X",
 }
-ELASTIC = {"stress": "c, F"}
-ELASTIC_MORE = {"energy": "c, F", "modulus": "c, F", "constants": "record"}
 #: formulas that loops call, with vectors; of stresses all are such
 IN_LOOPS = ("relative", "temperature_in_loops", "pressure", "sound_speed_squared_of_energy", "pressure_in_loops")
-#: of F, of differences of stress and energy; states at which these are compared
-STEP = 2.0**-17
-PER_STEP = 2.0**16
-STATES = (1.1, 0.05, -0.08, 0.95), (0.9, -0.1, 0.07, 1.05)
 #: what formulas return that do not return one number
 RETURNED = {
     "relative": (2, "(mu(T)/mu, kappa(T)/kappa), two numbers"),
-    "stress": (4, "(P_11, P_12, P_21, P_22), four numbers"),
-    "modulus": (2, "(m0 c^2 along X, along Y), two numbers"),
 }
 
 
@@ -165,102 +157,6 @@ def pressure_law(*, numbers: Sequence[float] | None = None, **formulas: Callable
     return _law(Formulas(**{**follows, **given}, own=True), given, numbers)
 
 
-def elastic_law(**formulas: Callable[..., Any]) -> Formulas:
-    """A law of a solid in two dimensions: what ``law`` of a ``fsipetsc.PlaneSolid`` may be.
-
-    stress(c, F) -> (P_11, P_12, P_21, P_22), dW/dF [Pa] of F = (F_11, F_12, F_21, F_22); energy(c, F) -> W [J/m3], which
-    heat="elastic" asks for; modulus(c, F) -> the greatest m0 c^2 [Pa] of waves along X and along Y, by differences of the
-    stress if it is missing; constants(record) -> c, (mu_e, lambda_e) if it is missing. What p_ref of the material adds,
-    -p_ref (J - 1) to W, is added.
-    """
-    given = _compiled("elastic_law", ELASTIC, ELASTIC_MORE, formulas)
-
-    @njit(**FORMULA)
-    def energy(c, F):
-        return np.nan * F[0]
-
-    own_constants = given.get("constants", lame_constants)
-    own_stress, own_energy = given["stress"], given.get("energy", energy)
-
-    @njit(**FORMULA)
-    def constants(record):
-        return own_constants(record), record.p_ref
-
-    @njit(**FORMULA)
-    def stress(c, F):
-        p11, p12, p21, p22 = own_stress(c[0], F)
-        return p11 - c[1] * F[3], p12 + c[1] * F[2], p21 + c[1] * F[1], p22 - c[1] * F[0]
-
-    @njit(**FORMULA)
-    def energy_with_pressure(c, F):
-        return own_energy(c[0], F) - c[1] * (F[0] * F[3] - F[1] * F[2] - 1.0)
-
-    @njit(**FORMULA)
-    def modulus_of_stress(c, F):
-        f11, f12, f21, f22 = F
-        e = STEP
-        a, _, b, _ = own_stress(c, (f11 + e, f12, f21, f22))
-        a_, _, b_, _ = own_stress(c, (f11 - e, f12, f21, f22))
-        g, _, d, _ = own_stress(c, (f11, f12, f21 + e, f22))
-        g_, _, d_, _ = own_stress(c, (f11, f12, f21 - e, f22))
-        along_x = greatest(a - a_, 0.5 * ((b - b_) + (g - g_)), d - d_) * PER_STEP
-        _, a, _, b = own_stress(c, (f11, f12 + e, f21, f22))
-        _, a_, _, b_ = own_stress(c, (f11, f12 - e, f21, f22))
-        _, g, _, d = own_stress(c, (f11, f12, f21, f22 + e))
-        _, g_, _, d_ = own_stress(c, (f11, f12, f21, f22 - e))
-        return along_x, greatest(a - a_, 0.5 * ((b - b_) + (g - g_)), d - d_) * PER_STEP
-
-    own_modulus = given.get("modulus", modulus_of_stress)
-
-    @njit(**FORMULA)
-    def modulus(c, F, squared_x, squared_y):
-        return own_modulus(c[0], F)
-
-    members = {"constants": constants, "stress": stress, "energy": energy_with_pressure, "modulus": modulus}
-    plain = {"constants": own_constants, "stress": own_stress, "energy": own_energy, "modulus": own_modulus}
-    return Formulas(**members, plain=Formulas(**plain), knows_energy="energy" in given, own=True)
-
-
-def check_energy(law: Formulas, material: Any) -> None:
-    """InputError if the stress of a law of ``elastic_law`` is not the derivative of its energy, at two states of strain.
-
-    What is no stress, or no energy, is left to ``check``.
-    """
-    if not law.knows_energy:
-        return
-    c = in_python(law.constants)(material)
-    stress, energy = in_python(law.stress), in_python(law.energy)
-
-    def rise(F: tuple[float, ...], k: int, step: float) -> float:
-        more, less = (tuple(f + sign * step * (n == k) for n, f in enumerate(F)) for sign in (1.0, -1.0))
-        return (energy(c, more) - energy(c, less)) / (2.0 * step)
-
-    for F in STATES:
-        try:
-            P = [float(p) for p in stress(c, F)]
-            float(energy(c, F))
-        except (TypeError, ValueError):
-            return
-        for k, name in enumerate(("11", "12", "21", "22")):
-            slope = (4.0 * rise(F, k, STEP) - rise(F, k, 2.0 * STEP)) / 3.0  # of nearly incompressible solids, too
-            if not abs(slope - P[k]) <= 1e-6 * (material.K + max(map(abs, P))):
-                where = f"{place_of(in_python(law.plain.stress))}: stress is not the derivative of energy"
-                raise InputError(f"{where}: at F = {F}, P_{name} = {P[k]:g}, and energy rises by {slope:g} with F_{name}")
-
-
-@njit(**FORMULA)
-def lame_constants(record):
-    """(mu_e, lambda_e)."""
-    return record.mu_e, record.lambda_e
-
-
-@njit(**FORMULA)
-def greatest(a, b, d):
-    """The greater eigenvalue of ((a, b), (b, d)), or 0 if that is above it."""
-    half = 0.5 * (a - d)
-    return max(0.5 * (a + d) + np.sqrt(half * half + b * b), 0.0)
-
-
 def _law(formulas: Formulas, given: dict[str, Any], numbers: Sequence[float] | None) -> Formulas | Law:
     """Formulas with numbers, if there are some: the constants must be the user's, because no other ones look for them."""
     if numbers is None:
@@ -273,14 +169,13 @@ def _law(formulas: Formulas, given: dict[str, Any], numbers: Sequence[float] | N
 def check(law: Formulas, kind: str, in_loops: Sequence[str] = ()) -> None:
     """Compile each formula of a law that a user has given: InputError, with file and line, where that fails.
 
-    kind: "gas", "transport", "pressing" or "elastic"; in_loops: of formulas that loops call beside those that they always do.
+    kind: "gas", "transport" or "pressing"; in_loops: of formulas that loops call beside those that they always do.
     """
     plain = getattr(law, "of_temperature", None)  # what a user has given, not what calls it
     transport = TRANSPORT if plain else TRANSPORT_OF_RECORD
-    pressing, elastic = PRESSING | PRESSING_MORE, ELASTIC | ELASTIC_MORE
-    known = {"gas": GAS | GAS_MORE, "transport": transport, "pressing": pressing, "elastic": elastic}[kind]
-    record = typeof(np.zeros(1, PLANE_LAYER if kind == "elastic" else LAYER)[0])
-    loops = tuple(known) if kind == "elastic" else (*IN_LOOPS, *in_loops)
+    known = {"gas": GAS | GAS_MORE, "transport": transport, "pressing": PRESSING | PRESSING_MORE}[kind]
+    record = typeof(np.zeros(1, LAYER)[0])
+    loops = (*IN_LOOPS, *in_loops)
     c: tuple[Any, ...] = ()
     for name in sorted(known, key=lambda name: name != "constants"):
         function = plain or getattr(law, name)
@@ -289,8 +184,7 @@ def check(law: Formulas, kind: str, in_loops: Sequence[str] = ()) -> None:
             continue
         count = len(known[name].split(",")) - len(c)
         for number in (types.float64, vector) if name in loops else (types.float64,):
-            argument = types.UniTuple(number, 4) if kind == "elastic" else number
-            found = _returned(function, c + (argument,) * count, name)
+            found = _returned(function, c + (number,) * count, name)
             size, wanted = RETURNED.get(name, (1, "a number"))
             parts = (found,) if size == 1 else tuple(getattr(found, "types", ()))
             if not (all(map(_is_number, parts)) and len(parts) == size):

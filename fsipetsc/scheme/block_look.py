@@ -1,10 +1,12 @@
-"""One look at the nodes of a block after a step: what bounds the next step, unphysical states, integrals. Compiled.
+"""A look at the nodes of a block after a step: bounds on the next one, bad states, integrals.
 
     convection   gas: sum_k (|a^k . (u - v)| + c |a^k|) / (J h_k)
                  solid: sqrt(sum_k (c |A^k| / (J0 h_k))^2),  c^2 the largest wave modulus over m0
-    diffusion    z nu sum_k |a^k|^2 / (J h_k)^2,  nu = max(4/3 mu/rho, kappa/(rho cv)), z the stiffness of D twice
+    diffusion    z nu sum_k |a^k|^2 / (J h_k)^2,  nu = max(4/3 mu/rho, kappa/(rho cv)),
+                 z the stiffness of D twice
 
-Integrals are sums over nodes with their weights. Their last bits depend on who owns the nodes, and nothing takes them.
+Integrals are sums over nodes with their weights. Their last bits depend on who owns the nodes;
+nothing else takes them.
 """
 
 from __future__ import annotations
@@ -13,11 +15,8 @@ import numpy as np
 from numba import njit
 
 from fsipetsc.equations.tensors import determinant, outer
-from fsipetsc.operators.loops import CALL, LOOP, column, dot, formulas, node, sub
+from fsipetsc.operators.loops import CALL, INNER_CALL, INNER_LOOP, column, dot, node, sub
 from fsipetsc.scheme.rows import U64
-
-formulas("primitive", "speed_of_sound", "diffusivity", "entropy_density", "velocity")
-formulas("temperature", "wave_modulus_at", "stress_at")
 
 BAD, CONVECTION, DIFFUSION, LEAST_J, J_ERROR = range(5)
 #: numbers of a look
@@ -37,10 +36,23 @@ def gas_look(gas, like, q, metrics, per_h, stiffness, w0, w1, w2, patch, seen, s
         for y in range(n1):
             first = f0 + g0 * (y + f1 + g1 * (z + f2))
             across = w1[y + f1] * w2[z + f2]
-            gas_row(gas, like, q, metrics, per_h, stiffness, first, n0, w0[f0 : f0 + n0], across, seen, sums)
+            gas_row(
+                gas,
+                like,
+                q,
+                metrics,
+                per_h,
+                stiffness,
+                first,
+                n0,
+                w0[f0 : f0 + n0],
+                across,
+                seen,
+                sums,
+            )
 
 
-@njit(**LOOP)
+@njit(**INNER_LOOP)
 def gas_row(gas, like, q, metrics, per_h, stiffness, first, n, weight, across, seen, sums):
     """The nodes of a row."""
     d, like_q = len(like), (*like, 0.0, 0.0, 0.0)
@@ -66,13 +78,16 @@ def gas_row(gas, like, q, metrics, per_h, stiffness, first, n, weight, across, s
         sums[d + 2] += volume * here[0] * gas.entropy_density(w)
     if not (least > 0.0 and least_J > 0.0 and fastest < np.inf and spreading < np.inf):
         seen[BAD] = 1.0
-    seen[CONVECTION], seen[DIFFUSION] = max(seen[CONVECTION], fastest), max(seen[DIFFUSION], spreading)
+    seen[CONVECTION], seen[DIFFUSION] = (
+        max(seen[CONVECTION], fastest),
+        max(seen[DIFFUSION], spreading),
+    )
     seen[LEAST_J] = max(seen[LEAST_J], -least_J)
 
 
 @njit(**CALL)
 def deformation(like, q, metrics, S0, S1, S2, w0, w1, w2, patch, F):
-    """Fill F (d d, M) = 1 + 1/J0 sum_k D_k D A^k of the owned nodes, row-major, from q (N, 2d + 1)."""
+    """Fill F (d d, M) = 1 + 1/J0 sum_k D_k D A^k of the owned nodes from q (N, 2d + 1)."""
     d = len(like)
     F[:] = 0.0
     for c in range(d):
@@ -89,7 +104,7 @@ def deformation(like, q, metrics, S0, S1, S2, w0, w1, w2, patch, F):
                 strain_row(like, q, metrics, S, w, k, strides[k], place, step, first, own, n0, F)
 
 
-@njit(**LOOP)
+@njit(**INNER_LOOP)
 def strain_row(like, q, metrics, S, w, k, stride, place, step, first, own, n, F):
     """Add 1/J0 D_k D A^k of the nodes of a row; place: of the first one along axis k."""
     d = len(like)
@@ -109,7 +124,7 @@ def strain_row(like, q, metrics, S, w, k, stride, place, step, first, own, n, F)
 
 @njit(**CALL)
 def solid_look(solid, like, q, metrics, per_h, stiffness, w0, w1, w2, patch, F, seen, sums):
-    """Fill seen (LOOKED,) and sums (d + 1,): momentum and energy of the owned nodes; F: (d d, M)."""
+    """Fill seen (LOOKED,), sums (d + 1,): momentum, energy of the owned nodes; F: (d d, M)."""
     seen[:], sums[:] = 0.0, 0.0
     seen[LEAST_J] = -np.inf
     d = len(like)
@@ -125,7 +140,7 @@ def solid_look(solid, like, q, metrics, per_h, stiffness, w0, w1, w2, patch, F, 
                 look_at_solid(solid, like, q, metrics, per_h, stiffness, at, own + i, F, seen)
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def look_at_solid(solid, like, q, metrics, per_h, stiffness, at, own, F, seen):
     """One node."""
     d = len(like)

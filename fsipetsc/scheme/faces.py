@@ -27,12 +27,10 @@ from numba import njit
 from numpy.typing import NDArray
 
 from fsipetsc.equations.tensors import outer
-from fsipetsc.operators.loops import CALL, column, formulas
+from fsipetsc.operators.loops import CALL, INNER_CALL, column
 from fsipetsc.scheme.rows import U64
 
 Array = NDArray[Any]
-formulas("pressure", "internal_energy", "temperature", "sound_speed_squared", "temperature_of")
-formulas("wave_modulus_at")
 
 
 class Face(NamedTuple):
@@ -51,7 +49,7 @@ class Face(NamedTuple):
     across: Array
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def _energy_density(law, rho, u, T):
     square = 0.0
     for c in range(u.size):
@@ -59,7 +57,7 @@ def _energy_density(law, rho, u, T):
     return rho * (law.internal_energy(rho, T) + 0.5 * square)
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def _flux(law, rho, u, T, n, g, out):
     """out = n . (f - v U) of (rho, rho u, E); returns |n . u - g| + c |n|."""
     d = u.size

@@ -1,35 +1,41 @@
-"""Dissipation of a gas block: of order q everywhere, of order 1 at shocks. Conservative and entropy-stable.
+"""Dissipation of a gas block: of order q everywhere, of order 1 at shocks.
 
-Along each axis k, with undivided differences (fsipetsc.operators.undivided),
+Both terms keep mass, momentum, energy and a uniform flow, and entropy does not fall. Along each
+axis k, with undivided differences (fsipetsc.operators.undivided),
 
-    (J U)_t  -=  H_k^-1 Delta_q^T  sigma/4^q (1 - alpha) lambda U_z Delta_q z,    lambda = |a^k . u - g^k| + c |a^k|,
+    (J U)_t  -=  H_k^-1 Delta_q^T  sigma/4^q (1 - alpha) lambda U_z Delta_q z,
 
-z the entropy variables, U_z = dU/dz at the mean rho, u/T and 1/T of the nodes in the middle, which is positive
-definite: entropy grows.
+lambda = |a^k . u - g^k| + c |a^k|, z the entropy variables, U_z = dU/dz at the mean rho, u/T and
+1/T of the nodes in the middle, which is positive definite.
 
-At shocks the flux of a pair of nodes i < l, of weight S_il, goes in part from node to node:
+At shocks the flux of a pair of nodes i < l goes in part from node to node:
 
-    S_il F(i, l)   becomes   (1 - alpha_il) S_il F(i, l)   and   alpha_il S_il F(m, m + 1; a_il, g_il),  m = i … l - 1,
+    S_il F(i, l)  becomes  (1 - alpha_il) S_il F(i, l)
+                  and      alpha_il S_il F(m, m + 1; a_il, g_il)  between m and m + 1,  i <= m < l,
 
-where F(m, m + 1; a, g) is the two-point flux of neighbours through the area a and volume flux g of the pair. What
-leaves i arrives at l. A uniform state gives F(i, l) in each link, so that a uniform flow stays. For the entropy
-variables z and potentials of two nodes, (z_l - z_i) . F(i, l; a, g) = a . (psi_l - psi_i) - g (phi_l - phi_i): the sum
-over a chain is that of the pair, whatever alpha is. F is linear in a and g, so neighbours have one flux, through
+with F(m, m + 1; a, g) the two-point flux of neighbours through the area a and volume flux g of the
+pair. What leaves i arrives at l. In a uniform flow each link has the flux F(i, l), so it stays.
+With the potentials psi, phi of the entropy, (z_l - z_i) . F(i, l; a, g) = a . (psi_l - psi_i) -
+g (phi_l - phi_i): the sum over the links is that of the pair, whatever alpha is, so the change of
+entropy stays, too. F is linear in a and g, so neighbours have one flux, through
 
-    A_m = sum alpha_il S_il a_il,     G_m = sum alpha_il S_il g_il      over all pairs with i <= m < l.
+    A_m = sum alpha_il S_il a_il,   G_m = sum alpha_il S_il g_il   over all pairs with i <= m < l.
 
-To this flux shocks add that of Lax and Friedrichs, S/2 max(|A . u - G| + c |A|) (U_m - U_m+1), with which entropy
-grows, as -rho s is a convex function of U. With alpha = 1 this is a scheme of first order of finite volumes.
+To it shocks add the flux of Lax and Friedrichs, S/2 max(|A . u - G| + c |A|) (U_m - U_m+1), which
+makes entropy grow, as -rho s is a convex function of U. With alpha = 1 everywhere this is a scheme
+of finite volumes of first order.
 
-alpha of a pair is the largest of its nodes' and those between. Of a node, with d_+ = a_j+1 - a_j, d_- = a_j - a_j-1,
+alpha of a pair is the largest of its nodes and of those between. At a node j
 
-    alpha = min(1, max(0, 2.5 (s - 0.03))),   s = |d_+ - d_-| / (|d_+| + |d_-| + 0.05 (a_j+1 + 2 a_j + a_j-1)),
+    alpha = min(1, max(0, 2.5 (s - 0.03))),   d_+ = a_j+1 - a_j,   d_- = a_j - a_j-1,
+    s = |d_+ - d_-| / (|d_+| + |d_-| + 0.05 (a_j+1 + 2 a_j + a_j-1)),
 
-the larger one of a = rho and a = p (the form of R. C. Swanson and E. Turkel, J. Comput. Phys. 101, 1992); at an end
-that of its neighbour. In smooth flow s falls with h^2 and alpha is 0.
+the larger s of a = rho and a = p (the form is of R. C. Swanson and E. Turkel, J. Comput. Phys. 101,
+1992); 0 at an end, whose pairs have its neighbour's. In smooth flow s falls with h^2 and alpha is 0.
 
-Sources: finite volumes between the nodes of a summation-by-parts scheme: S. Hennemann et al., J. Comput. Phys. 426,
-2021. That alpha may vary from pair to pair, and the metrics of pairs for links, were derived for this program.
+Finite volumes between the nodes of a summation-by-parts scheme: S. Hennemann et al., J. Comput.
+Phys. 426, 2021. That alpha may vary from pair to pair, with the metrics of pairs in their links,
+was derived for this program.
 """
 
 from __future__ import annotations
@@ -41,7 +47,19 @@ from numba import njit
 from numba.extending import register_jitable
 
 from fsipetsc.equations.gas import volume_flux
-from fsipetsc.operators.loops import CALL, INNER_CALL, INNER_LOOP, add, along, choose, dot, mean, scale, sub, zeros
+from fsipetsc.operators.loops import (
+    CALL,
+    EXACT_LOOP,
+    INNER_CALL,
+    add,
+    along,
+    choose,
+    dot,
+    mean,
+    scale,
+    sub,
+    zeros,
+)
 from fsipetsc.operators.undivided import Differences
 from fsipetsc.scheme.gas_rates import state_like
 from fsipetsc.scheme.rows import ONE, U64, Array, at, put
@@ -53,8 +71,8 @@ SMALL = 0.05
 
 
 class Room(NamedTuple):
-    """Memory, by components of N nodes: states, entropy variables, fluxes of differences (behind `before` zeros),
-    alpha, areas and volume fluxes of links, sums.
+    """Memory, by components of N nodes: states, entropy variables, fluxes of differences (behind
+    `before` zeros), alpha, areas and volume fluxes of links, sums.
     """
 
     before: int
@@ -75,11 +93,13 @@ def room(d: int, difference: Differences) -> Room:
 
 
 @njit(**CALL)
-def gas_dissipation(gas, like, form, sigma, shock, q, metrics, S0, S1, S2, difference, patch, rates, room):
+def gas_dissipation(
+    gas, like, form, sigma, shock, q, metrics, S0, S1, S2, difference, patch, rates, room
+):
     """Add both terms to the rates (M, d + 3) of the owned nodes.
 
-    sigma: SIGMA times the option, shock: that of shocks; 0: none. q, metrics, S0 … S2, patch: as in
-    fsipetsc.scheme.gas_rates, with a halo of q + 1 nodes. difference: fsipetsc.operators.undivided.
+    sigma, shock: sizes, 0: none. q, metrics, S0 … S2, patch: as in fsipetsc.scheme.gas_rates, with
+    a halo of q + 1 nodes. difference: fsipetsc.operators.undivided.
     """
     q, metrics, rates, N = q.reshape(-1), metrics.reshape(-1), rates.reshape(-1), room.alpha.size
     own, ghosted, first = patch.own, patch.ghosted, patch.first
@@ -105,7 +125,7 @@ def gas_dissipation(gas, like, form, sigma, shock, q, metrics, S0, S1, S2, diffe
                 collect(like, weights, of_axis, sigma > 0.0, node, U64(stride), room, rates, to, n)
 
 
-@njit(**INNER_LOOP)
+@njit(**EXACT_LOOP)
 def prepare(gas, like, q, state, z, n):
     """Primitive and entropy variables of interlaced nodes."""
     like_q = (*like, 0.0, 0.0, 0.0)
@@ -133,9 +153,9 @@ def shifted_sum(like, array, start, step, i, stride, weights):
     return found
 
 
-@njit(**INNER_LOOP)
+@njit(**EXACT_LOOP)
 def fluxes(gas, like, strength, weights, norm, metrics, k, stride, room, n):
-    """sigma/4^q lambda U_z Delta z of the differences that begin at each node, 0 where they do not fit."""
+    """sigma/4^q lambda U_z Delta z of differences by their first nodes, 0 if one does not fit."""
     like_z, nothing = (*like, 0.0, 0.0), (*zeros(like), 0.0, 0.0)
     d, order, none = len(like), len(weights) - 1, U64(0)
     low, high = U64(order // 2) * stride, U64((order + 1) // 2) * stride
@@ -169,18 +189,29 @@ def largest(alpha, i, stride, weights):
     return found
 
 
-@njit(**INNER_LOOP)
+@njit(**EXACT_LOOP)
 def collect(like, weights, per_weight, differs, node, stride, room, rates, to, n):
     """Add sums and H^-1 Delta^T F to the rates of a row of owned nodes; all is interlaced there."""
     like_f, N, count = (*like, 0.0, 0.0), U64(per_weight.size), U64(len(like) + 3)
     before = U64(room.before)
-    back, sign = before + node - U64(len(weights) - 1) * stride, 1.0 - 2.0 * ((len(weights) - 1) % 2)
+    back, sign = (
+        before + node - U64(len(weights) - 1) * stride,
+        1.0 - 2.0 * ((len(weights) - 1) % 2),
+    )
     for i in range(n):
         more = at(like_f, room.sums, node, N, i)
-        if differs:  # weights of Delta^T are those of Delta in reverse order, or these with the other sign
-            more = along(more, -sign, shifted_sum(like_f, room.F, back, N + before, i, stride, weights))
+        if differs:  # weights of Delta^T: those of Delta in reverse order, perhaps with sign -1
+            more = along(
+                more, -sign, shifted_sum(like_f, room.F, back, N + before, i, stride, weights)
+            )
         place = (to + i) * count + ONE
-        put(rates, place, ONE, U64(0), along(at(like_f, rates, place, ONE, U64(0)), per_weight[node + i], more))
+        put(
+            rates,
+            place,
+            ONE,
+            U64(0),
+            along(at(like_f, rates, place, ONE, U64(0)), per_weight[node + i], more),
+        )
 
 
 # at shocks
@@ -188,7 +219,7 @@ def collect(like, weights, per_weight, differs, node, stride, room, rates, to, n
 
 @njit(**INNER_CALL)
 def sense(state, alpha, stride, length):
-    """alpha of all nodes along an axis of so many; the largest."""
+    """alpha of all nodes along an axis of so many, 0 at its ends; the largest."""
     N = alpha.size
     alpha[:] = 0.0
     sense_row(state, alpha, U64(stride), U64(N))
@@ -198,16 +229,10 @@ def sense(state, alpha, stride, length):
         if place == 0 or place == length - 1:
             alpha[i] = 0.0
         most = max(most, alpha[i])
-    for i in range(N):
-        place = i // stride % length
-        if place == 0:
-            alpha[i] = alpha[i + stride]
-        elif place == length - 1:
-            alpha[i] = alpha[i - stride]
     return most
 
 
-@njit(**INNER_LOOP)
+@njit(**EXACT_LOOP)
 def sense_row(state, alpha, stride, N):
     """alpha of density and pressure."""
     for i in range(stride, N - stride):
@@ -226,7 +251,7 @@ def steepness(values, i, stride):
 
 @njit(**INNER_CALL)
 def split_pairs(gas, like, form, S, metrics, k, stride, ghosted, patch, room):
-    """Take alpha of their fluxes from the pairs, and add to areas and volume fluxes of the links between."""
+    """Take alpha of its flux from each pair; add to areas and volume fluxes of its links."""
     N, length, reach = room.alpha.size, ghosted[k], S.shape[0] - 1
     for i in range(N):
         place = i // stride % length
@@ -235,7 +260,18 @@ def split_pairs(gas, like, form, S, metrics, k, stride, ghosted, patch, room):
             for m in range(1, min(reach, length - 1 - place) + 1):
                 alpha = max(alpha, room.alpha[i + m * stride])
                 if alpha > 0.0 and S[m, place] != 0.0:
-                    split(gas, like, form, alpha * S[m, place], metrics, k, U64(i), U64(m), U64(stride), room)
+                    split(
+                        gas,
+                        like,
+                        form,
+                        alpha * S[m, place],
+                        metrics,
+                        k,
+                        U64(i),
+                        U64(m),
+                        U64(stride),
+                        room,
+                    )
 
 
 @register_jitable
@@ -251,7 +287,13 @@ def owned_across(i, k, ghosted, patch):
 @njit(**INNER_CALL)
 def split(gas, like, form, weight, metrics, k, i, m, stride, room):
     """One pair, of the node i and that m farther on; weight: alpha S."""
-    like_w, like_f, d, N, none = state_like(like), (*like, 0.0, 0.0), len(like), U64(room.alpha.size), U64(0)
+    like_w, like_f, d, N, none = (
+        state_like(like),
+        (*like, 0.0, 0.0),
+        len(like),
+        U64(room.alpha.size),
+        U64(0),
+    )
     j, area, grid = i + m * stride, U64(k * d) * N, U64(d * d) * N
     l, r = at(like_w, room.state, none, N, i), at(like_w, room.state, none, N, j)
     a_l, v_l = at(like, metrics, area, N, i), at(like, metrics, grid, N, i)
@@ -262,7 +304,13 @@ def split(gas, like, form, weight, metrics, k, i, m, stride, room):
     more = (*mean(a_l, a_r), volume_flux(a_l, v_l, a_r, v_r))
     for n in range(m):
         at_link = i + U64(n) * stride
-        put(room.link, none, N, at_link, along(at((*like, 0.0), room.link, none, N, at_link), weight, more))
+        put(
+            room.link,
+            none,
+            N,
+            at_link,
+            along(at((*like, 0.0), room.link, none, N, at_link), weight, more),
+        )
 
 
 @njit(**INNER_CALL)

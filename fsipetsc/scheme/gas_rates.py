@@ -1,17 +1,18 @@
 """Rates of a block of gas in d = 1, 2 or 3 dimensions, without fluxes through its faces.
 
-    (J U)_t,i = - sum_k sum_l S_il (F^k(i, l) - {a^k . f_v}) / weight_i + J s,      J_t from the metrics,
+    (J U)_t,i = - sum_k sum_l S_il (F^k(i, l) - {a^k . f_v}) / weight_i + J s
 
-F of fsipetsc.equations.gas, S and the weights of fsipetsc.operators.bands. F is symmetric and S antisymmetric,
-so mass, momentum and energy stay. Viscous fluxes follow from gradients of the entropy variables z = (u, -1)/T,
+and J_t from the metrics, with F of fsipetsc.equations.gas, S and the weights of
+fsipetsc.operators.bands. F is symmetric and S antisymmetric, so mass, momentum and energy stay.
+Viscous fluxes follow from gradients of the entropy variables z = (u, -1)/T,
 
     grad z = 1/J sum_k a^k D_k z.
 
-The nodes are swept in tiles: TILE nodes along the first axis, a few rows along the second one of three, and
-layer after layer along the last axis, so that what is worked on stays in the fastest memory. Each pair's flux
-is computed once and added to both of its nodes: the lower one's sum is of the row at work, the upper one's
-waits in a row of its own. The fluxes reach a node in an order that does not depend on how a block is cut, so
-neither do the bits of its rate.
+The nodes are swept in tiles: TILE nodes along the first axis, a few rows along the second one of
+three, and layer after layer along the last axis, so that what is worked on stays in the fastest
+memory. Each pair's flux is computed once and added to both of its nodes: the sum of the lower one
+belongs to the row at work, that of the upper one waits in a row of its own. The fluxes reach a node
+in an order that does not depend on how a block is cut, so neither do the bits of its rate.
 """
 
 from __future__ import annotations
@@ -25,17 +26,27 @@ from numba.extending import register_jitable
 from fsipetsc.equations.gas import volume_flux
 from fsipetsc.equations.means import NEAR
 from fsipetsc.equations.tensors import outer
-from fsipetsc.operators.loops import CALL, INNER_CALL, INNER_LOOP, add, along, choose, mean, scale, sub
+from fsipetsc.operators.loops import (
+    CALL,
+    EXACT_LOOP,
+    INLINED_CALL,
+    add,
+    along,
+    choose,
+    mean,
+    scale,
+    sub,
+)
 from fsipetsc.scheme.rows import MARGIN, ONE, ROW, TILE, U64, Array, aligned, at, put
 
 #: rows of a tile along the second of three axes
 DEPTH = 8
-#: zeros between two nodes with pairs of one distance, from which on they are apart; more than any distance
+#: zeros between two nodes with pairs of one distance that make two spans of them
 GAP = 16
 
 
 class Place(NamedTuple):
-    """Where a row of nodes has its state and velocity of the grid, and of one axis area and fluxes."""
+    """Where a row of nodes has its numbers, of one axis where this matters."""
 
     state: np.uint64
     grid: np.uint64
@@ -67,7 +78,9 @@ class EntropyForm(NamedTuple):
     def distance(self, gas, like, w, place, i, j):
         """How far they are apart."""
         like_w = state_like(like)
-        return gas.pair_distance(at(like_w, w, place.state, ROW, i), at(like_w, w, place.state, ROW, j))
+        return gas.pair_distance(
+            at(like_w, w, place.state, ROW, i), at(like_w, w, place.state, ROW, j)
+        )
 
     def keep(self, gas, like, w, row, n):
         """Nothing is kept."""
@@ -83,7 +96,7 @@ class EntropyForm(NamedTuple):
 
 
 class DivergenceForm(NamedTuple):
-    """Means of the fluxes of two nodes: cheaper, for any gas law, without a statement on entropy."""
+    """Means of the fluxes of two nodes: for any gas law, without a statement on entropy."""
 
     kind: int = 0
 
@@ -137,9 +150,7 @@ class Viscous(NamedTuple):
 
 
 class Axis(NamedTuple):
-    """One axis of a patch: pair weights and weights, the nodes begin … end - 1 of size that are owned, and
-    their distance in memory.
-    """
+    """One axis of a patch: band, owned nodes begin … end - 1 of size, distance in memory."""
 
     S: Array
     weight: Array
@@ -150,7 +161,7 @@ class Axis(NamedTuple):
 
 
 class Axes(NamedTuple):
-    """first: the contiguous one. last: along which layers are swept. inner: the other one of three."""
+    """first: the contiguous one. last: that of the sweep. inner: the other one of three."""
 
     first: Axis
     inner: Axis
@@ -158,7 +169,7 @@ class Axes(NamedTuple):
 
 
 class Tile(NamedTuple):
-    """Nodes x0 … x1 - 1 along the first axis, y0 … y1 - 1 along the inner one; spans of pairs."""
+    """Nodes x0 … x1 - 1 along the first axis, y0 … y1 - 1 along the inner one; how many spans."""
 
     x0: int
     x1: int
@@ -170,10 +181,11 @@ class Tile(NamedTuple):
 class Work(NamedTuple):
     """Memory of a sweep.
 
-    w: rows of nodes with `numbers` each, `layers` layers of `depth` rows, `before` of these before the tile.
-    high: sums of each row as the upper one of pairs, low: of one row as the lower one. slope: D_k z of one row.
-    gain, loss: (K + 1, ROW) S over the weight of the upper and the lower node of pairs along the first axis, by
-    distance; their rows 0 serve the other axes. spans: (n, 3) distance, begin and end of pairs.
+    w: rows of nodes with `numbers` each, `layers` layers of `depth` rows, `before` of these before
+    the tile. high: sums of each row as the upper one of pairs, low: of one row as the lower one.
+    slope: D_k z of one row. gain, loss: (K + 1, ROW) S over the weight of the upper and the lower
+    node of pairs along the first axis, by distance; their rows 0 serve the other axes. spans:
+    (n, 3) distance, begin and end of pairs along the first axis.
     """
 
     layers: int
@@ -211,7 +223,7 @@ def scratch(like: Any, form: Any, friction: Any, bands: Any) -> Work:
     )
 
 
-# what a row of nodes has: w, a^1 … a^d, the velocity of the grid, what the form keeps, viscous fluxes
+# a row of nodes: w, a^1 … a^d, velocity of the grid, what the form keeps, viscous fluxes
 
 
 @register_jitable
@@ -248,7 +260,7 @@ def pair_of(like, w, place, i, j):
 # loops over nodes of a row
 
 
-@njit(**INNER_LOOP)
+@njit(**EXACT_LOOP)
 def load_row(gas, like, q, at_q, metrics, at_m, step, w, row, n):
     """Primitive variables and metrics."""
     like_q, like_m = (*like, 0.0, 0.0, 0.0), (*outer(like, like), *like)
@@ -258,7 +270,7 @@ def load_row(gas, like, q, at_q, metrics, at_m, step, w, row, n):
         put(w, row, ROW, i, (*state, *at(like_m, metrics, at_m, step, i)))
 
 
-@njit(**INNER_LOOP)
+@njit(**EXACT_LOOP)
 def keep_fluxes(gas, like, w, place, n):
     """Conserved variables and the inviscid flux through one of the areas."""
     for i in range(n):
@@ -267,11 +279,13 @@ def keep_fluxes(gas, like, w, place, n):
         put(w, place.flux, ROW, i, gas.flux(state, a))
 
 
-@njit(**INNER_LOOP)
-def pair_row(gas, like, form, friction, w, place, other, gain, loss, weights, low, lower, high, upper, n):
+@njit(**EXACT_LOOP)
+def pair_row(
+    gas, like, form, friction, w, place, other, gain, loss, weights, low, lower, high, upper, n
+):
     """Add fluxes of nodes of a row and those `other` numbers on to the sums of both.
 
-    Returns how many pairs are farther apart than NEAR: they are left out, but for their viscous flux.
+    Returns how many are farther apart than NEAR: these are left out, but for their viscous flux.
     """
     like_f, far = (*like, 0.0, 0.0), 0
     nothing = scale(0.0, like_f)
@@ -286,7 +300,7 @@ def pair_row(gas, like, form, friction, w, place, other, gain, loss, weights, lo
     return far
 
 
-@njit(**INNER_LOOP)
+@njit(**EXACT_LOOP)
 def far_row(gas, like, form, w, place, other, gain, loss, weights, low, lower, high, upper, n):
     """Add the fluxes that were left out."""
     like_f = (*like, 0.0, 0.0)
@@ -298,7 +312,7 @@ def far_row(gas, like, form, w, place, other, gain, loss, weights, low, lower, h
             put(high, upper, ROW, i, along(at(like_f, high, upper, ROW, i), gain[weights + i], F))
 
 
-@njit(**INNER_LOOP)
+@njit(**EXACT_LOOP)
 def store_row(gas, like, low, high, upper, q, at_q, metrics, J_t, rates, to, n):
     """J_t and the rates of a row, interlaced."""
     like_f, like_q = (*like, 0.0, 0.0), (*like, 0.0, 0.0, 0.0)
@@ -309,7 +323,7 @@ def store_row(gas, like, low, high, upper, q, at_q, metrics, J_t, rates, to, n):
         put(rates, to, ONE, i * count, (metrics[J_t + i], total[0], *add(total[1:], force)))
 
 
-@njit(**INNER_LOOP)
+@njit(**EXACT_LOOP)
 def clear(to, start, components, n):
     """Zeros."""
     for c in range(components):
@@ -317,7 +331,7 @@ def clear(to, start, components, n):
             to[start + U64(c) * ROW + i] = 0.0
 
 
-@njit(**INNER_LOOP)
+@njit(**EXACT_LOOP)
 def fill(gain, loss, upper, lower, n):
     """Weights of pairs across rows, which are the same for all nodes of a row."""
     for i in range(n):
@@ -327,20 +341,23 @@ def fill(gain, loss, upper, lower, n):
 # a tile
 
 
-@njit(**INNER_CALL)
+@njit(**INLINED_CALL)
 def weigh(axis, tile, gain, loss):
-    """S over the weights of both nodes of the pairs (i, i + k) along the first axis, 0 where there is none."""
+    """S over the weights of both nodes of pairs along the first axis, 0 where there are none."""
     for k in range(1, axis.S.shape[0]):
         for column in range(int(ROW)):
             i, to = tile.x0 + column - MARGIN, k * int(ROW) + column
             gain[to] = loss[to] = 0.0
             if 0 <= i < axis.size - k:
-                gain[to], loss[to] = axis.S[k, i] / axis.weight[i + k], axis.S[k, i] / axis.weight[i]
+                gain[to], loss[to] = (
+                    axis.S[k, i] / axis.weight[i + k],
+                    axis.S[k, i] / axis.weight[i],
+                )
 
 
-@njit(**INNER_CALL)
+@njit(**INLINED_CALL)
 def find_spans(axis, x0, x1, spans):
-    """Where along the first axis there are pairs: (k, a, b), of the nodes a … b - 1 and those k on; how many."""
+    """Pairs along the first axis: (k, a, b), of the nodes a … b - 1 and those k on; how many."""
     count = 0
     for k in range(1, axis.S.shape[0]):
         last = -GAP
@@ -366,7 +383,7 @@ def row_of(work, tile, layer, j):
     return number_of(work, tile, layer, j) * U64(work.numbers) * ROW
 
 
-@njit(**INNER_CALL)
+@njit(**INLINED_CALL)
 def load_layer(gas, like, form, friction, q, metrics, axes, tile, work, layer):
     """The rows of a layer that are read."""
     inner, last, d = axes.inner, axes.last, len(like)
@@ -375,7 +392,9 @@ def load_layer(gas, like, form, friction, q, metrics, axes, tile, work, layer):
     more = reach * beside if within else 0
     step = U64(metrics.size // (d * d + d + 1))
     for j in range(max(tile.y0 - more, 0), min(tile.y1 + more, inner.size)):
-        whole = within and tile.y0 - friction.reach * beside <= j < tile.y1 + friction.reach * beside
+        whole = (
+            within and tile.y0 - friction.reach * beside <= j < tile.y1 + friction.reach * beside
+        )
         longer = reach * (axes.first.S.shape[0] - 1) if whole else 0
         x0, x1 = max(tile.x0 - longer, 0), min(tile.x1 + longer, axes.first.size)
         row, n = row_of(work, tile, layer, j) + U64(MARGIN + x0 - tile.x0), U64(x1 - x0)
@@ -385,11 +404,11 @@ def load_layer(gas, like, form, friction, q, metrics, axes, tile, work, layer):
         clear(work.high, number_of(work, tile, layer, j) * U64(d + 2) * ROW, d + 2, ROW)
 
 
-@njit(**INNER_CALL)
+@njit(**INLINED_CALL)
 def pairs(gas, like, form, friction, work, row, k, other, weights, column, upper, n):
-    """Add the fluxes of n pairs along axis k, of nodes of a row, from `column` on, and those `other` numbers on.
+    """Add the fluxes of n pairs along axis k, of nodes of a row and those `other` numbers on.
 
-    weights: where gain and loss begin, upper: where the sums of the upper nodes do.
+    column: of the first pair, weights: where gain and loss begin, upper: the upper nodes' sums.
     """
     place, whole = place_of(like, form, row + column, k), U64((n + 3) // 4 * 4)
     w, gain, loss, low, high = work.w, work.gain, work.loss, work.low, work.high
@@ -399,7 +418,7 @@ def pairs(gas, like, form, friction, work, row, k, other, weights, column, upper
         far_row(gas, like, form, w, place, other, gain, loss, *more, U64(n))
 
 
-@njit(**INNER_CALL)
+@njit(**INLINED_CALL)
 def pairs_across(gas, like, form, friction, axes, tile, work, layer, j, along_last):
     """The pairs of row j of a layer with those in layers (or rows) farther on."""
     axis, k_axis = (axes.last, len(like) - 1) if along_last else (axes.inner, 1)
@@ -415,7 +434,7 @@ def pairs_across(gas, like, form, friction, axes, tile, work, layer, j, along_la
             pairs(gas, like, form, friction, work, row, k_axis, other, U64(0), column, upper, n)
 
 
-@njit(**INNER_CALL)
+@njit(**INLINED_CALL)
 def sweep_layer(gas, like, form, friction, q, metrics, axes, tile, work, rates, layer):
     """Add the fluxes of the pairs that begin in a layer; its rates if it is owned."""
     first, inner, last, d = axes.first, axes.inner, axes.last, len(like)
@@ -429,7 +448,10 @@ def sweep_layer(gas, like, form, friction, q, metrics, axes, tile, work, rates, 
         if d > 1:
             pairs_across(gas, like, form, friction, axes, tile, work, layer, j, True)
         if owned:
-            row, high = row_of(work, tile, layer, j), number_of(work, tile, layer, j) * U64(d + 2) * ROW
+            row, high = (
+                row_of(work, tile, layer, j),
+                number_of(work, tile, layer, j) * U64(d + 2) * ROW,
+            )
             for m in range(tile.spans):
                 k, a, b = work.spans[m]
                 column, other = U64(MARGIN + a - tile.x0), U64(k)
@@ -443,9 +465,9 @@ def sweep_layer(gas, like, form, friction, q, metrics, axes, tile, work, rates, 
             store_row(gas, like, work.low, work.high, upper, q, at_q, metrics, J_t, rates, to, n)
 
 
-@njit(**INNER_CALL)
+@njit(**INLINED_CALL)
 def sweep(gas, like, form, friction, q, metrics, axes, tile, work, rates):
-    """Sweep a tile along the last axis: load layers, complete them, take the pairs that begin in them."""
+    """Sweep a tile along the last axis: load layers, complete them, take pairs that begin there."""
     last = axes.last
     ahead = last.S.shape[0] - 1
     behind = friction.reach * ahead
@@ -467,8 +489,8 @@ def sweep(gas, like, form, friction, q, metrics, axes, tile, work, rates):
 def gas_rates(gas, like, form, friction, q, metrics, S0, S1, S2, w0, w1, w2, patch, rates, work):
     """Rates of the nodes of a patch that are owned.
 
-    q: (N, d + 3) over the ghosted array, metrics: (d d + d + 1, N): a^1 … a^d, velocity of the grid, J_t.
-    rates: (M, d + 3) of the owned nodes: J_t, and those of J rho, J rho u, J E.
+    q: (N, d + 3) over the ghosted array, metrics: (d d + d + 1, N): a^1 … a^d, velocity of the
+    grid, J_t. rates: (M, d + 3) of the owned nodes: J_t, and those of J rho, J rho u, J E.
     """
     own, size, first = patch.own, patch.ghosted, patch.first
     x = Axis(S0, w0, first[0], first[0] + own[0], size[0], 1)
@@ -494,7 +516,7 @@ def part(begin, end, m, count):
 # viscous fluxes
 
 
-@njit(**INNER_LOOP)
+@njit(**EXACT_LOOP)
 def slope_row(gas, like, w, low, here, high, gain, below, loss, above, slope, to, n):
     """Add what the nodes before and after give to D z."""
     like_w, like_z = state_like(like), (*like, 0.0)
@@ -514,7 +536,7 @@ def slopes_of(like, w, areas, slope, to, i, k):
     return outer(g[:-1], a), scale(g[-1], a)
 
 
-@njit(**INNER_LOOP)
+@njit(**EXACT_LOOP)
 def viscous_row(gas, like, w, place, q, at_q, slope, to, n):
     """a^k . f_v of all axes k, from the derivatives of z along them."""
     d, count = U64(len(like)), U64(len(like) + 3)
@@ -536,15 +558,35 @@ def viscous_row(gas, like, w, place, q, at_q, slope, to, n):
             put(w, place.viscous + k * (d + ONE) * ROW, ROW, i, flux)
 
 
-@njit(**INNER_CALL)
+@njit(**INLINED_CALL)
 def slopes(gas, like, axes, tile, work, layer, j, column, n):
     """D_k z of a row for each axis k."""
-    w, gain, loss, slope, of_axis = work.w, work.gain, work.loss, work.slope, U64(len(like) + 1) * ROW
+    w, gain, loss, slope, of_axis = (
+        work.w,
+        work.gain,
+        work.loss,
+        work.slope,
+        U64(len(like) + 1) * ROW,
+    )
     clear(slope, column, len(like) * (len(like) + 1), n)
     here = row_of(work, tile, layer, j) + column
     for k in range(1, axes.first.S.shape[0]):
         at_loss, m = U64(k) * ROW + column, U64(k)
-        slope_row(gas, like, w, here - m, here, here + m, gain, at_loss - m, loss, at_loss, slope, column, n)
+        slope_row(
+            gas,
+            like,
+            w,
+            here - m,
+            here,
+            here + m,
+            gain,
+            at_loss - m,
+            loss,
+            at_loss,
+            slope,
+            column,
+            n,
+        )
     for m in range(1, len(like)):
         axis, i = (axes.last, layer) if m == len(like) - 1 else (axes.inner, j)
         up, right = (1, 0) if m == len(like) - 1 else (0, 1)
@@ -562,7 +604,7 @@ def slopes(gas, like, axes, tile, work, layer, j, column, n):
                 slope_row(gas, like, w, low, here, high, gain, none, loss, none, slope, to, n)
 
 
-@njit(**INNER_CALL)
+@njit(**INLINED_CALL)
 def viscous_layer(gas, like, form, q, axes, tile, work, layer):
     """Viscous fluxes of the rows of a layer that pairs with owned nodes take."""
     first, inner, last = axes.first, axes.inner, axes.last

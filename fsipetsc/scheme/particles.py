@@ -33,10 +33,9 @@ from numba import njit
 from numpy.typing import NDArray
 
 from fsipetsc.blocks.particles import SLIPS
-from fsipetsc.operators.loops import CALL, formulas
+from fsipetsc.operators.loops import CALL, INNER_CALL
 
 Array = NDArray[Any]
-formulas("internal_energy", "heat_capacity")
 
 GAS, SOLID = 0, 1
 #: a pivot below this part of its size before elimination belongs to a constraint that others imply
@@ -135,7 +134,7 @@ def fill_rates(table, d, f, out):
             out[r, c] = table.weight[r] * f[table.at[r] + c]
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def _add(table, p, rows, gas, solid):
     """Sums over the members of particle p; gas: (d + 3,), solid: (2d + 2,)."""
     gas[:], solid[:] = 0.0, 0.0
@@ -149,7 +148,7 @@ def _add(table, p, rows, gas, solid):
                 solid[c] += rows[r, c]
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def _kinetic(P, M):
     total = 0.0
     for c in range(P.size):
@@ -194,7 +193,7 @@ def share(table, d, rows, data, state, gain):
             gain[gain.size - 1] += change
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def _hold_velocities(table, p, d, data, gas, solid):
     """Momenta of bodies whose motion is given, and of what sticks together."""
     M, P = gas[1], gas[2 : 2 + d]
@@ -218,7 +217,7 @@ def _hold_velocities(table, p, d, data, gas, solid):
             gas[2 + d] -= change
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def _put(state, p, d, gas, solid):
     state.V[p], state.mass[p] = gas[0], gas[1]
     if gas[0] > 0.0:
@@ -266,7 +265,7 @@ def slide(table, d, normals, data, state, gain):
             state.U[p, d + 1] -= (after - before) / state.V[p]
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def _pushed(table, p, normals, pi, c, d):
     """Component c of what the constraints' forces pi do to bodies that they move."""
     total = 0.0
@@ -277,13 +276,13 @@ def _pushed(table, p, normals, pi, c, d):
     return total
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def room_for(K, d):
     """Room for `solve` with at most K constraints: A, multipliers pi, sizes of pivots, G and S."""
     return np.zeros((K, K)), np.zeros(K), np.zeros(K), np.zeros((K, 2 * d))
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def solve(table, p, normals, wanted, M, M_s, a, b, room):
     """Change the vectors a of the gas and b of the solid, least in their masses, so that
     G_c . a + S_c . b = wanted_c; the multipliers are room[1].
@@ -392,7 +391,7 @@ def share_heat(table, law, d, data, state, gain):
             gain[gain.size - 1] += came
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def _common_temperature(law, p, of_gas, of_solid, state):
     """T at which gas and solid have the heat that they have together, by Newton's method."""
     rho, M, M_s = state.U[p, 0], state.mass[p], state.solid_mass[p]
@@ -491,7 +490,7 @@ def constrain(table, d, rows, normals, turning, data, state, rates, gain):
             rates[p, d + 2 + c] = b[c]
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def _hold(table, p, data, M, M_s, a, b):
     """Accelerations of bodies whose motion is given, and of what sticks together."""
     for c in range(a.size):
@@ -508,7 +507,7 @@ def _hold(table, p, data, M, M_s, a, b):
                 a[c] = b[c] = (M * a[c] + M_s * b[c]) / (M + M_s)
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def _want(table, p, normals, turning, data, u, v, wanted):
     """b_c: walls accelerate, and area vectors turn under the relative velocity."""
     d = u.size
@@ -522,7 +521,7 @@ def _want(table, p, normals, turning, data, u, v, wanted):
                 wanted[k] += N * data.wall_rate[p, c]
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def _power(table, p, normals, pi, data, v):
     """Of the forces on gas that slips: each face's moves as the solid or the wall there."""
     d, power = v.size, 0.0
@@ -534,7 +533,7 @@ def _power(table, p, normals, pi, data, v):
     return power
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def _note_forces(table, p, normals, pi, data, v, pushes, gain):
     """What walls and clamps do to a particle. Where all is free to move, only walls' own forces
     count: those between gas and solid must cancel.

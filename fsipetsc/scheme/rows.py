@@ -1,11 +1,13 @@
 """Rows of a tile, in flat arrays, by unsigned offsets.
 
-Loops over rows get flat arrays and say where in them the numbers of a node are: component c of node i stands at
-start + c step + i. That serves rows of a tile (step = ROW), arrays of a whole block by components (step = the number of its
-nodes) and interlaced ones (step = 1, and i times the number of components for i).
+Loops over rows get flat arrays and say where in them the numbers of a node are: component c of node
+i stands at start + c step + i. That serves rows of a tile (step = ROW), arrays of a block by
+components (step = the number of its nodes) and interlaced ones (step = 1, and i times the number of
+components for i).
 
-All offsets are of type U64: an index that cannot be negative needs no test, and loops become vector code. One array in place of
-a view per component keeps a call short: 17 ns with a dozen components, where views take 50.
+All offsets are of type U64: an index that cannot be negative needs no test, and loops become vector
+code. One array in place of a view per component keeps a call short: 17 ns with a dozen components,
+where views take 50.
 """
 
 from __future__ import annotations

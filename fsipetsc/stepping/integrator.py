@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from petsc4py import PETSc
 
+from fsipetsc.blockrun.columns import point_names
 from fsipetsc.errors import ComputationError, clear_frames
 from fsipetsc.process.together import agree
 from fsipetsc.scheme.burst import LONGEST, MADE, SHORTEST, TIME
@@ -25,7 +26,6 @@ from fsipetsc.stepping.fused import NAME, FusedRK4
 from fsipetsc.stepping.output_times import OutputTimes
 from fsipetsc.stepping.pauses import OUT_OF_TIME, Pauses
 from fsipetsc.stepping.phases import logged
-from fsipetsc.stepping.plane.watched import NAMES as OF_POINTS
 from fsipetsc.stepping.series import Series
 from fsipetsc.stepping.state import FAULT, State
 
@@ -312,7 +312,7 @@ class Integrator:
             state.set_data(self.t)  # with differences in time of the length that a step has
         self._finish()
         verdicts.check(state, self.t, self.steps, state.results[:LAST].tolist(), self.opt, self.beyond)
-        found = {name: state.latest[name] for name in shares(state.latest.dtype) if name not in (*OF_STEPS, *OF_POINTS)}
+        found = {name: state.latest[name] for name in shares(state.latest.dtype) if name not in (*OF_STEPS, *point_names(3))}
         self.initial = {name: state.comm.allreduce(share).tolist() for name, share in found.items()}
         self.beyond = verdicts.beyond_bound(state, self.opt)
         self._times.pass_time(self.t)

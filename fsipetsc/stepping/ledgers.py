@@ -14,6 +14,7 @@ class Ledgers:
     """The largest departures of the invariants of a problem (fsipetsc.scheme.conservation_check.drifts).
 
     departures   name -> largest relative departure of any step so far; nan if one was no number
+    J_error      largest departure of J from the volume of the grid, over it; 0 if none is recorded
     """
 
     def __init__(self, invariants: Mapping[str, Any]) -> None:
@@ -22,6 +23,7 @@ class Ledgers:
         self._steps = 0  # added, of this run
         self._kept: dict[str, Any] | None = None
         self.departures: dict[str, float] = {}
+        self.J_error = 0.0
 
     def begin(self, initial: Mapping[str, Any]) -> None:
         """initial: the integrals at the beginning of the run."""
@@ -43,6 +45,8 @@ class Ledgers:
         self._add(steps[before:])
 
     def _add(self, steps: np.ndarray) -> None:
+        if len(steps) and "J_error" in (steps.dtype.names or ()):
+            self.J_error = float(np.maximum(self.J_error, steps["J_error"].max()))
         if self._drifts is None or not len(steps):
             return
         found = self._drifts.go_on({name: steps[name] for name in steps.dtype.names or ()})
@@ -53,7 +57,8 @@ class Ledgers:
         """What ``recall`` takes, as JSON has it."""
         if self._drifts is None:
             return None
-        return {"drifts": self._drifts.memory(), "departures": dict(self.departures)}
+        kept = {"departures": dict(self.departures), "J_error": self.J_error}
+        return {"drifts": self._drifts.memory(), **kept}
 
     def memory_of_kept(self, kept: int) -> dict[str, Any] | None:
         """The ``memory`` after the first ``kept`` steps of this run, as ``add`` was told of them."""
@@ -67,3 +72,4 @@ class Ledgers:
         self._drifts = Drifts(self._invariants, initial)
         self._drifts.recall(memory["drifts"])
         self.departures = dict(memory["departures"])
+        self.J_error = memory.get("J_error", 0.0)

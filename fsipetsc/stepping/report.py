@@ -14,6 +14,8 @@ from fsipetsc.stepping.limits import reason, shares
 from fsipetsc.stepping.progress import Progress, duration
 from fsipetsc.stepping.state import State
 
+#: a larger departure of J from the volume of the grid is told
+MOST_J_ERROR = 0.01
 #: characters of a line of the summary, and departures that are listed
 _WIDTH, _LISTED = 100, 4
 
@@ -96,6 +98,8 @@ class Reporter:
         kept = sorted(summary["departures"].items(), key=lambda item: (item[1] == item[1], -item[1]))  # nan first
         more = [f"{len(kept) - _LISTED} more"] * (len(kept) > _LISTED)
         self._list("kept", [*(f"{name} to {size:.1e}" for name, size in kept[:_LISTED]), *more])
+        for text in about_volumes(summary["J_error"]):
+            self.line(text)
         for kind, values in (errors or {}).items():
             listed = [f"{name} {value:.3e}" for name, value in values.items()]
             self._list(f"{self._opt['fsi_norm']} errors in the {kind}", listed)
@@ -117,6 +121,13 @@ class Reporter:
                 lines.append(f"  {piece}" if lines else f"{title}: {piece}")
         for text in lines:
             self.line(text)
+
+
+def about_volumes(J_error: float) -> list[str]:
+    """A line if J has departed far from the volume of the grid."""
+    if J_error <= MOST_J_ERROR:
+        return []
+    return [f"note: J has departed by {100 * J_error:.2g} % from the volume of the grid (J_error)"]
 
 
 def _phases(seconds: Mapping[str, float], since: str) -> str:

@@ -62,6 +62,8 @@ def run_case(case: Any, options: dict[str, Any], comm: MPI.Comm, past: Past | No
     with phases(SET_UP):
         problem = build_problem(case, options, comm)
         start = find_start(problem, options, comm) if past is None else None
+        if start is not None and isinstance(problem, RunProblem):
+            problem = start.problem
         state = make_state(problem, options, comm)
     with state:
         with phases(SET_UP):
@@ -383,6 +385,7 @@ class _Run:
             "phases": dict(self.phases.seconds),
             "limits": self.limits.changes,
             "departures": self.ledgers.departures,
+            "J_error": self.ledgers.J_error,
             **{f"initial_{name}": value for name, value in integrator.initial.items()},
             "versions": versions(),
         }

@@ -21,8 +21,7 @@ from fsipetsc.physics.layer import DOF, ENDS
 from fsipetsc.problem import Problem
 
 if TYPE_CHECKING:
-    from fsipetsc.parallel.plane.layout import PlaneLayout
-    from fsipetsc.stepping.plane.state import PlaneState
+
     from fsipetsc.stepping.state import State
 
 Array = np.ndarray
@@ -50,7 +49,7 @@ def capture(state: State, rates: Array | None = None) -> dict[str, Array] | None
     return arrays
 
 
-def kept(state: State | PlaneState, room: tuple[Array, ...] | None = None) -> tuple[Array, ...]:
+def kept(state: State, room: tuple[Array, ...] | None = None) -> tuple[Array, ...]:
     """Copies of what changes in a step, of this rank; in the ``room`` of earlier ones, if there are any and no grid has grown.
 
     The system takes ten times as long to give new memory as it takes to copy.
@@ -63,13 +62,13 @@ def kept(state: State | PlaneState, room: tuple[Array, ...] | None = None) -> tu
     return room
 
 
-def put_back(state: State | PlaneState, copies: tuple[Array, ...]) -> None:
+def put_back(state: State, copies: tuple[Array, ...]) -> None:
     """Let what ``kept`` has copied be as it was."""
     for part, copy in zip(_changing(state, state.solution.getArray()), copies, strict=True):
         part[:] = copy
 
 
-def _changing(state: State | PlaneState, solution: Array) -> tuple[Array, ...]:
+def _changing(state: State, solution: Array) -> tuple[Array, ...]:
     """The records of the layers as bytes: numpy copies records of many fields field by field, which takes ten times as long."""
     return solution, state.layout.records.view(np.uint8), state.results, as_numbers(state.latest)
 
@@ -147,7 +146,7 @@ def put_frames(layout: Layout, arrays: Mapping[str, Array]) -> None:
         layout.records[name] = arrays[name]
 
 
-def rates_of(layout: Layout | PlaneLayout, arrays: Mapping[str, Array], fill: Callable[..., None] = put) -> Array | None:
+def rates_of(layout: Layout, arrays: Mapping[str, Array], fill: Callable[..., None] = put) -> Array | None:
     """This rank's part of the rates that were kept, if any; fill: ``put`` of the dimension."""
     if f"{RATES}layer0" not in arrays:
         return None

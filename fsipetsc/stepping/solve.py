@@ -7,27 +7,20 @@ from dataclasses import dataclass
 from typing import Any
 
 from mpi4py import MPI
-from petsc4py import PETSc
 
 from fsipetsc.blame import call, place_of
 from fsipetsc.blockrun.block_state import BlockForm, BlockState
+from fsipetsc.blockrun.recorded_nodes import chosen
 from fsipetsc.blockrun.run_problem import RunProblem
+from fsipetsc.blocks.from_layers import blocks_of_line
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.checks import described
 from fsipetsc.errors import InputError
-from fsipetsc.options import InForce, publish
-from fsipetsc.paper.state import PaperState, is_of_paper, make_paper_state
-from fsipetsc.physics.dissipation import SIGMA
-from fsipetsc.plane import PlaneProblem
+from fsipetsc.options import InForce
+from fsipetsc.paper.state import PaperState, make_paper_state
 from fsipetsc.problem import Problem
 from fsipetsc.process.together import together
-from fsipetsc.scheme.laws import Form
-from fsipetsc.scheme.plane.equations import PlaneForm
-from fsipetsc.stepping.fused import NAME as FUSED
 from fsipetsc.stepping.integrator import Integrator
-from fsipetsc.stepping.phases import LoggedState
-from fsipetsc.stepping.plane.state import PlaneState
-from fsipetsc.stepping.state import State
 
 
 @dataclass(frozen=True)
@@ -46,72 +39,63 @@ class Outcome:
     errors: dict[str, dict[str, float]] | None
 
 
-def build_problem(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Problem | PlaneProblem | RunProblem:
-    """What the case says for the options in force. Collective; InputError, with file and line of a user's case file."""
+def build_problem(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Problem | RunProblem:
+    """What the case says for the options in force: layers for the paper's couplings, else blocks.
 
-    def build() -> Problem | PlaneProblem | RunProblem:
+    Collective; InputError, with file and line of a user's case file.
+    """
+
+    def build() -> Problem | RunProblem:
         problem = call(case.build, (InForce(opt),), "build")
         if isinstance(problem, BlockProblem):
             return RunProblem(problem)
-        if not isinstance(problem, (Problem, PlaneProblem)):
+        if not isinstance(problem, Problem):
             found = "nothing (is its return missing?)" if problem is None else described(problem)
-            raise InputError(f"{place_of(case.build)}: build(opt) returns {found}: expected a Problem or PlaneProblem")
-        return problem
+            raise InputError(
+                f"{place_of(case.build)}: build(opt) returns {found}: "
+                "expected a Problem or BlockProblem"
+            )
+        if opt["fsi_coupling"] != "conservative":
+            return problem
+        return RunProblem(blocks_of_line(problem, opt["fsi_h"], opt["fsi_order"]))
 
     return together(comm, build)
 
 
 def make_state(
-    problem: Problem | PlaneProblem | RunProblem, opt: dict[str, Any], comm: MPI.Comm
-) -> State | PaperState | PlaneState | BlockState:
-    """The state that the options in force ask for; with -log_view one that logs what it does. Collective.
+    problem: Problem | RunProblem, opt: dict[str, Any], comm: MPI.Comm
+) -> PaperState | BlockState:
+    """The state that the options in force ask for; with -log_view one that logs what it does.
 
-    In two dimensions PETSc's methods make the steps where data depend on time: rk stands in ``opt`` for fused then.
-    InputError where grid, order and ranks do not fit.
+    Collective. InputError where grid, order and ranks do not fit.
     """
     if isinstance(problem, RunProblem):
-        plane_form(opt)
-        of_blocks = BlockForm(opt["fsi_convection"], opt["fsi_dissipation"], opt["fsi_shock"])
-        return BlockState(comm, problem, opt["fsi_order"], of_blocks, opt["fsi_partition"])
-    if isinstance(problem, PlaneProblem):
-        form = plane_form(opt)
-        if opt["ts_type"] == FUSED and not problem.steady_data:
-            opt["ts_type"] = "rk"
-            publish(opt)
-        points, partition = opt["fsi_points"] or (), opt["fsi_partition"]
-        return PlaneState(comm, problem, opt["fsi_order"], opt["fsi_h"], form, points, partition)
-    if opt["fsi_points"]:
-        raise InputError("-fsi_points is of two dimensions: in one, series of all interfaces are recorded anyway")
-    if is_of_paper(problem, opt):
-        return make_paper_state(problem, opt, comm)
-    return make_layer_state(problem, opt, comm)
+        form = block_form(opt)
+        points, probes = opt["fsi_points"] or (), opt["fsi_probes"]
+        recorded = together(comm, lambda: chosen(problem, points, probes))
+        return BlockState(comm, problem, opt["fsi_order"], form, opt["fsi_partition"], recorded)
+    for name in ("fsi_points", "fsi_probes"):
+        if opt[name]:
+            raise InputError(
+                f"-{name} is of blocks: here series of all interfaces are recorded anyway"
+            )
+    return make_paper_state(problem, opt, comm)
 
 
-def make_layer_state(problem: Problem, opt: Mapping[str, Any], comm: MPI.Comm) -> State:
-    """The state of the program that the paper's method and blocks replace. Collective."""
-    names = ("fsi_order", "fsi_h", "fsi_coupling", "fsi_mapping", "fsi_partition", "fsi_spare")
-    kind = LoggedState if PETSc.Log.isActive() else State
-    entropy = bool(opt["fsi_entropy"] or opt["fsi_check"])
-    sigma, entropic = SIGMA * opt["fsi_dissipation"], opt["fsi_convection"] == "entropy"
-    form = Form(opt["fsi_viscous"] == "narrow", sigma, opt["fsi_shock"], entropic)
-    return kind(comm, problem, *(opt[name] for name in names), entropy, opt["fsi_shared_memory"], form)
-
-
-#: what two dimensions have of options that choose between methods
-_IN_THE_PLANE = {
+#: what blocks have of options that choose between methods
+_OF_BLOCKS = {
     "fsi_coupling": ("conservative",),
     "fsi_mapping": ("auto", "stretched"),
     "fsi_viscous": ("wide",),
 }
 
 
-def plane_form(opt: Mapping[str, Any]) -> PlaneForm:
-    """That of the equations in two dimensions that is asked for. InputError for a method that these do not have."""
-    for name, there in _IN_THE_PLANE.items():
+def block_form(opt: Mapping[str, Any]) -> BlockForm:
+    """The form of the equations of blocks that is asked for. InputError for a method that these do not have."""
+    for name, there in _OF_BLOCKS.items():
         if opt[name] not in there:
-            raise InputError(f"-{name} {opt[name]}: in two dimensions it is {' or '.join(map(str, there))}")
-    convection = "divergence" if opt["fsi_convection"] == "divergence" else "entropy"
-    return PlaneForm(convection, SIGMA * opt["fsi_dissipation"], opt["fsi_shock"])
+            raise InputError(f"-{name} {opt[name]}: for blocks it is {' or '.join(map(str, there))}")
+    return BlockForm(opt["fsi_convection"], opt["fsi_dissipation"], opt["fsi_shock"])
 
 
 def check_begin(opt: Mapping[str, Any]) -> None:
@@ -127,7 +111,7 @@ def solve(
     comm: MPI.Comm,
     announce: Callable[[str], None] = lambda text: None,
     times: Sequence[float] = (),
-    look: Callable[[State | PlaneState, float], None] = lambda state, t: None,
+    look: Callable[[PaperState | BlockState, float], None] = lambda state, t: None,
 ) -> Outcome:
     """Integrate a case from t = 0 to -ts_max_time, or -ts_max_steps, and write nothing. Collective on comm.
 

@@ -2,45 +2,37 @@
 
 The initial data of the case's layers are replaced by functions that interpolate those of the frame, and time goes on from the
 frame's. All that a frame does not hold follows as it does from data of a case: J from where the ends of a gas are, kinetic
-energies of end points from velocities, ghost points from the conditions there. In two dimensions it holds J.
+energies of end points from velocities, ghost points from the conditions there. Of blocks: fsipetsc.blockrun.start_of_blocks.
 
-Between points stand splines (scipy.interpolate.make_interp_spline) of a degree one above the order of the scheme, so that
-second derivatives have its order; at points that frame and grid have in common stands what the frame has. They are in the
-layers' reference coordinates, of a gas in one dimension in x, of which each mapping of it is a linear function.
+Between points stand splines; at points that frame and grid have in common stands what the frame has. They are in the layers'
+reference coordinates, of a gas in x, of which each mapping of it is a linear function.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from mpi4py import MPI
 
 from fsipetsc import given
 from fsipetsc.blockrun.run_problem import RunProblem
+from fsipetsc.blockrun.start_of_blocks import BlockFrame, begun_with, block_frame
 from fsipetsc.boundaries import in_time
 from fsipetsc.errors import InputError
 from fsipetsc.output.reader import open_run
 from fsipetsc.parallel.layout import ghost_index
-from fsipetsc.plane import PlaneProblem
 from fsipetsc.problem import FluidLayer, Problem
 from fsipetsc.process.together import together
-
-if TYPE_CHECKING:
-    from scipy.interpolate import BSpline  # when it is used: its import is a fifth of the start of a run
+from fsipetsc.stepping.splines import interpolated
 
 Array = np.ndarray
 #: what is taken of a frame
-_TAKEN = {
-    (1, "fluid"): ("rho", "u", "T", "x"),
-    (1, "solid"): ("u", "sigma", "T", "x"),
-    (2, "fluid"): ("rho", "u", "v", "T", "J"),
-    (2, "solid"): ("u", "v", "T", "x", "y"),
-}
-#: distances, as fractions of a cell, within which points are the same, and of a layer, within which its ends are
-_SAME, _ALIKE = 1e-9, 1e-6
+_TAKEN = {"fluid": ("rho", "u", "T", "x"), "solid": ("u", "sigma", "T", "x")}
+#: distance, as a fraction of a layer, within which its ends are the same
+_ALIKE = 1e-6
 #: a time [s] around that of the frame in which the motion of walls may be asked for
 _INSTANT = 1e-6
 
@@ -50,50 +42,52 @@ class Start:
     """What a run begins with instead of the case's data.
 
     problem: the case's, with other functions ``initial``. t: time [s]. line: what is to be said of it. cells: layer -> ghost
-    index of gases on rigid grids, for fsipetsc.parallel.layout.make_grids. jacobians: in two dimensions, layer -> function
-    of X and Y that gives J of a gas in a list.
+    index of gases on rigid grids, for fsipetsc.parallel.layout.make_grids.
     """
 
-    problem: Problem | PlaneProblem
+    problem: Problem | RunProblem
     t: float
     line: str
     cells: Mapping[int, int]
-    jacobians: Mapping[int, Callable[[Array, Array], list[Array]]]
 
 
 @dataclass(frozen=True)
 class _Frame:
-    """Of a result. layers: kind, reference coordinates of the points, (X,) or (X, Y), and fields by name, at active points."""
+    """Of a result. layers: kind, X of the points, and fields by name, at active points; of blocks BlockFrames."""
 
     place: str
     t: float
     dimension: int
-    layers: list[tuple[str, tuple[Array, ...], dict[str, Array]]]
+    layers: list[Any]
 
 
-def find_start(problem: Problem | PlaneProblem, opt: Mapping[str, Any], comm: MPI.Comm) -> Start | None:
+def find_start(problem: Problem | RunProblem, opt: Mapping[str, Any], comm: MPI.Comm) -> Start | None:
     """What -fsi_initial asks for, if anything. Collective. FileError; InputError where the frame does not fit the case."""
     if opt["fsi_initial"] is None:
         return None
-    if isinstance(problem, RunProblem):
-        raise InputError("-fsi_initial: a problem of blocks begins with the data of its case")
     frame = comm.bcast(together(comm, lambda: _read(opt) if comm.rank == 0 else None))
     s = problem.unit("s")
     if not frame.t < opt["ts_max_time"]:
         end = f"-ts_max_time {opt['ts_max_time']:g}{s}"
         raise InputError(f"{end}: expected more than t = {frame.t:g}{s}, at which the run begins, that of {frame.place}")
-    layers, cells, jacobians = together(comm, lambda: _fitted(problem, frame, opt))
     line = f"begins with {frame.place}, t = {frame.t:.6g}{s}"
-    return Start(replace(problem, layers=layers, notes=(*problem.notes, line)), frame.t, line, cells, jacobians)
+    fitted, cells = together(comm, lambda: _fitted(problem, frame, opt, (*problem.notes, line)))
+    return Start(fitted, frame.t, line, cells)
 
 
-def _fitted(problem: Problem | PlaneProblem, frame: _Frame, opt: Mapping[str, Any]) -> tuple[tuple[Any, ...], dict, dict]:
-    """Layers that begin with what the frame has, and what else Start has. InputError."""
+def _fitted(
+    problem: Problem | RunProblem, frame: _Frame, opt: Mapping[str, Any], notes: tuple[str, ...]
+) -> tuple[Problem | RunProblem, dict[int, int]]:
+    """The problem that begins with what the frame has, and ghost indices of rigid gases. InputError."""
+    if problem.dimension != frame.dimension:
+        raise InputError(f"-fsi_initial: {frame.place} has {frame.dimension} dimension(s), the case {problem.dimension}")
+    if isinstance(problem, RunProblem) != isinstance(frame.layers[0], BlockFrame):
+        raise InputError(f"-fsi_initial: {frame.place} is of blocks, or the case, but not both")
+    if isinstance(problem, RunProblem):
+        return begun_with(problem, frame.layers, opt["fsi_order"], frame.place, notes), {}
     _check_layers(problem, frame)
-    if isinstance(problem, PlaneProblem):
-        layers, jacobians = _plane_layers(problem, frame, opt["fsi_order"])
-        return layers, {}, jacobians
-    return *_layers(problem, frame, opt["fsi_order"], opt["fsi_h"], opt["fsi_mapping"]), {}
+    layers, cells = _layers(problem, frame, opt["fsi_order"], opt["fsi_h"], opt["fsi_mapping"])
+    return replace(problem, layers=layers, notes=notes), cells
 
 
 def _read(opt: Mapping[str, Any]) -> _Frame:
@@ -107,16 +101,16 @@ def _read(opt: Mapping[str, Any]) -> _Frame:
             raise InputError(f"-fsi_initial_frame {number}: {path} has the frames 0 to {count - 1}, or -{count} to -1")
         chosen = (run.at(t) if t is not None else -1 if number is None else number) % count
         place, layers = f"frame {chosen} of {path}", []
+        if run.blocks:
+            layers = [block_frame(layer, chosen, place) for layer in run.layers]
+            return _Frame(place, float(run.time[chosen]), run.dimension, layers)
         for layer in run.layers:
             found = layer.frame(chosen)
-            points = (layer.X,) if run.dimension == 1 else (layer.X, layer.Y)
-            fields = {name: found[name] for name in _TAKEN[run.dimension, layer.kind]}
-            if run.dimension == 1:
-                active = np.flatnonzero(np.isfinite(fields["x"]))
-                span = slice(active[0], active[-1] + 1) if active.size else slice(0)
-                points, fields = (layer.X[span],), {name: values[span] for name, values in fields.items()}
+            active = np.flatnonzero(np.isfinite(found["x"]))
+            span = slice(active[0], active[-1] + 1) if active.size else slice(0)
+            points, fields = layer.X[span], {name: found[name][span] for name in _TAKEN[layer.kind]}
             for name, values in fields.items():
-                good = np.isfinite(values) & ((values > 0) | (name not in ("rho", "T", "J")))
+                good = np.isfinite(values) & ((values > 0) | (name not in ("rho", "T")))
                 if not values.size or not good.all():
                     worst = values[~good][0] if values.size else np.nan
                     raise InputError(f"-fsi_initial: {place}: {name} of layer '{layer.name}' is {worst:g}; take an earlier one")
@@ -124,33 +118,24 @@ def _read(opt: Mapping[str, Any]) -> _Frame:
         return _Frame(place, float(run.time[chosen]), run.dimension, layers)
 
 
-def _check_layers(problem: Problem | PlaneProblem, frame: _Frame) -> None:
+def _check_layers(problem: Problem, frame: _Frame) -> None:
     """InputError for other kinds of layers, or others that reach from elsewhere to elsewhere."""
-    if problem.dimension != frame.dimension:
-        raise InputError(f"-fsi_initial: {frame.place} has {frame.dimension} dimension(s), the case {problem.dimension}")
     kinds, there = [layer.kind for layer in problem.layers], [kind for kind, _, _ in frame.layers]
     if kinds != there:
         raise InputError(f"-fsi_initial: {frame.place} has the layers {', '.join(there)}; the case has {', '.join(kinds)}")
-    for k, (layer, (kind, points, _)) in enumerate(zip(problem.layers, frame.layers, strict=True)):
-        if isinstance(problem, PlaneProblem):
-            spans = {"X": problem.span(k), "Y": layer.Y}
-        else:  # of gases beside solids X says nothing that these do not
-            spans = {"X": layer.X} if kind == "solid" or len(kinds) == 1 else {}
-        for (name, (a, b)), at in zip(spans.items(), points):
-            beyond = (at[-1] - at[0]) / (len(at) - 1) if name == "X" and getattr(problem, "periodic", False) else 0.0
-            if max(abs(at[0] - a), abs(at[-1] + beyond - b)) > _ALIKE * (b - a):
-                found = f"reaches from {name} = {at[0]:g} to {at[-1]:g}"
-                wanted = f"from {a:g} to {b:g}" + (", and is periodic" if beyond else "")
-                raise InputError(f"-fsi_initial: {frame.place}: layer {k + 1}, a {kind}, {found}; '{layer.name}' {wanted}")
-
-
-# one dimension
+    for k, (layer, (kind, at, _)) in enumerate(zip(problem.layers, frame.layers, strict=True)):
+        if kind == "fluid" and len(kinds) > 1:
+            continue  # of gases beside solids X says nothing that these do not
+        a, b = layer.X
+        if max(abs(at[0] - a), abs(at[-1] - b)) > _ALIKE * (b - a):
+            found = f"reaches from X = {at[0]:g} to {at[-1]:g}; '{layer.name}' from {a:g} to {b:g}"
+            raise InputError(f"-fsi_initial: {frame.place}: layer {k + 1}, a {kind}, {found}")
 
 
 def _layers(problem: Problem, frame: _Frame, order: int, h: float, mapping: str) -> tuple[tuple[Any, ...], dict[int, int]]:
     """Layers that begin with what the frame has, and ghost indices of rigid gases. InputError where an end stands elsewhere."""
     layers, cells, last = [], {}, len(problem.layers) - 1
-    for k, (layer, (_, (X,), fields)) in enumerate(zip(problem.layers, frame.layers, strict=True)):
+    for k, (layer, (_, X, fields)) in enumerate(zip(problem.layers, frame.layers, strict=True)):
         columns = np.stack([*fields.values()], axis=-1)
         if not isinstance(layer, FluidLayer):
             layers.append(replace(layer, initial=_Solid(columns, X, order)))
@@ -215,82 +200,3 @@ class _Gas:
 def _counted(x: Array, at: Array) -> Array:
     """Coordinates in points, from those of equally spaced points."""
     return (x - at[0]) / (at[-1] - at[0]) * (len(at) - 1)
-
-
-def interpolated(values: Array, places: Array, order: int) -> Array:
-    """(m, fields) at places (m,), counted in points, of values (n, fields) there."""
-    nodes, on = _nodes(places, len(values), False)
-    if on.all():
-        return values[nodes]
-    found = _spline(values, order)(places)
-    found[on] = values[nodes[on]]
-    return found
-
-
-def _nodes(places: Array, count: int, periodic: bool) -> tuple[Array, Array]:
-    """Numbers of the nearest points, and whether places are these."""
-    nearest = np.rint(places).astype(int)
-    on = np.abs(places - nearest) <= _SAME
-    return nearest % count if periodic else np.clip(nearest, 0, count - 1), on
-
-
-def _spline(values: Array, order: int, periodic: bool = False) -> BSpline:
-    """Through values at 0, 1, … along the first axis."""
-    if periodic:
-        values = np.concatenate([values, values[:1]])
-    count = len(values)
-    degree = min(order + 1, count - 1 - count % 2)  # odd, and with points enough
-    from scipy.interpolate import make_interp_spline
-
-    return make_interp_spline(np.arange(count), values, degree, bc_type="periodic" if periodic else None)
-
-
-# two dimensions
-
-
-def _plane_layers(problem: PlaneProblem, frame: _Frame, order: int) -> tuple[tuple[Any, ...], dict[int, Any]]:
-    """Layers that begin with what the frame has, and J of gases."""
-    layers, jacobians = [], {}
-    for k, (layer, (kind, points, fields)) in enumerate(zip(problem.layers, frame.layers, strict=True)):
-        planes = dict(fields)
-        if kind == "solid":  # what of places is periodic are displacements
-            planes["x"], planes["y"] = fields["x"] - points[0], fields["y"] - points[1][:, None]
-        else:
-            jacobians[k] = _Plane(planes.pop("J").T[..., None], points, order, problem.periodic)
-        layers.append(replace(layer, initial=_Plane(np.stack([*planes.values()]).T, points, order, problem.periodic)))
-    return tuple(layers), jacobians
-
-
-@dataclass(frozen=True)
-class _Plane:
-    """initial(X, Y) of a layer in two dimensions, X, Y of rows and columns of a grid: values (nx, ny, fields) at the points."""
-
-    values: Array
-    points: tuple[Array, Array]
-    order: int
-    periodic: bool
-
-    def __call__(self, X: Array, Y: Array) -> list[Array]:
-        columns, rows = _counted(X[0], self.points[0]), _counted(Y[:, 0], self.points[1])
-        found = list(between(self.values, columns, rows, self.order, self.periodic).T)
-        if len(found) == len(_TAKEN[2, "solid"]):
-            found[3:] = found[3] + X, found[4] + Y
-        return found
-
-
-def between(values: Array, columns: Array, rows: Array, order: int, periodic: bool) -> Array:
-    """(l, m, fields) at columns (l,) and rows (m,), counted in points, of values (nx, ny, fields) there.
-
-    Splines go through all values, so that each number is the same however few are asked for.
-    """
-    column, on_column = _nodes(columns, values.shape[0], periodic)
-    row, on_row = _nodes(rows, values.shape[1], False)
-    if on_column.all() and on_row.all():
-        return values[np.ix_(column, row)]
-    along = _spline(values, order, periodic)
-    in_rows = np.moveaxis(along.c, 1, 0)
-    lines = _spline(in_rows, order)(rows)
-    lines[on_row] = in_rows[row[on_row]]
-    found = type(along)(along.t, np.moveaxis(lines, 1, 0), along.k)(columns)
-    found[np.ix_(on_column, on_row)] = values[np.ix_(column[on_column], row[on_row])]
-    return found

@@ -22,7 +22,7 @@ _LISTED = 4
 def view(state: State, name: str, opt: Mapping[str, Any]) -> list[str]:
     """The lines. Not collective: all ranks know what is in them. name: of the case."""
     problem, size = state.problem, state.comm.size
-    m, plane = problem.unit("m"), problem.dimension == 2
+    m = problem.unit("m")
     lines = [f"FSI Object: ({name}) {size} MPI process{'es' * (size > 1)}"]
     of = "blocks" if isinstance(problem, RunProblem) else "layers"
     lines.append(f"  type: {problem.dimension}-D, {len(problem.layers)} {of}, {state.points} points, units {problem.units}")
@@ -30,18 +30,15 @@ def view(state: State, name: str, opt: Mapping[str, Any]) -> list[str]:
         lines += [*block_lines(state, described), *_operators(state, opt)]
         return [*lines, f"  Time: {_method(opt)}, to t = {opt['ts_max_time']:g}{problem.unit('s')}"]
     for k, layer in enumerate(problem.layers):
-        low, high = layer.Y if plane else layer.X
-        lines.append(f"  Layer {k}: ({layer.name}) {layer.kind}, {'Y' if plane else 'X'} = {low:g} … {high:g}{m}")
+        low, high = layer.X
+        lines.append(f"  Layer {k}: ({layer.name}) {layer.kind}, X = {low:g} … {high:g}{m}")
         lines.append(f"    grid: {_grid(state, k)}")
         lines.append(f"    ranks: {_ranks(state, k)}")
         lines.append(f"    material: {described(layer.material)}")
-        if plane:
-            lines += [f"    {side}: {described(getattr(layer, side))}" for side in ("left", "right")]
     for number, (fluid, solid) in enumerate(problem.interfaces):
         names = [problem.layers[k].name for k in sorted((fluid, solid))]
         lines.append(f"  Interface {number}: ({' | '.join(names)}) {opt['fsi_coupling']}")
-    sides = ("lower", "upper") if plane else ("left", "right")
-    lines += [f"  {side} end: {described(getattr(problem, side))}" for side in sides]
+    lines += [f"  {side} end: {described(getattr(problem, side))}" for side in ("left", "right")]
     lines += _operators(state, opt)
     lines.append(f"  Time: {_method(opt)}, to t = {opt['ts_max_time']:g}{problem.unit('s')}")
     return lines
@@ -49,9 +46,6 @@ def view(state: State, name: str, opt: Mapping[str, Any]) -> list[str]:
 
 def _grid(state: State, k: int) -> str:
     grid, m = state.layout.grids[k], state.problem.unit("m")
-    if state.problem.dimension == 2:
-        closed = "periodic along X" if grid.periodic else f"X = {grid.x0:g} … {grid.x0 + (grid.nx - 1) * grid.h_x:g}{m}"
-        return f"{grid.nx} x {grid.ny} points, h = {grid.h_x:.6g}, {grid.h_y:.6g}{m}, {closed}"
     active = grid.hi - grid.lo + 1
     held = f" ({grid.n - active} more in reserve)" if grid.n > active else ""
     kind = "Lagrangian" if state.problem.layers[k].kind == "solid" else "stretched" if grid.stretched else "rigid"
@@ -61,11 +55,7 @@ def _grid(state: State, k: int) -> str:
 def _ranks(state: State, k: int) -> str:
     """Which ranks own how many points."""
     share = state.layout.shares[k]
-    if state.problem.dimension == 2:
-        blocks = [(rank, share.block(rank)) for rank in share.ranks]
-        parts = [f"{rank} ({b - a} x {d - c})" for rank, (a, b, c, d) in blocks]
-    else:
-        parts = [f"{rank} ({end - begin})" for rank, begin, end in share]
+    parts = [f"{rank} ({end - begin})" for rank, begin, end in share]
     more = f", … {parts[-1]}" if len(parts) > _LISTED else ""
     return ", ".join(parts[:_LISTED]) + more
 

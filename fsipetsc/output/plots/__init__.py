@@ -13,7 +13,8 @@ import numpy as np
 
 from fsipetsc.errors import FileError
 from fsipetsc.output.places import writing
-from fsipetsc.output.plots import balances, interfaces, plane, profiles, space_time, steps
+from fsipetsc.output.plots import balances, interfaces, maps, profiles, space_time, steps
+from fsipetsc.output.plots.frames import check_drawable
 from fsipetsc.output.plots.quantities import PROFILES
 from fsipetsc.output.plots.style import STYLE, needed
 from fsipetsc.output.reader import Run, open_run
@@ -40,6 +41,7 @@ def plot(
     folder, written = Path(outdir), []
     faults: list[str] = []
     with open_run(path) as run, matplotlib.rc_context(STYLE), np.errstate(all="ignore"):
+        check_drawable(run)
         for name, picture in drawn(run, faults, times):
             target = folder / f"{Path(path).stem}-{name}.png"
             with writing(target):
@@ -87,7 +89,7 @@ def reason(error: Exception) -> str:
 def pictures(run: Run, times: Sequence[float] | None = None) -> Iterator[tuple[str, Callable[[Figure], None]]]:
     """Names and drawing functions of the pictures that this run has the data for."""
     if run.dimension == 2:
-        yield from plane.pictures(run, times)
+        yield from maps.pictures(run, times)
         return
     if run.nframes:
         for quantity in PROFILES:

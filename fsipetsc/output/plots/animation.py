@@ -15,7 +15,8 @@ import numpy as np
 from fsipetsc.errors import FileError, InputError
 from fsipetsc.output.places import writing
 from fsipetsc.output.plots import film as of_profiles
-from fsipetsc.output.plots.plane import film as of_maps
+from fsipetsc.output.plots.frames import check_drawable
+from fsipetsc.output.plots.maps import film as of_maps
 from fsipetsc.output.plots.style import BLUE, RED, STYLE, needed
 from fsipetsc.output.reader import Run, open_run
 
@@ -38,6 +39,7 @@ def animate(path: str | os.PathLike[str], out: str | os.PathLike[str] = ".", fie
     target = Path(out) if Path(out).suffix in FILMS else Path(out) / f"{Path(path).stem}.gif"
     program = ffmpeg() if target.suffix == ".mp4" else ""
     with open_run(path) as run, matplotlib.rc_context(STYLE), np.errstate(all="ignore"):
+        check_drawable(run)
         if run.nframes < 2:
             raise InputError(f"-animate: {os.fspath(path)} has {run.nframes} frames: expected two or more")
         chosen = some(run, MOST)

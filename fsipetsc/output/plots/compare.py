@@ -13,11 +13,11 @@ from fsipetsc.errors import InputError
 from fsipetsc.options import OF_A_RUN
 from fsipetsc.output.differences import compare
 from fsipetsc.output.plots import reason, whole
-from fsipetsc.output.plots.frames import moment
+from fsipetsc.output.plots.frames import check_drawable, moment
+from fsipetsc.output.plots.maps.page import pairs_of, size_of
+from fsipetsc.output.plots.maps.panels import bar, colors, domain, few_ticks, panel
+from fsipetsc.output.plots.maps.quantities import Pair
 from fsipetsc.output.plots.page import PANELS, WIDTH, attempt, curves
-from fsipetsc.output.plots.plane.maps import bar, colors, domain, few_ticks, panel
-from fsipetsc.output.plots.plane.page import pairs_of, size_of
-from fsipetsc.output.plots.plane.quantities import Pair
 from fsipetsc.output.plots.quantities import PROFILES, SPACE_TIME
 from fsipetsc.output.plots.scales import axis_label, extremes, named, scaled, time_axis
 from fsipetsc.output.plots.steps import unhurried
@@ -41,6 +41,7 @@ def draw(
 
     faults: gets what of damaged results could not be drawn.
     """
+    check_drawable(a)
     if a.dimension != b.dimension or not a.nframes or not b.nframes:
         raise InputError(f"plot -compare: {a.path} and {b.path}: expected two results of equal dimension, with frames")
     height, above = 0.01, lambda part: None
@@ -130,8 +131,8 @@ def _maps(
 
 
 def alike(a: Run, b: Run) -> bool:
-    """Whether the layers of two results have the same names, kinds and numbers of points."""
-    shapes = ([(layer.name, layer.kind, layer.Y.size, layer.X.size) for layer in run.layers] for run in (a, b))
+    """Whether the blocks of two results have the same names, kinds and numbers of points."""
+    shapes = ([(layer.name, layer.kind, layer.shape) for layer in run.layers] for run in (a, b))
     return next(shapes) == next(shapes)
 
 

@@ -7,10 +7,18 @@ from pathlib import Path
 
 import numpy as np
 
+from fsipetsc.errors import InputError
 from fsipetsc.output.plots.scales import unit_of
 from fsipetsc.output.reader import Run
 
 SAME = 1e-9  # of the largest time: times that are nearer to each other are one
+
+
+def check_drawable(run: Run) -> None:
+    """InputError for a result that there are no pictures of."""
+    if run.dimension > 2:
+        beside = Path(run.path).with_suffix(".xdmf").name
+        raise InputError(f"{run.path}: no pictures of three dimensions; ParaView opens {beside} beside it")
 
 
 def at_times(run: Run, times: Sequence[float]) -> list[int]:

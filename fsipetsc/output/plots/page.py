@@ -10,8 +10,8 @@ import numpy as np
 
 from fsipetsc.errors import InputError
 from fsipetsc.output.plots import balances, interfaces, profiles, reason, space_time, whole
-from fsipetsc.output.plots.frames import at_times, moment
-from fsipetsc.output.plots.plane import page as plane_page
+from fsipetsc.output.plots.frames import at_times, check_drawable, moment
+from fsipetsc.output.plots.maps import page as of_maps
 from fsipetsc.output.plots.quantities import PROFILES, SPACE_TIME, Quantity
 from fsipetsc.output.plots.scales import named, scaled, time_axis
 from fsipetsc.output.plots.steps import draw_steps
@@ -40,8 +40,9 @@ def draw(
 
     faults: gets what of a damaged result could not be drawn.
     """
+    check_drawable(run)
     below = list(whole(iter(panels(run)), faults, "panels"))
-    find = plane_page.maps_of if run.dimension == 2 else _profiles_or_maps
+    find = of_maps.maps_of if run.dimension == 2 else _profiles_or_maps
     height, above = MAPS, lambda part: None
     try:
         height, above = find(run, fields, times) if run.nframes else (0.01, above)
@@ -71,7 +72,7 @@ def panels(run: Run) -> list[Callable[[Axes], None]]:
     """What there is to be drawn below."""
     found: list[Callable[[Axes], None]] = []
     if run.dimension == 2:
-        found += plane_page.panels(run)
+        found += of_maps.panels(run)
     elif "x_interface" in run.series and len(run.series["t"]) > 1:
         found.append(partial(_interfaces, run=run))
     if len(run.series.get("t", ())) < 2:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fsipetsc.output.reader import Layer, PlaneLayer
+from fsipetsc.output.reader import BlockLayer, Layer
 
 Array = np.ndarray
 Values = Callable[[Mapping[str, Array]], Array]
@@ -32,7 +32,7 @@ class Quantity:
     def of(self, kind: str) -> Values | None:
         return self.fluid if kind == "fluid" else self.solid
 
-    def values(self, layer: Layer | PlaneLayer, frame: int | None = None) -> Array | None:
+    def values(self, layer: Layer | BlockLayer, frame: int | None = None) -> Array | None:
         """(n,) of a frame or (nframes, n) of all, (ny, nx) for n in two dimensions; None for the other kind of layer."""
         value = self.of(layer.kind)
         if value is None:

@@ -1,0 +1,248 @@
+"""Small disturbances of layers at rest in two dimensions, at one wave number: the scheme's own right-hand side, linearised.
+
+Layers that are periodic in X and at rest are given a few columns. One unknown of one column is disturbed at a time; the rates
+of that column and its neighbours, R_m at m columns from it, are found by central differences of order 8, and what is
+proportional to exp(i k X) then changes by the matrix
+
+    A(k) = sum_m R_m exp(-i k m h_x),
+
+for all wave numbers k at once. What may be disturbed is what the projection lets through: A acts on its range. Derivatives
+along X are all those of D, twice where there are two of them, so that A depends on k by the symbol kappa = i^-1 sum_m D_m
+exp(i k m h_x) alone: k h_x up to pi is kappa from 0 up to its greatest value, and back to 0.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import NDArray
+
+from fsipetsc.blockrun.block_state import BlockForm, BlockState
+from fsipetsc.blockrun.run_problem import RunProblem
+from fsipetsc.blocks.conditions import Condition
+from fsipetsc.blocks.layers import Layer, layers
+from fsipetsc.blocks.problem import BlockProblem
+from fsipetsc.errors import InputError
+from fsipetsc.operators.sbp import OPERATORS
+
+Real, Complex = NDArray[np.float64], NDArray[np.complex128]
+#: unknowns of a node of gas or solid in two dimensions
+DOF = 5
+#: least and next disturbances, as fractions of what there is, and what their central differences count
+NUDGE = 0.005
+_DIFFERENCES = ((1, 4 / 5), (2, -1 / 5), (3, 4 / 105), (4, -1 / 280))
+#: rates at rest and columns that differ by more than this fraction are no state at rest
+AT_REST = 1e-9
+
+
+@dataclass(frozen=True)
+class Stack:
+    """Layers (fsipetsc.blocks.layers) from below, which say their cells; what stands below and above."""
+
+    layers: tuple[Layer, ...]
+    lower: Condition
+    upper: Condition
+
+    def problem(self, columns: int, h_x: float) -> BlockProblem:
+        """Blocks with so many columns, h_x apart [m]."""
+        along = ((0.0, columns * h_x),)
+        return layers(*self.layers, along=along, cells=(columns,), lower=self.lower, upper=self.upper)
+
+
+@dataclass(frozen=True)
+class WaveLinear:
+    """Rates and projection of small disturbances.
+
+    rates: (2 m + 1, N, N), [m + l, i, j] of unknown i, l columns from where unknown j is disturbed [1/s]; projection: (N, N),
+    within a column; scales: (N,) of the unknowns, over which both are taken; h_x: distance of the columns [m]; order: interior
+    order of D. N: DOF x rows of all layers, in their order. warmed: numbers of the energies of solids whose heat is coupled;
+    velocities: those of all velocities.
+    """
+
+    rates: Real
+    projection: Real
+    scales: Real
+    h_x: float
+    order: int
+    warmed: NDArray[np.int64]
+    velocities: NDArray[np.int64]
+
+    def without_heat(self) -> WaveLinear:
+        """The same, but motion does not heat the solid: at rest that is the work of its pressure, -p div v / (alpha m0)."""
+        rates = self.rates.copy()
+        rates[:, self.warmed[:, None], self.velocities] = 0.0
+        return replace(self, rates=rates)
+
+    def basis(self) -> Real:
+        """(N, n), orthonormal, of the disturbances that fulfil all conditions."""
+        N = len(self.projection)
+        changed = self.projection - np.eye(N)
+        touched = np.flatnonzero(changed.any(axis=0) | changed.any(axis=1))
+        others = np.setdiff1d(np.arange(N), touched)
+        left, sizes, _ = np.linalg.svd(self.projection[np.ix_(touched, touched)])
+        left = left[:, sizes > 1e-9]
+        basis = np.zeros((N, len(others) + left.shape[1]))
+        basis[others, np.arange(len(others))] = 1.0
+        basis[np.ix_(touched, len(others) + np.arange(left.shape[1]))] = left
+        return basis
+
+    def matrix(self, k: float) -> Complex:
+        """(n, n), dz/dt = A z of the amplitudes at wave number k [1/m], in the basis."""
+        reach = len(self.rates) // 2
+        phases = np.exp(-1j * k * self.h_x * np.arange(-reach, reach + 1))
+        basis = self.basis()
+        return basis.T @ (self.projection @ np.tensordot(phases, self.rates, 1)) @ basis
+
+    def modes(self, k: float) -> tuple[Complex, Complex]:
+        """(eigenvalues [1/s], (N, n) of the amplitudes of the unknowns)."""
+        values, vectors = np.linalg.eig(self.matrix(k))
+        return values, self.scales[:, None] * (self.basis() @ vectors)
+
+    def eigenvalues(self, fraction: float) -> Complex:
+        """Of the wave number whose symbol is this fraction of the greatest one; 1 and 0 are those of pi/2 and pi or so."""
+        top = most(self.order, self.h_x)[1]
+        return np.linalg.eigvals(self.matrix(wave_number(self.order, self.h_x, fraction * top)))
+
+
+def symbol(order: int, h: float, k: float | Real) -> float | Real:
+    """kappa of the interior formula of D at wave number k, both in 1/m."""
+    weights = OPERATORS[order].interior
+    return sum(2.0 * float(weight) * np.sin(m * k * h) for m, weight in enumerate(weights, 1)) / h
+
+
+def most(order: int, h: float) -> tuple[float, float]:
+    """(k, kappa) where the symbol is greatest, 1/m."""
+    angles = np.linspace(0.0, np.pi, 4001)
+    top = angles[np.argmax(symbol(order, 1.0, angles))] / h
+    return float(top), float(symbol(order, h, top))
+
+
+def wave_number(order: int, h: float, kappa: float) -> float:
+    """The least k whose symbol is kappa, by bisection. InputError where no wave on the grid has it."""
+    high, greatest = most(order, h)
+    if not 0 <= kappa <= greatest:
+        raise InputError(f"wave number {kappa:g}: with h = {h:g} the operator of order {order} knows none of that size")
+    if kappa == 0.0:
+        return 0.0
+    low = 0.0
+    for _ in range(60):
+        middle = (low + high) / 2
+        low, high = (middle, high) if symbol(order, h, middle) < kappa else (low, middle)
+    return (low + high) / 2
+
+
+def linearise(
+    stack: Stack, order: int, h_x: float, nudge: float = NUDGE, form: BlockForm = BlockForm()  # noqa: B008
+) -> WaveLinear:
+    """The scheme of an order and form, columns h_x apart [m], about the initial data of layers.
+
+    InputError where these are not at rest, or not the same in all columns.
+    """
+    width = 4 * OPERATORS[order].p + 1
+    problem = RunProblem(stack.problem(DOF * width, h_x))
+    with BlockState(MPI.COMM_SELF, problem, order, form) as state:
+        state.compile(lambda text: None)
+        return _Bench(state, width).linear(order, h_x, nudge)
+
+
+class _Bench:
+    """A state on which one unknown after the other is disturbed: those of a row side by side, ``width`` columns apart."""
+
+    def __init__(self, state: BlockState, width: int) -> None:
+        self._state, self._width = state, width
+        state.set_initial()
+        self._y = state.y.array.copy()
+        self._f = np.empty_like(self._y)
+        self._rows = [(k, j) for k, (_, rows) in enumerate(state.layout.shapes) for j in range(rows)]
+        self._scales = self._find_scales()
+
+    def check(self, linear: WaveLinear) -> None:
+        """InputError where the state is not one of rest."""
+        self._state.right_hand_side(self._y, self._f)
+        self._raise()
+        rates, values = (self._whole(array) / self._scales for array in (self._f, self._y))
+        fastest = np.abs(linear.rates).max()
+        if np.abs(rates @ linear.projection.T).max() > AT_REST * fastest or np.ptp(values, axis=0).max() > AT_REST:
+            raise InputError("the layers are not at rest at first, or not the same for all X: the linear theory is about that")
+
+    def _raise(self) -> None:
+        if self._state.fault is not None:
+            raise self._state.fault
+
+    def _block(self, k: int, array: Real) -> Real:
+        """(rows, columns, unknowns) of block k in a vector."""
+        columns, rows = self._state.layout.shapes[k]
+        return self._state.layout.owned(k, array).reshape(rows, columns, DOF)
+
+    def _find_scales(self) -> Real:
+        """Of the unknowns of each row: of a gas those at rest, and with the speed of sound; of a solid likewise."""
+        found = []
+        for k, block in enumerate(self._state.problem.layers):
+            q, material = self._block(k, self._y)[:, 0], block.material
+            one = np.ones(len(q))
+            if block.kind == "fluid":
+                w = material.equations(2).primitive(tuple(q.T))
+                c = np.sqrt(material.gas_law.sound_speed_squared(w[0], w[2]))
+                found.append(np.stack([q[:, 0], q[:, 1], q[:, 1] * c, q[:, 1] * c, q[:, 1] * c**2], axis=1))
+            else:
+                c, near = np.sqrt(material.K / material.m0), self._state.h
+                found.append(np.stack([near * one, near * one, c * one, c * one, np.abs(q[:, 4]) + c**2], axis=1))
+        return np.concatenate(found).ravel()
+
+    def _nudges(self, nudge: float) -> Real:
+        """What each unknown is disturbed by; velocities by the same on both sides of interfaces."""
+        sizes = self._scales.reshape(-1, DOF).copy()
+        gas = np.array([self._state.problem.layers[k].kind == "fluid" for k, _ in self._rows])
+        mass = np.where(gas, sizes[:, 1], 1.0)
+        slowest = (sizes[:, 2] / mass).min()
+        sizes[:, 2:4] = (slowest * mass)[:, None]
+        return nudge * sizes.ravel()
+
+    def linear(self, order: int, h_x: float, nudge: float) -> WaveLinear:
+        """Disturb all, the unknowns of a row at once."""
+        size, width = len(self._scales), self._width
+        rates, projection = np.zeros((width, size, size)), np.zeros((size, size))
+        sizes = self._nudges(nudge)
+        for first in range(0, size, DOF):
+            which = np.arange(first, first + DOF)
+            for steps, weight in _DIFFERENCES:
+                for sign in (1, -1):
+                    f, y = self._disturbed(which, sign * steps * sizes[which])
+                    rates[:, :, which] += sign * weight * f
+                    projection[:, which] += sign * weight * y[width // 2]
+            rates[:, :, which] /= sizes[which]
+            projection[:, which] /= sizes[which]
+        relative = self._scales[None, :] / self._scales[:, None]
+        solids = [getattr(self._state.problem.layers[k].material, "heat", "") for k, _ in self._rows]
+        rows = DOF * np.arange(len(self._rows))
+        warmed, velocities = rows[[heat == "coupled" for heat in solids]] + 4, np.concatenate([rows + 2, rows + 3])
+        linear = WaveLinear(
+            rates * relative, _rounded(projection * relative), self._scales, h_x, order, warmed, velocities
+        )
+        self.check(linear)
+        return linear
+
+    def _disturbed(self, which: NDArray[np.int64], sizes: Real) -> tuple[Real, Real]:
+        """(rates, projected unknowns), each (columns, N, len(which)), where these unknowns are disturbed, each by its size."""
+        width, y = self._width, self._y.copy()
+        for n, (i, size) in enumerate(zip(which, sizes, strict=True)):
+            k, j = self._rows[i // DOF]
+            self._block(k, y)[j, n * width + width // 2, i % DOF] += size
+        self._state.right_hand_side(y, self._f)
+        self._state.project(y)
+        self._raise()
+        both = (self._whole(array).reshape(DOF, width, -1)[: len(which)] for array in (self._f, y))
+        return tuple(np.moveaxis(array, 0, 2) for array in both)
+
+    def _whole(self, array: Real) -> Real:
+        """(columns, N) of a vector."""
+        rows = np.concatenate([self._block(k, array) for k in range(len(self._state.layout.shapes))])
+        return rows.transpose(1, 0, 2).reshape(rows.shape[1], -1)
+
+
+def _rounded(projection: Real) -> Real:
+    """A projection whose rows that change nothing do so exactly."""
+    same, none = np.eye(len(projection)), np.abs(projection) < 1e-11
+    return np.where(np.abs(projection - same) < 1e-11, same, np.where(none, 0.0, projection))

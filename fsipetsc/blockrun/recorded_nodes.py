@@ -1,0 +1,162 @@
+"""Nodes that are recorded at each step: -fsi_points, on interfaces, and -fsi_probes, anywhere."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fsipetsc.blockrun.columns import fields_of, point_names
+from fsipetsc.blocks.problem import Meeting
+from fsipetsc.errors import InputError
+
+if TYPE_CHECKING:
+    from fsipetsc.blockrun.block_state import BlockState
+    from fsipetsc.blockrun.run_problem import RunProblem
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """A node of a block. name: of its interface or block; X: its place in the reference map [m].
+
+    face: (axis, side) of the solid's face at an interface; None where there is none.
+    """
+
+    name: str
+    block: int
+    node: int
+    X: tuple[float, ...]
+    face: tuple[int, int] | None = None
+
+
+def chosen(problem: RunProblem, points: Sequence[float], probes: str | None) -> list[Recorded]:
+    """What the options ask for: the nearest nodes. InputError for places outside."""
+    if points and problem.dimension != 2:
+        raise InputError("-fsi_points is of two dimensions: expected -fsi_probes X,Y,Z;…")
+    on_interfaces = dict.fromkeys(node for X in points for node in _on_interfaces(problem, X))
+    found = sorted(on_interfaces, key=lambda node: problem.interface_names.index(node.name))
+    return found + [_nearest(problem, place) for place in _places(probes, problem.dimension)]
+
+
+def _places(text: str | None, d: int) -> list[Array]:
+    """Of "X,Y;X,Y". InputError."""
+    found = []
+    for piece in (text or "").split(";") if text else ():
+        try:
+            place = np.array([float(number) for number in piece.split(",")])
+        except ValueError:
+            place = np.empty(0)
+        if place.size != d or not np.isfinite(place).all():
+            wanted = ",".join("XYZ"[:d])
+            raise InputError(f"-fsi_probes {piece}: expected {wanted}, and ; between several")
+        found.append(place)
+    return found
+
+
+def _on_interfaces(problem: RunProblem, X: float) -> list[Recorded]:
+    """The node of each interface that is nearest to X. InputError where there is none."""
+    found = []
+    for number, (_, solid) in enumerate(problem.interfaces):
+        nodes = problem.interface_nodes(number)
+        places = problem.places(solid, nodes)
+        low, high = places[:, 0].min(), places[:, 0].max()
+        if low <= X <= high or problem.layers[solid].periodic[0]:
+            at = int(np.argmin(np.abs(places[:, 0] - X)))
+            name, node = problem.interface_names[number], int(nodes[at])
+            place = tuple(places[at].tolist())
+            found.append(Recorded(name, solid, node, place, _face_of(problem, solid, node)))
+    if not found:
+        raise InputError(f"-fsi_points {X:g}: there is no interface at this X")
+    return found
+
+
+def _nearest(problem: RunProblem, place: Array) -> Recorded:
+    """The node next to a place; on an interface that of the solid. InputError for one outside."""
+    best: tuple[float, int, int, Array] | None = None
+    solids_first = sorted(range(len(problem.layers)), key=lambda k: problem.layers[k].kind != "solid")
+    for k in solids_first:
+        nodes = np.arange(int(np.prod(problem.layers[k].shape)))
+        places = problem.places(k, nodes)
+        distance = np.linalg.norm(places - place, axis=1)
+        at = int(np.argmin(distance))
+        if best is None or distance[at] < best[0] - problem.tolerance:
+            best = float(distance[at]), k, at, places[at]
+    distance, k, node, X = best
+    if distance > _reach(problem, k, node):
+        text = ",".join(f"{x:g}" for x in place)
+        raise InputError(f"-fsi_probes {text}: no block is there; the nearest node is {distance:g} away")
+    name = problem.layers[k].name
+    return Recorded(name, k, node, tuple(X.tolist()), _face_of(problem, k, node))
+
+
+def _reach(problem: RunProblem, k: int, node: int) -> float:
+    """The sum of the distances to the neighbours along each axis: no place in a cell is further."""
+    shape, total = problem.layers[k].shape, 0.0
+    at = np.array(np.unravel_index(node, shape, order="F"))
+    here = problem.places(k, np.array([node]))[0]
+    for axis, n in enumerate(shape):
+        ends = []
+        for step in (-1, 1):
+            other = at.copy()
+            other[axis] += step
+            if 0 <= other[axis] < n:
+                number = np.ravel_multi_index(tuple(other), shape, order="F")
+                ends.append(np.linalg.norm(problem.places(k, np.array([number]))[0] - here))
+        total += max(ends)
+    return float(total)
+
+
+def _face_of(problem: RunProblem, k: int, node: int) -> tuple[int, int] | None:
+    """The face at which a node of a solid is on an interface."""
+    if problem.layers[k].kind != "solid":
+        return None
+    for face, met in sorted(problem.faces_of(k).items()):
+        if isinstance(met, Meeting) and problem.is_interface(k, *face):
+            if node in problem.face_nodes(k, *face):
+                return face
+    return None
+
+
+class Recorder:
+    """Writes what is known of the nodes that this rank owns into the record of a step."""
+
+    def __init__(self, state: BlockState, nodes: Sequence[Recorded]) -> None:
+        self._state, self._names = state, point_names(state.problem.dimension)
+        self._own: list[tuple[int, Recorded, int]] = []
+        for number, node in enumerate(nodes):
+            part = state.layout.part(node.block)
+            if part is not None and node.node in part.numbers:
+                self._own.append((number, node, int(part.rows(np.array([node.node]))[0])))
+
+    def look(self, record: Any) -> None:
+        """Of the completed state, whose halos are filled."""
+        for number, node, row in self._own:
+            for name, value in zip(self._names, self._values(node, row), strict=True):
+                record[name][number] = value
+
+    def _values(self, node: Recorded, row: int) -> list[float]:
+        """Place, velocity, temperature, pressure; traction on the solid at an interface, else 0."""
+        state, d = self._state, self._state.problem.dimension
+        kind = state.problem.layers[node.block].kind
+        part, q = state.scheme.parts[node.block], state.y.ghosted(node.block)
+        saved = part.fields(q, slice(row, row + 1))[0]
+        known = dict(zip(fields_of(kind, d), saved.tolist(), strict=True))
+        traction = [0.0] * d
+        if kind == "solid":
+            stress = _full(saved[d + 1 : d + 1 + d * (d + 1) // 2], d)
+            known["p"] = -float(np.trace(stress)) / d
+            if node.face is not None:
+                traction = (stress @ part.normal(row, *node.face)).tolist()
+        names = (name.removesuffix("_point") for name in self._names[: 2 * d + 2])
+        return [*(known[name] for name in names), *traction]
+
+
+def _full(upper: Array, d: int) -> Array:
+    """A symmetric matrix from xx, xy, …, yy, …."""
+    stress = np.empty((d, d))
+    stress[np.triu_indices(d)] = upper
+    return np.where(np.tri(d, k=-1, dtype=bool), stress.T, stress)

@@ -1,1 +1,0 @@
-"""Two space dimensions: who owns what."""

@@ -1,1 +1,0 @@
-"""Two space dimensions: what a step is. Compiled."""

@@ -1,0 +1,168 @@
+"""What fsipetsc.scheme.solid_rates knows of a patch before, and its memory.
+
+A tile is a range of nodes along the first axis, and along the second one of three; its layers along
+the last axis are swept. Boxes of nodes around a tile say where what is needed: t^k where its pairs
+reach, displacements where these reach in turn; conduction reaches once more.
+"""
+
+from __future__ import annotations
+
+from itertools import product
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fsipetsc.operators.bands import Band
+from fsipetsc.operators.loops import _by_length as by_length
+from fsipetsc.operators.patch import Patch
+from fsipetsc.scheme.rows import U64
+
+Array = NDArray[Any]
+#: as numbers of numba's usual type: it compiles a function anew for each literal one
+NONE, ONE = np.int64(0), np.int64(1)
+#: kinds of derivatives: D_k and D°_k
+PLAIN, FREE = NONE, ONE
+#: most nodes of a tile along the first axis, and along the second one of three, for d = 1, 2, 3
+TILES = ((1024, 1), (128, 1), (64, 16))
+#: longest pairs of all operators; nodes of a row with all that they reach
+REACH = 7
+WIDTH = U64(1024 + 6 * REACH)
+#: numbers between components of the nodes of a tile, for d = 1, 2, 3. LLVM makes vector code of
+#: loops that store many components only if it knows how far they are apart
+STEPS = 1096, 29 * 170 + 6, 29 * 58 * 106 + 12
+step_of = by_length("step_of", "like", lambda d: f" return {STEPS[d - 1]}")
+#: what is known of a tile's nodes: rates, t^k and heats, T, F, unknowns
+OWN, NEAR, WARM, STRAINED, KNOWN = map(U64, range(5))
+
+class Layout(NamedTuple):
+    """Of a tile's arrays, row, layer: nodes of a row and of a layer; layers: how many are kept.
+
+    begin, end: nodes of the first axis with the same neighbours, those of the interior.
+    """
+
+    row: int
+    layer: int
+    layers: int
+    begin: int
+    end: int
+
+
+class Row(NamedTuple):
+    """n nodes along the first axis from x, y, z on: numbers of the first one in arrays.
+
+    patch, own: in those of a patch, and of its owned nodes; tile: in those of a tile, whose layer
+    ``place`` it is in. From its node ``begin`` to ``end`` all have the neighbours of the interior.
+    """
+
+    n: int
+    patch: int
+    own: int
+    tile: int
+    x: int
+    y: int
+    z: int
+    place: int
+    begin: int
+    end: int
+
+
+class Work(NamedTuple):
+    """What solid_rates knows of a patch, and its memory. The axes are first, inner and last one.
+
+    patch: in this order. lags: layers from loading to t^k, conduction, rates. boxes:
+    (tiles, 5, 3, 2) first node and first beyond of OWN … KNOWN. jumps: (3, n, 1 + most) of each
+    axis and node how many neighbours there are, and how far; weights: (2, 3, n, 1 + most)
+    S_il/(2 weight_i) of these, for PLAIN and FREE, which differ at the node itself. In flat arrays
+    by components, of the nodes of a tile: unknowns, strains F, tractions t^k, temps T, heats
+    A^k . h; of the nodes of a row: slopes, found (rates).
+    """
+
+    patch: Patch
+    layout: Layout
+    lags: tuple[int, int, int]
+    boxes: Array
+    jumps: Array
+    weights: Array
+    unknowns: Array
+    strains: Array
+    tractions: Array
+    temps: Array
+    heats: Array
+    slopes: Array
+    found: Array
+
+
+def solid_work(solid: Any, bands: Any, regular: tuple[int, int], patch: Patch) -> Work:
+    """Work for a patch with these three bands of its ghosted nodes.
+
+    regular: nodes of axis 0, from … to, whose rows of D are those of the interior.
+    """
+    d = len(solid.force)
+    bands, patch = in_order(bands, d), Patch(*(in_order(of_axes, d) for of_axes in patch))
+    conducts = int(solid.kappa > 0.0)
+    tiles = tiles_of(patch, d)
+    boxes = np.array([boxes_of(bands, own, conducts and not solid.coupled) for own in tiles])
+    boxes[:, [NEAR, WARM]] *= conducts  # else no rows of T and heats
+    row, inner = (int((b[:, 1] - b[:, 0]).max()) for b in (boxes[:, KNOWN, 0], boxes[:, KNOWN, 1]))
+    reach = bands[2].reach
+    layout = Layout(row, row * inner, (3 + conducts) * reach + 1, *regular)
+    lags = reach, (1 + conducts) * reach, (2 + conducts) * reach
+    memory = [np.zeros(count * STEPS[d - 1]) for count in (2 * d + 1, d * d, d * d, 1, d)]
+    of_row = [np.zeros(count * int(WIDTH)) for count in (2 * d * d + d, 2 * d + 1)]
+    return Work(patch, layout, lags, boxes, *neighbours(bands), *memory, *of_row)
+
+
+def in_order(of_axes: Any, d: int) -> Any:
+    """First axis, second one of three, last one."""
+    return (of_axes[0], of_axes[2], of_axes[1]) if d == 2 else tuple(of_axes)
+
+
+def tiles_of(patch: Patch, d: int) -> list[Any]:
+    """Tiles of the owned nodes: (begin, end) along each axis."""
+    cuts = []
+    for first, count, most in zip(patch.first, patch.own, (*TILES[d - 1], patch.own[2])):
+        ends = range(first, first + count, most)
+        cuts.append([(begin, min(begin + most, first + count)) for begin in ends])
+    return list(product(*cuts))
+
+
+def boxes_of(bands: tuple[Band, ...], own: Any, further: bool) -> list[Any]:
+    """OWN … KNOWN of a tile. further: T follows from F, so that both are needed around t^k."""
+
+    def reached(box: Any) -> Any:
+        return [reached_along(b.S, *ends) for b, ends in zip(bands, box, strict=True)]
+
+    near = reached(own)
+    warm = reached(near)
+    return [own, near, warm, warm if further else near, reached(warm) if further else warm]
+
+
+def reached_along(S: Array, begin: int, end: int) -> tuple[int, int]:
+    """First node and first beyond of those in pairs with nodes begin … end - 1."""
+    low, high = begin, end
+    for m in range(1, len(S)):
+        ahead = np.flatnonzero(S[m, begin:end])
+        behind = np.flatnonzero(S[m, max(begin - m, 0) : end - m]) if end > m else ()
+        high = max(high, begin + ahead[-1] + m + 1) if len(ahead) else high
+        low = min(low, max(begin - m, 0) + behind[0]) if len(behind) else low
+    return low, min(high, S.shape[1])
+
+
+def neighbours(bands: Any) -> tuple[Array, Array]:
+    """jumps and weights of Work."""
+    most = max(2 * band.reach + 1 for band in bands)
+    shape = 3, max(len(band.weight) for band in bands), 1 + most + -most % 4
+    jumps, weights = np.zeros(shape, np.int64), np.zeros((2, *shape))
+    for axis, (S, weight) in enumerate(bands):
+        for i in range(len(weight)):
+            pairs = [(m, S[m, i]) for m in range(1, min(len(S), len(weight) - i))]
+            pairs += [(-m, -S[m, i - m]) for m in range(1, min(len(S), i + 1))]
+            own = sum(S_il for _, S_il in pairs)
+            pairs = [(m, S_il) for m, S_il in [*pairs, (0, own)] if abs(S_il) > 1e-12]
+            here = slice(1, 1 + len(pairs))
+            jumps[axis, i, 0], jumps[axis, i, here] = len(pairs), [m for m, _ in pairs]
+            for kind, sign in ((PLAIN, -1.0), (FREE, 1.0)):
+                signed = [S_il if m else sign * S_il for m, S_il in pairs]
+                weights[kind, axis, i, here] = np.array(signed) / (2.0 * weight[i])
+    return jumps, weights

@@ -1,1 +1,0 @@
-"""Two space dimensions: PETSc's TS and what happens around a step."""

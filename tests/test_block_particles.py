@@ -1,0 +1,215 @@
+"""What holds particles: constraints at edges of any kind, who shares what."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+pytest.importorskip("numba")
+
+import block_shapes as shapes
+from test_block_ledgers import gas, problem_of, solid
+
+from fsipetsc.blocks.conditions import (
+    Absorbing,
+    Clamped,
+    Free,
+    Given,
+    Hinge,
+    NoSlip,
+    Open,
+    Roller,
+    Slip,
+    holds_energy,
+)
+from fsipetsc.blocks.particles import ROLLS, SLIPS, particles_of
+from fsipetsc.errors import InputError
+from fsipetsc.scheme.particles import eliminate
+
+N = 3
+
+
+def at(problem, *place):
+    """The particle at a place."""
+    for particle in particles_of(problem):
+        k, node = particle.members[0]
+        if np.allclose(problem.places(k, np.array([node]))[0], place):
+            return particle
+    raise AssertionError(f"no particle at {place}")
+
+
+def kinds(particle):
+    """(kind, number of faces at walls, at solids) of its constraints."""
+    return [(c.kind, len(c.walls), len(c.solids)) for c in particle.constraints]
+
+
+def panel(faces, mu=0.0, points=(), **options):
+    return problem_of(shapes.panel(N), faces, gas(mu=mu), solid(**options), points)
+
+
+def closed(name, axis, side):
+    return Slip() if name.startswith("gas") else Clamped()
+
+
+def test_edges_of_a_panel_on_a_floor():
+    """Around its tip one constraint; at its foot the floor and the panel are two."""
+    problem = panel(closed)
+    assert kinds(at(problem, 1.0, 0.7)) == [(SLIPS, 0, 2)], "the tip"
+    assert kinds(at(problem, 1.15, 0.7)) == [(SLIPS, 0, 1)], "its middle"
+    assert sorted(kinds(at(problem, 1.0, 0.0))) == [(SLIPS, 0, 1), (SLIPS, 1, 0)], "the foot"
+    assert kinds(at(problem, 0.0, 0.0)) == [(SLIPS, 1, 0)] * 2, "a corner of the box"
+    assert kinds(at(problem, 0.0, 0.7)) == [(SLIPS, 2, 0)], "a wall that goes on"
+    assert at(problem, 1.0, 0.0).clamp == Clamped() and at(problem, 1.0, 0.7).clamp is None
+    assert kinds(at(problem, 1.0, 1.5)) == [(SLIPS, 2, 0)]
+
+
+def test_a_panel_that_is_flush_with_a_wall():
+    """The wall and the panel in it are one constraint."""
+    shape = {
+        "gas left": shapes.box((0, 0), (1, 1), N, N),
+        "gas right": shapes.box((1, 0), (2, 1), N, N),
+        "solid": shapes.box((0, 1), (1, 1.3), N, N),
+    }
+    problem = problem_of(shape, closed, gas(), solid())
+    assert kinds(at(problem, 1.0, 1.0)) == [(SLIPS, 1, 1)]
+
+    def named(name, axis, side):
+        return Clamped() if name == "solid" else Slip(name=f"wall {axis}")
+
+    assert kinds(at(problem_of(shape, named, gas(), solid()), 1.0, 1.0)) == [(SLIPS, 1, 1)]
+    assert sorted(kinds(at(problem, 0.0, 1.0))) == [(SLIPS, 0, 1), (SLIPS, 1, 0)]
+
+
+def test_names_decide():
+    def named(name, axis, side):
+        if name == "solid":
+            return Clamped()
+        return Slip(name="one") if axis == 0 or side == 0 else Slip(name=name)
+
+    problem = panel(named)
+    assert kinds(at(problem, 0.0, 0.0)) == [(SLIPS, 2, 0)], "a corner with one name"
+    assert kinds(at(problem, 1.0, 1.5)) == [(SLIPS, 1, 0)] * 2, "a wall with two"
+    assert kinds(at(problem, 0.0, 0.7)) == [(SLIPS, 2, 0)]
+
+
+def test_rollers_around_a_corner_are_two():
+    def faces(name, axis, side):
+        return Roller()
+
+    shape = {
+        "solid a": shapes.box((0, 0), (1, 1), N, N),
+        "solid b": shapes.box((1, 0), (2, 1), N, N),
+    }
+    problem = problem_of(shape, faces, gas(), solid())
+    assert kinds(at(problem, 0.0, 0.0)) == [(ROLLS, 1, 0)] * 2
+    assert kinds(at(problem, 1.0, 0.0)) == [(ROLLS, 2, 0)]
+
+
+def test_gas_that_sticks_needs_no_normal():
+    problem = panel(closed, mu=0.1)
+    tip, foot = at(problem, 1.0, 0.7), at(problem, 1.0, 0.0)
+    assert tip.sticks and not tip.constraints
+    assert kinds(foot) == [(SLIPS, 1, 0)]
+    assert not at(problem, 0.0, 0.7).sticks
+
+
+@pytest.mark.parametrize("heat", ["elastic", "coupled"])
+@pytest.mark.parametrize("kappa", [0.0, 0.05])
+def test_who_has_one_temperature(heat, kappa):
+    shape = {
+        "gas": shapes.box((0, 0), (1, 1), N, N),
+        "solid a": shapes.box((0, 1), (1, 2), N, N),
+        "solid b": shapes.box((0, 2), (1, 3), N, N),
+    }
+
+    def faces(name, axis, side):
+        warm = Clamped(T=2.0) if name == "solid b" and axis == 1 else Free()
+        return NoSlip(T=1.5) if name == "gas" else warm
+
+    problem = problem_of(shape, faces, gas(mu=0.1), solid(heat=heat, kappa=kappa))
+    elastic, conducts = heat == "elastic", kappa > 0.0
+    between, join = at(problem, 0.5, 1.0), at(problem, 0.5, 2.0)
+    assert between.shares_heat == conducts and not between.one_T
+    assert between.stores == (elastic and conducts)
+    assert join.one_T == (conducts or not elastic) and not join.shares_heat
+    assert join.stores == (elastic and conducts)
+    corner, top = at(problem, 0.0, 1.0), at(problem, 0.5, 3.0)
+    assert corner.warm_gas.T == 1.5 and (corner.warm_solid is not None) == conducts
+    assert top.warm_solid.T == 2.0 and top.warm_gas is None and top.stores == elastic
+    assert at(problem, 0.5, 0.0).warm_gas.T == 1.5
+
+
+def test_a_temperature_that_is_given_is_that_of_all_solids_there():
+    shape = {
+        "solid a": shapes.box((0, 0), (1, 1), N, N),
+        "solid b": shapes.box((1, 0), (2, 1), N, N),
+    }
+
+    def faces(name, axis, side):
+        return Free(T=1.2) if (axis, side) == (1, 1) else Free()
+
+    problem = problem_of(shape, faces, gas(), solid(heat="elastic", kappa=0.0))
+    warm, other = at(problem, 1.0, 1.0), at(problem, 1.0, 0.5)
+    assert warm.one_T and warm.stores and not other.one_T and not other.stores
+
+
+def test_who_holds_what():
+    def moving(*X_and_t):
+        return X_and_t[:-1]
+
+    given = Given(lambda X, Y, t: (1.0, 0.0, 0.0, 1.0), x=moving)
+    open_face = Open(1.0, (0.0, 0.0), 1.0)
+
+    def faces(name, axis, side):
+        if name == "solid":
+            return Absorbing()
+        if name == "gas 00":
+            return NoSlip(x=moving) if axis == 1 else NoSlip()
+        if name == "gas 21":
+            return NoSlip(x=moving) if axis == 0 else NoSlip()
+        if name == "gas 20":
+            return given if axis == 0 else Slip(x=moving)
+        return open_face if axis == 0 else Slip()
+
+    problem = panel(faces, points=(("solid", (1.15, 0.7), Hinge()),))
+    assert at(problem, 0.0, 0.0).wall.x is moving, "what moves holds"
+    assert at(problem, 2.5, 1.5).wall.x is moving
+    assert at(problem, 0.0, 0.0).moves and not at(problem, 0.0, 0.35).moves
+    assert at(problem, 2.5, 0.35).given_gas is given and at(problem, 2.5, 0.35).moves
+    assert at(problem, 1.9, 0.0).slip.x is moving and at(problem, 1.9, 0.0).moves
+    assert at(problem, 1.15, 0.7).clamp == Clamped() and at(problem, 1.15, 0.0).clamp is None
+    assert at(problem, 0.0, 1.5).warm_gas is None, "an open end holds no temperature"
+
+
+def test_clamps_move_by_velocities_alone():
+    def velocity(X, t):
+        return (t + 0.0 * X,)
+
+    assert Clamped(velocity=velocity).x is None
+    for condition in (NoSlip, Slip):
+        with pytest.raises(InputError, match="velocity is given, and x is not"):
+            condition(velocity=velocity)
+    with pytest.raises(InputError, match="stress"):
+        Absorbing("much")
+    with pytest.raises(InputError, match="T and heat_flux"):
+        Roller(T=1.0, heat_flux=1.0)
+
+
+def test_what_holds_energy():
+    def velocity(X, t):
+        return (t + 0.0 * X,)
+
+    closed = NoSlip(), Slip(), Clamped(), Free(), Roller()
+    opened = Absorbing(), Clamped(velocity=velocity), Free(1.0), Roller(T=1.0)
+    opened += NoSlip(heat_flux=0.0), Open(1.0, 0.0, 1.0)
+    assert [holds_energy(c) for c in closed] == [True] * 5
+    assert [holds_energy(c) for c in opened] == [False] * 6
+
+
+def test_constraints_that_others_imply_get_no_force():
+    n = np.array([[1.0, 0.0], [0.6, 0.8], [0.3, 0.4 + 1e-12]])
+    A, x = n @ n.T, n @ np.array([2.0, 3.0])
+    found = x.copy()
+    eliminate.py_func(A.copy(), found, np.zeros(3))
+    assert found[2] == 0.0 and np.abs(found).max() < 10.0
+    assert np.allclose(A @ found, x, rtol=0.0, atol=1e-9)

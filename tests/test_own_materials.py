@@ -1,0 +1,186 @@
+"""Laws that cases bring as plain functions, and what a Fluid says of itself."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+pytest.importorskip("numba")
+
+from test_solid_rates import Block
+
+from fsipetsc.errors import InputError
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.own import gas_law, pressure_law, solid_law, transport_law
+from fsipetsc.materials.perfect_gas import PerfectGas
+from fsipetsc.materials.solid import ElasticSolid
+from fsipetsc.materials.stiffened_gas import stiffened_gas
+from fsipetsc.materials.sutherland import sutherland
+
+R, CV = 287.0, 717.5
+GAS = {
+    "pressure": lambda rho, T: R * rho * T,
+    "internal_energy": lambda rho, T: CV * T,
+    "temperature": lambda rho, e: e / CV,
+    "density": lambda p, T: p / (R * T),
+    "temperature_of": lambda rho, p: p / (R * rho),
+}
+SOLID = {"mu_e": 1.3, "lambda_e": 2.1, "kappa_e": 0.0, "m0": 1.7, "alpha": 0.6}
+
+
+def log_stress(F):
+    """That of the law "log" in two dimensions."""
+    mu, K = 1.3, 4.7
+    J = F[0] * F[3] - F[1] * F[2]
+    pull = K * np.log(J) - mu * J
+    return (
+        mu * F[0] + pull * F[3],
+        mu * F[1] - pull * F[2],
+        mu * F[2] - pull * F[1],
+        mu * F[3] + pull * F[0],
+    )
+
+
+def log_energy(F):
+    mu, K = 1.3, 4.7
+    J = F[0] * F[3] - F[1] * F[2]
+    shear = 0.5 * mu * (F[0] ** 2 + F[1] ** 2 + F[2] ** 2 + F[3] ** 2 - 1.0 - J * J)
+    return shear + K * (J * np.log(J) - J + 1.0)
+
+
+def test_what_follows_from_the_needed_formulas_of_a_gas():
+    own, built_in = Fluid(0.0, 0.0, 1.4, R, law=gas_law(**GAS)).gas_law, PerfectGas(1.4, R)
+    rho, T = 1.3, 310.0
+    for name in ("energy_density", "heat_capacity", "bulk_modulus", "pressure_by_temperature"):
+        assert getattr(own, name)(rho, T) == pytest.approx(
+            getattr(built_in, name)(rho, T), rel=1e-9
+        )
+    assert own.sound_speed_squared(rho, T) == pytest.approx(1.4 * R * T, rel=1e-9)
+    assert np.isnan(own.entropy(rho, T))
+
+
+def test_a_law_may_have_numbers_of_its_own():
+    from typing import NamedTuple
+
+    class Noble(NamedTuple):
+        b: float
+
+        def pressure(self, rho, T):
+            return R * rho * T / (1.0 - self.b * rho)
+
+        def internal_energy(self, rho, T):
+            return CV * T
+
+        def temperature(self, rho, e):
+            return e / CV
+
+        def density(self, p, T):
+            return p / (R * T + self.b * p)
+
+        def temperature_of(self, rho, p):
+            return p * (1.0 - self.b * rho) / (R * rho)
+
+    law = Fluid(0.0, 0.0, 1.4, R, law=Noble(0.1)).gas_law
+    room = 1.0 - 0.1 * 1.3
+    assert law.sound_speed_squared(1.3, 310.0) == pytest.approx(1.4 * R * 310.0 / room**2, rel=1e-8)
+
+
+def test_what_a_fluid_says():
+    air = Fluid(1.8e-5, 0.026, 1.4, R, transport=sutherland(273.0, 111.0, 194.0))
+    assert air.cv == pytest.approx(CV)
+    assert air.sound_speed(300.0) == pytest.approx(np.sqrt(1.4 * R * 300.0), rel=1e-14)
+    assert air.internal_energy(1.2, 300.0) == pytest.approx(CV * 300.0)
+    assert air.relative(273.0) == pytest.approx((1.0, 1.0))
+    of_mu, of_kappa = air.relative(546.0)
+    assert of_mu == pytest.approx(2.0**1.5 * 384.0 / 657.0) and of_kappa == pytest.approx(
+        2.0**1.5 * 467.0 / 740.0
+    )
+    water = Fluid(1e-3, 0.6, 4.4, 1.0, law=stiffened_gas(4.4, 1000.0, 6e8))
+    p = water.gas_law.pressure(1000.0, 300.0)
+    assert water.sound_speed(300.0, 1000.0) == pytest.approx(np.sqrt(4.4 * (p + 6e8) / 1000.0))
+    assert water.internal_energy(1000.0, 300.0) == pytest.approx(1000.0 * 300.0 + 6e8 / 1000.0)
+    prandtl = Fluid.with_prandtl(1.8e-5, 0.7, 1.4, R)
+    assert prandtl.kappa == pytest.approx(1.4 * CV * 1.8e-5 / 0.7)
+    with pytest.raises(InputError, match="law of its own for kappa"):
+        Fluid.with_prandtl(1.8e-5, 0.7, 1.4, R, transport=sutherland(273.0, 111.0, 194.0))
+
+
+def test_a_transport_law_of_one_or_two_functions():
+    both = transport_law(lambda T: (T / 300.0, (T / 300.0) ** 2))
+    apart = transport_law(lambda T: T / 300.0, lambda T: (T / 300.0) ** 2)
+    alike = transport_law(lambda T: T / 300.0)
+    for law, wanted in ((both, (2.0, 4.0)), (apart, (2.0, 4.0)), (alike, (2.0, 2.0))):
+        assert Fluid(1.0, 1.0, 1.4, R, transport=law).relative(600.0) == pytest.approx(wanted)
+
+
+def test_an_own_stress_is_that_of_the_built_in_law():
+    own = ElasticSolid(**SOLID, law=solid_law(stress=log_stress, energy=log_energy), heat="elastic")
+    built_in = ElasticSolid(**SOLID, heat="elastic")
+    for F in (1.0, 0.0, 0.0, 1.0), (1.1, 0.05, -0.08, 0.95), (0.7, -0.3, 0.2, 1.3):
+        assert own.stress(F) == pytest.approx(built_in.stress(F), abs=1e-13)
+        laws = own.solid_law, built_in.solid_law
+        assert laws[0].energy(F) == pytest.approx(laws[1].energy(F), abs=1e-13)
+        assert laws[0].wave_modulus(F) >= 0.99 * laws[1].wave_modulus(F) / 2.0
+
+
+def test_rates_with_an_own_law_are_those_of_the_built_in_one():
+    """And with its pressure."""
+    own = {
+        "law": solid_law(stress=log_stress),
+        "pressing": pressure_law(lambda J, T, m0, alpha: 1.2 * m0 * alpha * T / J),
+    }
+    block = Block(2, 4, cells=(12, 12), **own)
+    found = block.rates()
+    wanted = block.reference()
+    assert np.abs(found - wanted).max() <= 1e-12 * np.abs(wanted).max()
+
+
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [
+        (
+            lambda: gas_law(pressure=GAS["pressure"]),
+            r"gas_law: the formula internal_energy\(rho, T\) is missing",
+        ),
+        (lambda: gas_law(**GAS, viscosity=GAS["pressure"]), "there is no formula 'viscosity'"),
+        (
+            lambda: gas_law(**GAS | {"density": lambda p: p}),
+            r"density\(p\): expected density\(p, T\)",
+        ),
+        (
+            lambda: gas_law(**GAS | {"density": lambda p, T: T.nowhere}),
+            "gas_law: density cannot be compiled",
+        ),
+        (
+            lambda: gas_law(**GAS | {"density": lambda p, T: (p, T)}),
+            "density returns a value of the type",
+        ),
+        (lambda: transport_law(3), "viscosity is 3: expected a function"),
+        (lambda: solid_law(energy=log_energy), r"solid_law: the formula stress\(F\) is missing"),
+        (
+            lambda: Fluid(1.0, 1.0, 1.4, R, transport=lambda T: T),
+            r"expected what transport_law\(…\) returns",
+        ),
+        (
+            lambda: Fluid(1.0, 1.0, 1.4, R, law=3),
+            r"Fluid: law is 3: expected what gas_law\(…\) returns",
+        ),
+        (
+            lambda: ElasticSolid(**SOLID, law=solid_law(stress=log_stress), heat="elastic"),
+            r"no formula energy\(F\), which heat='elastic' needs",
+        ),
+        (
+            lambda: ElasticSolid(
+                **SOLID, law=solid_law(stress=log_stress, energy=lambda F: 1.001 * log_energy(F))
+            ).equations(2),
+            "stress is not the derivative of energy",
+        ),
+        (
+            lambda: ElasticSolid(**SOLID, law=solid_law(stress=lambda F: F[:3])).equations(2),
+            "expected a tuple of 4 numbers",
+        ),
+    ],
+)
+def test_what_is_wrong_with_a_law(make, said):
+    with pytest.raises(InputError, match=said):
+        make()
