@@ -1,9 +1,14 @@
-"""The paper's method, fsipetsc.paper, held against the program that it replaces: rates,
-projections, integrals, bounds."""
+"""The paper's method, fsipetsc.paper: rates, projections, integrals and bounds at random states, as
+they were frozen when two programs, written apart, agreed on them to 1e-12.
+
+`python tests/test_paper_rates.py` freezes them anew, which is for a change of the method alone.
+"""
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,203 +17,163 @@ pytest.importorskip("petsc4py")
 
 from mpi4py import MPI
 
-from fsipetsc.boundaries import Dirichlet, Open, absorbing, clamped, free
+from fsipetsc.boundaries import Dirichlet, Open, Wall, absorbing, clamped, free
 from fsipetsc.cases import load_case
 from fsipetsc.errors import InputError
+from fsipetsc.materials.own import gas_law
+from fsipetsc.materials.power_law import power_law
+from fsipetsc.materials.solid_pressure import stiffened_pressure
+from fsipetsc.materials.sutherland import sutherland
 from fsipetsc.options import defaults
 from fsipetsc.paper.state import make_paper_state
-from fsipetsc.physics.own_laws import gas_law
-from fsipetsc.physics.power_law import power_law
-from fsipetsc.physics.stiffened_gas import stiffened_gas
-from fsipetsc.physics.sutherland import sutherland
-from fsipetsc.stepping.solve import make_layer_state
 
-SOLID_ENDS = {
-    "clamped": clamped(0.3, T=310.0),
-    "free": free(-9e4, heat_flux=1e3),
-    "absorbing": absorbing(-9e4),
-}
-GAS_ENDS = {
-    "open": Open(1.5, 1e5, 300.0, 0.0),
-    "open0": Open(1.5, 1e5, 300.0, 5.0, order=0),
-    "inflow": Dirichlet(1.5, lambda t: (1.2, -30.0, 305.0), 3),
-    "outflow": Dirichlet(1.5, lambda t: (1.1, 20.0, 295.0)),
-    "supersonic": Dirichlet(1.5, lambda t: (1.2, -500.0, 300.0)),
+FROZEN = Path(__file__).with_name("paper_rates.json")
+COUPLINGS = "projection", "energy", "traditional"
+ENDS = {
+    "clamped": (clamped(0.3, T=310.0), None),
+    "free": (free(-9e4, heat_flux=1e3), None),
+    "absorbing": (absorbing(-9e4), None),
+    "open": (None, Open(1.5, 1e5, 300.0, 0.0)),
+    "open0": (None, Open(1.5, 1e5, 300.0, 5.0, order=0)),
+    "inflow": (None, Dirichlet(1.5, lambda t: (1.2, -30.0, 305.0), 3)),
+    "outflow": (None, Dirichlet(1.5, lambda t: (1.1, 20.0, 295.0))),
+    "supersonic": (None, Dirichlet(1.5, lambda t: (1.2, -500.0, 300.0))),
 }
 _VISCOUS = {"fluid_mu": 0.5, "fluid_kappa": 0.7, "solid_kappa": 0.5}
+R, CV = 8.3145 / 0.029, 8.3145 / 0.029 / 0.4
 
 
-def pair_of(name, ends=(None, None), laws=(None, None, None), **changed):
-    """The old state and the new one, of the same problem."""
+def noble_abel():
+    """p = rho R T / (1 - 0.05 rho): a law by hand."""
+    return gas_law(
+        temperature=lambda rho, e: e / CV,
+        internal_energy=lambda rho, T: CV * T,
+        pressure=lambda rho, T: R * rho * T / (1 - 0.05 * rho),
+        density=lambda p, T: p / (R * T + 0.05 * p),
+        temperature_of=lambda rho, p: p * (1 - 0.05 * rho) / (R * rho),
+        heat_capacity=lambda rho, T: CV + 0.0 * T,
+        pressure_by_temperature=lambda rho, T: R * rho / (1 - 0.05 * rho),
+        bulk_modulus=lambda rho, T: R * rho * T / (1 - 0.05 * rho) ** 2,
+        entropy=lambda rho, T: CV * np.log(T) - R * np.log(rho / (1 - 0.05 * rho)),
+    )
+
+
+def laws_of(name):
+    """(law and transport of gases, pressing of solids) to be exchanged."""
+    if name == "others":
+        return noble_abel(), power_law(300.0, 0.7, 0.9), stiffened_pressure(2.0, 1e6, 300.0)
+    return None, sutherland(273.0, 111.0, 194.0) if name == "sutherland" else None, None
+
+
+def state_of(name, ends=None, laws="", **changed):
+    """A state of a case, with other ends or laws."""
     case = load_case(name)
     opt = {**defaults(case), "fsi_h": 0.05, "fsi_entropy": True, **changed}
     problem = case.build(opt)
-    left, right = (new or old for new, old in zip(ends, (problem.left, problem.right), strict=True))
+    at = zip(ENDS.get(ends, (None, None)), (problem.left, problem.right), strict=True)
+    left, right = (new or old for new, old in at)
+    law, transport, pressing = laws_of(laws)
+    of_kind = {"fluid": {"law": law, "transport": transport}, "solid": {"pressing": pressing}}
     layers = []
     for layer in problem.layers:
-        names = {"fluid": ("law", "transport"), "solid": ("pressing",)}[layer.kind]
-        given = dict(zip(names, laws[:2] if layer.kind == "fluid" else laws[2:], strict=True))
-        material = replace(layer.material, **{k: v for k, v in given.items() if v is not None})
-        layers.append(replace(layer, material=material))
+        new = {k: v for k, v in of_kind[layer.kind].items() if v is not None}
+        layers.append(replace(layer, material=replace(layer.material, **new)))
     problem = replace(problem, left=left, right=right, layers=tuple(layers))
-    old = make_layer_state(problem, opt, MPI.COMM_SELF)
-    return old, make_paper_state(problem, opt, MPI.COMM_SELF)
+    return make_paper_state(problem, opt, MPI.COMM_SELF)
 
 
-def disturbed(state, y, seed, noise):
-    """A state of random numbers about y."""
-    rng, y = np.random.default_rng(seed), y.copy()
+def runs():
+    """name -> what is asked of ``state_of``."""
+    found = {}
+    for name in ("rod", "mms"):
+        for coupling in COUPLINGS:
+            for k, order in enumerate((2, 4, 6, 8)):
+                viscous = ("wide", "narrow")[(k + (name == "mms")) % 2]
+                asked = {"fsi_order": order, "fsi_coupling": coupling, "fsi_viscous": viscous}
+                found[f"{name} {coupling} {order} {viscous}"] = {"name": name, **asked}
+    for coupling in COUPLINGS:
+        for heat in ("both", "gas", "solid", "none"):
+            numbers = {
+                "fluid_kappa": 0.7 * (heat in ("both", "gas")),
+                "solid_kappa": 0.5 * (heat in ("both", "solid")),
+                "solid_gruneisen": 0.3,
+            }
+            asked = {"name": "pulse", **_VISCOUS, **numbers, "fsi_coupling": coupling}
+            found[f"heat in {heat} {coupling}"] = asked
+    for k, end in enumerate(ENDS):
+        asked = {"name": "pulse", "ends": end, **_VISCOUS, "fsi_order": (6, 2, 8)[k % 3]}
+        found[end] = {**asked, "solid_gruneisen": 0.2 * (k < 3)}
+    found["open, without friction"] = {"name": "pulse", "ends": "open", "pulse_amplitude": 100.0}
+    for coupling in ("projection", "energy"):
+        asked = {"name": "pulse", "laws": "others", **_VISCOUS, "fsi_coupling": coupling}
+        found[f"laws {coupling}"] = asked
+    found["sutherland"] = {"name": "rod", "laws": "sutherland", "fsi_viscous": "narrow"}
+    return found
+
+
+RUNS = runs()
+
+
+def disturbed(state, seed=1, noise=0.02):
+    """A state of random numbers about the one that there is."""
+    rng, y = np.random.default_rng(seed), state.solution.getArray().copy()
     for k, layer in enumerate(state.problem.layers):
         part = state.layout.local(k, y)
         size = np.abs(part).max(axis=0)
         if layer.kind == "fluid":
-            size[1] = part[:, 0].max() * float(
-                layer.material.sound_speed(part[0, 2] / part[0, 0] / layer.material.cv)
-            )
+            sound = layer.material.sound_speed(part[0, 2] / part[0, 0] / layer.material.cv)
+            size[1] = part[:, 0].max() * float(sound)
         else:
             size[0], size[3] = layer.material.sound_speed(), 0.1 * state.h
         part += noise * size * rng.uniform(-1, 1, part.shape)
     return y
 
 
-def off(found, expected, scale=None):
-    """Largest difference, relative to the largest number."""
-    scale = np.abs(expected).max() if scale is None else scale
-    return np.abs(found - expected).max() / max(scale, 1e-300)
+def looked_at(values):
+    """(a weighted mean, the largest) of some numbers."""
+    weights = np.cos(0.7 * np.arange(len(values)))
+    return [float(np.mean(weights * values)), float(np.abs(values).max())]
 
 
-def size_of(name, state):
-    """What a difference in an integral is compared with: forces on two ends may cancel."""
-    record = state.latest
-    sizes = {
-        "force": np.abs(record["sigma_interface"]).max(),
-        "momentum": 1e-3 * abs(record["energy"]) ** 0.5,
-    }
-    return max(np.abs(record[name]).max(), sizes.get(name, 0.0))
+def measured(state):
+    """Numbers of a state: pairs of a number and the size that its error is compared with."""
+    with state:
+        state.set_initial()
+        state.set_data(0.01)
+        stage = disturbed(state)
+        kept, rates = stage.copy(), np.full_like(stage, np.nan)
+        state.right_hand_side(stage, rates)
+        assert np.array_equal(stage, kept), "the stage is PETSc's"
+        state.solution.getArray()[:] = stage
+        state.finish()
+        found = []
+        for k in range(len(state.problem.layers)):
+            for y in (rates, state.solution.getArray()):
+                found += [looked_at(column) for column in state.layout.local(k, y).T]
+        latest, loaded = state.latest, np.abs(state.latest["sigma_interface"]).max()
+        found += [[float(v), float(v)] for v in state.results[4:5]]
+        sizes = {"energy": latest["energy"], "force": loaded, "entropy": latest["entropy"]}
+        return found + [[float(latest[name]), float(abs(v))] for name, v in sizes.items()]
 
 
-def assert_alike(old, new, noise=0.02, rest=1e-12):
-    """Completed initial states, their integrals, and rates at random states."""
-    with old, new:
-        t = 0.01
-        for state in (old, new):
-            state.set_initial()
-            state.set_data(t)
-        y = old.solution.getArray().copy()
-        assert off(new.solution.getArray(), y) < rest
-        assert off(new.results, old.results) < 1e-12
-        for name in (
-            "energy",
-            "force",
-            "entropy",
-            "mass",
-            "x_interface",
-            "sigma_interface",
-            "T_interface",
-        ):
-            if name in old.latest.dtype.names:
-                found, expected = np.atleast_1d(new.latest[name]), np.atleast_1d(old.latest[name])
-                assert off(found, expected, size_of(name, old)) < 1e-11, name
-        for seed in range(2):
-            stage = disturbed(old, y, seed, noise)
-            kept, f, g = stage.copy(), np.full_like(stage, np.nan), np.full_like(stage, np.nan)
-            old.right_hand_side(stage, f)
-            new.right_hand_side(stage, g)
-            assert np.array_equal(stage, kept), "the stage is PETSc's"
-            for k, layer in enumerate(old.problem.layers):
-                expected, found = old.layout.local(k, f), new.layout.local(k, g)
-                assert np.abs(expected).max() > 0
-                for c in range(expected.shape[1]):
-                    assert off(found[:, c], expected[:, c]) < 1e-12, (layer.name, c)
-            old.solution.getArray()[:] = stage
-            new.solution.getArray()[:] = stage
-            old.finish()
-            new.finish()
-            assert off(new.solution.getArray(), old.solution.getArray()) < 1e-12
-            assert off(new.results, old.results) < 1e-12
-            for name in ("energy", "momentum", "force", "entropy", "heating"):
-                assert off(new.latest[name], old.latest[name], size_of(name, old)) < 1e-11, name
-            assert [(r["lo"], r["hi"]) for r in new.layout.records] == [
-                (r["lo"], r["hi"]) for r in old.layout.records
-            ]
+@pytest.fixture(scope="module")
+def frozen():
+    return json.loads(FROZEN.read_text())
 
 
-@pytest.mark.parametrize("order", (2, 4, 6, 8))
-@pytest.mark.parametrize("viscous", ("wide", "narrow"))
-@pytest.mark.parametrize("coupling", ("projection", "energy", "traditional"))
-@pytest.mark.parametrize("name", ("rod", "mms"))
-def test_rates_are_those_of_the_older_program(name, coupling, viscous, order):
-    assert_alike(*pair_of(name, fsi_order=order, fsi_coupling=coupling, fsi_viscous=viscous))
-
-
-@pytest.mark.parametrize("coupling", ("projection", "energy", "traditional"))
-@pytest.mark.parametrize("conducting", ("both", "gas", "solid", "none"))
-def test_without_heat_on_a_side(coupling, conducting):
-    heat = {
-        "fluid_kappa": 0.7 * (conducting in ("both", "gas")),
-        "solid_kappa": 0.5 * (conducting in ("both", "solid")),
-    }
-    for order in (4, 8):
-        changed = {
-            **_VISCOUS,
-            **heat,
-            "solid_gruneisen": 0.3,
-            "fsi_order": order,
-            "fsi_coupling": coupling,
-        }
-        assert_alike(*pair_of("pulse", **changed))
-
-
-@pytest.mark.parametrize("end", SOLID_ENDS)
-@pytest.mark.parametrize("order", (2, 6))
-def test_ends_of_solids(end, order):
-    changed = {**_VISCOUS, "solid_gruneisen": 0.2, "fsi_order": order}
-    assert_alike(*pair_of("pulse", ends=(SOLID_ENDS[end], None), **changed))
-
-
-@pytest.mark.parametrize("end", GAS_ENDS)
-@pytest.mark.parametrize("order", (2, 8))
-def test_ends_of_gases(end, order):
-    for changed in (_VISCOUS, {"pulse_amplitude": 100.0}):
-        assert_alike(
-            *pair_of("pulse", ends=(None, GAS_ENDS[end]), **changed, fsi_order=order), rest=1e-11
-        )
-
-
-def _noble_abel():
-    """p = rho R T / (1 - 0.05 rho): a law by hand."""
-    return gas_law(
-        constants=lambda record: (record.R, record.cv),
-        temperature=lambda c, rho, e: e / c[1],
-        energy=lambda c, rho, T: c[1] * T,
-        pressure=lambda c, rho, T: c[0] * rho * T / (1 - 0.05 * rho),
-        density=lambda c, p, T: p / (c[0] * T + 0.05 * p),
-        temperature_of_pressure=lambda c, rho, p: p * (1 - 0.05 * rho) / (c[0] * rho),
-        heat_capacity=lambda c, rho, T: c[1] + 0.0 * T,
-        pressure_by_temperature=lambda c, rho, T: c[0] * rho / (1 - 0.05 * rho),
-        bulk_modulus=lambda c, rho, T: c[0] * rho * T / (1 - 0.05 * rho) ** 2,
-        entropy=lambda c, rho, T: c[1] * np.log(T) - c[0] * np.log(rho / (1 - 0.05 * rho)),
-    )
-
-
-@pytest.mark.parametrize("coupling", ("projection", "energy"))
-def test_other_laws(coupling):
-    laws = _noble_abel(), power_law(300.0, 0.7, 0.9), stiffened_gas(2.0, 1e6, 300.0)
-    assert_alike(*pair_of("pulse", laws=laws, **_VISCOUS, fsi_coupling=coupling))
-
-
-def test_sutherland_and_a_body_force():
-    old, new = pair_of(
-        "rod", laws=(None, sutherland(273.0, 111.0, 194.0), None), fsi_viscous="narrow"
-    )
-    assert_alike(old, new)
+@pytest.mark.parametrize("name", RUNS)
+def test_rates_are_the_frozen_ones(name, frozen):
+    found, expected = np.array(measured(state_of(**RUNS[name]))), np.array(frozen[name])
+    assert found.shape == expected.shape and (expected[:, 1] > 0).sum() > 15
+    # differences of the pressure of a solid stand for its derivatives: 1e-10 of them
+    assert (np.abs(found - expected)[:, 0] <= 2e-11 * expected[:, 1]).all()
 
 
 def test_what_the_paper_has_not_is_refused():
     case = load_case("rod")
     opt = {**defaults(case), "fsi_h": 0.05}
     for changed, words in (
-        ({"fsi_mapping": "stretched"}, "rigid frames"),
+        ({"fsi_mapping": "stretched"}, "fsi_coupling conservative"),
         ({"fsi_coupling": "conservative"}, "expected projection, energy, traditional"),
         ({"fsi_dissipation": 1.0}, "fsi_dissipation"),
         ({"fsi_h": 0.03}, "misses an interface"),
@@ -216,3 +181,29 @@ def test_what_the_paper_has_not_is_refused():
     ):
         with pytest.raises(InputError, match=words):
             make_paper_state(case.build(opt), {**opt, **changed}, MPI.COMM_SELF)
+
+
+def test_problems_that_have_no_rigid_frames():
+    case = load_case("rod")
+    opt = {**defaults(case), "fsi_h": 0.05}
+    problem = case.build(opt)
+    below, rod, above = problem.layers
+    hot, moving = Wall(0.0, T=300.0), Wall(lambda t: 0.0 * t)
+    end = clamped()
+    for changed, words in (
+        ({"left": hot}, "gives or takes heat"),
+        ({"left": moving}, "the wall of layer 'below' moves"),
+        ({"layers": (rod,), "left": end, "right": end}, "no interface"),
+        ({"layers": (replace(below, mapping="stretched"), rod, above)}, "mapping='stretched'"),
+        (
+            {"layers": (rod, above, replace(rod, name="lid", X=(6.0, 7.0))), "left": end, "right": end},
+            "a gas lies between two solids",
+        ),
+    ):
+        with pytest.raises(InputError, match=f"{words}.*-fsi_coupling conservative"):
+            make_paper_state(replace(problem, **changed), opt, MPI.COMM_SELF)
+
+
+if __name__ == "__main__":
+    lines = [f"{json.dumps(name)}: {json.dumps(measured(state_of(**RUNS[name])))}" for name in RUNS]
+    FROZEN.write_text("{\n" + ",\n".join(lines) + "\n}\n")

@@ -9,7 +9,7 @@ import numpy as np
 from mpi4py import MPI
 
 from fsipetsc.paper import entries, sums
-from fsipetsc.physics.layer import FLUID
+from fsipetsc.paper.layer import FLUID
 from fsipetsc.scheme.plan import RATE, SAID_STOP, STOP
 
 if TYPE_CHECKING:

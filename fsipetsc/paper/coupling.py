@@ -150,9 +150,9 @@ def projection(op, face, jump, f, s):
     gas, solid, beta, d, a_0 = face.gas, face.solid, op.closure[0], face.n / face.h, op.norm[0]
     x_X = strain(op, face, s)
     T_f, T_s = temperatures(op, face, jump, f, s, x_X)
-    p_s, mu = solid.law.pressure(T_s, x_X), gas.viscosity(T_f)
-    rho, u_1 = f[1, 0], f[1, 1] / f[1, 0]
-    bulk = gas.law.bulk_modulus_of_energy(rho, f[1, 2] - 0.5 * rho * u_1 * u_1)
+    p_s, mu = solid.pressure(T_s, x_X), gas.viscosity(T_f)
+    rho = f[1, 0]
+    bulk = gas.law.bulk_modulus(rho, gas_at(face, f, SECOND)[1])
     u_X, squares = 0.0, 0.0
     for j in range(op.n):
         u_X += d * beta[j] * (f[j, 1] / f[j, 0])
@@ -222,8 +222,8 @@ def projected(op, face, jump, f, s):
     rho, (u, T) = f[1, 0], gas_at(face, f, SECOND)
     bulk, p_T, T_s = gas.law.bulk_modulus(rho, T), gas.law.pressure_by_temperature(rho, T), s[0, 2]
     K, c = (
-        (solid.K + solid.law.stiffness(T_s, x_X)) / x_X,
-        solid.law.pressure_by_temperature(T_s, x_X),
+        (solid.K + solid.stiffness(T_s, x_X)) / x_X,
+        solid.pressure_by_temperature(T_s, x_X),
     )
     tau_f, tau_s = T / (rho * gas.law.heat_capacity(rho, T)), T / (solid.alpha * solid.m0)
     u_f, T_f = gas_at(face, f, FIRST)
@@ -243,7 +243,7 @@ def projected(op, face, jump, f, s):
     S33, S34 = tau_s + tau_f, d_0 * (kappa * tau_f - k_s * tau_s)
     S44 = (k_s * k_s * tau_s + kappa * kappa * tau_f) * squares
     r1 = s[0, 0] - u_f - jump[0]
-    p_s = solid.law.pressure(T_s, x_X)
+    p_s = solid.pressure(T_s, x_X)
     r2 = s[0, 1] - p_s + gas.law.pressure(f[0, 0], T_f) - mu * u_X - jump[1]
     r3, r4 = T_s - T_f - jump[2], k_s * Ts_X - kappa * Tf_X - jump[3]
     if kappa <= 0.0 or k_s <= 0.0:  # T may jump
@@ -267,7 +267,7 @@ def projected(op, face, jump, f, s):
             u_f, T_f = u, T
         put_gas(face, f, j, rho_j, u, T)
     # (4.24)
-    p_0 = gas.viscosity(T_f) * u_X - s[0, 1] + solid.law.pressure(s[0, 2], x_X) + jump[1]
+    p_0 = gas.viscosity(T_f) * u_X - s[0, 1] + solid.pressure(s[0, 2], x_X) + jump[1]
     put_gas(face, f, FIRST, gas.law.density(p_0, T_f), u_f, T_f)
     return T_f
 
@@ -282,7 +282,7 @@ def traditional(op, face, jump, f, s):
     for j in range(op.n):
         u_X += face.n / face.h * op.closure[0, j] * (f[j, 1] / f[j, 0])
     stress = face.gas.viscosity(T_f) * u_X - face.gas.law.pressure(f[0, 0], T_f)
-    s[0, 1] = face.solid.law.pressure(T_s, x_X) + stress + jump[1]
+    s[0, 1] = face.solid.pressure(T_s, x_X) + stress + jump[1]
     s[0, 2] = T_s
 
 
@@ -296,7 +296,7 @@ def residuals(op, face, jump, f, s, out):
         Tf_X += d_j * T
         Ts_X -= d_j * s[j, 2]
     x_X, (u, T) = strain(op, face, s), gas_at(face, f, FIRST)
-    p_s, p_f = face.solid.law.pressure(s[0, 2], x_X), face.gas.law.pressure(f[0, 0], T)
+    p_s, p_f = face.solid.pressure(s[0, 2], x_X), face.gas.law.pressure(f[0, 0], T)
     out[0] = s[0, 0] - u - jump[0]
     out[1] = s[0, 1] - p_s + p_f - face.gas.viscosity(T) * u_X - jump[1]
     out[2] = s[0, 2] - T - jump[2]

@@ -4,8 +4,8 @@ Compiled.
 An embedded boundary stands at x_w; the ghost point is the first point of the frame's grid at or
 beyond it, delta in [0, 1) cells outside. Only what the condition gives is overwritten there:
 outgoing characteristics keep their values, with Z = rho c. (A ghost point with extrapolated
-density, or with all variables prescribed, makes the scheme unstable.) fsipetsc.boundaries says why
-each formula is as it is, with measurements: wall.py, open.py, dirichlet.py, solid_ends.py.
+density, or with all variables prescribed, makes the scheme unstable.) docs/open-end.md says why
+each formula is as it is, with measurements.
 
 ``nodes`` (5, NODES) holds (rho, u, T) at the ghost point (column 0) and inside of it, and two rows
 of weights; n is the outward normal, -1 left, 1 right.
@@ -16,12 +16,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from fsipetsc.boundaries import CLAMPED, FREE, INTERFACE_END, NODES, OPEN, WALL
-from fsipetsc.boundaries.dirichlet import NEW_POINT as NEW_DIRICHLET
-from fsipetsc.boundaries.open import LONGEST
-from fsipetsc.boundaries.open import NEW_POINT as NEW_OPEN
-from fsipetsc.boundaries.wall import ETA, ETA_NARROW
-from fsipetsc.boundaries.wall import NEW_POINT as NEW_WALL
+from fsipetsc.boundaries import CLAMPED, FREE, GIVEN_FLUX, GIVEN_T, INTERFACE_END, OPEN, WALL
 from fsipetsc.paper.stencils import (
     INNER,
     LEFT,
@@ -32,10 +27,32 @@ from fsipetsc.paper.stencils import (
     lagrange,
     neumann_ghost,
 )
-from fsipetsc.physics.layer import GIVEN_FLUX, GIVEN_T
 
+#: nodes that a formula may use, ghost point included
+NODES = 8
 #: least weight of the ghost point in the formula for data that are given
 LEAST = 0.25
+#: degree of the extrapolation that fills a new point
+NEW_WALL, NEW_OPEN, NEW_DIRICHLET = 2, 1, 3
+#: order 1 of an open end fades out where viscosity is this fraction of c0 L; q_nn = 0 where alpha
+#: is this fraction of a L
+LONGEST = 0.25
+#: of an insulated wall, by s, and for q = s + 1, s + 2, s + 3: coefficients of eta_q in powers of
+#: delta
+ETA = np.zeros((4, 3, 4))
+ETA[0, 0, :2] = 0.0, 0.5
+ETA[1, 0, :3] = 0.0882352941176471, 0.0883801777493091, -0.1766154718669562
+ETA[2, 0] = 0.2222164620745679, -0.4850917636042938, 0.1267629370385567, 0.0198481621891904
+ETA[3, :, :3] = (1.267, -2.9, 1.178), (-0.888, 1.872, -0.677), (0.193, -0.389, 0.131)
+#: with narrow second derivatives
+ETA_NARROW = ETA.copy()
+ETA_NARROW[2, 0] = 0.2289158450015872, -0.4914033185443774, 0.1207498614024324, 0.0225285974796345
+
+
+def nodes_needed(degree: int) -> int:
+    """Points inside the ghost point that a boundary needs: its formula's, and those that fill a
+    new point."""
+    return max(degree, NEW_DIRICHLET + 1)
 
 
 @njit(**INNER)
@@ -184,7 +201,7 @@ def given_data(gas, layer, side, n, nodes, weights):
     p = 0.5 * (w_i + w_o)
     rho = entropy + p / c2
     nodes[0, 0], nodes[1, 0] = rho, n * (w_o - w_i) / (2.0 * Z)
-    nodes[2, 0] = gas.law.temperature_of_pressure(rho, p)
+    nodes[2, 0] = gas.law.temperature_of(rho, p)
 
 
 # open end
@@ -250,7 +267,7 @@ def open_end(gas, layer, side, n, nodes):
     u = u0 + n * (w_o - sound) / Z
     rho = rho + (p0 + sound - p) / c2 if n * u >= 0.0 else rho0 * (1.0 + y) ** (1.0 / gas.gamma)
     nodes[0, 0], nodes[1, 0] = rho, u
-    nodes[2, 0] = gas.law.temperature_of_pressure(rho, p0 + sound)
+    nodes[2, 0] = gas.law.temperature_of(rho, p0 + sound)
 
 
 @njit(**INNER)
@@ -337,13 +354,12 @@ def close_solid(op, solid, layer, q):
             slope = n * heat * x_X / (solid.kappa_e * d) if thermal == GIVEN_FLUX else 0.0
             q[i, 2] = heat if thermal == GIVEN_T else (slope - rest) / beta[0]
         T = q[i, 2]
-        p = solid.law.pressure(T, x_X)
+        p = solid.pressure(T, x_X)
         if kind == CLAMPED:
             q[i, 0] = given
         elif kind == FREE:
             q[i, 1] = given + p
         else:
-            heat = solid.alpha * solid.m0
-            Z = np.sqrt(solid.law.wave_modulus(solid.K, heat, T, p, given + p, x_X) * solid.m0)
+            Z = np.sqrt(solid.wave_modulus(T, p, given + p, x_X) * solid.m0)
             w_o = q[i, 1] - p - given - n * Z * q[i, 0]
             q[i, 0], q[i, 1] = -n * 0.5 * w_o / Z, given + p + 0.5 * w_o

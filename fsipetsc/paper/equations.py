@@ -27,12 +27,11 @@ from numba.extending import register_jitable
 @register_jitable
 def gas_flux(gas, s, rho, m, e, u, T, u_X, T_X):
     """(rho (u-s), rho u (u-s) + p - mu' u_X, e (u-s) + u (p - mu' u_X) - kappa T_X)."""
-    of_mu, of_kappa = gas.transport.relative(T)
-    relative, pressing = u - s, gas.law.pressure(rho, T) - gas.mu * of_mu * u_X
+    relative, pressing = u - s, gas.law.pressure(rho, T) - gas.viscosity(T) * u_X
     return (
         rho * relative,
         m * relative + pressing,
-        e * relative + u * pressing - gas.kappa * of_kappa * T_X,
+        e * relative + u * pressing - gas.conductivity(T) * T_X,
     )
 
 
@@ -40,7 +39,7 @@ def gas_flux(gas, s, rho, m, e, u, T, u_X, T_X):
 def solid_flux(solid, sigma, T, x_X, T_X):
     """(1/x_X, sigma - p, kappa_e/x_X T_X)."""
     stretch = 1.0 / x_X
-    return stretch, sigma - solid.law.pressure_in_loops(T, stretch), solid.kappa_e * stretch * T_X
+    return stretch, sigma - solid.pressure(T, x_X), solid.kappa_e * stretch * T_X
 
 
 @register_jitable

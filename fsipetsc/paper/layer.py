@@ -7,10 +7,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+#: kinds of layers, and unknowns of a point of each: gas (rho, rho u, e), solid (u, sigma, T, x)
+FLUID, SOLID = 0, 1
+DOF = (3, 4)
 _I, _F = np.int64, np.float64
 RECORD = np.dtype(
     [
-        ("kind", _I),  # FLUID or SOLID of fsipetsc.physics.layer
+        ("kind", _I),  # FLUID or SOLID
         ("present", _I),  # 1: this rank owns points of the layer
         ("n", _I),  # points, some of them held in reserve,
         ("lo", _I),  # the first and the last active one: in a gas interface point and ghost point
@@ -36,11 +39,6 @@ RECORD = np.dtype(
             (2,),
         ),  # INSULATED, GIVEN_T or GIVEN_FLUX, at the end of a solid, and the temperature
         ("end_heat", _F, (2,)),  # or heat flux that is given
-        # of other programs' grids, for what reads records: these are none
-        ("stretched", _I),
-        ("spread", _F),
-        ("J", _F),
-        ("end_v", _F, (2,)),
     ],
     align=True,
 )

@@ -8,33 +8,73 @@ layers, each interlaced (gas rho, rho u, e; solid u, sigma, T, x).
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fsipetsc.boundaries import INTERFACE_END, degree_of, heat_of, nodes_needed
+from fsipetsc.boundaries import INTERFACE_END, Wall, degree_of, heat_of, needs_stretching
 from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import SBPOperator, row_length
-from fsipetsc.paper.layer import RECORD
-from fsipetsc.parallel.layout import MOST_CELLS, Grid, ghost_index
+from fsipetsc.paper.ends import nodes_needed
+from fsipetsc.paper.layer import DOF, FLUID, RECORD, SOLID
 from fsipetsc.parallel.partition import Extent, partition, stretched
-from fsipetsc.physics.layer import DOF, FLUID, SOLID
 from fsipetsc.problem import FluidLayer, Problem
 
 Array = np.ndarray
 
 
-def check_form(problem: Problem, mapping: str) -> None:
-    """InputError for a problem that is not of the paper's form: a solid, and at most a gas on
-    either side of it."""
-    for k, layer in enumerate(problem.layers):
-        if isinstance(layer, FluidLayer) and problem.is_stretched(k, mapping):
-            raise InputError(
-                f"layer '{layer.name}': the paper's method has rigid frames, between one "
-                "interface and one end that insulates and stays where it is: take -fsi_mapping rigid, or "
-                "-fsi_coupling conservative"
-            )
+#: cells of a layer, with the spare ones: the unknowns of a few such layers can still be counted in
+#: 32 bits
+MOST_CELLS = 50_000_000
+
+
+@dataclass(frozen=True)
+class Grid:
+    """The stored points of one layer: X = anchor + (i - anchor_index) h, active points lo..hi."""
+
+    n: int
+    lo: int
+    hi: int
+    h: float
+    anchor: float
+    anchor_index: int
+    least: int
+
+    def X(self, begin: int = 0, end: int | None = None) -> Array:
+        """Lagrangian coordinates [m] of the points begin .. end-1."""
+        points = np.arange(begin, self.n if end is None else end)
+        return self.anchor + (points - self.anchor_index) * self.h
+
+
+def ghost_index(distance: float) -> int:
+    """Index of the ghost point counted from the interface: the first point at or beyond the
+    boundary."""
+    return int(np.ceil(distance - 1e-9))
+
+
+def check_form(problem: Problem) -> None:
+    """InputError for a problem that is not of the paper's form: a solid, with a gas on one side of
+    it or on both, whose outer end insulates and stays where it is."""
+    fluids = [k for k, layer in enumerate(problem.layers) if layer.kind == "fluid"]
+    reason = ""
+    if not problem.interfaces:
+        reason = "there is no interface"
+    elif len(fluids) == len(problem.layers) - 2 or len(problem.layers) > 3:
+        reason = "a gas lies between two solids"
+    for k in fluids:
+        layer, end = problem.layers[k], problem.left if k == 0 else problem.right
+        if not reason and layer.mapping == "stretched":
+            reason = f"layer '{layer.name}' has mapping='stretched'"
+        if not reason and isinstance(end, Wall) and needs_stretching(end):
+            doing = "moves" if end.moves else "gives or takes heat"
+            reason = f"the wall of layer '{layer.name}' {doing}"
+    if reason:
+        raise InputError(
+            f"{reason}: the paper's couplings are of a solid between gases in rigid frames: take "
+            "-fsi_coupling conservative"
+        )
 
 
 def make_grids(
@@ -142,7 +182,7 @@ class Layout:
         record["kind"] = FLUID if layers[k].kind == "fluid" else SOLID
         for name in ("n", "lo", "hi", "least", "h"):
             record[name] = getattr(grid, name)
-        record["halo"], record["J"], record["end_kind"] = self.halo, 1.0, INTERFACE_END
+        record["halo"], record["end_kind"] = self.halo, INTERFACE_END
         for side, end in ((0, self.problem.left), (1, self.problem.right)):
             if k == (0, len(layers) - 1)[side]:
                 record["end_kind"][side], record["end_degree"][side] = (
@@ -186,18 +226,14 @@ class Layout:
         count, dof = int(record["own_hi"] - record["own_lo"]), DOF[record["kind"]]
         return array[record["start"] : record["start"] + dof * count].reshape(count, dof)
 
+    def dof(self, k: int) -> int:
+        """Unknowns of a point of layer k."""
+        return DOF[self.records[k]["kind"]]
+
     def owned_X(self, k: int) -> Array:
         """Lagrangian coordinates [m] of the owned points of layer k."""
         record = self.records[k]
         return self.grids[k].X(int(record["own_lo"]), int(record["own_hi"]))
-
-    def energetic(self, k: int) -> bool:
-        """Whether a solution holds anything but the points of layer k: no."""
-        return False
-
-    def ends(self, k: int, array: Array) -> Array:
-        """What it holds besides: nothing."""
-        return array[:0]
 
     def destroy(self) -> None:
         """Destroy the DMDAs, then their communicators. Collective."""

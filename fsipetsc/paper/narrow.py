@@ -30,10 +30,9 @@ MARGIN = 8
 def coefficients(gas, u, T, b, u_b, kappa, first, last):
     """mu', u mu' and kappa at the points first .. last-1."""
     for i in range(first, last):
-        of_mu, of_kappa = gas.transport.relative(T[U(i)])
-        b[U(i)] = gas.mu * of_mu
+        b[U(i)] = gas.viscosity(T[U(i)])
         u_b[U(i)] = u[U(i)] * b[U(i)]
-        kappa[U(i)] = gas.kappa * of_kappa
+        kappa[U(i)] = gas.conductivity(T[U(i)])
 
 
 @njit(**INNER)

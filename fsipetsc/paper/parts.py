@@ -26,9 +26,8 @@ from fsipetsc.boundaries import INTERFACE_END
 from fsipetsc.paper import batch, entries, rates
 from fsipetsc.paper.coupling import Face
 from fsipetsc.paper.laws import Elastic, Gas
-from fsipetsc.paper.layer import Part
+from fsipetsc.paper.layer import DOF, FLUID, Part
 from fsipetsc.paper.layout import Layout
-from fsipetsc.physics.layer import DOF, FLUID
 
 Array = np.ndarray
 
@@ -190,6 +189,16 @@ class Interface:
         self.owners = [layout.shares[n][-1 if n == min(gas, solid) else 0][0] for n in (gas, solid)]
         self.here = [owner == self._comm.rank for owner in self.owners]
         self.side = side
+
+    def couple_apart(self) -> None:
+        """Couple as the owners of the two sides do where these are two; what comes of it is
+        nothing."""
+        for side in (entries.GAS, entries.SOLID):
+            q, rows = self._parts[side], (self.f, self.s)[side]
+            entries.take_side(self._op, self.face, *self._records, side, q, rows)
+            entries.couple_side(
+                self._op, self.face, self.jump, *self._records, side, q, self.f, self.s
+            )
 
     def couple(self) -> None:
         """Couple the two sides in the stage; the record of the gas has the frame's velocity and

@@ -46,7 +46,7 @@ def primitive_rows(gas, q, rho, m, e, u, T, a, b):
         r = 1.0 / density
         v = momentum * r
         rho[U(i)], m[U(i)], e[U(i)], u[U(i)] = density, momentum, energy, v
-        T[U(i)] = gas.law.temperature_in_loops(density, energy * r - 0.5 * v * v)
+        T[U(i)] = gas.law.temperature(density, energy * r - 0.5 * v * v)
 
 
 @njit(**INNER)

@@ -5,22 +5,21 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-import numba
 import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
 from fsipetsc import given
-from fsipetsc.boundaries import NODES
 from fsipetsc.errors import FsiError, InputError
-from fsipetsc.operators.cache import compiling, garbage_waiting
+from fsipetsc.operators.kernel_cache import announced
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.paper import after_step, batch, coupling, entries, fields, layout
+from fsipetsc.paper.ends import NODES
 from fsipetsc.paper.laws import check_entropy, elastic_of, gas_of
+from fsipetsc.paper.layer import FLUID
+from fsipetsc.paper.layout import Grid
 from fsipetsc.paper.parts import RightHandSide
 from fsipetsc.paper.stencils import packed
-from fsipetsc.parallel.layout import Grid
-from fsipetsc.physics.layer import FLUID
 from fsipetsc.problem import Problem
 from fsipetsc.process.together import agree, together, wait_asleep
 from fsipetsc.scheme.burst import MADE
@@ -29,10 +28,9 @@ from fsipetsc.stepping import initial_data, snapshot
 from fsipetsc.stepping.diagnosis import Failure, described
 from fsipetsc.stepping.phases import logged
 from fsipetsc.stepping.start import Start
+from fsipetsc.stepping.state import FAULT
 
 Array = np.ndarray
-#: what a rank says of STOP whose user's functions have failed: more than any signal
-FAULT = 1000.0
 #: times of the stages, in steps, and of the completed step
 FRACTIONS = 0.0, 0.5, 0.5, 1.0, 1.0
 
@@ -50,8 +48,6 @@ class PaperState:
     """
 
     convection = "divergence"
-    #: what initial data of walls that move would need: none does
-    moving: tuple[tuple[int, int], ...] = ()
 
     def __init__(
         self,
@@ -60,21 +56,22 @@ class PaperState:
         order: int,
         h: float,
         coupling_name: str,
-        mapping: str = "rigid",
         mode: str = "auto",
         spare: int = 64,
         entropy: bool = False,
         narrow: bool = False,
     ) -> None:
-        layout.check_form(problem, mapping)
+        layout.check_form(problem)
         if coupling_name not in coupling.KINDS:
             raise InputError(
                 f"-fsi_coupling {coupling_name}: expected {', '.join(coupling.KINDS)}, "
                 "in the paper's method"
             )
-        self.comm, self.problem, self.h, self.mapping = comm, problem, h, mapping
+        self.comm, self.problem, self.h = comm, problem, h
         self.op, self.operator = OPERATORS[order], packed(order, narrow)
         self._kind = coupling.KINDS[coupling_name]
+        form = order, h, coupling_name, mode, spare, entropy, narrow
+        self._alike = lambda comm: PaperState(comm, problem, *form)
         self._mode, self._spare, self.entropy = mode, spare, entropy
         self.evaluations, self.begin, self.started = 0, 0.0, False
         self.fault: InputError | None = None  # of a user's function, on this rank
@@ -130,29 +127,40 @@ class PaperState:
     def compile(
         self, announce: Callable[[str], None], also: Callable[[], object] = lambda: None
     ) -> None:
-        """Compile the kernels if that has not been done for this machine: one rank first, the
-        others take its result."""
+        """Compile the kernels: rank 0 first, with a state of its own; the others find them on the
+        disk."""
+        self._first(announce, self._step_once if self._batched else self._all_entries)
+        also()
 
-        def everything() -> None:
-            if self._batched:
-                batch.run_task.compile(
-                    tuple(map(numba.typeof, (batch.STEPS, *self._chain(), 0, 0.1)))
-                )
-            also()
-
-        if self.comm.rank == 0:
-            with garbage_waiting(), compiling(batch.run_task, announce):
-                everything()
-        wait_asleep(self.comm)
-        everything()
+    def compile_path(self, announce: Callable[[str], None]) -> None:
+        """Compile what PETSc's own methods call."""
+        self._first(announce, self._all_entries)
 
     def compile_saving(self) -> None:
         """Compile what frames take."""
         fields.fields(self)
 
-    def compile_path(self, announce: Callable[[str], None]) -> None:
-        """Compile what PETSc's own methods call: that happens when it is called first, in a few
-        seconds."""
+    def _first(self, announce: Callable[[str], None], call: Callable[[PaperState], None]) -> None:
+        """Let rank 0 call something of a state like this one, of which it has all."""
+        if self.comm.rank == 0:
+            with announced(announce), self._alike(MPI.COMM_SELF) as alone, np.errstate(all="ignore"):
+                call(alone)
+        wait_asleep(self.comm)
+
+    @staticmethod
+    def _step_once(alone: PaperState) -> None:
+        alone._run(batch.STEPS)
+
+    @staticmethod
+    def _all_entries(alone: PaperState) -> None:
+        alone.project(alone.path.y)
+        alone.path.rates(alone.path.y, alone.path.k)
+        alone._stage(0, 0.0)
+        for interface in alone.path.interfaces:
+            interface.couple_apart()
+        after_step.complete(alone)
+        entries.goes_on(alone.rooms, alone._journal)
+        fields.fields(alone)
 
     # data
 
@@ -368,7 +376,7 @@ class PaperState:
         for k, (grid, record, before) in enumerate(
             zip(self.layout.grids, self.layout.records, old.records, strict=True)
         ):
-            for name in ("s", "x_interface", "end_x", "end_data", "end_heat"):
+            for name in ("s", "x_interface", "end_data", "end_heat"):
                 record[name] = before[name]
             if record["present"]:
                 active = whole[k][before["lo"] : before["hi"] + 1]
@@ -431,8 +439,13 @@ class PaperState:
             self.destroy()
 
 
-#: options whose numbers above 0 ask for what the paper does not have
-_WITHOUT = "fsi_dissipation", "fsi_shock"
+#: what the paper's method has of options that choose between methods
+_WITHOUT = {
+    "fsi_mapping": ("auto", "rigid"),
+    "fsi_dissipation": (0.0, -1.0),
+    "fsi_shock": (0.0,),
+    "fsi_convection": ("auto", "divergence"),
+}
 #: methods that appear in PETSc's log, as "fsi NAME"
 _EVENTS = {
     "step": "step",
@@ -448,15 +461,13 @@ def make_paper_state(problem: Problem, opt: Mapping[str, Any], comm: MPI.Comm) -
 
     Collective. InputError for what the paper's method has not.
     """
-    for name in _WITHOUT:
-        if opt[name] > 0:
+    for name, without in _WITHOUT.items():
+        if opt[name] not in without:
             raise InputError(
-                f"-{name} {opt[name]:g}: the paper's method has none: "
+                f"-{name} {opt[name]}: -fsi_coupling {opt['fsi_coupling']} has none: "
                 "take -fsi_coupling conservative"
             )
-    if opt["fsi_convection"] == "entropy":
-        raise InputError("-fsi_convection entropy: the paper's method has the divergence form")
-    names = ("fsi_order", "fsi_h", "fsi_coupling", "fsi_mapping", "fsi_partition", "fsi_spare")
+    names = ("fsi_order", "fsi_h", "fsi_coupling", "fsi_partition", "fsi_spare")
     entropy = bool(opt["fsi_entropy"] or opt["fsi_check"])
     state = PaperState(
         comm, problem, *(opt[name] for name in names), entropy, opt["fsi_viscous"] == "narrow"

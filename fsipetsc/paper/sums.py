@@ -43,13 +43,11 @@ def nothing_seen(seen):
 
 
 @njit(**INNER)
-def speeds_of(gas, s, rho, m, e, u, speed, a, b):
+def speeds_of(gas, s, rho, u, T, speed, a, b):
     """|u-s| + c."""
     for i in range(a, b):
-        internal = e[U(i)] / rho[U(i)] - 0.5 * u[U(i)] * u[U(i)]
-        speed[U(i)] = abs(u[U(i)] - s) + np.sqrt(
-            gas.law.sound_speed_squared_of_energy(rho[U(i)], internal)
-        )
+        c = np.sqrt(gas.law.sound_speed_squared(rho[U(i)], T[U(i)]))
+        speed[U(i)] = abs(u[U(i)] - s) + c
 
 
 @njit(**INNER)
@@ -60,7 +58,7 @@ def see_gas(op, gas, layer, q, w, seen, sums):
     a, b = first - origin, end - origin
     rho, m, e, u, T, speed = w[0], w[1], w[2], w[3], w[4], w[5]
     primitive_rows(gas, q, rho, m, e, u, T, a, b)
-    speeds_of(gas, layer.s, rho, m, e, u, speed, a, b)
+    speeds_of(gas, layer.s, rho, u, T, speed, a, b)
     seen[0], seen[1] = largest(speed, a, b), smallest(rho, a, b)
     seen[2], seen[3] = smallest(T, a, b), largest(T, a, b)
     sums[0], sums[1], sums[2] = total(rho, a, b), total(m, a, b), total(e, a, b)
@@ -136,8 +134,8 @@ def solid_speeds(solid, seen):
     coordinates."""
     shortest, pulled, cold, hot = seen[0], seen[1], seen[2], seen[3]
     stretch, heat = 1.0 / shortest, solid.alpha * solid.m0
-    p = solid.law.pressure_in_loops(hot, stretch)
-    c2 = solid.law.wave_modulus(solid.K, heat, hot, p, min(pulled, p), shortest) / solid.m0
+    p = solid.pressure(hot, shortest)
+    c2 = solid.wave_modulus(hot, p, min(pulled, p), shortest) / solid.m0
     good = seen[4] == 0.0 and shortest > 0.0 and cold > 0.0 and 0.0 <= c2 < np.inf
     return good, np.sqrt(c2), solid.kappa_e * stretch / heat
 
@@ -199,8 +197,8 @@ def gas_force(gas, layer, q):
         for k in range(4):
             i = ghost - origin + k * step
             rho, m, e = q[i, 0], q[i, 1], q[i, 2]
-            u = m / rho
-            flux += weights[k] * (m * u + gas.law.pressure_of_energy(rho, e - 0.5 * m * u))
+            u, T = gas.velocity_and_temperature(rho, m, e)
+            flux += weights[k] * (m * u + gas.law.pressure(rho, T))
             if k == 0 and layer.end_kind[side] != WALL:
                 u = seen_u
             flux -= mu * slopes[k] * u * step / layer.h
@@ -220,7 +218,7 @@ def solid_force(op, solid, layer, q):
         i, x_X = point - origin, 0.0
         for j in range(op.n):
             x_X += op.closure[0, j] * q[i + step * j, 3]
-        p = solid.law.pressure(q[i, 2], x_X * step / layer.h)
+        p = solid.pressure(q[i, 2], x_X * step / layer.h)
         force += (2.0 * side - 1.0) * (q[i, 1] - p)
     return force
 
@@ -281,7 +279,7 @@ def solid_entropy(op, solid, layer, q):
             per_h * slope_at(op, layer, q, i, PLACE, origin),
         )
         entropy += a * np.log(T)
-        heating += a * (q[i - origin, 1] - solid.law.pressure(T, x_X)) * u_X / T
+        heating += a * (q[i - origin, 1] - solid.pressure(T, x_X)) * u_X / T
     return solid.alpha * solid.m0 * entropy, heating
 
 
@@ -360,4 +358,4 @@ def solid_fields(op, solid, layer, q, out):
         k, j = i - layer.own_lo, i - origin
         for c in range(4):
             out[k, c] = q[j, c]
-        out[k, 4] = solid.law.pressure(q[j, 2], slope_at(op, layer, q, i, PLACE, origin) / layer.h)
+        out[k, 4] = solid.pressure(q[j, 2], slope_at(op, layer, q, i, PLACE, origin) / layer.h)

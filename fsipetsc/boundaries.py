@@ -1,8 +1,8 @@
 """What can stand at the outer ends of the chain of layers.
 
-A fluid ends at an embedded boundary at a fixed Eulerian position x: the moving grid reaches over it to one ghost
-point outside. A solid ends at a material point. To add a condition, write its file, a dataclass here and a line in
-``fill_ghost``.
+In the paper's method (fsipetsc.paper.ends) a gas ends at an embedded boundary at a fixed Eulerian
+position x: the moving grid reaches over it to one ghost point outside. A solid ends at a material
+point.
 """
 
 from __future__ import annotations
@@ -11,17 +11,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from fsipetsc import checks
-from fsipetsc.boundaries import dirichlet as _dirichlet
-from fsipetsc.boundaries import open as _open
-from fsipetsc.boundaries import wall as _wall
-from fsipetsc.boundaries.solid_ends import solid_end
 from fsipetsc.errors import InputError
-from fsipetsc.operators.kernels import OPTIONS, extrapolate, lagrange
-from fsipetsc.physics.layer import GIVEN_FLUX, GIVEN_T, INSULATED
 
+#: what is asked of the heat at an end
+INSULATED, GIVEN_T, GIVEN_FLUX = 0, 1, 2
 INTERFACE_END = -1
 WALL, OPEN, DIRICHLET = 0, 1, 2
 CLAMPED, FREE, ABSORBING = 10, 11, 12
@@ -29,14 +24,6 @@ CLAMPED, FREE, ABSORBING = 10, 11, 12
 Timed = float | Callable[[float], float]
 #: degrees that a formula may have
 DEGREES = (2, 3, 4, 5)
-#: nodes that a formula may use, ghost point included
-NODES = 8
-
-
-def nodes_needed(degree: int) -> int:
-    """Points inside the ghost point that a boundary needs: its formula's, and those that fill a new point."""
-    return max(degree, _dirichlet.NEW_POINT + 1)
-
 
 @dataclass(frozen=True)
 class Wall:
@@ -52,7 +39,7 @@ class Wall:
     heat_flux: Timed | None = None
     velocity: Callable[[float], float] | None = None
     kind = WALL
-    degree = _wall.DEGREE
+    degree = 2
 
     def __post_init__(self) -> None:
         _check_timed(self, "Wall", "x")
@@ -72,7 +59,7 @@ class Wall:
 
 @dataclass(frozen=True)
 class Open:
-    """Open end at x [m] towards gas of pressure p0 [Pa], temperature T0 [K] and velocity u0 [m/s]; see ``boundaries/open.py``.
+    """Open end at x [m] towards gas of pressure p0 [Pa], temperature T0 [K] and velocity u0 [m/s]; see docs/open-end.md.
 
     order: of the conditions in viscosity and conduction, 0 or 1. Raises InputError for another one.
     """
@@ -96,7 +83,7 @@ class Open:
 
 @dataclass(frozen=True)
 class Dirichlet:
-    """Given rho, u, T at x [m]: values(t) -> (rho, u, T) in kg/m3, m/s, K; see ``boundaries/dirichlet.py``.
+    """Given rho, u, T at x [m]: values(t) -> (rho, u, T) in kg/m3, m/s, K; see docs/open-end.md.
 
     degree: of the embedded-boundary formula, 2 to 5; None: what lets the order of the operator show, see ``degree_of``.
     Raises InputError for another degree.
@@ -213,46 +200,6 @@ def closes(end: Boundary) -> bool:
 def needs_stretching(end: Boundary) -> bool:
     """Whether the gas at this end must have a stretched grid: an embedded wall insulates, and stays where it is."""
     return isinstance(end, Wall) and (end.moves or heat_of(end)[0] != INSULATED)
-
-
-@njit(**OPTIONS)
-def fill_ghost(law, layer, op, side, delta, nodes, new):
-    """Give the ghost point its values: nodes[:3, 0] of (rho, u, T), from nodes[:3, k] at k points inside of it.
-
-    nodes has the shape (5, NODES); its last two rows are scratch. delta: distance of the boundary from the ghost
-    point in cells. new: the point has no values yet.
-    """
-    weights, slopes = nodes[3], nodes[4]
-    kind, normal = layer.end_kind[side], 2.0 * side - 1.0
-    lagrange(delta, layer.end_degree[side], weights, slopes)
-    if new:
-        degree = _wall.NEW_POINT if kind == WALL else (_open.NEW_POINT if kind == OPEN else _dirichlet.NEW_POINT)
-        for k in range(3):
-            nodes[k, 0] = extrapolate(nodes[k], degree)
-    if kind == WALL:
-        _wall.wall(law, layer, op, side, normal, delta, nodes, weights, slopes)
-    elif kind == OPEN:
-        gas = _open.beyond(law, layer, side)
-        _open.open_end(law, layer, gas, side, normal, nodes)
-        _open.note_gradient(law, layer, gas, side, normal, nodes)
-    elif kind == DIRICHLET:
-        _dirichlet.dirichlet(law, layer, side, normal, nodes, weights)
-
-
-@njit(**OPTIONS)
-def note_gradient(law, layer, side, delta, nodes):
-    """Note what the gradients take at a ghost point that is filled already; arguments as of ``fill_ghost``."""
-    if layer.end_kind[side] == OPEN:
-        _open.note_gradient(law, layer, _open.beyond(law, layer, side), side, 2.0 * side - 1.0, nodes)
-    elif layer.end_kind[side] == DIRICHLET:
-        lagrange(delta, layer.end_degree[side], nodes[3], nodes[4])
-        _dirichlet.note_gradient(layer, side, nodes, nodes[3])
-
-
-@njit(**OPTIONS)
-def close_solid(law, layer, op, side, trace_s):
-    """Apply the condition at an outer end of a solid to its end rows, counted inwards."""
-    solid_end(law, layer, op, side, 2.0 * side - 1.0, layer.end_kind[side] - CLAMPED, trace_s)
 
 
 Boundary = Wall | Open | Dirichlet | SolidEnd
