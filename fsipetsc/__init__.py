@@ -16,11 +16,11 @@ if TYPE_CHECKING:
     from fsipetsc.blocks.problem import BlockProblem
     from fsipetsc.boundaries import Dirichlet, Open, SolidEnd, Wall, absorbing, clamped, free
     from fsipetsc.errors import ComputationError, FileError, FsiError, InputError
+    from fsipetsc.materials.fluid import Fluid
+    from fsipetsc.materials.line_solid import Solid
     from fsipetsc.options import REQUIRED, Option
     from fsipetsc.output.differences import compare
     from fsipetsc.output.reader import Run
-    from fsipetsc.physics.fluid import Fluid
-    from fsipetsc.physics.solid import Solid
     from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 
 # else numba, where colorama is installed, has it write to the standard output when the process ends
@@ -42,8 +42,8 @@ _HOMES = {
     "options": ("REQUIRED", "Option"),
     "output.differences": ("compare",),
     "output.reader": ("Run",),
-    "physics.fluid": ("Fluid",),
-    "physics.solid": ("Solid",),
+    "materials.fluid": ("Fluid",),
+    "materials.line_solid": ("Solid",),
     "problem": ("FluidLayer", "Problem", "SolidLayer"),
 }
 

@@ -153,25 +153,15 @@ def jumps(problem: Problem, k: int, t: float) -> Sequence[float]:
     return _scalars(_asked(problem.jumps, (k, t), where), JUMPS, problem.jumps, where)
 
 
-def check_ends(problem: Problem, x: Mapping[tuple[int, int], float], h: float, mapping: str) -> None:
-    """InputError if the ends of a gas layer are not where they must be.
+def check_ends(problem: Problem, x: Mapping[tuple[int, int], float], h: float) -> None:
+    """InputError if the outer end of a gas in a rigid frame is not where its X says, to within a cell of h [m].
 
-    x: (solid layer, end 0 or 1) -> initial position of its end point [m], and as (-1, 1) and (number of layers, 0) those of the
-    outer ends. The boundary of a rigid layer stands where its X
-    says, to within a cell of h [m]; the ends of a stretched one are in their order. mapping: see Problem.is_stretched.
+    x: (solid layer, end 0 or 1) -> initial position of its end point [m].
     """
     last = len(problem.layers) - 1
-    for k, layer in enumerate(problem.layers):
-        if layer.kind == "fluid" and problem.is_stretched(k, mapping):
-            places = x[k - 1, 1], x[k + 1, 0]
-            if not places[0] < places[1]:
-                raise InputError(
-                    f"{layer.place}layer '{layer.name}' begins at x = {places[0]:g} and ends at x = {places[1]:g}: expected a "
-                    "larger x there"
-                )
     for k, side, end in ((0, 0, problem.left), (last, 1, problem.right)):
         layer = problem.layers[k]
-        if layer.kind != "fluid" or problem.is_stretched(k, mapping):
+        if layer.kind != "fluid":
             continue
         x_I, X_I = x[(1, 0) if side == 0 else (last - 1, 1)], layer.X[1 - side]
         wanted = layer.X[side] - X_I + x_I

@@ -14,8 +14,8 @@ from fsipetsc.blame import place_of_caller
 from fsipetsc.boundaries import Boundary, SolidEnd, Wall, closes, in_time, needs_stretching
 from fsipetsc.checks import Array, Fields, described, extent, function
 from fsipetsc.errors import InputError
-from fsipetsc.physics.fluid import Fluid
-from fsipetsc.physics.solid import Solid
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.line_solid import Solid
 
 UNITS = ("SI", "none")
 #: what the grid of a gas does: it goes with the interface, over the embedded boundary; or it is stretched between its ends
@@ -119,7 +119,7 @@ class Problem:
                     f"at the outer end of the {layer.kind} layer '{layer.name}' stands {described(end)}: expected {fit}"
                 )
         for k, layer in enumerate(self.layers):
-            if isinstance(layer, FluidLayer) and layer.mapping == "rigid" and self.is_stretched(k, "rigid"):
+            if isinstance(layer, FluidLayer) and layer.mapping == "rigid" and not self._may_be_rigid(k):
                 raise InputError(
                     f"layer '{layer.name}' has mapping='rigid': expected 'stretched' or None, because it has not one interface "
                     "and one end that insulates and stays where it is"
@@ -150,18 +150,11 @@ class Problem:
             raise InputError(f"Problem: units is {described(self.units)}: expected {' or '.join(map(repr, UNITS))}")
         object.__setattr__(self, "layers", tuple(layers))
 
-    def is_stretched(self, k: int, mapping: str) -> bool:
-        """Whether the grid of layer k, a gas, goes from end to end: mapping is the choice where the layer has none.
-
-        mapping: "rigid", "stretched", or "auto": stretched where the outer end is a wall.
-        A gas between two solids, or alone, has no frame that is rigid; nor has one whose wall moves, or gives off heat.
-        """
+    def _may_be_rigid(self, k: int) -> bool:
+        """Whether a gas has one interface and one end, which insulates and stays where it is."""
         last = len(self.layers) - 1
         ends = [end for at, end in ((0, self.left), (last, self.right)) if at == k]
-        if len(ends) != 1 or any(map(needs_stretching, ends)):
-            return True
-        chosen = getattr(self.layers[k], "mapping", None) or mapping
-        return chosen == "stretched" or (chosen == "auto" and isinstance(ends[0], Wall))
+        return len(ends) == 1 and not needs_stretching(ends[0])
 
     def unit(self, name: str) -> str:
         """What stands behind a number in a message: " m", or nothing if the problem has no dimensions."""

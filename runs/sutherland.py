@@ -18,9 +18,9 @@ import numpy as np
 from fsipetsc.boundaries import Wall, free
 from fsipetsc.options import Option
 from fsipetsc.physics.constant_transport import constant_transport
-from fsipetsc.physics.fluid import Fluid
+from fsipetsc.materials.fluid import Fluid
 from fsipetsc.physics.own_laws import transport_law
-from fsipetsc.physics.solid import Solid
+from fsipetsc.materials.line_solid import Solid
 from fsipetsc.physics.sutherland import sutherland
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 

@@ -56,7 +56,7 @@ def pytest_terminal_summary(terminalreporter: Any) -> None:
 def _compiled() -> int:
     """Files of kernels that have come into the cache since the session began."""
     try:
-        from fsipetsc.operators import cache
+        from fsipetsc.operators.kernel_cache import use_kernel_cache
     except ModuleNotFoundError:
         return 0
-    return sum(path.stat().st_mtime > _start for path in cache.use_cache_folder().rglob("*.nbc"))
+    return sum(path.stat().st_mtime > _start for path in use_kernel_cache().rglob("*.nbc"))

@@ -9,8 +9,8 @@ import sys
 import numpy as np; from numba import njit
 from fsipetsc.boundaries import Dirichlet, Open, Wall, absorbing, clamped, free
 from fsipetsc.options import Option
-from fsipetsc.physics.fluid import Fluid
-from fsipetsc.physics.solid import Solid
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.line_solid import Solid
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 OPTIONS = (Option("own_speed", float, 0.0, "m/s", "a speed"),)
 DEFAULTS = {"fsi_h": 0.1, "fsi_order": 2, "ts_max_time": 1.0, "ts_max_steps": 4, "ts_dt": 1e-5}

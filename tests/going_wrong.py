@@ -22,8 +22,8 @@ from fsipetsc.boundaries import Wall, clamped
 from fsipetsc.materials.fluid import Fluid as Gas
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.options import Option
-from fsipetsc.physics.fluid import Fluid
-from fsipetsc.physics.solid import Solid
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.line_solid import Solid
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 
 NAME = "going_wrong"

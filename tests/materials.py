@@ -16,11 +16,11 @@ import numpy as np
 
 from fsipetsc.boundaries import Dirichlet, Wall
 from fsipetsc.options import Option
-from fsipetsc.physics.fluid import Fluid
+from fsipetsc.materials.fluid import Fluid
 from fsipetsc.physics.mie_gruneisen import mie_gruneisen
 from fsipetsc.physics.own_laws import transport_law
 from fsipetsc.physics.power_law import power_law
-from fsipetsc.physics.solid import Solid
+from fsipetsc.materials.line_solid import Solid
 from fsipetsc.physics.stiffened_gas import stiffened_gas
 from fsipetsc.physics.sutherland import sutherland
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer

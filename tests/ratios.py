@@ -21,8 +21,8 @@ from fsipetsc.boundaries import Wall
 from fsipetsc.errors import FsiError
 from fsipetsc.options import read_options
 from fsipetsc.options.sources import given_options
-from fsipetsc.physics.fluid import Fluid
-from fsipetsc.physics.solid import Solid
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.line_solid import Solid
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 from fsipetsc.process.launch import start_mpi, start_petsc
 

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.boundaries import Open, free
-from fsipetsc.physics.fluid import Fluid
-from fsipetsc.physics.solid import Solid
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.line_solid import Solid
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 
 NAME = "receding"

@@ -23,7 +23,7 @@ import numpy as np
 import fsipetsc
 from fsipetsc.boundaries import Wall
 from fsipetsc.errors import ComputationError, InputError
-from fsipetsc.physics.fluid import Fluid
+from fsipetsc.materials.fluid import Fluid
 from fsipetsc.problem import FluidLayer, Problem
 
 gas = Fluid(0.01, 0.02, 1.4, 1.0)

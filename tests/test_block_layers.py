@@ -20,8 +20,8 @@ from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.operators.sbp import operator
 from fsipetsc.options import defaults
-from fsipetsc.physics.fluid import Fluid as OldFluid
-from fsipetsc.physics.solid import Solid as OldSolid
+from fsipetsc.materials.fluid import Fluid as OldFluid
+from fsipetsc.materials.line_solid import Solid as OldSolid
 
 GAS, SOLID = Fluid(0.1, 0.1, 1.4, 1.0), ElasticSolid(1.0, 1.0, 0.1, 1.0, 1.0)
 

@@ -16,7 +16,7 @@ from fsipetsc.boundaries import DIRICHLET, NODES, degree_of, fill_ghost
 from fsipetsc.boundaries import Dirichlet as DirichletEnd
 from fsipetsc.operators import packed
 from fsipetsc.operators.kernels import scratch_size
-from fsipetsc.physics.fluid import Fluid
+from fsipetsc.materials.fluid import Fluid
 from fsipetsc.physics.layer import LAYER
 from fsipetsc.scheme.laws import LAWS
 from fsipetsc.scheme.stage_update import Target

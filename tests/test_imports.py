@@ -37,8 +37,8 @@ ORDER = """
     __init__
 """
 RANK = {name: rank for rank, line in enumerate(ORDER.split("\n")) for name in line.split()}
-#: the run of blocks, which stands beside that of layers until all runs are of blocks
-SAME = {"blockrun": "stepping"}
+#: the run of blocks, which stands beside that of layers until all runs are of blocks; the paper's method with its state
+SAME = {"blockrun": "stepping", "paper": "stepping"}
 #: who knows MPI, PETSc: the folders whose work that is, and what starts them, reads PETSc's options and ends them
 KNOW_MPI = {"cli", "api", "analysis", "bench", "stepping", "output", "process", "parallel"}
 KNOW_PETSC = {"analysis", "bench", "stepping", "output", "process", "options", "parallel"}

@@ -12,9 +12,9 @@ pytest.importorskip("numba")
 
 from fsipetsc.operators import OPERATORS, packed
 from fsipetsc.operators.kernels import BLOCK, scratch_size
-from fsipetsc.physics.fluid import Fluid
+from fsipetsc.materials.fluid import Fluid
 from fsipetsc.physics.layer import LAYER
-from fsipetsc.physics.solid import Solid
+from fsipetsc.materials.line_solid import Solid
 from fsipetsc.scheme.laws import LAWS
 from fsipetsc.scheme.stage_update import Target
 from fsipetsc.scheme.sweep import sweep

@@ -22,13 +22,13 @@ from fsipetsc.operators.formulas import in_python
 from fsipetsc.operators.memory import load, store
 from fsipetsc.operators.variants import digest
 from fsipetsc.options import defaults
-from fsipetsc.physics.fluid import Fluid
+from fsipetsc.materials.fluid import Fluid
 from fsipetsc.physics.layer import LAYER, NUMBERS
 from fsipetsc.physics.material_law import Law, numbers_of
 from fsipetsc.physics.mie_gruneisen import mie_gruneisen
 from fsipetsc.physics.own_laws import check, gas_law, pressure_law, transport_law
 from fsipetsc.physics.power_law import power_law
-from fsipetsc.physics.solid import Solid
+from fsipetsc.materials.line_solid import Solid
 from fsipetsc.physics.stiffened_gas import stiffened_gas
 from fsipetsc.physics.sutherland import sutherland
 from fsipetsc.problem import Problem

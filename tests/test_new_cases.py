@@ -12,8 +12,8 @@ import fsipetsc
 pytest.importorskip("petsc4py")
 
 from fsipetsc.cases import heat
-from fsipetsc.physics.fluid import Fluid
-from fsipetsc.physics.solid import Solid
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.line_solid import Solid
 
 SPACINGS = (0.05, 0.025)
 

@@ -13,10 +13,10 @@ pytest.importorskip("petsc4py")
 import fsipetsc
 from fsipetsc.boundaries import Wall
 from fsipetsc.errors import InputError
-from fsipetsc.physics.fluid import Fluid
+from fsipetsc.materials.fluid import Fluid
 from fsipetsc.physics.own_laws import check, gas_law, pressure_law, transport_law
 from fsipetsc.physics.perfect_gas import perfect_gas
-from fsipetsc.physics.solid import Solid
+from fsipetsc.materials.line_solid import Solid
 from fsipetsc.problem import FluidLayer, Problem
 
 SUTHERLAND, OWN_GAS = REPOSITORY / "runs" / "sutherland.py", REPOSITORY / "tests" / "own_gas.py"

@@ -16,7 +16,7 @@ from fsipetsc.cases import load_case
 from fsipetsc.options import defaults
 from fsipetsc.scheme import runge_kutta
 from fsipetsc.scheme.plan import WORK
-from fsipetsc.stepping.solve import make_state
+from fsipetsc.stepping.solve import make_layer_state
 
 #: half a step: a power of two, so that the product with a rate is exact, as within a fused multiply-add
 HALF = 2.0**-18
@@ -40,7 +40,7 @@ def test_both_make_the_same_rates(name, changed):
     """Of a state as a stage leaves it, before its conditions are applied: bit for bit, with forcing and given data, too."""
     case = load_case(name)
     opt = {**defaults(case), "fsi_h": 0.05, **changed}
-    with make_state(case.build(opt), opt, MPI.COMM_SELF) as state:
+    with make_layer_state(case.build(opt), opt, MPI.COMM_SELF) as state:
         state.set_initial()
         state.set_data(HALF)
         layers = range(len(state.layout.grids))

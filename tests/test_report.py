@@ -73,7 +73,7 @@ def test_a_run_that_fails_by_its_steps_says_so(where):
 BAR = """
 import numpy as np
 from fsipetsc.boundaries import clamped
-from fsipetsc.physics.solid import Solid
+from fsipetsc.materials.line_solid import Solid
 from fsipetsc.problem import Problem, SolidLayer
 
 OPTIONS, DEFAULTS = (), {"fsi_h": 0.1, "fsi_order": 2, "ts_max_time": 0.1}

@@ -7,9 +7,9 @@ import pytest
 
 from fsipetsc.cases.riemann import GasState, GasWave, Riemann, SolidState, behind_shock
 from fsipetsc.errors import InputError
-from fsipetsc.physics.fluid import Fluid
+from fsipetsc.materials.fluid import Fluid
 from fsipetsc.physics.own_laws import pressure_law
-from fsipetsc.physics.solid import Solid
+from fsipetsc.materials.line_solid import Solid
 
 GAS = Fluid(0.0, 0.0, 1.4, 1.0)
 

@@ -11,8 +11,8 @@ pytest.importorskip("petsc4py")
 
 import fsipetsc
 from fsipetsc.boundaries import Wall, clamped
-from fsipetsc.physics.fluid import Fluid
-from fsipetsc.physics.solid import Solid
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.line_solid import Solid
 from fsipetsc.physics.sutherland import sutherland
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 from fsipetsc.scheme.laws import Form, ProblemLaws

@@ -19,9 +19,9 @@ from fsipetsc.analysis.stability_measures import few_eigenvalues, measure, range
 from fsipetsc.analysis.stability_state import Constant
 from fsipetsc.operators import OPERATORS, packed
 from fsipetsc.operators.kernels import scratch_size
-from fsipetsc.physics.fluid import Fluid
+from fsipetsc.materials.fluid import Fluid
 from fsipetsc.physics.layer import FLUID, LAYER, SOLID
-from fsipetsc.physics.solid import Solid
+from fsipetsc.materials.line_solid import Solid
 from fsipetsc.scheme.laws import LAWS
 from fsipetsc.scheme.stage_update import Target
 from fsipetsc.scheme.sweep import sweep

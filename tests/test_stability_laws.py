@@ -23,10 +23,10 @@ from fsipetsc.analysis.stability_state import Constant, of_problem
 from fsipetsc.boundaries import Wall
 from fsipetsc.errors import InputError
 from fsipetsc.operators import operator
-from fsipetsc.physics.fluid import Fluid
+from fsipetsc.materials.fluid import Fluid
 from fsipetsc.physics.mie_gruneisen import mie_gruneisen
 from fsipetsc.physics.own_laws import gas_law
-from fsipetsc.physics.solid import Solid
+from fsipetsc.materials.line_solid import Solid
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 from fsipetsc.scheme.laws import Form
 from fsipetsc.stepping.state import State

@@ -14,8 +14,8 @@ from fsipetsc import boundaries
 from fsipetsc.boundaries import NODES, Open, free
 from fsipetsc.cases import rod
 from fsipetsc.options import PETSC_OPTIONS, defaults
-from fsipetsc.physics.fluid import Fluid
-from fsipetsc.physics.solid import Solid
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.line_solid import Solid
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 from fsipetsc.scheme.laws import LAWS
 from fsipetsc.scheme.plan import FORCE, RATE

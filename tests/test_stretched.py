@@ -20,8 +20,8 @@ from fsipetsc.boundaries import Wall, clamped, free
 from fsipetsc.cases import load_case
 from fsipetsc.errors import InputError
 from fsipetsc.options import defaults
-from fsipetsc.physics.fluid import Fluid
-from fsipetsc.physics.solid import Solid
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.line_solid import Solid
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 from fsipetsc.stepping.solve import make_state, solve
 

@@ -11,7 +11,7 @@ pytest.importorskip("petsc4py")
 from test_stretched import Case
 
 from fsipetsc.boundaries import Dirichlet, Open
-from fsipetsc.physics.fluid import Fluid
+from fsipetsc.materials.fluid import Fluid
 from fsipetsc.problem import FluidLayer, Problem
 
 EVERY_ORDER = pytest.mark.parametrize("order", ORDERS)

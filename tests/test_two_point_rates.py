@@ -15,7 +15,7 @@ from fsipetsc.boundaries import WALL
 from fsipetsc.operators import OPERATORS
 from fsipetsc.operators.kernels import BLOCK
 from fsipetsc.physics.constant_transport import constant_transport
-from fsipetsc.physics.fluid import navier_stokes
+from fsipetsc.materials.fluid import navier_stokes
 from fsipetsc.physics.layer import UNLOADED
 from fsipetsc.physics.perfect_gas import perfect_gas
 from fsipetsc.physics.two_point import entropy_conserving

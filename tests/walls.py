@@ -16,8 +16,8 @@ from materials import derivative, solid
 
 from fsipetsc.boundaries import Boundary, Wall, clamped, free
 from fsipetsc.options import Option
-from fsipetsc.physics.fluid import Fluid
-from fsipetsc.physics.solid import Solid
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.line_solid import Solid
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 
 NAME = "walls"

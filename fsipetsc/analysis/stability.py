@@ -84,7 +84,7 @@ def described(arguments: list[str], comm: MPI.Comm) -> tuple[dict[str, Any], Con
 
     opt = read_options(case, given, FOR_CASES)
     check_begin(opt)
-    problem = build_problem(case, opt, comm)
+    problem = build_problem(case, {**opt, "fsi_coupling": "energy"}, comm)  # whose layers are wanted, whatever the coupling
     plane = isinstance(problem, RunProblem)
     if "fsi_order" not in given and not (plane and "fsi_orders" not in given):
         opt["fsi_order"] = None  # in two dimensions the layers of a case may be too thin for other orders than its own

@@ -13,19 +13,19 @@ S_t = K^ u_X, K^ = (K - x_X dp_s/dx_X)/x_X, and what is left, K x_X'/x_X - sigma
 
 D2 is D twice or the narrow second derivative, c = dp_s/dT, and the gas's equation of T is that of laws p(rho, T) and e(rho, T)
 with rho^2 e_rho = p - T p_T, as thermodynamics has it. The energy E = h sum_j a_j (W q^2)_j has the weights of
-fsipetsc.coupling.energy. In it the equations are symmetric but for a part of the last one: -p^ = -c T^ + (c T^ - p^). In
+fsipetsc.paper.coupling. In it the equations are symmetric but for a part of the last one: -p^ = -c T^ + (c T^ - p^). In
 Grüneisen's solid c T^ - p^ is the stress sigma^, and that part the heat that a stress sigma^ != 0 sets free.
 
-With the conservative coupling D of a flux is without what goes through the interface (fsipetsc.scheme.end_rates).
+With the conservative coupling D of a flux is without what goes through the interface (fsipetsc.blocks).
 D is fsipetsc.operators' and the interface is treated by the code that the solver calls, differentiated numerically at the
-constant state: compiled for the built-in pair of laws, and by Python, from the same source, for others. At the outer ends
+constant state. At the outer ends
 u = 0, and T = 0 in what conducts: orthogonal projections that neither add nor take energy, so that growth comes from the
 interface or from the equations.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,18 +34,14 @@ from numpy.typing import NDArray
 from scipy.sparse import bmat, csr_matrix, diags, identity, lil_matrix
 
 from fsipetsc.analysis.stability_state import Constant
-from fsipetsc.coupling import INTERFACE, KINDS, couple
-from fsipetsc.operators import operator, packed
-from fsipetsc.operators.formulas import Formulas, in_python
-from fsipetsc.operators.kernels import ENTRY
+from fsipetsc.operators import operator
 from fsipetsc.operators.narrow import remainder
 from fsipetsc.operators.sbp import row_length
-from fsipetsc.physics.material_law import formulas_of
-from fsipetsc.scheme.laws import PAIRS
+from fsipetsc.paper.coupling import KINDS, Face, couple
+from fsipetsc.paper.laws import elastic_of, gas_of
+from fsipetsc.paper.stencils import CALL, packed
 
 Array = NDArray[np.float64]
-#: the laws whose interface is treated by compiled code
-BUILT_IN = PAIRS[0]
 #: step of the numerical differentiation, relative to the size of each variable, and its formula of order 8
 STEP = 2.0**-7
 CENTRAL = np.array([4 / 5, -1 / 5, 4 / 105, -1 / 280])
@@ -125,26 +121,15 @@ def rates(state: Constant, D: Array, outer: Sequence[Array], second: Sequence[Ar
     return raw, bmat([[rest, None], [None, bmat(heated)]], format="csr")
 
 
-def interface_record(state: Constant, h: float, coupling: str, normal: float = 1.0) -> np.ndarray:
-    """The INTERFACE record, shape (1,), of this solid and this gas."""
-    face = np.zeros(1, INTERFACE)
-    gas, solid = state.gas, state.solid
-    values = {"gamma": gas.gamma, "R": gas.R, "cv": gas.cv, "mu": 4 / 3 * gas.mu, "kappa": gas.kappa}
-    values |= {name: getattr(gas, name) for name in ("gas_numbers", "transport_numbers")}
-    values |= {name: getattr(solid, name) for name in ("K", "kappa_e", "m0", "alpha", "gruneisen", "pressing_numbers")}
-    values |= {"h": h, "h_gas": h, "J": 1.0, "spacing": h, "ratio": 1.0}
-    for name, value in {**values, "coupling": KINDS[coupling], "normal": normal}.items():
-        face[name] = value
-    return face
-
-
 def interface_jacobian(state: Constant, order: int, h: float, coupling: str) -> Array:
-    """Derivative, (6 rows, 6 rows), of the interface treatment at the constant state, by the solver's own code.
+    """Derivative, (6 rows, 6 rows), of the interface treatment at the constant state.
 
-    Order as in Linear, rows counted from the interface into each layer.
+    Order as in Linear, rows counted from the interface into each layer. That of the paper's couplings is of the solver's own code.
     """
-    face, op = interface_record(state, h, coupling), np.array([packed(order)])
     rows = row_length(operator(order))
+    if coupling == "conservative":
+        return one_particle(state, rows)
+    gas, solid = gas_of(state.gas), elastic_of(state.solid)
     size = 6 * rows
     constant = np.repeat([state.rho, 0.0, state.T, 0.0, state.stress, state.T], rows)
     steps = STEP * np.repeat(state.scales, rows)
@@ -152,36 +137,33 @@ def interface_jacobian(state: Constant, order: int, h: float, coupling: str) -> 
     # change m of variable c stands in row (m, c)
     changed = constant + multiples[:, None, None] * np.diag(steps)
     rho, u, T, v, sigma, Ts = np.moveaxis(changed.reshape(8 * size, 6, rows), 1, 0)
-    fluid, positions = state.gas.conserved(rho, u, T), np.broadcast_to(-h * state.stretch * np.arange(rows), rho.shape)
-    solid = np.stack([v, sigma, Ts, positions, 0.5 * state.solid.m0 * v * v], axis=-1)
-    couple_all_of(state)(face, op, fluid, solid)
-    rho, u, T, _ = state.gas.primitive(fluid)
-    after = np.stack([rho, u, T, *np.moveaxis(solid, -1, 0)[:3]], axis=1).reshape(8, size, size)
+    places = np.broadcast_to(-h * state.stretch * np.arange(rows), rho.shape)
+    f = np.stack([rho, rho * u, gas.total_energy(rho, u, T)], axis=-1)
+    s = np.stack([v, sigma, Ts, places], axis=-1)
+    couple_all(packed(order), Face(KINDS[coupling], gas, solid, 1.0, h), np.zeros(4), f, s)
+    u, T = gas.velocity_and_temperature(*np.moveaxis(f, -1, 0))
+    after = np.stack([f[..., 0], u, T, *np.moveaxis(s, -1, 0)[:3]], axis=1).reshape(8, size, size)
     differences = after[4:] - after[3::-1]
     return np.tensordot(CENTRAL, differences, 1).T / steps
 
 
-@njit(**ENTRY)
-def couple_all(face, op, fluid, solid):
-    """The treatment of one interface for many traces, in place: fluid (m, rows, 3), solid (m, rows, 5)."""
-    for m in range(len(fluid)):
-        couple(BUILT_IN, face[0], op[0], fluid[m], solid[m])
+@njit(**CALL)
+def couple_all(ops, face, jump, f, s):
+    """The treatment of one interface for many rows, in place: f (m, rows, 3) of the gas, s (m, rows, 4) of the solid."""
+    for m in range(len(f)):
+        couple(ops[0], face, jump, f[m], s[m])
 
 
-def couple_all_of(state: Constant) -> Callable[..., None]:
-    """The same for the laws of a state; Python's for others than the built-in ones, because compiling takes longer."""
-    laws = [formulas_of(law) for law in (state.gas.law, state.gas.transport, state.solid.pressing)]
-    if laws == [BUILT_IN.gas, BUILT_IN.transport, BUILT_IN.pressing]:
-        return couple_all
-    gas, transport, pressing = (Formulas(**{name: in_python(one) for name, one in vars(law).items()}) for law in laws)
-    pair, treat = Formulas(gas=gas, transport=transport, pressing=pressing), in_python(couple)
-
-    def couple_in_python(face: np.ndarray, op: np.ndarray, fluid: Array, solid: Array) -> None:
-        with np.errstate(all="ignore"):
-            for trace_f, trace_s in zip(fluid, solid, strict=True):
-                treat(pair, face.view(np.recarray)[0], op.view(np.recarray)[0], trace_f, trace_s)
-
-    return couple_in_python
+def one_particle(state: Constant, rows: int) -> Array:
+    """The same of the conservative coupling: the two end points share momentum, and heat if both conduct it."""
+    jacobian = np.eye(6 * rows)
+    pairs = [(1, 3, state.rho, state.solid.m0)]
+    if state.kappa > 0.0 and state.solid.kappa_e > 0.0:
+        pairs.append((2, 5, state.rho * state.heat_capacity, state.solid.alpha * state.solid.m0))
+    for of_gas, of_solid, a, b in pairs:
+        points = np.array([of_gas, of_solid]) * rows
+        jacobian[np.ix_(points, points)] = np.array([[a, b], [a, b]]) / (a + b)
+    return jacobian
 
 
 def scatter(jacobian: Array, n: int) -> csr_matrix:

@@ -151,8 +151,8 @@ def check(opt: Mapping[str, Any]) -> None:
 def constant_state(opt: Mapping[str, Any]) -> Constant:
     """The state at rest that the options describe. InputError if gas and solid cannot balance."""
     from fsipetsc.analysis.stability_state import Constant
-    from fsipetsc.physics.fluid import Fluid
-    from fsipetsc.physics.solid import Solid
+    from fsipetsc.materials.fluid import Fluid
+    from fsipetsc.materials.line_solid import Solid
 
     gas = Fluid(opt["fluid_mu"], opt["fluid_kappa"], opt["fluid_gamma"], opt["fluid_R"])
     T = opt["fluid_T"]

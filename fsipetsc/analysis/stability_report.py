@@ -14,11 +14,6 @@ from fsipetsc.analysis.stability_state import Constant, described_law
 from fsipetsc.operators import operator
 from fsipetsc.output.plots.style import drawing
 from fsipetsc.output.plots.titles import set_title
-from fsipetsc.physics.constant_transport import constant_transport
-from fsipetsc.physics.fluid import Fluid
-from fsipetsc.physics.gruneisen import gruneisen
-from fsipetsc.physics.material_law import formulas_of
-from fsipetsc.physics.perfect_gas import perfect_gas
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -45,9 +40,9 @@ def heading(opt: Mapping[str, Any], state: Constant) -> str:
     gas, solid, p = state.gas, state.solid, state.p
     n, h, coupling = opt["stability_points"], opt["fsi_h"], opt["fsi_coupling"]
     speed, eos = state.sound_speed, f"p = G rho eps, G = {solid.gruneisen:.4g}" if solid.gruneisen else "elastic, p = 0"
-    if formulas_of(solid.pressing) is not gruneisen:
+    if solid.pressing is not None:
         eos = f"pressure by {described_law(solid.pressing)}"
-    laws = "".join(f"; {described_law(law)}" for law, plain in _laws(gas) if formulas_of(law) is not plain)
+    laws = "".join(f"; {described_law(law)}" for law in (gas.law, gas.transport) if law is not None)
     rest = f"x_X {state.stretch:g}, pressure of the solid {state.solid_pressure:g} Pa, sigma {state.stress:g} Pa\n"
     rest += f"           sound in the gas {speed:.3g} m/s"
     if opt["sweep"]:
@@ -67,11 +62,6 @@ solid | gas, linearised at rest (4.2); {n} points of h = {h:g} m in each, {opt["
            kappa {solid.kappa_e:g} W/(m K); {eos}
   at rest  {rest}
 """
-
-
-def _laws(gas: Fluid) -> tuple[tuple[Any, Any], ...]:
-    """The laws of a gas, each with the one that need not be said."""
-    return (gas.law, perfect_gas), (gas.transport, constant_transport)
 
 
 def verdict(result: Result) -> str:

@@ -10,10 +10,8 @@ from numpy.typing import NDArray
 
 from fsipetsc import given
 from fsipetsc.errors import InputError
-from fsipetsc.operators.formulas import in_python
-from fsipetsc.physics.fluid import Fluid
-from fsipetsc.physics.material_law import Law, formulas_of
-from fsipetsc.physics.solid import Solid
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.line_solid import Solid
 from fsipetsc.problem import Problem
 
 #: temperatures of gas and solid that differ by less than this fraction are one
@@ -45,7 +43,7 @@ class Constant:
                 at = f"rho = {self.rho:g}, T = {self.T:g}, x_X = {self.stretch:g}"
                 raise InputError(f"the state at rest with {at}: {name} is {value:g}: expected a number above 0")
         at = [self.rho * (1 + change) for change in (-NEARBY, NEARBY)]
-        energies = [self._of(self.gas.law, self.gas, "energy", rho, self.T) for rho in at]
+        energies = [float(self.gas.internal_energy(rho, self.T)) for rho in at]
         slope, wanted = self.rho * (energies[1] - energies[0]) / (2 * NEARBY), self.p - self.T * self.p_T
         if not abs(slope - wanted) <= 1e-6 * self.p:
             raise InputError(
@@ -53,17 +51,9 @@ class Constant:
                 f"{self.T:g}: expected the same, as thermodynamics has it and the linear theory takes it"
             )
 
-    def _of(self, law: Any, material: Fluid | Solid, name: str, *values: float) -> Any:
-        """A formula of a law of one of the materials, in numbers."""
-        known = formulas_of(law)
-        with np.errstate(all="ignore"):
-            return in_python(getattr(known, name))(in_python(known.constants)(material), *values)
-
     def _of_gas(self, name: str) -> float:
-        return float(self._of(self.gas.law, self.gas, name, self.rho, self.T))
-
-    def _of_solid(self, name: str) -> float:
-        return float(self._of(self.solid.pressing, self.solid, name, self.T, self.stretch))
+        with np.errstate(all="ignore"):
+            return float(getattr(self.gas.gas_law, name)(self.rho, self.T))
 
     @property
     def p(self) -> float:
@@ -108,12 +98,12 @@ class Constant:
     @property
     def solid_p_T(self) -> float:
         """dp_s/dT at constant strain [Pa/K]."""
-        return self._of_solid("pressure_by_temperature")
+        return float(self.solid.pressure_by_temperature(self.T, self.stretch))
 
     @property
     def stiffness(self) -> float:
         """-x_X dp_s/dx_X at constant T [Pa]."""
-        return self._of_solid("stiffness")
+        return float(self.solid.stiffness(self.T, self.stretch))
 
     @property
     def stress(self) -> float:
@@ -177,6 +167,6 @@ def same_temperature(gas: str, T: float, solid: str, T_s: float) -> None:
 
 
 def described_law(law: Any) -> str:
-    """What a law is called, for people: the module of its formulas, with its numbers."""
-    name = formulas_of(law).constants.__module__.rsplit(".", 1)[-1].replace("_", " ")
-    return f"{name} ({', '.join(f'{value:g}' for value in law.numbers)})" if isinstance(law, Law) else name
+    """What a law is called, for people: its class, with its numbers."""
+    name, _, own = type(law).__name__.partition("_")
+    return "a law of its own" if own else f"{name} ({', '.join(f'{value:g}' for value in law)})"

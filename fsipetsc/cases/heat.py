@@ -26,9 +26,9 @@ import numpy as np
 from fsipetsc.boundaries import Wall, clamped
 from fsipetsc.cases.materials import gas_of, material_options, solid_of
 from fsipetsc.errors import InputError
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.line_solid import Solid
 from fsipetsc.options import Option
-from fsipetsc.physics.fluid import Fluid
-from fsipetsc.physics.solid import Solid
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 
 NAME = "heat"

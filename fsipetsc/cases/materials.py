@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.line_solid import Solid
 from fsipetsc.options import Option, above_one
-from fsipetsc.physics.fluid import Fluid
-from fsipetsc.physics.solid import Solid
 
 #: each with a default that a case replaces
 _KNOWN = (

@@ -20,10 +20,10 @@ from numba import njit
 from fsipetsc.boundaries import DEGREES, Dirichlet
 from fsipetsc.cases.materials import gas_of, material_options, solid_of
 from fsipetsc.errors import InputError
-from fsipetsc.operators.kernels import ENTRY as COMPILED
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.line_solid import Solid
+from fsipetsc.operators.loops import CALL as COMPILED
 from fsipetsc.options import Option
-from fsipetsc.physics.fluid import Fluid
-from fsipetsc.physics.solid import Solid
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 
 NAME = "mms"
@@ -48,7 +48,7 @@ OPTIONS = (
 #: interfaces and grids are the paper's
 DEFAULTS = {
     **{"fsi_h": 0.0125, "fsi_order": 4, "ts_max_time": 0.45, "fsi_output_dt": 0.05},
-    **{"fsi_coupling": "projection", "fsi_mapping": "rigid"},
+    "fsi_coupling": "projection",
 }
 
 LEFT, RIGHT = 0.25, 4.0
@@ -151,8 +151,9 @@ def jumps(exact: Exact, gas: Fluid, solid: Solid, X_I: float, t: float) -> tuple
 
 def build(opt: Mapping[str, Any]) -> Problem:
     """Solid in 1 < X < 2, fluid beside it in 1/4 < x < 4."""
-    if opt["fsi_mapping"] == "stretched":
-        raise InputError("-fsi_mapping stretched: expected rigid, for the solution of mms is a function of X on a rigid grid")
+    if opt["fsi_coupling"] == "conservative":
+        problem = "the solution of mms is a function of X in a rigid frame"
+        raise InputError(f"-fsi_coupling conservative: {problem}: take projection, energy or traditional")
     exact = Exact(opt["mms_epsilon"], opt["mms_omega"], opt["mms_phi"])
     gas = gas_of(opt)
     solid = solid_of(opt)

@@ -20,9 +20,9 @@ import numpy as np
 from fsipetsc.boundaries import Open, absorbing
 from fsipetsc.cases.materials import gas_of, material_options, solid_of
 from fsipetsc.errors import InputError
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.line_solid import Solid
 from fsipetsc.options import Option
-from fsipetsc.physics.fluid import Fluid
-from fsipetsc.physics.solid import Solid
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 
 NAME = "pulse"
@@ -51,7 +51,7 @@ OPTIONS = (
 #: interfaces and grids are the paper's
 DEFAULTS = {
     **{"fsi_h": 0.0125, "fsi_order": 4, "ts_max_time": 4e-3, "fsi_output_dt": 2e-4},
-    **{"fsi_coupling": "projection", "fsi_mapping": "rigid"},
+    "fsi_coupling": "projection",
 }
 
 _erf = np.vectorize(math.erf, otypes=[float])

@@ -25,9 +25,9 @@ from fsipetsc.boundaries import Wall, clamped, free
 from fsipetsc.cases.materials import gas_of, material_options, solid_of
 from fsipetsc.cases.riemann import GasState, Riemann, SolidState, behind_shock, shock_structure
 from fsipetsc.errors import InputError
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.line_solid import Solid
 from fsipetsc.options import Option, above_one
-from fsipetsc.physics.fluid import Fluid
-from fsipetsc.physics.solid import Solid
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 
 NAME = "shock"

@@ -26,9 +26,9 @@ from fsipetsc.cases.riemann import GasState, GasWave
 from fsipetsc.cases.shock import GAMMA, HIGH, LOW, T_ROD, R, Solution
 from fsipetsc.checks import Fields
 from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.line_solid import Solid
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.options import Option
-from fsipetsc.physics.solid import Solid
 
 NAME = "tube"
 SUMMARY = "a shock tube in a plane, along X, across Y or into an elastic layer: exact solution"

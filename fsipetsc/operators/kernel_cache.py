@@ -10,6 +10,9 @@ from __future__ import annotations
 import hashlib
 import os
 import tempfile
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 
@@ -17,6 +20,23 @@ import numba
 
 #: folders of the package with compiled code or formulas
 COMPILED = ("operators", "equations", "materials", "blocks", "scheme", "paper")
+
+
+#: seconds of compiling after which a word is due
+PATIENCE = 2.0
+
+
+@contextmanager
+def announced(announce: Callable[[str], None]) -> Iterator[None]:
+    """Say that kernels are being compiled if what is done within takes longer."""
+    words = "compiling the kernels for the materials of this case"
+    timer = threading.Timer(PATIENCE, announce, (words,))
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
 
 
 def source_hash() -> str:

@@ -29,7 +29,7 @@ def advice(topic: str, opt: Mapping[str, Any]) -> str:
     filled = {
         "{steps}": steps,
         "{shocks}": f"{' and '.join(missing)} where there are shocks" if missing else "",
-        "{mapping}": "-fsi_mapping stretched, whose grids keep their points" if opt["fsi_mapping"] == "rigid" else "",
+        "{mapping}": "-fsi_coupling conservative, whose grids keep their points" if opt["fsi_coupling"] != "conservative" else "",
     }
     tried = [filled.get(words, words) for words in _ADVICE[topic]]
     return f"what usually helps: {', '.join(words for words in tried if words)}"

@@ -3,14 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-
-from fsipetsc.problem import FluidLayer
-
-if TYPE_CHECKING:
-    from fsipetsc.stepping.state import State
 
 
 class Seen(NamedTuple):
@@ -30,12 +25,6 @@ class Failure(NamedTuple):
 
     words: str
     topic: str
-
-
-def describe_failure(state: State, t: float, step: int) -> Failure:
-    """Field, layer, position, time and step of the first unphysical point, from the work arrays. Collective."""
-    here = (k for k, record in enumerate(state.layout.records) if record["present"])
-    return described(state, (_seen(state, k) for k in here), t, step)
 
 
 def described(state: Any, seen: Iterable[Seen], t: float, step: int) -> Failure:
@@ -80,23 +69,3 @@ def _largest(seen: Seen) -> tuple[float, int, str, float, str] | None:
             i = int(np.argmax(np.abs(values)))
             found.append((float(abs(values[i])), seen.layer, name, float(values[i]), seen.place(i)))
     return max(found, default=None)
-
-
-def _seen(state: State, k: int) -> Seen:
-    layer, record, grid = state.problem.layers[k], state.layout.records[k], state.layout.grids[k]
-    work, m = state.plan.work(k), state.problem.unit("m")
-    first = int(record["own_lo"] - record["halo_lo"])
-    own = np.arange(max(record["own_lo"], record["lo"]), min(record["own_hi"], record["hi"] + 1))
-    q, X = work[own - first], grid.X()[own]
-    if isinstance(layer, FluidLayer):
-        rho, u, T, _ = layer.material.primitive(q / record["J"])
-        x = X - grid.anchor + record["x_interface"]
-        if record["stretched"]:
-            x = record["end_x"][0] + own * (record["h"] * record["J"])
-        values, positive = {"J": np.full(len(own), record["J"]), "rho": rho, "u": u, "T": T}, {"J", "rho", "T"}
-    else:
-        right = np.minimum(own + 1, record["n"] - 1) - first
-        x_X = np.where(own < record["n"] - 1, (work[right, 3] - q[:, 3]) / state.h, 1.0)
-        u, sigma, T, x = (q[:, c] for c in range(4))
-        values, positive = {"x": x, "x_X": x_X, "u": u, "sigma": sigma, "T": T}, {"x_X", "T"}
-    return Seen(k, own, values, frozenset(positive), lambda i: f"x = {x[i]:.6g}{m} (X = {X[i]:.6g}{m})")

@@ -3,58 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import lru_cache
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
-from fsipetsc.operators.formulas import Formulas, in_python
-from fsipetsc.physics.layer import FLUID
-from fsipetsc.scheme.extremes_and_sums import SIZE
 from fsipetsc.scheme.plan import RATE
-from fsipetsc.scheme.speeds import fluid_speeds, solid_speeds
 from fsipetsc.scheme.time_step import longest_step
 from fsipetsc.stepping.state import State
 
 #: by kind of layer: what convection is there, and what diffusion is
 _NAMES = {"fluid": ("sound", "friction and conduction"), "solid": ("waves", "conduction")}
-_SPEEDS = {True: in_python(fluid_speeds), False: in_python(solid_speeds)}
 #: a step that is shorter than its bound by more than this part has another reason
 _NEARLY = 1e-3
 
 
-def layer_rates(state: State) -> np.ndarray:
-    """Largest rates of convection and of diffusion [1/s] of each layer, shape (layers, 2), after a completed step.
-
-    All ranks know the extremes of which they are made, which are those of fsipetsc.scheme.time_step. Not collective.
-    """
-    if hasattr(state, "rates"):
-        return state.rates
-    plan, op = state.plan, state.plan.head["op"][0]
-    at = plan.start("everywhere" if state.comm.size > 1 else "extremes")
-    rates = np.zeros((len(plan.layers), 2))
-    with np.errstate(all="ignore"):
-        for k, layer in enumerate(plan.layers.view(np.recarray)):
-            law = _in_python(state.laws.layers[int(layer.law)])
-            _, speed, spread = _SPEEDS[bool(layer.kind == FLUID)](law, layer, plan.memory, at + SIZE * k)
-            spacing = layer.h * layer.J
-            rates[k] = op["pace"] * speed / spacing, op["stiffness"] * spread / (spacing * spacing)
-    return rates
-
-
-@lru_cache(maxsize=32)
-def _in_python(law: Formulas) -> SimpleNamespace:
-    """The formulas of a law's materials, for numbers."""
-    there = [name for name in ("gas", "transport", "pressing") if hasattr(law, name)]
-    return SimpleNamespace(
-        **{name: SimpleNamespace(**{n: in_python(f) for n, f in vars(getattr(law, name)).items()}) for name in there}
-    )
-
-
 def limiting(state: State) -> str:
     """What is fastest of all layers, and bounds the step: as "sound in below"; "" where nothing is known of it."""
-    rates = layer_rates(state)
+    rates = state.rates
     if not np.isfinite(rates).all() or not rates.any():
         return ""
     k, which = np.unravel_index(np.argmax(rates), rates.shape)

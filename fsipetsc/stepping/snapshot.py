@@ -16,17 +16,15 @@ import numpy as np
 from mpi4py import MPI
 
 from fsipetsc.errors import InputError
-from fsipetsc.parallel.layout import Grid, Layout
-from fsipetsc.physics.layer import DOF, ENDS
 from fsipetsc.problem import Problem
 
 if TYPE_CHECKING:
-
-    from fsipetsc.stepping.state import State
+    from fsipetsc.paper.layout import Grid, Layout
+    from fsipetsc.paper.state import PaperState as State
 
 Array = np.ndarray
 #: of the record of a layer: how its grid lies and moves
-FRAME = "s", "spread", "J", "x_interface", "end_x", "end_v"
+FRAME = "s", "x_interface"
 #: of its grid
 GRID = "n", "lo", "hi"
 #: beginning of the names of rates
@@ -74,26 +72,19 @@ def _changing(state: State, solution: Array) -> tuple[Array, ...]:
 
 
 def whole_layers(layout: Layout, parts: list[Array] | None, prefix: str) -> dict[str, Array]:
-    """Name -> points of a layer, (n, unknowns), and kinetic energies at its ends, from the parts of all ranks, on rank 0."""
+    """Name -> points of a layer, (n, unknowns), from the parts of all ranks, on rank 0."""
     arrays: dict[str, Array] = {}
     if parts is None:
         return arrays
     at = [0] * len(parts)
     for k, (record, shares) in enumerate(zip(layout.records, layout.shares, strict=True)):
-        dof, n = DOF[record["kind"]], int(record["n"])
+        dof, n = layout.dof(k), int(record["n"])
         points = arrays[f"{prefix}layer{k}"] = np.empty((n, dof))
-        energies = np.zeros(ENDS)
         for rank, begin, end in shares:
             part = parts[rank][at[rank] :]
             size = dof * (end - begin)
             points[begin:end] = part[:size].reshape(-1, dof)
             at[rank] += size
-            if layout.energetic(k):
-                own = [begin == 0, end == n]
-                energies[own] = part[size : size + ENDS][own]
-                at[rank] += ENDS
-        if layout.energetic(k):
-            arrays[f"{prefix}energies{k}"] = energies
     return arrays
 
 
@@ -114,7 +105,7 @@ def grids_of(problem: Problem, grids: Sequence[Grid], arrays: Mapping[str, Array
     """The grids as they were; grids: those that a run begins with. InputError if those were others."""
     found = []
     for k, (grid, (n, lo, hi)) in enumerate(zip(grids, arrays["grids"].tolist(), strict=True)):
-        rigid, first = problem.layers[k].kind == "fluid" and not grid.stretched, k == 0
+        rigid, first = problem.layers[k].kind == "fluid", k == 0
         fits = 0 <= lo < hi < n and n >= grid.n and (hi == n - 1 if first else lo == 0)
         if not (fits if rigid else (n, lo, hi) == (grid.n, grid.lo, grid.hi)):
             raise InputError(f"layer '{problem.layers[k].name}' has {grid.n} points, and {n} in the checkpoint")
@@ -136,8 +127,6 @@ def put(layout: Layout, y: Array, arrays: Mapping[str, Array], prefix: str = "")
     for k, record in enumerate(layout.records):
         if record["present"]:
             layout.local(k, y)[:] = arrays[f"{prefix}layer{k}"][record["own_lo"] : record["own_hi"]]
-            if layout.energetic(k):
-                layout.ends(k, y)[:] = arrays[f"{prefix}energies{k}"]
 
 
 def put_frames(layout: Layout, arrays: Mapping[str, Array]) -> None:
@@ -158,7 +147,7 @@ def rates_of(layout: Layout, arrays: Mapping[str, Array], fill: Callable[..., No
 def gather(comm: MPI.Comm, layout: Layout, k: int, y: np.ndarray) -> np.ndarray:
     """Layer k of the solution, shape (n, dof), on every rank. Collective."""
     record = layout.records[k]
-    dof = DOF[record["kind"]]
+    dof = layout.dof(k)
     counts = np.zeros(comm.size, np.int64)
     for rank, begin, end in layout.shares[k]:
         counts[rank] = dof * (end - begin)

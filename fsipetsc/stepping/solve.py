@@ -7,23 +7,20 @@ from dataclasses import dataclass
 from typing import Any
 
 from mpi4py import MPI
-from petsc4py import PETSc
 
 from fsipetsc.blame import call, place_of
 from fsipetsc.blockrun.block_state import BlockForm, BlockState
 from fsipetsc.blockrun.recorded_nodes import chosen
 from fsipetsc.blockrun.run_problem import RunProblem
+from fsipetsc.blocks.from_layers import blocks_of_line
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.checks import described
 from fsipetsc.errors import InputError
 from fsipetsc.options import InForce
-from fsipetsc.physics.dissipation import SIGMA
+from fsipetsc.paper.state import PaperState, make_paper_state
 from fsipetsc.problem import Problem
 from fsipetsc.process.together import together
-from fsipetsc.scheme.laws import Form
 from fsipetsc.stepping.integrator import Integrator
-from fsipetsc.stepping.phases import LoggedState
-from fsipetsc.stepping.state import State
 
 
 @dataclass(frozen=True)
@@ -43,7 +40,10 @@ class Outcome:
 
 
 def build_problem(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Problem | RunProblem:
-    """What the case says for the options in force. Collective; InputError, with file and line of a user's case file."""
+    """What the case says for the options in force: layers for the paper's couplings, else blocks.
+
+    Collective; InputError, with file and line of a user's case file.
+    """
 
     def build() -> Problem | RunProblem:
         problem = call(case.build, (InForce(opt),), "build")
@@ -51,32 +51,35 @@ def build_problem(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Problem 
             return RunProblem(problem)
         if not isinstance(problem, Problem):
             found = "nothing (is its return missing?)" if problem is None else described(problem)
-            raise InputError(f"{place_of(case.build)}: build(opt) returns {found}: expected a Problem or BlockProblem")
-        return problem
+            raise InputError(
+                f"{place_of(case.build)}: build(opt) returns {found}: "
+                "expected a Problem or BlockProblem"
+            )
+        if opt["fsi_coupling"] != "conservative":
+            return problem
+        return RunProblem(blocks_of_line(problem, opt["fsi_h"], opt["fsi_order"]))
 
     return together(comm, build)
 
 
 def make_state(
     problem: Problem | RunProblem, opt: dict[str, Any], comm: MPI.Comm
-) -> State | BlockState:
-    """The state that the options in force ask for; with -log_view one that logs what it does. Collective.
+) -> PaperState | BlockState:
+    """The state that the options in force ask for; with -log_view one that logs what it does.
 
-    InputError where grid, order and ranks do not fit.
+    Collective. InputError where grid, order and ranks do not fit.
     """
     if isinstance(problem, RunProblem):
         form = block_form(opt)
-        recorded = together(comm, lambda: chosen(problem, opt["fsi_points"] or (), opt["fsi_probes"]))
+        points, probes = opt["fsi_points"] or (), opt["fsi_probes"]
+        recorded = together(comm, lambda: chosen(problem, points, probes))
         return BlockState(comm, problem, opt["fsi_order"], form, opt["fsi_partition"], recorded)
     for name in ("fsi_points", "fsi_probes"):
         if opt[name]:
-            raise InputError(f"-{name} is of blocks: here series of all interfaces are recorded anyway")
-    names = ("fsi_order", "fsi_h", "fsi_coupling", "fsi_mapping", "fsi_partition", "fsi_spare")
-    kind = LoggedState if PETSc.Log.isActive() else State
-    entropy = bool(opt["fsi_entropy"] or opt["fsi_check"])
-    sigma, entropic = SIGMA * opt["fsi_dissipation"], opt["fsi_convection"] == "entropy"
-    form = Form(opt["fsi_viscous"] == "narrow", sigma, opt["fsi_shock"], entropic)
-    return kind(comm, problem, *(opt[name] for name in names), entropy, opt["fsi_shared_memory"], form)
+            raise InputError(
+                f"-{name} is of blocks: here series of all interfaces are recorded anyway"
+            )
+    return make_paper_state(problem, opt, comm)
 
 
 #: what blocks have of options that choose between methods
@@ -91,7 +94,11 @@ def block_form(opt: Mapping[str, Any]) -> BlockForm:
     """The form of the equations of blocks that is asked for. InputError for a method that these do not have."""
     for name, there in _OF_BLOCKS.items():
         if opt[name] not in there:
-            raise InputError(f"-{name} {opt[name]}: for blocks it is {' or '.join(map(str, there))}")
+            known = " or ".join(there)
+            raise InputError(
+                f"-{name} {opt[name]}: blocks have {known}: take that, or in one dimension "
+                "-fsi_coupling projection, energy or traditional"
+            )
     return BlockForm(opt["fsi_convection"], opt["fsi_dissipation"], opt["fsi_shock"])
 
 
@@ -108,7 +115,7 @@ def solve(
     comm: MPI.Comm,
     announce: Callable[[str], None] = lambda text: None,
     times: Sequence[float] = (),
-    look: Callable[[State | BlockState, float], None] = lambda state, t: None,
+    look: Callable[[PaperState | BlockState, float], None] = lambda state, t: None,
 ) -> Outcome:
     """Integrate a case from t = 0 to -ts_max_time, or -ts_max_steps, and write nothing. Collective on comm.
 

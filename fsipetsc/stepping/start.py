@@ -1,11 +1,10 @@
 """A run that begins with a frame of an earlier result, on whatever grid: -fsi_initial.
 
 The initial data of the case's layers are replaced by functions that interpolate those of the frame, and time goes on from the
-frame's. All that a frame does not hold follows as it does from data of a case: J from where the ends of a gas are, kinetic
-energies of end points from velocities, ghost points from the conditions there. Of blocks: fsipetsc.blockrun.start_of_blocks.
+frame's. All that a frame does not hold follows as it does from data of a case: ghost points from the conditions there. Of blocks: fsipetsc.blockrun.start_of_blocks.
 
 Between points stand splines; at points that frame and grid have in common stands what the frame has. They are in the layers'
-reference coordinates, of a gas in x, of which each mapping of it is a linear function.
+reference coordinates, of a gas in x.
 """
 
 from __future__ import annotations
@@ -17,13 +16,11 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
-from fsipetsc import given
 from fsipetsc.blockrun.run_problem import RunProblem
 from fsipetsc.blockrun.start_of_blocks import BlockFrame, begun_with, block_frame
-from fsipetsc.boundaries import in_time
 from fsipetsc.errors import InputError
 from fsipetsc.output.reader import open_run
-from fsipetsc.parallel.layout import ghost_index
+from fsipetsc.paper.layout import ghost_index
 from fsipetsc.problem import FluidLayer, Problem
 from fsipetsc.process.together import together
 from fsipetsc.stepping.splines import interpolated
@@ -33,8 +30,6 @@ Array = np.ndarray
 _TAKEN = {"fluid": ("rho", "u", "T", "x"), "solid": ("u", "sigma", "T", "x")}
 #: distance, as a fraction of a layer, within which its ends are the same
 _ALIKE = 1e-6
-#: a time [s] around that of the frame in which the motion of walls may be asked for
-_INSTANT = 1e-6
 
 
 @dataclass(frozen=True)
@@ -42,7 +37,7 @@ class Start:
     """What a run begins with instead of the case's data.
 
     problem: the case's, with other functions ``initial``. t: time [s]. line: what is to be said of it. cells: layer -> ghost
-    index of gases on rigid grids, for fsipetsc.parallel.layout.make_grids.
+    index of gases, for fsipetsc.paper.layout.make_grids.
     """
 
     problem: Problem | RunProblem
@@ -78,7 +73,7 @@ def find_start(problem: Problem | RunProblem, opt: Mapping[str, Any], comm: MPI.
 def _fitted(
     problem: Problem | RunProblem, frame: _Frame, opt: Mapping[str, Any], notes: tuple[str, ...]
 ) -> tuple[Problem | RunProblem, dict[int, int]]:
-    """The problem that begins with what the frame has, and ghost indices of rigid gases. InputError."""
+    """The problem that begins with what the frame has, and ghost indices of gases. InputError."""
     if problem.dimension != frame.dimension:
         raise InputError(f"-fsi_initial: {frame.place} has {frame.dimension} dimension(s), the case {problem.dimension}")
     if isinstance(problem, RunProblem) != isinstance(frame.layers[0], BlockFrame):
@@ -86,7 +81,7 @@ def _fitted(
     if isinstance(problem, RunProblem):
         return begun_with(problem, frame.layers, opt["fsi_order"], frame.place, notes), {}
     _check_layers(problem, frame)
-    layers, cells = _layers(problem, frame, opt["fsi_order"], opt["fsi_h"], opt["fsi_mapping"])
+    layers, cells = _layers(problem, frame, opt["fsi_order"], opt["fsi_h"])
     return replace(problem, layers=layers, notes=notes), cells
 
 
@@ -132,8 +127,8 @@ def _check_layers(problem: Problem, frame: _Frame) -> None:
             raise InputError(f"-fsi_initial: {frame.place}: layer {k + 1}, a {kind}, {found}")
 
 
-def _layers(problem: Problem, frame: _Frame, order: int, h: float, mapping: str) -> tuple[tuple[Any, ...], dict[int, int]]:
-    """Layers that begin with what the frame has, and ghost indices of rigid gases. InputError where an end stands elsewhere."""
+def _layers(problem: Problem, frame: _Frame, order: int, h: float) -> tuple[tuple[Any, ...], dict[int, int]]:
+    """Layers that begin with what the frame has, and ghost indices of gases. InputError where an end stands elsewhere."""
     layers, cells, last = [], {}, len(problem.layers) - 1
     for k, (layer, (_, X, fields)) in enumerate(zip(problem.layers, frame.layers, strict=True)):
         columns = np.stack([*fields.values()], axis=-1)
@@ -146,20 +141,16 @@ def _layers(problem: Problem, frame: _Frame, order: int, h: float, mapping: str)
                 ends.append(float(frame.layers[neighbour][2]["x"][side - 1]))
             else:
                 ends.append(_outer_end(problem, side, x, frame))
-        stretched = problem.is_stretched(k, mapping)
-        if not stretched:
-            cells[k] = ghost_index((ends[1] - ends[0]) / h)
-        begin, slope = (layer.X[0], (ends[1] - ends[0]) / (layer.X[1] - layer.X[0])) if stretched else (layer.X[k == 0], 1.0)
-        place = ends[0] if stretched or k > 0 else ends[1]
-        layers.append(replace(layer, initial=_Gas(columns[:, :3], x, order, begin, place, slope)))
+        cells[k] = ghost_index((ends[1] - ends[0]) / h)
+        place = ends[0] if k > 0 else ends[1]
+        layers.append(replace(layer, initial=_Gas(columns[:, :3], x, order, layer.X[k == 0], place)))
     return tuple(layers), cells
 
 
 def _outer_end(problem: Problem, side: int, x: Array, frame: _Frame) -> float:
     """Where an outer end of a gas stands [m]; InputError if that is not where the frame has it, x: of its points."""
     end = (problem.left, problem.right)[side]
-    moves = "x" in in_time(end)
-    place = given.end_motion(problem, side, frame.t, _INSTANT)[0] if moves else float(end.x)
+    place = float(end.x)
     cell = (x[-1] - x[0]) / (len(x) - 1)
     beyond = (x[-1] - place if side else place - x[0]) / cell  # a ghost point may stand behind it
     if not -_ALIKE * len(x) <= beyond <= 1.0 + _ALIKE * len(x):
@@ -182,17 +173,16 @@ class _Solid:
 
 @dataclass(frozen=True)
 class _Gas:
-    """initial(X) of a gas: columns (n, fields) at the places x = at; X lies at place + slope (X - begin)."""
+    """initial(X) of a gas: columns (n, fields) at the places x = at; X lies at place + X - begin."""
 
     columns: Array
     at: Array
     order: int
     begin: float
     place: float
-    slope: float
 
     def __call__(self, X: Array) -> list[Array]:
-        places = _counted(self.place + self.slope * (X - self.begin), self.at)
+        places = _counted(self.place + X - self.begin, self.at)
         inside = np.clip(places, 0, len(self.at) - 1)  # what is beyond will be made from inside
         return list(interpolated(self.columns, inside, self.order).T)
 

@@ -9,8 +9,6 @@ from typing import Any
 from fsipetsc.blockrun.run_problem import RunProblem
 from fsipetsc.blockrun.view_of_blocks import block_lines
 from fsipetsc.boundaries import ABSORBING, CLAMPED, FREE, SolidEnd
-from fsipetsc.operators.formulas import Formulas
-from fsipetsc.physics.material_law import Law
 from fsipetsc.stepping.state import State
 
 #: kind of a solid's end -> its name and that of its value
@@ -48,7 +46,7 @@ def _grid(state: State, k: int) -> str:
     grid, m = state.layout.grids[k], state.problem.unit("m")
     active = grid.hi - grid.lo + 1
     held = f" ({grid.n - active} more in reserve)" if grid.n > active else ""
-    kind = "Lagrangian" if state.problem.layers[k].kind == "solid" else "stretched" if grid.stretched else "rigid"
+    kind = "Lagrangian" if state.problem.layers[k].kind == "solid" else "rigid"
     return f"{active} points{held}, h = {grid.h:.6g}{m}, {kind}"
 
 
@@ -90,10 +88,6 @@ def _empty(value: Any) -> bool:
 
 
 def _text(value: Any) -> str:
-    if isinstance(value, Law):
-        return f"{_text(value.formulas)} ({', '.join(f'{number:g}' for number in value.numbers if number)})"
-    if isinstance(value, Formulas):
-        return _law_name(value)
     if is_dataclass(value):
         return described(value)
     if isinstance(value, tuple):
@@ -101,11 +95,3 @@ def _text(value: Any) -> str:
     if callable(value):
         return "a function"
     return f"{value:g}" if isinstance(value, float) else str(value)
-
-
-def _law_name(law: Formulas) -> str:
-    """The file that its formulas stand in: one for each law of the program, the user's for his own."""
-    functions = (getattr(member, "py_func", member) for member in vars(law).values())
-    modules = [function.__module__ for function in functions if callable(function)]
-    name = modules[-1].rpartition(".")[2] if modules else "own"
-    return name.replace("_", " ")

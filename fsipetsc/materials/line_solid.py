@@ -1,0 +1,97 @@
+"""The elastic solid of the paper, in one dimension, (3.1) and (4.19).
+
+    u_t          = (sigma - p)_X / m0 + force
+    sigma_t      = K / x_X u_X,                               K = 2 mu_e + lambda_e
+    alpha m0 T_t = (sigma - p) u_X + (kappa_e / x_X T_X)_X
+    x_t          = u
+
+with p(epsilon, rho) an equation of state in epsilon = alpha T and rho = m0 / x_X; p = 0 is the
+elastic solid.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from fsipetsc.checks import ANY, NONNEGATIVE, POSITIVE, numbers
+from fsipetsc.equations.solid import STEP
+from fsipetsc.errors import InputError
+from fsipetsc.materials import own
+from fsipetsc.materials.solid_pressure import ConstantPressure, Gruneisen
+
+
+@dataclass(frozen=True)
+class Solid:
+    """Linear elastic material, with the pressure p = gruneisen * rho * epsilon, or another law's.
+
+    K: 2 mu_e + lambda_e [Pa]; kappa_e: heat conductivity [W/(m K)]; m0: density in the reference
+    configuration [kg/m3]; alpha: specific heat [J/(kg K)]; force: body force per mass [m/s2];
+    gruneisen: [-]; pressing: None, mie_gruneisen(…), stiffened_pressure(…) or
+    own.pressure_law(…). InputError for what is no number or out of range, and for gruneisen beside
+    another law.
+    """
+
+    K: float
+    kappa_e: float
+    m0: float
+    alpha: float
+    force: float = 0.0
+    gruneisen: float = 0.0
+    pressing: Any = None
+
+    def __post_init__(self) -> None:
+        ranges = {"K": POSITIVE, "kappa_e": NONNEGATIVE, "m0": POSITIVE, "alpha": POSITIVE}
+        numbers(self, "Solid", {**ranges, "force": ANY, "gruneisen": NONNEGATIVE})
+        if self.pressing is not None and self.gruneisen != 0.0:
+            problem = f"gruneisen is {self.gruneisen:g} beside pressing: expected 0"
+            raise InputError(f"Solid: {problem}")
+        self.pressure_law  # noqa: B018  (checks it)
+
+    @property
+    def pressure_law(self) -> Any:
+        """The pressure as a formula."""
+        if self.pressing is not None:
+            return own.checked_law(self.pressing, "Solid: pressing", own.PRESSURE)
+        return Gruneisen(self.gruneisen) if self.gruneisen > 0.0 else ConstantPressure()
+
+    def pressure(self, T: Any, x_X: Any = 1.0) -> Any:
+        """p [Pa] at temperature T [K] and strain x_X."""
+        return self.pressure_law.pressure(x_X, T, self.m0, self.alpha)
+
+    def pressure_by_temperature(self, T: Any, x_X: Any) -> Any:
+        """dp/dT at constant x_X [Pa/K], by a central difference."""
+        return pressure_by_temperature(self.pressure_law, T, x_X, self.m0, self.alpha)
+
+    def stiffness(self, T: Any, x_X: Any) -> Any:
+        """-x_X dp/dx_X at constant T [Pa], by a central difference."""
+        return stiffness(self.pressure_law, T, x_X, self.m0, self.alpha)
+
+    def sound_speed(self, x_X: float = 1.0, T: float = 0.0, sigma: float = 0.0) -> float:
+        """Speed of small waves in Lagrangian coordinates [m/s], without conduction."""
+        p, heat = self.pressure(T, x_X), self.alpha * self.m0
+        by_T, stiff = self.pressure_by_temperature(T, x_X), self.stiffness(T, x_X)
+        modulus = wave_modulus(self.K, heat, by_T, stiff, p, sigma, x_X)
+        return float(modulus / self.m0) ** 0.5
+
+
+def pressure_by_temperature(law, T, x_X, m0, alpha):
+    """dp/dT of a law of pressure."""
+    dT = STEP * (1.0 + abs(T))
+    more, less = law.pressure(x_X, T + dT, m0, alpha), law.pressure(x_X, T - dT, m0, alpha)
+    return (more - less) / (2.0 * dT)
+
+
+def stiffness(law, T, x_X, m0, alpha):
+    """-x_X dp/dx_X of a law of pressure."""
+    dx = STEP * x_X
+    less, more = law.pressure(x_X - dx, T, m0, alpha), law.pressure(x_X + dx, T, m0, alpha)
+    return (less - more) / (2.0 * STEP)
+
+
+def wave_modulus(K, heat, p_T, stiff, p, sigma, x_X):
+    """m0 c^2 [Pa] of elastic waves in Lagrangian coordinates; stiff: -x_X p_x, heat: alpha m0.
+
+    What (3.1b-d) make of (sigma - p)_t over u_X: (K - x_X p_x + x_X p_T (p - sigma)/heat)/x_X.
+    """
+    return (K + stiff + x_X * p_T * (p - sigma) / heat) / x_X

@@ -1,0 +1,22 @@
+"""Sjögreen and Banks, Stability of Finite Difference Discretizations of Multi-Physics Interface
+Conditions (2013), as published.
+
+One space dimension: an elastic solid with the stress as an unknown, (4.19), between gases in rigid
+frames that move with their interfaces, (4.20), over embedded boundaries with ghost points that come
+and go. Where the paper has misprints the formulas are the corrected ones. From the bottom up:
+
+    laws        the materials of a case as NamedTuples for compiled loops
+    equations   (4.19) and (4.20) at a point
+    stencils    the SBP first derivative on the points of a rank, formulas at embedded boundaries
+    narrow      narrow second derivatives
+    rates       dy/dt of a layer
+    coupling    what holds at an interface: projection, projection in energy, traditional
+    ends        walls, open ends, given data, ends of solids; boundaries that move over the grid
+    sums        what is looked at after a step: bounds on the step, integrals, what is saved
+    layout      who owns which points: a DMDA for each layer
+    parts       the right-hand side, with PETSc's ghost exchange
+    batch       several steps in one compiled call, on one rank
+    after_step  what several ranks do after a step
+    fields      what is saved, errors, what is wrong with a state
+    state       what the time integration drives
+"""

@@ -1,0 +1,208 @@
+"""dy/dt at a rank's points of a layer, from its points with halos, which fulfil all conditions.
+Compiled.
+
+The unknowns of a point stand together in memory, as PETSc has them; the loops work on a row of
+scratch for each quantity. D acts twice, so rates need values within twice its reach.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from fsipetsc.boundaries import DIRICHLET, INTERFACE_END, OPEN
+from fsipetsc.paper.ends import gradient_values
+from fsipetsc.paper.equations import gas_flux, solid_flux, solid_rates
+from fsipetsc.paper.narrow import MARGIN, narrow_gas, narrow_solid
+from fsipetsc.paper.stencils import INNER, LEFT, RIGHT, U, derivative
+
+#: numbers of unknowns that narrow second derivatives add to: momentum, and energy or T
+MOMENTUM, THIRD = np.int64(1), np.int64(2)
+#: rows of scratch, and by how much they are longer than there are points
+ROWS, MORE = 19, 2 * MARGIN
+
+
+@njit(**INNER)
+def ranges(op, layer):
+    """(a, b, A, B, f0, f1, v0, v1) among a rank's points with halos: rates are wanted at a .. b-1,
+    the active ones that it owns; A and B are the first and the last active point of all; fluxes are
+    needed at f0 .. f1-1, values at v0 .. v1-1.
+    """
+    first = layer.own_lo - layer.halo_lo
+    A, B = layer.lo - first, layer.hi - first
+    a, b = max(layer.own_lo - first, A), min(layer.own_hi - first, B + 1)
+    f0, f1 = max(A, a - op.reach), min(B + 1, b + op.reach)
+    return a, b, A, B, f0, f1, max(A, a - 2 * op.reach), min(B + 1, b + 2 * op.reach)
+
+
+# gas
+
+
+@njit(**INNER)
+def primitive_rows(gas, q, rho, m, e, u, T, a, b):
+    """The conserved unknowns, u and T at the points a .. b-1."""
+    for i in range(a, b):
+        density, momentum, energy = q[U(i), 0], q[U(i), 1], q[U(i), 2]
+        r = 1.0 / density
+        v = momentum * r
+        rho[U(i)], m[U(i)], e[U(i)], u[U(i)] = density, momentum, energy, v
+        T[U(i)] = gas.law.temperature(density, energy * r - 0.5 * v * v)
+
+
+@njit(**INNER)
+def gas_fluxes(gas, s, rho, m, e, u, T, u_X, T_X, f, g, h, a, b):
+    """The three fluxes of (4.20)."""
+    for i in range(a, b):
+        f[U(i)], g[U(i)], h[U(i)] = gas_flux(
+            gas, s, rho[U(i)], m[U(i)], e[U(i)], u[U(i)], T[U(i)], u_X[U(i)], T_X[U(i)]
+        )
+
+
+@njit(**INNER)
+def put_gas(force, rho, m, f_X, g_X, h_X, out, a, b, shift):
+    """out = -(fluxes)_X and what the body force does."""
+    for i in range(a, b):
+        k = U(i - shift)
+        out[k, 0] = -f_X[U(i)]
+        out[k, 1] = force * rho[U(i)] - g_X[U(i)]
+        out[k, 2] = force * m[U(i)] - h_X[U(i)]
+
+
+@njit(**INNER)
+def clear(out):
+    """out = 0."""
+    for i in range(out.shape[0]):
+        for c in range(out.shape[1]):
+            out[U(i), U(c)] = 0.0
+
+
+@njit(**INNER)
+def add_columns(change, out, first, end):
+    """out += change, in the rows first .. end-1."""
+    for i in range(first, end):
+        for c in range(out.shape[1]):
+            out[U(i), U(c)] += change[U(i), U(c)]
+
+
+@njit(**INNER)
+def entropy_keeping(gas, rho, m, e, rho_t, m_t, e_t, u_X):
+    """What must be added to e_t so that the entropy of a gas's interface point obeys rho T S_t =
+    mu' u_X^2.
+
+    Without conduction this point is a particle that no heat reaches, and with h = eps + p/rho
+
+        e_t = u m_t + (h - u^2/2) rho_t + mu' u_X^2.
+
+    The error that the closure makes in the energy, and the entropy that a shock leaves there, would
+    stay for ever: nothing carries them away.
+    """
+    u, T = gas.velocity_and_temperature(rho, m, e)
+    h = e / rho - 0.5 * u * u + gas.law.pressure(rho, T) / rho
+    return u * m_t + (h - 0.5 * u * u) * rho_t + gas.viscosity(T) * u_X * u_X - e_t
+
+
+@njit(**INNER)
+def gas_rates(op, gas, layer, q, forcing, w, out):
+    """(4.20). q: (points with halos, 3); forcing: (owned, 3), or (0, 3) for none; w: scratch; out:
+    (owned, 3)."""
+    clear(out)
+    a, b, A, B, f0, f1, v0, v1 = ranges(op, layer)
+    if a >= b:
+        return
+    rho, m, e, u, T, u_X, T_X = w[0], w[1], w[2], w[3], w[4], w[5], w[6]
+    f, g, h, f_X, g_X, h_X = w[7], w[8], w[9], w[10], w[11], w[12]
+    per_h = 1.0 / layer.h
+    primitive_rows(gas, q, rho, m, e, u, T, v0, v1)
+    side = RIGHT if layer.end_kind[0] == INTERFACE_END else LEFT
+    ghost, kind = (A if side == 0 else B), layer.end_kind[side]
+    apart = (kind == OPEN or kind == DIRICHLET) and v0 <= ghost < v1
+    own_u, own_T = 0.0, 0.0
+    if apart:  # u and T of the ghost point are others for the gradients
+        own_u, own_T = u[ghost], T[ghost]
+        u[ghost], T[ghost] = gradient_values(gas, layer, q, ghost, side)
+    derivative(op, u, u_X, f0, f1, A, B, per_h)
+    derivative(op, T, T_X, f0, f1, A, B, per_h)
+    if op.narrow:
+        narrow_gas(op, gas, layer.h, u, T, w[13], w[14], w[15], w[16], w[17], w[18], a, b, A, B)
+    if apart:
+        u[ghost], T[ghost] = own_u, own_T
+    gas_fluxes(gas, layer.s, rho, m, e, u, T, u_X, T_X, f, g, h, f0, f1)
+    derivative(op, f, f_X, a, b, A, B, per_h)
+    derivative(op, g, g_X, a, b, A, B, per_h)
+    derivative(op, h, h_X, a, b, A, B, per_h)
+    shift = layer.halo_lo
+    put_gas(gas.force, rho, m, f_X, g_X, h_X, out, a, b, shift)
+    if op.narrow:
+        add_to(w[17], out, MOMENTUM, a, b, shift)
+        add_to(w[18], out, THIRD, a, b, shift)
+    end = B if side == 0 else A
+    if gas.kappa == 0.0 and a <= end < b:
+        out[end - shift, 2] += entropy_keeping(
+            gas, rho[end], m[end], e[end], -f_X[end], -g_X[end], -h_X[end], u_X[end]
+        )
+    if len(forcing):
+        add_columns(forcing, out, a - shift, b - shift)
+
+
+@njit(**INNER)
+def add_to(change, out, column, a, b, shift):
+    """A column of out += change at the points a .. b-1."""
+    for i in range(a, b):
+        out[U(i - shift), U(column)] += change[U(i)]
+
+
+# solid
+
+
+@njit(**INNER)
+def solid_rows(q, u, sigma, T, x, a, b):
+    """The unknowns at the points a .. b-1."""
+    for i in range(a, b):
+        u[U(i)], sigma[U(i)], T[U(i)], x[U(i)] = q[U(i), 0], q[U(i), 1], q[U(i), 2], q[U(i), 3]
+
+
+@njit(**INNER)
+def solid_fluxes(solid, sigma, T, x_X, T_X, stretch, net, conducted, a, b):
+    """What of (4.19) is differentiated once more."""
+    for i in range(a, b):
+        stretch[U(i)], net[U(i)], conducted[U(i)] = solid_flux(
+            solid, sigma[U(i)], T[U(i)], x_X[U(i)], T_X[U(i)]
+        )
+
+
+@njit(**INNER)
+def put_solid(solid, u, stretch, net, u_X, net_X, conducted_X, out, a, b, shift):
+    """out = (u, sigma, T, x)_t."""
+    for i in range(a, b):
+        u_t, sigma_t, T_t, x_t = solid_rates(
+            solid, u[U(i)], stretch[U(i)], net[U(i)], u_X[U(i)], net_X[U(i)], conducted_X[U(i)]
+        )
+        k = U(i - shift)
+        out[k, 0], out[k, 1], out[k, 2], out[k, 3] = u_t, sigma_t, T_t, x_t
+
+
+@njit(**INNER)
+def elastic_rates(op, solid, layer, q, forcing, w, out):
+    """(4.19). q: (points with halos, 4); forcing: (owned, 4), or (0, 4) for none; w: scratch; out:
+    (owned, 4)."""
+    clear(out)
+    a, b, A, B, f0, f1, v0, v1 = ranges(op, layer)
+    if a >= b:
+        return
+    u, sigma, T, x, x_X, T_X = w[0], w[1], w[2], w[3], w[4], w[5]
+    stretch, net, conducted, u_X, net_X, conducted_X = w[6], w[7], w[8], w[9], w[10], w[11]
+    per_h = 1.0 / layer.h
+    solid_rows(q, u, sigma, T, x, v0, v1)
+    derivative(op, x, x_X, f0, f1, A, B, per_h)
+    derivative(op, T, T_X, f0, f1, A, B, per_h)
+    solid_fluxes(solid, sigma, T, x_X, T_X, stretch, net, conducted, f0, f1)
+    derivative(op, u, u_X, a, b, A, B, per_h)
+    derivative(op, net, net_X, a, b, A, B, per_h)
+    derivative(op, conducted, conducted_X, a, b, A, B, per_h)
+    shift = layer.halo_lo
+    put_solid(solid, u, stretch, net, u_X, net_X, conducted_X, out, a, b, shift)
+    if op.narrow:
+        narrow_solid(op, solid, layer.h, T, stretch, w[12], w[13], w[14], a, b, A, B)
+        add_to(w[14], out, THIRD, a, b, shift)
+    if len(forcing):
+        add_columns(forcing, out, a - shift, b - shift)

@@ -1,0 +1,234 @@
+"""The SBP first derivative on rows of values, and the formulas of an embedded boundary.
+
+Rows hold the points of a rank with their halos. The closures stand at the first and the last active
+point, A and B. The same formula is evaluated in the same order for a point whoever owns it, so
+results do not depend on the number of ranks: that is why no loop here may reorder or contract
+(``LOOP``).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from fsipetsc.operators import loops
+from fsipetsc.operators.narrow import STIFFNESS, STIFFNESS_OF_WIDE, difference, end_term, levels
+from fsipetsc.operators.sbp import operator, row_length
+
+Array = NDArray[np.float64]
+#: IEEE arithmetic as it is written
+LOOP = {**loops.LOOP, "fastmath": False}
+CALL = {**loops.CALL, "fastmath": False}
+#: of what only compiled code calls: nothing is made to call it from Python, and it is not kept for
+#: itself
+INNER = {**LOOP, "cache": False, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+#: index arithmetic is of signed numbers; an index made unsigned spares the question whether it
+#: counts from the end
+U = np.uint64
+#: numbers that are no literals: of a function that is given a literal numba compiles a version for
+#: just this one
+LEFT, RIGHT = np.int64(0), np.int64(1)
+OLD, NEW = np.bool_(False), np.bool_(True)
+
+
+_I, _F = np.int64, np.float64
+#: D for h = 1: sum_k interior[k-1] (v[i+k] - v[i-k]), k = 1 .. p; closure[:rows, :columns] at the
+#: left end; norm[:rows]; reach; n: points that its first row reaches; diffusion: its bound on the
+#: step. narrow: 1 for narrow second derivatives (see fsipetsc.operators.narrow), and for these
+#: differences, the weights of Delta_q in row q-1; means, those of Delta_{p+1+k} in row k;
+#: end[:ends, :ends]. A record, because compiled code keeps count of who refers to an array, not of
+#: who to a record.
+OPERATOR = np.dtype(
+    [
+        *[(name, _I) for name in ("p", "n", "reach", "rows", "columns", "narrow", "ends")],
+        ("diffusion", _F),
+        *[("interior", _F, (4,)), ("closure", _F, (8, 12)), ("norm", _F, (8,))],
+        *[("differences", _F, (8, 9)), ("means", _F, (4, 4)), ("end", _F, (4, 4))],
+    ],
+    align=True,
+)
+
+
+def packed(order: int, narrow: bool = False) -> Array:
+    """That of an interior order, shape (1,). ValueError if there is none."""
+    op, records = operator(order), np.zeros(1, OPERATOR)
+    record = records[0]
+    rows, columns = np.shape(op.closure)
+    record["p"], record["n"], record["reach"] = op.p, row_length(op), op.reach
+    record["rows"], record["columns"], record["narrow"] = rows, columns, narrow
+    record["diffusion"] = STIFFNESS[order] if narrow else STIFFNESS_OF_WIDE
+    floats = np.vectorize(float, otypes=[float])
+    record["interior"][: op.p], record["norm"][:rows] = floats(op.interior), floats(op.norm)
+    record["closure"][:rows, :columns] = floats(op.closure)
+    if narrow:
+        for q in range(1, 9):
+            record["differences"][q - 1, : q + 1] = difference(q)
+        for k, level in enumerate(levels(op.interior)):
+            record["means"][k, : len(level.weights)] = floats(level.weights)
+        end = end_term(op.interior)
+        if end.size:
+            record["ends"] = len(end)
+            record["end"][: len(end), : len(end)] = floats(end)
+    return records
+
+
+@njit(**INNER)
+def derivative(op, f, out, a, b, A, B, scale):
+    """out = scale h D f at the points a .. b-1; f is known where that reaches, or to A, B."""
+    rows, columns = op.rows, op.columns
+    first, end = max(a, A + rows), min(b, B + 1 - rows)
+    c1, c2, c3, c4 = op.interior[0], op.interior[1], op.interior[2], op.interior[3]
+    if op.p == 1:
+        for i in range(first, end):
+            out[U(i)] = scale * (c1 * (f[U(i + 1)] - f[U(i - 1)]))
+    elif op.p == 2:
+        for i in range(first, end):
+            near = c1 * (f[U(i + 1)] - f[U(i - 1)])
+            out[U(i)] = scale * (near + c2 * (f[U(i + 2)] - f[U(i - 2)]))
+    elif op.p == 3:
+        for i in range(first, end):
+            near = c1 * (f[U(i + 1)] - f[U(i - 1)]) + c2 * (f[U(i + 2)] - f[U(i - 2)])
+            out[U(i)] = scale * (near + c3 * (f[U(i + 3)] - f[U(i - 3)]))
+    else:
+        for i in range(first, end):
+            near = c1 * (f[U(i + 1)] - f[U(i - 1)]) + c2 * (f[U(i + 2)] - f[U(i - 2)])
+            far = c3 * (f[U(i + 3)] - f[U(i - 3)]) + c4 * (f[U(i + 4)] - f[U(i - 4)])
+            out[U(i)] = scale * (near + far)
+    if a <= A and B < b:
+        both_closures(op, f, out, A, B, scale)
+        return
+    for r in range(rows):
+        if a <= A + r < b:
+            total = 0.0
+            for c in range(columns):
+                total += op.closure[r, c] * f[U(A + c)]
+            out[U(A + r)] = scale * total
+        if a <= B - r < b:
+            total = 0.0
+            for c in range(columns):
+                total += op.closure[r, c] * f[U(B - c)]
+            out[U(B - r)] = -scale * total
+
+
+@njit(**INNER)
+def both_closures(op, f, out, A, B, scale):
+    """The closures of both ends; two rows of each at a time, because a sum waits for each of its
+    terms."""
+    rows, columns = op.rows, op.columns
+    for r in range(0, rows, 2):
+        s = min(r + 1, rows - 1)
+        left, right, next_left, next_right = 0.0, 0.0, 0.0, 0.0
+        for c in range(columns):
+            at_left, at_right, v, w = (
+                f[U(A + c)],
+                f[U(B - c)],
+                op.closure[U(r), U(c)],
+                op.closure[U(s), U(c)],
+            )
+            left += v * at_left
+            right += v * at_right
+            next_left += w * at_left
+            next_right += w * at_right
+        out[U(A + r)], out[U(B - r)] = scale * left, -scale * right
+        out[U(A + s)], out[U(B - s)] = scale * next_left, -scale * next_right
+
+
+@njit(**INNER)
+def weight(op, r):
+    """Norm weight of the point number r from an end."""
+    return op.norm[r] if r < op.rows else 1.0
+
+
+@njit(**INNER)
+def lagrange(delta, degree, weights, slopes):
+    """Lagrange weights and their derivatives at delta for the nodes 0, 1, ..., degree.
+
+    Node 0 is the ghost point and the boundary lies delta cells inside of it; (4.26) is degree 2,
+    with the sign of its third weight corrected so that the weights sum to one.
+    """
+    for k in range(degree + 1):
+        value, denominator, slope = 1.0, 1.0, 0.0
+        for m in range(degree + 1):
+            if m != k:
+                slope = slope * (delta - m) + value
+                value *= delta - m
+                denominator *= k - m
+        weights[k] = value / denominator
+        slopes[k] = slope / denominator
+
+
+@njit(**INNER)
+def dirichlet_ghost(g, v, weights, degree, least):
+    """Value of the ghost point (node 0) so that the interpolant takes the value g at the boundary.
+
+    v[1..degree] are the nodes inside. The q-th difference is added with eta = max(0, least - L_0):
+    the formula of Kreiss & Petersson (2006) as in (4.26), but with an eta that vanishes where L_0
+    is large enough, because a constant one spoils the accuracy when the boundary is close to the
+    ghost point.
+    """
+    eta = max(0.0, least - weights[0])
+    s, binomial = g, 1.0
+    for k in range(1, degree + 1):
+        binomial *= -(degree + 1.0 - k) / k
+        s -= (weights[k] + eta * binomial) * v[k]
+    return s / (weights[0] + eta)
+
+
+@njit(**INNER)
+def neumann_ghost(v, slopes, degree):
+    """Value of the ghost point so that the interpolant has zero slope at the boundary (Kreiss et
+    al. 2004)."""
+    s = 0.0
+    for k in range(1, degree + 1):
+        s -= slopes[k] * v[k]
+    return s / slopes[0]
+
+
+@njit(**INNER)
+def extrapolated(v, degree):
+    """Value at node 0 of the polynomial through the nodes 1 .. degree + 1."""
+    s, binomial = 0.0, 1.0
+    for k in range(1, degree + 2):
+        binomial *= -(degree + 2.0 - k) / k
+        s -= binomial * v[k]
+    return s
+
+
+# of rows of values, four at a time
+
+
+@njit(**INNER)
+def total(v, a, b):
+    """Sum of v[a:b]; its last bits depend on where it begins."""
+    s, t, x, y = 0.0, 0.0, 0.0, 0.0
+    whole = a + (b - a) // 4 * 4
+    for i in range(a, whole, 4):
+        s, t, x, y = s + v[U(i)], t + v[U(i + 1)], x + v[U(i + 2)], y + v[U(i + 3)]
+    for i in range(whole, b):
+        s += v[U(i)]
+    return (s + t) + (x + y)
+
+
+@njit(**INNER)
+def largest(v, a, b):
+    """The largest of v[a:b], -inf if there is none; what is not a number does not count."""
+    s, t, x, y = -np.inf, -np.inf, -np.inf, -np.inf
+    whole = a + (b - a) // 4 * 4
+    for i in range(a, whole, 4):
+        s, t, x, y = max(s, v[U(i)]), max(t, v[U(i + 1)]), max(x, v[U(i + 2)]), max(y, v[U(i + 3)])
+    for i in range(whole, b):
+        s = max(s, v[U(i)])
+    return max(max(s, t), max(x, y))
+
+
+@njit(**INNER)
+def smallest(v, a, b):
+    """The smallest of v[a:b], inf if there is none; what is not a number does not count."""
+    s, t, x, y = np.inf, np.inf, np.inf, np.inf
+    whole = a + (b - a) // 4 * 4
+    for i in range(a, whole, 4):
+        s, t, x, y = min(s, v[U(i)]), min(t, v[U(i + 1)]), min(x, v[U(i + 2)]), min(y, v[U(i + 3)])
+    for i in range(whole, b):
+        s = min(s, v[U(i)])
+    return min(min(s, t), min(x, y))

@@ -1,0 +1,209 @@
+"""The paper's method, fsipetsc.paper: rates, projections, integrals and bounds at random states, as
+they were frozen when two programs, written apart, agreed on them to 1e-12.
+
+`python tests/test_paper_rates.py` freezes them anew, which is for a change of the method alone.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("petsc4py")
+
+from mpi4py import MPI
+
+from fsipetsc.boundaries import Dirichlet, Open, Wall, absorbing, clamped, free
+from fsipetsc.cases import load_case
+from fsipetsc.errors import InputError
+from fsipetsc.materials.own import gas_law
+from fsipetsc.materials.power_law import power_law
+from fsipetsc.materials.solid_pressure import stiffened_pressure
+from fsipetsc.materials.sutherland import sutherland
+from fsipetsc.options import defaults
+from fsipetsc.paper.state import make_paper_state
+
+FROZEN = Path(__file__).with_name("paper_rates.json")
+COUPLINGS = "projection", "energy", "traditional"
+ENDS = {
+    "clamped": (clamped(0.3, T=310.0), None),
+    "free": (free(-9e4, heat_flux=1e3), None),
+    "absorbing": (absorbing(-9e4), None),
+    "open": (None, Open(1.5, 1e5, 300.0, 0.0)),
+    "open0": (None, Open(1.5, 1e5, 300.0, 5.0, order=0)),
+    "inflow": (None, Dirichlet(1.5, lambda t: (1.2, -30.0, 305.0), 3)),
+    "outflow": (None, Dirichlet(1.5, lambda t: (1.1, 20.0, 295.0))),
+    "supersonic": (None, Dirichlet(1.5, lambda t: (1.2, -500.0, 300.0))),
+}
+_VISCOUS = {"fluid_mu": 0.5, "fluid_kappa": 0.7, "solid_kappa": 0.5}
+R, CV = 8.3145 / 0.029, 8.3145 / 0.029 / 0.4
+
+
+def noble_abel():
+    """p = rho R T / (1 - 0.05 rho): a law by hand."""
+    return gas_law(
+        temperature=lambda rho, e: e / CV,
+        internal_energy=lambda rho, T: CV * T,
+        pressure=lambda rho, T: R * rho * T / (1 - 0.05 * rho),
+        density=lambda p, T: p / (R * T + 0.05 * p),
+        temperature_of=lambda rho, p: p * (1 - 0.05 * rho) / (R * rho),
+        heat_capacity=lambda rho, T: CV + 0.0 * T,
+        pressure_by_temperature=lambda rho, T: R * rho / (1 - 0.05 * rho),
+        bulk_modulus=lambda rho, T: R * rho * T / (1 - 0.05 * rho) ** 2,
+        entropy=lambda rho, T: CV * np.log(T) - R * np.log(rho / (1 - 0.05 * rho)),
+    )
+
+
+def laws_of(name):
+    """(law and transport of gases, pressing of solids) to be exchanged."""
+    if name == "others":
+        return noble_abel(), power_law(300.0, 0.7, 0.9), stiffened_pressure(2.0, 1e6, 300.0)
+    return None, sutherland(273.0, 111.0, 194.0) if name == "sutherland" else None, None
+
+
+def state_of(name, ends=None, laws="", **changed):
+    """A state of a case, with other ends or laws."""
+    case = load_case(name)
+    opt = {**defaults(case), "fsi_h": 0.05, "fsi_entropy": True, **changed}
+    problem = case.build(opt)
+    at = zip(ENDS.get(ends, (None, None)), (problem.left, problem.right), strict=True)
+    left, right = (new or old for new, old in at)
+    law, transport, pressing = laws_of(laws)
+    of_kind = {"fluid": {"law": law, "transport": transport}, "solid": {"pressing": pressing}}
+    layers = []
+    for layer in problem.layers:
+        new = {k: v for k, v in of_kind[layer.kind].items() if v is not None}
+        layers.append(replace(layer, material=replace(layer.material, **new)))
+    problem = replace(problem, left=left, right=right, layers=tuple(layers))
+    return make_paper_state(problem, opt, MPI.COMM_SELF)
+
+
+def runs():
+    """name -> what is asked of ``state_of``."""
+    found = {}
+    for name in ("rod", "mms"):
+        for coupling in COUPLINGS:
+            for k, order in enumerate((2, 4, 6, 8)):
+                viscous = ("wide", "narrow")[(k + (name == "mms")) % 2]
+                asked = {"fsi_order": order, "fsi_coupling": coupling, "fsi_viscous": viscous}
+                found[f"{name} {coupling} {order} {viscous}"] = {"name": name, **asked}
+    for coupling in COUPLINGS:
+        for heat in ("both", "gas", "solid", "none"):
+            numbers = {
+                "fluid_kappa": 0.7 * (heat in ("both", "gas")),
+                "solid_kappa": 0.5 * (heat in ("both", "solid")),
+                "solid_gruneisen": 0.3,
+            }
+            asked = {"name": "pulse", **_VISCOUS, **numbers, "fsi_coupling": coupling}
+            found[f"heat in {heat} {coupling}"] = asked
+    for k, end in enumerate(ENDS):
+        asked = {"name": "pulse", "ends": end, **_VISCOUS, "fsi_order": (6, 2, 8)[k % 3]}
+        found[end] = {**asked, "solid_gruneisen": 0.2 * (k < 3)}
+    found["open, without friction"] = {"name": "pulse", "ends": "open", "pulse_amplitude": 100.0}
+    for coupling in ("projection", "energy"):
+        asked = {"name": "pulse", "laws": "others", **_VISCOUS, "fsi_coupling": coupling}
+        found[f"laws {coupling}"] = asked
+    found["sutherland"] = {"name": "rod", "laws": "sutherland", "fsi_viscous": "narrow"}
+    return found
+
+
+RUNS = runs()
+
+
+def disturbed(state, seed=1, noise=0.02):
+    """A state of random numbers about the one that there is."""
+    rng, y = np.random.default_rng(seed), state.solution.getArray().copy()
+    for k, layer in enumerate(state.problem.layers):
+        part = state.layout.local(k, y)
+        size = np.abs(part).max(axis=0)
+        if layer.kind == "fluid":
+            sound = layer.material.sound_speed(part[0, 2] / part[0, 0] / layer.material.cv)
+            size[1] = part[:, 0].max() * float(sound)
+        else:
+            size[0], size[3] = layer.material.sound_speed(), 0.1 * state.h
+        part += noise * size * rng.uniform(-1, 1, part.shape)
+    return y
+
+
+def looked_at(values):
+    """(a weighted mean, the largest) of some numbers."""
+    weights = np.cos(0.7 * np.arange(len(values)))
+    return [float(np.mean(weights * values)), float(np.abs(values).max())]
+
+
+def measured(state):
+    """Numbers of a state: pairs of a number and the size that its error is compared with."""
+    with state:
+        state.set_initial()
+        state.set_data(0.01)
+        stage = disturbed(state)
+        kept, rates = stage.copy(), np.full_like(stage, np.nan)
+        state.right_hand_side(stage, rates)
+        assert np.array_equal(stage, kept), "the stage is PETSc's"
+        state.solution.getArray()[:] = stage
+        state.finish()
+        found = []
+        for k in range(len(state.problem.layers)):
+            for y in (rates, state.solution.getArray()):
+                found += [looked_at(column) for column in state.layout.local(k, y).T]
+        latest, loaded = state.latest, np.abs(state.latest["sigma_interface"]).max()
+        found += [[float(v), float(v)] for v in state.results[4:5]]
+        sizes = {"energy": latest["energy"], "force": loaded, "entropy": latest["entropy"]}
+        return found + [[float(latest[name]), float(abs(v))] for name, v in sizes.items()]
+
+
+@pytest.fixture(scope="module")
+def frozen():
+    return json.loads(FROZEN.read_text())
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_rates_are_the_frozen_ones(name, frozen):
+    found, expected = np.array(measured(state_of(**RUNS[name]))), np.array(frozen[name])
+    assert found.shape == expected.shape and (expected[:, 1] > 0).sum() > 15
+    # differences of the pressure of a solid stand for its derivatives: 1e-10 of them
+    assert (np.abs(found - expected)[:, 0] <= 2e-11 * expected[:, 1]).all()
+
+
+def test_what_the_paper_has_not_is_refused():
+    case = load_case("rod")
+    opt = {**defaults(case), "fsi_h": 0.05}
+    for changed, words in (
+        ({"fsi_mapping": "stretched"}, "fsi_coupling conservative"),
+        ({"fsi_coupling": "conservative"}, "expected projection, energy, traditional"),
+        ({"fsi_dissipation": 1.0}, "fsi_dissipation"),
+        ({"fsi_h": 0.03}, "misses an interface"),
+        ({"fsi_h": 0.5, "fsi_order": 8}, "needs at least"),
+    ):
+        with pytest.raises(InputError, match=words):
+            make_paper_state(case.build(opt), {**opt, **changed}, MPI.COMM_SELF)
+
+
+def test_problems_that_have_no_rigid_frames():
+    case = load_case("rod")
+    opt = {**defaults(case), "fsi_h": 0.05}
+    problem = case.build(opt)
+    below, rod, above = problem.layers
+    hot, moving = Wall(0.0, T=300.0), Wall(lambda t: 0.0 * t)
+    end = clamped()
+    for changed, words in (
+        ({"left": hot}, "gives or takes heat"),
+        ({"left": moving}, "the wall of layer 'below' moves"),
+        ({"layers": (rod,), "left": end, "right": end}, "no interface"),
+        ({"layers": (replace(below, mapping="stretched"), rod, above)}, "mapping='stretched'"),
+        (
+            {"layers": (rod, above, replace(rod, name="lid", X=(6.0, 7.0))), "left": end, "right": end},
+            "a gas lies between two solids",
+        ),
+    ):
+        with pytest.raises(InputError, match=f"{words}.*-fsi_coupling conservative"):
+            make_paper_state(replace(problem, **changed), opt, MPI.COMM_SELF)
+
+
+if __name__ == "__main__":
+    lines = [f"{json.dumps(name)}: {json.dumps(measured(state_of(**RUNS[name])))}" for name in RUNS]
+    FROZEN.write_text("{\n" + ",\n".join(lines) + "\n}\n")
