@@ -28,6 +28,34 @@ METHODS = (
     | set(own_laws.TRANSPORT)
 )
 
+
+class Gas(NamedTuple):
+    """mu: 4/3 of the shear viscosity [Pa s]; kappa [W/(m K)]; force: body force per mass [m/s2].
+
+    law: the equation of state, of rho, T, and the internal energy per mass e; transport: what mu
+    and kappa are multiplied with.
+    """
+
+    law: Any
+    transport: Any
+    mu: float
+    kappa: float
+    gamma: float
+    force: float
+
+    def viscosity(self, T):
+        """mu' = 4/3 mu(T)."""
+        return self.mu * self.transport.relative(T)[0]
+
+    def conductivity(self, T):
+        """kappa(T)."""
+        return self.kappa * self.transport.relative(T)[1]
+
+    def velocity_and_temperature(self, rho, m, E):
+        """(u, T) from (rho, rho u, e), the last one per volume."""
+        u = m / rho
+        return u, self.law.temperature(rho, E / rho - 0.5 * u * u)
+
     def total_energy(self, rho, u, T):
         """e, per volume."""
         return rho * (self.law.energy(rho, T) + 0.5 * u * u)
