@@ -15,7 +15,7 @@ from fsipetsc.analysis.wave_measures import TOLERANCE, Rest, WaveResult, Waves, 
 from fsipetsc.blockrun.block_state import BlockForm
 from fsipetsc.blockrun.run_problem import RunProblem
 from fsipetsc.blocks.conditions import Free
-from fsipetsc.blocks.old_materials import gas_of
+from fsipetsc.blockrun.old_materials import gas_of
 from fsipetsc.blocks.values import block_values
 from fsipetsc.errors import ComputationError, InputError
 from fsipetsc.materials.solid import ElasticSolid

@@ -79,8 +79,8 @@ class Elastic(NamedTuple):
 def gas_of(material: Fluid) -> Gas:
     """InputError for a law of the user's that cannot be compiled."""
     law, transport = (
-        _law(material.law, material, "gas"),
-        _law(material.transport, material, "transport"),
+        law_of(material.law, material, "gas"),
+        law_of(material.transport, material, "transport"),
     )
     return Gas(
         law, transport, 4.0 / 3.0 * material.mu, material.kappa, material.gamma, material.force
@@ -89,7 +89,7 @@ def gas_of(material: Fluid) -> Gas:
 
 def elastic_of(material: Solid) -> Elastic:
     """InputError for a law of the user's that cannot be compiled."""
-    law = _law(material.pressing, material, "pressing")
+    law = law_of(material.pressing, material, "pressing")
     return Elastic(law, material.K, material.kappa_e, material.m0, material.alpha, material.force)
 
 
@@ -107,8 +107,11 @@ def check_entropy(layers: Any) -> None:
 _classes: dict[str, type] = {}
 
 
-def _law(law: Any, material: Fluid | Solid, kind: str) -> Any:
-    """The law of a material with its constants."""
+def law_of(law: Any, material: Fluid | Solid, kind: str) -> Any:
+    """A law of a material with its constants: its formulas are methods, of T, rho … alone.
+
+    kind: "gas", "transport" or "pressing". InputError for one that cannot be compiled.
+    """
     found = formulas_of(law)
     constants = in_python(found.constants)(material)
     name = f"Law_{digest(found)}"

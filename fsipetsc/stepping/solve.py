@@ -12,7 +12,7 @@ from fsipetsc.blame import call, place_of
 from fsipetsc.blockrun.block_state import BlockForm, BlockState
 from fsipetsc.blockrun.recorded_nodes import chosen
 from fsipetsc.blockrun.run_problem import RunProblem
-from fsipetsc.blocks.from_layers import blocks_of_line
+from fsipetsc.blockrun.from_layers import blocks_of_line
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.checks import described
 from fsipetsc.errors import InputError

@@ -14,7 +14,7 @@ import numpy as np
 from fsipetsc.blocks import conditions as new
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.maps import rectangle
-from fsipetsc.blocks.old_materials import gas_of, line_solid_of
+from fsipetsc.blockrun.old_materials import gas_of, line_solid_of
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.boundaries import CLAMPED, FREE, Dirichlet, Open, SolidEnd, Wall
 from fsipetsc.checks import Array
@@ -113,6 +113,7 @@ def _solid_block(layer: SolidLayer, X: tuple[float, float], h: float) -> Block:
         _without_stress(layer.initial),
         _forces_alone(layer),
         layer.exact and _without_stress(layer.exact),
+        exact_stress=layer.exact and (lambda X, t: (layer.exact(X, t)[1],)),
         **({"prestress": stress} if uniform is None else {}),
     )
 
