@@ -139,7 +139,7 @@ def _forces_alone(layer: SolidLayer) -> Function | None:
         if np.any(sigma):
             raise InputError(
                 f"forcing of layer '{layer.name}' at t = {t:.6g}: sigma has a right-hand side, but "
-                "follows from x here: expected 0, or -fsi_mapping rigid"
+                "follows from x here: expected 0, or -fsi_coupling projection"
             )
         return u, T, x
 
@@ -241,7 +241,7 @@ def _line_jumps(problem: Problem) -> Function | None:
             if u != 0.0 or T != 0.0:
                 raise InputError(
                     f"jumps at interface {k} at t = {t:.6g}: g_u = {u:g}, g_T = {T:g}: expected 0 "
-                    "where gas and solid are one particle, or -fsi_mapping rigid"
+                    "where gas and solid are one particle, or -fsi_coupling projection"
                 )
             into_solid = 1.0 if problem.layers[k].kind == "fluid" else -1.0
             found[:, here] = np.array([[-into_solid * stress], [-into_solid * flux]])

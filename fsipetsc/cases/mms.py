@@ -48,7 +48,7 @@ OPTIONS = (
 #: interfaces and grids are the paper's
 DEFAULTS = {
     **{"fsi_h": 0.0125, "fsi_order": 4, "ts_max_time": 0.45, "fsi_output_dt": 0.05},
-    **{"fsi_coupling": "projection", "fsi_mapping": "rigid"},
+    "fsi_coupling": "projection",
 }
 
 LEFT, RIGHT = 0.25, 4.0

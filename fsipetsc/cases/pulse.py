@@ -51,7 +51,7 @@ OPTIONS = (
 #: interfaces and grids are the paper's
 DEFAULTS = {
     **{"fsi_h": 0.0125, "fsi_order": 4, "ts_max_time": 4e-3, "fsi_output_dt": 2e-4},
-    **{"fsi_coupling": "projection", "fsi_mapping": "rigid"},
+    "fsi_coupling": "projection",
 }
 
 _erf = np.vectorize(math.erf, otypes=[float])

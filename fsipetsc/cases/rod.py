@@ -50,7 +50,7 @@ OPTIONS = (
 #: interfaces and grids are the paper's
 DEFAULTS = {
     **{"fsi_h": 0.0125, "fsi_order": 4, "ts_max_time": 3.0, "fsi_output_dt": 0.05},
-    **{"fsi_coupling": "projection", "fsi_mapping": "rigid"},
+    "fsi_coupling": "projection",
 }
 
 

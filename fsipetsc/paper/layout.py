@@ -29,7 +29,9 @@ def check_form(problem: Problem, mapping: str) -> None:
     """InputError for a problem that is not of the paper's form: a solid, and at most a gas on
     either side of it."""
     for k, layer in enumerate(problem.layers):
-        if isinstance(layer, FluidLayer) and problem.is_stretched(k, mapping):
+        if isinstance(layer, FluidLayer) and problem.is_stretched(
+            k, "rigid" if mapping == "auto" else mapping
+        ):
             raise InputError(
                 f"layer '{layer.name}': the paper's method has rigid frames, between one "
                 "interface and one end that insulates and stays where it is: take -fsi_mapping rigid, or "

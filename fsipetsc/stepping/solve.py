@@ -94,7 +94,11 @@ def block_form(opt: Mapping[str, Any]) -> BlockForm:
     """The form of the equations of blocks that is asked for. InputError for a method that these do not have."""
     for name, there in _OF_BLOCKS.items():
         if opt[name] not in there:
-            raise InputError(f"-{name} {opt[name]}: for blocks it is {' or '.join(map(str, there))}")
+            wanted = " or ".join(there)
+            raise InputError(
+                f"-{name} {opt[name]}: with -fsi_coupling conservative it is {wanted}; "
+                "-fsi_coupling projection has others, in one dimension"
+            )
     return BlockForm(opt["fsi_convection"], opt["fsi_dissipation"], opt["fsi_shock"])
 
 
