@@ -11,7 +11,7 @@ import pytest
 
 from fsipetsc import boundaries, problem
 from fsipetsc.blocks import conditions as new
-from fsipetsc.blocks.from_layers import blocks_of_line
+from fsipetsc.blockrun.from_layers import blocks_of_line
 from fsipetsc.blocks.layers import Layer, layers
 from fsipetsc.blocks.problem import Meeting
 from fsipetsc.cases import load_case

@@ -107,7 +107,7 @@ class ParticleSystem:
             mine=(owners[begin[:-1]] == layout.comm.rank).astype(np.int64),
             free_gas=flags(lambda p: not (p.wall or p.given_gas or (p.sticks and p.clamp))),
             free_solid=flags(lambda p: not (p.clamp or p.given_solid or (p.sticks and p.wall))),
-            placed=flags(lambda p: p.clamp and (p.clamp.x or not p.clamp.velocity)),
+            placed=flags(lambda p: p.clamp and p.clamp.x),
             sticks=flags(lambda p: p.sticks),
             held_gas=flags(lambda p: p.wall),
             held_solid=flags(lambda p: p.clamp),

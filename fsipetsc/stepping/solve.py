@@ -10,9 +10,9 @@ from mpi4py import MPI
 
 from fsipetsc.blame import call, place_of
 from fsipetsc.blockrun.block_state import BlockForm, BlockState
+from fsipetsc.blockrun.from_layers import blocks_of_line
 from fsipetsc.blockrun.recorded_nodes import chosen
 from fsipetsc.blockrun.run_problem import RunProblem
-from fsipetsc.blocks.from_layers import blocks_of_line
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.checks import described
 from fsipetsc.errors import InputError
@@ -94,10 +94,10 @@ def block_form(opt: Mapping[str, Any]) -> BlockForm:
     """The form of the equations of blocks that is asked for. InputError for a method that these do not have."""
     for name, there in _OF_BLOCKS.items():
         if opt[name] not in there:
-            known = " or ".join(there)
+            wanted = " or ".join(there)
             raise InputError(
-                f"-{name} {opt[name]}: blocks have {known}: take that, or in one dimension "
-                "-fsi_coupling projection, energy or traditional"
+                f"-{name} {opt[name]}: with -fsi_coupling conservative it is {wanted}; "
+                "-fsi_coupling projection has others, in one dimension"
             )
     return BlockForm(opt["fsi_convection"], opt["fsi_dissipation"], opt["fsi_shock"])
 

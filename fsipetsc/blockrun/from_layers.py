@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
+from fsipetsc.blockrun.old_materials import gas_of, line_solid_of
 from fsipetsc.blocks import conditions as new
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.maps import rectangle
-from fsipetsc.blocks.old_materials import gas_of, line_solid_of
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.boundaries import CLAMPED, FREE, Dirichlet, Open, SolidEnd, Wall
 from fsipetsc.checks import Array
@@ -113,6 +113,7 @@ def _solid_block(layer: SolidLayer, X: tuple[float, float], h: float) -> Block:
         _without_stress(layer.initial),
         _forces_alone(layer),
         layer.exact and _without_stress(layer.exact),
+        exact_stress=layer.exact and (lambda X, t: (layer.exact(X, t)[1],)),
         **({"prestress": stress} if uniform is None else {}),
     )
 
@@ -138,7 +139,7 @@ def _forces_alone(layer: SolidLayer) -> Function | None:
         if np.any(sigma):
             raise InputError(
                 f"forcing of layer '{layer.name}' at t = {t:.6g}: sigma has a right-hand side, but "
-                "follows from x here: expected 0, or -fsi_mapping rigid"
+                "follows from x here: expected 0, or -fsi_coupling projection"
             )
         return u, T, x
 
@@ -240,7 +241,7 @@ def _line_jumps(problem: Problem) -> Function | None:
             if u != 0.0 or T != 0.0:
                 raise InputError(
                     f"jumps at interface {k} at t = {t:.6g}: g_u = {u:g}, g_T = {T:g}: expected 0 "
-                    "where gas and solid are one particle, or -fsi_mapping rigid"
+                    "where gas and solid are one particle, or -fsi_coupling projection"
                 )
             into_solid = 1.0 if problem.layers[k].kind == "fluid" else -1.0
             found[:, here] = np.array([[-into_solid * stress], [-into_solid * flux]])
