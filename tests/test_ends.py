@@ -10,17 +10,17 @@ pytest.importorskip("numba")
 pytest.importorskip("petsc4py")
 
 from numba import njit
+from paper_parts import conserved, gas_record, operator_of
 
 from fsipetsc.analysis.stability_linear import CENTRAL
-from fsipetsc.boundaries import DIRICHLET, NODES, degree_of, fill_ghost
+from fsipetsc.boundaries import DIRICHLET, INTERFACE_END, degree_of
 from fsipetsc.boundaries import Dirichlet as DirichletEnd
-from fsipetsc.operators import packed
-from fsipetsc.operators.kernels import scratch_size
-from fsipetsc.materials.fluid import Fluid
-from fsipetsc.physics.layer import LAYER
-from fsipetsc.scheme.laws import LAWS
-from fsipetsc.scheme.stage_update import Target
-from fsipetsc.scheme.sweep import sweep
+from fsipetsc.materials.constant_transport import ConstantTransport
+from fsipetsc.materials.perfect_gas import PerfectGas
+from fsipetsc.paper import rates as loops
+from fsipetsc.paper.ends import fill_ghost
+from fsipetsc.paper.laws import Gas
+from fsipetsc.paper.rates import gas_rates
 
 EVERY_ORDER = pytest.mark.parametrize("order", ORDERS)
 

@@ -165,8 +165,7 @@ def frozen():
 def test_rates_are_the_frozen_ones(name, frozen):
     found, expected = np.array(measured(state_of(**RUNS[name]))), np.array(frozen[name])
     assert found.shape == expected.shape and (expected[:, 1] > 0).sum() > 15
-    # differences stand for derivatives of the pressure of a solid: the bound is off by 2e-11
-    assert (np.abs(found - expected)[:, 0] <= 5e-11 * expected[:, 1]).all()
+    assert (np.abs(found - expected)[:, 0] <= 2e-11 * expected[:, 1]).all()
 
 
 def test_what_the_paper_has_not_is_refused():

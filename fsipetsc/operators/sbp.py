@@ -50,7 +50,7 @@ OPERATOR = np.dtype(
 )
 """One operator for compiled kernels, padded with zeros, for grid spacing 1: interior[:p], closure[:rows, :cols] and its
 transpose columns, norm[:rows]; what makes second derivatives narrow (fsipetsc.operators.narrow); the differences of
-dissipation, of order p and 1 (fsipetsc.physics.dissipation), and how much the first ones at an end count; 1 if second
+dissipation, of order p and 1, and how much the first ones at an end count; 1 if second
 derivatives are to be narrow, and what bounds the step accordingly; what the rate of convection, which bounds it, too, is
 multiplied with."""
 

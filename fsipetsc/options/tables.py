@@ -111,7 +111,6 @@ RUN = (
         check="positive",
     ),
     Option("fsi_partition", str, "auto", "", "which ranks own which layers", ("auto", "physics", "balanced")),
-    Option("fsi_shared_memory", bool, True, "", "in 1-D: up to 16 ranks, all on one node, exchange by memory, not messages"),
     Option("fsi_norm", str, "L2", "", "norm of the errors against an exact solution; L1 where it jumps", ("L1", "L2")),
     Option("fsi_view", bool, False, "", "print layers, ranks, points, materials, operators and method before the run"),
     Option("fsi_quiet", bool, False, "", "print nothing but errors"),
