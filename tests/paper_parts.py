@@ -88,7 +88,8 @@ def filled(
     n = min(40, int(layer["n"]))  # those that this rank owns
     layer["own_lo"] = (int(layer["n"]) - n) * side
     layer["own_hi"] = layer["own_lo"] + n
-    nodes = np.pad(values[:, :NODES], ((0, 0), (0, max(0, n - values.shape[1]))), mode="edge")[:, :n]
+    known = values[:, :NODES]
+    nodes = np.pad(known, ((0, 0), (0, max(0, n - known.shape[1]))), mode="edge")[:, :n]
     q = conserved(gas, *(nodes if side == 0 else nodes[:, ::-1]))
     ghost = 0 if side == 0 else n - 1
     if new:
