@@ -9,9 +9,9 @@ import pytest
 
 pytest.importorskip("numba")
 
-from scipy.linalg import eig
 from paper_parts import filled as fill
 from paper_parts import gas_record
+from scipy.linalg import eig
 
 from fsipetsc.analysis.stability_linear import CENTRAL
 from fsipetsc.boundaries import OPEN, Open

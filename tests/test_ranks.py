@@ -159,10 +159,11 @@ def test_the_boundaries_cross_cells(results):
 
 def test_the_boundary_crosses_from_one_rank_to_another_and_back(results):
     """On 4 ranks three own the gas before the piston; the outermost is left without an active point for a while."""
+    from fsipetsc.parallel.layout import make_grids
+
     from fsipetsc.cases import load_case
     from fsipetsc.operators import OPERATORS
     from fsipetsc.options import defaults
-    from fsipetsc.parallel.layout import make_grids
     from fsipetsc.parallel.partition import Extent, partition
 
     run = results(4, "piston")

@@ -28,8 +28,8 @@ from fsipetsc.materials.line_solid import Solid
 from fsipetsc.materials.own import gas_law
 from fsipetsc.materials.solid_pressure import mie_gruneisen
 from fsipetsc.operators import operator
-from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 from fsipetsc.paper.state import PaperState
+from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 
 #: points of a layer; those at the interface whose rates are compared, and those on which they may depend
 N, ROWS, COLUMNS = 33, 8, 20

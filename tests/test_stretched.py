@@ -19,9 +19,9 @@ from mpi4py import MPI
 from fsipetsc.boundaries import Wall, clamped, free
 from fsipetsc.cases import load_case
 from fsipetsc.errors import InputError
-from fsipetsc.options import defaults
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.line_solid import Solid
+from fsipetsc.options import defaults
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 from fsipetsc.stepping.solve import make_state, solve
 

@@ -15,9 +15,9 @@ import numpy as np
 from materials import derivative, solid
 
 from fsipetsc.boundaries import Boundary, Wall, clamped, free
-from fsipetsc.options import Option
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.line_solid import Solid
+from fsipetsc.options import Option
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 
 NAME = "walls"
