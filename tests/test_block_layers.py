@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from fsipetsc import boundaries, problem
+from fsipetsc.blockrun.from_layers import blocks_of_line
 from fsipetsc.blocks import conditions as new
-from fsipetsc.blocks.from_layers import blocks_of_line
 from fsipetsc.blocks.layers import Layer, layers
 from fsipetsc.blocks.problem import Meeting
 from fsipetsc.cases import load_case

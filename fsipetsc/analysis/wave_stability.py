@@ -13,9 +13,9 @@ from fsipetsc.analysis.stability_options import OF_ONE_DIMENSION, orders
 from fsipetsc.analysis.stability_state import same_temperature
 from fsipetsc.analysis.wave_measures import TOLERANCE, Rest, WaveResult, Waves, measure
 from fsipetsc.blockrun.block_state import BlockForm
+from fsipetsc.blockrun.old_materials import gas_of
 from fsipetsc.blockrun.run_problem import RunProblem
 from fsipetsc.blocks.conditions import Free
-from fsipetsc.blocks.old_materials import gas_of
 from fsipetsc.blocks.values import block_values
 from fsipetsc.errors import ComputationError, InputError
 from fsipetsc.materials.solid import ElasticSolid

@@ -30,6 +30,7 @@ from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_layout import BlockLayout, BlockVector, halos_of
 from fsipetsc.parallel.natural_order import NaturalOrder
 from fsipetsc.process.together import agree, together, wait_asleep
+from fsipetsc.scheme.block_look import CONVECTION
 from fsipetsc.scheme.burst import DT
 from fsipetsc.scheme.plan import BAD, BURST, FLAGS, LIMITS, RATE, SAID_STOP
 from fsipetsc.stepping.diagnosis import Failure
@@ -38,6 +39,10 @@ from fsipetsc.stepping.snapshot import as_numbers, rates_of
 from fsipetsc.stepping.start import Start
 from fsipetsc.stepping.state import FAULT
 
+#: by order: how much shorter steps are with dissipation of strength 1 at shocks. That alone is a
+#: number of -1.6 at Courant number 0.8, of 2.785 that the classical method bears; next to the ends
+#: of 8/4 more
+PACE_AT_SHOCKS = {2: 1.0, 4: 1.0, 6: 1.0, 8: 4.0 / 3.0}
 #: of how many parts a step is made, one after the other, until its state is physical
 PARTS = 1, 2, 4, 8, 16
 #: records of steps that are kept before they are written
@@ -71,8 +76,10 @@ def _call_all(scheme: Any, y: BlockVector, t: float) -> None:
     scheme.rates(t, y, np.zeros_like(y.array))
     scheme.bounds(t, y)
     scheme.integrals(t, y)
-    for part in scheme.layout.parts:
-        scheme.fields(t, y, part.k)
+    for k, part in scheme.parts.items():
+        scheme.fields(t, y, k)
+        if scheme.dimension == 1 and part.block.kind == "solid":
+            part.at_end(y.ghosted(k), 0, np.zeros((len(OF_INTERFACES), 2))[:, 0])
 
 
 class BlockState:
@@ -97,6 +104,7 @@ class BlockState:
         self.comm, self.problem, self.op = comm, problem, OPERATORS[order]
         self.h = float(problem.spacing)
         self._order, self._form = order, form
+        self._pace = max(1.0, form.shock * PACE_AT_SHOCKS[order])
         self.convection = "divergence" if form.convection == "divergence" else "entropy"
         blocks, d = problem.layers, problem.dimension
         gases = sum(block.kind == "fluid" for block in blocks)
@@ -139,14 +147,17 @@ class BlockState:
         begins = {name: own.fields[name][1] // 8 for name in own.names}
         sizes = {name: own[name].itemsize // 8 for name in own.names}
         self._columns = {name: slice(at, at + sizes[name]) for name, at in begins.items()}
+        first = begins.get(OF_INTERFACES[0], 0)
+        count = len(OF_INTERFACES) * sizes.get(OF_INTERFACES[0], 0)
+        self._at_ends = self._latest[first : first + count].reshape(len(OF_INTERFACES), -1)
 
-    def _interface_ends(self) -> Iterator[tuple[int, int, float]]:
-        """Of interfaces in one dimension with the solid's end here: number, where D, v are, X."""
+    def _interface_ends(self) -> Iterator[tuple[int, int, int, float]]:
+        """Of interfaces in one dimension with the solid's end here: number, block, row, X."""
         for number, (_, k) in enumerate(self.problem.interfaces):
             part, nodes = self.layout.part(k), self.problem.interface_nodes(number)
             if part is not None and nodes[0] in part.numbers:
                 X = float(self.problem.places(k, nodes)[0, 0])
-                yield number, int(part.at(nodes[:1])[0]), X
+                yield number, k, int(part.rows(nodes[:1])[0]), X
 
     # size and names
 
@@ -307,6 +318,7 @@ class BlockState:
         self.y.end()
         self._keep_fault(getattr(self.scheme, "fault", None))
         found = self.scheme.bounds(self._t, self.y)
+        found[:, CONVECTION] *= self._pace
         self._extremes[1:].reshape(-1, WORDS)[:, : found.shape[1]] = found
         self._extremes[0] = self.results[SAID_STOP]
         if self.comm.size > 1:
@@ -314,9 +326,10 @@ class BlockState:
         note_extremes(self._extremes, self.rates, self.results, self._latest)
         for name, share in self.scheme.integrals(self._t, self.y).items():
             self._latest[self._columns[name]] = share
-        for number, at, X in self._ends:
-            for name, value in zip(OF_INTERFACES, self.y.array[at : at + 2].tolist(), strict=True):
-                self.latest[name][number] = value + (X if name == "x_interface" else 0.0)
+        for number, k, row, X in self._ends:
+            at_end = self._at_ends[:, number]
+            self.scheme.parts[k].at_end(self.y.ghosted(k), row, at_end)
+            at_end[0] += X
         self._recorder.look(self.latest)
         came = self.y.behind  # in the order of the last columns
         self._latest[self._latest.size - came.size :] = came

@@ -13,13 +13,13 @@ def fields_of(kind: str, d: int) -> tuple[str, ...]:
     """Saved of each node.
 
     gas: density, velocity, temperature, pressure, J, position. solid: velocity, temperature, Cauchy
-    stress (of one dimension sigma), position.
+    stress, position; in one dimension the stress is sigma - p, p the pressure of ``pressing``.
     """
     u, x = tuple(VELOCITIES[:d]), tuple(PLACES[:d])
     if kind == "fluid":
         return ("rho", *u, "T", "p", "J", *x)
     stresses = [f"s_{PLACES[i]}{PLACES[j]}" for i in range(d) for j in range(i, d)]
-    return (*u, "T", *(stresses if d > 1 else ["sigma"]), *x)
+    return (*u, "T", *stresses, *x) if d > 1 else ("u", "T", "sigma", "x", "p")
 
 
 def compared(kind: str, d: int) -> tuple[str, ...]:
@@ -35,8 +35,9 @@ def gained(gases: int, d: int) -> np.dtype:
     return np.dtype([*masses, *impulses, ("energy_in", "f8")])
 
 
-#: recorded of interfaces in one dimension: position [m] and velocity [m/s] of the solid's end
-OF_INTERFACES = "x_interface", "u_interface"
+#: recorded of interfaces in one dimension: position [m], velocity [m/s], sigma [Pa] and
+#: temperature [K] of the solid's end
+OF_INTERFACES = "x_interface", "u_interface", "sigma_interface", "T_interface"
 
 
 def point_names(d: int) -> tuple[str, ...]:

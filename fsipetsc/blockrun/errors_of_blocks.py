@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fsipetsc.blockrun.columns import compared, fields_of
-from fsipetsc.blocks.values import block_values
+from fsipetsc.blocks.values import block_values, checked
 from fsipetsc.process.together import together
 
 if TYPE_CHECKING:
@@ -21,22 +22,33 @@ def errors(state: BlockState, t: float, norm: str = "L2") -> dict[str, dict[str,
     """Errors at time t [s]: kind of block -> name -> (sum w |difference|^p)^(1/p), and "combined".
 
     norm: "L1" or "L2", p = 1 or 2. w: H times J of the reference map. All blocks of a kind are
-    taken together. None without an exact solution. Collective; InputError if it cannot be had.
+    taken together, stresses where all solids have an exact_stress. None without an exact solution.
+    Collective; InputError if it cannot be had.
     """
     blocks, d = state.problem.layers, state.problem.dimension
     if any(block.exact is None for block in blocks):
         return None
     power = {"L1": 1, "L2": 2}[norm]
-    sums = {kind: np.zeros(len(compared(kind, d))) for kind in sorted({b.kind for b in blocks})}
+    names = {kind: compared_errors(blocks, kind, d) for kind in sorted({b.kind for b in blocks})}
+    sums = {kind: np.zeros(len(names[kind])) for kind in names}
     for kind, shares in together(state.comm, lambda: _departures(state, t, power)):
         sums[kind] += shares
     result = {}
     for kind, own in sums.items():
         total = state.comm.allreduce(own)
         roots = (total ** (1 / power)).tolist()
-        result[kind] = dict(zip(compared(kind, d), roots, strict=True))
+        result[kind] = dict(zip(names[kind], roots, strict=True))
         result[kind]["combined"] = float(total.sum() ** (1 / power))
     return result
+
+
+def compared_errors(blocks: Sequence[Any], kind: str, d: int) -> tuple[str, ...]:
+    """What is compared of the blocks of a kind."""
+    unknowns = compared(kind, d)
+    if kind == "fluid" or any(b.exact_stress is None for b in blocks if b.kind == kind):
+        return unknowns
+    saved = fields_of(kind, d)
+    return (*unknowns, *(name for name in saved if name.startswith(("s_", "sigma"))))
 
 
 def _departures(state: BlockState, t: float, power: int) -> list[tuple[str, Array]]:
@@ -45,10 +57,14 @@ def _departures(state: BlockState, t: float, power: int) -> list[tuple[str, Arra
     for part in state.layout.parts:
         block = state.problem.layers[part.k]
         X = state.problem.places(part.k, part.numbers).T
+        names = compared_errors(state.problem.layers, block.kind, d)
         exact = block_values(block, "exact", X, t)
+        if len(names) > len(exact):
+            where = f"exact_stress of block '{block.name}' at t = {t:.6g}"
+            stresses = names[len(exact) :]
+            exact += checked(block.exact_stress, (*X, t), X, stresses, where)
         saved = dict(zip(fields_of(block.kind, d), state.fields(part.k).T, strict=True))
         weights = node_weights(state, part)
-        names = compared(block.kind, d)
         shares = [
             np.sum(weights * np.abs(saved[name] - value) ** power)
             for name, value in zip(names, exact, strict=True)

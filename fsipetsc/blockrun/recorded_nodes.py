@@ -148,6 +148,8 @@ class Recorder:
         traction = [0.0] * d
         if kind == "solid":
             stress = _full(saved[d + 1 : d + 1 + d * (d + 1) // 2], d)
+            if d == 1:
+                stress -= known["p"]
             known["p"] = -float(np.trace(stress)) / d
             if node.face is not None:
                 traction = (stress @ part.normal(row, *node.face)).tolist()

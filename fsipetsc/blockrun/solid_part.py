@@ -150,7 +150,9 @@ class SolidPart(Forced):
         return n / np.linalg.norm(n)
 
     def fields(self, q: Array, rows: slice = slice(None)) -> Array:
-        """(…, …) what is saved of these rows of the owned nodes: v, T, Cauchy stress P F^T / J, x."""
+        """(…, …) what is saved of these rows of the owned nodes: v, T, Cauchy stress P F^T / J, x;
+        in one dimension its part sigma, and p behind x.
+        """
         d, nodes = self._d, self._owned[rows]
         F, own = tuple(self._deformation(q)[:, rows]), q[nodes]
         v = tuple(own[:, d : 2 * d].T)
@@ -162,7 +164,16 @@ class SolidPart(Forced):
         p_ref = self.faces.p_ref
         stresses = [s - p_ref * (i == j) for s, (i, j) in zip(stresses, pairs, strict=True)]
         x = self.X[:, nodes] + own[:, :d].T
-        return np.stack([*v, T, *stresses, *x], axis=-1)
+        if d > 1:
+            return np.stack([*v, T, *stresses, *x], axis=-1)
+        p = self.equations.pressure_at(J, T) + 0.0 * T
+        return np.stack([*v, T, stresses[0] + p, *x, p], axis=-1)
+
+    def at_end(self, q: Array, row: int, found: Array) -> None:
+        """Fill found with x - X, v, sigma, T of an owned node in one dimension, by the last F."""
+        at = int(self._owned[row])
+        S = float(self.prestress[0, at]) if self.prestress.size else 0.0
+        block_look.look_at_end(self.equations, q, self._F, at, row, S, found)
 
     def stored(self, q: Array, nodes: Array) -> Array:
         """(n,) energy per mass [J/kg] that is neither kinetic nor heat, of nodes of the block that

@@ -34,6 +34,7 @@ class Block:
     (rho, u_1..u_d, T) of a gas, (v_1..v_d, T, x_1..x_d) of a solid. exact(*X, t) -> the same.
     forcing(*X, t) -> right-hand sides of (rho, rho u_1..u_d, e) of a gas, per volume, and of the
     unknowns of initial of a solid. periodic: which axes close in themselves and have no faces.
+    exact_stress(*X, t) -> stresses of a solid as results have them, to be compared as well.
     prestress(*X) -> d*d numbers, row by row: stress [Pa] that a solid has beside that of its law, at
     its nodes for all time. Its energy is S : (F - 1) with heat 'elastic', else its work becomes heat.
     """
@@ -47,6 +48,7 @@ class Block:
     exact: Callable[..., Any] | None = None
     periodic: tuple[bool, ...] = ()
     prestress: Callable[..., Any] | None = None
+    exact_stress: Callable[..., Any] | None = None
 
     def __post_init__(self) -> None:
         name, material = self.name, self.material

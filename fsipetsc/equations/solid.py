@@ -63,10 +63,13 @@ class Solid(NamedTuple):
         stored = (1.0 - self.coupled) * self.law.energy(F) / self.m0
         return 0.5 * dot(v, v) + stored + self.alpha * T
 
+    def pressure_at(self, J, T):
+        """p [Pa]."""
+        return self.pressing.pressure(J, T, self.m0, self.alpha)
+
     def stress_at(self, F, T):
         """P [Pa]."""
-        p = self.pressing.pressure(determinant(F), T, self.m0, self.alpha)
-        return along(self.law.stress(F), -p, cofactor(F))
+        return along(self.law.stress(F), -self.pressure_at(determinant(F), T), cofactor(F))
 
     def heat_flux(self, F, gradient):
         """h = kappa/J (cof F)^T cof F grad T [W/m2]: minus the flux of heat, per area at rest."""

@@ -140,6 +140,19 @@ def solid_look(solid, like, q, metrics, per_h, stiffness, w0, w1, w2, patch, F, 
                 look_at_solid(solid, like, q, metrics, per_h, stiffness, at, own + i, F, seen)
 
 
+@njit(**CALL)
+def look_at_end(solid, q, F, at, own, S, found):
+    """Fill found with displacement, velocity, sigma and T of a node in one dimension.
+
+    at, own: its numbers in q and F. S: prestress [Pa]. With heat 'elastic', S (F - 1) is energy.
+    """
+    strain = (F[0, own],)
+    stored = (1.0 - solid.coupled) * S * (strain[0] - 1.0) / solid.m0
+    found[0], found[1] = q[at, 0], q[at, 1]
+    found[2] = solid.law.stress(strain)[0] + S
+    found[3] = solid.temperature((q[at, 1],), q[at, 2] - stored, strain)
+
+
 @njit(**INNER_CALL)
 def look_at_solid(solid, like, q, metrics, per_h, stiffness, at, own, F, seen):
     """One node."""
