@@ -11,11 +11,11 @@ from typing import Any
 
 import numpy as np
 
+from fsipetsc import given
+from fsipetsc.blockrun.old_materials import gas_of, line_solid_of
 from fsipetsc.blocks import conditions as new
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.maps import rectangle
-from fsipetsc import given
-from fsipetsc.blockrun.old_materials import gas_of, line_solid_of
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.boundaries import CLAMPED, FREE, Dirichlet, Open, SolidEnd, Wall
 from fsipetsc.checks import Array
