@@ -91,25 +91,6 @@ def end_heat(problem: Problem, side: int, t: float) -> float:
     return found
 
 
-#: central differences of sixth order: first derivative, by points at 1, 2, 3 steps; second one, at 0, 1, 2, 3
-_SLOPE, _BEND = (3 / 4, -3 / 20, 1 / 60), (-49 / 18, 3 / 2, -3 / 20, 1 / 90)
-
-
-def end_motion(problem: Problem, side: int, t: float, step: float) -> tuple[float, float, float]:
-    """(x, velocity, acceleration) of a wall that moves at time t [s]; step [s]: of the differences. InputError."""
-    functions = in_time((problem.left, problem.right)[side])
-
-    def slope(name: str) -> float:
-        values = [[_at(functions[name], name, side, t + sign * k * step) for sign in (1, -1)] for k in (1, 2, 3)]
-        return sum(c * (ahead - behind) for c, (ahead, behind) in zip(_SLOPE, values, strict=True)) / step
-
-    x = _at(functions["x"], "x", side, t)
-    if "velocity" in functions:
-        return x, _at(functions["velocity"], "velocity", side, t), slope("velocity")
-    around = [sum(_at(functions["x"], "x", side, t + sign * k * step) for sign in (1, -1)) for k in (1, 2, 3)]
-    return x, slope("x"), (_BEND[0] * x + sum(c * v for c, v in zip(_BEND[1:], around, strict=True))) / (step * step)
-
-
 #: Gauss's rule with five points on (0, 1)
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(5) * np.array([[0.5], [0.5]]) + np.array([[0.5], [0.0]])
 #: by this fraction the velocity of a wall may differ from the rate of its place

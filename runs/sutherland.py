@@ -16,12 +16,11 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.boundaries import Wall, free
-from fsipetsc.options import Option
-from fsipetsc.physics.constant_transport import constant_transport
 from fsipetsc.materials.fluid import Fluid
-from fsipetsc.physics.own_laws import transport_law
 from fsipetsc.materials.line_solid import Solid
-from fsipetsc.physics.sutherland import sutherland
+from fsipetsc.materials.own import transport_law
+from fsipetsc.materials.sutherland import sutherland
+from fsipetsc.options import Option
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 
 SUMMARY = "hot gas whose viscosity follows Sutherland's law cools at a cold block"
@@ -41,7 +40,7 @@ def relative(T):
 
 def build(opt: Mapping[str, Any]) -> Problem:
     """Gas in 0 < X < 1, hot on the left and as cold as the block on its right."""
-    transport = (constant_transport, transport_law(relative), sutherland(T_0, S))[opt["hot_law"]]
+    transport = (None, transport_law(relative), sutherland(T_0, S))[opt["hot_law"]]
     air = Fluid(mu=1.0, kappa=1400.0, gamma=1.4, R=287.0, transport=transport)
     block = Solid(K=1e8, kappa_e=1000.0, m0=250.0, alpha=500.0)
 

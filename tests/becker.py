@@ -17,9 +17,9 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.boundaries import Dirichlet, clamped
-from fsipetsc.options import Option
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.line_solid import Solid
+from fsipetsc.options import Option
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 
 NAME = "becker"

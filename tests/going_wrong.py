@@ -19,11 +19,11 @@ from fsipetsc.blocks import conditions
 from fsipetsc.blocks.layers import Layer, layers
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.boundaries import Wall, clamped
+from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.fluid import Fluid as Gas
+from fsipetsc.materials.line_solid import Solid
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.options import Option
-from fsipetsc.materials.fluid import Fluid
-from fsipetsc.materials.line_solid import Solid
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 
 NAME = "going_wrong"

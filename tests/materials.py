@@ -15,14 +15,13 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.boundaries import Dirichlet, Wall
-from fsipetsc.options import Option
 from fsipetsc.materials.fluid import Fluid
-from fsipetsc.physics.mie_gruneisen import mie_gruneisen
-from fsipetsc.physics.own_laws import transport_law
-from fsipetsc.physics.power_law import power_law
 from fsipetsc.materials.line_solid import Solid
-from fsipetsc.physics.stiffened_gas import stiffened_gas
-from fsipetsc.physics.sutherland import sutherland
+from fsipetsc.materials.own import transport_law
+from fsipetsc.materials.power_law import power_law
+from fsipetsc.materials.solid_pressure import mie_gruneisen, stiffened_pressure
+from fsipetsc.materials.sutherland import sutherland
+from fsipetsc.options import Option
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 
 NAME = "materials"
@@ -82,7 +81,7 @@ LAWS = (
     (by_sutherland, sutherland(10.0, 4.0, 7.0)),
     (of_mie, mie_gruneisen(2.0, 1.3, 1.5, T_0)),
     (by_other_numbers, sutherland(8.0, 2.0)),
-    (of_stiffened, stiffened_gas(1.5, 4.0, T_0, 1.0)),
+    (of_stiffened, stiffened_pressure(1.5, 4.0, T_0, 1.0)),
     (by_power, power_law(10.0, 0.7, 0.9)),
 )
 OWN = transport_law(by_hand)

@@ -45,7 +45,6 @@ CASES = {
 FACTORS: dict[str, Sequence[str]] = {
     "ranks": ("1", "2", "3", "4", "6"),
     "partition": ("-fsi_partition auto", "-fsi_partition physics", "-fsi_partition balanced"),
-    "memory": ("-fsi_shared_memory 1", "-fsi_shared_memory 0"),
     "burst": ("-fsi_burst 64", "-fsi_burst 1", "-fsi_burst 7"),
     "said": ("", "-log_view :log.txt", "-ts_monitor", "-fsi_view"),
     "half": ("", "-fsi_checkpoint_steps {half}"),

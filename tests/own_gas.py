@@ -6,100 +6,72 @@ The forms are those of the perfect gas, so that with b = 0 every bit is.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 from fsipetsc.cases import box
-from fsipetsc.physics.own_laws import gas_law
 
 OPTIONS = box.OPTIONS
 DEFAULTS = box.DEFAULTS
 
 
-def constants(record):
-    return record.R, record.gamma, record.cv, 1.0 / record.cv, 0.5 * (record.gamma - 1.4)
+class NobleAbel(NamedTuple):
+    """gamma, R, b."""
+
+    gamma: float
+    R: float
+    b: float
+
+    def pressure(self, rho, T):
+        return rho * (self.R * T) / (1.0 - self.b * rho)
+
+    def internal_energy(self, rho, T):
+        return self.R / (self.gamma - 1.0) * T
+
+    def energy_density(self, rho, T):
+        return rho * (self.R / (self.gamma - 1.0) * T)
+
+    def temperature(self, rho, e):
+        return (self.gamma - 1.0) / self.R * e
+
+    def density(self, p, T):
+        return p / (self.R * T + self.b * p)
+
+    def temperature_of(self, rho, p):
+        return p * (1.0 - self.b * rho) / (self.R * rho)
+
+    def heat_capacity(self, rho, T):
+        return self.R / (self.gamma - 1.0)
+
+    def sound_speed_squared(self, rho, T):
+        room = 1.0 - self.b * rho
+        return self.gamma * self.R * T / (room * room)
+
+    def bulk_modulus(self, rho, T):
+        room = 1.0 - self.b * rho
+        return rho * (self.R * T) / (room * room)
+
+    def pressure_by_temperature(self, rho, T):
+        return self.R * rho / (1.0 - self.b * rho)
+
+    def entropy(self, rho, T):
+        return self.R / (self.gamma - 1.0) * np.log(T) - self.R * np.log(rho / (1.0 - self.b * rho))
 
 
-def temperature(c, rho, e):
-    return e / c[2]
-
-
-def temperature_in_loops(c, rho, e):
-    return e * c[3]
-
-
-def energy(c, rho, T):
-    return c[2] * T
-
-
-def pressure(c, rho, T):
-    return c[0] * rho * T / (1 - c[4] * rho)
-
-
-def pressure_of_energy(c, rho, E):
-    return (c[1] - 1) * E / (1 - c[4] * rho)
-
-
-def density(c, p, T):
-    return p / (c[0] * T + c[4] * p)
-
-
-def temperature_of_pressure(c, rho, p):
-    return p * (1 - c[4] * rho) / (c[0] * rho)
-
-
-def heat_capacity(c, rho, T):
-    return c[2]
-
-
-def pressure_by_temperature(c, rho, T):
-    return c[0] * rho / (1 - c[4] * rho)
-
-
-def bulk_modulus(c, rho, T):
-    room = 1 - c[4] * rho
-    return c[0] * rho * T / (room * room)
-
-
-def bulk_modulus_of_energy(c, rho, E):
-    room = 1 - c[4] * rho
-    return (c[1] - 1) * E / (room * room)
-
-
-def sound_speed_squared(c, rho, T):
-    room = 1 - c[4] * rho
-    return c[1] * c[0] * T / (room * room)
-
-
-def sound_speed_squared_of_energy(c, rho, e):
-    room = 1 - c[4] * rho
-    return c[1] * (c[1] - 1) * e / (room * room)
-
-
-def entropy(c, rho, T):
-    return c[2] * np.log(T) - c[0] * np.log(rho / (1 - c[4] * rho))
-
-
-NAMES = (
-    "constants temperature temperature_in_loops energy pressure pressure_of_energy density "
-    "temperature_of_pressure heat_capacity pressure_by_temperature bulk_modulus bulk_modulus_of_energy "
-    "sound_speed_squared sound_speed_squared_of_energy entropy"
-).split()
-
-
-def of_this_gas(layer, law):
+def of_this_gas(layer):
     """A layer of the box with this law, under the same pressure."""
-    material = replace(layer.material, law=law)
-    b = constants(material)[4]
+    b = 0.5 * (layer.material.gamma - 1.4)
 
     def initial(X):
         rho, u, T = layer.initial(X)
         return rho / (1 + b * rho), u, T
 
-    return replace(layer, material=material, initial=initial)
+    law = NobleAbel(layer.material.gamma, layer.material.R, b)
+    return replace(layer, material=replace(layer.material, law=law), initial=initial)
 
 
 def build(opt):
-    problem, law = box.build(opt), gas_law(**{name: globals()[name] for name in NAMES})
-    layers = (of_this_gas(layer, law) if layer.kind == "fluid" else layer for layer in problem.layers)
+    problem = box.build(opt)
+    layers = (of_this_gas(layer) if layer.kind == "fluid" else layer for layer in problem.layers)
     return replace(problem, layers=tuple(layers))

@@ -19,10 +19,10 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 from fsipetsc.boundaries import Wall
 from fsipetsc.errors import FsiError
-from fsipetsc.options import read_options
-from fsipetsc.options.sources import given_options
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.line_solid import Solid
+from fsipetsc.options import read_options
+from fsipetsc.options.sources import given_options
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 from fsipetsc.process.launch import start_mpi, start_petsc
 
@@ -63,6 +63,7 @@ def problem(mass: float, stiffness: float) -> Problem:
 def run(mass: float, stiffness: float, coupling: str, mapping: str, order: int) -> tuple[bool, str]:
     """Whether it is stable, and if not, how fast the velocity has grown or when the run ended."""
     from fsipetsc.stepping.frames import layer_fields
+
     from fsipetsc.stepping.solve import solve
 
     case = SimpleNamespace(NAME="ratios", SUMMARY="", OPTIONS=(), DEFAULTS={}, build=lambda opt: problem(mass, stiffness))

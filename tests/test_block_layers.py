@@ -10,18 +10,18 @@ import numpy as np
 import pytest
 
 from fsipetsc import boundaries, problem
-from fsipetsc.blocks import conditions as new
 from fsipetsc.blockrun.from_layers import blocks_of_line
+from fsipetsc.blocks import conditions as new
 from fsipetsc.blocks.layers import Layer, layers
 from fsipetsc.blocks.problem import Meeting
 from fsipetsc.cases import load_case
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.fluid import Fluid as OldFluid
+from fsipetsc.materials.line_solid import Solid as OldSolid
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.operators.sbp import operator
 from fsipetsc.options import defaults
-from fsipetsc.materials.fluid import Fluid as OldFluid
-from fsipetsc.materials.line_solid import Solid as OldSolid
 
 GAS, SOLID = Fluid(0.1, 0.1, 1.4, 1.0), ElasticSolid(1.0, 1.0, 0.1, 1.0, 1.0)
 

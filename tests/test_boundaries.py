@@ -6,43 +6,48 @@ import math
 
 import numpy as np
 import pytest
-from helpers import from_python
 
 pytest.importorskip("numba")
 
-from test_kernels import GAS, ORDERS, ROD, H, fluid_record, solid_record, solid_state, squared_wave_speed
+from paper_parts import (
+    AIR,
+    GAS,
+    ROD,
+    STEEL,
+    H,
+    close_solid,
+    closure,
+    dirichlet_ghost,
+    extrapolated,
+    gas_record,
+    insulated_slopes,
+    lagrange,
+    neumann_ghost,
+    operator_of,
+    solid_record,
+    solid_state,
+)
+from paper_parts import filled as fill
 
 from fsipetsc.boundaries import (
     ABSORBING,
     CLAMPED,
     DIRICHLET,
     FREE,
-    NODES,
     OPEN,
     WALL,
     Dirichlet,
     Open,
     Wall,
-    close_solid,
     degree_of,
-    fill_ghost,
-    note_gradient,
 )
-from fsipetsc.boundaries.wall import insulated_slopes
 from fsipetsc.errors import InputError
-from fsipetsc.operators import OPERATORS, packed
-from fsipetsc.operators.kernels import dirichlet_ghost, extrapolate, lagrange, neumann_ghost
+from fsipetsc.materials.solid_pressure import Gruneisen
+from fsipetsc.operators import OPERATORS
 from fsipetsc.operators.narrow import remainder
-from fsipetsc.scheme.laws import LAWS
+from fsipetsc.paper.ends import LEAST, NODES
 
-fill_ghost, close_solid = from_python(fill_ghost, LAWS[0]), from_python(close_solid, LAWS[1])
-note_gradient = from_python(note_gradient, LAWS[0])
-lagrange, dirichlet_ghost, neumann_ghost, extrapolate = map(
-    from_python, (lagrange, dirichlet_ghost, neumann_ghost, extrapolate)
-)
-
-insulated_slopes = from_python(insulated_slopes)
-
+ORDERS = pytest.mark.parametrize("order", OPERATORS)
 DEGREES = pytest.mark.parametrize("degree", [2, 3, 4, 5])
 #: second derivatives
 NARROW = pytest.mark.parametrize("narrow", [0, 1], ids=["wide", "narrow"])
@@ -74,7 +79,7 @@ def test_dirichlet_formula_is_exact_up_to_its_degree(degree):
         weights, _ = weights_at(delta, degree)
         for power in range(degree + (weights[0] >= 0.25)):
             values = (np.arange(NODES) - 0.3) ** power
-            ghost = dirichlet_ghost((delta - 0.3) ** power, values, weights, degree)
+            ghost = dirichlet_ghost((delta - 0.3) ** power, values, weights, degree, LEAST)
             np.testing.assert_allclose(ghost, values[0], rtol=1e-12, atol=1e-11)
 
 
@@ -83,7 +88,7 @@ def test_dirichlet_formula_never_divides_by_a_small_number(degree):
     for delta in np.linspace(0, 1, 101)[:-1]:
         weights, _ = weights_at(delta, degree)
         unit = np.eye(NODES)
-        assert max(abs(dirichlet_ghost(0.0, row, weights, degree)) for row in unit) <= 4 * 2**degree
+        assert max(abs(dirichlet_ghost(0.0, row, weights, degree, LEAST)) for row in unit) <= 4 * 2**degree
 
 
 @DEGREES
@@ -100,30 +105,27 @@ def test_neumann_formula_is_exact_up_to_its_degree(degree):
 def test_extrapolation_is_exact_up_to_its_degree(degree):
     for power in range(degree + 1):
         values = (np.arange(NODES) + 2.0) ** power
-        np.testing.assert_allclose(extrapolate(values, degree), values[0])
-    assert extrapolate((np.arange(NODES) + 2.0) ** (degree + 1), degree) != 2.0 ** (degree + 1)
+        np.testing.assert_allclose(extrapolated(values, degree), values[0])
+    assert extrapolated((np.arange(NODES) + 2.0) ** (degree + 1), degree) != 2.0 ** (degree + 1)
 
 
 SIDES = pytest.mark.parametrize("side", [0, 1], ids=["left", "right"])
 
 
 def filled(kind: int, side: int, delta: float, data: tuple[float, ...] = (), degree: int = 2, new: bool = False):
-    """(layer, rows of rho, u, T before, after) of a boundary fill."""
-    layer = fluid_record(40, 0, 39)
-    layer["end_kind"], layer["end_degree"] = kind, degree
+    """(what the gradients see, rows of rho, u, T before, after) of a boundary fill."""
+    layer = gas_record(40)
+    layer["end_kind"][side], layer["end_degree"] = kind, degree
     layer["end_data"][side, : len(data)] = data
     k = np.arange(NODES)
-    nodes = np.zeros((5, NODES))
-    nodes[0], nodes[1], nodes[2] = 1.2 + 0.02 * k, 4 - 0.5 * k, 300 + 2 * k - 0.2 * k * k
-    before = nodes[:3].copy()
-    if new:
-        nodes[:3, 0] = np.nan
-    fill_ghost(layer, packed(4), side, delta, nodes, new)
-    return layer, before, nodes[:3]
+    before = np.array([1.2 + 0.02 * k, 4 - 0.5 * k, 300 + 2 * k - 0.2 * k * k])
+    after = before.copy()
+    after[:, 0], seen = fill(GAS, layer, side, delta, before, new)
+    return seen, before, after
 
 
 def pressure(values: np.ndarray) -> float:
-    return GAS.R * values[0] * values[2]
+    return AIR.R * values[0] * values[2]
 
 
 @SIDES
@@ -133,12 +135,11 @@ def test_wall(side, delta):
     n, old, ghost = 2 * side - 1, before[:, 0], after[:, 0]
     weights, slopes = weights_at(delta, 2)
     degree = insulated_slopes(delta, 2, 0, slopes)
-    impedance = old[0] * GAS.sound_speed(old[2])
-    np.testing.assert_allclose(pressure(ghost) + n * impedance * ghost[1], pressure(old) + n * impedance * old[1], rtol=1e-14)
-    assert abs(slopes[: degree + 1] @ after[2, : degree + 1]) < 1e-11, "the heat flux through the wall"
+    impedance = old[0] * AIR.sound_speed(old[2])
+    np.testing.assert_allclose(pressure(ghost) + n * impedance * ghost[1], pressure(old) + n * impedance * old[1], rtol=1e-13)
+    assert abs(slopes[: degree + 1] @ after[2, : degree + 1]) < 1e-10, "the heat flux through the wall"
     if weights[0] >= 0.25:
-        assert abs(weights[:3] @ after[1, :3]) < 1e-13, "the velocity at the wall"
-    assert np.array_equal(after[:, 1:], before[:, 1:])
+        assert abs(weights[:3] @ after[1, :3]) < 2e-13, "the velocity at the wall"
 
 
 def second_derivative(order: int, n: int, narrow: int) -> np.ndarray:
@@ -149,7 +150,7 @@ def second_derivative(order: int, n: int, narrow: int) -> np.ndarray:
 
 
 def near_the_wall(order: int, narrow: int) -> np.ndarray:
-    """E of the wall's formula for h = 1, see fsipetsc.boundaries.wall."""
+    """E of the wall's formula for h = 1, see docs/open-end.md."""
     op, n = OPERATORS[order], 80
     s, D, x = order // 2, op.matrix(n), np.arange(float(n))
     e = D @ x ** (s + 1) / math.factorial(s + 1) - x**s / math.factorial(s)
@@ -228,22 +229,20 @@ def test_heat_beside_an_insulated_wall(order, narrow):
 def test_open_end(side, speed):
     """What comes in is a simple wave of the gas at rest; what goes out stays."""
     p0, T0 = 1e5, 290.0
-    layer = fluid_record(40, 0, 39)
-    layer["end_kind"] = OPEN
+    layer = gas_record(40)
+    layer["end_kind"][side] = OPEN
     layer["end_data"][side] = Open(0.0, p0, T0).data(0.0)
-    layer["mu"], layer["kappa"] = 0.0, 0.0
     n = 2 * side - 1
-    nodes = np.zeros((5, NODES))
-    nodes[:3] = np.array([1.25, n * speed, 295.0])[:, None]
-    rho, u, T = nodes[:3, 0].copy()
-    fill_ghost(layer, packed(4), side, 0.4, nodes, False)
-    ghost, c, gamma = nodes[:3, 0], GAS.sound_speed(T), GAS.gamma
-    np.testing.assert_allclose(pressure(ghost) + n * rho * c * ghost[1], GAS.R * rho * T + n * rho * c * u, rtol=1e-14)
+    rho, u, T = 1.25, n * speed, 295.0
+    nodes = np.repeat(np.array([[rho], [u], [T]]), NODES, axis=1)
+    ghost, _ = fill(GAS._replace(mu=0.0, kappa=0.0), layer, side, 0.4, nodes)
+    c, gamma = AIR.sound_speed(T), AIR.gamma
+    np.testing.assert_allclose(pressure(ghost) + n * rho * c * ghost[1], AIR.R * rho * T + n * rho * c * u, rtol=1e-13)
     compression = pressure(ghost) / p0
-    wave = 2 * GAS.sound_speed(T0) / (gamma - 1) * (compression ** ((gamma - 1) / 2 / gamma) - 1)
+    wave = 2 * AIR.sound_speed(T0) / (gamma - 1) * (compression ** ((gamma - 1) / 2 / gamma) - 1)
     assert n * ghost[1] == pytest.approx(wave, rel=(compression - 1) ** 3)
-    kept = rho + (pressure(ghost) - GAS.R * rho * T) / c**2
-    at_rest = p0 / (GAS.R * T0) * compression ** (1 / gamma)
+    kept = rho + (pressure(ghost) - AIR.R * rho * T) / c**2
+    at_rest = p0 / (AIR.R * T0) * compression ** (1 / gamma)
     np.testing.assert_allclose(ghost[0], kept if n * ghost[1] > 0 else at_rest, rtol=1e-13)
 
 
@@ -257,14 +256,14 @@ def test_dirichlet(side, outflow, degree):
     delta = 0.3
     _, before, after = filled(DIRICHLET, side, delta, data, degree)
     weights, _ = weights_at(delta, degree)
-    given = np.array([dirichlet_ghost(g, row, weights, degree) for g, row in zip(data, before, strict=True)])
+    given = np.array([dirichlet_ghost(g, row, weights, degree, LEAST) for g, row in zip(data, before, strict=True)])
     old, ghost = before[:, 0], after[:, 0]
-    c = GAS.sound_speed(before[2, 1])
+    c = AIR.sound_speed(before[2, 1])
     Z = before[0, 1] * c
-    np.testing.assert_allclose(pressure(ghost) + n * Z * ghost[1], pressure(old) + n * Z * old[1], rtol=1e-14)
-    np.testing.assert_allclose(pressure(ghost) - n * Z * ghost[1], pressure(given) - n * Z * given[1], rtol=1e-14)
+    np.testing.assert_allclose(pressure(ghost) + n * Z * ghost[1], pressure(old) + n * Z * old[1], rtol=1e-13)
+    np.testing.assert_allclose(pressure(ghost) - n * Z * ghost[1], pressure(given) - n * Z * given[1], rtol=1e-13)
     kept = old if outflow else given
-    np.testing.assert_allclose(ghost[0] - pressure(ghost) / c**2, kept[0] - pressure(kept) / c**2, atol=1e-13)
+    np.testing.assert_allclose(ghost[0] - pressure(ghost) / c**2, kept[0] - pressure(kept) / c**2, atol=2e-13)
 
 
 @SIDES
@@ -273,32 +272,25 @@ def test_supersonic_dirichlet(side, degree):
     """Everything comes in: all three are imposed. Nothing does: none is."""
     n = 2 * side - 1
     for speed in (-400.0, 400.0):
-        layer = fluid_record(40, 0, 39)
-        layer["end_kind"], layer["end_degree"], layer["end_data"][side, :3] = DIRICHLET, degree, (1.3, n * speed, 310.0)
-        nodes, k = np.zeros((5, NODES)), np.arange(NODES)
-        nodes[:3] = 1.2 + 0.02 * k, n * (speed + 2 * k), 300 + 2 * k
-        before = nodes[:3].copy()
-        fill_ghost(layer, packed(4), side, 0.3, nodes, False)
+        layer, k = gas_record(40), np.arange(NODES)
+        layer["end_kind"][side], layer["end_degree"], layer["end_data"][side, :3] = DIRICHLET, degree, (1.3, n * speed, 310.0)
+        before = np.array([1.2 + 0.02 * k, n * (speed + 2 * k), 300.0 + 2 * k])
+        ghost, _ = fill(GAS, layer, side, 0.3, before)
         weights, _ = weights_at(0.3, degree)
-        given = [dirichlet_ghost(g, row, weights, degree) for g, row in zip(layer["end_data"][side], before)]
-        np.testing.assert_allclose(nodes[:3, 0], before[:, 0] if speed > 0 else given, rtol=1e-14)
+        given = [dirichlet_ghost(g, row, weights, degree, LEAST) for g, row in zip(layer["end_data"][side], before)]
+        np.testing.assert_allclose(ghost, before[:, 0] if speed > 0 else given, rtol=1e-13)
 
 
 @SIDES
 @DEGREES
 def test_gradients_see_the_data(side, degree):
-    """u and T at the boundary are those given, and the same without filling the ghost point anew."""
+    """u and T at the boundary are those given."""
     data, delta = (1.3, 4.2, 311.0), 0.1
-    layer, before, _ = filled(DIRICHLET, side, delta, data, degree)
+    seen, before, _ = filled(DIRICHLET, side, delta, data, degree)
     weights, _ = weights_at(delta, degree)
-    assert weights[0] >= 0.25, "no eta: the formula is the interpolant"
-    seen = layer["end_gradient"][side].copy()
+    assert weights[0] >= 0.3, "no eta: the formula is the interpolant"
     for row, value, given in zip(before[1:], seen, data[1:], strict=True):
         assert weights[: degree + 1] @ [value, *row[1 : degree + 1]] == pytest.approx(given, rel=1e-13)
-    nodes = np.zeros((5, NODES))
-    nodes[:3], layer["end_gradient"] = before, 0.0
-    note_gradient(layer, side, delta, nodes)
-    np.testing.assert_array_equal(layer["end_gradient"][side], seen)
 
 
 @pytest.mark.parametrize("degree", [0, 1, 6, -1, 2.5, "3", True])
@@ -320,11 +312,11 @@ def test_degree_follows_the_order():
 def test_filling_twice_is_filling_once(kind, side, delta):
     """So the fused step, which fills a stage once, is PETSc's, which fills what is full."""
     data = (1e5, 300.0, 5.0, 1.0) if kind == OPEN else (1.2, 4.0, 300.0)
-    layer, _, once = filled(kind, side, delta, data, degree=2)
-    nodes = np.zeros((5, NODES))
-    nodes[:3] = once
-    fill_ghost(layer, packed(4), side, delta, nodes, False)
-    np.testing.assert_allclose(nodes[:3], once, rtol=1e-13)
+    _, _, once = filled(kind, side, delta, data, degree=2)
+    layer = gas_record(40)
+    layer["end_kind"][side], layer["end_degree"], layer["end_data"][side, : len(data)] = kind, 2, data
+    twice, _ = fill(GAS, layer, side, delta, once)
+    np.testing.assert_allclose(twice, once[:, 0], rtol=1e-12)
 
 
 @SIDES
@@ -341,29 +333,39 @@ def test_a_new_point_is_filled_without_its_own_value(kind, side):
 @pytest.mark.parametrize("gruneisen", [0.0, 0.3])
 @ORDERS
 def test_ends_of_a_solid(order, kind, side, gruneisen):
-    n, layer = 2 * side - 1, solid_record(40, gruneisen)
+    n, layer, op = 2 * side - 1, solid_record(40), operator_of(order)
+    solid = STEEL._replace(law=Gruneisen(gruneisen))
     value = 0.7 if kind == CLAMPED else -9e4
     layer["end_kind"][side], layer["end_data"][side, 0] = kind, value
-    rows = max(2, OPERATORS[order].rows)
-    trace = solid_state(40)[:rows].copy()
-    trace[:, 3] *= -0.4 * n
-    before = trace.copy()
-    close_solid(layer, packed(order), side, trace)
-    d = -n / H * np.array([float(w) for w in OPERATORS[order].closure[0][:rows]])
-    x_X = d @ trace[:, 3]
-    traction, old = (v[0, 1] - gruneisen * ROD.m0 * ROD.alpha * trace[0, 2] / x_X for v in (trace, before))
-    T, p = trace[0, 2], before[0, 1] - old
+    q = solid_state(40) * [1.0, 1.0, 1.0, 0.4]
+    before, at, inwards = q.copy(), 39 * side, 1 - 2 * side
+    close_solid(op, solid, layer, q)
+    rows = at + inwards * np.arange(len(closure(order)))
+    d = -n / H * closure(order)
+    x_X = d @ q[rows, 3]
+    traction, old = (v[at, 1] - gruneisen * ROD.m0 * ROD.alpha * q[at, 2] / x_X for v in (q, before))
+    T, p = q[at, 2], before[at, 1] - old
     Z = ROD.m0 * np.sqrt(squared_wave_speed(gruneisen, x_X, T, value + p))
-    assert abs(d @ trace[:, 2]) < 1e-9, "no heat through the end"
+    assert abs(d @ q[rows, 2]) < 1e-9, "no heat through the end"
     if kind == CLAMPED:
-        assert trace[0, 0] == value
+        assert q[at, 0] == value
     elif kind == FREE:
         np.testing.assert_allclose(traction, value, rtol=1e-14)
     else:
-        np.testing.assert_allclose(traction - value + n * Z * trace[0, 0], 0, atol=1e-9)
-        np.testing.assert_allclose(traction - n * Z * trace[0, 0], old - n * Z * before[0, 0], rtol=1e-13)
-    once = trace.copy()
-    close_solid(layer, packed(order), side, trace)
-    np.testing.assert_allclose(trace, once, rtol=1e-12, err_msg="a second application changes something")
-    assert np.array_equal(trace[1:], before[1:])
-    assert trace[0, 3] == before[0, 3]
+        np.testing.assert_allclose(traction - value + n * Z * q[at, 0], 0, atol=1e-9)
+        np.testing.assert_allclose(traction - n * Z * q[at, 0], old - n * Z * before[at, 0], rtol=1e-13)
+    once = q.copy()
+    close_solid(op, solid, layer, q)
+    np.testing.assert_allclose(q, once, rtol=1e-12, err_msg="a second application changes something")
+    inside = np.arange(40) != at
+    assert np.array_equal(q[inside], before[inside]) and q[at, 3] == before[at, 3]
+
+
+def squared_wave_speed(gruneisen: float, x_X: float, T: float, sigma: float) -> float:
+    """Of the equations (3.1) without conduction, linearised: an eigenvalue."""
+    heat = ROD.alpha * ROD.m0
+    p = gruneisen * heat * T / x_X
+    A = np.zeros((4, 4))  # u, sigma, T, x_X
+    A[0, 1:] = np.array([1.0, -gruneisen * heat / x_X, p / x_X]) / ROD.m0
+    A[1:, 0] = ROD.K / x_X, (sigma - p) / heat, 1.0
+    return float(np.max(np.linalg.eigvals(A).real) ** 2)

@@ -194,7 +194,7 @@ COMPILED_CASE = """
 import numba
 from numba import float64, njit, types
 from fsipetsc.options import Option
-from fsipetsc.physics.own_laws import transport_law
+from fsipetsc.materials.own import transport_law
 from fsipetsc.problem import Problem
 OPTIONS = (Option("own_speed", float, 2.5, "m/s", "speed"),)
 

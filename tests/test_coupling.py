@@ -11,33 +11,29 @@ from helpers import compute, from_python
 from test_projection import (
     ALL,
     CONDUCTION,
+    CV,
     JUMP,
     MU,
     P0,
+    R,
     derivative_weights,
     interface,
     primitive,
     scaled_residuals,
     traces,
+    treated,
 )
 
 import fsipetsc
-from fsipetsc.coupling import KINDS, couple
-from fsipetsc.coupling.energy import multipliers
-from fsipetsc.operators import OPERATORS, packed
-from fsipetsc.scheme.laws import PAIRS
+from fsipetsc.operators import OPERATORS
+from fsipetsc.paper.coupling import multipliers
 
-couple, multipliers = from_python(couple, PAIRS[0]), from_python(multipliers)
+multipliers = from_python(multipliers)
 
 BOTH = pytest.mark.parametrize("kind", ["energy", "traditional"])
 
 
-def apply(kind: str, face: np.void, order: int, fluid: np.ndarray, solid: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Treated copies."""
-    fluid, solid = fluid.copy(), solid.copy()
-    face["coupling"] = KINDS[kind]
-    couple(face, packed(order), fluid, solid)
-    return fluid, solid
+apply = treated
 
 
 @ALL
@@ -97,18 +93,18 @@ def test_energy_changes_at_a_right_angle_to_what_the_conditions_leave_free(order
     (rho, u, T), (new_rho, new_u, new_T) = primitive(face, fluid), primitive(face, new_fluid)
     d, n = derivative_weights(face, order), len(u)
     a = np.array([*map(float, OPERATORS[order].norm), 1.0])[:n]
-    R, cv, rho_hat, T_hat = face["R"], face["cv"], rho[1], T[1]
+    cv, rho_hat, T_hat = CV, rho[1], T[1]
     x_X = -d @ solid[:, 3]
-    c = gruneisen * face["m0"] * face["alpha"] / x_X
-    modulus = (face["K"] + c * solid[0, 2]) / x_X
+    c = gruneisen * face[0].solid.m0 * face[0].solid.alpha / x_X
+    modulus = (face[0].solid.K + c * solid[0, 2]) / x_X
 
     pressure = R * (new_rho[0] * new_T[0] - rho[0] * T[0])
     linear_rho = (pressure - R * rho_hat * (new_T[0] - T[0])) / (R * T_hat)
     first = np.array([new_solid[0, 0] - solid[0, 0], new_solid[0, 1] - solid[0, 1], linear_rho])
     change = np.concatenate([first, new_solid[:, 2] - solid[:, 2], new_u - u, new_T - T])
-    heat_s, heat_f = face["alpha"] * face["m0"] / T_hat, rho_hat * cv / T_hat
+    heat_s, heat_f = face[0].solid.alpha * face[0].solid.m0 / T_hat, rho_hat * cv / T_hat
     weights = np.concatenate(
-        [a[0] * np.array([face["m0"], 1 / modulus, R * T_hat / rho_hat]), a * heat_s, a * rho_hat, a * heat_f]
+        [a[0] * np.array([face[0].solid.m0, 1 / modulus, R * T_hat / rho_hat]), a * heat_s, a * rho_hat, a * heat_f]
     )
     conditions = np.zeros((4, 3 + 3 * n))
     Ts, uf, Tf = 3, 3 + n, 3 + 2 * n  # where they begin
@@ -143,17 +139,17 @@ def test_energy_without_viscosity_and_conduction(order, normal, gruneisen):
     fluid, solid = traces(order, normal)
     new_fluid, new_solid = apply("energy", face, order, fluid, solid)
     (rho, u, T), (new_rho, new_u, new_T) = primitive(face, fluid), primitive(face, new_fluid)
-    m0, rho_hat = face["m0"], rho[1]
+    m0, rho_hat = face[0].solid.m0, rho[1]
     mean = (m0 * solid[0, 0] + rho_hat * u[0]) / (m0 + rho_hat)
     np.testing.assert_allclose([new_solid[0, 0], new_u[0]], mean, rtol=1e-12)
     x_X = -derivative_weights(face, order) @ solid[:, 3]
-    c = gruneisen * m0 * face["alpha"] / x_X
-    of_gas = 1.4 * face["R"] * rho_hat * T[1]
-    of_solid = (face["K"] + c * solid[0, 2]) / x_X + c * c * T[1] / (face["alpha"] * m0)
-    loads = solid[0, 1] - c * solid[0, 2], -face["R"] * rho[0] * T[0]
+    c = gruneisen * m0 * face[0].solid.alpha / x_X
+    of_gas = 1.4 * R * rho_hat * T[1]
+    of_solid = (face[0].solid.K + c * solid[0, 2]) / x_X + c * c * T[1] / (face[0].solid.alpha * m0)
+    loads = solid[0, 1] - c * solid[0, 2], -R * rho[0] * T[0]
     traction = (of_gas * loads[0] + of_solid * loads[1]) / (of_gas + of_solid)
     np.testing.assert_allclose(new_solid[0, 1] - c * new_solid[0, 2], traction, rtol=1e-12)
-    np.testing.assert_allclose(-face["R"] * new_rho[0] * new_T[0], traction, rtol=1e-12)
+    np.testing.assert_allclose(-R * new_rho[0] * new_T[0], traction, rtol=1e-12)
 
 
 @ALL
@@ -166,8 +162,8 @@ def test_traditional_takes_velocity_from_the_solid_and_load_from_the_fluid(order
     np.testing.assert_allclose(new_u[0], solid[0, 0], rtol=1e-14)
     assert new_fluid[0, 0] == fluid[0, 0]
     x_X = -derivative_weights(face, order) @ solid[:, 3]
-    load = -face["R"] * fluid[0, 0] * new_T[0] + MU * (derivative_weights(face, order) @ new_u)
-    p_solid = 0.4 * face["m0"] * face["alpha"] * new_solid[0, 2] / x_X
+    load = -R * fluid[0, 0] * new_T[0] + MU * (derivative_weights(face, order) @ new_u)
+    p_solid = 0.4 * face[0].solid.m0 * face[0].solid.alpha * new_solid[0, 2] / x_X
     np.testing.assert_allclose(new_solid[0, 1], load + p_solid, rtol=1e-13, atol=1e-10 * P0)
     assert np.array_equal(new_solid[1:], solid[1:])
     assert np.array_equal(new_fluid[1:], fluid[1:])

@@ -16,7 +16,6 @@ _SHARED = f"{BOTH} -fsi_partition balanced -ts_max_time 0.1 -fsi_output_dt 0.1"
 #: what test_same_bits runs on several ranks, too
 SHARED = {
     "sod 2": ("shock", f"{_SHARED} -fsi_order 2 -fsi_h 0.02"),
-    "sod rigid": ("shock", f"{_SHARED} -fsi_order 4 -fsi_h 0.02 -fsi_mapping rigid -fsi_coupling energy"),
     "strong 4": ("shock", f"{_SHARED} -shock_problem strong -fsi_order 4 -fsi_h 0.02"),
     "strong 8": ("shock", f"{_SHARED} -shock_problem strong -fsi_order 8 -fsi_h 0.01"),
 }
@@ -28,7 +27,7 @@ ALONE = {
     "box": ("box", f"{BOTH} -fsi_h 0.0125 -ts_max_time 0.5 -fsi_entropy"),
     # the same variant; where the strength at shocks is as good as none, what is left is the other term, alpha being small
     **{
-        f"mms {order} {h}": ("mms", f"-fsi_dissipation 1 -fsi_shock 1e-300 -fsi_order {order} -fsi_h {h}")
+        f"mms {order} {h}": ("box_mms", f"-box_dimension 1 -fsi_dissipation 1 -fsi_shock 1e-300 -fsi_order {order} -fsi_h {h}")
         for order in LEAST
         for h in SPACINGS
     },

@@ -194,11 +194,10 @@ def build(opt):
 
 
 @pytest.mark.mpi
-@pytest.mark.parametrize("shared", [1])
-def test_an_error_of_one_rank_alone_ends_all(shared, tmp_path):
+def test_an_error_of_one_rank_alone_ends_all(tmp_path):
     """It is said once, and nobody waits for a rank that has left."""
     (tmp_path / "alone.py").write_text(FORCED)
-    options = ("-fsi_h", "0.05", "-ts_max_time", "0.1", "-fsi_quiet", "-fsi_shared_memory", shared)
+    options = ("-fsi_h", "0.05", "-ts_max_time", "0.1", "-fsi_quiet")
     done = mpirun(2, "-m", "fsipetsc", "alone.py", *options, cwd=tmp_path)
     assert done.returncode == 2
     assert done.stderr.count("fsipetsc: error: ") == 1 and "no force is known" in done.stderr

@@ -165,7 +165,6 @@ def frozen():
 def test_rates_are_the_frozen_ones(name, frozen):
     found, expected = np.array(measured(state_of(**RUNS[name]))), np.array(frozen[name])
     assert found.shape == expected.shape and (expected[:, 1] > 0).sum() > 15
-    # differences of the pressure of a solid stand for its derivatives: 1e-10 of them
     assert (np.abs(found - expected)[:, 0] <= 2e-11 * expected[:, 1]).all()
 
 

@@ -10,15 +10,19 @@ from helpers import from_python
 
 pytest.importorskip("numba")
 
-from fsipetsc.coupling.interface import INTERFACE, residuals
-from fsipetsc.coupling.projection import projection
-from fsipetsc.operators import OPERATORS, packed
-from fsipetsc.scheme.laws import PAIRS
+from paper_parts import closure, operator_of
+from paper_parts import primitive as primitive_of
 
-projection, residuals = from_python(projection, PAIRS[0]), from_python(residuals, PAIRS[0])
+from fsipetsc.materials.constant_transport import ConstantTransport
+from fsipetsc.materials.perfect_gas import PerfectGas
+from fsipetsc.materials.solid_pressure import Gruneisen
+from fsipetsc.operators import OPERATORS
+from fsipetsc.paper.coupling import KINDS, Face, couple, residuals
+from fsipetsc.paper.laws import Elastic, Gas
 
-GAS = {"gamma": 1.4, "R": 287.0, "cv": 287.0 / 0.4}
-SOLID = {"K": 1e5, "m0": 2700.0, "alpha": 1.0}
+couple, residuals = from_python(couple), from_python(residuals)
+
+R, CV = 287.0, 287.0 / 0.4
 P0, T0, H = 1e5, 300.0, 0.0125
 SOUND = (1.4 * 287.0 * T0) ** 0.5
 MU = 4 / 3 * 0.5
@@ -28,20 +32,24 @@ ALL = pytest.mark.parametrize(
 )
 
 
-def interface(normal: float, jump: tuple[float, ...] = (0, 0, 0, 0), **changes: float) -> np.void:
-    """The record of an interface with the rod's materials, a viscosity that counts, and changes."""
-    face = np.zeros(1, INTERFACE)[0]
-    spacing = {"h": H, "h_gas": H, "J": 1.0, "spacing": H, "ratio": 1.0}
-    values = {"normal": normal, **spacing, "mu": MU, "kappa": 0.7, "kappa_e": 0.5, **GAS, **SOLID, **changes}
-    for name, value in values.items():
-        face[name] = value
-    face["jump"] = jump
-    return face
+def interface(
+    normal: float,
+    jump: tuple[float, ...] = (0, 0, 0, 0),
+    mu: float = MU,
+    kappa: float = 0.7,
+    kappa_e: float = 0.5,
+    m0: float = 2700.0,
+    gruneisen: float = 0.0,
+) -> tuple[Face, np.ndarray]:
+    """(interface, jumps) with the rod's materials, a viscosity that counts, and changes."""
+    gas = Gas(PerfectGas(1.4, R), ConstantTransport(), mu, kappa, 1.4, 0.0)
+    solid = Elastic(Gruneisen(gruneisen), 1e5, kappa_e, m0, 1.0, 0.0)
+    return Face(0, gas, solid, normal, H), np.array(jump, float)
 
 
 def traces(order: int, normal: float, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
     """Smooth random rows (rho, rho u, e) and (u, sigma, T, x), j = 0 at the interface; conditions badly violated."""
-    n = max(2, OPERATORS[order].rows)
+    n = len(closure(order))
     rng = np.random.default_rng(seed)
     X = H * np.arange(n)
 
@@ -50,36 +58,39 @@ def traces(order: int, normal: float, seed: int = 0) -> tuple[np.ndarray, np.nda
         return mean + size * (a * np.cos(7 * X + phase) + b * np.sin(11 * X))
 
     rho, u, T = smooth(1.16, 0.1), smooth(0.0, 3.0), smooth(T0, 20.0)
-    fluid = np.stack([rho, rho * u, rho * (GAS["cv"] * T + 0.5 * u**2)], axis=-1)
+    fluid = np.stack([rho, rho * u, rho * (CV * T + 0.5 * u**2)], axis=-1)
     x = 1.0 - normal * X * (1 + 0.1 * rng.uniform(-1, 1) + 0.5 * X)
     return fluid, np.stack([smooth(0.0, 3.0), smooth(-P0, 1e4), smooth(T0, 20.0), x], axis=-1)
 
 
-def apply(face: np.void, order: int, fluid: np.ndarray, solid: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Projected copies."""
+def treated(kind: str, face: tuple[Face, np.ndarray], order: int, fluid: np.ndarray, solid: np.ndarray):
+    """Treated copies."""
     fluid, solid = fluid.copy(), solid.copy()
-    projection(face, packed(order), fluid, solid)
+    couple(operator_of(order), face[0]._replace(kind=KINDS[kind]), face[1], fluid, solid)
     return fluid, solid
 
 
-def primitive(face: np.void, fluid: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def apply(face, order: int, fluid: np.ndarray, solid: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Projected copies."""
+    return treated("projection", face, order, fluid, solid)
+
+
+def primitive(face, fluid: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """rho, u, T of conserved rows."""
-    rho, u = fluid[:, 0], fluid[:, 1] / fluid[:, 0]
-    return rho, u, (fluid[:, 2] / rho - 0.5 * u**2) / face["cv"]
+    return primitive_of(face[0].gas, fluid)
 
 
-def derivative_weights(face: np.void, order: int) -> np.ndarray:
+def derivative_weights(face, order: int) -> np.ndarray:
     """d_j of the fluid's closure row at the interface."""
-    n = max(2, OPERATORS[order].rows)
-    return face["normal"] / face["h"] * np.array([float(w) for w in OPERATORS[order].closure[0][:n]])
+    return face[0].n / H * closure(order)
 
 
-def scaled_residuals(face: np.void, order: int, fluid: np.ndarray, solid: np.ndarray) -> np.ndarray:
+def scaled_residuals(face, order: int, fluid: np.ndarray, solid: np.ndarray) -> np.ndarray:
     """Residuals of the four conditions over the sound speed, the pressure, the temperature and the largest heat flux."""
     out = np.zeros(4)
-    residuals(face, packed(order), fluid, solid, out)
+    residuals(operator_of(order), *face, fluid, solid, out)
     slope = np.abs(derivative_weights(face, order)).sum()
-    conductivity = max(face["kappa"], face["kappa_e"])
+    conductivity = max(face[0].gas.kappa, face[0].solid.kappa_e)
     return np.abs(out) / [SOUND, P0, T0, max(conductivity, 1e-300) * slope * T0]
 
 
@@ -133,11 +144,11 @@ def test_the_change_is_orthogonal_to_what_the_conditions_leave_free(order, norma
     (rho, u, T), (new_rho, new_u, new_T) = primitive(face, fluid), primitive(face, new_fluid)
     d, n = derivative_weights(face, order), len(u)
     a = np.array([*map(float, OPERATORS[order].norm), 1.0])[:n]
-    rho_hat, p_hat = rho[1], face["R"] * rho[1] * T[1]
+    rho_hat, p_hat = rho[1], R * rho[1] * T[1]
 
-    p_change = face["R"] * new_T[0] * (new_rho[0] - rho[0])  # at the new temperature
+    p_change = R * new_T[0] * (new_rho[0] - rho[0])  # at the new temperature
     change = np.array([new_solid[0, 0] - solid[0, 0], new_solid[0, 1] - solid[0, 1], p_change, *(new_u - u)])
-    weights = np.array([a[0] * face["m0"], a[0] / face["K"], a[0] / p_hat, *(a * rho_hat)])
+    weights = np.array([a[0] * face[0].solid.m0, a[0] / face[0].solid.K, a[0] / p_hat, *(a * rho_hat)])
     conditions = np.zeros((2, n + 3))
     conditions[0, 0], conditions[0, 3] = 1.0, -1.0
     conditions[1, 1], conditions[1, 2], conditions[1, 3:] = 1.0, 1.0, -mu * d
@@ -168,18 +179,18 @@ def test_without_viscosity_velocity_and_stress_are_weighted_means(order, normal)
     fluid, solid = traces(order, normal)
     new_fluid, new_solid = apply(face, order, fluid, solid)
     (rho, u, T), (new_rho, new_u, new_T) = primitive(face, fluid), primitive(face, new_fluid)
-    m0, rho_hat = face["m0"], rho[1]
+    m0, rho_hat = face[0].solid.m0, rho[1]
     mean = (m0 * solid[0, 0] + rho_hat * u[0]) / (m0 + rho_hat)
     np.testing.assert_allclose([new_solid[0, 0], new_u[0]], mean, rtol=1e-13)
     np.testing.assert_allclose(new_u[1:], u[1:], rtol=1e-14, atol=1e-14)
 
-    K, p_hat = face["K"], face["R"] * rho_hat * T[1]
+    K, p_hat = face[0].solid.K, R * rho_hat * T[1]
     x_X = -derivative_weights(face, order) @ solid[:, 3]
-    p_solid = face["gruneisen"] * m0 * face["alpha"] * new_solid[0, 2] / x_X
-    p_before = face["R"] * rho[0] * new_T[0]
+    p_solid = face[0].solid.law.G * m0 * face[0].solid.alpha * new_solid[0, 2] / x_X
+    p_before = R * rho[0] * new_T[0]
     traction = (p_hat * (solid[0, 1] - p_solid) - K * p_before) / (p_hat + K)
     np.testing.assert_allclose(new_solid[0, 1] - p_solid, traction, rtol=1e-13)
-    np.testing.assert_allclose(-face["R"] * new_rho[0] * new_T[0], traction, rtol=1e-13)
+    np.testing.assert_allclose(-R * new_rho[0] * new_T[0], traction, rtol=1e-13)
 
 
 @pytest.mark.parametrize("order", OPERATORS)

@@ -10,44 +10,9 @@ pytest.importorskip("numba")
 pytest.importorskip("petsc4py")
 
 import fsipetsc
-from fsipetsc.boundaries import Wall, clamped
-from fsipetsc.materials.fluid import Fluid
-from fsipetsc.materials.line_solid import Solid
-from fsipetsc.physics.sutherland import sutherland
-from fsipetsc.problem import FluidLayer, Problem, SolidLayer
-from fsipetsc.scheme.laws import Form, ProblemLaws
 
 LAYERS = str(REPOSITORY / "tests" / "layers.py")
-FORMS = {
-    "plain": Form(),
-    "entropy": Form(entropy=True),
-    "narrow": Form(narrow=True),
-    "dissipation": Form(dissipation=1.0),
-    "shocks": Form(shocks=1.0),
-}
-
-
-def gas(**laws) -> Problem:
-    def rest(X):
-        return 1 + 0 * X, 0 * X, 1 + 0 * X
-
-    return Problem((FluidLayer("gas", Fluid(0.01, 0.03, 1.4, 1.0, **laws), (0.0, 1.0), rest),), Wall(0.0), Wall(1.0))
-
-
-def solid() -> Problem:
-    layer = SolidLayer("bar", Solid(20.0, 0.02, 2.0, 1.0), (0.0, 1.0), lambda X: (0 * X, 0 * X, 1 + 0 * X, X))
-    return Problem((layer,), clamped(), clamped())
-
-
-@pytest.mark.parametrize("form", FORMS)
-@pytest.mark.parametrize("problem", [gas(), gas(transport=sutherland(1.0, 0.4)), solid()], ids=["gas", "own law", "solid"])
-def test_compiled_functions_name_a_pair_of_laws_all_the_same(problem, form):
-    """numba compiles the call of one, which is never made, and fails where there is none to be named."""
-    laws = ProblemLaws(problem, form=FORMS[form])
-    assert len(laws.pairs) > 0 and laws.of_interfaces == []
-
-
-ENTROPY, *OTHERS = "-fsi_convection entropy", "-fsi_viscous narrow", "-fsi_dissipation 1 -fsi_shock 1"
+ENTROPY, *OTHERS = "-fsi_convection entropy", "-fsi_dissipation 1 -fsi_shock 1"
 LONG = [(kind, options) for kind in "gs" for options in OTHERS]  # kernels that no other test needs
 
 

@@ -12,21 +12,17 @@ import pytest
 pytest.importorskip("numba")
 pytest.importorskip("scipy")
 
-from helpers import REPOSITORY, from_python, run, solve
+from helpers import REPOSITORY, run, solve
+from paper_parts import conserved, elastic_rates, gas_rates, gas_record, operator_of, solid_record
 
 from fsipetsc.analysis.stability_linear import CENTRAL, assemble, interface_jacobian, rates
 from fsipetsc.analysis.stability_measures import few_eigenvalues, measure, range_basis, step_limit
 from fsipetsc.analysis.stability_state import Constant
-from fsipetsc.operators import OPERATORS, packed
-from fsipetsc.operators.kernels import scratch_size
 from fsipetsc.materials.fluid import Fluid
-from fsipetsc.physics.layer import FLUID, LAYER, SOLID
 from fsipetsc.materials.line_solid import Solid
-from fsipetsc.scheme.laws import LAWS
-from fsipetsc.scheme.stage_update import Target
-from fsipetsc.scheme.sweep import sweep
-
-fluid_rhs, solid_rhs = (from_python(sweep, law) for law in LAWS)
+from fsipetsc.operators import OPERATORS
+from fsipetsc.paper import rates as loops
+from fsipetsc.paper.laws import elastic_of, gas_of
 
 ORDERS = pytest.mark.parametrize("order", OPERATORS)
 N = 16  # points of a layer, enough for all orders
@@ -49,23 +45,12 @@ STATES = {
 }
 
 
-def record(kind: int, h: float) -> np.void:
-    """A layer of N points that are all active and on this rank."""
-    layer = np.zeros(1, LAYER)[0]
-    layer["kind"], layer["n"], layer["hi"], layer["own_hi"], layer["stride"] = kind, N, N - 1, N, N
-    layer["h"], layer["J"] = h, 1.0
-    return layer
-
-
-def kernel_rates(kernel, layer: np.void, order: int, q: np.ndarray) -> np.ndarray:
-    """The compiled right-hand side, (unknowns, N), at the state q, (unknowns, N)."""
-    size = q.size
-    at = 8 + size * np.arange(4)  # the state, what nobody needs, the sum, scratch
-    memory = np.zeros(at[3] + scratch_size(16))
-    memory[at[0] : at[1]] = q.ravel()
-    # a stage that adds the rates to a sum that is zero
-    kernel(layer, packed(order), memory, at[0], at[3], Target(at[0], at[1], at[2], at[2], -1, N, 0.0, 1.0, 1.0), 0, N)
-    return memory[at[2] : at[3]].reshape(q.shape)
+def kernel_rates(kernel, law, layer: np.void, order: int, q: np.ndarray) -> np.ndarray:
+    """The compiled right-hand side, (N, unknowns), at the state q."""
+    q, out = np.ascontiguousarray(q), np.zeros(q.shape)
+    scratch = np.zeros((loops.ROWS, len(q) + loops.MORE))
+    kernel(operator_of(order), law, layer, q, np.zeros((0, q.shape[1])), scratch, out)
+    return out
 
 
 def differentiated(function, step: float, size: int) -> np.ndarray:
@@ -80,12 +65,12 @@ def differentiated(function, step: float, size: int) -> np.ndarray:
 @pytest.mark.parametrize("state", STATES.values(), ids=STATES)
 def test_rates_of_the_gas_are_those_of_the_kernel(order, state):
     h, gas, rest = 0.1, state.gas, np.array([[state.rho], [0.0], [state.T]])
-    layer = record(FLUID, h)
-    layer["gamma"], layer["R"], layer["cv"], layer["mu"], layer["kappa"] = 1.4, gas.R, gas.cv, 4 / 3 * gas.mu, gas.kappa
+    layer, law = gas_record(N, h=h), gas_of(gas)
+    layer["s"], layer["end_kind"][0] = 0.0, 0
 
     def primitive_rates(change: np.ndarray) -> np.ndarray:
         rho, u, T = rest + change.reshape(3, N)
-        f = kernel_rates(fluid_rhs, layer, order, gas.conserved(rho, u, T).T)
+        f = kernel_rates(gas_rates, law, layer, order, conserved(law, rho, u, T)).T
         u_t = (f[1] - u * f[0]) / rho
         return np.concatenate([f[0], u_t, ((f[2] - (gas.cv * T + u * u / 2) * f[0]) / rho - u * u_t) / gas.cv])
 
@@ -104,12 +89,11 @@ def test_rates_of_the_solid_are_those_of_the_kernel(order, state):
     D = OPERATORS[order].matrix(N, h)
     rest = np.outer([0.0, state.stress, state.T, 0.0], np.ones(N))
     rest[3] = state.stretch * h * np.arange(N)
-    layer = record(SOLID, h)
-    for name in ("K", "kappa_e", "m0", "alpha", "gruneisen"):
-        layer[name] = getattr(solid, name)
+    layer = solid_record(N)
+    layer["h"] = h
 
     def all_rates(change: np.ndarray) -> np.ndarray:
-        f = kernel_rates(solid_rhs, layer, order, rest + change.reshape(4, N))
+        f = kernel_rates(elastic_rates, elastic_of(solid), layer, order, (rest + change.reshape(4, N)).T).T
         S_t = f[1] + state.solid_pressure / state.stretch * (D @ f[3])
         return np.concatenate([f[0], S_t, f[2]])
 

@@ -25,14 +25,16 @@ PLANE = "-fsi_h 0.125 -fsi_order 2 -ts_max_time 0.1 -fsi_output_dt 0.05"
 #: what begins with the middle frame of what: name -> source, case, options
 STARTS = {
     "same": ("rod", "rod", ROD),
-    "others": ("rod", "rod", "-fsi_h 0.04 -fsi_order 6 -fsi_coupling conservative -fsi_mapping stretched -ts_max_time 0.2"),
-    "rigid": ("stretched", "rod", ROD),
+    "others": ("rod", "rod", "-fsi_h 0.04 -fsi_order 6 -ts_max_time 0.2"),
+    "rigid": ("energy", "rod", ROD),
+    "line": ("box", "box", "-fsi_h 0.05 -fsi_order 6 -ts_max_time 0.4"),
     "same_plane": ("plane", "plane_mms", PLANE),
     "finer": ("plane", "plane_mms", "-fsi_h 0.0625 -fsi_order 4 -ts_max_time 0.1"),
 }
 SOURCES = {
     "rod": ("rod", ROD),
-    "stretched": ("rod", f"{ROD} -fsi_mapping stretched -fsi_coupling energy"),
+    "energy": ("rod", f"{ROD} -fsi_coupling energy"),
+    "box": ("box", "-fsi_h 0.1 -ts_max_time 0.4 -fsi_output_dt 0.2"),
     "plane": ("plane_mms", PLANE),
 }
 #: what is not possible: case, options, what is said

@@ -4,33 +4,31 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from helpers import from_python
 
 pytest.importorskip("petsc4py")
 
 from mpi4py import MPI
+from paper_parts import filled, gas_record, primitive
 
-from fsipetsc import boundaries
-from fsipetsc.boundaries import NODES, Open, free
+from fsipetsc.boundaries import Open, free
 from fsipetsc.cases import rod
-from fsipetsc.options import PETSC_OPTIONS, defaults
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.line_solid import Solid
+from fsipetsc.options import PETSC_OPTIONS, defaults
+from fsipetsc.paper.ends import NODES
+from fsipetsc.paper.state import PaperState
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
-from fsipetsc.scheme.laws import LAWS
-from fsipetsc.scheme.plan import FORCE, RATE
+from fsipetsc.scheme.plan import RATE
 from fsipetsc.stepping import phases
 from fsipetsc.stepping.error_control import ErrorControl
-from fsipetsc.stepping.state import State
 
-fill_ghost = from_python(boundaries.fill_ghost, LAWS[0])
 H, T0 = 0.1, 300.0
 
 
-def at_rest(**options: float) -> State:
+def at_rest(**options: float) -> PaperState:
     """The initial state of the rod's case, without gravity."""
     opt = {**defaults(rod), "rod_gravity": 0.0, **options}
-    state = State(MPI.COMM_SELF, rod.build(opt), 4, H, "projection", "rigid", "auto", 16)
+    state = PaperState(MPI.COMM_SELF, rod.build(opt), 4, H, "projection", "auto", 16)
     state.set_initial()
     return state
 
@@ -53,16 +51,18 @@ def test_the_rate_is_the_4_norm_of_convection_and_diffusion():
 def test_the_wall_holds_when_its_ghost_point_changes(wall, gravity, change):
     """A completed step leaves what the formulas of the wall make of the point that is the ghost now, after any step."""
     with at_rest(rod_wall=wall, rod_gravity=gravity) as state:
-        record, ghosts, nodes = state.layout.records[0], [], np.zeros((5, NODES))
+        record, ghosts, gas = state.layout.records[0], [], state.laws[0]
         for _ in range(70):
             state.step(0.0, 1e-4, True)
             ghosts.append(int(record["lo"]))
             values = state.layout.local(0, state.solution.getArray(readonly=True))[ghosts[-1] : ghosts[-1] + NODES]
-            nodes[:3, : len(values)] = state.problem.layers[0].material.primitive(values)[:3]
-            found, delta = nodes[:3, 0].copy(), int(record["hi"]) - ghosts[-1] - (record["x_interface"] - wall) / H
+            nodes = np.array(primitive(gas, values))
+            found, delta = nodes[:, 0].copy(), int(record["hi"]) - ghosts[-1] - (record["x_interface"] - wall) / H
             assert 0 <= delta < 1
-            fill_ghost(record, state.plan.head[0]["op"], 0, delta, nodes, False)
-            np.testing.assert_allclose(nodes[:3, 0], found, rtol=1e-12, atol=1e-12)
+            layer = gas_record(40, h=H)
+            layer["end_kind"][0], layer["end_degree"] = record["end_kind"][0], record["end_degree"]
+            ghost, _ = filled(gas, layer, 0, delta, nodes)
+            np.testing.assert_allclose(ghost, found, rtol=1e-12, atol=1e-12)
         assert abs(found[1]) > 1e-3 and ghosts[-1] - ghosts[0] == change
 
 
@@ -86,10 +86,10 @@ def test_the_force_of_a_solids_end(gruneisen, side):
     else:
         layers = FluidLayer("gas", gas, (-2.0, 0.0), still), SolidLayer("bar", bar, (0.0, 2.0), squeezed)
         problem = Problem(layers, Open(-2.0, 1e5, T0), free(-1.2e5))
-    with State(MPI.COMM_SELF, problem, 4, H, "projection", "rigid", "auto", 16) as state:
+    with PaperState(MPI.COMM_SELF, problem, 4, H, "projection", "auto", 16) as state:
         state.set_initial()
         push = 1.2e5 - 1e5
-        assert state.plan.part("integrals", FORCE + 1)[FORCE] == pytest.approx(push if side == 0 else -push, rel=1e-9)
+        assert float(state.latest["force"]) == pytest.approx(push if side == 0 else -push, rel=1e-9)
 
 
 def test_the_error_control_compares_what_interfaces_and_boundaries_have_corrected():

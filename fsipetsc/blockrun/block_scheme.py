@@ -92,12 +92,13 @@ class Scheme:
 
     def stretch(self, t: float, y: BlockVector) -> None:
         """Let J of gases be that of the grid where the solids have it, at fixed density, velocity
-        and temperature.
+        and temperature; at walls the gas has their velocity, at its temperature.
         """
         self.particles.share(y.array, t, self._gain)
         self._move(t)
         for gas in self._gases:
             gas.stretch(y.owned(gas.part.k))
+            gas.hold(y.owned(gas.part.k), *self.particles.at_walls(gas.part.k))
 
     def complete(self, t: float, y: BlockVector) -> None:
         """Let y obey all that holds its particles, in place. Collective."""

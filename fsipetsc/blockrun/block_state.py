@@ -30,6 +30,7 @@ from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_layout import BlockLayout, BlockVector, halos_of
 from fsipetsc.parallel.natural_order import NaturalOrder
 from fsipetsc.process.together import agree, together, wait_asleep
+from fsipetsc.scheme.block_look import CONVECTION
 from fsipetsc.scheme.burst import DT
 from fsipetsc.scheme.plan import BAD, BURST, FLAGS, LIMITS, RATE, SAID_STOP
 from fsipetsc.stepping.diagnosis import Failure
@@ -38,6 +39,10 @@ from fsipetsc.stepping.snapshot import as_numbers, rates_of
 from fsipetsc.stepping.start import Start
 from fsipetsc.stepping.state import FAULT
 
+#: by order: how much shorter steps are with dissipation of strength 1 at shocks. That alone is a
+#: number of -1.6 at Courant number 0.8, of 2.785 that the classical method bears; next to the ends
+#: of 8/4 more
+PACE_AT_SHOCKS = {2: 1.0, 4: 1.0, 6: 1.0, 8: 4.0 / 3.0}
 #: of how many parts a step is made, one after the other, until its state is physical
 PARTS = 1, 2, 4, 8, 16
 #: records of steps that are kept before they are written
@@ -99,6 +104,7 @@ class BlockState:
         self.comm, self.problem, self.op = comm, problem, OPERATORS[order]
         self.h = float(problem.spacing)
         self._order, self._form = order, form
+        self._pace = max(1.0, form.shock * PACE_AT_SHOCKS[order])
         self.convection = "divergence" if form.convection == "divergence" else "entropy"
         blocks, d = problem.layers, problem.dimension
         gases = sum(block.kind == "fluid" for block in blocks)
@@ -312,6 +318,7 @@ class BlockState:
         self.y.end()
         self._keep_fault(getattr(self.scheme, "fault", None))
         found = self.scheme.bounds(self._t, self.y)
+        found[:, CONVECTION] *= self._pace
         self._extremes[1:].reshape(-1, WORDS)[:, : found.shape[1]] = found
         self._extremes[0] = self.results[SAID_STOP]
         if self.comm.size > 1:

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from fsipetsc import given
 from fsipetsc.blockrun.old_materials import gas_of, line_solid_of
 from fsipetsc.blocks import conditions as new
 from fsipetsc.blocks.block import Block
@@ -40,12 +41,21 @@ def blocks_of_line(problem: Problem, h: float, order: int) -> BlockProblem:
             blocks.append(_solid_block(layer, (low, layer.X[1]), h))
             found = {side: _solid_end(end, layer, side) for side, end in outer.items()}
         else:
+            for side in outer:
+                _check_motion(problem, layer, side, h)
             grid = _gas_grid(layer, (low, layer.X[1]), outer, notes)
             blocks.append(_gas_block(layer, grid, h, order))
             found = {side: _gas_end(end, layer, grid[side]) for side, end in outer.items()}
         faces |= {(layer.name, 0, side): condition for side, condition in found.items()}
     jumps = _line_jumps(problem)
     return BlockProblem(tuple(blocks), faces, jumps, notes=tuple(notes), units=problem.units)
+
+
+def _check_motion(problem: Problem, layer: FluidLayer, side: int, h: float) -> None:
+    """InputError if a wall's velocity is not the rate of its place until sound has gone h."""
+    rho, _, T = (float(np.ravel(v)[0]) for v in layer.initial(np.array([layer.X[side]])))
+    sound = layer.material.sound_speed(T, rho) if min(rho, T) > 0.0 else 1.0
+    given.check_motion(problem, side, 0.0, h / float(sound))
 
 
 def _gas_grid(
@@ -136,10 +146,11 @@ def _forces_alone(layer: SolidLayer) -> Function | None:
 
     def called(X: Array, t: float) -> Any:
         u, sigma, T, x = layer.forcing(X, t)
-        if np.any(sigma):
+        if np.any(np.abs(sigma) > 1e-9 * layer.material.K):  # but for round-off
             raise InputError(
                 f"forcing of layer '{layer.name}' at t = {t:.6g}: sigma has a right-hand side, but "
-                "follows from x here: expected 0, or -fsi_coupling projection"
+                "follows from x here: expected 0, or "
+                "-fsi_coupling projection"
             )
         return u, T, x
 
@@ -189,11 +200,11 @@ def _gas_end(end: Any, layer: FluidLayer, X: float) -> new.Condition:
         return new.NoSlip(
             T=_of_point(end.T),
             heat_flux=_of_point(end.heat_flux),
-            x=x and (lambda X, t: (x(t) + 0.0 * X,)),
-            velocity=end.velocity and (lambda X, t: (end.velocity(t) + 0.0 * X,)),
+            x=x and _vector_at(x),
+            velocity=end.velocity and _vector_at(end.velocity),
         )
     if isinstance(end, Dirichlet):
-        return new.Given(lambda X, t: tuple(v + 0.0 * X for v in end.values(t)))
+        return new.Given(_of_place(end.values))
     if isinstance(end, Open):
         gas = gas_of(layer.material, (layer.material.force,))
         return new.Open(float(gas.gas_law.density(end.p0, end.T0)), (end.u0,), end.T0)
@@ -210,19 +221,30 @@ def _solid_end(end: SolidEnd, layer: SolidLayer, side: int) -> new.Condition:
         return new.Clamped(velocity=_vector_at(velocity), **heat)
     if end.kind == FREE:
         stress = end.value
-        pressure = (lambda X, t: -stress(t) + 0.0 * X) if callable(stress) else -stress
+        pressure = _of_place(stress, lambda p: -p) if callable(stress) else -stress
         return new.Free(pressure, **heat)
     return new.Absorbing(_of_point(end.value), **heat)
 
 
 def _of_point(value: Any) -> Any:
     """A number, or a function of t as one of X and t."""
-    return (lambda X, t: value(t) + 0.0 * X) if callable(value) else value
+    return _of_place(value) if callable(value) else value
 
 
 def _vector_at(value: Any) -> Function:
     """The same with one component."""
-    return lambda X, t: ((value(t) if callable(value) else value) + 0.0 * X,)
+    function = value if callable(value) else lambda t: value
+    return _of_place(function, lambda number: (number,))
+
+
+def _of_place(function: Function, then: Function = lambda value: value) -> Function:
+    """A function of t as one of X and t, which a message blames."""
+
+    def called(X: Array, t: float) -> Any:
+        return then(function(t))
+
+    called.__wrapped__ = function
+    return called
 
 
 def _line_jumps(problem: Problem) -> Function | None:

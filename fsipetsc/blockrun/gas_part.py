@@ -122,6 +122,13 @@ class GasPart(Forced):
         """Let J be that of the grid, at the same density, velocity and temperature."""
         q *= (self.grid.jacobian()[self._owned] / q[:, 0])[:, None]
 
+    def hold(self, q: Array, nodes: Array, u: Array) -> None:
+        """Let nodes have the velocities u (n, d), at the same temperature."""
+        rows, d = self.part.rows(nodes), self._d
+        momentum = q[rows, 1, None] * u
+        change = (momentum**2 - q[rows, 2 : 2 + d] ** 2).sum(axis=1) / q[rows, 1]
+        q[rows, 2 : 2 + d], q[rows, 2 + d] = momentum, q[rows, 2 + d] + 0.5 * change
+
     def look(self, q: Array) -> tuple[Array, dict[str, float]]:
         """What bounds a step, integrals: see fsipetsc.scheme.block_look; q: (N, d + 3)."""
         d, weights = self._d, [band.weight for band in self.part.bands]

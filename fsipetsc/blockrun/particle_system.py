@@ -277,6 +277,13 @@ class ParticleSystem:
         sums = self._exchange.table, self.normals, self.turning
         kernels.constrain(table, d, *sums, data, state, self._rates, gain)
         kernels.give_rates(table, d, y, f, state, self._rates)
+
+    def at_walls(self, k: int) -> tuple[Array, Array]:
+        """Nodes of a gas block here that stick to walls, and velocities (n, d) of these."""
+        nodes, particle = self.nodes[k]
+        held = self.table.held_gas[particle] == 1
+        return nodes[held], self.data.wall[particle[held]]
+
     def places(self, t: float) -> Array:
         """(p, d) displacement of solids, and of walls that move by themselves, at time t [s]; 0
         elsewhere.

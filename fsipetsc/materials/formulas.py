@@ -26,4 +26,8 @@ TRANSPORT_LAW = {"viscosity": "T", "conductivity": "T"}
 #: of a solid; F: the deformation gradient, d*d numbers row by row
 SOLID_LAW = {"stress": "F", "energy": "F", "wave_modulus": "F"}
 #: of the pressure of a solid; J: det F, m0: density at rest, alpha: specific heat
-SOLID_PRESSURE = {"pressure": "J, T, m0, alpha"}
+SOLID_PRESSURE = {
+    "pressure": "J, T, m0, alpha",
+    "pressure_by_temperature": "J, T, m0, alpha",
+    "stiffness": "J, T, m0, alpha",
+}

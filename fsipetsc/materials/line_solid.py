@@ -15,7 +15,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from fsipetsc.checks import ANY, NONNEGATIVE, POSITIVE, numbers
-from fsipetsc.equations.solid import STEP
 from fsipetsc.errors import InputError
 from fsipetsc.materials import own
 from fsipetsc.materials.solid_pressure import ConstantPressure, Gruneisen
@@ -60,12 +59,12 @@ class Solid:
         return self.pressure_law.pressure(x_X, T, self.m0, self.alpha)
 
     def pressure_by_temperature(self, T: Any, x_X: Any) -> Any:
-        """dp/dT at constant x_X [Pa/K], by a central difference."""
-        return pressure_by_temperature(self.pressure_law, T, x_X, self.m0, self.alpha)
+        """dp/dT at constant x_X [Pa/K]."""
+        return self.pressure_law.pressure_by_temperature(x_X, T, self.m0, self.alpha)
 
     def stiffness(self, T: Any, x_X: Any) -> Any:
-        """-x_X dp/dx_X at constant T [Pa], by a central difference."""
-        return stiffness(self.pressure_law, T, x_X, self.m0, self.alpha)
+        """-x_X dp/dx_X at constant T [Pa]."""
+        return self.pressure_law.stiffness(x_X, T, self.m0, self.alpha)
 
     def sound_speed(self, x_X: float = 1.0, T: float = 0.0, sigma: float = 0.0) -> float:
         """Speed of small waves in Lagrangian coordinates [m/s], without conduction."""
@@ -73,20 +72,6 @@ class Solid:
         by_T, stiff = self.pressure_by_temperature(T, x_X), self.stiffness(T, x_X)
         modulus = wave_modulus(self.K, heat, by_T, stiff, p, sigma, x_X)
         return float(modulus / self.m0) ** 0.5
-
-
-def pressure_by_temperature(law, T, x_X, m0, alpha):
-    """dp/dT of a law of pressure."""
-    dT = STEP * (1.0 + abs(T))
-    more, less = law.pressure(x_X, T + dT, m0, alpha), law.pressure(x_X, T - dT, m0, alpha)
-    return (more - less) / (2.0 * dT)
-
-
-def stiffness(law, T, x_X, m0, alpha):
-    """-x_X dp/dx_X of a law of pressure."""
-    dx = STEP * x_X
-    less, more = law.pressure(x_X - dx, T, m0, alpha), law.pressure(x_X + dx, T, m0, alpha)
-    return (less - more) / (2.0 * STEP)
 
 
 def wave_modulus(K, heat, p_T, stiff, p, sigma, x_X):

@@ -104,6 +104,22 @@ def no_energy(self, F):
     return 0.0
 
 
+# What is not given of a pressure of a solid
+
+
+def heated(self, J, T, m0, alpha):
+    """dp/dT [Pa/K]."""
+    dT = STEP * (1.0 + abs(T))
+    more, less = self.pressure(J, T + dT, m0, alpha), self.pressure(J, T - dT, m0, alpha)
+    return (more - less) / (2.0 * dT)
+
+
+def stiffness(self, J, T, m0, alpha):
+    """-J dp/dJ [Pa]."""
+    less = self.pressure(J - STEP * J, T, m0, alpha)
+    return (less - self.pressure(J + STEP * J, T, m0, alpha)) / (2.0 * STEP)
+
+
 GAS = Kind(
     "gas_law",
     GAS_LAW,
@@ -121,7 +137,12 @@ TRANSPORT = Kind("transport_law", TRANSPORT_LAW, ("viscosity", "conductivity"), 
 SOLID = Kind(
     "solid_law", SOLID_LAW, ("stress",), {"wave_modulus": wave_modulus, "energy": no_energy}
 )
-PRESSURE = Kind("pressure_law", SOLID_PRESSURE, ("pressure",), {})
+PRESSURE = Kind(
+    "pressure_law",
+    SOLID_PRESSURE,
+    ("pressure",),
+    {"pressure_by_temperature": heated, "stiffness": stiffness},
+)
 
 
 def gas_law(**formulas: Formula) -> Any:
@@ -162,9 +183,13 @@ def solid_law(**formulas: Formula) -> Any:
     return _law_of(SOLID, formulas)
 
 
-def pressure_law(pressure: Formula) -> Any:
-    """The pressure of a solid, pressure(J, T, m0, alpha) -> p [Pa]. InputError."""
-    return _law_of(PRESSURE, {"pressure": pressure})
+def pressure_law(pressure: Formula, **more: Formula) -> Any:
+    """The pressure of a solid, pressure(J, T, m0, alpha) -> p [Pa]. InputError.
+
+    more: dp/dT and -J dp/dJ, pressure_by_temperature and stiffness of formulas.SOLID_PRESSURE,
+    which the paper's couplings need and else find by differences.
+    """
+    return _law_of(PRESSURE, {"pressure": pressure, **more})
 
 
 def checked_law(law: Any, what: str, kind: Kind) -> Any:

@@ -31,6 +31,14 @@ class ConstantPressure(NamedTuple):
         """p [Pa]."""
         return self.p
 
+    def pressure_by_temperature(self, J, T, m0, alpha):
+        """dp/dT [Pa/K]."""
+        return 0.0
+
+    def stiffness(self, J, T, m0, alpha):
+        """-J dp/dJ [Pa]."""
+        return 0.0
+
 
 class Gruneisen(NamedTuple):
     """G [-]."""
@@ -39,6 +47,14 @@ class Gruneisen(NamedTuple):
 
     def pressure(self, J, T, m0, alpha):
         """p [Pa]."""
+        return self.G * m0 * alpha * T / J
+
+    def pressure_by_temperature(self, J, T, m0, alpha):
+        """dp/dT [Pa/K]."""
+        return self.G * m0 * alpha / J
+
+    def stiffness(self, J, T, m0, alpha):
+        """-J dp/dJ [Pa]."""
         return self.G * m0 * alpha * T / J
 
 
@@ -58,6 +74,17 @@ class MieGruneisen(NamedTuple):
         heated = self.G_0 * m0 * alpha * (T - self.T_0)
         return hugoniot * (1.0 - 0.5 * self.G_0 * eta) + heated
 
+    def pressure_by_temperature(self, J, T, m0, alpha):
+        """dp/dT [Pa/K]."""
+        return self.G_0 * m0 * alpha
+
+    def stiffness(self, J, T, m0, alpha):
+        """-J dp/dJ [Pa]."""
+        eta = 1.0 - J
+        room, shift = 1.0 - self.s * eta, 0.5 * self.G_0 * eta
+        slope = (1.0 + self.s * eta) / room * (1.0 - shift) - shift
+        return J * m0 * self.c_0 * self.c_0 * slope / (room * room)
+
 
 class StiffenedPressure(NamedTuple):
     """gamma [-], p_inf [Pa], T_0 [K], p_0 [Pa]."""
@@ -71,6 +98,15 @@ class StiffenedPressure(NamedTuple):
         """p [Pa]."""
         heated = (self.gamma - 1.0) * m0 * alpha * (T - self.T_0)
         return (heated + self.p_0 + self.gamma * self.p_inf * (1.0 - J)) / J
+
+    def pressure_by_temperature(self, J, T, m0, alpha):
+        """dp/dT [Pa/K]."""
+        return (self.gamma - 1.0) * m0 * alpha / J
+
+    def stiffness(self, J, T, m0, alpha):
+        """-J dp/dJ [Pa]."""
+        heated = (self.gamma - 1.0) * m0 * alpha * (T - self.T_0)
+        return (heated + self.p_0 + self.gamma * self.p_inf) / J
 
 
 def gruneisen(G: float) -> Gruneisen:

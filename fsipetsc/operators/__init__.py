@@ -6,6 +6,6 @@
 Nothing below this package: arrays in, arrays out, no PETSc and no MPI.
 """
 
-from fsipetsc.operators.sbp import OPERATOR, OPERATORS, SBPOperator, operator, packed
+from fsipetsc.operators.sbp import OPERATORS, SBPOperator, operator
 
-__all__ = ["OPERATOR", "OPERATORS", "SBPOperator", "operator", "packed"]
+__all__ = ["OPERATORS", "SBPOperator", "operator"]

@@ -42,16 +42,16 @@ DISCRETISATION = (
     ),
     Option("fsi_cfl", float, 0.8, "", "Courant number of the time step; -ts_dt replaces it", check="positive"),
     Option(
-        *("fsi_coupling", str, "conservative", "", "treatment of the interfaces; in 2-D conservative alone"),
+        *("fsi_coupling", str, "conservative", "", "treatment of the interfaces; the others than conservative: the paper's method, in 1-D"),
         choices=("projection", "energy", "traditional", "conservative"),
     ),
     Option(
         *("fsi_mapping", str, "auto", ""),
-        help="grids of outer gases: rigid (embedded boundary), stretched; auto: that at walls, and in 2-D",
+        help="grids of gases: rigid with the paper's couplings, stretched with conservative; auto: what fits",
         choices=("auto", "rigid", "stretched"),
     ),
     Option(
-        *("fsi_viscous", str, "wide", "", "second derivatives: D twice, or in 1-D such that reach half as far"),
+        *("fsi_viscous", str, "wide", "", "second derivatives: D twice, or with the paper's couplings such that reach half as far"),
         choices=("wide", "narrow"),
     ),
     Option(
@@ -111,7 +111,6 @@ RUN = (
         check="positive",
     ),
     Option("fsi_partition", str, "auto", "", "which ranks own which layers", ("auto", "physics", "balanced")),
-    Option("fsi_shared_memory", bool, True, "", "in 1-D: up to 16 ranks, all on one node, exchange by memory, not messages"),
     Option("fsi_norm", str, "L2", "", "norm of the errors against an exact solution; L1 where it jumps", ("L1", "L2")),
     Option("fsi_view", bool, False, "", "print layers, ranks, points, materials, operators and method before the run"),
     Option("fsi_quiet", bool, False, "", "print nothing but errors"),

@@ -103,8 +103,8 @@ def seen(state: PaperState) -> Iterable[Seen]:
 def _gas_values(
     state: PaperState, part: LayerPart, active: slice, own: Array, X: Array
 ) -> tuple[Array, dict[str, Array]]:
-    material = state.problem.layers[part.number].material
-    rho, u, T, _ = material.primitive(part.owned[active])
+    rho, m, e = part.owned[active].T
+    u, T = part.law.velocity_and_temperature(rho, m, e)
     anchor = state.layout.grids[part.number].anchor
     return X - anchor + part.record["x_interface"][0], {"rho": rho, "u": u, "T": T}
 

@@ -11,11 +11,9 @@ from numba.extending import register_jitable
 
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid, force_in
-from fsipetsc.materials.line_solid import Solid, pressure_by_temperature, stiffness, wave_modulus
+from fsipetsc.materials.line_solid import Solid, wave_modulus
 from fsipetsc.materials.own import no_entropy
 
-pressure_by_temperature = register_jitable(pressure_by_temperature)
-stiffness = register_jitable(stiffness)
 wave_modulus = register_jitable(wave_modulus)
 
 
@@ -71,11 +69,11 @@ class Elastic(NamedTuple):
 
     def pressure_by_temperature(self, T, x_X):
         """dp/dT [Pa/K]."""
-        return pressure_by_temperature(self.law, T, x_X, self.m0, self.alpha)
+        return self.law.pressure_by_temperature(x_X, T, self.m0, self.alpha)
 
     def stiffness(self, T, x_X):
         """-x_X dp/dx_X [Pa]."""
-        return stiffness(self.law, T, x_X, self.m0, self.alpha)
+        return self.law.stiffness(x_X, T, self.m0, self.alpha)
 
     def wave_modulus(self, T, p, sigma, x_X):
         """m0 c^2 of elastic waves [Pa]."""

@@ -73,7 +73,7 @@ class PaperState:
         form = order, h, coupling_name, mode, spare, entropy, narrow
         self._alike = lambda comm: PaperState(comm, problem, *form)
         self._mode, self._spare, self.entropy = mode, spare, entropy
-        self.evaluations, self.begin, self.started = 0, 0.0, False
+        self.evaluations, self.begin, self.started, self._said = 0, 0.0, False, False
         self.fault: InputError | None = None  # of a user's function, on this rank
         if entropy:
             check_entropy(problem.layers)
@@ -142,8 +142,9 @@ class PaperState:
 
     def _first(self, announce: Callable[[str], None], call: Callable[[PaperState], None]) -> None:
         """Let rank 0 call something of a state like this one, of which it has all."""
+        say, self._said = (lambda words: None) if self._said else announce, True
         if self.comm.rank == 0:
-            with announced(announce), self._alike(MPI.COMM_SELF) as alone, np.errstate(all="ignore"):
+            with announced(say), self._alike(MPI.COMM_SELF) as alone, np.errstate(all="ignore"):
                 call(alone)
         wait_asleep(self.comm)
 

@@ -12,9 +12,6 @@ MOVED, LOW, EXHAUSTED, TOO_SHORT = 0, 1, 2, 3
 RATE, BAD, STOP, SAID_STOP = 4, 5, 6, 7
 #: doubles of the flags and of the limits among the results
 FLAGS, LIMITS = 4, 4
-#: integrals behind the masses of the fluid layers; the last two are optional
-ENERGY, MOMENTUM, FORCE, IMPULSE, ENTROPY, HEATING = range(6)
-INTEGRALS = 6
 #: words of a burst of steps, see fsipetsc.scheme.burst
 BURST = 11
 #: steps that the journal holds; they must be written then. Whole chunks of the file, see output.tables

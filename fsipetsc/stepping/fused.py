@@ -15,7 +15,7 @@ NAME = "fused"
 
 
 class FusedRK4:
-    """Context of a TS of type python: the classical Runge-Kutta method of fourth order, see scheme.runge_kutta.
+    """Context of a TS of type python: the classical Runge-Kutta method of fourth order.
 
     Monitors, options and hooks stay TS's. The step starts from the completed solution and completes the new one.
     """

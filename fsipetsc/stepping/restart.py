@@ -25,7 +25,7 @@ from fsipetsc.process.together import together
 
 FREE = OF_A_RUN | {
     *("fsi_output", "fsi_output_dt", "fsi_output_times", "fsi_checkpoint", "fsi_checkpoint_steps", "fsi_checkpoint_wall"),
-    *("fsi_burst", "fsi_partition", "fsi_shared_memory", "fsi_norm", "fsi_check", "ts_max_time", "ts_max_steps"),
+    *("fsi_burst", "fsi_partition", "fsi_norm", "fsi_check", "ts_max_time", "ts_max_steps"),
 }
 STEPS = ({option.name for option in PETSC_OPTIONS} | {"fsi_cfl"}) - FREE
 AUTO = "auto"

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from mpi4py import MPI
 
 from fsipetsc.blame import call, place_of
@@ -28,7 +29,7 @@ class Outcome:
     """What is left of a run: cost and errors.
 
     t: time reached [s]. points: active ones at the end. wall_time: of the time loop [s]. errors: kind of layer -> name ->
-    error in the norm in force, as fsipetsc.stepping.frames.errors gives them; None without an exact solution.
+    error in the norm in force, as the state gives them; None without an exact solution.
     """
 
     t: float
@@ -71,6 +72,8 @@ def make_state(
     """
     if isinstance(problem, RunProblem):
         form = block_form(opt)
+        if opt["fsi_entropy"] or opt["fsi_check"] is not None:
+            _check_entropy(problem)
         points, probes = opt["fsi_points"] or (), opt["fsi_probes"]
         recorded = together(comm, lambda: chosen(problem, points, probes))
         return BlockState(comm, problem, opt["fsi_order"], form, opt["fsi_partition"], recorded)
@@ -80,6 +83,18 @@ def make_state(
                 f"-{name} is of blocks: here series of all interfaces are recorded anyway"
             )
     return make_paper_state(problem, opt, comm)
+
+
+def _check_entropy(problem: RunProblem) -> None:
+    """InputError for a gas law without a formula for the entropy, which is not a number then."""
+    for block in problem.layers:
+        if block.kind == "fluid":
+            law = block.material.gas_law
+            if np.isnan([law.entropy(rho, 1.0) for rho in (1e-6, 1.0, 1e6)]).all():
+                raise InputError(
+                    f"the gas law of layer '{block.name}' has no formula for the entropy, which "
+                    "-fsi_entropy and -fsi_check need"
+                )
 
 
 #: what blocks have of options that choose between methods
