@@ -211,8 +211,10 @@ class Oracle(Particles):
             if not isinstance(c, (Open, Outflow)):
                 continue
             through, inside = flux(here, n, g), s.Q[1:] / s.Q[0]
-            if isinstance(c, Open) or c.pressure > 0.0:
-                outside = self._outside(c, m, here, (n @ here.u - g) / area)
+            if isinstance(c, Open):
+                through = flux(self._by_characteristics(c, m, here, n, g), n, g)
+            elif c.pressure > 0.0:
+                outside = self._beyond(c, m, here, (n @ here.u - g) / area)
                 o = gas_state(m, np.array([1.0, *outside]))
                 fastest = max(
                     abs(n @ w.u - g) + area * np.sqrt(m.gamma * m.R * w.T) for w in (here, o)
@@ -222,10 +224,31 @@ class Oracle(Particles):
             self.note(f.owner, -through[0], -through[1:-1], -through[-1])
 
     @staticmethod
-    def _outside(c, m, here, velocity):
-        """Unknowns per volume beyond an open face; velocity: of the gas out of it."""
-        if isinstance(c, Open):
-            return conserved(m, c.rho, np.array(c.u, float), c.T)
+    def _by_characteristics(c, m, here, n, g):
+        """The gas at an open face: p + Z u_n of the inside, p - Z u_n of the outside, Z of the inside,
+        entropy and velocity along the face of the side that the gas comes from; faster than sound, all of it."""
+        area = np.sqrt(n @ n)
+        n = n / area
+
+        def as_state(rho, u, T):
+            return gas_state(m, np.array([1.0, *conserved(m, rho, u, T)]))
+
+        there = as_state(c.rho, np.array(c.u, float), c.T)
+        sound, sound_there = (np.sqrt(m.gamma * m.R * w.T) for w in (here, there))
+        a, b = (n @ w.u - g / area for w in (here, there))
+        if a >= sound:
+            return here
+        if b <= -sound_there:
+            return there
+        Z = here.rho * sound
+        p, speed = 0.5 * (here.p + there.p + Z * (a - b)), 0.5 * (a + b + (here.p - there.p) / Z)
+        side, own, c_side = (here, a, sound) if speed >= 0.0 else (there, b, sound_there)
+        rho = side.rho + (p - side.p) / c_side**2
+        return as_state(rho, side.u + n * (speed - own), (p + m.p_inf) / (rho * m.R))
+
+    @staticmethod
+    def _beyond(c, m, here, velocity):
+        """Unknowns per volume beyond an outflow; velocity: of the gas out of it."""
         mach = max(velocity, 0.0) / np.sqrt(m.gamma * m.R * here.T)
         p = here.p + max(1.0 - mach**2, 0.0) * (c.pressure - here.p)
         return conserved(m, here.rho, here.u, (p + m.p_inf) / (here.rho * m.R))

@@ -296,7 +296,8 @@ def both_rates(name, order):
     return oracle, {"gas": gas.copy(), "solid": solid_state}, gas_rates, solid_rates
 
 
-@pytest.mark.parametrize("name", RATES)
+# (what passes open faces was that of Lax and Friedrichs then)
+@pytest.mark.parametrize("name", [name for name in RATES if name != "open"])
 def test_rates_are_those_of_the_older_kernels(name):
     """At random states on a grid that moves, with the older volume flux: before interfaces and
     walls hold anything; and where gas slips along a solid, with what they do to each other.

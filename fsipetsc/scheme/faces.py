@@ -5,11 +5,14 @@ The volume terms let nothing pass a face. With the outward area vector n of a fa
 reference coordinates, and the velocity v of the grid, a node at it gets -f / weight, weight that of
 its axis, where f is
 
-    open       F(U_in, U_out) = 1/2 (F(U_in) + F(U_out)) - 1/2 lambda (U_out - U_in),
-               F(U) = n . (f(U) - v U), lambda = max over both of |n . (u - v)| + c |n|
-               (local Lax-Friedrichs)
-    outflow    F(U_in); with a pressure p_b beyond and a Mach number m < 1 through the face as open,
-               with U_out of density and velocity of U_in and of pressure p + (1 - m^2)(p_b - p);
+    open       F(U*), F(U) = n . (f(U) - v U), by characteristics: U* = U_in where gas leaves faster
+               than sound, U_out where it comes so; else, with Z = rho c and c of the gas inside,
+               p + Z N . u that inside, p - Z N . u that outside, and rho - p/c^2 and velocities
+               along the face those of the side that the gas comes from; c^2 of that side
+               If no such gas can be, 1/2 (F(U_in) + F(U_out)) - 1/2 lambda (U_out - U_in),
+               lambda = max over both of |n . (u - v)| + c |n| (local Lax-Friedrichs)
+    outflow    F(U_in); with a pressure p_b beyond and a Mach number m < 1 through the face that of
+               Lax and Friedrichs, with U_out of density and velocity of U_in and of pressure p + (1 - m^2)(p_b - p);
                m = 0 where gas flows in
     free       p_b n(x) on a solid, n(x) the area vector of the face where it is now: a pressure
                that follows it
@@ -117,6 +120,10 @@ def open_face(law, face, q, metrics, outside, pressure, rates, gain):
                 p = law.pressure(rho, T)
                 beyond = p + max(1.0 - m * m, 0.0) * (pressure[i] - p)
                 rho_out, T_out = rho, law.temperature_of(rho, beyond)
+            arguments = rho, u, T, rho_out, u_out, T_out, n, g, area, f
+            if pressure[i] < 0.0 and _by_characteristics(law, *arguments):
+                _pass(face, i, f, rates, gain)
+                continue
             fastest = max(fastest, _flux(law, rho_out, u_out, T_out, n, g, f_out))
             f[:] = 0.5 * (f + f_out)
             f[0] -= 0.5 * fastest * (rho_out - rho)
@@ -124,9 +131,46 @@ def open_face(law, face, q, metrics, outside, pressure, rates, gain):
                 f[1 + c] -= 0.5 * fastest * (rho_out * u_out[c] - rho * u[c])
             jump = _energy_density(law, rho_out, u_out, T_out) - _energy_density(law, rho, u, T)
             f[d + 1] -= 0.5 * fastest * jump
-        for c in range(d + 2):
-            rates[face.owned[i], 1 + c] -= face.per_weight * f[c]
-            gain[c] -= face.across[i] * f[c]
+        _pass(face, i, f, rates, gain)
+
+
+@njit(**INNER_CALL)
+def _pass(face, i, f, rates, gain):
+    """Let f leave at a node of a face."""
+    for c in range(f.size):
+        rates[face.owned[i], 1 + c] -= face.per_weight * f[c]
+        gain[c] -= face.across[i] * f[c]
+
+
+@njit(**INNER_CALL)
+def _by_characteristics(law, rho, u, T, rho_out, u_out, T_out, n, g, area, out):
+    """out = F(U*); False if there is no such gas. area: |n|^2."""
+    size = np.sqrt(area)
+    c2, c2_out = law.sound_speed_squared(rho, T), law.sound_speed_squared(rho_out, T_out)
+    a, a_out = -g / size, -g / size
+    for c in range(u.size):
+        a += n[c] * u[c] / size
+        a_out += n[c] * u_out[c] / size
+    p, p_out, Z = law.pressure(rho, T), law.pressure(rho_out, T_out), rho * np.sqrt(c2)
+    speed = 0.5 * (a + a_out) + 0.5 * (p - p_out) / Z
+    between = 0.5 * (p + p_out) + 0.5 * Z * (a - a_out)
+    rho_face, leaves = rho + (between - p) / c2, speed >= 0.0
+    if not leaves:
+        rho_face = rho_out + (between - p_out) / c2_out
+    if a >= np.sqrt(c2):
+        leaves, speed, rho_face, between = True, a, rho, p
+    elif a_out <= -np.sqrt(c2_out):
+        leaves, speed, rho_face, between = False, a_out, rho_out, p_out
+    if not rho_face > 0.0:
+        return False
+    T_face, known = law.temperature_of(rho_face, between), a if leaves else a_out
+    if not T_face > 0.0:
+        return False
+    u_face = np.empty(u.size)
+    for c in range(u.size):
+        u_face[c] = (u[c] if leaves else u_out[c]) + n[c] / size * (speed - known)
+    _flux(law, rho_face, u_face, T_face, n, g, out)
+    return True
 
 
 def area_vectors(face: Face, tangents: list[Array]) -> Array:
