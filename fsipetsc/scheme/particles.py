@@ -168,7 +168,7 @@ def share(table, like, rows, data, state, gain):
     before, before_s = np.zeros(d + 3), np.zeros(2 * d + 2)
     for p in range(table.begin.size - 1):
         _add(table, p, rows, gas, solid)
-        before[:], before_s[:] = gas, solid
+        _add(table, p, rows, before, before_s)
         M_s = solid[2 * d + 1]
         state.solid_mass[p] = M_s
         if M_s > 0.0:
