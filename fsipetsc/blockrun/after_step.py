@@ -66,7 +66,8 @@ def plan_next(burst, results, journal, latest):
     t, dt, made = burst[NEXT], burst[DT], burst[MADE]
     row = int(burst[FIRST] + made)
     journal[row, 0], journal[row, 1] = t, dt
-    journal[row, 2:] = latest
+    for c in range(latest.size):  # an assignment of arrays compiles for seconds
+        journal[row, 2 + c] = latest[c]
     burst[TIME], burst[MADE] = t, made + 1
     burst[SHORTEST], burst[LONGEST] = min(burst[SHORTEST], dt), max(burst[LONGEST], dt)
     rate = results[RATE]

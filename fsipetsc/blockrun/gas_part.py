@@ -62,6 +62,7 @@ class GasPart(Forced):
         if self._sigma > 0.0 or self._shock > 0.0:
             self._differences = differences(d, order, part.bands, self.block.cells)
             self._room = room(d, self._differences)
+        self._row = np.zeros((5, part.patch.own[0]))
         self._scratch = scratch(self._like, self._form, self._friction, part.bands)
 
     def follow(self, particles: Sequence[Particle], system: ParticleSystem) -> None:
@@ -134,7 +135,7 @@ class GasPart(Forced):
         d, weights = self._d, [band.weight for band in self.part.bands]
         seen, sums = np.zeros(block_look.LOOKED), np.zeros(d + 3)
         arguments = self.equations, self._like, q, self.metrics, self._per_h, STIFFNESS_OF_WIDE
-        block_look.gas_look(*arguments, *weights, self.part.patch, seen, sums)
+        block_look.gas_look(*arguments, *weights, self.part.patch, self._row, seen, sums)
         if seen[block_look.BAD]:  # no NaN may stay there for a step that is made again
             self._scratch.w[:] = 0.0
         if self.moves:
@@ -174,12 +175,12 @@ class GasPart(Forced):
             equations = self.equations, self._like, self._form
             gas_dissipation(*equations, *strengths, q, self.metrics, *S, *more, rates, self._room)
         self.faces.add(t, q, self.metrics, rates, gain)
-        force = np.array(self.equations.force)
-        if force.any():
+        if any(self.equations.force):
+            force = np.array(self.equations.force)
             mass, *momentum = self._weights @ q[self._owned, 1 : 2 + d]
             gain[1 : 1 + d] += mass * force
             gain[1 + d] += force @ momentum
-        J = q[self._owned, 0]
         for c, values in enumerate(self.ask(t)):
-            rates[:, 1 + c] += J * values
-            gain[c] += self._weights @ (J * values)
+            supplied = q[self._owned, 0] * values
+            rates[:, 1 + c] += supplied
+            gain[c] += self._weights @ supplied

@@ -49,6 +49,7 @@ class ParticleSystem:
         asked: Asked,
     ) -> None:
         self._layout, self._law, self._d = layout, law, layout.problem.blocks[0].dimension
+        self._like = (0.0,) * self._d
         members, owners = _members(layout, particles)
         rank = layout.comm.rank
         here = np.unique(members[owners == rank, 0])
@@ -163,7 +164,7 @@ class ParticleSystem:
 
     def give_places(self, y: Array) -> None:
         """Solid members get the displacement of their particle."""
-        kernels.give_places(self.table, self._d, y, self.state)
+        kernels.give_places(self.table, self._like, y, self.state)
 
     def note_stored(self, stored: dict[int, Array]) -> None:
         """stored: block -> energy per mass [J/kg] of ``members`` that is neither kinetic nor heat.
@@ -252,31 +253,31 @@ class ParticleSystem:
         temperatures.
         """
         self.data: Data = self.prescribed.at(t)
-        kernels.fill_state(self.table, self._d, y, self._exchange.table)
+        kernels.fill_state(self.table, self._like, y, self._exchange.table)
         self._exchange.begin()
         self._exchange.end()
         rows = self._exchange.table
-        kernels.share(self.table, self._d, rows, self.data, self.state, gain)
+        kernels.share(self.table, self._like, rows, self.data, self.state, gain)
 
     def settle(self, y: Array, gain: Array) -> None:
         """Project velocities on what constraints allow, share heat, and give all members what their
         particle has.
         """
-        table, d, data, state = self.table, self._d, self.data, self.state
+        table, like, data, state = self.table, self._like, self.data, self.state
         if self.slips:
-            kernels.slide(table, d, self.normals, data, state, gain)
-        kernels.share_heat(table, self._law, d, data, state, gain)
-        kernels.give_state(table, d, self._stored, y, state)
+            kernels.slide(table, like, self.normals, data, state, gain)
+        kernels.share_heat(table, self._law, like, data, state, gain)
+        kernels.give_state(table, like, self._stored, y, state)
 
     def constrain(self, y: Array, f: Array, gain: Array) -> None:
         """Rates of all members under the constraints of their particles, in place."""
-        kernels.fill_rates(self.table, self._d, f, self._exchange.table)
+        kernels.fill_rates(self.table, self._like, f, self._exchange.table)
         self._exchange.begin()
         self._exchange.end()
-        table, d, data, state = self.table, self._d, self.data, self.state
+        table, like, data, state = self.table, self._like, self.data, self.state
         sums = self._exchange.table, self.normals, self.turning
-        kernels.constrain(table, d, *sums, data, state, self._rates, gain)
-        kernels.give_rates(table, d, y, f, state, self._rates)
+        kernels.constrain(table, like, *sums, data, state, self._rates, gain)
+        kernels.give_rates(table, like, y, f, state, self._rates)
 
     def at_walls(self, k: int) -> tuple[Array, Array]:
         """Nodes of a gas block here that stick to walls, and velocities (n, d) of these."""

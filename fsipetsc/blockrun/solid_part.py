@@ -19,8 +19,9 @@ from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.operators.undivided import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, Part
-from fsipetsc.scheme import block_look
+from fsipetsc.scheme.block_look import LOOKED, look_at_end
 from fsipetsc.scheme.solid_dissipation import AT_SHOCKS, SMALL, Damping, room, solid_dissipation
+from fsipetsc.scheme.solid_look import solid_look
 from fsipetsc.scheme.solid_rates import solid_rates
 from fsipetsc.scheme.solid_work import Work, solid_work
 
@@ -116,10 +117,8 @@ class SolidPart(Forced):
 
     def _deformation(self, q: Array) -> Array:
         """F (d d, M) of the owned nodes."""
-        bands, F = self.part.bands, self._F
-        S, w = [band.S for band in bands], [band.weight for band in bands]
-        block_look.deformation(self._like, q, self.metrics, *S, *w, self.part.patch, F)
-        return F
+        self.look(q)
+        return self._F
 
     def volume_ratio(self, q: Array) -> Array:
         """(M,) det F of the owned nodes."""
@@ -131,15 +130,10 @@ class SolidPart(Forced):
 
         See fsipetsc.scheme.block_look.
         """
-        d, weights = self._d, [band.weight for band in self.part.bands]
-        seen, sums = np.zeros(block_look.LOOKED), np.zeros(d + 1)
-        F, of_block = self._deformation(q), (self.metrics, self._per_h, STIFFNESS_OF_WIDE)
-        arguments = *of_block, *weights, self.part.patch, F, seen
-        block_look.solid_look(self.equations, self._like, q, *arguments, sums)
-        if self.prestress.size and not self.equations.coupled:
-            thermal = q.copy()
-            thermal[self._owned, 2 * d] -= self._stored_by_prestress(F, self._owned)
-            block_look.solid_look(self.equations, self._like, thermal, *arguments, np.zeros(d + 1))
+        d, seen = self._d, np.zeros(LOOKED)
+        sums, of_block = np.zeros(d + 1), (self.metrics, self.prestress, self._per_h)
+        memory = STIFFNESS_OF_WIDE, self._masses, self._work, self._F, seen, sums
+        solid_look(self.equations, self._like, q, *of_block, *memory)
         return seen, dict(zip([*MOMENTUM[:d], "energy"], sums.tolist(), strict=True))
 
     def normal(self, row: int, axis: int, side: int) -> Array:
@@ -173,7 +167,7 @@ class SolidPart(Forced):
         """Fill found with x - X, v, sigma, T of an owned node in one dimension, by the last F."""
         at = int(self._owned[row])
         S = float(self.prestress[0, at]) if self.prestress.size else 0.0
-        block_look.look_at_end(self.equations, q, self._F, at, row, S, found)
+        look_at_end(self.equations, q, self._F, at, row, S, found)
 
     def stored(self, q: Array, nodes: Array) -> Array:
         """(n,) energy per mass [J/kg] that is neither kinetic nor heat, of nodes of the block that
@@ -195,12 +189,13 @@ class SolidPart(Forced):
             arguments = self._like, damping, q, self.metrics, found, self.part.patch
             solid_dissipation(*arguments, rates, memory)
         self.faces.add(t, q, self.metrics, rates, gain)
-        force, v = np.array(self.equations.force), q[self._owned, d : 2 * d]
-        if force.any():
+        forcing = self.ask(t)
+        if forcing or any(self.equations.force):
+            force, v = np.array(self.equations.force), q[self._owned, d : 2 * d]
             gain[1 : 1 + d] += self._masses.sum() * force
             gain[1 + d] += self._masses @ (v @ force)
-        if forcing := self.ask(t):
-            self._force(forcing, v, rates, gain)
+            if forcing:
+                self._force(forcing, v, rates, gain)
 
     def _force(self, forcing: list[Array], v: Array, rates: Array, gain: Array) -> None:
         """The case's forcing, right-hand sides of velocity, temperature and place."""

@@ -33,7 +33,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from fsipetsc.blocks.particles import SLIPS
-from fsipetsc.operators.loops import CALL, INNER_CALL
+from fsipetsc.operators.loops import CALL, INLINED_CALL
 
 Array = NDArray[Any]
 
@@ -116,8 +116,9 @@ class State(NamedTuple):
 
 
 @njit(**CALL)
-def fill_state(table, d, y, out):
+def fill_state(table, like, y, out):
     """Rows of this rank's members: H q of a gas, (M_s D, M_s v, M_s e, M_s) of a solid."""
+    d = len(like)
     for r in range(table.at.size):
         gas = table.kind[r] == GAS
         for c in range(d + 3 if gas else 2 * d + 1):
@@ -127,14 +128,15 @@ def fill_state(table, d, y, out):
 
 
 @njit(**CALL)
-def fill_rates(table, d, f, out):
+def fill_rates(table, like, f, out):
     """The same of rates."""
+    d = len(like)
     for r in range(table.at.size):
         for c in range(d + 3 if table.kind[r] == GAS else 2 * d + 1):
             out[r, c] = table.weight[r] * f[table.at[r] + c]
 
 
-@njit(**INNER_CALL)
+@njit(**INLINED_CALL)
 def _add(table, p, rows, gas, solid):
     """Sums over the members of particle p; gas: (d + 3,), solid: (2d + 2,)."""
     gas[:], solid[:] = 0.0, 0.0
@@ -148,7 +150,7 @@ def _add(table, p, rows, gas, solid):
                 solid[c] += rows[r, c]
 
 
-@njit(**INNER_CALL)
+@njit(**INLINED_CALL)
 def _kinetic(P, M):
     total = 0.0
     for c in range(P.size):
@@ -157,15 +159,16 @@ def _kinetic(P, M):
 
 
 @njit(**CALL)
-def share(table, d, rows, data, state, gain):
+def share(table, like, rows, data, state, gain):
     """From the sums in ``rows``: one U, one displacement and velocity; what sticks has one
     velocity, and the kinetic energy that the solid loses by that goes to the gas.
     """
+    d = len(like)
     gas, solid = np.zeros(d + 3), np.zeros(2 * d + 2)
     before, before_s = np.zeros(d + 3), np.zeros(2 * d + 2)
     for p in range(table.begin.size - 1):
         _add(table, p, rows, gas, solid)
-        before[:], before_s[:] = gas, solid
+        _add(table, p, rows, before, before_s)
         M_s = solid[2 * d + 1]
         state.solid_mass[p] = M_s
         if M_s > 0.0:
@@ -193,7 +196,7 @@ def share(table, d, rows, data, state, gain):
             gain[gain.size - 1] += change
 
 
-@njit(**INNER_CALL)
+@njit(**INLINED_CALL)
 def _hold_velocities(table, p, d, data, gas, solid):
     """Momenta of bodies whose motion is given, and of what sticks together."""
     M, P = gas[1], gas[2 : 2 + d]
@@ -217,7 +220,7 @@ def _hold_velocities(table, p, d, data, gas, solid):
             gas[2 + d] -= change
 
 
-@njit(**INNER_CALL)
+@njit(**INLINED_CALL)
 def _put(state, p, d, gas, solid):
     state.V[p], state.mass[p] = gas[0], gas[1]
     if gas[0] > 0.0:
@@ -231,10 +234,11 @@ def _put(state, p, d, gas, solid):
 
 
 @njit(**CALL)
-def slide(table, d, normals, data, state, gain):
+def slide(table, like, normals, data, state, gain):
     """Project velocities on what the constraints allow; the kinetic energy that the solid loses
     goes to the gas. normals: (p, K, 2d), G and S.
     """
+    d = len(like)
     K = normals.shape[1]
     u, v, wanted, room = np.zeros(d), np.zeros(d), np.zeros(K), room_for(K, d)
     for p in range(table.begin.size - 1):
@@ -265,7 +269,7 @@ def slide(table, d, normals, data, state, gain):
             state.U[p, d + 1] -= (after - before) / state.V[p]
 
 
-@njit(**INNER_CALL)
+@njit(**INLINED_CALL)
 def _pushed(table, p, normals, pi, c, d):
     """Component c of what the constraints' forces pi do to bodies that they move."""
     total = 0.0
@@ -276,13 +280,13 @@ def _pushed(table, p, normals, pi, c, d):
     return total
 
 
-@njit(**INNER_CALL)
+@njit(**INLINED_CALL)
 def room_for(K, d):
     """Room for `solve` with at most K constraints: A, multipliers pi, sizes of pivots, G and S."""
     return np.zeros((K, K)), np.zeros(K), np.zeros(K), np.zeros((K, 2 * d))
 
 
-@njit(**INNER_CALL)
+@njit(**INLINED_CALL)
 def solve(table, p, normals, wanted, M, M_s, a, b, room):
     """Change the vectors a of the gas and b of the solid, least in their masses, so that
     G_c . a + S_c . b = wanted_c; the multipliers are room[1].
@@ -290,7 +294,7 @@ def solve(table, p, normals, wanted, M, M_s, a, b, room):
     K, d = table.count[p], a.size
     per_gas = 1.0 / M if M > 0.0 and table.free_gas[p] else 0.0
     per_solid = 1.0 / M_s if M_s > 0.0 and table.free_solid[p] else 0.0
-    A, pi, N = room[0][:K, :K], room[1][:K], room[3]
+    A, pi, N = room[0], room[1], room[3]
     sticks = table.sticks[p] == 1
     if sticks:
         per_gas = 1.0 / (M + M_s) if table.free_gas[p] else 0.0
@@ -306,7 +310,7 @@ def solve(table, p, normals, wanted, M, M_s, a, b, room):
             A[k, e] = 0.0
             for c in range(d):
                 A[k, e] += N[k, c] * N[e, c] * per_gas + N[k, d + c] * N[e, d + c] * per_solid
-    eliminate(A, pi, room[2])
+    eliminate(K, A, pi, room[2])
     for c in range(d):
         for k in range(K):
             a[c] += pi[k] * N[k, c] * per_gas
@@ -315,12 +319,11 @@ def solve(table, p, normals, wanted, M, M_s, a, b, room):
             b[c] = a[c]
 
 
-@njit(**CALL)
-def eliminate(A, x, size):
-    """Solve A pi = x in place of x for a symmetric semidefinite A; constraints that others imply
-    get no force.
+@njit(**INLINED_CALL)
+def eliminate(K, A, x, size):
+    """Solve A pi = x in place of x for K constraints and a symmetric semidefinite A; those that
+    others imply get no force.
     """
-    K = x.size
     for k in range(K):
         size[k] = A[k, k]
     for k in range(K):
@@ -359,9 +362,10 @@ def weigh_heat(table, stored, state):
 
 
 @njit(**CALL)
-def share_heat(table, law, d, data, state, gain):
+def share_heat(table, law, like, data, state, gain):
     """One temperature of gas and solid where both conduct, or that which is given. law: of the gas.
     """
+    d = len(like)
     for p in range(table.begin.size - 1):
         warm_gas, warm_solid = table.warm_gas[p] == 1, table.warm_solid[p] == 1
         both = table.shares_heat[p] == 1 and not warm_gas and not warm_solid
@@ -391,7 +395,7 @@ def share_heat(table, law, d, data, state, gain):
             gain[gain.size - 1] += came
 
 
-@njit(**INNER_CALL)
+@njit(**INLINED_CALL)
 def _common_temperature(law, p, of_gas, of_solid, state):
     """T at which gas and solid have the heat that they have together, by Newton's method."""
     rho, M, M_s = state.U[p, 0], state.mass[p], state.solid_mass[p]
@@ -409,8 +413,9 @@ def _common_temperature(law, p, of_gas, of_solid, state):
 
 
 @njit(**CALL)
-def give_places(table, d, y, state):
+def give_places(table, like, y, state):
     """Solid members of this rank get the displacement of their particle."""
+    d = len(like)
     for p in range(table.begin.size - 1):
         for m in range(table.begin[p], table.begin[p + 1]):
             r = table.row[m]
@@ -420,8 +425,9 @@ def give_places(table, d, y, state):
 
 
 @njit(**CALL)
-def give_state(table, d, stored, y, state):
+def give_state(table, like, stored, y, state):
     """Members of this rank get what their particle has; each keeps its own J. stored: (rows,)."""
+    d = len(like)
     for p in range(table.begin.size - 1):
         kinetic = 0.0
         for c in range(d):
@@ -445,12 +451,13 @@ def give_state(table, d, stored, y, state):
 
 
 @njit(**CALL)
-def constrain(table, d, rows, normals, turning, data, state, rates, gain):
+def constrain(table, like, rows, normals, turning, data, state, rates, gain):
     """Rates of particles from sums of members' rates in ``rows``, under their constraints.
 
     normals, turning: (p, K, 2d), G and S and how they turn. rates: (p, 2d + 2): of (rho, rho u, E)
     of the gas, then accelerations of the solid.
     """
+    d = len(like)
     K = normals.shape[1]
     gas, solid = np.zeros(d + 3), np.zeros(2 * d + 2)
     u, v, a, b, wanted = np.zeros(d), np.zeros(d), np.zeros(d), np.zeros(d), np.zeros(K)
@@ -490,7 +497,7 @@ def constrain(table, d, rows, normals, turning, data, state, rates, gain):
             rates[p, d + 2 + c] = b[c]
 
 
-@njit(**INNER_CALL)
+@njit(**INLINED_CALL)
 def _hold(table, p, data, M, M_s, a, b):
     """Accelerations of bodies whose motion is given, and of what sticks together."""
     for c in range(a.size):
@@ -507,7 +514,7 @@ def _hold(table, p, data, M, M_s, a, b):
                 a[c] = b[c] = (M * a[c] + M_s * b[c]) / (M + M_s)
 
 
-@njit(**INNER_CALL)
+@njit(**INLINED_CALL)
 def _want(table, p, normals, turning, data, u, v, wanted):
     """b_c: walls accelerate, and area vectors turn under the relative velocity."""
     d = u.size
@@ -521,7 +528,7 @@ def _want(table, p, normals, turning, data, u, v, wanted):
                 wanted[k] += N * data.wall_rate[p, c]
 
 
-@njit(**INNER_CALL)
+@njit(**INLINED_CALL)
 def _power(table, p, normals, pi, data, v):
     """Of the forces on gas that slips: each face's moves as the solid or the wall there."""
     d, power = v.size, 0.0
@@ -533,7 +540,7 @@ def _power(table, p, normals, pi, data, v):
     return power
 
 
-@njit(**INNER_CALL)
+@njit(**INLINED_CALL)
 def _note_forces(table, p, normals, pi, data, v, pushes, gain):
     """What walls and clamps do to a particle. Where all is free to move, only walls' own forces
     count: those between gas and solid must cancel.
@@ -554,8 +561,9 @@ def _note_forces(table, p, normals, pi, data, v, pushes, gain):
 
 
 @njit(**CALL)
-def give_rates(table, d, y, f, state, rates):
+def give_rates(table, like, y, f, state, rates):
     """(J U)_t = J U_t + U J_t of gas members; accelerations of solid ones, and their power."""
+    d = len(like)
     for p in range(table.begin.size - 1):
         for m in range(table.begin[p], table.begin[p + 1]):
             r = table.row[m]
