@@ -26,6 +26,7 @@ def advice(topic: str, opt: Mapping[str, Any]) -> str:
     else:
         steps = "a smaller -ts_dt" if opt["ts_dt"] else "a smaller -fsi_cfl"
     missing = [f"-{name} 1" for name in ("fsi_dissipation", "fsi_shock") if not opt[name]]
+    missing = ["-fsi_coupling conservative", *missing] if opt["fsi_coupling"] != "conservative" else missing
     filled = {
         "{steps}": steps,
         "{shocks}": f"{' and '.join(missing)} where there are shocks" if missing else "",
