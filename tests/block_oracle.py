@@ -225,7 +225,7 @@ class Oracle(Particles):
 
     @staticmethod
     def _by_characteristics(c, m, here, n, g):
-        """The gas at an open face: p + Z u_n of the inside, p - Z u_n of the outside, Z of the inside,
+        """The gas at an open face: p + Z u_n of the inside, p - Z u_n of the outside, Z of the inside at the mean pressure,
         entropy and velocity along the face of the side that the gas comes from; faster than sound, all of it."""
         area = np.sqrt(n @ n)
         n = n / area
@@ -240,7 +240,8 @@ class Oracle(Particles):
             return here
         if b <= -sound_there:
             return there
-        Z = here.rho * sound
+        mean = here.rho + 0.5 * (there.p - here.p) / sound**2
+        Z = np.sqrt(m.gamma * mean * (0.5 * (here.p + there.p) + m.p_inf))
         p, speed = 0.5 * (here.p + there.p + Z * (a - b)), 0.5 * (a + b + (here.p - there.p) / Z)
         side, own, c_side = (here, a, sound) if speed >= 0.0 else (there, b, sound_there)
         rho = side.rho + (p - side.p) / c_side**2

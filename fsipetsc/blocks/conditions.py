@@ -88,7 +88,7 @@ class Slip(_Checked):
 @dataclass(frozen=True)
 class Open(_Checked):
     """Gas of density rho [kg/m3], velocity u (d data, or u(*X, t) -> d arrays) [m/s] and
-    temperature T [K] outside; waves pass by upwinding.
+    temperature T [K] outside; waves pass by characteristics.
     """
 
     rho: Datum

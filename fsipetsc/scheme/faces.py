@@ -6,8 +6,9 @@ reference coordinates, and the velocity v of the grid, a node at it gets -f / we
 its axis, where f is
 
     open       F(U*), F(U) = n . (f(U) - v U), by characteristics: U* = U_in where gas leaves faster
-               than sound, U_out where it comes so; else, with Z = rho c and c of the gas inside,
-               p + Z N . u that inside, p - Z N . u that outside, and rho - p/c^2 and velocities
+               than sound, U_out where it comes so; else p + Z N . u is that inside, p - Z N . u
+               that outside, with Z = rho c of the gas inside at the mean pressure of both (so a
+               simple wave leaves but for its third order), and rho - p/c^2 and velocities
                along the face those of the side that the gas comes from; c^2 of that side
                If no such gas can be, 1/2 (F(U_in) + F(U_out)) - 1/2 lambda (U_out - U_in),
                lambda = max over both of |n . (u - v)| + c |n| (local Lax-Friedrichs)
@@ -151,7 +152,12 @@ def _by_characteristics(law, rho, u, T, rho_out, u_out, T_out, n, g, area, out):
     for c in range(u.size):
         a += n[c] * u[c] / size
         a_out += n[c] * u_out[c] / size
-    p, p_out, Z = law.pressure(rho, T), law.pressure(rho_out, T_out), rho * np.sqrt(c2)
+    p, p_out = law.pressure(rho, T), law.pressure(rho_out, T_out)
+    rho_mean = rho + 0.5 * (p_out - p) / c2
+    T_mean = law.temperature_of(rho_mean, 0.5 * (p + p_out)) if rho_mean > 0.0 else 0.0
+    if not T_mean > 0.0:
+        return False
+    Z = rho_mean * np.sqrt(law.sound_speed_squared(rho_mean, T_mean))
     speed = 0.5 * (a + a_out) + 0.5 * (p - p_out) / Z
     between = 0.5 * (p + p_out) + 0.5 * Z * (a - a_out)
     rho_face, leaves = rho + (between - p) / c2, speed >= 0.0
