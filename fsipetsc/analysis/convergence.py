@@ -152,7 +152,7 @@ def _check(
     case: Any, problem: Problem | RunProblem, opt: Mapping[str, Any], comm: MPI.Comm, table: ConvergenceStudy
 ) -> None:
     """Lay every grid once, so that what does not fit is known before the first run. Collective; InputError."""
-    from fsipetsc.stepping.solve import make_state
+    from fsipetsc.stepping.solve import build_problem, make_state
 
     without = [layer.name for layer in problem.layers if layer.exact is None]
     if without:
@@ -162,8 +162,9 @@ def _check(
         )
     for order in table.orders:
         for h in table.hs:
+            own = {**opt, "fsi_order": order, "fsi_h": h}
             try:
-                make_state(problem, {**opt, "fsi_order": order, "fsi_h": h}, comm).destroy()
+                make_state(build_problem(case, own, comm), own, comm).destroy()
             except InputError as error:
                 raise InputError(f"order {order}, h = {h:g}: {error}") from None
 

@@ -140,7 +140,7 @@ class GasPart(Forced):
             self._scratch.w[:] = 0.0
         if self.moves:
             J, own = q[self._owned, 0], self.grid.jacobian()[self._owned]
-            seen[block_look.J_ERROR] = np.abs(J - own).max() / np.abs(own).max() if J.size else 0.0
+            seen[block_look.J_ERROR] = (np.abs(J - own) / np.abs(own)).max() if J.size else 0.0
         seen[block_look.LEAST_J] = -(q[self._owned, 0] / self._reference).min()
         names = ["mass", *MOMENTUM[:d], "energy", "entropy"]
         return seen, dict(zip(names, sums.tolist(), strict=True))
