@@ -10,17 +10,18 @@ Example::
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fsipetsc.checks import Array, counted
 from fsipetsc.errors import FileError
-from fsipetsc.output import file_layout, result_sources
+from fsipetsc.output import file_layout
 from fsipetsc.output.interface_line import InterfaceLine, along_face
+from fsipetsc.output.result_source import Damaged, Dataset, Source, damage
 
 if TYPE_CHECKING:
     import xarray
@@ -49,7 +50,7 @@ class Run:
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = os.path.abspath(path)
         with damage(os.fspath(path)):
-            self._source = result_sources.open_source(path)
+            self._source = Source(self.path)
             try:
                 self._read()
             except BaseException:
@@ -74,14 +75,13 @@ class Run:
         self.nframes = min([len(time), *(_covered(c) for c in chunks)])
         self.time: Array = time[: self.nframes]
         if not np.all(np.isfinite(self.time)) or np.any(np.diff(self.time) < 0):
-            raise result_sources.Damaged("the times of its frames are not ascending numbers")
+            raise Damaged("the times of its frames are not ascending numbers")
         self.dimension = int(self.header.get("dimension", 1))
         self.layers = tuple(
             self._layer(entry)(self.path, entry, own, self.nframes) for entry, own in zip(self.header["layers"], chunks)
         )
         self.blocks = _Named("block", {layer.name: layer for layer in self.layers if isinstance(layer, BlockLayer)})
-        series = self._source.series()
-        self.series: Mapping[str, Array] = Arrays(self.path, "series", series.names, series.read)
+        self.series: Mapping[str, Array] = Arrays(self.path, "series", self._source.series, self._source.column)
 
     def _layer(self, entry: Mapping[str, Any]) -> Any:
         """What kind of layer an entry of the header tells of."""
@@ -174,7 +174,7 @@ class Layer(Arrays):
         self._chunks = [chunk for chunk in chunks if chunk.first < nframes]
         for chunk in self._chunks:
             if chunk.dataset.shape != (len(chunk.X), chunk.count * len(self.fields)):
-                raise result_sources.Damaged(f"frames of layer {self.name!r} have the shape {chunk.dataset.shape}")
+                raise Damaged(f"frames of layer {self.name!r} have the shape {chunk.dataset.shape}")
         self.X, self.h = _merge_grids(self._chunks)
 
     @property
@@ -234,9 +234,13 @@ class BlockLayer(Arrays):
         super().__init__(path, f"field in block {self.name!r}", self.fields, self._read_field)
         self.shape = tuple(int(n) for n in entry["shape"])
         d = len(self.shape)
-        places = chunks[0].places if chunks else np.full((int(np.prod(self.shape)), d), np.nan)
-        if places is None or places.shape != (int(np.prod(self.shape)), d):
-            raise result_sources.Damaged(f"places of block {self.name!r} are missing")
+        if not chunks:  # nor is anything known of the places
+            self.places, self.periodic = np.empty((*(0,) * d, d)), (False,) * d
+            self.X = self.Y = self.Z = np.empty(0)
+            return
+        places = chunks[0].places
+        if places is None or places.shape != (math.prod(self.shape), d):
+            raise Damaged(f"places of block {self.name!r} are missing")
         self.places = places.reshape(*self.shape, d)
         self.periodic = tuple(entry.get("periodic", [False] * d)[::-1])
         full = [self.places[..., axis] for axis in range(d)]
@@ -311,7 +315,7 @@ class _Named(dict[str, Any]):
 class _Chunk:
     """Some consecutive frames of a layer, in one dataset."""
 
-    def __init__(self, first: int, count: int, dataset: result_sources.Dataset, X: Array) -> None:
+    def __init__(self, first: int, count: int, dataset: Dataset, X: Array) -> None:
         numbers = X if X.ndim == 1 else X[:, 0]
         self.first, self.count, self.dataset, self.X = first, count, dataset, numbers
         self.places = None if X.ndim == 1 else X[:, 1:]  # of blocks
@@ -323,43 +327,33 @@ def open_run(path: str | os.PathLike[str]) -> Run:
     return Run(path)
 
 
-@contextmanager
-def damage(path: str, what: str = "") -> Iterator[None]:
-    """Whatever goes wrong while a file is read says that it is damaged: there is no end to what it may contain then."""
-    try:
-        yield
-    except FileError:
-        raise
-    except MemoryError as error:
-        raise FileError(f"{path}: {what or 'its content'} does not fit into memory") from error
-    except Exception as error:
-        of = f"{what} cannot be read: " if what else ""
-        reason = " ".join(str(error).split())
-        if not isinstance(error, (result_sources.Damaged, OSError, ValueError)):
-            reason = f"{type(error).__name__}: {reason}"
-        raise FileError(f"{path}: {of}the file is damaged{', or was closed before' if what else ''}: {reason}") from error
-
-
 def _check_header(header: Mapping[str, Any]) -> None:
     """Raise Damaged if what the reader and its users rely on is not there, or something else."""
-    layers: Any = header.get("layers")
+
+    def texts(values: Any) -> bool:
+        return isinstance(values, (list, tuple)) and all(isinstance(value, str) for value in values)
+
+    layers, names = header.get("layers"), ("interfaces", "notes")
     good = isinstance(header.get("case"), str) and isinstance(header.get("options"), dict) and isinstance(layers, list)
-    good = good and all(isinstance(name, str) for name in header.get("interfaces", ()))
+    good = good and all(texts(header.get(name, ())) for name in names) and isinstance(header.get("created", ""), str)
+    good = good and all(isinstance(name, str) and len(X) >= 0 for name, X in header.get("points", ()))
     for layer in layers if good else ():
         good = good and isinstance(layer["name"], str) and layer["kind"] in ("fluid", "solid")
-        good = good and len(layer["fields"]) > 0 and all(isinstance(name, str) for name in layer["fields"])
+        good = good and texts(layer["fields"]) and len(layer["fields"]) > 0
+        shape = layer.get("shape", [1])
+        good = good and isinstance(shape, list) and all(type(n) is int and 0 < n for n in shape) and len(shape) <= 3
     if not good:
-        raise result_sources.Damaged("its header does not tell case, options and layers")
+        raise Damaged("its header does not tell case, options and layers")
 
 
-def _chunks(source: result_sources.Finished | result_sources.Unfinished, layer: int) -> list[_Chunk]:
+def _chunks(source: Source, layer: int) -> list[_Chunk]:
     """What there is of a layer's frames, in their order, from all segments."""
     grids: dict[bytes, Array] = {}  # one array for each
     found = []
     for first, count, dataset, X in source.frames(layer):
         numbers = X if X.ndim == 1 else X[:, 0]
         if not len(X) or not np.all(np.isfinite(X)) or np.any(np.diff(numbers) <= 0):
-            raise result_sources.Damaged(f"a grid of layer {layer + 1} is not ascending numbers")
+            raise Damaged(f"a grid of layer {layer + 1} is not ascending numbers")
         found.append(_Chunk(first, count, dataset, grids.setdefault(X.tobytes(), X)))
     return sorted(found, key=lambda chunk: chunk.first)
 
@@ -390,7 +384,7 @@ def _merge_grids(chunks: list[_Chunk]) -> tuple[Array, float]:
     for grid in sorted(grids, key=len):
         merged[place(grid)] = grid
     if any(np.max(np.abs(merged[place(grid)] - grid)) > 0.01 * h for grid in grids) or np.isnan(merged).any():
-        raise result_sources.Damaged("its grids do not fit together")
+        raise Damaged("its grids do not fit together")
     for chunk in chunks:
         chunk.place = place(chunk.X)
     return merged, h
