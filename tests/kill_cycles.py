@@ -135,7 +135,7 @@ def killed(folder: Path, words: list[str], kills: int, chance: random.Random) ->
         ranks = chance.choice(RANKS)
         how = killed_once(words, ranks, folder, chance)
         assert how != "ended", f"the run was over after {len(said)} kills: {said}"
-        if (folder / "run.h5").exists():
+        if (folder / "run.h5").exists() or (folder / "run.parts/header.json").exists():
             with fsipetsc.open_run(folder / "run.h5") as result:
                 reached = result.series["t"][-1] if result.series else 0.0
                 said.append(f"{ranks} ranks, {how}: the result has {result.nframes} frames, and steps to t = {reached:.4g}")

@@ -17,7 +17,6 @@ from test_restart import differences
 
 import fsipetsc
 from fsipetsc.output import checkpoint_file
-from fsipetsc.output.claim import Claim
 
 pytest.importorskip("petsc4py")
 
@@ -87,14 +86,6 @@ def test_usr1_asks_for_a_checkpoint_and_the_run_goes_on(tmp_path):
     assert 0.02 <= first < 0.03 and 0.06 <= second < 0.07
     with fsipetsc.open_run(tmp_path / "rod.h5") as result:
         assert result.complete and result.nframes == 11
-
-
-def test_no_other_run_may_write_checkpoints_there(tmp_path):
-    claim = Claim(tmp_path / "rod.checkpoint.h5")
-    words = "-fsi_output", "other.h5", "-fsi_checkpoint", "rod.checkpoint.h5"
-    message(solve(*LINE, *words, cwd=tmp_path), 4, "rod.checkpoint.h5: another run writes its checkpoints (process ")
-    claim.release()
-    assert list(tmp_path.iterdir()) == []
 
 
 SLOW = """
