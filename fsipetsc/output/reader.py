@@ -18,7 +18,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fsipetsc.checks import Array, counted
-from fsipetsc.errors import FileError
 from fsipetsc.output import file_layout
 from fsipetsc.output.interface_line import InterfaceLine, along_face
 from fsipetsc.output.result_source import Damaged, Dataset, Source, damage
@@ -48,7 +47,10 @@ class Run:
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
-        self.path = os.path.abspath(path)
+        name = os.fspath(path)
+        if name.endswith(".parts") and os.path.isdir(name):  # the pieces of a run that goes on or was killed
+            name = f"{name.removesuffix('.parts')}.h5"
+        self.path = os.path.abspath(name)
         with damage(os.fspath(path)):
             self._source = Source(self.path)
             try:

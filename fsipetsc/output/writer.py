@@ -261,8 +261,8 @@ class RunWriter:
             files = [self.path] if whole else pieces.pieces(self.folder)
             pieces.check_kept(files, after)
             settle([])
-            segment = pieces.cut(files, self.folder, after)
             pieces.write_texts(self.folder, self._texts)
+            segment = pieces.cut(files, self.folder, after)
             if whole:
                 self.path.unlink()
             numbers = [int(piece.stem) for piece in pieces.pieces(self.folder)]

@@ -19,7 +19,7 @@ from fsipetsc.output.file_layout import describe
 from fsipetsc.output.lock import set_aside
 from fsipetsc.output.pieces import Kept, folder_of
 from fsipetsc.process.together import together
-from fsipetsc.stepping.restart import AUTO, Past, check_unchanged, checkpoint_name, described, is_of_another, remove_abandoned
+from fsipetsc.stepping.restart import Past, check_unchanged, checkpoint_name, described, is_of_another, remove_abandoned
 from fsipetsc.stepping.snapshot import RATES
 from fsipetsc.stepping.state import State
 from fsipetsc.stepping.versions import versions
@@ -80,8 +80,8 @@ class CheckpointKeeper:
         earlier: what there is of a result of this name that is to be kept: it gets the same number as checkpoints that
         are named after it. Returns old -> new names. On rank 0, when no other run may write the result. FileError.
         """
-        if self.past is not None or self._opt["fsi_restart"] == AUTO:  # who had the right until now may have written
-            check_unchanged(self.past, self.path)
+        if self._opt["fsi_restart"]:  # who had the right until now may have written
+            check_unchanged(self.past, self._opt["fsi_restart"], self.path)
         if self.past is not None:
             remove_abandoned(self.past, self.path)
         result, newest = (Path(os.path.realpath(path)) for path in (self._opt["fsi_output"], self.path))
