@@ -24,8 +24,8 @@ from fsipetsc.output.lock import Lock
 PROGRAM = REPOSITORY / "tests" / "signalled_program.py"
 #: case and options; steps from one checkpoint to the next
 RUNS = {
-    "rod": ("rod -fsi_h 0.05 -ts_max_time 0.5 -fsi_output_dt 0.01", 40),
-    "blast": ("blast -fsi_h 0.125 -fsi_order 2 -ts_max_time 1.5 -fsi_output_dt 0.05", 4),
+    "rod": ("rod -fsi_h 0.05 -ts_max_time 1.2 -fsi_output_dt 0.01", 40),
+    "blast": ("blast -fsi_h 0.125 -fsi_order 2 -ts_max_time 12 -fsi_output_dt 0.1", 4),
 }
 PLACES = "frame", "fill", "piece", "checkpoint", "cut", "went"
 #: of places that are reached a few times only
@@ -33,9 +33,9 @@ FIRST = "cut", "went"
 KILL, TERM, INT = signal.SIGKILL, signal.SIGTERM, signal.SIGINT
 
 
-def at_random(chance: random.Random) -> tuple[int, list]:
-    """(ranks, place): SIGKILL most of the times; a minus: to mpiexec."""
-    ranks, place = chance.randint(1, 3), chance.choice(PLACES)
+def at_random(chance: random.Random, number: int) -> tuple[int, list]:
+    """(ranks, place) of kill number 0, 1 …: SIGKILL most of the times; a minus: to mpiexec."""
+    ranks, place = chance.randint(1, 3), chance.choice(PLACES) if number else "checkpoint"  # else there is nothing to cut
     rank = chance.randrange(ranks) if place in ("frame", "fill") else 0
     count = 1 if place in FIRST else chance.randint(2, 4)
     return ranks, [place, count, rank, chance.choice((KILL, KILL, KILL, TERM, INT)) * chance.choice((1, 1, 1, -1))]
@@ -77,7 +77,8 @@ def cycles(folder: Path, case: str, kills: list[tuple[int, list]]) -> list[str]:
     said = [killed(folder, words, *kill) for kill in kills]
     last = solve(*words, cwd=folder)
     assert last.returncode == 0, last.stderr
-    assert differences(folder / "whole.h5", folder / "run.h5", same_ranks=False) == [], said
+    found = differences(folder / "whole.h5", folder / "run.h5", same_ranks=False)
+    assert found == [], (found, said)
     left = {path.name for path in folder.iterdir() if path.suffix != ".xdmf"}
     assert left == {"whole.h5", "run.h5", "run.checkpoint.h5", "run.checkpoint.previous.h5"}, left
     return said
@@ -87,6 +88,6 @@ if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as place:
         name, count, seed = sys.argv[1], int(sys.argv[2]), int((sys.argv[3:] or ["1"])[0])
         chance = random.Random(seed)
-        chosen = [at_random(chance) for _ in range(count)]
+        chosen = [at_random(chance, number) for number in range(count)]
         print(json.dumps(cycles(Path(place), name, chosen), indent=1))
         print(Counter(f"{where[0]} {signal.Signals(abs(where[3])).name} to {'mpiexec' if where[3] < 0 else 'a rank'}" for _, where in chosen))

@@ -17,7 +17,7 @@ import fsipetsc
 from fsipetsc.errors import FileError
 from fsipetsc.output.buffers import FrameBuffer
 from fsipetsc.output.info import info
-from fsipetsc.output.lock import Lock
+from fsipetsc.output.lock import Lock, set_aside
 from fsipetsc.output.pieces import Kept
 
 PROGRAM = Path(program.__file__)
@@ -373,6 +373,16 @@ def test_earlier_results_are_kept(tmp_path: Path) -> None:
     for name, n in [("run.1.h5", 1), ("run.3.h5", 2), ("run.h5", 3)]:
         with fsipetsc.open_run(tmp_path / name) as result:
             assert result.nframes == n
+
+
+def test_what_is_no_file_keeps_its_name(tmp_path: Path) -> None:
+    """A pipe, as a device would: neither renamed nor written to."""
+    os.mkfifo(tmp_path / "run.h5")
+    answer = run(PROGRAM, "refuse", tmp_path / "run.h5")
+    assert answer.stdout.startswith("1 4 ") and "exists and is not a regular file" in answer.stdout, answer
+    with pytest.raises(FileError, match="not a regular file"):
+        set_aside([tmp_path / "run.h5"], "run")
+    assert os.listdir(tmp_path) == ["run.h5"]
 
 
 def test_a_second_run_of_the_name_is_refused(tmp_path: Path) -> None:

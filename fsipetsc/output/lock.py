@@ -75,11 +75,15 @@ class Lock:
 def set_aside(files: Iterable[Path], stem: str, beside: Iterable[Path] = ()) -> dict[Path, Path]:
     """Give files, whose names begin with a stem, the first free number behind it: NAME.1.h5, NAME.1.checkpoint.h5.
 
-    beside: names that are to be free with that number, too. Returns old -> new names. OSError.
+    beside: names that are to be free with that number, too. Returns old -> new names. OSError, and FileError for what is
+    neither a regular file nor a folder of pieces.
     """
     files, beside = list(files), list(beside)
     if not files:
         return {}
+    for file in files:
+        if not (file.is_file() or (file.is_dir() and file.suffix == ".parts")):
+            raise FileError(f"{file}: exists and is not a regular file")
     for k in itertools.count(1):
         names = {file: file.with_name(f"{stem}.{k}{file.name.removeprefix(stem)}") for file in (*files, *beside)}
         if not any(map(os.path.lexists, names.values())):

@@ -20,7 +20,7 @@ import numpy as np
 from fsipetsc.checks import Array, counted
 from fsipetsc.output import file_layout
 from fsipetsc.output.interface_line import InterfaceLine, along_face
-from fsipetsc.output.result_source import Damaged, Dataset, Source, damage
+from fsipetsc.output.result_source import Damaged, Frames, Source, damage
 
 if TYPE_CHECKING:
     import xarray
@@ -72,7 +72,7 @@ class Run:
         self.complete = self._source.complete and self.summary.get("status", "done") == "done"
         errors = {kind: _Named("error", values) for kind, values in self._source.errors.items()}
         self.errors: dict[str, dict[str, float]] = _Named("layer kind with errors", errors)
-        chunks = [_chunks(self._source, i) for i in range(len(self.header["layers"]))]
+        chunks = [self._source.frames(i) for i in range(len(self.header["layers"]))]
         time = self._source.time()
         self.nframes = min([len(time), *(_covered(c) for c in chunks)])
         self.time: Array = time[: self.nframes]
@@ -167,7 +167,7 @@ class Layer(Arrays):
     x            (nframes, n) Eulerian positions
     """
 
-    def __init__(self, path: str, entry: Mapping[str, Any], chunks: list[_Chunk], nframes: int) -> None:
+    def __init__(self, path: str, entry: Mapping[str, Any], chunks: list[Frames], nframes: int) -> None:
         self.name: str = entry["name"]
         self.kind: str = entry["kind"]
         self.fields = file_layout.columns(entry)
@@ -230,7 +230,7 @@ class BlockLayer(Arrays):
     x, y, z              (nframes, …) positions
     """
 
-    def __init__(self, path: str, entry: Mapping[str, Any], chunks: list[_Chunk], nframes: int) -> None:
+    def __init__(self, path: str, entry: Mapping[str, Any], chunks: list[Frames], nframes: int) -> None:
         self._points = Layer(path, entry, chunks, nframes)
         self.name, self.kind, self.fields = self._points.name, self._points.kind, self._points.fields
         super().__init__(path, f"field in block {self.name!r}", self.fields, self._read_field)
@@ -314,16 +314,6 @@ class _Named(dict[str, Any]):
         raise KeyError(_unknown(self._what, name, self))
 
 
-class _Chunk:
-    """Some consecutive frames of a layer, in one dataset."""
-
-    def __init__(self, first: int, count: int, dataset: Dataset, X: Array) -> None:
-        numbers = X if X.ndim == 1 else X[:, 0]
-        self.first, self.count, self.dataset, self.X = first, count, dataset, numbers
-        self.places = None if X.ndim == 1 else X[:, 1:]  # of blocks
-        self.place = slice(0, len(X))  # of its grid in the largest one
-
-
 def open_run(path: str | os.PathLike[str]) -> Run:
     """Open a result file. Raises FileError if there is none, it is not a result of fsipetsc, or it is damaged."""
     return Run(path)
@@ -348,19 +338,7 @@ def _check_header(header: Mapping[str, Any]) -> None:
         raise Damaged("its header does not tell case, options and layers")
 
 
-def _chunks(source: Source, layer: int) -> list[_Chunk]:
-    """What there is of a layer's frames, in their order, from all segments."""
-    grids: dict[bytes, Array] = {}  # one array for each
-    found = []
-    for first, count, dataset, X in source.frames(layer):
-        numbers = X if X.ndim == 1 else X[:, 0]
-        if not len(X) or not np.all(np.isfinite(X)) or np.any(np.diff(numbers) <= 0):
-            raise Damaged(f"a grid of layer {layer + 1} is not ascending numbers")
-        found.append(_Chunk(first, count, dataset, grids.setdefault(X.tobytes(), X)))
-    return sorted(found, key=lambda chunk: chunk.first)
-
-
-def _covered(chunks: list[_Chunk]) -> int:
+def _covered(chunks: list[Frames]) -> int:
     """Number of frames from the first on that are there without a gap."""
     n = 0
     for chunk in chunks:
@@ -369,7 +347,7 @@ def _covered(chunks: list[_Chunk]) -> int:
     return n
 
 
-def _merge_grids(chunks: list[_Chunk]) -> tuple[Array, float]:
+def _merge_grids(chunks: list[Frames]) -> tuple[Array, float]:
     """The grid that contains all of them, and its spacing; sets the chunks' places in it."""
     if not chunks:
         return np.empty(0), np.nan

@@ -11,7 +11,7 @@ import stat
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import h5py
 import numpy as np
@@ -46,13 +46,15 @@ def damage(path: str, what: str = "") -> Iterator[None]:
         raise FileError(f"{path}: {of}the file is damaged{closed}: {reason}") from error
 
 
-class Frames(NamedTuple):
-    """A dataset of some consecutive frames of a layer, and their grid, (n,), of blocks (n, 1 + d)."""
+class Frames:
+    """Some consecutive frames of a layer, in one dataset.
 
-    first: int
-    count: int
-    dataset: Dataset
-    X: Array
+    X: (n,) its grid, of blocks numbers of points, with their places, (n, d), else None; place: of it in the largest grid.
+    """
+
+    def __init__(self, first: int, count: int, dataset: Dataset, X: Array, places: Array | None) -> None:
+        self.first, self.count, self.dataset, self.X, self.places = first, count, dataset, X, places
+        self.place = slice(0, len(X))
 
 
 class Dataset:
@@ -92,7 +94,7 @@ class Source:
         self._times: list[Array] = []
         self._tables: list[Dataset] = []
         self._frames: list[tuple[str, int, int, Dataset]] = []
-        self._grids: dict[str, Array] = {}
+        self._grids: dict[str, tuple[Array, Array | None]] = {}
         self.series: tuple[str, ...] = ()
         if whole := _is_file(self._path, self._folder):
             files, texts = [self._path], _texts(self.open(self._path), str(self._path))
@@ -130,7 +132,7 @@ class Source:
             self._tables.append(Dataset(self, path, table, rows))
         for group in file_layout.layer_groups(file):
             if "X" in file[group]:
-                self._grids[group] = self._numbers(path, file, f"{group}/X")[...]
+                self._grids[group] = _grid(group, self._numbers(path, file, f"{group}/X")[...])
             for _, name, first, count in file_layout.frame_sets(file, group):
                 self._frames.append((group, first, count, self._numbers(path, file, f"{group}/{name}", 2)))
 
@@ -151,11 +153,14 @@ class Source:
         """What is known of each step by a name."""
         return np.concatenate([table[name] for table in self._tables])
 
-    def frames(self, layer: int) -> Iterator[Frames]:
-        """What there is of a layer's frames, in any order."""
-        for group, first, count, dataset in self._frames:
-            if group.endswith(f"/layer{layer:02d}") and group in self._grids:
-                yield Frames(first, count, dataset, self._grids[group])
+    def frames(self, layer: int) -> list[Frames]:
+        """What there is of a layer's frames, in their order."""
+        found = [
+            Frames(first, count, dataset, *self._grids[group])
+            for group, first, count, dataset in self._frames
+            if group.endswith(f"/layer{layer:02d}") and group in self._grids
+        ]
+        return sorted(found, key=lambda frames: frames.first)
 
     def open(self, path: Path) -> h5py.File:
         """A file, which stays open until another one is asked for: there may be more than a program may have open.
@@ -227,6 +232,14 @@ def _texts(file: h5py.File, name: str) -> dict[str, Any]:
     _check_version(int(file.attrs["version"]), name)
     names = [name for name in ("header", "summary", "errors") if name in file]
     return {"version": file.attrs["version"], **{name: json.loads(file[name].asstr()[()]) for name in names}}
+
+
+def _grid(group: str, X: Array) -> tuple[Array, Array | None]:
+    """Numbers, or coordinates, and the places of blocks."""
+    numbers, places = (X, None) if X.ndim == 1 else (X[:, 0], X[:, 1:])
+    if not len(X) or not np.all(np.isfinite(X)) or np.any(np.diff(numbers) <= 0):
+        raise Damaged(f"the grid in {group} is not ascending numbers")
+    return numbers, places
 
 
 def _check_version(version: int, name: str) -> None:

@@ -200,27 +200,15 @@ class RunWriter:
 
     def _on_root(self, action: Callable[[], Result]) -> Result:
         """The value of `action` on rank 0, for all ranks; its failure too. Collective."""
-        value: Any = None
-        fault: FsiError | None = FileError(self._failure) if self._failure is not None else None
-        if self._root and fault is None:
-            try:
-                value = action()
-            except Exception as error:
-                fault = FileError(self._explain(error))
-        self._agree(fault)
-        return self._comm.bcast(value, root=0)
+        return self._comm.bcast(self._together(lambda: action() if self._root else None))
 
-    def _together(self, action: Callable[[], Any]) -> None:
-        """Run `action` on all ranks; if it fails on one, raise on all. Collective."""
-        fault = None
+    def _together(self, action: Callable[[], Result]) -> Result:
+        """Run `action` on all ranks; if it fails on one, or rank 0 has failed before, raise on all. Collective."""
+        value, fault = None, FileError(self._failure) if self._failure is not None else None
         try:
-            action()
+            value = action() if fault is None else None
         except Exception as error:
             fault = FileError(self._explain(error))
-        self._agree(fault)
-
-    def _agree(self, fault: FsiError | None) -> None:
-        """Raise the fault of any rank on all ranks. Collective."""
         try:
             agree(self._comm, fault)
         except FsiError:
@@ -229,6 +217,7 @@ class RunWriter:
                     self._draft.unlink()
             self.close()
             raise
+        return value
 
     def _explain(self, error: Exception) -> str:
         if isinstance(error, FileError):
@@ -249,6 +238,8 @@ class RunWriter:
         check_folder(path, self.path.parent)
         if self.path.is_dir():
             raise FileError(f"{path}: is a directory, not a file")
+        if os.path.lexists(self.path) and not self.path.is_file():  # a device or a pipe keeps its name
+            raise FileError(f"{path}: exists and is not a regular file")
         if not os.access(self.path.parent, os.W_OK | os.X_OK):
             raise FileError(f"{path}: the directory {self.path.parent} is not writable")
         self._take_name(locks)
