@@ -52,7 +52,7 @@ class Run:
             name = f"{name.removesuffix('.parts')}.h5"
         self.path = os.path.abspath(name)
         with damage(os.fspath(path)):
-            self._source = Source(self.path)
+            self._source = Source(self.path, name)
             try:
                 self._read()
             except BaseException:

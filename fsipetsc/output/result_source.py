@@ -71,24 +71,26 @@ class Dataset:
 
 
 class Source:
-    """The result of a name, as it was when it was opened. FileError where there is none.
+    """The result of a name, as it was when it was opened. FileError where there is none. name: in messages.
 
     header, summary, errors   as they were given
     complete                  whether the run came to an end
     series                    names of what is known of each step
     """
 
-    def __init__(self, path: str | os.PathLike[str]) -> None:
-        self._path, self._open, self._closed = Path(path), None, False
+    def __init__(self, path: str | os.PathLike[str], name: str) -> None:
+        self._path, self._name, self._open, self._closed = Path(path), name, None, False
         self._folder = pieces.folder_of(path)
         for attempt in range(5):
             try:
                 return self._read()
             except FileNotFoundError:  # the pieces became one file meanwhile, or a restart goes on with it
+                self._shut()
                 if attempt == 4:
                     raise
-            finally:
+            except BaseException:
                 self._shut()
+                raise
 
     def _read(self) -> None:
         self._times: list[Array] = []
@@ -96,12 +98,12 @@ class Source:
         self._frames: list[tuple[str, int, int, Dataset]] = []
         self._grids: dict[str, tuple[Array, Array | None]] = {}
         self.series: tuple[str, ...] = ()
-        if whole := _is_file(self._path, self._folder):
-            files, texts = [self._path], _texts(self.open(self._path), str(self._path))
+        if whole := _is_file(self._path, self._folder, self._name):
+            files, texts = [self._path], _texts(self.open(self._path), self._name)
         else:
             texts = pieces.read_texts(self._folder)  # before the pieces are looked for: they are of this run
             files = pieces.pieces(self._folder)
-        _check_version(int(texts["version"]), str(self._path))
+        _check_version(int(texts["version"]), self._name)
         self.header, self.summary, self.errors = (texts.get(name, {}) for name in ("header", "summary", "errors"))
         if not all(isinstance(text, dict) for text in (self.header, self.summary, self.errors)):
             raise Damaged("a text is no table of names and values")
@@ -201,7 +203,7 @@ def run_of(path: Path) -> str | None:
             return _texts(file, str(path))["header"].get("run") if "header" in file else None
 
 
-def _is_file(path: Path, folder: Path) -> bool:
+def _is_file(path: Path, folder: Path, name: str) -> bool:
     """Whether there is NAME.h5, or else NAME.parts. FileError if neither is, or it can be no result."""
     try:
         mode = path.stat().st_mode
@@ -210,16 +212,16 @@ def _is_file(path: Path, folder: Path) -> bool:
             return False
         if path.exists():  # by now
             raise
-        raise FileError(f"{path}: there is no such file") from None
+        raise FileError(f"{name}: there is no such file") from None
     except OSError as error:
-        raise FileError(f"{path}: may not be read: {error.strerror}") from error
+        raise FileError(f"{name}: may not be read: {error.strerror}") from error
     if not stat.S_ISREG(mode):  # a pipe would wait for somebody who writes
         what = "a directory" if stat.S_ISDIR(mode) else "no regular file"
-        raise FileError(f"{path}: is {what}, not a result file")
+        raise FileError(f"{name}: is {what}, not a result file")
     if not os.access(path, os.R_OK):
-        raise FileError(f"{path}: may not be read: Permission denied")
+        raise FileError(f"{name}: may not be read: Permission denied")
     if not h5py.is_hdf5(path):
-        raise FileError(f"{path}: is not an HDF5 file")
+        raise FileError(f"{name}: is not an HDF5 file")
     return True
 
 
@@ -227,7 +229,7 @@ def _texts(file: h5py.File, name: str) -> dict[str, Any]:
     """What header.json says of a result in pieces. FileError if it is no result."""
     kind = file.attrs.get("format")
     if (kind.decode() if isinstance(kind, bytes) else kind) != file_layout.FORMAT:
-        what = "is a checkpoint of fsipetsc, not a result" if is_one(Path(name)) else "is not a result of fsipetsc"
+        what = "is a checkpoint of fsipetsc, not a result" if is_one(Path(file.filename)) else "is not a result of fsipetsc"
         raise FileError(f"{name}: {what}")
     _check_version(int(file.attrs["version"]), name)
     names = [name for name in ("header", "summary", "errors") if name in file]
