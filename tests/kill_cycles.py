@@ -35,10 +35,18 @@ KILL, TERM, INT = signal.SIGKILL, signal.SIGTERM, signal.SIGINT
 
 def at_random(chance: random.Random, number: int) -> tuple[int, list]:
     """(ranks, place) of kill number 0, 1 …: SIGKILL most of the times; a minus: to mpiexec."""
-    ranks, place = chance.randint(1, 3), chance.choice(PLACES) if number else "checkpoint"  # else there is nothing to cut
+    ranks, place = (
+        chance.randint(1, 3),
+        chance.choice(PLACES) if number else "checkpoint",
+    )  # else there is nothing to cut
     rank = chance.randrange(ranks) if place in ("frame", "fill") else 0
     count = 1 if place in FIRST else chance.randint(2, 4)
-    return ranks, [place, count, rank, chance.choice((KILL, KILL, KILL, TERM, INT)) * chance.choice((1, 1, 1, -1))]
+    return ranks, [
+        place,
+        count,
+        rank,
+        chance.choice((KILL, KILL, KILL, TERM, INT)) * chance.choice((1, 1, 1, -1)),
+    ]
 
 
 def wait_for_the_end(folder: Path) -> None:
@@ -46,7 +54,9 @@ def wait_for_the_end(folder: Path) -> None:
     end = time.monotonic() + PATIENCE
     while (folder / "run.parts").exists():
         try:
-            return Lock(folder / "run.parts", "run.h5").release(remove=not (folder / "run.parts/header.json").exists())
+            return Lock(folder / "run.parts", "run.h5").release(
+                remove=not (folder / "run.parts/header.json").exists()
+            )
         except FileError:
             assert time.monotonic() < end, "ranks are left"
             time.sleep(0.05)
@@ -60,7 +70,11 @@ def killed(folder: Path, words: list[str], ranks: int, place: list) -> str:
         return f"{ranks} ranks, {place}: no result yet"
     with fsipetsc.open_run(folder / "run.h5") as result:
         reached = len(result.series.get("t", ()))
-        assert all(layer[name].shape[0] == result.nframes for layer in result.layers for name in layer.fields)
+        assert all(
+            layer[name].shape[0] == result.nframes
+            for layer in result.layers
+            for name in layer.fields
+        )
         assert done.returncode != 0 or place[3] < 0, f"{place} was not reached: {done.stderr}"
         return f"{ranks} ranks, {place}, status {done.returncode}: {result.nframes} frames, {reached} steps"
 
@@ -90,4 +104,9 @@ if __name__ == "__main__":
         chance = random.Random(seed)
         chosen = [at_random(chance, number) for number in range(count)]
         print(json.dumps(cycles(Path(place), name, chosen), indent=1))
-        print(Counter(f"{where[0]} {signal.Signals(abs(where[3])).name} to {'mpiexec' if where[3] < 0 else 'a rank'}" for _, where in chosen))
+        print(
+            Counter(
+                f"{where[0]} {signal.Signals(abs(where[3])).name} to {'mpiexec' if where[3] < 0 else 'a rank'}"
+                for _, where in chosen
+            )
+        )

@@ -61,25 +61,39 @@ def unpack(content: bytes, name: str) -> Checkpoint:
     fields = head.rstrip(b"\0").split()
     if len(fields) == 5 and fields[2].isdigit() and int(fields[2]) > VERSION:
         version = int(fields[2])
-        raise FileError(f"{name}: is a checkpoint of format {version}, which this fsipetsc does not know, or damaged")
+        raise FileError(
+            f"{name}: is a checkpoint of format {version}, which this fsipetsc does not know, or damaged"
+        )
     if head != _head(body):
         length = fields[4] if len(fields) == 5 else b""
         cut = length.isdigit() and int(length) > len(body)
-        what = f"it ends after {len(content)} of {int(length) + _HEAD} bytes" if cut else "its checksum is another one"
+        what = (
+            f"it ends after {len(content)} of {int(length) + _HEAD} bytes"
+            if cut
+            else "its checksum is another one"
+        )
         raise FileError(f"{name}: the checkpoint is damaged: {what}")
     try:
         with h5py.File(io.BytesIO(body), "r") as file:
             arrays = {key: dataset[...] for key, dataset in file.get("arrays", {}).items()}
             header = json.loads(file["header"].asstr()[()])
-        if any(array.dtype.kind not in "fiu" for array in arrays.values()) or not isinstance(header, dict):
+        if any(array.dtype.kind not in "fiu" for array in arrays.values()) or not isinstance(
+            header, dict
+        ):
             raise ValueError("an array holds no numbers, or the header is no table")
         return Checkpoint(header, arrays)
     except Exception as error:  # its checksum is right: somebody has made it so
-        raise FileError(f"{name}: is not a checkpoint of fsipetsc: {' '.join(str(error).split())}") from None
+        raise FileError(
+            f"{name}: is not a checkpoint of fsipetsc: {' '.join(str(error).split())}"
+        ) from None
 
 
 def _head(body: bytes) -> bytes:
-    lines = b"%s%d" % (_MAGIC, VERSION), hashlib.sha256(body).hexdigest().encode(), b"%d" % len(body)
+    lines = (
+        b"%s%d" % (_MAGIC, VERSION),
+        hashlib.sha256(body).hexdigest().encode(),
+        b"%d" % len(body),
+    )
     return b"\n".join(lines).ljust(_HEAD, b"\0")
 
 
@@ -93,7 +107,9 @@ def read(path: str | os.PathLike[str]) -> Checkpoint:
     """The checkpoint in a file. FileError."""
     name = os.fspath(path)
     try:
-        descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK)  # a pipe would wait for somebody who writes
+        descriptor = os.open(
+            path, os.O_RDONLY | os.O_NONBLOCK
+        )  # a pipe would wait for somebody who writes
         with os.fdopen(descriptor, "rb") as file:
             start = file.read(len(_MAGIC))
             content = start + (file.read() if start == _MAGIC else b"")  # of what is ours
@@ -160,7 +176,9 @@ def write(path: str | os.PathLike[str], content: bytes) -> None:
         with suppress(OSError):
             draft.unlink()
         kept = f"; the one before is kept in {target}" if target.is_file() else ""
-        raise CheckpointError(f"{path}: the checkpoint cannot be written: {error.strerror or error}{kept}") from None
+        raise CheckpointError(
+            f"{path}: the checkpoint cannot be written: {error.strerror or error}{kept}"
+        ) from None
 
 
 def _put(descriptor: int, content: bytes) -> None:

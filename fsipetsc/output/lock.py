@@ -32,7 +32,9 @@ class Lock:
     def _take(self) -> bool:
         self.path.parent.mkdir(exist_ok=True)
         try:
-            descriptor = os.open(self.path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK, 0o666)
+            descriptor = os.open(
+                self.path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK, 0o666
+            )
         except FileNotFoundError:  # its run has ended meanwhile
             return False
         try:
@@ -85,7 +87,10 @@ def set_aside(files: Iterable[Path], stem: str, beside: Iterable[Path] = ()) -> 
         if not (file.is_file() or (file.is_dir() and file.suffix == ".parts")):
             raise FileError(f"{file}: exists and is not a regular file")
     for k in itertools.count(1):
-        names = {file: file.with_name(f"{stem}.{k}{file.name.removeprefix(stem)}") for file in (*files, *beside)}
+        names = {
+            file: file.with_name(f"{stem}.{k}{file.name.removeprefix(stem)}")
+            for file in (*files, *beside)
+        }
         if not any(map(os.path.lexists, names.values())):
             break
     for file in files:

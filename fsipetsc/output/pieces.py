@@ -74,7 +74,12 @@ def clear(folder: Path) -> None:
 def write_texts(folder: Path, texts: Texts) -> None:
     """Write header.json."""
     draft = folder / "header.new"
-    write_whole(draft, json.dumps({"format": file_layout.FORMAT, "version": file_layout.VERSION, **texts}).encode())
+    write_whole(
+        draft,
+        json.dumps(
+            {"format": file_layout.FORMAT, "version": file_layout.VERSION, **texts}
+        ).encode(),
+    )
     os.replace(draft, folder / "header.json")
 
 
@@ -98,7 +103,11 @@ def write_whole(path: Path, content: bytes, room: int = 0) -> None:
             try:
                 os.posix_fallocate(file.fileno(), len(content), room)
             except OSError as error:
-                if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):  # others: it cannot be known here
+                if error.errno in (
+                    errno.ENOSPC,
+                    errno.EDQUOT,
+                    errno.EFBIG,
+                ):  # others: it cannot be known here
                     raise
         os.fsync(file.fileno())
 
@@ -140,7 +149,10 @@ def _new_file(path: Path, room: int) -> Iterator[h5py.File]:
     """A small file that is made in memory, and then written with room behind it. OSError."""
     image = _Image()
     with h5py.File(image, "w", libver=LIBVER) as file:
-        file.attrs["format"], file.attrs["version"] = np.bytes_(file_layout.FORMAT), file_layout.VERSION
+        file.attrs["format"], file.attrs["version"] = (
+            np.bytes_(file_layout.FORMAT),
+            file_layout.VERSION,
+        )
         yield file
     write_whole(path, image.getvalue(), room + _SPARE_BYTES)
 
@@ -148,7 +160,12 @@ def _new_file(path: Path, room: int) -> Iterator[h5py.File]:
 def extent(file: h5py.File) -> Extent:
     """What a piece, or a whole result, holds."""
     frame, row = (int(number) for number in file.attrs.get("first", (0, 0)))
-    return Extent(frame, row, frame + len(file["time"]), row + (len(file["series"]) if "series" in file else 0))
+    return Extent(
+        frame,
+        row,
+        frame + len(file["time"]),
+        row + (len(file["series"]) if "series" in file else 0),
+    )
 
 
 def in_order(files: Iterable[Path]) -> Iterator[tuple[Path, Extent]]:
@@ -183,7 +200,9 @@ def check_kept(files: list[Path], kept: Kept) -> None:
         if kept.rows == 0 or t == kept.t:
             return
         found = f"its step {kept.rows} ends at t = {t:.17g}, not {kept.t:.17g}"
-    raise FileError(f"{files[0].parent if files else 'it'} is not what the checkpoint goes on from: {found}")
+    raise FileError(
+        f"{files[0].parent if files else 'it'} is not what the checkpoint goes on from: {found}"
+    )
 
 
 def cut(files: list[Path], folder: Path, kept: Kept) -> int:
@@ -198,11 +217,18 @@ def cut(files: list[Path], folder: Path, kept: Kept) -> int:
             continue
         if beyond or path.parent != folder:
             draft = folder / "cut.new"
-            _copied([path], draft, {}, Extent(frame, row, min(frames_end, kept.frames), min(rows_end, kept.rows)))
+            _copied(
+                [path],
+                draft,
+                {},
+                Extent(frame, row, min(frames_end, kept.frames), min(rows_end, kept.rows)),
+            )
             path = path if path.parent == folder else folder / "000001.h5"
             os.replace(draft, path)
         with open_h5(path) as file:
-            segment = max([segment, *(int(group[8:12]) for group in file_layout.layer_groups(file))])
+            segment = max(
+                [segment, *(int(group[8:12]) for group in file_layout.layer_groups(file))]
+            )
     return segment
 
 
@@ -245,4 +271,6 @@ def _copy(file: h5py.File, out: h5py.File, kept: Extent) -> None:
                 file.copy(f"{group}/{name}", own, name)
             elif first < kept.frames_end:
                 whole, some = file[group][name], kept.frames_end - first
-                own[file_layout.frames_name(first, some)] = whole[:, : whole.shape[1] // count * some]
+                own[file_layout.frames_name(first, some)] = whole[
+                    :, : whole.shape[1] // count * some
+                ]

@@ -52,7 +52,9 @@ class Frames:
     X: (n,) its grid, of blocks numbers of points, with their places, (n, d), else None; place: of it in the largest grid.
     """
 
-    def __init__(self, first: int, count: int, dataset: Dataset, X: Array, places: Array | None) -> None:
+    def __init__(
+        self, first: int, count: int, dataset: Dataset, X: Array, places: Array | None
+    ) -> None:
         self.first, self.count, self.dataset, self.X, self.places = first, count, dataset, X, places
         self.place = slice(0, len(X))
 
@@ -60,7 +62,9 @@ class Frames:
 class Dataset:
     """Numbers in one of the files of a source; they are read when asked for. rows: where they are in the whole result."""
 
-    def __init__(self, source: Source, path: Path, found: h5py.Dataset, rows: slice = slice(None)) -> None:
+    def __init__(
+        self, source: Source, path: Path, found: h5py.Dataset, rows: slice = slice(None)
+    ) -> None:
         self._source, self._path, self._rows = source, path, rows
         self.name, self.shape = found.name, found.shape
 
@@ -84,7 +88,9 @@ class Source:
         for attempt in range(5):
             try:
                 return self._read()
-            except FileNotFoundError:  # the pieces became one file meanwhile, or a restart goes on with it
+            except (
+                FileNotFoundError
+            ):  # the pieces became one file meanwhile, or a restart goes on with it
                 self._shut()
                 if attempt == 4:
                     raise
@@ -101,10 +107,14 @@ class Source:
         if whole := _is_file(self._path, self._folder, self._name):
             files, texts = [self._path], _texts(self.open(self._path), self._name)
         else:
-            texts = pieces.read_texts(self._folder)  # before the pieces are looked for: they are of this run
+            texts = pieces.read_texts(
+                self._folder
+            )  # before the pieces are looked for: they are of this run
             files = pieces.pieces(self._folder)
         _check_version(int(texts["version"]), self._name)
-        self.header, self.summary, self.errors = (texts.get(name, {}) for name in ("header", "summary", "errors"))
+        self.header, self.summary, self.errors = (
+            texts.get(name, {}) for name in ("header", "summary", "errors")
+        )
         if not all(isinstance(text, dict) for text in (self.header, self.summary, self.errors)):
             raise Damaged("a text is no table of names and values")
         self.complete = bool(self.summary)
@@ -124,7 +134,9 @@ class Source:
         self._times.append(self._numbers(path, file, "time", 1)[...])
         if "series" in file:
             table = file["series"]
-            names = table.dtype.names if isinstance(table, h5py.Dataset) and table.ndim == 1 else None
+            names = (
+                table.dtype.names if isinstance(table, h5py.Dataset) and table.ndim == 1 else None
+            )
             if not names or any(table.dtype[name].base.kind not in "iuf" for name in names):
                 raise Damaged("series is no table of numbers")
             _check_size("series", table)
@@ -136,7 +148,9 @@ class Source:
             if "X" in file[group]:
                 self._grids[group] = _grid(group, self._numbers(path, file, f"{group}/X")[...])
             for _, name, first, count in file_layout.frame_sets(file, group):
-                self._frames.append((group, first, count, self._numbers(path, file, f"{group}/{name}", 2)))
+                self._frames.append(
+                    (group, first, count, self._numbers(path, file, f"{group}/{name}", 2))
+                )
 
     def _numbers(self, path: Path, file: h5py.File, name: str, ndim: int | None = None) -> Dataset:
         found = file[name]
@@ -229,11 +243,18 @@ def _texts(file: h5py.File, name: str) -> dict[str, Any]:
     """What header.json says of a result in pieces. FileError if it is no result."""
     kind = file.attrs.get("format")
     if (kind.decode() if isinstance(kind, bytes) else kind) != file_layout.FORMAT:
-        what = "is a checkpoint of fsipetsc, not a result" if is_one(Path(file.filename)) else "is not a result of fsipetsc"
+        what = (
+            "is a checkpoint of fsipetsc, not a result"
+            if is_one(Path(file.filename))
+            else "is not a result of fsipetsc"
+        )
         raise FileError(f"{name}: {what}")
     _check_version(int(file.attrs["version"]), name)
     names = [name for name in ("header", "summary", "errors") if name in file]
-    return {"version": file.attrs["version"], **{name: json.loads(file[name].asstr()[()]) for name in names}}
+    return {
+        "version": file.attrs["version"],
+        **{name: json.loads(file[name].asstr()[()]) for name in names},
+    }
 
 
 def _grid(group: str, X: Array) -> tuple[Array, Array | None]:
@@ -246,7 +267,9 @@ def _grid(group: str, X: Array) -> tuple[Array, Array | None]:
 
 def _check_version(version: int, name: str) -> None:
     if version > file_layout.VERSION:
-        raise FileError(f"{name}: was written by a newer fsipetsc (file format {version}); update to read it")
+        raise FileError(
+            f"{name}: was written by a newer fsipetsc (file format {version}); update to read it"
+        )
 
 
 def _check_size(name: str, dataset: h5py.Dataset) -> None:

@@ -72,7 +72,11 @@ class RunWriter:
         self._comm, self._root = comm, comm.rank == 0
         self._plane = header.get("dimension", 1) > 1
         self._widths = [len(file_layout.columns(layer)) for layer in header["layers"]]
-        self._flush_seconds, self._max_frames, self._max_bytes = flush_seconds, buffer_frames, buffer_bytes
+        self._flush_seconds, self._max_frames, self._max_bytes = (
+            flush_seconds,
+            buffer_frames,
+            buffer_bytes,
+        )
         self._begun = self._last_frame = time.monotonic()
         self._next_flush = self._begun + flush_seconds
         self._buffer = buffers.FrameBuffer((), (), 1)
@@ -94,7 +98,9 @@ class RunWriter:
         self.nframes, self.rows, self._segment, self._number = begun
         hdf5.be_silent()
         self._on_root(lambda: pieces.new_piece(self._draft, (0, 0), (), None, {}))
-        self._open_viewer(lambda _: None)  # a file that PETSc cannot open should not be found out after hours
+        self._open_viewer(
+            lambda _: None
+        )  # a file that PETSc cannot open should not be found out after hours
         self._on_root(self._draft.unlink)
 
     # ------------------------------------------------------------------ what the solver calls
@@ -112,7 +118,9 @@ class RunWriter:
             self._segment += 1
         self._grids_written = False
         widths = zip(layers, self._widths, strict=True)
-        largest = max(self._comm.allgather(sum(8 * int(layer["local"]) * width for layer, width in widths)))
+        largest = max(
+            self._comm.allgather(sum(8 * int(layer["local"]) * width for layer, width in widths))
+        )
         capacity = max(1, min(self._max_frames, self._max_bytes // max(1, largest)))
         self._points = [int(layer["n"]) for layer in layers]
         self._buffer = buffers.FrameBuffer(layers, self._widths, capacity)
@@ -134,12 +142,17 @@ class RunWriter:
         """Take the steps of `take_series`. Collective, but ranks do not wait for rank 0, which may write them."""
         self._take()
         begun = time.monotonic()
-        late, large = begun >= self._next_flush, sum(rows.nbytes for rows in self._new_rows) > self._max_bytes
+        late, large = (
+            begun >= self._next_flush,
+            sum(rows.nbytes for rows in self._new_rows) > self._max_bytes,
+        )
         if self._root and self._failure is None and (large or (late and not self._times)):
             try:
                 self._write_rows()
             except Exception as error:
-                self._failure = self._explain(error)  # raised when all ranks meet: here it would hang the others
+                self._failure = self._explain(
+                    error
+                )  # raised when all ranks meet: here it would hang the others
             self._wait_after(begun)
 
     def flush(self) -> None:
@@ -157,7 +170,9 @@ class RunWriter:
             self._on_root(self._write_rows)
         self._wait_after(begun)
 
-    def finish(self, summary: Mapping[str, Any], errors: Mapping[str, Any] | None = None, join: bool = True) -> None:
+    def finish(
+        self, summary: Mapping[str, Any], errors: Mapping[str, Any] | None = None, join: bool = True
+    ) -> None:
         """Write the rest, the summary and, if known, the errors of the solution. Collective, at the end.
 
         join: the pieces into one file, which takes as long as it is large.
@@ -182,7 +197,9 @@ class RunWriter:
             return True
         if self._root:
             now = time.monotonic()
-            next_frame = now + (now - self._last_frame)  # probably; frames must not wait for one that comes late
+            next_frame = now + (
+                now - self._last_frame
+            )  # probably; frames must not wait for one that comes late
             self._last_frame = now
             self._flag[0] = next_frame >= self._next_flush or self._failure is not None
         if self._comm.size > 1:
@@ -192,11 +209,15 @@ class RunWriter:
     def _wait_after(self, begun: float) -> None:
         """Set the time of the next write, by what this one took and how long the run has gone on."""
         ended = time.monotonic()
-        self._next_flush = ended + max(self._flush_seconds, 50 * (ended - begun), 1e-3 * (ended - self._begun))
+        self._next_flush = ended + max(
+            self._flush_seconds, 50 * (ended - begun), 1e-3 * (ended - self._begun)
+        )
 
     def _check_open(self) -> None:
         if self._closed:
-            raise FileError(f"{self.path}: nothing more can be written, the result is finished or failed before")
+            raise FileError(
+                f"{self.path}: nothing more can be written, the result is finished or failed before"
+            )
 
     def _on_root(self, action: Callable[[], Result]) -> Result:
         """The value of `action` on rank 0, for all ranks; its failure too. Collective."""
@@ -222,7 +243,9 @@ class RunWriter:
     def _explain(self, error: Exception) -> str:
         if isinstance(error, FileError):
             return str(error)
-        reason = getattr(error, "strerror", None) or " ".join(str(error).split()) or type(error).__name__
+        reason = (
+            getattr(error, "strerror", None) or " ".join(str(error).split()) or type(error).__name__
+        )
         said = f"{self.path}: cannot write: {petsc_words(error) if is_petsc(error) else reason}"
         return f"{said}; what was written before is in {self.folder}" if self.nframes else said
 
@@ -238,15 +261,21 @@ class RunWriter:
         check_folder(path, self.path.parent)
         if self.path.is_dir():
             raise FileError(f"{path}: is a directory, not a file")
-        if os.path.lexists(self.path) and not self.path.is_file():  # a device or a pipe keeps its name
+        if (
+            os.path.lexists(self.path) and not self.path.is_file()
+        ):  # a device or a pipe keeps its name
             raise FileError(f"{path}: exists and is not a regular file")
         if not os.access(self.path.parent, os.W_OK | os.X_OK):
             raise FileError(f"{path}: the directory {self.path.parent} is not writable")
         self._take_name(locks)
         whole, run = os.path.lexists(self.path), self._texts["header"].get("run")
         if whole and pieces.has_result(self.folder) and run_of(self.path) == run_of(self.folder):
-            pieces.clear(self.folder)  # a kill came between the whole result and the end of its pieces
-        own = self._plane and xdmf.earlier(self.path)  # what is none of ours is refused before anything is renamed
+            pieces.clear(
+                self.folder
+            )  # a kill came between the whole result and the end of its pieces
+        own = self._plane and xdmf.earlier(
+            self.path
+        )  # what is none of ours is refused before anything is renamed
         found = [self.path] * whole + [self.folder] * pieces.has_result(self.folder)
         if after is not None and found and run_of(found[0]) == run:
             files = [self.path] if whole else pieces.pieces(self.folder)
@@ -337,7 +366,9 @@ class RunWriter:
             try:
                 files.append(MPI.File.Open(self._comm, str(self._draft), MPI.MODE_RDWR))
             except MPI.Exception as error:
-                raise FileError(f"{self.path}: cannot write: MPI cannot open it ({error.Get_error_string()})") from None
+                raise FileError(
+                    f"{self.path}: cannot write: MPI cannot open it ({error.Get_error_string()})"
+                ) from None
 
         self._together(attempt)  # all have opened it, or it is left alone: closing takes all
         self._together(lambda: files[0].Close())
@@ -350,7 +381,9 @@ class RunWriter:
     def _view(self, viewer: PETSc.Viewer, name: str, local: Array) -> None:
         # a Vec of the world, of local length zero where the rank owns nothing: a smaller one would lose data
         size, block = (local.size, None), local.shape[1]
-        vec = PETSc.Vec().createWithArray(np.ascontiguousarray(local), size=size, bsize=block, comm=self._comm)
+        vec = PETSc.Vec().createWithArray(
+            np.ascontiguousarray(local), size=size, bsize=block, comm=self._comm
+        )
         group, dataset = name.rsplit("/", 1)
         vec.setName(dataset)
         viewer.pushGroup(group)
