@@ -5,11 +5,13 @@ from __future__ import annotations
 import os
 import signal
 import sys
-import time
+from pathlib import Path
 
 import numpy as np
 
 from fsipetsc.output.buffers import Slots
+from fsipetsc.output.lock import set_aside
+from fsipetsc.output.pieces import folder_of
 
 H = 0.05
 LAYERS = [
@@ -69,16 +71,22 @@ def write(
     nframes: int,
     split: str,
     kill_at: int | None = None,
-    moved_at: int | None = None,
-    wait: float = 0.0,
+    header: dict = HEADER,
+    join: bool = True,
 ) -> None:
-    """wait: seconds between frames."""
+    """join: the pieces into one file, at the end."""
     from mpi4py import MPI
 
     from fsipetsc.output.writer import RunWriter
 
     comm = MPI.COMM_WORLD
-    writer = RunWriter(comm, path, HEADER, buffer_frames=4)
+    kept: dict = {}
+
+    def settle(earlier: list[Path]) -> dict[Path, Path]:
+        kept.update(set_aside(earlier, Path(path).stem, [Path(path), folder_of(path)]))
+        return kept
+
+    writer = RunWriter(comm, path, header, settle=settle, buffer_frames=4)
     mine: list[np.ndarray] = []
     taken = made = 0
 
@@ -96,7 +104,6 @@ def write(
 
     writer.take_series = take
     for frame in range(nframes):
-        time.sleep(wait)
         if frame in (0, GROWTH):
             whole = [grid(i, frame) for i in range(3)]
             mine = [owned(i, whole[i], comm.rank, comm.size, split) for i in range(3)]
@@ -110,11 +117,9 @@ def write(
             if comm.rank == comm.size - 1:
                 os.kill(os.getpid(), signal.SIGKILL)
             comm.barrier()
-        if frame == moved_at:
-            RunWriter(comm, path, HEADER)  # a later run with the same file name
-    writer.finish({"steps": SERIES_STEPS * nframes, "wall_time": np.float64(1.5)}, {"fluid": {"rho": 1e-3}})
+    writer.finish({"steps": SERIES_STEPS * nframes, "wall_time": np.float64(1.5)}, {"fluid": {"rho": 1e-3}}, join)
     if comm.rank == 0:
-        print("kept as", writer.kept_as and writer.kept_as.name)
+        print("kept as", *(name.name for name in kept.values()))
 
 
 def refuse(path: str) -> None:
@@ -126,7 +131,7 @@ def refuse(path: str) -> None:
 
     comm = MPI.COMM_WORLD
     try:
-        RunWriter(comm, path, HEADER)
+        RunWriter(comm, path, HEADER, settle=lambda earlier: {})
     except FileError as error:
         answers = comm.gather((error.status, str(error)))
         if comm.rank == 0:
@@ -161,9 +166,5 @@ if __name__ == "__main__":
         full_disk(file)
     elif mode == "kill":
         write(file, 12, "blocks", kill_at=int(rest[0]))
-    elif mode == "slowly":
-        write(file, int(rest[0]), "blocks", wait=float(rest[1]))
-    elif mode == "moved":
-        write(file, 12, "blocks", moved_at=9)
     else:
         write(file, int(rest[0]), mode)

@@ -1,7 +1,13 @@
-"""The command line in a process that signals itself at named places: PLACES WORDS...
+"""The command line in a process that signals itself, or its mpiexec, at named places: PLACES WORDS...
 
-PLACES: JSON, a list of [place, count, rank, number of the signal]: as the count-th frame is to be saved, with "frame"; when
-half of the count-th checkpoint is written, with "checkpoint" (which rank 0 writes). So the order of what happens is certain.
+PLACES: JSON, a list of [place, count, rank, number of the signal], of which a number below 0 goes to mpiexec. The places:
+    frame        as a frame is to be saved
+    fill         as this rank puts its frames into a piece
+    piece        a piece is full, and has not got its name
+    checkpoint   half of a checkpoint is written
+    cut, went    before and after what is beyond the checkpoint is dropped
+    join, clear  before and after the pieces have become one file
+the last six on rank 0. So the order of what happens is certain.
 """
 
 from __future__ import annotations
@@ -11,34 +17,56 @@ import os
 import signal
 import sys
 from collections import Counter
+from collections.abc import Callable
 
 from fsipetsc import cli
-from fsipetsc.output import checkpoint_file
+from fsipetsc.output import checkpoint_file, pieces
+from fsipetsc.output.writer import RunWriter
 from fsipetsc.process.launch import launcher_rank
 from fsipetsc.stepping import run
 
 places, seen = json.loads(sys.argv.pop(1)), Counter()
-frame, put = run._Run._frame, checkpoint_file._put
 
 
-def reached(place: str) -> list[int]:
-    """The signals that are to come here, this time."""
+def reached(place: str) -> None:
+    """Send the signals that are to come here, this time."""
     seen[place] += 1
-    return [number for name, count, rank, number in places if (name, count, rank) == (place, seen[place], launcher_rank())]
+    for name, count, rank, number in places:
+        if (name, count, rank) == (place, seen[place], launcher_rank() or 0):
+            if number < 0:
+                os.kill(os.getppid(), -number)
+            else:
+                signal.raise_signal(number)
 
 
-def frame_signalled(self: object, t: float) -> None:
-    for number in reached("frame"):
-        signal.raise_signal(number)
-    frame(self, t)
+def signalled(owner: object, name: str, before: str = "", after: str = "") -> None:
+    """Let a function be reached."""
+    usual: Callable[..., object] = getattr(owner, name)
+
+    def called(*arguments: object, **more: object) -> object:
+        if before:
+            reached(before)
+        value = usual(*arguments, **more)
+        if after:
+            reached(after)
+        return value
+
+    setattr(owner, name, called)
 
 
 def put_signalled(descriptor: int, content: bytes) -> None:
-    for number in reached("checkpoint"):
-        os.write(descriptor, content[: len(content) // 2])
-        signal.raise_signal(number)
-    put(descriptor, content)
+    half = len(content) // 2
+    os.write(descriptor, content[:half])
+    reached("checkpoint")
+    put(descriptor, content[half:])
 
 
-run._Run._frame, checkpoint_file._put = frame_signalled, put_signalled
-sys.exit(cli.main())
+put, checkpoint_file._put = checkpoint_file._put, put_signalled
+signalled(run._Run, "_frame", "frame")
+signalled(RunWriter, "_view", "fill")
+signalled(RunWriter, "_publish", "piece")
+signalled(pieces, "cut", "cut", "went")
+signalled(pieces, "join", "join")
+signalled(pieces, "clear", "clear")
+if __name__ == "__main__":
+    sys.exit(cli.main())

@@ -13,7 +13,7 @@ import fsipetsc
 from fsipetsc.errors import FileError
 from fsipetsc.output import checkpoint_file
 from fsipetsc.output.checkpoint_file import Checkpoint
-from fsipetsc.output.claim import Claim
+from fsipetsc.output.lock import Lock
 from fsipetsc.stepping.output_times import times_without_frame
 
 pytest.importorskip("petsc4py")
@@ -138,9 +138,9 @@ def test_what_is_given_up_stays_until_the_run_can_begin(tmp_path):
     """Where another one is writing the result nothing has changed."""
     assert goes_on(tmp_path, *WORDS, 40) == ""
     before = contents(tmp_path)
-    claim = Claim(tmp_path / "rod.h5")
+    lock = Lock(tmp_path / "rod.parts", "rod.h5")
     message(solve(*WORDS, 60, "-fsi_restart", BEFORE, cwd=tmp_path, ranks=2), 4, "rod.h5: another run is writing it")
-    claim.release()
+    lock.release()
     assert contents(tmp_path) == before
 
 

@@ -13,11 +13,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers import REPOSITORY, assert_readable, message, mpirun, run, solve
+from kill_cycles import cycles
 from test_restart import differences
 
 import fsipetsc
 from fsipetsc.output import checkpoint_file
-from fsipetsc.output.claim import Claim
 
 pytest.importorskip("petsc4py")
 
@@ -54,28 +54,23 @@ def test_a_run_that_a_signal_stopped_goes_on(ranks, rank, number, whole, tmp_pat
     assert differences(whole, tmp_path / "rod.h5", same_ranks=False) == []
 
 
-def test_a_run_that_is_killed_goes_on(whole, tmp_path):
-    """SIGKILL while a checkpoint is half written, and between two; each time on another number of ranks: the same bits."""
-    words = "-fsi_restart", "auto", "-fsi_checkpoint_steps", 40
-    killed = (
-        (1, ["checkpoint", 3, 0, signal.SIGKILL]),
-        (2, ["frame", 3, 1, signal.SIGKILL]),
-        (3, ["checkpoint", 2, 0, signal.SIGKILL]),
-    )
-    reached = []
-    for ranks, place in killed:
-        done = signalled(ranks, tmp_path, [place], *words)
-        assert done.returncode != 0
-        reached.append(checkpoint_file.read(tmp_path / "rod.checkpoint.h5").header["memory"]["steps"])
-        with fsipetsc.open_run(tmp_path / "rod.h5") as result:
-            assert not result.complete and result.nframes > 1
-            assert np.isfinite(result.layers[1]["u"]).all() and result.series["t"][-1] >= result.time[-1]
-    assert reached == sorted(reached) and reached[0] == 80 < reached[-1]
-    assert "unfinished" in solve("info", "rod.h5", cwd=tmp_path).stdout
-    done = solve(*LINE, *words, cwd=tmp_path)
-    assert (done.returncode, done.stderr) == (0, "")
-    assert differences(whole, tmp_path / "rod.h5", same_ranks=False) == []
-    assert {path.name for path in tmp_path.iterdir()} == {"rod.h5", "rod.checkpoint.h5", "rod.checkpoint.previous.h5"}
+KILLS = [
+    (2, ["frame", 2, 1, signal.SIGKILL]),
+    (1, ["checkpoint", 2, 0, signal.SIGKILL]),
+    (2, ["went", 1, 0, signal.SIGKILL]),
+    (3, ["fill", 2, 2, signal.SIGKILL]),
+    (2, ["piece", 3, 0, -signal.SIGKILL]),
+    (2, ["cut", 1, 0, signal.SIGTERM]),
+    (1, ["join", 1, 0, signal.SIGKILL]),
+    (2, ["clear", 1, 0, signal.SIGKILL]),
+]
+
+
+@pytest.mark.parametrize(("case", "kills"), [("rod", KILLS), ("blast", KILLS[3:])])
+def test_a_run_that_is_killed_goes_on(case, kills, tmp_path):
+    """A frame, a checkpoint, a piece, a whole result half written; each time on another number of ranks: the same bits."""
+    said = cycles(tmp_path, case, kills)
+    assert len(said) == len(kills)
 
 
 def test_usr1_asks_for_a_checkpoint_and_the_run_goes_on(tmp_path):
@@ -87,14 +82,6 @@ def test_usr1_asks_for_a_checkpoint_and_the_run_goes_on(tmp_path):
     assert 0.02 <= first < 0.03 and 0.06 <= second < 0.07
     with fsipetsc.open_run(tmp_path / "rod.h5") as result:
         assert result.complete and result.nframes == 11
-
-
-def test_no_other_run_may_write_checkpoints_there(tmp_path):
-    claim = Claim(tmp_path / "rod.checkpoint.h5")
-    words = "-fsi_output", "other.h5", "-fsi_checkpoint", "rod.checkpoint.h5"
-    message(solve(*LINE, *words, cwd=tmp_path), 4, "rod.checkpoint.h5: another run writes its checkpoints (process ")
-    claim.release()
-    assert list(tmp_path.iterdir()) == []
 
 
 SLOW = """

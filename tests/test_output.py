@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import errno
 import os
 import uuid
 from pathlib import Path
+from types import SimpleNamespace
 
 import h5py
 import numpy as np
@@ -15,9 +15,10 @@ from helpers import mpirun, run
 
 import fsipetsc
 from fsipetsc.errors import FileError
-from fsipetsc.output import tables, transaction
 from fsipetsc.output.buffers import FrameBuffer
 from fsipetsc.output.info import info
+from fsipetsc.output.lock import Lock, set_aside
+from fsipetsc.output.pieces import Kept
 
 PROGRAM = Path(program.__file__)
 FRAMES = 12
@@ -124,48 +125,6 @@ def test_what_petsc_says_is_told_without_its_routines() -> None:
     assert petsc_words(Said(text)) == "PETSc error 76 in PetscViewerFileSetName(): Error in external library; Status -1"
 
 
-def test_file_is_hardly_larger_than_its_numbers(tmp_path: Path) -> None:
-    """HDF5 makes all chunks of a dataset equally long; also where the last one could have been nearly empty."""
-    from mpi4py import MPI
-
-    from fsipetsc.output.file_layout import CHUNK_BYTES
-    from fsipetsc.output.writer import RunWriter
-
-    for n in (CHUNK_BYTES // 40 + 1, 2 * CHUNK_BYTES // 40 + 1, 100):
-        path = tmp_path / f"{n}.h5"
-        writer = RunWriter(MPI.COMM_SELF, path, program.HEADER)
-        writer.start_segment([{"local": n, "n": n, "X": np.arange(n)}] * 3)
-        writer.write_frame(0.0, lambda slots: slots.values.fill(1.0))
-        writer.finish({})
-        assert path.stat().st_size < 3 * n * 6 * 8 * 1.02 + 60_000
-
-
-def test_failed_change_changes_nothing(finished: Path, tmp_path: Path) -> None:
-    path = tmp_path / "run.h5"
-    path.write_bytes(finished.read_bytes())
-    with pytest.raises(RuntimeError), transaction.changes(path) as file:
-        del file["time"]
-        raise RuntimeError
-    assert path.read_bytes() == finished.read_bytes()
-
-
-def test_change_without_room_changes_nothing(finished: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What cannot be written to the end of the file fails the change, and HDF5 survives it."""
-    path, pwrite = tmp_path / "run.h5", os.pwrite
-    path.write_bytes(finished.read_bytes())
-
-    def full(descriptor: int, data: bytes, offset: int) -> int:
-        if offset > 200_000:
-            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-        return pwrite(descriptor, data, offset)
-
-    with monkeypatch.context() as patch, pytest.raises(OSError, match="No space"):
-        patch.setattr(os, "pwrite", full)
-        with transaction.changes(path) as file:
-            tables.append(file, "series", program.series(36, 9000), 36)
-    assert path.read_bytes() == finished.read_bytes()
-
-
 @pytest.mark.parametrize("capacity", [1, 4, 9, 63, 64, 100])
 def test_frames_of_a_buffer_stay_apart(capacity: int) -> None:
     """Whatever the buffer makes of its capacity: each frame comes out point by point as it went in."""
@@ -182,44 +141,6 @@ def test_frames_of_a_buffer_stay_apart(capacity: int) -> None:
     for count in {1, buffer.capacity}:
         whole = np.concatenate([buffer.part(i, count).reshape(n, count, 5) for i, n in enumerate(points)])
         assert np.array_equal(whole.swapaxes(0, 1), frames[:count])
-
-
-def test_results_of_the_first_version_can_be_read(finished: Path, tmp_path: Path) -> None:
-    """There each name of the series was a dataset, and the last rows of some could be missing."""
-    path = tmp_path / "run.h5"
-    path.write_bytes(finished.read_bytes())
-    with h5py.File(path, "r+") as file:
-        rows = file["series"][...]
-        del file["series"]
-        for name in rows.dtype.names:
-            file[f"series/{name}"] = rows[name] if name == "t" else rows[name][:-2]
-        file.attrs["version"] = 1
-    with fsipetsc.open_run(path) as result, fsipetsc.open_run(finished) as now:
-        assert_frames(result, FRAMES)
-        assert set(result.series) == set(now.series)
-        for name, values in now.series.items():
-            assert np.array_equal(result.series[name], values[:-2])
-
-
-def test_earlier_results_are_kept(tmp_path: Path) -> None:
-    path = tmp_path / "run.h5"
-    said = [run(PROGRAM, "blocks", path, n).stdout.split()[-1] for n in (1, 2, 3)]
-    assert said == ["None", "run.1.h5", "run.2.h5"]
-    for name, n in [("run.1.h5", 1), ("run.2.h5", 2), ("run.h5", 3)]:
-        with fsipetsc.open_run(tmp_path / name) as result:
-            assert result.nframes == n
-
-
-@pytest.mark.mpi
-@pytest.mark.parametrize("stem", ["run[1]*"])
-def test_renamed_file_is_followed(tmp_path: Path, stem: str) -> None:
-    """A later run with the same file name does not get the frames of one that is still going on, whatever the name."""
-    write(2, "moved", tmp_path / f"{stem}.h5")
-    with fsipetsc.open_run(tmp_path / f"{stem}.1.h5") as result:
-        assert_frames(result, FRAMES)
-        assert result.complete
-    with fsipetsc.open_run(tmp_path / f"{stem}.h5") as result:
-        assert result.nframes == 0
 
 
 @pytest.mark.mpi
@@ -343,3 +264,186 @@ def test_info(finished: Path) -> None:
         "wall_time",
     ]:
         assert part in text
+
+
+def assert_prefix(result: fsipetsc.output.reader.Run) -> None:
+    """Times, series and frames are those of the program up to somewhere, bitwise."""
+    count, steps = result.nframes, len(result.series.get("t", ()))
+    assert np.array_equal(result.time, 0.3 * np.arange(count))
+    assert steps % program.SERIES_STEPS == 0 and steps >= count * program.SERIES_STEPS
+    if steps:
+        expected = program.series(0, steps)
+        assert all(np.array_equal(result.series[name], expected[name]) for name in expected.dtype.names)
+    if count:
+        assert_frames(result, count)
+
+
+def test_each_change_may_be_the_last(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Before and after every change of the folder all of some piece can be read, also by who has opened it before.
+
+    This is what a kill leaves, too: nothing but these changes is ever done to what a reader looks at.
+    """
+    path, seen, early = tmp_path / "run.h5", [], []
+    made = {name: getattr(os, name) for name in ("replace", "unlink", "rename", "rmdir")}
+
+    def look() -> None:
+        if path.exists() or (tmp_path / "run.parts/header.json").exists():
+            result = fsipetsc.open_run(path)
+            early.append(result)
+            assert not seen or seen[-1] <= (result.nframes, len(result.series.get("t", ()))), "went back"
+            seen.append((result.nframes, len(result.series.get("t", ()))))
+
+    def watched(name: str) -> object:
+        def work(*args: object, **more: object) -> object:
+            look()
+            done = made[name](*args, **more)
+            look()
+            return done
+
+        return work
+
+    with monkeypatch.context() as patch:
+        for name in made:
+            patch.setattr(os, name, watched(name))
+        program.write(str(path), 12, "blocks")
+    assert len(set(seen)) > 3 and seen[-1] == (12, 36)
+    for result in early:  # the pieces are gone, and their numbers in the whole result
+        with result:
+            assert_prefix(result)
+    assert not early[0].complete and os.listdir(tmp_path) == ["run.h5"]
+
+
+def test_frames_do_not_wait_for_a_full_buffer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """None is older than two seconds, unless the next one was late; that one is written at once."""
+    from mpi4py import MPI
+
+    from fsipetsc.output import writer
+
+    now, readable = 0.0, []
+    monkeypatch.setattr(writer, "time", SimpleNamespace(monotonic=lambda: now))
+    result = writer.RunWriter(MPI.COMM_SELF, tmp_path / "run.h5", program.HEADER, settle=lambda _: {}, flush_seconds=2.0)
+    result.start_segment([{"local": 9, "n": 9, "X": np.arange(9.0)}] * 3)
+    for now in (0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 100.0, 100.5):
+        result.write_frame(now, lambda slots: slots.values.fill(1.0))
+        with fsipetsc.open_run(tmp_path / "run.h5") as so_far:
+            readable.append(so_far.nframes)
+    assert readable == [0, 0, 3, 3, 3, 6, 6, 8, 8]
+    result.finish({})
+
+
+def held(path: Path) -> tuple[list[Path], int, int]:
+    """Files, frames and steps of a result."""
+    with fsipetsc.open_run(path) as result:
+        assert_prefix(result)
+        return sorted(path.with_suffix(".parts").glob("0*.h5")), result.nframes, len(result.series.get("t", ()))
+
+
+@pytest.mark.parametrize("whole", [True, False], ids=["joined", "in pieces"])
+@pytest.mark.parametrize("kept", [(0, 0), (4, 12), (5, 15), (9, 28), (12, 36)])
+def test_what_is_beyond_a_checkpoint_is_dropped(kept: tuple[int, int], whole: bool, tmp_path: Path) -> None:
+    """At the end of a piece or within one; the run goes on behind it."""
+    from mpi4py import MPI
+
+    from fsipetsc.output.writer import RunWriter
+
+    path, header = tmp_path / "run.h5", {**program.HEADER, "run": "this"}
+    program.write(str(path), 12, "blocks", header=header, join=whole)
+    before = held(path)
+    assert before[1:] == (12, 36) and bool(before[0]) != whole
+    for frames, rows, t in ((13, 36, 3.5), (12, 37, 3.5), (3, 9, 0.5)):
+        with pytest.raises(FileError, match="is not what the checkpoint goes on from"):
+            RunWriter(MPI.COMM_SELF, path, header, after=Kept(frames, rows, t), settle=lambda _: {})
+        assert held(path) == before
+    after = Kept(*kept, 0.1 * (kept[1] - 1))
+    writer = RunWriter(MPI.COMM_SELF, path, header, after=after, settle=lambda _: {})
+    assert (writer.nframes, writer.rows) == kept
+    writer.close()
+    with fsipetsc.open_run(path) as result:
+        assert (result.nframes, len(result.series.get("t", ()))) == kept and not result.complete
+        assert_frames(result, kept[0]) if kept[0] else None
+
+
+def test_earlier_results_are_kept(tmp_path: Path) -> None:
+    """Whole ones, and what a killed run has left; each with its number, by which it is read."""
+    path = tmp_path / "run.h5"
+    program.write(str(path), 1, "blocks", join=False)
+    (tmp_path / "run.2.h5").symlink_to("nowhere")
+    said = [run(PROGRAM, "blocks", path, n).stdout.split()[2:] for n in (2, 3)]
+    assert said == [["run.1.parts"], ["run.3.h5"]]
+    for name, n in [("run.1.h5", 1), ("run.3.h5", 2), ("run.h5", 3)]:
+        with fsipetsc.open_run(tmp_path / name) as result:
+            assert result.nframes == n
+
+
+def test_what_is_no_file_keeps_its_name(tmp_path: Path) -> None:
+    """A pipe, as a device would: neither renamed nor written to."""
+    os.mkfifo(tmp_path / "run.h5")
+    answer = run(PROGRAM, "refuse", tmp_path / "run.h5")
+    assert answer.stdout.startswith("1 4 ") and "exists and is not a regular file" in answer.stdout, answer
+    with pytest.raises(FileError, match="not a regular file"):
+        set_aside([tmp_path / "run.h5"], "run")
+    assert os.listdir(tmp_path) == ["run.h5"]
+
+
+def test_a_second_run_of_the_name_is_refused(tmp_path: Path) -> None:
+    from mpi4py import MPI
+
+    from fsipetsc.output.writer import RunWriter
+
+    path = tmp_path / "run.h5"
+    first = RunWriter(MPI.COMM_SELF, path, program.HEADER, settle=lambda _: {})
+    before = sorted(os.listdir(tmp_path / "run.parts"))
+    answer = run(PROGRAM, "refuse", path)
+    assert answer.stdout.startswith("1 4 ") and f"process {os.getpid()} on" in answer.stdout, answer
+    assert "-fsi_output" in answer.stdout and sorted(os.listdir(tmp_path / "run.parts")) == before
+    first.finish({"status": "done"})
+    assert run(PROGRAM, "blocks", path, 2).stdout.split()[-1] == "run.1.h5"
+
+
+def test_a_lock_is_what_was_locked(tmp_path: Path) -> None:
+    """A link is not followed; a lock whose folder has gone or got another name meanwhile is none."""
+    folder = tmp_path / "run.parts"
+    folder.mkdir()
+    (folder / "lock").symlink_to("elsewhere")
+    with pytest.raises(OSError, match="symbolic"):
+        Lock(folder, "run.h5")
+    (folder / "lock").unlink()
+    lock = Lock(folder, "run.h5")
+    with pytest.raises(FileError, match="another run is writing it"):
+        Lock(folder, "run.h5")
+    folder.rename(tmp_path / "run.1.parts")
+    other = Lock(folder, "run.h5")
+    lock.release(remove=True)
+    assert (folder / "lock").exists() and (tmp_path / "run.1.parts/lock").exists()
+    other.release(remove=True)
+    assert not folder.exists()
+
+
+FLIP = """
+import sys
+from pathlib import Path
+import fsipetsc
+from fsipetsc.errors import FileError
+content, path = Path(sys.argv[1]).read_bytes(), Path(sys.argv[2])
+fates = []
+for at in range(int(sys.argv[3]), len(content), 13):
+    path.write_bytes(content[:at] + bytes([content[at] ^ (1 << at % 8)]) + content[at + 1:])
+    try:
+        with fsipetsc.open_run(path) as run:
+            for layer in run.layers:
+                [layer[name] for name in layer.fields]
+            [run.series[name] for name in run.series]
+        fates.append(0)
+    except FileError:
+        fates.append(4)
+print(fates.count(0), fates.count(4), set(fates) - {0, 4})
+"""
+
+
+@pytest.mark.parametrize("start", [0, 6])
+def test_one_changed_byte_crashes_no_reader(start: int, finished: Path, tmp_path: Path) -> None:
+    """Each is read, or refused with status 4: metadata has checksums, numbers have none."""
+    done = run("-c", FLIP, finished, tmp_path / "run.h5", start)
+    assert (done.returncode, done.stderr) == (0, "")
+    read, refused, other = done.stdout.split(maxsplit=2)
+    assert int(read) > 100 and int(refused) > 100 and other == "set()\n", done.stdout

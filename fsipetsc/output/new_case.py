@@ -12,12 +12,11 @@ from pathlib import Path
 from fsipetsc.cases import BUILT_IN, template_text
 from fsipetsc.errors import FileError, InputError
 from fsipetsc.options import LONGEST_NAME
-from fsipetsc.output.claim import publish
 from fsipetsc.output.places import check_folder
 
 
 def new_case(name: str, commands: Sequence[str], blocks: bool = False) -> Path:
-    """Write the template of layers, or of blocks, as the file `name`, whole or not at all; its path.
+    """Write the template of layers, or of blocks, as the file `name`; its path.
 
     commands: names of the program's commands. InputError for a name that could not be run, or would hide something else;
     FileError where there is a file already, which is left as it is, or none can be written.
@@ -31,11 +30,14 @@ def new_case(name: str, commands: Sequence[str], blocks: bool = False) -> Path:
         for suffix in ("h5", "xdmf"):
             text = text.replace(f"NAME.{suffix}", f"{path.stem}.{suffix}")
     try:
-        written = not os.path.lexists(path) and publish(path, text.encode()) is not None
+        with open(path, "x", encoding="utf-8") as file:
+            file.write(text)
+    except FileExistsError:
+        raise FileError(
+            f"{name}: exists already, and nothing is overwritten; give another name, or move it away"
+        ) from None
     except OSError as error:
         raise FileError(f"{name}: cannot be written: {error.strerror}") from None
-    if not written:
-        raise FileError(f"{name}: exists already, and nothing is overwritten; give another name, or move it away")
     return path
 
 

@@ -10,17 +10,17 @@ Example::
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fsipetsc.checks import Array, counted
-from fsipetsc.errors import FileError
-from fsipetsc.output import file_layout, result_sources
+from fsipetsc.output import file_layout
 from fsipetsc.output.interface_line import InterfaceLine, along_face
+from fsipetsc.output.result_source import Damaged, Frames, Source, damage
 
 if TYPE_CHECKING:
     import xarray
@@ -47,9 +47,12 @@ class Run:
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
-        self.path = os.path.abspath(path)
+        name = os.fspath(path)
+        if name.endswith(".parts") and os.path.isdir(name):  # the pieces of a run that goes on or was killed
+            name = f"{name.removesuffix('.parts')}.h5"
+        self.path = os.path.abspath(name)
         with damage(os.fspath(path)):
-            self._source = result_sources.open_source(path)
+            self._source = Source(self.path, name)
             try:
                 self._read()
             except BaseException:
@@ -69,19 +72,18 @@ class Run:
         self.complete = self._source.complete and self.summary.get("status", "done") == "done"
         errors = {kind: _Named("error", values) for kind, values in self._source.errors.items()}
         self.errors: dict[str, dict[str, float]] = _Named("layer kind with errors", errors)
-        chunks = [_chunks(self._source, i) for i in range(len(self.header["layers"]))]
+        chunks = [self._source.frames(i) for i in range(len(self.header["layers"]))]
         time = self._source.time()
         self.nframes = min([len(time), *(_covered(c) for c in chunks)])
         self.time: Array = time[: self.nframes]
         if not np.all(np.isfinite(self.time)) or np.any(np.diff(self.time) < 0):
-            raise result_sources.Damaged("the times of its frames are not ascending numbers")
+            raise Damaged("the times of its frames are not ascending numbers")
         self.dimension = int(self.header.get("dimension", 1))
         self.layers = tuple(
             self._layer(entry)(self.path, entry, own, self.nframes) for entry, own in zip(self.header["layers"], chunks)
         )
         self.blocks = _Named("block", {layer.name: layer for layer in self.layers if isinstance(layer, BlockLayer)})
-        series = self._source.series()
-        self.series: Mapping[str, Array] = Arrays(self.path, "series", series.names, series.read)
+        self.series: Mapping[str, Array] = Arrays(self.path, "series", self._source.series, self._source.column)
 
     def _layer(self, entry: Mapping[str, Any]) -> Any:
         """What kind of layer an entry of the header tells of."""
@@ -165,7 +167,7 @@ class Layer(Arrays):
     x            (nframes, n) Eulerian positions
     """
 
-    def __init__(self, path: str, entry: Mapping[str, Any], chunks: list[_Chunk], nframes: int) -> None:
+    def __init__(self, path: str, entry: Mapping[str, Any], chunks: list[Frames], nframes: int) -> None:
         self.name: str = entry["name"]
         self.kind: str = entry["kind"]
         self.fields = file_layout.columns(entry)
@@ -174,7 +176,7 @@ class Layer(Arrays):
         self._chunks = [chunk for chunk in chunks if chunk.first < nframes]
         for chunk in self._chunks:
             if chunk.dataset.shape != (len(chunk.X), chunk.count * len(self.fields)):
-                raise result_sources.Damaged(f"frames of layer {self.name!r} have the shape {chunk.dataset.shape}")
+                raise Damaged(f"frames of layer {self.name!r} have the shape {chunk.dataset.shape}")
         self.X, self.h = _merge_grids(self._chunks)
 
     @property
@@ -228,15 +230,19 @@ class BlockLayer(Arrays):
     x, y, z              (nframes, …) positions
     """
 
-    def __init__(self, path: str, entry: Mapping[str, Any], chunks: list[_Chunk], nframes: int) -> None:
+    def __init__(self, path: str, entry: Mapping[str, Any], chunks: list[Frames], nframes: int) -> None:
         self._points = Layer(path, entry, chunks, nframes)
         self.name, self.kind, self.fields = self._points.name, self._points.kind, self._points.fields
         super().__init__(path, f"field in block {self.name!r}", self.fields, self._read_field)
         self.shape = tuple(int(n) for n in entry["shape"])
         d = len(self.shape)
-        places = chunks[0].places if chunks else np.full((int(np.prod(self.shape)), d), np.nan)
-        if places is None or places.shape != (int(np.prod(self.shape)), d):
-            raise result_sources.Damaged(f"places of block {self.name!r} are missing")
+        if not chunks:  # nor is anything known of the places
+            self.places, self.periodic = np.empty((*(0,) * d, d)), (False,) * d
+            self.X = self.Y = self.Z = np.empty(0)
+            return
+        places = chunks[0].places
+        if places is None or places.shape != (math.prod(self.shape), d):
+            raise Damaged(f"places of block {self.name!r} are missing")
         self.places = places.reshape(*self.shape, d)
         self.periodic = tuple(entry.get("periodic", [False] * d)[::-1])
         full = [self.places[..., axis] for axis in range(d)]
@@ -308,63 +314,31 @@ class _Named(dict[str, Any]):
         raise KeyError(_unknown(self._what, name, self))
 
 
-class _Chunk:
-    """Some consecutive frames of a layer, in one dataset."""
-
-    def __init__(self, first: int, count: int, dataset: result_sources.Dataset, X: Array) -> None:
-        numbers = X if X.ndim == 1 else X[:, 0]
-        self.first, self.count, self.dataset, self.X = first, count, dataset, numbers
-        self.places = None if X.ndim == 1 else X[:, 1:]  # of blocks
-        self.place = slice(0, len(X))  # of its grid in the largest one
-
-
 def open_run(path: str | os.PathLike[str]) -> Run:
     """Open a result file. Raises FileError if there is none, it is not a result of fsipetsc, or it is damaged."""
     return Run(path)
 
 
-@contextmanager
-def damage(path: str, what: str = "") -> Iterator[None]:
-    """Whatever goes wrong while a file is read says that it is damaged: there is no end to what it may contain then."""
-    try:
-        yield
-    except FileError:
-        raise
-    except MemoryError as error:
-        raise FileError(f"{path}: {what or 'its content'} does not fit into memory") from error
-    except Exception as error:
-        of = f"{what} cannot be read: " if what else ""
-        reason = " ".join(str(error).split())
-        if not isinstance(error, (result_sources.Damaged, OSError, ValueError)):
-            reason = f"{type(error).__name__}: {reason}"
-        raise FileError(f"{path}: {of}the file is damaged{', or was closed before' if what else ''}: {reason}") from error
-
-
 def _check_header(header: Mapping[str, Any]) -> None:
     """Raise Damaged if what the reader and its users rely on is not there, or something else."""
-    layers: Any = header.get("layers")
+
+    def texts(values: Any) -> bool:
+        return isinstance(values, (list, tuple)) and all(isinstance(value, str) for value in values)
+
+    layers, names = header.get("layers"), ("interfaces", "notes")
     good = isinstance(header.get("case"), str) and isinstance(header.get("options"), dict) and isinstance(layers, list)
-    good = good and all(isinstance(name, str) for name in header.get("interfaces", ()))
+    good = good and all(texts(header.get(name, ())) for name in names) and isinstance(header.get("created", ""), str)
+    good = good and all(isinstance(name, str) and len(X) >= 0 for name, X in header.get("points", ()))
     for layer in layers if good else ():
         good = good and isinstance(layer["name"], str) and layer["kind"] in ("fluid", "solid")
-        good = good and len(layer["fields"]) > 0 and all(isinstance(name, str) for name in layer["fields"])
+        good = good and texts(layer["fields"]) and len(layer["fields"]) > 0
+        shape = layer.get("shape", [1])
+        good = good and isinstance(shape, list) and all(type(n) is int and 0 < n for n in shape) and len(shape) <= 3
     if not good:
-        raise result_sources.Damaged("its header does not tell case, options and layers")
+        raise Damaged("its header does not tell case, options and layers")
 
 
-def _chunks(source: result_sources.Finished | result_sources.Unfinished, layer: int) -> list[_Chunk]:
-    """What there is of a layer's frames, in their order, from all segments."""
-    grids: dict[bytes, Array] = {}  # one array for each
-    found = []
-    for first, count, dataset, X in source.frames(layer):
-        numbers = X if X.ndim == 1 else X[:, 0]
-        if not len(X) or not np.all(np.isfinite(X)) or np.any(np.diff(numbers) <= 0):
-            raise result_sources.Damaged(f"a grid of layer {layer + 1} is not ascending numbers")
-        found.append(_Chunk(first, count, dataset, grids.setdefault(X.tobytes(), X)))
-    return sorted(found, key=lambda chunk: chunk.first)
-
-
-def _covered(chunks: list[_Chunk]) -> int:
+def _covered(chunks: list[Frames]) -> int:
     """Number of frames from the first on that are there without a gap."""
     n = 0
     for chunk in chunks:
@@ -373,7 +347,7 @@ def _covered(chunks: list[_Chunk]) -> int:
     return n
 
 
-def _merge_grids(chunks: list[_Chunk]) -> tuple[Array, float]:
+def _merge_grids(chunks: list[Frames]) -> tuple[Array, float]:
     """The grid that contains all of them, and its spacing; sets the chunks' places in it."""
     if not chunks:
         return np.empty(0), np.nan
@@ -390,7 +364,7 @@ def _merge_grids(chunks: list[_Chunk]) -> tuple[Array, float]:
     for grid in sorted(grids, key=len):
         merged[place(grid)] = grid
     if any(np.max(np.abs(merged[place(grid)] - grid)) > 0.01 * h for grid in grids) or np.isnan(merged).any():
-        raise result_sources.Damaged("its grids do not fit together")
+        raise Damaged("its grids do not fit together")
     for chunk in chunks:
         chunk.place = place(chunk.X)
     return merged, h

@@ -5,42 +5,40 @@ from __future__ import annotations
 import datetime
 import os
 import uuid
-import weakref
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from mpi4py import MPI
 
-from fsipetsc.errors import FileError, InputError
+from fsipetsc.errors import InputError
 from fsipetsc.output import checkpoint_file
 from fsipetsc.output.checkpoint_file import Checkpoint
-from fsipetsc.output.claim import Claim, set_aside
-from fsipetsc.output.continued import Kept
 from fsipetsc.output.file_layout import describe
+from fsipetsc.output.lock import set_aside
+from fsipetsc.output.pieces import Kept, folder_of
 from fsipetsc.process.together import together
-from fsipetsc.stepping.restart import AUTO, Past, check_unchanged, checkpoint_name, described, is_of_another, remove_abandoned
+from fsipetsc.stepping.restart import Past, check_unchanged, checkpoint_name, described, is_of_another, remove_abandoned
 from fsipetsc.stepping.snapshot import RATES
 from fsipetsc.stepping.state import State
 from fsipetsc.stepping.versions import versions
 
 
 class CheckpointKeeper:
-    """Writes the checkpoints of a run, which alone may write these until `close`. Collective on comm.
+    """Writes the checkpoints of a run. Collective on comm. FileError, InputError where none could be written.
 
-    FileError, InputError where none could be written, or another run writes its own there.
+    Two runs with results of different names and one name for their checkpoints are the user's to avoid.
 
     path: of the file. past: what the run goes on from. run: what the header of the result says of the run: "run", by which
     result and checkpoint know each other, when it was "created", and the "restarts" since. arrays: of the checkpoint that it
-    goes on from.
+    goes on from. kept: on rank 0, lines on what has got another name.
     """
 
     def __init__(self, comm: MPI.Comm, name: str, opt: Mapping[str, Any], state: State, past: Past | None) -> None:
         self._comm, self._name, self._opt, self._state, self.past = comm, name, opt, state, past
         self.path = checkpoint_name(opt["fsi_checkpoint"], opt["fsi_output"])
-        self.close: Callable[[], None] = lambda: None
-        self.kept: list[Path] = []  # on rank 0: new names of checkpoints of other runs
+        self.kept: list[str] = []
         together(comm, self._check)
         self.run = self._begin() if past is None else self._go_on(past)
         self.arrays = {} if past is None else dict(past.arrays)
@@ -55,31 +53,8 @@ class CheckpointKeeper:
         result = os.path.realpath(self._opt["fsi_output"])
         if result in map(os.path.realpath, (self.path, checkpoint_file.previous(self.path))):
             raise InputError(f"-fsi_checkpoint {self.path}: that is where the result goes; give it another name")
-        asked = any(self._opt[name] for name in ("fsi_checkpoint", "fsi_checkpoint_steps", "fsi_checkpoint_wall"))
-        if asked:
+        if any(self._opt[name] for name in ("fsi_checkpoint", "fsi_checkpoint_steps", "fsi_checkpoint_wall")):
             checkpoint_file.check_place(self.path)
-        if asked or os.access(os.path.dirname(result), os.W_OK | os.X_OK):  # else the result says what is wrong
-            self._claim(asked)
-            checkpoint_file.tidy(self.path)
-        if self.past is not None or self._opt["fsi_restart"] == AUTO:  # who had the right to write until now may have written
-            try:
-                check_unchanged(self.past, self.path)
-            except FileError:
-                self.close()
-                raise
-
-    def _claim(self, asked: bool) -> None:
-        """Let no other run write there: one that has the same result, or one whose result has a name that begins like it."""
-        named, output = self._opt["fsi_checkpoint"], self._opt["fsi_output"]
-        own = f"{output}: another run is writing it, or its checkpoints"
-        what = f"{named}: another run writes its checkpoints" if named else own
-        try:
-            claimed = Claim(Path(os.path.realpath(self.path)), what, "-fsi_checkpoint" if named else "-fsi_output")
-        except OSError as error:
-            if not asked:  # the result will say it, if it is so there, too
-                return
-            raise FileError(f"{self.path}: no checkpoint can be written there: {error.strerror}") from None
-        self.close = weakref.finalize(self, claimed.release)
 
     def _begin(self) -> dict[str, Any]:
         created = datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds")
@@ -99,28 +74,30 @@ class CheckpointKeeper:
         frames, rows = self.past.header["result"]
         return Kept(int(frames), int(rows), float(self.past.header["memory"]["t"]))
 
-    def settle(self, earlier: Path | None) -> Path | None:
+    def settle(self, earlier: list[Path]) -> dict[Path, Path]:
         """From now on there is nothing beyond the checkpoint that the run goes on from, nor one of another run in the way.
 
-        earlier: a result of this name that is to be kept, None if there is none: it gets the same number as checkpoints that
-        are named after it (fsipetsc.output.claim). Returns its new name, None if it has none yet. On rank 0. FileError.
+        earlier: what there is of a result of this name that is to be kept: it gets the same number as checkpoints that
+        are named after it. Returns old -> new names. On rank 0, when no other run may write the result. FileError.
         """
+        if self._opt["fsi_restart"]:  # who had the right until now may have written
+            check_unchanged(self.past, self._opt["fsi_restart"], self.path)
         if self.past is not None:
             remove_abandoned(self.past, self.path)
         result, newest = (Path(os.path.realpath(path)) for path in (self._opt["fsi_output"], self.path))
+        checkpoint_file.draft_of(newest).unlink(missing_ok=True)  # of a run that was killed
         own = [newest, checkpoint_file.previous(newest)]
         others = [file for file in own if is_of_another(file, self.past)]
-        named_after = newest.parent == result.parent and newest.name.startswith(f"{result.stem}.")
-        files = [*others, earlier] if earlier is not None and named_after else others
-        if not files:
-            return None
-        try:
-            kept = set_aside(files, result.stem if named_after else newest.stem, [result, *own] if named_after else own)
-        except OSError as error:
-            fault = f"{error.filename}: {error.strerror}"
-            raise FileError(f"{result}: what an earlier run has left cannot be kept under another name: {fault}") from None
-        self.kept = [kept[file] for file in others if file in kept]
-        return None if earlier is None else kept.get(earlier)
+        if newest.parent == result.parent and newest.name.startswith(f"{result.stem}."):
+            names = set_aside([*earlier, *others], result.stem, [result, folder_of(result), *own])
+        else:
+            names = set_aside(earlier, result.stem, [result, folder_of(result)]) | set_aside(others, newest.stem, own)
+        if earlier:
+            kept = names[earlier[0]].with_suffix(result.suffix)
+            self.kept.append(f"kept the earlier {self._opt['fsi_output']} as {kept}")
+        if others:
+            self.kept.append(f"kept earlier checkpoints as {', '.join(str(names[file]) for file in others)}")
+        return names
 
     def lines(self) -> list[str]:
         """What is to be said of the checkpoint that the run goes on from."""

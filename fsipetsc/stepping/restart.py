@@ -7,7 +7,6 @@ only if the command line itself says so, not a file of options of former days (S
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from pathlib import Path
@@ -30,21 +29,15 @@ FREE = OF_A_RUN | {
 STEPS = ({option.name for option in PETSC_OPTIONS} | {"fsi_cfl"}) - FREE
 AUTO = "auto"
 _Found = tuple[str, Checkpoint, list[str]]  # path, content, notes
-_Seen = dict[str, tuple[int, ...] | None]
 
 
 class Past(NamedTuple):
-    """What a run goes on from; the same on all ranks.
-
-    notes: lines that are to be said. seen: file -> what it was (`_identity`) when this was read: the one that was read, and
-    those where the run will write its checkpoints.
-    """
+    """What a run goes on from; the same on all ranks. notes: lines that are to be said."""
 
     path: str
     header: dict[str, Any]
     arrays: dict[str, np.ndarray]
     notes: list[str]
-    seen: _Seen
 
     @property
     def options(self) -> dict[str, Any]:
@@ -63,57 +56,37 @@ def find_past(case: Any, given: Mapping[str, Given], comm: MPI.Comm) -> Past | N
     if asked is None:
         return None
     options = table(case)
-    name = options["fsi_restart"].parse(asked.text)
-    found, seen = together(comm, lambda: _find(name, options, given) if comm.rank == 0 else (None, {}))
-    past = _known_to_all(found, seen, comm)
+    values = {
+        name: options[name].parse(given[name].text) if name in given else options[name].default
+        for name in ("fsi_restart", "fsi_checkpoint", "fsi_output")
+    }
+    own = checkpoint_name(values["fsi_checkpoint"], values["fsi_output"])
+    found = together(comm, lambda: _find(values["fsi_restart"], own) if comm.rank == 0 else None)
+    past = _known_to_all(found, comm)
     if past is not None and past.header["case"] != case.NAME:
         raise InputError(f"-fsi_restart: {past.path} is a checkpoint of the case {past.header['case']}, not of {case.NAME}")
     return past
 
 
-def _find(name: str, options: Mapping[str, Any], given: Mapping[str, Given]) -> tuple[_Found | None, _Seen]:
-    """What -fsi_restart NAME asks for. Of each file is noted what it is before it is read."""
-    if name == AUTO:
-        own = _own_name(options, given, {})
-        seen = _look_at(own, checkpoint_file.previous(own))
-        return _newest(own), seen
-    seen = _look_at(name)
-    found = _named(name)
-    own = _own_name(options, given, found[1].header.get("options", {}))
-    return found, _look_at(own, checkpoint_file.previous(own)) | seen
+def _find(asked: str, own: str) -> _Found | None:
+    """What -fsi_restart asks for; own: where the run will write its checkpoints."""
+    return _newest(own) if asked == AUTO else _named(asked)
 
 
-def _own_name(options: Mapping[str, Any], given: Mapping[str, Given], inherited: Mapping[str, Any]) -> str:
-    """Where the run will write its checkpoints."""
-    names = "fsi_checkpoint", "fsi_output"
-    values = (
-        options[name].parse(given[name].text) if name in given else inherited.get(name, options[name].default) for name in names
-    )
-    return checkpoint_name(*values)
-
-
-def _look_at(*paths: str | Path) -> _Seen:
-    return {str(path): _identity(path) for path in paths}
-
-
-def _identity(path: str | Path) -> tuple[int, ...] | None:
-    """What is another one as soon as something else is written there; None where there is no file."""
-    try:
-        status = os.stat(path)
-    except OSError:
-        return None
-    return status.st_dev, status.st_ino, status.st_mtime_ns, status.st_size
-
-
-def check_unchanged(past: Past | None, path: str) -> None:
+def check_unchanged(past: Past | None, asked: str, own: str) -> None:
     """FileError if another run has written checkpoints since those were looked for that this one goes on from.
 
-    past: None if -fsi_restart auto has found none. path: where this run will write its own. On rank 0.
+    past: None if -fsi_restart auto has found none. On rank 0, when no other run may write there any more.
     """
-    seen = dict.fromkeys((path, str(checkpoint_file.previous(path)))) if past is None else past.seen
-    for name, before in seen.items():
-        if _identity(name) != before:
-            raise FileError(f"{name}: has changed since it was read: another run has gone on; start again")
+    found = _find(asked, own)
+    now, before = found and _identity(found[1].header), past and _identity(past.header)
+    if now != before:
+        changed = own if past is None else past.path
+        raise FileError(f"{changed}: has changed since it was read: another run has gone on; start again")
+
+
+def _identity(header: Mapping[str, Any]) -> tuple[Any, ...]:
+    return _run(header), header["memory"]["steps"], header["memory"]["t"]
 
 
 def remove_abandoned(past: Past, path: str) -> None:
@@ -186,20 +159,20 @@ def _good(path: Path) -> tuple[Checkpoint | None, str]:
         return None, str(error)
 
 
-def _known_to_all(found: _Found | None, seen: _Seen, comm: MPI.Comm) -> Past | None:
+def _known_to_all(found: _Found | None, comm: MPI.Comm) -> Past | None:
     """What rank 0 has found. Collective."""
     shapes = None
     if found is not None:
         shapes = {name: (array.shape, array.dtype.str) for name, array in found[1].arrays.items()}
-    told = comm.bcast(None if found is None else (found[0], found[1].header, found[2], seen, shapes))
+    told = comm.bcast(None if found is None else (found[0], found[1].header, found[2], shapes))
     if told is None:
         return None
-    path, header, notes, seen, shapes = told
+    path, header, notes, shapes = told
     arrays = {}
     for name, (shape, kind) in shapes.items():
         arrays[name] = np.ascontiguousarray(found[1].arrays[name]) if found is not None else np.empty(shape, kind)
         comm.Bcast(arrays[name].view(np.uint8).reshape(-1) if arrays[name].size else np.empty(0, np.uint8))
-    return Past(path, header, arrays, notes, seen)
+    return Past(path, header, arrays, notes)
 
 
 def check_options(past: Past, opt: Mapping[str, Any], given: Mapping[str, Given]) -> None:

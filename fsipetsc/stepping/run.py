@@ -69,11 +69,10 @@ def run_case(case: Any, options: dict[str, Any], comm: MPI.Comm, past: Past | No
             if past is not None:
                 check_problem(past, problem, describe(state.journal.dtype))
             state.check_data()  # before there is a file
-        with closing(CheckpointKeeper(comm, case.NAME, options, state, past)) as keeper:
-            with phases(SET_UP):
-                run = _Run(case, options, comm, phases, state, keeper, start)
-            with asks(run.integrator.pauses), ends(run.integrator.pauses):
-                run.go()
+            keeper = CheckpointKeeper(comm, case.NAME, options, state, past)
+            run = _Run(case, options, comm, phases, state, keeper, start)
+        with closing(run.writer), asks(run.integrator.pauses), ends(run.integrator.pauses):
+            run.go()
 
 
 class _Run:
@@ -251,10 +250,8 @@ class _Run:
 
     def go(self) -> None:
         opt, integrator = self.opt, self.integrator
-        if self.writer.kept_as is not None:
-            self.report.line(f"kept the earlier {opt['fsi_output']} as {self.writer.kept_as}")
-        if self.keeper.kept:
-            self.report.line(f"kept earlier checkpoints as {', '.join(map(str, self.keeper.kept))}")
+        for line in self.keeper.kept:
+            self.report.line(line)
         failure: FsiError | None = None
         good = ""
         found: dict[str, dict[str, float]] | None = None
@@ -291,15 +288,17 @@ class _Run:
         finally:
             self.report.clear()
         summary = self._summary(failure)
-        self.writer.finish(summary, found)
-        self.report.end(summary, found, self.writer.path)
+        stopped = bool(integrator.stop_signal) or integrator.out_of_time  # then there may be no time to join it
+        self.writer.finish(summary, found, join=not stopped)
+        where = f"{self.writer.folder} (opened as {self.writer.path.name})" if stopped else str(self.writer.path)
+        self.report.end(summary, found, where)
         if failure is not None:
             failure.args = (f"{failure}; what was computed before is in {self.writer.path}{good}",)
             raise failure
         if integrator.stop_signal:
             number = integrator.stop_signal
             name, s = signal.Signals(number).name, self.problem.unit("s")
-            kept = f"the result so far is in {self.writer.path}, the checkpoint in {self.keeper.path}"
+            kept = f"the result so far is in {where}, the checkpoint in {self.keeper.path}"
             raise Interrupted(number, f"stopped by {name} at t = {integrator.t:.6g}{s}; {kept}")
 
     def _rescue(self, error: BaseException) -> None:
