@@ -81,8 +81,8 @@ def call(function: Callable[..., Any], arguments: tuple[Any, ...], where: str) -
     except (KeyboardInterrupt, MemoryError):
         raise
     except BaseException as error:  # SystemExit of one rank would leave the others waiting
-        if isinstance(error, FsiError) and getattr(function, "__module__", "").startswith("fsipetsc.cases."):
-            raise  # it is about an option
+        if isinstance(error, FsiError) and getattr(function, "__module__", "").startswith("fsipetsc."):
+            raise  # it is about an option, or explained already
         raise _explained(error, function, where) from error
 
 

@@ -142,7 +142,6 @@ FAULTS: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "wall at a text": ("Dirichlet(0.0, values, 2)", "Wall('left')", ("Wall: x is 'left'",)),
     "open to no pressure": ("Dirichlet(0.0, values, 2)", "Open(0.0, -1e5, 300.0)", ("Open: p0 is -100000",)),
     "values are numbers": ("Dirichlet(0.0, values, 2)", "Dirichlet(0.0, (1, 0, 300), 2)", ("values is (1, 0, 300)", "function")),
-    "an open end elsewhere": ("Dirichlet(0.0, values, 2)", "Open(0.35, 1e5, 300.0)", ("LINE FluidLayer(", "'air'", "x = 0.35", "X[0] = 0", "x = 1")),
     "wall beyond the interface": ("Dirichlet(0.0, values, 2)", "Wall(1.5)", ("LINE FluidLayer(", "'air'", "x = 1.5")),
     "units": ("jumps=jumps,", "units='cgs',", ("units is 'cgs'", "'SI' or 'none'")),
     "notes is a text": ('notes=("a note",)', 'notes="a note"', ("notes is 'a note'", "tuple")),

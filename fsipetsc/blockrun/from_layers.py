@@ -37,6 +37,8 @@ def blocks_of_line(problem: Problem, h: float, order: int) -> BlockProblem:
         at_end = {0: k == 0, 1: k == len(problem.layers) - 1}
         outer = {side: end for side, end in ends.items() if at_end[side]}
         low = layer.X[0] if k == 0 else problem.layers[k - 1].X[1]
+        X = np.linspace(*layer.X, 1 + max(1, round((layer.X[1] - layer.X[0]) / h)))
+        given.initial(layer, X, slice(None))  # what is wrong is found before it is used
         if isinstance(layer, SolidLayer):
             blocks.append(_solid_block(layer, (low, layer.X[1]), h))
             found = {side: _solid_end(end, layer, side) for side, end in outer.items()}
@@ -53,7 +55,7 @@ def blocks_of_line(problem: Problem, h: float, order: int) -> BlockProblem:
 
 def _check_motion(problem: Problem, layer: FluidLayer, side: int, h: float) -> None:
     """InputError if a wall's velocity is not the rate of its place until sound has gone h."""
-    rho, _, T = (float(np.ravel(v)[0]) for v in layer.initial(np.array([layer.X[side]])))
+    rho, _, T = (float(v[0]) for v in given.fields(layer, "initial", np.array([layer.X[side]]), 0.0))
     sound = layer.material.sound_speed(T, rho) if min(rho, T) > 0.0 else 1.0
     given.check_motion(problem, side, 0.0, h / float(sound))
 
@@ -76,7 +78,7 @@ def _gas_grid(
             found[side] = float(end.x)
     if not found[0] < found[1]:
         raise InputError(
-            f"layer '{layer.name}' would begin at x = {found[0]:g} and end at {found[1]:g}: "
+            f"{layer.place}layer '{layer.name}' would begin at x = {found[0]:g} and end at {found[1]:g}: "
             "expected its ends in the order of X"
         )
     return found[0], found[1]
@@ -86,8 +88,11 @@ def _gas_block(layer: FluidLayer, grid: tuple[float, float], h: float, order: in
     """The functions of the layer go with the points of its X, wherever its grid begins and ends."""
     (a, b), (low, high) = layer.X, grid
 
-    def of_grid(function: Function | None) -> Function | None:
-        if function is None or (a, b) == (low, high):
+    def of_grid(what: str) -> Function | None:
+        if getattr(layer, what) is None:
+            return None
+        function = asked(layer, what)
+        if (a, b) == (low, high):
             return function
         return lambda x, *t: function(a + (x - low) / (high - low) * (b - a), *t)
 
@@ -97,10 +102,20 @@ def _gas_block(layer: FluidLayer, grid: tuple[float, float], h: float, order: in
         gas_of(layer.material, (layer.material.force,)),
         rectangle(low, high),
         (cells,),
-        of_grid(layer.initial),
-        of_grid(layer.forcing),
-        of_grid(layer.exact),
+        of_grid("initial"),
+        of_grid("forcing"),
+        of_grid("exact"),
     )
+
+
+def asked(layer: FluidLayer | SolidLayer, what: str) -> Function:
+    """layer.initial, exact or forcing, checked: what is wrong is said of the layer. InputError."""
+
+    def called(X: Array, t: float = 0.0) -> list[Array]:
+        return given.fields(layer, what, X, t)
+
+    called.__wrapped__ = getattr(layer, what)
+    return called
 
 
 def _solid_block(layer: SolidLayer, X: tuple[float, float], h: float) -> Block:
@@ -120,10 +135,10 @@ def _solid_block(layer: SolidLayer, X: tuple[float, float], h: float) -> Block:
         line_solid_of(layer.material, 0.0 if uniform is None else -uniform),
         rectangle(*X),
         (cells,),
-        _without_stress(layer.initial),
+        _without_stress(asked(layer, "initial")),
         _forces_alone(layer),
-        layer.exact and _without_stress(layer.exact),
-        exact_stress=layer.exact and (lambda X, t: (layer.exact(X, t)[1],)),
+        layer.exact and _without_stress(asked(layer, "exact")),
+        exact_stress=layer.exact and (lambda X, t: (asked(layer, "exact")(X, t)[1],)),
         **({"prestress": stress} if uniform is None else {}),
     )
 
@@ -135,7 +150,7 @@ def _without_stress(function: Function) -> Function:
         u, _, T, x = function(*where)
         return u, T, x
 
-    called.__wrapped__ = function
+    called.__wrapped__ = function.__wrapped__
     return called
 
 
@@ -145,7 +160,7 @@ def _forces_alone(layer: SolidLayer) -> Function | None:
         return None
 
     def called(X: Array, t: float) -> Any:
-        u, sigma, T, x = layer.forcing(X, t)
+        u, sigma, T, x = asked(layer, "forcing")(X, t)
         if np.any(np.abs(sigma) > 1e-9 * layer.material.K):  # but for round-off
             raise InputError(
                 f"forcing of layer '{layer.name}' at t = {t:.6g}: sigma has a right-hand side, but "
@@ -154,6 +169,7 @@ def _forces_alone(layer: SolidLayer) -> Function | None:
             )
         return u, T, x
 
+    called.__wrapped__ = layer.forcing
     return called
 
 
