@@ -144,6 +144,9 @@ class StubScheme:
         assert part is not None
         return found
 
+    def at_end(self, y, k, row, found):
+        found[:2] = y.owned(k)[row, :2]
+
     def destroy(self):
         for exchange, _, _ in self._exchanges:
             exchange.destroy()

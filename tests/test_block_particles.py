@@ -210,6 +210,6 @@ def test_constraints_that_others_imply_get_no_force():
     n = np.array([[1.0, 0.0], [0.6, 0.8], [0.3, 0.4 + 1e-12]])
     A, x = n @ n.T, n @ np.array([2.0, 3.0])
     found = x.copy()
-    eliminate.py_func(A.copy(), found, np.zeros(3))
+    eliminate.py_func(3, A.copy(), found, np.zeros(3))
     assert found[2] == 0.0 and np.abs(found).max() < 10.0
     assert np.allclose(A @ found, x, rtol=0.0, atol=1e-9)

@@ -156,7 +156,7 @@ def test_what_a_result_has(runs):
         assert list(run.errors) == ["fluid", "solid"] and "w" in run.errors["fluid"]
     with fsipetsc.open_run(folder / "1d_1.h5") as run:
         assert run.blocks["gas"]["rho"].shape == (run.nframes, 13)
-        assert run.blocks["plate"].fields == ("u", "T", "sigma", "x")
+        assert run.blocks["plate"].fields == ("u", "T", "sigma", "x", "p")
         assert run.blocks["plate"].h == pytest.approx(0.5 / 12)
         assert run.series["x_interface"][-1] == run.blocks["plate"].x[-1, 0]
         assert run.series["u_interface"][-1] == run.blocks["plate"]["u"][-1, 0]

@@ -184,6 +184,11 @@ class Scheme:
         """(M,) det F of this rank's nodes of the solid block k."""
         return self.parts[k].volume_ratio(y.ghosted(k))
 
+    def at_end(self, y: BlockVector, k: int, row: int, found: Array) -> None:
+        """Fill found with x - X, v, sigma, T of an owned node of the solid block k, in one dimension.
+        """
+        self.parts[k].at_end(y.ghosted(k), row, found)
+
     def fields(self, t: float, y: BlockVector, k: int) -> Array:
         """(M, columns) what is saved of this rank's nodes of block k."""
         return self.parts[k].fields(y.ghosted(k))

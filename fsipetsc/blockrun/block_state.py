@@ -76,10 +76,11 @@ def _call_all(scheme: Any, y: BlockVector, t: float) -> None:
     scheme.rates(t, y, np.zeros_like(y.array))
     scheme.bounds(t, y)
     scheme.integrals(t, y)
-    for k, part in scheme.parts.items():
-        scheme.fields(t, y, k)
-        if scheme.dimension == 1 and part.block.kind == "solid":
-            part.at_end(y.ghosted(k), 0, np.zeros((len(OF_INTERFACES), 2))[:, 0])
+    problem = scheme.layout.problem
+    for part in scheme.layout.parts:
+        scheme.fields(t, y, part.k)
+        if problem.dimension == 1 and problem.blocks[part.k].kind == "solid":
+            scheme.at_end(y, part.k, 0, np.zeros((len(OF_INTERFACES), 2))[:, 0])
 
 
 class BlockState:
@@ -328,7 +329,7 @@ class BlockState:
             self._latest[self._columns[name]] = share
         for number, k, row, X in self._ends:
             at_end = self._at_ends[:, number]
-            self.scheme.parts[k].at_end(self.y.ghosted(k), row, at_end)
+            self.scheme.at_end(self.y, k, row, at_end)
             at_end[0] += X
         self._recorder.look(self.latest)
         came = self.y.behind  # in the order of the last columns
