@@ -140,7 +140,9 @@ class StubScheme:
             found[:, 1 + d], found[:, 3 + d] = q[:, -1], q[:, 0]
             found[:, -d:] = X
         else:
-            found[:, :d], found[:, d], found[:, -d:] = q[:, d : 2 * d], q[:, -1], X + q[:, :d]
+            found[:, :d], found[:, d] = q[:, d : 2 * d], q[:, -1]
+            x = columns.index("x")
+            found[:, x : x + d] = X + q[:, :d]
         assert part is not None
         return found
 
