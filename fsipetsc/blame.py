@@ -190,9 +190,9 @@ def place_of_caller() -> str:
 
 def place_of(function: Callable[..., Any]) -> str:
     """"file, line N" where a function is defined; its description if that is not known."""
-    while isinstance(function, partial):
-        function = function.func
-    for found in (function, getattr(function, "__wrapped__", None), type(function).__call__):
+    while isinstance(function, partial) or hasattr(function, "__wrapped__"):
+        function = function.func if isinstance(function, partial) else function.__wrapped__
+    for found in (function, type(function).__call__):
         code = getattr(found, "__code__", None)
         if code is not None:
             return f"{short(code.co_filename)}, line {code.co_firstlineno}"

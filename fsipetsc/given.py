@@ -67,16 +67,9 @@ def end_data(problem: Problem, side: int, t: float) -> Sequence[float]:
     """The data of the left (0) or right (1) end at time t [s]. InputError."""
     end = (problem.left, problem.right)[side]
     functions = in_time(end)
-    if "value" in functions:
-        return [_at(functions["value"], "value", side, t)]
-    if "values" not in functions:
-        return end.data(t)
-    function, where = functions["values"], _of_end("values", side, t)
-    found = _scalars(_asked(function, (t,), where), ("rho", "u", "T"), function, where)
-    for name, value in zip(("rho", "T"), found[::2], strict=True):
-        if not value > 0:
-            raise _fault(function, where, f"{name} = {value:.6g}: expected a number above 0")
-    return found
+    for name in functions.keys() & {"value", "values"}:
+        return at_end(functions[name], name, side, t)
+    return end.data(t)
 
 
 def end_heat(problem: Problem, side: int, t: float) -> float:
@@ -84,11 +77,23 @@ def end_heat(problem: Problem, side: int, t: float) -> float:
     kind, value = heat_of((problem.left, problem.right)[side])
     if not callable(value):
         return value
-    name = "T" if kind == GIVEN_T else "heat_flux"
-    found = _at(value, name, side, t)
-    if kind == GIVEN_T and not found > 0:
-        raise _fault(value, _of_end(name, side, t), f"T = {found:.6g}: expected a number above 0")
-    return found
+    return at_end(value, "T" if kind == GIVEN_T else "heat_flux", side, t)[0]
+
+
+def at_end(function: Callable[..., Any], name: str, side: int, t: float) -> list[float]:
+    """What a function of the left (0) or right (1) end returns at time t [s]: rho, u, T if it is `values`, else one number.
+
+    InputError, perhaps on this rank alone; rho and T must be above 0.
+    """
+    early = " (where it is asked for because no velocity is given)" if t < 0 and name == "x" else ""
+    where = f"{name} of the {('left', 'right')[side]} end at t = {t:.6g}{early}"
+    found = _asked(function, (t,), where)
+    names, found = (UNKNOWNS["fluid", "exact"], found) if name == "values" else ((name,), [found])
+    numbers = _scalars(found, names, function, where)
+    for what, value in zip(names, numbers, strict=True):
+        if what in ("rho", "T") and not value > 0:
+            raise _fault(function, where, f"{what} = {value:.6g}: expected a number above 0")
+    return numbers
 
 
 #: Gauss's rule with five points on (0, 1)
@@ -106,8 +111,8 @@ def check_motion(problem: Problem, side: int, t: float, step: float) -> None:
     if not {"x", "velocity"} <= functions.keys():
         return
     try:
-        begin, end = (_at(functions["x"], "x", side, at) for at in (t, t + step))
-        speeds = [_at(functions["velocity"], "velocity", side, t + step * part) for part in _POINTS.tolist()]
+        begin, end = (at_end(functions["x"], "x", side, at)[0] for at in (t, t + step))
+        speeds = [at_end(functions["velocity"], "velocity", side, t + step * part)[0] for part in _POINTS.tolist()]
     except InputError:
         return
     rate, given = (end - begin) / step, float(_WEIGHTS @ speeds)
@@ -115,17 +120,6 @@ def check_motion(problem: Problem, side: int, t: float, step: float) -> None:
         until = f"{given:.6g} on average until t = {t + step:.6g}"
         what = f"{until}, where x(t) rises by {rate:.6g} a second: expected the rate of x"
         raise _fault(functions["velocity"], f"velocity of the {('left', 'right')[side]} end", what)
-
-
-def _of_end(name: str, side: int, t: float) -> str:
-    early = " (where it is asked for because no velocity is given)" if t < 0 and name == "x" else ""
-    return f"{name} of the {('left', 'right')[side]} end at t = {t:.6g}{early}"
-
-
-def _at(function: Callable[..., Any], name: str, side: int, t: float) -> float:
-    """The value at time t of a function of an end."""
-    where = _of_end(name, side, t)
-    return _scalars([_asked(function, (t,), where)], (name,), function, where)[0]
 
 
 def jumps(problem: Problem, k: int, t: float) -> Sequence[float]:

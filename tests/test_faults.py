@@ -24,7 +24,7 @@ RANKS = 1, 3
 #: of a layer: unknown that is driven, its rate -> what is found
 LOST, HOT = "T is not a finite number", "T = 6.66667e+303, too large to go on with,"
 GAS = {("rho", -1e6): "rho = -", ("rho u", 1e308): LOST, ("e", -1e6): "T = -", ("e", 1e308): HOT}
-BAR = {("u", 1e308): "T ", ("sigma", 1e308): "T = -", ("T", -1e6): "T = -", ("x", -1e6): "x_X = -"}
+BAR = {("u", 1e308): "", ("T", -1e6): "T = -", ("T", 1e308): "", ("x", -1e6): "J = -"}
 PLANE_GAS = {**GAS, ("rho v", 1e308): LOST}
 PLATE = {("u", 1e308): "", ("v", 1e308): "", ("T", -1e6): "T = -", ("T", 1e308): "", ("y", -1e6): "J = -"}
 

@@ -63,6 +63,11 @@ class Forced:
         X, key = self.X[:, self._owned], ("forcing", self.part.k)
         return self._asked(key, t, lambda: block_values(self.block, "forcing", X, t))
 
+    def try_exact(self, t: float) -> None:
+        """InputError if the case's exact solution has no values at time t [s]."""
+        if self.block.exact is not None:
+            block_values(self.block, "exact", self.X[:, self._owned], t)
+
 
 def datum(condition: Any, name: str, X: Array, t: float) -> Array:
     """(n,) a datum of a condition, a number or a function of (*X, t); X: (n, d). InputError."""

@@ -81,10 +81,11 @@ class Scheme:
 
     def initial(self, t: float, y: BlockVector) -> None:
         """Fill y with the data of the case at time t [s]. InputError for what its functions return,
-        those of conditions and forcing as well.
+        those of exact solutions, conditions and forcing as well.
         """
         for k, part in self.parts.items():
             part.initial(t, y.owned(k))
+            part.try_exact(t)
             part.faces.ask(t)
             part.ask(t)
         self.particles.prescribed.at(t)

@@ -47,7 +47,7 @@ def blocks_of_line(problem: Problem, h: float, order: int) -> BlockProblem:
                 _check_motion(problem, layer, side, h)
             grid = _gas_grid(layer, (low, layer.X[1]), outer, notes)
             blocks.append(_gas_block(layer, grid, h, order))
-            found = {side: _gas_end(end, layer, grid[side]) for side, end in outer.items()}
+            found = {side: _gas_end(end, layer, side) for side, end in outer.items()}
         faces |= {(layer.name, 0, side): condition for side, condition in found.items()}
     jumps = _line_jumps(problem)
     return BlockProblem(tuple(blocks), faces, jumps, notes=tuple(notes), units=problem.units)
@@ -94,7 +94,12 @@ def _gas_block(layer: FluidLayer, grid: tuple[float, float], h: float, order: in
         function = asked(layer, what)
         if (a, b) == (low, high):
             return function
-        return lambda x, *t: function(a + (x - low) / (high - low) * (b - a), *t)
+
+        def moved(x: Array, *t: float) -> list[Array]:
+            return function(a + (x - low) / (high - low) * (b - a), *t)
+
+        moved.__wrapped__ = function
+        return moved
 
     cells = max(round((b - a) / h), operator(order).min_points - 1)
     return Block(
@@ -165,7 +170,8 @@ def _forces_alone(layer: SolidLayer) -> Function | None:
             raise InputError(
                 f"forcing of layer '{layer.name}' at t = {t:.6g}: sigma has a right-hand side, but "
                 "follows from x here: expected 0, or "
-                "-fsi_coupling projection"
+                "-fsi_coupling projection",
+                collective=False,
             )
         return u, T, x
 
@@ -184,7 +190,7 @@ class _Prestress:
         self.layer, self.step = layer, 1e-3 * (layer.X[1] - layer.X[0])
 
     def __call__(self, X: Array) -> tuple[Array]:
-        _, sigma, _, _ = self.layer.initial(X)
+        _, sigma, _, _ = asked(self.layer, "initial")(X)
         return (sigma - self.layer.material.K * np.log(self.stretch(X)),)
 
     def stretch(self, X: Array) -> Array:
@@ -192,7 +198,7 @@ class _Prestress:
         reach = 3 * self.step
         middle = np.clip(X, self.layer.X[0] + reach, self.layer.X[1] - reach)
         around = [middle + j * self.step for j in self.steps]
-        moved = np.array([self.layer.initial(place)[3] - place for place in around])
+        moved = np.array([asked(self.layer, "initial")(place)[3] - place for place in around])
         z, c = (X - middle) / self.step, np.tensordot(self.powers, moved, 1)
         return 1.0 + sum(k * c[k] * z ** (k - 1) for k in range(1, len(c))) / self.step
 
@@ -200,7 +206,7 @@ class _Prestress:
         """Its value if it is everywhere the same but for round-off of the derivatives."""
         low, high = self.layer.X
         X = np.linspace(low, high, 101)
-        K, (_, sigma, _, x) = self.layer.material.K, self.layer.initial(X)
+        K, (_, sigma, _, x) = self.layer.material.K, asked(self.layer, "initial")(X)
         (found,) = self(X)
         noise = 3e-15 * K * (np.abs(x).max() if np.any(x != X) else 0.0) / self.step
         strained = K * np.ptp(np.log(self.stretch(X)))
@@ -209,18 +215,16 @@ class _Prestress:
         return float(found[0] if np.ptp(found) == 0.0 else np.median(found))
 
 
-def _gas_end(end: Any, layer: FluidLayer, X: float) -> new.Condition:
+def _gas_end(end: Any, layer: FluidLayer, side: int) -> new.Condition:
     """What stands at an outer end of a gas."""
     if isinstance(end, Wall):
-        x = end.x if end.moves else None
         return new.NoSlip(
-            T=_of_point(end.T),
-            heat_flux=_of_point(end.heat_flux),
-            x=x and _vector_at(x),
-            velocity=end.velocity and _vector_at(end.velocity),
+            **_heat(end, side),
+            x=_vector(end.x, "x", side) if end.moves else None,
+            velocity=end.velocity and _vector(end.velocity, "velocity", side),
         )
     if isinstance(end, Dirichlet):
-        return new.Given(_of_place(end.values))
+        return new.Given(_of_place(end.values, "values", side, lambda values: values))
     if isinstance(end, Open):
         gas = gas_of(layer.material, (layer.material.force,))
         return new.Open(float(gas.gas_law.density(end.p0, end.T0)), (end.u0,), end.T0)
@@ -229,35 +233,39 @@ def _gas_end(end: Any, layer: FluidLayer, X: float) -> new.Condition:
 
 def _solid_end(end: SolidEnd, layer: SolidLayer, side: int) -> new.Condition:
     """What stands at an outer end of a solid."""
-    heat = {"T": _of_point(end.T), "heat_flux": _of_point(end.heat_flux)}
+    heat = _heat(end, side)
     if end.kind == CLAMPED:
         if not callable(end.value) and end.value == 0.0:
             return new.Clamped(**heat)
-        velocity = end.value
-        return new.Clamped(velocity=_vector_at(velocity), **heat)
+        return new.Clamped(velocity=_vector(end.value, "value", side), **heat)
     if end.kind == FREE:
         stress = end.value
-        pressure = _of_place(stress, lambda p: -p) if callable(stress) else -stress
+        pressure = _of_place(stress, "value", side, lambda p: -p[0]) if callable(stress) else -stress
         return new.Free(pressure, **heat)
-    return new.Absorbing(_of_point(end.value), **heat)
+    return new.Absorbing(_number(end.value, "value", side), **heat)
 
 
-def _of_point(value: Any) -> Any:
+def _heat(end: Wall | SolidEnd, side: int) -> dict[str, Any]:
+    return {name: _number(getattr(end, name), name, side) for name in ("T", "heat_flux")}
+
+
+def _number(value: Any, name: str, side: int) -> Any:
     """A number, or a function of t as one of X and t."""
-    return _of_place(value) if callable(value) else value
+    return _of_place(value, name, side, lambda found: found[0]) if callable(value) else value
 
 
-def _vector_at(value: Any) -> Function:
-    """The same with one component."""
-    function = value if callable(value) else lambda t: value
-    return _of_place(function, lambda number: (number,))
+def _vector(value: Any, name: str, side: int) -> Function:
+    """A number, or a function of t, as a function of X and t that returns one component."""
+    if callable(value):
+        return _of_place(value, name, side, lambda found: found)
+    return lambda X, t: (value,)
 
 
-def _of_place(function: Function, then: Function = lambda value: value) -> Function:
-    """A function of t as one of X and t, which a message blames."""
+def _of_place(function: Function, name: str, side: int, then: Function) -> Function:
+    """A function of t at an end as one of X and t: what is wrong is said of the end."""
 
     def called(X: Array, t: float) -> Any:
-        return then(function(t))
+        return then(given.at_end(function, name, side, t))
 
     called.__wrapped__ = function
     return called
@@ -275,14 +283,16 @@ def _line_jumps(problem: Problem) -> Function | None:
             here = np.abs(X - place) <= np.abs(X[..., None] - places).min(axis=-1)
             if not here.any():
                 continue
-            u, stress, T, flux = problem.jumps(k, t)
+            u, stress, T, flux = given.jumps(problem, k, t)
             if u != 0.0 or T != 0.0:
                 raise InputError(
                     f"jumps at interface {k} at t = {t:.6g}: g_u = {u:g}, g_T = {T:g}: expected 0 "
-                    "where gas and solid are one particle, or -fsi_coupling projection"
+                    "where gas and solid are one particle, or -fsi_coupling projection",
+                    collective=False,
                 )
             into_solid = 1.0 if problem.layers[k].kind == "fluid" else -1.0
             found[:, here] = np.array([[-into_solid * stress], [-into_solid * flux]])
         return found
 
+    supplied.__wrapped__ = problem.jumps
     return supplied
