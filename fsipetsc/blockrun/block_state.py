@@ -327,6 +327,7 @@ class BlockState:
         note_extremes(self._extremes, self.rates, self.results, self._latest)
         for name, share in self.scheme.integrals(self._t, self.y).items():
             self._latest[self._columns[name]] = share
+        self._at_ends[:] = 0.0  # of those that other ranks have
         for number, k, row, X in self._ends:
             at_end = self._at_ends[:, number]
             self.scheme.at_end(self.y, k, row, at_end)
