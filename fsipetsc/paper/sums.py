@@ -27,13 +27,10 @@ VELOCITY, PLACE, CUBIC = np.int64(0), np.int64(3), np.int64(3)
 
 @njit(**INNER)
 def owned(layer):
-    """(first, end) of the active points that this rank owns, and the rank's first point with its
-    halo."""
-    return (
-        max(layer.own_lo, layer.lo),
-        min(layer.own_hi, layer.hi + 1),
-        layer.own_lo - layer.halo_lo,
-    )
+    """(first, end) of the active points that this rank owns, end = first if there is none, and the
+    rank's first point with its halo."""
+    first = max(layer.own_lo, layer.lo)
+    return first, max(first, min(layer.own_hi, layer.hi + 1)), layer.own_lo - layer.halo_lo
 
 
 @njit(**INNER)
