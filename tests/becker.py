@@ -29,8 +29,7 @@ OPTIONS = (
     Option("becker_mu", float, 0.02, "Pa s", "4/3 of the viscosity", check="positive"),
     Option("becker_centre", float, 0.3, "m", "where the velocity is the mean of the two"),
 )
-#: the exact solution is one of X on rigid grids
-DEFAULTS = {"fsi_h": 0.0125, "ts_max_time": 0.15, "fsi_output_dt": 1.0, "fsi_coupling": "energy"}
+DEFAULTS = {"fsi_h": 0.0125, "ts_max_time": 0.15, "fsi_output_dt": 1.0}
 
 GAMMA, R = 1.4, 1.0
 
