@@ -167,7 +167,7 @@ def test_what_bounds_the_step_is_what_bounds_it(name):
         state.set_initial()
         if name != "rod":
             state.finish()
-        rates = limits.layer_rates(state)
+        rates = state.rates
         assert rates.shape == (len(state.problem.layers), 2) and (rates[:, 0] > 0).all()
         assert np.sum(rates.max(axis=0) ** 4) ** 0.25 == pytest.approx(state.results[RATE], rel=1e-12)
         k, which = np.unravel_index(np.argmax(rates), rates.shape)
