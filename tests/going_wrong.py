@@ -1,7 +1,7 @@
 """Layers, in one dimension and in two, of which a function goes wrong: what it gives drives the computation mad, or it fails.
 
 mad_field of layer mad_layer, an unknown of the case's forcing, gets a rate of mad_rate above mad_place of it, from mad_time on:
-large enough, the next state has a density or a temperature below 0, is folded, or is no number; place: the lower wall moves at
+large enough, the next state has a density or a temperature below 0, is folded, or is no number; place: the first wall moves at
 this speed.
 Or the function mad_function raises an error from then on, on all ranks or on one.
 """
@@ -32,7 +32,7 @@ OPTIONS = (
     Option("mad_layers", "str", "gsg", "", "g for a gas, s for a solid, from left to right or from below"),
     Option("mad_plane", "bool", False, "", "in two dimensions"),
     Option("mad_layer", "int", 0, "", "which one"),
-    Option("mad_field", "str", "none", "", "which of its unknowns: rho, rho u, rho v, e; u, v, sigma, T, x, y; 2-D: place"),
+    Option("mad_field", "str", "none", "", "which of its unknowns: rho, rho u, rho v, e; u, v, sigma, T, x, y; or place"),
     Option("mad_rate", "float", 0.0, "", "what is added to its rate there"),
     Option("mad_place", "float", 0.5, "", "in parts of the layer"),
     Option("mad_time", "float", 0.01, "s", "from when on"),
@@ -84,6 +84,7 @@ def build(opt: Mapping[str, Any]) -> Problem | BlockProblem:
         ends = {"lower": lower, "upper": upper, "jumps": jumps, "units": "none"}
         return layers(*stack, along=((0.0, 1.0),), h=opt["fsi_h"], order=opt["fsi_order"], **ends)
     place = fails(lambda t: 0.0, "place") if name == "place" else 0.0
+    place = (lambda t: wall(t)[0]) if opt["mad_field"] == "place" else place
     heat = {"T": fails(lambda t: 1.0, "T")} if name == "T" else {}
     left = Wall(place, **heat) if first == "g" else clamped()
     right = Wall(float(len(stack))) if last == "g" else clamped(fails(lambda t: 0.0, "edge") if name == "edge" else 0.0)

@@ -42,7 +42,7 @@ def _faults() -> dict[str, tuple[str, str]]:
                     layer = f"'{'gas' if kind == 'g' else 'bar'} {k}'"
                     found[f"{plane}_{layers}_{k}_{number}"] = f"{text}|{field}", f"{words}|{layer if words else ''}"
     found["1_J"] = "-mad_plane 1 -mad_rate 2000 -mad_time 0.0101 -mad_field|place", "J |'gas 0'"
-    found["0_J"] = "-mad_layer 1 -mad_rate -1e5 -mad_place -0.1 -mad_field|x", "J = -|'gas 0'"
+    found["0_J"] = "-mad_rate 2000 -mad_time 0.0101 -mad_field|place", "J |'gas 0'"
     return found
 
 

@@ -40,7 +40,12 @@ SOURCES = {
 #: what is not possible: case, options, what is said
 REFUSED = {
     "wall": ("mms", "-fsi_initial {rod}", ("the left end stands at x = 0.25", "reaches to")),
-    "kinds": (WALLS, "-fsi_initial {rod}", ("has the layers fluid, solid, fluid; the case has fluid",)),
+    "method": (WALLS, "-fsi_initial {rod}", ("of -fsi_coupling projection, energy or traditional, this run of conservative",)),
+    "kinds": (
+        *(WALLS, "-fsi_initial {rod} -fsi_coupling energy -walls_state solid"),
+        ("has the layers fluid, solid, fluid; the case has solid",),
+    ),
+    "blocks": (WALLS, "-fsi_initial {box}", ("has the blocks",)),
     "dimension": ("blast", "-fsi_initial {rod}", ("1 dimension",)),
     "extents": ("blast", "-fsi_initial {plane}", ("block 'gas' is periodic along other axes than 'gas'",)),
     "frame": ("rod", "-fsi_initial {rod} -fsi_initial_frame 3", ("-fsi_initial_frame 3", "0 to 2")),
@@ -79,7 +84,8 @@ def results(tmp_path_factory) -> SimpleNamespace:
             begun = f"-fsi_initial {one}/{layer}{h}.h5 -fsi_initial_time 0 -ts_max_steps 1"
             exact[f"{layer}{h}to{order}"] = WALLS, f"-walls_state {layer} -fsi_h 0.04 -fsi_order {order} {begun}"
     refused = {
-        name: (case, words.format(rod=one / "rod.h5", plane=one / "plane.h5")) for name, (case, words, _) in REFUSED.items()
+        name: (case, words.format(**{source: one / f"{source}.h5" for source in SOURCES}))
+        for name, (case, words, _) in REFUSED.items()
     }
     for ranks, folder, more in ((1, one, exact | refused), (3, three, {})):
         listed = runs(folder) | more

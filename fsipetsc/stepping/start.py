@@ -77,7 +77,9 @@ def _fitted(
     if problem.dimension != frame.dimension:
         raise InputError(f"-fsi_initial: {frame.place} has {frame.dimension} dimension(s), the case {problem.dimension}")
     if isinstance(problem, RunProblem) != isinstance(frame.layers[0], BlockFrame):
-        raise InputError(f"-fsi_initial: {frame.place} is of blocks, or the case, but not both")
+        ways = "conservative", "projection, energy or traditional"
+        there, here = ways if isinstance(frame.layers[0], BlockFrame) else ways[::-1]
+        raise InputError(f"-fsi_initial: {frame.place} is of -fsi_coupling {there}, this run of {here}: expected the same method")
     if isinstance(problem, RunProblem):
         return begun_with(problem, frame.layers, opt["fsi_order"], frame.place, notes), {}
     _check_layers(problem, frame)
