@@ -105,7 +105,8 @@ def test_an_import_against_the_order_is_found():
         "parallel": "if True:\n    from fsipetsc import given",
     }.items():
         assert len(wrong_imports(who, source)) == 1, who
-    assert not wrong_imports("scheme", "from fsipetsc.parallel import partition\nfrom fsipetsc.scheme import plan\nimport numpy")
+    source = "from fsipetsc.parallel import partition\nfrom fsipetsc.scheme import plan\nimport numpy"
+    assert not wrong_imports("scheme", source)
     assert not wrong_imports("operators", "if TYPE_CHECKING:\n    from fsipetsc.stepping.state import State")
 
 

@@ -29,7 +29,8 @@ def runs(tmp_path_factory):
             "constant": (str(SUTHERLAND), f"-fsi_h 0.025 -hot_law 0 {_PAPERS}"),
         },
     )
-    found |= {"two_ranks": compute(2, folder / "two", {"hot": (str(SUTHERLAND), f"-fsi_h 0.0125 -fsi_cfl 0.5 {_PAPERS}")})["hot"]}
+    hot = {"hot": (str(SUTHERLAND), f"-fsi_h 0.0125 -fsi_cfl 0.5 {_PAPERS}")}
+    found |= {"two_ranks": compute(2, folder / "two", hot)["hot"]}
     return {name: fsipetsc.open_run(path) for name, path in found.items()}
 
 

@@ -127,7 +127,9 @@ def test_a_wall_that_starts_at_once_does_not_cool_the_gas():
 
 
 def test_heat_through_walls():
-    """The energy grows by the flux; between two temperatures the straight line stays one, but for the error of gradients of 1/T."""
+    """The energy grows by the flux; between two temperatures the straight line stays one, but for the error of gradients of
+    1/T.
+    """
     gas = Fluid(0.1, 1.0, 1.4, 1.0)
     warmed = Case(column(Wall(0.0, heat_flux=0.3), Wall(1.0, heat_flux=lambda t: 0.2 * t), gas), fsi_h=1 / 20, ts_max_time=1.0)
     with warmed.state() as state:

@@ -2,8 +2,8 @@
 
 `gas`: a gas alone between a moving wall of given temperature T(t) and one with a heat flux(t). `solid`: one alone between
 clamped(velocity(t), T(t)) and free(stress(t), flux(t)). `left` and `right`: gas | solid and solid | gas with other pairs of
-these. Solids move as that of the case mms, with sigma = K ln x_X, have Grüneisen's pressure, and the gas's temperature at X. X of a gas, stretched between its ends, stands for x
-with x_X = J. The forcing is made as that of materials.py.
+these. Solids move as that of the case mms, with sigma = K ln x_X, have Grüneisen's pressure, and the gas's temperature at X. X
+of a gas, stretched between its ends, stands for x with x_X = J. The forcing is made as that of materials.py.
 """
 
 from __future__ import annotations

@@ -124,7 +124,8 @@ def rates(state: Constant, D: Array, outer: Sequence[Array], second: Sequence[Ar
 def interface_jacobian(state: Constant, order: int, h: float, coupling: str) -> Array:
     """Derivative, (6 rows, 6 rows), of the interface treatment at the constant state.
 
-    Order as in Linear, rows counted from the interface into each layer. That of the paper's couplings is of the solver's own code.
+    Order as in Linear, rows counted from the interface into each layer. That of the paper's couplings is of the solver's own
+    code.
     """
     rows = row_length(operator(order))
     if coupling == "conservative":

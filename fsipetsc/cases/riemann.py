@@ -9,9 +9,9 @@ Solid, with F = x_X, P = sigma - p the stress, E = alpha m0 T:
 
     F_t = u_X,    m0 u_t = P_X,    (m0 u^2/2 + E)_t = (P u)_X,    sigma - K ln F = const,    p = gruneisen E / F
 
-are the equations of fsipetsc.materials.line_solid in conservation form: x_t = u and sigma_t = K/F u_X make the fourth exact, across
-shocks, too. The wave speed c over X, m0 c^2 = (K + p - gruneisen P) / F, falls with F: compression makes a shock, expansion a
-fan. Across a shock of speed s into the state 0,
+are the equations of fsipetsc.materials.line_solid in conservation form: x_t = u and sigma_t = K/F u_X make the fourth exact,
+across shocks, too. The wave speed c over X, m0 c^2 = (K + p - gruneisen P) / F, falls with F: compression makes a shock,
+expansion a fan. Across a shock of speed s into the state 0,
 
     u - u0 = -s (F - F0),    m0 s^2 (F - F0) = P - P0,    E - E0 = (P + P0)/2 (F - F0),
 

@@ -42,7 +42,7 @@ DISCRETISATION = (
     ),
     Option("fsi_cfl", float, 0.8, "", "Courant number of the time step; -ts_dt replaces it", check="positive"),
     Option(
-        *("fsi_coupling", str, "conservative", "", "treatment of the interfaces; the others than conservative: the paper's method, in 1-D"),
+        *("fsi_coupling", str, "conservative", "", "treatment of interfaces; all but conservative: the paper's method, in 1-D"),
         choices=("projection", "energy", "traditional", "conservative"),
     ),
     Option(
@@ -51,7 +51,7 @@ DISCRETISATION = (
         choices=("auto", "rigid", "stretched"),
     ),
     Option(
-        *("fsi_viscous", str, "wide", "", "second derivatives: D twice, or with the paper's couplings such that reach half as far"),
+        *("fsi_viscous", str, "wide", "", "second derivatives: D twice, or with the paper's couplings half as wide"),
         choices=("wide", "narrow"),
     ),
     Option(

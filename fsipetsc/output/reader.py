@@ -329,7 +329,7 @@ def _check_header(header: Mapping[str, Any]) -> None:
     good = isinstance(header.get("case"), str) and isinstance(header.get("options"), dict) and isinstance(layers, list)
     good = good and all(texts(header.get(name, ())) for name in names) and isinstance(header.get("created", ""), str)
     good = good and all(isinstance(name, str) and len(X) >= 0 for name, X in header.get("points", ()))
-    for layer in layers if good else ():
+    for layer in layers if good and layers else ():
         good = good and isinstance(layer["name"], str) and layer["kind"] in ("fluid", "solid")
         good = good and texts(layer["fields"]) and len(layer["fields"]) > 0
         shape = layer.get("shape", [1])

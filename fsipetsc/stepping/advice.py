@@ -30,7 +30,9 @@ def advice(topic: str, opt: Mapping[str, Any]) -> str:
     filled = {
         "{steps}": steps,
         "{shocks}": f"{' and '.join(missing)} where there are shocks" if missing else "",
-        "{mapping}": "-fsi_coupling conservative, whose grids keep their points" if opt["fsi_coupling"] != "conservative" else "",
+        "{mapping}": ""
+        if opt["fsi_coupling"] == "conservative"
+        else "-fsi_coupling conservative, whose grids keep their points",
     }
     tried = [filled.get(words, words) for words in _ADVICE[topic]]
     return f"what usually helps: {', '.join(words for words in tried if words)}"

@@ -1,7 +1,8 @@
 """A run that begins with a frame of an earlier result, on whatever grid: -fsi_initial.
 
 The initial data of the case's layers are replaced by functions that interpolate those of the frame, and time goes on from the
-frame's. All that a frame does not hold follows as it does from data of a case: ghost points from the conditions there. Of blocks: fsipetsc.blockrun.start_of_blocks.
+frame's. All that a frame does not hold follows as it does from data of a case: ghost points from the conditions there. Of
+blocks: fsipetsc.blockrun.start_of_blocks.
 
 Between points stand splines; at points that frame and grid have in common stands what the frame has. They are in the layers'
 reference coordinates, of a gas in x.
@@ -79,7 +80,10 @@ def _fitted(
     if isinstance(problem, RunProblem) != isinstance(frame.layers[0], BlockFrame):
         ways = "conservative", "projection, energy or traditional"
         there, here = ways if isinstance(frame.layers[0], BlockFrame) else ways[::-1]
-        raise InputError(f"-fsi_initial: {frame.place} is of -fsi_coupling {there}, this run of {here}: expected the same method")
+        raise InputError(
+            f"-fsi_initial: {frame.place} is of -fsi_coupling {there}, this run of {here}: "
+            "expected the same method"
+        )
     if isinstance(problem, RunProblem):
         return begun_with(problem, frame.layers, opt["fsi_order"], frame.place, notes), {}
     _check_layers(problem, frame)
