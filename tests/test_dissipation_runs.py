@@ -69,7 +69,7 @@ def entropy_of_solid(layer, time) -> np.ndarray:
     """(frames,) of the box's: m0 alpha ln T, less what its stress supplies, sigma u_X / T, by the trapezoidal rule in time."""
     n, h, (m0, alpha) = len(layer.X), layer.X[1] - layer.X[0], (2.0, 1.0)
     op, weights = OPERATORS[4], np.full(n, h)
-    weights[: op.rows], weights[n - op.rows :] = h * op.norm, h * op.norm[::-1]
+    weights[: op.rows], weights[n - op.rows :] = h * np.array(op.norm), h * np.array(op.norm[::-1])
     T, sigma, slopes = layer["T"][:], layer["sigma"][:], layer["u"][:] @ op.matrix(n).T / h
     heating = (sigma * slopes / T) @ weights
     supplied = np.r_[0.0, np.cumsum(0.5 * (heating[1:] + heating[:-1]) * np.diff(time))]
