@@ -321,7 +321,7 @@ class BlockState:
         found = self.scheme.bounds(self._t, self.y)
         found[:, CONVECTION] *= self._pace
         self._extremes[1:].reshape(-1, WORDS)[:, : found.shape[1]] = found
-        self._extremes[0] = self.results[SAID_STOP]
+        self._extremes[0], self._latest[:] = self.results[SAID_STOP], 0.0  # of shares, another's
         if self.comm.size > 1:
             self.comm.Allreduce(MPI.IN_PLACE, self._extremes, MPI.MAX)
         note_extremes(self._extremes, self.rates, self.results, self._latest)
