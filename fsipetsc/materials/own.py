@@ -30,6 +30,8 @@ Formula = Callable[..., Any]
 #: step of differences, relative to rho and T
 STEP = 2.0**-17
 _classes: dict[str, type] = {}
+#: of laws that numba's cache knows from other cases
+_others: dict[str, type] = {}
 
 
 class Kind(NamedTuple):
@@ -319,7 +321,7 @@ def __getattr__(name: str) -> Any:
     if name in _classes:
         return _classes[name]
     if "_" in name and not name.startswith("_"):
-        return _classes.setdefault(name, NamedTuple(name, []))
+        return _others.setdefault(name, NamedTuple(name, []))
     raise AttributeError(name)
 
 
