@@ -17,7 +17,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from fsipetsc.blockrun import snapshot
-from fsipetsc.blockrun.after_step import WORDS, note_extremes, plan_next
+from fsipetsc.blockrun.after_step import WORDS, note_extremes
 from fsipetsc.blockrun.columns import OF_INTERFACES, fields_of, gained, step_record
 from fsipetsc.blockrun.errors_of_blocks import errors
 from fsipetsc.blockrun.failures import describe_failure
@@ -31,7 +31,7 @@ from fsipetsc.parallel.block_layout import BlockLayout, BlockVector, halos_of
 from fsipetsc.parallel.natural_order import NaturalOrder
 from fsipetsc.process.together import agree, together, wait_asleep
 from fsipetsc.scheme.block_look import CONVECTION
-from fsipetsc.scheme.burst import DT
+from fsipetsc.scheme.burst import DT, plan_next
 from fsipetsc.scheme.plan import BAD, BURST, FLAGS, LIMITS, RATE, SAID_STOP
 from fsipetsc.stepping.diagnosis import Failure
 from fsipetsc.stepping.phases import logged

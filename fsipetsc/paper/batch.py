@@ -24,19 +24,7 @@ from fsipetsc.paper.sums import (
     look_at_solid,
     solid_speeds,
 )
-from fsipetsc.scheme.burst import (
-    ALLOWED,
-    COURANT,
-    DT,
-    FIRST,
-    FIXED,
-    LONGEST,
-    MADE,
-    NEXT,
-    SHORTEST,
-    TARGET,
-    TIME,
-)
+from fsipetsc.scheme.burst import DT, plan_next
 from fsipetsc.scheme.plan import (
     BAD,
     BURST,
@@ -50,9 +38,7 @@ from fsipetsc.scheme.plan import (
     STOP,
     TOO_SHORT,
 )
-from fsipetsc.scheme.time_step import longest_step, next_step
 
-_longest_step, _next_step = njit(**INNER)(longest_step), njit(**INNER)(next_step)
 #: of the method
 STAGES = 4
 #: what ``run_task`` does: stage ``number`` of a step dt, or for STAGES its completion; a step dt
@@ -125,31 +111,8 @@ def note_interface(op, face, jump, f, s, out):
 
 @njit(**INNER)
 def goes_on(room, journal):
-    """Note the step just made in burst and journal, and plan the next one; False if none
-    follows."""
-    burst, results = room.burst, room.results
-    allowed = burst[ALLOWED]
-    burst[ALLOWED] = 0.0
-    if allowed == 0.0:
-        return False
-    t, dt, made = burst[NEXT], burst[DT], burst[MADE]
-    row = int(burst[FIRST] + made)
-    journal[row, 0], journal[row, 1] = t, dt
-    for c in range(room.numbers):
-        journal[row, c + 2] = room.latest[c]
-    burst[TIME], burst[MADE] = t, made + 1
-    burst[SHORTEST], burst[LONGEST] = min(burst[SHORTEST], dt), max(burst[LONGEST], dt)
-    for flag in (LOW, EXHAUSTED, TOO_SHORT, BAD, STOP):
-        if results[flag] != 0.0:
-            return False
-    rate, target = results[RATE], burst[TARGET]
-    if t >= target or made + 1 >= allowed or not 0.0 < rate < 1e300:
-        return False
-    burst[DT], burst[NEXT] = _next_step(
-        t, target, _longest_step(burst[COURANT], burst[FIXED], rate)
-    )
-    burst[ALLOWED] = allowed
-    return True
+    """See fsipetsc.scheme.burst.plan_next."""
+    return plan_next(room.burst, room.results, journal, room.latest[: room.numbers])
 
 
 _F = np.float64

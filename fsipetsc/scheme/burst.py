@@ -1,4 +1,4 @@
-"""Several steps in one call: the words of the plan of a burst, and of what came of it.
+"""Several steps in one call: the words of the plan of a burst, what came of it, the next step.
 
 A burst of steps ends when it has as many as are allowed (-fsi_burst, -ts_max_steps, room in the
 journal), or something has to be looked at: a time to be saved, a grid that must grow, a failure, a
@@ -7,7 +7,45 @@ signal. Each step fills a row of the journal.
 
 from __future__ import annotations
 
+from numba import njit
+
+from fsipetsc.operators.loops import CALL
+from fsipetsc.scheme.plan import BAD, EXHAUSTED, LOW, RATE, STOP, TOO_SHORT
+from fsipetsc.scheme.time_step import longest_step, next_step
+
 #: time before or, once it is made, after the step; the step; time after it; the next time that must be hit;
 #: Courant number, or the step that is given and else 0; steps that may be made, and have been; shortest and longest;
 #: first row of the journal to be filled
 TIME, DT, NEXT, TARGET, COURANT, FIXED, ALLOWED, MADE, SHORTEST, LONGEST, FIRST = range(11)
+
+_longest_step, _next_step = njit(**CALL)(longest_step), njit(**CALL)(next_step)
+
+
+@njit(**CALL)
+def plan_next(burst, results, journal, latest):
+    """Note the step just made in burst and journal, plan the next one; False if none follows.
+
+    The same on all ranks. burst: one that has ended, or was never planned, allows no steps.
+    results: see fsipetsc.scheme.plan. journal: (rows, columns), each row time, step, and what is in
+    latest.
+    """
+    allowed, burst[ALLOWED] = burst[ALLOWED], 0.0
+    if allowed == 0.0:
+        return False
+    t, dt, made = burst[NEXT], burst[DT], burst[MADE]
+    row = int(burst[FIRST] + made)
+    journal[row, 0], journal[row, 1] = t, dt
+    for c in range(latest.size):  # an assignment of arrays compiles for seconds
+        journal[row, 2 + c] = latest[c]
+    burst[TIME], burst[MADE] = t, made + 1
+    burst[SHORTEST], burst[LONGEST] = min(burst[SHORTEST], dt), max(burst[LONGEST], dt)
+    rate = results[RATE]
+    ends = not 0.0 < rate < 1e300
+    for flag in (LOW, EXHAUSTED, TOO_SHORT, BAD, STOP):
+        ends = ends or results[flag] != 0.0
+    if ends or t >= burst[TARGET] or made + 1 >= allowed:
+        return False
+    bound = _longest_step(burst[COURANT], burst[FIXED], rate)
+    burst[DT], burst[NEXT] = _next_step(t, burst[TARGET], bound)
+    burst[ALLOWED] = allowed
+    return True
