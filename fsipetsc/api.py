@@ -33,7 +33,7 @@ def run(case: Any, comm: MPI.Comm | None, options: Mapping[str, Any]) -> Run:
         try:
             path = _solve(case, comm, options)
         except BaseException as error:
-            if getattr(error, "collective", comm.size == 1):
+            if comm.size == 1 or getattr(error, "collective", False):
                 notes.Free()
             else:  # perhaps on this rank alone: the others must not wait for it
                 end_together(error, notes)

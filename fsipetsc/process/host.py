@@ -43,17 +43,18 @@ def begin_options(start: Mapping[str, str]) -> None:
 
 @contextmanager
 def left_as_found() -> Iterator[None]:
-    """What is done within leaves no options, search paths or environment behind.
+    """What is done within leaves no options, search paths, modules of a case file's or environment behind.
 
     Options that PETSc looks at when it ends, such as -log_view, stay if PETSc was started within.
     """
-    path, environment = list(sys.path), os.environ.get("PETSC_OPTIONS")
+    path, modules, environment = list(sys.path), set(sys.modules), os.environ.get("PETSC_OPTIONS")
     found = _present() if petsc_runs() else None
     try:
         yield
     finally:
         if "petsc4py.PETSc" in sys.modules and petsc_runs():
             _put(_at_the_end() if found is None else found)
+        _forget_modules(set(sys.path) - set(path), modules)
         sys.path[:] = path
         if environment is None:
             os.environ.pop("PETSC_OPTIONS", None)
@@ -83,3 +84,19 @@ def _put(options: Mapping[str, str]) -> None:
         database.delValue(name)
     for name, value in options.items():
         database.setValue(name, value)
+
+
+def _forget_modules(folders: set[str], before: set[str]) -> None:
+    """Forget the modules that case files imported from their own folders: the next one has its own of that name."""
+    new = [name for name in sys.modules if name not in before]
+    own = {name for name in new if name.startswith("fsipetsc_case_")}
+    for name in new:
+        file = getattr(sys.modules[name], "__file__", None)
+        if "." in name or name == "fsipetsc" or not file:
+            continue
+        place = os.path.dirname(os.path.abspath(file))
+        if place in folders or (os.path.basename(file) == "__init__.py" and os.path.dirname(place) in folders):
+            own.add(name)
+    for name in new:
+        if name.split(".")[0] in own:
+            del sys.modules[name]
