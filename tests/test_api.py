@@ -49,6 +49,12 @@ for case, options, said in (
     else:
         raise AssertionError(said)
 try:
+    fsipetsc.run(Problem((FluidLayer("gas", gas, (0.0, 1.0), lambda X: 1 / 0),), Wall(0.0), Wall(1.0)), h=0.1, max_time=1)
+except InputError as error:
+    assert "ZeroDivisionError" in str(error), error
+else:
+    raise AssertionError("it cannot have gone well")
+try:
     fsipetsc.run("rod", h=0.1, cfl=100.0, output="bad.h5")
 except ComputationError as error:
     assert "t = " in str(error)

@@ -37,7 +37,7 @@ def runs(tmp_path_factory):
 @pytest.fixture(scope="module")
 def boxes(tmp_path_factory):
     """name -> result, with a gas law of its own or the built-in one."""
-    short = f"-fsi_h 0.025 -ts_max_time 0.5 -fsi_entropy {_PAPERS}"
+    short = f"-fsi_h 0.025 -ts_max_time 1 -fsi_entropy {_PAPERS}"
     listed = {
         "built_in": ("box", short),
         "by_hand": (str(OWN_GAS), short),

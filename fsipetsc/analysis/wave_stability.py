@@ -13,7 +13,6 @@ from fsipetsc.analysis.stability_options import OF_ONE_DIMENSION, orders
 from fsipetsc.analysis.stability_state import same_temperature
 from fsipetsc.analysis.wave_measures import TOLERANCE, Rest, WaveResult, Waves, measure
 from fsipetsc.blockrun.block_state import BlockForm
-from fsipetsc.blockrun.old_materials import gas_of
 from fsipetsc.blockrun.run_problem import RunProblem
 from fsipetsc.blocks.conditions import Free
 from fsipetsc.blocks.values import block_values
@@ -44,7 +43,7 @@ def setting_of_options(opt: Mapping[str, Any], state: Constant, chosen: Collecti
     K, cells = state.solid.K, opt["stability_points"] - 1
     shear, size = opt["solid_shear"] * K, cells * opt["fsi_h"]
     solid = ElasticSolid(shear, K - 2.0 * shear, state.solid.kappa_e, state.solid.m0, state.solid.alpha, heat=opt["solid_heat"])
-    rest = Rest(gas_of(state.gas, (0.0,)), solid, state.rho, state.T, size, size)
+    rest = Rest(state.gas, solid, state.rho, state.T, size, size)
     return WaveSetting(rest, {order: ((cells, cells), opt["fsi_h"]) for order in orders(opt)})
 
 

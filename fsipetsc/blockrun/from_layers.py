@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 
 from fsipetsc import given
-from fsipetsc.blockrun.old_materials import gas_of, line_solid_of
 from fsipetsc.blocks import conditions as new
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.maps import rectangle
@@ -20,10 +19,14 @@ from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.boundaries import CLAMPED, FREE, Dirichlet, Open, SolidEnd, Wall
 from fsipetsc.checks import Array
 from fsipetsc.errors import InputError
+from fsipetsc.materials.line_solid import Solid
+from fsipetsc.materials.solid import ElasticSolid
+from fsipetsc.materials.solid_pressure import Gruneisen
 from fsipetsc.operators.sbp import operator
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 
 Function = Callable[..., Any]
+
 
 def blocks_of_line(problem: Problem, h: float, order: int) -> BlockProblem:
     """A Problem in one dimension as blocks.
@@ -55,7 +58,9 @@ def blocks_of_line(problem: Problem, h: float, order: int) -> BlockProblem:
 
 def _check_motion(problem: Problem, layer: FluidLayer, side: int, h: float) -> None:
     """InputError if a wall's velocity is not the rate of its place until sound has gone h."""
-    rho, _, T = (float(v[0]) for v in given.fields(layer, "initial", np.array([layer.X[side]]), 0.0))
+    rho, _, T = (
+        float(v[0]) for v in given.fields(layer, "initial", np.array([layer.X[side]]), 0.0)
+    )
     sound = layer.material.sound_speed(T, rho) if min(rho, T) > 0.0 else 1.0
     given.check_motion(problem, side, 0.0, h / float(sound))
 
@@ -104,7 +109,7 @@ def _gas_block(layer: FluidLayer, grid: tuple[float, float], h: float, order: in
     cells = max(round((b - a) / h), operator(order).min_points - 1)
     return Block(
         layer.name,
-        gas_of(layer.material, (layer.material.force,)),
+        layer.material,
         rectangle(low, high),
         (cells,),
         of_grid("initial"),
@@ -137,7 +142,7 @@ def _solid_block(layer: SolidLayer, X: tuple[float, float], h: float) -> Block:
     uniform = stress.uniform()
     return Block(
         layer.name,
-        line_solid_of(layer.material, 0.0 if uniform is None else -uniform),
+        _elastic(layer.material, 0.0 if uniform is None else -uniform),
         rectangle(*X),
         (cells,),
         _without_stress(asked(layer, "initial")),
@@ -177,6 +182,15 @@ def _forces_alone(layer: SolidLayer) -> Function | None:
 
     called.__wrapped__ = layer.forcing
     return called
+
+
+def _elastic(material: Solid, p_ref: float) -> ElasticSolid:
+    """A solid in one dimension, whose stress is K ln x_X - p_ref less its pressure."""
+    pressure = material.pressing
+    if pressure is None and material.gruneisen > 0.0:
+        pressure = Gruneisen(material.gruneisen)
+    numbers = material.kappa_e, material.m0, material.alpha, p_ref
+    return ElasticSolid(0.0, material.K, *numbers, force=material.force, pressing=pressure)
 
 
 class _Prestress:
@@ -226,8 +240,7 @@ def _gas_end(end: Any, layer: FluidLayer, side: int) -> new.Condition:
     if isinstance(end, Dirichlet):
         return new.Given(_of_place(end.values, "values", side, lambda values: values))
     if isinstance(end, Open):
-        gas = gas_of(layer.material, (layer.material.force,))
-        return new.Open(float(gas.gas_law.density(end.p0, end.T0)), (end.u0,), end.T0)
+        return new.Open(float(layer.material.gas_law.density(end.p0, end.T0)), (end.u0,), end.T0)
     raise InputError(f"layer '{layer.name}': no end of a gas: {end}")
 
 
@@ -240,7 +253,9 @@ def _solid_end(end: SolidEnd, layer: SolidLayer, side: int) -> new.Condition:
         return new.Clamped(velocity=_vector(end.value, "value", side), **heat)
     if end.kind == FREE:
         stress = end.value
-        pressure = _of_place(stress, "value", side, lambda p: -p[0]) if callable(stress) else -stress
+        pressure = (
+            _of_place(stress, "value", side, lambda p: -p[0]) if callable(stress) else -stress
+        )
         return new.Free(pressure, **heat)
     return new.Absorbing(_number(end.value, "value", side), **heat)
 
