@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fsipetsc.blockrun.block_state import PARTS, BlockState
-from fsipetsc.blockrun.fused import STAGES
+from fsipetsc.scheme.runge_kutta import STAGES
 from fsipetsc.scheme.plan import BAD
 
 

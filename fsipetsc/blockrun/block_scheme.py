@@ -73,6 +73,12 @@ class Scheme:
         """
         return self._asked.fault
 
+    #: whether a rank has all blocks, and makes stages or steps in one call
+    alone = False
+
+    def attach(self, columns: Any, ends: Any, alone: bool) -> None:
+        """See fsipetsc.blockrun.line_scheme."""
+
     @property
     def steady(self) -> bool:
         """No data of conditions, forcing or jumps depend on time."""

@@ -27,7 +27,8 @@ class Prescribed:
     """Data of conditions. Functions of the case are asked for all particles of a condition at once.
 
     law: of the gas. instant: says a time [s] in which little happens, for differences in time.
-    moving: particles on walls that move, by which the grid goes along. timed: data depend on time.
+    data: the arrays of the last instant. moving: particles on walls that move, by which the grid
+    goes along. timed: data depend on time.
     """
 
     def __init__(
@@ -43,7 +44,7 @@ class Prescribed:
         n = len(particles)
         vectors = (np.zeros((n, d)) for _ in range(5))
         several = np.zeros((n, d + 2)), np.zeros((n, 2 * d))
-        self._data = Data(*vectors, np.zeros(n), np.zeros(n), *several)
+        self.data = Data(*vectors, np.zeros(n), np.zeros(n), *several)
         first = [p.members[0] for p in particles]
         places = [problem.places(k, np.array([node]))[0] for k, node in first]
         self._x = np.array(places).reshape(n, d)
@@ -69,7 +70,7 @@ class Prescribed:
         return (t, self._instant()) if self._by_differences else t
 
     def _fill(self, t: float) -> Data:
-        out, x = self._data, self._x
+        out, x = self.data, self._x
         walls = self._groups["slip"] + self._groups["wall"]
         walls.sort(key=lambda group: moves(group[0]))  # the last one holds
         for condition, who in walls:
@@ -124,7 +125,7 @@ class Prescribed:
         values = data(condition, "values", self._x[who], t, names_of("fluid", "values", self._d))
         rho, *u, T = values.T
         energy = rho * (self._law.internal_energy(rho, T) + 0.5 * sum(c * c for c in u))
-        self._data.gas[who] = np.stack([rho, *(rho * c for c in u), energy], axis=-1)
+        self.data.gas[who] = np.stack([rho, *(rho * c for c in u), energy], axis=-1)
 
 
 def _velocity(condition: Any) -> Any:
