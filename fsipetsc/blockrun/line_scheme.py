@@ -48,7 +48,7 @@ class LineScheme(Scheme):
                 self._lines[k] = part.line(np.array([momentum, energy]), own)
         self.alone = alone and not self.particles.stores
         self.alone = self.alone and not any(part.part.has_halo for part in self.parts.values())
-        self._filled = False
+        self._filled: float | None = None  # when the data were asked for
         self._boxes = {k: Box(line) for k, line in self._lines.items()}
         self._box = Box(self.particles.line())
 
@@ -60,11 +60,11 @@ class LineScheme(Scheme):
 
     def _refresh(self, t: float) -> None:
         """Data of the case at time t [s]."""
-        if not self._filled or not self.steady:
+        if self._filled is None or not self.steady:
             self.particles.refresh(t)
             for part in self.parts.values():
                 part.refresh(t)
-            self._filled = True
+            self._filled = t
 
     def complete(self, t: float, y: BlockVector) -> None:
         """Let y obey all that holds its particles, in place. Collective."""
@@ -89,7 +89,8 @@ class LineScheme(Scheme):
 
     def rates(self, t: float, y: BlockVector, f: Array) -> None:
         """f = dy/dt for a completed y. Collective."""
-        self._refresh(t)
+        if t != self._filled:
+            self._refresh(t)
         if self.alone:
             line_steps.run(self._all, RATES, y.array, f)
             return

@@ -48,6 +48,7 @@ class Prescribed:
         first = [p.members[0] for p in particles]
         places = [problem.places(k, np.array([node]))[0] for k, node in first]
         self._x = np.array(places).reshape(n, d)
+        self._displaced = np.zeros_like(self._x)
         self._groups = {name: _grouped(particles, name) for name in NAMES}
         found = [c for group in self._groups.values() for c, _ in group]
         self.timed = not all(steady(condition) for condition in found)
@@ -61,7 +62,8 @@ class Prescribed:
 
     def displacement(self, t: float) -> Array:
         """(moving particles, d) displacement of those on walls that move at time t [s]."""
-        return self._asked("walls", self._when(t), lambda: self._displacement(t))
+        self.at(t)
+        return self._displaced[self.moving]
 
     def _when(self, t: float) -> Any:
         """What the data depend on."""
@@ -74,7 +76,7 @@ class Prescribed:
         walls = self._groups["slip"] + self._groups["wall"]
         walls.sort(key=lambda group: moves(group[0]))  # the last one holds
         for condition, who in walls:
-            _, out.wall[who], out.wall_rate[who] = self._motion(condition, x[who], t)
+            self._move_wall(condition, who, t)
         for condition, who in self._groups["clamp"]:
             place, out.clamp_velocity[who], out.clamp_rate[who] = self._motion(condition, x[who], t)
             out.clamp[who] = place - x[who]
@@ -85,7 +87,7 @@ class Prescribed:
         for condition, who in self._groups["given_gas"]:
             self._give_gas(condition, who, t)
             if moves(condition):
-                _, out.wall[who], out.wall_rate[who] = self._motion(condition, x[who], t)
+                self._move_wall(condition, who, t)
         for condition, who in self._groups["given_solid"]:
             values = data(condition, "values", x[who], t, names_of("solid", "values", self._d))
             v, T, place = np.split(values, [self._d, self._d + 1], axis=1)
@@ -93,13 +95,10 @@ class Prescribed:
             out.T_solid[who] = T[:, 0]
         return out
 
-    def _displacement(self, t: float) -> Array:
-        found = np.zeros_like(self._x)
-        for name in WALLS:
-            for condition, who in self._groups[name]:
-                if moves(condition):
-                    found[who] = self._motion(condition, self._x[who], t)[0] - self._x[who]
-        return found[self.moving]
+    def _move_wall(self, condition: Any, who: Array, t: float) -> None:
+        x, out = self._x[who], self.data
+        place, out.wall[who], out.wall_rate[who] = self._motion(condition, x, t)
+        self._displaced[who] = place - x
 
     def _motion(self, condition: Any, X: Array, t: float) -> tuple[Array, Array, Array]:
         """(place, velocity, acceleration), (n, d) each; by central differences where they are not
