@@ -56,7 +56,7 @@ class LineScheme(Scheme):
         """What steps take and fill, before all but `initial`: see fsipetsc.scheme.line_steps.Found.
         """
         self._found = Found(*memory, self._gain, *words, burst, rows, np.zeros(2))
-        self._all = Box(Line(tuple(self._boxes.values()), self._box, Box(self._found)))
+        self._all = Line(tuple(self._boxes.values()), self._box, self._found)
 
     def _refresh(self, t: float) -> None:
         """Data of the case at time t [s]."""
@@ -66,17 +66,21 @@ class LineScheme(Scheme):
                 part.refresh(t)
             self._filled = t
 
+    def _share(self, t: float, y: BlockVector) -> None:
+        self._refresh(t)
+        line_steps.begin_sums(self._box, y.array, self._gain)
+        self.particles.exchange()
+        line_steps.end_sums(self._box, self._gain)
+
     def complete(self, t: float, y: BlockVector) -> None:
         """Let y obey all that holds its particles, in place. Collective."""
-        self._refresh(t)
         if self.alone:
+            self._refresh(t)
             line_steps.run(self._all, COMPLETE, y.array, y.array)
             return
-        gain, box, particles = self._gain, self._box, self.particles
-        line_steps.begin_sums(box, y.array, gain)
-        particles.exchange()
-        line_steps.end_sums(box, gain)
-        if particles.stores:
+        gain, box = self._gain, self._box
+        self._share(t, y)
+        if self.particles.stores:
             self._find_stored(y)
         line_steps.settle(box, y.array, gain)
         for gas in self._gases:

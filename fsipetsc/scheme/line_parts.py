@@ -367,14 +367,14 @@ def note(part, found):
 
 def note_gas(box, found):
     """Note what was seen of a gas; found: fsipetsc.scheme.line_steps.Found."""
-    note(box.value, found.value)
+    note(box.value, found)
 
 
 def note_solid(box, found):
     """Note what was seen of a solid, and what is recorded of interfaces."""
-    solid, at_ends = box.value, found.value.at_ends
-    note(solid, found.value)
-    q = ghosted(solid, found.value.y, 3)
+    solid, at_ends = box.value, found.at_ends
+    note(solid, found)
+    q = ghosted(solid, found.y, 3)
     for m in range(solid.interfaces.shape[0]):
         number, own, at = solid.interfaces[m, 0], solid.interfaces[m, 1], solid.interfaces[m, 2]
         X, S = solid.interfaces[m, 3], solid.interfaces[m, 4]

@@ -78,7 +78,7 @@ class Found(NamedTuple):
 
 
 class Line(NamedTuple):
-    """All of a rank that has all blocks: boxes of its parts, Particles and Found."""
+    """All of a rank that has all blocks: boxes of its parts and of Particles, and Found."""
 
     parts: Any
     particles: Any
@@ -136,14 +136,13 @@ def end_rates(particles, s, f, gain):
 
 
 @njit(**CALL)
-def run(box, what, s, f):
+def run(line, what, s, f):
     """COMPLETE s, find the RATES f of a completed s, LOOK at it, or make STEPS as the burst allows.
-    False, and the state before it, if a step ends badly. box: of a Line.
+    False, and the state before it, if a step ends badly. line: a Line.
 
     What is called stands here once, so that it is compiled once.
     """
-    line, steps = box.value, what == STEPS
-    found, particles = line.found.value, line.particles
+    steps, found, particles = what == STEPS, line.found, line.particles
     y, gain, more, good = found.y, found.gain, True, True
     while more:
         if steps:
@@ -175,7 +174,7 @@ def run(box, what, s, f):
             clear(found.latest)
             found.extremes[0] = found.results[SAID_STOP]
             for part in literal_unroll(line.parts):
-                part.note(line.found)
+                part.note(found)
             good = note_step(found)
             if good:
                 found.now[0] += found.now[1]
