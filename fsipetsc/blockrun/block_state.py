@@ -33,7 +33,7 @@ from fsipetsc.scheme.after_step import WORDS, note_extremes
 from fsipetsc.scheme.block_look import CONVECTION
 from fsipetsc.scheme.burst import DT, MADE, plan_next
 from fsipetsc.scheme.plan import BAD, BURST, FLAGS, LIMITS, RATE, SAID_STOP
-from fsipetsc.scheme.runge_kutta import STAGES
+from fsipetsc.scheme.runge_kutta import STAGES, advance
 from fsipetsc.stepping.diagnosis import Failure
 from fsipetsc.stepping.phases import logged
 from fsipetsc.stepping.snapshot import as_numbers, rates_of
@@ -219,6 +219,8 @@ class BlockState:
         self._compile_own()
 
     def _compile_own(self) -> None:
+        y, k, stage, total = np.zeros((4, 1))
+        advance(y, k, stage, total, 0, 0.0)
         extremes, rates = np.zeros(1 + WORDS), np.zeros((1, 2))
         note_extremes(extremes, rates, np.zeros(FLAGS + LIMITS), np.zeros(2))
         self._plan_next()  # nothing is allowed yet

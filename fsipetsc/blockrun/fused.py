@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.parallel.block_layout import BlockLayout, BlockVector
-from fsipetsc.scheme.runge_kutta import further_stage, last_stage, next_stage
+from fsipetsc.scheme.runge_kutta import STAGES, advance
 
 
 class FusedRK4:
@@ -31,14 +31,10 @@ class FusedRK4:
         middle = t + 0.5 * dt
         self._load(t, y)
         scheme.rates(t, y, k)
-        next_stage(y.array, k, 0.5 * dt, dt / 6.0, stage.array, total)
-        scheme.complete(middle, stage)
-        scheme.rates(middle, stage, k)
-        further_stage(y.array, k, 0.5 * dt, dt / 3.0, stage.array, total)
-        scheme.complete(middle, stage)
-        scheme.rates(middle, stage, k)
-        further_stage(y.array, k, dt, dt / 3.0, stage.array, total)
-        scheme.complete(t + dt, stage)
-        scheme.rates(t + dt, stage, k)
-        last_stage(total, k, dt / 6.0, y.array)
+        advance(y.array, k, stage.array, total, 0, dt)
+        for number, instant in ((1, middle), (2, middle), (3, t + dt)):
+            scheme.complete(instant, stage)
+            scheme.rates(instant, stage, k)
+            into = stage if number < STAGES - 1 else y
+            advance(y.array, k, into.array, total, number, dt)
         scheme.complete(t + dt, y)

@@ -27,7 +27,7 @@ from fsipetsc.scheme.particles import (
 )
 from fsipetsc.scheme.plan import BAD, SAID_STOP
 from fsipetsc.scheme.rows import Array
-from fsipetsc.scheme.runge_kutta import further_stage, last_stage, next_stage
+from fsipetsc.scheme.runge_kutta import STAGES, advance
 
 #: what `run` does
 COMPLETE, RATES, LOOK, STEPS = range(4)
@@ -149,7 +149,7 @@ def run(box, what, s, f):
         if steps:
             copy(y, found.before)
             copy(y, s)
-        for stage in range(5 if steps else 1):
+        for stage in range(STAGES + 1 if steps else 1):
             if steps or what == COMPLETE:
                 begin_sums(particles, s, gain)
                 end_sums(particles, gain)
@@ -157,16 +157,16 @@ def run(box, what, s, f):
                 for part in literal_unroll(line.parts):
                     part.follow(particles)
                     part.move()
-            if steps and (stage == 0 or stage == 4):
+            if steps and (stage == 0 or stage == STAGES):
                 copy(s, y)
-            if what == RATES or (steps and stage < 4):
+            if what == RATES or (steps and stage < STAGES):
                 clear(gain)
                 for part in literal_unroll(line.parts):
                     part.rates(s, f, gain)
                 begin_rates(particles, f)
                 end_rates(particles, s, f, gain)
-            if steps and stage < 4:
-                next_of(found, stage, s, f)
+            if steps and stage < STAGES:
+                advance(y, f, s, found.total, stage, found.now[1])
         if steps or what == LOOK:
             for part in literal_unroll(line.parts):
                 part.look(s)
@@ -182,18 +182,6 @@ def run(box, what, s, f):
                 more = plan_next(found.burst, found.results, found.journal, found.latest)
                 found.now[1] = found.burst[DT] if more else found.now[1]
     return good
-
-
-@njit(**MERGED_CALL)
-def next_of(found, stage, s, k):
-    """What follows from the rates k of a stage s: see fsipetsc.scheme.runge_kutta."""
-    y, total, dt = found.y, found.total, found.now[1]
-    if stage == 0:
-        next_stage(y, k, 0.5 * dt, dt / 6.0, s, total)
-    elif stage < 3:
-        further_stage(y, k, 0.5 * dt if stage == 1 else dt, dt / 3.0, s, total)
-    else:
-        last_stage(total, k, dt / 6.0, s)
 
 
 @njit(**MERGED_CALL)

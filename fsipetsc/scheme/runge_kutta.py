@@ -2,15 +2,14 @@
 
 With the rates k of a stage
 
-    stage = y + a k,   sum = base + b k     a = dt/2, dt/2, dt;  b = dt/6, dt/3, dt/3
-    y = sum + dt/6 k                        after the last one
+    stage = y + a k,   total = base + b k   a = dt/2, dt/2, dt;  b = dt/6, dt/3, dt/3
+    stage = total + dt/6 k                  after the last one: the solution
 
 in one pass over memory.
 """
 
 from __future__ import annotations
 
-import numpy as np
 from numba import njit
 
 from fsipetsc.operators.loops import LOOP
@@ -18,32 +17,23 @@ from fsipetsc.operators.loops import LOOP
 STAGES = 4
 
 
-@njit(**LOOP)
-def next_stage(y, k, a, b, stage, total):
-    """stage = y + a k, total = y + b k."""
-    for i in range(y.size):
-        stage[i] = y[i] + a * k[i]
-        total[i] = y[i] + b * k[i]
+def next_stage(y, k, stage, total, number, dt):
+    """What follows from the rates k of stage ``number``, 0 to 3: the next stage, and the sum that
+    becomes the solution. To be compiled.
+    """
+    a = dt if number == 2 else 0.5 * dt
+    b = dt / 3.0 if 0 < number < 3 else dt / 6.0
+    if number == 0:
+        for i in range(y.size):
+            total[i] = y[i] + b * k[i]
+            stage[i] = y[i] + a * k[i]
+    elif number < 3:
+        for i in range(y.size):
+            total[i] += b * k[i]
+            stage[i] = y[i] + a * k[i]
+    else:
+        for i in range(y.size):
+            stage[i] = total[i] + b * k[i]
 
 
-@njit(**LOOP)
-def further_stage(y, k, a, b, stage, total):
-    """stage = y + a k, total += b k."""
-    for i in range(y.size):
-        stage[i] = y[i] + a * k[i]
-        total[i] += b * k[i]
-
-
-@njit(**LOOP)
-def last_stage(total, k, b, y):
-    """y = total + b k."""
-    for i in range(y.size):
-        y[i] = total[i] + b * k[i]
-
-
-def compile_stages() -> None:
-    """Compile the loops, or load them."""
-    y, k, stage, total = np.zeros((4, 1))
-    next_stage(y, k, 0.0, 0.0, stage, total)
-    further_stage(y, k, 0.0, 0.0, stage, total)
-    last_stage(total, k, 0.0, y)
+advance = njit(**LOOP)(next_stage)
