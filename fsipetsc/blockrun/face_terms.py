@@ -18,7 +18,7 @@ from fsipetsc.blocks.values import checked
 from fsipetsc.parallel.block_layout import Part
 from fsipetsc.scheme import faces
 from fsipetsc.scheme.faces import Face
-from fsipetsc.scheme.line_parts import AbsorbingEnd, Closed, HeatedEnd, LoadedEnd, OpenEnd
+from fsipetsc.scheme.line_terms import AbsorbingEnd, Closed, HeatedEnd, LoadedEnd, OpenEnd
 
 Array = NDArray[Any]
 
@@ -91,7 +91,7 @@ class FaceTerms:
                 faces.heat_face(face, heat, self._inertia, rates, column, gain)
 
     def line(self, nodes: int) -> list[Any]:
-        """What is at both ends in one dimension, for fsipetsc.scheme.line_parts, once `refresh`
+        """What is at both ends in one dimension, for fsipetsc.scheme.line_terms, once `refresh`
         has filled it; the same records on all ranks of the block, for numba compiles for them.
         nodes: of the ghosted array.
         """

@@ -28,7 +28,8 @@ from fsipetsc.scheme.gas_rates import (
     gas_rates,
     scratch,
 )
-from fsipetsc.scheme.line_parts import GasDamping, GasLine, Undamped
+from fsipetsc.scheme.line_parts import GasLine
+from fsipetsc.scheme.line_terms import GasDamping, Undamped
 
 Array = NDArray[Any]
 #: names of the components of momentum

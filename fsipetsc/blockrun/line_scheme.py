@@ -22,6 +22,8 @@ from fsipetsc.scheme.block_look import LEAST_J, LOOKED
 from fsipetsc.scheme.line_steps import COMPLETE, LOOK, RATES, STEPS, Found, Line
 
 Array = NDArray[Any]
+#: sums of a look, in their order
+OF_GAS, OF_SOLID = ("mass", "momentum_x", "energy", "entropy"), ("momentum_x", "energy")
 
 
 class LineScheme(Scheme):
@@ -36,16 +38,16 @@ class LineScheme(Scheme):
         interfaces whose solid's end is here. alone: there is one rank.
         """
         self.particles.find_normals(self._metrics)  # they do not turn
-        momentum, energy = columns["momentum_x"].start, columns["energy"].start
+        first = {name: where.start for name, where in columns.items()}
         self._lines: dict[int, Any] = {}
         for k, part in self.parts.items():
             if isinstance(part, GasPart):
-                mass = columns["mass"].start + self._columns[k]
-                sums = np.array([mass, momentum, energy, columns["entropy"].start])
+                sums = np.array([first[name] for name in OF_GAS])
+                sums[0] += self._columns[k]
                 self._lines[k] = part.line(self._columns[k], sums)
             else:
                 own = [(number, row, X) for number, block, row, X in ends if block == k]
-                self._lines[k] = part.line(np.array([momentum, energy]), own)
+                self._lines[k] = part.line(np.array([first[name] for name in OF_SOLID]), own)
         self.alone = alone and not self.particles.stores
         self.alone = self.alone and not any(part.part.has_halo for part in self.parts.values())
         self._filled: float | None = None  # when the data were asked for
@@ -78,14 +80,16 @@ class LineScheme(Scheme):
             self._refresh(t)
             line_steps.run(self._all, COMPLETE, y.array, y.array)
             return
-        gain, box = self._gain, self._box
         self._share(t, y)
         if self.particles.stores:
             self._find_stored(y)
-        line_steps.settle(box, y.array, gain)
+        line_steps.settle(self._box, y.array, self._gain)
+        self._move(t)
+
+    def _move(self, t: float) -> None:
+        """Let the grids follow solids and walls: places and velocities. Collective."""
         for gas in self._gases:
-            line_parts.follow(self._boxes[gas.part.k], box)
-        for gas in self._gases:
+            line_parts.follow(self._boxes[gas.part.k], self._box)
             gas.gather.begin()
         for gas in self._gases:
             gas.gather.end()
@@ -120,8 +124,8 @@ class LineScheme(Scheme):
         self._sums = {}
         for k, line in self._lines.items():
             found[k] = line.seen
-            names = ("mass",) * isinstance(self.parts[k], GasPart), ("momentum_x", "energy", "entropy")
-            self._sums[k] = dict(zip(names[0] + names[1], line.sums.tolist(), strict=False))
+            names = OF_GAS if k in self._columns else OF_SOLID
+            self._sums[k] = dict(zip(names, line.sums.tolist(), strict=True))
         return found
 
     def steps(self, t: float, dt: float) -> tuple[bool, float, float]:

@@ -255,8 +255,7 @@ class ParticleSystem:
         """
         self.data: Data = self.prescribed.at(t)
         kernels.fill_state(self.table, self._like, y, self._exchange.table)
-        self._exchange.begin()
-        self._exchange.end()
+        self.exchange()
         rows = self._exchange.table
         kernels.share(self.table, self._like, rows, self.data, self.state, gain)
 
@@ -273,8 +272,7 @@ class ParticleSystem:
     def constrain(self, y: Array, f: Array, gain: Array) -> None:
         """Rates of all members under the constraints of their particles, in place."""
         kernels.fill_rates(self.table, self._like, f, self._exchange.table)
-        self._exchange.begin()
-        self._exchange.end()
+        self.exchange()
         table, like, data, state = self.table, self._like, self.data, self.state
         sums = self._exchange.table, self.normals, self.turning
         kernels.constrain(table, like, *sums, data, state, self._rates, gain)

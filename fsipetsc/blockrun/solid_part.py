@@ -20,7 +20,8 @@ from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.operators.undivided import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, Part
 from fsipetsc.scheme.block_look import LOOKED, look_at_end
-from fsipetsc.scheme.line_parts import SolidDamping, SolidLine, Undamped
+from fsipetsc.scheme.line_parts import SolidLine
+from fsipetsc.scheme.line_terms import SolidDamping, Undamped
 from fsipetsc.scheme.solid_dissipation import AT_SHOCKS, SMALL, Damping, room, solid_dissipation
 from fsipetsc.scheme.solid_look import solid_look
 from fsipetsc.scheme.solid_rates import solid_rates

@@ -75,12 +75,8 @@ def take_side(box, side):
 def couple_side(box, side):
     """Couple both sides, put back the rows of one, and let the frame follow."""
     of = box.value
-    points, gas, f, s = (
-        batch.interface_points(of.face, of.gases[0], of.solids[0]),
-        of.gases[0],
-        of.f,
-        of.s,
-    )
+    gas, f, s = of.gases[0], of.f, of.s
+    points = batch.interface_points(of.face, gas, of.solids[0])
     couple(of.ops[0], of.face, of.jump, f, s)
     if side == GAS:
         put_rows(of.ops[0], of.q_gas, points[0], points[1], f)

@@ -16,148 +16,23 @@ from numba.extending import overload_method
 from fsipetsc.operators.boxed import BoxType
 from fsipetsc.operators.loops import CALL, INNER_LOOP, MERGED_CALL
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
+from fsipetsc.scheme.after_step import WORDS
 from fsipetsc.scheme.block_look import BAD, CONVECTION, J_ERROR, LEAST_J, gas_look, look_at_end
-from fsipetsc.scheme.faces import absorb, heat_face, open_face, push_face, tangent
-from fsipetsc.scheme.gas_dissipation import gas_dissipation
 from fsipetsc.scheme.gas_rates import gas_rates
+from fsipetsc.scheme.line_terms import LINE
 from fsipetsc.scheme.rows import Array
-from fsipetsc.scheme.solid_dissipation import solid_dissipation
 from fsipetsc.scheme.solid_look import solid_look
 from fsipetsc.scheme.solid_rates import solid_rates
 
 #: of functions that are compiled with what calls them
 CALLED = {"error_model": "numpy", "boundscheck": False}
-#: one dimension
-LINE = (0.0,)
-
-
-# what may be at an end of a part; ``gain`` of each: mass, impulse, energy
-
-
-class Closed(NamedTuple):
-    """Nothing passes."""
-
-    kind: int = 0
-
-    def add(self, part, q, rates, gain):
-        """Nothing."""
-        return None
-
-
-class OpenEnd(NamedTuple):
-    """An open end of a gas: see fsipetsc.scheme.faces.open_face."""
-
-    face: Any
-    outside: Array
-    pressure: Array
-
-    def add(self, part, q, rates, gain):
-        """What passes."""
-        data = self.outside, self.pressure
-        open_face(part.gas.law, self.face, q, part.metrics, *data, rates, gain)
-
-
-class HeatedEnd(NamedTuple):
-    """heat: (n,) [W] comes in."""
-
-    face: Any
-    heat: Array
-
-    def add(self, part, q, rates, gain):
-        """Heat."""
-        heat_face(self.face, self.heat, part.inertia, rates, rates.shape[1] - 1, gain)
-
-
-class LoadedEnd(NamedTuple):
-    """forces: (n, 1) [N] push an end of a solid, heat: (n,) [W] comes in."""
-
-    face: Any
-    forces: Array
-    heat: Array
-
-    def add(self, part, q, rates, gain):
-        """Forces and heat."""
-        push_face(self.face, self.forces, q, part.inertia, rates, gain)
-        heat_face(self.face, self.heat, part.inertia, rates, 2, gain)
-
-
-class AbsorbingEnd(NamedTuple):
-    """An end of a solid that lets waves out; stress: (n,) [Pa] pulls from outside. S, weight: of
-    the band; none: (1, N) zeros.
-    """
-
-    face: Any
-    forces: Array
-    heat: Array
-    stress: Array
-    S: Array
-    weight: Array
-    none: Array
-
-    def add(self, part, q, rates, gain):
-        """Forces and heat."""
-        at, A = self.face.ghosted, part.metrics[0]
-        F = tangent(at, self.S, self.weight, 1, q.shape[0], self.none, q)
-        for i in range(at.size):
-            F[i, 0] = 1.0 + F[i, 0] * A[at[i]] / part.metrics[1, at[i]]
-        forces = self.forces.copy()
-        absorb(part.solid, LINE, self.face, F.T, self.stress, q, part.metrics, forces)
-        push_face(self.face, forces, q, part.inertia, rates, gain)
-        heat_face(self.face, self.heat, part.inertia, rates, 2, gain)
-
-
-# dissipation
-
-
-class Undamped(NamedTuple):
-    """No dissipation."""
-
-    kind: int = 0
-
-    def add(self, part, q, rates):
-        """Nothing."""
-        return None
-
-
-class GasDamping(NamedTuple):
-    """See fsipetsc.scheme.gas_dissipation."""
-
-    sigma: float
-    shock: float
-    differences: Any
-    room: Any
-
-    def add(self, part, q, rates):
-        """Both terms."""
-        sizes, of_patch = (self.sigma, self.shock), (self.differences, part.patch)
-        equations = part.gas, LINE, part.form
-        more = *part.S, *of_patch, rates, self.room
-        gas_dissipation(*equations, *sizes, q, part.metrics, *more)
-
-
-class SolidDamping(NamedTuple):
-    """See fsipetsc.scheme.solid_dissipation. after: the next term, or none."""
-
-    damping: Any
-    differences: Any
-    room: Any
-    after: Any
-
-    def add(self, part, q, rates):
-        """This term and the next one."""
-        of_patch = self.differences, part.patch
-        solid_dissipation(LINE, self.damping, q, part.metrics, *of_patch, rates, self.room)
-        self.after.add(part, q, rates)
-
-
-# parts
 
 
 class GasLine(NamedTuple):
     """A part of a gas block.
 
     begin: of its unknowns in the world vector. halo: (N, 4), its nodes with a halo, or (0, 4).
-    S, weight: of three bands. first: of its own nodes in the ghosted array. masses: (M,) weights.
+    S, weight: of three bands. masses: (M,) weights of its own nodes.
     follows: (n,) particles by which its ends move, here: (n, 2) their displacement and velocity;
     known: (m, 2) those of all ranks, of the columns ``ends`` of moved, moving: (1, ends of the
     block). low, high: (N,) weights of the ends. reference: (M,) J of the reference map. forcing:
@@ -357,7 +232,7 @@ def look_at_solid(box, s):
 @njit(**MERGED_CALL)
 def note(part, found):
     """Put the extremes and sums of a look where they belong."""
-    begin = 1 + part.seen.size * part.block
+    begin = 1 + WORDS * part.block
     for c in range(part.seen.size):
         found.extremes[begin + c] = part.seen[c]
     found.extremes[begin + CONVECTION] *= found.pace

@@ -14,7 +14,8 @@ from numba import literal_unroll, njit
 from fsipetsc.operators.loops import CALL, INNER_LOOP, MERGED_CALL
 from fsipetsc.scheme.after_step import note_extremes
 from fsipetsc.scheme.burst import DT, plan_next
-from fsipetsc.scheme.line_parts import LINE, clear
+from fsipetsc.scheme.line_parts import clear
+from fsipetsc.scheme.line_terms import LINE
 from fsipetsc.scheme.particles import (
     constrain,
     fill_rates,
