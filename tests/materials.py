@@ -1,7 +1,7 @@
 """A manufactured solution for materials that are not the built-in pair; a column of them under gravity, held and in free fall.
 
 gas | solid | gas | solid | gas: Sutherland's law, the pressure of Mie and Grüneisen, Sutherland's law with other numbers, that
-of a stiffened gas, powers of T, written by hand as a user would, or built in; a body force acts on all. The solids move as that
+of a stiffened gas, powers of T, written by hand as a user would; a body force acts on all. The solids move as that
 of the case mms. The outer gases have rigid grids, the inner one is stretched: X stands for x with x_X = J, x_t = w. The forcing
 is the equations (3.1), (3.2) themselves, with laws written as the literature has them: p of rho and epsilon. Derivatives of
 what no formula is wanted for are imaginary parts at a point beside the real axis: exact but for round-off.
@@ -28,7 +28,6 @@ NAME = "materials"
 SUMMARY = "manufactured solution with other materials"
 OPTIONS = (
     Option("materials_state", str, "mms", "", "manufactured; a column, held or falling", choices=("mms", "column", "fall")),
-    Option("materials_powers", str, "own", "", "law of the last gas: by hand, or built in", choices=("own", "built-in")),
 )
 DEFAULTS = {"fsi_h": 0.025, "ts_max_time": 0.45, "fsi_output_dt": 1.0}
 
@@ -156,17 +155,17 @@ def solid_forcing(k, X, t):
     return u_t - net_X / M0 - FORCE, sigma_t - K / x_X * u_X, T_t - heating, x_t - u
 
 
-def layer(k: int, X: tuple[float, float], exact: Callable[..., Any], own: bool, **more: Any) -> FluidLayer | SolidLayer:
-    """Layer k with its material and an exact solution, with which it starts; own: the last gas has the law written by hand."""
+def layer(k: int, X: tuple[float, float], exact: Callable[..., Any], **more: Any) -> FluidLayer | SolidLayer:
+    """Layer k with its material and an exact solution, with which it starts; the last gas has the law written by hand."""
     if k % 2:
         kind, material = SolidLayer, Solid(K, KAPPA_E, M0, ALPHA, FORCE, pressing=LAWS[k][1])
     else:
-        transport = OWN if own and k == 4 else LAWS[k][1]
+        transport = OWN if k == 4 else LAWS[k][1]
         kind, material = FluidLayer, Fluid(MU, KAPPA, GAMMA, R, transport=transport, force=FORCE)
     return kind(f"layer {k}", material, X, initial=lambda X: exact(X, 0.0), exact=exact, **more)
 
 
-def manufactured(own: bool = False) -> Problem:
+def manufactured() -> Problem:
     """Five layers."""
 
     def jumps(k: int, t: float) -> tuple[float, ...]:
@@ -180,15 +179,15 @@ def manufactured(own: bool = False) -> Problem:
 
     places = list(zip((LEFT, *FACES), (*FACES, RIGHT)))
     layers = [
-        layer(k, X, lambda X, t: solid(X, t)[:4], own, forcing=lambda X, t, k=k: solid_forcing(k, X, t))
+        layer(k, X, lambda X, t: solid(X, t)[:4], forcing=lambda X, t, k=k: solid_forcing(k, X, t))
         if k % 2
-        else layer(k, X, lambda X, t, k=k: gas(k, X, t)[:3], own, forcing=lambda X, t, k=k: gas_forcing(k, X, t))
+        else layer(k, X, lambda X, t, k=k: gas(k, X, t)[:3], forcing=lambda X, t, k=k: gas_forcing(k, X, t))
         for k, X in enumerate(places)
     ]
     return Problem(tuple(layers), end(0, LEFT, FACES[0]), end(4, RIGHT, FACES[3]), jumps, units="none")
 
 
-def column(own: bool = False) -> Problem:
+def column() -> Problem:
     """The same materials at rest between two walls at one temperature: each layer carries those above it."""
     layers, p = [], 16.0
     for k in range(5):
@@ -206,11 +205,11 @@ def column(own: bool = False) -> Problem:
                 return p / (R * REST) * np.exp(FORCE / (R * REST) * (X - X0)), 0.0 * X, REST + 0.0 * X
 
             p *= np.exp(FORCE / (R * REST))
-        layers.append(layer(k, (X0, X1), exact, own))
+        layers.append(layer(k, (X0, X1), exact))
     return Problem(tuple(layers), Wall(0.0), Wall(5.0), units="none")
 
 
-def fall(own: bool = False) -> Problem:
+def fall() -> Problem:
     """The same materials under one pressure between two walls: all fall alike, and nothing else changes."""
 
     def gas_falls(X: np.ndarray, t: float) -> tuple[Any, ...]:
@@ -220,10 +219,10 @@ def fall(own: bool = False) -> Problem:
         stress = LAWS[k][0](M0, ALPHA * REST) - 10.0
         return lambda X, t: (FORCE * t + 0.0 * X, stress + 0.0 * X, REST + 0.0 * X, X + 0.5 * FORCE * t * t)
 
-    layers = [layer(k, (float(k), float(k + 1)), solid_falls(k) if k % 2 else gas_falls, own) for k in range(5)]
+    layers = [layer(k, (float(k), float(k + 1)), solid_falls(k) if k % 2 else gas_falls) for k in range(5)]
     walls = [Wall(lambda t, x=x: x + 0.5 * FORCE * t * t, velocity=lambda t: FORCE * t) for x in (0.0, 5.0)]
     return Problem(tuple(layers), *walls, units="none")
 
 
 def build(opt: Mapping[str, Any]) -> Problem:
-    return {"mms": manufactured, "column": column, "fall": fall}[opt["materials_state"]](opt["materials_powers"] == "own")
+    return {"mms": manufactured, "column": column, "fall": fall}[opt["materials_state"]]()

@@ -58,9 +58,9 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.mpi
-@pytest.mark.parametrize("split", ["layers", "blocks"])
-def test_round_trip(tmp_path: Path, split: str) -> None:
-    write(3, split, tmp_path / "run.h5", FRAMES)
+@pytest.mark.parametrize(("n", "split"), [(2, "layers"), (3, "blocks")])
+def test_round_trip(tmp_path: Path, n: int, split: str) -> None:
+    write(n, split, tmp_path / "run.h5", FRAMES)
     with fsipetsc.open_run(tmp_path / "run.h5") as result:
         assert_frames(result, FRAMES)
 
@@ -425,7 +425,7 @@ import fsipetsc
 from fsipetsc.errors import FileError
 content, path = Path(sys.argv[1]).read_bytes(), Path(sys.argv[2])
 fates = []
-for at in range(0, len(content), 149):
+for at in range(int(sys.argv[3]), len(content), int(sys.argv[4])):
     path.write_bytes(content[:at] + bytes([content[at] ^ (1 << at % 8)]) + content[at + 1:])
     try:
         with fsipetsc.open_run(path) as run:
@@ -439,9 +439,15 @@ print(fates.count(0), fates.count(4), set(fates) - {0, 4})
 """
 
 
-def test_one_changed_byte_crashes_no_reader(finished: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("first", "every", "least"),
+    [(0, 149, 20), *(pytest.param(first, 13, 100, marks=pytest.mark.long) for first in (0, 6))],
+)
+def test_one_changed_byte_crashes_no_reader(
+    first: int, every: int, least: int, finished: Path, tmp_path: Path
+) -> None:
     """Each is read, or refused with status 4: metadata has checksums, numbers have none."""
-    done = run("-c", FLIP, finished, tmp_path / "run.h5")
+    done = run("-c", FLIP, finished, tmp_path / "run.h5", first, every)
     assert (done.returncode, done.stderr) == (0, "")
     read, refused, other = done.stdout.split(maxsplit=2)
-    assert int(read) > 20 and int(refused) > 20 and other == "set()\n", done.stdout
+    assert int(read) > least and int(refused) > least and other == "set()\n", done.stdout
