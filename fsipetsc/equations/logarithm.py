@@ -12,9 +12,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from llvmlite import ir
-from numba import types
-from numba.extending import intrinsic, overload
+from numba.extending import overload
 
 #: bits of sqrt(1/2), 1 and 2^52
 _SQRT_HALF, _ONE, _BIG = 0x3FE6A09E667F3BCD, 0x3FF0000000000000, 0x4330000000000000
@@ -32,29 +30,13 @@ def log(x: Any) -> Any:
     return np.log(x)
 
 
-@intrinsic
-def _bits(typingctx, x):
-    """The bits of a float64."""
-    return types.int64(types.float64), lambda context, builder, sig, args: builder.bitcast(
-        args[0], ir.IntType(64)
-    )
-
-
-@intrinsic
-def _number(typingctx, bits):
-    """The float64 of these bits."""
-    return types.float64(types.int64), lambda context, builder, sig, args: builder.bitcast(
-        args[0], ir.DoubleType()
-    )
-
-
 @overload(log)
 def _log(x):
     def compiled(x):
-        bits = _bits(x)
+        bits = np.float64(x).view(np.int64)
         k = (bits + (_ONE - _SQRT_HALF)) >> 52  # with the bias of exponents
-        f = _number(bits - (k << 52) + _ONE) - 1.0
-        power = _number(k | _BIG) - _OFFSET
+        f = np.int64(bits - (k << 52) + _ONE).view(np.float64) - 1.0
+        power = np.int64(k | _BIG).view(np.float64) - _OFFSET
         s = f / (2.0 + f)
         z = s * s
         R = z * (_R1 + z * (_R2 + z * (_R3 + z * (_R4 + z * (_R5 + z * (_R6 + z * _R7))))))
