@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import oracle_formulas as oracle
+from block_ledgers import scheme_of
 from mpi4py import MPI
 
-from fsipetsc.blockrun.block_scheme import Scheme
 from fsipetsc.blockrun.block_state import BlockForm
+from fsipetsc.blockrun.columns import gained
 from fsipetsc.blocks import conditions
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.conditions import Hinge
@@ -82,9 +83,11 @@ class Engine:
         )
         self.shapes = {b.name: b.X.shape[1:] for b in p.blocks}
         self.problem = BlockProblem(tuple(map(block_of, p.blocks)), faces, points=points)
-        self.layout = BlockLayout(comm, self.problem, p.order)
+        gases = sum(block.kind == "fluid" for block in self.problem.blocks)
+        behind = gained(gases, self.problem.dimension).itemsize // 8
+        self.layout = BlockLayout(comm, self.problem, p.order, behind=behind)
         form = BlockForm(p.form, p.dissipation / 0.3 or -1.0)  # 0: on where blocks are joined
-        self.scheme = Scheme(self.layout, self.problem, p.order, form)
+        self.scheme = scheme_of(self.layout, self.problem, p.order, form)
         self.y, self.f = self.layout.vector(), self.layout.vector()
 
     def put(self, q):

@@ -46,6 +46,11 @@ class StubScheme:
             at[own] = part.at(node[exchange.mine][own])
         return exchange, np.unique(particle, return_inverse=True)[1], at[:, None] + np.arange(dof)
 
+    alone = False
+
+    def attach(self, columns, ends, alone):
+        """Nothing to know."""
+
     @property
     def more(self):
         return ("largest",)

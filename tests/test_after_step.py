@@ -7,8 +7,8 @@ import pytest
 
 pytest.importorskip("numba")
 
-from fsipetsc.blockrun.after_step import WORDS, note_extremes
 from fsipetsc.scheme import burst as words
+from fsipetsc.scheme.after_step import WORDS, note_extremes
 from fsipetsc.scheme.burst import plan_next
 from fsipetsc.scheme.plan import BAD, BURST, FLAGS, LIMITS, RATE, STOP
 

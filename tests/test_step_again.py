@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from fsipetsc.blockrun.block_state import PARTS, BlockState
-from fsipetsc.blockrun.fused import STAGES
 from fsipetsc.scheme.plan import BAD
+from fsipetsc.scheme.runge_kutta import STAGES
 
 
 class Run:

@@ -1,4 +1,4 @@
-"""Runs with convection in two-point form: orders, ledgers, and both paths; refusals."""
+"""Runs with convection in two-point form: ledgers, and both paths; refusals."""
 
 from __future__ import annotations
 
@@ -11,9 +11,7 @@ import fsipetsc
 pytest.importorskip("petsc4py")
 pytestmark = [pytest.mark.mpi, pytest.mark.long]  # kernels that no other test needs
 
-#: order -> least order of the errors of the manufactured solution, in fluid and solid, between the grids below
-LEAST = {2: (1.9, 1.9), 4: (3.0, 2.6), 6: (4.1, 4.2), 8: (4.7, 4.4)}
-SPACINGS = (0.025, 0.0125)
+ORDERS = 2, 4, 6, 8
 _FORM = "-fsi_convection entropy"
 _SHARED = f"{_FORM} -fsi_partition balanced"
 #: what test_same_bits runs on several ranks
@@ -22,11 +20,10 @@ SHARED = {
     "column": ("column", f"{_SHARED} -fsi_order 4 -fsi_h 0.05 -ts_max_time 0.3"),
     "piston": ("piston", f"{_SHARED} -ts_max_time 0.01"),
 }
-ALONE = {f"mms {order} {h}": ("mms", f"{_FORM} -fsi_order {order} -fsi_h {h}") for order in LEAST for h in SPACINGS}
 #: a gas that is neither viscous nor conducts
-ALONE |= {
+ALONE = {
     f"box {order}": ("box", f"{_FORM} -fsi_order {order} -fsi_h 0.025 -ts_max_time 1 -fluid_mu 0 -fluid_kappa 0")
-    for order in LEAST
+    for order in ORDERS
 }
 
 
@@ -35,13 +32,6 @@ def runs(more_kernels, tmp_path_factory):
     """name -> result."""
     files = compute(1, tmp_path_factory.mktemp("twopoint"), ALONE)
     return {name: fsipetsc.open_run(path) for name, path in files.items()}
-
-
-@pytest.mark.parametrize("order", LEAST)
-def test_orders(runs, order):
-    coarse, fine = (runs[f"mms {order} {h}"].errors for h in SPACINGS)
-    for kind, least in zip(("fluid", "solid"), LEAST[order], strict=True):
-        assert np.log2(coarse[kind]["combined"] / fine[kind]["combined"]) > least
 
 
 @pytest.mark.long
@@ -62,7 +52,7 @@ def test_the_two_paths(tmp_path):
             np.testing.assert_allclose(a[field], b[field], rtol=1e-6, atol=1e-6 * np.nanmax(np.abs(a[field])))
 
 
-@pytest.mark.parametrize("order", LEAST)
+@pytest.mark.parametrize("order", ORDERS)
 def test_box(runs, order):
     """Mass and energy hold as in divergence form, whether friction and conduction help or not."""
     series = runs[f"box {order}"].series

@@ -48,6 +48,7 @@ class Forced:
     part: Any
     faces: Any
     X: Array
+    metrics: Array
     _owned: Array
     _asked: Asked
 
@@ -62,6 +63,18 @@ class Forced:
             return []
         X, key = self.X[:, self._owned], ("forcing", self.part.k)
         return self._asked(key, t, lambda: block_values(self.block, "forcing", X, t))
+
+    def supplied(self, rows: int) -> Array:
+        """(rows, M) memory for the forcing, which `refresh` fills; (rows, 0) if there is none."""
+        nodes = 0 if self.block.forcing is None else self._owned.size
+        self._forcing = np.zeros((rows, nodes))
+        return self._forcing
+
+    def refresh(self, t: float) -> None:
+        """Data of the ends and of the forcing at time t [s], in one dimension."""
+        self.faces.refresh(t, self.metrics)
+        for row, values in zip(self._forcing, self.ask(t), strict=False):
+            row[:] = values
 
     def try_exact(self, t: float) -> None:
         """InputError if the case's exact solution has no values at time t [s]."""

@@ -73,6 +73,12 @@ class Scheme:
         """
         return self._asked.fault
 
+    #: whether a rank has all blocks, and makes stages or steps in one call
+    alone = False
+
+    def attach(self, columns: Any, ends: Any, alone: bool) -> None:
+        """See fsipetsc.blockrun.line_scheme."""
+
     @property
     def steady(self) -> bool:
         """No data of conditions, forcing or jumps depend on time."""
@@ -95,11 +101,15 @@ class Scheme:
         """Let J of gases be that of the grid where the solids have it, at fixed density, velocity
         and temperature; at walls the gas has their velocity, at its temperature.
         """
-        self.particles.share(y.array, t, self._gain)
+        self._share(t, y)
         self._move(t)
         for gas in self._gases:
             gas.stretch(y.owned(gas.part.k))
             gas.hold(y.owned(gas.part.k), *self.particles.at_walls(gas.part.k))
+
+    def _share(self, t: float, y: BlockVector) -> None:
+        """What the members of particles have in common. Collective."""
+        self.particles.share(y.array, t, self._gain)
 
     def complete(self, t: float, y: BlockVector) -> None:
         """Let y obey all that holds its particles, in place. Collective."""

@@ -17,11 +17,10 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from fsipetsc.blockrun import snapshot
-from fsipetsc.blockrun.after_step import WORDS, note_extremes
 from fsipetsc.blockrun.columns import OF_INTERFACES, fields_of, gained, step_record
 from fsipetsc.blockrun.errors_of_blocks import errors
 from fsipetsc.blockrun.failures import describe_failure
-from fsipetsc.blockrun.fused import STAGES, FusedRK4, compile_stages
+from fsipetsc.blockrun.fused import FusedRK4
 from fsipetsc.blockrun.recorded_nodes import Recorded, Recorder
 from fsipetsc.blockrun.run_problem import RunProblem
 from fsipetsc.checks import counted
@@ -30,9 +29,11 @@ from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_layout import BlockLayout, BlockVector, halos_of
 from fsipetsc.parallel.natural_order import NaturalOrder
 from fsipetsc.process.together import agree, together, wait_asleep
+from fsipetsc.scheme.after_step import WORDS, note_extremes
 from fsipetsc.scheme.block_look import CONVECTION
-from fsipetsc.scheme.burst import DT, plan_next
+from fsipetsc.scheme.burst import DT, MADE, plan_next
 from fsipetsc.scheme.plan import BAD, BURST, FLAGS, LIMITS, RATE, SAID_STOP
+from fsipetsc.scheme.runge_kutta import STAGES
 from fsipetsc.stepping.diagnosis import Failure
 from fsipetsc.stepping.phases import logged
 from fsipetsc.stepping.snapshot import as_numbers, rates_of
@@ -62,10 +63,12 @@ class BlockForm(NamedTuple):
 
 
 def make_scheme(*arguments: Any) -> Any:
-    """The scheme of fsipetsc.blockrun.block_scheme. Collective."""
+    """The scheme of a layout, and so on: see fsipetsc.blockrun.block_scheme. Collective."""
     from fsipetsc.blockrun.block_scheme import Scheme
+    from fsipetsc.blockrun.line_scheme import LineScheme
 
-    return Scheme(*arguments)
+    layout = arguments[0]
+    return (LineScheme if layout.problem.dimension == 1 else Scheme)(*arguments)
 
 
 def _call_all(scheme: Any, y: BlockVector, t: float) -> None:
@@ -132,6 +135,9 @@ class BlockState:
         self._lay_records(record)
         self._extremes = np.zeros(1 + WORDS * len(blocks))
         self.rates = np.zeros((len(blocks), 2))
+        self.scheme.attach(self._columns, self._ends, comm.size == 1)
+        if self.scheme.alone:
+            self._lay_steps()
         self.evaluations, self.begin, self._t = 0, 0.0, 0.0
         self.fault: InputError | None = None  # of a user's function, on this rank
         self._orders = self._make_orders()
@@ -140,17 +146,24 @@ class BlockState:
         """Flags, what a burst of steps is told, and the records of steps."""
         row = record.itemsize // 8
         self.results, self.burst = np.zeros(FLAGS + LIMITS), np.zeros(BURST)
-        rows, self._latest = np.zeros((KEPT, row)), np.zeros(row - 2)
-        self.journal = rows.reshape(-1).view(record)
+        self._rows, self._latest = np.zeros((KEPT, row)), np.zeros(row - 2)
+        self.journal = self._rows.reshape(-1).view(record)
         own = np.dtype([(name, record[name]) for name in record.names[2:]])
         self.latest = self._latest.view(own)[0]
-        self._plan_next = partial(plan_next, self.burst, self.results, rows, self._latest)
+        self._plan_next = partial(plan_next, self.burst, self.results, self._rows, self._latest)
         begins = {name: own.fields[name][1] // 8 for name in own.names}
         sizes = {name: own[name].itemsize // 8 for name in own.names}
         self._columns = {name: slice(at, at + sizes[name]) for name, at in begins.items()}
         first = begins.get(OF_INTERFACES[0], 0)
         count = len(OF_INTERFACES) * sizes.get(OF_INTERFACES[0], 0)
         self._at_ends = self._latest[first : first + count].reshape(len(OF_INTERFACES), -1)
+
+    def _lay_steps(self) -> None:
+        """Memory of many steps in one call, and what they fill."""
+        k, total = np.zeros_like(self.y.array), np.zeros_like(self.y.array)
+        memory = self.y.array, self._stage.array, k, total, self._before
+        words = self._extremes, self.rates, self.results, self._latest, self._at_ends, self._pace
+        self.scheme.attach_steps(memory, words, self.burst, self._rows)
 
     def _interface_ends(self) -> Iterator[tuple[int, int, int, float]]:
         """Of interfaces in one dimension with the solid's end here: number, block, row, X."""
@@ -206,7 +219,6 @@ class BlockState:
         self._compile_own()
 
     def _compile_own(self) -> None:
-        compile_stages()
         extremes, rates = np.zeros(1 + WORDS), np.zeros((1, 2))
         note_extremes(extremes, rates, np.zeros(FLAGS + LIMITS), np.zeros(2))
         self._plan_next()  # nothing is allowed yet
@@ -220,6 +232,7 @@ class BlockState:
             alone = BlockLayout(MPI.COMM_SELF, self.problem, self._order, self._halos, behind=behind)
             y = alone.vector()
             scheme = make_scheme(alone, self.problem, self._order, self._form, self._instant)
+            scheme.attach(self._columns, [], False)
             _call_all(scheme, y, self.begin)
             scheme.destroy()
             y.destroy()
@@ -287,10 +300,25 @@ class BlockState:
         """
         more = True
         while more:
+            if self.scheme.alone and self.scheme.steady and not self._recorded:
+                ended_well, t, dt = self._steps(t, dt)
+                if ended_well:
+                    break
             self._advance(t, dt)
             t = self._t
             more = self._plan_next()
             dt = float(self.burst[DT])
+
+    def _steps(self, t: float, dt: float) -> tuple[bool, float, float]:
+        """Steps in one call, from t [s] on, the first of dt [s], as the burst allows.
+
+        Whether all ended well; begin and length of one that is to be made anew.
+        """
+        made = self.burst[MADE]
+        found = self.scheme.steps(t, dt)
+        self._t = found[1]
+        self.evaluations += STAGES * max(int(self.burst[MADE] - made), int(found[0]))
+        return found
 
     def _advance(self, t: float, dt: float) -> None:
         """Make the step; one that leaves an unphysical state is made anew in 2, 4 … parts."""

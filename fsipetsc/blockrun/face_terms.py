@@ -18,6 +18,7 @@ from fsipetsc.blocks.values import checked
 from fsipetsc.parallel.block_layout import Part
 from fsipetsc.scheme import faces
 from fsipetsc.scheme.faces import Face
+from fsipetsc.scheme.line_parts import AbsorbingEnd, Closed, HeatedEnd, LoadedEnd, OpenEnd
 
 Array = NDArray[Any]
 
@@ -49,12 +50,14 @@ class FaceTerms:
         self.p_ref = _left_out(problem.blocks[part.k])
         self._turned: dict[int, TurnedFace] = {}
         self._faces: list[tuple[Any, Face, Array]] = []
+        self._acting: list[tuple[Any, Face]] = []  # with faces that have no node here
         for (axis, side), condition in problem.faces_of(part.k).items():
             interface = isinstance(condition, Meeting) and problem.is_interface(part.k, axis, side)
             supplied = interface and not self._gas and self._jumps is not None
             loaded = _unheld(condition) and self.p_ref not in (0.0, _beyond(problem, condition))
             if supplied or loaded or _acts(condition):
                 face = face_of(problem, part, axis, side)
+                self._acting.append((condition, face))
                 if face.owned.size:
                     places = problem.places(part.k, part.numbers[face.owned])
                     self._faces.append((condition, face, places))
@@ -86,6 +89,43 @@ class FaceTerms:
                 heat = found["heat"] * self._areas(face, metrics)
                 column = rates.shape[1] - 1
                 faces.heat_face(face, heat, self._inertia, rates, column, gain)
+
+    def line(self, nodes: int) -> list[Any]:
+        """What is at both ends in one dimension, for fsipetsc.scheme.line_parts, once `refresh`
+        has filled it; the same records on all ranks of the block, for numba compiles for them.
+        nodes: of the ghosted array.
+        """
+        self._ends: list[Any] = [Closed(), Closed()]
+        for condition, face in self._acting:
+            heat = np.zeros(face.owned.size)
+            forces, stress, outside = heat[:, None].copy(), heat.copy(), np.zeros((heat.size, 3))
+            if not self._gas and isinstance(condition, Absorbing):
+                band = self._part.bands[0]
+                of_band = band.S, band.weight, np.zeros((1, nodes))
+                end: Any = AbsorbingEnd(face, forces, heat, stress, *of_band)
+            elif not self._gas:
+                end = LoadedEnd(face, forces, heat)
+            elif isinstance(condition, (Open, Outflow)):
+                end = OpenEnd(face, outside, stress)
+            else:
+                end = HeatedEnd(face, heat)
+            self._ends[int(face.sign > 0.0)] = end
+        return self._ends
+
+    def refresh(self, t: float, metrics: Array) -> None:
+        """Fill the arrays of the ends with data at time t [s]."""
+        for (_, face, _), found in zip(self._faces, self.ask(t), strict=True):
+            end, area = self._ends[int(face.sign > 0.0)], self._areas(face, metrics)
+            if "outside" in found:
+                end.outside[:], end.pressure[:] = found["outside"], found["pressure"]
+            if "stress" in found:
+                end.stress[:] = found["stress"]
+            if not self._gas:
+                forces = found.get("traction", 0.0 * end.forces) * area[:, None]
+                pressure = np.broadcast_to(found.get("pressure", 0.0), area.shape)
+                end.forces[:] = forces - face.sign * pressure[:, None]
+            if "heat" in found:
+                end.heat[:] = found["heat"] * area
 
     def _data(self, condition: Any, X: Array, t: float) -> dict[str, Array]:
         """What a face is given."""

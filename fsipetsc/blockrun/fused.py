@@ -1,12 +1,7 @@
-"""The classical Runge-Kutta method of fourth order, each stage written where the next one is read.
+"""Steps of the classical Runge-Kutta method of fourth order.
 
-It is PETSc's ``-ts_type rk -ts_rk_type 4`` up to round-off, on the same right-hand side. With the
-rates k of a stage
-
-    stage = y + a k,   sum = base + b k     a = dt/2, dt/2, dt;  b = dt/6, dt/3, dt/3
-    y = sum + dt/6 k                        after the last one
-
-in one pass over memory. Stages and the step are completed, see fsipetsc.blockrun.block_scheme.
+It is PETSc's ``-ts_type rk -ts_rk_type 4`` up to round-off, on the same right-hand side; see
+fsipetsc.scheme.runge_kutta. Stages and the step are completed, see fsipetsc.blockrun.block_scheme.
 """
 
 from __future__ import annotations
@@ -14,43 +9,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 
-from fsipetsc.operators.loops import LOOP
 from fsipetsc.parallel.block_layout import BlockLayout, BlockVector
-
-STAGES = 4
-
-
-@njit(**LOOP)
-def next_stage(y, k, a, b, stage, total):
-    """stage = y + a k, total = y + b k."""
-    for i in range(y.size):
-        stage[i] = y[i] + a * k[i]
-        total[i] = y[i] + b * k[i]
-
-
-@njit(**LOOP)
-def further_stage(y, k, a, b, stage, total):
-    """stage = y + a k, total += b k."""
-    for i in range(y.size):
-        stage[i] = y[i] + a * k[i]
-        total[i] += b * k[i]
-
-
-@njit(**LOOP)
-def last_stage(total, k, b, y):
-    """y = total + b k."""
-    for i in range(y.size):
-        y[i] = total[i] + b * k[i]
-
-
-def compile_stages() -> None:
-    """Compile the loops, or load them."""
-    y, k, stage, total = np.zeros((4, 1))
-    next_stage(y, k, 0.0, 0.0, stage, total)
-    further_stage(y, k, 0.0, 0.0, stage, total)
-    last_stage(total, k, 0.0, y)
+from fsipetsc.scheme.runge_kutta import further_stage, last_stage, next_stage
 
 
 class FusedRK4:

@@ -28,6 +28,7 @@ from fsipetsc.scheme.gas_rates import (
     gas_rates,
     scratch,
 )
+from fsipetsc.scheme.line_parts import GasDamping, GasLine, Undamped
 
 Array = NDArray[Any]
 #: names of the components of momentum
@@ -82,6 +83,7 @@ class GasPart(Forced):
             np.int64,
         )
         self.grid = GridMotion(self._problem, k, self._order, self._ranges, nodes)
+        self._nodes = nodes
         self._gather = FaceGather(self._layout, k, {"known": nodes}, self._d)
         own, particle = system.nodes[k]
         self._particles = particle[np.searchsorted(own, self._gather.nodes)]
@@ -89,6 +91,51 @@ class GasPart(Forced):
         self.grid.move(np.zeros((nodes.size, self._d)), self.metrics)
         #: J of the reference map, over which that of the solution is saved and looked at
         self._reference = self.grid.jacobian()[self._owned].copy()
+
+    def line(self, column: int, columns: Array) -> GasLine:
+        """Itself as a record, in one dimension. column: of its mass in what comes in; columns: of
+        its sums in the record of a step. Collective on the block's ranks.
+        """
+        part, nodes = self.part, self.X.shape[1]
+        self.gather = FaceGather(self._layout, part.k, {"known": self._nodes}, 2)
+        damping: Any = Undamped()
+        if self._sigma > 0.0 or self._shock > 0.0:
+            damping = GasDamping(self._sigma, self._shock, self._differences, self._room)
+        moved, moving, ends, low, high = self.grid.line()
+        return GasLine(
+            self.equations,
+            self._form,
+            self._friction,
+            damping,
+            *self.faces.line(nodes),
+            part.k,
+            part.begin,
+            column,
+            part.local if part.has_halo else np.empty((0, part.dof)),
+            self.metrics,
+            np.ones(nodes),
+            tuple(band.S for band in part.bands),
+            tuple(band.weight for band in part.bands),
+            part.patch,
+            self._scratch,
+            self._per_h,
+            self._row,
+            self._weights,
+            follows=self._particles,
+            here=self.gather.local,
+            known=self.gather.whole["known"] if part.comm.size > 1 else self.gather.local,
+            ends=ends,
+            moved=moved,
+            moving=moving,
+            low=low,
+            high=high,
+            reference=self._reference,
+            forcing=self.supplied(3),
+            came=np.zeros(3),
+            seen=np.zeros(block_look.LOOKED),
+            sums=np.zeros(4),
+            columns=columns,
+        )
 
     def begin_positions(self, places: Array) -> None:
         """Send what this rank knows of displacements; places: (particles, d)."""

@@ -22,6 +22,7 @@ from fsipetsc.parallel.block_layout import BlockLayout
 from fsipetsc.parallel.particle_exchange import ParticleExchange
 from fsipetsc.scheme import normals as of_faces
 from fsipetsc.scheme import particles as kernels
+from fsipetsc.scheme.line_steps import Particles
 from fsipetsc.scheme.particles import GAS, SOLID, Data, State, Table
 
 Array = NDArray[Any]
@@ -278,6 +279,36 @@ class ParticleSystem:
         sums = self._exchange.table, self.normals, self.turning
         kernels.constrain(table, like, *sums, data, state, self._rates, gain)
         kernels.give_rates(table, like, y, f, state, self._rates)
+
+    def line(self) -> Particles:
+        """Itself as a record, in one dimension; `refresh` fills its data."""
+        count = len(self._particles)
+        moves, self._place = np.zeros(count, np.int64), np.zeros(count)
+        moves[self.prescribed.moving] = 1
+        return Particles(
+            self.table,
+            self._law,
+            self.prescribed.data,
+            self.state,
+            self._stored,
+            self._exchange.table,
+            self._rates,
+            int(self.slips),
+            self.normals,
+            self.turning,
+            moves,
+            self._place,
+        )
+
+    def refresh(self, t: float) -> None:
+        """Prescribed data at time t [s], in one dimension."""
+        self.data = self.prescribed.at(t)
+        self._place[self.prescribed.moving] = self.prescribed.displacement(t)[:, 0]
+
+    def exchange(self) -> None:
+        """Ranks send each other the rows of their members. Collective among neighbours."""
+        self._exchange.begin()
+        self._exchange.end()
 
     def at_walls(self, k: int) -> tuple[Array, Array]:
         """Nodes of a gas block here that stick to walls, and velocities (n, d) of these."""

@@ -27,7 +27,8 @@ class Prescribed:
     """Data of conditions. Functions of the case are asked for all particles of a condition at once.
 
     law: of the gas. instant: says a time [s] in which little happens, for differences in time.
-    moving: particles on walls that move, by which the grid goes along. timed: data depend on time.
+    data: the arrays of the last instant. moving: particles on walls that move, by which the grid
+    goes along. timed: data depend on time.
     """
 
     def __init__(
@@ -43,10 +44,11 @@ class Prescribed:
         n = len(particles)
         vectors = (np.zeros((n, d)) for _ in range(5))
         several = np.zeros((n, d + 2)), np.zeros((n, 2 * d))
-        self._data = Data(*vectors, np.zeros(n), np.zeros(n), *several)
+        self.data = Data(*vectors, np.zeros(n), np.zeros(n), *several)
         first = [p.members[0] for p in particles]
         places = [problem.places(k, np.array([node]))[0] for k, node in first]
         self._x = np.array(places).reshape(n, d)
+        self._displaced = np.zeros_like(self._x)
         self._groups = {name: _grouped(particles, name) for name in NAMES}
         found = [c for group in self._groups.values() for c, _ in group]
         self.timed = not all(steady(condition) for condition in found)
@@ -60,7 +62,8 @@ class Prescribed:
 
     def displacement(self, t: float) -> Array:
         """(moving particles, d) displacement of those on walls that move at time t [s]."""
-        return self._asked("walls", self._when(t), lambda: self._displacement(t))
+        self.at(t)
+        return self._displaced[self.moving]
 
     def _when(self, t: float) -> Any:
         """What the data depend on."""
@@ -69,11 +72,11 @@ class Prescribed:
         return (t, self._instant()) if self._by_differences else t
 
     def _fill(self, t: float) -> Data:
-        out, x = self._data, self._x
+        out, x = self.data, self._x
         walls = self._groups["slip"] + self._groups["wall"]
         walls.sort(key=lambda group: moves(group[0]))  # the last one holds
         for condition, who in walls:
-            _, out.wall[who], out.wall_rate[who] = self._motion(condition, x[who], t)
+            self._move_wall(condition, who, t)
         for condition, who in self._groups["clamp"]:
             place, out.clamp_velocity[who], out.clamp_rate[who] = self._motion(condition, x[who], t)
             out.clamp[who] = place - x[who]
@@ -84,7 +87,7 @@ class Prescribed:
         for condition, who in self._groups["given_gas"]:
             self._give_gas(condition, who, t)
             if moves(condition):
-                _, out.wall[who], out.wall_rate[who] = self._motion(condition, x[who], t)
+                self._move_wall(condition, who, t)
         for condition, who in self._groups["given_solid"]:
             values = data(condition, "values", x[who], t, names_of("solid", "values", self._d))
             v, T, place = np.split(values, [self._d, self._d + 1], axis=1)
@@ -92,13 +95,10 @@ class Prescribed:
             out.T_solid[who] = T[:, 0]
         return out
 
-    def _displacement(self, t: float) -> Array:
-        found = np.zeros_like(self._x)
-        for name in WALLS:
-            for condition, who in self._groups[name]:
-                if moves(condition):
-                    found[who] = self._motion(condition, self._x[who], t)[0] - self._x[who]
-        return found[self.moving]
+    def _move_wall(self, condition: Any, who: Array, t: float) -> None:
+        x, out = self._x[who], self.data
+        place, out.wall[who], out.wall_rate[who] = self._motion(condition, x, t)
+        self._displaced[who] = place - x
 
     def _motion(self, condition: Any, X: Array, t: float) -> tuple[Array, Array, Array]:
         """(place, velocity, acceleration), (n, d) each; by central differences where they are not
@@ -124,7 +124,7 @@ class Prescribed:
         values = data(condition, "values", self._x[who], t, names_of("fluid", "values", self._d))
         rho, *u, T = values.T
         energy = rho * (self._law.internal_energy(rho, T) + 0.5 * sum(c * c for c in u))
-        self._data.gas[who] = np.stack([rho, *(rho * c for c in u), energy], axis=-1)
+        self.data.gas[who] = np.stack([rho, *(rho * c for c in u), energy], axis=-1)
 
 
 def _velocity(condition: Any) -> Any:

@@ -20,6 +20,7 @@ from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.operators.undivided import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, Part
 from fsipetsc.scheme.block_look import LOOKED, look_at_end
+from fsipetsc.scheme.line_parts import SolidDamping, SolidLine, Undamped
 from fsipetsc.scheme.solid_dissipation import AT_SHOCKS, SMALL, Damping, room, solid_dissipation
 from fsipetsc.scheme.solid_look import solid_look
 from fsipetsc.scheme.solid_rates import solid_rates
@@ -135,6 +136,40 @@ class SolidPart(Forced):
         memory = STIFFNESS_OF_WIDE, self._masses, self._work, self._F, seen, sums
         solid_look(self.equations, self._like, q, *of_block, *memory)
         return seen, dict(zip([*MOMENTUM[:d], "energy"], sums.tolist(), strict=True))
+
+    def line(self, columns: Array, interfaces: list[tuple[int, int, float]]) -> SolidLine:
+        """Itself as a record, in one dimension. columns: of its sums in the record of a step.
+        interfaces: number, owned row and X of those with an end of this part.
+        """
+        part, damping = self.part, Undamped()
+        for of_term, found, memory in self._dissipation[::-1]:
+            damping = SolidDamping(of_term, found, memory, damping)
+        ends = np.zeros((len(interfaces), 5))
+        for end, (number, row, X) in zip(ends, interfaces, strict=True):
+            at = int(self._owned[row])
+            end[:] = number, row, at, X, self._prestress_at(np.array([at]))[0, 0]
+        return SolidLine(
+            self.equations,
+            damping,
+            *self.faces.line(self.X.shape[1]),
+            part.k,
+            part.begin,
+            part.local if part.has_halo else np.empty((0, part.dof)),
+            self.metrics,
+            self.inertia,
+            self.prestress,
+            part.patch,
+            self._work,
+            self._per_h,
+            self._masses,
+            self._F,
+            forcing=self.supplied(3),
+            came=np.zeros(3),
+            seen=np.zeros(LOOKED),
+            sums=np.zeros(2),
+            columns=columns,
+            interfaces=ends,
+        )
 
     def normal(self, row: int, axis: int, side: int) -> Array:
         """(d,) unit normal out of the solid of a face as it is, at an owned node, by the last F."""

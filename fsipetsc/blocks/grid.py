@@ -87,6 +87,13 @@ class GridMotion:
             volume_rate(J_t, self._a, self._v, wide.S, wide.weight, scratch)
             metrics[9:12], metrics[12] = wide.inner(self._v), wide.inner(J_t)
 
+    def line(self) -> tuple[Array, Array, Array, Array, Array]:
+        """In one dimension, for fsipetsc.scheme.line_parts: displacements and velocities (1, ends)
+        of the ends, which of them are given, weights (N,) of both. `positions` and `jacobian`
+        follow what is put there.
+        """
+        return self._moved, self._moving, self._hull.given, self._weights[0], self._weights[1]
+
     def turning(self) -> Array:
         """How a^1, a^2, a^3 (9, N) change in time after `velocities`, in three dimensions: they are
         bilinear in the places.
@@ -135,7 +142,7 @@ class Hull:
         sides = [(None,) if closed else (0, 1, None) for closed in block.periodic]
         faces = [face_nodes(block.shape, k, s) for k in range(d) for s in sides[k] if s is not None]
         self.nodes = np.unique(np.concatenate([np.zeros(0, int), *faces]))
-        self._given = self.columns(np.asarray(given, int))
+        self.given = self.columns(np.asarray(given, int))
         known, pieces = np.isin(self.nodes, given), {1: [], 2: []}
         for entity in product(*sides):
             free = [k for k in range(d) if entity[k] is None and not block.periodic[k]]
@@ -155,7 +162,7 @@ class Hull:
 
     def fill(self, values: Array, given: Array) -> None:
         """Complete values (d, H) from those of the given nodes (M, d)."""
-        _fill(values, np.ascontiguousarray(given, dtype=float), self._given, *self._pieces)
+        _fill(values, np.ascontiguousarray(given, dtype=float), self.given, *self._pieces)
 
     def ends(self, values: Array) -> tuple[float, float]:
         """Values at both ends of a block in 1-D; 0 if it is periodic."""

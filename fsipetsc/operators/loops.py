@@ -45,6 +45,9 @@ LOOP = {
 }
 #: of functions that call loops
 CALL = {"error_model": "numpy", "boundscheck": False, "nogil": True, "cache": True}
+#: of functions that are put into compiled callers before these are compiled, which spares a
+#: compilation of each; Python can call them, too
+MERGED_CALL = {**CALL, "inline": "always"}
 #: spares compile time in functions that compiled code alone calls; Python crashes if it calls them
 _INNER = {"cache": False, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 INNER_LOOP, INNER_CALL = {**LOOP, **_INNER}, {**CALL, **_INNER}

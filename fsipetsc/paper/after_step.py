@@ -25,28 +25,27 @@ SIGNS = {True: np.array([1, -1, -1, 1, 1]), False: np.array([-1, -1, -1, 1, 1])}
 def complete(state: PaperState) -> None:
     """Project the stage, which is the new solution, let boundaries move, and look at it.
     Collective."""
-    path, rooms, op = state.path, state.rooms, state.operator
+    path = state.path
     path.fulfil_conditions()
     state.results[:RATE] = 0.0
     for part in path.layers:
-        arguments = op, part.law, part.record, part.local, part.part.scratch
         if part.is_gas:
-            entries.look_at_gas(*arguments, part.side, part.number, state.entropy, rooms)
+            entries.look_at_gas(part.box, part.side, part.number, state.entropy)
         else:
-            entries.look_at_solid(*arguments, state.entropy, rooms)
+            entries.look_at_solid(part.box, state.entropy)
     path.keep_ghosts()
     path.y[:] = path.stage
     for interface in path.interfaces:
         if interface.here[1]:
-            entries.note_interface(op, interface.face, interface.side, rooms)
+            entries.note_interface(interface.box, interface.side)
     state.results[STOP] = state.results[SAID_STOP]
     _tell(state)
     good = True
-    for k, (law, record) in enumerate(zip(state.laws, state.layout.records, strict=True)):
+    for k, (box, record) in enumerate(zip(state.boxes, state.layout.records, strict=True)):
         gas = record["kind"] == FLUID
         speeds = entries.gas_rates_of_step if gas else entries.solid_rates_of_step
-        good &= speeds(op, law, float(record["h"]), state.first + k, rooms)
-    entries.finish_step(op, rooms, good)
+        good &= speeds(box, float(record["h"]), state.first + k)
+    entries.finish_step(state.boxes[0], good)
 
 
 def _tell(state: PaperState) -> None:

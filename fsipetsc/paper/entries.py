@@ -1,10 +1,13 @@
 """What Python calls of the compiled method, where PETSc's exchange stands between: one call where
 several things can be done.
 
-Records are handed over as arrays of length one, which takes numba a third of the time.
+What they take is in a fsipetsc.operators.boxed.Box each: numba takes tens of microseconds to see
+what an array of records is. Records are arrays of length one.
 """
 
 from __future__ import annotations
+
+from typing import Any, NamedTuple
 
 from numba import njit
 
@@ -18,116 +21,172 @@ from fsipetsc.paper.stencils import CALL, OLD
 GAS, SOLID = 0, 1
 
 
+class LayerData(NamedTuple):
+    """What calls of a layer take: this rank's ``local`` points with halos, ``stage`` without; the
+    rest is as in fsipetsc.paper.parts.
+    """
+
+    ops: Any
+    law: Any
+    layers: Any
+    local: Any
+    stage: Any
+    forcing: Any
+    scratch: Any
+    rooms: Any
+
+
+class SidesData(NamedTuple):
+    """The same of an interface: records, points and rows of both sides."""
+
+    ops: Any
+    face: Any
+    jump: Any
+    gases: Any
+    solids: Any
+    q_gas: Any
+    q_solid: Any
+    f: Any
+    s: Any
+    rooms: Any
+
+
+class StepData(NamedTuple):
+    """What follows from all that has been seen of a layer, and the end of a step, take."""
+
+    ops: Any
+    law: Any
+    rooms: Any
+    journal: Any
+
+
 @njit(**CALL)
-def take_side(ops, face, gases, solids, side, q, rows):
+def take_side(box, side):
     """The rows of one side of an interface, of its owner."""
-    points = batch.interface_points(face, gases[0], solids[0])
+    of = box.value
+    points = batch.interface_points(of.face, of.gases[0], of.solids[0])
     if side == GAS:
-        take_rows(ops[0], q, points[0], points[1], rows)
+        take_rows(of.ops[0], of.q_gas, points[0], points[1], of.f)
     else:
-        take_rows(ops[0], q, points[2], points[3], rows)
+        take_rows(of.ops[0], of.q_solid, points[2], points[3], of.s)
 
 
 @njit(**CALL)
-def couple_side(ops, face, jump, gases, solids, side, q, f, s):
+def couple_side(box, side):
     """Couple both sides, put back the rows of one, and let the frame follow."""
-    points, gas = batch.interface_points(face, gases[0], solids[0]), gases[0]
-    couple(ops[0], face, jump, f, s)
+    of = box.value
+    points, gas, f, s = (
+        batch.interface_points(of.face, of.gases[0], of.solids[0]),
+        of.gases[0],
+        of.f,
+        of.s,
+    )
+    couple(of.ops[0], of.face, of.jump, f, s)
     if side == GAS:
-        put_rows(ops[0], q, points[0], points[1], f)
+        put_rows(of.ops[0], of.q_gas, points[0], points[1], f)
     else:
-        put_rows(ops[0], q, points[2], points[3], s)
+        put_rows(of.ops[0], of.q_solid, points[2], points[3], s)
     gas.s, gas.x_interface = f[0, 1] / f[0, 0], s[0, 3]
 
 
 @njit(**CALL)
-def join(ops, face, jump, gases, q_gas, solids, q_solid, f, s):
+def join(box):
     """See fsipetsc.paper.batch.join."""
-    batch.join(ops[0], face, jump, gases[0], q_gas, solids[0], q_solid, f, s)
+    of = box.value
+    sides = of.gases[0], of.q_gas, of.solids[0], of.q_solid
+    batch.join(of.ops[0], of.face, of.jump, *sides, of.f, of.s)
 
 
 @njit(**CALL)
-def close_end(ops, solid, layers, q):
+def close_end(box):
     """See fsipetsc.paper.ends.close_solid."""
-    close_solid(ops[0], solid, layers[0], q)
+    of = box.value
+    close_solid(of.ops[0], of.law, of.layers[0], of.stage)
 
 
 @njit(**CALL)
-def fill(ops, gas, layers, q, side):
+def fill(box, side):
     """See fsipetsc.paper.ends.fill_ghost."""
-    fill_ghost(ops[0], gas, layers[0], q, side, OLD)
+    of = box.value
+    fill_ghost(of.ops[0], of.law, of.layers[0], of.local, side, OLD)
 
 
 @njit(**CALL)
-def evaluate_gas(ops, gas, layers, q, side, forcing, w, out):
+def evaluate_gas(box, side, out):
     """The rates of a gas, with its ghost point filled first, but for side < 0."""
+    of = box.value
     if side >= 0:
-        fill_ghost(ops[0], gas, layers[0], q, side, OLD)
-    gas_rates(ops[0], gas, layers[0], q, forcing, w, out)
+        fill_ghost(of.ops[0], of.law, of.layers[0], of.local, side, OLD)
+    gas_rates(of.ops[0], of.law, of.layers[0], of.local, of.forcing, of.scratch, out)
 
 
 @njit(**CALL)
-def evaluate_solid(ops, solid, layers, q, forcing, w, out):
+def evaluate_solid(box, out):
     """The rates of a solid."""
-    elastic_rates(ops[0], solid, layers[0], q, forcing, w, out)
+    of = box.value
+    elastic_rates(of.ops[0], of.law, of.layers[0], of.local, of.forcing, of.scratch, out)
 
 
 @njit(**CALL)
-def look_at_gas(ops, gas, layers, q, w, side, number, entropy, rooms):
+def look_at_gas(box, side, number, entropy):
     """After a step: fill the ghost point, let the boundary move, look at the points."""
-    room, k = rooms[0], 2 * side
-    fill_ghost(ops[0], gas, layers[0], q, side, OLD)
-    batch.boundary_moves(ops[0], gas, layers[0], q, side, number, room.results)
-    sums.look_at_gas(ops[0], gas, layers[0], q, w, entropy, room.seen[k], room.shares[k])
+    of = box.value
+    room, k, op, q = of.rooms[0], 2 * side, of.ops[0], of.local
+    fill_ghost(op, of.law, of.layers[0], q, side, OLD)
+    batch.boundary_moves(op, of.law, of.layers[0], q, side, number, room.results)
+    seen = room.seen[k], room.shares[k]
+    sums.look_at_gas(op, of.law, of.layers[0], q, of.scratch, entropy, *seen)
 
 
 @njit(**CALL)
-def look_at_solid(ops, solid, layers, q, w, entropy, rooms):
+def look_at_solid(box, entropy):
     """After a step: look at the points."""
-    sums.look_at_solid(
-        ops[0], solid, layers[0], q, w, entropy, rooms[0].seen[1], rooms[0].shares[1]
-    )
+    of = box.value
+    seen = of.rooms[0].seen[1], of.rooms[0].shares[1]
+    sums.look_at_solid(of.ops[0], of.law, of.layers[0], of.local, of.scratch, entropy, *seen)
 
 
 @njit(**CALL)
-def note_interface(ops, face, k, rooms):
+def note_interface(box, k):
     """See fsipetsc.paper.batch.note_interface."""
-    room = rooms[0]
-    batch.note_interface(ops[0], face, room.jumps[k], room.f[k], room.s[k], room.notes[k])
+    of, room = box.value, box.value.rooms[0]
+    batch.note_interface(of.ops[0], of.face, room.jumps[k], room.f[k], room.s[k], room.notes[k])
 
 
 @njit(**CALL)
-def gas_rates_of_step(ops, gas, h, k, rooms):
+def gas_rates_of_step(box, h, k):
     """Rates of convection and diffusion, from what all ranks have seen; whether the gas is
     physical."""
-    room = rooms[0]
+    of, room = box.value, box.value.rooms[0]
     good, room.rates[k, 0], room.rates[k, 1] = sums.layer_rates(
-        ops[0], sums.gas_speeds(gas, room.seen[k]), h
+        of.ops[0], sums.gas_speeds(of.law, room.seen[k]), h
     )
     return good
 
 
 @njit(**CALL)
-def solid_rates_of_step(ops, solid, h, k, rooms):
+def solid_rates_of_step(box, h, k):
     """The same of a solid."""
-    room = rooms[0]
+    of, room = box.value, box.value.rooms[0]
     good, room.rates[k, 0], room.rates[k, 1] = sums.layer_rates(
-        ops[0], sums.solid_speeds(solid, room.seen[k]), h
+        of.ops[0], sums.solid_speeds(of.law, room.seen[k]), h
     )
     return good
 
 
 @njit(**CALL)
-def finish_step(ops, rooms, good):
+def finish_step(box, good):
     """The limits, and the record of the step."""
-    batch.bound_step(ops[0], rooms[0], good)
-    batch.note_step(rooms[0])
+    of = box.value
+    batch.bound_step(of.ops[0], of.rooms[0], good)
+    batch.note_step(of.rooms[0])
 
 
 @njit(**CALL)
-def goes_on(rooms, journal):
+def goes_on(box):
     """See fsipetsc.paper.batch.goes_on."""
-    return batch.goes_on(rooms[0], journal)
+    of = box.value
+    return batch.goes_on(of.rooms[0], of.journal)
 
 
 @njit(**CALL)

@@ -18,11 +18,13 @@ the results, bit for bit.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 from petsc4py import PETSc
 
 from fsipetsc.boundaries import INTERFACE_END
+from fsipetsc.operators.boxed import Box
 from fsipetsc.paper import batch, entries, rates
 from fsipetsc.paper.coupling import Face
 from fsipetsc.paper.laws import Elastic, Gas
@@ -36,8 +38,8 @@ class RightHandSide:
     """dy/dt of the world vector, and the arrays that a step works in. All methods are collective.
 
     Arrays of this rank's doubles: stage, on which the conditions are imposed; y: the solution's own
-    memory; total, k. layers: those that this rank has a part of. forced: layers with forcing; room:
-    ROOM of fsipetsc.paper.batch.
+    memory; total, k. layers: those that this rank has a part of. forced: layers with forcing;
+    rooms: (1,), ROOM of fsipetsc.paper.batch.
     """
 
     def __init__(
@@ -48,14 +50,14 @@ class RightHandSide:
         kind: int,
         y: Array,
         forced: Sequence[bool],
-        room: np.void,
+        rooms: Array,
     ) -> None:
-        self.op, self.y = op, y
+        self.op, self.y, self.rooms = op, y, rooms
         self.stage, self.total, self.k = (np.zeros(layout.local_size) for _ in range(3))
         here = [k for k, dm in enumerate(layout.dms) if dm is not None]
         self.layers = [LayerPart(layout, self, k, laws[k], forced[k]) for k in here]
         self.interfaces = [
-            Interface(layout, self, k, laws, kind, room)
+            Interface(layout, self, k, laws, kind)
             for k in range(len(layout.problem.interfaces))
         ]
 
@@ -104,7 +106,7 @@ class LayerPart:
         self, layout: Layout, rhs: RightHandSide, k: int, law: Gas | Elastic, forced: bool
     ) -> None:
         self.number, self._layout, self.op, self._dm = k, layout, rhs.op, layout.dms[k]
-        self.record, self.law = layout.records[k : k + 1], law
+        self.record, self.law, self._rooms = layout.records[k : k + 1], law, rhs.rooms
         record, dof = self.record[0], DOF[layout.records[k]["kind"]]
         self.is_gas = bool(record["kind"] == FLUID)
         count = int(record["own_hi"] - record["own_lo"])
@@ -120,6 +122,12 @@ class LayerPart:
         self._comm = self._dm.comm.tompi4py()
         self.side = 1 if record["end_kind"][0] == INTERFACE_END else 0  # where a gas ends
 
+    @cached_property
+    def box(self) -> Box:
+        """What compiled calls take of it."""
+        memory = self.local, self.part.stage, self.forcing, self.part.scratch, self._rooms
+        return Box(entries.LayerData(self.op, self.law, self.record, *memory))
+
     def own(self, array: Array) -> Array:
         """View, shape (owned points, unknowns), of the layer in this rank's part of a solution."""
         return self._layout.local(self.number, array)
@@ -128,7 +136,7 @@ class LayerPart:
         """What comes before the exchange: the outer ends of a solid; all ranks of a gas hear of the
         frame."""
         if not self.is_gas:
-            entries.close_end(self.op, self.law, self.record, self.part.stage)
+            entries.close_end(self.box)
         elif self._comm.size > 1:
             record, owner = self.record[0], 0 if self.side == 1 else self._comm.size - 1
             told = np.array([record["s"], record["x_interface"]])
@@ -142,16 +150,14 @@ class LayerPart:
     def fill_ghost(self) -> None:
         """The embedded boundary of a gas, wherever its ghost point is needed."""
         if self.is_gas:
-            entries.fill(self.op, self.law, self.record, self.local, self.side)
+            entries.fill(self.box, self.side)
 
     def evaluate(self, f: Array, filled: bool) -> None:
         """The rates at this rank's points; filled: the ghost point has its values."""
-        arguments = self.forcing, self.part.scratch, self.own(f)
         if self.is_gas:
-            side = -1 if filled else self.side
-            entries.evaluate_gas(self.op, self.law, self.record, self.local, side, *arguments)
+            entries.evaluate_gas(self.box, -1 if filled else self.side, self.own(f))
         else:
-            entries.evaluate_solid(self.op, self.law, self.record, self.local, *arguments)
+            entries.evaluate_solid(self.box, self.own(f))
 
     def destroy(self) -> None:
         self._global.destroy()
@@ -169,9 +175,8 @@ class Interface:
         k: int,
         laws: Sequence[Gas | Elastic],
         kind: int,
-        room: np.void,
     ) -> None:
-        self._op, self._comm = rhs.op, layout.comm
+        self._op, self._comm, self._rooms, room = rhs.op, layout.comm, rhs.rooms, rhs.rooms[0]
         gas, solid = layout.problem.interfaces[k]
         side = 1 if gas > solid else 0
         self.face = Face(
@@ -190,29 +195,30 @@ class Interface:
         self.here = [owner == self._comm.rank for owner in self.owners]
         self.side = side
 
+    @cached_property
+    def box(self) -> Box:
+        """What compiled calls take of it."""
+        rows = self.f, self.s, self._rooms
+        sides = self.jump, *self._records, *self._parts
+        return Box(entries.SidesData(self._op, self.face, *sides, *rows))
+
     def couple_apart(self) -> None:
         """Couple as the owners of the two sides do where these are two; what comes of it is
         nothing."""
         for side in (entries.GAS, entries.SOLID):
-            q, rows = self._parts[side], (self.f, self.s)[side]
-            entries.take_side(self._op, self.face, *self._records, side, q, rows)
-            entries.couple_side(
-                self._op, self.face, self.jump, *self._records, side, q, self.f, self.s
-            )
+            entries.take_side(self.box, side)
+            entries.couple_side(self.box, side)
 
     def couple(self) -> None:
         """Couple the two sides in the stage; the record of the gas has the frame's velocity and
         place then."""
         if not any(self.here):
             return
-        (gas, solid), (q_gas, q_solid) = self._records, self._parts
         if all(self.here):
-            entries.join(self._op, self.face, self.jump, gas, q_gas, solid, q_solid, self.f, self.s)
+            entries.join(self.box)
             return
         mine, other = (0, 1) if self.here[0] else (1, 0)
         rows, rank = (self.f, self.s), self.owners[other]
-        entries.take_side(self._op, self.face, gas, solid, mine, self._parts[mine], rows[mine])
+        entries.take_side(self.box, mine)
         self._comm.Sendrecv(rows[mine], rank, recvbuf=rows[other], source=rank)
-        entries.couple_side(
-            self._op, self.face, self.jump, gas, solid, mine, self._parts[mine], self.f, self.s
-        )
+        entries.couple_side(self.box, mine)

@@ -11,6 +11,7 @@ from petsc4py import PETSc
 
 from fsipetsc import given
 from fsipetsc.errors import FsiError, InputError
+from fsipetsc.operators.boxed import Box
 from fsipetsc.operators.kernel_cache import announced
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.paper import after_step, batch, coupling, entries, fields, layout
@@ -98,7 +99,7 @@ class PaperState:
         self.rooms = np.zeros(1, batch.ROOM)
         room = self._room = self.rooms[0]
         self.path = RightHandSide(
-            self.layout, self.operator, self.laws, self._kind, values, forced, room
+            self.layout, self.operator, self.laws, self._kind, values, forced, self.rooms
         )
         gases = [layer.kind == "fluid" for layer in problem.layers]
         room["there"][self.first : self.first + len(gases)] = gases
@@ -107,7 +108,16 @@ class PaperState:
         self._journal = self.journal.view(np.float64).reshape(CAPACITY, -1)
         names, count = record.names[2:], self._journal.shape[1] - 2
         self.results, self.burst, room["numbers"] = room["results"], room["burst"], count
+        self._boxes: list[Box] = []
         self.latest = room["latest"][:count].view([(name, record[name]) for name in names])[0]
+
+    @property
+    def boxes(self) -> list[Box]:
+        """What calls after a step take, by layer."""
+        if not self._boxes:
+            memory = self.rooms, self._journal
+            self._boxes = [Box(entries.StepData(self.operator, v, *memory)) for v in self.laws]
+        return self._boxes
 
     @property
     def _batched(self) -> bool:
@@ -160,7 +170,7 @@ class PaperState:
         for interface in alone.path.interfaces:
             interface.couple_apart()
         after_step.complete(alone)
-        entries.goes_on(alone.rooms, alone._journal)
+        entries.goes_on(alone.boxes[0])
         fields.fields(alone)
 
     # data
@@ -326,7 +336,7 @@ class PaperState:
             self.evaluations += batch.STAGES * max(1, int(self.burst[MADE]))
             return
         self._step(t, dt, steady)
-        while steady and entries.goes_on(self.rooms, self._journal):
+        while steady and entries.goes_on(self.boxes[0]):
             self._step(t, self.burst[batch.DT], steady)
 
     def _step(self, t: float, dt: float, steady: bool) -> None:

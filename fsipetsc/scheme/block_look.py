@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from fsipetsc.operators.loops import CALL, EXACT_LOOP, INNER_CALL, dot, sub
+from fsipetsc.operators.loops import EXACT_LOOP, INNER_CALL, MERGED_CALL, dot, sub
 from fsipetsc.scheme.rows import U64, at
 
 BAD, CONVECTION, DIFFUSION, LEAST_J, J_ERROR = range(5)
@@ -22,7 +22,7 @@ BAD, CONVECTION, DIFFUSION, LEAST_J, J_ERROR = range(5)
 LOOKED = 5
 
 
-@njit(**CALL)
+@njit(**MERGED_CALL)
 def gas_look(gas, like, q, metrics, per_h, stiffness, w0, w1, w2, patch, found, seen, sums):
     """Fill seen (LOOKED,) and sums (d + 3,): mass, momentum, energy, entropy of the owned nodes.
 
@@ -91,7 +91,7 @@ def add_up(q, first, across, weight, found, sums):
         sums[sums.size - 1] += volume * found[4, i]
 
 
-@njit(**CALL)
+@njit(**MERGED_CALL)
 def look_at_end(solid, q, F, at, own, S, found):
     """Fill found with displacement, velocity, sigma and T of a node in one dimension.
 

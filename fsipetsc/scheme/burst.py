@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from numba import njit
 
-from fsipetsc.operators.loops import CALL
+from fsipetsc.operators.loops import CALL, MERGED_CALL
 from fsipetsc.scheme.plan import BAD, EXHAUSTED, LOW, RATE, STOP, TOO_SHORT
 from fsipetsc.scheme.time_step import longest_step, next_step
 
@@ -21,7 +21,7 @@ TIME, DT, NEXT, TARGET, COURANT, FIXED, ALLOWED, MADE, SHORTEST, LONGEST, FIRST 
 _longest_step, _next_step = njit(**CALL)(longest_step), njit(**CALL)(next_step)
 
 
-@njit(**CALL)
+@njit(**MERGED_CALL)
 def plan_next(burst, results, journal, latest):
     """Note the step just made in burst and journal, plan the next one; False if none follows.
 

@@ -27,9 +27,9 @@ from fsipetsc.equations.gas import volume_flux
 from fsipetsc.equations.means import NEAR
 from fsipetsc.equations.tensors import outer
 from fsipetsc.operators.loops import (
-    CALL,
     EXACT_LOOP,
     INLINED_CALL,
+    MERGED_CALL,
     add,
     along,
     choose,
@@ -485,7 +485,7 @@ def sweep(gas, like, form, friction, q, metrics, axes, tile, work, rates):
         sweep_layer(gas, like, form, friction, q, metrics, axes, tile, work, rates, layer)
 
 
-@njit(**CALL)
+@njit(**MERGED_CALL)
 def gas_rates(gas, like, form, friction, q, metrics, S0, S1, S2, w0, w1, w2, patch, rates, work):
     """Rates of the nodes of a patch that are owned.
 

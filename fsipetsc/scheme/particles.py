@@ -33,7 +33,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from fsipetsc.blocks.particles import SLIPS
-from fsipetsc.operators.loops import CALL, INLINED_CALL
+from fsipetsc.operators.loops import CALL, INLINED_CALL, MERGED_CALL
 
 Array = NDArray[Any]
 
@@ -115,7 +115,7 @@ class State(NamedTuple):
     potential: Array
 
 
-@njit(**CALL)
+@njit(**MERGED_CALL)
 def fill_state(table, like, y, out):
     """Rows of this rank's members: H q of a gas, (M_s D, M_s v, M_s e, M_s) of a solid."""
     d = len(like)
@@ -127,7 +127,7 @@ def fill_state(table, like, y, out):
             out[r, 2 * d + 1] = table.weight[r]
 
 
-@njit(**CALL)
+@njit(**MERGED_CALL)
 def fill_rates(table, like, f, out):
     """The same of rates."""
     d = len(like)
@@ -158,7 +158,7 @@ def _kinetic(P, M):
     return 0.5 * total / M if M > 0.0 else 0.0
 
 
-@njit(**CALL)
+@njit(**MERGED_CALL)
 def share(table, like, rows, data, state, gain):
     """From the sums in ``rows``: one U, one displacement and velocity; what sticks has one
     velocity, and the kinetic energy that the solid loses by that goes to the gas.
@@ -233,7 +233,7 @@ def _put(state, p, d, gas, solid):
             state.v[p, c] = solid[d + c] / M_s
 
 
-@njit(**CALL)
+@njit(**MERGED_CALL)
 def slide(table, like, normals, data, state, gain):
     """Project velocities on what the constraints allow; the kinetic energy that the solid loses
     goes to the gas. normals: (p, K, 2d), G and S.
@@ -361,7 +361,7 @@ def weigh_heat(table, stored, state):
             state.capacity[p], state.potential[p] = capacity / mass, potential / mass
 
 
-@njit(**CALL)
+@njit(**MERGED_CALL)
 def share_heat(table, law, like, data, state, gain):
     """One temperature of gas and solid where both conduct, or that which is given. law: of the gas.
     """
@@ -424,7 +424,7 @@ def give_places(table, like, y, state):
                     y[table.at[r] + c] = state.D[p, c]
 
 
-@njit(**CALL)
+@njit(**MERGED_CALL)
 def give_state(table, like, stored, y, state):
     """Members of this rank get what their particle has; each keeps its own J. stored: (rows,)."""
     d = len(like)
@@ -450,7 +450,7 @@ def give_state(table, like, stored, y, state):
                 y[at + 2 * d] += state.e[p] - state.mean_energy[p]
 
 
-@njit(**CALL)
+@njit(**MERGED_CALL)
 def constrain(table, like, rows, normals, turning, data, state, rates, gain):
     """Rates of particles from sums of members' rates in ``rows``, under their constraints.
 
@@ -560,7 +560,7 @@ def _note_forces(table, p, normals, pi, data, v, pushes, gain):
             gain[end] += push * (data.wall[p, c] if slips else v[c])
 
 
-@njit(**CALL)
+@njit(**MERGED_CALL)
 def give_rates(table, like, y, f, state, rates):
     """(J U)_t = J U_t + U J_t of gas members; accelerations of solid ones, and their power."""
     d = len(like)

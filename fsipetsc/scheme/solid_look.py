@@ -10,14 +10,14 @@ import numpy as np
 from numba import njit
 
 from fsipetsc.equations.tensors import determinant, outer
-from fsipetsc.operators.loops import CALL, EXACT_LOOP, INNER_CALL, INNER_LOOP, dot
+from fsipetsc.operators.loops import EXACT_LOOP, INNER_CALL, INNER_LOOP, MERGED_CALL, dot
 from fsipetsc.scheme.block_look import BAD, CONVECTION, DIFFUSION, LEAST_J
 from fsipetsc.scheme.rows import U64, at, put
 from fsipetsc.scheme.solid_rates import differentiate, relieve, row_of, rows_of, strain, take
 from fsipetsc.scheme.solid_work import KNOWN, NONE, ONE, OWN, PLAIN, WIDTH, step_of
 
 
-@njit(**CALL)
+@njit(**MERGED_CALL)
 def solid_look(solid, like, q, metrics, prestress, per_h, stiffness, masses, work, F, seen, sums):
     """Fill seen (LOOKED,), sums (d + 1,), momentum and energy, and F (d d, M) of the owned nodes.
 

@@ -30,7 +30,7 @@ from fsipetsc.equations.tensors import (
     product_transposed,
     transposed_product,
 )
-from fsipetsc.operators.loops import CALL, INNER_CALL, INNER_LOOP, add, along, dot, scale
+from fsipetsc.operators.loops import INNER_CALL, INNER_LOOP, MERGED_CALL, add, along, dot, scale
 from fsipetsc.operators.loops import _by_length as by_length
 from fsipetsc.scheme.rows import U64, at, put
 from fsipetsc.scheme.solid_work import (
@@ -61,7 +61,7 @@ total = by_length("total", "a", lambda d: " return " + " + ".join(f"a[{k}]" for 
 # The sweep
 
 
-@njit(**CALL)
+@njit(**MERGED_CALL)
 def solid_rates(solid, like, q, metrics, prestress, rates, work):
     """Fill rates (M, 2d + 1) of the owned nodes of a patch.
 

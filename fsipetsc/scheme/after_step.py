@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from fsipetsc.operators.loops import CALL
+from fsipetsc.operators.loops import MERGED_CALL
 from fsipetsc.scheme.plan import BAD, RATE, STOP
 
 #: of each block: 1 if a state is unphysical, largest rates of convection and of diffusion [1/s],
@@ -13,7 +13,7 @@ from fsipetsc.scheme.plan import BAD, RATE, STOP
 WORDS = 5
 
 
-@njit(**CALL)
+@njit(**MERGED_CALL)
 def note_extremes(extremes, rates, results, latest):
     """Put the extremes of all ranks where they belong.
 
