@@ -56,7 +56,7 @@ class LineScheme(Scheme):
         """What steps take and fill, before all but `initial`: see fsipetsc.scheme.line_steps.Found.
         """
         self._found = Found(*memory, self._gain, *words, burst, rows, np.zeros(2))
-        self._all = Line(tuple(self._boxes.values()), self._box, self._found)
+        self._all = Box(Line(tuple(self._boxes.values()), self._box, self._found))
 
     def _refresh(self, t: float) -> None:
         """Data of the case at time t [s]."""

@@ -136,13 +136,14 @@ def end_rates(particles, s, f, gain):
 
 
 @njit(**CALL)
-def run(line, what, s, f):
+def run(box, what, s, f):
     """COMPLETE s, find the RATES f of a completed s, LOOK at it, or make STEPS as the burst allows.
-    False, and the state before it, if a step ends badly. line: a Line.
+    False, and the state before it, if a step ends badly. box: of a Line.
 
     What is called stands here once, so that it is compiled once.
     """
-    steps, found, particles = what == STEPS, line.found, line.particles
+    line, steps = box.value, what == STEPS
+    found, particles = line.found, line.particles
     y, gain, more, good = found.y, found.gain, True, True
     while more:
         if steps:
