@@ -10,6 +10,8 @@ import fsipetsc
 
 pytest.importorskip("petsc4py")
 
+import test_dissipation_runs
+
 pytestmark = pytest.mark.mpi
 
 LAYERS = str(REPOSITORY / "tests" / "layers.py")
@@ -23,7 +25,6 @@ _STRETCHED = (
     "-fsi_h 0.025 -fsi_coupling conservative -pulse_amplitude 1000 -fluid_mu 0.5 -fluid_kappa 0.7 "
     "-ts_max_time 0.003 -fsi_output_dt 0.001 -fsi_partition balanced"
 )
-_LAYERS = "-fsi_h 0.025 -layers_gruneisen 0.2 -ts_max_time 0.08 -fsi_output_dt 0.02 -fsi_partition balanced"
 _WALLS = "-fsi_h 0.02 -fsi_order 6 -ts_max_time 0.1 -fsi_partition balanced"
 _ELSEWHERE = "-fsi_partition balanced -fsi_spare 0"
 RUNS = {
@@ -42,25 +43,16 @@ RUNS = {
     "rod rk elsewhere": ("rod", f"{_FALL} -ts_type rk {_ELSEWHERE}"),
     "layers": (LAYERS, "-layers_gruneisen 0.2"),
     "layers messages": (LAYERS, "-layers_gruneisen 0.2 -fsi_partition physics"),
-    "layers rk": (LAYERS, "-layers sgsg -fsi_order 6 -ts_type rk -fsi_partition balanced"),
-    "layers moving": (LAYERS, "-layers gsg -layers_moving yes -fsi_order 8 -fsi_h 0.025"),
+    "layers rk": (LAYERS, "-layers_gruneisen 0.2 -fsi_order 6 -ts_type rk -fsi_partition balanced"),
+    "layers moving": (LAYERS, "-layers_gruneisen 0.2 -layers_moving yes -fsi_order 8 -fsi_h 0.025 -ts_max_time 0.3"),
     "mms": ("mms", _MMS),
     "pulse": ("pulse", "-fsi_h 0.025 -fsi_order 8 -fsi_output_dt 0.001 -ts_max_time 0.003 -pulse_amplitude 1000"),
     "pulse stretched": ("pulse", _STRETCHED),
     "piston": (PISTON, "-ts_max_time 0.048"),
     "piston out": (PISTON, "-ts_max_time 0.02 -piston_speed -20 -fsi_spare 3"),
 }
-#: what test_same_bits runs: each coupling, by another order of the operators, walls and ends that are driven, and many layers
-EVERY = {
-    coupling: (LAYERS, f"-layers gsg -fsi_coupling {coupling} -fsi_order {order} {_LAYERS}")
-    for coupling, order in zip(("projection", "energy", "traditional"), (2, 4, 6))
-}
-EVERY |= {f"conservative {order}": (LAYERS, f"-fsi_order {order} {_LAYERS}") for order in (2, 8)}
-EVERY |= {f"walls {state}": (WALLS, f"-walls_state {state} {_WALLS}") for state in ("left", "right")}
-EVERY |= {
-    f"nine layers {kind}": (LAYERS, f"-layers sgsgsgsgs -layers_gruneisen 0.2 -ts_max_time 0.3 {kind}")
-    for kind in ("", "-fsi_partition balanced")
-}
+RUNS |= {f"walls {state}": (WALLS, f"-walls_state {state} {_WALLS}") for state in ("left", "right")}
+RUNS |= test_dissipation_runs.SHARED
 #: differ in where things are computed and stored, not in what
 SAME = {"rod elsewhere": "rod", "rod rk elsewhere": "rod rk", "layers messages": "layers"}
 
