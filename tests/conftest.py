@@ -27,7 +27,7 @@ from fsipetsc.output.reader import Run
 #: files of tests that take longest, the longest first; behind others those for which more is compiled meanwhile
 DEAREST = (
     *("signals", "failures", "stability", "time", "kills", "process", "case_files", "ends", "claim", "cli", "convergence"),
-    *("ranks", "documents", "restart", "same_bits", "dissipation_runs", "plane_output", "plane_cases", "shock", "faults"),
+    *("ranks", "documents", "restart", "dissipation_runs", "plane_output", "plane_cases", "shock", "faults"),
     *("wave_modes", "plots", "disk", "flutter", "end_point", "two_point_rates", "kernels", "start"),
 )
 _SHORT = "-fsi_h 0.1 -ts_max_steps 2"
