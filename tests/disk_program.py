@@ -16,7 +16,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from many_runs_program import answer
-from mpi4py import MPI
+
+from fsipetsc.process.launch import start_mpi
 
 ROD = "rod -fsi_h 0.05 -ts_max_time 0.05 -fsi_quiet"
 MANY = f"{ROD} -fsi_output_dt 0.0001"
@@ -39,7 +40,7 @@ def limited(size: int) -> Iterator[None]:
 def held(path: str) -> Iterator[None]:
     """Somebody has the file open, with the lock that HDF5 takes for writing."""
     descriptor = os.open(path, os.O_RDWR)
-    if MPI.COMM_WORLD.rank == 0:
+    if start_mpi().rank == 0:
         fcntl.flock(descriptor, fcntl.LOCK_EX)
     try:
         yield
@@ -48,7 +49,7 @@ def held(path: str) -> Iterator[None]:
 
 
 if __name__ == "__main__":
-    comm, found = MPI.COMM_WORLD, {}
+    comm, found = start_mpi(), {}
 
     def run(name: str, line: str) -> None:
         found[name] = answer(line.split())

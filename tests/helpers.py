@@ -23,7 +23,6 @@ _MPI_ENVIRONMENT = {
     "OMPI_MCA_rmaps_base_oversubscribe": "1",
     "OMPI_MCA_btl_base_warn_component_unused": "0",
     "OMPI_MCA_btl": "^tcp",  # all ranks are on this node, and of some networks Open MPI complains
-    "OMPI_MCA_io_ompio_priority": "0",  # as in a run: see fsipetsc.process.launch
     "OMPI_MCA_hwloc_base_binding_policy": "none",  # two jobs at a time would share the first cores
     "OMPI_MCA_mpi_yield_when_idle": "1",  # a rank that waits must not take the core from the one that it waits for
     "HWLOC_HIDE_ERRORS": "2",  # a bare root may have no /sys
@@ -39,9 +38,11 @@ PATIENCE = 1800
 def environment(extra: Mapping[str, str] | None = None) -> dict[str, str]:
     """The environment of a test run: ours plus what Open MPI wants, the package importable from any directory.
 
-    PETSC_OPTIONS of the caller is dropped, so that a developer's own settings do not change a test.
+    PETSC_OPTIONS of the caller is dropped, so that a developer's own settings do not change a test; and what says how Open MPI
+    opens files, which the program must say itself (fsipetsc.process.launch).
     """
-    env = {key: value for key, value in os.environ.items() if key != "PETSC_OPTIONS"}
+    own = "PETSC_OPTIONS", "OMPI_MCA_sharedfp", "OMPI_MCA_io", "OMPI_MCA_io_ompio_priority"
+    env = {key: value for key, value in os.environ.items() if key not in own}
     env.update(_MPI_ENVIRONMENT)
     env.pop("PYTHONDONTWRITEBYTECODE", None)  # with it, each start compiles the sources: a quarter of what it costs
     env["PYTHONPATH"] = os.pathsep.join(p for p in (str(REPOSITORY), os.environ.get("PYTHONPATH")) if p)

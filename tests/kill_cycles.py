@@ -24,8 +24,8 @@ from fsipetsc.output.lock import Lock
 PROGRAM = REPOSITORY / "tests" / "signalled_program.py"
 #: case and options; steps from one checkpoint to the next
 RUNS = {
-    "rod": ("rod -fsi_h 0.05 -ts_max_time 1.2 -fsi_output_dt 0.01", 40),
-    "blast": ("blast -fsi_h 0.125 -fsi_order 2 -ts_max_time 12 -fsi_output_dt 0.1", 4),
+    "rod": ("rod -fsi_h 0.05 -ts_max_time 0.9 -fsi_output_dt 0.01", 40),
+    "blast": ("blast -fsi_h 0.125 -fsi_order 2 -ts_max_time 4 -fsi_output_dt 0.04", 4),
 }
 PLACES = "frame", "fill", "piece", "checkpoint", "cut", "went"
 #: of places that are reached a few times only

@@ -18,6 +18,7 @@ from pathlib import Path
 from said import parted
 
 from fsipetsc.cli import main
+from fsipetsc.process.launch import start_mpi
 
 copies = [0]  # of the communicator of all ranks that have not been freed
 
@@ -71,10 +72,9 @@ def answer(words: list[str]) -> tuple[int, str]:
 
 
 if __name__ == "__main__":
-    from mpi4py import MPI
-
+    comm = start_mpi()
     count_copies()
-    rank, wrong, every, before = MPI.COMM_WORLD.rank, [], [], None
+    rank, wrong, every, before = comm.rank, [], [], None
     for expected, text in json.loads(Path(sys.argv[1]).read_text()):
         status, said = answer(text.split())
         every.append(said)
@@ -86,6 +86,6 @@ if __name__ == "__main__":
         # PETSc, once started, is there for good, and the first run starts it
         wrong += [[text, name, before[name], now[name]] for name in now if before and now[name] != before[name]]
         before = before or now
-    gathered = MPI.COMM_WORLD.gather(wrong)
+    gathered = comm.gather(wrong)
     if gathered is not None:
         print(json.dumps({"wrong": [entry for part in gathered for entry in part], "said": every}))

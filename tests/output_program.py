@@ -75,11 +75,10 @@ def write(
     join: bool = True,
 ) -> None:
     """join: the pieces into one file, at the end."""
-    from mpi4py import MPI
-
     from fsipetsc.output.writer import RunWriter
+    from fsipetsc.process.launch import start_mpi
 
-    comm = MPI.COMM_WORLD
+    comm = start_mpi()
     kept: dict = {}
 
     def settle(earlier: list[Path]) -> dict[Path, Path]:

@@ -163,7 +163,6 @@ def test_other_terms(form):
     check("disk", (gas, solid), 4, form=form)
 
 
-@pytest.mark.parametrize("law", ["log", "linear"])
-def test_pressure_of_reference_in_three_dimensions(law):
+def test_pressure_of_reference_in_three_dimensions():
     gas = Gas(mu=0.02)
-    check("three", (gas, Solid(law, 1.0, 2.0, 3.0, 1.5, 0.05, 0.7)), 4)
+    check("three", (gas, Solid("linear", 1.0, 2.0, 3.0, 1.5, 0.05, 0.7)), 4)

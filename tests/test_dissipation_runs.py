@@ -14,7 +14,7 @@ pytestmark = pytest.mark.mpi
 
 BOTH = "-fsi_dissipation 1 -fsi_shock 1"
 _SHARED = f"{BOTH} -fsi_partition balanced -ts_max_time 0.1 -fsi_output_dt 0.1"
-#: what test_same_bits runs on several ranks, too
+#: what test_ranks runs on several ranks, too
 SHARED = {
     "sod 4": ("shock", f"{_SHARED} -fsi_order 4 -fsi_h 0.02"),
     "strong 4": ("shock", f"{_SHARED} -shock_problem strong -fsi_order 4 -fsi_h 0.02"),

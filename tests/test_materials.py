@@ -221,7 +221,6 @@ def test_the_example_is_the_built_in_law():
 #: those of test_mms; 8/4 is not there yet on these grids
 LEAST_RATE = {2: 1.9, 4: 2.6, 6: 4.2, 8: 4.4}
 COARSE = 0.05, 0.025
-
 LONG = pytest.mark.long  # the kernels of these laws are those of no other test: a minute
 
 

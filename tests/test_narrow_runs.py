@@ -14,10 +14,6 @@ pytestmark = [pytest.mark.mpi, pytest.mark.long]  # kernels that no other test n
 #: order -> least order of the errors of the manufactured solution, in fluid and solid, between the grids below
 LEAST = {2: (1.9, 1.9), 4: (3.0, 2.5), 6: (4.2, 3.9), 8: (5.0, 4.4)}
 SPACINGS = (0.025, 0.0125)
-#: what test_same_bits runs on several ranks
-SHARED = {
-    "rod": ("rod", "-fsi_viscous narrow -fsi_h 0.025 -ts_max_time 0.02 -fsi_partition balanced"),
-}
 ALONE = {f"mms {order} {h}": ("mms", f"-fsi_viscous narrow -fsi_order {order} -fsi_h {h}") for order in LEAST for h in SPACINGS}
 ALONE["box"] = ("box", "-fsi_viscous narrow -fsi_coupling energy -fsi_h 0.025 -ts_max_time 0.5")
 

@@ -78,7 +78,7 @@ def test_another_gas_drifts_as_the_perfect_one_does(boxes):
 def test_sutherland(runs):
     """The interface meets its conditions with the viscosity there; the errors fall; ranks change no bit.
 
-    (So it is, always, of the law by hand in materials.py: tests/test_materials.py and test_same_bits.py.)
+    (So it is, always, of the law by hand in materials.py: tests/test_materials.py.)
     """
     coarse, middle, fine = (runs[f"hot_{h}"] for h in (0.025, 0.0125, 0.00625))
     # (the data at rest start sound that is not smooth: u, which is that sound, does not show a rate)

@@ -23,7 +23,6 @@ from fsipetsc.errors import InputError
 from fsipetsc.materials.own import gas_law
 from fsipetsc.materials.power_law import power_law
 from fsipetsc.materials.solid_pressure import stiffened_pressure
-from fsipetsc.materials.sutherland import sutherland
 from fsipetsc.options import defaults
 from fsipetsc.paper.state import make_paper_state
 
@@ -62,7 +61,7 @@ def laws_of(name):
     """(law and transport of gases, pressing of solids) to be exchanged."""
     if name == "others":
         return noble_abel(), power_law(300.0, 0.7, 0.9), stiffened_pressure(2.0, 1e6, 300.0)
-    return None, sutherland(273.0, 111.0, 194.0) if name == "sutherland" else None, None
+    return None, None, None
 
 
 def state_of(name, ends=None, laws="", **changed):
@@ -107,7 +106,6 @@ def runs():
     for coupling in ("projection", "energy"):
         asked = {"name": "pulse", "laws": "others", **_VISCOUS, "fsi_coupling": coupling}
         found[f"laws {coupling}"] = asked
-    found["sutherland"] = {"name": "rod", "laws": "sutherland", "fsi_viscous": "narrow"}
     return found
 
 

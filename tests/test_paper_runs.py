@@ -8,14 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers import mpirun, run
+from helpers import compute, solve
 
 pytest.importorskip("petsc4py")
 
 import fsipetsc
 
 FROZEN = Path(__file__).with_name("paper_runs.json")
-PROGRAM = "-m", "fsipetsc"
 #: name -> case and options
 RUNS = {
     "rod": "rod -fsi_h 0.05 -ts_max_time 0.1 -fsi_output_dt 0.05 -fsi_entropy",
@@ -54,15 +53,16 @@ def measured(result):
     return found
 
 
+def solved(ranks, where, lines, more=""):
+    """name -> result of these lines on so many ranks."""
+    files = compute(ranks, where, {k: (line.split()[0], f"{line.split(' ', 1)[1]} {more}") for k, line in lines.items()})
+    return {name: fsipetsc.open_run(files[name]) for name in lines}
+
+
 @pytest.fixture(scope="module")
 def results(tmp_path_factory):
     """name -> result."""
-    where, found = tmp_path_factory.mktemp("paper"), {}
-    for name, line in RUNS.items():
-        done = run(*PROGRAM, *line.split(), "-fsi_output", where / f"{name}.h5")
-        assert done.returncode == 0, done.stderr
-        found[name] = fsipetsc.open_run(where / f"{name}.h5")
-    return found
+    return solved(1, tmp_path_factory.mktemp("paper"), RUNS)
 
 
 @pytest.mark.parametrize("name", RUNS)
@@ -84,31 +84,16 @@ def test_errors_of_the_manufactured_solution(results):
 @pytest.fixture(scope="module")
 def alone(tmp_path_factory):
     """name -> result of one of SHARED on one rank."""
-    where = tmp_path_factory.mktemp("alone")
-    for name, line in SHARED.items():
-        done = run(*PROGRAM, *line.split(), "-fsi_output", where / f"{name}.h5")
-        assert done.returncode == 0, done.stderr
-    return {name: fsipetsc.open_run(where / f"{name}.h5") for name in SHARED}
+    return solved(1, tmp_path_factory.mktemp("alone"), SHARED)
 
 
 @pytest.mark.mpi
-@pytest.mark.parametrize("ranks", (2, 3, 4))
-def test_ranks_change_no_bit(alone, ranks, tmp_path):
+@pytest.mark.parametrize(("ranks", "share"), [(2, "balanced"), (4, "auto")])
+def test_ranks_change_no_bit(alone, ranks, share, tmp_path):
     """By batches on one rank, by way of PETSc's exchange on more: where boundaries move over the
     grid, too."""
-    for name, line in SHARED.items():
-        share = "balanced" if ranks == 3 and name in ("mms", "pulse") else "auto"
-        done = mpirun(
-            ranks,
-            *PROGRAM,
-            *line.split(),
-            "-fsi_output",
-            tmp_path / f"{name}.h5",
-            "-fsi_partition",
-            share,
-        )
-        assert done.returncode == 0, done.stderr
-        one, more = alone[name], fsipetsc.open_run(tmp_path / f"{name}.h5")
+    for name, shared in solved(ranks, tmp_path, SHARED, f"-fsi_partition {share}").items():
+        one, more = alone[name], shared
         assert more.summary["ranks"] == ranks and more.summary["steps"] == one.summary["steps"]
         for a, b in zip(one.layers, more.layers, strict=True):
             for k in range(len(one.time)):
@@ -131,24 +116,10 @@ def test_ranks_change_no_bit(alone, ranks, tmp_path):
 
 @pytest.mark.parametrize("name", ("falling", "pulse"))
 def test_a_restart_changes_no_bit(results, name, tmp_path):
-    line, whole = RUNS[name].split(), results[name]
-    half = max(2, whole.summary["steps"] // 2)
-    first = run(
-        *PROGRAM,
-        *line,
-        "-ts_max_steps",
-        half,
-        "-fsi_checkpoint_steps",
-        half,
-        "-fsi_output",
-        "a.h5",
-        cwd=tmp_path,
-    )
-    assert first.returncode == 0, first.stderr
-    checkpoint = next(path for path in tmp_path.iterdir() if "checkpoint" in path.name)
-    again = run(
-        *PROGRAM, line[0], "-fsi_restart", checkpoint, "-ts_max_steps", 1_000_000, cwd=tmp_path
-    )
+    whole, half = results[name], max(2, results[name].summary["steps"] // 2)
+    solved(1, tmp_path, {"a": RUNS[name]}, f"-ts_max_steps {half} -fsi_checkpoint_steps {half}")
+    (checkpoint,) = tmp_path.glob("*checkpoint*")
+    again = solve(RUNS[name].split()[0], "-fsi_restart", checkpoint, "-ts_max_steps", 1_000_000, cwd=tmp_path)
     assert again.returncode == 0, again.stderr
     found = fsipetsc.open_run(tmp_path / "a.h5")
     assert found.summary["steps"] == whole.summary["steps"]

@@ -27,8 +27,7 @@ RUNS = {
     "rk": ("rod", "-fsi_h 0.05 -ts_max_time 0.02 -rod_gravity -1000 -ts_type rk", 40),
     "mms": ("mms", "-fsi_h 0.025 -fsi_order 6 -ts_max_time 0.1 -fsi_output_dt 0.02", 8),
     "piston": (PISTON, "-ts_max_time 0.048", 300),
-    "layers": (LAYERS, "-layers gsgsg -ts_max_time 0.2", 6),
-    "stretched": ("pulse", "-fsi_h 0.025 -fsi_coupling conservative -pulse_amplitude 1000 -ts_max_time 0.003", 30),
+    "layers": (LAYERS, "-layers_gruneisen 0.2 -ts_max_time 0.2", 6),
     "blast": ("blast", "-fsi_h 0.125 -fsi_order 2 -ts_max_time 0.3 -fsi_output_dt 0.05", 6),
 }
 #: of what is integrated the last bits depend on the number of ranks

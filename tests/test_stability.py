@@ -25,8 +25,11 @@ from fsipetsc.paper import rates as loops
 from fsipetsc.paper.laws import elastic_of, gas_of
 
 ORDERS = pytest.mark.parametrize("order", OPERATORS)
+#: (order, state): each order, each state
+PAIRS = (2, "ideal"), (4, "elastic"), (6, "stretched"), (8, "inviscid"), (8, "ideal")
+EACH = pytest.mark.parametrize(("order", "state"), PAIRS)
 N = 16  # points of a layer, enough for all orders
-RATIOS = list(itertools.product((1e-3, 1.0, 1e3), (1e-2, 1.0, 1e2)))
+RATIOS = [*itertools.product((1e-3, 1e3), (1e-2, 1e2)), (1.0, 1.0)]
 
 
 def constant(density: float = 2.0, stiffness: float = 3.0, eos: str = "ideal", stretch: float = 1.0, **gas) -> Constant:
@@ -61,9 +64,9 @@ def differentiated(function, step: float, size: int) -> np.ndarray:
     return np.array(columns).T
 
 
-@ORDERS
-@pytest.mark.parametrize("state", STATES.values(), ids=STATES)
+@EACH
 def test_rates_of_the_gas_are_those_of_the_kernel(order, state):
+    state = STATES[state]
     h, gas, rest = 0.1, state.gas, np.array([[state.rho], [0.0], [state.T]])
     layer, law = gas_record(N, h=h), gas_of(gas)
     layer["s"], layer["end_kind"][0] = 0.0, 0
@@ -81,10 +84,10 @@ def test_rates_of_the_gas_are_those_of_the_kernel(order, state):
     assert heating[: 3 * N].nnz == raw[: 3 * N, 3 * N :].nnz == raw[3 * N :, : 3 * N].nnz == 0
 
 
-@ORDERS
-@pytest.mark.parametrize("state", STATES.values(), ids=STATES)
+@EACH
 def test_rates_of_the_solid_are_those_of_the_kernel(order, state):
     """With S = sigma + p_s x_X'/x_X; positions act through S alone."""
+    state = STATES[state]
     h, solid = 0.1, state.solid
     D = OPERATORS[order].matrix(N, h)
     rest = np.outer([0.0, state.stress, state.T, 0.0], np.ones(N))
@@ -106,10 +109,10 @@ def test_rates_of_the_solid_are_those_of_the_kernel(order, state):
     np.testing.assert_allclose(got[:, 3 * N :], of_strain, atol=1e-9 * np.abs(of_strain).max() + 1e-12)
 
 
-@ORDERS
-@pytest.mark.parametrize("state", STATES.values(), ids=STATES)
+@EACH
 @pytest.mark.parametrize("coupling", ["energy", "projection", "traditional"])
 def test_linearised_treatments_are_projections_and_energy_an_orthogonal_one(order, state, coupling):
+    state = STATES[state]
     P = assemble(state, order, N, 0.1, coupling).projection.toarray()
     size = np.abs(P).max()
     assert np.abs(P @ P - P).max() < 1e-11 * size**2
@@ -129,8 +132,7 @@ def test_the_derivative_of_the_treatment_does_not_depend_on_the_step(monkeypatch
 
 
 @ORDERS
-@pytest.mark.parametrize("eos", ["ideal", "elastic"])
-@pytest.mark.parametrize("stretch", [1.0, 0.7])
+@pytest.mark.parametrize(("eos", "stretch"), [("ideal", 0.7), ("elastic", 1.0)])
 def test_theorem_4_1_holds_to_round_off(order, eos, stretch):
     for density, stiffness in RATIOS:
         result = measure(constant(density, stiffness, eos, stretch), order, N, 1 / N, "energy")
@@ -212,7 +214,7 @@ def command(tmp_path):
     return lambda *args: solve("stability", *args, cwd=tmp_path)
 
 
-SMALL = ("-sweep", "-stability_points", 16, "-density_ratios", "1e-3,1,1e3", "-stiffness_ratios", "0.01,1,100")
+SMALL = ("-sweep", "-stability_points", 16, "-density_ratios", "1e-3,1", "-stiffness_ratios", "0.01,100")
 
 
 def test_command_for_one_material(command):
@@ -237,9 +239,9 @@ def test_sweep_with_energy_holds_everywhere(swept):
     assert (done.returncode, done.stderr) == (0, "")
     with open(where / "stability-energy.csv", newline="") as file:
         rows = list(csv.DictReader(file))
-    assert len(rows) == 4 * 9
+    assert len(rows) == 4 * 4
     assert all(row[name] == "True" for row in rows for name in ("estimate", "stable", "step_kept"))
-    assert done.stdout.count("energy never grows in 9") == 4
+    assert done.stdout.count("energy never grows in 4") == 4
     pytest.importorskip("matplotlib")
     assert (where / "stability-energy.png").read_bytes().startswith(b"\x89PNG")
 
@@ -251,8 +253,8 @@ def test_sweep_with_traditional_ends_with_status_3(command, tmp_path):
     assert "Traceback" not in done.stderr
     with open(tmp_path / "old.csv", newline="") as file:
         light = [row for row in csv.DictReader(file) if float(row["density_ratio"]) < 0.01]
-    assert len(light) == 4 * 3
-    assert sum(row["stable"] == "False" or row["step_kept"] == "False" for row in light) >= 11
+    assert len(light) == 4 * 2
+    assert sum(row["stable"] == "False" or row["step_kept"] == "False" for row in light) >= 7
 
 
 @pytest.mark.mpi

@@ -13,7 +13,6 @@ pytestmark = [pytest.mark.mpi, pytest.mark.long]  # kernels that no other test n
 
 ORDERS = 2, 4, 6, 8
 _FORM = "-fsi_convection entropy"
-PISTON = "piston", f"{_FORM} -fsi_partition balanced -ts_max_time 0.01"
 #: a gas that is neither viscous nor conducts
 ALONE = {
     f"box {order}": ("box", f"{_FORM} -fsi_order {order} -fsi_h 0.025 -ts_max_time 1 -fluid_mu 0 -fluid_kappa 0")
@@ -33,7 +32,7 @@ def test_the_two_paths(tmp_path):
     """The fused method and PETSc's own agree to what a moving wall makes of their stages. (So they do, always, in divergence
     form, tests/test_time.py, and with dissipation, tests/test_dissipation_runs.py: kernels of each form are compiled for it.)
     """
-    case, options = PISTON
+    case, options = "piston", f"{_FORM} -fsi_partition balanced -ts_max_time 0.01"
     files = compute(1, tmp_path, {kind: (case, f"{options} -ts_type {kind}") for kind in ("fused", "rk")})
     fused, plain = (fsipetsc.open_run(files[kind]) for kind in ("fused", "rk"))
     (tmp_path / "two").mkdir()
