@@ -113,15 +113,12 @@ class Scheme:
 
     def complete(self, t: float, y: BlockVector) -> None:
         """Let y obey all that holds its particles, in place. Collective."""
-        self._gain[:] = 0.0
         self.particles.share(y.array, t, self._gain)
         self._move(t)
         self.particles.find_normals(self._metrics)
         if self.particles.stores:
             self._find_stored(y)
         self.particles.settle(y.array, self._gain)
-        if self.layout.behind:
-            y.behind[:] += self._gain
         velocities = self.particles.velocities()
         for gas in self._gases:
             gas.begin_velocities(velocities)
@@ -164,7 +161,6 @@ class Scheme:
             if k in self._columns:
                 self._gain[self._columns[k]] += came[0]
         self.particles.constrain(y.array, f, self._gain)
-        f[f.size - self.layout.behind :] = self._gain[: self.layout.behind]
 
     def bounds(self, t: float, y: BlockVector) -> Array:
         """(blocks, LOOKED) of fsipetsc.scheme.block_look for this rank's nodes; halos of y are

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from fsipetsc.blockrun.block_scheme import Scheme
 from fsipetsc.blockrun.gas_part import GasPart
-from fsipetsc.operators.boxed import Box
+from fsipetsc.operators.boxed import Box, with_calls
 from fsipetsc.parallel.block_layout import BlockVector
 from fsipetsc.scheme import line_parts, line_steps
 from fsipetsc.scheme.block_look import LEAST_J, LOOKED
@@ -52,13 +52,22 @@ class LineScheme(Scheme):
         self.alone = self.alone and not any(part.part.has_halo for part in self.parts.values())
         self._filled: float | None = None  # when the data were asked for
         self._boxes = {k: Box(line) for k, line in self._lines.items()}
-        self._box = Box(self.particles.line())
 
     def attach_steps(self, memory: tuple[Array, ...], words: Any, burst: Array, rows: Array) -> None:
         """What steps take and fill, before all but `initial`: see fsipetsc.scheme.line_steps.Found.
         """
         self._found = Found(*memory, self._gain, *words, burst, rows, np.zeros(2))
-        self._all = Box(Line(tuple(self._boxes.values()), self._box, self._found))
+        found, y, gain = Box(self._found), self._found.y, self._gain
+        takes = (self.particles.box,), (y, y, gain), (y,), (found,)
+        held = [
+            with_calls(line_parts.hold, box, dict(zip(self._calls(k), takes, strict=True)))
+            for k, box in self._boxes.items()
+        ]
+        self._all = Box(Line(tuple(held), self.particles.held(y, gain), found))
+
+    def _calls(self, k: int) -> tuple[Any, ...]:
+        """What is done with a block's part: follow particles, rates, look, note."""
+        return line_parts.OF_GAS if k in self._columns else line_parts.OF_SOLID
 
     def _refresh(self, t: float) -> None:
         """Data of the case at time t [s]."""
@@ -70,9 +79,7 @@ class LineScheme(Scheme):
 
     def _share(self, t: float, y: BlockVector) -> None:
         self._refresh(t)
-        line_steps.begin_sums(self._box, y.array, self._gain)
-        self.particles.exchange()
-        line_steps.end_sums(self._box, self._gain)
+        self.particles.share(y.array, t, self._gain)
 
     def complete(self, t: float, y: BlockVector) -> None:
         """Let y obey all that holds its particles, in place. Collective."""
@@ -83,17 +90,17 @@ class LineScheme(Scheme):
         self._share(t, y)
         if self.particles.stores:
             self._find_stored(y)
-        line_steps.settle(self._box, y.array, self._gain)
+        self.particles.settle(y.array, self._gain)
         self._move(t)
 
     def _move(self, t: float) -> None:
         """Let the grids follow solids and walls: places and velocities. Collective."""
         for gas in self._gases:
-            line_parts.follow(self._boxes[gas.part.k], self._box)
+            line_parts.follow_gas(self._boxes[gas.part.k], self.particles.box)
             gas.gather.begin()
         for gas in self._gases:
             gas.gather.end()
-            line_parts.move(self._boxes[gas.part.k])
+            line_parts.move_gas(self._boxes[gas.part.k])
 
     def rates(self, t: float, y: BlockVector, f: Array) -> None:
         """f = dy/dt for a completed y. Collective."""
@@ -106,19 +113,17 @@ class LineScheme(Scheme):
         gain[:] = 0.0
         y.begin()
         y.end()
-        for box in self._boxes.values():
-            line_parts.rates_of(box, y.array, f, gain)
-        line_steps.begin_rates(self._box, f)
-        self.particles.exchange()
-        line_steps.end_rates(self._box, y.array, f, gain)
+        for k, box in self._boxes.items():
+            self._calls(k)[1](box, y.array, f, gain)
+        self.particles.constrain(y.array, f, gain)
 
     def bounds(self, t: float, y: BlockVector) -> Array:
         """See Scheme.bounds."""
         if self.alone:
             line_steps.run(self._all, LOOK, y.array, y.array)
         else:
-            for box in self._boxes.values():
-                line_parts.look_at(box, y.array)
+            for k, box in self._boxes.items():
+                self._calls(k)[2](box, y.array)
         found = np.zeros((len(self.problem.blocks), LOOKED))
         found[:, LEAST_J] = -np.inf
         self._sums = {}

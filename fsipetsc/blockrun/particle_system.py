@@ -18,11 +18,13 @@ from fsipetsc.blockrun.asked import Asked
 from fsipetsc.blockrun.face_terms import weights_of
 from fsipetsc.blockrun.prescribed import Prescribed
 from fsipetsc.blocks.particles import ROLLS, Particle
+from fsipetsc.operators.boxed import Box, with_calls
 from fsipetsc.parallel.block_layout import BlockLayout
 from fsipetsc.parallel.particle_exchange import ParticleExchange
 from fsipetsc.scheme import normals as of_faces
+from fsipetsc.scheme import particle_steps
 from fsipetsc.scheme import particles as kernels
-from fsipetsc.scheme.line_steps import Particles
+from fsipetsc.scheme.particle_steps import Particles
 from fsipetsc.scheme.particles import GAS, SOLID, Data, State, Table
 
 Array = NDArray[Any]
@@ -49,7 +51,7 @@ class ParticleSystem:
         instant: Callable[[], float],
         asked: Asked,
     ) -> None:
-        self._layout, self._law, self._d = layout, law, layout.problem.blocks[0].dimension
+        self._layout, self._d = layout, layout.problem.blocks[0].dimension
         self._like = (0.0,) * self._d
         members, owners = _members(layout, particles)
         rank = layout.comm.rank
@@ -69,7 +71,32 @@ class ParticleSystem:
         self.state = _state(here.size, self._d)
         kernels.weigh_heat(self.table, self._stored, self.state)
         self.prescribed = Prescribed(layout.problem, self._particles, law, instant, asked)
-        self._rates = np.zeros((here.size, 2 * self._d + 2))
+        self._place = np.zeros(here.size)
+        self.box = self._boxed(law)
+
+    def _boxed(self, law: Any) -> Any:
+        """All that compiled code takes, as fsipetsc.scheme.particle_steps has it."""
+        count = len(self._particles)
+        moves = np.zeros(count, np.int64)
+        moves[self.prescribed.moving] = 1
+        return Box(
+            Particles(
+                self._like,
+                self.table,
+                law,
+                self.prescribed.data,
+                self.state,
+                self._stored,
+                self._exchange.table,
+                np.zeros((count, 2 * self._d + 2)),
+                int(self.slips),
+                self.normals,
+                self.turning,
+                moves,
+                self._place,
+                self._layout.behind,
+            )
+        )
 
     def _table(
         self, number: Array, members: Array, owners: Array, inertia: dict[int, Array]
@@ -247,56 +274,38 @@ class ParticleSystem:
         exchange.end()
         of_faces.sum_members(self._normal_particle, exchange.row, exchange.table, total)
 
-    # what the scheme calls; gain: masses, impulse and energy that come in, which are added to it
+    # what the scheme calls; gain: masses, impulse and energy that come in. `share` begins it, the
+    # others add to it
 
     def share(self, y: Array, t: float, gain: Array) -> None:
         """Sums of the members; ``state`` has what the particles share, but for slipping and
         temperatures.
         """
         self.data: Data = self.prescribed.at(t)
-        kernels.fill_state(self.table, self._like, y, self._exchange.table)
+        particle_steps.begin_sums(self.box, y, gain)
         self.exchange()
-        rows = self._exchange.table
-        kernels.share(self.table, self._like, rows, self.data, self.state, gain)
+        particle_steps.end_sums(self.box, gain)
 
     def settle(self, y: Array, gain: Array) -> None:
         """Project velocities on what constraints allow, share heat, and give all members what their
-        particle has.
+        particle has; what came in is added behind the unknowns.
         """
-        table, like, data, state = self.table, self._like, self.data, self.state
-        if self.slips:
-            kernels.slide(table, like, self.normals, data, state, gain)
-        kernels.share_heat(table, self._law, like, data, state, gain)
-        kernels.give_state(table, like, self._stored, y, state)
+        particle_steps.settle(self.box, y, gain)
 
     def constrain(self, y: Array, f: Array, gain: Array) -> None:
-        """Rates of all members under the constraints of their particles, in place."""
-        kernels.fill_rates(self.table, self._like, f, self._exchange.table)
+        """Rates of all members under the constraints of their particles, and of what comes in, in
+        place.
+        """
+        particle_steps.begin_rates(self.box, f)
         self.exchange()
-        table, like, data, state = self.table, self._like, self.data, self.state
-        sums = self._exchange.table, self.normals, self.turning
-        kernels.constrain(table, like, *sums, data, state, self._rates, gain)
-        kernels.give_rates(table, like, y, f, state, self._rates)
+        particle_steps.end_rates(self.box, y, f, gain)
 
-    def line(self) -> Particles:
-        """Itself as a record, in one dimension; `refresh` fills its data."""
-        count = len(self._particles)
-        moves, self._place = np.zeros(count, np.int64), np.zeros(count)
-        moves[self.prescribed.moving] = 1
-        return Particles(
-            self.table,
-            self._law,
-            self.prescribed.data,
-            self.state,
-            self._stored,
-            self._exchange.table,
-            self._rates,
-            int(self.slips),
-            self.normals,
-            self.turning,
-            moves,
-            self._place,
-        )
+    def held(self, y: Array, gain: Array) -> Any:
+        """All that compiled code takes with what it calls; y, gain: examples of what these take."""
+        steps = particle_steps
+        sums = {steps.begin_sums: (y, gain), steps.end_sums: (gain,), steps.settle: (y, gain)}
+        rates = {steps.begin_rates: (y,), steps.end_rates: (y, y, gain)}
+        return with_calls(steps.hold, self.box, sums | rates)
 
     def refresh(self, t: float) -> None:
         """Prescribed data at time t [s], in one dimension."""

@@ -61,9 +61,8 @@ class StepData(NamedTuple):
 
 
 @njit(**CALL)
-def take_side(box, side):
+def take_side(of, side):
     """The rows of one side of an interface, of its owner."""
-    of = box.value
     points = batch.interface_points(of.face, of.gases[0], of.solids[0])
     if side == GAS:
         take_rows(of.ops[0], of.q_gas, points[0], points[1], of.f)
@@ -72,9 +71,8 @@ def take_side(box, side):
 
 
 @njit(**CALL)
-def couple_side(box, side):
+def couple_side(of, side):
     """Couple both sides, put back the rows of one, and let the frame follow."""
-    of = box.value
     gas, f, s = of.gases[0], of.f, of.s
     points = batch.interface_points(of.face, gas, of.solids[0])
     couple(of.ops[0], of.face, of.jump, f, s)
@@ -86,47 +84,41 @@ def couple_side(box, side):
 
 
 @njit(**CALL)
-def join(box):
+def join(of):
     """See fsipetsc.paper.batch.join."""
-    of = box.value
     sides = of.gases[0], of.q_gas, of.solids[0], of.q_solid
     batch.join(of.ops[0], of.face, of.jump, *sides, of.f, of.s)
 
 
 @njit(**CALL)
-def close_end(box):
+def close_end(of):
     """See fsipetsc.paper.ends.close_solid."""
-    of = box.value
     close_solid(of.ops[0], of.law, of.layers[0], of.stage)
 
 
 @njit(**CALL)
-def fill(box, side):
+def fill(of, side):
     """See fsipetsc.paper.ends.fill_ghost."""
-    of = box.value
     fill_ghost(of.ops[0], of.law, of.layers[0], of.local, side, OLD)
 
 
 @njit(**CALL)
-def evaluate_gas(box, side, out):
+def evaluate_gas(of, side, out):
     """The rates of a gas, with its ghost point filled first, but for side < 0."""
-    of = box.value
     if side >= 0:
         fill_ghost(of.ops[0], of.law, of.layers[0], of.local, side, OLD)
     gas_rates(of.ops[0], of.law, of.layers[0], of.local, of.forcing, of.scratch, out)
 
 
 @njit(**CALL)
-def evaluate_solid(box, out):
+def evaluate_solid(of, out):
     """The rates of a solid."""
-    of = box.value
     elastic_rates(of.ops[0], of.law, of.layers[0], of.local, of.forcing, of.scratch, out)
 
 
 @njit(**CALL)
-def look_at_gas(box, side, number, entropy):
+def look_at_gas(of, side, number, entropy):
     """After a step: fill the ghost point, let the boundary move, look at the points."""
-    of = box.value
     room, k, op, q = of.rooms[0], 2 * side, of.ops[0], of.local
     fill_ghost(op, of.law, of.layers[0], q, side, OLD)
     batch.boundary_moves(op, of.law, of.layers[0], q, side, number, room.results)
@@ -135,25 +127,24 @@ def look_at_gas(box, side, number, entropy):
 
 
 @njit(**CALL)
-def look_at_solid(box, entropy):
+def look_at_solid(of, entropy):
     """After a step: look at the points."""
-    of = box.value
     seen = of.rooms[0].seen[1], of.rooms[0].shares[1]
     sums.look_at_solid(of.ops[0], of.law, of.layers[0], of.local, of.scratch, entropy, *seen)
 
 
 @njit(**CALL)
-def note_interface(box, k):
+def note_interface(of, k):
     """See fsipetsc.paper.batch.note_interface."""
-    of, room = box.value, box.value.rooms[0]
+    room = of.rooms[0]
     batch.note_interface(of.ops[0], of.face, room.jumps[k], room.f[k], room.s[k], room.notes[k])
 
 
 @njit(**CALL)
-def gas_rates_of_step(box, h, k):
+def gas_rates_of_step(of, h, k):
     """Rates of convection and diffusion, from what all ranks have seen; whether the gas is
     physical."""
-    of, room = box.value, box.value.rooms[0]
+    room = of.rooms[0]
     good, room.rates[k, 0], room.rates[k, 1] = sums.layer_rates(
         of.ops[0], sums.gas_speeds(of.law, room.seen[k]), h
     )
@@ -161,9 +152,9 @@ def gas_rates_of_step(box, h, k):
 
 
 @njit(**CALL)
-def solid_rates_of_step(box, h, k):
+def solid_rates_of_step(of, h, k):
     """The same of a solid."""
-    of, room = box.value, box.value.rooms[0]
+    room = of.rooms[0]
     good, room.rates[k, 0], room.rates[k, 1] = sums.layer_rates(
         of.ops[0], sums.solid_speeds(of.law, room.seen[k]), h
     )
@@ -171,17 +162,15 @@ def solid_rates_of_step(box, h, k):
 
 
 @njit(**CALL)
-def finish_step(box, good):
+def finish_step(of, good):
     """The limits, and the record of the step."""
-    of = box.value
     batch.bound_step(of.ops[0], of.rooms[0], good)
     batch.note_step(of.rooms[0])
 
 
 @njit(**CALL)
-def goes_on(box):
+def goes_on(of):
     """See fsipetsc.paper.batch.goes_on."""
-    of = box.value
     return batch.goes_on(of.rooms[0], of.journal)
 
 

@@ -11,9 +11,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
-from numba.extending import overload_method
 
-from fsipetsc.operators.boxed import BoxType
+from fsipetsc.operators.boxed import Box
 from fsipetsc.operators.loops import CALL, INNER_LOOP, MERGED_CALL
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.after_step import WORDS
@@ -23,9 +22,6 @@ from fsipetsc.scheme.line_terms import LINE
 from fsipetsc.scheme.rows import Array
 from fsipetsc.scheme.solid_look import solid_look
 from fsipetsc.scheme.solid_rates import solid_rates
-
-#: of functions that are compiled with what calls them
-CALLED = {"error_model": "numpy", "boundscheck": False}
 
 
 class GasLine(NamedTuple):
@@ -123,77 +119,82 @@ def ghosted(part, s, dof):
     return part.halo if part.halo.shape[0] > 0 else own
 
 
-def follow_gas(box, particles):
+@njit(**CALL)
+def follow_gas(part, particles):
     """Tell a gas displacement and velocity of the particles here by which it moves."""
-    gas, p = box.value, particles.value
-    for m in range(gas.follows.size):
-        n = gas.follows[m]
-        if p.moves[n] and p.state.solid_mass[n] == 0.0:
-            gas.here[m, 0], gas.here[m, 1] = p.place[n], p.data.wall[n, 0]
+    follows, here, state, wall = part.follows, part.here, particles.state, particles.data.wall
+    moves, place = particles.moves, particles.place
+    for m in range(follows.size):
+        n = follows[m]
+        if moves[n] and state.solid_mass[n] == 0.0:
+            here[m, 0], here[m, 1] = place[n], wall[n, 0]
         else:
-            gas.here[m, 0], gas.here[m, 1] = p.state.D[n, 0], p.state.v[n, 0]
+            here[m, 0], here[m, 1] = state.D[n, 0], state.v[n, 0]
 
 
-def move_gas(box):
+@njit(**CALL)
+def move_gas(part):
     """Velocity of a gas's grid and J_t = D v."""
-    gas = box.value
-    for m in range(gas.ends.size):
-        gas.moved[0, gas.ends[m]] = gas.known[m, 0]
-        gas.moving[0, gas.ends[m]] = gas.known[m, 1]
-    at_low, at_high = gas.moving[0, 0], gas.moving[0, -1]
-    for i in range(gas.low.size):
-        gas.metrics[1, i] = gas.low[i] * at_low + gas.high[i] * at_high
-        gas.metrics[2, i] = at_high - at_low
+    ends, known, moved, moving = part.ends, part.known, part.moved, part.moving
+    low, high, metrics = part.low, part.high, part.metrics
+    for m in range(ends.size):
+        moved[0, ends[m]], moving[0, ends[m]] = known[m, 0], known[m, 1]
+    at_low, at_high = moving[0, 0], moving[0, -1]
+    for i in range(low.size):
+        metrics[1, i] = low[i] * at_low + high[i] * at_high
+        metrics[2, i] = at_high - at_low
 
 
-def rates_of_gas(box, s, f, gain):
+@njit(**CALL)
+def rates_of_gas(part, s, f, gain):
     """Fill a gas's part of f, from that of a completed s; what comes in goes to ``gain``."""
-    gas = box.value
-    q, rates, came, patch = ghosted(gas, s, 4), owned(gas, f, 4), gas.came, gas.patch
-    (S0, S1, S2), (w0, w1, w2), metrics = gas.S, gas.weight, gas.metrics
-    laws, form, friction = gas.gas, gas.form, gas.friction
+    q, rates, came, patch = ghosted(part, s, 4), owned(part, f, 4), part.came, part.patch
+    (S0, S1, S2), (w0, w1, w2), metrics = part.S, part.weight, part.metrics
+    laws, form, friction = part.gas, part.form, part.friction
     gas_rates(
-        laws, LINE, form, friction, q, metrics, S0, S1, S2, w0, w1, w2, patch, rates, gas.work
+        laws, LINE, form, friction, q, metrics, S0, S1, S2, w0, w1, w2, patch, rates, part.work
     )
-    gas.dissipation.add(gas, q, rates)
+    part.dissipation.add(part, q, rates)
     came[0] = came[1] = came[2] = 0.0
-    gas.at_low.add(gas, q, rates, came)
-    gas.at_high.add(gas, q, rates, came)
-    force, first = laws.force[0], patch.first[0]
+    part.at_low.add(part, q, rates, came)
+    part.at_high.add(part, q, rates, came)
+    force, first, masses = laws.force[0], patch.first[0], part.masses
     if force != 0.0:
-        for i in range(gas.masses.size):
-            came[1] += force * gas.masses[i] * q[first + i, 1]
-            came[2] += force * gas.masses[i] * q[first + i, 2]
-    for c in range(3 * min(gas.forcing.shape[1], 1)):
-        for i in range(gas.masses.size):
-            supplied = q[first + i, 0] * gas.forcing[c, i]
+        for i in range(masses.size):
+            came[1] += force * masses[i] * q[first + i, 1]
+            came[2] += force * masses[i] * q[first + i, 2]
+    forcing = part.forcing
+    for c in range(3 * min(forcing.shape[1], 1)):
+        for i in range(masses.size):
+            supplied = q[first + i, 0] * forcing[c, i]
             rates[i, 1 + c] += supplied
-            came[c] += gas.masses[i] * supplied
-    gain[gas.column] += came[0]
+            came[c] += masses[i] * supplied
+    gain[part.column] += came[0]
     gain[gain.size - 2] += came[1]
     gain[gain.size - 1] += came[2]
 
 
-def rates_of_solid(box, s, f, gain):
+@njit(**CALL)
+def rates_of_solid(part, s, f, gain):
     """The same of a solid."""
-    solid = box.value
-    q, rates, came = ghosted(solid, s, 3), owned(solid, f, 3), solid.came
-    laws, first, forced = solid.solid, solid.patch.first[0], solid.forcing.shape[1] > 0
-    solid_rates(laws, LINE, q, solid.metrics, solid.prestress, rates, solid.work)
-    solid.dissipation.add(solid, q, rates)
+    q, rates, came = ghosted(part, s, 3), owned(part, f, 3), part.came
+    laws, first, masses = part.solid, part.patch.first[0], part.masses
+    solid_rates(laws, LINE, q, part.metrics, part.prestress, rates, part.work)
+    part.dissipation.add(part, q, rates)
     came[0] = came[1] = came[2] = 0.0
-    solid.at_low.add(solid, q, rates, came)
-    solid.at_high.add(solid, q, rates, came)
-    force = laws.force[0]
+    part.at_low.add(part, q, rates, came)
+    part.at_high.add(part, q, rates, came)
+    force, forcing = laws.force[0], part.forcing
+    forced = forcing.shape[1] > 0
     if force != 0.0 or forced:
-        for i in range(solid.masses.size):
-            v, mass = q[first + i, 1], solid.masses[i]
+        for i in range(masses.size):
+            v, mass = q[first + i, 1], masses[i]
             came[1] += mass * force
             came[2] += mass * force * v
             if forced:
-                push = solid.forcing[0, i]
-                heat = laws.alpha * solid.forcing[1, i] + v * push
-                rates[i, 0] += solid.forcing[2, i]
+                push = forcing[0, i]
+                heat = laws.alpha * forcing[1, i] + v * push
+                rates[i, 0] += forcing[2, i]
                 rates[i, 1] += push
                 rates[i, 2] += heat
                 came[1] += mass * push
@@ -202,129 +203,97 @@ def rates_of_solid(box, s, f, gain):
     gain[gain.size - 1] += came[2]
 
 
-def look_at_gas(box, s):
-    """Fill seen and sums of a gas."""
-    gas = box.value
-    q, seen, first, (w0, w1, w2) = ghosted(gas, s, 4), gas.seen, gas.patch.first[0], gas.weight
-    laws, metrics, stiffness = gas.gas, gas.metrics, STIFFNESS_OF_WIDE
+@njit(**CALL)
+def look_at_gas(part, s):
+    """Fill seen and sums of a part."""
+    q, seen, first, (w0, w1, w2) = ghosted(part, s, 4), part.seen, part.patch.first[0], part.weight
+    laws, metrics, stiffness, moved = part.gas, part.metrics, STIFFNESS_OF_WIDE, part.moved
     gas_look(
-        laws, LINE, q, metrics, gas.per_h, stiffness, w0, w1, w2, gas.patch, gas.row, seen, gas.sums
+        laws, LINE, q, metrics, part.per_h, stiffness, w0, w1, w2, part.patch, part.row, seen, part.sums
     )
     if seen[BAD] != 0.0:  # no NaN may stay there for a step that is made again
-        clear(gas.work.w)
-    longer, error, least = gas.moved[0, -1] - gas.moved[0, 0], 0.0, np.inf
-    for i in range(gas.reference.size):
-        J, own = q[first + i, 0], gas.reference[i] + longer
+        clear(part.work.w)
+    longer, error, least, reference = moved[0, -1] - moved[0, 0], 0.0, np.inf, part.reference
+    for i in range(reference.size):
+        J, own = q[first + i, 0], reference[i] + longer
         error = max(error, abs(J - own) / abs(own))
-        least = min(least, J / gas.reference[i])
+        least = min(least, J / reference[i])
     seen[J_ERROR], seen[LEAST_J] = error, -least
 
 
-def look_at_solid(box, s):
-    """Fill seen, sums and F of a solid."""
-    solid = box.value
-    q, laws, seen, sums = ghosted(solid, s, 3), solid.solid, solid.seen, solid.sums
-    metrics, prestress, per_h = solid.metrics, solid.prestress, solid.per_h
-    masses, work, F, stiffness = solid.masses, solid.work, solid.F, STIFFNESS_OF_WIDE
+@njit(**CALL)
+def look_at_solid(part, s):
+    """Fill seen, sums and F of a part."""
+    q, laws, seen, sums = ghosted(part, s, 3), part.solid, part.seen, part.sums
+    metrics, prestress, per_h = part.metrics, part.prestress, part.per_h
+    masses, work, F, stiffness = part.masses, part.work, part.F, STIFFNESS_OF_WIDE
     solid_look(laws, LINE, q, metrics, prestress, per_h, stiffness, masses, work, F, seen, sums)
 
 
 @njit(**MERGED_CALL)
-def note(part, found):
+def note_part(part, found):
     """Put the extremes and sums of a look where they belong."""
-    begin = 1 + WORDS * part.block
-    for c in range(part.seen.size):
-        found.extremes[begin + c] = part.seen[c]
-    found.extremes[begin + CONVECTION] *= found.pace
-    for c in range(part.sums.size):
-        found.latest[part.columns[c]] += part.sums[c]
+    begin, seen, sums, columns = 1 + WORDS * part.block, part.seen, part.sums, part.columns
+    extremes, latest = found.extremes, found.latest
+    for c in range(seen.size):
+        extremes[begin + c] = seen[c]
+    extremes[begin + CONVECTION] *= found.pace
+    for c in range(sums.size):
+        latest[columns[c]] += sums[c]
 
 
-def note_gas(box, found):
-    """Note what was seen of a gas; found: fsipetsc.scheme.line_steps.Found."""
-    note(box.value, found)
+@njit(**CALL)
+def go_along(part, particles):
+    """Let the grid of a gas, all of whose block is here, follow the particles."""
+    follow_gas(part, particles)
+    move_gas(part)
 
 
-def note_solid(box, found):
-    """Note what was seen of a solid, and what is recorded of interfaces."""
-    solid, at_ends = box.value, found.at_ends
-    note(solid, found)
-    q = ghosted(solid, found.y, 3)
-    for m in range(solid.interfaces.shape[0]):
-        number, own, at = solid.interfaces[m, 0], solid.interfaces[m, 1], solid.interfaces[m, 2]
-        X, S = solid.interfaces[m, 3], solid.interfaces[m, 4]
+@njit(**CALL)
+def stay(part, particles):
+    """Solids have no grid to move."""
+
+
+@njit(**CALL)
+def note_gas(part, found):
+    """Put the extremes and sums of a look where they belong; found: a box of
+    fsipetsc.scheme.line_steps.Found.
+    """
+    note_part(part, found)
+
+
+@njit(**CALL)
+def note_solid(part, found):
+    """The same, and what is recorded of interfaces."""
+    note_part(part, found)
+    at_ends, interfaces, F = found.at_ends, part.interfaces, part.F
+    q, laws = ghosted(part, found.y, 3), part.solid
+    for m in range(interfaces.shape[0]):
+        number, own, at, X, S = interfaces[m]
         of_end = at_ends[:, int(number)]
-        look_at_end(solid.solid, q, solid.F, int(at), int(own), S, of_end)
+        look_at_end(laws, q, F, int(at), int(own), S, of_end)
         of_end[0] += X
 
 
-def stay(box):
-    """Solids have no grid to move."""
-    return None
+class Held(NamedTuple):
+    """A part and what is done with it in a step, called by address: see fsipetsc.operators.boxed."""
 
-
-def stay_as(box, particles):
-    """Nor does it follow others."""
-    return None
-
-
-def _is_gas(box):
-    return box.field_dict["value"].instance_class is GasLine
-
-
-# methods of boxes in compiled code, compiled with what calls them
-
-
-@overload_method(BoxType, "rates", jit_options=CALLED)
-def _rates(box, s, f, gain):
-    return rates_of_gas if _is_gas(box) else rates_of_solid
-
-
-@overload_method(BoxType, "look", jit_options=CALLED)
-def _look(box, s):
-    return look_at_gas if _is_gas(box) else look_at_solid
-
-
-@overload_method(BoxType, "note", jit_options=CALLED)
-def _note(box, found):
-    return note_gas if _is_gas(box) else note_solid
-
-
-@overload_method(BoxType, "follow", jit_options=CALLED)
-def _follow(box, particles):
-    return follow_gas if _is_gas(box) else stay_as
-
-
-@overload_method(BoxType, "move", jit_options=CALLED)
-def _move(box):
-    return move_gas if _is_gas(box) else stay
-
-
-# the same from Python
+    part: Any
+    follow: Any
+    rates: Any
+    look: Any
+    note: Any
 
 
 @njit(**CALL)
-def rates_of(box, s, f, gain):
-    """Fill a part of f, from that of a completed s; what comes in goes to ``gain``."""
-    box.rates(s, f, gain)
+def hold(part, follow, rates, look, note):
+    """A box of Held."""
+    return Box(Held(part, follow, rates, look, note))
 
 
-@njit(**CALL)
-def look_at(box, s):
-    """Fill seen and sums of a part."""
-    box.look(s)
-
-
-@njit(**CALL)
-def follow(box, particles):
-    """Tell a part displacement and velocity of the particles by which it moves."""
-    box.follow(particles)
-
-
-@njit(**CALL)
-def move(box):
-    """Let the grid of a part have the velocity of its ends."""
-    box.move()
+#: what is held of a gas and of a solid
+OF_GAS = go_along, rates_of_gas, look_at_gas, note_gas
+OF_SOLID = stay, rates_of_solid, look_at_solid, note_solid
 
 
 @njit(**INNER_LOOP)

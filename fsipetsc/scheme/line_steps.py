@@ -15,44 +15,12 @@ from fsipetsc.operators.loops import CALL, INNER_LOOP, MERGED_CALL
 from fsipetsc.scheme.after_step import note_extremes
 from fsipetsc.scheme.burst import DT, plan_next
 from fsipetsc.scheme.line_parts import clear
-from fsipetsc.scheme.line_terms import LINE
-from fsipetsc.scheme.particles import (
-    constrain,
-    fill_rates,
-    fill_state,
-    give_rates,
-    give_state,
-    share,
-    share_heat,
-    slide,
-)
 from fsipetsc.scheme.plan import BAD, SAID_STOP
 from fsipetsc.scheme.rows import Array
 from fsipetsc.scheme.runge_kutta import STAGES, advance
 
 #: what `run` does
 COMPLETE, RATES, LOOK, STEPS = range(4)
-
-
-class Particles(NamedTuple):
-    """The particles of a rank: see fsipetsc.scheme.particles. law: of the gas. stored: (rows,) what
-    members store. rows: (rows, columns) of the exchange. rates: (p, 4). slips: whether any has
-    constraints; normals, turning: (p, K, 2), which stay. moves: (p,) whether a wall there moves,
-    place: (p,) its displacement.
-    """
-
-    table: Any
-    law: Any
-    data: Any
-    state: Any
-    stored: Array
-    rows: Array
-    rates: Array
-    slips: int
-    normals: Array
-    turning: Array
-    moves: Array
-    place: Array
 
 
 class Found(NamedTuple):
@@ -79,61 +47,13 @@ class Found(NamedTuple):
 
 
 class Line(NamedTuple):
-    """All of a rank that has all blocks: boxes of its parts and of Particles, and Found."""
+    """All of a rank that has all blocks: its parts and particles with their functions, as
+    fsipetsc.scheme.line_parts and particle_steps hold them, and a box of Found.
+    """
 
     parts: Any
     particles: Any
     found: Any
-
-
-# parts of a stage
-
-
-@njit(**CALL)
-def begin_sums(particles, s, gain):
-    """Rows of the members of this rank."""
-    p = particles.value
-    clear(gain)
-    fill_state(p.table, LINE, s, p.rows)
-
-
-@njit(**CALL)
-def end_sums(particles, gain):
-    """What particles share, from the rows of all members."""
-    p = particles.value
-    share(p.table, LINE, p.rows, p.data, p.state, gain)
-
-
-@njit(**CALL)
-def settle(particles, s, gain):
-    """What constraints and heat make of it, for the members of this rank; s has what came in."""
-    p = particles.value
-    if p.slips:
-        slide(p.table, LINE, p.normals, p.data, p.state, gain)
-    share_heat(p.table, p.law, LINE, p.data, p.state, gain)
-    give_state(p.table, LINE, p.stored, s, p.state)
-    for c in range(gain.size):
-        s[s.size - gain.size + c] += gain[c]
-
-
-@njit(**CALL)
-def begin_rates(particles, f):
-    """Rows of the rates of the members of this rank."""
-    p = particles.value
-    fill_rates(p.table, LINE, f, p.rows)
-
-
-@njit(**CALL)
-def end_rates(particles, s, f, gain):
-    """Rates of the members under the constraints of their particles."""
-    p = particles.value
-    constrain(p.table, LINE, p.rows, p.normals, p.turning, p.data, p.state, p.rates, gain)
-    give_rates(p.table, LINE, s, f, p.state, p.rates)
-    for c in range(gain.size):
-        f[f.size - gain.size + c] = gain[c]
-
-
-# a rank that has all
 
 
 @njit(**CALL)
@@ -143,45 +63,44 @@ def run(box, what, s, f):
 
     What is called stands here once, so that it is compiled once.
     """
-    line, steps = box.value, what == STEPS
-    found, particles = line.found, line.particles
-    y, gain, more, good = found.y, found.gain, True, True
+    found, held, parts, steps = box.found, box.particles, box.parts, what == STEPS
+    y, stages, gain, total, now = found.y, STAGES + 1 if steps else 1, found.gain, found.total, found.now
+    particles, more, good = held.all, True, True
     while more:
         if steps:
             copy(y, found.before)
             copy(y, s)
-        for stage in range(STAGES + 1 if steps else 1):
+        for stage in range(stages):
             if steps or what == COMPLETE:
-                begin_sums(particles, s, gain)
-                end_sums(particles, gain)
-                settle(particles, s, gain)
-                for part in literal_unroll(line.parts):
-                    part.follow(particles)
-                    part.move()
+                held.begin_sums(particles, s, gain)
+                held.end_sums(particles, gain)
+                held.settle(particles, s, gain)
+                for one in literal_unroll(parts):
+                    one.follow(one.part, particles)
             if steps and (stage == 0 or stage == STAGES):
                 copy(s, y)
             if what == RATES or (steps and stage < STAGES):
                 clear(gain)
-                for part in literal_unroll(line.parts):
-                    part.rates(s, f, gain)
-                begin_rates(particles, f)
-                end_rates(particles, s, f, gain)
+                for one in literal_unroll(parts):
+                    one.rates(one.part, s, f, gain)
+                held.begin_rates(particles, f)
+                held.end_rates(particles, s, f, gain)
             if steps and stage < STAGES:
-                advance(y, f, s, found.total, stage, found.now[1])
+                advance(y, f, s, total, stage, now[1])
         if steps or what == LOOK:
-            for part in literal_unroll(line.parts):
-                part.look(s)
+            for one in literal_unroll(parts):
+                one.look(one.part, s)
         more = False
         if steps:
             clear(found.latest)
             found.extremes[0] = found.results[SAID_STOP]
-            for part in literal_unroll(line.parts):
-                part.note(found)
+            for one in literal_unroll(parts):
+                one.note(one.part, found)
             good = note_step(found)
             if good:
-                found.now[0] += found.now[1]
+                now[0] += now[1]
                 more = plan_next(found.burst, found.results, found.journal, found.latest)
-                found.now[1] = found.burst[DT] if more else found.now[1]
+                now[1] = found.burst[DT] if more else now[1]
     return good
 
 

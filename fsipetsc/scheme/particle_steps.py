@@ -1,0 +1,110 @@
+"""What particles do in a stage, with all that belongs to them in one box.
+
+    begin_sums, exchange, end_sums, settle     complete the unknowns
+    begin_rates, exchange, end_rates           complete their rates
+
+The formulas are those of fsipetsc.scheme.particles. Where particles slip in two or three
+dimensions, their normals are found between end_sums and settle.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from numba import njit
+
+from fsipetsc.operators.boxed import Box
+from fsipetsc.operators.loops import CALL
+from fsipetsc.scheme.particles import (
+    constrain,
+    fill_rates,
+    fill_state,
+    give_rates,
+    give_state,
+    share,
+    share_heat,
+    slide,
+)
+from fsipetsc.scheme.rows import Array
+
+
+class Particles(NamedTuple):
+    """The particles of a rank: see fsipetsc.scheme.particles. like: (0, …) of d dimensions. law: of
+    the gas. stored: (rows,) what members store. rows: (rows, columns) of the exchange.
+    particle_rates: (p, 2d + 2). slips: whether any has constraints; normals, turning: (p, K, 2d).
+    moves, place: in one dimension, (p,) whether a wall there moves, its displacement. behind: as
+    many numbers at the end of a vector are what came in.
+    """
+
+    like: Any
+    table: Any
+    law: Any
+    data: Any
+    state: Any
+    stored: Array
+    rows: Array
+    particle_rates: Array
+    slips: int
+    normals: Array
+    turning: Array
+    moves: Array
+    place: Array
+    behind: int
+
+
+@njit(**CALL)
+def begin_sums(p, s, gain):
+    """Rows of the members of this rank."""
+    gain[:] = 0.0
+    fill_state(p.table, p.like, s, p.rows)
+
+
+@njit(**CALL)
+def end_sums(p, gain):
+    """What particles share, from the rows of all members."""
+    share(p.table, p.like, p.rows, p.data, p.state, gain)
+
+
+@njit(**CALL)
+def settle(p, s, gain):
+    """What constraints and heat make of it, for the members of this rank; s has what came in."""
+    table, like, data, state, behind = p.table, p.like, p.data, p.state, p.behind
+    if p.slips:
+        slide(table, like, p.normals, data, state, gain)
+    share_heat(table, p.law, like, data, state, gain)
+    give_state(table, like, p.stored, s, state)
+    for c in range(behind):
+        s[s.size - behind + c] += gain[c]
+
+
+@njit(**CALL)
+def begin_rates(p, f):
+    """Rows of the rates of the members of this rank."""
+    fill_rates(p.table, p.like, f, p.rows)
+
+
+@njit(**CALL)
+def end_rates(p, s, f, gain):
+    """Rates of the members under the constraints of their particles."""
+    table, like, state, rates, behind = p.table, p.like, p.state, p.particle_rates, p.behind
+    constrain(table, like, p.rows, p.normals, p.turning, p.data, state, rates, gain)
+    give_rates(table, like, s, f, state, rates)
+    for c in range(behind):
+        f[f.size - behind + c] = gain[c]
+
+
+class Held(NamedTuple):
+    """Particles and what they do, called by address: see fsipetsc.operators.boxed."""
+
+    all: Any
+    begin_sums: Any
+    end_sums: Any
+    settle: Any
+    begin_rates: Any
+    end_rates: Any
+
+
+@njit(**CALL)
+def hold(particles, begin_sums, end_sums, settle, begin_rates, end_rates):
+    """A box of Held."""
+    return Box(Held(particles, begin_sums, end_sums, settle, begin_rates, end_rates))
