@@ -208,9 +208,8 @@ def look_at_gas(part, s):
     """Fill seen and sums of a part."""
     q, seen, first, (w0, w1, w2) = ghosted(part, s, 4), part.seen, part.patch.first[0], part.weight
     laws, metrics, stiffness, moved = part.gas, part.metrics, STIFFNESS_OF_WIDE, part.moved
-    gas_look(
-        laws, LINE, q, metrics, part.per_h, stiffness, w0, w1, w2, part.patch, part.row, seen, part.sums
-    )
+    patch, per_h, row, sums = part.patch, part.per_h, part.row, part.sums
+    gas_look(laws, LINE, q, metrics, per_h, stiffness, w0, w1, w2, patch, row, seen, sums)
     if seen[BAD] != 0.0:  # no NaN may stay there for a step that is made again
         clear(part.work.w)
     longer, error, least, reference = moved[0, -1] - moved[0, 0], 0.0, np.inf, part.reference
@@ -276,7 +275,7 @@ def note_solid(part, found):
 
 
 class Held(NamedTuple):
-    """A part and what is done with it in a step, called by address: see fsipetsc.operators.boxed."""
+    """A part and what is done with it in a step, called by address (fsipetsc.operators.boxed)."""
 
     part: Any
     follow: Any

@@ -61,11 +61,11 @@ def run(box, what, s, f):
     """COMPLETE s, find the RATES f of a completed s, LOOK at it, or make STEPS as the burst allows.
     False, and the state before it, if a step ends badly. box: of a Line.
 
-    What is called stands here once, so that it is compiled once.
+    What is called stands here once; parts and particles are called by address.
     """
     found, held, parts, steps = box.found, box.particles, box.parts, what == STEPS
-    y, stages, gain, total, now = found.y, STAGES + 1 if steps else 1, found.gain, found.total, found.now
-    particles, more, good = held.all, True, True
+    y, gain, total, now = found.y, found.gain, found.total, found.now
+    particles, stages, more, good = held.all, STAGES + 1 if steps else 1, True, True
     while more:
         if steps:
             copy(y, found.before)
