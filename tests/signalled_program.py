@@ -20,9 +20,12 @@ from collections import Counter
 from collections.abc import Callable
 
 from fsipetsc import cli
+from fsipetsc.process.launch import launcher_rank, start_mpi, start_petsc
+
+start_petsc([], start_mpi())  # as the program does; to import PETSc would start it with signals of its own
+
 from fsipetsc.output import checkpoint_file, pieces
 from fsipetsc.output.writer import RunWriter
-from fsipetsc.process.launch import launcher_rank
 from fsipetsc.stepping import run
 
 places, seen = json.loads(sys.argv.pop(1)), Counter()

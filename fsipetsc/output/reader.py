@@ -230,6 +230,11 @@ class BlockLayer(Arrays):
     x, y, z              (nframes, …) positions
     """
 
+    places: Array
+    X: Array
+    Y: Array
+    Z: Array
+
     def __init__(self, path: str, entry: Mapping[str, Any], chunks: list[Frames], nframes: int) -> None:
         self._points = Layer(path, entry, chunks, nframes)
         self.name, self.kind, self.fields = self._points.name, self._points.kind, self._points.fields
