@@ -20,6 +20,7 @@ from fsipetsc.blockrun import snapshot
 from fsipetsc.blockrun.columns import OF_INTERFACES, fields_of, gained, step_record
 from fsipetsc.blockrun.errors_of_blocks import errors
 from fsipetsc.blockrun.failures import describe_failure
+from fsipetsc.blockrun.first_look import first_notes
 from fsipetsc.blockrun.fused import FusedRK4
 from fsipetsc.blockrun.recorded_nodes import Recorded, Recorder
 from fsipetsc.blockrun.run_problem import RunProblem
@@ -260,6 +261,10 @@ class BlockState:
         self.y.behind[:] = 0.0
         self._guarded(lambda: self.scheme.stretch(self.begin, self.y))
         agree(self.comm, self.fault)
+
+    def first_notes(self) -> list[str]:
+        """What may not be meant in the initial data, once the integrator has looked at them."""
+        return first_notes(self)
 
     def set_data(self, t: float) -> None:
         """The next evaluation of the right-hand side is at time t [s]."""

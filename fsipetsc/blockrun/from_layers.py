@@ -277,12 +277,18 @@ def _vector(value: Any, name: str, side: int) -> Function:
 
 
 def _of_place(function: Function, name: str, side: int, then: Function) -> Function:
-    """A function of t at an end as one of X and t: what is wrong is said of the end."""
+    """A function of t at an end as one of X and t: what is wrong is said of the end.
 
-    def called(X: Array, t: float) -> Any:
+    Its `of_time` is the same as a function of t alone, whose values need not be looked at again.
+    """
+
+    def of_time(t: float) -> Any:
         return then(given.at_end(function, name, side, t))
 
-    called.__wrapped__ = function
+    def called(X: Array, t: float) -> Any:
+        return of_time(t)
+
+    called.__wrapped__, called.of_time = function, of_time
     return called
 
 

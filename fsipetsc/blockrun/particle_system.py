@@ -333,6 +333,16 @@ class ParticleSystem:
             found[moving[alone]] = self.prescribed.displacement(t)[alone]
         return found
 
+    def walls_away(self, t: float) -> dict[int, float]:
+        """Block of gas -> largest displacement [m] of a wall of it that moves, of those here."""
+        found: dict[int, float] = {}
+        moved = np.linalg.norm(self.prescribed.displacement(t), axis=1)
+        for p, distance in zip(self.prescribed.moving, moved.tolist(), strict=True):
+            if self.state.solid_mass[p] == 0.0:
+                for k, _ in self._particles[p].members:
+                    found[k] = max(found.get(k, 0.0), distance)
+        return found
+
     def velocities(self) -> Array:
         """(p, d) the velocities that belong to ``places``."""
         found, moving = self.state.v.copy(), self.prescribed.moving

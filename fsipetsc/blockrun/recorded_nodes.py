@@ -147,9 +147,7 @@ class Recorder:
         known = dict(zip(fields_of(kind, d), saved.tolist(), strict=True))
         traction = [0.0] * d
         if kind == "solid":
-            stress = _full(saved[d + 1 : d + 1 + d * (d + 1) // 2], d)
-            if d == 1:
-                stress -= known["p"]
+            stress = stresses_of(saved[None], d)[0]
             known["p"] = -float(np.trace(stress)) / d
             if node.face is not None:
                 traction = (stress @ part.normal(row, *node.face)).tolist()
@@ -157,8 +155,11 @@ class Recorder:
         return [*(known[name] for name in names), *traction]
 
 
-def _full(upper: Array, d: int) -> Array:
-    """A symmetric matrix from xx, xy, …, yy, …."""
-    stress = np.empty((d, d))
-    stress[np.triu_indices(d)] = upper
-    return np.where(np.tri(d, k=-1, dtype=bool), stress.T, stress)
+def stresses_of(saved: Array, d: int) -> Array:
+    """(n, d, d) Cauchy stress of nodes of a solid, from what is saved of them (n, columns)."""
+    columns = fields_of("solid", d)
+    stress = np.empty((len(saved), d, d))
+    upper = saved[:, d + 1 : d + 1 + d * (d + 1) // 2]
+    for column, (i, j) in zip(upper.T, zip(*np.triu_indices(d), strict=True), strict=True):
+        stress[:, i, j] = stress[:, j, i] = column
+    return stress if d > 1 else stress - saved[:, columns.index("p"), None, None]

@@ -175,6 +175,10 @@ class PaperState:
 
     # data
 
+    def first_notes(self) -> list[str]:
+        """Nothing: frames are cut where walls are, and the couplings bring stresses together."""
+        return []
+
     def set_data(self, t: float) -> None:
         """Evaluate boundary data, jumps and forcing at time t [s] for the next evaluation of the
         right-hand side.

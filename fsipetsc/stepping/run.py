@@ -266,6 +266,8 @@ class _Run:
                 self.state.compile(say, lambda: (self.state.compile_saving(), integrator.compile(say)))
                 if self.keeper.past is None:
                     integrator.start()
+                    for line in self.state.first_notes():
+                        self.report.line(line)
                     self.ledgers.begin(integrator.initial)
                 else:
                     self._resume(self.keeper.past)
