@@ -125,7 +125,7 @@ def rates_of(s, part=None):
     metrics = np.ascontiguousarray(flat(s.metrics, len(s.metrics))[:, part.ghosted])
     rates = np.full((len(part.own), len(s.q)), np.nan)
     S, w = [b.S for b in part.bands], [b.weight for b in part.bands]
-    work = scratch(s.like, form, friction, part.bands)
+    work = scratch(s.like, form, friction, part.bands, part.patch)
     gas_rates(s.equations, s.like, form, friction, q, metrics, *S, *w, part.patch, rates, work)
     return rates
 
@@ -342,7 +342,7 @@ def test_strong_shock_lives(order):
     S, w = [b.S for b in axes], [b.weight for b in axes]
     patch, found = Patch((n, 1, 1), (n, 1, 1), (0, 0, 0)), differences(1, order, axes, [n - 1])
     like, form, kind, memory = (0.0,), EntropyForm(), Viscous(), room(1, found)
-    metrics, work = np.outer([1.0, 0.0, 0.0], np.ones(n)), scratch(like, form, kind, axes)
+    metrics, work = np.outer([1.0, 0.0, 0.0], np.ones(n)), scratch(like, form, kind, axes, patch)
     p = np.where(np.arange(n) < 3 * n // 4, 1000.0, 1.0)
     q = np.array(gas.conserved(np.ones(n), np.ones(n), (np.zeros(n),), p)).T.copy()
     start, dt = w[0] @ q, 0.4 / (n - 1) / 60.0

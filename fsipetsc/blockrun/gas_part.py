@@ -65,7 +65,8 @@ class GasPart(Forced):
             self._differences = differences(d, order, part.bands, self.block.cells)
             self._room = room(d, self._differences)
         self._row = np.zeros((5, part.patch.own[0]))
-        self._scratch = scratch(self._like, self._form, self._friction, part.bands)
+        forms = self._like, self._form, self._friction
+        self._scratch = scratch(*forms, part.bands, part.patch)
 
     def follow(self, particles: Sequence[Particle], system: ParticleSystem) -> None:
         """Let the grid follow the particles that have a solid, or are on walls that move.

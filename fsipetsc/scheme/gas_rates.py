@@ -169,13 +169,18 @@ class Axes(NamedTuple):
 
 
 class Tile(NamedTuple):
-    """Nodes x0 … x1 - 1 along the first axis, y0 … y1 - 1 along the inner one; how many spans."""
+    """Nodes x0 … x1 - 1 along the first axis, y0 … y1 - 1 along the inner one.
+
+    weights: where its gain and loss begin. spans, end: its spans are those from `spans` to `end`.
+    """
 
     x0: int
     x1: int
     y0: int
     y1: int
+    weights: np.uint64
     spans: int
+    end: int
 
 
 class Work(NamedTuple):
@@ -183,9 +188,10 @@ class Work(NamedTuple):
 
     w: rows of nodes with `numbers` each, `layers` layers of `depth` rows, `before` of these before
     the tile. high: sums of each row as the upper one of pairs, low: of one row as the lower one.
-    slope: D_k z of one row. gain, loss: (K + 1, ROW) S over the weight of the upper and the lower
-    node of pairs along the first axis, by distance; their rows 0 serve the other axes. spans:
-    (n, 3) distance, begin and end of pairs along the first axis.
+    slope: D_k z of one row. Of each tile along the first axis: gain, loss (tiles, K + 1, ROW), S
+    over the weight of the upper and the lower node of pairs by distance, 0 where there are none;
+    spans (n, 3), distance, begin and end of pairs, those of tile m from number begins[m] on. Rows 0
+    of gain and loss serve the other axes.
     """
 
     layers: int
@@ -199,15 +205,17 @@ class Work(NamedTuple):
     gain: Array
     loss: Array
     spans: Any
+    begins: Any
 
 
-def scratch(like: Any, form: Any, friction: Any, bands: Any) -> Work:
+def scratch(like: Any, form: Any, friction: Any, bands: Any, patch: Any) -> Work:
     """Memory for `gas_rates` with the three bands of a patch."""
     d, reach, row = len(like), 1 + friction.reach, int(ROW)
     K = [len(band.S) - 1 for band in bands]
     inner, last = (K[1], K[2]) if d == 3 else (0, K[1])
     layers, depth = reach * last + 1, (DEPTH if d == 3 else 1) + 2 * reach * inner
-    pairs, numbers = (K[0] + 1) * row, 2 * d + 5 + d * d + len(form.kept(like)) + d * (d + 1)
+    gain, loss, spans, begins = _weights(bands[0], patch)
+    numbers = 2 * d + 5 + d * d + len(form.kept(like)) + d * (d + 1)
     return Work(
         layers,
         depth,
@@ -217,10 +225,33 @@ def scratch(like: Any, form: Any, friction: Any, bands: Any) -> Work:
         high=aligned(layers * depth * row * (d + 2)),
         low=aligned(row * (d + 2)),
         slope=aligned(row * d * (d + 1)),
-        gain=aligned(pairs),
-        loss=aligned(pairs),
-        spans=np.zeros((4 * (K[0] + 1) * TILE // GAP, 3), np.int64),
+        gain=gain,
+        loss=loss,
+        spans=spans,
+        begins=begins,
     )
+
+
+def _weights(band: Any, patch: Any) -> tuple[Array, Array, Any, Any]:
+    """gain, loss, spans and begins of a Work."""
+    S, weight, size = band.S, band.weight, patch.ghosted[0]
+    begin, own = int(patch.first[0]), int(patch.own[0])
+    wide, spans, begins = tiles_of(own), [], [0]
+    gain, loss = (aligned(wide * len(S) * int(ROW)).reshape(wide, len(S), -1) for _ in range(2))
+    for m in range(wide):
+        x0, x1 = part(begin, begin + own, m, wide), part(begin, begin + own, m + 1, wide)
+        nodes = x0 - MARGIN + np.arange(int(ROW))
+        for k in range(1, len(S)):
+            column = np.flatnonzero((nodes >= 0) & (nodes < size - k))
+            i = nodes[column]
+            gain[m, k, column], loss[m, k, column] = S[k, i] / weight[i + k], S[k, i] / weight[i]
+            found = np.flatnonzero(S[k, max(x0 - k, 0) : x1]) + max(x0 - k, 0)
+            for span in np.split(found, np.flatnonzero(np.diff(found) >= GAP) + 1):
+                if span.size:
+                    spans.append((k, span[0], span[-1] + 1))
+        begins.append(len(spans))
+    listed = np.array(spans, np.int64).reshape(-1, 3)
+    return gain.reshape(-1), loss.reshape(-1), listed, np.array(begins)
 
 
 # a row of nodes: w, a^1 … a^d, velocity of the grid, what the form keeps, viscous fluxes
@@ -341,36 +372,6 @@ def fill(gain, loss, upper, lower, n):
 # a tile
 
 
-@njit(**INLINED_CALL)
-def weigh(axis, tile, gain, loss):
-    """S over the weights of both nodes of pairs along the first axis, 0 where there are none."""
-    for k in range(1, axis.S.shape[0]):
-        for column in range(int(ROW)):
-            i, to = tile.x0 + column - MARGIN, k * int(ROW) + column
-            gain[to] = loss[to] = 0.0
-            if 0 <= i < axis.size - k:
-                gain[to], loss[to] = (
-                    axis.S[k, i] / axis.weight[i + k],
-                    axis.S[k, i] / axis.weight[i],
-                )
-
-
-@njit(**INLINED_CALL)
-def find_spans(axis, x0, x1, spans):
-    """Pairs along the first axis: (k, a, b), of the nodes a … b - 1 and those k on; how many."""
-    count = 0
-    for k in range(1, axis.S.shape[0]):
-        last = -GAP
-        for i in range(max(x0 - k, 0), x1):
-            if axis.S[k, i] != 0.0:
-                if i - last >= GAP:
-                    spans[count, 0], spans[count, 1] = k, i
-                    count += 1
-                last = i
-                spans[count - 1, 2] = i + 1
-    return count
-
-
 @register_jitable
 def number_of(work, tile, layer, j):
     """Number of the row j of a layer among those in memory."""
@@ -452,10 +453,10 @@ def sweep_layer(gas, like, form, friction, q, metrics, axes, tile, work, rates, 
                 row_of(work, tile, layer, j),
                 number_of(work, tile, layer, j) * U64(d + 2) * ROW,
             )
-            for m in range(tile.spans):
+            for m in range(tile.spans, tile.end):
                 k, a, b = work.spans[m]
                 column, other = U64(MARGIN + a - tile.x0), U64(k)
-                weights, upper = other * ROW + column, high + column + other
+                weights, upper = tile.weights + other * ROW + column, high + column + other
                 pairs(gas, like, form, friction, work, row, 0, other, weights, column, upper, b - a)
             node = U64(tile.x0 + j * inner.stride + layer * last.stride)
             own = (layer - last.begin) * (inner.end - inner.begin) + j - inner.begin
@@ -471,7 +472,6 @@ def sweep(gas, like, form, friction, q, metrics, axes, tile, work, rates):
     last = axes.last
     ahead = last.S.shape[0] - 1
     behind = friction.reach * ahead
-    weigh(axes.first, tile, work.gain, work.loss)
     completed = max(last.begin - ahead, 0)
     loaded = max(completed - behind, 0)
     for layer in range(completed, last.end):
@@ -498,13 +498,20 @@ def gas_rates(gas, like, form, friction, q, metrics, S0, S1, S2, w0, w1, w2, pat
     z = Axis(S2, w2, first[2], first[2] + own[2], size[2], size[0] * size[1])
     axes = Axes(x, y, z) if len(like) == 3 else Axes(x, z, y)
     inner, q, metrics, rates = axes.inner, q.reshape(-1), metrics.reshape(-1), rates.reshape(-1)
-    wide, deep = (own[0] + TILE - 1) // TILE, (inner.end - inner.begin + DEPTH - 1) // DEPTH
+    wide, deep = tiles_of(own[0]), (inner.end - inner.begin + DEPTH - 1) // DEPTH
     for m in range(deep):
         y0, y1 = part(inner.begin, inner.end, m, deep), part(inner.begin, inner.end, m + 1, deep)
         for n in range(wide):
             x0, x1 = part(x.begin, x.end, n, wide), part(x.begin, x.end, n + 1, wide)
-            tile = Tile(x0, x1, y0, y1, find_spans(x, x0, x1, work.spans))
+            weights = U64(n * S0.shape[0]) * ROW
+            tile = Tile(x0, x1, y0, y1, weights, work.begins[n], work.begins[n + 1])
             sweep(gas, like, form, friction, q, metrics, axes, tile, work, rates)
+
+
+@register_jitable
+def tiles_of(nodes):
+    """Tiles along the first axis."""
+    return (nodes + TILE - 1) // TILE
 
 
 @register_jitable
@@ -571,7 +578,7 @@ def slopes(gas, like, axes, tile, work, layer, j, column, n):
     clear(slope, column, len(like) * (len(like) + 1), n)
     here = row_of(work, tile, layer, j) + column
     for k in range(1, axes.first.S.shape[0]):
-        at_loss, m = U64(k) * ROW + column, U64(k)
+        at_loss, m = tile.weights + U64(k) * ROW + column, U64(k)
         slope_row(
             gas,
             like,
