@@ -47,9 +47,10 @@ class LineScheme(Scheme):
                 self._lines[k] = part.line(self._columns[k], sums)
             else:
                 own = [(number, row, X) for number, block, row, X in ends if block == k]
-                self._lines[k] = part.line(np.array([first[name] for name in OF_SOLID]), own)
-        self.alone = alone and not self.particles.stores
-        self.alone = self.alone and not any(part.part.has_halo for part in self.parts.values())
+                stored = self.particles.members.get(k, (np.zeros(0, int), np.zeros(0, int)))
+                columns_here = np.array([first[name] for name in OF_SOLID])
+                self._lines[k] = part.line(columns_here, own, stored)
+        self.alone = alone and not any(part.part.has_halo for part in self.parts.values())
         self._filled: float | None = None  # when the data were asked for
         self._boxes = {k: Box(line) for k, line in self._lines.items()}
 
@@ -58,7 +59,8 @@ class LineScheme(Scheme):
         """
         self._found = Found(*memory, self._gain, *words, burst, rows, np.zeros(2))
         found, y, gain = Box(self._found), self._found.y, self._gain
-        takes = (self.particles.box,), (y, y, gain), (y,), (found,)
+        particles = self.particles.box
+        takes = (particles, y), (particles,), (y, y, gain), (y,), (found,)
         held = [
             with_calls(line_parts.hold, box, dict(zip(self._calls(k), takes, strict=True)))
             for k, box in self._boxes.items()
@@ -66,8 +68,11 @@ class LineScheme(Scheme):
         self._all = Box(Line(tuple(held), self.particles.held(y, gain), found))
 
     def _calls(self, k: int) -> tuple[Any, ...]:
-        """What is done with a block's part: follow particles, rates, look, note."""
-        return line_parts.OF_GAS if k in self._columns else line_parts.OF_SOLID
+        """What is done with a block's part: fsipetsc.scheme.line_parts.Held, without `part`."""
+        if k in self._columns:
+            return line_parts.OF_GAS
+        stores = self.particles.stores and not self.parts[k].equations.coupled
+        return line_parts.OF_STORING_SOLID if stores else line_parts.OF_SOLID
 
     def _refresh(self, t: float) -> None:
         """Data of the case at time t [s]."""
@@ -114,7 +119,7 @@ class LineScheme(Scheme):
         y.begin()
         y.end()
         for k, box in self._boxes.items():
-            self._calls(k)[1](box, y.array, f, gain)
+            self._calls(k)[2](box, y.array, f, gain)
         self.particles.constrain(y.array, f, gain)
 
     def bounds(self, t: float, y: BlockVector) -> Array:
@@ -123,7 +128,7 @@ class LineScheme(Scheme):
             line_steps.run(self._all, LOOK, y.array, y.array)
         else:
             for k, box in self._boxes.items():
-                self._calls(k)[2](box, y.array)
+                self._calls(k)[3](box, y.array)
         found = np.zeros((len(self.problem.blocks), LOOKED))
         found[:, LEAST_J] = -np.inf
         self._sums = {}

@@ -89,6 +89,7 @@ class ParticleSystem:
                 self._stored,
                 self._exchange.table,
                 np.zeros((count, 2 * self._d + 2)),
+                int(self.stores),
                 int(self.slips),
                 self.normals,
                 self.turning,
@@ -192,7 +193,7 @@ class ParticleSystem:
 
     def give_places(self, y: Array) -> None:
         """Solid members get the displacement of their particle."""
-        kernels.give_places(self.table, self._like, y, self.state)
+        particle_steps.begin_stored(self.box, y)
 
     def note_stored(self, stored: dict[int, Array]) -> None:
         """stored: block -> energy per mass [J/kg] of ``members`` that is neither kinetic nor heat.
@@ -204,7 +205,7 @@ class ParticleSystem:
         exchange.begin()
         exchange.end()
         self._stored[:] = exchange.table[:, 0]
-        kernels.weigh_heat(self.table, self._stored, self.state)
+        particle_steps.end_stored(self.box)
 
     # normals of constraints
 
@@ -303,9 +304,10 @@ class ParticleSystem:
     def held(self, y: Array, gain: Array) -> Any:
         """All that compiled code takes with what it calls; y, gain: examples of what these take."""
         steps = particle_steps
-        sums = {steps.begin_sums: (y, gain), steps.end_sums: (gain,), steps.settle: (y, gain)}
+        sums = {steps.begin_sums: (y, gain), steps.end_sums: (gain,)}
+        stored = {steps.begin_stored: (y,), steps.end_stored: (), steps.settle: (y, gain)}
         rates = {steps.begin_rates: (y,), steps.end_rates: (y, y, gain)}
-        return with_calls(steps.hold, self.box, sums | rates)
+        return with_calls(steps.hold, self.box, sums | stored | rates)
 
     def refresh(self, t: float) -> None:
         """Prescribed data at time t [s], in one dimension."""

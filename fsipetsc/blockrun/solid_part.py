@@ -138,9 +138,15 @@ class SolidPart(Forced):
         solid_look(self.equations, self._like, q, *of_block, *memory)
         return seen, dict(zip([*MOMENTUM[:d], "energy"], sums.tolist(), strict=True))
 
-    def line(self, columns: Array, interfaces: list[tuple[int, int, float]]) -> SolidLine:
+    def line(
+        self,
+        columns: Array,
+        interfaces: list[tuple[int, int, float]],
+        stored: tuple[Array, Array],
+    ) -> SolidLine:
         """Itself as a record, in one dimension. columns: of its sums in the record of a step.
-        interfaces: number, owned row and X of those with an end of this part.
+        interfaces: number, owned row and X of those with an end of this part. stored: rows and
+        numbers of nodes of members that tell what they store.
         """
         part, damping = self.part, Undamped()
         for of_term, found, memory in self._dissipation[::-1]:
@@ -170,6 +176,11 @@ class SolidPart(Forced):
             sums=np.zeros(2),
             columns=columns,
             interfaces=ends,
+            stored_at=part.ghosted_rows(part.rows(stored[1])),
+            rows_of_stored=stored[0],
+            S=part.bands[0].S,
+            weight=part.bands[0].weight,
+            none=np.zeros((1, self.X.shape[1])),
         )
 
     def normal(self, row: int, axis: int, side: int) -> Array:

@@ -17,6 +17,7 @@ from fsipetsc.operators.loops import CALL, INNER_LOOP, MERGED_CALL
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.scheme.after_step import WORDS
 from fsipetsc.scheme.block_look import BAD, CONVECTION, J_ERROR, LEAST_J, gas_look, look_at_end
+from fsipetsc.scheme.faces import tangent
 from fsipetsc.scheme.gas_rates import gas_rates
 from fsipetsc.scheme.line_terms import LINE
 from fsipetsc.scheme.rows import Array
@@ -75,7 +76,9 @@ class SolidLine(NamedTuple):
 
     inertia: (N,) J0 m0, masses: (M,) weights times J0 m0. F: (1, M), as the last look found it.
     forcing: (3, M), or (3, 0), of velocity, temperature and place. interfaces: (n, 5) number of an
-    interface at this part, owned and ghosted row of its node, X, prestress.
+    interface at this part, owned and ghosted row of its node, X, prestress. stored_at: (n,) ghosted
+    rows of members that tell what they store, rows_of_stored: (n,) where; S, weight: of the band;
+    none: (1, N) zeros.
     """
 
     solid: Any
@@ -99,6 +102,11 @@ class SolidLine(NamedTuple):
     sums: Array
     columns: Array
     interfaces: Array
+    stored_at: Array
+    rows_of_stored: Array
+    S: Array
+    weight: Array
+    none: Array
 
 
 # what is done with a part; each is in a fsipetsc.operators.boxed.Box
@@ -254,6 +262,25 @@ def stay(part, particles):
 
 
 @njit(**CALL)
+def store(part, particles, s):
+    """Tell particles what members of a solid with heat 'elastic' store: see
+    fsipetsc.scheme.particle_steps.Particles.
+    """
+    q, at, rows, stored = ghosted(part, s, 3), part.stored_at, part.rows_of_stored, particles.stored
+    solid, metrics, prestress = part.solid, part.metrics, part.prestress
+    slopes = tangent(at, part.S, part.weight, 1, q.shape[0], part.none, q)
+    for i in range(at.size):
+        F = 1.0 + slopes[i, 0] * (metrics[0, at[i]] / metrics[1, at[i]])
+        S = prestress[0, at[i]] if prestress.shape[1] > 0 else 0.0
+        stored[rows[i]] = solid.law.energy((F,)) / solid.m0 + S * (F - 1.0) / solid.m0
+
+
+@njit(**CALL)
+def store_nothing(part, particles, s):
+    """Of gases, of solids whose stresses heat them, and where nobody asks."""
+
+
+@njit(**CALL)
 def note_gas(part, found):
     """Put the extremes and sums of a look where they belong; found: a box of
     fsipetsc.scheme.line_steps.Found.
@@ -278,6 +305,7 @@ class Held(NamedTuple):
     """A part and what is done with it in a step, called by address (fsipetsc.operators.boxed)."""
 
     part: Any
+    store: Any
     follow: Any
     rates: Any
     look: Any
@@ -285,14 +313,15 @@ class Held(NamedTuple):
 
 
 @njit(**CALL)
-def hold(part, follow, rates, look, note):
+def hold(part, store, follow, rates, look, note):
     """A box of Held."""
-    return Box(Held(part, follow, rates, look, note))
+    return Box(Held(part, store, follow, rates, look, note))
 
 
-#: what is held of a gas and of a solid
-OF_GAS = go_along, rates_of_gas, look_at_gas, note_gas
-OF_SOLID = stay, rates_of_solid, look_at_solid, note_solid
+#: what is held of a gas, of a solid, and of one that stores
+OF_GAS = store_nothing, go_along, rates_of_gas, look_at_gas, note_gas
+OF_SOLID = store_nothing, stay, rates_of_solid, look_at_solid, note_solid
+OF_STORING_SOLID = store, *OF_SOLID[1:]
 
 
 @njit(**INNER_LOOP)

@@ -74,6 +74,11 @@ def run(box, what, s, f):
             if steps or what == COMPLETE:
                 held.begin_sums(particles, s, gain)
                 held.end_sums(particles, gain)
+                if particles.stores:
+                    held.begin_stored(particles, s)
+                    for one in literal_unroll(parts):
+                        one.store(one.part, particles, s)
+                    held.end_stored(particles)
                 held.settle(particles, s, gain)
                 for one in literal_unroll(parts):
                     one.follow(one.part, particles)

@@ -3,6 +3,9 @@
     begin_sums, exchange, end_sums, settle     complete the unknowns
     begin_rates, exchange, end_rates           complete their rates
 
+Where energies that members store matter to temperatures, begin_stored, what solids say of their
+members, an exchange and end_stored come before settle.
+
 The formulas are those of fsipetsc.scheme.particles. Where particles slip in two or three
 dimensions, their normals are found between end_sums and settle.
 """
@@ -19,18 +22,22 @@ from fsipetsc.scheme.particles import (
     constrain,
     fill_rates,
     fill_state,
+    give_places,
     give_rates,
     give_state,
     share,
     share_heat,
     slide,
+    weigh_heat,
 )
 from fsipetsc.scheme.rows import Array
 
 
 class Particles(NamedTuple):
-    """The particles of a rank: see fsipetsc.scheme.particles. like: (0, …) of d dimensions. law: of
-    the gas. stored: (rows,) what members store. rows: (rows, columns) of the exchange.
+    """The particles of a rank: see fsipetsc.scheme.particles.
+
+    like: (0, …) of d dimensions. law: of the gas. stored: (rows,) energy per mass of members that
+    is neither kinetic nor heat; stores: whether it changes. rows: (rows, columns) of the exchange.
     particle_rates: (p, 2d + 2). slips: whether any has constraints; normals, turning: (p, K, 2d).
     moves, place: in one dimension, (p,) whether a wall there moves, its displacement. behind: as
     many numbers at the end of a vector are what came in.
@@ -44,6 +51,7 @@ class Particles(NamedTuple):
     stored: Array
     rows: Array
     particle_rates: Array
+    stores: int
     slips: int
     normals: Array
     turning: Array
@@ -63,6 +71,18 @@ def begin_sums(p, s, gain):
 def end_sums(p, gain):
     """What particles share, from the rows of all members."""
     share(p.table, p.like, p.rows, p.data, p.state, gain)
+
+
+@njit(**CALL)
+def begin_stored(p, s):
+    """Solid members get their displacement, for solids to say what they store."""
+    give_places(p.table, p.like, s, p.state)
+
+
+@njit(**CALL)
+def end_stored(p):
+    """What particles store, from what all members do."""
+    weigh_heat(p.table, p.stored, p.state)
 
 
 @njit(**CALL)
@@ -99,12 +119,17 @@ class Held(NamedTuple):
     all: Any
     begin_sums: Any
     end_sums: Any
+    begin_stored: Any
+    end_stored: Any
     settle: Any
     begin_rates: Any
     end_rates: Any
 
 
 @njit(**CALL)
-def hold(particles, begin_sums, end_sums, settle, begin_rates, end_rates):
+def hold(
+    particles, begin_sums, end_sums, begin_stored, end_stored, settle, begin_rates, end_rates
+):
     """A box of Held."""
-    return Box(Held(particles, begin_sums, end_sums, settle, begin_rates, end_rates))
+    stored = begin_stored, end_stored
+    return Box(Held(particles, begin_sums, end_sums, *stored, settle, begin_rates, end_rates))
