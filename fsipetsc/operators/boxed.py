@@ -9,14 +9,19 @@ is optimised once more in each caller: of a chain of callers the whole chain.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from typing import Any
 
 from numba import njit, typeof, types
+from numba.core.errors import NumbaExperimentalFeatureWarning
 from numba.experimental import structref
 from numba.extending import overload
 
 from fsipetsc.operators.loops import CALL
+
+# numba says of calls by address that they are experimental, to whoever compiles a case
+warnings.filterwarnings("ignore", "First-class function", NumbaExperimentalFeatureWarning)
 
 
 @structref.register
