@@ -34,6 +34,8 @@ RUNS = {
     ),
     "rod rk": ("rod", f"{_FALL} -ts_type rk"),
     "rod rk elsewhere": ("rod", f"{_FALL} -ts_type rk {_ELSEWHERE}"),
+    "rod energy": ("rod", f"{_FALL} -fsi_coupling energy"),
+    "rod traditional": ("rod", f"{_FALL} -fsi_coupling traditional"),
     "layers": (LAYERS, "-layers_gruneisen 0.2"),
     "layers messages": (LAYERS, "-layers_gruneisen 0.2 -fsi_partition physics"),
     "layers rk": (LAYERS, "-layers_gruneisen 0.2 -fsi_order 6 -ts_type rk -fsi_partition balanced"),
