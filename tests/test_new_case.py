@@ -34,7 +34,6 @@ def test_the_case_runs_and_does_what_it_says(tmp_path):
     with fsipetsc.open_run(tmp_path / "my_case.h5") as result:
         assert result.complete and result.nframes == 41
         t, way = result.series["t"], result.series["x_interface"][:, 0] - 0.4
-        assert result.summary["wall_time"] < 30.0
     told = re.search(r"it goes ([\d.]+) m to the right and comes back; the period is ([\d.]+) s", text)
     assert way.max() == pytest.approx(float(told[1]), rel=0.02)
     assert 2 * (t[way.argmin()] - t[way.argmax()]) == pytest.approx(float(told[2]), rel=0.02)

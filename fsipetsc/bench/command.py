@@ -230,7 +230,7 @@ class Measurement:
         found = [f"{step:.4g}", f"{1e3 * step / (STAGES * nodes):.3g}", "", "", ""]
         if other:
             found[2] = f"{median(other):.4g}"
-            found[3] = f"{median(a / b for a, b in zip(mine, other, strict=True)):.2f}"
+            found[3] = f"{median(a / b for a, b in zip(mine, other, strict=True)):.3g}"
         if ranks > 1 and 1 in times:
-            found[4] = f"{median(a / b for a, b in zip(times[1], mine, strict=True)):.2f}"
+            found[4] = f"{median(a / b for a, b in zip(times[1], mine, strict=True)):.3g}"
         return dict(zip(COLUMNS, [*self._target.about, ranks, *found], strict=True))
