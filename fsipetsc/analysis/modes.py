@@ -1,4 +1,4 @@
-"""The command `modes ring`: frequencies of small motions of a case at rest, by the scheme and exactly.
+"""The command `modes ring`: frequencies of small motions about rest, by the scheme and exactly.
 
 The scheme's right-hand side is linearised about rest and split by angular numbers
 (fsipetsc.analysis.ring_modes). Beside its modes stand those of the equations, where they are known
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from fsipetsc.analysis.ring_theory import Medium
 
 OPTIONS = (
-    Option("ring_angular", int, 2, "", "angular number: waves around the ring", check="nonnegative"),
+    Option("ring_angular", int, 2, "", "angular number, waves around it", check="nonnegative"),
     Option("modes_count", int, 10, "", "modes that are told, the slowest first", check="positive"),
 )
 #: omega of a mode of the scheme [1/s], and of that of the equations next to it, if it is known
@@ -54,8 +54,7 @@ def modes(arguments: list[str], comm: MPI.Comm) -> None:
 
 def sections(arguments: Sequence[str]) -> dict[str, tuple[Option, ...]]:
     """Heading -> options for -help."""
-    named = arguments and not arguments[0].startswith("-")
-    return groups(_case(arguments) if named else load_case("ring"), OPTIONS)
+    return groups(load_case("ring"), OPTIONS)
 
 
 def _case(arguments: Sequence[str]) -> Any:

@@ -1,9 +1,9 @@
 """Small motions of rings of elastic solid and gas around each other, exactly, by Bessel functions.
 
 Displacements grad phi + curl psi, proportional to exp(i n theta - i omega t), obey Lame's equations
-with phi = J_n(k r), H_n(k r), k = omega / c_p, and psi likewise with c_s. A gas that conducts no heat
-is such a medium, too: lambda = gamma p + 2/3 i omega mu', mu = -i omega mu', with the viscosity mu'.
-Without viscosity it has no psi, and slips. Conditions: what is innermost and outermost is held if it
+with phi = J_n(k r) or H_n(k r), k = omega / c_p, and psi likewise with c_s. A gas that conducts no
+heat is such a medium, too: lambda = gamma p + 2/3 i omega mu' and mu = -i omega mu', mu' its
+viscosity. Without viscosity it has no psi, and slips. What is innermost and outermost is held if it
 is gas, and free if it is solid.
 """
 
@@ -19,7 +19,7 @@ from scipy.special import h1vp, jvp
 Complex = NDArray[np.complex128]
 #: how far from where it begins a search may end, over |omega|; when it ends, and steps it may take;
 #: what counts as singular
-NEAR, CLOSE, STEPS, SINGULAR = 0.05, 1e-12, 40, 1e-8
+NEAR, CLOSE, STEPS, SINGULAR = 0.1, 1e-12, 40, 1e-8
 
 
 @dataclass(frozen=True)

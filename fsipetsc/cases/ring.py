@@ -16,7 +16,7 @@ import numpy as np
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.conditions import Condition, Free, NoSlip, Slip
 from fsipetsc.blocks.maps import annulus
-from fsipetsc.blocks.problem import BlockProblem
+from fsipetsc.blocks.problem import BlockProblem, FaceName
 from fsipetsc.checks import Fields
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
@@ -35,10 +35,13 @@ OPTIONS = (
     Option("ring_width", float, 0.2, "m", "of the pulse", check="positive"),
     Option(
         *("ring_around", int, None, ""),
-        help="cells around; default: as many as are 4 times -fsi_h long at the ring, a multiple of 8",
+        help="cells around; default: a multiple of 8, so that they are about 4 times -fsi_h long",
         check="positive",
     ),
-    Option("fluid_mu", float, 0.0, "Pa s", "viscosity of the gas; 0: it slips", check="nonnegative"),
+    Option(
+        *("fluid_mu", float, 0.0, "Pa s", "viscosity of the gas; 0: it slips along all"),
+        check="nonnegative",
+    ),
     Option("fluid_kappa", float, 0.0, "W/(m K)", "conductivity of the gas", check="nonnegative"),
     Option("solid_density", float, 2.0, "kg/m3", "density of the ring", check="positive"),
     Option("solid_mu", float, 1.0, "Pa", "mu_e of the ring", check="positive"),
@@ -71,15 +74,13 @@ def solid_of(opt: Mapping[str, Any]) -> ElasticSolid:
 def build(opt: Mapping[str, Any]) -> BlockProblem:
     """Blocks whose axes run outwards and around."""
     around = opt["ring_around"] or max(24, 8 * round(2.0 * np.pi * INNER / (32.0 * opt["fsi_h"])))
-    gas, p = gas_of(opt), 1.0 if opt["ring_gas"] else 0.0
+    gas = gas_of(opt)
 
     def block(name: str, material: Any, inner: float, outer: float, initial: Any) -> Block:
         # the operators want 2 nodes for each order
         across = max(2 * opt["fsi_order"], round((outer - inner) / opt["fsi_h"]))
-        cells = (across, around)
-        return Block(
-            name, material, annulus(inner, outer), cells, initial, periodic=(False, True)
-        )
+        shape = annulus(inner, outer), (across, around)
+        return Block(name, material, *shape, initial, periodic=(False, True))
 
     def pulse(X: np.ndarray, Y: np.ndarray) -> Fields:
         """The entropy is the same everywhere."""
@@ -95,7 +96,7 @@ def build(opt: Mapping[str, Any]) -> BlockProblem:
         return 0.0 * X, 0.0 * X, 1.0 + 0.0 * X, X, Y
 
     blocks = (block("ring", solid_of(opt), INNER, OUTER, rest),)
-    faces: dict[tuple[str, int, int], Condition] = {("ring", 0, 0): Free(p), ("ring", 0, 1): Free(p)}
+    faces: dict[FaceName, Condition] = {("ring", 0, 0): Free(), ("ring", 0, 1): Free()}
     if opt["ring_gas"]:
         inside = block("inside", gas, CORE, INNER, pulse)
         blocks = (inside, *blocks, block("outside", gas, OUTER, VESSEL, still))
