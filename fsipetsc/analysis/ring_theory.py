@@ -93,11 +93,15 @@ def conditions(media: Sequence[Medium], n: int, omega: complex) -> Complex:
     return np.array(rows)
 
 
+@np.errstate(all="ignore")
 def mode_near(media: Sequence[Medium], n: int, omega: complex) -> complex | None:
     """The angular frequency [1/s] of the mode of angular number n next to an expected one, or None
-    where a secant search does not find one near it.
+    where a secant search does not find one near it, or Bessel functions are too large for numbers, as
+    with a viscosity that is very small.
     """
     first = conditions(media, n, omega)
+    if not np.isfinite(first).all() or not first.any(axis=0).all():
+        return None
     columns = np.abs(first).max(axis=0)
     rows = np.abs(first / columns).max(axis=1)[:, None]
 
