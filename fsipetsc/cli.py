@@ -87,6 +87,14 @@ COMMANDS = {
         parallel=True,
         options="fsipetsc.analysis.flutter:sections",
     ),
+    "modes": Command(
+        "ring [-option value ...]",
+        "frequencies of small motions of a case at rest, by the scheme and exactly",
+        "fsipetsc.analysis.modes:modes",
+        parallel=True,
+        options="fsipetsc.analysis.modes:sections",
+        prints=True,
+    ),
     "bench": Command(
         "[-option value ...]",
         "what a time step costs on 1 to N ranks, and where the time goes",

@@ -144,18 +144,22 @@ def linearise(
     problem = RunProblem(stack.problem(DOF * width, h_x))
     with BlockState(MPI.COMM_SELF, problem, order, form) as state:
         state.compile(lambda text: None)
-        return _Bench(state, width).linear(order, h_x, nudge)
+        return Bench(state, width).linear(order, h_x, nudge)
 
 
-class _Bench:
+class Bench:
     """A state on which one unknown after the other is disturbed: those of a row side by side, ``width`` columns apart."""
+
+    #: axis of the blocks along which all columns are alike
+    along = 0
+    number: type = np.float64
 
     def __init__(self, state: BlockState, width: int) -> None:
         self._state, self._width = state, width
         state.set_initial()
         self._y = state.y.array.copy()
         self._f = np.empty_like(self._y)
-        self._rows = [(k, j) for k, (_, rows) in enumerate(state.layout.shapes) for j in range(rows)]
+        self._rows = [(k, j) for k, (_, rows) in enumerate(self._shapes()) for j in range(rows)]
         self._scales = self._find_scales()
 
     def check(self, linear: WaveLinear) -> None:
@@ -171,10 +175,14 @@ class _Bench:
         if self._state.fault is not None:
             raise self._state.fault
 
+    def _shapes(self) -> list[tuple[int, int]]:
+        """(columns, rows) of each block."""
+        return [(shape[self.along], shape[1 - self.along]) for shape in self._state.layout.shapes]
+
     def _block(self, k: int, array: Real) -> Real:
         """(rows, columns, unknowns) of block k in a vector."""
-        columns, rows = self._state.layout.shapes[k]
-        return self._state.layout.owned(k, array).reshape(rows, columns, DOF)
+        nodes = self._state.layout.owned(k, array).reshape(*self._state.layout.shapes[k][::-1], DOF)
+        return nodes if self.along == 0 else nodes.swapaxes(0, 1)
 
     def _find_scales(self) -> Real:
         """Of the unknowns of each row: of a gas those at rest, and with the speed of sound; of a solid likewise."""
@@ -203,7 +211,7 @@ class _Bench:
     def linear(self, order: int, h_x: float, nudge: float) -> WaveLinear:
         """Disturb all, the unknowns of a row at once."""
         size, width = len(self._scales), self._width
-        rates, projection = np.zeros((width, size, size)), np.zeros((size, size))
+        rates, projection = np.zeros((width, size, size), self.number), np.zeros((size, size))
         sizes = self._nudges(nudge)
         for first in range(0, size, DOF):
             which = np.arange(first, first + DOF)

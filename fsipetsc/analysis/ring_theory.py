@@ -1,0 +1,130 @@
+"""Small motions of rings of elastic solid and gas around each other, exactly, by Bessel functions.
+
+Displacements grad phi + curl psi, proportional to exp(i n theta - i omega t), obey Lame's equations
+with phi = J_n(k r) or H_n(k r), k = omega / c_p, and psi likewise with c_s. A gas that conducts no
+heat is such a medium, too: lambda = gamma p + 2/3 i omega mu' and mu = -i omega mu', mu' its
+viscosity. Without viscosity it has no psi, and slips. What is innermost and outermost is held if it
+is gas, and free if it is solid.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import h1vp, jvp
+
+Complex = NDArray[np.complex128]
+#: how far from where it begins a search may end, over |omega|; when it ends, and steps it may take;
+#: what counts as singular
+NEAR, CLOSE, STEPS, SINGULAR = 0.1, 1e-12, 40, 1e-8
+
+
+@dataclass(frozen=True)
+class Medium:
+    """A ring between two radii [m], of a density [kg/m3] and Lame's constants [Pa]; of a gas
+    lame = gamma p, shear = 0, and the viscosity [Pa s].
+    """
+
+    inner: float
+    outer: float
+    density: float
+    lame: float
+    shear: float = 0.0
+    viscosity: float = 0.0
+
+    @property
+    def solid(self) -> bool:
+        """Whether it has a stiffness against shear."""
+        return self.shear > 0.0
+
+    @property
+    def sticks(self) -> bool:
+        """Whether there are tangential stresses in it."""
+        return self.solid or self.viscosity > 0.0
+
+    def fields(self, n: int, omega: complex, r: float) -> Complex:
+        """(4, 2 or 4): displacements and stresses u_r, u_theta, s_rr, s_rtheta at r of each
+        potential.
+        """
+        mu = self.shear - 1j * omega * self.viscosity
+        lame = self.lame + 2j / 3 * omega * self.viscosity
+        found = []
+        k = omega / np.sqrt((lame + 2.0 * mu) / self.density)
+        for f in (jvp, h1vp):
+            p, dp, ddp = (k**m * f(n, k * r, m) for m in range(3))
+            turning = 2j * n * mu * (dp / r - p / r**2)
+            found.append([dp, 1j * n / r * p, 2.0 * mu * ddp - lame * k**2 * p, turning])
+        k = omega / np.sqrt(mu / self.density) if self.sticks else 0.0
+        for f in (jvp, h1vp) if self.sticks else ():
+            p, dp, ddp = (k**m * f(n, k * r, m) for m in range(3))
+            turning = mu * (dp / r - ddp - n**2 / r**2 * p)
+            found.append([1j * n / r * p, -dp, 2j * n * mu * (dp / r - p / r**2), turning])
+        return np.array(found, complex).T
+
+
+def conditions(media: Sequence[Medium], n: int, omega: complex) -> Complex:
+    """The square matrix, of all conditions on all potentials, that is singular for a mode."""
+    width = [4 if medium.sticks else 2 for medium in media]
+    begin = np.concatenate([[0], np.cumsum(width)])
+    rows = []
+
+    def add(which: Sequence[int], at: dict[int, Complex]) -> None:
+        for i in which:
+            row = np.zeros(begin[-1], complex)
+            for k, fields in at.items():
+                row[begin[k] : begin[k + 1]] = fields[i]
+            rows.append(row)
+
+    for k, r in ((0, media[0].inner), (len(media) - 1, media[-1].outer)):
+        held = (0, 1) if media[k].sticks else (0,)
+        add((2, 3) if media[k].solid else held, {k: media[k].fields(n, omega, r)})
+    for k, (one, other) in enumerate(zip(media, media[1:])):
+        inside, outside = one.fields(n, omega, one.outer), other.fields(n, omega, other.inner)
+        both = {k: inside, k + 1: -outside}
+        if one.sticks and other.sticks:
+            add(range(4), both)
+        else:
+            add((0, 2), both)
+            for i, medium in ((k, one), (k + 1, other)):
+                add((3,) if medium.sticks else (), {i: both[i]})
+    return np.array(rows)
+
+
+@np.errstate(all="ignore")
+def mode_near(media: Sequence[Medium], n: int, omega: complex) -> complex | None:
+    """The angular frequency [1/s] of the mode of angular number n next to an expected one, or None
+    where a secant search does not find one near it, or Bessel functions are too large for numbers, as
+    with a viscosity that is very small.
+    """
+    first = conditions(media, n, omega)
+    if not np.isfinite(first).all() or not first.any(axis=0).all():
+        return None
+    columns = np.abs(first).max(axis=0)
+    rows = np.abs(first / columns).max(axis=1)[:, None]
+
+    def scaled(at: complex) -> Complex:
+        return conditions(media, n, at) / columns / rows
+
+    def misfit(at: complex) -> complex:
+        return complex(np.linalg.det(scaled(at)))
+
+    root = _secant(misfit, omega, omega * (1.0 + 1e-4))
+    if root is None or abs(root - omega) > NEAR * abs(omega):
+        return None
+    return root if np.linalg.svd(scaled(root), compute_uv=False)[-1] < SINGULAR else None
+
+
+def _secant(function: Callable[[complex], complex], a: complex, b: complex) -> complex | None:
+    """A root, from two values near it; None where the search does not end."""
+    low, high = function(a), function(b)
+    for _ in range(STEPS):
+        if high == low:
+            return b if high == 0.0 else None
+        a, b, low = b, b - high * (b - a) / (high - low), high
+        if abs(b - a) <= CLOSE * abs(b):
+            return b
+        high = function(b)
+    return None
