@@ -28,7 +28,7 @@ from fsipetsc.errors import InputError
 from fsipetsc.options import Option, groups
 
 OF_LAYERS = ("rod", "mms", "pulse", "box", "heat", "column", "piston", "shock")
-OF_BLOCKS = ("plane_mms", "blast", "panel", "wave", "tube", "oblique", "step", "box_mms")
+OF_BLOCKS = ("plane_mms", "blast", "panel", "wave", "tube", "oblique", "step", "fin", "cylinder", "box_mms")
 BUILT_IN = (*OF_LAYERS, *OF_BLOCKS)
 
 
