@@ -28,7 +28,10 @@ from fsipetsc.errors import InputError
 from fsipetsc.options import Option, groups
 
 OF_LAYERS = ("rod", "mms", "pulse", "box", "heat", "column", "piston", "shock")
-OF_BLOCKS = ("plane_mms", "blast", "panel", "wave", "tube", "oblique", "box_mms", "ring", "disk")
+OF_BLOCKS = (
+    *("plane_mms", "blast", "panel", "wave", "tube", "oblique", "step", "fin", "cylinder"),
+    *("box_mms", "ring", "disk"),
+)
 BUILT_IN = (*OF_LAYERS, *OF_BLOCKS)
 
 

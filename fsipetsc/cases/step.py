@@ -1,0 +1,75 @@
+"""A wind tunnel with a step: Mach 3, rigid walls.
+
+Gas comes in from the left at the Mach number M and fills the tunnel, 3 long and 1 high, from the
+start. At x = 0.6 the floor steps up by 0.2. A shock stands off the step, is reflected from the
+ceiling and from the step; a fan spreads from the edge. The problem is that of P. Woodward and P.
+Colella, J. Comput. Phys. 54 (1984) 115-173: density 1.4 and pressure 1 come in, so the unit of
+velocity is their speed of sound. Three blocks are joined: below and above the edge's height before
+the step, and above it.
+
+Front and top of the step are one wall: at the edge the gas may go around, which one condition on
+the sum of both normals allows. Nothing else is done there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from fsipetsc.blocks.conditions import Open, Outflow, Slip
+from fsipetsc.blocks.layers import Layer, layers
+from fsipetsc.blocks.problem import BlockProblem
+from fsipetsc.errors import InputError
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.options import Option, above_one
+
+NAME = "step"
+SUMMARY = "supersonic flow over a step in a wind tunnel, in two dimensions"
+
+OPTIONS = (
+    Option("step_mach", float, 3.0, "", "Mach number of the gas that comes in", check=above_one),
+    Option("step_height", float, 0.2, "m", "of the step, below 1", check="positive"),
+    Option("step_place", float, 0.6, "m", "X where it begins, below 3", check="positive"),
+)
+DEFAULTS = {
+    **{"fsi_h": 1 / 40, "fsi_order": 4, "ts_max_time": 4.0, "fsi_output_dt": 0.1},
+    **{"fsi_shock": 1.0, "fsi_dissipation": 1.0},
+}
+
+GAMMA, RHO, P = 1.4, 1.4, 1.0
+LENGTH, HEIGHT = 3.0, 1.0
+
+
+def build(opt: Mapping[str, Any]) -> BlockProblem:
+    """The floor before the step is at Y = 0."""
+    M, place, height = opt["step_mach"], opt["step_place"], opt["step_height"]
+    for name, value, most in (("place", place, LENGTH), ("height", height, HEIGHT)):
+        if value >= most:
+            raise InputError(f"-step_{name} {value:g}: expected less than {most:g}")
+    gas = Fluid(0.0, 0.0, GAMMA, P / RHO)
+
+    def flow(X: np.ndarray, Y: np.ndarray) -> list[np.ndarray]:
+        one = np.ones_like(X)
+        return [RHO * one, M * one, 0.0 * X, one]
+
+    inflow, step = Open(RHO, (M, 0.0), 1.0), Slip(name="step")
+    return layers(
+        Layer(
+            *("before", gas, (0.0, height), flow),
+            span=((0.0, place),),
+            sides={(0, 0): inflow, (0, 1): step},
+        ),
+        Layer(
+            *("above", gas, (height, HEIGHT), flow),
+            sides={(0, 0): inflow, (0, 1): Outflow()},
+            beside=step,
+        ),
+        along=((0.0, LENGTH),),
+        lower=Slip(name="floor"),
+        upper=Slip(name="ceiling"),
+        h=opt["fsi_h"],
+        order=opt["fsi_order"],
+        units="none",
+    )
