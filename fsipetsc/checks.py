@@ -38,6 +38,15 @@ def counted(count: int, word: str) -> str:
     return f"{count} {word}{'s' * (count != 1)}"
 
 
+def duration(seconds: float) -> str:
+    """Seconds in words that fit their size."""
+    if seconds < 60:
+        return f"{seconds:.3g} s"
+    if seconds < 3600:
+        return f"{int(seconds // 60)} min {int(seconds % 60)} s"
+    return f"{int(seconds // 3600)} h {int(seconds % 3600 // 60)} min"
+
+
 def number(value: Any, what: str, bound: str = ANY, unit: str = "") -> float:
     """The value as a float; InputError that names ``what`` if it is no finite real number or out of bound."""
     expected = f"expected a number{' ' * bool(bound)}{bound}{f' [{unit}]' if unit else ''}"

@@ -147,9 +147,12 @@ def _debugging(arguments: Sequence[str]) -> bool:
     words = list(dropwhile(lambda word: not is_option(word), arguments))
     try:
         given = given_options(words).get(_DEBUG.name)
-        return given is not None and _DEBUG.parse(given.text)
     except FsiError:
         return f"-{_DEBUG.name}" in words
+    try:
+        return given is not None and _DEBUG.parse(given.text)
+    except FsiError:  # a bad value: the error is about it
+        return False
 
 
 def _flush() -> None:

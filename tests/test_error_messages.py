@@ -54,6 +54,10 @@ def test_the_option_that_shows_the_traceback_counts_wherever_it_is_given(here):
     message(solve("stability", "-no", 1, "-fsi_debug", "no"), 2, "-no")
 
 
+def test_a_bad_value_of_it_is_a_bad_value(here):
+    message(solve("rod", "-fsi_debug", "7x"), 2, "7x", "-fsi_debug")
+
+
 @pytest.mark.mpi
 class TestOnTwoRanks:
     """Nobody waits for a rank that has gone."""

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import numpy as np
 
+from fsipetsc.checks import duration
 from fsipetsc.options.option import INT_MAX
 from fsipetsc.output.reader import BlockLayer, Layer, Run, open_run
+
+
+def _three_digits(value: float) -> str:
+    return f"{value:.3g}"
 
 
 def info(path: str | os.PathLike[str]) -> str:
@@ -27,7 +32,7 @@ def info_sections(run: Run) -> list[tuple[str, list[tuple[str, str]]]]:
         ("run", _overview(run)),
         ("layers", list(_layers(run))),
         ("options", list(_entries({f"-{name}": value for name, value in run.options.items()}))),
-        ("summary", list(_entries(run.summary))),
+        ("summary", list(_summary(run.summary))),
     ]
     if run.errors:
         norm = run.options.get("fsi_norm", "L2")  # results of earlier versions have none
@@ -99,6 +104,31 @@ def _entries(entries: Mapping[str, Any]) -> Iterable[tuple[str, str]]:
     return ((name, _text(value)) for name, value in entries.items() if value != "")
 
 
+def _summary(entries: Mapping[str, Any]) -> Iterable[tuple[str, str]]:
+    """What a run came to, in the order of LABELS; what is not there stands behind, as it is called."""
+    if entries.get("part", {}).get("steps") == entries.get("steps"):  # no restart before
+        entries = {name: value for name, value in entries.items() if name != "part"}
+    named = [(name, *LABELS[name]) for name in LABELS if entries.get(name) not in ("", None, {})]
+    for name, label, written in named:
+        yield label, written(entries[name])
+    more = {name.replace("_", " "): value for name, value in entries.items() if name not in LABELS}
+    yield from _entries(more)
+
+
+def _seconds(value: Any) -> str:
+    if isinstance(value, Mapping):
+        return ", ".join(f"{name} {_seconds(number)}" for name, number in value.items())
+    return duration(value)
+
+
+def _part(value: Mapping[str, Any]) -> str:
+    return f"{value['steps']} steps in {duration(value['wall_time'])}"
+
+
+def _departures(values: Mapping[str, float]) -> str:
+    return ", ".join(f"{name} to {size:.1e}" for name, size in values.items())
+
+
 def _text(value: Any) -> str:
     if isinstance(value, Mapping):
         return _inline(value)
@@ -122,3 +152,26 @@ def _table(rows: Iterable[tuple[str, str]]) -> str:
     rows = list(rows)
     width = max(len(name) for name, _ in rows) + 2
     return "\n".join(f"{name:{width}}{value}".rstrip() for name, value in rows)
+
+
+#: entry of a summary -> what it is called, how its value is written; what a reader asks first stands first
+LABELS: dict[str, tuple[str, Callable[[Any], str]]] = {
+    "status": ("ended", str),
+    "message": ("message", str),
+    "t": ("time reached", _text),
+    "departures": ("conserved", _departures),
+    "J_error": ("largest departure of J from the grid's volume", _three_digits),
+    "steps": ("time steps", str),
+    "rejected_steps": ("steps made anew", str),
+    "dt_min": ("shortest step", _three_digits),
+    "dt_max": ("longest step", _three_digits),
+    "limits": ("bounds of the step", _text),
+    "wall_time": ("time for the steps", _seconds),
+    "wall_time_total": ("time for all", _seconds),
+    "phases": ("of it", _seconds),
+    "part": ("since the restart", _part),
+    "ranks": ("ranks", str),
+    "points": ("points", str),
+    "interfaces": ("interfaces", _text),
+    "rhs_evaluations": ("right-hand sides", str),
+}

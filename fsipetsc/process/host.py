@@ -7,7 +7,9 @@ it only when it starts; so each run puts its own options there itself, and finds
 from __future__ import annotations
 
 import os
+import signal
 import sys
+import threading
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 
@@ -39,6 +41,9 @@ def begin_options(start: Mapping[str, str]) -> None:
                 "give it to the first run, or make this run in a process of its own"
             )
     _put(start)
+    if threading.current_thread() is threading.main_thread():
+        # that of PETSc, if it was started without -no_signal_handler, calls MPI_Abort, which hangs where MPI was printing
+        signal.signal(signal.SIGPIPE, signal.SIG_IGN)
 
 
 @contextmanager

@@ -11,6 +11,8 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+from fsipetsc.checks import duration
+
 #: wall seconds between two looks at the bar; from the first line to the next, ever longer; with -fsi_progress from the first
 _BAR, _FIRST, _ASKED, _RAREST = 0.1, 10.0, 2.0, 60.0
 #: steps after which the clock is asked, at first
@@ -106,12 +108,3 @@ def _new_bar() -> Any:
 
 def _handy(rate: float) -> str:
     return f"{rate / 1e3:.3g}k" if rate >= 1e3 else f"{rate:.3g}"
-
-
-def duration(seconds: float) -> str:
-    """Seconds in words that fit their size."""
-    if seconds < 60:
-        return f"{seconds:.3g} s"
-    if seconds < 3600:
-        return f"{int(seconds // 60)} min {int(seconds % 60)} s"
-    return f"{int(seconds // 3600)} h {int(seconds % 3600 // 60)} min"

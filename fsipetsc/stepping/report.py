@@ -9,9 +9,9 @@ from typing import Any
 
 from mpi4py import MPI
 
-from fsipetsc.checks import counted
+from fsipetsc.checks import counted, duration
 from fsipetsc.stepping.limits import reason, shares
-from fsipetsc.stepping.progress import Progress, duration
+from fsipetsc.stepping.progress import Progress
 from fsipetsc.stepping.state import State
 
 #: a larger departure of J from the volume of the grid is told
