@@ -125,6 +125,10 @@ def _part(value: Mapping[str, Any]) -> str:
     return f"{value['steps']} steps in {duration(value['wall_time'])}"
 
 
+def _bounds(changes: Iterable[tuple[float, str]]) -> str:
+    return ", ".join(f"{what} from t = {t:.6g}" for t, what in changes)
+
+
 def _departures(values: Mapping[str, float]) -> str:
     return ", ".join(f"{name} to {size:.1e}" for name, size in values.items())
 
@@ -165,7 +169,7 @@ LABELS: dict[str, tuple[str, Callable[[Any], str]]] = {
     "rejected_steps": ("steps made anew", str),
     "dt_min": ("shortest step", _three_digits),
     "dt_max": ("longest step", _three_digits),
-    "limits": ("bounds of the step", _text),
+    "limits": ("bounds of the step", _bounds),
     "wall_time": ("time for the steps", _seconds),
     "wall_time_total": ("time for all", _seconds),
     "phases": ("of it", _seconds),
