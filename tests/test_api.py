@@ -13,7 +13,7 @@ from helpers import REPOSITORY, mpirun, solve
 
 import fsipetsc
 from fsipetsc.errors import InputError
-from fsipetsc.output.differences import compare, difference, table
+from fsipetsc.output.differences import _of_layers, compare, difference, table
 
 pytest.importorskip("petsc4py")
 
@@ -107,6 +107,43 @@ def test_what_differs(results):
 def test_another_grid_is_said(results):
     found = compare(results / "a.h5", results / "fine.h5")
     assert not found.equal and any("points and" in note for note in found.notes)
+    assert "below: T" in {one.name for one in found.differences}
+
+
+def grid(kind: str, n: int):
+    """A layer with a field X + 3 Y on n steps an axis; the line begins at another place on each grid."""
+    if kind == "line":
+        X = np.arange(-(n // 8), n + 1) / n
+        values, more = np.where(X < 0, np.nan, X), {"X": X, "h": 1 / n}
+    else:
+        X, Y = np.arange(n + 1) / n, np.arange(n) / n  # periodic along Y
+        places = np.stack(np.meshgrid(X, Y), axis=-1)
+        values, more = places[..., 0] + 3 * places[..., 1], {"places": places, "periodic": (False, True)}
+    layer = type("Grid", (dict,), {"name": "gas", "fields": ("T",), "size": f"{values.size} points", **more})
+    return SimpleNamespace(layers=(layer(T=values[None]),))
+
+
+@pytest.mark.parametrize("kind, common", [("line", "5"), ("block", "5 by 4")])
+@pytest.mark.parametrize("fine", [8, 12, 4 * 5])
+def test_fields_of_two_grids_are_compared_at_common_nodes(kind, common, fine):
+    """Equal there, and found where they are not: 1e-3 at the last node, which both have."""
+    a, b = grid(kind, 4), grid(kind, fine)
+    frames, notes = (np.zeros(1), np.zeros(1, int), np.zeros(1, int)), []
+    (found,) = _of_layers(a, b, frames, notes)
+    assert found.largest < 1e-15 and len(notes) == 1
+    assert f"compared at the {common} common nodes" in notes[0]
+    last = (0, -1) if kind == "line" else (0, 0, -1)
+    b.layers[0]["T"][last] += 1e-3
+    (found,) = _of_layers(a, b, frames, [])
+    assert found.largest == pytest.approx(1e-3) and found.place.endswith("point 4" if kind == "line" else "point 0, 4")
+
+
+def test_grids_without_common_nodes_are_said():
+    a, b = grid("block", 4), grid("block", 8)
+    b.layers[0].places[...] += 0.01
+    notes: list[str] = []
+    assert not list(_of_layers(a, b, (np.zeros(1), np.zeros(1, int), np.zeros(1, int)), notes))
+    assert notes == ["layer 'gas' has 20 points and 72 points: no node of one is a node of the other"]
 
 
 def test_command(results):

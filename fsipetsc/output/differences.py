@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -46,6 +48,8 @@ class Comparison:
 
 def compare(first: str | os.PathLike[str], second: str | os.PathLike[str]) -> Comparison:
     """All fields in the frames, and all series in the steps, that two results have at the same times.
+
+    Layers with different grids: at common nodes where both are active; a note says how many.
 
     Raises FileError if one of them cannot be read.
     """
@@ -114,12 +118,68 @@ def _of_layers(a: Run, b: Run, common: tuple[Array, Array, Array], notes: list[s
         if other is None:
             continue
         notes += [f"{layer.name}: {field} is in one of them only" for field in sorted({*layer.fields} ^ {*other.fields})]
+        nodes = _common_nodes(layer, other, notes)
+        if nodes is None:
+            continue
         for field in (field for field in layer.fields if field in other.fields):
-            one, two = layer[field], other[field]
+            one, two = layer[field][in_a], other[field][in_b]
             if one.shape[1:] != two.shape[1:]:
-                notes.append(f"layer {layer.name!r} has {layer.size} and {other.size}")
-                break
-            yield difference(f"{layer.name}: {field}", one[in_a], two[in_b], times)
+                one = one[(slice(None), *np.ix_(*nodes[0]))]
+                two = two[(slice(None), *np.ix_(*nodes[1]))]
+                # active parts of two grids end at other nodes
+                outside = np.isnan(one) | np.isnan(two)
+                one, two = np.where(outside, np.nan, one), np.where(outside, np.nan, two)
+            yield difference(f"{layer.name}: {field}", one, two, times)
+
+
+def _common_nodes(a: Any, b: Any, notes: list[str]) -> tuple[list[Array], list[Array]] | None:
+    """For each axis of the arrays, which nodes of either layer are those of the other.
+
+    Another grid, and one without common nodes (None), are told in `notes`.
+    """
+    block = hasattr(a, "places")
+    if block != hasattr(b, "places"):
+        notes.append(f"layer {a.name!r} is a block in one of them only")
+        return None
+    one, two = (a.places.shape[:-1], b.places.shape[:-1]) if block else (a.X.shape, b.X.shape)
+    if one == two:
+        return [np.arange(n) for n in one], [np.arange(n) for n in two]
+    found = None
+    if len(one) == len(two) and math.prod(one) * math.prod(two) > 0:
+        found = _of_blocks(a, b) if block else _of_lines(a.X, b.X, a.h)
+    text = "no node of one is a node of the other"
+    if found is not None:
+        count = " by ".join(str(len(axis)) for axis in found[0][::-1])
+        text = f"compared at the {count} common nodes, which `point` counts"
+    notes.append(f"layer {a.name!r} has {a.size} and {b.size}: {text}")
+    return found
+
+
+def _of_lines(a: Array, b: Array, h: float) -> tuple[list[Array], list[Array]] | None:
+    """Nodes of two lines at the same X, to a millionth of h; None if there are none."""
+    nearest = np.minimum(np.searchsorted(b, a - 1e-6 * h), len(b) - 1)
+    same = np.flatnonzero(np.abs(a - b[nearest]) < 1e-6 * h)
+    return ([same], [nearest[same]]) if len(same) else None
+
+
+def _of_blocks(a: Any, b: Any) -> tuple[list[Array], list[Array]] | None:
+    """Every so many nodes of each axis, if those of both are at the same places; else None."""
+    pairs = zip(a.places.shape[:-1], b.places.shape[:-1])
+    periodic = a.periodic[::-1]
+    axes = [_every(n, m, 0 if ring else 1) for (n, m), ring in zip(pairs, periodic)]
+    first, second = [one for one, _ in axes], [two for _, two in axes]
+    one, two = a.places[np.ix_(*first)], b.places[np.ix_(*second)]
+    size = np.ptp(a.places.reshape(-1, a.places.shape[-1]), axis=0).max()
+    return (first, second) if np.allclose(one, two, rtol=0.0, atol=1e-9 * size) else None
+
+
+def _every(n: int, m: int, last: int) -> tuple[Array, Array]:
+    """Common ones of n and m nodes of an axis; last: 1 where its end is a node of its own, else 0."""
+    steps = math.gcd(n - last, m - last)
+    if not steps:
+        return np.zeros(1, int), np.zeros(1, int)
+    k = np.arange(steps + last)
+    return k * ((n - last) // steps), k * ((m - last) // steps)
 
 
 def _of_series(a: Run, b: Run, common: tuple[Array, Array, Array], notes: list[str]) -> Iterator[Difference]:
