@@ -106,11 +106,15 @@ def _entries(entries: Mapping[str, Any]) -> Iterable[tuple[str, str]]:
 
 def _summary(entries: Mapping[str, Any]) -> Iterable[tuple[str, str]]:
     """What a run came to, in the order of LABELS; what is not there stands behind, as it is called."""
-    if entries.get("part", {}).get("steps") == entries.get("steps"):  # no restart before
+    part = entries.get("part")
+    if isinstance(part, Mapping) and part.get("steps") == entries.get("steps"):  # no restart before
         entries = {name: value for name, value in entries.items() if name != "part"}
     named = [(name, *LABELS[name]) for name in LABELS if entries.get(name) not in ("", None, {})]
     for name, label, written in named:
-        yield label, written(entries[name])
+        try:
+            yield label, written(entries[name])
+        except (AttributeError, KeyError, TypeError, ValueError):  # of a damaged file
+            yield label, _text(entries[name])
     more = {name.replace("_", " "): value for name, value in entries.items() if name not in LABELS}
     yield from _entries(more)
 
