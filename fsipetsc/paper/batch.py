@@ -41,6 +41,8 @@ from fsipetsc.scheme.plan import (
 
 #: of the method
 STAGES = 4
+#: numbers of an interface that are noted
+NOTES = 8
 #: what ``run_task`` does: stage ``number`` of a step dt, or for STAGES its completion; a step dt
 #: from the completed solution, its completion, and further steps as the burst allows
 STAGE, STEPS = 0, 1
@@ -123,7 +125,7 @@ _F = np.float64
 ROOM = np.dtype(
     [
         *[("there", np.int64, (3,)), ("numbers", np.int64)],
-        *[("jumps", _F, (2, 4)), ("f", _F, (2, 8, 3)), ("s", _F, (2, 8, 4)), ("notes", _F, (2, 8))],
+        *[("jumps", _F, (2, 4)), ("f", _F, (2, 8, 3)), ("s", _F, (2, 8, 4)), ("notes", _F, (2, NOTES))],
         *[("seen", _F, (3, SEEN)), ("shares", _F, (3, SHARES)), ("rates", _F, (3, 2))],
         *[("results", _F, (FLAGS + LIMITS,)), ("burst", _F, (BURST,)), ("latest", _F, (24,))],
     ],
@@ -135,7 +137,7 @@ ROOM = np.dtype(
 def note_step(room):
     """Fill ``latest`` from notes and shares: see fsipetsc.scheme.plan.step_record."""
     latest, shares, at = room.latest, room.shares, 0
-    for c in range(8):
+    for c in range(NOTES):
         for face in range(2):
             if room.there[2 * face] != 0:
                 latest[at] = room.notes[face, c]

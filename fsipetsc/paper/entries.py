@@ -9,16 +9,21 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+import numpy as np
 from numba import njit
 
 from fsipetsc.paper import batch, sums
 from fsipetsc.paper.coupling import couple, put_rows, take_rows
 from fsipetsc.paper.ends import close_solid, fill_ghost
+from fsipetsc.paper.layer import FLUID
 from fsipetsc.paper.rates import elastic_rates, gas_rates
-from fsipetsc.paper.stencils import CALL, OLD
+from fsipetsc.paper.stencils import CALL, INNER, OLD
+from fsipetsc.scheme.plan import RATE, SAID_STOP, STOP
 
 #: sides of an interface
 GAS, SOLID = 0, 1
+#: numbers of a layer that all ranks learn after a step, beside those that are seen
+FRAME = 4
 
 
 class LayerData(NamedTuple):
@@ -49,6 +54,19 @@ class SidesData(NamedTuple):
     f: Any
     s: Any
     rooms: Any
+
+
+class SharedData(NamedTuple):
+    """What all ranks learn after a step: records of all layers, their numbers among three, those of
+    the interfaces among two, whether this rank notes them; told: (numbers,), as ``tell`` fills it.
+    """
+
+    rooms: Any
+    records: Any
+    layers: Any
+    interfaces: Any
+    noted: Any
+    told: Any
 
 
 class StepData(NamedTuple):
@@ -138,6 +156,69 @@ def note_interface(of, k):
     """See fsipetsc.paper.batch.note_interface."""
     room = of.rooms[0]
     batch.note_interface(of.ops[0], of.face, room.jumps[k], room.f[k], room.s[k], room.notes[k])
+
+
+def told_size(layers, interfaces):
+    """Numbers that ``tell`` fills."""
+    return layers * (sums.SEEN + FRAME) + interfaces * batch.NOTES + RATE + 1
+
+
+@njit(**INNER)
+def _sign(gas, c):
+    """1 for a number of which the largest counts, -1 for the least, see fsipetsc.paper.sums."""
+    return 1.0 if c >= 3 or (gas and c == 0) else -1.0
+
+
+@njit(**CALL)
+def tell(of):
+    """Put what this rank knows of the step in ``told``: the largest of all ranks is what counts."""
+    room, told = of.rooms[0], of.told
+    told[:] = -np.inf
+    at = 0
+    for n in range(len(of.layers)):
+        record, k = of.records[n], of.layers[n]
+        if record.present != 0:
+            for c in range(sums.SEEN):
+                told[at + c] = _sign(record.kind == FLUID, c) * room.seen[k, c]
+            end = at + sums.SEEN
+            told[end], told[end + 1] = record.lo, record.hi
+            told[end + 2], told[end + 3] = record.s, record.x_interface
+        at += sums.SEEN + FRAME
+    for n in range(len(of.interfaces)):
+        if of.noted[n]:
+            for c in range(batch.NOTES):
+                told[at + c] = room.notes[of.interfaces[n], c]
+        at += batch.NOTES
+    for flag in range(RATE):
+        told[at + flag] = room.results[flag]
+    told[at + RATE] = room.results[SAID_STOP]
+    for c in range(told.size):
+        if np.isnan(told[c]):  # the largest of numbers and what is none would depend on their order
+            told[c] = np.inf
+
+
+@njit(**CALL)
+def hear(of):
+    """Take what all ranks know from ``told``."""
+    room, told, at = of.rooms[0], of.told, 0
+    for n in range(len(of.layers)):
+        record, k = of.records[n], of.layers[n]
+        for c in range(sums.SEEN):
+            room.seen[k, c] = _sign(record.kind == FLUID, c) * told[at + c]
+        end = at + sums.SEEN
+        record.lo, record.hi = int(told[end]), int(told[end + 1])
+        record.s, record.x_interface = told[end + 2], told[end + 3]
+        if record.present == 0:
+            for c in range(sums.SHARES):
+                room.shares[k, c] = 0.0
+        at += sums.SEEN + FRAME
+    for n in range(len(of.interfaces)):
+        for c in range(batch.NOTES):
+            room.notes[of.interfaces[n], c] = told[at + c]
+        at += batch.NOTES
+    for flag in range(RATE):
+        room.results[flag] = told[at + flag]
+    room.results[STOP] = told[at + RATE]
 
 
 @njit(**CALL)

@@ -140,7 +140,7 @@ class Layout:
     what, if that is known.
 
     Attributes: records (RECORD array), dms (a DMDA or None per layer), grids, shares, halo (points
-    of one), local_size (doubles of the solution on this rank).
+    of one), dof (unknowns of a point, by layer), local_size (doubles of the solution on this rank).
     """
 
     def __init__(
@@ -171,10 +171,14 @@ class Layout:
         self.records = np.zeros(len(grids), RECORD)
         self._comms: list[MPI.Comm] = []
         self.dms: list[PETSc.DMDA | None] = []
+        self.dof = [DOF[FLUID if v.kind == "fluid" else SOLID] for v in problem.layers]
         self.local_size = 0
+        self._places: list[slice] = []  # of the layers in this rank's part of a solution
         for k in range(len(grids)):
             self._describe(k)
+            begin = self.local_size
             self._place(k)
+            self._places.append(slice(begin, self.local_size))
 
     def _describe(self, k: int) -> None:
         """Note what is the same on all ranks."""
@@ -196,7 +200,7 @@ class Layout:
 
     def _place(self, k: int) -> None:
         """Make the DMDA of layer k on its owners and note what this rank owns."""
-        record, shares, dof = self.records[k], self.shares[k], DOF[self.records[k]["kind"]]
+        record, shares, dof = self.records[k], self.shares[k], self.dof[k]
         mine = any(rank == self.comm.rank for rank, _, _ in shares)
         sub = self.comm.Split(0 if mine else MPI.UNDEFINED, self.comm.rank)
         record["start"], record["present"] = self.local_size, mine
@@ -222,13 +226,7 @@ class Layout:
 
     def local(self, k: int, array: Array) -> Array:
         """View, shape (owned points, dof), of layer k in this rank's part of a solution vector."""
-        record = self.records[k]
-        count, dof = int(record["own_hi"] - record["own_lo"]), DOF[record["kind"]]
-        return array[record["start"] : record["start"] + dof * count].reshape(count, dof)
-
-    def dof(self, k: int) -> int:
-        """Unknowns of a point of layer k."""
-        return DOF[self.records[k]["kind"]]
+        return array[self._places[k]].reshape(-1, self.dof[k])
 
     def owned_X(self, k: int) -> Array:
         """Lagrangian coordinates [m] of the owned points of layer k."""

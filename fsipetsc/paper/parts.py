@@ -21,6 +21,7 @@ from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
+from mpi4py import MPI
 from petsc4py import PETSc
 
 from fsipetsc.boundaries import INTERFACE_END
@@ -65,6 +66,8 @@ class RightHandSide:
         """Let the stage, and the local vectors with it, fulfil all conditions but for ghost points,
         which are filled later."""
         for interface in self.interfaces:
+            interface.begin()
+        for interface in self.interfaces:
             interface.couple()
         for layer in self.layers:
             layer.close_end()
@@ -87,14 +90,16 @@ class RightHandSide:
     def keep_ghosts(self) -> None:
         """Let the stage have what ghost points got."""
         for layer in self.layers:
-            layer.own(self.stage)[:] = layer.owned
+            layer.part.stage[:] = layer.owned
 
     def advance(self, number: int, dt: float) -> None:
         """What stage ``number`` of the classical Runge-Kutta method does with its rates k."""
         batch.advance(self.y, self.k, self.stage, self.total, number, dt)
 
     def destroy(self) -> None:
-        """Destroy the vectors; before the DMDAs."""
+        """Destroy vectors and messages; before the DMDAs."""
+        for interface in self.interfaces:
+            interface.destroy()
         for layer in self.layers:
             layer.destroy()
 
@@ -194,6 +199,14 @@ class Interface:
         self.owners = [layout.shares[n][-1 if n == min(gas, solid) else 0][0] for n in (gas, solid)]
         self.here = [owner == self._comm.rank for owner in self.owners]
         self.side = side
+        self._messages: list[MPI.Prequest] = []  # where the two sides have different owners
+        if any(self.here) and not all(self.here):
+            self._mine = 0 if self.here[0] else 1
+            rows, other = (self.f, self.s), self.owners[1 - self._mine]
+            self._messages = [
+                self._comm.Send_init(rows[self._mine], other, k),
+                self._comm.Recv_init(rows[1 - self._mine], other, k),
+            ]
 
     @cached_property
     def box(self) -> Box:
@@ -209,16 +222,22 @@ class Interface:
             entries.take_side(self.box, side)
             entries.couple_side(self.box, side)
 
+    def begin(self) -> None:
+        """Send the rows of this rank's side to the owner of the other one."""
+        if self._messages:
+            entries.take_side(self.box, self._mine)
+            MPI.Prequest.Startall(self._messages)
+
     def couple(self) -> None:
         """Couple the two sides in the stage; the record of the gas has the frame's velocity and
         place then."""
-        if not any(self.here):
-            return
         if all(self.here):
             entries.join(self.box)
-            return
-        mine, other = (0, 1) if self.here[0] else (1, 0)
-        rows, rank = (self.f, self.s), self.owners[other]
-        entries.take_side(self.box, mine)
-        self._comm.Sendrecv(rows[mine], rank, recvbuf=rows[other], source=rank)
-        entries.couple_side(self.box, mine)
+        elif self._messages:
+            MPI.Prequest.Waitall(self._messages)
+            entries.couple_side(self.box, self._mine)
+
+    def destroy(self) -> None:
+        """Free its messages."""
+        for message in self._messages:
+            message.Free()

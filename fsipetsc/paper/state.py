@@ -109,6 +109,8 @@ class PaperState:
         names, count = record.names[2:], self._journal.shape[1] - 2
         self.results, self.burst, room["numbers"] = room["results"], room["burst"], count
         self._boxes: list[Box] = []
+        self._shared: Box | None = None
+        self.told = np.zeros(entries.told_size(len(gases), len(problem.interfaces)))
         self.latest = room["latest"][:count].view([(name, record[name]) for name in names])[0]
 
     @property
@@ -118,6 +120,20 @@ class PaperState:
             memory = self.rooms, self._journal
             self._boxes = [Box(entries.StepData(self.operator, v, *memory)) for v in self.laws]
         return self._boxes
+
+    @property
+    def shared(self) -> Box:
+        """What all ranks learn after a step."""
+        if self._shared is None:
+            self._shared = self._what_is_shared()
+        return self._shared
+
+    def _what_is_shared(self) -> Box:
+        layers = self.first + np.arange(len(self.laws))
+        sides = np.array([interface.side for interface in self.path.interfaces])
+        noted = np.array([interface.here[1] for interface in self.path.interfaces])
+        records = self.layout.records
+        return Box(entries.SharedData(self.rooms, records, layers, sides, noted, self.told))
 
     @property
     def _batched(self) -> bool:

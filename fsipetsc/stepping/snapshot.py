@@ -78,7 +78,7 @@ def whole_layers(layout: Layout, parts: list[Array] | None, prefix: str) -> dict
         return arrays
     at = [0] * len(parts)
     for k, (record, shares) in enumerate(zip(layout.records, layout.shares, strict=True)):
-        dof, n = layout.dof(k), int(record["n"])
+        dof, n = layout.dof[k], int(record["n"])
         points = arrays[f"{prefix}layer{k}"] = np.empty((n, dof))
         for rank, begin, end in shares:
             part = parts[rank][at[rank] :]
@@ -147,7 +147,7 @@ def rates_of(layout: Layout, arrays: Mapping[str, Array], fill: Callable[..., No
 def gather(comm: MPI.Comm, layout: Layout, k: int, y: np.ndarray) -> np.ndarray:
     """Layer k of the solution, shape (n, dof), on every rank. Collective."""
     record = layout.records[k]
-    dof = layout.dof(k)
+    dof = layout.dof[k]
     counts = np.zeros(comm.size, np.int64)
     for rank, begin, end in layout.shares[k]:
         counts[rank] = dof * (end - begin)
