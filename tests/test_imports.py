@@ -22,7 +22,7 @@ ORDER = """
     cases
     usage
     options
-    given
+    given mesh_files
     scheme
     parallel
     blocks

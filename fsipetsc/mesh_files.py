@@ -1,0 +1,166 @@
+"""Grids from files: structured blocks that a meshing tool has written as CGNS.
+
+The HDF5 form of CGNS is read (cgns.org, 'SIDS File Mapping'): each node of its tree is a group with
+a label, and its data stand in a dataset named ' data', the first index fastest.
+
+    grid = read_cgns("nozzle.cgns")
+    blocks = [Block(name, air, places, places.cells, at_rest) for name, places in grid.zones.items()]
+    problem = BlockProblem(blocks, grid.faces({"inlet": Given(...), "wall": Slip()}))
+
+Faces whose nodes are at the same places meet, as in any problem of blocks: what the file says of
+connections is not needed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from fsipetsc.blocks.block import determinant
+from fsipetsc.blocks.maps import Nodes, nodes
+from fsipetsc.checks import Array
+from fsipetsc.errors import InputError
+
+#: (block name, axis, side)
+FaceName = tuple[str, int, int]
+#: names of units of length in CGNS -> metres
+METRES = {"Meter": 1.0, "Centimeter": 0.01, "Millimeter": 0.001, "Foot": 0.3048, "Inch": 0.0254}
+#: a coordinate is constant that varies by less than this part of the others
+FLAT = 1e-9
+
+
+@dataclass(frozen=True)
+class Grid:
+    """What a file holds. zones: name -> its nodes [m], a map for Block. patches: name of a boundary
+    -> its faces, as BlockProblem names them.
+    """
+
+    zones: dict[str, Nodes]
+    patches: dict[str, tuple[FaceName, ...]]
+
+    def faces(self, conditions: Mapping[str, Any]) -> dict[FaceName, Any]:
+        """Conditions of faces for BlockProblem, from those of patches. InputError where the file has
+        no such patch.
+        """
+        for name in conditions:
+            if name not in self.patches:
+                known = ", ".join(map(repr, self.patches)) or "none"
+                raise InputError(f"the grid has no patch {name!r}: it has {known}")
+        return {face: given for name, given in conditions.items() for face in self.patches[name]}
+
+
+def read_cgns(path: str | Path) -> Grid:
+    """The structured zones of a CGNS file in two or three dimensions, in metres.
+
+    A patch has the name of its family, else that of its boundary condition. Plane zones in space
+    lose the coordinate that is constant. A left-handed zone gets its axis 0 reversed. InputError
+    for a file that is none of this kind, naming the zone.
+    """
+    try:
+        with h5py.File(path, "r") as file:
+            bases = list(_labelled(file, "CGNSBase_t"))
+            found = [_zone(z, _metres(base)) for base in bases for z in _labelled(base, "Zone_t")]
+    except (OSError, KeyError) as error:
+        wanted = "expected CGNS in HDF5 (adf2hdf converts the older form)"
+        raise InputError(f"{path}: {error}: {wanted}") from None
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
+    if not found:
+        raise InputError(f"{path} has no zones: expected CGNS with structured zones")
+    patches: dict[str, tuple[FaceName, ...]] = {}
+    for name, _, faces in found:
+        for patch, axis, side in faces:
+            patches[patch] = (*patches.get(patch, ()), (name, axis, side))
+    return Grid({name: places for name, places, _ in found}, patches)
+
+
+def _zone(zone: h5py.Group, metres: float) -> tuple[str, Nodes, list[FaceName]]:
+    """Name, nodes, and (patch, axis, side) of the patches of a zone."""
+    name = _name(zone)
+    if _text(zone["ZoneType"]) != "Structured":
+        raise InputError(f"zone '{name}' is {_text(zone['ZoneType'])}: expected Structured")
+    axes = [_data(zone["GridCoordinates"][f"Coordinate{x}"]) for x in _coordinates(zone)]
+    d = axes[0].ndim
+    if d < len(axes):
+        axes = _plane(name, axes)
+    places = np.stack(axes, axis=-1) * metres
+    faces = [face for bc in _patches(zone) for face in _faces_of(name, bc, places.shape[-2::-1])]
+    corner = places[(slice(0, 2),) * d]  # two nodes along each axis
+    edges = [corner[(0,) * (d - 1 - k) + (1,) + (0,) * k] - corner[(0,) * d] for k in range(d)]
+    if determinant(np.array(edges)) < 0.0:
+        places = np.flip(places, axis=d - 1)
+        faces = [(p, axis, 1 - side if axis == 0 else side) for p, axis, side in faces]
+    return name, nodes(places), faces
+
+
+def _coordinates(zone: h5py.Group) -> str:
+    """"XY" or "XYZ". InputError for other coordinates, as a radius and an angle."""
+    there = [x for x in "XYZ" if f"Coordinate{x}" in zone["GridCoordinates"]]
+    if there not in (["X", "Y"], ["X", "Y", "Z"]):
+        given = ", ".join(zone["GridCoordinates"])
+        raise InputError(f"zone '{_name(zone)}' has {given}: expected CoordinateX, CoordinateY, …")
+    return "".join(there)
+
+
+def _plane(name: str, axes: list[Array]) -> list[Array]:
+    """Two of three coordinates: the third is constant."""
+    extent = [float(np.ptp(x)) for x in axes]
+    flat = [k for k, e in enumerate(extent) if e <= FLAT * max(extent)]
+    if axes[0].ndim != 2 or len(flat) != 1:
+        raise InputError(f"zone '{name}' is no plane: expected one coordinate that is constant")
+    return [axes[k] for k in ((1, 2), (2, 0), (0, 1))[flat[0]]]
+
+
+def _patches(zone: h5py.Group) -> Iterator[h5py.Group]:
+    """Boundary conditions of a zone that have a name."""
+    for conditions in _labelled(zone, "ZoneBC_t"):
+        yield from _labelled(conditions, "BC_t")
+
+
+def _faces_of(name: str, bc: h5py.Group, shape: tuple[int, ...]) -> Iterator[FaceName]:
+    """(patch, axis, side) of a boundary condition, of a zone with so many nodes along its axes."""
+    patch = _text(bc["FamilyName"]) if "FamilyName" in bc else _name(bc)
+    if "PointRange" not in bc:
+        raise InputError(f"zone '{name}', patch '{patch}': expected a PointRange")
+    begin, end = (_data(bc["PointRange"]).reshape(2, len(shape)) - 1).tolist()
+    thin = [k for k in range(len(shape)) if begin[k] == end[k]]
+    whole = all({begin[k], end[k]} == {0, n - 1} for k, n in enumerate(shape) if k not in thin)
+    if len(thin) != 1 or not whole or begin[thin[0]] not in (0, shape[thin[0]] - 1):
+        nodes_of = f"nodes {[b + 1 for b in begin]} to {[e + 1 for e in end]}"
+        wanted = "expected a whole face: split the zone where the patch ends"
+        raise InputError(f"zone '{name}', patch '{patch}' has {nodes_of}: {wanted}")
+    yield patch, thin[0], int(begin[thin[0]] > 0)
+
+
+def _metres(base: h5py.Group) -> float:
+    """Of the unit of length that a base says; 1 if it says none."""
+    for units in _labelled(base, "DimensionalUnits_t"):
+        unit = bytes(_data(units).ravel()[32:64].astype("i1").tobytes()).decode().strip("\0 ")
+        if unit not in (*METRES, "Null", "UserDefined"):
+            raise InputError(f"lengths are in {unit}: expected {', '.join(METRES)}")
+        return METRES.get(unit, 1.0)
+    return 1.0
+
+
+def _labelled(group: h5py.Group, label: str) -> Iterator[h5py.Group]:
+    """Children with a label."""
+    for child in group.values():
+        if isinstance(child, h5py.Group) and child.attrs.get("label", b"").decode() == label:
+            yield child
+
+
+def _name(group: h5py.Group) -> str:
+    return group.name.rsplit("/", 1)[-1]
+
+
+def _data(group: h5py.Group) -> Array:
+    return np.asarray(group[" data"])
+
+
+def _text(group: h5py.Group) -> str:
+    return str(_data(group).astype("i1").tobytes(), "utf-8").strip("\0 ")

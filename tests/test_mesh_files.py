@@ -1,0 +1,126 @@
+"""Grids from CGNS files: one that Gmsh 4 wrote (two sectors of an annulus), and small ones made here."""
+
+from __future__ import annotations
+
+import h5py
+import numpy as np
+import pytest
+from helpers import REPOSITORY
+
+from fsipetsc.blocks.block import Block
+from fsipetsc.blocks.conditions import NoSlip, Slip
+from fsipetsc.blocks.problem import BlockProblem
+from fsipetsc.errors import InputError
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.mesh_files import read_cgns
+
+SECTOR = REPOSITORY / "tests" / "frozen" / "sector.cgns"
+AIR = Fluid(mu=0.01, kappa=0.0, gamma=1.4, R=287.0)
+
+
+def at_rest(X, Y):
+    return 1.2, 0.0, 0.0, 300.0
+
+
+def problem_of(grid, conditions):
+    blocks = tuple(Block(name, AIR, z, z.cells, at_rest) for name, z in grid.zones.items())
+    return BlockProblem(blocks, grid.faces(conditions))
+
+
+def put(group, name, label, data=None):
+    """A node of CGNS."""
+    child = group.create_group(name)
+    child.attrs["label"] = np.bytes_(label)
+    if isinstance(data, str):
+        data = np.frombuffer(data.encode(), "i1")
+    if data is not None:
+        child.create_dataset(" data", data=data)
+    return child
+
+
+def write(path, X, kind="Structured", patch=None, unit=None):
+    """A zone 'z' of coordinates X, as CGNS has them; patch: (first nodes, last nodes)."""
+    with h5py.File(path, "w") as file:
+        base = put(file, "base", "CGNSBase_t", np.array([2, len(X)]))
+        if unit:
+            names = "".join(n.ljust(32) for n in ("Kilogram", unit, "Second", "Kelvin", "Radian"))
+            put(base, "DimensionalUnits", "DimensionalUnits_t", names)
+        zone = put(base, "z", "Zone_t", np.zeros((3, 2), int))
+        put(zone, "ZoneType", "ZoneType_t", kind)
+        grid = put(zone, "GridCoordinates", "GridCoordinates_t")
+        for name, x in zip("XYZ", X, strict=False):
+            put(grid, f"Coordinate{name}", "DataArray_t", x)
+        if patch:
+            wall = put(put(zone, "ZoneBC", "ZoneBC_t"), "wall", "BC_t", "BCWall")
+            put(wall, "PointRange", "IndexRange_t", np.array(patch))
+    return path
+
+
+def square(n=5, m=4):
+    x, y = np.meshgrid(np.linspace(0.0, 2.0, n), np.linspace(0.0, 1.0, m))
+    return x, y
+
+
+def test_blocks_of_a_file_of_gmsh_meet():
+    grid = read_cgns(SECTOR)
+    assert {name: z.cells for name, z in grid.zones.items()} == dict.fromkeys(("gas_S00001", "gas_S00002"), (8, 12))
+    conditions = {"inner": NoSlip(), "outer": Slip(), "bottom": Slip(), "left": Slip()}
+    problem = problem_of(grid, conditions)
+    assert problem.joined
+    X = problem.places(0, problem.face_nodes(0, 0, 0))
+    assert np.hypot(*X.T) == pytest.approx(np.ones(13), abs=1e-12)
+    with pytest.raises(InputError, match="axis 1, side 1.*has no condition"):
+        problem_of(grid, {k: v for k, v in conditions.items() if k != "left"})
+    with pytest.raises(InputError, match="no patch 'outlet': it has 'bottom', "):
+        grid.faces({"outlet": Slip()})
+
+
+def test_units_planes_and_hands(tmp_path):
+    x, y = square()
+    grid = read_cgns(write(tmp_path / "a.cgns", (x, y), unit="Millimeter", patch=((5, 1), (5, 4))))
+    assert grid.zones["z"].places[-1, -1] == pytest.approx([2e-3, 1e-3])
+    assert grid.patches == {"wall": (("z", 0, 1),)}
+    # (z, x) is right-handed in the plane y = 1; x runs backwards, so the zone is turned
+    turned = read_cgns(write(tmp_path / "b.cgns", (y, 1.0 + 0.0 * x, x), patch=((1, 1), (1, 4))))
+    assert turned.zones["z"].places[0, 0] == pytest.approx([0.0, 0.0])
+    assert turned.patches == {"wall": (("z", 0, 0),)}
+    left = read_cgns(write(tmp_path / "c.cgns", (2.0 - x, y), patch=((1, 1), (1, 4))))
+    assert left.zones["z"].places[0, 0] == pytest.approx([0.0, 0.0])
+    assert left.patches == {"wall": (("z", 0, 1),)}
+    for grid in (turned, left):
+        Block("z", AIR, grid.zones["z"], grid.zones["z"].cells, at_rest)
+
+
+def test_a_box_in_space(tmp_path):
+    z, y, x = np.meshgrid(*(np.linspace(0.0, 1.0, n) for n in (5, 4, 3)), indexing="ij")
+    grid = read_cgns(write(tmp_path / "a.cgns", (x, y, z), patch=((1, 1, 5), (3, 4, 5))))
+    assert grid.zones["z"].cells == (2, 3, 4)
+    assert grid.patches == {"wall": (("z", 2, 1),)}
+    Block("z", AIR, grid.zones["z"], (2, 3, 4), lambda X, Y, Z: (1.2, 0.0, 0.0, 0.0, 300.0))
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"kind": "Unstructured"}, "zone 'z' is Unstructured: expected Structured"),
+        ({"patch": ((1, 1), (3, 1))}, "patch 'wall' has nodes .1, 1. to .3, 1.: expected a whole face"),
+        ({"unit": "Furlong"}, "lengths are in Furlong: expected Meter"),
+        ({"X": (*square(), square()[0])}, "zone 'z' is no plane"),
+        ({"X": ()}, "expected CoordinateX, CoordinateY"),
+    ],
+)
+def test_what_is_wrong_with_a_file(tmp_path, changed, message):
+    with pytest.raises(InputError, match=message):
+        read_cgns(write(tmp_path / "a.cgns", **{"X": square(), **changed}))
+
+
+def test_what_is_no_file_of_cgns(tmp_path):
+    for name, text in (("none", None), ("text", "no grid")):
+        path = tmp_path / name
+        if text:
+            path.write_text(text)
+        with pytest.raises(InputError, match=name):
+            read_cgns(path)
+    h5py.File(tmp_path / "empty", "w").close()
+    with pytest.raises(InputError, match="no zones"):
+        read_cgns(tmp_path / "empty")
