@@ -140,7 +140,7 @@ def _faces_of(name: str, bc: h5py.Group, shape: tuple[int, ...]) -> Iterator[Fac
 def _metres(base: h5py.Group) -> float:
     """Of the unit of length that a base says; 1 if it says none."""
     for units in _labelled(base, "DimensionalUnits_t"):
-        unit = bytes(_data(units).ravel()[32:64].astype("i1").tobytes()).decode().strip("\0 ")
+        unit = _decoded(_data(units).ravel()[32:64])
         if unit not in (*METRES, "Null", "UserDefined"):
             raise InputError(f"lengths are in {unit}: expected {', '.join(METRES)}")
         return METRES.get(unit, 1.0)
@@ -163,4 +163,9 @@ def _data(group: h5py.Group) -> Array:
 
 
 def _text(group: h5py.Group) -> str:
-    return str(_data(group).astype("i1").tobytes(), "utf-8").strip("\0 ")
+    return _decoded(_data(group))
+
+
+def _decoded(letters: Array) -> str:
+    text: str = letters.astype("i1").tobytes().decode().strip("\0 ")
+    return text
