@@ -136,8 +136,7 @@ class Free(NamedTuple):
 class Problem(NamedTuple):
     """faces: conditions by (block's name, axis, side), or a function of it for all faces that meet
     no other; hinges: (block's name, index of a node) of solids held there. form: "entropy" or
-    "divergence"; flux: "cross", g(i,l) = (a_i.v_l + a_l.v_i)/2, or "mean", that of the older code;
-    dissipation: sigma, over 4^q. jumps(X, t): (traction, heat) per reference area that interfaces
+    "divergence"; dissipation: sigma, over 4^q. jumps(X, t): (traction, heat) per reference area that interfaces
     supply from outside, d + 1 numbers.
     """
 
@@ -146,7 +145,6 @@ class Problem(NamedTuple):
     order: int = 4
     hinges: tuple = ()
     form: str = "entropy"
-    flux: str = "cross"
     dissipation: float = 0.0
     jumps: Callable | None = None
 

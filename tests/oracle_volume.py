@@ -196,14 +196,8 @@ class Volume:
         """J_t, per node."""
         total = 0.0
         for j, a in enumerate(grid.a):
-            if self.problem.flux == "mean":
-                total = total + self.derivative(k, dot(a, grid.v), j)
-            else:
-                total = (
-                    total
-                    + dot(a, self.derivative(k, grid.v, j))
-                    + dot(grid.v, self.derivative(k, a, j))
-                )
+            total = total + dot(a, self.derivative(k, grid.v, j))
+            total = total + dot(grid.v, self.derivative(k, a, j))
         return total
 
     def gas_terms(self, k, q, grid, t):
@@ -231,17 +225,11 @@ class Volume:
         here, there = (lambda f: np.expand_dims(f, j - d)), (lambda f: np.expand_dims(f, j - d - 1))
         left, a_l, v_l = State(*map(here, s)), here(a), here(v)
         right, a_r, v_r = State(*map(there, s)), there(a), there(v)
-        g_l, g_r = dot(a_l, v_l), dot(a_r, v_r)
-        g = (
-            0.5 * (g_l + g_r)
-            if self.problem.flux == "mean"
-            else 0.5 * (dot(a_l, v_r) + dot(a_r, v_l))
-        )
+        g = 0.5 * (dot(a_l, v_r) + dot(a_r, v_l))
         if self.problem.form == "entropy":
             F = pair_flux(m, left, right, 0.5 * (a_l + a_r), g)
         else:
-            own = (g_l, g_r) if self.problem.flux == "mean" else (g, g)
-            F = 0.5 * (flux(left, a_l, own[0]) + flux(right, a_r, own[1]))
+            F = 0.5 * (flux(left, a_l, g) + flux(right, a_r, g))
         _, S, weight = self.axes[k][j]
         scaled = (S / weight[:, None]).reshape(*S.shape, *[1] * (d - j - 1))
         return -(scaled * F).sum(axis=j - d) * self.W[k]

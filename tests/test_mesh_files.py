@@ -69,7 +69,7 @@ def test_blocks_of_a_file_of_gmsh_meet():
     assert problem.joined
     X = problem.places(0, problem.face_nodes(0, 0, 0))
     assert np.hypot(*X.T) == pytest.approx(np.ones(13), abs=1e-12)
-    with pytest.raises(InputError, match="axis 1, side 1.*has no condition"):
+    with pytest.raises(InputError, match=r"axis 1, side 1.*has no condition"):
         problem_of(grid, {k: v for k, v in conditions.items() if k != "left"})
     with pytest.raises(InputError, match="no patch 'outlet': it has 'bottom', "):
         grid.faces({"outlet": Slip()})

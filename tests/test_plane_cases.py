@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from frozen_references import frozen, scheme_error, tolerance
+from frozen_references import frozen, scheme_error
 from helpers import computed, message, solve
 
 pytest.importorskip("petsc4py")
@@ -87,23 +87,23 @@ def test_the_manufactured_solution_has_the_errors_that_it_had(order, tmp_path):
     with of_command(name, tmp_path) as result:
         for kind in ("fluid", "solid"):
             ratio = result.errors[kind]["combined"] / errors[kind]["combined"]
-            assert abs(ratio - 1.0) < tolerance(name)[1], (kind, ratio)
+            assert abs(ratio - 1.0) < 0.02, (kind, ratio)  # measured 7e-4, 3e-3, 1.6e-3
 
 
 def test_a_wave_in_a_viscous_gas_is_the_same(tmp_path):
     """No slip walls, no motion of the grid that counts: to round-off after 200 steps."""
     with of_command("wave-viscous-16", tmp_path) as result:
         for layer, fields in departures("wave-viscous-16", result).items():
-            assert max(fields.values()) < tolerance("wave-viscous-16")[1], (layer, fields)
+            assert max(fields.values()) < 1e-11, (layer, fields)
 
 
 def test_a_blast_differs_by_no_more_than_the_errors_of_the_scheme(tmp_path):
     """Slip walls at the sides are constraints now, and were weak conditions."""
-    bounds, most = scheme_error("blast-4-16", "blast-4-32"), tolerance("blast-4-16")[1]
+    bounds = scheme_error("blast-4-16", "blast-4-32")
     with of_command("blast-4-16", tmp_path) as result:
         for layer, fields in departures("blast-4-16", result).items():
             for field in fields.keys() - {"J"}:
-                assert fields[field] < most * bounds[layer][field], (layer, field)
+                assert fields[field] < 1.5 * bounds[layer][field], (layer, field)
         assert np.abs(result.layers[0]["J"][-1] - 1.0).max() > 1e-4  # or the plate has not moved
 
 
@@ -113,18 +113,18 @@ def test_shocks_have_no_larger_errors(name, tmp_path):
     errors = frozen(name).facts["errors"]
     with of_command(name, tmp_path) as result:
         for kind, found in result.errors.items():
-            assert found["combined"] < tolerance(name)[1] * errors[kind]["combined"], kind
+            assert found["combined"] < 1.1 * errors[kind]["combined"], kind
 
 
 @pytest.mark.long
 @pytest.mark.parametrize("name", ["oblique", "panel"])
 def test_flows_over_solids_differ_by_no_more_than_twice_the_errors(name, tmp_path):
     """Slip walls, dissipation; the panel's ends in joined blocks, where it is that in all but its motion along itself, 3."""
-    bounds, most = scheme_error(f"{name}-16", f"{name}-32"), tolerance(f"{name}-16")[1]
+    bounds = scheme_error(f"{name}-16", f"{name}-32")
     with of_command(f"{name}-16", tmp_path) as result:
         for layer, fields in departures(f"{name}-16", result).items():
             for field in fields.keys() - {"J"}:
-                times = 3.0 if (layer, field) == ("panel", "u") else most
+                times = 3.0 if (layer, field) == ("panel", "u") else 2.0
                 assert fields[field] < times * bounds[layer][field], (layer, field)
 
 
