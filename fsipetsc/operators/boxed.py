@@ -61,7 +61,7 @@ def with_calls(hold: Any, box: Any, calls: dict[Callable[..., Any], tuple[Any, .
     calls: compiled function -> examples of what it takes behind ``box``. None returns anything.
     """
     kinds = [types.void(typeof(box), *map(typeof, more)) for more in calls.values()]
-    hold.disable_compile(False)
-    hold.compile((typeof(box), *map(types.FunctionType, kinds)))
-    hold.disable_compile()  # else it would be compiled for these functions, called by name
-    return hold(box, *calls)
+    takes = (typeof(box), *map(types.FunctionType, kinds))
+    hold.compile(takes)
+    # called for just these types: numba would look for them among those of other boxes, and fail
+    return hold.get_overload(takes)(box, *calls)
