@@ -55,8 +55,8 @@ def of_command(name, folder):
     return computed(folder, f"{name}.h5", *words)
 
 
-def departures(name, result):
-    """{layer: {field: largest difference}} from a reference, at the nodes that both have."""
+def departures(name, result, without=None):
+    """{layer: {field: largest difference}} from a reference, at the nodes that both have; without: of a row, its Y."""
     found = {}
     for layer, fields in frozen(name).fields.items():
         most = found[layer] = dict.fromkeys(fields.keys() - {"X", "Y"}, 0.0)
@@ -69,6 +69,7 @@ def departures(name, result):
             for field in most:
                 gap = fields[field][np.ix_(rows[0], columns[0])]
                 gap = gap - now[field][np.ix_(rows[1], columns[1])]
+                gap[Y[rows[0]] == without] = 0.0
                 most[field] = max(most[field], float(np.abs(gap).max()))
         assert seen >= X.size * Y.size, "all nodes of the reference have been held against some"
     return found
@@ -119,10 +120,14 @@ def test_shocks_have_no_larger_errors(name, tmp_path):
 @pytest.mark.long
 @pytest.mark.parametrize("name", ["oblique", "panel"])
 def test_flows_over_solids_differ_by_no_more_than_twice_the_errors(name, tmp_path):
-    """Slip walls, dissipation; the panel's ends in joined blocks, where it is that in all but its motion along itself, 3."""
+    """Slip walls, dissipation; the panel's ends in joined blocks, where it is that in all but its motion along itself, 3.
+
+    But for the open face above the panel: waves pass it by characteristics now, and by the flux of Lax and Friedrichs then.
+    """
+    open_face = 0.5 if name == "panel" else None
     bounds = scheme_error(f"{name}-16", f"{name}-32")
     with of_command(f"{name}-16", tmp_path) as result:
-        for layer, fields in departures(f"{name}-16", result).items():
+        for layer, fields in departures(f"{name}-16", result, open_face).items():
             for field in fields.keys() - {"J"}:
                 times = 3.0 if (layer, field) == ("panel", "u") else 2.0
                 assert fields[field] < times * bounds[layer][field], (layer, field)

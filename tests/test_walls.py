@@ -30,7 +30,8 @@ def computed_errors(folder, spacings, orders):
     """errors(state, order): combined errors, shape (grids, kinds of layer)."""
     names = {(s, q, h): f"{s}_{q}_{h}" for s, hs in spacings.items() for q in orders[s] for h in hs}
     case = str(REPOSITORY / "tests" / "walls.py")
-    runs = {name: (case, f"-walls_state {s} -fsi_order {q} -fsi_h {h} -fsi_cfl {COURANT[q]}") for (s, q, h), name in names.items()}
+    words = "-walls_state {} -fsi_order {} -fsi_h {} -fsi_cfl {}"
+    runs = {name: (case, words.format(s, q, h, COURANT[q])) for (s, q, h), name in names.items()}
     files = compute(1, folder, runs)
 
     def found(state, order):
