@@ -67,7 +67,7 @@ COMMANDS = {
     ),
     "convergence": Command(
         "CASE [-option value ...]",
-        "errors, observed orders and cost of a case with an exact solution",
+        "errors of a case, or differences between its grids, with observed orders and cost",
         "fsipetsc.analysis.convergence:convergence",
         parallel=True,
         options="fsipetsc.analysis.convergence:sections",

@@ -22,15 +22,13 @@ class Sample:
         self._state = make_state(build_problem(case, opt, comm), opt, comm)
         self._state.compile(lambda text: None)
         self._state.set_initial()
-        self.nodes = self._state.points
+        self.nodes, self.destroy = self._state.points, self._state.destroy
 
     def steps(self, count: int) -> float:
         """Time [µs] of a step, on the average over the first ``count`` from the initial data."""
-        comm = self._comm
+        comm, end = self._comm, [self._options["ts_max_time"]]
         integrator = Integrator(
-            self._state,
-            {**self._options, "ts_max_steps": count},
-            [self._options["ts_max_time"]],
+            *(self._state, {**self._options, "ts_max_steps": count}, end),
             on_frame=lambda t: None,
             on_series=lambda: integrator.series.take(comm),
             on_step=lambda steps, t, dt: None,
@@ -46,7 +44,3 @@ class Sample:
         self.steps(2)
         step = min(self.steps(10), self.steps(10))
         return min(20_000, max(6, round(1e6 * seconds / (step or 1.0))))
-
-    def destroy(self) -> None:
-        """Release everything."""
-        self._state.destroy()

@@ -50,15 +50,12 @@ def solid(*X: np.ndarray) -> tuple[np.ndarray, ...]:
 
 def build(opt: Mapping[str, Any]) -> BlockProblem:
     """n = 1/h nodes along each axis of a block."""
-    d, n = opt["square_dimension"], round(1.0 / opt["fsi_h"])
-    mu, kappa, kappa_e = (0.02, 0.03, 0.02) if opt["square_viscous"] else (0.0, 0.0, 0.0)
-    plate = ElasticSolid(1.5, 2.0, kappa_e, 2.0, 1.0, heat="elastic")
+    d, n, viscous = opt["square_dimension"], round(1.0 / opt["fsi_h"]), opt["square_viscous"]
+    plate = ElasticSolid(1.5, 2.0, 0.02 * viscous, 2.0, 1.0, heat="elastic")
+    air = Fluid(0.02 * viscous, 0.03 * viscous, 1.4, 1.0)
     return layers(
-        Layer("gas", Fluid(mu, kappa, 1.4, 1.0), (0.0, 1.0), gas, cells=n - 1),
+        Layer("gas", air, (0.0, 1.0), gas, cells=n - 1),
         Layer("solid", plate, (1.0, 2.0), solid, cells=n - 1),
-        lower=NoSlip(),
-        upper=Clamped(),
-        along=((0.0, 1.0),) * (d - 1),
-        cells=(n,) * (d - 1),
-        units="none",
+        **{"lower": NoSlip(), "upper": Clamped(), "units": "none"},
+        **{"along": ((0.0, 1.0),) * (d - 1), "cells": (n,) * (d - 1)},
     )
