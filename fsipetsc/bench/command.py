@@ -9,7 +9,6 @@ time is the median of its samples, a ratio that of pairs taken one after the oth
 
 from __future__ import annotations
 
-import csv
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
@@ -17,10 +16,10 @@ from itertools import product
 from pathlib import Path
 from statistics import median
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from fsipetsc.bench import square
-from fsipetsc.bench.other_program import executable, step
+from fsipetsc.bench.other_program import executable, time_of
 from fsipetsc.cases import load_case
 from fsipetsc.errors import FileError, InputError
 from fsipetsc.options import RUN, defaults, read_table
@@ -33,15 +32,12 @@ if TYPE_CHECKING:
 
 #: right-hand sides of a step
 STAGES = 4
-#: form -> options of a run, words for the other program
-FORMS: dict[str, tuple[dict[str, Any], tuple[str, ...]]] = {
-    "entropy": ({"fsi_convection": "entropy"}, ()),
-    "divergence": ({"fsi_convection": "divergence"}, ("-form", "div")),
-    "viscous": ({"fsi_convection": "entropy", "square_viscous": True}, ("-visc", "1")),
-    "divergence-viscous": (
-        {"fsi_convection": "divergence", "square_viscous": True},
-        ("-form", "div", "-visc", "1"),
-    ),
+#: form -> -fsi_convection, whether there is viscosity, words for the other program
+FORMS = {
+    "entropy": ("entropy", False, ""),
+    "divergence": ("divergence", False, "-form div"),
+    "viscous": ("entropy", True, "-visc 1"),
+    "divergence-viscous": ("divergence", True, "-form div -visc 1"),
 }
 COLUMNS = ("problem", "order", "form", "n", "ranks", "step_us", "ns_node_rhs")
 COLUMNS += ("other_us", "ratio", "speed_up")
@@ -75,17 +71,9 @@ SECTIONS: dict[str, tuple[Option, ...]] = {
 }
 
 
-class Target(NamedTuple):
-    """What rows measure: their first columns, a case, options of its run; another program with its
-    words before and behind the number of steps.
-    """
-
-    about: tuple[Any, ...]
-    case: Any
-    options: dict[str, Any]
-    program: str
-    before: tuple[Any, ...]
-    behind: tuple[str, ...] = ()
+#: the first columns of a row, a case, options of its run; another program, its words before and behind
+#: the number of steps
+Target = tuple[tuple[Any, ...], Any, dict[str, Any], str, tuple[Any, ...], tuple[str, ...]]
 
 
 def targets(opt: Mapping[str, Any]) -> Iterator[Target]:
@@ -96,12 +84,13 @@ def targets(opt: Mapping[str, Any]) -> Iterator[Target]:
         for points in opt["bench_rod"] if problem == 0 else ():
             own = {"fsi_order": order, "fsi_h": 1.0 / max(1, round(points / 6))}
             words = order, repr(own["fsi_h"]), 3, "-q", "-n"
-            yield Target(("rod", order, "", points), load_case("rod"), own, "rod", words)
+            yield ("rod", order, "", points), load_case("rod"), own, "rod", words, ()
         for form, n in product(forms, opt[of_dimension[problem]]) if problem else ():
-            own = {"fsi_order": order, "fsi_h": 1.0 / n, "square_dimension": problem}
-            own, words = {**own, **FORMS[form][0]}, ("-q", *FORMS[form][1])
+            convection, viscous, words = FORMS[form]
+            own = {"fsi_order": order, "fsi_h": 1.0 / n, "fsi_convection": convection}
+            own |= {"square_dimension": problem, "square_viscous": viscous}
             about, program = (f"{problem}-D", order, form, n), "plane" if problem == 2 else ""
-            yield Target(about, square, own, program, (order, n, n), words)
+            yield about, square, own, program, (order, n, n), ("-q", *words.split())
 
 
 def bench(arguments: list[str], comm: MPI.Comm) -> None:
@@ -117,30 +106,45 @@ def bench(arguments: list[str], comm: MPI.Comm) -> None:
         raise InputError(f"-bench_ranks {most}: put mpiexec -n {most} before the command")
     teams = {n: comm.Split(int(comm.rank >= n), comm.rank) for n in counts}
     folders = {"rod": opt["bench_rod_program"], "plane": opt["bench_square_program"]}
+    given = {name: folder for name, folder in folders.items() if folder and comm.rank == 0}
     rows: list[Sequence[object]] = []
     with TemporaryDirectory() as copies:
-        given = {name: folder for name, folder in folders.items() if folder and comm.rank == 0}
         programs = together(comm, lambda: {n: executable(n, given[n], copies) for n in given})
         say(f"load of the machine: {os.getloadavg()[0]:.1f}")
         say(" ".join(f"{name:>11}" for name in COLUMNS))
-        for target in targets(opt):
-            for row in measured(target, opt, comm, teams, programs.get(target.program)):
-                rows.append(row)
-                say(" ".join(f"{value!s:>11}" for value in row))
+        for about, case, own, name, before, behind in targets(opt):
+            options = {**defaults(case), "fsi_partition": opt["fsi_partition"], **own}
+
+            def other(steps: int) -> float | None:
+                program = programs.get(name)  # noqa: B023
+                return program and time_of(program, *before, steps, *behind)  # noqa: B023
+
+            for row in measured(case, options, opt, comm, teams, other):
+                rows.append([*about, *row])
+                say(" ".join(f"{value!s:>11}" for value in rows[-1]))
     path = Path(f"{opt['fsi_output']}.csv")
-    together(comm, lambda: _save(path, rows) if comm.rank == 0 else None)
+    together(comm, lambda: None if comm.rank else _save(path, rows))
     say(f"the table is in {path}")
 
 
+def _save(path: Path, rows: Sequence[Sequence[object]]) -> None:
+    try:
+        path.write_text("".join(",".join(map(str, row)) + "\n" for row in (COLUMNS, *rows)))
+    except OSError as error:
+        raise FileError(f"{path}: cannot write the table: {error.strerror or error}") from error
+
+
 def measured(
-    target: Target,
+    case: Any,
+    options: Mapping[str, Any],
     opt: Mapping[str, Any],
     comm: MPI.Comm,
     teams: Mapping[int, MPI.Comm],
-    program: Path | None,
+    other: Callable[[int], float | None],
 ) -> list[Sequence[object]]:
-    """A row for each number of ranks, on rank 0. Collective. InputError where ranks do not fit."""
-    from fsipetsc.bench.sample import Sample
+    """The last columns for each number of ranks, on rank 0. Collective. InputError where ranks do
+    not fit. other: another program's time of a step, of so many steps; None where there is none.
+    """
 
     def on(ranks: int, action: Callable[[], Any]) -> Any:
         """What an action gives on the first ranks, None on the others, which sleep meanwhile."""
@@ -153,41 +157,66 @@ def measured(
         agree(comm, fault)
         return value
 
-    options = {**defaults(target.case), "fsi_partition": opt["fsi_partition"], **target.options}
-    samples = {n: on(n, lambda: Sample(target.case, options, teams[n])) for n in teams}  # noqa: B023
+    samples = {n: on(n, lambda: Sample(case, options, teams[n])) for n in teams}  # noqa: B023
     first = min(teams)
-    steps = comm.bcast(on(first, lambda: samples[first].count(opt["bench_seconds"])))
+    on(first, lambda: samples[first].steps(2))  # for what is made once
+    step = comm.bcast(on(first, lambda: min(samples[first].steps(10) for _ in range(2))))
+    steps = min(20_000, max(6, round(1e6 * opt["bench_seconds"] / (step or 1.0))))
     times: dict[int, list[float]] = {n: [] for n in teams}
-    other: list[float] = []
+    beside = []
     for _ in range(opt["bench_repeats"]):
         for n, own in times.items():
             own.append(on(n, lambda: samples[n].steps(steps)))  # noqa: B023
-        if program is not None:
-            other.append(step(program, *target.before, steps, *target.behind))
-        wait_asleep(comm)
-    rows = [_row(target.about, n, times, other, samples[n].nodes) for n in teams if comm.rank == 0]
+        beside.append(on(1, lambda: other(steps)))
+    rows: list[Sequence[object]] = []
+    for n, own in times.items() if comm.rank == 0 else ():
+        of_node = 1e3 * median(own) / (STAGES * samples[n].nodes)
+        row = [n, f"{median(own):.4g}", f"{of_node:.3g}", "", "", ""]
+        if None not in beside:
+            row[3:5] = f"{median(beside):.4g}", _ratio(own, beside)
+        if n > 1 and 1 in times:
+            row[5] = _ratio(times[1], own)
+        rows.append(row)
     for sample in samples.values():
         if sample is not None:
             sample.destroy()
     return rows
 
 
-def _row(
-    about: Sequence[object], n: int, times: Mapping[int, list[float]], other: list[float], nodes: int
-) -> list[object]:
-    mine, beside, ratio, speed_up = times[n], "", "", ""
-    if other:
-        beside = f"{median(other):.4g}"
-        ratio = f"{median(a / b for a, b in zip(mine, other, strict=True)):.3g}"
-    if n > 1 and 1 in times:
-        speed_up = f"{median(a / b for a, b in zip(times[1], mine, strict=True)):.3g}"
-    of_node = 1e3 * median(mine) / (STAGES * nodes)
-    return [*about, n, f"{median(mine):.4g}", f"{of_node:.3g}", beside, ratio, speed_up]
+def _ratio(a: list[float], b: list[float]) -> str:
+    return f"{median(x / y for x, y in zip(a, b, strict=True)):.3g}"
 
 
-def _save(path: Path, rows: Sequence[Sequence[object]]) -> None:
-    try:
-        with path.open("w", newline="", encoding="utf-8") as file:
-            csv.writer(file, lineterminator="\n").writerows([COLUMNS, *rows])
-    except OSError as error:
-        raise FileError(f"{path}: cannot write the table: {error.strerror or error}") from error
+class Sample:
+    """A problem on the ranks of comm, compiled. All methods are collective on comm.
+
+    nodes: of all blocks. InputError where grid, order and ranks do not fit.
+    """
+
+    def __init__(self, case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> None:
+        from fsipetsc.stepping.solve import build_problem, make_state
+
+        self._comm, self._options = comm, dict(opt)
+        self._state = make_state(build_problem(case, opt, comm), opt, comm)
+        self._state.compile(lambda text: None)
+        self._state.set_initial()
+        self.nodes, self.destroy = self._state.points, self._state.destroy
+
+    def steps(self, count: int) -> float:
+        """Time [µs] of a step, on the average over the first ``count`` from the initial data."""
+        from mpi4py import MPI
+
+        from fsipetsc.stepping.integrator import Integrator
+
+        comm, end = self._comm, [self._options["ts_max_time"]]
+        integrator = Integrator(
+            *(self._state, {**self._options, "ts_max_steps": count}, end),
+            on_frame=lambda t: None,
+            on_series=lambda: integrator.series.take(comm),
+            on_step=lambda steps, t, dt: None,
+            on_grids=lambda: None,
+        )
+        integrator.start()
+        comm.Barrier()
+        integrator.run()
+        return 1e6 * comm.allreduce(integrator.wall_time, MPI.MAX) / integrator.steps

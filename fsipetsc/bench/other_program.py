@@ -1,4 +1,4 @@
-"""Another program to measure beside, given by a folder with its executable or a Makefile.
+"""Another program to measure beside, of a folder with its executable or a Makefile.
 
 In one dimension it is ``rod ORDER H T -q -n STEPS``: steps of the falling rod from rest; the fifth
 word that it prints is µs a step. In two dimensions it is ``plane ORDER N N STEPS -q [-form div]
@@ -16,21 +16,21 @@ from fsipetsc.errors import InputError
 
 
 def executable(name: str, folder: str, copies: str) -> Path:
-    """That of a folder, or of its copy in the folder ``copies``, built there. InputError."""
-    path, copy = Path(folder).resolve() / name, Path(copies) / name
+    """That of a folder, or one built in a copy below ``copies``. InputError."""
+    path = Path(folder).resolve() / name
     if os.access(path, os.X_OK):
         return path
-    if not (path.parent / "Makefile").is_file():
-        raise InputError(f"{folder}: there is neither an executable {name} nor a Makefile")
-    shutil.copytree(folder, copy).chmod(0o755)  # the original may be write-protected
-    made = subprocess.run(["make", "-s", name], cwd=copy, capture_output=True, text=True)
-    if made.returncode:
-        reason = (made.stderr.strip() or "make failed").splitlines()[-1]
-        raise InputError(f"{folder}: {name} cannot be built here: {reason}")
+    copy = Path(copies) / name
+    try:
+        shutil.copytree(folder, copy).chmod(0o755)  # the original may be write-protected
+        subprocess.run(["make", "-s", name], cwd=copy, capture_output=True, text=True, check=True)
+    except (OSError, subprocess.CalledProcessError) as error:
+        reason = str(getattr(error, "stderr", "") or error).strip().splitlines()[-1]
+        raise InputError(f"{folder}: no executable {name}, and it cannot be built: {reason}") from None
     return copy / name
 
 
-def step(*command: object) -> float:
+def time_of(*command: object) -> float:
     """Time of a step [µs] by a program with these arguments. InputError."""
     words = [str(word) for word in command]
     try:
