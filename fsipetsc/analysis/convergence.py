@@ -2,25 +2,30 @@
 
 A case with an exact solution in all of its layers is compared with that. Any other case is compared
 with itself (fsipetsc.analysis.grid_differences). The runs are made in this process, one after the
-other; under mpiexec all ranks share each of them. Results are a table on the terminal, the same
-numbers as CSV, and two pictures: error against grid spacing (Fig. 6 of the paper) and error against
-time (Fig. 7).
+other, and their results kept until their order is done; under mpiexec all ranks share each of them.
+What is left is a table on the terminal, the same numbers as CSV, and two pictures: error against grid
+spacing (Fig. 6 of the paper) and error against time (Fig. 7).
 """
 
 from __future__ import annotations
 
+import shutil
+import tempfile
 from collections.abc import Container, Mapping, Sequence
-from contextlib import suppress
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from fsipetsc.analysis import table1
 from fsipetsc.analysis.convergence_table import COST, ConvergenceStudy
 from fsipetsc.analysis.tables import csv_target, listed_in, printer
 from fsipetsc.cases import load_case
 from fsipetsc.checks import counted
-from fsipetsc.errors import ComputationError, InputError
+from fsipetsc.errors import ComputationError, FileError, InputError
 from fsipetsc.options import Option, groups, read_options
+from fsipetsc.output.reader import open_run
 from fsipetsc.process.launch import start_petsc
 from fsipetsc.process.together import together, wait_asleep
 from fsipetsc.usage import program
@@ -74,7 +79,6 @@ def study(case: Any, opt: Mapping[str, Any], given: Container[str], comm: MPI.Co
 
     opt: options in force, those of this command included. given: names of those that the user gave.
     """
-    from fsipetsc.analysis.grid_differences import compare_grids
     from fsipetsc.output.plots.convergence import convergence_figures
     from fsipetsc.stepping.solve import build_problem, check_begin
 
@@ -92,15 +96,14 @@ def study(case: Any, opt: Mapping[str, Any], given: Container[str], comm: MPI.Co
     orders, norm = tuple(dict.fromkeys(orders)), opt["fsi_norm"]
     about = case.NAME, opt["ts_max_time"], orders, hs, comm.size, norm, problem.units, exact
     table, say = ConvergenceStudy(*about), printer(comm, opt)
-    _check(case, opt, comm, table)
     what = f"{norm} errors" if exact else "relative differences between neighbouring grids"
     say(f"{case.NAME} to {table.time} on {counted(comm.size, 'rank')}: {what} and observed orders")
     for note in problem.notes:
         say(note)
-    if exact:
-        _run_all(case, opt, comm, table, say)
-    else:
-        compare_grids(case, opt, comm, table, say)
+    _check(case, opt, comm, table, say)
+    run_all(case, opt, comm, table, say, path.parent)
+    if table.early:
+        say(f"\nruns have ended before {table.time}, by -ts_max_steps: their errors are those of different times")
     if len(hs) > 1 and table.errors:
         say("\n" + table.summary())
     elif table.errors:
@@ -122,39 +125,81 @@ def _distinct(spacings: Sequence[float]) -> tuple[float, ...]:
     return tuple(sorted({f"{h:.6g}": h for h in spacings}.values(), reverse=True))
 
 
-def _run_all(case: Any, opt: Mapping[str, Any], comm: MPI.Comm, table: ConvergenceStudy, say: Any) -> None:
-    """Fill the table with errors, and say each run and each order."""
-    from fsipetsc.stepping.solve import solve
+def run_all(
+    case: Any, opt: Mapping[str, Any], comm: MPI.Comm, table: ConvergenceStudy, say: Any, beside: Path
+) -> None:
+    """Fill the table; say each run, each order, and which layers are not resolved. Collective. beside: the folder in which
+    results are kept for a while. InputError where grids have no node in common; FileError.
+    """
+    from fsipetsc.analysis.grid_differences import SAMPLES, unresolved
+    from fsipetsc.stepping.run import run_case
 
-    reached = set()
-    for i, order in enumerate(table.orders):
-        say("")
-        # once for nothing: compiling or loading the kernels is no part of the cost
-        with suppress(ComputationError):
-            solve(case, {**opt, "fsi_order": order, "fsi_h": table.hs[0], "ts_max_steps": 1}, comm, say)
-        for j, h in enumerate(table.hs):
-            try:
-                outcome = solve(case, {**opt, "fsi_order": order, "fsi_h": h}, comm)
-                table.put(i, j, {name: getattr(outcome, name) for name in COST}, outcome.errors)
-                reached.add(outcome.t)
-            except ComputationError as error:
-                table.failures[order, h] = str(error)
-            say(table.row(i, j))
-        if table.errors:
-            say(table.table(i))
-    if reached and reached != {table.t}:
-        say(f"\nruns have ended before {table.time}, by -ts_max_steps: their errors are those of different times")
+    times = (table.t,) if table.exact else tuple(table.t * np.arange(1, SAMPLES + 1) / SAMPLES)
+    own = {**opt, "fsi_quiet": True, "fsi_output_dt": None, "fsi_output_times": times}
+    folder = Path(comm.bcast(together(comm, lambda: None if comm.rank else _folder(beside))))
+    try:
+        for i, order in enumerate(table.orders):
+            say("")
+            for j, h in enumerate(table.hs):
+                own |= {"fsi_order": order, "fsi_h": h, "fsi_output": str(folder / f"{order}-{j}.h5")}
+                try:
+                    run_case(case, dict(own), comm)
+                except ComputationError as error:
+                    table.failures[order, h] = str(error)
+                together(comm, lambda: None if comm.rank else _keep(own["fsi_output"], table, i, j))  # noqa: B023
+                say(table.row(i, j))
+            together(comm, lambda: None if comm.rank else _compare(folder, table, i))  # noqa: B023
+            if table.errors:
+                say("\n".join([table.table(i), *unresolved(table, i)]))
+    finally:
+        comm.Barrier()
+        if comm.rank == 0:
+            shutil.rmtree(folder, ignore_errors=True)
 
 
-def _check(case: Any, opt: Mapping[str, Any], comm: MPI.Comm, table: ConvergenceStudy) -> None:
-    """Lay every grid once, so that what does not fit is known before the first run. Collective; InputError."""
+def _folder(beside: Path) -> str:
+    try:
+        return tempfile.mkdtemp(dir=beside, prefix="convergence-")
+    except OSError as error:
+        raise FileError(f"{beside}: cannot keep results there: {error.strerror}") from None
+
+
+def _keep(path: str, table: ConvergenceStudy, i: int, j: int) -> None:
+    """What a run cost, and its errors, go into the table. FileError."""
+    key = table.orders[i], table.hs[j]
+    if key in table.failures:
+        return
+    with open_run(path) as run:
+        cost = {name: run.summary[key] for name, key in COST.items()}
+        table.put(i, j, cost, run.errors)
+        table.early |= run.summary["t"] != table.t
+
+
+def _compare(folder: Path, table: ConvergenceStudy, i: int) -> None:
+    """Differences of the grids of order i go into the table. InputError, FileError."""
+    from fsipetsc.analysis.grid_differences import differences
+
+    good = [j for j, h in enumerate(table.hs) if (table.orders[i], h) not in table.failures]
+    if table.exact or len(good) < 2:
+        return
+    with ExitStack() as stack:
+        runs = [stack.enter_context(open_run(folder / f"{table.orders[i]}-{j}.h5")) for j in good]
+        for j, k, errors in zip(good, good[1:], differences(runs, table.norm)):
+            if k == j + 1:
+                table.put(i, j, {}, errors)
+
+
+def _check(case: Any, opt: Mapping[str, Any], comm: MPI.Comm, table: ConvergenceStudy, say: Any) -> None:
+    """Lay every grid once, so that what does not fit is known before the first run, and compile. Collective; InputError."""
     from fsipetsc.stepping.solve import build_problem, make_state
 
     for order in table.orders:
         for h in table.hs:
             own = {**opt, "fsi_order": order, "fsi_h": h}
             try:
-                make_state(build_problem(case, own, comm), own, comm).destroy()
+                with make_state(build_problem(case, own, comm), own, comm) as state:
+                    if (order, h) == (table.orders[-1], table.hs[-1]):
+                        state.compile(say)
             except InputError as error:
                 raise InputError(f"order {order}, h = {h:g}: {error}") from None
 

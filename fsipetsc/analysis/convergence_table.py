@@ -16,8 +16,8 @@ from fsipetsc.errors import FileError
 from fsipetsc.operators.sbp import operator
 
 FORMAT = "fsipetsc convergence study"
-#: name in a study -> name in its CSV
-COST = {"points": "points", "steps": "steps", "evaluations": "rhs_evaluations", "wall_time": "wall_s"}
+#: name in a study -> name in its CSV and in the summary of a result
+COST = {"points": "points", "steps": "steps", "evaluations": "rhs_evaluations", "wall_time": "wall_time"}
 #: orders that are looked for where grids are compared with each other
 LEAST, MOST = -4.0, 16.0
 #: a relative difference of grids that is none
@@ -47,6 +47,7 @@ class ConvergenceStudy:
     errors: dict[str, dict[str, np.ndarray]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        self.early = False  # whether a run has ended before t
         self.points, self.steps, self.evaluations, self.wall_time = (self._empty() for _ in COST)
 
     def _empty(self) -> np.ndarray:

@@ -8,20 +8,21 @@ the thickness and the damping by the flow that the runs have. `flutter RUN.h5` s
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fsipetsc.analysis.flutter_motion import Motion, crossing, fit_modes, limit_cycle, motion_of
+from fsipetsc.analysis.flutter_motion import crossing, fit_modes, limit_cycle, motion_of
 from fsipetsc.analysis.tables import csv_target, printer, save_csv, shared, text_table
 from fsipetsc.cases import load_case
 from fsipetsc.checks import counted
 from fsipetsc.errors import ComputationError, InputError
 from fsipetsc.options import Option, groups, read_options
+from fsipetsc.output.reader import open_run
 from fsipetsc.process.launch import start_petsc
 from fsipetsc.process.together import together, wait_asleep
 
@@ -33,6 +34,9 @@ SMALL = 1e-5
 #: periods of flutter that are looked at, samples in one, and chords that a sound wave against the flow runs before
 PERIODS, SAMPLES, CHORDS = 1.25, 64, 2.0
 NO = complex("nan")
+#: columns of the table: the faster mode, and both by frequency
+HEAD = ("mach", "lambda", "growth", "frequency", "growth_1", "frequency_1", "growth_2", "frequency_2")
+HEAD += ("misfit", "steps", "wall_s", "failure")
 
 
 def _above_one(values: Sequence[float]) -> str | None:
@@ -103,14 +107,14 @@ def flutter(arguments: list[str], comm: MPI.Comm) -> None:
     together(comm, lambda: None if comm.rank else compile_once())
     end = opt["ts_max_time"] if "ts_max_time" in given else None
     runs = shared(comm, tasks, lambda task: one_run(case, opt, *task, end))
-    mass, thickness = opt["panel_mass"], opt["panel_thickness"]
-    say(f"\npanel of mass {mass:g} and thickness {thickness:g}: growth and angular frequency of its modes\n\n{table(runs)}")
+    mass, thickness, lines = opt["panel_mass"], opt["panel_thickness"], rows(runs)
+    facts = f"mass {mass:g}, thickness {thickness:g}"
+    say(f"\npanel, {facts}: growth and angular frequency of its modes\n\n{text_table(HEAD, lines)}")
     say("\nonset of flutter: lambda, frequency f in cycles per unit of time; theory with the mass and the flow's damping")
     say(onset_table(runs, mass, thickness))
     if comm.rank == 0:
-        facts = f"mass {mass:g}, thickness {thickness:g}"
-        files = [save(runs, path), *flutter_figure(curves(runs, mass), CRITICAL, facts, path.with_suffix(".png"))]
-        say("\nresults in " + ", ".join(map(str, files)))
+        figures = flutter_figure(curves(runs, mass), CRITICAL, facts, path.with_suffix(".png"))
+        say("\nresults in " + ", ".join(map(str, [save_csv(path, HEAD, lines), *figures])))
     wait_asleep(comm)
     failures = [run for run in runs if run.failure]
     if failures:
@@ -125,42 +129,26 @@ def sections(arguments: Sequence[str]) -> dict[str, tuple[Option, ...]]:
 
 def one_run(case: Any, opt: Mapping[str, Any], mach: float, dynamic: float, end: float | None = None) -> FlutterRun:
     """The modes of the panel at a Mach number and a lambda = dynamic, from a run on this rank alone, up to the time end, or of
-    a good period. InputError.
-    """
-    from fsipetsc.analysis.flutter_theory import Flow
-
-    period = Flow(mach, opt["panel_mass"], opt["panel_thickness"]).period(dynamic)
-    begin = CHORDS / (mach - 1.0)
-    end = end or begin + PERIODS * period
-    own = {**opt, "panel_mach": mach, "panel_lambda": dynamic, "ts_max_time": end}
-    try:
-        motion, outcome = observe(case, own, np.arange(0.0, end, period / SAMPLES))
-        s, misfit = fit_modes(motion.after(begin))
-    except ComputationError as error:
-        return FlutterRun(mach, dynamic, failure=str(error))
-    return FlutterRun(mach, dynamic, (complex(s[0]), complex(s[1])), misfit, outcome.steps, outcome.wall_time)
-
-
-def observe(case: Any, opt: dict[str, Any], times: Sequence[float]) -> tuple[Motion, Any]:
-    """(motion of the panel's middle row at these times, outcome of the run). On this rank alone.
-
-    InputError, ComputationError.
+    a good period. InputError, FileError.
     """
     from mpi4py import MPI
 
-    from fsipetsc.stepping.solve import solve
+    from fsipetsc.analysis.flutter_theory import Flow
+    from fsipetsc.stepping.run import run_case
 
-    frames: list[tuple[float, np.ndarray, np.ndarray]] = []
-
-    def look(state: Any, t: float) -> None:
-        k = next(k for k, layer in enumerate(state.problem.layers) if layer.kind == "solid")
-        columns, rows = state.problem.layers[k].shape
-        middle = state.y.owned(k).reshape(rows, columns, -1)[rows // 2]  # displacement, velocity, energy
-        frames.append((t, middle[:, 1].copy(), middle[:, 3].copy()))
-
-    outcome = solve(case, dict(opt), MPI.COMM_SELF, times=times, look=look)
-    wanted = [frame for frame in frames if np.min(np.abs(np.asarray(times) - frame[0])) < 1e-9 * max(1.0, frame[0])]
-    return Motion(*(np.array(part) for part in zip(*wanted, strict=True))), outcome
+    period = Flow(mach, opt["panel_mass"], opt["panel_thickness"]).period(dynamic)
+    begin = CHORDS / (mach - 1.0)
+    with tempfile.TemporaryDirectory() as folder:
+        own = {**opt, "panel_mach": mach, "panel_lambda": dynamic, "ts_max_time": end or begin + PERIODS * period}
+        own |= {"fsi_output": f"{folder}/panel.h5", "fsi_output_dt": period / SAMPLES, "fsi_output_times": None}
+        try:
+            run_case(case, {**own, "fsi_quiet": True}, MPI.COMM_SELF)
+            with open_run(own["fsi_output"]) as run:
+                motion, summary = motion_of(run)[0], run.summary
+            s, misfit = fit_modes(motion.after(begin))
+        except ComputationError as error:
+            return FlutterRun(mach, dynamic, failure=str(error))
+    return FlutterRun(mach, dynamic, (complex(s[0]), complex(s[1])), misfit, summary["steps"], summary["wall_time"])
 
 
 def good_runs(runs: Sequence[FlutterRun]) -> dict[float, list[FlutterRun]]:
@@ -168,15 +156,14 @@ def good_runs(runs: Sequence[FlutterRun]) -> dict[float, list[FlutterRun]]:
     return {mach: [run for run in runs if run.mach == mach and not run.failure] for mach in {run.mach: 0 for run in runs}}
 
 
-def table(runs: Sequence[FlutterRun]) -> str:
-    """A line for each run: the faster mode first."""
-    head = ["M", "lambda", "growth", "frequency", "second:\ngrowth", "\nfrequency", "misfit", "steps", "wall s"]
-    rows = []
+def rows(runs: Sequence[FlutterRun]) -> list[list[object]]:
+    """A line for each run, under HEAD."""
+    lines: list[list[object]] = []
     for run in runs:
-        both = [f"{x:.5f}" for s in sorted(run.pair, key=lambda s: -s.real) for x in (s.real, s.imag)]
-        cost = [f"{run.misfit:.0e}", run.steps, f"{run.wall_time:.1f}"] if not run.failure else ["failed", "", ""]
-        rows.append([f"{run.mach:g}", f"{run.dynamic:g}", *both, *cost])
-    return text_table(head, rows)
+        both = [f"{x:.6g}" for s in (run.fastest, *run.pair) for x in (s.real, s.imag)]
+        cost = [f"{run.misfit:.1e}", run.steps, f"{run.wall_time:.3g}"]
+        lines.append([f"{run.mach:g}", f"{run.dynamic:g}", *both, *cost, run.failure])
+    return lines
 
 
 def onset_table(runs: Sequence[FlutterRun], mass: float, thickness: float) -> str:
@@ -215,25 +202,13 @@ def curves(runs: Sequence[FlutterRun], mass: float) -> list[Any]:
     return found
 
 
-def save(runs: Sequence[FlutterRun], path: Path) -> Path:
-    """Write the runs as CSV. FileError."""
-    pair = [f"{part}_{n}" for n in (1, 2) for part in ("growth", "frequency")]
-    rows = []
-    for run in runs:
-        numbers = [f"{x:.8g}" for s in (run.fastest, *run.pair) for x in (s.real, s.imag)]
-        cost = f"{run.misfit:.3g}", run.steps, f"{run.wall_time:.3g}"
-        rows.append([repr(run.mach), repr(run.dynamic), *numbers, *cost, run.failure])
-    return save_csv(path, ["mach", "lambda", "growth", "frequency", *pair, "misfit", "steps", "wall_s", "failure"], rows)
-
-
 def report(path: str) -> str:
     """What the second half of a result says, and the theory beside it, in lines. InputError, FileError; ComputationError where
     there are not two periods.
     """
-    import fsipetsc
     from fsipetsc.analysis.flutter_theory import Flow, von_karman
 
-    with fsipetsc.open_run(path) as run:
+    with open_run(path) as run:
         motion, X = motion_of(run)
         found, opt = limit_cycle(motion.after(0.5 * motion.t[-1]), X), run.options
     h = opt.get("panel_thickness", float("nan"))

@@ -7,25 +7,17 @@ range of the field on the finest grid, or of the fields of its unit in the layer
 
 from __future__ import annotations
 
-import shutil
-import tempfile
-from collections.abc import Mapping
-from contextlib import ExitStack
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
 
 from fsipetsc.analysis.convergence_table import ROUND_OFF, ConvergenceStudy
-from fsipetsc.errors import ComputationError, FileError, InputError
+from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import operator
 from fsipetsc.output.as_xarray import FIELDS, INTEGRALS
 from fsipetsc.output.differences import _common_nodes
-from fsipetsc.output.reader import Run, open_run
-from fsipetsc.process.together import together
-
-if TYPE_CHECKING:
-    from mpi4py import MPI
+from fsipetsc.output.reader import Run
 
 Array = np.ndarray
 #: times at which series are compared
@@ -36,75 +28,29 @@ NO_SOLUTION = "t", "dt", "least_J", "J_error"
 COARSE, SLOW = 0.1, 0.5
 
 
-def compare_grids(case: Any, opt: Mapping[str, Any], comm: MPI.Comm, table: ConvergenceStudy, say: Any) -> None:
-    """Fill the table, say each run and each order, and which layers are not resolved. Collective.
-
-    Results of the runs are kept in a folder beside that of the study until their order is done. InputError
-    where grids have no node in common; FileError.
+def differences(runs: Sequence[Run], norm: str) -> Iterator[dict[str, dict[str, float]]]:
+    """Of each run but the last, from coarse to fine: group -> name -> difference from the next one, relative; and "combined",
+    their mean. InputError where there is no node in common.
     """
-    folder = Path(comm.bcast(together(comm, lambda: _folder(opt) if comm.rank == 0 else None)))
-    own = {
-        **opt,
-        **{"fsi_quiet": True, "fsi_output_dt": None},
-        "fsi_output_times": tuple(table.t * np.arange(1, SAMPLES + 1) / SAMPLES),
-    }
-    try:
-        for i, order in enumerate(table.orders):
-            say("")
-            for j, h in enumerate(table.hs):
-                _run(case, {**own, "fsi_order": order, "fsi_h": h}, comm, folder / f"{j}.h5", table, (i, j))
-                say(table.row(i, j))
-            together(comm, lambda: _compare(folder, table, i) if comm.rank == 0 else None)  # noqa: B023
-            if table.errors:
-                say("\n".join([table.table(i), *unresolved(table, i)]))
-    finally:
-        comm.Barrier()
-        if comm.rank == 0:
-            shutil.rmtree(folder, ignore_errors=True)
+    values, power = _common_values(runs), {"L1": 1, "L2": 2}[norm]
+    ranges: dict[tuple[str, str], float] = {}
+    for group, names in values.items():
+        for name, found in names.items():
+            of = group, _unit(name)
+            ranges[of] = max(ranges.get(of, 0.0), _range(found[-1]))
+    for j in range(len(runs) - 1):
+        errors: dict[str, dict[str, float]] = {}
+        for group, names in values.items():
+            own = errors[group] = {}
+            for name, found in names.items():
+                gap = np.abs(found[j + 1] - found[j])
+                gap = gap[np.isfinite(gap)] / (ranges[group, _unit(name)] or 1.0)
+                own[name] = float(np.mean(gap**power) ** (1 / power)) if gap.size else np.nan
+            own["combined"] = float(np.nanmean(np.array(list(own.values())) ** power) ** (1 / power))
+        yield errors
 
 
-def _folder(opt: Mapping[str, Any]) -> str:
-    """A new folder. FileError."""
-    try:
-        return tempfile.mkdtemp(dir=Path(opt["fsi_output"]).parent, prefix="convergence-")
-    except OSError as error:
-        raise FileError(f"{error.filename}: cannot keep results there: {error.strerror}") from None
-
-
-def _run(
-    case: Any, opt: dict[str, Any], comm: MPI.Comm, path: Path, table: ConvergenceStudy, at: tuple[int, int]
-) -> None:
-    """One run with its result in a file; what it costs goes into the table. Collective."""
-    from fsipetsc.stepping.run import run_case
-
-    path.unlink(missing_ok=True)
-    try:
-        run_case(case, {**opt, "fsi_output": str(path)}, comm)
-    except ComputationError as error:
-        table.failures[opt["fsi_order"], opt["fsi_h"]] = str(error)
-        return
-    if comm.rank == 0:
-        with open_run(path) as run:
-            names = {"points": "points", "steps": "steps", "evaluations": "rhs_evaluations", "wall_time": "wall_time"}
-            table.put(*at, {name: run.summary[key] for name, key in names.items()}, {})
-
-
-def _compare(folder: Path, table: ConvergenceStudy, i: int) -> None:
-    """The differences of order i go into the table. InputError, FileError."""
-    good = [j for j, h in enumerate(table.hs) if (table.orders[i], h) not in table.failures]
-    with ExitStack() as stack:
-        runs = {j: stack.enter_context(open_run(folder / f"{j}.h5")) for j in good}
-        if not runs:
-            return
-        values = _common_values(list(runs.values()))
-        power = {"L1": 1, "L2": 2}[table.norm]
-        for j, k in zip(good, good[1:]):
-            if k == j + 1:
-                errors = _differences(values, good.index(j), power)
-                table.put(i, j, {}, errors)
-
-
-def _common_values(runs: list[Run]) -> dict[str, dict[str, list[Array]]]:
+def _common_values(runs: Sequence[Run]) -> dict[str, dict[str, list[Array]]]:
     """Group -> name -> values of each run at what all have in common. InputError where layers have nothing."""
     found: dict[str, dict[str, list[Array]]] = {}
     for k, layer in enumerate(runs[0].layers):
@@ -136,23 +82,6 @@ def _in_all(pairs: Any) -> list[Array]:
     return [second[np.searchsorted(first, common)] for first, second in pairs]
 
 
-def _differences(values: Mapping[str, Mapping[str, list[Array]]], j: int, power: int) -> dict[str, dict[str, float]]:
-    """Group -> name -> difference between run j and the next, relative; and "combined", their mean."""
-    found: dict[str, dict[str, float]] = {}
-    for group, names in values.items():
-        ranges: dict[str, float] = {}
-        for name, runs in names.items():
-            unit = _unit(name)
-            ranges[unit] = max(ranges.get(unit, 0.0), _range(runs[-1]))
-        own = found[group] = {}
-        for name, runs in names.items():
-            gap = np.abs(runs[j + 1] - runs[j])
-            mean = float(np.mean(gap[np.isfinite(gap)] ** power)) if np.isfinite(gap).any() else np.nan
-            own[name] = mean ** (1 / power) / (ranges[_unit(name)] or 1.0)
-        own["combined"] = float(np.mean(np.array(list(own.values())) ** power) ** (1 / power))
-    return found
-
-
 def _unit(name: str) -> str:
     """Of a field or series; those without a name in the tables have a unit of their own."""
     return {**FIELDS, **INTEGRALS}.get(name, (name, ""))[0]
@@ -169,6 +98,8 @@ def _range(values: Array) -> float:
 
 def unresolved(table: ConvergenceStudy, i: int) -> list[str]:
     """A line for each layer that its grids do not resolve: they differ by much, or come together slowly."""
+    if table.exact:
+        return []
     lines, op = [], operator(table.orders[i])
     expected = table.orders[i] // 2 + 1  # closures of half the order count one order more in the solution
     for group in table.errors:

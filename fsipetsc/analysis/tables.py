@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from fsipetsc.errors import FileError, InputError
+from fsipetsc.errors import FileError, FsiError
 from fsipetsc.process.together import agree
 
 if TYPE_CHECKING:
@@ -51,11 +51,11 @@ def csv_target(name: str) -> Path:
 
 
 def shared(comm: MPI.Comm, tasks: Sequence[Task], one: Callable[[Task], Result]) -> list[Result]:
-    """one(task) of all tasks, in their order, on every rank; each rank computes its share. Collective; InputError."""
+    """one(task) of all tasks, in their order, on every rank; each rank computes its share. Collective; FsiError."""
     mine, fault = [], None
     try:
         mine = [one(task) for task in tasks[comm.rank :: comm.size]]
-    except InputError as error:
+    except FsiError as error:
         fault = error
     agree(comm, fault)
     shares = comm.allgather(mine)
