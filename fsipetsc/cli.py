@@ -95,6 +95,14 @@ COMMANDS = {
         options="fsipetsc.analysis.modes:sections",
         prints=True,
     ),
+    "verify": Command(
+        "[NAME ...] [-verify_level full]",
+        "cases against references: errors, observed orders, verdicts",
+        "fsipetsc.verify.command:verify",
+        parallel=True,
+        options="fsipetsc.verify.command:SECTIONS",
+        prints=True,
+    ),
     "bench": Command(
         "[-option value ...]",
         "what a time step costs on 1 to N ranks, and where the time goes",
