@@ -148,9 +148,9 @@ def run_all(
                     table.failures[order, h] = str(error)
                 together(comm, lambda: None if comm.rank else _keep(own["fsi_output"], table, i, j))  # noqa: B023
                 say(table.row(i, j))
-            together(comm, lambda: None if comm.rank else _compare(folder, table, i))  # noqa: B023
+            notes = together(comm, lambda: [] if comm.rank else _compare(folder, table, i))  # noqa: B023
             if table.errors:
-                say("\n".join([table.table(i), *unresolved(table, i)]))
+                say("\n".join([table.table(i), *notes, *unresolved(table, i)]))
     finally:
         comm.Barrier()
         if comm.rank == 0:
@@ -175,18 +175,19 @@ def _keep(path: str, table: ConvergenceStudy, i: int, j: int) -> None:
         table.early |= run.summary["t"] != table.t
 
 
-def _compare(folder: Path, table: ConvergenceStudy, i: int) -> None:
-    """Differences of the grids of order i go into the table. InputError, FileError."""
-    from fsipetsc.analysis.grid_differences import differences
+def _compare(folder: Path, table: ConvergenceStudy, i: int) -> list[str]:
+    """Differences of the grids of order i go into the table; what is to be said of the grids. InputError, FileError."""
+    from fsipetsc.analysis.grid_differences import differences, unrefined
 
     good = [j for j, h in enumerate(table.hs) if (table.orders[i], h) not in table.failures]
     if table.exact or len(good) < 2:
-        return
+        return []
     with ExitStack() as stack:
         runs = [stack.enter_context(open_run(folder / f"{table.orders[i]}-{j}.h5")) for j in good]
         for j, k, errors in zip(good, good[1:], differences(runs, table.norm)):
             if k == j + 1:
                 table.put(i, j, {}, errors)
+        return unrefined(runs)
 
 
 def _check(case: Any, opt: Mapping[str, Any], comm: MPI.Comm, table: ConvergenceStudy, say: Any) -> None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,10 +10,9 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.analysis.tables import save_csv, text_table
-from fsipetsc.errors import FileError
+from fsipetsc.checks import counted
 from fsipetsc.operators.sbp import operator
 
-FORMAT = "fsipetsc convergence study"
 #: name in a study -> name in its CSV and in the summary of a result
 COST = {"points": "points", "steps": "steps", "evaluations": "rhs_evaluations", "wall_time": "wall_time"}
 #: orders that are looked for where grids are compared with each other
@@ -132,9 +129,8 @@ class ConvergenceStudy:
 
     def save(self, path: Path) -> Path:
         """Write a line per run: order, grid, cost, errors, observed orders (empty where there is none). FileError."""
-        of_all = ("case", "t", "ranks", "norm", "units", "exact")
-        failures = [[*key, text] for key, text in self.failures.items()]
-        about = {"format": FORMAT, **{n: getattr(self, n) for n in of_all}, "failures": failures}
+        what = "errors" if self.exact else "relative differences from the next grid"
+        about = f"{self.case}, {what} in {self.norm} at {self.time}, {counted(self.ranks, 'rank')}"
         names = [f"{group}/{name}" for group, name in self.columns()]
         head = ["order", "operator", "h", *COST.values(), "us_per_point_and_step"]
         rows = []
@@ -145,7 +141,7 @@ class ConvergenceStudy:
                 rates = [self.rates(g, n)[i, j] for g, n in self.columns()]
                 numbers = [*_texts([*cost, self.cost[i, j]], ".9g"), *_texts(errors, ".9g")]
                 rows.append([order, operator(order).name, repr(h), *numbers, *_texts(rates, ".4f")])
-        return save_csv(path, [*head, *names, *(f"order {n}" for n in names)], rows, json.dumps(about))
+        return save_csv(path, [*head, *names, *(f"order {n}" for n in names)], rows, about)
 
 
 def order_of_differences(ratio: float, first: float, second: float, third: float) -> float:
@@ -163,33 +159,6 @@ def order_of_differences(ratio: float, first: float, second: float, third: float
         middle = 0.5 * (low + high)
         low, high = (low, middle) if found(middle) > ratio else (middle, high)
     return 0.5 * (low + high)
-
-
-def load(path: str | Path) -> ConvergenceStudy:
-    """A study that was saved. FileError if it cannot be read."""
-    try:
-        with open(path, encoding="utf-8", newline="") as file:
-            about = json.loads(file.readline().removeprefix("#"))
-            rows = list(csv.DictReader(file))
-        if about.pop("format") != FORMAT:
-            raise ValueError
-    except OSError as error:
-        raise FileError(f"{path}: {error.strerror or error}") from error
-    except (ValueError, KeyError, AttributeError):
-        raise FileError(f"{path}: not a convergence study") from None
-    failures = {(order, h): text for order, h, text in about.pop("failures")}
-    orders = tuple(dict.fromkeys(int(row["order"]) for row in rows))
-    hs = tuple(dict.fromkeys(float(row["h"]) for row in rows))
-    study = ConvergenceStudy(orders=orders, hs=hs, failures=failures, **about)
-    for k, row in enumerate(rows):
-        errors: dict[str, dict[str, float]] = {}
-        for column in row:
-            group, slash, name = column.partition("/")
-            if slash and not column.startswith("order "):
-                errors.setdefault(group, {})[name] = float(row[column] or "nan")
-        cost = {name: float(row[column] or "nan") for name, column in COST.items()}
-        study.put(*divmod(k, len(hs)), cost, errors)
-    return study
 
 
 def _texts(values: Any, spec: str) -> list[str]:

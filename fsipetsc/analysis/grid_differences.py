@@ -2,7 +2,7 @@
 
 Fields are compared at the end, at the nodes that all grids have in common, series at SAMPLES equal
 distances of time. A difference is the norm in force (L1 or L2) of the mean over these, over the
-range of the field on the finest grid, or of the fields of its unit in the layer, if one has more.
+largest range on the finest grid of all fields of its unit in layers of its kind.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.analysis.convergence_table import ROUND_OFF, ConvergenceStudy
+from fsipetsc.analysis.convergence_table import ConvergenceStudy
 from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import operator
 from fsipetsc.output.as_xarray import FIELDS, INTEGRALS
@@ -24,8 +24,9 @@ Array = np.ndarray
 SAMPLES = 10
 #: series that are of the steps or of the method, not of the solution
 NO_SOLUTION = "t", "dt", "least_J", "J_error"
-#: a relative difference of the two finest grids that is too much, and part of the order that is too little
-COARSE, SLOW = 0.1, 0.5
+#: a relative difference of the two finest grids that is too much, and one that is little enough whatever the order; the
+#: part of the order that is too little
+COARSE, FINE, SLOW = 0.1, 1e-3, 0.5
 
 
 def differences(runs: Sequence[Run], norm: str) -> Iterator[dict[str, dict[str, float]]]:
@@ -33,10 +34,11 @@ def differences(runs: Sequence[Run], norm: str) -> Iterator[dict[str, dict[str, 
     their mean. InputError where there is no node in common.
     """
     values, power = _common_values(runs), {"L1": 1, "L2": 2}[norm]
+    kinds = {layer.name: layer.kind for layer in runs[0].layers}
     ranges: dict[tuple[str, str], float] = {}
     for group, names in values.items():
         for name, found in names.items():
-            of = group, _unit(name)
+            of = kinds.get(group, group), _unit(name)
             ranges[of] = max(ranges.get(of, 0.0), _range(found[-1]))
     for j in range(len(runs) - 1):
         errors: dict[str, dict[str, float]] = {}
@@ -44,7 +46,7 @@ def differences(runs: Sequence[Run], norm: str) -> Iterator[dict[str, dict[str, 
             own = errors[group] = {}
             for name, found in names.items():
                 gap = np.abs(found[j + 1] - found[j])
-                gap = gap[np.isfinite(gap)] / (ranges[group, _unit(name)] or 1.0)
+                gap = gap[np.isfinite(gap)] / (ranges[kinds.get(group, group), _unit(name)] or 1.0)
                 own[name] = float(np.mean(gap**power) ** (1 / power)) if gap.size else np.nan
             own["combined"] = float(np.nanmean(np.array(list(own.values())) ** power) ** (1 / power))
         yield errors
@@ -111,10 +113,23 @@ def unresolved(table: ConvergenceStudy, i: int) -> list[str]:
         rate = rates[-2]
         if last > COARSE:
             why = f"the two finest grids differ by {100 * fields[worst]:.0f} % of the range of {worst}"
-        elif last > ROUND_OFF and not rate >= SLOW * expected:
+        elif last > FINE and not rate >= SLOW * expected:
             seen = f"of order {rate:.1f}" if np.isfinite(rate) else "of no order"
             why = f"its grids come together {seen}, where {op.name} has {expected} for smooth solutions"
         else:
             continue
         lines.append(f"layer '{group}' is not resolved: {why}; the worst is {worst}")
+    return lines
+
+
+def unrefined(runs: Sequence[Run]) -> list[str]:
+    """A line for each axis of a block that has the same nodes on all grids."""
+    lines = []
+    for k, layer in enumerate(runs[0].layers):
+        shapes = [getattr(run.layers[k], "shape", ())[::-1] for run in runs]
+        lines += [
+            f"block '{layer.name}' has {counts[0]} nodes along axis {axis} on all grids"
+            for axis, counts in enumerate(zip(*shapes))
+            if len(set(counts)) == 1
+        ]
     return lines
