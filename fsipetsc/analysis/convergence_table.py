@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from fsipetsc.analysis.spectra import bisect
 from fsipetsc.analysis.tables import save_csv, text_table
 from fsipetsc.checks import counted
 from fsipetsc.operators.sbp import operator
@@ -152,13 +153,8 @@ def order_of_differences(ratio: float, first: float, second: float, third: float
         one, two = (np.expm1(p * a), -np.expm1(-p * b)) if p else (a, b)
         return float(np.log(one / two))
 
-    low, high = LEAST, MOST
-    if not found(low) <= ratio <= found(high):
-        return float("nan")
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        low, high = (low, middle) if found(middle) > ratio else (middle, high)
-    return 0.5 * (low + high)
+    there = found(LEAST) <= ratio <= found(MOST)
+    return bisect(lambda p: found(p) > ratio, LEAST, MOST) if there else float("nan")
 
 
 def _texts(values: Any, spec: str) -> list[str]:

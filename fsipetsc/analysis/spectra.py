@@ -6,6 +6,7 @@ The classical Runge-Kutta method multiplies a mode exp(lambda t) by R(dt lambda)
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,7 +15,8 @@ from numpy.typing import NDArray
 Real, Complex = NDArray[np.float64], NDArray[np.complex128]
 #: f' = sum_m c_m (f(x + m s) - f(x - m s)) / s with m = 1 ... 4, of order 8
 CENTRAL = np.array([4 / 5, -1 / 5, 4 / 105, -1 / 280])
-_SCAN = np.linspace(0.01, 3.2, 640)
+#: |z| at which each mode is amplified
+FARTHEST = 3.2
 
 
 @dataclass(frozen=True)
@@ -45,6 +47,14 @@ class Result:
     slowest: tuple[tuple[float, tuple[complex, ...]], ...] = ()
 
 
+def bisect(beyond: Callable[[float], bool], low: float, high: float, halvings: int = 60) -> float:
+    """Where beyond(x), false at low, becomes true on the way to high."""
+    for _ in range(halvings):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if beyond(middle) else (middle, high)
+    return high
+
+
 def range_basis(projection: Real) -> Real:
     """(N, n), orthonormal, of what a projection (N, N) leaves as it is."""
     N = len(projection)
@@ -60,19 +70,10 @@ def range_basis(projection: Real) -> Real:
 
 
 def step_limit(spectrum: Complex) -> float:
-    """The largest dt [s] for which RK4 amplifies none of these modes."""
+    """The largest dt [s] for which RK4 amplifies none of these modes. Along each ray |R| <= 1 up to one point: a bisection."""
     spectrum = np.minimum(spectrum.real, 0.0) + 1j * spectrum.imag
-    modulus = np.abs(spectrum)
-    kept = modulus > 0.1 * modulus.max()  # |R| > 1 begins at |z| = 2.6 or more: slower ones do not count
-    modulus, directions = modulus[kept], spectrum[kept] / modulus[kept]
-    above = amplification(directions[:, None] * _SCAN) > 1.0 + 1e-12
-    first = np.where(above.any(axis=1), above.argmax(axis=1), len(_SCAN) - 1)
-    low, high = np.where(first > 0, _SCAN[first - 1], 0.0), _SCAN[first]
-    for _ in range(40):
-        middle = (low + high) / 2
-        outside = amplification(directions * middle) > 1.0 + 1e-12
-        low, high = np.where(outside, low, middle), np.where(outside, middle, high)
-    return float((low / modulus).min())
+    farthest = FARTHEST / float(np.abs(spectrum).max())
+    return bisect(lambda dt: (amplification(dt * spectrum) > 1.0 + 1e-12).any(), 0.0, farthest)
 
 
 def amplification(z: Complex) -> Real:
