@@ -77,9 +77,9 @@ def test_layers_that_are_not_resolved_are_told():
     assert unresolved(compared((8e-3, 1e-3)), 0) == []
     assert unresolved(compared((8e-4, 8e-4)), 0) == []
     (much,) = unresolved(compared((0.8, 0.2)), 0)
-    assert "layer 'gas' is not resolved: the two finest grids differ by 20 % of the range of u" in much
+    assert "layer 'gas' is not resolved: in u the two finest grids differ by 20 % of its range" in much
     (slow,) = unresolved(compared((8e-3, 4e-3)), 0)
-    assert "its grids come together of order 1.0, where 4/2 has 3" in slow
+    assert "its grids come together of order 1.0, u last, where 4/2 has 3" in slow
 
 
 def test_files_hold_what_was_found(tmp_path):

@@ -1,4 +1,4 @@
-"""The numbers of a convergence study: errors, observed orders and cost over orders and grids; as text and CSV."""
+"""The numbers of a convergence study: errors, observed orders and cost, as text and CSV."""
 
 from __future__ import annotations
 
@@ -15,7 +15,12 @@ from fsipetsc.checks import counted
 from fsipetsc.operators.sbp import operator
 
 #: name in a study -> name in its CSV and in the summary of a result
-COST = {"points": "points", "steps": "steps", "evaluations": "rhs_evaluations", "wall_time": "wall_time"}
+COST = {
+    "points": "points",
+    "steps": "steps",
+    "evaluations": "rhs_evaluations",
+    "wall_time": "wall_time",
+}
 #: orders that are looked for where grids are compared with each other
 LEAST, MOST = -4.0, 16.0
 #: a relative difference of grids that is none
@@ -27,9 +32,10 @@ class ConvergenceStudy:
     """Runs of one case over orders and grids, NaN where a run has failed or not been made.
 
     hs: grid spacings [m], coarse to fine. t: time of comparison [s]. errors: group -> name ->
-    (orders, grids). exact: they are against the exact solution, and groups are kinds of layers; else
+    (orders, grids). exact: they are from the exact solution, and groups are kinds of layers; else
     grid j is compared with the next finer one, groups are layers and "series", and errors relative.
-    points, steps, evaluations of the right-hand side, wall_time of the time loop [s]: (orders, grids).
+    points, steps, evaluations of the right-hand side, wall_time of the time loop [s], all (orders,
+    grids).
     failures: (order, h) -> message. units: as in fsipetsc.problem.Problem.
     """
 
@@ -51,7 +57,9 @@ class ConvergenceStudy:
     def _empty(self) -> np.ndarray:
         return np.full((len(self.orders), len(self.hs)), np.nan)
 
-    def put(self, i: int, j: int, cost: Mapping[str, float], errors: Mapping[str, Mapping[str, float]]) -> None:
+    def put(
+        self, i: int, j: int, cost: Mapping[str, float], errors: Mapping[str, Mapping[str, float]]
+    ) -> None:
         """Keep what is known of the run with order i and grid j."""
         for name in cost:
             getattr(self, name)[i, j] = cost[name]
@@ -60,7 +68,7 @@ class ConvergenceStudy:
                 self.errors.setdefault(group, {}).setdefault(name, self._empty())[i, j] = value
 
     def rates(self, group: str, name: str = "combined") -> np.ndarray:
-        """Observed orders, (orders, grids); NaN for the first grid, and the last if grids are compared.
+        """Observed orders, (orders, grids); NaN for the first grid, and the last of compared grids.
 
         Of errors e_j ~ h_j^p p is log(e_j-1 / e_j) / log(h_j-1 / h_j), of differences it solves
         e_j-1 / e_j = (h_j-1^p - h_j^p) / (h_j^p - h_j+1^p).
@@ -117,7 +125,7 @@ class ConvergenceStudy:
         return text_table(head, rows)
 
     def summary(self) -> str:
-        """Observed orders of all errors together, a line per order, the refinements from coarse to fine."""
+        """Observed orders of all errors together, a line per order, from coarse to fine."""
         rows = [
             [group, operator(order).name, *_texts(self.rates(group)[i], ".2f")]
             for group in self.errors
@@ -129,7 +137,7 @@ class ConvergenceStudy:
     # ------------------------------------------------------------------ files
 
     def save(self, path: Path) -> Path:
-        """Write a line per run: order, grid, cost, errors, observed orders (empty where there is none). FileError."""
+        """Write a line per run: order, grid, cost, errors, observed orders. FileError."""
         what = "errors" if self.exact else "relative differences from the next grid"
         about = f"{self.case}, {what} in {self.norm} at {self.time}, {counted(self.ranks, 'rank')}"
         names = [f"{group}/{name}" for group, name in self.columns()]
@@ -146,7 +154,7 @@ class ConvergenceStudy:
 
 
 def order_of_differences(ratio: float, first: float, second: float, third: float) -> float:
-    """p with (first^p - second^p) / (second^p - third^p) = exp(ratio), by bisection; NaN where there is none."""
+    """p with (first^p - second^p) / (second^p - third^p) = exp(ratio); NaN where there is none."""
 
     def found(p: float) -> float:
         a, b = np.log(first / second), np.log(second / third)

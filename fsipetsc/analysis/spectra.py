@@ -1,7 +1,8 @@
-"""What linear theories share: derivatives by differences, the range of a projection, the step of RK4, and results.
+"""What linear theories share: differences, the range of a projection, the step of RK4, results.
 
-The classical Runge-Kutta method multiplies a mode exp(lambda t) by R(dt lambda) in a step, R(z) = 1 + z + z^2/2 + z^3/6
-+ z^4/24; the step limit is the largest dt with |R| <= 1 for all modes (one that grows counts with its frequency alone).
+The classical Runge-Kutta method multiplies a mode exp(lambda t) by R(dt lambda) in a step, R(z) =
+1 + z + z^2/2 + z^3/6 + z^4/24; the step limit is the largest dt with |R| <= 1 for all modes (one
+that grows counts with its frequency alone).
 """
 
 from __future__ import annotations
@@ -23,10 +24,11 @@ FARTHEST = 3.2
 class Result:
     """Numbers of one problem. Rates of growth are over the largest |lambda|, which is radius [1/s].
 
-    energy, growth: those of the energy (NaN if it is not looked at) and of the fastest mode, without the heat that the
-    stress at rest sets free; heated_energy, heated: with it. step: that RK4 can take [s], step_ratio: over that of the
-    uncoupled layers. estimate, stable, heated_stable, step_kept: the energy does not grow, no mode does (with that heat),
-    the interface costs no step. slowest: (wave number k [1/m], s [1/s] of the slowest modes that swing).
+    energy, growth: those of the energy (NaN if it is not known) and of the fastest mode, without
+    the heat that the stress at rest sets free; heated_energy, heated: with it. step: that RK4 can
+    take [s], step_ratio: over that of the uncoupled layers. estimate, stable, heated_stable,
+    step_kept: the energy does not grow, no mode does (with that heat), the interface costs no step.
+    slowest: (wave number k [1/m], s [1/s] of the slowest modes that swing).
     """
 
     order: int
@@ -70,7 +72,10 @@ def range_basis(projection: Real) -> Real:
 
 
 def step_limit(spectrum: Complex) -> float:
-    """The largest dt [s] for which RK4 amplifies none of these modes. Along each ray |R| <= 1 up to one point: a bisection."""
+    """The largest dt [s] for which RK4 amplifies none of these modes.
+
+    Along each ray of Re z <= 0 |R| <= 1 holds up to one point: a bisection finds the least.
+    """
     spectrum = np.minimum(spectrum.real, 0.0) + 1j * spectrum.imag
     farthest = FARTHEST / float(np.abs(spectrum).max())
     return bisect(lambda dt: (amplification(dt * spectrum) > 1.0 + 1e-12).any(), 0.0, farthest)

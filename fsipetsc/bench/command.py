@@ -1,9 +1,9 @@
 """The command ``python -m fsipetsc bench``: what a time step costs.
 
 Measured are the falling rod and a gas beneath a solid (fsipetsc.bench.square), for orders, grids,
-forms and numbers of ranks. A sample is some whole steps as a run makes them, but for output. Samples
-of all numbers of ranks and of other programs are taken in turn; ranks without a part sleep. A time is
-the median of its samples, a ratio that of pairs taken one after the other.
+forms and numbers of ranks. A sample is some whole steps as a run makes them, but for output. Those
+of all numbers of ranks and of other programs are taken in turn; ranks without a part sleep. A time
+is the median of its samples, a ratio that of pairs taken one after the other.
 """
 
 from __future__ import annotations
@@ -40,35 +40,36 @@ COLUMNS = "problem order form n ranks step_us ns_node_rhs other_us ratio speed_u
 
 
 def _only(*allowed: int) -> Callable[[Sequence[int]], str | None]:
-    text = f"numbers out of {', '.join(map(str, allowed))}"
-    return lambda values: None if values and set(values) <= set(allowed) else text
+    text = f"numbers out of {allowed}"
+    return lambda values: None if values and {*values} <= {*allowed} else text
 
 
-_WHAT = "problems: 0 is the rod; 1, 2, 3 are gas | solid in so many dimensions"
+_WHAT = "0: the rod; 1, 2, 3: gas | solid in so many dimensions"
 OPTIONS = (
     Option("bench_problems", "ints", (0, 1, 2, 3), "", _WHAT, check=_only(0, 1, 2, 3)),
     Option("bench_orders", "ints", (4,), "", "orders", check=_only(2, 4, 6, 8)),
     Option("bench_form", str, "all", "", "form of gas | solid", ("all", *FORMS)),
-    Option("bench_rod", "ints", (480, 3840, 100_000), "", "points of the rod, about", check="positive"),
-    Option("bench_line", "ints", (240, 2000, 50_000), "", "nodes of a block in 1-D", check="positive"),
+    Option("bench_rod", "ints", (480, 3840, 100_000), "", "points of the rod", check="positive"),
+    Option("bench_line", "ints", (240, 2000, 50_000), "", "nodes of a block", check="positive"),
     Option("bench_square", "ints", (64, 128, 256), "", "nodes of an axis in 2-D", check="positive"),
     Option("bench_cube", "ints", (32, 64), "", "nodes of an axis in 3-D", check="positive"),
-    Option("bench_ranks", "ints", None, "", "numbers of ranks; default: 1, 2, 4 … up to those there are", check="positive"),
+    Option("bench_ranks", "ints", None, "", "numbers of ranks; else 1, 2, 4 …", check="positive"),
     Option("bench_seconds", float, 0.2, "s", "length of a sample, about", check="positive"),
     Option("bench_repeats", int, 5, "", "samples, of which the median counts", check="positive"),
     Option("bench_rod_program", str, None, "", "folder of another program for the rod"),
     Option("bench_square_program", str, None, "", "folder of another program for gas | solid, 2-D"),
     Option("fsi_output", str, "bench", "", "base name of the table NAME.csv"),
 )
+_OF_RUN = "fsi_quiet", "fsi_partition", "fsi_debug"
 SECTIONS = {
     "Benchmark": OPTIONS,
-    "Run": tuple(option for option in RUN if option.name in ("fsi_quiet", "fsi_partition", "fsi_debug")),
+    "Run": tuple(option for option in RUN if option.name in _OF_RUN),
 }
 
 
 def targets(opt: Mapping[str, Any]) -> Iterator[tuple[Any, ...]]:
     """All that the options ask for: the first columns of a row, a case, options of its run; another
-    program, its words before and behind the number of steps. The rod is 6 m of gas and solid, of which 1 m is solid."""
+    program, its words before and behind the number of steps. The rod's 6 m have 1 m of solid."""
     of_dimension = {1: "bench_line", 2: "bench_square", 3: "bench_cube"}
     forms = FORMS if opt["bench_form"] == "all" else (opt["bench_form"],)
     for problem, order in product(opt["bench_problems"], opt["bench_orders"]):
@@ -177,7 +178,7 @@ def _ratio(a: list[float], b: list[float]) -> str:
 
 
 def prepared(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Any:
-    """The state of a problem, compiled. Collective; InputError where grid, order and ranks do not fit."""
+    """The state of a problem, compiled. Collective; InputError where it does not fit."""
     from fsipetsc.stepping.solve import build_problem, make_state
 
     state = make_state(build_problem(case, opt, comm), dict(opt), comm)
@@ -187,7 +188,7 @@ def prepared(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Any:
 
 
 def step_time(state: Any, opt: Mapping[str, Any], count: int) -> float:
-    """Time [µs] of a step, on the average over the first ``count`` from the initial data. Collective."""
+    """Time [µs] of a step, the average of the first ``count``. Collective."""
     from mpi4py import MPI
 
     from fsipetsc.stepping.integrator import Integrator

@@ -25,7 +25,7 @@ def executable(name: str, folder: str, copies: str) -> Path:
         subprocess.run(["make", "-s", name], cwd=copy, capture_output=True, text=True, check=True)
     except (OSError, subprocess.CalledProcessError) as error:
         reason = str(getattr(error, "stderr", "") or error).strip().splitlines()[-1]
-        raise InputError(f"{folder}: no executable {name}, and it cannot be built: {reason}") from None
+        raise InputError(f"{folder}: no {name}, and it cannot be built: {reason}") from None
     return copy / name
 
 

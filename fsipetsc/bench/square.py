@@ -1,4 +1,4 @@
-"""The problem that ``bench`` measures: a gas beneath a solid in one, two or three dimensions, two unit
+"""The problem that ``bench`` measures: a gas beneath a solid in one, two or three dimensions, unit
 cubes, periodic along the interface, with a wall below and clamped above, and smooth disturbances.
 """
 
