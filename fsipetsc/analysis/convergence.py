@@ -79,7 +79,7 @@ def _case(arguments: Sequence[str]) -> Any:
 def study(
     case: Any, opt: Mapping[str, Any], given: Container[str], comm: MPI.Comm
 ) -> ConvergenceStudy:
-    """Make all runs, print and save. Collective on comm.
+    """Make all runs, print and save; rank 0 has all numbers. Collective on comm.
 
     opt: options in force, those of this command included. given: names of those that the user gave.
     """
@@ -175,8 +175,7 @@ def run_all(
             if table.errors:
                 say("\n".join([table.table(i), *notes, *unresolved(table, i)]))
     finally:
-        comm.Barrier()
-        if comm.rank == 0:
+        if comm.rank == 0:  # which alone reads them
             shutil.rmtree(folder, ignore_errors=True)
 
 

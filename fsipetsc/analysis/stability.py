@@ -220,27 +220,19 @@ def save(opt: Mapping[str, Any], results: Sequence[Result]) -> list[Path]:
 
 def judge(results: Sequence[Result]) -> None:
     """Raise ComputationError, which names the worst, if a result does not keep what its treatment promises."""
-    estimate = results[0].coupling in ("conservative", "energy")
-    broken = [r for r in results if not (r.stable and r.step_kept and (r.estimate or not estimate))]
-    if not broken:
-        return
-    growing, slowed = [r for r in broken if not r.stable], [r for r in broken if not r.step_kept]
-    faults = []
-    if growing:
-        worst = max(growing, key=lambda r: r.growth)
-        faults.append(f"a mode grows in {len(growing)}, at {worst.growth:.2g} |lambda| with {_where(worst)}")
-    if slowed:
-        worst = min(slowed, key=lambda r: r.step_ratio)
-        ratio = f"{worst.step_ratio:.2g} of the uncoupled one"
-        faults.append(f"the step limit is lower in {len(slowed)}, {ratio} with {_where(worst)}")
-    if not faults:
-        worst = max(broken, key=lambda r: r.energy)
-        faults.append(f"the energy grows, at {worst.energy:.2g} |lambda| with {_where(worst)}")
-    raise ComputationError(f"{broken[0].coupling} fails in {len(broken)} of {len(results)}: {'; '.join(faults)}")
-
-
-def _where(result: Result) -> str:
-    return f"order {result.order}, m0/rho = {result.density_ratio:g}, K/p = {result.stiffness_ratio:g}"
+    promised = {"a mode grows": "stable", "the step is shorter": "step_kept"}
+    if results[0].coupling in ("conservative", "energy"):
+        promised["the energy grows"] = "estimate"
+    counts = {fault: sum(not getattr(r, name) for r in results) for fault, name in promised.items()}
+    broken = [r for r in results if not all(getattr(r, name) for name in promised.values())]
+    if broken:
+        worst = max(broken, key=lambda r: (not r.stable, r.growth if not r.stable else -r.step_ratio))
+        raise ComputationError(
+            f"{worst.coupling} fails in {len(broken)} of {len(results)}: "
+            f"{', '.join(f'{fault} in {count}' for fault, count in counts.items() if count)}; the worst is order "
+            f"{worst.order}, m0/rho = {worst.density_ratio:g}, K/p = {worst.stiffness_ratio:g}: growth "
+            f"{worst.growth:.2g} |lambda|, step {worst.step_ratio:.2g} of the uncoupled one"
+        )
 
 
 def _name(result: Result) -> str:

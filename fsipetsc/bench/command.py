@@ -113,14 +113,14 @@ def bench(arguments: list[str], comm: MPI.Comm) -> None:
             for row in measured(case, options, opt, comm, teams, other):
                 rows.append([*about, *row])
                 say(" ".join(f"{value!s:>11}" for value in rows[-1]))
-    path = Path(f"{opt['fsi_output']}.csv")
+    path = f"{opt['fsi_output']}.csv"
     together(comm, lambda: None if comm.rank else _save(path, rows))
     say(f"the table is in {path}")
 
 
-def _save(path: Path, rows: Sequence[Sequence[object]]) -> None:
+def _save(path: str, rows: Sequence[Sequence[object]]) -> None:
     try:
-        path.write_text("".join(",".join(map(str, row)) + "\n" for row in (COLUMNS, *rows)))
+        Path(path).write_text("".join(",".join(map(str, row)) + "\n" for row in (COLUMNS, *rows)))
     except OSError as error:
         raise FileError(f"{path}: cannot write the table: {error.strerror or error}") from error
 
@@ -149,9 +149,8 @@ def measured(
     def sample(n: int, count: int) -> Any:
         return on(n, lambda: step_time(states[n], options, count))
 
-    first = min(teams)
-    sample(first, 2)  # for what is made once
-    step = comm.bcast(sample(first, 10))
+    sample(min(teams), 2)  # for what is made once
+    step = comm.bcast(sample(min(teams), 10))
     steps = min(20_000, max(6, round(1e6 * opt["bench_seconds"] / (step or 1.0))))
     times: dict[int, list[float]] = {n: [] for n in teams}
     beside = []
