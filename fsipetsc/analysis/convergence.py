@@ -1,10 +1,10 @@
-"""The command `convergence CASE`: one case over orders and grids, its errors, observed orders and cost.
+"""The command `convergence CASE`: a case over orders and grids, errors, observed orders and cost.
 
 A case with an exact solution in all of its layers is compared with that. Any other case is compared
 with itself (fsipetsc.analysis.grid_differences). The runs are made in this process, one after the
 other, and their results kept until their order is done; under mpiexec all ranks share each of them.
-What is left is a table on the terminal, the same numbers as CSV, and two pictures: error against grid
-spacing (Fig. 6 of the paper) and error against time (Fig. 7).
+What is left is a table on the terminal, the same numbers as CSV, and two pictures: error against
+grid spacing (Fig. 6 of the paper) and error against time (Fig. 7).
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import shutil
 import tempfile
 from collections.abc import Container, Mapping, Sequence
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -39,7 +40,8 @@ FACTORS = (4, 2, 1, 1 / 2, 1 / 4), (2, 1, 1 / 2), (2, 1, 2 / 3)
 OPTIONS = (
     Option(
         *("fsi_orders", "ints", None, ""),
-        help="orders to study, instead of -fsi_order; default: all, or the case's own if it has no exact solution",
+        help="orders to study, instead of -fsi_order; default: all, "
+        "or the case's own if it has no exact solution",
         check=listed_in((2, 4, 6, 8)),
     ),
     Option(
@@ -74,8 +76,10 @@ def _case(arguments: Sequence[str]) -> Any:
     return load_case(arguments[0])
 
 
-def study(case: Any, opt: Mapping[str, Any], given: Container[str], comm: MPI.Comm) -> ConvergenceStudy:
-    """Make all runs, print and save. Collective on comm.
+def study(
+    case: Any, opt: Mapping[str, Any], given: Container[str], comm: MPI.Comm
+) -> ConvergenceStudy:
+    """Make all runs, print and save; rank 0 has all numbers. Collective on comm.
 
     opt: options in force, those of this command included. given: names of those that the user gave.
     """
@@ -103,7 +107,10 @@ def study(case: Any, opt: Mapping[str, Any], given: Container[str], comm: MPI.Co
     _check(case, opt, comm, table, say)
     run_all(case, opt, comm, table, say, path.parent)
     if table.early:
-        say(f"\nruns have ended before {table.time}, by -ts_max_steps: their errors are those of different times")
+        say(
+            f"\nruns have ended before {table.time}, by -ts_max_steps: "
+            "their errors are those of different times"
+        )
     if len(hs) > 1 and table.errors:
         say("\n" + table.summary())
     elif table.errors:
@@ -115,21 +122,32 @@ def study(case: Any, opt: Mapping[str, Any], given: Container[str], comm: MPI.Co
         say("\nresults in " + ", ".join(map(str, files)))
     wait_asleep(comm)
     if table.failures:
-        first = next(f"order {order}, h = {h:g}: {text}" for (order, h), text in table.failures.items())
-        raise ComputationError(f"{len(table.failures)} of {counted(len(orders) * len(hs), 'run')} failed; {first}")
+        first = next(
+            f"order {order}, h = {h:g}: {text}" for (order, h), text in table.failures.items()
+        )
+        raise ComputationError(
+            f"{len(table.failures)} of {counted(len(orders) * len(hs), 'run')} failed; {first}"
+        )
     return table
 
 
 def _distinct(spacings: Sequence[float]) -> tuple[float, ...]:
-    """From coarse to fine, each once; what is the same in six digits shows no order but round-off."""
+    """From coarse to fine, each once; grids that are the same in six digits show round-off."""
     return tuple(sorted({f"{h:.6g}": h for h in spacings}.values(), reverse=True))
 
 
 def run_all(
-    case: Any, opt: Mapping[str, Any], comm: MPI.Comm, table: ConvergenceStudy, say: Any, beside: Path
+    case: Any,
+    opt: Mapping[str, Any],
+    comm: MPI.Comm,
+    table: ConvergenceStudy,
+    say: Any,
+    beside: Path,
 ) -> None:
-    """Fill the table; say each run, each order, and which layers are not resolved. Collective. beside: the folder in which
-    results are kept for a while. InputError where grids have no node in common; FileError.
+    """Fill the table; say each run, each order, and which layers are not resolved. Collective.
+
+    beside: the folder in which results are kept for a while. InputError where grids have no node in
+    common; FileError.
     """
     from fsipetsc.analysis.grid_differences import SAMPLES, unresolved
     from fsipetsc.stepping.run import run_case
@@ -141,19 +159,23 @@ def run_all(
         for i, order in enumerate(table.orders):
             say("")
             for j, h in enumerate(table.hs):
-                own |= {"fsi_order": order, "fsi_h": h, "fsi_output": str(folder / f"{order}-{j}.h5")}
+                own |= {
+                    "fsi_order": order,
+                    "fsi_h": h,
+                    "fsi_output": str(folder / f"{order}-{j}.h5"),
+                }
                 try:
                     run_case(case, dict(own), comm)
                 except ComputationError as error:
                     table.failures[order, h] = str(error)
-                together(comm, lambda: None if comm.rank else _keep(own["fsi_output"], table, i, j))  # noqa: B023
+                keep = partial(_keep, own["fsi_output"], table, i, j)
+                together(comm, list if comm.rank else keep)
                 say(table.row(i, j))
-            together(comm, lambda: None if comm.rank else _compare(folder, table, i))  # noqa: B023
+            notes = together(comm, list if comm.rank else partial(_compare, folder, table, i))
             if table.errors:
-                say("\n".join([table.table(i), *unresolved(table, i)]))
+                say("\n".join([table.table(i), *notes, *unresolved(table, i)]))
     finally:
-        comm.Barrier()
-        if comm.rank == 0:
+        if comm.rank == 0:  # which alone reads them
             shutil.rmtree(folder, ignore_errors=True)
 
 
@@ -175,22 +197,31 @@ def _keep(path: str, table: ConvergenceStudy, i: int, j: int) -> None:
         table.early |= run.summary["t"] != table.t
 
 
-def _compare(folder: Path, table: ConvergenceStudy, i: int) -> None:
-    """Differences of the grids of order i go into the table. InputError, FileError."""
-    from fsipetsc.analysis.grid_differences import differences
+def _compare(folder: Path, table: ConvergenceStudy, i: int) -> list[str]:
+    """Differences of the grids of order i go into the table; what is to be said of the grids.
+
+    InputError, FileError.
+    """
+    from fsipetsc.analysis.grid_differences import differences, unrefined
 
     good = [j for j, h in enumerate(table.hs) if (table.orders[i], h) not in table.failures]
     if table.exact or len(good) < 2:
-        return
+        return []
     with ExitStack() as stack:
         runs = [stack.enter_context(open_run(folder / f"{table.orders[i]}-{j}.h5")) for j in good]
         for j, k, errors in zip(good, good[1:], differences(runs, table.norm)):
             if k == j + 1:
                 table.put(i, j, {}, errors)
+        return unrefined(runs)
 
 
-def _check(case: Any, opt: Mapping[str, Any], comm: MPI.Comm, table: ConvergenceStudy, say: Any) -> None:
-    """Lay every grid once, so that what does not fit is known before the first run, and compile. Collective; InputError."""
+def _check(
+    case: Any, opt: Mapping[str, Any], comm: MPI.Comm, table: ConvergenceStudy, say: Any
+) -> None:
+    """Lay every grid once, so that what does not fit is known before the first run, and compile.
+
+    Collective; InputError.
+    """
     from fsipetsc.stepping.solve import build_problem, make_state
 
     for order in table.orders:
@@ -207,7 +238,9 @@ def _check(case: Any, opt: Mapping[str, Any], comm: MPI.Comm, table: Convergence
 def _target(case: Any, opt: Mapping[str, Any], given: Container[str]) -> Path:
     """The CSV file of the table. InputError for options that a study has no use for; FileError."""
     if "fsi_order" in given:
-        raise InputError("-fsi_order is for a single run; a study takes -fsi_orders, as in -fsi_orders 4,6")
+        raise InputError(
+            "-fsi_order is for a single run; a study takes -fsi_orders, as in -fsi_orders 4,6"
+        )
     if "fsi_h" in given and "fsi_hs" in given:
         raise InputError("-fsi_h and -fsi_hs both say what the grids are; give one of them")
     return csv_target(opt["fsi_output"] if "fsi_output" in given else f"{case.NAME}-convergence")

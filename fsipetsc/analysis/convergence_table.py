@@ -1,9 +1,7 @@
-"""The numbers of a convergence study: errors, observed orders and cost over orders and grids; as text and CSV."""
+"""The numbers of a convergence study: errors, observed orders and cost, as text and CSV."""
 
 from __future__ import annotations
 
-import csv
-import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,13 +9,18 @@ from typing import Any
 
 import numpy as np
 
+from fsipetsc.analysis.spectra import bisect
 from fsipetsc.analysis.tables import save_csv, text_table
-from fsipetsc.errors import FileError
+from fsipetsc.checks import counted
 from fsipetsc.operators.sbp import operator
 
-FORMAT = "fsipetsc convergence study"
 #: name in a study -> name in its CSV and in the summary of a result
-COST = {"points": "points", "steps": "steps", "evaluations": "rhs_evaluations", "wall_time": "wall_time"}
+COST = {
+    "points": "points",
+    "steps": "steps",
+    "evaluations": "rhs_evaluations",
+    "wall_time": "wall_time",
+}
 #: orders that are looked for where grids are compared with each other
 LEAST, MOST = -4.0, 16.0
 #: a relative difference of grids that is none
@@ -29,9 +32,10 @@ class ConvergenceStudy:
     """Runs of one case over orders and grids, NaN where a run has failed or not been made.
 
     hs: grid spacings [m], coarse to fine. t: time of comparison [s]. errors: group -> name ->
-    (orders, grids). exact: they are against the exact solution, and groups are kinds of layers; else
+    (orders, grids). exact: they are from the exact solution, and groups are kinds of layers; else
     grid j is compared with the next finer one, groups are layers and "series", and errors relative.
-    points, steps, evaluations of the right-hand side, wall_time of the time loop [s]: (orders, grids).
+    points, steps, evaluations of the right-hand side, wall_time of the time loop [s], all (orders,
+    grids).
     failures: (order, h) -> message. units: as in fsipetsc.problem.Problem.
     """
 
@@ -53,7 +57,9 @@ class ConvergenceStudy:
     def _empty(self) -> np.ndarray:
         return np.full((len(self.orders), len(self.hs)), np.nan)
 
-    def put(self, i: int, j: int, cost: Mapping[str, float], errors: Mapping[str, Mapping[str, float]]) -> None:
+    def put(
+        self, i: int, j: int, cost: Mapping[str, float], errors: Mapping[str, Mapping[str, float]]
+    ) -> None:
         """Keep what is known of the run with order i and grid j."""
         for name in cost:
             getattr(self, name)[i, j] = cost[name]
@@ -62,7 +68,7 @@ class ConvergenceStudy:
                 self.errors.setdefault(group, {}).setdefault(name, self._empty())[i, j] = value
 
     def rates(self, group: str, name: str = "combined") -> np.ndarray:
-        """Observed orders, (orders, grids); NaN for the first grid, and the last if grids are compared.
+        """Observed orders, (orders, grids); NaN for the first grid, and the last of compared grids.
 
         Of errors e_j ~ h_j^p p is log(e_j-1 / e_j) / log(h_j-1 / h_j), of differences it solves
         e_j-1 / e_j = (h_j-1^p - h_j^p) / (h_j^p - h_j+1^p).
@@ -119,7 +125,7 @@ class ConvergenceStudy:
         return text_table(head, rows)
 
     def summary(self) -> str:
-        """Observed orders of all errors together, a line per order, the refinements from coarse to fine."""
+        """Observed orders of all errors together, a line per order, from coarse to fine."""
         rows = [
             [group, operator(order).name, *_texts(self.rates(group)[i], ".2f")]
             for group in self.errors
@@ -131,10 +137,9 @@ class ConvergenceStudy:
     # ------------------------------------------------------------------ files
 
     def save(self, path: Path) -> Path:
-        """Write a line per run: order, grid, cost, errors, observed orders (empty where there is none). FileError."""
-        of_all = ("case", "t", "ranks", "norm", "units", "exact")
-        failures = [[*key, text] for key, text in self.failures.items()]
-        about = {"format": FORMAT, **{n: getattr(self, n) for n in of_all}, "failures": failures}
+        """Write a line per run: order, grid, cost, errors, observed orders. FileError."""
+        what = "errors" if self.exact else "relative differences from the next grid"
+        about = f"{self.case}, {what} in {self.norm} at {self.time}, {counted(self.ranks, 'rank')}"
         names = [f"{group}/{name}" for group, name in self.columns()]
         head = ["order", "operator", "h", *COST.values(), "us_per_point_and_step"]
         rows = []
@@ -145,51 +150,19 @@ class ConvergenceStudy:
                 rates = [self.rates(g, n)[i, j] for g, n in self.columns()]
                 numbers = [*_texts([*cost, self.cost[i, j]], ".9g"), *_texts(errors, ".9g")]
                 rows.append([order, operator(order).name, repr(h), *numbers, *_texts(rates, ".4f")])
-        return save_csv(path, [*head, *names, *(f"order {n}" for n in names)], rows, json.dumps(about))
+        return save_csv(path, [*head, *names, *(f"order {n}" for n in names)], rows, about)
 
 
 def order_of_differences(ratio: float, first: float, second: float, third: float) -> float:
-    """p with (first^p - second^p) / (second^p - third^p) = exp(ratio), by bisection; NaN where there is none."""
+    """p with (first^p - second^p) / (second^p - third^p) = exp(ratio); NaN where there is none."""
 
     def found(p: float) -> float:
         a, b = np.log(first / second), np.log(second / third)
         one, two = (np.expm1(p * a), -np.expm1(-p * b)) if p else (a, b)
         return float(np.log(one / two))
 
-    low, high = LEAST, MOST
-    if not found(low) <= ratio <= found(high):
-        return float("nan")
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        low, high = (low, middle) if found(middle) > ratio else (middle, high)
-    return 0.5 * (low + high)
-
-
-def load(path: str | Path) -> ConvergenceStudy:
-    """A study that was saved. FileError if it cannot be read."""
-    try:
-        with open(path, encoding="utf-8", newline="") as file:
-            about = json.loads(file.readline().removeprefix("#"))
-            rows = list(csv.DictReader(file))
-        if about.pop("format") != FORMAT:
-            raise ValueError
-    except OSError as error:
-        raise FileError(f"{path}: {error.strerror or error}") from error
-    except (ValueError, KeyError, AttributeError):
-        raise FileError(f"{path}: not a convergence study") from None
-    failures = {(order, h): text for order, h, text in about.pop("failures")}
-    orders = tuple(dict.fromkeys(int(row["order"]) for row in rows))
-    hs = tuple(dict.fromkeys(float(row["h"]) for row in rows))
-    study = ConvergenceStudy(orders=orders, hs=hs, failures=failures, **about)
-    for k, row in enumerate(rows):
-        errors: dict[str, dict[str, float]] = {}
-        for column in row:
-            group, slash, name = column.partition("/")
-            if slash and not column.startswith("order "):
-                errors.setdefault(group, {})[name] = float(row[column] or "nan")
-        cost = {name: float(row[column] or "nan") for name, column in COST.items()}
-        study.put(*divmod(k, len(hs)), cost, errors)
-    return study
+    there = found(LEAST) <= ratio <= found(MOST)
+    return bisect(lambda p: found(p) > ratio, LEAST, MOST) if there else float("nan")
 
 
 def _texts(values: Any, spec: str) -> list[str]:

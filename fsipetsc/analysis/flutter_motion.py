@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fsipetsc.analysis.spectra import Complex, Real
+from fsipetsc.analysis.spectra import Complex, Real, bisect
 from fsipetsc.errors import ComputationError, InputError
 
 if TYPE_CHECKING:
@@ -112,11 +112,8 @@ def crossing(dynamic: Sequence[float], units: Sequence[float], pairs: Sequence[S
     first = int(np.argmax(grows))
     if not grows.any() or first == 0:
         return float("nan"), complex("nan")
-    low, high = fine[first - 1], fine[first]
-    for _ in range(40):
-        middle = 0.5 * (low + high)
-        low, high = (low, middle) if fastest(middle).real > 0.0 else (middle, high)
-    return float(high), fastest(high)
+    found_at = bisect(lambda at: fastest(at).real > 0.0, float(fine[first - 1]), float(fine[first]))
+    return found_at, fastest(found_at)
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,7 @@ from functools import lru_cache
 import numpy as np
 
 from fsipetsc.analysis.flutter_motion import Motion
-from fsipetsc.analysis.spectra import Complex, Real
+from fsipetsc.analysis.spectra import Complex, Real, bisect
 from fsipetsc.errors import ComputationError
 
 #: functions for the deflection, natural modes that are kept, points of the quadratures along the panel and up to a point
@@ -193,10 +193,8 @@ class Flow:
         least = 1e-9 * self.unit(low)  # round-off of a mode that neither grows nor decays
         if fastest(low).real > least or fastest(high).real <= least:
             raise ComputationError(f"{theory} theory has no flutter between lambda = {low:g} and {high:g} at M = {self.mach:g}")
-        while high - low > 1e-7 * high:
-            middle = 0.5 * (low + high)
-            low, high = (low, middle) if fastest(middle).real > least else (middle, high)
-        return high, fastest(high)
+        found = bisect(lambda at: fastest(at).real > least, low, high, halvings=24)
+        return found, fastest(found)
 
     def onset(self, theory: str) -> tuple[float, complex]:
         """The same, NaN where there is none."""

@@ -2,7 +2,7 @@
 
 Fields are compared at the end, at the nodes that all grids have in common, series at SAMPLES equal
 distances of time. A difference is the norm in force (L1 or L2) of the mean over these, over the
-range of the field on the finest grid, or of the fields of its unit in the layer, if one has more.
+largest range on the finest grid of all fields of its unit in layers of its kind.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.analysis.convergence_table import ROUND_OFF, ConvergenceStudy
+from fsipetsc.analysis.convergence_table import ConvergenceStudy
 from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import operator
 from fsipetsc.output.as_xarray import FIELDS, INTEGRALS
@@ -24,19 +24,21 @@ Array = np.ndarray
 SAMPLES = 10
 #: series that are of the steps or of the method, not of the solution
 NO_SOLUTION = "t", "dt", "least_J", "J_error"
-#: a relative difference of the two finest grids that is too much, and part of the order that is too little
-COARSE, SLOW = 0.1, 0.5
+#: a relative difference of the two finest grids that is too much, and one that is little enough
+#: whatever the order; the part of the order that is too little
+COARSE, FINE, SLOW = 0.1, 1e-3, 0.5
 
 
 def differences(runs: Sequence[Run], norm: str) -> Iterator[dict[str, dict[str, float]]]:
-    """Of each run but the last, from coarse to fine: group -> name -> difference from the next one, relative; and "combined",
-    their mean. InputError where there is no node in common.
+    """Of each run but the last, from coarse to fine: group -> name -> relative difference from the
+    next one; and "combined", their mean. InputError where there is no node in common.
     """
     values, power = _common_values(runs), {"L1": 1, "L2": 2}[norm]
+    kinds = {layer.name: layer.kind for layer in runs[0].layers}
     ranges: dict[tuple[str, str], float] = {}
     for group, names in values.items():
         for name, found in names.items():
-            of = group, _unit(name)
+            of = kinds.get(group, group), _unit(name)
             ranges[of] = max(ranges.get(of, 0.0), _range(found[-1]))
     for j in range(len(runs) - 1):
         errors: dict[str, dict[str, float]] = {}
@@ -44,14 +46,16 @@ def differences(runs: Sequence[Run], norm: str) -> Iterator[dict[str, dict[str, 
             own = errors[group] = {}
             for name, found in names.items():
                 gap = np.abs(found[j + 1] - found[j])
-                gap = gap[np.isfinite(gap)] / (ranges[group, _unit(name)] or 1.0)
+                gap = gap[np.isfinite(gap)] / (ranges[kinds.get(group, group), _unit(name)] or 1.0)
                 own[name] = float(np.mean(gap**power) ** (1 / power)) if gap.size else np.nan
-            own["combined"] = float(np.nanmean(np.array(list(own.values())) ** power) ** (1 / power))
+            own["combined"] = float(
+                np.nanmean(np.array(list(own.values())) ** power) ** (1 / power)
+            )
         yield errors
 
 
 def _common_values(runs: Sequence[Run]) -> dict[str, dict[str, list[Array]]]:
-    """Group -> name -> values of each run at what all have in common. InputError where layers have nothing."""
+    """Group -> name -> values of each run at what all have in common. InputError."""
     found: dict[str, dict[str, list[Array]]] = {}
     for k, layer in enumerate(runs[0].layers):
         layers = [run.layers[k] for run in runs]
@@ -67,7 +71,9 @@ def _common_values(runs: Sequence[Run]) -> dict[str, dict[str, list[Array]]]:
             ends = [other.frame(-1)[name] for other in layers]
             own[name] = [end[np.ix_(*(axis[j] for axis in axes))] for j, end in enumerate(ends)]
     times = runs[0].time[1:]
-    for name in (n for n in runs[0].series if n not in NO_SOLUTION and not n.startswith("residual_")):
+    for name in (
+        n for n in runs[0].series if n not in NO_SOLUTION and not n.startswith("residual_")
+    ):
         values = [run.series[name][np.isin(run.series["t"], times)] for run in runs]
         if len({v.shape for v in values}) == 1 and values[0].size:
             found.setdefault("series", {})[name] = values
@@ -75,7 +81,7 @@ def _common_values(runs: Sequence[Run]) -> dict[str, dict[str, list[Array]]]:
 
 
 def _in_all(pairs: Any) -> list[Array]:
-    """Of one axis: numbers of the nodes that all grids have, on each; pairs: (of the coarsest, of each)."""
+    """Of one axis: numbers of the nodes that all grids have; pairs: (of the coarsest, of each)."""
     common = pairs[0][0]
     for first, _ in pairs:
         common = np.intersect1d(common, first)
@@ -88,7 +94,7 @@ def _unit(name: str) -> str:
 
 
 def _range(values: Array) -> float:
-    """The largest less the smallest value; the largest size where all are the same but for round-off."""
+    """The largest less the smallest value; the largest size where that is round-off."""
     known = values[np.isfinite(values)]
     if not known.size:
         return 0.0
@@ -97,11 +103,11 @@ def _range(values: Array) -> float:
 
 
 def unresolved(table: ConvergenceStudy, i: int) -> list[str]:
-    """A line for each layer that its grids do not resolve: they differ by much, or come together slowly."""
+    """A line for each layer whose grids differ by much, or come together slowly."""
     if table.exact:
         return []
     lines, op = [], operator(table.orders[i])
-    expected = table.orders[i] // 2 + 1  # closures of half the order count one order more in the solution
+    expected = table.orders[i] // 2 + 1  # closures have half the order
     for group in table.errors:
         if group == "series":
             continue
@@ -110,11 +116,25 @@ def unresolved(table: ConvergenceStudy, i: int) -> list[str]:
         worst = max(fields, key=lambda name: np.nan_to_num(fields[name]))
         rate = rates[-2]
         if last > COARSE:
-            why = f"the two finest grids differ by {100 * fields[worst]:.0f} % of the range of {worst}"
-        elif last > ROUND_OFF and not rate >= SLOW * expected:
+            part = f"{100 * fields[worst]:.0f} %"
+            why = f"in {worst} the two finest grids differ by {part} of its range"
+        elif last > FINE and not rate >= SLOW * expected:
             seen = f"of order {rate:.1f}" if np.isfinite(rate) else "of no order"
-            why = f"its grids come together {seen}, where {op.name} has {expected} for smooth solutions"
+            why = f"its grids come together {seen}, {worst} last, where {op.name} has {expected}"
         else:
             continue
-        lines.append(f"layer '{group}' is not resolved: {why}; the worst is {worst}")
+        lines.append(f"layer '{group}' is not resolved: {why}")
+    return lines
+
+
+def unrefined(runs: Sequence[Run]) -> list[str]:
+    """A line for each axis of a block that has the same nodes on all grids."""
+    lines = []
+    for k, layer in enumerate(runs[0].layers):
+        shapes = [getattr(run.layers[k], "shape", ())[::-1] for run in runs]
+        lines += [
+            f"block '{layer.name}' has {counts[0]} nodes along axis {axis} on all grids"
+            for axis, counts in enumerate(zip(*shapes))
+            if len(set(counts)) == 1
+        ]
     return lines

@@ -1,11 +1,13 @@
-"""What linear theories share: derivatives by differences, the range of a projection, the step of RK4, and results.
+"""What linear theories share: differences, the range of a projection, the step of RK4, results.
 
-The classical Runge-Kutta method multiplies a mode exp(lambda t) by R(dt lambda) in a step, R(z) = 1 + z + z^2/2 + z^3/6
-+ z^4/24; the step limit is the largest dt with |R| <= 1 for all modes (one that grows counts with its frequency alone).
+The classical Runge-Kutta method multiplies a mode exp(lambda t) by R(dt lambda) in a step, R(z) =
+1 + z + z^2/2 + z^3/6 + z^4/24; the step limit is the largest dt with |R| <= 1 for all modes (one
+that grows counts with its frequency alone).
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,17 +16,19 @@ from numpy.typing import NDArray
 Real, Complex = NDArray[np.float64], NDArray[np.complex128]
 #: f' = sum_m c_m (f(x + m s) - f(x - m s)) / s with m = 1 ... 4, of order 8
 CENTRAL = np.array([4 / 5, -1 / 5, 4 / 105, -1 / 280])
-_SCAN = np.linspace(0.01, 3.2, 640)
+#: |z| at which each mode is amplified
+FARTHEST = 3.2
 
 
 @dataclass(frozen=True)
 class Result:
     """Numbers of one problem. Rates of growth are over the largest |lambda|, which is radius [1/s].
 
-    energy, growth: those of the energy (NaN if it is not looked at) and of the fastest mode, without the heat that the
-    stress at rest sets free; heated_energy, heated: with it. step: that RK4 can take [s], step_ratio: over that of the
-    uncoupled layers. estimate, stable, heated_stable, step_kept: the energy does not grow, no mode does (with that heat),
-    the interface costs no step. slowest: (wave number k [1/m], s [1/s] of the slowest modes that swing).
+    energy, growth: those of the energy (NaN if it is not known) and of the fastest mode, without
+    the heat that the stress at rest sets free; heated_energy, heated: with it. step: that RK4 can
+    take [s], step_ratio: over that of the uncoupled layers. estimate, stable, heated_stable,
+    step_kept: the energy does not grow, no mode does (with that heat), the interface costs no step.
+    slowest: (wave number k [1/m], s [1/s] of the slowest modes that swing).
     """
 
     order: int
@@ -45,6 +49,14 @@ class Result:
     slowest: tuple[tuple[float, tuple[complex, ...]], ...] = ()
 
 
+def bisect(beyond: Callable[[float], bool], low: float, high: float, halvings: int = 60) -> float:
+    """Where beyond(x), false at low, becomes true on the way to high."""
+    for _ in range(halvings):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if beyond(middle) else (middle, high)
+    return high
+
+
 def range_basis(projection: Real) -> Real:
     """(N, n), orthonormal, of what a projection (N, N) leaves as it is."""
     N = len(projection)
@@ -60,19 +72,13 @@ def range_basis(projection: Real) -> Real:
 
 
 def step_limit(spectrum: Complex) -> float:
-    """The largest dt [s] for which RK4 amplifies none of these modes."""
+    """The largest dt [s] for which RK4 amplifies none of these modes.
+
+    Along each ray of Re z <= 0 |R| <= 1 holds up to one point: a bisection finds the least.
+    """
     spectrum = np.minimum(spectrum.real, 0.0) + 1j * spectrum.imag
-    modulus = np.abs(spectrum)
-    kept = modulus > 0.1 * modulus.max()  # |R| > 1 begins at |z| = 2.6 or more: slower ones do not count
-    modulus, directions = modulus[kept], spectrum[kept] / modulus[kept]
-    above = amplification(directions[:, None] * _SCAN) > 1.0 + 1e-12
-    first = np.where(above.any(axis=1), above.argmax(axis=1), len(_SCAN) - 1)
-    low, high = np.where(first > 0, _SCAN[first - 1], 0.0), _SCAN[first]
-    for _ in range(40):
-        middle = (low + high) / 2
-        outside = amplification(directions * middle) > 1.0 + 1e-12
-        low, high = np.where(outside, low, middle), np.where(outside, middle, high)
-    return float((low / modulus).min())
+    farthest = FARTHEST / float(np.abs(spectrum).max())
+    return bisect(lambda dt: (amplification(dt * spectrum) > 1.0 + 1e-12).any(), 0.0, farthest)
 
 
 def amplification(z: Complex) -> Real:

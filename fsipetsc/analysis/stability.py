@@ -160,15 +160,14 @@ def verdict(result: Result) -> str:
 
 def table(results: Sequence[Result]) -> str:
     """A line for each order, and the slowest modes, if they are known."""
-    energy, unit = results[0].energy == results[0].energy, "[|lambda|]"
-    head = ["order", "m0/rho", "K/p", f"energy grows\n{unit}", f"fastest mode\n{unit}", "largest |lambda|\n[1/s]"]
-    head += ["RK4 step up to\n[s]", "of uncoupled", ""]
+    head = ["order", "m0/rho", "K/p", "largest |lambda|\n[1/s]", "RK4 step up to\n[s]", "of uncoupled"]
+    head += ["fastest mode\n[|lambda|]", "energy grows\n[|lambda|]", ""]
     rows = []
     for r in results:
-        ratios, rates = (f"{r.density_ratio:g}", f"{r.stiffness_ratio:g}"), (f"{r.energy:.1e}", f"{r.growth:.1e}")
-        rows.append([_name(r), *ratios, *rates, f"{r.radius:.4g}", f"{r.step:.4g}", f"{r.step_ratio:.4f}", verdict(r)])
-    columns = [i for i in range(len(head)) if energy or i != 3]
-    lines = [text_table([head[i] for i in columns], [[row[i] for i in columns] for row in rows])]
+        energy = "" if r.energy != r.energy else f"{r.energy:.1e}"
+        row = [_name(r), f"{r.density_ratio:g}", f"{r.stiffness_ratio:g}", f"{r.radius:.4g}", f"{r.step:.4g}"]
+        rows.append([*row, f"{r.step_ratio:.4f}", f"{r.growth:.1e}", energy, verdict(r)])
+    lines = [text_table(head, rows)]
     waves = [(r, k, modes) for r in results for k, modes in r.slowest]
     if waves:
         lines += ["", "slowest modes that swing, s [1/s]"]
@@ -180,18 +179,17 @@ def table(results: Sequence[Result]) -> str:
 
 def summary(results: Sequence[Result]) -> str:
     """Of a sweep: for each order in how many combinations all is well, and the worst."""
-    energy = results[0].energy == results[0].energy
-    head = ["order", "of", "energy never\ngrows", "at most\n[|lambda|]", "no mode\ngrows", "at most\n[|lambda|]"]
-    head, rows = [*head, "step\nkept", "least of\nuncoupled"], []
+    head = ["order", "of", "no mode\ngrows", "at most\n[|lambda|]", "step\nkept", "least of\nuncoupled"]
+    head += ["energy never\ngrows", "at most\n[|lambda|]"] if results[0].energy == results[0].energy else []
+    rows = []
     for order in dict.fromkeys(r.order for r in results):
         own = [r for r in results if r.order == order]
-        counts = {name: sum(getattr(r, name) for r in own) for name in ("estimate", "stable", "step_kept")}
-        growths = [f"{max(getattr(r, name) for r in own):.1e}" for name in ("energy", "growth")]
-        least = f"{min(r.step_ratio for r in own):.3f}"
-        rows.append([_name(own[0]), len(own), counts["estimate"], growths[0], counts["stable"], growths[1]])
-        rows[-1] += [counts["step_kept"], least]
-    columns = [i for i in range(len(head)) if energy or i not in (2, 3)]
-    return text_table([head[i] for i in columns], [[row[i] for i in columns] for row in rows])
+        counts = [sum(getattr(r, name) for r in own) for name in ("stable", "step_kept", "estimate")]
+        growth, energy = (f"{max(getattr(r, name) for r in own):.1e}" for name in ("growth", "energy"))
+        worst = growth, f"{min(r.step_ratio for r in own):.3f}", energy
+        row = [_name(own[0]), len(own), *(cell for pair in zip(counts, worst) for cell in pair)]
+        rows.append(row[: len(head)])
+    return text_table(head, rows)
 
 
 def _heating(results: Sequence[Result]) -> list[str]:
@@ -222,27 +220,19 @@ def save(opt: Mapping[str, Any], results: Sequence[Result]) -> list[Path]:
 
 def judge(results: Sequence[Result]) -> None:
     """Raise ComputationError, which names the worst, if a result does not keep what its treatment promises."""
-    estimate = results[0].coupling in ("conservative", "energy")
-    broken = [r for r in results if not (r.stable and r.step_kept and (r.estimate or not estimate))]
-    if not broken:
-        return
-    growing, slowed = [r for r in broken if not r.stable], [r for r in broken if not r.step_kept]
-    faults = []
-    if growing:
-        worst = max(growing, key=lambda r: r.growth)
-        faults.append(f"a mode grows in {len(growing)}, at {worst.growth:.2g} |lambda| with {_where(worst)}")
-    if slowed:
-        worst = min(slowed, key=lambda r: r.step_ratio)
-        ratio = f"{worst.step_ratio:.2g} of the uncoupled one"
-        faults.append(f"the step limit is lower in {len(slowed)}, {ratio} with {_where(worst)}")
-    if not faults:
-        worst = max(broken, key=lambda r: r.energy)
-        faults.append(f"the energy grows, at {worst.energy:.2g} |lambda| with {_where(worst)}")
-    raise ComputationError(f"{broken[0].coupling} fails in {len(broken)} of {len(results)}: {'; '.join(faults)}")
-
-
-def _where(result: Result) -> str:
-    return f"order {result.order}, m0/rho = {result.density_ratio:g}, K/p = {result.stiffness_ratio:g}"
+    promised = {"a mode grows": "stable", "the step is shorter": "step_kept"}
+    if results[0].coupling in ("conservative", "energy"):
+        promised["the energy grows"] = "estimate"
+    counts = {fault: sum(not getattr(r, name) for r in results) for fault, name in promised.items()}
+    broken = [r for r in results if not all(getattr(r, name) for name in promised.values())]
+    if broken:
+        worst = max(broken, key=lambda r: (not r.stable, r.growth if not r.stable else -r.step_ratio))
+        raise ComputationError(
+            f"{worst.coupling} fails in {len(broken)} of {len(results)}: "
+            f"{', '.join(f'{fault} in {count}' for fault, count in counts.items() if count)}; the worst is order "
+            f"{worst.order}, m0/rho = {worst.density_ratio:g}, K/p = {worst.stiffness_ratio:g}: growth "
+            f"{worst.growth:.2g} |lambda|, step {worst.step_ratio:.2g} of the uncoupled one"
+        )
 
 
 def _name(result: Result) -> str:

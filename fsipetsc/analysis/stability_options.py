@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from fsipetsc.analysis.tables import listed_in
@@ -14,13 +14,14 @@ from fsipetsc.options.option import Option
 ORDERS = (2, 4, 6, 8)
 
 
-def _to(most: float) -> Any:
-    return lambda values: None if _within(values, most) else f"numbers from 0 to {most:g}"
+def _to(most: float) -> Callable[[Any], str | None]:
+    """Check of a number, or of some."""
 
+    def check(values: float | Sequence[float]) -> str | None:
+        every = values if isinstance(values, Sequence) else (values,)
+        return None if all(0 <= value <= most for value in every) else f"numbers from 0 to {most:g}"
 
-def _within(values: float | Sequence[float], most: float) -> bool:
-    """Whether a number, or all of some, are from 0 to most."""
-    return all(0 <= value <= most for value in (values if isinstance(values, Sequence) else (values,)))
+    return check
 
 
 _ORDERS = Option("fsi_orders", "ints", ORDERS, "", "interior orders of the SBP operators", check=listed_in(ORDERS))

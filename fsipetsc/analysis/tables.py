@@ -1,4 +1,4 @@
-"""What the commands of this folder have in common: tables as text and as CSV, and work that ranks share."""
+"""What the commands of this folder have in common: tables, and work that ranks share."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Task, Result = TypeVar("Task"), TypeVar("Result")
 
 
 def text_table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    """Columns that end below each other, two blanks apart. A head of several lines has \\n in it."""
+    """Columns that end below each other, two blanks apart. A head may have several lines."""
     cells = [[str(cell) for cell in row] for row in rows]
     words = [cell.split("\n") for cell in head]
     lines = [[w[k] if k < len(w) else "" for w in words] for k in range(max(map(len, words)))]
@@ -28,7 +28,9 @@ def text_table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
     )
 
 
-def save_csv(path: Path, head: Sequence[str], rows: Iterable[Sequence[object]], about: str = "") -> Path:
+def save_csv(
+    path: Path, head: Sequence[str], rows: Iterable[Sequence[object]], about: str = ""
+) -> Path:
     """Write a table; about: a first line, which begins with #. FileError."""
     try:
         with path.open("w", newline="", encoding="utf-8") as file:
@@ -51,7 +53,7 @@ def csv_target(name: str) -> Path:
 
 
 def shared(comm: MPI.Comm, tasks: Sequence[Task], one: Callable[[Task], Result]) -> list[Result]:
-    """one(task) of all tasks, in their order, on every rank; each rank computes its share. Collective; FsiError."""
+    """one(task) of all tasks on every rank; each computes its share. Collective; FsiError."""
     mine, fault = [], None
     try:
         mine = [one(task) for task in tasks[comm.rank :: comm.size]]

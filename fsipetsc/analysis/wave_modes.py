@@ -19,7 +19,7 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from fsipetsc.analysis.spectra import CENTRAL, Complex, Real, range_basis
+from fsipetsc.analysis.spectra import CENTRAL, Complex, Real, bisect, range_basis
 from fsipetsc.blockrun.block_state import BlockForm, BlockState
 from fsipetsc.blockrun.run_problem import RunProblem
 from fsipetsc.blocks.conditions import Condition
@@ -109,13 +109,7 @@ def wave_number(order: int, h: float, kappa: float) -> float:
     high, greatest = most(order, h)
     if not 0 <= kappa <= greatest:
         raise InputError(f"wave number {kappa:g}: with h = {h:g} the operator of order {order} knows none of that size")
-    if kappa == 0.0:
-        return 0.0
-    low = 0.0
-    for _ in range(60):
-        middle = (low + high) / 2
-        low, high = (middle, high) if symbol(order, h, middle) < kappa else (low, middle)
-    return (low + high) / 2
+    return bisect(lambda k: symbol(order, h, k) >= kappa, 0.0, high) if kappa > 0.0 else 0.0
 
 
 def linearise(

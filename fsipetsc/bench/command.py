@@ -1,10 +1,9 @@
 """The command ``python -m fsipetsc bench``: what a time step costs.
 
-Measured are the falling rod (fsipetsc.cases.rod) and a gas beneath a solid in one, two and three
-dimensions (fsipetsc.bench.square), for orders, grids, forms and numbers of ranks. A sample is some
-whole steps as a run makes them, with everything but output. Samples of all numbers of ranks and of
-other programs are taken in turn, so that all see the same machine; ranks without a part sleep. A
-time is the median of its samples, a ratio that of pairs taken one after the other.
+Measured are the falling rod and a gas beneath a solid (fsipetsc.bench.square), for orders, grids,
+forms and numbers of ranks. A sample is some whole steps as a run makes them, but for output. Those
+of all numbers of ranks and of other programs are taken in turn; ranks without a part sleep. A time
+is the median of its samples, a ratio that of pairs taken one after the other.
 """
 
 from __future__ import annotations
@@ -30,8 +29,6 @@ from fsipetsc.process.together import agree, together, wait_asleep
 if TYPE_CHECKING:
     from mpi4py import MPI
 
-#: right-hand sides of a step
-STAGES = 4
 #: form -> -fsi_convection, whether there is viscosity, words for the other program
 FORMS = {
     "entropy": ("entropy", False, ""),
@@ -39,45 +36,40 @@ FORMS = {
     "viscous": ("entropy", True, "-visc 1"),
     "divergence-viscous": ("divergence", True, "-form div -visc 1"),
 }
-COLUMNS = ("problem", "order", "form", "n", "ranks", "step_us", "ns_node_rhs")
-COLUMNS += ("other_us", "ratio", "speed_up")
+COLUMNS = "problem order form n ranks step_us ns_node_rhs other_us ratio speed_up".split()
 
 
 def _only(*allowed: int) -> Callable[[Sequence[int]], str | None]:
-    text = f"numbers out of {', '.join(map(str, allowed))}"
-    return lambda values: None if values and set(values) <= set(allowed) else text
+    text = f"numbers out of {allowed}"
+    return lambda values: None if values and {*values} <= {*allowed} else text
 
 
-_WHAT = "problems: 0 is the rod; 1, 2, 3 are gas | solid in so many dimensions"
+_WHAT = "0: the rod; 1, 2, 3: gas | solid in so many dimensions"
 OPTIONS = (
     Option("bench_problems", "ints", (0, 1, 2, 3), "", _WHAT, check=_only(0, 1, 2, 3)),
     Option("bench_orders", "ints", (4,), "", "orders", check=_only(2, 4, 6, 8)),
     Option("bench_form", str, "all", "", "form of gas | solid", ("all", *FORMS)),
-    Option("bench_rod", "ints", (480, 3840, 100_000), "", "points of the rod, about", check="positive"),
-    Option("bench_line", "ints", (240, 2000, 50_000), "", "nodes of a block in 1-D", check="positive"),
+    Option("bench_rod", "ints", (480, 3840, 100_000), "", "points of the rod", check="positive"),
+    Option("bench_line", "ints", (240, 2000, 50_000), "", "nodes of a block", check="positive"),
     Option("bench_square", "ints", (64, 128, 256), "", "nodes of an axis in 2-D", check="positive"),
     Option("bench_cube", "ints", (32, 64), "", "nodes of an axis in 3-D", check="positive"),
-    Option("bench_ranks", "ints", None, "", "numbers of ranks; default: 1, 2, 4 … up to those there are", check="positive"),
+    Option("bench_ranks", "ints", None, "", "numbers of ranks; else 1, 2, 4 …", check="positive"),
     Option("bench_seconds", float, 0.2, "s", "length of a sample, about", check="positive"),
     Option("bench_repeats", int, 5, "", "samples, of which the median counts", check="positive"),
     Option("bench_rod_program", str, None, "", "folder of another program for the rod"),
     Option("bench_square_program", str, None, "", "folder of another program for gas | solid, 2-D"),
     Option("fsi_output", str, "bench", "", "base name of the table NAME.csv"),
 )
-_OF_RUN = ("fsi_quiet", "fsi_partition", "fsi_debug")
-SECTIONS: dict[str, tuple[Option, ...]] = {
+_OF_RUN = "fsi_quiet", "fsi_partition", "fsi_debug"
+SECTIONS = {
     "Benchmark": OPTIONS,
     "Run": tuple(option for option in RUN if option.name in _OF_RUN),
 }
 
 
-#: the first columns of a row, a case, options of its run; another program, its words before and behind
-#: the number of steps
-Target = tuple[tuple[Any, ...], Any, dict[str, Any], str, tuple[Any, ...], tuple[str, ...]]
-
-
-def targets(opt: Mapping[str, Any]) -> Iterator[Target]:
-    """All that the options ask for. The rod is 6 m of gas and solid, of which 1 m is solid."""
+def targets(opt: Mapping[str, Any]) -> Iterator[tuple[Any, ...]]:
+    """All that the options ask for: the first columns of a row, a case, options of its run; another
+    program, its words before and behind the number of steps. The rod's 6 m have 1 m of solid."""
     of_dimension = {1: "bench_line", 2: "bench_square", 3: "bench_cube"}
     forms = FORMS if opt["bench_form"] == "all" else (opt["bench_form"],)
     for problem, order in product(opt["bench_problems"], opt["bench_orders"]):
@@ -101,12 +93,11 @@ def bench(arguments: list[str], comm: MPI.Comm) -> None:
     opt = read_table(SECTIONS, start_petsc(arguments, comm))
     say = (lambda text: None) if opt["fsi_quiet"] or comm.rank else partial(print, flush=True)
     counts = sorted({*(opt["bench_ranks"] or [1 << k for k in range(16) if 1 << k <= comm.size])})
-    if counts[-1] > comm.size:
-        most = counts[-1]
+    if comm.size < (most := counts[-1]):
         raise InputError(f"-bench_ranks {most}: put mpiexec -n {most} before the command")
     teams = {n: comm.Split(int(comm.rank >= n), comm.rank) for n in counts}
-    folders = {"rod": opt["bench_rod_program"], "plane": opt["bench_square_program"]}
-    given = {name: folder for name, folder in folders.items() if folder and comm.rank == 0}
+    folders = ("rod", opt["bench_rod_program"]), ("plane", opt["bench_square_program"])
+    given = {name: folder for name, folder in folders if folder and comm.rank == 0}
     rows: list[Sequence[object]] = []
     with TemporaryDirectory() as copies:
         programs = together(comm, lambda: {n: executable(n, given[n], copies) for n in given})
@@ -122,25 +113,21 @@ def bench(arguments: list[str], comm: MPI.Comm) -> None:
             for row in measured(case, options, opt, comm, teams, other):
                 rows.append([*about, *row])
                 say(" ".join(f"{value!s:>11}" for value in rows[-1]))
-    path = Path(f"{opt['fsi_output']}.csv")
+    path = f"{opt['fsi_output']}.csv"
     together(comm, lambda: None if comm.rank else _save(path, rows))
     say(f"the table is in {path}")
 
 
-def _save(path: Path, rows: Sequence[Sequence[object]]) -> None:
+def _save(path: str, rows: Sequence[Sequence[object]]) -> None:
     try:
-        path.write_text("".join(",".join(map(str, row)) + "\n" for row in (COLUMNS, *rows)))
+        Path(path).write_text("".join(",".join(map(str, row)) + "\n" for row in (COLUMNS, *rows)))
     except OSError as error:
         raise FileError(f"{path}: cannot write the table: {error.strerror or error}") from error
 
 
 def measured(
-    case: Any,
-    options: Mapping[str, Any],
-    opt: Mapping[str, Any],
-    comm: MPI.Comm,
-    teams: Mapping[int, MPI.Comm],
-    other: Callable[[int], float | None],
+    case: Any, options: Mapping[str, Any], opt: Mapping[str, Any], comm: MPI.Comm,
+    teams: Mapping[int, MPI.Comm], other: Callable[[int], float | None],
 ) -> list[Sequence[object]]:
     """The last columns for each number of ranks, on rank 0. Collective. InputError where ranks do
     not fit. other: another program's time of a step, of so many steps; None where there is none.
@@ -157,29 +144,31 @@ def measured(
         agree(comm, fault)
         return value
 
-    samples = {n: on(n, lambda: Sample(case, options, teams[n])) for n in teams}  # noqa: B023
-    first = min(teams)
-    on(first, lambda: samples[first].steps(2))  # for what is made once
-    step = comm.bcast(on(first, lambda: min(samples[first].steps(10) for _ in range(2))))
+    states = {n: on(n, lambda: prepared(case, options, teams[n])) for n in teams}  # noqa: B023
+
+    def sample(n: int, count: int) -> Any:
+        return on(n, lambda: step_time(states[n], options, count))
+
+    sample(min(teams), 2)  # for what is made once
+    step = comm.bcast(sample(min(teams), 10))
     steps = min(20_000, max(6, round(1e6 * opt["bench_seconds"] / (step or 1.0))))
     times: dict[int, list[float]] = {n: [] for n in teams}
     beside = []
     for _ in range(opt["bench_repeats"]):
         for n, own in times.items():
-            own.append(on(n, lambda: samples[n].steps(steps)))  # noqa: B023
+            own.append(sample(n, steps))
         beside.append(on(1, lambda: other(steps)))
     rows: list[Sequence[object]] = []
     for n, own in times.items() if comm.rank == 0 else ():
-        of_node = 1e3 * median(own) / (STAGES * samples[n].nodes)
+        of_node = 1e3 * median(own) / (4 * states[n].points)  # four stages
         row = [n, f"{median(own):.4g}", f"{of_node:.3g}", "", "", ""]
         if None not in beside:
             row[3:5] = f"{median(beside):.4g}", _ratio(own, beside)
         if n > 1 and 1 in times:
             row[5] = _ratio(times[1], own)
         rows.append(row)
-    for sample in samples.values():
-        if sample is not None:
-            sample.destroy()
+    for state in filter(None, states.values()):
+        state.destroy()
     return rows
 
 
@@ -187,36 +176,30 @@ def _ratio(a: list[float], b: list[float]) -> str:
     return f"{median(x / y for x, y in zip(a, b, strict=True)):.3g}"
 
 
-class Sample:
-    """A problem on the ranks of comm, compiled. All methods are collective on comm.
+def prepared(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Any:
+    """The state of a problem, compiled. Collective; InputError where it does not fit."""
+    from fsipetsc.stepping.solve import build_problem, make_state
 
-    nodes: of all blocks. InputError where grid, order and ranks do not fit.
-    """
+    state = make_state(build_problem(case, opt, comm), dict(opt), comm)
+    state.compile(lambda text: None)
+    state.set_initial()
+    return state
 
-    def __init__(self, case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> None:
-        from fsipetsc.stepping.solve import build_problem, make_state
 
-        self._comm, self._options = comm, dict(opt)
-        self._state = make_state(build_problem(case, opt, comm), opt, comm)
-        self._state.compile(lambda text: None)
-        self._state.set_initial()
-        self.nodes, self.destroy = self._state.points, self._state.destroy
+def step_time(state: Any, opt: Mapping[str, Any], count: int) -> float:
+    """Time [µs] of a step, the average of the first ``count``. Collective."""
+    from mpi4py import MPI
 
-    def steps(self, count: int) -> float:
-        """Time [µs] of a step, on the average over the first ``count`` from the initial data."""
-        from mpi4py import MPI
+    from fsipetsc.stepping.integrator import Integrator
 
-        from fsipetsc.stepping.integrator import Integrator
-
-        comm, end = self._comm, [self._options["ts_max_time"]]
-        integrator = Integrator(
-            *(self._state, {**self._options, "ts_max_steps": count}, end),
-            on_frame=lambda t: None,
-            on_series=lambda: integrator.series.take(comm),
-            on_step=lambda steps, t, dt: None,
-            on_grids=lambda: None,
-        )
-        integrator.start()
-        comm.Barrier()
-        integrator.run()
-        return 1e6 * comm.allreduce(integrator.wall_time, MPI.MAX) / integrator.steps
+    integrator = Integrator(
+        *(state, {**opt, "ts_max_steps": count}, [opt["ts_max_time"]]),
+        on_frame=lambda t: None,
+        on_series=lambda: integrator.series.take(state.comm),
+        on_step=lambda steps, t, dt: None,
+        on_grids=lambda: None,
+    )
+    integrator.start()
+    state.comm.Barrier()
+    integrator.run()
+    return 1e6 * state.comm.allreduce(integrator.wall_time, MPI.MAX) / integrator.steps

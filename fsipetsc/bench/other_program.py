@@ -17,16 +17,15 @@ from fsipetsc.errors import InputError
 
 def executable(name: str, folder: str, copies: str) -> Path:
     """That of a folder, or one built in a copy below ``copies``. InputError."""
-    path = Path(folder).resolve() / name
+    path, copy = Path(folder).resolve() / name, Path(copies) / name
     if os.access(path, os.X_OK):
         return path
-    copy = Path(copies) / name
     try:
-        shutil.copytree(folder, copy).chmod(0o755)  # the original may be write-protected
+        shutil.copytree(folder, copy).chmod(0o755)  # the original may be read-only
         subprocess.run(["make", "-s", name], cwd=copy, capture_output=True, text=True, check=True)
     except (OSError, subprocess.CalledProcessError) as error:
         reason = str(getattr(error, "stderr", "") or error).strip().splitlines()[-1]
-        raise InputError(f"{folder}: no executable {name}, and it cannot be built: {reason}") from None
+        raise InputError(f"{folder}: no {name}, and it cannot be built: {reason}") from None
     return copy / name
 
 

@@ -1,4 +1,4 @@
-"""The problem that ``bench`` measures: a gas beneath a solid in one, two or three dimensions, two unit
+"""The problem that ``bench`` measures: a gas beneath a solid in one, two or three dimensions, unit
 cubes, periodic along the interface, with a wall below and clamped above, and smooth disturbances.
 """
 
@@ -49,9 +49,7 @@ def build(opt: Mapping[str, Any]) -> BlockProblem:
     d, n, viscous = opt["square_dimension"], round(1.0 / opt["fsi_h"]), opt["square_viscous"]
     plate = ElasticSolid(1.5, 2.0, 0.02 * viscous, 2.0, 1.0, heat="elastic")
     air = Fluid(0.02 * viscous, 0.03 * viscous, 1.4, 1.0)
-    return layers(
-        Layer("gas", air, (0.0, 1.0), gas, cells=n - 1),
-        Layer("solid", plate, (1.0, 2.0), solid, cells=n - 1),
-        **{"lower": NoSlip(), "upper": Clamped(), "units": "none"},
-        **{"along": ((0.0, 1.0),) * (d - 1), "cells": (n,) * (d - 1)},
-    )
+    below = Layer("gas", air, (0.0, 1.0), gas, cells=n - 1)
+    above = Layer("solid", plate, (1.0, 2.0), solid, cells=n - 1)
+    beside = {"along": ((0.0, 1.0),) * (d - 1), "cells": (n,) * (d - 1)}
+    return layers(below, above, lower=NoSlip(), upper=Clamped(), units="none", **beside)

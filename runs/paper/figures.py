@@ -1,6 +1,6 @@
-"""Draws Figs. 6 to 11 of the paper and writes Table 1 from the results of scripts/reproduce: figures.py DIRECTORY [NOTE].
+"""Draws Figs. 8 to 11 of the paper from the results of scripts/reproduce: figures.py DIRECTORY [NOTE].
 
-DIRECTORY holds mms-convergence.csv, rod.h5, closeup-ORDER-H.h5 for the orders 2, 4, 6 on two grids, and reference.h5;
+DIRECTORY holds rod.h5, closeup-ORDER-H.h5 for the orders 2, 4, 6 on two grids, and reference.h5;
 the PNG files go there too. NOTE is added to the titles. Fluid blue, solid red; the coarser grid of Fig. 11 light blue and pink.
 """
 
@@ -16,10 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import fsipetsc
-from fsipetsc.analysis import table1
-from fsipetsc.analysis.convergence_table import load
 from fsipetsc.operators.sbp import operator
-from fsipetsc.output.plots.convergence import draw_cost, draw_errors
 from fsipetsc.output.plots.style import BLACK, COLORS, STYLE
 from fsipetsc.output.plots.titles import set_title
 from fsipetsc.output.reader import Run
@@ -31,13 +28,7 @@ LETTERS = "abcd"
 def main(directory: str, note: str = "") -> None:
     """Draw all of them."""
     folder, note = Path(directory), f"  ({note})" if note else ""
-    study = load(folder / "mms-convergence.csv")
-    (folder / "table1.txt").write_text(table1.compare(study) + "\n", encoding="utf-8")
     with matplotlib.rc_context(STYLE), fsipetsc.open_run(folder / "rod.h5") as rod:
-        for number, draw, what in ((6, draw_errors, "errors at"), (7, draw_cost, "errors over wall time,")):
-            figure = Figure()
-            draw(figure, study)
-            save(figure, folder / f"fig{number:02d}.png", f"Fig. {number}: {what} {study.time}{note}")
         what = f"{operator(rod.options['fsi_order']).name}, h = {rod.options['fsi_h']:g} m{note}"
         for number, name, label in ((8, "T", "temperature T  [K]"), (9, "u", "velocity u  [m/s]")):
             save(profiles(rod, name, label), folder / f"fig{number:02d}.png", f"Fig. {number}: {label.split('  ')[0]}, {what}")
