@@ -1,0 +1,82 @@
+"""Frequencies of beams and plates, and the pressure at which a panel flutters, by determinants.
+
+Flutter, quasi-steady pressure without damping, lengths over the panel's: w'''' + l w' = q w. The w are
+sums of exp(m x), m^4 + l m - q = 0. Flutter begins at the l at which two real q merge: 636.57 of a
+clamped panel, 343.36 of a simply supported one (E. H. Dowell, Aeroelasticity of Plates and
+Shells, 1975; J. M. Hedgepeth, J. Aeronaut. Sci. 24 (1957) 381 has 343).
+
+Vibration, Timoshenko: D t'' + S (w' - t) = -r I t.., S (w'' - t') = m w.., plane strain, with
+S = 5/6 mu h, I = density h^3/12. Euler and Bernoulli: cos b cosh b = 1, w = b^2 sqrt(D/m).
+"""
+
+import numpy as np
+from scipy.optimize import brentq, fsolve, minimize_scalar
+
+#: derivatives that vanish at both ends
+ENDS = {"clamped": (0, 1), "hinged": (0, 2)}
+
+
+def misfit(l, q, ends):
+    """Zero at an eigenvalue q; real, smooth in q."""
+    m = np.roots([1, 0, 0, l, -q]).astype(complex)
+    for _ in range(3):
+        m -= (m**4 + l * m - q) / (4 * m**3 + l)
+    rows = [m**d for d in ENDS[ends]] + [m**d * np.exp(m - m.real.max()) for d in ENDS[ends]]
+    differences = np.prod([m[j] - m[i] for i in range(4) for j in range(i + 1, 4)])
+    return (np.linalg.det(np.array(rows)) / differences).real
+
+
+def flutter(ends):
+    """(l, q) where the first two q merge."""
+    low, high = {"clamped": (500.5639, 3803.537), "hinged": (np.pi**4, 16 * np.pi**4)}[ends]
+
+    def gap(l):
+        """Largest misfit between the two eigenvalues, with its sign at l = 0."""
+        sign = np.sign(misfit(0.0, 0.5 * (low + high), ends))
+        found = minimize_scalar(
+            lambda q: -sign * misfit(l, q, ends), bounds=(low, high), method="bounded", options={"xatol": 1e-9 * high}
+        )
+        return -found.fun, found.x
+
+    near = {"clamped": 600.0, "hinged": 320.0}[ends], {"clamped": 680.0, "hinged": 360.0}[ends]
+    scale = abs(gap(near[0])[0])
+    l = brentq(lambda l: gap(l)[0] / scale, *near, xtol=1e-10, rtol=1e-14)
+    return l, gap(l)[1]
+
+
+def euler_bernoulli(number=1, ends="clamped"):
+    """w sqrt(m/D) L^2."""
+    if ends == "hinged":
+        return (number * np.pi) ** 2
+    b = (number + 0.5) * np.pi
+    return brentq(lambda b: np.cos(b) - 1 / np.cosh(b), b - 0.3, b + 0.3, xtol=1e-15, rtol=1e-15) ** 2
+
+
+def timoshenko(thickness, number=1, poisson_lambda=2.0):
+    """w sqrt(m/D) of a clamped beam, L = 1, h = thickness, lambda_e = poisson_lambda mu_e."""
+    ratio = 4 * (poisson_lambda + 1) / (poisson_lambda + 2) / 12  # D/(mu h^3)
+    S, inertia = 5 / 6 / (ratio * thickness**2), thickness**2 / 12  # D = m = 1
+
+    def misfit(w):
+        # w, t ~ exp(m x): (S m^2 + w^2) W = S m t,  (m^2 - S + inertia w^2) t = -S m W
+        a, b, c = S, S * inertia * w**2 + w**2, (inertia * w**2 - S) * w**2
+        squares = np.roots([a, b, c]).astype(complex)
+        m = np.concatenate([np.sqrt(squares), -np.sqrt(squares)])
+        t = (S * m * m + w * w) / (S * m)
+        top = np.exp(m - np.abs(m.real).max())
+        d = np.linalg.det(np.array([np.ones(4), t, top, t * top]))
+        return (d / (m[0] * m[1])).real if abs((d / (m[0] * m[1])).real) > abs((d / (m[0] * m[1])).imag) else (d / (m[0] * m[1])).imag
+
+    top = euler_bernoulli(number)
+    grid = np.linspace(0.5, 1.0, 201) * top
+    values = [misfit(w) for w in grid]
+    found = [i for i in range(200) if values[i] * values[i + 1] < 0]
+    return brentq(misfit, grid[found[-1]], grid[found[-1] + 1], xtol=1e-12, rtol=1e-15)
+
+
+if __name__ == "__main__":
+    for ends in ENDS:
+        print(ends, flutter(ends))
+    print([euler_bernoulli(k) for k in (1, 2)])
+    for h in (0.1, 0.05, 0.02, 0.01):
+        print(h, timoshenko(h, 1), timoshenko(h, 2))
