@@ -67,7 +67,7 @@ COMMANDS = {
     ),
     "convergence": Command(
         "CASE [-option value ...]",
-        "errors, observed orders and cost of a case with an exact solution",
+        "errors of a case, or differences between its grids, with observed orders and cost",
         "fsipetsc.analysis.convergence:convergence",
         parallel=True,
         options="fsipetsc.analysis.convergence:sections",
@@ -93,6 +93,14 @@ COMMANDS = {
         "fsipetsc.analysis.modes:modes",
         parallel=True,
         options="fsipetsc.analysis.modes:sections",
+        prints=True,
+    ),
+    "verify": Command(
+        "[NAME ...] [-verify_level full]",
+        "cases against references: errors, observed orders, verdicts",
+        "fsipetsc.verify.command:verify",
+        parallel=True,
+        options="fsipetsc.verify.command:SECTIONS",
         prints=True,
     ),
     "bench": Command(

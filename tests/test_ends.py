@@ -11,7 +11,7 @@ pytest.importorskip("petsc4py")
 
 from paper_parts import filled, gas_record
 
-from fsipetsc.analysis.stability_linear import CENTRAL
+from fsipetsc.analysis.spectra import CENTRAL
 from fsipetsc.boundaries import DIRICHLET, degree_of
 from fsipetsc.boundaries import Dirichlet as DirichletEnd
 from fsipetsc.materials.constant_transport import ConstantTransport

@@ -10,9 +10,8 @@ from helpers import message, solve
 
 pytest.importorskip("scipy")
 
-from fsipetsc.analysis.flutter_cycles import limit_cycle, von_karman
-from fsipetsc.analysis.flutter_fit import Motion, crossing, fit_modes
-from fsipetsc.analysis.flutter_theory import Flow, panel
+from fsipetsc.analysis.flutter_motion import Motion, crossing, fit_modes, limit_cycle
+from fsipetsc.analysis.flutter_theory import Flow, panel, von_karman
 from fsipetsc.errors import ComputationError
 
 #: a thick and light panel on a coarse grid: a second or two each
@@ -63,15 +62,15 @@ def test_two_modes_of_nearly_one_frequency_are_told_apart():
     """In a period and a quarter; with noise of 1e-4 to 1e-2."""
     s = np.array([-0.04 + 1.0j, 0.02 + 1.05j])
     for noise, most in ((0.0, 1e-9), (1e-4, 2e-3)):
-        modes = fit_modes(motion(s, (1.0, 0.5), np.arange(0, 8, 0.1), noise))
-        assert np.abs(np.sort_complex(modes.pair) - np.sort_complex(s)).max() < most
-        assert modes.misfit < 1e-9 + 10 * noise
+        found, misfit = fit_modes(motion(s, (1.0, 0.5), np.arange(0, 8, 0.1), noise))
+        assert np.abs(found[:2] - s).max() < most
+        assert misfit < 1e-9 + 10 * noise
 
 
 def test_what_does_not_oscillate_has_no_modes():
     t = np.arange(0, 5, 0.1)
     still = np.outer(np.exp(-0.1 * t), np.ones(9))
-    with pytest.raises(ComputationError, match="nothing oscillates"):
+    with pytest.raises(ComputationError, match="0 modes oscillate"):
         fit_modes(Motion(t, still, -0.1 * still))
 
 

@@ -15,6 +15,7 @@ PACKAGE = REPOSITORY / "fsipetsc"
 ORDER = """
     __main__
     cli api
+    verify
     analysis bench
     stepping
     output
@@ -40,7 +41,7 @@ RANK = {name: rank for rank, line in enumerate(ORDER.split("\n")) for name in li
 #: the run of blocks, which stands beside that of layers until all runs are of blocks; the paper's method with its state
 SAME = {"blockrun": "stepping", "paper": "stepping"}
 #: who knows MPI, PETSc: the folders whose work that is, and what starts them, reads PETSc's options and ends them
-KNOW_MPI = {"cli", "api", "analysis", "bench", "stepping", "output", "process", "parallel"}
+KNOW_MPI = {"cli", "api", "verify", "analysis", "bench", "stepping", "output", "process", "parallel"}
 KNOW_PETSC = {"analysis", "bench", "stepping", "output", "process", "options", "parallel"}
 #: files of ``parallel`` that know PETSc: those that have the DMDAs
 PETSC_IN_PARALLEL = {f"parallel/{name}.py" for name in ("block_layout", "natural_order")}

@@ -13,7 +13,7 @@ from paper_parts import filled as fill
 from paper_parts import gas_record
 from scipy.linalg import eig
 
-from fsipetsc.analysis.stability_linear import CENTRAL
+from fsipetsc.analysis.spectra import CENTRAL
 from fsipetsc.boundaries import OPEN, Open
 from fsipetsc.errors import InputError
 from fsipetsc.materials.constant_transport import ConstantTransport

@@ -39,7 +39,7 @@ def test_titles_are_not_cut_off(title):
 
 def test_sweep_can_be_read_and_told_apart():
     """Cells where all is well differ from every color of the others, for all eyes, and the numbers are no fine print."""
-    from fsipetsc.analysis.stability_report import NUMBERS, WELL
+    from fsipetsc.output.plots.stability import NUMBERS, WELL
 
     shades = [seen(matplotlib.colormaps["Oranges"](value)[:3]) for value in np.linspace(0, 1, 20)]
     assert min(np.abs(seen(WELL) - shade).max() for shade in shades) > 0.06 and NUMBERS >= 9

@@ -15,9 +15,9 @@ pytest.importorskip("scipy")
 from helpers import REPOSITORY, run, solve
 from paper_parts import conserved, elastic_rates, gas_rates, gas_record, operator_of, solid_record
 
-from fsipetsc.analysis.stability_linear import CENTRAL, assemble, interface_jacobian, rates
-from fsipetsc.analysis.stability_measures import few_eigenvalues, measure, range_basis, step_limit
-from fsipetsc.analysis.stability_state import Constant
+from fsipetsc.analysis.spectra import CENTRAL, range_basis, step_limit
+from fsipetsc.analysis.stability_linear import assemble, interface_jacobian, measure, rates
+from fsipetsc.analysis.stability_state import Constant, at_rest
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.line_solid import Solid
 from fsipetsc.operators import OPERATORS
@@ -37,7 +37,7 @@ def constant(density: float = 2.0, stiffness: float = 3.0, eos: str = "ideal", s
     fluid = Fluid(**{"mu": 0.01, "kappa": 0.03, "gamma": 1.4, "R": 1.0, **gas})
     p, m0, kappa_e = 1.2, density * 1.5, 0.02 if fluid.kappa else 0.0
     gruneisen = p * stretch / (2.5 * 0.8) if eos == "ideal" else 0.0
-    return Constant(fluid, Solid(stiffness * p, kappa_e, m0, 2.5 / m0, 0.0, gruneisen), 1.5, 0.8, stretch)
+    return at_rest(fluid, Solid(stiffness * p, kappa_e, m0, 2.5 / m0, 0.0, gruneisen), 1.5, 0.8, stretch)
 
 
 STATES = {
@@ -80,8 +80,8 @@ def test_rates_of_the_gas_are_those_of_the_kernel(order, state):
     D = OPERATORS[order].matrix(N, h)
     raw, heating = rates(state, D, (D, D), (D @ D, D @ D))
     expected = differentiated(primitive_rates, 1e-2, 3 * N)
-    np.testing.assert_allclose(raw.toarray()[: 3 * N, : 3 * N], expected, atol=1e-9 * np.abs(expected).max())
-    assert heating[: 3 * N].nnz == raw[: 3 * N, 3 * N :].nnz == raw[3 * N :, : 3 * N].nnz == 0
+    np.testing.assert_allclose(raw[: 3 * N, : 3 * N], expected, atol=1e-9 * np.abs(expected).max())
+    assert not (heating[: 3 * N].any() or raw[: 3 * N, 3 * N :].any() or raw[3 * N :, : 3 * N].any())
 
 
 @EACH
@@ -101,7 +101,7 @@ def test_rates_of_the_solid_are_those_of_the_kernel(order, state):
         return np.concatenate([f[0], S_t, f[2]])
 
     raw, heating = rates(state, D, (D, D), (D @ D, D @ D))
-    expected = (raw + heating).toarray()[3 * N :, 3 * N :]
+    expected = (raw + heating)[3 * N :, 3 * N :]
     got = differentiated(all_rates, 1e-3, 4 * N)
     close = {"atol": 1e-9 * np.abs(expected).max()}
     np.testing.assert_allclose(got[:, : 3 * N], expected, **close)
@@ -113,12 +113,12 @@ def test_rates_of_the_solid_are_those_of_the_kernel(order, state):
 @pytest.mark.parametrize("coupling", ["energy", "projection", "traditional"])
 def test_linearised_treatments_are_projections_and_energy_an_orthogonal_one(order, state, coupling):
     state = STATES[state]
-    P = assemble(state, order, N, 0.1, coupling).projection.toarray()
+    P = assemble(state, order, N, 0.1, coupling).projection
     size = np.abs(P).max()
     assert np.abs(P @ P - P).max() < 1e-11 * size**2
     asymmetry = np.abs(P - P.T).max()
     assert (asymmetry < 1e-12) if coupling == "energy" else (asymmetry > 1e-3)
-    basis = range_basis(assemble(state, order, N, 0.1, coupling)).toarray()
+    basis = range_basis(P)
     np.testing.assert_allclose(basis.T @ basis, np.eye(basis.shape[1]), atol=1e-13)
     np.testing.assert_allclose(P @ basis, basis, atol=1e-11 * size)
     # 2 or 4 conditions at the interface, u = 0 at both ends, T = 0 there if heat is conducted
@@ -137,7 +137,7 @@ def test_theorem_4_1_holds_to_round_off(order, eos, stretch):
     for density, stiffness in RATIOS:
         result = measure(constant(density, stiffness, eos, stretch), order, N, 1 / N, "energy")
         assert result.estimate
-        assert result.energy_growth < 1e-12 * result.radius
+        assert result.energy < 1e-12
         assert result.stable
         assert result.step_kept
         assert 0.99 < result.step_ratio < 1.01
@@ -151,16 +151,16 @@ def test_narrow_second_derivatives_take_energy_and_give_none(order, coupling):
     for density, stiffness in RATIOS:
         for eos in ("ideal", "elastic"):
             wide, narrow = (measure(constant(density, stiffness, eos), order, N, 1 / N, coupling, on) for on in (False, True))
-            assert narrow.step_kept and narrow.mode_growth <= max(wide.mode_growth, 1e-12 * narrow.radius)
+            assert narrow.step_kept and narrow.growth <= max(wide.growth, 1e-12)
             if coupling == "energy":
-                assert narrow.estimate and narrow.energy_growth < 1e-12 * narrow.radius
+                assert narrow.estimate and narrow.energy < 1e-12
 
 
 @ORDERS
 def test_theorem_4_1_holds_without_viscosity_and_conduction(order):
     for density, stiffness in RATIOS:
         result = measure(constant(density, stiffness, mu=0.0, kappa=0.0), order, N, 1 / N, "energy")
-        assert result.energy_growth < 1e-12 * result.radius
+        assert result.energy < 1e-12
         assert result.step_kept
 
 
@@ -168,7 +168,7 @@ def test_theorem_4_1_holds_without_viscosity_and_conduction(order):
 def test_the_projection_has_no_growing_mode_for_an_elastic_solid_but_its_energy_may_grow(order):
     for density, stiffness in RATIOS:
         result = measure(constant(density, stiffness, "elastic"), order, 2 * N, 0.5 / N, "projection")
-        assert result.energy_growth > 1e-4 * result.radius
+        assert result.energy > 1e-4
         assert result.stable
         assert result.step_kept
 
@@ -176,14 +176,14 @@ def test_the_projection_has_no_growing_mode_for_an_elastic_solid_but_its_energy_
 @ORDERS
 def test_traditional_fails_for_a_light_solid(order):
     light, heavy = (measure(constant(d, 1.0), order, N, 1 / N, "traditional") for d in (1e-3, 1e3))
-    assert light.energy_growth > light.radius
+    assert light.energy > 1.0
     assert light.step_ratio < 0.4
-    assert not light.keeps("modes")
     assert heavy.step_kept
 
 
 def test_heating_by_the_stress_at_rest_makes_soft_solids_grow_whatever_the_grid():
-    growths = [measure(constant(1.0, 0.01, "elastic"), 4, n, 1 / n, "energy").heated_mode_growth for n in (16, 32, 48)]
+    found = [measure(constant(1.0, 0.01, "elastic"), 4, n, 1 / n, "energy") for n in (16, 32, 48)]
+    growths = [one.heated * one.radius for one in found]
     assert growths[-1] > 1e-4
     assert abs(growths[-1] / growths[-2] - 1) < 0.05
 
@@ -192,17 +192,6 @@ def test_step_limit_of_known_spectra():
     assert step_limit(np.array([3j, -3j])) == pytest.approx(2 * 2**0.5 / 3)
     assert step_limit(np.array([-2.0 + 0j])) == pytest.approx(2.785293563 / 2)
     assert step_limit(np.array([1e-13 + 1j])) == pytest.approx(2 * 2**0.5)
-
-
-def test_slepc_finds_the_same(monkeypatch):
-    pytest.importorskip("slepc4py")
-    expected = [measure(constant(), 4, 40, 1 / 40, c) for c in ("energy", "projection")]
-    monkeypatch.setattr("fsipetsc.analysis.stability_measures.MANY", 100)
-    assert few_eigenvalues(assemble(constant(), 4, 40, 1 / 40, "energy").raw, "modulus") is not None
-    for one in expected:
-        other = measure(constant(), 4, 40, 1 / 40, one.coupling)
-        assert other.energy_growth == pytest.approx(one.energy_growth, abs=1e-9 * one.radius)
-        assert (other.step, other.radius) == pytest.approx((one.step, one.radius), rel=1e-5)
 
 
 # the command
@@ -214,16 +203,16 @@ def command(tmp_path):
     return lambda *args: solve("stability", *args, cwd=tmp_path)
 
 
+NAMES = ("2/1", "4/2", "6/3", "8/4")
 SMALL = ("-sweep", "-stability_points", 16, "-density_ratios", "1e-3,1", "-stiffness_ratios", "0.01,100")
 
 
 def test_command_for_one_material(command):
     done = command("-solid_density", 0.1, "-solid_modulus", 5)
     assert (done.returncode, done.stderr) == (0, "")
-    for name in ("2/1", "4/2", "6/3", "8/4"):
-        line = next(line for line in done.stdout.splitlines() if line.strip().startswith(name))
-        assert "energy never grows" in line
-    assert "m0/rho 0.1, K/p 5" in done.stdout
+    for name in NAMES:
+        words = next(line for line in done.stdout.splitlines() if line.strip().startswith(name)).split()
+        assert words[1:3] == ["0.1", "5"] and words[-3:] == ["energy", "never", "grows"]
 
 
 @pytest.fixture(scope="module")
@@ -241,7 +230,8 @@ def test_sweep_with_energy_holds_everywhere(swept):
         rows = list(csv.DictReader(file))
     assert len(rows) == 4 * 4
     assert all(row[name] == "True" for row in rows for name in ("estimate", "stable", "step_kept"))
-    assert done.stdout.count("energy never grows in 4") == 4
+    counts = [line.split() for line in done.stdout.splitlines() if line.strip().startswith(NAMES)]
+    assert [(words[1], words[2], words[4], words[6]) for words in counts] == [("4",) * 4] * 4
     pytest.importorskip("matplotlib")
     assert (where / "stability-energy.png").read_bytes().startswith(b"\x89PNG")
 

@@ -18,9 +18,9 @@ from helpers import REPOSITORY, solve
 from mpi4py import MPI
 from paper_parts import conserved, primitive
 
-from fsipetsc.analysis.stability_linear import CENTRAL, assemble
-from fsipetsc.analysis.stability_measures import measure
-from fsipetsc.analysis.stability_state import Constant, of_problem
+from fsipetsc.analysis.spectra import CENTRAL
+from fsipetsc.analysis.stability_linear import assemble, measure
+from fsipetsc.analysis.stability_state import Constant, at_rest, of_problem
 from fsipetsc.boundaries import Wall
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
@@ -63,7 +63,7 @@ def expected(state: Constant, order: int, coupling: str, narrow: bool) -> np.nda
     linear = assemble(state, order, N, h, coupling, narrow)
     root = np.sqrt(h * np.outer(state.weights, operator(order).norm_weights(N))).ravel()
     found = (linear.raw + linear.heating) @ linear.projection
-    return (found.toarray() / root[:, None] * root).reshape(6, N, 6, N)
+    return (found / root[:, None] * root).reshape(6, N, 6, N)
 
 
 def solver_rates(state: PaperState, k: int, constant: Constant, order: int) -> Callable[[np.ndarray], np.ndarray]:
@@ -127,7 +127,7 @@ def test_so_it_is_of_a_strained_solid_with_either_second_derivative(order, coupl
 def test_the_energy_never_grows_with_other_laws(order, coupling, k):
     """But for the heating by c T - p, which is the equations'."""
     result = measure(of_problem(five_layers(), k, 1 / 16), order, 16, 1 / 16, coupling)
-    assert result.estimate and result.energy_growth < 1e-12 * result.radius
+    assert result.estimate and result.energy < 1e-12
     assert result.step_kept
 
 
@@ -136,8 +136,8 @@ def test_what_the_theory_is_not_about_is_said():
     mie = replace(solid, pressing=mie_gruneisen(2.0, 1.3, 0.0, 1.0))
     apart = replace(gas, law=van_der_waals_without_its_energy())
     for make, words in (
-        (lambda: Constant(gas, replace(mie, K=0.1), 1.0, 1.0, 2.5), "x_X = 2.5: (K - x_X p_x) / x_X of the solid is "),
-        (lambda: Constant(apart, solid, 1.0, 1.0), "the law of the gas: rho^2 de/drho is 0 Pa and p - T dp/dT -0.1 Pa"),
+        (lambda: at_rest(gas, replace(mie, K=0.1), 1.0, 1.0, 2.5), "x_X = 2.5: (K - x_X p_x) / x_X of the solid is "),
+        (lambda: at_rest(apart, solid, 1.0, 1.0), "the law of the gas: rho^2 de/drho is 0 Pa and p - T dp/dT -0.1 Pa"),
         (lambda: of_problem(five_layers(), 4, 0.1), "-stability_interface 4: expected a number from 0 to 3"),
         (lambda: of_problem(Problem(five_layers().layers[:1], Wall(0.0), Wall(1.0)), 0, 0.1), "this case has none"),
     ):

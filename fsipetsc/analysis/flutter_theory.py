@@ -13,6 +13,10 @@ w(0) = w(1) = w_x(0) = w_x(1) = 0. The pressure p on the panel is
 the latter from (d_t + M d_x)^2 phi = phi_xx + phi_yy by Laplace's transform along x. Without its w_t the first has flutter from
 lambda = 636.57 on, whatever the mass (E. H. Dowell, Aeroelasticity of Plates and Shells, 1975). Galerkin's method; with a
 thickness, shear and rotary inertia as Timoshenko has them.
+
+A large motion stretches the panel (von Karman): D w_xxxx becomes D w_xxxx - (6 D / h^2) int_0^1 w_x^2 dx w_xx, h the
+thickness over the length, and growth ends. The flow stays linear then, with the quasi-steady pressure (E. H. Dowell, Nonlinear
+oscillations of a fluttering plate, AIAA J. 4 (1966) 1267-1275).
 """
 
 from __future__ import annotations
@@ -21,13 +25,19 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-Real = NDArray[np.float64]
+from fsipetsc.analysis.flutter_motion import Motion
+from fsipetsc.analysis.spectra import Complex, Real
+from fsipetsc.errors import ComputationError
+
 #: functions for the deflection, natural modes that are kept, points of the quadratures along the panel and up to a point
 FUNCTIONS, MODES, POINTS, INNER = 16, 12, 48, 24
 #: factor of the shear force
 SHEAR = 5.0 / 6.0
+#: lambda at which a thin clamped panel begins to flutter without damping, its frequency there over sqrt(D/m)
+CRITICAL, FREQUENCY = 636.57, 52.0
+#: modes of von Karman's panel, and samples in a period of its motion
+FEW, SAMPLES = 6, 100
 
 
 @dataclass(frozen=True)
@@ -119,7 +129,11 @@ class Flow:
         """sqrt(D / mass), unit of frequencies, at lambda = dynamic."""
         return float(np.sqrt(self.mach**2 / (dynamic * self.beta) / self.mass))
 
-    def quasi_steady(self, dynamic: float, damped: bool = True) -> NDArray[np.complex128]:
+    def period(self, dynamic: float) -> float:
+        """Of flutter at lambda = dynamic, about."""
+        return 2.0 * np.pi / (FREQUENCY * self.unit(dynamic))
+
+    def quasi_steady(self, dynamic: float, damped: bool = True) -> Complex:
         """s of the modes at lambda = dynamic, those of Im s >= 0, by frequency. damped: with the term of w_t."""
         modes, unit = panel(self.thickness), self.unit(dynamic)
         force = dynamic * _product(modes.w, modes.w_x, modes.weights)
@@ -134,8 +148,6 @@ class Flow:
         """The s of the fastest growth by the theory of all orders, which is looked for from start, or the quasi-steady one, on.
         ComputationError if it is not found.
         """
-        from fsipetsc.errors import ComputationError
-
         modes, unit = panel(self.thickness), self.unit(dynamic)
         found = []
         for s in [start] if start is not None else self.quasi_steady(dynamic)[:2]:
@@ -152,7 +164,7 @@ class Flow:
             raise ComputationError(f"no mode of the potential theory is found at M = {self.mach:g}, lambda = {dynamic:g}")
         return max(found, key=lambda s: s.real)
 
-    def _forces(self, s: complex) -> NDArray[np.complex128]:
+    def _forces(self, s: complex) -> Complex:
         """What the pressure of each mode does on each."""
         from scipy.special import ive
 
@@ -171,8 +183,6 @@ class Flow:
 
         ComputationError where it does not change its sign between these two.
         """
-        from fsipetsc.errors import ComputationError
-
         def fastest(dynamic: float) -> complex:
             if theory == "potential":
                 return self.potential(dynamic)
@@ -187,3 +197,34 @@ class Flow:
             middle = 0.5 * (low + high)
             low, high = (low, middle) if fastest(middle).real > least else (middle, high)
         return high, fastest(high)
+
+    def onset(self, theory: str) -> tuple[float, complex]:
+        """The same, NaN where there is none."""
+        try:
+            return self.critical(theory)
+        except ComputationError:
+            return float("nan"), complex("nan")
+
+
+def von_karman(
+    flow: Flow, dynamic: float, thickness: float, begin: float, end: float, push: float = 1e-3
+) -> tuple[Motion, Real]:
+    """(motion, x) by the theory at lambda = dynamic from the time begin to end, after a deflection of about push at 0."""
+    from scipy.integrate import solve_ivp
+
+    modes, unit = panel(flow.thickness), flow.unit(dynamic)
+    w, w_x = modes.w[:FEW], modes.w_x[:FEW]
+    stretched = _product(w_x, w_x, modes.weights)
+    linear = np.diag(modes.squares[:FEW]) + dynamic * _product(w, w_x, modes.weights)
+
+    def rates(t: float, y: Real) -> Real:
+        q, velocity = y[:FEW], y[FEW:]
+        tension = stretched @ q
+        forces = linear @ q + 6.0 / thickness**2 * (q @ tension) * tension
+        return np.concatenate([velocity, -(unit**2) * forces - flow.damping * velocity])
+
+    start = np.zeros(2 * FEW)
+    start[:2] = push
+    t = np.arange(begin, end, flow.period(dynamic) / SAMPLES)
+    y = solve_ivp(rates, (0.0, end), start, t_eval=t, rtol=1e-8, atol=1e-10).y
+    return Motion(t, y[:FEW].T @ w, y[FEW:].T @ w), modes.x

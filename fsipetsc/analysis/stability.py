@@ -1,30 +1,23 @@
 """The command `python -m fsipetsc stability [CASE]`: the linear theory, checked for given materials, or those of a case.
 
-It ends with status 3 where the interface treatment does not keep what it promises. `energy` promises that the energy
-never grows (Theorem 4.1), that no mode grows and that the step of the uncoupled layers is kept; the others promise
-the last two. What the heating by a stress at rest adds (sigma^ u_X / (alpha m0), see stability_linear) is shown too,
-but as it belongs to the equations, not to the interface, it does not count. The materials of a case may have any laws; its
-initial data at an interface say which state is at rest.
+It ends with status 3 where the interface treatment does not keep what it promises. `energy` and `conservative` promise
+that the energy never grows (Theorem 4.1), that no mode grows and that the step of the uncoupled layers is kept; the others,
+and any in two dimensions, promise the last two. What the heat of the stress at rest adds is shown too, but as it belongs to
+the equations, not to the interface, it does not count. The materials of a case may have any laws; its initial data at an
+interface say which state is at rest.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import fields
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from fsipetsc.analysis.stability_options import (
-    FOR_CASES,
-    OF_TWO_DIMENSIONS,
-    SECTIONS,
-    check,
-    constant_state,
-    named,
-    orders,
-    swept,
-)
-from fsipetsc.blockrun.run_problem import RunProblem
+from fsipetsc.analysis.stability_options import FOR_CASES, OF_TWO_DIMENSIONS, SECTIONS, named, orders
+from fsipetsc.analysis.tables import printer, save_csv, shared, text_table
 from fsipetsc.cases import load_case
 from fsipetsc.errors import ComputationError, InputError
 from fsipetsc.options import read_options, read_table
@@ -34,52 +27,66 @@ from fsipetsc.process.together import together, wait_asleep
 if TYPE_CHECKING:
     from mpi4py import MPI
 
-    from fsipetsc.analysis.stability_measures import Result
+    from fsipetsc.analysis.spectra import Result
     from fsipetsc.analysis.stability_state import Constant
-    from fsipetsc.analysis.wave_stability import WaveSetting
+    from fsipetsc.analysis.wave_measures import Rest
 
-PROMISES = {"conservative": "estimate", "energy": "estimate", "projection": "modes", "traditional": "modes"}
+THEORY = {
+    "energy": "orthogonal projection, all four conditions at once (Theorem 4.1)",
+    "projection": "temperatures first, then u, sigma, rho (Theorem 4.2)",
+    "conservative": "the end points are one particle; mass, momentum and energy are kept",
+    "traditional": "the solid moves the fluid, the fluid loads the solid",
+}
+
+
+class Problem(NamedTuple):
+    """What is studied: words about it, the state at rest (with ``swept``), the numbers of such a state and an order."""
+
+    heading: str
+    state: Any
+    measure: Callable[[Any, int], Result]
 
 
 def stability(arguments: list[str], comm: MPI.Comm) -> None:
-    """Run the command; the ranks of comm share a sweep. Collective; ComputationError if a promise is not kept."""
+    """Run the command; the ranks of comm share a sweep. Collective; InputError; ComputationError if a promise is not kept."""
     for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(name, "1")  # the matrices are small: threads would only get in each other's way
-    opt, state = described(arguments, comm)
-    from fsipetsc.analysis.wave_stability import WaveSetting, wave_stability  # PETSc has been started
-
-    if isinstance(state, WaveSetting):
-        wave_stability(opt, state, comm)
-        return
-    results = compute(opt, state, comm)
-    if comm.rank == 0 and not opt["fsi_quiet"]:
-        show(opt, state, results)
-    if comm.rank == 0 and opt["sweep"]:
+    opt, problem = described(arguments, comm)
+    states = [problem.state]
+    if opt["sweep"]:
+        states = [problem.state.swept(*both) for both in product(opt["density_ratios"], opt["stiffness_ratios"])]
+    tasks = list(product(orders(opt), states))
+    results = shared(comm, tasks, lambda task: problem.measure(task[1], task[0]))
+    say = printer(comm, opt)
+    say("\n".join([problem.heading, "", summary(results) if opt["sweep"] else table(results), *_heating(results), ""]))
+    if opt["sweep"] and comm.rank == 0:
         for path in save(opt, results):
-            if not opt["fsi_quiet"]:
-                print(f"saved {path}")
+            say(f"saved {path}")
     wait_asleep(comm)
     judge(results)
 
 
-def described(arguments: list[str], comm: MPI.Comm) -> tuple[dict[str, Any], Constant | WaveSetting]:
-    """Options and the state at rest. Collective. InputError, also where a case has none."""
+def described(arguments: list[str], comm: MPI.Comm) -> tuple[dict[str, Any], Problem]:
+    """Options and what they ask for. Collective. InputError, also where a case has no state at rest."""
     if not named(arguments):
+        from fsipetsc.analysis.stability_state import of_options
+
         given = start_petsc(arguments, comm)
         opt = read_table(SECTIONS, given)
-        check(opt)
-        state = together(comm, lambda: constant_state(opt))
+        orders(opt)
+        state = together(comm, lambda: of_options(opt))
         if opt["stability_plane"]:
-            from fsipetsc.analysis.wave_stability import setting_of_options
+            from fsipetsc.analysis.wave_measures import rest_of_options
 
-            return opt, setting_of_options(opt, state, given)
+            return opt, _in_two(opt, rest_of_options(opt, state, given))
         _only_in_two(given, "-stability_plane asks for two dimensions")
-        return opt, state
+        return opt, _in_one(opt, state)
 
     case = together(comm, lambda: load_case(arguments[0]))
     given = start_petsc(arguments[1:], comm)
     from fsipetsc.analysis.stability_state import of_problem
-    from fsipetsc.analysis.wave_stability import setting_of_problem
+    from fsipetsc.analysis.wave_measures import rest_of_problem
+    from fsipetsc.blockrun.run_problem import RunProblem
     from fsipetsc.stepping.solve import block_form, build_problem, check_begin
 
     opt = read_options(case, given, FOR_CASES)
@@ -90,11 +97,12 @@ def described(arguments: list[str], comm: MPI.Comm) -> tuple[dict[str, Any], Con
         opt["fsi_order"] = None  # in two dimensions the layers of a case may be too thin for other orders than its own
     if "fsi_output" not in given:
         opt["fsi_output"] = None
-    check(opt)
+    orders(opt)
     if plane:
-        return opt, together(comm, lambda: setting_of_problem(problem, opt, block_form(opt)))
+        form = block_form(opt)
+        return opt, _in_two(opt, together(comm, lambda: rest_of_problem(problem, opt)), form)
     _only_in_two(given, f"{case.NAME} is a case of one dimension")
-    return opt, together(comm, lambda: of_problem(problem, opt["stability_interface"], opt["fsi_h"]))
+    return opt, _in_one(opt, together(comm, lambda: of_problem(problem, opt["stability_interface"], opt["fsi_h"])))
 
 
 def _only_in_two(chosen: Mapping[str, Any], why: str) -> None:
@@ -104,64 +112,140 @@ def _only_in_two(chosen: Mapping[str, Any], why: str) -> None:
             raise InputError(f"-{chosen[name].name} is of two dimensions: {why}")
 
 
-def compute(opt: Mapping[str, Any], state: Constant, comm: MPI.Comm) -> list[Result]:
-    """Results of all orders and, in a sweep, ratios, in this order, on every rank. Collective."""
-    from fsipetsc.analysis.stability_measures import measure
+def _in_one(opt: Mapping[str, Any], state: Constant) -> Problem:
+    from fsipetsc.analysis.stability_linear import measure
+    from fsipetsc.analysis.stability_state import law_name
 
-    states = [state]
-    if opt["sweep"]:
-        states = [swept(state, *ratios) for ratios in product(opt["density_ratios"], opt["stiffness_ratios"])]
-    tasks = list(product(orders(opt), states))
-    grid = (opt["stability_points"], opt["fsi_h"], opt["fsi_coupling"], opt["fsi_viscous"] == "narrow")
-    mine = [measure(one, order, *grid) for order, one in tasks[comm.rank :: comm.size]]
-    shares = comm.allgather(mine)
-    return [shares[i % comm.size][i // comm.size] for i in range(len(tasks))]
+    gas, solid, swept = state.gas, state.solid, opt["sweep"]
+    n, h, coupling, viscous = (opt[name] for name in ("stability_points", "fsi_h", "fsi_coupling", "fsi_viscous"))
+    laws = [law_name(law) for law in (gas.law, gas.transport, solid.pressing) if law is not None]
+    body = f"alpha m0 {solid.alpha * solid.m0:g} J/(m3 K)" if swept else f"m0 {solid.m0:g} kg/m3, K {solid.K:g} Pa"
+    heading = [
+        f"stability of {coupling}: {THEORY[coupling]}",
+        f"solid | gas at rest, linearised (4.2): {n} points of h = {h:g} m in each, {viscous} second derivatives",
+        f"gas    rho {state.rho:g} kg/m3, T {state.T:g} K, p {state.p:g} Pa, mu {state.mu:g} Pa s, "
+        f"kappa {state.kappa:g} W/(m K), sound {gas.sound_speed(state.T, state.rho):.3g} m/s",
+        f"solid  {body}, kappa {solid.kappa_e:g} W/(m K), x_X {state.stretch:g}, pressure {state.solid_pressure:g} Pa, "
+        f"sigma {state.stress:g} Pa",
+        *([f"laws   {'; '.join(laws)}"] if laws else []),
+    ]
+    narrow = viscous == "narrow"
+    return Problem("\n".join(heading), state, lambda one, order: measure(one, order, n, h, coupling, narrow))
 
 
-def show(opt: Mapping[str, Any], state: Constant, results: Sequence[Result]) -> None:
-    """Print the problem and the results."""
-    from fsipetsc.analysis.stability_report import heading, one_state, sweep_tables
+def _in_two(opt: Mapping[str, Any], rest: Rest, *form: Any) -> Problem:
+    from fsipetsc.analysis.wave_measures import Waves, measure
 
-    print(heading(opt, state))
-    print(sweep_tables(results) if opt["sweep"] else one_state(results))
+    k, symbols = opt["stability_k"], opt["stability_symbols"]
+    waves = Waves(k=tuple(k)) if k else Waves(tuple(symbols))
+    listed = ", ".join(f"{value:g}" for value in k or symbols)
+    heading = [
+        "gas over a solid in two dimensions, linearised at rest: the scheme's own rates, by wave number",
+        f"{rest.cells[0] + 1} points across the solid, {rest.cells[1] + 1} across the gas, columns {rest.columns:.6g} m apart",
+        f"k = {listed} 1/m" if k else f"symbol of D at {listed} of its greatest value",
+    ]
+    return Problem("\n".join(heading), rest, lambda one, order: measure(one, order, waves, *form))
 
 
-def save(opt: Mapping[str, Any], results: Sequence[Result]) -> list[str]:
-    """Write the table and the picture of a sweep; returns their paths."""
-    from fsipetsc.analysis.stability_report import draw, write_table
+def verdict(result: Result) -> str:
+    """One phrase about a result."""
+    if not result.stable:
+        return "a mode grows"
+    if not result.step_kept:
+        return "stable, but at smaller steps"
+    if result.energy != result.energy:
+        return "stable"
+    return "energy never grows" if result.estimate else "stable, but the energy may grow for a while"
 
-    base = opt["fsi_output"] or f"stability-{opt['fsi_coupling']}"
-    write_table(f"{base}.csv", results)
-    try:
-        draw(f"{base}.png", results)
-    except ModuleNotFoundError as error:
-        if error.name != "matplotlib":
-            raise
-        return [f"{base}.csv (no picture: matplotlib is not installed)"]
-    return [f"{base}.csv", f"{base}.png"]
+
+def table(results: Sequence[Result]) -> str:
+    """A line for each order, and the slowest modes, if they are known."""
+    energy, unit = results[0].energy == results[0].energy, "[|lambda|]"
+    head = ["order", "m0/rho", "K/p", f"energy grows\n{unit}", f"fastest mode\n{unit}", "largest |lambda|\n[1/s]"]
+    head += ["RK4 step up to\n[s]", "of uncoupled", ""]
+    rows = []
+    for r in results:
+        ratios, rates = (f"{r.density_ratio:g}", f"{r.stiffness_ratio:g}"), (f"{r.energy:.1e}", f"{r.growth:.1e}")
+        rows.append([_name(r), *ratios, *rates, f"{r.radius:.4g}", f"{r.step:.4g}", f"{r.step_ratio:.4f}", verdict(r)])
+    columns = [i for i in range(len(head)) if energy or i != 3]
+    lines = [text_table([head[i] for i in columns], [[row[i] for i in columns] for row in rows])]
+    waves = [(r, k, modes) for r in results for k, modes in r.slowest]
+    if waves:
+        lines += ["", "slowest modes that swing, s [1/s]"]
+    for r, k, modes in waves:
+        told = ", ".join(f"{s.real:.6g} + {s.imag:.6g}i" for s in modes) or "none"
+        lines.append(f"  order {_name(r)}, k = {k:>8.5g}  {told}")
+    return "\n".join(lines)
+
+
+def summary(results: Sequence[Result]) -> str:
+    """Of a sweep: for each order in how many combinations all is well, and the worst."""
+    energy = results[0].energy == results[0].energy
+    head = ["order", "of", "energy never\ngrows", "at most\n[|lambda|]", "no mode\ngrows", "at most\n[|lambda|]"]
+    head, rows = [*head, "step\nkept", "least of\nuncoupled"], []
+    for order in dict.fromkeys(r.order for r in results):
+        own = [r for r in results if r.order == order]
+        counts = {name: sum(getattr(r, name) for r in own) for name in ("estimate", "stable", "step_kept")}
+        growths = [f"{max(getattr(r, name) for r in own):.1e}" for name in ("energy", "growth")]
+        least = f"{min(r.step_ratio for r in own):.3f}"
+        rows.append([_name(own[0]), len(own), counts["estimate"], growths[0], counts["stable"], growths[1]])
+        rows[-1] += [counts["step_kept"], least]
+    columns = [i for i in range(len(head)) if energy or i not in (2, 3)]
+    return text_table([head[i] for i in columns], [[row[i] for i in columns] for row in rows])
+
+
+def _heating(results: Sequence[Result]) -> list[str]:
+    """What the heat of the stress at rest adds, in two lines."""
+    if all(r.heated == r.growth for r in results):
+        return []
+    worst, growing = max(r.heated for r in results), sum(not r.heated_stable for r in results)
+    told = f"modes grow at up to {worst:.1e} |lambda| ({growing} of {len(results)})" if growing else "no mode grows, either"
+    return [
+        "",
+        "These numbers leave out the heat that the stress at rest sets free, which is not the interface's doing: sigma u_X/",
+        f"(alpha m0), in two dimensions -p div v/(alpha m0). With it {told}.",
+    ]
+
+
+def save(opt: Mapping[str, Any], results: Sequence[Result]) -> list[Path]:
+    """Write the table and, in one dimension, the picture of a sweep; returns their paths. FileError."""
+    from fsipetsc.analysis.spectra import Result
+    from fsipetsc.output.plots.stability import sweep_figure
+
+    plane = results[0].energy != results[0].energy
+    base = opt["fsi_output"] or f"stability-{'plane' if plane else opt['fsi_coupling']}"
+    names = [field.name for field in fields(Result) if field.name != "slowest"]
+    rows = [[getattr(result, name) for name in names] for result in results]
+    path = save_csv(Path(f"{base}.csv"), names, rows)
+    return [path] if plane else [path, *sweep_figure(results, f"{base}.png", THEORY[opt["fsi_coupling"]])]
 
 
 def judge(results: Sequence[Result]) -> None:
     """Raise ComputationError, which names the worst, if a result does not keep what its treatment promises."""
-    promise = PROMISES[results[0].coupling]
-    broken = [result for result in results if not result.keeps(promise)]
+    estimate = results[0].coupling in ("conservative", "energy")
+    broken = [r for r in results if not (r.stable and r.step_kept and (r.estimate or not estimate))]
     if not broken:
         return
-    growing = [r for r in broken if not r.stable]
-    slowed = [r for r in broken if not r.step_kept]
+    growing, slowed = [r for r in broken if not r.stable], [r for r in broken if not r.step_kept]
     faults = []
     if growing:
-        worst = max(growing, key=lambda r: r.mode_growth / r.radius)
-        faults.append(f"a mode grows in {len(growing)}, at {worst.mode_growth:.2g} 1/s with {_where(worst)}")
+        worst = max(growing, key=lambda r: r.growth)
+        faults.append(f"a mode grows in {len(growing)}, at {worst.growth:.2g} |lambda| with {_where(worst)}")
     if slowed:
         worst = min(slowed, key=lambda r: r.step_ratio)
-        part = f"{worst.step_ratio:.2g} of the uncoupled one with {_where(worst)}"
-        faults.append(f"the step limit is lower in {len(slowed)}, {part}")
+        ratio = f"{worst.step_ratio:.2g} of the uncoupled one"
+        faults.append(f"the step limit is lower in {len(slowed)}, {ratio} with {_where(worst)}")
     if not faults:
-        worst = max(broken, key=lambda r: r.energy_growth / r.radius)
-        faults.append(f"the energy grows, at {worst.energy_growth:.2g} 1/s with {_where(worst)}")
-    raise ComputationError(f"{worst.coupling} fails in {len(broken)} of {len(results)}: {'; '.join(faults)}")
+        worst = max(broken, key=lambda r: r.energy)
+        faults.append(f"the energy grows, at {worst.energy:.2g} |lambda| with {_where(worst)}")
+    raise ComputationError(f"{broken[0].coupling} fails in {len(broken)} of {len(results)}: {'; '.join(faults)}")
 
 
 def _where(result: Result) -> str:
     return f"order {result.order}, m0/rho = {result.density_ratio:g}, K/p = {result.stiffness_ratio:g}"
+
+
+def _name(result: Result) -> str:
+    from fsipetsc.operators import operator
+
+    return operator(result.order).name

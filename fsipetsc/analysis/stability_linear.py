@@ -1,4 +1,4 @@
-"""The linearised coupled problem (4.2): a solid layer left of a fluid layer, each with n points, as sparse matrices.
+"""The linearised coupled problem (4.2): a solid layer left of a fluid layer, each with n points, and what it says.
 
 Small disturbances of a constant state obey (3.6) and (3.8). Per point there are six unknowns, fluid (rho, u, T) and
 solid (u, S, T). S = sigma - x_X' dp_s/dx_X stands for stress and strain, which act as this sum alone: with x_t = u it obeys
@@ -16,23 +16,21 @@ with rho^2 e_rho = p - T p_T, as thermodynamics has it. The energy E = h sum_j a
 fsipetsc.paper.coupling. In it the equations are symmetric but for a part of the last one: -p^ = -c T^ + (c T^ - p^). In
 Grüneisen's solid c T^ - p^ is the stress sigma^, and that part the heat that a stress sigma^ != 0 sets free.
 
-With the conservative coupling D of a flux is without what goes through the interface (fsipetsc.blocks).
-D is fsipetsc.operators' and the interface is treated by the code that the solver calls, differentiated numerically at the
-constant state. At the outer ends
-u = 0, and T = 0 in what conducts: orthogonal projections that neither add nor take energy, so that growth comes from the
-interface or from the equations.
+With the conservative coupling D of a flux is without what goes through the interface (fsipetsc.blocks). D is
+fsipetsc.operators' and the interface is treated by the code that the solver calls, differentiated numerically at the
+constant state. At the outer ends u = 0, and T = 0 in what conducts: orthogonal projections that neither add nor take
+energy, so that growth comes from the interface or from the equations.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
-from scipy.sparse import bmat, csr_matrix, diags, identity, lil_matrix
 
+from fsipetsc.analysis.spectra import CENTRAL, Complex, Real, Result, range_basis, step_limit
 from fsipetsc.analysis.stability_state import Constant
 from fsipetsc.operators import operator
 from fsipetsc.operators.narrow import remainder
@@ -41,87 +39,75 @@ from fsipetsc.paper.coupling import KINDS, Face, couple
 from fsipetsc.paper.laws import elastic_of, gas_of
 from fsipetsc.paper.stencils import CALL, packed
 
-Array = NDArray[np.float64]
-#: step of the numerical differentiation, relative to the size of each variable, and its formula of order 8
+#: step of the numerical differentiation, relative to the size of each variable
 STEP = 2.0**-7
-CENTRAL = np.array([4 / 5, -1 / 5, 4 / 105, -1 / 280])
+#: growth over the largest |lambda| that counts as round-off: of the energy, of a mode (an eigenvalue of a matrix that is not
+#: normal is less certain); part of the step limit of the uncoupled layers that a treatment of the interface must leave
+ENERGY_TOLERANCE, MODE_TOLERANCE, STEP_KEPT = 1e-10, 1e-9, 0.95
 
 
-@dataclass(frozen=True)
-class Linear:
+class Linear(NamedTuple):
     """The assembled problem in the variables sqrt(h a W) q, in which the energy is the square of the vector.
 
-    raw: (6n, 6n) right-hand side of both layers without any condition, symmetric in the last equation;
-    heating: (6n, 6n) what c T^ - p^ adds; projection: (6n, 6n) all conditions; layers: the same for the two layers alone, which
-    end at the interface as at the outer ends, or free and insulated with the conservative coupling.
+    raw: (6n, 6n) right-hand side of both layers without any condition, symmetric in the last equation; heating: (6n, 6n)
+    what c T^ - p^ adds; projection: (6n, 6n) all conditions; free: (6n,) 0 where a layer alone is held: at its outer end, and
+    at the interface in the same way, but with the conservative coupling, where it is free and insulated.
     Order: fluid rho, u, T, solid u, S, T; in each the points from left to right.
     """
 
-    raw: csr_matrix
-    heating: csr_matrix
-    projection: csr_matrix
-    layers: csr_matrix
-    n: int
-
-    def operator(self, heating: bool = True) -> csr_matrix:
-        """P L P: the linearised semi-discrete problem."""
-        return self.projection @ (self.raw + self.heating if heating else self.raw) @ self.projection
+    raw: Real
+    heating: Real
+    projection: Real
+    free: Real
 
 
 def assemble(state: Constant, order: int, n: int, h: float, coupling: str, narrow: bool = False) -> Linear:
     """The problem with n points of spacing h [m] in each layer. ValueError if the closures do not fit."""
     op = operator(order)
-    D = op.matrix(n, h)
-    narrowing = remainder(op.interior, np.ones(n)) / (h * h * op.norm_weights(n)[:, None]) if narrow else 0.0
-    root = np.sqrt(h * np.outer(state.weights, op.norm_weights(n))).ravel()
-    scale, unscale = diags(root), diags(1.0 / root)
-    outer = D, D
+    D, H = op.matrix(n, h), h * op.norm_weights(n)
+    narrowing = remainder(op.interior, np.ones(n)) / (h * H[:, None]) if narrow else 0.0
+    outer = D.copy(), D.copy()
     if coupling == "conservative":  # no flux through the interface is in the rates of the end points
-        outer = D.copy(), D.copy()
-        outer[0][0, 0] += 1.0 / (h * op.norm_weights(n)[0])
-        outer[1][-1, -1] -= 1.0 / (h * op.norm_weights(n)[0])
-    raw, heating = rates(state, D, outer, [divergence @ D - narrowing for divergence in outer])
+        outer[0][0, 0] += 1.0 / H[0]
+        outer[1][-1, -1] -= 1.0 / H[0]
     ends = np.ones((6, n))
     ends[1, -1] = ends[3, 0] = 0.0
     ends[2, -1] = 0.0 if state.gas.kappa > 0 else 1.0
     ends[5, 0] = 0.0 if state.solid.kappa_e > 0 else 1.0
+    both = ends if coupling == "conservative" else ends * ends[:, ::-1]
     interface = scatter(interface_jacobian(state, order, h, coupling), n)
-    return Linear(
-        csr_matrix(scale @ raw @ unscale),
-        csr_matrix(scale @ heating @ unscale),
-        csr_matrix(diags(ends.ravel()) @ scale @ interface @ unscale @ diags(ends.ravel())),
-        csr_matrix(diags((ends if coupling == "conservative" else ends * ends[:, ::-1]).ravel())),
-        n,
-    )
+    root = np.sqrt(np.outer(state.weights, H)).ravel()
+    scaled = root[:, None] / root
+    raw, heating = rates(state, D, outer, [divergence @ D - narrowing for divergence in outer])
+    conditions = np.outer(ends, ends) * interface
+    return Linear(scaled * raw, scaled * heating, scaled * conditions, both.ravel())
 
 
-def rates(state: Constant, D: Array, outer: Sequence[Array], second: Sequence[Array]) -> tuple[csr_matrix, csr_matrix]:
+def rates(state: Constant, D: Real, outer: Sequence[Real], second: Sequence[Real]) -> tuple[Real, Real]:
     """(right-hand side without the heating by c T^ - p^, that heating), (6n, 6n).
 
     D: derivative of the velocities, (n, n); outer, second: in fluid and solid those of the stress and, of second order, of what
     is conducted or diffuses.
     """
     solid, rho, T, c = state.solid, state.rho, state.T, state.solid_p_T
-    heat, heat_f, n = solid.alpha * solid.m0, rho * state.heat_capacity, len(D)
-    D, zero = csr_matrix(D), csr_matrix((n, n))
-    (Df, Ds), (D2f, D2s) = map(csr_matrix, outer), map(csr_matrix, second)
+    heat, heat_f, o = solid.alpha * solid.m0, rho * state.heat_capacity, np.zeros_like(D)
+    (Df, Ds), (D2f, D2s) = outer, second
     fluid = [
-        [zero, -rho * D, zero],
+        [o, -rho * D, o],
         [-state.bulk / rho**2 * Df, 4 / 3 * state.mu / rho * D2f, -state.p_T / rho * Df],
-        [zero, -T * state.p_T / heat_f * D, state.kappa / heat_f * D2f],
+        [o, -T * state.p_T / heat_f * D, state.kappa / heat_f * D2f],
     ]
     elastic = [
-        [zero, Ds / solid.m0, -c / solid.m0 * Ds],
-        [state.modulus * D, zero, zero],
-        [-c * T / heat * D, zero, solid.kappa_e / state.stretch / heat * D2s],
+        [o, Ds / solid.m0, -c / solid.m0 * Ds],
+        [state.modulus * D, o, o],
+        [-c * T / heat * D, o, solid.kappa_e / state.stretch / heat * D2s],
     ]
-    heated = [[zero] * 3, [zero] * 3, [state.excess / heat * D, zero, zero]]
-    rest = csr_matrix((3 * n, 3 * n))
-    raw = bmat([[bmat(fluid), None], [None, bmat(elastic)]], format="csr")
-    return raw, bmat([[rest, None], [None, bmat(heated)]], format="csr")
+    heated = np.block([[o] * 3, [o] * 3, [state.excess / heat * D, o, o]])
+    none = np.zeros_like(heated)
+    return np.block([[np.block(fluid), none], [none, np.block(elastic)]]), np.block([[none, none], [none, heated]])
 
 
-def interface_jacobian(state: Constant, order: int, h: float, coupling: str) -> Array:
+def interface_jacobian(state: Constant, order: int, h: float, coupling: str) -> Real:
     """Derivative, (6 rows, 6 rows), of the interface treatment at the constant state.
 
     Order as in Linear, rows counted from the interface into each layer. That of the paper's couplings is of the solver's own
@@ -155,7 +141,7 @@ def couple_all(ops, face, jump, f, s):
         couple(ops[0], face, jump, f[m], s[m])
 
 
-def one_particle(state: Constant, rows: int) -> Array:
+def one_particle(state: Constant, rows: int) -> Real:
     """The same of the conservative coupling: the two end points share momentum, and heat if both conduct it."""
     jacobian = np.eye(6 * rows)
     pairs = [(1, 3, state.rho, state.solid.m0)]
@@ -167,11 +153,38 @@ def one_particle(state: Constant, rows: int) -> Array:
     return jacobian
 
 
-def scatter(jacobian: Array, n: int) -> csr_matrix:
+def scatter(jacobian: Real, n: int) -> Real:
     """The interface treatment on all points, (6n, 6n), from its derivative on the rows at the interface."""
     rows = len(jacobian) // 6
     fluid, solid = np.arange(rows), n - 1 - np.arange(rows)
     index = np.concatenate([v * n + (fluid if v < 3 else solid) for v in range(6)])
-    full = lil_matrix(identity(6 * n))
+    full = np.eye(6 * n)
     full[np.ix_(index, index)] = jacobian
-    return csr_matrix(full)
+    return full
+
+
+def measure(state: Constant, order: int, n: int, h: float, coupling: str, narrow: bool = False) -> Result:
+    """All numbers for n points of spacing h [m] in each layer, and D twice or narrow second derivatives.
+
+    Energy: with w the vector of Linear, w = P w, d/dt |w|^2 / 2 = w^T P L w. Its largest value for |w| = 1 is the largest
+    eigenvalue of the symmetric part of Z^T P L Z, Z an orthonormal basis of the range of P: 0 or less where the estimate
+    holds. Modes: eigenvalues of Z^T P L Z.
+    """
+    problem = assemble(state, order, n, h, coupling, narrow)
+    P, Z = problem.projection, range_basis(problem.projection)
+
+    def growths(L: Real) -> tuple[float, Complex]:
+        A = Z.T @ (P @ L @ P) @ Z
+        return float(np.linalg.eigvalsh((A + A.T) / 2).max()), np.linalg.eigvals(A)
+
+    energy, spectrum = growths(problem.raw)
+    heated_energy, heated = growths(problem.raw + problem.heating) if state.excess else (energy, spectrum)
+    alone = np.outer(problem.free, problem.free) * problem.raw
+    halves = alone[: 3 * n, : 3 * n], alone[3 * n :, 3 * n :]
+    uncoupled = min(step_limit(np.linalg.eigvals(half)) for half in halves)
+    radius, step = float(np.abs(spectrum).max()), step_limit(spectrum)
+    growth = [float(values.real.max()) / radius for values in (spectrum, heated)]
+    numbers = energy / radius, growth[0], heated_energy / radius, growth[1], radius, step, step / uncoupled
+    modes = [part <= MODE_TOLERANCE for part in growth]
+    fine = energy <= ENERGY_TOLERANCE * radius, *modes, step >= STEP_KEPT * uncoupled
+    return Result(order, coupling, state.solid.m0 / state.rho, state.solid.K / state.p, *numbers, *fine)

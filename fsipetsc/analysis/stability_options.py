@@ -1,51 +1,43 @@
-"""The options of `python -m fsipetsc stability`, and the problem that they, or a case, describe. Cheap to import."""
+"""The options of `python -m fsipetsc stability`. Cheap to import."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from fsipetsc.analysis.tables import listed_in
 from fsipetsc.cases import load_case
 from fsipetsc.errors import InputError
 from fsipetsc.options import above_one, groups
 from fsipetsc.options.option import Option
 
-if TYPE_CHECKING:
-    from fsipetsc.analysis.stability_state import Constant
-
 ORDERS = (2, 4, 6, 8)
 
 
-def _orders(values: tuple[int, ...]) -> str | None:
-    return None if set(values) <= set(ORDERS) else "orders out of 2,4,6,8"
+def _to(most: float) -> Any:
+    return lambda values: None if _within(values, most) else f"numbers from 0 to {most:g}"
 
 
-def _fractions(values: tuple[float, ...]) -> str | None:
-    return None if all(0 <= value <= 1 for value in values) else "numbers from 0 to 1"
+def _within(values: float | Sequence[float], most: float) -> bool:
+    """Whether a number, or all of some, are from 0 to most."""
+    return all(0 <= value <= most for value in (values if isinstance(values, Sequence) else (values,)))
 
 
-def _half(value: float) -> str | None:
-    return None if 0 <= value <= 0.5 else "a number from 0 to 0.5"
-
-
-_ORDERS = Option("fsi_orders", "ints", ORDERS, "", "interior orders of the SBP operators", check=_orders)
+_ORDERS = Option("fsi_orders", "ints", ORDERS, "", "interior orders of the SBP operators", check=listed_in(ORDERS))
 _POINTS = Option(
-    *("stability_points", int, 32, "", "points of each of the two layers; of a case in 2-D, at most so many"),
-    check="positive",
+    *("stability_points", int, 32, "", "points of each of the two layers; of a case in 2-D, at most so many"), check="positive"
 )
+_SYMBOLS = "wave numbers, as fractions of the greatest that D knows"
 _WAVES = (
-    Option(
-        *("stability_symbols", "floats", (0.0, 0.2, 0.6, 1.0), ""),
-        help="wave numbers, as fractions of the greatest that D knows",
-        check=_fractions,
-    ),
+    Option("stability_symbols", "floats", (0.0, 0.2, 0.6, 1.0), "", _SYMBOLS, check=_to(1.0)),
     Option("stability_k", "floats", None, "1/m", "wave numbers themselves, instead of -stability_symbols", check="nonnegative"),
 )
+_DENSITIES = "m0 over the density of the gas, instead of -solid_density; alpha m0 keeps its value"
+_STIFFNESSES = "K over the pressure of the gas, instead of -solid_modulus"
+_COUPLINGS = ("conservative", "energy", "projection", "traditional")
+_EOS, _HEAT = "pressure p = G rho epsilon, or none as in the elastic solid", "beside an elastic energy, or the work of stresses"
 #: what two dimensions do not have
-OF_ONE_DIMENSION = (
-    *("solid_stretch", "solid_eos", "solid_stress", "solid_gruneisen", "fsi_coupling", "fsi_viscous", "fsi_output"),
-)
+OF_ONE_DIMENSION = ("solid_stretch", "solid_eos", "solid_stress", "solid_gruneisen", "fsi_coupling", "fsi_viscous")
 #: and what is of two alone
 OF_TWO_DIMENSIONS = ("stability_symbols", "stability_k", "stability_x", "solid_shear", "solid_heat")
 SECTIONS: dict[str, tuple[Option, ...]] = {
@@ -64,10 +56,7 @@ SECTIONS: dict[str, tuple[Option, ...]] = {
         Option("solid_alpha", float, 2.5, "J/(kg K)", "specific heat", check="positive"),
         Option("solid_kappa", float, 0.02, "W/(m K)", "heat conductivity of the solid", check="nonnegative"),
         Option("solid_stretch", float, 1.0, "", "x_X at rest", check="positive"),
-        Option(
-            *("solid_eos", str, "ideal", "", "pressure p = G rho epsilon, or none as in the elastic solid"),
-            choices=("ideal", "elastic"),
-        ),
+        Option("solid_eos", str, "ideal", "", _EOS, ("ideal", "elastic")),
         Option("solid_stress", float, 0.0, "Pa", "stress sigma at rest; with -solid_eos ideal it fixes G"),
         Option(
             *("solid_gruneisen", float, None, "", "G; then -solid_stress follows from the balance with the gas"),
@@ -75,10 +64,7 @@ SECTIONS: dict[str, tuple[Option, ...]] = {
         ),
     ),
     "Discretisation": (
-        Option(
-            *("fsi_coupling", str, "energy", "", "treatment of the interface"),
-            choices=("conservative", "energy", "projection", "traditional"),
-        ),
+        Option("fsi_coupling", str, "energy", "", "treatment of the interface", _COUPLINGS),
         Option("fsi_viscous", str, "wide", "", "second derivatives: D twice, or narrow ones", ("wide", "narrow")),
         _ORDERS,
         Option("fsi_order", int, None, "", "one order alone, instead of -fsi_orders", ORDERS),
@@ -88,21 +74,13 @@ SECTIONS: dict[str, tuple[Option, ...]] = {
     "Two dimensions": (
         Option("stability_plane", bool, False, "", "gas over a solid in two dimensions, by wave number along them"),
         *_WAVES,
-        Option("solid_shear", float, 0.25, "", "mu_e over K", check=_half),
-        Option("solid_heat", str, "elastic", "", "beside an elastic energy, or the work of stresses", ("elastic", "coupled")),
+        Option("solid_shear", float, 0.25, "", "mu_e over K", check=_to(0.5)),
+        Option("solid_heat", str, "elastic", "", _HEAT, ("elastic", "coupled")),
     ),
     "Sweep": (
         Option("sweep", bool, False, "", "all combinations of the ratios below"),
-        Option(
-            *("density_ratios", "floats", (1e-3, 1e-2, 1e-1, 1.0, 10.0, 100.0, 1000.0), ""),
-            help="m0 over the density of the gas, instead of -solid_density; alpha m0 keeps its value",
-            check="positive",
-        ),
-        Option(
-            *("stiffness_ratios", "floats", (1e-2, 1e-1, 1.0, 10.0, 100.0), ""),
-            help="K over the pressure of the gas, instead of -solid_modulus",
-            check="positive",
-        ),
+        Option("density_ratios", "floats", (1e-3, 1e-2, 0.1, 1.0, 10.0, 100.0, 1e3), "", _DENSITIES, check="positive"),
+        Option("stiffness_ratios", "floats", (1e-2, 0.1, 1.0, 10.0, 100.0), "", _STIFFNESSES, check="positive"),
     ),
     "Output": (
         Option("fsi_output", str, None, "", "files of a sweep, without suffix: stability-COUPLING if not given"),
@@ -113,12 +91,10 @@ SECTIONS: dict[str, tuple[Option, ...]] = {
 #: of this command beside those of a case
 FOR_CASES = (
     Option(
-        *("stability_interface", int, 0, "", "interface of the case, counted from the left, or from below"),
-        check="nonnegative",
+        *("stability_interface", int, 0, "", "interface of the case, counted from the left, or from below"), check="nonnegative"
     ),
     Option("stability_X", float, None, "m", "in 2-D, where it is; default: in the middle of the interface"),
-    *(*_WAVES, _POINTS, _ORDERS),
-    *SECTIONS["Sweep"],
+    *(*_WAVES, _POINTS, _ORDERS, *SECTIONS["Sweep"]),
 )
 
 
@@ -133,55 +109,12 @@ def sections(arguments: Sequence[str]) -> dict[str, tuple[Option, ...]]:
 
 
 def orders(opt: Mapping[str, Any]) -> tuple[int, ...]:
-    """The orders that are asked for."""
-    return (opt["fsi_order"],) if opt["fsi_order"] else tuple(opt["fsi_orders"])
-
-
-def check(opt: Mapping[str, Any]) -> None:
-    """Raise InputError if a layer has too few points for an operator."""
+    """The orders that are asked for. InputError if a layer has too few points for an operator."""
     from fsipetsc.operators import operator
 
-    for order in orders(opt):
-        op = operator(order)
+    found = (opt["fsi_order"],) if opt["fsi_order"] else tuple(opt["fsi_orders"])
+    for op in map(operator, found):
         least = max(4, op.min_points)
         if opt["stability_points"] < least:
             raise InputError(f"-stability_points {opt['stability_points']}: the {op.name} operator needs {least}")
-
-
-def constant_state(opt: Mapping[str, Any]) -> Constant:
-    """The state at rest that the options describe. InputError if gas and solid cannot balance."""
-    from fsipetsc.analysis.stability_state import Constant
-    from fsipetsc.materials.fluid import Fluid
-    from fsipetsc.materials.line_solid import Solid
-
-    gas = Fluid(opt["fluid_mu"], opt["fluid_kappa"], opt["fluid_gamma"], opt["fluid_R"])
-    T = opt["fluid_T"]
-    rho = opt["fluid_rho"] if opt["fluid_p"] is None else opt["fluid_p"] / (gas.R * T)
-    solid = Solid(opt["solid_modulus"], opt["solid_kappa"], opt["solid_density"], opt["solid_alpha"])
-    return Constant(gas, replace(solid, gruneisen=_gruneisen(opt, gas.R * rho * T)), rho, T, opt["solid_stretch"])
-
-
-def _gruneisen(opt: Mapping[str, Any], p: float) -> float:
-    stress, given = opt["solid_stress"], opt["solid_gruneisen"]
-    if opt["solid_eos"] == "elastic":
-        if given or stress not in (0.0, -p):
-            raise InputError(f"-solid_eos elastic: the stress at rest is -p = {-p:g} Pa, and there is no G")
-        return 0.0
-    if given is not None:
-        if stress:
-            raise InputError("-solid_gruneisen and -solid_stress: one of them follows from the other; give one")
-        return given
-    if stress <= -p:
-        raise InputError(f"-solid_stress {stress:g}: must be above -p = {-p:g} Pa, so that the solid has a pressure")
-    return (p + stress) * opt["solid_stretch"] / (opt["solid_density"] * opt["solid_alpha"] * opt["fluid_T"])
-
-
-def swept(state: Constant, density_ratio: float, stiffness_ratio: float) -> Constant:
-    """The same state with another density and stiffness of the solid; alpha m0 keeps its value.
-
-    So do the pressures, if Grüneisen's law is that of the solid.
-    """
-    solid = state.solid
-    m0 = density_ratio * state.rho
-    changed = replace(solid, m0=m0, K=stiffness_ratio * state.p, alpha=solid.alpha * solid.m0 / m0)
-    return replace(state, solid=changed)
+    return found

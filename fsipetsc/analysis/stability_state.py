@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -22,105 +23,31 @@ NEARBY = 1e-4
 
 @dataclass(frozen=True)
 class Constant:
-    """The constant state and the materials: gas of density rho [kg/m3] and temperature T [K] at rest on a solid.
+    """Gas of density rho [kg/m3] and temperature T [K] at rest on a solid of the uniform strain x_X = stretch.
 
-    The solid has the same temperature, the uniform strain x_X = stretch, and the stress that balances the gas. Of any laws:
-    what the linear equations need of them are the properties. InputError for a state in which a material has no sound, and for
-    laws p, e of a gas that do not belong together.
+    Of the gas: pressure p [Pa], bulk = rho dp/drho at constant T [Pa], p_T = dp/dT at constant rho [Pa/K], heat_capacity
+    at constant rho [J/(kg K)], mu [Pa s], kappa [W/(m K)]. Of the solid: solid_pressure p_s [Pa], solid_p_T = dp_s/dT
+    [Pa/K], stiffness = -x_X dp_s/dx_X [Pa], modulus = (K + stiffness) / x_X [Pa], stress sigma = p_s - p that balances the
+    gas [Pa], excess = T dp_s/dT - p [Pa], over which the linear equations are symmetric: sigma in Grüneisen's solid.
     """
 
     gas: Fluid
     solid: Solid
     rho: float
     T: float
-    stretch: float = 1.0
-
-    def __post_init__(self) -> None:
-        found = {"p": self.p, "rho p_rho of the gas": self.bulk, "heat capacity of the gas": self.heat_capacity}
-        found["(K - x_X p_x) / x_X of the solid"] = self.modulus
-        for name, value in found.items():
-            if not 0 < value < np.inf:
-                at = f"rho = {self.rho:g}, T = {self.T:g}, x_X = {self.stretch:g}"
-                raise InputError(f"the state at rest with {at}: {name} is {value:g}: expected a number above 0")
-        at = [self.rho * (1 + change) for change in (-NEARBY, NEARBY)]
-        energies = [float(self.gas.internal_energy(rho, self.T)) for rho in at]
-        slope, wanted = self.rho * (energies[1] - energies[0]) / (2 * NEARBY), self.p - self.T * self.p_T
-        if not abs(slope - wanted) <= 1e-6 * self.p:
-            raise InputError(
-                f"the law of the gas: rho^2 de/drho is {slope:g} Pa and p - T dp/dT {wanted:g} Pa at rho = {self.rho:g}, T = "
-                f"{self.T:g}: expected the same, as thermodynamics has it and the linear theory takes it"
-            )
-
-    def _of_gas(self, name: str) -> float:
-        with np.errstate(all="ignore"):
-            return float(getattr(self.gas.gas_law, name)(self.rho, self.T))
-
-    @property
-    def p(self) -> float:
-        """Pressure of the gas [Pa]."""
-        return self._of_gas("pressure")
-
-    @property
-    def bulk(self) -> float:
-        """rho dp/drho of the gas at constant T [Pa]."""
-        return self._of_gas("bulk_modulus")
-
-    @property
-    def p_T(self) -> float:
-        """dp/dT of the gas at constant rho [Pa/K]."""
-        return self._of_gas("pressure_by_temperature")
-
-    @property
-    def heat_capacity(self) -> float:
-        """Of the gas, at constant rho [J/(kg K)]."""
-        return self._of_gas("heat_capacity")
-
-    @property
-    def sound_speed(self) -> float:
-        """Of the gas [m/s]."""
-        return float(self.gas.sound_speed(self.T, self.rho))
-
-    @property
-    def mu(self) -> float:
-        """Viscosity of the gas at T [Pa s]."""
-        return self.gas.mu * float(self.gas.relative(self.T)[0])
-
-    @property
-    def kappa(self) -> float:
-        """Conductivity of the gas at T [W/(m K)]."""
-        return self.gas.kappa * float(self.gas.relative(self.T)[1])
-
-    @property
-    def solid_pressure(self) -> float:
-        """p_s [Pa]."""
-        return float(self.solid.pressure(self.T, self.stretch))
-
-    @property
-    def solid_p_T(self) -> float:
-        """dp_s/dT at constant strain [Pa/K]."""
-        return float(self.solid.pressure_by_temperature(self.T, self.stretch))
-
-    @property
-    def stiffness(self) -> float:
-        """-x_X dp_s/dx_X at constant T [Pa]."""
-        return float(self.solid.stiffness(self.T, self.stretch))
-
-    @property
-    def stress(self) -> float:
-        """sigma [Pa] of the solid, by sigma - p_s = -p; 0 where the pressures are equal but for round-off."""
-        stress = self.solid_pressure - self.p
-        return stress if abs(stress) > 1e-12 * self.p else 0.0
-
-    @property
-    def excess(self) -> float:
-        """T dp_s/dT - p [Pa], over which the linear equations are symmetric; that is sigma for Grüneisen's law."""
-        excess = self.T * self.solid_p_T - self.p
-        return excess if abs(excess) > 1e-12 * self.p else 0.0
-
-    @property
-    def modulus(self) -> float:
-        """(K - x_X dp_s/dx_X) / x_X [Pa]: S_t over u_X."""
-        return (self.solid.K + self.stiffness) / self.stretch
+    stretch: float
+    p: float
+    bulk: float
+    p_T: float
+    heat_capacity: float
+    mu: float
+    kappa: float
+    solid_pressure: float
+    solid_p_T: float
+    stiffness: float
+    modulus: float
+    stress: float
+    excess: float
 
     @property
     def weights(self) -> NDArray[np.float64]:
@@ -134,6 +61,64 @@ class Constant:
         """The size of each of these variables: what makes an energy of p per volume, at most rho, p, T themselves."""
         limits = np.array([self.rho, np.inf, self.T, np.inf, self.p, self.T])
         return np.minimum(np.sqrt(self.p / self.weights), limits)
+
+    def swept(self, density_ratio: float, stiffness_ratio: float) -> Constant:
+        """The same with another density and stiffness of the solid; alpha m0 keeps its value, and so do the pressures,
+        if Grüneisen's law is that of the solid.
+        """
+        solid, m0 = self.solid, density_ratio * self.rho
+        other = replace(solid, m0=m0, K=stiffness_ratio * self.p, alpha=solid.alpha * solid.m0 / m0)
+        return at_rest(self.gas, other, self.rho, self.T, self.stretch)
+
+
+def at_rest(gas: Fluid, solid: Solid, rho: float, T: float, stretch: float = 1.0) -> Constant:
+    """The state, of materials with any laws. InputError for one in which a material has no sound, and for laws p, e of a
+    gas that do not belong together.
+    """
+    law = gas.gas_law
+    with np.errstate(all="ignore"):
+        p, bulk = float(law.pressure(rho, T)), float(law.bulk_modulus(rho, T))
+        p_T, c_v = float(law.pressure_by_temperature(rho, T)), float(law.heat_capacity(rho, T))
+    relative = [float(value) for value in gas.relative(T)]
+    p_s, stiffness = float(solid.pressure(T, stretch)), float(solid.stiffness(T, stretch))
+    p_s_T, modulus = float(solid.pressure_by_temperature(T, stretch)), (solid.K + stiffness) / stretch
+    found = {"p": p, "rho p_rho of the gas": bulk, "heat capacity of the gas": c_v}
+    for name, value in {**found, "(K - x_X p_x) / x_X of the solid": modulus}.items():
+        if not 0 < value < np.inf:
+            at = f"rho = {rho:g}, T = {T:g}, x_X = {stretch:g}"
+            raise InputError(f"the state at rest with {at}: {name} is {value:g}: expected a number above 0")
+    low, high = (float(gas.internal_energy(rho * (1 + change), T)) for change in (-NEARBY, NEARBY))
+    slope, wanted = rho * (high - low) / (2 * NEARBY), p - T * p_T
+    if not abs(slope - wanted) <= 1e-6 * p:
+        raise InputError(
+            f"the law of the gas: rho^2 de/drho is {slope:g} Pa and p - T dp/dT {wanted:g} Pa at rho = {rho:g}, T = {T:g}: "
+            "expected the same, as thermodynamics has it and the linear theory takes it"
+        )
+    # what is equal but for round-off is equal
+    stress, excess = (gap if abs(gap) > 1e-12 * p else 0.0 for gap in (p_s - p, T * p_s_T - p))
+    of_gas = p, bulk, p_T, c_v, gas.mu * relative[0], gas.kappa * relative[1]
+    return Constant(gas, solid, rho, T, stretch, *of_gas, p_s, p_s_T, stiffness, modulus, stress, excess)
+
+
+def of_options(opt: Mapping[str, Any]) -> Constant:
+    """The state that the options describe. InputError if gas and solid cannot balance."""
+    gas = Fluid(opt["fluid_mu"], opt["fluid_kappa"], opt["fluid_gamma"], opt["fluid_R"])
+    T = opt["fluid_T"]
+    rho = opt["fluid_rho"] if opt["fluid_p"] is None else opt["fluid_p"] / (gas.R * T)
+    m0, alpha, p = opt["solid_density"], opt["solid_alpha"], gas.R * rho * T
+    stress, gruneisen = opt["solid_stress"], opt["solid_gruneisen"]
+    if opt["solid_eos"] == "elastic":
+        if gruneisen or stress not in (0.0, -p):
+            raise InputError(f"-solid_eos elastic: the stress at rest is -p = {-p:g} Pa, and there is no G")
+        gruneisen = 0.0
+    elif gruneisen is None:
+        if stress <= -p:
+            raise InputError(f"-solid_stress {stress:g}: must be above -p = {-p:g} Pa, so that the solid has a pressure")
+        gruneisen = (p + stress) * opt["solid_stretch"] / (m0 * alpha * T)
+    elif stress:
+        raise InputError("-solid_gruneisen and -solid_stress: one of them follows from the other; give one")
+    solid = Solid(opt["solid_modulus"], opt["solid_kappa"], m0, alpha, gruneisen=gruneisen)
+    return at_rest(gas, solid, rho, T, opt["solid_stretch"])
 
 
 def of_problem(problem: Problem, k: int, h: float) -> Constant:
@@ -152,9 +137,8 @@ def of_problem(problem: Problem, k: int, h: float) -> Constant:
     X = np.array([0.0, h]) + (solid.X[1] - h if right else solid.X[0])
     rho, _, T = given.initial(gas, np.array([gas.X[0 if right else 1]]), slice(None))
     _, _, T_s, x = given.initial(solid, X, slice(None))
-    end = -1 if right else 0
-    same_temperature(gas.name, T[0], solid.name, T_s[end])
-    return Constant(gas.material, solid.material, float(rho[0]), float(T[0]), float((x[1] - x[0]) / h))
+    same_temperature(gas.name, T[0], solid.name, T_s[-1 if right else 0])
+    return at_rest(gas.material, solid.material, float(rho[0]), float(T[0]), float((x[1] - x[0]) / h))
 
 
 def same_temperature(gas: str, T: float, solid: str, T_s: float) -> None:
@@ -166,7 +150,7 @@ def same_temperature(gas: str, T: float, solid: str, T_s: float) -> None:
         )
 
 
-def described_law(law: Any) -> str:
+def law_name(law: Any) -> str:
     """What a law is called, for people: its class, with its numbers."""
     name, _, own = type(law).__name__.partition("_")
     return "a law of its own" if own else f"{name} ({', '.join(f'{value:g}' for value in law)})"

@@ -19,6 +19,7 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
+from fsipetsc.analysis.spectra import CENTRAL, Complex, Real, range_basis
 from fsipetsc.blockrun.block_state import BlockForm, BlockState
 from fsipetsc.blockrun.run_problem import RunProblem
 from fsipetsc.blocks.conditions import Condition
@@ -27,12 +28,10 @@ from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import OPERATORS
 
-Real, Complex = NDArray[np.float64], NDArray[np.complex128]
 #: unknowns of a node of gas or solid in two dimensions
 DOF = 5
-#: least and next disturbances, as fractions of what there is, and what their central differences count
+#: least disturbance, as a fraction of what there is
 NUDGE = 0.005
-_DIFFERENCES = ((1, 4 / 5), (2, -1 / 5), (3, 4 / 105), (4, -1 / 280))
 #: rates at rest and columns that differ by more than this fraction are no state at rest
 AT_REST = 1e-9
 
@@ -77,16 +76,7 @@ class WaveLinear:
 
     def basis(self) -> Real:
         """(N, n), orthonormal, of the disturbances that fulfil all conditions."""
-        N = len(self.projection)
-        changed = self.projection - np.eye(N)
-        touched = np.flatnonzero(changed.any(axis=0) | changed.any(axis=1))
-        others = np.setdiff1d(np.arange(N), touched)
-        left, sizes, _ = np.linalg.svd(self.projection[np.ix_(touched, touched)])
-        left = left[:, sizes > 1e-9]
-        basis = np.zeros((N, len(others) + left.shape[1]))
-        basis[others, np.arange(len(others))] = 1.0
-        basis[np.ix_(touched, len(others) + np.arange(left.shape[1]))] = left
-        return basis
+        return range_basis(self.projection)
 
     def matrix(self, k: float) -> Complex:
         """(n, n), dz/dt = A z of the amplitudes at wave number k [1/m], in the basis."""
@@ -99,11 +89,6 @@ class WaveLinear:
         """(eigenvalues [1/s], (N, n) of the amplitudes of the unknowns)."""
         values, vectors = np.linalg.eig(self.matrix(k))
         return values, self.scales[:, None] * (self.basis() @ vectors)
-
-    def eigenvalues(self, fraction: float) -> Complex:
-        """Of the wave number whose symbol is this fraction of the greatest one; 1 and 0 are those of pi/2 and pi or so."""
-        top = most(self.order, self.h_x)[1]
-        return np.linalg.eigvals(self.matrix(wave_number(self.order, self.h_x, fraction * top)))
 
 
 def symbol(order: int, h: float, k: float | Real) -> float | Real:
@@ -215,7 +200,7 @@ class Bench:
         sizes = self._nudges(nudge)
         for first in range(0, size, DOF):
             which = np.arange(first, first + DOF)
-            for steps, weight in _DIFFERENCES:
+            for steps, weight in enumerate(CENTRAL, 1):
                 for sign in (1, -1):
                     f, y = self._disturbed(which, sign * steps * sizes[which])
                     rates[:, :, which] += sign * weight * f

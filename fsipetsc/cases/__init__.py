@@ -30,7 +30,7 @@ from fsipetsc.options import Option, groups
 OF_LAYERS = ("rod", "mms", "pulse", "box", "heat", "column", "piston", "shock")
 OF_BLOCKS = (
     *("plane_mms", "blast", "panel", "wave", "tube", "oblique", "step", "fin", "cylinder"),
-    *("box_mms", "ring", "disk"),
+    *("box_mms", "ring", "disk", "elastic_piston"),
 )
 BUILT_IN = (*OF_LAYERS, *OF_BLOCKS)
 

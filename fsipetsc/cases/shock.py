@@ -39,6 +39,10 @@ OPTIONS = (
         *("shock_mach", "float", 3.0, "", "strong: Mach number of the shock in the gas"),
         check=above_one,
     ),
+    Option(
+        *("shock_ratio", "float", 10.0, "", "sod: pressure of the gas over that on the rod"),
+        check=above_one,
+    ),
     *material_options(
         fluid_mu=0.0, fluid_kappa=0.0, solid_modulus=4.0, solid_density=0.5, solid_alpha=1.0, solid_gruneisen=0.0
     ),
@@ -49,8 +53,8 @@ DEFAULTS = {
 }
 
 GAMMA, R = 1.4, 1.0
-#: the gas of high and of low pressure in Sod's tube; the rod is as warm as the former and under the latter's pressure
-HIGH, LOW, T_ROD = GasState(1.0, 0.0, 1.0), GasState(0.125, 0.0, 0.1), 1.0
+#: density of the gas of high pressure, the gas of low pressure in Sod's tube, which is that on the rod; the rod's temperature
+DENSE, LOW, T_ROD = 1.0, GasState(0.125, 0.0, 0.1), 1.0
 #: the wall, the interface, the end of the rod
 X = (0.0, 1.0, 2.0)
 #: where the strong shock starts; its width there over -fsi_shock times the spacing of the grid: with this number the waves
@@ -125,7 +129,8 @@ def build(opt: Mapping[str, Any]) -> Problem:
     gas = gas_of(opt, GAMMA, R)
     solid = solid_of(opt)
     strong = opt["shock_problem"] == "strong"
-    solution = Solution(gas, solid, LOW, opt["shock_mach"]) if strong else Solution(gas, solid, HIGH)
+    high = GasState(DENSE, 0.0, opt["shock_ratio"] * LOW.p)
+    solution = Solution(gas, solid, LOW, opt["shock_mach"]) if strong else Solution(gas, solid, high)
     try:
         riemann, speed = solution.riemann, solution.shock[0].u
         note = f"interface: p = {riemann.p:.10g}, u = {riemann.u:.10g}, x_X = {riemann.F:.10g} from t = {solution.hit:.6g} on"

@@ -1,6 +1,6 @@
 """Draws Figs. 6 to 11 of the paper and writes Table 1 from the results of scripts/reproduce: figures.py DIRECTORY [NOTE].
 
-DIRECTORY holds mms-convergence.h5, rod.h5, closeup-ORDER-H.h5 for the orders 2, 4, 6 on two grids, and reference.h5;
+DIRECTORY holds mms-convergence.csv, rod.h5, closeup-ORDER-H.h5 for the orders 2, 4, 6 on two grids, and reference.h5;
 the PNG files go there too. NOTE is added to the titles. Fluid blue, solid red; the coarser grid of Fig. 11 light blue and pink.
 """
 
@@ -31,7 +31,7 @@ LETTERS = "abcd"
 def main(directory: str, note: str = "") -> None:
     """Draw all of them."""
     folder, note = Path(directory), f"  ({note})" if note else ""
-    study = load(folder / "mms-convergence.h5")
+    study = load(folder / "mms-convergence.csv")
     (folder / "table1.txt").write_text(table1.compare(study) + "\n", encoding="utf-8")
     with matplotlib.rc_context(STYLE), fsipetsc.open_run(folder / "rod.h5") as rod:
         for number, draw, what in ((6, draw_errors, "errors at"), (7, draw_cost, "errors over wall time,")):

@@ -30,7 +30,7 @@ def convergence_figures(study: ConvergenceStudy, path: str | os.PathLike[str], n
         from matplotlib.figure import Figure
     except ImportError:
         return []
-    if not np.isfinite(study.wall_time).any():
+    if not study.errors:
         return []
     ranks = f"{study.ranks} rank{'s' * (study.ranks > 1)}"
     title = f"{study.case}, errors at {study.time}  ({ranks}{', ' if note else ''}{note})"
@@ -50,9 +50,12 @@ def convergence_figures(study: ConvergenceStudy, path: str | os.PathLike[str], n
 
 
 def draw_errors(figure: Figure, study: ConvergenceStudy) -> None:
-    """Errors of all unknowns together against the grid spacing, a panel for the fluid and one for the solid (Fig. 6)."""
-    figure.set_size_inches(7.6, 3.8)
-    for axes, kind in zip(figure.subplots(1, 2, sharey=True), study.errors):
+    """Errors of all unknowns together against the grid spacing, a panel for the fluid and one for the solid (Fig. 6).
+
+    Without an exact solution differences of a grid from the next finer one, a panel for each layer and one for the series.
+    """
+    figure.set_size_inches(3.8 * max(2, len(study.errors)), 3.8)
+    for axes, kind in zip(figure.subplots(1, len(study.errors), sharey=True, squeeze=False)[0], study.errors):
         for order, i in _each(study):
             label = operator(order).name + _last_rate(study, kind, i)
             axes.loglog(study.hs, _above_zero(study.errors[kind]["combined"][i]), **_line(order), label=label)
@@ -61,16 +64,17 @@ def draw_errors(figure: Figure, study: ConvergenceStudy) -> None:
         axes.set_xticks(study.hs, [f"{h:.4g}" for h in study.hs], fontsize=8)
         axes.minorticks_off()
         axes.legend(loc="lower right")
-    figure.axes[0].set_ylabel(f"error in {study.norm}, all unknowns")
+    what = "error" if study.exact else "relative difference from the next grid"
+    figure.axes[0].set_ylabel(f"{what} in {study.norm}, all unknowns")
 
 
 def draw_cost(figure: Figure, study: ConvergenceStudy) -> None:
-    """The larger error of fluid and solid against the wall time (Fig. 7)."""
+    """The largest error of fluid and solid, or of layers and series, against the wall time (Fig. 7)."""
     from matplotlib.ticker import LogFormatterSciNotation, NullFormatter
 
     figure.set_size_inches(4.8, 3.8)
     axes = figure.subplots()
-    larger = np.fmax(*(study.errors[kind]["combined"] for kind in study.errors))
+    larger = np.fmax.reduce([study.errors[kind]["combined"] for kind in study.errors])
     for order, i in _each(study):
         axes.loglog(study.wall_time[i], _above_zero(larger[i]), **_line(order), label=operator(order).name)
     low, high = axes.get_xlim()
@@ -79,7 +83,8 @@ def draw_cost(figure: Figure, study: ConvergenceStudy) -> None:
     axes.xaxis.set_major_formatter(LogFormatterSciNotation())
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.set_xlabel(f"wall time on {study.ranks} rank{'s' * (study.ranks > 1)}  [s]")
-    axes.set_ylabel(f"error in {study.norm}, the larger of fluid and solid")
+    what = "error" if study.exact else "difference from the next grid"
+    axes.set_ylabel(f"{what} in {study.norm}, the largest of {' and '.join(study.errors)}")
     axes.legend(loc="lower left")
 
 
@@ -99,5 +104,5 @@ def _line(order: int) -> dict[str, Any]:
 
 def _last_rate(study: ConvergenceStudy, kind: str, i: int) -> str:
     """The observed order of the finest refinement, in brackets."""
-    rate = study.rates(kind)[i, -1]
+    rate = study.rates(kind)[i, -1 if study.exact else -2]
     return f"  ({rate:.1f})" if np.isfinite(rate) else ""

@@ -1,0 +1,120 @@
+"""Convergence of a case without an exact solution: its grids, compared with each other.
+
+Fields are compared at the end, at the nodes that all grids have in common, series at SAMPLES equal
+distances of time. A difference is the norm in force (L1 or L2) of the mean over these, over the
+range of the field on the finest grid, or of the fields of its unit in the layer, if one has more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from fsipetsc.analysis.convergence_table import ROUND_OFF, ConvergenceStudy
+from fsipetsc.errors import InputError
+from fsipetsc.operators.sbp import operator
+from fsipetsc.output.as_xarray import FIELDS, INTEGRALS
+from fsipetsc.output.differences import _common_nodes
+from fsipetsc.output.reader import Run
+
+Array = np.ndarray
+#: times at which series are compared
+SAMPLES = 10
+#: series that are of the steps or of the method, not of the solution
+NO_SOLUTION = "t", "dt", "least_J", "J_error"
+#: a relative difference of the two finest grids that is too much, and part of the order that is too little
+COARSE, SLOW = 0.1, 0.5
+
+
+def differences(runs: Sequence[Run], norm: str) -> Iterator[dict[str, dict[str, float]]]:
+    """Of each run but the last, from coarse to fine: group -> name -> difference from the next one, relative; and "combined",
+    their mean. InputError where there is no node in common.
+    """
+    values, power = _common_values(runs), {"L1": 1, "L2": 2}[norm]
+    ranges: dict[tuple[str, str], float] = {}
+    for group, names in values.items():
+        for name, found in names.items():
+            of = group, _unit(name)
+            ranges[of] = max(ranges.get(of, 0.0), _range(found[-1]))
+    for j in range(len(runs) - 1):
+        errors: dict[str, dict[str, float]] = {}
+        for group, names in values.items():
+            own = errors[group] = {}
+            for name, found in names.items():
+                gap = np.abs(found[j + 1] - found[j])
+                gap = gap[np.isfinite(gap)] / (ranges[group, _unit(name)] or 1.0)
+                own[name] = float(np.mean(gap**power) ** (1 / power)) if gap.size else np.nan
+            own["combined"] = float(np.nanmean(np.array(list(own.values())) ** power) ** (1 / power))
+        yield errors
+
+
+def _common_values(runs: Sequence[Run]) -> dict[str, dict[str, list[Array]]]:
+    """Group -> name -> values of each run at what all have in common. InputError where layers have nothing."""
+    found: dict[str, dict[str, list[Array]]] = {}
+    for k, layer in enumerate(runs[0].layers):
+        layers = [run.layers[k] for run in runs]
+        pairs = [_common_nodes(layer, other, []) for other in layers]
+        if any(pair is None for pair in pairs):
+            raise InputError(
+                f"layer '{layer.name}': no node of the coarsest grid is on all others; "
+                "-fsi_hs takes grids with common nodes, as in -fsi_hs 0.1,0.05,0.025"
+            )
+        axes = [_in_all(axis) for axis in zip(*(zip(*pair) for pair in pairs if pair is not None))]
+        own = found[layer.name] = {}
+        for name in layer.fields:
+            ends = [other.frame(-1)[name] for other in layers]
+            own[name] = [end[np.ix_(*(axis[j] for axis in axes))] for j, end in enumerate(ends)]
+    times = runs[0].time[1:]
+    for name in (n for n in runs[0].series if n not in NO_SOLUTION and not n.startswith("residual_")):
+        values = [run.series[name][np.isin(run.series["t"], times)] for run in runs]
+        if len({v.shape for v in values}) == 1 and values[0].size:
+            found.setdefault("series", {})[name] = values
+    return found
+
+
+def _in_all(pairs: Any) -> list[Array]:
+    """Of one axis: numbers of the nodes that all grids have, on each; pairs: (of the coarsest, of each)."""
+    common = pairs[0][0]
+    for first, _ in pairs:
+        common = np.intersect1d(common, first)
+    return [second[np.searchsorted(first, common)] for first, second in pairs]
+
+
+def _unit(name: str) -> str:
+    """Of a field or series; those without a name in the tables have a unit of their own."""
+    return {**FIELDS, **INTEGRALS}.get(name, (name, ""))[0]
+
+
+def _range(values: Array) -> float:
+    """The largest less the smallest value; the largest size where all are the same but for round-off."""
+    known = values[np.isfinite(values)]
+    if not known.size:
+        return 0.0
+    largest, span = float(np.abs(known).max()), float(np.ptp(known))
+    return span if span > 1e-9 * largest else largest
+
+
+def unresolved(table: ConvergenceStudy, i: int) -> list[str]:
+    """A line for each layer that its grids do not resolve: they differ by much, or come together slowly."""
+    if table.exact:
+        return []
+    lines, op = [], operator(table.orders[i])
+    expected = table.orders[i] // 2 + 1  # closures of half the order count one order more in the solution
+    for group in table.errors:
+        if group == "series":
+            continue
+        last, rates = table.errors[group]["combined"][i, -2], table.rates(group)[i]
+        fields = {name: e[i, -2] for name, e in table.errors[group].items() if name != "combined"}
+        worst = max(fields, key=lambda name: np.nan_to_num(fields[name]))
+        rate = rates[-2]
+        if last > COARSE:
+            why = f"the two finest grids differ by {100 * fields[worst]:.0f} % of the range of {worst}"
+        elif last > ROUND_OFF and not rate >= SLOW * expected:
+            seen = f"of order {rate:.1f}" if np.isfinite(rate) else "of no order"
+            why = f"its grids come together {seen}, where {op.name} has {expected} for smooth solutions"
+        else:
+            continue
+        lines.append(f"layer '{group}' is not resolved: {why}; the worst is {worst}")
+    return lines

@@ -1,0 +1,80 @@
+"""What linear theories share: derivatives by differences, the range of a projection, the step of RK4, and results.
+
+The classical Runge-Kutta method multiplies a mode exp(lambda t) by R(dt lambda) in a step, R(z) = 1 + z + z^2/2 + z^3/6
++ z^4/24; the step limit is the largest dt with |R| <= 1 for all modes (one that grows counts with its frequency alone).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Real, Complex = NDArray[np.float64], NDArray[np.complex128]
+#: f' = sum_m c_m (f(x + m s) - f(x - m s)) / s with m = 1 ... 4, of order 8
+CENTRAL = np.array([4 / 5, -1 / 5, 4 / 105, -1 / 280])
+_SCAN = np.linspace(0.01, 3.2, 640)
+
+
+@dataclass(frozen=True)
+class Result:
+    """Numbers of one problem. Rates of growth are over the largest |lambda|, which is radius [1/s].
+
+    energy, growth: those of the energy (NaN if it is not looked at) and of the fastest mode, without the heat that the
+    stress at rest sets free; heated_energy, heated: with it. step: that RK4 can take [s], step_ratio: over that of the
+    uncoupled layers. estimate, stable, heated_stable, step_kept: the energy does not grow, no mode does (with that heat),
+    the interface costs no step. slowest: (wave number k [1/m], s [1/s] of the slowest modes that swing).
+    """
+
+    order: int
+    coupling: str
+    density_ratio: float
+    stiffness_ratio: float
+    energy: float
+    growth: float
+    heated_energy: float
+    heated: float
+    radius: float
+    step: float
+    step_ratio: float
+    estimate: bool
+    stable: bool
+    heated_stable: bool
+    step_kept: bool
+    slowest: tuple[tuple[float, tuple[complex, ...]], ...] = ()
+
+
+def range_basis(projection: Real) -> Real:
+    """(N, n), orthonormal, of what a projection (N, N) leaves as it is."""
+    N = len(projection)
+    changed = projection - np.eye(N)
+    touched = np.flatnonzero(changed.any(axis=0) | changed.any(axis=1))
+    others = np.setdiff1d(np.arange(N), touched)
+    left, sizes, _ = np.linalg.svd(projection[np.ix_(touched, touched)])
+    left = left[:, sizes > 1e-9 * sizes.max(initial=0.0)]
+    basis = np.zeros((N, len(others) + left.shape[1]))
+    basis[others, np.arange(len(others))] = 1.0
+    basis[np.ix_(touched, len(others) + np.arange(left.shape[1]))] = left
+    return basis
+
+
+def step_limit(spectrum: Complex) -> float:
+    """The largest dt [s] for which RK4 amplifies none of these modes."""
+    spectrum = np.minimum(spectrum.real, 0.0) + 1j * spectrum.imag
+    modulus = np.abs(spectrum)
+    kept = modulus > 0.1 * modulus.max()  # |R| > 1 begins at |z| = 2.6 or more: slower ones do not count
+    modulus, directions = modulus[kept], spectrum[kept] / modulus[kept]
+    above = amplification(directions[:, None] * _SCAN) > 1.0 + 1e-12
+    first = np.where(above.any(axis=1), above.argmax(axis=1), len(_SCAN) - 1)
+    low, high = np.where(first > 0, _SCAN[first - 1], 0.0), _SCAN[first]
+    for _ in range(40):
+        middle = (low + high) / 2
+        outside = amplification(directions * middle) > 1.0 + 1e-12
+        low, high = np.where(outside, low, middle), np.where(outside, middle, high)
+    return float((low / modulus).min())
+
+
+def amplification(z: Complex) -> Real:
+    """|R(z)|."""
+    return np.abs(1 + z * (1 + z / 2 * (1 + z / 3 * (1 + z / 4))))

@@ -1,0 +1,74 @@
+"""What the commands of this folder have in common: tables as text and as CSV, and work that ranks share."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from fsipetsc.errors import FileError, FsiError
+from fsipetsc.process.together import agree
+
+if TYPE_CHECKING:
+    from mpi4py import MPI
+
+Task, Result = TypeVar("Task"), TypeVar("Result")
+
+
+def text_table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+    """Columns that end below each other, two blanks apart. A head of several lines has \\n in it."""
+    cells = [[str(cell) for cell in row] for row in rows]
+    words = [cell.split("\n") for cell in head]
+    lines = [[w[k] if k < len(w) else "" for w in words] for k in range(max(map(len, words)))]
+    widths = [max(map(len, column)) for column in zip(*lines, *cells)]
+    return "\n".join(
+        "  ".join(f"{cell:>{width}}" for cell, width in zip(line, widths)).rstrip()
+        for line in (*lines, *cells)
+    )
+
+
+def save_csv(path: Path, head: Sequence[str], rows: Iterable[Sequence[object]], about: str = "") -> Path:
+    """Write a table; about: a first line, which begins with #. FileError."""
+    try:
+        with path.open("w", newline="", encoding="utf-8") as file:
+            file.write(f"# {about}\n" if about else "")
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(head)
+            writer.writerows(rows)
+    except OSError as error:
+        raise FileError(f"{path}: cannot write the table: {error.strerror or error}") from error
+    return path
+
+
+def csv_target(name: str) -> Path:
+    """The CSV file of a study that is called NAME, whatever suffix the name has. FileError."""
+    path = Path(name).with_suffix(".csv")
+    if not path.parent.is_dir() or path.is_dir():
+        wrong = "is a directory" if path.is_dir() else f"no directory {path.parent}"
+        raise FileError(f"{path}: {wrong}")
+    return path
+
+
+def shared(comm: MPI.Comm, tasks: Sequence[Task], one: Callable[[Task], Result]) -> list[Result]:
+    """one(task) of all tasks, in their order, on every rank; each rank computes its share. Collective; FsiError."""
+    mine, fault = [], None
+    try:
+        mine = [one(task) for task in tasks[comm.rank :: comm.size]]
+    except FsiError as error:
+        fault = error
+    agree(comm, fault)
+    shares = comm.allgather(mine)
+    return [shares[i % comm.size][i // comm.size] for i in range(len(tasks))]
+
+
+def printer(comm: MPI.Comm, opt: Mapping[str, Any]) -> Callable[[str], None]:
+    """Prints on rank 0, and nothing with -fsi_quiet."""
+    quiet = opt["fsi_quiet"] or comm.rank > 0
+    return (lambda text: None) if quiet else (lambda text: print(text, flush=True))
+
+
+def listed_in(allowed: Sequence[int]) -> Callable[[Sequence[int]], str | None]:
+    """Check of an option: some of the allowed numbers."""
+    words = f"numbers out of {','.join(map(str, allowed))}"
+    return lambda values: None if values and set(values) <= set(allowed) else words

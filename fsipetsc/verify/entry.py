@@ -1,0 +1,121 @@
+"""What an entry of the command `verify` is, and how its numbers become rows of the table."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from importlib.resources import files
+from math import inf, isclose, log, nan
+from typing import Any, NamedTuple
+
+import numpy as np
+
+Array = np.ndarray
+
+
+class Curve(NamedTuple):
+    """To be drawn: ours at x, the reference at x_reference. words: of the axes, with units."""
+
+    words: tuple[str, str]
+    x: Array
+    ours: Array
+    x_reference: Array
+    reference: Array
+
+
+class Measured(NamedTuple):
+    """Of one run. errors: quantity -> error; curve: one of them as a picture shows it."""
+
+    errors: dict[str, float]
+    curve: Curve | None = None
+
+
+class Bound(NamedTuple):
+    """What is expected of a quantity: the order observed between the two finest grids is at least
+    `order`, the error on the finest grid at most `error`, and that on a grid of spacing h `at`[h].
+    """
+
+    order: float = -inf
+    error: float = inf
+    at: Mapping[float, float] = {}
+
+    def largest(self, h: float, finest: bool) -> float:
+        """The error allowed on a grid."""
+        known = [error for spacing, error in self.at.items() if isclose(spacing, h)]
+        return min([*known, self.error if finest else inf])
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A case and its reference.
+
+    text: problem and parameters, as Markdown, exact enough to repeat them in another code.
+    levels: "quick" and "full" -> order -> grid spacings, coarse to fine. measure(solve, order, h) ->
+    Measured; solve(case, **options) runs a case and returns its opened result, collective.
+    bounds: (quantity, order) -> Bound. source: of the reference.
+    """
+
+    name: str
+    title: str
+    source: str
+    text: str
+    levels: Mapping[str, Mapping[int, Sequence[float]]]
+    measure: Callable[[Callable[..., Any], int, float], Measured]
+    bounds: Mapping[tuple[str, int], Bound]
+
+
+class Row(NamedTuple):
+    """A quantity at an order: its errors on each grid."""
+
+    entry: str
+    quantity: str
+    order: int
+    spacings: tuple[float, ...]
+    errors: tuple[float, ...]
+    bound: Bound
+
+    @property
+    def observed(self) -> tuple[float, ...]:
+        """Orders between neighbouring grids."""
+        pairs = zip(self.spacings, self.spacings[1:], self.errors, self.errors[1:])
+        return tuple(log(a / b) / log(h / k) if a > 0 and b > 0 else nan for h, k, a, b in pairs)
+
+    @property
+    def verdict(self) -> str:
+        """"holds", or what falls short."""
+        short = []
+        if self.bound.order > -inf and not (self.observed and self.observed[-1] >= self.bound.order):
+            found = f"{self.observed[-1]:.2f}" if self.observed else "unknown"
+            short.append(f"order {found} < {self.bound.order:g}")
+        for h, error in zip(self.spacings, self.errors):
+            largest = self.bound.largest(h, h == self.spacings[-1])
+            if not error <= largest:
+                short.append(f"error {error:.2e} > {largest:.2e}")
+        return "; ".join(short) or "holds"
+
+
+def rows_of(entry: Entry, order: int, spacings: Sequence[float], found: Sequence[Measured]) -> list[Row]:
+    """Of one order on all its grids."""
+    rows = []
+    for quantity in found[0].errors:
+        errors = tuple(measured.errors[quantity] for measured in found)
+        bound = entry.bounds.get((quantity, order), Bound())
+        rows.append(Row(entry.name, quantity, order, tuple(spacings), errors, bound))
+    return rows
+
+
+def reference(name: str) -> dict[str, Array]:
+    """Columns of references/NAME.csv; lines that begin with # say units and source."""
+    text = files("fsipetsc.verify").joinpath("references", f"{name}.csv").read_text("utf-8")
+    lines = [line for line in text.splitlines() if not line.startswith("#")]
+    table = list(csv.reader(lines))
+    return {head: np.array([float(v) for v in column]) for head, *column in zip(*table)}
+
+
+def smooth(x: Array, y: Array) -> Callable[[Array], Array]:
+    """A reference between its points: the spline of fifth degree."""
+    from scipy.interpolate import make_interp_spline
+
+    spline: Callable[[Array], Array] = make_interp_spline(x, y, k=5)
+    return spline

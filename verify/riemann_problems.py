@@ -1,0 +1,70 @@
+"""Riemann problems of a perfect gas (left) and an elastic rod (right): the state between the waves.
+
+Gas (gamma = 1.4): E. F. Toro, Riemann Solvers, 3rd ed., Sec. 4.2. Rod: stress sigma = K ln F - p_r, at
+rest under the pressure p_r with F = 1; a compression is a shock, u = sqrt((F - 1) sigma_jump / m0).
+Behind the shock of Mach number M that hits the rod: Rankine and Hugoniot.
+"""
+
+from pathlib import Path
+
+import numpy as np
+from scipy.optimize import brentq
+
+GAMMA, MODULUS, DENSITY, LOW = 1.4, 4.0, 0.5, (0.125, 0.1)
+FOLDER = Path(__file__).parent.parent / "fsipetsc" / "verify" / "references"
+#: name -> (rho, u, p) of the gas, K of the rod
+X_SHOCK = 0.7
+
+
+def behind(mach):
+    """(rho, u, p) behind a shock into LOW at rest, its speed."""
+    rho, p = LOW
+    speed = mach * np.sqrt(GAMMA * p / rho)
+    dense = rho * (GAMMA + 1) * mach**2 / ((GAMMA - 1) * mach**2 + 2)
+    return (dense, speed * (1 - rho / dense), p * (1 + 2 * GAMMA / (GAMMA + 1) * (mach**2 - 1))), speed
+
+
+def gas_velocity(p, state):
+    """u of the gas where its pressure has become p."""
+    rho, u, p0 = state
+    if p > p0:
+        a, b = 2 / ((GAMMA + 1) * rho), (GAMMA - 1) / (GAMMA + 1) * p0
+        return u - (p - p0) * np.sqrt(a / (p + b))
+    c = np.sqrt(GAMMA * p0 / rho)
+    return u - 2 * c / (GAMMA - 1) * ((p / p0) ** ((GAMMA - 1) / (2 * GAMMA)) - 1)
+
+
+def rod_velocity(p, modulus):
+    """u of the rod under the pressure p."""
+    F = np.exp(-(p - LOW[1]) / modulus)
+    return np.sqrt((1 - F) * (p - LOW[1]) / DENSITY)
+
+
+def between(state, modulus):
+    """(p, u, F)."""
+    p = brentq(
+        lambda p: gas_velocity(p, state) - rod_velocity(p, modulus),
+        LOW[1], 50 * max(state[2], 1.0), xtol=1e-15, rtol=1e-14,
+    )
+    return p, rod_velocity(p, modulus), np.exp(-(p - LOW[1]) / modulus)
+
+
+def table():
+    """Rows: problem, ratio or Mach number, K, time of the hit, p, u, F."""
+    rows = []
+    for ratio, modulus in ((10.0, 4.0), (100.0, 40.0)):
+        rows.append((0, ratio, modulus, 0.0, *between((1.0, 0.0, ratio * LOW[1]), modulus)))
+    for mach, modulus in ((3.0, 4.0), (10.0, 40.0)):
+        state, speed = behind(mach)
+        rows.append((1, mach, modulus, (1 - X_SHOCK) / speed, *between(state, modulus)))
+    return rows
+
+
+if __name__ == "__main__":
+    with (FOLDER / "riemann_problems.csv").open("w", encoding="utf-8") as file:
+        file.write("# gas gamma = 1.4, R = 1; on the rod rho = 0.125, p = 0.1; rod m0 = 0.5, K ln F - 0.1\n")
+        file.write("# strong = 0: gas at rest, rho = 1, p = number * 0.1; 1: a shock of Mach number number\n")
+        file.write("# p, u, F of the rod at the interface after t = hit; exact by iteration\n")
+        file.write("strong,number,K,hit,p,u,F\n")
+        for row in table():
+            file.write(",".join(f"{v:.12g}" for v in row) + "\n")
