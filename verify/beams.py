@@ -9,6 +9,8 @@ Vibration, Timoshenko: D t'' + S (w' - t) = -r I t.., S (w'' - t') = m w.., plan
 S = 5/6 mu h, I = density h^3/12. Euler and Bernoulli: cos b cosh b = 1, w = b^2 sqrt(D/m).
 """
 
+from pathlib import Path
+
 import numpy as np
 from scipy.optimize import brentq, fsolve, minimize_scalar
 
@@ -74,9 +76,37 @@ def timoshenko(thickness, number=1, poisson_lambda=2.0):
     return brentq(misfit, grid[found[-1]], grid[found[-1] + 1], xtol=1e-12, rtol=1e-15)
 
 
+def hinged_timoshenko(thickness, number=1, poisson_lambda=2.0):
+    """w sqrt(m/D) of a simply supported beam: the deflection is sin(k x)."""
+    ratio = 4 * (poisson_lambda + 1) / (poisson_lambda + 2) / 12
+    S, inertia, k = 5 / 6 / (ratio * thickness**2), thickness**2 / 12, number * np.pi
+    # (S k^2 - w^2)(k^2 + S - inertia w^2) = S^2 k^2
+    a, b, c = inertia, -(k**2 + S + inertia * S * k**2), S * k**4
+    return np.sqrt(2 * c / (-b + np.sqrt(b * b - 4 * a * c)))
+
+
+def columns():
+    """Of beam.csv: lambda_e = 0, the first frequencies over sqrt(D/m)."""
+    d = [0.1, 0.05, 0.02, 0.01, 0.0]
+    made = {"d": d}
+    made["clamped"] = [timoshenko(v, 1, 0.0) for v in d[:-1]] + [euler_bernoulli()]
+    made["hinged"] = [hinged_timoshenko(v, 1, 0.0) for v in d[:-1]] + [np.pi**2]
+    return made
+
+
+def flutter_columns():
+    """Of panel_flutter.csv: lambda at flutter and the merged q of both kinds of ends."""
+    both = {ends: flutter(ends) for ends in ENDS}
+    return {f"{e} {what}": [both[e][k]] for e in ENDS for k, what in enumerate(("lambda", "q"))}
+
+
 if __name__ == "__main__":
-    for ends in ENDS:
-        print(ends, flutter(ends))
-    print([euler_bernoulli(k) for k in (1, 2)])
-    for h in (0.1, 0.05, 0.02, 0.01):
-        print(h, timoshenko(h, 1), timoshenko(h, 2))
+    folder = Path(__file__).parent.parent / "fsipetsc" / "verify" / "references"
+    heads = {
+        "beam": "w sqrt(m/D) of beams of length 1 and thickness d, lambda_e = 0; d = 0: thin",
+        "panel_flutter": "lambda = 2 q L^3/(D beta) at flutter, quasi-steady, thin, undamped",
+    }
+    for name, made in (("beam", columns()), ("panel_flutter", flutter_columns())):
+        lines = [f"# made by verify/beams.py: {heads[name]}", ",".join(made)]
+        lines += [",".join(f"{value:.11g}" for value in row) for row in zip(*made.values())]
+        (folder / f"{name}.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")

@@ -13,6 +13,8 @@ With power 0, the rigid spin, the edge is not in balance at t = 0, weak waves wi
 from it, and the method converges slowly; with power 4 they are too weak to be seen.
 """
 
+from pathlib import Path
+
 import numpy as np
 from numpy.polynomial import legendre
 from scipy.integrate import solve_ivp
@@ -98,15 +100,16 @@ class Disk:
         return kinetic + self.w @ W + P / (GAMMA - 1) * self.gw @ (x * (self.D @ x) / self.X) ** (1 - GAMMA)
 
     def at(self, y, R, X):
-        """phi, theta, phi_t, theta_t at R; x, p, rho at X."""
+        """z/R and z_t/R at R, real and imaginary parts; x, p at X."""
         c, v, inner, u = self.parts(y)
         f = np.array([legendre.legval(2 * np.square(R) - 1, e) for e in np.eye(self.n)])
-        z, vz = R * (c @ f), R * (v @ f)
-        spin = vz / z
         x = np.concatenate([[abs(c.sum())], inner, [VESSEL]])
         p = P * (x * (self.D @ x) / self.X) ** -GAMMA
-        to = np.array([np.prod([(X - b) / (a - b) for b in self.X if b != a], axis=0) for a in self.X]).T
-        return abs(z), np.angle(z), (spin * abs(z)).real, spin.imag, to @ x, to @ p
+        ones = [[X - b for b in self.X if b != a] for a in self.X]
+        scale = [[a - b for b in self.X if b != a] for a in self.X]
+        to = np.array([np.prod(np.array(one).T / w, axis=1) for one, w in zip(ones, scale)]).T
+        z, vz = c @ f, v @ f
+        return z.real, z.imag, vz.real, vz.imag, to @ x, to @ p
 
 
 def solve(density, spin=0.8, power=4, t=0.5, n=24, m=24, rtol=1e-13):
@@ -116,11 +119,26 @@ def solve(density, spin=0.8, power=4, t=0.5, n=24, m=24, rtol=1e-13):
     return disk, y, disk.energy(y) - disk.energy(disk.start)
 
 
-if __name__ == "__main__":
-    import sys
+SPIN, POWER, END, DENSITIES = 2.0, 4, 0.5, (0.2, 2.0, 20.0)
 
-    power, spin, t = int(sys.argv[1]), float(sys.argv[2]), float(sys.argv[3])
-    for n in (12, 16, 24, 32, 48):
-        disk, y, de = solve(2.0, spin, power, t, n, n)
-        R, X = np.array([0.5, 1.0]), np.array([1.0, 1.6])
-        print(n, de, *(f"{v:.11f}" for q in disk.at(y, R, X) for v in q))
+
+def columns(n: int = 48, m: int = 36, points: int = 101, densities=DENSITIES) -> dict[str, np.ndarray]:
+    """Of the CSV file: of each density the disk at R, the gas at X."""
+    R, X = np.linspace(0, 1, points), np.linspace(1, VESSEL, points)
+    made = {"R": R, "X": X}
+    for density in densities:
+        disk, y, _ = solve(density, SPIN, POWER, END, n, m)
+        for name, values in zip(("real", "imag", "v_real", "v_imag", "x", "p"), disk.at(y, R, X)):
+            made[f"{name} {density:g}"] = values
+    return made
+
+
+if __name__ == "__main__":
+    made = columns()
+    head = """# Spinning disk, made by verify/disk.py at t = 0.5; the first column of numbers: density of the disk over that of the gas
+# disk: point R at angle Q is at (real + i imag) R exp(i Q), with the velocity (v_real + i v_imag) R exp(i Q); gas: x, p of X
+# with (36, 30) functions instead of (48, 36): 6e-10 (real, imag), 1e-7 (velocities), 4e-8 (p)
+"""
+    path = Path(__file__).parent.parent / "fsipetsc" / "verify" / "references" / "spinning_disk.csv"
+    lines = [",".join(f"{value:.11g}" for value in row) for row in zip(*made.values())]
+    path.write_text(head + ",".join(made) + "\n" + "\n".join(lines) + "\n", encoding="utf-8")

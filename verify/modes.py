@@ -8,6 +8,8 @@ Half spaces: the equations of Scholte and of Stoneley (A. Ben-Menahem, S. J. Sin
 and Sources, 1981), and of Rayleigh.
 """
 
+from pathlib import Path
+
 import numpy as np
 from scipy.optimize import brentq, newton
 from scipy.special import jvp, yvp
@@ -151,12 +153,32 @@ def liquid_layer_mode(near, k, height, depth, rho, c, density, cp, cs):
     return root(lambda s: over_layer(s, k, height, depth, lambda k, s: liquid(k, s, rho, c), of_solid), near)
 
 
+#: density, speeds of P and S waves [SI]
+METALS = {"steel": (7850.0, 5900.0, 3200.0), "aluminium": (2700.0, 6320.0, 3130.0)}
+
+
+def columns():
+    """Of normal_modes.csv: real and imaginary parts of s = i w [1/s]."""
+    made = {"ring": [1j * ring_mode(w) for w in (0.1175, 1.720, 2.0886)]}
+    made["ring in vacuum"] = [1j * ring_mode(w, gas=False) for w in (0.2033, 2.2788, 7.86)]
+    near = -0.368 + 4.727j, -0.661 + 7.444j, -1.024 + 8.358j
+    made["viscous gas"] = [layer_mode(s) for s in near]
+    for name, metal in METALS.items():
+        s = 2j * np.pi * scholte(1000.0, 1480.0, *metal)
+        layers = liquid_layer_mode(s, 2 * np.pi, 1.0, 1.0, 1000.0, 1480.0, *metal)
+        made[f"water over {name}"] = [layers, s, np.nan]
+    parts = [(name, part) for name in made for part in ("real", "imag")]
+    return {f"{name} {part}": list(getattr(np.array(made[name]), part)) for name, part in parts}
+
+
 if __name__ == "__main__":
-    for gas_too, near in ((True, (0.1175, 1.720, 2.0886)), (False, (0.2033, 2.2788, 7.86))):
-        print("ring", gas_too, *(f"{ring_mode(w, gas=gas_too):.12f}" for w in near))
-    for near in (-0.368 + 4.727j, -0.661 + 7.444j, -1.024 + 8.358j):
-        print("viscous gas over a layer", layer_mode(near))
-    for name, numbers in (("steel", (7850.0, 5900.0, 3200.0)), ("aluminium", (2700.0, 6320.0, 3130.0))):
-        v = scholte(1000.0, 1480.0, *numbers)
-        print(name, v, scholte(0.0, 1e9, *numbers))
-        print(liquid_layer_mode(2j * np.pi * v, 2 * np.pi, 1.0, 1.0, 1000.0, 1480.0, *numbers) / (2j * np.pi))
+    made = columns()
+    head = """# made by verify/modes.py: small motions as exp(s t), s [1/s], real and imaginary parts
+# ring: angular number 2, first three; viscous gas over an elastic layer, k = 2 pi: first three
+# water over a metal, k = 2 pi/m: first row layers of 1 m under a lid and on a clamp; second row half
+# spaces (Scholte), whose speed is s/k: 1479.601 (steel), 1476.765 m/s (aluminium)
+"""
+    folder = Path(__file__).parent.parent / "fsipetsc" / "verify" / "references"
+    lines = [",".join(f"{value:.12g}" for value in row) for row in zip(*made.values())]
+    text = head + ",".join(made) + "\n" + "\n".join(lines) + "\n"
+    (folder / "normal_modes.csv").write_text(text, encoding="utf-8")

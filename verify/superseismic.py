@@ -16,6 +16,8 @@ acts on the undeformed normal, and the pressure acts along the deformed one. The
 a pressure force on the deformed face, which a conservative interface has; they differ by 5 %.
 """
 
+from pathlib import Path
+
 import numpy as np
 from scipy.optimize import fsolve
 
@@ -43,9 +45,9 @@ def states(literature: bool = False) -> dict[str, float]:
         (rho, u, p), (G, sigma, area) = gas(x[0]), solid(*x[1:])
         return [*(sigma[:, 1] + (p - p_1) * area), (-G[:, 0] - u) @ area]
 
-    phi, a, b = fsolve(misfit, [-0.06, -0.3, 0.1], xtol=1e-15)
+    phi, a, b = fsolve(misfit, [-0.06, -0.3, 0.1], xtol=1e-12)
     assert np.abs(misfit([phi, a, b])).max() < 1e-14
-    (rho, u, p), (G, sigma, area) = gas(phi), solid(a, b)
+    (rho, u, p), G = gas(phi), solid(a, b)[0]
     return {
         "phi": phi, "a": a, "b": b, "rho": rho, "u": u[0], "v": u[1], "T": p / rho, "p": p,
         "solid u": -G[0, 0], "solid v": -G[1, 0],
@@ -54,6 +56,18 @@ def states(literature: bool = False) -> dict[str, float]:
     }
 
 
+def columns() -> dict[str, list[float]]:
+    """Of the CSV file: first the states for A itself, then those of the literature."""
+    both = states(), states(literature=True)
+    return {name: [found[name] for found in both] for name in both[0]}
+
+
 if __name__ == "__main__":
-    for literature in (False, True):
-        print({k: float(f"{v:.10g}") for k, v in states(literature).items()})
+    made = columns()
+    path = Path(__file__).parent.parent / "fsipetsc" / "verify" / "references" / "superseismic.csv"
+    head = """# Superseismic shock, made by verify/superseismic.py; U = 1, rho = 1 in the solid, p = rho T
+# first row: pressure on the deformed face; second row: divided by its stretch, as in the literature
+# phi, deflection [rad]; a, b strengths of P and S wave; behind the shock and the waves
+"""
+    lines = [",".join(f"{value:.10g}" for value in row) for row in zip(*made.values())]
+    path.write_text(head + ",".join(made) + "\n" + "\n".join(lines) + "\n", encoding="utf-8")
