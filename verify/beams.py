@@ -12,7 +12,7 @@ S = 5/6 mu h, I = density h^3/12. Euler and Bernoulli: cos b cosh b = 1, w = b^2
 from pathlib import Path
 
 import numpy as np
-from scipy.optimize import brentq, fsolve, minimize_scalar
+from scipy.optimize import brentq, minimize_scalar
 
 #: derivatives that vanish at both ends
 ENDS = {"clamped": (0, 1), "hinged": (0, 2)}
@@ -66,8 +66,8 @@ def timoshenko(thickness, number=1, poisson_lambda=2.0):
         m = np.concatenate([np.sqrt(squares), -np.sqrt(squares)])
         t = (S * m * m + w * w) / (S * m)
         top = np.exp(m - np.abs(m.real).max())
-        d = np.linalg.det(np.array([np.ones(4), t, top, t * top]))
-        return (d / (m[0] * m[1])).real if abs((d / (m[0] * m[1])).real) > abs((d / (m[0] * m[1])).imag) else (d / (m[0] * m[1])).imag
+        d = np.linalg.det(np.array([np.ones(4), t, top, t * top])) / (m[0] * m[1])
+        return d.real if abs(d.real) > abs(d.imag) else d.imag
 
     top = euler_bernoulli(number)
     grid = np.linspace(0.5, 1.0, 201) * top

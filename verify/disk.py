@@ -101,7 +101,7 @@ class Disk:
 
     def at(self, y, R, X):
         """z/R and z_t/R at R, real and imaginary parts; x, p at X."""
-        c, v, inner, u = self.parts(y)
+        c, v, inner, _ = self.parts(y)
         f = np.array([legendre.legval(2 * np.square(R) - 1, e) for e in np.eye(self.n)])
         x = np.concatenate([[abs(c.sum())], inner, [VESSEL]])
         p = P * (x * (self.D @ x) / self.X) ** -GAMMA
@@ -135,8 +135,9 @@ def columns(n: int = 48, m: int = 36, points: int = 101, densities=DENSITIES) ->
 
 if __name__ == "__main__":
     made = columns()
-    head = """# Spinning disk, made by verify/disk.py at t = 0.5; the first column of numbers: density of the disk over that of the gas
-# disk: point R at angle Q is at (real + i imag) R exp(i Q), with the velocity (v_real + i v_imag) R exp(i Q); gas: x, p of X
+    head = """# Spinning disk, made by verify/disk.py at t = 0.5; the number in a name: density of the disk
+# disk: the point R at angle Q is at (real + i imag) R exp(i Q), its velocity (v_real + i v_imag) R exp(i Q)
+# gas: the point that was at X is at x, under the pressure p
 # with (36, 30) functions instead of (48, 36): 6e-10 (real, imag), 1e-7 (velocities), 4e-8 (p)
 """
     path = Path(__file__).parent.parent / "fsipetsc" / "verify" / "references" / "spinning_disk.csv"

@@ -42,7 +42,7 @@ def states(literature: bool = False) -> dict[str, float]:
         return G, sigma, area / np.linalg.norm(area) if literature else area
 
     def misfit(x):
-        (rho, u, p), (G, sigma, area) = gas(x[0]), solid(*x[1:])
+        (_, u, p), (G, sigma, area) = gas(x[0]), solid(*x[1:])
         return [*(sigma[:, 1] + (p - p_1) * area), (-G[:, 0] - u) @ area]
 
     phi, a, b = fsolve(misfit, [-0.06, -0.3, 0.1], xtol=1e-12)

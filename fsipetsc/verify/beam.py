@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.verify.entry import Bound, Measured, reference
+from fsipetsc.verify.entry import Bound, Entry, Measured, reference
 
 TEXT = """
 A beam of length 1 and thickness d in vacuum, plane strain, linear elastic: density 1, μ = 1, λ = 0, so
