@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.verify.entry import Bound, Entry, Measured, reference
+from fsipetsc.verify.entry import Array, Bound, Entry, Measured, reference
 
 TEXT = """
 The scheme's right-hand side, linearised about rest by differences, has eigenvalues s; the equations
@@ -30,7 +30,7 @@ METALS = {"steel": (7850.0, 5900.0, 3200.0), "aluminium": (2700.0, 6320.0, 3130.
 K = 2.0 * np.pi
 
 
-def ring(order: int, h: float) -> np.ndarray:
+def ring(order: int, h: float) -> Array:
     """s of the slowest modes [1/s]."""
     from mpi4py import MPI
 
@@ -44,7 +44,7 @@ def ring(order: int, h: float) -> np.ndarray:
     return 1j * ring_modes(build_problem(case, opt, MPI.COMM_SELF), order, 2)[:3]
 
 
-def over_solid(order: int, h: float, fluid: Any, solid: Any, depth: float, state: tuple[float, float]) -> np.ndarray:
+def over_solid(order: int, h: float, fluid: Any, solid: Any, depth: float, state: tuple[float, float]) -> Array:
     """s [1/s] of all modes of a fluid, 1 m high, over a solid; state: density and temperature."""
     from fsipetsc.analysis.wave_modes import Stack, linearise
     from fsipetsc.blocks.conditions import Clamped, NoSlip, Slip
@@ -69,7 +69,7 @@ def measure(solve: Callable[..., Any], order: int, h: float) -> Measured:
 
     table, errors = reference("normal_modes"), {}
 
-    def misfit(name: str, row: int, found: np.ndarray) -> float:
+    def misfit(name: str, row: int, found: Array) -> float:
         exact = table[f"{name} real"][row] + 1j * table[f"{name} imag"][row]
         return float(np.abs(found - exact).min() / abs(exact))
 

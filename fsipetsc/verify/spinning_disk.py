@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.verify.entry import Bound, Curve, Entry, Measured, reference, smooth
+from fsipetsc.verify.entry import Array, Bound, Curve, Entry, Measured, reference, smooth
 
 TEXT = """
 An elastic disk of radius 1 in a round vessel of radius 2.2, filled with gas. It is free of strain at
@@ -39,7 +39,7 @@ def measure(solve: Callable[..., Any], order: int, h: float) -> Measured:
             disk = [layer for layer in run.layers if layer.kind == "solid"]
             fields = [(layer.frame(0), layer.frame(-1)) for layer in disk]
 
-        def exact(name: str, R: np.ndarray, density: float = density) -> np.ndarray:
+        def exact(name: str, R: Array, density: float = density) -> Array:
             return smooth(table["R"], table[f"{name} {density:g}"])(R)
 
         place, speed = 0.0, 0.0
