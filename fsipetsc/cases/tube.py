@@ -23,7 +23,7 @@ from fsipetsc.blocks.conditions import Clamped, Slip
 from fsipetsc.blocks.layers import Layer, layers
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.cases.riemann import GasState, GasWave
-from fsipetsc.cases.shock import GAMMA, HIGH, LOW, T_ROD, R, Solution
+from fsipetsc.cases.shock import DENSE, GAMMA, LOW, T_ROD, R, Solution
 from fsipetsc.checks import Fields
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.line_solid import Solid
@@ -31,6 +31,8 @@ from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.options import Option
 
 NAME = "tube"
+#: the gas of high pressure, Sod's
+HIGH = GasState(DENSE, 0.0, 1.0)
 SUMMARY = "a shock tube in a plane, along X, across Y or into an elastic layer: exact solution"
 
 OPTIONS = (

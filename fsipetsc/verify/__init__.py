@@ -6,4 +6,4 @@ repository's folder `verify`.
 """
 
 #: entries, in the order of the table
-ENTRIES = ("elastic_piston", "riemann_problems")
+ENTRIES = ("elastic_piston", "riemann_problems", "superseismic", "beam", "normal_modes", "spinning_disk", "panel_flutter")

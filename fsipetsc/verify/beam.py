@@ -1,0 +1,92 @@
+"""Free vibration of a clamped and of a hinged beam in vacuum."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from fsipetsc.verify.entry import Bound, Entry, Measured, reference
+
+TEXT = """
+A beam of length 1 and thickness d in vacuum, plane strain, linear elastic: density 1, μ = 1, λ = 0, so
+that its thickness does not change where it bends, as theories of beams have it.
+
+* *clamped*: both end faces are held; *hinged*: the middles of both end faces are held, the rest is free
+* reference: Timoshenko's beam, S = 5/6 μ d, D = μ d³/6; thin limits 22.3732854481 √(D/m) and
+  π² √(D/m) (Euler and Bernoulli). It is a theory of beams, not of the plane: at clamps the two
+  differ by some 1e-4
+* `h` is the length of a cell; there are 12 cells across
+
+The frequencies are eigenvalues of the scheme's own right-hand side: each displacement is changed in
+turn, and the accelerations are the columns of the matrix. There is no error of time stepping.
+Errors are relative, of the first frequency.
+"""
+ACROSS = 12
+
+
+def first_frequency(order: int, h: float, thickness: float, hinged: bool) -> float:
+    """omega [1/s] of the slowest motion that bends the beam. InputError."""
+    from mpi4py import MPI
+
+    from fsipetsc.blockrun.block_state import BlockState
+    from fsipetsc.blockrun.run_problem import RunProblem
+    from fsipetsc.blocks.block import Block
+    from fsipetsc.blocks.conditions import Clamped, Free, Hinge
+    from fsipetsc.blocks.maps import rectangle
+    from fsipetsc.blocks.problem import BlockProblem
+    from fsipetsc.materials.solid import ElasticSolid
+
+    beam = ElasticSolid(1.0, 0.0, 0.0, 1.0, 1.0, law="linear", heat="elastic")
+    where = rectangle((0.0, -0.5 * thickness), (1.0, 0.5 * thickness))
+    block = Block("beam", beam, where, (round(1 / h), ACROSS), lambda X, Y: (0, 0, 1, X, Y))
+    ends = Free() if hinged else Clamped()
+    faces = {("beam", axis, side): Free() if axis else ends for axis in (0, 1) for side in (0, 1)}
+    points = tuple(("beam", (x, 0.0), Hinge()) for x in (0.0, 1.0)) if hinged else ()
+    problem = RunProblem(BlockProblem((block,), faces, points=points))
+    with BlockState(MPI.COMM_SELF, problem, order) as state:
+        state.compile(lambda text: None)
+        return _slowest(state)
+
+
+def _slowest(state: Any) -> float:
+    state.set_initial()
+    rest = state.y.array.copy()
+    f, size, owned = np.empty_like(rest), 1e-3, state.layout.owned
+    nodes = owned(0, rest).size // 5  # of displacements, velocities, energy
+    K = np.empty((2 * nodes, 2 * nodes))
+    for i in range(2 * nodes):
+        y = rest.copy()
+        owned(0, y).reshape(-1, 5)[i // 2, i % 2] += size
+        state.project(y)
+        state.right_hand_side(y, f)  # linear, and 0 at rest
+        K[:, i] = -owned(0, f).reshape(-1, 5)[:, 2:4].ravel() / size
+    squares = np.linalg.eigvals(K).real
+    # displacements that the conditions forbid do nothing: zeros
+    return float(np.sqrt(squares[squares > 1e-9 * squares.max()].min()))
+
+
+def measure(solve: Callable[..., Any], order: int, h: float) -> Measured:
+    """Relative errors."""
+    table, errors = reference("beam"), {}
+    for ends, thickness in (("clamped", 0.05), ("hinged", 0.02)):
+        found = first_frequency(order, h, thickness, ends == "hinged") / np.sqrt(thickness**2 / 6.0)
+        row = np.argmin(np.abs(table["d"] - thickness))
+        errors[f"{ends}, d = {thickness:g}"] = abs(float(found / table[ends][row]) - 1.0)
+    return Measured(errors)
+
+
+ENTRY = Entry(
+    name="beam",
+    title="Free vibration of a clamped and a hinged beam",
+    source="verify/beams.py (Timoshenko; Euler and Bernoulli in the thin limit)",
+    text=TEXT,
+    levels={"quick": {4: (1 / 20,)}, "full": {4: (1 / 20, 1 / 40), 6: (1 / 20, 1 / 40)}},
+    measure=measure,
+    bounds={
+        (name, order): Bound(error=5e-4)
+        for name in ("clamped, d = 0.05", "hinged, d = 0.02")
+        for order in (4, 6)
+    },
+)

@@ -1,0 +1,112 @@
+"""Frequencies of beams and plates, and the pressure at which a panel flutters, by determinants.
+
+Flutter, quasi-steady pressure without damping, lengths over the panel's: w'''' + l w' = q w. The w are
+sums of exp(m x), m^4 + l m - q = 0. Flutter begins at the l at which two real q merge: 636.57 of a
+clamped panel, 343.36 of a simply supported one (E. H. Dowell, Aeroelasticity of Plates and
+Shells, 1975; J. M. Hedgepeth, J. Aeronaut. Sci. 24 (1957) 381 has 343).
+
+Vibration, Timoshenko: D t'' + S (w' - t) = -r I t.., S (w'' - t') = m w.., plane strain, with
+S = 5/6 mu h, I = density h^3/12. Euler and Bernoulli: cos b cosh b = 1, w = b^2 sqrt(D/m).
+"""
+
+from pathlib import Path
+
+import numpy as np
+from scipy.optimize import brentq, minimize_scalar
+
+#: derivatives that vanish at both ends
+ENDS = {"clamped": (0, 1), "hinged": (0, 2)}
+
+
+def misfit(l, q, ends):
+    """Zero at an eigenvalue q; real, smooth in q."""
+    m = np.roots([1, 0, 0, l, -q]).astype(complex)
+    for _ in range(3):
+        m -= (m**4 + l * m - q) / (4 * m**3 + l)
+    rows = [m**d for d in ENDS[ends]] + [m**d * np.exp(m - m.real.max()) for d in ENDS[ends]]
+    differences = np.prod([m[j] - m[i] for i in range(4) for j in range(i + 1, 4)])
+    return (np.linalg.det(np.array(rows)) / differences).real
+
+
+def flutter(ends):
+    """(l, q) where the first two q merge."""
+    low, high = {"clamped": (500.5639, 3803.537), "hinged": (np.pi**4, 16 * np.pi**4)}[ends]
+
+    def gap(l):
+        """Largest misfit between the two eigenvalues, with its sign at l = 0."""
+        sign = np.sign(misfit(0.0, 0.5 * (low + high), ends))
+        found = minimize_scalar(
+            lambda q: -sign * misfit(l, q, ends), bounds=(low, high), method="bounded", options={"xatol": 1e-9 * high}
+        )
+        return -found.fun, found.x
+
+    near = {"clamped": 600.0, "hinged": 320.0}[ends], {"clamped": 680.0, "hinged": 360.0}[ends]
+    scale = abs(gap(near[0])[0])
+    l = brentq(lambda l: gap(l)[0] / scale, *near, xtol=1e-10, rtol=1e-14)
+    return l, gap(l)[1]
+
+
+def euler_bernoulli(number=1, ends="clamped"):
+    """w sqrt(m/D) L^2."""
+    if ends == "hinged":
+        return (number * np.pi) ** 2
+    b = (number + 0.5) * np.pi
+    return brentq(lambda b: np.cos(b) - 1 / np.cosh(b), b - 0.3, b + 0.3, xtol=1e-15, rtol=1e-15) ** 2
+
+
+def timoshenko(thickness, number=1, poisson_lambda=2.0):
+    """w sqrt(m/D) of a clamped beam, L = 1, h = thickness, lambda_e = poisson_lambda mu_e."""
+    ratio = 4 * (poisson_lambda + 1) / (poisson_lambda + 2) / 12  # D/(mu h^3)
+    S, inertia = 5 / 6 / (ratio * thickness**2), thickness**2 / 12  # D = m = 1
+
+    def misfit(w):
+        # w, t ~ exp(m x): (S m^2 + w^2) W = S m t,  (m^2 - S + inertia w^2) t = -S m W
+        a, b, c = S, S * inertia * w**2 + w**2, (inertia * w**2 - S) * w**2
+        squares = np.roots([a, b, c]).astype(complex)
+        m = np.concatenate([np.sqrt(squares), -np.sqrt(squares)])
+        t = (S * m * m + w * w) / (S * m)
+        top = np.exp(m - np.abs(m.real).max())
+        d = np.linalg.det(np.array([np.ones(4), t, top, t * top])) / (m[0] * m[1])
+        return d.real if abs(d.real) > abs(d.imag) else d.imag
+
+    top = euler_bernoulli(number)
+    grid = np.linspace(0.5, 1.0, 201) * top
+    values = [misfit(w) for w in grid]
+    found = [i for i in range(200) if values[i] * values[i + 1] < 0]
+    return brentq(misfit, grid[found[-1]], grid[found[-1] + 1], xtol=1e-12, rtol=1e-15)
+
+
+def hinged_timoshenko(thickness, number=1, poisson_lambda=2.0):
+    """w sqrt(m/D) of a simply supported beam: the deflection is sin(k x)."""
+    ratio = 4 * (poisson_lambda + 1) / (poisson_lambda + 2) / 12
+    S, inertia, k = 5 / 6 / (ratio * thickness**2), thickness**2 / 12, number * np.pi
+    # (S k^2 - w^2)(k^2 + S - inertia w^2) = S^2 k^2
+    a, b, c = inertia, -(k**2 + S + inertia * S * k**2), S * k**4
+    return np.sqrt(2 * c / (-b + np.sqrt(b * b - 4 * a * c)))
+
+
+def columns():
+    """Of beam.csv: lambda_e = 0, the first frequencies over sqrt(D/m)."""
+    d = [0.1, 0.05, 0.02, 0.01, 0.0]
+    made = {"d": d}
+    made["clamped"] = [timoshenko(v, 1, 0.0) for v in d[:-1]] + [euler_bernoulli()]
+    made["hinged"] = [hinged_timoshenko(v, 1, 0.0) for v in d[:-1]] + [np.pi**2]
+    return made
+
+
+def flutter_columns():
+    """Of panel_flutter.csv: lambda at flutter and the merged q of both kinds of ends."""
+    both = {ends: flutter(ends) for ends in ENDS}
+    return {f"{e} {what}": [both[e][k]] for e in ENDS for k, what in enumerate(("lambda", "q"))}
+
+
+if __name__ == "__main__":
+    folder = Path(__file__).parent.parent / "fsipetsc" / "verify" / "references"
+    heads = {
+        "beam": "w sqrt(m/D) of beams of length 1 and thickness d, lambda_e = 0; d = 0: thin",
+        "panel_flutter": "lambda = 2 q L^3/(D beta) at flutter, quasi-steady, thin, undamped",
+    }
+    for name, made in (("beam", columns()), ("panel_flutter", flutter_columns())):
+        lines = [f"# made by verify/beams.py: {heads[name]}", ",".join(made)]
+        lines += [",".join(f"{value:.11g}" for value in row) for row in zip(*made.values())]
+        (folder / f"{name}.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
