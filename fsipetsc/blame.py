@@ -50,7 +50,8 @@ def reason(error: BaseException) -> str:
         return text
     text = text if len(text) <= _LONGEST else f"{text[:_LONGEST]}…"
     if isinstance(error, ModuleNotFoundError) and error.name:
-        return missing(error.name.split(".")[0])
+        package = error.name.split(".")[0]
+        return f"fsipetsc has no module {error.name}" if package == "fsipetsc" else missing(package)
     if isinstance(error, SystemExit):
         return "SystemExit: sys.exit() is called; a case file describes a problem and must not end the program"
     if _is_compilers(error):
