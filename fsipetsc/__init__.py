@@ -81,8 +81,9 @@ def run(case: Any, *, comm: MPI.Comm | None = None, **options: Any) -> Run:
               ``output``, by default CASE.h5 in the working directory
 
     Raises the exceptions of :mod:`fsipetsc.errors`: InputError for what is not valid, ComputationError where the
-    computation fails, FileError; KeyboardInterrupt after a SIGINT, the result written. Options, modules and settings
-    of PETSc are left as they were found, so that several runs in one process do not know of each other.
+    computation fails, FileError; after a SIGINT, SIGTERM or SIGHUP KeyboardInterrupt, which no ``except FsiError`` takes, with
+    the result written. Options, modules and settings of PETSc are left as they were found, so that several
+    runs in one process do not know of each other.
     """
     from fsipetsc.api import run as solve
 

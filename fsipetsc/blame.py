@@ -50,7 +50,8 @@ def reason(error: BaseException) -> str:
         return text
     text = text if len(text) <= _LONGEST else f"{text[:_LONGEST]}…"
     if isinstance(error, ModuleNotFoundError) and error.name:
-        return missing(error.name.split(".")[0])
+        package = error.name.split(".")[0]
+        return f"fsipetsc has no module {error.name}" if package == "fsipetsc" else missing(package)
     if isinstance(error, SystemExit):
         return "SystemExit: sys.exit() is called; a case file describes a problem and must not end the program"
     if _is_compilers(error):
@@ -96,34 +97,16 @@ def _explained(error: BaseException, function: Callable[..., Any], where: str) -
 def users_lines(error: BaseException) -> str:
     """The traceback of an error of a user's function, from the first line of the user's on.
 
-    "" if there is none: for what this package explains in one message, for numba's words, and for cases of this package. Of an
-    error that came while others were dealt with, or because of them, theirs too, back to the first that has been in the user's
-    code or that the user has named as the cause; not what a library has dealt with before.
+    "" if there is none: for what this package explains in one message, for numba's words, and for cases of this package. Of
+    errors that it came from, -fsi_debug tells.
     """
-    first = next(filter(None, _users_files(error)), "")
-    if not first or first.startswith(_CASES) or isinstance(error, FsiError) or _is_compilers(error):
+    files = _users_files(error)
+    first = next((k for k, name in enumerate(files) if name), None)
+    if first is None or files[first].startswith(_CASES) or isinstance(error, FsiError) or _is_compilers(error):
         return ""
     told = traceback.TracebackException(type(error), error, error.__traceback__)
-    _shorten(told, error)
-    return "".join(told.format()).rstrip()
-
-
-def _shorten(told: traceback.TracebackException, error: BaseException) -> None:
-    """Let what is told of an error and of those before it begin with the first that is the user's, each in the user's code."""
-    first = told
-    while True:
-        files = _users_files(error)
-        del told.stack[: next((k for k, name in enumerate(files) if name), 0)]
-        before, told_before = error.__cause__, told.__cause__
-        named = before is not None and any(files[-1:])  # by the user, who has raised the error
-        if before is None and not error.__suppress_context__:
-            before, told_before = error.__context__, told.__context__
-        if before is None or told_before is None:
-            break
-        told, error = told_before, before
-        if named or any(_users_files(error)):
-            first = told
-    first.__cause__ = first.__context__ = None
+    del told.stack[:first]
+    return "".join(told.format(chain=False)).rstrip()
 
 
 def _users_files(error: BaseException) -> list[str]:

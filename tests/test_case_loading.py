@@ -15,6 +15,7 @@ from fsipetsc.errors import InputError
 FAULTY_FILES = {
     "syntax": ("x = 1\nx = = 2\n", ["line 2", "invalid syntax"]),
     "import": ("import math\nimport no_such_module\n", ["line 2", "no_such_module"]),
+    "ours": ("from fsipetsc.materials.nothing import x\n", ["line 1", "fsipetsc has no module fsipetsc.materials.nothing"]),
     "name": ("\n\nundefined\n", ["line 3", "NameError", "undefined"]),
     "deep": ("import json\n\njson.loads('{')\n", ["line 3", "JSONDecodeError"]),
     "exit": ("raise SystemExit(3)\n", ["line 1", "SystemExit"]),

@@ -100,6 +100,25 @@ def test_a_step_beyond_the_stability_limit(ranks, tmp_path):
     assert_readable(tmp_path / "rod.h5", "failed", 3.0)
 
 
+@pytest.mark.parametrize("coupling", ["conservative", "projection"])
+@pytest.mark.parametrize(
+    ("option", "said"),
+    [
+        ("-rod_T0 20", [f"note: '{name}' is nowhere warmer than T = 20 K: " for name in ("below", "rod", "above")]),
+        ("-rod_T0 110 -fsi_cfl 4", ["note: -fsi_cfl 4 is 4 times the bound on the step at t = 0 s"]),
+        ("-rod_T0 110", []),
+    ],
+)
+def test_what_can_hardly_be_meant_is_questioned_at_the_start(option, said, coupling, tmp_path):
+    line = f"rod -fsi_h 0.1 -ts_max_steps 1 -fsi_coupling {coupling} {option}".split()
+    done = solve(*line, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    notes = [text for text in done.stdout.splitlines() if text.startswith("note: ") and "J has" not in text]
+    assert len(notes) == len(said), notes
+    for note, begin in zip(notes, said, strict=True):
+        assert note.startswith(begin)
+
+
 def test_a_failure_within_a_burst_loses_nothing(tmp_path):
     """Neither steps of the series nor of the summary, as if they had been made one by one."""
     found = []

@@ -119,8 +119,6 @@ def test_a_host_of_runs_keeps_its_own_options(tmp_path):
             assert (result.summary["steps"], result.options["fsi_order"]) == (steps, 4)
 
 
-
-
 def test_a_closed_pipe_ends_no_run_of_a_program_that_started_petsc_itself():
     """PETSc's handler of SIGPIPE calls MPI_Abort, and that hangs where Open MPI was printing."""
     code = """
@@ -132,3 +130,11 @@ def test_a_closed_pipe_ends_no_run_of_a_program_that_started_petsc_itself():
     """
     done = run("-c", dedent(code))
     assert done.stdout == "ignored\n", done.stderr
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize(("given", "used"), [({}, "lo"), ({"OMPI_MCA_btl_tcp_if_exclude": "eth9"}, None)])
+def test_ranks_of_one_node_use_no_network_unless_the_user_chose_interfaces(given, used):
+    code = "import os; from fsipetsc.process.launch import start_mpi; start_mpi(); "
+    done = mpirun(2, "-c", f"{code}print(os.environ.get('OMPI_MCA_btl_tcp_if_include'))", env=given)
+    assert done.stdout.split() == [str(used)] * 2, done.stderr

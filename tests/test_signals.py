@@ -94,3 +94,31 @@ def test_a_run_whose_steps_are_done_ends_as_ever_whatever_comes(tmp_path):
     assert done.returncode == 0, done.stderr
     with fsipetsc.open_run(tmp_path / "rod.h5") as result:
         assert (result.summary["status"], len(result.series["t"])) == ("done", 3)
+
+
+SWEEP = """
+import signal
+import fsipetsc
+from fsipetsc.stepping.integrator import Integrator
+
+start = Integrator.start
+
+
+def started(self):
+    start(self)
+    signal.raise_signal(signal.SIGTERM)
+
+
+Integrator.start = started
+try:
+    fsipetsc.run("rod", h=0.1, max_time=1000)
+except fsipetsc.FsiError:
+    print("swallowed")
+except KeyboardInterrupt as error:
+    print(error.status, error)
+"""
+
+
+def test_a_sweep_that_goes_on_after_an_error_does_not_go_on_after_a_sigterm(tmp_path):
+    done = run("-c", SWEEP, cwd=tmp_path)
+    assert done.stdout.startswith("143 stopped by SIGTERM at t = "), done.stdout + done.stderr

@@ -15,6 +15,7 @@ from fsipetsc.process.host import begin_options, petsc_runs
 if TYPE_CHECKING:
     from mpi4py import MPI
 
+
 def launcher_rank() -> int:
     """This process's rank as mpiexec tells it, for what needs no MPI; 0 without mpiexec."""
     names = ("OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK", "MV2_COMM_WORLD_RANK", "SLURM_PROCID")
@@ -30,6 +31,12 @@ def start_mpi() -> MPI.Comm:
     # a semaphore named after the file alone, so that one left by another user stops or hangs a run, or NAME.h5-….lock, which
     # a killed run leaves. The other one, ROMIO, does not.
     os.environ.setdefault("OMPI_MCA_io_ompio_priority", "0")
+    # Open MPI 5.0.7 of Debian 13 warns of network interfaces between which it finds no way
+    # (open-mpi/ompi issue 14079). Where all ranks are on this node, they need no network.
+    size, interfaces = os.environ.get("OMPI_COMM_WORLD_SIZE"), "OMPI_MCA_btl_tcp_if_"
+    chosen = any(name.startswith(interfaces) for name in os.environ)
+    if size and size == os.environ.get("OMPI_COMM_WORLD_LOCAL_SIZE") and not chosen:
+        os.environ[f"{interfaces}include"] = "lo"
     from mpi4py import MPI
 
     return MPI.COMM_WORLD

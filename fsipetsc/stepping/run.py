@@ -32,6 +32,7 @@ from fsipetsc.stepping.signals import asks, ends
 from fsipetsc.stepping.solve import build_problem, make_state
 from fsipetsc.stepping.start import Start, find_start
 from fsipetsc.stepping.state import State
+from fsipetsc.stepping.verdicts import cold_layers
 from fsipetsc.stepping.versions import versions
 from fsipetsc.stepping.view import view
 
@@ -266,7 +267,7 @@ class _Run:
                 self.state.compile(say, lambda: (self.state.compile_saving(), integrator.compile(say)))
                 if self.keeper.past is None:
                     integrator.start()
-                    for line in self.state.first_notes():
+                    for line in [*self.state.first_notes(), *cold_layers(self.state)]:
                         self.report.line(line)
                     self.ledgers.begin(integrator.initial)
                 else:

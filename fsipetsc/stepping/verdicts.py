@@ -1,13 +1,17 @@
-"""What is said of a state that cannot be gone on from, and of steps that are much too long."""
+"""What is said of a state that cannot be gone on from, of steps that are much too long, and of temperatures in °C."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from mpi4py import MPI
 
+from fsipetsc.blockrun.columns import fields_of
+from fsipetsc.blockrun.run_problem import RunProblem
 from fsipetsc.errors import ComputationError
+from fsipetsc.paper.fields import seen
 from fsipetsc.scheme.plan import BAD, EXHAUSTED, RATE, TOO_SHORT
 from fsipetsc.scheme.time_step import longest_step
 from fsipetsc.stepping.advice import advice
@@ -18,6 +22,8 @@ if TYPE_CHECKING:
 #: Courant number beyond which steps are said to be long: the classical method, on a periodic grid, is unstable beyond 1.6
 #: to 2.8 (orders 8 to 2)
 FAR = 1.5
+#: a layer that is colder than this everywhere [K] has its temperature in °C, most likely: air is liquid there
+COLD = 100.0
 
 
 def unsound(flags: Sequence[float] | np.ndarray) -> bool:
@@ -75,6 +81,31 @@ def beyond_bound(state: State, opt: Mapping[str, Any]) -> str:
         return ""
     asked = f"-ts_dt {step:g}{s}" if opt["ts_dt"] else f"-fsi_cfl {opt['fsi_cfl']:g}"
     return f"{asked} is {step * rate:.3g} times the bound on the step at t = {state.begin:.6g}{s}, {1 / rate:.3g}{s}"
+
+
+def cold_layers(state: State) -> list[str]:
+    """A note for each layer whose temperature can hardly be in K. Collective."""
+    problem = state.problem
+    hottest = np.full(len(problem.layers), -np.inf)
+    for k, T in _temperatures(state):
+        hottest[k] = np.max(T, initial=-np.inf)
+    state.comm.Allreduce(MPI.IN_PLACE, hottest, MPI.MAX)
+    return [
+        f"note: '{layer.name}' is nowhere warmer than T = {T:.6g} K: temperatures are in K; is this one in °C?"
+        for layer, T in zip(problem.layers, hottest.tolist(), strict=True)
+        if problem.units == "SI" and T < COLD
+    ]
+
+
+def _temperatures(state: State) -> Iterator[tuple[int, np.ndarray]]:
+    """(number of the layer, temperatures [K] at this rank's points)."""
+    problem = state.problem
+    if not isinstance(problem, RunProblem):
+        yield from ((part.layer, part.values["T"]) for part in seen(state))
+        return
+    for part in state.layout.parts:
+        column = fields_of(problem.layers[part.k].kind, problem.dimension).index("T")
+        yield part.k, state.fields(part.k)[:, column]
 
 
 def _boundary(state: State, k: int) -> str:
