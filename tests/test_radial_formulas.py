@@ -81,6 +81,27 @@ def test_sums_of_rates_at_random_states(order, kappa, centre, flux):
 
 @ORDERS
 @KAPPA
+def test_viscous_entropy_is_a_sum_of_squares(order, kappa):
+    """Stresses times rates over T, of the radius and the hoops, and heat times its gradient."""
+    mu, c = 0.02, 0.03
+    shape = {"gas": shapes.box((0.4,), (2.0,), NODES[order])}
+    oracle = radial(shape, Gas(mu=mu, kappa=c), None, order, kappa)
+    q = oracle.complete(oracle.random_state(np.random.default_rng(order)))
+    found, size = derivatives(oracle, q, oracle.rates(q))
+    V, u = q["gas"][0], q["gas"][2] / q["gas"][1]
+    T = (q["gas"][3] / q["gas"][1] - 0.5 * u * u) / oracle.blocks[0].material.cv
+    a, (D, _, W) = oracle.blocks[0].X[0] ** kappa, oracle.axes[0][0]
+    w = a / V * (D @ (-1.0 / T))
+    rates = [T * (a / V * (D @ (u / T)) + u * w)]
+    rates += [u / V * (D @ a) / kappa for _ in range(kappa)]
+    squares = 2.0 * mu * (sum(e * e for e in rates) - sum(rates) ** 2 / 3.0) / T + c * (T * w) ** 2
+    produced = (W * V * squares).sum()
+    assert produced > 1e-3 * size
+    assert abs(found["entropy"] - produced) < 1e-14 * size
+
+
+@ORDERS
+@KAPPA
 @pytest.mark.parametrize("form", ["entropy", "divergence"])
 def test_gas_at_rest_stays_on_any_moving_grid(order, kappa, form):
     """Of uniform pressure, with random volumes and velocities of the grid."""
@@ -114,5 +135,5 @@ def test_solid_stretched_uniformly_is_balanced(order, kappa):
     force[0, 0] -= pull[0]
     force[0, -1] += pull[-1]
     left = np.abs(force).max() / np.abs(pull).max()
-    # round-off of places over spacings: 1.3e-13 without a weight; the defect of 2/1: 1.3e-3
-    assert left > 1e-3 if (order, kappa) == (2, 2) else left < 1e-12
+    # round-off of places over spacings: 1.3e-13 without a weight; the defect of 2/1: 7e-4
+    assert left > 5e-4 if (order, kappa) == (2, 2) else left < 1e-12
