@@ -102,5 +102,5 @@ def test_nothing_is_said_of_what_a_problem_has_not(where):
     done = solve("convergence", "bar.py", "-fsi_orders", 2, "-fsi_hs", "0.1,0.05", cwd=where)
     assert (done.returncode, done.stderr) == (0, "")
     assert "nan" not in done.stdout and "\nfluid" not in done.stdout
-    order = float(done.stdout.split("\nsolid  2/1")[1].split()[0])
+    order = float(done.stdout.split("\nsolid    all")[1].split("\n")[0].split()[-1])
     assert order == pytest.approx(2.05, abs=0.1)
