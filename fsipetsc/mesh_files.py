@@ -89,7 +89,7 @@ def _zone(zone: h5py.Group, metres: float) -> tuple[str, Nodes, list[FaceName]]:
     if d < len(axes):
         axes = _plane(name, axes)
     places = np.stack(axes, axis=-1) * metres
-    faces = [face for bc in _patches(zone) for face in _faces_of(name, bc, places.shape[-2::-1])]
+    faces = [_face_of(name, bc, places.shape[-2::-1]) for bc in _patches(zone)]
     corner = places[(slice(0, 2),) * d]  # two nodes along each axis
     edges = [corner[(0,) * (d - 1 - k) + (1,) + (0,) * k] - corner[(0,) * d] for k in range(d)]
     if determinant(np.array(edges)) < 0.0:
@@ -122,7 +122,7 @@ def _patches(zone: h5py.Group) -> Iterator[h5py.Group]:
         yield from _labelled(conditions, "BC_t")
 
 
-def _faces_of(name: str, bc: h5py.Group, shape: tuple[int, ...]) -> Iterator[FaceName]:
+def _face_of(name: str, bc: h5py.Group, shape: tuple[int, ...]) -> FaceName:
     """(patch, axis, side) of a boundary condition, of a zone with so many nodes along its axes."""
     patch = _text(bc["FamilyName"]) if "FamilyName" in bc else _name(bc)
     if "PointRange" not in bc:
@@ -134,7 +134,7 @@ def _faces_of(name: str, bc: h5py.Group, shape: tuple[int, ...]) -> Iterator[Fac
         nodes_of = f"nodes {[b + 1 for b in begin]} to {[e + 1 for e in end]}"
         wanted = "expected a whole face: split the zone where the patch ends"
         raise InputError(f"zone '{name}', patch '{patch}' has {nodes_of}: {wanted}")
-    yield patch, thin[0], int(begin[thin[0]] > 0)
+    return patch, thin[0], int(begin[thin[0]] > 0)
 
 
 def _metres(base: h5py.Group) -> float:

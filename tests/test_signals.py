@@ -45,8 +45,10 @@ def test_an_error_in_the_initial_data_of_one_rank_alone_ends_all(tmp_path):
     assert "failing.py" in traceback and message(done, 2).endswith("ValueError: no density is known")
 
 
-HOLE = """
-import os, signal, sys
+#: a signal between the start of a run and its time loop; SIGNAL: its name
+STARTED = """
+import signal, sys
+import fsipetsc
 from fsipetsc import cli
 from fsipetsc.stepping.integrator import Integrator
 
@@ -55,10 +57,12 @@ start = Integrator.start
 
 def started(self):
     start(self)
-    signal.raise_signal(signal.SIGHUP)
+    signal.raise_signal(signal.SIGNAL)
 
 
 Integrator.start = started
+"""
+HOLE = STARTED.replace("SIGNAL", "SIGHUP") + """
 sys.exit(cli.main("rod -fsi_h 0.1 -ts_max_time 1000 -fsi_quiet".split()))
 """
 
@@ -96,20 +100,7 @@ def test_a_run_whose_steps_are_done_ends_as_ever_whatever_comes(tmp_path):
         assert (result.summary["status"], len(result.series["t"])) == ("done", 3)
 
 
-SWEEP = """
-import signal
-import fsipetsc
-from fsipetsc.stepping.integrator import Integrator
-
-start = Integrator.start
-
-
-def started(self):
-    start(self)
-    signal.raise_signal(signal.SIGTERM)
-
-
-Integrator.start = started
+SWEEP = STARTED.replace("SIGNAL", "SIGTERM") + """
 try:
     fsipetsc.run("rod", h=0.1, max_time=1000)
 except fsipetsc.FsiError:

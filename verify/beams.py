@@ -9,8 +9,6 @@ Vibration, Timoshenko: D t'' + S (w' - t) = -r I t.., S (w'' - t') = m w.., plan
 S = 5/6 mu h, I = density h^3/12. Euler and Bernoulli: cos b cosh b = 1, w = b^2 sqrt(D/m).
 """
 
-from pathlib import Path
-
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
@@ -101,12 +99,9 @@ def flutter_columns():
 
 
 if __name__ == "__main__":
-    folder = Path(__file__).parent.parent / "fsipetsc" / "verify" / "references"
-    heads = {
-        "beam": "w sqrt(m/D) of beams of length 1 and thickness d, lambda_e = 0; d = 0: thin",
-        "panel_flutter": "lambda = 2 q L^3/(D beta) at flutter, quasi-steady, thin, undamped",
-    }
-    for name, made in (("beam", columns()), ("panel_flutter", flutter_columns())):
-        lines = [f"# made by verify/beams.py: {heads[name]}", ",".join(made)]
-        lines += [",".join(f"{value:.11g}" for value in row) for row in zip(*made.values())]
-        (folder / f"{name}.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    from csv_file import save
+
+    about = "made by verify/beams.py: w sqrt(m/D) of beams of length 1 and thickness d, lambda_e = 0; d = 0: thin"
+    save("beam", columns(), about)
+    about = "made by verify/beams.py: lambda = 2 q L^3/(D beta) at flutter, quasi-steady, thin, undamped"
+    save("panel_flutter", flutter_columns(), about)

@@ -13,8 +13,6 @@ With power 0, the rigid spin, the edge is not in balance at t = 0, weak waves wi
 from it, and the method converges slowly; with power 4 they are far weaker.
 """
 
-from pathlib import Path
-
 import numpy as np
 from numpy.polynomial import legendre
 from scipy.integrate import solve_ivp
@@ -134,12 +132,13 @@ def columns(n: int = 48, m: int = 36, points: int = 101, densities=DENSITIES) ->
 
 
 if __name__ == "__main__":
-    made = columns()
-    head = """# Spinning disk, made by verify/disk.py at t = 0.5; the number in a name: density of the disk
-# disk: the point R at angle Q is at (real + i imag) R exp(i Q), its velocity (v_real + i v_imag) R exp(i Q)
-# gas: the point that was at X is at x, under the pressure p
-# with (36, 30) functions instead of (48, 36) they change by up to 7e-7 (real, imag), 2e-5 (velocities), 1e-5 (p)
-"""
-    path = Path(__file__).parent.parent / "fsipetsc" / "verify" / "references" / "spinning_disk.csv"
-    lines = [",".join(f"{value:.11g}" for value in row) for row in zip(*made.values())]
-    path.write_text(head + ",".join(made) + "\n" + "\n".join(lines) + "\n", encoding="utf-8")
+    from csv_file import save
+
+    save(
+        "spinning_disk",
+        columns(),
+        "Spinning disk, made by verify/disk.py at t = 0.5; the number in a name: density of the disk",
+        "disk: the point R at angle Q is at (real + i imag) R exp(i Q), its velocity (v_real + i v_imag) R exp(i Q)",
+        "gas: the point that was at X is at x, under the pressure p",
+        "with (36, 30) functions instead of (48, 36) they change by up to 7e-7 (real, imag), 2e-5 (velocities), 1e-5 (p)",
+    )

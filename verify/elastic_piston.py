@@ -5,15 +5,12 @@ a simple wave, u = F'(s) along x = F(s) + (1 + 1.2 F'(s)) (t - s). Solid: densit
 c = 2, displacement f(t - X/c) + g(t + X/c), f' = (F' + q/c)/2, g' = (F' - q/c)/2, q = p - p0.
 """
 
-from pathlib import Path
-
 import numpy as np
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
 GAMMA, RHO, LENGTH, WIDTH, END, POINTS = 1.4, 0.1, 0.5, 1.5, 0.7, 401
 P, C = RHO / GAMMA, 2.0
-FOLDER = Path(__file__).parent.parent / "fsipetsc" / "verify" / "references"
 
 
 def speed(t, sign):
@@ -65,11 +62,12 @@ def columns(points=POINTS):
 
 
 if __name__ == "__main__":
-    table = columns()
-    with (FOLDER / "elastic_piston.csv").open("w", encoding="utf-8") as file:
-        file.write("# t = 0.7; lengths over the unit of length, speeds over that of sound, R = 1\n")
-        file.write("# gas at x = F + s (1.5 - F), F = -+0.7^4/4; solid at its label X; stress beside -p0\n")
-        file.write("# after Banks, Henshaw, Schwendeman, J. Comput. Phys. 231 (2012) 3518\n")
-        file.write(",".join(table) + "\n")
-        for row in zip(*table.values()):
-            file.write(",".join(f"{v:.12g}" for v in row) + "\n")
+    from csv_file import save
+
+    save(
+        "elastic_piston",
+        columns(),
+        "t = 0.7; lengths over the unit of length, speeds over that of sound, R = 1",
+        "gas at x = F + s (1.5 - F), F = -+0.7^4/4; solid at its label X; stress beside -p0",
+        "after Banks, Henshaw, Schwendeman, J. Comput. Phys. 231 (2012) 3518",
+    )

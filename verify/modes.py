@@ -8,8 +8,6 @@ Half spaces: the equations of Scholte and of Stoneley (A. Ben-Menahem, S. J. Sin
 and Sources, 1981), and of Rayleigh.
 """
 
-from pathlib import Path
-
 import numpy as np
 from scipy.optimize import brentq, newton
 from scipy.special import jvp, yvp
@@ -172,13 +170,13 @@ def columns():
 
 
 if __name__ == "__main__":
-    made = columns()
-    head = """# made by verify/modes.py: small motions as exp(s t), s [1/s], real and imaginary parts
-# ring: angular number 2, first three; viscous gas over an elastic layer, k = 2 pi: first three
-# water over a metal, k = 2 pi/m: first row layers of 1 m under a lid and on a clamp; second row half
-# spaces (Scholte), whose speed is s/k: 1479.601 (steel), 1476.765 m/s (aluminium)
-"""
-    folder = Path(__file__).parent.parent / "fsipetsc" / "verify" / "references"
-    lines = [",".join(f"{value:.12g}" for value in row) for row in zip(*made.values())]
-    text = head + ",".join(made) + "\n" + "\n".join(lines) + "\n"
-    (folder / "normal_modes.csv").write_text(text, encoding="utf-8")
+    from csv_file import save
+
+    save(
+        "normal_modes",
+        columns(),
+        "made by verify/modes.py: small motions as exp(s t), s [1/s], real and imaginary parts",
+        "ring: angular number 2, first three; viscous gas over an elastic layer, k = 2 pi: first three",
+        "water over a metal, k = 2 pi/m: first row layers of 1 m under a lid and on a clamp; second row half",
+        "spaces (Scholte), whose speed is s/k: 1479.601 (steel), 1476.765 m/s (aluminium)",
+    )

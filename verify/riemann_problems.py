@@ -5,14 +5,12 @@ rest under the pressure p_r with F = 1; a compression is a shock, u = sqrt((F - 
 Behind the shock of Mach number M that hits the rod: Rankine and Hugoniot.
 """
 
-from pathlib import Path
-
 import numpy as np
 from scipy.optimize import brentq
 
-GAMMA, MODULUS, DENSITY, LOW = 1.4, 4.0, 0.5, (0.125, 0.1)
-FOLDER = Path(__file__).parent.parent / "fsipetsc" / "verify" / "references"
-#: name -> (rho, u, p) of the gas, K of the rod
+#: of the gas, density of the rod, (rho, p) of the gas on it
+GAMMA, DENSITY, LOW = 1.4, 0.5, (0.125, 0.1)
+#: where the shock is at first
 X_SHOCK = 0.7
 
 
@@ -49,22 +47,24 @@ def between(state, modulus):
     return p, rod_velocity(p, modulus), np.exp(-(p - LOW[1]) / modulus)
 
 
-def table():
-    """Rows: problem, ratio or Mach number, K, time of the hit, p, u, F."""
+def columns():
+    """Head -> numbers: problem, ratio or Mach number, K, time of the hit, p, u, F."""
     rows = []
     for ratio, modulus in ((10.0, 4.0), (100.0, 40.0)):
         rows.append((0, ratio, modulus, 0.0, *between((1.0, 0.0, ratio * LOW[1]), modulus)))
     for mach, modulus in ((3.0, 4.0), (10.0, 40.0)):
         state, speed = behind(mach)
         rows.append((1, mach, modulus, (1 - X_SHOCK) / speed, *between(state, modulus)))
-    return rows
+    return dict(zip(("strong", "number", "K", "hit", "p", "u", "F"), zip(*rows)))
 
 
 if __name__ == "__main__":
-    with (FOLDER / "riemann_problems.csv").open("w", encoding="utf-8") as file:
-        file.write("# gas gamma = 1.4, R = 1; on the rod rho = 0.125, p = 0.1; rod m0 = 0.5, K ln F - 0.1\n")
-        file.write("# strong = 0: gas at rest, rho = 1, p = number * 0.1; 1: a shock of Mach number number\n")
-        file.write("# p, u, F of the rod at the interface after t = hit; exact by iteration\n")
-        file.write("strong,number,K,hit,p,u,F\n")
-        for row in table():
-            file.write(",".join(f"{v:.12g}" for v in row) + "\n")
+    from csv_file import save
+
+    save(
+        "riemann_problems",
+        columns(),
+        "gas gamma = 1.4, R = 1; on the rod rho = 0.125, p = 0.1; rod m0 = 0.5, K ln F - 0.1",
+        "strong = 0: gas at rest, rho = 1, p = number * 0.1; 1: a shock of Mach number number",
+        "p, u, F of the rod at the interface after t = hit; exact by iteration",
+    )

@@ -16,8 +16,6 @@ acts on the undeformed normal, and the pressure acts along the deformed one. The
 a pressure force on the deformed face, which a conservative interface has; they differ by 5 %.
 """
 
-from pathlib import Path
-
 import numpy as np
 from scipy.optimize import fsolve
 
@@ -63,11 +61,12 @@ def columns() -> dict[str, list[float]]:
 
 
 if __name__ == "__main__":
-    made = columns()
-    path = Path(__file__).parent.parent / "fsipetsc" / "verify" / "references" / "superseismic.csv"
-    head = """# Superseismic shock, made by verify/superseismic.py; U = 1, rho = 1 in the solid, p = rho T
-# first row: pressure on the deformed face; second row: divided by its stretch, as in the literature
-# phi, deflection [rad]; a, b strengths of P and S wave; behind the shock and the waves
-"""
-    lines = [",".join(f"{value:.10g}" for value in row) for row in zip(*made.values())]
-    path.write_text(head + ",".join(made) + "\n" + "\n".join(lines) + "\n", encoding="utf-8")
+    from csv_file import save
+
+    save(
+        "superseismic",
+        columns(),
+        "Superseismic shock, made by verify/superseismic.py; U = 1, rho = 1 in the solid, p = rho T",
+        "first row: pressure on the deformed face; second row: divided by its stretch, as in the literature",
+        "phi, deflection [rad]; a, b strengths of P and S wave; behind the shock and the waves",
+    )

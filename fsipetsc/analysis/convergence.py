@@ -9,8 +9,6 @@ grid spacing (Fig. 6 of the paper) and error against time (Fig. 7).
 
 from __future__ import annotations
 
-import shutil
-import tempfile
 from collections.abc import Container, Mapping, Sequence
 from contextlib import ExitStack
 from functools import partial
@@ -21,10 +19,10 @@ import numpy as np
 
 from fsipetsc.analysis import table1
 from fsipetsc.analysis.convergence_table import COST, ConvergenceStudy
-from fsipetsc.analysis.tables import csv_target, listed_in, printer
+from fsipetsc.analysis.tables import csv_target, listed_in, printer, results_folder
 from fsipetsc.cases import load_case
 from fsipetsc.checks import counted
-from fsipetsc.errors import ComputationError, FileError, InputError
+from fsipetsc.errors import ComputationError, InputError
 from fsipetsc.options import Option, groups, read_options
 from fsipetsc.output.reader import open_run
 from fsipetsc.process.launch import start_petsc
@@ -154,8 +152,7 @@ def run_all(
 
     times = (table.t,) if table.exact else tuple(table.t * np.arange(1, SAMPLES + 1) / SAMPLES)
     own = {**opt, "fsi_quiet": True, "fsi_output_dt": None, "fsi_output_times": times}
-    folder = Path(comm.bcast(together(comm, lambda: None if comm.rank else _folder(beside))))
-    try:
+    with results_folder(comm, beside, "convergence-") as folder:
         for i, order in enumerate(table.orders):
             say("")
             for j, h in enumerate(table.hs):
@@ -174,16 +171,6 @@ def run_all(
             notes = together(comm, list if comm.rank else partial(_compare, folder, table, i))
             if table.errors:
                 say("\n".join([table.table(i), *notes, *unresolved(table, i)]))
-    finally:
-        if comm.rank == 0:  # which alone reads them
-            shutil.rmtree(folder, ignore_errors=True)
-
-
-def _folder(beside: Path) -> str:
-    try:
-        return tempfile.mkdtemp(dir=beside, prefix="convergence-")
-    except OSError as error:
-        raise FileError(f"{beside}: cannot keep results there: {error.strerror}") from None
 
 
 def _keep(path: str, table: ConvergenceStudy, i: int, j: int) -> None:

@@ -16,7 +16,7 @@ from fsipetsc.analysis.convergence_table import ConvergenceStudy
 from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import operator
 from fsipetsc.output.as_xarray import FIELDS, INTEGRALS
-from fsipetsc.output.differences import _common_nodes
+from fsipetsc.output.differences import common_nodes
 from fsipetsc.output.reader import Run
 
 Array = np.ndarray
@@ -59,7 +59,7 @@ def _common_values(runs: Sequence[Run]) -> dict[str, dict[str, list[Array]]]:
     found: dict[str, dict[str, list[Array]]] = {}
     for k, layer in enumerate(runs[0].layers):
         layers = [run.layers[k] for run in runs]
-        pairs = [_common_nodes(layer, other, []) for other in layers]
+        pairs = [common_nodes(layer, other, []) for other in layers]
         if any(pair is None for pair in pairs):
             raise InputError(
                 f"layer '{layer.name}': no node of the coarsest grid is on all others; "

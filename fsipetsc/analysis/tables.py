@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Callable, Iterable, Mapping, Sequence
+import shutil
+import tempfile
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from fsipetsc.errors import FileError, FsiError
-from fsipetsc.process.together import agree
+from fsipetsc.process.together import agree, together, wait_asleep
 
 if TYPE_CHECKING:
     from mpi4py import MPI
@@ -50,6 +53,28 @@ def csv_target(name: str) -> Path:
         wrong = "is a directory" if path.is_dir() else f"no directory {path.parent}"
         raise FileError(f"{path}: {wrong}")
     return path
+
+
+@contextmanager
+def results_folder(comm: MPI.Comm, beside: Path, prefix: str) -> Iterator[Path]:
+    """A new folder in the folder `beside`, PREFIX…, for results that are removed in the end.
+
+    Collective; FileError.
+    """
+
+    def made() -> str:
+        try:
+            return tempfile.mkdtemp(dir=beside, prefix=prefix)
+        except OSError as error:
+            raise FileError(f"{beside}: cannot keep results there: {error.strerror}") from None
+
+    folder = Path(comm.bcast(together(comm, lambda: "" if comm.rank else made())))
+    try:
+        yield folder
+        wait_asleep(comm)  # other ranks may still read
+    finally:
+        if comm.rank == 0:
+            shutil.rmtree(folder, ignore_errors=True)
 
 
 def shared(comm: MPI.Comm, tasks: Sequence[Task], one: Callable[[Task], Result]) -> list[Result]:

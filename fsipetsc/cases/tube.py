@@ -31,8 +31,6 @@ from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.options import Option
 
 NAME = "tube"
-#: the gas of high pressure, Sod's
-HIGH = GasState(DENSE, 0.0, 1.0)
 SUMMARY = "a shock tube in a plane, along X, across Y or into an elastic layer: exact solution"
 
 OPTIONS = (
@@ -55,6 +53,8 @@ DEFAULTS = {
     **{"fsi_h": 0.01, "fsi_order": 4, "ts_max_time": 0.15, "fsi_output_dt": 0.05, "fsi_norm": "L1"},
     **{"fsi_shock": 1.0, "fsi_dissipation": 1.0},
 }
+#: the gas of high pressure in Sod's problem
+HIGH = GasState(DENSE, 0.0, 1.0)
 
 
 @dataclass(frozen=True)

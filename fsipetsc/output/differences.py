@@ -118,7 +118,7 @@ def _of_layers(a: Run, b: Run, common: tuple[Array, Array, Array], notes: list[s
         if other is None:
             continue
         notes += [f"{layer.name}: {field} is in one of them only" for field in sorted({*layer.fields} ^ {*other.fields})]
-        nodes = _common_nodes(layer, other, notes)
+        nodes = common_nodes(layer, other, notes)
         if nodes is None:
             continue
         for field in (field for field in layer.fields if field in other.fields):
@@ -132,7 +132,7 @@ def _of_layers(a: Run, b: Run, common: tuple[Array, Array, Array], notes: list[s
             yield difference(f"{layer.name}: {field}", one, two, times)
 
 
-def _common_nodes(a: Any, b: Any, notes: list[str]) -> tuple[list[Array], list[Array]] | None:
+def common_nodes(a: Any, b: Any, notes: list[str]) -> tuple[list[Array], list[Array]] | None:
     """For each axis of the arrays, which nodes of either layer are those of the other.
 
     Another grid, and one without common nodes (None), are told in `notes`.

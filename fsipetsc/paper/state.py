@@ -125,15 +125,12 @@ class PaperState:
     def shared(self) -> Box:
         """What all ranks learn after a step."""
         if self._shared is None:
-            self._shared = self._what_is_shared()
+            layers = self.first + np.arange(len(self.laws))
+            sides = np.array([interface.side for interface in self.path.interfaces])
+            noted = np.array([interface.here[1] for interface in self.path.interfaces])
+            memory = self.rooms, self.layout.records
+            self._shared = Box(entries.SharedData(*memory, layers, sides, noted, self.told))
         return self._shared
-
-    def _what_is_shared(self) -> Box:
-        layers = self.first + np.arange(len(self.laws))
-        sides = np.array([interface.side for interface in self.path.interfaces])
-        noted = np.array([interface.here[1] for interface in self.path.interfaces])
-        records = self.layout.records
-        return Box(entries.SharedData(self.rooms, records, layers, sides, noted, self.told))
 
     @property
     def _batched(self) -> bool:

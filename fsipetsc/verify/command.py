@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import shutil
-import tempfile
 from collections.abc import Callable, Mapping
 from importlib import import_module
+from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fsipetsc.analysis.tables import csv_target, printer, save_csv, text_table
+from fsipetsc.analysis.tables import csv_target, printer, results_folder, save_csv, text_table
 from fsipetsc.cases import load_case
-from fsipetsc.errors import ComputationError, FileError, InputError
+from fsipetsc.errors import ComputationError, InputError
 from fsipetsc.options import RUN, Option, defaults, read_table
 from fsipetsc.output.reader import open_run
 from fsipetsc.process.launch import start_petsc
@@ -79,19 +78,14 @@ def run_entry(
     """
     rows: list[Row] = []
     measured = None
-    folder = Path(comm.bcast(together(comm, lambda: None if comm.rank else _folder(beside))))
-    solve = _solver(comm, folder)
-    try:
+    with results_folder(comm, beside, "verify-") as folder:
+        solve = _solver(comm, folder)
         for order, spacings in entry.levels[level].items():
             found = []
             for h in spacings:
                 measured = entry.measure(solve, order, h)
                 found.append(measured)
             rows += rows_of(entry, order, spacings, found)
-    finally:
-        comm.Barrier()
-        if comm.rank == 0:
-            shutil.rmtree(folder, ignore_errors=True)
     return rows, measured
 
 
@@ -99,23 +93,15 @@ def _solver(comm: MPI.Comm, folder: Path) -> Callable[..., Any]:
     """solve(case, **options): the opened result of a run; all ranks may read it."""
     from fsipetsc.stepping.run import run_case
 
+    numbers = count()
+
     def solve(name: str, **options: Any) -> Any:
-        case, path = load_case(name), str(folder / "run.h5")
-        if comm.rank == 0:
-            Path(path).unlink(missing_ok=True)
-        comm.Barrier()
+        case, path = load_case(name), str(folder / f"{next(numbers)}.h5")
         opt = {**defaults(case), **options, "fsi_quiet": True, "fsi_output": path}
         run_case(case, opt, comm)
         return open_run(path)
 
     return solve
-
-
-def _folder(beside: Path) -> str:
-    try:
-        return tempfile.mkdtemp(dir=beside, prefix="verify-")
-    except OSError as error:
-        raise FileError(f"{beside}: cannot keep results there: {error.strerror}") from None
 
 
 def table(rows: list[Row]) -> str:
