@@ -30,8 +30,8 @@ DEFAULTS = {
 #: gas ahead: density, temperature (p = rho T); Lame's constants; density of the solid is 1
 RHO, T, LAMBDA, MU = 0.1114827, 0.09375, 0.1398307, 0.07203351
 #: angle of the shock's normal, strengths of the P and the S wave; gas behind: rho, u, v, T
-PHI, P_WAVE, S_WAVE = -0.05776107641, -0.2946875601, 0.1254254265
-BEHIND = 0.403327491, 0.721181139, -0.04170258723, 0.225252991
+PHI, P_WAVE, S_WAVE = -0.0577610764136, -0.294687560053, 0.125425426543
+BEHIND = 0.40332749096, 0.721181138995, -0.0417025872267, 0.225252990995
 #: ends of the problem along the shock's way, height and depth [m]
 ALONG, HEIGHT = (-0.5, 1.0), 0.75
 
