@@ -16,12 +16,13 @@ import pytest
 pytest.importorskip("matplotlib")
 pytest.importorskip("petsc4py")
 
+from fsipetsc.output.plots.frames import apart, outside
+
 import fsipetsc
 from fsipetsc.cli import main
 from fsipetsc.errors import FileError
 from fsipetsc.output.places import check_folder, writing
 from fsipetsc.output.plots import command, compare
-from fsipetsc.output.plots.frames import apart, outside
 
 STEPS, MOVED, FIELDS = "time step", "position x of the interface", "temperature T"
 

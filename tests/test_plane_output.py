@@ -18,6 +18,9 @@ import fsipetsc
 pytest.importorskip("petsc4py")
 pytest.importorskip("matplotlib")
 import matplotlib
+from fsipetsc.output.plots.animation import animate
+from fsipetsc.output.plots.maps import film, panels
+from fsipetsc.output.plots.maps.quantities import MAPS
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from PIL import Image
@@ -28,9 +31,6 @@ from fsipetsc.cli import main
 from fsipetsc.output import file_layout, xdmf
 from fsipetsc.output.info import info
 from fsipetsc.output.plots import pictures, plot, style
-from fsipetsc.output.plots.animation import animate
-from fsipetsc.output.plots.maps import film, panels
-from fsipetsc.output.plots.maps.quantities import MAPS
 
 BLAST = "-fsi_h 0.125 -ts_max_time 0.3 -fsi_output_dt 0.05 -fsi_points 0.25,0.5"
 

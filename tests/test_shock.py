@@ -10,10 +10,11 @@ import fsipetsc
 
 pytest.importorskip("petsc4py")
 
+from fsipetsc.output.plots.profiles import domain
+
 from fsipetsc.cases import load_case, shock
 from fsipetsc.operators.bands import band
 from fsipetsc.options import defaults
-from fsipetsc.output.plots.profiles import domain
 
 CASE = load_case("shock")
 

@@ -44,7 +44,9 @@ def draw(path: str, given: Mapping[str, str]) -> list[Path]:
             return list(_all(run, where, times))
         figure = Figure()
         page(figure, run, names, times)
-        return [save(figure, where if where.suffix in suffixes else where / f"{Path(path).stem}.png")]
+        if where.suffix not in suffixes:
+            where = where / f"{Path(path).stem}.png"
+        return [save(figure, where)]
 
 
 def _all(run: Run, folder: Path, times: Sequence[float]) -> Iterator[Path]:

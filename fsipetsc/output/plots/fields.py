@@ -35,7 +35,7 @@ _SAME_UNIT = {"m/s": ("u", "v", "w"), "Pa": ("p", "sigma", *_STRESSES)}
 
 
 class Shown(NamedTuple):
-    """How values of one kind of layer are drawn: scale, arguments of pcolormesh, ends of the bar."""
+    """How values of a kind of layer are drawn: scale, arguments of pcolormesh, ends of the bar."""
 
     scale: Scale
     look: dict[str, Any]

@@ -25,7 +25,9 @@ MOST = 200  # frames of a film; of more, some are left out
 SECONDS, FASTEST = 10.0, 20.0  # its length, and at most so many frames in a second
 
 
-def animate(path: str | os.PathLike[str], out: str | os.PathLike[str] = ".", names: Sequence[str] = ()) -> Path:
+def animate(
+    path: str | os.PathLike[str], out: str | os.PathLike[str] = ".", names: Sequence[str] = ()
+) -> Path:
     """Draw a result as NAME.gif in the directory `out`, or as the file `out`; its path.
 
     names: fields that are shown. Raises FileError if the result cannot be read or the film cannot
@@ -37,11 +39,13 @@ def animate(path: str | os.PathLike[str], out: str | os.PathLike[str] = ".", nam
         target = target / f"{Path(path).stem}.gif"
     with open_run(path) as run, matplotlib.rc_context(STYLE), np.errstate(all="ignore"):
         if run.nframes < 2:
-            raise InputError(f"-animate: {os.fspath(path)} has {run.nframes} frames: expected two or more")
+            there = f"{os.fspath(path)} has {run.nframes} frames"
+            raise InputError(f"-animate: {there}: expected two or more")
         first, *others = images(run, some(run, MOST), names)
         rate = min(FASTEST, max(1.0, (1 + len(others)) / SECONDS))
+        look = {"save_all": True, "duration": round(1000 / rate), "loop": 0}
         with writing(target, "the film"):
-            first.save(target, save_all=True, append_images=others, duration=round(1000 / rate), loop=0)
+            first.save(target, append_images=others, **look)
     return target
 
 
@@ -56,16 +60,13 @@ def images(run: Run, frames: Sequence[int], names: Sequence[str] = ()) -> Iterat
     from matplotlib.figure import Figure
     from PIL import Image
 
-    quantities = chosen(run, names) if names or run.dimension > 1 else there(run)[:4]
-    views = [view_of(run, quantity, frames) for quantity in quantities[: 1 if run.dimension > 1 else 4]]
+    line = run.dimension == 1
+    quantities = there(run) if line and not names else chosen(run, names)
+    views = [view_of(run, quantity, frames) for quantity in quantities[: 4 if line else 1]]
     figure = Figure(dpi=DPI)
     canvas, palette = FigureCanvasAgg(figure), _palette(views)
-    if run.dimension > 1:
-        one = view_of(run, quantities[0], frames[:1])
-        _, width, height = sizes(one)
-        figure.set_size_inches(max(5.0, width + 1.2), height + 0.9)
-    else:
-        figure.set_size_inches(8.0, 5.4)
+    _, width, height = sizes(view_of(run, quantities[0], frames[:1]))
+    figure.set_size_inches(*((8.0, 5.4) if line else (max(5.0, width + 1.2), height + 0.9)))
     grid = figure.subplots(*((1, 1) if len(views) == 1 else (2, 2)), squeeze=False)
     for axes in grid.flat[len(views) :]:
         axes.set_visible(False)
@@ -81,7 +82,8 @@ def images(run: Run, frames: Sequence[int], names: Sequence[str] = ()) -> Iterat
         canvas.draw()
         if number == 0:
             figure.set_layout_engine("none")  # only what is drawn moves from now on
-        yield Image.fromarray(np.array(canvas.buffer_rgba())[..., :3]).quantize(palette=palette, dither=0)
+        drawn = Image.fromarray(np.array(canvas.buffer_rgba())[..., :3])
+        yield drawn.quantize(palette=palette, dither=0)
 
 
 def _palette(views: Sequence[Profiles | Maps]) -> Image.Image:

@@ -25,7 +25,9 @@ PANELS, MAPS = 2.8, 4.2  # inches, heights of a row of curves, of maps over x an
 Drawing = tuple[float, Callable[["FigureBase"], None]]
 
 
-def pictures(run: Run, times: Sequence[float] = ()) -> Iterator[tuple[str, Callable[[Figure], None]]]:
+def pictures(
+    run: Run, times: Sequence[float] = ()
+) -> Iterator[tuple[str, Callable[[Figure], None]]]:
     """Name and drawing function of each picture that this run has the data for."""
     found: list[tuple[str, str, Drawing]] = []
     if run.nframes:
@@ -33,8 +35,8 @@ def pictures(run: Run, times: Sequence[float] = ()) -> Iterator[tuple[str, Calla
     if run.dimension == 1 and run.nframes >= space_time.LEAST_FRAMES:
         found.append(("xt", "space and time", over_space_and_time(run, chosen(run, ()))))
     if run.dimension == 2 and run.interfaces and run.nframes > 1:
-        height = 0.8 * MAPS * len(run.interfaces)
-        found.append(("interfaces", "interfaces", (height, partial(space_time.draw_interfaces, run=run))))
+        drawing = 0.8 * MAPS * len(run.interfaces), partial(space_time.draw_interfaces, run=run)
+        found.append(("interfaces", "interfaces", drawing))
     if len(run.series.get("t", ())) > 1:
         for name, title, find in (
             ("interfaces", "interfaces", series.interface_panels),
@@ -96,9 +98,8 @@ def _panels(run: Run) -> Iterator[Callable[[Axes], None]]:
     if len(run.series.get("t", ())) < 2:
         return
     ledgers = {panel.label: panel for panel in series.ledger_panels(run)}
-    some = [*list(series.interface_panels(run))[:1]]
-    some += [ledgers[name] for name in ("change of energy", "relative departure") if name in ledgers]
-    for panel in some:
+    told = [ledgers.get(name) for name in ("change of energy", "relative departure")]
+    for panel in filter(None, [*list(series.interface_panels(run))[:1], *told]):
         yield partial(series.draw_panel, run=run, panel=panel)
     yield partial(series.draw_steps, run=run)
 

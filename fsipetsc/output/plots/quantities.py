@@ -14,7 +14,7 @@ Array = np.ndarray
 
 
 class Part(NamedTuple):
-    """A quantity of a gas or a solid: label, fields that it needs, values from these fields and X."""
+    """A quantity of a gas or a solid: label, fields that it needs, values from these and X."""
 
     label: str
     needs: tuple[str, ...]
@@ -57,11 +57,6 @@ def _load(fields: Mapping[str, Array]) -> Array:
     return fields["p"] - fields["sigma"]
 
 
-def _shear(fields: Mapping[str, Array]) -> Array:
-    """Of all directions in the x-y plane, the largest."""
-    return np.hypot(0.5 * (fields["s_xx"] - fields["s_yy"]), fields["s_xy"])
-
-
 _T = _common("T", "temperature T", "K")
 _P = _field("pressure p", "p")
 _RHO = Quantity("rho", "kg/m³", _field("density ρ", "rho"), None)
@@ -78,7 +73,6 @@ IN_SPACE = (
     _RHO,
     *(_common(name, f"velocity {name}", "m/s") for name in "uvw"),
     _T,
-    Quantity("shear", "Pa", None, Part("largest shear stress", ("s_xx", "s_yy", "s_xy"), _shear)),
     *(
         Quantity(f"s_{xy}", "Pa", None, _field(f"stress σ_{xy}", f"s_{xy}"))
         for xy in ("xx", "yy", "zz", "xy", "yz", "xz")

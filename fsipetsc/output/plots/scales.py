@@ -46,13 +46,6 @@ class Scale:
             values = np.where(np.isfinite(values), self.constant, np.nan)
         return self.factor * (values - self.rest)
 
-    def limit(self, axes: Axes) -> None:
-        """Vertical limits about a constant."""
-        if self.constant is not None:
-            drawn = self.factor * (self.constant - self.rest)
-            margin = 0.1 * abs(drawn) or 1.0
-            axes.set_ylim(drawn - margin, drawn + margin)
-
 
 def scaled(
     run: Run, label: str, unit: str, *arrays: Array, start: Array | None = None, beside: float = 0.0
@@ -65,7 +58,7 @@ def scaled(
     rest, constant = 0.0, None
     low, high = extremes(*arrays)
     largest = max(abs(low), abs(high))
-    si = run.header.get("units", "SI") == "SI"
+    si = is_si(run)
     if high - low <= NOTHING * max(largest, beside):
         constant = 0.0 if largest <= NOTHING * beside else 0.5 * (low + high)
         largest = abs(constant)
@@ -140,6 +133,11 @@ def _unit(unit: str, largest: float) -> tuple[float, str]:
     return 10.0**power, f"10{str(power).translate(_SUPERSCRIPT)} {unit}".strip()
 
 
+def is_si(run: Run) -> bool:
+    """False if the case is dimensionless."""
+    return run.header.get("units", "SI") == "SI"
+
+
 def time_scale(run: Run) -> Scale:
     """The scale of times: ms or µs in short runs."""
     return scaled(run, "t", "s", np.append(run.time, run.series.get("t", ())[-1:]))
@@ -159,16 +157,8 @@ def time_axis(axes: Axes, run: Run) -> None:
     axes.set_xlabel(scale.label)
 
 
-def logarithmic(axes: Axes, most: int = 8) -> None:
-    """A logarithmic vertical axis of whole decades, of so many at most."""
-    heights = [np.asarray(line.get_ydata(), float) for line in axes.lines]
-    positive = np.concatenate([values[values > 0] for values in heights] or [np.empty(0)])
-    if not positive.size:
-        axes.set_yticks([])
-        axes.text(0.5, 0.5, "exactly 0", transform=axes.transAxes, ha="center", va="center")
-        return
-    low, high = np.floor(np.log10(positive.min())), np.ceil(np.log10(positive.max()))
-    high = max(high, low + 1)
+def logarithmic(axes: Axes, most: float = 1e8) -> None:
+    """A logarithmic vertical axis, over a range of so much at most."""
     axes.set_yscale("log")
-    axes.set_ylim(10.0 ** max(low, high - most), 10.0**high)
-    axes.yaxis.set_minor_formatter(lambda value, place: "")
+    low, high = axes.get_ylim()
+    axes.set_ylim(bottom=max(low, high / most))

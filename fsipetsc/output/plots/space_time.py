@@ -1,4 +1,4 @@
-"""Fields of one dimension over x and t, and what the interfaces do in two dimensions over X and t."""
+"""Fields of one dimension over x and t; in two what the interfaces do, over X and t."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def _map(
 
 
 def without_gaps(layer: Layer | BlockLayer, values: Array) -> tuple[Array, Array]:
-    """Positions and values at all points: those that are no part of the layer get the nearest value.
+    """Positions and values at all points; those that are no part of a layer get the nearest value.
 
     The gases of the paper's method gain and lose points at their ends; maps need a place for all.
     """
@@ -115,7 +115,8 @@ def draw_interfaces(figure: FigureBase, run: Run) -> None:
 
 def draw_deflection(axes: Axes, run: Run, line: InterfaceLine) -> None:
     """The deflection of some points over time."""
-    scale, place, time = scaled(run, "deflection", "m", line.displacement), scaled(run, "X", "m", line.X), time_scale(run)
+    scale, time = scaled(run, "deflection", "m", line.displacement), time_scale(run)
+    place = scaled(run, "X", "m", line.X)
     for k, part in enumerate(INTERFACE_POINTS):
         point = round(part * (len(line.X) - 1))
         label = f"X = {place(line.X[point]):.3g}"

@@ -10,8 +10,6 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import operator
 from fsipetsc.output.places import writing
@@ -118,7 +116,7 @@ def bar_above(figure: FigureBase, picture: Any, axes: Any, label: str, extend: s
     """A colour bar above panels; extend: at which ends values lie beyond it."""
     from matplotlib.ticker import MaxNLocator
 
-    wide = np.size(axes) > 1
+    wide = isinstance(axes, list)
     look = {"aspect": 50, "shrink": 0.7} if wide else {"aspect": 25}
     made = figure.colorbar(picture, ax=axes, location="top", pad=0.02, extend=extend, **look)
     made.set_label(label)
