@@ -17,7 +17,7 @@ from fsipetsc.output.info import info_sections
 from fsipetsc.output.places import writing
 from fsipetsc.output.plots.film import images, some
 from fsipetsc.output.plots.page import pictures
-from fsipetsc.output.plots.scales import time_scale
+from fsipetsc.output.plots.scales import moment
 from fsipetsc.output.plots.style import STYLE, needed
 from fsipetsc.output.reader import Run, open_run
 
@@ -52,12 +52,11 @@ def _page(run: Run) -> str:
         draw(figure)
         figure.savefig(kept, format="png")
         drawn.append(f'<figure id="{name}"><img alt="{name}" src="{_address(kept)}"></figure>')
-    time = time_scale(run)
     return template.substitute(
         title=html.escape(f"{run.case}: {Path(run.path).name}"),
         state=html.escape(_state(run)),
         film=json.dumps(_film(run, frames)),
-        times=json.dumps([f"t = {time(run.time[k]):.4g} {time.unit}".strip() for k in frames]),
+        times=json.dumps([moment(run, frame) for frame in frames]),
         tables="\n".join(_table(title, rows) for title, rows in _tables(run)),
         pictures="\n".join(drawn),
     )

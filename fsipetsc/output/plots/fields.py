@@ -196,13 +196,15 @@ def in_plane(values: Array) -> Array:
 def domain(run: Run, layers: Sequence[Layer | BlockLayer]) -> tuple[float, float]:
     """The ends of layers in one dimension at all times.
 
-    The last point of a gas may be a ghost point, up to a spacing behind a wall: the innermost
-    place of an end that moves less than that is the wall.
+    The last point of an outer gas may be a ghost point, up to a spacing behind a wall: the
+    innermost place of an end that moves less than that is the wall.
     """
     ends = []
-    for layer, out, back in ((layers[0], np.nanmin, np.nanmax), (layers[-1], np.nanmax, np.nanmin)):
+    for k, out, back in ((0, np.nanmin, np.nanmax), (-1, np.nanmax, np.nanmin)):
+        layer = layers[k]
         x = out(layer.x, axis=1)
-        wall = layer.kind == "fluid" and len(run.layers) > 1 and np.ptp(x) < 1.001 * layer.h
+        outer = layer.kind == "fluid" and layer is run.layers[k] and len(run.layers) > 1
+        wall = outer and np.ptp(x) < 1.001 * layer.h
         ends.append(float(back(x) if wall else out(x)))
     return ends[0], ends[1]
 

@@ -146,7 +146,9 @@ def time_scale(run: Run) -> Scale:
 def moment(run: Run, frame: int) -> str:
     """When a frame is, as titles say it."""
     scale = time_scale(run)
-    return f"t = {scale(run.time[frame]):.4g} {scale.unit}".strip()
+    if not is_si(run):
+        return f"t = {run.time[frame]:.4g}"
+    return f"t = {scale(run.time[frame]):.4g} {scale.unit}"
 
 
 def time_axis(axes: Axes, run: Run) -> None:

@@ -53,7 +53,7 @@ STYLE: dict[Any, Any] = {
     "legend.handlelength": 1.6,
     "figure.constrained_layout.use": True,
     "figure.constrained_layout.w_pad": 0.08,
-    "figure.constrained_layout.h_pad": 0.06,
+    "figure.constrained_layout.h_pad": 0.09,
     "savefig.dpi": 160,
     "svg.fonttype": "none",
     "pdf.fonttype": 42,
