@@ -81,8 +81,12 @@ def _address(picture: io.BytesIO) -> str:
 
 
 def _tables(run: Run) -> list[tuple[str, Sequence[tuple[str, str]]]]:
-    """What the run came to, then the rest of what `info` says."""
+    """What the run came to, then the rest of what `info` says.
+
+    The integrals at the start are left out: the pictures of ledgers begin with them.
+    """
     tables = dict(info_sections(run))
+    tables["summary"] = [row for row in tables["summary"] if not row[0].startswith("initial ")]
     first = ("summary", *(title for title in tables if title.endswith("errors")))
     return [(title, tables.pop(title)) for title in first] + list(tables.items())
 

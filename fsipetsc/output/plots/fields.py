@@ -236,7 +236,7 @@ def sizes(view: Profiles | Maps) -> tuple[int, float, float]:
     ratio = min(view.ratio, 1 / THIN)
     width = min(WIDTH / columns - 0.4, HIGHEST * ratio)
     bars = len({id(shown) for shown in view.shown.values() if shown.look})
-    return columns, width, rows * (width / ratio + ABOVE) + BAR * bars + 0.2
+    return columns, width, rows * (width / ratio + ABOVE) + BAR * bars + 0.45
 
 
 def draw(figure: FigureBase, view: Profiles | Maps) -> None:
