@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from fsipetsc.analysis.convergence_table import ConvergenceStudy
     from fsipetsc.analysis.spectra import Result
 
-#: colour of the cells of a sweep where all is well
-WELL = "#cfe3f3"
+#: colours of the cells of a sweep where all is well, and where not
+WELL, BAD = "#cfe3f3", "#fdbe85"
 #: rows of the picture of a sweep: label, number, when all is well
 ROWS = (
     ("energy growth over |λ|", "energy", "estimate"),
@@ -155,9 +155,8 @@ def sweep_figure(results: Sequence[Result], path: str, theory: str) -> list[Path
 
 
 def draw_sweep(figure: Figure, results: Sequence[Result]) -> None:
-    """A row for each of ROWS; cells where all is well have one colour, the others their number."""
-    from matplotlib import colormaps
-    from matplotlib.colors import LogNorm, Normalize
+    """A row for each of ROWS; cells where all is well are blue, the numbers are in the cells."""
+    from matplotlib.colors import ListedColormap
 
     orders, densities, stiffnesses = (
         list(dict.fromkeys(getattr(r, name) for r in results))
@@ -166,33 +165,21 @@ def draw_sweep(figure: Figure, results: Sequence[Result]) -> None:
     shape = len(orders), len(densities), len(stiffnesses)
     figure.set_size_inches(1.6 + 2.4 * len(orders), 9.0)
     grid = figure.subplots(3, len(orders), squeeze=False, sharex=True, sharey=True)
+    look = {"cmap": ListedColormap([BAD, WELL]), "vmin": 0, "vmax": 1, "origin": "lower"}
     for row, (label, name, holds) in zip(grid, ROWS):
         values, well = (
             np.array([getattr(r, n) for r in results]).reshape(shape) for n in (name, holds)
         )
-        steps, bad = name == "step_ratio", values[~well]
-        # light enough for black numbers
-        colors = colormaps["YlOrBr_r" if steps else "YlOrBr"].with_extremes(bad=WELL)
-        norm = Normalize(-1.0, 1.0) if steps else LogNorm(*_decades(bad))
         for axes, order, field, fine in zip(row, orders, values, well):
-            look = {"cmap": colors, "norm": norm, "origin": "lower", "aspect": "auto"}
-            axes.imshow(np.ma.array(field, mask=fine), **look)
+            axes.imshow(fine, aspect="auto", **look)
             axes.grid(visible=False)
             axes.set_title(f"order {operator(order).name}")
             axes.set_xticks(range(shape[2]), [f"{s:g}" for s in stiffnesses])
             axes.set_yticks(range(shape[1]), [f"{d:g}" for d in densities])
             for (i, j), value in np.ndenumerate(field):
-                if steps or not fine[i, j]:
-                    text = f"{value:.2f}" if steps else f"{value:.0e}"
+                if name == "step_ratio" or not fine[i, j]:
+                    text = f"{value:.2f}" if name == "step_ratio" else f"{value:.0e}"
                     axes.text(j, i, text, ha="center", va="center")
         row[0].set_ylabel(f"{label}\n\ndensity ratio $m_0/\\hat\\rho$")
     for axes in grid[-1]:
         axes.set_xlabel("stiffness ratio $K/\\hat p$")
-
-
-def _decades(values: np.ndarray) -> tuple[float, float]:
-    """Limits of colours of which the values have the lighter half."""
-    if not values.size:
-        return 0.1, 1.0
-    low, high = values.min() / 2, values.max() * 2
-    return low, high * high / low
