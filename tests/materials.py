@@ -56,9 +56,14 @@ def by_power(T):
     return MU * (T / 10) ** 0.7, KAPPA * (T / 10) ** 0.9
 
 
-def by_hand(T):
+def mu_by_hand(T):
     """The same as a law of a case file."""
-    return (T / 10) ** 0.7, (T / 10) ** 0.9
+    return (T / 10) ** 0.7
+
+
+def kappa_by_hand(T):
+    """The same as a law of a case file."""
+    return (T / 10) ** 0.9
 
 
 def of_mie(rho, epsilon, c_0=2.0, s=1.3, G=1.5):
@@ -83,7 +88,7 @@ LAWS = (
     (of_stiffened, stiffened_pressure(1.5, 4.0, T_0, 1.0)),
     (by_power, power_law(10.0, 0.7, 0.9)),
 )
-OWN = transport_law(by_hand)
+OWN = transport_law(mu_by_hand, kappa_by_hand)
 
 # the exact solution, of complex X and t, too
 

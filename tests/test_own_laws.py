@@ -98,7 +98,7 @@ def test_sutherland(runs):
 
 
 def test_a_run_with_a_wrong_law_ends_with_status_2(tmp_path):
-    text = SUTHERLAND.read_text().replace("    return factor, factor\n", "    return factor, factor.wrong\n")
+    text = SUTHERLAND.read_text().replace("/ (T + S))\n", "/ (T + S)).wrong\n")
     (tmp_path / "wrong.py").write_text(text)
     done = solve("wrong.py", "-fsi_coupling", "energy", cwd=tmp_path)
     assert done.returncode == 2 and len(done.stderr.splitlines()) == 1, done.stderr

@@ -91,8 +91,6 @@ transpose = by_length("transpose", "F", _tensor(lambda i, j, d: f"F[{j * d + i}]
 add_unit = by_length(
     "add_unit", "c, F", _tensor(lambda i, j, d: f"F[{i * d + j}]" + " + c" * (i == j))
 )
-#: row i times c_i
-scale_rows = by_length("scale_rows", "c, F", _tensor(lambda i, j, d: f"c[{i}] * F[{i * d + j}]"))
 #: F G
 product = by_length(
     "product",
