@@ -4,7 +4,7 @@ The HDF5 form of CGNS is read (cgns.org, 'SIDS File Mapping'): each node of its 
 a label, and its data stand in a dataset named ' data', the first index fastest.
 
     grid = read_cgns("nozzle.cgns")
-    blocks = [Block(name, air, places, places.cells, at_rest) for name, places in grid.zones.items()]
+    blocks = [Block(name, air, X, X.cells, at_rest) for name, X in grid.zones.items()]
     problem = BlockProblem(blocks, grid.faces({"inlet": Given(...), "wall": Slip()}))
 
 Faces whose nodes are at the same places meet, as in any problem of blocks: what the file says of
@@ -45,9 +45,7 @@ class Grid:
     patches: dict[str, tuple[FaceName, ...]]
 
     def faces(self, conditions: Mapping[str, Any]) -> dict[FaceName, Any]:
-        """Conditions of faces for BlockProblem, from those of patches. InputError where the file has
-        no such patch.
-        """
+        """Conditions of faces for BlockProblem, from those of patches. InputError for others."""
         for name in conditions:
             if name not in self.patches:
                 known = ", ".join(map(repr, self.patches)) or "none"

@@ -90,14 +90,8 @@ def test_faces_that_are_not_given_follow_from_their_vertices(d):
     xi = logical(block)
     chosen = [corner for corner in product((0, 1), repeat=d) if sum(corner) != 1]
     values = np.random.default_rng(5).random((len(chosen), d))
-    nodes = [
-        int(
-            np.ravel_multi_index(
-                [s * (n - 1) for s, n in zip(c, block.shape)][::-1], block.shape[::-1]
-            )
-        )
-        for c in chosen
-    ]
+    index = np.array(chosen) * (np.array(block.shape) - 1)
+    nodes = np.ravel_multi_index(index.T[::-1], block.shape[::-1])
     weights = [np.prod([x if s else 1 - x for s, x in zip(c, xi)], axis=0) for c in chosen]
     found, metrics = moved(problem, nodes, values)
     expected = sum(np.multiply.outer(v, w) for v, w in zip(values, weights))
@@ -105,27 +99,15 @@ def test_faces_that_are_not_given_follow_from_their_vertices(d):
     assert np.abs(metrics[d * d : d * d + d] - expected).max() <= 1e-15
 
 
-def test_faces_follow_from_edges_that_are_given_in_three_dimensions():
-    problem = closed(box("g", CELLS[3]))
-    block = problem.blocks[0]
-    x, y, z = logical(block)
-    edge = np.flatnonzero((y == 0) & (z == 1))
-    bend = np.sin(3 * x) + 0.2
-    found, _ = moved(
-        problem, edge, np.stack([0.1 * bend[edge], 0 * edge, 0.2 * bend[edge]], axis=1)
-    )
-    assert np.abs(found[0] - 0.1 * bend * (1 - y) * z).max() <= 1e-15
-    assert np.abs(found[2] - 0.2 * bend * (1 - y) * z).max() <= 1e-15 and not found[1].any()
-
-
-def test_a_face_that_is_given_bends_those_beside_it_linearly():
-    """One given face in 2-D: the faces beside it are linear from its ends to 0."""
-    problem = closed(box("g", CELLS[2]))
-    x, y = logical(problem.blocks[0])
-    nodes = problem.face_nodes(0, 1, 1)
-    bend = np.sin(3 * x) + 0.2
-    found, _ = moved(problem, nodes, np.stack([0.1 * bend[nodes], 0.2 * bend[nodes]], axis=1))
-    assert np.abs(found - np.array([[0.1], [0.2]]) * bend * y).max() <= 1e-15
+@pytest.mark.parametrize("d", (2, 3))
+def test_what_is_given_bends_the_faces_beside_it_linearly(d):
+    """A face in 2-D, an edge in 3-D: the faces beside it are linear from its ends to 0."""
+    problem = closed(box("g", CELLS[d]))
+    x, y, *z = logical(problem.blocks[0])
+    known, weight = (y == 1, y) if d == 2 else ((y == 0) & (z[0] == 1), (1 - y) * z[0])
+    nodes, bend, size = np.flatnonzero(known), np.sin(3 * x) + 0.2, np.array([0.1, 0.2, 0.0])[:d]
+    found, _ = moved(problem, nodes, np.outer(bend[nodes], size))
+    assert np.abs(found - size[:, None] * bend * weight).max() <= 1e-15
 
 
 @pytest.mark.parametrize(
@@ -144,9 +126,8 @@ def test_along_periodic_axes_nothing_is_blended(periodic):
         return
     axis = d - 1 if not periodic[-1] else 0
     nodes = problem.face_nodes(0, axis, 1)
-    where = [
-        (-2, n + 2) if closed_axis else (0, n) for n, closed_axis in zip(block.shape, periodic)
-    ]
+    pairs = zip(block.shape, periodic)
+    where = [(-2, n + 2) if closed_axis else (0, n) for n, closed_axis in pairs]
     found, metrics = moved(problem, nodes, np.outer(bend[nodes], np.ones(d)), where)
     inner = tuple(slice(2, -2) if closed_axis else slice(None) for closed_axis in periodic[::-1])
     sizes = [b - a for a, b in where][::-1]

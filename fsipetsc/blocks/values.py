@@ -1,4 +1,4 @@
-"""What the functions of a block return for places and times, checked; messages for what is wrong."""
+"""What the functions of a block return for places and times, checked."""
 
 from __future__ import annotations
 

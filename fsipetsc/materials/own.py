@@ -223,7 +223,8 @@ def check_solid_law(law: Any, d: int) -> None:
         slope = (law.energy(bumped(F, k, STEP)) - law.energy(bumped(F, k, -STEP))) / (2.0 * STEP)
         if not abs(slope - P[k]) <= 1e-5 * max(*map(abs, P), law.wave_modulus(F)):
             words = f"P[{k}] = {P[k]:g}, and energy rises by {slope:g} with F[{k}]"
-            raise InputError(f"a solid law: stress is not the derivative of energy: at {F}, {words}")
+            problem = f"stress is not the derivative of energy: at {F}, {words}"
+            raise InputError(f"a solid law: {problem}")
 
 
 def _law_of(kind: Kind, formulas: Mapping[str, Formula]) -> Any:
