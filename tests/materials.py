@@ -7,9 +7,6 @@ body force acts on all. Pressures are written as the literature has them: p of r
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Any
-
 import numpy as np
 
 from fsipetsc.boundaries import Wall
@@ -73,52 +70,62 @@ LAWS = (
 OWN = transport_law(mu_by_hand, kappa_by_hand)
 
 
-def layer(k: int, X: tuple[float, float], exact: Callable[..., Any], **more: Any) -> FluidLayer | SolidLayer:
-    """Layer k with its material and an exact solution, with which it starts; the last gas has the law written by hand."""
+def layer(k, X, exact):
+    """Layer k with its material and an exact solution, with which it starts; the last gas has the
+    law written by hand.
+    """
     if k % 2:
         kind, material = SolidLayer, Solid(K, KAPPA_E, M0, ALPHA, FORCE, pressing=LAWS[k][1])
     else:
         transport = OWN if k == 4 else LAWS[k][1]
         kind, material = FluidLayer, Fluid(MU, KAPPA, GAMMA, R, transport=transport, force=FORCE)
-    return kind(f"layer {k}", material, X, initial=lambda X: exact(X, 0.0), exact=exact, **more)
+    return kind(f"layer {k}", material, X, initial=lambda X: exact(X, 0.0), exact=exact)
 
 
-def column() -> Problem:
-    """The same materials at rest between two walls at one temperature: each layer carries those above it."""
+def column():
+    """At rest between two walls at one temperature: each layer carries those above it."""
     layers, p = [], 16.0
     for k in range(5):
         X0, X1 = float(k), float(k + 1)
         if k % 2:
 
-            def exact(X: np.ndarray, t: float, k: int = k, p: float = p, X0: float = X0) -> tuple[Any, ...]:
+            def exact(X, t, k=k, p=p, X0=X0):
                 stress = LAWS[k][0](M0, ALPHA * REST) - p - M0 * FORCE * (X - X0)
                 return 0.0 * X, stress, REST + 0.0 * X, X
 
             p += M0 * FORCE
         else:
 
-            def exact(X: np.ndarray, t: float, p: float = p, X0: float = X0) -> tuple[Any, ...]:
-                return p / (R * REST) * np.exp(FORCE / (R * REST) * (X - X0)), 0.0 * X, REST + 0.0 * X
+            def exact(X, t, p=p, X0=X0):
+                rho = p / (R * REST) * np.exp(FORCE / (R * REST) * (X - X0))
+                return rho, 0.0 * X, REST + 0.0 * X
 
             p *= np.exp(FORCE / (R * REST))
         layers.append(layer(k, (X0, X1), exact))
     return Problem(tuple(layers), Wall(0.0), Wall(5.0), units="none")
 
 
-def fall() -> Problem:
-    """The same materials under one pressure between two walls: all fall alike, and nothing else changes."""
+def fall():
+    """Under one pressure between two walls: all fall alike, and nothing else changes."""
 
-    def gas_falls(X: np.ndarray, t: float) -> tuple[Any, ...]:
+    def gas_falls(X, t):
         return 10.0 / (R * REST) + 0.0 * X, FORCE * t + 0.0 * X, REST + 0.0 * X
 
-    def solid_falls(k: int) -> Callable[..., Any]:
+    def solid_falls(k):
         stress = LAWS[k][0](M0, ALPHA * REST) - 10.0
-        return lambda X, t: (FORCE * t + 0.0 * X, stress + 0.0 * X, REST + 0.0 * X, X + 0.5 * FORCE * t * t)
 
-    layers = [layer(k, (float(k), float(k + 1)), solid_falls(k) if k % 2 else gas_falls) for k in range(5)]
-    walls = [Wall(lambda t, x=x: x + 0.5 * FORCE * t * t, velocity=lambda t: FORCE * t) for x in (0.0, 5.0)]
+        def falls(X, t):
+            zero = 0.0 * X
+            return FORCE * t + zero, stress + zero, REST + zero, X + 0.5 * FORCE * t * t
+
+        return falls
+
+    exact = [solid_falls(k) if k % 2 else gas_falls for k in range(5)]
+    layers = [layer(k, (float(k), float(k + 1)), f) for k, f in enumerate(exact)]
+    ends = [(lambda t, x=x: x + 0.5 * FORCE * t * t) for x in (0.0, 5.0)]
+    walls = [Wall(x, velocity=lambda t: FORCE * t) for x in ends]
     return Problem(tuple(layers), *walls, units="none")
 
 
-def build(opt: Mapping[str, Any]) -> Problem:
+def build(opt):
     return {"column": column, "fall": fall}[opt["materials_state"]]()
