@@ -12,6 +12,7 @@ from block_ledgers import steps_of
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.conditions import Absorbing, Clamped, Free, Hinge, NoSlip, Roller, Slip
 from fsipetsc.blocks.maps import rectangle
+from fsipetsc.blocks.particles import particles_of
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
@@ -66,6 +67,23 @@ def test_heat_passes_a_join(heat):
 
 def stretched(X, t):
     return (1.2 * X,)
+
+
+def test_solids_have_one_temperature_where_both_take_heat():
+    """An insulating one with an energy of its own keeps its temperature."""
+    warm, insulating = rod("coupled"), rod("elastic", kappa=0.0)
+    for second, one in ((warm, True), (insulating, False)):
+        blocks = [
+            Block(f"slab {k}", material, rectangle(k, k + 1.0), (8,), warm_at_rest)
+            for k, material in enumerate((warm, second))
+        ]
+        ends = {("slab 0", 0, 0): Free(), ("slab 1", 0, 1): Free()}
+        (joint,) = (p for p in particles_of(BlockProblem(blocks, ends)) if len(p.members) == 2)
+        assert joint.one_T == one
+
+
+def warm_at_rest(X):
+    return 0.0, 1.0, X
 
 
 @pytest.mark.parametrize("side", [0, 1])

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+from math import factorial
+
 import numpy as np
 import pytest
 
 from fsipetsc.equations.gas import Gas, volume_flux
-from fsipetsc.equations.means import NEAR
+from fsipetsc.equations.means import NEAR, near_harmonic_mean, near_mean
 from fsipetsc.materials.constant_transport import ConstantTransport
 from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.materials.power_law import PowerLaw
 from fsipetsc.materials.stiffened_gas import StiffenedGas
+from fsipetsc.operators.loops import dot
 
 LAWS = (PerfectGas(1.4, 2.0), StiffenedGas(2.2, 1.5, 3.0))
 STEP = 1e-6
@@ -53,6 +57,7 @@ def test_fluxes_are_symmetric_and_consistent(case, name):
     flux = getattr(gas, name)
     there, back = flux(l, r, a_l, v_l, a_r, v_r), flux(r, l, a_r, v_r, a_l, v_l)
     np.testing.assert_allclose(there, back, rtol=1e-14)
+    assert volume_flux(a_l, v_l, a_r, v_r) == 0.5 * (dot(a_l, v_r) + dot(a_r, v_l))
     g = volume_flux(a_l, v_l, a_l, v_l)
     exact = np.array(gas.flux(l, a_l)) - g * np.array(gas.densities(l))
     np.testing.assert_allclose(flux(l, l, a_l, v_l, a_l, v_l), exact, rtol=1e-13, atol=1e-14)
@@ -99,6 +104,16 @@ def test_two_point_flux_conserves_entropy(case, spread):
     parts = np.abs((variables(gas, r) - variables(gas, l)) * F).sum()
     assert abs((variables(gas, r) - variables(gas, l)) @ F - exact) < 1e-13 * (parts + abs(exact))
     np.testing.assert_allclose(gas.flux_through(l, r, tuple(a), g), F, rtol=1e-13, atol=1e-14)
+
+
+def test_polynomials_of_near_means_are_the_series():
+    """B = sum_n (-z)^n n!^2 / (2n + 1)!, A = 1 / ((1 + z/4) B)."""
+    for z in np.linspace(0.0, NEAR, 101):
+        exact = [Fraction(z) ** n * factorial(n) ** 2 / factorial(2 * n + 1) for n in range(16)]
+        B = sum(term * (-1) ** n for n, term in enumerate(exact))
+        assert near_harmonic_mean(1.0, 1.0, z) == pytest.approx(float(B), rel=2.3e-16)
+        A = 1 / ((1 + Fraction(z) / 4) * B)
+        assert near_mean(1.0, 1.0, z) == pytest.approx(float(A), rel=2.3e-16)
 
 
 def test_near_states_need_no_logarithm(case):
