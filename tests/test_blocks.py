@@ -292,11 +292,6 @@ def test_blocks_that_touch_at_a_vertex_share_a_particle():
     assert block[shared].tolist() == [0, 1] and node[shared].tolist() == [80, 0]
 
 
-def test_a_problem_without_faces():
-    problem = BlockProblem([square(periodic=(True, True))], {})
-    assert len(problem.members.node) == 0 and problem.faces_of(0) == {}
-
-
 def test_in_one_dimension_faces_are_points():
     gas = Block("g", GAS, maps.rectangle(0, 1), 8, nothing)
     solid = Block("s", SOLID, lambda xi: (1 + xi[0],), 4, nothing)

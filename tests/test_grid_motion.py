@@ -6,11 +6,9 @@ from itertools import product
 
 import numpy as np
 import pytest
-from block_grids import GAS, box, closed, nodes_of, whole
+from block_grids import box, closed, nodes_of, whole
 
-from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.grid import GridMotion
-from fsipetsc.blocks.maps import annulus
 
 CELLS = {1: (8,), 2: (8, 10), 3: (8, 9, 10)}
 
@@ -34,18 +32,6 @@ def logical(block):
         *(np.arange(n) / c for n, c in zip(block.shape[::-1], block.cells[::-1])), indexing="ij"
     )
     return np.array([g.ravel() for g in grids[::-1]])
-
-
-@pytest.mark.parametrize("d", (1, 2, 3))
-def test_what_is_linear_in_the_logical_coordinates_is_blended_exactly(d):
-    problem = closed(box("g", CELLS[d]))
-    block, nodes = problem.blocks[0], nodes_of(problem, 0)
-    xi = logical(block)
-    B = np.random.default_rng(1).random((d, d))
-    u = B @ xi + 0.3 * xi.prod(axis=0)
-    found, metrics = moved(problem, nodes, u[:, nodes].T)
-    assert np.abs(found - u).max() <= 1e-15 * 4
-    assert np.abs(metrics[d * d : d * d + d] - u).max() <= 1e-15
 
 
 @pytest.mark.parametrize("d", (1, 2, 3))
@@ -138,30 +124,6 @@ def test_along_periodic_axes_nothing_is_blended(periodic):
         along = d - periodic.index(True)
         ends = np.take(array, [0, 1], axis=along), np.take(array, [-4, -3], axis=along)
         assert np.abs(ends[0] - ends[1]).max() <= 2e-15
-
-
-def test_a_ring_that_grows_stays_one():
-    """Radii a -> a + s(t) at the inner circle: everything is known."""
-    block = Block("g", GAS, annulus(1.0, 2.0), (12, 24), lambda *X: X, periodic=(False, True))
-    problem = closed(block)
-    nodes = problem.face_nodes(0, 0, 0)
-    X = problem.places(0, nodes)
-    found, metrics = moved(problem, nodes, 0.3 * X, order=6)
-    x = problem.positions(0, whole(block)) + found
-    radius = 1.3 + 0.7 * logical(block)[0]
-    assert np.allclose(np.hypot(*x), radius, atol=1e-14)
-    J = 0.7 * 2 * np.pi * radius
-    det = metrics[0] * metrics[3] - metrics[1] * metrics[2]
-    assert np.abs(det / J - 1).max() < 1e-3 and np.allclose(
-        np.hypot(*metrics[4:6]), 0.3 * (2 - radius) / 0.7, atol=1e-14
-    )
-
-
-def test_nothing_moves_where_nothing_is_given():
-    for d in (1, 2, 3):
-        problem = closed(box("g", CELLS[d]))
-        found, metrics = moved(problem, [], np.zeros((0, d)))
-        assert not found.any() and not metrics[d * d :].any() and metrics[: d * d].any()
 
 
 def test_a_grid_may_be_moved_again():

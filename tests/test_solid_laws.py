@@ -94,10 +94,6 @@ def test_a_rotation_changes_no_energy_and_turns_the_stress(law, d):
         assert np.abs(P @ F.T - F @ P.T).max() < 1e-13
 
 
-def test_a_rotation_is_a_strain_for_linear_elasticity():
-    assert LinearElastic(MU, LAMBDA, 0.0).energy(flat(rotation(2))) > 0.1
-
-
 def test_the_log_law_in_one_dimension():
     law = Log(MU, LAMBDA, P_REF)
     for F in (0.3, 1.0, 2.5):
@@ -191,22 +187,21 @@ def test_no_wave_at_constant_entropy_is_faster_than_the_modulus_says(d, pressing
             assert speeds.max() <= bound * (1.0 + 1e-4)
 
 
-@pytest.mark.parametrize(
-    ("wrong", "said"),
-    [
-        ({"law": "rubber"}, "law is 'rubber': expected 'log', 'neo-hookean', 'svk', 'linear'"),
-        ({"law": 3}, "law is 3: expected what solid_law"),
-        ({"heat": "none"}, "heat is 'none': expected 'coupled' or 'elastic'"),
-        ({"mu_e": 0.0, "lambda_e": 0.0}, "mu_e and lambda_e are 0"),
-        ({"m0": 0.0}, "m0"),
-        ({"kappa_e": float("nan")}, "kappa_e"),
-        ({"pressing": 3}, "pressing is 3: expected what pressure_law"),
-        ({"force": (1.0,) * 4}, "force"),
-    ],
-)
-def test_what_is_no_solid(wrong, said):
+WRONG = {
+    "law is 'rubber': expected 'log', 'neo-hookean', 'svk', 'linear'": {"law": "rubber"},
+    "law is 3: expected what solid_law": {"law": 3},
+    "heat is 'none': expected 'coupled' or 'elastic'": {"heat": "none"},
+    "mu_e and lambda_e are 0": {"mu_e": 0.0, "lambda_e": 0.0},
+    "kappa_e is nan": {"kappa_e": float("nan")},
+    "pressing is 3: expected what pressure_law": {"pressing": 3},
+    "force is": {"force": (1.0,) * 4},
+}
+
+
+@pytest.mark.parametrize("said", WRONG)
+def test_what_is_no_solid(said):
     with pytest.raises(InputError, match=said):
-        solid(**wrong)
+        solid(**WRONG[said])
 
 
 def test_a_force_has_as_many_numbers_as_there_are_dimensions():
