@@ -102,6 +102,19 @@ def curl_form(block, order, x):
     return a
 
 
+def test_skew_periods_belong_to_the_curl():
+    """Of a linear map the curl form is the cofactors."""
+    G = np.array([[1.0, 0.3, 0.1], [0.2, 1.0, -0.2], [-0.1, 0.4, 1.0]])  # D_k X, row by row
+
+    def skew(xi):
+        return tuple(sum(g * s for g, s in zip(column, xi)) for column in G.T)
+
+    problem = closed(Block("g", GAS, skew, (8, 9, 10), lambda *X: X, periodic=(True, True, False)))
+    _, metrics = displaced(problem, 0, 4, np.zeros(0, int))
+    expected = cofactors(G[..., None])
+    assert np.abs(metrics[:9].reshape(3, 3, -1) - expected).max() <= 1e-14
+
+
 @pytest.mark.parametrize("order", ORDERS)
 @pytest.mark.parametrize("d", (1, 2))
 def test_J_t_is_the_rate_of_the_determinant(d, order):
