@@ -334,11 +334,11 @@ def test_wrong_points_are_told(message):
 
 
 def test_too_few_nodes_are_told_by_block_and_axis():
-    problem = BlockProblem([square(cells=(8, 6))], walls("a"))
-    problem.check(2)
+    block = square(cells=(8, 6))
+    assert block.band(2, 1).reach == 1
     words = r"block 'a', axis 1: the 4/2 operator needs at least 8 points, not 7"
     with pytest.raises(InputError, match=words):
-        problem.check(4)
+        block.band(4, 1)
 
 
 A, B = ("a", 0, 1), ("b", 0, 0)
