@@ -142,7 +142,7 @@ class GasPart(Forced):
     def initial(self, t: float, q: Array) -> None:
         """Fill q (M, d + 3) with the case's data, with J = 1."""
         X = self.X[:, self._owned]
-        rho, *u, T = block_values(self.block, "initial", X, t, self.part.numbers)
+        rho, *u, T = block_values(self.block, "initial", X, t)
         for c, values in enumerate(self.equations.conserved(1.0, rho, tuple(u), T)):
             q[:, c] = values
 

@@ -83,7 +83,7 @@ class SolidPart(Forced):
     def initial(self, t: float, q: Array) -> None:
         """Fill q (M, 2d + 1) with the case's data."""
         d, X = self._d, self.X[:, self._owned]
-        values = block_values(self.block, "initial", X, t, self.part.numbers)
+        values = block_values(self.block, "initial", X, t)
         v, T, x = values[:d], values[d], values[d + 1 :]
         for c in range(d):
             q[:, c], q[:, d + c] = x[c] - X[c], v[c]
@@ -96,8 +96,7 @@ class SolidPart(Forced):
     def _strain_of_case(self) -> tuple[Array, ...]:
         """F of the owned nodes from the case's places, which it knows in halos as well."""
         q = np.zeros((self.X.shape[1], 2 * self._d + 1))
-        nodes = self.part.ghosted_numbers
-        places = block_values(self.block, "initial", self.X, 0.0, nodes)[self._d + 1 :]
+        places = block_values(self.block, "initial", self.X, 0.0)[self._d + 1 :]
         for c in range(self._d):
             q[:, c] = places[c] - self.X[c]
         return tuple(self._deformation(q))
