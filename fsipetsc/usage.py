@@ -1,4 +1,6 @@
-"""The texts that explain the program: the overview and the options of a case, laid out as tables."""
+"""The texts that explain the program: the overview and the options of a case, laid out as
+tables.
+"""
 
 from __future__ import annotations
 
@@ -11,24 +13,35 @@ from typing import Any
 
 from fsipetsc.options import groups
 from fsipetsc.options.option import INT_MAX, REQUIRED, Option
-from fsipetsc.options.petsc_names import AT_START, IN_LOOP, IN_SOURCES
+from fsipetsc.options.tables import AT_START, IN_LOOP, IN_SOURCES
 
-_TYPES = {"int": "int", "float": "float", "str": "text", "bool": "bool", "ints": "ints", "floats": "floats"}
+_TYPES = {
+    "int": "int",
+    "float": "float",
+    "str": "text",
+    "bool": "bool",
+    "ints": "ints",
+    "floats": "floats",
+}
 
 
 #: characters of the first column of an overview
 _LEFT = 29
 _HEADER = ("option", "type", "default", "meaning")
 _NOTES = """
-An option is written -name value. If one is given more than once the last counts, and the command line overrides
-PETSC_OPTIONS. A bool without a value is true; ints and floats are lists such as 0.1,0.25. These are all options there
-are: of PETSc's own, others are refused.
+An option is written -name value. If one is given more than once the last counts, and the command
+line overrides PETSC_OPTIONS. A bool without a value is true; ints and floats are lists such as
+0.1,0.25. These are all options there are: of PETSc's own, others are refused.
 """
 
 
 def program() -> str:
     """How this program was called, for examples that can be copied."""
-    return "python -m fsipetsc" if os.path.basename(sys.argv[0]) in ("__main__.py", "-m", "-c") else "fsipetsc"
+    return (
+        "python -m fsipetsc"
+        if os.path.basename(sys.argv[0]) in ("__main__.py", "-m", "-c")
+        else "fsipetsc"
+    )
 
 
 def overview(cases: Mapping[str, str], commands: Mapping[str, tuple[str, str]]) -> str:
@@ -41,7 +54,10 @@ def overview(cases: Mapping[str, str], commands: Mapping[str, tuple[str, str]]) 
             f"{me} COMMAND ...": "do something else",
         },
         "Cases": {**cases, "FILE.py": "a case of your own, from a file"},
-        "Commands": {f"{name} {arguments}".rstrip(): summary for name, (arguments, summary) in commands.items()},
+        "Commands": {
+            f"{name} {arguments}".rstrip(): summary
+            for name, (arguments, summary) in commands.items()
+        },
     }
     lines = ["fsipetsc: fluid–structure interaction in layers, with PETSc"]
     for title, rows in sections.items():
@@ -50,14 +66,28 @@ def overview(cases: Mapping[str, str], commands: Mapping[str, tuple[str, str]]) 
 
 
 def _listed(rows: Mapping[str, str]) -> list[str]:
-    """Names and what they mean in two columns; of what is too long for the first one the meaning begins a new line."""
+    """Names and what they mean in two columns; of what is too long for the first one the meaning
+    begins a new line.
+    """
     indent = 4 + max(len(left) for left in rows if len(left) <= _LEFT)
     lines = []
     for left, right in rows.items():
         first = f"  {left:<{indent - 2}}" if len(left) <= _LEFT else " " * indent
         if len(left) > _LEFT:
-            lines += textwrap.wrap(left, _width(), initial_indent="  ", subsequent_indent="    ", break_on_hyphens=False)
-        lines += textwrap.wrap(right, _width(), initial_indent=first, subsequent_indent=" " * indent, break_on_hyphens=False)
+            lines += textwrap.wrap(
+                left,
+                _width(),
+                initial_indent="  ",
+                subsequent_indent="    ",
+                break_on_hyphens=False,
+            )
+        lines += textwrap.wrap(
+            right,
+            _width(),
+            initial_indent=first,
+            subsequent_indent=" " * indent,
+            break_on_hyphens=False,
+        )
     return lines
 
 
@@ -67,14 +97,23 @@ def _width() -> int:
 
 
 def case_help(case: Any, called: str) -> str:
-    """Every option of a case with type, default, unit and meaning; called: the case as the user named it."""
+    """Every option of a case with type, default, unit and meaning; called: the case as the user
+    named it.
+    """
     title = f"{case.NAME}: {case.SUMMARY}" if case.SUMMARY else case.NAME
     return _help(title, f"[mpiexec -n N] {program()} {called} [-option value ...]", groups(case))
 
 
-def command_help(name: str, arguments: str, summary: str, sections: Mapping[str, Sequence[Option]]) -> str:
+def command_help(
+    name: str, arguments: str, summary: str, sections: Mapping[str, Sequence[Option]]
+) -> str:
     """The same for a command with options of its own; sections: heading -> options."""
-    return _help(f"{name}: {summary}", f"[mpiexec -n N] {program()} {name} {arguments}", sections, IN_SOURCES + AT_START)
+    return _help(
+        f"{name}: {summary}",
+        f"[mpiexec -n N] {program()} {name} {arguments}",
+        sections,
+        IN_SOURCES + AT_START,
+    )
 
 
 def _help(
@@ -84,8 +123,12 @@ def _help(
     petsc: Sequence[Option] = IN_SOURCES + IN_LOOP + AT_START,
 ) -> str:
     width = _width()
-    sections = {heading: [_row(option) for option in options] for heading, options in groups.items()}
-    sections["More of PETSc"] = [(f"-{option.name}", *_taken(option), option.help) for option in petsc]
+    sections = {
+        heading: [_row(option) for option in options] for heading, options in groups.items()
+    }
+    sections["More of PETSc"] = [
+        (f"-{option.name}", *_taken(option), option.help) for option in petsc
+    ]
     rows = [row for section in sections.values() for row in section]
     columns = [max(len(row[i]) for row in rows) for i in range(3)]
     lines = [title, "", f"  {usage}", "", *_laid_out(_HEADER, columns, width)]
@@ -99,7 +142,9 @@ def _help(
 
 def _taken(option: Option) -> tuple[str, str]:
     """What an option of PETSc's takes, in the columns of types and of defaults."""
-    return (f"[{option.unit}]" if option.unit else "") if option.kind == "optional" else _TYPES[option.kind], ""
+    return (f"[{option.unit}]" if option.unit else "") if option.kind == "optional" else _TYPES[
+        option.kind
+    ], ""
 
 
 def _row(option: Option) -> tuple[str, str, str, str]:

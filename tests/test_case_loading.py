@@ -61,12 +61,6 @@ def test_a_pipe_is_no_case_file(here):
         load_case("a\0.py")
 
 
-def test_case_file_may_leave_out_what_has_a_default(here):
-    (here / "small-case.py").write_text("OPTIONS = ()\ndef build(opt): pass\n")
-    case = load_case("small-case.py")
-    assert (case.NAME, case.SUMMARY, case.DEFAULTS) == ("small-case", "", {})
-
-
 def test_case_file_finds_its_neighbours_from_any_directory(here, monkeypatch):
     (here / "neighbour_of_stub.py").write_text("NUMBER = 5\n")
     (here / "stub.py").write_text(CASE + "\nfrom neighbour_of_stub import NUMBER\n")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from helpers import message, mpirun, run, solve
+from helpers import message, mpirun, solve
 from stub_case import run_stub, start_stub
 
 RAISED = {
@@ -26,32 +26,11 @@ def test_every_kind_of_error_is_one_message_and_its_status(code, here):
     message((start_stub if own else run_stub)("-do", code), status, *words)
 
 
-@pytest.mark.parametrize("code", ["1 / 0", "raise KeyboardInterrupt"])
-def test_so_it_is_in_a_process_of_its_own(code, here):
-    status, words = RAISED[code]
-    message(start_stub("-do", code), status, *words)
-
-
 def test_debug_shows_the_traceback(here):
     done = run_stub("-do", "1 / 0", "-fsi_debug")
     assert done.returncode == 1
     assert done.stderr.startswith("Traceback")
     assert done.stderr.splitlines()[-1].startswith("fsipetsc: error: ")
-
-
-@pytest.mark.parametrize("line", ["info no.h5", "plot no.h5", "convergence mms -no 1", "stability -no 1", "bench -no 1"])
-def test_every_command_shows_the_traceback(line, here):
-    done = solve(*line.split(), "-fsi_debug")
-    assert done.returncode == (4 if "no.h5" in line else 2), done.stderr
-    assert done.stderr.startswith("Traceback")
-    assert done.stderr.splitlines()[-1].startswith("fsipetsc: error: ")
-
-
-def test_the_option_that_shows_the_traceback_counts_wherever_it_is_given(here):
-    (here / "debug.opts").write_text("-fsi_debug\n")
-    done = run("-m", "fsipetsc", "stability", "-no", 1, env={"PETSC_OPTIONS": "-options_file debug.opts"})
-    assert done.stderr.startswith("Traceback")
-    message(solve("stability", "-no", 1, "-fsi_debug", "no"), 2, "-no")
 
 
 def test_a_bad_value_of_it_is_a_bad_value(here):

@@ -69,13 +69,6 @@ def test_bad_input(name, refused):
         assert word in text
 
 
-def test_bad_input_in_a_process_of_its_own(tmp_path):
-    line, words = BAD_INPUT["misspelt option"]
-    done = run("-m", "fsipetsc", *line.split(), cwd=tmp_path)
-    assert all(word in message(done, 2) for word in words)
-    assert done.stdout == "" and list(tmp_path.iterdir()) == []
-
-
 @pytest.mark.mpi
 @pytest.mark.parametrize("name", ["unknown option", "h that misses an interface", "too few points", "output directory"])
 def test_bad_input_on_two_ranks(name, tmp_path):
@@ -133,12 +126,6 @@ def test_a_failure_within_a_burst_loses_nothing(tmp_path):
     assert str(found[0]).replace("1.h5", "") == str(found[1]).replace("64.h5", "")
 
 
-def test_the_message_is_the_same_on_any_number_of_ranks(tmp_path):
-    line = "rod -fsi_h 0.05 -fsi_cfl 5 -fsi_output x.h5".split()
-    texts = {message(solve(*line, cwd=tmp_path, ranks=n), 3) for n in (1, 3)}
-    assert len(texts) == 1
-
-
 @pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.mpi)])
 def test_a_layer_that_becomes_too_short(ranks, tmp_path):
     """With a wall close under the rod there is soon no room for the 16 points of the 8/4 operator."""
@@ -147,12 +134,6 @@ def test_a_layer_that_becomes_too_short(ranks, tmp_path):
     for word in ("'below'", "too short", "t = ", ", step ", "x = ", "needs 16 points"):
         assert word in text
     assert_readable(tmp_path / "rod.h5", "failed", 0.5)
-
-
-def test_a_boundary_that_jumps_over_the_grid(tmp_path):
-    """A free end that flies off faster than the gas can follow: whatever fails is named, and nothing hangs."""
-    line = "rod -fsi_h 0.05 -rod_gravity -1e6 -ts_max_time 0.01".split()
-    assert "layer '" in message(solve(*line, cwd=tmp_path), 3)
 
 
 BROKEN = """
@@ -220,11 +201,3 @@ def test_an_error_of_one_rank_alone_ends_all(tmp_path):
     done = mpirun(2, "-m", "fsipetsc", "alone.py", *options, cwd=tmp_path)
     assert done.returncode == 2
     assert done.stderr.count("fsipetsc: error: ") == 1 and "no force is known" in done.stderr
-
-
-def test_an_earlier_result_is_kept(tmp_path):
-    for _ in range(2):
-        done = solve(*"rod -fsi_h 0.1 -ts_max_steps 2".split(), cwd=tmp_path)
-        assert (done.returncode, done.stderr) == (0, "")
-    assert "kept the earlier rod.h5 as" in done.stdout
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["rod.1.h5", "rod.h5"]

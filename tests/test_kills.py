@@ -16,7 +16,6 @@ from kill_cycles import cycles
 from test_restart import differences
 
 import fsipetsc
-from fsipetsc.output import checkpoint_file
 
 pytest.importorskip("petsc4py")
 
@@ -72,17 +71,6 @@ def test_a_run_that_is_killed_goes_on(case, kills, tmp_path):
     assert len(said) == len(kills)
 
 
-def test_usr1_asks_for_a_checkpoint_and_the_run_goes_on(tmp_path):
-    """Without any option for checkpoints; the next time the earlier one is kept."""
-    done = signalled(2, tmp_path, [["frame", count, 1, signal.SIGUSR1] for count in (3, 7)])
-    assert (done.returncode, done.stderr) == (0, "")
-    names = "rod.checkpoint.previous.h5", "rod.checkpoint.h5"
-    first, second = (checkpoint_file.read(tmp_path / name).header["memory"]["t"] for name in names)
-    assert 0.02 <= first < 0.03 and 0.06 <= second < 0.07
-    with fsipetsc.open_run(tmp_path / "rod.h5") as result:
-        assert result.complete and result.nframes == 11
-
-
 SLOW = """
 import signal
 from dataclasses import replace
@@ -112,13 +100,3 @@ def test_a_second_sigint_ends_at_once(tmp_path):
     done = run("-m", "fsipetsc", "slow.py", "-fsi_quiet", "-fsi_mapping", "rigid", cwd=tmp_path)
     assert done.returncode == -signal.SIGINT  # 130 in a shell
     assert (tmp_path / "once").exists() and not (tmp_path / "twice").exists()
-
-
-def test_the_wall_limit_ends_a_run(tmp_path):
-    """Here one that is over as the run begins. (When it is: tests/test_surface.py.)"""
-    done = solve(*LINE[:-1], "-fsi_wall_limit", 1e-3, cwd=tmp_path, ranks=2)
-    assert (done.returncode, done.stderr) == (0, ""), done.stderr
-    assert "ended by -fsi_wall_limit at t = " in done.stdout
-    assert "-fsi_restart rod.checkpoint.h5 goes on" in done.stdout
-    done = solve(*LINE, "-fsi_restart", "rod.checkpoint.h5", cwd=tmp_path)
-    assert (done.returncode, done.stderr) == (0, "")

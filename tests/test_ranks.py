@@ -129,32 +129,6 @@ def test_the_boundaries_cross_cells(results):
     assert len(results(1, "piston out").layers[0].X) > 41 + 3, "the grid has grown"
 
 
-def test_the_boundary_crosses_from_one_rank_to_another_and_back(results):
-    """On 4 ranks three own the gas before the piston; the outermost is left without an active point for a while."""
-    from fsipetsc.cases import load_case
-    from fsipetsc.operators.sbp import OPERATORS
-    from fsipetsc.options import defaults
-    from fsipetsc.paper.layout import make_grids
-    from fsipetsc.parallel.partition import Extent, partition
-
-    run = results(4, "piston")
-    case = load_case(PISTON)
-    problem = case.build({**defaults(case), **run.options})
-    op, h = OPERATORS[run.options["fsi_order"]], run.options["fsi_h"]
-    grids = make_grids(problem, op, h, run.options["fsi_spare"])
-    extents = [
-        Extent(layer.kind, grid.n, grid.hi - grid.lo + 1, k == 0)
-        for k, (layer, grid) in enumerate(zip(problem.layers, grids, strict=True))
-    ]
-    shares = partition(extents, 4, "auto", max(2 * op.reach, 6, op.rows + 1))[0]
-    assert len(shares) == 3
-    end_of_outermost = shares[0][2]
-    first_active = np.isfinite(run.layers[0]["rho"]).argmax(axis=1)
-    assert first_active[0] < end_of_outermost - 10
-    assert first_active.max() > end_of_outermost, "the ghost point has left the outermost rank's part"
-    assert first_active[-1] < end_of_outermost - 10, "and is back"
-
-
 def test_the_largest_number_of_ranks_works_and_one_more_is_refused(tmp_path):
     args = "rod -fsi_h 0.125 -rod_top 3 -ts_max_steps 10".split()
     refused = solve(*args, cwd=tmp_path, ranks=4)

@@ -58,39 +58,3 @@ def test_a_run_that_fails_by_its_steps_says_so(where):
     done = box(where, "-ts_dt", 4, "-fsi_output_dt", 8)
     assert done.returncode == 3
     assert "; -ts_dt 4 is " in done.stderr and " times the bound on the step at t = 0" in done.stderr
-
-
-BAR = """
-import numpy as np
-from fsipetsc.boundaries import clamped
-from fsipetsc.materials.line_solid import Solid
-from fsipetsc.problem import Problem, SolidLayer
-
-OPTIONS, DEFAULTS = (), {"fsi_h": 0.1, "fsi_order": 2, "ts_max_time": 0.1}
-
-
-def build(opt):
-    def exact(X, t):  # a wave that stands, so weak that it is linear
-        s, c = np.sin(np.pi * X), np.cos(np.pi * X)
-        u, sigma = 1e-6 * s * np.cos(np.pi * t), 1e-6 * c * np.sin(np.pi * t)
-        return u, sigma, 300.0, X + 1e-6 / np.pi * s * np.sin(np.pi * t)
-
-    bar = Solid(K=1.0, kappa_e=0.0, m0=1.0, alpha=1e9)
-    layer = SolidLayer("bar", bar, (0.0, 1.0), lambda X: exact(X, 0.0), exact=exact)
-    return Problem((layer,), left=clamped(), right=clamped())
-"""
-
-
-def test_nothing_is_said_of_what_a_problem_has_not(where):
-    """One solid: no interfaces, no errors in a gas, no orders of it."""
-    (where / "bar.py").write_text(BAR)
-    done = solve("bar.py", cwd=where)
-    assert (done.returncode, done.stderr) == (0, "")
-    assert "\n11 points\n" in done.stdout and "interfaces" not in done.stdout and "fluid" not in done.stdout
-    with fsipetsc.open_run(where / "bar.h5") as result:
-        assert set(result.errors) == {"solid"} and 0 < result.errors["solid"]["combined"] < 1e-7
-    done = solve("convergence", "bar.py", "-fsi_orders", 2, "-fsi_hs", "0.1,0.05", cwd=where)
-    assert (done.returncode, done.stderr) == (0, "")
-    assert "nan" not in done.stdout and "\nfluid" not in done.stdout
-    order = float(done.stdout.split("\nsolid    all")[1].split("\n")[0].split()[-1])
-    assert order == pytest.approx(2.05, abs=0.1)

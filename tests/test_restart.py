@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers import REPOSITORY, compute, solve
+from helpers import REPOSITORY, compute
 from test_ranks import SUMS as SUMS_ALONG_X
 
 import fsipetsc
@@ -92,22 +92,3 @@ def test_the_same_bits(ranks, name, begun, gone_on):
         assert len(cut.series["t"]) == 2 * RUNS[name][2] < whole.summary["steps"], "nothing is to be cut off, or to go on with"
     assert differences(begun / f"{name}.h5", folder / f"{name}.h5", ranks == RANKS) == []
     assert np.isfinite(checkpoint.arrays["results"]).all()
-
-
-def test_times_before_the_checkpoint_that_are_no_frames_are_said(tmp_path):
-    """Not those that are there already, nor those of the run before: only what is asked for now and cannot be had."""
-    words = "rod -fsi_h 0.05 -ts_max_time 0.02 -fsi_restart auto -fsi_output rod.h5".split()
-    first = "-fsi_checkpoint_steps 75 -ts_max_steps 100 -fsi_output_times 0.003,0.005 -fsi_output_dt 0.01".split()
-    done = solve(*words, *first, cwd=tmp_path)
-    assert (done.returncode, done.stderr) == (0, "") and "note: " not in done.stdout
-    for ranks, times, output, said in (
-        (2, "0.002,0.0042,0.005,0.01,0.013", "rod.h5", "0.002, 0.0042 s, before"),
-        (1, "0.003,0.005,0.019", "rod.h5", ""),
-        (1, "0.003,0.004,0.019", "other.h5", "0.004 s, before"),
-    ):
-        more = "-fsi_checkpoint", "rod.checkpoint.h5", "-fsi_output", output, "-ts_max_steps", 120
-        done = solve(*words, *more, "-fsi_output_times", times, cwd=tmp_path, ranks=ranks)
-        assert (done.returncode, done.stderr) == (0, "")
-        assert done.stdout.count("note: -fsi_output_times: ") == bool(said) and said in done.stdout, done.stdout
-    with fsipetsc.open_run(tmp_path / "rod.h5") as result:
-        assert result.time[:4].tolist() == [0.0, 0.003, 0.005, 0.01] and 0.0042 not in result.time

@@ -52,13 +52,6 @@ def test_status_where_no_error_can_be_said(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("place", ["2>&-", "2>/dev/full"])
-def test_a_line_that_stderr_does_not_take_is_not_tried_again_at_the_end(place, tmp_path):
-    """Python 3.13 ends with 120 then."""
-    words = "from fsipetsc.process.streams import *; complete_streams(); say_error('lost'); sys.stderr.flush()"
-    assert shell(f'{sys.executable} -c "{words}" {place}', tmp_path)[0] == 0
-
-
 def test_help_for_a_reader_without_its_letters():
     done = run("-m", "fsipetsc", "-help", env={"LC_ALL": "C", "PYTHONIOENCODING": "ascii"})
     assert (done.returncode, done.stderr) == (0, "")

@@ -32,20 +32,6 @@ def test_times_beyond_the_end_are_refused():
         saved_times(1.0, 0.5, (0.3, 1.5, 5.0))
 
 
-def test_times_before_the_begin_are_refused():
-    """As of a run that begins with a frame; an interval counts from 0 nevertheless."""
-    with pytest.raises(InputError, match=r"-fsi_output_times: 0, 0.1 s would not be reached, the run begins at t = 0.2 s"):
-        saved_times(1.0, 0.5, (0.0, 0.1, 0.2, 0.3), begin=0.2)
-    assert saved_times(1.0, 0.5, (0.2, 0.3), begin=0.2) == [0.0, 0.2, 0.3, 0.5, 1.0]
-
-
-def test_messages_of_a_problem_without_dimensions_name_no_unit():
-    for interval, times in ((0.5, (1.5,)), (1e-9, None)):
-        with pytest.raises(InputError) as caught:
-            saved_times(1.0, interval, times, "")
-        assert " s" not in str(caught.value).replace(" save", "")
-
-
 def walk(targets: list[float], bound: float) -> tuple[np.ndarray, list[float]]:
     """Steps taken from 0 to the last target, and the times that were hit."""
     clock, t, steps, hits = OutputTimes(targets), 0.0, [], []
@@ -76,14 +62,6 @@ def test_a_target_that_round_off_has_moved_costs_no_step():
 def test_two_targets_closer_than_a_step():
     _, hits = walk([0.0, 0.5, 0.5 + 1e-6, 1.0], 0.1)
     assert hits == [0.5, 0.5 + 1e-6, 1.0]
-
-
-def test_several_targets_passed_at_once_count_once():
-    clock = OutputTimes([0.0, 0.1, 0.2])
-    assert clock.pass_time(0.15)
-    assert not clock.pass_time(0.16)
-    assert clock.pass_time(0.2)
-    assert clock.done
 
 
 # --- runs -------------------------------------------------------------------------------------------------------------
@@ -135,12 +113,6 @@ def test_the_fused_method_is_petscs_up_to_round_off(computed, name):
             assert np.array_equal(np.isfinite(one[field]), np.isfinite(other[field]))
             scale = np.nanmax(np.abs(other[field]))
             assert np.nanmax(np.abs(one[field] - other[field])) <= 1e-11 * scale, (one.name, field)
-
-
-def test_right_hand_sides_per_step(computed):
-    """Four for the classical method, and none for anything else."""
-    summary = computed("methods", fixed(("rk", "4"), STEPS[0])).summary
-    assert summary["rhs_evaluations"] == 4 * summary["steps"]
 
 
 COUNTING = """
@@ -211,19 +183,6 @@ def test_fixed_step(computed):
     dt = run.series["dt"]
     np.testing.assert_allclose(dt, 1e-4, rtol=1e-9)
     assert len(dt) == 100
-
-
-def test_number_of_steps(computed):
-    run = computed("times", "steps")
-    assert run.summary["steps"] == len(run.series["t"]) == 7
-    assert run.time[-1] == run.series["t"][-1], "the last state is saved"
-
-
-def test_no_time_at_all(computed):
-    run = computed("times", "nothing")
-    assert run.complete
-    assert run.time.tolist() == [0.0]
-    assert run.summary["steps"] == 0
 
 
 def test_steps_follow_the_rule(computed):
