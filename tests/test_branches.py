@@ -34,14 +34,21 @@ def contents(folder: Path) -> dict[str, bytes]:
 
 @pytest.mark.mpi
 def test_what_was_given_up_is_not_gone_on_from(tmp_path):
-    """Neither steps beyond an earlier checkpoint that was named, nor those of a former run; nor are two branches joined."""
+    """Neither steps beyond an earlier checkpoint that was named, nor those of a former run; nor
+    are two branches joined.
+    """
     assert goes_on(tmp_path, *WORDS, 40) == ""
     shutil.copy(tmp_path / NEWEST, tmp_path / "old.h5")
-    assert goes_on(tmp_path, *WORDS, 30, "-ts_dt", "1e-5", "-fsi_restart", BEFORE) == f"{BEFORE}: step 20"
+    assert (
+        goes_on(tmp_path, *WORDS, 30, "-ts_dt", "1e-5", "-fsi_restart", BEFORE)
+        == f"{BEFORE}: step 20"
+    )
     assert [steps(tmp_path / name) for name in (NEWEST, BEFORE)] == [30, 20]
     assert goes_on(tmp_path, *WORDS, 50, "-fsi_restart", "auto", ranks=2) == f"{NEWEST}: step 30"
     before = contents(tmp_path)
-    message(solve(*WORDS, 60, "-fsi_restart", "old.h5", cwd=tmp_path), 4, "its step 40 ends at t = ")
+    message(
+        solve(*WORDS, 60, "-fsi_restart", "old.h5", cwd=tmp_path), 4, "its step 40 ends at t = "
+    )
     assert contents(tmp_path) == before
     assert goes_on(tmp_path, *WORDS, 10) == ""
     assert steps(tmp_path / NEWEST) == 10 and not (tmp_path / BEFORE).exists()
@@ -56,10 +63,21 @@ def test_checkpoints_of_an_earlier_run_are_kept(tmp_path):
     first = contents(tmp_path)
     done = solve(*WORDS, 60, cwd=tmp_path)
     assert "kept the earlier rod.h5 as " in done.stdout and done.stdout.count("kept ") == 2
-    names = {"rod.h5": "rod.1.h5", NEWEST: "rod.checkpoint.1.h5", BEFORE: "rod.checkpoint.1.previous.h5"}
+    names = {
+        "rod.h5": "rod.1.h5",
+        NEWEST: "rod.checkpoint.1.h5",
+        BEFORE: "rod.checkpoint.1.previous.h5",
+    }
     assert {name: (tmp_path / kept).read_bytes() for name, kept in names.items()} == first
     assert [steps(tmp_path / name) for name in (NEWEST, BEFORE)] == [60, 40]
-    words = "-fsi_restart", names[NEWEST], "-fsi_output", "rod.1.h5", "-fsi_checkpoint", names[NEWEST]
+    words = (
+        "-fsi_restart",
+        names[NEWEST],
+        "-fsi_output",
+        "rod.1.h5",
+        "-fsi_checkpoint",
+        names[NEWEST],
+    )
     assert goes_on(tmp_path, *WORDS, 50, *words) == f"{names[NEWEST]}: step 40"
     with fsipetsc.open_run(tmp_path / "rod.1.h5") as result:
         assert len(result.series["t"]) == 50
@@ -68,7 +86,9 @@ def test_checkpoints_of_an_earlier_run_are_kept(tmp_path):
 
 @pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.mpi)])
 def test_checkpoints_of_another_run_are_kept_by_one_that_goes_on(ranks, tmp_path):
-    """From a checkpoint elsewhere, where its own ones will stand; what is no checkpoint stays where it is."""
+    """From a checkpoint elsewhere, where its own ones will stand; what is no checkpoint stays
+    where it is.
+    """
     assert goes_on(tmp_path, *WORDS, 20) == ""
     shutil.move(tmp_path / NEWEST, tmp_path / "old.h5")
     words = *WORDS, 60, "-fsi_checkpoint", "own.h5"
@@ -77,9 +97,18 @@ def test_checkpoints_of_another_run_are_kept_by_one_that_goes_on(ranks, tmp_path
     first = {path.name: path.read_bytes() for path in (newest, before)}
     assert goes_on(tmp_path, *words, "-fsi_restart", "old.h5", ranks=ranks) == "old.h5: step 20"
     assert [steps(path) for path in (newest, before)] == [60, 40]
-    assert {name: (tmp_path / name.replace("own.", "own.1.")).read_bytes() for name in first} == first
-    assert goes_on(tmp_path, *words, "-fsi_restart", "own.previous.h5", ranks=ranks) == "own.previous.h5: step 40"
+    assert {
+        name: (tmp_path / name.replace("own.", "own.1.")).read_bytes() for name in first
+    } == first
+    assert (
+        goes_on(tmp_path, *words, "-fsi_restart", "own.previous.h5", ranks=ranks)
+        == "own.previous.h5: step 40"
+    )
     assert not (tmp_path / "own.2.h5").exists()
     newest.write_text("a text")
-    message(solve(*words, cwd=tmp_path, ranks=ranks), 4, "own.h5: exists and is not a checkpoint of fsipetsc")
+    message(
+        solve(*words, cwd=tmp_path, ranks=ranks),
+        4,
+        "own.h5: exists and is not a checkpoint of fsipetsc",
+    )
     assert newest.read_text() == "a text" and not (tmp_path / "own.2.previous.h5").exists()

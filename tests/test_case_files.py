@@ -1,4 +1,6 @@
-"""Faults of case files: status 2 and one message that names file and line, or layer and field, and what was expected."""
+"""Faults of case files: status 2 and one message that names file and line, or layer and field, and
+what was expected.
+"""
 
 from __future__ import annotations
 
@@ -14,13 +16,19 @@ import fsipetsc
 pytest.importorskip("petsc4py")
 
 
-def answers(ranks: int, where: Path, texts: dict[str, str], status: int | None = 2) -> dict[str, str]:
-    """What is said about each of the case files, all run in one process; each must end with the status, or with any."""
+def answers(
+    ranks: int, where: Path, texts: dict[str, str], status: int | None = 2
+) -> dict[str, str]:
+    """What is said about each of the case files, all run in one process; each must end with the
+    status, or with any.
+    """
     runs = []
     for number, text in enumerate(texts.values()):
         (where / f"case{number}").mkdir()
         (where / f"case{number}" / "faulty.py").write_text(text)
-        runs.append([status, f"case{number}/faulty.py -fsi_quiet -fsi_output case{number}/faulty.h5"])
+        runs.append(
+            [status, f"case{number}/faulty.py -fsi_quiet -fsi_output case{number}/faulty.h5"]
+        )
     (where / "runs.json").write_text(json.dumps(runs))
     done = mpirun(ranks, REPOSITORY / "tests" / "many_runs_program.py", "runs.json", cwd=where)
     assert (done.returncode, done.stderr) == (0, "")

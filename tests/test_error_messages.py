@@ -1,4 +1,6 @@
-"""Every kind of error is one message and its exit status, whatever the number of ranks; tracebacks are for who asks."""
+"""Every kind of error is one message and its exit status, whatever the number of ranks; tracebacks
+are for who asks.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,10 @@ RAISED = {
     "import no_such_package": (1, ["no_such_package"]),
     "case.build(options)": (2, ["stub.py, line 10", "KeyError"]),
     "1 / 0": (1, ["ZeroDivisionError", "-fsi_debug"]),
-    "from petsc4py import PETSc; PETSc.TS().create().setType('nix')": (1, ["PETSc error 86", "Unknown TS type: nix"]),
+    "from petsc4py import PETSc; PETSc.TS().create().setType('nix')": (
+        1,
+        ["PETSc error 86", "Unknown TS type: nix"],
+    ),
 }
 
 
@@ -42,16 +47,20 @@ class TestOnTwoRanks:
     """Nobody waits for a rank that has gone."""
 
     def test_one_rank_fails_alone_with_an_error_said_to_be_common(self, here):
-        code = "from fsipetsc.errors import ComputationError as E\nif comm.rank == 1: raise E('T <= 0')\ncomm.barrier()"
+        code = "from fsipetsc.errors import ComputationError as E\n"
+        code += "if comm.rank == 1: raise E('T <= 0')\ncomm.barrier()"
         done = mpirun(2, "driver.py", "stub.py", "-do", code)
         message(done, 3, "T <= 0")
 
-    @pytest.mark.parametrize("code", ["1 / 0", "from fsipetsc.errors import ComputationError as E; raise E('T <= 0')"])
+    @pytest.mark.parametrize(
+        "code", ["1 / 0", "from fsipetsc.errors import ComputationError as E; raise E('T <= 0')"]
+    )
     def test_all_ranks_fail(self, code, here):
         done = run_stub("-do", f"comm.barrier(); {code}", ranks=2)
         message(done, 3 if "Computation" in code else 1)
         assert "MPI_ABORT" not in done.stderr, "an error of all ranks ends in order"
 
     def test_ranks_disagree_about_the_error(self, here):
-        code = "from fsipetsc.errors import *; raise (FileError, InputError)[comm.rank]('rank %d' % comm.rank)"
+        code = "from fsipetsc.errors import *; E = (FileError, InputError)[comm.rank]"
+        code += "; raise E('rank %d' % comm.rank)"
         message(run_stub("-do", code, ranks=2), 4, "rank 0")

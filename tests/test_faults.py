@@ -1,6 +1,6 @@
-"""Runs in which a field is driven out of its range, or a function of the case fails: what is said, on 1 and 3 ranks.
+"""Runs in which a field is driven out of its range, or a function of the case fails.
 
-One message, the same on all ranks; the result opens.
+On 1 and 3 ranks: one message, the same on all; the result opens.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ pytestmark = pytest.mark.mpi
 
 CASE = REPOSITORY / "tests" / "going_wrong.py"
 RANKS = 1, 3
-#: in one dimension (0) and in two (1): layers, number of the driven one, its unknown, its rate -> what is found
+#: dimensions (0: one, 1: two), layers, number of the driven one, its unknown, its rate -> words
 DRIVEN = {
     (0, "gsg", 0, "e", -1e6): "T = -",
     (0, "gsg", 0, "rho", -1e6): "rho = -",
@@ -31,7 +31,14 @@ DRIVEN = {
     (1, "gsg", 0, "place", 2000): "J",
 }
 #: functions that fail, and whether they are compiled; on all ranks, or on the last of three alone
-FAILING = {(0, "forcing", 0), (0, "edge", 0), (1, "initial", 0), (1, "forcing", 1), (1, "jumps", 0), (1, "T", 0)}
+FAILING = {
+    (0, "forcing", 0),
+    (0, "edge", 0),
+    (1, "initial", 0),
+    (1, "forcing", 1),
+    (1, "jumps", 0),
+    (1, "T", 0),
+}
 PROGRAM = """
 import json
 from mpi4py import MPI
@@ -48,11 +55,13 @@ def runs(ranks: int) -> dict[str, list[str]]:
     found = {}
     for k, (plane, layers, number, field, rate) in enumerate(DRIVEN):
         time = 0.0101 if field == "place" else 0.01
-        text = f"-mad_plane {plane} -mad_layers {layers} -mad_layer {number} -mad_rate {rate} -mad_time {time}"
+        text = f"-mad_plane {plane} -mad_layers {layers} -mad_layer {number}"
+        text += f" -mad_rate {rate} -mad_time {time}"
         found[f"driven {k}"] = [*text.split(), "-mad_field", field]
     for plane, name, compiled in sorted(FAILING):
         rank = ranks - 1 if name in ("initial", "edge") else -1
-        text = f"-mad_plane {plane} -mad_function {name} -mad_compiled {compiled} -mad_rank {rank} -mad_time 0.0105"
+        text = f"-mad_plane {plane} -mad_function {name} -mad_compiled {compiled}"
+        text += f" -mad_rank {rank} -mad_time 0.0105"
         found[f"failing {plane} {name}"] = f"{text} -ts_max_steps 20".split()
     for name, words in found.items():
         words[:0] = [str(CASE), "-fsi_quiet", "-fsi_output", f"{name.replace(' ', '_')}.h5"]
@@ -61,7 +70,9 @@ def runs(ranks: int) -> dict[str, list[str]]:
 
 @pytest.fixture(scope="module", params=RANKS)
 def said(request, tmp_path_factory) -> tuple[Path, dict[str, tuple[int, str]]]:
-    """Folder, and name -> (status, message): all runs in one process for each rank, which are not to fail apart."""
+    """Folder, and name -> (status, message): all runs in one process for each rank, which are not
+    to fail apart.
+    """
     where = tmp_path_factory.mktemp(f"on{request.param}")
     (where / "runs.json").write_text(json.dumps(runs(request.param)))
     path = {"PYTHONPATH": f"{REPOSITORY / 'tests'}:{REPOSITORY}"}
@@ -80,7 +91,14 @@ def test_what_went_wrong_is_named_and_what_helps(said):
     for k, ((_, layers, number, _, _), words) in enumerate(DRIVEN.items()):
         status, text = texts[f"driven {k}"]
         layer = f"layer '{'gas' if layers[number] == 'g' else 'bar'} {number}'"
-        for word in (f"error: {words}", layer, " at x = ", ", t = 0.01", ", step 1", "what usually helps: "):
+        for word in (
+            f"error: {words}",
+            layer,
+            " at x = ",
+            ", t = 0.01",
+            ", step 1",
+            "what usually helps: ",
+        ):
             assert status == 3 and word in text, (k, word, text)
         with fsipetsc.open_run(where / f"driven_{k}.h5") as result:
             assert result.summary["status"] == "failed" and result.summary["steps"] >= 10
@@ -100,7 +118,11 @@ def test_an_error_of_a_function_ends_all_with_its_place(said):
 def test_the_same_is_said_on_any_number_of_ranks(said, tmp_path_factory):
     where, texts = said
     kept = tmp_path_factory.getbasetemp() / "said.json"
-    text = {name: text.replace(str(where), "") for name, (_, text) in texts.items() if name.startswith("driven")}
+    text = {
+        name: text.replace(str(where), "")
+        for name, (_, text) in texts.items()
+        if name.startswith("driven")
+    }
     if not kept.exists():
         kept.write_text(json.dumps(text))
     assert json.loads(kept.read_text()) == text

@@ -1,6 +1,7 @@
-"""Runs that are stopped or killed go on as if nothing had been; what the signals do that ask for a checkpoint.
+"""Runs that are stopped or killed go on as if nothing had been.
 
-Signals come at named places of the run, which it sends to itself (signalled_program.py); at random: `scripts/soak kill`.
+Signals come at named places of the run, which it sends to itself (signalled_program.py); at random:
+`scripts/soak kill`.
 """
 
 from __future__ import annotations
@@ -25,7 +26,9 @@ PROGRAM = REPOSITORY / "tests" / "signalled_program.py"
 LINE = "rod -fsi_h 0.05 -ts_max_time 0.1 -fsi_output_dt 0.01 -fsi_quiet".split()
 
 
-def signalled(ranks: int, folder: Path, places: list[list[object]], *words: object) -> subprocess.CompletedProcess[str]:
+def signalled(
+    ranks: int, folder: Path, places: list[list[object]], *words: object
+) -> subprocess.CompletedProcess[str]:
     """The rod on so many ranks, which get signals at these places (signalled_program.py)."""
     return mpirun(ranks, PROGRAM, json.dumps(places), *LINE, *words, cwd=folder)
 
@@ -38,15 +41,28 @@ def whole(tmp_path_factory) -> Path:
     return folder / "whole.h5"
 
 
-@pytest.mark.parametrize(("ranks", "rank", "number"), [(1, 0, signal.SIGINT), (2, 0, signal.SIGHUP), (2, 1, signal.SIGTERM)])
+@pytest.mark.parametrize(
+    ("ranks", "rank", "number"),
+    [(1, 0, signal.SIGINT), (2, 0, signal.SIGHUP), (2, 1, signal.SIGTERM)],
+)
 def test_a_run_that_a_signal_stopped_goes_on(ranks, rank, number, whole, tmp_path):
-    """One message, 128 + signal, a frame and a checkpoint of the last step; then on another number of ranks."""
+    """One message, 128 + signal, a frame and a checkpoint of the last step; then on another number
+    of ranks.
+    """
     done = signalled(ranks, tmp_path, [["frame", 4, rank, number]])
-    message(done, 128 + number, f"stopped by {number.name} at t = ", "rod.h5", "the checkpoint in rod.checkpoint.h5")
+    message(
+        done,
+        128 + number,
+        f"stopped by {number.name} at t = ",
+        "rod.h5",
+        "the checkpoint in rod.checkpoint.h5",
+    )
     assert_readable(tmp_path / "rod.h5", "stopped", 0.1)
     with fsipetsc.open_run(tmp_path / "rod.h5") as result:
         assert not result.complete and result.nframes in (4, 5)
-        assert result.time[-1] == result.series["t"][-1] == result.summary["t"], "the last state is saved"
+        assert result.time[-1] == result.series["t"][-1] == result.summary["t"], (
+            "the last state is saved"
+        )
     done = solve(*LINE, "-fsi_restart", "auto", cwd=tmp_path, ranks=3 - ranks)
     assert (done.returncode, done.stderr) == (0, "")
     assert differences(whole, tmp_path / "rod.h5", same_ranks=False) == []
@@ -66,7 +82,9 @@ KILLS = [
 
 @pytest.mark.parametrize(("case", "kills"), [("rod", KILLS), ("blast", KILLS[3:])])
 def test_a_run_that_is_killed_goes_on(case, kills, tmp_path):
-    """A frame, a checkpoint, a piece, a whole result half written; each time on another number of ranks: the same bits."""
+    """A frame, a checkpoint, a piece, a whole result half written; each time on another number of
+    ranks: the same bits.
+    """
     said = cycles(tmp_path, case, kills)
     assert len(said) == len(kills)
 

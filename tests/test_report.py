@@ -26,7 +26,9 @@ def test_an_end_by_the_number_of_steps_is_not_said_to_be_the_end(where):
         t, summary, complete = result.series["t"][-1], result.summary, result.complete
     words = f"ended by -ts_max_steps at t = {t:g}, before -ts_max_time 2"
     assert f"\n{words}: 1 step in " in done.stdout and "done at" not in done.stdout
-    assert (summary["status"], summary["message"], complete) == ("done", words, True), "as the user wished"
+    assert (summary["status"], summary["message"], complete) == ("done", words, True), (
+        "as the user wished"
+    )
     assert words in solve("info", "r.h5", cwd=where).stdout
 
 
@@ -49,7 +51,9 @@ def test_steps_far_beyond_their_bound_are_noted(where):
         noted[words] = [line for line in done.stdout.splitlines() if line.startswith("note: ")]
     with fsipetsc.open_run(where / "r.h5") as result:
         bound = result.series["dt"][0]
-    assert noted.pop(("-fsi_cfl", 4))[0].startswith("note: -fsi_cfl 4 is 4 times the bound on the step at t = 0, ")
+    assert noted.pop(("-fsi_cfl", 4))[0].startswith(
+        "note: -fsi_cfl 4 is 4 times the bound on the step at t = 0, "
+    )
     assert noted.pop(("-ts_dt", 1.0))[0].startswith("note: -ts_dt 1 is ")
     assert list(noted.values()) == [[], []] and bound > 0
 
@@ -57,4 +61,6 @@ def test_steps_far_beyond_their_bound_are_noted(where):
 def test_a_run_that_fails_by_its_steps_says_so(where):
     done = box(where, "-ts_dt", 4, "-fsi_output_dt", 8)
     assert done.returncode == 3
-    assert "; -ts_dt 4 is " in done.stderr and " times the bound on the step at t = 0" in done.stderr
+    assert (
+        "; -ts_dt 4 is " in done.stderr and " times the bound on the step at t = 0" in done.stderr
+    )

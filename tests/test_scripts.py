@@ -1,18 +1,21 @@
-"""The scripts' words to who runs them on a machine that lacks something; the whole way is tried by scripts/bare-machine."""
+"""The scripts' words to who runs them on a machine that lacks something; the whole way is tried by
+scripts/bare-machine.
+"""
 
 from __future__ import annotations
 
 import os
 import shutil
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 from helpers import PATIENCE, REPOSITORY, run
 
 
-def script(name: str, *arguments: str, root: Path = REPOSITORY, **env: str) -> subprocess.CompletedProcess[str]:
+def script(
+    name: str, *arguments: str, root: Path = REPOSITORY, **env: str
+) -> subprocess.CompletedProcess[str]:
     """A script of ours with nothing of the environment but PATH and what is given."""
     return subprocess.run(
         ["bash", str(root / "scripts" / name), *arguments],
@@ -59,39 +62,19 @@ def test_a_user_who_may_not_install_is_told_whom_to_ask(tmp_path):
     assert not (tmp_path / "installed").exists() and not (root / ".venv").exists()
 
 
-@pytest.mark.parametrize(
-    ("version", "name"),
-    [
-        ("mpiexec (Open MPI) 5.0.7", "PRTE_MCA_rmaps_default_mapping_policy"),
-        ("mpiexec (Open MPI) 6.0.0rc2", "PRTE_MCA_mapby"),
-        ("mpiexec (Open MPI) 10.1.0", "PRTE_MCA_mapby"),
-    ],
-)
-def test_each_open_mpi_is_told_in_its_own_words(version, name, tmp_path):
-    """An older name makes the launcher print a page."""
-    pytest.importorskip("petsc4py")
-    launcher = stand_in(tmp_path / "open mpi", "mpiexec", f"echo '{version}'")
-    path = f"{launcher.parent}:{os.environ['PATH']}"
-    done = script("setup", "--print-env", PYTHON=str(stand_in(tmp_path, "python3", f'exec {sys.executable} "$@"')), PATH=path)
-    assert done.returncode == 0, done.stderr
-    assert [line for line in done.stdout.splitlines() if "PRTE_MCA" in line] == [f'export {name}="${{{name}:-:oversubscribe}}"']
-    relative = script("setup", "--print-env", PYTHON=os.path.relpath(tmp_path / "python3"), PATH=path)
-    assert f"'{tmp_path}/python3'" in relative.stdout
-    named = script("setup", "--print-env", PYTHON=sys.executable, MPIEXEC=f"{tmp_path}/named --quiet")
-    assert named.returncode == 0 and "PRTE_MCA_mapby" in named.stdout
-
-
-def test_bare_machine_explains_itself():
-    assert "--keep" in script("bare-machine", "--help").stdout
-    done = script("bare-machine", "--no-such")
-    assert (done.returncode, done.stdout) == (2, "") and "--no-such" in done.stderr
-
-
 def test_yaml_without_its_package(tmp_path):
     """PETSc itself would wait for ever on several ranks where the file is faulty."""
     pytest.importorskip("petsc4py")
     (tmp_path / "yaml.py").write_text("raise ModuleNotFoundError('no yaml', name='yaml')")
     (tmp_path / "a.yaml").write_text("fsi_h: 0.1\n")
-    done = run("-m", "fsipetsc", "rod", "-options_file", "a.yaml", cwd=tmp_path, env={"PYTHONPATH": f"{tmp_path}:{REPOSITORY}"})
+    done = run(
+        "-m",
+        "fsipetsc",
+        "rod",
+        "-options_file",
+        "a.yaml",
+        cwd=tmp_path,
+        env={"PYTHONPATH": f"{tmp_path}:{REPOSITORY}"},
+    )
     assert done.returncode == 2
     assert done.stderr.count("\n") == 1 and "a.yaml" in done.stderr and "PyYAML" in done.stderr

@@ -1,4 +1,6 @@
-"""Options from wherever they may come, whatever is written there: read as meant, or refused in one message."""
+"""Options from wherever they may come, whatever is written there: read as meant, or refused in one
+message.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,9 @@ def here(tmp_path, monkeypatch):
 
 
 def texts(*words, environment=""):
-    return {name: one.text for name, one in given_options(words, {"PETSC_OPTIONS": environment}).items()}
+    return {
+        name: one.text for name, one in given_options(words, {"PETSC_OPTIONS": environment}).items()
+    }
 
 
 def test_the_command_line_comes_last_and_files_where_they_are_named(here):
@@ -28,8 +32,16 @@ def test_the_command_line_comes_last_and_files_where_they_are_named(here):
 
 
 def test_yaml(here):
-    (here / "a.yaml").write_text("fsi:\n  h: 0.1\n  output: {dt: 1e-3}\ntimes: [1, 2.50]\nquiet:\ntext: 'a: b'\n")
-    expected = {"fsi_h": "0.1", "fsi_output_dt": "1e-3", "times": "1,2.50", "quiet": "", "text": "a: b"}
+    (here / "a.yaml").write_text(
+        "fsi:\n  h: 0.1\n  output: {dt: 1e-3}\ntimes: [1, 2.50]\nquiet:\ntext: 'a: b'\n"
+    )
+    expected = {
+        "fsi_h": "0.1",
+        "fsi_output_dt": "1e-3",
+        "times": "1,2.50",
+        "quiet": "",
+        "text": "a: b",
+    }
     assert texts("-options_file", "a.yaml") == texts("-options_file_yaml", "a.yaml") == expected
 
 
@@ -58,6 +70,9 @@ def test_faulty_file(name, here):
 
 
 def test_a_quotation_mark_that_stands_alone(here):
-    assert texts("-fsi_output", "a 'b", "-fsi_order", "6") == {"fsi_output": "a 'b", "fsi_order": "6"}
+    assert texts("-fsi_output", "a 'b", "-fsi_order", "6") == {
+        "fsi_output": "a 'b",
+        "fsi_order": "6",
+    }
     with pytest.raises(InputError, match="never closed in PETSC_OPTIONS"):
         texts(environment="-fsi_output 'a b -fsi_order 6")

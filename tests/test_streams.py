@@ -1,4 +1,6 @@
-"""Nobody reads what is printed, or it cannot be written: a run goes on, and what is printed for its own sake says so."""
+"""Nobody reads what is printed, or it cannot be written: a run goes on, and what is printed for
+its own sake says so.
+"""
 
 from __future__ import annotations
 
@@ -26,10 +28,7 @@ def shell(line: str, cwd) -> tuple[int, str]:
 
 @pytest.mark.parametrize(
     ("line", "said"),
-    [
-        (f"{COMPUTES} >/dev/full", 1),
-        (f"{COMPUTES} | head -n 0; exit ${{PIPESTATUS[0]}}", 0),
-    ],
+    [(f"{COMPUTES} >/dev/full", 1), (f"{COMPUTES} | head -n 0; exit ${{PIPESTATUS[0]}}", 0)],
 )
 def test_a_run_goes_on(line, said, tmp_path):
     status, err = shell(line, tmp_path)

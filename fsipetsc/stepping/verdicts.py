@@ -94,7 +94,8 @@ def beyond_bound(state: State, opt: Mapping[str, Any]) -> str:
         return ""
     s = state.problem.unit("s")
     asked = f"-ts_dt {step:g}{s}" if opt["ts_dt"] else f"-fsi_cfl {opt['fsi_cfl']:g}"
-    return f"{asked} is {step * rate:.3g} times the bound on the step at t = 0, {1 / rate:.3g}{s}"
+    bound = f"the bound on the step at t = 0{s}, {1 / rate:.3g}{s}"
+    return f"{asked} is {step * rate:.3g} times {bound}"
 
 
 def cold_layers(state: State) -> list[str]:
