@@ -29,7 +29,6 @@ ORDER = """
     blocks
     problem
     boundaries
-    physics
     materials
     equations
     operators
