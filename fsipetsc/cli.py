@@ -7,12 +7,11 @@ import importlib
 import os
 import shlex
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from itertools import dropwhile
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from fsipetsc.blame import missing
 from fsipetsc.cases import BUILT_IN, load_case, summaries
 from fsipetsc.errors import FileError, FsiError, InputError
 from fsipetsc.options import RUN, Option, table
@@ -191,37 +190,24 @@ def _answer(arguments: list[str]) -> None:
     elif first in COMMANDS:
         _run_command(first, arguments[1:])
     else:
-        with _helping():
-            case = load_case(first, tuple(COMMANDS))
-            _check_help(arguments[1:], table(case))
-            print(case_help(case, first))
+        case = load_case(first, tuple(COMMANDS))
+        _check_help(arguments[1:], table(case))
+        print(case_help(case, first))
 
 
 def _run_command(name: str, arguments: list[str]) -> None:
     command = COMMANDS[name]
     if any(word in HELP_FLAGS for word in arguments):
         if command.options:
-            with _helping():
-                options = _named(command.options)
-                sections = options(arguments) if callable(options) else options
-                _check_help(arguments, {option.name: option for group in sections.values() for option in group})
-                print(command_help(name, command.arguments, command.summary, sections))
+            options = _named(command.options)
+            sections = options(arguments) if callable(options) else options
+            _check_help(arguments, {option.name: option for group in sections.values() for option in group})
+            print(command_help(name, command.arguments, command.summary, sections))
         else:
             debug = f"-{_DEBUG.name}  {_DEBUG.help}"
             print(f"{program()} {name} {command.arguments}\n\n  {command.summary}\n\n  {debug}")
         return
     _named(command.target)(arguments)
-
-
-@contextlib.contextmanager
-def _helping() -> Iterator[None]:
-    """What is printed within explains something that needs numba, which may be missing; then a last line says so."""
-    from fsipetsc.cases.stand_in import numba_stood_in
-
-    with numba_stood_in() as without:
-        yield
-    if without:
-        print(f"\nTo run, {missing('numba')}.")
 
 
 def _check_help(arguments: Sequence[str], options: Mapping[str, Option]) -> None:

@@ -50,7 +50,7 @@ def label(exact, x, t):
     X = np.array(x, float)
     for _ in range(8):
         off = place_in_gas(exact, list(X), t) - x
-        G = np.moveaxis(exact.grid(manufactured.Place(list(X), t))[0], -1, 0)
+        G = np.moveaxis(exact.grid((*X, t))[0], -1, 0)
         X = X - np.linalg.solve(G, off.T[..., None])[..., 0].T
     assert np.abs(off).max() < 1e-14
     return list(X)
@@ -205,7 +205,7 @@ def test_grids_do_not_fold(d):
     exact = solution(d)
     X = np.meshgrid(*[np.arange(12) / 12] * (d - 1), np.linspace(0, 1, 7))
     for t in np.linspace(0.0, 6.0, 25):
-        gas, above = manufactured.Place(X, t), manufactured.Place([*X[:-1], X[-1] + 1], t)
+        gas, above = (*X, t), (*X[:-1], X[-1] + 1, t)
         F = exact.displacement.at(above).gradient
         assert manufactured.determinant(exact.grid(gas)[0]).min() > 0.4
         assert manufactured.determinant(F + manufactured.unit(F)).min() > 0.4
