@@ -113,7 +113,7 @@ def test_the_command(tmp_path):
     assert (tmp_path / "stability-plane.csv").read_text().count("\n") == 5
     for words, said in {
         "-stability_plane -stability_symbols 1.5": "-stability_symbols",
-        "-stability_plane -fsi_viscous narrow": "-fsi_viscous narrow: two dimensions",
+        "-stability_plane -fsi_viscous narrow": "-fsi_viscous narrow: -stability_plane does not have it",
         "-stability_plane -stability_k 101": "up to 100.531",
         "-stability_k 2": "-stability_plane asks",
         "panel": "panel is no case of layers",

@@ -128,7 +128,7 @@ class ConvergenceStudy:
         about = f"{self.case}, {what} in {self.norm} at {self.time}, {counted(self.ranks, 'rank')}"
         columns = dict(self.cost)
         columns |= {f"{group}/{name}": self.errors[group][name] for group, name in self.columns()}
-        columns |= {f"order {group}/{name}": self.rates(group, name) for group, name in self.columns()}
+        columns |= {f"order {g}/{name}": self.rates(g, name) for g, name in self.columns()}
         rows = []
         for i, order in enumerate(self.orders):
             for j, h in enumerate(self.hs):

@@ -24,7 +24,7 @@ from fsipetsc.analysis.spectra import Complex, Real, bisect
 FUNCTIONS, MODES, POINTS = 16, 12, 48
 #: factor of the shear force
 SHEAR = 5.0 / 6.0
-#: lambda at which a thin panel begins to flutter without damping, its frequency there over sqrt(D/m)
+#: lambda at which a thin panel flutters without damping, its frequency there over sqrt(D/m)
 CRITICAL, FREQUENCY = 636.57, 52.0
 #: where the onset is looked for
 BETWEEN = 300.0, 1500.0
@@ -91,7 +91,7 @@ class Flow:
         return s[np.argsort(s.imag + 1e-9 * s.real)]
 
     def onset(self, damped: bool = True) -> tuple[float, complex]:
-        """(lambda, s) where the growth of the fastest mode becomes positive; NaN where none does."""
+        """(lambda, s) where the fastest mode begins to grow; NaN where none does."""
         low, high = BETWEEN
         least = 1e-9 * self.unit(low)  # round-off of a mode that neither grows nor decays
 

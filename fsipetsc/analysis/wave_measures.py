@@ -149,7 +149,7 @@ def rest_of_options(opt: Mapping[str, Any], state: Constant, chosen: Collection[
     """
     for name in OF_ONE_DIMENSION:
         if name in chosen and (name, opt[name]) != ("fsi_coupling", "conservative"):
-            raise InputError(f"-{name} {opt[name]}: two dimensions (-stability_plane) do not have it")
+            raise InputError(f"-{name} {opt[name]}: -stability_plane does not have it")
     K, cells = state.solid.K, opt["stability_points"] - 1
     shear, size = opt["solid_shear"] * K, cells * opt["fsi_h"]
     conducting = state.solid.kappa_e, state.solid.m0, state.solid.alpha

@@ -47,7 +47,7 @@ DEFAULTS = {"fsi_h": 0.05, "fsi_order": 4, "ts_max_time": 1.25, "fsi_output_dt":
 
 #: radii [m] of the disk and of the vessel
 RADIUS, VESSEL = 1.0, 2.2
-#: half the side of the square that the block in the middle is, before it bulges [m], and by how much
+#: half the side of the square of the block in the middle, before it bulges [m], and by how much
 HALF, BULGE = 0.45, 0.25
 
 
@@ -59,7 +59,7 @@ def middle(xi: Places) -> Places:
 
 
 def side(quarter: int) -> Any:
-    """The map of a block of the disk between the middle and the edge; its axes: outwards, around."""
+    """The map of a block between the middle and the edge of the disk; axes: outwards, around."""
     c, s = ((1, 0), (0, 1), (-1, 0), (0, -1))[quarter]
 
     def places(xi: Places) -> Places:

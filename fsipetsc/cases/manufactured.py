@@ -90,7 +90,8 @@ class Waves:
             cosine, sine = cosine - step * sine, sine + step * cosine
         n, m = self.heights.shape
         k, moving = self.phases[:, AXES[d]].T, self.heights * self.phases[:, 3]
-        by_axis, moving_by_axis = ((h[:, None] * k).reshape(n * d, m) for h in (self.heights, moving))
+        by_axis = (self.heights[:, None] * k).reshape(n * d, m)
+        moving_by_axis = (moving[:, None] * k).reshape(n * d, m)
         return Jet(
             (_sums(self.heights, cosine) + self.offsets[:, None]).reshape(n, *shape),
             -_sums(moving, sine).reshape(n, *shape),

@@ -1,4 +1,5 @@
-"""The Riemann problem of a perfect gas and an elastic solid: what follows when both meet with a jump.
+"""The Riemann problem of a perfect gas and an elastic solid, which meet with a jump, solved
+exactly.
 
 The gas stands on the left, the solid on the right; nothing is viscous or conducts heat. Both sides
 have one velocity u and one pressure p at the interface, their temperatures differ. A wave, shock or
@@ -10,7 +11,8 @@ Dynamics, 3rd ed., Springer 2009, Sec. 4.2 to 4.5. Solid, with F = x_X and E = a
 The wave speed c over X, c^2 = K / (m0 F), falls with F: compression makes a shock, expansion a fan.
 Across a shock of speed s into the state 0,
 
-    u - u0 = -s (F - F0),    m0 s^2 (F - F0) = sigma - sigma0,    E - E0 = (sigma + sigma0)/2 (F - F0),
+    u - u0 = -s (F - F0),    m0 s^2 (F - F0) = sigma - sigma0,
+    E - E0 = (sigma + sigma0)/2 (F - F0),
 
 and through a fan E_F = sigma, and u + int c dF is what it was before.
 """

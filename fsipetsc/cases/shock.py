@@ -33,7 +33,7 @@ from fsipetsc.options import Option, above_one
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 
 NAME = "shock"
-SUMMARY = "a shock tube with an elastic rod, or a shock that hits one: errors against the exact solution"
+SUMMARY = "a shock tube with an elastic rod, or a shock that hits one, with exact solutions"
 
 OPTIONS = (
     Option("shock_problem", "str", "sod", "", "which problem", choices=("sod", "strong")),
