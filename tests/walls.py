@@ -1,9 +1,11 @@
-"""Manufactured solutions between walls that move, of given temperature or heat flux, and ends of solids that are driven.
+"""Manufactured solutions between walls that move, of given temperature or heat flux, and ends of
+solids that are driven.
 
-`gas`: a gas alone between a moving wall of given temperature T(t) and one with a heat flux(t). `solid`: one alone between
-clamped(velocity(t), T(t)) and free(stress(t), flux(t)). `left` and `right`: gas | solid and solid | gas with other pairs of
-these. Solids move as that of the case mms, with sigma = K ln x_X, have Grüneisen's pressure, and the gas's temperature at X. X
-of a gas, stretched between its ends, stands for x with x_X = J. The forcing is made as that of materials.py.
+`gas`: a gas alone between a moving wall of given temperature T(t) and one with a heat flux(t).
+`solid`: one alone between clamped(velocity(t), T(t)) and free(stress(t), flux(t)). `left` and
+`right`: gas | solid and solid | gas with other pairs of these. Solids move as that of the case mms,
+with sigma = K ln x_X, have Grüneisen's pressure, and the gas's temperature at X. X of a gas,
+stretched between its ends, stands for x with x_X = J. The forcing is made as that of materials.py.
 """
 
 from __future__ import annotations
@@ -22,11 +24,14 @@ from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 
 NAME = "walls"
 SUMMARY = "manufactured solutions between walls that move and driven ends"
-OPTIONS = (Option("walls_state", str, "gas", "", "which layers", choices=("gas", "solid", "left", "right")),)
+OPTIONS = (
+    Option(
+        "walls_state", str, "gas", "", "which layers", choices=("gas", "solid", "left", "right")
+    ),
+)
 DEFAULTS = {"fsi_h": 0.025, "ts_max_time": 0.45, "fsi_output_dt": 1.0, "fsi_cfl": 1.0}
 
 AIR, ROCK = Fluid(0.015, 0.045, 1.4, 1.0), Solid(10.0, 0.03, 2.0, 1.0, gruneisen=0.3)
-
 
 
 def solid(X, t):
@@ -72,7 +77,10 @@ class Gas:
     def stress_and_heat(self, X, t):
         """p - mu' u_x and kappa T_x."""
         (rho, _, T), (J, _, w_X) = self.fields(X, t), self.grid(X, t)
-        u_X, T_X = w_X + 0.5 * np.pi * np.sin(t) * np.cos(np.pi * X), -6 * np.sin(3 * t) * np.sin(2 * X)
+        u_X, T_X = (
+            w_X + 0.5 * np.pi * np.sin(t) * np.cos(np.pi * X),
+            -6 * np.sin(3 * t) * np.sin(2 * X),
+        )
         return AIR.R * rho * T - 4 / 3 * AIR.mu * u_X / J, AIR.kappa * T_X / J
 
     def conserved(self, X, t):
@@ -80,13 +88,19 @@ class Gas:
         return np.array([rho, rho * u, rho * (AIR.cv * T + u * u / 2)])
 
     def flux(self, X, t):
-        (_, w, _), (stress, heat), q = self.grid(X, t), self.stress_and_heat(X, t), self.conserved(X, t)
+        (_, w, _), (stress, heat), q = (
+            self.grid(X, t),
+            self.stress_and_heat(X, t),
+            self.conserved(X, t),
+        )
         u = q[1] / q[0]
         return q * (u - w) + np.array([0 * u, stress, u * stress - heat])
 
     def forcing(self, X, t):
         """What the equations leave over."""
-        rates = derivative(lambda t: self.grid(X, t)[0] * self.conserved(X, t), t) + derivative(lambda X: self.flux(X, t), X)
+        rates = derivative(lambda t: self.grid(X, t)[0] * self.conserved(X, t), t) + derivative(
+            lambda X: self.flux(X, t), X
+        )
         return rates / self.grid(X, t)[0]
 
     def layer(self) -> FluidLayer:
@@ -166,7 +180,11 @@ def build(opt: Mapping[str, Any]) -> Problem:
     state = opt["walls_state"]
     if state == "gas":
         gas = Gas(0.0, left_wall, right_wall)
-        return alone(gas.layer(), wall(left_wall, T=gas.temperature(0.0)), wall(right_wall, heat_flux=gas.heat_flux(1.0)))
+        return alone(
+            gas.layer(),
+            wall(left_wall, T=gas.temperature(0.0)),
+            wall(right_wall, heat_flux=gas.heat_flux(1.0)),
+        )
     if state == "solid":
         rock = Rock(0.0)
         held = clamped(rock.velocity(0.0), T=rock.temperature(0.0))
