@@ -1,4 +1,4 @@
-"""Layers of gas (g) and solid (s) in any sequence, between walls or clamped; pulses in the gases move the solids."""
+"""Layers of gas (g) and solid (s) in any sequence, between walls or clamped; gases have pulses."""
 
 from __future__ import annotations
 

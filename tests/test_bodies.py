@@ -48,7 +48,7 @@ def test_ranks_make_no_difference_and_balances_close(bodies, name):
 
 
 def test_gas_goes_around_the_edge_of_a_step(bodies):
-    """Front and top are one wall there: no gas goes through the sum of both, and it is not at rest."""
+    """Front and top are one wall there: no gas goes through the sum of both, and it moves."""
     before, _, over = bodies("step").layers
     u, v = (before[name][-1][-1, -1] for name in ("u", "v"))
     front, top = before.Y[-1] - before.Y[-2], over.X[1] - over.X[0]

@@ -1,4 +1,5 @@
-"""The manufactured solution in one, two and three dimensions: the errors have the order they should.
+"""The manufactured solution in one, two and three dimensions: the errors have the order they
+should.
 
 A wrong term in the scheme, or in the solution's forcing, leaves an error of order 0.
 """
@@ -38,7 +39,7 @@ def test_orders(d, tmp_path):
 
 @pytest.mark.parametrize("d", STUDIES)
 def test_the_forcing_is_no_small_thing(d):
-    """And velocity and temperature are continuous at the interface, where traction and heat lack."""
+    """Velocity and temperature are continuous at the interface, where traction and heat lack."""
     exact, t = Solution(d, mu=0.3, kappa=0.2, kappa_e=0.4, law="linear"), 0.4
     X = [*np.random.default_rng(d).uniform(0.1, 0.9, (d - 1, 7)), np.linspace(0.1, 0.9, 7)]
     above, at = [*X[:-1], X[-1] + 1.0], [*X[:-1], np.ones(7)]

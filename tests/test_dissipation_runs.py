@@ -74,7 +74,7 @@ def test_mass_and_energy_stay_and_entropy_grows(runs):
 @pytest.mark.long
 @pytest.mark.parametrize("order", [2, 4, 6, 8])
 def test_two_point_fluxes_keep_mass_and_energy(more_kernels, order, tmp_path):
-    """In a gas that is neither viscous nor conducts; one with a law of its own has the same bits."""
+    """In a gas without viscosity and conduction; one with a law of its own has the same bits."""
     words = f"-fsi_convection entropy -fsi_order {order} -fsi_h 0.025 -ts_max_time 1"
     inviscid = f"{words} -fluid_mu 0 -fluid_kappa 0"
     own = str(REPOSITORY / "tests" / "own_gas.py")

@@ -1,4 +1,4 @@
-"""Panel flutter: theory without a grid, modes and limit cycles of a motion, runs on a coarse grid."""
+"""Panel flutter: theory without a grid, modes and limit cycles of a motion, short runs."""
 
 from __future__ import annotations
 

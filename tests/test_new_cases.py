@@ -1,4 +1,4 @@
-"""The cases with more layers, a wall that moves and an exact solution of conjugate heat transfer."""
+"""The cases with more layers, a wall that moves, and conjugate heat transfer, solved exactly."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def test_the_column_keeps_what_it_has(results, order):
 
 
 def test_the_piston_compresses_the_gas_adiabatically(results):
-    """So slowly, and before so heavy a layer, that p V^gamma stays; the energy grows by the work."""
+    """So slowly, before so heavy a layer, that p V^gamma stays; the energy grows by the work."""
     run = results("piston")
     mass = run.series["mass"] / np.array(run.summary["initial_mass"])
     assert np.abs(mass - 1).max() < 1e-14

@@ -1,4 +1,4 @@
-"""The exact solution of the Riemann problem of gas and elastic solid, held against its equations."""
+"""The exact solution of the Riemann problem of gas and elastic solid fulfils its equations."""
 
 from __future__ import annotations
 
@@ -29,7 +29,8 @@ PROBLEMS = {
     "heavy": problem(HIGH, 0.1, m0=1e3),
     "nothing": problem(HIGH, 1.0),
 }
-WAVES = {name: (r.p > r.left.p, r.right.F > r.F) for name, r in PROBLEMS.items() if name != "nothing"}
+WAVES = {name: (r.p > r.left.p, r.right.F > r.F) for name, r in PROBLEMS.items()}
+del WAVES["nothing"]
 
 
 def of_gas(state: GasState) -> np.ndarray:

@@ -103,8 +103,8 @@ def test_mass_momentum_and_energy_are_kept(results, name, order):
 @pytest.mark.parametrize("order", ORDERS)
 @pytest.mark.parametrize("name", PROBLEMS)
 def test_errors_in_L1_are_of_order_1_and_nothing_overshoots(results, name, order):
-    """Measured orders 0.80 to 1.14. Beyond the exact extremes, over what jumps: 2.13 % at 4/2, 3.20 %
-    at 8/4, density behind the contact of Sod's tube.
+    """Measured orders 0.80 to 1.14. Beyond the exact extremes, over what jumps: 2.13 % at 4/2, 3.20
+    % at 8/4, density behind the contact of Sod's tube.
     """
     runs = [results(f"{name}_{order}_{h}") for h in SPACINGS]
     for kind, of in (("fluid", "rho"), ("solid", "u"), ("solid", "sigma"), ("solid", "combined")):
