@@ -112,16 +112,6 @@ class ConvergenceStudy:
             rows.append([group, "all" if name == "combined" else name, *numbers])
         return text_table(head, rows)
 
-    def summary(self) -> str:
-        """Observed orders of all errors together, a line per order, from coarse to fine."""
-        rows = [
-            [group, operator(order).name, *_texts(self.rates(group)[i], ".2f")]
-            for group in self.errors
-            for i, order in enumerate(self.orders)
-        ]
-        head = ["observed orders of all errors together, at h =", "", *(f"{h:g}" for h in self.hs)]
-        return text_table(head, rows)
-
     def save(self, path: Path) -> Path:
         """Write a line per run: order, grid, cost, errors, observed orders. FileError."""
         what = "errors" if self.exact else "relative differences from the next grid"

@@ -117,15 +117,3 @@ def unresolved(table: ConvergenceStudy, i: int) -> list[str]:
             continue
         lines.append(f"layer '{group}' is not resolved: {why}")
     return sorted(lines)
-
-
-def unrefined(runs: Sequence[Run]) -> list[str]:
-    """A line for each axis of a block that has the same nodes on all grids."""
-    lines = []
-    for k, layer in enumerate(runs[0].layers):
-        shapes = [getattr(run.layers[k], "shape", ())[::-1] for run in runs]
-        for axis, counts in enumerate(zip(*shapes)):
-            if len(set(counts)) == 1:
-                nodes = f"{counts[0]} nodes along axis {axis}"
-                lines.append(f"block '{layer.name}' has {nodes} on all grids")
-    return lines

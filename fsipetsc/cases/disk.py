@@ -29,15 +29,8 @@ SUMMARY = "an elastic disk of five blocks that spins in gas"
 
 OPTIONS = (
     Option("disk_spin", float, 0.8, "1/s", "angular velocity of the disk at the start"),
-    Option(
-        *("disk_power", int, 0, ""),
-        help="that velocity is times (1 - R^2)^power; 0: the disk spins as a rigid body",
-        check="nonnegative",
-    ),
-    Option(
-        *("fluid_mu", float, 0.0, "Pa s", "viscosity of the gas; 0: it slips along all"),
-        check="nonnegative",
-    ),
+    Option("disk_power", int, 0, "", "spin is times (1 - R^2)^power", check="nonnegative"),
+    Option("fluid_mu", float, 0.0, "Pa s", "viscosity; 0: the gas slips", check="nonnegative"),
     Option("fluid_kappa", float, 0.0, "W/(m K)", "conductivity of the gas", check="nonnegative"),
     Option("solid_density", float, 2.0, "kg/m3", "density of the disk", check="positive"),
     Option("solid_mu", float, 1.0, "Pa", "mu_e of the disk", check="positive"),

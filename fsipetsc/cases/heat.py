@@ -42,10 +42,7 @@ OPTIONS = (
         **{"conducting": True, "fluid_mu": 0.02, "fluid_kappa": 0.1, "solid_modulus": 20.0},
         **{"solid_kappa": 0.3, "solid_density": 2.0, "solid_alpha": 1.0},
     ),
-    Option(
-        *("heat_amplitude", "float", 1e-7, "K"),
-        help="largest disturbance of the temperature; the linear theory needs it small",
-    ),
+    Option("heat_amplitude", float, 1e-7, "K", "largest T - T0; small, as theory is linear"),
 )
 DEFAULTS = {"fsi_h": 0.025, "fsi_order": 4, "ts_max_time": 1.0, "fsi_output_dt": 0.1}
 

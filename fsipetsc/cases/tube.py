@@ -32,19 +32,9 @@ NAME = "tube"
 SUMMARY = "a shock tube in a plane, along X, across Y or into an elastic layer: exact solution"
 
 OPTIONS = (
-    Option(
-        *("tube_problem", str, "elastic", "", "along X, across Y, or that into an elastic layer"),
-        choices=("x", "y", "elastic"),
-    ),
-    Option(
-        *("tube_width", float, 0.25, "m", "of the tube, 1 long, or 2 with the layer"),
-        check="positive",
-    ),
-    Option(
-        *("solid_modulus", float, 4.0, "Pa"),
-        help="K = 2 mu_e + lambda_e of the layer, mu_e a quarter of it",
-        check="positive",
-    ),
+    Option("tube_problem", str, "elastic", "", "along X, Y, into a layer", ("x", "y", "elastic")),
+    Option("tube_width", float, 0.25, "m", "of the tube, 1 or 2 long", check="positive"),
+    Option("solid_modulus", float, 4.0, "Pa", "2 mu_e + lambda_e = 4 mu_e", check="positive"),
     Option("solid_density", float, 0.5, "kg/m3", "of the layer", check="positive"),
 )
 DEFAULTS = {
