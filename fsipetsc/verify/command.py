@@ -23,9 +23,7 @@ if TYPE_CHECKING:
 
 _OF_RUN = ("fsi_quiet", "fsi_debug")
 OPTIONS = (
-    Option(
-        "verify_level", str, "quick", "", "how many grids and orders", choices=("quick", "full")
-    ),
+    Option("verify_level", str, "quick", "", "how many grids and orders", ("quick", "full")),
     Option("verify_docs", str, None, "", "folder for a page and a picture of each entry"),
     Option("fsi_output", str, "verify", "", "base name of the table NAME.csv and the pictures"),
 )
@@ -34,17 +32,8 @@ SECTIONS: dict[str, tuple[Option, ...]] = {
     "Run": tuple(option for option in RUN if option.name in _OF_RUN),
 }
 HEAD = ("entry", "quantity", "order", "errors, coarse to fine", "observed", "verdict")
-COLUMNS = (
-    "entry",
-    "quantity",
-    "order",
-    "h",
-    "error",
-    "observed_order",
-    "least_order",
-    "largest_error",
-)
-COLUMNS += ("verdict", "source")
+COLUMNS = ("entry", "quantity", "order", "h", "error", "observed_order", "least_order")
+COLUMNS += ("largest_error", "verdict", "source")
 
 
 def verify(arguments: list[str], comm: MPI.Comm) -> None:
@@ -70,9 +59,7 @@ def verify(arguments: list[str], comm: MPI.Comm) -> None:
     short = sum(row.verdict != "holds" for row in rows)
     say(f"{len(rows) - short} of {len(rows)} rows hold; saved {path}")
     if short:
-        raise ComputationError(
-            f"{short} of {len(rows)} rows of the table fall short of their bounds"
-        )
+        raise ComputationError(f"{short} of {len(rows)} rows fall short of their bounds")
 
 
 def entry_of(name: str) -> Entry:

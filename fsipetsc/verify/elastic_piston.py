@@ -53,14 +53,8 @@ def measure(solve: Callable[..., Any], order: int, h: float) -> Measured:
         ours = rod["sigma"].ravel() + P
         exact = smooth(table["X"], table[f"{way}_stress"])(X)
         errors[f"{way}, stress"] = float(np.abs(ours - exact).max())
-    curve = Curve(
-        ("X, label in the rod", "stress - stress at rest"),
-        X,
-        ours,
-        table["X"],
-        table["advancing_stress"],
-    )
-    return Measured(errors, curve)
+    words = "X, label in the rod", "stress - stress at rest"
+    return Measured(errors, Curve(words, X, ours, table["X"], table["advancing_stress"]))
 
 
 def _bounds() -> dict[tuple[str, int], Bound]:

@@ -83,11 +83,10 @@ class Row(NamedTuple):
 
     @property
     def verdict(self) -> str:
-        """ "holds", or what falls short."""
+        """What falls short, or "holds"."""
         short = []
-        if self.bound.order > -inf and not (
-            self.observed and self.observed[-1] >= self.bound.order
-        ):
+        seen = self.observed[-1] if self.observed else nan
+        if self.bound.order > -inf and not seen >= self.bound.order:
             found = f"{self.observed[-1]:.2f}" if self.observed else "unknown"
             short.append(f"order {found} < {self.bound.order:g}")
         for h, error in zip(self.spacings, self.errors):

@@ -81,18 +81,16 @@ def measure(solve: Callable[..., Any], order: int, h: float) -> Measured:
     errors = {f"ring, mode {k + 1}": misfit("ring", k, found) for k in range(3)}
     gas = Fluid(0.01, 0.035 / 0.72, 1.4, 1.0)
     layer = ElasticSolid(1.0, 1.0, 0.0, 1.0, 1.0, p_ref=1.0, heat="elastic")
-    errors["viscous gas"] = misfit(
-        "viscous gas", 0, over_solid(order, h, gas, layer, 0.5, (1.0, 1.0))
-    )
+    found = over_solid(order, h, gas, layer, 0.5, (1.0, 1.0))
+    errors["viscous gas"] = misfit("viscous gas", 0, found)
     for name, (density, cp, cs) in METALS.items():
         gamma, cv, p, rho = 4.4, 1000.0, 1e5, 1000.0
         p_inf = rho * 1480.0**2 / gamma - p
         T = (p + p_inf) / ((gamma - 1.0) * cv * rho)
         water = Fluid(0.0, 0.0, gamma, (gamma - 1.0) * cv, law=stiffened_gas(gamma, cv, p_inf))
         mu = density * cs**2
-        metal = ElasticSolid(
-            mu, density * cp**2 - 2.0 * mu, 0.0, density, 1000.0, p_ref=p, heat="elastic"
-        )
+        numbers = mu, density * cp**2 - 2.0 * mu, 0.0, density, 1000.0
+        metal = ElasticSolid(*numbers, p_ref=p, heat="elastic")
         found = over_solid(order, h, water, metal, 1.0, (rho, T))
         errors[f"water over {name}"] = misfit(f"water over {name}", 0, found)
     return Measured(errors)

@@ -42,9 +42,8 @@ def measure(solve: Callable[..., Any], order: int, h: float) -> Measured:
         errors[f"{name}, u"] = abs((x[-1] - 1.0) / (t[-1] - hit) / u - 1.0)
         errors[f"{name}, p"] = abs(float(pressure[late].mean()) / p - 1.0)
         if name == "Mach 3":
-            curve = Curve(
-                ("t", "p at the interface, Mach 3"), t, pressure, t[[0, -1]], 0.0 * t[[0, -1]] + p
-            )
+            ends, words = t[[0, -1]], ("t", "p at the interface, Mach 3")
+            curve = Curve(words, t, pressure, ends, 0.0 * ends + p)
     return Measured(errors, curve)
 
 

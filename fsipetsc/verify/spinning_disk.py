@@ -55,9 +55,8 @@ def measure(solve: Callable[..., Any], order: int, h: float) -> Measured:
     R = table["R"]
     ours = np.abs(last["u"] + 1j * last["v"]).ravel()
     exact_speed = R * np.hypot(exact("v_real", R), exact("v_imag", R))
-    return Measured(
-        errors, Curve(("R", "speed in a block of the disk"), abs(X).ravel(), ours, R, exact_speed)
-    )
+    words = "R", "speed in a block of the disk"
+    return Measured(errors, Curve(words, abs(X).ravel(), ours, R, exact_speed))
 
 
 ENTRY = Entry(
