@@ -15,7 +15,7 @@ pytest.importorskip("petsc4py")
     [
         ("-bench_ranks 3", "mpiexec -n 3"),
         ("-bench_rod_program .", "no rod"),
-        ("-bench_orders 5", "2, 4, 6, 8"),
+        ("-bench_orders 5", "2,4,6,8"),
     ],
 )
 def test_bad_input(tmp_path, words, said):
