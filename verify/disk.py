@@ -150,7 +150,8 @@ if __name__ == "__main__":
     save(
         "spinning_disk",
         columns(),
-        "Spinning disk, made by verify/disk.py at t = 0.5; the number in a name: density of the disk",
+        "Spinning disk, made by verify/disk.py at t = 0.5; "
+        "the number in a name: density of the disk",
         "disk: the point R at angle Q is at (real + i imag) R exp(i Q), "
         "its velocity (v_real + i v_imag) R exp(i Q)",
         "gas: the point that was at X is at x, under the pressure p",

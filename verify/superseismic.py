@@ -77,7 +77,8 @@ if __name__ == "__main__":
     save(
         "superseismic",
         columns(),
-        "Superseismic shock, made by verify/superseismic.py; U = 1, rho = 1 in the solid, p = rho T",
+        "Superseismic shock, made by verify/superseismic.py; "
+        "U = 1, rho = 1 in the solid, p = rho T",
         "first row: pressure on the deformed face; "
         "second row: divided by its stretch, as in the literature",
         "phi, deflection [rad]; a, b strengths of P and S wave; behind the shock and the waves",
