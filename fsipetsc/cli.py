@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import contextlib
 import importlib
 import os
 import shlex
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
-from fsipetsc.blame import missing
 from fsipetsc.cases import BUILT_IN, load_case, summaries
 from fsipetsc.errors import FileError, InputError
 from fsipetsc.options.sources import HELP_FLAGS, is_option
@@ -177,8 +175,7 @@ def _answer(arguments: list[str]) -> None:
     elif first in COMMANDS:
         _run_command(first, arguments[1:])
     else:
-        with _helping():
-            print(case_help(load_case(first, tuple(COMMANDS)), first))
+        print(case_help(load_case(first, tuple(COMMANDS)), first))
 
 
 def _run_command(name: str, arguments: list[str]) -> None:
@@ -186,23 +183,11 @@ def _run_command(name: str, arguments: list[str]) -> None:
     if not any(word in HELP_FLAGS for word in arguments):
         _named(command.target)(arguments)
     elif command.options:
-        with _helping():
-            options = _named(command.options)
-            sections = options(arguments) if callable(options) else options
-            print(command_help(name, command.arguments, command.summary, sections))
+        options = _named(command.options)
+        sections = options(arguments) if callable(options) else options
+        print(command_help(name, command.arguments, command.summary, sections))
     else:
         print(f"{program()} {name} {command.arguments}\n\n  {command.summary}")
-
-
-@contextlib.contextmanager
-def _helping() -> Iterator[None]:
-    """What is printed within explains something that needs numba; a last line says if it lacks."""
-    from fsipetsc.cases.stand_in import numba_stood_in
-
-    with numba_stood_in() as without:
-        yield
-    if without:
-        print(f"\nTo run, {missing('numba')}.")
 
 
 def _named(place: str) -> Any:

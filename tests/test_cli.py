@@ -13,7 +13,6 @@ import pytest
 from helpers import message, mpirun, run, solve
 from stub_case import run_stub, start_stub
 
-from fsipetsc.cases import BUILT_IN
 from fsipetsc.cli import main
 from fsipetsc.output import checkpoint_file
 
@@ -192,65 +191,6 @@ def test_who_lacks_a_package_is_told_how_to_get_it(line, status, here):
     message(run("without.py", *line.split()), status, *words)
 
 
-HELP_OF_ALL = """
-import contextlib, io, json, sys
-from fsipetsc.cli import main
-
-said = {}
-for line in json.loads(sys.argv[1]):
-    with contextlib.redirect_stdout(io.StringIO()) as out, contextlib.redirect_stderr(out):
-        status = main([*line.split(), "-help"])
-    said[line] = status, out.getvalue()
-print(json.dumps(said))
-"""
-#: a case file that uses numba itself
-COMPILED_CASE = """
-import numba
-from numba import float64, njit, types
-from fsipetsc.options import Option
-from fsipetsc.materials.own import transport_law
-from fsipetsc.problem import Problem
-OPTIONS = (Option("own_speed", float, 2.5, "m/s", "speed"),)
-
-@njit
-def one(X, t):
-    return X
-
-@numba.njit("f8(f8)", cache=True)
-def two(X):
-    return X
-
-@numba.vectorize([float64(float64)])
-def three(x):
-    return x
-
-def build(opt):
-    raise ValueError
-"""
-
-
-def test_help_needs_no_compiler(here):
-    """Without numba -help of every case and command is what it is with it, and a last line says
-    what is missing.
-    """
-    (here / "mine.py").write_text(COMPILED_CASE)
-    (here / "without.py").write_text(WITHOUT.split("from fsipetsc")[0] + HELP_OF_ALL)
-    (here / "with.py").write_text(HELP_OF_ALL)
-    lines = json.dumps(
-        [*BUILT_IN, "mine.py", "convergence mms", "convergence", "stability", "bench"]
-    )
-    complete, without = (run(program, lines) for program in ("with.py", "without.py"))
-    assert (complete.stderr, without.stderr) == ("", "")
-    expected = json.loads(complete.stdout)
-    for line, (status, text) in json.loads(without.stdout).items():
-        assert expected[line][0] == status == 0, text
-        said, last = text.rsplit("\n\n", 1)
-        assert said == expected[line][1].rstrip("\n")
-        assert (
-            last.startswith("To run, this needs the Python package numba")
-            and "scripts/setup" in last
-        )
-    assert "2.5 m/s" in expected["mine.py"][1]
 
 
 @pytest.mark.mpi
