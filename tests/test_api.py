@@ -179,12 +179,6 @@ def test_xarray(results):
         assert data["series.residual_T"].dims == ("step", "interface") and "below.x" in data.coords
 
 
-def test_xarray_opens_the_file(results):
-    xarray = pytest.importorskip("xarray")
-    data = xarray.open_dataset(results / "a.h5", engine="fsipetsc")
-    assert data["below.T"].dims == ("time", "X_below") and "rod.sigma" not in data.drop_vars("rod.sigma")
-
-
 def test_without_xarray(results, monkeypatch):
     monkeypatch.setitem(sys.modules, "xarray", None)
     with fsipetsc.open_run(results / "a.h5") as run, pytest.raises(InputError, match="pip install xarray"):

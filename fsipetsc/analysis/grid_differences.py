@@ -90,7 +90,7 @@ def _in_all(pairs: Any) -> list[Array]:
 
 def _unit(name: str) -> str:
     """Of a field or series; those without a name in the tables have a unit of their own."""
-    return {**FIELDS, **INTEGRALS}.get(name, (name, ""))[0]
+    return {**FIELDS, **INTEGRALS}.get(name, name)
 
 
 def _range(values: Array) -> float:

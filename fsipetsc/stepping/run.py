@@ -130,7 +130,7 @@ class _Run:
     def _frame(self, t: float) -> None:
         self.limits.note(self.state, t, self.integrator.last_step)
         with self.phases(OUTPUT, "fsi frame"):
-            self.writer.write_frame(t, self.state.save)
+            self.writer.write_frame(t, self.state.save())
         self.saved_at = t
         self._look()
 
