@@ -96,7 +96,10 @@ def test_what_else_is_stored(finished: Path) -> None:
         assert result.at(0.95) == 3 and result.at(99.0) == FRAMES - 1
         assert "12 frames" in repr(result) and "sigma" in repr(result.layers[1])
     with h5py.File(finished) as file:  # as it is for other programs
-        assert file["layer1/T"].shape == (FRAMES, 21) and file["series/x_interface"].shape == (36, 2)
+        assert file["layer1/T"].shape == (FRAMES, 21) and file["series/x_interface"].shape == (
+            36,
+            2,
+        )
 
 
 def test_unknown_names_are_answered_with_the_valid_ones(finished: Path) -> None:

@@ -94,7 +94,7 @@ class Contents:
         shapes = {name: _numbers(file, f"series/{name}").shape for name in file["series"]}
         names = {name: shape[1:] for name, shape in shapes.items()}
         steps = {shape[0] for shape in shapes.values()}
-        if len(steps) != 1 or names != (self.names or names):
+        if "t" not in names or len(steps) != 1 or names != (self.names or names):
             raise Damaged("its series do not fit together")
         self.names = names
         return steps.pop()
