@@ -1,4 +1,4 @@
-"""Writes results the way the solver does; run by test_output.py under mpiexec: MODE FILE [frames]."""
+"""Writes results as the solver does; run by test_output.py under mpiexec: MODE FILE [frames]."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ SERIES_STEPS = 3  # time steps per frame
 
 
 def grid(layer: int, frame: int) -> np.ndarray:
-    """Indices of the grid points of a layer when a frame is saved; the fluids grow at their outer ends."""
+    """Indices of the grid points of a layer when a frame is saved; the fluids grow outwards."""
     grown = frame >= GROWTH
     first, last = [(-5 if grown else 0, 20), (20, 40), (40, 64 if grown else 60)][layer]
     return np.arange(first, last + 1)

@@ -1,5 +1,5 @@
-"""The file of a checkpoint: whole or refused, whatever is done to it; the one before stays until the
-new one is there."""
+"""The file of a checkpoint: whole or refused, whatever is done to it; the one before stays until
+the new one is there."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def test_what_is_written_is_read(tmp_path):
 
 
 def test_each_byte_counts():
-    """Any one that is flipped is noticed, in one bit or in all, and so is a file that was cut off."""
+    """Any one that is flipped, in one bit or in all, is noticed, and so is a file that was cut."""
     content = bytearray(pack(SMALL))
     for i in range(len(content)):
         for flip in (1 << i % 8, 0xFF):

@@ -151,7 +151,7 @@ OTHERS = None, "text", "[1, 2]", '{"layers": [3]}', 3.0, np.zeros((2, 2, 2)), np
 
 @pytest.mark.parametrize("name", ["about", "time", "series", "series/t", "layer1/X", "layer1/T"])
 def test_datasets(name: str, whole: bytes, tmp_path: Path) -> None:
-    """One is missing, or of another type or shape; only what is known of the steps may be missing."""
+    """One is missing, or of another type or shape; only the series may be missing."""
     fates = [read_all(changed(whole, tmp_path / "run.h5", replace(name, x))) for x in OTHERS]
     assert sum(fates) == (1 if name == "series" else 0)
 

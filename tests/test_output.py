@@ -148,8 +148,8 @@ def test_a_full_disk_fails_on_all_ranks(tmp_path: Path) -> None:
 
 @pytest.mark.mpi
 def test_a_semaphore_that_somebody_has_left_is_not_taken(tmp_path: Path) -> None:
-    """Open MPI's shared file pointers have one named after the file alone, whoever's it is: an empty
-    one is a SIGBUS. The files that MPI opens are pieces in the making.
+    """Open MPI's shared file pointers have one named after the file alone, whoever's it is: an
+    empty one is a SIGBUS. The files that MPI opens are pieces in the making.
     """
     pytest.importorskip("petsc4py")
     if not os.access("/dev/shm", os.W_OK):
