@@ -107,8 +107,6 @@ def test_unknown_names_are_answered_with_the_valid_ones(finished: Path) -> None:
         for ask, answer in [
             (lambda: result.layers[1]["rho"], "sigma"),
             (lambda: result.series["x"], "x_interface"),
-            (lambda: result.options["fsi_H"], "fsi_h"),
-            (lambda: result.errors["gas"], "fluid"),
         ]:
             with pytest.raises(KeyError, match=answer):
                 ask()

@@ -72,20 +72,23 @@ class Contents:
         frame, row = (int(number) for number in file.attrs.get("first", (0, 0)))
         if not (0 <= frame <= self.nframes and 0 <= row <= self.rows):
             raise Damaged(f"what comes before {path.name} is missing")
+        if (frame, row) != (self.nframes, self.rows):
+            self._give_up(frame, row)
         time, rows = _numbers(file, "time", 1)[...], self._steps(file)
-        self._pieces = [
-            piece._replace(
-                time=piece.time[: max(0, frame - piece.frame)],
-                rows=max(0, min(piece.rows, row - piece.row)),
-            )
-            for piece in self._pieces
-        ]
         self._pieces.append(Piece(path, frame, row, time, rows))
         self.nframes, self.rows = frame + len(time), row + rows
         for k, parts in enumerate(self._parts if len(time) else ()):
-            new = self._part(path, file, k, frame, len(time))
-            before = (part._replace(end=min(part.end, frame)) for part in parts)
-            self._parts[k] = [*(part for part in before if part.first < part.end), new]
+            parts.append(self._part(path, file, k, frame, len(time)))
+
+    def _give_up(self, frame: int, row: int) -> None:
+        """All frames and rows from these on."""
+        for j, piece in enumerate(self._pieces):
+            time = piece.time[: max(0, frame - piece.frame)]
+            rows = max(0, min(piece.rows, row - piece.row))
+            self._pieces[j] = piece._replace(time=time, rows=rows)
+        for k, parts in enumerate(self._parts):
+            left = (part._replace(end=min(part.end, frame)) for part in parts)
+            self._parts[k] = [part for part in left if part.first < part.end]
 
     def _steps(self, file: h5py.File) -> int:
         """How many steps a file has, all of whose series have the same length."""

@@ -124,8 +124,8 @@ def _of_layers(a: Run, b: Run, common: _Common, notes: list[str]) -> Iterator[Di
         for field in _both(layer.fields, other.fields, f"{name}: field", notes):
             one, two = layer[field][in_a], other[field][in_b]
             if one.shape[1:] != two.shape[1:]:
-                one = one[(slice(None), *np.ix_(*nodes[0]))]
-                two = two[(slice(None), *np.ix_(*nodes[1]))]
+                every = np.arange(len(times))
+                one, two = one[np.ix_(every, *nodes[0])], two[np.ix_(every, *nodes[1])]
                 # active parts of two grids end at other nodes
                 outside = np.isnan(one) | np.isnan(two)
                 one, two = np.where(outside, np.nan, one), np.where(outside, np.nan, two)

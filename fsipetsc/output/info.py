@@ -10,6 +10,7 @@ import numpy as np
 
 from fsipetsc.checks import duration
 from fsipetsc.options.option import INT_MAX
+from fsipetsc.output.file_layout import damage
 from fsipetsc.output.reader import BlockLayer, Layer, Run, open_run
 
 Rows = list[tuple[str, str]]
@@ -17,7 +18,7 @@ Rows = list[tuple[str, str]]
 
 def info(path: str | os.PathLike[str]) -> str:
     """Case, times, layers, series, options, summary and errors of a result. FileError."""
-    with open_run(path) as run:
+    with damage(os.fspath(path)), open_run(path) as run:
         (_, first), *parts = info_sections(run)
     tables = [_table([("file", os.fspath(path)), *first])]
     for title, rows in parts:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -80,7 +80,7 @@ def along_face(
     n_x, n_y = y_s / size, -x_s / size
     t_x = fields["s_xx"][0] * n_x + fields["s_xy"][0] * n_y
     t_y = fields["s_xy"][0] * n_x + fields["s_yy"][0] * n_y
-    J = x_s * y_r - x_r * y_s
+    J: Array = x_s * y_r - x_r * y_s
     heat = kappa_e * ((y_r * T_s - y_s * T_r) * n_x + (x_s * T_r - x_r * T_s) * n_y) / J
     X_s, Y_s = _along(X, length), _along(Y, length)
     into = y - Y if flat else left * (X_s * (y - Y) - Y_s * (x - X))
@@ -102,5 +102,6 @@ def along_face(
 
 def _along(values: Array, length: Array) -> Array:
     """Derivative along a line."""
-    derivative: Array = np.gradient(values, length, axis=-1, edge_order=min(2, len(length) - 1))
+    order: Literal[1, 2] = 2 if len(length) > 2 else 1
+    derivative: Array = np.gradient(values, length, axis=-1, edge_order=order)
     return derivative

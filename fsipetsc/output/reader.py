@@ -77,16 +77,15 @@ class Run:
         self.header: dict[str, Any] = about["header"]
         _check_header(self.header)
         self.case: str = self.header["case"]
-        self.options: dict[str, Any] = _Named("option", self.header["options"])
-        self.interfaces: tuple[str, ...] = tuple(self.header.get("interfaces", ()))
+        self.options: dict[str, Any] = self.header["options"]
+        self.interfaces: tuple[str, ...] = tuple(map(str, self.header.get("interfaces", ())))
         self.points: tuple[tuple[str, tuple[float, ...]], ...] = tuple(
             (name, tuple(X)) for name, X in self.header.get("points", ())
         )
         known = {name: self.header[name] for name in ("versions", "ranks") if name in self.header}
-        self.summary: dict[str, Any] = _Named("summary entry", {**known, **about["summary"]})
+        self.summary: dict[str, Any] = {**known, **about["summary"]}
         self.complete = bool(about["summary"]) and self.summary.get("status", "done") == "done"
-        errors = {kind: _Named("error", values) for kind, values in about["errors"].items()}
-        self.errors: dict[str, dict[str, float]] = _Named("layer kind with errors", errors)
+        self.errors: dict[str, dict[str, float]] = about["errors"]
         self.dimension = int(self.header.get("dimension", 1))
         layers = self.header["layers"]
         self._contents = contents = Contents(files, layers)
@@ -95,8 +94,8 @@ class Run:
         self.nframes = len(self.time)
         kinds = (BlockLayer if "shape" in entry else Layer for entry in layers)
         self.layers = tuple(kind(self, k, layers[k]) for k, kind in enumerate(kinds))
-        blocks = {layer.name: layer for layer in self.layers if isinstance(layer, BlockLayer)}
-        self.blocks: dict[str, BlockLayer] = _Named("block", blocks)
+        blocks = (layer for layer in self.layers if isinstance(layer, BlockLayer))
+        self.blocks: dict[str, BlockLayer] = {layer.name: layer for layer in blocks}
         self.series: Mapping[str, Array] = Arrays(self, "series", contents.names, contents.series)
 
     def read(self, what: str, action: Callable[[], Any]) -> Any:
@@ -193,7 +192,6 @@ class Layer(Arrays):
     x            (nframes, n) Eulerian positions
     """
 
-    _word = "layer"
     X: Array
     h: float
 
@@ -201,8 +199,7 @@ class Layer(Arrays):
         self.name: str = entry["name"]
         self.kind: str = entry["kind"]
         self.fields = columns(entry)
-        what = f"field in {self._word} {self.name!r}"
-        super().__init__(run, what, self.fields, self._read_field)
+        super().__init__(run, f"field in {self.name!r}", self.fields, self._read_field)
         self._number = number
         self._set_grid(run._contents.X[number], entry)
 
@@ -234,11 +231,7 @@ class Layer(Arrays):
         return [values.reshape(self.shape) for values in rows]
 
     def __repr__(self) -> str:
-        fields = ", ".join(self.fields)
-        return f"<{self.kind} {self._word} {self.name!r}: {self.size}{self._span()}; {fields}>"
-
-    def _span(self) -> str:
-        return f", X = {self.X[0]:g} … {self.X[-1]:g}" if len(self.X) else ""
+        return f"<{self.kind} {self.name!r}: {self.size}; {', '.join(self.fields)}>"
 
 
 class BlockLayer(Layer):
@@ -254,7 +247,6 @@ class BlockLayer(Layer):
     x, y, z              (nframes, …) positions
     """
 
-    _word = "block"
     Y: Array
     Z: Array
 
@@ -265,7 +257,7 @@ class BlockLayer(Layer):
         self.periodic: tuple[bool, ...] = tuple(entry.get("periodic", [False] * d)[::-1])
         full = [self.places[..., axis] for axis in range(d)]
         self.X, self.Y, self.Z = (_short(full) if len(X) else full) + [np.zeros(1)] * (3 - d)
-        row = self.places[(0,) * (d - 1) + (..., 0)] if len(X) else np.zeros(1)
+        row = self.places.reshape(-1, self.shape[-1], d)[0, :, 0] if len(X) else np.zeros(1)
         self.h = float(row[-1] - row[0]) / max(1, len(row) - 1)
 
     @property
@@ -287,9 +279,6 @@ class BlockLayer(Layer):
         """Of its grid, in words."""
         return f"{' by '.join(map(str, self.shape[::-1]))} points"
 
-    def _span(self) -> str:
-        return ""
-
 
 def _short(places: list[Array]) -> list[Array]:
     """Coordinates as arrays along their own axes, if each depends on its own axis alone."""
@@ -302,17 +291,6 @@ def _short(places: list[Array]) -> list[Array]:
             return places
         lines.append(line.reshape(-1))
     return lines
-
-
-class _Named(dict[str, Any]):
-    """A dict that says what it holds when asked for something else."""
-
-    def __init__(self, what: str, content: Mapping[str, Any]) -> None:
-        super().__init__(content)
-        self._what = what
-
-    def __missing__(self, name: str) -> Any:
-        raise KeyError(_unknown(self._what, name, self))
 
 
 def open_run(path: str | os.PathLike[str]) -> Run:
@@ -344,22 +322,13 @@ def _is_whole(path: Path, folder: Path, name: str) -> bool:
 
 def _check_header(header: Mapping[str, Any]) -> None:
     """Raise Damaged if what the reader and its users rely on is not there, or something else."""
-
-    def texts(values: Any) -> bool:
-        return isinstance(values, list) and all(isinstance(value, str) for value in values)
-
-    def sound(layer: Any) -> bool:
-        shape = layer.get("shape", [1])
-        sizes = isinstance(shape, list) and all(type(n) is int and n > 0 for n in shape)
-        named = isinstance(layer["name"], str) and layer["kind"] in ("fluid", "solid")
-        return sizes and len(shape) <= 3 and named and texts(layer["fields"]) and layer["fields"]
-
+    layers: Any = header.get("layers")
     good = isinstance(header.get("case"), str) and isinstance(header.get("options"), dict)
-    good = good and isinstance(header.get("created", ""), str)
-    good = good and all(texts(header.get(name, [])) for name in ("interfaces", "notes"))
-    good = good and all(isinstance(n, str) and len(X) >= 0 for n, X in header.get("points", ()))
-    layers = header.get("layers")
-    if not good or not isinstance(layers, list) or not all(map(sound, layers)):
+    good = good and isinstance(layers, list)
+    for layer in layers if good else ():
+        good = good and isinstance(layer["name"], str) and layer["kind"] in ("fluid", "solid")
+        good = good and isinstance(layer["fields"], list) and bool(layer["fields"])
+    if not good:
         raise Damaged("its header does not tell case, options and layers")
 
 
