@@ -357,3 +357,20 @@ def test_a_lock_is_what_was_locked(tmp_path: Path) -> None:
     assert (folder / "lock").exists() and (tmp_path / "run.1.parts/lock").exists()
     other.release(remove=True)
     assert not folder.exists()
+
+
+def test_a_result_without_frames_can_be_read(tmp_path: Path) -> None:
+    """Of blocks, whose shape is known before there is anything else."""
+    from mpi4py import MPI
+
+    from fsipetsc.output.writer import RunWriter
+
+    layers = [{**layer, "shape": [4, 5]} for layer in program.LAYERS]
+    header, path = {**program.HEADER, "layers": layers, "dimension": 2}, tmp_path / "run.h5"
+    writer = RunWriter(MPI.COMM_SELF, path, header, settle=lambda _: {})
+    with fsipetsc.open_run(path) as result:
+        assert result.nframes == 0 and result.layers[0]["rho"].shape[0] == 0
+    assert "frames      0" in info(path)
+    writer.finish({})
+    with fsipetsc.open_run(path) as result:
+        assert result.blocks["rod"]["T"].shape[0] == len(result.time) == 0

@@ -223,7 +223,7 @@ class Layer(Arrays):
 
     def _read_field(self, name: str) -> Array:
         (values,) = self._run._contents.frames(self._number, [name], 0, self._run.nframes)
-        return values.reshape(-1, *self.shape)
+        return values.reshape(self._run.nframes, *self.shape)
 
     def _frames(self, names: Sequence[str], number: int) -> list[Array]:
         read, k = self._run._contents.frames, self._number
