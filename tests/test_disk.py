@@ -45,7 +45,7 @@ SAID = {
     "checkpoint no/where.h5": ("does not exist", "no/where.h5"),
     "restart no/where.h5": ("there is no such file", "no/where.h5"),
     "output fixed": ("is not writable", "fixed/a.h5"),
-    "checkpoint fixed": ("is not writable", "fixed/a.h5"),
+    "checkpoint fixed": ("no checkpoint can be written there: Read-only", "fixed/a.h5"),
     "full result": (FULL, "tiny1/a.h5: cannot write: "),
     "full blast": (FULL, "tiny1/b.h5: cannot write: "),
     "full checkpoint": (

@@ -78,7 +78,7 @@ class Run:
         _check_header(self.header)
         self.case: str = self.header["case"]
         self.options: dict[str, Any] = self.header["options"]
-        self.interfaces: tuple[str, ...] = tuple(map(str, self.header.get("interfaces", ())))
+        self.interfaces: tuple[str, ...] = tuple(self.header.get("interfaces", ()))
         self.points: tuple[tuple[str, tuple[float, ...]], ...] = tuple(
             (name, tuple(X)) for name, X in self.header.get("points", ())
         )
@@ -324,10 +324,13 @@ def _check_header(header: Mapping[str, Any]) -> None:
     """Raise Damaged if what the reader and its users rely on is not there, or something else."""
     layers: Any = header.get("layers")
     good = isinstance(header.get("case"), str) and isinstance(header.get("options"), dict)
-    good = good and isinstance(layers, list)
+    good = good and isinstance(layers, list) and isinstance(header.get("created", ""), str)
+    lists = [header.get("notes", []), header.get("interfaces", [])]
     for layer in layers if good else ():
         good = good and isinstance(layer["name"], str) and layer["kind"] in ("fluid", "solid")
-        good = good and isinstance(layer["fields"], list) and bool(layer["fields"])
+        lists.append(layer["fields"])
+    for names in lists:
+        good = good and isinstance(names, list) and all(isinstance(name, str) for name in names)
     if not good:
         raise Damaged("its header does not tell case, options and layers")
 
