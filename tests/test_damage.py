@@ -207,28 +207,6 @@ def test_a_header_that_somebody_has_made(name: str, whole: bytes, tmp_path: Path
         assert not read_all(changed(whole, path, replace("about", text)))
 
 
-@pytest.mark.long
-def test_what_can_be_drawn_is_drawn(tmp_path: Path) -> None:
-    pytest.importorskip("matplotlib")
-    from fsipetsc.output.plots import plot
-    from fsipetsc.output.report import report
-
-    def change(file: h5py.File) -> None:
-        file["series/t"][...] = np.inf
-
-    path = tmp_path / "run.h5"
-    program.write(str(path), 2, "blocks")  # each frame is a picture of the report
-    changed(path.read_bytes(), path, change)
-    with pytest.raises(FileError, match=r"damaged, not drawn: .*pictures of it are in") as caught:
-        plot(path, tmp_path / "pictures")
-    assert caught.value.status == 4 and "\n" not in str(caught.value)
-    drawn = {picture.name for picture in (tmp_path / "pictures").iterdir()}
-    assert {"run-u.png", "run-T.png"} <= drawn
-    with pytest.raises(FileError, match=r"damaged, not drawn: .*the rest is in") as caught:
-        report(path, tmp_path)
-    assert caught.value.status == 4 and 'id="u"' in (tmp_path / "run.html").read_text()
-
-
 def test_a_pipe_is_not_waited_for(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "run.h5")
     done = solve("info", "run.h5", cwd=tmp_path)
