@@ -71,10 +71,10 @@ def test_a_run_that_a_signal_stopped_goes_on(ranks, rank, number, whole, tmp_pat
 KILLS = [
     (2, ["frame", 2, 1, signal.SIGKILL]),
     (1, ["checkpoint", 2, 0, signal.SIGKILL]),
-    (2, ["went", 1, 0, signal.SIGKILL]),
+    (2, ["begun", 1, 0, signal.SIGKILL]),
     (3, ["fill", 2, 2, signal.SIGKILL]),
     (2, ["piece", 3, 0, -signal.SIGKILL]),
-    (2, ["cut", 1, 0, signal.SIGTERM]),
+    (2, ["begin", 1, 0, signal.SIGTERM]),
     (1, ["join", 1, 0, signal.SIGKILL]),
     (2, ["clear", 1, 0, signal.SIGKILL]),
 ]

@@ -142,7 +142,7 @@ class _Run:
         if bound and (not self.limits or self.limits[-1][1] != bound):
             self.limits.append([t, bound])
         with self.phases(OUTPUT):
-            self.writer.write_frame(t, self.state.save)
+            self.writer.write_frame(t, self.state.save())
         self.saved_at = t
         self._look()
 
