@@ -15,7 +15,7 @@ def options_page() -> str:
     """docs/options.md, from the table of options: those of every run, of the cases, and of PETSc."""
     from fsipetsc.cases import BUILT_IN, load_case
     from fsipetsc.options import groups
-    from fsipetsc.options.petsc_names import AT_START, IN_LOOP, IN_SOURCES
+    from fsipetsc.options.tables import AT_START, IN_LOOP, IN_SOURCES
 
     cases = {name: load_case(name) for name in BUILT_IN}
     common = {heading: rows for heading, rows in groups(cases["box"]).items() if not heading.startswith("Case ")}

@@ -1,6 +1,7 @@
 """Layered fluid–structure interaction with summation-by-parts differences on PETSc.
 
-Importing the package is cheap and needs neither PETSc nor MPI; opening a result needs numpy and h5py.
+Importing the package is cheap and needs neither PETSc nor MPI; opening a result needs numpy and
+h5py.
 """
 
 from __future__ import annotations
@@ -27,11 +28,13 @@ if TYPE_CHECKING:
 os.environ.setdefault("NUMBA_DISABLE_ERROR_MESSAGE_HIGHLIGHTING", "1")
 
 __version__ = "0.1.0"
-#: what is public, with the modules that docs/python.md names; all else may change. Written out, so that type checkers see it
+#: what is public, with the modules that docs/python.md names; all else may change. Written out, so
+#: that type checkers see it
 __all__ = [
-    "REQUIRED", "Block", "BlockProblem", "ComputationError", "Dirichlet", "FileError", "Fluid", "FluidLayer", "FsiError",
-    "InputError", "Open", "Option", "Problem", "Run", "Solid", "SolidEnd", "SolidLayer", "Wall", "__version__",
-    "absorbing", "clamped", "compare", "free", "open_run", "run",
+    "REQUIRED", "Block", "BlockProblem", "ComputationError", "Dirichlet", "FileError", "Fluid",
+    "FluidLayer", "FsiError", "InputError", "Open", "Option", "Problem", "Run", "Solid",
+    "SolidEnd", "SolidLayer", "Wall", "__version__", "absorbing", "clamped", "compare", "free",
+    "open_run", "run",
 ]  # fmt: skip
 #: module -> what it has of these; imported when it is asked for
 _HOMES = {
@@ -62,7 +65,8 @@ def __dir__() -> list[str]:
 def open_run(path: str | os.PathLike[str]) -> Run:
     """Open the result file of a run; see :class:`fsipetsc.output.reader.Run`.
 
-    Raises :class:`fsipetsc.errors.FileError` if it does not exist, is not a result or cannot be read.
+    Raises :class:`fsipetsc.errors.FileError` if it does not exist, is not a result or cannot be
+    read.
     """
     from fsipetsc.output.reader import open_run as open_result
 
@@ -73,17 +77,19 @@ def run(case: Any, *, comm: MPI.Comm | None = None, **options: Any) -> Run:
     """Solve a case and return its result, opened. Collective on ``comm``; needs PETSc and MPI.
 
     case      name of a built-in case, path of a case file, a :class:`fsipetsc.problem.Problem` or
-              :class:`fsipetsc.blocks.problem.BlockProblem`, or anything with what a case file defines
-              (``build(opt)``, ``OPTIONS`` …)
+              :class:`fsipetsc.blocks.problem.BlockProblem`, or anything with what a case file
+              defines (``build(opt)``, ``OPTIONS`` …)
     comm      mpi4py communicator; None: COMM_WORLD
-    options   those of the command line, ``fsi_`` and ``ts_`` may be left out: ``order=6, h=0.025, max_time=0.1``; lists
-              where it has commas; None for the default. ``quiet=False`` prints what a run prints. The result is
-              ``output``, by default CASE.h5 in the working directory
+    options   those of the command line, ``fsi_`` and ``ts_`` may be left out: ``order=6,
+              h=0.025``; lists where it has commas; None for the default. ``quiet=False`` prints
+              what a run prints.
+              The result is ``output``, by default CASE.h5 in the working directory
 
-    Raises the exceptions of :mod:`fsipetsc.errors`: InputError for what is not valid, ComputationError where the
-    computation fails, FileError; after a SIGINT, SIGTERM or SIGHUP KeyboardInterrupt, which no ``except FsiError`` takes, with
-    the result written. Options, modules and settings of PETSc are left as they were found, so that several
-    runs in one process do not know of each other.
+    Raises the exceptions of :mod:`fsipetsc.errors`: InputError for what is not valid,
+    ComputationError where the computation fails, FileError; after a SIGINT, SIGTERM or SIGHUP
+    KeyboardInterrupt, which no ``except FsiError`` takes, with the result written. Options,
+    modules and settings of PETSc are left as they were found, so that several runs in one process
+    do not know of each other.
     """
     from fsipetsc.api import run as solve
 

@@ -1,4 +1,4 @@
-"""Runs from Python: what the command line does, with exceptions instead of exits, and the opened result in the end."""
+"""Runs from Python: what the command line does, with exceptions instead of exits."""
 
 from __future__ import annotations
 
@@ -55,24 +55,33 @@ def _solve(case: Any, comm: MPI.Comm, options: Mapping[str, Any]) -> str:
 def _case(case: Any) -> Any:
     """What a case file would define."""
     if isinstance(case, Problem):
-        return SimpleNamespace(NAME="problem", SUMMARY="", OPTIONS=(), DEFAULTS={}, build=lambda opt: case)
+        return SimpleNamespace(
+            NAME="problem", SUMMARY="", OPTIONS=(), DEFAULTS={}, build=lambda opt: case
+        )
     if isinstance(case, BlockProblem):  # whose cells are given
         h = {"fsi_h": 1.0}
-        return SimpleNamespace(NAME="problem", SUMMARY="", OPTIONS=(), DEFAULTS=h, build=lambda opt: case)
+        return SimpleNamespace(
+            NAME="problem", SUMMARY="", OPTIONS=(), DEFAULTS=h, build=lambda opt: case
+        )
     if isinstance(case, (str, os.PathLike)):
         return load_case(os.fspath(case))
     if callable(getattr(case, "build", None)):
         missing = {"NAME": "case", "SUMMARY": "", "OPTIONS": (), "DEFAULTS": {}}
         given = {name: getattr(case, name, default) for name, default in missing.items()}
         return SimpleNamespace(**given, build=case.build)
-    raise InputError(f"run: a case is a name, a file, a Problem or something with build(opt), not {type(case).__name__}")
+    known = "a name, a file, a Problem or something with build(opt)"
+    raise InputError(f"run: a case is {known}, not {type(case).__name__}")
 
 
 def _words(case: Any, options: Mapping[str, Any]) -> Iterable[str]:
-    """The options as they would stand on the command line. InputError for a name that there is not."""
+    """The options as they would stand on the command line. InputError for a name that there is
+    not.
+    """
     known = table(case)
     for name, value in options.items():
-        found = next((f"{prefix}{name}" for prefix in PREFIXES if f"{prefix}{name}".lower() in known), name)
+        found = next(
+            (f"{prefix}{name}" for prefix in PREFIXES if f"{prefix}{name}".lower() in known), name
+        )
         if value is None:
             continue
         yield f"-{found}"

@@ -25,13 +25,17 @@ Timed = float | Callable[[float], float]
 #: degrees that a formula may have
 DEGREES = (2, 3, 4, 5)
 
+
 @dataclass(frozen=True)
 class Wall:
-    """No-slip wall at the Eulerian position x [m]: adiabatic, of temperature T [K], or with a heat flux [W/m2] into the gas.
+    """No-slip wall at the Eulerian position x [m]: adiabatic, of temperature T [K], or with a heat
+    flux [W/m2] into the gas.
 
-    x, T, heat_flux: numbers or functions of t [s]. velocity: function of t, [m/s], of a wall that moves; else it is taken
-    from differences of x(t), also for a few steps before t = 0. A wall that moves, or does not insulate, needs a stretched gas
-    layer, and makes it one. Heat matters only to a gas that conducts it. InputError for what is of the wrong kind.
+    x, T, heat_flux: numbers or functions of t [s]. velocity: function of t, [m/s], of a wall that
+    moves; else it is taken
+    from differences of x(t), also for a few steps before t = 0. A wall that moves, or does not
+    insulate, needs a stretched gas layer, and makes it one. Heat matters only to a gas that
+    conducts it. InputError for what is of the wrong kind.
     """
 
     x: Timed
@@ -46,7 +50,9 @@ class Wall:
         _check_heat(self, "Wall")
         checks.function(self.velocity, "Wall: velocity", "velocity(t) [m/s]", optional=True)
         if self.velocity is not None and not self.moves:
-            raise InputError("Wall: velocity is given, but x is a number: expected a function x(t) [m], too")
+            raise InputError(
+                "Wall: velocity is given, but x is a number: expected a function x(t) [m], too"
+            )
 
     @property
     def moves(self) -> bool:
@@ -59,7 +65,8 @@ class Wall:
 
 @dataclass(frozen=True)
 class Open:
-    """Open end at x [m] towards gas of pressure p0 [Pa], temperature T0 [K] and velocity u0 [m/s]; see docs/open-end.md.
+    """Open end at x [m] towards gas of pressure p0 [Pa], temperature T0 [K] and velocity u0 [m/s];
+    see docs/open-end.md.
 
     order: of the conditions in viscosity and conduction, 0 or 1. Raises InputError for another one.
     """
@@ -73,9 +80,16 @@ class Open:
     degree = 2
 
     def __post_init__(self) -> None:
-        checks.numbers(self, "Open", {"x": checks.ANY, "p0": checks.POSITIVE, "T0": checks.POSITIVE, "u0": checks.ANY})
+        checks.numbers(
+            self,
+            "Open",
+            {"x": checks.ANY, "p0": checks.POSITIVE, "T0": checks.POSITIVE, "u0": checks.ANY},
+        )
         if isinstance(self.order, bool) or self.order not in (0, 1):
-            raise InputError(f"Open(order={self.order!r}): expected 0 or 1, the order of the conditions in the viscosity")
+            raise InputError(
+                f"Open(order={self.order!r}): expected 0 or 1, "
+                "the order of the conditions in the viscosity"
+            )
 
     def data(self, t: float) -> tuple[float, ...]:
         return (self.p0, self.T0, self.u0, float(self.order))
@@ -85,8 +99,8 @@ class Open:
 class Dirichlet:
     """Given rho, u, T at x [m]: values(t) -> (rho, u, T) in kg/m3, m/s, K; see docs/open-end.md.
 
-    degree: of the embedded-boundary formula, 2 to 5; None: what lets the order of the operator show, see ``degree_of``.
-    Raises InputError for another degree.
+    degree: of the embedded-boundary formula, 2 to 5; None: what lets the order of the operator
+    show, see ``degree_of``. Raises InputError for another degree.
     """
 
     x: float
@@ -100,8 +114,8 @@ class Dirichlet:
         whole = isinstance(self.degree, (int, np.integer)) and not isinstance(self.degree, bool)
         if self.degree is not None and not (whole and self.degree in DEGREES):
             raise InputError(
-                f"Dirichlet(degree={self.degree!r}): expected a whole number from {DEGREES[0]} to {DEGREES[-1]}, "
-                "or None for the degree that follows -fsi_order"
+                f"Dirichlet(degree={self.degree!r}): expected a whole number from {DEGREES[0]} to "
+                f"{DEGREES[-1]}, or None for the degree that follows -fsi_order"
             )
 
     def data(self, t: float) -> tuple[float, ...]:
@@ -111,17 +125,19 @@ class Dirichlet:
 def degree_of(end: Boundary, order: int) -> int:
     """Degree of the formulas of an end with the operator of this interior order.
 
-    Unless the end says: 2, 3, 4, 5 for the orders 2, 4, 6, 8, one more than the closures are exact to. A degree less spoils
-    the order, one more gains nothing.
+    Unless the end says: 2, 3, 4, 5 for the orders 2, 4, 6, 8, one more than the closures are exact
+    to. A degree less spoils the order, one more gains nothing.
     """
     return order // 2 + 1 if end.degree is None else int(end.degree)
 
 
 @dataclass(frozen=True)
 class SolidEnd:
-    """Outer end of a solid. kind CLAMPED: velocity value [m/s]; FREE, ABSORBING: stress sigma - p = value [Pa].
+    """Outer end of a solid. kind CLAMPED: velocity value [m/s]; FREE, ABSORBING: stress sigma - p
+    = value [Pa].
 
-    Insulated, or of temperature T [K], or with a heat flux [W/m2] into the solid. All numbers or functions of t [s].
+    Insulated, or of temperature T [K], or with a heat flux [W/m2] into the solid. All numbers or
+    functions of t [s].
     """
 
     kind: int
@@ -140,21 +156,36 @@ class SolidEnd:
         return (self.value,)
 
 
-_SOLID_ENDS = {CLAMPED: ("clamped", "velocity"), FREE: ("free", "stress"), ABSORBING: ("absorbing", "stress")}
+_SOLID_ENDS = {
+    CLAMPED: ("clamped", "velocity"),
+    FREE: ("free", "stress"),
+    ABSORBING: ("absorbing", "stress"),
+}
 
 
-def clamped(velocity: Timed = 0.0, *, T: Timed | None = None, heat_flux: Timed | None = None) -> SolidEnd:
-    """Solid end that moves with a given velocity [m/s]; see SolidEnd. InputError for what is neither number nor function."""
+def clamped(
+    velocity: Timed = 0.0, *, T: Timed | None = None, heat_flux: Timed | None = None
+) -> SolidEnd:
+    """Solid end that moves with a given velocity [m/s]; see SolidEnd. InputError for what is
+    neither number nor function.
+    """
     return SolidEnd(CLAMPED, velocity, T, heat_flux)
 
 
-def free(stress: Timed = 0.0, *, T: Timed | None = None, heat_flux: Timed | None = None) -> SolidEnd:
-    """Solid end under a given stress sigma - p [Pa]; see SolidEnd. InputError for what is neither number nor function."""
+def free(
+    stress: Timed = 0.0, *, T: Timed | None = None, heat_flux: Timed | None = None
+) -> SolidEnd:
+    """Solid end under a given stress sigma - p [Pa]; see SolidEnd. InputError for what is
+    neither number nor function.
+    """
     return SolidEnd(FREE, stress, T, heat_flux)
 
 
-def absorbing(stress: Timed = 0.0, *, T: Timed | None = None, heat_flux: Timed | None = None) -> SolidEnd:
-    """Solid end that lets elastic waves out, towards a solid at rest under the stress sigma - p [Pa]; see SolidEnd.
+def absorbing(
+    stress: Timed = 0.0, *, T: Timed | None = None, heat_flux: Timed | None = None
+) -> SolidEnd:
+    """Solid end that lets elastic waves out, towards a solid at rest under the stress sigma - p
+    [Pa]; see SolidEnd.
 
     InputError for what is neither number nor function.
     """
@@ -162,7 +193,9 @@ def absorbing(stress: Timed = 0.0, *, T: Timed | None = None, heat_flux: Timed |
 
 
 def _check_timed(end: object, owner: str, name: str, bound: str = checks.ANY) -> None:
-    """InputError if an attribute is neither a number within its range nor a function; a number becomes a float."""
+    """InputError if an attribute is neither a number within its range nor a function; a number
+    becomes a float.
+    """
     value = getattr(end, name)
     if not callable(value):
         object.__setattr__(end, name, checks.number(value, f"{owner}: {name}", bound))
@@ -170,7 +203,10 @@ def _check_timed(end: object, owner: str, name: str, bound: str = checks.ANY) ->
 
 def _check_heat(end: Wall | SolidEnd, owner: str) -> None:
     if end.T is not None and end.heat_flux is not None:
-        raise InputError(f"{owner}: T and heat_flux are given: expected one of them, or neither for an insulated end")
+        raise InputError(
+            f"{owner}: T and heat_flux are given: expected one of them, "
+            "or neither for an insulated end"
+        )
     for name, bound in (("T", checks.POSITIVE), ("heat_flux", checks.ANY)):
         if getattr(end, name) is not None:
             _check_timed(end, owner, name, bound)
@@ -181,7 +217,9 @@ def heat_of(end: Boundary) -> tuple[int, Timed]:
     given: dict[int, Timed | None] = {}
     if isinstance(end, (Wall, SolidEnd)):
         given = {GIVEN_T: end.T, GIVEN_FLUX: end.heat_flux}
-    return next(((kind, value) for kind, value in given.items() if value is not None), (INSULATED, 0.0))
+    return next(
+        ((kind, value) for kind, value in given.items() if value is not None), (INSULATED, 0.0)
+    )
 
 
 def in_time(end: Boundary) -> dict[str, Callable[[float], float]]:
@@ -194,11 +232,15 @@ def closes(end: Boundary) -> bool:
     """Whether neither mass nor energy goes through an end."""
     if heat_of(end)[0] != INSULATED or in_time(end):
         return False
-    return isinstance(end, Wall) or (isinstance(end, SolidEnd) and end.kind != ABSORBING and end.value == 0.0)
+    return isinstance(end, Wall) or (
+        isinstance(end, SolidEnd) and end.kind != ABSORBING and end.value == 0.0
+    )
 
 
 def needs_stretching(end: Boundary) -> bool:
-    """Whether the gas at this end must have a stretched grid: an embedded wall insulates, and stays where it is."""
+    """Whether the gas at this end must have a stretched grid: an embedded wall insulates, and
+    stays where it is.
+    """
     return isinstance(end, Wall) and (end.moves or heat_of(end)[0] != INSULATED)
 
 

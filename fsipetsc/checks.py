@@ -29,12 +29,16 @@ def described(value: Any) -> str:
     if type(value).__module__.startswith("fsipetsc."):
         return f"a {type(value).__name__}"
     text = " ".join(repr(value).split())
-    kind = "" if value is None or isinstance(value, (int, float, complex, str)) else f" ({type(value).__name__})"
+    kind = (
+        ""
+        if value is None or isinstance(value, (int, float, complex, str))
+        else f" ({type(value).__name__})"
+    )
     return (text if len(text) <= 60 else text[:57] + "...") + kind
 
 
 def counted(count: int, word: str) -> str:
-    """"1 step", "2 steps"."""
+    """ "1 step", "2 steps"."""
     return f"{count} {word}{'s' * (count != 1)}"
 
 
@@ -48,9 +52,15 @@ def duration(seconds: float) -> str:
 
 
 def number(value: Any, what: str, bound: str = ANY, unit: str = "") -> float:
-    """The value as a float; InputError that names ``what`` if it is no finite real number or out of bound."""
+    """The value as a float; InputError that names ``what`` if it is no finite real number or out
+    of bound.
+    """
     expected = f"expected a number{' ' * bool(bound)}{bound}{f' [{unit}]' if unit else ''}"
-    plain = not isinstance(value, (str, bytes, bool, np.bool_)) and np.ndim(value) == 0 and not callable(value)
+    plain = (
+        not isinstance(value, (str, bytes, bool, np.bool_))
+        and np.ndim(value) == 0
+        and not callable(value)
+    )
     try:
         found = float(value) if plain and not np.iscomplexobj(value) else None
     except (TypeError, ValueError, OverflowError):
@@ -58,13 +68,17 @@ def number(value: Any, what: str, bound: str = ANY, unit: str = "") -> float:
     if found is None or not isfinite(found):
         raise InputError(f"{what} is {described(value)}: {expected}")
     limit = float(bound.split()[-1]) if bound else 0.0
-    if (bound.startswith("above") and not found > limit) or (bound.startswith("not below") and not found >= limit):
+    if (bound.startswith("above") and not found > limit) or (
+        bound.startswith("not below") and not found >= limit
+    ):
         raise InputError(f"{what} is {found:g}: {expected}")
     return found
 
 
 def numbers(record: Any, owner: str, ranges: Ranges) -> None:
-    """Make the attributes of a frozen dataclass floats, each within its range; InputError for the first that is not."""
+    """Make the attributes of a frozen dataclass floats, each within its range; InputError for
+    the first that is not.
+    """
     for name, bound in ranges.items():
         object.__setattr__(record, name, number(getattr(record, name), f"{owner}: {name}", bound))
 
@@ -74,17 +88,24 @@ def extent(X: Any, what: str) -> tuple[float, float]:
     try:
         left, right = X
     except (TypeError, ValueError):
-        raise InputError(f"{what}: X is {described(X)}: expected (left, right), two numbers [m]") from None
+        raise InputError(
+            f"{what}: X is {described(X)}: expected (left, right), two numbers [m]"
+        ) from None
     ends = number(left, f"{what}: X[0]", unit="m"), number(right, f"{what}: X[1]", unit="m")
     if not ends[0] < ends[1]:
-        raise InputError(f"{what}: X = ({ends[0]:g}, {ends[1]:g}): expected (left, right) with left below right")
+        raise InputError(
+            f"{what}: X = ({ends[0]:g}, {ends[1]:g}): expected (left, right) with left below right"
+        )
     return ends
 
 
 def function(value: Any, what: str, form: str, *, optional: bool = False) -> None:
-    """InputError if a value is not callable, or None where that is allowed; form: as in "initial(X) -> (rho, u, T)"."""
+    """InputError if a value is not callable, or None where that is allowed; form: as in
+    "initial(X) -> (rho, u, T)".
+    """
     if not (callable(value) or (optional and value is None)):
-        raise InputError(f"{what} is {described(value)}: expected a function {form}{' or None' if optional else ''}")
+        expected = f"a function {form}{' or None' if optional else ''}"
+        raise InputError(f"{what} is {described(value)}: expected {expected}")
 
 
 def formulas(value: Any, what: str, member: str, form: str) -> None:

@@ -9,13 +9,13 @@ from contextlib import suppress
 class FsiError(Exception):
     """An error that is explained to the user in one message, without a traceback.
 
-    collective: True if every rank raises it at the same place (then the program ends in order), False if one rank may
-    be alone with it (then the other ranks are stopped). told: the traceback where another rank has met it, else "".
-    users: the part of it that belongs beside the message, in the code of a user, else "" (fsipetsc.blame.users_lines).
+    collective: True if every rank raises it at the same place (then the program ends in order),
+    False if one rank may be alone with it (then the other ranks are stopped). told: the traceback
+    where another rank has met it, else "".
     """
 
     status = 1
-    told = users = ""
+    told = ""
 
     def __init__(self, message: str, *, collective: bool = True) -> None:
         super().__init__(message)
@@ -23,7 +23,7 @@ class FsiError(Exception):
 
 
 class InputError(FsiError):
-    """Bad input: an option, a case file, a result file, the number of ranks. Says what would be valid."""
+    """Bad input: an option, a case file, a result file, the number of ranks."""
 
     status = 2
 
@@ -64,19 +64,20 @@ def is_petsc(error: BaseException) -> bool:
 
 
 def petsc_words(error: BaseException) -> str:
-    """PETSc's own words without the list of its routines: "[0] TSSolve() at file:line" for each, then the reason."""
+    """PETSc's words without its list of routines, "[0] TSSolve() at file:line" and so on."""
     lines = [line.split("] ", 1)[-1] for line in str(error).splitlines()[1:]]
     routines = [line.split("()")[0] for line in lines if "() at " in line]
     reason = "; ".join(line for line in lines if "() at " not in line)
+    place = "".join(f" in {routine}()" for routine in routines[-1:])
     number = getattr(error, "ierr", "")
-    return (
-        f"PETSc error {number}" + "".join(f" in {r}()" for r in routines[-1:]) + (f": {reason}" if reason else "")
-    )
+    return f"PETSc error {number}{place}" + (f": {reason}" if reason else "")
 
 
 def clear_frames(error: BaseException | None) -> None:
-    """Empty the frames of an error, of its cause and of their callers: they hold PETSc's objects, a TS or the array
-    of a Vec, which must not outlive the run: PETSc waits at its end for all ranks to have the same ones.
+    """Empty the frames of an error, of its cause and of their callers.
+
+    They hold PETSc's objects, a TS or the array of a Vec, which must not outlive the run: PETSc
+    waits at its end for all ranks to have the same ones.
     """
     while error is not None:
         traceback.clear_frames(error.__traceback__)

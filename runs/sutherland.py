@@ -1,11 +1,12 @@
-"""Hot gas against a cold block: viscosity and conductivity of the gas follow Sutherland's law. gas | solid.
+"""Hot gas against a cold block: the gas's transport follows Sutherland's law. gas | solid.
 
     mpiexec -n 2 python -m fsipetsc runs/sutherland.py
 
-A gas of one's own, as short as it gets: mu and kappa grow with T as mu(T)/mu = (T/T_0)^(3/2) (T_0 + S)/(T + S), T_0 = 273 K,
-S = 111 K for air (W. Sutherland, Philosophical Magazine 36 (1893) 507; F. M. White, Viscous Fluid Flow, Table 1-2). The gas is
-as thick as glycerine, so that heat gets somewhere within the time. -hot_law 0 leaves mu and kappa constant, -hot_law 2 takes
-the built-in law, which is the same.
+A gas of one's own, as short as it gets: mu and kappa grow with T as mu(T)/mu = (T/T_0)^(3/2) (T_0 +
+S)/(T + S), T_0 = 273 K, S = 111 K for air (W. Sutherland, Philosophical Magazine 36 (1893) 507; F.
+M. White, Viscous Fluid Flow, Table 1-2). The gas is as thick as glycerine, so that heat gets
+somewhere within the time. -hot_law 0 leaves mu and kappa constant, -hot_law 2 takes the built-in
+law, which is the same.
 """
 
 from __future__ import annotations
@@ -26,7 +27,10 @@ from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 SUMMARY = "hot gas whose viscosity follows Sutherland's law cools at a cold block"
 OPTIONS = (
     Option("hot_T", float, 1200.0, "K", "temperature of the gas at the wall", check="positive"),
-    Option("hot_law", int, 1, "-", "1: Sutherland's law, 2: the built-in one, 0: constant", choices=(0, 1, 2)),
+    Option(
+        *("hot_law", int, 1, "-", "1: Sutherland's law, 2: the built-in one, 0: constant"),
+        choices=(0, 1, 2),
+    ),
 )
 DEFAULTS = {"fsi_h": 0.02, "ts_max_time": 0.02, "fsi_output_dt": 0.002}
 P0, COLD, T_0, S = 1e5, 300.0, 273.0, 111.0
@@ -44,7 +48,8 @@ def build(opt: Mapping[str, Any]) -> Problem:
     block = Solid(K=1e8, kappa_e=1000.0, m0=250.0, alpha=500.0)
 
     def gas(X: np.ndarray) -> list[np.ndarray]:
-        T = COLD + (opt["hot_T"] - COLD) * np.cos(0.5 * np.pi * X) ** 2  # no heat through either end
+        # no heat through either end
+        T = COLD + (opt["hot_T"] - COLD) * np.cos(0.5 * np.pi * X) ** 2
         return [P0 / (air.R * T), np.zeros(X.shape), T]
 
     def cold(X: np.ndarray) -> list[np.ndarray]:

@@ -29,18 +29,42 @@ from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 NAME = "going_wrong"
 SUMMARY = "layers of which a function goes wrong"
 OPTIONS = (
-    Option("mad_layers", "str", "gsg", "", "g for a gas, s for a solid, from left to right or from below"),
+    Option(
+        "mad_layers",
+        "str",
+        "gsg",
+        "",
+        "g for a gas, s for a solid, from left to right or from below",
+    ),
     Option("mad_plane", "bool", False, "", "in two dimensions"),
     Option("mad_layer", "int", 0, "", "which one"),
-    Option("mad_field", "str", "none", "", "which of its unknowns: rho, rho u, rho v, e; u, v, sigma, T, x, y; or place"),
+    Option(
+        "mad_field",
+        "str",
+        "none",
+        "",
+        "which of its unknowns: rho, rho u, rho v, e; u, v, sigma, T, x, y; or place",
+    ),
     Option("mad_rate", "float", 0.0, "", "what is added to its rate there"),
     Option("mad_place", "float", 0.5, "", "in parts of the layer"),
     Option("mad_time", "float", 0.01, "s", "from when on"),
-    Option("mad_function", "str", "none", "", "which one fails: initial, exact, forcing, edge, place, T, jumps"),
+    Option(
+        "mad_function",
+        "str",
+        "none",
+        "",
+        "which one fails: initial, exact, forcing, edge, place, T, jumps",
+    ),
     Option("mad_rank", "int", -1, "", "where; -1: on all ranks"),
     Option("mad_compiled", "bool", False, "", "compiled code raises the error"),
 )
-DEFAULTS = {"fsi_h": 0.0625, "fsi_order": 2, "ts_max_time": 0.1, "ts_dt": 1e-3, "fsi_output_dt": 1.0}
+DEFAULTS = {
+    "fsi_h": 0.0625,
+    "fsi_order": 2,
+    "ts_max_time": 0.1,
+    "ts_dt": 1e-3,
+    "fsi_output_dt": 1.0,
+}
 #: unknowns in the order of the forcing: dimension, kind
 UNKNOWNS = {
     (1, "g"): ("rho", "rho u", "e"),
@@ -61,25 +85,37 @@ refuse_compiled = njit(refuse)
 
 def build(opt: Mapping[str, Any]) -> Problem | BlockProblem:
     """Layers of thickness 1 at rest, in two dimensions of width 1; a gas that is the first one has a wall."""
-    stack = [(_plane_layer if opt["mad_plane"] else _layer)(opt, k, kind) for k, kind in enumerate(opt["mad_layers"])]
+    stack = [
+        (_plane_layer if opt["mad_plane"] else _layer)(opt, k, kind)
+        for k, kind in enumerate(opt["mad_layers"])
+    ]
     fails, name = lambda function, what: _failing(opt, function, what), opt["mad_function"]
     first, last = opt["mad_layers"][0], opt["mad_layers"][-1]
 
     def wall(t: float) -> tuple[float, float]:
         """Place and velocity."""
-        return opt["mad_rate"] * max(0.0, t - opt["mad_time"]), opt["mad_rate"] * (t >= opt["mad_time"])
+        return opt["mad_rate"] * max(0.0, t - opt["mad_time"]), opt["mad_rate"] * (
+            t >= opt["mad_time"]
+        )
 
     if opt["mad_plane"]:
-        lower, upper = (conditions.NoSlip() if kind == "g" else conditions.Clamped() for kind in (first, last))
+        lower, upper = (
+            conditions.NoSlip() if kind == "g" else conditions.Clamped() for kind in (first, last)
+        )
         if name == "place":
             lower = conditions.NoSlip(x=fails(lambda X, Y, t: (X, 0 * X), "place"))
         if opt["mad_field"] == "place":
-            moves = (lambda X, Y, t: (X, 0 * X + wall(t)[0])), (lambda X, Y, t: (0 * X, 0 * X + wall(t)[1]))
+            moves = (
+                (lambda X, Y, t: (X, 0 * X + wall(t)[0])),
+                (lambda X, Y, t: (0 * X, 0 * X + wall(t)[1])),
+            )
             lower = conditions.Slip(*moves)
         if name == "T":
             lower = conditions.NoSlip(T=fails(lambda X, Y, t: 1 + 0 * X, "T"))
         if name == "edge":
-            upper = conditions.Given(fails(lambda X, Y, t: (1 + 0 * X, 0 * X, 0 * X, 1 + 0 * X), "edge"))
+            upper = conditions.Given(
+                fails(lambda X, Y, t: (1 + 0 * X, 0 * X, 0 * X, 1 + 0 * X), "edge")
+            )
         jumps = fails(lambda X, Y, t: (0 * X, 0 * X, 0 * X), "jumps") if name == "jumps" else None
         ends = {"lower": lower, "upper": upper, "jumps": jumps, "units": "none"}
         return layers(*stack, along=((0.0, 1.0),), h=opt["fsi_h"], order=opt["fsi_order"], **ends)
@@ -87,7 +123,11 @@ def build(opt: Mapping[str, Any]) -> Problem | BlockProblem:
     place = (lambda t: wall(t)[0]) if opt["mad_field"] == "place" else place
     heat = {"T": fails(lambda t: 1.0, "T")} if name == "T" else {}
     left = Wall(place, **heat) if first == "g" else clamped()
-    right = Wall(float(len(stack))) if last == "g" else clamped(fails(lambda t: 0.0, "edge") if name == "edge" else 0.0)
+    right = (
+        Wall(float(len(stack)))
+        if last == "g"
+        else clamped(fails(lambda t: 0.0, "edge") if name == "edge" else 0.0)
+    )
     jumps = fails(lambda k, t: (0.0, 0.0, 0.0, 0.0), "jumps") if name == "jumps" else None
     return Problem(tuple(stack), left, right, jumps, units="none")
 
@@ -112,7 +152,13 @@ def _plane_layer(opt: Mapping[str, Any], k: int, kind: str) -> Layer:
         return [0 * X, 0 * X, 1 + 0 * X, X, Y]
 
     if kind == "g":
-        return Layer(f"gas {k}", AIR, (k, k + 1), _failing(opt, gas, "initial"), **_functions(opt, k, kind, 2, gas))
+        return Layer(
+            f"gas {k}",
+            AIR,
+            (k, k + 1),
+            _failing(opt, gas, "initial"),
+            **_functions(opt, k, kind, 2, gas),
+        )
     return Layer(f"bar {k}", PLATE, (k, k + 1), plate, **_functions(opt, k, kind, 2, plate))
 
 
@@ -124,11 +170,19 @@ def _layer(opt: Mapping[str, Any], k: int, kind: str) -> FluidLayer | SolidLayer
         return [0 * X, 0 * X - 1.0, 1 + 0 * X, X]
 
     if kind == "g":
-        return FluidLayer(f"gas {k}", GAS, (k, k + 1), _failing(opt, gas, "initial"), **_functions(opt, k, kind, 1, gas))
+        return FluidLayer(
+            f"gas {k}",
+            GAS,
+            (k, k + 1),
+            _failing(opt, gas, "initial"),
+            **_functions(opt, k, kind, 1, gas),
+        )
     return SolidLayer(f"bar {k}", BAR, (k, k + 1), bar, **_functions(opt, k, kind, 1, bar))
 
 
-def _functions(opt: Mapping[str, Any], k: int, kind: str, dimension: int, initial: Callable[..., Any]) -> dict[str, Any]:
+def _functions(
+    opt: Mapping[str, Any], k: int, kind: str, dimension: int, initial: Callable[..., Any]
+) -> dict[str, Any]:
     """Forcing and exact solution of a layer, where they are what goes wrong."""
     names, found = UNKNOWNS[dimension, kind], {}
     if opt["mad_function"] == "exact":
@@ -140,7 +194,9 @@ def _functions(opt: Mapping[str, Any], k: int, kind: str, dimension: int, initia
         *places, t = arguments
         rates = [np.zeros(places[-1].shape) for _ in names]
         if t >= opt["mad_time"] and opt["mad_field"] in names:
-            rates[names.index(opt["mad_field"])][places[-1] > k + opt["mad_place"]] = opt["mad_rate"]
+            rates[names.index(opt["mad_field"])][places[-1] > k + opt["mad_place"]] = opt[
+                "mad_rate"
+            ]
         return rates
 
     return {**found, "forcing": _failing(opt, forcing, "forcing")}

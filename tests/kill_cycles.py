@@ -27,9 +27,9 @@ RUNS = {
     "rod": ("rod -fsi_h 0.05 -ts_max_time 0.9 -fsi_output_dt 0.01", 40),
     "blast": ("blast -fsi_h 0.125 -fsi_order 2 -ts_max_time 4 -fsi_output_dt 0.04", 4),
 }
-PLACES = "frame", "fill", "piece", "checkpoint", "cut", "went"
+PLACES = "frame", "fill", "piece", "checkpoint", "begin", "begun"
 #: of places that are reached a few times only
-FIRST = "cut", "went"
+FIRST = "begin", "begun"
 KILL, TERM, INT = signal.SIGKILL, signal.SIGTERM, signal.SIGINT
 
 
@@ -38,7 +38,7 @@ def at_random(chance: random.Random, number: int) -> tuple[int, list]:
     ranks, place = (
         chance.randint(1, 3),
         chance.choice(PLACES) if number else "checkpoint",
-    )  # else there is nothing to cut
+    )  # else there is nothing to take over
     rank = chance.randrange(ranks) if place in ("frame", "fill") else 0
     count = 1 if place in FIRST else chance.randint(2, 4)
     return ranks, [

@@ -1,4 +1,4 @@
-"""Layers of gas (g) and solid (s) in any sequence, between walls or clamped; pulses in the gases move the solids."""
+"""Layers of gas (g) and solid (s) in any sequence, between walls or clamped; gases have pulses."""
 
 from __future__ import annotations
 
@@ -37,7 +37,11 @@ def build(opt: Mapping[str, Any]) -> Problem:
             return [0 * X, 0 * X + solid.pressure(1.0, 1.0) - 1.0, 1 + 0 * X, X]
 
         X = float(k), float(k + 1)
-        layers.append(FluidLayer(f"gas {k}", gas, X, pulse) if kind == "g" else SolidLayer(f"bar {k}", solid, X, at_rest))
+        layers.append(
+            FluidLayer(f"gas {k}", gas, X, pulse)
+            if kind == "g"
+            else SolidLayer(f"bar {k}", solid, X, at_rest)
+        )
     place = (lambda t: 0.05 * t * t) if opt["layers_moving"] else 0.0
     left = Wall(place) if opt["layers"][0] == "g" else clamped()
     right = Wall(float(len(layers))) if opt["layers"][-1] == "g" else clamped()

@@ -15,8 +15,6 @@ import signal
 import sys
 from pathlib import Path
 
-from said import parted
-
 from fsipetsc.cli import main
 from fsipetsc.process.launch import start_mpi
 
@@ -43,16 +41,27 @@ def footprint() -> dict[str, object]:
     from petsc4py import PETSc
 
     gc.collect()
-    objects = [o for o in gc.get_objects() if issubclass(type(o), PETSc.Object) and o and not o.klass.startswith("Viewer")]
+    objects = [
+        o
+        for o in gc.get_objects()
+        if issubclass(type(o), PETSc.Object) and o and not o.klass.startswith("Viewer")
+    ]
     return {
         "options": PETSc.Options().getAll(),
-        "signals": [str(signal.getsignal(n)) for n in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGPIPE)],
+        "signals": [
+            str(signal.getsignal(n))
+            for n in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP, signal.SIGPIPE)
+        ],
         "objects": sorted(o.klass for o in objects),
         "communicators": copies[0],
         "environment": dict(os.environ),
         "path": list(sys.path),
-        "modules": sorted(name for name in sys.modules if "case_" in name or name == "helper_of_a_case"),
-        "files": sorted(os.readlink(f"/proc/self/fd/{n}") for n in os.listdir("/proc/self/fd") if _is_file(n)),
+        "modules": sorted(
+            name for name in sys.modules if "case_" in name or name == "helper_of_a_case"
+        ),
+        "files": sorted(
+            os.readlink(f"/proc/self/fd/{n}") for n in os.listdir("/proc/self/fd") if _is_file(n)
+        ),
         "threshold": gc.get_threshold(),
     }
 
@@ -78,13 +87,16 @@ if __name__ == "__main__":
     for expected, text in json.loads(Path(sys.argv[1]).read_text()):
         status, said = answer(text.split())
         every.append(said)
-        said = parted(said)[1]
         allowed = expected if isinstance(expected, list) else [expected]
         if status not in allowed or said.count("\n") != (status != 0 and rank == 0):
             wrong.append([text, f"status {status}, not {expected}", said])
         now = footprint()
         # PETSc, once started, is there for good, and the first run starts it
-        wrong += [[text, name, before[name], now[name]] for name in now if before and now[name] != before[name]]
+        wrong += [
+            [text, name, before[name], now[name]]
+            for name in now
+            if before and now[name] != before[name]
+        ]
         before = before or now
     gathered = comm.gather(wrong)
     if gathered is not None:

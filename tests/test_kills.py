@@ -1,6 +1,7 @@
-"""Runs that are stopped or killed go on as if nothing had been; what the signals do that ask for a checkpoint.
+"""Runs that are stopped or killed go on as if nothing had been.
 
-Signals come at named places of the run, which it sends to itself (signalled_program.py); at random: `scripts/soak kill`.
+Signals come at named places of the run, which it sends to itself (signalled_program.py); at random:
+`scripts/soak kill`.
 """
 
 from __future__ import annotations
@@ -16,7 +17,6 @@ from kill_cycles import cycles
 from test_restart import differences
 
 import fsipetsc
-from fsipetsc.output import checkpoint_file
 
 pytest.importorskip("petsc4py")
 
@@ -26,7 +26,9 @@ PROGRAM = REPOSITORY / "tests" / "signalled_program.py"
 LINE = "rod -fsi_h 0.05 -ts_max_time 0.1 -fsi_output_dt 0.01 -fsi_quiet".split()
 
 
-def signalled(ranks: int, folder: Path, places: list[list[object]], *words: object) -> subprocess.CompletedProcess[str]:
+def signalled(
+    ranks: int, folder: Path, places: list[list[object]], *words: object
+) -> subprocess.CompletedProcess[str]:
     """The rod on so many ranks, which get signals at these places (signalled_program.py)."""
     return mpirun(ranks, PROGRAM, json.dumps(places), *LINE, *words, cwd=folder)
 
@@ -39,15 +41,28 @@ def whole(tmp_path_factory) -> Path:
     return folder / "whole.h5"
 
 
-@pytest.mark.parametrize(("ranks", "rank", "number"), [(1, 0, signal.SIGINT), (2, 0, signal.SIGHUP), (2, 1, signal.SIGTERM)])
+@pytest.mark.parametrize(
+    ("ranks", "rank", "number"),
+    [(1, 0, signal.SIGINT), (2, 0, signal.SIGHUP), (2, 1, signal.SIGTERM)],
+)
 def test_a_run_that_a_signal_stopped_goes_on(ranks, rank, number, whole, tmp_path):
-    """One message, 128 + signal, a frame and a checkpoint of the last step; then on another number of ranks."""
+    """One message, 128 + signal, a frame and a checkpoint of the last step; then on another number
+    of ranks.
+    """
     done = signalled(ranks, tmp_path, [["frame", 4, rank, number]])
-    message(done, 128 + number, f"stopped by {number.name} at t = ", "rod.h5", "the checkpoint in rod.checkpoint.h5")
+    message(
+        done,
+        128 + number,
+        f"stopped by {number.name} at t = ",
+        "rod.h5",
+        "the checkpoint in rod.checkpoint.h5",
+    )
     assert_readable(tmp_path / "rod.h5", "stopped", 0.1)
     with fsipetsc.open_run(tmp_path / "rod.h5") as result:
         assert not result.complete and result.nframes in (4, 5)
-        assert result.time[-1] == result.series["t"][-1] == result.summary["t"], "the last state is saved"
+        assert result.time[-1] == result.series["t"][-1] == result.summary["t"], (
+            "the last state is saved"
+        )
     done = solve(*LINE, "-fsi_restart", "auto", cwd=tmp_path, ranks=3 - ranks)
     assert (done.returncode, done.stderr) == (0, "")
     assert differences(whole, tmp_path / "rod.h5", same_ranks=False) == []
@@ -56,10 +71,10 @@ def test_a_run_that_a_signal_stopped_goes_on(ranks, rank, number, whole, tmp_pat
 KILLS = [
     (2, ["frame", 2, 1, signal.SIGKILL]),
     (1, ["checkpoint", 2, 0, signal.SIGKILL]),
-    (2, ["went", 1, 0, signal.SIGKILL]),
+    (2, ["begun", 1, 0, signal.SIGKILL]),
     (3, ["fill", 2, 2, signal.SIGKILL]),
     (2, ["piece", 3, 0, -signal.SIGKILL]),
-    (2, ["cut", 1, 0, signal.SIGTERM]),
+    (2, ["begin", 1, 0, signal.SIGTERM]),
     (1, ["join", 1, 0, signal.SIGKILL]),
     (2, ["clear", 1, 0, signal.SIGKILL]),
 ]
@@ -67,20 +82,11 @@ KILLS = [
 
 @pytest.mark.parametrize(("case", "kills"), [("rod", KILLS), ("blast", KILLS[3:])])
 def test_a_run_that_is_killed_goes_on(case, kills, tmp_path):
-    """A frame, a checkpoint, a piece, a whole result half written; each time on another number of ranks: the same bits."""
+    """A frame, a checkpoint, a piece, a whole result half written; each time on another number of
+    ranks: the same bits.
+    """
     said = cycles(tmp_path, case, kills)
     assert len(said) == len(kills)
-
-
-def test_usr1_asks_for_a_checkpoint_and_the_run_goes_on(tmp_path):
-    """Without any option for checkpoints; the next time the earlier one is kept."""
-    done = signalled(2, tmp_path, [["frame", count, 1, signal.SIGUSR1] for count in (3, 7)])
-    assert (done.returncode, done.stderr) == (0, "")
-    names = "rod.checkpoint.previous.h5", "rod.checkpoint.h5"
-    first, second = (checkpoint_file.read(tmp_path / name).header["memory"]["t"] for name in names)
-    assert 0.02 <= first < 0.03 and 0.06 <= second < 0.07
-    with fsipetsc.open_run(tmp_path / "rod.h5") as result:
-        assert result.complete and result.nframes == 11
 
 
 SLOW = """
@@ -112,13 +118,3 @@ def test_a_second_sigint_ends_at_once(tmp_path):
     done = run("-m", "fsipetsc", "slow.py", "-fsi_quiet", "-fsi_mapping", "rigid", cwd=tmp_path)
     assert done.returncode == -signal.SIGINT  # 130 in a shell
     assert (tmp_path / "once").exists() and not (tmp_path / "twice").exists()
-
-
-def test_the_wall_limit_ends_a_run(tmp_path):
-    """Here one that is over as the run begins. (When it is: tests/test_surface.py.)"""
-    done = solve(*LINE[:-1], "-fsi_wall_limit", 1e-3, cwd=tmp_path, ranks=2)
-    assert (done.returncode, done.stderr) == (0, ""), done.stderr
-    assert "ended by -fsi_wall_limit at t = " in done.stdout
-    assert "-fsi_restart rod.checkpoint.h5 goes on" in done.stdout
-    done = solve(*LINE, "-fsi_restart", "rod.checkpoint.h5", cwd=tmp_path)
-    assert (done.returncode, done.stderr) == (0, "")

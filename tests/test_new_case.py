@@ -1,4 +1,4 @@
-"""The command `new`: a case file that runs as it is, and is never put in the place of something else."""
+"""The command `new`: a case file that runs as it is, and is never put in the place of another."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers import REPOSITORY, solve
+from helpers import solve
 
 import fsipetsc
 from fsipetsc.cases import load_case, template_text
@@ -17,24 +17,23 @@ from fsipetsc.output.new_case import new_case
 
 pytest.importorskip("petsc4py")
 
-TEMPLATE = REPOSITORY / "fsipetsc" / "cases" / "template.py"
-
 
 def test_the_case_runs_and_does_what_it_says(tmp_path):
-    """On one rank as on two: the plate swings with the amplitude and the period of the file's own words."""
-    made = solve("new", "my_case.py", cwd=tmp_path)
-    assert (made.returncode, made.stderr) == (0, "")
+    """The plate swings with the amplitude and the period of the file's own words."""
+    made = solve("new", "my_case.py", cwd=tmp_path, ranks=2)
+    assert (made.returncode, made.stderr, made.stdout.count("wrote")) == (0, "", 1)
     assert "python -m fsipetsc my_case.py" in made.stdout
     text = (tmp_path / "my_case.py").read_text()
     assert "FILE.py" not in text and "NAME.h5" not in text and "plot my_case.h5" in text
-    assert text.splitlines()[15:] == TEMPLATE.read_text().splitlines()[15:], "but for the names in its examples"
+    assert text.splitlines()[15:] == template_text().splitlines()[15:], "but for its own name"
 
     done = solve("my_case.py", "-fsi_check", 1e-3, cwd=tmp_path, ranks=2)
     assert (done.returncode, done.stderr) == (0, "")
     with fsipetsc.open_run(tmp_path / "my_case.h5") as result:
         assert result.complete and result.nframes == 41
         t, way = result.series["t"], result.series["x_interface"][:, 0] - 0.4
-    told = re.search(r"it goes ([\d.]+) m to the right and comes back; the period is ([\d.]+) s", text)
+    swing = r"it goes ([\d.]+) m to the right and comes back; the period is ([\d.]+) s"
+    told = re.search(swing, text)
     assert way.max() == pytest.approx(float(told[1]), rel=0.02)
     assert 2 * (t[way.argmin()] - t[way.argmax()]) == pytest.approx(float(told[2]), rel=0.02)
 
@@ -45,41 +44,29 @@ def test_blocks(tmp_path):
     assert (made.returncode, made.stderr) == (0, "")
     text, template = (tmp_path / "my_ring.py").read_text(), template_text(True)
     assert "FILE" not in text and "NAME." not in text and "my_ring.xdmf" in text
-    assert text.splitlines()[12:] == template.splitlines()[12:] and [x for x in template.splitlines() if len(x) > 100] == []
+    assert text.splitlines()[12:] == template.splitlines()[12:]
     words = "my_ring.py", "-fsi_h", 0.04, "-ts_max_time", 0.004, "-fsi_check", 1e-9
-    done = solve(*words, cwd=tmp_path)
-    assert (done.returncode, done.stderr) == (0, "")
-    again = solve(*words, "-fsi_output", "three.h5", "-fsi_quiet", cwd=tmp_path, ranks=3)
-    assert (again.returncode, again.stderr) == (0, "")
-    with fsipetsc.open_run(tmp_path / "my_ring.h5") as one, fsipetsc.open_run(tmp_path / "three.h5") as three:
+    for name, ranks in (("one.h5", 1), ("three.h5", 3)):
+        done = solve(*words, "-fsi_output", name, cwd=tmp_path, ranks=ranks)
+        assert (done.returncode, done.stderr) == (0, "")
+    with fsipetsc.open_run(tmp_path / "one.h5") as one:
         assert one.complete and one.dimension == 2 and one.nframes == 11
         moved = one.interface("gas | ring").displacement[-1]
         assert 1e-3 < moved.mean() < 6e-3 and moved.max() < 2e-2
-        for name, block in one.blocks.items():
-            for field, values in block.frame(-1).items():
-                assert np.array_equal(values, three.blocks[name].frame(-1)[field]), (name, field)
-
-
-def test_its_own_option_and_help(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    new_case("other.py", ())
-    case = load_case("other.py")
-    assert (case.NAME, [option.name for option in case.OPTIONS]) == ("other", ["plate_speed", "plate_density"])
-    names = [layer.name for layer in case.build({"plate_speed": 5.0, "plate_density": 50.0}).layers]
-    assert names == ["left", "plate", "right"]
-    assert [line for line in template_text().splitlines() if len(line) > 120] == []
+        with fsipetsc.open_run(tmp_path / "three.h5") as three:
+            for name, block in one.blocks.items():
+                for field, values in block.frame(-1).items():
+                    assert np.array_equal(values, three.blocks[name].frame(-1)[field]), field
 
 
 def test_what_is_there_stays(tmp_path):
     (tmp_path / "mine.py").write_text("precious")
     (tmp_path / "link.py").symlink_to("nowhere")
-    (tmp_path / "folder.py").mkdir()
-    for name in ("mine.py", "link.py", "folder.py"):
-        done = solve("new", name, cwd=tmp_path)
-        assert done.returncode == 4 and done.stderr.count("\n") == 1
-        assert done.stderr.startswith(f"fsipetsc: error: {name}: exists already")
+    for name in ("mine.py", "link.py"):
+        with pytest.raises(FileError, match=f"{name}: exists already"):
+            new_case(str(tmp_path / name), ())
     assert (tmp_path / "mine.py").read_text() == "precious"
-    assert sorted(os.listdir(tmp_path)) == ["folder.py", "link.py", "mine.py"] and not (tmp_path / "nowhere").exists()
+    assert sorted(os.listdir(tmp_path)) == ["link.py", "mine.py"]
 
 
 NAMES = {
@@ -87,12 +74,10 @@ NAMES = {
     "info.py": "'info' is the name of a command",
     "numpy.py": "a Python module, which this file would hide",
     "json.py": "a Python module, which this file would hide",
-    "rod": "expected one that ends in .py",
     "run.h5": "expected one that ends in .py",
     ".py": "expected one that ends in .py",
     "a.py/": "expected one that ends in .py",
     "a\nb.py": "expected one that ends in .py",
-    "a\0b.py": "expected one that ends in .py",
     f"{'x' * 150}.py": "too long",
 }
 
@@ -105,35 +90,22 @@ def test_a_name_that_would_not_do(name, tmp_path, monkeypatch):
     assert os.listdir(tmp_path) == []
 
 
-def test_unusual_names(tmp_path, monkeypatch):
-    """What stands in the working directory hides nothing; a name that could end the docstring does not stand in it."""
+def test_unusual_names_and_places(tmp_path, monkeypatch):
+    """What stands in the working directory hides nothing; a name that could end the docstring does
+    not stand in it."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "results").mkdir()
-    for name in ("results.py", "results/x.py", str(tmp_path / "y.py"), 'q""".py', "a b.py", "a.b.py"):
+    for name in ("results.py", "results/x.py", str(tmp_path / "y.py"), 'q""".py', "a b.py"):
         assert new_case(name, ()) == Path(name)
         assert load_case(name).SUMMARY
-
-
-def test_a_place_that_is_none(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
     with pytest.raises(FileError, match=r"no/case\.py: the directory no does not exist"):
         new_case("no/case.py", ())
-    (tmp_path / "text").write_text("a text")
-    with pytest.raises(FileError, match=r"text/case\.py: text is not a directory"):
-        new_case("text/case.py", ())
     with pytest.raises(FileError, match=r"case\.py: cannot be written: No such file"):
         new_case("/proc/case.py", ())
 
 
-@pytest.mark.parametrize("words", [[], ["a.py", "b.py"], ["-x", "a.py"]])
+@pytest.mark.parametrize("words", [[], ["-x", "a.py"]])
 def test_bad_arguments(words, tmp_path):
     done = solve("new", *words, cwd=tmp_path)
     assert done.returncode == 2 and done.stderr.count("\n") == 1 and "new FILE.py" in done.stderr
     assert os.listdir(tmp_path) == []
-
-
-@pytest.mark.mpi
-def test_one_of_two_ranks_writes_it(tmp_path):
-    done = solve("new", "my_case.py", cwd=tmp_path, ranks=2)
-    assert (done.returncode, done.stderr, done.stdout.count("wrote")) == (0, "", 1)
-    assert os.listdir(tmp_path) == ["my_case.py"]

@@ -1,4 +1,6 @@
-"""The right-hand side of PETSc's own methods beside the fused one: the same numbers, by DMDA's exchange."""
+"""The right-hand side of PETSc's own methods beside the fused one: the same numbers, by DMDA's
+exchange.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +35,9 @@ HALF = 2.0**-18
     ids=lambda value: value if isinstance(value, str) else "",
 )
 def test_both_make_the_same_rates(name, changed):
-    """Of a state as a stage leaves it, before its conditions are applied: bit for bit, with forcing and given data, too."""
+    """Of a state as a stage leaves it, before its conditions are applied: bit for bit, with
+    forcing and given data, too.
+    """
     case = load_case(name)
     opt = {**defaults(case), "fsi_h": 0.05, **changed}
     with make_paper_state(case.build(opt), opt, MPI.COMM_SELF) as state:
@@ -50,18 +54,30 @@ def test_both_make_the_same_rates(name, changed):
         for k in range(len(state.layout.grids)):
             rates, active = state.layout.local(k, f), state.active(k)
             assert np.abs(rates[active]).max() > 0
-            assert not rates[: active.start].any() and not rates[active.stop :].any(), "spare points stay as they are"
+            assert not rates[: active.start].any() and not rates[active.stop :].any(), (
+                "spare points stay as they are"
+            )
         assert np.abs(start - stage).max() > 0
 
 
 @pytest.mark.mpi
 def test_the_log_shows_what_petsc_does(tmp_path):
-    """An exchange for each layer and right-hand side among the events of the time loop, and the sums of PETSc's method."""
-    line = "rod -fsi_h 0.1 -ts_max_steps 20 -ts_type rk -fsi_partition physics -fsi_output_dt 1 -log_view -ts_view"
+    """An exchange for each layer and right-hand side among the events of the time loop, and the
+    sums of PETSc's method.
+    """
+    line = "rod -fsi_h 0.1 -ts_max_steps 20 -ts_type rk -fsi_partition physics -fsi_output_dt 1 "
+    line += "-log_view -ts_view"
     done = mpirun(2, "-m", "fsipetsc", *line.split(), cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    loop = re.split(r"Event Stage \d: ", done.stdout[re.search(r"Event Stage \d: time loop", done.stdout).end() :])[0]
-    counts = {words[0]: int(words[1]) for words in map(str.split, loop.splitlines()) if len(words) > 10 and words[1].isdigit()}
+    loop = re.split(
+        r"Event Stage \d: ",
+        done.stdout[re.search(r"Event Stage \d: time loop", done.stdout).end() :],
+    )[0]
+    counts = {
+        words[0]: int(words[1])
+        for words in map(str.split, loop.splitlines())
+        if len(words) > 10 and words[1].isdigit()
+    }
     assert counts["TSStep"] == 20 and counts["TSFunctionEval"] == 80
     assert counts["VecScatterBegin"] == 2 * (80 + 20), "rank 0 has both gases; steps are completed"
     assert counts["VecMAXPY"] >= 80

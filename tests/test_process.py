@@ -1,10 +1,11 @@
-"""Many runs in one process: each is what it would be in a process of its own, and leaves nothing behind."""
+"""Many runs in one process: each is what it would be in a process of its own, and leaves nothing
+behind.
+"""
 
 from __future__ import annotations
 
 import json
 from pathlib import Path
-from textwrap import dedent
 
 import numpy as np
 import pytest
@@ -19,7 +20,11 @@ SHORT = "-fsi_quiet -fsi_h 0.1"
 SUMS = ("mass", "energy", "momentum", "entropy", "force")
 #: (exit status, name of the result, arguments), in this order
 RUNS = [
-    (0, "rod", f"rod {SHORT} -ts_max_time 0.004 -rod_gravity -100 -fsi_output_dt 0.001 -ts_rk_type 3bs"),
+    (
+        0,
+        "rod",
+        f"rod {SHORT} -ts_max_time 0.004 -rod_gravity -100 -fsi_output_dt 0.001 -ts_rk_type 3bs",
+    ),
     (0, "plain", f"rod {SHORT} -ts_max_steps 30"),
     (2, "", "rod -fsi_h 0.1 -fsi_oder 4 -ts_max_steps 1"),
     (3, "", f"rod {SHORT} -fsi_cfl 9 -fsi_output_dt 0.002 -fsi_output failed.h5"),
@@ -29,24 +34,39 @@ RUNS = [
     (2, "", f"rod {SHORT} -ts_max_steps 3 -log_view"),
     (0, "last", f"rod {SHORT} -ts_max_steps 30 -fsi_spare 0"),
 ]
-#: what a rank may be alone with leaves something behind where there are others, who would have to give it back, too
+#: what a rank may be alone with leaves something behind where there are others
 ALONE = [(3, "", f"helped/memory.py {SHORT} -fsi_output memory.h5")]
 
 
+CASE = """
+import helper_of_a_case
+OPTIONS = ()
+DEFAULTS = {"ts_max_time": 1}
+def build(opt):
+    raise ValueError("no")
+"""
+MEMORY = """
+from dataclasses import replace
+from fsipetsc.cases import rod
+OPTIONS, DEFAULTS = rod.OPTIONS, rod.DEFAULTS
+def build(opt):
+    problem, calls = rod.build(opt), []
+    def initial(X):
+        calls.append(X)
+        if len(calls) > 1:
+            raise MemoryError
+        return problem.layers[0].initial(X)
+    first, *others = problem.layers
+    return replace(problem, layers=(replace(first, initial=initial), *others))
+"""
+
+
 def _files(where: Path) -> None:
-    (where / "some.opts").write_text("-fsi_order 6\n-pulse_amplitude 100\n")
     (where / "missing_letter.opts").write_text("-fsi_order 6\nfsi_h 0.1\n")
     (where / "helped").mkdir()
     (where / "helped" / "helper_of_a_case.py").write_text("NUMBER = 5\n")
-    (where / "helped" / "case.py").write_text(
-        "import helper_of_a_case\nOPTIONS = ()\nDEFAULTS = {'ts_max_time': 1}\ndef build(opt):\n    raise ValueError('no')\n"
-    )
-    (where / "helped" / "memory.py").write_text(
-        "from dataclasses import replace\nfrom fsipetsc.cases import rod\nOPTIONS, DEFAULTS = rod.OPTIONS, rod.DEFAULTS\n"
-        "def build(opt):\n    problem, calls = rod.build(opt), []\n    def initial(X):\n        calls.append(X)\n"
-        "        if len(calls) > 1:\n            raise MemoryError\n        return problem.layers[0].initial(X)\n"
-        "    return replace(problem, layers=(replace(problem.layers[0], initial=initial), *problem.layers[1:]))\n"
-    )
+    (where / "helped" / "case.py").write_text(CASE)
+    (where / "helped" / "memory.py").write_text(MEMORY)
 
 
 def _arguments(name: str, text: str, runs: str = "") -> str:
@@ -79,7 +99,9 @@ def alone(tmp_path_factory):
 def test_runs_in_one_process_are_runs_in_processes_of_their_own(ranks, alone, tmp_path):
     _files(tmp_path)
     runs = RUNS + (ALONE if ranks == 1 else [])
-    (tmp_path / "runs.json").write_text(json.dumps([[status, _arguments(name, text)] for status, name, text in runs]))
+    (tmp_path / "runs.json").write_text(
+        json.dumps([[status, _arguments(name, text)] for status, name, text in runs])
+    )
     program = REPOSITORY / "tests" / "many_runs_program.py"
     done = mpirun(ranks, program, "runs.json", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
@@ -87,7 +109,9 @@ def test_runs_in_one_process_are_runs_in_processes_of_their_own(ranks, alone, tm
     for path in alone.glob("*.h5"):
         expected, found = _content(path), _content(tmp_path / path.name)
         if ranks > 1:
-            expected, found = ({k: v for k, v in c.items() if k not in SUMS} for c in (expected, found))
+            expected, found = (
+                {k: v for k, v in c.items() if k not in SUMS} for c in (expected, found)
+            )
         assert found.keys() == expected.keys()
         assert [name for name in expected if found[name] != expected[name]] == [], path.name
     assert _content(tmp_path / "again.h5") == _content(tmp_path / "plain.h5")
@@ -109,37 +133,11 @@ assert PETSc.Options().getAll() == {"host_option": "7", "fsi_order": "8"}
 
 
 def test_a_host_of_runs_keeps_its_own_options(tmp_path):
-    """A process that uses PETSc itself: its options are not the run's, PETSC_OPTIONS are, and the command line comes last."""
+    """A process that uses PETSc itself: its options are not the run's, PETSC_OPTIONS are, and the
+    command line comes last.
+    """
     done = run("-c", HOST, cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
     for name, steps in (("rod", 2), ("it's 3", 3)):
         with fsipetsc.open_run(tmp_path / f"{name}.h5") as result:
             assert (result.summary["steps"], result.options["fsi_order"]) == (steps, 4)
-
-
-def test_a_closed_pipe_ends_no_run_of_a_program_that_started_petsc_itself():
-    """PETSc's handler of SIGPIPE calls MPI_Abort, and that hangs where Open MPI was printing."""
-    code = """
-        from petsc4py import PETSc
-        from fsipetsc.process.launch import start_mpi, start_petsc
-        start_petsc([], start_mpi())
-        (mask,) = (line.split()[1] for line in open("/proc/self/status") if line.startswith("SigIgn"))
-        print("ignored" if int(mask, 16) >> 12 & 1 else "handled")
-    """
-    done = run("-c", dedent(code))
-    assert done.stdout == "ignored\n", done.stderr
-
-
-@pytest.mark.mpi
-@pytest.mark.parametrize(("given", "used"), [({}, "lo"), ({"OMPI_MCA_btl_tcp_if_exclude": "eth9"}, None)])
-def test_ranks_of_one_node_use_no_network_unless_the_user_chose_interfaces(given, used):
-    """Rank 0 prints for both: what two ranks print at once may come out as one line."""
-    code = """
-        import os
-        from fsipetsc.process.launch import start_mpi
-        told = start_mpi().gather(os.environ.get("OMPI_MCA_btl_tcp_if_include"))
-        if told:
-            print(told)
-    """
-    done = mpirun(2, "-c", dedent(code), env=given)
-    assert done.stdout == f"{[used] * 2}\n", done.stderr

@@ -1,4 +1,6 @@
-"""A run that is stopped and goes on from a checkpoint is, in all that it computes and saves, the run that was not stopped."""
+"""A run that is stopped and goes on from a checkpoint is, in all that it computes and saves, the
+run that was not stopped.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers import REPOSITORY, compute, solve
+from helpers import REPOSITORY, compute
 from test_ranks import SUMS as SUMS_ALONG_X
 
 import fsipetsc
@@ -38,7 +40,9 @@ ON = {RANKS: list(RUNS), 3: list(RUNS)[::2]}
 
 
 def differences(a: Path, b: Path, same_ranks: bool) -> list[str]:
-    """What is not the same, bit for bit, in two results; sums over x count only on as many ranks."""
+    """What is not the same, bit for bit, in two results; sums over x count only on as many ranks.
+
+    """
     found = []
     with fsipetsc.open_run(a) as one, fsipetsc.open_run(b) as other:
         pairs = [("time", one.time, other.time)]
@@ -48,7 +52,17 @@ def differences(a: Path, b: Path, same_ranks: bool) -> list[str]:
         names = [name for name in one.series if same_ranks or name not in SUMS]
         pairs += [(name, one.series[name], other.series[name]) for name in names]
         found += [name for name, x, y in pairs if x.shape != y.shape or x.tobytes() != y.tobytes()]
-        for name in ("status", "t", "steps", "rejected_steps", "rhs_evaluations", "dt_min", "dt_max", "points", "interfaces"):
+        for name in (
+            "status",
+            "t",
+            "steps",
+            "rejected_steps",
+            "rhs_evaluations",
+            "dt_min",
+            "dt_max",
+            "points",
+            "interfaces",
+        ):
             if one.summary[name] != other.summary[name]:
                 found.append(f"summary: {name}: {one.summary[name]}, {other.summary[name]}")
         if one.errors != other.errors and same_ranks:
@@ -58,12 +72,19 @@ def differences(a: Path, b: Path, same_ranks: bool) -> list[str]:
 
 @pytest.fixture(scope="module")
 def begun(tmp_path_factory) -> Path:
-    """A folder with each run whole, NAME.h5, and stopped, NAME.cut.h5: after twice the steps, the checkpoint before counts."""
+    """A folder with each run whole, NAME.h5, and stopped, NAME.cut.h5: after twice the steps, the
+    checkpoint before counts.
+    """
     folder, runs = tmp_path_factory.mktemp("begun"), {}
     for name, (case, text, steps) in RUNS.items():
         runs[name] = case, text
-        runs[f"{name}.cut"] = case, f"{text} -ts_max_steps {2 * steps} -fsi_checkpoint_steps {steps}"
-    assert set(compute(RANKS, folder, runs)) == set(runs), [file.read_text() for file in folder.glob("*.txt")]
+        runs[f"{name}.cut"] = (
+            case,
+            f"{text} -ts_max_steps {2 * steps} -fsi_checkpoint_steps {steps}",
+        )
+    assert set(compute(RANKS, folder, runs)) == set(runs), [
+        file.read_text() for file in folder.glob("*.txt")
+    ]
     return folder
 
 
@@ -75,39 +96,30 @@ def gone_on(begun, tmp_path_factory):
         folder, runs = tmp_path_factory.mktemp(f"on{ranks}"), {}
         for name in names:
             shutil.copy(begun / f"{name}.cut.h5", folder / f"{name}.h5")
-            runs[name] = RUNS[name][0], f"-fsi_restart {begun}/{name}.cut.checkpoint.previous.h5 -ts_max_steps 1000000000"
+            runs[name] = (
+                RUNS[name][0],
+                f"-fsi_restart {begun}/{name}.cut.checkpoint.previous.h5 -ts_max_steps 1000000000",
+            )
         compute(ranks, folder, runs)
         folders[ranks] = folder
     return folders
 
 
-@pytest.mark.parametrize(("ranks", "name"), [(ranks, name) for ranks, names in ON.items() for name in names])
+@pytest.mark.parametrize(
+    ("ranks", "name"), [(ranks, name) for ranks, names in ON.items() for name in names]
+)
 def test_the_same_bits(ranks, name, begun, gone_on):
     folder = gone_on[ranks]
     failed = folder / f"{name}.txt"
     assert not failed.exists(), failed.read_text()
     checkpoint = checkpoint_file.read(begun / f"{name}.cut.checkpoint.previous.h5")
     assert checkpoint.header["memory"]["steps"] == RUNS[name][2]
-    with fsipetsc.open_run(begun / f"{name}.cut.h5") as cut, fsipetsc.open_run(begun / f"{name}.h5") as whole:
-        assert len(cut.series["t"]) == 2 * RUNS[name][2] < whole.summary["steps"], "nothing is to be cut off, or to go on with"
+    with (
+        fsipetsc.open_run(begun / f"{name}.cut.h5") as cut,
+        fsipetsc.open_run(begun / f"{name}.h5") as whole,
+    ):
+        assert len(cut.series["t"]) == 2 * RUNS[name][2] < whole.summary["steps"], (
+            "nothing is to be cut off, or to go on with"
+        )
     assert differences(begun / f"{name}.h5", folder / f"{name}.h5", ranks == RANKS) == []
     assert np.isfinite(checkpoint.arrays["results"]).all()
-
-
-def test_times_before_the_checkpoint_that_are_no_frames_are_said(tmp_path):
-    """Not those that are there already, nor those of the run before: only what is asked for now and cannot be had."""
-    words = "rod -fsi_h 0.05 -ts_max_time 0.02 -fsi_restart auto -fsi_output rod.h5".split()
-    first = "-fsi_checkpoint_steps 75 -ts_max_steps 100 -fsi_output_times 0.003,0.005 -fsi_output_dt 0.01".split()
-    done = solve(*words, *first, cwd=tmp_path)
-    assert (done.returncode, done.stderr) == (0, "") and "note: " not in done.stdout
-    for ranks, times, output, said in (
-        (2, "0.002,0.0042,0.005,0.01,0.013", "rod.h5", "0.002, 0.0042 s, before"),
-        (1, "0.003,0.005,0.019", "rod.h5", ""),
-        (1, "0.003,0.004,0.019", "other.h5", "0.004 s, before"),
-    ):
-        more = "-fsi_checkpoint", "rod.checkpoint.h5", "-fsi_output", output, "-ts_max_steps", 120
-        done = solve(*words, *more, "-fsi_output_times", times, cwd=tmp_path, ranks=ranks)
-        assert (done.returncode, done.stderr) == (0, "")
-        assert done.stdout.count("note: -fsi_output_times: ") == bool(said) and said in done.stdout, done.stdout
-    with fsipetsc.open_run(tmp_path / "rod.h5") as result:
-        assert result.time[:4].tolist() == [0.0, 0.003, 0.005, 0.01] and 0.0042 not in result.time

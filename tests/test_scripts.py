@@ -1,18 +1,21 @@
-"""The scripts' words to who runs them on a machine that lacks something; the whole way is tried by scripts/bare-machine."""
+"""The scripts' words to who runs them on a machine that lacks something; the whole way is tried by
+scripts/bare-machine.
+"""
 
 from __future__ import annotations
 
 import os
 import shutil
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 from helpers import PATIENCE, REPOSITORY, run
 
 
-def script(name: str, *arguments: str, root: Path = REPOSITORY, **env: str) -> subprocess.CompletedProcess[str]:
+def script(
+    name: str, *arguments: str, root: Path = REPOSITORY, **env: str
+) -> subprocess.CompletedProcess[str]:
     """A script of ours with nothing of the environment but PATH and what is given."""
     return subprocess.run(
         ["bash", str(root / "scripts" / name), *arguments],
@@ -59,103 +62,19 @@ def test_a_user_who_may_not_install_is_told_whom_to_ask(tmp_path):
     assert not (tmp_path / "installed").exists() and not (root / ".venv").exists()
 
 
-@pytest.mark.parametrize(
-    ("version", "name"),
-    [
-        ("mpiexec (Open MPI) 5.0.7", "PRTE_MCA_rmaps_default_mapping_policy"),
-        ("mpiexec (Open MPI) 6.0.0rc2", "PRTE_MCA_mapby"),
-        ("mpiexec (Open MPI) 10.1.0", "PRTE_MCA_mapby"),
-    ],
-)
-def test_each_open_mpi_is_told_in_its_own_words(version, name, tmp_path):
-    """An older name makes the launcher print a page."""
-    pytest.importorskip("petsc4py")
-    launcher = stand_in(tmp_path / "open mpi", "mpiexec", f"echo '{version}'")
-    path = f"{launcher.parent}:{os.environ['PATH']}"
-    done = script("setup", "--print-env", PYTHON=str(stand_in(tmp_path, "python3", f'exec {sys.executable} "$@"')), PATH=path)
-    assert done.returncode == 0, done.stderr
-    assert [line for line in done.stdout.splitlines() if "PRTE_MCA" in line] == [f'export {name}="${{{name}:-:oversubscribe}}"']
-    relative = script("setup", "--print-env", PYTHON=os.path.relpath(tmp_path / "python3"), PATH=path)
-    assert f"'{tmp_path}/python3'" in relative.stdout
-    named = script("setup", "--print-env", PYTHON=sys.executable, MPIEXEC=f"{tmp_path}/named --quiet")
-    assert named.returncode == 0 and "PRTE_MCA_mapby" in named.stdout
-
-
-#: a Python whose pip and configure do nothing that it takes time to do, and say what they were asked for
-PRETENDS = """
-echo "$@" >> "$HOME/asked"
-case "$*" in
-*' download '*) touch "$HOME/x" && tar -czf "${*%%/source *}/source/petsc-1.tar.gz" -C "$HOME" x ;;
-./configure*) exit 1 ;;
-esac
-"""
-
-
-@pytest.fixture
-def from_source(tmp_path):
-    """from_source(**env): scripts/setup --petsc-from-source where nothing lacks and PETSc cannot be configured."""
-    bin = tmp_path / "bin"
-    stand_in(bin, "dpkg-query", "printf installed")
-    stand_in(bin, "pkg-config", "exit 1")
-    stand_in(tmp_path / "home", "nothing", "")
-    python = stand_in(tmp_path / "home" / "bin", "python3", PRETENDS.replace("${*%%/source *}", f"{tmp_path}/home"))
-    usual = {"PATH": f"{bin}:/usr/bin:/bin", "PYTHON": str(python), "HOME": str(tmp_path), "HDF5_DIR": "/hdf5"}
-    home = os.path.relpath(tmp_path / "home")
-    return lambda **env: script("setup", "--petsc-from-source", **usual | {"PETSC_HOME": home} | env)
-
-
-def test_only_what_the_script_made_is_removed(from_source, tmp_path):
-    """A second time it begins anew with folders of its own; somebody's own are left, one as the other."""
-    for _ in range(2):
-        done = from_source()
-        assert done.returncode == 2 and "could not compile PETSc" in done.stderr, done.stderr
-    for name in ("petsc", "source"):
-        (tmp_path / "home" / name / "mine").touch()
-        (tmp_path / "home" / name / "made-by-scripts-setup").unlink()
-        done = from_source()
-        assert (done.returncode, done.stdout) == (2, "")
-        assert f"/home/{name} is there, but was not made by this script." in done.stderr
-        assert (tmp_path / "home" / name / "mine").exists()
-        (tmp_path / "home" / name / "made-by-scripts-setup").touch()
-
-
-def test_petsc_home_may_be_relative(from_source, tmp_path):
-    assert from_source().returncode == 2
-    asked = (tmp_path / "asked").read_text()
-    assert f"--dest {os.getcwd()}/" in asked and f"--prefix={os.getcwd()}/" in asked
-
-
-def test_without_hdf5_nothing_is_compiled(from_source, tmp_path):
-    done = from_source(HDF5_DIR="")
-    assert done.returncode == 2 and done.stderr.splitlines()[-2].endswith("found no HDF5 for MPI."), done.stderr
-    assert "configure" not in (tmp_path / "asked").read_text() and not (tmp_path / "home" / "source").exists()
-
-
-def test_each_version_of_the_matrix_has_a_folder(tmp_path):
-    """Also where PETSC_HOME says where, from here."""
-    root = tmp_path / "a checkout"
-    root.mkdir()
-    log = tmp_path / "log"
-    stand_in(root / "scripts", "setup", f'echo "$PETSC_VERSION $PETSC_HOME" >> "{log}"; exit 1')
-    shutil.copy(REPOSITORY / "scripts" / "matrix", root / "scripts")
-    for home, where in (("", f"{root}/.petsc"), ("here/p", f"{os.getcwd()}/here/p")):
-        env = {"PETSC_HOME": home, "TMPDIR": str(tmp_path)}
-        assert script("matrix", "source:3.22", "source", "noble", root=root, **env).returncode == 1
-        assert log.read_text().splitlines() == [f"3.22 {where}-3.22", f" {where}", f"3.19 {where}-noble"]
-        log.unlink()
-
-
-def test_bare_machine_explains_itself():
-    assert "--keep" in script("bare-machine", "--help").stdout
-    done = script("bare-machine", "--no-such")
-    assert (done.returncode, done.stdout) == (2, "") and "--no-such" in done.stderr
-
-
 def test_yaml_without_its_package(tmp_path):
     """PETSc itself would wait for ever on several ranks where the file is faulty."""
     pytest.importorskip("petsc4py")
     (tmp_path / "yaml.py").write_text("raise ModuleNotFoundError('no yaml', name='yaml')")
     (tmp_path / "a.yaml").write_text("fsi_h: 0.1\n")
-    done = run("-m", "fsipetsc", "rod", "-options_file", "a.yaml", cwd=tmp_path, env={"PYTHONPATH": f"{tmp_path}:{REPOSITORY}"})
+    done = run(
+        "-m",
+        "fsipetsc",
+        "rod",
+        "-options_file",
+        "a.yaml",
+        cwd=tmp_path,
+        env={"PYTHONPATH": f"{tmp_path}:{REPOSITORY}"},
+    )
     assert done.returncode == 2
     assert done.stderr.count("\n") == 1 and "a.yaml" in done.stderr and "PyYAML" in done.stderr

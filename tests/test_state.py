@@ -1,4 +1,6 @@
-"""What a completed step, the error control and the phases make of a state and of time, asked for directly."""
+"""What a completed step, the error control and the phases make of a state and of time, asked for
+directly.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,6 @@ from fsipetsc.paper.ends import NODES
 from fsipetsc.paper.state import PaperState
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 from fsipetsc.scheme.plan import RATE
-from fsipetsc.stepping import phases
 
 H, T0 = 0.1, 300.0
 
@@ -33,30 +34,48 @@ def at_rest(**options: float) -> PaperState:
 
 
 def test_the_rate_is_the_4_norm_of_convection_and_diffusion():
-    """Where both are about equal, at a gas's wall, the larger one alone would let a step be a fifth too long."""
+    """Where both are about equal, at a gas's wall, the larger one alone would let a step be a
+    fifth too long.
+    """
     with at_rest() as state:
         gas = state.problem.layers[0].material
-        rho, sound = state.layout.local(0, state.solution.getArray(readonly=True))[-1, 0], np.sqrt(gas.gamma * gas.R * T0)
+        rho, sound = (
+            state.layout.local(0, state.solution.getArray(readonly=True))[-1, 0],
+            np.sqrt(gas.gamma * gas.R * T0),
+        )
     convection = sound / H
     for share in (0.1, 1.0, 3.0):
         mu = 0.75 * share * convection * rho * H**2 / 2
         with at_rest(fluid_mu=mu) as state:
             diffusion = 2 * (4 / 3 * mu) / rho / H**2
             assert diffusion == pytest.approx(share * convection)
-            assert state.results[RATE] == pytest.approx((convection**4 + diffusion**4) ** 0.25, rel=1e-9)
+            assert state.results[RATE] == pytest.approx(
+                (convection**4 + diffusion**4) ** 0.25, rel=1e-9
+            )
 
 
-@pytest.mark.parametrize(("wall", "gravity", "change"), [(0.299, -100.0, 1), (0.301, 100.0, -1)], ids=["shrinks", "grows"])
+@pytest.mark.parametrize(
+    ("wall", "gravity", "change"),
+    [(0.299, -100.0, 1), (0.301, 100.0, -1)],
+    ids=["shrinks", "grows"],
+)
 def test_the_wall_holds_when_its_ghost_point_changes(wall, gravity, change):
-    """A completed step leaves what the formulas of the wall make of the point that is the ghost now, after any step."""
+    """A completed step leaves what the formulas of the wall make of the point that is the ghost
+    now, after any step.
+    """
     with at_rest(rod_wall=wall, rod_gravity=gravity) as state:
         record, ghosts, gas = state.layout.records[0], [], state.laws[0]
         for _ in range(70):
             state.step(0.0, 1e-4, True)
             ghosts.append(int(record["lo"]))
-            values = state.layout.local(0, state.solution.getArray(readonly=True))[ghosts[-1] : ghosts[-1] + NODES]
+            values = state.layout.local(0, state.solution.getArray(readonly=True))[
+                ghosts[-1] : ghosts[-1] + NODES
+            ]
             nodes = np.array(primitive(gas, values))
-            found, delta = nodes[:, 0].copy(), int(record["hi"]) - ghosts[-1] - (record["x_interface"] - wall) / H
+            found, delta = (
+                nodes[:, 0].copy(),
+                int(record["hi"]) - ghosts[-1] - (record["x_interface"] - wall) / H,
+            )
             assert 0 <= delta < 1
             layer = gas_record(40, h=H)
             layer["end_kind"][0], layer["end_degree"] = record["end_kind"][0], record["end_degree"]
@@ -68,7 +87,9 @@ def test_the_wall_holds_when_its_ghost_point_changes(wall, gravity, change):
 @pytest.mark.parametrize("gruneisen", [0.0, 0.4])
 @pytest.mark.parametrize("side", [0, 1])
 def test_the_force_of_a_solids_end(gruneisen, side):
-    """What pushes at the ends is what the momentum's integral takes for the force, with a pressure in the solid and without."""
+    """What pushes at the ends is what the momentum's integral takes for the force, with a pressure
+    in the solid and without.
+    """
     gas, bar = Fluid(0.0, 0.0, 1.4, 287.0), Solid(1e6, 0.0, 5.0, 800.0, gruneisen=gruneisen)
 
     def squeezed(X: np.ndarray) -> list[np.ndarray]:
@@ -80,35 +101,18 @@ def test_the_force_of_a_solids_end(gruneisen, side):
         return [np.full(X.shape, value) for value in (1e5 / (gas.R * T0), 0.0, T0)]
 
     if side == 0:
-        layers = SolidLayer("bar", bar, (-2.0, 0.0), squeezed), FluidLayer("gas", gas, (0.0, 2.0), still)
+        layers = (
+            SolidLayer("bar", bar, (-2.0, 0.0), squeezed),
+            FluidLayer("gas", gas, (0.0, 2.0), still),
+        )
         problem = Problem(layers, free(-1.2e5), Open(2.0, 1e5, T0))
     else:
-        layers = FluidLayer("gas", gas, (-2.0, 0.0), still), SolidLayer("bar", bar, (0.0, 2.0), squeezed)
+        layers = (
+            FluidLayer("gas", gas, (-2.0, 0.0), still),
+            SolidLayer("bar", bar, (0.0, 2.0), squeezed),
+        )
         problem = Problem(layers, Open(-2.0, 1e5, T0), free(-1.2e5))
     with PaperState(MPI.COMM_SELF, problem, 4, H, "projection", "auto", 16) as state:
         state.set_initial()
         push = 1.2e5 - 1e5
         assert float(state.latest["force"]) == pytest.approx(push if side == 0 else -push, rel=1e-9)
-
-
-def test_a_phase_within_another_one_interrupts_it(monkeypatch):
-    """Each second belongs to one phase only, and to the right one, also when an error ends it."""
-    now = [100.0]
-    monkeypatch.setattr(phases.time, "perf_counter", lambda: now[0])
-    log = phases.Phases()
-
-    def spend(seconds: float) -> None:
-        now[0] += seconds
-
-    with log(phases.SET_UP):
-        spend(1)
-    spend(64)
-    with pytest.raises(ValueError), log(phases.LOOP):
-        spend(2)
-        with log(phases.OUTPUT):
-            spend(4)
-        spend(8)
-        with log(phases.OUTPUT):
-            spend(16)
-            raise ValueError
-    assert log.seconds == {phases.SET_UP: 1.0, phases.LOOP: 10.0, phases.OUTPUT: 20.0}

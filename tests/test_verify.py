@@ -1,4 +1,4 @@
-"""The command `verify`: its table, its references, and an entry as a user runs it."""
+"""The command `verify`: its table, its references, and entries as a user runs them."""
 
 from __future__ import annotations
 
@@ -8,8 +8,9 @@ from math import inf
 
 import numpy as np
 import pytest
-from helpers import REPOSITORY, message, mpirun, solve
+from helpers import REPOSITORY, message, solve
 
+from fsipetsc.cases import superseismic as case
 from fsipetsc.verify import ENTRIES
 from fsipetsc.verify.entry import Bound, Row, reference
 
@@ -26,8 +27,10 @@ def test_orders_and_verdicts():
     row = Row("a", "u", 4, (0.1, 0.05, 0.025), (16e-4, 2e-4, 1e-5), Bound(4.0, 2e-5))
     assert row.observed == pytest.approx((3.0, np.log2(20.0)))
     assert row.verdict == "holds"
-    assert row._replace(bound=Bound(4.5, 1e-6)).verdict == "order 4.32 < 4.5; error 1.00e-05 > 1.00e-06"
-    assert row._replace(errors=(1.0, 1.0, np.nan)).verdict.startswith("order nan < 4; error nan")
+    short = row._replace(bound=Bound(4.5, 1e-6))
+    assert short.verdict == "order 4.32 < 4.5; error 1.00e-05 > 1.00e-06"
+    lost = row._replace(errors=(1.0, 1.0, np.nan))
+    assert lost.verdict.startswith("order nan < 4; error nan")
     of_grids = row._replace(bound=Bound(at={0.05: 1e-4, 0.025: 1e-4}))
     assert of_grids.verdict == "error 2.00e-04 > 1.00e-04"
     alone = Row("a", "u", 4, (0.1,), (1e-5,), Bound(error=inf))
@@ -35,40 +38,77 @@ def test_orders_and_verdicts():
     assert alone._replace(bound=Bound(1.0)).verdict == "order unknown < 1"
 
 
-def test_references_are_what_their_programs_make():
-    made = program("elastic_piston").columns(points=5)
-    kept = reference("elastic_piston")
+@pytest.mark.parametrize(
+    ("name", "source", "function"),
+    [
+        ("riemann_problems", "riemann_problems", "columns"),
+        ("superseismic", "superseismic", "columns"),
+        ("beam", "beams", "columns"),
+        ("panel_flutter", "beams", "flutter_columns"),
+        ("normal_modes", "modes", "columns"),
+    ],
+)
+def test_references_are_what_their_programs_make(name, source, function):
+    kept, made = reference(name), getattr(program(source), function)()
+    assert list(kept) == list(made)
+    for column, values in made.items():
+        np.testing.assert_allclose(kept[column], values, rtol=1e-8, atol=1e-12, err_msg=column)
+
+
+def test_references_of_profiles():
+    """A part of the points; the disk with fewer functions, and it keeps its energy."""
+    made, kept = program("elastic_piston").columns(points=5), reference("elastic_piston")
     for name, values in made.items():
         assert kept[name][::100] == pytest.approx(values, rel=1e-10, abs=1e-12), name
-    made, kept = program("riemann_problems").columns(), reference("riemann_problems")
-    assert list(kept) == list(made)
-    for name, values in made.items():
-        assert kept[name] == pytest.approx(np.array(values), rel=1e-10), name
+    disk, kept = program("disk"), reference("spinning_disk")
+    made = disk.columns(20, 20, 5, (2.0,))
+    for column, largest in (("real 2", 2e-5), ("imag 2", 2e-5), ("x 2", 1e-6)):
+        assert np.abs(made[column] - kept[column][::25]).max() < largest, column
+    assert abs(disk.solve(2.0, 2.0, 4, 0.1, 16, 16)[2]) < 1e-12
 
 
-def test_entries_say_all_that_another_code_needs():
+def test_references_are_those_of_the_literature():
+    """Superseismic states, of which the case has ours; waves along half spaces; flutter."""
+    table = reference("superseismic")
+    ours, literature = ({name: v[row] for name, v in table.items()} for row in (0, 1))
+    assert (case.PHI, case.P_WAVE, case.S_WAVE) == (ours["phi"], ours["a"], ours["b"])
+    assert case.BEHIND == tuple(ours[name] for name in ("rho", "u", "v", "T"))
+    published = {"rho": 0.4032762, "u": 0.7209148, "v": -0.04364727, "T": 0.2252081}
+    published |= {"phi": -0.06047047, "a": -0.3079172, "b": 0.1229946}
+    for name, value in published.items():
+        assert literature[name] == pytest.approx(value, rel=1e-6), name
+    waves = reference("normal_modes")
+    metals = [waves[f"water over {name} imag"][1] for name in ("steel", "aluminium")]
+    assert np.round(np.array(metals) / (2 * np.pi), 2) == pytest.approx([1479.60, 1476.76])
+    assert reference("panel_flutter")["clamped lambda"][0] == pytest.approx(636.57, abs=0.005)
+
+
+def test_entries_say_all_that_another_code_needs(tmp_path):
     for name in ENTRIES:
         entry = importlib.import_module(f"fsipetsc.verify.{name}").ENTRY
         assert entry.name == name and set(entry.levels) == {"quick", "full"}
         assert len(entry.text.splitlines()) <= 40 and entry.source and entry.bounds
         orders = {order for level in entry.levels.values() for order in level}
         assert {order for _, order in entry.bounds} <= orders
-
-
-def test_a_name_that_there_is_not(tmp_path):
     done = solve("verify", "turek", cwd=tmp_path)
     message(done, 2, "there is no entry 'turek': expected elastic_piston")
 
 
 @pytest.mark.mpi
-def test_the_elastic_piston_on_two_ranks(tmp_path):
-    done = mpirun(2, "-m", "fsipetsc", "verify", "elastic_piston", "-verify_docs", "pages", cwd=tmp_path)
+def test_entries_as_they_run(tmp_path):
+    """On two ranks: the elastic piston, and beams, whose frequencies have no steps."""
+    words = "verify elastic_piston beam -verify_docs pages".split()
+    done = solve(*words, cwd=tmp_path, ranks=2)
     assert done.returncode == 0, done.stdout + done.stderr
     with (tmp_path / "verify.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert {row["verdict"] for row in rows} == {"holds"}
-    of_stress = [float(row["error"]) for row in rows if row["quantity"] == "receding, stress"]
-    assert len(of_stress) == 2 and 0.0 < of_stress[1] < of_stress[0] < 1e-3
+    found = {}
+    for row in rows:
+        found.setdefault(row["quantity"], []).append(float(row["error"]))
+    assert 0.0 < found["receding, stress"][1] < found["receding, stress"][0] < 1e-3
+    assert 0.0 < found["clamped, d = 0.05"][0] < 3e-4
+    assert 0.0 < found["hinged, d = 0.02"][0] < 1e-4
     text = (tmp_path / "pages" / "elastic_piston.md").read_text()
     assert "| receding, stress | 4 |" in text and len(text.splitlines()) <= 60
     assert (tmp_path / "pages" / "elastic_piston.png").stat().st_size > 10_000

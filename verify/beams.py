@@ -1,8 +1,8 @@
 """Frequencies of beams and plates, and the pressure at which a panel flutters, by determinants.
 
-Flutter, quasi-steady pressure without damping, lengths over the panel's: w'''' + l w' = q w. The w are
-sums of exp(m x), m^4 + l m - q = 0. Flutter begins at the l at which two real q merge: 636.57 of a
-clamped panel, 343.36 of a simply supported one (E. H. Dowell, Aeroelasticity of Plates and
+Flutter, quasi-steady pressure without damping, lengths over the panel's: w'''' + l w' = q w. The w
+are sums of exp(m x), m^4 + l m - q = 0. Flutter begins at the l at which two real q merge: 636.57
+of a clamped panel, 343.36 of a simply supported one (E. H. Dowell, Aeroelasticity of Plates and
 Shells, 1975; J. M. Hedgepeth, J. Aeronaut. Sci. 24 (1957) 381 has 343).
 
 Vibration, Timoshenko: D t'' + S (w' - t) = -r I t.., S (w'' - t') = m w.., plane strain, with
@@ -34,7 +34,10 @@ def flutter(ends):
         """Largest misfit between the two eigenvalues, with its sign at l = 0."""
         sign = np.sign(misfit(0.0, 0.5 * (low + high), ends))
         found = minimize_scalar(
-            lambda q: -sign * misfit(l, q, ends), bounds=(low, high), method="bounded", options={"xatol": 1e-9 * high}
+            lambda q: -sign * misfit(l, q, ends),
+            bounds=(low, high),
+            method="bounded",
+            options={"xatol": 1e-9 * high},
         )
         return -found.fun, found.x
 
@@ -49,7 +52,9 @@ def euler_bernoulli(number=1, ends="clamped"):
     if ends == "hinged":
         return (number * np.pi) ** 2
     b = (number + 0.5) * np.pi
-    return brentq(lambda b: np.cos(b) - 1 / np.cosh(b), b - 0.3, b + 0.3, xtol=1e-15, rtol=1e-15) ** 2
+    return (
+        brentq(lambda b: np.cos(b) - 1 / np.cosh(b), b - 0.3, b + 0.3, xtol=1e-15, rtol=1e-15) ** 2
+    )
 
 
 def timoshenko(thickness, number=1, poisson_lambda=2.0):
@@ -101,7 +106,7 @@ def flutter_columns():
 if __name__ == "__main__":
     from csv_file import save
 
-    about = "made by verify/beams.py: w sqrt(m/D) of beams of length 1 and thickness d, lambda_e = 0; d = 0: thin"
-    save("beam", columns(), about)
-    about = "made by verify/beams.py: lambda = 2 q L^3/(D beta) at flutter, quasi-steady, thin, undamped"
-    save("panel_flutter", flutter_columns(), about)
+    about = "w sqrt(m/D) of beams of length 1 and thickness d, lambda_e = 0; d = 0: thin"
+    save("beam", columns(), f"made by verify/beams.py: {about}")
+    about = "lambda = 2 q L^3/(D beta) at flutter, quasi-steady, thin, undamped"
+    save("panel_flutter", flutter_columns(), f"made by verify/beams.py: {about}")

@@ -3,7 +3,8 @@
 The disk's point at radius R and angle Q is at z(R, t) exp(i Q), z = phi exp(i theta). With
 a = z_R and b = i z/R, the columns of F, the action is that of
 
-    int (m0/2 |z_t|^2 - W(a, b)) R dR + int (rho0/2 x_t^2 - p0/(gamma - 1) (x x_X/X)^(1 - gamma)) X dX,
+    int (m0/2 |z_t|^2 - W(a, b)) R dR
+        + int (rho0/2 x_t^2 - p0/(gamma - 1) (x x_X/X)^(1 - gamma)) X dX,
     W = lambda/2 tr(E)^2 + mu |E|^2 - p_ref (J - 1),   E = (F^T F - 1)/2,   J = Im(conj(a) b),
 
 x(X, t) the radius of the gas, which has no viscosity, does not turn, and touches the disk:
@@ -30,7 +31,9 @@ class Disk:
         self.R, self.w = np.sqrt(s), w / 4  # R dR = ds/2
         eye = np.eye(n)
         f = np.array([legendre.legval(y, e) for e in eye])
-        df = np.array([legendre.legval(y, legendre.legder(e)) if k else 0 * y for k, e in enumerate(eye)])
+        df = np.array(
+            [legendre.legval(y, legendre.legder(e)) if k else 0 * y for k, e in enumerate(eye)]
+        )
         self.over = f  # of w/R
         self.slope = f + 4 * s * df  # of w_R, d/dR = 4 R d/dy
         self.mass = density * (f * self.w * s) @ f.T
@@ -90,12 +93,20 @@ class Disk:
         c, v, inner, u = self.parts(y)
         a, b = c @ self.slope, 1j * (c @ self.over)
         e1, e2, e12 = (abs(a) ** 2 - 1) / 2, (abs(b) ** 2 - 1) / 2, (a.conj() * b).real / 2
-        W = LAMBDA / 2 * (e1 + e2) ** 2 + MU * (e1**2 + e2**2 + 2 * e12**2) - P * ((a.conj() * b).imag - 1)
+        W = (
+            LAMBDA / 2 * (e1 + e2) ** 2
+            + MU * (e1**2 + e2**2 + 2 * e12**2)
+            - P * ((a.conj() * b).imag - 1)
+        )
         z, vz = c.sum(), v.sum()
         x = np.concatenate([[abs(z)], inner, [VESSEL]])
         ux = np.concatenate([[(vz * np.conj(z / abs(z))).real], u, [0]])
         kinetic = 0.5 * (v.conj() @ self.mass @ v).real + 0.5 * self.gw @ ux**2
-        return kinetic + self.w @ W + P / (GAMMA - 1) * self.gw @ (x * (self.D @ x) / self.X) ** (1 - GAMMA)
+        return (
+            kinetic
+            + self.w @ W
+            + P / (GAMMA - 1) * self.gw @ (x * (self.D @ x) / self.X) ** (1 - GAMMA)
+        )
 
     def at(self, y, R, X):
         """z/R and z_t/R at R, real and imaginary parts; x, p at X."""
@@ -120,7 +131,9 @@ def solve(density, spin=0.8, power=4, t=0.5, n=24, m=24, rtol=1e-13):
 SPIN, POWER, END, DENSITIES = 2.0, 4, 0.5, (0.5, 2.0, 20.0)
 
 
-def columns(n: int = 48, m: int = 36, points: int = 101, densities=DENSITIES) -> dict[str, np.ndarray]:
+def columns(
+    n: int = 48, m: int = 36, points: int = 101, densities=DENSITIES
+) -> dict[str, np.ndarray]:
     """Of the CSV file: of each density the disk at R, the gas at X."""
     R, X = np.linspace(0, 1, points), np.linspace(1, VESSEL, points)
     made = {"R": R, "X": X}
@@ -137,8 +150,11 @@ if __name__ == "__main__":
     save(
         "spinning_disk",
         columns(),
-        "Spinning disk, made by verify/disk.py at t = 0.5; the number in a name: density of the disk",
-        "disk: the point R at angle Q is at (real + i imag) R exp(i Q), its velocity (v_real + i v_imag) R exp(i Q)",
+        "Spinning disk, made by verify/disk.py at t = 0.5; "
+        "the number in a name: density of the disk",
+        "disk: the point R at angle Q is at (real + i imag) R exp(i Q), "
+        "its velocity (v_real + i v_imag) R exp(i Q)",
         "gas: the point that was at X is at x, under the pressure p",
-        "with (36, 30) functions instead of (48, 36) they change by up to 7e-7 (real, imag), 2e-5 (velocities), 1e-5 (p)",
+        "with (36, 30) functions instead of (48, 36) they change by up to 7e-7 (real, imag), "
+        "2e-5 (velocities), 1e-5 (p)",
     )

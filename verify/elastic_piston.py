@@ -1,8 +1,9 @@
-"""An elastic piston that recedes from a gas or advances into it: exact (Banks, Henshaw, Schwendeman 2012).
+"""An elastic piston that recedes from a gas or advances into it: exact (Banks, Henshaw, Schwendeman
+2012).
 
-The interface moves as F(t) = -t^4/4 or t^4/4. Gas: gamma = 1.4, at rest rho = 0.1, speed of sound 1;
-a simple wave, u = F'(s) along x = F(s) + (1 + 1.2 F'(s)) (t - s). Solid: density 1, speed of waves
-c = 2, displacement f(t - X/c) + g(t + X/c), f' = (F' + q/c)/2, g' = (F' - q/c)/2, q = p - p0.
+The interface moves as F(t) = -t^4/4 or t^4/4. Gas: gamma = 1.4, at rest rho = 0.1, speed of sound
+1; a simple wave, u = F'(s) along x = F(s) + (1 + 1.2 F'(s)) (t - s). Solid: density 1, speed of
+waves c = 2, displacement f(t - X/c) + g(t + X/c), f' = (F' + q/c)/2, g' = (F' - q/c)/2, q = p - p0.
 """
 
 import numpy as np

@@ -33,7 +33,9 @@ def gas(k, s, mu, kappa, rho=1, p=1, gamma=1.4):
     R, cv = p / rho, p / rho / (gamma - 1)
     a, b = p / s + 4 * mu / 3, rho * cv * s
     A, B, C = a * kappa, a * b + rho * s * kappa + R * rho * p, rho * s * b
-    large = (B + (1 if (B * np.conj(sqrt(B * B - 4 * A * C))).real > 0 else -1) * sqrt(B * B - 4 * A * C)) / 2
+    large = (
+        B + (1 if (B * np.conj(sqrt(B * B - 4 * A * C))).real > 0 else -1) * sqrt(B * B - 4 * A * C)
+    ) / 2
     roots = C / large, large / A
     found = []
     for L in (*roots, rho * s / mu):
@@ -59,7 +61,11 @@ def determinant(*blocks):
     for row in blocks:
         line = []
         for fields, which, y, y0 in row:
-            line += [0] * len(fields) if which is None else [f[which] * np.exp(m * (y - y0(m))) for m, f in fields]
+            line += (
+                [0] * len(fields)
+                if which is None
+                else [f[which] * np.exp(m * (y - y0(m))) for m, f in fields]
+            )
         rows.append(line)
     matrix = np.array(rows, complex)
     return np.linalg.det(matrix / np.abs(matrix).max(axis=1)[:, None])
@@ -75,7 +81,9 @@ def over_layer(s, k, height, depth, fluid, of_solid):
     for i, j in both:
         minus = [(m, tuple(-v for v in values)) for m, values in w]
         rows.append([(f, i, 0, top), (minus, j, 0, low)])
-    rows += [[(f, 4, 0, top), (w, None, 0, low)]] if viscous else [[(f, None, 0, top), (w, 2, 0, low)]]
+    rows += (
+        [[(f, 4, 0, top), (w, None, 0, low)]] if viscous else [[(f, None, 0, top), (w, 2, 0, low)]]
+    )
     rows += [[(f, None, 0, top), (w, i, -depth, low)] for i in (0, 1)]
     return determinant(*rows)
 
@@ -83,15 +91,23 @@ def over_layer(s, k, height, depth, fluid, of_solid):
 def root(function, near):
     """By secants; the scale of a determinant is that at the start."""
     scale = abs(function(near * (1 + 1e-3)))
-    return newton(lambda s: function(s) / scale, near * (1 + 0j), tol=1e-15, maxiter=100, rtol=1e-14)
+    return newton(
+        lambda s: function(s) / scale, near * (1 + 0j), tol=1e-15, maxiter=100, rtol=1e-14
+    )
 
 
-def layer_mode(near, mu=0.01, kappa=0.035 / 0.72, k=2 * np.pi, height=1.0, depth=0.5, of_solid=(1.0, 1.0, 1.0)):
+def layer_mode(
+    near, mu=0.01, kappa=0.035 / 0.72, k=2 * np.pi, height=1.0, depth=0.5, of_solid=(1.0, 1.0, 1.0)
+):
     """s of a mode of a viscous gas over an elastic layer."""
-    return root(lambda s: over_layer(s, k, height, depth, lambda k, s: gas(k, s, mu, kappa), of_solid), near)
+    return root(
+        lambda s: over_layer(s, k, height, depth, lambda k, s: gas(k, s, mu, kappa), of_solid), near
+    )
 
 
-def ring_mode(near, n=2, core=0.4, inner=1.0, outer=1.3, vessel=2.0, density=2.0, lam=1.5, mu=1.0, gas=True):
+def ring_mode(
+    near, n=2, core=0.4, inner=1.0, outer=1.3, vessel=2.0, density=2.0, lam=1.5, mu=1.0, gas=True
+):
     """w of an elastic ring between gases of rho = p = 1 without viscosity, or in vacuum."""
     gamma = 1.4
     cp, cs, c = sqrt((lam + 2 * mu) / density), sqrt(mu / density), sqrt(gamma)
@@ -135,7 +151,7 @@ def ring_mode(near, n=2, core=0.4, inner=1.0, outer=1.3, vessel=2.0, density=2.0
 
 
 def scholte(rho, c, density, cp, cs):
-    """Speed of the wave along a liquid half space over an elastic one; of Rayleigh's for rho = 0."""
+    """Speed of the wave along a liquid half space over an elastic one; rho = 0: Rayleigh's."""
 
     def misfit(v):
         p, s, g = (np.sqrt(1 - (v / a) ** 2) for a in (cp, cs, c))
@@ -148,7 +164,9 @@ def liquid_layer_mode(near, k, height, depth, rho, c, density, cp, cs):
     """s of a mode of a liquid layer under a rigid lid over an elastic one that is clamped below."""
     mu = density * cs**2
     of_solid = mu, density * cp**2 - 2 * mu, density
-    return root(lambda s: over_layer(s, k, height, depth, lambda k, s: liquid(k, s, rho, c), of_solid), near)
+    return root(
+        lambda s: over_layer(s, k, height, depth, lambda k, s: liquid(k, s, rho, c), of_solid), near
+    )
 
 
 #: density, speeds of P and S waves [SI]
@@ -176,7 +194,9 @@ if __name__ == "__main__":
         "normal_modes",
         columns(),
         "made by verify/modes.py: small motions as exp(s t), s [1/s], real and imaginary parts",
-        "ring: angular number 2, first three; viscous gas over an elastic layer, k = 2 pi: first three",
-        "water over a metal, k = 2 pi/m: first row layers of 1 m under a lid and on a clamp; second row half",
+        "ring: angular number 2, first three; "
+        "viscous gas over an elastic layer, k = 2 pi: first three",
+        "water over a metal, k = 2 pi/m: first row layers of 1 m under a lid and on a clamp; "
+        "second row half",
         "spaces (Scholte), whose speed is s/k: 1479.601 (steel), 1476.765 m/s (aluminium)",
     )

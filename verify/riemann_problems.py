@@ -1,8 +1,8 @@
 """Riemann problems of a perfect gas (left) and an elastic rod (right): the state between the waves.
 
-Gas (gamma = 1.4): E. F. Toro, Riemann Solvers, 3rd ed., Sec. 4.2. Rod: stress sigma = K ln F - p_r, at
-rest under the pressure p_r with F = 1; a compression is a shock, u = sqrt((F - 1) sigma_jump / m0).
-Behind the shock of Mach number M that hits the rod: Rankine and Hugoniot.
+Gas (gamma = 1.4): E. F. Toro, Riemann Solvers, 3rd ed., Sec. 4.2. Rod: stress sigma = K ln F - p_r,
+at rest under the pressure p_r with F = 1; a compression is a shock, u = sqrt((F - 1) sigma_jump /
+m0). Behind the shock of Mach number M that hits the rod: Rankine and Hugoniot.
 """
 
 import numpy as np
@@ -19,7 +19,11 @@ def behind(mach):
     rho, p = LOW
     speed = mach * np.sqrt(GAMMA * p / rho)
     dense = rho * (GAMMA + 1) * mach**2 / ((GAMMA - 1) * mach**2 + 2)
-    return (dense, speed * (1 - rho / dense), p * (1 + 2 * GAMMA / (GAMMA + 1) * (mach**2 - 1))), speed
+    return (
+        dense,
+        speed * (1 - rho / dense),
+        p * (1 + 2 * GAMMA / (GAMMA + 1) * (mach**2 - 1)),
+    ), speed
 
 
 def gas_velocity(p, state):
@@ -42,7 +46,10 @@ def between(state, modulus):
     """(p, u, F)."""
     p = brentq(
         lambda p: gas_velocity(p, state) - rod_velocity(p, modulus),
-        LOW[1], 50 * max(state[2], 1.0), xtol=1e-15, rtol=1e-14,
+        LOW[1],
+        50 * max(state[2], 1.0),
+        xtol=1e-15,
+        rtol=1e-14,
     )
     return p, rod_velocity(p, modulus), np.exp(-(p - LOW[1]) / modulus)
 

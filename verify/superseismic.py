@@ -4,7 +4,8 @@ Gas above Y = 0, a linear elastic solid below, speed of the shock's foot U = 1 a
 constant between fronts through the foot. With the shock's normal n = (cos phi, sin phi), the
 gas behind it follows from Rankine and Hugoniot. In the solid the displacement gradient is
 
-    G = a n_P (x) n_P + b t_S (x) n_S,    n_P = (c_p, -sqrt(1 - c_p^2)),  n_S = (c_s, -sqrt(1 - c_s^2)),
+    G = a n_P (x) n_P + b t_S (x) n_S,    n_P = (c_p, -sqrt(1 - c_p^2)),  n_S = (c_s, -sqrt(1 -
+    c_s^2)),
 
 t_S across n_S, c_p and c_s over U, so that v = -U G e_x. Three conditions at Y = 0 give phi, a, b:
 
@@ -12,8 +13,9 @@ t_S across n_S, c_p and c_s over U, so that v = -U G e_x. Three conditions at Y 
 
 `literature=True`: A is divided by its length. Only then the states are those of Banks, Henshaw,
 Schwendeman, Kapila (J. Comput. Phys. 231 (2012) 3518): the traction is per undeformed area, sigma
-acts on the undeformed normal, and the pressure acts along the deformed one. The states for A itself are those of
-a pressure force on the deformed face, which a conservative interface has; they differ by 5 %.
+acts on the undeformed normal, and the pressure acts along the deformed one. The states for A itself
+are those of a pressure force on the deformed face, which a conservative interface has; they differ
+by 5 %.
 """
 
 import numpy as np
@@ -47,9 +49,18 @@ def states(literature: bool = False) -> dict[str, float]:
     assert np.abs(misfit([phi, a, b])).max() < 1e-14
     (rho, u, p), G = gas(phi), solid(a, b)[0]
     return {
-        "phi": phi, "a": a, "b": b, "rho": rho, "u": u[0], "v": u[1], "T": p / rho, "p": p,
-        "solid u": -G[0, 0], "solid v": -G[1, 0],
-        "solid u behind P": -a * n_p[0] ** 2, "solid v behind P": -a * n_p[0] * n_p[1],
+        "phi": phi,
+        "a": a,
+        "b": b,
+        "rho": rho,
+        "u": u[0],
+        "v": u[1],
+        "T": p / rho,
+        "p": p,
+        "solid u": -G[0, 0],
+        "solid v": -G[1, 0],
+        "solid u behind P": -a * n_p[0] ** 2,
+        "solid v behind P": -a * n_p[0] * n_p[1],
         "deflection": float(np.arctan2(G[1, 0], 1 + G[0, 0])),
     }
 
@@ -66,7 +77,9 @@ if __name__ == "__main__":
     save(
         "superseismic",
         columns(),
-        "Superseismic shock, made by verify/superseismic.py; U = 1, rho = 1 in the solid, p = rho T",
-        "first row: pressure on the deformed face; second row: divided by its stretch, as in the literature",
+        "Superseismic shock, made by verify/superseismic.py; "
+        "U = 1, rho = 1 in the solid, p = rho T",
+        "first row: pressure on the deformed face; "
+        "second row: divided by its stretch, as in the literature",
         "phi, deflection [rad]; a, b strengths of P and S wave; behind the shock and the waves",
     )

@@ -9,9 +9,8 @@ grid spacing (Fig. 6 of the paper) and error against time (Fig. 7).
 
 from __future__ import annotations
 
-from collections.abc import Container, Mapping, Sequence
+from collections.abc import Callable, Container, Mapping, Sequence
 from contextlib import ExitStack
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -82,64 +81,72 @@ def study(
     opt: options in force, those of this command included. given: names of those that the user gave.
     """
     from fsipetsc.output.plots.studies import convergence_figures
-    from fsipetsc.stepping.solve import build_problem, check_begin
+    from fsipetsc.stepping.solve import check_begin
 
     check_begin(opt)
-    path, problem = _target(case, opt, given), build_problem(case, opt, comm)
-    exact = all(layer.exact is not None for layer in problem.layers)
-    factors = FACTORS[2] if problem.dimension > 1 else FACTORS[0] if exact else FACTORS[1]
-    orders = opt["fsi_orders"] or ((2, 4, 6, 8) if exact else (opt["fsi_order"],))
-    hs = _distinct(opt["fsi_hs"] or [factor * opt["fsi_h"] for factor in factors])
-    if not exact and len(hs) < 3:
-        raise InputError(
-            f"the case {case.NAME} has no exact solution: its grids are compared with each other, "
-            "and that takes three, as in -fsi_hs 0.1,0.05,0.025"
-        )
-    orders, norm = tuple(dict.fromkeys(orders)), opt["fsi_norm"]
-    about = case.NAME, opt["ts_max_time"], orders, hs, comm.size, norm, problem.units, exact
-    table, say = ConvergenceStudy(*about), printer(comm, opt)
-    what = f"{norm} errors" if exact else "relative differences between neighbouring grids"
-    say(f"{case.NAME} to {table.time} on {counted(comm.size, 'rank')}: {what} and observed orders")
-    for note in problem.notes:
-        say(note)
-    _check(case, opt, comm, table, say)
-    run_all(case, opt, comm, table, say, path.parent)
-    if table.early:
-        say(
-            f"\nruns have ended before {table.time}, by -ts_max_steps: "
-            "their errors are those of different times"
-        )
-    if len(hs) > 1 and table.errors:
-        say("\n" + table.summary())
-    elif table.errors:
+    path, table = _target(case, opt, given), _empty_table(case, opt, comm)
+    say = printer(comm, opt)
+    what = "errors" if table.exact else "relative differences between neighbouring grids"
+    ranks = counted(comm.size, "rank")
+    say(f"{case.NAME} to {table.time} on {ranks}: {table.norm} {what} and observed orders")
+    _run_all(case, opt, comm, table, say, path.parent)
+    if table.errors and len(table.hs) < 2:
         say("\none grid shows no order: -fsi_hs takes several, as in -fsi_hs 0.05,0.025")
-    if case.NAME == "mms" and exact and len(hs) > 1 and table.errors:
+    elif table.errors and table.exact and case.NAME == "mms":
         say("\n" + table1.compare(table))
     if comm.rank == 0:
         files = [table.save(path), *convergence_figures(table, path)]
         say("\nresults in " + ", ".join(map(str, files)))
     wait_asleep(comm)
     if table.failures:
-        first = next(
-            f"order {order}, h = {h:g}: {text}" for (order, h), text in table.failures.items()
-        )
-        raise ComputationError(
-            f"{len(table.failures)} of {counted(len(orders) * len(hs), 'run')} failed; {first}"
-        )
+        (order, h), text = next(iter(table.failures.items()))
+        runs = counted(len(table.orders) * len(table.hs), "run")
+        first = f"order {order}, h = {h:g}: {text}"
+        raise ComputationError(f"{len(table.failures)} of {runs} failed; {first}")
     return table
 
 
-def _distinct(spacings: Sequence[float]) -> tuple[float, ...]:
-    """From coarse to fine, each once; grids that are the same in six digits show round-off."""
-    return tuple(sorted({f"{h:.6g}": h for h in spacings}.values(), reverse=True))
+def _target(case: Any, opt: Mapping[str, Any], given: Container[str]) -> Path:
+    """The CSV file of the table. InputError for options that a study has no use for; FileError."""
+    for name, instead in (("fsi_order", "fsi_orders"), ("fsi_h", "fsi_hs")):
+        if name in given and (name == "fsi_order" or instead in given):
+            raise InputError(f"-{name} is for a single run; a study takes -{instead}, a list")
+    return csv_target(opt["fsi_output"] if "fsi_output" in given else f"{case.NAME}-convergence")
 
 
-def run_all(
+def _empty_table(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> ConvergenceStudy:
+    """Orders and grids, each of which is laid out once. Collective; InputError."""
+    from fsipetsc.stepping.solve import build_problem, make_state
+
+    problem = build_problem(case, opt, comm)
+    exact = all(layer.exact is not None for layer in problem.layers)
+    factors = FACTORS[2] if problem.dimension > 1 else FACTORS[0] if exact else FACTORS[1]
+    orders = opt["fsi_orders"] or ((2, 4, 6, 8) if exact else (opt["fsi_order"],))
+    spacings = opt["fsi_hs"] or [factor * opt["fsi_h"] for factor in factors]
+    hs = tuple(sorted(set(spacings), reverse=True))
+    if not exact and len(hs) < 3:
+        raise InputError(
+            f"the case {case.NAME} has no exact solution: its grids are compared with each other, "
+            "and that takes three, as in -fsi_hs 0.1,0.05,0.025"
+        )
+    orders = tuple(dict.fromkeys(orders))
+    for order in orders:
+        for h in hs:
+            own = {**opt, "fsi_order": order, "fsi_h": h}
+            try:
+                make_state(build_problem(case, own, comm), own, comm).destroy()
+            except InputError as error:
+                raise InputError(f"order {order}, h = {h:g}: {error}") from None
+    about = comm.size, opt["fsi_norm"], problem.units, exact
+    return ConvergenceStudy(case.NAME, opt["ts_max_time"], orders, hs, *about)
+
+
+def _run_all(
     case: Any,
     opt: Mapping[str, Any],
     comm: MPI.Comm,
     table: ConvergenceStudy,
-    say: Any,
+    say: Callable[[str], None],
     beside: Path,
 ) -> None:
     """Fill the table; say each run, each order, and which layers are not resolved. Collective.
@@ -147,7 +154,7 @@ def run_all(
     beside: the folder in which results are kept for a while. InputError where grids have no node in
     common; FileError.
     """
-    from fsipetsc.analysis.grid_differences import SAMPLES, unresolved
+    from fsipetsc.analysis.grid_differences import SAMPLES
     from fsipetsc.stepping.run import run_case
 
     times = (table.t,) if table.exact else tuple(table.t * np.arange(1, SAMPLES + 1) / SAMPLES)
@@ -155,79 +162,42 @@ def run_all(
     with results_folder(comm, beside, "convergence-") as folder:
         for i, order in enumerate(table.orders):
             say("")
+            results = {}
             for j, h in enumerate(table.hs):
-                own |= {
-                    "fsi_order": order,
-                    "fsi_h": h,
-                    "fsi_output": str(folder / f"{order}-{j}.h5"),
-                }
+                own |= {"fsi_order": order, "fsi_h": h, "fsi_output": f"{folder}/{order}-{j}.h5"}
                 try:
                     run_case(case, dict(own), comm)
+                    results[j] = own["fsi_output"]
                 except ComputationError as error:
                     table.failures[order, h] = str(error)
-                keep = partial(_keep, own["fsi_output"], table, i, j)
-                together(comm, list if comm.rank else keep)
+                together(comm, lambda: None if comm.rank else _keep(table, i, results))  # noqa: B023
                 say(table.row(i, j))
-            notes = together(comm, list if comm.rank else partial(_compare, folder, table, i))
+            notes = together(comm, lambda: [] if comm.rank else _compare(table, i, results))  # noqa: B023
             if table.errors:
-                say("\n".join([table.table(i), *notes, *unresolved(table, i)]))
+                say("\n".join([table.table(i), *notes]))
 
 
-def _keep(path: str, table: ConvergenceStudy, i: int, j: int) -> None:
-    """What a run cost, and its errors, go into the table. FileError."""
-    key = table.orders[i], table.hs[j]
-    if key in table.failures:
-        return
-    with open_run(path) as run:
-        cost = {name: run.summary[key] for name, key in COST.items()}
-        table.put(i, j, cost, run.errors)
-        table.early |= run.summary["t"] != table.t
+def _keep(table: ConvergenceStudy, i: int, results: Mapping[int, str]) -> None:
+    """What the last run cost, and its errors, go into the table. FileError."""
+    for j in list(results)[-1:]:
+        with open_run(results[j]) as run:
+            table.put(i, j, run.errors if table.exact else {})
+            for name in COST:
+                table.cost[name][i, j] = run.summary[name]
 
 
-def _compare(folder: Path, table: ConvergenceStudy, i: int) -> list[str]:
-    """Differences of the grids of order i go into the table; what is to be said of the grids.
+def _compare(table: ConvergenceStudy, i: int, results: Mapping[int, str]) -> list[str]:
+    """Differences of the grids of order i go into the table; which layers are not resolved.
 
     InputError, FileError.
     """
-    from fsipetsc.analysis.grid_differences import differences, unrefined
+    from fsipetsc.analysis.grid_differences import differences, unresolved
 
-    good = [j for j, h in enumerate(table.hs) if (table.orders[i], h) not in table.failures]
-    if table.exact or len(good) < 2:
+    if table.exact or len(results) < 2:
         return []
     with ExitStack() as stack:
-        runs = [stack.enter_context(open_run(folder / f"{table.orders[i]}-{j}.h5")) for j in good]
-        for j, k, errors in zip(good, good[1:], differences(runs, table.norm)):
+        runs = [stack.enter_context(open_run(path)) for path in results.values()]
+        for j, k, errors in zip(results, list(results)[1:], differences(runs, table.norm)):
             if k == j + 1:
-                table.put(i, j, {}, errors)
-        return unrefined(runs)
-
-
-def _check(
-    case: Any, opt: Mapping[str, Any], comm: MPI.Comm, table: ConvergenceStudy, say: Any
-) -> None:
-    """Lay every grid once, so that what does not fit is known before the first run, and compile.
-
-    Collective; InputError.
-    """
-    from fsipetsc.stepping.solve import build_problem, make_state
-
-    for order in table.orders:
-        for h in table.hs:
-            own = {**opt, "fsi_order": order, "fsi_h": h}
-            try:
-                with make_state(build_problem(case, own, comm), own, comm) as state:
-                    if (order, h) == (table.orders[-1], table.hs[-1]):
-                        state.compile(say)
-            except InputError as error:
-                raise InputError(f"order {order}, h = {h:g}: {error}") from None
-
-
-def _target(case: Any, opt: Mapping[str, Any], given: Container[str]) -> Path:
-    """The CSV file of the table. InputError for options that a study has no use for; FileError."""
-    if "fsi_order" in given:
-        raise InputError(
-            "-fsi_order is for a single run; a study takes -fsi_orders, as in -fsi_orders 4,6"
-        )
-    if "fsi_h" in given and "fsi_hs" in given:
-        raise InputError("-fsi_h and -fsi_hs both say what the grids are; give one of them")
-    return csv_target(opt["fsi_output"] if "fsi_output" in given else f"{case.NAME}-convergence")
+                table.put(i, j, errors)
+    return unresolved(table, i)

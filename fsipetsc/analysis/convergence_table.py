@@ -14,13 +14,8 @@ from fsipetsc.analysis.tables import save_csv, text_table
 from fsipetsc.checks import counted
 from fsipetsc.operators.sbp import operator
 
-#: name in a study -> name in its CSV and in the summary of a result
-COST = {
-    "points": "points",
-    "steps": "steps",
-    "evaluations": "rhs_evaluations",
-    "wall_time": "wall_time",
-}
+#: names of the cost in the summary of a result
+COST = "points", "steps", "rhs_evaluations", "wall_time"
 #: orders that are looked for where grids are compared with each other
 LEAST, MOST = -4.0, 16.0
 #: a relative difference of grids that is none
@@ -31,12 +26,11 @@ ROUND_OFF = 1e-12
 class ConvergenceStudy:
     """Runs of one case over orders and grids, NaN where a run has failed or not been made.
 
-    hs: grid spacings [m], coarse to fine. t: time of comparison [s]. errors: group -> name ->
-    (orders, grids). exact: they are from the exact solution, and groups are kinds of layers; else
-    grid j is compared with the next finer one, groups are layers and "series", and errors relative.
-    points, steps, evaluations of the right-hand side, wall_time of the time loop [s], all (orders,
-    grids).
-    failures: (order, h) -> message. units: as in fsipetsc.problem.Problem.
+    hs: grid spacings [m], coarse to fine. t: time of comparison [s]. exact: errors are from the
+    exact solution, and groups are kinds of layers; else grid j is compared with the next finer one,
+    groups are layers and "series", and errors relative. units: as in fsipetsc.problem.Problem.
+    failures: (order, h) -> message. errors: group -> name -> (orders, grids). cost: name -> the
+    same, of the names in COST; the wall time [s] is that of the time loop.
     """
 
     case: str
@@ -49,20 +43,16 @@ class ConvergenceStudy:
     exact: bool = True
     failures: dict[tuple[int, float], str] = field(default_factory=dict)
     errors: dict[str, dict[str, np.ndarray]] = field(default_factory=dict)
+    cost: dict[str, np.ndarray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self.early = False  # whether a run has ended before t
-        self.points, self.steps, self.evaluations, self.wall_time = (self._empty() for _ in COST)
+        self.cost = {name: self._empty() for name in COST}
 
     def _empty(self) -> np.ndarray:
         return np.full((len(self.orders), len(self.hs)), np.nan)
 
-    def put(
-        self, i: int, j: int, cost: Mapping[str, float], errors: Mapping[str, Mapping[str, float]]
-    ) -> None:
-        """Keep what is known of the run with order i and grid j."""
-        for name in cost:
-            getattr(self, name)[i, j] = cost[name]
+    def put(self, i: int, j: int, errors: Mapping[str, Mapping[str, float]]) -> None:
+        """Keep the errors of the run with order i and grid j."""
         for group, values in errors.items():
             for name, value in values.items():
                 self.errors.setdefault(group, {}).setdefault(name, self._empty())[i, j] = value
@@ -91,15 +81,13 @@ class ConvergenceStudy:
         return f"t = {self.t:g}" + " s" * (self.units == "SI")
 
     @property
-    def cost(self) -> np.ndarray:
-        """Wall time per point and step [µs], (orders, grids)."""
-        return 1e6 * self.wall_time / (self.points * self.steps)
+    def wall_time(self) -> np.ndarray:
+        """Of the time loops [s], (orders, grids)."""
+        return self.cost["wall_time"]
 
     def columns(self) -> Iterator[tuple[str, str]]:
         """(group, name) of every error."""
         return ((group, name) for group, names in self.errors.items() for name in names)
-
-    # ------------------------------------------------------------------ text
 
     def row(self, i: int, j: int) -> str:
         """The cost of a run as it has been made."""
@@ -107,8 +95,8 @@ class ConvergenceStudy:
         failure = self.failures.get((self.orders[i], self.hs[j]))
         if failure:
             return f"{start}  failed: {failure}"
-        points, steps = self.points[i, j], self.steps[i, j]
-        return f"{start}{points:>8.0f} points{steps:>8.0f} steps{self.wall_time[i, j]:>9.2f} s"
+        points, steps, _, time = (self.cost[name][i, j] for name in COST)
+        return f"{start}{points:>8.0f} points{steps:>8.0f} steps{time:>9.2f} s"
 
     def table(self, i: int) -> str:
         """Of order i: a line for each error, with its observed orders behind."""
@@ -124,33 +112,19 @@ class ConvergenceStudy:
             rows.append([group, "all" if name == "combined" else name, *numbers])
         return text_table(head, rows)
 
-    def summary(self) -> str:
-        """Observed orders of all errors together, a line per order, from coarse to fine."""
-        rows = [
-            [group, operator(order).name, *_texts(self.rates(group)[i], ".2f")]
-            for group in self.errors
-            for i, order in enumerate(self.orders)
-        ]
-        head = ["observed orders of all errors together, at h =", "", *(f"{h:g}" for h in self.hs)]
-        return text_table(head, rows)
-
-    # ------------------------------------------------------------------ files
-
     def save(self, path: Path) -> Path:
         """Write a line per run: order, grid, cost, errors, observed orders. FileError."""
         what = "errors" if self.exact else "relative differences from the next grid"
         about = f"{self.case}, {what} in {self.norm} at {self.time}, {counted(self.ranks, 'rank')}"
-        names = [f"{group}/{name}" for group, name in self.columns()]
-        head = ["order", "operator", "h", *COST.values(), "us_per_point_and_step"]
+        columns = dict(self.cost)
+        columns |= {f"{group}/{name}": self.errors[group][name] for group, name in self.columns()}
+        columns |= {f"order {g}/{name}": self.rates(g, name) for g, name in self.columns()}
         rows = []
         for i, order in enumerate(self.orders):
             for j, h in enumerate(self.hs):
-                cost = [getattr(self, name)[i, j] for name in COST]
-                errors = [self.errors[g][n][i, j] for g, n in self.columns()]
-                rates = [self.rates(g, n)[i, j] for g, n in self.columns()]
-                numbers = [*_texts([*cost, self.cost[i, j]], ".9g"), *_texts(errors, ".9g")]
-                rows.append([order, operator(order).name, repr(h), *numbers, *_texts(rates, ".4f")])
-        return save_csv(path, [*head, *names, *(f"order {n}" for n in names)], rows, about)
+                numbers = [values[i, j] for values in columns.values()]
+                rows.append([order, operator(order).name, repr(h), *_texts(numbers, ".9g")])
+        return save_csv(path, ["order", "operator", "h", *columns], rows, about)
 
 
 def order_of_differences(ratio: float, first: float, second: float, third: float) -> float:

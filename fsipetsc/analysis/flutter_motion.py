@@ -1,17 +1,17 @@
-"""What a motion of a panel is made of: modes of a small one, limit cycles of a large one.
+"""What a motion of a panel is made of: modes of a small one, the limit cycle of a large one.
 
-A small motion is w(x, t) = Re sum_k a_k(x) exp(s_k t). All points of the panel together, deflection and velocity, make a
-vector; from one time to the next it is multiplied by a matrix A whose eigenvalues are exp(s_k dt). A is found by least
-squares on the leading singular vectors of what was seen (P. J. Schmid, Dynamic mode decomposition of numerical and
-experimental data, J. Fluid Mech. 656 (2010)), so that modes of nearly one frequency are told apart by their shapes, in less
-than a period.
+A small motion is w(x, t) = Re sum_k a_k(x) exp(s_k t). Deflections and velocities of all points
+make a vector, which a matrix A with the eigenvalues exp(s_k dt) takes from one time to the next. A
+is found by least squares on the leading singular vectors of what was seen (P. J. Schmid, Dynamic
+mode decomposition of numerical and experimental data, J. Fluid Mech. 656 (2010)), so that modes of
+nearly one frequency are told apart by their shapes, in less than a period.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -44,27 +44,27 @@ class Motion:
 
 
 def motion_of(run: Run) -> tuple[Motion, Real]:
-    """(motion of the middle row of the solid, X of its points) of a result in two dimensions; its frames must be equally far
-    apart, but for the last one. InputError.
+    """(motion of the middle row of the solid, X of its points) of a result in two dimensions.
+
+    InputError where frames are not equally far apart, but for the last one.
     """
     solids = [layer for layer in run.layers if layer.kind == "solid"] if run.dimension == 2 else []
     if not solids:
         raise InputError(f"{run.path}: no result of a solid in two dimensions, such as panel")
-    t = run.time
+    t, solid = run.time, solids[0]
     if len(t) > 2 and not np.isclose(t[-1] - t[-2], t[1] - t[0], rtol=1e-6):
         t = t[:-1]
     if len(t) < 2 or not np.allclose(np.diff(t), t[1] - t[0], rtol=1e-6):
-        raise InputError(f"{run.path}: expected frames at equal distances in time, as -fsi_output_dt saves them")
-    solid = solids[0]
+        raise InputError(f"{run.path}: expected frames at equal distances, as -fsi_output_dt")
     row = len(solid.Y) // 2
-    frames = [solid.frame(k) for k in range(len(t))]
-    w, v = (np.array([frame[name][row] for frame in frames]) for name in ("y", "v"))
+    w, v = (np.array([solid.frame(k)[name][row] for k in range(len(t))]) for name in ("y", "v"))
     return Motion(t, w - solid.Y[row], v), solid.X
 
 
 def fit_modes(motion: Motion) -> tuple[Complex, float]:
-    """(s of the modes that oscillate, Im s > 0, by frequency; what is not in the modes, relative to the motion). The first two
-    are those that meet in flutter. ComputationError where there are fewer.
+    """(s of the modes that oscillate, Im s > 0, by frequency; part of the motion in no mode).
+
+    The first two are those that meet in flutter. ComputationError where there are fewer.
     """
     dt = float(motion.t[1] - motion.t[0])
     scales = [max(float(np.abs(part).max()), 1e-300) for part in (motion.w, motion.v)]
@@ -79,48 +79,47 @@ def fit_modes(motion: Motion) -> tuple[Complex, float]:
     times = np.exp(np.outer(s, motion.t - 0.5 * (motion.t[0] + motion.t[-1])))
     # the amplitudes by least squares over all times at once
     normal = (shapes.conj().T @ shapes) * (times.conj() @ times.T)
-    a = np.linalg.lstsq(normal, np.einsum("xk,xt,kt->k", shapes.conj(), seen, times.conj()), rcond=1e-13)[0]
+    projected = np.einsum("xk,xt,kt->k", shapes.conj(), seen, times.conj())
+    a = np.linalg.lstsq(normal, projected, rcond=1e-13)[0]
     misfit = float(np.linalg.norm(seen - (shapes * a @ times).real) / np.linalg.norm(seen))
     deflections = np.abs(a) * np.abs(shapes[: len(shapes) // 2]).max(axis=0)
     found = s[(s.imag > 0.0) & (deflections > FAINT * deflections.max(initial=0.0))]
     if len(found) < 2:
-        raise ComputationError(f"{len(found)} modes oscillate in the motion of the panel, where two should")
+        raise ComputationError(f"{len(found)} modes oscillate in the motion of the panel, not two")
     return found[np.argsort(found.imag)], misfit
 
 
-def crossing(dynamic: Sequence[float], units: Sequence[float], pairs: Sequence[Sequence[complex]]) -> tuple[float, complex]:
-    """(lambda, s over the unit) where the growth of the faster of two modes becomes positive, from their s at some lambda; NaN
-    if it does not between these.
+def crossing(
+    dynamic: Sequence[float], units: Sequence[float], pairs: Sequence[Sequence[complex]]
+) -> tuple[float, complex]:
+    """(lambda, s over the unit) where the growth of the faster of two modes becomes positive.
 
-    units: of frequency, sqrt(D/m), at each. The growth itself has a kink where the frequencies meet, but the
-    coefficients of (s - s1)(s - s1*)(s - s2)(s - s2*) are smooth in lambda: a parabola is laid through them.
+    From their s at some lambda, and the units sqrt(D/m) of frequency there; NaN if the growth does
+    not change its sign between these. The growth has a kink where the frequencies meet, but the
+    coefficients of (s - s1)(s - s1*)(s - s2)(s - s2*) are smooth: parabolas are laid through them.
     """
-    order = np.argsort(dynamic)
-    x = np.asarray(dynamic, float)[order]
-    scaled = [np.asarray(pairs[i]) / units[i] for i in order]
-    found = np.array([np.poly(np.concatenate([pair, pair.conj()])).real[1:] for pair in scaled])
-    centre, half = 0.5 * (x[0] + x[-1]), 0.5 * (x[-1] - x[0])
-    fits = np.polynomial.polynomial.polyfit((x - centre) / half, found, min(len(x) - 1, 2))
+    x = np.asarray(dynamic, float)
+    scaled = [np.asarray(pair) / unit for pair, unit in zip(pairs, units, strict=True)]
+    found = np.array([np.poly(np.concatenate([pair, pair.conj()])).real for pair in scaled])
+    centre = 0.5 * (x.min() + x.max())
+    fits = np.polynomial.polynomial.polyfit(x - centre, found, min(len(x) - 1, 2))
 
     def fastest(at: float) -> complex:
-        roots = np.roots([1.0, *np.polynomial.polynomial.polyval((at - centre) / half, fits)])
+        roots = np.roots(np.polynomial.polynomial.polyval(at - centre, fits))
         s = roots[np.argmax(roots.real)]
         return complex(s.real, abs(s.imag))
 
-    fine = np.linspace(x[0], x[-1], 401)
-    grows = np.array([fastest(at).real > 0.0 for at in fine])
-    first = int(np.argmax(grows))
-    if not grows.any() or first == 0:
+    fine = np.linspace(x.min(), x.max(), 401)
+    first = int(np.argmax([fastest(at).real > 0.0 for at in fine]))
+    if first == 0:
         return float("nan"), complex("nan")
-    found_at = bisect(lambda at: fastest(at).real > 0.0, float(fine[first - 1]), float(fine[first]))
-    return found_at, fastest(found_at)
+    at = bisect(lambda at: fastest(at).real > 0.0, float(fine[first - 1]), float(fine[first]))
+    return at, fastest(at)
 
 
-@dataclass(frozen=True)
-class LimitCycle:
-    """Of the point of the largest deflection: its X; half the distance of the extremes and their mean [m], averages over the
-    periods; the frequency [1/s] from the upward passages of the mean; how many periods these are, and by how much the heights
-    of their maxima differ, relative: amplitudes swing about the last one for ten periods.
+class LimitCycle(NamedTuple):
+    """Of the point that moves most: its X; half the distance of the extremes, and their mean [m];
+    the frequency [1/s], from the upward passages of the mean; how many periods these are.
     """
 
     X: float
@@ -128,30 +127,22 @@ class LimitCycle:
     mean: float
     frequency: float
     periods: int
-    spread: float
 
 
 def limit_cycle(motion: Motion, X: Real) -> LimitCycle:
-    """Of the motion as it is given: the end of a run. X (nx,) of its points. ComputationError with less than two periods."""
+    """Of a motion, the end of a run, of points at X (nx,). ComputationError below two periods."""
     i = int(np.argmax(np.ptp(motion.w, axis=0)))
-    w = motion.w[:, i]
+    t, w = motion.t, motion.w[:, i]
     mean = 0.5 * (w.max() + w.min())
     at = np.flatnonzero((w[:-1] < mean) & (w[1:] >= mean))
-    periods = len(at) - 1
+    periods = max(len(at) - 1, 0)
     if periods < 2:
-        raise ComputationError(f"{max(periods, 0)} periods of the panel's motion are seen, where two should be")
-    passed = motion.t[at] + (motion.t[1] - motion.t[0]) * (mean - w[at]) / (w[at + 1] - w[at])
-    tops, lows = (np.array([_height(sign * w[a : b + 1]) for a, b in zip(at, at[1:])]) for sign in (1, -1))
-    amplitude, centre = 0.5 * float(np.mean(tops + lows)), 0.5 * float(np.mean(tops - lows))
+        raise ComputationError(f"{periods} periods of the panel's motion are seen, not two")
+    passed = t[at] + (t[1] - t[0]) * (mean - w[at]) / (w[at + 1] - w[at])
+    highs, lows = (
+        np.mean([extreme(w[a : b + 1]) for a, b in zip(at, at[1:])]) for extreme in (max, min)
+    )
     frequency = periods / float(passed[-1] - passed[0])
-    return LimitCycle(float(X[i]), amplitude, centre, frequency, periods, float(np.ptp(tops) / amplitude))
-
-
-def _height(w: Real) -> float:
-    """The maximum, by a parabola through the largest value and its neighbours."""
-    k = int(np.argmax(w))
-    if not 0 < k < len(w) - 1:
-        return float(w[k])
-    a, b, c = w[k - 1 : k + 2]
-    bend = a - 2.0 * b + c
-    return float(b - (c - a) ** 2 / (8.0 * bend)) if bend < 0.0 else float(b)
+    return LimitCycle(
+        float(X[i]), float(highs - lows) / 2, float(highs + lows) / 2, frequency, periods
+    )

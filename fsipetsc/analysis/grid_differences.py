@@ -19,7 +19,6 @@ from fsipetsc.output.as_xarray import FIELDS, INTEGRALS
 from fsipetsc.output.differences import common_nodes
 from fsipetsc.output.reader import Run
 
-Array = np.ndarray
 #: times at which series are compared
 SAMPLES = 10
 #: series that are of the steps or of the method, not of the solution
@@ -35,28 +34,32 @@ def differences(runs: Sequence[Run], norm: str) -> Iterator[dict[str, dict[str, 
     """
     values, power = _common_values(runs), {"L1": 1, "L2": 2}[norm]
     kinds = {layer.name: layer.kind for layer in runs[0].layers}
+
+    def sort(group: str, name: str) -> tuple[str, str]:
+        """Kind of layer and unit; what the tables do not name has a unit of its own."""
+        return kinds.get(group, group), {**FIELDS, **INTEGRALS}.get(name, (name, ""))[0]
+
     ranges: dict[tuple[str, str], float] = {}
     for group, names in values.items():
         for name, found in names.items():
-            of = kinds.get(group, group), _unit(name)
+            of = sort(group, name)
             ranges[of] = max(ranges.get(of, 0.0), _range(found[-1]))
     for j in range(len(runs) - 1):
         errors: dict[str, dict[str, float]] = {}
         for group, names in values.items():
             own = errors[group] = {}
             for name, found in names.items():
-                gap = np.abs(found[j + 1] - found[j])
-                gap = gap[np.isfinite(gap)] / (ranges[kinds.get(group, group), _unit(name)] or 1.0)
+                gap = np.abs(found[j + 1] - found[j]) / (ranges[sort(group, name)] or 1.0)
+                gap = gap[np.isfinite(gap)]
                 own[name] = float(np.mean(gap**power) ** (1 / power)) if gap.size else np.nan
-            own["combined"] = float(
-                np.nanmean(np.array(list(own.values())) ** power) ** (1 / power)
-            )
+            every = np.array(list(own.values()))
+            own["combined"] = float(np.nanmean(every**power) ** (1 / power))
         yield errors
 
 
-def _common_values(runs: Sequence[Run]) -> dict[str, dict[str, list[Array]]]:
+def _common_values(runs: Sequence[Run]) -> dict[str, dict[str, list[np.ndarray]]]:
     """Group -> name -> values of each run at what all have in common. InputError."""
-    found: dict[str, dict[str, list[Array]]] = {}
+    found: dict[str, dict[str, list[np.ndarray]]] = {}
     for k, layer in enumerate(runs[0].layers):
         layers = [run.layers[k] for run in runs]
         pairs = [common_nodes(layer, other, []) for other in layers]
@@ -71,16 +74,15 @@ def _common_values(runs: Sequence[Run]) -> dict[str, dict[str, list[Array]]]:
             ends = [other.frame(-1)[name] for other in layers]
             own[name] = [end[np.ix_(*(axis[j] for axis in axes))] for j, end in enumerate(ends)]
     times = runs[0].time[1:]
-    for name in (
-        n for n in runs[0].series if n not in NO_SOLUTION and not n.startswith("residual_")
-    ):
-        values = [run.series[name][np.isin(run.series["t"], times)] for run in runs]
-        if len({v.shape for v in values}) == 1 and values[0].size:
-            found.setdefault("series", {})[name] = values
+    for name in runs[0].series:
+        if name not in NO_SOLUTION and not name.startswith("residual_"):
+            values = [run.series[name][np.isin(run.series["t"], times)] for run in runs]
+            if len({v.shape for v in values}) == 1 and values[0].size:
+                found.setdefault("series", {})[name] = values
     return found
 
 
-def _in_all(pairs: Any) -> list[Array]:
+def _in_all(pairs: Any) -> list[np.ndarray]:
     """Of one axis: numbers of the nodes that all grids have; pairs: (of the coarsest, of each)."""
     common = pairs[0][0]
     for first, _ in pairs:
@@ -88,12 +90,7 @@ def _in_all(pairs: Any) -> list[Array]:
     return [second[np.searchsorted(first, common)] for first, second in pairs]
 
 
-def _unit(name: str) -> str:
-    """Of a field or series; those without a name in the tables have a unit of their own."""
-    return {**FIELDS, **INTEGRALS}.get(name, (name, ""))[0]
-
-
-def _range(values: Array) -> float:
+def _range(values: np.ndarray) -> float:
     """The largest less the smallest value; the largest size where that is round-off."""
     known = values[np.isfinite(values)]
     if not known.size:
@@ -104,17 +101,12 @@ def _range(values: Array) -> float:
 
 def unresolved(table: ConvergenceStudy, i: int) -> list[str]:
     """A line for each layer whose grids differ by much, or come together slowly."""
-    if table.exact:
-        return []
     lines, op = [], operator(table.orders[i])
     expected = table.orders[i] // 2 + 1  # closures have half the order
-    for group in table.errors:
-        if group == "series":
-            continue
-        last, rates = table.errors[group]["combined"][i, -2], table.rates(group)[i]
-        fields = {name: e[i, -2] for name, e in table.errors[group].items() if name != "combined"}
-        worst = max(fields, key=lambda name: np.nan_to_num(fields[name]))
-        rate = rates[-2]
+    for group in table.errors.keys() - {"series"}:
+        errors, rate = table.errors[group], table.rates(group)[i, -2]
+        fields = {name: np.nan_to_num(e[i, -2]) for name, e in errors.items() if name != "combined"}
+        worst, last = max(fields, key=lambda name: fields[name]), errors["combined"][i, -2]
         if last > COARSE:
             part = f"{100 * fields[worst]:.0f} %"
             why = f"in {worst} the two finest grids differ by {part} of its range"
@@ -124,17 +116,4 @@ def unresolved(table: ConvergenceStudy, i: int) -> list[str]:
         else:
             continue
         lines.append(f"layer '{group}' is not resolved: {why}")
-    return lines
-
-
-def unrefined(runs: Sequence[Run]) -> list[str]:
-    """A line for each axis of a block that has the same nodes on all grids."""
-    lines = []
-    for k, layer in enumerate(runs[0].layers):
-        shapes = [getattr(run.layers[k], "shape", ())[::-1] for run in runs]
-        lines += [
-            f"block '{layer.name}' has {counts[0]} nodes along axis {axis} on all grids"
-            for axis, counts in enumerate(zip(*shapes))
-            if len(set(counts)) == 1
-        ]
-    return lines
+    return sorted(lines)

@@ -7,13 +7,13 @@ The scheme's right-hand side is linearised about rest and split by angular numbe
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fsipetsc.analysis.tables import csv_target, save_csv, text_table
 from fsipetsc.cases import load_case
-from fsipetsc.errors import FileError, InputError
+from fsipetsc.errors import InputError
 from fsipetsc.options import Option, groups, read_options
 from fsipetsc.process.launch import start_petsc
 from fsipetsc.process.together import together, wait_asleep
@@ -37,16 +37,15 @@ def modes(arguments: list[str], comm: MPI.Comm) -> None:
 
     Raises InputError, also for a case that it does not know; FileError.
     """
-    case = together(comm, lambda: _case(arguments))
-    given = start_petsc(arguments[1:], comm)
+    if arguments[:1] != ["ring"]:
+        usage = f"{program()} modes ring [-option value ...]"
+        raise InputError(f"the command modes knows the case ring: {usage}")
+    case, given = load_case("ring"), start_petsc(arguments[1:], comm)
     from fsipetsc.stepping.solve import build_problem, check_begin
 
-    opt = read_options(case, given, OPTIONS)
+    opt = {**read_options(case, given, OPTIONS), "ring_pulse": 0.0}
     check_begin(opt)
-    if "ring_pulse" in given:
-        raise InputError("-ring_pulse: modes are of small motions about rest, without a pulse")
-    opt["ring_pulse"] = 0.0
-    path = Path(opt["fsi_output"] if "fsi_output" in given else "modes.csv").with_suffix(".csv")
+    path = csv_target(opt["fsi_output"] if "fsi_output" in given else "modes")
     problem = build_problem(case, opt, comm)
     together(comm, lambda: None if comm.rank else _told(problem, opt, path))
     wait_asleep(comm)
@@ -57,25 +56,18 @@ def sections(arguments: Sequence[str]) -> dict[str, tuple[Option, ...]]:
     return groups(load_case("ring"), OPTIONS)
 
 
-def _case(arguments: Sequence[str]) -> Any:
-    if not arguments or arguments[0] != "ring":
-        found = f"not {arguments[0]}" if arguments else "none was given"
-        usage = f"{program()} modes ring [-option value ...]"
-        raise InputError(f"the command modes knows the case ring, {found}: {usage}")
-    return load_case("ring")
-
-
 def _told(problem: Any, opt: Mapping[str, Any], path: Path) -> None:
     """Compute, print and save. InputError, FileError."""
     found = compared(problem, opt)
+    rows = []
+    for i, (omega, exact) in enumerate(found, 1):
+        known = ("", "") if exact is None else (exact.real, exact.imag)
+        rows.append((i, omega.real, omega.imag, *known))
+    save_csv(path, ("index", "omega_re", "omega_im", "exact", "exact_im"), rows)
     if not opt["fsi_quiet"]:
-        print(table(found, opt))
-    try:
-        save(found, path)
-    except OSError as error:
-        raise FileError(f"{path}: {error.strerror}") from None
-    if not opt["fsi_quiet"]:
-        print(f"saved {path}", flush=True)
+        grid = f"order {opt['fsi_order']}, h = {opt['fsi_h']:g}"
+        print(f"modes of ring, angular number {opt['ring_angular']}, {grid}: exp(-i omega t)")
+        print(f"{_table(found)}\nsaved {path}", flush=True)
 
 
 def compared(problem: Any, opt: Mapping[str, Any]) -> list[Mode]:
@@ -107,18 +99,13 @@ def media_of(opt: Mapping[str, Any]) -> tuple[Medium, ...]:
     return inside, ring, outside
 
 
-def table(found: Sequence[Mode], opt: Mapping[str, Any]) -> str:
-    """The modes as text, with errors over |omega|."""
-    grid = f"order {opt['fsi_order']}, h = {opt['fsi_h']:g}"
-    lines = [
-        f"modes of ring, angular number {opt['ring_angular']}, {grid}: exp(-i omega t)",
-        f"{'':>5}{'omega [1/s]':>30}{'exact':>30}{'error':>10}",
-    ]
+def _table(found: Sequence[Mode]) -> str:
+    """With errors over |omega|."""
+    rows = []
     for i, (omega, exact) in enumerate(found, 1):
-        error = 0.0 if exact is None else abs(omega - exact) / abs(exact)
-        known = "" if exact is None else f"{_text(exact):>30}{error:>10.1e}"
-        lines.append(f"{i:>5}{_text(omega):>30}{known}")
-    return "\n".join(lines)
+        error = "" if exact is None else f"{abs(omega - exact) / abs(exact):.1e}"
+        rows.append((i, _text(omega), "" if exact is None else _text(exact), error))
+    return text_table(("", "omega [1/s]", "exact", "error"), rows)
 
 
 def _text(omega: complex) -> str:
@@ -126,13 +113,3 @@ def _text(omega: complex) -> str:
     if abs(omega.imag) < 1e-9 * abs(omega):
         return f"{omega.real:.10f}{'':>15}"
     return f"{omega.real:.10f} {omega.imag:+.10f}i"
-
-
-def save(found: Sequence[Mode], path: Path) -> None:
-    """The modes as CSV; exact and exact_im are empty where they are not known. OSError."""
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(("index", "omega_re", "omega_im", "exact", "exact_im"))
-        for i, (omega, exact) in enumerate(found, 1):
-            known = ("", "") if exact is None else (exact.real, exact.imag)
-            writer.writerow((i, omega.real, omega.imag, *known))

@@ -17,7 +17,8 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from fsipetsc.analysis.wave_modes import DOF, NUDGE, Bench, Complex, Real
+from fsipetsc.analysis.spectra import Complex, Real
+from fsipetsc.analysis.wave_modes import DOF, Bench
 from fsipetsc.blockrun.block_state import BlockForm, BlockState
 from fsipetsc.blockrun.run_problem import RunProblem
 from fsipetsc.errors import InputError
@@ -37,7 +38,7 @@ def ring_modes(
     with BlockState(MPI.COMM_SELF, problem, order, form) as state:
         state.compile(lambda text: None)
         bench = _RingBench(state, n)
-        values, vectors = bench.linear(order, 1.0, NUDGE).modes(0.0)
+        values, vectors = bench.linear(1.0).modes(0.0)
         swinging = values.imag < -SWINGING * np.abs(values).max()
         omega = 1j * values[swinging & (bench.roughness(vectors) < ROUGH)]
     return omega[np.argsort(omega.real)]
@@ -81,9 +82,7 @@ class _RingBench(Bench):
         change = np.zeros((len(self._wave), DOF))
         change[:, i % DOF] = size * self._wave
         self._block(k, y)[j] += self._turned(k, change, -1.0)
-        self._state.right_hand_side(y, self._f)
-        self._state.project(y)
-        self._raise()
+        self._evaluate(y)
         return self._part @ self._whole(self._f), self._part @ self._whole(y)
 
     def _whole(self, array: Real) -> Real:

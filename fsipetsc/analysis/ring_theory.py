@@ -9,17 +9,18 @@ is gas, and free if it is solid.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import newton
 from scipy.special import h1vp, jvp
 
 Complex = NDArray[np.complex128]
 #: how far from where it begins a search may end, over |omega|; when it ends, and steps it may take;
 #: what counts as singular
-NEAR, CLOSE, STEPS, SINGULAR = 0.1, 1e-12, 40, 1e-8
+NEAR, CLOSE, STEPS, SINGULAR = 0.03, 1e-12, 40, 1e-8
 
 
 @dataclass(frozen=True)
@@ -95,9 +96,10 @@ def conditions(media: Sequence[Medium], n: int, omega: complex) -> Complex:
 
 @np.errstate(all="ignore")
 def mode_near(media: Sequence[Medium], n: int, omega: complex) -> complex | None:
-    """The angular frequency [1/s] of the mode of angular number n next to an expected one, or None
-    where a secant search does not find one near it, or Bessel functions are too large for numbers, as
-    with a viscosity that is very small.
+    """The angular frequency [1/s] of the mode of angular number n next to an expected one.
+
+    None where a secant search does not find one near it, or Bessel functions are too large for
+    numbers, as with a viscosity that is very small.
     """
     first = conditions(media, n, omega)
     if not np.isfinite(first).all() or not first.any(axis=0).all():
@@ -111,20 +113,9 @@ def mode_near(media: Sequence[Medium], n: int, omega: complex) -> complex | None
     def misfit(at: complex) -> complex:
         return complex(np.linalg.det(scaled(at)))
 
-    root = _secant(misfit, omega, omega * (1.0 + 1e-4))
-    if root is None or abs(root - omega) > NEAR * abs(omega):
+    about = {"x1": omega * (1.0 + 1e-4), "tol": CLOSE * abs(omega), "maxiter": STEPS}
+    root, result = newton(misfit, omega, **about, full_output=True, disp=False)
+    if not result.converged or abs(root - omega) > NEAR * abs(omega):
         return None
-    return root if np.linalg.svd(scaled(root), compute_uv=False)[-1] < SINGULAR else None
-
-
-def _secant(function: Callable[[complex], complex], a: complex, b: complex) -> complex | None:
-    """A root, from two values near it; None where the search does not end."""
-    low, high = function(a), function(b)
-    for _ in range(STEPS):
-        if high == low:
-            return b if high == 0.0 else None
-        a, b, low = b, b - high * (b - a) / (high - low), high
-        if abs(b - a) <= CLOSE * abs(b):
-            return b
-        high = function(b)
-    return None
+    singular = np.linalg.svd(scaled(root), compute_uv=False)[-1] < SINGULAR
+    return complex(root) if singular else None

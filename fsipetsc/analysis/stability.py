@@ -85,23 +85,19 @@ def described(arguments: list[str], comm: MPI.Comm) -> tuple[dict[str, Any], Pro
     case = together(comm, lambda: load_case(arguments[0]))
     given = start_petsc(arguments[1:], comm)
     from fsipetsc.analysis.stability_state import of_problem
-    from fsipetsc.analysis.wave_measures import rest_of_problem
     from fsipetsc.blockrun.run_problem import RunProblem
-    from fsipetsc.stepping.solve import block_form, build_problem, check_begin
+    from fsipetsc.stepping.solve import build_problem, check_begin
 
     opt = read_options(case, given, FOR_CASES)
     check_begin(opt)
     problem = build_problem(case, {**opt, "fsi_coupling": "energy"}, comm)  # whose layers are wanted, whatever the coupling
-    plane = isinstance(problem, RunProblem)
-    if "fsi_order" not in given and not (plane and "fsi_orders" not in given):
-        opt["fsi_order"] = None  # in two dimensions the layers of a case may be too thin for other orders than its own
+    if isinstance(problem, RunProblem):
+        raise InputError(f"{case.NAME} is no case of layers; of two dimensions: stability -stability_plane")
+    if "fsi_order" not in given:
+        opt["fsi_order"] = None
     if "fsi_output" not in given:
         opt["fsi_output"] = None
     orders(opt)
-    if plane:
-        form = block_form(opt)
-        return opt, _in_two(opt, together(comm, lambda: rest_of_problem(problem, opt)), form)
-    _only_in_two(given, f"{case.NAME} is a case of one dimension")
     return opt, _in_one(opt, together(comm, lambda: of_problem(problem, opt["stability_interface"], opt["fsi_h"])))
 
 
@@ -133,7 +129,7 @@ def _in_one(opt: Mapping[str, Any], state: Constant) -> Problem:
     return Problem("\n".join(heading), state, lambda one, order: measure(one, order, n, h, coupling, narrow))
 
 
-def _in_two(opt: Mapping[str, Any], rest: Rest, *form: Any) -> Problem:
+def _in_two(opt: Mapping[str, Any], rest: Rest) -> Problem:
     from fsipetsc.analysis.wave_measures import Waves, measure
 
     k, symbols = opt["stability_k"], opt["stability_symbols"]
@@ -144,7 +140,7 @@ def _in_two(opt: Mapping[str, Any], rest: Rest, *form: Any) -> Problem:
         f"{rest.cells[0] + 1} points across the solid, {rest.cells[1] + 1} across the gas, columns {rest.columns:.6g} m apart",
         f"k = {listed} 1/m" if k else f"symbol of D at {listed} of its greatest value",
     ]
-    return Problem("\n".join(heading), rest, lambda one, order: measure(one, order, waves, *form))
+    return Problem("\n".join(heading), rest, lambda one, order: measure(one, order, waves))
 
 
 def verdict(result: Result) -> str:

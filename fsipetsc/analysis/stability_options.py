@@ -26,7 +26,7 @@ def _to(most: float) -> Callable[[Any], str | None]:
 
 _ORDERS = Option("fsi_orders", "ints", ORDERS, "", "interior orders of the SBP operators", check=listed_in(ORDERS))
 _POINTS = Option(
-    *("stability_points", int, 32, "", "points of each of the two layers; of a case in 2-D, at most so many"), check="positive"
+    *("stability_points", int, 32, "", "points of each of the two layers"), check="positive"
 )
 _SYMBOLS = "wave numbers, as fractions of the greatest that D knows"
 _WAVES = (
@@ -36,11 +36,11 @@ _WAVES = (
 _DENSITIES = "m0 over the density of the gas, instead of -solid_density; alpha m0 keeps its value"
 _STIFFNESSES = "K over the pressure of the gas, instead of -solid_modulus"
 _COUPLINGS = ("conservative", "energy", "projection", "traditional")
-_EOS, _HEAT = "pressure p = G rho epsilon, or none as in the elastic solid", "beside an elastic energy, or the work of stresses"
+_EOS = "pressure p = G rho epsilon, or none as in the elastic solid"
 #: what two dimensions do not have
 OF_ONE_DIMENSION = ("solid_stretch", "solid_eos", "solid_stress", "solid_gruneisen", "fsi_coupling", "fsi_viscous")
 #: and what is of two alone
-OF_TWO_DIMENSIONS = ("stability_symbols", "stability_k", "stability_x", "solid_shear", "solid_heat")
+OF_TWO_DIMENSIONS = ("stability_symbols", "stability_k", "solid_shear")
 SECTIONS: dict[str, tuple[Option, ...]] = {
     "Gas": (
         Option("fluid_rho", float, 1.0, "kg/m3", "density of the gas at rest", check="positive"),
@@ -76,7 +76,6 @@ SECTIONS: dict[str, tuple[Option, ...]] = {
         Option("stability_plane", bool, False, "", "gas over a solid in two dimensions, by wave number along them"),
         *_WAVES,
         Option("solid_shear", float, 0.25, "", "mu_e over K", check=_to(0.5)),
-        Option("solid_heat", str, "elastic", "", _HEAT, ("elastic", "coupled")),
     ),
     "Sweep": (
         Option("sweep", bool, False, "", "all combinations of the ratios below"),
@@ -92,10 +91,9 @@ SECTIONS: dict[str, tuple[Option, ...]] = {
 #: of this command beside those of a case
 FOR_CASES = (
     Option(
-        *("stability_interface", int, 0, "", "interface of the case, counted from the left, or from below"), check="nonnegative"
+        *("stability_interface", int, 0, "", "interface of the case, counted from the left"), check="nonnegative"
     ),
-    Option("stability_X", float, None, "m", "in 2-D, where it is; default: in the middle of the interface"),
-    *(*_WAVES, _POINTS, _ORDERS, *SECTIONS["Sweep"]),
+    *(_POINTS, _ORDERS, *SECTIONS["Sweep"]),
 )
 
 

@@ -1,19 +1,22 @@
-"""Small disturbances of layers at rest in two dimensions, at one wave number: the scheme's own right-hand side, linearised.
+"""Small disturbances of layers at rest in two dimensions, by wave number along them.
 
-Layers that are periodic in X and at rest are given a few columns. One unknown of one column is disturbed at a time; the rates
-of that column and its neighbours, R_m at m columns from it, are found by central differences of order 8, and what is
+The scheme's own right-hand side is linearised. Layers that are periodic in X and at rest are given
+a few columns. One unknown of one column is disturbed at a time; the rates of that column and its
+neighbours, R_m at m columns from it, are found by central differences of order 8, and what is
 proportional to exp(i k X) then changes by the matrix
 
     A(k) = sum_m R_m exp(-i k m h_x),
 
-for all wave numbers k at once. What may be disturbed is what the projection lets through: A acts on its range. Derivatives
-along X are all those of D, twice where there are two of them, so that A depends on k by the symbol kappa = i^-1 sum_m D_m
-exp(i k m h_x) alone: k h_x up to pi is kappa from 0 up to its greatest value, and back to 0.
+for all wave numbers k at once. What may be disturbed is what the projection lets through: A acts on
+its range. Derivatives along X are all those of D, twice where there are two of them, so that A
+depends on k by the symbol kappa = i^-1 sum_m D_m exp(i k m h_x) alone: k h_x up to pi is kappa from
+0 up to its greatest value, and back to 0.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from mpi4py import MPI
@@ -24,7 +27,6 @@ from fsipetsc.blockrun.block_state import BlockForm, BlockState
 from fsipetsc.blockrun.run_problem import RunProblem
 from fsipetsc.blocks.conditions import Condition
 from fsipetsc.blocks.layers import Layer, layers
-from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import OPERATORS
 
@@ -36,59 +38,41 @@ NUDGE = 0.005
 AT_REST = 1e-9
 
 
-@dataclass(frozen=True)
-class Stack:
-    """Layers (fsipetsc.blocks.layers) from below, which say their cells; what stands below and above."""
+class Stack(NamedTuple):
+    """Layers (fsipetsc.blocks.layers) from below, which say their cells; what is at both ends."""
 
     layers: tuple[Layer, ...]
     lower: Condition
     upper: Condition
 
-    def problem(self, columns: int, h_x: float) -> BlockProblem:
-        """Blocks with so many columns, h_x apart [m]."""
-        along = ((0.0, columns * h_x),)
-        return layers(*self.layers, along=along, cells=(columns,), lower=self.lower, upper=self.upper)
-
 
 @dataclass(frozen=True)
 class WaveLinear:
-    """Rates and projection of small disturbances.
+    """Rates and projection of small disturbances of N unknowns, DOF x rows of all layers.
 
-    rates: (2 m + 1, N, N), [m + l, i, j] of unknown i, l columns from where unknown j is disturbed [1/s]; projection: (N, N),
-    within a column; scales: (N,) of the unknowns, over which both are taken; h_x: distance of the columns [m]; order: interior
-    order of D. N: DOF x rows of all layers, in their order. warmed: numbers of the energies of solids whose heat is coupled;
-    velocities: those of all velocities.
+    rates: (2 m + 1, N, N), [m + l, i, j] of unknown i, l columns from where unknown j is disturbed
+    [1/s]; projection: (N, N), within a column; scales: (N,) of the unknowns, over which both are
+    taken; h_x: distance of the columns [m].
     """
 
     rates: Real
     projection: Real
     scales: Real
     h_x: float
-    order: int
-    warmed: NDArray[np.int64]
-    velocities: NDArray[np.int64]
 
-    def without_heat(self) -> WaveLinear:
-        """The same, but motion does not heat the solid: at rest that is the work of its pressure, -p div v / (alpha m0)."""
-        rates = self.rates.copy()
-        rates[:, self.warmed[:, None], self.velocities] = 0.0
-        return replace(self, rates=rates)
-
-    def basis(self) -> Real:
-        """(N, n), orthonormal, of the disturbances that fulfil all conditions."""
-        return range_basis(self.projection)
-
-    def matrix(self, k: float) -> Complex:
-        """(n, n), dz/dt = A z of the amplitudes at wave number k [1/m], in the basis."""
+    def matrix(self, k: float) -> tuple[Complex, Real]:
+        """((n, n), dz/dt = A z of amplitudes at wave number k [1/m]; (N, n), basis of these)."""
         reach = len(self.rates) // 2
         phases = np.exp(-1j * k * self.h_x * np.arange(-reach, reach + 1))
-        basis = self.basis()
-        return basis.T @ (self.projection @ np.tensordot(phases, self.rates, 1)) @ basis
+        basis = range_basis(self.projection)
+        rates = np.tensordot(phases, self.rates, 1)
+        return basis.T @ (self.projection @ rates) @ basis, basis
 
     def modes(self, k: float) -> tuple[Complex, Complex]:
         """(eigenvalues [1/s], (N, n) of the amplitudes of the unknowns)."""
-        values, vectors = np.linalg.eig(self.matrix(k))
-        return values, self.scales[:, None] * (self.basis() @ vectors)
+        matrix, basis = self.matrix(k)
+        values, vectors = np.linalg.eig(matrix)
+        return values, self.scales[:, None] * (basis @ vectors)
 
 
 def symbol(order: int, h: float, k: float | Real) -> float | Real:
@@ -105,10 +89,10 @@ def most(order: int, h: float) -> tuple[float, float]:
 
 
 def wave_number(order: int, h: float, kappa: float) -> float:
-    """The least k whose symbol is kappa, by bisection. InputError where no wave on the grid has it."""
+    """The least k whose symbol is kappa. InputError where no wave on the grid has it."""
     high, greatest = most(order, h)
     if not 0 <= kappa <= greatest:
-        raise InputError(f"wave number {kappa:g}: with h = {h:g} the operator of order {order} knows none of that size")
+        raise InputError(f"wave number {kappa:g}: waves on this grid go up to {greatest:g}")
     return bisect(lambda k: symbol(order, h, k) >= kappa, 0.0, high) if kappa > 0.0 else 0.0
 
 
@@ -120,14 +104,19 @@ def linearise(
     InputError where these are not at rest, or not the same in all columns.
     """
     width = 4 * OPERATORS[order].p + 1
-    problem = RunProblem(stack.problem(DOF * width, h_x))
-    with BlockState(MPI.COMM_SELF, problem, order, form) as state:
+    columns = DOF * width
+    ends = {"lower": stack.lower, "upper": stack.upper}
+    problem = layers(*stack.layers, along=((0.0, columns * h_x),), cells=(columns,), **ends)
+    with BlockState(MPI.COMM_SELF, RunProblem(problem), order, form) as state:
         state.compile(lambda text: None)
-        return Bench(state, width).linear(order, h_x, nudge)
+        return Bench(state, width).linear(h_x, nudge)
 
 
 class Bench:
-    """A state on which one unknown after the other is disturbed: those of a row side by side, ``width`` columns apart."""
+    """A state on which one unknown after the other is disturbed.
+
+    Those of a row are disturbed side by side, ``width`` columns apart.
+    """
 
     #: axis of the blocks along which all columns are alike
     along = 0
@@ -138,57 +127,12 @@ class Bench:
         state.set_initial()
         self._y = state.y.array.copy()
         self._f = np.empty_like(self._y)
-        self._rows = [(k, j) for k, (_, rows) in enumerate(self._shapes()) for j in range(rows)]
+        rows = [shape[1 - self.along] for shape in state.layout.shapes]
+        self._rows = [(k, j) for k, n in enumerate(rows) for j in range(n)]
         self._scales = self._find_scales()
 
-    def check(self, linear: WaveLinear) -> None:
-        """InputError where the state is not one of rest."""
-        self._state.right_hand_side(self._y, self._f)
-        self._raise()
-        rates, values = (self._whole(array) / self._scales for array in (self._f, self._y))
-        fastest = np.abs(linear.rates).max()
-        if np.abs(rates @ linear.projection.T).max() > AT_REST * fastest or np.ptp(values, axis=0).max() > AT_REST:
-            raise InputError("the layers are not at rest at first, or not the same for all X: the linear theory is about that")
-
-    def _raise(self) -> None:
-        if self._state.fault is not None:
-            raise self._state.fault
-
-    def _shapes(self) -> list[tuple[int, int]]:
-        """(columns, rows) of each block."""
-        return [(shape[self.along], shape[1 - self.along]) for shape in self._state.layout.shapes]
-
-    def _block(self, k: int, array: Real) -> Real:
-        """(rows, columns, unknowns) of block k in a vector."""
-        nodes = self._state.layout.owned(k, array).reshape(*self._state.layout.shapes[k][::-1], DOF)
-        return nodes if self.along == 0 else nodes.swapaxes(0, 1)
-
-    def _find_scales(self) -> Real:
-        """Of the unknowns of each row: of a gas those at rest, and with the speed of sound; of a solid likewise."""
-        found = []
-        for k, block in enumerate(self._state.problem.layers):
-            q, material = self._block(k, self._y)[:, 0], block.material
-            one = np.ones(len(q))
-            if block.kind == "fluid":
-                w = material.equations(2).primitive(tuple(q.T))
-                c = np.sqrt(material.gas_law.sound_speed_squared(w[0], w[2]))
-                found.append(np.stack([q[:, 0], q[:, 1], q[:, 1] * c, q[:, 1] * c, q[:, 1] * c**2], axis=1))
-            else:
-                c, near = np.sqrt(material.K / material.m0), self._state.h
-                found.append(np.stack([near * one, near * one, c * one, c * one, np.abs(q[:, 4]) + c**2], axis=1))
-        return np.concatenate(found).ravel()
-
-    def _nudges(self, nudge: float) -> Real:
-        """What each unknown is disturbed by; velocities by the same on both sides of interfaces."""
-        sizes = self._scales.reshape(-1, DOF).copy()
-        gas = np.array([self._state.problem.layers[k].kind == "fluid" for k, _ in self._rows])
-        mass = np.where(gas, sizes[:, 1], 1.0)
-        slowest = (sizes[:, 2] / mass).min()
-        sizes[:, 2:4] = (slowest * mass)[:, None]
-        return nudge * sizes.ravel()
-
-    def linear(self, order: int, h_x: float, nudge: float) -> WaveLinear:
-        """Disturb all, the unknowns of a row at once."""
+    def linear(self, h_x: float, nudge: float = NUDGE) -> WaveLinear:
+        """Disturb all, the unknowns of a row at once. InputError where the state is not at rest."""
         size, width = len(self._scales), self._width
         rates, projection = np.zeros((width, size, size), self.number), np.zeros((size, size))
         sizes = self._nudges(nudge)
@@ -202,30 +146,71 @@ class Bench:
             rates[:, :, which] /= sizes[which]
             projection[:, which] /= sizes[which]
         relative = self._scales[None, :] / self._scales[:, None]
-        solids = [getattr(self._state.problem.layers[k].material, "heat", "") for k, _ in self._rows]
-        rows = DOF * np.arange(len(self._rows))
-        warmed, velocities = rows[[heat == "coupled" for heat in solids]] + 4, np.concatenate([rows + 2, rows + 3])
-        linear = WaveLinear(
-            rates * relative, _rounded(projection * relative), self._scales, h_x, order, warmed, velocities
-        )
-        self.check(linear)
+        linear = WaveLinear(rates * relative, _rounded(projection * relative), self._scales, h_x)
+        self._check(linear)
         return linear
 
+    def _check(self, linear: WaveLinear) -> None:
+        self._evaluate(self._y)
+        rates, values = (self._whole(array) / self._scales for array in (self._f, self._y))
+        moving = np.abs(rates @ linear.projection.T).max() > AT_REST * np.abs(linear.rates).max()
+        if moving or np.ptp(values, axis=0).max() > AT_REST:
+            raise InputError("the layers are not at rest at first, or not the same for all X")
+
+    def _evaluate(self, y: Real) -> None:
+        """Rates, and y projected in its place."""
+        self._state.right_hand_side(y, self._f)
+        self._state.project(y)
+        if self._state.fault is not None:
+            raise self._state.fault
+
+    def _block(self, k: int, array: Real) -> Real:
+        """(rows, columns, unknowns) of block k in a vector."""
+        layout = self._state.layout
+        nodes = layout.owned(k, array).reshape(*layout.shapes[k][::-1], DOF)
+        return nodes if self.along == 0 else nodes.swapaxes(0, 1)
+
+    def _find_scales(self) -> Real:
+        """Of the unknowns of each row: those at rest of a gas, and with its speed of sound."""
+        found = []
+        for k, block in enumerate(self._state.problem.layers):
+            q, material = self._block(k, self._y)[:, 0], block.material
+            if block.kind == "fluid":
+                w, mass = material.equations(2).primitive(tuple(q.T)), q[:, 1]
+                c = np.sqrt(material.gas_law.sound_speed_squared(w[0], w[2]))
+                rows = [q[:, 0], mass, mass * c, mass * c, mass * c**2]
+            else:
+                c, one = np.sqrt(material.K / material.m0), np.ones(len(q))
+                near = self._state.h * one
+                rows = [near, near, c * one, c * one, np.abs(q[:, 4]) + c**2]
+            found.append(np.stack(rows, axis=1))
+        return np.concatenate(found).ravel()
+
+    def _nudges(self, nudge: float) -> Real:
+        """What each unknown is disturbed by; velocities by the same on both sides of interfaces."""
+        sizes = self._scales.reshape(-1, DOF).copy()
+        gas = np.array([self._state.problem.layers[k].kind == "fluid" for k, _ in self._rows])
+        mass = np.where(gas, sizes[:, 1], 1.0)
+        slowest = (sizes[:, 2] / mass).min()
+        sizes[:, 2:4] = (slowest * mass)[:, None]
+        return nudge * sizes.ravel()
+
     def _disturbed(self, which: NDArray[np.int64], sizes: Real) -> tuple[Real, Real]:
-        """(rates, projected unknowns), each (columns, N, len(which)), where these unknowns are disturbed, each by its size."""
+        """(rates, projected unknowns), each (columns, N, len(which)), where each of these unknowns
+        is disturbed by its size.
+        """
         width, y = self._width, self._y.copy()
         for n, (i, size) in enumerate(zip(which, sizes, strict=True)):
             k, j = self._rows[i // DOF]
             self._block(k, y)[j, n * width + width // 2, i % DOF] += size
-        self._state.right_hand_side(y, self._f)
-        self._state.project(y)
-        self._raise()
-        both = (self._whole(array).reshape(DOF, width, -1)[: len(which)] for array in (self._f, y))
+        self._evaluate(y)
+        both = (self._whole(array).reshape(DOF, width, -1) for array in (self._f, y))
         return tuple(np.moveaxis(array, 0, 2) for array in both)
 
     def _whole(self, array: Real) -> Real:
         """(columns, N) of a vector."""
-        rows = np.concatenate([self._block(k, array) for k in range(len(self._state.layout.shapes))])
+        blocks = range(len(self._state.layout.shapes))
+        rows = np.concatenate([self._block(k, array) for k in blocks])
         return rows.transpose(1, 0, 2).reshape(rows.shape[1], -1)
 
 

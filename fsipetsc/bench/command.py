@@ -10,17 +10,16 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import partial
 from itertools import product
-from pathlib import Path
 from statistics import median
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
+from fsipetsc.analysis.tables import csv_target, listed_in, printer, save_csv
 from fsipetsc.bench import square
 from fsipetsc.bench.other_program import executable, time_of
 from fsipetsc.cases import load_case
-from fsipetsc.errors import FileError, InputError
+from fsipetsc.errors import InputError
 from fsipetsc.options import RUN, defaults, read_table
 from fsipetsc.options.option import Option
 from fsipetsc.process.launch import start_petsc
@@ -39,15 +38,10 @@ FORMS = {
 COLUMNS = "problem order form n ranks step_us ns_node_rhs other_us ratio speed_up".split()
 
 
-def _only(*allowed: int) -> Callable[[Sequence[int]], str | None]:
-    text = f"numbers out of {allowed}"
-    return lambda values: None if values and {*values} <= {*allowed} else text
-
-
 _WHAT = "0: the rod; 1, 2, 3: gas | solid in so many dimensions"
 OPTIONS = (
-    Option("bench_problems", "ints", (0, 1, 2, 3), "", _WHAT, check=_only(0, 1, 2, 3)),
-    Option("bench_orders", "ints", (4,), "", "orders", check=_only(2, 4, 6, 8)),
+    Option("bench_problems", "ints", (0, 1, 2, 3), "", _WHAT, check=listed_in((0, 1, 2, 3))),
+    Option("bench_orders", "ints", (4,), "", "orders", check=listed_in((2, 4, 6, 8))),
     Option("bench_form", str, "all", "", "form of gas | solid", ("all", *FORMS)),
     Option("bench_rod", "ints", (480, 3840, 100_000), "", "points of the rod", check="positive"),
     Option("bench_line", "ints", (240, 2000, 50_000), "", "nodes of a block", check="positive"),
@@ -91,7 +85,7 @@ def bench(arguments: list[str], comm: MPI.Comm) -> None:
     InputError for options, ranks that do not fit, another program that does not run; FileError.
     """
     opt = read_table(SECTIONS, start_petsc(arguments, comm))
-    say = (lambda text: None) if opt["fsi_quiet"] or comm.rank else partial(print, flush=True)
+    path, say = csv_target(opt["fsi_output"]), printer(comm, opt)
     counts = sorted({*(opt["bench_ranks"] or [1 << k for k in range(16) if 1 << k <= comm.size])})
     if comm.size < (most := counts[-1]):
         raise InputError(f"-bench_ranks {most}: put mpiexec -n {most} before the command")
@@ -113,16 +107,8 @@ def bench(arguments: list[str], comm: MPI.Comm) -> None:
             for row in measured(case, options, opt, comm, teams, other):
                 rows.append([*about, *row])
                 say(" ".join(f"{value!s:>11}" for value in rows[-1]))
-    path = f"{opt['fsi_output']}.csv"
-    together(comm, lambda: None if comm.rank else _save(path, rows))
+    together(comm, lambda: None if comm.rank else save_csv(path, COLUMNS, rows))
     say(f"the table is in {path}")
-
-
-def _save(path: str, rows: Sequence[Sequence[object]]) -> None:
-    try:
-        Path(path).write_text("".join(",".join(map(str, row)) + "\n" for row in (COLUMNS, *rows)))
-    except OSError as error:
-        raise FileError(f"{path}: cannot write the table: {error.strerror or error}") from error
 
 
 def measured(

@@ -401,7 +401,7 @@ class BlockState:
         ]
 
     def grids(self) -> list[dict[str, Any]]:
-        """What the writer must know: numbers of nodes and their places in the reference map."""
+        """What the writer must know: numbers of nodes, and places in the reference map."""
         found = []
         for k, shape in enumerate(self.layout.shapes):
             order = self._orders.get(k)
@@ -410,22 +410,17 @@ class BlockState:
             if numbers.size:
                 X = self.problem.places(k, numbers)
             entry = {"local": len(numbers), "n": int(np.prod(shape))}
-            found.append({**entry, "X": np.column_stack([numbers, X])})
+            found.append({**entry, "X": X})
         return found
 
     def fields(self, k: int) -> np.ndarray:
         """(M, columns) of ``fields_of``: what is saved of this rank's nodes of block k."""
         return self.scheme.fields(self._t, self.y, k)
 
-    def save(self, slots: tuple[np.ndarray, np.ndarray, Any]) -> None:
-        """Put what is saved of this rank's nodes in the slots of a frame. Collective."""
-        values, starts, strides = slots
-        for k, stride in enumerate(np.broadcast_to(strides, len(self.layout.shapes))):
-            if k in self._orders:
-                rows = self._orders[k].reorder(self.fields(k))
-                into = values[int(starts[k]) :]
-                sizes = (8 * int(stride), 8)
-                np.lib.stride_tricks.as_strided(into, rows.shape, sizes)[:] = rows
+    def save(self) -> dict[int, np.ndarray]:
+        """What is saved of this rank's nodes: number of a block -> (local, columns), to be copied
+        before the next call (RunWriter.write_frame). Collective."""
+        return {k: order.reorder(self.fields(k)) for k, order in sorted(self._orders.items())}
 
     @property
     def places(self) -> list[float]:

@@ -1,13 +1,14 @@
 """The built-in cases and the loading of users' own case files.
 
 A case is a module with
-  NAME      str, names the result file, so no / in it   (of a user's file: the file's name if it is missing)
+  NAME      str, names the result file, so no / in it   (if it is missing, the file's name)
   SUMMARY   str, one line                               (… empty)
   OPTIONS   tuple of fsipetsc.options.Option: materials, geometry
   DEFAULTS  dict, name of an option -> default that replaces the common one   (… empty)
-  build     function of the options in force (name -> value) that returns a fsipetsc.problem.Problem or
-            fsipetsc.blocks.problem.BlockProblem
-To add a built-in case, write its file here and add its name to BUILT_IN. Nothing is imported before it is needed.
+  build     function of the options in force (name -> value) that returns a
+            fsipetsc.problem.Problem or fsipetsc.blocks.problem.BlockProblem
+To add a built-in case, write its file here and add its name to BUILT_IN. Nothing is imported before
+it is needed.
 """
 
 from __future__ import annotations
@@ -41,8 +42,9 @@ def summaries() -> dict[str, str]:
 
 
 def template_text(blocks: bool = False) -> str:
-    """The text of a case file to start from, of layers in one dimension or of blocks in two; in it FILE.py and NAME stand for
-    its own name.
+    """The text of a case file to start from, of layers in one dimension or of blocks in two.
+
+    In it FILE.py and NAME stand for its own name.
     """
     name = "block_template.py" if blocks else "template.py"
     return Path(__file__).with_name(name).read_text(encoding="utf-8")
@@ -65,25 +67,28 @@ def _assigned_name(node: ast.stmt) -> str | None:
 def load_case(name_or_path: str, also: Sequence[str] = ()) -> ModuleType:
     """The module of a built-in case, or of the case file at a path.
 
-    also: further names that may be suggested for a misspelt one. Raises InputError, with file, line and reason if a
-    user's file is at fault.
+    also: further names that may be suggested for a misspelt one. Raises InputError, with file, line
+    and reason if a user's file is at fault.
     """
     if name_or_path in BUILT_IN:
         return importlib.import_module(f"fsipetsc.cases.{name_or_path}")
     if name_or_path.endswith(".py") or os.sep in name_or_path:
         return _load_file(Path(name_or_path))
     if name_or_path.endswith(".h5") and os.path.isfile(name_or_path):
-        raise InputError(f"'{name_or_path}' is no case; results are for commands: info {name_or_path}, plot {name_or_path}")
+        commands = f"info {name_or_path}, plot {name_or_path}"
+        raise InputError(f"'{name_or_path}' is no case; results are for commands: {commands}")
     beside = [f"{name_or_path}.py"] if os.path.isfile(f"{name_or_path}.py") else []
     near = beside or get_close_matches(name_or_path, [*BUILT_IN, *also], 1, 0.5)
     hint = f"; did you mean '{near[0]}'?" if near else "."
-    raise InputError(f"unknown case '{name_or_path}'{hint} There are {', '.join(BUILT_IN)}, and any case file (.py)")
+    known = f"There are {', '.join(BUILT_IN)}, and any case file (.py)"
+    raise InputError(f"unknown case '{name_or_path}'{hint} {known}")
 
 
 def _load_file(path: Path) -> ModuleType:
     try:
         if path.exists() and not path.is_file() and not path.is_dir():
-            raise InputError(f"case file {path}: not a regular file")  # a pipe can be read once only, and not by all ranks
+            # a pipe can be read once only, and not by all ranks
+            raise InputError(f"case file {path}: not a regular file")
         path.read_bytes()
     except (OSError, ValueError) as error:
         raise InputError(f"case file {path}: {getattr(error, 'strerror', error)}") from None
@@ -109,7 +114,8 @@ def _load_file(path: Path) -> ModuleType:
 
 def _complete(module: ModuleType, path: Path) -> None:
     """Check what the file defines, fill in what may be missing."""
-    for name, what in (("build", "a function build(opt)"), ("OPTIONS", "OPTIONS, a tuple of Option, which may be ()")):
+    tuple_of = "OPTIONS, a tuple of Option, which may be ()"
+    for name, what in {"build": "a function build(opt)", "OPTIONS": tuple_of}.items():
         if not hasattr(module, name):
             raise InputError(f"case file {path} does not define {what}")
     module.NAME = getattr(module, "NAME", path.stem)
@@ -119,7 +125,9 @@ def _complete(module: ModuleType, path: Path) -> None:
         "build": None if callable(module.build) else "must be a function",
         "NAME": _fault_in_name(module.NAME),
         "SUMMARY": None if isinstance(module.SUMMARY, str) else "must be a text",
-        "DEFAULTS": None if isinstance(module.DEFAULTS, Mapping) else "must be a dict: name of an option -> value",
+        "DEFAULTS": None
+        if isinstance(module.DEFAULTS, Mapping)
+        else "must be a dict: name of an option -> value",
         "OPTIONS": _fault_in_options(module.OPTIONS),
     }
     for name, reason in wrong.items():
@@ -128,7 +136,7 @@ def _complete(module: ModuleType, path: Path) -> None:
     try:
         groups(module)
     except InputError as error:
-        if str(error).startswith(f"{short(path.resolve())}, line "):  # a function of the file's has failed
+        if str(error).startswith(f"{short(path.resolve())}, line "):  # of a function of the file
             error.args = (f"case file {error}",)
             raise
         name = "DEFAULTS" if "default" in str(error).lower() else "OPTIONS"
@@ -139,18 +147,23 @@ def _fault_in_name(name: object) -> str | None:
     """A result is written where the program runs, whatever the case is called."""
     if not isinstance(name, str) or not name:
         return "must be a text"
-    plain = name.isprintable() and os.path.basename(name) == name and name not in (os.curdir, os.pardir)
-    return None if plain else f"is {name!r}: it names the result file, so it must be a file's name without a directory"
+    own = os.path.basename(name) == name and name not in (os.curdir, os.pardir)
+    if name.isprintable() and own:
+        return None
+    return f"is {name!r}: it names the result file, so it must be a file's name without a directory"
 
 
 def _fault_in_options(options: object) -> str | None:
     if not isinstance(options, (tuple, list)):
         return "must be a tuple of Option (a tuple of one needs a comma: (Option(…),))"
     wrong = [i for i, option in enumerate(options) if not isinstance(option, Option)]
-    return f"must hold Options only, but number {wrong[0] + 1} is {options[wrong[0]]!r}" if wrong else None
+    if not wrong:
+        return None
+    return f"must hold Options only, but number {wrong[0] + 1} is {options[wrong[0]]!r}"
 
 
 def _line_of(name: str, path: Path) -> str:
     """ ", line N" of the first assignment to a name in a file, or ""."""
-    lines = [node.lineno for node in ast.parse(path.read_bytes()).body if _assigned_name(node) == name]
+    nodes = ast.parse(path.read_bytes()).body
+    lines = [node.lineno for node in nodes if _assigned_name(node) == name]
     return f", line {lines[0]}" if lines else ""

@@ -27,21 +27,10 @@ OPTIONS = (
     Option("fluid_mu", float, 0.002, "Pa s", "viscosity of the gas", check="nonnegative"),
     Option("fluid_kappa", float, 0.003, "W/(m K)", "conductivity of the gas", check="nonnegative"),
     Option("solid_density", float, 5.0, "kg/m3", "density of the plate", check="positive"),
-    Option(
-        *("solid_modulus", float, 40.0, "Pa"),
-        help="2 mu_e + lambda_e of the plate, mu_e a quarter of it",
-        check="positive",
-    ),
+    Option("solid_modulus", float, 40.0, "Pa", "2 mu_e + lambda_e = 4 mu_e", check="positive"),
     Option("solid_law", str, "log", "", "law of the plate", ("log", "neo-hookean", "svk")),
-    Option(
-        *("blast_kind", str, "pulse", ""),
-        help="pulse: smooth, of one entropy; shock: a disc of high pressure",
-        choices=("pulse", "shock"),
-    ),
-    Option(
-        *("blast_height", float, 1.0, "Pa", "overpressure in its middle, over the ambient 1"),
-        check="nonnegative",
-    ),
+    Option("blast_kind", str, "pulse", "", "smooth, or a disc with a jump", ("pulse", "shock")),
+    Option("blast_height", float, 1.0, "Pa", "overpressure, over 1", check="nonnegative"),
     Option("blast_width", float, 0.15, "m", "of the pulse", check="positive"),
 )
 DEFAULTS = {"fsi_h": 0.03125, "fsi_order": 4, "ts_max_time": 2.0, "fsi_output_dt": 0.05}

@@ -1,13 +1,15 @@
-"""A closed box: gas | solid | gas between two adiabatic walls. Mass and total energy must stay what they are.
+"""A closed box: gas | solid | gas between two adiabatic walls. Mass and total energy must stay.
 
-The gas on the left is hotter and under a higher pressure than that on the right; within the solid stress and
-temperature go smoothly from one to the other. So the solid is pushed to the right, swings between two cushions of gas
-and conducts heat. At the walls and interfaces the initial state is flat to the sixth derivative, so that it satisfies
-all conditions there (u = 0, sigma = -p, T continuous, no heat flux) and keeps satisfying them as time goes on.
+The gas on the left is hotter and under a higher pressure than that on the right; within the solid
+stress and temperature go smoothly from one to the other. So the solid is pushed to the right,
+swings between two cushions of gas and conducts heat. At the walls and interfaces the initial state
+is flat to the sixth derivative, so that it satisfies all conditions there (u = 0, sigma = -p, T
+continuous, no heat flux) and keeps satisfying them as time goes on.
 
-Invariants: the mass of each gas, the total energy int e dx + int m0 (u^2/2 + alpha T) dX, and for each particle of the
-solid sigma - K ln x_X, from (2.1b) and x_t = u. The first three change by what the interfaces and walls do to the
-closure rows, at the order of these; the last one at the two ends of the solid only.
+Invariants: the mass of each gas, the total energy int e dx + int m0 (u^2/2 + alpha T) dX, and for
+each particle of the solid sigma - K ln x_X, from (2.1b) and x_t = u. The first three change by what
+the interfaces and walls do to the closure rows, at the order of these; the last one at the two ends
+of the solid only.
 """
 
 from __future__ import annotations
@@ -27,20 +29,14 @@ SUMMARY = "gas | solid | gas in a closed box, which conserves mass and energy"
 
 OPTIONS = (
     *material_options(
-        fluid_mu=0.01,
-        fluid_kappa=0.03,
-        fluid_gamma=1.4,
-        fluid_R=1.0,
-        solid_modulus=20.0,
-        solid_kappa=0.02,
-        solid_density=2.0,
-        solid_alpha=1.0,
-        solid_gruneisen=0.0,
+        **{"fluid_mu": 0.01, "fluid_kappa": 0.03, "fluid_gamma": 1.4, "fluid_R": 1.0},
+        **{"solid_modulus": 20.0, "solid_kappa": 0.02, "solid_density": 2.0},
+        **{"solid_alpha": 1.0, "solid_gruneisen": 0.0},
     ),
-    Option("box_p_left", "float", 2.2, "Pa", "initial pressure of the gas on the left", check="positive"),
-    Option("box_p_right", "float", 2.0, "Pa", "initial pressure of the gas on the right", check="positive"),
-    Option("box_T_left", "float", 5.0, "K", "initial temperature on the left", check="positive"),
-    Option("box_T_right", "float", 4.0, "K", "initial temperature on the right", check="positive"),
+    Option("box_p_left", float, 2.2, "Pa", "pressure on the left at first", check="positive"),
+    Option("box_p_right", float, 2.0, "Pa", "pressure on the right at first", check="positive"),
+    Option("box_T_left", float, 5.0, "K", "temperature on the left at first", check="positive"),
+    Option("box_T_right", float, 4.0, "K", "temperature on the right at first", check="positive"),
 )
 DEFAULTS = {"fsi_h": 0.0125, "fsi_order": 4, "ts_max_time": 2.0, "fsi_output_dt": 0.05}
 
@@ -50,7 +46,7 @@ X = (0.0, 1.0, 2.0, 3.0)
 
 def smooth_step(z: np.ndarray) -> np.ndarray:
     """Polynomial that goes from 0 at z = 0 to 1 at z = 1, flat to the sixth derivative at both."""
-    return z**7 * (1716 + z * (-9009 + z * (20020 + z * (-24024 + z * (16380 + z * (-6006 + z * 924))))))
+    return z**7 * np.polyval([924, -6006, 16380, -24024, 20020, -9009, 1716], z)
 
 
 def build(opt: Mapping[str, Any]) -> Problem:

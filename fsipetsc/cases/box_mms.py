@@ -14,7 +14,7 @@ from typing import Any
 from fsipetsc.blocks.conditions import Given, NoSlip
 from fsipetsc.blocks.layers import Layer, layers
 from fsipetsc.blocks.problem import BlockProblem
-from fsipetsc.cases.manufactured import Array, Solution, place_of
+from fsipetsc.cases.manufactured import Array, Solution
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.options import Option
@@ -45,7 +45,7 @@ def build(opt: Mapping[str, Any]) -> BlockProblem:
     solid = ElasticSolid(*numbers, law=exact.law)
 
     def wall_temperature(*where: Any) -> Array:
-        return exact.temperature.at(place_of(where)).value[0]
+        return exact.temperature.at(where).value[0]
 
     def layer(
         name: str, material: Any, across: tuple[float, float], of: Callable, forcing: Callable

@@ -1,7 +1,8 @@
-"""A column of five layers, solid | gas | solid | gas | solid: a pulse in the first gas runs through all of them.
+"""A column of five layers, solid | gas | solid | gas | solid: a pulse runs through all of them.
 
-The outer solids are clamped, so nothing leaves: the mass of both gases, the total energy and, with the impulse of the two ends,
-the momentum stay what they are, to round-off with the conservative coupling.
+The outer solids are clamped, so nothing leaves: the mass of both gases, the total energy and, with
+the impulse of the two ends, the momentum stay what they are, to round-off with the conservative
+coupling.
 """
 
 from __future__ import annotations
@@ -21,9 +22,10 @@ SUMMARY = "solid | gas | solid | gas | solid: a pulse runs through five layers"
 
 OPTIONS = (
     *material_options(
-        fluid_mu=0.01, fluid_kappa=0.03, solid_modulus=20.0, solid_kappa=0.02, solid_density=2.0, solid_alpha=1.0
+        **{"fluid_mu": 0.01, "fluid_kappa": 0.03, "solid_modulus": 20.0, "solid_kappa": 0.02},
+        **{"solid_density": 2.0, "solid_alpha": 1.0},
     ),
-    Option("column_pulse", "float", 0.5, "", "overpressure in the middle of the first gas, over p0", check="nonnegative"),
+    Option("column_pulse", float, 0.5, "", "overpressure over p0", check="nonnegative"),
 )
 DEFAULTS = {"fsi_h": 0.025, "fsi_order": 4, "ts_max_time": 4.0, "fsi_output_dt": 0.05}
 
@@ -39,7 +41,8 @@ def build(opt: Mapping[str, Any]) -> Problem:
     solid = solid_of(opt)
 
     def pulse(X_g: np.ndarray) -> list[np.ndarray]:
-        compressed = (1 + opt["column_pulse"] * np.exp(-(((X_g - 1.5) / 0.12) ** 2))) ** (1 / gas.gamma)
+        p = 1 + opt["column_pulse"] * np.exp(-(((X_g - 1.5) / 0.12) ** 2))
+        compressed = p ** (1 / gas.gamma)
         return [P0 / (gas.R * T0) * compressed, 0 * X_g, T0 * compressed ** (gas.gamma - 1)]
 
     def gas_at_rest(X_g: np.ndarray) -> list[np.ndarray]:

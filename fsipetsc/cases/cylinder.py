@@ -29,10 +29,7 @@ SUMMARY = "a shock runs over an elastic or a rigid cylinder, in two dimensions"
 OPTIONS = (
     Option("cylinder_mach", float, 2.0, "", "Mach number of the shock", check=above_one),
     Option("cylinder_wall", str, "elastic", "", "what the cylinder is", ("rigid", "elastic")),
-    Option(
-        *("solid_modulus", float, 40.0, "", "2 mu_e + lambda_e over the pressure of the gas"),
-        check="positive",
-    ),
+    Option("solid_modulus", float, 40.0, "", "2 mu_e + lambda_e over p", check="positive"),
     Option("solid_density", float, 10.0, "", "of it over that of the gas", check="positive"),
 )
 DEFAULTS = {

@@ -29,15 +29,8 @@ SUMMARY = "an elastic disk of five blocks that spins in gas"
 
 OPTIONS = (
     Option("disk_spin", float, 0.8, "1/s", "angular velocity of the disk at the start"),
-    Option(
-        *("disk_power", int, 0, ""),
-        help="that velocity is times (1 - R^2)^power; 0: the disk spins as a rigid body",
-        check="nonnegative",
-    ),
-    Option(
-        *("fluid_mu", float, 0.0, "Pa s", "viscosity of the gas; 0: it slips along all"),
-        check="nonnegative",
-    ),
+    Option("disk_power", int, 0, "", "spin is times (1 - R^2)^power", check="nonnegative"),
+    Option("fluid_mu", float, 0.0, "Pa s", "viscosity; 0: the gas slips", check="nonnegative"),
     Option("fluid_kappa", float, 0.0, "W/(m K)", "conductivity of the gas", check="nonnegative"),
     Option("solid_density", float, 2.0, "kg/m3", "density of the disk", check="positive"),
     Option("solid_mu", float, 1.0, "Pa", "mu_e of the disk", check="positive"),
@@ -47,7 +40,7 @@ DEFAULTS = {"fsi_h": 0.05, "fsi_order": 4, "ts_max_time": 1.25, "fsi_output_dt":
 
 #: radii [m] of the disk and of the vessel
 RADIUS, VESSEL = 1.0, 2.2
-#: half the side of the square that the block in the middle is, before it bulges [m], and by how much
+#: half the side of the square of the block in the middle, before it bulges [m], and by how much
 HALF, BULGE = 0.45, 0.25
 
 
@@ -59,7 +52,7 @@ def middle(xi: Places) -> Places:
 
 
 def side(quarter: int) -> Any:
-    """The map of a block of the disk between the middle and the edge; its axes: outwards, around."""
+    """The map of a block between the middle and the edge of the disk; axes: outwards, around."""
     c, s = ((1, 0), (0, 1), (-1, 0), (0, -1))[quarter]
 
     def places(xi: Places) -> Places:

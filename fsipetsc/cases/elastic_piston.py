@@ -1,8 +1,8 @@
 """An elastic rod that recedes from a gas, or advances into it, with an exact solution: solid | gas.
 
 The interface moves as F(t) = -t^4/4 or t^4/4. The gas (gamma = 1.4, speed of sound 1 at rest) is a
-simple wave: u = F'(s) along x = F(s) + (1 + 1.2 F'(s)) (t - s). The rod is linear elastic, of density 1
-and wave speed c = 2,
+simple wave: u = F'(s) along x = F(s) + (1 + 1.2 F'(s)) (t - s). The rod is linear elastic, of
+density 1 and wave speed c = 2,
 
     displacement f(t - X/c) + g(t + X/c),    f' = (F' + q/c)/2,    g' = (F' - q/c)/2,
 
@@ -28,9 +28,9 @@ from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.options import Option
 
 NAME = "elastic_piston"
-SUMMARY = "an elastic rod recedes from a gas or advances into it: errors against the exact solution"
+SUMMARY = "an elastic rod recedes from a gas or advances into it, with an exact solution"
 OPTIONS = (
-    Option("piston_way", str, "receding", "", "what the rod does", choices=("receding", "advancing")),
+    Option("piston_way", str, "receding", "", "what the rod does", ("receding", "advancing")),
 )
 DEFAULTS = {"fsi_h": 1 / 40, "fsi_order": 4, "ts_max_time": 0.7, "fsi_output_dt": 0.1}
 

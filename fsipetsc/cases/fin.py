@@ -35,11 +35,7 @@ OPTIONS = (
     Option("fin_mach", float, 1.21, "", "Mach number of the shock", check=above_one),
     Option("fin_length", float, 0.05, "m", "of the panel, below 0.065", check="positive"),
     Option("fin_thickness", float, 1e-3, "m", "of the panel", check="positive"),
-    Option(
-        *("fin_cells", int, None, ""),
-        help="cells across the panel; default: as few as the operator needs",
-        check="positive",
-    ),
+    Option("fin_cells", int, None, "", "cells across it; default: the least", check="positive"),
     Option("fin_modulus", float, 220e9, "Pa", "Young's modulus of the panel", check="positive"),
     Option("fin_density", float, 7600.0, "kg/m3", "of the panel", check="positive"),
 )

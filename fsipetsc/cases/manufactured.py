@@ -19,7 +19,7 @@ components of vectors that point out of it.
 
 Every field is a sum of waves, so that its derivatives are at hand. The forcing needs derivatives of
 the fluxes, too: they are taken by a step into the complex plane, Im f(z + i s)/s, which is exact to
-round-off for s = 1e-30.
+round-off for s = 1e-30. Places are (*X, t), d arrays of one shape and a time.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 Array = np.ndarray
-Point = Sequence[Array]
+Where = Sequence[Any]
 
 #: axes of the three-dimensional solution that a problem in d dimensions has
 AXES = {1: (2,), 2: (0, 2), 3: (0, 1, 2)}
@@ -59,101 +59,50 @@ class Jet(NamedTuple):
     gradient_rate: Array
 
 
-class Place:
-    """Points X, d arrays of one shape, and a time t; with a step TINY i in one of them (t: d)."""
-
-    def __init__(
-        self, X: Point, t: float, step: int | None = None, seen: dict[Any, Any] | None = None
-    ) -> None:
-        """seen: what other places with the same X and t have found out about them."""
-        self.X, self.t, self.step = tuple(X), t, step
-        self.seen = {} if seen is None else seen
-
-    @property
-    def d(self) -> int:
-        """How many dimensions there are."""
-        return len(self.X)
-
-    def stepped(self, step: int) -> Place:
-        """The place with a step."""
-        return Place(self.X, self.t, step, self.seen)
-
-    @property
-    def eta(self) -> Array:
-        """The coordinate across the blocks."""
-        return self.X[-1] + 1j * TINY if self.step == self.d - 1 else self.X[-1]
-
-    @property
-    def interface(self) -> Place:
-        """The place with eta = 1."""
-        step = None if self.step == self.d - 1 else self.step
-        X = (*self.X[:-1], np.ones_like(self.X[-1]))
-        return Place(X, self.t, step, self.seen.setdefault("interface", {}))
-
-
 class Waves:
-    """Fields offset + sum of height cos(k_p p + k_q q + k_eta eta + omega t + phi)."""
+    """Fields offset + sum of height cos(phase) cos(phase) ...; each is (offset, products), and each
+    product (height, phase, phase, ...). Products become sums by cos a cos b = (cos(a + b) +
+    cos(a - b)) / 2.
+    """
 
-    def __init__(self, offsets: Array, heights: Array, phases: Array) -> None:
-        """Of n fields, m waves: offsets (n,), heights (n, m), phases (m, 5): the k, omega, phi."""
-        self.offsets, self.heights, self.phases = offsets, heights, phases
+    def __init__(self, *fields: tuple[float, Sequence[Any]]) -> None:
+        heights, phases = [], []
+        for n, (_, products) in enumerate(fields):
+            for height, first, *others in products:
+                sums = [first]
+                for other in others:
+                    sums = [old + sign * other for old in sums for sign in (1.0, -1.0)]
+                phases += sums
+                heights += [np.eye(len(fields))[n] * height / len(sums)] * len(sums)
+        self.offsets = np.array([offset for offset, _ in fields])
+        self.heights, self.phases = np.array(heights).T, np.array(phases)
 
-    def at(self, place: Place) -> Jet:
-        """The fields there; imaginary parts are those of so small a step, derivatives."""
-        n, d, shape = len(self.heights), place.d, np.shape(place.X[-1])
-        if self not in place.seen:
-            place.seen[self] = self._cos_and_sin(place)
-        cosine, sine = place.seen[self]
-        k, omega = self.phases[:, AXES[d]].T, self.phases[:, 3]
-        still, moving = self.heights, self.heights * omega
-        of_cosine = np.concatenate([still, -(moving[:, None] * k).reshape(n * d, -1)])
-        of_sine = np.concatenate([-moving, -(still[:, None] * k).reshape(n * d, -1)])
-        even, odd = sums(of_cosine, cosine), sums(of_sine, sine)
-        if place.step is not None:
-            turn = TINY * [*k, omega][place.step]
-            even = even - 1j * sums(of_cosine * turn, sine)
-            odd = odd + 1j * sums(of_sine * turn, cosine)
-        even[:n] += self.offsets[:, None]
-        each, by_axis = (n, *shape), (n, d, *shape)
+    def at(self, where: Where) -> Jet:
+        """The fields there; imaginary parts are those of a step into the complex plane."""
+        *along, eta, t = where
+        d, shape = len(where) - 1, np.shape(eta)
+        all_four = np.broadcast_arrays(*along, *ELSEWHERE[d - 1 :], eta, t)
+        places = np.stack([values.ravel() for values in all_four])
+        angle = _sums(self.phases[:, :4], places) + self.phases[:, 4:]
+        cosine, sine = np.cos(angle.real), np.sin(angle.real)
+        if np.iscomplexobj(angle):
+            step = 1j * angle.imag
+            cosine, sine = cosine - step * sine, sine + step * cosine
+        n, m = self.heights.shape
+        k, moving = self.phases[:, AXES[d]].T, self.heights * self.phases[:, 3]
+        by_axis = (self.heights[:, None] * k).reshape(n * d, m)
+        moving_by_axis = (moving[:, None] * k).reshape(n * d, m)
         return Jet(
-            even[:n].reshape(each),
-            odd[:n].reshape(each),
-            odd[n:].reshape(by_axis),
-            even[n:].reshape(by_axis),
+            (_sums(self.heights, cosine) + self.offsets[:, None]).reshape(n, *shape),
+            -_sums(moving, sine).reshape(n, *shape),
+            -_sums(by_axis, sine).reshape(n, d, *shape),
+            -_sums(moving_by_axis, cosine).reshape(n, d, *shape),
         )
 
-    def _cos_and_sin(self, place: Place) -> tuple[Array, Array]:
-        """(m, points) of all phases at the real place."""
-        along = (*place.X[:-1], *ELSEWHERE[place.d - 1 :])
-        where = np.broadcast_arrays(along[0], along[1], place.X[-1], place.t, 1.0)
-        angle = sums(self.phases, np.stack([values.ravel() for values in where]))
-        return np.cos(angle), np.sin(angle)
 
-
-def sums(weights: Array, values: Array) -> Array:
+def _sums(weights: Array, values: Array) -> Array:
     """weights (n, m) times values (m, points); no library with threads of its own."""
     return np.einsum("nm,mp->np", weights, values)
-
-
-def together(fields: Sequence[Waves]) -> Waves:
-    """All the fields in one."""
-    counts = np.cumsum([0, *(len(each.phases) for each in fields)])
-    heights = np.zeros((sum(len(each.heights) for each in fields), counts[-1]))
-    row = 0
-    for each, a, b in zip(fields, counts[:-1], counts[1:]):
-        heights[row : row + len(each.heights), a:b] = each.heights
-        row += len(each.heights)
-    offsets = np.concatenate([each.offsets for each in fields])
-    return Waves(offsets, heights, np.concatenate([each.phases for each in fields]))
-
-
-def product(height: float, *phases: Array, offset: float = 0.0) -> Waves:
-    """offset + height cos(phase) cos(phase) …, by cos a cos b = cos(a + b)/2 + cos(a - b)/2."""
-    angles = [phases[0]]
-    for phase in phases[1:]:
-        angles = [old + sign * phase for old in angles for sign in (1.0, -1.0)]
-    heights = np.full((1, len(angles)), height / len(angles))
-    return Waves(np.array([offset]), heights, np.array(angles))
 
 
 def determinant(F: Array) -> Array:
@@ -228,40 +177,40 @@ class Solution:
     m0: float = 2.0
     alpha: float = 1.5
 
-    def rippled(self, height: float, *phases: Array, offset: float = 0.0) -> Waves:
-        """offset + height cos(phase) cos(phase) … (1 + .2 r sin 2 pi q)."""
-        flat = product(height, *phases, offset=offset)
-        if self.d < 3:
-            return flat
-        ripple = product(0.2 * height, *phases, Q - QUARTER)
-        both = np.concatenate([flat.heights, ripple.heights], axis=1)
-        return Waves(flat.offsets, both, np.concatenate([flat.phases, ripple.phases]))
+    def rippled(self, height: float, *phases: Array) -> list[Any]:
+        """height cos(phase) cos(phase) ... (1 + .2 r sin 2 pi q)."""
+        ripple = [(0.2 * height, *phases, Q - QUARTER)] if self.d == 3 else []
+        return [(height, *phases), *ripple]
 
     @cached_property
     def displacement(self) -> Waves:
         """D."""
         of_all = (
             self.rippled(0.06, P + TIME - QUARTER, ETA + 2 * TIME),
-            product(0.05, Q - TIME - QUARTER, P + 2 * TIME, ETA + TIME - QUARTER),
+            [(0.05, Q - TIME - QUARTER, P + 2 * TIME, ETA + TIME - QUARTER)],
             self.rippled(0.08, P - TIME, 1.5 * ETA + TIME - QUARTER),
         )
-        return together([of_all[axis] for axis in AXES[self.d]])
+        return Waves(*((0.0, of_all[axis]) for axis in AXES[self.d]))
+
+    @property
+    def _warm(self) -> tuple[float, list[Any]]:
+        return 1.0, self.rippled(0.15, P + TIME - QUARTER, 2 * ETA - TIME)
 
     @cached_property
     def temperature(self) -> Waves:
         """T."""
-        return self.rippled(0.15, P + TIME - QUARTER, 2 * ETA - TIME, offset=1.0)
+        return Waves(self._warm)
 
     @cached_property
     def of_gas(self) -> Waves:
         """(rho, (u - w) / (eta (1 - eta)), T)."""
-        density = self.rippled(0.2, P - TIME, 2 * ETA + TIME - QUARTER, offset=1.0)
+        density = 1.0, self.rippled(0.2, P - TIME, 2 * ETA + TIME - QUARTER)
         of_all = (
-            product(0.6, P - TIME - QUARTER),
-            product(0.4, Q + TIME - QUARTER),
+            [(0.6, P - TIME - QUARTER)],
+            [(0.4, Q + TIME - QUARTER)],
             self.rippled(0.5, P + 2 * TIME),
         )
-        return together([density, *(of_all[axis] for axis in AXES[self.d]), self.temperature])
+        return Waves(density, *((0.0, of_all[axis]) for axis in AXES[self.d]), self._warm)
 
     @property
     def cv(self) -> float:
@@ -270,31 +219,31 @@ class Solution:
 
     # -- the gas
 
-    def grid(self, place: Place) -> tuple[Array, Array, Array]:
+    def grid(self, where: Where) -> tuple[Array, Array, Array]:
         """(x_X, w, w_X) of the gas's grid: derivatives of places, velocity, derivatives of that."""
-        eta, end = place.eta, self.displacement.at(place.interface)
+        eta, end = where[-2], self.displacement.at(interface(where))
         x_X, w_X = eta * end.gradient, eta * end.gradient_rate
         x_X[:, -1], w_X[:, -1] = end.value, end.rate
         return x_X + unit(x_X), eta * end.rate, w_X
 
-    def gas_velocity(self, place: Place, w: Array, w_X: Array, drift: Jet) -> tuple[Array, Array]:
+    def gas_velocity(self, where: Where, w: Array, w_X: Array, drift: Jet) -> tuple[Array, Array]:
         """(u, u_X), where w is the velocity of the grid and u = w + eta (1 - eta) drift."""
-        eta = place.eta
+        eta = where[-2]
         bump, slope = eta * (1.0 - eta), 1.0 - 2.0 * eta
         u_X = w_X + bump * drift.gradient
         u_X[:, -1] = u_X[:, -1] + slope * drift.value
         return w + bump * drift.value, u_X
 
-    def gas(self, place: Place) -> State:
+    def gas(self, where: Where) -> State:
         """J (1, rho, rho u, e) and, along each axis with its metric vector a = det(x_X) grad xi,
 
             a . (-w, rho (u - w), rho u (u - w) + p - tau, e (u - w) + p u - tau u - kappa grad T)
 
         with tau = mu (grad u + (grad u)^T - 2/3 div u).
         """
-        x_X, w, w_X = self.grid(place)
-        fields = self.of_gas.at(place)
-        u, u_X = self.gas_velocity(place, w, w_X, Jet(*(part[1:-1] for part in fields)))
+        x_X, w, w_X = self.grid(where)
+        fields = self.of_gas.at(where)
+        u, u_X = self.gas_velocity(where, w, w_X, Jet(*(part[1:-1] for part in fields)))
         rho, T, T_X = fields.value[0], fields.value[-1], fields.gradient[-1]
         a, J = cofactor(x_X), determinant(x_X)
         grad_u = np.einsum("ik...,jk...->ij...", u_X, a) / J
@@ -320,21 +269,19 @@ class Solution:
 
     def exact_gas(self, *where: Any) -> list[Array]:
         """(rho, u_1 … u_d, T) at (*X, t)."""
-        place = place_of(where)
-        fields, eta = self.of_gas.at(place).value, place.eta
-        w = eta * self.displacement.at(place.interface).rate
+        fields, eta = self.of_gas.at(where).value, where[-2]
+        w = eta * self.displacement.at(interface(where)).rate
         return [fields[0], *(w + eta * (1.0 - eta) * fields[1:-1]), fields[-1]]
 
     def force_gas(self, *where: Any) -> list[Array]:
         """What drives (rho, rho u_1 … rho u_d, e) per volume at a point of the grid at (*X, t)."""
-        place = place_of(where)
-        return list(lack(self.gas, place)[1:] / determinant(self.grid(place)[0]))
+        return list(lack(self.gas, where)[1:] / determinant(self.grid(where)[0]))
 
     # -- the solid
 
-    def solid(self, place: Place) -> State:
+    def solid(self, where: Where) -> State:
         """m0 (v, alpha T), fluxes -(P, kappa_e J F^-1 F^-T grad T), and the work P : v_X."""
-        m, T = self.displacement.at(place), self.temperature.at(place)
+        m, T = self.displacement.at(where), self.temperature.at(where)
         F = m.gradient + unit(m.gradient)
         P, c = stress(self.law, self.mu_e, self.lambda_e, F), cofactor(F)
         scaled = self.kappa_e / determinant(F) * np.einsum("ij...,j...->i...", c, T.gradient[0])
@@ -347,13 +294,12 @@ class Solution:
 
     def exact_solid(self, *where: Any) -> list[Array]:
         """(v_1 … v_d, T, x_1 … x_d) at (*X, t)."""
-        place = place_of(where)
-        m = self.displacement.at(place)
-        return [*m.rate, self.temperature.at(place).value[0], *(np.stack(place.X) + m.value)]
+        m = self.displacement.at(where)
+        return [*m.rate, self.temperature.at(where).value[0], *(np.stack(where[:-1]) + m.value)]
 
     def force_solid(self, *where: Any) -> list[Array]:
         """What drives (v_1 … v_d, T, x_1 … x_d) at (*X, t)."""
-        rates = lack(self.solid, place_of(where)) / self.m0
+        rates = lack(self.solid, where) / self.m0
         return [*rates[:-1], rates[-1] / self.alpha, *np.zeros_like(rates[:-1])]
 
     # -- both
@@ -362,23 +308,26 @@ class Solution:
         """(g_1 … g_d, g_q) at (*X, t) of the interface: traction and heat per reference area that
         the solid gets beside what the gas gives it.
         """
-        place = place_of(where).interface
-        below, above = self.gas(place).flux[-1], self.solid(place).flux[-1]
-        u = self.displacement.at(place).rate
+        where = interface(where)
+        below, above = self.gas(where).flux[-1], self.solid(where).flux[-1]
+        u = self.displacement.at(where).rate
         traction = below[2:-1]  # no mass goes through
         heat = below[-1] - np.einsum("k...,k...->...", traction, u)
         return [*(above[:-1] - traction), above[-1] - heat]
 
 
-def place_of(where: Sequence[Any]) -> Place:
-    """Of (*X, t)."""
-    return Place(where[:-1], where[-1])
+def interface(where: Where) -> Where:
+    """The place with eta = 1."""
+    *along, eta, t = where
+    return *along, np.ones(np.shape(eta)), t
 
 
-def lack(state: Callable[[Place], State], place: Place) -> Array:
+def lack(state: Callable[[Where], State], where: Where) -> Array:
     """U_t + sum over the axes of flux_k - source."""
-    d = place.d
-    total = state(place.stepped(d)).U.imag / TINY - state(place).source
-    for k in range(d):
-        total = total + state(place.stepped(k)).flux[k].imag / TINY
-    return total
+
+    def rate(k: int) -> State:
+        stepped = [value + 1j * TINY if i == k else value for i, value in enumerate(where)]
+        return State(*(part.imag / TINY for part in state(stepped)))
+
+    d = len(where) - 1
+    return rate(d).U + sum(rate(k).flux[k] for k in range(d)) - state(where).source

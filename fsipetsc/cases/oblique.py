@@ -33,27 +33,14 @@ SUMMARY = "an oblique shock reflected from a rigid wall or an elastic layer, in 
 
 OPTIONS = (
     Option("oblique_mach", float, 2.9, "", "Mach number of the gas that comes in", check=above_one),
-    Option(
-        *("oblique_angle", float, 10.0, "degrees", "theta, by which the shock turns it"),
-        check="positive",
-    ),
+    Option("oblique_angle", float, 10.0, "degrees", "theta, of the wedge", check="positive"),
     Option("oblique_wall", str, "elastic", "", "what is below", ("rigid", "elastic")),
     Option("oblique_length", float, 3.0, "m", "of the gas along it, 1 high", check="positive"),
-    Option(
-        *("solid_modulus", float, 40.0, "", "K = 2 mu_e + lambda_e over the pressure of the gas"),
-        check="positive",
-    ),
+    Option("solid_modulus", float, 40.0, "", "2 mu_e + lambda_e over p", check="positive"),
     Option("solid_density", float, 10.0, "", "of the layer over that of the gas", check="positive"),
     Option("solid_thickness", float, 0.25, "m", "of the layer", check="positive"),
-    Option(
-        *("solid_cells", int, 18, ""),
-        help="cells across the layer, at least as many as the operator needs",
-        check="positive",
-    ),
-    Option(
-        *("fluid_mu", float, 0.0, "", "viscosity of the gas; 0: it slips along the wall"),
-        check="nonnegative",
-    ),
+    Option("solid_cells", int, 18, "", "cells across the layer", check="positive"),
+    Option("fluid_mu", float, 0.0, "", "viscosity; 0: the gas slips", check="nonnegative"),
 )
 DEFAULTS = {
     **{"fsi_h": 1 / 32, "fsi_order": 4, "ts_max_time": 4.0, "fsi_output_dt": 0.25},
@@ -134,11 +121,10 @@ def build(opt: Mapping[str, Any]) -> BlockProblem:
         h=opt["fsi_h"],
         order=opt["fsi_order"],
         notes=(
-            f"the shock comes in at {np.degrees(beta):.6g} degrees and meets a rigid wall at "
-            f"x = {1.0 / np.tan(beta):.6g}; the reflected one leaves at "
-            f"{np.degrees(back - theta):.6g} degrees to it",
-            f"behind the first p/p_1 = {p_2:.8g}, M = {second.M:.6g}; "
-            f"behind the second p/p_1 = {p_3:.8g}, M = {third.M:.6g}",
+            f"the shock comes in at {np.degrees(beta):.6g} degrees and leaves a rigid wall at "
+            f"x = {1.0 / np.tan(beta):.6g} at {np.degrees(back - theta):.6g} degrees",
+            f"p/p_1 = {p_2:.8g}, M = {second.M:.6g} between, "
+            f"p/p_1 = {p_3:.8g}, M = {third.M:.6g} behind both",
         ),
         units="none",
     )
@@ -149,8 +135,6 @@ def _layer(opt: Mapping[str, Any], p: float) -> Layer:
     K = opt["solid_modulus"] * p
     solid = ElasticSolid(K / 4, K / 2, 0.0, opt["solid_density"], 1.0, p_ref=p, heat="elastic")
 
-    def rest(X: np.ndarray, Y: np.ndarray) -> list[np.ndarray]:
-        return [0.0 * X, 0.0 * X, np.ones_like(X), X, Y]
-
+    rest = lambda X, Y: (0.0, 0.0, 1.0, X, Y)  # noqa: E731
     across = -opt["solid_thickness"], 0.0
     return Layer("layer", solid, across, rest, cells=opt["solid_cells"], sides=Roller())

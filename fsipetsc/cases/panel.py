@@ -32,41 +32,15 @@ SUMMARY = "supersonic flow over an elastic panel clamped into a wall, which flut
 
 OPTIONS = (
     Option("panel_mach", float, 2.0, "", "Mach number of the flow", check=above_one),
-    Option(
-        *("panel_lambda", float, 800.0, ""),
-        help="dynamic pressure over stiffness, 2 q / (D sqrt(M^2-1))",
-        check="positive",
-    ),
+    Option("panel_lambda", float, 800.0, "", "2 q / (D sqrt(M^2-1))", check="positive"),
     Option("panel_mass", float, 10.0, "", "of the panel over rho, per length", check="positive"),
-    Option(
-        *("panel_thickness", float, 0.04, "m", "of the panel, whose length is 1"),
-        check="positive",
-    ),
-    Option(
-        *("panel_cells", int, 8, ""),
-        help="cells across the panel, at least as many as the operator needs",
-        check="positive",
-    ),
-    Option(
-        *("panel_push", float, 5e-3, ""),
-        help="velocity that the panel has at first, over the speed of sound",
-        check="nonnegative",
-    ),
+    Option("panel_thickness", float, 0.04, "m", "of the panel, 1 long", check="positive"),
+    Option("panel_cells", int, 8, "", "cells across the panel", check="positive"),
+    Option("panel_push", float, 5e-3, "", "velocity of the panel at first", check="nonnegative"),
     Option("panel_height", float, 0.5, "m", "of the gas", check="positive"),
-    Option(
-        *("panel_rows", int, None, ""),
-        help="cells across the gas; default: sqrt(M^2-1) times as close as along it, or as close",
-        check="positive",
-    ),
-    Option(
-        *("fluid_mu", float, 0.0, "Pa s", "viscosity of the gas; 0: it slips along the wall"),
-        check="nonnegative",
-    ),
-    Option(
-        *("panel_layer", float, 0.2, "m"),
-        help="with viscosity: thickness of the boundary layer that flows in",
-        check="positive",
-    ),
+    Option("panel_rows", int, None, "", "cells across the gas", check="positive"),
+    Option("fluid_mu", float, 0.0, "Pa s", "viscosity; 0: the gas slips", check="nonnegative"),
+    Option("panel_layer", float, 0.2, "m", "boundary layer, if viscous", check="positive"),
 )
 DEFAULTS = {
     **{"fsi_h": 1 / 32, "fsi_order": 4, "fsi_dissipation": 1.0},

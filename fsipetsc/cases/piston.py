@@ -1,8 +1,9 @@
-"""A wall that moves drives gas against an elastic layer, behind which more gas lies before a wall at rest.
+"""A wall that moves drives gas against an elastic layer, behind which more gas lies.
 
-gas | solid | gas. The wall on the left moves in by `piston_stroke` and comes to rest, x = stroke sin^2(pi t / (2 time)) up to
-t = time, so smoothly that the gas is compressed nearly without a loss. The layer is pushed over and swings. The grids of both
-gases are stretched; the mass of each stays what it is to round-off, and the energy of all grows by the work of the wall.
+gas | solid | gas. The wall on the left moves in by `piston_stroke` and comes to rest, x = stroke
+sin^2(pi t / (2 time)) up to t = time, so smoothly that the gas is compressed nearly without a loss.
+The layer is pushed over and swings. The grids of both gases are stretched; the mass of each stays
+what it is to round-off, and the energy of all grows by the work of the wall.
 """
 
 from __future__ import annotations
@@ -23,7 +24,8 @@ SUMMARY = "a wall that moves drives gas against an elastic layer: gas | solid | 
 
 OPTIONS = (
     *material_options(
-        fluid_mu=1.8e-5, fluid_kappa=0.026, solid_modulus=1e7, solid_kappa=0.2, solid_density=100.0, solid_alpha=1000.0
+        **{"fluid_mu": 1.8e-5, "fluid_kappa": 0.026, "solid_modulus": 1e7, "solid_kappa": 0.2},
+        **{"solid_density": 100.0, "solid_alpha": 1000.0},
     ),
     Option(
         *("piston_stroke", float, 0.3, "m", "way of the wall"),

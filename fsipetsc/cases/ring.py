@@ -27,29 +27,15 @@ SUMMARY = "an elastic ring with gas inside and outside, and a pressure pulse"
 
 OPTIONS = (
     Option("ring_gas", bool, True, "", "gas inside and outside; else the ring is in a vacuum"),
-    Option(
-        *("ring_pulse", float, 0.5, "Pa"),
-        help="overpressure in the middle of the pulse, over the gas's 1",
-        check="nonnegative",
-    ),
+    Option("ring_pulse", float, 0.5, "Pa", "overpressure, over 1", check="nonnegative"),
     Option("ring_width", float, 0.2, "m", "of the pulse", check="positive"),
-    Option(
-        *("ring_around", int, None, ""),
-        help="cells around; default: a multiple of 8, so that they are about 4 times -fsi_h long",
-        check="positive",
-    ),
-    Option(
-        *("fluid_mu", float, 0.0, "Pa s", "viscosity of the gas; 0: it slips along all"),
-        check="nonnegative",
-    ),
+    Option("ring_around", int, None, "", "cells around; default: by -fsi_h", check="positive"),
+    Option("fluid_mu", float, 0.0, "Pa s", "viscosity; 0: the gas slips", check="nonnegative"),
     Option("fluid_kappa", float, 0.0, "W/(m K)", "conductivity of the gas", check="nonnegative"),
     Option("solid_density", float, 2.0, "kg/m3", "density of the ring", check="positive"),
     Option("solid_mu", float, 1.0, "Pa", "mu_e of the ring", check="positive"),
     Option("solid_lambda", float, 1.5, "Pa", "lambda_e of the ring", check="nonnegative"),
-    Option(
-        *("solid_law", str, "neo-hookean", "", "law of the ring"),
-        choices=("log", "neo-hookean", "svk"),
-    ),
+    Option("solid_law", str, "neo-hookean", "", "its law", ("log", "neo-hookean", "svk")),
 )
 DEFAULTS = {"fsi_h": 0.025, "fsi_order": 6, "ts_max_time": 3.0, "fsi_output_dt": 0.05}
 

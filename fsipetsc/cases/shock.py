@@ -1,15 +1,17 @@
 """Shocks in a gas and in the elastic rod before it, with exact solutions.
 
-sod: the left half of Sod's shock tube, with a rod under the low pressure in the place of the right half; at t = 0 nothing holds
-them apart any more. A fan goes into the gas, a shock into the rod.
+sod: the left half of Sod's shock tube, with a rod under the low pressure in the place of the right
+half; at t = 0 nothing holds them apart any more. A fan goes into the gas, a shock into the rod.
 
-strong: a piston drives a shock of Mach number `shock_mach` through the gas. It hits the light rod: a shock goes back into the
-gas and one on into the rod. At t = 0 the shock is at x = 0.7, the piston at x = 0 and as fast as the gas behind the shock.
+strong: a piston drives a shock of Mach number `shock_mach` through the gas. It hits the light rod:
+a shock goes back into the gas and one on into the rod. At t = 0 the shock is at x = 0.7, the piston
+at x = 0 and as fast as the gas behind the shock.
 
-The wall or piston is on the left; the right end of the rod is clamped (sod), or free under the pressure of the gas ahead. The
-strong shock begins spread over a few points, as the dissipation spreads it, so that it sends no waves after it. The exact
-solution (fsipetsc.cases.riemann) is that without viscosity and conduction, until a wave comes to one of these ends. Errors are
-in L1, in which a shock has order 1.
+The wall or piston is on the left; the right end of the rod is clamped (sod), or free under the
+pressure of the gas ahead. The strong shock begins spread over a few points, as the dissipation
+spreads it, so that it sends no waves after it. The exact solution (fsipetsc.cases.riemann) is that
+without viscosity and conduction, until a wave comes to one of these ends. Errors are in L1, in
+which a shock has order 1.
 """
 
 from __future__ import annotations
@@ -31,20 +33,14 @@ from fsipetsc.options import Option, above_one
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 
 NAME = "shock"
-SUMMARY = "a shock tube with an elastic rod, or a shock that hits one: errors against the exact solution"
+SUMMARY = "a shock tube with an elastic rod, or a shock that hits one, with exact solutions"
 
 OPTIONS = (
     Option("shock_problem", "str", "sod", "", "which problem", choices=("sod", "strong")),
-    Option(
-        *("shock_mach", "float", 3.0, "", "strong: Mach number of the shock in the gas"),
-        check=above_one,
-    ),
-    Option(
-        *("shock_ratio", "float", 10.0, "", "sod: pressure of the gas over that on the rod"),
-        check=above_one,
-    ),
+    Option("shock_mach", "float", 3.0, "", "strong: Mach number of the shock", check=above_one),
+    Option("shock_ratio", "float", 10.0, "", "sod: ratio of the pressures", check=above_one),
     *material_options(
-        fluid_mu=0.0, fluid_kappa=0.0, solid_modulus=4.0, solid_density=0.5, solid_alpha=1.0, solid_gruneisen=0.0
+        fluid_mu=0.0, fluid_kappa=0.0, solid_modulus=4.0, solid_density=0.5, solid_alpha=1.0
     ),
 )
 DEFAULTS = {
@@ -53,20 +49,22 @@ DEFAULTS = {
 }
 
 GAMMA, R = 1.4, 1.0
-#: density of the gas of high pressure, the gas of low pressure in Sod's tube, which is that on the rod; the rod's temperature
+#: density of the gas of high pressure; the gas of low pressure in Sod's tube, whose pressure is
+#: that on the rod; the rod's temperature
 DENSE, LOW, T_ROD = 1.0, GasState(0.125, 0.0, 0.1), 1.0
 #: the wall, the interface, the end of the rod
 X = (0.0, 1.0, 2.0)
-#: where the strong shock starts; its width there over -fsi_shock times the spacing of the grid: with this number the waves
-#: that follow are least in all orders of the operators together
+#: where the strong shock starts; its width there over -fsi_shock times the spacing of the grid:
+#: with this number the waves that follow are least in all orders of the operators together
 X_SHOCK, WIDTH = 0.7, 0.66
 
 
 @dataclass(frozen=True)
 class Solution:
-    """Exact solution of gas behind a piston and a rod at rest, in the gas a shock perhaps that has not hit it yet.
+    """Exact solution of gas behind a piston and a rod at rest.
 
-    ahead: the gas before the rod; mach: of the shock, None if there is none. InputError as of Riemann.
+    ahead: the gas before the rod; mach: of a shock in it that has not hit the rod yet, None if
+    there is none. InputError as of Riemann.
     """
 
     gas: Fluid
@@ -76,8 +74,10 @@ class Solution:
 
     @cached_property
     def shock(self) -> tuple[GasState, float]:
-        """The gas behind the shock, and how fast it is; as if it had gone through, where there is none."""
-        return (self.ahead, np.inf) if self.mach is None else behind_shock(self.gas, self.ahead, self.mach)
+        """The gas behind the shock, and how fast it is; as if it had gone through without one."""
+        if self.mach is None:
+            return self.ahead, np.inf
+        return behind_shock(self.gas, self.ahead, self.mach)
 
     @property
     def hit(self) -> float:
@@ -87,23 +87,24 @@ class Solution:
     @cached_property
     def riemann(self) -> Riemann:
         """What begins then."""
-        stress = self.solid.pressure(T_ROD, 1.0) - LOW.p
-        return Riemann(self.gas, self.solid, self.shock[0], SolidState(0.0, stress, T_ROD, 1.0))
+        return Riemann(self.gas, self.solid, self.shock[0], SolidState(0.0, -LOW.p, T_ROD, 1.0))
 
     @property
     def valid(self) -> float:
-        """The time when a wave comes to the end of the rod or the piston, and the solution ends."""
+        """When a wave comes to the end of the rod or to the piston, and the solution ends."""
         riemann, piston = self.riemann, self.shock[0].u
-        front = riemann.gas_wave.speeds(riemann.p)[0]
+        back = riemann.gas_wave.speeds(riemann.p)[0]
         gap = X[1] - X[0] - piston * self.hit
-        return self.hit + min((X[2] - X[1]) / riemann.solid_wave.speeds(riemann.F)[0], gap / (piston - front))
+        on = (X[2] - X[1]) / riemann.solid_wave.speeds(riemann.p)[0]
+        return self.hit + min(on, gap / (piston - back))
 
     def at_start(self, X_g: np.ndarray, width: float) -> list[np.ndarray]:
-        """(rho, u, T): as exact, but for a shock of this width, see fsipetsc.cases.riemann.shock_structure."""
+        """(rho, u, T): as exact, but for a shock of this width (shock_structure)."""
         if self.mach is None:
             return self.in_gas(X_g, 0.0)
         grid = self.shock[0].u * (X[1] - X_SHOCK) / (X[1] - X[0])
-        rho, u, p = shock_structure(self.gas, self.ahead, self.mach, width, grid)(X_g - X_SHOCK)
+        spread = shock_structure(self.gas, self.ahead, self.mach, width, grid)
+        rho, u, p = spread(X_g - X_SHOCK)
         return [rho, u, p / (self.gas.R * rho)]
 
     def in_gas(self, X_g: np.ndarray, t: float) -> list[np.ndarray]:
@@ -113,7 +114,8 @@ class Solution:
         interface = X[1] + self.riemann.u * max(t - self.hit, 0.0)
         x = piston + (X_g - X[0]) / (X[1] - X[0]) * (interface - piston)
         if t < self.hit:
-            state = GasState(*(np.where(x < X_SHOCK + speed * t, a, b) for a, b in zip(behind, self.ahead, strict=True)))
+            both = zip(behind, self.ahead, strict=True)
+            state = GasState(*(np.where(x < X_SHOCK + speed * t, a, b) for a, b in both))
         else:
             state = self.riemann.in_gas(x - X[1], t - self.hit)
         return [state.rho, state.u, state.p / (self.gas.R * state.rho)]
@@ -123,27 +125,37 @@ class Solution:
         state, place = self.riemann.in_solid(X_s - X[1], t - self.hit)
         return [state.u, state.sigma, state.T, X[1] + place]
 
+    def notes(self) -> tuple[str, ...]:
+        """What a result says of it. InputError where there is none."""
+        p, u, F = self.riemann.p, self.riemann.u, self.riemann.F
+        return (
+            f"interface: p = {p:.10g}, u = {u:.10g}, x_X = {F:.10g} from t = {self.hit:.6g} on",
+            "the exact solution is that without viscosity and conduction, and holds until "
+            f"t = {self.valid:.6g}",
+        )
+
 
 def build(opt: Mapping[str, Any]) -> Problem:
     """The gas between X = 0 and 1, the rod between 1 and 2."""
-    gas = gas_of(opt, GAMMA, R)
-    solid = solid_of(opt)
+    gas, solid = gas_of(opt, GAMMA, R), solid_of(opt)
     strong = opt["shock_problem"] == "strong"
     high = GasState(DENSE, 0.0, opt["shock_ratio"] * LOW.p)
-    solution = Solution(gas, solid, LOW, opt["shock_mach"]) if strong else Solution(gas, solid, high)
+    exact = Solution(gas, solid, *((LOW, opt["shock_mach"]) if strong else (high,)))
     try:
-        riemann, speed = solution.riemann, solution.shock[0].u
-        note = f"interface: p = {riemann.p:.10g}, u = {riemann.u:.10g}, x_X = {riemann.F:.10g} from t = {solution.hit:.6g} on"
+        notes, speed = exact.notes(), exact.shock[0].u
     except InputError as error:
         raise InputError(f"no exact solution: {error}") from None
     width = WIDTH * max(opt["fsi_shock"], 1.0) * opt["fsi_h"]
+    begin = lambda x: exact.at_start(x, width)  # noqa: E731
+    at_rest = lambda x: exact.in_solid(x, 0.0)  # noqa: E731
+    piston = Wall(lambda t: X[0] + speed * t, velocity=lambda t: speed)
     return Problem(
         layers=(
-            FluidLayer("gas", gas, X[:2], lambda x: solution.at_start(x, width), exact=solution.in_gas, mapping="stretched"),
-            SolidLayer("rod", solid, X[1:], lambda x: solution.in_solid(x, 0.0), exact=solution.in_solid),
+            FluidLayer("gas", gas, X[:2], begin, exact=exact.in_gas, mapping="stretched"),
+            SolidLayer("rod", solid, X[1:], at_rest, exact=exact.in_solid),
         ),
-        left=Wall(lambda t: X[0] + speed * t, velocity=lambda t: speed) if strong else Wall(X[0]),
+        left=piston if strong else Wall(X[0]),
         right=free(-LOW.p) if strong else clamped(),
-        notes=(note, f"the exact solution is that without viscosity and conduction, and holds until t = {solution.valid:.6g}"),
+        notes=notes,
         units="none",
     )

@@ -1,70 +1,73 @@
 """A plate swings between two gases in a closed tube: gas | solid | gas.
 
-    python -m fsipetsc FILE.py                                # run it: a second; half a minute when it is the first run
-    mpiexec -n 2 python -m fsipetsc FILE.py -plate_speed 5    # on two ranks, with an option of this file
-    python -m fsipetsc FILE.py -help                          # all options, those of this file on top
-    python -m fsipetsc plot NAME.h5 -o pictures               # draw the result; `info NAME.h5` says it in words
+    python -m fsipetsc FILE.py                                # a second, at first half a minute
+    mpiexec -n 2 python -m fsipetsc FILE.py -plate_speed 5    # on two ranks, with an option
+    python -m fsipetsc FILE.py -help                          # all options
+    python -m fsipetsc plot NAME.h5 -o pictures               # draw the result
 
-This file is a case: data, and functions of X. Change what you like and run it again: what is wrong is answered by one
-message that names the line, or the layer, and what is expected there. All that a case may say: docs/cases.md.
+This file is a case: data, and functions of X. Change what you like and run it again: what is wrong
+is answered by one message that names the line, or the layer, and what is expected there. All that a
+case may say: docs/cases.md.
 
 What to expect here: either gas is a spring, and the plate, heavy beside the gas, swings as
-    (plate_speed / omega) sin(omega t),    omega^2 = 2 GAMMA P0 / (length of a gas * mass of the plate per area):
+    (plate_speed / omega) sin(omega t),
+    omega^2 = 2 GAMMA P0 / (length of a gas * mass of the plate per area):
 at 10 m/s it goes 0.054 m to the right and comes back; the period is 0.034 s.
 """
-
-import numpy as np
 
 # What may stand at the ends: Wall, Open, Dirichlet for a gas; clamped, free, absorbing for a solid.
 from fsipetsc import Fluid, FluidLayer, Option, Problem, Solid, SolidLayer, Wall
 
-# One line for -help. The result is named after this file; NAME = "..." here would name it otherwise.
+# One line for -help. The result is named after this file; NAME = "..." would name it otherwise.
 SUMMARY = "a plate swings between two gases in a closed tube"
 
-# Options of this case: name, type, default, unit, meaning, and perhaps what is allowed. `-plate_speed 5` sets one.
+# Options of this case: name, type, default, unit, meaning, and perhaps what is allowed.
 OPTIONS = (
     Option("plate_speed", float, 10.0, "m/s", "speed of the plate at the start"),
     Option("plate_density", float, 100.0, "kg/m3", "density of the plate", check="positive"),
 )
 
-# Defaults of the program's own options for this case. Interfaces fall on grid points: 0.4 / 0.02 is a whole number.
+# Defaults of the program's own options for this case. Interfaces fall on grid points: 0.4 / 0.02 is
+# a whole number.
 DEFAULTS = {
     "fsi_h": 0.02,  # grid spacing [m]
     "fsi_order": 4,  # order of the differences: 2, 4, 6 or 8
     "ts_max_time": 0.04,  # the run begins at t = 0 and ends here [s]
-    "fsi_output_dt": 0.001,  # profiles are saved that often [s]; "fsi_output_times": (0.005, 0.01) names the times
+    "fsi_output_dt": 0.001,  # profiles are saved that often [s]; "fsi_output_times" names times
 }
 
-GAMMA, P0, T0 = 1.4, 1e5, 300.0  # of the gas at the start: ratio of specific heats, pressure [Pa], temperature [K]
-LEFT, RIGHT, END = 0.4, 0.6, 1.0  # the plate begins and ends at the first two, the tube at 0 and at the third [m]
+GAMMA, P0, T0 = 1.4, 1e5, 300.0  # of the gas: ratio of specific heats, pressure [Pa], T [K]
+LEFT, RIGHT, END = 0.4, 0.6, 1.0  # the plate is between the first two, the tube ends at 0 and END
 
 
 def build(opt):
     """The problem, for the options in force: opt["plate_speed"], opt["fsi_h"] and so on."""
-    # Materials. A gas: viscosity [Pa s], heat conductivity [W/(m K)], gamma, gas constant R/M [J/(kg K)].
-    # A solid: modulus 2 mu + lambda [Pa], heat conductivity, density [kg/m3], specific heat [J/(kg K)].
+    # Materials. A gas: viscosity [Pa s], heat conductivity [W/(m K)], gamma, gas constant R/M
+    # [J/(kg K)]. A solid: modulus 2 mu + lambda [Pa], heat conductivity, density [kg/m3], specific
+    # heat [J/(kg K)].
     air = Fluid(mu=2e-5, kappa=0.026, gamma=GAMMA, R=287.0)
     plate = Solid(K=1e7, kappa_e=0.2, m0=opt["plate_density"], alpha=1000.0)
     speed = opt["plate_speed"]
 
-    # Initial data: from an array X of coordinates [m], for each unknown an array of the same shape or one number.
-    # They may be less smooth, but where velocity, or pressure and stress, jump at an interface, waves start there.
-    # Functions compiled by numba (@numba.njit) are taken as well: faster, which matters for those of time.
+    # Initial data: from an array X of coordinates [m], for each unknown an array of the same shape
+    # or one number. They may be less smooth, but where velocity, or pressure and stress, jump at an
+    # interface, waves start there. Functions compiled by numba (@numba.njit) are taken as well.
     def left_gas(X):
-        return P0 / (air.R * T0), speed * X / LEFT, np.full(X.shape, T0)  # density, velocity, temperature
+        return P0 / (air.R * T0), speed * X / LEFT, T0  # density, velocity, temperature
 
     def right_gas(X):
-        return P0 / (air.R * T0), speed * (END - X) / (END - RIGHT), np.full(X.shape, T0)
+        return P0 / (air.R * T0), speed * (END - X) / (END - RIGHT), T0
 
     def solid(X):
-        return speed, -P0, T0, X  # velocity, stress (as the gas presses), temperature, where X is: not displaced
+        return speed, -P0, T0, X  # velocity, stress (as the gas presses), temperature, place
 
-    # Layers from left to right: name, material, begin and end [m], initial data. exact=function(X, t) would let the
-    # errors be computed, forcing=function(X, t) would add right-hand sides.
+    # Layers from left to right: name, material, begin and end [m], initial data.
+    # exact=function(X, t) would let the errors be computed, forcing=function(X, t) would add
+    # right-hand sides.
     layers = (
         FluidLayer("left", air, (0.0, LEFT), left_gas),
         SolidLayer("plate", plate, (LEFT, RIGHT), solid),
         FluidLayer("right", air, (RIGHT, END), right_gas),
     )
-    # The ends: walls that let no heat through. Open(END, P0, T0) instead would let the gas out at the right.
+    # The ends: walls that let no heat through. Open(END, P0, T0) instead would let the gas out.
     return Problem(layers, left=Wall(0.0), right=Wall(END))

@@ -25,29 +25,14 @@ NAME = "wave"
 SUMMARY = "a normal mode of a gas over an elastic layer, whose frequency and decay are known"
 
 OPTIONS = (
-    Option(
-        *("wave_number", float, 2.0 * np.pi, "1/m", "k; the problem is one wave long"),
-        check="positive",
-    ),
-    Option(
-        *("wave_mode", int, 0, "", "which mode, of those that swing more than they decay"),
-        check="nonnegative",
-    ),
+    Option("wave_number", float, 2.0 * np.pi, "1/m", "k; all is one wave long", check="positive"),
+    Option("wave_mode", int, 0, "", "number, of those that swing", check="nonnegative"),
     Option("wave_size", float, 1e-5, "m", "of the interface's displacement", check="positive"),
     Option("wave_height", float, 1.0, "m", "of the gas", check="positive"),
     Option("wave_depth", float, 0.5, "m", "of the solid", check="positive"),
-    Option(
-        *("fluid_mu", float, 0.01, "Pa s", "viscosity of the gas; 0: it slips along the solid"),
-        check="nonnegative",
-    ),
-    Option(
-        *("fluid_kappa", float, 0.035 / 0.72, "W/(m K)", "heat conductivity of the gas"),
-        check="nonnegative",
-    ),
-    Option(
-        *("solid_density", float, 1.0, "kg/m3", "of the solid; that of the gas is 1"),
-        check="positive",
-    ),
+    Option("fluid_mu", float, 0.01, "Pa s", "viscosity; 0: the gas slips", check="nonnegative"),
+    Option("fluid_kappa", float, 0.035 / 0.72, "W/(m K)", "of the gas", check="nonnegative"),
+    Option("solid_density", float, 1.0, "kg/m3", "that of the gas is 1", check="positive"),
     Option("solid_mu", float, 1.0, "Pa", "mu_e; the pressure of the gas is 1", check="positive"),
     Option("solid_lambda", float, 1.0, "Pa", "lambda_e", check="nonnegative"),
 )

@@ -1,4 +1,4 @@
-"""One entry of the table of options: its type, what it allows, and how a text becomes its value."""
+"""One entry of the table of options: its type, what it allows, how a text becomes its value."""
 
 from __future__ import annotations
 
@@ -14,10 +14,19 @@ from fsipetsc.errors import InputError
 #: default of an option that the case or the user must give
 REQUIRED = ...
 INT_MAX = 2**31 - 1
-_KINDS: dict[type | str, str] = {int: "int", float: "float", str: "str", bool: "bool"}
-_CHECKS = ("positive", "nonnegative")
+_NAMES: dict[type | str, str] = {int: "int", float: "float", str: "str", bool: "bool"}
 _TRUE = ("", "true", "yes", "1", "on")
 _FALSE = ("false", "no", "0", "off")
+#: kind -> what is expected, in a message
+_NOUNS = {
+    "int": "a whole number",
+    "float": "a number",
+    "str": "a text",
+    "bool": "true or false, or no value for true",
+    "ints": "whole numbers with commas and no spaces between them",
+    "floats": "numbers with commas and no spaces between them",
+    "optional": "a text or nothing",
+}
 
 
 def above_one(value: float) -> str | None:
@@ -29,11 +38,12 @@ def above_one(value: float) -> str | None:
 class Option:
     """One option.
 
-    name: without the dash, as in "solid_kappa". kind: int, float, str, bool, "ints" or "floats" (comma-separated), or
-    "optional", a text that may be left out and is "" then.
-    default: a value, None (not set) or REQUIRED. unit: "" or "-" if there is none. choices: the only values allowed.
-    check: "positive", "nonnegative" or a function of the value that returns None or True if it is fine and otherwise
-    says what is expected, as in "a number below 1", or False.
+    name: without the dash, as in "solid_kappa". kind: int, float, str, bool, "ints" or "floats"
+    (comma-separated), or "optional", a text that may be left out and is "" then. default: a value,
+    None (not set) or REQUIRED. unit: "" or "-" if there is none. choices: the only values allowed.
+    check: "positive", "nonnegative" or a function of the value that returns None or True if it is
+    fine and otherwise says what is expected, as in "a number below 1", or False.
+    TypeError, ValueError where this is not so.
     """
 
     name: str
@@ -45,18 +55,22 @@ class Option:
     check: str | Callable[[Any], str | bool | None] | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "kind", _KINDS.get(self.kind, str(self.kind)))
+        object.__setattr__(self, "kind", _NAMES.get(self.kind, str(self.kind)))
         object.__setattr__(self, "unit", "" if self.unit == "-" else self.unit)
-        if not isinstance(self.name, str) or not isinstance(self.unit, str) or not isinstance(self.help, str):
-            raise TypeError(f"option {self.name!r}: name, unit and help must be texts")
-        if not (self.check is None or callable(self.check) or self.check in _CHECKS):
-            raise ValueError(f"option '{self.name}': check is {self.check!r}: expected {', '.join(_CHECKS)} or a function")
-        if not (self.choices is None or isinstance(self.choices, (tuple, list))):
-            raise TypeError(f"option '{self.name}': choices is {self.choices!r}: expected a tuple")
-        if self.kind not in _READERS:
-            raise TypeError(f"option '{self.name}': kind must be int, float, str, bool, 'ints', 'floats' or 'optional'")
+        who = f"option {self.name!r}"
+        if not all(isinstance(text, str) for text in (self.name, self.unit, self.help)):
+            raise TypeError(f"{who}: name, unit and help must be texts")
         if not re.fullmatch(r"[A-Za-z]\w*", self.name):
-            raise ValueError(f"option '{self.name}': a name is made of letters, digits and _, without the dash")
+            what = "a name is made of letters, digits and _, without the dash"
+            raise ValueError(f"{who}: {what}")
+        if self.kind not in _NOUNS:
+            raise TypeError(f"{who}: kind must be int, float, str, bool, 'ints' or 'floats'")
+        if self.choices is not None and not isinstance(self.choices, (tuple, list)):
+            raise TypeError(f"{who}: choices is {self.choices!r}: expected a tuple")
+        known = None, "positive", "nonnegative"
+        if not callable(self.check) and self.check not in known:
+            what = "expected 'positive', 'nonnegative' or a function"
+            raise ValueError(f"{who}: check is {self.check!r}: {what}")
 
     @property
     def needs_value(self) -> bool:
@@ -68,15 +82,16 @@ class Option:
         if text == "" and self.needs_value:
             raise InputError(f"-{self.name} needs a value: {self.expected()}")
         try:
-            return self.convert(_READERS[str(self.kind)](text.strip()))
+            return self.convert(_from_text(str(self.kind), text.strip()))
         except (ValueError, OverflowError):
-            raise InputError(f"bad value '{brief(text)}' for -{self.name}: expected {self.expected(text)}") from None
+            what = f"bad value '{brief(text)}' for -{self.name}"
+            raise InputError(f"{what}: expected {self.expected(text)}") from None
 
     def convert(self, value: Any) -> Any:
         """A Python value as this option's type, checked; ValueError if it is not allowed."""
         if value is None or value is REQUIRED:
             return value
-        value = _CONVERTERS[str(self.kind)](value)
+        value = _as_kind(str(self.kind), value)
         if self.choices is not None and value not in self.choices:
             raise ValueError
         if self._objection(value):
@@ -87,13 +102,14 @@ class Option:
         """What is valid, as the end of a sentence; text: what was given instead."""
         if self.choices is not None:
             return "one of " + ", ".join(map(str, self.choices))
+        kind = str(self.kind)
         if callable(self.check) and text is not None:
             try:
-                return self._objection(_CONVERTERS[str(self.kind)](_READERS[str(self.kind)](text))) or _NOUNS[str(self.kind)]
+                return self._objection(_as_kind(kind, _from_text(kind, text))) or _NOUNS[kind]
             except (ValueError, OverflowError):
                 pass
         bound = {"positive": " above 0", "nonnegative": " not below 0"}.get(str(self.check), "")
-        return _NOUNS[str(self.kind)] + bound + (f" [{self.unit}]" if self.unit else "")
+        return _NOUNS[kind] + bound + (f" [{self.unit}]" if self.unit else "")
 
     def _objection(self, value: Any) -> str | None:
         """What would be valid if the value is out of range, else None."""
@@ -102,10 +118,17 @@ class Option:
             return "a number above 0" if any(v <= 0 for v in values) else None
         if self.check == "nonnegative":
             return "a number not below 0" if any(v < 0 for v in values) else None
-        verdict = call(self.check, (value,), f"check of -{self.name}") if callable(self.check) else None
-        if not (verdict is None or isinstance(verdict, (str, bool))):
-            raise InputError(f"check of -{self.name} returns {verdict!r}: expected None or True, else a text or False")
-        return "a value within its range" if verdict is False else None if verdict is True else verdict or None
+        if not callable(self.check):
+            return None
+        verdict = call(self.check, (value,), f"check of -{self.name}")
+        if verdict is None or verdict is True:
+            return None
+        if verdict is False:
+            return "a value within its range"
+        if not isinstance(verdict, str):
+            what = "expected None or True, else a text or False"
+            raise InputError(f"check of -{self.name} returns {verdict!r}: {what}")
+        return verdict or None
 
 
 def brief(text: str) -> str:
@@ -114,70 +137,35 @@ def brief(text: str) -> str:
     return line if len(line) <= 80 else f"{line[:60]}… ({len(line)} characters)"
 
 
-def _read_int(text: str) -> int:
-    if not re.fullmatch(r"[+-]?\d+", text):
+def _from_text(kind: str, text: str) -> Any:
+    """What a text says, as Python has it; ValueError."""
+    if kind in ("ints", "floats"):
+        return tuple(_from_text(kind[:-1], word.strip()) for word in text.split(","))
+    if kind == "int" and not re.fullmatch(r"[+-]?\d+", text):
         raise ValueError
-    return int(text)
-
-
-def _read_float(text: str) -> float:
-    if "_" in text:
+    if kind == "float" and "_" in text:
         raise ValueError
-    return float(text)
-
-
-def _read_bool(text: str) -> bool:
-    if text.lower() not in _TRUE + _FALSE:
+    if kind == "bool" and text.lower() not in _TRUE + _FALSE:
         raise ValueError
-    return text.lower() in _TRUE
+    if kind == "bool":
+        return text.lower() in _TRUE
+    return {"int": int, "float": float}.get(kind, str)(text)
 
 
-def _list_of(item: Callable[[str], Any]) -> Callable[[str], tuple[Any, ...]]:
-    return lambda text: tuple(item(word.strip()) for word in text.split(","))
-
-
-def _to_int(value: Any) -> int:
-    if isinstance(value, bool) or int(value) != value or abs(value) > INT_MAX:
-        raise ValueError
-    return int(value)
-
-
-def _to_float(value: Any) -> float:
-    if isinstance(value, (bool, str)) or not isfinite(value):
-        raise ValueError
-    return float(value)
-
-
-def _to_bool(value: Any) -> bool:
-    if value is not True and value is not False:
-        raise ValueError
-    return value
-
-
-_READERS: dict[str, Callable[[str], Any]] = {
-    "int": _read_int,
-    "float": _read_float,
-    "str": str,
-    "bool": _read_bool,
-    "ints": _list_of(_read_int),
-    "floats": _list_of(_read_float),
-    "optional": str,
-}
-_CONVERTERS: dict[str, Callable[[Any], Any]] = {
-    "int": _to_int,
-    "float": _to_float,
-    "str": str,
-    "bool": _to_bool,
-    "ints": lambda values: tuple(map(_to_int, values)),
-    "floats": lambda values: tuple(map(_to_float, values)),
-    "optional": str,
-}
-_NOUNS = {
-    "int": "a whole number",
-    "float": "a number",
-    "str": "a text",
-    "bool": "true or false, or no value for true",
-    "ints": "whole numbers with commas and no spaces between them",
-    "floats": "numbers with commas and no spaces between them",
-    "optional": "a text or nothing",
-}
+def _as_kind(kind: str, value: Any) -> Any:
+    """A Python value as one of a kind; ValueError."""
+    if kind in ("ints", "floats"):
+        return tuple(_as_kind(kind[:-1], item) for item in value)
+    if kind == "bool":
+        if value is not True and value is not False:
+            raise ValueError
+        return value
+    if kind == "int":
+        if isinstance(value, bool) or int(value) != value or abs(value) > INT_MAX:
+            raise ValueError
+        return int(value)
+    if kind == "float":
+        if isinstance(value, (bool, str)) or not isfinite(value):
+            raise ValueError
+        return float(value)
+    return str(value)

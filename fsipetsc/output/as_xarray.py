@@ -5,73 +5,45 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from fsipetsc.errors import InputError
-from fsipetsc.output.reader import BlockLayer, Run
+from fsipetsc.output.reader import BlockLayer, Layer, Run
 
 if TYPE_CHECKING:
     import xarray
 
-#: name of a field or series -> (unit, long name)
-FIELDS = {
-    "rho": ("kg m-3", "density"),
-    "u": ("m s-1", "velocity"),
-    "v": ("m s-1", "velocity across"),
-    "w": ("m s-1", "velocity along z"),
-    "T": ("K", "temperature"),
-    "p": ("Pa", "pressure"),
-    "sigma": ("Pa", "stress"),
-    "s_xx": ("Pa", "Cauchy stress xx"),
-    "s_xy": ("Pa", "Cauchy stress xy"),
-    "s_yy": ("Pa", "Cauchy stress yy"),
-    **{f"s_{ij}": ("Pa", f"Cauchy stress {ij}") for ij in ("xz", "yz", "zz")},
-    "x": ("m", "position"),
-    "y": ("m", "position across"),
-    "z": ("m", "position along z"),
-    "J": ("1", "volume ratio of the grid"),
-    "t": ("s", "time"),
-    "dt": ("s", "time step"),
-    "x_interface": ("m", "position of the interfaces"),
-    "u_interface": ("m s-1", "velocity of the interfaces"),
-    "sigma_interface": ("Pa", "stress at the interfaces"),
-    "T_interface": ("K", "temperature at the interfaces"),
-    "residual_u": ("m s-1", "what is left of the condition on the velocity"),
-    "residual_stress": ("Pa", "what is left of the condition on the stress"),
-    "residual_T": ("K", "what is left of the condition on the temperature"),
-    "residual_flux": ("W m-2", "what is left of the condition on the heat flux"),
-    "force": ("Pa", "force of the ends and of gravity"),
-    "least_J": ("1", "least volume ratio of the grid"),
-    "J_error": ("1", "largest departure of J from the volume ratio of the grid, relative"),
-    **{f"{x}_point": ("m", f"position {x} of recorded nodes") for x in "xyz"},
-    **{f"{u}_point": ("m s-1", f"velocity {u} of recorded nodes") for u in "uvw"},
-    "T_point": ("K", "temperature of recorded nodes"),
-    "p_point": ("Pa", "pressure of recorded nodes, of solids the mean of the stresses with the other sign"),
-    **{f"t_{x}_point": ("Pa", f"traction along {x} on the solid at recorded nodes of interfaces") for x in "xyz"},
+#: unit -> fields and series that have it
+_FIELDS = {
+    "1": "J least_J J_error",
+    "K": "T T_interface T_point residual_T",
+    "Pa": "p sigma s_xx s_xy s_yy s_xz s_yz s_zz sigma_interface residual_stress force "
+    "p_point t_x_point t_y_point t_z_point",
+    "W m-2": "residual_flux",
+    "kg m-3": "rho",
+    "m": "x y z x_interface x_point y_point z_point",
+    "m s-1": "u v w u_interface residual_u u_point v_point w_point",
+    "s": "t dt",
 }
 #: the same of integrals; in one dimension they are per area [m-2], in two per depth [m-1]
-INTEGRALS = {
-    "mass": ("kg", "mass of each gas"),
-    "mass_in": ("kg", "mass of each gas that has come in"),
-    "energy": ("J", "energy of all layers"),
-    "energy_in": ("J", "energy that has come in"),
-    "entropy": ("J K-1", "entropy"),
-    "heating": ("W K-1", "heating of the solids by stress, over the temperature"),
-    "momentum": ("N s", "momentum of all layers"),
-    "momentum_x": ("N s", "momentum of all layers"),
-    "momentum_y": ("N s", "momentum of all layers across"),
-    "momentum_z": ("N s", "momentum of all layers along z"),
-    "impulse": ("N s", "impulse of the ends and of gravity"),
-    "impulse_x": ("N s", "impulse of the edges"),
-    "impulse_y": ("N s", "impulse of the edges across"),
-    "impulse_z": ("N s", "impulse of the edges along z"),
+_INTEGRALS = {
+    "J": "energy energy_in",
+    "J K-1": "entropy",
+    "N s": "momentum momentum_x momentum_y momentum_z impulse impulse_x impulse_y impulse_z",
+    "W K-1": "heating",
+    "kg": "mass mass_in",
 }
+FIELDS, INTEGRALS = (
+    {name: unit for unit, names in table.items() for name in names.split()}
+    for table in (_FIELDS, _INTEGRALS)
+)
 
 
 def to_xarray(run: Run) -> xarray.Dataset:
     """All frames and series of a result.
 
-    Fields are variables "LAYER.FIELD" of the dimensions time and X_LAYER (in two dimensions time, Y_LAYER, X_LAYER), with
-    the reference coordinates; the positions "LAYER.x" … are coordinates. Series are "series.NAME" of the
-    dimension step, with the coordinate t, and interface, gas, layer or point, which have names. A name of a layer is written
-    with _ in the place of blanks. Attributes: case, options, summary; of variables units and long_name.
+    Fields are variables "LAYER.FIELD" of the dimensions time and X_LAYER (in two dimensions time,
+    Y_LAYER, X_LAYER), with the reference coordinates; the positions "LAYER.x" … are coordinates.
+    Series are "series.NAME" of the dimension step, with the coordinate t, and interface, gas, layer
+    or point, which have names. A name of a layer is written with _ in the place of blanks.
+    Attributes: case, options; of variables units.
 
     Raises InputError without xarray, FileError where the result is damaged.
     """
@@ -83,59 +55,58 @@ def to_xarray(run: Run) -> xarray.Dataset:
     variables: dict[str, Any] = {}
     coordinates: dict[str, Any] = {"time": ("time", run.time, _attributes("t", si))}
     for layer in run.layers:
-        name = "_".join(layer.name.split())
-        if isinstance(layer, BlockLayer):
-            _add_block(layer, name, si, variables, coordinates)
-            continue
-        across = f"X_{name}"
-        coordinates[across] = (across, layer.X, {**_attributes("x", si), "long_name": "reference coordinate X"})
-        for field in layer.fields:
-            where = coordinates if field == "x" else variables
-            where[f"{name}.{field}"] = (("time", across), layer[field], {**_attributes(field, si), "layer": layer.name})
-    names = _columns(run)
-    for series in run.series:
-        values = run.series[series]
+        _add_layer(layer, si, variables, coordinates)
+    columns = _columns(run)
+    for name, values in run.series.items():
         dimensions: tuple[str, ...] = ("step",)
         if values.ndim == 2:
-            of = next((of for of in _COLUMNS.get(series, ()) if len(names[of]) == values.shape[1]), f"of_{series}")
+            of = _what_columns_are(name)
+            of = of if len(columns.get(of, ())) == values.shape[1] else f"of_{name}"
             dimensions = ("step", of)
-            if of in names:
-                coordinates[of] = (of, names[of])
-        variables[f"series.{series}"] = (dimensions, values, _attributes(series, si, run.dimension))
+            if of in columns:
+                coordinates[of] = (of, columns[of])
+        variables[f"series.{name}"] = (dimensions, values, _attributes(name, si, run.dimension))
     if "t" in run.series:
         coordinates["t"] = ("step", run.series["t"], _attributes("t", si))
     if run.interfaces:
         coordinates["interface"] = ("interface", list(run.interfaces))
     about = {"case": run.case, "complete": int(run.complete)}
-    about |= {f"-{name}": str(value) for name, value in run.options.items() if value is not None}
-    return xarray.Dataset(variables, coordinates, about)
+    options = {f"-{name}": str(value) for name, value in run.options.items() if value is not None}
+    return xarray.Dataset(variables, coordinates, {**about, **options})
 
 
-def _add_block(layer: BlockLayer, name: str, si: bool, variables: dict[str, Any], coordinates: dict[str, Any]) -> None:
-    """Fields of a block: of the dimensions time, …, Y_NAME, X_NAME; of a curved one places are coordinates NAME.X …"""
-    axes = "XYZ"[: len(layer.shape)]
-    own = [f"{axis}_{name}" for axis in axes]
-    dimensions = ("time", *own[::-1])
-    for axis, dimension in zip(axes, own, strict=True):
+def _add_layer(
+    layer: Layer, si: bool, variables: dict[str, Any], coordinates: dict[str, Any]
+) -> None:
+    """Fields and coordinates of a layer; the places of a curved block are coordinates NAME.X …"""
+    name, axes = "_".join(layer.name.split()), "XYZ"[: len(layer.shape)]
+    dimensions = ("time", *(f"{axis}_{name}" for axis in axes[::-1]))
+    for axis in axes:
         values = getattr(layer, axis)
-        about = {**_attributes(axis.lower(), si), "long_name": f"reference coordinate {axis}"}
+        about = {**_attributes("x", si), "long_name": f"reference coordinate {axis}"}
         if values.ndim == 1:
-            coordinates[dimension] = (dimension, values, about)
+            coordinates[f"{axis}_{name}"] = (f"{axis}_{name}", values, about)
         else:
             coordinates[f"{name}.{axis}"] = (dimensions[1:], values, about)
+    positions = "xyz" if isinstance(layer, BlockLayer) else "x"
     for field in layer.fields:
-        where = coordinates if field in "xyz" else variables
-        where[f"{name}.{field}"] = (dimensions, layer[field], {**_attributes(field, si), "layer": layer.name})
+        about = {**_attributes(field, si), "layer": layer.name}
+        where = coordinates if field in positions else variables
+        where[f"{name}.{field}"] = (dimensions, layer[field], about)
 
 
-#: what the columns of a series may be
-_COLUMNS = {"mass": ("gas",), "mass_in": ("gas",), "least_J": ("layer",), "J_error": ("layer",)}
-_COLUMNS |= {name: ("interface",) for name in FIELDS if name.endswith("_interface") or name.startswith("residual_")}
-_COLUMNS |= {name: ("point",) for name in FIELDS if name.endswith("_point")}
+def _what_columns_are(series: str) -> str:
+    """What the columns of a series stand for, "" if that is not known."""
+    if series.endswith("_interface") or series.startswith("residual_"):
+        return "interface"
+    if series.endswith("_point"):
+        return "point"
+    known = {"mass": "gas", "mass_in": "gas", "least_J": "layer", "J_error": "layer"}
+    return known.get(series, "")
 
 
 def _columns(run: Run) -> dict[str, list[str]]:
-    """What the columns of series stand for, by name."""
+    """The names of what columns of series may stand for."""
     return {
         "interface": list(run.interfaces),
         "gas": [layer.name for layer in run.layers if layer.kind == "fluid"],
@@ -146,9 +117,9 @@ def _columns(run: Run) -> dict[str, list[str]]:
 
 def _attributes(name: str, si: bool, dimension: int = 0) -> dict[str, str]:
     """Of a field or series; dimension: of the run, where it may be an integral."""
-    unit, long_name = FIELDS.get(name, ("", ""))
+    unit = FIELDS.get(name, "")
     if name in INTEGRALS:
-        unit, long_name = INTEGRALS[name]
-        unit += " m-2" if dimension == 1 else " m-1"
-    found = {"units": unit if si else "1", "long_name": long_name}
-    return {key: value for key, value in found.items() if value}
+        per = {1: " m-2", 2: " m-1", 3: ""}
+        unit = INTEGRALS[name] + per[dimension]
+    unit = unit if si else "1"
+    return {"units": unit} if unit else {}

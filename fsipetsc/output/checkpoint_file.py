@@ -1,12 +1,13 @@
-"""The file of a checkpoint: numbers and a text, never code; what was written whole is read, and nothing else.
+"""The file of a checkpoint: numbers and a text, never code; what was written whole is read.
 
-    the first 512 bytes   the words "fsipetsc checkpoint 1", the SHA-256 and the length of all that follows, in letters
-    from there on         an HDF5 file: /header, JSON text, and a dataset for each array
+    the first 512 bytes   "fsipetsc checkpoint 1", the SHA-256 and the length of all that follows
+    from there on         an HDF5 file: /header, JSON text, and a dataset arrays/NAME for each array
 
-HDF5 passes over the first 512 bytes, so h5dump and h5py open the file as it is. The checksum holds every byte.
+HDF5 passes over the first 512 bytes, so h5dump and h5py open the file as it is. The checksum is of
+every byte.
 
-A checkpoint is written under another name, synchronised, and renamed; the one before stays as NAME.previous.h5. What
-stands at these names and is no checkpoint is never touched.
+A checkpoint is written under another name and renamed; the one before stays as NAME.previous.h5.
+What stands at these names and is no checkpoint is never touched.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ import h5py
 import numpy as np
 
 from fsipetsc.errors import FileError
+from fsipetsc.output.file_layout import in_memory, write_whole
 from fsipetsc.output.places import check_folder
 
 Array = np.ndarray[Any, Any]
@@ -44,57 +46,37 @@ class Checkpoint(NamedTuple):
 
 def pack(checkpoint: Checkpoint) -> bytes:
     """The content of the file."""
-    with h5py.File("checkpoint", "w", driver="core", backing_store=False) as file:
+    with in_memory() as (file, image):
         file["header"] = json.dumps(checkpoint.header)
         for name, array in checkpoint.arrays.items():
-            file.create_dataset(f"arrays/{name}", data=array)
-        file.flush()
-        body = file.id.get_file_image()
-    return _head(body) + body
+            file[f"arrays/{name}"] = array
+    return _head(image.getvalue()) + image.getvalue()
 
 
 def unpack(content: bytes, name: str) -> Checkpoint:
-    """The checkpoint of a file's content. FileError, which says name, if a byte is not as it was written."""
+    """The checkpoint in a file's content; FileError with the name, if a byte is not as written."""
     if not content.startswith(_MAGIC):
         raise FileError(f"{name}: is not a checkpoint of fsipetsc")
     head, body = content[:_HEAD], content[_HEAD:]
-    fields = head.rstrip(b"\0").split()
-    if len(fields) == 5 and fields[2].isdigit() and int(fields[2]) > VERSION:
-        version = int(fields[2])
-        raise FileError(
-            f"{name}: is a checkpoint of format {version}, which this fsipetsc does not know, or damaged"
-        )
     if head != _head(body):
-        length = fields[4] if len(fields) == 5 else b""
-        cut = length.isdigit() and int(length) > len(body)
-        what = (
-            f"it ends after {len(content)} of {int(length) + _HEAD} bytes"
-            if cut
-            else "its checksum is another one"
-        )
-        raise FileError(f"{name}: the checkpoint is damaged: {what}")
+        raise FileError(f"{name}: the checkpoint is damaged, or of another version of fsipetsc")
     try:
         with h5py.File(io.BytesIO(body), "r") as file:
             arrays = {key: dataset[...] for key, dataset in file.get("arrays", {}).items()}
             header = json.loads(file["header"].asstr()[()])
-        if any(array.dtype.kind not in "fiu" for array in arrays.values()) or not isinstance(
-            header, dict
-        ):
-            raise ValueError("an array holds no numbers, or the header is no table")
-        return Checkpoint(header, arrays)
+        if any(array.dtype.kind not in "fiu" for array in arrays.values()):
+            raise ValueError("an array holds no numbers")
+        if not isinstance(header, dict):
+            raise ValueError("the header is no table")
     except Exception as error:  # its checksum is right: somebody has made it so
-        raise FileError(
-            f"{name}: is not a checkpoint of fsipetsc: {' '.join(str(error).split())}"
-        ) from None
+        reason = " ".join(str(error).split())
+        raise FileError(f"{name}: is not a checkpoint of fsipetsc: {reason}") from None
+    return Checkpoint(header, arrays)
 
 
 def _head(body: bytes) -> bytes:
-    lines = (
-        b"%s%d" % (_MAGIC, VERSION),
-        hashlib.sha256(body).hexdigest().encode(),
-        b"%d" % len(body),
-    )
-    return b"\n".join(lines).ljust(_HEAD, b"\0")
+    sha = hashlib.sha256(body).hexdigest()
+    return f"{_MAGIC.decode()}{VERSION}\n{sha}\n{len(body)}".encode().ljust(_HEAD, b"\0")
 
 
 def previous(path: str | os.PathLike[str]) -> Path:
@@ -106,16 +88,15 @@ def previous(path: str | os.PathLike[str]) -> Path:
 def read(path: str | os.PathLike[str]) -> Checkpoint:
     """The checkpoint in a file. FileError."""
     name = os.fspath(path)
+    if not os.path.lexists(path):
+        hint = f"; the one before it is there: {previous(path)}" if previous(path).is_file() else ""
+        raise FileError(f"{name}: there is no such file{hint}")
     try:
-        descriptor = os.open(
-            path, os.O_RDONLY | os.O_NONBLOCK
-        )  # a pipe would wait for somebody who writes
-        with os.fdopen(descriptor, "rb") as file:
+        if not Path(path).is_file() and not Path(path).is_dir():  # a pipe would wait for a writer
+            raise FileError(f"{name}: is not a checkpoint of fsipetsc")
+        with open(path, "rb") as file:
             start = file.read(len(_MAGIC))
             content = start + (file.read() if start == _MAGIC else b"")  # of what is ours
-    except FileNotFoundError:
-        hint = f"; the one before it is there: {previous(path)}" if previous(path).is_file() else ""
-        raise FileError(f"{name}: there is no such file{hint}") from None
     except OSError as error:
         raise FileError(f"{name}: cannot be read: {error.strerror}") from None
     return unpack(content, name)
@@ -124,7 +105,7 @@ def read(path: str | os.PathLike[str]) -> Checkpoint:
 def is_one(path: Path) -> bool:
     """Whether a file begins as a checkpoint does, whole or damaged; not if it cannot be read."""
     with suppress(OSError):
-        if path.is_file():  # a pipe would wait for somebody who writes
+        if path.is_file():
             with path.open("rb") as file:
                 return file.read(len(_MAGIC)) == _MAGIC
     return False
@@ -136,8 +117,6 @@ def check_place(path: str | os.PathLike[str]) -> None:
     check_folder(path, target.parent)
     if fault := _in_the_way(target):
         raise FileError(f"{fault}: no checkpoint can be written there")
-    if not os.access(target.parent, os.W_OK | os.X_OK):
-        raise FileError(f"{path}: the directory {target.parent} is not writable")
     try:
         draft_of(path).touch()
         draft_of(path).unlink()
@@ -146,7 +125,7 @@ def check_place(path: str | os.PathLike[str]) -> None:
 
 
 def _in_the_way(target: Path) -> str:
-    """What stands at the name, or at that of the one before, and is none of ours, in words; "" if nothing does."""
+    """What stands at the name, or that of the one before, and is none of ours; "" if nothing."""
     for file in (target, previous(target)):
         if os.path.lexists(file) and not file.is_file():
             return f"{file}: exists and is not a regular file"
@@ -162,13 +141,15 @@ def draft_of(path: str | os.PathLike[str]) -> Path:
 
 
 def write(path: str | os.PathLike[str], content: bytes) -> None:
-    """Make this the newest checkpoint of a name, and what was there the one before. CheckpointError: then none has changed."""
+    """Make this the newest checkpoint of a name, and what was there the one before.
+
+    CheckpointError: then none has changed.
+    """
     target, draft = Path(os.path.realpath(path)), draft_of(path)
     if fault := _in_the_way(target):
         raise CheckpointError(f"{path}: the checkpoint cannot be written: {fault}")
     try:
-        with open(draft, "wb") as file:
-            _put(file.fileno(), content)
+        write_whole(draft, content)
         if target.exists():
             os.replace(target, previous(target))
         os.replace(draft, target)
@@ -176,13 +157,5 @@ def write(path: str | os.PathLike[str], content: bytes) -> None:
         with suppress(OSError):
             draft.unlink()
         kept = f"; the one before is kept in {target}" if target.is_file() else ""
-        raise CheckpointError(
-            f"{path}: the checkpoint cannot be written: {error.strerror or error}{kept}"
-        ) from None
-
-
-def _put(descriptor: int, content: bytes) -> None:
-    rest = memoryview(content)
-    while rest:
-        rest = rest[os.write(descriptor, rest) :]
-    os.fsync(descriptor)
+        reason = error.strerror or error
+        raise CheckpointError(f"{path}: the checkpoint cannot be written: {reason}{kept}") from None

@@ -1,10 +1,10 @@
-"""What differs between two results: the largest difference of each field and series, in units in the last place, too."""
+"""What differs between two results: the largest difference of each field and series."""
 
 from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,7 +19,8 @@ class Difference:
     """Of one field or series.
 
     name       "layer: field", or the name of the series
-    largest    largest absolute difference; inf where one of the two is no number; 0.0: the same bits, but for the sign of 0
+    largest    largest absolute difference; inf where one of the two is no number; 0.0: the same
+               bits, but for the sign of 0
     ulp        largest difference in units in the last place of the larger one of the two values
     scale      largest absolute value of the first result, in the common part
     place      where `largest` is, in words
@@ -34,7 +35,7 @@ class Difference:
 
 @dataclass(frozen=True)
 class Comparison:
-    """notes: what cannot be compared, such as another grid; options: name -> the two values, where they differ."""
+    """notes: what cannot be compared; options: name -> the two values, where they differ."""
 
     differences: tuple[Difference, ...]
     notes: tuple[str, ...]
@@ -47,7 +48,7 @@ class Comparison:
 
 
 def compare(first: str | os.PathLike[str], second: str | os.PathLike[str]) -> Comparison:
-    """All fields in the frames, and all series in the steps, that two results have at the same times.
+    """All fields in the frames, and all series in the steps, that two results have at equal times.
 
     Layers with different grids: at common nodes where both are active; a note says how many.
 
@@ -56,80 +57,89 @@ def compare(first: str | os.PathLike[str], second: str | os.PathLike[str]) -> Co
     with open_run(first) as a, open_run(second) as b:
         notes: list[str] = []
         frames = _common(a.time, b.time, "frames", notes)
-        steps = _common(_times(a), _times(b), "steps", notes)
-        found = [*_of_layers(a, b, frames, notes), *_of_series(a, b, steps, notes)]
+        found = list(_of_layers(a, b, frames, notes))
+        if "t" in a.series and "t" in b.series:
+            steps = _common(a.series["t"], b.series["t"], "steps", notes)
+            found += _of_series(a, b, steps, notes)
         names = sorted({*a.options, *b.options} - {"fsi_output"})
-        values = {name: (a.options.get(name), b.options.get(name)) for name in names}
-        return Comparison(tuple(found), tuple(notes), {name: pair for name, pair in values.items() if pair[0] != pair[1]})
+        pairs = {name: (a.options.get(name), b.options.get(name)) for name in names}
+        changed = {name: (one, two) for name, (one, two) in pairs.items() if one != two}
+        return Comparison(tuple(found), tuple(notes), changed)
 
 
 def difference(name: str, a: Array, b: Array, times: Array) -> Difference:
-    """Of two arrays of one shape, whose first index is that of `times`. Two values that are no numbers are equal."""
-    both = np.isnan(a) & np.isnan(b)
-    gap = np.where(both | (a == b), 0.0, np.abs(a - b))
+    """Of two arrays of one shape, whose first index is that of `times`; two NaNs are equal."""
+    gap = np.where((a == b) | (np.isnan(a) & np.isnan(b)), 0.0, np.abs(a - b))
     gap = np.where(np.isnan(gap), np.inf, gap)
-    unit = np.spacing(np.maximum(np.abs(np.nan_to_num(a)), np.abs(np.nan_to_num(b))))
-    finite = np.abs(a[np.isfinite(a)])
-    scale = float(finite.max()) if finite.size else 0.0
-    if not gap.size or not gap.any():
+    scale = float(np.abs(a[np.isfinite(a)]).max(initial=0.0))
+    if not gap.any():
         return Difference(name, 0.0, 0.0, scale, "")
+    ulp = gap / np.spacing(np.fmax(np.abs(a), np.abs(b)))
     where = np.unravel_index(np.argmax(gap), gap.shape)
     point = f", point {', '.join(map(str, where[1:]))}" if len(where) > 1 else ""
-    return Difference(name, float(gap[where]), float((gap / unit).max()), scale, f"t = {times[where[0]]:.6g}{point}")
+    place = f"t = {times[where[0]]:.6g}{point}"
+    return Difference(name, float(gap[where]), float(ulp[~np.isnan(ulp)].max()), scale, place)
 
 
 def table(comparison: Comparison) -> str:
     """As the command `diff` prints it."""
-    lines = [f"{'':30}{'largest':>12}{'relative':>12}{'ulp':>12}"]
-    equal = 0
-    for found in comparison.differences:
-        if found.largest == 0.0:
-            equal += 1
-            continue
-        relative = f"{found.largest / found.scale:12.2e}" if found.scale else f"{'':12}"
-        lines.append(f"{found.name:30}{found.largest:12.3e}{relative}{found.ulp:12.3g}   {found.place}")
-    if equal == len(comparison.differences):
-        lines.clear()
-    lines.append(f"{equal} of {len(comparison.differences)} fields and series are equal, bit for bit")
+    different = [found for found in comparison.differences if found.largest > 0.0]
+    lines = [f"{'':30}{'largest':>12}{'relative':>12}{'ulp':>12}"] if different else []
+    for found in different:
+        relative = f"{found.largest / found.scale:.2e}" if found.scale else ""
+        numbers = f"{found.largest:12.3e}{relative:>12}{found.ulp:12.3g}"
+        lines.append(f"{found.name:30}{numbers}   {found.place}")
+    count = len(comparison.differences)
+    lines.append(f"{count - len(different)} of {count} fields and series are equal, bit for bit")
     lines += [f"note: {note}" for note in comparison.notes]
-    for name, (a, b) in comparison.options.items():
-        lines.append(f"option -{name}: {a} and {b}")
+    lines += [f"option -{name}: {a} and {b}" for name, (a, b) in comparison.options.items()]
     return "\n".join(lines)
 
 
-def _times(run: Run) -> Array:
-    return run.series["t"] if "t" in run.series else np.empty(0)
+_Common = tuple[Array, Array, Array]  # times that are in both, and where they are in either
 
 
-def _common(a: Array, b: Array, what: str, notes: list[str]) -> tuple[Array, Array, Array]:
-    """Times that are in both, and where they are in either."""
+def _common(a: Array, b: Array, what: str, notes: list[str]) -> _Common:
     times, in_a, in_b = np.intersect1d(a, b, return_indices=True)
     if not len(times) == len(a) == len(b):
         notes.append(f"{len(a)} and {len(b)} {what}, {len(times)} of them at the same times")
     return times, in_a, in_b
 
 
-def _of_layers(a: Run, b: Run, common: tuple[Array, Array, Array], notes: list[str]) -> Iterator[Difference]:
+def _both(a: Iterable[str], b: Iterable[str], what: str, notes: list[str]) -> list[str]:
+    """The names that are in both; the others are noted."""
+    notes += [f"{what} {name!r} is in one of them only" for name in sorted({*a} ^ {*b})]
+    others = set(b)
+    return [name for name in a if name in others]
+
+
+def _of_layers(a: Run, b: Run, common: _Common, notes: list[str]) -> Iterator[Difference]:
     times, in_a, in_b = common
-    others = {layer.name: layer for layer in b.layers}
-    notes += [f"layer {name!r} is in one of them only" for name in {layer.name for layer in a.layers} ^ set(others)]
-    for layer in a.layers:
-        other = others.get(layer.name)
-        if other is None:
-            continue
-        notes += [f"{layer.name}: {field} is in one of them only" for field in sorted({*layer.fields} ^ {*other.fields})]
+    first, second = ({layer.name: layer for layer in run.layers} for run in (a, b))
+    for name in _both(first, second, "layer", notes):
+        layer, other = first[name], second[name]
         nodes = common_nodes(layer, other, notes)
         if nodes is None:
             continue
-        for field in (field for field in layer.fields if field in other.fields):
+        for field in _both(layer.fields, other.fields, f"{name}: field", notes):
             one, two = layer[field][in_a], other[field][in_b]
             if one.shape[1:] != two.shape[1:]:
-                one = one[(slice(None), *np.ix_(*nodes[0]))]
-                two = two[(slice(None), *np.ix_(*nodes[1]))]
+                every = np.arange(len(times))
+                one, two = one[np.ix_(every, *nodes[0])], two[np.ix_(every, *nodes[1])]
                 # active parts of two grids end at other nodes
                 outside = np.isnan(one) | np.isnan(two)
                 one, two = np.where(outside, np.nan, one), np.where(outside, np.nan, two)
-            yield difference(f"{layer.name}: {field}", one, two, times)
+            yield difference(f"{name}: {field}", one, two, times)
+
+
+def _of_series(a: Run, b: Run, common: _Common, notes: list[str]) -> Iterator[Difference]:
+    times, in_a, in_b = common
+    for name in _both(a.series, b.series, "series", notes):
+        one, two = a.series[name][in_a], b.series[name][in_b]
+        if one.shape == two.shape:
+            yield difference(name, one, two, times)
+        else:
+            notes.append(f"series {name} has the shapes {one.shape} and {two.shape}")
 
 
 def common_nodes(a: Any, b: Any, notes: list[str]) -> tuple[list[Array], list[Array]] | None:
@@ -164,30 +174,12 @@ def _of_lines(a: Array, b: Array, h: float) -> tuple[list[Array], list[Array]] |
 
 def _of_blocks(a: Any, b: Any) -> tuple[list[Array], list[Array]] | None:
     """Every so many nodes of each axis, if those of both are at the same places; else None."""
-    pairs = zip(a.places.shape[:-1], b.places.shape[:-1])
-    periodic = a.periodic[::-1]
-    axes = [_every(n, m, 0 if ring else 1) for (n, m), ring in zip(pairs, periodic)]
-    first, second = [one for one, _ in axes], [two for _, two in axes]
-    one, two = a.places[np.ix_(*first)], b.places[np.ix_(*second)]
+    chosen: tuple[list[Array], list[Array]] = [], []
+    for n, m, ring in zip(a.places.shape[:-1], b.places.shape[:-1], a.periodic[::-1]):
+        last = 0 if ring else 1  # whether the end of the axis is a node of its own
+        steps = math.gcd(n - last, m - last)
+        for nodes, count in zip(chosen, (n, m)):
+            nodes.append(np.arange(steps + last) * ((count - last) // max(steps, 1)))
+    one, two = a.places[np.ix_(*chosen[0])], b.places[np.ix_(*chosen[1])]
     size = np.ptp(a.places.reshape(-1, a.places.shape[-1]), axis=0).max()
-    return (first, second) if np.allclose(one, two, rtol=0.0, atol=1e-9 * size) else None
-
-
-def _every(n: int, m: int, last: int) -> tuple[Array, Array]:
-    """Common ones of n and m nodes of an axis; last: 1 where its end is a node of its own, else 0."""
-    steps = math.gcd(n - last, m - last)
-    if not steps:
-        return np.zeros(1, int), np.zeros(1, int)
-    k = np.arange(steps + last)
-    return k * ((n - last) // steps), k * ((m - last) // steps)
-
-
-def _of_series(a: Run, b: Run, common: tuple[Array, Array, Array], notes: list[str]) -> Iterator[Difference]:
-    times, in_a, in_b = common
-    notes += [f"series {name} is in one of them only" for name in sorted({*a.series} ^ {*b.series})]
-    for name in (name for name in a.series if name in b.series):
-        one, two = a.series[name][in_a], b.series[name][in_b]
-        if one.shape != two.shape:
-            notes.append(f"series {name} has the shapes {one.shape} and {two.shape}")
-            continue
-        yield difference(name, one, two, times)
+    return chosen if np.allclose(one, two, rtol=0.0, atol=1e-9 * size) else None

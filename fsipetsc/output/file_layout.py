@@ -1,96 +1,113 @@
-"""How a result file, and each of its pieces, is organised; shared by the writer and the reader.
+"""How the files of a result are organised, and how they are written and read.
 
-    /                                   attributes format, version; first = (frame, step) of a piece
-    /header, /summary, /errors          JSON text, in a whole result; of pieces: see `pieces`
-    /time                               (nframes,) times of the saved frames [s]
-    /series                             (nsteps,) records, one per time step, of numbers (t, dt, energy, ...) and
-                                        arrays (x_interface, ...; mass); not there if there are no steps
-    /segment0000/layer00/X              (n,) Lagrangian grid; of blocks (n, 1 + d), numbers of nodes and places
-    /segment0000/layer00/framesA-B      (n, k c) frames A ... B: for each point, the c columns of each of the k frames
+    NAME.parts/lock          held by the run that writes (see `lock`)
+    NAME.parts/header.json   what is known of the run: format, version, header, summary, errors
+    NAME.parts/000001.h5 …   pieces: some consecutive frames and steps
+    NAME.h5                  the finished result, a piece with all frames and steps
 
-The columns of a layer are its fields, then the positions x where x is not a field. A new segment begins whenever a grid
-has grown, and at a restart. The order point - frame - column lets every rank write its points as one part, so the file
-does not depend on the number of ranks. Of blocks points are counted with axis 0 first; the header has their shape,
-(..., n_1, n_0).
+A piece has
 
-All of HDF5's metadata bears checksums (format of HDF5 1.10), so a changed byte there is an error and not a crash.
+    about            the text of header.json; in NAME.h5 only
+    attribute first  numbers of its first frame and step; from there on it takes the place of what
+                     earlier pieces have: a restart goes on behind its checkpoint
+    time             (k,) times of the frames [s]
+    series/NAME      (m, …) a row for each step
+    layer0/X         (n,) Lagrangian grid; of blocks (n, d), places of nodes in the reference map,
+                     counted with axis 0 first. In pieces where it has changed
+    layer0/FIELD     in NAME.h5: (k, n), of blocks (k, …, n_1, n_0); NaN outside the active part
+    layer0/frames    in other pieces: (n, k c), for each point the c columns of each of k frames,
+                     so that every rank writes its points as one part
+
+The columns of a layer are its fields, then x where that is not a field. HDF5's metadata has
+checksums (format of HDF5 1.10): a changed byte there is an error and not a crash.
 """
 
 from __future__ import annotations
 
+import errno
+import io
 import os
-import re
 from collections.abc import Iterator, Mapping
-from typing import Any, NamedTuple
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
 
-FORMAT = "fsipetsc result"
-VERSION = 2
+from fsipetsc.errors import FileError
+
+FORMAT, VERSION = "fsipetsc result", 3
 LIBVER = ("v110", "v110")
-_LARGEST_CHUNK = 1 << 30  # bytes; HDF5 allows less than 4 GiB
 
 
-class FrameSet(NamedTuple):
-    """A dataset of consecutive frames of a layer."""
+class Damaged(Exception):
+    """A part of a result is not what it should be; says which part, and why."""
 
-    group: str
-    dataset: str
-    first: int
-    count: int
+
+@contextmanager
+def damage(path: str, what: str = "") -> Iterator[None]:
+    """Any error while a file is read, whatever it contains, becomes a FileError of one line.
+
+    But for FileNotFoundError: a piece may be gone because the pieces have become one file.
+    """
+    try:
+        yield
+    except (FileError, FileNotFoundError):
+        raise
+    except MemoryError as error:
+        raise FileError(f"{path}: {what or 'its content'} does not fit into memory") from error
+    except Exception as error:
+        reason = " ".join(str(error).split())
+        if not isinstance(error, (Damaged, OSError, ValueError)):
+            reason = f"{type(error).__name__}: {reason}"
+        of = f"{what} cannot be read: " if what else ""
+        raise FileError(f"{path}: {of}the file is damaged: {reason}") from error
 
 
 def open_h5(path: str | os.PathLike[str], mode: str = "r") -> h5py.File:
-    """Open with serial HDF5, without file locks: a result may be looked at while its run goes on."""
+    """Open without file locks: a result may be looked at while its run goes on."""
     return h5py.File(path, mode, locking=False, libver=LIBVER if mode != "r" else None)
+
+
+class _Image(io.BytesIO):
+    """A file in memory, as h5py's driver for Python's file objects wants it."""
+
+    def truncate(self, size: int | None = None) -> int:
+        length = self.tell() if size is None else size
+        self.write(bytes(max(0, length - self.seek(0, os.SEEK_END))))
+        return super().truncate(length)
+
+
+@contextmanager
+def in_memory() -> Iterator[tuple[h5py.File, io.BytesIO]]:
+    """A new HDF5 file, and what has its content, `getvalue()`, when the context has ended."""
+    image = _Image()
+    with h5py.File(image, "w", libver=LIBVER) as file:
+        yield file, image
+
+
+def write_whole(path: Path, content: bytes, room: int = 0) -> None:
+    """Write a file, with room for more bytes behind it, to the disk. OSError.
+
+    HDF5 crashes when it closes a file on a full disk, so what it will need is reserved before.
+    """
+    with open(path, "wb") as file:
+        file.write(content)
+        file.flush()
+        if room and hasattr(os, "posix_fallocate"):
+            try:
+                os.posix_fallocate(file.fileno(), len(content), room)
+            except OSError as error:
+                if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):  # else it is not known
+                    raise
+        os.fsync(file.fileno())
 
 
 def columns(layer: Mapping[str, Any]) -> tuple[str, ...]:
     """Names of the stored columns of a layer of the header."""
     fields = tuple(layer["fields"])
     return fields if "x" in fields else (*fields, "x")
-
-
-def group_name(segment: int, layer: int) -> str:
-    """Group of a layer in a segment."""
-    return f"/segment{segment:04d}/layer{layer:02d}"
-
-
-def frames_name(first: int, count: int) -> str:
-    """Dataset of `count` frames from number `first` on."""
-    return f"frames{first:08d}-{first + count - 1:08d}"
-
-
-def layer_groups(file: h5py.File) -> list[str]:
-    """Names of all groups of layers, in ascending order."""
-    return [
-        f"/{segment}/{layer}"
-        for segment in file
-        if segment.startswith("segment") and isinstance(file.get(segment), h5py.Group)
-        for layer in file[segment]
-        if isinstance(file[segment].get(layer), h5py.Group)
-    ]
-
-
-def frame_sets(file: h5py.File, group: str) -> Iterator[FrameSet]:
-    """The frames in the group of a layer."""
-    for name in file[group]:
-        if match := re.fullmatch(r"frames(\d{8,})-(\d{8,})", name):
-            yield FrameSet(group, name, int(match[1]), int(match[2]) - int(match[1]) + 1)
-
-
-def new_dataset(file: h5py.File, name: str, shape: tuple[int, ...]) -> None:
-    """Doubles that are not filled: PETSc, which writes to chunked datasets only, puts the numbers there."""
-    row = 8 * int(np.prod(shape[1:], dtype=int))
-    chunk = (max(1, min(shape[0], _LARGEST_CHUNK // row)), *shape[1:])
-    links = h5py.h5p.create(h5py.h5p.LINK_CREATE)
-    links.set_create_intermediate_group(True)
-    properties = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
-    properties.set_chunk(chunk)
-    properties.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
-    space = h5py.h5s.create_simple(shape)
-    h5py.h5d.create(file.id, name.encode(), h5py.h5t.IEEE_F64LE, space, properties, lcpl=links)
 
 
 def describe(dtype: np.dtype[Any]) -> list[list[Any]]:

@@ -10,119 +10,127 @@ import numpy as np
 
 from fsipetsc.checks import duration
 from fsipetsc.options.option import INT_MAX
+from fsipetsc.output.file_layout import damage
 from fsipetsc.output.reader import BlockLayer, Layer, Run, open_run
 
-
-def _three_digits(value: float) -> str:
-    return f"{value:.3g}"
+Rows = list[tuple[str, str]]
 
 
 def info(path: str | os.PathLike[str]) -> str:
-    """Case, times, layers, series, options, summary and errors of a result. Raises FileError if it cannot be read."""
-    with open_run(path) as run:
+    """Case, times, layers, series, options, summary and errors of a result. FileError."""
+    with damage(os.fspath(path)), open_run(path) as run:
         (_, first), *parts = info_sections(run)
     tables = [_table([("file", os.fspath(path)), *first])]
-    tables += [_table([(title, ""), *((f"  {name}", text) for name, text in rows)]) for title, rows in parts]
+    for title, rows in parts:
+        tables.append(_table([(title, ""), *((f"  {name}", text) for name, text in rows)]))
     return "\n\n".join(tables)
 
 
-def info_sections(run: Run) -> list[tuple[str, list[tuple[str, str]]]]:
+def info_sections(run: Run) -> list[tuple[str, Rows]]:
     """(title, rows of name and text) of what there is to say about a result."""
+    options = {f"-{name}": value for name, value in run.options.items() if value != ""}
     parts = [
         ("run", _overview(run)),
-        ("layers", list(_layers(run))),
-        ("options", list(_entries({f"-{name}": value for name, value in run.options.items()}))),
-        ("summary", list(_summary(run.summary))),
+        ("layers", [(layer.name, _of_layer(run, layer)) for layer in run.layers]),
+        ("options", [(name, _text(value)) for name, value in options.items()]),
+        ("summary", _summary(run.summary)),
     ]
     if run.errors:
-        norm = run.options.get("fsi_norm", "L2")  # results of earlier versions have none
-        parts.append((f"{norm} errors", [(kind, _inline(values)) for kind, values in run.errors.items()]))
+        errors = [(kind, _text(values)) for kind, values in run.errors.items()]
+        parts.append((f"{run.options.get('fsi_norm', 'L2')} errors", errors))
     return parts
 
 
-def _overview(run: Run) -> list[tuple[str, str]]:
-    steps = len(run.series["t"]) if "t" in run.series else 0
-    created = run.header.get("created")
-    state = "complete" if run.complete else run.summary.get("status", "unfinished: still running, or killed")
-    rows = [("case", run.case), ("state", state)]
-    if run.dimension > 1:
-        rows.append(("dimension", str(run.dimension)))
-    if created:
-        rows.append(("created", created))
-    rows.append(("frames", f"{run.nframes}{_range(', t =', run.time)}"))
-    rows.append(("time steps", f"{steps}{_range(', dt =', run.series['dt']) if 'dt' in run.series else ''}"))
-    rows.append(("series", ", ".join(run.series) or "none"))
-    rows.append(("interfaces", _positions(run)))
-    if run.points:
-        rows.append(("points", ", ".join(f"{name} at {_place(X)}" for name, X in run.points)))
-    rows.extend(("note", note) for note in run.header.get("notes", ()))
-    return rows
+def _overview(run: Run) -> Rows:
+    steps, dt = len(run.series.get("t", ())), run.series.get("dt", ())
+    state = run.summary.get("status", "unfinished: still running, or killed")
+    rows = [
+        ("case", run.case),
+        ("state", "complete" if run.complete else str(state)),
+        ("dimension", str(run.dimension) if run.dimension > 1 else ""),
+        ("created", run.header.get("created", "")),
+        ("frames", f"{run.nframes}{_range(', t =', run.time)}"),
+        ("time steps", f"{steps}{_range(', dt =', dt)}"),
+        ("series", ", ".join(run.series) or "none"),
+        ("interfaces", _positions(run)),
+        ("points", "; ".join(f"{name} at {_place(X)}" for name, X in run.points)),
+        *(("note", note) for note in run.header.get("notes", ())),
+    ]
+    return [(name, text) for name, text in rows if text]
 
 
-def _layers(run: Run) -> Iterable[tuple[str, str]]:
-    """Active points come and go where a layer meets a fixed end; those held in reserve for it are stored, too."""
-    for layer in run.layers:
-        if isinstance(layer, BlockLayer):
-            ranges = [_range(f", {name} =", getattr(layer, name)) for name in "XYZ"[: run.dimension]]
-            yield layer.name, f"{layer.kind}, {layer.size}{''.join(ranges)}; {', '.join(layer.fields)}"
-            continue
-        grid = f"{len(layer.X)} points{_active(layer, run.nframes)}{_range(', X =', layer.X)}, h = {layer.h:g}"
-        yield layer.name, f"{layer.kind}, {grid}; {', '.join(layer.fields)}"
+def _of_layer(run: Run, layer: Layer) -> str:
+    """The grid, active points and fields of a layer."""
+    if isinstance(layer, BlockLayer):
+        ranges = [_range(f", {name} =", getattr(layer, name)) for name in "XYZ"[: run.dimension]]
+        grid = layer.size + "".join(ranges)
+    else:
+        active = _active(layer, run.nframes)
+        grid = f"{layer.size}{active}{_range(', X =', layer.X)}, h = {layer.h:g}"
+    return f"{layer.kind}, {grid}; {', '.join(layer.fields)}"
+
+
+def _active(layer: Layer, nframes: int) -> str:
+    """How many points were active in the first and in the last frame, if not all of them.
+
+    Active points come and go where a layer meets a fixed end; those in reserve are stored, too.
+    """
+    if not nframes:
+        return ""
+    frames = (layer.frame(number)[layer.fields[0]] for number in (0, nframes - 1))
+    counts = [int(np.isfinite(values).sum()) for values in frames]
+    if counts == [len(layer.X)] * 2:
+        return ""
+    return f" with those in reserve, {' … '.join(map(str, dict.fromkeys(counts)))} active"
+
+
+def _positions(run: Run) -> str:
+    """Where the interfaces are at the end."""
+    found, mean, t = run.summary.get("interfaces"), "", run.summary.get("t")
+    if run.blocks and found:
+        mean = " on average" * (run.dimension > 1)
+    elif len(run.series.get("x_interface", ())):
+        found = dict(zip(run.interfaces, np.atleast_1d(run.series["x_interface"][-1])))
+        t = run.series["t"][-1]
+    else:
+        return ", ".join(run.interfaces) or "none"
+    axis = " xyz"[run.dimension]
+    places = (f"{name} at {axis} = {value:.6g}{mean}" for name, value in found.items())
+    return f"{', '.join(places)} at t = {t:g}"
 
 
 def _place(X: Iterable[float]) -> str:
     return ", ".join(f"{name} = {x:.6g}" for name, x in zip("XYZ", X))
 
 
-def _active(layer: Layer, nframes: int) -> str:
-    """How many points were part of the layer in the first and in the last frame, if not all of them."""
-    if not nframes:
-        return ""
-    counts = [int(np.isfinite(layer.frame(frame)[layer.fields[0]]).sum()) for frame in (0, nframes - 1)]
-    if counts == [len(layer.X)] * 2:
-        return ""
-    return f" with those in reserve, {' … '.join(str(n) for n in dict.fromkeys(counts))} active"
+def _range(label: str, values: Any) -> str:
+    finite = np.asarray(values)[np.isfinite(values)]
+    return f"{label} {finite.min():g} … {finite.max():g}" if finite.size else ""
 
 
-def _positions(run: Run) -> str:
-    """Where the interfaces are at the end."""
-    if (run.dimension == 2 or run.blocks) and run.summary.get("interfaces"):
-        axis, heights = " xyz"[run.dimension], run.summary["interfaces"].items()
-        mean = " on average" * (run.dimension > 1)
-        return ", ".join(f"{name} at {axis} = {y:.6g}{mean}" for name, y in heights) + f" at t = {run.summary['t']:g}"
-    if not len(run.series.get("x_interface", ())):
-        return ", ".join(run.interfaces) or "none"
-    last = zip(run.interfaces, np.atleast_1d(run.series["x_interface"][-1]))
-    return ", ".join(f"{name} at x = {x:.6g}" for name, x in last) + f" at t = {run.series['t'][-1]:g}"
-
-
-def _range(label: str, values: np.ndarray) -> str:
-    return f"{label} {np.nanmin(values):g} … {np.nanmax(values):g}" if np.isfinite(values).any() else ""
-
-
-def _entries(entries: Mapping[str, Any]) -> Iterable[tuple[str, str]]:
-    return ((name, _text(value)) for name, value in entries.items() if value != "")
-
-
-def _summary(entries: Mapping[str, Any]) -> Iterable[tuple[str, str]]:
-    """What a run came to, in the order of LABELS; what is not there stands behind, as it is called."""
-    part = entries.get("part")
-    if isinstance(part, Mapping) and part.get("steps") == entries.get("steps"):  # no restart before
-        entries = {name: value for name, value in entries.items() if name != "part"}
-    named = [(name, *LABELS[name]) for name in LABELS if entries.get(name) not in ("", None, {})]
-    for name, label, written in named:
+def _summary(entries: Mapping[str, Any]) -> Rows:
+    """What a run came to, in the order of LABELS; all else stands behind, as it is called."""
+    known = {name: value for name, value in entries.items() if value not in ("", None, {})}
+    part = known.get("part")
+    if isinstance(part, Mapping) and part.get("steps") == known.get("steps"):
+        del known["part"]  # there was no restart
+    rows = []
+    order = list(LABELS)
+    for name in sorted(known, key=lambda name: order.index(name) if name in LABELS else len(order)):
+        label, written = LABELS.get(name, (name.replace("_", " "), _text))
         try:
-            yield label, written(entries[name])
+            rows.append((label, written(known[name])))
         except (AttributeError, KeyError, TypeError, ValueError):  # of a damaged file
-            yield label, _text(entries[name])
-    more = {name.replace("_", " "): value for name, value in entries.items() if name not in LABELS}
-    yield from _entries(more)
+            rows.append((label, _text(known[name])))
+    return rows
 
 
-def _seconds(value: Any) -> str:
-    if isinstance(value, Mapping):
-        return ", ".join(f"{name} {_seconds(number)}" for name, number in value.items())
-    return duration(value)
+def _three_digits(value: float) -> str:
+    return f"{value:.3g}"
+
+
+def _phases(value: Mapping[str, Any]) -> str:
+    return ", ".join(f"{name} {duration(seconds)}" for name, seconds in value.items())
 
 
 def _part(value: Mapping[str, Any]) -> str:
@@ -139,30 +147,22 @@ def _departures(values: Mapping[str, float]) -> str:
 
 def _text(value: Any) -> str:
     if isinstance(value, Mapping):
-        return _inline(value)
+        return ", ".join(f"{name} {_text(entry)}" for name, entry in value.items())
     if isinstance(value, (list, tuple)):
         head = ", ".join(map(_text, value[:6]))
         return f"{head}, … ({len(value)})" if len(value) > 6 else head or "none"
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    if value is None:
-        return "none"
-    if value == INT_MAX:
-        return "no limit"
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    words = {True: "yes", False: "no"} if isinstance(value, bool) else {INT_MAX: "no limit"}
+    return "none" if value is None else words.get(value, str(value))
 
 
-def _inline(entries: Mapping[str, Any]) -> str:
-    return ", ".join(f"{name} {_text(value)}" for name, value in entries.items())
-
-
-def _table(rows: Iterable[tuple[str, str]]) -> str:
-    rows = list(rows)
+def _table(rows: Rows) -> str:
     width = max(len(name) for name, _ in rows) + 2
     return "\n".join(f"{name:{width}}{value}".rstrip() for name, value in rows)
 
 
-#: entry of a summary -> what it is called, how its value is written; what a reader asks first stands first
+#: entry of a summary -> label, how its value is written; what a reader asks first stands first
 LABELS: dict[str, tuple[str, Callable[[Any], str]]] = {
     "status": ("ended", str),
     "message": ("message", str),
@@ -174,9 +174,9 @@ LABELS: dict[str, tuple[str, Callable[[Any], str]]] = {
     "dt_min": ("shortest step", _three_digits),
     "dt_max": ("longest step", _three_digits),
     "limits": ("bounds of the step", _bounds),
-    "wall_time": ("time for the steps", _seconds),
-    "wall_time_total": ("time for all", _seconds),
-    "phases": ("of it", _seconds),
+    "wall_time": ("time for the steps", duration),
+    "wall_time_total": ("time for all", duration),
+    "phases": ("of it", _phases),
     "part": ("since the restart", _part),
     "ranks": ("ranks", str),
     "points": ("points", str),

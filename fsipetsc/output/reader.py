@@ -1,4 +1,4 @@
-"""Opens the result file of a run, finished or not. Needs numpy and h5py only.
+"""Opens the result of a run, finished or not. Needs numpy and h5py only.
 
 Example::
 
@@ -10,17 +10,22 @@ Example::
 
 from __future__ import annotations
 
-import math
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping
+import stat
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import h5py
 import numpy as np
 
 from fsipetsc.checks import Array, counted
-from fsipetsc.output import file_layout
+from fsipetsc.errors import FileError
+from fsipetsc.output.checkpoint_file import is_one
+from fsipetsc.output.contents import Contents
+from fsipetsc.output.file_layout import Damaged, columns, damage
 from fsipetsc.output.interface_line import InterfaceLine, along_face
-from fsipetsc.output.result_source import Damaged, Frames, Source, damage
+from fsipetsc.output.pieces import folder_of, pieces, read_about
 
 if TYPE_CHECKING:
     import xarray
@@ -31,63 +36,79 @@ class Run:
 
     case, options       name of the case; dict of every option in force
     header              what was known at the start: versions, ranks, created, …
-    summary             steps, rhs_evaluations, wall_time (s) … of the whole run, part: since its last restart; points, ranks,
-                        versions …; unfinished: the header's
-    errors              layer kind -> name -> error at the end, L2 or as -fsi_norm says; empty where no exact solution is known
+    summary             steps, rhs_evaluations, wall_time (s) … of the whole run, part: since its
+                        last restart; points, ranks, versions …; unfinished: the header's
+    errors              layer kind -> name -> error at the end, L2 or as -fsi_norm says; empty where
+                        no exact solution is known
     complete            whether the run came to its end; if not, summary["status"] may say why
     time, nframes       (nframes,) times of the saved frames
     layers              tuple of :class:`Layer`, from left to right
     dimension           1, 2 or 3; in two `interface` has the lines between gas and solid
-    blocks              of a problem of blocks name -> :class:`BlockLayer`, in 1 to 3 dimensions; else empty
+    blocks              of a problem of blocks name -> :class:`BlockLayer`, in 1 to 3 dimensions;
+                        else empty
     interfaces          their names, from left to right
-    points              recorded at each step (-fsi_points, -fsi_probes): tuple of (name of the interface or block, (X, …))
-    series              name -> (nsteps,) or (nsteps, m), one row per time step: "t", "dt", "x_interface", …
+    points              recorded at each step (-fsi_points, -fsi_probes): tuple of (name of the
+                        interface or block, (X, …))
+    series              name -> (nsteps,) or (nsteps, m), one row per time step: "t", "dt",
+                        "x_interface", …
 
     Use it as a context manager or call `close`; what was read before stays usable.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         name = os.fspath(path)
-        if name.endswith(".parts") and os.path.isdir(name):  # the pieces of a run that goes on or was killed
+        if name.endswith(".parts") and os.path.isdir(name):  # of a run that goes on or was killed
             name = f"{name.removesuffix('.parts')}.h5"
-        self.path = os.path.abspath(name)
-        with damage(os.fspath(path)):
-            self._source = Source(self.path, name)
-            try:
-                self._read()
-            except BaseException:
-                self.close()
-                raise
+        self.path, self._closed = os.path.abspath(name), False
+        try:
+            self._read(name)
+        except FileNotFoundError:  # the pieces have become one file meanwhile
+            self._read(name)
 
-    def _read(self) -> None:
-        self.header: dict[str, Any] = self._source.header
+    def _read(self, name: str) -> None:
+        path, folder = Path(self.path), folder_of(self.path)
+        whole = _is_whole(path, folder, name)
+        with damage(name):
+            about = read_about(path if whole else folder, name)
+            self._take(about, [path] if whole else pieces(folder))
+
+    def _take(self, about: Mapping[str, Any], files: Sequence[Path]) -> None:
+        """What is known of the run, and its files."""
+        self.header: dict[str, Any] = about["header"]
         _check_header(self.header)
         self.case: str = self.header["case"]
-        self.options: dict[str, Any] = _Named("option", self.header["options"])
+        self.options: dict[str, Any] = self.header["options"]
         self.interfaces: tuple[str, ...] = tuple(self.header.get("interfaces", ()))
-        points = self.header.get("points", ())
-        self.points: tuple[tuple[str, tuple[float, ...]], ...] = tuple((name, tuple(X)) for name, X in points)
-        known: dict[str, Any] = {name: self.header[name] for name in ("versions", "ranks") if name in self.header}
-        self.summary: dict[str, Any] = _Named("summary entry", {**known, **self._source.summary})
-        self.complete = self._source.complete and self.summary.get("status", "done") == "done"
-        errors = {kind: _Named("error", values) for kind, values in self._source.errors.items()}
-        self.errors: dict[str, dict[str, float]] = _Named("layer kind with errors", errors)
-        chunks = [self._source.frames(i) for i in range(len(self.header["layers"]))]
-        time = self._source.time()
-        self.nframes = min([len(time), *(_covered(c) for c in chunks)])
-        self.time: Array = time[: self.nframes]
-        if not np.all(np.isfinite(self.time)) or np.any(np.diff(self.time) < 0):
-            raise Damaged("the times of its frames are not ascending numbers")
-        self.dimension = int(self.header.get("dimension", 1))
-        self.layers = tuple(
-            self._layer(entry)(self.path, entry, own, self.nframes) for entry, own in zip(self.header["layers"], chunks)
+        self.points: tuple[tuple[str, tuple[float, ...]], ...] = tuple(
+            (name, tuple(X)) for name, X in self.header.get("points", ())
         )
-        self.blocks = _Named("block", {layer.name: layer for layer in self.layers if isinstance(layer, BlockLayer)})
-        self.series: Mapping[str, Array] = Arrays(self.path, "series", self._source.series, self._source.column)
+        known = {name: self.header[name] for name in ("versions", "ranks") if name in self.header}
+        self.summary: dict[str, Any] = {**known, **about["summary"]}
+        self.complete = bool(about["summary"]) and self.summary.get("status", "done") == "done"
+        self.errors: dict[str, dict[str, float]] = about["errors"]
+        self.dimension = int(self.header.get("dimension", 1))
+        layers = self.header["layers"]
+        self._contents = contents = Contents(files, layers)
+        contents.close()
+        self.time: Array = contents.time
+        self.nframes = len(self.time)
+        kinds = (BlockLayer if "shape" in entry else Layer for entry in layers)
+        self.layers = tuple(kind(self, k, layers[k]) for k, kind in enumerate(kinds))
+        blocks = (layer for layer in self.layers if isinstance(layer, BlockLayer))
+        self.blocks: dict[str, BlockLayer] = {layer.name: layer for layer in blocks}
+        self.series: Mapping[str, Array] = Arrays(self, "series", contents.names, contents.series)
 
-    def _layer(self, entry: Mapping[str, Any]) -> Any:
-        """What kind of layer an entry of the header tells of."""
-        return BlockLayer if "shape" in entry else Layer
+    def read(self, what: str, action: Callable[[], Any]) -> Any:
+        """What an action reads; `what` is it, in messages. FileError."""
+        if self._closed:
+            raise FileError(f"{self.path}: {what} cannot be read: the result was closed before")
+        try:
+            with damage(self.path, what):
+                return action()
+        except FileNotFoundError:
+            raise FileError(
+                f"{self.path}: has changed since it was opened; open it again"
+            ) from None
 
     def at(self, t: float) -> int:
         """Number of the frame saved nearest to time t."""
@@ -96,7 +117,7 @@ class Run:
         return int(np.argmin(np.abs(self.time - t)))
 
     def interface(self, k: int | str) -> InterfaceLine:
-        """Interface k (counted from below, or its name) of a run in two dimensions, over the frames: motion, traction, heat.
+        """Interface k, counted from below, or its name, of a run in two dimensions.
 
         KeyError or IndexError if there is none.
         """
@@ -109,13 +130,15 @@ class Run:
         return along_face(names[number], solid, self.layers[solid], axis, side, kappa_e)
 
     def to_xarray(self) -> xarray.Dataset:
-        """All frames and series with dimensions, coordinates and units; see :mod:`fsipetsc.output.as_xarray`."""
+        """All frames and series with dimensions, coordinates and units; see `output.as_xarray`."""
         from fsipetsc.output.as_xarray import to_xarray
 
         return to_xarray(self)
 
     def close(self) -> None:
-        self._source.close()
+        """Close its file. What was not read yet cannot be read any more."""
+        self._contents.close()
+        self._closed = True
 
     def __enter__(self) -> Run:
         return self
@@ -131,10 +154,12 @@ class Run:
 
 
 class Arrays(Mapping[str, Array]):
-    """Named arrays that are read from the file when first asked for."""
+    """Named arrays of a run that are read when first asked for."""
 
-    def __init__(self, path: str, what: str, names: Iterable[str], read: Callable[[str], Array]) -> None:
-        self._path, self._what, self._read = path, what, read
+    def __init__(
+        self, run: Run, what: str, names: Iterable[str], read: Callable[[str], Array]
+    ) -> None:
+        self._run, self._what, self._read = run, what, read
         self._kept: dict[str, Array | None] = dict.fromkeys(names)
 
     def __getitem__(self, name: str) -> Array:
@@ -142,8 +167,7 @@ class Arrays(Mapping[str, Array]):
             raise KeyError(_unknown(self._what, name, self._kept))
         values = self._kept[name]
         if values is None:
-            with damage(self._path, name):
-                values = self._kept[name] = self._read(name)
+            values = self._kept[name] = self._run.read(name, lambda: self._read(name))
         return values
 
     def __iter__(self) -> Iterator[str]:
@@ -152,7 +176,7 @@ class Arrays(Mapping[str, Array]):
     def __len__(self) -> int:
         return len(self._kept)
 
-    __eq__, __hash__ = object.__eq__, object.__hash__  # not that of Mapping, which compares all values
+    __eq__, __hash__ = object.__eq__, object.__hash__  # Mapping's would compare all values
 
     def __repr__(self) -> str:
         return f"<{self._what}: {', '.join(self._kept)}>"
@@ -163,25 +187,27 @@ class Layer(Arrays):
 
     name, kind   kind is "fluid" or "solid"
     fields       names of what is stored: fluid rho, u, T, p, x; solid u, sigma, T, x, p
+    shape        (n,)
     X, h         (n,) Lagrangian grid, the largest one of the run if it has grown; its spacing
     x            (nframes, n) Eulerian positions
     """
 
-    def __init__(self, path: str, entry: Mapping[str, Any], chunks: list[Frames], nframes: int) -> None:
+    X: Array
+    h: float
+
+    def __init__(self, run: Run, number: int, entry: Mapping[str, Any]) -> None:
         self.name: str = entry["name"]
         self.kind: str = entry["kind"]
-        self.fields = file_layout.columns(entry)
-        super().__init__(path, f"field in layer {self.name!r}", self.fields, self._read_field)
-        self._nframes = nframes
-        self._chunks = [chunk for chunk in chunks if chunk.first < nframes]
-        for chunk in self._chunks:
-            if chunk.dataset.shape != (len(chunk.X), chunk.count * len(self.fields)):
-                raise Damaged(f"frames of layer {self.name!r} have the shape {chunk.dataset.shape}")
-        self.X, self.h = _merge_grids(self._chunks)
+        self.fields = columns(entry)
+        super().__init__(run, f"field in {self.name!r}", self.fields, self._read_field)
+        self._number = number
+        self._set_grid(run._contents.X[number], entry)
 
-    @property
-    def x(self) -> Array:
-        return self["x"]
+    def _set_grid(self, X: Array, entry: Mapping[str, Any]) -> None:
+        self.X, self.h = X, self._run._contents.h[self._number]
+        self.shape: tuple[int, ...] = X.shape
+
+    x = property(lambda self: self["x"])
 
     @property
     def size(self) -> str:
@@ -189,69 +215,50 @@ class Layer(Arrays):
         return counted(len(self.X), "point")
 
     def frame(self, number: int) -> dict[str, Array]:
-        """All fields of one frame, name -> (n,): much cheaper than whole fields of a long run."""
-        if not -self._nframes <= number < self._nframes:
-            raise IndexError(f"frame {number}: there are {self._nframes}")
-        number %= self._nframes
-        chunk = next(c for c in self._chunks if c.first <= number < c.first + c.count)
-        start = (number - chunk.first) * len(self.fields)
-        values = np.full((len(self.fields), len(self.X)), np.nan)
-        with damage(self._path, f"frame {number}"):
-            values[:, chunk.place] = chunk.dataset[:, start : start + len(self.fields)].T
-        return dict(zip(self.fields, values))
-
-    def place(self, number: int) -> tuple[str, int, tuple[int, int]]:
-        """Where frame `number` (from 0) stands: name of its dataset in the file, its first column, the dataset's shape."""
-        chunk = next(c for c in self._chunks if c.first <= number < c.first + c.count)
-        return chunk.dataset.name, (number - chunk.first) * len(self.fields), chunk.dataset.shape
+        """All fields of one frame, name -> of `shape`: much cheaper than whole fields of a run."""
+        nframes = self._run.nframes
+        if not -nframes <= number < nframes:
+            raise IndexError(f"frame {number}: there are {nframes}")
+        return dict(zip(self.fields, self._frames(self.fields, number % nframes)))
 
     def _read_field(self, name: str) -> Array:
-        column = self.fields.index(name)
-        values = np.full((self._nframes, len(self.X)), np.nan)
-        for chunk in self._chunks:
-            last = min(chunk.first + chunk.count, self._nframes)
-            frames = chunk.dataset[...].reshape(len(chunk.X), chunk.count, len(self.fields))
-            values[chunk.first : last, chunk.place] = frames[:, : last - chunk.first, column].T
-        return values
+        (values,) = self._run._contents.frames(self._number, [name], 0, self._run.nframes)
+        return values.reshape(self._run.nframes, *self.shape)
+
+    def _frames(self, names: Sequence[str], number: int) -> list[Array]:
+        read, k = self._run._contents.frames, self._number
+        rows = self._run.read(f"frame {number}", lambda: read(k, names, number, number + 1))
+        return [values.reshape(self.shape) for values in rows]
 
     def __repr__(self) -> str:
-        span = f", X = {self.X[0]:g} … {self.X[-1]:g}" if len(self.X) else ""
-        return f"<{self.kind} layer {self.name!r}: {self.size}{span}; {', '.join(self.fields)}>"
+        return f"<{self.kind} {self.name!r}: {self.size}; {', '.join(self.fields)}>"
 
 
-class BlockLayer(Arrays):
+class BlockLayer(Layer):
     """A block of a run in d dimensions; `block[name]` is (nframes, n_{d-1}, …, n_0).
 
-    name, kind, fields   gas rho, u, v, w, T, p, J, x, y, z; solid u, v, w, T, stresses, x, y, z, as far as there are dimensions
+    name, kind, fields   gas rho, u, v, w, T, p, J, x, y, z; solid u, v, w, T, stresses, x, y, z, as
+                         far as there are dimensions
     shape                (n_{d-1}, …, n_0)
-    X, Y, Z              places in the reference map, of the same shape; where X depends on axis 0 alone, Y on axis 1 …, (n_0,),
-                         (n_1,), …
+    X, Y, Z              places in the reference map, of the same shape; where X depends on axis 0
+                         alone, Y on axis 1 …, (n_0,), (n_1,), …
     places, periodic     (…, d) the same as they are; whether axis 0, 1, … is periodic
+    h                    mean spacing [m] of X along axis 0
     x, y, z              (nframes, …) positions
     """
 
-    places: Array
-    X: Array
     Y: Array
     Z: Array
 
-    def __init__(self, path: str, entry: Mapping[str, Any], chunks: list[Frames], nframes: int) -> None:
-        self._points = Layer(path, entry, chunks, nframes)
-        self.name, self.kind, self.fields = self._points.name, self._points.kind, self._points.fields
-        super().__init__(path, f"field in block {self.name!r}", self.fields, self._read_field)
-        self.shape = tuple(int(n) for n in entry["shape"])
-        d = len(self.shape)
-        if not chunks:  # nor is anything known of the places
-            self.places, self.periodic = np.empty((*(0,) * d, d)), (False,) * d
-            self.X = self.Y = self.Z = np.empty(0)
-            return
-        places = chunks[0].places
-        if places is None or places.shape != (math.prod(self.shape), d):
-            raise Damaged(f"places of block {self.name!r} are missing")
-        self.places = places.reshape(*self.shape, d)
-        self.periodic = tuple(entry.get("periodic", [False] * d)[::-1])
+    def _set_grid(self, X: Array, entry: Mapping[str, Any]) -> None:
+        d = len(entry["shape"])
+        self.shape = tuple(entry["shape"]) if len(X) else (0,) * d  # there are no frames
+        self.places: Array = X.reshape(*self.shape, d)
+        self.periodic: tuple[bool, ...] = tuple(entry.get("periodic", [False] * d)[::-1])
         full = [self.places[..., axis] for axis in range(d)]
-        self.X, self.Y, self.Z = _short(full) + [np.zeros(1)] * (3 - d)
+        self.X, self.Y, self.Z = (_short(full) if len(X) else full) + [np.zeros(1)] * (3 - d)
+        row = self.places.reshape(-1, self.shape[-1], d)[0, :, 0] if len(X) else np.zeros(1)
+        self.h = float(row[-1] - row[0]) / max(1, len(row) - 1)
 
     @property
     def rings(self) -> tuple[int, ...]:
@@ -264,34 +271,13 @@ class BlockLayer(Arrays):
                 found.append(axis)
         return tuple(found)
 
-    x = property(lambda self: self["x"])
     y = property(lambda self: self["y"])
     z = property(lambda self: self["z"])
-
-    @property
-    def h(self) -> float:
-        """Mean spacing [m] of X along axis 0."""
-        X = self.X if self.X.ndim == 1 else self.X.reshape(-1, self.shape[-1])[0]
-        return float(X[-1] - X[0]) / max(1, len(X) - 1)
 
     @property
     def size(self) -> str:
         """Of its grid, in words."""
         return f"{' by '.join(map(str, self.shape[::-1]))} points"
-
-    def frame(self, number: int) -> dict[str, Array]:
-        """All fields of one frame, name -> (n_{d-1}, …, n_0)."""
-        return {name: values.reshape(self.shape) for name, values in self._points.frame(number).items()}
-
-    def place(self, number: int) -> tuple[str, int, tuple[int, int]]:
-        """As of a Layer."""
-        return self._points.place(number)
-
-    def _read_field(self, name: str) -> Array:
-        return self._points[name].reshape(-1, *self.shape)
-
-    def __repr__(self) -> str:
-        return f"<{self.kind} block {self.name!r}: {self.size}; {', '.join(self.fields)}>"
 
 
 def _short(places: list[Array]) -> list[Array]:
@@ -300,79 +286,53 @@ def _short(places: list[Array]) -> list[Array]:
     lines = []
     for axis, values in enumerate(places):
         own = d - 1 - axis  # the axis of the array
-        line = values[tuple(slice(None) if k == own else 0 for k in range(d))]
-        shape = [-1 if k == own else 1 for k in range(d)]
-        if not np.allclose(values, line.reshape(shape), rtol=0.0, atol=1e-12 * np.ptp(values)):
+        line = values[tuple(slice(None) if k == own else slice(1) for k in range(d))]
+        if not np.allclose(values, line, rtol=0.0, atol=1e-12 * np.ptp(values)):
             return places
-        lines.append(line)
+        lines.append(line.reshape(-1))
     return lines
 
 
-class _Named(dict[str, Any]):
-    """A dict that says what it holds when asked for something else."""
-
-    def __init__(self, what: str, content: Mapping[str, Any]) -> None:
-        super().__init__(content)
-        self._what = what
-
-    def __missing__(self, name: str) -> Any:
-        raise KeyError(_unknown(self._what, name, self))
-
-
 def open_run(path: str | os.PathLike[str]) -> Run:
-    """Open a result file. Raises FileError if there is none, it is not a result of fsipetsc, or it is damaged."""
+    """Open a result. FileError if there is none, it is not one of fsipetsc, or it is damaged."""
     return Run(path)
+
+
+def _is_whole(path: Path, folder: Path, name: str) -> bool:
+    """Whether there is NAME.h5, or else NAME.parts. FileError if neither is, or it is no result."""
+    try:
+        mode = path.stat().st_mode
+    except FileNotFoundError:
+        if (folder / "header.json").exists():
+            return False
+        raise FileError(f"{name}: there is no such file") from None
+    except OSError as error:
+        raise FileError(f"{name}: may not be read: {error.strerror}") from error
+    if not stat.S_ISREG(mode):  # a pipe would wait for somebody who writes
+        what = "a directory" if stat.S_ISDIR(mode) else "no regular file"
+        raise FileError(f"{name}: is {what}, not a result file")
+    if not os.access(path, os.R_OK):
+        raise FileError(f"{name}: may not be read: Permission denied")
+    if is_one(path):
+        raise FileError(f"{name}: is a checkpoint of fsipetsc, not a result")
+    if not h5py.is_hdf5(path):
+        raise FileError(f"{name}: is not an HDF5 file")
+    return True
 
 
 def _check_header(header: Mapping[str, Any]) -> None:
     """Raise Damaged if what the reader and its users rely on is not there, or something else."""
-
-    def texts(values: Any) -> bool:
-        return isinstance(values, (list, tuple)) and all(isinstance(value, str) for value in values)
-
-    layers, names = header.get("layers"), ("interfaces", "notes")
-    good = isinstance(header.get("case"), str) and isinstance(header.get("options"), dict) and isinstance(layers, list)
-    good = good and all(texts(header.get(name, ())) for name in names) and isinstance(header.get("created", ""), str)
-    good = good and all(isinstance(name, str) and len(X) >= 0 for name, X in header.get("points", ()))
-    for layer in layers if good and layers else ():
+    layers: Any = header.get("layers")
+    good = isinstance(header.get("case"), str) and isinstance(header.get("options"), dict)
+    good = good and isinstance(layers, list) and isinstance(header.get("created", ""), str)
+    lists = [header.get("notes", []), header.get("interfaces", [])]
+    for layer in layers if good else ():
         good = good and isinstance(layer["name"], str) and layer["kind"] in ("fluid", "solid")
-        good = good and texts(layer["fields"]) and len(layer["fields"]) > 0
-        shape = layer.get("shape", [1])
-        good = good and isinstance(shape, list) and all(type(n) is int and 0 < n for n in shape) and len(shape) <= 3
+        lists.append(layer["fields"])
+    for names in lists:
+        good = good and isinstance(names, list) and all(isinstance(name, str) for name in names)
     if not good:
         raise Damaged("its header does not tell case, options and layers")
-
-
-def _covered(chunks: list[Frames]) -> int:
-    """Number of frames from the first on that are there without a gap."""
-    n = 0
-    for chunk in chunks:
-        if chunk.first == n:
-            n += chunk.count
-    return n
-
-
-def _merge_grids(chunks: list[Frames]) -> tuple[Array, float]:
-    """The grid that contains all of them, and its spacing; sets the chunks' places in it."""
-    if not chunks:
-        return np.empty(0), np.nan
-    grids = {id(chunk.X): chunk.X for chunk in chunks}.values()
-    longest = max(grids, key=len)
-    h = float(longest[-1] - longest[0]) / (len(longest) - 1) if len(longest) > 1 else np.nan
-    left = min(grid[0] for grid in grids)
-
-    def place(grid: Array) -> slice:
-        start = round((grid[0] - left) / h) if len(longest) > 1 else 0
-        return slice(start, start + len(grid))
-
-    merged = np.full(max(place(grid).stop for grid in grids), np.nan)
-    for grid in sorted(grids, key=len):
-        merged[place(grid)] = grid
-    if any(np.max(np.abs(merged[place(grid)] - grid)) > 0.01 * h for grid in grids) or np.isnan(merged).any():
-        raise Damaged("its grids do not fit together")
-    for chunk in chunks:
-        chunk.place = place(chunk.X)
-    return merged, h
 
 
 def _unknown(what: str, name: object, valid: Iterable[str]) -> str:

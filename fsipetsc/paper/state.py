@@ -276,13 +276,9 @@ class PaperState:
             for k, r in records
         ]
 
-    def save(self, slots: tuple[Array, Array, int]) -> None:
-        """Put what is saved of this rank's points in the slots of a frame
-        (fsipetsc.output.buffers.Slots)."""
-        out, starts, stride = slots
-        for k, values in fields.fields(self).items():
-            for c in range(5):
-                out[starts[k] + c :: stride][: len(values)] = values[:, c]
+    def save(self) -> dict[int, Array]:
+        """What is saved of this rank's points, (local, 5) by layer."""
+        return fields.fields(self)
 
     def errors(self, t: float, norm: str = "L2") -> dict[str, dict[str, float]] | None:
         """See fsipetsc.paper.fields.errors."""

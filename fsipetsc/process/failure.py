@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from fsipetsc.blame import explain, frames_in, reason
 from fsipetsc.errors import FsiError, Interrupted, is_petsc, lines_of, petsc_words
-from fsipetsc.process.streams import abandon_stdout, say_error
+from fsipetsc.process.streams import abandon, say_error
 
 if TYPE_CHECKING:
     from mpi4py import MPI
@@ -94,8 +94,7 @@ def _print(message: str, error: BaseException, debug: bool) -> None:
     try:
         sys.stdout.flush()
     except (OSError, ValueError):
-        abandon_stdout()
-    told = getattr(error, "told", "") or lines_of(error) if debug else getattr(error, "users", "")
-    if told:
-        say_error(told)
+        abandon(1)
+    if debug:
+        say_error(getattr(error, "told", "") or lines_of(error))
     say_error(f"fsipetsc: error: {message}")

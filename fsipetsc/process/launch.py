@@ -6,30 +6,34 @@ import os
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from fsipetsc.errors import FsiError, InputError
+from fsipetsc.errors import InputError
 from fsipetsc.options import check_petsc
-from fsipetsc.options.petsc_names import AT_START
 from fsipetsc.options.sources import Given, given_options
+from fsipetsc.options.tables import AT_START
 from fsipetsc.process.host import begin_options, petsc_runs
+from fsipetsc.process.together import together
 
 if TYPE_CHECKING:
     from mpi4py import MPI
 
+#: where launchers tell a process its rank
+_RANKS = ("OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK", "MV2_COMM_WORLD_RANK", "SLURM_PROCID")
+
 
 def launcher_rank() -> int:
     """This process's rank as mpiexec tells it, for what needs no MPI; 0 without mpiexec."""
-    names = ("OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK", "MV2_COMM_WORLD_RANK", "SLURM_PROCID")
-    return next((int(os.environ[name]) for name in names if os.environ.get(name, "").isdigit()), 0)
+    found = (os.environ.get(name, "") for name in _RANKS)
+    return next((int(text) for text in found if text.isdigit()), 0)
 
 
 def start_mpi() -> MPI.Comm:
     """COMM_WORLD. Collective; ModuleNotFoundError where there is no mpi4py."""
     import mpi4py
 
-    mpi4py.rc.thread_level = "funneled"  # as PETSc asks for; locks for more threads would cost time in each message
-    # Of Open MPI's two drivers of parallel files, its own (ompio) opens more beside each file, though nothing here asks for it:
-    # a semaphore named after the file alone, so that one left by another user stops or hangs a run, or NAME.h5-….lock, which
-    # a killed run leaves. The other one, ROMIO, does not.
+    mpi4py.rc.thread_level = "funneled"  # as PETSc asks for; locks for more threads cost time
+    # Of Open MPI's two drivers of parallel files, its own (ompio) opens more beside each file: a
+    # semaphore named after the file alone, so that one left by another user stops or hangs a run,
+    # or NAME.h5-….lock, which a killed run leaves. The other one, ROMIO, does not.
     os.environ.setdefault("OMPI_MCA_io_ompio_priority", "0")
     # Open MPI 5.0.7 of Debian 13 warns of network interfaces between which it finds no way
     # (open-mpi/ompi issue 14079). Where all ranks are on this node, they need no network.
@@ -45,27 +49,32 @@ def start_mpi() -> MPI.Comm:
 def start_petsc(arguments: Sequence[str], comm: MPI.Comm) -> dict[str, Given]:
     """Initialise PETSc, unless it runs already, with the options that it follows at its start.
 
-    Returns all options given, as rank 0 finds them.
-
-    arguments: what stands behind the case's name. Name in lower case -> option (see ``fsipetsc.options.sources``), which
-    fsipetsc.options reads. Collective. Raises InputError for what is not an option and for one of PETSc's that does not
-    work here, FileError or InputError for an options file.
+    Returns all options given, as rank 0 finds them: name in lower case -> option, which
+    fsipetsc.options reads. arguments: what stands behind the case's name. Collective. InputError
+    for what is not an option, FileError or InputError for an options file.
     """
-    given = _together(comm, arguments)
+    given = comm.bcast(together(comm, lambda: _found(arguments) if comm.rank == 0 else None))
     start = {option.name: given[option.name].text for option in AT_START if option.name in given}
     if petsc_runs():
         begin_options(start)
     else:
         _initialise(start)
-    from petsc4py import PETSc
+    if "options_left" not in start:
+        from petsc4py import PETSc
 
-    # newer releases (3.22) print what nobody asked for at the end, after every error that meets no solve
-    PETSc.Options().setValue("options_left", "false")
+        # newer releases (3.22) print what nobody asked for at the end, after every error
+        PETSc.Options().setValue("options_left", "false")
     return given
 
 
+def _found(arguments: Sequence[str]) -> dict[str, Given]:
+    found = given_options(arguments)
+    check_petsc(found)
+    return found
+
+
 def _initialise(start: Mapping[str, str]) -> None:
-    """Start PETSc with options of it, name -> text."""
+    """Start PETSc with options of it, name -> text; it reads no others."""
     words = [word for name, text in start.items() for word in (f"-{name}", text) if word]
     always = ["-skip_petscrc", "-no_signal_handler"]  # a SIGTERM is the program's business
     import petsc4py
@@ -78,18 +87,3 @@ def _initialise(start: Mapping[str, str]) -> None:
     finally:
         if environment is not None:
             os.environ["PETSC_OPTIONS"] = environment
-
-
-def _together(comm: MPI.Comm, arguments: Sequence[str]) -> dict[str, Given]:
-    """The options that rank 0 finds, checked as far as PETSc sees them; its error is raised by all ranks."""
-    found: dict[str, Given] | FsiError | None = None
-    if comm.rank == 0:
-        try:
-            found = given_options(arguments)
-            check_petsc(found)
-        except FsiError as error:
-            found = error
-    found = comm.bcast(found)
-    if isinstance(found, FsiError):
-        raise found
-    return found

@@ -1,4 +1,4 @@
-"""What each rank does for itself, and all go on from together: nobody waits for one that has failed, nor takes its time."""
+"""What each rank does for itself, and all go on from together: nobody waits for one that failed."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def together(comm: MPI.Comm, action: Callable[[], Result]) -> Result:
 
 
 def wait_asleep(comm: MPI.Comm) -> None:
-    """Wait for all ranks, asleep: where one compiles or draws, others that look out for it all the time may have its core."""
+    """Wait for all ranks, asleep: one that compiles or draws may have this rank's core."""
     request = comm.Ibarrier()
     while not request.Test():
         time.sleep(0.002)
@@ -38,10 +38,10 @@ def wait_asleep(comm: MPI.Comm) -> None:
 def agree(comm: MPI.Comm, fault: FsiError | None) -> None:
     """Raise the fault of the lowest rank that has one, on all ranks; none may have. Collective."""
     clear_frames(fault)
-    known = comm.allgather(None if fault is None else (type(fault), fault.args, fault.told or lines_of(fault), fault.users))
-    first = next((entry for entry in known if entry is not None), None)
+    mine = None if fault is None else (type(fault), fault.args, fault.told or lines_of(fault))
+    first = next((known for known in comm.allgather(mine) if known is not None), None)
     if first is not None:
-        kind, words, told, users = first
+        kind, words, told = first
         error = kind(*words)
-        error.told, error.users = told, users
+        error.told = told
         raise error from fault

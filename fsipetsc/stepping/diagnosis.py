@@ -9,8 +9,9 @@ import numpy as np
 
 
 class Seen(NamedTuple):
-    """What a rank sees of a layer. numbers: of the points, (n,), as they count over all ranks; values: field -> (n,), those
-    first of which others are made; positive: fields that must be above 0, the others need only be finite; place(i): of point i.
+    """What a rank sees of a layer. numbers: of the points, (n,), as they count over all ranks;
+    values: field -> (n,), those first of which others are made; positive: fields that must be
+    above 0, the others need only be finite; place(i): of point i.
     """
 
     layer: int
@@ -28,13 +29,18 @@ class Failure(NamedTuple):
 
 
 def described(state: Any, seen: Iterable[Seen], t: float, step: int) -> Failure:
-    """The first unphysical point of all ranks; if there is none, that with the largest number. Collective."""
+    """The first unphysical point of all ranks; if there is none, that with the largest number.
+    Collective.
+    """
     with np.errstate(all="ignore"):
         seen = list(seen)
         bad = [found for found in map(_first_bad, seen) if found]
         large = [found for found in map(_largest, seen) if found]
     every = state.comm.allgather((min(bad, default=None), max(large, default=None)))
-    first, largest = min((b for b, _ in every if b), default=None), max((n for _, n in every if n), default=None)
+    first, largest = (
+        min((b for b, _ in every if b), default=None),
+        max((n for _, n in every if n), default=None),
+    )
     s = state.problem.unit("s")
     if first is None and largest is None:
         return Failure(f"the time step is not a number at t = {t:.6g}{s}, step {step}", "finite")
@@ -44,7 +50,9 @@ def described(state: Any, seen: Iterable[Seen], t: float, step: int) -> Failure:
     else:
         _, k, name, value, place = largest
         what = f"{name} = {value:.6g}, too large to go on with,"
-    words = f"{what} in layer '{state.problem.layers[k].name}' at {place}, t = {t:.6g}{s}, step {step}"
+    words = (
+        f"{what} in layer '{state.problem.layers[k].name}' at {place}, t = {t:.6g}{s}, step {step}"
+    )
     return Failure(words, "finite" if first is None or not np.isfinite(value) else name)
 
 

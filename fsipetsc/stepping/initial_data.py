@@ -15,7 +15,8 @@ if TYPE_CHECKING:
 
 
 def set_data(state: PaperState) -> None:
-    """Fill the solution, not projected, with initial data, and ask for all else at t = 0. Collective.
+    """Fill the solution, not projected, with initial data, and ask for all else at t = 0.
+    Collective.
 
     InputError, on all ranks, where something is not what it must be.
     """

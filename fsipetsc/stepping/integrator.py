@@ -1,8 +1,7 @@
-"""PETSc's TS drives: its explicit methods make the steps, hooks around them do the rest.
+"""PETSc's TS drives: its explicit methods make the steps, a hook after each does the rest.
 
-The right-hand side (stepping.petsc_path) projects a work copy of each stage; the post-step hook projects the new solution,
-lets the embedded boundaries move, records the step, and says how long the next step is. A fluid grid that is used up ends
-one TSSolve; the grids are laid anew and the next one goes on.
+The hook completes the new solution, records the step, and says how long the next one is. A grid of
+the paper's method that is used up ends one TSSolve; it is laid anew, and the next one goes on.
 """
 
 from __future__ import annotations
@@ -12,6 +11,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
+from mpi4py import MPI
 from petsc4py import PETSc
 
 from fsipetsc.blockrun.columns import point_names
@@ -21,21 +21,24 @@ from fsipetsc.scheme.burst import LONGEST, MADE, SHORTEST, TIME
 from fsipetsc.scheme.plan import EXHAUSTED, LOW, RATE, SAID_STOP, STOP, TOO_SHORT, shares
 from fsipetsc.scheme.time_step import longest_step
 from fsipetsc.stepping import verdicts
-from fsipetsc.stepping.fused import NAME, FusedRK4
 from fsipetsc.stepping.output_times import OutputTimes
-from fsipetsc.stepping.pauses import OUT_OF_TIME, Pauses
+from fsipetsc.stepping.pauses import Pauses
 from fsipetsc.stepping.phases import logged
-from fsipetsc.stepping.series import Series
+from fsipetsc.stepping.snapshot import as_numbers
 from fsipetsc.stepping.state import FAULT, State
 
+#: the value of -ts_type that stands for the project's own method
+FUSED = "fused"
 #: flags and limits of all ranks end here
 LAST = STOP + 1
 #: with -fsi_check: steps after which conservation is looked at
 CHECKED = 256
-#: dimension -> points (of all ranks, spare ones too) times steps in one call
-MOST_POINTS = {1: 250_000, 2: 2_000_000}
-#: what is kept in a checkpoint as it is
-_KEPT = "steps", "t", "dt_range", "wall_time", "initial", "beyond"
+#: points (of all ranks, spare ones too) times steps in one call, so that a signal need not wait
+MOST_POINTS = {1: 250_000, 2: 2_000_000, 3: 2_000_000}
+#: steps whose shares are added up at once: they stay in a cache
+CACHED_STEPS = 2048
+#: what a checkpoint keeps as it is
+KEPT = "steps", "t", "dt_range", "wall_time", "initial", "beyond"
 #: what is noted of a step alone, not of a state
 OF_STEPS = (
     *("impulse", "impulse_x", "impulse_y", "impulse_z", "mass_in", "energy_in"),
@@ -43,12 +46,79 @@ OF_STEPS = (
 )
 
 
+def _nothing(*arguments: object) -> None:
+    """A hook that nobody asks for."""
+
+
+class FusedRK4:
+    """Context of a TS of type python: the classical Runge-Kutta method, in compiled code.
+
+    What is one step for TS is a burst of them where nobody looks at single ones (-fsi_burst); the
+    hook after the step gives TS the time and the number of steps.
+    """
+
+    def __init__(self, state: State) -> None:
+        self._state, self._steady = state, state.problem.steady_data
+
+    def step(self, ts: PETSc.TS) -> None:
+        """A step of the length that is set, and those that follow in its burst. Collective."""
+        t, dt = ts.getTime(), ts.getTimeStep()
+        self._state.step(t, dt, self._steady)
+        self._state.solution.stateIncrease()
+        ts.setTime(t + dt)
+
+
+class Series:
+    """Records of this rank's steps in the state's journal; integrals are shares until
+    ``add_up``.
+    """
+
+    def __init__(self, state: State) -> None:
+        self._state = state
+        record = state.journal.dtype
+        self._first = record.fields[shares(record)[0]][1] // 8  # where shares begin
+        self.count = self._added = 0
+
+    @property
+    def room(self) -> int:
+        """How many steps may be made before they must be taken."""
+        return len(self._state.journal) - self.count
+
+    def write(self, t: float, dt: float) -> None:
+        """Put a step into the journal: time and step [s], with the state's results."""
+        journal = self._state.journal
+        row = journal.view(np.float64).reshape(len(journal), -1)[self.count]
+        row[0], row[1], row[2:] = t, dt, as_numbers(self._state.latest)
+
+    def add_up(self, comm: MPI.Comm) -> np.ndarray:
+        """The steps since the last time, on rank 0 with sums over ranks. Collective.
+
+        Not copied: once they are taken, the next steps overwrite them.
+        """
+        steps, self._added = self._state.journal[self._added : self.count], self.count
+        if comm.size > 1:
+            numbers = steps.view(np.float64).reshape(-1, steps.itemsize // 8)
+            for begin in range(0, len(steps), CACHED_STEPS):
+                own = numbers[begin : begin + CACHED_STEPS, self._first :]
+                sums = own.copy()
+                comm.Reduce(MPI.IN_PLACE if comm.rank == 0 else sums, sums, MPI.SUM, 0)
+                own[:] = sums
+        return steps
+
+    def take(self, comm: MPI.Comm) -> np.ndarray:
+        """Likewise all that are in the journal, which is free again. Collective."""
+        self.add_up(comm)
+        steps, self.count, self._added = self._state.journal[: self.count], 0, 0
+        return steps
+
+
 class Integrator:
     """Integrates a state in time; all methods are collective.
 
-    opt: options in force. saved: times at which ``on_frame(t)`` is called. ``on_series()`` is called when the series
-    must be written, ``on_step(steps, t, dt)`` after every burst of steps, ``on_grids()`` when the grids have been laid anew,
-    ``on_check()`` every CHECKED steps with -fsi_check, ``on_checkpoint()`` when a checkpoint is due (stepping.pauses).
+    opt: options in force. saved: times [s] at which ``on_frame(t)`` is called. Other hooks:
+    ``on_series()`` when the series must be taken, ``on_step(steps, t, dt)`` after every burst of
+    steps, ``on_grids()`` when grids have been laid anew, ``on_check()`` every CHECKED steps with
+    -fsi_check, ``on_checkpoint()`` when a checkpoint is due (stepping.pauses).
     """
 
     def __init__(
@@ -56,37 +126,31 @@ class Integrator:
         state: State,
         opt: Mapping[str, Any],
         saved: list[float],
-        on_frame: Callable[[float], None],
-        on_series: Callable[[], None],
-        on_step: Callable[[int, float, float], None],
-        on_grids: Callable[[], None],
-        on_check: Callable[[], None] = lambda: None,
-        on_checkpoint: Callable[[], None] = lambda: None,
+        on_frame: Callable[[float], object] = _nothing,
+        on_series: Callable[[], object] = _nothing,
+        on_step: Callable[[int, float, float], object] = _nothing,
+        on_grids: Callable[[], object] = _nothing,
+        on_check: Callable[[], object] = _nothing,
+        on_checkpoint: Callable[[], object] = _nothing,
     ) -> None:
-        self.state, self.opt = state, opt
-        self.series = Series(state)
+        self.state, self.opt, self.series = state, opt, Series(state)
+        self._on_frame, self._on_series, self._on_step = on_frame, on_series, on_step
+        self._on_grids, self._on_check, self._on_checkpoint = on_grids, on_check, on_checkpoint
         self._next_check = CHECKED if opt["fsi_check"] else np.inf
-        self._on_frame, self._on_series, self._on_step, self._on_grids = on_frame, on_series, on_step, on_grids
-        self._on_check, self._on_checkpoint = on_check, on_checkpoint
         self.pauses = Pauses(opt, state.comm.rank == 0)
         self._times = OutputTimes(saved)
         self._steady = state.problem.steady_data
-        self.steps = 0
-        self.t = 0.0
-        self.dt_range = [np.inf, 0.0]
+        self.steps, self.t, self.dt_range = 0, 0.0, [np.inf, 0.0]
         self.wall_time = self._begun = 0.0
         self.before = 0, 0.0  # steps and wall time [s] of the parts of the run before this one
         self.stop_signal = 0
-        self.out_of_time = False
-        self._fused = opt["ts_type"] == NAME
-        self.burst_limit = 0  # most steps in one go; 0: steps are made one by one, stage by stage
-        if self._fused and self._steady:  # no longer than a signal may have to wait
-            points = state.points + state.reserve
-            most = MOST_POINTS.get(state.problem.dimension, MOST_POINTS[2])
-            self.burst_limit = max(1, min(opt["fsi_burst"], most // points))
-        self._rates: PETSc.Vec | None = None
+        self._fused = opt["ts_type"] == FUSED
+        self.burst_limit = 0  # most steps in one go; 0: they are made one by one, stage by stage
+        if self._fused and self._steady:
+            most = MOST_POINTS[state.problem.dimension] // (state.points + state.reserve)
+            self.burst_limit = max(1, min(opt["fsi_burst"], most))
         self._error: BaseException | None = None
-        self.initial: dict[str, Any] = {}
+        self.initial: dict[str, Any] = {}  # integrals at t = 0
         self.beyond = ""  # what is to be said of steps that are too long
 
     @property
@@ -100,117 +164,15 @@ class Integrator:
         return self._times.done
 
     @property
-    def _stopped(self) -> bool:
-        """Before the end, as somebody wanted it."""
-        return bool(self.stop_signal) or self.out_of_time
+    def _ended(self) -> bool:
+        return self.complete or bool(self.stop_signal) or self.steps >= self.opt["ts_max_steps"]
 
     def compile(self, announce: Callable[[str], None]) -> None:
-        """Compile what PETSc's own methods call, if one of them is used, or load it. Not collective."""
+        """Compile what PETSc's own methods call, if one of them is used, or load it."""
         if not self._fused:
             self.state.compile_path(announce)
 
-    # what TS calls
-
-    def _right_hand_side(self, ts: PETSc.TS, t: float, Y: PETSc.Vec, F: PETSc.Vec) -> None:
-        if not self._steady:
-            self.state.set_data(t)
-        self.state.right_hand_side(Y.getArray(readonly=True), F.getArray())
-
-    def _post_step(self, ts: PETSc.TS) -> None:
-        try:
-            self._after_step(ts)
-        except BaseException as error:  # through PETSc it would become an error stack; raised again after TSSolve
-            self._error = error
-            ts.setConvergedReason(PETSc.TS.ConvergedReason.CONVERGED_USER)
-
-    def _after_step(self, ts: PETSc.TS) -> None:
-        if self.burst_limit:
-            t, made, *steps = self.state.burst[[TIME, MADE, SHORTEST, LONGEST]].tolist()
-        else:
-            t, made, steps = self._target, 1, [self._step] * 2
-            if not self._fused:
-                self._complete()
-            self.series.write(t, self._step)
-        if self.state.results[STOP] >= FAULT:  # the step was made with data that are wrong
-            agree(self.state.comm, self.state.fault)
-        ts.setTime(t)  # the sum of steps may miss a target by round-off
-        self.t, self.steps = t, self.steps + int(made)
-        ts.setStepNumber(self.steps)
-        self.dt_range = [min(self.dt_range[0], steps[0]), max(self.dt_range[1], steps[1])]
-        flags = self.state.results[:LAST].tolist()
-        self.series.keep(int(made) - 1)  # the last one only if it is sound
-        verdicts.check(self.state, t, self.steps, flags, self.opt, self.beyond)
-        self.series.keep(1)
-        self._on_step(self.steps, t, steps[1])
-        if self.steps >= self._next_check:
-            self._next_check = self.steps + CHECKED
-            self._on_check()
-        if not self.series.room:
-            self._on_series()
-        if self._times.pass_time(t):
-            self._on_frame(t)
-        self.stop_signal, self.out_of_time = int(flags[STOP]), flags[STOP] == OUT_OF_TIME
-        last = self._times.done or self._stopped or self.steps >= self.opt["ts_max_steps"]
-        if self.pauses.due(self.steps, flags[STOP], last):
-            self._on_checkpoint()
-        if last:
-            ts.setConvergedReason(PETSc.TS.ConvergedReason.CONVERGED_TIME)
-            self._say_the_ends(ts)
-        elif flags[LOW]:
-            ts.setConvergedReason(PETSc.TS.ConvergedReason.CONVERGED_USER)
-            self._say_the_ends(ts)
-        else:
-            ts.restartStep()  # the last rates of a step are no longer those of its completed solution
-            self._plan_step(ts)
-
-    def _say_the_ends(self, ts: PETSc.TS) -> None:
-        """Give TS, which has stopped, the ends that the clock follows: -ts_view shows them."""
-        ts.setMaxTime(self.opt["ts_max_time"])
-        ts.setMaxSteps(self.opt["ts_max_steps"])
-
-    def _complete(self) -> None:
-        """Complete a step that PETSc has made."""
-        if not self._steady:
-            self.state.set_data(self._target)
-        self.state.finish()
-
-    # steps
-
-    def _plan_step(self, ts: PETSc.TS) -> None:
-        bound = longest_step(self.opt["fsi_cfl"], self.opt["ts_dt"] or 0.0, float(self.state.results[RATE]))
-        self._step, self._target = self._times.step(self.t, bound)
-        self.state.results[SAID_STOP] = self.pauses.word() if self.state.fault is None else FAULT
-        ts.setTimeStep(self._step)
-        if self.burst_limit:
-            opt, series = self.opt, self.series
-            allowed = self.pauses.allowed(self.steps, min(self.burst_limit, opt["ts_max_steps"] - self.steps, series.room))
-            times = self.t, self._step, self._target, self._times.target
-            bounds = opt["fsi_cfl"], opt["ts_dt"] or 0.0, allowed
-            self.state.burst[:] = *times, *bounds, 0, np.inf, 0.0, series.count
-
-    def _create(self) -> PETSc.TS:
-        opt = self.opt
-        ts = PETSc.TS().create(comm=self.state.comm)
-        ts.setProblemType(PETSc.TS.ProblemType.NONLINEAR)
-        if self._fused:
-            ts.setType(PETSc.TS.Type.PYTHON)
-            ts.setPythonContext(FusedRK4(self.state))
-        else:
-            ts.setType(opt["ts_type"])
-            ts.setRHSFunction(self._right_hand_side, self._rates)
-        if opt["ts_type"] == "rk":
-            ts.setRKType(opt["ts_rk_type"])
-        ts.setPostStep(logged("fsi hooks", self._post_step))
-        ts.setExactFinalTime(PETSc.TS.ExactFinalTime.STEPOVER)
-        ts.setSolution(self.state.solution)
-        if self._fused:  # PETSc knows it as "python"
-            PETSc.Options().setValue("ts_type", "python")
-        ts.setFromOptions()
-        PETSc.Options().setValue("ts_type", opt["ts_type"])
-        # OutputTimes alone says when to stop, because the sum of the steps may be short of the end by round-off
-        ts.setMaxTime(1e300)
-        ts.setMaxSteps(np.iinfo(np.int32).max)
-        return ts
+    # begin and end
 
     def start(self) -> None:
         """Set the initial data and save the first frame."""
@@ -222,62 +184,164 @@ class Integrator:
         if not self._steady:
             state.set_data(self.t)  # with differences in time of the length that a step has
         state.finish()
-        verdicts.check(state, self.t, self.steps, state.results[:LAST].tolist(), self.opt, self.beyond)
-        found = {name: state.latest[name] for name in shares(state.latest.dtype) if name not in (*OF_STEPS, *point_names(3))}
-        self.initial = {name: state.comm.allreduce(share).tolist() for name, share in found.items()}
+        flags = state.results[:LAST].tolist()
+        verdicts.check(state, self.t, self.steps, flags, self.opt, self.beyond)
+        without = *OF_STEPS, *point_names(3)
+        names = [name for name in shares(state.latest.dtype) if name not in without]
+        sums = {name: state.comm.allreduce(state.latest[name]) for name in names}
+        self.initial = {name: value.tolist() for name, value in sums.items()}
         self.beyond = verdicts.beyond_bound(state, self.opt)
         self._times.pass_time(self.t)
         self._on_frame(self.t)
 
     def memory(self) -> dict[str, Any]:
         """What ``resume`` needs beside the state; as JSON holds it."""
-        return {
-            **{name: getattr(self, name) for name in _KEPT},
-            "dt_range": list(self.dt_range),
-            "evaluations": self.evaluations,
-            "wall_time": self.wall_time + (time.perf_counter() - self._begun),
-        }
+        kept = {name: getattr(self, name) for name in KEPT}
+        wall_time = self.wall_time + (time.perf_counter() - self._begun)
+        return {**kept, "wall_time": wall_time, "evaluations": self.evaluations}
 
     def resume(self, memory: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> None:
-        """Be where ``memory`` and ``state.capture()`` told of: then the same steps follow. InputError as of restore."""
+        """Be where ``memory`` and ``state.capture()`` told of: then the same steps follow.
+
+        InputError where the state does not fit.
+        """
         state = self.state
-        for name in _KEPT:
+        for name in KEPT:
             setattr(self, name, memory[name])
         self.before = self.steps, self.wall_time
         state.evaluations = memory["evaluations"]
         state.restore(arrays, self.t)
         self._times.pass_time(self.t)
-        if state.results[LOW] and not self._times.done:
+        if state.results[LOW] and not self.complete:
             state.grow()
         self._on_grids()
 
     def run(self) -> None:
-        """Integrate to the end, a signal, or a failure, which is raised with the series complete."""
+        """Integrate to the end, a signal, or a failure, which is raised with the series
+        complete.
+        """
         self._begun = time.perf_counter()
         try:
-            while not self._times.done and not self._stopped and self.steps < self.opt["ts_max_steps"]:
-                if not self._fused:
-                    self._rates = self.state.solution.duplicate()
-                ts = self._create()
-                ts.setTime(self.t)
-                ts.setStepNumber(self.steps)
-                self._plan_step(ts)
-                try:
-                    ts.solve(self.state.solution)
-                except BaseException as error:
-                    # what a step of ours raised: as it is with releases up to 3.18, with later ones wrapped
-                    cause = (error.__cause__ if isinstance(error, PETSc.Error) else None) or error
-                    clear_frames(cause)
-                    raise cause from None
-                finally:
-                    clear_frames(self._error)  # before the TS is destroyed: petsc4py loses one that somebody else still holds
-                    ts.destroy()
-                    if self._rates is not None:
-                        self._rates.destroy()
-                if self._error is not None:
-                    raise self._error
-                if self.state.results[LOW] and not self._times.done:
+            while not self._ended:
+                self._solve()
+                if self.state.results[LOW] and not self.complete:
                     self.state.grow(self.series.count)
                     self._on_grids()
         finally:
             self.wall_time += time.perf_counter() - self._begun
+
+    def _solve(self) -> None:
+        """One TSSolve, as far as the grids reach."""
+        rates = None if self._fused else self.state.solution.duplicate()
+        ts = self._create(rates)
+        ts.setTime(self.t)
+        ts.setStepNumber(self.steps)
+        self._plan_step(ts)
+        try:
+            ts.solve(self.state.solution)
+        except BaseException as error:
+            # what a step of ours raised: as it is with PETSc up to 3.18, with later ones wrapped
+            cause = (error.__cause__ if isinstance(error, PETSc.Error) else None) or error
+            clear_frames(cause)
+            raise cause from None
+        finally:
+            clear_frames(self._error)  # petsc4py loses a TS that somebody else still holds
+            ts.destroy()
+            if rates is not None:
+                rates.destroy()
+        if self._error is not None:
+            raise self._error
+
+    def _create(self, rates: PETSc.Vec | None) -> PETSc.TS:
+        opt = self.opt
+        ts = PETSc.TS().create(comm=self.state.comm)
+        ts.setProblemType(PETSc.TS.ProblemType.NONLINEAR)
+        if self._fused:
+            ts.setType(PETSc.TS.Type.PYTHON)
+            ts.setPythonContext(FusedRK4(self.state))
+        else:
+            ts.setType(opt["ts_type"])
+            ts.setRHSFunction(self._right_hand_side, rates)
+        ts.setPostStep(logged("fsi hooks", self._post_step))
+        ts.setExactFinalTime(PETSc.TS.ExactFinalTime.STEPOVER)
+        ts.setSolution(self.state.solution)
+        if self._fused:  # PETSc knows it as "python"
+            PETSc.Options().setValue("ts_type", "python")
+        ts.setFromOptions()
+        PETSc.Options().setValue("ts_type", opt["ts_type"])
+        # OutputTimes alone says when to stop: the sum of the steps may miss the end by round-off
+        ts.setMaxTime(1e300)
+        ts.setMaxSteps(np.iinfo(np.int32).max)
+        return ts
+
+    # what TS calls
+
+    def _right_hand_side(self, ts: PETSc.TS, t: float, Y: PETSc.Vec, F: PETSc.Vec) -> None:
+        if not self._steady:
+            self.state.set_data(t)
+        self.state.right_hand_side(Y.getArray(readonly=True), F.getArray())
+
+    def _post_step(self, ts: PETSc.TS) -> None:
+        try:
+            self._after_step(ts)
+        except BaseException as error:  # PETSc would make a stack of it; raised after TSSolve
+            self._error = error
+            ts.setConvergedReason(PETSc.TS.ConvergedReason.CONVERGED_USER)
+
+    def _after_step(self, ts: PETSc.TS) -> None:
+        made = self._note_steps(ts)
+        flags = self.state.results[:LAST].tolist()
+        self.series.count += made - 1  # the last one only if it is sound
+        verdicts.check(self.state, self.t, self.steps, flags, self.opt, self.beyond)
+        self.series.count += 1
+        if self.steps >= self._next_check:
+            self._next_check = self.steps + CHECKED
+            self._on_check()
+        if not self.series.room:
+            self._on_series()
+        if self._times.pass_time(self.t):
+            self._on_frame(self.t)
+        self.stop_signal = int(flags[STOP])
+        if self.pauses.due(self.steps, flags[STOP], self._ended):
+            self._on_checkpoint()
+        if self._ended or flags[LOW]:
+            reason = PETSc.TS.ConvergedReason
+            ts.setConvergedReason(reason.CONVERGED_TIME if self._ended else reason.CONVERGED_USER)
+            ts.setMaxTime(self.opt["ts_max_time"])  # -ts_view shows them
+            ts.setMaxSteps(self.opt["ts_max_steps"])
+        else:
+            ts.restartStep()  # the last stage's rates are not those of the completed solution
+            self._plan_step(ts)
+
+    def _note_steps(self, ts: PETSc.TS) -> int:
+        """Time, number and length of the steps just made; how many they are."""
+        if self.burst_limit:
+            t, made, *steps = self.state.burst[[TIME, MADE, SHORTEST, LONGEST]].tolist()
+        else:
+            t, made, steps = self._target, 1, [self._step] * 2
+            if not self._fused:
+                if not self._steady:
+                    self.state.set_data(t)
+                self.state.finish()
+            self.series.write(t, self._step)
+        if self.state.results[STOP] >= FAULT:  # the step was made with data that are wrong
+            agree(self.state.comm, self.state.fault)
+        self.t, self.steps = t, self.steps + int(made)
+        ts.setTime(t)  # the sum of steps may miss a target by round-off
+        ts.setStepNumber(self.steps)
+        self.dt_range = [min(self.dt_range[0], steps[0]), max(self.dt_range[1], steps[1])]
+        self._on_step(self.steps, t, steps[1])
+        return int(made)
+
+    def _plan_step(self, ts: PETSc.TS) -> None:
+        opt, state, series = self.opt, self.state, self.series
+        courant, fixed = opt["fsi_cfl"], opt["ts_dt"] or 0.0
+        bound = longest_step(courant, fixed, float(state.results[RATE]))
+        self._step, self._target = self._times.step(self.t, bound)
+        state.results[SAID_STOP] = self.pauses.word() if state.fault is None else FAULT
+        ts.setTimeStep(self._step)
+        if self.burst_limit:
+            most = min(self.burst_limit, opt["ts_max_steps"] - self.steps, series.room)
+            allowed = self.pauses.allowed(self.steps, most)
+            times = self.t, self._step, self._target, self._times.target
+            state.burst[:] = *times, courant, fixed, allowed, 0, np.inf, 0.0, series.count

@@ -1,4 +1,4 @@
-"""By how much a run has departed from what must be kept, for its summary: on rank 0, piece by piece as steps are written."""
+"""By how much a run has departed from what must be kept: for its summary and for -fsi_check."""
 
 from __future__ import annotations
 
@@ -11,17 +11,25 @@ from fsipetsc.scheme.conservation_check import Drifts
 
 
 class Ledgers:
-    """The largest departures of the invariants of a problem (fsipetsc.scheme.conservation_check.drifts).
+    """The largest departures of a problem's invariants, on rank 0, as records of steps come.
+
+    invariants: see fsipetsc.scheme.conservation_check.Drifts. tolerance: that of -fsi_check, or
+    None; unit: what stands behind a time in a message.
 
     departures   name -> largest relative departure of any step so far; nan if one was no number
     J_error      largest departure of J from the volume of the grid, over it; 0 if none is recorded
+    fault        the first departure beyond the tolerance, in words; None if there is none
     """
 
-    def __init__(self, invariants: Mapping[str, Any]) -> None:
-        self._invariants = invariants
+    def __init__(
+        self, invariants: Mapping[str, Any], tolerance: float | None = None, unit: str = " s"
+    ) -> None:
+        self._invariants, self._tolerance, self._unit = invariants, tolerance, unit
         self._drifts: Drifts | None = None
+        self._steps = 0
         self.departures: dict[str, float] = {}
         self.J_error = 0.0
+        self.fault: str | None = None
 
     def begin(self, initial: Mapping[str, Any]) -> None:
         """initial: the integrals at the beginning of the run."""
@@ -29,28 +37,46 @@ class Ledgers:
             self._drifts = Drifts(self._invariants, initial)
 
     def add(self, steps: np.ndarray) -> None:
-        """The records of some more steps, on rank 0 with the sums over all ranks."""
-        if len(steps) and "J_error" in (steps.dtype.names or ()):
-            self.J_error = float(np.maximum(self.J_error, steps["J_error"].max()))
-        if self._drifts is None or not len(steps):
+        """The records of some more steps, with the sums over all ranks."""
+        names = steps.dtype.names or ()
+        if not len(steps):
             return
-        found = self._drifts.go_on({name: steps[name] for name in steps.dtype.names or ()})
-        for name, drift in found.items():  # np.maximum: what is no number is larger than all
-            self.departures[name] = float(np.maximum(self.departures.get(name, 0.0), np.abs(drift).max()))
+        if "J_error" in names:
+            self.J_error = float(np.maximum(self.J_error, steps["J_error"].max()))
+        if self._drifts is not None:
+            found = self._drifts.go_on({name: steps[name] for name in names})
+            for name, drift in found.items():  # np.maximum: what is no number is larger than all
+                largest = np.maximum(self.departures.get(name, 0.0), np.abs(drift).max())
+                self.departures[name] = float(largest)
+            if self._tolerance is not None and self.fault is None:
+                self.fault = self._first_beyond(found, steps["t"])
+        self._steps += len(steps)
+
+    def _first_beyond(self, found: Mapping[str, np.ndarray], t: np.ndarray) -> str | None:
+        """The first step, and the law, with a departure beyond the tolerance."""
+        first = []
+        for name, drift in found.items():
+            broken = ~(np.abs(drift) <= self._tolerance)
+            if broken.any():
+                first.append((int(np.argmax(broken)), name))
+        if not first:
+            return None
+        step, name = min(first, key=lambda entry: entry[0])
+        when = f"t = {t[step]:.6g}{self._unit}, step {self._steps + step + 1}"
+        return f"{name} has drifted by {found[name][step]:.3g} (relative) at {when}"
 
     def memory(self) -> dict[str, Any] | None:
         """What ``recall`` takes, as JSON has it."""
         if self._drifts is None:
             return None
-        kept = {"departures": dict(self.departures), "J_error": self.J_error}
+        kept = {"steps": self._steps, "departures": dict(self.departures), "J_error": self.J_error}
         return {"drifts": self._drifts.memory(), **kept}
 
     def recall(self, memory: Mapping[str, Any] | None, initial: Mapping[str, Any]) -> None:
-        """Go on behind the steps of which ``memory`` tells; without it nothing is known of them, and nothing said."""
+        """Go on behind the steps of which ``memory`` tells; without it nothing is known of them."""
         if memory is None:
-            self._invariants, self._drifts = {}, None
             return
         self._drifts = Drifts(self._invariants, initial)
         self._drifts.recall(memory["drifts"])
+        self._steps, self.J_error = memory["steps"], memory["J_error"]
         self.departures = dict(memory["departures"])
-        self.J_error = memory.get("J_error", 0.0)

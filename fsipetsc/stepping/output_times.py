@@ -1,15 +1,11 @@
-"""Which step comes next: the bound on the step, and the times that must be hit exactly."""
+"""The times that must be hit exactly, and which step comes next."""
 
 from __future__ import annotations
 
 import math
-import os
-from collections.abc import Collection, Sequence
-
-import numpy as np
+from collections.abc import Sequence
 
 from fsipetsc.errors import InputError
-from fsipetsc.output.reader import open_run
 from fsipetsc.scheme.time_step import next_step
 
 #: profiles of a run
@@ -19,50 +15,37 @@ MOST = 10_000_000
 def saved_times(
     t_end: float, interval: float | None, times: Sequence[float] | None, unit: str = " s"
 ) -> list[float]:
-    """Times [s] in [0, t_end] at which profiles are saved: every ``interval`` and at the ``times``, and at the end.
+    """Times [s] in [0, t_end] at which profiles are saved: every ``interval``, at ``times``, at the
+    end.
 
-    Raises InputError for times beyond the run's end, and for more than MOST; unit: what stands behind a time in its message.
+    InputError for times beyond the end and for more than MOST; unit: what stands behind a time.
     """
     saved = set(times or ())
     if beyond := sorted(t for t in saved if t > t_end):
-        why = f"the run ends at -ts_max_time {t_end:g}{unit}"
-        raise InputError(f"-fsi_output_times: {listed(beyond)}{unit} would not be reached, {why}")
+        listed = ", ".join(f"{t:g}" for t in beyond[:5]) + (" …" if beyond[5:] else "")
+        end = f"the run ends at -ts_max_time {t_end:g}{unit}"
+        raise InputError(f"-fsi_output_times: {listed}{unit} would not be reached, {end}")
     if interval is not None:
         if t_end / interval > MOST:
-            raise InputError(f"-fsi_output_dt {interval:g} would save more than {MOST} profiles to t = {t_end:g}{unit}")
-        saved.update(min(k * interval, t_end) for k in range(math.floor(t_end / interval * (1 + 1e-12)) + 1))
-    saved.add(t_end)
-    return sorted(saved)
-
-
-def times_without_frame(times: Collection[float], t: float, path: str | os.PathLike[str]) -> str:
-    """Those of the times [s] up to t at which the result has no frame, listed; "" if there are none. FileError."""
-    early = sorted(time for time in times if time <= t)
-    if not early:
-        return ""
-    with open_run(path) as run:
-        frames = np.asarray(run.time)
-    return listed([time for time in early if not np.isclose(frames, time, rtol=1e-12, atol=0.0).any()])
-
-
-def listed(times: Sequence[float]) -> str:
-    """The first ones."""
-    return ", ".join(f"{t:g}" for t in times[:5]) + (" …" if len(times) > 5 else "")
+            what = f"-fsi_output_dt {interval:g} would save more than {MOST} profiles"
+            raise InputError(f"{what} to t = {t_end:g}{unit}")
+        count = math.floor(t_end / interval * (1 + 1e-12))
+        saved.update(min(k * interval, t_end) for k in range(count + 1))
+    return sorted({*saved, t_end})
 
 
 class OutputTimes:
     """Hands out steps so that every target is the end of a step, without a tiny step before it."""
 
     def __init__(self, targets: Sequence[float]) -> None:
-        self._targets = sorted(targets)
-        self._next = 0
+        self._targets, self._next = sorted(targets), 0
 
     def pass_time(self, t: float) -> bool:
         """Note that the time t [s] is reached; True if it is a target."""
-        reached = False
-        while self._next < len(self._targets) and self._targets[self._next] <= t:
-            reached, self._next = True, self._next + 1
-        return reached
+        before = self._next
+        while not self.done and self.target <= t:
+            self._next += 1
+        return self._next > before
 
     @property
     def done(self) -> bool:
@@ -75,5 +58,5 @@ class OutputTimes:
         return self._targets[self._next]
 
     def step(self, t: float, bound: float) -> tuple[float, float]:
-        """(step, time after it) [s]: at most ``bound``; with less than two steps to the next target they are equal."""
+        """(step, time after it) [s]: at most ``bound``; two equal ones lead to a near target."""
         return next_step(t, self.target, bound)

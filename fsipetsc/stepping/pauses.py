@@ -1,68 +1,83 @@
-"""When the steps pause for a checkpoint, and when they end before their time.
+"""When the steps pause for a checkpoint, and which signals end them.
 
-What a rank wants is a word that goes round with what the ranks tell each other after a step anyway (SAID_STOP and STOP of
-fsipetsc.scheme.plan); the largest word counts, and all ranks find it after the same step. So a signal may come to any rank, and
-the clock of rank 0 alone is asked. Checkpoints after a number of steps need no word.
+What a rank wants is a word that goes round with what the ranks tell each other after a step anyway
+(SAID_STOP and STOP of fsipetsc.scheme.plan); the largest one counts, and all ranks find it after
+the same step. So a signal may come to any rank, and the clock of rank 0 alone is asked. Checkpoints
+after a number of steps need no word.
 """
 
 from __future__ import annotations
 
 import math
+import signal
+import threading
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any
 
-#: words, below those of signals, which are their numbers: a checkpoint is wanted; the wall time is used up
-CHECKPOINT, OUT_OF_TIME = 0.25, 0.5
-#: seconds that are left for what follows the last step: the ends of other ranks, of the launcher
-RESERVE = 1.0
+#: the word for a checkpoint, below those of signals, which are their numbers
+CHECKPOINT = 0.5
+#: what ends a run in order
+STOPPING = (signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
 
 
 class Pauses:
-    """What this rank wants, and what is due. opt: options in force; clock: this rank's is the one that counts."""
+    """What this rank wants, and what is due. opt: options in force; clock: this rank's counts."""
 
     def __init__(self, opt: Mapping[str, Any], clock: bool) -> None:
         self.raised = 0  # number of a signal that ends the run, on this rank
-        self.asked = False  # by a signal, on this rank
         self._every = opt["fsi_checkpoint_steps"] or 0
-        self._interval = opt["fsi_checkpoint_wall"] if clock else None
-        self._limit = opt["fsi_wall_limit"] if clock else None
-        self._regular = bool(self._every or opt["fsi_checkpoint_wall"])
-        self._begun = self._last = self._looked = time.monotonic()
-        self._longest = self._cost = 0.0  # seconds between two looks at the clock, and of a checkpoint
-
-    @property
-    def ends(self) -> float:
-        """When the last step is to end, by time.monotonic: the wall time less what follows; inf: no matter, or not here."""
-        if self._limit is None:
-            return math.inf
-        return self._begun + self._limit - (RESERVE + 2.0 * self._longest + 3.0 * self._cost)
+        wall = opt["fsi_checkpoint_wall"]
+        self._interval = wall if clock and wall else math.inf
+        self._regular = bool(self._every or wall)
+        self._last = time.monotonic()
 
     def word(self) -> float:
-        """What this rank has to say after the next step. To be asked before each burst of steps."""
+        """What this rank has to say after the next burst of steps."""
         if self.raised:
             return float(self.raised)
-        if self._limit is not None or self._interval is not None:
-            now = time.monotonic()
-            self._longest, self._looked = max(self._longest, now - self._looked), now
-            if now >= self.ends:
-                return OUT_OF_TIME
-            if self._interval is not None and now >= self._last + self._interval:
-                return CHECKPOINT
-        return CHECKPOINT if self.asked else 0.0
+        return CHECKPOINT if time.monotonic() >= self._last + self._interval else 0.0
 
     def allowed(self, steps: int, most: int) -> int:
-        """How many steps, at most ``most``, may follow on number ``steps`` before a checkpoint is due."""
+        """How many steps, at most ``most``, may follow on number ``steps`` before a checkpoint."""
         return min(most, self._every - steps % self._every) if self._every else most
 
     def due(self, steps: int, word: float, last: bool) -> bool:
-        """Whether there is to be a checkpoint after so many steps, with this word of all ranks. The same on all ranks.
+        """Whether a checkpoint follows so many steps, with this word of all ranks.
 
-        last: no step follows; whoever wants checkpoints finds the end of the run there, and can go on from it.
+        last: no step follows; who wants checkpoints can go on from the end of the run, too.
         """
-        return word != 0.0 or (last and self._regular) or (self._every > 0 and steps % self._every == 0)
+        regular = self._every > 0 and steps % self._every == 0
+        return word != 0.0 or (last and self._regular) or regular
 
-    def written(self, seconds: float) -> None:
-        """A checkpoint has been written in so many seconds."""
-        self.asked, self._cost = False, max(self._cost, seconds)
-        self._last = self._looked = time.monotonic()
+    def written(self) -> None:
+        """A checkpoint has been written."""
+        self._last = time.monotonic()
+
+
+@contextmanager
+def signals_noted(pauses: Pauses) -> Iterator[None]:
+    """SIGTERM, SIGINT and SIGHUP let the current burst of steps end; all ranks stop together.
+
+    One that comes before the first step is answered after it; one after the last step is not
+    answered. A second SIGINT ends at once. A signal that is ignored stays so, as SIGHUP under
+    nohup.
+    """
+
+    def note(number: int, frame: object) -> None:
+        pauses.raised = number
+        if number == signal.SIGINT:
+            signal.signal(number, signal.SIG_DFL)
+
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    heeded = [n for n in STOPPING if signal.getsignal(n) is not signal.SIG_IGN]
+    earlier = {number: signal.signal(number, note) for number in heeded}
+    try:
+        yield
+    finally:
+        for number, handler in earlier.items():
+            if signal.getsignal(number) is note:
+                signal.signal(number, handler)

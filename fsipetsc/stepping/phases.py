@@ -1,9 +1,4 @@
-"""Where the time of a run goes: seconds per phase for the summary, stages and events for PETSc's -log_view.
-
-A phase that begins within another one interrupts it, here as in PETSc's log: the seconds of all phases add up to the
-time since the first began. Compiled code makes a whole time step at once and is one event; what is inside of it is
-told apart by the command ``bench`` (fsipetsc.bench.command).
-"""
+"""Where the time of a run goes: seconds per phase for the summary, stages for PETSc's -log_view."""
 
 from __future__ import annotations
 
@@ -20,31 +15,27 @@ SET_UP, LOOP, OUTPUT = "set-up", "time loop", "output"
 
 
 class Phases:
-    """Wall time [s] of the phases of a run, exclusive of each other; with -log_view also stages of PETSc's log."""
+    """Wall time [s] of the phases of a run: one within another interrupts it, as in PETSc's log."""
 
     def __init__(self) -> None:
         self.seconds = {SET_UP: 0.0, LOOP: 0.0, OUTPUT: 0.0}
         self._open: list[str] = []
         self._since = 0.0
-        self._stages = {name: PETSc.Log.Stage(name) for name in self.seconds} if PETSc.Log.isActive() else {}
+        logs = PETSc.Log.isActive()
+        self._stages = {name: PETSc.Log.Stage(name) for name in self.seconds} if logs else {}
 
     @contextmanager
-    def __call__(self, name: str, event: str | None = None) -> Iterator[None]:
-        """Spend the time within on a phase; event: its name among the events of the phase."""
-        stage, detail = self._stages.get(name), (PETSc.Log.Event(event) if self._stages and event else None)
+    def __call__(self, name: str) -> Iterator[None]:
+        """Spend the time within on a phase."""
         self._book()
         self._open.append(name)
-        if stage:
-            stage.push()
-        if detail:
-            detail.begin()
+        if self._stages:
+            self._stages[name].push()
         try:
             yield
         finally:
-            if detail:
-                detail.end()
-            if stage:
-                stage.pop()
+            if self._stages:
+                self._stages[name].pop()
             self._book()
             self._open.pop()
 

@@ -1,34 +1,42 @@
-"""What a run goes on from: the checkpoint of -fsi_restart, its options, and what may be others now.
+"""Checkpoints of a run: which one it goes on from, what may have changed since, how it writes them.
 
-Options that are not given are those of the checkpoint. Of those that are given, some may change what is computed from now on
-only if the command line itself says so, not a file of options of former days (STEPS); some change nothing that is computed
-(FREE); all others, those of the case among them, must be what they were.
+Options that are not given are those of the checkpoint. Some may be others: those of FREE change
+nothing that is computed, those of STEPS only how long steps are and by which method they are made.
 """
 
 from __future__ import annotations
 
+import datetime
+import os
+import platform
+import uuid
 from collections.abc import Mapping
-from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from mpi4py import MPI
+from petsc4py import PETSc
 
+import fsipetsc
 from fsipetsc.errors import FileError, InputError
 from fsipetsc.options import OF_A_RUN, PETSC_OPTIONS, spelt, table
 from fsipetsc.options.sources import Given
 from fsipetsc.output import checkpoint_file
 from fsipetsc.output.checkpoint_file import Checkpoint
+from fsipetsc.output.file_layout import describe
+from fsipetsc.output.lock import set_aside
+from fsipetsc.output.pieces import Kept, folder_of
 from fsipetsc.process.together import together
+from fsipetsc.stepping.state import State
 
 FREE = OF_A_RUN | {
-    *("fsi_output", "fsi_output_dt", "fsi_output_times", "fsi_checkpoint", "fsi_checkpoint_steps", "fsi_checkpoint_wall"),
-    *("fsi_burst", "fsi_partition", "fsi_norm", "fsi_check", "ts_max_time", "ts_max_steps"),
+    *("fsi_output", "fsi_output_dt", "fsi_output_times", "ts_max_time", "ts_max_steps"),
+    *("fsi_checkpoint", "fsi_checkpoint_steps", "fsi_checkpoint_wall"),
+    *("fsi_burst", "fsi_partition", "fsi_norm", "fsi_check"),
 }
 STEPS = ({option.name for option in PETSC_OPTIONS} | {"fsi_cfl"}) - FREE
 AUTO = "auto"
-_Found = tuple[str, Checkpoint, list[str]]  # path, content, notes
 
 
 class Past(NamedTuple):
@@ -42,86 +50,59 @@ class Past(NamedTuple):
     @property
     def options(self) -> dict[str, Any]:
         """Those that are taken over where they are not given."""
-        return {name: value for name, value in self.header["options"].items() if name not in OF_A_RUN}
+        return {k: v for k, v in self.header["options"].items() if k not in OF_A_RUN}
+
+
+def versions() -> dict[str, str]:
+    """Versions of the program and of what it runs on."""
+    import mpi4py
+    import numba
+    import petsc4py
+
+    return {
+        "fsipetsc": fsipetsc.__version__,
+        "python": platform.python_version(),
+        "petsc": ".".join(map(str, PETSc.Sys.getVersion())),
+        "petsc4py": petsc4py.__version__,
+        "mpi4py": mpi4py.__version__,
+        "mpi": MPI.Get_library_version().split(",")[0].split("\n")[0],
+        "numba": numba.__version__,
+        "numpy": np.__version__,
+    }
+
+
+# the checkpoint to go on from
 
 
 def checkpoint_name(checkpoint: str | None, output: str) -> str:
-    """The file of -fsi_checkpoint; where it is not given NAME.checkpoint.h5 beside the result NAME.h5."""
+    """The file of -fsi_checkpoint; NAME.checkpoint.h5 beside the result NAME.h5 if not given."""
     return checkpoint or str(Path(output).with_name(f"{Path(output).stem}.checkpoint.h5"))
 
 
 def find_past(case: Any, given: Mapping[str, Given], comm: MPI.Comm) -> Past | None:
     """What -fsi_restart asks for, if anything. Collective. FileError, InputError."""
-    asked = given.get("fsi_restart")
-    if asked is None:
+    if "fsi_restart" not in given:
         return None
     options = table(case)
-    values = {
-        name: options[name].parse(given[name].text) if name in given else options[name].default
-        for name in ("fsi_restart", "fsi_checkpoint", "fsi_output")
-    }
-    own = checkpoint_name(values["fsi_checkpoint"], values["fsi_output"])
-    found = together(comm, lambda: _find(values["fsi_restart"], own) if comm.rank == 0 else None)
-    past = _known_to_all(found, comm)
+    names = "fsi_restart", "fsi_checkpoint", "fsi_output"
+    asked, *files = (
+        options[name].parse(given[name].text) if name in given else options[name].default
+        for name in names
+    )
+    find = (lambda: _newest(checkpoint_name(*files))) if asked == AUTO else lambda: _named(asked)
+    past = _known_to_all(together(comm, lambda: find() if comm.rank == 0 else None), comm)
     if past is not None and past.header["case"] != case.NAME:
-        raise InputError(f"-fsi_restart: {past.path} is a checkpoint of the case {past.header['case']}, not of {case.NAME}")
+        other = past.header["case"]
+        raise InputError(
+            f"-fsi_restart: {past.path} is a checkpoint of the case {other}, not of {case.NAME}"
+        )
     return past
 
 
-def _find(asked: str, own: str) -> _Found | None:
-    """What -fsi_restart asks for; own: where the run will write its checkpoints."""
-    return _newest(own) if asked == AUTO else _named(asked)
-
-
-def check_unchanged(past: Past | None, asked: str, own: str) -> None:
-    """FileError if another run has written checkpoints since those were looked for that this one goes on from.
-
-    past: None if -fsi_restart auto has found none. On rank 0, when no other run may write there any more.
-    """
-    found = _find(asked, own)
-    now, before = found and _identity(found[1].header), past and _identity(past.header)
-    if now != before:
-        changed = own if past is None else past.path
-        raise FileError(f"{changed}: has changed since it was read: another run has gone on; start again")
-
-
-def _identity(header: Mapping[str, Any]) -> tuple[Any, ...]:
-    return _run(header), header["memory"]["steps"], header["memory"]["t"]
-
-
-def remove_abandoned(past: Past, path: str) -> None:
-    """Remove checkpoints of the same run beyond the one that it goes on from: -fsi_restart auto would take them for the newest.
-
-    path: where the run will write its own; what else there is of it elsewhere is not touched. On rank 0. FileError.
-    """
-    memory = past.header["memory"]
-    for file in (Path(path), checkpoint_file.previous(path)):
-        good, _ = _good(file)
-        if good is None or _run(good.header) != _run(past.header):
-            continue
-        steps, t = good.header["memory"]["steps"], good.header["memory"]["t"]
-        if steps > memory["steps"] or (steps == memory["steps"] and t != memory["t"]):
-            try:
-                file.unlink()
-            except OSError as error:
-                raise FileError(f"{file}: of steps that are given up, cannot be removed: {error.strerror}") from None
-
-
-def is_of_another(path: Path, past: Past | None) -> bool:
-    """Whether there is a checkpoint of another run than the one that goes on from this; past: None if one begins. On rank 0.
-
-    Of a damaged one nobody can go on, nor tell whose it is: a run that goes on takes it for its own.
-    """
-    if past is None:
-        return checkpoint_file.is_one(path)
-    good, _ = _good(path)
-    return good is not None and _run(good.header) != _run(past.header)
-
-
-def _named(name: str) -> _Found:
+def _named(name: str) -> Past:
     """The checkpoint of a file. FileError, which names the one before it if that is whole."""
     try:
-        return name, checkpoint_file.read(name), []
+        return Past(name, *checkpoint_file.read(name), [])
     except FileError as error:
         before = checkpoint_file.previous(name)
         if "damaged" in str(error) and _good(before)[0] is not None:
@@ -129,101 +110,209 @@ def _named(name: str) -> _Found:
         raise
 
 
-def _newest(name: str) -> _Found | None:
-    """The newest good one of this name, None if there is none: of two runs that of the one which has written last."""
-    found: list[tuple[int, str, Checkpoint]] = []
-    notes = []
+def _newest(name: str) -> Past | None:
+    """The newest good one of this name; None if there is none. FileError if all are damaged."""
+    whys = []
     for path in (Path(name), checkpoint_file.previous(name)):
         good, why = _good(path)
         if good is not None:
-            found.append((good.header["memory"]["steps"], str(path), good))
-        elif path.exists():
-            notes.append(why)
-    if not found:
-        if notes:
-            raise FileError(f"{'; '.join(notes)}; without them -fsi_restart auto begins anew")
-        return None
-    same = len({_run(entry[2].header) for entry in found}) == 1
-    _, path, good = max(found, key=lambda entry: entry[0]) if same else found[0]
-    return path, good, [f"note: {why}" for why in notes]
-
-
-def _run(header: Mapping[str, Any]) -> str | None:
-    return header.get("run", {}).get("run")
+            return Past(str(path), *good, [f"note: {why}" for why in whys])
+        if path.exists():
+            whys.append(why)
+    if whys:
+        raise FileError(f"{'; '.join(whys)}; without them -fsi_restart auto begins anew")
+    return None
 
 
 def _good(path: Path) -> tuple[Checkpoint | None, str]:
+    """The checkpoint in a file, or None and what is wrong with it."""
     try:
         return checkpoint_file.read(path), ""
     except FileError as error:
         return None, str(error)
 
 
-def _known_to_all(found: _Found | None, comm: MPI.Comm) -> Past | None:
-    """What rank 0 has found. Collective."""
-    shapes = None
+def _known_to_all(found: Past | None, comm: MPI.Comm) -> Past | None:
+    """What rank 0 has found. Collective. Arrays are sent one by one: they may be large."""
+    told = None
     if found is not None:
-        shapes = {name: (array.shape, array.dtype.str) for name, array in found[1].arrays.items()}
-    told = comm.bcast(None if found is None else (found[0], found[1].header, found[2], shapes))
-    if told is None:
+        told = found._replace(arrays={k: (a.shape, a.dtype) for k, a in found.arrays.items()})
+    past = comm.bcast(told)
+    if past is None:
         return None
-    path, header, notes, shapes = told
-    arrays = {}
-    for name, (shape, kind) in shapes.items():
-        arrays[name] = np.ascontiguousarray(found[1].arrays[name]) if found is not None else np.empty(shape, kind)
-        comm.Bcast(arrays[name].view(np.uint8).reshape(-1) if arrays[name].size else np.empty(0, np.uint8))
-    return Past(path, header, arrays, notes)
+    for name, (shape, kind) in past.arrays.items():
+        array = np.empty(shape, kind) if found is None else found.arrays[name].copy()
+        comm.Bcast(array.reshape(-1).view(np.uint8))
+        past.arrays[name] = array
+    return past
+
+
+# what may have changed
 
 
 def check_options(past: Past, opt: Mapping[str, Any], given: Mapping[str, Given]) -> None:
-    """InputError for an option that cannot change at a restart, or not so; notes what does. Not collective."""
+    """InputError for an option that cannot change at a restart; notes what may and does."""
     for name, now in opt.items():
         before = past.options.get(name, now)
         before = tuple(before) if isinstance(before, list) else before
         one = spelt(given, name)
-        if before == now or one is None:
+        if before == now or one is None or name in FREE:
             continue
-        was = "it was not given" if before is None else f"it was {_text(before)}"
-        what = f"-{one.name} {one.text}{one.where}: {was} when the checkpoint {past.path} was written"
-        leave = "leave it out: what is not given is taken from the checkpoint"
-        if name == "fsi_check" and (before is None or now is None):
-            raise InputError(f"{what}, and a check of conservation begins at t = 0; {leave}")
-        if name in STEPS and one.where:
-            raise InputError(f"{what}; {leave}; or say it on the command line, if the steps are to be others from now on")
-        if name in STEPS:
-            past.notes.append(f"note: {what}; the steps are others from now on")
-        elif name not in FREE:
+        was = "was not given" if before is None else f"was {_text(before)}"
+        what = f"-{one.name} {one.text}{one.where}: it {was} when {past.path} was written"
+        if name not in STEPS:
+            leave = "leave it out: what is not given is taken from the checkpoint"
             raise InputError(f"{what}, and cannot change at a restart; {leave}")
+        past.notes.append(f"note: {what}; the steps are others from now on")
 
 
 def _text(value: Any) -> str:
-    return ",".join(map(_text, value)) if isinstance(value, tuple) else f"{value:g}" if isinstance(value, float) else str(value)
+    return f"{value:g}" if isinstance(value, float) else str(value)
 
 
 def described(problem: Any) -> list[dict[str, Any]]:
-    """What a checkpoint says of each layer of a problem, so that another one is recognised; as JSON has it."""
-    found = []
-    for layer in problem.layers:
-        numbers = {"name": layer.name, "kind": layer.kind}
-        for name in ("X", "Y"):
-            if getattr(layer, name, None) is not None:
-                numbers[name] = list(getattr(layer, name))
-        if is_dataclass(layer.material):
-            values = {entry.name: getattr(layer.material, entry.name) for entry in fields(layer.material)}
-            numbers |= {name: value for name, value in values.items() if isinstance(value, (bool, int, float, str))}
-        found.append(numbers)
-    return found
+    """Names and numbers of each layer, by which another case is recognised; as JSON has them."""
+    plain = (bool, int, float, str)
+    return [
+        {"name": layer.name, "kind": layer.kind}
+        | {k: v for k, v in vars(layer.material).items() if isinstance(v, plain)}
+        for layer in problem.layers
+    ]
 
 
 def check_problem(past: Past, problem: Any, columns: list[list[Any]]) -> None:
-    """InputError if the problem, or what is recorded of a step, is not that of the checkpoint. Not collective."""
+    """InputError if the problem, or what is recorded of a step, is not that of the checkpoint."""
+    when = f"when the checkpoint {past.path} was written"
     now, before = described(problem), past.header["problem"]
-    if [layer["name"] for layer in now] != [layer["name"] for layer in before]:
-        raise InputError(f"-fsi_restart: the case has other layers than the checkpoint {past.path}")
+    if len(now) != len(before):
+        raise InputError(f"-fsi_restart: the case had {len(before)} layers {when}, now {len(now)}")
     for layer, other in zip(now, before, strict=True):
         for name in sorted(layer.keys() | other.keys()):
             if layer.get(name) != other.get(name):
-                what = f"{name} of layer '{layer['name']}' is {layer.get(name)}, and was {other.get(name)}"
-                raise InputError(f"-fsi_restart: {what} when the checkpoint {past.path} was written")
+                what = f"{name} of layer '{layer['name']}' is {layer.get(name)}"
+                raise InputError(f"-fsi_restart: {what}, and was {other.get(name)} {when}")
     if columns != past.header["columns"]:
-        raise InputError(f"-fsi_restart: other quantities are recorded than when the checkpoint {past.path} was written")
+        raise InputError(f"-fsi_restart: other quantities of steps were recorded {when}")
+
+
+class CheckpointKeeper:
+    """Writes the checkpoints of a run. Collective. FileError, InputError where none can be written.
+
+    path: of the file. past: what the run goes on from. run: what the header of the result says of
+    the run: "run", by which result and checkpoint know each other, "created", and the "restarts"
+    since. arrays: of the checkpoint that it goes on from. kept: on rank 0, lines on what has got
+    another name.
+    """
+
+    def __init__(
+        self, comm: MPI.Comm, name: str, opt: Mapping[str, Any], state: State, past: Past | None
+    ) -> None:
+        self._comm, self._name, self._opt, self._state = comm, name, opt, state
+        self.past, self.kept = past, []
+        self.path = checkpoint_name(opt["fsi_checkpoint"], opt["fsi_output"])
+        together(comm, self._check)
+        self.arrays = {} if past is None else dict(past.arrays)
+        if past is None:
+            created = datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds")
+            self.run: dict[str, Any] = {"run": uuid.uuid4().hex, "created": created}
+            return
+        if past.options["fsi_partition"] != opt["fsi_partition"]:
+            self.arrays.pop("shares", None)
+        memory, run = past.header["memory"], past.header["run"]
+        this = {"t": memory["t"], "step": memory["steps"], "ranks": comm.size}
+        self.run = {**run, "restarts": [*run.get("restarts", []), {**this, "versions": versions()}]}
+
+    def _check(self) -> None:
+        if self._comm.rank > 0:
+            return
+        result = os.path.realpath(self._opt["fsi_output"])
+        if result in map(os.path.realpath, (self.path, checkpoint_file.previous(self.path))):
+            what = "that is where the result goes; give it another name"
+            raise InputError(f"-fsi_checkpoint {self.path}: {what}")
+        names = "fsi_checkpoint", "fsi_checkpoint_steps", "fsi_checkpoint_wall"
+        if any(self._opt[name] for name in names):
+            checkpoint_file.check_place(self.path)
+
+    @property
+    def written_before(self) -> Kept | None:
+        """What the result had at the checkpoint; None if the run begins."""
+        if self.past is None:
+            return None
+        frames, rows = self.past.header["result"]
+        return Kept(int(frames), int(rows), float(self.past.header["memory"]["t"]))
+
+    def settle(self, earlier: list[Path]) -> dict[Path, Path]:
+        """Move what other runs have left out of the way; drop own checkpoints beyond this one.
+
+        earlier: what there is of a result of this name that is to be kept. Returns old -> new
+        names. On rank 0, when no other run may write the result. FileError.
+        """
+        names = self._opt["fsi_output"], self.path
+        result, newest = (Path(os.path.realpath(path)) for path in names)
+        checkpoint_file.draft_of(newest).unlink(missing_ok=True)  # of a run that was killed
+        own = [newest, checkpoint_file.previous(newest)]
+        others = [file for file in own if self._is_of_another(file)]
+        for file in own:
+            self._drop_if_abandoned(file)
+        moved = set_aside(earlier, result.stem, [result, folder_of(result)])
+        moved |= set_aside(others, newest.stem, own)
+        if earlier:
+            kept = moved[earlier[0]].with_suffix(result.suffix)
+            self.kept.append(f"kept the earlier {self._opt['fsi_output']} as {kept}")
+        if others:
+            listed = ", ".join(str(moved[file]) for file in others)
+            self.kept.append(f"kept earlier checkpoints as {listed}")
+        return moved
+
+    def _is_of_another(self, path: Path) -> bool:
+        """Whether there is a checkpoint of another run than this one.
+
+        Of a damaged one nobody can tell whose it is: a run that goes on takes it for its own.
+        """
+        if self.past is None:
+            return checkpoint_file.is_one(path)
+        good, _ = _good(path)
+        return good is not None and good.header["run"]["run"] != self.run["run"]
+
+    def _drop_if_abandoned(self, path: Path) -> None:
+        """Remove a checkpoint of this run beyond the one it goes on from: auto would take it."""
+        good = None if self.past is None else _good(path)[0]
+        if good is None or good.header["run"]["run"] != self.run["run"]:
+            return
+        if good.header["memory"]["steps"] > self.past.header["memory"]["steps"]:
+            try:
+                path.unlink()
+            except OSError as error:
+                what = f"of steps that are given up, cannot be removed: {error.strerror}"
+                raise FileError(f"{path}: {what}") from None
+
+    def lines(self) -> list[str]:
+        """What is to be said of the checkpoint that the run goes on from."""
+        if self.past is None:
+            return []
+        memory, s = self.past.header["memory"], self._state.problem.unit("s")
+        when = f"step {memory['steps']}, t = {memory['t']:.6g}{s}"
+        return [*self.past.notes, f"goes on from {self.past.path}: {when}"]
+
+    def write(self, memory: Mapping[str, Any]) -> None:
+        """Write a checkpoint of the state as it is, with what else there is to know.
+
+        CheckpointError.
+        """
+        arrays = self._state.capture()
+        together(self._comm, lambda: self._write(memory, arrays))
+
+    def _write(self, memory: Mapping[str, Any], arrays: dict[str, np.ndarray] | None) -> None:
+        if arrays is None:
+            return
+        header = {
+            "case": self._name,
+            "options": dict(self._opt),
+            "versions": versions(),
+            "ranks": self._comm.size,
+            "problem": described(self._state.problem),
+            "columns": describe(self._state.journal.dtype),
+            "run": self.run,
+            **memory,
+        }
+        checkpoint_file.write(self.path, checkpoint_file.pack(Checkpoint(header, arrays)))

@@ -1,9 +1,10 @@
 """A state taken apart for a checkpoint, and put together again: in one dimension.
 
-What a step depends on: the solution, the points that are active, how the grids lie and move, and the results of the last step,
-among them the bound on the next one. All else follows from the case and from the time. Arrays hold whole layers, point by
-point from left to right, so that any number of ranks can go on from them. On as many ranks as before each owns what it did: so
-the sums over ranks are the same, too.
+What a step depends on: the solution, the points that are active, how the grids lie and move, and
+the results of the last step, among them the bound on the next one. All else follows from the case
+and from the time. Arrays hold whole layers, point by point from left to right, so that any number
+of ranks can go on from them. On as many ranks as before each owns what it did: so the sums over
+ranks are the same, too.
 """
 
 from __future__ import annotations
@@ -39,7 +40,9 @@ def capture(state: State) -> dict[str, Array] | None:
     for name in FRAME:
         arrays[name] = layout.records[name].copy()
     arrays["results"], arrays["latest"] = state.results.copy(), as_numbers(state.latest).copy()
-    arrays["shares"] = np.array([(k, *share) for k, shares in enumerate(layout.shares) for share in shares])
+    arrays["shares"] = np.array(
+        [(k, *share) for k, shares in enumerate(layout.shares) for share in shares]
+    )
     return arrays
 
 
@@ -64,7 +67,10 @@ def gather_local(comm: MPI.Comm, local: Array) -> list[Array] | None:
     """Each rank's doubles, on rank 0. Collective."""
     counts = comm.gather(local.size)
     whole = np.empty(sum(counts)) if comm.rank == 0 else None
-    comm.Gatherv([np.ascontiguousarray(local), MPI.DOUBLE], [whole, counts, MPI.DOUBLE] if comm.rank == 0 else None)
+    comm.Gatherv(
+        [np.ascontiguousarray(local), MPI.DOUBLE],
+        [whole, counts, MPI.DOUBLE] if comm.rank == 0 else None,
+    )
     return np.split(whole, np.cumsum(counts)[:-1]) if comm.rank == 0 else None
 
 
@@ -74,14 +80,26 @@ def as_numbers(record: np.void) -> Array:
 
 
 def grids_of(problem: Problem, grids: Sequence[Grid], arrays: Mapping[str, Array]) -> list[Grid]:
-    """The grids as they were; grids: those that a run begins with. InputError if those were others."""
+    """The grids as they were; grids: those that a run begins with. InputError if those were
+    others.
+    """
     found = []
     for k, (grid, (n, lo, hi)) in enumerate(zip(grids, arrays["grids"].tolist(), strict=True)):
         rigid, first = problem.layers[k].kind == "fluid", k == 0
         fits = 0 <= lo < hi < n and n >= grid.n and (hi == n - 1 if first else lo == 0)
         if not (fits if rigid else (n, lo, hi) == (grid.n, grid.lo, grid.hi)):
-            raise InputError(f"layer '{problem.layers[k].name}' has {grid.n} points, and {n} in the checkpoint")
-        found.append(replace(grid, n=n, lo=lo, hi=hi, anchor_index=n - 1 if rigid and first else grid.anchor_index))
+            raise InputError(
+                f"layer '{problem.layers[k].name}' has {grid.n} points, and {n} in the checkpoint"
+            )
+        found.append(
+            replace(
+                grid,
+                n=n,
+                lo=lo,
+                hi=hi,
+                anchor_index=n - 1 if rigid and first else grid.anchor_index,
+            )
+        )
     return found
 
 
@@ -91,7 +109,9 @@ def shares_of(arrays: Mapping[str, Array], size: int) -> list[list[tuple[int, in
     if shares is None or shares[:, 1].max() != size - 1:
         return None
     layers = range(int(shares[:, 0].max()) + 1)
-    return [[(rank, begin, end) for at, rank, begin, end in shares.tolist() if at == k] for k in layers]
+    return [
+        [(rank, begin, end) for at, rank, begin, end in shares.tolist() if at == k] for k in layers
+    ]
 
 
 def put(layout: Layout, y: Array, arrays: Mapping[str, Array]) -> None:

@@ -28,8 +28,9 @@ from fsipetsc.stepping.integrator import Integrator
 class Outcome:
     """What is left of a run: cost and errors.
 
-    t: time reached [s]. points: active ones at the end. wall_time: of the time loop [s]. errors: kind of layer -> name ->
-    error in the norm in force, as the state gives them; None without an exact solution.
+    t: time reached [s]. points: active ones at the end. wall_time: of the time loop [s]. errors:
+    kind of layer -> name -> error in the norm in force, as the state gives them; None without an
+    exact solution.
     """
 
     t: float
@@ -106,7 +107,9 @@ _OF_BLOCKS = {
 
 
 def block_form(opt: Mapping[str, Any]) -> BlockForm:
-    """The form of the equations of blocks that is asked for. InputError for a method that these do not have."""
+    """The form of the equations of blocks that is asked for. InputError for a method that these
+    do not have.
+    """
     for name, there in _OF_BLOCKS.items():
         if opt[name] not in there:
             wanted = " or ".join(there)
@@ -131,10 +134,12 @@ def solve(
     times: Sequence[float] = (),
     look: Callable[[PaperState | BlockState, float], None] = lambda state, t: None,
 ) -> Outcome:
-    """Integrate a case from t = 0 to -ts_max_time, or -ts_max_steps, and write nothing. Collective on comm.
+    """Integrate a case from t = 0 to -ts_max_time, or -ts_max_steps, and write nothing. Collective
+    on comm.
 
-    announce: says on rank 0 that the kernels are being compiled, if they are. look(state, t): called at 0, at these times [s]
-    in between and at the end. Raises InputError and ComputationError.
+    announce: says on rank 0 that the kernels are being compiled, if they are. look(state, t):
+    called at 0, at these times [s] in between and at the end. Raises InputError and
+    ComputationError.
     """
     check_begin(opt)
     with make_state(build_problem(case, opt, comm), opt, comm) as state:
@@ -145,8 +150,6 @@ def solve(
             sorted({*(float(t) for t in times if t < opt["ts_max_time"]), opt["ts_max_time"]}),
             on_frame=lambda t: look(state, t),
             on_series=lambda: integrator.series.take(comm),
-            on_step=lambda steps, t, dt: None,
-            on_grids=lambda: None,
         )
         integrator.start()
         integrator.run()

@@ -1,4 +1,4 @@
-"""What is said of a state that cannot be gone on from, of steps that are much too long, and of temperatures in °C."""
+"""What is said of a state that cannot be gone on from, of steps that are too long, of °C."""
 
 from __future__ import annotations
 
@@ -14,55 +14,88 @@ from fsipetsc.errors import ComputationError
 from fsipetsc.paper.fields import seen
 from fsipetsc.scheme.plan import BAD, EXHAUSTED, RATE, TOO_SHORT
 from fsipetsc.scheme.time_step import longest_step
-from fsipetsc.stepping.advice import advice
 
 if TYPE_CHECKING:
     from fsipetsc.stepping.state import State
 
-#: Courant number beyond which steps are said to be long: the classical method, on a periodic grid, is unstable beyond 1.6
-#: to 2.8 (orders 8 to 2)
+#: Courant number beyond which steps are said to be long: the classical method, on a periodic grid,
+#: is unstable beyond 1.6 to 2.8 (orders 8 to 2)
 FAR = 1.5
-#: a layer that is colder than this everywhere [K] has its temperature in °C, most likely: air is liquid there
+#: a layer that is colder than this everywhere [K] has its temperature in °C, most likely
 COLD = 100.0
+
+_GRID = "a finer grid (-fsi_h)"
+_LOAD = "stiffer or heavier layers or less load, so that none is squeezed to nothing"
+#: what a failure is about -> what to try; what stands in braces depends on the options in force
+_ADVICE = {
+    "rho": ("{steps}", "{shocks}", _GRID),
+    "T": ("{steps}", "{shocks}", _GRID),
+    "J": ("{steps}", _LOAD, _GRID),
+    "x_X": ("{steps}", _LOAD, _GRID),
+    "finite": ("{steps}", "{shocks}", "a look at what functions of the case give then"),
+    "crossed": ("{steps}", "{mapping}"),
+    "short": (_GRID, "a lower -fsi_order, which needs fewer points", "{mapping}"),
+}
+
+
+def advice(topic: str, opt: Mapping[str, Any]) -> str:
+    """What usually helps, in words: topic is a key of _ADVICE, opt are the options in force."""
+    paper = opt["fsi_coupling"] != "conservative"
+    other = ["-fsi_coupling conservative"] * paper
+    unused = [f"-{name} 1" for name in ("fsi_dissipation", "fsi_shock") if not opt[name]]
+    shocks = " and ".join([*other, *unused])
+    filled = {
+        "{steps}": "a smaller -ts_dt" if opt["ts_dt"] else "a smaller -fsi_cfl",
+        "{shocks}": f"{shocks} where there are shocks" if shocks else "",
+        "{mapping}": "-fsi_coupling conservative, whose grids keep their points" if paper else "",
+    }
+    tried = [filled.get(words, words) for words in _ADVICE[topic]]
+    return f"what usually helps: {', '.join(words for words in tried if words)}"
 
 
 def unsound(flags: Sequence[float] | np.ndarray) -> bool:
-    """A number is not finite, or a density, temperature or length not above 0; flags: flags and limits of a step."""
+    """A number is not finite, or a density, temperature or length not above 0."""
     return bool(flags[BAD] or not flags[RATE] < np.inf)
 
 
-def check(state: State, t: float, step: int, flags: Sequence[float], opt: Mapping[str, Any], beyond: str) -> None:
+def check(
+    state: State, t: float, step: int, flags: Sequence[float], opt: Mapping[str, Any], beyond: str
+) -> None:
     """Raise ComputationError if the state at t [s] cannot be gone on from.
 
-    opt: options in force; beyond: what ``beyond_bound`` said.
+    flags: flags and limits of the step; beyond: what ``beyond_bound`` said.
     """
-    layers, s = state.problem.layers, state.problem.unit("s")
+    when = f"t = {t:.6g}{state.problem.unit('s')}, step {step}"
     if unsound(flags):
         words, topic = state.failure(t, step)
         raise ComputationError("; ".join(filter(None, (words, beyond, advice(topic, opt)))))
     if flags[EXHAUSTED]:
         k = int(flags[EXHAUSTED]) - 1
         raise ComputationError(
-            f"the points of fluid layer '{layers[k].name}' are used up at t = {t:.6g}{s}, step {step}, "
-            f"{_boundary(state, k)}: its boundary crossed more than one cell in a step; {advice('crossed', opt)}"
+            f"the points of fluid layer '{state.problem.layers[k].name}' are used up at {when}, "
+            f"{_boundary(state, k)}: its boundary crossed more than one cell in a step; "
+            f"{advice('crossed', opt)}"
         )
     if flags[TOO_SHORT]:
         k = int(flags[TOO_SHORT]) - 1
         least = int(state.layout.records[k]["least"])
         raise ComputationError(
-            f"fluid layer '{layers[k].name}' has become too short at t = {t:.6g}{s}, step {step}, "
-            f"{_boundary(state, k)}: the {state.op.name} operator needs {least} points; {advice('short', opt)}"
+            f"fluid layer '{state.problem.layers[k].name}' has become too short at {when}, "
+            f"{_boundary(state, k)}: the {state.op.name} operator needs {least} points; "
+            f"{advice('short', opt)}"
         )
 
 
 def beyond_bound(state: State, opt: Mapping[str, Any]) -> str:
-    """By how much the steps that were asked for exceed their bound, in words; "" if not by far."""
+    """By how much the steps that were asked for exceed their bound; "" if not by far."""
     rate = float(state.results[RATE])
-    step, s = longest_step(opt["fsi_cfl"], opt["ts_dt"] or 0.0, rate), state.problem.unit("s")
+    step = longest_step(opt["fsi_cfl"], opt["ts_dt"] or 0.0, rate)
     if not step * rate > FAR:
         return ""
+    s = state.problem.unit("s")
     asked = f"-ts_dt {step:g}{s}" if opt["ts_dt"] else f"-fsi_cfl {opt['fsi_cfl']:g}"
-    return f"{asked} is {step * rate:.3g} times the bound on the step at t = 0, {1 / rate:.3g}{s}"
+    bound = f"the bound on the step at t = 0{s}, {1 / rate:.3g}{s}"
+    return f"{asked} is {step * rate:.3g} times {bound}"
 
 
 def cold_layers(state: State) -> list[str]:
@@ -73,7 +106,8 @@ def cold_layers(state: State) -> list[str]:
         hottest[k] = np.max(T, initial=-np.inf)
     state.comm.Allreduce(MPI.IN_PLACE, hottest, MPI.MAX)
     return [
-        f"note: '{layer.name}' is nowhere warmer than T = {T:.6g} K: temperatures are in K; is this one in °C?"
+        f"note: '{layer.name}' is nowhere warmer than T = {T:.6g} K: "
+        "temperatures are in K; is this one in °C?"
         for layer, T in zip(problem.layers, hottest.tolist(), strict=True)
         if problem.units == "SI" and T < COLD
     ]

@@ -10,10 +10,11 @@ import numpy as np
 from fsipetsc.verify.entry import Bound, Entry, Measured, reference
 
 TEXT = """
-A beam of length 1 and thickness d in vacuum, plane strain, linear elastic: density 1, μ = 1, λ = 0, so
-that its thickness does not change where it bends, as theories of beams have it.
+A beam of length 1 and thickness d in vacuum, plane strain, linear elastic: density 1, μ = 1, λ = 0,
+so that its thickness does not change where it bends, as theories of beams have it.
 
-* *clamped*: both end faces are held; *hinged*: the middles of both end faces are held, the rest is free
+* *clamped*: both end faces are held; *hinged*: the middles of both end faces are held, the rest is
+  free
 * reference: Timoshenko's beam, S = 5/6 μ d, D = μ d³/6; thin limits 22.3732854481 √(D/m) and
   π² √(D/m) (Euler and Bernoulli). It is a theory of beams, not of the plane: at clamps the two
   differ by some 1e-4

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 _OF_RUN = ("fsi_quiet", "fsi_debug")
 OPTIONS = (
-    Option("verify_level", str, "quick", "", "how many grids and orders", choices=("quick", "full")),
+    Option("verify_level", str, "quick", "", "how many grids and orders", ("quick", "full")),
     Option("verify_docs", str, None, "", "folder for a page and a picture of each entry"),
     Option("fsi_output", str, "verify", "", "base name of the table NAME.csv and the pictures"),
 )
@@ -32,8 +32,8 @@ SECTIONS: dict[str, tuple[Option, ...]] = {
     "Run": tuple(option for option in RUN if option.name in _OF_RUN),
 }
 HEAD = ("entry", "quantity", "order", "errors, coarse to fine", "observed", "verdict")
-COLUMNS = ("entry", "quantity", "order", "h", "error", "observed_order", "least_order", "largest_error")
-COLUMNS += ("verdict", "source")
+COLUMNS = ("entry", "quantity", "order", "h", "error", "observed_order", "least_order")
+COLUMNS += ("largest_error", "verdict", "source")
 
 
 def verify(arguments: list[str], comm: MPI.Comm) -> None:
@@ -59,7 +59,7 @@ def verify(arguments: list[str], comm: MPI.Comm) -> None:
     short = sum(row.verdict != "holds" for row in rows)
     say(f"{len(rows) - short} of {len(rows)} rows hold; saved {path}")
     if short:
-        raise ComputationError(f"{short} of {len(rows)} rows of the table fall short of their bounds")
+        raise ComputationError(f"{short} of {len(rows)} rows fall short of their bounds")
 
 
 def entry_of(name: str) -> Entry:
@@ -126,7 +126,9 @@ def save(rows: list[Row], entries: list[Entry], path: Path) -> None:
     save_csv(path, COLUMNS, lines)
 
 
-def _show(entry: Entry, rows: list[Row], last: Measured | None, opt: Mapping[str, Any], path: Path) -> None:
+def _show(
+    entry: Entry, rows: list[Row], last: Measured | None, opt: Mapping[str, Any], path: Path
+) -> None:
     """Picture, and a page if one is wanted. FileError."""
     from fsipetsc.verify.pages import page, picture
 

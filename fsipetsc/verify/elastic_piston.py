@@ -14,7 +14,8 @@ An elastic rod, -0.5 < X < 0, moves as it must for its end to be at F(t) = -t⁴
 t⁴/4 (advancing), against a gas between F(t) and a wall at x = 1.5, at rest at first.
 
 * gas: perfect, γ = 1.4, R = 1, ρ = 0.1 and p = 0.1/1.4 at rest (speed of sound 1), inviscid
-* solid: linear elastic, density 1, λ + 2μ = 4 (wave speed c = 2), free of strain under the pressure at rest
+* solid: linear elastic, density 1, λ + 2μ = 4 (wave speed c = 2), free of strain under the pressure
+  at rest
 * left end of the rod: its pressure is that of the exact solution; end time 0.7
 * `h` is the spacing of both grids; that of the gas is uniform between F(t) and 1.5
 
@@ -52,8 +53,8 @@ def measure(solve: Callable[..., Any], order: int, h: float) -> Measured:
         ours = rod["sigma"].ravel() + P
         exact = smooth(table["X"], table[f"{way}_stress"])(X)
         errors[f"{way}, stress"] = float(np.abs(ours - exact).max())
-    curve = Curve(("X, label in the rod", "stress - stress at rest"), X, ours, table["X"], table["advancing_stress"])
-    return Measured(errors, curve)
+    words = "X, label in the rod", "stress - stress at rest"
+    return Measured(errors, Curve(words, X, ours, table["X"], table["advancing_stress"]))
 
 
 def _bounds() -> dict[tuple[str, int], Bound]:

@@ -51,8 +51,8 @@ class Entry:
     """A case and its reference.
 
     text: problem and parameters, as Markdown, exact enough to repeat them in another code.
-    levels: "quick" and "full" -> order -> grid spacings, coarse to fine. measure(solve, order, h) ->
-    Measured; solve(case, **options) runs a case and returns its opened result, collective.
+    levels: "quick" and "full" -> order -> grid spacings, coarse to fine. measure(solve, order, h)
+    -> Measured; solve(case, **options) runs a case and returns its opened result, collective.
     bounds: (quantity, order) -> Bound. source: of the reference.
     """
 
@@ -83,9 +83,10 @@ class Row(NamedTuple):
 
     @property
     def verdict(self) -> str:
-        """"holds", or what falls short."""
+        """What falls short, or "holds"."""
         short = []
-        if self.bound.order > -inf and not (self.observed and self.observed[-1] >= self.bound.order):
+        seen = self.observed[-1] if self.observed else nan
+        if self.bound.order > -inf and not seen >= self.bound.order:
             found = f"{self.observed[-1]:.2f}" if self.observed else "unknown"
             short.append(f"order {found} < {self.bound.order:g}")
         for h, error in zip(self.spacings, self.errors):
@@ -95,7 +96,9 @@ class Row(NamedTuple):
         return "; ".join(short) or "holds"
 
 
-def rows_of(entry: Entry, order: int, spacings: Sequence[float], found: Sequence[Measured]) -> list[Row]:
+def rows_of(
+    entry: Entry, order: int, spacings: Sequence[float], found: Sequence[Measured]
+) -> list[Row]:
     """Of one order on all its grids."""
     rows = []
     for quantity in found[0].errors:

@@ -18,7 +18,8 @@ def picture(entry: Entry, rows: list[Row], last: Measured | None, path: Path) ->
     FigureCanvasAgg(figure)
     axes = figure.subplots(1, 2 if curve else 1, squeeze=False)[0]
     if curve:
-        axes[0].plot(curve.x_reference, curve.reference, color="0.6", linewidth=3, label="reference")
+        thick = {"color": "0.6", "linewidth": 3, "label": "reference"}
+        axes[0].plot(curve.x_reference, curve.reference, **thick)
         axes[0].plot(curve.x, curve.ours, ".", markersize=4, label="computed")
         axes[0].set(xlabel=curve.words[0], ylabel=curve.words[1])
         axes[0].legend(frameon=False)

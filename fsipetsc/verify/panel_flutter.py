@@ -15,15 +15,17 @@ Gas flows at M = 2 along a wall; from X = 0 to 1 the wall is an elastic panel, c
   the pressure of the flow
 * push: velocity 1e-5 sin²(πX) (1 + cos πX) at first
 
-Runs at λ = 2 q L³/(D √(M²-1)) = 600 and 700 are taken apart into modes; the λ at which the growth becomes
-positive is compared with
+Runs at λ = 2 q L³/(D √(M²-1)) = 600 and 700 are taken apart into modes; the λ at which the growth
+becomes positive is compared with
 
 * *thin, quasi-steady*: 636.5691312597, where w'''' + λ w' = q w has a double q
-* simply supported panels flutter from 343.3564262798 on; the case has clamps only, so that is not run
+* simply supported panels flutter from 343.3564262798 on; the case has clamps only, so that is not
+  run
 
-The panel of the runs is no thin one: shear lowers its onset by 4.5 %, the damping by the flow raises it by
-less than 1 %, and clamps that hold the panel in Y, too, raise it by 1 to 2 % (docs/panel.md). So the
-error says how far the onset is from the thin limit, and need not fall with h.
+The panel of the runs is no thin one: shear lowers its onset by 4.5 %, the damping by the flow
+raises it by less than 1 %, and clamps that hold the panel in Y, too, raise it by 1 to 2 %
+(docs/panel.md). So the error says how far the onset is from the thin limit, and need not fall with
+h.
 """
 LAMBDAS = (600.0, 700.0)
 

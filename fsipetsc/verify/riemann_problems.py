@@ -17,9 +17,9 @@ A perfect gas (γ = 1.4, R = 1) left of x = 1, an elastic rod right of it, invis
   behind it from x = 0; it hits the rod at t = 0.3 over its speed; K = 4 or 40
 
 The pressure p and the velocity u at the interface are then constant until a wave comes back. They
-follow from the shock or fan in the gas and the shock in the rod. Errors: of u as the mean velocity of
-the interface from its place at the end, and of p as the mean of the last fifth of the steps, both
-relative. `h` is the spacing of both grids, the gas's at first.
+follow from the shock or fan in the gas and the shock in the rod. Errors: of u as the mean velocity
+of the interface from its place at the end, and of p as the mean of the last fifth of the steps,
+both relative. `h` is the spacing of both grids, the gas's at first.
 """
 #: of each problem: its name, end time, options of the case
 PROBLEMS = {
@@ -42,7 +42,8 @@ def measure(solve: Callable[..., Any], order: int, h: float) -> Measured:
         errors[f"{name}, u"] = abs((x[-1] - 1.0) / (t[-1] - hit) / u - 1.0)
         errors[f"{name}, p"] = abs(float(pressure[late].mean()) / p - 1.0)
         if name == "Mach 3":
-            curve = Curve(("t", "p at the interface, Mach 3"), t, pressure, t[[0, -1]], 0.0 * t[[0, -1]] + p)
+            ends, words = t[[0, -1]], ("t", "p at the interface, Mach 3")
+            curve = Curve(words, t, pressure, ends, 0.0 * ends + p)
     return Measured(errors, curve)
 
 

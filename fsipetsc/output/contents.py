@@ -1,0 +1,198 @@
+"""The numbers of a result, whether they are in one file or in pieces. What is read is checked."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import h5py
+import numpy as np
+
+from fsipetsc.output.file_layout import Damaged, columns, open_h5
+
+Array = np.ndarray[Any, Any]
+_MOST_COMPRESSED = 1000  # a dataset that claims more than so many times its file is damaged
+
+
+class Piece(NamedTuple):
+    """A file; its first frame and row in the result; times of its frames; number of its rows."""
+
+    path: Path
+    frame: int
+    row: int
+    time: Array
+    rows: int
+
+
+class Part(NamedTuple):
+    """Frames first … end - 1 of a layer, in one file, with the grid X that they have."""
+
+    path: Path
+    first: int
+    end: int
+    X: Array
+
+
+class Contents:
+    """All frames and steps of some pieces, each of which takes the place of what earlier ones have
+    from its first frame and step on. Damaged, OSError.
+
+    files    in their order; layers: as in the header
+    time     (nframes,)
+    rows     number of steps; names: series -> shape of what is known of a step
+    X        of each layer the grid that contains those of all frames; h: its spacing
+    """
+
+    def __init__(self, files: Sequence[Path], layers: Sequence[Mapping[str, Any]]) -> None:
+        self.names: dict[str, tuple[int, ...]] = {}
+        self.nframes = self.rows = 0
+        self._columns = [columns(layer) for layer in layers]
+        self._shapes = [layer.get("shape") for layer in layers]
+        self._open: tuple[Path, h5py.File] | None = None
+        self._pieces: list[Piece] = []
+        self._parts: list[list[Part]] = [[] for _ in layers]
+        try:
+            for path in files:
+                self._add(path)
+        finally:
+            self.close()
+        times = [piece.time for piece in self._pieces]
+        self.time = np.concatenate(times) if times else np.empty(0)
+        if not np.all(np.isfinite(self.time)) or np.any(np.diff(self.time) < 0):
+            raise Damaged("the times of its frames are not ascending numbers")
+        grids = [_merged([part.X for part in parts]) for parts in self._parts]
+        self.X, self.h = [X for X, _ in grids], [h for _, h in grids]
+
+    def _add(self, path: Path) -> None:
+        """See what a file holds."""
+        file = self._opened(path)
+        frame, row = (int(number) for number in file.attrs.get("first", (0, 0)))
+        if not (0 <= frame <= self.nframes and 0 <= row <= self.rows):
+            raise Damaged(f"what comes before {path.name} is missing")
+        if (frame, row) != (self.nframes, self.rows):
+            self._give_up(frame, row)
+        time, rows = _numbers(file, "time", 1)[...], self._steps(file)
+        self._pieces.append(Piece(path, frame, row, time, rows))
+        self.nframes, self.rows = frame + len(time), row + rows
+        for k, parts in enumerate(self._parts if len(time) else ()):
+            parts.append(self._part(path, file, k, frame, len(time)))
+
+    def _give_up(self, frame: int, row: int) -> None:
+        """All frames and rows from these on."""
+        for j, piece in enumerate(self._pieces):
+            time = piece.time[: max(0, frame - piece.frame)]
+            rows = max(0, min(piece.rows, row - piece.row))
+            self._pieces[j] = piece._replace(time=time, rows=rows)
+        for k, parts in enumerate(self._parts):
+            left = (part._replace(end=min(part.end, frame)) for part in parts)
+            self._parts[k] = [part for part in left if part.first < part.end]
+
+    def _steps(self, file: h5py.File) -> int:
+        """How many steps a file has, all of whose series have the same length."""
+        if "series" not in file:
+            return 0
+        shapes = {name: _numbers(file, f"series/{name}").shape for name in file["series"]}
+        names = {name: shape[1:] for name, shape in shapes.items()}
+        steps = {shape[0] for shape in shapes.values()}
+        if "t" not in names or len(steps) != 1 or names != (self.names or names):
+            raise Damaged("its series do not fit together")
+        self.names = names
+        return steps.pop()
+
+    def _part(self, path: Path, file: h5py.File, k: int, first: int, count: int) -> Part:
+        """The frames of layer k in a file."""
+        group, names, shape = f"layer{k}", self._columns[k], self._shapes[k]
+        if f"{group}/X" not in file and self._parts[k]:
+            X = self._parts[k][-1].X
+        else:
+            X = _numbers(file, f"{group}/X")[...]
+        if not len(X) or not np.all(np.isfinite(X)) or (shape is None and np.any(np.diff(X) <= 0)):
+            raise Damaged(f"the grid in {group} is not ascending numbers")
+        if shape is not None and X.shape not in ((math.prod(shape), len(shape)), (*shape,)):
+            raise Damaged(f"the grid in {group} has the shape {X.shape}")
+        wanted = dict.fromkeys(names, (count, *(shape or X.shape)))
+        if "frames" in file[group]:
+            wanted = {"frames": (len(X), count * len(names))}
+        for name, expected in wanted.items():
+            if (found := _numbers(file, f"{group}/{name}").shape) != expected:
+                raise Damaged(f"{group}/{name} has the shape {found}")
+        return Part(path, first, first + count, X)
+
+    def series(self, name: str) -> Array:
+        """(rows, …) what is known of each step by a name."""
+        pieces = [piece for piece in self._pieces if piece.rows]
+        found = [self._opened(p.path)[f"series/{name}"][: p.rows] for p in pieces]
+        return np.concatenate(found) if found else np.empty((0, *self.names[name]))
+
+    def frames(self, k: int, names: Sequence[str], first: int, end: int) -> list[Array]:
+        """(end - first, n) of each of these columns of layer k, NaN where a frame has no points."""
+        found = [np.full((end - first, len(self.X[k])), np.nan) for _ in names]
+        for part in self._parts[k]:
+            a, b = max(first, part.first), min(end, part.end)
+            if a < b:
+                start = _place(part.X, self.X[k], self.h[k])
+                group = self._opened(part.path)[f"layer{k}"]
+                rows = self._rows(group, k, names, a - part.first, b - part.first)
+                for into, values in zip(found, rows):
+                    into[a - first : b - first, start : start + len(part.X)] = values
+        return found
+
+    def _rows(self, group: h5py.Group, k: int, names: Sequence[str], a: int, b: int) -> list[Array]:
+        """(b - a, n) of each column, from frame a of a file on."""
+        if "frames" not in group:
+            return [group[name][a:b].reshape(b - a, -1) for name in names]
+        width = len(self._columns[k])
+        table = group["frames"][:, a * width : b * width].reshape(-1, b - a, width)
+        return [table[..., self._columns[k].index(name)].T for name in names]
+
+    def _opened(self, path: Path) -> h5py.File:
+        """A file, which stays open until another one is asked for: they may be too many."""
+        if self._open is None or self._open[0] != path:
+            self.close()
+            self._open = path, open_h5(path)
+        return self._open[1]
+
+    def close(self) -> None:
+        """Close the file that is open, if any."""
+        if self._open is not None:
+            self._open[1].close()
+        self._open = None
+
+
+def _numbers(file: h5py.File, name: str, ndim: int | None = None) -> h5py.Dataset:
+    """A dataset of numbers, no larger than the file can hold."""
+    found = file[name]
+    if not isinstance(found, h5py.Dataset) or found.dtype.kind not in "iuf" or not found.ndim:
+        raise Damaged(f"{name} is no array of numbers")
+    if ndim is not None and found.ndim != ndim:
+        raise Damaged(f"{name} has {found.ndim} dimensions")
+    size = found.size * found.dtype.itemsize
+    if size > _MOST_COMPRESSED * max(1024, os.path.getsize(file.filename)):
+        raise Damaged(f"{name} claims to have {size:.3g} bytes")
+    return found
+
+
+def _place(X: Array, whole: Array, h: float) -> int:
+    """Where a grid begins in the one that contains it."""
+    return round((X[0] - whole[0]) / h) if len(X) < len(whole) else 0
+
+
+def _merged(grids: Sequence[Array]) -> tuple[Array, float]:
+    """The grid that contains all of them, which grow at their ends, and its spacing."""
+    if not grids:
+        return np.empty(0), np.nan
+    merged = grids[0]
+    h = float(np.diff(merged).mean()) if merged.ndim == 1 and len(merged) > 1 else np.nan
+    for grid in {id(grid): grid for grid in grids}.values():
+        if merged.ndim == 1 and grid is not merged:
+            merged = np.concatenate(
+                [grid[grid < merged[0] - h / 2], merged, grid[grid > merged[-1] + h / 2]]
+            )
+    for grid in grids if merged.ndim == 1 else ():
+        start = _place(grid, merged, h)
+        if not np.allclose(merged[start : start + len(grid)], grid, rtol=0.0, atol=0.01 * abs(h)):
+            raise Damaged("its grids do not fit together")
+    return merged, h
