@@ -194,7 +194,6 @@ def test_a_failure_names_field_block_and_place(runs):
     [
         ("fault", "initial of block 'gas': returns 1 values: expected 4 values (rho, u, v, T)"),
         ("grids", "case_dimension"),
-        ("initial", "2d_1.h5 has 2 dimension(s), the case 3"),
         ("many", "ranks are more than these blocks can feed"),
     ],
 )
