@@ -13,12 +13,12 @@ from fsipetsc.materials.line_solid import Solid
 from fsipetsc.operators import OPERATORS
 from fsipetsc.paper import ends, rates, stencils
 from fsipetsc.paper.ends import NODES
-from fsipetsc.paper.laws import Gas, elastic_of, gas_of
-from fsipetsc.paper.layer import RECORD, SOLID
+from fsipetsc.paper.laws import Gas, law_of
+from fsipetsc.paper.layout import RECORD
 
 AIR = Fluid(mu=0.5, kappa=0.7, gamma=1.4, R=287.0)
 ROD = Solid(K=1e5, kappa_e=0.5, m0=2700.0, alpha=1.0, force=-10.0)
-GAS, STEEL = gas_of(AIR), elastic_of(ROD)
+GAS, STEEL = law_of(AIR), law_of(ROD)
 H, HALO = 0.01, 14
 _fill, _seen = from_python(ends.fill_ghost), from_python(ends.gradient_values)
 close_solid, insulated_slopes = from_python(ends.close_solid), from_python(ends.insulated_slopes)
@@ -46,9 +46,7 @@ def gas_record(n: int, lo: int = 0, hi: int | None = None, h: float = H) -> np.v
 
 def solid_record(n: int) -> np.void:
     """A solid of n points, all on this rank."""
-    layer = gas_record(n)
-    layer["kind"] = SOLID
-    return layer
+    return gas_record(n)
 
 
 def conserved(gas: Gas, rho, u, T) -> np.ndarray:

@@ -18,7 +18,7 @@ FROZEN = Path(__file__).with_name("paper_runs.json")
 #: name -> case and options
 RUNS = {
     "rod": "rod -fsi_h 0.05 -ts_max_time 0.1 -fsi_output_dt 0.05 -fsi_entropy",
-    "falling": "rod -fsi_h 0.1 -fsi_order 2 -ts_max_time 0.5 -fsi_output_dt 0.25 -fsi_spare 0 "
+    "falling": "rod -fsi_h 0.1 -fsi_order 2 -ts_max_time 0.5 -fsi_output_dt 0.25 "
     "-fsi_coupling energy",
     "mms": "mms -fsi_h 0.05 -fsi_order 6 -fsi_output_dt 0.15",
     "pulse": "pulse -fsi_h 0.025 -ts_max_time 0.002 -fsi_output_dt 0.001 -ts_type rk",
@@ -26,7 +26,7 @@ RUNS = {
 #: the same on several ranks, which take turns on few processors
 SHARED = {
     "rod": "rod -fsi_h 0.05 -ts_max_steps 20 -fsi_entropy",
-    "falling": "rod -fsi_h 0.1 -fsi_order 2 -ts_max_steps 60 -fsi_spare 0 -fsi_coupling energy "
+    "falling": "rod -fsi_h 0.1 -fsi_order 2 -ts_max_steps 60 -fsi_coupling energy "
     "-rod_gravity -9000",
     "mms": "mms -fsi_h 0.05 -fsi_order 6 -ts_max_steps 20",
     "pulse": "pulse -fsi_h 0.025 -ts_max_steps 20 -ts_type rk -fsi_coupling traditional "

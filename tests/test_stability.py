@@ -22,7 +22,7 @@ from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.line_solid import Solid
 from fsipetsc.operators import OPERATORS
 from fsipetsc.paper import rates as loops
-from fsipetsc.paper.laws import elastic_of, gas_of
+from fsipetsc.paper.laws import law_of
 
 ORDERS = pytest.mark.parametrize("order", OPERATORS)
 #: (order, state): each order, each state
@@ -68,7 +68,7 @@ def differentiated(function, step: float, size: int) -> np.ndarray:
 def test_rates_of_the_gas_are_those_of_the_kernel(order, state):
     state = STATES[state]
     h, gas, rest = 0.1, state.gas, np.array([[state.rho], [0.0], [state.T]])
-    layer, law = gas_record(N, h=h), gas_of(gas)
+    layer, law = gas_record(N, h=h), law_of(gas)
     layer["s"], layer["end_kind"][0] = 0.0, 0
 
     def primitive_rates(change: np.ndarray) -> np.ndarray:
@@ -96,7 +96,7 @@ def test_rates_of_the_solid_are_those_of_the_kernel(order, state):
     layer["h"] = h
 
     def all_rates(change: np.ndarray) -> np.ndarray:
-        f = kernel_rates(elastic_rates, elastic_of(solid), layer, order, (rest + change.reshape(4, N)).T).T
+        f = kernel_rates(elastic_rates, solid.elastic, layer, order, (rest + change.reshape(4, N)).T).T
         S_t = f[1] + state.solid_pressure / state.stretch * (D @ f[3])
         return np.concatenate([f[0], S_t, f[2]])
 

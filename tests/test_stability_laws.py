@@ -69,7 +69,7 @@ def expected(state: Constant, order: int, coupling: str, narrow: bool) -> np.nda
 def solver_rates(state: PaperState, k: int, constant: Constant, order: int) -> Callable[[np.ndarray], np.ndarray]:
     """(6, N) changes of (rho, u, T) in gas k and (u, S, T) in solid k - 1 -> (6, N) rates of the same, by the solver."""
     start = state.solution.getArray().copy()
-    gas, D = state.laws[k], operator(order).matrix(N, 1 / (N - 1))
+    gas, D = state.layers[k].law, operator(order).matrix(N, 1 / (N - 1))
 
     def rates(change: np.ndarray) -> np.ndarray:
         y, f = start.copy(), np.empty_like(start)
@@ -78,7 +78,7 @@ def solver_rates(state: PaperState, k: int, constant: Constant, order: int) -> C
         solid[:, :3] += change[3:].T
         state.right_hand_side(y, f)
         solid_t, fluid_t = state.layout.local(k - 1, f), state.layout.local(k, f)[:N]
-        rho, u, T = primitive(gas, state.path.layers[k].owned[:N])  # as the conditions have made it
+        rho, u, T = primitive(gas, state.layers[k].owned[:N])  # as the conditions have made it
         rho_t, m_t, E_t = fluid_t.T
         u_t, cv = (m_t - u * rho_t) / rho, constant.gas.cv
         T_t = ((E_t - (cv * T + 0.5 * u * u) * rho_t) / rho - u * u_t) / cv

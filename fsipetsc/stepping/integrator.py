@@ -1,8 +1,7 @@
 """PETSc's TS drives: its explicit methods make the steps, hooks around them do the rest.
 
 The right-hand side (stepping.petsc_path) projects a work copy of each stage; the post-step hook projects the new solution,
-lets the embedded boundaries move, records the step, and says how long the next step is. A fluid grid that is used up ends
-one TSSolve; the grids are laid anew and the next one goes on.
+lets the embedded boundaries move, records the step, and says how long the next step is.
 """
 
 from __future__ import annotations
@@ -18,7 +17,7 @@ from fsipetsc.blockrun.columns import point_names
 from fsipetsc.errors import ComputationError, clear_frames
 from fsipetsc.process.together import agree
 from fsipetsc.scheme.burst import LONGEST, MADE, SHORTEST, TIME
-from fsipetsc.scheme.plan import EXHAUSTED, LOW, MOVED, RATE, SAID_STOP, STOP, TOO_SHORT, shares
+from fsipetsc.scheme.plan import MOVED, RATE, SAID_STOP, STOP, shares
 from fsipetsc.scheme.time_step import longest_step
 from fsipetsc.stepping import verdicts
 from fsipetsc.stepping.error_control import ErrorControl, begins_with_last_rates
@@ -147,7 +146,7 @@ class Integrator:
         It does not where grids have moved, nor where PETSc knows that the solution is not what the method has left.
         """
         results, changed = self.state.results, self.state.solution.stateGet() != self._left
-        return self._last if self._reuses and not (results[MOVED] or results[LOW] or changed) else None
+        return self._last if self._reuses and not (results[MOVED] or changed) else None
 
     def _post_step(self, ts: PETSc.TS) -> None:
         self._left = self.state.solution.stateGet()
@@ -191,9 +190,6 @@ class Integrator:
             self._on_checkpoint()
         if last:
             ts.setConvergedReason(PETSc.TS.ConvergedReason.CONVERGED_TIME)
-            self._say_the_ends(ts)
-        elif flags[LOW]:
-            ts.setConvergedReason(PETSc.TS.ConvergedReason.CONVERGED_USER)
             self._say_the_ends(ts)
         else:
             if flags[MOVED]:
@@ -305,8 +301,6 @@ class Integrator:
         """Set the initial data and save the first frame."""
         state = self.state
         state.set_initial()
-        while state.results[LOW] and not (state.results[EXHAUSTED] or state.results[TOO_SHORT]):
-            state.grow()
         self._on_grids()
         if not self._steady:
             state.set_data(self.t)  # with differences in time of the length that a step has
@@ -357,8 +351,6 @@ class Integrator:
         self._proposal, state.evaluations = memory["proposal"], memory["evaluations"]
         self._given = state.restore(arrays, self.t)
         self._times.pass_time(self.t)
-        if state.results[LOW] and not self._times.done:
-            state.grow()
         self._on_grids()
 
     def run(self) -> None:
@@ -390,8 +382,5 @@ class Integrator:
                         self._rates.destroy()
                 if self._error is not None:
                     raise self._error
-                if self.state.results[LOW] and not self._times.done:
-                    self.state.grow(self.series.count)
-                    self._on_grids()
         finally:
             self.wall_time += time.perf_counter() - self._begun

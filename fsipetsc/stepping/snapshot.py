@@ -2,24 +2,21 @@
 
 What a step depends on: the solution, the points that are active, how the grids lie and move, and the results of the last step,
 among them the bound on the next one. All else follows from the case and from the time. Arrays hold whole layers, point by
-point from left to right, so that any number of ranks can go on from them. On as many ranks as before each owns what it did: so
-the sums over ranks are the same, too.
+point from left to right, so that any number of ranks can go on from them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
 from mpi4py import MPI
 
 from fsipetsc.errors import InputError
-from fsipetsc.problem import Problem
 
 if TYPE_CHECKING:
-    from fsipetsc.paper.layout import Grid, Layout
+    from fsipetsc.paper.layout import Layout
     from fsipetsc.paper.state import PaperState as State
 
 Array = np.ndarray
@@ -43,7 +40,6 @@ def capture(state: State, rates: Array | None = None) -> dict[str, Array] | None
     for name in FRAME:
         arrays[name] = layout.records[name].copy()
     arrays["results"], arrays["latest"] = state.results.copy(), as_numbers(state.latest).copy()
-    arrays["shares"] = np.array([(k, *share) for k, shares in enumerate(layout.shares) for share in shares])
     return arrays
 
 
@@ -101,25 +97,14 @@ def as_numbers(record: np.void) -> Array:
     return record.reshape(1).view(np.float64)
 
 
-def grids_of(problem: Problem, grids: Sequence[Grid], arrays: Mapping[str, Array]) -> list[Grid]:
-    """The grids as they were; grids: those that a run begins with. InputError if those were others."""
-    found = []
-    for k, (grid, (n, lo, hi)) in enumerate(zip(grids, arrays["grids"].tolist(), strict=True)):
-        rigid, first = problem.layers[k].kind == "fluid", k == 0
-        fits = 0 <= lo < hi < n and n >= grid.n and (hi == n - 1 if first else lo == 0)
-        if not (fits if rigid else (n, lo, hi) == (grid.n, grid.lo, grid.hi)):
-            raise InputError(f"layer '{problem.layers[k].name}' has {grid.n} points, and {n} in the checkpoint")
-        found.append(replace(grid, n=n, lo=lo, hi=hi, anchor_index=n - 1 if rigid and first else grid.anchor_index))
-    return found
-
-
-def shares_of(arrays: Mapping[str, Array], size: int) -> list[list[tuple[int, int, int]]] | None:
-    """Who owned what; None if that is not wanted, or there were another number of ranks."""
-    shares = arrays.get("shares")
-    if shares is None or shares[:, 1].max() != size - 1:
-        return None
-    layers = range(int(shares[:, 0].max()) + 1)
-    return [[(rank, begin, end) for at, rank, begin, end in shares.tolist() if at == k] for k in layers]
+def put_grids(layout: Layout, arrays: Mapping[str, Array]) -> None:
+    """Let the grids lie and move as they did. InputError if they had another number of points."""
+    for layer, record, (n, lo, hi) in zip(layout.problem.layers, layout.records, arrays["grids"].tolist(), strict=True):
+        if n != record["n"] or not 0 <= lo < hi < n:
+            raise InputError(f"layer '{layer.name}' has {record['n']} points, and {n} in the checkpoint")
+        record["lo"], record["hi"] = lo, hi
+    for name in FRAME:
+        layout.records[name] = arrays[name]
 
 
 def put(layout: Layout, y: Array, arrays: Mapping[str, Array], prefix: str = "") -> None:
@@ -129,12 +114,6 @@ def put(layout: Layout, y: Array, arrays: Mapping[str, Array], prefix: str = "")
             layout.local(k, y)[:] = arrays[f"{prefix}layer{k}"][record["own_lo"] : record["own_hi"]]
 
 
-def put_frames(layout: Layout, arrays: Mapping[str, Array]) -> None:
-    """Let the grids lie and move as they did."""
-    for name in FRAME:
-        layout.records[name] = arrays[name]
-
-
 def rates_of(layout: Layout, arrays: Mapping[str, Array], fill: Callable[..., None] = put) -> Array | None:
     """This rank's part of the rates that were kept, if any; fill: ``put`` of the dimension."""
     if f"{RATES}layer0" not in arrays:
@@ -142,19 +121,3 @@ def rates_of(layout: Layout, arrays: Mapping[str, Array], fill: Callable[..., No
     rates = np.empty(layout.local_size)
     fill(layout, rates, arrays, RATES)
     return rates
-
-
-def gather(comm: MPI.Comm, layout: Layout, k: int, y: np.ndarray) -> np.ndarray:
-    """Layer k of the solution, shape (n, dof), on every rank. Collective."""
-    record = layout.records[k]
-    dof = layout.dof[k]
-    counts = np.zeros(comm.size, np.int64)
-    for rank, begin, end in layout.shares[k]:
-        counts[rank] = dof * (end - begin)
-    whole = np.empty((int(record["n"]), dof))
-    offsets = np.zeros(comm.size, np.int64)
-    for rank, begin, _ in layout.shares[k]:
-        offsets[rank] = dof * begin
-    part = np.ascontiguousarray(layout.local(k, y)) if record["present"] else np.empty(0)
-    comm.Allgatherv([part, MPI.DOUBLE], [whole, counts, offsets, MPI.DOUBLE])
-    return whole
