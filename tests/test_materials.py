@@ -17,7 +17,7 @@ import fsipetsc
 from fsipetsc.cases import load_case
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
-from fsipetsc.materials.line_solid import Solid, wave_modulus
+from fsipetsc.materials.line_solid import Solid
 from fsipetsc.materials.power_law import power_law
 from fsipetsc.materials.solid_pressure import mie_gruneisen, stiffened_pressure
 from fsipetsc.materials.sutherland import Sutherland, sutherland
@@ -76,10 +76,10 @@ def test_pressure_and_its_derivatives(name):
     scale = 1e-15 * ROCK["m0"] * 5e3**2
     for T, x_X in STATES:
         assert solid.pressure(T, x_X) == pytest.approx(of_strain(p, T, x_X), rel=1e-12, abs=scale)
-        by_T = solid.pressure_by_temperature(T, x_X)
+        by_T = solid.elastic.pressure_by_temperature(T, x_X)
         assert by_T == pytest.approx(slope(lambda T, x_X=x_X: of_strain(p, T, x_X), T), rel=1e-8)
         stiffness = -x_X * slope(lambda x_X, T=T: of_strain(p, T, x_X), x_X)
-        assert solid.stiffness(T, x_X) == pytest.approx(stiffness, rel=1e-8)
+        assert solid.elastic.stiffness(T, x_X) == pytest.approx(stiffness, rel=1e-8)
 
 
 @EACH_SOLID
@@ -113,8 +113,7 @@ def test_no_point_is_faster_than_what_bounds_the_step(name):
     rng = np.random.default_rng(7)
     T, x_X, sigma = rng.uniform(250, 1500, 500), rng.uniform(0.7, 1.15, 500), rng.uniform(-2e9, 2e8, 500)
     p = solid.pressure(T, x_X)
-    by_T, stiff = solid.pressure_by_temperature(T, x_X), solid.stiffness(T, x_X)
-    fastest = np.sqrt(wave_modulus(solid.K, solid.alpha * solid.m0, by_T, stiff, p, sigma, x_X) / solid.m0).max()
+    fastest = np.sqrt(solid.elastic.wave_modulus(T, p, sigma, x_X) / solid.m0).max()
     bound = solid.sound_speed(x_X.min(), T.max(), min(sigma.min(), solid.pressure(T.max(), x_X.min())))
     assert fastest <= bound < 2 * fastest
 
@@ -130,8 +129,9 @@ def test_derivatives_that_a_law_of_a_case_does_not_give(name):
     for T, x_X in STATES:
         size = abs(solid.pressure(T, x_X)) + ROCK["m0"] * 5e3**2
         assert own.pressure(T, x_X) == solid.pressure(T, x_X)
-        assert own.pressure_by_temperature(T, x_X) == pytest.approx(solid.pressure_by_temperature(T, x_X), abs=1e-9 * size)
-        assert own.stiffness(T, x_X) == pytest.approx(solid.stiffness(T, x_X), abs=1e-9 * size)
+        for name in ("pressure_by_temperature", "stiffness"):
+            found, wanted = (getattr(one.elastic, name)(T, x_X) for one in (own, solid))
+            assert found == pytest.approx(wanted, abs=1e-9 * size)
 
 
 @pytest.mark.parametrize(

@@ -354,17 +354,6 @@ def test_heat_that_leaves(side):
 
 
 @SIDES
-@pytest.mark.parametrize("mach", [-1.5, 1.5])
-def test_faster_than_sound(side, mach):
-    """Nothing comes in where gas flows out, all where it flows in."""
-    n = 2 * side - 1
-    values = np.array([1.1, n * mach * 1.05, 1.07])[:, None] * (1 + 0.01 * np.arange(4))
-    ghost, _ = fill(*gas_layer(OPEN, n * mach, 0.0, 0.0, 1), side, 0.3, values)
-    expected = values[:, 0] if mach > 0 else [1.0, n * mach, 1.0]
-    np.testing.assert_allclose(ghost, expected, rtol=1e-15)
-
-
-@SIDES
 @pytest.mark.parametrize("amplitude", [-0.3, -0.1, 0.1, 0.3, 1.0])
 def test_finite_sound_leaves(side, amplitude):
     """A simple wave stays as it is, but for a fourth power of its amplitude; linear theory would
@@ -404,8 +393,9 @@ def jacobian(kind, order, mach, mu, kappa, end_order, delta, narrow=0):
     D, none = OPERATORS[order].matrix(N), np.zeros((N, N))
     D2 = second_derivative(order, N, narrow)
     ghost, seen = np.eye(3 * N), np.eye(3 * N)[N:].reshape(2, N, 3 * N).copy()
+    of_gas = (mu, kappa) if kind == OPEN else (0.0, 0.0)  # given data do not depend on them
     for side in range(2):
-        of_ghost = derivatives(kind, side, mach, mu, kappa, end_order, delta)
+        of_ghost = derivatives(kind, side, mach, *of_gas, end_order, delta)
         near = of_ghost.shape[2]
         points = np.arange(near) if side == 0 else N - 1 - np.arange(near)
         rows, of_ghost = points[0] + N * np.arange(3), of_ghost.reshape(5, -1)

@@ -1,11 +1,11 @@
-"""The command `python -m fsipetsc stability [CASE]`: the linear theory, checked for given materials,
-or those of a case.
+"""The command `python -m fsipetsc stability [CASE]`: the linear theory, checked for given
+materials, or those of a case.
 
 It ends with status 3 where the interface treatment does not keep what it promises. `energy` and
 `conservative` promise that the energy never grows (Theorem 4.1), that no mode grows and that the
 step of the uncoupled layers is kept; the others, and any in two dimensions, promise the last two.
-What the heat of the stress at rest adds is shown too, but as it belongs to the equations, not to the
-interface, it does not count. The materials of a case may have any laws; its initial data at an
+What the heat of the stress at rest adds is shown too, but as it belongs to the equations, not to
+the interface, it does not count. The materials of a case may have any laws; its initial data at an
 interface say which state is at rest.
 """
 

@@ -44,9 +44,9 @@ from fsipetsc.paper.stencils import CALL, packed
 
 #: step of the numerical differentiation, relative to the size of each variable
 STEP = 2.0**-7
-#: growth over the largest |lambda| that counts as round-off: of the energy, of a mode (an eigenvalue
-#: of a matrix that is not normal is less certain); part of the step limit of the uncoupled layers
-#: that a treatment of the interface must leave
+#: growth over the largest |lambda| that counts as round-off: of the energy, of a mode (an
+#: eigenvalue of a matrix that is not normal is less certain); part of the step limit of the
+#: uncoupled layers that a treatment of the interface must leave
 ENERGY_TOLERANCE, MODE_TOLERANCE, STEP_KEPT = 1e-10, 1e-9, 0.95
 
 

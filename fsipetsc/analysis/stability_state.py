@@ -29,7 +29,8 @@ class Constant:
     Of the gas: pressure p [Pa], bulk = rho dp/drho at constant T [Pa], p_T = dp/dT at constant rho
     [Pa/K], heat_capacity at constant rho [J/(kg K)], mu [Pa s], kappa [W/(m K)]. Of the solid:
     solid_pressure p_s [Pa], solid_p_T = dp_s/dT [Pa/K], stiffness = -x_X dp_s/dx_X [Pa], modulus =
-    (K + stiffness) / x_X [Pa], stress sigma = p_s - p that balances the gas [Pa], excess = T dp_s/dT
+    (K + stiffness) / x_X [Pa], stress sigma = p_s - p that balances the gas [Pa], excess = T
+    dp_s/dT
     - p [Pa], over which the linear equations are symmetric: sigma in Grüneisen's solid.
     """
 

@@ -15,9 +15,11 @@ REASON = ": closures of order 3 leave an error of order 4, which rules on fine g
 
 
 def compare(study: ConvergenceStudy) -> str:
-    """The table, with a line for each exponent of ours that is lower and one for those that are higher.
+    """The table, with a line for each exponent of ours that is lower and one for those that are
+    higher.
 
-    study: of the case mms on two grids at least. Exponents are rounded to one digit, as in the paper.
+    study: of the case mms on two grids at least. Exponents are rounded to one digit, as in the
+    paper.
     """
     here = {kind: np.round(study.rates(kind)[:, -1], 1) for kind in PAPER}
     orders = sorted(study.orders, reverse=True)

@@ -79,7 +79,8 @@ class _Place(NamedTuple):
 def seen(state: PaperState) -> Iterable[Seen]:
     """Values at this rank's active points, and which of them must be positive."""
     for part in state.here:
-        record, active, grid = part.record, state.active(part.number), state.layout.grids[part.number]
+        k, record = part.number, part.record
+        active, grid = state.active(k), state.layout.grids[k]
         own = np.arange(record["own_lo"], record["own_hi"])[active]
         X, y = grid.X()[own], part.owned[active].T
         if part.is_gas:
@@ -91,4 +92,4 @@ def seen(state: PaperState) -> Iterable[Seen]:
             x_X = np.where(own < record["n"] - 1, (part.local[after, 3] - x) / state.h, 1.0)
             values = {"x": x, "x_X": x_X, "u": u, "sigma": sigma, "T": T}
         positive = frozenset({"rho", "T", "x_X"} & values.keys())
-        yield Seen(part.number, own, values, positive, _Place(x, X, state.problem.unit("m")))
+        yield Seen(k, own, values, positive, _Place(x, X, state.problem.unit("m")))

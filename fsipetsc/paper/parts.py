@@ -18,7 +18,6 @@ from fsipetsc.paper.laws import law_of
 from fsipetsc.paper.layout import Layout
 from fsipetsc.paper.stencils import CALL
 
-
 Array = np.ndarray
 
 

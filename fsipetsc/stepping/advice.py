@@ -13,7 +13,7 @@ _ADVICE = {
     "J": ("{steps}", _LOAD, _GRID),
     "x_X": ("{steps}", _LOAD, _GRID),
     "finite": ("{steps}", "{shocks}", "a look at what functions of the case give then"),
-    "crossed": ("{steps}", "{mapping}"),
+    "crossed": ("a larger -fsi_spare", "{steps}", "{mapping}"),
     "short": (_GRID, "a lower -fsi_order, which needs fewer points", "{mapping}"),
     "control": ("larger -ts_rtol and -ts_atol", "a smaller -ts_adapt_dt_min", "{shocks}", _GRID),
 }

@@ -62,7 +62,7 @@ def check(state: State, t: float, step: int, flags: Sequence[float], opt: Mappin
         k = int(flags[EXHAUSTED]) - 1
         raise ComputationError(
             f"the points of fluid layer '{layers[k].name}' are used up at t = {t:.6g}{s}, step {step}, "
-            f"{_boundary(state, k)}: its boundary crossed more than one cell in a step; {advice('crossed', opt)}"
+            f"{_boundary(state, k)}; {advice('crossed', opt)}"
         )
     if flags[TOO_SHORT]:
         k = int(flags[TOO_SHORT]) - 1
