@@ -132,7 +132,7 @@ def theory(mass: float, stiffness: float, coupling: str, order: int) -> str:
 def main(orders: list[int], couplings: list[str]) -> None:
     start_petsc([], start_mpi())
     print(
-        "| order, coupling | stable | not stable: m0/ρ, K/p (how fast; what the linear theory has there) |"
+        "| order, coupling | stable | not stable: m0/ρ, K/p (how fast; what linear theory has there) |"
     )
     print("|---|---|---|")
     for order, coupling in product(orders, couplings):

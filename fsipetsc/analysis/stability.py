@@ -168,7 +168,7 @@ def _in_two(opt: Mapping[str, Any], rest: Rest, *form: Any) -> Problem:
     waves = Waves(k=tuple(k)) if k else Waves(tuple(symbols))
     listed = ", ".join(f"{value:g}" for value in k or symbols)
     heading = [
-        "gas over a solid in two dimensions, linearised at rest: the scheme's rates, by wave number",
+        "gas over a solid in two dimensions, linearised at rest: the scheme by wave number",
         f"{rest.cells[0] + 1} points across the solid, {rest.cells[1] + 1} across the gas, columns "
         f"{rest.columns:.6g} m apart",
         f"k = {listed} 1/m" if k else f"symbol of D at {listed} of its greatest value",
@@ -184,7 +184,9 @@ def verdict(result: Result) -> str:
         return "stable, but at smaller steps"
     if result.energy != result.energy:
         return "stable"
-    return "energy never grows" if result.estimate else "stable, but the energy may grow for a while"
+    if result.estimate:
+        return "energy never grows"
+    return "stable, but the energy may grow for a while"
 
 
 def table(results: Sequence[Result]) -> str:

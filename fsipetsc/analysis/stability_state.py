@@ -94,7 +94,8 @@ def at_rest(gas: Fluid, solid: Solid, rho: float, T: float, stretch: float = 1.0
     for name, value in {**found, "(K - x_X p_x) / x_X of the solid": modulus}.items():
         if not 0 < value < np.inf:
             at = f"rho = {rho:g}, T = {T:g}, x_X = {stretch:g}"
-            raise InputError(f"the state at rest with {at}: {name} is {value:g}: expected a number above 0")
+            wrong = f"{name} is {value:g}: expected a number above 0"
+            raise InputError(f"the state at rest with {at}: {wrong}")
     low, high = (float(gas.internal_energy(rho * (1 + change), T)) for change in (-NEARBY, NEARBY))
     slope, wanted = rho * (high - low) / (2 * NEARBY), p - T * p_T
     if not abs(slope - wanted) <= 1e-6 * p:
@@ -105,7 +106,8 @@ def at_rest(gas: Fluid, solid: Solid, rho: float, T: float, stretch: float = 1.0
     # what is equal but for round-off is equal
     stress, excess = (gap if abs(gap) > 1e-12 * p else 0.0 for gap in (p_s - p, T * p_s_T - p))
     of_gas = p, bulk, p_T, c_v, gas.mu * relative[0], gas.kappa * relative[1]
-    return Constant(gas, solid, rho, T, stretch, *of_gas, p_s, p_s_T, stiffness, modulus, stress, excess)
+    of_solid = p_s, p_s_T, stiffness, modulus
+    return Constant(gas, solid, rho, T, stretch, *of_gas, *of_solid, stress, excess)
 
 
 def of_options(opt: Mapping[str, Any]) -> Constant:
@@ -127,7 +129,7 @@ def of_problem(problem: Problem, k: int, h: float) -> Constant:
     """
     known = problem.interfaces
     if not known:
-        raise InputError("stability is about an interface between gas and solid: this case has none")
+        raise InputError("stability is about an interface of gas and solid: this case has none")
     if not 0 <= k < len(known):
         expected = f"expected a number from 0 to {len(known) - 1}, counted from the left"
         raise InputError(f"-stability_interface {k}: {expected}")
@@ -137,7 +139,8 @@ def of_problem(problem: Problem, k: int, h: float) -> Constant:
     rho, _, T = given.initial(gas, np.array([gas.X[0 if right else 1]]), slice(None))
     _, _, T_s, x = given.initial(solid, X, slice(None))
     same_temperature(gas.name, T[0], solid.name, T_s[-1 if right else 0])
-    return at_rest(gas.material, solid.material, float(rho[0]), float(T[0]), float((x[1] - x[0]) / h))
+    stretch = float((x[1] - x[0]) / h)
+    return at_rest(gas.material, solid.material, float(rho[0]), float(T[0]), stretch)
 
 
 def same_temperature(gas: str, T: float, solid: str, T_s: float) -> None:

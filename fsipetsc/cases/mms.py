@@ -45,14 +45,7 @@ OPTIONS = (
     Option("mms_epsilon", "float", 0.2, "", "epsilon of (5.2d)"),
     Option("mms_omega", "float", 2.0, "1/m", "wave number omega of (5.1), (5.2)"),
     Option("mms_phi", "float", 0.47, "", "phase phi of (5.1b)"),
-    Option(
-        "mms_degree",
-        "int",
-        None,
-        "",
-        "degree of the embedded-boundary formulas; default: what suits the order",
-        DEGREES,
-    ),
+    Option("mms_degree", "int", None, "", "degree of the ends' formulas; default: by order", DEGREES),
 )
 #: interfaces and grids are the paper's
 DEFAULTS = {
@@ -126,13 +119,8 @@ def fluid_forcing(modes, t, s, mu, kappa, R, cv):
     for i in range(modes.shape[1]):
         rho, u, T = 1 + a * modes[0, i], b * modes[1, i], 10 + c * modes[2, i]
         rho_t, u_t, T_t = a_t * modes[0, i], b_t * modes[1, i], c_t * modes[2, i]
-        rho1, u1, T1, u2, T2 = (
-            a * modes[3, i],
-            b * modes[4, i],
-            c * modes[5, i],
-            b * modes[6, i],
-            c * modes[7, i],
-        )
+        rho1, u1, T1 = a * modes[3, i], b * modes[4, i], c * modes[5, i]
+        u2, T2 = b * modes[6, i], c * modes[7, i]
         p, p1 = R * rho * T, R * (rho1 * T + rho * T1)
         mass = rho_t + rho1 * (u - s) + rho * u1
         force = rho * (u_t + (u - s) * u1) + p1 - mu * u2
@@ -148,12 +136,8 @@ def solid_forcing(modes, t, K, kappa_e, m0, alpha):
     out = np.zeros((4, modes.shape[1]))
     b, b_t, c, c_t, half = sin(t * t), 2 * t * cos(t * t), cos(t), -sin(t), 0.5 * t * t
     for i in range(modes.shape[1]):
-        u1, sigma1, T1, x1 = (
-            t * modes[3, i],
-            b * modes[4, i],
-            c * modes[5, i],
-            1 + half * modes[3, i],
-        )
+        u1, sigma1, T1 = t * modes[3, i], b * modes[4, i], c * modes[5, i]
+        x1 = 1 + half * modes[3, i]
         x2, T2 = half * modes[6, i], c * modes[7, i]
         conduction = kappa_e * (T2 / x1 - T1 * x2 / (x1 * x1))
         out[0, i] = modes[0, i] - sigma1 / m0

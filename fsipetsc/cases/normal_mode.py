@@ -2,8 +2,8 @@
 problem across the layers.
 
 Disturbances of a gas of density rho, temperature T and pressure p between y = 0 and a rigid
-adiabatic wall at y = height, and displacements (x, y) of a solid between a clamped end at y =
--depth and 0, all times exp(i k X + s t):
+adiabatic wall at y = height, and displacements (x, y) of a solid between a clamped end at
+y = -depth and 0, all times exp(i k X + s t):
 
     s rho'       = -rho (i k u + v_y)                          m0 s (U, V) = Div sigma(x, y)
     rho s (u, v) = -grad p' + Div tau                          s (x, y)    = (U, V)
@@ -87,14 +87,12 @@ class Layers:
         Its interface is displaced by 1, where that is largest. InputError where the collocation
         does not resolve it.
         """
-        found, finer = (
-            self._modes(k, POINTS),
-            np.array([mode.s for mode in self._modes(k, POINTS * 4 // 3)]),
-        )
+        found = self._modes(k, POINTS)
+        finer = np.array([mode.s for mode in self._modes(k, POINTS * 4 // 3)])
         modes = [mode for mode in found if np.min(np.abs(mode.s - finer)) < RESOLVED * abs(mode.s)]
         if number >= len(modes):
             raise InputError(
-                f"-wave_mode {number}: expected a number below {len(modes)}: no more modes are resolved"
+                f"-wave_mode {number}: expected a number below {len(modes)}: no more are resolved"
             )
         return modes[number]
 

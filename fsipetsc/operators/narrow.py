@@ -1,5 +1,4 @@
-"""Narrow second derivatives that belong to the SBP first derivatives: what has to be added to D b
-D, as exact fractions.
+"""Narrow second derivatives that belong to the SBP first derivatives, as exact fractions.
 
 D acting twice leaves the shortest wave alone, (-1)^i being in the null space of the interior
 formula, and reaches twice as far as it must. With the norm H of D (h = 1), b > 0 at the points, B =
@@ -8,8 +7,7 @@ diag(b) and E the difference of the two ends,
     H D B D   = -D^T H B D + E B D                     wide: D twice
     H D2(b)   = -(D^T H B D + R(b)) + E B D            narrow: D2(b) = D B D - H^-1 R(b)
 
-    R(b) = sum_q  Delta_q^T  diag(mean_q b)  Delta_q  +  what stands at the ends,           q = p+1
-    .. 2p
+    R(b) = sum_q  Delta_q^T  diag(mean_q b)  Delta_q  +  terms at the ends,     q = p+1 .. 2p
 
 Delta_q are the undivided differences of order q, those alone that have all of their points on the
 grid, and mean_q b is a sum, with positive weights, of b at the 2p - q + 1 points in the middle of a
