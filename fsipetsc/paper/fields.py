@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -65,17 +65,6 @@ def _counted(part) -> Array:
     return (index >= lo) & (index <= hi)
 
 
-class _Place(NamedTuple):
-    """Says where point i is: at x in space, X in the layer."""
-
-    x: Array
-    X: Array
-    unit: str
-
-    def __call__(self, i: int) -> str:
-        return f"x = {self.x[i]:.6g}{self.unit} (X = {self.X[i]:.6g}{self.unit})"
-
-
 def seen(state: PaperState) -> Iterable[Seen]:
     """Values at this rank's active points, and which of them must be positive."""
     for part in state.here:
@@ -91,5 +80,8 @@ def seen(state: PaperState) -> Iterable[Seen]:
             after = np.minimum(own + 1, record["n"] - 1) - record["own_lo"] + record["halo_lo"]
             x_X = np.where(own < record["n"] - 1, (part.local[after, 3] - x) / state.h, 1.0)
             values = {"x": x, "x_X": x_X, "u": u, "sigma": sigma, "T": T}
-        positive = frozenset({"rho", "T", "x_X"} & values.keys())
-        yield Seen(k, own, values, positive, _Place(x, X, state.problem.unit("m")))
+
+        def place(i: int, x: Array = x, X: Array = X, m: str = state.problem.unit("m")) -> str:
+            return f"x = {x[i]:.6g}{m} (X = {X[i]:.6g}{m})"
+
+        yield Seen(k, own, values, frozenset({"rho", "T", "x_X"} & values.keys()), place)

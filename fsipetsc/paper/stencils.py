@@ -78,34 +78,23 @@ def derivative(op, f, out, a, b, A, B, scale):
     """out = scale h D f at the points a .. b-1; f is known where that reaches, or to A, B."""
     rows, columns = op.rows, op.columns
     first, end = max(a, A + rows), min(b, B + 1 - rows)
-    c1, c2, c3, c4 = op.interior[0], op.interior[1], op.interior[2], op.interior[3]
-    if op.p == 1:
+    c = scale * op.interior[0]
+    for i in range(first, end):
+        out[U(i)] = c * (f[U(i + 1)] - f[U(i - 1)])
+    for k in range(2, op.p + 1):
+        c = scale * op.interior[k - 1]
         for i in range(first, end):
-            out[U(i)] = scale * (c1 * (f[U(i + 1)] - f[U(i - 1)]))
-    elif op.p == 2:
-        for i in range(first, end):
-            near = c1 * (f[U(i + 1)] - f[U(i - 1)])
-            out[U(i)] = scale * (near + c2 * (f[U(i + 2)] - f[U(i - 2)]))
-    elif op.p == 3:
-        for i in range(first, end):
-            near = c1 * (f[U(i + 1)] - f[U(i - 1)]) + c2 * (f[U(i + 2)] - f[U(i - 2)])
-            out[U(i)] = scale * (near + c3 * (f[U(i + 3)] - f[U(i - 3)]))
-    else:
-        for i in range(first, end):
-            near = c1 * (f[U(i + 1)] - f[U(i - 1)]) + c2 * (f[U(i + 2)] - f[U(i - 2)])
-            far = c3 * (f[U(i + 3)] - f[U(i - 3)]) + c4 * (f[U(i + 4)] - f[U(i - 4)])
-            out[U(i)] = scale * (near + far)
+            out[U(i)] += c * (f[U(i + k)] - f[U(i - k)])
     for r in range(rows):
+        left, right = 0.0, 0.0
         if a <= A + r < b:
-            total = 0.0
-            for c in range(columns):
-                total += op.closure[r, c] * f[U(A + c)]
-            out[U(A + r)] = scale * total
+            for k in range(columns):
+                left += op.closure[r, k] * f[U(A + k)]
+            out[U(A + r)] = scale * left
         if a <= B - r < b:
-            total = 0.0
-            for c in range(columns):
-                total += op.closure[r, c] * f[U(B - c)]
-            out[U(B - r)] = -scale * total
+            for k in range(columns):
+                right += op.closure[r, k] * f[U(B - k)]
+            out[U(B - r)] = -scale * right
 
 
 @njit(**INNER)
