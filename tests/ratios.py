@@ -131,9 +131,7 @@ def theory(mass: float, stiffness: float, coupling: str, order: int) -> str:
 
 def main(orders: list[int], couplings: list[str]) -> None:
     start_petsc([], start_mpi())
-    print(
-        "| order, coupling | stable | not stable: m0/ρ, K/p (how fast; what linear theory has there) |"
-    )
+    print("| order, coupling | stable | not stable: m0/ρ, K/p (how fast; linear theory there) |")
     print("|---|---|---|")
     for order, coupling in product(orders, couplings):
         faults = []

@@ -1,4 +1,5 @@
-"""The manufactured solution of Sec. 5.1: errors no larger and rates no lower than the reference's."""
+"""The manufactured solution of Sec. 5.1: errors no larger and rates no lower than the
+reference's."""
 
 from __future__ import annotations
 

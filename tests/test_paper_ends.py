@@ -83,7 +83,9 @@ def test_formulas_are_exact_up_to_their_degree(degree):
             np.testing.assert_allclose(slopes[: degree + 1] @ values, slope, **close)
             if power != 1:
                 values = (np.arange(NODES) - delta) ** power
-                np.testing.assert_allclose(neumann_ghost(values, slopes, degree), values[0], **close)
+                np.testing.assert_allclose(
+                    neumann_ghost(values, slopes, degree), values[0], **close
+                )
         for power in range(degree + (weights[0] >= 0.25)):
             values = (np.arange(NODES) - 0.3) ** power
             ghost = dirichlet_ghost((delta - 0.3) ** power, values, weights, degree, LEAST)
@@ -219,8 +221,8 @@ def test_heat_beside_an_insulated_wall(order, narrow):
 @pytest.mark.parametrize("outflow", [True, False])
 @DEGREES
 def test_given_data(side, outflow, degree):
-    """The incoming characteristic, and on inflow the entropy, are those of the formula's values; the
-    others stay. The gradients see the data themselves."""
+    """The incoming characteristic, and on inflow the entropy, are those of the formula's values;
+    the others stay. The gradients see the data themselves."""
     n, delta = 2 * side - 1, 0.1
     data = (1.3, n * (5.0 if outflow else -5.0), 310.0)
     seen, before, after = filled(DIRICHLET, side, delta, data, degree)

@@ -194,7 +194,11 @@ def test_problems_that_have_no_rigid_frames():
         ({"layers": (rod,), "left": end, "right": end}, "no interface"),
         ({"layers": (replace(below, mapping="stretched"), rod, above)}, "mapping='stretched'"),
         (
-            {"layers": (rod, above, replace(rod, name="lid", X=(6.0, 7.0))), "left": end, "right": end},
+            {
+                "layers": (rod, above, replace(rod, name="lid", X=(6.0, 7.0))),
+                "left": end,
+                "right": end,
+            },
             "a gas lies between two solids",
         ),
     ):

@@ -49,8 +49,8 @@ def test_convergence(computed, order, start):
 @STARTS
 @pytest.mark.parametrize("solid", SOLIDS)
 def test_reflection_and_transmission(computed, start, solid):
-    """From a solid as light as the gas to one 40,000 times as heavy, to a part in a thousand of what
-    comes in."""
+    """From a solid as light as the gas to one 40,000 times as heavy, to a part in a thousand of
+    what comes in."""
     run = computed("pulse", f"{solid}_{start}")
     problem, linear = linear_problem(run)
     for saved, layer, name, sign, at_rest in (

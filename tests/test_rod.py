@@ -81,7 +81,8 @@ def test_it_does_not_matter_where_the_gas_is_open(computed):
 
 @pytest.mark.parametrize("order", ORDERS)
 def test_what_is_at_rest_stays_at_rest(computed, order):
-    """Without gravity the rod and the gas are in balance: 1,700 steps add no more than round-off."""
+    """Without gravity the rod and the gas are in balance: 1,700 steps add no more than
+    round-off."""
     run = computed("rest", f"order{order}")
     at_rest = {"fluid": {"rho": P0 / (R * T0), "T": T0, "p": P0}, "solid": {"T": T0, "sigma": -P0}}
     for layer in run.layers:

@@ -85,8 +85,8 @@ def built_in():
 
 
 def expected(state, order, coupling, narrow):
-    """The derivative of the rates of what the conditions make of (rho, u, T; u, S, T), by the linear
-    theory, (6, POINTS, 6, POINTS)."""
+    """The derivative of the rates of what the conditions make of (rho, u, T; u, S, T), by the
+    linear theory, (6, POINTS, 6, POINTS)."""
     h = 1 / (POINTS - 1)
     linear = assemble(state, order, POINTS, h, coupling, narrow)
     norm = operator(order).norm_weights(POINTS)
@@ -182,8 +182,8 @@ def test_theorem_4_1_holds_to_round_off(order, state, narrow):
 
 @ORDERS
 def test_projection_and_traditional(order):
-    """The one has no growing mode for an elastic solid, but its energy may grow; the other fails for
-    a light solid."""
+    """The one has no growing mode for an elastic solid, but its energy may grow; the other fails
+    for a light solid."""
     for density, stiffness in RATIOS:
         state = constant(density, stiffness, "elastic")
         result = measure(state, order, 2 * N, 0.5 / N, "projection")

@@ -220,7 +220,8 @@ def test_ends_of_a_solid_that_change_in_time():
 @pytest.mark.parametrize("mach", [0.4, 1.5])
 @pytest.mark.parametrize("right", ["open", "data"])
 def test_a_wave_is_carried_through(order, mach, right):
-    """A wave of density that a flow of pressure 1 carries through the gas, from data on the left."""
+    """A wave of density that a flow of pressure 1 carries through the gas, from data on the
+    left."""
     speed = mach * SOUND
 
     def exact(X, t):

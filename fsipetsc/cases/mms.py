@@ -45,7 +45,7 @@ OPTIONS = (
     Option("mms_epsilon", "float", 0.2, "", "epsilon of (5.2d)"),
     Option("mms_omega", "float", 2.0, "1/m", "wave number omega of (5.1), (5.2)"),
     Option("mms_phi", "float", 0.47, "", "phase phi of (5.1b)"),
-    Option("mms_degree", "int", None, "", "degree of the ends' formulas; default: by order", DEGREES),
+    Option("mms_degree", "int", None, "", "degree of the ends' formulas, if not by order", DEGREES),
 )
 #: interfaces and grids are the paper's
 DEFAULTS = {

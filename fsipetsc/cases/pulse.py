@@ -44,7 +44,7 @@ OPTIONS = (
     Option("solid_stretch", "float", 1.0, "-", "strain x_X of the solid at rest", check="positive"),
     Option("pulse_p0", "float", 1e5, "Pa", "pressure at rest", check="positive"),
     Option("pulse_T0", "float", 300.0, "K", "temperature at rest", check="positive"),
-    Option("pulse_amplitude", "float", 1.0, "Pa", "largest pressure of the pulse; small against p0"),
+    Option("pulse_amplitude", "float", 1.0, "Pa", "pressure of the pulse, small against p0"),
     Option("pulse_width", "float", 0.12, "m", "of exp(-(distance/width)^2)", check="positive"),
     Option("pulse_start", "float", 0.75, "m", "where it starts: above 0 in the fluid, or below"),
     Option("pulse_size", "float", 1.5, "m", "thickness of either layer", check="positive"),
