@@ -117,7 +117,7 @@ def check_form(problem: Problem) -> None:
 
 
 def make_grids(problem: Problem, op: SBPOperator, h: float, spare: int) -> list[Grid]:
-    """Grids of all layers; a gas may grow by an eighth and ``spare`` points.
+    """Grids of all layers; a gas may grow by a third, or by an eighth and ``spare`` points.
 
     Raises InputError where h does not fit the solid or a layer is too short for the closures.
     """
@@ -132,7 +132,8 @@ def make_grids(problem: Problem, op: SBPOperator, h: float, spare: int) -> list[
             )
         if isinstance(layer, FluidLayer):
             end, cells = (problem.left if k == 0 else problem.right), ghost_index(width)
-            degree, room = degree_of(end, op.order), spare + max(1, cells // 8)
+            degree = degree_of(end, op.order)
+            room = max(spare + max(1, cells // 8), cells // 3)
             # the treatment of the interface must not change the points of a boundary's formulas
             least = max(op.min_points, nodes_needed(degree) + 2, degree + 1 + row_length(op))
             n = cells + 1 + room
