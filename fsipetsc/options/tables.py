@@ -67,7 +67,7 @@ DISCRETISATION = (
         check=_between(0, 2),
     ),
     Option(
-        *("fsi_spare", int, 16, "points", "in the paper's method: a gas may grow by a third, or by an eighth and so many points"),
+        *("fsi_spare", int, 16, "points", "in the paper's method: a gas may grow by a third, or by an eighth and these"),
         check="nonnegative",
     ),
 )
