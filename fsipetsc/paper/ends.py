@@ -292,35 +292,31 @@ def open_gradients(gas, layer, side, n, nodes):
 
 @njit(**INNER)
 def move_boundary(op, gas, layer, q, side):
-    """Let the ghost point be the first one at or beyond the boundary; (it is another one now, no
-    point is left).
+    """Let the ghost point be the first one at or beyond the boundary; False if no point is left.
 
     A point that comes in is extrapolated and becomes the ghost point, the old one keeps its value;
     where the boundary moves inwards the last interior point becomes the ghost point. q: (points
     with halos, 3). All ranks of a layer decide alike.
     """
-    moved = False
     cells = distance(layer, side)
     if not cells < 1e15:
-        return False, False  # not a number: the bounds on the step will tell
+        return True  # not a number: the bounds on the step will tell
     target = int(np.ceil(cells - 1e-9))
     while layer.hi - layer.lo < target:
         if (layer.lo == 0) if side == 0 else (layer.hi == layer.n - 1):
-            return moved, True
+            return False
         if side == 0:
             layer.lo -= 1
         else:
             layer.hi += 1
         fill_ghost(op, gas, layer, q, side, NEW)
-        moved = True
     if layer.hi - layer.lo > target >= layer.least - 1:
         if side == 0:
             layer.lo = layer.hi - target
         else:
             layer.hi = layer.lo + target
         fill_ghost(op, gas, layer, q, side, OLD)
-        moved = True
-    return moved, False
+    return True
 
 
 # solid

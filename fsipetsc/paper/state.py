@@ -55,13 +55,12 @@ class PaperState:
     Attributes: layout; solution (world Vec); results of the last completed step; burst
     (fsipetsc.scheme.burst); journal, the records of steps (fsipetsc.scheme.plan.step_record), and
     latest, that of the last one without its time. The integrals in them are this rank's shares.
-    evaluations of the right-hand side are counted. begin: time [s] of the initial data. layers:
-    all (fsipetsc.paper.parts); here: those that this rank has a part of. Raises InputError where
-    grid, order and number of ranks do not fit, or the problem is not of the paper's form.
+    evaluations of the right-hand side are counted. layers: all (fsipetsc.paper.parts); here: those
+    that this rank has a part of. Raises InputError where grid, order and number of ranks do not
+    fit, or the problem is not of the paper's form.
     """
 
     convection = "divergence"
-    begin, started = 0.0, False
     #: points of interfaces that are recorded at each step, as those of blocks
     recorded: tuple = ()
 
@@ -255,11 +254,6 @@ class PaperState:
         """What is wrong with a state that is not physical. Collective."""
         return described(self, fields.seen(self), t, step)
 
-    def unknowns(self, y: Array) -> list[Array]:
-        """The active ones in this rank's part y, layer by layer."""
-        numbers = [layer.number for layer in self.here]
-        return [self.layout.local(k, y)[self.active(k)] for k in numbers]
-
     # steps
 
     def _load(self, y: Array) -> None:
@@ -348,16 +342,6 @@ class PaperState:
             self.set_data(t + dt)
         self._complete()
 
-    def project(self, y: Array) -> None:
-        """Fill the ghost points of this rank's part y and project its interfaces, in place; undoes
-        the completion."""
-        self._load(y)
-        self._fulfil()
-        for layer in self.here:
-            if layer.is_gas:
-                steps.fill(layer.box)
-            self.layout.local(layer.number, y)[:] = layer.owned
-
     # checkpoints
 
     def _reload(self) -> None:
@@ -366,30 +350,18 @@ class PaperState:
         for layer in self.here:
             layer.fill_halos()
 
-    def keep(self, room: tuple[Array, ...] | None = None) -> tuple[Array, ...]:
-        """What ``back`` takes, of this rank: the completed state as it is; room: what it may
-        overwrite."""
-        return snapshot.kept(self, room)
-
-    def back(self, kept: tuple[Array, ...]) -> None:
-        """Be what was kept again."""
-        snapshot.put_back(self, kept)
-        self._reload()
-
-    def capture(self, rates: Array | None = None) -> dict[str, Array] | None:
+    def capture(self) -> dict[str, Array] | None:
         """See fsipetsc.stepping.snapshot.capture."""
-        return snapshot.capture(self, rates)
+        return snapshot.capture(self)
 
-    def restore(self, arrays: Mapping[str, Array], t: float) -> Array | None:
-        """Be at time t [s] what arrays, known on all ranks, tell of; the rates among them, if any.
-        InputError."""
+    def restore(self, arrays: Mapping[str, Array], t: float) -> None:
+        """Be at time t [s] what arrays, known on all ranks, tell of. InputError."""
         snapshot.put_grids(self.layout, arrays)
         self.results[:], snapshot.as_numbers(self.latest)[:] = arrays["results"], arrays["latest"]
         self.set_data(t)
         agree(self.comm, self.fault)
         snapshot.put(self.layout, self._y, arrays)
         self._reload()
-        return snapshot.rates_of(self.layout, arrays)
 
     def destroy(self) -> None:
         """Free messages, vectors, DMDAs and communicators, in this order."""

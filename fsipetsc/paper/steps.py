@@ -18,7 +18,7 @@ from fsipetsc.paper import coupling, ends, rates, sums
 from fsipetsc.paper.rates import outer_side
 from fsipetsc.paper.stencils import CALL, INNER, OLD, U
 from fsipetsc.scheme.burst import DT, plan_next
-from fsipetsc.scheme.plan import BAD, EXHAUSTED, MOVED, RATE, SAID_STOP, STOP, TOO_SHORT
+from fsipetsc.scheme.plan import BAD, EXHAUSTED, RATE, SAID_STOP, STOP, TOO_SHORT
 
 #: of the method
 STAGES = 4
@@ -215,10 +215,7 @@ def complete_gas(of, steps):
     op, layer, q, results = of.ops[0], of.layers[0], of.local, steps.results
     fill(of)
     side = outer_side(layer)
-    moved, exhausted = ends.move_boundary(op, of.law, layer, q, side)
-    if moved:
-        results[MOVED] = 1.0
-    if exhausted:
+    if not ends.move_boundary(op, of.law, layer, q, side):
         results[EXHAUSTED] = 1.0 + layer.number
     if ends.distance(layer, side) <= layer.least - 2 + 1e-9:
         results[TOO_SHORT] = 1.0 + layer.number
