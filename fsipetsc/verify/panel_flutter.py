@@ -22,7 +22,7 @@ positive is compared with
 * simply supported panels flutter from 343.3564262798 on; the case has clamps only, so that is not run
 
 The panel of the runs is no thin one: shear lowers its onset by 4.5 %, the damping by the flow raises it by
-less than 1 %, and clamps that hold the panel in Y, too, raise it by 1 to 2 % (docs/panel.md). So the
+less than 1 %, and clamps that hold the panel in Y, too, raise it by 1 to 2 %. So the
 error says how far the onset is from the thin limit, and need not fall with h.
 """
 LAMBDAS = (600.0, 700.0)
