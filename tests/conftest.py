@@ -84,18 +84,12 @@ LONG_STEPS = (0.03, 0.015)
 #: strong waves between stretched grids: the projections of rigid ones, at moving boundaries, change with the solution, which
 #: costs the order
 _SWINGING_BOX = "-fsi_h 0.1 -ts_max_time 0.8 -fsi_output_dt 1 -fsi_cfl 5 -ts_type rk"
-TOLERANCES = (1e-4, 1e-6, 1e-8)
-#: of the error control: the longest step [s], the least and the largest change
-LONGEST, CLIP = 4e-5, (0.5, 1.02)
 #: 3 % of the pressure of the gas, and a solid that reflects it all
 _LOUD_PULSE = (
     "-fsi_order 6 -fsi_h 0.00625 -pulse_amplitude 3000 -pulse_start 0.75 -solid_density 4e4 -solid_modulus 1e10 "
     "-ts_max_time 0.01 -fsi_output_dt 1"
 )
 _SHORT_FALL = "-fsi_h 0.1 -ts_max_time 0.004 -fsi_output_dt 1"
-_NONLINEAR_PULSE = (
-    "-fsi_h 0.05 -ts_max_time 0.002 -fsi_output_dt 0.001 -pulse_amplitude 1000 -fluid_mu 0.5 -fluid_kappa 0.7 -solid_kappa 0.5"
-)
 
 
 def fixed(method: tuple[str, str], dt: float) -> str:
@@ -106,11 +100,6 @@ def fixed(method: tuple[str, str], dt: float) -> str:
 def _fixed_step(method: tuple[str, str], dt: float) -> str:
     rk_type = f" -ts_rk_type {method[1]}" if method[1] else ""
     return f"{_SHORT_FALL} -ts_dt {dt if METHODS[method] > 1 else dt / 8} -ts_type {method[0]}{rk_type}"
-
-
-def _adaptive(method: str, tolerance: float, cfl: float) -> str:
-    control = f"-ts_adapt_type basic -ts_rtol {tolerance} -ts_atol {tolerance}"
-    return f"{_NONLINEAR_PULSE} -ts_rk_type {method} {control} -fsi_cfl {cfl}"
 
 
 #: cases in which the fused method is compared with PETSc's
@@ -194,22 +183,6 @@ GROUPS: dict[str, list[tuple[int, dict[str, tuple[str, str]]]]] = {
             | {"box_reference": ("box", f"{_SWINGING_BOX} -ts_rk_type 8vr -ts_dt 0.005")},
         )
     ],
-    "adaptive": [
-        (
-            1,
-            {f"{m}_{tol}": ("pulse", _adaptive(m, tol, 20)) for m in ("3bs", "5dp") for tol in TOLERANCES}
-            | {
-                name: ("pulse", f"{_adaptive('3bs', 1e-4, 20)} -fsi_output_dt 1 {options}")
-                for name, options in {
-                    "free": "",
-                    "capped": f"-ts_adapt_dt_max {LONGEST}",
-                    "clipped": f"-ts_adapt_clip {CLIP[0]},{CLIP[1]}",
-                }.items()
-            }
-            | {"wild": ("pulse", _adaptive("8vr", 1e-4, 40))}
-            | {"reference": ("pulse", f"{_NONLINEAR_PULSE} -ts_rk_type 5dp -fsi_cfl 0.05")},
-        )
-    ],
     "times": [
         (
             1,
@@ -222,7 +195,6 @@ GROUPS: dict[str, list[tuple[int, dict[str, tuple[str, str]]]]] = {
                     "fixed_cfl": "-fsi_cfl 0.5 -ts_max_steps 3",
                     "steps": "-ts_max_steps 7",
                     "nothing": "-ts_max_time 0",
-                    "falling": "-ts_rk_type 5dp -ts_dt 2e-4 -ts_max_time 0.02 -fsi_output_dt 2e-4 -rod_gravity -1000",
                 }.items()
             },
         )

@@ -37,7 +37,7 @@ CASES = {
         )
     },
     "rod": ("rod", "-fsi_h 0.025 -ts_max_steps 600 -fsi_output_dt 0.01"),
-    "rod 5dp": ("rod", "-fsi_h 0.05 -ts_max_steps 100 -ts_rk_type 5dp -ts_adapt_type basic"),
+    "rod 5dp": ("rod", "-fsi_h 0.05 -ts_max_steps 100 -ts_rk_type 5dp"),
     "blast": ("blast", "-fsi_h 0.0625 -ts_max_steps 40 -fsi_output_dt 0.05"),
     "panel": ("panel", "-fsi_h 0.0625 -ts_max_steps 40 -fsi_output_dt 0.05"),
 }
@@ -46,7 +46,7 @@ FACTORS: dict[str, Sequence[str]] = {
     "ranks": ("1", "2", "3", "4", "6"),
     "partition": ("-fsi_partition auto", "-fsi_partition physics", "-fsi_partition balanced"),
     "burst": ("-fsi_burst 64", "-fsi_burst 1", "-fsi_burst 7"),
-    "said": ("", "-log_view :log.txt", "-ts_monitor", "-fsi_view"),
+    "said": ("", "-log_view :log.txt", "-ts_monitor"),
     "half": ("", "-fsi_checkpoint_steps {half}"),
 }
 

@@ -273,12 +273,12 @@ def test_places_where_no_checkpoint_can_be_are_found_out_before_the_run(tmp_path
 
 
 def test_no_other_file_is_taken_for_the_checkpoint(stopped, tmp_path):
-    """Nor that of -fsi_initial; a default name counts where checkpoints are asked for."""
+    """A default name counts where checkpoints are asked for."""
     shutil.copy(stopped / "rod.h5", tmp_path / "first.h5")
     (tmp_path / "notes").write_text("years of work")
     shutil.copy(tmp_path / "notes", tmp_path / "rod.checkpoint.h5")
     before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
-    begin = "-fsi_initial", "first.h5", "-fsi_initial_frame", "0", "-fsi_checkpoint", "first.h5"
+    begin = "-fsi_checkpoint", "first.h5"
     for name, words in {"notes": ("-fsi_checkpoint", "notes"), "first.h5": begin, "rod.checkpoint.h5": ()}.items():
         message(solve(*SHORT, *words, cwd=tmp_path), 4, f"{name}: exists and is not a checkpoint of fsipetsc")
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before

@@ -162,7 +162,7 @@ def test_maps_are_subtracted_where_layers_are_the_same():
 
 def test_options_of_one_run_of_the_program_are_not_listed(monkeypatch):
     """The same ones that no checkpoint keeps."""
-    options = {"fsi_h": (0.1, 0.2), "fsi_view": (True, False), "fsi_restart": (None, "auto"), "fsi_wall_limit": (None, 5.0)}
+    options = {"fsi_h": (0.1, 0.2), "fsi_quiet": (True, False), "fsi_restart": (None, "auto"), "fsi_wall_limit": (None, 5.0)}
     found = SimpleNamespace(differences=(), notes=(), options=options)
     monkeypatch.setattr(compare, "compare", lambda a, b: found)
     written: list[str] = []

@@ -99,23 +99,6 @@ def test_drifts_piece_by_piece_are_those_of_the_whole():
         assert np.array_equal(np.concatenate([piece[name] for piece in pieces if piece]), values), name
 
 
-@pytest.mark.parametrize("kept", [0, 1, 30, 60, 100])
-def test_ledgers_know_what_they_were_at_the_state_that_is_gone_back_to(kept):
-    """It is kept now and then, and the records of steps come later, many at a time."""
-    steps, initial = recorded(100)
-    ledgers, then = Ledgers(INVARIANTS), Ledgers(INVARIANTS)
-    ledgers.begin(initial)
-    then.begin(initial)
-    for begin, end in ((0, 30), (30, 60), (60, 60), (60, 100)):
-        ledgers.add(steps[begin:end], min(kept, end))
-    then._add(steps[:kept])
-    assert ledgers.memory_of_kept(kept) == then.memory() is not None
-    on = Ledgers(INVARIANTS)
-    on.recall(ledgers.memory_of_kept(kept), initial)
-    on.add(steps[kept:], 0)
-    assert on.departures == ledgers.departures and len(on.departures) == 5
-
-
 @pytest.mark.filterwarnings("error")
 def test_a_departure_that_is_no_number_is_said_and_stays():
     steps, initial = recorded(9)
@@ -124,7 +107,7 @@ def test_a_departure_that_is_no_number_is_said_and_stays():
     ledgers = Ledgers(INVARIANTS)
     ledgers.begin(initial)
     for step in range(9):
-        ledgers.add(steps[step : step + 1], 0)
+        ledgers.add(steps[step : step + 1])
     found = ledgers.departures
     assert np.isnan(found["energy"]) and np.isnan(found["momentum"]) and found["mass of 'left'"] == np.inf
     assert 0 < found["mass of 'right'"] < 1

@@ -10,7 +10,6 @@ import signal
 import subprocess
 from pathlib import Path
 
-import numpy as np
 import pytest
 from helpers import REPOSITORY, assert_readable, message, mpirun, run, solve
 from kill_cycles import cycles
@@ -123,31 +122,3 @@ def test_the_wall_limit_ends_a_run(tmp_path):
     assert "-fsi_restart rod.checkpoint.h5 goes on" in done.stdout
     done = solve(*LINE, "-fsi_restart", "rod.checkpoint.h5", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
-
-
-@pytest.mark.parametrize("ranks", [1, 3])
-def test_a_run_that_fails_leaves_a_good_state(ranks, tmp_path):
-    """As a frame and as a checkpoint, from which it goes on with shorter steps."""
-    words = "rod -fsi_h 0.05 -ts_max_time 0.05 -fsi_cfl 3 -fsi_quiet".split()
-    done = solve(*words, cwd=tmp_path, ranks=ranks)
-    said = message(done, 3, "what was computed before is in", ", a good state of step ", "rod.checkpoint.h5")
-    header = checkpoint_file.read(tmp_path / "rod.checkpoint.h5").header
-    with fsipetsc.open_run(tmp_path / "rod.h5") as result:
-        assert result.time[-1] == header["memory"]["t"]
-        assert header["memory"]["steps"] < result.summary["steps"], said
-        assert all(np.isfinite(result.layers[1][name][-1]).all() for name in ("u", "T"))
-    done = solve(*words[:1], "-fsi_restart", "auto", "-fsi_cfl", 0.8, "-fsi_quiet", cwd=tmp_path)
-    assert (done.returncode, done.stderr) == (0, "")
-    with fsipetsc.open_run(tmp_path / "rod.h5") as result:
-        assert result.complete and (np.diff(result.time) > 0).all() and len(result.series["t"]) == result.summary["steps"]
-
-
-def test_a_step_that_leaves_the_domain_is_made_again_shorter(tmp_path):
-    """With step-size control that tolerates everything but states that are none."""
-    words = "rod -fsi_h 0.05 -ts_max_time 0.02 -fsi_cfl 200 -fsi_quiet".split()
-    control = "-ts_rk_type 5dp -ts_adapt_type basic -ts_rtol 1e9 -ts_atol 1e9".split()
-    done = solve(*words, *control, cwd=tmp_path)
-    assert (done.returncode, done.stderr) == (0, "")
-    with fsipetsc.open_run(tmp_path / "rod.h5") as result:
-        assert result.summary["rejected_steps"] > 0
-        assert (result.layers[0]["T"][-1][np.isfinite(result.layers[0]["T"][-1])] > 0).all()

@@ -14,13 +14,12 @@ from fsipetsc.boundaries import Open, free
 from fsipetsc.cases import rod
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.line_solid import Solid
-from fsipetsc.options import PETSC_OPTIONS, defaults
+from fsipetsc.options import defaults
 from fsipetsc.paper.ends import NODES
 from fsipetsc.paper.state import PaperState
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 from fsipetsc.scheme.plan import RATE
 from fsipetsc.stepping import phases
-from fsipetsc.stepping.error_control import ErrorControl
 
 H, T0 = 0.1, 300.0
 
@@ -90,25 +89,6 @@ def test_the_force_of_a_solids_end(gruneisen, side):
         state.set_initial()
         push = 1.2e5 - 1e5
         assert float(state.latest["force"]) == pytest.approx(push if side == 0 else -push, rel=1e-9)
-
-
-def test_the_error_control_compares_what_interfaces_and_boundaries_have_corrected():
-    """A point at one of them that has drifted off says little of the error of a step: both solutions are projected first."""
-    with at_rest() as state:
-        values = {option.name: option.default for option in PETSC_OPTIONS}
-        control = ErrorControl(None, state, 3, {**values, "ts_atol": 1e-6, "ts_rtol": 1e-6})
-        state.solution.copy(control._embedded)
-        y, embedded = state.solution.getArray(), control._embedded.getArray()
-        for layer, point in ((0, -1), (2, 0)):
-            state.layout.local(layer, y)[point, 1] += 5.0
-        y[:] *= 1.0 + 1e-6 * np.random.default_rng(0).random(y.size)
-        drifted = control.norm()
-        state.project(y)
-        state.project(embedded)
-        assert control.norm() == pytest.approx(drifted, rel=1e-6)
-        state.layout.local(0, y)[int(state.layout.records[0]["lo"]) + 8, 1] += 50.0
-        assert control.norm() > 10 * drifted, "a difference elsewhere counts"
-        control.destroy()
 
 
 def test_a_phase_within_another_one_interrupts_it(monkeypatch):

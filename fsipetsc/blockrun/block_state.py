@@ -37,8 +37,7 @@ from fsipetsc.scheme.plan import BAD, BURST, FLAGS, LIMITS, RATE, SAID_STOP
 from fsipetsc.scheme.runge_kutta import STAGES, advance
 from fsipetsc.stepping.diagnosis import Failure
 from fsipetsc.stepping.phases import logged
-from fsipetsc.stepping.snapshot import as_numbers, rates_of
-from fsipetsc.stepping.start import Start
+from fsipetsc.stepping.snapshot import as_numbers
 from fsipetsc.stepping.state import FAULT
 
 #: by order: how much shorter steps are with dissipation of strength 1 at shocks. That alone is a
@@ -139,7 +138,7 @@ class BlockState:
         self.scheme.attach(self._columns, self._ends, comm.size == 1)
         if self.scheme.alone:
             self._lay_steps()
-        self.evaluations, self.begin, self._t = 0, 0.0, 0.0
+        self.evaluations, self._t = 0, 0.0
         self.fault: InputError | None = None  # of a user's function, on this rank
         self._orders = self._make_orders()
 
@@ -229,14 +228,14 @@ class BlockState:
     def _try_scheme(self) -> None:
         """Call all of the scheme once. On rank 0."""
         if self.comm.size == 1:
-            _call_all(self.scheme, self._stage, self.begin)
+            _call_all(self.scheme, self._stage, 0.0)
         elif self.points <= MOST_ALONE:
             behind = self.layout.behind
             alone = BlockLayout(MPI.COMM_SELF, self.problem, self._order, self._halos, behind=behind)
             y = alone.vector()
             scheme = make_scheme(alone, self.problem, self._order, self._form, self._instant)
             scheme.attach(self._columns, [], False)
-            _call_all(scheme, y, self.begin)
+            _call_all(scheme, y, 0.0)
             scheme.destroy()
             y.destroy()
             alone.destroy()
@@ -247,19 +246,15 @@ class BlockState:
     def compile_path(self, announce: Callable[[str], None]) -> None:
         """All has been compiled."""
 
-    def begin_with(self, start: Start) -> None:
-        """Begin at the time of a frame, whose data the blocks of the problem have."""
-        self.begin = self._t = start.t
-
     def check_data(self) -> None:
-        """Ask the case's functions for all data at the time ``begin`` [s]. InputError."""
-        together(self.comm, lambda: self.scheme.initial(self.begin, self.y))
+        """Ask the case's functions for all data at t = 0. InputError."""
+        together(self.comm, lambda: self.scheme.initial(0.0, self.y))
 
     def set_initial(self) -> None:
         """Initial data of all blocks and J of the grids. InputError."""
         self.check_data()
         self.y.behind[:] = 0.0
-        self._guarded(lambda: self.scheme.stretch(self.begin, self.y))
+        self._guarded(lambda: self.scheme.stretch(0.0, self.y))
         agree(self.comm, self.fault)
 
     def first_notes(self) -> list[str]:
@@ -377,28 +372,7 @@ class BlockState:
         rate = float(self.results[RATE])
         return 0.25 / rate if 0.0 < rate < np.inf else 1e-3 * self.h
 
-    # to go back, checkpoints
-
-    def keep(self, room: tuple[np.ndarray, ...] | None = None) -> tuple[np.ndarray, ...]:
-        """What ``back`` takes, of this rank; room: arrays that it may overwrite."""
-        parts = self._changing()
-        if room is None:
-            return tuple(np.copy(part) for part in parts)
-        for part, copy in zip(parts, room, strict=True):
-            copy[...] = part
-        return room
-
-    def _changing(self) -> tuple[np.ndarray, ...]:
-        return self.y.array, self.results, as_numbers(self.latest), np.array(self._t)
-
-    def back(self, copies: tuple[np.ndarray, ...]) -> None:
-        """Be what was kept again."""
-        *copies, t = copies
-        for part, copy in zip(self._changing(), copies, strict=False):
-            part[:] = copy
-        self._t = float(t)
-        self.solution.stateIncrease()
-        self._reload()
+    # checkpoints
 
     def _reload(self) -> None:
         """What the scheme derives from a completed solution follows it, which stays as it is."""
@@ -406,26 +380,18 @@ class BlockState:
         self.y.begin()
         self.y.end()
 
-    def capture(self, rates: np.ndarray | None = None) -> dict[str, np.ndarray] | None:
+    def capture(self) -> dict[str, np.ndarray] | None:
         """See fsipetsc.blockrun.snapshot.capture."""
-        return snapshot.capture(self, rates)
+        return snapshot.capture(self)
 
-    def restore(self, arrays: Mapping[str, np.ndarray], t: float) -> np.ndarray | None:
-        """Be at time t [s] what arrays tell of, which all ranks know; the rates among them.
-
-        InputError for other grids.
-        """
+    def restore(self, arrays: Mapping[str, np.ndarray], t: float) -> None:
+        """Be at time t [s] what arrays tell of, which all ranks know. InputError for other grids."""
         snapshot.check(self, arrays)
         self.results[:], as_numbers(self.latest)[:] = arrays["results"], arrays["latest"]
         self._t = t
         snapshot.put(self.layout, self.y.array, arrays)
         self._reload()
         agree(self.comm, self.fault)
-        return rates_of(self.layout, arrays, snapshot.put)
-
-    def unknowns(self, y: np.ndarray) -> list[np.ndarray]:
-        """Those of this rank's part y, block by block."""
-        return [self.layout.owned(part.k, y) for part in self.layout.parts]
 
     # what is saved and said
 

@@ -32,12 +32,12 @@ def first_notes(state: BlockState) -> list[str]:
 def _walls(state: BlockState) -> list[str]:
     blocks, m = state.problem.layers, state.problem.unit("m")
     away = np.zeros(len(blocks))
-    for k, distance in state.scheme.particles.walls_away(state.begin).items():
+    for k, distance in state.scheme.particles.walls_away(0.0).items():
         away[k] = distance
     state.comm.Allreduce(MPI.IN_PLACE, away, MPI.MAX)
     return [
         f"note: a wall of '{block.name}' is {distance:.3g}{m} from the end of its block at "
-        f"t = {state.begin:g}: the grid of the gas is stretched to it"
+        f"t = 0: the grid of the gas is stretched to it"
         for block, distance in zip(blocks, away.tolist(), strict=True)
         if distance > AWAY * state.h
     ]
@@ -53,7 +53,7 @@ def _jumps(state: BlockState) -> list[str]:
         p, push = p / n, push / m
         if abs(p - push) > JUMP * max(abs(p), abs(push)):
             found.append(
-                f"note: at t = {state.begin:g} '{problem.layers[gas].name}' has a pressure of "
+                f"note: at t = 0 '{problem.layers[gas].name}' has a pressure of "
                 f"{p:.4g}{Pa} where it meets '{problem.layers[solid].name}', which pushes with "
                 f"{push:.4g}{Pa} (means of the interface): waves start there"
             )

@@ -13,7 +13,7 @@ import numpy as np
 
 from fsipetsc.errors import InputError
 from fsipetsc.parallel.block_layout import BlockLayout
-from fsipetsc.stepping.snapshot import RATES, as_numbers, gather_local
+from fsipetsc.stepping.snapshot import as_numbers, gather_local
 
 if TYPE_CHECKING:
     from fsipetsc.blockrun.block_state import BlockState
@@ -21,18 +21,16 @@ if TYPE_CHECKING:
 Array = np.ndarray
 
 
-def capture(state: BlockState, rates: Array | None = None) -> dict[str, Array] | None:
-    """The arrays, on rank 0. Collective. rates: the last ones of this rank, if steps need them."""
-    arrays = whole_blocks(state.layout, gather_local(state.comm, state.y.array), "")
-    if rates is not None:
-        arrays |= whole_blocks(state.layout, gather_local(state.comm, rates), RATES)
+def capture(state: BlockState) -> dict[str, Array] | None:
+    """The arrays, on rank 0. Collective."""
+    arrays = whole_blocks(state.layout, gather_local(state.comm, state.y.array))
     if state.comm.rank > 0:
         return None
     arrays["results"], arrays["latest"] = state.results.copy(), as_numbers(state.latest).copy()
     return arrays
 
 
-def whole_blocks(layout: BlockLayout, parts: list[Array] | None, prefix: str) -> dict[str, Array]:
+def whole_blocks(layout: BlockLayout, parts: list[Array] | None) -> dict[str, Array]:
     """Name -> nodes of a block, from the parts of all ranks, on rank 0.
 
     What stands behind the nodes is added up; behind a completed solution there are zeros.
@@ -40,21 +38,21 @@ def whole_blocks(layout: BlockLayout, parts: list[Array] | None, prefix: str) ->
     if parts is None:
         return {}
     shapes = [(*shape[::-1], dof) for shape, dof in zip(layout.shapes, layout.dofs, strict=True)]
-    arrays = {f"{prefix}layer{k}": np.empty(shape) for k, shape in enumerate(shapes)}
+    arrays = {f"layer{k}": np.empty(shape) for k, shape in enumerate(shapes)}
     behind = np.zeros(layout.behind)
     for rank, part in enumerate(parts):
         for k, place, at, shape in layout.pieces(rank):
-            arrays[f"{prefix}layer{k}"][place] = part[at : at + prod(shape)].reshape(shape)
+            arrays[f"layer{k}"][place] = part[at : at + prod(shape)].reshape(shape)
         behind += part[part.size - layout.behind :]
-    arrays[f"{prefix}behind"] = behind
+    arrays["behind"] = behind
     return arrays
 
 
-def put(layout: BlockLayout, y: Array, arrays: Mapping[str, Array], prefix: str = "") -> None:
+def put(layout: BlockLayout, y: Array, arrays: Mapping[str, Array]) -> None:
     """Fill this rank's part y of a vector from whole blocks."""
     for k, place, at, shape in layout.pieces(layout.comm.rank):
-        y[at : at + prod(shape)] = arrays[f"{prefix}layer{k}"][place].reshape(-1)
-    y[y.size - layout.behind :] = arrays[f"{prefix}behind"] if layout.comm.rank == 0 else 0.0
+        y[at : at + prod(shape)] = arrays[f"layer{k}"][place].reshape(-1)
+    y[y.size - layout.behind :] = arrays["behind"] if layout.comm.rank == 0 else 0.0
 
 
 def check(state: BlockState, arrays: Mapping[str, Array]) -> None:

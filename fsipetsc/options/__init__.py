@@ -21,10 +21,8 @@ from fsipetsc.options.tables import (
     CHECKPOINTS,
     COMMON,
     DISCRETISATION,
-    EMBEDDED,
     LONGEST_NAME,
     OF_A_RUN,
-    OF_CONTROL,
     OUTPUT,
     PETSC_OPTIONS,
     RUN,
@@ -120,12 +118,8 @@ def read_options(
         PETSc.Options().delValue(option.name)
         if option.name in given:
             PETSc.Options().setValue(option.name, given[option.name].text)
-    if "ts_view" in given and (values["ts_type"] == "fused" or values["ts_adapt_type"] != "none"):
-        shown = "the fused method" if values["ts_type"] == "fused" else "the step-size control"
-        raise InputError(
-            f"-ts_view shows PETSc's methods, and {shown} is the program's own: it works with -ts_type rk, ssp or euler and "
-            "-ts_adapt_type none; -fsi_view shows every method"
-        )
+    if "ts_view" in given and values["ts_type"] == "fused":
+        raise InputError("-ts_view shows PETSc's methods, not the fused one: give -ts_type rk, ssp or euler")
     if "ts_monitor" in given or "log_view" in given:
         values["fsi_burst"] = 1  # something of PETSc's is to see every step
     publish(values)
@@ -236,20 +230,7 @@ def _check_together(values: dict[str, Any], given: Mapping[str, str]) -> None:
             raise InputError(f"-{option} must be given: the case has no default for it")
     if "ts_rk_type" in given and "ts_type" not in given:
         values["ts_type"] = "rk"  # who names one of PETSc's methods wants it, not the fused one
-    if values["ts_adapt_type"] == "basic" and not (values["ts_type"] == "rk" and values["ts_rk_type"] in EMBEDDED):
-        method = f"-ts_rk_type {values['ts_rk_type']}" if values["ts_type"] == "rk" else f"-ts_type {values['ts_type']}"
-        raise InputError(
-            f"-ts_adapt_type basic needs a method with an error estimate, which {method} has not: "
-            f"-ts_type rk with -ts_rk_type {', '.join(EMBEDDED)}"
-        )
-    unheeded = [name for name in OF_CONTROL if name in given] if values["ts_adapt_type"] == "none" else []
-    if unheeded:
-        raise InputError(f"-{given[unheeded[0]]} needs -ts_adapt_type basic: without it there is no step-size control")
     _check_stages(values, given)
-    frames = [name for name in ("fsi_initial_frame", "fsi_initial_time") if values[name] is not None]
-    if len(frames) == 2 or (frames and values["fsi_initial"] is None):
-        what = "and -fsi_initial_time both choose a frame; give one of them" if frames[1:] else "needs -fsi_initial, a result"
-        raise InputError(f"-{frames[0]} {what}")
     # who names times does not want the interval that the case suggests, and the other way round
     if "fsi_output_times" in given and "fsi_output_dt" not in given:
         values["fsi_output_dt"] = None
@@ -283,6 +264,6 @@ def publish(values: Mapping[str, Any]) -> None:
         value = values[option.name]
         database.delValue(option.name)
         method = option.name.split("_")[1]  # ts_rk_type is of ts_type rk
-        unused = (method in ("rk", "ssp") and values["ts_type"] != method) or option.name in OF_CONTROL
+        unused = (method in ("rk", "ssp") and values["ts_type"] != method)
         if value is not None and not unused:
             database.setValue(dt_name if option.name == "ts_dt" else option.name, str(value))

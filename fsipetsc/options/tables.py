@@ -13,16 +13,12 @@ def _increasing(times: Sequence[float]) -> str | None:
     return None if rising and min(times, default=0) >= 0 else "times that are not negative and increase"
 
 
-def _around_one(clip: Sequence[float]) -> str | None:
-    return None if len(clip) == 2 and 0 < clip[0] < 1 < clip[1] else "two numbers, one between 0 and 1 and one above 1"
-
-
 def _between(least: float, most: float) -> Callable[[float], str | None]:
     return lambda value: None if least <= value <= most else f"a number from {least} to {most}"
 
 
-def _fraction(part: float) -> str | None:
-    return None if 0 < part <= 1 else "a number above 0 and not above 1"
+def _no_adaptor(kind: str) -> str | None:
+    return None if kind == "none" else "none: the length of a step follows -fsi_cfl, or is -ts_dt"
 
 
 def _file_name(name: str) -> str | None:
@@ -93,12 +89,6 @@ CHECKPOINTS = (
         check=_file_name,
     ),
     Option("fsi_wall_limit", float, None, "s", "wall time in which the run is to write a checkpoint and end", check="positive"),
-    Option(
-        *("fsi_initial", str, None, "", "result whose last frame the run begins with, on this grid, not with the case's data"),
-        check=_file_name,
-    ),
-    Option("fsi_initial_frame", int, None, "", "another frame of it: from 0 on, or from the last one, -1, back"),
-    Option("fsi_initial_time", float, None, "s", "the frame of it that is nearest to this time", check="nonnegative"),
 )
 RUN = (
     Option(
@@ -112,18 +102,15 @@ RUN = (
     ),
     Option("fsi_partition", str, "auto", "", "which ranks own which layers", ("auto", "physics", "balanced")),
     Option("fsi_norm", str, "L2", "", "norm of the errors against an exact solution; L1 where it jumps", ("L1", "L2")),
-    Option("fsi_view", bool, False, "", "print layers, ranks, points, materials, operators and method before the run"),
     Option("fsi_quiet", bool, False, "", "print nothing but errors"),
     Option("fsi_progress", bool, False, "", "lines of progress from 2 s on, not 10 s, where the output is not a terminal"),
     Option("fsi_debug", bool, False, "", "show the Python traceback of an error"),
 )
 #: those that belong to one run of the program, not to what is computed: no checkpoint has them, no comparison shows them
-OF_A_RUN = {"fsi_quiet", "fsi_progress", "fsi_view", "fsi_debug", "fsi_restart", "fsi_wall_limit"}
+OF_A_RUN = {"fsi_quiet", "fsi_progress", "fsi_debug", "fsi_restart", "fsi_wall_limit"}
 COMMON: tuple[Option, ...] = DISCRETISATION + OUTPUT + CHECKPOINTS + RUN
 
 _RK_TYPES = ("1fe", "2a", "2b", "3", "3bs", "4", "5f", "5dp", "5bs", "6vr", "7vr", "8vr")
-#: Runge-Kutta methods with an embedded one, which step-size control needs
-EMBEDDED = ("2a", "3bs", "5f", "5dp", "5bs", "6vr", "7vr", "8vr")
 
 #: PETSc's options for which this program has defaults of its own, or which it must know
 PETSC_OPTIONS: tuple[Option, ...] = (
@@ -134,21 +121,9 @@ PETSC_OPTIONS: tuple[Option, ...] = (
     ),
     Option("ts_type", str, "fused", "", "time integrator; fused: rk of type 4 in one piece", ("fused", "rk", "ssp", "euler")),
     Option("ts_rk_type", str, "4", "", "Runge–Kutta method", _RK_TYPES),
-    Option("ts_adapt_type", str, "none", "", "step-size control by an error estimate", ("none", "basic")),
-    Option("ts_rtol", float, 1e-4, "", "relative tolerance of step-size control", check="nonnegative"),
-    Option("ts_atol", float, 1e-4, "", "absolute tolerance of step-size control", check="nonnegative"),
-    Option("ts_adapt_dt_min", float, None, "s", "step-size control: a run that needs less fails", check="positive"),
-    Option("ts_adapt_dt_max", float, None, "s", "step-size control: no step is longer", check="positive"),
-    Option("ts_adapt_clip", "floats", (0.1, 10.0), "", "step-size control: least and largest change", check=_around_one),
-    Option("ts_adapt_safety", float, 0.9, "", "step-size control: part of the step that seems possible", check=_fraction),
-    Option("ts_adapt_reject_safety", float, 0.5, "", "… and part of that after a refused step", check=_fraction),
+    Option("ts_adapt_type", str, "none", "", "steps have the length of -fsi_cfl or -ts_dt", check=_no_adaptor),
     Option("ts_ssp_type", str, "rks2", "", "method of ssp", ("rks2", "rks3", "rk104")),
     Option("ts_ssp_nstages", int, None, "stages", "of rks2 (2 or more), of rks3 (4, 9, 16, …)", check=lambda n: n > 1),
-)
-#: those that are nothing without step-size control
-OF_CONTROL = (
-    *("ts_rtol", "ts_atol", "ts_adapt_dt_min", "ts_adapt_dt_max", "ts_adapt_clip", "ts_adapt_safety"),
-    "ts_adapt_reject_safety",
 )
 #: other spellings: of another release of PETSc, or deprecated there
 ALIASES = {"ts_time_step": "ts_dt", "ts_final_time": "ts_max_time"}

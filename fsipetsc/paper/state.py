@@ -28,7 +28,6 @@ from fsipetsc.scheme.plan import CAPACITY, LOW, SAID_STOP, step_record
 from fsipetsc.stepping import initial_data, snapshot
 from fsipetsc.stepping.diagnosis import Failure, described
 from fsipetsc.stepping.phases import logged
-from fsipetsc.stepping.start import Start
 from fsipetsc.stepping.state import FAULT
 
 Array = np.ndarray
@@ -43,9 +42,8 @@ class PaperState:
     (fsipetsc.scheme.burst); journal, the records of steps (fsipetsc.scheme.plan.step_record), and
     latest, that of the last one without its time. The integrals in them are this rank's shares.
     evaluations of the right-hand side are counted. rates: (layers, 2), the largest rates of
-    convection and diffusion [1/s] of each layer. begin: time [s] of the initial data; started: they
-    are those of a frame. Raises InputError where grid, order and number of ranks do not fit, or the
-    problem is not of the paper's form.
+    convection and diffusion [1/s] of each layer. Raises InputError where grid, order and number
+    of ranks do not fit, or the problem is not of the paper's form.
     """
 
     convection = "divergence"
@@ -74,7 +72,7 @@ class PaperState:
         form = order, h, coupling_name, mode, spare, entropy, narrow
         self._alike = lambda comm: PaperState(comm, problem, *form)
         self._mode, self._spare, self.entropy = mode, spare, entropy
-        self.evaluations, self.begin, self.started, self._said = 0, 0.0, False, False
+        self.evaluations, self._said = 0, False
         self.fault: InputError | None = None  # of a user's function, on this rank
         if entropy:
             check_entropy(problem.layers)
@@ -229,16 +227,8 @@ class PaperState:
         own, begin, end = int(record["own_lo"]), int(record["lo"]), int(record["hi"]) + 1
         return slice(max(begin - own, 0), max(end - own, 0))
 
-    def begin_with(self, start: Start) -> None:
-        """Let initial data be those of a frame, at its time, instead of the case's. Collective."""
-        self.problem, self.begin, self.started = start.problem, start.t, True
-        if start.cells:
-            self._release()
-            self._place(layout.make_grids(self.problem, self.op, self.h, self._spare, start.cells))
-
     def set_initial(self) -> None:
-        """Initial data of all layers, projected, at the time ``begin``. InputError where they are
-        not what they must be."""
+        """Initial data of all layers, projected. InputError where they are not what they must be."""
         self.check_data()
         self.finish()
 
@@ -301,10 +291,6 @@ class PaperState:
     def failure(self, t: float, step: int) -> Failure:
         """What is wrong with a state that is not physical. Collective."""
         return described(self, fields.seen(self), t, step)
-
-    def unknowns(self, y: Array) -> list[Array]:
-        """The active ones in this rank's part y, layer by layer."""
-        return [part.own(y)[self.active(part.number)] for part in self.path.layers]
 
     # steps
 
@@ -412,23 +398,12 @@ class PaperState:
                 self.layout.local(k, self.path.y)[:] = active[np.clip(rows, 0, len(active) - 1)]
         self._load()
 
-    def keep(self, room: tuple[Array, ...] | None = None) -> tuple[Array, ...]:
-        """What ``back`` takes, of this rank: the completed state as it is, on these grids; room:
-        what it may overwrite."""
-        return snapshot.kept(self, room)
-
-    def back(self, kept: tuple[Array, ...]) -> None:
-        """Be what was kept again."""
-        snapshot.put_back(self, kept)
-        self._load()
-
-    def capture(self, rates: Array | None = None) -> dict[str, Array] | None:
+    def capture(self) -> dict[str, Array] | None:
         """See fsipetsc.stepping.snapshot.capture."""
-        return snapshot.capture(self, rates)
+        return snapshot.capture(self)
 
-    def restore(self, arrays: Mapping[str, Array], t: float) -> Array | None:
-        """Be at time t [s] what arrays, known on all ranks, tell of; the rates among them, if any.
-        InputError."""
+    def restore(self, arrays: Mapping[str, Array], t: float) -> None:
+        """Be at time t [s] what arrays, known on all ranks, tell of. InputError."""
         grids, shares = (
             snapshot.grids_of(self.problem, self.layout.grids, arrays),
             snapshot.shares_of(arrays, self.comm.size),
@@ -442,7 +417,6 @@ class PaperState:
         snapshot.put_frames(self.layout, arrays)
         snapshot.put(self.layout, self.path.y, arrays)
         self._load()
-        return snapshot.rates_of(self.layout, arrays)
 
     def _release(self) -> None:
         self.path.destroy()

@@ -15,16 +15,12 @@ _ADVICE = {
     "finite": ("{steps}", "{shocks}", "a look at what functions of the case give then"),
     "crossed": ("{steps}", "{mapping}"),
     "short": (_GRID, "a lower -fsi_order, which needs fewer points", "{mapping}"),
-    "control": ("larger -ts_rtol and -ts_atol", "a smaller -ts_adapt_dt_min", "{shocks}", _GRID),
 }
 
 
 def advice(topic: str, opt: Mapping[str, Any]) -> str:
     """What to try, in words: topic is a key of _ADVICE, opt are the options in force."""
-    if opt["ts_adapt_type"] != "none":
-        steps = "smaller -ts_rtol and -ts_atol"
-    else:
-        steps = "a smaller -ts_dt" if opt["ts_dt"] else "a smaller -fsi_cfl"
+    steps = "a smaller -ts_dt" if opt["ts_dt"] else "a smaller -fsi_cfl"
     missing = [f"-{name} 1" for name in ("fsi_dissipation", "fsi_shock") if not opt[name]]
     missing = ["-fsi_coupling conservative", *missing] if opt["fsi_coupling"] != "conservative" else missing
     filled = {

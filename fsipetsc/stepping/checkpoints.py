@@ -20,7 +20,6 @@ from fsipetsc.output.lock import set_aside
 from fsipetsc.output.pieces import Kept, folder_of
 from fsipetsc.process.together import together
 from fsipetsc.stepping.restart import Past, check_unchanged, checkpoint_name, described, is_of_another, remove_abandoned
-from fsipetsc.stepping.snapshot import RATES
 from fsipetsc.stepping.state import State
 from fsipetsc.stepping.versions import versions
 
@@ -44,8 +43,6 @@ class CheckpointKeeper:
         self.arrays = {} if past is None else dict(past.arrays)
         if past is not None and past.options["fsi_partition"] != opt["fsi_partition"]:
             self.arrays.pop("shares", None)
-        if past is not None and any(past.options[name] != opt[name] for name in ("ts_type", "ts_rk_type")):
-            self.arrays = {name: array for name, array in self.arrays.items() if not name.startswith(RATES)}
 
     def _check(self) -> None:
         if self._comm.rank > 0:
@@ -112,9 +109,9 @@ class CheckpointKeeper:
         ]
         return lines + ([f"note: it was written by others: {'; '.join(changed)}"] if changed else [])
 
-    def write(self, memory: Mapping[str, Any], rates: np.ndarray | None) -> None:
+    def write(self, memory: Mapping[str, Any]) -> None:
         """Write a checkpoint of the state as it is. memory: what else there is to know. CheckpointError."""
-        arrays = self._state.capture(rates)
+        arrays = self._state.capture()
         together(self._comm, lambda: self._write(memory, arrays))
 
     def _write(self, memory: Mapping[str, Any], arrays: dict[str, np.ndarray] | None) -> None:

@@ -1,4 +1,4 @@
-"""Initial data of a state of the paper's method: asked of the case's functions, or of a frame."""
+"""Initial data of a state of the paper's method, asked of the case's functions."""
 
 from __future__ import annotations
 
@@ -15,15 +15,14 @@ if TYPE_CHECKING:
 
 
 def set_data(state: PaperState) -> None:
-    """Fill the solution, not projected, with initial data, and ask for all else at the time ``state.begin``. Collective.
+    """Fill the solution, not projected, with initial data, and ask for all else at t = 0. Collective.
 
     InputError, on all ranks, where something is not what it must be.
     """
     edges = state.comm.allgather(together(state.comm, lambda: _set_layers(state)))
     ends = {point: x for found in edges for point, x in found.items()}
-    if not state.started:  # a frame lies where the run that it is of has come to
-        given.check_ends(state.problem, ends, state.h)
-    state.set_data(state.begin)
+    given.check_ends(state.problem, ends, state.h)
+    state.set_data(0.0)
     agree(state.comm, state.fault)
 
 
@@ -37,7 +36,7 @@ def _set_layers(state: PaperState) -> dict[tuple[int, int], float]:
         X = layout.owned_X(k)
         fields = given.initial(layer, X, state.active(k))
         if layer.exact is not None:  # not found out at the end
-            given.fields(layer, "exact", X, state.begin, state.active(k))
+            given.fields(layer, "exact", X, 0.0, state.active(k))
         if isinstance(layer, FluidLayer):
             rho, u, T = fields
             with np.errstate(all="ignore"):  # what comes of it is looked at

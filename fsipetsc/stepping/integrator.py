@@ -15,13 +15,12 @@ import numpy as np
 from petsc4py import PETSc
 
 from fsipetsc.blockrun.columns import point_names
-from fsipetsc.errors import ComputationError, clear_frames
+from fsipetsc.errors import clear_frames
 from fsipetsc.process.together import agree
 from fsipetsc.scheme.burst import LONGEST, MADE, SHORTEST, TIME
-from fsipetsc.scheme.plan import EXHAUSTED, LOW, MOVED, RATE, SAID_STOP, STOP, TOO_SHORT, shares
+from fsipetsc.scheme.plan import EXHAUSTED, LOW, RATE, SAID_STOP, STOP, TOO_SHORT, shares
 from fsipetsc.scheme.time_step import longest_step
 from fsipetsc.stepping import verdicts
-from fsipetsc.stepping.error_control import ErrorControl, begins_with_last_rates
 from fsipetsc.stepping.fused import NAME, FusedRK4
 from fsipetsc.stepping.output_times import OutputTimes
 from fsipetsc.stepping.pauses import OUT_OF_TIME, Pauses
@@ -35,18 +34,13 @@ LAST = STOP + 1
 CHECKED = 256
 #: dimension -> points (of all ranks, spare ones too) times steps in one call
 MOST_POINTS = {1: 250_000, 2: 2_000_000}
-#: dimension -> steps, at least, between two states that are kept to go back to: a copy takes as long as a step of few points in
-#: one dimension, where so many take 0.01 s, and a tenth of one in two
-KEPT = {1: 256, 2: 16}
 #: what is kept in a checkpoint as it is
-_KEPT = "steps", "rejections", "t", "dt_range", "wall_time", "initial", "beyond"
+_KEPT = "steps", "t", "dt_range", "wall_time", "initial", "beyond"
 #: what is noted of a step alone, not of a state
 OF_STEPS = (
     *("impulse", "impulse_x", "impulse_y", "impulse_z", "mass_in", "energy_in"),
     *("x_interface", "u_interface"),  # of blocks in one dimension
 )
-#: orders of PETSc's Runge-Kutta methods that have an embedded one
-PAIR_ORDER = {"2a": 2, "3bs": 3, "5f": 5, "5dp": 5, "5bs": 5, "6vr": 6, "7vr": 7, "8vr": 8}
 
 
 class Integrator:
@@ -78,38 +72,26 @@ class Integrator:
         self._times = OutputTimes(saved)
         self._steady = state.problem.steady_data
         self.steps = 0
-        self.rejections = 0
-        self.t = state.begin
+        self.t = 0.0
         self.dt_range = [np.inf, 0.0]
-        self.last_step = np.inf  # the longest of the last burst
         self.wall_time = self._begun = 0.0
         self.before = 0, 0.0  # steps and wall time [s] of the parts of the run before this one
         self.stop_signal = 0
         self.out_of_time = False
-        self._proposal = np.inf
         self._fused = opt["ts_type"] == NAME
         self.burst_limit = 0  # most steps in one go; 0: steps are made one by one, stage by stage
-        self._kept_every = KEPT.get(state.problem.dimension, KEPT[2])
         if self._fused and self._steady:  # no longer than a signal may have to wait
             points = state.points + state.reserve
             most = MOST_POINTS.get(state.problem.dimension, MOST_POINTS[2])
             self.burst_limit = max(1, min(opt["fsi_burst"], most // points))
-            if state.problem.dimension > 1:
-                self.burst_limit = min(self.burst_limit, self._kept_every)
-        # of a method whose next step begins with the last rates of the one before: these, and those that a checkpoint had
-        self._reuses, self._last, self._given = False, np.empty(0), None
-        self._left = 0  # the state of the solution, for PETSc, when the method has made a step
         self._rates: PETSc.Vec | None = None
-        self._control: ErrorControl | None = None
         self._error: BaseException | None = None
-        self._good: tuple[int, dict[str, Any], Any] | None = None  # rows of the series then, ``memory``, state
-        self._before: Any = None  # with step-size control: the state before the step
         self.initial: dict[str, Any] = {}
         self.beyond = ""  # what is to be said of steps that are too long
 
     @property
     def evaluations(self) -> int:
-        """Of the right-hand side, in steps that were rejected, too."""
+        """Of the right-hand side, in steps that were made anew, too."""
         return self.state.evaluations
 
     @property
@@ -132,25 +114,9 @@ class Integrator:
     def _right_hand_side(self, ts: PETSc.TS, t: float, Y: PETSc.Vec, F: PETSc.Vec) -> None:
         if not self._steady:
             self.state.set_data(t)
-        rates = F.getArray()
-        if self._given is not None:  # what the method would have kept if the run had not been stopped
-            rates[:], self._given = self._given, None
-            return
-        self.state.right_hand_side(Y.getArray(readonly=True), rates)
-        if self._reuses:
-            self._last[:] = rates
-
-    @property
-    def rates(self) -> np.ndarray | None:
-        """This rank's part of the last rates, if the next step of the method begins with them.
-
-        It does not where grids have moved, nor where PETSc knows that the solution is not what the method has left.
-        """
-        results, changed = self.state.results, self.state.solution.stateGet() != self._left
-        return self._last if self._reuses and not (results[MOVED] or results[LOW] or changed) else None
+        self.state.right_hand_side(Y.getArray(readonly=True), F.getArray())
 
     def _post_step(self, ts: PETSc.TS) -> None:
-        self._left = self.state.solution.stateGet()
         try:
             self._after_step(ts)
         except BaseException as error:  # through PETSc it would become an error stack; raised again after TSSolve
@@ -162,13 +128,13 @@ class Integrator:
             t, made, *steps = self.state.burst[[TIME, MADE, SHORTEST, LONGEST]].tolist()
         else:
             t, made, steps = self._target, 1, [self._step] * 2
-            if not self._fused and not self._completed(ts):
-                return
+            if not self._fused:
+                self._complete()
             self.series.write(t, self._step)
         if self.state.results[STOP] >= FAULT:  # the step was made with data that are wrong
             agree(self.state.comm, self.state.fault)
         ts.setTime(t)  # the sum of steps may miss a target by round-off
-        self.t, self.steps, self.last_step = t, self.steps + int(made), steps[1]
+        self.t, self.steps = t, self.steps + int(made)
         ts.setStepNumber(self.steps)
         self.dt_range = [min(self.dt_range[0], steps[0]), max(self.dt_range[1], steps[1])]
         flags = self.state.results[:LAST].tolist()
@@ -181,10 +147,8 @@ class Integrator:
             self._on_check()
         if not self.series.room:
             self._on_series()
-        saved = self._times.pass_time(t)
-        if saved:
+        if self._times.pass_time(t):
             self._on_frame(t)
-        self._keep(saved)
         self.stop_signal, self.out_of_time = int(flags[STOP]), flags[STOP] == OUT_OF_TIME
         last = self._times.done or self._stopped or self.steps >= self.opt["ts_max_steps"]
         if self.pauses.due(self.steps, flags[STOP], last):
@@ -196,8 +160,7 @@ class Integrator:
             ts.setConvergedReason(PETSc.TS.ConvergedReason.CONVERGED_USER)
             self._say_the_ends(ts)
         else:
-            if flags[MOVED]:
-                ts.restartStep()
+            ts.restartStep()  # the last rates of a step are no longer those of its completed solution
             self._plan_step(ts)
 
     def _say_the_ends(self, ts: PETSc.TS) -> None:
@@ -205,58 +168,16 @@ class Integrator:
         ts.setMaxTime(self.opt["ts_max_time"])
         ts.setMaxSteps(self.opt["ts_max_steps"])
 
-    def _completed(self, ts: PETSc.TS) -> bool:
-        """Complete a step that PETSc has made; False if the error control refuses it."""
+    def _complete(self) -> None:
+        """Complete a step that PETSc has made."""
         if not self._steady:
             self.state.set_data(self._target)
-        if self._control is not None and self._rejected(ts, self._step):
-            return False
-        self._finish()
-        if self._control is not None and self._left_the_domain:
-            self._proposal = self._step * self.opt["ts_adapt_clip"][0]
-            self._refuse(ts)
-            return False
-        return True
-
-    @property
-    def _left_the_domain(self) -> bool:
-        return verdicts.left_the_domain(self.state.results)
-
-    def _finish(self) -> None:
         self.state.finish()
-
-    def _rejected(self, ts: PETSc.TS, dt: float) -> bool:
-        """Ask the error control about the step just made; if it refuses, go back and plan a shorter one."""
-        control = self._control
-        control.embedded()
-        accepted, self._proposal = control.decide(dt, control.norm())
-        if not accepted:
-            self._refuse(ts)
-        return not accepted
-
-    def _refuse(self, ts: PETSc.TS) -> None:
-        """Go back and plan a shorter step."""
-        control, given_up = self._control, ""
-        if self._proposal < max(control.shortest, 1e-14 * max(1.0, self.t)):
-            agree(self.state.comm, self.state.fault)
-            given_up = verdicts.no_step(self.state, self._target, self.steps + 1, self._step, self._proposal, self.opt)
-        control.reject()
-        self.state.back(self._before)
-        self.rejections += 1
-        ts.setTime(self.t)
-        if given_up:
-            raise ComputationError(given_up)
-        ts.restartStep()
-        self._plan_step(ts)
 
     # steps
 
     def _plan_step(self, ts: PETSc.TS) -> None:
         bound = longest_step(self.opt["fsi_cfl"], self.opt["ts_dt"] or 0.0, float(self.state.results[RATE]))
-        if self._control is not None:
-            bound = min(bound, self._proposal, self._control.longest)
-            self._control.begin()
-            self._before = self.state.keep(self._before)
         self._step, self._target = self._times.step(self.t, bound)
         self.state.results[SAID_STOP] = self.pauses.word() if self.state.fault is None else FAULT
         ts.setTimeStep(self._step)
@@ -279,26 +200,16 @@ class Integrator:
             ts.setRHSFunction(self._right_hand_side, self._rates)
         if opt["ts_type"] == "rk":
             ts.setRKType(opt["ts_rk_type"])
-            self._reuses = begins_with_last_rates(ts)
-            self._last = np.empty(self.state.layout.local_size if self._reuses else 0)
         ts.setPostStep(logged("fsi hooks", self._post_step))
         ts.setExactFinalTime(PETSc.TS.ExactFinalTime.STEPOVER)
         ts.setSolution(self.state.solution)
-        database = PETSc.Options()
-        wanted = opt["ts_adapt_type"]
-        # ErrorControl stands for PETSc's adaptors, and PETSc knows the fused type as "python"
-        hidden = {"ts_adapt_type": "none", **({"ts_type": "python"} if self._fused else {})}
-        for name, value in hidden.items():
-            database.setValue(name, value)
+        if self._fused:  # PETSc knows it as "python"
+            PETSc.Options().setValue("ts_type", "python")
         ts.setFromOptions()
-        for name in hidden:
-            database.setValue(name, opt[name])
+        PETSc.Options().setValue("ts_type", opt["ts_type"])
         # OutputTimes alone says when to stop, because the sum of the steps may be short of the end by round-off
         ts.setMaxTime(1e300)
         ts.setMaxSteps(np.iinfo(np.int32).max)
-        if wanted == "basic":
-            order = PAIR_ORDER[opt["ts_rk_type"]]
-            self._control = ErrorControl(ts, self.state, order, opt)
         return ts
 
     def start(self) -> None:
@@ -310,7 +221,7 @@ class Integrator:
         self._on_grids()
         if not self._steady:
             state.set_data(self.t)  # with differences in time of the length that a step has
-        self._finish()
+        state.finish()
         verdicts.check(state, self.t, self.steps, state.results[:LAST].tolist(), self.opt, self.beyond)
         found = {name: state.latest[name] for name in shares(state.latest.dtype) if name not in (*OF_STEPS, *point_names(3))}
         self.initial = {name: state.comm.allreduce(share).tolist() for name, share in found.items()}
@@ -323,30 +234,9 @@ class Integrator:
         return {
             **{name: getattr(self, name) for name in _KEPT},
             "dt_range": list(self.dt_range),
-            **{"evaluations": self.evaluations, "proposal": self._proposal},
+            "evaluations": self.evaluations,
             "wall_time": self.wall_time + (time.perf_counter() - self._begun),
         }
-
-    def _keep(self, now: bool) -> None:
-        """Keep the state from time to time, and if it is to be ``now``: no frame comes between it and a failure."""
-        if now or self._good is None or self.steps - self._good[1]["steps"] >= self._kept_every:
-            self._good = self.series.total, self.memory(), self.state.keep(self._good and self._good[2])
-
-    @property
-    def kept_steps(self) -> int:
-        """Steps of this run that lead to the state that ``go_back`` goes to."""
-        return 0 if self._good is None else self._good[0]
-
-    def go_back(self) -> dict[str, Any] | None:
-        """Let the state be the last one that was kept; ``memory`` of then.
-
-        None if there is none. What the integrator itself knows stays as it is.
-        """
-        if self._good is None:
-            return None
-        _, memory, kept = self._good
-        self.state.back(kept)
-        return memory
 
     def resume(self, memory: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> None:
         """Be where ``memory`` and ``state.capture()`` told of: then the same steps follow. InputError as of restore."""
@@ -354,8 +244,8 @@ class Integrator:
         for name in _KEPT:
             setattr(self, name, memory[name])
         self.before = self.steps, self.wall_time
-        self._proposal, state.evaluations = memory["proposal"], memory["evaluations"]
-        self._given = state.restore(arrays, self.t)
+        state.evaluations = memory["evaluations"]
+        state.restore(arrays, self.t)
         self._times.pass_time(self.t)
         if state.results[LOW] and not self._times.done:
             state.grow()
@@ -371,7 +261,6 @@ class Integrator:
                 ts = self._create()
                 ts.setTime(self.t)
                 ts.setStepNumber(self.steps)
-                self._keep(True)
                 self._plan_step(ts)
                 try:
                     ts.solve(self.state.solution)
@@ -382,9 +271,6 @@ class Integrator:
                     raise cause from None
                 finally:
                     clear_frames(self._error)  # before the TS is destroyed: petsc4py loses one that somebody else still holds
-                    if self._control is not None:
-                        self._control.destroy()
-                        self._control = None
                     ts.destroy()
                     if self._rates is not None:
                         self._rates.destroy()

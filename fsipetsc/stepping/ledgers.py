@@ -20,8 +20,6 @@ class Ledgers:
     def __init__(self, invariants: Mapping[str, Any]) -> None:
         self._invariants = invariants
         self._drifts: Drifts | None = None
-        self._steps = 0  # added, of this run
-        self._kept: dict[str, Any] | None = None
         self.departures: dict[str, float] = {}
         self.J_error = 0.0
 
@@ -30,21 +28,8 @@ class Ledgers:
         if self._invariants and initial:
             self._drifts = Drifts(self._invariants, initial)
 
-    def add(self, steps: np.ndarray, kept: int) -> None:
-        """The records of some more steps, on rank 0 with the sums over all ranks.
-
-        kept: how many steps of this run lead to the state to which it would go back (``memory_of_kept``).
-        """
-        before = kept - self._steps
-        self._steps += len(steps)
-        if before < 0:
-            self._add(steps)
-            return
-        self._add(steps[:before])
-        self._kept = self.memory()
-        self._add(steps[before:])
-
-    def _add(self, steps: np.ndarray) -> None:
+    def add(self, steps: np.ndarray) -> None:
+        """The records of some more steps, on rank 0 with the sums over all ranks."""
         if len(steps) and "J_error" in (steps.dtype.names or ()):
             self.J_error = float(np.maximum(self.J_error, steps["J_error"].max()))
         if self._drifts is None or not len(steps):
@@ -59,10 +44,6 @@ class Ledgers:
             return None
         kept = {"departures": dict(self.departures), "J_error": self.J_error}
         return {"drifts": self._drifts.memory(), **kept}
-
-    def memory_of_kept(self, kept: int) -> dict[str, Any] | None:
-        """The ``memory`` after the first ``kept`` steps of this run, as ``add`` was told of them."""
-        return self.memory() if kept == self._steps else self._kept
 
     def recall(self, memory: Mapping[str, Any] | None, initial: Mapping[str, Any]) -> None:
         """Go on behind the steps of which ``memory`` tells; without it nothing is known of them, and nothing said."""

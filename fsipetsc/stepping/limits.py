@@ -7,14 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.scheme.plan import RATE
-from fsipetsc.scheme.time_step import longest_step
 from fsipetsc.stepping.state import State
 
 #: by kind of layer: what convection is there, and what diffusion is
 _NAMES = {"fluid": ("sound", "friction and conduction"), "solid": ("waves", "conduction")}
-#: a step that is shorter than its bound by more than this part has another reason
-_NEARLY = 1e-3
 
 
 def limiting(state: State) -> str:
@@ -27,14 +23,9 @@ def limiting(state: State) -> str:
     return f"{_NAMES[layer.kind][which]} in {layer.name}"
 
 
-def reason(state: State, opt: Mapping[str, Any], dt: float) -> str:
-    """Why a step of the length dt [s] that has just been made was not longer."""
-    if opt["ts_dt"]:
-        return "-ts_dt"
-    bound = longest_step(opt["fsi_cfl"], 0.0, float(state.results[RATE]))
-    if opt["ts_adapt_type"] != "none" and dt < (1.0 - _NEARLY) * bound:
-        return "its error"
-    return limiting(state)
+def reason(state: State, opt: Mapping[str, Any]) -> str:
+    """Why a step that has just been made was not longer."""
+    return "-ts_dt" if opt["ts_dt"] else limiting(state)
 
 
 class Limits:
@@ -44,9 +35,9 @@ class Limits:
         self._opt = opt
         self.changes: list[list[Any]] = []
 
-    def note(self, state: State, t: float, dt: float) -> None:
-        """As it is at time t [s], after a step dt [s], or inf before the first one."""
-        found = reason(state, self._opt, dt)
+    def note(self, state: State, t: float) -> None:
+        """As it is at time t [s]."""
+        found = reason(state, self._opt)
         if found and (not self.changes or self.changes[-1][1] != found):
             self.changes.append([t, found])
 

@@ -17,18 +17,16 @@ MOST = 10_000_000
 
 
 def saved_times(
-    t_end: float, interval: float | None, times: Sequence[float] | None, unit: str = " s", begin: float = 0.0
+    t_end: float, interval: float | None, times: Sequence[float] | None, unit: str = " s"
 ) -> list[float]:
     """Times [s] in [0, t_end] at which profiles are saved: every ``interval`` and at the ``times``, and at the end.
 
-    Raises InputError for times before the run's begin or beyond its end, and for more than MOST; unit: what stands behind a
-    time in its message.
+    Raises InputError for times beyond the run's end, and for more than MOST; unit: what stands behind a time in its message.
     """
     saved = set(times or ())
-    before, beyond = (sorted(t for t in saved if t < begin), sorted(t for t in saved if t > t_end))
-    why = f"the run begins at t = {begin:g}{unit}" if before else f"the run ends at -ts_max_time {t_end:g}{unit}"
-    if unmet := before or beyond:
-        raise InputError(f"-fsi_output_times: {listed(unmet)}{unit} would not be reached, {why}")
+    if beyond := sorted(t for t in saved if t > t_end):
+        why = f"the run ends at -ts_max_time {t_end:g}{unit}"
+        raise InputError(f"-fsi_output_times: {listed(beyond)}{unit} would not be reached, {why}")
     if interval is not None:
         if t_end / interval > MOST:
             raise InputError(f"-fsi_output_dt {interval:g} would save more than {MOST} profiles to t = {t_end:g}{unit}")

@@ -66,7 +66,7 @@ class Reporter:
     def step(self, steps: int, t: float, dt: float) -> None:
         """Show progress now and then."""
         if self._progress is not None:
-            self._progress.step(steps, t, dt, lambda: reason(self._state, self._opt, dt))
+            self._progress.step(steps, t, dt, lambda: reason(self._state, self._opt))
 
     def end(self, summary: Mapping[str, Any], errors: Mapping[str, Any] | None, path: Path) -> None:
         """Print the summary."""

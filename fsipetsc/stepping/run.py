@@ -30,11 +30,9 @@ from fsipetsc.stepping.report import Reporter
 from fsipetsc.stepping.restart import Past, check_options, check_problem, find_past
 from fsipetsc.stepping.signals import asks, ends
 from fsipetsc.stepping.solve import build_problem, make_state
-from fsipetsc.stepping.start import Start, find_start
 from fsipetsc.stepping.state import State
 from fsipetsc.stepping.verdicts import cold_layers
 from fsipetsc.stepping.versions import versions
-from fsipetsc.stepping.view import view
 
 
 def run_given(case: Any, given: Mapping[str, Given], comm: MPI.Comm) -> dict[str, Any]:
@@ -59,19 +57,14 @@ def run_case(case: Any, options: dict[str, Any], comm: MPI.Comm, past: Past | No
     phases = Phases()
     with phases(SET_UP):
         problem = build_problem(case, options, comm)
-        start = find_start(problem, options, comm) if past is None else None
-        if start is not None and isinstance(problem, RunProblem):
-            problem = start.problem
         state = make_state(problem, options, comm)
     with state:
         with phases(SET_UP):
-            if start is not None:
-                state.begin_with(start)
             if past is not None:
                 check_problem(past, problem, describe(state.journal.dtype))
             state.check_data()  # before there is a file
             keeper = CheckpointKeeper(comm, case.NAME, options, state, past)
-            run = _Run(case, options, comm, phases, state, keeper, start)
+            run = _Run(case, options, comm, phases, state, keeper)
         with closing(run.writer), asks(run.integrator.pauses), ends(run.integrator.pauses):
             run.go()
 
@@ -87,13 +80,11 @@ class _Run:
         phases: Phases,
         state: State,
         keeper: CheckpointKeeper,
-        start: Start | None = None,
     ) -> None:
         self.case, self.opt, self.comm, self.phases, self.keeper = case, opt, comm, phases, keeper
-        self.begun = [] if start is None else [start.line]
         self.problem, self.state = state.problem, state
         times = opt["ts_max_time"], opt["fsi_output_dt"], opt["fsi_output_times"]
-        saved = saved_times(*times, self.problem.unit("s"), state.begin)
+        saved = saved_times(*times, self.problem.unit("s"))
         after = keeper.written_before
         self.writer = RunWriter(comm, opt["fsi_output"], self._header(), after=after, settle=keeper.settle)
         self.writer.take_series = self._take
@@ -128,7 +119,7 @@ class _Run:
         self._look()  # frames of the earlier grids may have been written, and steps with them
 
     def _frame(self, t: float) -> None:
-        self.limits.note(self.state, t, self.integrator.last_step)
+        self.limits.note(self.state, t)
         with self.phases(OUTPUT, "fsi frame"):
             self.writer.write_frame(t, self.state.save)
         self.saved_at = t
@@ -142,7 +133,7 @@ class _Run:
         self._watch()
         steps = series.take(self.comm)
         if self.comm.rank == 0:
-            self.ledgers.add(steps, self.integrator.kept_steps)
+            self.ledgers.add(steps)
         return steps
 
     def _watch(self) -> None:
@@ -183,38 +174,14 @@ class _Run:
             memory = {
                 "memory": self.integrator.memory(),
                 "watch": self.watch.memory() if self.watch is not None else None,
-                **{"ledgers": self.ledgers.memory(), **self._of_frames()},
+                "ledgers": self.ledgers.memory(),
+                "saved_at": self.saved_at,
+                "limits": list(self.limits.changes),
                 "result": [self.writer.nframes, self.writer.rows],
                 "wall_time_total": self._total(),
             }
-            self.keeper.write(memory, self.integrator.rates)
+            self.keeper.write(memory)
         self.integrator.pauses.written(time.perf_counter() - begun)
-
-    def _of_frames(self) -> dict[str, Any]:
-        """What a checkpoint says of the frames before it; none is later than the last good state."""
-        return {"saved_at": self.saved_at, "limits": list(self.limits.changes)}
-
-    def _save_last_good(self) -> str:
-        """A frame and a checkpoint of the last good state that was kept; what is to be said of it."""
-        integrator, before, frames = self.integrator, self._of_frames(), self.writer.nframes
-        memory, kept = integrator.go_back(), integrator.kept_steps
-        if memory is None:
-            return ""
-        if memory["t"] > self.saved_at:
-            self._frame(memory["t"])
-            self._flush()
-        if self.opt["fsi_check"]:  # which has seen later steps
-            return ""
-        rows, ledgers = self.writer.rows - (integrator.series.total - kept), self.ledgers.memory_of_kept(kept)
-        total, given_up = self._total(), integrator.wall_time - memory["wall_time"]
-        total = None if total is None else total - given_up
-        of_result = {"ledgers": ledgers, **before, "result": [frames, rows], "wall_time_total": total}
-        try:
-            self.keeper.write({"memory": memory, "watch": None, **of_result}, None)
-        except CheckpointError:
-            return ""  # the failure itself says more
-        when = f"step {memory['steps']}, t = {memory['t']:.6g}{self.problem.unit('s')}"
-        return f", a good state of {when}, in {self.keeper.path}"
 
     def _resume(self, past: Past) -> None:
         """Go on from a checkpoint."""
@@ -250,17 +217,14 @@ class _Run:
             raise ComputationError(f"{fault}; -fsi_check {self.opt['fsi_check']:g} allows no more")
 
     def go(self) -> None:
-        opt, integrator = self.opt, self.integrator
+        integrator = self.integrator
         for line in self.keeper.kept:
             self.report.line(line)
         failure: FsiError | None = None
-        good = ""
         found: dict[str, dict[str, float]] | None = None
         try:
             self.report.begin(self.state)
-            for line in view(self.state, self.case.NAME, opt) if opt["fsi_view"] else ():
-                self.report.line(line)
-            for line in [*self.begun, *self.keeper.lines()]:
+            for line in self.keeper.lines():
                 self.report.line(line)
             with self.phases(SET_UP):
                 say = self.report.line
@@ -283,8 +247,6 @@ class _Run:
         except (ComputationError, InputError, CheckpointError) as error:
             failure, self.checks = error, False
             self._flush()
-            if isinstance(error, ComputationError) and self.fault is None:
-                good = self._save_last_good()
         except BaseException as error:
             self._rescue(error)
             raise
@@ -296,7 +258,7 @@ class _Run:
         where = f"{self.writer.folder} (opened as {self.writer.path.name})" if stopped else str(self.writer.path)
         self.report.end(summary, found, where)
         if failure is not None:
-            failure.args = (f"{failure}; what was computed before is in {self.writer.path}{good}",)
+            failure.args = (f"{failure}; what was computed before is in {self.writer.path}",)
             raise failure
         if integrator.stop_signal:
             number = integrator.stop_signal
@@ -347,7 +309,7 @@ class _Run:
             "message": (str(failure) or type(failure).__name__) if failure else self._early_end(),
             "t": integrator.t,
             "steps": integrator.steps,
-            "rejected_steps": integrator.rejections + getattr(self.state, "retries", 0),
+            "rejected_steps": getattr(self.state, "retries", 0),
             "rhs_evaluations": integrator.evaluations,
             "dt_min": integrator.dt_range[0] if integrator.steps else None,
             "dt_max": integrator.dt_range[1] if integrator.steps else None,

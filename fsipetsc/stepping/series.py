@@ -24,7 +24,6 @@ class Series:
         self._journal: np.ndarray | None = None
         self._numbers = self._latest = np.empty(0)
         self.count = self._added = 0
-        self.total = 0  # steps kept since the beginning of this run
 
     @property
     def room(self) -> int:
@@ -43,7 +42,6 @@ class Series:
     def keep(self, steps: int) -> None:
         """The next steps in the journal belong to the series."""
         self.count += steps
-        self.total += steps
 
     def add_up(self, comm: MPI.Comm) -> np.ndarray:
         """The records of the steps kept since the last time, on rank 0 with the sums over all ranks. Collective.

@@ -8,7 +8,7 @@ the sums over ranks are the same, too.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -27,16 +27,12 @@ Array = np.ndarray
 FRAME = "s", "x_interface"
 #: of its grid
 GRID = "n", "lo", "hi"
-#: beginning of the names of rates
-RATES = "rates_"
 
 
-def capture(state: State, rates: Array | None = None) -> dict[str, Array] | None:
-    """The arrays, on rank 0. Collective. rates: this rank's part of the last rates, where the next step takes them."""
+def capture(state: State) -> dict[str, Array] | None:
+    """The arrays, on rank 0. Collective."""
     layout = state.layout
-    arrays = whole_layers(layout, gather_local(state.comm, state.solution.getArray(readonly=True)), "")
-    if rates is not None:
-        arrays |= whole_layers(layout, gather_local(state.comm, rates), RATES)
+    arrays = whole_layers(layout, gather_local(state.comm, state.solution.getArray(readonly=True)))
     if state.comm.rank > 0:
         return None
     arrays["grids"] = np.array([[int(record[name]) for name in GRID] for record in layout.records])
@@ -47,31 +43,7 @@ def capture(state: State, rates: Array | None = None) -> dict[str, Array] | None
     return arrays
 
 
-def kept(state: State, room: tuple[Array, ...] | None = None) -> tuple[Array, ...]:
-    """Copies of what changes in a step, of this rank; in the ``room`` of earlier ones, if there are any and no grid has grown.
-
-    The system takes ten times as long to give new memory as it takes to copy.
-    """
-    parts = _changing(state, state.solution.getArray(readonly=True))
-    if room is None or [part.shape for part in parts] != [copy.shape for copy in room]:
-        return tuple(part.copy() for part in parts)
-    for part, copy in zip(parts, room, strict=True):
-        copy[:] = part
-    return room
-
-
-def put_back(state: State, copies: tuple[Array, ...]) -> None:
-    """Let what ``kept`` has copied be as it was."""
-    for part, copy in zip(_changing(state, state.solution.getArray()), copies, strict=True):
-        part[:] = copy
-
-
-def _changing(state: State, solution: Array) -> tuple[Array, ...]:
-    """The records of the layers as bytes: numpy copies records of many fields field by field, which takes ten times as long."""
-    return solution, state.layout.records.view(np.uint8), state.results, as_numbers(state.latest)
-
-
-def whole_layers(layout: Layout, parts: list[Array] | None, prefix: str) -> dict[str, Array]:
+def whole_layers(layout: Layout, parts: list[Array] | None) -> dict[str, Array]:
     """Name -> points of a layer, (n, unknowns), from the parts of all ranks, on rank 0."""
     arrays: dict[str, Array] = {}
     if parts is None:
@@ -79,7 +51,7 @@ def whole_layers(layout: Layout, parts: list[Array] | None, prefix: str) -> dict
     at = [0] * len(parts)
     for k, (record, shares) in enumerate(zip(layout.records, layout.shares, strict=True)):
         dof, n = layout.dof[k], int(record["n"])
-        points = arrays[f"{prefix}layer{k}"] = np.empty((n, dof))
+        points = arrays[f"layer{k}"] = np.empty((n, dof))
         for rank, begin, end in shares:
             part = parts[rank][at[rank] :]
             size = dof * (end - begin)
@@ -122,26 +94,17 @@ def shares_of(arrays: Mapping[str, Array], size: int) -> list[list[tuple[int, in
     return [[(rank, begin, end) for at, rank, begin, end in shares.tolist() if at == k] for k in layers]
 
 
-def put(layout: Layout, y: Array, arrays: Mapping[str, Array], prefix: str = "") -> None:
+def put(layout: Layout, y: Array, arrays: Mapping[str, Array]) -> None:
     """Fill this rank's part y of a vector from whole layers."""
     for k, record in enumerate(layout.records):
         if record["present"]:
-            layout.local(k, y)[:] = arrays[f"{prefix}layer{k}"][record["own_lo"] : record["own_hi"]]
+            layout.local(k, y)[:] = arrays[f"layer{k}"][record["own_lo"] : record["own_hi"]]
 
 
 def put_frames(layout: Layout, arrays: Mapping[str, Array]) -> None:
     """Let the grids lie and move as they did."""
     for name in FRAME:
         layout.records[name] = arrays[name]
-
-
-def rates_of(layout: Layout, arrays: Mapping[str, Array], fill: Callable[..., None] = put) -> Array | None:
-    """This rank's part of the rates that were kept, if any; fill: ``put`` of the dimension."""
-    if f"{RATES}layer0" not in arrays:
-        return None
-    rates = np.empty(layout.local_size)
-    fill(layout, rates, arrays, RATES)
-    return rates
 
 
 def gather(comm: MPI.Comm, layout: Layout, k: int, y: np.ndarray) -> np.ndarray:

@@ -118,10 +118,9 @@ def block_form(opt: Mapping[str, Any]) -> BlockForm:
 
 
 def check_begin(opt: Mapping[str, Any]) -> None:
-    """InputError for options by which a run begins elsewhere: of a command that begins with the data of a case."""
-    for name in ("fsi_initial", "fsi_restart"):
-        if opt[name] is not None:
-            raise InputError(f"-{name}: this command begins with the data of the case")
+    """InputError for -fsi_restart, of a command that begins with the data of a case."""
+    if opt["fsi_restart"] is not None:
+        raise InputError("-fsi_restart: this command begins with the data of the case")
 
 
 def solve(

@@ -31,24 +31,6 @@ def unsound(flags: Sequence[float] | np.ndarray) -> bool:
     return bool(flags[BAD] or not flags[RATE] < np.inf)
 
 
-def left_the_domain(flags: Sequence[float] | np.ndarray) -> bool:
-    """The state is not one of the equations any more: it is ``unsound``, or a boundary has left its grid."""
-    return unsound(flags) or bool(flags[EXHAUSTED])
-
-
-def no_step(state: State, t: float, step: int, dt: float, wanted: float, opt: Mapping[str, Any]) -> str:
-    """What is said where step-size control refuses a step of dt [s] to t [s] and has none left to try. Collective.
-
-    wanted: the step that it would make [s].
-    """
-    s = state.problem.unit("s")
-    if unsound(state.results):
-        words, topic = state.failure(t, step)
-        return f"{words}, after a step of {dt:.3g}{s} as after all longer ones; {advice(topic, opt)}"
-    said = f"step-size control finds no step at t = {t - dt:.6g}{s}, step {step}: it wants {wanted:.3g}{s}"
-    return f"{said}; {advice('control', opt)}"
-
-
 def check(state: State, t: float, step: int, flags: Sequence[float], opt: Mapping[str, Any], beyond: str) -> None:
     """Raise ComputationError if the state at t [s] cannot be gone on from.
 
@@ -77,10 +59,10 @@ def beyond_bound(state: State, opt: Mapping[str, Any]) -> str:
     """By how much the steps that were asked for exceed their bound, in words; "" if not by far."""
     rate = float(state.results[RATE])
     step, s = longest_step(opt["fsi_cfl"], opt["ts_dt"] or 0.0, rate), state.problem.unit("s")
-    if opt["ts_adapt_type"] != "none" or not step * rate > FAR:
+    if not step * rate > FAR:
         return ""
     asked = f"-ts_dt {step:g}{s}" if opt["ts_dt"] else f"-fsi_cfl {opt['fsi_cfl']:g}"
-    return f"{asked} is {step * rate:.3g} times the bound on the step at t = {state.begin:.6g}{s}, {1 / rate:.3g}{s}"
+    return f"{asked} is {step * rate:.3g} times the bound on the step at t = 0, {1 / rate:.3g}{s}"
 
 
 def cold_layers(state: State) -> list[str]:
