@@ -48,8 +48,8 @@ class Command(NamedTuple):
 COMMANDS = {
     "info": Command("RUN.h5", "what a result holds: case, options, times, layers, summary", "fsipetsc.cli:info"),
     "plot": Command(
-        "RUN.h5 [-o DIR|FILE] [-fields p,T] [-times 0,0.5] [-compare B.h5] [-all] [-animate]",
-        "a result on a page (PNG, or as FILE ends: PDF, SVG); all pictures; a film (GIF, MP4)",
+        "RUN.h5 [-o DIR|FILE] [-fields p,T] [-times 0,0.5] [-all] [-animate]",
+        "a result on a page (PNG, or as FILE ends: PDF, SVG); all pictures; a film (GIF)",
         "fsipetsc.cli:plot",
     ),
     "report": Command(
@@ -117,7 +117,7 @@ _VERSION_FLAGS = ("--version", "-version")
 _OF_REPORT = {"-o": "the name of a directory"}
 _OF_PLOT = {
     **{"-o": "the name of a directory or a file", "-fields": "names of fields with commas", "-times": "times with commas"},
-    **{"-compare": "another result file", "-all": None, "-animate": None},
+    **{"-all": None, "-animate": None},
 }
 _OF_NEW = {"-blocks": None}
 
@@ -292,7 +292,7 @@ def plot(arguments: list[str]) -> None:
     (path,), given = _files("plot", arguments, 1, flags=_OF_PLOT)
     from fsipetsc.output.plots.command import draw
 
-    for picture in draw(path, given, print):
+    for picture in draw(path, given):
         print(picture)
 
 

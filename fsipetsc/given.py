@@ -99,32 +99,6 @@ def at_end(function: Callable[..., Any], name: str, side: int, t: float) -> list
     return numbers
 
 
-#: Gauss's rule with five points on (0, 1)
-_POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(5) * np.array([[0.5], [0.5]]) + np.array([[0.5], [0.0]])
-#: by this fraction the velocity of a wall may differ from the rate of its place
-ALIKE = 0.01
-
-
-def check_motion(problem: Problem, side: int, t: float, step: float) -> None:
-    """InputError if the velocity that is given for a wall is not the rate of its place, on average over a step [s] from t [s].
-
-    What cannot be asked for at a later time is not asked for now.
-    """
-    functions = in_time((problem.left, problem.right)[side])
-    if not {"x", "velocity"} <= functions.keys():
-        return
-    try:
-        begin, end = (at_end(functions["x"], "x", side, at)[0] for at in (t, t + step))
-        speeds = [at_end(functions["velocity"], "velocity", side, t + step * part)[0] for part in _POINTS.tolist()]
-    except InputError:
-        return
-    rate, given = (end - begin) / step, float(_WEIGHTS @ speeds)
-    if abs(rate - given) > ALIKE * max(abs(rate), abs(given)) + 1e-12 * (abs(begin) + abs(end)) / step:
-        until = f"{given:.6g} on average until t = {t + step:.6g}"
-        what = f"{until}, where x(t) rises by {rate:.6g} a second: expected the rate of x"
-        raise _fault(functions["velocity"], f"velocity of the {('left', 'right')[side]} end", what)
-
-
 def jumps(problem: Problem, k: int, t: float) -> Sequence[float]:
     """The prescribed jumps at interface k at time t [s]. InputError."""
     where = f"jumps at interface {k} at t = {t:.6g}"

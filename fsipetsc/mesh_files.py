@@ -4,7 +4,7 @@ The HDF5 form of CGNS is read (cgns.org, 'SIDS File Mapping'): each node of its 
 a label, and its data stand in a dataset named ' data', the first index fastest.
 
     grid = read_cgns("nozzle.cgns")
-    blocks = [Block(name, air, places, places.cells, at_rest) for name, places in grid.zones.items()]
+    blocks = [Block(name, air, X, X.cells, at_rest) for name, X in grid.zones.items()]
     problem = BlockProblem(blocks, grid.faces({"inlet": Given(...), "wall": Slip()}))
 
 Faces whose nodes are at the same places meet, as in any problem of blocks: what the file says of
@@ -13,7 +13,7 @@ connections is not needed.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -30,6 +30,7 @@ from fsipetsc.errors import InputError
 FaceName = tuple[str, int, int]
 #: names of units of length in CGNS -> metres
 METRES = {"Meter": 1.0, "Centimeter": 0.01, "Millimeter": 0.001, "Foot": 0.3048, "Inch": 0.0254}
+METRES |= {"Null": 1.0, "UserDefined": 1.0}
 #: a coordinate is constant that varies by less than this part of the others
 FLAT = 1e-9
 
@@ -44,9 +45,7 @@ class Grid:
     patches: dict[str, tuple[FaceName, ...]]
 
     def faces(self, conditions: Mapping[str, Any]) -> dict[FaceName, Any]:
-        """Conditions of faces for BlockProblem, from those of patches. InputError where the file has
-        no such patch.
-        """
+        """Conditions of faces for BlockProblem, from those of patches. InputError for others."""
         for name in conditions:
             if name not in self.patches:
                 known = ", ".join(map(repr, self.patches)) or "none"
@@ -63,7 +62,7 @@ def read_cgns(path: str | Path) -> Grid:
     """
     try:
         with h5py.File(path, "r") as file:
-            bases = list(_labelled(file, "CGNSBase_t"))
+            bases = _labelled(file, "CGNSBase_t")
             found = [_zone(z, _metres(base)) for base in bases for z in _labelled(base, "Zone_t")]
     except (OSError, KeyError) as error:
         wanted = "expected CGNS in HDF5 (adf2hdf converts the older form)"
@@ -84,12 +83,10 @@ def _zone(zone: h5py.Group, metres: float) -> tuple[str, Nodes, list[FaceName]]:
     name = _name(zone)
     if _text(zone["ZoneType"]) != "Structured":
         raise InputError(f"zone '{name}' is {_text(zone['ZoneType'])}: expected Structured")
-    axes = [_data(zone["GridCoordinates"][f"Coordinate{x}"]) for x in _coordinates(zone)]
-    d = axes[0].ndim
-    if d < len(axes):
-        axes = _plane(name, axes)
-    places = np.stack(axes, axis=-1) * metres
-    faces = [_face_of(name, bc, places.shape[-2::-1]) for bc in _patches(zone)]
+    places = _places(name, zone["GridCoordinates"]) * metres
+    d = places.shape[-1]
+    conditions = (bc for group in _labelled(zone, "ZoneBC_t") for bc in _labelled(group, "BC_t"))
+    faces = [_face_of(name, bc, places.shape[-2::-1]) for bc in conditions]
     corner = places[(slice(0, 2),) * d]  # two nodes along each axis
     edges = [corner[(0,) * (d - 1 - k) + (1,) + (0,) * k] - corner[(0,) * d] for k in range(d)]
     if determinant(np.array(edges)) < 0.0:
@@ -98,28 +95,18 @@ def _zone(zone: h5py.Group, metres: float) -> tuple[str, Nodes, list[FaceName]]:
     return name, nodes(places), faces
 
 
-def _coordinates(zone: h5py.Group) -> str:
-    """"XY" or "XYZ". InputError for other coordinates, as a radius and an angle."""
-    there = [x for x in "XYZ" if f"Coordinate{x}" in zone["GridCoordinates"]]
-    if there not in (["X", "Y"], ["X", "Y", "Z"]):
-        given = ", ".join(zone["GridCoordinates"])
-        raise InputError(f"zone '{_name(zone)}' has {given}: expected CoordinateX, CoordinateY, …")
-    return "".join(there)
-
-
-def _plane(name: str, axes: list[Array]) -> list[Array]:
-    """Two of three coordinates: the third is constant."""
-    extent = [float(np.ptp(x)) for x in axes]
-    flat = [k for k, e in enumerate(extent) if e <= FLAT * max(extent)]
-    if axes[0].ndim != 2 or len(flat) != 1:
-        raise InputError(f"zone '{name}' is no plane: expected one coordinate that is constant")
-    return [axes[k] for k in ((1, 2), (2, 0), (0, 1))[flat[0]]]
-
-
-def _patches(zone: h5py.Group) -> Iterator[h5py.Group]:
-    """Boundary conditions of a zone that have a name."""
-    for conditions in _labelled(zone, "ZoneBC_t"):
-        yield from _labelled(conditions, "BC_t")
+def _places(name: str, grid: h5py.Group) -> Array:
+    """Nodes (…, d) of a zone; of a plane in space without the coordinate that is constant."""
+    axes = [_data(grid[f"Coordinate{x}"]) for x in "XYZ" if f"Coordinate{x}" in grid]
+    if len(axes) < 2:
+        raise InputError(f"zone '{name}' has {', '.join(grid)}: expected CoordinateX, CoordinateY")
+    if axes[0].ndim < len(axes):
+        extent = [float(np.ptp(x)) for x in axes]
+        flat = [k for k, e in enumerate(extent) if e <= FLAT * max(extent)]
+        if axes[0].ndim != 2 or len(flat) != 1:
+            raise InputError(f"zone '{name}' is no plane: expected one coordinate that is constant")
+        axes = [axes[k] for k in ((1, 2), (2, 0), (0, 1))[flat[0]]]
+    return np.stack(axes, axis=-1)
 
 
 def _face_of(name: str, bc: h5py.Group, shape: tuple[int, ...]) -> FaceName:
@@ -140,18 +127,17 @@ def _face_of(name: str, bc: h5py.Group, shape: tuple[int, ...]) -> FaceName:
 def _metres(base: h5py.Group) -> float:
     """Of the unit of length that a base says; 1 if it says none."""
     for units in _labelled(base, "DimensionalUnits_t"):
-        unit = _decoded(_data(units).ravel()[32:64])
-        if unit not in (*METRES, "Null", "UserDefined"):
+        unit = _text(units)[32:64].strip()
+        if unit not in METRES:
             raise InputError(f"lengths are in {unit}: expected {', '.join(METRES)}")
-        return METRES.get(unit, 1.0)
+        return METRES[unit]
     return 1.0
 
 
-def _labelled(group: h5py.Group, label: str) -> Iterator[h5py.Group]:
+def _labelled(group: h5py.Group, label: str) -> list[h5py.Group]:
     """Children with a label."""
-    for child in group.values():
-        if isinstance(child, h5py.Group) and child.attrs.get("label", b"").decode() == label:
-            yield child
+    children = [child for child in group.values() if isinstance(child, h5py.Group)]
+    return [child for child in children if child.attrs.get("label", b"").decode() == label]
 
 
 def _name(group: h5py.Group) -> str:
@@ -163,9 +149,5 @@ def _data(group: h5py.Group) -> Array:
 
 
 def _text(group: h5py.Group) -> str:
-    return _decoded(_data(group))
-
-
-def _decoded(letters: Array) -> str:
-    text: str = letters.astype("i1").tobytes().decode().strip("\0 ")
+    text: str = _data(group).astype("i1").tobytes().decode().strip("\0 ")
     return text

@@ -33,9 +33,8 @@ P0, COLD, T_0, S = 1e5, 300.0, 273.0, 111.0
 
 
 def relative(T):
-    """(mu(T)/mu(T_0), kappa(T)/kappa(T_0))."""
-    factor = np.sqrt(T / T_0) * (T / T_0) * ((T_0 + S) / (T + S))
-    return factor, factor
+    """mu(T)/mu(T_0), and kappa(T)/kappa(T_0)."""
+    return np.sqrt(T / T_0) * (T / T_0) * ((T_0 + S) / (T + S))
 
 
 def build(opt: Mapping[str, Any]) -> Problem:

@@ -8,30 +8,41 @@ import numpy as np
 from mpi4py import MPI
 
 from fsipetsc.blockrun.block_state import BlockForm, make_scheme
-from fsipetsc.blockrun.columns import gained
-from fsipetsc.blockrun.fused import FusedRK4
+from fsipetsc.blockrun.columns import gained, step_record
 from fsipetsc.parallel.block_layout import BlockLayout
+from fsipetsc.scheme.after_step import WORDS
+from fsipetsc.scheme.plan import BURST, FLAGS, LIMITS
 
 
-def scheme_of(layout, problem, order, form, instant=1e-4):
-    """The scheme of a layout, whose record of steps nobody reads."""
-    scheme = make_scheme(layout, problem, order, form, lambda: instant)
-    names = "mass", "momentum_x", "energy", "entropy"
-    scheme.attach({name: slice(0, 1) for name in names}, [], False)
+def scheme_of(layout, problem, order, form, instant=1e-4, alone=False):
+    """The scheme of a layout, with what it takes of a run; latest: what the last look found."""
+    blocks, d = len(problem.blocks), problem.dimension
+    gases = sum(block.kind == "fluid" for block in problem.blocks)
+    record = step_record(blocks, gases, d, 0)
+    own = np.dtype([(name, record[name]) for name in record.names[2:]])
+    columns = {
+        name: slice(own.fields[name][1] // 8, (own.fields[name][1] + own[name].itemsize) // 8)
+        for name in own.names
+    }
+    scheme = make_scheme(layout, problem, order, form, lambda: instant, columns, [], alone)
+    latest = np.zeros(own.itemsize // 8)
+    words = np.zeros(1 + WORDS * blocks), np.zeros((blocks, 2)), np.zeros(FLAGS + LIMITS), latest
+    words += np.zeros((4, 0)), 1.0, np.zeros(BURST), np.zeros((1, latest.size + 2))
+    scheme.attach(np.zeros(layout.local_size), np.zeros(layout.local_size), *words)
+    scheme.latest, scheme.extremes = latest.view(own)[0], words[0]
     return scheme
 
 
 class Steps:
     """A problem in time by RK4; y: the solution, completed, at time t."""
 
-    def __init__(self, problem, order=2, comm=MPI.COMM_SELF, form=None):
+    def __init__(self, problem, order=2, comm=MPI.COMM_SELF, form=None, alone=False):
         self.problem, self.comm = problem, comm
         self.gases = sum(block.kind == "fluid" for block in problem.blocks)
         behind = gained(self.gases, problem.dimension).itemsize // 8
         self.layout = BlockLayout(comm, problem, order, behind=behind)
-        self.scheme = scheme_of(self.layout, problem, order, form or BlockForm(), 1e-3)
-        self.y, stage = self.layout.vector(), self.layout.vector()
-        self._stepper = FusedRK4(self.layout, self.scheme, stage)
+        self.scheme = scheme_of(self.layout, problem, order, form or BlockForm(), 1e-3, alone)
+        self.y, self._stage = self.layout.vector(), self.layout.vector()
         self.t = 0.0
         self.scheme.initial(0.0, self.y)
         self.scheme.stretch(0.0, self.y)
@@ -39,14 +50,19 @@ class Steps:
         self.came = np.zeros(behind)
         self.y.behind[:] = 0.0
 
-    def integrals(self):
-        """Mass of all gas, momentum, energy."""
+    def look(self):
+        """(blocks, 5) extremes of this rank's nodes: see fsipetsc.scheme.block_look."""
         self.y.begin()
         self.y.end()
-        self.scheme.bounds(self.t, self.y)
-        found = self.scheme.integrals(self.t, self.y)
+        self.scheme.look(self.y)
+        return self.scheme.extremes[1:].reshape(-1, WORDS)
+
+    def integrals(self):
+        """Mass of all gas, momentum, energy."""
+        self.look()
+        found = self.scheme.latest
         names = [f"momentum_{x}" for x in "xyz"[: self.problem.dimension]]
-        mass = np.sum(found.get("mass", 0.0))
+        mass = np.sum(found["mass"]) if self.gases else 0.0
         return self._all(np.array([mass, *(found[name] for name in names), found["energy"]]))
 
     def _all(self, numbers):
@@ -54,7 +70,7 @@ class Steps:
 
     def step(self, dt, steps=1):
         for _ in range(steps):
-            self._stepper.step(self.t, dt, self.y)
+            self.scheme.step(self.t, dt, self.y, self._stage)
             self.t += dt
             self.came += self.y.behind
             self.y.behind[:] = 0.0
@@ -66,6 +82,7 @@ class Steps:
 
     def close(self):
         self.scheme.destroy()
+        self._stage.destroy()
         self.y.destroy()
 
 

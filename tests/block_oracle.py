@@ -13,11 +13,10 @@ order="F")[:, n]``.
     solid  q = (D_1..d, v_1..d, e)               D = x - X, e: total energy per mass (with W/m0 if
                                                  heat is "elastic")
 
-Use: ``oracle = build(problem)``, ``q = oracle.random_state(rng)``, ``oracle.rates(q, t)``,
-``oracle.complete(q, t)``, ``oracle.integrals(q)``, ``oracle.step(q, t, dt)``. States and rates are
-dicts of arrays by the block's name. After ``rates``, ``oracle.ledger[owner]`` has the rates of
-(mass, momentum, energy) that come in through a condition. One place has one gas: gases on two sides
-of a solid's vertex that do not touch each other are not covered.
+Use: ``oracle = Oracle(problem)``, ``q = oracle.random_state(rng)``, ``oracle.rates(q, t)``,
+``oracle.complete(q, t)``, ``oracle.integrals(q)``. States and rates are dicts of arrays by the
+block's name. One place has one gas: gases on two sides of a solid's vertex that do not touch each
+other are not covered.
 """
 
 from __future__ import annotations
@@ -25,25 +24,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from oracle_formulas import (
-    Free,
-    NoSlip,
-    Open,
-    Outflow,
-    conserved,
-    det,
-    flux,
-    gas_state,
-    gauss,
-    rate_of,
-)
+from oracle_formulas import Free, NoSlip, Open, Outflow, conserved, flux, gas_state, gauss, rate_of
 from oracle_particles import Particles
 
 
 @dataclass
 class Sums:
-    """Of the members of a particle. gas: Q (sums of W q), R (of rates); solid: mass, force, energy,
-    stored, momentum.
+    """Of the members of a particle. gas: Q (sums of W q), R (of rates); solid: mass, momentum,
+    mass times displacement, force, energy and what of its rate is stored.
     """
 
     Q: np.ndarray = None
@@ -59,22 +47,11 @@ class Sums:
 class Oracle(Particles):
     """See the head of this file."""
 
-    def __init__(self, problem):
-        super().__init__(problem)
-        self.ledger = {}
-
-    # rates
-
-    def note(self, owner, mass, momentum, energy):
-        self.ledger.setdefault(owner, np.zeros(self.d + 2))
-        self.ledger[owner] += np.array([mass, *(momentum + np.zeros(self.d)), energy])
-
     def rates(self, q, t=0.0, grid=None):
         """Of a completed state. grid: {name: (displacement, velocity)} in the place of those that
         follow from solids.
         """
         grids, terms, out = self.grids(q, t, grid), {}, {}
-        self.ledger = {}
         for k, name in enumerate(self.names):
             if k in self.solids:
                 terms[k] = M, force, energy, _ = self.solid_terms(k, q[name], grids[k], t)
@@ -105,13 +82,8 @@ class Oracle(Particles):
         return s
 
     def _particle_rates(self, p, s, q, t, grids, terms, out):
-        d, u, v, a, inverse = (
-            self.d,
-            np.zeros(self.d),
-            np.zeros(self.d),
-            np.zeros(2 * self.d),
-            np.zeros(2 * self.d),
-        )
+        d = self.d
+        u, v, a, inverse = np.zeros(d), np.zeros(d), np.zeros(2 * d), np.zeros(2 * d)
         if p.gas:
             m = self.blocks[p.gas[0][0]].material
             u, T = s.Q[2:-1] / s.Q[1], gas_state(m, s.Q).T
@@ -123,13 +95,12 @@ class Oracle(Particles):
             a[d:], inverse[d:] = s.force / s.M, 1.0 / s.M
         rows = self.rows(p, grids, t, 2, u, v)
         for row, factor in zip(rows, gauss(rows, a, inverse)[1] if rows else ()):
-            on_gas, on_solid = factor * row.gas, factor * row.solid
-            self.note(row.owner, 0.0, on_gas + on_solid, factor * (row.gas_power + row.solid_power))
             if p.gas:
-                s.R[2:-1] += on_gas
+                s.R[2:-1] += factor * row.gas
                 s.R[-1] += factor * row.gas_power
             if p.solid:
-                s.force, s.energy = s.force + on_solid, s.energy + factor * row.solid_power
+                s.force = s.force + factor * row.solid
+                s.energy = s.energy + factor * row.solid_power
         # heat (capacity times rate of temperature) of both
         C, Q = np.zeros(2), np.zeros(2)
         if p.gas:
@@ -141,11 +112,8 @@ class Oracle(Particles):
         T_t = np.full(2, Q.sum() / C.sum()) if self._conducts(p) else Q / np.where(C > 0.0, C, 1.0)
         held = self._held(p, t)
         T_t = [T_t[i] if held[i] is None else held[i][1] for i in range(2)]
-        into = C * T_t - Q
-        if any(held):
-            self.note("held temperature", 0.0, 0.0, into.sum())
         if p.gas:
-            s.R[-1] += into[0]
+            s.R[-1] += C[0] * T_t[0] - Q[0]
             self._gas_members(p, s, m, q, t, out)
         if p.solid:
             self._solid_members(p, s, v, T_t[1], t, terms, out)
@@ -155,13 +123,8 @@ class Oracle(Particles):
         U, face = s.Q[1:] / s.Q[0], self._given(p, "gas")
         U_t = (s.R[1:] - U * s.R[0]) / s.Q[0]
         if face:
-            U_t = rate_of(
-                lambda X, t: self._from_values(m, face.condition.values(X, t)),
-                self.place(face.block, face.node),
-                t,
-            )
-            change = s.Q[0] * U_t + U * s.R[0] - s.R[1:]
-            self.note(face.owner, change[0], change[1:-1], change[-1])
+            given = lambda X, t: self._from_values(m, face.condition.values(X, t))  # noqa: E731
+            U_t = rate_of(given, self.place(face.block, face.node), t)
         for k, node in p.gas:
             i = (slice(None), *node)
             J, J_t = q[self.names[k]][i][0], out[self.names[k]][i][0]
@@ -169,11 +132,8 @@ class Oracle(Particles):
 
     def _solid_members(self, p, s, v, T_t, t, terms, out):
         """One v_t and T_t; of the energy each keeps what it stores in W."""
-        acceleration, alpha, face = (
-            s.force / s.M,
-            self.blocks[p.solid[0][0]].material.alpha,
-            self._given(p, "solid"),
-        )
+        acceleration, alpha = s.force / s.M, self.blocks[p.solid[0][0]].material.alpha
+        face = self._given(p, "solid")
         if face:
             values = rate_of(face.condition.values, self.place(face.block, face.node), t)
             acceleration, T_t = values[: self.d], values[self.d]
@@ -207,7 +167,6 @@ class Oracle(Particles):
             area, g = np.sqrt(n @ n), n @ grid.v[(slice(None), *f.node)]
             if isinstance(c, NoSlip) and c.heat_flux:
                 s.R[-1] += c.heat_flux * area
-                self.note(f.owner, 0.0, 0.0, c.heat_flux * area)
             if not isinstance(c, (Open, Outflow)):
                 continue
             through, inside = flux(here, n, g), s.Q[1:] / s.Q[0]
@@ -216,17 +175,17 @@ class Oracle(Particles):
             elif c.pressure > 0.0:
                 outside = self._beyond(c, m, here, (n @ here.u - g) / area)
                 o = gas_state(m, np.array([1.0, *outside]))
-                fastest = max(
-                    abs(n @ w.u - g) + area * np.sqrt(m.gamma * m.R * w.T) for w in (here, o)
-                )
+                waves = ((n @ w.u - g, np.sqrt(m.gamma * m.R * w.T)) for w in (here, o))
+                fastest = max(abs(speed) + area * sound for speed, sound in waves)
                 through = 0.5 * (through + flux(o, n, g) - fastest * (outside - inside))
             s.R[1:] -= through
-            self.note(f.owner, -through[0], -through[1:-1], -through[-1])
 
     @staticmethod
     def _by_characteristics(c, m, here, n, g):
-        """The gas at an open face: p + Z u_n of the inside, p - Z u_n of the outside, Z of the inside at the mean pressure,
-        entropy and velocity along the face of the side that the gas comes from; faster than sound, all of it."""
+        """The gas at an open face: p + Z u_n of the inside, p - Z u_n of the outside, Z of the
+        inside at the mean pressure, entropy and velocity along the face of the side that the gas
+        comes from; faster than sound, all of it.
+        """
         area = np.sqrt(n @ n)
         n = n / area
 
@@ -255,31 +214,21 @@ class Oracle(Particles):
         return conserved(m, here.rho, here.u, (p + m.p_inf) / (here.rho * m.R))
 
     def _loads(self, p, s, v, grids, t):
-        """Pressure, heat, what interfaces supply, and in three dimensions p_ref, on a solid."""
+        """Pressure, heat, and in three dimensions p_ref, on a solid."""
         p_ref = self.blocks[p.solid[0][0]].material.p_ref if self.d == 3 else 0.0
         for f in p.outer:
             c = f.condition
             if self._kind(f) != "solid":
                 continue
             if isinstance(c, Free):
-                n = self.normal(f, grids[f.block].a)
-                self.note(f.owner, 0.0, -c.pressure * n, -c.pressure * n @ v)
-                push = (p_ref - c.pressure) * n
+                push = (p_ref - c.pressure) * self.normal(f, grids[f.block].a)
                 s.force, s.energy = s.force + push, s.energy + push @ v
             if getattr(c, "heat_flux", 0.0):
                 area = self.normal(f, self.solids[f.block][0])
                 s.energy += c.heat_flux * np.sqrt(area @ area)
-                self.note(f.owner, 0.0, 0.0, c.heat_flux * np.sqrt(area @ area))
         for f in p.contact:
             n = self.normal(f, grids[f.block].a)  # of the gas: into the solid
             s.force, s.energy = s.force - p_ref * n, s.energy - p_ref * n @ v
-            if self.problem.jumps:
-                area = np.linalg.norm(self.normal(f, self.reference[f.block]))
-                *push, heat = area * np.array(self.problem.jumps(self.place(f.block, f.node), t))
-                s.force, s.energy = s.force + push, s.energy + push @ v + heat
-                self.note("jumps", 0.0, np.array(push), push @ v + heat)
-
-    # completion, integrals, steps
 
     def complete(self, q, t=0.0, grid=None):
         """The state with members of particles made one and all conditions fulfilled. Sums are kept,
@@ -306,13 +255,8 @@ class Oracle(Particles):
 
     def _complete(self, p, s, q, t, grids, W):
         before = s.energy
-        d, z, inverse, C, H = (
-            self.d,
-            np.zeros(2 * self.d),
-            np.zeros(2 * self.d),
-            np.zeros(2),
-            np.zeros(2),
-        )
+        d, C, H = self.d, np.zeros(2), np.zeros(2)
+        z, inverse = np.zeros(2 * d), np.zeros(2 * d)
         if p.gas:
             z[:d], inverse[:d] = s.Q[2:-1] / s.Q[1], 1.0 / s.Q[1]
         if p.solid:
@@ -340,9 +284,8 @@ class Oracle(Particles):
             face = self._given(p, "gas")
             U = conserved(m, s.Q[1] / s.Q[0], u, T[0])
             if face:
-                U = self._from_values(
-                    m, face.condition.values(self.place(face.block, face.node), t)
-                )
+                X = self.place(face.block, face.node)
+                U = self._from_values(m, face.condition.values(X, t))
             for k, node in p.gas:
                 J = q[self.names[k]][(0, *node)]
                 q[self.names[k]][(slice(1, None), *node)] = J * U
@@ -358,9 +301,8 @@ class Oracle(Particles):
 
     def random_state(self, rng, size=1.0):
         """Completed; node by node random. With clamps and walls as at t = 0."""
-        return self.complete(
-            {b.name: self.random_block(k, rng, size) for k, b in enumerate(self.blocks)}
-        )
+        blocks = {b.name: self.random_block(k, rng, size) for k, b in enumerate(self.blocks)}
+        return self.complete(blocks)
 
     def integrals(self, q, t=0.0):
         """Sums over all blocks: see ``Volume.sums``. q may be complex, for derivatives."""
@@ -369,28 +311,3 @@ class Oracle(Particles):
             for what, value in self.sums(k, q[name], grids[k].x).items():
                 found[what] = found.get(what, 0.0) + value
         return found
-
-    def jacobian_error(self, q, t=0.0):
-        """Largest |J - det D x| / det D x of the gases."""
-        grids, worst = self.grids(q, t), 0.0
-        for k, name in enumerate(self.names):
-            if k not in self.solids:
-                worst = max(worst, np.abs(q[name][0] / det(self.slopes(k, grids[k].x)) - 1.0).max())
-        return worst
-
-    def step(self, q, t, dt):
-        """A step of the classical Runge-Kutta method, each stage completed."""
-        rates = self.rates(q, t)
-        total = {name: r / 6.0 for name, r in rates.items()}
-        for part, weight in ((0.5, 1 / 3), (0.5, 1 / 3), (1.0, 1 / 6)):
-            stage = self.complete(
-                {name: q[name] + part * dt * rates[name] for name in q}, t + part * dt
-            )
-            rates = self.rates(stage, t + part * dt)
-            total = {name: total[name] + weight * rates[name] for name in q}
-        return self.complete({name: q[name] + dt * total[name] for name in q}, t + dt)
-
-
-def build(problem):
-    """The oracle of a problem. ValueError for a face without a condition or another face."""
-    return Oracle(problem)

@@ -30,7 +30,7 @@ def moving(name, axis, side):
 
 def differences(problem):
     """Numbers of this rank's part that are not those of one rank alone."""
-    with steps_of(problem) as alone, steps_of(problem, comm=WORLD) as shared:
+    with steps_of(problem, alone=True) as alone, steps_of(problem, comm=WORLD) as shared:
         alone.step(1e-3, 2)
         shared.step(1e-3, 2)
         found = 0

@@ -11,7 +11,6 @@ from fsipetsc.blockrun.block_state import BlockForm
 from fsipetsc.blockrun.columns import gained
 from fsipetsc.blocks import conditions
 from fsipetsc.blocks.block import Block
-from fsipetsc.blocks.conditions import Hinge
 from fsipetsc.blocks.maps import nodes
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.materials.fluid import Fluid
@@ -76,13 +75,11 @@ class Engine:
 
     def __init__(self, made, comm=MPI.COMM_SELF):
         p = made.problem
-        found = {f.owner: f.condition for q in made.particles for f in q.outer}
+        outer = (f for q in made.particles for f in q.outer)
+        found = {(made.names[f.block], f.axis, f.side): f.condition for f in outer}
         faces = {owner: condition_of(condition) for owner, condition in found.items()}
-        points = tuple(
-            (name, made.place(made.names.index(name), i), Hinge()) for name, i in p.hinges
-        )
         self.shapes = {b.name: b.X.shape[1:] for b in p.blocks}
-        self.problem = BlockProblem(tuple(map(block_of, p.blocks)), faces, points=points)
+        self.problem = BlockProblem(tuple(map(block_of, p.blocks)), faces)
         gases = sum(block.kind == "fluid" for block in self.problem.blocks)
         behind = gained(gases, self.problem.dimension).itemsize // 8
         self.layout = BlockLayout(comm, self.problem, p.order, behind=behind)

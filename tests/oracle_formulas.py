@@ -18,9 +18,7 @@ TINY = 1e-30  # step into the complex plane, for derivatives of given functions 
 
 
 class Gas(NamedTuple):
-    """p = rho R T - p_inf; rho times internal energy = rho cv T + p_inf; transport(T): factors of
-    mu and kappa.
-    """
+    """p = rho R T - p_inf; rho times internal energy = rho cv T + p_inf."""
 
     gamma: float = 1.4
     R: float = 1.0
@@ -28,7 +26,6 @@ class Gas(NamedTuple):
     kappa: float = 0.0
     p_inf: float = 0.0
     force: tuple = ()
-    transport: Callable = lambda T: (1.0, 1.0)
     kind = "gas"
 
     @property
@@ -52,16 +49,12 @@ class Solid(NamedTuple):
 
 
 class Block(NamedTuple):
-    """X: (d, n_1, ..., n_d) reference places; periods: by axis None, or the vector X(1) - X(0) of a
-    periodic axis. forcing(X, t): right-hand sides of (rho, rho u, E) of a gas, of (v, T) of a
-    solid.
-    """
+    """X: (d, n_1, ..., n_d) reference places; periods: by axis None, or the vector X(1) - X(0)."""
 
     name: str
     material: Any
     X: np.ndarray
     periods: tuple = ()
-    forcing: Callable | None = None
 
 
 class Motion(NamedTuple):
@@ -75,78 +68,61 @@ class Motion(NamedTuple):
 REST = Motion(lambda X, t: X, lambda X, t: 0.0 * X, lambda X, t: 0.0 * X)
 
 
-class NoSlip(NamedTuple):
-    """T: a number or T(X, t); heat_flux: into the gas, per area."""
+# conditions, as those of fsipetsc.blocks.conditions; T: a number or T(X, t)
 
+
+class NoSlip(NamedTuple):
     T: Any = None
     heat_flux: float = 0.0
     motion: Motion = REST
 
 
 class Slip(NamedTuple):
-    """Walls of one name are one constraint. Without names faces that meet smoothly or at a convex
-    edge are one.
-    """
-
     name: str = ""
     motion: Motion = REST
 
 
 class Open(NamedTuple):
-    """The state outside."""
-
     rho: float
     u: tuple
     T: float
 
 
 class Outflow(NamedTuple):
-    """The pressure outside where the flow is subsonic; 0: none."""
-
     pressure: float = 0.0
 
 
 class Given(NamedTuple):
-    """values(X, t): (rho, u_1..d, T) of a gas, (v_1..d, T, x_1..d) of a solid."""
-
     values: Callable
     motion: Motion = REST
 
 
 class Clamped(NamedTuple):
-    """heat_flux: into the solid, per area of the reference state."""
-
     motion: Motion = REST
     T: Any = None
     heat_flux: float = 0.0
 
 
 class Roller(NamedTuple):
-    """No motion along the normal of the reference state."""
+    pass
 
 
 class Free(NamedTuple):
-    """A pressure that follows the surface."""
-
     pressure: float = 0.0
     T: Any = None
     heat_flux: float = 0.0
 
 
 class Problem(NamedTuple):
-    """faces: conditions by (block's name, axis, side), or a function of it for all faces that meet
-    no other; hinges: (block's name, index of a node) of solids held there. form: "entropy" or
-    "divergence"; dissipation: sigma, over 4^q. jumps(X, t): (traction, heat) per reference area that interfaces
-    supply from outside, d + 1 numbers.
+    """faces: conditions by (block's name, axis, side), a function of it for all faces that meet no
+    other. form: "entropy" or "divergence"; dissipation: sigma, over 4^q.
     """
 
     blocks: tuple
-    faces: dict | Callable
+    faces: Callable
     order: int = 4
-    hinges: tuple = ()
     form: str = "entropy"
     dissipation: float = 0.0
-    jumps: Callable | None = None
 
 
 class State(NamedTuple):
@@ -169,7 +145,6 @@ class Row(NamedTuple):
     gas_power: float
     solid_power: float
     value: float
-    owner: Any
 
 
 # numbers and matrices

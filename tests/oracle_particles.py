@@ -1,6 +1,4 @@
-"""Particles of the oracle of blocks: what is at one place, and what holds it (SCHEME-BLOCKS.md 3,
-4).
-"""
+"""Particles of the oracle of blocks: at one place, and held (SCHEME-BLOCKS.md 3, 4)."""
 
 from __future__ import annotations
 
@@ -12,8 +10,7 @@ import numpy as np
 from oracle_formulas import REST, Clamped, Given, NoSlip, Open, Roller, Row, Slip, at, rate_of
 from oracle_volume import Volume
 
-#: two faces are walls of their own where one goes into the gas of the other more steeply than by 30
-#: degrees
+#: two faces are walls of their own where one goes into the other's gas by more than 30 degrees
 CONCAVE = -0.5
 
 
@@ -25,7 +22,6 @@ class Face(NamedTuple):
     side: int
     node: tuple
     condition: Any
-    owner: tuple
 
 
 @dataclass
@@ -36,10 +32,7 @@ class Particle:
     solid: list = field(default_factory=list)
     contact: list = field(default_factory=list)  # faces of gases that meet a solid
     outer: list = field(default_factory=list)  # faces with a condition
-    slips: list = field(
-        default_factory=list
-    )  # groups of faces along which the gas slips: one constraint each
-    hinged: bool = False
+    slips: list = field(default_factory=list)  # groups of faces of one slip constraint each
 
 
 class Particles(Volume):
@@ -47,10 +40,7 @@ class Particles(Volume):
 
     def __init__(self, problem):
         super().__init__(problem)
-        self.particles, self.reference = (
-            [],
-            [self.metrics(k, b.X) for k, b in enumerate(self.blocks)],
-        )
+        self.reference = [self.metrics(k, b.X) for k, b in enumerate(self.blocks)]
         self._find_particles()
 
     def _find_particles(self):
@@ -61,14 +51,9 @@ class Particles(Volume):
             for axis, side in product(range(self.d), (0, 1)):
                 if self.periodic(k, axis):
                     continue
-                nodes = list(
-                    product(
-                        *(
-                            range(n[j]) if j != axis else [(0, n[j] - 1)[side]]
-                            for j in range(self.d)
-                        )
-                    )
-                )
+                ranges = [range(m) for m in n]
+                ranges[axis] = [(0, n[axis] - 1)[side]]
+                nodes = list(product(*ranges))
                 keys = [self._key(k, node, 1e-7 * size) for node in nodes]
                 by_face.setdefault(frozenset(keys), []).append((k, axis, side, nodes, keys))
                 for node, key in zip(nodes, keys):
@@ -76,25 +61,14 @@ class Particles(Volume):
                     members = p.gas if b.material.kind == "gas" else p.solid
                     if (k, node) not in members:
                         members.append((k, node))
-                    p.hinged = p.hinged or (b.name, node) in self.problem.hinges
         for faces in by_face.values():
             for k, axis, side, nodes, keys in faces:
-                owner, kinds = (
-                    (self.names[k], axis, side),
-                    [self.blocks[f[0]].material.kind for f in faces],
-                )
-                given = self.problem.faces
-                condition = (
-                    given.get(owner)
-                    if isinstance(given, dict)
-                    else given(owner)
-                    if len(faces) == 1
-                    else None
-                )
-                if len(faces) - 1 + (condition is not None) != 1:
-                    raise ValueError(f"face {owner}: one condition or one other face expected")
+                kinds = [self.blocks[f[0]].material.kind for f in faces]
+                assert len(faces) <= 2
+                owner = self.names[k], axis, side
+                condition = self.problem.faces(owner) if len(faces) == 1 else None
                 for node, key in zip(nodes, keys):
-                    face = Face(k, axis, side, node, condition, owner)
+                    face = Face(k, axis, side, node, condition)
                     if condition is not None:
                         by_place[key].outer.append(face)
                     elif self.blocks[k].material.kind == "gas" and "solid" in kinds:
@@ -115,12 +89,8 @@ class Particles(Volume):
     def normal(self, face, a):
         """Outward area vector at a node, from metrics a (or their rate)."""
         k, axis, side, node = face[:4]
-        return (
-            (2 * side - 1)
-            * a[(axis, slice(None), *node)]
-            * self.W[k][node]
-            / self.axes[k][axis][2][node[axis]]
-        )
+        area = self.W[k][node] / self.axes[k][axis][2][node[axis]]
+        return (2 * side - 1) * area * a[(axis, slice(None), *node)]
 
     def _sticks(self, p):
         return any(self.blocks[f.block].material.mu > 0.0 for f in p.contact)
@@ -129,17 +99,11 @@ class Particles(Volume):
         """Faces along which the gas slips, at walls or solids, are one constraint unless they meet
         at a concave edge. Walls with names are one if the names are, and else not.
         """
-        found = [] if self._sticks(p) else [(f, "", *self._directions(f)) for f in p.contact]
-        found += [
-            (f, f.condition.name, *self._directions(f))
-            for f in p.outer
-            if isinstance(f.condition, Slip)
-        ]
+        found = [] if self._sticks(p) else [(f, "") for f in p.contact]
+        found += [(f, f.condition.name) for f in p.outer if isinstance(f.condition, Slip)]
         groups = []
-        for face in found:
-            fits = [
-                group for group in groups if all(self._one_wall(face, other) for other in group)
-            ]
+        for face in [(*f, *self._directions(f[0])) for f in found]:
+            fits = [g for g in groups if all(self._one_wall(face, other) for other in g)]
             (fits[0] if fits else groups.append([]) or groups[-1]).append(face)
         p.slips = [[face[0] for face in group] for group in groups]
 
@@ -157,13 +121,9 @@ class Particles(Volume):
         k, axis, _, node = f[:4]
         normal, inward = self.normal(f, self.reference[k]), np.zeros(self.d)
         for j in range(self.d):
-            for step in (-1, 1):
+            for step in (-1, 1) if j != axis and not self.periodic(k, j) else ():
                 other = [i + step * (j == m) for m, i in enumerate(node)]
-                if (
-                    j != axis
-                    and 0 <= other[j] < self.blocks[k].X.shape[1 + j]
-                    and not self.periodic(k, j)
-                ):
+                if 0 <= other[j] < self.blocks[k].X.shape[1 + j]:
                     toward = self.place(k, tuple(other)) - self.place(k, node)
                     inward += toward / np.linalg.norm(toward)
         return normal / np.linalg.norm(normal), inward / max(np.linalg.norm(inward), 1e-3)
@@ -197,36 +157,29 @@ class Particles(Volume):
 
     @staticmethod
     def _clamped(p):
-        return p.hinged or any(isinstance(f.condition, Clamped) for f in p.outer)
+        return any(isinstance(f.condition, Clamped) for f in p.outer)
 
     def _given(self, p, kind):
         """The face at which the unknowns of a kind are given, or None."""
-        return next(
-            (f for f in p.outer if isinstance(f.condition, Given) and self._kind(f) == kind), None
-        )
+        found = [f for f in p.outer if isinstance(f.condition, Given) and self._kind(f) == kind]
+        return found[0] if found else None
 
     def rows(self, p, grids, t, level, u, v):
         """Constraints of places (level 0, of solids alone), velocities (1), accelerations (2)."""
         zero, unit, found = np.zeros(self.d), np.eye(self.d), []
         if self._sticks(p) and level > 0:
-            found += [Row(e, -e, e @ v, -e @ v, 0.0, "inside") for e in unit]
+            found += [Row(e, -e, e @ v, -e @ v, 0.0) for e in unit]
         for group in p.slips if level > 0 else ():
             found.append(self._slip_row(p, group, grids, t, level, u, v))
         for f in p.outer:
             c, (x, w, w_t) = f.condition, self._motion(f, t)
             if isinstance(c, NoSlip) and level > 0:
-                found += [
-                    Row(e, zero, e @ w, 0.0, (w @ e, w_t @ e)[level - 1], f.owner) for e in unit
-                ]
+                found += [Row(e, zero, e @ w, 0.0, (w @ e, w_t @ e)[level - 1]) for e in unit]
             elif isinstance(c, Clamped):
-                found += [
-                    Row(zero, e, 0.0, e @ w, (x @ e, w @ e, w_t @ e)[level], f.owner) for e in unit
-                ]
+                found += [Row(zero, e, 0.0, e @ w, (x @ e, w @ e, w_t @ e)[level]) for e in unit]
             elif isinstance(c, Roller):
                 n = self.normal(f, self.solids[f.block][0])
-                found.append(Row(zero, n, 0.0, 0.0, 0.0, f.owner))
-        if p.hinged:
-            found += [Row(zero, e, 0.0, 0.0, 0.0, "hinge") for e in unit]
+                found.append(Row(zero, n, 0.0, 0.0, 0.0))
         return found
 
     def _motion(self, face, t):
@@ -246,17 +199,7 @@ class Particles(Volume):
                 on_solid, turned, power = on_solid - n, n_t @ (u - v), power + n @ v
             else:
                 _, w, w_t = self._motion(f, t)
-                turned, value, power = (
-                    n_t @ (u - w),
-                    value + (n @ w, n @ w_t)[level - 1],
-                    power + n @ w,
-                )
+                value = value + (n @ w, n @ w_t)[level - 1]
+                turned, power = n_t @ (u - w), power + n @ w
             value -= turned if level == 2 else 0.0
-        return Row(
-            N,
-            on_solid,
-            power,
-            on_solid @ v,
-            value,
-            "inside" if group[0] in p.contact else group[0].owner,
-        )
+        return Row(N, on_solid, power, on_solid @ v, value)

@@ -58,13 +58,13 @@ class Radial(Oracle):
     def _viscous(self, k, J, s, grid):
         """Of momentum and energy; all hoop rates together are e = u S / V."""
         m, a, (u,) = self.blocks[k].material, grid.a[0, 0], s.u
-        S, (of_mu, of_kappa) = self.derivative(k, a, 0), m.transport(s.T)
+        S = self.derivative(k, a, 0)
         w = a * self.derivative(k, -1.0 / s.T, 0) / J
         along = s.T * (a * self.derivative(k, u / s.T, 0) / J + u * w)
         e = u * S / J
-        mean, mu = (along + e) / 3.0, m.mu * of_mu
-        tau, hoop = 2.0 * mu * (along - mean), 2.0 * mu * (e / max(self.kappa, 1) - mean)
-        heat = m.kappa * of_kappa * s.T**2 * w
+        mean = (along + e) / 3.0
+        tau, hoop = 2.0 * m.mu * (along - mean), 2.0 * m.mu * (e / max(self.kappa, 1) - mean)
+        heat = m.kappa * s.T**2 * w
         total = self.loose(k, np.array([a * tau, a * (tau * u + heat)]), 0)
         total[0] -= self.W[k] * hoop * S
         return total

@@ -1,5 +1,4 @@
-"""Volume terms of the oracle of blocks: grids, metrics, and rates of a block through whose faces
-nothing passes.
+"""Volume terms of the oracle of blocks: grids, metrics, rates of blocks with closed faces.
 
 SCHEME-BLOCKS.md sections 1, 2, 5, 8. Arrays of a block have the shape (components, n_1, ..., n_d).
 Rates are extensive: times the weights W of the nodes.
@@ -32,9 +31,7 @@ from oracle_formulas import (
 
 
 class Grid(NamedTuple):
-    """Of a block at one time: places, velocities (d, ...), metrics a[axis, component, ...] and
-    their rate.
-    """
+    """Of a block at one time: places, velocities (d, ...), metrics a[axis, component, ...], a_t."""
 
     x: np.ndarray
     v: np.ndarray
@@ -50,22 +47,15 @@ class Volume:
     def __init__(self, problem):
         self.problem, self.blocks, self.d = problem, problem.blocks, len(problem.blocks[0].X)
         self.names = [b.name for b in self.blocks]
-        self.axes, self.W, self.periods, self.linear, self.solids, self.of_node = (
-            [],
-            [],
-            [],
-            [],
-            {},
-            {},
-        )
+        self.axes, self.W, self.periods, self.linear = [], [], [], []
+        self.solids, self.of_node = {}, {}
         for k, b in enumerate(self.blocks):
             periods = b.periods or (None,) * self.d
             made = [sbp(problem.order, n, p is not None) for n, p in zip(b.X.shape[1:], periods)]
             self.axes.append([self._matrices(*m) for m in made])
             self.W.append(np.array(np.meshgrid(*(m[1] for m in made), indexing="ij")).prod(axis=0))
-            self.periods.append(
-                np.array([np.zeros(self.d) if p is None else p for p in periods], float)
-            )
+            vectors = [np.zeros(self.d) if p is None else p for p in periods]
+            self.periods.append(np.array(vectors, float))
             xi = np.meshgrid(*(np.arange(n) / n for n in b.X.shape[1:]), indexing="ij")
             self.linear.append(sum(spread(p, self.d) * x for p, x in zip(self.periods[k], xi)))
             if b.material.kind == "solid":
@@ -107,8 +97,7 @@ class Volume:
         Dx = self.slopes(k, x)
         if self.d == 2:
             return np.array([[Dx[1, 1], -Dx[1, 0]], [-Dx[0, 1], Dx[0, 0]]])
-        # a = curl(1/2 (y_m D y_l - y_l D y_m) + y_m D c_l - y_l D c_m) + D c_m x D c_l, x = y + c,
-        # y periodic, c linear
+        # a = curl(1/2 (y_m D y_l - y_l D y_m) + y_m D c_l - y_l D c_m) + D c_m x D c_l, x = y + c
         y, c, a = x - self.linear[k], self.periods[k], np.zeros_like(Dx)
         Dy = Dx - c.reshape(3, 3, 1, 1, 1)
         for n in range(3):
@@ -136,9 +125,8 @@ class Volume:
             else:
                 moved, v = (self._blended(k, q, t, part) for part in (0, 1))
             x = b.X + moved
-            a_t = 0.5 * (
-                self.metrics(k, x + v) - self.metrics(k, x - v)
-            )  # bilinear in x at most: exact
+            # bilinear in x at most: exact
+            a_t = 0.5 * (self.metrics(k, x + v) - self.metrics(k, x - v))
             found.append(Grid(x, v, self.metrics(k, x), a_t))
         return found
 
@@ -166,17 +154,15 @@ class Volume:
                     rest = piece.copy()
                     for j, side in zip(closed, fixed):
                         if side is None:
-                            xi = (np.arange(n[j]) / (n[j] - 1)).reshape(
-                                [-1 if i == j else 1 for i in range(d)]
-                            )
+                            xi = np.arange(n[j]) / (n[j] - 1)
+                            xi = xi.reshape([-1 if i == j else 1 for i in range(d)])
                             low, high = np.take(rest, [0], j + 1), np.take(rest, [-1], j + 1)
                             rest = rest - (1.0 - xi) * low - xi * high
                     piece -= rest
         return f
 
     def _source(self, k, node, q, t, part):
-        """What moves a node of a gas's grid: a solid at its place, or a wall; None if nothing does.
-        """
+        """What moves a node of a gas's grid: a solid at its place, or a wall; or None."""
         p = self.of_node.get((k, node))
         if p is None:
             return None
@@ -214,13 +200,10 @@ class Volume:
         if m.force:
             f = spread(m.force, d)
             R[2:] += W * q[1] * np.array([*(f + 0.0 * s.u), dot(f, s.u)])
-        if b.forcing:
-            R[1:] += W * q[0] * np.array(b.forcing(b.X, t))
         return R
 
     def _convection(self, k, s, grid, j):
-        """- sum_l S_il F(i, l) along axis j: node i along one axis of an array, l along the next.
-        """
+        """- sum_l S_il F(i, l) along axis j: i along one axis of an array, l along the next."""
         m, d, a, v = self.blocks[k].material, self.d, grid.a[j], grid.v
         here, there = (lambda f: np.expand_dims(f, j - d)), (lambda f: np.expand_dims(f, j - d - 1))
         left, a_l, v_l = State(*map(here, s)), here(a), here(v)
@@ -243,10 +226,9 @@ class Volume:
 
         w = gradient(-1.0 / s.T)
         gu = np.array([s.T * (gradient(u / s.T) + u * w) for u in s.u])
-        of_mu, of_kappa = m.transport(s.T)
         one = np.eye(d).reshape(d, d, *[1] * d)
-        tau = m.mu * of_mu * (gu + np.swapaxes(gu, 0, 1) - 2.0 / 3.0 * np.trace(gu) * one)
-        heat, total = m.kappa * of_kappa * s.T**2 * w, 0.0
+        tau = m.mu * (gu + np.swapaxes(gu, 0, 1) - 2.0 / 3.0 * np.trace(gu) * one)
+        heat, total = m.kappa * s.T**2 * w, 0.0
         for j in range(d):
             traction = np.einsum("ij...,j...->i...", tau, grid.a[j])
             power = dot(traction, s.u) + dot(heat, grid.a[j])
@@ -273,8 +255,7 @@ class Volume:
         return along(matrix.T / self.axes[k][j][2][:, None], F, j, self.d) * self.W[k]
 
     def _gas_dissipation(self, k, s, grid):
-        """-Delta^T sigma lambda U_w Delta w, w the entropy variables, lambda = |a.(u - v)| + c |a|.
-        """
+        """-Delta^T sigma lambda U_w Delta w, w: entropy variables, lambda = |a.(u-v)| + c |a|."""
         m, d, total = self.blocks[k].material, self.d, 0.0
         first = m.gamma * m.cv - 0.5 * dot(s.u, s.u) / s.T - entropy_of(m, s)
         w = np.array([first, *(s.u / s.T), -1.0 / s.T])
@@ -334,18 +315,10 @@ class Volume:
         if m.force:
             f = M * spread(m.force, d)
             force, energy = force + f, energy + dot(f, v)
-        if b.forcing:
-            extra = np.array(b.forcing(b.X, t))
-            force, energy = (
-                force + M * extra[:d],
-                energy + M * (dot(extra[:d], v) + m.alpha * extra[d]),
-            )
         return M, force, energy, stored
 
     def _solid_dissipation(self, k, v, A):
-        """Force, and the heat of what it takes from the motion, at the points in the middle of a
-        difference.
-        """
+        """Force, and the heat of what it takes from the motion, in the middle of a difference."""
         m, d, force, heat = self.blocks[k].material, self.d, 0.0, 0.0
         for j in range(d):
             delta, middle, strength = self._differences(k, j)
@@ -356,40 +329,28 @@ class Volume:
         return force, heat
 
     def random_block(self, k, rng, size=1.0):
-        """Unknowns node by node random; the places of a solid by a few per cent of the grid's
-        spacing.
-        """
+        """Unknowns node by node random; places of a solid by a few per cent of the spacing."""
         b, d = self.blocks[k], self.d
         noise, G = size * rng.uniform(-1.0, 1.0, (2 * d + 2, *b.X.shape[1:])), self.slopes(k, b.X)
         if b.material.kind == "gas":
             J, rho, T = det(G) * (1.0 + 0.2 * noise[0]), 1.0 + 0.2 * noise[1], 1.0 + 0.2 * noise[2]
-            return J * np.array(
-                [1.0 + 0.0 * J, *conserved(b.material, rho, 0.5 * noise[3 : 3 + d], T)]
-            )
+            U = conserved(b.material, rho, 0.5 * noise[3 : 3 + d], T)
+            return J * np.array([1.0 + 0.0 * J, *U])
         spacing = min(np.sqrt(dot(g, g)).min() / n for g, n in zip(G, b.X.shape[1:]))
         D, v, T = 0.05 * spacing * noise[:d], 0.3 * noise[d : 2 * d], 1.0 + 0.2 * noise[2 * d]
         W = self.elastic(k, b.X + D)[0] / b.material.m0 if b.material.heat == "elastic" else 0.0
         return np.array([*D, *v, 0.5 * dot(v, v) + W + b.material.alpha * T])
 
     def sums(self, k, q, x):
-        """Sums over a block: momentum, energy, angular momentum about 0; of a gas mass, volume,
-        entropy; of a solid parts of the energy.
-        """
+        """Sums over a block: momentum, energy, angular momentum about 0; of a gas mass, entropy."""
         m, d, W, space = self.blocks[k].material, self.d, self.W[k], tuple(range(-self.d, 0))
         if m.kind == "gas":
             s, M = gas_state(m, q), W * q[1]
             momentum, energy = M * s.u, W * q[-1]
-            found = {
-                "mass": M.sum(),
-                "volume": (W * q[0]).sum(),
-                "entropy": (M * entropy_of(m, s)).sum(),
-            }
+            found = {"mass": M.sum(), "entropy": (M * entropy_of(m, s)).sum()}
         else:
-            M, v = W * self.solids[k][1] * m.m0, q[d:-1]
-            momentum, energy = M * v, M * q[-1]
-            heat = (M * m.alpha * self.temperature(k, q)).sum()
-            stored = (M / m.m0 * self.elastic(k, x)[0]).sum()
-            found = {"kinetic": (0.5 * M * dot(v, v)).sum(), "stored": stored, "heat": heat}
+            M = W * self.solids[k][1] * m.m0
+            momentum, energy, found = M * q[d:-1], M * q[-1], {}
         if d > 1:
             turning = cross(x, momentum) if d == 3 else x[0] * momentum[1] - x[1] * momentum[0]
             found["angular"] = turning.sum(axis=space)

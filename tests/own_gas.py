@@ -1,4 +1,6 @@
-"""The closed box with a gas of Noble and Abel, p = rho R T / (1 - b rho), and e = cv T; b is 0 where gamma is 1.4.
+"""The closed box with a gas of Noble and Abel, p = rho R T / (1 - b rho), e = cv T.
+
+b is 0 where gamma is 1.4.
 
 The forms are those of the perfect gas, so that with b = 0 every bit is.
 """

@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from fsipetsc.blockrun.columns import fields_of
+from fsipetsc.blockrun.scheme import Scheme
 from fsipetsc.blocks.values import block_values
 from fsipetsc.parallel.particle_exchange import ParticleExchange
 
@@ -21,7 +22,12 @@ class StubScheme:
     SOURCE cos 20 t where data depend on time.
     """
 
-    def __init__(self, layout, problem, order, form, instant):
+    alone, steady, fault = False, False, None
+    step = Scheme.step
+
+    def __init__(self, layout, problem, order, form, instant, columns, ends, alone):
+        self._columns, self._ends = columns, ends
+        self._memory = tuple(np.zeros(layout.local_size) for _ in range(2))
         self.layout, self.problem, self.d = layout, problem, problem.dimension
         self.kinds = [block.kind for block in problem.blocks]
         self._places = {part.k: problem.places(part.k, part.numbers) for part in layout.parts}
@@ -46,14 +52,8 @@ class StubScheme:
             at[own] = part.at(node[exchange.mine][own])
         return exchange, np.unique(particle, return_inverse=True)[1], at[:, None] + np.arange(dof)
 
-    alone = False
-
-    def attach(self, columns, ends, alone):
-        """Nothing to know."""
-
-    @property
-    def more(self):
-        return ("largest",)
+    def attach(self, y, stage, extremes, rates, results, latest, at_ends, *rest):
+        self._extremes, self._latest, self._at_ends = extremes, latest, at_ends
 
     def initial(self, t, y):
         d = self.d
@@ -111,26 +111,21 @@ class StubScheme:
     def _wave(self, t):
         return 1.0 if self.problem.steady_data else np.cos(20.0 * t)
 
-    def bounds(self, t, y):
-        found = np.zeros((len(self.kinds), 5))
-        found[:, 3] = -np.inf
+    def look(self, y):
+        self._latest[:], self._at_ends[:] = 0.0, 0.0
+        fluids = [k for k, kind in enumerate(self.kinds) if kind == "fluid"]
+        words = self._extremes[1:].reshape(-1, 5)
+        words[:] = 0.0, 0.0, 0.0, -np.inf, 0.0
         for part in self.layout.parts:
             q = y.owned(part.k)
             bad = not np.isfinite(q).all() or (q[:, -1] <= 0.0).any()
-            found[part.k] = float(bad), 40.0 + np.abs(q).max(), 0.0, -q[:, 0].min(), q[:, 0].max()
-        return found
-
-    def integrals(self, t, y):
-        names = [f"momentum_{x}" for x in "xyz"[: self.d]]
-        totals = {name: 0.0 for name in ("energy", "entropy", *names, "largest")}
-        totals["mass"] = np.zeros(self.kinds.count("fluid"))
-        fluids = [k for k, kind in enumerate(self.kinds) if kind == "fluid"]
-        for part in self.layout.parts:
-            q = y.owned(part.k)
-            totals["energy"] += q[:, -1].sum()
+            words[part.k] = float(bad), 40.0 + np.abs(q).max(), 0.0, -q[:, 0].min(), q[:, 0].max()
+            self._latest[self._columns["energy"]] += q[:, -1].sum()
             if part.k in fluids:
-                totals["mass"][fluids.index(part.k)] += q[:, 1].sum()
-        return totals
+                self._latest[self._columns["mass"].start + fluids.index(part.k)] = q[:, 1].sum()
+        for number, k, row, X in self._ends:
+            self._at_ends[:2, number] = y.owned(k)[row, :2]
+            self._at_ends[0, number] += X
 
     def volume_ratio(self, y, k):
         return np.ones(len(y.owned(k)))
@@ -150,9 +145,6 @@ class StubScheme:
             found[:, x : x + d] = X + q[:, :d]
         assert part is not None
         return found
-
-    def at_end(self, y, k, row, found):
-        found[:2] = y.owned(k)[row, :2]
 
     def destroy(self):
         for exchange, _, _ in self._exchanges:

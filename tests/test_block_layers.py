@@ -1,6 +1,4 @@
-"""Blocks of flat layers: what meets, what stands at the other faces, cuts where a layer ends; cases
-that say layers, as blocks, with the nodes and initial data that they had.
-"""
+"""Blocks of flat layers: what meets, what stands at the other faces; cases of one dimension."""
 
 from __future__ import annotations
 
@@ -17,10 +15,8 @@ from fsipetsc.blocks.problem import Meeting
 from fsipetsc.cases import load_case
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
-from fsipetsc.materials.fluid import Fluid as OldFluid
-from fsipetsc.materials.line_solid import Solid as OldSolid
+from fsipetsc.materials.line_solid import Solid
 from fsipetsc.materials.solid import ElasticSolid
-from fsipetsc.operators.sbp import operator
 from fsipetsc.options import defaults
 
 GAS, SOLID = Fluid(0.1, 0.1, 1.4, 1.0), ElasticSolid(1.0, 1.0, 0.1, 1.0, 1.0)
@@ -73,45 +69,19 @@ def test_a_panel_in_a_wall():
         lower=new.Free(1.0),
         upper=new.NoSlip(),
     )
-    assert [(block.name, block.cells) for block in found.blocks] == [
-        *(("solid", (8, 8)), ("gas 1", (4, 4))),
-        *(("gas 2", (8, 4)), ("gas 3", (4, 4))),
-    ]
+    assert [block.name for block in found.blocks] == ["solid", "gas 1", "gas 2", "gas 3"]
+    assert [block.cells for block in found.blocks] == [(8, 8), (4, 4), (8, 4), (4, 4)]
     beside = new.Slip(name="gas lower beside")
-    assert [seen(found, k) for k in range(4)] == [
-        {
-            **{(0, 0): new.Clamped(), (0, 1): new.Clamped()},
-            **{(1, 0): new.Free(1.0), (1, 1): ("gas 2", 1, 0)},
-        },
-        {
-            **{(0, 0): new.Slip(name="gas 0 0"), (0, 1): ("gas 2", 0, 0)},
-            **{(1, 0): beside, (1, 1): new.NoSlip()},
-        },
-        {
-            **{(0, 0): ("gas 1", 0, 1), (0, 1): ("gas 3", 0, 0)},
-            **{(1, 0): ("solid", 1, 1), (1, 1): new.NoSlip()},
-        },
-        {
-            **{(0, 0): ("gas 2", 0, 1), (0, 1): new.Outflow(1.0)},
-            **{(1, 0): beside, (1, 1): new.NoSlip()},
-        },
-    ]
+    places = (0, 0), (0, 1), (1, 0), (1, 1)
+    wanted = (
+        (new.Clamped(), new.Clamped(), new.Free(1.0), ("gas 2", 1, 0)),
+        (new.Slip(name="gas 0 0"), ("gas 2", 0, 0), beside, new.NoSlip()),
+        (("gas 1", 0, 1), ("gas 3", 0, 0), ("solid", 1, 1), new.NoSlip()),
+        (("gas 2", 0, 1), new.Outflow(1.0), beside, new.NoSlip()),
+    )
+    assert [seen(found, k) for k in range(4)] == [dict(zip(places, faces)) for faces in wanted]
     X = [found.places(k, found.face_nodes(k, 1, 0))[:, 0] for k in (1, 2, 3)]
     assert [(x[0], x[-1]) for x in X] == [(-0.5, 0.0), (0.0, 1.0), (1.0, 1.5)]
-
-
-def test_a_panel_under_a_gas_that_goes_on():
-    """The outer pieces of the gas meet each other around the period."""
-    found = layers(
-        solid((-0.1, 0.0), cells=8, span=[(0.25, 0.75)], sides=new.Clamped()),
-        gas((0.0, 0.5), beside=new.NoSlip()),
-        along=((0.0, 1.0),),
-        h=0.125,
-        lower=new.Free(),
-        upper=new.NoSlip(),
-    )
-    assert seen(found, 1)[0, 0] == ("gas 3", 0, 1) and seen(found, 3)[0, 1] == ("gas 1", 0, 0)
-    assert found.faces_of(1)[0, 0].shift == (1.0, 0.0)
 
 
 def test_a_strip_and_a_plate_in_three_dimensions():
@@ -130,70 +100,42 @@ def test_a_strip_and_a_plate_in_three_dimensions():
 
 
 def test_cuts_go_through_all_layers():
-    """A gas between a panel below and a plate that reaches over all: the plate is cut, too."""
-    panel = replace(solid((-0.25, 0.0), span=[(0.0, 0.5)], sides=new.Clamped()), name="panel")
-    stack = panel, gas((0.0, 0.5), beside=new.NoSlip()), solid((0.5, 1.0))
-    ends = {"lower": new.Free(), "upper": new.Free(), "sides": None}
-    found = layers(*stack, along=((0.0, 1.0),), h=0.125, **ends)
-    names = ["panel", "gas 1", "gas 2", "solid 1", "solid 2"]
+    """A gas between a panel below and a plate that reaches over all: the plate is cut, too. The
+    outer pieces meet each other around the period.
+    """
+    panel = replace(solid((-0.25, 0.0), span=[(0.25, 0.75)], sides=new.Clamped()), name="panel")
+    stack = panel, gas((0.0, 0.125), beside=new.NoSlip()), solid((0.125, 1.0))
+    ends = {"lower": new.Free(), "upper": new.Free(), "along": ((0.0, 1.0),)}
+    found = layers(*stack, **ends, h=0.125, order=4)
+    names = ["panel", *(f"gas {k}" for k in (1, 2, 3)), *(f"solid {k}" for k in (1, 2, 3))]
     assert [block.name for block in found.blocks] == names
-    assert seen(found, 3)[0, 1] == ("solid 2", 0, 0) and seen(found, 3)[1, 0] == ("gas 1", 1, 1)
+    assert found.blocks[1].cells == (2, 7)  # as many across as the operator needs
+    assert seen(found, 4)[0, 1] == ("solid 2", 0, 0) and seen(found, 4)[1, 0] == ("gas 1", 1, 1)
+    assert seen(found, 1)[0, 0] == ("gas 3", 0, 1) and seen(found, 3)[0, 1] == ("gas 1", 0, 0)
+    assert found.faces_of(1)[0, 0].shift == (1.0, 0.0)
 
 
-def test_as_many_cells_across_as_the_operator_needs():
-    """Where a layer does not say how many."""
-    stack = gas((0.0, 0.125)), solid((0.125, 0.5), cells=20)
-    found = layers(*stack, lower=new.NoSlip(), upper=new.Free(), h=0.125, order=6)
-    assert [block.cells for block in found.blocks] == [(operator(6).min_points - 1,), (20,)]
+SPAN = {"span": [(0.25, 0.5)]}
+WRONG = {
+    "one or more of Layer": ((), {}),
+    "ends at 0.5, 'solid' begins at 0.6": ((gas((0.0, 0.5)), solid((0.6, 1.0))), {}),
+    "neither cells nor h": ((gas((0.0, 0.5)),), {"h": None}),
+    "one for each of along": ((gas((0.0, 0.5)),), {"h": None, "cells": (8, 8)}),
+    "0.125 apart from 0 to 1": ((gas((0.0, 0.5)), solid((0.5, 1.0), span=[(0.1, 0.6)])), {}),
+    "span: expected": ((gas((0.0, 0.5)), solid((0.5, 1.0), span=[(0.25, 0.5)] * 2)), {}),
+    "span: sides: nothing": ((gas((0, 0.5), beside=new.Slip()), solid((0.5, 1), **SPAN)), {}),
+    "'solid' does not reach over all of it: expected beside": (
+        *((gas((0.0, 0.5)), solid((0.5, 1.0), **SPAN, sides=new.Clamped())), {}),
+    ),
+}
 
 
-@pytest.mark.parametrize(
-    ("stack", "more", "words"),
-    [
-        ((), {}, "one or more of Layer"),
-        ((gas((0.0, 0.5)), solid((0.6, 1.0))), {}, "ends at 0.5, 'solid' begins at 0.6"),
-        ((gas((0.0, 0.5)),), {"h": None}, "neither cells nor h"),
-        ((gas((0.0, 0.5)),), {"h": None, "cells": (8, 8)}, "one for each of along"),
-        ((gas((0.0, 0.5)), solid((0.5, 1.0), span=[(0.1, 0.6)])), {}, "0.125 apart from 0 to 1"),
-        ((gas((0.0, 0.5)), solid((0.5, 1.0), span=[(0.25, 0.5)] * 2)), {}, "span: expected"),
-        (
-            (gas((0.0, 0.5), beside=new.Slip()), solid((0.5, 1.0), span=[(0.25, 0.5)])),
-            *({}, "span: sides: nothing"),
-        ),
-        (
-            (gas((0.0, 0.5)), solid((0.5, 1.0), span=[(0.25, 0.5)], sides=new.Clamped())),
-            *({}, "'solid' does not reach over all of it: expected beside"),
-        ),
-    ],
-)
-def test_layers_that_do_not_fit(stack, more, words):
-    more = {"lower": new.NoSlip(), "upper": new.Free(), "along": ((0.0, 1.0),), "h": 0.125, **more}
+@pytest.mark.parametrize("words", WRONG)
+def test_layers_that_do_not_fit(words):
+    stack, more = WRONG[words]
+    given = {"lower": new.NoSlip(), "upper": new.Free(), "along": ((0.0, 1.0),), "h": 0.125}
     with pytest.raises(InputError, match=words):
-        layers(*stack, **more)
-
-
-def test_a_layer_without_cells():
-    with pytest.raises(InputError, match="cells is 0"):
-        gas((0.0, 0.5), cells=0)
-
-
-# -- cases in two dimensions
-
-
-def test_conditions_of_the_panel():
-    """Clamped at its ends, the cavity's pressure behind it; in, out, above, beside of the gas."""
-    case = load_case("panel")
-    found = case.build(defaults(case))
-    p = 1.0 / 1.4
-    outside, beside = new.Open(1.0, (2.0, 0.0), 1.0), new.Slip(name="gas lower beside")
-    assert seen(found, 0) == {
-        **{(0, 0): new.Clamped(), (0, 1): new.Clamped()},
-        **{(1, 0): new.Free(p), (1, 1): ("gas 2", 1, 0)},
-    }
-    first, middle, last = (seen(found, k) for k in (1, 2, 3))
-    assert first == {(0, 0): outside, (0, 1): ("gas 2", 0, 0), (1, 0): beside, (1, 1): outside}
-    assert middle[1, 0] == ("panel", 1, 1) and middle[1, 1] == outside
-    assert last[0, 1] == new.Outflow(p) and last[1, 0] == beside
+        layers(*stack, **given | more)
 
 
 # -- one dimension
@@ -210,12 +152,12 @@ def line(*stack, left=None, right=None, **more):
 
 def line_gas(X, **more):
     name = more.pop("name", "gas")
-    fluid = OldFluid(0.1, 0.1, 1.4, 2.0)
+    fluid = Fluid(0.1, 0.1, 1.4, 2.0)
     return problem.FluidLayer(name, fluid, X, lambda X: (1.0 + X, 0.0, 1.0), **more)
 
 
 def line_solid(X, initial=lambda X: (0.0, -1.0 + 0.0 * X, 1.0, X), **more):
-    return problem.SolidLayer("solid", OldSolid(4.0, 0.1, 1.0, 1.0), X, initial, **more)
+    return problem.SolidLayer("solid", Solid(4.0, 0.1, 1.0, 1.0), X, initial, **more)
 
 
 @pytest.mark.parametrize("name", ["column", "piston", "shock", "heat"])
@@ -241,33 +183,39 @@ def test_cases_of_one_dimension(name):
     assert [s.p_ref for s in solids] == pytest.approx([pressures[name]] * len(solids), rel=1e-13)
 
 
-def test_ends_of_one_dimension():
-    """Walls that move, warm or heated ones; open and given ends; clamped and free solids."""
+CONVERTED = {
+    "heated wall": ("left", boundaries.Wall(0.0, heat_flux=2.0), new.NoSlip(heat_flux=2.0)),
+    "open": ("left", boundaries.Open(0.0, 3.0, 1.5, 0.25), new.Open(1.0, (0.25,), 1.5)),
+    "clamped": ("right", boundaries.clamped(), new.Clamped()),
+    "heated clamp": ("right", boundaries.clamped(heat_flux=1.0), new.Clamped(heat_flux=1.0)),
+    "free": ("right", boundaries.free(-2.0, T=3.0), new.Free(2.0, T=3.0)),
+    "absorbing": ("right", boundaries.absorbing(-2.0), new.Absorbing(-2.0)),
+}
+
+
+def at_end(side, end):
+    """What stands at the left or right end of a gas beside a solid."""
+    old = line(line_gas((0.0, 1.0)), line_solid((1.0, 2.0)), **{side: end})
+    k = 0 if side == "left" else 1
+    return blocks_of_line(old, 0.125, 2).faces_of(k)[0, k]
+
+
+@pytest.mark.parametrize("name", CONVERTED)
+def test_ends_of_one_dimension(name):
+    side, end, wanted = CONVERTED[name]
+    assert at_end(side, end) == wanted
+
+
+def test_ends_of_one_dimension_that_change_in_time():
     wall = boundaries.Wall(lambda t: 0.1 * t, T=lambda t: 1.0 + t, velocity=lambda t: 0.1)
-    old = line(line_gas((0.0, 1.0)), line_solid((1.0, 2.0)), left=wall)
-    found = blocks_of_line(old, 0.125, 2)
-    end, X = found.faces_of(0)[0, 0], np.zeros(1)
-    found_there = [float(np.ravel(f(X, 2.0))[0]) for f in (end.x, end.velocity, end.T)]
-    assert found_there == [0.2, 0.1, 3.0]
-    assert found.faces_of(1)[0, 1] == new.Clamped()
-    for old_end, now in (
-        (boundaries.Wall(0.0, heat_flux=2.0), new.NoSlip(heat_flux=2.0)),
-        (boundaries.Open(0.0, 3.0, 1.5, 0.25), new.Open(1.0, (0.25,), 1.5)),
-    ):
-        old = line(line_gas((0.0, 1.0)), line_solid((1.0, 2.0)), left=old_end)
-        assert blocks_of_line(old, 0.125, 2).faces_of(0)[0, 0] == now
-    given = boundaries.Dirichlet(0.0, lambda t: (1.0, t, 2.0))
-    old = line(line_gas((0.0, 1.0)), line_solid((1.0, 2.0)), left=given)
-    values = blocks_of_line(old, 0.125, 2).faces_of(0)[0, 0].values(X, 3.0)
-    assert [float(v) for v in np.ravel(values)] == [1.0, 3.0, 2.0]
-    for old_end, now in (
-        (boundaries.free(-2.0, T=3.0), new.Free(2.0, T=3.0)),
-        (boundaries.clamped(heat_flux=1.0), new.Clamped(heat_flux=1.0)),
-    ):
-        old = line(line_gas((0.0, 1.0)), line_solid((1.0, 2.0)), right=old_end)
-        assert blocks_of_line(old, 0.125, 2).faces_of(1)[0, 1] == now
-    old = line(line_gas((0.0, 1.0)), line_solid((1.0, 2.0)), right=boundaries.free(lambda t: -t))
-    assert blocks_of_line(old, 0.125, 2).faces_of(1)[0, 1].pressure(X, 3.0) == 3.0
+    end, X = at_end("left", wall), np.zeros(1)
+    found = [float(np.ravel(f(X, 2.0))[0]) for f in (end.x, end.velocity, end.T)]
+    assert found == [0.2, 0.1, 3.0]
+    given = at_end("left", boundaries.Dirichlet(0.0, lambda t: (1.0, t, 2.0)))
+    assert [float(v) for v in np.ravel(given.values(X, 3.0))] == [1.0, 3.0, 2.0]
+    assert at_end("right", boundaries.free(lambda t: -t)).pressure(X, 3.0) == 3.0
+    assert at_end("right", boundaries.clamped(lambda t: 2.0 * t)).velocity(X, 3.0) == [6.0]
+    assert at_end("right", boundaries.clamped(0.5)).velocity(X, 3.0) == (0.5,)
 
 
 def test_a_wall_that_is_not_at_the_end_of_its_layer():

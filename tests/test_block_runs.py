@@ -148,7 +148,7 @@ def test_what_a_result_has(runs):
         assert np.allclose(plate.y[0], 1.01 * plate.Y[:, None], atol=2e-3)
         assert np.array_equal(plate.frame(1)["T"], plate["T"][1])
         assert run.series["least_J"].shape[1] == run.series["J_error"].shape[1] == 3
-        assert {"momentum_z", "impulse_z", "largest", "entropy"} <= set(run.series)
+        assert {"momentum_z", "impulse_z", "entropy"} <= set(run.series)
         assert run.interfaces == ("gas | plate",)
         assert list(run.errors) == ["fluid", "solid"] and "w" in run.errors["fluid"]
     with fsipetsc.open_run(folder / "1d_1.h5") as run:

@@ -13,7 +13,7 @@ pytest.importorskip("petsc4py")
 from fsipetsc.analysis import table1
 from fsipetsc.analysis.convergence_table import ConvergenceStudy, order_of_differences
 from fsipetsc.analysis.grid_differences import unresolved
-from fsipetsc.output.plots.convergence import convergence_figures
+from fsipetsc.output.plots.studies import convergence_figures
 
 HS = (0.05, 0.025)
 NAMES = {"fluid": ("rho", "u", "T", "combined"), "solid": ("u", "sigma", "T", "x", "combined")}
@@ -138,18 +138,6 @@ def test_what_blocks_do_not_resolve_is_said(tmp_path):
     done = solve("convergence", *words.split(), cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
     assert "is not resolved: " in done.stdout
-
-
-@pytest.mark.filterwarnings("error")
-def test_times_around_a_power_of_ten_can_be_drawn():
-    """The axis of the cost reaches from one power to another, not from one to itself."""
-    figure = pytest.importorskip("matplotlib.figure").Figure()
-    from fsipetsc.output.plots.convergence import draw_cost
-
-    study = made()
-    study.wall_time[:] = np.linspace(0.0099, 0.0112, study.wall_time.size).reshape(study.wall_time.shape)
-    draw_cost(figure, study)
-    assert figure.axes[0].get_xlim() == pytest.approx((0.01, 0.1))
 
 
 def test_table_1_says_where_ours_differ():

@@ -177,31 +177,6 @@ def test_a_header_that_somebody_has_made(frames: int, name: str, whole: bytes, t
         assert not readable or (frames == 0 and name == "layers" and value[0]["shape"][0] > 0)
 
 
-@pytest.mark.long
-def test_what_can_be_drawn_is_drawn(tmp_path: Path) -> None:
-    pytest.importorskip("matplotlib")
-    from fsipetsc.output.plots import plot
-    from fsipetsc.output.report import report
-
-    def change(file: h5py.File) -> None:
-        rows = file["series"][...]
-        rows["t"] = np.inf
-        del file["series"]
-        file["series"] = rows
-
-    path = tmp_path / "run.h5"
-    program.write(str(path), 2, "blocks")  # each frame is a picture of the report
-    changed(path.read_bytes(), path, change)
-    with pytest.raises(FileError, match=r"damaged, not drawn: .*pictures of it are in") as caught:
-        plot(path, tmp_path / "pictures")
-    assert caught.value.status == 4 and "\n" not in str(caught.value)
-    drawn = {picture.name for picture in (tmp_path / "pictures").iterdir()}
-    assert {"run-u.png", "run-T.png"} <= drawn
-    with pytest.raises(FileError, match=r"damaged, not drawn: .*the rest is in") as caught:
-        report(path, tmp_path)
-    assert caught.value.status == 4 and 'id="u"' in (tmp_path / "run.html").read_text()
-
-
 @pytest.mark.parametrize("command", ["info", "plot"])
 def test_a_pipe_is_not_waited_for(tmp_path: Path, command: str) -> None:
     os.mkfifo(tmp_path / "run.h5")

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+from math import factorial
+
 import numpy as np
 import pytest
 
 from fsipetsc.equations.gas import Gas, volume_flux
-from fsipetsc.equations.means import NEAR
+from fsipetsc.equations.means import NEAR, near_harmonic_mean, near_mean
 from fsipetsc.materials.constant_transport import ConstantTransport
 from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.materials.power_law import PowerLaw
 from fsipetsc.materials.stiffened_gas import StiffenedGas
+from fsipetsc.operators.loops import dot
 
 LAWS = (PerfectGas(1.4, 2.0), StiffenedGas(2.2, 1.5, 3.0))
 STEP = 1e-6
@@ -53,9 +57,13 @@ def test_fluxes_are_symmetric_and_consistent(case, name):
     flux = getattr(gas, name)
     there, back = flux(l, r, a_l, v_l, a_r, v_r), flux(r, l, a_r, v_r, a_l, v_l)
     np.testing.assert_allclose(there, back, rtol=1e-14)
+    assert volume_flux(a_l, v_l, a_r, v_r) == 0.5 * (dot(a_l, v_r) + dot(a_r, v_l))
     g = volume_flux(a_l, v_l, a_l, v_l)
     exact = np.array(gas.flux(l, a_l)) - g * np.array(gas.densities(l))
     np.testing.assert_allclose(flux(l, l, a_l, v_l, a_l, v_l), exact, rtol=1e-13, atol=1e-14)
+    through = {"pair_flux": gas.flux_through, "mean_flux": gas.mean_flux_through}[name]
+    one_area = flux(l, r, a_l, v_l, a_l, v_l)
+    np.testing.assert_allclose(through(l, r, a_l, g), one_area, rtol=1e-13, atol=1e-14)
 
 
 def test_flux_through_an_area_is_that_of_the_equations(case):
@@ -101,6 +109,16 @@ def test_two_point_flux_conserves_entropy(case, spread):
     np.testing.assert_allclose(gas.flux_through(l, r, tuple(a), g), F, rtol=1e-13, atol=1e-14)
 
 
+def test_polynomials_of_near_means_are_the_series():
+    """B = sum_n (-z)^n n!^2 / (2n + 1)!, A = 1 / ((1 + z/4) B)."""
+    for z in np.linspace(0.0, NEAR, 101):
+        exact = [Fraction(z) ** n * factorial(n) ** 2 / factorial(2 * n + 1) for n in range(16)]
+        B = sum(term * (-1) ** n for n, term in enumerate(exact))
+        assert near_harmonic_mean(1.0, 1.0, z) == pytest.approx(float(B), rel=2.3e-16, abs=0.0)
+        A = 1 / ((1 + Fraction(z) / 4) * B)
+        assert near_mean(1.0, 1.0, z) == pytest.approx(float(A), rel=2.3e-16, abs=0.0)
+
+
 def test_near_states_need_no_logarithm(case):
     gas, d, rng = case
     l, r, a_l, v_l, a_r, v_r = states(gas, rng, d, 0.15)
@@ -112,17 +130,6 @@ def test_near_states_need_no_logarithm(case):
     dense[0], dense[-2] = 2.0 * l[0], 0.5 * l[-2]
     assert gas.pair_distance(l, tuple(hot)) == pytest.approx(0.5)
     assert gas.pair_distance(l, tuple(dense)) == pytest.approx(0.5)
-
-
-def test_mean_flux_through_one_area(case):
-    gas, d, rng = case
-    l, r, a, v, *_ = states(gas, rng, d)
-    g = volume_flux(a, v, a, v)
-    exact = gas.mean_flux(l, r, a, v, a, v)
-    np.testing.assert_allclose(gas.mean_flux_through(l, r, a, g), exact, rtol=1e-13)
-    f = 0.5 * (np.array(gas.flux(l, a)) + gas.flux(r, a))
-    U = 0.5 * (np.array(gas.densities(l)) + gas.densities(r))
-    np.testing.assert_allclose(exact, f - g * U, rtol=1e-13, atol=1e-14)
 
 
 def test_change_of_densities_with_entropy_variables(case):

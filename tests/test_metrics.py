@@ -10,9 +10,7 @@ from block_grids import GAS, SOLID, box, closed, derivative, joins, nodes_of, wh
 
 from fsipetsc.blocks.block import Block, determinant
 from fsipetsc.blocks.grid import GridMotion
-from fsipetsc.blocks.maps import annulus, rectangle
 from fsipetsc.blocks.metrics import check_positive, cofactors, differentiate, solid_metrics
-from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.errors import InputError
 from fsipetsc.operators.bands import band
 
@@ -64,14 +62,6 @@ def test_a_solid_at_rest_has_no_strain(d, order):
     assert np.abs(J - determinant(G)).max() <= 3e-14
 
 
-@pytest.mark.parametrize("d", (1, 2, 3))
-def test_cofactors_belong_to_the_determinant(d):
-    G = np.random.default_rng(3).random((d, d, 5))
-    products = np.einsum("kcn,lcn->kln", cofactors(G), G)
-    assert np.abs(products - np.eye(d)[..., None] * determinant(G)).max() <= 1e-15
-    assert np.allclose(determinant(G), np.linalg.det(np.moveaxis(G, -1, 0)), atol=1e-15)
-
-
 @pytest.mark.parametrize("order", ORDERS)
 @pytest.mark.parametrize("d", (2, 3))
 def test_metrics_of_a_moving_gas_are_free_of_divergence(d, order):
@@ -112,16 +102,17 @@ def curl_form(block, order, x):
     return a
 
 
-@pytest.mark.parametrize("order", ORDERS)
-def test_periods_in_three_dimensions_belong_to_the_curl(order):
-    """A block that is periodic with a period along all coordinates: the mean of a^i is the cofactor
-    of the periods.
-    """
-    problem = closed(box("g", (16, 17, 18), periodic=(True, True, False)))
-    block = problem.blocks[0]
-    _, metrics = displaced(problem, 0, order, nodes_of(problem, 0)[:0])
-    a = metrics[:9].reshape(3, 3, *block.shape[::-1])
-    assert np.allclose(a[2].mean(axis=(-2, -1)), np.array([[0.0], [0.0], [1.0]]), atol=1e-14)
+def test_skew_periods_belong_to_the_curl():
+    """Of a linear map the curl form is the cofactors."""
+    G = np.array([[1.0, 0.3, 0.1], [0.2, 1.0, -0.2], [-0.1, 0.4, 1.0]])  # D_k X, row by row
+
+    def skew(xi):
+        return tuple(sum(g * s for g, s in zip(column, xi)) for column in G.T)
+
+    problem = closed(Block("g", GAS, skew, (8, 9, 10), lambda *X: X, periodic=(True, True, False)))
+    _, metrics = displaced(problem, 0, 4, np.zeros(0, int))
+    expected = cofactors(G[..., None])
+    assert np.abs(metrics[:9].reshape(3, 3, -1) - expected).max() <= 1e-14
 
 
 @pytest.mark.parametrize("order", ORDERS)
@@ -136,44 +127,32 @@ def test_J_t_is_the_rate_of_the_determinant(d, order):
     assert np.abs(metrics[-1] - (J[1] - J[0])).max() <= 1e-13
 
 
-@pytest.mark.parametrize("order, rate", ((2, 1.4), (4, 2.4), (6, 3.0)))
-def test_J_t_in_three_dimensions_is_so_to_the_order_of_the_scheme(order, rate):
+def test_J_t_in_three_dimensions_is_so_to_the_order_of_the_scheme():
     wrong = []
     for n in (12, 24):
         problem = closed(box("g", (n, n, n)))
         nodes = nodes_of(problem, 0)
-        J = [displaced(problem, 0, order, nodes, t=0.3 + e)[0].jacobian() for e in (-1e-3, 1e-3)]
-        _, metrics = displaced(problem, 0, order, nodes)
+        J = [displaced(problem, 0, 4, nodes, t=0.3 + e)[0].jacobian() for e in (-1e-3, 1e-3)]
+        _, metrics = displaced(problem, 0, 4, nodes)
         wrong.append(np.sqrt(np.mean((metrics[-1] - (J[1] - J[0]) / 2e-3) ** 2)))
-    assert np.log2(wrong[0] / wrong[1]) > rate and wrong[1] < 2e-3
+    assert np.log2(wrong[0] / wrong[1]) > 2.4 and wrong[1] < 2e-3
 
 
-@pytest.mark.parametrize("order", ORDERS)
-def test_both_sides_of_a_join_have_the_same_area_vectors_in_two_dimensions(order):
-    cells = (17, 17)
-    for axes, flips in (
-        ((0, 1), (False, False)),
-        ((1, 0), (True, False)),
-        ((1, 0), (False, True)),
-        ((0, 1), (True, True)),
-    ):
-        check_join(
-            order, box("a", cells), box("b", cells, lower=(1.0, 0.0), axes=axes, flips=flips)
-        )
+#: how the second block is turned
+TURNS = (
+    *(((0, 1), (False, False)), ((1, 0), (True, False))),
+    *(((1, 0), (False, True)), ((0, 1), (True, True))),
+    *(((0, 1, 2), (False, False, False)), ((1, 2, 0), (True, False, True))),
+    *(((2, 1, 0), (True, False, False)), ((0, 2, 1), (True, True, True))),
+)
 
 
-@pytest.mark.parametrize("order", ORDERS)
-def test_both_sides_of_a_join_have_the_same_area_vectors_in_three_dimensions(order):
-    cells = (16, 16, 16)
-    turns = (
-        ((0, 1, 2), (False, False, False)),
-        ((1, 2, 0), (True, False, True)),
-        ((2, 1, 0), (True, False, False)),
-    )
-    for axes, flips in (*turns, ((0, 2, 1), (True, True, True))):
-        check_join(
-            order, box("a", cells), box("b", cells, lower=(1.0, 0.0, 0.0), axes=axes, flips=flips)
-        )
+@pytest.mark.parametrize("order", (2, 4, 8))
+@pytest.mark.parametrize("axes, flips", TURNS)
+def test_both_sides_of_a_join_have_the_same_area_vectors(axes, flips, order):
+    d = len(axes)
+    other = box("b", (16,) * d, lower=(1.0, 0.0, 0.0)[:d], axes=axes, flips=flips)
+    check_join(order, box("a", (16,) * d), other)
 
 
 def check_join(order, *blocks):
@@ -194,10 +173,8 @@ def check_join(order, *blocks):
         assert len(nodes) == np.prod(blocks[k].shape[1:])
         motion, metrics = displaced(problem, k, order, nodes)
         found.append((metrics, motion.positions()))
-    mine, others = (
-        problem.face_nodes(0, axis, side),
-        problem.face_nodes(1, met.axis, met.side)[met.order],
-    )
+    mine = problem.face_nodes(0, axis, side)
+    others = problem.face_nodes(1, met.axis, met.side)[met.order]
     (a, x), (b, y) = found
     sign = (1 if side else -1) * (-1 if met.side else 1)
     assert np.array_equal(x[:, mine], y[:, others])
@@ -207,16 +184,10 @@ def check_join(order, *blocks):
     assert np.abs(n).max() > 0.5 and np.array_equal(n, m)
 
 
-@pytest.mark.parametrize("order", ORDERS)
+@pytest.mark.parametrize("order", (4, 8))
 @pytest.mark.parametrize("material", (GAS, SOLID))
 def test_metrics_of_a_patch_are_those_of_the_block(material, order):
-    for periodic in (
-        (False, False),
-        (True, False),
-        (False, True),
-        (False, False, False),
-        (True, False, False),
-    ):
+    for periodic in ((False, False), (True, False), (False, True), (True, False, False)):
         d = len(periodic)
         problem = closed(box("g", CELLS[d], material, periodic=periodic))
         block = problem.blocks[0]
@@ -226,9 +197,8 @@ def test_metrics_of_a_patch_are_those_of_the_block(material, order):
         for axis, (begin, end) in enumerate(full):
             for cut in ((begin, begin + 7), (begin + 5, end - 2), (end - 6, end)):
                 where = [cut if k == axis else ends for k, ends in enumerate(full)]
-                inner = tuple(
-                    slice(a - b, c - b) for (a, c), (b, _) in zip(where[::-1], full[::-1])
-                )
+                pairs = zip(where[::-1], full[::-1])
+                inner = tuple(slice(a - b, c - b) for (a, c), (b, _) in pairs)
                 part = metrics_on(problem, order, where)
                 shape = [b - a for a, b in full][::-1]
                 expected = all_of.reshape(-1, *shape)[(slice(None), *inner)].reshape(len(part), -1)
@@ -242,16 +212,6 @@ def metrics_on(problem, order, where):
     return np.concatenate([metrics, motion.jacobian()[None], motion.positions()])
 
 
-def test_what_is_beyond_a_periodic_end_has_the_same_bits():
-    ring = Block("r", SOLID, annulus(1.0, 2.0), (12, 24), lambda *X: X, periodic=(False, True))
-    problem = closed(ring)
-    beyond = solid_metrics(problem, 0, 4, [(0, 13), (-3, 3)]).reshape(5, 6, 13)
-    within = solid_metrics(problem, 0, 4, [(0, 13), (0, 24)]).reshape(5, 24, 13)
-    assert np.array_equal(beyond[:, :3], within[:, -3:]) and np.array_equal(
-        beyond[:, 3:], within[:, :3]
-    )
-
-
 def test_J_below_zero_is_told_with_its_place():
     """The map is right-handed where a block looks; the operator is not, on so few nodes."""
 
@@ -261,18 +221,9 @@ def test_J_below_zero_is_told_with_its_place():
 
     block = Block("steep", SOLID, steep, (24, 24), lambda *X: X)
     problem = closed(block)
-    with pytest.raises(
-        InputError, match=r"block 'steep': J = -.* at \(X, Y\) = .*: expected J > 0"
-    ) as caught:
+    words = r"block 'steep': J = -.* at \(X, Y\) = .*: expected J > 0"
+    with pytest.raises(InputError, match=words) as caught:
         solid_metrics(problem, 0, 8, whole(block))
     assert not caught.value.collective
     with pytest.raises(InputError, match="J = nan"):
         check_positive(block, np.array([np.nan]), np.zeros((2, 1)))
-
-
-def test_rectangles_have_the_metrics_of_their_sides():
-    block = Block("s", SOLID, rectangle((0.0, 0.0), (2.0, 3.0)), (8, 8), lambda *X: X)
-    problem = closed(block)
-    metrics = solid_metrics(problem, 0, 4, whole(block))
-    assert np.allclose(metrics, np.array([3.0, 0.0, 0.0, 2.0, 6.0])[:, None], atol=1e-14)
-    assert isinstance(problem, BlockProblem)

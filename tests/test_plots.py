@@ -1,38 +1,181 @@
-"""Pictures: the data that are drawn, what is said about them, and that no text lies on another."""
+"""Pictures, films and reports: the data that are drawn, what is said about them, their colours."""
 
 from __future__ import annotations
 
-from itertools import pairwise
+import json
+import os
+import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from helpers import REPOSITORY, compute, run, solve
+from helpers import compute, solve
 
 import fsipetsc
 from fsipetsc.errors import FileError
 
-pytest.importorskip("matplotlib")
+matplotlib = pytest.importorskip("matplotlib")
 pytest.importorskip("petsc4py")
-import matplotlib
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
+from PIL import Image
 
-from fsipetsc.output.plots import interfaces, pictures, plot, profiles, quantities, scales, space_time, steps, style
+from fsipetsc.cli import main
+from fsipetsc.output.places import writing
+from fsipetsc.output.plots import fields, film, page, quantities, scales, series, space_time, style
 
-USUAL = {"u", "T", "p", "rho", "sigma", "strain", "xt", "interfaces", "traces", "residuals", "momentum", "steps", "balance"}
-DRAWN = {
-    "pulse": {"p", "T", "rho", "xt", "traces", "interfaces"},
-    "rod": {"u", "T", "p", "xt", "residuals", "momentum", "balance", "steps"},
-    "box": {"xt", "balance"},
-    "piston": {"xt", "strain"},
-}
 RUNS = {
-    "pulse": ("pulse", "-fsi_h 0.025 -ts_max_time 0.005 -fsi_output_dt 2.5e-4 -pulse_start 0.75 -solid_density 2"),
+    "pulse": ("pulse", "-fsi_h 0.025 -ts_max_time 0.005 -fsi_output_dt 2.5e-4 -pulse_start 0.75"),
     "rod": ("rod", "-fsi_h 0.05 -ts_max_time 0.6 -fsi_output_dt 0.05 -solid_gruneisen 0.01"),
-    "box": ("box", "-fsi_h 0.05 -fsi_check 1e-3"),
-    "piston": (str(REPOSITORY / "runs" / "piston.py"), ""),
+    "blast": ("blast", "-fsi_h 0.125 -ts_max_time 0.6 -fsi_output_dt 0.05"),
 }
-PRESSURE = next(q for q in quantities.PROFILES if q.name == "p")
+USUAL = {"u", "T", "p", "rho", "sigma", "strain", "xt", "interfaces", "ledgers", "steps"}
+IN_PLANE = {"p", "rho", "u", "v", "T", "s_xx", "s_yy", "s_xy", "interfaces", "ledgers", "steps"}
+#: what is drawn of each here
+DRAWN = {
+    "pulse": ("p", "xt", "interfaces"),
+    "rod": ("p", "sigma", "xt", "interfaces", "ledgers", "steps"),
+    "blast": ("p", "s_xx", "interfaces", "ledgers"),
+}
+PRESSURE = next(q for q in quantities.ON_A_LINE if q.name == "p")
+
+# formulas, with made-up results
+
+
+def made_up(dimension=2, units="SI", frames=3, **series_of):
+    """A result of a gas under a solid; values of a frame are base + spread(frame) X, X in 0 … 1."""
+    shape, up = (5, 4, 3)[-dimension:], "xyz"[dimension - 1]
+    x = np.linspace(0.0, 1.0, np.prod(shape)).reshape(shape)
+
+    def block(name, kind, names, spread, base):
+        def frame(number):
+            values = {field: base + spread(number) * x for field in names}
+            places = np.meshgrid(*(np.arange(n) for n in shape), indexing="ij")[::-1]
+            values.update(zip("xyz", [place.astype(float) for place in places]))
+            values[up] = values[up] + (kind == "solid") * (shape[0] - 1)
+            return values
+
+        return SimpleNamespace(
+            name=name, kind=kind, fields=names, shape=shape, X=x, rings=(), frame=frame
+        )
+
+    layers = (
+        block("gas", "fluid", ("p", "T"), lambda k: 10.0 if k == 0 else 1.0, 5.0),
+        block("plate", "solid", ("s_xx", "T"), lambda k: 1e-3 * k, -5.0),
+    )
+    time = 1e-4 * np.arange(frames)
+    return SimpleNamespace(
+        layers=layers, dimension=dimension, time=time, nframes=frames, header={"units": units},
+        series=series_of, at=lambda t: int(np.argmin(np.abs(time - t))),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("values", "unit", "beside", "label", "drawn"),
+    [
+        ([0.0, 2e5], "Pa", 0, "q  [kPa]", [0.0, 200.0]),
+        ([300.0, 300.0004], "K", 0, "q, less 300 K  [µK]", [0.0, 400.0]),
+        ([1000.0, 1200.0], "K", 0, "q  [K]", [1000.0, 1200.0]),
+        ([2e-3, 4e-3], "kg/m³", 0, "q  [10⁻³ kg/m³]", [2.0, 4.0]),
+        ([-1e5, -1e5 + 3], "Pa", 0, "q, less -100000 Pa  [Pa]", [0.0, 3.0]),
+        ([5.0, 5.0 + 1e-13], "K", 0, "q, constant  [K]", [5.0, 5.0]),
+        ([1e-13, -1e-13], "m/s", 1.0, "q, 0 but for round-off  [m/s]", [0.0, 0.0]),
+        ([0.0, np.nan], "K", 0, "q, 0 but for round-off  [K]", [0.0, np.nan]),
+        ([2e-4, 4e-4], "s", 0, "q  [µs]", [200.0, 400.0]),
+    ],
+)
+def test_scales(values, unit, beside, label, drawn):
+    values = np.array(values)
+    scale = scales.scaled(made_up(), "q", unit, values, start=values[:1], beside=beside)
+    assert scale.label == label
+    assert np.allclose(scale(values), drawn, rtol=1e-6, atol=0, equal_nan=True)
+
+
+def test_times_of_short_runs_have_prefixes():
+    assert scales.moment(made_up(), 2) == "t = 200 µs"
+    assert scales.moment(made_up(units="none"), 2) == "t = 0.0002"
+    axes = Figure().subplots()
+    scales.time_axis(axes, made_up())
+    assert axes.get_xlabel() == "t  [µs]" and np.allclose(axes.get_xlim(), (0.0, 200.0))
+
+
+def test_colours_are_white_at_rest_and_of_what_there_is():
+    scale = scales.Scale("q")
+    values = np.linspace(-1.0, 3.0, 101)
+    look, beyond = scales.colours("fluid", scale, values, np.zeros(3), (-1.0, 3.0))
+    assert (look["vmin"], look["vmax"], beyond) == (-1.0, 3.0, "neither")
+    white = matplotlib.colormaps["RdBu_r"](0.5)
+    assert np.allclose(look["cmap"](0.25), white, atol=0.02)
+    assert np.allclose(look["cmap"](1.0), matplotlib.colormaps["RdBu_r"](1.0), atol=0.01)
+    # a few points far beyond the others, and a frame that is not counted
+    spiked = np.append(np.tile(values, 10), 100.0)
+    look, beyond = scales.colours("fluid", scale, spiked, np.zeros(3), (-5.0, 100.0))
+    assert look["vmax"] == pytest.approx(3.0) and beyond == "both"
+
+
+def test_the_first_frame_does_not_set_the_colours():
+    run = made_up()
+    quantity = quantities.chosen(run, ["p"])[0]
+    shown = fields.view_of(run, quantity, [0, 1, 2]).shown["fluid"]
+    assert (shown.look["vmin"], shown.look["vmax"], shown.extend) == (5.0, 6.0, "max")
+    assert fields.view_of(run, quantity, [0]).shown["fluid"].look["vmax"] == 15.0
+
+
+@pytest.mark.parametrize("alike", [False, True])
+def test_gas_and_solid_have_one_scale_where_it_shows_both(alike):
+    run = made_up()
+    if alike:
+        run.layers[1].frame = run.layers[0].frame
+    shown = fields.view_of(run, quantities.chosen(run, ["T"])[0], [1, 2]).shown
+    assert (shown["fluid"] is shown["solid"]) == alike
+    label = "temperature T  [K]" if alike else "gas: temperature T  [K]"
+    assert shown["fluid"].scale.label == label
+
+
+def test_three_dimensions_are_drawn_in_the_middle():
+    run = made_up(3)
+    view = fields.view_of(run, quantities.chosen(run, ["p"])[0], [1, 2])
+    pictures = view.draw(Figure().subplots(), 1)
+    for layer, name in zip(run.layers, ("p", "s_xx")):
+        values = layer.frame(1)
+        drawn = pictures[layer.kind].get_array().reshape(5, 3)
+        assert np.allclose(drawn, view.shown[layer.kind].scale(values[name][:, 2]))
+        assert np.array_equal(pictures[layer.kind].get_coordinates()[..., 1], values["z"][:, 2])
+    assert view.labels == ("x  [m]", "z  [m]")
+
+
+def test_strain_and_envelope():
+    X = np.linspace(1, 2, 11)
+    strain = next(q for q in quantities.ON_A_LINE if q.name == "strain").solid.values
+    assert np.allclose(strain({"X": X, "x": X**2}), 2 * X - 1)  # to its ends
+    t, largest = series.envelope(np.arange(6.0), np.array([1, 3, 2, 0, 5, 4]), 2)
+    assert (t.tolist(), largest.tolist()) == ([1, 4], [3, 5])
+
+
+def test_points_that_come_and_go_have_a_place():
+    layer = SimpleNamespace(X=np.arange(4.0), x=np.arange(4.0) + np.array([[0.5], [1.0]]))
+    values = np.array([[np.nan, 1.0, 2.0, np.nan], [0.0, 1.0, 2.0, 3.0]])
+    layer.x[0, [0, 3]] = np.nan
+    x, filled = space_time.without_gaps(layer, values)
+    assert np.array_equal(x, layer.X + np.array([[0.5], [1.0]]))
+    assert filled.tolist() == [[1, 1, 2, 2], [0, 1, 2, 3]]
+
+
+def seen(color):
+    """A colour as eyes with deuteranopia see it, by a linear model."""
+    model = np.array([[0.367, 0.861, -0.228], [0.280, 0.673, 0.047], [-0.012, 0.043, 0.969]])
+    return np.clip(model @ np.power(to_rgb(color), 2.2), 0, 1) ** (1 / 2.2)
+
+
+def test_colours_differ_for_all_eyes():
+    orders = [color for color, _ in style.ORDERS.values()]
+    for colors in ([*style.COLORS.values()], orders, style.SERIES):
+        for i, a in enumerate(colors):
+            assert all(np.abs(seen(a) - seen(b)).max() > 0.12 for b in colors[:i]), colors
+
+
+# results of runs
 
 
 @pytest.fixture(scope="module")
@@ -44,14 +187,14 @@ def results(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def figures(results):
-    """(run, picture) -> the figure, laid out; every kind at least once."""
+    """(run, picture) -> the figure, laid out; "page" is one of them."""
     drawn = {}
     with matplotlib.rc_context(style.STYLE):
         for name, result in results.items():
-            names = dict(pictures(result))
-            paper = result.options["fsi_coupling"] != "conservative"
-            assert set(names) == (USUAL if paper else USUAL - {"residuals", "momentum"})
-            for picture in DRAWN[name]:
+            names = dict(page.pictures(result))
+            assert set(names) == (USUAL if result.dimension == 1 else IN_PLANE)
+            names["page"] = lambda figure, result=result: page.page(figure, result)
+            for picture in (*DRAWN[name], "page"):
                 figure = drawn[name, picture] = Figure()
                 FigureCanvasAgg(figure)
                 names[picture](figure)
@@ -59,287 +202,140 @@ def figures(results):
     return drawn
 
 
-def lines(axes):
+def curves(axes):
     return [(line.get_label(), *map(np.asarray, line.get_data())) for line in axes.lines]
+
+
+def labelled(figure, word):
+    """The panel of which an axis has this label."""
+    labels = {axes: f"{axes.get_ylabel()} {axes.get_xlabel()}" for axes in figure.axes}
+    return next(axes for axes, label in labels.items() if word in label.replace("\n", " "))
 
 
 def test_titles_name_the_run(figures):
     for (name, _), figure in figures.items():
-        title = figure.get_suptitle() if hasattr(figure, "get_suptitle") else figure._suptitle.get_text()
-        h = {"pulse": "0.025 m", "rod": "0.05 m", "box": "0.05", "piston": "0.025 m"}[name]
-        assert title.startswith(f"{name}, ")
-        assert f"(order 4/2, h = {h}, 1 rank)" in title.replace("\n", " ")
-
-
-def boxes(figure):
-    """(text, bounding box) of everything that is written in a figure."""
-    renderer = figure.canvas.get_renderer()
-    texts = [figure._suptitle, figure._supxlabel, figure._supylabel]
-    for axes in figure.axes:
-        if not axes.get_visible():
-            continue
-        texts += [axes.title, axes._left_title, axes.xaxis.label, axes.yaxis.label]
-        for axis in (axes.xaxis, axes.yaxis):
-            low, high = sorted(axis.get_view_interval())
-            texts += [tick.label1 for tick in axis.get_major_ticks() if low <= tick.get_loc() <= high]
-        legend = axes.get_legend()
-        if legend is not None and legend.get_bbox_to_anchor().bounds[2:] == (0, 0):  # above its panel
-            texts += legend.get_texts()
-    found = [t for t in texts if t is not None and t.get_text().strip() and t.get_visible()]
-    return [(t.get_text(), t.get_window_extent(renderer)) for t in found]
-
-
-def assert_texts_apart(key, figure):
-    """No text lies on another or is cut off."""
-    written = boxes(figure)
-    width, height = figure.bbox.width, figure.bbox.height
-    for text, box in written:
-        if box.width:
-            assert -1 < box.x0 and box.x1 < width + 1 and -1 < box.y0 and box.y1 < height + 1, (key, text)
-    for i, (text, box) in enumerate(written):
-        for other, its in written[:i]:
-            apart = box.x0 >= its.x1 - 1 or its.x0 >= box.x1 - 1 or box.y0 >= its.y1 - 1 or its.y0 >= box.y1 - 1
-            assert apart, (key, text, other)
+        h = {"pulse": "0.025 m", "rod": "0.05 m", "blast": "0.125"}[name]
+        title = figure._suptitle.get_text()
+        assert title.startswith(f"{name}, ") and f"(order 4/2, h = {h}, 1 rank)" in title
 
 
 def test_no_text_lies_on_another_or_is_cut_off(figures):
     for key, figure in figures.items():
-        assert_texts_apart(key, figure)
+        renderer, written = figure.canvas.get_renderer(), [figure._suptitle]
+        for axes in (axes for axes in figure.axes if axes.get_visible()):
+            written += [axes._left_title, axes.xaxis.label, axes.yaxis.label]
+            for axis in (axes.xaxis, axes.yaxis):
+                low, high = sorted(axis.get_view_interval())
+                inside = [t for t in axis.get_major_ticks() if low <= t.get_loc() <= high]
+                written += [label for t in inside for label in (t.label1, t.label2)]
+        boxes = [
+            (text.get_text(), text.get_window_extent(renderer))
+            for text in written
+            if text.get_text().strip() and text.get_visible()
+        ]
+        for i, (text, box) in enumerate(boxes):
+            assert -1 < box.x0 and box.x1 < figure.bbox.width + 1, (key, text)
+            assert -1 < box.y0 and box.y1 < figure.bbox.height + 1, (key, text)
+            for other, its in boxes[:i]:
+                beside = box.x0 >= its.x1 - 1 or its.x0 >= box.x1 - 1
+                assert beside or box.y0 >= its.y1 - 1 or its.y0 >= box.y1 - 1, (key, text, other)
 
 
 def test_drawn_pressure_is_what_gas_and_solid_have_in_common(results, figures):
     """The gas's p, and p − σ of the solid, which meet at the interfaces."""
     run, figure = results["rod"], figures["rod", "p"]
-    chosen, _ = profiles.frames(run, PRESSURE)
-    for axes, frame in zip(figure.axes, chosen):
-        drawn = lines(axes)
-        assert [kind for kind, _, _ in drawn] == ["fluid", "solid", "fluid"]
+    for axes, frame in zip(figure.axes, fields.frames_of(run, PRESSURE)):
+        assert axes.get_title(loc="left") == scales.moment(run, frame)
+        drawn = curves(axes)
+        assert [kind for kind, *_ in drawn] == ["fluid", "solid", "fluid"]
         for (_, x, y), layer in zip(drawn, run.layers):
-            fields = layer.frame(frame)
-            expected = fields["p"] if layer.kind == "fluid" else fields["p"] - fields["sigma"]
-            assert np.array_equal(x, fields["x"], equal_nan=True)
+            of = layer.frame(frame)
+            expected = of["p"] if layer.kind == "fluid" else of["p"] - of["sigma"]
+            assert np.array_equal(x, of["x"], equal_nan=True)
             assert np.allclose(1e3 * y, expected, rtol=1e-12, equal_nan=True)  # kPa
-        below, rod, above = (y[np.isfinite(y)] for _, _, y in drawn)
-        assert below[-1] == pytest.approx(rod[0], rel=2e-3) and rod[-1] == pytest.approx(above[0], rel=2e-3)
     assert np.ptp(run.layers[1]["p"]) > 1  # Pa: the solid's own pressure counts
 
 
-def test_pressure_over_space_and_time(results, figures):
-    run, axes = results["rod"], figures["rod", "xt"].axes[2]
-    for picture, layer in zip(axes.collections, run.layers):
-        values = np.ma.filled(picture.get_array(), np.nan).reshape(-1, len(layer.X))
-        load = layer["p"] if layer.kind == "fluid" else layer["p"] - layer["sigma"]
-        for row, frame in zip(values[[0, -1]], load[[0, -1]]):
-            known = np.isfinite(frame)
-            assert np.allclose(1e3 * row[known], frame[known])  # kPa
+def test_small_waves_are_drawn_as_the_difference_from_rest(figures):
+    assert figures["pulse", "p"].axes[0].get_ylabel().endswith("less 100000 Pa  [Pa]")
+    assert "less 300 K" in labelled(figures["pulse", "interfaces"], "temperature").get_ylabel()
+    assert "less" not in figures["rod", "p"].axes[0].get_ylabel()
 
 
-def test_small_waves_are_drawn_as_the_difference_from_rest(results, figures):
-    run = results["pulse"]
-    figure = figures["pulse", "p"]
-    assert "less 100000 Pa" in figure._supylabel.get_text() and figure._supylabel.get_text().endswith("[Pa]")
-    frame = profiles.frames(run, PRESSURE)[0][0]
-    expected = [f["p"] - 1e5 if layer.kind == "fluid" else f["p"] - f["sigma"] - 1e5
-                for layer in run.layers for f in [layer.frame(frame)]]  # fmt: skip
-    for (_, _, y), values in zip(lines(figure.axes[0]), expected):
-        assert np.allclose(y, values, atol=1e-9, equal_nan=True)
-    assert "less 300 K" in figures["pulse", "T"]._supylabel.get_text()
-    assert "less 300 K" in figures["pulse", "traces"].axes[2].get_ylabel().replace("\n", " ")
-    assert "less" not in figures["rod", "p"]._supylabel.get_text()
+def test_a_transmitted_wave_is_seen_over_space_and_time(results, figures):
+    """Colours of the solid reach over what occurs there, and of the gas; maps end at the walls."""
+    run, axes = results["pulse"], figures["pulse", "xt"].axes[0]
+    for picture in axes.collections:
+        low, high = picture.get_clim()
+        drawn = picture.get_array()
+        assert drawn.min() >= 1.3 * low and drawn.max() <= 1.3 * high
+        assert high - low < 5 * np.ptp(drawn)
+    assert figures["rod", "xt"].axes[0].get_xlim() == pytest.approx((0, 6), abs=0.02)
+    assert fields.domain(run, run.layers[1:])[0] == pytest.approx(run.layers[1].x[:, 0].min())
 
 
-def test_profiles_show_the_extreme_and_no_flat_start(results, figures):
-    for name in ("u", "T", "p"):
-        quantity = next(q for q in quantities.PROFILES if q.name == name)
-        run, values = results["rod"], [quantity.values(layer) for layer in results["rod"].layers]
-        chosen, extreme = profiles.frames(run, quantity)
-        assert len(chosen) == 4 and chosen[0] > 0 and chosen[-1] == run.nframes - 1
-        rest = 1e5 if name == "p" else 300.0 if name == "T" else 0.0
-        assert extreme == np.argmax(np.max([np.nanmax(np.abs(v - rest), axis=1) for v in values], axis=0))
-        titles = [axes.get_title(loc="left") for axes in figures["rod", name].axes]
-        assert f"t = {run.time[extreme]:.4g} s, extreme" in titles
+def test_maps_are_on_the_grid_as_it_is(results):
+    run = results["blast"]
+    quantity, frame = quantities.chosen(run, ["p"])[0], run.nframes - 1
+    view, axes = fields.view_of(run, quantity, [0, frame]), Figure().subplots()
+    pictures = view.draw(axes, frame)
+    edges = [line.get_xydata() for line in axes.lines]
+    for layer, name in zip(run.layers, ("p", "s_xx"), strict=True):
+        of, corners = layer.frame(frame), pictures[layer.kind].get_coordinates()
+        assert np.array_equal(corners, np.stack([of["x"], of["y"]], -1))
+        assert np.array_equal(pictures[layer.kind].get_array().reshape(layer.shape), of[name])
+    for row in (0, -1):
+        face = np.stack([of["x"][row], of["y"][row]], axis=-1)
+        assert any(np.array_equal(edge, face) for edge in edges)
+    assert axes.get_ylim()[1] > of["y"].max() and axes.get_aspect() == 1.0
+    assert pictures["fluid"].get_cmap() != pictures["solid"].get_cmap()
 
 
-def test_the_domain_ends_where_it_ends(figures, results):
-    """The ghost points behind the walls, which come and go, are outside of what is shown."""
-    for name, ends in {"rod": (0, 6), "box": (0, 3)}.items():
-        shown = figures[name, "xt"].axes[0].get_xlim()
-        h = results[name].options["fsi_h"]
-        assert shown[0] <= ends[0] and shown[1] >= ends[1] and np.abs(np.subtract(shown, ends)).max() < 0.35 * h
-    back = results["piston"].layers[1].x[:, -1]
-    assert figures["piston", "xt"].axes[0].get_xlim()[1] == back.max()
+def test_ledgers_steps_and_residuals(results, figures):
+    run, ledgers = results["rod"], figures["rod", "ledgers"]
+    ((_, t, y),) = curves(labelled(ledgers, "change of energy  [10³ J/m²]"))
+    change = run.series["energy"] - run.summary["initial_energy"]
+    assert np.array_equal(t, run.series["t"]) and np.allclose(1e3 * y, change)
+    kept = curves(labelled(ledgers, "relative departure"))
+    assert [label for label, *_ in kept] == ["mass of 'below'", "momentum"]  # the upper end is open
+    for label, _, y in kept:
+        assert np.nanmax(y) == np.abs(series.departures(run)[label]).max() < 1e-2
+    ((_, _, y), *_) = curves(labelled(figures["rod", "interfaces"], "|residual|, stress"))
+    assert np.nanmax(y) == np.abs(run.series["residual_stress"][:, 0]).max()
+    steps = figures["rod", "steps"].axes[0]
+    assert np.abs(np.diff(run.series["dt"])).max() > 0.05 * run.series["dt"].mean()  # the comb
+    ((_, _, y),) = curves(steps)
+    assert np.abs(np.diff(y)).max() < 0.01 * y.mean()
+    named = [text.get_text() for text in steps.get_legend().get_texts()]
+    assert named == list(dict.fromkeys(what for _, what in run.summary["limits"])) and named
+    mass = curves(labelled(figures["blast", "ledgers"], "change of mass, 0 but for round-off"))
+    assert not mass[0][2].any()
 
 
-def test_nothing_happens_in_light_colors(figures):
-    """Two thirds of the rod's domain stay at rest: they are not to be black."""
-    for axes in figures["rod", "xt"].axes[:3]:
-        picture = axes.collections[-1]  # of the gas above
-        colors = picture.cmap(picture.norm(picture.get_array()))[..., :3]
-        assert np.median(colors @ [0.299, 0.587, 0.114]) > 0.6 or axes is figures["rod", "xt"].axes[0]
+def test_a_page_tells_the_story(figures):
+    for name in RUNS:
+        moved = "deflection" if name == "blast" else "displacement"
+        for word in (moved, "change of energy", "time step", "relative departure"):
+            assert labelled(figures[name, "page"], word).lines
 
 
-def test_frames_are_joined_smoothly():
-    time = np.array([0.0, 0.9, 2.0, 3.1, 4.0, 5.0])
-    rows = np.stack([np.sin(time), 2 * time, np.full(6, np.nan)], axis=1)
-    rows[2:4, 2] = 7.0
-    fine, t = space_time.refined(rows, time), space_time.refined(time[:, None], time)[:, 0]
-    parts = (len(fine) - 1) // 5
-    assert parts >= 40 and np.array_equal(fine[::parts][np.isfinite(rows)], rows[np.isfinite(rows)])
-    assert np.allclose(fine[:, 1], 2 * t)
-    assert np.abs(fine[:, 0] - np.sin(t)).max() < 0.5 * np.abs(np.interp(t, time, rows[:, 0]) - np.sin(t)).max()
-    assert np.nanmax(np.abs(fine[:, 2] - 7.0)) < 1e-14
+# commands
 
 
-def test_strain(results):
-    strain = next(q for q in quantities.PROFILES if q.name == "strain")
-    X = np.linspace(1, 2, 11)
-    assert np.allclose(strain.solid({"X": X, "x": 3 + 1.25 * X}), 0.25)
-    assert np.allclose(strain.solid({"X": X, "x": X**2}), 2 * X - 1)  # to its ends
-    layer = results["rod"].layers[1]
-    assert np.allclose(strain.values(layer, 3), strain.values(layer)[3], rtol=0, atol=1e-15)
-
-
-def test_steps_without_the_comb_before_saved_times(results, figures):
-    run = results["rod"]
-    dt, free = run.series["dt"], steps.unhurried(run)
-    assert np.abs(np.diff(dt)).max() > 0.05 * dt.mean()  # the comb is there
-    assert np.count_nonzero(~free) <= 2 * run.nframes
-    ((_, _, y),) = lines(figures["rod", "steps"].axes[0])
-    assert len(y) == free.sum() and np.abs(np.diff(y)).max() < 0.001 * y.mean()
-
-
-def test_balances_are_those_that_hold(results, figures):
-    from fsipetsc.cases import load_case
-    from fsipetsc.scheme.conservation_check import drifts
-
-    drawn = {name: [label for label, _, _ in lines(figures[name, "balance"].axes[0])] for name in ("rod", "box")}
-    assert drawn["rod"] == ["mass of 'below'", "momentum"]  # the upper end is open: nothing else is kept
-    assert drawn["box"][:4] == ["mass of 'left'", "mass of 'right'", "momentum along x", "energy"]
-    assert drawn["box"][-1] == "-fsi_check"
-    run = results["rod"]
-    initial = {name.removeprefix("initial_"): v for name, v in run.summary.items() if name.startswith("initial_")}
-    expected = drifts(load_case("rod").build(run.options).invariants, initial, run.series)
-    for label, _, y in lines(figures["rod", "balance"].axes[0]):
-        assert np.nanmax(y) == np.abs(expected[label]).max() < 1e-2
-
-
-def test_residuals_and_momentum(results, figures):
-    run = results["rod"]
-    for axes, name in zip(figures["rod", "residuals"].axes, interfaces.RESIDUALS):
-        for (_, _, y), column in zip(lines(axes), run.series[name].T):
-            size = np.abs(column)
-            assert not size.any() or np.nanmax(y) == size.max()
-    force, momentum = figures["rod", "momentum"].axes
-    for axes, name in ((force, "force"), (momentum, "momentum")):
-        ((_, t, y),) = lines(axes)
-        unit = 1e3 if "[kPa]" in axes.get_ylabel() else 1.0
-        assert np.array_equal(t, run.series["t"]) and np.allclose(unit * y, run.series[name])
-
-
-@pytest.mark.parametrize(
-    ("values", "unit", "label", "drawn"),
-    [
-        ([0.0, 2e5], "Pa", "q  [kPa]", [0.0, 200.0]),
-        ([300.0, 300.0004], "K", "q, less 300 K  [µK]", [0.0, 400.0]),
-        ([1000.0, 1200.0], "K", "q  [K]", [1000.0, 1200.0]),
-        ([2e-3, 4e-3], "kg/m³", "q  [10⁻³ kg/m³]", [2.0, 4.0]),
-        ([-1e5, -1e5 + 3], "Pa", "q, less -100000 Pa  [Pa]", [0.0, 3.0]),
-        ([5.0, 5.0], "K", "q  [K]", [5.0, 5.0]),
-        ([0.0, np.nan], "K", "q  [K]", [0.0, np.nan]),
-    ],
-)  # fmt: skip
-def test_scales(results, values, unit, label, drawn):
-    values = np.array(values)
-    scale = scales.scaled(results["rod"], "q", unit, values, start=values[:1])
-    assert scale.label == label
-    assert np.allclose(scale(values), drawn, rtol=1e-6, equal_nan=True)
-
-
-def test_interfaces_that_hardly_move_are_drawn_as_displacements():
-    x = np.array([[1.0, 2.0], [1.0 + 1e-5, 2.0]])
-    label, drawn = interfaces.moved("where", "how far", x)
-    assert label == "how far" and np.allclose(drawn, [[0, 0], [1e-5, 0]])
-    assert interfaces.moved("where", "how far", x * [[1], [1.5]])[0] == "where"
-
-
-def test_command_says_what_it_wrote(results, tmp_path):
-    done = solve("plot", results["box"].path, "-all", "-o", tmp_path / "new" / "folder")
-    assert done.returncode == 0 and done.stderr == ""
-    written = done.stdout.split()
-    assert sorted(written) == sorted(map(str, (tmp_path / "new" / "folder").iterdir())) and len(written) > 10
-    assert all(open(name, "rb").read(4) == b"\x89PNG" for name in written)
-
-
-def test_pictures_need_no_backend(results, tmp_path):
-    done = run("-m", "fsipetsc", "plot", results["piston"].path, "-o", tmp_path, env={"MPLBACKEND": "nosuch"})
-    assert (done.returncode, done.stderr) == (0, "")
-    assert list(tmp_path.glob("*.png"))
-
-
-def test_pictures_that_cannot_be_written(results):
-    with pytest.raises(FileError, match="cannot write"):
-        plot(results["box"].path, results["box"].path)
-
-
-def test_rows_of_a_picture_ascend(figures):
-    """pcolormesh needs cells that do not fold over."""
-    for name in ("rod", "piston"):
-        for picture in figures[name, "xt"].axes[1].collections:
-            x, t = np.moveaxis(picture._coordinates, -1, 0)
-            assert all((a < b).all() for a, b in pairwise(x.T)) and all((a < b).all() for a, b in pairwise(t))
-
-
-# the page
-
-
-@pytest.fixture(scope="module")
-def pages(results, tmp_path_factory):
-    """Name of a run -> its page, laid out."""
-    from fsipetsc.output.plots import page
-
-    drawn = {}
-    with matplotlib.rc_context(style.STYLE):
-        for name, result in results.items():
-            figure, faults = Figure(), []
-            FigureCanvasAgg(figure)
-            page.draw(figure, result, faults=faults)
-            assert faults == []
-            figure.canvas.draw()
-            drawn[name] = figure
-    return drawn
-
-
-def test_a_page_tells_the_story(results, pages):
-    """Maps of three fields, interfaces, energy, departures and what bounded the steps; no text on another."""
-    for name, figure in pages.items():
-        labels = [axes.get_ylabel() or axes.get_xlabel() for axes in figure.axes]
-        for word in ("change of energy", "time step", "interface"):
-            assert any(word in label for label in labels), (name, labels)
-        assert ("relative departure" in labels) == (name != "pulse" or bool(results[name].header["laws"]))
-        assert_texts_apart(name, figure)
-    steps_of = pages["rod"].axes[-1] if "time step" in pages["rod"].axes[-1].get_ylabel() else None
-    axes = steps_of or next(axes for axes in pages["rod"].axes if "time step" in axes.get_ylabel())
-    named = [text.get_text() for text in axes.get_legend().get_texts()]
-    assert named == list(dict.fromkeys(what for _, what in results["rod"].summary["limits"])) and named
-    begin = [patch.get_extents().x0 for patch in axes.patches]
-    assert begin == sorted(begin) and len(begin) == len(results["rod"].summary["limits"])
-    energy = next(axes for axes in pages["rod"].axes if "change of energy" in axes.get_ylabel())
-    ((_, _, y),) = lines(energy)
-    change = results["rod"].series["energy"] - results["rod"].summary["initial_energy"]
-    assert np.allclose(y / np.abs(y).max(), change / np.abs(change).max())
-
-
-def test_plot_in_the_format_of_the_name(results, tmp_path):
-    from fsipetsc.cli import main
-
+def test_plot_in_the_format_of_the_name(results, tmp_path, capsys):
     for name, begins in (("a.pdf", b"%PDF"), ("a.svg", b"<?xml"), ("a.png", b"\x89PNG")):
-        words = ["plot", results["box"].path, "--fields", "T,sigma", "--times", "0.1,0.5", "-o", str(tmp_path / "x" / name)]
-        assert main(words) == 0
-        assert (tmp_path / "x" / name).read_bytes().startswith(begins)
+        words = "--fields T,sigma --times 0.1,0.5 -o".split()
+        target = tmp_path / "x" / name
+        assert main(["plot", results["rod"].path, *words, str(target)]) == 0
+        assert target.read_bytes().startswith(begins)
     text = (tmp_path / "x" / "a.svg").read_text()
     assert "temperature T" in text and "stress" in text and "velocity" not in text
-    frames = {results["box"].time[results["box"].at(t)] for t in (0.1, 0.5)}
-    assert all(f"t = {t:.4g}" in text for t in frames)
+    assert "t = 0.1 s" in text and "t = 0.5 s" in text
+    capsys.readouterr()
+    assert main(["plot", results["rod"].path, "-all", "-o", str(tmp_path / "all")]) == 0
+    written = capsys.readouterr().out.split()
+    assert sorted(written) == sorted(map(str, (tmp_path / "all").iterdir()))
+    assert {f"rod-{name}.png" for name in USUAL} == {os.path.basename(path) for path in written}
 
 
 @pytest.mark.parametrize(
@@ -348,39 +344,60 @@ def test_plot_in_the_format_of_the_name(results, tmp_path):
         ("-fields q", "-fields q: expected some of u, T, p, rho, sigma, strain"),
         ("-times a", "-times a: expected times"),
         ("-all -animate", "-all and -animate are two things"),
-        ("-o x.jpg", "-o x.jpg: expected a name that ends with .png, .pdf, .svg"),
-        ("-o x.bmp", "-o x.bmp: expected a name that ends with .png, .pdf, .svg"),
-        ("-animate -o x.pdf", "expected a name that ends with .gif, .mp4"),
+        ("-o x.jpg", "-o x.jpg: expected a directory, or a name that ends with .png, .pdf, .svg"),
+        ("-all -o x.png", "-o x.png: expected a directory"),
+        ("-animate -o x.mp4", "expected a directory, or a name that ends with .gif"),
         ("-times", "-times needs times with commas"),
     ],
 )
 def test_plot_says_what_it_cannot_do(results, words, said, capsys):
-    from fsipetsc.cli import main
-
-    assert main(["plot", results["box"].path, *words.split()]) == 2
+    assert main(["plot", results["rod"].path, *words.split()]) == 2
     assert said in capsys.readouterr().err
 
 
-def test_films_need_ffmpeg_for_mp4_alone(results, tmp_path, monkeypatch, capsys):
-    from fsipetsc.cli import main
-    from fsipetsc.output.plots import animation
-
-    monkeypatch.setattr(animation.shutil, "which", lambda name: None)
-    monkeypatch.setitem(__import__("sys").modules, "imageio_ffmpeg", None)
-    assert main(["plot", results["pulse"].path, "-animate", "-o", str(tmp_path / "a.mp4")]) == 2
+@pytest.mark.parametrize("command", ["plot", "plot -animate", "report"])
+def test_a_file_where_a_directory_should_be(command, results, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "text").write_text("a text")
+    monkeypatch.setattr(film, "MOST", 2)
+    monkeypatch.setattr("fsipetsc.output.report._page", lambda _: "")
+    words = [*command.split(), "-o", "text"]
+    assert main([words[0], results["pulse"].path, *words[1:]]) == 4
     said = capsys.readouterr().err
-    assert "ffmpeg is not installed" in said and ".gif" in said and not list(tmp_path.iterdir())
+    assert "cannot write the " in said and said.endswith(": text is not a directory\n"), said
 
 
-def test_a_film_as_mp4(results, tmp_path):
-    from fsipetsc.output.plots.animation import animate, ffmpeg
+def test_a_name_that_is_too_long(tmp_path):
+    reason = "cannot write the picture: File name too long"
+    with pytest.raises(FileError, match=reason), writing(tmp_path / ("x" * 300) / "a.png"):
+        pass
 
-    try:
-        ffmpeg()
-    except fsipetsc.errors.InputError:
-        pytest.skip("no ffmpeg")
-    film = animate(results["pulse"].path, tmp_path / "a.mp4", ("u", "T"))
-    assert film.read_bytes()[4:8] == b"ftyp" and film.stat().st_size > 5000
-    (tmp_path / "taken.mp4").mkdir()
-    with pytest.raises(FileError, match="ffmpeg cannot write"):
-        animate(results["pulse"].path, tmp_path / "taken.mp4")
+
+def test_film(results, tmp_path):
+    done = solve("plot", results["blast"].path, "-animate", "-o", tmp_path)
+    assert (done.returncode, done.stdout.split()) == (0, [str(tmp_path / "blast.gif")])
+    with Image.open(tmp_path / "blast.gif") as moving:
+        assert moving.n_frames == results["blast"].nframes
+        first = np.asarray(moving.convert("RGB"))
+        moving.seek(moving.n_frames - 1)
+        last = np.asarray(moving.convert("RGB"))
+    assert first.shape == last.shape and (first != last).any(axis=-1).mean() > 0.1
+    for part in (0.9, 1.0):  # the bars have the colours of the maps up to their end
+        color = 255 * np.array(matplotlib.colormaps["RdBu_r"](part)[:3])
+        assert (np.abs(last - color).max(axis=-1) <= 8).any(), part
+
+
+def test_report(results, tmp_path):
+    """The slider has a picture for each frame; everything is in the page itself."""
+    run = results["pulse"]
+    assert main(["report", run.path, "-o", str(tmp_path)]) == 0
+    text = (tmp_path / "pulse.html").read_text()
+    (found,) = re.findall(r"const film = (\[.*?\]), times = (\[.*?\]);", text)
+    assert len(json.loads(found[0])) == run.nframes
+    assert json.loads(found[1])[:2] == ["t = 0 ms", "t = 0.25 ms"]
+    assert all(f"-{name}" in text for name in run.options)
+    told = [text.index(word) for word in ("<summary>summary", "time steps", "<summary>options")]
+    assert told == sorted(told)
+    sources = re.findall(r'src="([^"]*)"', text) + json.loads(found[0])
+    assert not re.search(r"href=[\"'](?!data:)|url\(|<link [^>]*stylesheet|<script src", text)
+    assert len(sources) > 10 and all(s.startswith("data:image/png;base64,") for s in sources)

@@ -13,7 +13,7 @@ pytest.importorskip("petsc4py")
 from fsipetsc.cases import load_case, shock
 from fsipetsc.operators.bands import band
 from fsipetsc.options import defaults
-from fsipetsc.output.plots.profiles import domain
+from fsipetsc.output.plots.fields import domain
 
 CASE = load_case("shock")
 
@@ -65,7 +65,8 @@ def test_errors_in_both_norms(results):
 
 def test_pictures_show_where_the_piston_was(results):
     """Not only from where it is at the end."""
-    left, right = domain(results("strong_4_0.02"))
+    run = results("strong_4_0.02")
+    left, right = domain(run, run.layers)
     assert left == 0.0 and right == pytest.approx(2.0)
 
 

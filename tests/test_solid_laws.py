@@ -1,4 +1,4 @@
-"""Laws of solids and their pressures: derivatives, objectivity, waves; a solid of them."""
+"""Laws of solids: derivatives, objectivity, waves; a solid of them."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def test_the_stress_is_the_derivative_of_the_energy(law, d):
 @pytest.mark.parametrize("d", [1, 2, 3])
 @pytest.mark.parametrize("law", LAWS)
 def test_all_laws_are_hookes_for_small_strains(law, d):
-    """With Lamé's constants, after the pressure -p_ref cof F is taken away; W = 0 without strain."""
+    """With Lamé's constants, but for the pressure -p_ref cof F; W = 0 without strain."""
     E = 1e-6 * strains(d, 1, 1.0)[0]  # not symmetric: a small rotation is no strain
     loaded, free = (law(MU, LAMBDA, p).stress(flat(np.eye(d) + E)) for p in (P_REF, 0.0))
     hooke = LAMBDA * np.trace(E) * np.eye(d) + MU * (E + E.T)
@@ -94,16 +94,11 @@ def test_a_rotation_changes_no_energy_and_turns_the_stress(law, d):
         assert np.abs(P @ F.T - F @ P.T).max() < 1e-13
 
 
-def test_a_rotation_is_a_strain_for_linear_elasticity():
-    assert LinearElastic(MU, LAMBDA, 0.0).energy(flat(rotation(2))) > 0.1
-
-
 def test_the_log_law_in_one_dimension():
     law = Log(MU, LAMBDA, P_REF)
     for F in (0.3, 1.0, 2.5):
-        assert law.stress((F,))[0] == pytest.approx(
-            (2 * MU + LAMBDA) * np.log(F) - P_REF, rel=1e-14
-        )
+        wanted = (2 * MU + LAMBDA) * np.log(F) - P_REF
+        assert law.stress((F,))[0] == pytest.approx(wanted, rel=1e-14)
 
 
 @pytest.mark.parametrize("d", [1, 2, 3])
@@ -122,75 +117,12 @@ def test_no_wave_is_faster_than_the_modulus_says(law, d):
     assert unit == pytest.approx(2.0 * MU + LAMBDA, rel=1e-14)
 
 
-def test_the_modulus_of_one_dimension_is_exact():
-    for law in LAWS:
-        law = law(MU, LAMBDA, 0.0)
-        for F in (0.8, 1.2):
-            slope = slopes(lambda G: law.stress(flat(G))[0], np.array([[F]]))[0, 0]  # noqa: B023
-            assert law.wave_modulus((F,)) >= slope * (1 - 1e-9)
-            if isinstance(law, (Log, LinearElastic)):
-                assert law.wave_modulus((F,)) == pytest.approx(slope, rel=1e-8)
-
-
-# pressures
-
-
-def test_mie_gruneisen_is_that_of_the_hugoniot():
-    c_0, s, G_0, T_0 = 2.0, 1.4, 1.1, 0.8
-    law = mie_gruneisen(c_0, s, G_0, T_0)
-    assert law.pressure(1.0, T_0, M0, ALPHA) == 0.0
-    for J, T in ((0.9, 1.0), (1.05, 0.7)):
-        eta = 1.0 - J
-        p_H = M0 * c_0**2 * eta / (1.0 - s * eta) ** 2
-        energy_H = ALPHA * T_0 + p_H * eta / (2.0 * M0)
-        assert law.pressure(J, T, M0, ALPHA) == pytest.approx(
-            p_H + G_0 * M0 * (ALPHA * T - energy_H), rel=1e-13
-        )
-    # across a shock of velocity u: mass 1 - J = u/U, p = m0 U u, energy p (1 - J)/(2 m0)
-    u = 0.3
-    U = c_0 + s * u
-    T = T_0 + M0 * U * u * (u / U) / (2.0 * M0) / ALPHA
-    assert law.pressure(1.0 - u / U, T, M0, ALPHA) == pytest.approx(M0 * U * u, rel=1e-13)
-
-
-def test_gruneisen_and_stiffened_pressures():
-    assert gruneisen(1.2).pressure(0.8, 3.0, M0, ALPHA) == pytest.approx(
-        1.2 * (M0 / 0.8) * ALPHA * 3.0
-    )
-    gamma, p_inf, T_0, p_0 = 1.6, 2.0, 0.9, 0.3
-    law = stiffened_pressure(gamma, p_inf, T_0, p_0)
-    assert law.pressure(1.0, T_0, M0, ALPHA) == pytest.approx(p_0)
-    J, T, step = 0.8, 1.1, 1e-6
-    rho, p = M0 / J, law.pressure(J, T, M0, ALPHA)
-    heat = (gamma - 1.0) * rho * ALPHA  # p_T, of p = (gamma - 1) rho (epsilon - q) - gamma p_inf
-    assert law.pressure(J, T + step, M0, ALPHA) - p == pytest.approx(heat * step, rel=1e-6)
-    by_J = (law.pressure(J + step, T, M0, ALPHA) - law.pressure(J - step, T, M0, ALPHA)) / (
-        2 * step
-    )
-    assert by_J == pytest.approx(-(p + gamma * p_inf) / J, rel=1e-8)
-
-
-def test_wrong_numbers_of_pressures():
-    with pytest.raises(InputError, match="expected G_0 of at most 4 s"):
-        mie_gruneisen(1.0, 0.1, 1.0, 1.0)
-    with pytest.raises(InputError, match="gruneisen: G"):
-        gruneisen(-1.0)
-    with pytest.raises(InputError, match="stiffened_pressure: gamma"):
-        stiffened_pressure(1.0, 1.0, 1.0)
-
-
 # a solid of them
 
 
 def solid(**more):
-    numbers = {
-        "mu_e": MU,
-        "lambda_e": LAMBDA,
-        "kappa_e": 0.7,
-        "m0": M0,
-        "alpha": ALPHA,
-        "p_ref": P_REF,
-    }
+    numbers = {"mu_e": MU, "lambda_e": LAMBDA, "kappa_e": 0.7, "m0": M0, "alpha": ALPHA}
+    numbers |= {"p_ref": P_REF}
     return ElasticSolid(**numbers | more)
 
 
@@ -220,7 +152,6 @@ def test_the_pressure_is_part_of_the_stress(d, pressing):
     wanted = tensor(law_in(d).stress(flat(F))) - p * J * np.linalg.inv(F).T
     found = tensor(solid(pressing=pressing).equations(d).stress_at(flat(F), T))
     assert np.abs(found - wanted).max() < 1e-13
-    assert solid(pressing=pressing).pressure(T, J) == p
 
 
 @pytest.mark.parametrize("d", [1, 2, 3])
@@ -256,44 +187,21 @@ def test_no_wave_at_constant_entropy_is_faster_than_the_modulus_says(d, pressing
             assert speeds.max() <= bound * (1.0 + 1e-4)
 
 
-def test_the_speed_of_sound_in_one_dimension():
-    """That of the linearised equations, of each pressure."""
-    for pressing in (None, *PRESSURES):
-        made = solid(pressing=pressing, p_ref=0.0)
-        equations, x_X, T = made.equations(1), 0.9, 1.3
-        sigma = made.stress((x_X,))[0]
-        P, step = equations.stress_at((x_X,), T)[0], 1e-6
-        heat = P * step / (M0 * ALPHA)
-        ahead, behind = (equations.stress_at((x_X + s * step,), T + s * heat)[0] for s in (1, -1))
-        c = np.sqrt((ahead - behind) / (2 * step) / M0)
-        assert made.sound_speed(x_X, T, sigma) == pytest.approx(c, rel=1e-6)
-    liquid = solid(mu_e=1e-12, lambda_e=0.0, pressing=stiffened_pressure(1.6, 2.0, 0.9, 0.3))
-    rho, p = M0 / 0.9, liquid.pressure(1.3, 0.9)
-    assert 0.9 * liquid.sound_speed(0.9, 1.3, 0.0) == pytest.approx(
-        np.sqrt(1.6 * (p + 2.0) / rho), rel=1e-7
-    )
-    assert solid(pressing=mie_gruneisen(2.0, 1.4, 1.1, 0.8), mu_e=1e-12, lambda_e=0.0).sound_speed(
-        1.0, 0.8, 0.0
-    ) == pytest.approx(2.0, rel=1e-7)
+WRONG = {
+    "law is 'rubber': expected 'log', 'neo-hookean', 'svk', 'linear'": {"law": "rubber"},
+    "law is 3: expected what solid_law": {"law": 3},
+    "heat is 'none': expected 'coupled' or 'elastic'": {"heat": "none"},
+    "mu_e and lambda_e are 0": {"mu_e": 0.0, "lambda_e": 0.0},
+    "kappa_e is nan": {"kappa_e": float("nan")},
+    "pressing is 3: expected what pressure_law": {"pressing": 3},
+    "force is": {"force": (1.0,) * 4},
+}
 
 
-@pytest.mark.parametrize(
-    ("wrong", "said"),
-    [
-        ({"law": "rubber"}, "law is 'rubber': expected 'log', 'neo-hookean', 'svk', 'linear'"),
-        ({"law": 3}, "law is 3: expected what solid_law"),
-        ({"heat": "none"}, "heat is 'none': expected 'coupled' or 'elastic'"),
-        ({"mu_e": 0.0, "lambda_e": 0.0}, "mu_e and lambda_e are 0"),
-        ({"m0": 0.0}, "m0"),
-        ({"alpha": -1.0}, "alpha"),
-        ({"kappa_e": float("nan")}, "kappa_e"),
-        ({"pressing": 3}, "pressing is 3: expected what pressure_law"),
-        ({"force": (1.0,) * 4}, "force"),
-    ],
-)
-def test_what_is_no_solid(wrong, said):
+@pytest.mark.parametrize("said", WRONG)
+def test_what_is_no_solid(said):
     with pytest.raises(InputError, match=said):
-        solid(**wrong)
+        solid(**WRONG[said])
 
 
 def test_a_force_has_as_many_numbers_as_there_are_dimensions():

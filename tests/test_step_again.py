@@ -17,10 +17,11 @@ class Run:
 
     def __init__(self, longest):
         self.y, self._before = SimpleNamespace(array=np.ones(3)), np.zeros(3)
-        self._fused, self.results = SimpleNamespace(step=self.step), np.zeros(BAD + 1)
+        self.scheme, self.results = SimpleNamespace(step=self.step), np.zeros(BAD + 1)
+        self._stage = None
         self.evaluations, self.retries, self.longest, self.made = 0, 0, longest, []
 
-    def step(self, t, dt, y):
+    def step(self, t, dt, y, stage):
         self.made.append((t, dt))
         y.array += dt if dt <= self.longest else np.nan
 

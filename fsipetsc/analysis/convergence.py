@@ -81,7 +81,7 @@ def study(
 
     opt: options in force, those of this command included. given: names of those that the user gave.
     """
-    from fsipetsc.output.plots.convergence import convergence_figures
+    from fsipetsc.output.plots.studies import convergence_figures
     from fsipetsc.stepping.solve import build_problem, check_begin
 
     check_begin(opt)

@@ -84,7 +84,7 @@ def flutter(arguments: list[str], comm: MPI.Comm) -> None:
     case = load_case("panel")
     given = start_petsc(arguments, comm)
     from fsipetsc.analysis.flutter_theory import CRITICAL
-    from fsipetsc.output.plots.flutter import flutter_figure
+    from fsipetsc.output.plots.studies import flutter_figure
     from fsipetsc.stepping.solve import build_problem, check_begin, make_state  # PETSc has been started
 
     opt = read_options(case, given, OPTIONS)
@@ -190,7 +190,7 @@ def onset_table(runs: Sequence[FlutterRun], mass: float, thickness: float) -> st
 def curves(runs: Sequence[FlutterRun], mass: float) -> list[Any]:
     """What the picture shows: runs, and a thin panel in quasi-steady flow."""
     from fsipetsc.analysis.flutter_theory import Flow
-    from fsipetsc.output.plots.flutter import Curves
+    from fsipetsc.output.plots.studies import Curves
 
     found = []
     for mach, own in good_runs(runs).items():

@@ -208,7 +208,7 @@ def _heating(results: Sequence[Result]) -> list[str]:
 def save(opt: Mapping[str, Any], results: Sequence[Result]) -> list[Path]:
     """Write the table and, in one dimension, the picture of a sweep; returns their paths. FileError."""
     from fsipetsc.analysis.spectra import Result
-    from fsipetsc.output.plots.stability import sweep_figure
+    from fsipetsc.output.plots.studies import sweep_figure
 
     plane = results[0].energy != results[0].energy
     base = opt["fsi_output"] or f"stability-{'plane' if plane else opt['fsi_coupling']}"

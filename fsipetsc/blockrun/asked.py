@@ -48,7 +48,6 @@ class Forced:
     part: Any
     faces: Any
     X: Array
-    metrics: Array
     _owned: Array
     _asked: Asked
 
@@ -71,8 +70,8 @@ class Forced:
         return self._forcing
 
     def refresh(self, t: float) -> None:
-        """Data of the ends and of the forcing at time t [s], in one dimension."""
-        self.faces.refresh(t, self.metrics)
+        """Data of faces and of the forcing at time t [s]."""
+        self.faces.refresh(t)
         for row, values in zip(self._forcing, self.ask(t), strict=False):
             row[:] = values
 

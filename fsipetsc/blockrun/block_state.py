@@ -2,7 +2,7 @@
 
 It has the names that stepping.run, stepping.integrator and the writer ask for: ``solution``,
 ``results``, ``journal``, ``right_hand_side``, ``finish``, ``save`` …; the equations are those of
-fsipetsc.blockrun.block_scheme.
+fsipetsc.blockrun.scheme.
 """
 
 from __future__ import annotations
@@ -21,7 +21,6 @@ from fsipetsc.blockrun.columns import OF_INTERFACES, fields_of, gained, step_rec
 from fsipetsc.blockrun.errors_of_blocks import errors
 from fsipetsc.blockrun.failures import describe_failure
 from fsipetsc.blockrun.first_look import first_notes
-from fsipetsc.blockrun.fused import FusedRK4
 from fsipetsc.blockrun.recorded_nodes import Recorded, Recorder
 from fsipetsc.blockrun.run_problem import RunProblem
 from fsipetsc.checks import counted
@@ -31,7 +30,6 @@ from fsipetsc.parallel.block_layout import BlockLayout, BlockVector, halos_of
 from fsipetsc.parallel.natural_order import NaturalOrder
 from fsipetsc.process.together import agree, together, wait_asleep
 from fsipetsc.scheme.after_step import WORDS, note_extremes
-from fsipetsc.scheme.block_look import CONVECTION
 from fsipetsc.scheme.burst import DT, MADE, plan_next
 from fsipetsc.scheme.plan import BAD, BURST, FLAGS, LIMITS, RATE, SAID_STOP
 from fsipetsc.scheme.runge_kutta import STAGES, advance
@@ -63,12 +61,10 @@ class BlockForm(NamedTuple):
 
 
 def make_scheme(*arguments: Any) -> Any:
-    """The scheme of a layout, and so on: see fsipetsc.blockrun.block_scheme. Collective."""
-    from fsipetsc.blockrun.block_scheme import Scheme
-    from fsipetsc.blockrun.line_scheme import LineScheme
+    """The scheme of a layout, and so on: see fsipetsc.blockrun.scheme. Collective."""
+    from fsipetsc.blockrun.scheme import Scheme
 
-    layout = arguments[0]
-    return (LineScheme if layout.problem.dimension == 1 else Scheme)(*arguments)
+    return Scheme(*arguments)
 
 
 def _call_all(scheme: Any, y: BlockVector, t: float) -> None:
@@ -77,13 +73,9 @@ def _call_all(scheme: Any, y: BlockVector, t: float) -> None:
     scheme.stretch(t, y)
     scheme.complete(t, y)
     scheme.rates(t, y, np.zeros_like(y.array))
-    scheme.bounds(t, y)
-    scheme.integrals(t, y)
-    problem = scheme.layout.problem
+    scheme.look(y)
     for part in scheme.layout.parts:
         scheme.fields(t, y, part.k)
-        if problem.dimension == 1 and problem.blocks[part.k].kind == "solid":
-            scheme.at_end(y, part.k, 0, np.zeros((len(OF_INTERFACES), 2))[:, 0])
 
 
 class BlockState:
@@ -119,34 +111,25 @@ class BlockState:
         self._stage = self.layout.vector()
         size = (self.layout.local_size, None)
         self.solution = PETSc.Vec().createWithArray(self.y.array, size=size, comm=comm)
-        self.results = np.zeros(FLAGS + LIMITS)  # until there are records
-        self.scheme = together(
-            comm, lambda: make_scheme(self.layout, problem, order, form, self._instant)
-        )
-        for name in ("complete", "rates", "bounds", "integrals"):
-            setattr(self.scheme, name, logged(f"fsi {name}", getattr(self.scheme, name)))
-        self._fused = FusedRK4(self.layout, self.scheme, self._stage)
-        self._before, self.retries = np.empty_like(self.y.array), 0
-        more, interfaces = getattr(self.scheme, "more", ()), len(problem.interfaces)
-        self._recorded = tuple(recorded)
-        record = step_record(len(blocks), gases, d, interfaces, len(self._recorded), more)
-        self._ends = list(self._interface_ends()) if d == 1 else []
+        self._recorded, interfaces = tuple(recorded), len(problem.interfaces)
         self._recorder = Recorder(self, self._recorded)
-        self._lay_records(record)
-        self._extremes = np.zeros(1 + WORDS * len(blocks))
-        self.rates = np.zeros((len(blocks), 2))
-        self.scheme.attach(self._columns, self._ends, comm.size == 1)
-        if self.scheme.alone:
-            self._lay_steps()
+        record = step_record(len(blocks), gases, d, interfaces, len(self._recorded))
+        self._lay_records(record, len(blocks))
+        self._before, self.retries = np.empty_like(self.y.array), 0
+        self.scheme = together(comm, lambda: self._made(self.layout, comm.size == 1))
+        self.scheme.attach(self.y.array, self._stage.array, *self._words())
+        for name in ("complete", "rates", "look"):
+            setattr(self.scheme, name, logged(f"fsi {name}", getattr(self.scheme, name)))
         self.evaluations, self._t = 0, 0.0
         self.fault: InputError | None = None  # of a user's function, on this rank
         self._orders = self._make_orders()
 
-    def _lay_records(self, record: np.dtype) -> None:
+    def _lay_records(self, record: np.dtype, blocks: int) -> None:
         """Flags, what a burst of steps is told, and the records of steps."""
         row = record.itemsize // 8
         self.results, self.burst = np.zeros(FLAGS + LIMITS), np.zeros(BURST)
         self._rows, self._latest = np.zeros((KEPT, row)), np.zeros(row - 2)
+        self._extremes, self.rates = np.zeros(1 + WORDS * blocks), np.zeros((blocks, 2))
         self.journal = self._rows.reshape(-1).view(record)
         own = np.dtype([(name, record[name]) for name in record.names[2:]])
         self.latest = self._latest.view(own)[0]
@@ -154,16 +137,24 @@ class BlockState:
         begins = {name: own.fields[name][1] // 8 for name in own.names}
         sizes = {name: own[name].itemsize // 8 for name in own.names}
         self._columns = {name: slice(at, at + sizes[name]) for name, at in begins.items()}
-        first = begins.get(OF_INTERFACES[0], 0)
-        count = len(OF_INTERFACES) * sizes.get(OF_INTERFACES[0], 0)
-        self._at_ends = self._latest[first : first + count].reshape(len(OF_INTERFACES), -1)
 
-    def _lay_steps(self) -> None:
-        """Memory of many steps in one call, and what they fill."""
-        k, total = np.zeros_like(self.y.array), np.zeros_like(self.y.array)
-        memory = self.y.array, self._stage.array, k, total, self._before
-        words = self._extremes, self.rates, self.results, self._latest, self._at_ends, self._pace
-        self.scheme.attach_steps(memory, words, self.burst, self._rows)
+    def _words(self, scratch: bool = False) -> tuple[Any, ...]:
+        """What a look and steps in one call fill: see fsipetsc.scheme.steps.Found, after gain; or
+        other memory of this kind.
+        """
+        latest = self._latest.copy() if scratch else self._latest
+        first = self._columns.get(OF_INTERFACES[0], slice(0, 0))
+        size = len(OF_INTERFACES) * (first.stop - first.start)
+        at_ends = latest[first.start : first.start + size].reshape(len(OF_INTERFACES), -1)
+        words = self._extremes, self.rates, self.results, latest, at_ends, self._pace
+        return *words, self.burst, self._rows
+
+    def _made(self, layout: BlockLayout, alone: bool) -> Any:
+        """The scheme on all ranks of a layout."""
+        line = self.problem.dimension == 1 and layout is self.layout
+        ends = list(self._interface_ends()) if line else []
+        form = self._order, self._form, self._instant
+        return make_scheme(layout, self.problem, *form, self._columns, ends, alone)
 
     def _interface_ends(self) -> Iterator[tuple[int, int, int, float]]:
         """Of interfaces in one dimension with the solid's end here: number, block, row, X."""
@@ -228,13 +219,13 @@ class BlockState:
     def _try_scheme(self) -> None:
         """Call all of the scheme once. On rank 0."""
         if self.comm.size == 1:
-            _call_all(self.scheme, self._stage, 0.0)
+            _call_all(self.scheme, self.y, 0.0)
+            self.y.behind[:] = 0.0
         elif self.points <= MOST_ALONE:
             behind = self.layout.behind
             alone = BlockLayout(MPI.COMM_SELF, self.problem, self._order, self._halos, behind=behind)
-            y = alone.vector()
-            scheme = make_scheme(alone, self.problem, self._order, self._form, self._instant)
-            scheme.attach(self._columns, [], False)
+            y, scheme = alone.vector(), self._made(alone, False)
+            scheme.attach(y.array, np.zeros_like(y.array), *self._words(scratch=True))
             _call_all(scheme, y, 0.0)
             scheme.destroy()
             y.destroy()
@@ -319,6 +310,7 @@ class BlockState:
         made = self.burst[MADE]
         found = self.scheme.steps(t, dt)
         self._t = found[1]
+        self._fill_halos()
         self.evaluations += STAGES * max(int(self.burst[MADE] - made), int(found[0]))
         return found
 
@@ -329,7 +321,7 @@ class BlockState:
             for part in range(parts):
                 self.evaluations += STAGES
                 begin = t + dt * part / parts
-                self._guarded(partial(self._fused.step, begin, dt / parts, self.y))
+                self._guarded(partial(self.scheme.step, begin, dt / parts, self.y, self._stage))
             self._t = t + dt
             self._look()
             if self.results[BAD] == 0.0 or parts == PARTS[-1]:
@@ -345,27 +337,21 @@ class BlockState:
 
     def _look(self) -> None:
         """What is known of the completed solution: bounds of all ranks, shares of the integrals."""
-        self.y.begin()
-        self.y.end()
+        self._fill_halos()
         self._keep_fault(getattr(self.scheme, "fault", None))
-        found = self.scheme.bounds(self._t, self.y)
-        found[:, CONVECTION] *= self._pace
-        self._extremes[1:].reshape(-1, WORDS)[:, : found.shape[1]] = found
-        self._extremes[0], self._latest[:] = self.results[SAID_STOP], 0.0  # of shares, another's
+        self.scheme.look(self.y)
+        self._extremes[0] = self.results[SAID_STOP]
         if self.comm.size > 1:
             self.comm.Allreduce(MPI.IN_PLACE, self._extremes, MPI.MAX)
         note_extremes(self._extremes, self.rates, self.results, self._latest)
-        for name, share in self.scheme.integrals(self._t, self.y).items():
-            self._latest[self._columns[name]] = share
-        self._at_ends[:] = 0.0  # of those that other ranks have
-        for number, k, row, X in self._ends:
-            at_end = self._at_ends[:, number]
-            self.scheme.at_end(self.y, k, row, at_end)
-            at_end[0] += X
         self._recorder.look(self.latest)
         came = self.y.behind  # in the order of the last columns
         self._latest[self._latest.size - came.size :] = came
         came[:] = 0.0
+
+    def _fill_halos(self) -> None:
+        self.y.begin()
+        self.y.end()
 
     def _instant(self) -> float:
         """A time [s] in which little happens, for differences in time."""
@@ -377,8 +363,7 @@ class BlockState:
     def _reload(self) -> None:
         """What the scheme derives from a completed solution follows it, which stays as it is."""
         self._load_stage(self.y.array)
-        self.y.begin()
-        self.y.end()
+        self._fill_halos()
 
     def capture(self) -> dict[str, np.ndarray] | None:
         """See fsipetsc.blockrun.snapshot.capture."""

@@ -1,4 +1,4 @@
-"""What passes the faces of this rank's parts of blocks: lists of nodes and data for
+"""What passes the faces of this rank's parts of blocks: lists of nodes and their data, for
 fsipetsc.scheme.faces.
 """
 
@@ -16,9 +16,7 @@ from fsipetsc.blocks.metrics import Wide, curl_metrics
 from fsipetsc.blocks.problem import Meeting
 from fsipetsc.blocks.values import checked
 from fsipetsc.parallel.block_layout import Part
-from fsipetsc.scheme import faces
-from fsipetsc.scheme.faces import Face
-from fsipetsc.scheme.line_terms import AbsorbingEnd, Closed, HeatedEnd, LoadedEnd, OpenEnd
+from fsipetsc.scheme.faces import Closed, GasFaces, SolidFaces
 
 Array = NDArray[Any]
 
@@ -26,106 +24,73 @@ Array = NDArray[Any]
 class FaceTerms:
     """Terms of the faces of one part of a block that have a condition, or interfaces with jumps.
 
-    equations: of the block. inertia: (ghosted nodes,), J0 m0 of a solid, 1 of a gas. reference: (d,
-    ghosted nodes) places X in the reference map. asked: has the data of the case.
+    X: (d, ghosted nodes) places in the reference map. asked: has the data of the case. record: for
+    compiled code, once `refresh` has filled it. timed: data depend on time.
 
     In three dimensions the pressure p_ref under which a solid is free of strain is no part of its
     stress: -p_ref cof F would not be at rest with a gas. Faces to gas, and those with a traction of
-    their own, get p_ref n(x) instead, n in the curl form that the gas has.
+    their own, get p_ref n(x) instead, n in the curl form that the gas has, which `turn` finds.
     """
 
-    def __init__(
-        self,
-        problem: Any,
-        part: Part,
-        order: int,
-        equations: Any,
-        inertia: Array,
-        reference: Array,
-        asked: Asked,
-    ) -> None:
-        self._part, self._equations, self._inertia = part, equations, inertia
-        self._reference, self._asked, self._jumps = reference, asked, problem.jumps
+    def __init__(self, problem: Any, part: Part, order: int, X: Array, asked: Asked) -> None:
+        self._part, self._asked, self._jumps = part, asked, problem.jumps
         self._d, self._gas = problem.dimension, problem.blocks[part.k].kind == "fluid"
         self.p_ref = _left_out(problem.blocks[part.k])
-        self._turned: dict[int, TurnedFace] = {}
-        self._faces: list[tuple[Any, Face, Array]] = []
-        self._acting: list[tuple[Any, Face]] = []  # with faces that have no node here
+        self._turned: list[tuple[slice, TurnedFace]] = []
+        self._faces: list[tuple[Any, Array, slice]] = []
+        acts, listed, count = False, [_nodes_of(part, np.empty(0, np.int64), 0, 0)], 0
         for (axis, side), condition in problem.faces_of(part.k).items():
             interface = isinstance(condition, Meeting) and problem.is_interface(part.k, axis, side)
             supplied = interface and not self._gas and self._jumps is not None
             loaded = _unheld(condition) and self.p_ref not in (0.0, _beyond(problem, condition))
-            if supplied or loaded or _acts(condition):
-                face = face_of(problem, part, axis, side)
-                self._acting.append((condition, face))
-                if face.owned.size:
-                    places = problem.places(part.k, part.numbers[face.owned])
-                    self._faces.append((condition, face, places))
-                    if self._d == 3 and not self._gas:
-                        turned = TurnedFace(problem, part, order, axis, side)
-                        self._turned[len(self._faces) - 1] = turned
+            if not (supplied or loaded or _acts(condition)):
+                continue
+            acts = True  # on all ranks of the block, for these compile the same
+            listed.append(_nodes_of(part, problem.face_nodes(part.k, axis, side), axis, side))
+            own = listed[-1][1]
+            where, count = slice(count, count + own.size), count + own.size
+            if own.size:
+                self._faces.append((condition, problem.places(part.k, part.numbers[own]), where))
+            if own.size and self._d == 3 and not self._gas:
+                self._turned.append((where, TurnedFace(problem, part, order, axis, side)))
+        nodes = [np.concatenate(values) for values in zip(*listed, strict=True)]
+        self.record = self._record(nodes, X) if acts else Closed()
         meets = [isinstance(condition, Meeting) for condition, _, _ in self._faces]
         still = all(meeting or steady(c) for (c, _, _), meeting in zip(self._faces, meets))
         self.timed = not still or (any(meets) and self._jumps is not None)
 
+    def _record(self, nodes: list[Array], X: Array) -> Any:
+        """Memory for the data of the nodes."""
+        n, d = nodes[0].size, self._d
+        flags, (a, b, c) = np.zeros(n, np.int64), np.zeros((3, n))
+        if self._gas:
+            return GasFaces(*nodes, flags, np.zeros((n, d + 2)), a, b)
+        return SolidFaces(*nodes, flags, np.zeros((n, d)), a, b, c, np.zeros((n, d)), X)
+
     def ask(self, t: float) -> list[dict[str, Array]]:
         """Data of all faces at time t [s]. InputError the first time."""
         key, instant = ("faces", self._part.k), t if self.timed else None
-        return self._asked(key, instant, lambda: [self._data(c, X, t) for c, _, X in self._faces])
+        return self._asked(key, instant, lambda: [self._data(c, X, t) for c, X, _ in self._faces])
 
-    def add(self, t: float, q: Array, metrics: Array, rates: Array, gain: Array) -> None:
-        """Add all terms at time t [s] to ``rates`` (owned, dof) and ``gain`` (d + 2,); q: (ghosted,
-        dof).
-        """
-        pairs = zip(self._faces, self.ask(t), strict=True)
-        for number, ((_, face, _), found) in enumerate(pairs):
-            if "outside" in found:
-                arguments = found["outside"], found["pressure"], rates, gain
-                faces.open_face(self._equations.law, face, q, metrics, *arguments)
-            if not self._gas:
-                forces = self._forces(number, found, q, metrics)
-                faces.push_face(face, forces, q, self._inertia, rates, gain)
-            if "heat" in found:
-                heat = found["heat"] * self._areas(face, metrics)
-                column = rates.shape[1] - 1
-                faces.heat_face(face, heat, self._inertia, rates, column, gain)
+    def refresh(self, t: float) -> None:
+        """Fill the record with data at time t [s]."""
+        record = self.record
+        for (condition, _, at), found in zip(self._faces, self.ask(t), strict=True):
+            record.heat[at] = found.get("heat", 0.0)
+            record.pressure[at] = found.get("pressure", 0.0)
+            if self._gas:
+                record.opens[at] = "outside" in found
+                record.outside[at] = found.get("outside", 0.0)
+                continue
+            record.pressure[at] -= self.p_ref * _unheld(condition)
+            record.traction[at] = found.get("traction", 0.0)
+            record.absorbs[at] = "stress" in found
+            record.stress[at] = found.get("stress", 0.0)
 
-    def line(self, nodes: int) -> list[Any]:
-        """What is at both ends in one dimension, for fsipetsc.scheme.line_terms, once `refresh`
-        has filled it; the same records on all ranks of the block, for numba compiles for them.
-        nodes: of the ghosted array.
-        """
-        self._ends: list[Any] = [Closed(), Closed()]
-        for condition, face in self._acting:
-            heat = np.zeros(face.owned.size)
-            forces, stress, outside = heat[:, None].copy(), heat.copy(), np.zeros((heat.size, 3))
-            if not self._gas and isinstance(condition, Absorbing):
-                band = self._part.bands[0]
-                of_band = band.S, band.weight, np.zeros((1, nodes))
-                end: Any = AbsorbingEnd(face, forces, heat, stress, *of_band)
-            elif not self._gas:
-                end = LoadedEnd(face, forces, heat)
-            elif isinstance(condition, (Open, Outflow)):
-                end = OpenEnd(face, outside, stress)
-            else:
-                end = HeatedEnd(face, heat)
-            self._ends[int(face.sign > 0.0)] = end
-        return self._ends
-
-    def refresh(self, t: float, metrics: Array) -> None:
-        """Fill the arrays of the ends with data at time t [s]."""
-        for (_, face, _), found in zip(self._faces, self.ask(t), strict=True):
-            end, area = self._ends[int(face.sign > 0.0)], self._areas(face, metrics)
-            if "outside" in found:
-                end.outside[:], end.pressure[:] = found["outside"], found["pressure"]
-            if "stress" in found:
-                end.stress[:] = found["stress"]
-            if not self._gas:
-                forces = found.get("traction", 0.0 * end.forces) * area[:, None]
-                pressure = np.broadcast_to(found.get("pressure", 0.0), area.shape)
-                end.forces[:] = forces - face.sign * pressure[:, None]
-            if "heat" in found:
-                end.heat[:] = found["heat"] * area
+    def turn(self, q: Array) -> None:
+        """Area vectors of a solid's faces where it is now, in three dimensions; q: (ghosted, 7)."""
+        for at, face in self._turned:
+            self.record.normal[at] = face(q)
 
     def _data(self, condition: Any, X: Array, t: float) -> dict[str, Array]:
         """What a face is given."""
@@ -148,35 +113,6 @@ class FaceTerms:
         if getattr(condition, "heat_flux", None) is not None:
             found["heat"] = datum(condition, "heat_flux", X, t)
         return found
-
-    def _areas(self, face: Face, metrics: Array) -> Array:
-        """(n,) of a gas where it is now, of a solid at rest."""
-        at = metrics[face.axis * self._d : (face.axis + 1) * self._d, face.ghosted]
-        return np.sqrt((at * at).sum(axis=0))
-
-    def _forces(
-        self, number: int, found: dict[str, Array], q: Array, metrics: Array
-    ) -> Array:
-        """(n, d) on a face of a solid."""
-        condition, face, _ = self._faces[number]
-        forces = np.zeros((face.ghosted.size, self._d))
-        if "traction" in found:
-            forces += found["traction"] * self._areas(face, metrics)[:, None]
-        if "stress" in found:
-            F = strain(self._part, face.ghosted, metrics, q)
-            arguments = F, found["stress"], q, metrics, forces
-            faces.absorb(self._equations, (0.0,) * self._d, face, *arguments)
-        pressure = found.get("pressure", 0.0) - self.p_ref * _unheld(condition)
-        if np.any(pressure):
-            if self._d == 3:
-                normals = self._turned[number](q)
-            else:
-                axes = [axis for axis in range(self._d) if axis != face.axis]
-                nodes, X = face.ghosted, self._reference
-                tangents = [slope(self._part, axis, nodes, q, X) for axis in axes]
-                normals = faces.area_vectors(face, tangents)
-            forces -= np.broadcast_to(pressure, len(normals))[:, None] * normals
-        return forces
 
 
 class TurnedFace:
@@ -229,24 +165,6 @@ def _beyond(problem: Any, condition: Any) -> float:
     return 0.0
 
 
-def slope(part: Part, axis: int, nodes: Array, q: Array, X: Array) -> Array:
-    """(n, d) D_k of X (d, ghosted) + displacement along an axis, at nodes of the ghosted array."""
-    sizes, band = part.patch.ghosted, part.bands[axis]
-    stride = int(np.prod(sizes[:axis], dtype=int))
-    return faces.tangent(nodes, band.S, band.weight, stride, sizes[axis], X, q)
-
-
-def strain(part: Part, nodes: Array, metrics: Array, q: Array) -> Array:
-    """F = 1 + sum_k D_k D A^k / J0 (d d, n) of a solid at nodes of the ghosted array."""
-    d, n = (q.shape[1] - 1) // 2, nodes.size
-    F = np.tile(np.eye(d)[..., None], (1, 1, n))
-    nothing = np.zeros((d, q.shape[0]))
-    for k in range(d):
-        A = metrics[k * d : (k + 1) * d, nodes] / metrics[d * d, nodes]
-        F += slope(part, k, nodes, q, nothing).T[:, None] * A
-    return F.reshape(d * d, n)
-
-
 def ranges_of(part: Part, shape: Sequence[int]) -> list[tuple[int, int]]:
     """First node and first beyond of the ghosted array along each axis of a block of this shape;
     they go on beyond the ends of periodic axes.
@@ -258,16 +176,17 @@ def ranges_of(part: Part, shape: Sequence[int]) -> list[tuple[int, int]]:
     ]
 
 
-def face_of(problem: Any, part: Part, axis: int, side: int) -> Face:
-    """This rank's nodes of a face."""
-    nodes = problem.face_nodes(part.k, axis, side)
+def _nodes_of(part: Part, nodes: Array, axis: int, side: int) -> tuple[Array, ...]:
+    """This rank's nodes of those of a face: numbers in the ghosted array and among the owned ones,
+    axis, sign, 1 / weight of the axis, product of the other weights.
+    """
     mine = nodes[np.isin(nodes, part.numbers, assume_unique=True)]
-    owned = part.rows(mine) if mine.size else np.empty(0, np.int64)
-    ghosted = part.ghosted_rows(owned)
+    own = part.rows(mine) if mine.size else np.empty(0, np.int64)
+    at = part.ghosted_rows(own)
     last = part.patch.first[axis] + (part.patch.own[axis] - 1 if side else 0)
-    weight = float(part.bands[axis].weight[last])
-    across = weights_of(part, ghosted) / weight
-    return Face(ghosted, owned, axis, 1.0 if side else -1.0, 1.0 / weight, across)
+    weight, ones = float(part.bands[axis].weight[last]), np.ones(own.size)
+    signs = ones if side else -ones
+    return at, own, np.full(own.size, axis), signs, ones / weight, weights_of(part, at) / weight
 
 
 def weights_of(part: Part, ghosted: Array) -> Array:

@@ -71,7 +71,7 @@ class ParticleSystem:
         self.state = _state(here.size, self._d)
         kernels.weigh_heat(self.table, self._stored, self.state)
         self.prescribed = Prescribed(layout.problem, self._particles, law, instant, asked)
-        self._place = np.zeros(here.size)
+        self._place = np.zeros((here.size, self._d))
         self.box = self._boxed(law)
 
     def _boxed(self, law: Any) -> Any:
@@ -93,6 +93,7 @@ class ParticleSystem:
                 int(self.slips),
                 self.normals,
                 self.turning,
+                *self._of_normals,
                 moves,
                 self._place,
                 self._layout.behind,
@@ -179,33 +180,18 @@ class ParticleSystem:
         self, particles: Sequence[Particle], number: Array, members: Array, owners: Array
     ) -> None:
         """Which members of this rank tell the others what they store."""
-        self._stored = np.zeros(len(members))
+        self._stored = np.zeros((len(members), 1))
         self.stores, self.members = any(p.stores for p in particles), {}
         if not self.stores:
             return
         self._store_exchange = ParticleExchange(self._layout.comm, number, owners, 1, tag=4)
+        self._stored = self._store_exchange.table
         mine = self._store_exchange.mine
         wanted = np.array([p.stores for p in self._particles], bool)[number[mine]]
         for part in self._layout.parts:
             if self._layout.problem.blocks[part.k].kind == "solid":
                 rows = np.flatnonzero(wanted & (members[mine, 1] == part.k))
                 self.members[part.k] = rows, members[mine[rows], 2]
-
-    def give_places(self, y: Array) -> None:
-        """Solid members get the displacement of their particle."""
-        particle_steps.begin_stored(self.box, y)
-
-    def note_stored(self, stored: dict[int, Array]) -> None:
-        """stored: block -> energy per mass [J/kg] of ``members`` that is neither kinetic nor heat.
-        Collective among neighbours.
-        """
-        exchange = self._store_exchange
-        for k, values in stored.items():
-            exchange.table[self.members[k][0], 0] = values
-        exchange.begin()
-        exchange.end()
-        self._stored[:] = exchange.table[:, 0]
-        particle_steps.end_stored(self.box)
 
     # normals of constraints
 
@@ -221,10 +207,14 @@ class ParticleSystem:
         self.slips = layout.comm.allreduce(int(bound.any()), op=MPI.MAX) > 0
         self.normals = np.zeros((bound.size, K, 2 * d))
         self.turning = np.zeros((bound.size, K, 2 * d))
+        self.at_faces = {part.k: of_faces.listed(part, []) for part in layout.parts}
+        none = np.zeros((0, 2 * K * d)), 0, number[:0], number[:0]
+        self._of_normals: tuple[Any, ...] = none
         if not self.slips:
             return
         exchange = ParticleExchange(layout.comm, number[chosen], owners[chosen], 2 * K * d, tag=2)
-        self._normal_exchange, self._normal_particle = exchange, number[chosen]
+        self._normal_exchange = exchange
+        self._of_normals = exchange.table, exchange.mine.size, number[chosen], exchange.row
         mine = np.flatnonzero(chosen)[exchange.mine]
         place = {(int(k), int(n)): row for row, (_, k, n) in enumerate(members[mine].tolist())}
         found: dict[int, list[tuple[int, int, int, float, int]]] = {p.k: [] for p in layout.parts}
@@ -239,52 +229,36 @@ class ParticleSystem:
                     if (k, node) in place:
                         outward = sign if side else -sign
                         found[k].append((place[k, node], node, axis, outward, column))
-        faces = {k: of_faces.listed(layout.part(k), rows) for k, rows in found.items() if rows}
-        self._faces = faces
+        self.at_faces = {k: of_faces.listed(layout.part(k), rows) for k, rows in found.items()}
 
-    def find_normals(self, metrics: dict[int, Array]) -> None:
-        """``normals`` from the metrics of the blocks, (…, ghosted nodes) each. Collective among
-        neighbours.
+    def find_normals(self, add: Callable[[Array], None], turning: bool) -> None:
+        """``normals``, or ``turning``, how they change in time. Collective among neighbours.
+
+        add: adds area vectors of faces, or how these turn, to the rows of members.
         """
-
-        def add(k: int, out: Array) -> None:
-            of_faces.add_normals(self._faces[k], self._d, metrics[k], out)
-
         if self.slips:
-            self._sum_normals(self.normals, add)
+            particle_steps.begin_normals(self.box)
+            add(self._normal_exchange.table)
+            self._exchanged(self._normal_exchange)
+            particle_steps.end_normals(self.box, turning)
 
-    def find_turning(self, turn: dict[int, Callable[[Any, Array], None]]) -> None:
-        """``turning``, how normals change in time. Collective among neighbours.
-
-        turn: gas block -> adds how its area vectors at faces turn to rows of a table.
-        """
-
-        def add(k: int, out: Array) -> None:
-            if k in turn:
-                turn[k](self._faces[k], out)
-
-        if self.slips:
-            self._sum_normals(self.turning, add)
-
-    def _sum_normals(self, total: Array, add: Callable[[int, Array], None]) -> None:
-        exchange = self._normal_exchange
-        exchange.table[: exchange.mine.size] = 0.0
-        for k in self._faces:
-            add(k, exchange.table)
-        exchange.begin()
-        exchange.end()
-        of_faces.sum_members(self._normal_particle, exchange.row, exchange.table, total)
+    def find_stored(self, y: Array, store: Callable[[], None]) -> None:
+        """What particles store; store: members of solids tell it. Collective among neighbours."""
+        if self.stores:
+            particle_steps.begin_stored(self.box, y)
+            store()
+            self._exchanged(self._store_exchange)
+            particle_steps.end_stored(self.box)
 
     # what the scheme calls; gain: masses, impulse and energy that come in. `share` begins it, the
     # others add to it
 
-    def share(self, y: Array, t: float, gain: Array) -> None:
+    def share(self, y: Array, gain: Array) -> None:
         """Sums of the members; ``state`` has what the particles share, but for slipping and
         temperatures.
         """
-        self.data: Data = self.prescribed.at(t)
         particle_steps.begin_sums(self.box, y, gain)
-        self.exchange()
+        self._exchanged(self._exchange)
         particle_steps.end_sums(self.box, gain)
 
     def settle(self, y: Array, gain: Array) -> None:
@@ -298,42 +272,40 @@ class ParticleSystem:
         place.
         """
         particle_steps.begin_rates(self.box, f)
-        self.exchange()
+        self._exchanged(self._exchange)
         particle_steps.end_rates(self.box, y, f, gain)
 
     def held(self, y: Array, gain: Array) -> Any:
         """All that compiled code takes with what it calls; y, gain: examples of what these take."""
         steps = particle_steps
-        sums = {steps.begin_sums: (y, gain), steps.end_sums: (gain,)}
-        stored = {steps.begin_stored: (y,), steps.end_stored: (), steps.settle: (y, gain)}
-        rates = {steps.begin_rates: (y,), steps.end_rates: (y, y, gain)}
-        return with_calls(steps.hold, self.box, sums | stored | rates)
+        calls = (
+            (steps.begin_sums, (y, gain)),
+            (steps.end_sums, (gain,)),
+            (steps.begin_normals, ()),
+            (steps.end_normals, (True,)),
+            (steps.begin_stored, (y,)),
+            (steps.end_stored, ()),
+            (steps.settle, (y, gain)),
+            (steps.begin_rates, (y,)),
+            (steps.end_rates, (y, y, gain)),
+        )
+        return with_calls(steps.hold, self.box, calls)
 
     def refresh(self, t: float) -> None:
-        """Prescribed data at time t [s], in one dimension."""
-        self.data = self.prescribed.at(t)
-        self._place[self.prescribed.moving] = self.prescribed.displacement(t)[:, 0]
+        """Prescribed data at time t [s]."""
+        self.data: Data = self.prescribed.at(t)
+        self._place[self.prescribed.moving] = self.prescribed.displacement(t)
 
-    def exchange(self) -> None:
+    def _exchanged(self, exchange: ParticleExchange) -> None:
         """Ranks send each other the rows of their members. Collective among neighbours."""
-        self._exchange.begin()
-        self._exchange.end()
+        exchange.begin()
+        exchange.end()
 
     def at_walls(self, k: int) -> tuple[Array, Array]:
         """Nodes of a gas block here that stick to walls, and velocities (n, d) of these."""
         nodes, particle = self.nodes[k]
         held = self.table.held_gas[particle] == 1
         return nodes[held], self.data.wall[particle[held]]
-
-    def places(self, t: float) -> Array:
-        """(p, d) displacement of solids, and of walls that move by themselves, at time t [s]; 0
-        elsewhere.
-        """
-        found, moving = self.state.D.copy(), self.prescribed.moving
-        if moving.size:
-            alone = self.state.solid_mass[moving] == 0.0
-            found[moving[alone]] = self.prescribed.displacement(t)[alone]
-        return found
 
     def walls_away(self, t: float) -> dict[int, float]:
         """Block of gas -> largest displacement [m] of a wall of it that moves, of those here."""
@@ -343,13 +315,6 @@ class ParticleSystem:
             if self.state.solid_mass[p] == 0.0:
                 for k, _ in self._particles[p].members:
                     found[k] = max(found.get(k, 0.0), distance)
-        return found
-
-    def velocities(self) -> Array:
-        """(p, d) the velocities that belong to ``places``."""
-        found, moving = self.state.v.copy(), self.prescribed.moving
-        alone = moving[self.state.solid_mass[moving] == 0.0]
-        found[alone] = self.data.wall[alone]
         return found
 
     def destroy(self) -> None:

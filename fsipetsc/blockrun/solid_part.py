@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.blockrun.asked import Asked, Forced
-from fsipetsc.blockrun.face_terms import FaceTerms, ranges_of, strain, weights_of
-from fsipetsc.blockrun.gas_part import MOMENTUM
+from fsipetsc.blockrun.face_terms import FaceTerms, ranges_of, weights_of
 from fsipetsc.blocks.metrics import solid_metrics
 from fsipetsc.blocks.values import block_values, prestress_of
 from fsipetsc.equations.tensors import add_unit, apply, cofactor, determinant
@@ -19,12 +18,11 @@ from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.operators.undivided import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, Part
-from fsipetsc.scheme.block_look import LOOKED, look_at_end
-from fsipetsc.scheme.line_parts import SolidLine
-from fsipetsc.scheme.line_terms import SolidDamping, Undamped
-from fsipetsc.scheme.solid_dissipation import AT_SHOCKS, SMALL, Damping, room, solid_dissipation
+from fsipetsc.scheme.block_look import LOOKED
+from fsipetsc.scheme.gas_record import Undamped
+from fsipetsc.scheme.solid_dissipation import AT_SHOCKS, SMALL, Damping, room
 from fsipetsc.scheme.solid_look import solid_look
-from fsipetsc.scheme.solid_rates import solid_rates
+from fsipetsc.scheme.solid_record import SolidDamping, SolidRecord
 from fsipetsc.scheme.solid_work import Work, solid_work
 
 Array = NDArray[Any]
@@ -50,8 +48,7 @@ class SolidPart(Forced):
         self.metrics = solid_metrics(self._problem, part.k, order, ranges)
         self.inertia = self.metrics[d * d] * self.equations.m0
         self._asked = asked
-        equations, inertia = self.equations, self.inertia
-        self.faces = FaceTerms(self._problem, part, order, equations, inertia, self.X, asked)
+        self.faces = FaceTerms(self._problem, part, order, self.X, asked)
         self._owned = part.ghosted_rows(np.arange(part.numbers.size))
         self._masses = weights_of(part, self._owned) * self.inertia[self._owned]
         self._per_h = np.array(self.block.cells, float)
@@ -80,10 +77,13 @@ class SolidPart(Forced):
                 found = differences(d, order_of_term, bands, cells)
                 yield Damping(a, b, *of_solid), found, room(d, found)
 
+    def judge(self, q: Array, seen: Array) -> None:
+        """Nothing beside what `look` sees."""
+
     def initial(self, t: float, q: Array) -> None:
         """Fill q (M, 2d + 1) with the case's data."""
         d, X = self._d, self.X[:, self._owned]
-        values = block_values(self.block, "initial", X, t, self.part.numbers)
+        values = block_values(self.block, "initial", X, t)
         v, T, x = values[:d], values[d], values[d + 1 :]
         for c in range(d):
             q[:, c], q[:, d + c] = x[c] - X[c], v[c]
@@ -96,8 +96,7 @@ class SolidPart(Forced):
     def _strain_of_case(self) -> tuple[Array, ...]:
         """F of the owned nodes from the case's places, which it knows in halos as well."""
         q = np.zeros((self.X.shape[1], 2 * self._d + 1))
-        nodes = self.part.ghosted_numbers
-        places = block_values(self.block, "initial", self.X, 0.0, nodes)[self._d + 1 :]
+        places = block_values(self.block, "initial", self.X, 0.0)[self._d + 1 :]
         for c in range(self._d):
             q[:, c] = places[c] - self.X[c]
         return tuple(self._deformation(q))
@@ -127,60 +126,63 @@ class SolidPart(Forced):
         ratio: Array = determinant(tuple(self._deformation(q)))
         return ratio
 
-    def look(self, q: Array) -> tuple[Array, dict[str, float]]:
-        """What bounds a step, and integrals of the owned nodes; q: (N, 2d + 1).
+    def look(self, q: Array) -> tuple[Array, Array]:
+        """What bounds a step, and integrals of the owned nodes, momentum and energy; q: (N, 2d + 1).
 
         See fsipetsc.scheme.block_look.
         """
-        d, seen = self._d, np.zeros(LOOKED)
-        sums, of_block = np.zeros(d + 1), (self.metrics, self.prestress, self._per_h)
+        seen, sums = np.zeros(LOOKED), np.zeros(self._d + 1)
+        of_block = self.metrics, self.prestress, self._per_h
         memory = STIFFNESS_OF_WIDE, self._masses, self._work, self._F, seen, sums
         solid_look(self.equations, self._like, q, *of_block, *memory)
-        return seen, dict(zip([*MOMENTUM[:d], "energy"], sums.tolist(), strict=True))
+        return seen, sums
 
-    def line(
+    def record(
         self,
         columns: Array,
+        at_particles: Any,
+        alone: bool,
         interfaces: list[tuple[int, int, float]],
         stored: tuple[Array, Array],
-    ) -> SolidLine:
-        """Itself as a record, in one dimension. columns: of its sums in the record of a step.
-        interfaces: number, owned row and X of those with an end of this part. stored: rows and
-        numbers of nodes of members that tell what they store.
+    ) -> SolidRecord:
+        """For compiled code; as that of a gas. interfaces: number, owned row and X of those with an
+        end of this part in one dimension. stored: rows and numbers of nodes of members that tell
+        what they store.
         """
-        part, damping = self.part, Undamped()
+        part, d, damping = self.part, self._d, Undamped()
         for of_term, found, memory in self._dissipation[::-1]:
             damping = SolidDamping(of_term, found, memory, damping)
-        ends = np.zeros((len(interfaces), 5))
+        ends = np.zeros((len(interfaces), 4))
         for end, (number, row, X) in zip(ends, interfaces, strict=True):
-            at = int(self._owned[row])
-            end[:] = number, row, at, X, self._prestress_at(np.array([at]))[0, 0]
-        return SolidLine(
+            end[:] = number, row, X, self._prestress_at(self._owned[[row]])[0, 0]
+        return SolidRecord(
+            self._like,
             self.equations,
             damping,
-            *self.faces.line(self.X.shape[1]),
+            self.faces.record,
             part.k,
             part.begin,
             part.local if part.has_halo else np.empty((0, part.dof)),
+            int(alone and part.has_halo),
             self.metrics,
             self.inertia,
             self.prestress,
+            tuple(band.S for band in part.bands),
+            tuple(band.weight for band in part.bands),
             part.patch,
             self._work,
             self._per_h,
             self._masses,
             self._F,
-            forcing=self.supplied(3),
-            came=np.zeros(3),
+            at_particles,
+            forcing=self.supplied(2 * d + 1),
+            came=np.zeros(d + 2),
             seen=np.zeros(LOOKED),
-            sums=np.zeros(2),
+            sums=np.zeros(d + 1),
             columns=columns,
             interfaces=ends,
             stored_at=part.ghosted_rows(part.rows(stored[1])),
             rows_of_stored=stored[0],
-            S=part.bands[0].S,
-            weight=part.bands[0].weight,
-            none=np.zeros((1, self.X.shape[1])),
         )
 
     def normal(self, row: int, axis: int, side: int) -> Array:
@@ -209,49 +211,3 @@ class SolidPart(Forced):
             return np.stack([*v, T, *stresses, *x], axis=-1)
         p = self.equations.pressure_at(J, T) + 0.0 * T
         return np.stack([*v, T, stresses[0] + p, *x, p], axis=-1)
-
-    def at_end(self, q: Array, row: int, found: Array) -> None:
-        """Fill found with x - X, v, sigma, T of an owned node in one dimension, by the last F."""
-        at = int(self._owned[row])
-        S = float(self.prestress[0, at]) if self.prestress.size else 0.0
-        look_at_end(self.equations, q, self._F, at, row, S, found)
-
-    def stored(self, q: Array, nodes: Array) -> Array:
-        """(n,) energy per mass [J/kg] that is neither kinetic nor heat, of nodes of the block that
-        this rank owns.
-        """
-        if self.equations.coupled:
-            return np.zeros(nodes.size)
-        at = self.part.ghosted_rows(self.part.rows(nodes))
-        F = strain(self.part, at, self.metrics, q)
-        return self._stored(F, at)
-
-    def rates(self, t: float, q: Array, rates: Array, gain: Array) -> None:
-        """rates (M, 2d + 1) of the volume terms, of faces and of forcing; q: (N, 2d + 1). What
-        comes in is added to gain (d + 2,): mass, impulse, energy.
-        """
-        d = self._d
-        solid_rates(self.equations, self._like, q, self.metrics, self.prestress, rates, self._work)
-        for damping, found, memory in self._dissipation:
-            arguments = self._like, damping, q, self.metrics, found, self.part.patch
-            solid_dissipation(*arguments, rates, memory)
-        self.faces.add(t, q, self.metrics, rates, gain)
-        forcing = self.ask(t)
-        if forcing or any(self.equations.force):
-            force, v = np.array(self.equations.force), q[self._owned, d : 2 * d]
-            gain[1 : 1 + d] += self._masses.sum() * force
-            gain[1 + d] += self._masses @ (v @ force)
-            if forcing:
-                self._force(forcing, v, rates, gain)
-
-    def _force(self, forcing: list[Array], v: Array, rates: Array, gain: Array) -> None:
-        """The case's forcing, right-hand sides of velocity, temperature and place."""
-        d = self._d
-        heat = self.equations.alpha * forcing[d]
-        for c in range(d):
-            rates[:, d + c] += forcing[c]
-            rates[:, c] += forcing[d + 1 + c]
-            heat = heat + v[:, c] * forcing[c]
-            gain[1 + c] += self._masses @ forcing[c]
-        rates[:, 2 * d] += heat
-        gain[1 + d] += self._masses @ heat

@@ -35,8 +35,8 @@ class Block:
     forcing(*X, t) -> right-hand sides of (rho, rho u_1..u_d, e) of a gas, per volume, and of the
     unknowns of initial of a solid. periodic: which axes close in themselves and have no faces.
     exact_stress(*X, t) -> stresses of a solid as results have them, to be compared as well.
-    prestress(*X) -> d*d numbers, row by row: stress [Pa] that a solid has beside that of its law, at
-    its nodes for all time. Its energy is S : (F - 1) with heat 'elastic', else its work becomes heat.
+    prestress(*X) -> d*d numbers, row by row: stress [Pa] that a solid has beside that of its law
+    for all time. Its energy is S : (F - 1) with heat 'elastic', else its work becomes heat.
     """
 
     name: str

@@ -1,16 +1,16 @@
 """What can stand at a face of a block.
 
 Data are numbers, or functions of place and time: f(*X, t), X the face's nodes in the reference map.
-`of` says which kinds of block a condition is for. InputError for what is no datum.
+InputError for what is no datum.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields
-from typing import Any, ClassVar
+from typing import Any
 
-from fsipetsc.checks import ANY, NONNEGATIVE, POSITIVE, described, function, number
+from fsipetsc.checks import ANY, NONNEGATIVE, POSITIVE, function, number
 from fsipetsc.errors import InputError
 
 #: f(*X, t) -> an array, or several
@@ -18,7 +18,6 @@ Function = Callable[..., Any]
 #: a number or f(*X, t) -> an array
 Datum = float | Function | None
 
-FLUID, SOLID, BOTH = frozenset({"fluid"}), frozenset({"solid"}), frozenset({"fluid", "solid"})
 #: data by name: what numbers must be, and what functions return
 _NUMBERS = {"T": POSITIVE, "heat_flux": ANY, "rho": POSITIVE, "pressure": ANY, "stress": ANY}
 _FUNCTIONS = {"x": "d positions", "velocity": "d velocities", "values": "the unknowns"}
@@ -26,7 +25,9 @@ _VECTORS = "u", "shift"
 
 
 class _Checked:
-    """Makes data floats and tuples of floats."""
+    """Makes data floats and tuples of floats. of: kinds of block that it is for."""
+
+    of = frozenset({"fluid", "solid"})
 
     def __post_init__(self) -> None:
         name = type(self).__name__
@@ -38,9 +39,8 @@ class _Checked:
             elif key in _NUMBERS and not callable(value) and not (optional and value is None):
                 object.__setattr__(self, key, number(value, what, _NUMBERS[key]))
             elif key in _VECTORS and not callable(value):
-                items = value if isinstance(value, (tuple, list)) else (value,)
-                pairs = enumerate(items)
-                found = (v if callable(v) else number(v, f"{what}[{k}]") for k, v in pairs)
+                items = enumerate(value if isinstance(value, (tuple, list)) else (value,))
+                found = (v if callable(v) else number(v, f"{what}[{k}]") for k, v in items)
                 object.__setattr__(self, key, tuple(found))
         given = {key for key, value in vars(self).items() if value is not None}
         if {"T", "heat_flux"} <= given:
@@ -49,10 +49,17 @@ class _Checked:
             raise InputError(f"{name}: velocity is given, and x is not: expected both, or x alone")
 
 
+class _OfGas(_Checked):
+    of = frozenset({"fluid"})
+
+
+class _OfSolid(_Checked):
+    of = frozenset({"solid"})
+
+
 @dataclass(frozen=True)
-class NoSlip(_Checked):
-    """Wall that the gas sticks to: adiabatic, of temperature T [K], or with heat flux [W/m2] into
-    it.
+class NoSlip(_OfGas):
+    """Wall that the gas sticks to: adiabatic, of temperature T [K], or with heat flux [W/m2] in.
 
     At rest, or where x(*X, t) -> d positions [m] says; velocity(*X, t) -> d velocities [m/s] is
     found by differences of x if it is not given.
@@ -62,31 +69,22 @@ class NoSlip(_Checked):
     heat_flux: Datum = None
     x: Function | None = None
     velocity: Function | None = None
-    of: ClassVar[frozenset[str]] = FLUID
 
 
 @dataclass(frozen=True)
-class Slip(_Checked):
-    """Wall along which the gas slips without heat, or a plane of symmetry. At rest, or moved as a
-    NoSlip.
+class Slip(_OfGas):
+    """Wall along which the gas slips without heat, or a plane of symmetry; moves as a NoSlip.
 
-    Faces of one name are one wall, also around an edge; without names, faces that go on smoothly
-    are.
+    Faces of one name are one wall, also around an edge; without names, those that go on smoothly.
     """
 
     x: Function | None = None
     velocity: Function | None = None
     name: str = ""
-    of: ClassVar[frozenset[str]] = FLUID
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if not isinstance(self.name, str):
-            raise InputError(f"Slip: name is {described(self.name)}: expected a text")
 
 
 @dataclass(frozen=True)
-class Open(_Checked):
+class Open(_OfGas):
     """Gas of density rho [kg/m3], velocity u (d data, or u(*X, t) -> d arrays) [m/s] and
     temperature T [K] outside; waves pass by characteristics.
     """
@@ -94,16 +92,13 @@ class Open(_Checked):
     rho: Datum
     u: Any
     T: Datum
-    of: ClassVar[frozenset[str]] = FLUID
 
 
 @dataclass(frozen=True)
-class Outflow(_Checked):
-    """Gas flows out, against a pressure [Pa] where slower than sound; 0 for a flow that nowhere is.
-    """
+class Outflow(_OfGas):
+    """Gas flows out, against a pressure [Pa] where slower than sound; 0 where it nowhere is."""
 
     pressure: Datum = 0.0
-    of: ClassVar[frozenset[str]] = FLUID
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -120,13 +115,11 @@ class Given(_Checked):
     values: Function
     x: Function | None = None
     velocity: Function | None = None
-    of: ClassVar[frozenset[str]] = BOTH
 
 
 @dataclass(frozen=True)
-class Clamped(_Checked):
-    """The solid is held where it is, or moved to x(*X, t) -> d positions [m]; T, heat_flux as
-    NoSlip.
+class Clamped(_OfSolid):
+    """The solid is held where it is, or moved to x(*X, t) -> d positions [m]; heat as of a NoSlip.
 
     With velocity(*X, t) -> d velocities [m/s] alone it moves so from where it is at first.
     """
@@ -135,24 +128,22 @@ class Clamped(_Checked):
     T: Datum = None
     heat_flux: Datum = None
     velocity: Function | None = None
-    of: ClassVar[frozenset[str]] = SOLID
 
 
 @dataclass(frozen=True)
-class Free(_Checked):
-    """A pressure [Pa] that follows the face of the solid; T, heat_flux as of a NoSlip."""
+class Free(_OfSolid):
+    """A pressure [Pa] that follows the face of the solid; heat as of a NoSlip."""
 
     pressure: Datum = 0.0
     T: Datum = None
     heat_flux: Datum = None
-    of: ClassVar[frozenset[str]] = SOLID
 
 
 @dataclass(frozen=True)
-class Absorbing(_Checked):
+class Absorbing(_OfSolid):
     """The solid goes on beyond the face, under a stress [Pa], a tension if above 0: waves along the
     normal n pass. The traction per area at rest is (stress - Z n . v) n, Z = m0 c, c the speed of
-    longitudinal waves; waves of shear are reflected. T, heat_flux as of a NoSlip.
+    longitudinal waves; waves of shear are reflected. Heat as of a NoSlip.
 
     Source: Lysmer and Kuhlemeyer, J. Eng. Mech. Div. ASCE 95 (1969) 859-877, the normal dashpot.
     """
@@ -160,39 +151,32 @@ class Absorbing(_Checked):
     stress: Datum = 0.0
     T: Datum = None
     heat_flux: Datum = None
-    of: ClassVar[frozenset[str]] = SOLID
 
 
 @dataclass(frozen=True)
-class Roller(_Checked):
-    """The solid may slide along the face's plane without friction; or a plane of symmetry. T,
-    heat_flux as of a NoSlip.
+class Roller(_OfSolid):
+    """The solid slides along the face's plane without friction; or a plane of symmetry. Heat as of
+    a NoSlip.
     """
 
     T: Datum = None
     heat_flux: Datum = None
-    of: ClassVar[frozenset[str]] = SOLID
 
 
 @dataclass(frozen=True)
-class Hinge(_Checked):
-    """A point of a solid's face that is held; the solid may turn about it. Among points of a
-    problem.
-    """
+class Hinge(_OfSolid):
+    """A point of a solid's face that is held, among a problem's points; the solid may turn."""
 
-    of: ClassVar[frozenset[str]] = SOLID
 
 
 @dataclass(frozen=True)
 class Periodic(_Checked):
-    """The face goes on at another one, which is this one moved by shift (d numbers) [m] and
-    Periodic, too.
+    """The face goes on at another one, also Periodic: this one moved by shift (d numbers) [m].
 
     A block that is periodic in itself has no faces there: Block(…, periodic=(True, False)).
     """
 
     shift: Any
-    of: ClassVar[frozenset[str]] = BOTH
 
 
 Condition = (

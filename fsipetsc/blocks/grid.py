@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import product
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
@@ -19,7 +20,7 @@ from numba import njit
 from fsipetsc.blocks.block import Block, Range, determinant, mesh
 from fsipetsc.blocks.faces import face_nodes
 from fsipetsc.blocks.metrics import EXACT, Wide, curl_metrics, volume_rate
-from fsipetsc.blocks.plane_grid import PlaneGrid
+from fsipetsc.blocks.plane_grid import PlaneGrid, plane_metrics, plane_velocities
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.checks import Array
 from fsipetsc.operators.loops import CALL
@@ -78,7 +79,7 @@ class GridMotion:
         d, wide = self.block.dimension, self._wide
         self._hull.fill(self._moving, velocity)
         if d == 1:
-            _line_velocities(metrics, *self._hull.ends(self._moving), *self._weights)
+            line_velocities(metrics, self._moving, *self._weights)
         elif d == 2:
             self._plane.velocities(metrics, self._moving)
         else:
@@ -87,12 +88,15 @@ class GridMotion:
             volume_rate(J_t, self._a, self._v, wide.S, wide.weight, scratch)
             metrics[9:12], metrics[12] = wide.inner(self._v), wide.inner(J_t)
 
-    def line(self) -> tuple[Array, Array, Array, Array, Array]:
-        """In one dimension, for fsipetsc.scheme.line_parts: displacements and velocities (1, ends)
-        of the ends, which of them are given, weights (N,) of both. `positions` and `jacobian`
-        follow what is put there.
+    def record(self) -> Any:
+        """Itself for compiled code, in one and two dimensions, with methods ``move``, ``swing`` and
+        ``jacobian``. `positions` and `jacobian` follow what is moved there. `move` comes first.
         """
-        return self._moved, self._moving, self._hull.given, self._weights[0], self._weights[1]
+        hull, d = self._hull, self.block.dimension
+        moved = hull.given, *hull.pieces, self._moved, self._moving
+        if d == 1:
+            return LineMotion(*moved, *self._weights)
+        return PlaneMotion(*moved, self._G, self._plane.record()) if d == 2 else Unmoved()
 
     def turning(self) -> Array:
         """How a^1, a^2, a^3 (9, N) change in time after `velocities`, in three dimensions: they are
@@ -123,9 +127,84 @@ class GridMotion:
         return self._G[0] + (high - low)
 
 
+class LineMotion(NamedTuple):
+    """A grid in one dimension: see GridMotion. given, columns, weights: of Hull; moved, moving: (1,
+    ends) displacements and velocities; low, high: (N,) weights of the ends.
+    """
+
+    given: Array
+    columns: Array
+    weights: Array
+    moved: Array
+    moving: Array
+    low: Array
+    high: Array
+
+    def move(self, known, metrics):
+        """From displacements and velocities known (M, 2d) of the given nodes."""
+        fill_hull(self.moved, known, 0, self.given, self.columns, self.weights)
+
+    def swing(self, known, metrics):
+        """Velocity of the grid and J_t."""
+        fill_hull(self.moving, known, 1, self.given, self.columns, self.weights)
+        line_velocities(metrics, self.moving, self.low, self.high)
+
+    def jacobian(self, metrics, N, node, reference):
+        """det(D x) of a node with that of the reference map."""
+        longer = self.moved[0, -1] - self.moved[0, 0] if self.moved.size > 0 else 0.0
+        return reference + longer
+
+
+class PlaneMotion(NamedTuple):
+    """The same in two dimensions. G: (4, N), D_1 X and D_2 X; plane: of PlaneGrid."""
+
+    given: Array
+    columns: Array
+    weights: Array
+    moved: Array
+    moving: Array
+    G: Array
+    plane: Any
+
+    def move(self, known, metrics):
+        """Fill a^1, a^2."""
+        fill_hull(self.moved, known, 0, self.given, self.columns, self.weights)
+        plane_metrics(self.plane, metrics, self.G, self.moved)
+
+    def swing(self, known, metrics):
+        """Velocity of the grid and J_t."""
+        fill_hull(self.moving, known, 2, self.given, self.columns, self.weights)
+        plane_velocities(self.plane, metrics, self.moving)
+
+    def jacobian(self, metrics, N, node, reference):
+        """det(D x): the metrics are D x."""
+        n = node + N
+        return metrics[node] * metrics[n + N + N] - metrics[n] * metrics[n + N]
+
+
+class Unmoved(NamedTuple):
+    """In three dimensions the grid is moved from Python."""
+
+    kind: int = 0
+
+    def move(self, known, metrics):
+        """Nothing."""
+        return None
+
+    def swing(self, known, metrics):
+        """Nothing."""
+        return None
+
+    def jacobian(self, metrics, N, node, reference):
+        """Not known here."""
+        return reference
+
+
 @njit(**CALL)
-def _line_velocities(metrics, at_low, at_high, low, high):
-    """v and J_t = D v in 1-D, from the velocities of both ends and their weights."""
+def line_velocities(metrics, moving, low, high):
+    """v and J_t = D v in 1-D, from the velocities of both ends, if there are any."""
+    at_low = moving[0, 0] if moving.size > 0 else 0.0
+    at_high = moving[0, -1] if moving.size > 0 else 0.0
     for i in range(low.size):
         metrics[1, i] = low[i] * at_low + high[i] * at_high
         metrics[2, i] = at_high - at_low
@@ -150,7 +229,7 @@ class Hull:
             if free and not inside and not known[self._columns(self._nodes_of(entity))].all():
                 pieces[len(free)].append(self._follows(entity, free))
         none = np.zeros((9, 0), int), np.zeros((4, 0))
-        self._pieces = [np.concatenate(p, axis=1) for p in zip(none, *pieces[1], *pieces[2])]
+        self.pieces = [np.concatenate(p, axis=1) for p in zip(none, *pieces[1], *pieces[2])]
 
     def zeros(self) -> Array:
         """Values 0."""
@@ -162,7 +241,8 @@ class Hull:
 
     def fill(self, values: Array, given: Array) -> None:
         """Complete values (d, H) from those of the given nodes (M, d)."""
-        _fill(values, np.ascontiguousarray(given, dtype=float), self.given, *self._pieces)
+        known = np.ascontiguousarray(given, dtype=float)
+        fill_hull(values, known, 0, self.given, *self.pieces)
 
     def ends(self, values: Array) -> tuple[float, float]:
         """Values at both ends of a block in 1-D; 0 if it is periodic."""
@@ -208,12 +288,14 @@ def end_weights(block: Block, axis: int, index: Array) -> tuple[Array, Array]:
 
 
 @njit(**CALL)
-def _fill(values, given, known, columns, weights):
-    """Edges between their ends, then faces; sums do not depend on the order of ends and axes."""
+def fill_hull(values, given, first, known, columns, weights):
+    """Edges between their ends, then faces; sums do not depend on the order of ends and axes. The
+    given numbers are columns of ``given`` from ``first`` on.
+    """
     for c in range(values.shape[0]):
         f = values[c]
         for m in range(known.size):
-            f[known[m]] = given[m, c]
+            f[known[m]] = given[m, first + c]
         for t in range(columns.shape[1]):
             to, a0, a1, b0, b1, v00, v11, v10, v01 = columns[:, t]
             la, ha, lb, hb = weights[:, t]

@@ -37,7 +37,7 @@ class Layer:
     ``layers``. span: (low, high) for each axis along the layers, None for one that it reaches over
     all of; None: over all of all. sides: what stands at its sides, one condition or one for each
     (axis, side); None: those of ``layers``. beside: what its lower or upper face is where the layer
-    there has ended. initial, forcing, exact: as of Block.
+    there has ended. initial, forcing, exact, prestress, exact_stress: as of Block.
     """
 
     name: str
@@ -50,6 +50,8 @@ class Layer:
     beside: Condition | None = None
     forcing: Callable[..., Any] | None = None
     exact: Callable[..., Any] | None = None
+    prestress: Callable[..., Any] | None = None
+    exact_stress: Callable[..., Any] | None = None
 
     def __post_init__(self) -> None:
         what = f"layer {described(self.name)}"
@@ -57,18 +59,6 @@ class Layer:
         if self.span is not None:
             span = tuple(None if ends is None else extent(ends, what) for ends in self.span)
             object.__setattr__(self, "span", span)
-        whole = isinstance(self.cells, int) and not isinstance(self.cells, bool) and self.cells > 0
-        if self.cells is not None and not whole:
-            raise InputError(f"{what}: cells is {described(self.cells)}: expected a number above 0")
-
-
-@dataclass(frozen=True)
-class Piece:
-    """A part of a layer between two cuts along each axis; where: its number along each."""
-
-    layer: Layer
-    where: tuple[int, ...]
-    block: Block
 
 
 def layers(
@@ -96,177 +86,148 @@ def layers(
     if not stack or not all(isinstance(layer, Layer) for layer in stack):
         raise InputError("layers: expected one or more of Layer")
     along = tuple(extent(ends, "layers: along") for ends in along)
-    for below, above in zip(stack, stack[1:]):
-        if abs(below.across[1] - above.across[0]) > 1e-9 * (below.across[1] - below.across[0]):
-            ends = f"ends at {below.across[1]:g}, '{above.name}' begins at {above.across[0]:g}"
-            raise InputError(f"layers: '{below.name}' {ends}: expected the same")
-    stack = tuple(_meeting(stack))
-    grid = _Grid(stack, along, _cells_along(along, cells, h), h, order, sides)
-    pieces = [grid.pieces(layer) for layer in stack]
-    faces = _faces(pieces, along, lower, upper, sides)
-    blocks = tuple(piece.block for of_layer in pieces for piece in of_layer.values())
-    return BlockProblem(blocks, faces, jumps, notes=tuple(notes), units=units)
-
-
-def _meeting(stack: Sequence[Layer]) -> Sequence[Layer]:
-    """Layers whose ends are the same number where they meet."""
-    low = [stack[0].across[0], *(below.across[1] for below in stack[:-1])]
-    return [replace(layer, across=(a, layer.across[1])) for layer, a in zip(stack, low)]
-
-
-def _cells_along(
-    along: Sequence[Extent], cells: Sequence[int] | None, h: float | None
-) -> tuple[int, ...]:
-    if cells is not None:
-        if len(cells) != len(along):
-            raise InputError(f"layers: cells is {described(cells)}: expected one for each of along")
-        return tuple(cells)
-    if along and h is None:
+    if cells is None and along and h is None:
         raise InputError("layers: neither cells nor h is given: expected one of them")
-    return tuple(max(1, round((b - a) / number(h, "layers: h", POSITIVE))) for a, b in along)
+    if cells is None:
+        step = number(1.0 if h is None else h, "layers: h", POSITIVE)
+        cells = [max(1, round((b - a) / step)) for a, b in along]
+    if len(cells) != len(along):
+        raise InputError(f"layers: cells is {described(cells)}: expected one for each of along")
+    least = 1 if order is None else operator(order).min_points - 1
+    made = _Stack(_meeting(stack), along, cells, sides, (lower, upper))
+    pieces = [made.pieces(layer, _rows(layer, h, least)) for layer in made.layers]
+    blocks = tuple(block for of_layer in pieces for block in of_layer.values())
+    return BlockProblem(blocks, made.faces(pieces), jumps, notes=tuple(notes), units=units)
 
 
-class _Grid:
-    """Where layers are cut, and how many cells there are between the cuts."""
-
-    def __init__(
-        self,
-        stack: Sequence[Layer],
-        along: Sequence[Extent],
-        cells: Sequence[int],
-        h: float | None,
-        order: int | None,
-        sides: Sides | None,
-    ) -> None:
-        self.along, self.cells, self.h = along, cells, h
-        self.least = 1 if order is None else operator(order).min_points - 1
-        spans = [layer for layer in stack if layer.span is not None]
-        for layer in spans:
-            if len(layer.span) != len(along):
-                expected = "expected (low, high) for each of along"
-                raise InputError(f"layer '{layer.name}': span: {expected}")
-        found = [{0, n} for n in cells]
-        for layer in spans:
-            for axis, ends in enumerate(layer.span):
-                found[axis] |= {self._number(layer, axis, place) for place in ends or ()}
-        #: of each axis along the layers, numbers of the columns where they are cut
-        self.cuts = [sorted(numbers) for numbers in found]
-        #: whether one block closes in itself
-        self.closed = [
-            len(cuts) == 2 and all(_sides_of(layer, sides, axis, 0) is None for layer in stack)
-            for axis, cuts in enumerate(self.cuts)
-        ]
-
-    def _number(self, layer: Layer, axis: int, place: float) -> int:
-        """Of the column at a place; InputError where there is none."""
-        (low, high), n = self.along[axis], self.cells[axis]
-        column = (place - low) / (high - low) * n
-        if abs(column - round(column)) > _SAME * n or not 0 <= round(column) <= n:
-            raise InputError(
-                f"layer '{layer.name}' has an end at {place:g}: expected one of the columns, which "
-                f"are {(high - low) / n:.6g} apart from {low:g} to {high:g}"
-            )
-        return round(column)
-
-    def place(self, axis: int, column: int) -> float:
-        """Of a column [m]."""
-        (low, high), n = self.along[axis], self.cells[axis]
-        return high if column == n else low + (high - low) * column / n
-
-    def pieces(self, layer: Layer) -> dict[tuple[int, ...], Piece]:
-        """By their numbers along the axes, axis 0 fastest."""
-        low, high = layer.across
-        rows = layer.cells
-        if rows is None:
-            if self.h is None:
-                raise InputError(f"layer '{layer.name}': neither its cells nor h is given")
-            rows = max(round((high - low) / self.h), self.least, 1)
-        ranges = [range(len(cuts) - 1) for cuts in self.cuts]
-        for axis, ends in enumerate(layer.span or ()):
-            if ends is not None:
-                first, end = (self.cuts[axis].index(self._number(layer, axis, x)) for x in ends)
-                ranges[axis] = range(first, end)
-        numbers = [where[::-1] for where in product(*ranges[::-1])]
-        found = {}
-        for count, where in enumerate(numbers, 1):
-            at = [(cuts[k], cuts[k + 1]) for cuts, k in zip(self.cuts, where)]
-            corners = [[self.place(axis, ends[s]) for axis, ends in enumerate(at)] for s in (0, 1)]
-            name = layer.name if len(numbers) == 1 else f"{layer.name} {count}"
-            block = Block(
-                name,
-                layer.material,
-                rectangle((*corners[0], low), (*corners[1], high)),
-                (*(b - a for a, b in at), rows),
-                layer.initial,
-                layer.forcing,
-                layer.exact,
-                periodic=(*self.closed, False),
-            )
-            found[where] = Piece(layer, where, block)
-        return found
-
-
-def _faces(
-    pieces: Sequence[Mapping[tuple[int, ...], Piece]],
-    along: Sequence[Extent],
-    lower: Condition,
-    upper: Condition,
-    sides: Sides | None,
-) -> dict[FaceName, Condition]:
-    """The conditions of all faces that do not meet another one."""
-    found: dict[FaceName, Condition] = {}
-    for n, of_layer in enumerate(pieces):
-        below = pieces[n - 1] if n > 0 else None
-        above = pieces[n + 1] if n + 1 < len(pieces) else None
-        for where, piece in of_layer.items():
-            name, layer = piece.block.name, piece.layer
-            for axis, side in product(range(len(along)), (0, 1)):
-                beyond = list(where)
-                beyond[axis] += 2 * side - 1
-                if tuple(beyond) not in of_layer and not piece.block.periodic[axis]:
-                    found[name, axis, side] = _side(layer, sides, along, axis, side)
-            for side, other, end in ((0, below, lower), (1, above, upper)):
-                if other is None or where not in other:
-                    found[name, len(along), side] = _end(layer, side, other, end)
+def _meeting(stack: Sequence[Layer]) -> list[Layer]:
+    """Layers whose ends are the same number where they meet. InputError where they do not."""
+    found = [stack[0]]
+    for below, above in zip(stack, stack[1:]):
+        low, high = below.across
+        if abs(high - above.across[0]) > 1e-9 * (high - low):
+            ends = f"ends at {high:g}, '{above.name}' begins at {above.across[0]:g}"
+            raise InputError(f"layers: '{below.name}' {ends}: expected the same")
+        found.append(replace(above, across=(high, above.across[1])))
     return found
 
 
-def _end(layer: Layer, side: int, other: Mapping[Any, Piece] | None, end: Condition) -> Condition:
-    """What a piece has below (0) or above (1) where it meets none. InputError."""
-    edge = f"{layer.name} {('lower', 'upper')[side]}"
-    if other is None:
-        return _wall(end, edge)
-    if layer.beside is None:
-        ended = next(iter(other.values())).layer.name
-        raise InputError(
-            f"layer '{layer.name}': '{ended}' does not reach over all of it: expected beside=…"
-        )
-    return _wall(layer.beside, f"{edge} beside")
+def _rows(layer: Layer, h: float | None, least: int) -> int:
+    """Cells across a layer. InputError."""
+    if layer.cells is not None:
+        return layer.cells
+    if h is None:
+        raise InputError(f"layer '{layer.name}': neither its cells nor h is given")
+    return max(round((layer.across[1] - layer.across[0]) / h), least, 1)
 
 
-def _side(
-    layer: Layer, sides: Sides | None, along: Sequence[Extent], axis: int, side: int
-) -> Condition:
-    """What stands at a side of a layer. InputError where nothing is said."""
-    chosen = _sides_of(layer, sides, axis, side)
-    if chosen is not None:
-        return _wall(chosen, f"{layer.name} {axis} {side}")
-    if layer.span is not None and layer.span[axis] is not None:
-        nothing = f"nothing is said of axis {axis}, side {side}"
-        raise InputError(f"layer '{layer.name}' has a span: sides: {nothing}")
-    shift = [0.0] * (len(along) + 1)
-    shift[axis] = (along[axis][1] - along[axis][0]) * (1 - 2 * side)
-    return Periodic(tuple(shift))
+class _Stack:
+    """Where layers are cut along each axis, and what stands at faces that meet no other."""
 
+    def __init__(
+        self,
+        stack: list[Layer],
+        along: Sequence[Extent],
+        cells: Sequence[int],
+        sides: Sides | None,
+        ends: tuple[Condition, Condition],
+    ) -> None:
+        self.layers, self._along, self._cells = stack, along, cells
+        self._sides, self._ends = sides, ends
+        found = [{0, n} for n in cells]
+        for layer in stack:
+            if layer.span is not None and len(layer.span) != len(along):
+                expected = "expected (low, high) for each of along"
+                raise InputError(f"layer '{layer.name}': span: {expected}")
+            for axis, numbers in enumerate(found):
+                numbers |= set(self._span(layer, axis))
+        #: of each axis along the layers, numbers of the columns where they are cut
+        self._cuts = [sorted(numbers) for numbers in found]
+        #: whether one block closes in itself
+        self._closed = [
+            len(cuts) == 2 and all(self._side(layer, axis, 0) is None for layer in stack)
+            for axis, cuts in enumerate(self._cuts)
+        ]
 
-def _sides_of(layer: Layer, sides: Sides | None, axis: int, side: int) -> Condition | None:
-    """What is said of a side of a layer."""
-    chosen = layer.sides if layer.sides is not None else sides
-    return chosen.get((axis, side)) if isinstance(chosen, Mapping) else chosen
+    def _span(self, layer: Layer, axis: int) -> tuple[int, ...]:
+        """Numbers of the columns at which a layer begins and ends. InputError where none is."""
+        (low, high), n = self._along[axis], self._cells[axis]
+        ends = None if layer.span is None else layer.span[axis]
+        columns = (0, n) if ends is None else [(x - low) / (high - low) * n for x in ends]
+        for place, column in zip(ends or (), columns):
+            if abs(column - round(column)) > _SAME * n or not 0 <= round(column) <= n:
+                apart = f"{(high - low) / n:.6g} apart from {low:g} to {high:g}"
+                expected = f"expected one of the columns, which are {apart}"
+                raise InputError(f"layer '{layer.name}' has an end at {place:g}: {expected}")
+        return tuple(map(round, columns))
 
+    def pieces(self, layer: Layer, rows: int) -> dict[tuple[int, ...], Block]:
+        """The blocks of a layer by their numbers between cuts, axis 0 fastest."""
+        (low, high), ranges, found = layer.across, [], {}
+        for axis, cuts in enumerate(self._cuts):
+            first, end = map(cuts.index, self._span(layer, axis))
+            ranges.append(range(first, end))
+        numbers = [where[::-1] for where in product(*ranges[::-1])]
+        for count, where in enumerate(numbers, 1):
+            at = [(cuts[k], cuts[k + 1]) for cuts, k in zip(self._cuts, where)]
+            a, b = ([self._place(axis, ends[s]) for axis, ends in enumerate(at)] for s in (0, 1))
+            found[where] = Block(
+                layer.name if len(numbers) == 1 else f"{layer.name} {count}",
+                layer.material,
+                rectangle((*a, low), (*b, high)),
+                (*(end - begin for begin, end in at), rows),
+                layer.initial,
+                layer.forcing,
+                layer.exact,
+                periodic=(*self._closed, False),
+                prestress=layer.prestress,
+                exact_stress=layer.exact_stress,
+            )
+        return found
 
-def _wall(condition: Condition, name: str) -> Condition:
-    """The condition; a wall without a name gets this one: over several blocks it is one wall."""
-    if isinstance(condition, Slip) and not condition.name:
-        return replace(condition, name=name)
-    return condition
+    def _place(self, axis: int, column: int) -> float:
+        (low, high), n = self._along[axis], self._cells[axis]
+        return high if column == n else low + (high - low) * column / n
+
+    def faces(self, pieces: list[dict[tuple[int, ...], Block]]) -> dict[FaceName, Condition]:
+        """The conditions of all faces that do not meet another one. InputError."""
+        found: dict[FaceName, Condition] = {}
+        across = len(self._along)
+        for n, of_layer in enumerate(pieces):
+            for where, block in of_layer.items():
+                for axis, side in product(range(across + 1), (0, 1)):
+                    step = 2 * side - 1
+                    if axis == across:
+                        met = 0 <= n + step < len(pieces) and where in pieces[n + step]
+                    else:
+                        beyond = (*where[:axis], where[axis] + step, *where[axis + 1 :])
+                        met = beyond in of_layer or block.periodic[axis]
+                    if not met:
+                        found[block.name, axis, side] = self._condition(n, axis, side)
+        return found
+
+    def _condition(self, n: int, axis: int, side: int) -> Condition:
+        """Of a face of layer n. A wall without a name gets one: over several blocks it is one."""
+        layer, other = self.layers[n], n + 2 * side - 1
+        if axis < len(self._along):
+            said, name = self._side(layer, axis, side), f"{layer.name} {axis} {side}"
+            if said is None and layer.span is not None and layer.span[axis] is not None:
+                nothing = f"nothing is said of axis {axis}, side {side}"
+                raise InputError(f"layer '{layer.name}' has a span: sides: {nothing}")
+        elif 0 <= other < len(self.layers):
+            said, name = layer.beside, f"{layer.name} {('lower', 'upper')[side]} beside"
+            if said is None:
+                ended = f"'{self.layers[other].name}' does not reach over all of it"
+                raise InputError(f"layer '{layer.name}': {ended}: expected beside=…")
+        else:
+            said, name = self._ends[side], f"{layer.name} {('lower', 'upper')[side]}"
+        if said is None:
+            shift = [0.0] * (len(self._along) + 1)
+            shift[axis] = (self._along[axis][1] - self._along[axis][0]) * (1 - 2 * side)
+            return Periodic(tuple(shift))
+        return replace(said, name=name) if isinstance(said, Slip) and not said.name else said
+
+    def _side(self, layer: Layer, axis: int, side: int) -> Condition | None:
+        """What is said of a side of a layer."""
+        chosen = layer.sides if layer.sides is not None else self._sides
+        return chosen.get((axis, side)) if isinstance(chosen, Mapping) else chosen

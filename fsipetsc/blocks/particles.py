@@ -125,9 +125,24 @@ def _particle(problem: BlockProblem, members: list[tuple[int, int]], faces: Any)
         particle.clamp = Clamped()
     if particle.sticks:
         slips = [(face, wall) for face, wall in slips if wall is not None]
-    directions = _Directions(problem, members)
-    particle.constraints = [_slips(group) for group in _grouped(slips, directions.one_wall)]
-    rollers = _grouped(rolls, directions.one_roller)
+    directions = _directions(problem, members, [*rolls, *(face for face, _ in slips)])
+
+    def one_wall(one: tuple[Face, Any], other: tuple[Face, Any]) -> bool:
+        """By the names of walls if both have one; else unless one goes into the other's gas."""
+        names = [getattr(wall, "name", "") for _, wall in (one, other)]
+        if all(names):
+            return names[0] == names[1]
+        (n, into), (m, along) = directions[one[0]], directions[other[0]]
+        return bool(min(into @ m, along @ n) > CONCAVE)
+
+    def one_roller(one: Face, other: Face) -> bool:
+        return bool(directions[one][0] @ directions[other][0] > SMOOTH)
+
+    for group in _grouped(slips, one_wall):
+        walls = [face for face, wall in group if wall is not None]
+        solids = [face for face, wall in group if wall is None]
+        particle.constraints.append(Constraint(SLIPS, walls, solids))
+    rollers = _grouped(rolls, one_roller)
     particle.constraints += [Constraint(ROLLS, group, []) for group in rollers]
     _settle_heat(particle, [problem.blocks[k].material for k, _ in members])
     return particle
@@ -174,11 +189,6 @@ def _settle_heat(particle: Particle, materials: list[Any]) -> None:
     particle.stores = elastic and (particle.one_T or held or particle.shares_heat)
 
 
-def _slips(group: list[tuple[Face, Any]]) -> Constraint:
-    walls = [face for face, wall in group if wall is not None]
-    return Constraint(SLIPS, walls, [face for face, wall in group if wall is None])
-
-
 def _grouped(faces: list[Any], one: Any) -> list[list[Any]]:
     """Faces of which each is one with all others of its group."""
     groups: list[list[Any]] = []
@@ -186,34 +196,19 @@ def _grouped(faces: list[Any], one: Any) -> list[list[Any]]:
         fits = (group for group in groups if all(one(face, other) for other in group))
         group = next(fits, None)
         if group is None:
-            groups.append([face])
-        else:
-            group.append(face)
+            groups.append(group := [])
+        group.append(face)
     return groups
 
 
-class _Directions:
-    """Whether two faces at a particle are one constraint."""
-
-    def __init__(self, problem: BlockProblem, members: list[tuple[int, int]]) -> None:
-        self._problem, self._members = problem, members
-
-    def one_wall(self, one: tuple[Face, Any], other: tuple[Face, Any]) -> bool:
-        """By the names of walls if both have one; else unless one goes into the other's gas."""
-        names = [getattr(wall, "name", "") for _, wall in (one, other)]
-        if all(names):
-            return names[0] == names[1]
-        (n, into), (m, along) = self._of(one[0]), self._of(other[0])
-        return bool(min(into @ m, along @ n) > CONCAVE)
-
-    def one_roller(self, one: Face, other: Face) -> bool:
-        """Where the face goes on smoothly."""
-        return bool(self._of(one)[0] @ self._of(other)[0] > SMOOTH)
-
-    def _of(self, face: Face) -> tuple[Array, Array]:
-        """Outward unit normal, and unit vector from the node into the face, of the reference map.
-        """
-        k, node = self._members[face.member]
-        normal, place, within = self._problem.face_normal(k, node, face.axis, face.side)
-        into = within - place
-        return normal, into / np.linalg.norm(into)
+def _directions(
+    problem: BlockProblem, members: list[tuple[int, int]], faces: list[Face]
+) -> dict[Face, tuple[Array, Array]]:
+    """Of faces: outward unit normal, and unit vector from the node into the face, in the reference
+    map.
+    """
+    found = {}
+    for face in faces if len(faces) > 1 else ():
+        normal, place, within = problem.face_normal(*members[face.member], face.axis, face.side)
+        found[face] = normal, (within - place) / np.linalg.norm(within - place)
+    return found

@@ -15,7 +15,7 @@ across it; then their values, those at vertices, l and h are 0.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
@@ -41,37 +41,89 @@ class PlaneGrid:
             columns = hull.columns(np.array(faces)[:, : 0 if block.periodic[1 - axis] else None])
             first = wide.where[axis][0] - begin
             f, slope, scratch = np.zeros((4, n)), np.zeros((4, n)), np.zeros((2, end - begin))
-            self._axes.append((columns, wide.S[axis], wide.weight[axis], first, f, slope, scratch))
+            self._axes.append(Faces(columns, wide.S[axis], wide.weight[axis], first, f, slope, scratch))
         corners = np.zeros((2, 0), int)
         if not any(block.periodic):
             corners = np.array([face_nodes(block.shape, 1, side)[[0, -1]] for side in (0, 1)])
         self._corners, self._ends = hull.columns(corners), np.zeros((4, 2))
         rise = np.zeros((2, weights[0].size))
-        (*_, f, slope, _), (*_, g, steep, _) = self._axes
-        along = tuple(slope[:2]), tuple(slope[2:]), tuple(rise)
-        self._rise = f, rise, weights[0], weights[1]
-        self._slopes = *along, *weights, g, steep, self._ends
-        self._values = tuple(f[:2]), tuple(f[2:]), *self._slopes
+        self._rise, self._weights = rise, weights
+
+    def record(self) -> Plane:
+        """For compiled code."""
+        return Plane(*self._axes, self._corners, self._ends, self._rise, *self._weights)
 
     def metrics(self, metrics: Array, G: Array, displacement: Array) -> None:
         """Fill a^1, a^2; G: (4, N), D_1 X and D_2 X."""
-        self._differentiate(displacement)
-        _plane_metrics(metrics, G, *self._slopes)
+        plane_metrics(self.record(), metrics, G, displacement)
 
     def velocities(self, metrics: Array, velocity: Array) -> None:
         """Fill the velocity v and J_t = a^1 . D_1 v + a^2 . D_2 v."""
-        self._differentiate(velocity)
-        _plane_velocities(metrics, *self._values)
+        plane_velocities(self.record(), metrics, velocity)
 
-    def _differentiate(self, values: Array) -> None:
-        for axis in self._axes:
-            _along(values, *axis)
-        _across(values, self._corners, self._ends, *self._rise)
+
+class Faces(NamedTuple):
+    """The two faces along an axis: columns (2, n) of the hull, the band of the axis, the first node
+    of the range; values and derivatives (4, n) along them, and memory.
+    """
+
+    columns: Array
+    S: Array
+    weight: Array
+    first: int
+    f: Array
+    slope: Array
+    scratch: Array
+
+
+class Plane(NamedTuple):
+    """What compiled code knows of a PlaneGrid."""
+
+    along: Faces
+    across: Faces
+    corners: Array
+    ends: Array
+    rise: Array
+    low: Array
+    high: Array
+    low_y: Array
+    high_y: Array
 
 
 @njit(**CALL)
-def _along(values, columns, S, weight, first, f, slope, scratch):
+def differentiate_faces(plane, values):
+    """Values (2, H) of the hull at faces and vertices, and derivatives along faces."""
+    _along(values, plane.along)
+    _along(values, plane.across)
+    _across(values, plane.corners, plane.ends, plane.along.f, plane.rise, plane.low, plane.high)
+
+
+@njit(**CALL)
+def plane_metrics(plane, metrics, G, displacement):
+    """a^1, a^2."""
+    differentiate_faces(plane, displacement)
+    slope, f = plane.along.slope, plane.across.f
+    S, N = (slope[0], slope[1]), (slope[2], slope[3])
+    rise, weights = (plane.rise[0], plane.rise[1]), (plane.low, plane.high)
+    more = plane.low_y, plane.high_y, f, plane.across.slope, plane.ends
+    _plane_metrics(metrics, G, S, N, rise, *weights, *more)
+
+
+@njit(**CALL)
+def plane_velocities(plane, metrics, velocity):
+    """v and J_t."""
+    differentiate_faces(plane, velocity)
+    f, slope = plane.along.f, plane.along.slope
+    values, S, N = ((f[0], f[1]), (f[2], f[3])), (slope[0], slope[1]), (slope[2], slope[3])
+    rise, weights = (plane.rise[0], plane.rise[1]), (plane.low, plane.high)
+    more = plane.low_y, plane.high_y, plane.across.f, plane.across.slope, plane.ends
+    _plane_velocities(metrics, *values, S, N, rise, *weights, *more)
+
+
+@njit(**CALL)
+def _along(values, faces):
     """Values and derivatives along the two faces of an axis, (4, n): rows 2 side + component."""
+    columns, f, slope, scratch = faces.columns, faces.f, faces.slope, faces.scratch
     if columns.size == 0:
         return
     n = f.shape[1]
@@ -80,10 +132,10 @@ def _along(values, columns, S, weight, first, f, slope, scratch):
         side, c = row // 2, row % 2
         for i in range(given.size):
             given[i] = values[c, columns[side, i]]
-        differentiate(derivative, given, S, weight, 1)
+        differentiate(derivative, given, faces.S, faces.weight, 1)
         for i in range(n):
-            f[row, i] = given[first + i]
-            slope[row, i] = derivative[first + i]
+            f[row, i] = given[faces.first + i]
+            slope[row, i] = derivative[faces.first + i]
 
 
 @njit(**CALL)

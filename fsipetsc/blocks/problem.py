@@ -112,12 +112,6 @@ class BlockProblem:
             raise InputError(f"there is no block {described(name)}: expected one of {known}")
         return names.index(name)
 
-    def check(self, order: int) -> None:
-        """InputError where an axis has too few nodes for the operators of this order."""
-        for block in self.blocks:
-            for axis in range(self.dimension):
-                block.band(order, axis)
-
     def faces_of(self, k: int) -> Kinds:
         """(axis, side) -> what stands at the faces of block k; nothing on a periodic axis."""
         return self._kinds[k]

@@ -1,4 +1,4 @@
-"""What the functions of a block return for places and times, checked; messages for what is wrong."""
+"""What the functions of a block return for places and times, checked."""
 
 from __future__ import annotations
 
@@ -20,32 +20,15 @@ def names_of(kind: str, what: str, d: int) -> tuple[str, ...]:
     return ("rho", *(f"rho {c}" for c in u), "e") if what == "forcing" else ("rho", *u, "T")
 
 
-class AtNodes:
-    """Initial data of a block that are known at its nodes: values (nodes, unknowns)."""
-
-    def __init__(self, values: Array) -> None:
-        self.values = values
-
-    def __call__(self, *X: Array) -> list[Array]:
-        """They are no functions of the place."""
-        raise InputError("initial data of a frame are known at the nodes alone")
-
-
-def block_values(
-    block: Any, what: str, X: Array, t: float, nodes: Array | None = None
-) -> list[Array]:
+def block_values(block: Any, what: str, X: Array, t: float) -> list[Array]:
     """Values of block.initial, exact or forcing at places X (d, n) at time t [s], (n,) each.
 
-    nodes: their numbers, which AtNodes needs. InputError, perhaps on this rank alone; rho and T
-    must be above 0.
+    InputError, perhaps on this rank alone; rho and T must be above 0.
     """
-    function = getattr(block, what)
-    if isinstance(function, AtNodes):
-        return list(function.values[nodes].T)
     where = f"{what} of block '{block.name}'" + ("" if what == "initial" else f" at t = {t:.6g}")
     arguments = tuple(X) if what == "initial" else (*X, t)
     names = names_of(block.kind, what, len(X))
-    return checked(function, arguments, X, names, where, physical=what != "forcing")
+    return checked(getattr(block, what), arguments, X, names, where, physical=what != "forcing")
 
 
 def prestress_of(block: Any, X: Array) -> Array:

@@ -36,7 +36,7 @@ GAMMA, PRANDTL, RHO = 1.4, 0.73, 1.2
 def build(opt: Mapping[str, Any]) -> BlockProblem:
     """The lower half of the box."""
     R, mu = 1.0 / GAMMA, 1.0 / opt["tube_reynolds"]
-    gas = Fluid.with_prandtl(mu, PRANDTL, GAMMA, R)
+    gas = Fluid(mu, GAMMA / (GAMMA - 1.0) * R * mu / PRANDTL, GAMMA, R)
 
     def start(X: np.ndarray, Y: np.ndarray) -> Fields:
         """Half of the jump at the node in the middle, if there is one."""

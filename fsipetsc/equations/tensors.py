@@ -7,7 +7,9 @@ fsipetsc.operators.loops, and works in plain Python as well.
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import product as product_of
 from math import isqrt
+from typing import Any
 
 from numba.extending import register_jitable
 
@@ -26,15 +28,6 @@ def _tensor(entry: Entry) -> Callable[[int], str]:
     return body
 
 
-def _vector(entry: Callable[[int, int], str]) -> Callable[[int], str]:
-    """Source of a vector with the entry i for dimension d."""
-    return lambda n: " return (" + "".join(f"{entry(i, isqrt(n))}," for i in range(isqrt(n))) + ")"
-
-
-def _sum(d: int, term: Callable[[int], str]) -> str:
-    return " + ".join(term(k) for k in range(d))
-
-
 def _cofactor(i: int, j: int, d: int) -> str:
     """Entry of the cofactor matrix: of F^-T times the determinant."""
     if d == 1:
@@ -50,11 +43,7 @@ def _determinant(n: int) -> str:
         return " return F[0]"
     if n == 4:
         return " return F[0] * F[3] - F[1] * F[2]"
-    return " return " + _sum(3, lambda j: f"F[{j}] * ({_cofactor(0, j, 3)})")
-
-
-def _trace(n: int) -> str:
-    return " return " + _sum(isqrt(n), lambda k: f"F[{k * isqrt(n) + k}]")
+    return " return " + " + ".join(f"F[{j}] * ({_cofactor(0, j, 3)})" for j in range(3))
 
 
 def _invariant_excess(n: int) -> str:
@@ -77,54 +66,51 @@ def _largest_eigenvalue(n: int) -> str:
     return " return " + nested
 
 
+def _contraction(name: str, arguments: str, indices: str) -> Callable[..., Any]:
+    """A function of vectors and tensors by its indices, as "ik,kj->ij" for a product."""
+    given, result = indices.split("->")
+    factors = list(zip(arguments.split(", "), given.split(",")))
+    summed = sorted(set(given) - set(result) - {","})
+
+    def term(values: dict[str, int], d: int) -> str:
+        """The product of the entries at values of all indices."""
+        at = {name: [values[index] for index in of] for name, of in factors}
+        return " * ".join(f"{name}[{k[0] * d + k[1] if k[1:] else k[0]}]" for name, k in at.items())
+
+    def body(n: int) -> str:
+        d, entries = isqrt(n) if any(len(of) == 2 for _, of in factors) else n, []
+        for of_result in product_of(range(d), repeat=len(result)):
+            at = [(*of_result, *k) for k in product_of(range(d), repeat=len(summed))]
+            terms = [term(dict(zip([*result, *summed], values)), d) for values in at]
+            entries.append(" + ".join(terms))
+        return f" return ({', '.join(entries)},)" if result else f" return {entries[0]}"
+
+    return by_length(name, arguments, body)
+
+
 determinant = by_length("determinant", "F", _determinant)
 #: det F times F^-T
 cofactor = by_length("cofactor", "F", _tensor(_cofactor))
-#: sum of F_ii
-trace = by_length("trace", "F", _trace)
 #: |F|^2 - d
 invariant_excess = by_length("invariant_excess", "F", _invariant_excess)
 #: an upper bound of the eigenvalues of a symmetric tensor, exact for a diagonal one
 largest_eigenvalue = by_length("largest_eigenvalue", "B", _largest_eigenvalue)
-transpose = by_length("transpose", "F", _tensor(lambda i, j, d: f"F[{j * d + i}]"))
 #: F + c times the unit tensor
 add_unit = by_length(
     "add_unit", "c, F", _tensor(lambda i, j, d: f"F[{i * d + j}]" + " + c" * (i == j))
 )
-#: row i times c_i
-scale_rows = by_length("scale_rows", "c, F", _tensor(lambda i, j, d: f"c[{i}] * F[{i * d + j}]"))
-#: F G
-product = by_length(
-    "product",
-    "F, G",
-    _tensor(lambda i, j, d: _sum(d, lambda k: f"F[{i * d + k}] * G[{k * d + j}]")),
-)
-#: F^T G
-transposed_product = by_length(
-    "transposed_product",
-    "F, G",
-    _tensor(lambda i, j, d: _sum(d, lambda k: f"F[{k * d + i}] * G[{k * d + j}]")),
-)
-#: F a, sum_j F_ij a_j
-apply = by_length(
-    "apply", "F, a", _vector(lambda i, d: _sum(d, lambda j: f"F[{i * d + j}] * a[{j}]"))
-)
-#: F^T a
-apply_transposed = by_length(
-    "apply_transposed", "F, a", _vector(lambda j, d: _sum(d, lambda i: f"F[{i * d + j}] * a[{i}]"))
-)
-#: sum_i F_ij
-column_sums = by_length(
-    "column_sums", "F", _vector(lambda j, d: _sum(d, lambda i: f"F[{i * d + j}]"))
-)
+trace = _contraction("trace", "F", "ii->")
+transpose = _contraction("transpose", "F", "ji->ij")
+column_sums = _contraction("column_sums", "F", "ij->j")
+#: F a and F^T a
+apply = _contraction("apply", "F, a", "ij,j->i")
+apply_transposed = _contraction("apply_transposed", "F, a", "ij,i->j")
 #: a b^T, from two vectors
-outer = by_length("outer", "a, b", lambda d: _tensor(lambda i, j, d: f"a[{i}] * b[{j}]")(d * d))
-#: A B^T
-product_transposed = by_length(
-    "product_transposed",
-    "A, B",
-    _tensor(lambda i, j, d: _sum(d, lambda k: f"A[{i * d + k}] * B[{j * d + k}]")),
-)
+outer = _contraction("outer", "a, b", "i,j->ij")
+#: F G, F^T G and F G^T
+product = _contraction("product", "F, G", "ik,kj->ij")
+transposed_product = _contraction("transposed_product", "F, G", "ki,kj->ij")
+product_transposed = _contraction("product_transposed", "F, G", "ik,jk->ij")
 
 
 @register_jitable

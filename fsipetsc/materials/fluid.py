@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,6 @@ from fsipetsc.errors import InputError
 from fsipetsc.materials import own
 from fsipetsc.materials.constant_transport import ConstantTransport
 from fsipetsc.materials.perfect_gas import PerfectGas
-from fsipetsc.materials.stiffened_gas import StiffenedGas
 
 
 @dataclass(frozen=True)
@@ -54,23 +53,6 @@ class Fluid:
         transport = ConstantTransport() if self.transport is None else self.transport
         return own.checked_law(transport, "Fluid: transport", own.TRANSPORT)
 
-    @classmethod
-    def with_prandtl(cls, mu: float, prandtl: float, gamma: float, R: float, **more: Any) -> Fluid:
-        """A perfect gas with kappa(T) = cp mu(T)/Pr, Pr the Prandtl number.
-
-        more: transport and force. InputError as well where the transport law does not multiply mu
-        and kappa with the same, or another gas law is given.
-        """
-        gas = cls(mu, 0.0, gamma, R, **more)
-        if gas.law is not None:
-            raise InputError("Fluid.with_prandtl: law is given: expected none, as cp is no number")
-        if not np.allclose(*gas.relative(np.array([100.0, 300.0, 3000.0])), rtol=1e-12, atol=0.0):
-            problem = "transport has a law of its own for kappa: expected the same as for mu"
-            raise InputError(f"Fluid.with_prandtl: {problem}")
-        cp = gas.gamma * gas.cv
-        prandtl = number(prandtl, "Fluid.with_prandtl: prandtl", POSITIVE)
-        return replace(gas, kappa=cp * gas.mu / prandtl)
-
     @property
     def cv(self) -> float:
         """Specific heat at constant volume of the perfect gas of gamma and R [J/(kg K)]."""
@@ -87,11 +69,6 @@ class Fluid:
     def relative(self, T: Any) -> tuple[Any, Any]:
         """(mu(T)/mu, kappa(T)/kappa) of the transport law at T [K]."""
         return self.transport_law.viscosity(T), self.transport_law.conductivity(T)
-
-    @property
-    def has_entropy_flux(self) -> bool:
-        """Whether the two-point flux of fsipetsc.equations.gas conserves entropy for its law."""
-        return isinstance(self.gas_law, (PerfectGas, StiffenedGas))
 
     def equations(self, d: int) -> Gas:
         """Its equations in d dimensions; InputError if force has not d numbers."""

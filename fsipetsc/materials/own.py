@@ -1,8 +1,8 @@
 """Laws that a case file brings: plain functions of numbers, or a NamedTuple class like those here.
 
-They are compiled, so they have no ``if`` on their arguments (formulas.py). A law with numbers of
-its own is an instance of a NamedTuple class with these methods; one without is made of functions
-here.
+They are scalar formulas of +, -, *, /, **, min, max, abs and numpy's functions, without an ``if``
+on their arguments, because they are compiled. A law with numbers of its own is an instance of a
+NamedTuple class with the formulas as methods; one without is made of functions here.
 
 Compiled loops are kept on disk under the types of their arguments. So that a changed formula is
 another type, a law of a case gets a class whose name has a hash of its formulas.
@@ -22,7 +22,6 @@ from numba.extending import register_jitable
 
 from fsipetsc.checks import described
 from fsipetsc.errors import InputError
-from fsipetsc.materials.formulas import GAS_LAW, SOLID_LAW, SOLID_PRESSURE, TRANSPORT_LAW
 from fsipetsc.operators.loops import _by_length as by_length
 from fsipetsc.operators.loops import zeros
 
@@ -30,17 +29,6 @@ Formula = Callable[..., Any]
 #: step of differences, relative to rho and T
 STEP = 2.0**-17
 _classes: dict[str, type] = {}
-#: of laws that numba's cache knows from other cases
-_others: dict[str, type] = {}
-
-
-class Kind(NamedTuple):
-    """names: formulas and their arguments, needed: what must be given, derived: the others."""
-
-    maker: str
-    names: Mapping[str, str]
-    needed: tuple[str, ...]
-    derived: Mapping[str, Formula]
 
 
 # What is not given of a gas law
@@ -122,9 +110,32 @@ def stiffness(self, J, T, m0, alpha):
     return (less - self.pressure(J + STEP * J, T, m0, alpha)) / (2.0 * STEP)
 
 
+class Kind(NamedTuple):
+    """A kind of law: arguments of its formulas, which of them a case must give, the others' names
+    with what stands for them.
+
+    Arguments: rho [kg/m3], T [K], e [J/kg], p [Pa]; F: the deformation gradient, d*d numbers row by
+    row; J: det F, m0: density at rest, alpha: specific heat.
+    """
+
+    maker: str
+    arguments: Mapping[str, str]
+    needed: tuple[str, ...]
+    derived: Mapping[str, Formula] = {}
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of all formulas."""
+        return (*self.needed, *self.derived)
+
+    def form(self, name: str) -> str:
+        """A formula with its arguments."""
+        return f"{name}({self.arguments.get(name, self.arguments[''])})"
+
+
 GAS = Kind(
     "gas_law",
-    GAS_LAW,
+    {"": "rho, T", "temperature": "rho, e", "density": "p, T", "temperature_of": "rho, p"},
     ("pressure", "internal_energy", "temperature", "density", "temperature_of"),
     {
         "energy_density": energy_density,
@@ -135,20 +146,20 @@ GAS = Kind(
         "entropy": no_entropy,
     },
 )
-TRANSPORT = Kind("transport_law", TRANSPORT_LAW, ("viscosity", "conductivity"), {})
+TRANSPORT = Kind("transport_law", {"": "T"}, ("viscosity", "conductivity"))
 SOLID = Kind(
-    "solid_law", SOLID_LAW, ("stress",), {"wave_modulus": wave_modulus, "energy": no_energy}
+    "solid_law", {"": "F"}, ("stress",), {"wave_modulus": wave_modulus, "energy": no_energy}
 )
 PRESSURE = Kind(
     "pressure_law",
-    SOLID_PRESSURE,
+    {"": "J, T, m0, alpha"},
     ("pressure",),
     {"pressure_by_temperature": heated, "stiffness": stiffness},
 )
 
 
 def gas_law(**formulas: Formula) -> Any:
-    """A gas law of functions of numbers, named and with the arguments of formulas.GAS_LAW.
+    """A gas law of functions of numbers, with the names and arguments of PerfectGas.
 
     pressure, internal_energy, temperature, density and temperature_of are needed; the others follow
     from these, but for the entropy, which is not a number if it is not given. InputError for other
@@ -158,22 +169,8 @@ def gas_law(**formulas: Formula) -> Any:
 
 
 def transport_law(viscosity: Formula, conductivity: Formula | None = None) -> Any:
-    """viscosity(T) = mu(T)/mu, conductivity(T) = kappa(T)/kappa or the same. InputError.
-
-    One function relative(T) may return both, (mu(T)/mu, kappa(T)/kappa).
-    """
-    if conductivity is None and _returns_two(viscosity):
-        both = register_jitable(getattr(viscosity, "py_func", viscosity))
-        viscosity, conductivity = (lambda T: both(T)[0]), (lambda T: both(T)[1])
-    formulas = {"viscosity": viscosity, "conductivity": conductivity or viscosity}
-    return _law_of(TRANSPORT, formulas)
-
-
-def _returns_two(formula: Formula) -> bool:
-    try:
-        return np.shape(formula(300.0)) == (2,)
-    except Exception:  # what is wrong is said when it is compiled
-        return False
+    """viscosity(T) = mu(T)/mu, conductivity(T) = kappa(T)/kappa or the same. InputError."""
+    return _law_of(TRANSPORT, {"viscosity": viscosity, "conductivity": conductivity or viscosity})
 
 
 def solid_law(**formulas: Formula) -> Any:
@@ -188,8 +185,8 @@ def solid_law(**formulas: Formula) -> Any:
 def pressure_law(pressure: Formula, **more: Formula) -> Any:
     """The pressure of a solid, pressure(J, T, m0, alpha) -> p [Pa]. InputError.
 
-    more: dp/dT and -J dp/dJ, pressure_by_temperature and stiffness of formulas.SOLID_PRESSURE,
-    which the paper's couplings need and else find by differences.
+    more: dp/dT and -J dp/dJ, pressure_by_temperature and stiffness of the same arguments, which the
+    paper's couplings need and else find by differences.
     """
     return _law_of(PRESSURE, {"pressure": pressure, **more})
 
@@ -201,10 +198,11 @@ def checked_law(law: Any, what: str, kind: Kind) -> Any:
         raise InputError(f"{what} is {described(law)}: expected what {kind.maker}(…) returns")
     if cls.__module__.startswith("fsipetsc.") and all(hasattr(cls, name) for name in kind.names):
         return law
-    own = {n: f for n, f in vars(cls).items() if isinstance(f, FunctionType) and n[0] != "_"}
-    _check_names(what, kind, own, ("self",))
+    given = {n: f for n, f in vars(cls).items() if isinstance(f, FunctionType) and n[0] != "_"}
+    _check_formulas(what, kind, {n: f for n, f in given.items() if n in kind.names}, "self, ")
     numbers = tuple(float(v) if isinstance(v, (int, float)) else v for v in law)
-    return _class(cls.__name__, cls._fields, {**kind.derived, **own})(*numbers)
+    methods = {**kind.derived, **given}
+    return _class(cls.__name__, cls._fields, methods, methods)(*numbers)
 
 
 def knows_energy(law: Any) -> bool:
@@ -216,62 +214,46 @@ def check_solid_law(law: Any, d: int) -> None:
     """InputError if the stress of a law of a case has not d*d numbers or is not dW/dF."""
     if type(law).__name__ not in _classes:
         return
-    unit = np.eye(d).ravel()
-    for shift in (0.0, 0.03):
-        F = tuple((unit + shift * np.cos(np.arange(d * d))).tolist())
-        P = law.stress(F)
-        if not (isinstance(P, tuple) and len(P) == d * d and np.isfinite(P).all()):
-            found = f"{described(P)} at F = {F}: expected a tuple of {d * d} numbers"
-            raise InputError(f"stress of a solid law is {found}")
-        if knows_energy(law):
-            _check_slopes(law, F, P)
-
-
-def _check_slopes(law: Any, F: tuple[float, ...], P: tuple[float, ...]) -> None:
-    size = max(*map(abs, P), law.wave_modulus(F))
-    for k in range(len(F)):
+    F = tuple((np.eye(d).ravel() + 0.03 * np.cos(np.arange(d * d))).tolist())
+    P = law.stress(F)
+    if not (isinstance(P, tuple) and len(P) == d * d and np.isfinite(P).all()):
+        found = f"{described(P)} at F = {F}: expected a tuple of {d * d} numbers"
+        raise InputError(f"stress of a solid law is {found}")
+    for k in range(len(F)) if knows_energy(law) else ():
         slope = (law.energy(bumped(F, k, STEP)) - law.energy(bumped(F, k, -STEP))) / (2.0 * STEP)
-        if not abs(slope - P[k]) <= 1e-5 * size:
+        if not abs(slope - P[k]) <= 1e-5 * max(*map(abs, P), law.wave_modulus(F)):
             words = f"P[{k}] = {P[k]:g}, and energy rises by {slope:g} with F[{k}]"
-            problem = f"stress is not the derivative of energy: at F = {F}, {words}"
+            problem = f"stress is not the derivative of energy: at {F}, {words}"
             raise InputError(f"a solid law: {problem}")
 
 
 def _law_of(kind: Kind, formulas: Mapping[str, Formula]) -> Any:
     """A law without numbers, of functions."""
     plain = {name: getattr(formula, "py_func", formula) for name, formula in formulas.items()}
-    _check_names(kind.maker, kind, plain, ())
-    counts = {name: len(arguments.split(",")) for name, arguments in kind.names.items()}
-    methods = {name: _METHODS[counts[name]](register_jitable(f)) for name, f in plain.items()}
-    if kind is not SOLID:  # whose number of arguments depends on the dimension
-        for name, formula in plain.items():
-            _compile(f"{kind.maker}: {name}", formula, counts[name])
-    return _class(kind.maker, ("unused",), {**kind.derived, **methods}, plain)(
-        0.0
-    )  # numba needs a field
+    _check_formulas(kind.maker, kind, plain, "")
+    methods = dict(kind.derived)
+    for name, formula in plain.items():
+        count = len(inspect.signature(formula).parameters)
+        methods[name] = _METHODS[count](register_jitable(formula))
+        if kind is not SOLID:  # whose number of arguments depends on the dimension
+            _compile(f"{kind.maker}: {name}", formula, count)
+    return _class(kind.maker, ("unused",), methods, plain)(0.0)  # numba needs a field
 
 
-def _check_names(
-    what: str, kind: Kind, given: Mapping[str, Formula], first: tuple[str, ...]
-) -> None:
+def _check_formulas(what: str, kind: Kind, given: Mapping[str, Formula], first: str) -> None:
     """InputError for a formula that is missing, unknown or has not its arguments."""
-    for name in kind.needed:
-        if name not in given:
-            raise InputError(f"{what}: the formula {name}({kind.names[name]}) is missing")
+    missing = [name for name in kind.needed if name not in given]
+    if missing:
+        raise InputError(f"{what}: the formula {kind.form(missing[0])} is missing")
     for name, formula in given.items():
         if name not in kind.names:
-            if first:  # helpers of a class
-                continue
-            known = ", ".join(kind.names)
-            raise InputError(f"{what}: there is no formula '{name}': expected {known}")
+            raise InputError(f"{what}: no formula '{name}': expected {', '.join(kind.names)}")
+        form = kind.form(name)
         if not inspect.isfunction(formula):
-            expected = f"expected a function {name}({kind.names[name]})"
-            raise InputError(f"{what}: {name} is {described(formula)}: {expected}")
-        wanted = (*first, *kind.names[name].split(", "))
-        found = tuple(inspect.signature(formula).parameters)
-        if len(found) != len(wanted):
-            form = f"{name}({', '.join(found)}): expected {name}({', '.join(wanted)})"
-            raise InputError(f"{what}: {form}")
+            raise InputError(f"{what}: {name} is {described(formula)}: expected a function {form}")
+        found = ", ".join(inspect.signature(formula).parameters)
+        if found.count(",") != (first + form).count(","):
+            raise InputError(f"{what}: {name}({found}): expected {form.replace('(', '(' + first)}")
 
 
 def _compile(what: str, formula: Formula, count: int) -> None:
@@ -300,11 +282,11 @@ def _class(
     name: str,
     fields: tuple[str, ...],
     methods: Mapping[str, Formula],
-    sources: Mapping[str, Formula] | None = None,
+    sources: Mapping[str, Formula],
 ) -> type:
     """A NamedTuple class with these methods, named by a hash of their sources."""
     digest = hashlib.sha256(repr(fields).encode())
-    for key, formula in sorted((methods if sources is None else sources).items()):
+    for key, formula in sorted(sources.items()):
         digest.update(key.encode() + _fingerprint(formula, set()).encode())
     full = f"{name}_{digest.hexdigest()[:16]}"
     if full not in _classes:
@@ -318,10 +300,8 @@ def _class(
 
 def __getattr__(name: str) -> Any:
     """The class of a law of a case, for numba's cache; an empty one for laws of other cases."""
-    if name in _classes:
-        return _classes[name]
     if "_" in name and not name.startswith("_"):
-        return _others.setdefault(name, NamedTuple(name, []))
+        return _classes.get(name) or NamedTuple(name, [])
     raise AttributeError(name)
 
 
@@ -332,8 +312,8 @@ def _fingerprint(value: Any, seen: set[int]) -> str:
     if isinstance(value, FunctionType):
         seen.add(id(value))
         names = inspect.getclosurevars(value)
-        parts = {**names.nonlocals, **names.globals}
-        inner = "".join(f"{k}={_fingerprint(v, seen)};" for k, v in sorted(parts.items()))
+        parts = sorted({**names.nonlocals, **names.globals}.items())
+        inner = "".join(f"{k}={_fingerprint(v, seen)};" for k, v in parts)
         return _fingerprint(value.__code__, seen) + inner + repr(value.__defaults__)
     if isinstance(value, CodeType):
         constants = "".join(_fingerprint(c, seen) for c in value.co_consts[1:])

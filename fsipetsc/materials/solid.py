@@ -5,10 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from fsipetsc.checks import ANY, NONNEGATIVE, POSITIVE, described, numbers
-from fsipetsc.equations.solid import STEP, Solid
+from fsipetsc.equations.solid import Solid
 from fsipetsc.errors import InputError
 from fsipetsc.materials import own
 from fsipetsc.materials.fluid import checked_force, force_in
@@ -89,26 +87,6 @@ class ElasticSolid:
     def K(self) -> float:
         """2 mu_e + lambda_e [Pa]."""
         return 2.0 * self.mu_e + self.lambda_e
-
-    def stress(self, F: tuple[Any, ...]) -> tuple[Any, ...]:
-        """P [Pa] of its law, d*d numbers as F, row by row; without the pressure of ``pressing``."""
-        return self.solid_law.stress(F)
-
-    def pressure(self, T: Any, J: Any = 1.0) -> Any:
-        """p [Pa] of ``pressing`` at T [K] and J = det F, x_X in one dimension."""
-        return self.pressure_law.pressure(J, T, self.m0, self.alpha)
-
-    def sound_speed(self, x_X: float = 1.0, T: float = 0.0, sigma: float = 0.0) -> float:
-        """Speed of small waves in one dimension in Lagrangian coordinates [m/s], without conduction.
-
-        m0 c^2 = dsigma/dx_X - p_x + p_T (p - sigma)/(alpha m0), sigma: stress without p [Pa].
-        """
-        dx, dT = STEP * x_X, STEP * (1.0 + abs(T))
-        by_x = (self.pressure(T, x_X + dx) - self.pressure(T, x_X - dx)) / (2.0 * dx)
-        by_T = (self.pressure(T + dT, x_X) - self.pressure(T - dT, x_X)) / (2.0 * dT)
-        heating = by_T * (self.pressure(T, x_X) - sigma) / (self.alpha * self.m0)
-        modulus = self.solid_law.wave_modulus((x_X,)) - by_x + heating
-        return float(np.sqrt(modulus / self.m0))
 
     def equations(self, d: int) -> Solid:
         """Its equations in d dimensions; InputError if force has not d numbers.

@@ -115,7 +115,7 @@ def gruneisen(G: float) -> Gruneisen:
 
 
 def mie_gruneisen(c_0: float, s: float, G_0: float, T_0: float) -> MieGruneisen:
-    """The law with checked numbers; G_0 is at most 4 s, so that compression stiffens. InputError."""
+    """The law with checked numbers; G_0 at most 4 s, so that compression stiffens. InputError."""
     law = MieGruneisen(
         number(c_0, "mie_gruneisen: c_0", POSITIVE, "m/s"),
         number(s, "mie_gruneisen: s", NONNEGATIVE),

@@ -10,7 +10,7 @@ is optimised once more in each caller: of a chain of callers the whole chain.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
+from collections.abc import Iterable
 from typing import Any
 
 from numba import njit, typeof, types
@@ -55,13 +55,14 @@ def boxed(record):
     return Box(record)
 
 
-def with_calls(hold: Any, box: Any, calls: dict[Callable[..., Any], tuple[Any, ...]]) -> Any:
-    """hold(box, *calls), which makes a box of a box and functions of it.
+def with_calls(hold: Any, box: Any, calls: Iterable[tuple[Any, tuple[Any, ...]]]) -> Any:
+    """hold(box, *functions), which makes a box of a box and functions of it.
 
-    calls: compiled function -> examples of what it takes behind ``box``. None returns anything.
+    calls: compiled functions, examples of what they take behind ``box``. None returns anything.
     """
-    kinds = [types.void(typeof(box), *map(typeof, more)) for more in calls.values()]
+    functions, examples = zip(*calls, strict=True)
+    kinds = [types.void(typeof(box), *map(typeof, more)) for more in examples]
     takes = (typeof(box), *map(types.FunctionType, kinds))
     hold.compile(takes)
     # called for just these types: numba would look for them among those of other boxes, and fail
-    return hold.get_overload(takes)(box, *calls)
+    return hold.get_overload(takes)(box, *functions)

@@ -1,24 +1,28 @@
-"""The numbers of the diagonal-norm SBP first derivatives 2/1, 4/2, 6/3 and 8/4, as exact fractions.
+"""The diagonal-norm SBP first derivatives 2/1, 4/2, 6/3 and 8/4 in numbers, as exact fractions.
 
-On a grid of spacing h, D = Q/(h H): H is diagonal with the norm weights, which are 1 away from the ends, and
-Q + Q^T = diag(-1, 0, ..., 0, 1) is summation by parts. Away from the ends Q holds the centred stencil of order 2p, which
-reads (Qv)_i = sum_k c_k (v_{i+k} - v_{i-k}), k = 1..p. The first r = 1, 4, 6, 8 rows are the boundary closure, exact for
-polynomials up to degree s = p; the other end is its mirror image with the sign changed.
+On a grid of spacing h, D = Q/(h H): H is diagonal with the norm weights, which are 1 away from the
+ends, and Q + Q^T = diag(-1, 0, ..., 0, 1) is summation by parts. Away from the ends Q holds the
+centred stencil of order 2p, (Qv)_i = sum_k c_k (v_{i+k} - v_{i-k}), k = 1..p. The first r = 1, 4,
+6, 8 rows are the boundary closure, exact for polynomials up to degree s = p; the other end is its
+mirror image with the sign changed.
 
-What has to be written down is short: the norm, the stencil, and the entries of Q that accuracy leaves free. The closure
-follows from these by linear equations (`closure_rows`), so that there is no long table in which a digit can be wrong.
+What has to be written down is short: the norm, the stencil, and the entries of Q that accuracy
+leaves free. The closure follows by linear equations (`closure_rows`), so that there is no long
+table in which a digit can be wrong.
 
 The free entries, Q_ij with s < i < j < r (counted from 0):
 
-6/3  One. Here it minimises sum_i H_i e_i^2, e being the truncation error of the closure on x^4; this is a rational number.
-8/4  Three, and the choice matters: the truncation error on x^5 does not change along (Q_56, Q_57, Q_67) = (21, -6, 1) t,
-     but the spectral radius of hD, with the inflow point removed, does: t = 0.01 takes it from 1.72 to more than 8, and
-     closures in print have much larger ones than that. It never shows in a convergence test, only in the time step. The
-     values below keep it under that of the interior stencil (1.73), with an error within 1 % of the smallest possible.
+6/3  One. It minimises sum_i H_i e_i^2, e being the truncation error of the closure on x^4.
+8/4  Three, and the choice matters: the truncation error on x^5 does not change along
+     (Q_56, Q_57, Q_67) = (21, -6, 1) t, but the spectral radius of hD, with the inflow point
+     removed, does: t = 0.01 takes it from 1.72 to more than 8, and closures in print have much
+     larger ones than that. It never shows in a convergence test, only in the time step. The values
+     below keep it under that of the interior stencil (1.73), with an error within 1 % of the
+     smallest possible.
 
-Sources: H.-O. Kreiss and G. Scherer, in Mathematical Aspects of Finite Elements in Partial Differential Equations (1974),
-195-212 (existence, norms); B. Strand, J. Comput. Phys. 110 (1994), 47-67 (the operators and their free parameters; [16] of
-Sjögreen and Banks).
+Sources: H.-O. Kreiss and G. Scherer, in Mathematical Aspects of Finite Elements in Partial
+Differential Equations (1974), 195-212 (existence, norms); B. Strand, J. Comput. Phys. 110 (1994),
+47-67 (the operators and their free parameters).
 """
 
 from __future__ import annotations
@@ -68,7 +72,8 @@ COEFFICIENTS: dict[int, Coefficients] = {
     8: Coefficients(
         boundary_order=4,
         norm=_fractions(
-            "1498139/5080320 1107307/725760 20761/80640 1304999/725760 299527/725760 103097/80640 670091/725760 5127739/5080320"
+            "1498139/5080320 1107307/725760 20761/80640 1304999/725760 299527/725760 103097/80640 "
+            "670091/725760 5127739/5080320"
         ),
         interior=_fractions("4/5 -1/5 4/105 -1/280"),
         free={(5, 6): Fraction(7, 10), (5, 7): Fraction(-61, 500), (6, 7): Fraction(1519, 2000)},
@@ -80,10 +85,11 @@ COEFFICIENTS: dict[int, Coefficients] = {
 def closure_rows(coefficients: Coefficients) -> tuple[tuple[Fraction, ...], ...]:
     """The first r rows of hD, shape (r, r + p), exact.
 
-    Row i of Q is exact for polynomials up to degree s. Going from the last row up, antisymmetry and the free entries
-    leave at most the first s + 1 columns of a row unknown, and with l_m the polynomial that is 1 at column m and 0 at
-    the other unknown ones, exactness for l_m reads Q_im = H_i l_m'(i) - sum over the known j of Q_ij l_m(j).
-    The equations beyond these, such as all of row 0, hold because the norm is the right one.
+    Row i of Q is exact for polynomials up to degree s. Going from the last row up, antisymmetry and
+    the free entries leave at most the first s + 1 columns of a row unknown, and with l_m the
+    polynomial that is 1 at column m and 0 at the other unknown ones, exactness for l_m reads
+    Q_im = H_i l_m'(i) - sum over the known j of Q_ij l_m(j). The equations beyond these, such as
+    all of row 0, hold because the norm is the right one.
     """
     s, norm, interior, free = coefficients
     r, p = len(norm), len(interior)
@@ -101,7 +107,7 @@ def closure_rows(coefficients: Coefficients) -> tuple[tuple[Fraction, ...], ...]
             from_known = sum(q[i][j] * _lagrange(unknown, m, j) for j in known)
             value = norm[i] * _lagrange_derivative(unknown, m, i) - from_known
             q[i][m], q[m][i] = value, -value
-    return tuple(tuple(entry / weight for entry in row) for row, weight in zip(q, norm, strict=True))
+    return tuple(tuple(entry / weight for entry in row) for row, weight in zip(q, norm))
 
 
 def _lagrange(nodes: Sequence[int], m: int, x: int) -> int:

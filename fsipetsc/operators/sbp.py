@@ -17,8 +17,9 @@ from fsipetsc.operators.coefficients import COEFFICIENTS, closure_rows
 class SBPOperator:
     """A diagonal-norm SBP first derivative on n equidistant points, closed at both ends.
 
-    With H = diag(norm_weights) and grid spacing h, D = matrix(n, h) satisfies hHD + (hHD)^T = diag(-1, 0, ..., 0, 1).
-    Exact coefficients, all for h = 1 and the left end; at the right end columns are mirrored and signs change.
+    With H = diag(norm_weights) and spacing h, D = matrix(n, h) satisfies hHD + (hHD)^T =
+    diag(-1, 0, ..., 0, 1). Exact coefficients, all for h = 1 and the left end; at the right end
+    columns are mirrored and signs change.
     """
 
     order: int
@@ -50,8 +51,8 @@ class SBPOperator:
     @property
     def reach(self) -> int:
         """Largest distance, in points, from a point to one that its derivative uses."""
-        in_closure = (abs(j - i) for i, row in enumerate(self.closure) for j, weight in enumerate(row) if weight)
-        return max(self.p, *in_closure)
+        rows = enumerate(self.closure)
+        return max(self.p, *(abs(j - i) for i, row in rows for j, w in enumerate(row) if w))
 
     @property
     def min_points(self) -> int:
@@ -59,7 +60,7 @@ class SBPOperator:
         return 2 * self.rows
 
     def matrix(self, n: int, h: float = 1.0) -> NDArray[np.float64]:
-        """D as a dense (n, n) array, a true derivative on spacing h > 0. ValueError if n < min_points."""
+        """D as a dense (n, n) array on spacing h > 0. ValueError if n < min_points."""
         return self._assemble(n, float, np.float64) / h
 
     def exact_matrix(self, n: int) -> list[list[Fraction]]:
@@ -81,15 +82,16 @@ class SBPOperator:
             i = np.arange(n - k)
             matrix[i, i + k] = number(weight)
             matrix[i + k, i] = number(-weight)
-        closure = np.array([[number(weight) for weight in row] for row in self.closure], dtype=dtype)
+        closure = np.array([[number(w) for w in row] for row in self.closure], dtype=dtype)
         rows, cols = closure.shape
         matrix[:rows, :cols] = closure
-        matrix[n - rows :, n - cols :] = 0 - closure[::-1, ::-1]  # not -closure, which would hold -0.0
+        matrix[n - rows :, n - cols :] = 0 - closure[::-1, ::-1]  # -closure would hold -0.0
         return matrix
 
     def _require(self, n: int) -> None:
         if n < self.min_points:
-            raise ValueError(f"the {self.name} operator needs at least {self.min_points} points, not {n}")
+            least = f"at least {self.min_points} points"
+            raise ValueError(f"the {self.name} operator needs {least}, not {n}")
 
 
 OPERATORS: dict[int, SBPOperator] = {
@@ -102,9 +104,8 @@ OPERATORS: dict[int, SBPOperator] = {
 def operator(order: int) -> SBPOperator:
     """The operator of this interior order. ValueError, naming the valid ones, if there is none."""
     if order not in OPERATORS:
-        raise ValueError(
-            f"there is no SBP operator of order {order}; valid orders are {', '.join(map(str, OPERATORS))}"
-        )
+        valid = ", ".join(map(str, OPERATORS))
+        raise ValueError(f"there is no SBP operator of order {order}; valid orders are {valid}")
     return OPERATORS[order]
 
 

@@ -5,7 +5,8 @@
     diffusion    z nu sum_k |a^k|^2 / (J h_k)^2,  nu = max(4/3 mu/rho, kappa/(rho cv)),
                  z the stiffness of D twice
 
-Integrals are sums over nodes with their weights. Their last bits depend on who owns the nodes;
+They are taken column by column of a tile, so that loops become vector code. Integrals are sums over
+nodes with their weights. Their last bits depend on who owns the nodes;
 nothing else takes them.
 """
 
@@ -14,81 +15,89 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from fsipetsc.operators.loops import EXACT_LOOP, INNER_CALL, MERGED_CALL, dot, sub
-from fsipetsc.scheme.rows import U64, at
+from fsipetsc.operators.loops import EXACT_LOOP, INNER_CALL, MERGED_CALL, along, dot, sub
+from fsipetsc.operators.loops import _by_length as by_length
+from fsipetsc.scheme.rows import ROW, TILE, U64, Array, aligned, at, put
 
 BAD, CONVECTION, DIFFUSION, LEAST_J, J_ERROR = range(5)
 #: numbers of a look
 LOOKED = 5
+#: the larger ones of the numbers of two tuples
+largest = by_length(
+    "largest", "a, b", lambda n: " return (" + "".join(f"max(a[{k}], b[{k}])," for k in range(n)) + ")"
+)
+
+
+def room_of(d: int) -> Array:
+    """Memory of a look: by columns of a tile, the four extremes, what is bad, and d + 3 sums."""
+    return aligned((LOOKED + d + 3) * int(ROW))
 
 
 @njit(**MERGED_CALL)
-def gas_look(gas, like, q, metrics, per_h, stiffness, w0, w1, w2, patch, found, seen, sums):
+def gas_look(
+    gas, like, q, metrics, per_h, stiffness, masses, reference, grid, patch, room, seen, sums
+):
     """Fill seen (LOOKED,) and sums (d + 3,): mass, momentum, energy, entropy of the owned nodes.
 
-    q: (N, d + 3), metrics: (d d + d + 1, N), per_h: (d,) cells per axis. found: (5, nodes of a
-    row), memory. J_ERROR is left as it is.
+    q: (M, d + 3), masses, reference: (M,) weight and J of the reference map; metrics: (d d + d + 1,
+    N); per_h: (d,) cells per axis. grid: knows det(D x), see fsipetsc.blocks.grid.
     """
-    seen[:4], sums[:] = 0.0, 0.0
-    seen[LEAST_J] = -np.inf
+    for c in range(room.size):
+        room[c] = -np.inf if c < LOOKED * ROW else 0.0
     (n0, n1, n2), (g0, g1, _), (f0, f1, f2) = patch.own, patch.ghosted, patch.first
-    weight, flat, flat_metrics = w0[f0 : f0 + n0], q.reshape(q.size), metrics.reshape(metrics.size)
+    flat, flat_metrics = q.reshape(q.size), metrics.reshape(metrics.size)
     for z in range(n2):
         for y in range(n1):
-            first = f0 + g0 * (y + f1 + g1 * (z + f2))
-            measure(gas, like, flat, flat_metrics, per_h, stiffness, first, found)
-            note(found, seen)
-            add_up(q, first, w1[y + f1] * w2[z + f2], weight, found, sums)
+            row, own = f0 + g0 * (y + f1 + g1 * (z + f2)), n0 * (y + n1 * z)
+            for x in range(0, n0, TILE):
+                at_q, first, n = U64(own + x), U64(row + x), U64(min(TILE, n0 - x))
+                of_nodes = flat, flat_metrics, masses, reference, at_q, first, n
+                measure(gas, like, per_h, stiffness, grid, *of_nodes, room)
+    collect(room, seen, sums)
 
 
 @njit(**EXACT_LOOP)
-def measure(gas, like, q, metrics, per_h, stiffness, first, found):
-    """Rows of found: rates of convection and of diffusion [1/s], the lesser of rho and T, J, and
-    J times the entropy.
-    """
-    d, like_q = U64(len(like)), (*like, 0.0, 0.0, 0.0)
-    N, g = U64(metrics.size // (len(like) * len(like) + len(like) + 1)), U64(first)
-    for i in range(U64(found.shape[1])):
-        here = at(like_q, q, g * U64(len(like_q)), U64(1), i * U64(len(like_q)))
-        w = gas.primitive(here)
-        v = at(like, metrics, g + d * d * N, N, i)
+def measure(
+    gas, like, per_h, stiffness, grid, q, metrics, masses, reference, own, first, n, room
+):
+    """Add n nodes to the extremes and sums of the columns of a tile."""
+    d, like_q, one = U64(len(like)), (*like, 0.0, 0.0, 0.0), U64(1)
+    N, extremes = U64(metrics.size // (len(like) ** 2 + len(like) + 1)), (0.0, 0.0, 0.0, 0.0, 0.0)
+    like_sums, first_sum = (*like, 0.0, 0.0, 0.0), U64(LOOKED) * ROW
+    for i in range(n):
+        here = at(like_q, q, own * U64(len(like_q)), one, i * U64(len(like_q)))
+        w, per_J = gas.primitive(here), 1.0 / here[0]
+        v = at(like, metrics, first + d * d * N, N, i)
         relative, c = sub(gas.velocity(w), v), gas.speed_of_sound(w)
         convection, squares = 0.0, 0.0
         for k in range(len(like)):
-            a = at(like, metrics, g + U64(k) * d * N, N, i)
+            a = at(like, metrics, first + U64(k) * d * N, N, i)
             size = dot(a, a) * per_h[k] * per_h[k]
             convection += abs(dot(a, relative)) * per_h[k] + c * np.sqrt(size)
             squares += size
-        per_J = 1.0 / here[0]
-        found[0, i] = convection * per_J
-        found[1, i] = stiffness * gas.diffusivity(w) * squares * per_J * per_J
-        found[2, i], found[3, i] = min(w[0], w[2]), here[0]
-        found[4, i] = here[0] * gas.entropy_density(w)
+        convection, spread = convection * per_J, squares * per_J * per_J
+        diffusion = stiffness * gas.diffusivity(w) * spread
+        J, of_map = grid.jacobian(metrics, N, first + i, reference[own + i]), reference[own + i]
+        good = convection < np.inf and diffusion < np.inf and min(w[0], w[2], here[0]) > 0.0
+        bad, apart = 0.0 if good else 1.0, abs(here[0] - J) / abs(J)
+        found = bad, convection, diffusion, -here[0] / of_map, apart
+        put(room, U64(0), ROW, i, largest(found, at(extremes, room, U64(0), ROW, i)))
+        more = (*here[1:], here[0] * gas.entropy_density(w))
+        total = along(at(like_sums, room, first_sum, ROW, i), masses[own + i], more)
+        put(room, first_sum, ROW, i, total)
 
 
 @njit(**INNER_CALL)
-def note(found, seen):
-    """The extremes of a row; BAD where one is no number, or not positive."""
-    fastest, spreading, least_J, good = 0.0, 0.0, np.inf, True
-    for i in range(found.shape[1]):
-        good &= found[0, i] < np.inf and found[1, i] < np.inf and found[2, i] > 0.0
-        fastest, spreading = max(fastest, found[0, i]), max(spreading, found[1, i])
-        least_J = min(least_J, found[3, i])
-    if not (good and least_J > 0.0):
-        seen[BAD] = 1.0
-    seen[CONVECTION] = max(seen[CONVECTION], fastest)
-    seen[DIFFUSION] = max(seen[DIFFUSION], spreading)
-    seen[LEAST_J] = max(seen[LEAST_J], -least_J)
-
-
-@njit(**INNER_CALL)
-def add_up(q, first, across, weight, found, sums):
-    """Mass, momentum, energy and entropy of a row."""
-    for i in range(weight.size):
-        volume = weight[i] * across
-        for c in range(sums.size - 1):
-            sums[c] += volume * q[first + i, 1 + c]
-        sums[sums.size - 1] += volume * found[4, i]
+def collect(room, seen, sums):
+    """The extremes and sums of all columns."""
+    for c in range(LOOKED):
+        seen[c] = -np.inf if c == LEAST_J else 0.0
+        for i in range(ROW):
+            seen[c] = max(seen[c], room[U64(c) * ROW + i])
+    for c in range(sums.size):
+        sums[c] = 0.0
+        for i in range(ROW):
+            sums[c] += room[U64(LOOKED + c) * ROW + i]
 
 
 @njit(**MERGED_CALL)

@@ -3,7 +3,7 @@
 Mass of a gas layer behind a wall, total energy between two walls without body forces, momentum less the impulse of the
 outer ends and body forces, and, between walls, the entropy less the accumulated heating of the solids by stress,
 int int sigma u_X / T dX dt, which must not decrease. (The entropy alone is not monotone: sigma u_X heats the solid.)
-Of blocks all is counted that comes in through faces and by body forces (fsipetsc.blockrun.block_scheme), so masses, both
+Of blocks all is counted that comes in through faces and by body forces (fsipetsc.blockrun.scheme), so masses, both
 components of momentum and energy are held for open edges, too; entropy as said, and where no solid is heated by stress.
 """
 

@@ -37,20 +37,69 @@ from fsipetsc.scheme.rows import U64
 Array = NDArray[Any]
 
 
-class Face(NamedTuple):
-    """Nodes of a face of a block on a rank.
+class GasFaces(NamedTuple):
+    """Nodes of faces of a part of a gas block through which something passes; a node at an edge
+    stands there once for each of its faces.
 
-    ghosted, owned: (n,) numbers of its nodes in the ghosted array and among the owned ones. axis,
-    sign: of its outward normal. per_weight: 1 / weight of the axis at the face. across: (n,)
-    product of the weights of the other axes.
+    at, own: (n,) numbers of the nodes in the ghosted array and among the owned ones. axis, sign: of
+    the outward normal. per_weight: 1 / weight of the axis at the face, across: product of those of
+    the other axes. opens: 1 where gas may pass; outside: (n, d + 2), (rho, u, T) beyond; pressure:
+    (n,) that beyond an outflow, 0 for one that is supersonic, below 0 where the face is open and no
+    outflow. heat: (n,) what comes in per area [W/m2].
     """
 
-    ghosted: Array
-    owned: Array
-    axis: int
-    sign: float
-    per_weight: float
+    at: Array
+    own: Array
+    axis: Array
+    sign: Array
+    per_weight: Array
     across: Array
+    opens: Array
+    outside: Array
+    pressure: Array
+    heat: Array
+
+    def add(self, part, q, rates, gain):
+        """Add all that passes, see ``pass_faces``."""
+        pass_faces(part.laws, self, q, part.metrics, rates, gain)
+
+
+class SolidFaces(NamedTuple):
+    """The same of a solid block.
+
+    traction: (n, d) per area at rest, pressure: (n,) that follows the face. absorbs: 1 where waves
+    leave, stress: (n,) pulls there. normal: (n, d) area vectors of the face as it is, in three
+    dimensions. X: (d, ghosted) places in the reference map.
+    """
+
+    at: Array
+    own: Array
+    axis: Array
+    sign: Array
+    per_weight: Array
+    across: Array
+    absorbs: Array
+    traction: Array
+    pressure: Array
+    stress: Array
+    heat: Array
+    normal: Array
+    X: Array
+
+    def add(self, part, q, rates, gain):
+        """Add all that loads a solid, see ``load_faces``."""
+        laws, of_axes = part.laws, (part.S, part.weight, part.patch)
+        load_faces(laws, part.like, self, *of_axes, q, part.metrics, part.inertia, rates, gain)
+
+
+class Closed(NamedTuple):
+    """Faces through which nothing passes."""
+
+    kind: int = 0
+
+    def add(self, part, q, rates, gain):
+        """Nothing."""
+        return None
 
 
 @njit(**INNER_CALL)
@@ -77,7 +126,7 @@ def _flux(law, rho, u, T, n, g, out):
     return abs(through - g) + np.sqrt(law.sound_speed_squared(rho, T) * area)
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def inside(law, q, u):
     """(rho, T) of a node, u is filled; q: (J, J rho, J rho u, J E)."""
     d = u.size
@@ -89,58 +138,61 @@ def inside(law, q, u):
 
 
 @njit(**CALL)
-def open_face(law, face, q, metrics, outside, pressure, rates, gain):
-    """Add what passes an open face to ``rates`` (owned, d + 3).
+def pass_faces(gas, faces, q, metrics, rates, gain):
+    """Add what passes the faces of a gas to ``rates`` (owned, d + 3) and ``gain`` (d + 2,).
 
-    q: (ghosted, d + 3); metrics: (d d + d + 1, ghosted). outside: (n, d + 2), (rho, u, T) beyond.
-    pressure: (n,) that beyond an outflow, 0 for one that is supersonic; below 0: the face is open,
-    not an outflow.
+    q: (ghosted, d + 3); metrics: (d d + d + 1, ghosted).
     """
-    d = q.shape[1] - 3
+    d, law = q.shape[1] - 3, gas.law
     n, u, u_out = np.zeros(d), np.zeros(d), np.zeros(d)
     f, f_out = np.zeros(d + 2), np.zeros(d + 2)
-    for i in range(face.ghosted.size):
-        at = face.ghosted[i]
+    for i in range(faces.at.size):
+        at = faces.at[i]
         g, area = 0.0, 0.0
         for c in range(d):
-            n[c] = face.sign * metrics[face.axis * d + c, at]
+            n[c] = faces.sign[i] * metrics[faces.axis[i] * d + c, at]
             g += n[c] * metrics[d * d + c, at]
             area += n[c] * n[c]
-        rho, T = inside(law, q[at], u)
-        fastest = _flux(law, rho, u, T, n, g, f)
-        if pressure[i] != 0.0:
-            rho_out, T_out = outside[i, 0], outside[i, d + 1]
-            for c in range(d):
-                u_out[c] = outside[i, 1 + c]
-            if pressure[i] > 0.0:
-                through = -g
-                for c in range(d):
-                    through += n[c] * u[c]
-                    u_out[c] = u[c]
-                m = max(through, 0.0) / np.sqrt(area * law.sound_speed_squared(rho, T))
-                p = law.pressure(rho, T)
-                beyond = p + max(1.0 - m * m, 0.0) * (pressure[i] - p)
-                rho_out, T_out = rho, law.temperature_of(rho, beyond)
-            arguments = rho, u, T, rho_out, u_out, T_out, n, g, area, f
-            if pressure[i] < 0.0 and _by_characteristics(law, *arguments):
-                _pass(face, i, f, rates, gain)
-                continue
-            fastest = max(fastest, _flux(law, rho_out, u_out, T_out, n, g, f_out))
-            f[:] = 0.5 * (f + f_out)
-            f[0] -= 0.5 * fastest * (rho_out - rho)
-            for c in range(d):
-                f[1 + c] -= 0.5 * fastest * (rho_out * u_out[c] - rho * u[c])
-            jump = _energy_density(law, rho_out, u_out, T_out) - _energy_density(law, rho, u, T)
-            f[d + 1] -= 0.5 * fastest * jump
-        _pass(face, i, f, rates, gain)
+        if faces.opens[i] == 1:
+            rho, T = inside(law, q[at], u)
+            open_node(law, faces, i, rho, T, u, n, g, area, u_out, f, f_out)
+            for c in range(d + 2):
+                rates[faces.own[i], 1 + c] -= faces.per_weight[i] * f[c]
+                gain[c] -= faces.across[i] * f[c]
+        heat = faces.heat[i] * np.sqrt(area)
+        rates[faces.own[i], d + 2] += faces.per_weight[i] * heat
+        gain[d + 1] += faces.across[i] * heat
 
 
 @njit(**INNER_CALL)
-def _pass(face, i, f, rates, gain):
-    """Let f leave at a node of a face."""
-    for c in range(f.size):
-        rates[face.owned[i], 1 + c] -= face.per_weight * f[c]
-        gain[c] -= face.across[i] * f[c]
+def open_node(law, faces, i, rho, T, u, n, g, area, u_out, f, f_out):
+    """f of an open face or an outflow; area: |n|^2."""
+    d, pressure = u.size, faces.pressure[i]
+    fastest = _flux(law, rho, u, T, n, g, f)
+    if pressure == 0.0:
+        return
+    rho_out, T_out = faces.outside[i, 0], faces.outside[i, d + 1]
+    for c in range(d):
+        u_out[c] = faces.outside[i, 1 + c]
+    if pressure > 0.0:
+        through = -g
+        for c in range(d):
+            through += n[c] * u[c]
+            u_out[c] = u[c]
+        m = max(through, 0.0) / np.sqrt(area * law.sound_speed_squared(rho, T))
+        p = law.pressure(rho, T)
+        beyond = p + max(1.0 - m * m, 0.0) * (pressure - p)
+        rho_out, T_out = rho, law.temperature_of(rho, beyond)
+    elif _by_characteristics(law, rho, u, T, rho_out, u_out, T_out, n, g, area, f):
+        return
+    fastest = max(fastest, _flux(law, rho_out, u_out, T_out, n, g, f_out))
+    for c in range(d + 2):
+        f[c] = 0.5 * (f[c] + f_out[c])
+    f[0] -= 0.5 * fastest * (rho_out - rho)
+    for c in range(d):
+        f[1 + c] -= 0.5 * fastest * (rho_out * u_out[c] - rho * u[c])
+    jump = _energy_density(law, rho_out, u_out, T_out) - _energy_density(law, rho, u, T)
+    f[d + 1] -= 0.5 * fastest * jump
 
 
 @njit(**INNER_CALL)
@@ -179,86 +231,96 @@ def _by_characteristics(law, rho, u, T, rho_out, u_out, T_out, n, g, area, out):
     return True
 
 
-def area_vectors(face: Face, tangents: list[Array]) -> Array:
-    """(n, d) outward area vectors of a solid's face where it is now, from D_k x (n, d) along the
-    axes of the face, in one or two dimensions.
-    """
-    if not tangents:
-        return np.full((face.ghosted.size, 1), face.sign)
-    (tx, ty), sign = tangents[0].T, face.sign if face.axis == 0 else -face.sign
-    return np.stack([sign * ty, -sign * tx], axis=-1)
-
-
 @njit(**CALL)
-def tangent(nodes, S, weight, stride, size, X, q):
-    """(n, d) derivative of the place x = X + D along an axis, at nodes of the ghosted array.
+def load_faces(solid, like, faces, S, weight, patch, q, metrics, inertia, rates, gain):
+    """Add forces and heat at the faces of a solid to ``rates`` (owned, 2d + 1), ``gain`` (d + 2,).
 
-    size: nodes of the ghosted array along the axis, stride apart. X: (d, ghosted), q: (ghosted, …),
-    whose first numbers are the displacement.
+    q: (ghosted, 2d + 1). S, weight: of the three axes. inertia: (ghosted,), J0 m0.
     """
-    d = X.shape[0]
-    out = np.zeros((nodes.size, d))
-    for i in range(nodes.size):
-        at = nodes[i]
-        place = at // stride % size
-        for k in range(1, S.shape[0]):
-            for c in range(d):
-                if place + k < size and S[k, place] != 0.0:
-                    to = at + k * stride
-                    out[i, c] += S[k, place] * (X[c, to] + q[to, c] - X[c, at] - q[at, c])
-                if place - k >= 0 and S[k, place - k] != 0.0:
-                    to = at - k * stride
-                    out[i, c] -= S[k, place - k] * (X[c, to] + q[to, c] - X[c, at] - q[at, c])
-        for c in range(d):
-            out[i, c] *= 0.5 / weight[place]
-    return out
-
-
-@njit(**CALL)
-def push_face(face, forces, q, inertia, rates, gain):
-    """Add forces (n, d) on a solid's face, over ``across``, to ``rates`` (owned, 2d + 1) of
-    velocity and energy.
-
-    q: (ghosted, 2d + 1). inertia: (ghosted,), J0 m0.
-    """
-    d = forces.shape[1]
-    for i in range(face.ghosted.size):
-        at, power = face.ghosted[i], 0.0
-        scale = face.per_weight / inertia[at]
-        for c in range(d):
-            rates[face.owned[i], d + c] += scale * forces[i, c]
-            gain[1 + c] += face.across[i] * forces[i, c]
-            power += forces[i, c] * q[at, d + c]
-        rates[face.owned[i], 2 * d] += scale * power
-        gain[1 + d] += face.across[i] * power
-
-
-@njit(**CALL)
-def absorb(solid, like, face, F, stress, q, metrics, forces):
-    """Add (stress - Z N . v) N |A| to forces (n, d); F: (d d, n), Z = sqrt(m0 wave modulus)."""
     d = len(like)
-    for i in range(face.ghosted.size):
-        at = face.ghosted[i]
-        here = column((*like, *like, 0.0), q.T, U64(at))
-        here_F = column(outer(like, like), F, U64(i))
-        T = solid.temperature(here[d:-1], here[-1], here_F)
-        impedance = np.sqrt(solid.m0 * solid.wave_modulus_at(here_F, T))
-        area, through = 0.0, 0.0
+    A, n, force, F = np.zeros(d), np.zeros(d), np.zeros(d), np.zeros((d * d, 1))
+    for i in range(faces.at.size):
+        at, own, area = faces.at[i], faces.own[i], 0.0
         for c in range(d):
-            A = face.sign * metrics[face.axis * d + c, at]
-            area += A * A
-            through += A * here[d + c]
-        push = stress[i] - impedance * through / np.sqrt(area)
+            A[c] = faces.sign[i] * metrics[faces.axis[i] * d + c, at]
+            area += A[c] * A[c]
+        area = np.sqrt(area)
         for c in range(d):
-            forces[i, c] += push * face.sign * metrics[face.axis * d + c, at]
+            force[c] = faces.traction[i, c] * area
+        if faces.absorbs[i] == 1:
+            strain_at(at, S, weight, patch, metrics, q, F)
+            push = faces.stress[i] - _resistance(solid, like, F, q, at, A, area)
+            for c in range(d):
+                force[c] += push * A[c]
+        if faces.pressure[i] != 0.0:
+            _normal(faces, i, S, weight, patch, q, n)
+            for c in range(d):
+                force[c] -= faces.pressure[i] * n[c]
+        scale, power = faces.per_weight[i] / inertia[at], faces.heat[i] * area
+        for c in range(d):
+            rates[own, d + c] += scale * force[c]
+            gain[1 + c] += faces.across[i] * force[c]
+            power += force[c] * q[at, d + c]
+        rates[own, 2 * d] += scale * power
+        gain[1 + d] += faces.across[i] * power
+
+
+@njit(**INNER_CALL)
+def _resistance(solid, like, F, q, at, A, area):
+    """Z N . v of a node, Z = sqrt(m0 wave modulus)."""
+    d, through = len(like), 0.0
+    here, strain = column((*like, *like, 0.0), q.T, U64(at)), column(outer(like, like), F, U64(0))
+    T = solid.temperature(here[d:-1], here[-1], strain)
+    for c in range(d):
+        through += A[c] * q[at, d + c]
+    return np.sqrt(solid.m0 * solid.wave_modulus_at(strain, T)) * through / area
+
+
+@njit(**INNER_CALL)
+def _normal(faces, i, S, weight, patch, q, n):
+    """n = outward area vector of a solid's face where it is now."""
+    axis, sign = faces.axis[i], faces.sign[i]
+    if n.size == 1:
+        n[0] = sign
+    elif n.size == 2:
+        slope_at(faces.at[i], 1 - axis, S, weight, patch, 1.0, faces.X, q, n)
+        x, turn = n[0], sign if axis == 0 else -sign
+        n[0], n[1] = turn * n[1], -turn * x
+    else:
+        for c in range(n.size):
+            n[c] = faces.normal[i, c]
 
 
 @njit(**CALL)
-def heat_face(face, heat, inertia, rates, column, gain):
-    """Add heat (n,) [W] that comes into a gas (inertia 1) or a solid, over ``across``, to column
-    ``column`` of ``rates``.
+def slope_at(at, axis, S, weight, patch, share, X, q, out):
+    """out = D_axis of share X + displacement at a node of the ghosted array; X: (d, ghosted), q:
+    (ghosted, …), whose first numbers are the displacement.
     """
-    for i in range(face.ghosted.size):
-        scale = face.per_weight / inertia[face.ghosted[i]]
-        rates[face.owned[i], column] += scale * heat[i]
-        gain[gain.size - 1] += face.across[i] * heat[i]
+    band, (nx, ny, nz) = S[axis], patch.ghosted
+    stride, size = (1, nx) if axis == 0 else (nx, ny) if axis == 1 else (nx * ny, nz)
+    place = at // stride % size
+    for c in range(out.size):
+        total = 0.0
+        for k in range(1, band.shape[0]):
+            if place + k < size and band[k, place] != 0.0:
+                to = at + k * stride
+                total += band[k, place] * (share * (X[c, to] - X[c, at]) + (q[to, c] - q[at, c]))
+            if place - k >= 0 and band[k, place - k] != 0.0:
+                to = at - k * stride
+                total -= band[k, place - k] * (share * (X[c, to] - X[c, at]) + (q[to, c] - q[at, c]))
+        out[c] = total * 0.5 / weight[axis][place]
+
+
+@njit(**CALL)
+def strain_at(at, S, weight, patch, metrics, q, F):
+    """F (d d, 1) = 1 + sum_k D_k D A^k / J0 of a solid's node of the ghosted array."""
+    d = (q.shape[1] - 1) // 2
+    slope = np.zeros(d)
+    for i in range(d):
+        for j in range(d):
+            F[i * d + j, 0] = 1.0 if i == j else 0.0
+    for k in range(d):
+        slope_at(at, k, S, weight, patch, 0.0, metrics, q, slope)
+        for i in range(d):
+            for j in range(d):
+                F[i * d + j, 0] += slope[i] * (metrics[k * d + j, at] / metrics[d * d, at])

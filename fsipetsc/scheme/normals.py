@@ -38,7 +38,8 @@ class Faces(NamedTuple):
 
 def listed(part: Any, rows: list[tuple[int, int, int, float, int]]) -> Faces:
     """From (row, number of the node in the block, axis, sign, column)."""
-    row, number, axis, sign, column = (np.array(values) for values in zip(*rows, strict=True))
+    row, number, axis, sign, column = np.array(rows).reshape(-1, 5).T
+    row, number, axis, column = (i.astype(np.int64) for i in (row, number, axis, column))
     node = part.ghosted_rows(part.rows(number))
     nx, ny, _ = part.patch.ghosted
     place = np.stack([node % nx, node // nx % ny, node // (nx * ny)])
@@ -48,33 +49,12 @@ def listed(part: Any, rows: list[tuple[int, int, int, float, int]]) -> Faces:
 
 
 @njit(**CALL)
-def add_normals(faces, d, metrics, table):
-    """Add area vectors to the rows of a table; metrics: (d d + …, ghosted nodes)."""
+def add_areas(faces, d, areas, table):
+    """Add areas (d d + …, ghosted nodes), by axis and component, to the rows of a table."""
     for i in range(faces.row.size):
         for c in range(d):
-            area = metrics[faces.axis[i] * d + c, faces.node[i]]
+            area = areas[faces.axis[i] * d + c, faces.node[i]]
             table[faces.row[i], faces.column[i] + c] += faces.weight[i] * area
-
-
-def add_turning(faces: Faces, part: Any, metrics: Array, table: Array) -> None:
-    """Add how area vectors of a gas turn in two dimensions; metrics: (7, ghosted nodes)."""
-    stride = np.array([1, part.patch.ghosted[0]])
-    S, weights = zip(*((band.S, band.weight) for band in part.bands[:2]), strict=True)
-    _turn_in_plane(faces, *S, *weights, stride, metrics, table)
-
-
-@njit(**CALL)
-def _turn_in_plane(faces, S0, S1, weight0, weight1, stride, metrics, table):
-    for i in range(faces.row.size):
-        axis, other = faces.axis[i], 1 - faces.axis[i]
-        place, at = faces.place[other, i], faces.node[i]
-        S = S0 if other == 0 else S1
-        weight = weight0[place] if other == 0 else weight1[place]
-        x = derivative(S, weight, stride[other], metrics[4], at, place)
-        y = derivative(S, weight, stride[other], metrics[5], at, place)
-        sign = faces.weight[i] if axis == 0 else -faces.weight[i]
-        table[faces.row[i], faces.column[i]] += sign * y
-        table[faces.row[i], faces.column[i] + 1] -= sign * x
 
 
 @njit(**CALL)

@@ -3,11 +3,10 @@
     begin_sums, exchange, end_sums, settle     complete the unknowns
     begin_rates, exchange, end_rates           complete their rates
 
-Where energies that members store matter to temperatures, begin_stored, what solids say of their
-members, an exchange and end_stored come before settle.
-
-The formulas are those of fsipetsc.scheme.particles. Where particles slip in two or three
-dimensions, their normals are found between end_sums and settle.
+Where particles have constraints, begin_normals, what blocks say of their faces, an exchange and
+end_normals come before settle, for normals, and before begin_rates, for how they turn. Where
+energies that members store matter to temperatures, begin_stored, what solids say of their members,
+an exchange and end_stored come before settle. The formulas are those of fsipetsc.scheme.particles.
 """
 
 from __future__ import annotations
@@ -18,6 +17,7 @@ from numba import njit
 
 from fsipetsc.operators.boxed import Box
 from fsipetsc.operators.loops import CALL
+from fsipetsc.scheme.normals import sum_members
 from fsipetsc.scheme.particles import (
     constrain,
     fill_rates,
@@ -36,11 +36,12 @@ from fsipetsc.scheme.rows import Array
 class Particles(NamedTuple):
     """The particles of a rank: see fsipetsc.scheme.particles.
 
-    like: (0, …) of d dimensions. law: of the gas. stored: (rows,) energy per mass of members that
+    like: (0, …) of d dimensions. law: of the gas. stored: (rows, 1) energy per mass of members that
     is neither kinetic nor heat; stores: whether it changes. rows: (rows, columns) of the exchange.
     particle_rates: (p, 2d + 2). slips: whether any has constraints; normals, turning: (p, K, 2d).
-    moves, place: in one dimension, (p,) whether a wall there moves, its displacement. behind: as
-    many numbers at the end of a vector are what came in.
+    of_normals: (members of those, 2 K d) area vectors, at_normals: how many are here, of_particle,
+    row_of: particle and row of each. moves: (p,) whether a wall there moves, place: (p, d) its
+    displacement. behind: as many numbers at the end of a vector are what came in.
     """
 
     like: Any
@@ -55,6 +56,10 @@ class Particles(NamedTuple):
     slips: int
     normals: Array
     turning: Array
+    of_normals: Array
+    at_normals: int
+    of_particle: Array
+    row_of: Array
     moves: Array
     place: Array
     behind: int
@@ -71,6 +76,20 @@ def begin_sums(p, s, gain):
 def end_sums(p, gain):
     """What particles share, from the rows of all members."""
     share(p.table, p.like, p.rows, p.data, p.state, gain)
+
+
+@njit(**CALL)
+def begin_normals(p):
+    """Clear the rows of the members here."""
+    for m in range(p.at_normals):
+        for c in range(p.of_normals.shape[1]):
+            p.of_normals[m, c] = 0.0
+
+
+@njit(**CALL)
+def end_normals(p, turning):
+    """Normals of particles, or how they turn, from the rows of all members."""
+    sum_members(p.of_particle, p.row_of, p.of_normals, p.turning if turning else p.normals)
 
 
 @njit(**CALL)
@@ -119,6 +138,8 @@ class Held(NamedTuple):
     all: Any
     begin_sums: Any
     end_sums: Any
+    begin_normals: Any
+    end_normals: Any
     begin_stored: Any
     end_stored: Any
     settle: Any
@@ -128,8 +149,17 @@ class Held(NamedTuple):
 
 @njit(**CALL)
 def hold(
-    particles, begin_sums, end_sums, begin_stored, end_stored, settle, begin_rates, end_rates
+    particles,
+    begin_sums,
+    end_sums,
+    begin_normals,
+    end_normals,
+    begin_stored,
+    end_stored,
+    settle,
+    begin_rates,
+    end_rates,
 ):
     """A box of Held."""
-    stored = begin_stored, end_stored
-    return Box(Held(particles, begin_sums, end_sums, *stored, settle, begin_rates, end_rates))
+    first = begin_sums, end_sums, begin_normals, end_normals, begin_stored, end_stored
+    return Box(Held(particles, *first, settle, begin_rates, end_rates))

@@ -33,7 +33,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from fsipetsc.blocks.particles import SLIPS
-from fsipetsc.operators.loops import CALL, INLINED_CALL, MERGED_CALL
+from fsipetsc.operators.loops import CALL, MERGED_CALL
 
 Array = NDArray[Any]
 
@@ -136,25 +136,31 @@ def fill_rates(table, like, f, out):
             out[r, c] = table.weight[r] * f[table.at[r] + c]
 
 
-@njit(**INLINED_CALL)
-def _add(table, p, rows, gas, solid):
-    """Sums over the members of particle p; gas: (d + 3,), solid: (2d + 2,)."""
-    gas[:], solid[:] = 0.0, 0.0
+@njit(**MERGED_CALL)
+def _add(table, like, p, rows, gas, solid):
+    """Sums over the members of particle p; gas: (d + 3,), solid: (2d + 2,). Loops over numbers of a
+    node know how many there are: else they would take five times as long.
+    """
+    d = len(like)
+    for c in range(d + 3):
+        gas[c] = 0.0
+    for c in range(2 * d + 2):
+        solid[c] = 0.0
     for m in range(table.begin[p], table.begin[p + 1]):
         r = table.row[m]
         if table.kind[r] == GAS:
-            for c in range(gas.size):
+            for c in range(d + 3):
                 gas[c] += rows[r, c]
         else:
-            for c in range(solid.size):
+            for c in range(2 * d + 2):
                 solid[c] += rows[r, c]
 
 
-@njit(**INLINED_CALL)
-def _kinetic(P, M):
+@njit(**MERGED_CALL)
+def _kinetic(like, P, first, M):
     total = 0.0
-    for c in range(P.size):
-        total += P[c] * P[c]
+    for c in range(len(like)):
+        total += P[first + c] * P[first + c]
     return 0.5 * total / M if M > 0.0 else 0.0
 
 
@@ -167,15 +173,15 @@ def share(table, like, rows, data, state, gain):
     gas, solid = np.zeros(d + 3), np.zeros(2 * d + 2)
     before, before_s = np.zeros(d + 3), np.zeros(2 * d + 2)
     for p in range(table.begin.size - 1):
-        _add(table, p, rows, gas, solid)
-        _add(table, p, rows, before, before_s)
+        _add(table, like, p, rows, gas, solid)
+        _add(table, like, p, rows, before, before_s)
         M_s = solid[2 * d + 1]
         state.solid_mass[p] = M_s
         if M_s > 0.0:
             state.mean_energy[p] = solid[2 * d] / M_s
             for c in range(d):
                 state.D[p, c] = solid[c] / M_s
-        _hold_velocities(table, p, d, data, gas, solid)
+        _hold_velocities(table, like, p, data, gas, solid)
         if table.placed[p]:
             for c in range(d):
                 state.D[p, c] = data.clamp[p, c]
@@ -196,31 +202,32 @@ def share(table, like, rows, data, state, gain):
             gain[gain.size - 1] += change
 
 
-@njit(**INLINED_CALL)
-def _hold_velocities(table, p, d, data, gas, solid):
+@njit(**MERGED_CALL)
+def _hold_velocities(table, like, p, data, gas, solid):
     """Momenta of bodies whose motion is given, and of what sticks together."""
-    M, P = gas[1], gas[2 : 2 + d]
-    M_s, P_s = solid[2 * d + 1], solid[d : 2 * d]
+    d = len(like)
+    M, M_s = gas[1], solid[2 * d + 1]
     if table.held_solid[p]:
         for c in range(d):
-            P_s[c] = M_s * data.clamp_velocity[p, c]
+            solid[d + c] = M_s * data.clamp_velocity[p, c]
     if table.held_gas[p]:
         for c in range(d):
-            P[c] = M * data.wall[p, c]
+            gas[2 + c] = M * data.wall[p, c]
     if table.sticks[p]:
-        before = _kinetic(P_s, M_s)
+        before = _kinetic(like, solid, d, M_s)
         for c in range(d):
-            both = P_s[c] / M_s if table.held_solid[p] else (P[c] + P_s[c]) / (M + M_s)
+            P, P_s = gas[2 + c], solid[d + c]
+            both = P_s / M_s if table.held_solid[p] else (P + P_s) / (M + M_s)
             if table.held_gas[p] and not table.held_solid[p]:
                 both = data.wall[p, c]
-            P[c], P_s[c] = M * both, M_s * both
+            gas[2 + c], solid[d + c] = M * both, M_s * both
         if not table.held_solid[p]:
-            change = _kinetic(P_s, M_s) - before
+            change = _kinetic(like, solid, d, M_s) - before
             solid[2 * d] += change
             gas[2 + d] -= change
 
 
-@njit(**INLINED_CALL)
+@njit(**MERGED_CALL)
 def _put(state, p, d, gas, solid):
     state.V[p], state.mass[p] = gas[0], gas[1]
     if gas[0] > 0.0:
@@ -255,7 +262,7 @@ def slide(table, like, normals, data, state, gain):
             if table.constraint[p, k] == SLIPS:
                 for c in range(d):
                     wanted[k] += (normals[p, k, c] + normals[p, k, d + c]) * data.wall[p, c]
-        solve(table, p, normals, wanted, M, M_s, u, v, room)
+        solve(table, like, p, normals, wanted, M, M_s, u, v, room)
         after = 0.0
         for c in range(d):
             after += 0.5 * M_s * v[c] * v[c]
@@ -269,7 +276,7 @@ def slide(table, like, normals, data, state, gain):
             state.U[p, d + 1] -= (after - before) / state.V[p]
 
 
-@njit(**INLINED_CALL)
+@njit(**MERGED_CALL)
 def _pushed(table, p, normals, pi, c, d):
     """Component c of what the constraints' forces pi do to bodies that they move."""
     total = 0.0
@@ -280,18 +287,18 @@ def _pushed(table, p, normals, pi, c, d):
     return total
 
 
-@njit(**INLINED_CALL)
+@njit(**MERGED_CALL)
 def room_for(K, d):
     """Room for `solve` with at most K constraints: A, multipliers pi, sizes of pivots, G and S."""
     return np.zeros((K, K)), np.zeros(K), np.zeros(K), np.zeros((K, 2 * d))
 
 
-@njit(**INLINED_CALL)
-def solve(table, p, normals, wanted, M, M_s, a, b, room):
+@njit(**MERGED_CALL)
+def solve(table, like, p, normals, wanted, M, M_s, a, b, room):
     """Change the vectors a of the gas and b of the solid, least in their masses, so that
     G_c . a + S_c . b = wanted_c; the multipliers are room[1].
     """
-    K, d = table.count[p], a.size
+    K, d = table.count[p], len(like)
     per_gas = 1.0 / M if M > 0.0 and table.free_gas[p] else 0.0
     per_solid = 1.0 / M_s if M_s > 0.0 and table.free_solid[p] else 0.0
     A, pi, N = room[0], room[1], room[3]
@@ -319,7 +326,7 @@ def solve(table, p, normals, wanted, M, M_s, a, b, room):
             b[c] = a[c]
 
 
-@njit(**INLINED_CALL)
+@njit(**MERGED_CALL)
 def eliminate(K, A, x, size):
     """Solve A pi = x in place of x for K constraints and a symmetric semidefinite A; those that
     others imply get no force.
@@ -346,8 +353,8 @@ def eliminate(K, A, x, size):
 
 @njit(**CALL)
 def weigh_heat(table, stored, state):
-    """Mean specific heat of the solid members of each particle and mean of what they store: (rows,)
-    energy per mass.
+    """Mean specific heat of the solid members of each particle and mean of what they store: (rows,
+    1) energy per mass.
     """
     for p in range(table.begin.size - 1):
         mass, capacity, potential = 0.0, 0.0, 0.0
@@ -356,7 +363,7 @@ def weigh_heat(table, stored, state):
             if table.kind[r] == SOLID:
                 mass += table.weight[r]
                 capacity += table.weight[r] * table.alpha[r]
-                potential += table.weight[r] * stored[r]
+                potential += table.weight[r] * stored[r, 0]
         if mass > 0.0:
             state.capacity[p], state.potential[p] = capacity / mass, potential / mass
 
@@ -395,7 +402,7 @@ def share_heat(table, law, like, data, state, gain):
             gain[gain.size - 1] += came
 
 
-@njit(**INLINED_CALL)
+@njit(**MERGED_CALL)
 def _common_temperature(law, p, of_gas, of_solid, state):
     """T at which gas and solid have the heat that they have together, by Newton's method."""
     rho, M, M_s = state.U[p, 0], state.mass[p], state.solid_mass[p]
@@ -426,7 +433,7 @@ def give_places(table, like, y, state):
 
 @njit(**MERGED_CALL)
 def give_state(table, like, stored, y, state):
-    """Members of this rank get what their particle has; each keeps its own J. stored: (rows,)."""
+    """Members of this rank get what their particle has; each keeps its own J. stored: (rows, 1)."""
     d = len(like)
     for p in range(table.begin.size - 1):
         kinetic = 0.0
@@ -445,7 +452,7 @@ def give_state(table, like, stored, y, state):
             for c in range(d):
                 y[at + c], y[at + d + c] = state.D[p, c], state.v[p, c]
             if table.one_T[p]:
-                y[at + 2 * d] = kinetic + stored[r] + heat * table.alpha[r] / state.capacity[p]
+                y[at + 2 * d] = kinetic + stored[r, 0] + heat * table.alpha[r] / state.capacity[p]
             else:
                 y[at + 2 * d] += state.e[p] - state.mean_energy[p]
 
@@ -463,7 +470,7 @@ def constrain(table, like, rows, normals, turning, data, state, rates, gain):
     u, v, a, b, wanted = np.zeros(d), np.zeros(d), np.zeros(d), np.zeros(d), np.zeros(K)
     force, force_s, room = np.zeros(d), np.zeros(d), room_for(K, d)
     for p in range(table.begin.size - 1):
-        _add(table, p, rows, gas, solid)
+        _add(table, like, p, rows, gas, solid)
         M, M_s, V = state.mass[p], state.solid_mass[p], state.V[p]
         for c in range(d):
             u[c] = state.U[p, 1 + c] / state.U[p, 0] if M > 0.0 else 0.0
@@ -471,14 +478,14 @@ def constrain(table, like, rows, normals, turning, data, state, rates, gain):
             a[c] = (gas[2 + c] - u[c] * gas[1]) / M if M > 0.0 else 0.0
             b[c] = solid[d + c] / M_s if M_s > 0.0 else 0.0
             force[c], force_s[c] = -M * a[c], -M_s * b[c]
-        _hold(table, p, data, M, M_s, a, b)
+        _hold(table, like, p, data, M, M_s, a, b)
         if table.count[p] > 0:
-            _want(table, p, normals, turning, data, u, v, wanted)
-            solve(table, p, normals, wanted, M, M_s, a, b, room)
+            _want(table, like, p, normals, turning, data, u, v, wanted)
+            solve(table, like, p, normals, wanted, M, M_s, a, b, room)
         of_rows = table.count[p] > 0 and table.free_gas[p] and not table.sticks[p]
         power, power_s = 0.0, 0.0
         if of_rows:
-            power = _power(table, p, normals, room[1], data, v)
+            power = _power(table, like, p, normals, room[1], data, v)
         for c in range(d):
             force[c] += M * a[c]
             force_s[c] += M_s * b[c]
@@ -488,7 +495,7 @@ def constrain(table, like, rows, normals, turning, data, state, rates, gain):
                 power += force[c] * u[c]
         if table.mine[p]:
             pushes = force, force_s, power + power_s
-            _note_forces(table, p, normals, room[1], data, v, pushes, gain)
+            _note_forces(table, like, p, normals, room[1], data, v, pushes, gain)
         if M > 0.0:
             gas[2 + d] += power
             for c in range(d + 2):
@@ -497,10 +504,10 @@ def constrain(table, like, rows, normals, turning, data, state, rates, gain):
             rates[p, d + 2 + c] = b[c]
 
 
-@njit(**INLINED_CALL)
-def _hold(table, p, data, M, M_s, a, b):
+@njit(**MERGED_CALL)
+def _hold(table, like, p, data, M, M_s, a, b):
     """Accelerations of bodies whose motion is given, and of what sticks together."""
-    for c in range(a.size):
+    for c in range(len(like)):
         if table.held_solid[p]:
             b[c] = data.clamp_rate[p, c]
         if table.held_gas[p]:
@@ -514,10 +521,10 @@ def _hold(table, p, data, M, M_s, a, b):
                 a[c] = b[c] = (M * a[c] + M_s * b[c]) / (M + M_s)
 
 
-@njit(**INLINED_CALL)
-def _want(table, p, normals, turning, data, u, v, wanted):
+@njit(**MERGED_CALL)
+def _want(table, like, p, normals, turning, data, u, v, wanted):
     """b_c: walls accelerate, and area vectors turn under the relative velocity."""
-    d = u.size
+    d = len(like)
     for k in range(table.count[p]):
         wanted[k] = 0.0
         if table.constraint[p, k] == SLIPS:
@@ -528,10 +535,10 @@ def _want(table, p, normals, turning, data, u, v, wanted):
                 wanted[k] += N * data.wall_rate[p, c]
 
 
-@njit(**INLINED_CALL)
-def _power(table, p, normals, pi, data, v):
+@njit(**MERGED_CALL)
+def _power(table, like, p, normals, pi, data, v):
     """Of the forces on gas that slips: each face's moves as the solid or the wall there."""
-    d, power = v.size, 0.0
+    d, power = len(like), 0.0
     for k in range(table.count[p]):
         if table.constraint[p, k] == SLIPS:
             for c in range(d):
@@ -540,12 +547,12 @@ def _power(table, p, normals, pi, data, v):
     return power
 
 
-@njit(**INLINED_CALL)
-def _note_forces(table, p, normals, pi, data, v, pushes, gain):
+@njit(**MERGED_CALL)
+def _note_forces(table, like, p, normals, pi, data, v, pushes, gain):
     """What walls and clamps do to a particle. Where all is free to move, only walls' own forces
     count: those between gas and solid must cancel.
     """
-    d, (force, force_s, power) = v.size, pushes
+    d, (force, force_s, power) = len(like), pushes
     begin, end = gain.size - 1 - d, gain.size - 1
     if not (table.free_gas[p] and table.free_solid[p]):
         for c in range(d):

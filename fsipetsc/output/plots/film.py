@@ -1,56 +1,104 @@
-"""Profiles of velocity, temperature, pressure and density, one frame after the other."""
+"""A result over time: maps, or in one dimension profiles, one frame after the other."""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fsipetsc.output.plots.frames import moment
-from fsipetsc.output.plots.profiles import domain
-from fsipetsc.output.plots.quantities import PROFILES
-from fsipetsc.output.plots.scales import axis_label, extremes, named, scaled
-from fsipetsc.output.plots.style import COLORS
-from fsipetsc.output.plots.titles import of_run, set_title
-from fsipetsc.output.reader import Run
+from fsipetsc.errors import InputError
+from fsipetsc.output.places import writing
+from fsipetsc.output.plots.fields import Maps, Profiles, draw_bars, sizes, view_of
+from fsipetsc.output.plots.quantities import chosen, there
+from fsipetsc.output.plots.scales import moment
+from fsipetsc.output.plots.style import BLUE, RED, STYLE, needed, of_run, set_title
+from fsipetsc.output.reader import Run, open_run
+
+if TYPE_CHECKING:
+    from PIL import Image
 
 DPI = 100
-SHOWN = PROFILES[:4]
-MARGIN = 0.05  # of a panel's height, above and below what occurs
+MOST = 200  # frames of a film; of more, some are left out
+SECONDS, FASTEST = 10.0, 20.0  # its length, and at most so many frames in a second
 
 
-def film(run: Run, chosen: Sequence[int], fields: Sequence[str] = ()) -> Iterator[np.ndarray]:
-    """(height, width, 3) of each chosen frame, colors from 0 to 255. The axes are those of the whole run.
+def animate(
+    path: str | os.PathLike[str], out: str | os.PathLike[str] = ".", names: Sequence[str] = ()
+) -> Path:
+    """Draw a result as NAME.gif in the directory `out`, or as the file `out`; its path.
 
-    fields: names of what is shown, four at most. InputError.
+    names: fields that are shown. Raises FileError if the result cannot be read or the film cannot
+    be written, InputError without matplotlib, or for a result of less than two frames.
     """
+    matplotlib = needed("plot")
+    target = Path(out)
+    if target.suffix != ".gif":
+        target = target / f"{Path(path).stem}.gif"
+    with open_run(path) as run, matplotlib.rc_context(STYLE), np.errstate(all="ignore"):
+        if run.nframes < 2:
+            there = f"{os.fspath(path)} has {run.nframes} frames"
+            raise InputError(f"-animate: {there}: expected two or more")
+        first, *others = images(run, some(run, MOST), names)
+        rate = min(FASTEST, max(1.0, (1 + len(others)) / SECONDS))
+        look = {"save_all": True, "duration": round(1000 / rate), "loop": 0}
+        with writing(target, "the film"):
+            first.save(target, append_images=others, **look)
+    return target
+
+
+def some(run: Run, most: int) -> range:
+    """At most so many frames, evenly, from the first on."""
+    return range(0, run.nframes, -(-run.nframes // most))
+
+
+def images(run: Run, frames: Sequence[int], names: Sequence[str] = ()) -> Iterator[Image.Image]:
+    """A picture of each frame, with scales and colours that are the same in all. InputError."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
+    from PIL import Image
 
-    figure = Figure(figsize=(8.0, 5.0), dpi=DPI)
-    canvas, curves = FigureCanvasAgg(figure), []
-    there = [quantity for quantity in PROFILES if any(quantity.of(layer.kind) for layer in run.layers)]
-    named(fields, [quantity.name for quantity in there])
-    shown = [q for q in there if (q.name in fields if fields else q in SHOWN)][: len(SHOWN)]
-    grid = figure.subplots(2, 2, sharex=True, squeeze=False)
-    for axes in grid.flat[len(shown) :]:
+    line = run.dimension == 1
+    quantities = there(run) if line and not names else chosen(run, names)
+    views = [view_of(run, quantity, frames) for quantity in quantities[: 4 if line else 1]]
+    figure = Figure(dpi=DPI)
+    canvas, palette = FigureCanvasAgg(figure), _palette(views)
+    _, width, height = sizes(view_of(run, quantities[0], frames[:1]))
+    figure.set_size_inches(*((8.0, 5.4) if line else (max(5.0, width + 1.2), height + 0.9)))
+    grid = figure.subplots(*((1, 1) if len(views) == 1 else (2, 2)), squeeze=False)
+    for axes in grid.flat[len(views) :]:
         axes.set_visible(False)
-    for axes, quantity in zip(grid.flat, shown):
-        layers = [layer for layer in run.layers if quantity.of(layer.kind)]
-        values = [np.asarray(quantity.values(layer)) for layer in layers]
-        scale = scaled(run, quantity.label, quantity.unit, *values, start=np.concatenate([v[0] for v in values]))
-        low, high = extremes(*map(scale, values))
-        axes.set_ylim(low - MARGIN * (high - low or 1.0), high + MARGIN * (high - low or 1.0))
-        axes.set_title(scale.label, loc="left")
-        curves += [(axes.plot([], [], color=COLORS[layer.kind])[0], layer, scale(v)) for layer, v in zip(layers, values)]
-    grid[0, 0].set_xlim(domain(run))
-    figure.supxlabel(axis_label(run, "x", "m"), fontsize=9)
-    for number, frame in enumerate(chosen):
-        for line, layer, values in curves:
-            line.set_data(layer.x[frame], values[frame])
+    for number, frame in enumerate(frames):
+        for axes, view in zip(grid.flat, views):
+            for artist in [*axes.lines, *axes.collections]:
+                artist.remove()
+            pictures = view.draw(axes, frame)
+            axes.set(xlabel=view.labels[0], ylabel=view.labels[1])
+            if number == 0:
+                draw_bars(figure, view, pictures, axes)
         set_title(figure, of_run(run, moment(run, frame)))
-        if number == 0:
-            canvas.draw()
-            figure.set_layout_engine("none")  # nothing moves from now on but the lines
         canvas.draw()
-        yield np.array(canvas.buffer_rgba())[..., :3]
+        if number == 0:
+            figure.set_layout_engine("none")  # only what is drawn moves from now on
+        drawn = Image.fromarray(np.array(canvas.buffer_rgba())[..., :3])
+        yield drawn.quantize(palette=palette, dither=0)
+
+
+def _palette(views: Sequence[Profiles | Maps]) -> Image.Image:
+    """The 256 colours of a film, evenly: those of maps and curves, and greys.
+
+    Colours chosen by what is in a frame would leave the bars of maps with steps.
+    """
+    from matplotlib.colors import to_rgb
+    from PIL import Image
+
+    looks = {id(shown): shown.look for view in views for shown in view.shown.values()}
+    maps = [look["cmap"] for look in looks.values() if look]
+    rows = [np.linspace([0, 0, 0], [1, 1, 1], 24)]
+    rows += [np.linspace(to_rgb(color), [1, 1, 1], 16) for color in (BLUE, RED)]
+    rows += [cmap(np.linspace(0, 1, 200 // len(maps)))[:, :3] for cmap in maps]
+    palette = Image.new("P", (1, 1))
+    palette.putpalette(np.rint(255 * np.concatenate(rows)).astype(np.uint8).tobytes())
+    return palette

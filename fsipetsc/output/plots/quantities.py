@@ -1,53 +1,50 @@
-"""What can be drawn of a layer, and how it follows from the stored fields."""
+"""What can be drawn of gases and solids, and how it follows from the stored fields."""
 
 from __future__ import annotations
 
-from collections import ChainMap
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
-from fsipetsc.output.reader import BlockLayer, Layer
+from fsipetsc.errors import InputError
+from fsipetsc.output.reader import Run
 
 Array = np.ndarray
-Values = Callable[[Mapping[str, Array]], Array]
 
 
-@dataclass(frozen=True)
-class Quantity:
-    """Name of the file, title, label and SI unit, and how it follows from the fields of a frame, or of all, and from X.
+class Part(NamedTuple):
+    """A quantity of a gas or a solid: label, fields that it needs, values from these and X."""
 
-    fluid, solid: fields -> values, or None where the quantity makes no sense. fields also has "X".
-    """
+    label: str
+    needs: tuple[str, ...]
+    values: Callable[[Mapping[str, Array]], Array]
+
+
+class Quantity(NamedTuple):
+    """A name, a unit, and what it is in gases and in solids, if anything."""
 
     name: str
-    title: str
-    label: str
     unit: str
-    fluid: Values | None
-    solid: Values | None
-    colormap: str = "viridis"  # light where the value is that at rest; RdBu_r where values of both signs occur
+    fluid: Part | None
+    solid: Part | None
 
-    def of(self, kind: str) -> Values | None:
+    def of(self, kind: str) -> Part | None:
         return self.fluid if kind == "fluid" else self.solid
 
-    def values(self, layer: Layer | BlockLayer, frame: int | None = None) -> Array | None:
-        """(n,) of a frame or (nframes, n) of all, (ny, nx) for n in two dimensions; None for the other kind of layer."""
-        value = self.of(layer.kind)
-        if value is None:
-            return None
-        return value(ChainMap({"X": layer.X}, layer if frame is None else layer.frame(frame)))
+    @property
+    def title(self) -> str:
+        """What is shown of gases, then of solids if that is something else."""
+        return "; ".join(dict.fromkeys(part.label for part in (self.fluid, self.solid) if part))
 
 
-def field(name: str) -> Values:
-    """The field as it is stored."""
-    return lambda fields: fields[name]
+def _field(label: str, name: str) -> Part:
+    return Part(label, (name,), lambda fields: fields[name])
 
 
-def _load(fields: Mapping[str, Array]) -> Array:
-    """What a solid and a gas have in common at an interface: p − σ."""
-    return fields["p"] - fields["sigma"]
+def _common(name: str, label: str, unit: str) -> Quantity:
+    """A field that gas and solid have in common."""
+    return Quantity(name, unit, _field(label, name), _field(label, name))
 
 
 def _strain(fields: Mapping[str, Array]) -> Array:
@@ -55,12 +52,53 @@ def _strain(fields: Mapping[str, Array]) -> Array:
     return np.gradient(fields["x"], fields["X"], axis=-1, edge_order=2) - 1.0
 
 
-PROFILES = (
-    Quantity("u", "velocity", "velocity u", "m/s", field("u"), field("u")),
-    Quantity("T", "temperature", "temperature T", "K", field("T"), field("T"), "YlOrRd"),
-    Quantity("p", "pressure", "pressure p;  p − σ in the solid", "Pa", field("p"), _load, "YlGnBu"),
-    Quantity("rho", "density of the fluid", "density ρ", "kg/m³", field("rho"), None),
-    Quantity("sigma", "stress in the solid", "stress σ", "Pa", None, field("sigma")),
-    Quantity("strain", "strain of the solid", "strain ∂x/∂X − 1", "", None, _strain),
+def _load(fields: Mapping[str, Array]) -> Array:
+    """What a solid and a gas have in common at an interface."""
+    return fields["p"] - fields["sigma"]
+
+
+_T = _common("T", "temperature T", "K")
+_P = _field("pressure p", "p")
+_RHO = Quantity("rho", "kg/m³", _field("density ρ", "rho"), None)
+ON_A_LINE = (
+    _common("u", "velocity u", "m/s"),
+    _T,
+    Quantity("p", "Pa", _P, Part("p − σ in solids", ("p", "sigma"), _load)),
+    _RHO,
+    Quantity("sigma", "Pa", None, _field("stress σ", "sigma")),
+    Quantity("strain", "", None, Part("strain ∂x/∂X − 1", ("x",), _strain)),
 )
-SPACE_TIME = PROFILES[:3]
+IN_SPACE = (
+    Quantity("p", "Pa", _P, _field("stress σ_xx in solids", "s_xx")),
+    _RHO,
+    *(_common(name, f"velocity {name}", "m/s") for name in "uvw"),
+    _T,
+    *(
+        Quantity(f"s_{xy}", "Pa", None, _field(f"stress σ_{xy}", f"s_{xy}"))
+        for xy in ("xx", "yy", "zz", "xy", "yz", "xz")
+    ),
+)
+
+
+def there(run: Run) -> list[Quantity]:
+    """What can be drawn of this run."""
+    stored = {layer.kind: {*layer.fields} for layer in run.layers}
+    found = []
+    for quantity in ON_A_LINE if run.dimension == 1 else IN_SPACE:
+        parts = {}
+        for kind in ("fluid", "solid"):
+            part = quantity.of(kind)
+            parts[kind] = part if part and {*part.needs} <= stored.get(kind, set()) else None
+        if any(parts.values()):
+            found.append(quantity._replace(**parts))
+    return found
+
+
+def chosen(run: Run, names: Sequence[str]) -> list[Quantity]:
+    """Those of these names, or what a page shows where there are none. InputError."""
+    known = {quantity.name: quantity for quantity in there(run)}
+    for name in names:
+        if name not in known:
+            raise InputError(f"-fields {name}: expected some of {', '.join(known)}")
+    usual = ("u", "T", "p") if run.dimension == 1 else ("p",)
+    return [known[name] for name in names or usual if name in known]

@@ -1,119 +1,125 @@
-"""Velocity, temperature and pressure over x and t."""
+"""Fields of one dimension over x and t; in two what the interfaces do, over X and t."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fsipetsc.checks import counted
-from fsipetsc.output.plots.profiles import domain
-from fsipetsc.output.plots.quantities import SPACE_TIME, Quantity
-from fsipetsc.output.plots.scales import Scale, axis_label, extremes, scaled, value_at_rest
-from fsipetsc.output.plots.style import bar_above, in_two_lines, thin
-from fsipetsc.output.plots.titles import of_run, set_title
-from fsipetsc.output.reader import Layer, Run
+from fsipetsc.output.interface_line import InterfaceLine
+from fsipetsc.output.plots.fields import WIDTH, domain, how_shown, shaded
+from fsipetsc.output.plots.quantities import Quantity
+from fsipetsc.output.plots.scales import Scale, colours, extremes, scaled, time_scale
+from fsipetsc.output.plots.style import MAX_POINTS, bar_above, few_ticks, legend_above, line_look
+from fsipetsc.output.reader import BlockLayer, Layer, Run
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure, FigureBase
+    from matplotlib.axes import Axes
+    from matplotlib.figure import FigureBase
 
 Array = np.ndarray
-MAX_FRAMES, MAX_POINTS = 500, 1000  # of a layer
-SMOOTH = 200  # rows at least
-BOTH_SIGNS = 0.1  # a departure to the other side of rest that is smaller than this part does not count
+LEAST_FRAMES = 5  # of fewer, profiles say more
+MOST_FRAMES, MOST_POINTS = 400, 400
+INTERFACE_POINTS = (0.25, 0.5, 0.75)  # of an interface, whose deflection is drawn as a curve
 
 
-def draw(figure: Figure, run: Run) -> None:
+def draw(figure: FigureBase, run: Run, quantities: Sequence[Quantity]) -> None:
     """A map for each quantity, with the interfaces as lines."""
-    figure.set_size_inches(3.5 * len(SPACE_TIME), 4.4)
-    figure.set_layout_engine("constrained", w_pad=0.12)
-    draw_maps(figure, run, SPACE_TIME)
-    set_title(figure, of_run(run, f"space and time, {counted(run.nframes, 'frame')}"))
-
-
-def draw_maps(figure: FigureBase, run: Run, quantities: Sequence[Quantity]) -> None:
-    """The maps alone, side by side; quantities: of which some layer has each."""
     grid = figure.subplots(1, len(quantities), sharex=True, sharey=True, squeeze=False)[0]
-    step = max(1, run.nframes // MAX_FRAMES)
+    ends = np.array(domain(run, run.layers))
+    place, time = scaled(run, "x", "m", ends), time_scale(run)
     for axes, quantity in zip(grid, quantities):
-        layers = [layer for layer in run.layers if quantity.of(layer.kind)]
-        values = [quantity.values(layer)[::step] for layer in layers]
-        scale = scaled(run, quantity.label, quantity.unit, *values, start=np.concatenate([v[0] for v in values]))
-        colors = palette(quantity.colormap, scale, values)
-        for layer, own in zip(layers, values):
-            x, t, smooth = mesh(run, layer, own, step)
-            picture = axes.pcolormesh(x, t, np.ma.masked_invalid(scale(smooth)), rasterized=True, **colors)
-        for position in _interface_positions(run):
-            axes.plot(*position, color="white", linewidth=1.8)
-            axes.plot(*position, color="black", linewidth=0.8)
+        axes.set(xlim=place(ends), ylim=time(run.time[[0, -1]]), xlabel=place.label)
         axes.grid(visible=False)
-        axes.set_xlabel(axis_label(run, "x", "m"))
-        bar_above(figure, picture, axes, in_two_lines(scale.label), aspect=30)
-    grid[0].set_xlim(domain(run))
-    grid[0].set_ylim(run.time[0], run.time[-1])
-    grid[0].set_ylabel(axis_label(run, "t", "s"))
+        _map(figure, axes, run, quantity, (place, time))
+        for x, t in interface_positions(run):
+            axes.plot(place(x), time(t), color="white", linewidth=1.8)
+            axes.plot(place(x), time(t), color="black", linewidth=0.8)
+    grid[0].set_ylabel(time.label)
+    few_ticks(grid[0], 0.9 * WIDTH / len(grid))
 
 
-def palette(colormap: str, scale: Scale, values: Sequence[Array], both: str = "RdBu_r") -> dict[str, object]:
-    """Color map and its limits: light where nothing happens, that is at the value at rest. both: for values above and below."""
-    low, high = extremes(*values)
-    rest = value_at_rest(high - low, *(v[0] for v in values))
-    up, down = high - rest, rest - low
-    low, high, rest = (float(scale(np.float64(v))) for v in (low, high, rest))
-    if high <= low:
-        return {"cmap": both, "vmin": low - 0.5, "vmax": high + 0.5}
-    if min(up, down) > BOTH_SIGNS * max(up, down) or colormap == "viridis":
-        most = max(high - rest, rest - low)
-        return {"cmap": both, "vmin": rest - most, "vmax": rest + most}
-    return {"cmap": colormap if up > down else f"{colormap}_r", "vmin": low, "vmax": high}
+def _map(
+    figure: FigureBase, axes: Axes, run: Run, quantity: Quantity, scales: tuple[Scale, Scale]
+) -> None:
+    place, time = scales
+    layers = [layer for layer in run.layers if quantity.of(layer.kind)]
+    values: dict[str, list[Array]] = {}
+    for layer in layers:
+        fields = {"X": layer.X, **{name: layer[name] for name in layer.fields}}
+        values.setdefault(layer.kind, []).append(quantity.of(layer.kind).values(fields))
+    flat = {kind: np.concatenate([*map(np.ravel, some)]) for kind, some in values.items()}
+    start = {kind: np.concatenate([v[0] for v in some]) for kind, some in values.items()}
+    shown = how_shown(run, quantity, flat, start, flat)
+    left = {kind: iter(some) for kind, some in values.items()}
+    bars = {}
+    for layer in layers:
+        step, stride = max(1, run.nframes // MOST_FRAMES), max(1, len(layer.X) // MOST_POINTS)
+        scale, look, extend = shown[layer.kind]
+        x, colour = without_gaps(layer, next(left[layer.kind]))
+        x, colour = x[::step, ::stride], colour[::step, ::stride]
+        t = np.repeat(run.time[::step, None], x.shape[1], axis=1)
+        picture = shaded(axes, place(x), time(t), scale(colour), look)
+        bars[scale.label] = picture, extend
+    for label, (picture, extend) in bars.items():
+        bar_above(figure, picture, axes, label.replace(", ", ",\n", 1), extend)
 
 
-def mesh(run: Run, layer: Layer, values: Array, step: int) -> tuple[Array, Array, Array]:
-    """x, t and values of a layer, (rows, points): few frames become many rows, smooth in time at each X."""
-    stride = max(1, len(layer.X) // MAX_POINTS)
-    time = run.time[::step]
-    x = refined(_without_gaps(layer)[::step, ::stride], time)
-    t = refined(np.repeat(time[:, None], x.shape[1], axis=1), time)
-    return x, t, refined(values[:, ::stride], time)
+def without_gaps(layer: Layer | BlockLayer, values: Array) -> tuple[Array, Array]:
+    """Positions and values at all points; those that are no part of a layer get the nearest value.
 
-
-def refined(rows: Array, time: Array) -> Array:
-    """Rows between the frames, by cubics with the slopes of the parabolas through three frames, so that no edges show.
-
-    What is not a number in one of these is taken from the other:
-    points come and go at the ends of the fluids.
+    The gases of the paper's method gain and lose points at their ends; maps need a place for all.
     """
-    parts = max(1, SMOOTH // (len(rows) - 1))
-    s = (np.arange(parts) / parts)[:, None]
-    span = np.diff(time)[:, None]
-    slopes = np.gradient(rows, time, axis=0, edge_order=2)
-    before = np.where(np.isfinite(rows[:-1]), rows[:-1], rows[1:])
-    after = np.where(np.isfinite(rows[1:]), rows[1:], rows[:-1])
-    chord = (after - before) / span
-    left, right = (np.where(np.isfinite(slope), slope, chord) * span for slope in (slopes[:-1], slopes[1:]))
-    cubic = (
-        (1 + 2 * s) * (1 - s) ** 2 * before[:, None]
-        + s * (1 - s) ** 2 * left[:, None]
-        + s**2 * (3 - 2 * s) * after[:, None]
-        - s**2 * (1 - s) * right[:, None]
-    )
-    return np.concatenate([cubic.reshape(-1, rows.shape[1]), rows[-1:]])
+    x, values, index = layer.x.copy(), values.copy(), np.arange(len(layer.X))
+    for row in np.flatnonzero(~np.isfinite(x + values).all(axis=1)):
+        known = np.isfinite(x[row] + values[row])
+        if known.any():
+            shift = np.interp(index, index[known], (x[row] - layer.X)[known])
+            x[row] = layer.X + shift
+            values[row] = np.interp(index, index[known], values[row][known])
+    return x, values
 
 
-def _without_gaps(layer: Layer) -> Array:
-    """The positions, continued by the grid where there are none: pictures need a place for what they do not show."""
-    shift = layer.x - layer.X
-    known = np.isfinite(shift)
-    count = np.maximum(known.sum(axis=1, keepdims=True), 1)
-    mean = np.where(known, shift, 0.0).sum(axis=1, keepdims=True) / count
-    return np.where(known, layer.x, layer.X + mean)
+def interface_positions(run: Run) -> list[tuple[Array, Array]]:
+    """Position and time of each interface, as recorded at the steps."""
+    if not len(run.series.get("x_interface", ())):
+        return []
+    some = slice(None, None, max(1, len(run.series["t"]) // MAX_POINTS))
+    return [(x, run.series["t"][some]) for x in run.series["x_interface"][some].T]
 
 
-def _interface_positions(run: Run) -> Iterator[tuple[Array, Array]]:
-    """Position and time of each interface over the saved frames."""
-    if "x_interface" in run.series and len(run.series["t"]):
-        inside = run.series["t"] <= run.time[-1]
-        some = thin(inside.sum())
-        for x in run.series["x_interface"][inside].T:
-            yield x[some], run.series["t"][inside][some]
+def draw_interfaces(figure: FigureBase, run: Run) -> None:
+    """In two dimensions a row for each interface.
+
+    Its deflection and the pressure on the solid over X and t, the deflection of some points.
+    """
+    lines = [run.interface(k) for k in range(len(run.interfaces))]
+    for row, line in zip(figure.subplots(len(lines), 3, squeeze=False), lines):
+        load = line.pressure
+        row[0].set_title(line.name, loc="left")
+        for axes, label, unit, values in (
+            (row[0], "deflection", "m", line.displacement),
+            (row[1], "pressure on the solid", "Pa", load),
+        ):
+            scale = scaled(run, label, unit, values, start=values[0])
+            look, extend = colours("fluid", scale, values, values[0], extremes(values))
+            place, time = scaled(run, "X", "m", line.X), time_scale(run)
+            t = np.repeat(run.time[:, None], len(line.X), axis=1)
+            picture = shaded(axes, place(line.X), time(t), scale(values), look)
+            axes.grid(visible=False)
+            axes.set(xlabel=place.label, ylabel=time.label)
+            bar_above(figure, picture, axes, scale.label.replace(", ", ",\n", 1), extend)
+        draw_deflection(row[2], run, line)
+
+
+def draw_deflection(axes: Axes, run: Run, line: InterfaceLine) -> None:
+    """The deflection of some points over time."""
+    scale, time = scaled(run, "deflection", "m", line.displacement), time_scale(run)
+    place = scaled(run, "X", "m", line.X)
+    for k, part in enumerate(INTERFACE_POINTS):
+        point = round(part * (len(line.X) - 1))
+        label = f"X = {place(line.X[point]):.3g}"
+        axes.plot(time(run.time), scale(line.displacement[:, point]), **line_look(k), label=label)
+    axes.set(xlabel=time.label, ylabel=scale.label, xlim=time(run.time[[0, -1]]))
+    legend_above(axes)

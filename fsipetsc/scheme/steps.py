@@ -1,8 +1,7 @@
-"""Steps in one dimension: all of a stage, or many steps, in one compiled call.
+"""All of a stage, or many steps, in one compiled call: of a rank that has all blocks.
 
-The right-hand side is that of fsipetsc.blockrun.block_scheme, and its parts are those of
-fsipetsc.scheme.line_parts. Where ranks exchange numbers between its parts, Python calls them one by
-one; a rank that has all blocks, and no data that depend on time, makes many steps at a time.
+The right-hand side is that of fsipetsc.blockrun.scheme, and what is done with parts and particles
+is called by address. Where ranks exchange numbers in between, Python calls the same functions.
 """
 
 from __future__ import annotations
@@ -11,10 +10,10 @@ from typing import Any, NamedTuple
 
 from numba import literal_unroll, njit
 
-from fsipetsc.operators.loops import CALL, INNER_LOOP, MERGED_CALL
+from fsipetsc.operators.loops import CALL, MERGED_CALL
 from fsipetsc.scheme.after_step import note_extremes
 from fsipetsc.scheme.burst import DT, plan_next
-from fsipetsc.scheme.line_parts import clear
+from fsipetsc.scheme.part import clear, copy_row
 from fsipetsc.scheme.plan import BAD, SAID_STOP
 from fsipetsc.scheme.rows import Array
 from fsipetsc.scheme.runge_kutta import STAGES, advance
@@ -46,9 +45,9 @@ class Found(NamedTuple):
     now: Array
 
 
-class Line(NamedTuple):
-    """All of a rank that has all blocks: its parts and particles with their functions, as
-    fsipetsc.scheme.line_parts and particle_steps hold them, and a box of Found.
+class All(NamedTuple):
+    """Of a rank that has all blocks its parts and particles with their functions, as
+    fsipetsc.scheme.part and particle_steps hold them, and a box of Found.
     """
 
     parts: Any
@@ -59,7 +58,7 @@ class Line(NamedTuple):
 @njit(**CALL)
 def run(box, what, s, f):
     """COMPLETE s, find the RATES f of a completed s, LOOK at it, or make STEPS as the burst allows.
-    False, and the state before it, if a step ends badly. box: of a Line.
+    False, and the state before it, if a step ends badly. box: of an All.
 
     What is called stands here once; parts and particles are called by address.
     """
@@ -68,28 +67,40 @@ def run(box, what, s, f):
     particles, stages, more, good = held.all, STAGES + 1 if steps else 1, True, True
     while more:
         if steps:
-            copy(y, found.before)
-            copy(y, s)
+            copy_row(y, found.before)
         for stage in range(stages):
+            at = y if steps and stage == 0 else s
             if steps or what == COMPLETE:
-                held.begin_sums(particles, s, gain)
+                held.begin_sums(particles, at, gain)
                 held.end_sums(particles, gain)
-                if particles.stores:
-                    held.begin_stored(particles, s)
-                    for one in literal_unroll(parts):
-                        one.store(one.part, particles, s)
-                    held.end_stored(particles)
-                held.settle(particles, s, gain)
                 for one in literal_unroll(parts):
                     one.follow(one.part, particles)
-            if steps and (stage == 0 or stage == STAGES):
-                copy(s, y)
+                    one.move(one.part)
+                if particles.slips:
+                    held.begin_normals(particles)
+                    for one in literal_unroll(parts):
+                        one.normals(one.part, particles)
+                    held.end_normals(particles, False)
+                if particles.stores:
+                    held.begin_stored(particles, at)
+                    for one in literal_unroll(parts):
+                        one.store(one.part, particles, at)
+                    held.end_stored(particles)
+                held.settle(particles, at, gain)
+                for one in literal_unroll(parts):
+                    one.follow(one.part, particles)
+                    one.swing(one.part)
             if what == RATES or (steps and stage < STAGES):
                 clear(gain)
+                if particles.slips:
+                    held.begin_normals(particles)
+                    for one in literal_unroll(parts):
+                        one.turn(one.part, particles)
+                    held.end_normals(particles, True)
                 for one in literal_unroll(parts):
-                    one.rates(one.part, s, f, gain)
+                    one.rates(one.part, at, f, gain)
                 held.begin_rates(particles, f)
-                held.end_rates(particles, s, f, gain)
+                held.end_rates(particles, at, f, gain)
             if steps and stage < STAGES:
                 advance(y, f, s, total, stage, now[1])
         if steps or what == LOOK:
@@ -111,19 +122,14 @@ def run(box, what, s, f):
 
 @njit(**MERGED_CALL)
 def note_step(found):
-    """Flags, bound on the next step, what came in; whether all is well, else y is as before."""
-    latest, y, n = found.latest, found.y, found.gain.size
+    """Flags, bound on the next step, what came in; whether all is well, and y is the new state,
+    else it is as before.
+    """
+    latest, s, n = found.latest, found.stage, found.gain.size
     note_extremes(found.extremes, found.rates, found.results, latest)
     for c in range(n):
-        latest[latest.size - n + c] = y[y.size - n + c]
-        y[y.size - n + c] = 0.0
-    if found.results[BAD] != 0.0:
-        copy(found.before, y)
-    return found.results[BAD] == 0.0
-
-
-@njit(**INNER_LOOP)
-def copy(of, to):
-    """to = of."""
-    for i in range(of.size):
-        to[i] = of[i]
+        latest[latest.size - n + c] = s[s.size - n + c]
+        s[s.size - n + c] = 0.0
+    good = found.results[BAD] == 0.0
+    copy_row(s if good else found.before, found.y)
+    return good

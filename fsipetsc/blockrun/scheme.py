@@ -1,0 +1,288 @@
+"""The semi-discrete scheme of blocks: one right-hand side, for any number of dimensions and ranks.
+
+    complete   particles share what is extensive; the grids of the gas follow the solids;
+               velocities obey the constraints
+    rates      volume terms of each block, what passes open faces, forcing; then the constraints
+               of the particles
+
+Each part of a block is a record in a box, and so are the particles; compiled functions do with them
+what there is to do. A rank that has all blocks makes stages in one call, and many steps where no
+data depend on time (fsipetsc.scheme.steps); else the same functions are called between the
+exchanges. `y` is a fsipetsc.parallel.block_layout.BlockVector; `f` an array of the same layout.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fsipetsc.blockrun.asked import Asked
+from fsipetsc.blockrun.gas_part import GasPart
+from fsipetsc.blockrun.particle_system import ParticleSystem
+from fsipetsc.blockrun.solid_part import SolidPart
+from fsipetsc.blocks.particles import particles_of
+from fsipetsc.errors import InputError
+from fsipetsc.materials.perfect_gas import PerfectGas
+from fsipetsc.operators.boxed import Box, with_calls
+from fsipetsc.parallel.block_layout import BlockLayout, BlockVector
+from fsipetsc.scheme import part as of_parts
+from fsipetsc.scheme import solid_record
+from fsipetsc.scheme.block_look import LEAST_J, LOOKED
+from fsipetsc.scheme.part import Held
+from fsipetsc.scheme.runge_kutta import STAGES, advance
+from fsipetsc.scheme.steps import COMPLETE, LOOK, RATES, STEPS, All, Found, run
+
+Array = NDArray[Any]
+
+
+class Scheme:
+    """Right-hand side of a problem on this rank's parts of its blocks. Making one is collective on
+    ``layout.comm``.
+
+    form: fsipetsc.blockrun.block_state.BlockForm, of convection and dissipation. instant: says a
+    time [s] in which little happens. columns: where the record of a step has which sums. ends:
+    number, block, owned row, X of the interfaces in one dimension whose solid's end is here. alone:
+    there is one rank, which may make stages in one call. `attach` comes before all else.
+
+    What comes in from outside is integrated behind the unknowns of nodes, in the order of
+    fsipetsc.blockrun.columns.gained. steady: no data of conditions, forcing, jumps depend on time.
+    """
+
+    def __init__(
+        self,
+        layout: BlockLayout,
+        problem: Any,
+        order: int,
+        form: Any,
+        instant: Callable[[], float],
+        columns: dict[str, slice],
+        ends: Sequence[tuple[int, int, int, float]] = (),
+        alone: bool = False,
+    ) -> None:
+        self.layout, self.problem = layout, problem
+        self.dimension = d = problem.dimension
+        particles = particles_of(problem)
+        self._asked = asked = Asked()
+        self.parts: dict[int, GasPart | SolidPart] = {}
+        for part in layout.parts:
+            kind = GasPart if problem.blocks[part.k].kind == "fluid" else SolidPart
+            self.parts[part.k] = kind(layout, part, order, form, asked)
+        self._gases = [part for part in self.parts.values() if isinstance(part, GasPart)]
+        self._solids = [part for part in self.parts.values() if isinstance(part, SolidPart)]
+        inertia = {part.part.k: part.inertia for part in self._solids}
+        gases = [block.material for block in problem.blocks if block.kind == "fluid"]
+        law = gases[0].equations(d).law if gases else PerfectGas(1.4, 1.0)
+        self.particles = ParticleSystem(layout, particles, law, inertia, instant, asked)
+        for gas in self._gases:
+            gas.follow(particles, self.particles)
+        fluids = [k for k, block in enumerate(problem.blocks) if block.kind == "fluid"]
+        self._columns = {k: column for column, k in enumerate(fluids)}
+        self._gain = np.zeros(len(fluids) + d + 1)
+        #: compiled code does not move grids in three dimensions, nor find area vectors of solids
+        self.alone = alone and d < 3
+        self._records(columns, ends)
+        self._memory = tuple(np.zeros(layout.local_size) for _ in range(2))
+        self._filled: float | None = None  # when the data were asked for
+        timed = self.particles.prescribed.timed or any(part.timed for part in self.parts.values())
+        self.steady = not timed and problem.jumps is None
+
+    def _records(self, columns: dict[str, slice], ends: Sequence[Any]) -> None:
+        """Parts as records in boxes, and what is done with them."""
+        first = {name: where.start for name, where in columns.items()}
+        momenta = [first[f"momentum_{x}"] for x in "xyz"[: self.dimension]]
+        self._lines: dict[int, Any] = {}
+        self._does: dict[int, Held] = {}
+        for k, part in self.parts.items():
+            faces = self.particles.at_faces[k]
+            if isinstance(part, GasPart):
+                mass = first["mass"] + self._columns[k]
+                sums = np.array([mass, *momenta, first["energy"], first["entropy"]])
+                line: Any = part.record(self._columns[k], sums, faces, self.alone)
+                functions = part.held
+            else:
+                own = [(number, row, X) for number, block, row, X in ends if block == k]
+                stored = self.particles.members.get(k, (np.zeros(0, int), np.zeros(0, int)))
+                sums = np.array([*momenta, first["energy"]])
+                line = part.record(sums, faces, self.alone, own, stored)
+                stores = self.particles.stores and not part.equations.coupled
+                functions = solid_record.held(stores, self.dimension == 1)
+            self._lines[k], self._does[k] = line, Held(Box(line), *functions)
+
+    def attach(self, y: Array, stage: Array, *words: Any) -> None:
+        """What steps in one call take and fill: see fsipetsc.scheme.steps.Found, without now; words:
+        all behind gain.
+        """
+        stages = y, stage, *self._memory, np.zeros_like(y)
+        self._found = Found(*stages, self._gain, *words, np.zeros(2))
+        self._noted = Box(self._found._replace(stage=y))
+
+    @cached_property
+    def _all(self) -> Any:
+        """All that compiled code takes for stages in one call."""
+        found, gain, particles = Box(self._found), self._gain, self.particles.box
+        y = self._found.y
+        takes = (particles,), (), (), (particles,), (particles,)
+        takes += (particles, y), (y, y, gain), (y,), (found,)
+        held = [
+            with_calls(of_parts.hold, part, zip(functions, takes, strict=True))
+            for part, *functions in self._does.values()
+        ]
+        return Box(All(tuple(held), self.particles.held(y, gain), found))
+
+    @property
+    def fault(self) -> InputError | None:
+        """The first error of a function of the case's on this rank, since when old data are taken.
+        """
+        return self._asked.fault
+
+    def initial(self, t: float, y: BlockVector) -> None:
+        """Fill y with the data of the case at time t [s]. InputError for what its functions return,
+        those of exact solutions, conditions and forcing as well.
+        """
+        for k, part in self.parts.items():
+            part.initial(t, y.owned(k))
+            part.try_exact(t)
+        self._refresh(t)
+
+    def stretch(self, t: float, y: BlockVector) -> None:
+        """Let J of gases be that of the grid where the solids have it, at fixed density, velocity
+        and temperature; at walls the gas has their velocity, at its temperature.
+        """
+        self._refresh(t)
+        self.particles.share(y.array, self._gain)
+        self._follow()
+        self._move()
+        for gas in self._gases:
+            gas.stretch(y.owned(gas.part.k))
+            gas.hold(y.owned(gas.part.k), *self.particles.at_walls(gas.part.k))
+
+    def _refresh(self, t: float) -> None:
+        """Data of the case at time t [s]."""
+        if self._filled is None or not self.steady:
+            self.particles.refresh(t)
+            for part in self.parts.values():
+                part.refresh(t)
+            self._filled = t
+
+    def complete(self, t: float, y: BlockVector) -> None:
+        """Let y obey all that holds its particles, in place. Collective."""
+        self._refresh(t)
+        if self.alone:
+            run(self._all, COMPLETE, y.array, y.array)
+            return
+        particles = self.particles
+        particles.share(y.array, self._gain)
+        self._follow()
+        self._move()
+        particles.find_normals(self._add_normals, False)
+        particles.find_stored(y.array, lambda: self._store(y))
+        particles.settle(y.array, self._gain)
+        if particles.slips:  # velocities are others
+            self._follow()
+        for gas in self._gases:
+            self._does[gas.part.k].swing(self._does[gas.part.k].part)
+            gas.swing(self._lines[gas.part.k].known)
+
+    def _follow(self) -> None:
+        """Ranks of a gas tell each other by what its grid moves. Collective."""
+        for gas in self._gases:
+            does = self._does[gas.part.k]
+            does.follow(does.part, self.particles.box)
+            gas.gather.begin()
+        for gas in self._gases:
+            gas.gather.end()
+
+    def _move(self) -> None:
+        """Let the grids follow the displacement of solids and walls."""
+        for gas in self._gases:
+            does = self._does[gas.part.k]
+            does.move(does.part)
+            gas.move(self._lines[gas.part.k].known)
+
+    def _add_normals(self, table: Array) -> None:
+        for does in self._does.values():
+            does.normals(does.part, self.particles.box)
+
+    def _add_turning(self, table: Array) -> None:
+        for gas in self._gases:
+            does = self._does[gas.part.k]
+            does.turn(does.part, self.particles.box)
+            gas.add_turning(self.particles.at_faces[gas.part.k], table)
+
+    def _store(self, y: BlockVector) -> None:
+        """What members of solids store, where it matters to temperatures."""
+        y.begin()
+        y.end()
+        for does in self._does.values():
+            does.store(does.part, self.particles.box, y.array)
+
+    def rates(self, t: float, y: BlockVector, f: Array) -> None:
+        """f = dy/dt for a completed y. Collective."""
+        if t != self._filled:
+            self._refresh(t)
+        if self.alone:
+            run(self._all, RATES, y.array, f)
+            return
+        self._gain[:] = 0.0
+        y.begin()
+        self.particles.find_normals(self._add_turning, True)
+        y.end()
+        for solid in self._solids:
+            solid.faces.turn(y.ghosted(solid.part.k))
+        for does in self._does.values():
+            does.rates(does.part, y.array, f, self._gain)
+        self.particles.constrain(y.array, f, self._gain)
+
+    def step(self, t: float, dt: float, y: BlockVector, stage: BlockVector) -> None:
+        """A step of the classical Runge-Kutta method from y at t [s] to the completed one at t + dt.
+        Collective. It is PETSc's ``-ts_type rk -ts_rk_type 4`` up to round-off.
+
+        It begins with what follows from y alone, so that a step after a restart has the same bits.
+        """
+        (k, total), now = self._memory, y
+        for number, instant in enumerate((t, t + 0.5 * dt, t + 0.5 * dt, t + dt)):
+            self.complete(instant, now)
+            self.rates(instant, now, k)
+            now = stage if number < STAGES - 1 else y
+            advance(y.array, k, now.array, total, number, dt)
+        self.complete(t + dt, y)
+
+    def steps(self, t: float, dt: float) -> tuple[bool, float, float]:
+        """Steps from t [s] as the burst allows, the first of dt [s]: whether all ended well, and the
+        time that is reached; or begin and length of a step that is to be made anew.
+        """
+        self._refresh(t)
+        self._found.now[:] = t, dt
+        ended_well = run(self._all, STEPS, self._found.stage, self._found.k)
+        return bool(ended_well), float(self._found.now[0]), float(self._found.now[1])
+
+    def look(self, y: BlockVector) -> None:
+        """Put extremes and shares of the integrals of this rank's nodes, and what is recorded of
+        interfaces, where `attach` has said. y: the solution, completed, whose halos are filled.
+        """
+        found, blocks = self._found, len(self.problem.blocks)
+        found.extremes[:], found.latest[:] = 0.0, 0.0
+        found.extremes[1:].reshape(blocks, LOOKED)[:, LEAST_J] = -np.inf
+        if self.alone:
+            run(self._all, LOOK, y.array, y.array)
+        for k, does in self._does.items():
+            if not self.alone:
+                does.look(does.part, y.array)
+                self.parts[k].judge(y.owned(k), self._lines[k].seen)
+            does.note(does.part, self._noted)
+
+    def volume_ratio(self, y: BlockVector, k: int) -> Array:
+        """(M,) det F of this rank's nodes of the solid block k."""
+        return self.parts[k].volume_ratio(y.ghosted(k))
+
+    def fields(self, t: float, y: BlockVector, k: int) -> Array:
+        """(M, columns) what is saved of this rank's nodes of block k."""
+        return self.parts[k].fields(y.ghosted(k))
+
+    def destroy(self) -> None:
+        """Release messages."""
+        self.particles.destroy()

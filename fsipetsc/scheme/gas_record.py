@@ -1,0 +1,186 @@
+"""A rank's part of a gas block as one record, and what is done with it in a step."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from numba import njit
+
+from fsipetsc.operators.loops import CALL
+from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
+from fsipetsc.scheme.block_look import BAD, gas_look
+from fsipetsc.scheme.gas_dissipation import gas_dissipation
+from fsipetsc.scheme.gas_rates import gas_rates
+from fsipetsc.scheme.normals import derivative
+from fsipetsc.scheme.part import add_normals, clear, ghosted, note, owned
+from fsipetsc.scheme.rows import Array
+
+
+class GasRecord(NamedTuple):
+    """A part of a gas block.
+
+    like: d zeros. laws: fsipetsc.equations.gas. faces: fsipetsc.scheme.faces. block: its number,
+    begin: of its unknowns in the world vector. halo: (N, d + 3), its nodes with a halo, or none;
+    wraps: whether it is filled by fsipetsc.scheme.part. S, weight: of three bands. masses: (M,)
+    weights of its own nodes.
+
+    follows: (n,) particles by which its grid moves, here: (n, 2d) their displacement and velocity,
+    known: (m, 2d) those of all ranks; grid: see fsipetsc.blocks.grid. at_particles: faces at
+    constraints, see fsipetsc.scheme.normals. reference: (M,) J of the reference map. forcing:
+    (d + 2, M), or (d + 2, 0). came: (d + 2,) mass, impulse, energy that come in. column: of its
+    mass in what comes in; columns: of its sums in the record of a step.
+    """
+
+    like: Any
+    laws: Any
+    form: Any
+    friction: Any
+    dissipation: Any
+    faces: Any
+    block: int
+    begin: int
+    column: int
+    halo: Array
+    wraps: int
+    metrics: Array
+    S: Any
+    weight: Any
+    patch: Any
+    work: Any
+    per_h: Array
+    room: Array
+    masses: Array
+    follows: Array
+    here: Array
+    known: Array
+    grid: Any
+    at_particles: Any
+    reference: Array
+    forcing: Array
+    came: Array
+    seen: Array
+    sums: Array
+    columns: Array
+
+
+class Damping(NamedTuple):
+    """See fsipetsc.scheme.gas_dissipation."""
+
+    sigma: float
+    shock: float
+    differences: Any
+    room: Any
+
+    def add(self, part, q, rates):
+        """Both terms."""
+        sizes, of_patch = (self.sigma, self.shock), (self.differences, part.patch)
+        equations, more = (part.laws, part.like, part.form), (*part.S, *of_patch, rates, self.room)
+        gas_dissipation(*equations, *sizes, q, part.metrics, *more)
+
+
+class Undamped(NamedTuple):
+    """No dissipation."""
+
+    kind: int = 0
+
+    def add(self, part, q, rates):
+        """Nothing."""
+        return None
+
+
+@njit(**CALL)
+def follow(part, particles):
+    """Note displacement and velocity of the particles here by which the grid moves."""
+    follows, here, state, wall = part.follows, part.here, particles.state, particles.data.wall
+    moves, place, d = particles.moves, particles.place, len(part.like)
+    for m in range(follows.size):
+        n = follows[m]
+        alone = moves[n] == 1 and state.solid_mass[n] == 0.0
+        for c in range(d):
+            here[m, c] = place[n, c] if alone else state.D[n, c]
+            here[m, d + c] = wall[n, c] if alone else state.v[n, c]
+
+
+@njit(**CALL)
+def move(part):
+    """a^k of the grid where it is now."""
+    if part.known.shape[0] > 0:
+        part.grid.move(part.known, part.metrics)
+
+
+@njit(**CALL)
+def swing(part):
+    """Velocity of the grid and J_t."""
+    if part.known.shape[0] > 0:
+        part.grid.swing(part.known, part.metrics)
+
+
+@njit(**CALL)
+def turn(part, particles):
+    """Add how area vectors at constraints turn, in two dimensions; in one they do not."""
+    faces, table, metrics = part.at_particles, particles.of_normals, part.metrics
+    nx, d = part.patch.ghosted[0], len(part.like)
+    for i in range(faces.row.size if d == 2 and part.known.shape[0] > 0 else 0):
+        axis, other = faces.axis[i], 1 - faces.axis[i]
+        place, stride = faces.place[other, i], nx if other == 1 else 1
+        band = part.S[other], part.weight[other][place], stride
+        x = derivative(*band, metrics[d * d], faces.node[i], place)
+        y = derivative(*band, metrics[d * d + d - 1], faces.node[i], place)
+        sign = faces.weight[i] if axis == 0 else -faces.weight[i]
+        table[faces.row[i], faces.column[i]] += sign * y
+        table[faces.row[i], faces.column[i] + d - 1] -= sign * x
+
+
+@njit(**CALL)
+def store(part, particles, s):
+    """Gases store nothing."""
+
+
+@njit(**CALL)
+def rates(part, s, f, gain):
+    """Fill a gas's part of f, from that of a completed s; what comes in goes to ``gain``."""
+    d, n = len(part.like), gain.size
+    q, own, came, patch = ghosted(part, s, d + 3), owned(part, f, d + 3), part.came, part.patch
+    laws, like, form, friction = part.laws, part.like, part.form, part.friction
+    metrics = part.metrics
+    (S0, S1, S2), (w0, w1, w2), work = part.S, part.weight, part.work
+    gas_rates(laws, like, form, friction, q, metrics, S0, S1, S2, w0, w1, w2, patch, own, work)
+    part.dissipation.add(part, q, own)
+    clear(came)
+    part.faces.add(part, q, own, came)
+    supply(part, owned(part, s, d + 3), own, came)
+    gain[part.column] += came[0]
+    for c in range(d + 1):
+        gain[n - d - 1 + c] += came[1 + c]
+
+
+@njit(**CALL)
+def supply(part, q, rates, came):
+    """Add the case's forcing, and book what body forces give; q, rates: of the owned nodes."""
+    force, forcing, masses, d = part.laws.force, part.forcing, part.masses, len(part.like)
+    for c in range(d):
+        b = force[c]
+        for i in range(masses.size if b != 0.0 else 0):
+            came[1 + c] += b * masses[i] * q[i, 1]
+            came[1 + d] += b * masses[i] * q[i, 2 + c]
+    for c in range(d + 2):
+        for i in range(forcing.shape[1]):
+            supplied = q[i, 0] * forcing[c, i]
+            rates[i, 1 + c] += supplied
+            came[c] += masses[i] * supplied
+
+
+@njit(**CALL)
+def look(part, s):
+    """Fill seen and sums of a part: see fsipetsc.scheme.block_look."""
+    laws, like, metrics, grid, seen = part.laws, part.like, part.metrics, part.grid, part.seen
+    q, masses, reference = owned(part, s, len(like) + 3), part.masses, part.reference
+    room = part.room
+    per_h, patch, z, sums = part.per_h, part.patch, STIFFNESS_OF_WIDE, part.sums
+    gas_look(laws, like, q, metrics, per_h, z, masses, reference, grid, patch, room, seen, sums)
+    if seen[BAD] != 0.0:  # no NaN may stay there for a step that is made again
+        clear(part.work.w)
+
+
+#: what is held of a gas: fsipetsc.scheme.part.Held, without ``part``
+HELD = follow, move, swing, add_normals, turn, store, rates, look, note

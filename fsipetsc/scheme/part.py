@@ -1,0 +1,110 @@
+"""What compiled code knows of a rank's part of a block, of gas or solid: views of its unknowns, what
+it has of a look. The records are those of fsipetsc.scheme.gas_record and solid_record.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from numba import njit
+
+from fsipetsc.operators.boxed import Box
+from fsipetsc.operators.loops import CALL, INNER_LOOP, MERGED_CALL
+from fsipetsc.scheme.after_step import WORDS
+from fsipetsc.scheme.block_look import CONVECTION
+from fsipetsc.scheme.normals import add_areas
+
+
+class Held(NamedTuple):
+    """A part and what is done with it in a step, called by address (fsipetsc.operators.boxed)."""
+
+    part: Any
+    follow: Any
+    move: Any
+    swing: Any
+    normals: Any
+    turn: Any
+    store: Any
+    rates: Any
+    look: Any
+    note: Any
+
+
+@njit(**CALL)
+def hold(part, follow, move, swing, normals, turn, store, rates, look, note):
+    """A box of Held."""
+    of_grid = follow, move, swing, normals, turn
+    return Box(Held(part, *of_grid, store, rates, look, note))
+
+
+@njit(**MERGED_CALL)
+def owned(part, s, dof):
+    """(M, dof), this part of a world vector s."""
+    n = part.patch.own[0] * part.patch.own[1] * part.patch.own[2]
+    return s[part.begin : part.begin + n * dof].reshape((n, dof))
+
+
+@njit(**MERGED_CALL)
+def ghosted(part, s, dof):
+    """(N, dof), the same with its halo, which a rank that has all blocks fills here."""
+    n = part.patch.own[0] * part.patch.own[1] * part.patch.own[2]
+    if part.wraps:
+        fill_halo(s, part.begin, dof, part.patch, part.halo)
+    own = s[part.begin : part.begin + n * dof].reshape((n, dof))
+    return part.halo if part.halo.shape[0] > 0 else own
+
+
+@njit(**CALL)
+def fill_halo(s, begin, dof, patch, halo):
+    """Copy a whole block, with its other end beyond each end of a periodic axis."""
+    (n0, n1, n2), (g0, g1, g2), (f0, f1, f2) = patch.own, patch.ghosted, patch.first
+    to = halo.reshape(halo.size)
+    for z in range(g2):
+        for y in range(g1):
+            row = begin + ((z - f2) % n2 * n1 + (y - f1) % n1) * n0 * dof
+            at = (z * g1 + y) * g0 * dof
+            copy_row(s[row : row + n0 * dof], to[at + f0 * dof : at + (f0 + n0) * dof])
+            for i in range(f0 * dof):
+                to[at + i] = s[row + (n0 - f0) * dof + i]
+            for i in range((g0 - f0 - n0) * dof):
+                to[at + (f0 + n0) * dof + i] = s[row + i]
+
+
+@njit(**INNER_LOOP)
+def copy_row(of, to):
+    """to = of."""
+    for i in range(of.size):
+        to[i] = of[i]
+
+
+@njit(**INNER_LOOP)
+def clear(numbers):
+    """Zeros."""
+    for i in range(numbers.size):
+        numbers[i] = 0.0
+
+
+@njit(**MERGED_CALL)
+def note_part(part, found):
+    """Put the extremes and sums of a look where they belong; found: a box of
+    fsipetsc.scheme.steps.Found.
+    """
+    begin, seen, sums, columns = 1 + WORDS * part.block, part.seen, part.sums, part.columns
+    extremes, latest = found.extremes, found.latest
+    for c in range(seen.size):
+        extremes[begin + c] = seen[c]
+    extremes[begin + CONVECTION] *= found.pace
+    for c in range(sums.size):
+        latest[columns[c]] += sums[c]
+
+
+@njit(**CALL)
+def note(part, found):
+    """The same as a function of its own."""
+    note_part(part, found)
+
+
+@njit(**CALL)
+def add_normals(part, particles):
+    """Add area vectors of faces to the table of members at constraints."""
+    add_areas(part.at_particles, len(part.like), part.metrics, particles.of_normals)

@@ -1,0 +1,170 @@
+"""A rank's part of a solid block as one record, and what is done with it in a step."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+
+from fsipetsc.equations.tensors import add_unit, outer
+from fsipetsc.operators.loops import CALL, column, dot
+from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
+from fsipetsc.scheme.block_look import look_at_end
+from fsipetsc.scheme.faces import strain_at
+from fsipetsc.scheme.part import add_normals, clear, ghosted, note, note_part, owned
+from fsipetsc.scheme.rows import U64, Array
+from fsipetsc.scheme.solid_dissipation import solid_dissipation
+from fsipetsc.scheme.solid_look import solid_look
+from fsipetsc.scheme.solid_rates import solid_rates
+
+
+class SolidRecord(NamedTuple):
+    """A part of a solid block; what has the same name as in GasRecord is the same.
+
+    inertia: (N,) J0 m0, masses: (M,) weights times J0 m0. F: (d d, M), as the last look found it.
+    forcing: (2d + 1, M), or (2d + 1, 0), of velocity, temperature and place. interfaces: (n, 5)
+    number of an interface at this part in one dimension, owned and ghosted row of its node, X,
+    prestress. stored_at: (n,) ghosted rows of members that tell what they store, rows_of_stored:
+    (n,) where.
+    """
+
+    like: Any
+    laws: Any
+    dissipation: Any
+    faces: Any
+    block: int
+    begin: int
+    halo: Array
+    wraps: int
+    metrics: Array
+    inertia: Array
+    prestress: Array
+    S: Any
+    weight: Any
+    patch: Any
+    work: Any
+    per_h: Array
+    masses: Array
+    F: Array
+    at_particles: Any
+    forcing: Array
+    came: Array
+    seen: Array
+    sums: Array
+    columns: Array
+    interfaces: Array
+    stored_at: Array
+    rows_of_stored: Array
+
+
+class SolidDamping(NamedTuple):
+    """See fsipetsc.scheme.solid_dissipation. after: the next term, or none."""
+
+    damping: Any
+    differences: Any
+    room: Any
+    after: Any
+
+    def add(self, part, q, rates):
+        """This term and the next one."""
+        of_patch = self.differences, part.patch
+        solid_dissipation(part.like, self.damping, q, part.metrics, *of_patch, rates, self.room)
+        self.after.add(part, q, rates)
+
+
+@njit(**CALL)
+def stay(part):
+    """Solids have no grid to move."""
+
+
+@njit(**CALL)
+def none_of(part, particles):
+    """Solids have no grid that follows; their area vectors at rest do not turn."""
+
+
+@njit(**CALL)
+def store(part, particles, s):
+    """Tell particles what members of a solid with heat 'elastic' store: energy per mass [J/kg]
+    that is neither kinetic nor heat. See fsipetsc.scheme.particle_steps.Particles.
+    """
+    d, solid, extra = len(part.like), part.laws, part.prestress
+    q, at, rows = ghosted(part, s, 2 * d + 1), part.stored_at, part.rows_of_stored
+    F, nine = np.zeros((d * d, 1)), outer(part.like, part.like)
+    for i in range(at.size):
+        strain_at(at[i], part.S, part.weight, part.patch, part.metrics, q, F)
+        strain = column(nine, F, U64(0))
+        energy = solid.law.energy(strain)
+        if extra.shape[1] > 0:
+            energy += dot(column(nine, extra, U64(at[i])), add_unit(-1.0, strain))
+        particles.stored[rows[i], 0] = energy / solid.m0
+
+
+@njit(**CALL)
+def store_nothing(part, particles, s):
+    """Of solids whose stresses heat them, and where nobody asks."""
+
+
+@njit(**CALL)
+def rates(part, s, f, gain):
+    """Fill a solid's part of f, from that of a completed s; what comes in goes to ``gain``."""
+    d, n = len(part.like), gain.size
+    q, own, came = ghosted(part, s, 2 * d + 1), owned(part, f, 2 * d + 1), part.came
+    solid_rates(part.laws, part.like, q, part.metrics, part.prestress, own, part.work)
+    part.dissipation.add(part, q, own)
+    clear(came)
+    part.faces.add(part, q, own, came)
+    supply(part, owned(part, s, 2 * d + 1), own, came)
+    for c in range(d + 1):
+        gain[n - d - 1 + c] += came[1 + c]
+
+
+@njit(**CALL)
+def supply(part, q, rates, came):
+    """Add the case's forcing, and book what body forces give; q, rates: of the owned nodes."""
+    force, forcing, masses, d = part.laws.force, part.forcing, part.masses, len(part.like)
+    for c in range(d):
+        b = force[c]
+        for i in range(masses.size if b != 0.0 else 0):
+            came[1 + c] += masses[i] * b
+            came[1 + d] += masses[i] * b * q[i, d + c]
+    for i in range(forcing.shape[1]):
+        heat = part.laws.alpha * forcing[d, i]
+        for c in range(d):
+            push = forcing[c, i]
+            rates[i, c] += forcing[d + 1 + c, i]
+            rates[i, d + c] += push
+            heat += q[i, d + c] * push
+            came[1 + c] += masses[i] * push
+        rates[i, 2 * d] += heat
+        came[1 + d] += masses[i] * heat
+
+
+@njit(**CALL)
+def look(part, s):
+    """Fill seen, sums and F of a part."""
+    laws, like, metrics, seen, sums = part.laws, part.like, part.metrics, part.seen, part.sums
+    q, masses, work, F = ghosted(part, s, 2 * len(like) + 1), part.masses, part.work, part.F
+    prestress, per_h, z = part.prestress, part.per_h, STIFFNESS_OF_WIDE
+    solid_look(laws, like, q, metrics, prestress, per_h, z, masses, work, F, seen, sums)
+
+
+@njit(**CALL)
+def note_ends(part, found):
+    """Note a look, and what is recorded of interfaces in one dimension."""
+    note_part(part, found)
+    at_ends, interfaces, F = found.at_ends, part.interfaces, part.F
+    q, laws = owned(part, found.stage, 3), part.laws
+    for m in range(interfaces.shape[0]):
+        number, own, X, S = interfaces[m]
+        of_end = at_ends[:, int(number)]
+        look_at_end(laws, q, F, int(own), int(own), S, of_end)
+        of_end[0] += X
+
+
+#: what is held of a solid: fsipetsc.scheme.part.Held, without ``part``, by what it stores, notes
+def held(stores: bool, line: bool) -> tuple[Any, ...]:
+    """stores: members tell what they store. line: in one dimension ends are noted."""
+    of_grid = none_of, stay, stay, add_normals, none_of
+    notes = note_ends if line else note
+    return *of_grid, store if stores else store_nothing, rates, look, notes
