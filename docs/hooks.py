@@ -1,4 +1,4 @@
-"""What MkDocs makes when it builds (scripts/docs): the page of all options, that of the tutorial, the front page, links."""
+"""What MkDocs makes when it builds the site (scripts/docs): the front page, the page of the tutorial, links."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from typing import Any
 DOCS = Path(__file__).resolve().parent
 
 
+<<<<<<< HEAD
 def options_page() -> str:
     """docs/options.md, from the table of options: those of every run, of the cases, and of PETSc."""
     from fsipetsc.cases import BUILT_IN, load_case
@@ -58,6 +59,8 @@ def _said(value: Any) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
+=======
+>>>>>>> docs
 def front_page() -> str:
     """The README as the site's first page."""
     text = (DOCS.parent / "README.md").read_text()
@@ -101,6 +104,3 @@ def on_files(files: Any, config: Any) -> Any:
 def on_page_markdown(markdown: str, **_: Any) -> str:
     return inside(markdown)
 
-
-if __name__ == "__main__":
-    (DOCS / "options.md").write_text(options_page())

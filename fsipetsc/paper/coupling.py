@@ -43,7 +43,7 @@ cv), tau_s = T^/(alpha m0):
     a_0 S44 = (k_s^2 tau_s + kappa^2 tau_f) sum_j (a_0/a_j) d_j^2
 
 Where a side does not conduct heat, the energy asks for less: no g_T, and no g_flux either if none
-does. About the weights in a solid without pressure, where (3.11) is singular, see docs/coupling.md;
+does. About the weights in a solid without pressure, where (3.11) is singular, see docs/paper.md;
 rho_0 follows from (4.24) again.
 
 *Traditional*: the solid moves the gas, u_f = u~_s - g_u, and the gas loads the solid, sigma = p_s -
