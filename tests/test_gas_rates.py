@@ -247,8 +247,8 @@ def test_dissipation_is_that_of_the_oracle(d, order):
         assert np.abs(found[:, 0]).max() == 0.0
 
 
-@pytest.mark.parametrize("order", [2, 4, 6])
-@pytest.mark.parametrize(("sigma", "shock"), [(0.3, 0.0), (0.0, 1.0), (0.3, 1.0)])
+@pytest.mark.parametrize("order", [4, 6])
+@pytest.mark.parametrize(("sigma", "shock"), [(0.3, 0.0), (0.3, 1.0)])
 @pytest.mark.parametrize("d", [1, 2])
 def test_dissipation_conserves_and_makes_entropy_grow(d, order, sigma, shock):
     s = setting(d, order=order, spread=0.3)

@@ -1,4 +1,4 @@
-"""A rank's part of a gas block: its record for compiled code, its moving grid, what is saved of it."""
+"""A rank's part of a gas block: its record for compiled code, its moving grid, what is saved."""
 
 from __future__ import annotations
 

@@ -122,9 +122,10 @@ class ParticleSystem:
         gases = [k for k, block in enumerate(blocks) if block.kind == "fluid"]
         of_gas = [[k for k, _ in p.members if k in gases][:1] for p in self._particles]
 
-        def flags(of: Callable[[Particle], Any]) -> Array:
-            return np.array([int(bool(of(p))) for p in self._particles], np.int64)
-
+        flags = np.zeros((count, kernels.FLAGS), np.int64)
+        flags[:, kernels.MINE] = owners[begin[:-1]] == layout.comm.rank
+        for p, particle in enumerate(self._particles):
+            flags[p, 1:] = _flags(particle)
         return Table(
             begin=begin,
             row=row,
@@ -135,19 +136,7 @@ class ParticleSystem:
             count=np.array([len(p.constraints) for p in self._particles], np.int64),
             constraint=constraint,
             column=np.array([gases.index(k[0]) if k else 0 for k in of_gas], np.int64),
-            mine=(owners[begin[:-1]] == layout.comm.rank).astype(np.int64),
-            free_gas=flags(lambda p: not (p.wall or p.given_gas or (p.sticks and p.clamp))),
-            free_solid=flags(lambda p: not (p.clamp or p.given_solid or (p.sticks and p.wall))),
-            placed=flags(lambda p: p.clamp and p.clamp.x),
-            sticks=flags(lambda p: p.sticks),
-            held_gas=flags(lambda p: p.wall),
-            held_solid=flags(lambda p: p.clamp),
-            given_gas=flags(lambda p: p.given_gas),
-            given_solid=flags(lambda p: p.given_solid),
-            warm_gas=flags(lambda p: p.warm_gas),
-            warm_solid=flags(lambda p: p.warm_solid or p.given_solid),
-            shares_heat=flags(lambda p: p.shares_heat),
-            one_T=flags(lambda p: p.one_T),
+            flags=flags,
         )
 
     def _weights(
@@ -304,7 +293,7 @@ class ParticleSystem:
     def at_walls(self, k: int) -> tuple[Array, Array]:
         """Nodes of a gas block here that stick to walls, and velocities (n, d) of these."""
         nodes, particle = self.nodes[k]
-        held = self.table.held_gas[particle] == 1
+        held = self.table.flags[particle, kernels.HELD_GAS] == 1
         return nodes[held], self.data.wall[particle[held]]
 
     def walls_away(self, t: float) -> dict[int, float]:
@@ -324,6 +313,25 @@ class ParticleSystem:
             self._normal_exchange.destroy()
         if self.stores:
             self._store_exchange.destroy()
+
+
+def _flags(p: Particle) -> list[bool]:
+    """Of fsipetsc.scheme.particles, from FREE_GAS on."""
+    found = [
+        not (p.wall or p.given_gas or (p.sticks and p.clamp)),
+        not (p.clamp or p.given_solid or (p.sticks and p.wall)),
+        p.clamp and p.clamp.x,
+        p.sticks,
+        p.wall,
+        p.clamp,
+        p.given_gas,
+        p.given_solid,
+        p.warm_gas,
+        p.warm_solid or p.given_solid,
+        p.shares_heat,
+        p.one_T,
+    ]
+    return [bool(flag) for flag in found]
 
 
 def _members(layout: BlockLayout, particles: Sequence[Particle]) -> tuple[Array, Array]:

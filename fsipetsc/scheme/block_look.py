@@ -24,7 +24,9 @@ BAD, CONVECTION, DIFFUSION, LEAST_J, J_ERROR = range(5)
 LOOKED = 5
 #: the larger ones of the numbers of two tuples
 largest = by_length(
-    "largest", "a, b", lambda n: " return (" + "".join(f"max(a[{k}], b[{k}])," for k in range(n)) + ")"
+    "largest",
+    "a, b",
+    lambda n: " return (" + "".join(f"max(a[{k}], b[{k}])," for k in range(n)) + ")",
 )
 
 

@@ -13,8 +13,8 @@ its axis, where f is
                If no such gas can be, 1/2 (F(U_in) + F(U_out)) - 1/2 lambda (U_out - U_in),
                lambda = max over both of |n . (u - v)| + c |n| (local Lax-Friedrichs)
     outflow    F(U_in); with a pressure p_b beyond and a Mach number m < 1 through the face that of
-               Lax and Friedrichs, with U_out of density and velocity of U_in and of pressure p + (1 - m^2)(p_b - p);
-               m = 0 where gas flows in
+               Lax and Friedrichs, with U_out of density and velocity of U_in and of pressure
+               p + (1 - m^2)(p_b - p); m = 0 where gas flows in
     free       p_b n(x) on a solid, n(x) the area vector of the face where it is now: a pressure
                that follows it
     absorbing  (Z N . v - stress) N |A| on a solid, N the unit normal and |A| the area at rest
@@ -302,12 +302,11 @@ def slope_at(at, axis, S, weight, patch, share, X, q, out):
     for c in range(out.size):
         total = 0.0
         for k in range(1, band.shape[0]):
-            if place + k < size and band[k, place] != 0.0:
-                to = at + k * stride
-                total += band[k, place] * (share * (X[c, to] - X[c, at]) + (q[to, c] - q[at, c]))
-            if place - k >= 0 and band[k, place - k] != 0.0:
-                to = at - k * stride
-                total -= band[k, place - k] * (share * (X[c, to] - X[c, at]) + (q[to, c] - q[at, c]))
+            for sign in (1, -1):
+                to, first = at + sign * k * stride, place if sign > 0 else place - k
+                if first >= 0 and first + k < size:
+                    apart = share * (X[c, to] - X[c, at]) + (q[to, c] - q[at, c])
+                    total += sign * band[k, first] * apart
         out[c] = total * 0.5 / weight[axis][place]
 
 

@@ -1,5 +1,5 @@
-"""What compiled code knows of a rank's part of a block, of gas or solid: views of its unknowns, what
-it has of a look. The records are those of fsipetsc.scheme.gas_record and solid_record.
+"""What compiled code knows of a rank's part of a block, of gas or solid: views of its unknowns,
+what it has of a look. The records are those of fsipetsc.scheme.gas_record and solid_record.
 """
 
 from __future__ import annotations

@@ -49,9 +49,11 @@ class Table(NamedTuple):
     have. kind: (rows,) GAS or SOLID. at: (own,) where the unknowns of a member begin in the world's
     vector. weight: (rows,) H of a gas member, M_s of a solid one; alpha: (rows,) specific heat of
     solids. count: (p,) number of constraints; constraint: (p, K) their kinds. column: (p,) where
-    the mass of the gas is in ``gain``. mine: whether this rank adds to it. free_gas, free_solid:
-    whether forces move them. placed: a clamp gives the place. All these and those that follow are 1
-    or 0 for each particle; see fsipetsc.blocks.particles.
+    the mass of the gas is in ``gain``. flags: (p, FLAGS) 1 or 0 for each of MINE …, see
+    fsipetsc.blocks.particles.
+
+    Functions name arrays before their loops: where a record is asked within a loop, numba counts
+    references to its arrays, which takes as long as all else.
     """
 
     begin: Array
@@ -63,19 +65,15 @@ class Table(NamedTuple):
     count: Array
     constraint: Array
     column: Array
-    mine: Array
-    free_gas: Array
-    free_solid: Array
-    placed: Array
-    sticks: Array
-    held_gas: Array
-    held_solid: Array
-    given_gas: Array
-    given_solid: Array
-    warm_gas: Array
-    warm_solid: Array
-    shares_heat: Array
-    one_T: Array
+    flags: Array
+
+
+#: this rank adds what comes in; forces move the gas, the solid; a clamp gives the place; gas and
+#: solid stick; motion of the gas, of the solid is given, all of the gas, of the solid; temperature
+#: of the gas, of the solid; they have one; so have members of the solid
+MINE, FREE_GAS, FREE_SOLID, PLACED, STICKS, HELD_GAS, HELD_SOLID, GIVEN_GAS, GIVEN_SOLID = range(9)
+WARM_GAS, WARM_SOLID, SHARES_HEAT, ONE_T = range(9, 13)
+FLAGS = 13
 
 
 class Data(NamedTuple):
@@ -118,37 +116,37 @@ class State(NamedTuple):
 @njit(**MERGED_CALL)
 def fill_state(table, like, y, out):
     """Rows of this rank's members: H q of a gas, (M_s D, M_s v, M_s e, M_s) of a solid."""
-    d = len(like)
-    for r in range(table.at.size):
-        gas = table.kind[r] == GAS
+    d, kind, at, weight = len(like), table.kind, table.at, table.weight
+    for r in range(at.size):
+        gas = kind[r] == GAS
         for c in range(d + 3 if gas else 2 * d + 1):
-            out[r, c] = table.weight[r] * y[table.at[r] + c]
+            out[r, c] = weight[r] * y[at[r] + c]
         if not gas:
-            out[r, 2 * d + 1] = table.weight[r]
+            out[r, 2 * d + 1] = weight[r]
 
 
 @njit(**MERGED_CALL)
 def fill_rates(table, like, f, out):
     """The same of rates."""
-    d = len(like)
-    for r in range(table.at.size):
-        for c in range(d + 3 if table.kind[r] == GAS else 2 * d + 1):
-            out[r, c] = table.weight[r] * f[table.at[r] + c]
+    d, kind, at, weight = len(like), table.kind, table.at, table.weight
+    for r in range(at.size):
+        for c in range(d + 3 if kind[r] == GAS else 2 * d + 1):
+            out[r, c] = weight[r] * f[at[r] + c]
 
 
 @njit(**MERGED_CALL)
-def _add(table, like, p, rows, gas, solid):
+def _add(members, like, p, rows, gas, solid):
     """Sums over the members of particle p; gas: (d + 3,), solid: (2d + 2,). Loops over numbers of a
     node know how many there are: else they would take five times as long.
     """
-    d = len(like)
+    d, (begin, row, kind) = len(like), members
     for c in range(d + 3):
         gas[c] = 0.0
     for c in range(2 * d + 2):
         solid[c] = 0.0
-    for m in range(table.begin[p], table.begin[p + 1]):
-        r = table.row[m]
-        if table.kind[r] == GAS:
+    for m in range(begin[p], begin[p + 1]):
+        r = row[m]
+        if kind[r] == GAS:
             for c in range(d + 3):
                 gas[c] += rows[r, c]
         else:
@@ -169,32 +167,34 @@ def share(table, like, rows, data, state, gain):
     """From the sums in ``rows``: one U, one displacement and velocity; what sticks has one
     velocity, and the kinetic energy that the solid loses by that goes to the gas.
     """
-    d = len(like)
+    d, flags, column = len(like), table.flags, table.column
+    members, begin = (table.begin, table.row, table.kind), table.begin
+    solid_mass, mean_energy, D = state.solid_mass, state.mean_energy, state.D
     gas, solid = np.zeros(d + 3), np.zeros(2 * d + 2)
     before, before_s = np.zeros(d + 3), np.zeros(2 * d + 2)
-    for p in range(table.begin.size - 1):
-        _add(table, like, p, rows, gas, solid)
-        _add(table, like, p, rows, before, before_s)
+    for p in range(begin.size - 1):
+        _add(members, like, p, rows, gas, solid)
+        _add(members, like, p, rows, before, before_s)
         M_s = solid[2 * d + 1]
-        state.solid_mass[p] = M_s
+        solid_mass[p] = M_s
         if M_s > 0.0:
-            state.mean_energy[p] = solid[2 * d] / M_s
+            mean_energy[p] = solid[2 * d] / M_s
             for c in range(d):
-                state.D[p, c] = solid[c] / M_s
-        _hold_velocities(table, like, p, data, gas, solid)
-        if table.placed[p]:
+                D[p, c] = solid[c] / M_s
+        _hold_velocities(flags, like, p, data, gas, solid)
+        if flags[p, PLACED]:
             for c in range(d):
-                state.D[p, c] = data.clamp[p, c]
-        if table.given_gas[p]:
+                D[p, c] = data.clamp[p, c]
+        if flags[p, GIVEN_GAS]:
             for c in range(d + 2):
                 gas[1 + c] = gas[0] * data.gas[p, c]
-        if table.given_solid[p]:
+        if flags[p, GIVEN_SOLID]:
             for c in range(d):
-                state.D[p, c], solid[d + c] = data.solid[p, c], M_s * data.solid[p, d + c]
-        _put(state, p, d, gas, solid)
-        given = table.given_gas[p] or table.given_solid[p]
-        if table.mine[p] and (table.held_gas[p] or table.held_solid[p] or given):
-            gain[table.column[p]] += gas[1] - before[1]
+                D[p, c], solid[d + c] = data.solid[p, c], M_s * data.solid[p, d + c]
+        _put(state, like, p, gas, solid)
+        given = flags[p, GIVEN_GAS] or flags[p, GIVEN_SOLID]
+        if flags[p, MINE] and (flags[p, HELD_GAS] or flags[p, HELD_SOLID] or given):
+            gain[column[p]] += gas[1] - before[1]
             for c in range(d):
                 change = (gas[2 + c] - before[2 + c]) + (solid[d + c] - before_s[d + c])
                 gain[gain.size - 1 - d + c] += change
@@ -203,32 +203,33 @@ def share(table, like, rows, data, state, gain):
 
 
 @njit(**MERGED_CALL)
-def _hold_velocities(table, like, p, data, gas, solid):
+def _hold_velocities(flags, like, p, data, gas, solid):
     """Momenta of bodies whose motion is given, and of what sticks together."""
     d = len(like)
     M, M_s = gas[1], solid[2 * d + 1]
-    if table.held_solid[p]:
+    if flags[p, HELD_SOLID]:
         for c in range(d):
             solid[d + c] = M_s * data.clamp_velocity[p, c]
-    if table.held_gas[p]:
+    if flags[p, HELD_GAS]:
         for c in range(d):
             gas[2 + c] = M * data.wall[p, c]
-    if table.sticks[p]:
+    if flags[p, STICKS]:
         before = _kinetic(like, solid, d, M_s)
         for c in range(d):
             P, P_s = gas[2 + c], solid[d + c]
-            both = P_s / M_s if table.held_solid[p] else (P + P_s) / (M + M_s)
-            if table.held_gas[p] and not table.held_solid[p]:
+            both = P_s / M_s if flags[p, HELD_SOLID] else (P + P_s) / (M + M_s)
+            if flags[p, HELD_GAS] and not flags[p, HELD_SOLID]:
                 both = data.wall[p, c]
             gas[2 + c], solid[d + c] = M * both, M_s * both
-        if not table.held_solid[p]:
+        if not flags[p, HELD_SOLID]:
             change = _kinetic(like, solid, d, M_s) - before
             solid[2 * d] += change
             gas[2 + d] -= change
 
 
 @njit(**MERGED_CALL)
-def _put(state, p, d, gas, solid):
+def _put(state, like, p, gas, solid):
+    d = len(like)
     state.V[p], state.mass[p] = gas[0], gas[1]
     if gas[0] > 0.0:
         for c in range(d + 2):
@@ -245,11 +246,11 @@ def slide(table, like, normals, data, state, gain):
     """Project velocities on what the constraints allow; the kinetic energy that the solid loses
     goes to the gas. normals: (p, K, 2d), G and S.
     """
-    d = len(like)
+    d, flags, count = len(like), table.flags, table.count
     K = normals.shape[1]
     u, v, wanted, room = np.zeros(d), np.zeros(d), np.zeros(K), room_for(K, d)
-    for p in range(table.begin.size - 1):
-        if table.count[p] == 0:
+    for p in range(count.size):
+        if count[p] == 0:
             continue
         M, M_s = state.mass[p], state.solid_mass[p]
         before = 0.0
@@ -266,7 +267,7 @@ def slide(table, like, normals, data, state, gain):
         after = 0.0
         for c in range(d):
             after += 0.5 * M_s * v[c] * v[c]
-            if table.mine[p]:
+            if flags[p, MINE]:
                 gain[gain.size - 1 - d + c] += _pushed(table, p, normals, room[1], c, d)
             state.v[p, c] = v[c]
             if M > 0.0:
@@ -279,10 +280,10 @@ def slide(table, like, normals, data, state, gain):
 @njit(**MERGED_CALL)
 def _pushed(table, p, normals, pi, c, d):
     """Component c of what the constraints' forces pi do to bodies that they move."""
-    total = 0.0
+    total, flags = 0.0, table.flags
     for k in range(table.count[p]):
         on_gas, on_solid = normals[p, k, c], normals[p, k, d + c]
-        both = table.free_gas[p] * on_gas + table.free_solid[p] * on_solid
+        both = flags[p, FREE_GAS] * on_gas + flags[p, FREE_SOLID] * on_solid
         total += pi[k] * both
     return total
 
@@ -298,13 +299,13 @@ def solve(table, like, p, normals, wanted, M, M_s, a, b, room):
     """Change the vectors a of the gas and b of the solid, least in their masses, so that
     G_c . a + S_c . b = wanted_c; the multipliers are room[1].
     """
-    K, d = table.count[p], len(like)
-    per_gas = 1.0 / M if M > 0.0 and table.free_gas[p] else 0.0
-    per_solid = 1.0 / M_s if M_s > 0.0 and table.free_solid[p] else 0.0
+    K, d, flags = table.count[p], len(like), table.flags
+    per_gas = 1.0 / M if M > 0.0 and flags[p, FREE_GAS] else 0.0
+    per_solid = 1.0 / M_s if M_s > 0.0 and flags[p, FREE_SOLID] else 0.0
     A, pi, N = room[0], room[1], room[3]
-    sticks = table.sticks[p] == 1
+    sticks = flags[p, STICKS] == 1
     if sticks:
-        per_gas = 1.0 / (M + M_s) if table.free_gas[p] else 0.0
+        per_gas = 1.0 / (M + M_s) if flags[p, FREE_GAS] else 0.0
     for k in range(K):
         pi[k] = wanted[k]
         for c in range(d):
@@ -372,10 +373,10 @@ def weigh_heat(table, stored, state):
 def share_heat(table, law, like, data, state, gain):
     """One temperature of gas and solid where both conduct, or that which is given. law: of the gas.
     """
-    d = len(like)
+    d, flags = len(like), table.flags
     for p in range(table.begin.size - 1):
-        warm_gas, warm_solid = table.warm_gas[p] == 1, table.warm_solid[p] == 1
-        both = table.shares_heat[p] == 1 and not warm_gas and not warm_solid
+        warm_gas, warm_solid = flags[p, WARM_GAS] == 1, flags[p, WARM_SOLID] == 1
+        both = flags[p, SHARES_HEAT] == 1 and not warm_gas and not warm_solid
         if not (both or warm_gas or warm_solid):
             continue
         rho, M, M_s = state.U[p, 0], state.mass[p], state.solid_mass[p]
@@ -398,7 +399,7 @@ def share_heat(table, law, like, data, state, gain):
             e = of_solid + state.capacity[p] * data.T_solid[p]
             came += M_s * (e - state.e[p])
             state.e[p] = e
-        if table.mine[p]:
+        if flags[p, MINE]:
             gain[gain.size - 1] += came
 
 
@@ -434,27 +435,29 @@ def give_places(table, like, y, state):
 @njit(**MERGED_CALL)
 def give_state(table, like, stored, y, state):
     """Members of this rank get what their particle has; each keeps its own J. stored: (rows, 1)."""
-    d = len(like)
-    for p in range(table.begin.size - 1):
+    d, flags, begin, row, kind = len(like), table.flags, table.begin, table.row, table.kind
+    starts, alpha, U, D, v, e = table.at, table.alpha, state.U, state.D, state.v, state.e
+    potential, mean_energy, capacity = state.potential, state.mean_energy, state.capacity
+    for p in range(begin.size - 1):
         kinetic = 0.0
         for c in range(d):
-            kinetic += 0.5 * state.v[p, c] ** 2
-        heat = state.e[p] - kinetic - state.potential[p]
-        for m in range(table.begin[p], table.begin[p + 1]):
-            r = table.row[m]
-            if r >= table.at.size:
+            kinetic += 0.5 * v[p, c] ** 2
+        heat = e[p] - kinetic - potential[p]
+        for m in range(begin[p], begin[p + 1]):
+            r = row[m]
+            if r >= starts.size:
                 continue
-            at = table.at[r]
-            if table.kind[r] == GAS:
+            at = starts[r]
+            if kind[r] == GAS:
                 for c in range(d + 2):
-                    y[at + 1 + c] = y[at] * state.U[p, c]
+                    y[at + 1 + c] = y[at] * U[p, c]
                 continue
             for c in range(d):
-                y[at + c], y[at + d + c] = state.D[p, c], state.v[p, c]
-            if table.one_T[p]:
-                y[at + 2 * d] = kinetic + stored[r, 0] + heat * table.alpha[r] / state.capacity[p]
+                y[at + c], y[at + d + c] = D[p, c], v[p, c]
+            if flags[p, ONE_T]:
+                y[at + 2 * d] = kinetic + stored[r, 0] + heat * alpha[r] / capacity[p]
             else:
-                y[at + 2 * d] += state.e[p] - state.mean_energy[p]
+                y[at + 2 * d] += e[p] - mean_energy[p]
 
 
 @njit(**MERGED_CALL)
@@ -464,25 +467,26 @@ def constrain(table, like, rows, normals, turning, data, state, rates, gain):
     normals, turning: (p, K, 2d), G and S and how they turn. rates: (p, 2d + 2): of (rho, rho u, E)
     of the gas, then accelerations of the solid.
     """
-    d = len(like)
-    K = normals.shape[1]
+    d, flags, count = len(like), table.flags, table.count
+    members, K = (table.begin, table.row, table.kind), normals.shape[1]
+    masses, solid_masses, volumes, U, vs = state.mass, state.solid_mass, state.V, state.U, state.v
     gas, solid = np.zeros(d + 3), np.zeros(2 * d + 2)
     u, v, a, b, wanted = np.zeros(d), np.zeros(d), np.zeros(d), np.zeros(d), np.zeros(K)
     force, force_s, room = np.zeros(d), np.zeros(d), room_for(K, d)
-    for p in range(table.begin.size - 1):
-        _add(table, like, p, rows, gas, solid)
-        M, M_s, V = state.mass[p], state.solid_mass[p], state.V[p]
+    for p in range(count.size):
+        _add(members, like, p, rows, gas, solid)
+        M, M_s, V = masses[p], solid_masses[p], volumes[p]
         for c in range(d):
-            u[c] = state.U[p, 1 + c] / state.U[p, 0] if M > 0.0 else 0.0
-            v[c] = state.v[p, c]
+            u[c] = U[p, 1 + c] / U[p, 0] if M > 0.0 else 0.0
+            v[c] = vs[p, c]
             a[c] = (gas[2 + c] - u[c] * gas[1]) / M if M > 0.0 else 0.0
             b[c] = solid[d + c] / M_s if M_s > 0.0 else 0.0
             force[c], force_s[c] = -M * a[c], -M_s * b[c]
-        _hold(table, like, p, data, M, M_s, a, b)
-        if table.count[p] > 0:
+        _hold(flags, like, p, data, M, M_s, a, b)
+        if count[p] > 0:
             _want(table, like, p, normals, turning, data, u, v, wanted)
             solve(table, like, p, normals, wanted, M, M_s, a, b, room)
-        of_rows = table.count[p] > 0 and table.free_gas[p] and not table.sticks[p]
+        of_rows = count[p] > 0 and flags[p, FREE_GAS] and not flags[p, STICKS]
         power, power_s = 0.0, 0.0
         if of_rows:
             power = _power(table, like, p, normals, room[1], data, v)
@@ -493,29 +497,29 @@ def constrain(table, like, rows, normals, turning, data, state, rates, gain):
             gas[2 + c] += force[c]
             if not of_rows:
                 power += force[c] * u[c]
-        if table.mine[p]:
+        if flags[p, MINE]:
             pushes = force, force_s, power + power_s
             _note_forces(table, like, p, normals, room[1], data, v, pushes, gain)
         if M > 0.0:
             gas[2 + d] += power
             for c in range(d + 2):
-                rates[p, c] = (gas[1 + c] - state.U[p, c] * gas[0]) / V
+                rates[p, c] = (gas[1 + c] - U[p, c] * gas[0]) / V
         for c in range(d):
             rates[p, d + 2 + c] = b[c]
 
 
 @njit(**MERGED_CALL)
-def _hold(table, like, p, data, M, M_s, a, b):
+def _hold(flags, like, p, data, M, M_s, a, b):
     """Accelerations of bodies whose motion is given, and of what sticks together."""
     for c in range(len(like)):
-        if table.held_solid[p]:
+        if flags[p, HELD_SOLID]:
             b[c] = data.clamp_rate[p, c]
-        if table.held_gas[p]:
+        if flags[p, HELD_GAS]:
             a[c] = data.wall_rate[p, c]
-        if table.sticks[p]:
-            if table.held_solid[p]:
+        if flags[p, STICKS]:
+            if flags[p, HELD_SOLID]:
                 a[c] = b[c]
-            elif table.held_gas[p]:
+            elif flags[p, HELD_GAS]:
                 b[c] = a[c]
             else:
                 a[c] = b[c] = (M * a[c] + M_s * b[c]) / (M + M_s)
@@ -553,8 +557,8 @@ def _note_forces(table, like, p, normals, pi, data, v, pushes, gain):
     count: those between gas and solid must cancel.
     """
     d, (force, force_s, power) = len(like), pushes
-    begin, end = gain.size - 1 - d, gain.size - 1
-    if not (table.free_gas[p] and table.free_solid[p]):
+    flags, begin, end = table.flags, gain.size - 1 - d, gain.size - 1
+    if not (flags[p, FREE_GAS] and flags[p, FREE_SOLID]):
         for c in range(d):
             gain[begin + c] += force[c] + force_s[c]
         gain[end] += power
@@ -570,18 +574,19 @@ def _note_forces(table, like, p, normals, pi, data, v, pushes, gain):
 @njit(**MERGED_CALL)
 def give_rates(table, like, y, f, state, rates):
     """(J U)_t = J U_t + U J_t of gas members; accelerations of solid ones, and their power."""
-    d = len(like)
-    for p in range(table.begin.size - 1):
-        for m in range(table.begin[p], table.begin[p + 1]):
-            r = table.row[m]
-            if r >= table.at.size:
+    d, begin, row, kind, starts = len(like), table.begin, table.row, table.kind, table.at
+    U, v = state.U, state.v
+    for p in range(begin.size - 1):
+        for m in range(begin[p], begin[p + 1]):
+            r = row[m]
+            if r >= starts.size:
                 continue
-            at = table.at[r]
-            if table.kind[r] == GAS:
+            at = starts[r]
+            if kind[r] == GAS:
                 for c in range(d + 2):
-                    f[at + 1 + c] = y[at] * rates[p, c] + state.U[p, c] * f[at]
+                    f[at + 1 + c] = y[at] * rates[p, c] + U[p, c] * f[at]
             else:
                 for c in range(d):
                     force = rates[p, d + 2 + c] - f[at + d + c]
                     f[at + d + c] += force
-                    f[at + 2 * d] += force * state.v[p, c]
+                    f[at + 2 * d] += force * v[p, c]

@@ -1,7 +1,7 @@
 """A look at the nodes of a solid block after a step, with F: see fsipetsc.scheme.block_look.
 
 The tiles and rows are those of fsipetsc.scheme.solid_rates: unknowns are loaded, F is found, and
-what bounds the next step is found from both.
+what bounds the next step is found from both, column by column of a tile.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from numba import njit
 
 from fsipetsc.equations.tensors import determinant, outer
 from fsipetsc.operators.loops import EXACT_LOOP, INNER_CALL, INNER_LOOP, MERGED_CALL, dot
-from fsipetsc.scheme.block_look import BAD, CONVECTION, DIFFUSION, LEAST_J
+from fsipetsc.scheme.block_look import BAD, CONVECTION, DIFFUSION, J_ERROR, LEAST_J
 from fsipetsc.scheme.rows import U64, at, put
 from fsipetsc.scheme.solid_rates import differentiate, relieve, row_of, rows_of, strain, take
 from fsipetsc.scheme.solid_work import KNOWN, NONE, ONE, OWN, PLAIN, WIDTH, step_of
@@ -28,8 +28,11 @@ def solid_look(solid, like, q, metrics, prestress, per_h, stiffness, masses, wor
     unknowns, strains, slopes, found = work[6], work[7], work[11], work[12]
     q, metrics, F = q.reshape(q.size), metrics.reshape(metrics.size), F.reshape(F.size)
     extra, table, d = prestress.reshape(prestress.size), (jumps, weights, layout), ONE * len(like)
-    seen[:], sums[:] = 0.0, 0.0
-    seen[LEAST_J] = -np.inf
+    first_sum = len(like) * len(like)  # sums stand behind what differences need of slopes
+    for i in range(U64(layout.row)):
+        found[i], found[WIDTH + i], found[U64(2) * WIDTH + i] = 0.0, 0.0, -np.inf
+        for c in range(len(like) + 1):
+            slopes[U64(first_sum + c) * WIDTH + i] = 0.0
     for tile in range(boxes.shape[0]):
         for z in range(boxes[tile, KNOWN, 2, 0], boxes[tile, OWN, 2, 1] + lags[0]):
             begin, end = rows_of(boxes, tile, KNOWN, z)
@@ -38,23 +41,23 @@ def solid_look(solid, like, q, metrics, prestress, per_h, stiffness, masses, wor
             begin, end = rows_of(boxes, tile, OWN, z - lags[0])
             for y in range(begin, end):
                 row = row_of(patch, layout, boxes, tile, OWN, y, z - lags[0])
-                add_up(like, row, unknowns, masses, sums)
+                add_up(like, row, unknowns, masses, slopes)
                 differentiate(like, table, row, PLAIN, unknowns, NONE, NONE, d, slopes, NONE)
                 strain(like, metrics, row, slopes, strains)
                 keep(like, row, strains, F)
                 relieve(solid, like, extra, row, strains, unknowns)
                 measure(solid, like, metrics, per_h, stiffness, row, unknowns, strains, found)
-                note(row, found, seen)
+    collect(found, slopes, U64(layout.row), first_sum, seen, sums)
 
 
-@njit(**INNER_CALL)
-def add_up(like, row, unknowns, masses, sums):
-    """Momentum and energy of a row."""
+@njit(**INNER_LOOP)
+def add_up(like, row, unknowns, masses, totals):
+    """Add momentum and energy of a row to those of its columns."""
     for c in range(len(like) + 1):
-        total, first = 0.0, U64((len(like) + c) * step_of(like) + row.tile)
-        for i in range(row.n):
-            total += masses[row.own + i] * unknowns[first + U64(i)]
-        sums[c] += total
+        first = U64((len(like) + c) * step_of(like) + row.tile)
+        to, own = U64(len(like) * len(like) + c) * WIDTH, U64(row.own)
+        for i in range(U64(row.n)):
+            totals[to + i] += masses[own + i] * unknowns[first + i]
 
 
 @njit(**INNER_LOOP)
@@ -68,8 +71,8 @@ def keep(like, row, strains, F):
 
 @njit(**EXACT_LOOP)
 def measure(solid, like, metrics, per_h, stiffness, row, unknowns, strains, found):
-    """Rows of found: squared rate of waves [1/s2], inf where the state is none; that of diffusion
-    [1/s]; det F.
+    """Add a row to the extremes of columns: squared rate of waves [1/s2], inf where the state is
+    none; that of diffusion [1/s]; -det F.
     """
     nine, step, d = outer(like, like), U64(step_of(like)), U64(len(like))
     N, node, g = U64(metrics.size // (len(nine) + 1)), U64(row.tile), U64(row.patch)
@@ -85,19 +88,23 @@ def measure(solid, like, metrics, per_h, stiffness, row, unknowns, strains, foun
         T, J = solid.temperature(v, e, F), determinant(F)
         modulus = solid.wave_modulus_at(F, T)
         good = J > 0.0 and T > 0.0 and modulus > -1e-300
-        found[i] = max(modulus, 0.0) / solid.m0 * squares if good else np.inf
-        found[WIDTH + i] = spread * squares
-        found[U64(2) * WIDTH + i] = J
+        fastest = max(modulus, 0.0) / solid.m0 * squares if good else np.inf
+        found[i] = max(found[i], fastest)
+        found[WIDTH + i] = max(found[WIDTH + i], spread * squares)
+        found[U64(2) * WIDTH + i] = max(found[U64(2) * WIDTH + i], -J)
 
 
 @njit(**INNER_CALL)
-def note(row, found, seen):
-    """The extremes of a row."""
-    fastest, spreading, least = 0.0, 0.0, np.inf
-    for i in range(U64(row.n)):
-        fastest, least = max(fastest, found[i]), min(least, found[U64(2) * WIDTH + i])
-        spreading = max(spreading, found[WIDTH + i])
-    if not fastest < np.inf:
-        seen[BAD] = 1.0
-    seen[CONVECTION] = max(seen[CONVECTION], np.sqrt(fastest))
-    seen[DIFFUSION], seen[LEAST_J] = max(seen[DIFFUSION], spreading), max(seen[LEAST_J], -least)
+def collect(found, totals, n, first_sum, seen, sums):
+    """The extremes and sums of all columns."""
+    fastest, seen[DIFFUSION], seen[LEAST_J], seen[J_ERROR] = 0.0, 0.0, -np.inf, 0.0
+    for i in range(n):
+        fastest = max(fastest, found[i])
+        seen[DIFFUSION] = max(seen[DIFFUSION], found[WIDTH + i])
+        seen[LEAST_J] = max(seen[LEAST_J], found[U64(2) * WIDTH + i])
+    seen[BAD] = 0.0 if fastest < np.inf else 1.0
+    seen[CONVECTION] = np.sqrt(fastest)
+    for c in range(sums.size):
+        sums[c] = 0.0
+        for i in range(n):
+            sums[c] += totals[U64(first_sum + c) * WIDTH + i]
