@@ -16,7 +16,12 @@ from pathlib import Path
 from typing import Any, NoReturn, TextIO
 
 import pytest
-from costs import pytest_runtest_logreport, pytest_runtest_logstart, pytest_runtest_makereport, pytest_terminal_summary  # noqa: F401
+from costs import (  # noqa: F401
+    pytest_runtest_logreport,
+    pytest_runtest_logstart,
+    pytest_runtest_makereport,
+    pytest_terminal_summary,
+)
 from helpers import REPOSITORY, compute
 from kept_ranks import KEPT
 from stub_case import CASE, DRIVER

@@ -130,9 +130,7 @@ class PaperState:
         memory = self.results, self.burst, journal, latest, np.bool_(entropy)
         self._steps = Box(steps.Steps(self.layout.records, self._notes, *memory))
 
-    def compile(
-        self, announce: Callable[[str], None], also: Callable[[], object] = lambda: None
-    ) -> None:
+    def compile(self, announce: Callable[[str], None]) -> None:
         """Compile the kernels: rank 0 first, with a state of its own; the others find them on the
         disk."""
         if self.comm.rank == 0:
@@ -142,13 +140,6 @@ class PaperState:
                     for layer in alone.layers:
                         layer.fields()
         wait_asleep(self.comm)
-        also()
-
-    def compile_path(self, announce: Callable[[str], None]) -> None:
-        """All has been compiled."""
-
-    def compile_saving(self) -> None:
-        """All has been compiled."""
 
     # data
 

@@ -166,11 +166,6 @@ class Integrator:
     def _ended(self) -> bool:
         return self.complete or bool(self.stop_signal) or self.steps >= self.opt["ts_max_steps"]
 
-    def compile(self, announce: Callable[[str], None]) -> None:
-        """Compile what PETSc's own methods call, if one of them is used, or load it."""
-        if not self._fused:
-            self.state.compile_path(announce)
-
     # begin and end
 
     def start(self) -> None:
