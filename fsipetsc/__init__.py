@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 os.environ.setdefault("NUMBA_DISABLE_ERROR_MESSAGE_HIGHLIGHTING", "1")
 
 __version__ = "0.1.0"
-#: what is public, with the modules that docs/python.md names; all else may change. Written out, so
-#: that type checkers see it
+#: what is public, with the modules that docs/commands.md names; all else may change. Written out,
+#: so that type checkers see it
 __all__ = [
     "REQUIRED", "Block", "BlockProblem", "ComputationError", "Dirichlet", "FileError", "Fluid",
     "FluidLayer", "FsiError", "InputError", "Open", "Option", "Problem", "Run", "Solid",

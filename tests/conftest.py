@@ -16,7 +16,12 @@ from pathlib import Path
 from typing import Any, NoReturn, TextIO
 
 import pytest
-from costs import pytest_runtest_logreport, pytest_runtest_logstart, pytest_runtest_makereport, pytest_terminal_summary  # noqa: F401
+from costs import (  # noqa: F401
+    pytest_runtest_logreport,
+    pytest_runtest_logstart,
+    pytest_runtest_makereport,
+    pytest_terminal_summary,
+)
 from helpers import REPOSITORY, compute
 from kept_ranks import KEPT
 from stub_case import CASE, DRIVER
@@ -28,7 +33,7 @@ from fsipetsc.output.reader import Run
 DEAREST = (
     *("signals", "failures", "stability", "time", "kills", "process", "case_files", "ends", "claim", "cli", "convergence"),
     *("ranks", "documents", "restart", "dissipation_runs", "plane_output", "plane_cases", "shock", "faults"),
-    *("wave_modes", "plots", "disk", "flutter", "end_point", "two_point_rates", "kernels", "start"),
+    *("wave_modes", "plots", "disk", "flutter", "two_point_rates", "kernels", "start"),
 )
 _SHORT = "-fsi_h 0.1 -ts_max_steps 2"
 _SHOCKS = "-fsi_dissipation 1 -fsi_shock 1 -ts_max_steps 1"
@@ -50,7 +55,6 @@ COMPILER = 7200.0
 OUTPUT: dict[str, Any] | None = None
 ORDERS = (2, 4, 6, 8)
 PULSE_SPACINGS = (0.0125, 0.00625)
-BECKER_SPACINGS = (0.0125, 0.00625)
 #: gases whose viscosity or conduction the grids resolve, or that have one of the two
 VISCOUS = {
     "both": "-fluid_mu 0.1 -fluid_kappa 0.3",
@@ -116,7 +120,6 @@ GROUPS: dict[str, list[tuple[int, dict[str, tuple[str, str]]]]] = {
     "rod": [
         (1, {f"order{q}": ("rod", f"-fsi_h 0.025 -fsi_order {q} -fsi_output_dt 0.1 -ts_max_time 3")}) for q in BOUNCES
     ],
-    "rod_fine": [(1, {"order4": ("rod", "-fsi_h 0.0125 -ts_max_time 0.908")})],
     "rest": [(1, {f"order{q}": ("rod", f"-fsi_h 0.05 -fsi_order {q} -rod_gravity 0 -ts_max_time 0.2") for q in ORDERS})],
     "open": [
         (
@@ -128,30 +131,6 @@ GROUPS: dict[str, list[tuple[int, dict[str, tuple[str, str]]]]] = {
     "mms": [
         (1, {f"order{q}_h{h}": ("mms", f"-fsi_h {h} -fsi_order {q} -fsi_output_dt 1") for q in ORDERS})
         for h in (0.00625, 0.0125)
-    ],
-    "receding": [
-        (
-            1,
-            {
-                f"order{q}_h{h}": (
-                    str(REPOSITORY / "tests" / "receding.py"),
-                    f"-fsi_h {h} -fsi_order {q} -fsi_coupling energy -fsi_mapping rigid",
-                )
-                for q in (2, 6)
-                for h in (0.0125, 0.00625)
-            },
-        )
-    ],
-    "becker": [
-        (
-            1,
-            {
-                f"order{q}_h{h}_M{M}": (str(REPOSITORY / "tests" / "becker.py"), f"-fsi_h {h} -fsi_order {q} -becker_mach {M}")
-                for q in ORDERS
-                for h in BECKER_SPACINGS
-                for M in (1.5,)
-            },
-        )
     ],
     "viscous": [
         (

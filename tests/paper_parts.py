@@ -13,12 +13,12 @@ from fsipetsc.materials.line_solid import Solid
 from fsipetsc.operators import OPERATORS
 from fsipetsc.paper import ends, rates, stencils
 from fsipetsc.paper.ends import NODES
-from fsipetsc.paper.laws import Gas, elastic_of, gas_of
-from fsipetsc.paper.layer import RECORD, SOLID
+from fsipetsc.paper.laws import Gas, law_of
+from fsipetsc.paper.layout import RECORD
 
 AIR = Fluid(mu=0.5, kappa=0.7, gamma=1.4, R=287.0)
 ROD = Solid(K=1e5, kappa_e=0.5, m0=2700.0, alpha=1.0, force=-10.0)
-GAS, STEEL = gas_of(AIR), elastic_of(ROD)
+GAS, STEEL = law_of(AIR), law_of(ROD)
 H, HALO = 0.01, 14
 _fill, _seen = from_python(ends.fill_ghost), from_python(ends.gradient_values)
 close_solid, insulated_slopes = from_python(ends.close_solid), from_python(ends.insulated_slopes)
@@ -46,9 +46,7 @@ def gas_record(n: int, lo: int = 0, hi: int | None = None, h: float = H) -> np.v
 
 def solid_record(n: int) -> np.void:
     """A solid of n points, all on this rank."""
-    layer = gas_record(n)
-    layer["kind"] = SOLID
-    return layer
+    return gas_record(n)
 
 
 def conserved(gas: Gas, rho, u, T) -> np.ndarray:
@@ -72,13 +70,24 @@ def gas_state(n: int) -> np.ndarray:
 def solid_state(n: int) -> np.ndarray:
     """(n, 4) of u, sigma, T, x, smooth with some noise."""
     X, noise = H * np.arange(n), np.random.default_rng(n).uniform(-1, 1, (4, n))
-    smooth = np.cos(2 * X), -1e5 + 1e4 * np.sin(3 * X), 300 + 30 * np.sin(X), X + 0.1 * np.sin(2 * X)
+    smooth = (
+        np.cos(2 * X),
+        -1e5 + 1e4 * np.sin(3 * X),
+        300 + 30 * np.sin(X),
+        X + 0.1 * np.sin(2 * X),
+    )
     noise = noise * np.array([1e-3, 1.0, 1e-3, 1e-5])[:, None]
     return np.stack([values + some for values, some in zip(smooth, noise, strict=True)], axis=-1)
 
 
 def filled(
-    gas: Gas, layer: np.void, side: int, delta: float, values: np.ndarray, new: bool = False, order: int = 4
+    gas: Gas,
+    layer: np.void,
+    side: int,
+    delta: float,
+    values: np.ndarray,
+    new: bool = False,
+    order: int = 4,
 ) -> tuple[np.ndarray, np.ndarray]:
     """((rho, u, T) of the ghost point, (u, T) that the gradients see there).
 
@@ -101,11 +110,12 @@ def filled(
     _fill(op, gas, layer, q, side, new)
     inside = np.arange(n) != ghost
     assert np.array_equal(q[inside], before[inside]), "nothing else changes"
-    seen = np.array(_seen(gas, layer, q, ghost, side)) if layer["end_kind"][side] > 0 else np.zeros(2)
+    seen = (
+        np.array(_seen(gas, layer, q, ghost, side)) if layer["end_kind"][side] > 0 else np.zeros(2)
+    )
     return np.array([v[ghost] for v in primitive(gas, q)]), seen
 
 
 def closure(order: int) -> np.ndarray:
     """The first row of D for h = 1, of the points that it reaches."""
     return np.array([float(w) for w in OPERATORS[order].closure[0]])[: operator_of(order)["n"]]
-

@@ -1,8 +1,9 @@
-"""Light and heavy, soft and stiff solids between two gases: which couplings and grids are stable, and what linear theory says.
+"""Light and heavy, soft and stiff solids between two gases: which couplings and grids are stable,
+and what linear theory says.
 
-A sound pulse in one of two closed gases around an elastic solid, of an amplitude at which all is linear. A run counts as
-stable if it comes to its end and no velocity in its second half is larger than in its first. Called by scripts/soak:
-ratios.py [ORDER ...] [COUPLING ...].
+A sound pulse in one of two closed gases around an elastic solid, of an amplitude at which all is
+linear. A run counts as stable if it comes to its end and no velocity in its second half is larger
+than in its first. Called by scripts/soak: ratios.py [ORDER ...] [COUPLING ...].
 """
 
 from __future__ import annotations
@@ -29,7 +30,8 @@ from fsipetsc.process.launch import start_mpi, start_petsc
 #: m0 over the density of the gas, K over its pressure
 MASSES, STIFFNESSES = (1e-3, 1e-1, 1.0, 1e2, 1e4), (1e-2, 1.0, 1e2, 1e3)
 COUPLINGS = "conservative", "energy", "projection", "traditional"
-#: cells of a layer; the end, some six times of the sound through a gas and back; relative pressure of the pulse
+#: cells of a layer; the end, some six times of the sound through a gas and back; relative pressure
+#: of the pulse
 CELLS, END, PULSE = 32, 10.0, 1e-4
 #: steps at most, over those of a Courant number of 1
 SHORTEST = 8
@@ -64,9 +66,17 @@ def run(mass: float, stiffness: float, coupling: str, order: int) -> tuple[bool,
     """Whether it is stable, and if not, how fast the velocity has grown or when the run ended."""
     from fsipetsc.stepping.solve import solve
 
-    case = SimpleNamespace(NAME="ratios", SUMMARY="", OPTIONS=(), DEFAULTS={}, build=lambda opt: problem(mass, stiffness))
+    case = SimpleNamespace(
+        NAME="ratios",
+        SUMMARY="",
+        OPTIONS=(),
+        DEFAULTS={},
+        build=lambda opt: problem(mass, stiffness),
+    )
     words = f"-fsi_h {1 / CELLS} -fsi_order {order} -fsi_coupling {coupling} -ts_max_time {END}"
-    fastest = 2.0 + ((stiffness + 1.0) / mass) ** 0.5  # waves, if all stays small; steps shorter by far end the run
+    fastest = (
+        2.0 + ((stiffness + 1.0) / mass) ** 0.5
+    )  # waves, if all stays small; steps shorter by far end the run
     words += f" -ts_max_steps {int(SHORTEST * END * CELLS * fastest)}"
     seen: list[tuple[float, float]] = []
 
@@ -75,7 +85,13 @@ def run(mass: float, stiffness: float, coupling: str, order: int) -> tuple[bool,
 
     times = np.linspace(0.0, END, 101)[1:]
     try:
-        solve(case, read_options(case, given_options(words.split(), {})), start_mpi(), times=times, look=look)
+        solve(
+            case,
+            read_options(case, given_options(words.split(), {})),
+            start_mpi(),
+            times=times,
+            look=look,
+        )
     except FsiError:
         return False, f"ends at {seen[-1][0] if seen else 0.0:.1f}"
     if seen[-1][0] < END:
@@ -99,8 +115,8 @@ def velocities(state: Any) -> list[np.ndarray]:
 
 
 def theory(mass: float, stiffness: float, coupling: str, order: int) -> str:
-    """What `python -m fsipetsc stability` says of one interface: nothing, that the scheme has a growing mode, the equations,
-    or that the step is too long."""
+    """What `python -m fsipetsc stability` says of one interface: nothing, that the scheme has a
+    growing mode, the equations, or that the step is too long."""
     from fsipetsc.analysis.stability_linear import measure
     from fsipetsc.analysis.stability_state import at_rest
 
@@ -108,12 +124,14 @@ def theory(mass: float, stiffness: float, coupling: str, order: int) -> str:
     found = measure(rest, order, CELLS + 1, 1 / CELLS, coupling)
     if not found.stable:
         return "mode"
-    return "" if found.step_kept and found.heated_stable else "step" if not found.step_kept else "heat"
+    return (
+        "" if found.step_kept and found.heated_stable else "step" if not found.step_kept else "heat"
+    )
 
 
 def main(orders: list[int], couplings: list[str]) -> None:
     start_petsc([], start_mpi())
-    print("| order, coupling | stable | not stable: m0/ρ, K/p (how fast; what the linear theory has there) |")
+    print("| order, coupling | stable | not stable: m0/ρ, K/p (how fast; linear theory there) |")
     print("|---|---|---|")
     for order, coupling in product(orders, couplings):
         faults = []
@@ -123,7 +141,10 @@ def main(orders: list[int], couplings: list[str]) -> None:
                 why = theory(mass, stiffness, coupling, order) or "nothing"
                 faults.append(f"{mass:g}, {stiffness:g} ({how}; {why})")
         count = len(MASSES) * len(STIFFNESSES)
-        print(f"| {order}, {coupling} | {count - len(faults)} of {count} | {'; '.join(faults)} |", flush=True)
+        print(
+            f"| {order}, {coupling} | {count - len(faults)} of {count} | {'; '.join(faults)} |",
+            flush=True,
+        )
 
 
 if __name__ == "__main__":

@@ -183,7 +183,7 @@ sys.exit(main())
 """
 
 
-@pytest.mark.parametrize(("line", "status"), [("rod", 1), ("stability", 1), ("mine.py -help", 2)])
+@pytest.mark.parametrize(("line", "status"), [("rod", 2), ("stability", 2), ("mine.py -help", 2)])
 def test_who_lacks_a_package_is_told_how_to_get_it(line, status, here):
     (here / "without.py").write_text(WITHOUT)
     (here / "mine.py").write_text("from fsipetsc.problem import Problem\nimport mpi4py\n")

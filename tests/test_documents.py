@@ -1,204 +1,137 @@
-"""What the README, the pages of docs/ and the options files under runs/ say can be done: names exist, code blocks run."""
+"""What README, docs/ and runs/ say: names and links exist, code runs, numbers are measured."""
 
 from __future__ import annotations
 
-import importlib.util
+import contextlib
+import io
 import re
 import shlex
+from functools import cache
+from pathlib import Path
 
-import numpy as np
 import pytest
-from helpers import REPOSITORY, compute, run, solve
+from helpers import REPOSITORY, compute, run
 
 import fsipetsc
 
 pytest.importorskip("petsc4py")
 
-PAGES = [REPOSITORY / "README.md", *sorted((REPOSITORY / "docs").glob("*.md"))]
-#: what a reader meets first; the other pages
-FIRST = [REPOSITORY / name for name in ("README.md", "docs/start.md", "docs/python.md", "docs/reliability.md")]
-OTHERS = [*(page for page in PAGES if page not in FIRST), REPOSITORY / "docs" / "tutorial.ipynb"]
-DOCUMENTS = {page.name: page.read_text() for page in PAGES}
+DOCS = REPOSITORY / "docs"
+PAGES = [REPOSITORY / "README.md", *sorted(DOCS.glob("*.md"))]
+TEXTS = {page.name: page.read_text() for page in PAGES}
+#: what a reader meets first; the code of the other pages compiles more kernels
+FIRST = [page for page in PAGES if page.stem in ("README", "start", "commands", "checkpoints")]
+OTHERS = [*(page for page in PAGES if page not in FIRST), DOCS / "tutorial.ipynb"]
+#: options files that need kernels of their own
+ALONE = {f"{name}.opts" for name in ("piston", "panel_viscous", "heat", "blast_shock", "plane_mms")}
 OPTIONS_FILES = sorted((REPOSITORY / "runs").rglob("*.opts"))
-#: files for which kernels would be compiled that no other test needs -> what makes do with those of others
-ALONE = {
-    **{"piston.opts": "-fsi_shock 1e-300", "panel_viscous.opts": "-fsi_dissipation 0"},
-    **{"heat.opts": "-fsi_viscous wide"},
-    **{"blast_shock.opts": "-fluid_mu 0 -fluid_kappa 0", "plane_mms.opts": "-solid_law log"},
-}
-#: stems of Open MPI's, PETSc's and other programs' options that the documents may name
-FOREIGN = {"o", "n", "m", "help", "animate", "blocks", "all", "fields", "times", "compare", "options_left", "options_view"}
-FOREIGN |= {"cost"}
+FENCED = re.compile(r"^```(\w*)$(.*?)^```$", re.S | re.M)
 
 
-def known_options() -> set[str]:
-    """Every option of the built-in cases and of the commands, without dash."""
-    from fsipetsc import cli
-    from fsipetsc.cases import BUILT_IN, load_case
-    from fsipetsc.options import table
-    from fsipetsc.options.tables import AT_START, IN_LOOP, IN_SOURCES
+@cache
+def known_options() -> frozenset[str]:
+    """Names of options that -help of all cases and commands tells."""
+    from fsipetsc.cases import BUILT_IN
+    from fsipetsc.cli import COMMANDS, main
 
-    names = {option.name for case in BUILT_IN for option in table(load_case(case)).values()}
-    for command in cli.COMMANDS.values():
-        if command.options:
-            listed = cli._named(command.options)
-            for sections in (listed(["mms"]), listed([])) if callable(listed) else (listed,):
-                names |= {option.name for options in sections.values() for option in options}
-    return names | {option.name for option in AT_START + IN_LOOP + IN_SOURCES} | FOREIGN
+    with contextlib.redirect_stdout(io.StringIO()) as said:
+        for name in (*BUILT_IN, *COMMANDS, "convergence mms", "stability mms"):
+            assert main([*name.split(), "-help"]) == 0
+    return frozenset(re.findall(r"(?<![\w-])-([A-Za-z]\w*)", said.getvalue())) | {"n", "m", "help"}
 
 
-def options_in(text: str) -> set[str]:
-    """Names of what is written like an option within code: fenced blocks and `…`."""
-    blocks = re.findall(r"^```sh$(.*?)^```$", text, re.S | re.M)
-    code = [line.split(" #")[0] for block in blocks for line in block.splitlines()]
-    code += re.findall(r"`([^`\n]+)`", re.sub(r"^```\w*$.*?^```$", "", text, flags=re.S | re.M))
-    return {name for piece in code for name in re.findall(r"(?<![\w(-])-([A-Za-z]\w*)\b(?!\.)", piece)}
+@pytest.mark.parametrize("name", TEXTS)
+def test_options_exist(name):
+    """Those in `code` and in blocks for the shell, or of a case that the page makes."""
+    code = re.findall(r"`([^`\n]+)`", FENCED.sub("", TEXTS[name]))
+    for language, block in FENCED.findall(TEXTS[name]):
+        code += [line.split(" #")[0] for line in block.splitlines() if language == "sh"]
+    named = {o for piece in code for o in re.findall(r"(?<![\w(-])-([A-Za-z]\w*)\b(?!\.)", piece)}
+    assert not named - known_options() - set(re.findall(r'Option\("(\w+)"', TEXTS[name]))
 
 
-@pytest.mark.parametrize("name", DOCUMENTS)
-def test_options_in_the_documents_exist(name):
-    own = set(re.findall(r'Option\("(\w+)"', DOCUMENTS[name]))  # of a case that the page makes
-    unknown = options_in(DOCUMENTS[name]) - known_options() - own
-    assert not unknown
-
-
-@pytest.mark.parametrize("name", DOCUMENTS)
-def test_files_in_the_documents_exist(name):
-    text = DOCUMENTS[name]
-    folder = REPOSITORY if name == "README.md" else REPOSITORY / "docs"
-    links = {link.split("#")[0] for link in re.findall(r"\]\(([\w./#-]+)\)", text)} - {""}
-    missing = {link for link in links if not (folder / link).exists()}
-    named = set(re.findall(r"(?<![\w/.])(?:scripts|runs|docs|tests|fsipetsc)/[\w./-]*\w", text))
-    missing |= {name for name in named if not (REPOSITORY / name).exists() and not name.endswith("COUPLING.csv")}
-    assert not missing
+@pytest.mark.parametrize("name", TEXTS)
+def test_links_and_files_exist(name):
+    folder = REPOSITORY if name == "README.md" else DOCS
+    for target, anchor in re.findall(r"\]\(([\w./-]*)(?:#([\w-]*))?\)", TEXTS[name]):
+        assert (folder / target).exists(), target
+        headings = re.findall(r"^#+ (.*)$", TEXTS.get(Path(target).name or name, ""), re.M)
+        anchors = [re.sub(r"[^\w\- ]", "", h.lower()).replace(" ", "-") for h in headings]
+        assert not anchor or anchor in anchors, f"{target}#{anchor}"
+    named = re.findall(r"(?<![\w/.])((?:scripts|runs|docs|tests|fsipetsc)/[\w./-]*\w)", TEXTS[name])
+    assert not [path for path in named if not (REPOSITORY / path).exists()]
+    prose = FENCED.sub("", TEXTS[name]).splitlines()
+    assert not [line for line in prose if len(line) > 100 and not line.startswith("|")]
 
 
 def test_every_page_is_in_the_site():
-    config = (REPOSITORY / "mkdocs.yml").read_text()
-    made = {"index.md", "tutorial.md"}
-    assert set(re.findall(r": ([\w-]+\.md)", config)) - made == set(DOCUMENTS) - {"README.md"}
+    listed = set(re.findall(r": ([\w-]+\.md)", (REPOSITORY / "mkdocs.yml").read_text()))
+    assert listed == set(TEXTS) - {"README.md"} | {"index.md", "tutorial.md"}
 
 
-def test_the_page_of_options_is_that_of_the_table():
-    """`scripts/docs` renews it."""
-    spec = importlib.util.spec_from_file_location("hooks", REPOSITORY / "docs" / "hooks.py")
-    hooks = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(hooks)
-    assert DOCUMENTS["options.md"] == hooks.options_page()
+def test_the_page_of_options_has_the_table():
+    """Names, types and defaults."""
+    from fsipetsc.cases import load_case
+    from fsipetsc.options import table
+
+    rows = re.findall(r"^\| `-(\w+)` \| (\w+) \|(?: `([^`]*)`)? \|", TEXTS["options.md"], re.M)
+    case = load_case("box")
+    options = {o.name: o for o in table(case).values() if o not in case.OPTIONS}
+    assert {name: kind for name, kind, _ in rows} == {n: str(o.kind) for n, o in options.items()}
+    for name, _, told in rows:
+        default = options[name].default
+        said = str(default).lower() if isinstance(default, bool) else str(default)
+        if name not in case.DEFAULTS and name != "fsi_output":
+            assert told == ("" if default in (None, ...) else said.removesuffix(".0")), name
 
 
-@pytest.mark.parametrize("pages", [FIRST, pytest.param(OTHERS, marks=pytest.mark.long)], ids=["first", "others"])
+@pytest.mark.parametrize("pages", [FIRST, pytest.param(OTHERS, marks=pytest.mark.long)])
 def test_code_blocks_run(pages, tmp_path):
-    """Commands a few steps, Python as it stands, each page from top to bottom; the notebook prints what it says it does."""
-    done = run(REPOSITORY / "tests" / "page_program.py", tmp_path, *pages, cwd=tmp_path, env={"MPLBACKEND": "agg"})
+    """Commands for a few steps, Python as it stands, each page from top to bottom."""
+    program = REPOSITORY / "tests" / "page_program.py"
+    done = run(program, tmp_path, *pages, cwd=tmp_path, env={"MPLBACKEND": "agg"})
     assert (done.returncode, done.stdout) == (0, ""), done.stderr
 
 
-def test_no_line_of_the_readme_needs_scrolling():
-    long = [line for line in DOCUMENTS["README.md"].splitlines() if len(line) > 150 and not line.startswith("|")]
-    assert not long
-
-
-def command_line(text: str) -> list[str]:
-    """Words behind `python -m fsipetsc` of the first command in an options file's header."""
-    line = next(line for line in text.splitlines() if "python -m fsipetsc" in line)
-    return shlex.split(line.split("python -m fsipetsc", 1)[1].split("&&")[0])
-
-
-def stated_steps(text: str) -> int:
-    """The number of steps that a header states, 0 if none."""
-    found = re.search(r"([\d,]+) steps", text)
-    return int(found[1].replace(",", "")) if found else 0
-
-
-@pytest.fixture(scope="module")
-def started(tmp_path_factory):
-    """(results, folder) of every options file's own command, a few steps of it."""
-    folder = tmp_path_factory.mktemp("runs")
-    runs = {
-        "start": ("rod", DOCUMENTS["start.md"].split("mpiexec -n 2 python -m fsipetsc rod ", 1)[1].split("\n")[0]),
-        "piston": (str(REPOSITORY / "runs" / "piston.py"), ""),
-        "turn": (str(REPOSITORY / "runs" / "piston.py"), "-fsi_h 0.0125"),
-    }
+@pytest.mark.parametrize("alone", [False, pytest.param(True, marks=pytest.mark.long)])
+def test_options_files_run(alone, tmp_path):
+    """A few steps; or all that the header states, if fewer than 5,000, and as many as it states."""
+    runs, steps = {}, {}
     for path in OPTIONS_FILES:
-        text = path.read_text()
-        case, *rest = command_line(text)
-        if case == "convergence":
+        text, name = path.read_text(), path.stem + path.parent.name
+        command = re.search(r"python -m fsipetsc (.*?)(?: &&.*)?$", text, re.M)[1]
+        case, *words = shlex.split(command)
+        if case == "convergence" or alone != (path.name in ALONE):
             continue
-        assert rest[:2] == ["-options_file", str(path.relative_to(REPOSITORY))], path
-        given = [line.split(" #")[0] for line in text.splitlines() if line and not line.startswith("#")]
-        limit = "" if 0 < stated_steps(text) < 5000 else "-ts_max_steps 3"
-        runs[path.stem + path.parent.name] = (case, " ".join([*given, *rest[2:], limit, ALONE.get(path.name, "")]))
-    return compute(1, folder, runs), folder
+        assert words[:2] == ["-options_file", str(path.relative_to(REPOSITORY))]
+        stated = re.search(r"([\d,]+) steps", text)
+        count = int(stated[1].replace(",", "")) if stated else 0
+        steps[name] = count if 0 < count < 5000 else 3
+        given = [line.split(" #")[0] for line in text.splitlines() if line.startswith("-")]
+        limit = "" if steps[name] == count else "-ts_max_steps 3"
+        runs[name] = (case, " ".join([*given, *words[2:], limit]))
+    results = compute(1, tmp_path, runs)
+    assert set(results) == set(runs), [path.read_text() for path in tmp_path.glob("*.txt")]
+    assert {n: fsipetsc.open_run(path).summary["steps"] for n, path in results.items()} == steps
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("name", ALONE)
-def test_options_files_that_kernels_are_compiled_for(name, tmp_path):
-    """As they stand."""
-    path = REPOSITORY / "runs" / name
-    done = solve(command_line(path.read_text())[0], "-options_file", path, "-ts_max_steps", 3, "-fsi_quiet", cwd=tmp_path)
-    assert (done.returncode, done.stderr) == (0, "")
+def test_numbers_that_pages_tell(tmp_path):
+    start, piston = TEXTS["start.md"], str(REPOSITORY / "runs" / "piston.py")
+    command = re.search(r"python -m fsipetsc rod (-fsi_order.*)$", start, re.M)[1]
+    runs = {"rod": ("rod", command), "turn": (piston, "-fsi_h 0.0125")}
+    results = {name: fsipetsc.open_run(path) for name, path in compute(1, tmp_path, runs).items()}
+    rod = " and ".join(f"{x:.4f}" for x in results["rod"].summary["interfaces"].values())
+    assert f"its ends are at x = {rod}" in start
+    assert f"it turns at x = {results['turn'].series['x_interface'].min():.5f};" in start
 
 
-@pytest.mark.parametrize("path", OPTIONS_FILES, ids=lambda path: str(path.relative_to(REPOSITORY)))
-def test_options_file(started, path):
-    results, folder = started
-    text = path.read_text()
-    case = command_line(text)[0]
-    assert text.startswith("# "), "says on top what it shows"
-    names = {line.split()[0][1:] for line in text.splitlines() if line.startswith("-")}
-    assert names <= known_options()
-    if case == "convergence":
-        return
-    name = path.stem + path.parent.name
-    assert name in results, (folder / f"{name}.txt").read_text()
-
-
-def test_steps_are_those_that_headers_state(started):
-    """Of the runs that take less than a second; steps are the same everywhere."""
-    results, _ = started
-    texts = {path.stem + path.parent.name: path.read_text() for path in OPTIONS_FILES}
-    texts["piston"] = (REPOSITORY / "runs" / "piston.py").read_text()
-    held = {name for name, text in texts.items() if 0 < stated_steps(text) < 5000}
-    assert held >= {"boxruns", "mmsruns", "pulseruns", "piston"}
-    for name in held:
-        with fsipetsc.open_run(results[name]) as run:
-            assert run.complete and run.summary["steps"] == stated_steps(texts[name]), name
-
-
-def test_positions_that_a_page_tells(started):
-    results, _ = started
-    with fsipetsc.open_run(results["start"]) as run:
-        ends = re.search(r"its ends are at x = ([\d.]+) and ([\d.]+)", DOCUMENTS["start.md"]).groups()
-        assert [f"{x:.4f}" for x in run.summary["interfaces"].values()] == list(ends)
-    with fsipetsc.open_run(results["turn"]) as run:
-        turn = re.search(r"It turns at x = ([\d.]+);", DOCUMENTS["start.md"])[1]
-        assert f"{run.series['x_interface'].min():.5f}" == turn
-
-
-def test_speed_that_pages_tell():
-    """Ratios to other programs in README and parallel.md are those of the tables of performance.md."""
-    readme, page = (REPOSITORY / "README.md").read_text(), DOCUMENTS["performance.md"]
-
-    def rows_of(heading):
-        rows = page.split(heading)[1].split("\n## ")[0].splitlines()
-        return [row.split("|")[2:-1] for row in rows if re.match(r"\| [\d/]+ \|", row)]
-
-    ratios = [float(row[-1]) for row in rows_of("## Two dimensions")]
-    assert len(ratios) >= 4
-    found = f"{min(ratios):.1f} to {max(ratios):.1f} times"
-    assert f"in two dimensions {found} the time" in readme
-    assert f"take {found}" in DOCUMENTS["parallel.md"]
-    steps = {row[0].strip(): float(row[2]) for row in reversed(rows_of("## One dimension"))}
-    rod, blocks = steps["rod, the paper's method"], min(v for k, v in steps.items() if "gas" in k)
-    assert f"{rod:.0f} µs with the paper's couplings, {blocks:.0f} µs with the conservative one" in readme
-
-
-def test_points_that_a_page_tells(started):
-    results, _ = started
-    with fsipetsc.open_run(results["boxruns"]) as run:
-        counts = [sum(int(np.isfinite(layer["T"][frame]).sum()) for layer in run.layers) for frame in (0, -1)]
-        stored = sum(len(layer.X) for layer in run.layers)
-        assert f"({counts[0]}, {counts[1]} in the end and {stored} for `box`)" in DOCUMENTS["results.md"]
-        assert run.summary["points"] == counts[1]
+def test_speed_that_the_readme_tells():
+    """It is that of the tables of performance.md."""
+    readme, page = TEXTS["README.md"], TEXTS["performance.md"]
+    rows = [row.split(" | ")[1:] for row in page.splitlines() if row.startswith("| 4/2 ")]
+    ratios = [float(row[-1].rstrip(" |")) for row in rows if len(row) == 6]
+    times = f"{min(ratios):.1f} to {max(ratios):.1f} times"
+    assert f"in two dimensions {times} the time" in readme and f"takes {times} as long" in page
+    steps = {row[0]: row[2] for row in reversed(rows) if len(row) == 4}
+    paper, blocks = steps["rod, the paper's method"], steps["gas, solid, divergence"]
+    assert f"{paper} µs a step with the paper's method, {blocks} µs on blocks" in readme

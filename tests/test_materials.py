@@ -82,11 +82,11 @@ def test_pressure_and_its_derivatives(name):
     for T, x_X in STATES:
         p, by_T, by_x = exact(name, T, x_X)
         assert solid.pressure(T, x_X) == pytest.approx(p, rel=1e-12, abs=1e-15 * SIZE)
-        assert solid.pressure_by_temperature(T, x_X) == pytest.approx(by_T, rel=1e-8)
-        assert solid.stiffness(T, x_X) == pytest.approx(-x_X * by_x, rel=1e-8)
+        assert solid.elastic.pressure_by_temperature(T, x_X) == pytest.approx(by_T, rel=1e-8)
+        assert solid.elastic.stiffness(T, x_X) == pytest.approx(-x_X * by_x, rel=1e-8)
         assert own.pressure(T, x_X) == solid.pressure(T, x_X)
         for what in ("pressure_by_temperature", "stiffness"):
-            found, wanted = (getattr(one, what)(T, x_X) for one in (own, solid))
+            found, wanted = (getattr(one.elastic, what)(T, x_X) for one in (own, solid))
             assert found == pytest.approx(wanted, abs=1e-9 * (abs(p) + SIZE))
 
 

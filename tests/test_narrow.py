@@ -1,4 +1,5 @@
-"""Narrow second derivatives in exact arithmetic: symmetry, sign, width, accuracy; what they damp; how large steps may be."""
+"""Narrow second derivatives in exact arithmetic: symmetry, sign, width, accuracy; what they damp;
+how large steps may be."""
 
 from __future__ import annotations
 
@@ -13,7 +14,8 @@ from fsipetsc.operators import OPERATORS, SBPOperator
 from fsipetsc.operators.narrow import ENDS, STIFFNESS, difference, levels, remainder
 
 ORDERS = pytest.mark.parametrize("order", OPERATORS)
-#: -h^2 times the interior formula of D2(1) on (-1)^i, and times that of D twice on its own worst wave
+#: -h^2 times the interior formula of D2(1) on (-1)^i, and times that of D twice on its own worst
+#: wave
 SHORTEST = {2: Fraction(4), 4: Fraction(16, 3), 6: Fraction(272, 45), 8: Fraction(2048, 315)}
 #: where the method of Runge and Kutta is stable on the negative axis
 REAL_INTERVAL = 2.785
@@ -32,7 +34,9 @@ def stiffness_matrices(op: SBPOperator, b) -> tuple[np.ndarray, np.ndarray]:
     """(D^T H B D, R(b)), exactly."""
     n = len(b)
     D = exact(op.exact_matrix(n))
-    return D.T @ (exact(exact_norm(op, n))[:, None] * exact(b)[:, None] * D), remainder(op.interior, b)
+    return D.T @ (exact(exact_norm(op, n))[:, None] * exact(b)[:, None] * D), remainder(
+        op.interior, b
+    )
 
 
 def pivots(matrix: np.ndarray) -> list[Fraction]:
@@ -51,7 +55,8 @@ def pivots(matrix: np.ndarray) -> list[Fraction]:
 
 @ALL
 def test_remainder_is_symmetric_and_positive_semidefinite(op: SBPOperator) -> None:
-    """And vanishes on polynomials up to degree p, and at most on one more vector at either end, which D sees."""
+    """And vanishes on polynomials up to degree p, and at most on one more vector at either end,
+    which D sees."""
     n = op.min_points + 5
     wide, R = stiffness_matrices(op, coefficients(n))
     assert (R == R.T).all()
@@ -68,7 +73,8 @@ def test_remainder_is_symmetric_and_positive_semidefinite(op: SBPOperator) -> No
 
 @ALL
 def test_interior_formula_is_narrow(op: SBPOperator) -> None:
-    """For any coefficient: 2p + 1 points, where D twice has 4p + 1; 2/1 is the formula that all know."""
+    """For any coefficient: 2p + 1 points, where D twice has 4p + 1; 2/1 is the formula that all
+    know."""
     n, r, p = 2 * op.rows + 6 * op.p + 3, op.rows, op.p
     b = coefficients(n)
     wide, R = stiffness_matrices(op, b)
@@ -84,7 +90,8 @@ def test_interior_formula_is_narrow(op: SBPOperator) -> None:
 
 @ALL
 def test_accuracy(op: SBPOperator) -> None:
-    """(b u')' of polynomials b and u: in the interior to order 2p, and where the closures reach as exact as D twice."""
+    """(b u')' of polynomials b and u: in the interior to order 2p, and where the closures reach as
+    exact as D twice."""
     n, s = 2 * op.rows + 6 * op.p + 4, op.boundary_order
     x = [Fraction(i) for i in range(n)]
     D, norm = exact(op.exact_matrix(n)), exact(exact_norm(op, n))
@@ -97,7 +104,9 @@ def test_accuracy(op: SBPOperator) -> None:
             slope = [degree * value ** max(degree - 1, 0) for value in x]
             curved = [degree * (degree - 1) * value ** max(degree - 2, 0) for value in x]
             b_slope = [power * value ** max(power - 1, 0) for value in x]
-            truth = exact([bs * sl + c * cu for bs, sl, c, cu in zip(b_slope, slope, b, curved, strict=True)])
+            truth = exact(
+                [bs * sl + c * cu for bs, sl, c, cu in zip(b_slope, slope, b, curved, strict=True)]
+            )
             error = D @ (exact(b) * (D @ u)) - (R @ u) / norm - truth
             if degree + power <= op.order:  # b u is differentiated twice
                 assert not error[inner].any(), (power, degree)
@@ -108,7 +117,8 @@ def test_accuracy(op: SBPOperator) -> None:
 
 @pytest.mark.parametrize("order", [2, 4, 6])
 def test_flux_at_an_end(order) -> None:
-    """Where the closure row of D imposes a flux, it is right to the order of D twice: phi = 0, see operators.narrow."""
+    """Where the closure row of D imposes a flux, it is right to the order of D twice: phi = 0, see
+    operators.narrow."""
     op, n = OPERATORS[order], 60
     s, D, x = order // 2, op.matrix(n), np.arange(float(n))
     D2 = D @ D - remainder(op.interior, np.ones(n)) / op.norm_weights(n)[:, None]
@@ -125,26 +135,35 @@ def test_shortest_wave(op: SBPOperator) -> None:
     """D twice leaves (-1)^i alone; the narrow derivative damps it faster than any other."""
     n = 2 * op.rows + 6 * op.p + 3
     wide, R = stiffness_matrices(op, [Fraction(1)] * n)
-    wave, inner = exact([(-1) ** i for i in range(n)]), slice(op.rows + 2 * op.p, n - op.rows - 2 * op.p)
+    wave, inner = (
+        exact([(-1) ** i for i in range(n)]),
+        slice(op.rows + 2 * op.p, n - op.rows - 2 * op.p),
+    )
     assert not (wide @ wave)[inner].any()
     assert list((R @ wave / wave)[inner]) == [SHORTEST[op.order]] * len(wave[inner])
     angles = np.linspace(0, np.pi, 181)
     first = 2 * sum(float(c) * np.sin(k * angles) for k, c in enumerate(op.interior, start=1))
-    rest = sum(float(sum(level.weights)) * (2 * np.sin(angles / 2)) ** (2 * level.order) for level in levels(op.interior))
+    rest = sum(
+        float(sum(level.weights)) * (2 * np.sin(angles / 2)) ** (2 * level.order)
+        for level in levels(op.interior)
+    )
     assert np.isclose(rest[-1], float(SHORTEST[op.order]), rtol=1e-14)
     assert np.argmax(first**2 + rest) == 180 and np.argmax(first**2) < 150
 
 
 @ALL
 def test_step_bound(op: SBPOperator) -> None:
-    """Courant number 1.1 is stable with a Dirichlet ghost point anywhere, and with two natural ends; 1.5 is not with all."""
+    """Courant number 1.1 is stable with a Dirichlet ghost point anywhere, and with two natural
+    ends; 1.5 is not with all."""
     n, largest = 40, 0.0
     D = op.matrix(n)
     R = remainder(op.interior, np.ones(n)) / op.norm_weights(n)[:, None]
     natural = -(D.T * op.norm_weights(n)) @ D / op.norm_weights(n)[:, None] - R
     largest = np.abs(np.linalg.eigvals(natural)).max()
     for delta in np.linspace(0.0, 1.0, 11):
-        weights = np.array([(delta - 1) * (delta - 2) / 2, delta * (2 - delta), delta * (delta - 1) / 2])
+        weights = np.array(
+            [(delta - 1) * (delta - 2) / 2, delta * (2 - delta), delta * (delta - 1) / 2]
+        )
         weights += max(0.0, 0.25 - weights[0]) * np.array([1, -2, 1])
         ghost = np.zeros((n, n - 2))
         ghost[1:-1], ghost[0, :2] = np.eye(n - 2), -weights[1:] / weights[0]

@@ -1,7 +1,8 @@
-"""What wheel and sdist hold, and that what is said twice is the same: versions, dependencies."""
+"""What wheel and sdist hold; what is said twice is the same: versions, dependencies, Python."""
 
 from __future__ import annotations
 
+import ast
 import fnmatch
 import re
 import subprocess
@@ -14,6 +15,9 @@ import fsipetsc
 PROJECT = (REPOSITORY / "pyproject.toml").read_text()
 #: what every sdist has
 ALWAYS = {"pyproject.toml", "README.md", "LICENSE", "MANIFEST.in"}
+#: modules and names of modules that came with Python 3.11, 3.12, 3.13
+NEWER = {"tomllib", "ExceptionGroup", "StrEnum", "Self", "add_note", "TaskGroup", "Never", "UTC"}
+NEWER |= {"batched", "override", "Buffer", "ReadOnly", "PythonFinalizationError"}
 
 
 def known_files() -> list[str]:
@@ -25,38 +29,55 @@ def known_files() -> list[str]:
 
 
 def test_the_wheel_has_what_the_package_reads():
-    packaged = re.search(r"^\[tool.setuptools.package-data\]\nfsipetsc = (\[.*\])$", PROJECT, re.M)[1]
-    patterns = [f"fsipetsc/{pattern}" for pattern in re.findall(r'"([^"]+)"', packaged)]
-    data = [name for name in known_files() if name.startswith("fsipetsc/") and not name.endswith(".py")]
-    assert data and all(any(fnmatch.fnmatch(name, pattern) for pattern in patterns) for name in data)
+    package_data = r"^\[tool.setuptools.package-data\]\nfsipetsc = (\[.*\])$"
+    patterns = re.findall(r'"([^"]+)"', re.search(package_data, PROJECT, re.M)[1])
+    data = [name[9:] for name in known_files() if re.match(r"fsipetsc/.*(?<!\.py)$", name)]
+    assert data and all(any(fnmatch.fnmatch(name, p) for p in patterns) for name in data)
 
 
 def test_the_sdist_has_all_but_hidden_files():
     lines = [line.split() for line in (REPOSITORY / "MANIFEST.in").read_text().splitlines()]
     folders = {words[1] for words in lines if words[0] == "graft"} | {"fsipetsc"}
-    included = {name for words in lines if words[0] == "include" for name in words[1:]} | ALWAYS
-    left = [name for name in known_files() if name.split("/")[0] not in folders and name not in included]
+    files = {name for words in lines if words[0] == "include" for name in words[1:]} | ALWAYS
+    left = [n for n in known_files() if n.split("/")[0] not in folders and n not in files]
     assert all(name.startswith(".") for name in left), left
 
 
 def test_nothing_large_or_made_is_kept():
-    """A build, an environment or a result that came in by accident shows by its size, or by its name."""
     names = known_files()
-    made = re.compile(r"(^|/)(site-packages|__pycache__|build|dist|site)/|\.(so|h5|whl|nbi|nbc)$")
-    assert not list(filter(made.search, names))
-    assert sum((REPOSITORY / name).stat().st_size for name in names if (REPOSITORY / name).exists()) < 12e6
+    made = r"(^|/)(site-packages|__pycache__|build|dist|site)/|\.(so|h5|whl|nbi|nbc)$"
+    assert not [name for name in names if re.search(made, name)]
+    paths = [REPOSITORY / name for name in names]
+    assert sum(path.stat().st_size for path in paths if path.exists()) < 12e6
 
 
 def test_versions_agree():
     version = re.search(r'^version = "(.*)"', PROJECT, re.M)[1]
     assert fsipetsc.__version__ == version
-    assert re.search(r"^version: (.*)$", (REPOSITORY / "CITATION.cff").read_text(), re.M)[1] == version
+    citation = (REPOSITORY / "CITATION.cff").read_text()
+    assert re.search(r"^version: (.*)$", citation, re.M)[1] == version
     assert f"## {version}" in (REPOSITORY / "CHANGELOG.md").read_text()
 
 
 def test_conda_asks_for_what_pip_does():
     """Of the extras solver and plot, and what tests need."""
-    listed = set(re.findall(r"^  - ([\w-]+)", (REPOSITORY / "environment.yml").read_text(), re.M))
+    environment = (REPOSITORY / "environment.yml").read_text()
     extras = dict(re.findall(r"^(solver|plot) = \[(.*)\]$", PROJECT, re.M))
-    wanted = {re.match(r"[\w-]+", name)[0] for text in extras.values() for name in re.findall(r'"([^"]+)"', text)}
-    assert wanted <= listed and {"pytest", "pytest-xdist", "ruff", "mypy"} <= listed
+    wanted = set(re.findall(r'"([\w-]+)', " ".join(extras.values())))
+    wanted |= {"pytest", "pytest-xdist", "ruff", "mypy"}
+    assert wanted <= set(re.findall(r"^  - ([\w-]+)", environment, re.M))
+
+
+def test_the_oldest_python_is_enough():
+    """No newer syntax, and no newer name that is well known; scripts/setup asks for the same."""
+    oldest = re.search(r'^requires-python = ">=3\.(\d+)"', PROJECT, re.M)[1]
+    setup = (REPOSITORY / "scripts" / "setup").read_text()
+    assert re.findall(r"Python>=3\.(\d+)|version_info < \(3, (\d+)\)", setup) == [
+        (oldest, ""),
+        ("", oldest),
+    ]
+    for path in (REPOSITORY / "fsipetsc").rglob("*.py"):
+        tree = ast.parse(path.read_text(), feature_version=(3, int(oldest)))
+        for node in ast.walk(tree):
+            used = {getattr(node, key, None) for key in ("attr", "id", "module", "name")}
+            assert not used & NEWER, path

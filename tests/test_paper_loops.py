@@ -27,11 +27,10 @@ from fsipetsc.materials.solid_pressure import Gruneisen
 from fsipetsc.operators import OPERATORS
 from fsipetsc.operators.narrow import remainder
 from fsipetsc.paper import rates
-from fsipetsc.paper.laws import elastic_of
 
 ORDERS = pytest.mark.parametrize("order", OPERATORS)
 NARROW = pytest.mark.parametrize("narrow", [False, True], ids=["wide", "narrow"])
-RUBBER = elastic_of(ROD)._replace(law=Gruneisen(0.3))
+RUBBER = ROD.elastic._replace(law=Gruneisen(0.3))
 
 
 def second(order: int, b: np.ndarray, narrow: bool) -> np.ndarray:

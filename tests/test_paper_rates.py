@@ -25,6 +25,7 @@ from fsipetsc.materials.power_law import power_law
 from fsipetsc.materials.solid_pressure import stiffened_pressure
 from fsipetsc.options import defaults
 from fsipetsc.paper.state import make_paper_state
+from fsipetsc.scheme.plan import RATE
 
 FROZEN = Path(__file__).with_name("paper_rates.json")
 COUPLINGS = "projection", "energy", "traditional"
@@ -149,7 +150,7 @@ def measured(state):
             for y in (rates, state.solution.getArray()):
                 found += [looked_at(column) for column in state.layout.local(k, y).T]
         latest, loaded = state.latest, np.abs(state.latest["sigma_interface"]).max()
-        found += [[float(v), float(v)] for v in state.results[4:5]]
+        found += [[float(v), float(v)] for v in state.results[RATE : RATE + 1]]
         sizes = {"energy": latest["energy"], "force": loaded, "entropy": latest["entropy"]}
         return found + [[float(latest[name]), float(abs(v))] for name, v in sizes.items()]
 
@@ -193,7 +194,11 @@ def test_problems_that_have_no_rigid_frames():
         ({"layers": (rod,), "left": end, "right": end}, "no interface"),
         ({"layers": (replace(below, mapping="stretched"), rod, above)}, "mapping='stretched'"),
         (
-            {"layers": (rod, above, replace(rod, name="lid", X=(6.0, 7.0))), "left": end, "right": end},
+            {
+                "layers": (rod, above, replace(rod, name="lid", X=(6.0, 7.0))),
+                "left": end,
+                "right": end,
+            },
             "a gas lies between two solids",
         ),
     ):

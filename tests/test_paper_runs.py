@@ -18,7 +18,7 @@ FROZEN = Path(__file__).with_name("paper_runs.json")
 #: name -> case and options
 RUNS = {
     "rod": "rod -fsi_h 0.05 -ts_max_time 0.1 -fsi_output_dt 0.05 -fsi_entropy",
-    "falling": "rod -fsi_h 0.1 -fsi_order 2 -ts_max_time 0.5 -fsi_output_dt 0.25 -fsi_spare 0 "
+    "falling": "rod -fsi_h 0.1 -fsi_order 2 -ts_max_time 0.5 -fsi_output_dt 0.25 "
     "-fsi_coupling energy",
     "mms": "mms -fsi_h 0.05 -fsi_order 6 -fsi_output_dt 0.15",
     "pulse": "pulse -fsi_h 0.025 -ts_max_time 0.002 -fsi_output_dt 0.001 -ts_type rk",
@@ -26,7 +26,7 @@ RUNS = {
 #: the same on several ranks, which take turns on few processors
 SHARED = {
     "rod": "rod -fsi_h 0.05 -ts_max_steps 20 -fsi_entropy",
-    "falling": "rod -fsi_h 0.1 -fsi_order 2 -ts_max_steps 60 -fsi_spare 0 -fsi_coupling energy "
+    "falling": "rod -fsi_h 0.1 -fsi_order 2 -ts_max_steps 60 -fsi_coupling energy "
     "-rod_gravity -9000",
     "mms": "mms -fsi_h 0.05 -fsi_order 6 -ts_max_steps 20",
     "pulse": "pulse -fsi_h 0.025 -ts_max_steps 20 -ts_type rk -fsi_coupling traditional "
@@ -37,7 +37,10 @@ SHARED = {
 def looked_at(values):
     """(a weighted mean, the largest) of the numbers that there are."""
     values = np.asarray(values)[np.isfinite(values)]
-    return [float(np.mean(np.cos(0.7 * np.arange(len(values))) * values)), float(np.abs(values).max())]
+    return [
+        float(np.mean(np.cos(0.7 * np.arange(len(values))) * values)),
+        float(np.abs(values).max()),
+    ]
 
 
 def measured(result):
@@ -49,13 +52,19 @@ def measured(result):
     for column in ("t", "x_interface", "sigma_interface", "T_interface", "energy", "mass"):
         found[column] = looked_at(np.ravel(result.series[column]))
     for kind, errors in (result.errors or {}).items():
-        found |= {f"{kind} {name}": [error, max(1e2 * error, 1e-3)] for name, error in errors.items()}
+        found |= {
+            f"{kind} {name}": [error, max(1e2 * error, 1e-3)] for name, error in errors.items()
+        }
     return found
 
 
 def solved(ranks, where, lines, more=""):
     """name -> result of these lines on so many ranks."""
-    files = compute(ranks, where, {k: (line.split()[0], f"{line.split(' ', 1)[1]} {more}") for k, line in lines.items()})
+    files = compute(
+        ranks,
+        where,
+        {k: (line.split()[0], f"{line.split(' ', 1)[1]} {more}") for k, line in lines.items()},
+    )
     return {name: fsipetsc.open_run(files[name]) for name in lines}
 
 
@@ -119,7 +128,9 @@ def test_a_restart_changes_no_bit(results, name, tmp_path):
     whole, half = results[name], max(2, results[name].summary["steps"] // 2)
     solved(1, tmp_path, {"a": RUNS[name]}, f"-ts_max_steps {half} -fsi_checkpoint_steps {half}")
     (checkpoint,) = tmp_path.glob("*checkpoint*")
-    again = solve(RUNS[name].split()[0], "-fsi_restart", checkpoint, "-ts_max_steps", 1_000_000, cwd=tmp_path)
+    again = solve(
+        RUNS[name].split()[0], "-fsi_restart", checkpoint, "-ts_max_steps", 1_000_000, cwd=tmp_path
+    )
     assert again.returncode == 0, again.stderr
     found = fsipetsc.open_run(tmp_path / "a.h5")
     assert found.summary["steps"] == whole.summary["steps"]

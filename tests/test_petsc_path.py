@@ -16,7 +16,6 @@ from mpi4py import MPI
 
 from fsipetsc.cases import load_case
 from fsipetsc.options import defaults
-from fsipetsc.paper import batch
 from fsipetsc.paper.state import make_paper_state
 
 #: half a step: a power of two, so that the product with a rate is exact
@@ -43,10 +42,11 @@ def test_both_make_the_same_rates(name, changed):
     with make_paper_state(case.build(opt), opt, MPI.COMM_SELF) as state:
         state.set_initial()
         state.set_data(HALF)
-        state._run(batch.STAGE, 0, 2 * HALF)
-        start, stage = state.path.y.copy(), state.path.stage.copy()
-        state._run(batch.STAGE, 1, 2 * HALF)
-        fused = state.path.k.copy()
+        start = state.solution.getArray().copy()
+        state._stage(0, 2 * HALF)
+        stage = np.concatenate([layer.owned.ravel() for layer in state.layers])
+        state._stage(1, 2 * HALF)
+        fused = state.k.copy()
         kept, f = stage.copy(), np.full_like(stage, np.nan)
         state.right_hand_side(stage, f)
         assert np.array_equal(stage, kept), "the stage is PETSc's"

@@ -32,7 +32,7 @@ RUNS = [
     (2, "", "mms -options_file missing_letter.opts"),
     (0, "again", f"rod {SHORT} -ts_max_steps 30"),
     (2, "", f"rod {SHORT} -ts_max_steps 3 -log_view"),
-    (0, "last", f"rod {SHORT} -ts_max_steps 30 -fsi_spare 0"),
+    (0, "last", f"rod {SHORT} -ts_max_steps 30"),
 ]
 #: what a rank may be alone with leaves something behind where there are others
 ALONE = [(3, "", f"helped/memory.py {SHORT} -fsi_output memory.h5")]

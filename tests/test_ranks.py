@@ -25,7 +25,7 @@ _ROD = "-fsi_h 0.025 -ts_max_time 0.025 -rod_gravity -100 -fsi_output_dt 0.005"
 _FALL = "-fsi_h 0.05 -ts_max_time 0.02 -rod_gravity -1000"
 _MMS = "-fsi_h 0.025 -fsi_order 6 -ts_max_time 0.2 -fsi_output_dt 0.05"
 _WALLS = "-fsi_h 0.02 -fsi_order 6 -ts_max_time 0.1 -fsi_partition balanced"
-_ELSEWHERE = "-fsi_partition balanced -fsi_spare 0"
+_ELSEWHERE = "-fsi_partition balanced -fsi_spare 30"
 #: numba compiles for each sequence of layers, and once more for several ranks: few of them
 RUNS = {
     "rod": ("rod", _ROD),
@@ -53,7 +53,7 @@ RUNS = {
         "-fsi_h 0.025 -fsi_order 8 -fsi_output_dt 0.001 -ts_max_time 0.003 -pulse_amplitude 1000",
     ),
     "piston": (PISTON, "-ts_max_time 0.048"),
-    "piston out": (PISTON, "-ts_max_time 0.02 -piston_speed -20 -fsi_spare 3"),
+    "piston out": (PISTON, "-ts_max_time 0.02 -piston_speed -20"),
 }
 RUNS |= {"walls": (WALLS, f"-walls_state left {_WALLS}"), **test_dissipation_runs.SHARED}
 #: differ in where things are computed and stored, not in what
@@ -149,10 +149,6 @@ def test_the_boundaries_cross_cells(results):
     for name, layer, least in cells:
         counts = np.isfinite(results(1, name).layers[layer]["rho"]).sum(axis=1)
         assert np.ptp(counts) >= least, (name, layer)
-    assert len(results(1, "rod rk elsewhere").layers[2].X) < len(
-        results(1, "rod rk").layers[2].X
-    ), "and has grown from there"
-    assert len(results(1, "piston out").layers[0].X) > 41 + 3, "the grid has grown"
 
 
 def test_the_largest_number_of_ranks_works_and_one_more_is_refused(tmp_path):
@@ -165,20 +161,3 @@ def test_the_largest_number_of_ranks_works_and_one_more_is_refused(tmp_path):
     assert solve(*args, cwd=tmp_path, ranks=3).returncode == 0
     run = fsipetsc.open_run(tmp_path / "rod.h5")
     assert (run.summary["ranks"], run.summary["steps"]) == (3, 10)
-
-
-def test_a_grid_grows_while_another_has_shrunk(tmp_path):
-    """The gas above needs points when that below has too few left to feed its two ranks: these
-    keep what they own.
-    """
-    line = "rod -fsi_order 2 -fsi_h 0.1 -rod_wall -0.1 -rod_top 2.6 -rod_gravity -1000 "
-    line += "-fsi_spare 2 -ts_max_time 0.03"
-    files = [
-        compute(n, tmp_path / str(n), {"rod": tuple(line.split(" ", 1))})["rod"] for n in (1, 4)
-    ]
-    one, four = map(fsipetsc.open_run, files)
-    assert four.complete
-    counts = [np.isfinite(layer["u"]).sum(axis=1) for layer in four.layers]
-    assert counts[0][0] == 12 and counts[0][-1] < 12, "two shares of six points, and then no more"
-    assert len(four.layers[2].X) > 9, "the grid has grown"
-    assert_same(one, four)

@@ -64,7 +64,7 @@ def test_the_wall_holds_when_its_ghost_point_changes(wall, gravity, change):
     now, after any step.
     """
     with at_rest(rod_wall=wall, rod_gravity=gravity) as state:
-        record, ghosts, gas = state.layout.records[0], [], state.laws[0]
+        record, ghosts, gas = state.layout.records[0], [], state.layers[0].law
         for _ in range(70):
             state.step(0.0, 1e-4, True)
             ghosts.append(int(record["lo"]))

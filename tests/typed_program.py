@@ -6,7 +6,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 import fsipetsc
-from fsipetsc import BlockProblem, Fluid, FluidLayer, InputError, Option, Problem, Solid, SolidLayer, free
+from fsipetsc import (
+    BlockProblem,
+    Fluid,
+    FluidLayer,
+    InputError,
+    Option,
+    Problem,
+    Solid,
+    SolidLayer,
+    free,
+)
 from fsipetsc.blocks.conditions import Condition, NoSlip, Outflow
 from fsipetsc.blocks.layers import Layer, layers
 from fsipetsc.boundaries import Wall

@@ -1,8 +1,9 @@
-"""The linearised coupled problem (4.2): a solid layer left of a fluid layer, each with n points, and what it says.
+"""The linearised coupled problem (4.2): a solid layer left of a fluid layer, each with n points.
 
-Small disturbances of a constant state obey (3.6) and (3.8). Per point there are six unknowns, fluid (rho, u, T) and
-solid (u, S, T). S = sigma - x_X' dp_s/dx_X stands for stress and strain, which act as this sum alone: with x_t = u it obeys
-S_t = K^ u_X, K^ = (K - x_X dp_s/dx_X)/x_X, and what is left, K x_X'/x_X - sigma, never changes.
+Small disturbances of a constant state obey (3.6) and (3.8). Per point there are six unknowns, fluid
+(rho, u, T) and solid (u, S, T). S = sigma - x_X' dp_s/dx_X stands for stress and strain, which act
+as this sum alone: with x_t = u it obeys S_t = K^ u_X, K^ = (K - x_X dp_s/dx_X)/x_X, and what is
+left, K x_X'/x_X - sigma, never changes.
 
     fluid   rho_t = -rho^ D u
             u_t   = -D (p_T T + p_rho rho)/rho^ + mu'/rho^ D2 u
@@ -11,15 +12,17 @@ S_t = K^ u_X, K^ = (K - x_X dp_s/dx_X)/x_X, and what is left, K x_X'/x_X - sigma
             S_t   = K^ D u
             T_t   = (-p^ D u + kappa_e/x_X D2 T) / (alpha m0)
 
-D2 is D twice or the narrow second derivative, c = dp_s/dT, and the gas's equation of T is that of laws p(rho, T) and e(rho, T)
-with rho^2 e_rho = p - T p_T, as thermodynamics has it. The energy E = h sum_j a_j (W q^2)_j has the weights of
-fsipetsc.paper.coupling. In it the equations are symmetric but for a part of the last one: -p^ = -c T^ + (c T^ - p^). In
-Grüneisen's solid c T^ - p^ is the stress sigma^, and that part the heat that a stress sigma^ != 0 sets free.
+D2 is D twice or the narrow second derivative, c = dp_s/dT, and the gas's equation of T is that of
+laws p(rho, T) and e(rho, T) with rho^2 e_rho = p - T p_T, as thermodynamics has it. The energy
+E = h sum_j a_j (W q^2)_j has the weights of fsipetsc.paper.coupling. In it the equations are
+symmetric but for a part of the last one: -p^ = -c T^ + (c T^ - p^). In Grüneisen's solid c T^ - p^
+is the stress sigma^, and that part the heat that a stress sigma^ != 0 sets free.
 
-With the conservative coupling D of a flux is without what goes through the interface (fsipetsc.blocks). D is
-fsipetsc.operators' and the interface is treated by the code that the solver calls, differentiated numerically at the
-constant state. At the outer ends u = 0, and T = 0 in what conducts: orthogonal projections that neither add nor take
-energy, so that growth comes from the interface or from the equations.
+With the conservative coupling D of a flux is without what goes through the interface
+(fsipetsc.blocks). The interface is treated by the code that the solver calls, differentiated
+numerically at the constant state. At the outer ends u = 0, and T = 0 in what conducts: orthogonal
+projections that neither add nor take energy, so that growth comes from the interface or from the
+equations.
 """
 
 from __future__ import annotations
@@ -36,23 +39,26 @@ from fsipetsc.operators import operator
 from fsipetsc.operators.narrow import remainder
 from fsipetsc.operators.sbp import row_length
 from fsipetsc.paper.coupling import KINDS, Face, couple
-from fsipetsc.paper.laws import elastic_of, gas_of
+from fsipetsc.paper.laws import law_of
 from fsipetsc.paper.stencils import CALL, packed
 
 #: step of the numerical differentiation, relative to the size of each variable
 STEP = 2.0**-7
-#: growth over the largest |lambda| that counts as round-off: of the energy, of a mode (an eigenvalue of a matrix that is not
-#: normal is less certain); part of the step limit of the uncoupled layers that a treatment of the interface must leave
+#: growth over the largest |lambda| that counts as round-off: of the energy, of a mode (an
+#: eigenvalue of a matrix that is not normal is less certain); part of the step limit of the
+#: uncoupled layers that a treatment of the interface must leave
 ENERGY_TOLERANCE, MODE_TOLERANCE, STEP_KEPT = 1e-10, 1e-9, 0.95
 
 
 class Linear(NamedTuple):
-    """The assembled problem in the variables sqrt(h a W) q, in which the energy is the square of the vector.
+    """The assembled problem in the variables sqrt(h a W) q, in which the energy is the square of
+    the vector.
 
-    raw: (6n, 6n) right-hand side of both layers without any condition, symmetric in the last equation; heating: (6n, 6n)
-    what c T^ - p^ adds; projection: (6n, 6n) all conditions; free: (6n,) 0 where a layer alone is held: at its outer end, and
-    at the interface in the same way, but with the conservative coupling, where it is free and insulated.
-    Order: fluid rho, u, T, solid u, S, T; in each the points from left to right.
+    raw: (6n, 6n) right-hand side of both layers without any condition, symmetric in the last
+    equation; heating: (6n, 6n) what c T^ - p^ adds; projection: (6n, 6n) all conditions; free:
+    (6n,) 0 where a layer alone is held: at its outer end, and at the interface in the same way, but
+    with the conservative coupling, where it is free and insulated. Order: fluid rho, u, T, solid
+    u, S, T; in each the points from left to right.
     """
 
     raw: Real
@@ -61,20 +67,22 @@ class Linear(NamedTuple):
     free: Real
 
 
-def assemble(state: Constant, order: int, n: int, h: float, coupling: str, narrow: bool = False) -> Linear:
-    """The problem with n points of spacing h [m] in each layer. ValueError if the closures do not fit."""
-    op = operator(order)
+def assemble(
+    state: Constant, order: int, n: int, h: float, coupling: str, narrow: bool = False
+) -> Linear:
+    """The problem with n points of spacing h [m] in each layer."""
+    op, conservative = operator(order), coupling == "conservative"
     D, H = op.matrix(n, h), h * op.norm_weights(n)
     narrowing = remainder(op.interior, np.ones(n)) / (h * H[:, None]) if narrow else 0.0
     outer = D.copy(), D.copy()
-    if coupling == "conservative":  # no flux through the interface is in the rates of the end points
+    if conservative:  # no flux through the interface is in the rates of the end points
         outer[0][0, 0] += 1.0 / H[0]
         outer[1][-1, -1] -= 1.0 / H[0]
     ends = np.ones((6, n))
     ends[1, -1] = ends[3, 0] = 0.0
     ends[2, -1] = 0.0 if state.gas.kappa > 0 else 1.0
     ends[5, 0] = 0.0 if state.solid.kappa_e > 0 else 1.0
-    both = ends if coupling == "conservative" else ends * ends[:, ::-1]
+    both = ends if conservative else ends * ends[:, ::-1]
     interface = scatter(interface_jacobian(state, order, h, coupling), n)
     root = np.sqrt(np.outer(state.weights, H)).ravel()
     scaled = root[:, None] / root
@@ -83,40 +91,44 @@ def assemble(state: Constant, order: int, n: int, h: float, coupling: str, narro
     return Linear(scaled * raw, scaled * heating, scaled * conditions, both.ravel())
 
 
-def rates(state: Constant, D: Real, outer: Sequence[Real], second: Sequence[Real]) -> tuple[Real, Real]:
+def rates(
+    state: Constant, D: Real, outer: Sequence[Real], second: Sequence[Real]
+) -> tuple[Real, Real]:
     """(right-hand side without the heating by c T^ - p^, that heating), (6n, 6n).
 
-    D: derivative of the velocities, (n, n); outer, second: in fluid and solid those of the stress and, of second order, of what
-    is conducted or diffuses.
+    D: derivative of the velocities, (n, n); outer, second: in fluid and solid those of the stress
+    and, of second order, of what is conducted or diffuses.
     """
     solid, rho, T, c = state.solid, state.rho, state.T, state.solid_p_T
     heat, heat_f, o = solid.alpha * solid.m0, rho * state.heat_capacity, np.zeros_like(D)
     (Df, Ds), (D2f, D2s) = outer, second
-    fluid = [
-        [o, -rho * D, o],
-        [-state.bulk / rho**2 * Df, 4 / 3 * state.mu / rho * D2f, -state.p_T / rho * Df],
-        [o, -T * state.p_T / heat_f * D, state.kappa / heat_f * D2f],
-    ]
-    elastic = [
-        [o, Ds / solid.m0, -c / solid.m0 * Ds],
-        [state.modulus * D, o, o],
-        [-c * T / heat * D, o, solid.kappa_e / state.stretch / heat * D2s],
-    ]
-    heated = np.block([[o] * 3, [o] * 3, [state.excess / heat * D, o, o]])
-    none = np.zeros_like(heated)
-    return np.block([[np.block(fluid), none], [none, np.block(elastic)]]), np.block([[none, none], [none, heated]])
+    p_rho, mu = state.bulk / rho, 4 / 3 * state.mu
+    raw = np.block(
+        [
+            [o, -rho * D, o, o, o, o],
+            [-p_rho / rho * Df, mu / rho * D2f, -state.p_T / rho * Df, o, o, o],
+            [o, -T * state.p_T / heat_f * D, state.kappa / heat_f * D2f, o, o, o],
+            [o, o, o, o, Ds / solid.m0, -c / solid.m0 * Ds],
+            [o, o, o, state.modulus * D, o, o],
+            [o, o, o, -c * T / heat * D, o, solid.kappa_e / state.stretch / heat * D2s],
+        ]
+    )
+    heating = np.zeros_like(raw)
+    n = len(D)
+    heating[5 * n :, 3 * n : 4 * n] = state.excess / heat * D
+    return raw, heating
 
 
 def interface_jacobian(state: Constant, order: int, h: float, coupling: str) -> Real:
     """Derivative, (6 rows, 6 rows), of the interface treatment at the constant state.
 
-    Order as in Linear, rows counted from the interface into each layer. That of the paper's couplings is of the solver's own
-    code.
+    Order as in Linear, rows counted from the interface into each layer. That of the paper's
+    couplings is of the solver's own code.
     """
     rows = row_length(operator(order))
     if coupling == "conservative":
         return one_particle(state, rows)
-    gas, solid = gas_of(state.gas), elastic_of(state.solid)
+    gas, solid = law_of(state.gas), law_of(state.solid)
     size = 6 * rows
     constant = np.repeat([state.rho, 0.0, state.T, 0.0, state.stress, state.T], rows)
     steps = STEP * np.repeat(state.scales, rows)
@@ -129,24 +141,27 @@ def interface_jacobian(state: Constant, order: int, h: float, coupling: str) -> 
     s = np.stack([v, sigma, Ts, places], axis=-1)
     couple_all(packed(order), Face(KINDS[coupling], gas, solid, 1.0, h), np.zeros(4), f, s)
     u, T = gas.velocity_and_temperature(*np.moveaxis(f, -1, 0))
-    after = np.stack([f[..., 0], u, T, *np.moveaxis(s, -1, 0)[:3]], axis=1).reshape(8, size, size)
-    differences = after[4:] - after[3::-1]
-    return np.tensordot(CENTRAL, differences, 1).T / steps
+    after = np.stack([f[..., 0], u, T, *np.moveaxis(s, -1, 0)[:3]], axis=1)
+    after = after.reshape(8, size, size)
+    return np.tensordot(CENTRAL, after[4:] - after[3::-1], 1).T / steps
 
 
 @njit(**CALL)
 def couple_all(ops, face, jump, f, s):
-    """The treatment of one interface for many rows, in place: f (m, rows, 3) of the gas, s (m, rows, 4) of the solid."""
+    """The treatment of one interface for many rows, in place: f (m, rows, 3) of the gas, s (m,
+    rows, 4) of the solid."""
     for m in range(len(f)):
         couple(ops[0], face, jump, f[m], s[m])
 
 
 def one_particle(state: Constant, rows: int) -> Real:
-    """The same of the conservative coupling: the two end points share momentum, and heat if both conduct it."""
+    """The same of the conservative coupling: the two end points share momentum, and heat if both
+    conduct it."""
     jacobian = np.eye(6 * rows)
     pairs = [(1, 3, state.rho, state.solid.m0)]
     if state.kappa > 0.0 and state.solid.kappa_e > 0.0:
-        pairs.append((2, 5, state.rho * state.heat_capacity, state.solid.alpha * state.solid.m0))
+        heat_capacities = state.rho * state.heat_capacity, state.solid.alpha * state.solid.m0
+        pairs.append((2, 5, *heat_capacities))
     for of_gas, of_solid, a, b in pairs:
         points = np.array([of_gas, of_solid]) * rows
         jacobian[np.ix_(points, points)] = np.array([[a, b], [a, b]]) / (a + b)
@@ -154,7 +169,7 @@ def one_particle(state: Constant, rows: int) -> Real:
 
 
 def scatter(jacobian: Real, n: int) -> Real:
-    """The interface treatment on all points, (6n, 6n), from its derivative on the rows at the interface."""
+    """The interface treatment on all points, (6n, 6n), from its derivative on the rows there."""
     rows = len(jacobian) // 6
     fluid, solid = np.arange(rows), n - 1 - np.arange(rows)
     index = np.concatenate([v * n + (fluid if v < 3 else solid) for v in range(6)])
@@ -163,12 +178,15 @@ def scatter(jacobian: Real, n: int) -> Real:
     return full
 
 
-def measure(state: Constant, order: int, n: int, h: float, coupling: str, narrow: bool = False) -> Result:
-    """All numbers for n points of spacing h [m] in each layer, and D twice or narrow second derivatives.
+def measure(
+    state: Constant, order: int, n: int, h: float, coupling: str, narrow: bool = False
+) -> Result:
+    """All numbers for n points of spacing h [m] in each layer, and D twice or narrow second
+    derivatives.
 
-    Energy: with w the vector of Linear, w = P w, d/dt |w|^2 / 2 = w^T P L w. Its largest value for |w| = 1 is the largest
-    eigenvalue of the symmetric part of Z^T P L Z, Z an orthonormal basis of the range of P: 0 or less where the estimate
-    holds. Modes: eigenvalues of Z^T P L Z.
+    Energy: with w the vector of Linear, w = P w, d/dt |w|^2 / 2 = w^T P L w. Its largest value for
+    |w| = 1 is the largest eigenvalue of the symmetric part of Z^T P L Z, Z an orthonormal basis of
+    the range of P: 0 or less where the estimate holds. Modes: eigenvalues of Z^T P L Z.
     """
     problem = assemble(state, order, n, h, coupling, narrow)
     P, Z = problem.projection, range_basis(problem.projection)
@@ -178,13 +196,26 @@ def measure(state: Constant, order: int, n: int, h: float, coupling: str, narrow
         return float(np.linalg.eigvalsh((A + A.T) / 2).max()), np.linalg.eigvals(A)
 
     energy, spectrum = growths(problem.raw)
-    heated_energy, heated = growths(problem.raw + problem.heating) if state.excess else (energy, spectrum)
+    heated_energy, heated = growths(problem.raw + problem.heating)
     alone = np.outer(problem.free, problem.free) * problem.raw
     halves = alone[: 3 * n, : 3 * n], alone[3 * n :, 3 * n :]
     uncoupled = min(step_limit(np.linalg.eigvals(half)) for half in halves)
     radius, step = float(np.abs(spectrum).max()), step_limit(spectrum)
-    growth = [float(values.real.max()) / radius for values in (spectrum, heated)]
-    numbers = energy / radius, growth[0], heated_energy / radius, growth[1], radius, step, step / uncoupled
-    modes = [part <= MODE_TOLERANCE for part in growth]
-    fine = energy <= ENERGY_TOLERANCE * radius, *modes, step >= STEP_KEPT * uncoupled
-    return Result(order, coupling, state.solid.m0 / state.rho, state.solid.K / state.p, *numbers, *fine)
+    growth, growth_heated = (float(v.real.max()) / radius for v in (spectrum, heated))
+    return Result(
+        order=order,
+        coupling=coupling,
+        density_ratio=state.solid.m0 / state.rho,
+        stiffness_ratio=state.solid.K / state.p,
+        energy=energy / radius,
+        growth=growth,
+        heated_energy=heated_energy / radius,
+        heated=growth_heated,
+        radius=radius,
+        step=step,
+        step_ratio=step / uncoupled,
+        estimate=energy <= ENERGY_TOLERANCE * radius,
+        stable=growth <= MODE_TOLERANCE,
+        heated_stable=growth_heated <= MODE_TOLERANCE,
+        step_kept=step >= STEP_KEPT * uncoupled,
+    )

@@ -7,7 +7,6 @@ fsipetsc.blockrun.scheme.
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any, NamedTuple
@@ -25,6 +24,7 @@ from fsipetsc.blockrun.recorded_nodes import Recorded, Recorder
 from fsipetsc.blockrun.run_problem import RunProblem
 from fsipetsc.checks import counted
 from fsipetsc.errors import FsiError, InputError
+from fsipetsc.operators.kernel_cache import announced
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_layout import BlockLayout, BlockVector, halos_of
 from fsipetsc.parallel.natural_order import NaturalOrder
@@ -46,8 +46,6 @@ PACE_AT_SHOCKS = {2: 1.0, 4: 1.0, 6: 1.0, 8: 4.0 / 3.0}
 PARTS = 1, 2, 4, 8, 16
 #: records of steps that are kept before they are written
 KEPT = 4096
-#: seconds of compiling after which a word is due
-PATIENCE = 2.0
 #: nodes of a problem that rank 0 can hold alone
 MOST_ALONE = 500_000
 
@@ -188,24 +186,16 @@ class BlockState:
 
     # set-up
 
-    def compile(
-        self, announce: Callable[[str], None], also: Callable[[], object] = lambda: None
-    ) -> None:
+    def compile(self, announce: Callable[[str], None]) -> None:
         """Compile the kernels: rank 0 first, the others find them on the disk.
 
         Rank 0 tries all of the scheme on the whole problem, alone; on very large ones each rank
         compiles when it comes to it.
         """
         if self.comm.rank == 0:
-            words = "compiling the kernels for the materials of this case"
-            timer = threading.Timer(PATIENCE, announce, (words,))
-            timer.daemon = True
-            timer.start()
-            try:
+            with announced(announce):
                 self._compile_own()
                 self._try_scheme()
-            finally:
-                timer.cancel()
         wait_asleep(self.comm)
         self._compile_own()
 
@@ -230,12 +220,6 @@ class BlockState:
             scheme.destroy()
             y.destroy()
             alone.destroy()
-
-    def compile_saving(self) -> None:
-        """All has been compiled."""
-
-    def compile_path(self, announce: Callable[[str], None]) -> None:
-        """All has been compiled."""
 
     def check_data(self) -> None:
         """Ask the case's functions for all data at t = 0. InputError."""

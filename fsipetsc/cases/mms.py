@@ -1,9 +1,11 @@
-"""Manufactured solution (Sec. 5.1): fluid | solid | fluid with forcing in the layers and at the interfaces.
+"""Manufactured solution (Sec. 5.1): fluid | solid | fluid with forcing in the layers and at the
+interfaces.
 
-The fields (5.1), (5.2) are given in the coordinate X of each layer's own grid; x is given in the solid alone. So the
-forcing of a fluid contains the exact velocity s of its frame, the fluid's at its interface point, and the embedded
-boundaries lie at X = X_I + x_boundary - x(X_I, t). Density, velocity and temperature at the boundaries are exact
-data; the four interface conditions get the jumps of the exact solution.
+The fields (5.1), (5.2) are given in the coordinate X of each layer's own grid; x is given in the
+solid alone. So the forcing of a fluid contains the exact velocity s of its frame, the fluid's at
+its interface point, and the embedded boundaries lie at X = X_I + x_boundary - x(X_I, t). Density,
+velocity and temperature at the boundaries are exact data; the four interface conditions get the
+jumps of the exact solution.
 """
 
 from __future__ import annotations
@@ -43,7 +45,7 @@ OPTIONS = (
     Option("mms_epsilon", "float", 0.2, "", "epsilon of (5.2d)"),
     Option("mms_omega", "float", 2.0, "1/m", "wave number omega of (5.1), (5.2)"),
     Option("mms_phi", "float", 0.47, "", "phase phi of (5.1b)"),
-    Option("mms_degree", "int", None, "", "degree of the embedded-boundary formulas; default: what suits the order", DEGREES),
+    Option("mms_degree", "int", None, "", "degree of the ends' formulas, if not by order", DEGREES),
 )
 #: interfaces and grids are the paper's
 DEFAULTS = {
@@ -55,7 +57,8 @@ LEFT, RIGHT = 0.25, 4.0
 
 
 def _once_per_grid(modes: Callable[..., Sequence[np.ndarray]]) -> Callable[..., Any]:
-    """Keep what a method finds from X alone, because every stage asks for it at the same points: (modes, n), or floats."""
+    """Keep what a method finds from X alone, because every stage asks for it at the same points:
+    (modes, n), or floats."""
 
     @lru_cache(maxsize=64)
     def kept(exact: Exact, points: bytes, shape: tuple[int, ...]) -> np.ndarray | list[float]:
@@ -72,7 +75,8 @@ def _once_per_grid(modes: Callable[..., Sequence[np.ndarray]]) -> Callable[..., 
 
 @dataclass(frozen=True)
 class Exact:
-    """The exact solution; eps, omega, phi as in (5.1), (5.2). A field is a function of t times a *mode* in X, plus 1, 10, …"""
+    """The exact solution; eps, omega, phi as in (5.1), (5.2). A field is a function of t times a
+    *mode* in X, plus 1, 10, …"""
 
     eps: float
     omega: float
@@ -88,7 +92,8 @@ class Exact:
 
     @_once_per_grid
     def solid_modes(self, X: np.ndarray) -> tuple[np.ndarray, ...]:
-        """Modes of u and x-X, of sigma, of T, then their X-derivatives, then the second ones of x, T."""
+        """Modes of u and x-X, of sigma, of T, then their X-derivatives, then the second ones of x,
+        T."""
         w, a = self.omega, 2 * np.pi
         modes = 1 + X + self.eps * np.sin(a * X), np.sin(w * X), np.sin(3 * X)
         slopes = 1 + self.eps * a * np.cos(a * X), w * np.cos(w * X), 3 * np.cos(3 * X)
@@ -107,13 +112,15 @@ class Exact:
 
 @njit(**COMPILED)
 def fluid_forcing(modes, t, s, mu, kappa, R, cv):
-    """What the exact solution leaves over in (4.20), shape (3, n), in a frame of velocity s; mu is 4/3 of the viscosity."""
+    """What the exact solution leaves over in (4.20), shape (3, n), in a frame of velocity s; mu is
+    4/3 of the viscosity."""
     out = np.empty((3, modes.shape[1]))
     a, b, c, a_t, b_t, c_t = cos(t), sin(t), sin(3 * t), -sin(t), cos(t), 3 * cos(3 * t)
     for i in range(modes.shape[1]):
         rho, u, T = 1 + a * modes[0, i], b * modes[1, i], 10 + c * modes[2, i]
         rho_t, u_t, T_t = a_t * modes[0, i], b_t * modes[1, i], c_t * modes[2, i]
-        rho1, u1, T1, u2, T2 = a * modes[3, i], b * modes[4, i], c * modes[5, i], b * modes[6, i], c * modes[7, i]
+        rho1, u1, T1 = a * modes[3, i], b * modes[4, i], c * modes[5, i]
+        u2, T2 = b * modes[6, i], c * modes[7, i]
         p, p1 = R * rho * T, R * (rho1 * T + rho * T1)
         mass = rho_t + rho1 * (u - s) + rho * u1
         force = rho * (u_t + (u - s) * u1) + p1 - mu * u2
@@ -129,7 +136,8 @@ def solid_forcing(modes, t, K, kappa_e, m0, alpha):
     out = np.zeros((4, modes.shape[1]))
     b, b_t, c, c_t, half = sin(t * t), 2 * t * cos(t * t), cos(t), -sin(t), 0.5 * t * t
     for i in range(modes.shape[1]):
-        u1, sigma1, T1, x1 = t * modes[3, i], b * modes[4, i], c * modes[5, i], 1 + half * modes[3, i]
+        u1, sigma1, T1 = t * modes[3, i], b * modes[4, i], c * modes[5, i]
+        x1 = 1 + half * modes[3, i]
         x2, T2 = half * modes[6, i], c * modes[7, i]
         conduction = kappa_e * (T2 / x1 - T1 * x2 / (x1 * x1))
         out[0, i] = modes[0, i] - sigma1 / m0
@@ -138,8 +146,11 @@ def solid_forcing(modes, t, K, kappa_e, m0, alpha):
     return out
 
 
-def jumps(exact: Exact, gas: Fluid, solid: Solid, X_I: float, t: float) -> tuple[float, float, float, float]:
-    """Left over in u_s = u_f, the stress condition, T_s = T_f and the heat-flux condition at X_I."""
+def jumps(
+    exact: Exact, gas: Fluid, solid: Solid, X_I: float, t: float
+) -> tuple[float, float, float, float]:
+    """Left over in u_s = u_f, the stress condition, T_s = T_f and the heat-flux condition at
+    X_I."""
     rho, uf, Tf = exact.fluid(X_I, t)
     us, sigma, Ts, _ = exact.solid(X_I, t)
     uf1, Tf1 = exact.fluid_modes(X_I)[4:6]
@@ -153,7 +164,9 @@ def build(opt: Mapping[str, Any]) -> Problem:
     """Solid in 1 < X < 2, fluid beside it in 1/4 < x < 4."""
     if opt["fsi_coupling"] == "conservative":
         problem = "the solution of mms is a function of X in a rigid frame"
-        raise InputError(f"-fsi_coupling conservative: {problem}: take projection, energy or traditional")
+        raise InputError(
+            f"-fsi_coupling conservative: {problem}: take projection, energy or traditional"
+        )
     exact = Exact(opt["mms_epsilon"], opt["mms_omega"], opt["mms_phi"])
     gas = gas_of(opt)
     solid = solid_of(opt)
@@ -171,7 +184,9 @@ def build(opt: Mapping[str, Any]) -> Problem:
             gas,
             X,
             initial=lambda X: exact.fluid(X, 0.0),
-            forcing=lambda X, t: fluid_forcing(exact.fluid_modes(X), t, exact.fluid(X_I, t)[1], *gas_numbers),
+            forcing=lambda X, t: fluid_forcing(
+                exact.fluid_modes(X), t, exact.fluid(X_I, t)[1], *gas_numbers
+            ),
             exact=exact.fluid,
         )
 
@@ -180,7 +195,9 @@ def build(opt: Mapping[str, Any]) -> Problem:
         solid,
         (1.0, 2.0),
         initial=lambda X: exact.solid(X, 0.0),
-        forcing=lambda X, t: solid_forcing(exact.solid_modes(X), t, solid.K, solid.kappa_e, solid.m0, solid.alpha),
+        forcing=lambda X, t: solid_forcing(
+            exact.solid_modes(X), t, solid.K, solid.kappa_e, solid.m0, solid.alpha
+        ),
         exact=exact.solid,
     )
     return Problem(

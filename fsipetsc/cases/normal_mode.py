@@ -1,14 +1,17 @@
-"""Normal modes of a gas at rest over an elastic layer, by Chebyshev collocation: an eigenvalue problem across the layers.
+"""Normal modes of a gas at rest over an elastic layer, by Chebyshev collocation: an eigenvalue
+problem across the layers.
 
-Disturbances of a gas of density rho, temperature T and pressure p between y = 0 and a rigid adiabatic wall at y = height, and
-displacements (x, y) of a solid between a clamped end at y = -depth and 0, all times exp(i k X + s t):
+Disturbances of a gas of density rho, temperature T and pressure p between y = 0 and a rigid
+adiabatic wall at y = height, and displacements (x, y) of a solid between a clamped end at
+y = -depth and 0, all times exp(i k X + s t):
 
     s rho'       = -rho (i k u + v_y)                          m0 s (U, V) = Div sigma(x, y)
     rho s (u, v) = -grad p' + Div tau                          s (x, y)    = (U, V)
     rho cv s T'  = -p (i k u + v_y) + kappa (T'_yy - k^2 T'),  p' = R (rho T' + T rho')
 
-with Hooke's law in plane strain. At y = 0 velocities and tractions are one and no heat passes; where mu = 0 the gas slips, and
-only what is normal is one. The pressure at rest drops out, as the solid is free of strain under it.
+with Hooke's law in plane strain. At y = 0 velocities and tractions are one and no heat passes;
+where mu = 0 the gas slips, and only what is normal is one. The pressure at rest drops out, as the
+solid is free of strain under it.
 """
 
 from __future__ import annotations
@@ -24,14 +27,16 @@ from fsipetsc.materials.solid import ElasticSolid
 
 #: points of the collocation in either layer
 POINTS = 36
-#: eigenvalues larger than this times k c are those of the collocation itself; modes change less than this with more points
+#: eigenvalues larger than this times k c are those of the collocation itself; modes change less
+#: than this with more points
 LARGE, RESOLVED = 200.0, 1e-7
 GAS, SOLID = ("rho", "u", "v", "T"), ("x", "y", "U", "V")
 Array = np.ndarray
 
 
 def chebyshev(n: int, low: float, high: float) -> tuple[Array, Array]:
-    """(points from high to low, matrix of the derivative), n points (Trefethen, Spectral Methods in MATLAB, ch. 6)."""
+    """(points from high to low, matrix of the derivative), n points (Trefethen, Spectral Methods in
+    MATLAB, ch. 6)."""
     angles = np.pi * np.arange(n) / (n - 1)
     x = np.cos(angles)
     c = np.where((np.arange(n) % (n - 1)) == 0, 2.0, 1.0) * (-1.0) ** np.arange(n)
@@ -65,7 +70,8 @@ class Mode:
 
 @dataclass(frozen=True)
 class Layers:
-    """What has the modes: a gas of density rho and temperature T [SI], height high, over a solid of this depth."""
+    """What has the modes: a gas of density rho and temperature T [SI], height high, over a solid of
+    this depth."""
 
     gas: Fluid
     solid: ElasticSolid
@@ -75,14 +81,19 @@ class Layers:
     T: float = 1.0
 
     def mode(self, k: float, number: int) -> Mode:
-        """The mode of this number, from 0 on, by increasing frequency, of those that swing more than they decay.
+        """The mode of this number, from 0 on, by increasing frequency, of those that swing more
+        than they decay.
 
-        Its interface is displaced by 1, where that is largest. InputError where the collocation does not resolve it.
+        Its interface is displaced by 1, where that is largest. InputError where the collocation
+        does not resolve it.
         """
-        found, finer = self._modes(k, POINTS), np.array([mode.s for mode in self._modes(k, POINTS * 4 // 3)])
+        found = self._modes(k, POINTS)
+        finer = np.array([mode.s for mode in self._modes(k, POINTS * 4 // 3)])
         modes = [mode for mode in found if np.min(np.abs(mode.s - finer)) < RESOLVED * abs(mode.s)]
         if number >= len(modes):
-            raise InputError(f"-wave_mode {number}: expected a number below {len(modes)}: no more modes are resolved")
+            raise InputError(
+                f"-wave_mode {number}: expected a number below {len(modes)}: no more are resolved"
+            )
         return modes[number]
 
     def _modes(self, k: float, n: int) -> list[Mode]:
@@ -90,7 +101,11 @@ class Layers:
         values, vectors = eig(A, B)
         c = np.sqrt(self.gas.gamma * self.gas.R * self.T)
         with np.errstate(invalid="ignore"):
-            good = np.isfinite(values) & (np.abs(values) < LARGE * k * c) & (values.imag > np.abs(values.real))
+            good = (
+                np.isfinite(values)
+                & (np.abs(values) < LARGE * k * c)
+                & (values.imag > np.abs(values.real))
+            )
             good &= values.imag > 1e-6 * k * c
         chosen = sorted(np.flatnonzero(good), key=lambda i: values[i].imag)
         return [self._scaled(values[i], vectors[:, i].reshape(8, n)) for i in chosen]
@@ -102,7 +117,8 @@ class Layers:
         return Mode(complex(s), parts[:4], parts[4:])
 
     def _matrices(self, k: float, n: int) -> tuple[Array, Array]:
-        """A z = s B z, z the four unknowns of the gas and the four of the solid, each at n points from above."""
+        """A z = s B z, z the four unknowns of the gas and the four of the solid, each at n points
+        from above."""
         (_, D), (_, E) = chebyshev(n, 0.0, self.height), chebyshev(n, -self.depth, 0.0)
         gas, rho, T = self.gas, self.rho, self.T
         A, B = np.zeros((8, n, 8, n), complex), np.zeros((8, n, 8, n))

@@ -1,11 +1,12 @@
 """A sound pulse meets the interface of the two-domain problem (Fig. 2, Sec. 4): solid | fluid.
 
-Both materials rest under the pressure p0. A Gaussian pulse starts in the fluid (or in the solid) and travels to the
-interface at X = 0; a part is reflected, a part goes through. For small amplitudes and without viscosity and heat
-conduction, which are the defaults, linear acoustics gives the exact solution: with the impedances Z = rho c of the
-gas and m0 c of the solid (sqrt(K m0) if it is elastic and not strained) the reflected pressure is (Z2-Z1)/(Z2+Z1),
-the transmitted one 2 Z2/(Z1+Z2) of the incoming one. In the solid p - sigma changes by -m0 c^2 times the change of
-x_X. What remains of the error on fine grids is of second order in the amplitude.
+Both materials rest under the pressure p0. A Gaussian pulse starts in the fluid (or in the solid)
+and travels to the interface at X = 0; a part is reflected, a part goes through. For small
+amplitudes and without viscosity and heat conduction, which are the defaults, linear acoustics gives
+the exact solution: with the impedances Z = rho c of the gas and m0 c of the solid (sqrt(K m0) if it
+is elastic and not strained) the reflected pressure is (Z2-Z1)/(Z2+Z1), the transmitted one
+2 Z2/(Z1+Z2) of the incoming one. In the solid p - sigma changes by -m0 c^2 times the change of x_X.
+What remains of the error on fine grids is of second order in the amplitude.
 """
 
 from __future__ import annotations
@@ -43,9 +44,9 @@ OPTIONS = (
     Option("solid_stretch", "float", 1.0, "-", "strain x_X of the solid at rest", check="positive"),
     Option("pulse_p0", "float", 1e5, "Pa", "pressure at rest", check="positive"),
     Option("pulse_T0", "float", 300.0, "K", "temperature at rest", check="positive"),
-    Option("pulse_amplitude", "float", 1.0, "Pa", "largest pressure of the pulse; linear theory needs it small against p0"),
-    Option("pulse_width", "float", 0.12, "m", "the pulse is exp(-(distance/width)^2)", check="positive"),
-    Option("pulse_start", "float", 0.75, "m", "where the pulse starts: above 0 in the fluid, below in the solid"),
+    Option("pulse_amplitude", "float", 1.0, "Pa", "pressure of the pulse, small against p0"),
+    Option("pulse_width", "float", 0.12, "m", "of exp(-(distance/width)^2)", check="positive"),
+    Option("pulse_start", "float", 0.75, "m", "where it starts: above 0 in the fluid, or below"),
     Option("pulse_size", "float", 1.5, "m", "thickness of either layer", check="positive"),
 )
 #: interfaces and grids are the paper's
@@ -59,9 +60,11 @@ _erf = np.vectorize(math.erf, otypes=[float])
 
 @dataclass(frozen=True)
 class Acoustics:
-    """Linear solution for a pulse that starts in one medium (impedance Z1, speed c1) and meets another (Z2, c2).
+    """Linear solution for a pulse that starts in one medium (impedance Z1, speed c1) and meets
+    another (Z2, c2).
 
-    side: +1 if the first medium lies at X > 0. arrival, duration: of the pulse at the interface [s].
+    side: +1 if the first medium lies at X > 0. arrival, duration: of the pulse at the interface
+    [s].
     """
 
     side: float
@@ -91,7 +94,9 @@ class Acoustics:
         scale = self.amplitude * self.duration * math.sqrt(math.pi) / 2
         return scale * (1 + _erf((time - self.arrival) / self.duration))
 
-    def waves(self, X: np.ndarray, t: float, first: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def waves(
+        self, X: np.ndarray, t: float, first: bool
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """(pressure, velocity, displacement) at X in the first or the second medium."""
         distance = np.abs(X)
         if first:
@@ -102,7 +107,8 @@ class Acoustics:
             return pressure, velocity, side * (R * self._impulse(going) - self._impulse(coming)) / Z
         going = t - distance / self.c2
         T, Z, side = self.transmission, self.Z2, -self.side
-        return T * self._pulse(going), side * T * self._pulse(going) / Z, side * T * self._impulse(going) / Z
+        pressure, impulse = T * self._pulse(going), T * self._impulse(going)
+        return pressure, side * pressure / Z, side * impulse / Z
 
 
 def rest(opt: Mapping[str, Any], solid: Solid) -> tuple[float, float, float]:
@@ -129,7 +135,10 @@ def build(opt: Mapping[str, Any]) -> Problem:
     solid = solid_of(opt)
     size, p0, T0 = opt["pulse_size"], opt["pulse_p0"], opt["pulse_T0"]
     if not 0 < abs(opt["pulse_start"]) < size:
-        raise InputError(f"-pulse_start {opt['pulse_start']:g} is not inside a layer: expected 0 < |start| < {size:g}")
+        raise InputError(
+            f"-pulse_start {opt['pulse_start']:g} is not inside a layer: "
+            f"expected 0 < |start| < {size:g}"
+        )
     linear = acoustics(opt, gas, solid)
     x_X, _, sigma = rest(opt, solid)
     in_fluid = linear.side > 0
@@ -147,7 +156,9 @@ def build(opt: Mapping[str, Any]) -> Problem:
 
     return Problem(
         layers=(
-            SolidLayer("solid", solid, (-size, 0.0), lambda X: exact_solid(X, 0.0), exact=exact_solid),
+            SolidLayer(
+                "solid", solid, (-size, 0.0), lambda X: exact_solid(X, 0.0), exact=exact_solid
+            ),
             FluidLayer("gas", gas, (0.0, size), lambda X: exact_gas(X, 0.0), exact=exact_gas),
         ),
         left=absorbing(-p0),

@@ -1,8 +1,8 @@
 """An elastic rod falls into a compressible gas and bounces (Sec. 5.2): fluid | solid | fluid.
 
-A wall stands at the lower end of the domain, the upper end is open. The paper does not give the initial state of
-the gas: at rest at 1e5 Pa and 300 K is inferred from its figures (one cycle ends at t = 0.90-0.91), and the rod
-starts under the stress -p0, so that only gravity disturbs the rest.
+A wall stands at the lower end of the domain, the upper end is open. The paper does not give the
+initial state of the gas: at rest at 1e5 Pa and 300 K is inferred from its figures (one cycle ends
+at t = 0.90-0.91), and the rod starts under the stress -p0, so that only gravity disturbs the rest.
 """
 
 from __future__ import annotations
@@ -44,8 +44,8 @@ OPTIONS = (
     Option("rod_gravity", "float", -10.0, "m/s2", "body force per mass on the rod"),
     Option("rod_p0", "float", 1e5, "Pa", "initial pressure of the gas", check="positive"),
     Option("rod_T0", "float", 300.0, "K", "initial temperature", check="positive"),
-    Option("rod_wall", "float", 0.0, "m", "position of the lower wall, below 1", check=_below_the_rod),
-    Option("rod_top", "float", 6.0, "m", "position of the open upper end, above 2", check=_above_the_rod),
+    Option("rod_wall", "float", 0.0, "m", "position of the lower wall", check=_below_the_rod),
+    Option("rod_top", "float", 6.0, "m", "position of the open upper end", check=_above_the_rod),
 )
 #: interfaces and grids are the paper's
 DEFAULTS = {

@@ -12,12 +12,42 @@ elastic solid.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from fsipetsc.checks import ANY, NONNEGATIVE, POSITIVE, numbers
 from fsipetsc.errors import InputError
 from fsipetsc.materials import own
 from fsipetsc.materials.solid_pressure import ConstantPressure, Gruneisen
+
+
+class Elastic(NamedTuple):
+    """The solid as formulas, for numbers, arrays and compiled loops. law: the pressure p of
+    J = x_X, T, m0 and alpha; the rest is as in ``Solid``."""
+
+    law: Any
+    K: float
+    kappa_e: float
+    m0: float
+    alpha: float
+    force: float
+
+    def pressure(self, T, x_X):
+        """p [Pa]."""
+        return self.law.pressure(x_X, T, self.m0, self.alpha)
+
+    def pressure_by_temperature(self, T, x_X):
+        """dp/dT at constant x_X [Pa/K]."""
+        return self.law.pressure_by_temperature(x_X, T, self.m0, self.alpha)
+
+    def stiffness(self, T, x_X):
+        """-x_X dp/dx_X at constant T [Pa]."""
+        return self.law.stiffness(x_X, T, self.m0, self.alpha)
+
+    def wave_modulus(self, T, p, sigma, x_X):
+        """m0 c^2 [Pa] of elastic waves in Lagrangian coordinates: what (3.1b-d) make of
+        (sigma - p)_t over u_X, (K - x_X p_x + x_X p_T (p - sigma)/(alpha m0))/x_X."""
+        p_T, heat = self.pressure_by_temperature(T, x_X), self.alpha * self.m0
+        return (self.K + self.stiffness(T, x_X) + x_X * p_T * (p - sigma) / heat) / x_X
 
 
 @dataclass(frozen=True)
@@ -54,29 +84,17 @@ class Solid:
             return own.checked_law(self.pressing, "Solid: pressing", own.PRESSURE)
         return Gruneisen(self.gruneisen) if self.gruneisen > 0.0 else ConstantPressure()
 
+    @property
+    def elastic(self) -> Elastic:
+        """The material as formulas."""
+        numbers = self.K, self.kappa_e, self.m0, self.alpha, self.force
+        return Elastic(self.pressure_law, *numbers)
+
     def pressure(self, T: Any, x_X: Any = 1.0) -> Any:
         """p [Pa] at temperature T [K] and strain x_X."""
-        return self.pressure_law.pressure(x_X, T, self.m0, self.alpha)
-
-    def pressure_by_temperature(self, T: Any, x_X: Any) -> Any:
-        """dp/dT at constant x_X [Pa/K]."""
-        return self.pressure_law.pressure_by_temperature(x_X, T, self.m0, self.alpha)
-
-    def stiffness(self, T: Any, x_X: Any) -> Any:
-        """-x_X dp/dx_X at constant T [Pa]."""
-        return self.pressure_law.stiffness(x_X, T, self.m0, self.alpha)
+        return self.elastic.pressure(T, x_X)
 
     def sound_speed(self, x_X: float = 1.0, T: float = 0.0, sigma: float = 0.0) -> float:
         """Speed of small waves in Lagrangian coordinates [m/s], without conduction."""
-        p, heat = self.pressure(T, x_X), self.alpha * self.m0
-        by_T, stiff = self.pressure_by_temperature(T, x_X), self.stiffness(T, x_X)
-        modulus = wave_modulus(self.K, heat, by_T, stiff, p, sigma, x_X)
-        return float(modulus / self.m0) ** 0.5
-
-
-def wave_modulus(K, heat, p_T, stiff, p, sigma, x_X):
-    """m0 c^2 [Pa] of elastic waves in Lagrangian coordinates; stiff: -x_X p_x, heat: alpha m0.
-
-    What (3.1b-d) make of (sigma - p)_t over u_X: (K - x_X p_x + x_X p_T (p - sigma)/heat)/x_X.
-    """
-    return (K + stiff + x_X * p_T * (p - sigma) / heat) / x_X
+        solid = self.elastic
+        return float(solid.wave_modulus(T, solid.pressure(T, x_X), sigma, x_X) / self.m0) ** 0.5

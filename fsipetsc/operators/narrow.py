@@ -1,43 +1,50 @@
-"""Narrow second derivatives that belong to the SBP first derivatives: what has to be added to D b D, as exact fractions.
+"""Narrow second derivatives that belong to the SBP first derivatives, as exact fractions.
 
-D acting twice leaves the shortest wave alone, (-1)^i being in the null space of the interior formula, and reaches twice as
-far as it must. With the norm H of D (h = 1), b > 0 at the points, B = diag(b) and E the difference of the two ends,
+D acting twice leaves the shortest wave alone, (-1)^i being in the null space of the interior
+formula, and reaches twice as far as it must. With the norm H of D (h = 1), b > 0 at the points, B =
+diag(b) and E the difference of the two ends,
 
     H D B D   = -D^T H B D + E B D                     wide: D twice
     H D2(b)   = -(D^T H B D + R(b)) + E B D            narrow: D2(b) = D B D - H^-1 R(b)
 
-    R(b) = sum_q  Delta_q^T  diag(mean_q b)  Delta_q  +  what stands at the ends,           q = p+1 .. 2p
+    R(b) = sum_q  Delta_q^T  diag(mean_q b)  Delta_q  +  terms at the ends,     q = p+1 .. 2p
 
-Delta_q are the undivided differences of order q, those alone that have all of their points on the grid, and mean_q b is a sum,
-with positive weights, of b at the 2p - q + 1 points in the middle of a difference. At either end the differences that begin
-at the first T points are left out, and the first T of order p+1 have a term of their own instead, with b at point T:
+Delta_q are the undivided differences of order q, those alone that have all of their points on the
+grid, and mean_q b is a sum, with positive weights, of b at the 2p - q + 1 points in the middle of a
+difference. At either end the differences that begin at the first T points are left out, and the
+first T of order p+1 have a term of their own instead, with b at point T:
 
     b_T  Delta_{p+1}^T  c L L^T  Delta_{p+1},             c the sum of the weights of mean_{p+1}
 
 What follows, whatever L is:
 
-- R is symmetric and, for b >= 0, positive semidefinite: it takes out of sum_i H_i u_i^2 / 2 just sum_q mean_q b (Delta_q u)^2.
+- R is symmetric and, for b >= 0, positive semidefinite: it takes out of sum_i H_i u_i^2 / 2 just
+  sum_q mean_q b (Delta_q u)^2.
 - Its columns add up to nothing: what D B D conserves, D2 conserves.
-- It vanishes on polynomials up to degree p, the order of the closure: near the ends D2 is as exact as D B D.
-  In the interior it is of order h^2p, as D is.
-- The boundary derivative of D2 is the closure row of D (a *fully compatible* operator): couplings and boundary formulas that
-  take derivatives by that row fit it as they fit D B D.
+- It vanishes on polynomials up to degree p, the order of the closure: near the ends D2 is as exact
+  as D B D. In the interior it is of order h^2p, as D is.
+- The boundary derivative of D2 is the closure row of D (a *fully compatible* operator): couplings
+  and boundary formulas that take derivatives by that row fit it as they fit D B D.
 
-The weights are what makes the interior formula of D2 one of 2p + 1 points, whatever b is: D^T B D couples points j apart,
-p < j <= 2p, by a sum of products of b and entries of D; a Delta_q couples points q apart by (-1)^q mean_q b, and nearer ones.
-So the couplings are cancelled one after the other, from 2p down, and each time there is one way to do it (``levels``).
+The weights are what makes the interior formula of D2 one of 2p + 1 points, whatever b is: D^T B D
+couples points j apart, p < j <= 2p, by a sum of products of b and entries of D; a Delta_q couples
+points q apart by (-1)^q mean_q b, and nearer ones. So the couplings are cancelled one after the
+other, from 2p down, and each time there is one way to do it (``levels``).
 
-The ends. Where a flux b u_X is imposed by the closure row of D, as at interfaces, u takes on an error E h^(s+1) u^(s+1) near
-the end, s = p. With D twice it is such that D u is right there: D E = -e, e the error of D on x^(s+1)/(s+1)!. With narrow
-derivatives it obeys D2 E = -(error of D2 on it) at all points but the end point, where the flux stands instead of the
-equation, and the flux is wrong by phi h^s u^(s+1), phi = e_0 + (D E)_0: of order s only, unless the equation happens to hold at
-the end point, too: then, by summation by parts, phi = 0. Without terms at the ends phi is 1/2, -1/3, 0.31, -0.38. The L in ENDS
-make it 0 for 2/1, 4/2 and 6/3. That is one equation for the entries of L; the others are those, rounded, for which L L^T comes
-near to 1 (a diagonal L does not do). 8/4 has no such term. A flux that comes in by way of the norm, the equation at the end
-point kept, as with the conservative coupling, needs none.
+The ends. Where a flux b u_X is imposed by the closure row of D, as at interfaces, u takes on an
+error E h^(s+1) u^(s+1) near the end, s = p. With D twice it is such that D u is right there: D E =
+-e, e the error of D on x^(s+1)/(s+1)!. With narrow derivatives it obeys D2 E = -(error of D2 on it)
+at all points but the end point, where the flux stands instead of the equation, and the flux is
+wrong by phi h^s u^(s+1), phi = e_0 + (D E)_0: of order s only, unless the equation happens to hold
+at the end point, too: then, by summation by parts, phi = 0. Without terms at the ends phi is 1/2,
+-1/3, 0.31, -0.38. The L in ENDS make it 0 for 2/1, 4/2 and 6/3. That is one equation for the
+entries of L; the others are those, rounded, for which L L^T comes near to 1 (a diagonal L does not
+do). 8/4 has no such term. A flux that comes in by way of the norm, the equation at the end point
+kept, as with the conservative coupling, needs none.
 
-Sources: K. Mattsson, J. Sci. Comput. 51 (2012), 650-682 (remainders of this form); B. Sjögreen and N. A. Petersson, J. Sci.
-Comput. 52 (2012), 17-48 (narrow formulas with the boundary derivative in mind).
+Sources: K. Mattsson, J. Sci. Comput. 51 (2012), 650-682 (remainders of this form); B. Sjögreen and
+N. A. Petersson, J. Sci. Comput. 52 (2012), 17-48 (narrow formulas with the boundary derivative in
+mind).
 """
 
 from __future__ import annotations
@@ -50,16 +57,20 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-#: Bound on the step for diffusion nu: dt <= C h^2 / (STIFFNESS nu), by interior order, and for D twice. The spectral radii of
-#: D2(1), 4.0, 5.3, 6.0 and 7.1 at most with a ghost point at any place, give the method of Runge and Kutta (|z| < 2.785) the
-#: Courant numbers 1.4 and 1.14 to 1.16. For D twice they are 2.4 to 5.0.
+#: Bound on the step for diffusion nu: dt <= C h^2 / (STIFFNESS nu), by interior order, and for D
+#: twice. The spectral radii of D2(1), 4.0, 5.3, 6.0 and 7.1 at most with a ghost point at any
+#: place, give the method of Runge and Kutta (|z| < 2.785) the Courant numbers 1.4 and 1.14 to 1.16.
+#: For D twice they are 2.4 to 5.0.
 STIFFNESS = {2: 2.0, 4: 2.2, 6: 2.5, 8: 2.9}
 STIFFNESS_OF_WIDE = 2.0
 
 #: L at the ends, (T, T) or its columns that are not 0, by interior order
 ENDS = {
     2: ((),),
-    4: tuple(tuple(map(Fraction, row.split())) for row in ("0.57 0", "0.51 0.8275808859653828", "-0.64 0.67")),
+    4: tuple(
+        tuple(map(Fraction, row.split()))
+        for row in ("0.57 0", "0.51 0.8275808859653828", "-0.64 0.67")
+    ),
     6: tuple(
         tuple(map(Fraction, row.split()))
         for row in ("0.51 0 0", "0.9 0.86 0", "-0.18 1.5909323365068795 0.02", "0.17 0.85 -1.12")
@@ -92,7 +103,11 @@ def levels(interior: Sequence[Fraction]) -> tuple[Level, ...]:
     p = len(interior)
     d = {sign * k: sign * Fraction(c) for k, c in enumerate(interior, start=1) for sign in (1, -1)}
     # what couples point 0 and point j by way of b at point m
-    coupling = {(j, m): d.get(-m, 0) * d.get(j - m, 0) for j in range(2 * p + 1) for m in range(-3 * p, 3 * p + 1)}
+    coupling = {
+        (j, m): d.get(-m, 0) * d.get(j - m, 0)
+        for j in range(2 * p + 1)
+        for m in range(-3 * p, 3 * p + 1)
+    }
     found = []
     for q in range(2 * p, p, -1):
         level = Level(q, tuple(-((-1) ** q) * coupling[q, m] for m in range(q - p, p + 1)))
@@ -108,12 +123,15 @@ def levels(interior: Sequence[Fraction]) -> tuple[Level, ...]:
 def end_term(interior: Sequence[Fraction]) -> NDArray[Any]:
     """c L L^T, (T, T), of fractions."""
     rows, c = ENDS[2 * len(interior)], sum(levels(interior)[0].weights)
-    products = [[sum((x * y for x, y in zip(a, b, strict=True)), Fraction(0)) for b in rows] for a in rows]
+    products = [
+        [sum((x * y for x, y in zip(a, b, strict=True)), Fraction(0)) for b in rows] for a in rows
+    ]
     return c * np.array(products, dtype=object)
 
 
 def remainder(interior: Sequence[Fraction], b: Sequence[Any]) -> NDArray[Any]:
-    """R(b), (n, n), of fractions if b are fractions, and of floats otherwise; interior: the centred stencil of D."""
+    """R(b), (n, n), of fractions if b are fractions, and of floats otherwise; interior: the centred
+    stencil of D."""
     n, exact = len(b), all(isinstance(value, (int, Fraction)) for value in b)
     result = np.full((n, n), Fraction(0), dtype=object) if exact else np.zeros((n, n))
     end = end_term(interior)
@@ -130,5 +148,7 @@ def remainder(interior: Sequence[Fraction], b: Sequence[Any]) -> NDArray[Any]:
     for i, j in np.argwhere(end):
         for side in (slice(None), slice(None, None, -1)):
             at = result[side, side]
-            at[i : i + len(weights), j : j + len(weights)] += b[side][len(end)] * end[i, j] * np.outer(weights, weights)
+            at[i : i + len(weights), j : j + len(weights)] += (
+                b[side][len(end)] * end[i, j] * np.outer(weights, weights)
+            )
     return result

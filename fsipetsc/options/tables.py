@@ -92,7 +92,7 @@ DISCRETISATION = (
     ),
     Option(
         *("fsi_spare", int, 16, "points"),
-        "in 1-D: free points kept beyond each embedded boundary before storage is enlarged",
+        "in the paper's method: a gas may grow by a third, or by an eighth and these points",
         check="nonnegative",
     ),
 )

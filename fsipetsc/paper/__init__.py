@@ -13,10 +13,9 @@ and go. Where the paper has misprints the formulas are the corrected ones. From 
     coupling    what holds at an interface: projection, projection in energy, traditional
     ends        walls, open ends, given data, ends of solids; boundaries that move over the grid
     sums        what is looked at after a step: bounds on the step, integrals, what is saved
+    steps       what is done in a stage and after a step; on one rank many steps in one call
     layout      who owns which points: a DMDA for each layer
-    parts       the right-hand side, with PETSc's ghost exchange
-    batch       several steps in one compiled call, on one rank
-    after_step  what several ranks do after a step
-    fields      what is saved, errors, what is wrong with a state
-    state       what the time integration drives
+    parts       what a rank has of layers and interfaces, and what it exchanges of them
+    fields      errors, what is wrong with a state
+    state       what the time integration drives: the right-hand side from top to bottom
 """

@@ -43,7 +43,7 @@ cv), tau_s = T^/(alpha m0):
     a_0 S44 = (k_s^2 tau_s + kappa^2 tau_f) sum_j (a_0/a_j) d_j^2
 
 Where a side does not conduct heat, the energy asks for less: no g_T, and no g_flux either if none
-does. About the weights in a solid without pressure, where (3.11) is singular, see docs/coupling.md;
+does. About the weights in a solid without pressure, where (3.11) is singular, see docs/paper.md;
 rho_0 follows from (4.24) again.
 
 *Traditional*: the solid moves the gas, u_f = u~_s - g_u, and the gas loads the solid, sigma = p_s -
@@ -113,6 +113,19 @@ def put_gas(face, f, j, rho, u, T):
 
 
 @njit(**INNER)
+def gradients(op, face, f, s):
+    """(u_X, T_X) of the gas and T_X of the solid, and sum_j a_0/a_j d_j^2."""
+    d, u_X, Tf_X, Ts_X, squares = face.n / face.h, 0.0, 0.0, 0.0, 0.0
+    for j in range(op.n):
+        d_j, (u, T) = d * op.closure[0, j], gas_at(face, f, j)
+        u_X += d_j * u
+        Tf_X += d_j * T
+        Ts_X -= d_j * s[j, 2]
+        squares += d_j * d_j * (op.norm[0] / weight(op, j))
+    return u_X, Tf_X, Ts_X, squares
+
+
+@njit(**INNER)
 def temperatures(op, face, jump, f, s, x_X):
     """(T_f, T_s) at the interface by continuity of temperature and heat flux, (4.21).
 
@@ -153,15 +166,12 @@ def projection(op, face, jump, f, s):
     p_s, mu = solid.pressure(T_s, x_X), gas.viscosity(T_f)
     rho = f[1, 0]
     bulk = gas.law.bulk_modulus(rho, gas_at(face, f, SECOND)[1])
-    u_X, squares = 0.0, 0.0
-    for j in range(op.n):
-        u_X += d * beta[j] * (f[j, 1] / f[j, 0])
-        squares += d * beta[j] * (d * beta[j]) / weight(op, j)
+    u_X, _, _, squares = gradients(op, face, f, s)
     u_f, u_s = f[0, 1] / f[0, 0], s[0, 0]
     # (4.23)
     a11 = (1.0 / solid.m0 + 1.0 / rho) / a_0
     a12 = mu * d * beta[0] / (a_0 * rho)
-    a22 = (solid.K + bulk) / a_0 + mu * mu * squares / rho
+    a22 = (solid.K + bulk + mu * mu * squares / rho) / a_0
     r1 = u_s - u_f - jump[0]
     r2 = s[0, 1] - p_s + gas.law.pressure(f[0, 0], T_f) - mu * u_X - jump[1]
     det = a11 * a22 - a12 * a12
@@ -171,15 +181,14 @@ def projection(op, face, jump, f, s):
     s[0, 1] -= solid.K * l2 / a_0
     s[0, 2] = T_s
     # (4.10); density and temperature stay for j >= 1
-    u_X = 0.0
     for j in range(op.n):
         rho_j, m = f[j, 0], f[j, 1]
         internal, change = f[j, 2] - 0.5 * m * m / rho_j, mu * d * beta[j] * l2
         if j == 0:
             change += l1
         u = m / rho_j + change / (weight(op, j) * rho)
-        u_X += d * beta[j] * u
         f[j, 1], f[j, 2] = rho_j * u, internal + 0.5 * rho_j * u * u
+    u_X = gradients(op, face, f, s)[0]
     # (4.24)
     u = f[0, 1] / f[0, 0]
     put_gas(face, f, FIRST, gas.law.density(mu * u_X - s[0, 1] + p_s + jump[1], T_f), u, T_f)
@@ -228,13 +237,7 @@ def projected(op, face, jump, f, s):
     tau_f, tau_s = T / (rho * gas.law.heat_capacity(rho, T)), T / (solid.alpha * solid.m0)
     u_f, T_f = gas_at(face, f, FIRST)
     mu, kappa, k_s = gas.viscosity(T_f), gas.conductivity(T_f), solid.kappa_e / x_X
-    u_X, Tf_X, Ts_X, squares = 0.0, 0.0, 0.0, 0.0
-    for j in range(op.n):
-        d_j, (u, T) = d * beta[j], gas_at(face, f, j)
-        u_X += d_j * u
-        Tf_X += d_j * T
-        Ts_X -= d_j * s[j, 2]
-        squares += d_j * d_j * (a_0 / weight(op, j))
+    u_X, Tf_X, Ts_X, squares = gradients(op, face, f, s)
     # S without the factor 1/a_0: the multipliers come out as l/a_0
     d_0 = d * beta[0]
     S12 = mu * d_0 / rho
@@ -254,7 +257,7 @@ def projected(op, face, jump, f, s):
     l1, l2, l3, l4 = multipliers(S11, S12, S22, S23, S24, S33, S34, S44, r1, r2, r3, r4)
     s[0, 0] -= l1 / solid.m0
     s[0, 1] -= K * l2
-    here, u_X = 1.0, 0.0
+    here = 1.0
     for j in range(op.n):
         d_j, w = d * beta[j], a_0 / weight(op, j)
         rho_j, (u, T) = f[j, 0], gas_at(face, f, j)
@@ -262,10 +265,8 @@ def projected(op, face, jump, f, s):
         T += w * tau_f * (here * (l3 - p_T * l2) + kappa * d_j * l4)
         s[j, 2] += w * tau_s * (here * (c * l2 - l3) + k_s * d_j * l4)
         here = 0.0
-        u_X += d_j * u
-        if j == 0:
-            u_f, T_f = u, T
         put_gas(face, f, j, rho_j, u, T)
+    u_X, (u_f, T_f) = gradients(op, face, f, s)[0], gas_at(face, f, FIRST)
     # (4.24)
     p_0 = gas.viscosity(T_f) * u_X - s[0, 1] + solid.pressure(s[0, 2], x_X) + jump[1]
     put_gas(face, f, FIRST, gas.law.density(p_0, T_f), u_f, T_f)
@@ -278,9 +279,7 @@ def traditional(op, face, jump, f, s):
     x_X = strain(op, face, s)
     T_f, T_s = temperatures(op, face, jump, f, s, x_X)
     put_gas(face, f, FIRST, f[0, 0], s[0, 0] - jump[0], T_f)
-    u_X = 0.0
-    for j in range(op.n):
-        u_X += face.n / face.h * op.closure[0, j] * (f[j, 1] / f[j, 0])
+    u_X = gradients(op, face, f, s)[0]
     stress = face.gas.viscosity(T_f) * u_X - face.gas.law.pressure(f[0, 0], T_f)
     s[0, 1] = face.solid.pressure(T_s, x_X) + stress + jump[1]
     s[0, 2] = T_s
@@ -289,31 +288,10 @@ def traditional(op, face, jump, f, s):
 @njit(**INNER)
 def residuals(op, face, jump, f, s, out):
     """What the four conditions are off by."""
-    u_X, Tf_X, Ts_X, d = 0.0, 0.0, 0.0, face.n / face.h
-    for j in range(op.n):
-        d_j, (u, T) = d * op.closure[0, j], gas_at(face, f, j)
-        u_X += d_j * u
-        Tf_X += d_j * T
-        Ts_X -= d_j * s[j, 2]
+    u_X, Tf_X, Ts_X, _ = gradients(op, face, f, s)
     x_X, (u, T) = strain(op, face, s), gas_at(face, f, FIRST)
     p_s, p_f = face.solid.pressure(s[0, 2], x_X), face.gas.law.pressure(f[0, 0], T)
     out[0] = s[0, 0] - u - jump[0]
     out[1] = s[0, 1] - p_s + p_f - face.gas.viscosity(T) * u_X - jump[1]
     out[2] = s[0, 2] - T - jump[2]
     out[3] = face.solid.kappa_e / x_X * Ts_X - face.gas.conductivity(T) * Tf_X - jump[3]
-
-
-@njit(**INNER)
-def take_rows(op, q, end, step, rows):
-    """rows[j] = q[end + j step], as far as D reaches."""
-    for j in range(op.n):
-        for c in range(rows.shape[1]):
-            rows[j, c] = q[end + step * j, c]
-
-
-@njit(**INNER)
-def put_rows(op, q, end, step, rows):
-    """The other way round."""
-    for j in range(op.n):
-        for c in range(rows.shape[1]):
-            q[end + step * j, c] = rows[j, c]

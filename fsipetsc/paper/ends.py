@@ -128,9 +128,8 @@ def gradient_values(gas, layer, q, ghost, side):
         return open_gradients(gas, layer, side, n, nodes)
     degree, data = layer.end_degree[side], layer.end_data[side]
     lagrange(beyond_boundary(layer, side), degree, weights, slopes)
-    least = (
-        LEAST if degree < 4 else 0.3
-    )  # else the friction of the ghost point takes more than the time step gives
+    # less, and the friction of the ghost point takes more than the time step gives
+    least = LEAST if degree < 4 else 0.3
     u = dirichlet_ghost(data[1], nodes[1], weights, degree, least)
     return u, dirichlet_ghost(data[2], nodes[2], weights, degree, least)
 
@@ -248,10 +247,8 @@ def open_end(gas, layer, side, n, nodes):
     p, p1 = gas.law.pressure(rho, T), gas.law.pressure(rho1, T1)
     Z, scale, m = rho1 * np.sqrt(c2), rho0 * c0 * c0 / gas.gamma, 0.5 - 0.5 / gas.gamma
     # Z v (1 + by_v) = simple wave + by_p (p - p0) + known
-    by_v, by_p = (
-        part * max(b, 0.0) / (rho0 * c0 * layer.h),
-        part * max(-b, 0.0) / (rho0 * c0 * layer.h),
-    )
+    by = part / (rho0 * c0 * layer.h)
+    by_v, by_p = by * max(b, 0.0), by * max(-b, 0.0)
     known = by_v * rho0 * c0 * v1 - by_p * (p1 - p0)
     if kappa > 0.0:
         p2 = gas.law.pressure(nodes[0, 2], nodes[2, 2])
@@ -295,35 +292,31 @@ def open_gradients(gas, layer, side, n, nodes):
 
 @njit(**INNER)
 def move_boundary(op, gas, layer, q, side):
-    """Let the ghost point be the first one at or beyond the boundary; (it is another one now, no
-    point is left).
+    """Let the ghost point be the first one at or beyond the boundary; False if no point is left.
 
     A point that comes in is extrapolated and becomes the ghost point, the old one keeps its value;
     where the boundary moves inwards the last interior point becomes the ghost point. q: (points
     with halos, 3). All ranks of a layer decide alike.
     """
-    moved = False
     cells = distance(layer, side)
     if not cells < 1e15:
-        return False, False  # not a number: the bounds on the step will tell
+        return True  # not a number: the bounds on the step will tell
     target = int(np.ceil(cells - 1e-9))
     while layer.hi - layer.lo < target:
         if (layer.lo == 0) if side == 0 else (layer.hi == layer.n - 1):
-            return moved, True
+            return False
         if side == 0:
             layer.lo -= 1
         else:
             layer.hi += 1
         fill_ghost(op, gas, layer, q, side, NEW)
-        moved = True
     if layer.hi - layer.lo > target >= layer.least - 1:
         if side == 0:
             layer.lo = layer.hi - target
         else:
             layer.hi = layer.lo + target
         fill_ghost(op, gas, layer, q, side, OLD)
-        moved = True
-    return moved, False
+    return True
 
 
 # solid
@@ -338,9 +331,7 @@ def close_solid(op, solid, layer, q):
     """
     beta = op.closure[0]
     for side in range(2):
-        end, step, kind = (
-            (layer.lo, 1, layer.end_kind[0]) if side == 0 else (layer.hi, -1, layer.end_kind[1])
-        )
+        end, step, kind = layer.lo if side == 0 else layer.hi, 1 - 2 * side, layer.end_kind[side]
         if kind == INTERFACE_END or not layer.own_lo <= end < layer.own_hi:
             continue
         i, n, given = end - layer.own_lo, 2.0 * side - 1.0, layer.end_data[side, 0]

@@ -1,19 +1,17 @@
-"""What is saved of a state, its errors, and what is wrong with one that is not physical."""
+"""Errors of a state, and what is wrong with one that is not physical."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fsipetsc import given
-from fsipetsc.paper import entries
 from fsipetsc.process.together import together
 from fsipetsc.stepping.diagnosis import Seen
 
 if TYPE_CHECKING:
-    from fsipetsc.paper.parts import LayerPart
     from fsipetsc.paper.state import PaperState
 
 Array = np.ndarray
@@ -21,18 +19,6 @@ Array = np.ndarray
 UNKNOWNS = {"fluid": ("rho", "u", "T"), "solid": ("u", "sigma", "T", "x")}
 #: norm -> its power
 POWERS = {"L1": 1, "L2": 2}
-
-
-def fields(state: PaperState) -> dict[int, Array]:
-    """What is saved of this rank's points, (owned points, 5) by layer."""
-    found = {}
-    for part in state.path.layers:
-        out = found[part.number] = np.empty((len(part.owned), 5))
-        if part.is_gas:
-            entries.gas_fields(part.law, part.record, part.local, out)
-        else:
-            entries.solid_fields(part.op, part.law, part.record, part.local, out)
-    return found
 
 
 def errors(state: PaperState, t: float, norm: str = "L2") -> dict[str, dict[str, float]] | None:
@@ -46,19 +32,20 @@ def errors(state: PaperState, t: float, norm: str = "L2") -> dict[str, dict[str,
     layers, power = state.problem.layers, POWERS[norm]
     if any(layer.exact is None for layer in layers):
         return None
-    kinds = {layer.kind for layer in layers}
-    totals = {kind: np.zeros(len(UNKNOWNS[kind])) for kind in UNKNOWNS if kind in kinds}
-    found = fields(state)
 
     def exact() -> dict[int, list[Array]]:
         X = state.layout.owned_X
-        return {k: given.fields(layers[k], "exact", X(k), t, state.active(k)) for k in found}
+        numbers = [part.number for part in state.here]
+        return {k: given.fields(layers[k], "exact", X(k), t, state.active(k)) for k in numbers}
 
-    for k, values in together(state.comm, exact).items():
-        counted, h = _counted(state, k), state.layout.records[k]["h"]
-        for c, value in enumerate(values):
-            difference = np.abs(found[k][counted, c] - value[counted])
-            totals[layers[k].kind][c] += h * np.sum(difference**power)
+    kinds = {layer.kind for layer in layers}
+    totals = {kind: np.zeros(len(UNKNOWNS[kind])) for kind in UNKNOWNS if kind in kinds}
+    wanted = together(state.comm, exact)
+    for part in state.here:
+        counted, found = _counted(part), part.fields()
+        for c, value in enumerate(wanted[part.number]):
+            difference = np.abs(found[counted, c] - value[counted])
+            totals[layers[part.number].kind][c] += state.h * np.sum(difference**power)
     result = {}
     for kind, total in totals.items():
         sums = state.comm.allreduce(total)
@@ -68,53 +55,33 @@ def errors(state: PaperState, t: float, norm: str = "L2") -> dict[str, dict[str,
     return result
 
 
-def _counted(state: PaperState, k: int) -> Array:
-    """Whether each of this rank's points of layer k is active and no ghost point."""
-    record = state.layout.records[k]
+def _counted(part) -> Array:
+    """Whether each of this rank's points of a layer is active and no ghost point."""
+    record = part.record
     lo, hi = int(record["lo"]), int(record["hi"])
-    if state.problem.layers[k].kind == "fluid":  # at its embedded boundary
+    if part.is_gas:  # at its embedded boundary
         lo, hi = lo + (record["end_kind"][0] >= 0), hi - (record["end_kind"][1] >= 0)
     index = np.arange(record["own_lo"], record["own_hi"])
     return (index >= lo) & (index <= hi)
 
 
-class _Place(NamedTuple):
-    """Says where point i is: at x in space, X in the layer."""
-
-    x: Array
-    X: Array
-    unit: str
-
-    def __call__(self, i: int) -> str:
-        return f"x = {self.x[i]:.6g}{self.unit} (X = {self.X[i]:.6g}{self.unit})"
-
-
 def seen(state: PaperState) -> Iterable[Seen]:
     """Values at this rank's active points, and which of them must be positive."""
-    for part in state.path.layers:
-        active = state.active(part.number)
-        own = np.arange(part.record["own_lo"][0], part.record["own_hi"][0])[active]
-        X = state.layout.grids[part.number].X()[own]
-        x, values = (_gas_values if part.is_gas else _solid_values)(state, part, active, own, X)
-        positive = frozenset({"rho", "T", "x_X"} & values.keys())
-        yield Seen(part.number, own, values, positive, _Place(x, X, state.problem.unit("m")))
+    for part in state.here:
+        k, record = part.number, part.record
+        active, grid = state.active(k), state.layout.grids[k]
+        own = np.arange(record["own_lo"], record["own_hi"])[active]
+        X, y = grid.X()[own], part.owned[active].T
+        if part.is_gas:
+            u, T = part.law.velocity_and_temperature(*y)
+            x, values = X - grid.anchor + record["x_interface"], {"rho": y[0], "u": u, "T": T}
+        else:
+            u, sigma, T, x = y
+            after = np.minimum(own + 1, record["n"] - 1) - record["own_lo"] + record["halo_lo"]
+            x_X = np.where(own < record["n"] - 1, (part.local[after, 3] - x) / state.h, 1.0)
+            values = {"x": x, "x_X": x_X, "u": u, "sigma": sigma, "T": T}
 
+        def place(i: int, x: Array = x, X: Array = X, m: str = state.problem.unit("m")) -> str:
+            return f"x = {x[i]:.6g}{m} (X = {X[i]:.6g}{m})"
 
-def _gas_values(
-    state: PaperState, part: LayerPart, active: slice, own: Array, X: Array
-) -> tuple[Array, dict[str, Array]]:
-    rho, m, e = part.owned[active].T
-    u, T = part.law.velocity_and_temperature(rho, m, e)
-    anchor = state.layout.grids[part.number].anchor
-    return X - anchor + part.record["x_interface"][0], {"rho": rho, "u": u, "T": T}
-
-
-def _solid_values(
-    state: PaperState, part: LayerPart, active: slice, own: Array, X: Array
-) -> tuple[Array, dict[str, Array]]:
-    record = part.record[0]
-    u, sigma, T, x = part.owned[active].T
-    next_one = np.minimum(own + 1, record["n"] - 1) - record["own_lo"] + record["halo_lo"]
-    slope = (part.local[next_one, 3] - x) / state.h
-    x_X = np.where(own < record["n"] - 1, slope, 1.0)
-    return x, {"x": x, "x_X": x_X, "u": u, "sigma": sigma, "T": T}
+        yield Seen(k, own, values, frozenset({"rho", "T", "x_X"} & values.keys()), place)

@@ -7,14 +7,10 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from numba.extending import register_jitable
-
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid, force_in
-from fsipetsc.materials.line_solid import Solid, wave_modulus
+from fsipetsc.materials.line_solid import Elastic, Solid
 from fsipetsc.materials.own import no_entropy
-
-wave_modulus = register_jitable(wave_modulus)
 
 
 class Gas(NamedTuple):
@@ -49,38 +45,6 @@ class Gas(NamedTuple):
         return rho * (self.law.internal_energy(rho, T) + 0.5 * u * u)
 
 
-class Elastic(NamedTuple):
-    """K = 2 mu_e + lambda_e [Pa]; kappa_e [W/(m K)]; m0 [kg/m3]; alpha [J/(kg K)]; force: body
-    force per mass [m/s2].
-
-    law: the pressure p of J = x_X, T, m0 and alpha.
-    """
-
-    law: Any
-    K: float
-    kappa_e: float
-    m0: float
-    alpha: float
-    force: float
-
-    def pressure(self, T, x_X):
-        """p [Pa]."""
-        return self.law.pressure(x_X, T, self.m0, self.alpha)
-
-    def pressure_by_temperature(self, T, x_X):
-        """dp/dT [Pa/K]."""
-        return self.law.pressure_by_temperature(x_X, T, self.m0, self.alpha)
-
-    def stiffness(self, T, x_X):
-        """-x_X dp/dx_X [Pa]."""
-        return self.law.stiffness(x_X, T, self.m0, self.alpha)
-
-    def wave_modulus(self, T, p, sigma, x_X):
-        """m0 c^2 of elastic waves [Pa]."""
-        p_T, stiff = self.pressure_by_temperature(T, x_X), self.stiffness(T, x_X)
-        return wave_modulus(self.K, self.alpha * self.m0, p_T, stiff, p, sigma, x_X)
-
-
 def gas_of(material: Fluid) -> Gas:
     """The gas of a layer. InputError for a body force of more than one dimension."""
     mu, kappa, gamma = 4.0 / 3.0 * material.mu, material.kappa, material.gamma
@@ -88,10 +52,9 @@ def gas_of(material: Fluid) -> Gas:
     return Gas(material.gas_law, material.transport_law, mu, kappa, gamma, force)
 
 
-def elastic_of(material: Solid) -> Elastic:
-    """The solid of a layer."""
-    numbers = material.K, material.kappa_e, material.m0, material.alpha, material.force
-    return Elastic(material.pressure_law, *numbers)
+def law_of(material: Fluid | Solid) -> Gas | Elastic:
+    """What compiled code takes of the material of a layer."""
+    return gas_of(material) if isinstance(material, Fluid) else material.elastic
 
 
 def check_entropy(layers: Any) -> None:

@@ -7,7 +7,6 @@ layers, each interlaced (gas rho, rho u, e; solid u, sigma, T, x).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,21 +17,56 @@ from fsipetsc.boundaries import INTERFACE_END, Wall, degree_of, heat_of, needs_s
 from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import SBPOperator, row_length
 from fsipetsc.paper.ends import nodes_needed
-from fsipetsc.paper.layer import DOF, FLUID, RECORD, SOLID
-from fsipetsc.parallel.partition import Extent, partition, stretched
+from fsipetsc.paper.sums import SEEN, SHARES
+from fsipetsc.parallel.partition import Extent, partition
 from fsipetsc.problem import FluidLayer, Problem
 
 Array = np.ndarray
-
-
+#: kind of layer -> unknowns of a point
+DOF = {"fluid": 3, "solid": 4}
 #: cells of a layer, with the spare ones: the unknowns of a few such layers can still be counted in
 #: 32 bits
 MOST_CELLS = 50_000_000
 
+_I, _F = np.int64, np.float64
+#: What compiled code knows of a layer: which points there are, whose they are, how the frame moves,
+#: what stands at the outer end.
+RECORD = np.dtype(
+    [
+        ("number", _I),  # of the layer, from the left
+        ("fluid", _I),  # 1 of a gas
+        ("present", _I),  # 1: this rank owns points of the layer
+        ("n", _I),  # points, some of them held in reserve,
+        ("lo", _I),  # the first and the last active one: in a gas interface point and ghost point
+        ("hi", _I),
+        ("least", _I),  # active points that the operator and the end conditions need
+        ("own_lo", _I),  # this rank owns own_lo <= i < own_hi
+        ("own_hi", _I),
+        ("halo_lo", _I),  # and has halos of so many points
+        ("halo_hi", _I),
+        ("halo", _I),  # these, where there is a neighbour
+        ("h", _F),
+        ("s", _F),  # velocity of a gas's frame, that of its interface point
+        ("x_interface", _F),  # x of a gas's interface
+        # the ends: -1 where an interface stands, else a kind of fsipetsc.boundaries
+        ("end_kind", _I, (2,)),
+        ("end_degree", _I, (2,)),
+        ("end_x", _F, (2,)),  # of a boundary
+        ("end_data", _F, (2, 4)),
+        ("end_thermal", _I, (2,)),  # INSULATED, GIVEN_T or GIVEN_FLUX, at the end of a solid,
+        ("end_heat", _F, (2,)),  # and the temperature or heat flux that is given
+        ("seen", _F, (SEEN,)),  # after a step, see fsipetsc.paper.sums
+        ("shares", _F, (SHARES,)),
+        ("rates", _F, (2,)),  # of convection and diffusion [1/s]
+    ],
+    align=True,
+)
+
 
 @dataclass(frozen=True)
 class Grid:
-    """The stored points of one layer: X = anchor + (i - anchor_index) h, active points lo..hi."""
+    """The stored points of one layer: X = anchor + (i - anchor_index) h, active points lo..hi at
+    first."""
 
     n: int
     lo: int
@@ -41,6 +75,11 @@ class Grid:
     anchor: float
     anchor_index: int
     least: int
+
+    @property
+    def active(self) -> int:
+        """Active points."""
+        return self.hi - self.lo + 1
 
     def X(self, begin: int = 0, end: int | None = None) -> Array:
         """Lagrangian coordinates [m] of the points begin .. end-1."""
@@ -77,17 +116,9 @@ def check_form(problem: Problem) -> None:
         )
 
 
-def make_grids(
-    problem: Problem,
-    op: SBPOperator,
-    h: float,
-    spare: int,
-    cells: dict[int, int] | None = None,
-    before: Sequence[Grid] | None = None,
-) -> list[Grid]:
-    """Grids of all layers. cells: ghost index of each gas, where it differs from the initial one.
+def make_grids(problem: Problem, op: SBPOperator, h: float, spare: int) -> list[Grid]:
+    """Grids of all layers; a gas may grow by a third, or by an eighth and ``spare`` points.
 
-    before: grids that these take the place of; none has fewer points than it had.
     Raises InputError where h does not fit the solid or a layer is too short for the closures.
     """
     grids = []
@@ -100,31 +131,22 @@ def make_grids(
                 f"-fsi_h {h:g} and -fsi_spare {spare}; {MOST_CELLS} are too many"
             )
         if isinstance(layer, FluidLayer):
-            G = (cells or {}).get(k, ghost_index(width))
-            degree = degree_of(problem.left if k == 0 else problem.right, op.order)
+            end, cells = (problem.left if k == 0 else problem.right), ghost_index(width)
+            degree = degree_of(end, op.order)
+            room = max(spare + max(1, cells // 8), cells // 3)
             # the treatment of the interface must not change the points of a boundary's formulas
             least = max(op.min_points, nodes_needed(degree) + 2, degree + 1 + row_length(op))
-            n = max(
-                G + 1 + (spare + max(1, G // 8) if spare >= 8 else spare),
-                before[k].n if before else 0,
-            )
-            room = n - 1 - G
-            grid = Grid(n, room, n - 1, h, layer.X[1], n - 1, least)
-            if k > 0:
-                grid = Grid(n, 0, G, h, layer.X[0], 0, least)
+            n = cells + 1 + room
+            if k == 0:
+                grid = Grid(n, room, n - 1, h, layer.X[1], n - 1, least)
+            else:
+                grid = Grid(n, 0, cells, h, layer.X[0], 0, least)
         else:
-            count = max(1, round(width))
-            if abs(width - count) > 1e-6 * max(1.0, width):
-                fits = length / max(1, np.ceil(width)), length / max(1, np.floor(width))
-                raise InputError(
-                    f"-fsi_h {h:.10g} misses an interface: layer '{layer.name}' of length "
-                    f"{length:g} would have {width:.6g} cells; the nearest spacings that fit are "
-                    f"{fits[0]:.10g} and {fits[1]:.10g}"
-                )
-            grid = Grid(count + 1, 0, count, h, layer.X[0], 0, max(4, op.min_points))
-        if grid.hi - grid.lo + 1 < grid.least:
+            cells = _cells_of_solid(layer, h)
+            grid = Grid(cells + 1, 0, cells, h, layer.X[0], 0, max(4, op.min_points))
+        if grid.active < grid.least:
             raise InputError(
-                f"layer '{layer.name}' has {grid.hi - grid.lo + 1} points with -fsi_h {h:g}; the "
+                f"layer '{layer.name}' has {grid.active} points with -fsi_h {h:g}; the "
                 f"{op.name} operator (-fsi_order {op.order}) needs at least {grid.least}: take a "
                 "smaller -fsi_h or a lower -fsi_order"
             )
@@ -132,78 +154,71 @@ def make_grids(
     return grids
 
 
+def _cells_of_solid(layer, h: float) -> int:
+    """InputError where h does not fit."""
+    length = layer.X[1] - layer.X[0]
+    width = length / h
+    count = max(1, round(width))
+    if abs(width - count) > 1e-6 * max(1.0, width):
+        fits = length / max(1, np.ceil(width)), length / max(1, np.floor(width))
+        raise InputError(
+            f"-fsi_h {h:.10g} misses an interface: layer '{layer.name}' of length {length:g} would "
+            f"have {width:.6g} cells; the nearest spacings that fit are {fits[0]:.10g} and "
+            f"{fits[1]:.10g}"
+        )
+    return count
+
+
 class Layout:
     """Ownership of all layers on all ranks; collective on ``comm``.
-
-    kept: the layout that this one takes the place of, whose ranks keep what they own where today's
-    active points cannot be dealt out to all of them: a gas may have shrunk since. shares: who owns
-    what, if that is known.
 
     Attributes: records (RECORD array), dms (a DMDA or None per layer), grids, shares, halo (points
     of one), dof (unknowns of a point, by layer), local_size (doubles of the solution on this rank).
     """
 
     def __init__(
-        self,
-        comm: MPI.Comm,
-        problem: Problem,
-        op: SBPOperator,
-        grids: list[Grid],
-        mode: str,
-        kept: Layout | None = None,
-        shares: list[list[tuple[int, int, int]]] | None = None,
+        self, comm: MPI.Comm, problem: Problem, op: SBPOperator, grids: list[Grid], mode: str
     ) -> None:
-        self.comm, self.problem, self.grids, self._order = comm, problem, grids, op.order
+        self.comm, self.problem, self.grids = comm, problem, grids
         self.halo = max(2 * op.reach, 6)
-        pairs = list(zip(problem.layers, grids, strict=True))
+        kinds = [layer.kind for layer in problem.layers]
         extents = [
-            Extent(v.kind, g.n, g.hi - g.lo + 1, k == 0 and v.kind == "fluid")
-            for k, (v, g) in enumerate(pairs)
+            Extent(kind, grid.n, grid.active, k == 0 and kind == "fluid")
+            for k, (kind, grid) in enumerate(zip(kinds, grids, strict=True))
         ]
-        try:
-            self.shares = shares or partition(extents, comm.size, mode, max(self.halo, op.rows + 1))
-        except InputError:
-            if kept is None:
-                raise
-            self.shares = [
-                stretched(extent, own) for extent, own in zip(extents, kept.shares, strict=True)
-            ]
+        self.shares = partition(extents, comm.size, mode, max(self.halo, op.rows + 1))
         self.records = np.zeros(len(grids), RECORD)
-        self._comms: list[MPI.Comm] = []
+        self.dof = [DOF[kind] for kind in kinds]
         self.dms: list[PETSc.DMDA | None] = []
-        self.dof = [DOF[FLUID if v.kind == "fluid" else SOLID] for v in problem.layers]
+        self._comms: list[MPI.Comm] = []
         self.local_size = 0
         self._places: list[slice] = []  # of the layers in this rank's part of a solution
         for k in range(len(grids)):
-            self._describe(k)
+            self._describe(k, op.order)
             begin = self.local_size
             self._place(k)
             self._places.append(slice(begin, self.local_size))
 
-    def _describe(self, k: int) -> None:
+    def _describe(self, k: int, order: int) -> None:
         """Note what is the same on all ranks."""
         record, grid, layers = self.records[k], self.grids[k], self.problem.layers
-        record["kind"] = FLUID if layers[k].kind == "fluid" else SOLID
+        record["number"], record["fluid"] = k, layers[k].kind == "fluid"
         for name in ("n", "lo", "hi", "least", "h"):
             record[name] = getattr(grid, name)
         record["halo"], record["end_kind"] = self.halo, INTERFACE_END
         for side, end in ((0, self.problem.left), (1, self.problem.right)):
             if k == (0, len(layers) - 1)[side]:
-                record["end_kind"][side], record["end_degree"][side] = (
-                    end.kind,
-                    degree_of(end, self._order),
-                )
-                record["end_thermal"][side], record["end_x"][side] = (
-                    heat_of(end)[0],
-                    getattr(end, "x", 0.0),
-                )
+                record["end_kind"][side] = end.kind
+                record["end_degree"][side] = degree_of(end, order)
+                record["end_thermal"][side] = heat_of(end)[0]
+                record["end_x"][side] = getattr(end, "x", 0.0)
 
     def _place(self, k: int) -> None:
         """Make the DMDA of layer k on its owners and note what this rank owns."""
         record, shares, dof = self.records[k], self.shares[k], self.dof[k]
         mine = any(rank == self.comm.rank for rank, _, _ in shares)
         sub = self.comm.Split(0 if mine else MPI.UNDEFINED, self.comm.rank)
-        record["start"], record["present"] = self.local_size, mine
+        record["present"] = mine
         if not mine:
             self.dms.append(None)
             return

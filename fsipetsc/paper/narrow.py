@@ -27,22 +27,6 @@ MARGIN = 8
 
 
 @njit(**INNER)
-def coefficients(gas, u, T, b, u_b, kappa, first, last):
-    """mu', u mu' and kappa at the points first .. last-1."""
-    for i in range(first, last):
-        b[U(i)] = gas.viscosity(T[U(i)])
-        u_b[U(i)] = u[U(i)] * b[U(i)]
-        kappa[U(i)] = gas.conductivity(T[U(i)])
-
-
-@njit(**INNER)
-def conductivities(solid, stretch, b, first, last):
-    """kappa_e / x_X."""
-    for i in range(first, last):
-        b[U(i)] = solid.kappa_e * stretch[U(i)]
-
-
-@njit(**INNER)
 def add_level(weights, means, q, b, y, g, first, last):
     """g += mean_q(b) Delta_q y of the differences that begin at first .. last-1."""
     skipped = (q + 1 - len(means)) // 2
@@ -93,10 +77,10 @@ def subtract(op, b, y, g, out, a, c, A, B):
 
 
 @njit(**INNER)
-def divide(op, out, scale, a, c, A, B):
-    """out = scale H^-1 out."""
+def divide(op, out, h, a, c, A, B):
+    """out = H^-1 out / h^2."""
     for i in range(a, c):
-        out[U(i)] *= scale
+        out[U(i)] *= 1.0 / (h * h)
     for r in range(op.rows):
         for i in (A + r, B - r):
             if a <= i < c:
@@ -107,22 +91,25 @@ def divide(op, out, scale, a, c, A, B):
 def narrow_gas(op, gas, h, u, T, b, u_b, kappa, g, momentum, energy, a, c, A, B):
     """What is added to the rates of momentum and energy at the points a .. c-1; u, T as the
     gradients see them."""
-    coefficients(gas, u, T, b, u_b, kappa, max(A, a - 2 * op.p), min(B + 1, c + 2 * op.p))
+    for i in range(max(A, a - 2 * op.p), min(B + 1, c + 2 * op.p)):
+        b[i], kappa[i] = gas.viscosity(T[i]), gas.conductivity(T[i])
+        u_b[i] = u[i] * b[i]
     for i in range(a, c):
         momentum[i] = energy[i] = 0.0
     subtract(op, b, u, g, momentum, a, c, A, B)
     subtract(op, u_b, u, g, energy, a, c, A, B)
     subtract(op, kappa, T, g, energy, a, c, A, B)
-    divide(op, momentum, 1.0 / (h * h), a, c, A, B)
-    divide(op, energy, 1.0 / (h * h), a, c, A, B)
+    divide(op, momentum, h, a, c, A, B)
+    divide(op, energy, h, a, c, A, B)
 
 
 @njit(**INNER)
 def narrow_solid(op, solid, h, T, stretch, b, g, heat, a, c, A, B):
-    """What is added to the rates of temperature at the points a .. c-1."""
+    """What is added to (kappa_e / x_X T_X)_X at the points a .. c-1."""
     reach = min(op.reach, 2 * op.p)
-    conductivities(solid, stretch, b, max(A, a - reach), min(B + 1, c + reach))
+    for i in range(max(A, a - reach), min(B + 1, c + reach)):
+        b[i] = solid.kappa_e * stretch[i]
     for i in range(a, c):
         heat[i] = 0.0
     subtract(op, b, T, g, heat, a, c, A, B)
-    divide(op, heat, 1.0 / (h * h * solid.alpha * solid.m0), a, c, A, B)
+    divide(op, heat, h, a, c, A, B)

@@ -1,241 +1,146 @@
-"""The right-hand side, with PETSc's ghost exchange: what is done, to be read from top to bottom.
+"""What a rank has of layers and interfaces, and what it exchanges of them with other ranks.
 
 A layer lives on the ranks that own points of it: a DMDA on their communicator knows who owns which,
-and the rates read its local vectors. One evaluation:
-
-    1  interfaces   the owners of the two sides of an interface swap the rows that D reaches from
-                    it, and each of them solves the same small system      (Thm 4.1, Sec. 4.2)
-    2  frames       the owner of a gas's interface point tells the layer its velocity s and its
-                    place x_I                                              (4.20), (4.25)
-    3  halos        DMDA fills the local vectors: twice the reach of D, because D acts twice
-    4  points       ghost points (4.26), then the rates of all points      (4.19), (4.20)
-
-Interfaces come before halos, so that neighbours of an owner get rows that fulfil the conditions.
-The point arithmetic is the same on any number of ranks, and nothing is added up over ranks: so are
-the results, bit for bit.
+and the rates read its local vector. All ranks know its record and its material.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from functools import cached_property
-
 import numpy as np
 from mpi4py import MPI
+from numba import njit
 from petsc4py import PETSc
 
-from fsipetsc.boundaries import INTERFACE_END
 from fsipetsc.operators.boxed import Box
-from fsipetsc.paper import batch, entries, rates
+from fsipetsc.paper import rates, steps, sums
 from fsipetsc.paper.coupling import Face
-from fsipetsc.paper.laws import Elastic, Gas
-from fsipetsc.paper.layer import DOF, FLUID, Part
+from fsipetsc.paper.laws import law_of
 from fsipetsc.paper.layout import Layout
+from fsipetsc.paper.stencils import CALL
 
 Array = np.ndarray
 
 
-class RightHandSide:
-    """dy/dt of the world vector, and the arrays that a step works in. All methods are collective.
-
-    Arrays of this rank's doubles: stage, on which the conditions are imposed; y: the solution's own
-    memory; total, k. layers: those that this rank has a part of. forced: layers with forcing;
-    rooms: (1,), ROOM of fsipetsc.paper.batch.
-    """
-
-    def __init__(
-        self,
-        layout: Layout,
-        op: Array,
-        laws: Sequence[Gas | Elastic],
-        kind: int,
-        y: Array,
-        forced: Sequence[bool],
-        rooms: Array,
-    ) -> None:
-        self.op, self.y, self.rooms = op, y, rooms
-        self.stage, self.total, self.k = (np.zeros(layout.local_size) for _ in range(3))
-        here = [k for k, dm in enumerate(layout.dms) if dm is not None]
-        self.layers = [LayerPart(layout, self, k, laws[k], forced[k]) for k in here]
-        self.interfaces = [
-            Interface(layout, self, k, laws, kind)
-            for k in range(len(layout.problem.interfaces))
-        ]
-
-    def fulfil_conditions(self) -> None:
-        """Let the stage, and the local vectors with it, fulfil all conditions but for ghost points,
-        which are filled later."""
-        for interface in self.interfaces:
-            interface.begin()
-        for interface in self.interfaces:
-            interface.couple()
-        for layer in self.layers:
-            layer.close_end()
-        for layer in self.layers:
-            layer.fill_halos()
-
-    def evaluate(self, f: Array, filled: bool = False) -> None:
-        """Rates of a state that fulfils the conditions, to this rank's part f; filled: so do the
-        ghost points."""
-        for layer in self.layers:
-            layer.evaluate(f, filled)
-
-    def rates(self, y: Array, f: Array) -> None:
-        """f = dy/dt of this rank's part, for the boundary data, jumps and forcing set last; y stays
-        as it is."""
-        self.stage[:] = y
-        self.fulfil_conditions()
-        self.evaluate(f)
-
-    def keep_ghosts(self) -> None:
-        """Let the stage have what ghost points got."""
-        for layer in self.layers:
-            layer.part.stage[:] = layer.owned
-
-    def advance(self, number: int, dt: float) -> None:
-        """What stage ``number`` of the classical Runge-Kutta method does with its rates k."""
-        batch.advance(self.y, self.k, self.stage, self.total, number, dt)
-
-    def destroy(self) -> None:
-        """Destroy vectors and messages; before the DMDAs."""
-        for interface in self.interfaces:
-            interface.destroy()
-        for layer in self.layers:
-            layer.destroy()
+@njit(**CALL)
+def _gas_fields(of, out):
+    sums.gas_fields(of.ops[0], of.law, of.layers[0], of.local, out)
 
 
-class LayerPart:
-    """This rank's part of layer k of a right-hand side."""
+@njit(**CALL)
+def _solid_fields(of, out):
+    sums.solid_fields(of.ops[0], of.law, of.layers[0], of.local, out)
 
-    def __init__(
-        self, layout: Layout, rhs: RightHandSide, k: int, law: Gas | Elastic, forced: bool
-    ) -> None:
-        self.number, self._layout, self.op, self._dm = k, layout, rhs.op, layout.dms[k]
-        self.record, self.law, self._rooms = layout.records[k : k + 1], law, rhs.rooms
-        record, dof = self.record[0], DOF[layout.records[k]["kind"]]
-        self.is_gas = bool(record["kind"] == FLUID)
-        count = int(record["own_hi"] - record["own_lo"])
-        points = count + int(record["halo_lo"] + record["halo_hi"])
-        self.local = np.zeros((points, dof))
-        self.owned = self.local[int(record["halo_lo"]) : int(record["halo_lo"]) + count]
-        self.forcing = np.zeros((count if forced else 0, dof))
-        scratch = np.zeros((rates.ROWS, points + rates.MORE))
-        arrays = (self.own(array) for array in (rhs.y, rhs.stage, rhs.total, rhs.k))
-        self.part = Part(law, self.record, self.forcing, scratch, *arrays)
-        self._global = PETSc.Vec().createWithArray(self.part.stage, bsize=dof, comm=self._dm.comm)
-        self._local = PETSc.Vec().createWithArray(self.local, bsize=dof, comm=PETSc.COMM_SELF)
-        self._comm = self._dm.comm.tompi4py()
-        self.side = 1 if record["end_kind"][0] == INTERFACE_END else 0  # where a gas ends
 
-    @cached_property
-    def box(self) -> Box:
-        """What compiled calls take of it."""
-        memory = self.local, self.part.stage, self.forcing, self.part.scratch, self._rooms
-        return Box(entries.LayerData(self.op, self.law, self.record, *memory))
+class Layer:
+    """Layer k. Attributes: number, is_gas, present (this rank owns points of it), record; arrays of
+    the points of this rank: local with halos, ``owned`` those without; forcing; box, what compiled
+    functions take."""
 
-    def own(self, array: Array) -> Array:
-        """View, shape (owned points, unknowns), of the layer in this rank's part of a solution."""
-        return self._layout.local(self.number, array)
+    def __init__(self, layout: Layout, k: int, op: Array, y: Array, total: Array, rates_: Array):
+        layer, record = layout.problem.layers[k], layout.records[k : k + 1]
+        self.number, self.is_gas, self.record = k, layer.kind == "fluid", record[0]
+        self.law, self.present = law_of(layer.material), bool(record["present"][0])
+        self._dm, own = layout.dms[k], [layout.local(k, array) for array in (y, total, rates_)]
+        count, before = len(own[0]), int(record["halo_lo"][0])
+        self.local = np.zeros((before + count + int(record["halo_hi"][0]), layout.dof[k]))
+        self.owned = self.local[before : before + count]
+        self.forcing = np.zeros((count if layer.forcing is not None else 0, layout.dof[k]))
+        scratch = np.zeros((rates.ROWS, len(self.local) + rates.MORE))
+        points = self.local, self.owned, *own, self.forcing, scratch
+        self.box = Box(steps.Part(op, self.law, record, *points))
+        self._comm = self._dm.comm.tompi4py() if self.present else MPI.COMM_SELF
+        # of the interface of a gas
+        self._owner = self._comm.size - 1 if self.record["end_kind"][0] >= 0 else 0
+        self._vec = PETSc.Vec().createWithArray(self.local, comm=MPI.COMM_SELF)
+        gas = steps.gas_stage, steps.gas_rates, steps.complete_gas, _gas_fields
+        solid = steps.solid_stage, steps.solid_rates, steps.complete_solid, _solid_fields
+        self._stage, self._rates, self._complete, self._fields = gas if self.is_gas else solid
 
-    def close_end(self) -> None:
-        """What comes before the exchange: the outer ends of a solid; all ranks of a gas hear of the
-        frame."""
+    def exchange(self) -> None:
+        """After interfaces are coupled: the outer ends of a solid; all ranks of a gas hear of its
+        frame, (4.20), (4.25) and PETSc fills the halos."""
         if not self.is_gas:
-            entries.close_end(self.box)
+            steps.close(self.box)
         elif self._comm.size > 1:
-            record, owner = self.record[0], 0 if self.side == 1 else self._comm.size - 1
-            told = np.array([record["s"], record["x_interface"]])
-            self._comm.Bcast(told, owner)
-            record["s"], record["x_interface"] = told
+            told = np.array([self.record["s"], self.record["x_interface"]])
+            self._comm.Bcast(told, self._owner)
+            self.record["s"], self.record["x_interface"] = told
+        self.fill_halos()
 
     def fill_halos(self) -> None:
-        """The ghost exchange of the layer."""
-        self._dm.globalToLocal(self._global, self._local)
+        """PETSc's ghost exchange."""
+        self._dm.localToLocal(self._vec, self._vec)
 
-    def fill_ghost(self) -> None:
-        """The embedded boundary of a gas, wherever its ghost point is needed."""
-        if self.is_gas:
-            entries.fill(self.box, self.side)
+    def stage(self, number: int, dt: float) -> None:
+        """Rates, and the next stage."""
+        self._stage(self.box, number, dt)
 
-    def evaluate(self, f: Array, filled: bool) -> None:
-        """The rates at this rank's points; filled: the ghost point has its values."""
+    def rates(self) -> None:
+        """Rates, of any stage."""
         if self.is_gas:
-            entries.evaluate_gas(self.box, -1 if filled else self.side, self.own(f))
-        else:
-            entries.evaluate_solid(self.box, self.own(f))
+            steps.fill(self.box)
+        self._rates(self.box)
+
+    def complete(self, of_all: Box) -> None:
+        """What follows a step."""
+        self._complete(self.box, of_all)
+
+    def fields(self) -> Array:
+        """What is saved of this rank's points, (owned points, 5)."""
+        out = np.empty((len(self.owned), 5))
+        self._fields(self.box, out)
+        return out
 
     def destroy(self) -> None:
-        self._global.destroy()
-        self._local.destroy()
+        self._vec.destroy()
 
 
 class Interface:
-    """Interface number k. jump: prescribed jumps; f, s: the rows of its two sides, of those ranks
-    that own one."""
+    """Interface number k. jump: prescribed jumps; side: 1 if the gas lies right of the solid, else
+    0; here: whether this rank owns gas and solid beside it; notes: see fsipetsc.paper.steps."""
 
-    def __init__(
-        self,
-        layout: Layout,
-        rhs: RightHandSide,
-        k: int,
-        laws: Sequence[Gas | Elastic],
-        kind: int,
-    ) -> None:
-        self._op, self._comm, self._rooms, room = rhs.op, layout.comm, rhs.rooms, rhs.rooms[0]
-        gas, solid = layout.problem.interfaces[k]
-        side = 1 if gas > solid else 0
-        self.face = Face(
-            kind,
-            laws[gas],
-            laws[solid],
-            1.0 if gas > solid else -1.0,
-            float(layout.records[solid]["h"]),
-        )
-        self.jump, self.f, self.s = room["jumps"][side], room["f"][side], room["s"][side]
-        self._records = [layout.records[n : n + 1] for n in (gas, solid)]
-        self._parts = [layout.local(n, rhs.stage) for n in (gas, solid)]
-        # the rank with the last point of a layer has all of the rows, see
-        # fsipetsc.parallel.partition
-        self.owners = [layout.shares[n][-1 if n == min(gas, solid) else 0][0] for n in (gas, solid)]
-        self.here = [owner == self._comm.rank for owner in self.owners]
-        self.side = side
+    def __init__(self, layout: Layout, k: int, kind: int, op: Array, layers, notes: Array):
+        gas, solid = (layers[n] for n in layout.problem.interfaces[k])
+        self.side, self._comm = int(gas.number > solid.number), layout.comm
+        n, h = 2.0 * self.side - 1.0, float(solid.record["h"])
+        self.jump, rows, self.notes = np.zeros(4), (np.zeros((8, 3)), np.zeros((8, 4))), notes
+        records = [layout.records[layer.number :][:1] for layer in (gas, solid)]
+        face = Face(kind, gas.law, solid.law, n, h)
+        points = gas.owned, solid.owned, self.jump, *rows, notes
+        self.box = Box(steps.Sides(op, face, *records, *points))
+        # the rank with the last point of a layer has all of the rows, see parallel.partition
+        first = min(gas.number, solid.number)
+        owners = [layout.shares[v.number][-1 if v.number == first else 0][0] for v in (gas, solid)]
+        self.here = [owner == self._comm.rank for owner in owners]
         self._messages: list[MPI.Prequest] = []  # where the two sides have different owners
         if any(self.here) and not all(self.here):
-            self._mine = 0 if self.here[0] else 1
-            rows, other = (self.f, self.s), self.owners[1 - self._mine]
+            mine = self._mine = steps.GAS if self.here[0] else steps.SOLID
             self._messages = [
-                self._comm.Send_init(rows[self._mine], other, k),
-                self._comm.Recv_init(rows[1 - self._mine], other, k),
+                self._comm.Send_init(rows[mine], owners[1 - mine], k),
+                self._comm.Recv_init(rows[1 - mine], owners[1 - mine], k),
             ]
-
-    @cached_property
-    def box(self) -> Box:
-        """What compiled calls take of it."""
-        rows = self.f, self.s, self._rooms
-        sides = self.jump, *self._records, *self._parts
-        return Box(entries.SidesData(self._op, self.face, *sides, *rows))
-
-    def couple_apart(self) -> None:
-        """Couple as the owners of the two sides do where these are two; what comes of it is
-        nothing."""
-        for side in (entries.GAS, entries.SOLID):
-            entries.take_side(self.box, side)
-            entries.couple_side(self.box, side)
 
     def begin(self) -> None:
         """Send the rows of this rank's side to the owner of the other one."""
         if self._messages:
-            entries.take_side(self.box, self._mine)
+            steps.take_side(self.box, self._mine)
             MPI.Prequest.Startall(self._messages)
 
     def couple(self) -> None:
-        """Couple the two sides in the stage; the record of the gas has the frame's velocity and
-        place then."""
+        """Couple the two sides in the stage: each owner solves the same small system."""
         if all(self.here):
-            entries.join(self.box)
+            steps.couple_here(self.box)
         elif self._messages:
             MPI.Prequest.Waitall(self._messages)
-            entries.couple_side(self.box, self._mine)
+            steps.couple(self.box)
+            steps.put_side(self.box, self._mine)
+
+    def note(self) -> None:
+        """Let the owner of the solid note the interface."""
+        if self.here[1]:
+            steps.note(self.box)
+        else:
+            self.notes[:] = -np.inf
 
     def destroy(self) -> None:
         """Free its messages."""

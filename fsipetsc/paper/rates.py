@@ -7,7 +7,6 @@ scratch for each quantity. D acts twice, so rates need values within twice its r
 
 from __future__ import annotations
 
-import numpy as np
 from numba import njit
 
 from fsipetsc.boundaries import DIRICHLET, INTERFACE_END, OPEN
@@ -16,10 +15,14 @@ from fsipetsc.paper.equations import gas_flux, solid_flux, solid_rates
 from fsipetsc.paper.narrow import MARGIN, narrow_gas, narrow_solid
 from fsipetsc.paper.stencils import INNER, LEFT, RIGHT, U, derivative
 
-#: numbers of unknowns that narrow second derivatives add to: momentum, and energy or T
-MOMENTUM, THIRD = np.int64(1), np.int64(2)
 #: rows of scratch, and by how much they are longer than there are points
 ROWS, MORE = 19, 2 * MARGIN
+
+
+@njit(**INNER)
+def outer_side(layer):
+    """Where the embedded boundary of a gas stands, LEFT or RIGHT."""
+    return RIGHT if layer.end_kind[0] == INTERFACE_END else LEFT
 
 
 @njit(**INNER)
@@ -33,6 +36,15 @@ def ranges(op, layer):
     a, b = max(layer.own_lo - first, A), min(layer.own_hi - first, B + 1)
     f0, f1 = max(A, a - op.reach), min(B + 1, b + op.reach)
     return a, b, A, B, f0, f1, max(A, a - 2 * op.reach), min(B + 1, b + 2 * op.reach)
+
+
+@njit(**INNER)
+def start_with(forcing, out, first, end):
+    """out = forcing in the rows first .. end-1, if there is any; 0 elsewhere."""
+    forced = len(forcing) > 0
+    for i in range(out.shape[0]):
+        for c in range(out.shape[1]):
+            out[U(i), U(c)] = forcing[U(i), U(c)] if forced and first <= i < end else 0.0
 
 
 # gas
@@ -60,28 +72,12 @@ def gas_fluxes(gas, s, rho, m, e, u, T, u_X, T_X, f, g, h, a, b):
 
 @njit(**INNER)
 def put_gas(force, rho, m, f_X, g_X, h_X, out, a, b, shift):
-    """out = -(fluxes)_X and what the body force does."""
+    """out += -(fluxes)_X and what the body force does."""
     for i in range(a, b):
         k = U(i - shift)
-        out[k, 0] = -f_X[U(i)]
-        out[k, 1] = force * rho[U(i)] - g_X[U(i)]
-        out[k, 2] = force * m[U(i)] - h_X[U(i)]
-
-
-@njit(**INNER)
-def clear(out):
-    """out = 0."""
-    for i in range(out.shape[0]):
-        for c in range(out.shape[1]):
-            out[U(i), U(c)] = 0.0
-
-
-@njit(**INNER)
-def add_columns(change, out, first, end):
-    """out += change, in the rows first .. end-1."""
-    for i in range(first, end):
-        for c in range(out.shape[1]):
-            out[U(i), U(c)] += change[U(i), U(c)]
+        out[k, 0] -= f_X[U(i)]
+        out[k, 1] += force * rho[U(i)] - g_X[U(i)]
+        out[k, 2] += force * m[U(i)] - h_X[U(i)]
 
 
 @njit(**INNER)
@@ -105,15 +101,15 @@ def entropy_keeping(gas, rho, m, e, rho_t, m_t, e_t, u_X):
 def gas_rates(op, gas, layer, q, forcing, w, out):
     """(4.20). q: (points with halos, 3); forcing: (owned, 3), or (0, 3) for none; w: scratch; out:
     (owned, 3)."""
-    clear(out)
     a, b, A, B, f0, f1, v0, v1 = ranges(op, layer)
+    start_with(forcing, out, a - layer.halo_lo, b - layer.halo_lo)
     if a >= b:
         return
     rho, m, e, u, T, u_X, T_X = w[0], w[1], w[2], w[3], w[4], w[5], w[6]
     f, g, h, f_X, g_X, h_X = w[7], w[8], w[9], w[10], w[11], w[12]
     per_h = 1.0 / layer.h
     primitive_rows(gas, q, rho, m, e, u, T, v0, v1)
-    side = RIGHT if layer.end_kind[0] == INTERFACE_END else LEFT
+    side = outer_side(layer)
     ghost, kind = (A if side == 0 else B), layer.end_kind[side]
     apart = (kind == OPEN or kind == DIRICHLET) and v0 <= ghost < v1
     own_u, own_T = 0.0, 0.0
@@ -130,25 +126,16 @@ def gas_rates(op, gas, layer, q, forcing, w, out):
     derivative(op, f, f_X, a, b, A, B, per_h)
     derivative(op, g, g_X, a, b, A, B, per_h)
     derivative(op, h, h_X, a, b, A, B, per_h)
+    end = B if side == 0 else A
+    if gas.kappa == 0.0 and a <= end < b:
+        rates = -f_X[end], -g_X[end], -h_X[end]
+        h_X[end] -= entropy_keeping(gas, rho[end], m[end], e[end], *rates, u_X[end])
     shift = layer.halo_lo
     put_gas(gas.force, rho, m, f_X, g_X, h_X, out, a, b, shift)
     if op.narrow:
-        add_to(w[17], out, MOMENTUM, a, b, shift)
-        add_to(w[18], out, THIRD, a, b, shift)
-    end = B if side == 0 else A
-    if gas.kappa == 0.0 and a <= end < b:
-        out[end - shift, 2] += entropy_keeping(
-            gas, rho[end], m[end], e[end], -f_X[end], -g_X[end], -h_X[end], u_X[end]
-        )
-    if len(forcing):
-        add_columns(forcing, out, a - shift, b - shift)
-
-
-@njit(**INNER)
-def add_to(change, out, column, a, b, shift):
-    """A column of out += change at the points a .. b-1."""
-    for i in range(a, b):
-        out[U(i - shift), U(column)] += change[U(i)]
+        for i in range(a, b):
+            out[i - shift, 1] += w[17, i]
+            out[i - shift, 2] += w[18, i]
 
 
 # solid
@@ -172,21 +159,24 @@ def solid_fluxes(solid, sigma, T, x_X, T_X, stretch, net, conducted, a, b):
 
 @njit(**INNER)
 def put_solid(solid, u, stretch, net, u_X, net_X, conducted_X, out, a, b, shift):
-    """out = (u, sigma, T, x)_t."""
+    """out += (u, sigma, T, x)_t."""
     for i in range(a, b):
         u_t, sigma_t, T_t, x_t = solid_rates(
             solid, u[U(i)], stretch[U(i)], net[U(i)], u_X[U(i)], net_X[U(i)], conducted_X[U(i)]
         )
         k = U(i - shift)
-        out[k, 0], out[k, 1], out[k, 2], out[k, 3] = u_t, sigma_t, T_t, x_t
+        out[k, 0] += u_t
+        out[k, 1] += sigma_t
+        out[k, 2] += T_t
+        out[k, 3] += x_t
 
 
 @njit(**INNER)
 def elastic_rates(op, solid, layer, q, forcing, w, out):
     """(4.19). q: (points with halos, 4); forcing: (owned, 4), or (0, 4) for none; w: scratch; out:
     (owned, 4)."""
-    clear(out)
     a, b, A, B, f0, f1, v0, v1 = ranges(op, layer)
+    start_with(forcing, out, a - layer.halo_lo, b - layer.halo_lo)
     if a >= b:
         return
     u, sigma, T, x, x_X, T_X = w[0], w[1], w[2], w[3], w[4], w[5]
@@ -199,10 +189,8 @@ def elastic_rates(op, solid, layer, q, forcing, w, out):
     derivative(op, u, u_X, a, b, A, B, per_h)
     derivative(op, net, net_X, a, b, A, B, per_h)
     derivative(op, conducted, conducted_X, a, b, A, B, per_h)
-    shift = layer.halo_lo
-    put_solid(solid, u, stretch, net, u_X, net_X, conducted_X, out, a, b, shift)
     if op.narrow:
         narrow_solid(op, solid, layer.h, T, stretch, w[12], w[13], w[14], a, b, A, B)
-        add_to(w[14], out, THIRD, a, b, shift)
-    if len(forcing):
-        add_columns(forcing, out, a - shift, b - shift)
+        for i in range(a, b):
+            conducted_X[i] += w[14, i]
+    put_solid(solid, u, stretch, net, u_X, net_X, conducted_X, out, a, b, layer.halo_lo)

@@ -1,4 +1,18 @@
-"""The state of a run of the paper's method: what fsipetsc.stepping drives."""
+"""The state of a run of the paper's method: what fsipetsc.stepping drives.
+
+One evaluation of the right-hand side, to be read from top to bottom in ``fulfil`` and ``stage``:
+
+    1  interfaces   the owners of the two sides of an interface swap the rows that D reaches from
+                    it, and each of them solves the same small system      (Thm 4.1, Sec. 4.2)
+    2  frames       the owner of a gas's interface point tells the layer its velocity s and its
+                    place x_I                                              (4.20), (4.25)
+    3  halos        DMDA fills the local vectors: twice the reach of D, because D acts twice
+    4  points       ghost points (4.26), then the rates of all points      (4.19), (4.20)
+
+Interfaces come before halos, so that neighbours of an owner get rows that fulfil the conditions.
+The point arithmetic is the same on any number of ranks, and nothing is added up over ranks: so are
+the results, bit for bit.
+"""
 
 from __future__ import annotations
 
@@ -14,25 +28,25 @@ from fsipetsc.errors import FsiError, InputError
 from fsipetsc.operators.boxed import Box
 from fsipetsc.operators.kernel_cache import announced
 from fsipetsc.operators.sbp import OPERATORS
-from fsipetsc.paper import after_step, batch, coupling, entries, fields, layout
-from fsipetsc.paper.ends import NODES
-from fsipetsc.paper.laws import check_entropy, elastic_of, gas_of
-from fsipetsc.paper.layer import FLUID
-from fsipetsc.paper.layout import Grid
-from fsipetsc.paper.parts import RightHandSide
+from fsipetsc.paper import coupling, fields, layout, steps
+from fsipetsc.paper.laws import check_entropy
+from fsipetsc.paper.parts import Interface, Layer
 from fsipetsc.paper.stencils import packed
+from fsipetsc.paper.sums import SEEN
 from fsipetsc.problem import Problem
 from fsipetsc.process.together import agree, together, wait_asleep
-from fsipetsc.scheme.burst import MADE
-from fsipetsc.scheme.plan import CAPACITY, LOW, SAID_STOP, step_record
+from fsipetsc.scheme.burst import DT, MADE
+from fsipetsc.scheme.plan import BURST, CAPACITY, FLAGS, LIMITS, RATE, SAID_STOP, step_record
 from fsipetsc.stepping import initial_data, snapshot
 from fsipetsc.stepping.diagnosis import Failure, described
 from fsipetsc.stepping.phases import logged
 from fsipetsc.stepping.state import FAULT
 
 Array = np.ndarray
-#: times of the stages, in steps, and of the completed step
-FRACTIONS = 0.0, 0.5, 0.5, 1.0, 1.0
+#: times of the stages, in steps
+FRACTIONS = 0.0, 0.5, 0.5, 1.0
+#: of the record of a layer: what all ranks learn after a step, beside what was seen
+FRAME = "lo", "hi", "s", "x_interface"
 
 
 class PaperState:
@@ -41,12 +55,14 @@ class PaperState:
     Attributes: layout; solution (world Vec); results of the last completed step; burst
     (fsipetsc.scheme.burst); journal, the records of steps (fsipetsc.scheme.plan.step_record), and
     latest, that of the last one without its time. The integrals in them are this rank's shares.
-    evaluations of the right-hand side are counted. rates: (layers, 2), the largest rates of
-    convection and diffusion [1/s] of each layer. Raises InputError where grid, order and number
-    of ranks do not fit, or the problem is not of the paper's form.
+    evaluations of the right-hand side are counted. layers: all (fsipetsc.paper.parts); here: those
+    that this rank has a part of. Raises InputError where grid, order and number of ranks do not
+    fit, or the problem is not of the paper's form.
     """
 
     convection = "divergence"
+    #: points of interfaces that are recorded at each step, as those of blocks
+    recorded: tuple = ()
 
     def __init__(
         self,
@@ -56,7 +72,7 @@ class PaperState:
         h: float,
         coupling_name: str,
         mode: str = "auto",
-        spare: int = 64,
+        spare: int = 16,
         entropy: bool = False,
         narrow: bool = False,
     ) -> None:
@@ -66,123 +82,64 @@ class PaperState:
                 f"-fsi_coupling {coupling_name}: expected {', '.join(coupling.KINDS)}, "
                 "in the paper's method"
             )
-        self.comm, self.problem, self.h = comm, problem, h
-        self.op, self.operator = OPERATORS[order], packed(order, narrow)
-        self._kind = coupling.KINDS[coupling_name]
-        form = order, h, coupling_name, mode, spare, entropy, narrow
-        self._alike = lambda comm: PaperState(comm, problem, *form)
-        self._mode, self._spare, self.entropy = mode, spare, entropy
-        self.evaluations, self._said = 0, False
-        self.fault: InputError | None = None  # of a user's function, on this rank
         if entropy:
             check_entropy(problem.layers)
-        make = {"fluid": gas_of, "solid": elastic_of}
-        self.laws = together(
-            comm, lambda: [make[layer.kind](layer.material) for layer in problem.layers]
+        self.comm, self.problem, self.h, self.op = comm, problem, h, OPERATORS[order]
+        form = order, h, coupling_name, mode, spare, entropy, narrow
+        self._alike = lambda comm: PaperState(comm, problem, *form)
+        self.evaluations = 0
+        self.fault: InputError | None = None  # of a user's function, on this rank
+        grids = layout.make_grids(problem, self.op, h, spare)
+        self.layout = layout.Layout(comm, problem, self.op, grids, mode)
+        self._y, total, self.k = np.zeros((3, self.layout.local_size))
+        self.solution = PETSc.Vec().createWithArray(self._y, comm=comm)
+        self._make_records(entropy)
+        op = packed(order, narrow)
+        self.layers = together(
+            comm,
+            lambda: [
+                Layer(self.layout, k, op, self._y, total, self.k)
+                for k in range(len(problem.layers))
+            ],
         )
-        # layers are counted from the left gas, which there may not be
-        self.first = 0 if problem.layers[0].kind == "fluid" else 1
-        self._place(layout.make_grids(problem, self.op, h, spare))
+        self.here = [layer for layer in self.layers if layer.present]
+        kind, notes = coupling.KINDS[coupling_name], self._notes
+        self.interfaces = [
+            Interface(self.layout, k, kind, op, self.layers, notes[k]) for k in range(len(notes))
+        ]
+        solid = next(layer.number for layer in self.layers if not layer.is_gas)
+        beside = {layer.number - solid: layer.box for layer in self.layers}
+        self._chain = beside.get(-1), beside[0], beside.get(1)
+        boxes = {interface.side: interface.box for interface in self.interfaces}
+        self._faces = boxes.get(0), boxes.get(1)
 
-    # memory
-
-    def _place(
-        self, grids: list[Grid], kept: layout.Layout | None = None, shares: list | None = None
-    ) -> None:
-        problem = self.problem
-        self.layout = layout.Layout(self.comm, problem, self.op, grids, self._mode, kept, shares)
-        values = np.zeros(self.layout.local_size)
-        self.solution = PETSc.Vec().createWithArray(values, comm=self.comm)
-        forced = [layer.forcing is not None for layer in problem.layers]
-        self.rooms = np.zeros(1, batch.ROOM)
-        room = self._room = self.rooms[0]
-        self.path = RightHandSide(
-            self.layout, self.operator, self.laws, self._kind, values, forced, self.rooms
-        )
-        gases = [layer.kind == "fluid" for layer in problem.layers]
-        room["there"][self.first : self.first + len(gases)] = gases
-        record = step_record(len(problem.interfaces), sum(gases), self.entropy)
+    def _make_records(self, entropy: bool) -> None:
+        """What is noted of a step, and what all ranks learn after one, side by side."""
+        layers, interfaces = self.problem.layers, len(self.problem.interfaces)
+        gases = sum(layer.kind == "fluid" for layer in layers)
+        record = step_record(interfaces, gases, entropy)
         self.journal = np.zeros(CAPACITY, record)
-        self._journal = self.journal.view(np.float64).reshape(CAPACITY, -1)
-        names, count = record.names[2:], self._journal.shape[1] - 2
-        self.results, self.burst, room["numbers"] = room["results"], room["burst"], count
-        self._boxes: list[Box] = []
-        self._shared: Box | None = None
-        self.told = np.zeros(entries.told_size(len(gases), len(problem.interfaces)))
-        self.latest = room["latest"][:count].view([(name, record[name]) for name in names])[0]
+        journal = self.journal.view(np.float64).reshape(CAPACITY, -1)
+        latest = np.zeros(journal.shape[1] - 2)
+        self.latest = latest.view([(name, record[name]) for name in record.names[2:]])[0]
+        told, notes = len(layers) * (SEEN + len(FRAME)), interfaces * steps.NOTES
+        self._shared = np.zeros(told + notes + FLAGS + LIMITS)
+        self._told = self._shared[:told].reshape(len(layers), -1)
+        self._notes = self._shared[told:][:notes].reshape(interfaces, -1)
+        self.results, self.burst = self._shared[told + notes :], np.zeros(BURST)
+        memory = self.results, self.burst, journal, latest, np.bool_(entropy)
+        self._steps = Box(steps.Steps(self.layout.records, self._notes, *memory))
 
-    @property
-    def boxes(self) -> list[Box]:
-        """What calls after a step take, by layer."""
-        if not self._boxes:
-            memory = self.rooms, self._journal
-            self._boxes = [Box(entries.StepData(self.operator, v, *memory)) for v in self.laws]
-        return self._boxes
-
-    @property
-    def shared(self) -> Box:
-        """What all ranks learn after a step."""
-        if self._shared is None:
-            layers = self.first + np.arange(len(self.laws))
-            sides = np.array([interface.side for interface in self.path.interfaces])
-            noted = np.array([interface.here[1] for interface in self.path.interfaces])
-            memory = self.rooms, self.layout.records
-            self._shared = Box(entries.SharedData(*memory, layers, sides, noted, self.told))
-        return self._shared
-
-    @property
-    def _batched(self) -> bool:
-        """One rank, which has all: steps go together."""
-        return self.comm.size == 1
-
-    def _chain(self) -> tuple[Any, ...]:
-        """What ``batch.run_task`` takes of the state; on one rank."""
-        parts: list[Any] = [None] * 3
-        faces: list[Any] = [None] * 2
-        for layer in self.path.layers:
-            parts[self.first + layer.number] = layer.part
-        for interface in self.path.interfaces:
-            faces[interface.side] = interface.face
-        return self.operator, *parts, tuple(faces), self.entropy, self.rooms, self._journal
-
-    def compile(
-        self, announce: Callable[[str], None], also: Callable[[], object] = lambda: None
-    ) -> None:
+    def compile(self, announce: Callable[[str], None]) -> None:
         """Compile the kernels: rank 0 first, with a state of its own; the others find them on the
         disk."""
-        self._first(announce, self._step_once if self._batched else self._all_entries)
-        also()
-
-    def compile_path(self, announce: Callable[[str], None]) -> None:
-        """Compile what PETSc's own methods call."""
-        self._first(announce, self._all_entries)
-
-    def compile_saving(self) -> None:
-        """Compile what frames take."""
-        fields.fields(self)
-
-    def _first(self, announce: Callable[[str], None], call: Callable[[PaperState], None]) -> None:
-        """Let rank 0 call something of a state like this one, of which it has all."""
-        say, self._said = (lambda words: None) if self._said else announce, True
         if self.comm.rank == 0:
-            with announced(say), self._alike(MPI.COMM_SELF) as alone, np.errstate(all="ignore"):
-                call(alone)
+            with announced(announce), self._alike(MPI.COMM_SELF) as alone:
+                with np.errstate(all="ignore"):
+                    steps.batch(*alone._chain, alone._faces, alone._steps, 0.0)
+                    for layer in alone.layers:
+                        layer.fields()
         wait_asleep(self.comm)
-
-    @staticmethod
-    def _step_once(alone: PaperState) -> None:
-        alone._run(batch.STEPS)
-
-    @staticmethod
-    def _all_entries(alone: PaperState) -> None:
-        alone.project(alone.path.y)
-        alone.path.rates(alone.path.y, alone.path.k)
-        alone._stage(0, 0.0)
-        for interface in alone.path.interfaces:
-            interface.couple_apart()
-        after_step.complete(alone)
-        entries.goes_on(alone.boxes[0])
-        fields.fields(alone)
 
     # data
 
@@ -210,16 +167,14 @@ class PaperState:
             records[k]["end_data"][side, : len(values)] = values
             records[k]["end_heat"][side] = given.end_heat(problem, side, t)
         if problem.jumps is not None:
-            for k, interface in enumerate(self.path.interfaces):
+            for k, interface in enumerate(self.interfaces):
                 interface.jump[:] = given.jumps(problem, k, t)
-        for layer in self.path.layers:
+        for layer in self.here:
             if len(layer.forcing):
                 k = layer.number
-                values = given.fields(
-                    problem.layers[k], "forcing", self.layout.owned_X(k), t, self.active(k)
-                )
-                for c, value in enumerate(values):
-                    layer.forcing[:, c] = value
+                X, active = self.layout.owned_X(k), self.active(k)
+                values = given.fields(problem.layers[k], "forcing", X, t, active)
+                layer.forcing[:] = np.stack(values, axis=-1)
 
     def active(self, k: int) -> slice:
         """The active ones among this rank's points of layer k."""
@@ -228,7 +183,8 @@ class PaperState:
         return slice(max(begin - own, 0), max(end - own, 0))
 
     def set_initial(self) -> None:
-        """Initial data of all layers, projected. InputError where they are not what they must be."""
+        """Initial data of all layers, projected. InputError where they are not what they must
+        be."""
         self.check_data()
         self.finish()
 
@@ -240,12 +196,13 @@ class PaperState:
 
     @property
     def rates(self) -> Array:
-        return self._room["rates"][self.first : self.first + len(self.laws)]
+        """(layers, 2): the largest rates of convection and diffusion [1/s] of each layer."""
+        return self.layout.records["rates"]
 
     @property
     def places(self) -> list[float]:
         """Positions x [m] of the interfaces."""
-        return self.latest["x_interface"].tolist() if self.path.interfaces else []
+        return self.latest["x_interface"].tolist()
 
     @property
     def points(self) -> int:
@@ -255,12 +212,7 @@ class PaperState:
     @property
     def reserve(self) -> int:
         """Points held in reserve, at first."""
-        return sum(g.n - (g.hi - g.lo + 1) for g in self.layout.grids)
-
-    @property
-    def recorded(self) -> list[list[float]]:
-        """Points of interfaces that are recorded at each step, as in two dimensions: none."""
-        return []
+        return sum(grid.n - grid.active for grid in self.layout.grids)
 
     def header(self) -> list[dict[str, Any]]:
         """What a result file says of each layer."""
@@ -278,7 +230,7 @@ class PaperState:
 
     def save(self) -> dict[int, Array]:
         """What is saved of this rank's points, (local, 5) by layer."""
-        return fields.fields(self)
+        return {layer.number: layer.fields() for layer in self.here}
 
     def errors(self, t: float, norm: str = "L2") -> dict[str, dict[str, float]] | None:
         """See fsipetsc.paper.fields.errors."""
@@ -290,109 +242,99 @@ class PaperState:
 
     # steps
 
+    def _load(self, y: Array) -> None:
+        """Let the stage be this rank's part y."""
+        for layer in self.here:
+            layer.owned[:] = self.layout.local(layer.number, y)
+
+    def _fulfil(self) -> None:
+        """Let the stage fulfil all conditions but for ghost points, which are filled later."""
+        for interface in self.interfaces:
+            interface.begin()
+        for interface in self.interfaces:
+            interface.couple()
+        for layer in self.here:
+            layer.exchange()
+
     def right_hand_side(self, y: Array, f: Array) -> None:
         """f = dy/dt of this rank's part, at the projected y, for the data set last."""
         self.evaluations += 1
-        self.path.rates(y, f)
+        self._load(y)
+        self._fulfil()
+        for layer in self.here:
+            layer.rates()
+        f[:] = self.k
 
-    def project(self, y: Array) -> None:
-        """Fill the ghost points of this rank's part y and project its interfaces, in place; undoes
-        the completion."""
-        self.path.stage[:] = y
-        self.path.fulfil_conditions()
-        for part in self.path.layers:
-            part.fill_ghost()
-        self.path.keep_ghosts()
-        y[:] = self.path.stage
-
-    def finish(self) -> None:
-        """Complete a step whose raw result PETSc has left in the solution."""
-        self.path.stage[:] = self.path.y
-        self._complete()
+    def _stage(self, number: int, dt: float) -> None:
+        """Stage ``number`` of the classical method, which begins with the completed solution."""
+        if number > 0:
+            self._fulfil()
+        for layer in self.here:
+            layer.stage(number, dt)
 
     def _complete(self) -> None:
         """Project the stage, which is the new solution, let boundaries move, and look at it."""
-        if self._batched:
-            self._run(batch.STAGE, batch.STAGES)
-        else:
-            after_step.complete(self)
+        self._fulfil()
+        self.results[:RATE] = 0.0
+        for layer in self.here:
+            layer.complete(self._steps)
+        for interface in self.interfaces:
+            interface.note()
+        if self.comm.size > 1:
+            self._tell()
+        steps.finish(*self._chain, self._steps)
 
-    def _run(self, task: int, number: int = 0, dt: float = 0.0) -> None:
-        """A task of the compiled batch, on one rank."""
-        batch.run_task(task, *self._chain(), number, dt)
-        for part in self.path.layers if task == batch.STEPS or number == batch.STAGES else ():
-            part.owned[:] = part.part.stage
+    def _tell(self) -> None:
+        """Let all ranks learn what each has seen: the largest number counts."""
+        told, records = self._told, self.layout.records
+        told[:, :SEEN] = records["seen"]
+        for c, name in enumerate(FRAME, SEEN):
+            told[:, c] = records[name]
+        told[records["present"] == 0] = -np.inf
+        # the largest of numbers and what is none would depend on their order
+        self._shared[np.isnan(self._shared)] = np.inf
+        self.comm.Allreduce(MPI.IN_PLACE, self._shared, MPI.MAX)
+        records["seen"] = told[:, :SEEN]
+        for c, name in enumerate(FRAME, SEEN):
+            records[name] = told[:, c]
+
+    def finish(self) -> None:
+        """Complete a step whose raw result PETSc has left in the solution."""
+        self._load(self._y)
+        self._complete()
 
     def step(self, t: float, dt: float, steady: bool) -> None:
         """A step dt [s] of the classical Runge-Kutta method from the completed solution at t [s],
         and its completion.
 
         steady: the data do not depend on time; then further steps follow as the burst allows, by
-        itself none.
+        itself none, and on one rank they are one compiled call.
         """
-        if steady and self._batched:
-            self._run(batch.STEPS, dt=dt)
-            self.evaluations += batch.STAGES * max(1, int(self.burst[MADE]))
+        if steady and self.comm.size == 1:
+            steps.batch(*self._chain, self._faces, self._steps, dt)
+            self.evaluations += steps.STAGES * max(1, int(self.burst[MADE]))
             return
         self._step(t, dt, steady)
-        while steady and entries.goes_on(self.boxes[0]):
-            self._step(t, self.burst[batch.DT], steady)
+        while steady and steps.goes_on(self._steps):
+            self._step(t, self.burst[DT], steady)
 
     def _step(self, t: float, dt: float, steady: bool) -> None:
-        self.evaluations += batch.STAGES
+        self.evaluations += steps.STAGES
         for number, fraction in enumerate(FRACTIONS):
             if not steady:
                 self.set_data(t + fraction * dt)
-            if number == batch.STAGES:
-                self._complete()
-            elif self._batched:
-                self._run(batch.STAGE, number, dt)
-            else:
-                self._stage(number, dt)
+            self._stage(number, dt)
+        if not steady:
+            self.set_data(t + dt)
+        self._complete()
 
-    def _stage(self, number: int, dt: float) -> None:
-        """A stage by way of PETSc's exchange."""
-        if number > 0:
-            self.path.fulfil_conditions()
-        self.path.evaluate(self.path.k, filled=number == 0)
-        self.path.advance(number, dt)
+    # checkpoints
 
-    # grids that grow, checkpoints
-
-    def _load(self) -> None:
+    def _reload(self) -> None:
         """Go on from the solution, which fulfils the conditions: a completed one."""
-        self.path.stage[:] = self.path.y
-        for part in self.path.layers:
-            part.fill_halos()
-
-    def grow(self, noted: int = 0) -> None:
-        """Lay the grids anew with more spare points at the embedded boundaries; the completed
-        solution moves along.
-
-        noted: records of the journal that are needed. Nothing else changes, not even in the last
-        bit. Rare, so it is simple: every rank sees each layer once, whole.
-        """
-        old, y = self.layout, self.path.y
-        whole = [snapshot.gather(self.comm, old, k, y) for k in range(len(old.grids))]
-        cells = {k: int(r["hi"] - r["lo"]) for k, r in enumerate(old.records) if r["kind"] == FLUID}
-        journal, room = self.journal[:noted].copy(), self._room
-        self._release()
-        spare = max(self._spare, NODES)
-        self._place(layout.make_grids(self.problem, self.op, self.h, spare, cells, old.grids), old)
-        self.journal[:noted] = journal
-        for name in room.dtype.names:
-            self._room[name] = room[name]
-        self.results[LOW] = 0.0
-        for k, (grid, record, before) in enumerate(
-            zip(self.layout.grids, self.layout.records, old.records, strict=True)
-        ):
-            for name in ("s", "x_interface", "end_data", "end_heat"):
-                record[name] = before[name]
-            if record["present"]:
-                active = whole[k][before["lo"] : before["hi"] + 1]
-                rows = np.arange(record["own_lo"], record["own_hi"]) - grid.lo
-                self.layout.local(k, self.path.y)[:] = active[np.clip(rows, 0, len(active) - 1)]
-        self._load()
+        self._load(self._y)
+        for layer in self.here:
+            layer.fill_halos()
 
     def capture(self) -> dict[str, Array] | None:
         """See fsipetsc.stepping.snapshot.capture."""
@@ -400,28 +342,19 @@ class PaperState:
 
     def restore(self, arrays: Mapping[str, Array], t: float) -> None:
         """Be at time t [s] what arrays, known on all ranks, tell of. InputError."""
-        grids, shares = (
-            snapshot.grids_of(self.problem, self.layout.grids, arrays),
-            snapshot.shares_of(arrays, self.comm.size),
-        )
-        old = self.layout
-        self._release()
-        self._place(grids, old, shares)
+        snapshot.put_grids(self.layout, arrays)
         self.results[:], snapshot.as_numbers(self.latest)[:] = arrays["results"], arrays["latest"]
         self.set_data(t)
         agree(self.comm, self.fault)
-        snapshot.put_frames(self.layout, arrays)
-        snapshot.put(self.layout, self.path.y, arrays)
-        self._load()
-
-    def _release(self) -> None:
-        self.path.destroy()
-        self.solution.destroy()
-        self.layout.destroy()
+        snapshot.put(self.layout, self._y, arrays)
+        self._reload()
 
     def destroy(self) -> None:
-        """Free vectors, DMDAs and communicators, in this order."""
-        self._release()
+        """Free messages, vectors, DMDAs and communicators, in this order."""
+        for part in (*self.interfaces, *self.layers):
+            part.destroy()
+        self.solution.destroy()
+        self.layout.destroy()
 
     def __enter__(self) -> PaperState:
         return self
@@ -429,11 +362,8 @@ class PaperState:
     def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
         """Destroy it, unless this rank may be alone with an error: the others would not meet it
         there."""
-        if (
-            error is None
-            or self.comm.size == 1
-            or (isinstance(error, FsiError) and error.collective)
-        ):
+        together_here = isinstance(error, FsiError) and error.collective
+        if error is None or self.comm.size == 1 or together_here:
             self.destroy()
 
 
@@ -449,7 +379,6 @@ _EVENTS = {
     "step": "step",
     "right_hand_side": "rates",
     "finish": "complete",
-    "grow": "grow",
     "set_initial": "initial",
 }
 

@@ -78,66 +78,45 @@ def derivative(op, f, out, a, b, A, B, scale):
     """out = scale h D f at the points a .. b-1; f is known where that reaches, or to A, B."""
     rows, columns = op.rows, op.columns
     first, end = max(a, A + rows), min(b, B + 1 - rows)
-    c1, c2, c3, c4 = op.interior[0], op.interior[1], op.interior[2], op.interior[3]
-    if op.p == 1:
+    c = scale * op.interior[0]
+    for i in range(first, end):
+        out[U(i)] = c * (f[U(i + 1)] - f[U(i - 1)])
+    for k in range(2, op.p + 1):
+        c = scale * op.interior[k - 1]
         for i in range(first, end):
-            out[U(i)] = scale * (c1 * (f[U(i + 1)] - f[U(i - 1)]))
-    elif op.p == 2:
-        for i in range(first, end):
-            near = c1 * (f[U(i + 1)] - f[U(i - 1)])
-            out[U(i)] = scale * (near + c2 * (f[U(i + 2)] - f[U(i - 2)]))
-    elif op.p == 3:
-        for i in range(first, end):
-            near = c1 * (f[U(i + 1)] - f[U(i - 1)]) + c2 * (f[U(i + 2)] - f[U(i - 2)])
-            out[U(i)] = scale * (near + c3 * (f[U(i + 3)] - f[U(i - 3)]))
-    else:
-        for i in range(first, end):
-            near = c1 * (f[U(i + 1)] - f[U(i - 1)]) + c2 * (f[U(i + 2)] - f[U(i - 2)])
-            far = c3 * (f[U(i + 3)] - f[U(i - 3)]) + c4 * (f[U(i + 4)] - f[U(i - 4)])
-            out[U(i)] = scale * (near + far)
-    if a <= A and B < b:
-        both_closures(op, f, out, A, B, scale)
-        return
+            out[U(i)] += c * (f[U(i + k)] - f[U(i - k)])
     for r in range(rows):
+        left, right = 0.0, 0.0
         if a <= A + r < b:
-            total = 0.0
-            for c in range(columns):
-                total += op.closure[r, c] * f[U(A + c)]
-            out[U(A + r)] = scale * total
+            for k in range(columns):
+                left += op.closure[r, k] * f[U(A + k)]
+            out[U(A + r)] = scale * left
         if a <= B - r < b:
-            total = 0.0
-            for c in range(columns):
-                total += op.closure[r, c] * f[U(B - c)]
-            out[U(B - r)] = -scale * total
-
-
-@njit(**INNER)
-def both_closures(op, f, out, A, B, scale):
-    """The closures of both ends; two rows of each at a time, because a sum waits for each of its
-    terms."""
-    rows, columns = op.rows, op.columns
-    for r in range(0, rows, 2):
-        s = min(r + 1, rows - 1)
-        left, right, next_left, next_right = 0.0, 0.0, 0.0, 0.0
-        for c in range(columns):
-            at_left, at_right, v, w = (
-                f[U(A + c)],
-                f[U(B - c)],
-                op.closure[U(r), U(c)],
-                op.closure[U(s), U(c)],
-            )
-            left += v * at_left
-            right += v * at_right
-            next_left += w * at_left
-            next_right += w * at_right
-        out[U(A + r)], out[U(B - r)] = scale * left, -scale * right
-        out[U(A + s)], out[U(B - s)] = scale * next_left, -scale * next_right
+            for k in range(columns):
+                right += op.closure[r, k] * f[U(B - k)]
+            out[U(B - r)] = -scale * right
 
 
 @njit(**INNER)
 def weight(op, r):
     """Norm weight of the point number r from an end."""
     return op.norm[r] if r < op.rows else 1.0
+
+
+@njit(**INNER)
+def derivative_at(op, q, c, i, A, B):
+    """h D q[:, c] at the point i."""
+    total = 0.0
+    if i - A < op.rows:
+        for k in range(op.columns):
+            total += op.closure[i - A, k] * q[A + k, c]
+    elif B - i < op.rows:
+        for k in range(op.columns):
+            total -= op.closure[B - i, k] * q[B - k, c]
+    else:
+        for k in range(1, op.p + 1):
+            total += op.interior[k - 1] * (q[i + k, c] - q[i - k, c])
+    return total
 
 
 @njit(**INNER)
@@ -193,42 +172,3 @@ def extrapolated(v, degree):
         binomial *= -(degree + 2.0 - k) / k
         s -= binomial * v[k]
     return s
-
-
-# of rows of values, four at a time
-
-
-@njit(**INNER)
-def total(v, a, b):
-    """Sum of v[a:b]; its last bits depend on where it begins."""
-    s, t, x, y = 0.0, 0.0, 0.0, 0.0
-    whole = a + (b - a) // 4 * 4
-    for i in range(a, whole, 4):
-        s, t, x, y = s + v[U(i)], t + v[U(i + 1)], x + v[U(i + 2)], y + v[U(i + 3)]
-    for i in range(whole, b):
-        s += v[U(i)]
-    return (s + t) + (x + y)
-
-
-@njit(**INNER)
-def largest(v, a, b):
-    """The largest of v[a:b], -inf if there is none; what is not a number does not count."""
-    s, t, x, y = -np.inf, -np.inf, -np.inf, -np.inf
-    whole = a + (b - a) // 4 * 4
-    for i in range(a, whole, 4):
-        s, t, x, y = max(s, v[U(i)]), max(t, v[U(i + 1)]), max(x, v[U(i + 2)]), max(y, v[U(i + 3)])
-    for i in range(whole, b):
-        s = max(s, v[U(i)])
-    return max(max(s, t), max(x, y))
-
-
-@njit(**INNER)
-def smallest(v, a, b):
-    """The smallest of v[a:b], inf if there is none; what is not a number does not count."""
-    s, t, x, y = np.inf, np.inf, np.inf, np.inf
-    whole = a + (b - a) // 4 * 4
-    for i in range(a, whole, 4):
-        s, t, x, y = min(s, v[U(i)]), min(t, v[U(i + 1)]), min(x, v[U(i + 2)]), min(y, v[U(i + 3)])
-    for i in range(whole, b):
-        s = min(s, v[U(i)])
-    return min(min(s, t), min(x, y))

@@ -40,7 +40,7 @@ def describe(error: BaseException, case_file: str | None = None) -> tuple[int, s
         name = f"{os.fspath(error.filename)}: " if error.filename is not None else ""
         return 4, f"{name}{error.strerror}", False
     if isinstance(error, ModuleNotFoundError) and not (error.name or "").startswith("fsipetsc"):
-        return 1, reason(error), False
+        return 2, reason(error), False
     if is_petsc(error):
         return _PETSC_STATUS.get(error.ierr, 1), petsc_words(error), False
     where = traceback.extract_tb(error.__traceback__)[-1:]

@@ -1,7 +1,7 @@
 """Several steps in one call: the words of the plan of a burst, what came of it, the next step.
 
 A burst of steps ends when it has as many as are allowed (-fsi_burst, -ts_max_steps, room in the
-journal), or something has to be looked at: a time to be saved, a grid that must grow, a failure, a
+journal), or something has to be looked at: a time to be saved, a failure, a
 signal. Each step fills a row of the journal.
 """
 
@@ -10,7 +10,7 @@ from __future__ import annotations
 from numba import njit
 
 from fsipetsc.operators.loops import CALL, MERGED_CALL
-from fsipetsc.scheme.plan import BAD, EXHAUSTED, LOW, RATE, STOP, TOO_SHORT
+from fsipetsc.scheme.plan import BAD, EXHAUSTED, RATE, STOP, TOO_SHORT
 from fsipetsc.scheme.time_step import longest_step, next_step
 
 #: time before or, once it is made, after the step; the step; time after it; the next time that must be hit;
@@ -41,7 +41,7 @@ def plan_next(burst, results, journal, latest):
     burst[SHORTEST], burst[LONGEST] = min(burst[SHORTEST], dt), max(burst[LONGEST], dt)
     rate = results[RATE]
     ends = not 0.0 < rate < 1e300
-    for flag in (LOW, EXHAUSTED, TOO_SHORT, BAD, STOP):
+    for flag in (EXHAUSTED, TOO_SHORT, BAD, STOP):
         ends = ends or results[flag] != 0.0
     if ends or t >= burst[TARGET] or made + 1 >= allowed:
         return False

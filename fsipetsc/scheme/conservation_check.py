@@ -37,24 +37,36 @@ class Drifts:
 
     def __init__(self, invariants: Mapping[str, Any], initial: Mapping[str, Any]) -> None:
         self._invariants, self._initial = invariants, initial
-        self._rates: dict[str, float] = {name: initial.get(name, 0.0) for name in ("force", "heating")}  # the last ones
+        self._rates: dict[str, float] = {
+            name: initial.get(name, 0.0) for name in ("force", "heating")
+        }  # the last ones
         self._sums: dict[str, float] = {}
         masses = np.asarray(initial.get("mass", ())).tolist()
         energy = max(initial.get("energy", 0.0), 0.0)
         #: what round-off makes of a momentum that nothing has changed is nothing beside this
         self._momentum_of_all = np.sqrt(energy * (invariants.get("inertia", 0.0) + sum(masses)))
         gases = zip(invariants.get("cv", ()), masses)
-        self._heat_capacity = invariants.get("heat_capacity", 0.0) + sum(cv * mass for cv, mass in gases)
+        self._heat_capacity = invariants.get("heat_capacity", 0.0) + sum(
+            cv * mass for cv, mass in gases
+        )
         self._most = 0.0  # entropy produced
 
     def memory(self) -> dict[str, Any]:
         """What ``recall`` takes, as JSON has it."""
         sums = {name: float(value) for name, value in self._sums.items()}
-        return {"rates": {name: float(value) for name, value in self._rates.items()}, "sums": sums, "most": float(self._most)}
+        return {
+            "rates": {name: float(value) for name, value in self._rates.items()},
+            "sums": sums,
+            "most": float(self._most),
+        }
 
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Go on behind the steps of which ``memory`` tells."""
-        self._rates, self._sums, self._most = dict(memory["rates"]), dict(memory["sums"]), memory["most"]
+        self._rates, self._sums, self._most = (
+            dict(memory["rates"]),
+            dict(memory["sums"]),
+            memory["most"],
+        )
 
     @np.errstate(all="ignore")  # a drift that is no number says so itself
     def go_on(self, series: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -65,7 +77,11 @@ class Drifts:
             return result
         for name, columns in invariants["masses"]:
             chosen = np.atleast_1d(columns)  # of blocks of gas that are joined
-            came = self._sum(f"into '{name}'", series["mass_in"][:, chosen].sum(axis=1)) if "mass_in" in series else 0.0
+            came = (
+                self._sum(f"into '{name}'", series["mass_in"][:, chosen].sum(axis=1))
+                if "mass_in" in series
+                else 0.0
+            )
             first = sum(initial["mass"][column] for column in chosen)
             result[f"mass of '{name}'"] = (series["mass"][:, chosen].sum(axis=1) - came) / first - 1
         if "force" in series:
@@ -76,7 +92,11 @@ class Drifts:
             came = self._sum("energy", series["energy_in"]) if "energy_in" in series else 0.0
             result["energy"] = (series["energy"] - came) / initial["energy"] - 1
             if "heating" in series or invariants.get("entropy"):
-                heated = self._integral(series, "heated", self._joined(series, "heating")) if "heating" in series else 0.0
+                heated = (
+                    self._integral(series, "heated", self._joined(series, "heating"))
+                    if "heating" in series
+                    else 0.0
+                )
                 produced = series["entropy"] - initial["entropy"] - heated
                 most = np.maximum.accumulate(np.concatenate([[self._most], produced]))[1:]
                 self._most = most[-1]
@@ -87,18 +107,29 @@ class Drifts:
     def _momentum(self, series: Mapping[str, np.ndarray]) -> np.ndarray:
         """The drift of momentum, less the impulse of ends and body forces."""
         initial, force = self._initial, self._joined(series, "force")
-        given = series["impulse"] if "impulse" in series else np.zeros(len(series["dt"]))  # not in results of earlier versions
+        given = (
+            series["impulse"] if "impulse" in series else np.zeros(len(series["dt"]))
+        )  # not in results of earlier versions
         impulse = self._integral(series, "impulse", force) + self._sum("given", given)
-        passed = self._integral(series, "passed", np.abs(force)) + self._sum("given and taken", np.abs(given))
-        scale = np.maximum(passed, max(abs(initial["momentum"]), LEAST * self._momentum_of_all)) + np.finfo(float).tiny
+        passed = self._integral(series, "passed", np.abs(force)) + self._sum(
+            "given and taken", np.abs(given)
+        )
+        scale = (
+            np.maximum(passed, max(abs(initial["momentum"]), LEAST * self._momentum_of_all))
+            + np.finfo(float).tiny
+        )
         return (series["momentum"] - initial["momentum"] - impulse) / scale
 
     def _plane_momentum(self, series: Mapping[str, np.ndarray], axis: str) -> np.ndarray:
         """The drift of one component in two dimensions."""
         name, given = f"momentum_{axis}", series[f"impulse_{axis}"]
         passed = self._sum(f"{name}, given and taken", np.abs(given))
-        least = max(abs(self._initial[name]), LEAST_COMPONENT * self._momentum_of_all, np.finfo(float).tiny)
-        return (series[name] - self._initial[name] - self._sum(name, given)) / np.maximum(passed, least)
+        least = max(
+            abs(self._initial[name]), LEAST_COMPONENT * self._momentum_of_all, np.finfo(float).tiny
+        )
+        return (series[name] - self._initial[name] - self._sum(name, given)) / np.maximum(
+            passed, least
+        )
 
     def _sum(self, name: str, parts: np.ndarray) -> np.ndarray:
         """Sum from t = 0 to the end of each step of what belongs to a step."""
@@ -112,6 +143,8 @@ class Drifts:
         self._rates[name] = rate[-1]
         return rate
 
-    def _integral(self, series: Mapping[str, np.ndarray], name: str, rate: np.ndarray) -> np.ndarray:
+    def _integral(
+        self, series: Mapping[str, np.ndarray], name: str, rate: np.ndarray
+    ) -> np.ndarray:
         """Integral from t = 0 to the end of each step of a rate known at its ends."""
         return self._sum(name, 0.5 * series["dt"] * (rate[1:] + rate[:-1]))

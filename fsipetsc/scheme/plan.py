@@ -5,13 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 # where what stands among the results of a completed step
-#: flags: a boundary changed its cell; 1 + number of a layer whose grid has no free point left,
-#: that has run off its grid, or that is too short
-MOVED, LOW, EXHAUSTED, TOO_SHORT = 0, 1, 2, 3
+#: flags: 1 + number of a layer that has run off its grid, or that is too short
+EXHAUSTED, TOO_SHORT = 0, 1
 #: limits, behind the flags; SAID_STOP is what this rank has to say of STOP
-RATE, BAD, STOP, SAID_STOP = 4, 5, 6, 7
+RATE, BAD, STOP, SAID_STOP = 2, 3, 4, 5
 #: doubles of the flags and of the limits among the results
-FLAGS, LIMITS = 4, 4
+FLAGS, LIMITS = 2, 4
 #: words of a burst of steps, see fsipetsc.scheme.burst
 BURST = 11
 #: steps that the journal holds; they must be written then. Whole chunks of the file, see output.tables

@@ -1,7 +1,6 @@
 """PETSc's TS drives: its explicit methods make the steps, a hook after each does the rest.
 
-The hook completes the new solution, records the step, and says how long the next one is. A grid of
-the paper's method that is used up ends one TSSolve; it is laid anew, and the next one goes on.
+The hook completes the new solution, records the step, and says how long the next one is.
 """
 
 from __future__ import annotations
@@ -18,7 +17,7 @@ from fsipetsc.blockrun.columns import point_names
 from fsipetsc.errors import clear_frames
 from fsipetsc.process.together import agree
 from fsipetsc.scheme.burst import LONGEST, MADE, SHORTEST, TIME
-from fsipetsc.scheme.plan import EXHAUSTED, LOW, RATE, SAID_STOP, STOP, TOO_SHORT, shares
+from fsipetsc.scheme.plan import RATE, SAID_STOP, STOP, shares
 from fsipetsc.scheme.time_step import longest_step
 from fsipetsc.stepping import verdicts
 from fsipetsc.stepping.output_times import OutputTimes
@@ -117,7 +116,7 @@ class Integrator:
 
     opt: options in force. saved: times [s] at which ``on_frame(t)`` is called. Other hooks:
     ``on_series()`` when the series must be taken, ``on_step(steps, t, dt)`` after every burst of
-    steps, ``on_grids()`` when grids have been laid anew, ``on_check()`` every CHECKED steps with
+    steps, ``on_grids()`` when grids have been laid, ``on_check()`` every CHECKED steps with
     -fsi_check, ``on_checkpoint()`` when a checkpoint is due (stepping.pauses).
     """
 
@@ -167,19 +166,12 @@ class Integrator:
     def _ended(self) -> bool:
         return self.complete or bool(self.stop_signal) or self.steps >= self.opt["ts_max_steps"]
 
-    def compile(self, announce: Callable[[str], None]) -> None:
-        """Compile what PETSc's own methods call, if one of them is used, or load it."""
-        if not self._fused:
-            self.state.compile_path(announce)
-
     # begin and end
 
     def start(self) -> None:
         """Set the initial data and save the first frame."""
         state = self.state
         state.set_initial()
-        while state.results[LOW] and not (state.results[EXHAUSTED] or state.results[TOO_SHORT]):
-            state.grow()
         self._on_grids()
         if not self._steady:
             state.set_data(self.t)  # with differences in time of the length that a step has
@@ -212,8 +204,6 @@ class Integrator:
         state.evaluations = memory["evaluations"]
         state.restore(arrays, self.t)
         self._times.pass_time(self.t)
-        if state.results[LOW] and not self.complete:
-            state.grow()
         self._on_grids()
 
     def run(self) -> None:
@@ -222,16 +212,13 @@ class Integrator:
         """
         self._begun = time.perf_counter()
         try:
-            while not self._ended:
+            if not self._ended:
                 self._solve()
-                if self.state.results[LOW] and not self.complete:
-                    self.state.grow(self.series.count)
-                    self._on_grids()
         finally:
             self.wall_time += time.perf_counter() - self._begun
 
     def _solve(self) -> None:
-        """One TSSolve, as far as the grids reach."""
+        """One TSSolve, to the end."""
         rates = None if self._fused else self.state.solution.duplicate()
         ts = self._create(rates)
         ts.setTime(self.t)
@@ -304,9 +291,8 @@ class Integrator:
         self.stop_signal = int(flags[STOP])
         if self.pauses.due(self.steps, flags[STOP], self._ended):
             self._on_checkpoint()
-        if self._ended or flags[LOW]:
-            reason = PETSc.TS.ConvergedReason
-            ts.setConvergedReason(reason.CONVERGED_TIME if self._ended else reason.CONVERGED_USER)
+        if self._ended:
+            ts.setConvergedReason(PETSc.TS.ConvergedReason.CONVERGED_TIME)
             ts.setMaxTime(self.opt["ts_max_time"])  # -ts_view shows them
             ts.setMaxSteps(self.opt["ts_max_steps"])
         else:

@@ -238,8 +238,7 @@ class _Run:
         for line in self.keeper.lines():
             report.line(line)
         with self.phases(SET_UP):
-            say = report.line
-            state.compile(say, lambda: (state.compile_saving(), integrator.compile(say)))
+            state.compile(report.line)
             if self.past is None:
                 integrator.start()
                 for line in [*state.first_notes(), *cold_layers(state)]:

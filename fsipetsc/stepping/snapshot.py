@@ -3,24 +3,21 @@
 What a step depends on: the solution, the points that are active, how the grids lie and move, and
 the results of the last step, among them the bound on the next one. All else follows from the case
 and from the time. Arrays hold whole layers, point by point from left to right, so that any number
-of ranks can go on from them. On as many ranks as before each owns what it did: so the sums over
-ranks are the same, too.
+of ranks can go on from them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
 from mpi4py import MPI
 
 from fsipetsc.errors import InputError
-from fsipetsc.problem import Problem
 
 if TYPE_CHECKING:
-    from fsipetsc.paper.layout import Grid, Layout
+    from fsipetsc.paper.layout import Layout
     from fsipetsc.paper.state import PaperState as State
 
 Array = np.ndarray
@@ -40,9 +37,6 @@ def capture(state: State) -> dict[str, Array] | None:
     for name in FRAME:
         arrays[name] = layout.records[name].copy()
     arrays["results"], arrays["latest"] = state.results.copy(), as_numbers(state.latest).copy()
-    arrays["shares"] = np.array(
-        [(k, *share) for k, shares in enumerate(layout.shares) for share in shares]
-    )
     return arrays
 
 
@@ -79,39 +73,17 @@ def as_numbers(record: np.void) -> Array:
     return record.reshape(1).view(np.float64)
 
 
-def grids_of(problem: Problem, grids: Sequence[Grid], arrays: Mapping[str, Array]) -> list[Grid]:
-    """The grids as they were; grids: those that a run begins with. InputError if those were
-    others.
-    """
-    found = []
-    for k, (grid, (n, lo, hi)) in enumerate(zip(grids, arrays["grids"].tolist(), strict=True)):
-        rigid, first = problem.layers[k].kind == "fluid", k == 0
-        fits = 0 <= lo < hi < n and n >= grid.n and (hi == n - 1 if first else lo == 0)
-        if not (fits if rigid else (n, lo, hi) == (grid.n, grid.lo, grid.hi)):
+def put_grids(layout: Layout, arrays: Mapping[str, Array]) -> None:
+    """Let the grids lie and move as they did. InputError if they had another number of points."""
+    layers = layout.problem.layers, layout.records, arrays["grids"].tolist()
+    for layer, record, (n, lo, hi) in zip(*layers, strict=True):
+        if n != record["n"] or not 0 <= lo < hi < n:
             raise InputError(
-                f"layer '{problem.layers[k].name}' has {grid.n} points, and {n} in the checkpoint"
+                f"layer '{layer.name}' has {record['n']} points, and {n} in the checkpoint"
             )
-        found.append(
-            replace(
-                grid,
-                n=n,
-                lo=lo,
-                hi=hi,
-                anchor_index=n - 1 if rigid and first else grid.anchor_index,
-            )
-        )
-    return found
-
-
-def shares_of(arrays: Mapping[str, Array], size: int) -> list[list[tuple[int, int, int]]] | None:
-    """Who owned what; None if that is not wanted, or there were another number of ranks."""
-    shares = arrays.get("shares")
-    if shares is None or shares[:, 1].max() != size - 1:
-        return None
-    layers = range(int(shares[:, 0].max()) + 1)
-    return [
-        [(rank, begin, end) for at, rank, begin, end in shares.tolist() if at == k] for k in layers
-    ]
+        record["lo"], record["hi"] = lo, hi
+    for name in FRAME:
+        layout.records[name] = arrays[name]
 
 
 def put(layout: Layout, y: Array, arrays: Mapping[str, Array]) -> None:
@@ -119,25 +91,3 @@ def put(layout: Layout, y: Array, arrays: Mapping[str, Array]) -> None:
     for k, record in enumerate(layout.records):
         if record["present"]:
             layout.local(k, y)[:] = arrays[f"layer{k}"][record["own_lo"] : record["own_hi"]]
-
-
-def put_frames(layout: Layout, arrays: Mapping[str, Array]) -> None:
-    """Let the grids lie and move as they did."""
-    for name in FRAME:
-        layout.records[name] = arrays[name]
-
-
-def gather(comm: MPI.Comm, layout: Layout, k: int, y: np.ndarray) -> np.ndarray:
-    """Layer k of the solution, shape (n, dof), on every rank. Collective."""
-    record = layout.records[k]
-    dof = layout.dof[k]
-    counts = np.zeros(comm.size, np.int64)
-    for rank, begin, end in layout.shares[k]:
-        counts[rank] = dof * (end - begin)
-    whole = np.empty((int(record["n"]), dof))
-    offsets = np.zeros(comm.size, np.int64)
-    for rank, begin, _ in layout.shares[k]:
-        offsets[rank] = dof * begin
-    part = np.ascontiguousarray(layout.local(k, y)) if record["present"] else np.empty(0)
-    comm.Allgatherv([part, MPI.DOUBLE], [whole, counts, offsets, MPI.DOUBLE])
-    return whole

@@ -33,7 +33,7 @@ _ADVICE = {
     "J": ("{steps}", _LOAD, _GRID),
     "x_X": ("{steps}", _LOAD, _GRID),
     "finite": ("{steps}", "{shocks}", "a look at what functions of the case give then"),
-    "crossed": ("{steps}", "{mapping}"),
+    "crossed": ("a larger -fsi_spare", "{steps}", "{mapping}"),
     "short": (_GRID, "a lower -fsi_order, which needs fewer points", "{mapping}"),
 }
 
@@ -73,8 +73,7 @@ def check(
         k = int(flags[EXHAUSTED]) - 1
         raise ComputationError(
             f"the points of fluid layer '{state.problem.layers[k].name}' are used up at {when}, "
-            f"{_boundary(state, k)}: its boundary crossed more than one cell in a step; "
-            f"{advice('crossed', opt)}"
+            f"{_boundary(state, k)}; {advice('crossed', opt)}"
         )
     if flags[TOO_SHORT]:
         k = int(flags[TOO_SHORT]) - 1

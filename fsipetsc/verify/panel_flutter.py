@@ -23,9 +23,8 @@ becomes positive is compared with
   run
 
 The panel of the runs is no thin one: shear lowers its onset by 4.5 %, the damping by the flow
-raises it by less than 1 %, and clamps that hold the panel in Y, too, raise it by 1 to 2 %
-(docs/panel.md). So the error says how far the onset is from the thin limit, and need not fall with
-h.
+raises it by less than 1 %, and clamps that hold the panel in Y, too, raise it by 1 to 2 %. So the
+error says how far the onset is from the thin limit, and need not fall with h.
 """
 LAMBDAS = (600.0, 700.0)
 

@@ -1,0 +1,327 @@
+"""What is done in a stage and after a step, a compiled function each, and the batch that calls them
+on one rank, for many steps.
+
+On several ranks fsipetsc.paper.state calls the same functions in the same order, with PETSc's
+exchange between: so both make the same numbers. Below some thousand points Python's calls would
+take longer than the arithmetic. What the functions take is in boxes (fsipetsc.operators.boxed), for
+numba needs microseconds to look at many arrays; a gas that there is not is None.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+
+from fsipetsc.paper import coupling, ends, rates, sums
+from fsipetsc.paper.rates import outer_side
+from fsipetsc.paper.stencils import CALL, INNER, OLD, U
+from fsipetsc.scheme.burst import DT, plan_next
+from fsipetsc.scheme.plan import BAD, EXHAUSTED, RATE, SAID_STOP, STOP, TOO_SHORT
+
+#: of the method
+STAGES = 4
+#: numbers of an interface that are noted
+NOTES = 8
+#: sides of an interface
+GAS, SOLID = 0, 1
+
+
+class Part(NamedTuple):
+    """A rank's part of a layer. ops, layers: records, (1,); law: Gas or Elastic; local: the points
+    of the stage with halos, of which ``owned`` is a view; y, total, k: the completed solution, the
+    sum of the stages and rates, (owned, unknowns); forcing: the same or (0, unknowns)."""
+
+    ops: Any
+    law: Any
+    layers: Any
+    local: Any
+    owned: Any
+    y: Any
+    total: Any
+    k: Any
+    forcing: Any
+    scratch: Any
+
+
+class Sides(NamedTuple):
+    """An interface: records and owned points of both sides; prescribed jumps; rows f, s of gas and
+    solid; what is noted of it."""
+
+    ops: Any
+    face: Any
+    gases: Any
+    solids: Any
+    q_gas: Any
+    q_solid: Any
+    jump: Any
+    f: Any
+    s: Any
+    notes: Any
+
+
+class Steps(NamedTuple):
+    """Of all layers: records; notes, (interfaces, NOTES); results, burst, journal and latest: see
+    fsipetsc.scheme.plan; entropy: whether it is wanted."""
+
+    records: Any
+    notes: Any
+    results: Any
+    burst: Any
+    journal: Any
+    latest: Any
+    entropy: Any
+
+
+# conditions
+
+
+@njit(**INNER)
+def side_of(of, side):
+    """(owned points, number of the one at the interface, step into the layer, rows) of a side."""
+    gas, solid, right = of.gases[0], of.solids[0], of.face.n > 0.0
+    if side == GAS:
+        return of.q_gas, (gas.lo if right else gas.hi) - gas.own_lo, 1 if right else -1, of.f
+    return of.q_solid, (solid.hi if right else solid.lo) - solid.own_lo, -1 if right else 1, of.s
+
+
+@njit(**CALL)
+def take_side(of, side):
+    """The rows of one side of an interface, which this rank owns: as far as D reaches."""
+    q, end, step, rows = side_of(of, side)
+    for j in range(of.ops[0].n):
+        for c in range(rows.shape[1]):
+            rows[j, c] = q[end + step * j, c]
+
+
+@njit(**CALL)
+def put_side(of, side):
+    """The other way round."""
+    q, end, step, rows = side_of(of, side)
+    for j in range(of.ops[0].n):
+        for c in range(rows.shape[1]):
+            q[end + step * j, c] = rows[j, c]
+
+
+@njit(**CALL)
+def couple(of):
+    """Couple the rows of both sides; the frame of the gas follows."""
+    gas, f, s = of.gases[0], of.f, of.s
+    coupling.couple(of.ops[0], of.face, of.jump, f, s)
+    gas.s, gas.x_interface = f[0, 1] / f[0, 0], s[0, 3]
+
+
+@njit(**CALL)
+def couple_here(of):
+    """Couple both sides, which this rank owns."""
+    if of is None:
+        return
+    for side in (GAS, SOLID):
+        take_side(of, side)
+    couple(of)
+    for side in (GAS, SOLID):
+        put_side(of, side)
+
+
+@njit(**CALL)
+def close(of):
+    """Apply the conditions at the outer ends of a solid."""
+    ends.close_solid(of.ops[0], of.law, of.layers[0], of.owned)
+
+
+@njit(**CALL)
+def fill(of):
+    """Fill the ghost point of a gas, where this rank has it."""
+    if of is None:
+        return
+    layer = of.layers[0]
+    ends.fill_ghost(of.ops[0], of.law, layer, of.local, outer_side(layer), OLD)
+
+
+# stages
+
+
+@njit(**CALL)
+def gas_rates(of):
+    """k of a gas that fulfils all conditions."""
+    rates.gas_rates(of.ops[0], of.law, of.layers[0], of.local, of.forcing, of.scratch, of.k)
+
+
+@njit(**CALL)
+def solid_rates(of):
+    """k of a solid that fulfils all conditions."""
+    rates.elastic_rates(of.ops[0], of.law, of.layers[0], of.local, of.forcing, of.scratch, of.k)
+
+
+@njit(**INNER)
+def advance(y, k, stage, total, number, dt):
+    """What a stage of the classical method does with its rates k: the next stage, and the sum that
+    becomes the solution."""
+    a = dt if number == 2 else 0.5 * dt
+    b = dt / 3.0 if 0 < number < 3 else dt / 6.0
+    if number == 0:
+        for i in range(y.size):
+            total[U(i)] = y[U(i)] + b * k[U(i)]
+            stage[U(i)] = y[U(i)] + a * k[U(i)]
+    elif number < 3:
+        for i in range(y.size):
+            total[U(i)] += b * k[U(i)]
+            stage[U(i)] = y[U(i)] + a * k[U(i)]
+    else:
+        for i in range(y.size):
+            stage[U(i)] = total[U(i)] + b * k[U(i)]
+
+
+@njit(**INNER)
+def _advance(of, number, dt):
+    advance(of.y.ravel(), of.k.ravel(), of.owned.ravel(), of.total.ravel(), number, dt)
+
+
+@njit(**CALL)
+def gas_stage(of, number, dt):
+    """A stage; of the first one, which is the completed solution, the ghost point is filled."""
+    if of is None:
+        return
+    if number > 0:
+        fill(of)
+    gas_rates(of)
+    _advance(of, number, dt)
+
+
+@njit(**CALL)
+def solid_stage(of, number, dt):
+    """The same of a solid."""
+    solid_rates(of)
+    _advance(of, number, dt)
+
+
+# after a step
+
+
+@njit(**INNER)
+def keep(of):
+    """The stage is the solution."""
+    y, stage = of.y.ravel(), of.owned.ravel()
+    for i in range(y.size):
+        y[U(i)] = stage[U(i)]
+
+
+@njit(**CALL)
+def complete_gas(of, steps):
+    """Fill the ghost point, let the boundary move over the grid, look at the points."""
+    if of is None:
+        return
+    op, layer, q, results = of.ops[0], of.layers[0], of.local, steps.results
+    fill(of)
+    side = outer_side(layer)
+    if not ends.move_boundary(op, of.law, layer, q, side):
+        results[EXHAUSTED] = 1.0 + layer.number
+    if ends.distance(layer, side) <= layer.least - 2 + 1e-9:
+        results[TOO_SHORT] = 1.0 + layer.number
+    sums.look_at_gas(op, of.law, layer, q, steps.entropy)
+    keep(of)
+
+
+@njit(**CALL)
+def complete_solid(of, steps):
+    """Look at the points."""
+    sums.look_at_solid(of.ops[0], of.law, of.layers[0], of.local, steps.entropy)
+    keep(of)
+
+
+@njit(**CALL)
+def note(of):
+    """x, u, sigma, T and the residuals of the four conditions of an interface."""
+    if of is None:
+        return
+    s, notes = of.s, of.notes
+    notes[0], notes[1], notes[2], notes[3] = s[0, 3], s[0, 0], s[0, 1], s[0, 2]
+    coupling.residuals(of.ops[0], of.face, of.jump, of.f, s, notes[4:])
+
+
+@njit(**INNER)
+def _gas_bound(of):
+    if of is None:
+        return True
+    layer = of.layers[0]
+    return sums.put_rates(of.ops[0], layer, sums.gas_speeds(of.law, layer.seen))
+
+
+@njit(**CALL)
+def finish(left, solid, right, steps):
+    """The bound on the next step, from what all ranks have seen, and the record of this one.
+
+    1/dt at Courant number 1 is the 4-norm of the largest rates of convection and diffusion: the
+    smaller of the two steps alone is too long.
+    """
+    layer, results, records, latest = solid.layers[0], steps.results, steps.records, steps.latest
+    good = sums.put_rates(solid.ops[0], layer, sums.solid_speeds(solid.law, layer.seen))
+    good = _gas_bound(left) and _gas_bound(right) and good
+    convection, diffusion = 0.0, 0.0
+    for k in range(len(records)):
+        convection = max(convection, records[k].rates[0])
+        diffusion = max(diffusion, records[k].rates[1])
+    results[RATE] = np.sqrt(np.sqrt(convection**4 + diffusion**4))
+    results[BAD] = 0.0 if good else 1.0
+    results[STOP] = results[SAID_STOP]
+    at = 0
+    for c in range(NOTES):
+        for face in range(len(steps.notes)):
+            latest[at] = steps.notes[face, c]
+            at += 1
+    for k in range(len(records)):
+        if records[k].fluid:
+            latest[at] = records[k].shares[0]
+            at += 1
+    for c in range(1, sums.SHARES):
+        if at == latest.size:
+            return  # entropy and heating are not wanted
+        latest[at] = 0.0
+        for k in range(len(records)):
+            latest[at] += records[k].shares[c]
+        at += 1
+        if c == 3:
+            latest[at] = 0.0  # the impulse of ends: none has been given its velocity by one
+            at += 1
+
+
+@njit(**CALL)
+def goes_on(steps):
+    """See fsipetsc.scheme.burst.plan_next."""
+    return plan_next(steps.burst, steps.results, steps.journal, steps.latest)
+
+
+# all of it, on one rank
+
+
+@njit(**CALL)
+def fulfil(faces, solid):
+    """Let the stage fulfil all conditions but for ghost points."""
+    couple_here(faces[0])
+    couple_here(faces[1])
+    close(solid)
+
+
+@njit(**CALL)
+def batch(left, solid, right, faces, steps, dt):
+    """A step dt from the completed solution, and further ones as the burst allows."""
+    more = True
+    while more:
+        for number in range(STAGES):
+            if number > 0:
+                fulfil(faces, solid)
+            gas_stage(left, number, dt)
+            solid_stage(solid, number, dt)
+            gas_stage(right, number, dt)
+        fulfil(faces, solid)
+        for flag in range(RATE):
+            steps.results[flag] = 0.0
+        complete_gas(left, steps)
+        complete_solid(solid, steps)
+        complete_gas(right, steps)
+        note(faces[0])
+        note(faces[1])
+        finish(left, solid, right, steps)
+        more = goes_on(steps)
+        dt = steps.burst[DT]
