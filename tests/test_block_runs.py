@@ -200,10 +200,3 @@ def test_a_failure_names_field_block_and_place(runs):
 def test_bad_input_ends_with_one_message(runs, name, words):
     status, message = runs[1][name]
     assert status == 2 and words in message, message
-
-
-@pytest.mark.parametrize("command", ["plot", "report"])
-def test_no_pictures_of_three_dimensions(runs, command):
-    """One message, with the file that ParaView opens."""
-    done = solve(command, runs[0] / "3d_1.h5")
-    assert done.returncode == 2 and "ParaView opens 3d_1.xdmf" in done.stderr
