@@ -13,7 +13,7 @@ import pytest
 
 pytest.importorskip("petsc4py")
 
-from helpers import REPOSITORY, mpirun, solve
+from helpers import REPOSITORY, mpirun
 
 import fsipetsc
 from fsipetsc.output.differences import compare
