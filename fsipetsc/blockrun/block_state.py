@@ -83,7 +83,8 @@ class BlockState:
     memory as a world vector. results: flags and limits as in fsipetsc.scheme.plan. journal, latest:
     records of steps; integrals in them are this rank's shares. rates: (blocks, 2), largest ones of
     convection and diffusion [1/s]. h: size of the smallest cells [m].
-    recorded: nodes to be recorded at each step. InputError where blocks, order and ranks do not fit.
+    recorded: nodes to be recorded at each step.
+    InputError where blocks, order and ranks do not fit.
     """
 
     def __init__(
@@ -212,8 +213,8 @@ class BlockState:
             _call_all(self.scheme, self.y, 0.0)
             self.y.behind[:] = 0.0
         elif self.points <= MOST_ALONE:
-            behind = self.layout.behind
-            alone = BlockLayout(MPI.COMM_SELF, self.problem, self._order, self._halos, behind=behind)
+            grid = self.problem, self._order, self._halos
+            alone = BlockLayout(MPI.COMM_SELF, *grid, behind=self.layout.behind)
             y, scheme = alone.vector(), self._made(alone, False)
             scheme.attach(y.array, np.zeros_like(y.array), *self._words(scratch=True))
             _call_all(scheme, y, 0.0)
@@ -354,7 +355,9 @@ class BlockState:
         return snapshot.capture(self)
 
     def restore(self, arrays: Mapping[str, np.ndarray], t: float) -> None:
-        """Be at time t [s] what arrays tell of, which all ranks know. InputError for other grids."""
+        """Be at time t [s] what arrays tell of, which all ranks know.
+        InputError for other grids.
+        """
         snapshot.check(self, arrays)
         self.results[:], as_numbers(self.latest)[:] = arrays["results"], arrays["latest"]
         self._t = t

@@ -77,7 +77,8 @@ def _on_interfaces(problem: RunProblem, X: float) -> list[Recorded]:
 def _nearest(problem: RunProblem, place: Array) -> Recorded:
     """The node next to a place; on an interface that of the solid. InputError for one outside."""
     best: tuple[float, int, int, Array] | None = None
-    solids_first = sorted(range(len(problem.layers)), key=lambda k: problem.layers[k].kind != "solid")
+    layers = problem.layers
+    solids_first = sorted(range(len(layers)), key=lambda k: layers[k].kind != "solid")
     for k in solids_first:
         nodes = np.arange(int(np.prod(problem.layers[k].shape)))
         places = problem.places(k, nodes)
@@ -88,7 +89,9 @@ def _nearest(problem: RunProblem, place: Array) -> Recorded:
     distance, k, node, X = best
     if distance > _reach(problem, k, node):
         text = ",".join(f"{x:g}" for x in place)
-        raise InputError(f"-fsi_probes {text}: no block is there; the nearest node is {distance:g} away")
+        raise InputError(
+            f"-fsi_probes {text}: no block is there; the nearest node is {distance:g} away"
+        )
     name = problem.layers[k].name
     return Recorded(name, k, node, tuple(X.tolist()), _face_of(problem, k, node))
 

@@ -113,8 +113,8 @@ class Scheme:
             self._lines[k], self._does[k] = line, Held(Box(line), *functions)
 
     def attach(self, y: Array, stage: Array, *words: Any) -> None:
-        """What steps in one call take and fill: see fsipetsc.scheme.steps.Found, without now; words:
-        all behind gain.
+        """What steps in one call take and fill: see fsipetsc.scheme.steps.Found, without now;
+        words: all behind gain.
         """
         stages = y, stage, *self._memory, np.zeros_like(y)
         self._found = Found(*stages, self._gain, *words, np.zeros(2))
@@ -238,8 +238,8 @@ class Scheme:
         self.particles.constrain(y.array, f, self._gain)
 
     def step(self, t: float, dt: float, y: BlockVector, stage: BlockVector) -> None:
-        """A step of the classical Runge-Kutta method from y at t [s] to the completed one at t + dt.
-        Collective. It is PETSc's ``-ts_type rk -ts_rk_type 4`` up to round-off.
+        """A step of the classical Runge-Kutta method from y at t [s] to the completed one at
+        t + dt. Collective. It is PETSc's ``-ts_type rk -ts_rk_type 4`` up to round-off.
 
         It begins with what follows from y alone, so that a step after a restart has the same bits.
         """
@@ -252,8 +252,8 @@ class Scheme:
         self.complete(t + dt, y)
 
     def steps(self, t: float, dt: float) -> tuple[bool, float, float]:
-        """Steps from t [s] as the burst allows, the first of dt [s]: whether all ended well, and the
-        time that is reached; or begin and length of a step that is to be made anew.
+        """Steps from t [s] as the burst allows, the first of dt [s]: whether all ended well, and
+        the time that is reached; or begin and length of a step that is to be made anew.
         """
         self._refresh(t)
         self._found.now[:] = t, dt

@@ -127,7 +127,8 @@ class SolidPart(Forced):
         return ratio
 
     def look(self, q: Array) -> tuple[Array, Array]:
-        """What bounds a step, and integrals of the owned nodes, momentum and energy; q: (N, 2d + 1).
+        """What bounds a step, and integrals of the owned nodes, momentum and energy;
+        q: (N, 2d + 1).
 
         See fsipetsc.scheme.block_look.
         """

@@ -30,7 +30,9 @@ class BoxType(types.StructRef):
 
 
 class Box(structref.StructRefProxy):
-    """Has the fields of ``record``, a NamedTuple; compiled code sees them and changes its arrays."""
+    """Has the fields of ``record``, a NamedTuple; compiled code sees them and changes
+    its arrays.
+    """
 
     def __new__(cls, record: Any) -> Any:
         return boxed(record)

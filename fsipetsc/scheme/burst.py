@@ -13,9 +13,9 @@ from fsipetsc.operators.loops import CALL, MERGED_CALL
 from fsipetsc.scheme.plan import BAD, EXHAUSTED, RATE, STOP, TOO_SHORT
 from fsipetsc.scheme.time_step import longest_step, next_step
 
-#: time before or, once it is made, after the step; the step; time after it; the next time that must be hit;
-#: Courant number, or the step that is given and else 0; steps that may be made, and have been; shortest and longest;
-#: first row of the journal to be filled
+#: time before or, once it is made, after the step; the step; time after it; the next time that must
+#: be hit; Courant number, or the step that is given and else 0; steps that may be made, and have
+#: been; shortest and longest; first row of the journal to be filled
 TIME, DT, NEXT, TARGET, COURANT, FIXED, ALLOWED, MADE, SHORTEST, LONGEST, FIRST = range(11)
 
 _longest_step, _next_step = njit(**CALL)(longest_step), njit(**CALL)(next_step)

@@ -1,10 +1,12 @@
-"""What must not change: mass, momentum, energy, and the direction of entropy, held against the recorded series.
+"""What must not change: mass, momentum, energy, and the direction of entropy, held against the
+recorded series.
 
-Mass of a gas layer behind a wall, total energy between two walls without body forces, momentum less the impulse of the
-outer ends and body forces, and, between walls, the entropy less the accumulated heating of the solids by stress,
-int int sigma u_X / T dX dt, which must not decrease. (The entropy alone is not monotone: sigma u_X heats the solid.)
-Of blocks all is counted that comes in through faces and by body forces (fsipetsc.blockrun.scheme), so masses, both
-components of momentum and energy are held for open edges, too; entropy as said, and where no solid is heated by stress.
+Mass of a gas layer behind a wall, total energy between two walls without body forces, momentum less
+the impulse of the outer ends and body forces, and, between walls, the entropy less the accumulated
+heating of the solids by stress, int int sigma u_X / T dX dt, which must not decrease. (The entropy
+alone is not monotone: sigma u_X heats the solid.) Of blocks all is counted that comes in through
+faces and by body forces (fsipetsc.blockrun.scheme), so masses, both components of momentum and
+energy are held for open edges, too; entropy as said, and where no solid is heated by stress.
 """
 
 from __future__ import annotations
@@ -16,24 +18,29 @@ import numpy as np
 
 #: a momentum less than this part of sqrt(energy times mass) is none
 LEAST = 1e-6
-#: the same of each component in two dimensions, where the forces on two edges may be large and add up to nothing
+#: the same of each component in two dimensions, where the forces on two edges may be large and add
+#: up to nothing
 LEAST_COMPONENT = 1e-3
 
 
 def drifts(
     invariants: Mapping[str, Any], initial: Mapping[str, Any], series: Mapping[str, np.ndarray]
 ) -> dict[str, np.ndarray]:
-    """Name of an invariant that must hold -> its relative drift (nsteps,); series: complete, from the first step on.
+    """Name of an invariant that must hold -> its relative drift (nsteps,); series: complete, from
+    the first step on.
 
-    invariants: which ones must hold (fsipetsc.problem.Problem.invariants). Entropy counts only where it decreases.
-    Momentum is relative to the impulse that has passed, of either sign, energy to itself, entropy to itself or to the heat
-    capacity, whatever is more; time integrals are trapezoidal sums over the steps.
+    invariants: which ones must hold (fsipetsc.problem.Problem.invariants). Entropy counts only
+    where it decreases. Momentum is relative to the impulse that has passed, of either sign, energy
+    to itself, entropy to itself or to the heat capacity, whatever is more; time integrals are
+    trapezoidal sums over the steps.
     """
     return Drifts(invariants, initial).go_on(series)
 
 
 class Drifts:
-    """The drifts, piece by piece of the series: only sums are kept of what has gone before. Arguments as of ``drifts``."""
+    """The drifts, piece by piece of the series: only sums are kept of what has gone before.
+    Arguments as of ``drifts``.
+    """
 
     def __init__(self, invariants: Mapping[str, Any], initial: Mapping[str, Any]) -> None:
         self._invariants, self._initial = invariants, initial

@@ -31,7 +31,8 @@ alpha of a pair is the largest of its nodes and of those between. At a node j
     s = |d_+ - d_-| / (|d_+| + |d_-| + 0.05 (a_j+1 + 2 a_j + a_j-1)),
 
 the larger s of a = rho and a = p (the form is of R. C. Swanson and E. Turkel, J. Comput. Phys. 101,
-1992); 0 at an end, whose pairs have its neighbour's. In smooth flow s falls with h^2 and alpha is 0.
+1992); 0 at an end, whose pairs have its neighbour's. In smooth flow s falls with h^2
+and alpha is 0.
 
 Finite volumes between the nodes of a summation-by-parts scheme: S. Hennemann et al., J. Comput.
 Phys. 426, 2021. That alpha may vary from pair to pair, with the metrics of pairs in their links,

@@ -13,7 +13,8 @@ RATE, BAD, STOP, SAID_STOP = 2, 3, 4, 5
 FLAGS, LIMITS = 2, 4
 #: words of a burst of steps, see fsipetsc.scheme.burst
 BURST = 11
-#: steps that the journal holds; they must be written then. Whole chunks of the file, see output.tables
+#: steps that the journal holds; they must be written then. Whole chunks of the file, see
+#: output.tables
 CAPACITY = 40 << 10
 
 
@@ -26,8 +27,8 @@ def shares(record: np.dtype) -> tuple[str, ...]:
 def step_record(interfaces: int, fluids: int, entropy: bool) -> np.dtype:
     """What is noted of a step: doubles, as they are written to the file.
 
-    Time after the step and its length, the state of interfaces, and the integrals. What a problem without
-    interfaces or without a fluid has none of is not there.
+    Time after the step and its length, the state of interfaces, and the integrals. What a problem
+    without interfaces or without a fluid has none of is not there.
     """
     columns = [f"{name}_interface" for name in ("x", "u", "sigma", "T")]
     columns += [f"residual_{name}" for name in ("u", "stress", "T", "flux")]

@@ -7,12 +7,16 @@ SLACK = 1e-9
 
 
 def longest_step(courant, fixed, rate):
-    """Bound on a step [s]: the one that is given (-ts_dt), or 0 and then the Courant number times 1/``rate``."""
+    """Bound on a step [s]: the one that is given (-ts_dt), or 0 and then the Courant number times
+    1/``rate``.
+    """
     return fixed if fixed != 0.0 else courant / rate
 
 
 def next_step(t, target, bound):
-    """(step, time after it) [s]: at most ``bound``; with less than two steps to the target they are equal."""
+    """(step, time after it) [s]: at most ``bound``; with less than two steps to the target they are
+    equal.
+    """
     left = target - t
     if left <= bound * (1 + SLACK):
         return left, target
