@@ -1,4 +1,6 @@
-"""What MkDocs makes when it builds the site (scripts/docs): the front page, the page of the tutorial, links."""
+"""What MkDocs makes when it builds the site (scripts/docs): the front page, the page of the
+tutorial, links.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +39,9 @@ def notebook_page() -> tuple[str, dict[str, bytes]]:
 
 
 def inside(markdown: str) -> str:
-    """Links to files that are not pages become their names: the site has no copy of the code. The notebook is a page."""
+    """Links to files that are not pages become their names: the site has no copy of the code. The
+    notebook is a page.
+    """
     markdown = markdown.replace("](tutorial.ipynb)", "](tutorial.md)")
     return re.sub(r"\[([^\]]*)\]\((?:\.\./|CITATION)[^)]*\)", r"\1", markdown)
 

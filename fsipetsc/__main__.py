@@ -5,7 +5,8 @@ import sys
 
 _ignored = signal.getsignal(signal.SIGINT) is not signal.default_int_handler
 if not _ignored:
-    signal.signal(signal.SIGINT, signal.SIG_DFL)  # nothing is under way yet: no traceback out of an import
+    # nothing is under way yet: no traceback out of an import
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 from fsipetsc.cli import main  # noqa: E402
 

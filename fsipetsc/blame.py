@@ -111,7 +111,9 @@ def _last_frame(error: BaseException) -> traceback.FrameSummary | None:
 
 
 def _is_users(name: str) -> bool:
-    """Whether a file is the user's: not of Python, of a library or of this package but its cases."""
+    """Whether a file is the user's: not of Python, of a library or of this package
+    but its cases.
+    """
     known = name.startswith(_LIBRARIES) and not name.startswith(_CASES)
     library = {"site-packages", "dist-packages"} & set(name.split(os.sep))
     return not known and not library and os.path.isfile(name)

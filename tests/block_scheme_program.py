@@ -51,7 +51,8 @@ def faults():
     def faces(name, axis, side):
         return NoSlip(T=warm) if (name, axis, side) == ("gas", 1, 0) else closed(name, axis, side)
 
-    with steps_of(problem_of(shapes.layers(N + 1, False), faces, gas(), solid()), comm=WORLD) as run:
+    problem = problem_of(shapes.layers(N + 1, False), faces, gas(), solid())
+    with steps_of(problem, comm=WORLD) as run:
         run.step(1e-3, 3)
         return WORLD.allgather(str(run.scheme.fault or ""))
 

@@ -1,4 +1,6 @@
-"""Runs that several tests look at: computed once in a session, several in one process, when the first test asks; fixtures."""
+"""Runs that several tests look at: computed once in a session, several in one process, when the
+first test asks; fixtures.
+"""
 
 from __future__ import annotations
 
@@ -29,17 +31,24 @@ from stub_case import CASE, DRIVER
 import fsipetsc
 from fsipetsc.output.reader import Run
 
-#: files of tests that take longest, the longest first; behind others those for which more is compiled meanwhile
+#: files of tests that take longest, the longest first; behind others those for which more is
+#: compiled meanwhile
 DEAREST = (
-    *("signals", "failures", "stability", "time", "kills", "process", "case_files", "ends", "claim", "cli", "convergence"),
-    *("ranks", "documents", "restart", "dissipation_runs", "plane_output", "plane_cases", "shock", "faults"),
+    *("signals", "failures", "stability", "time", "kills", "process", "case_files", "ends"),
+    *("claim", "cli", "convergence", "ranks", "documents", "restart", "dissipation_runs"),
+    *("plane_output", "plane_cases", "shock", "faults"),
     *("wave_modes", "plots", "disk", "flutter", "two_point_rates", "kernels", "start"),
 )
 _SHORT = "-fsi_h 0.1 -ts_max_steps 2"
 _SHOCKS = "-fsi_dissipation 1 -fsi_shock 1 -ts_max_steps 1"
-#: runs that compile what several files of tests need, part by part. All tests wait for the first part
+#: runs that compile what several files of tests need, part by part. All tests wait
+#: for the first part
 PARTS: tuple[dict[str, tuple[str, str]], ...] = (
-    {"fused": ("rod", _SHORT), "rk": ("rod", f"{_SHORT} -ts_type rk"), "forced": ("mms", "-ts_max_steps 2")},
+    {
+        "fused": ("rod", _SHORT),
+        "rk": ("rod", f"{_SHORT} -ts_type rk"),
+        "forced": ("mms", "-ts_max_steps 2"),
+    },
     {
         "plane": ("plane_mms", "-ts_max_steps 1"),
         "plane dissipation": ("blast", f"-fsi_h 0.125 -fluid_mu 0 -fluid_kappa 0 {_SHOCKS}"),
@@ -69,29 +78,34 @@ PULSE_STARTS = {0.75: 0.0035, -0.75: 0.003}
 BOUNCES = (4, 8)
 #: name -> density and modulus; the wave speed is 500 m/s in all. The gas: 1.16 kg/m3, 347 m/s
 SOLIDS = {"light": (1.0, 2.5e5), "middle": (4.0, 1e6), "heavy": (4e4, 1e10)}
-#: of a solid with pressure, four times K, strained to a quarter of its length: waves of 1109 m/s, without p 500 m/s
-PRESSED = "-solid_gruneisen 0.2 -solid_stretch 0.25 -solid_modulus 2.5e5 -fsi_order 8 -fsi_cfl 0.8 -pulse_width 0.2"
+#: of a solid with pressure, four times K, strained to a quarter of its length: waves of 1109 m/s,
+#: without p 500 m/s
+PRESSED = (
+    "-solid_gruneisen 0.2 -solid_stretch 0.25 -solid_modulus 2.5e5 "
+    "-fsi_order 8 -fsi_cfl 0.8 -pulse_width 0.2"
+)
 _PULSE = "-pulse_amplitude 0.01 -fsi_output_dt 1 -pulse_start"
 
 #: (-ts_type, -ts_rk_type) -> order
 METHODS = {
     ("euler", ""): 1,
     ("ssp", ""): 2,
-    **{("rk", name): order for name, order in (("2a", 2), ("3bs", 3), ("4", 4), ("5dp", 5), ("8vr", 5))},
+    **{("rk", name): order for name, order in (("2a", 2), ("3bs", 3), ("4", 4))},
+    **{("rk", name): 5 for name in ("5dp", "8vr")},
 }
 #: of the test of their orders [s]
 STEPS = (1e-4, 5e-5)
-#: methods of high order -> what their error falls by, as a power of two, when a step of 0.03 becomes 0.015; the bounds leave
-#: room for errors that are not small yet: measured 5.5, 7.2
+#: methods of high order -> what their error falls by, as a power of two, when a step of 0.03
+#: becomes 0.015; the bounds leave room for errors that are not small yet: measured 5.5, 7.2
 HIGH_ORDERS = {"5dp": 4.7, "8vr": 6.7}
 LONG_STEPS = (0.03, 0.015)
-#: strong waves between stretched grids: the projections of rigid ones, at moving boundaries, change with the solution, which
-#: costs the order
+#: strong waves between stretched grids: the projections of rigid ones, at moving boundaries, change
+#: with the solution, which costs the order
 _SWINGING_BOX = "-fsi_h 0.1 -ts_max_time 0.8 -fsi_output_dt 1 -fsi_cfl 5 -ts_type rk"
 #: 3 % of the pressure of the gas, and a solid that reflects it all
 _LOUD_PULSE = (
-    "-fsi_order 6 -fsi_h 0.00625 -pulse_amplitude 3000 -pulse_start 0.75 -solid_density 4e4 -solid_modulus 1e10 "
-    "-ts_max_time 0.01 -fsi_output_dt 1"
+    "-fsi_order 6 -fsi_h 0.00625 -pulse_amplitude 3000 -pulse_start 0.75 "
+    "-solid_density 4e4 -solid_modulus 1e10 -ts_max_time 0.01 -fsi_output_dt 1"
 )
 _SHORT_FALL = "-fsi_h 0.1 -ts_max_time 0.004 -fsi_output_dt 1"
 
@@ -103,40 +117,80 @@ def fixed(method: tuple[str, str], dt: float) -> str:
 
 def _fixed_step(method: tuple[str, str], dt: float) -> str:
     rk_type = f" -ts_rk_type {method[1]}" if method[1] else ""
-    return f"{_SHORT_FALL} -ts_dt {dt if METHODS[method] > 1 else dt / 8} -ts_type {method[0]}{rk_type}"
+    dt = dt if METHODS[method] > 1 else dt / 8
+    return f"{_SHORT_FALL} -ts_dt {dt} -ts_type {method[0]}{rk_type}"
 
 
 #: cases in which the fused method is compared with PETSc's
 FUSED = {
     "rod": ("rod", "-fsi_h 0.05 -ts_max_time 0.05 -fsi_output_dt 0.05"),
     "mms": ("mms", "-fsi_h 0.05 -fsi_order 6 -ts_max_time 0.2 -fsi_output_dt 0.1"),
-    "pulse": ("pulse", "-fsi_h 0.05 -fsi_order 8 -ts_max_time 0.003 -pulse_amplitude 1000 -fsi_output_dt 0.001"),
-    "piston": (str(REPOSITORY / "runs" / "piston.py"), "-fsi_order 2 -ts_max_time 0.02 -fsi_output_dt 0.01"),
+    "pulse": (
+        "pulse",
+        "-fsi_h 0.05 -fsi_order 8 -ts_max_time 0.003 -pulse_amplitude 1000 -fsi_output_dt 0.001",
+    ),
+    "piston": (
+        str(REPOSITORY / "runs" / "piston.py"),
+        "-fsi_order 2 -ts_max_time 0.02 -fsi_output_dt 0.01",
+    ),
     "box": ("box", "-fsi_h 0.05 -ts_max_time 0.1"),
 }
 
-#: group -> list of (ranks, name -> (case, options)); the batches of a group are computed side by side
+#: group -> list of (ranks, name -> (case, options)); the batches of a group are computed
+#: side by side
 GROUPS: dict[str, list[tuple[int, dict[str, tuple[str, str]]]]] = {
     "rod": [
-        (1, {f"order{q}": ("rod", f"-fsi_h 0.025 -fsi_order {q} -fsi_output_dt 0.1 -ts_max_time 3")}) for q in BOUNCES
+        (
+            1,
+            {
+                f"order{q}": (
+                    "rod",
+                    f"-fsi_h 0.025 -fsi_order {q} -fsi_output_dt 0.1 -ts_max_time 3",
+                )
+            },
+        )
+        for q in BOUNCES
     ],
-    "rest": [(1, {f"order{q}": ("rod", f"-fsi_h 0.05 -fsi_order {q} -rod_gravity 0 -ts_max_time 0.2") for q in ORDERS})],
+    "rest": [
+        (
+            1,
+            {
+                f"order{q}": ("rod", f"-fsi_h 0.05 -fsi_order {q} -rod_gravity 0 -ts_max_time 0.2")
+                for q in ORDERS
+            },
+        )
+    ],
     "open": [
         (
             1,
-            {f"top{top}": ("rod", f"-fsi_h 0.05 -rod_top {top} -ts_max_time 0.4 -fsi_output_dt 1") for top in (6, 80)}
+            {
+                f"top{top}": (
+                    "rod",
+                    f"-fsi_h 0.05 -rod_top {top} -ts_max_time 0.4 -fsi_output_dt 1",
+                )
+                for top in (6, 80)
+            }
             | {"loud": ("pulse", _LOUD_PULSE)},
         )
     ],
     "mms": [
-        (1, {f"order{q}_h{h}": ("mms", f"-fsi_h {h} -fsi_order {q} -fsi_output_dt 1") for q in ORDERS})
+        (
+            1,
+            {
+                f"order{q}_h{h}": ("mms", f"-fsi_h {h} -fsi_order {q} -fsi_output_dt 1")
+                for q in ORDERS
+            },
+        )
         for h in (0.00625, 0.0125)
     ],
     "viscous": [
         (
             1,
             {
-                f"order{q}_h{h}_{name}": ("mms", f"-fsi_h {h} -fsi_order {q} -fsi_output_dt 1 {options}")
+                f"order{q}_h{h}_{name}": (
+                    "mms",
+                    f"-fsi_h {h} -fsi_order {q} -fsi_output_dt 1 {options}",
+                )
                 for h in (0.05, 0.025)
                 for name, options in VISCOUS.items()
                 for q in VISCOUS_ORDERS[name]
@@ -156,9 +210,13 @@ GROUPS: dict[str, list[tuple[int, dict[str, tuple[str, str]]]]] = {
     "methods": [
         (
             1,
-            {fixed(method, dt): ("rod", _fixed_step(method, dt)) for method in METHODS for dt in STEPS}
+            {fixed(m, dt): ("rod", _fixed_step(m, dt)) for m in METHODS for dt in STEPS}
             | {"reference": ("rod", f"{_SHORT_FALL} -ts_dt 6.25e-6 -ts_rk_type 5dp")}
-            | {f"{m}_{dt}": ("box", f"{_SWINGING_BOX} -ts_rk_type {m} -ts_dt {dt}") for m in HIGH_ORDERS for dt in LONG_STEPS}
+            | {
+                f"{m}_{dt}": ("box", f"{_SWINGING_BOX} -ts_rk_type {m} -ts_dt {dt}")
+                for m in HIGH_ORDERS
+                for dt in LONG_STEPS
+            }
             | {"box_reference": ("box", f"{_SWINGING_BOX} -ts_rk_type 8vr -ts_dt 0.005")},
         )
     ],
@@ -168,7 +226,8 @@ GROUPS: dict[str, list[tuple[int, dict[str, tuple[str, str]]]]] = {
             {
                 name: ("rod", f"-fsi_h 0.1 {options}")
                 for name, options in {
-                    "listed": "-fsi_output_times 0,0.0011,0.00234567,0.005,0.0071,0.0071003 -ts_max_time 0.01",
+                    "listed": "-fsi_output_times 0,0.0011,0.00234567,0.005,0.0071,0.0071003 "
+                    "-ts_max_time 0.01",
                     "interval": "-fsi_output_dt 0.003 -ts_max_time 0.01",
                     "fixed": "-ts_dt 1e-4 -ts_max_time 0.01 -fsi_output_dt 1",
                     "fixed_cfl": "-fsi_cfl 0.5 -ts_max_steps 3",
@@ -182,7 +241,10 @@ GROUPS: dict[str, list[tuple[int, dict[str, tuple[str, str]]]]] = {
         (
             1,
             {
-                f"order{q}_h{h}_{start}": ("pulse", f"-fsi_order {q} -fsi_h {h} {_PULSE} {start} -ts_max_time {t}")
+                f"order{q}_h{h}_{start}": (
+                    "pulse",
+                    f"-fsi_order {q} -fsi_h {h} {_PULSE} {start} -ts_max_time {t}",
+                )
                 for q in ORDERS
                 for h in PULSE_SPACINGS
                 for start, t in PULSE_STARTS.items()
@@ -193,12 +255,16 @@ GROUPS: dict[str, list[tuple[int, dict[str, tuple[str, str]]]]] = {
             {
                 f"{name}_{start}": (
                     "pulse",
-                    f"-fsi_order 6 {_PULSE} {start} -ts_max_time {t} -solid_density {m0} -solid_modulus {K}",
+                    f"-fsi_order 6 {_PULSE} {start} -ts_max_time {t} "
+                    f"-solid_density {m0} -solid_modulus {K}",
                 )
                 for name, (m0, K) in SOLIDS.items()
                 for start, t in PULSE_STARTS.items()
             }
-            | {f"out_{start}": ("pulse", f"{_PULSE} {start} -ts_max_time 0.01") for start in PULSE_STARTS}
+            | {
+                f"out_{start}": ("pulse", f"{_PULSE} {start} -ts_max_time 0.01")
+                for start in PULSE_STARTS
+            }
             | {
                 f"pressed_{name}": ("pulse", f"{PRESSED} {_PULSE} -0.75 -ts_max_time {t}")
                 for name, t in (("in", 0.0011), ("out", 0.01))
@@ -223,7 +289,10 @@ class Computed:
             self._done.add(group)
             folders = [self._root / f"{group}{i}" for i in range(len(GROUPS[group]))]
             with ThreadPoolExecutor(2) as pool:
-                jobs = [pool.submit(compute, n, where, runs) for where, (n, runs) in zip(folders, GROUPS[group])]
+                jobs = [
+                    pool.submit(compute, n, where, runs)
+                    for where, (n, runs) in zip(folders, GROUPS[group])
+                ]
                 for where, (_, runs), job in zip(folders, GROUPS[group], jobs):
                     job.result()
                     self._files.update({(group, run): where / f"{run}.h5" for run in runs})
@@ -236,39 +305,51 @@ class Computed:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Interrupts reach what the tests start, where a shell has started them in the background and told them to ignore those."""
+    """Interrupts reach what the tests start, where a shell has started them in the background and
+    told them to ignore those.
+    """
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
-    # else Open MPI starts a process of its own for the tests that use MPI in this one, and ends this one when that has gone
+    # else Open MPI starts a process of its own for the tests that use MPI in this one, and ends
+    # this one when that has gone
     os.environ.setdefault("OMPI_MCA_ess_singleton_isolated", "1")
     global OUTPUT
     OUTPUT = getattr(config, "workeroutput", None)
 
 
 def pytest_collection_finish(session: pytest.Session) -> None:
-    """Where several processes share MANY tests, each of them has processors of its own, and so has all that it starts.
+    """Where several processes share MANY tests, each of them has processors of its own, and so has
+    all that it starts.
 
-    Ranks on the same ones offer them to each other at once while they wait, and take half of what they take where each waits
-    for one that another process's rank has. Of few tests one process may have all: it would leave processors idle.
+    Ranks on the same ones offer them to each other at once while they wait, and take half of what
+    they take where each waits for one that another process's rank has. Of few tests one process may
+    have all: it would leave processors idle.
     """
     shared = getattr(session.config, "workerinput", None)
     if shared is not None and len(session.items) > MANY and hasattr(os, "sched_setaffinity"):
-        os.sched_setaffinity(0, processors(int(shared["workerid"].removeprefix("gw")), shared["workercount"]))
+        which = int(shared["workerid"].removeprefix("gw"))
+        os.sched_setaffinity(0, processors(which, shared["workercount"]))
 
 
 def processors(worker: int, workers: int) -> set[int]:
-    """Those of one of the processes that share the tests: as many as there are for each, at least one."""
+    """Those of one of the processes that share the tests: as many as there are for each,
+    at least one.
+    """
     every = sorted(os.sched_getaffinity(0))
     return set(every[worker % len(every) :: workers])
 
 
 def pytest_sessionfinish() -> None:
-    """What the ranks have cost is known when they have ended; before who sums up ends this process."""
+    """What the ranks have cost is known when they have ended; before who sums up ends
+    this process.
+    """
     KEPT.close()
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """The dearest files first: where files are shared out between processes, none is left with one of them at the end."""
+    """The dearest files first: where files are shared out between processes, none is left with one
+    of them at the end.
+    """
     place = {name: k for k, name in enumerate(DEAREST)}
     items.sort(key=lambda item: place.get(item.path.stem.removeprefix("test_"), len(place)))
 
@@ -321,19 +402,24 @@ def end_session(why: str) -> NoReturn:
 
 
 def pytest_testnodedown(node: Any) -> None:
-    """One of the processes that share the tests has ended; why, if it has ended the session. In the one that they report to."""
+    """One of the processes that share the tests has ended; why, if it has ended the session. In the
+    one that they report to.
+    """
     why = getattr(node, "workeroutput", {}).get("ended")
     if why:
         pytest.exit(why, returncode=pytest.ExitCode.INTERRUPTED)
 
 
 def done_file(k: int) -> Path:
-    """What says that a part is compiled: for this Python, this numba and this processor, which their kernels are of."""
+    """What says that a part is compiled: for this Python, this numba and this processor, which
+    their kernels are of.
+    """
     import numba
     from llvmlite import binding
 
     processor = numba.config.CPU_NAME or binding.get_host_cpu_name(), numba.config.CPU_FEATURES
-    digest = hashlib.sha256(repr((sys.version, numba.__version__, processor)).encode()).hexdigest()[:16]
+    versions = repr((sys.version, numba.__version__, processor))
+    digest = hashlib.sha256(versions.encode()).hexdigest()[:16]
     return Path(numba.config.CACHE_DIR) / f"tests{k}-{digest}.done"
 
 

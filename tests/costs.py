@@ -1,4 +1,6 @@
-"""What tests cost: seconds of processors by file, and kernels that were compiled, said at the end of a session."""
+"""What tests cost: seconds of processors by file, and kernels that were compiled, said at the end
+of a session.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,9 @@ _start, _before = time.time(), 0.0
 
 
 def _processors() -> float:
-    """Seconds of processors that this process, those that it has seen the end of, and jobs of those that it keeps have had."""
+    """Seconds of processors that this process, those that it has seen the end of, and jobs of those
+    that it keeps have had.
+    """
     used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
     return KEPT.cost + sum(u.ru_utime + u.ru_stime for u in used)
 
@@ -31,7 +35,9 @@ def pytest_runtest_logstart() -> None:
 
 @pytest.hookimpl(hookwrapper=True)
 def pytest_runtest_makereport() -> Iterator[None]:
-    """Set-up, call and clean-up of a test each make a report, which takes what it cost to the process that sums up."""
+    """Set-up, call and clean-up of a test each make a report, which takes what it cost to the
+    process that sums up.
+    """
     global _before
     outcome: Any = yield
     now = _processors()
@@ -43,14 +49,19 @@ def pytest_runtest_logreport(report: pytest.TestReport) -> None:
 
 
 def pytest_terminal_summary(terminalreporter: Any) -> None:
-    """(In the process that sums up alone: those that it shares the tests among have no terminal.)"""
+    """(In the process that sums up alone: those that it shares the tests among have
+    no terminal.)
+    """
     if sum(_spent.values()) < 60.0:
         return
     terminalreporter.section("costs")
-    dearest = ", ".join(f"{name.split('test_')[-1][:-3]} {cost:.0f}" for name, cost in _spent.most_common(_DEAREST))
+    dearest = ", ".join(
+        f"{name.split('test_')[-1][:-3]} {cost:.0f}" for name, cost in _spent.most_common(_DEAREST)
+    )
     whole, wall = _processors(), time.time() - _start
-    terminalreporter.line(f"{whole:.0f} s of processors in {wall:.0f} s; {_compiled()} kernels compiled")
-    terminalreporter.line(f"tests and fixtures {sum(_spent.values()):.0f} s, the dearest files: {dearest}")
+    say = terminalreporter.line
+    say(f"{whole:.0f} s of processors in {wall:.0f} s; {_compiled()} kernels compiled")
+    say(f"tests and fixtures {sum(_spent.values()):.0f} s, the dearest files: {dearest}")
 
 
 def _compiled() -> int:

@@ -1,4 +1,6 @@
-"""Faults of case files: a case that is right, and changes that make it wrong with what the message must say."""
+"""Faults of case files: a case that is right, and changes that make it wrong with what the message
+must say.
+"""
 
 from __future__ import annotations
 
@@ -55,7 +57,8 @@ _LEFT = "Dirichlet(0.0, values, 2)"
 _INITIAL = ("initial of layer 'air'", "expected")
 _LATER = "if t > 1.5e-5: "
 
-#: name -> (text of RIGHT, what stands there instead, words of the message); LINE: the line of the text must be named
+#: name -> (text of RIGHT, what stands there instead, words of the message); LINE: the line of the
+#: text must be named
 FAULTS: dict[str, tuple[str, str, tuple[str, ...]]] = {
     # the file
     "syntax": ("def build(opt):", "def build(opt:", ("line 11",)),
@@ -213,7 +216,8 @@ FAULTS: dict[str, tuple[str, str, tuple[str, ...]]] = {
     ),
     "compiled: nan later": (
         "def g_forcing(X, t):",
-        "@njit\n    def g_forcing(X, t):\n        return 0 * X, 0 * X, 0 * X + np.sqrt(1.5e-5 - t)\n"
+        "@njit\n    def g_forcing(X, t):\n"
+        "        return 0 * X, 0 * X, 0 * X + np.sqrt(1.5e-5 - t)\n"
         "    def unused(X):",
         ("LINE @njit", "forcing of layer 'air'", "e is nan", "X =", "faulty.h5"),
     ),

@@ -1,8 +1,9 @@
-"""Layers, in one dimension and in two, of which a function goes wrong: what it gives drives the computation mad, or it fails.
+"""Layers, in one dimension and in two, of which a function goes wrong: what it gives drives the
+computation mad, or it fails.
 
-mad_field of layer mad_layer, an unknown of the case's forcing, gets a rate of mad_rate above mad_place of it, from mad_time on:
-large enough, the next state has a density or a temperature below 0, is folded, or is no number; place: the first wall moves at
-this speed.
+mad_field of layer mad_layer, an unknown of the case's forcing, gets a rate of mad_rate above
+mad_place of it, from mad_time on: large enough, the next state has a density or a temperature below
+0, is folded, or is no number; place: the first wall moves at this speed.
 Or the function mad_function raises an error from then on, on all ranks or on one.
 """
 
@@ -84,7 +85,9 @@ refuse_compiled = njit(refuse)
 
 
 def build(opt: Mapping[str, Any]) -> Problem | BlockProblem:
-    """Layers of thickness 1 at rest, in two dimensions of width 1; a gas that is the first one has a wall."""
+    """Layers of thickness 1 at rest, in two dimensions of width 1; a gas that is the first one has
+    a wall.
+    """
     stack = [
         (_plane_layer if opt["mad_plane"] else _layer)(opt, k, kind)
         for k, kind in enumerate(opt["mad_layers"])
@@ -133,7 +136,9 @@ def build(opt: Mapping[str, Any]) -> Problem | BlockProblem:
 
 
 def _failing(opt: Mapping[str, Any], function: Callable[..., Any], what: str) -> Callable[..., Any]:
-    """The function, which raises an error from mad_time on if it is the one that fails; its last argument is the time."""
+    """The function, which raises an error from mad_time on if it is the one that fails; its last
+    argument is the time.
+    """
     here = opt["mad_function"] == what and opt["mad_rank"] in (-1, MPI.COMM_WORLD.rank)
 
     def called(*arguments: Any) -> Any:

@@ -1,4 +1,6 @@
-"""What several test files need: running the program as a user does, on one rank and under mpiexec."""
+"""What several test files need: running the program as a user does, on one rank and
+under mpiexec.
+"""
 
 from __future__ import annotations
 
@@ -24,28 +26,34 @@ _MPI_ENVIRONMENT = {
     "OMPI_MCA_btl_base_warn_component_unused": "0",
     "OMPI_MCA_btl": "^tcp",  # all ranks are on this node, and of some networks Open MPI complains
     "OMPI_MCA_hwloc_base_binding_policy": "none",  # two jobs at a time would share the first cores
-    "OMPI_MCA_mpi_yield_when_idle": "1",  # a rank that waits must not take the core from the one that it waits for
+    # a rank that waits must not take the core from the one that it waits for
+    "OMPI_MCA_mpi_yield_when_idle": "1",
     "HWLOC_HIDE_ERRORS": "2",  # a bare root may have no /sys
     "OMP_NUM_THREADS": "1",
     "OPENBLAS_NUM_THREADS": "1",
 }
 
 
-#: seconds after which what should have ended long ago is taken for hung, on a machine as busy as can be; no test measures time
+#: seconds after which what should have ended long ago is taken for hung, on a machine as busy as
+#: can be; no test measures time
 PATIENCE = 1800
 
 
 def environment(extra: Mapping[str, str] | None = None) -> dict[str, str]:
-    """The environment of a test run: ours plus what Open MPI wants, the package importable from any directory.
+    """The environment of a test run: ours plus what Open MPI wants, the package importable from any
+    directory.
 
-    PETSC_OPTIONS of the caller is dropped, so that a developer's own settings do not change a test; and what says how Open MPI
-    opens files, which the program must say itself (fsipetsc.process.launch).
+    PETSC_OPTIONS of the caller is dropped, so that a developer's own settings do not change a test;
+    and what says how Open MPI opens files, which the program must say itself
+    (fsipetsc.process.launch).
     """
     own = "PETSC_OPTIONS", "OMPI_MCA_sharedfp", "OMPI_MCA_io", "OMPI_MCA_io_ompio_priority"
     env = {key: value for key, value in os.environ.items() if key not in own}
     env.update(_MPI_ENVIRONMENT)
-    env.pop("PYTHONDONTWRITEBYTECODE", None)  # with it, each start compiles the sources: a quarter of what it costs
-    env["PYTHONPATH"] = os.pathsep.join(p for p in (str(REPOSITORY), os.environ.get("PYTHONPATH")) if p)
+    # with it, each start compiles the sources: a quarter of what it costs
+    env.pop("PYTHONDONTWRITEBYTECODE", None)
+    paths = str(REPOSITORY), os.environ.get("PYTHONPATH")
+    env["PYTHONPATH"] = os.pathsep.join(p for p in paths if p)
     env.update(extra or {})
     return env
 
@@ -56,10 +64,13 @@ def run(
     cwd: str | os.PathLike[str] | None = None,
     env: Mapping[str, str] | None = None,
 ) -> subprocess.CompletedProcess[str]:
-    """`python *args` without mpiexec, output captured as text. Example: run("-m", "fsipetsc", "rod", "-help")."""
+    """`python *args` without mpiexec, output captured as text.
+    Example: run("-m", "fsipetsc", "rod", "-help").
+    """
     command = [sys.executable, *map(str, args)]
-    # Open MPI starts a process of its own beside each that it has not launched, which nothing here has a use for
-    # (and then all have one directory for what they share, which the first that ends removes)
+    # Open MPI starts a process of its own beside each that it has not launched, which nothing here
+    # has a use for (and then all have one directory for what they share, which the first that ends
+    # removes)
     alone = {"OMPI_MCA_ess_singleton_isolated": "1"}
     return _capture(command, timeout, cwd, environment({**alone, **(env or {})}))
 
@@ -85,22 +96,28 @@ def mpirun(
 def compute(
     n: int, directory: Path, runs: Mapping[str, tuple[str, str]], timeout: float = 4 * PATIENCE
 ) -> dict[str, Path]:
-    """Run cases on n ranks, all in one process: name -> (case, options) gives name -> result file in `directory`.
+    """Run cases on n ranks, all in one process: name -> (case, options) gives name -> result file
+    in `directory`.
 
-    What ends with an error has no result in the returned dict; its message is in directory/NAME.txt.
+    What ends with an error has no result in the returned dict; its message is in
+    directory/NAME.txt.
     """
     directory.mkdir(parents=True, exist_ok=True)
     status, out, err = KEPT.do(n, directory, timeout, environment(), runs=runs)
     assert (status, err) == (0, ""), err or out
-    return {name: directory / f"{name}.h5" for name in runs if not (directory / f"{name}.txt").exists()}
+    ended = [name for name in runs if not (directory / f"{name}.txt").exists()]
+    return {name: directory / f"{name}.h5" for name in ended}
 
 
 def _capture(
     command: list[str], timeout: float, cwd: str | os.PathLike[str] | None, env: dict[str, str]
 ) -> subprocess.CompletedProcess[str]:
-    """Run to the end or to the timeout; then SIGTERM first, since mpiexec ends its ranks on that but not on SIGKILL."""
+    """Run to the end or to the timeout; then SIGTERM first, since mpiexec ends its ranks on that
+    but not on SIGKILL.
+    """
     process = subprocess.Popen(
-        command, cwd=cwd, env=env, text=True, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+        command, cwd=cwd, env=env, text=True,
+        stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
     )
     try:
         out, err = process.communicate(timeout=timeout)
@@ -113,12 +130,14 @@ def _capture(
             process.communicate()
         raise
     # Open MPI 5 ends what it says with a zero
-    return subprocess.CompletedProcess(command, process.returncode, out.replace("\0", ""), err.replace("\0", ""))
+    out, err = out.replace("\0", ""), err.replace("\0", "")
+    return subprocess.CompletedProcess(command, process.returncode, out, err)
 
 
 @cache
 def from_python(function: Any, *law: Any) -> Any:
-    """A compiled function that only compiled code calls, made callable; "not a number" and the like raise nothing.
+    """A compiled function that only compiled code calls, made callable; "not a number" and the like
+    raise nothing.
 
     law: formulas that are its first argument.
     """
@@ -131,14 +150,17 @@ def from_python(function: Any, *law: Any) -> Any:
 
 
 def solve(
-    *args: object, cwd: str | os.PathLike[str] | None = None, ranks: int = 1, timeout: float = PATIENCE
+    *args: object, cwd: str | os.PathLike[str] | None = None,
+    ranks: int = 1, timeout: float = PATIENCE,
 ) -> subprocess.CompletedProcess[str]:
-    """What `mpiexec -n RANKS python -m fsipetsc *args` would do, by ranks that are there already: starts cost more than runs.
+    """What `mpiexec -n RANKS python -m fsipetsc *args` would do, by ranks that are there already:
+    starts cost more than runs.
 
     For what is about processes, streams or the environment there are run and mpirun.
     """
     words = list(map(str, args))
-    return subprocess.CompletedProcess(words, *KEPT.do(ranks, Path(cwd or "").resolve(), timeout, environment(), words=words))
+    answer = KEPT.do(ranks, Path(cwd or "").resolve(), timeout, environment(), words=words)
+    return subprocess.CompletedProcess(words, *answer)
 
 
 def computed(folder: Path, name: str, *words: object, ranks: int = 1) -> fsipetsc.output.reader.Run:
@@ -149,7 +171,9 @@ def computed(folder: Path, name: str, *words: object, ranks: int = 1) -> fsipets
 
 
 def message(done: subprocess.CompletedProcess[str], status: int, *words: str) -> str:
-    """The program's one message; asserts the status, that the words are in it, and that no more is said but by the launcher."""
+    """The program's one message; asserts the status, that the words are in it, and that no more is
+    said but by the launcher.
+    """
     assert done.returncode == status, done.stderr
     lines = [line for line in done.stderr.splitlines() if line.startswith("fsipetsc: error: ")]
     assert len(lines) == 1, done.stderr
@@ -166,7 +190,8 @@ def assert_readable(path: Path, status: str, reached: float) -> None:
         assert result.summary["status"] == status
         assert result.nframes >= 1
         assert result.time[0] == 0.0
-        assert len(result.series["t"]) >= result.summary["steps"] - 1, "all steps but one that failed"
+        steps = result.summary["steps"]
+        assert len(result.series["t"]) >= steps - 1, "all steps but one that failed"
         assert 0 < result.summary["t"] <= reached
         for layer in result.layers:
             for field in layer.fields:

@@ -1,9 +1,11 @@
-"""One of the ranks that kept_ranks.py keeps for the runs of tests: does what it is told over a socket, until that is closed.
+"""One of the ranks that kept_ranks.py keeps for the runs of tests: does what it is told over a
+socket, until that is closed.
 
-Started under mpiexec: SOCKET. A job: the ranks that do it, from 0 on, the folder they do it in, and either the words of a
-command line, or runs, name -> (case, options), of which each leaves NAME.h5, or NAME.txt with its error, in the folder. With a
-command line there may be petsc_options, for the environment, and stand_in, a source that defines what takes the place of
-stepping.run.run_given. The answer: exit status, what was said, and the seconds of processors that it took.
+Started under mpiexec: SOCKET. A job: the ranks that do it, from 0 on, the folder they do it in, and
+either the words of a command line, or runs, name -> (case, options), of which each leaves NAME.h5,
+or NAME.txt with its error, in the folder. With a command line there may be petsc_options, for the
+environment, and stand_in, a source that defines what takes the place of stepping.run.run_given. The
+answer: exit status, what was said, and the seconds of processors that it took.
 """
 
 from __future__ import annotations
@@ -129,7 +131,8 @@ def main(place: str) -> None:
     world = start_mpi()
     start_petsc([], world)  # for which PETSc wants all ranks
     sys.argv = ["-m"]
-    warnings.filterwarnings("always", category=RuntimeWarning)  # in each run, as if it were the process's first
+    # in each run, as if it were the process's first
+    warnings.filterwarnings("always", category=RuntimeWarning)
     with socket.socket(socket.AF_UNIX) as line:
         line.connect(place)
         threading.Thread(target=leave_after, args=(line,), daemon=True).start()

@@ -1,7 +1,8 @@
-"""Ranks that are kept from test to test: a run among them costs the run, and not the start of as many processes.
+"""Ranks that are kept from test to test: a run among them costs the run, and not the start of as
+many processes.
 
-What they do is what the command line does in a process that makes many runs (see cli.main); tests of what becomes of processes,
-of signals and of starts make their own.
+What they do is what the command line does in a process that makes many runs (see cli.main); tests
+of what becomes of processes, of signals and of starts make their own.
 """
 
 from __future__ import annotations
@@ -37,11 +38,14 @@ class KeptRanks:
         #: seconds of processors that the jobs of those that are there have taken
         self.cost = 0.0
 
-    def do(self, ranks: int, folder: Path, timeout: float, environment: Mapping[str, str], **job: Any) -> tuple[int, str, str]:
-        """(status, standard output, standard error) of a job, see kept_program.py, on the first so many ranks.
+    def do(
+        self, ranks: int, folder: Path, timeout: float, environment: Mapping[str, str], **job: Any
+    ) -> tuple[int, str, str]:
+        """(status, standard output, standard error) of a job, see kept_program.py, on the first so
+        many ranks.
 
-        subprocess.TimeoutExpired, with nothing left running, where there is no answer in time; AssertionError where a rank has
-        ended, or the ranks do not agree in the status.
+        subprocess.TimeoutExpired, with nothing left running, where there is no answer in time;
+        AssertionError where a rank has ended, or the ranks do not agree in the status.
         """
         with self._lock:
             try:
@@ -68,10 +72,12 @@ class KeptRanks:
             door.bind(place)
             door.listen(MOST)
             door.settimeout(_START)
-            command = ["mpiexec", "-n", str(MOST), sys.executable, str(Path(__file__).with_name("kept_program.py")), place]
+            program = str(Path(__file__).with_name("kept_program.py"))
+            command = ["mpiexec", "-n", str(MOST), sys.executable, program, place]
             with open(f"{self._folder}/said", "wb") as said:
                 self._process = subprocess.Popen(
-                    command, cwd="/", env=dict(environment), stdin=subprocess.DEVNULL, stdout=said, stderr=said
+                    command, cwd="/", env=dict(environment),
+                    stdin=subprocess.DEVNULL, stdout=said, stderr=said,
                 )
             lines = {}
             for _ in range(MOST):
@@ -88,7 +94,8 @@ class KeptRanks:
             if not select.select([line], [], [], max(0.0, end - time.monotonic()))[0]:
                 raise subprocess.TimeoutExpired("a job of the kept ranks", timeout)
             more = line.recv(1 << 16)
-            assert more, f"a rank has ended: {Path(self._folder, 'said').read_text(errors='replace')}"
+            said = Path(self._folder, "said")
+            assert more, f"a rank has ended: {said.read_text(errors='replace')}"
             text += more
         return text
 

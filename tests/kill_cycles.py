@@ -1,7 +1,9 @@
-"""A run that is killed again and again, and goes on each time on another number of ranks, ends like one that was left alone.
+"""A run that is killed again and again, and goes on each time on another number of ranks, ends like
+one that was left alone.
 
-The run signals itself or its mpiexec at named places (signalled_program.py), so each cycle can be made again.
-`cycles` is called by tests/test_kills.py, and, many times, by scripts/soak: kill_cycles.py rod|blast KILLS [SEED].
+The run signals itself or its mpiexec at named places (signalled_program.py), so each cycle can be
+made again. `cycles` is called by tests/test_kills.py, and, many times, by scripts/soak:
+kill_cycles.py rod|blast KILLS [SEED].
 """
 
 from __future__ import annotations
@@ -76,7 +78,8 @@ def killed(folder: Path, words: list[str], ranks: int, place: list) -> str:
             for name in layer.fields
         )
         assert done.returncode != 0 or place[3] < 0, f"{place} was not reached: {done.stderr}"
-        return f"{ranks} ranks, {place}, status {done.returncode}: {result.nframes} frames, {reached} steps"
+        ended = f"{ranks} ranks, {place}, status {done.returncode}"
+        return f"{ended}: {result.nframes} frames, {reached} steps"
 
 
 def cycles(folder: Path, case: str, kills: list[tuple[int, list]]) -> list[str]:
@@ -106,7 +109,8 @@ if __name__ == "__main__":
         print(json.dumps(cycles(Path(place), name, chosen), indent=1))
         print(
             Counter(
-                f"{where[0]} {signal.Signals(abs(where[3])).name} to {'mpiexec' if where[3] < 0 else 'a rank'}"
+                f"{where[0]} {signal.Signals(abs(where[3])).name} "
+                f"to {'mpiexec' if where[3] < 0 else 'a rank'}"
                 for _, where in chosen
             )
         )

@@ -1,7 +1,9 @@
-"""Makes run after run in one process, as a notebook would, and says what each of them leaves behind: RUNS.json.
+"""Makes run after run in one process, as a notebook would, and says what each of them leaves
+behind: RUNS.json.
 
-RUNS.json: list of [exit status expected or a list of those allowed, arguments]. Prints one line of JSON: "wrong", what is not
-as expected or has changed in the process since the first run, of all ranks; "said", what rank 0 said on stderr, run by run.
+RUNS.json: list of [exit status expected or a list of those allowed, arguments]. Prints one line of
+JSON: "wrong", what is not as expected or has changed in the process since the first run, of all
+ranks; "said", what rank 0 said on stderr, run by run.
 """
 
 from __future__ import annotations
@@ -22,7 +24,9 @@ copies = [0]  # of the communicator of all ranks that have not been freed
 
 
 def count_copies() -> None:
-    """Have MPI count: a copy takes the attributes of a communicator with it, and gives them back when it is freed."""
+    """Have MPI count: a copy takes the attributes of a communicator with it, and gives them back
+    when it is freed.
+    """
     from mpi4py import MPI
 
     def copied(comm: object, key: int, value: object) -> object:

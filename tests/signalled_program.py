@@ -1,6 +1,8 @@
-"""The command line in a process that signals itself, or its mpiexec, at named places: PLACES WORDS...
+"""The command line in a process that signals itself, or its mpiexec, at named places:
+PLACES WORDS...
 
-PLACES: JSON, a list of [place, count, rank, number of the signal], of which a number below 0 goes to mpiexec. The places:
+PLACES: JSON, a list of [place, count, rank, number of the signal], of which a number below 0 goes
+to mpiexec. The places:
     begin, begun before and after a run takes over what there is of the result
     frame        as a frame is to be saved
     fill         as this rank puts its frames into a piece
@@ -23,7 +25,8 @@ from pathlib import Path
 from fsipetsc import cli
 from fsipetsc.process.launch import launcher_rank, start_mpi, start_petsc
 
-start_petsc([], start_mpi())  # as the program does; to import PETSc would start it with signals of its own
+# as the program does; to import PETSc would start it with signals of its own
+start_petsc([], start_mpi())
 
 from fsipetsc.output import checkpoint_file, pieces
 from fsipetsc.output.writer import RunWriter

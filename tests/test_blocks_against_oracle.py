@@ -151,7 +151,8 @@ def solid_values(X, t):
 @pytest.mark.parametrize("both", [SLIPPING, STICKING], ids=["slip", "stick"])
 @pytest.mark.parametrize("faces", [open_faces, moving_faces, bending_faces, given_faces])
 def test_conditions(faces, both):
-    moved = faces in (moving_faces, bending_faces)  # accelerations of walls are differences of their velocities
+    # accelerations of walls are differences of their velocities
+    moved = faces in (moving_faces, bending_faces)
     check("walls", both, 4, faces, t=0.3, most=1e-8 if moved else 1e-11)
 
 

@@ -61,7 +61,8 @@ def runs(ranks: int) -> dict[str, list[str]]:
     for plane, name, compiled in sorted(FAILING):
         rank = ranks - 1 if name in ("initial", "edge") else -1
         text = f"-mad_plane {plane} -mad_function {name} -mad_compiled {compiled}"
-        text += f" -mad_rank {rank} -mad_time 0.0105 -mad_layers {'gs' if name == 'edge' else 'gsg'}"
+        layers = "gs" if name == "edge" else "gsg"
+        text += f" -mad_rank {rank} -mad_time 0.0105 -mad_layers {layers}"
         found[f"failing {plane} {name}"] = f"{text} -ts_max_steps 20".split()
     for name, words in found.items():
         words[:0] = [str(CASE), "-fsi_quiet", "-fsi_output", f"{name.replace(' ', '_')}.h5"]

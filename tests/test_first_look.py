@@ -1,4 +1,6 @@
-"""Notes on initial data that may not be meant: a wall away from its block, a pressure that jumps at an interface."""
+"""Notes on initial data that may not be meant: a wall away from its block, a pressure that jumps at
+an interface.
+"""
 
 from __future__ import annotations
 
@@ -33,10 +35,13 @@ def build(opt):
 def pulled(X):
     return 0.0 * X, 0.0 * X + piston.P0, 0.0 * X + piston.T0, X
 """
-WALL = ["note: a wall of 'driven' is 0.1 m from the end of its block at t = 0: the grid of the gas is stretched to it"]
+WALL = [
+    "note: a wall of 'driven' is 0.1 m from the end of its block at t = 0: "
+    "the grid of the gas is stretched to it"
+]
 SIGN = [
-    f"note: at t = 0 '{gas}' has a pressure of 1e+05 Pa where it meets 'layer', which pushes with -1e+05 Pa "
-    "(means of the interface): waves start there"
+    f"note: at t = 0 '{gas}' has a pressure of 1e+05 Pa where it meets 'layer', "
+    "which pushes with -1e+05 Pa (means of the interface): waves start there"
     for gas in ("driven", "behind")
 ]
 

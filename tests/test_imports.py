@@ -1,4 +1,6 @@
-"""The layout of the code: imports go one way, and only who has to knows PETSc and MPI; what docs/code.md names exists."""
+"""The layout of the code: imports go one way, and only who has to knows PETSc and MPI; what
+docs/code.md names exists.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,8 @@ import pytest
 from helpers import REPOSITORY
 
 PACKAGE = REPOSITORY / "fsipetsc"
-#: files and folders of the package: each imports from those below it, never from one above, nor from one beside it
+#: files and folders of the package: each imports from those below it, never from one above, nor
+#: from one beside it
 ORDER = """
     __main__
     cli api
@@ -37,17 +40,22 @@ ORDER = """
     __init__
 """
 RANK = {name: rank for rank, line in enumerate(ORDER.split("\n")) for name in line.split()}
-#: the run of blocks, which stands beside that of layers until all runs are of blocks; the paper's method with its state
+#: the run of blocks, which stands beside that of layers until all runs are of blocks; the paper's
+#: method with its state
 SAME = {"blockrun": "stepping", "paper": "stepping"}
-#: who knows MPI, PETSc: the folders whose work that is, and what starts them, reads PETSc's options and ends them
-KNOW_MPI = {"cli", "api", "verify", "analysis", "bench", "stepping", "output", "process", "parallel"}
+#: who knows MPI, PETSc: the folders whose work that is, and what starts them, reads PETSc's options
+#: and ends them
+KNOW_MPI = {"cli", "api", "verify", "analysis", "bench", "stepping", "output", "process"}
+KNOW_MPI |= {"parallel"}
 KNOW_PETSC = {"analysis", "bench", "stepping", "output", "process", "options", "parallel"}
 #: files of ``parallel`` that know PETSc: those that have the DMDAs
 PETSC_IN_PARALLEL = {f"parallel/{name}.py" for name in ("block_layout", "natural_order")}
 
 
 def imports(source: str) -> Iterator[tuple[int, str]]:
-    """(line, module) of all imports, those within functions too, but not those for type checkers alone."""
+    """(line, module) of all imports, those within functions too, but not those for type checkers
+    alone.
+    """
     waiting: list[ast.AST] = [ast.parse(source)]
     while waiting:
         node = waiting.pop()
@@ -60,7 +68,8 @@ def imports(source: str) -> Iterator[tuple[int, str]]:
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, "absolute imports only"
             whole = node.module == "fsipetsc"
-            yield from ((node.lineno, f"{node.module}.{alias.name}" if whole else node.module) for alias in node.names)
+            for alias in node.names:
+                yield node.lineno, f"{node.module}.{alias.name}" if whole else node.module
 
 
 def place(name: str) -> str:
@@ -78,7 +87,9 @@ def wrong_imports(place_of_file: str, source: str) -> list[str]:
     """Imports against the order in a file that belongs to a place."""
     found = []
     for line, name in imports(source):
-        if name.split(".")[0] == "fsipetsc" and place(name) != place_of_file and RANK[place(name)] <= RANK[place_of_file]:
+        if name.split(".")[0] != "fsipetsc" or place(name) == place_of_file:
+            continue
+        if RANK[place(name)] <= RANK[place_of_file]:
             found.append(f"{line}: {place_of_file} imports {name}")
     return found
 
@@ -92,7 +103,11 @@ def test_everything_has_its_place():
     assert {place_of(path) for path in files()} == set(RANK)
 
 
-@pytest.mark.parametrize("path", [p for p in files() if place_of(p) != "__init__"], ids=lambda p: str(p.relative_to(PACKAGE)))
+@pytest.mark.parametrize(
+    "path",
+    [p for p in files() if place_of(p) != "__init__"],
+    ids=lambda p: str(p.relative_to(PACKAGE)),
+)
 def test_imports_go_one_way(path):
     assert not wrong_imports(place_of(path), path.read_text())
 
@@ -105,9 +120,10 @@ def test_an_import_against_the_order_is_found():
         "parallel": "if True:\n    from fsipetsc import given",
     }.items():
         assert len(wrong_imports(who, source)) == 1, who
-    source = "from fsipetsc.parallel import partition\nfrom fsipetsc.scheme import plan\nimport numpy"
-    assert not wrong_imports("scheme", source)
-    assert not wrong_imports("operators", "if TYPE_CHECKING:\n    from fsipetsc.stepping.state import State")
+    source = "from fsipetsc.parallel import partition\nfrom fsipetsc.scheme import plan\n"
+    assert not wrong_imports("scheme", source + "import numpy")
+    source = "if TYPE_CHECKING:\n    from fsipetsc.stepping.state import State"
+    assert not wrong_imports("operators", source)
 
 
 def test_who_knows_mpi_and_petsc():
@@ -118,7 +134,8 @@ def test_who_knows_mpi_and_petsc():
                 know[name.split(".")[0]].add(path)
     assert {place_of(path) for path in know["mpi4py"]} <= KNOW_MPI
     assert {place_of(path) for path in know["petsc4py"]} <= KNOW_PETSC
-    in_parallel = {str(path.relative_to(PACKAGE)) for path in know["petsc4py"] if place_of(path) == "parallel"}
+    in_parallel = {path for path in know["petsc4py"] if place_of(path) == "parallel"}
+    in_parallel = {str(path.relative_to(PACKAGE)) for path in in_parallel}
     assert in_parallel == PETSC_IN_PARALLEL
 
 
@@ -135,5 +152,7 @@ def test_the_order_of_the_documents_is_that_of_the_imports(document):
     chains = re.findall(r"^(?=.*→)[`\w, →]+$", (REPOSITORY / document).read_text(), re.M)
     assert chains
     for chain in chains:
-        levels = [[RANK[name] for name in re.findall(r"`(\w+)`", part)] for part in chain.split("→")]
-        assert all(max(above) < min(below) for above, below in zip(levels, levels[1:], strict=False)), chain
+        parts = [re.findall(r"`(\w+)`", part) for part in chain.split("→")]
+        levels = [[RANK[name] for name in names] for names in parts]
+        pairs = zip(levels, levels[1:], strict=False)
+        assert all(max(above) < min(below) for above, below in pairs), chain

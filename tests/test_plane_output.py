@@ -21,7 +21,9 @@ BLAST = "-fsi_h 0.125 -ts_max_time 0.3 -fsi_output_dt 0.05 -fsi_points 0.25,0.5"
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """Of results: a plate between two gases, cut in two, one under a pulse, one of one dimension."""
+    """Of results: a plate between two gases, cut in two, one under a pulse,
+    one of one dimension.
+    """
     there = tmp_path_factory.mktemp("plane output")
     (there / "box2d.py").write_text(BOX)
     runs = {
@@ -65,13 +67,17 @@ def test_xdmf_has_the_numbers_of_all_frames(folder, name):
     result = fsipetsc.open_run(folder / f"{name}.h5")
     (series,) = ET.parse(folder / f"{name}.xdmf").getroot().iterfind("Domain/Grid")
     frames = series.findall("Grid")
-    assert [float(frame.find("Time").get("Value")) for frame in frames] == result.time.tolist() and result.nframes > 2
+    times = [float(frame.find("Time").get("Value")) for frame in frames]
+    assert times == result.time.tolist() and result.nframes > 2
     for number, frame in enumerate(frames):
         for grid, layer in zip(frame.findall("Grid"), result.layers, strict=True):
             fields, shape = layer.frame(number), (1, len(layer.Y), len(layer.X))
-            assert grid.get("Name") == layer.name and grid.find("Topology").get("Dimensions") == "{} {} {}".format(*shape)
-            assert np.array_equal(numbers(grid.find("Geometry/DataItem"), folder)[0], np.stack([fields["x"], fields["y"]], -1))
-            given = {a.get("Name"): numbers(a.find("DataItem"), folder)[0] for a in grid.findall("Attribute")}
+            assert grid.get("Name") == layer.name
+            assert grid.find("Topology").get("Dimensions") == "{} {} {}".format(*shape)
+            places = numbers(grid.find("Geometry/DataItem"), folder)[0]
+            assert np.array_equal(places, np.stack([fields["x"], fields["y"]], -1))
+            attributes = grid.findall("Attribute")
+            given = {a.get("Name"): numbers(a.find("DataItem"), folder)[0] for a in attributes}
             assert np.array_equal(given.pop("velocity"), np.stack([fields["u"], fields["v"]], -1))
             assert set(given) == set(layer.fields) - {"x", "y"}
             for field, values in given.items():
@@ -106,13 +112,17 @@ def test_interfaces_are_lines(box):
         assert line.name == box.interfaces[k] == box.interface(line.name).name and line.solid == 1
         for name in ("x", "y", "u", "v", "T"):
             assert np.array_equal(getattr(line, name), plate[name][:, row])
-        assert np.array_equal(line.displacement, plate["y"][:, row] - plate.Y[row]) and np.ptp(line.displacement) > 1e-5
+        assert np.array_equal(line.displacement, plate["y"][:, row] - plate.Y[row])
+        assert np.ptp(line.displacement) > 1e-5
         out = 1.0 if row else -1.0
         assert np.allclose(line.n_x**2 + line.n_y**2, 1.0) and (out * line.n_y > 0.9).all()
-        # at rest under the pressure 1; later the gas's, but for friction and what both sides' operators differ by
-        assert np.allclose(line.t_y[0], -out, atol=1e-12) and np.allclose(line.t_x[0], 0.0, atol=1e-12)
+        # at rest under the pressure 1; later the gas's, but for friction and what both sides'
+        # operators differ by
+        assert np.allclose(line.t_y[0], -out, atol=1e-12)
+        assert np.allclose(line.t_x[0], 0.0, atol=1e-12)
         inner = slice(2, -2)
-        assert np.abs(line.pressure[:, inner] - gas["p"][:, edge, inner]).max() < (0.05 if k == 0 else 0.01)
+        differences = np.abs(line.pressure[:, inner] - gas["p"][:, edge, inner])
+        assert differences.max() < (0.05 if k == 0 else 0.01)
     assert np.abs(below["p"][-1, -1] - 1.0).max() > 0.05  # or it would be no test
     with pytest.raises(IndexError):
         box.interface(2)
@@ -127,7 +137,8 @@ def test_no_lines_in_one_dimension(folder):
 
 def test_info_and_repr_say_the_grid(box):
     said = info(box.path).splitlines()
-    assert any(line.startswith("interfaces  below | plate at y = 1.00") and "on average at t = 0.6" in line for line in said)
+    interfaces = [line for line in said if line.startswith("interfaces  below | plate at y = 1.00")]
+    assert any("on average at t = 0.6" in line for line in interfaces)
     assert any(line.split() == ["dimension", "2"] for line in said)
     assert ["-ts_max_steps", "no", "limit"] in [line.split() for line in said]
     assert any("plate" in line and "17 by 9 points" in line for line in said)
@@ -141,14 +152,17 @@ def test_xarray(blast):
     gas, plate = blast.layers
     names = [layer.name for layer in blast.layers]
     field = data[f"{gas.name}.p"]
-    assert field.dims == ("time", f"Y_{gas.name}", f"X_{gas.name}") and np.array_equal(field, gas["p"])
+    assert field.dims == ("time", f"Y_{gas.name}", f"X_{gas.name}")
+    assert np.array_equal(field, gas["p"])
     assert np.array_equal(data[f"{plate.name}.y"], plate.y) and f"{plate.name}.y" in data.coords
     for name, variable in data.variables.items():
         assert variable.attrs.get("units") or variable.dtype.kind == "U", name
     assert data["series.mass"].dims == ("step", "gas") and list(data["gas"].values) == [gas.name]
-    assert data["series.mass"].attrs["units"] == ("kg m-1" if data["time"].attrs["units"] == "s" else "1")
+    units = "kg m-1" if data["time"].attrs["units"] == "s" else "1"
+    assert data["series.mass"].attrs["units"] == units
     assert data["series.least_J"].dims == ("step", "layer") and list(data["layer"].values) == names
     traction = data["series.t_y_point"]
     assert traction.dims == ("step", "point")
-    assert list(data["point"].values) == [f"{gas.name} | {plate.name} at {X:g}, 1" for X in (0.25, 0.5)]
+    names = [f"{gas.name} | {plate.name} at {X:g}, 1" for X in (0.25, 0.5)]
+    assert list(data["point"].values) == names
     assert np.array_equal(traction, blast.series["t_y_point"])

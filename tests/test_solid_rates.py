@@ -26,7 +26,8 @@ def three(values, filler):
 
 
 class Block:
-    """A solid block on a curved map with a random state, whole: bands, metrics A^k and J0, unknowns.
+    """A solid block on a curved map with a random state, whole: bands, metrics A^k and J0,
+    unknowns.
 
     Arrays (…, nodes): axis 0 is the fastest, as in a DMDA.
     """
@@ -270,7 +271,9 @@ def test_sums_stay(periodic):
 
 @pytest.mark.parametrize("heat", ["coupled", "elastic"])
 def test_where_the_power_of_stresses_goes(heat):
-    """P : F_t of each node; it becomes heat ('coupled'), or is W_t and heats nothing ('elastic')."""
+    """P : F_t of each node; it becomes heat ('coupled'), or is W_t and heats nothing
+    ('elastic').
+    """
     block = Block(2, 4, kappa_e=0.0, heat=heat)
     rates, (v, T), step = block.rates(), (block.v, block.T), 1e-6
     F = block.strain()

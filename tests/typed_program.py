@@ -1,4 +1,6 @@
-"""A program that uses the public API, for mypy: what a user's own strict checks see. It is never run."""
+"""A program that uses the public API, for mypy: what a user's own strict checks see.
+It is never run.
+"""
 
 from __future__ import annotations
 
@@ -36,7 +38,10 @@ def build(opt: dict[str, float]) -> Problem:
     def solid(X: Array) -> tuple[Array, Array, Array, Array]:
         return opt["speed"] + 0.0 * X, -1e5 + 0.0 * X, 300.0 + 0.0 * X, X
 
-    layers = (FluidLayer("gas", air, (0.0, 1.0), gas), SolidLayer("plate", plate, (1.0, 2.0), solid))
+    layers = (
+        FluidLayer("gas", air, (0.0, 1.0), gas),
+        SolidLayer("plate", plate, (1.0, 2.0), solid),
+    )
     return Problem(layers, left=Wall(0.0, T=lambda t: 300.0 + t), right=free(-1e5))
 
 
@@ -53,10 +58,12 @@ def study() -> dict[int, float]:
     drifts = {}
     for order in (2, 4):
         try:
-            with fsipetsc.run(build({"speed": 1.0}), order=order, h=0.1, output=f"{order}.h5") as run:
+            problem, output = build({"speed": 1.0}), f"{order}.h5"
+            with fsipetsc.run(problem, order=order, h=0.1, output=output) as run:
                 drifts[order] = float(np.ptp(run.series["energy"]))
                 hottest: float = run.layers[0]["T"].max()
-                print(run.case, hottest, run.summary["steps"], fsipetsc.compare("2.h5", run.path).equal)
+                equal = fsipetsc.compare("2.h5", run.path).equal
+                print(run.case, hottest, run.summary["steps"], equal)
         except InputError as error:
             print(error.status, error)
     return drifts

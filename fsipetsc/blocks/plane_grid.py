@@ -41,7 +41,8 @@ class PlaneGrid:
             columns = hull.columns(np.array(faces)[:, : 0 if block.periodic[1 - axis] else None])
             first = wide.where[axis][0] - begin
             f, slope, scratch = np.zeros((4, n)), np.zeros((4, n)), np.zeros((2, end - begin))
-            self._axes.append(Faces(columns, wide.S[axis], wide.weight[axis], first, f, slope, scratch))
+            S, weight = wide.S[axis], wide.weight[axis]
+            self._axes.append(Faces(columns, S, weight, first, f, slope, scratch))
         corners = np.zeros((2, 0), int)
         if not any(block.periodic):
             corners = np.array([face_nodes(block.shape, 1, side)[[0, -1]] for side in (0, 1)])

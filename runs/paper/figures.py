@@ -1,7 +1,9 @@
-"""Draws Figs. 8 to 11 of the paper from the results of scripts/reproduce: figures.py DIRECTORY [NOTE].
+"""Draws Figs. 8 to 11 of the paper from the results of scripts/reproduce:
+figures.py DIRECTORY [NOTE].
 
 DIRECTORY holds rod.h5, closeup-ORDER-H.h5 for the orders 2, 4, 6 on two grids, and reference.h5;
-the PNG files go there too. NOTE is added to the titles. Fluid blue, solid red; the coarser grid of Fig. 11 light blue and pink.
+the PNG files go there too. NOTE is added to the titles. Fluid blue, solid red; the coarser grid of
+Fig. 11 light blue and pink.
 """
 
 from __future__ import annotations
@@ -30,7 +32,8 @@ def main(directory: str, note: str = "") -> None:
     with matplotlib.rc_context(STYLE), fsipetsc.open_run(folder / "rod.h5") as rod:
         what = f"{operator(rod.options['fsi_order']).name}, h = {rod.options['fsi_h']:g} m{note}"
         for number, name, label in ((8, "T", "temperature T  [K]"), (9, "u", "velocity u  [m/s]")):
-            save(profiles(rod, name, label), folder / f"fig{number:02d}.png", f"Fig. {number}: {label.split('  ')[0]}, {what}")
+            title = f"Fig. {number}: {label.split('  ')[0]}, {what}"
+            save(profiles(rod, name, label), folder / f"fig{number:02d}.png", title)
         save(positions(rod), folder / "fig10.png", f"Fig. 10: interfaces and length, {what}")
         figure, text = closeup(folder)
         save(figure, folder / "fig11.png", f"Fig. 11: {text}{note}")
@@ -54,7 +57,8 @@ def profiles(run: Run, name: str, label: str) -> Figure:
     """A field at the four times saved (Figs. 8, 9)."""
     figure = Figure(figsize=(7.6, 5.2))
     frames = [run.at(t) for t in run.options["fsi_output_times"]]
-    for k, (axes, frame) in enumerate(zip(figure.subplots(2, 2, sharex=True, sharey=True).flat, frames)):
+    grid = figure.subplots(2, 2, sharex=True, sharey=True)
+    for k, (axes, frame) in enumerate(zip(grid.flat, frames)):
         for kind, x, values in curves(run, frame, name):
             axes.plot(x, values, color=COLORS[kind], label=kind)
         axes.set_title(f"({LETTERS[k]})  t = {run.time[frame]:g} s", loc="left")
@@ -87,8 +91,11 @@ def positions(run: Run) -> Figure:
 
 
 def closeup(folder: Path) -> tuple[Figure, str]:
-    """Velocity near the lower interface for three orders on two grids, over the reference (Fig. 11); and the title."""
-    grids = sorted({float(path.stem.split("-")[2]) for path in folder.glob("closeup-*.h5")}, reverse=True)
+    """Velocity near the lower interface for three orders on two grids, over the reference
+    (Fig. 11); and the title.
+    """
+    paths = folder.glob("closeup-*.h5")
+    grids = sorted({float(path.stem.split("-")[2]) for path in paths}, reverse=True)
     figure = Figure(figsize=(9.6, 3.8))
     with fsipetsc.open_run(folder / "reference.h5") as run:
         reference, opt = list(curves(run, -1, "u")), run.options
@@ -99,7 +106,9 @@ def closeup(folder: Path) -> tuple[Figure, str]:
         for h, colors in zip(grids, (COARSE, COLORS)):
             with fsipetsc.open_run(folder / f"closeup-{order}-{h:g}.h5") as run:
                 for kind, x, u in curves(run, -1, "u"):
-                    axes.plot(x, u, color=colors[kind], marker=".", markersize=4, linewidth=1.0, label=f"{kind}, h = {h:g} m")
+                    style = {"marker": ".", "markersize": 4, "linewidth": 1.0}
+                    label = f"{kind}, h = {h:g} m"
+                    axes.plot(x, u, color=colors[kind], **style, label=label)
         near(axes, reference, x_I)
         axes.set_title(operator(order).name, loc="left")
         axes.set_xlabel("x  [m]")
