@@ -105,6 +105,7 @@ def collect(found, totals, n, first_sum, seen, sums):
     seen[BAD] = 0.0 if fastest < np.inf else 1.0
     seen[CONVECTION] = np.sqrt(fastest)
     for c in range(sums.size):
-        sums[c] = 0.0
+        sums[c], first = 0.0, U64(first_sum + c) * WIDTH
         for i in range(n):
-            sums[c] += totals[U64(first_sum + c) * WIDTH + i]
+            sums[c] += totals[first + i]
+            totals[first + i] = 0.0  # without conduction rates find no heat there
