@@ -299,7 +299,9 @@ class _Parser(argparse.ArgumentParser):
 
     def read(self, arguments: list[str]) -> dict[str, Any]:
         """Name -> what was given, of what was. InputError for what does not belong there."""
-        found = vars(self.parse_args(arguments))
+        known = self._option_string_actions  # one dash or two
+        words = [word[1:] if word[1:] in known else word for word in arguments]
+        found = vars(self.parse_args(words))
         del found[_DEBUG[1:]]
         if "" in (text for name, text in found.items() if "." in name):
             self.error("'' names no file")

@@ -187,10 +187,10 @@ sys.exit(main())
 def test_who_lacks_a_package_is_told_how_to_get_it(line, status, here):
     (here / "without.py").write_text(WITHOUT)
     (here / "mine.py").write_text("from fsipetsc.problem import Problem\nimport mpi4py\n")
-    words = ["scripts/setup", "pip install '.[solver]'", "mpi4py"]
-    message(run("without.py", *line.split()), status, *words)
-
-
+    package = "numba" if "mine.py" in line else "mpi4py"
+    words = [f"needs the Python package {package}", "scripts/setup", "pip install '.[solver]'"]
+    said = message(run("without.py", *line.split()), status, *words)
+    assert ("case file mine.py, line 1: " in said) == ("mine.py" in line), said
 
 
 @pytest.mark.mpi

@@ -14,7 +14,7 @@ RAISED = {
     "open('/no/such/file')": (4, ["/no/such/file: No such file"]),
     "raise MemoryError": (3, ["out of memory", "-fsi_h"]),
     "raise KeyboardInterrupt": (130, ["stopped by SIGINT"]),
-    "import no_such_package": (1, ["no_such_package"]),
+    "import no_such_package": (2, ["needs the Python package no_such_package"]),
     "case.build(options)": (2, ["stub.py, line 10", "KeyError"]),
     "1 / 0": (1, ["ZeroDivisionError", "-fsi_debug"]),
     "from petsc4py import PETSc; PETSc.TS().create().setType('nix')": (

@@ -145,6 +145,25 @@ def test_three_dimensions_are_drawn_in_the_middle():
     assert view.labels == ("x  [m]", "z  [m]")
 
 
+@pytest.mark.parametrize("constant", [False, True])
+def test_a_film_of_three_dimensions_has_the_colours_of_its_maps(constant):
+    """Also where nothing changes and the colours are those of a name."""
+    run = made_up(3)
+    if constant:
+        for layer in run.layers:
+            first = layer.frame(0)
+            layer.frame = lambda number, first=first: {
+                k: v if k in "xyz" else 0 * v + 5 for k, v in first.items()
+            }
+    views = [fields.view_of(run, quantities.chosen(run, ["p"])[0], [0, 1, 2])]
+    names = {isinstance(shown.look["cmap"], str) for shown in views[0].shown.values()}
+    assert names == {constant}
+    palette = np.reshape(film._palette(views).getpalette(), (-1, 3))
+    for shown in views[0].shown.values():
+        color = 255 * np.array(matplotlib.colormaps.get_cmap(shown.look["cmap"])(0.5)[:3])
+        assert (np.abs(palette - color).max(axis=-1) <= 8).any()
+
+
 def test_strain_and_envelope():
     X = np.linspace(1, 2, 11)
     strain = next(q for q in quantities.ON_A_LINE if q.name == "strain").solid.values
@@ -347,7 +366,7 @@ def test_plot_in_the_format_of_the_name(results, tmp_path, capsys):
         ("-o x.jpg", "-o x.jpg: expected a directory, or a name that ends with .png, .pdf, .svg"),
         ("-all -o x.png", "-o x.png: expected a directory"),
         ("-animate -o x.mp4", "expected a directory, or a name that ends with .gif"),
-        ("-times", "-times needs times with commas"),
+        ("-times", "argument -times: expected one argument: python -m fsipetsc plot RUN.h5"),
     ],
 )
 def test_plot_says_what_it_cannot_do(results, words, said, capsys):

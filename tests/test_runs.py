@@ -60,7 +60,7 @@ def test_petscs_own_options_behave_as_in_its_examples(tmp_path):
     (tmp_path / "a.yaml").write_text(text)
     (tmp_path / "b.opts").write_text("-ts_max_steps 3\n-ts_monitor\n")
     words = "-options_file_yaml a.yaml -options_file b.opts -ts_view -log_view :log.txt"
-    words += " -malloc_debug -malloc_dump -memory_view -malloc_view"
+    words += " -malloc_debug -malloc_dump -memory_view"
     done = run("-m", "fsipetsc", "rod", *words.split(), cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     steps = re.findall(r"^(\d+) TS dt (\S+) time (\S+)$", done.stdout, re.M)

@@ -160,9 +160,12 @@ def check_options(past: Past, opt: Mapping[str, Any], given: Mapping[str, Given]
             continue
         was = "was not given" if before is None else f"was {_text(before)}"
         what = f"-{one.name} {one.text}{one.where}: it {was} when {past.path} was written"
+        leave = "leave it out: what is not given is taken from the checkpoint"
         if name not in STEPS:
-            leave = "leave it out: what is not given is taken from the checkpoint"
             raise InputError(f"{what}, and cannot change at a restart; {leave}")
+        if one.where:  # a file that is there for other runs, too
+            here = "say it on the command line, if the steps are to be others from now on"
+            raise InputError(f"{what}; {leave}; or {here}")
         past.notes.append(f"note: {what}; the steps are others from now on")
 
 

@@ -91,11 +91,12 @@ def _palette(views: Sequence[Profiles | Maps]) -> Image.Image:
 
     Colours chosen by what is in a frame would leave the bars of maps with steps.
     """
+    from matplotlib import colormaps
     from matplotlib.colors import to_rgb
     from PIL import Image
 
     looks = {id(shown): shown.look for view in views for shown in view.shown.values()}
-    maps = [look["cmap"] for look in looks.values() if look]
+    maps = [colormaps.get_cmap(look["cmap"]) for look in looks.values() if look]  # or its name
     rows = [np.linspace([0, 0, 0], [1, 1, 1], 24)]
     rows += [np.linspace(to_rgb(color), [1, 1, 1], 16) for color in (BLUE, RED)]
     rows += [cmap(np.linspace(0, 1, 200 // len(maps)))[:, :3] for cmap in maps]
