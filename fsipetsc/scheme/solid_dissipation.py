@@ -26,7 +26,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from fsipetsc.operators.loops import CALL, INNER_LOOP, add, dot, mean, scale, zeros
+from fsipetsc.operators.loops import CALL, EXACT_LOOP, add, dot, mean, scale, zeros
 from fsipetsc.operators.undivided import Differences
 from fsipetsc.scheme.gas_dissipation import NO_SHOCK, RISE, largest, shifted_sum
 from fsipetsc.scheme.rows import ONE, U64, Array, at, put
@@ -83,7 +83,7 @@ def solid_dissipation(like, damping, q, metrics, difference, patch, rates, room)
                 collect(like, damping, q, metrics, stride, weights, per, room, g, to, own[0], rates)
 
 
-@njit(**INNER_LOOP)
+@njit(**EXACT_LOOP)
 def sense(like, small, q, alpha, stride, length):
     """alpha of all nodes along an axis of so many nodes."""
     d, dof = len(like), 2 * len(like) + 1
@@ -97,7 +97,7 @@ def sense(like, small, q, alpha, stride, length):
         alpha[i] = min(1.0, max(0.0, RISE * (s - NO_SHOCK)))
 
 
-@njit(**INNER_LOOP)
+@njit(**EXACT_LOOP)
 def lose(like, damping, q, metrics, k, stride, weights, norm, room):
     """F and F . Delta v of the differences that begin at each node; norm is 0 where none fits."""
     d, dof, order, N = len(like), U64(2 * len(like) + 1), len(weights) - 1, norm.size
@@ -114,7 +114,7 @@ def lose(like, damping, q, metrics, k, stride, weights, norm, room):
         put(room.F, before, apart, i, (*zeros(like), 0.0))
 
 
-@njit(**INNER_LOOP)
+@njit(**EXACT_LOOP)
 def collect(like, damping, q, metrics, stride, weights, per_weight, room, g, to, n, rates):
     """Add what differences give to the rates of a row of owned nodes."""
     d, dof, order, N = len(like), U64(2 * len(like) + 1), len(weights) - 1, per_weight.size

@@ -10,7 +10,7 @@ import numpy as np
 from numba import njit
 
 from fsipetsc.equations.tensors import determinant, outer
-from fsipetsc.operators.loops import EXACT_LOOP, INNER_CALL, INNER_LOOP, MERGED_CALL, dot
+from fsipetsc.operators.loops import EXACT_LOOP, INNER_CALL, MERGED_CALL, dot
 from fsipetsc.scheme.block_look import BAD, CONVECTION, DIFFUSION, J_ERROR, LEAST_J
 from fsipetsc.scheme.rows import U64, at, put
 from fsipetsc.scheme.solid_rates import differentiate, relieve, row_of, rows_of, strain, take
@@ -50,7 +50,7 @@ def solid_look(solid, like, q, metrics, prestress, per_h, stiffness, masses, wor
     collect(found, slopes, U64(layout.row), first_sum, seen, sums)
 
 
-@njit(**INNER_LOOP)
+@njit(**EXACT_LOOP)
 def add_up(like, row, unknowns, masses, totals):
     """Add momentum and energy of a row to those of its columns."""
     for c in range(len(like) + 1):
@@ -60,7 +60,7 @@ def add_up(like, row, unknowns, masses, totals):
             totals[to + i] += masses[own + i] * unknowns[first + i]
 
 
-@njit(**INNER_LOOP)
+@njit(**EXACT_LOOP)
 def keep(like, row, strains, F):
     """F of a row goes to the array of all nodes."""
     nine, own = outer(like, like), U64(row.own)

@@ -30,7 +30,7 @@ from fsipetsc.equations.tensors import (
     product_transposed,
     transposed_product,
 )
-from fsipetsc.operators.loops import INNER_CALL, INNER_LOOP, MERGED_CALL, add, along, dot, scale
+from fsipetsc.operators.loops import EXACT_LOOP, INNER_CALL, MERGED_CALL, add, along, dot, scale
 from fsipetsc.operators.loops import _by_length as by_length
 from fsipetsc.scheme.rows import U64, at, put
 from fsipetsc.scheme.solid_work import (
@@ -127,7 +127,7 @@ def row_of(patch, layout, boxes, tile, stage, y, z):
     return Row(n, (z * ny + y) * nx + x, own, node, x, y, z, place, begin, end)
 
 
-@njit(**INNER_LOOP)
+@njit(**EXACT_LOOP)
 def take(like, q, row, unknowns):
     """Take the interlaced unknowns apart."""
     dof = 2 * len(like) + 1
@@ -137,7 +137,7 @@ def take(like, q, row, unknowns):
             unknowns[to + i] = q[of + i * U64(dof)]
 
 
-@njit(**INNER_LOOP)
+@njit(**EXACT_LOOP)
 def give(like, found, row, rates):
     """Interlace the rates."""
     dof = 2 * len(like) + 1
@@ -150,7 +150,7 @@ def give(like, found, row, rates):
 # Rows
 
 
-@njit(**INNER_LOOP)
+@njit(**EXACT_LOOP)
 def differentiate(like, table, row, kind, f, first, next_k, count, out, to):
     """D_k f, or D°_k f if kind is FREE, for k = 1 … d: to components of out, from ``to`` on.
 
@@ -193,7 +193,7 @@ def away(layout, row, axis, jump):
     return (jump + ring) * layout.layer
 
 
-@njit(**INNER_LOOP)
+@njit(**EXACT_LOOP)
 def strain(like, metrics, row, slopes, strains):
     """F = 1 + 1/J0 sum_k D_k D A^k."""
     nine, step = outer(like, like), U64(step_of(like))
@@ -204,7 +204,7 @@ def strain(like, metrics, row, slopes, strains):
         put(strains, node, step, i, add_unit(1.0, gradient))
 
 
-@njit(**INNER_LOOP)
+@njit(**EXACT_LOOP)
 def relieve(solid, like, extra, row, strains, unknowns):
     """Take the energy of a prestress S, S : (F - 1)/m0, from e: only T follows from e."""
     n = row.n if extra.size > 0 and solid.coupled == 0.0 else 0
@@ -216,7 +216,7 @@ def relieve(solid, like, extra, row, strains, unknowns):
         unknowns[e + i] -= dot(S, add_unit(-1.0, F)) / solid.m0
 
 
-@njit(**INNER_LOOP)
+@njit(**EXACT_LOOP)
 def pull(solid, like, metrics, row, unknowns, strains, tractions):
     """t^k = P A^k."""
     nine, step, d = outer(like, like), U64(step_of(like)), U64(len(like))
@@ -228,7 +228,7 @@ def pull(solid, like, metrics, row, unknowns, strains, tractions):
         put(tractions, node, step, i, product_transposed(A, P))
 
 
-@njit(**INNER_LOOP)
+@njit(**EXACT_LOOP)
 def pull_more(like, metrics, extra, row, tractions):
     """t^k += S A^k of a prestress."""
     n, nine, step = row.n if extra.size > 0 else 0, outer(like, like), U64(step_of(like))
@@ -239,7 +239,7 @@ def pull_more(like, metrics, extra, row, tractions):
         put(tractions, node, step, i, more)
 
 
-@njit(**INNER_LOOP)
+@njit(**EXACT_LOOP)
 def find_temps(solid, like, row, unknowns, strains, temps):
     """T; with heat 'coupled' F does not matter, and is not known everywhere."""
     nine, step, d = outer(like, like), U64(step_of(like)), U64(len(like))
@@ -253,7 +253,7 @@ def find_temps(solid, like, row, unknowns, strains, temps):
             temps[node + i] = solid.temperature(v, e, at(nine, strains, node, step, i))
 
 
-@njit(**INNER_LOOP)
+@njit(**EXACT_LOOP)
 def conduct(solid, like, metrics, row, slopes, strains, heats):
     """A^k . h with grad T = 1/J0 sum_k A^k D_k T."""
     nine, step = outer(like, like), U64(step_of(like))
@@ -265,7 +265,7 @@ def conduct(solid, like, metrics, row, slopes, strains, heats):
         put(heats, node, step, i, apply(A, h))
 
 
-@njit(**INNER_LOOP)
+@njit(**EXACT_LOOP)
 def accelerate(solid, like, metrics, row, slopes, unknowns, tractions, found):
     """(v, Div P/m0 + b, Div (P^T v + h)/m0 + b . v); slopes: D°_k t^k, D_k v, D°_k A^k . h."""
     nine, step, d = outer(like, like), U64(step_of(like)), U64(len(like))

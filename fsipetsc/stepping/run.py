@@ -225,7 +225,7 @@ class _Run:
         where = f"{self.writer.folder} (opened as {path.name})" if number else str(path)
         self.report.end(summary, found, where)
         if failure is not None:
-            failure.args = (f"{failure}; what was computed before is in {path}",)
+            failure.args = (f"{failure}; what was computed before is in {where}",)
             raise failure
         if number:
             when = f"{signal.Signals(number).name} at t = {self.integrator.t:.6g}{self.unit}"
