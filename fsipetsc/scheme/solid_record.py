@@ -23,10 +23,9 @@ class SolidRecord(NamedTuple):
     """A part of a solid block; what has the same name as in GasRecord is the same.
 
     inertia: (N,) J0 m0, masses: (M,) weights times J0 m0. F: (d d, M), as the last look found it.
-    forcing: (2d + 1, M), or (2d + 1, 0), of velocity, temperature and place. interfaces: (n, 5)
-    number of an interface at this part in one dimension, owned and ghosted row of its node, X,
-    prestress. stored_at: (n,) ghosted rows of members that tell what they store, rows_of_stored:
-    (n,) where.
+    forcing: (2d + 1, M), or (2d + 1, 0), of velocity, temperature and place. interfaces: (n, 4)
+    number of an interface at this part in one dimension, owned row of its node, X, prestress.
+    stored_at: (n,) ghosted rows of members that tell what they store, rows_of_stored: (n,) where.
     """
 
     like: Any
