@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import argparse
 import importlib
 import os
+import re
 import shlex
 import sys
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fsipetsc.cases import BUILT_IN, load_case, summaries
 from fsipetsc.errors import FileError, InputError
@@ -232,46 +232,33 @@ def _run(arguments: list[str], world: MPI.Comm) -> None:
 
 def info(arguments: list[str]) -> None:
     """The command `info RUN.h5`."""
-    parser = _Parser("info")
-    parser.add_argument("RUN.h5")
+    found = _given("info", arguments)
     from fsipetsc.output.info import info as show
 
-    print(show(parser.read(arguments)["RUN.h5"]))
+    print(show(found["RUN.h5"]))
 
 
 def plot(arguments: list[str]) -> None:
     """The command `plot RUN.h5` with its options."""
-    parser = _Parser("plot")
-    parser.add_argument("RUN.h5")
-    for name in ("-o", "-fields", "-times"):
-        parser.add_argument(name)
-    for name in ("-all", "-animate"):
-        parser.add_argument(name, action="store_const", const="")
-    found = parser.read(arguments)
+    found = _given("plot", arguments)
     from fsipetsc.output.plots.command import draw
 
     path = found.pop("RUN.h5")
-    for picture in draw(path, {f"-{name}": text for name, text in found.items()}):
+    for picture in draw(path, found):
         print(picture)
 
 
 def report(arguments: list[str]) -> None:
     """The command `report RUN.h5 [-o DIR]`."""
-    parser = _Parser("report")
-    parser.add_argument("RUN.h5")
-    parser.add_argument("-o", default=os.curdir)
-    found = parser.read(arguments)
+    found = _given("report", arguments)
     from fsipetsc.output.report import report as write
 
-    print(write(found["RUN.h5"], found["o"]))
+    print(write(found["RUN.h5"], found.get("-o", os.curdir)))
 
 
 def diff(arguments: list[str]) -> None:
     """The command `diff A.h5 B.h5`."""
-    parser = _Parser("diff")
-    parser.add_argument("A.h5")
-    parser.add_argument("B.h5")
-    found = parser.read(arguments)
+    found = _given("diff", arguments)
     from fsipetsc.output.differences import compare, table
 
     print(table(compare(found["A.h5"], found["B.h5"])))
@@ -279,34 +266,32 @@ def diff(arguments: list[str]) -> None:
 
 def new(arguments: list[str]) -> None:
     """The command `new FILE.py [-blocks]`."""
-    parser = _Parser("new")
-    parser.add_argument("FILE.py")
-    parser.add_argument("-blocks", action="store_true")
-    found = parser.read(arguments)
+    found = _given("new", arguments)
     from fsipetsc.output.new_case import new_case
 
-    path = new_case(found["FILE.py"], tuple(COMMANDS), found["blocks"])
+    path = new_case(found["FILE.py"], tuple(COMMANDS), "-blocks" in found)
     print(f"wrote {path}; it runs as it is:  {program()} {shlex.quote(str(path))}")
 
 
-class _Parser(argparse.ArgumentParser):
-    """Reads the arguments of a command."""
-
-    def __init__(self, name: str) -> None:
-        super().__init__(add_help=False, allow_abbrev=False)
-        self._command = name
-        self.add_argument(_DEBUG, action="store_true")
-
-    def read(self, arguments: list[str]) -> dict[str, Any]:
-        """Name -> what was given, of what was. InputError for what does not belong there."""
-        known = self._option_string_actions  # one dash or two
-        words = [word[1:] if word[1:] in known else word for word in arguments]
-        found = vars(self.parse_args(words))
-        del found[_DEBUG[1:]]
-        if "" in (text for name, text in found.items() if "." in name):
-            self.error("'' names no file")
-        return {name: value for name, value in found.items() if value is not None}
-
-    def error(self, message: str) -> NoReturn:
-        usage = f"{program()} {self._command} {COMMANDS[self._command].arguments}"
-        raise InputError(f"{self._command}: {message}: {usage}")
+def _given(command: str, arguments: list[str]) -> dict[str, str]:
+    """Option or file, as the command's arguments name it -> what was given. InputError."""
+    usage = COMMANDS[command].arguments
+    options = dict(re.findall(r"\[(-\w+) ?([^]]*)\]", usage))  # -> its value, "" if it has none
+    files, found = re.sub(r"\[.*?\]", "", usage).split(), {}
+    waiting, fault = [word for word in arguments if word != _DEBUG], ""
+    while waiting and not fault:
+        word = waiting.pop(0)
+        name = word[1:] if word.startswith("--") else word
+        if not is_option(word) and word and files:
+            found[files.pop(0)] = word
+        elif name not in options:
+            fault = f"unexpected argument '{word}'" if word else "'' names no file"
+        elif options[name] and (not waiting or is_option(waiting[0])):
+            fault = f"{name} needs a value"
+        else:
+            found[name] = waiting.pop(0) if options[name] else ""
+    if files and not fault:
+        fault = f"{files[0]} is missing"
+    if fault:
+        raise InputError(f"{command}: {fault}: {program()} {command} {usage}")
+    return found

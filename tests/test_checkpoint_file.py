@@ -182,6 +182,13 @@ def test_what_is_no_checkpoint_is_never_written_over(at, tmp_path):
     assert read(target).header == SMALL.header
 
 
+def test_looking_for_a_place_leaves_what_another_run_is_writing(tmp_path):
+    draft = checkpoint_file.draft_of(tmp_path / "a.h5")
+    draft.write_text("half of it")
+    checkpoint_file.check_place(tmp_path / "a.h5")
+    assert draft.read_text() == "half of it"
+
+
 SHORT = (
     "rod -fsi_h 0.05 -ts_max_time 1 -ts_max_steps 60 -fsi_checkpoint_steps 20 -fsi_quiet".split()
 )
@@ -216,6 +223,17 @@ def test_a_file_that_cannot_be_gone_on_from_ends_all(ranks, stopped, tmp_path):
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
 
 
+def test_a_header_that_somebody_has_made(stopped, tmp_path):
+    """Status 4 whatever is missing, before the run begins or as it goes on."""
+    whole = read(stopped / "rod.checkpoint.h5")
+    for name in ("case", "run", "result", "memory", "problem", "columns", "limits", "saved_at"):
+        header = {key: value for key, value in whole.header.items() if key != name}
+        (tmp_path / "a.h5").write_bytes(pack(Checkpoint(header, whole.arrays)))
+        message(solve("rod", "-fsi_restart", "a.h5", cwd=tmp_path), 4, "a.h5: ", "checkpoint")
+    (tmp_path / "a.h5").write_bytes(pack(Checkpoint(whole.header, {})))
+    message(solve("rod", "-fsi_restart", "a.h5", cwd=tmp_path), 4, "a.h5: the checkpoint does not")
+
+
 def test_options_that_cannot_change_are_named(stopped, tmp_path):
     checkpoint = stopped / "rod.checkpoint.h5"
     for name, value in (
@@ -226,6 +244,8 @@ def test_options_that_cannot_change_are_named(stopped, tmp_path):
     ):
         done = solve("rod", "-fsi_restart", checkpoint, f"-{name}", value, cwd=tmp_path)
         message(done, 2, f"-{name} {value}: it was ", "cannot change at a restart; leave it out")
+    done = solve("rod", "-fsi_restart", checkpoint, "-rod_wall", "0.6", cwd=tmp_path)
+    message(done, 2, "-rod_wall 0.6: it was ")
     message(
         solve("pulse", "-fsi_restart", checkpoint, cwd=tmp_path),
         2,
@@ -300,3 +320,31 @@ def test_no_other_file_is_taken_for_the_checkpoint(tmp_path):
     message(solve(*SHORT, cwd=tmp_path), 4, said)
     assert (tmp_path / "rod.checkpoint.h5").read_text() == "years of work"
     assert len(list(tmp_path.iterdir())) == 1
+
+
+def test_a_result_whose_name_has_another_ending(tmp_path):
+    """Its files and what is said of them have this name; a burst of 1 is not inherited."""
+    import fsipetsc
+
+    line = [*SHORT[:-1], "-fsi_output", "run.v2", "-ts_max_steps", 20, "-fsi_burst", 1]
+    assert solve(*line, cwd=tmp_path).returncode == 0
+    done = solve(*line[:-2], cwd=tmp_path)
+    assert f"kept the earlier run.v2 as {tmp_path}/run.v2.1\n" in done.stdout, done.stderr
+    assert f"kept earlier checkpoints as {tmp_path}/run.v2.checkpoint.1.h5\n" in done.stdout
+    names = {"run.v2", "run.v2.1", "run.v2.checkpoint.h5", "run.v2.checkpoint.1.h5"}
+    assert {path.name for path in tmp_path.iterdir()} == names
+    restart = "-fsi_restart", "run.v2.checkpoint.1.h5", "-ts_max_steps", 30
+    assert solve("rod", *restart, "-fsi_output", "on.h5", cwd=tmp_path).returncode == 0
+    with fsipetsc.open_run(tmp_path / "on.h5") as result:
+        assert result.options["fsi_burst"] == 64
+
+
+def test_another_extent_of_a_layer_is_found_out(tmp_path):
+    """The case itself has changed: no option tells."""
+    case = "from fsipetsc.cases import rod\nfrom fsipetsc.cases.rod import *\nNAME = 'mine'\n"
+    case += "def build(opt):\n    return rod.build({**opt, 'rod_top': TOP})\n"
+    (tmp_path / "mine.py").write_text(case.replace("TOP", "3.0"))
+    assert solve("mine.py", *SHORT[1:], cwd=tmp_path).returncode == 0
+    (tmp_path / "mine.py").write_text(case.replace("TOP", "3.2"))
+    done = solve("mine.py", "-fsi_restart", "mine.checkpoint.h5", cwd=tmp_path)
+    message(done, 2, "X of layer 'above' is [", ", 3.2], and was [", ", 3.0] when the checkpoint")

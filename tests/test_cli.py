@@ -108,10 +108,11 @@ def test_bad_input(name, here):
 @pytest.mark.parametrize(
     ("args", "words"),
     [
-        (["info"], ["RUN.h5", "required"]),
+        (["info"], ["RUN.h5 is missing"]),
         (["info", "a.h5", "b.h5"], ["b.h5"]),
         (["info", "-x", "a.h5"], ["-x"]),
-        (["plot", "a.h5", "-o"], ["-o", "expected one argument", "plot RUN.h5 [-o DIR"]),
+        (["plot", "a.h5", "-o"], ["-o needs a value", "plot RUN.h5 [-o DIR"]),
+        (["plot", "a.h5", "-out", "b"], ["unexpected argument '-out'"]),
         (["diff", "a.h5", ""], ["'' names no file"]),
     ],
 )

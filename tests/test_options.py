@@ -190,6 +190,14 @@ def test_interval_and_times_of_output_replace_each_other(read):
     )
 
 
+def test_what_was_not_set_is_not_set_after_a_restart(database):
+    """Though the case has a default; a value that there cannot be is refused."""
+    case = make_case(DEFAULTS={"fsi_h": 0.1, "ts_max_time": 2.0, "fsi_output_dt": 0.02})
+    assert read_options(case, {}, inherited={"fsi_output_dt": None})["fsi_output_dt"] is None
+    with pytest.raises(InputError, match="the checkpoint: bad default None of -fsi_order"):
+        read_options(case, {}, inherited={"fsi_order": None})
+
+
 def test_option_without_default_must_be_given(read):
     case = make_case(DEFAULTS={"ts_max_time": 1.0})
     assert defaults(case)["fsi_h"] is REQUIRED

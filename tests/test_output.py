@@ -301,6 +301,92 @@ def test_a_restart_goes_on_behind_its_checkpoint(
     assert os.listdir(tmp_path) == ["run.h5"]
 
 
+def restarted(path: Path, frames: int, run: str = "this", **more: object) -> object:
+    """A writer that goes on behind so many frames."""
+    from mpi4py import MPI
+
+    from fsipetsc.output.writer import RunWriter
+
+    rows = program.SERIES_STEPS * frames
+    after = Kept(frames, rows, 0.1 * (rows - 1))
+    header = {**program.HEADER, "run": run}
+    more.setdefault("settle", lambda _: {})
+    return RunWriter(MPI.COMM_SELF, path, header, after=after, **more)
+
+
+def test_pieces_that_a_kill_has_left_do_not_count_again(tmp_path: Path) -> None:
+    """One came while the pieces were cleared: of these some are left, the header is gone."""
+    path, header = tmp_path / "run.h5", {**program.HEADER, "run": "this"}
+    program.write(str(path), 12, "blocks", header=header, join=False)
+    left = {piece.name: piece.read_bytes() for piece in (tmp_path / "run.parts").glob("00000[23]*")}
+    program.write(str(tmp_path / "other.h5"), 12, "blocks", header=header)
+    for piece in (tmp_path / "run.parts").iterdir():
+        piece.unlink()
+    (tmp_path / "other.h5").rename(path)
+    for name, content in left.items():
+        (tmp_path / "run.parts" / name).write_bytes(content)
+    restarted(path, 4).close()
+    with fsipetsc.open_run(path) as result:
+        assert (result.nframes, steps_of(result)) == (4, 12)
+
+
+def test_what_a_restart_gives_up_is_gone_when_it_begins(tmp_path: Path) -> None:
+    """Though it is killed before it has written anything; and other pieces are set aside."""
+    path, header = tmp_path / "run.h5", {**program.HEADER, "run": "this"}
+    program.write(str(path), 12, "blocks", header=header)
+    program.write(str(tmp_path / "other.h5"), 3, "blocks", join=False)
+    (tmp_path / "other.parts").rename(tmp_path / "run.parts")
+    settled = []
+
+    def settle(files: list[Path]) -> dict[Path, Path]:
+        settled.extend(files)
+        return set_aside(files, "run")
+
+    restarted(path, 5, settle=settle).close()
+    assert [file.name for file in settled] == ["run.parts"]
+    for name, frames in (("run.h5", 5), ("run.1.h5", 3)):
+        with fsipetsc.open_run(tmp_path / name) as result:
+            assert (result.nframes, steps_of(result)) == (frames, 3 * frames)
+
+
+def test_a_reader_that_comes_while_pieces_are_cleared_sees_all(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from fsipetsc.output import pieces, reader
+
+    path = tmp_path / "run.h5"
+    program.write(str(path), 12, "blocks", join=False)
+
+    def found(folder: Path) -> list[Path]:
+        """The pieces, the first of which have just gone: they are one file now."""
+        if not path.exists():
+            pieces.join(folder, path, pieces.read_about(folder))
+            return []
+        return pieces.pieces(folder)
+
+    monkeypatch.setattr(reader, "pieces", found)
+    with fsipetsc.open_run(path) as result:
+        assert result.nframes == 12
+
+
+def test_a_piece_that_cannot_be_opened_is_one_message(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """HDF5 itself says nothing: a rank on another computer may not see what rank 0 has made."""
+    from fsipetsc.output import pieces
+
+    new_piece = pieces.new_piece
+
+    def unseen(draft: Path, *rest: object) -> None:
+        new_piece(draft, *rest)
+        draft.rename(tmp_path / "elsewhere")
+
+    monkeypatch.setattr(pieces, "new_piece", unseen)
+    with pytest.raises(FileError, match="cannot write: No such file"):
+        program.write(str(tmp_path / "run.h5"), 3, "blocks")
+    assert capfd.readouterr().err == ""
+
+
 def test_earlier_results_are_kept(tmp_path: Path) -> None:
     """Whole ones, and what a killed run has left; each with its number, by which it is read."""
     path = tmp_path / "run.h5"

@@ -37,10 +37,13 @@ __all__ = [
 ]  # fmt: skip
 
 
-def groups(case: Any, extra: Sequence[Option] = ()) -> dict[str, tuple[Option, ...]]:
+def groups(
+    case: Any, extra: Sequence[Option] = (), inherited: Mapping[str, Any] | None = None
+) -> dict[str, tuple[Option, ...]]:
     """Heading -> options of a case, their defaults those in force for it.
 
-    extra: options of a command. InputError if the case's OPTIONS or DEFAULTS do not fit.
+    extra: options of a command. inherited: values of a checkpoint, which stand for the defaults.
+    InputError if the case's OPTIONS or DEFAULTS do not fit.
     """
     sections = {
         f"Case {case.NAME}": tuple(case.OPTIONS),
@@ -52,22 +55,29 @@ def groups(case: Any, extra: Sequence[Option] = ()) -> dict[str, tuple[Option, .
         "Time integration (PETSc)": PETSC_OPTIONS,
     }
     _check_own_names(case)
-    overrides = {"fsi_output": f"{case.NAME}.h5", **case.DEFAULTS}
+    inherited = inherited or {}
+    overrides = {"fsi_output": f"{case.NAME}.h5", **case.DEFAULTS, **inherited}
+    who = {name: "the checkpoint" for name in inherited}
     known = {option.name for options in sections.values() for option in options}
     for name in case.DEFAULTS:
         if name not in known:
             hint = _nearest(str(name), known)
             raise InputError(f"case {case.NAME}: DEFAULTS has {name!r}, which is no option{hint}")
     return {
-        title: tuple(_with_default(option, overrides, case.NAME) for option in options)
+        title: tuple(
+            _with_default(option, overrides, who.get(option.name, f"case {case.NAME}"))
+            for option in options
+        )
         for title, options in sections.items()
         if options
     }
 
 
-def table(case: Any, extra: Sequence[Option] = ()) -> dict[str, Option]:
+def table(
+    case: Any, extra: Sequence[Option] = (), inherited: Mapping[str, Any] | None = None
+) -> dict[str, Option]:
     """Name in lower case -> option with the default in force, for every option of a case."""
-    every = (option for options in groups(case, extra).values() for option in options)
+    every = (option for options in groups(case, extra, inherited).values() for option in options)
     return {option.name.lower(): option for option in every}
 
 
@@ -95,7 +105,7 @@ def _with_default(option: Option, values: Mapping[str, Any], who: str) -> Option
         return replace(option, default=option.convert(value))
     except (ValueError, TypeError, OverflowError):
         what = f"bad default {value!r} of -{option.name}: expected {option.expected()}"
-        raise InputError(f"case {who}: {what}") from None
+        raise InputError(f"{who}: {what}") from None
 
 
 class InForce(dict[str, Any]):
@@ -120,10 +130,7 @@ def read_options(
     checkpoint, as JSON has them, which stand for the defaults. Not collective; the same on all
     ranks. InputError for an unknown name, a missing or bad value and for what contradicts itself.
     """
-    options = table(case, extra)
-    for name, option in options.items():
-        if inherited and inherited.get(option.name) is not None:
-            options[name] = _with_default(option, inherited, "of the checkpoint")
+    options = table(case, extra, inherited)
     values, chosen = _read(options, given)
     _settle(values, chosen)
     from petsc4py import PETSc

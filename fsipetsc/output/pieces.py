@@ -46,8 +46,18 @@ class Kept(NamedTuple):
 
 def folder_of(path: str | os.PathLike[str]) -> Path:
     """NAME.parts for NAME.h5."""
+    return beside(path, ".parts")
+
+
+def beside(path: str | os.PathLike[str], ending: str) -> Path:
+    """NAME with another ending for NAME.h5; a name without .h5 is NAME as it is."""
     path = Path(path)
-    return path.with_name(f"{path.name.removesuffix('.h5')}.parts")
+    return path.with_name(f"{path.name.removesuffix('.h5')}{ending}")
+
+
+def file_of(folder: Path, number: int, ending: str = ".h5") -> Path:
+    """The piece of a number, from 1 on."""
+    return folder / f"{number:06d}{ending}"
 
 
 def pieces(folder: Path) -> list[Path]:

@@ -61,16 +61,20 @@ class Run:
             name = f"{name.removesuffix('.parts')}.h5"
         self.path, self._closed = os.path.abspath(name), False
         try:
-            self._read(name)
-        except FileNotFoundError:  # the pieces have become one file meanwhile
+            again = not self._read(name) and os.path.exists(self.path)
+        except FileNotFoundError:
+            again = True
+        if again:  # the pieces have become one file meanwhile
             self._read(name)
 
-    def _read(self, name: str) -> None:
+    def _read(self, name: str) -> bool:
+        """Whether it is one file."""
         path, folder = Path(self.path), folder_of(self.path)
         whole = _is_whole(path, folder, name)
         with damage(name):
             about = read_about(path if whole else folder, name)
             self._take(about, [path] if whole else pieces(folder))
+        return whole
 
     def _take(self, about: Mapping[str, Any], files: Sequence[Path]) -> None:
         """What is known of the run, and its files."""

@@ -136,6 +136,8 @@ class RunWriter:
         self._on_root(lambda: self._new_piece({name: shape for name, shape, _ in names}))
         if self._frames:
             viewer = PETSc.ViewerHDF5()
+            # HDF5 would print what it met on its way to a file that this rank cannot open
+            self._together(lambda: open(self._draft, "r+b").close())
             self._together(lambda: viewer.create(str(self._draft), mode="a", comm=self._comm))
             for name, _, local in names:
                 self._together(lambda: self._view(viewer, name, local))  # noqa: B023
@@ -220,32 +222,38 @@ class RunWriter:
         self._lock = Lock(self.folder, str(self.path))
         header, whole = self._about["header"], os.path.lexists(self.path)
         in_pieces = pieces.has_result(self.folder)
-        if whole and in_pieces and pieces.run_of(self.path) == pieces.run_of(self.folder):
-            pieces.clear(self.folder)  # a kill came before the end of the pieces
-            in_pieces = False
+        if whole and in_pieces:  # what a kill has left of the same run's pieces is cleared below
+            in_pieces = pieces.run_of(self.path) != pieces.run_of(self.folder)
         found = [self.path] * whole + [self.folder] * in_pieces
-        if after is not None and found and pieces.run_of(found[0]) == header.get("run"):
+        goes_on = after is not None and found and pieces.run_of(found[0]) == header.get("run")
+        if goes_on:
             files = [self.path] if whole else pieces.pieces(self.folder)
             pieces.check_kept(self.path, files, header["layers"], after)
-            settle([])
-            pieces.write_header(self.folder, self._about)
-            if whole:
-                os.replace(self.path, self.folder / "000001.h5")
-            return after.frames, after.rows, len(pieces.pieces(self.folder)) + 1
+            del found[0]
         kept = settle(found)
         if self.folder in kept:  # the lock has gone with it
             self._lock.release()
             self._lock = Lock(self.folder, str(self.path))
         if self.path in kept:
             xdmf.move(self.path, kept[self.path])
-        pieces.clear(self.folder)
+        if whole or not goes_on:
+            pieces.clear(self.folder)
         pieces.write_header(self.folder, self._about)
-        return 0, 0, 1
+        if not goes_on:
+            return 0, 0, 1
+        if whole:
+            os.replace(self.path, self.folder / "000001.h5")
+        number = len(pieces.pieces(self.folder)) + 1
+        # a piece with nothing in it gives up what was computed after the checkpoint
+        draft = pieces.file_of(self.folder, number, ".new")
+        pieces.new_piece(draft, (after.frames, after.rows), (), None, {})
+        os.replace(draft, draft.with_suffix(".h5"))
+        return after.frames, after.rows, number + 1
 
     @property
     def _draft(self) -> Path:
         """The piece in the making."""
-        return self.folder / f"{self._number:06d}.new"
+        return pieces.file_of(self.folder, self._number, ".new")
 
     def _take(self) -> None:
         """Take the steps that have been made. Collective."""

@@ -13,6 +13,7 @@ from pathlib import Path
 from xml.sax.saxutils import escape, quoteattr
 
 from fsipetsc.errors import FileError
+from fsipetsc.output.pieces import beside
 from fsipetsc.output.reader import Layer, Run, open_run
 
 _HEAD = '<?xml version="1.0" ?>\n<!DOCTYPE Xdmf SYSTEM "Xdmf.dtd" []>\n<Xdmf Version="2.0">\n'
@@ -20,7 +21,7 @@ _HEAD = '<?xml version="1.0" ?>\n<!DOCTYPE Xdmf SYSTEM "Xdmf.dtd" []>\n<Xdmf Ver
 
 def name_beside(path: str | os.PathLike[str]) -> Path:
     """NAME.xdmf for NAME.h5."""
-    return Path(path).with_suffix(".xdmf")
+    return beside(path, ".xdmf")
 
 
 def write(path: Path) -> None:

@@ -26,7 +26,7 @@ from fsipetsc.output import checkpoint_file
 from fsipetsc.output.checkpoint_file import Checkpoint
 from fsipetsc.output.file_layout import describe
 from fsipetsc.output.lock import set_aside
-from fsipetsc.output.pieces import Kept, folder_of
+from fsipetsc.output.pieces import Kept, beside, folder_of
 from fsipetsc.process.together import together
 from fsipetsc.stepping.state import State
 
@@ -76,7 +76,7 @@ def versions() -> dict[str, str]:
 
 def checkpoint_name(checkpoint: str | None, output: str) -> str:
     """The file of -fsi_checkpoint; NAME.checkpoint.h5 beside the result NAME.h5 if not given."""
-    return checkpoint or str(Path(output).with_name(f"{Path(output).stem}.checkpoint.h5"))
+    return checkpoint or str(beside(output, ".checkpoint.h5"))
 
 
 def find_past(case: Any, given: Mapping[str, Given], comm: MPI.Comm) -> Past | None:
@@ -102,7 +102,7 @@ def find_past(case: Any, given: Mapping[str, Given], comm: MPI.Comm) -> Past | N
 def _named(name: str) -> Past:
     """The checkpoint of a file. FileError, which names the one before it if that is whole."""
     try:
-        return Past(name, *checkpoint_file.read(name), [])
+        return Past(name, *_read(name), [])
     except FileError as error:
         before = checkpoint_file.previous(name)
         if "damaged" in str(error) and _good(before)[0] is not None:
@@ -127,9 +127,28 @@ def _newest(name: str) -> Past | None:
 def _good(path: Path) -> tuple[Checkpoint | None, str]:
     """The checkpoint in a file, or None and what is wrong with it."""
     try:
-        return checkpoint_file.read(path), ""
+        return _read(path), ""
     except FileError as error:
         return None, str(error)
+
+
+def _read(path: str | os.PathLike[str]) -> Checkpoint:
+    """The checkpoint in a file, with all that is relied on before the run goes on. FileError."""
+    found = checkpoint_file.read(path)
+    header = found.header
+    try:
+        frames, rows = header["result"]
+        relied_on = [header["case"], header["run"]["run"], header["problem"][0]["name"]]
+        numbers = [header["memory"]["t"], header["memory"]["steps"], frames, rows]
+        good = "fsi_partition" in header["options"] and isinstance(header["columns"], list)
+        good = good and all(isinstance(text, str) for text in relied_on)
+        good = good and all(isinstance(number, (int, float)) for number in numbers)
+    except (KeyError, TypeError, ValueError, IndexError):
+        good = False
+    if not good:
+        what = "its header does not tell case, run, options and result"
+        raise FileError(f"{os.fspath(path)}: is not a checkpoint of fsipetsc: {what}")
+    return found
 
 
 def _known_to_all(found: Past | None, comm: MPI.Comm) -> Past | None:
@@ -177,10 +196,21 @@ def described(problem: Any) -> list[dict[str, Any]]:
     """Names and numbers of each layer, by which another case is recognised; as JSON has them."""
     plain = (bool, int, float, str)
     return [
-        {"name": layer.name, "kind": layer.kind}
+        {"name": layer.name, "kind": layer.kind, "X": _ends(layer)}
         | {k: v for k, v in vars(layer.material).items() if isinstance(v, plain)}
         for layer in problem.layers
     ]
+
+
+def _ends(layer: Any) -> list[float]:
+    """X of the ends of a layer, or of the corners of a block, to nine digits of its size."""
+    if hasattr(layer, "X"):
+        X = np.array(layer.X)
+    else:
+        corners = np.indices((2,) * layer.dimension)
+        X = layer.places([i * (n - 1) for i, n in zip(corners, layer.shape, strict=True)])
+    digits = 9 - int(np.log10(np.ptp(X)))
+    return (X.ravel().round(digits) + 0.0).tolist()
 
 
 def check_problem(past: Past, problem: Any, columns: list[list[Any]]) -> None:
@@ -257,10 +287,12 @@ class CheckpointKeeper:
         others = [file for file in own if self._is_of_another(file)]
         for file in own:
             self._drop_if_abandoned(file)
-        moved = set_aside(earlier, result.stem, [result, folder_of(result)])
+        stem = beside(result, "").name
+        moved = set_aside(earlier, stem, [result, folder_of(result)])
         moved |= set_aside(others, newest.stem, own)
         if earlier:
-            kept = moved[earlier[0]].with_suffix(result.suffix)
+            kept = moved[earlier[0]].name.removesuffix(".parts").removesuffix(".h5")
+            kept = result.with_name(kept + result.name.removeprefix(stem))
             self.kept.append(f"kept the earlier {self._opt['fsi_output']} as {kept}")
         if others:
             listed = ", ".join(str(moved[file]) for file in others)

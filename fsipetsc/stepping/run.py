@@ -254,11 +254,15 @@ class _Run:
     def _resume(self, header: Mapping[str, Any]) -> None:
         """Go on from a checkpoint."""
         integrator = self.integrator
-        integrator.resume(header["memory"], self.keeper.arrays)
-        self.ledgers.recall(header["ledgers"], integrator.initial)
-        self.limits = list(header["limits"])
+        try:
+            integrator.resume(header["memory"], self.keeper.arrays)
+            self.ledgers.recall(header["ledgers"], integrator.initial)
+            self.limits, saved_at = list(header["limits"]), float(header["saved_at"])
+        except (KeyError, TypeError, ValueError, IndexError) as error:  # somebody has made it so
+            what = f"the checkpoint does not have what it should: {type(error).__name__}: {error}"
+            raise FileError(f"{self.past.path}: {what}") from error
         if self.writer.nframes:
-            self.saved_at = header["saved_at"]
+            self.saved_at = saved_at
         else:  # a file of its own
             self._frame(integrator.t)
 
