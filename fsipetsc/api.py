@@ -54,38 +54,28 @@ def _solve(case: Any, comm: MPI.Comm, options: Mapping[str, Any]) -> str:
 
 def _case(case: Any) -> Any:
     """What a case file would define."""
-    if isinstance(case, Problem):
-        return SimpleNamespace(
-            NAME="problem", SUMMARY="", OPTIONS=(), DEFAULTS={}, build=lambda opt: case
-        )
-    if isinstance(case, BlockProblem):  # whose cells are given
-        h = {"fsi_h": 1.0}
-        return SimpleNamespace(
-            NAME="problem", SUMMARY="", OPTIONS=(), DEFAULTS=h, build=lambda opt: case
-        )
+    missing: dict[str, Any] = {"NAME": "case", "SUMMARY": "", "OPTIONS": (), "DEFAULTS": {}}
+    if isinstance(case, (Problem, BlockProblem)):
+        h = {} if isinstance(case, Problem) else {"fsi_h": 1.0}  # the cells of blocks are given
+        own = {"NAME": "problem", "DEFAULTS": h, "build": lambda opt: case}
+        return SimpleNamespace(**{**missing, **own})
     if isinstance(case, (str, os.PathLike)):
         return load_case(os.fspath(case))
-    if callable(getattr(case, "build", None)):
-        missing = {"NAME": "case", "SUMMARY": "", "OPTIONS": (), "DEFAULTS": {}}
-        given = {name: getattr(case, name, default) for name, default in missing.items()}
-        return SimpleNamespace(**given, build=case.build)
-    known = "a name, a file, a Problem or something with build(opt)"
-    raise InputError(f"run: a case is {known}, not {type(case).__name__}")
+    if not callable(getattr(case, "build", None)):
+        known = "a name, a file, a Problem or something with build(opt)"
+        raise InputError(f"run: a case is {known}, not {type(case).__name__}")
+    given = {name: getattr(case, name, default) for name, default in missing.items()}
+    return SimpleNamespace(**given, build=case.build)
 
 
 def _words(case: Any, options: Mapping[str, Any]) -> Iterable[str]:
-    """The options as they would stand on the command line. InputError for a name that there is
-    not.
-    """
+    """The options as they would stand on the command line. InputError for an unknown name."""
     known = table(case)
     for name, value in options.items():
-        found = next(
-            (f"{prefix}{name}" for prefix in PREFIXES if f"{prefix}{name}".lower() in known), name
-        )
-        if value is None:
-            continue
-        yield f"-{found}"
-        yield _text(value)
+        full = [f"{prefix}{name}" for prefix in PREFIXES if f"{prefix}{name}".lower() in known]
+        if value is not None:
+            yield f"-{full[0] if full else name}"
+            yield _text(value)
 
 
 def _text(value: Any) -> str:

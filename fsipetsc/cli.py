@@ -27,85 +27,51 @@ if TYPE_CHECKING:
 class Command(NamedTuple):
     """A command: what stands behind its name, one line about it, and the function that does it.
 
-    target: "module:function", imported when it is called, with the list of arguments; a parallel
-    one also gets the communicator of all ranks and starts PETSc itself. options: "module:name" of
-    its own options, heading -> Options (fsipetsc.options.read_table), which -help lists, or of a
-    function of the arguments that returns them.
+    target: "module:function", imported when it is called, with the list of arguments; with options
+    it is done by all ranks, gets their communicator, too, and starts PETSc itself. options:
+    "module:name" of its own options, heading -> Options (fsipetsc.options.read_table), which -help
+    lists, or of a function of the arguments that returns them.
     """
 
     arguments: str
     summary: str
     target: str
-    parallel: bool = False
     options: str = ""
 
 
 COMMANDS = {
-    "info": Command(
-        "RUN.h5", "what a result holds: case, options, times, layers, summary", "fsipetsc.cli:info"
-    ),
-    "plot": Command(
-        "RUN.h5 [-o DIR|FILE] [-fields p,T] [-times 0,0.5] [-all] [-animate]",
+    "info": Command("RUN.h5", "what a result holds: case, options, times, layers, summary",
+        "fsipetsc.cli:info"),
+    "plot": Command("RUN.h5 [-o DIR|FILE] [-fields p,T] [-times 0,0.5] [-all] [-animate]",
         "a result on a page (PNG, or as FILE ends: PDF, SVG); all pictures; a film (GIF)",
-        "fsipetsc.cli:plot",
-    ),
-    "report": Command(
-        "RUN.h5 [-o DIR]",
+        "fsipetsc.cli:plot"),
+    "report": Command("RUN.h5 [-o DIR]",
         "one HTML page of a result: film, pictures, ledgers, options, summary",
-        "fsipetsc.cli:report",
-    ),
-    "diff": Command(
-        "A.h5 B.h5",
+        "fsipetsc.cli:report"),
+    "diff": Command("A.h5 B.h5",
         "what differs between two results: each field, in units in the last place, too",
-        "fsipetsc.cli:diff",
-    ),
-    "new": Command(
-        "FILE.py [-blocks]",
+        "fsipetsc.cli:diff"),
+    "new": Command("FILE.py [-blocks]",
         "a case file of your own to start from, -blocks: in two dimensions; commented, and it runs",
-        "fsipetsc.cli:new",
-    ),
-    "convergence": Command(
-        "CASE [-option value ...]",
+        "fsipetsc.cli:new"),
+    "convergence": Command("CASE [-option value ...]",
         "errors of a case, or differences between its grids, with observed orders and cost",
-        "fsipetsc.analysis.convergence:convergence",
-        parallel=True,
-        options="fsipetsc.analysis.convergence:sections",
-    ),
-    "stability": Command(
-        "[CASE] [-sweep] [-option value ...]",
+        "fsipetsc.analysis.convergence:convergence", "fsipetsc.analysis.convergence:sections"),
+    "stability": Command("[CASE] [-sweep] [-option value ...]",
         "the linear theory, checked: spectra, energy growth, time-step limits",
-        "fsipetsc.analysis.stability:stability",
-        parallel=True,
-        options="fsipetsc.analysis.stability_options:sections",
-    ),
-    "flutter": Command(
-        "[-option value ... | RUN.h5]",
+        "fsipetsc.analysis.stability:stability", "fsipetsc.analysis.stability_options:sections"),
+    "flutter": Command("[-option value ... | RUN.h5]",
         "growth of a panel's motion over dynamic pressure and Mach number; a result's limit cycle",
-        "fsipetsc.analysis.flutter:flutter",
-        parallel=True,
-        options="fsipetsc.analysis.flutter:sections",
-    ),
-    "modes": Command(
-        "ring [-option value ...]",
+        "fsipetsc.analysis.flutter:flutter", "fsipetsc.analysis.flutter:sections"),
+    "modes": Command("ring [-option value ...]",
         "frequencies of small motions of a case at rest, by the scheme and exactly",
-        "fsipetsc.analysis.modes:modes",
-        parallel=True,
-        options="fsipetsc.analysis.modes:sections",
-    ),
-    "verify": Command(
-        "[NAME ...] [-verify_level full]",
+        "fsipetsc.analysis.modes:modes", "fsipetsc.analysis.modes:sections"),
+    "verify": Command("[NAME ...] [-verify_level full]",
         "cases against references: errors, observed orders, verdicts",
-        "fsipetsc.verify.command:verify",
-        parallel=True,
-        options="fsipetsc.verify.command:SECTIONS",
-    ),
-    "bench": Command(
-        "[-option value ...]",
+        "fsipetsc.verify.command:verify", "fsipetsc.verify.command:SECTIONS"),
+    "bench": Command("[-option value ...]",
         "what a time step costs on 1 to N ranks, and where the time goes",
-        "fsipetsc.bench.command:bench",
-        parallel=True,
-        options="fsipetsc.bench.command:SECTIONS",
-    ),
+        "fsipetsc.bench.command:bench", "fsipetsc.bench.command:SECTIONS"),
 }
 _DEBUG = "-fsi_debug"  # every command takes it
 _VERSION_FLAGS = ("--version", "-version")
@@ -161,7 +127,7 @@ def _is_run(arguments: Sequence[str]) -> bool:
     """True for what is done by all ranks together, False for what one process answers."""
     if not arguments or any(word in HELP_FLAGS + _VERSION_FLAGS for word in arguments):
         return False
-    return arguments[0] not in COMMANDS or COMMANDS[arguments[0]].parallel
+    return arguments[0] not in COMMANDS or bool(COMMANDS[arguments[0]].options)
 
 
 def _answer(arguments: list[str]) -> None:

@@ -15,16 +15,6 @@ from fsipetsc.options import groups
 from fsipetsc.options.option import INT_MAX, REQUIRED, Option
 from fsipetsc.options.tables import AT_START, IN_LOOP, IN_SOURCES
 
-_TYPES = {
-    "int": "int",
-    "float": "float",
-    "str": "text",
-    "bool": "bool",
-    "ints": "ints",
-    "floats": "floats",
-}
-
-
 #: characters of the first column of an overview
 _LEFT = 29
 _HEADER = ("option", "type", "default", "meaning")
@@ -122,17 +112,16 @@ def _row(option: Option) -> tuple[str, str, str, str]:
     """Name, type, default and meaning."""
     choices = f": {', '.join(map(str, option.choices))}" if option.choices else ""
     optional = f"[{option.unit}]" if option.unit else ""
-    kind = _TYPES.get(str(option.kind), optional)
+    kind = {"str": "text", "optional": optional}.get(str(option.kind), str(option.kind))
     return f"-{option.name}", kind, shown(option), option.help + choices
 
 
 def shown(option: Option) -> str:
     """The default with its unit, as text."""
     value = option.default
-    if value is REQUIRED:
-        return f"required [{option.unit}]" if option.unit else "required"
-    if value is None:
-        return f"none [{option.unit}]" if option.unit else "none"
+    if value is REQUIRED or value is None:
+        unit = f" [{option.unit}]" if option.unit else ""
+        return f"{'none' if value is None else 'required'}{unit}"
     if isinstance(value, bool):
         return str(value).lower()
     if value == INT_MAX:

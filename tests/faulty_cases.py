@@ -137,7 +137,7 @@ FAULTS: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "a stress that is nan": (
         "free(-103320.0)",
         "free(lambda t: np.nan)",
-        ("LINE right=", "right end at t = 0", "value is nan"),
+        ("LINE right=", "right end at t = 0", "value = nan"),
     ),
     "T and a heat flux": (
         "free(-103320.0)",
@@ -192,7 +192,7 @@ FAULTS: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "nan": (
         _G,
         "return 1.2 + 0 * X, np.where(X > 0.44, np.nan, 0), 300 + 0 * X",
-        (*_INITIAL, "u is nan at X = 0.5"),
+        (*_INITIAL, "u = nan at X = 0.5"),
     ),
     "T of 0": (_G, _G.replace("300.0", "0.0"), (*_INITIAL, "T = 0", "above 0")),
     "x falls": (_S, _S.replace(", X]", ", 3 - X]"), ("initial of layer 'rod'", "x does not rise")),
@@ -219,7 +219,7 @@ FAULTS: dict[str, tuple[str, str, tuple[str, ...]]] = {
         "@njit\n    def g_forcing(X, t):\n"
         "        return 0 * X, 0 * X, 0 * X + np.sqrt(1.5e-5 - t)\n"
         "    def unused(X):",
-        ("LINE @njit", "forcing of layer 'air'", "e is nan", "X =", "faulty.h5"),
+        ("LINE @njit", "forcing of layer 'air'", "e = nan", "X =", "faulty.h5"),
     ),
     # what happens later
     "a wall is lost later": (
@@ -235,7 +235,7 @@ FAULTS: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "forcing is nan later": (
         _F,
         "return 0 * X, 0, np.sqrt(1.5e-5 - t)",
-        ("forcing of layer 'air'", "e is nan", "X =", "faulty.h5"),
+        ("forcing of layer 'air'", "e = nan", "X =", "faulty.h5"),
     ),
     "jumps end the program later": (
         _J,

@@ -8,8 +8,11 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.blame import call, place_of
-from fsipetsc.checks import Array, described
+from fsipetsc.checks import Array, counted, described
 from fsipetsc.errors import InputError
+
+#: in the place of X for functions of time alone
+NOWHERE = np.empty((0, 1))
 
 
 def names_of(kind: str, what: str, d: int) -> tuple[str, ...]:
@@ -51,10 +54,12 @@ def checked(
     names: Sequence[str],
     where: str,
     physical: bool = True,
+    active: slice = slice(None),
 ) -> list[Array]:
     """What a function of the case's returns, an array of (n,) for each name. InputError.
 
-    physical: what is called rho or T must be above 0.
+    X: (d, n) places, or NOWHERE for one number each. physical: what is called rho or T must be
+    above 0. active: the places at which values count.
     """
     with np.errstate(all="ignore"):  # what comes of it is looked at
         values = call(function, tuple(arguments), where)
@@ -64,9 +69,10 @@ def checked(
     if not isinstance(values, (tuple, list, np.ndarray)) or getattr(values, "ndim", 1) == 0:
         raise _fault(function, where, f"returns {described(values)}: {expected} in a tuple")
     if len(values) != len(names):
-        raise _fault(function, where, f"returns {len(values)} values: {expected}")
+        count = counted(len(values), "value")
+        raise _fault(function, where, f"returns {count}: {expected}")
     pairs = zip(names, values, strict=True)
-    return [_array(value, name, X, function, where, physical) for name, value in pairs]
+    return [array_of(value, name, X, function, where, physical, active) for name, value in pairs]
 
 
 def checked_one(
@@ -75,13 +81,19 @@ def checked_one(
     """The same of a function that returns one value."""
     with np.errstate(all="ignore"):
         value = call(function, tuple(arguments), where)
-    return _array(value, name, X, function, where, True)
+    return array_of(value, name, X, function, where)
 
 
-def _array(
-    value: Any, name: str, X: Array, function: Callable[..., Any], where: str, physical: bool
+def array_of(
+    value: Any,
+    name: str,
+    X: Array,
+    function: Callable[..., Any],
+    where: str,
+    physical: bool = True,
+    active: slice = slice(None),
 ) -> Array:
-    """One of the values, for all places."""
+    """One of the values that a function has returned, for all places. InputError."""
     size = X.shape[1]
     try:
         array = np.asarray(value)
@@ -91,16 +103,18 @@ def _array(
         found = "complex" if array.dtype.kind == "c" else described(value)
         raise _fault(function, where, f"{name} is {found}: expected real numbers")
     if array.shape not in ((), (1,), (size,)):
-        shape = f"{name} has the shape {array.shape}: expected ({size},), as X has, or one number"
+        wanted = f"({size},), as X has, or " if len(X) else ""
+        shape = f"{name} has the shape {array.shape}: expected {wanted}one number"
         raise _fault(function, where, shape)
     array = np.broadcast_to(array.astype(float, copy=False), (size,))
     positive = physical and name in ("rho", "T")
     good = np.isfinite(array) & ((array > 0.0) | (not positive))
-    if not good.all():
-        i = int(np.argmin(good))
-        place = ", ".join(f"{c} = {x:.6g}" for c, x in zip("XYZ", X[:, i], strict=False))
+    if not good[active].all():
+        i = (active.start or 0) + int(np.argmin(good[active]))
+        places = (f"{c} = {x:.6g}" for c, x in zip("XYZ", X[:, i], strict=False))
+        at = f" at {', '.join(places)}" if len(X) else ""
         wanted = "a number above 0" if positive else "a finite number"
-        raise _fault(function, where, f"{name} = {array[i]:.6g} at {place}: expected {wanted}")
+        raise _fault(function, where, f"{name} = {array[i]:.6g}{at}: expected {wanted}")
     return array
 
 

@@ -27,6 +27,9 @@ _NOUNS = {
     "floats": "numbers with commas and no spaces between them",
     "optional": "a text or nothing",
 }
+#: check -> what is expected of a number
+_BOUNDS = {"positive": " above 0", "nonnegative": " not below 0"}
+_INT = r"[+-]?\d+"
 
 
 def above_one(value: float) -> str | None:
@@ -57,20 +60,17 @@ class Option:
     def __post_init__(self) -> None:
         object.__setattr__(self, "kind", _NAMES.get(self.kind, str(self.kind)))
         object.__setattr__(self, "unit", "" if self.unit == "-" else self.unit)
-        who = f"option {self.name!r}"
-        if not all(isinstance(text, str) for text in (self.name, self.unit, self.help)):
-            raise TypeError(f"{who}: name, unit and help must be texts")
-        if not re.fullmatch(r"[A-Za-z]\w*", self.name):
-            what = "a name is made of letters, digits and _, without the dash"
-            raise ValueError(f"{who}: {what}")
-        if self.kind not in _NOUNS:
-            raise TypeError(f"{who}: kind must be int, float, str, bool, 'ints' or 'floats'")
-        if self.choices is not None and not isinstance(self.choices, (tuple, list)):
-            raise TypeError(f"{who}: choices is {self.choices!r}: expected a tuple")
-        known = None, "positive", "nonnegative"
-        if not callable(self.check) and self.check not in known:
-            what = "expected 'positive', 'nonnegative' or a function"
-            raise ValueError(f"{who}: check is {self.check!r}: {what}")
+        texts = all(isinstance(text, str) for text in (self.name, self.unit, self.help))
+        known = self.check in (None, "positive", "nonnegative")
+        for good, expected in (
+            (texts, "name, unit and help must be texts"),
+            (texts and re.fullmatch(r"[A-Za-z]\w*", self.name), "a name has letters, digits and _"),
+            (self.kind in _NOUNS, "kind must be int, float, str, bool, 'ints' or 'floats'"),
+            (isinstance(self.choices or (), (tuple, list)), "choices must be a tuple"),
+            (known or callable(self.check), "check must be 'positive', 'nonnegative', a function"),
+        ):
+            if not good:
+                raise TypeError(f"option {self.name!r}: {expected}")
 
     @property
     def needs_value(self) -> bool:
@@ -108,27 +108,22 @@ class Option:
                 return self._objection(_as_kind(kind, _from_text(kind, text))) or _NOUNS[kind]
             except (ValueError, OverflowError):
                 pass
-        bound = {"positive": " above 0", "nonnegative": " not below 0"}.get(str(self.check), "")
+        bound = _BOUNDS.get(str(self.check), "")
         return _NOUNS[kind] + bound + (f" [{self.unit}]" if self.unit else "")
 
     def _objection(self, value: Any) -> str | None:
         """What would be valid if the value is out of range, else None."""
-        values = value if isinstance(value, tuple) else (value,)
-        if self.check == "positive":
-            return "a number above 0" if any(v <= 0 for v in values) else None
-        if self.check == "nonnegative":
-            return "a number not below 0" if any(v < 0 for v in values) else None
         if not callable(self.check):
-            return None
+            least = min(value, default=1) if isinstance(value, tuple) else value
+            fine = self.check is None or least > 0 or (self.check == "nonnegative" and least == 0)
+            return None if fine else f"a number{_BOUNDS[self.check]}"
         verdict = call(self.check, (value,), f"check of -{self.name}")
-        if verdict is None or verdict is True:
-            return None
         if verdict is False:
             return "a value within its range"
-        if not isinstance(verdict, str):
+        if verdict is not None and verdict is not True and not isinstance(verdict, str):
             what = "expected None or True, else a text or False"
             raise InputError(f"check of -{self.name} returns {verdict!r}: {what}")
-        return verdict or None
+        return verdict if isinstance(verdict, str) and verdict else None
 
 
 def brief(text: str) -> str:
@@ -141,14 +136,12 @@ def _from_text(kind: str, text: str) -> Any:
     """What a text says, as Python has it; ValueError."""
     if kind in ("ints", "floats"):
         return tuple(_from_text(kind[:-1], word.strip()) for word in text.split(","))
-    if kind == "int" and not re.fullmatch(r"[+-]?\d+", text):
-        raise ValueError
-    if kind == "float" and "_" in text:
-        raise ValueError
-    if kind == "bool" and text.lower() not in _TRUE + _FALSE:
-        raise ValueError
     if kind == "bool":
+        if text.lower() not in _TRUE + _FALSE:
+            raise ValueError
         return text.lower() in _TRUE
+    if kind in ("int", "float") and not re.fullmatch(r"[^_]+" if kind == "float" else _INT, text):
+        raise ValueError
     return {"int": int, "float": float}.get(kind, str)(text)
 
 
@@ -156,16 +149,11 @@ def _as_kind(kind: str, value: Any) -> Any:
     """A Python value as one of a kind; ValueError."""
     if kind in ("ints", "floats"):
         return tuple(_as_kind(kind[:-1], item) for item in value)
-    if kind == "bool":
-        if value is not True and value is not False:
-            raise ValueError
-        return value
-    if kind == "int":
-        if isinstance(value, bool) or int(value) != value or abs(value) > INT_MAX:
-            raise ValueError
-        return int(value)
-    if kind == "float":
-        if isinstance(value, (bool, str)) or not isfinite(value):
-            raise ValueError
-        return float(value)
-    return str(value)
+    if kind == "str" or kind == "optional":
+        return str(value)
+    number = isinstance(value, (int, float)) or hasattr(value, "__float__")
+    if (kind == "bool") != isinstance(value, bool) or not number or not isfinite(value):
+        raise ValueError
+    if kind == "int" and (int(value) != value or abs(value) > INT_MAX):
+        raise ValueError
+    return {"bool": bool, "int": int, "float": float}[kind](value)

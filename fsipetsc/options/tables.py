@@ -50,124 +50,72 @@ def _nothing(text: str) -> str | None:
 COUPLINGS = ("projection", "energy", "traditional", "conservative")
 DISCRETISATION = (
     Option("fsi_order", int, 4, "", "interior order of the SBP operators", (2, 4, 6, 8)),
-    Option(
-        *("fsi_h", float, REQUIRED, "m"),
+    Option("fsi_h", float, REQUIRED, "m",
         "grid spacing; interfaces, in 2-D ends of panels, must fall on grid points",
-        check="positive",
-    ),
-    Option(
-        *("fsi_cfl", float, 0.8, "", "Courant number of the time step; -ts_dt replaces it"),
-        check="positive",
-    ),
-    Option(
-        *("fsi_coupling", str, "conservative", ""),
-        "treatment of interfaces; all but conservative: the paper's method, in 1-D",
-        COUPLINGS,
-    ),
-    Option(
-        *("fsi_mapping", str, "auto", ""),
+        check="positive"),
+    Option("fsi_cfl", float, 0.8, "", "Courant number of the time step; -ts_dt replaces it",
+        check="positive"),
+    Option("fsi_coupling", str, "conservative", "",
+        "treatment of interfaces; all but conservative: the paper's method, in 1-D", COUPLINGS),
+    Option("fsi_mapping", str, "auto", "",
         "grids of gases: rigid with the paper's couplings, stretched with conservative; "
-        "auto: what fits",
-        ("auto", "rigid", "stretched"),
-    ),
-    Option(
-        *("fsi_viscous", str, "wide", ""),
+        "auto: what fits", ("auto", "rigid", "stretched")),
+    Option("fsi_viscous", str, "wide", "",
         "second derivatives: D twice, or with the paper's couplings half as wide",
-        ("wide", "narrow"),
-    ),
-    Option(
-        *("fsi_convection", str, "auto", ""),
+        ("wide", "narrow")),
+    Option("fsi_convection", str, "auto", "",
         "form of the gas's convection; entropy: two-point, which keeps it; auto: in 2-D",
-        ("auto", "divergence", "entropy"),
-    ),
-    Option(
-        *("fsi_dissipation", float, 0.0, ""),
+        ("auto", "divergence", "entropy")),
+    Option("fsi_dissipation", float, 0.0, "",
         "times its usual size; 0: 1 where blocks are joined, else none; -1: none",
-        check=_between(-1, 3),
-    ),
-    Option(
-        *("fsi_shock", float, 0.0, ""),
+        check=_between(-1, 3)),
+    Option("fsi_shock", float, 0.0, "",
         "dissipation where a sensor sees a shock, times its usual size; 0: none",
-        check=_between(0, 2),
-    ),
-    Option(
-        *("fsi_spare", int, 16, "points"),
+        check=_between(0, 2)),
+    Option("fsi_spare", int, 16, "points",
         "in the paper's method: a gas may grow by a third, or by an eighth and these points",
-        check="nonnegative",
-    ),
+        check="nonnegative"),
 )
 OUTPUT = (
-    Option(
-        *("fsi_output", str, None, ""),
-        "result file (HDF5); an earlier result is never destroyed silently",
-        check=_file_name,
-    ),
-    Option(
-        *("fsi_output_dt", float, None, "s", "interval at which profiles are saved"),
-        check="positive",
-    ),
-    Option(
-        *("fsi_output_times", "floats", None, "s", "times at which profiles are saved: t0,t1,…"),
-        check=_increasing,
-    ),
-    Option(
-        *("fsi_points", "floats", None, "m"),
-        "in 2-D: X of points of interfaces that are recorded at each step: X0,X1,…",
-    ),
-    Option(
-        *("fsi_probes", str, None, "m"),
-        "of blocks: places whose nearest nodes are recorded at each step: X,Y;X,Y;…",
-    ),
+    Option("fsi_output", str, None, "",
+        "result file (HDF5); an earlier result is never destroyed silently", check=_file_name),
+    Option("fsi_output_dt", float, None, "s", "interval at which profiles are saved",
+        check="positive"),
+    Option("fsi_output_times", "floats", None, "s", "times at which profiles are saved: t0,t1,…",
+        check=_increasing),
+    Option("fsi_points", "floats", None, "m",
+        "in 2-D: X of points of interfaces that are recorded at each step: X0,X1,…"),
+    Option("fsi_probes", str, None, "m",
+        "of blocks: places whose nearest nodes are recorded at each step: X,Y;X,Y;…"),
 )
 CHECKPOINTS = (
-    Option(
-        *("fsi_checkpoint", str, None, ""),
+    Option("fsi_checkpoint", str, None, "",
         "file of checkpoints; NAME.checkpoint.h5 beside the result NAME.h5 if not given",
-        check=_file_name,
-    ),
-    Option(
-        *("fsi_checkpoint_steps", int, None, "steps", "steps from one checkpoint to the next"),
-        check="positive",
-    ),
-    Option(
-        *("fsi_checkpoint_wall", float, None, "s", "wall time from one checkpoint to the next"),
-        check="positive",
-    ),
-    Option(
-        *("fsi_restart", str, None, ""),
+        check=_file_name),
+    Option("fsi_checkpoint_steps", int, None, "steps", "steps from one checkpoint to the next",
+        check="positive"),
+    Option("fsi_checkpoint_wall", float, None, "s", "wall time from one checkpoint to the next",
+        check="positive"),
+    Option("fsi_restart", str, None, "",
         "go on from a checkpoint; auto: from the newest good one, if there is one",
-        check=_file_name,
-    ),
+        check=_file_name),
 )
 RUN = (
-    Option(
-        *("fsi_check", float, None, ""),
+    Option("fsi_check", float, None, "",
         "stop when mass, momentum, energy or entropy drifts by this fraction against its law",
-        check="positive",
-    ),
-    Option(
-        *("fsi_entropy", bool, False, ""),
-        "record the entropy, too; -fsi_check does so anyway, and 2-D always",
-    ),
-    Option(
-        *("fsi_burst", int, 64, "steps"),
+        check="positive"),
+    Option("fsi_entropy", bool, False, "",
+        "record the entropy, too; -fsi_check does so anyway, and 2-D always"),
+    Option("fsi_burst", int, 64, "steps",
         "most steps between looks at signals and progress; 1 with -ts_monitor…, -log_…",
-        check="positive",
-    ),
-    Option(
-        *("fsi_partition", str, "auto", "", "which ranks own which layers"),
-        ("auto", "physics", "balanced"),
-    ),
-    Option(
-        *("fsi_norm", str, "L2", ""),
-        "norm of the errors against an exact solution; L1 where it jumps",
-        ("L1", "L2"),
-    ),
+        check="positive"),
+    Option("fsi_partition", str, "auto", "", "which ranks own which layers",
+        ("auto", "physics", "balanced")),
+    Option("fsi_norm", str, "L2", "",
+        "norm of the errors against an exact solution; L1 where it jumps", ("L1", "L2")),
     Option("fsi_quiet", bool, False, "", "print nothing but errors"),
-    Option(
-        *("fsi_progress", bool, False, ""),
-        "lines of progress from 2 s on, not 10 s, where the output is not a terminal",
-    ),
+    Option("fsi_progress", bool, False, "",
+        "lines of progress from 2 s on, not 10 s, where the output is not a terminal"),
     Option("fsi_debug", bool, False, "", "show the Python traceback of an error"),
 )
 #: those that belong to one run of the program, not to what is computed: no checkpoint has them
@@ -177,27 +125,16 @@ COMMON: tuple[Option, ...] = DISCRETISATION + OUTPUT + CHECKPOINTS + RUN
 _RK_TYPES = ("1fe", "2a", "2b", "3", "3bs", "4", "5f", "5dp", "5bs", "6vr", "7vr", "8vr")
 #: PETSc's options for which this program has defaults of its own, or which it must know
 PETSC_OPTIONS: tuple[Option, ...] = (
-    Option(
-        *("ts_max_time", float, REQUIRED, "s", "time at which the run ends"), check="nonnegative"
-    ),
-    Option(
-        *("ts_max_steps", int, INT_MAX, "", "number of steps after which the run ends"),
-        check="nonnegative",
-    ),
-    Option(
-        *("ts_dt", float, None, "s"),
-        "fixed time step, instead of -fsi_cfl; -ts_time_step is the same",
-        check="positive",
-    ),
-    Option(
-        *("ts_type", str, "fused", "", "time integrator; fused: rk of type 4 in one piece"),
-        ("fused", "rk", "ssp", "euler"),
-    ),
+    Option("ts_max_time", float, REQUIRED, "s", "time at which the run ends", check="nonnegative"),
+    Option("ts_max_steps", int, INT_MAX, "", "number of steps after which the run ends",
+        check="nonnegative"),
+    Option("ts_dt", float, None, "s",
+        "fixed time step, instead of -fsi_cfl; -ts_time_step is the same", check="positive"),
+    Option("ts_type", str, "fused", "", "time integrator; fused: rk of type 4 in one piece",
+        ("fused", "rk", "ssp", "euler")),
     Option("ts_rk_type", str, "4", "", "Runge–Kutta method", _RK_TYPES),
-    Option(
-        *("ts_adapt_type", str, "none", "", "steps have the length of -fsi_cfl or -ts_dt"),
-        check=_no_adaptor,
-    ),
+    Option("ts_adapt_type", str, "none", "", "steps have the length of -fsi_cfl or -ts_dt",
+        check=_no_adaptor),
     Option("ts_ssp_type", str, "rks2", "", "method of ssp", ("rks2", "rks3", "rk104")),
 )
 #: other spellings: of another release of PETSc, or deprecated there
@@ -205,39 +142,25 @@ ALIASES = {"ts_time_step": "ts_dt", "ts_final_time": "ts_max_time"}
 
 #: options that PETSc follows when it starts or when it ends
 AT_START = (
-    Option(
-        *("log_view", "optional", None, ":FILE"),
-        "print where the time went, at the end, or write it",
-        check=_log_file,
-    ),
-    Option(
-        *("memory_view", "optional", None, "", "print the memory that was used, at the end"),
-        check=_nothing,
-    ),
+    Option("log_view", "optional", None, ":FILE",
+        "print where the time went, at the end, or write it", check=_log_file),
+    Option("memory_view", "optional", None, "", "print the memory that was used, at the end",
+        check=_nothing),
     Option("info", "optional", None, "", "print what PETSc does", check=_nothing),
     Option("malloc_debug", bool, None, "", "check the memory that PETSc allocates"),
-    Option(
-        *("malloc_dump", "optional", None, ""),
-        "list memory of PETSc's that was not freed, at the end",
-        check=_nothing,
-    ),
+    Option("malloc_dump", "optional", None, "",
+        "list memory of PETSc's that was not freed, at the end", check=_nothing),
     Option("options_left", bool, None, "", "list options that PETSc did not use, at the end"),
 )
 #: options that PETSc's time integrator follows
 IN_LOOP = (
-    Option(
-        *("ts_monitor", "optional", None, "", "print every step: number, dt, t"), check=_nothing
-    ),
-    Option(
-        *("ts_view", "optional", None, "", "print PETSc's method when it ends"), check=_nothing
-    ),
+    Option("ts_monitor", "optional", None, "", "print every step: number, dt, t", check=_nothing),
+    Option("ts_view", "optional", None, "", "print PETSc's method when it ends", check=_nothing),
 )
 #: options that are followed where the options are read
 IN_SOURCES = (
-    Option(
-        *("options_file", str, None, ""),
-        "read options from a file, one '-name value' a line; FILE.yaml is read as YAML",
-    ),
+    Option("options_file", str, None, "",
+        "read options from a file, one '-name value' a line; FILE.yaml is read as YAML"),
     Option("options_file_yaml", str, None, "", "the same in YAML, whatever the file's name"),
 )
 #: what PETSc follows, or the readers of options, and the table of a case does not have

@@ -18,22 +18,16 @@ _MOST_COMPRESSED = 1000  # a dataset that claims more than so many times its fil
 
 
 class Piece(NamedTuple):
-    """A file; its first frame and row in the result; times of its frames; number of its rows."""
+    """What counts of a file: frames from number `frame` on with their times and the grid of each
+    layer, and `rows` steps from number `row` on.
+    """
 
     path: Path
     frame: int
-    row: int
     time: Array
+    grids: list[Array]
+    row: int
     rows: int
-
-
-class Part(NamedTuple):
-    """Frames first … end - 1 of a layer, in one file, with the grid X that they have."""
-
-    path: Path
-    first: int
-    end: int
-    X: Array
 
 
 class Contents:
@@ -53,18 +47,17 @@ class Contents:
         self._shapes = [layer.get("shape") for layer in layers]
         self._open: tuple[Path, h5py.File] | None = None
         self._pieces: list[Piece] = []
-        self._parts: list[list[Part]] = [[] for _ in layers]
         try:
             for path in files:
                 self._add(path)
         finally:
             self.close()
-        times = [piece.time for piece in self._pieces]
-        self.time = np.concatenate(times) if times else np.empty(0)
+        self.time = np.concatenate([np.empty(0), *(piece.time for piece in self._pieces)])
         if not np.all(np.isfinite(self.time)) or np.any(np.diff(self.time) < 0):
             raise Damaged("the times of its frames are not ascending numbers")
-        grids = [_merged([part.X for part in parts]) for parts in self._parts]
-        self.X, self.h = [X for X, _ in grids], [h for _, h in grids]
+        used = [piece.grids for piece in self._pieces if len(piece.time)]
+        merged = [_merged([grids[k] for grids in used]) for k in range(len(layers))]
+        self.X, self.h = [X for X, _ in merged], [h for _, h in merged]
 
     def _add(self, path: Path) -> None:
         """See what a file holds."""
@@ -72,23 +65,15 @@ class Contents:
         frame, row = (int(number) for number in file.attrs.get("first", (0, 0)))
         if not (0 <= frame <= self.nframes and 0 <= row <= self.rows):
             raise Damaged(f"what comes before {path.name} is missing")
-        if (frame, row) != (self.nframes, self.rows):
-            self._give_up(frame, row)
+        for j, piece in enumerate(self._pieces):  # what is given up of them
+            time, rows = piece.time[: max(0, frame - piece.frame)], max(0, row - piece.row)
+            self._pieces[j] = piece._replace(time=time, rows=min(rows, piece.rows))
         time, rows = _numbers(file, "time", 1)[...], self._steps(file)
-        self._pieces.append(Piece(path, frame, row, time, rows))
+        before = next((p.grids for p in reversed(self._pieces) if len(p.time)), None)
+        layers = range(len(self._columns)) if len(time) else ()
+        grids = [self._grid(file, k, len(time), before) for k in layers]
+        self._pieces.append(Piece(path, frame, time, grids, row, rows))
         self.nframes, self.rows = frame + len(time), row + rows
-        for k, parts in enumerate(self._parts if len(time) else ()):
-            parts.append(self._part(path, file, k, frame, len(time)))
-
-    def _give_up(self, frame: int, row: int) -> None:
-        """All frames and rows from these on."""
-        for j, piece in enumerate(self._pieces):
-            time = piece.time[: max(0, frame - piece.frame)]
-            rows = max(0, min(piece.rows, row - piece.row))
-            self._pieces[j] = piece._replace(time=time, rows=rows)
-        for k, parts in enumerate(self._parts):
-            left = (part._replace(end=min(part.end, frame)) for part in parts)
-            self._parts[k] = [part for part in left if part.first < part.end]
 
     def _steps(self, file: h5py.File) -> int:
         """How many steps a file has, all of whose series have the same length."""
@@ -102,13 +87,11 @@ class Contents:
         self.names = names
         return steps.pop()
 
-    def _part(self, path: Path, file: h5py.File, k: int, first: int, count: int) -> Part:
-        """The frames of layer k in a file."""
+    def _grid(self, file: h5py.File, k: int, count: int, before: list[Array] | None) -> Array:
+        """The grid of layer k, whose frames are as many and as large as they should be."""
         group, names, shape = f"layer{k}", self._columns[k], self._shapes[k]
-        if f"{group}/X" not in file and self._parts[k]:
-            X = self._parts[k][-1].X
-        else:
-            X = _numbers(file, f"{group}/X")[...]
+        known = f"{group}/X" in file or before is None
+        X: Array = _numbers(file, f"{group}/X")[...] if known else before[k]  # type: ignore[index]
         if not len(X) or not np.all(np.isfinite(X)) or (shape is None and np.any(np.diff(X) <= 0)):
             raise Damaged(f"the grid in {group} is not ascending numbers")
         if shape is not None and X.shape not in ((math.prod(shape), len(shape)), (*shape,)):
@@ -119,25 +102,26 @@ class Contents:
         for name, expected in wanted.items():
             if (found := _numbers(file, f"{group}/{name}").shape) != expected:
                 raise Damaged(f"{group}/{name} has the shape {found}")
-        return Part(path, first, first + count, X)
+        return X
 
     def series(self, name: str) -> Array:
         """(rows, …) what is known of each step by a name."""
         pieces = [piece for piece in self._pieces if piece.rows]
         found = [self._opened(p.path)[f"series/{name}"][: p.rows] for p in pieces]
-        return np.concatenate(found) if found else np.empty((0, *self.names[name]))
+        return np.concatenate([np.empty((0, *self.names[name])), *found])
 
     def frames(self, k: int, names: Sequence[str], first: int, end: int) -> list[Array]:
         """(end - first, n) of each of these columns of layer k, NaN where a frame has no points."""
         found = [np.full((end - first, len(self.X[k])), np.nan) for _ in names]
-        for part in self._parts[k]:
-            a, b = max(first, part.first), min(end, part.end)
+        for piece in self._pieces:
+            a, b = max(first, piece.frame), min(end, piece.frame + len(piece.time))
             if a < b:
-                start = _place(part.X, self.X[k], self.h[k])
-                group = self._opened(part.path)[f"layer{k}"]
-                rows = self._rows(group, k, names, a - part.first, b - part.first)
+                X = piece.grids[k]
+                start = _place(X, self.X[k], self.h[k])
+                group = self._opened(piece.path)[f"layer{k}"]
+                rows = self._rows(group, k, names, a - piece.frame, b - piece.frame)
                 for into, values in zip(found, rows):
-                    into[a - first : b - first, start : start + len(part.X)] = values
+                    into[a - first : b - first, start : start + len(X)] = values
         return found
 
     def _rows(self, group: h5py.Group, k: int, names: Sequence[str], a: int, b: int) -> list[Array]:
@@ -167,11 +151,11 @@ def _numbers(file: h5py.File, name: str, ndim: int | None = None) -> h5py.Datase
     found = file[name]
     if not isinstance(found, h5py.Dataset) or found.dtype.kind not in "iuf" or not found.ndim:
         raise Damaged(f"{name} is no array of numbers")
-    if ndim is not None and found.ndim != ndim:
-        raise Damaged(f"{name} has {found.ndim} dimensions")
     size = found.size * found.dtype.itemsize
     if size > _MOST_COMPRESSED * max(1024, os.path.getsize(file.filename)):
         raise Damaged(f"{name} claims to have {size:.3g} bytes")
+    if found.ndim != (ndim or found.ndim):
+        raise Damaged(f"{name} has {found.ndim} dimensions")
     return found
 
 
@@ -182,16 +166,15 @@ def _place(X: Array, whole: Array, h: float) -> int:
 
 def _merged(grids: Sequence[Array]) -> tuple[Array, float]:
     """The grid that contains all of them, which grow at their ends, and its spacing."""
-    if not grids:
-        return np.empty(0), np.nan
-    merged = grids[0]
-    h = float(np.diff(merged).mean()) if merged.ndim == 1 and len(merged) > 1 else np.nan
-    for grid in {id(grid): grid for grid in grids}.values():
-        if merged.ndim == 1 and grid is not merged:
-            merged = np.concatenate(
-                [grid[grid < merged[0] - h / 2], merged, grid[grid > merged[-1] + h / 2]]
-            )
-    for grid in grids if merged.ndim == 1 else ():
+    merged = grids[0] if grids else np.empty(0)
+    if merged.ndim > 1 or len(merged) < 2:
+        return merged, np.nan
+    h = float(np.diff(merged).mean())
+    grids = list({id(grid): grid for grid in grids}.values())
+    for grid in grids[1:]:
+        below, above = grid[grid < merged[0] - h / 2], grid[grid > merged[-1] + h / 2]
+        merged = np.concatenate([below, merged, above])
+    for grid in grids:
         start = _place(grid, merged, h)
         if not np.allclose(merged[start : start + len(grid)], grid, rtol=0.0, atol=0.01 * abs(h)):
             raise Damaged("its grids do not fit together")
