@@ -26,14 +26,13 @@ HEADER = {
     "interfaces": ["left/rod", "rod/right"],
     "layers": LAYERS,
 }
-GROWTH = 7  # the fluids' grids grow before this frame
+GROWTH = 7  # more of the fluids' points are active from this frame on
 SERIES_STEPS = 3  # time steps per frame
 
 
-def grid(layer: int, frame: int) -> np.ndarray:
-    """Indices of the grid points of a layer when a frame is saved; the fluids grow outwards."""
-    grown = frame >= GROWTH
-    first, last = [(-5 if grown else 0, 20), (20, 40), (40, 64 if grown else 60)][layer]
+def grid(layer: int) -> np.ndarray:
+    """Indices of the grid points of a layer."""
+    first, last = [(-5, 20), (20, 40), (40, 64)][layer]
     return np.arange(first, last + 1)
 
 
@@ -42,7 +41,8 @@ def values(layer: int, frame: int, indices: np.ndarray) -> np.ndarray:
     columns = np.arange(5)
     result = np.sin(1.0 + indices[:, None] + 100.0 * columns + 1e4 * layer + 0.37 * frame)
     if layer != 1:
-        result[indices == indices.min() + 1] = np.nan
+        active = (indices >= 0) & (indices <= 60) | (frame >= GROWTH)
+        result[~active | (indices == 7)] = np.nan
     result[:, 3 if layer == 1 else -1] = indices * H + 0.01 * frame
     return result
 
@@ -84,8 +84,10 @@ def write(
         kept.update(set_aside(earlier, Path(path).stem, [Path(path), folder_of(path)]))
         return kept
 
-    writer = RunWriter(comm, path, header, settle=settle, buffer_frames=4)
-    mine: list[np.ndarray] = []
+    whole = [grid(i) for i in range(3)]
+    mine = [owned(i, whole[i], comm.rank, comm.size, split) for i in range(3)]
+    grids = [{"local": len(m), "n": len(w), "X": m * H} for m, w in zip(mine, whole)]
+    writer = RunWriter(comm, path, header, grids, settle=settle, buffer_frames=4)
     taken = made = 0
 
     def take() -> np.ndarray:
@@ -94,16 +96,10 @@ def write(
         return rows
 
     def fields() -> dict[int, np.ndarray]:
-        whole = {i: grid(i, frame) for i in range(3)}
-        return {i: values(i, frame, w)[np.isin(w, mine[i])] for i, w in whole.items()}
+        return {i: values(i, frame, w)[np.isin(w, mine[i])] for i, w in enumerate(whole)}
 
     writer.take_series = take
     for frame in range(nframes):
-        if frame in (0, GROWTH):
-            whole = [grid(i, frame) for i in range(3)]
-            mine = [owned(i, whole[i], comm.rank, comm.size, split) for i in range(3)]
-            grids = zip(mine, whole)
-            writer.start_segment([{"local": len(m), "n": len(w), "X": m * H} for m, w in grids])
         made += SERIES_STEPS
         if frame % 3 == 0:  # else they go with the frames
             writer.write_series()
@@ -128,7 +124,7 @@ def refuse(path: str) -> None:
 
     comm = MPI.COMM_WORLD
     try:
-        RunWriter(comm, path, HEADER, settle=lambda earlier: {})
+        RunWriter(comm, path, HEADER, [{"n": 0}] * 3, settle=lambda earlier: {})
     except FileError as error:
         answers = comm.gather((error.status, str(error)))
         if comm.rank == 0:

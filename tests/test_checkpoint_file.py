@@ -66,7 +66,7 @@ def test_what_is_no_checkpoint_is_refused(tmp_path):
         "other.h5": "is not a checkpoint of fsipetsc",
         "pipe": "is not a checkpoint of fsipetsc",
         "none.h5": "there is no such file",
-        ".": "cannot be read: Is a directory",
+        ".": "is not a checkpoint of fsipetsc",
     }.items():
         with pytest.raises(FileError, match=words):
             read(tmp_path / name)

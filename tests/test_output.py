@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import h5py
 import numpy as np
@@ -17,6 +18,9 @@ from fsipetsc.errors import FileError
 from fsipetsc.output.info import info
 from fsipetsc.output.lock import Lock, set_aside
 from fsipetsc.output.pieces import Kept
+
+if TYPE_CHECKING:
+    from fsipetsc.output.writer import RunWriter
 
 PROGRAM = Path(program.__file__)
 FRAMES = 12
@@ -33,17 +37,12 @@ def steps_of(result: fsipetsc.Run) -> int:
 
 
 def assert_frames(result: fsipetsc.Run, nframes: int) -> None:
-    """The first frames are those of the program, bitwise, on the largest grid; NaN where a frame's
-    grid was smaller."""
+    """The first frames are those of the program, bitwise."""
     assert result.nframes == nframes
     assert np.array_equal(result.time, 0.3 * np.arange(nframes))
     for i, layer in enumerate(result.layers):
-        points = program.grid(i, nframes - 1)
-        names = layer.fields
-        expected = np.full((nframes, len(points), len(names)), np.nan)
-        for frame in range(nframes):
-            own = program.grid(i, frame)
-            expected[frame, np.isin(points, own)] = program.values(i, frame, own)
+        points, names = program.grid(i), layer.fields
+        expected = np.stack([program.values(i, frame, points) for frame in range(nframes)])
         assert np.array_equal(layer.X, points * program.H)
         assert layer.h == pytest.approx(program.H)
         for k, name in enumerate(names):
@@ -121,7 +120,7 @@ def test_a_killed_run_is_readable(tmp_path: Path) -> None:
     path = tmp_path / "run.h5"
     assert mpirun(2, PROGRAM, "kill", path, 9).returncode != 0
     with fsipetsc.open_run(path) as result:
-        assert result.nframes >= program.GROWTH  # those before the new grids, at least
+        assert result.nframes >= 8  # two pieces, at least
         assert_prefix(result)
         assert not result.complete and result.summary["ranks"] == 1
 
@@ -241,9 +240,10 @@ def test_frames_do_not_wait_for_a_full_buffer(
     now, readable = 0.0, []
     monkeypatch.setattr(writer.time, "monotonic", lambda: now)
     result = writer.RunWriter(
-        MPI.COMM_SELF, tmp_path / "run.h5", program.HEADER, settle=lambda _: {}
+        *(MPI.COMM_SELF, tmp_path / "run.h5", program.HEADER),
+        [{"local": 9, "n": 9, "X": np.arange(9.0)}] * 3,
+        settle=lambda _: {},
     )
-    result.start_segment([{"local": 9, "n": 9, "X": np.arange(9.0)}] * 3)
     for now in (0.5, 1.0, 1.5, 2.5, 3.0, 100.0, 100.5):
         result.write_frame(now, dict.fromkeys(range(3), np.ones((9, 5))))
         with fsipetsc.open_run(tmp_path / "run.h5") as so_far:
@@ -256,32 +256,37 @@ def test_frames_do_not_wait_for_a_full_buffer(
     result.finish({})
 
 
+def restarted(path: Path, after: Kept, settle: object = lambda files: {}) -> RunWriter:
+    """A writer that goes on behind what is kept."""
+    from mpi4py import MPI
+
+    from fsipetsc.output.writer import RunWriter
+
+    points = [program.grid(i) for i in range(3)]
+    grids = [{"local": len(p), "n": len(p), "X": p * program.H} for p in points]
+    header = {**program.HEADER, "run": "this"}
+    return RunWriter(MPI.COMM_SELF, path, header, grids, after=after, settle=settle)
+
+
 @pytest.mark.parametrize("whole", [True, False], ids=["joined", "in pieces"])
 @pytest.mark.parametrize("kept", [(0, 0), (4, 12), (5, 15), (9, 28), (12, 36)])
 def test_a_restart_goes_on_behind_its_checkpoint(
     kept: tuple[int, int], whole: bool, tmp_path: Path
 ) -> None:
     """At the end of a piece or within one: what comes later takes the place of what was there."""
-    from mpi4py import MPI
-
-    from fsipetsc.output.writer import RunWriter
-
     path, header = tmp_path / "run.h5", {**program.HEADER, "run": "this"}
     program.write(str(path), 12, "blocks", header=header, join=whole)
-    for frames, rows, t in ((13, 36, 3.5), (12, 37, 3.5), (3, 9, 0.5)):
+    for after in (Kept(13, 36, 3.5), Kept(12, 37, 3.5), Kept(3, 9, 0.5)):
         with pytest.raises(FileError, match="is not what the checkpoint goes on from"):
-            after = Kept(frames, rows, t)
-            RunWriter(MPI.COMM_SELF, path, header, after=after, settle=lambda _: {})
+            restarted(path, after)
         assert path.exists() == whole
-    after = Kept(*kept, 0.1 * (kept[1] - 1))
-    writer = RunWriter(MPI.COMM_SELF, path, header, after=after, settle=lambda _: {})
+    writer = restarted(path, Kept(*kept, 0.1 * (kept[1] - 1)))
     assert (writer.nframes, writer.rows) == kept
     new = program.series(kept[1], kept[1] + 2)
     new["energy"] = -1.0
     chunks = iter([new])
     writer.take_series = lambda: next(chunks, None)
-    grids = [program.grid(i, 0) for i in range(3)]
-    writer.start_segment([{"local": len(g), "n": len(g), "X": g * program.H} for g in grids])
+    grids = [program.grid(i) for i in range(3)]
     writer.write_frame(9.0, {i: np.full((len(g), 5), 7.0) for i, g in enumerate(grids)})
     writer.flush()
     for joined in (False, True):
@@ -290,8 +295,7 @@ def test_a_restart_goes_on_behind_its_checkpoint(
             assert np.array_equal(result.time, [*(0.3 * np.arange(kept[0])), 9.0])
             energy = [*(7.0 + np.arange(kept[1])), -1.0, -1.0]
             assert np.array_equal(result.series["energy"], energy)
-            grown = kept[0] > (0 if whole else program.GROWTH)  # the largest grid of a whole result
-            assert len(result.layers[0].X) == (26 if grown else 21)
+            assert len(result.layers[0].X) == 26
             rod = result.layers[1]["sigma"]
             for frame in range(kept[0]):
                 assert np.array_equal(rod[frame], program.values(1, frame, grids[1])[:, 1])
@@ -299,19 +303,6 @@ def test_a_restart_goes_on_behind_its_checkpoint(
         if not joined:
             writer.finish({"status": "done"})
     assert os.listdir(tmp_path) == ["run.h5"]
-
-
-def restarted(path: Path, frames: int, run: str = "this", **more: object) -> object:
-    """A writer that goes on behind so many frames."""
-    from mpi4py import MPI
-
-    from fsipetsc.output.writer import RunWriter
-
-    rows = program.SERIES_STEPS * frames
-    after = Kept(frames, rows, 0.1 * (rows - 1))
-    header = {**program.HEADER, "run": run}
-    more.setdefault("settle", lambda _: {})
-    return RunWriter(MPI.COMM_SELF, path, header, after=after, **more)
 
 
 def test_pieces_that_a_kill_has_left_do_not_count_again(tmp_path: Path) -> None:
@@ -325,7 +316,7 @@ def test_pieces_that_a_kill_has_left_do_not_count_again(tmp_path: Path) -> None:
     (tmp_path / "other.h5").rename(path)
     for name, content in left.items():
         (tmp_path / "run.parts" / name).write_bytes(content)
-    restarted(path, 4).close()
+    restarted(path, Kept(4, 12, 0.1 * 11)).close()
     with fsipetsc.open_run(path) as result:
         assert (result.nframes, steps_of(result)) == (4, 12)
 
@@ -342,7 +333,7 @@ def test_what_a_restart_gives_up_is_gone_when_it_begins(tmp_path: Path) -> None:
         settled.extend(files)
         return set_aside(files, "run")
 
-    restarted(path, 5, settle=settle).close()
+    restarted(path, Kept(5, 15, 0.1 * 14), settle).close()
     assert [file.name for file in settled] == ["run.parts"]
     for name, frames in (("run.h5", 5), ("run.1.h5", 3)):
         with fsipetsc.open_run(tmp_path / name) as result:
@@ -416,7 +407,7 @@ def test_a_second_run_of_the_name_is_refused(tmp_path: Path) -> None:
     from fsipetsc.output.writer import RunWriter
 
     path = tmp_path / "run.h5"
-    first = RunWriter(MPI.COMM_SELF, path, program.HEADER, settle=lambda _: {})
+    first = RunWriter(MPI.COMM_SELF, path, program.HEADER, [{"n": 0}] * 3, settle=lambda _: {})
     before = sorted(os.listdir(tmp_path / "run.parts"))
     answer = run(PROGRAM, "refuse", path)
     assert answer.stdout.startswith("1 4 ") and f"process {os.getpid()} on" in answer.stdout, answer
@@ -453,7 +444,7 @@ def test_a_result_without_frames_can_be_read(tmp_path: Path) -> None:
 
     layers = [{**layer, "shape": [4, 5]} for layer in program.LAYERS]
     header, path = {**program.HEADER, "layers": layers, "dimension": 2}, tmp_path / "run.h5"
-    writer = RunWriter(MPI.COMM_SELF, path, header, settle=lambda _: {})
+    writer = RunWriter(MPI.COMM_SELF, path, header, [{"n": 0}] * 3, settle=lambda _: {})
     with fsipetsc.open_run(path) as result:
         assert result.nframes == 0 and result.layers[0]["rho"].shape[0] == 0
     assert "frames      0" in info(path)

@@ -183,7 +183,6 @@ def step_time(state: Any, opt: Mapping[str, Any], count: int) -> float:
         on_frame=lambda t: None,
         on_series=lambda: integrator.series.take(state.comm),
         on_step=lambda steps, t, dt: None,
-        on_grids=lambda: None,
     )
     integrator.start()
     state.comm.Barrier()

@@ -387,7 +387,7 @@ class BlockState:
         ]
 
     def grids(self) -> list[dict[str, Any]]:
-        """What the writer must know: numbers of nodes, and places in the reference map."""
+        """What the writer must know: see RunWriter."""
         found = []
         for k, shape in enumerate(self.layout.shapes):
             order = self._orders.get(k)

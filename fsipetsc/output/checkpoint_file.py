@@ -63,11 +63,9 @@ def unpack(content: bytes, name: str) -> Checkpoint:
     try:
         with h5py.File(io.BytesIO(body), "r") as file:
             arrays = {key: dataset[...] for key, dataset in file.get("arrays", {}).items()}
-            header = json.loads(file["header"].asstr()[()])
+            header = dict(json.loads(file["header"].asstr()[()]))
         if any(array.dtype.kind not in "fiu" for array in arrays.values()):
             raise ValueError("an array holds no numbers")
-        if not isinstance(header, dict):
-            raise ValueError("the header is no table")
     except Exception as error:  # its checksum is right: somebody has made it so
         reason = " ".join(str(error).split())
         raise FileError(f"{name}: is not a checkpoint of fsipetsc: {reason}") from None
@@ -92,33 +90,25 @@ def read(path: str | os.PathLike[str]) -> Checkpoint:
         hint = f"; the one before it is there: {previous(path)}" if previous(path).is_file() else ""
         raise FileError(f"{name}: there is no such file{hint}")
     try:
-        if not Path(path).is_file() and not Path(path).is_dir():  # a pipe would wait for a writer
-            raise FileError(f"{name}: is not a checkpoint of fsipetsc")
-        with open(path, "rb") as file:
-            start = file.read(len(_MAGIC))
-            content = start + (file.read() if start == _MAGIC else b"")  # of what is ours
+        return unpack(Path(path).read_bytes() if is_one(Path(path)) else b"", name)
     except OSError as error:
         raise FileError(f"{name}: cannot be read: {error.strerror}") from None
-    return unpack(content, name)
 
 
 def is_one(path: Path) -> bool:
-    """Whether a file begins as a checkpoint does, whole or damaged; not if it cannot be read."""
-    with suppress(OSError):
-        if path.is_file():
-            with path.open("rb") as file:
-                return file.read(len(_MAGIC)) == _MAGIC
-    return False
+    """Whether a file begins as a checkpoint does, whole or damaged. OSError."""
+    if not path.is_file():  # a pipe would wait for a writer
+        return False
+    with path.open("rb") as file:
+        return file.read(len(_MAGIC)) == _MAGIC
 
 
 def check_place(path: str | os.PathLike[str]) -> None:
     """FileError where no checkpoint could be written, as far as that can be known before."""
     target = Path(os.path.realpath(path))
-    check_folder(path, target.parent)
+    check_folder(path, target.parent, writable=True)
     if fault := _in_the_way(target):
         raise FileError(f"{fault}: no checkpoint can be written there")
-    if not os.access(target.parent, os.W_OK | os.X_OK):
-        raise FileError(f"{path}: the directory {target.parent} is not writable")
 
 
 def _in_the_way(target: Path) -> str:

@@ -18,14 +18,13 @@ _MOST_COMPRESSED = 1000  # a dataset that claims more than so many times its fil
 
 
 class Piece(NamedTuple):
-    """What counts of a file: frames from number `frame` on with their times and the grid of each
-    layer, and `rows` steps from number `row` on.
+    """What counts of a file: frames from number `frame` on with their times, and `rows` steps from
+    number `row` on.
     """
 
     path: Path
     frame: int
     time: Array
-    grids: list[Array]
     row: int
     rows: int
 
@@ -37,7 +36,7 @@ class Contents:
     files    in their order; layers: as in the header
     time     (nframes,)
     rows     number of steps; names: series -> shape of what is known of a step
-    X        of each layer the grid that contains those of all frames; h: its spacing
+    X        of each layer its grid; empty where there are no frames
     """
 
     def __init__(self, files: Sequence[Path], layers: Sequence[Mapping[str, Any]]) -> None:
@@ -47,6 +46,7 @@ class Contents:
         self._shapes = [layer.get("shape") for layer in layers]
         self._open: tuple[Path, h5py.File] | None = None
         self._pieces: list[Piece] = []
+        self.X = [np.empty(0) for _ in layers]
         try:
             for path in files:
                 self._add(path)
@@ -55,9 +55,6 @@ class Contents:
         self.time = np.concatenate([np.empty(0), *(piece.time for piece in self._pieces)])
         if not np.all(np.isfinite(self.time)) or np.any(np.diff(self.time) < 0):
             raise Damaged("the times of its frames are not ascending numbers")
-        used = [piece.grids for piece in self._pieces if len(piece.time)]
-        merged = [_merged([grids[k] for grids in used]) for k in range(len(layers))]
-        self.X, self.h = [X for X, _ in merged], [h for _, h in merged]
 
     def _add(self, path: Path) -> None:
         """See what a file holds."""
@@ -69,10 +66,9 @@ class Contents:
             time, rows = piece.time[: max(0, frame - piece.frame)], max(0, row - piece.row)
             self._pieces[j] = piece._replace(time=time, rows=min(rows, piece.rows))
         time, rows = _numbers(file, "time", 1)[...], self._steps(file)
-        before = next((p.grids for p in reversed(self._pieces) if len(p.time)), None)
-        layers = range(len(self._columns)) if len(time) else ()
-        grids = [self._grid(file, k, len(time), before) for k in layers]
-        self._pieces.append(Piece(path, frame, time, grids, row, rows))
+        for k in range(len(self.X)) if len(time) else ():
+            self._check_layer(file, k, len(time))
+        self._pieces.append(Piece(path, frame, time, row, rows))
         self.nframes, self.rows = frame + len(time), row + rows
 
     def _steps(self, file: h5py.File) -> int:
@@ -87,22 +83,24 @@ class Contents:
         self.names = names
         return steps.pop()
 
-    def _grid(self, file: h5py.File, k: int, count: int, before: list[Array] | None) -> Array:
-        """The grid of layer k, whose frames are as many and as large as they should be."""
+    def _check_layer(self, file: h5py.File, k: int, count: int) -> None:
+        """Layer k has its grid, and as many frames as it should, of this size."""
         group, names, shape = f"layer{k}", self._columns[k], self._shapes[k]
-        known = f"{group}/X" in file or before is None
-        X: Array = _numbers(file, f"{group}/X")[...] if known else before[k]  # type: ignore[index]
-        if not len(X) or not np.all(np.isfinite(X)) or (shape is None and np.any(np.diff(X) <= 0)):
-            raise Damaged(f"the grid in {group} is not ascending numbers")
-        if shape is not None and X.shape not in ((math.prod(shape), len(shape)), (*shape,)):
-            raise Damaged(f"the grid in {group} has the shape {X.shape}")
-        wanted = dict.fromkeys(names, (count, *(shape or X.shape)))
+        if f"{group}/X" in file or not len(self.X[k]):
+            X: Array = _numbers(file, f"{group}/X")[...]
+            if not len(X) or not np.isfinite(X).all() or (shape is None and np.any(np.diff(X) <= 0)):
+                raise Damaged(f"the grid in {group} is not ascending numbers")
+            if shape is not None and X.shape not in ((math.prod(shape), len(shape)), (*shape,)):
+                raise Damaged(f"the grid in {group} has the shape {X.shape}")
+            if len(self.X[k]) and not np.array_equal(X, self.X[k]):
+                raise Damaged(f"{group} has another grid than before")
+            self.X[k] = X
+        wanted = dict.fromkeys(names, (count, *(shape or self.X[k].shape)))
         if "frames" in file[group]:
-            wanted = {"frames": (len(X), count * len(names))}
+            wanted = {"frames": (len(self.X[k]), count * len(names))}
         for name, expected in wanted.items():
             if (found := _numbers(file, f"{group}/{name}").shape) != expected:
                 raise Damaged(f"{group}/{name} has the shape {found}")
-        return X
 
     def series(self, name: str) -> Array:
         """(rows, …) what is known of each step by a name."""
@@ -111,17 +109,15 @@ class Contents:
         return np.concatenate([np.empty((0, *self.names[name])), *found])
 
     def frames(self, k: int, names: Sequence[str], first: int, end: int) -> list[Array]:
-        """(end - first, n) of each of these columns of layer k, NaN where a frame has no points."""
-        found = [np.full((end - first, len(self.X[k])), np.nan) for _ in names]
+        """(end - first, n) of each of these columns of layer k."""
+        found = [np.empty((end - first, len(self.X[k]))) for _ in names]
         for piece in self._pieces:
             a, b = max(first, piece.frame), min(end, piece.frame + len(piece.time))
             if a < b:
-                X = piece.grids[k]
-                start = _place(X, self.X[k], self.h[k])
                 group = self._opened(piece.path)[f"layer{k}"]
                 rows = self._rows(group, k, names, a - piece.frame, b - piece.frame)
                 for into, values in zip(found, rows):
-                    into[a - first : b - first, start : start + len(X)] = values
+                    into[a - first : b - first] = values
         return found
 
     def _rows(self, group: h5py.Group, k: int, names: Sequence[str], a: int, b: int) -> list[Array]:
@@ -157,25 +153,3 @@ def _numbers(file: h5py.File, name: str, ndim: int | None = None) -> h5py.Datase
     if found.ndim != (ndim or found.ndim):
         raise Damaged(f"{name} has {found.ndim} dimensions")
     return found
-
-
-def _place(X: Array, whole: Array, h: float) -> int:
-    """Where a grid begins in the one that contains it."""
-    return round((X[0] - whole[0]) / h) if len(X) < len(whole) else 0
-
-
-def _merged(grids: Sequence[Array]) -> tuple[Array, float]:
-    """The grid that contains all of them, which grow at their ends, and its spacing."""
-    merged = grids[0] if grids else np.empty(0)
-    if merged.ndim > 1 or len(merged) < 2:
-        return merged, np.nan
-    h = float(np.diff(merged).mean())
-    grids = list({id(grid): grid for grid in grids}.values())
-    for grid in grids[1:]:
-        below, above = grid[grid < merged[0] - h / 2], grid[grid > merged[-1] + h / 2]
-        merged = np.concatenate([below, merged, above])
-    for grid in grids:
-        start = _place(grid, merged, h)
-        if not np.allclose(merged[start : start + len(grid)], grid, rtol=0.0, atol=0.01 * abs(h)):
-            raise Damaged("its grids do not fit together")
-    return merged, h

@@ -13,7 +13,7 @@ A piece has
     time             (k,) times of the frames [s]
     series/NAME      (m, …) a row for each step
     layer0/X         (n,) Lagrangian grid; of blocks (n, d), places of nodes in the reference map,
-                     counted with axis 0 first. In pieces where it has changed
+                     counted with axis 0 first. In the first piece with frames, perhaps in others
     layer0/FIELD     in NAME.h5: (k, n), of blocks (k, …, n_1, n_0); NaN outside the active part
     layer0/frames    in other pieces: (n, k c), for each point the c columns of each of k frames,
                      so that every rank writes its points as one part

@@ -10,16 +10,20 @@ from pathlib import Path
 from fsipetsc.errors import FileError
 
 
-def check_folder(path: str | os.PathLike[str], folder: Path) -> None:
-    """FileError, which names the file that is to be written, unless this directory is there."""
-    try:
-        is_there = folder.is_dir()
-    except OSError as error:  # a name that is too long; a directory that may not be looked into
-        raise FileError(f"{os.fspath(path)}: {folder}: {error.strerror}") from None
-    if not is_there and os.path.lexists(folder):
-        raise FileError(f"{os.fspath(path)}: {folder} is not a directory")
-    if not is_there:
-        raise FileError(f"{os.fspath(path)}: the directory {folder} does not exist")
+def check_folder(path: str | os.PathLike[str], folder: Path, writable: bool = False) -> None:
+    """FileError, which names the file that is to be written, unless this directory is there.
+
+    writable: and files can be written there.
+    """
+    fault = ""
+    if not os.path.lexists(folder):
+        fault = f"the directory {folder} does not exist"
+    elif not os.path.isdir(folder):
+        fault = f"{folder} is not a directory"
+    elif writable and not os.access(folder, os.W_OK | os.X_OK):
+        fault = f"the directory {folder} is not writable"
+    if fault:
+        raise FileError(f"{os.fspath(path)}: {fault}")
 
 
 @contextmanager

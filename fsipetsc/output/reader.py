@@ -192,12 +192,13 @@ class Layer(Arrays):
     name, kind   kind is "fluid" or "solid"
     fields       names of what is stored: fluid rho, u, T, p, x; solid u, sigma, T, x, p
     shape        (n,)
-    X, h         (n,) Lagrangian grid, the largest one of the run if it has grown; its spacing
+    X, h         (n,) Lagrangian grid with the points in reserve; its spacing
     x            (nframes, n) Eulerian positions
     """
 
     X: Array
     h: float
+    shape: tuple[int, ...]
 
     def __init__(self, run: Run, number: int, entry: Mapping[str, Any]) -> None:
         self.name: str = entry["name"]
@@ -208,8 +209,8 @@ class Layer(Arrays):
         self._set_grid(run._contents.X[number], entry)
 
     def _set_grid(self, X: Array, entry: Mapping[str, Any]) -> None:
-        self.X, self.h = X, self._run._contents.h[self._number]
-        self.shape: tuple[int, ...] = X.shape
+        self.X, self.shape = X, X.shape
+        self.h = float(np.diff(X).mean()) if len(X) > 1 else np.nan
 
     x = property(lambda self: self["x"])
 
@@ -306,19 +307,17 @@ def _is_whole(path: Path, folder: Path, name: str) -> bool:
     """Whether there is NAME.h5, or else NAME.parts. FileError if neither is, or it is no result."""
     try:
         mode = path.stat().st_mode
+        if not stat.S_ISREG(mode):  # a pipe would wait for somebody who writes
+            what = "a directory" if stat.S_ISDIR(mode) else "no regular file"
+            raise FileError(f"{name}: is {what}, not a result file")
+        if is_one(path):
+            raise FileError(f"{name}: is a checkpoint of fsipetsc, not a result")
     except FileNotFoundError:
         if (folder / "header.json").exists():
             return False
         raise FileError(f"{name}: there is no such file") from None
     except OSError as error:
         raise FileError(f"{name}: may not be read: {error.strerror}") from error
-    if not stat.S_ISREG(mode):  # a pipe would wait for somebody who writes
-        what = "a directory" if stat.S_ISDIR(mode) else "no regular file"
-        raise FileError(f"{name}: is {what}, not a result file")
-    if not os.access(path, os.R_OK):
-        raise FileError(f"{name}: may not be read: Permission denied")
-    if is_one(path):
-        raise FileError(f"{name}: is a checkpoint of fsipetsc, not a result")
     if not h5py.is_hdf5(path):
         raise FileError(f"{name}: is not an HDF5 file")
     return True
@@ -326,16 +325,12 @@ def _is_whole(path: Path, folder: Path, name: str) -> bool:
 
 def _check_header(header: Mapping[str, Any]) -> None:
     """Raise Damaged if what the reader and its users rely on is not there, or something else."""
-    layers: Any = header.get("layers")
-    good = isinstance(header.get("case"), str) and isinstance(header.get("options"), dict)
-    good = good and isinstance(layers, list) and isinstance(header.get("created", ""), str)
-    lists = [header.get("notes", []), header.get("interfaces", [])]
-    for layer in layers if good else ():
-        good = good and isinstance(layer["name"], str) and layer["kind"] in ("fluid", "solid")
-        lists.append(layer["fields"])
-    for names in lists:
-        good = good and isinstance(names, list) and all(isinstance(name, str) for name in names)
-    if not good:
+    layers = [(layer["name"], layer["kind"], layer["fields"]) for layer in header["layers"]]
+    texts = [header["case"], header.get("created", ""), *(name for name, _, _ in layers)]
+    lists = [header.get("notes", []), header.get("interfaces", []), *(f for _, _, f in layers)]
+    good = all(isinstance(names, list) for names in lists) and isinstance(header["options"], dict)
+    good = good and {kind for _, kind, _ in layers} <= {"fluid", "solid"}
+    if not good or not all(isinstance(text, str) for text in sum(lists, texts)):
         raise Damaged("its header does not tell case, options and layers")
 
 

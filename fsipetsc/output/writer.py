@@ -42,6 +42,10 @@ class RunWriter:
     path            of the file in the end; FileError while another run is writing it
     header          JSON-able: case, options, versions, ranks, interfaces (names), layers (name,
                     kind, fields of each; of blocks shape); units = "none" without dimensions
+    grids           of each layer `local`, the number of points this rank owns (0 where it owns
+                    none), `n`, that of all ranks, and `X`, (local,) the Lagrangian coordinates in
+                    ascending order, of blocks (local, d) the places of the nodes; ranks own points
+                    in the order of the ranks
     after           what is kept of a result of this name and this run (header["run"]): the writer
                     goes on behind it. Where there is none a new one begins
     settle          is called on rank 0 when this run has the name, before any file is changed, with
@@ -60,6 +64,7 @@ class RunWriter:
         comm: MPI.Comm,
         path: str | os.PathLike[str],
         header: Mapping[str, Any],
+        grids: Sequence[Mapping[str, Any]],
         *,
         after: Kept | None = None,
         settle: Settle,
@@ -69,11 +74,11 @@ class RunWriter:
         self.take_series: Callable[[], Array | None] = lambda: None
         self._comm, self._root, self._closed = comm, comm.rank == 0, False
         self._widths = [len(columns(layer)) for layer in header["layers"]]
-        self._flush_seconds, self._most_frames = flush_seconds, buffer_frames
-        self._begun = time.monotonic()
+        size = 8 * sum(int(grid["n"]) * width for grid, width in zip(grids, self._widths))
+        self._capacity = max(1, min(buffer_frames, _BYTES * comm.size // max(1, size)))
+        self._flush_seconds, self._begun = flush_seconds, time.monotonic()
         self._next_flush = self._begun + flush_seconds
-        self._grids: list[Mapping[str, Any]] = []
-        self._grids_written = False
+        self._grids, self._grids_written = list(grids), False
         self._frames: list[list[Array]] = []  # not yet written: of each layer (local, columns)
         self._times: list[float] = []  # of these
         self._new_rows: list[Array] = []  # likewise; on rank 0
@@ -89,26 +94,12 @@ class RunWriter:
 
     # ------------------------------------------------------------------ what the solver calls
 
-    def start_segment(self, layers: Sequence[Mapping[str, Any]]) -> None:
-        """Announce the grids of the frames to come. Collective; first, and when a grid has grown.
-
-        Each layer has `local`, the number of points this rank owns (0 where it owns none), `n`,
-        that of all ranks, and `X`, (local,) the Lagrangian coordinates in ascending order, of
-        blocks (local, d) the places of the nodes; ranks own points in the order of the ranks.
-        """
-        if self._frames:
-            self.flush()
-        self._grids, self._grids_written = list(layers), False
-        size = 8 * sum(int(layer["n"]) * width for layer, width in zip(layers, self._widths))
-        self._capacity = max(1, min(self._most_frames, _BYTES * self._comm.size // max(1, size)))
-
     def write_frame(self, t: float, fields: Mapping[int, Array]) -> None:
         """Save the fields at time t. Collective.
 
         fields: number of a layer -> (local, columns) of the points of this rank, with the columns
         of `file_layout`, NaN outside the active part; layers without points may be left out.
         """
-        self._check_open()
         frame = []
         for k, (layer, width) in enumerate(zip(self._grids, self._widths)):
             frame.append(np.empty((int(layer["local"]), width)))
@@ -122,14 +113,14 @@ class RunWriter:
 
     def write_series(self) -> None:
         """Take the steps that have been made, and write them if it is time. Collective."""
-        self._check_open()
         self._take()
         if self._late():
             self.flush()
 
     def flush(self) -> None:
         """Write all that is held in memory. Collective."""
-        self._check_open()
+        if self._closed:
+            raise FileError(f"{self.path}: the result is finished or has failed before")
         begun = time.monotonic()
         self._take()
         names = list(self._datasets())
@@ -169,10 +160,6 @@ class RunWriter:
             self._lock.release(remove=not (self.folder / "header.json").exists())
 
     # ------------------------------------------------------------------ failing together
-
-    def _check_open(self) -> None:
-        if self._closed:
-            raise FileError(f"{self.path}: the result is finished or has failed before")
 
     def _late(self) -> bool:
         """Whether it is time to write: rank 0's clock decides for all. Collective."""
@@ -214,11 +201,9 @@ class RunWriter:
 
         Returns the frames, the rows of the series, and the number of the next piece.
         """
-        check_folder(path, self.path.parent)
+        check_folder(path, self.path.parent, writable=True)
         if os.path.lexists(self.path) and not self.path.is_file():  # a device keeps its name
             raise FileError(f"{path}: exists and is not a regular file")
-        if not os.access(self.path.parent, os.W_OK | os.X_OK):
-            raise FileError(f"{path}: the directory {self.path.parent} is not writable")
         self._lock = Lock(self.folder, str(self.path))
         header, whole = self._about["header"], os.path.lexists(self.path)
         in_pieces = pieces.has_result(self.folder)

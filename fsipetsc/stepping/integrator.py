@@ -116,8 +116,7 @@ class Integrator:
 
     opt: options in force. saved: times [s] at which ``on_frame(t)`` is called. Other hooks:
     ``on_series()`` when the series must be taken, ``on_step(steps, t, dt)`` after every burst of
-    steps, ``on_grids()`` when grids have been laid, ``on_check()`` every CHECKED steps with
-    -fsi_check, ``on_checkpoint()`` when a checkpoint is due (stepping.pauses).
+    steps, ``on_check()`` every CHECKED steps with -fsi_check, ``on_checkpoint()`` when a checkpoint is due (stepping.pauses).
     """
 
     def __init__(
@@ -128,13 +127,12 @@ class Integrator:
         on_frame: Callable[[float], object] = _nothing,
         on_series: Callable[[], object] = _nothing,
         on_step: Callable[[int, float, float], object] = _nothing,
-        on_grids: Callable[[], object] = _nothing,
         on_check: Callable[[], object] = _nothing,
         on_checkpoint: Callable[[], object] = _nothing,
     ) -> None:
         self.state, self.opt, self.series = state, opt, Series(state)
         self._on_frame, self._on_series, self._on_step = on_frame, on_series, on_step
-        self._on_grids, self._on_check, self._on_checkpoint = on_grids, on_check, on_checkpoint
+        self._on_check, self._on_checkpoint = on_check, on_checkpoint
         self._next_check = CHECKED if opt["fsi_check"] else np.inf
         self.pauses = Pauses(opt, state.comm.rank == 0)
         self._times = OutputTimes(saved)
@@ -172,7 +170,6 @@ class Integrator:
         """Set the initial data and save the first frame."""
         state = self.state
         state.set_initial()
-        self._on_grids()
         if not self._steady:
             state.set_data(self.t)  # with differences in time of the length that a step has
         state.finish()
@@ -204,7 +201,6 @@ class Integrator:
         state.evaluations = memory["evaluations"]
         state.restore(arrays, self.t)
         self._times.pass_time(self.t)
-        self._on_grids()
 
     def run(self) -> None:
         """Integrate to the end, a signal, or a failure, which is raised with the series

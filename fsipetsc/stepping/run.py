@@ -101,13 +101,12 @@ class _Run:
             on_frame=self._frame,
             on_series=self._series,
             on_step=self.report.step,
-            on_grids=self._grids,
             on_check=self._look,
             on_checkpoint=self._checkpoint,
         )
         after, settle = self.keeper.written_before, self.keeper.settle
         self.writer = RunWriter(
-            comm, opt["fsi_output"], self._header(), after=after, settle=settle
+            comm, opt["fsi_output"], self._header(), state.grids(), after=after, settle=settle
         )
         self.writer.take_series = self._take
 
@@ -133,9 +132,6 @@ class _Run:
         }
 
     # what the integrator calls
-
-    def _grids(self) -> None:
-        self.writer.start_segment(self.state.grids())
 
     def _frame(self, t: float) -> None:
         bound = bound_of_step(self.state, self.opt)
