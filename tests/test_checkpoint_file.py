@@ -3,7 +3,6 @@ the new one is there."""
 
 from __future__ import annotations
 
-import ast
 import errno
 import io
 import os
@@ -12,7 +11,7 @@ import pickle
 import h5py
 import numpy as np
 import pytest
-from helpers import REPOSITORY, message, solve
+from helpers import message, solve
 
 from fsipetsc.errors import FileError
 from fsipetsc.output import checkpoint_file
@@ -103,33 +102,6 @@ def test_it_holds_numbers_and_text_and_nothing_is_done_with_them(name, tmp_path,
     with pytest.raises(FileError, match=r"^a\.h5: is not a checkpoint of fsipetsc: "):
         unpack(content, "a.h5")
     assert not os.path.exists("sprung")
-
-
-#: what makes code of data
-EVALUATES = {
-    *("eval", "exec", "load_pickle", "allow_pickle", "unsafe_load", "full_load"),
-    *("marshal", "shelve", "dill", "joblib"),
-}
-
-
-#: who has such a word: numba's cache the name of an error, formulas that the package itself makes
-EXECUTE = {(f"{name}.py", "exec") for name in ("boxed", "formulas", "loops")}
-KNOWN = {("cache.py", "pickle"), ("cache.py", "UnpicklingError"), *EXECUTE}
-
-
-def test_nothing_is_evaluated_or_unpickled():
-    """In the whole package; case files are imported as modules."""
-    found = set()
-    for path in (REPOSITORY / "fsipetsc").rglob("*.py"):
-        for node in ast.walk(ast.parse(path.read_text())):
-            names = [getattr(node, key, None) for key in ("id", "attr", "arg", "module")]
-            names += [
-                alias.name for alias in getattr(node, "names", ()) if isinstance(alias, ast.alias)
-            ]
-            words = {name for name in names if isinstance(name, str)}
-            words = {word for word in words if word in EVALUATES or "pickl" in word.lower()}
-            found |= {(path.name, word) for word in words}
-    assert found <= KNOWN, found - KNOWN
 
 
 def test_the_last_two_are_kept(tmp_path):

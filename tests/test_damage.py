@@ -6,7 +6,6 @@ from __future__ import annotations
 import gc
 import json
 import os
-import random
 from collections.abc import Callable
 from pathlib import Path
 
@@ -131,19 +130,6 @@ def test_one_changed_byte_crashes_no_reader(
     assert (done.returncode, done.stderr) == (0, "")
     read, refused, other = done.stdout.split(maxsplit=2)
     assert int(read) > least and int(refused) > least and other == "set()\n", done.stdout
-
-
-@pytest.mark.long
-def test_bytes(whole: bytes, tmp_path: Path) -> None:
-    """Some bytes are others, or the end is missing."""
-    rng, path, fates = random.Random(3), tmp_path / "run.h5", []
-    for k in range(150):
-        copy = bytearray(whole)
-        for _ in range(rng.choice([1, 3, 10])):
-            copy[rng.randrange(rng.choice([len(copy), 20_000, 3000]))] = rng.randrange(256)
-        path.write_bytes(copy[: rng.randrange(len(copy))] if k % 5 == 0 else copy)
-        fates.append(read_all(path))
-    assert 15 < sum(fates) < 135
 
 
 OTHERS = None, "text", "[1, 2]", '{"layers": [3]}', 3.0, np.zeros((2, 2, 2)), np.full(5, 1j)

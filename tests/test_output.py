@@ -16,7 +16,7 @@ from helpers import mpirun, run
 import fsipetsc
 from fsipetsc.errors import FileError
 from fsipetsc.output.info import info
-from fsipetsc.output.lock import Lock, set_aside
+from fsipetsc.output.lock import set_aside
 from fsipetsc.output.pieces import Kept
 
 if TYPE_CHECKING:
@@ -415,25 +415,6 @@ def test_a_second_run_of_the_name_is_refused(tmp_path: Path) -> None:
     assert sorted(os.listdir(tmp_path / "run.parts")) == before
     first.finish({"status": "done"})
     assert run(PROGRAM, "blocks", path, 2).stdout.split()[-1] == "run.1.h5"
-
-
-def test_a_lock_is_what_was_locked(tmp_path: Path) -> None:
-    """A link is not followed; a lock whose folder has another name by now is none."""
-    folder = tmp_path / "run.parts"
-    folder.mkdir()
-    (folder / "lock").symlink_to("elsewhere")
-    with pytest.raises(OSError, match="symbolic"):
-        Lock(folder, "run.h5")
-    (folder / "lock").unlink()
-    lock = Lock(folder, "run.h5")
-    with pytest.raises(FileError, match="another run is writing it"):
-        Lock(folder, "run.h5")
-    folder.rename(tmp_path / "run.1.parts")
-    other = Lock(folder, "run.h5")
-    lock.release(remove=True)
-    assert (folder / "lock").exists() and (tmp_path / "run.1.parts/lock").exists()
-    other.release(remove=True)
-    assert not folder.exists()
 
 
 def test_a_result_without_frames_can_be_read(tmp_path: Path) -> None:

@@ -88,7 +88,8 @@ class Contents:
         group, names, shape = f"layer{k}", self._columns[k], self._shapes[k]
         if f"{group}/X" in file or not len(self.X[k]):
             X: Array = _numbers(file, f"{group}/X")[...]
-            if not len(X) or not np.isfinite(X).all() or (shape is None and np.any(np.diff(X) <= 0)):
+            rises = shape is not None or np.all(np.diff(X) > 0)
+            if not len(X) or not np.isfinite(X).all() or not rises:
                 raise Damaged(f"the grid in {group} is not ascending numbers")
             if shape is not None and X.shape not in ((math.prod(shape), len(shape)), (*shape,)):
                 raise Damaged(f"the grid in {group} has the shape {X.shape}")

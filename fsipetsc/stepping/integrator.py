@@ -116,7 +116,8 @@ class Integrator:
 
     opt: options in force. saved: times [s] at which ``on_frame(t)`` is called. Other hooks:
     ``on_series()`` when the series must be taken, ``on_step(steps, t, dt)`` after every burst of
-    steps, ``on_check()`` every CHECKED steps with -fsi_check, ``on_checkpoint()`` when a checkpoint is due (stepping.pauses).
+    steps, ``on_check()`` every CHECKED steps with -fsi_check, ``on_checkpoint()`` when a checkpoint
+    is due (stepping.pauses).
     """
 
     def __init__(

@@ -89,8 +89,14 @@ def find_past(case: Any, given: Mapping[str, Given], comm: MPI.Comm) -> Past | N
         options[name].parse(given[name].text) if name in given else options[name].default
         for name in names
     )
-    find = (lambda: _newest(checkpoint_name(*files))) if asked == AUTO else lambda: _named(asked)
-    past = _known_to_all(together(comm, lambda: find() if comm.rank == 0 else None), comm)
+
+    def find() -> Past | None:
+        if comm.rank > 0:
+            return None
+        auto = asked == AUTO
+        return _newest(checkpoint_name(*files)) if auto else Past(asked, *_read(asked), [])
+
+    past = _known_to_all(together(comm, find), comm)
     if past is not None and past.header["case"] != case.NAME:
         other = past.header["case"]
         raise InputError(
@@ -99,37 +105,18 @@ def find_past(case: Any, given: Mapping[str, Given], comm: MPI.Comm) -> Past | N
     return past
 
 
-def _named(name: str) -> Past:
-    """The checkpoint of a file. FileError, which names the one before it if that is whole."""
-    try:
-        return Past(name, *_read(name), [])
-    except FileError as error:
-        before = checkpoint_file.previous(name)
-        if "damaged" in str(error) and _good(before)[0] is not None:
-            raise FileError(f"{error}; the one before it is whole: {before}") from None
-        raise
-
-
 def _newest(name: str) -> Past | None:
     """The newest good one of this name; None if there is none. FileError if all are damaged."""
     whys = []
     for path in (Path(name), checkpoint_file.previous(name)):
-        good, why = _good(path)
-        if good is not None:
-            return Past(str(path), *good, [f"note: {why}" for why in whys])
         if path.exists():
-            whys.append(why)
+            try:
+                return Past(str(path), *_read(path), [f"note: {why}" for why in whys])
+            except FileError as error:
+                whys.append(str(error))
     if whys:
         raise FileError(f"{'; '.join(whys)}; without them -fsi_restart auto begins anew")
     return None
-
-
-def _good(path: Path) -> tuple[Checkpoint | None, str]:
-    """The checkpoint in a file, or None and what is wrong with it."""
-    try:
-        return _read(path), ""
-    except FileError as error:
-        return None, str(error)
 
 
 def _read(path: str | os.PathLike[str]) -> Checkpoint:
@@ -284,9 +271,11 @@ class CheckpointKeeper:
         result, newest = (Path(os.path.realpath(path)) for path in names)
         checkpoint_file.draft_of(newest).unlink(missing_ok=True)  # of a run that was killed
         own = [newest, checkpoint_file.previous(newest)]
-        others = [file for file in own if self._is_of_another(file)]
+        whose = {file: self._whose(file) for file in own}
+        others = [file for file in own if whose[file] == "another"]
         for file in own:
-            self._drop_if_abandoned(file)
+            if whose[file] == "abandoned":  # -fsi_restart auto would take it
+                file.unlink()
         stem = beside(result, "").name
         moved = set_aside(earlier, stem, [result, folder_of(result)])
         moved |= set_aside(others, newest.stem, own)
@@ -299,27 +288,21 @@ class CheckpointKeeper:
             self.kept.append(f"kept earlier checkpoints as {listed}")
         return moved
 
-    def _is_of_another(self, path: Path) -> bool:
-        """Whether there is a checkpoint of another run than this one.
+    def _whose(self, file: Path) -> str:
+        """"another" run's, or "abandoned": of this run, beyond the checkpoint that it goes on from.
 
-        Of a damaged one nobody can tell whose it is: a run that goes on takes it for its own.
+        Of a damaged one nobody can tell: a run that goes on takes it for its own.
         """
         if self.past is None:
-            return checkpoint_file.is_one(path)
-        good, _ = _good(path)
-        return good is not None and good.header["run"]["run"] != self.run["run"]
-
-    def _drop_if_abandoned(self, path: Path) -> None:
-        """Remove a checkpoint of this run beyond the one it goes on from: auto would take it."""
-        good = None if self.past is None else _good(path)[0]
-        if good is None or good.header["run"]["run"] != self.run["run"]:
-            return
-        if good.header["memory"]["steps"] > self.past.header["memory"]["steps"]:
-            try:
-                path.unlink()
-            except OSError as error:
-                what = f"of steps that are given up, cannot be removed: {error.strerror}"
-                raise FileError(f"{path}: {what}") from None
+            return "another" if checkpoint_file.is_one(file) else ""
+        try:
+            header = _read(file).header
+        except FileError:
+            return ""
+        if header["run"]["run"] != self.run["run"]:
+            return "another"
+        later = header["memory"]["steps"] > self.past.header["memory"]["steps"]
+        return "abandoned" if later else ""
 
     def lines(self) -> list[str]:
         """What is to be said of the checkpoint that the run goes on from."""
