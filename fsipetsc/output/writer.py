@@ -224,16 +224,20 @@ class RunWriter:
         if whole or not goes_on:
             pieces.clear(self.folder)
         pieces.write_header(self.folder, self._about)
-        if not goes_on:
-            return 0, 0, 1
-        if whole:
-            os.replace(self.path, self.folder / "000001.h5")
-        number = len(pieces.pieces(self.folder)) + 1
-        # a piece with nothing in it gives up what was computed after the checkpoint
+        return (after.frames, after.rows, self._give_up(after, whole)) if goes_on else (0, 0, 1)
+
+    def _give_up(self, after: Kept, whole: bool) -> int:
+        """Let what was computed after the checkpoint count no more, by a piece with nothing in it.
+
+        The number of the next piece. A whole result becomes the first one.
+        """
+        number = 2 if whole else len(pieces.pieces(self.folder)) + 1
         draft = pieces.file_of(self.folder, number, ".new")
         pieces.new_piece(draft, (after.frames, after.rows), (), None, {})
         os.replace(draft, draft.with_suffix(".h5"))
-        return after.frames, after.rows, number + 1
+        if whole:
+            os.replace(self.path, pieces.file_of(self.folder, 1))
+        return number + 1
 
     @property
     def _draft(self) -> Path:
