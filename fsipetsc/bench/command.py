@@ -180,9 +180,7 @@ def step_time(state: Any, opt: Mapping[str, Any], count: int) -> float:
 
     integrator = Integrator(
         *(state, {**opt, "ts_max_steps": count}, [opt["ts_max_time"]]),
-        on_frame=lambda t: None,
         on_series=lambda: integrator.series.take(state.comm),
-        on_step=lambda steps, t, dt: None,
     )
     integrator.start()
     state.comm.Barrier()

@@ -116,7 +116,7 @@ class Option:
         if not callable(self.check):
             least = min(value, default=1) if isinstance(value, tuple) else value
             fine = self.check is None or least > 0 or (self.check == "nonnegative" and least == 0)
-            return None if fine else f"a number{_BOUNDS[self.check]}"
+            return None if fine else f"a number{_BOUNDS[str(self.check)]}"
         verdict = call(self.check, (value,), f"check of -{self.name}")
         if verdict is False:
             return "a value within its range"

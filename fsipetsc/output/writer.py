@@ -31,8 +31,8 @@ from fsipetsc.process.together import agree
 Array = np.ndarray[Any, Any]
 Result = TypeVar("Result")
 Settle = Callable[[list[Path]], Mapping[Path, Path]]
-#: a piece is written after so many frames, or bytes of all ranks
-_FRAMES, _BYTES = 256, 64 << 20
+#: a piece is written after so many frames, bytes of a rank, or seconds
+_FRAMES, _BYTES, _SECONDS = 256, 64 << 20, 2.0
 
 
 class RunWriter:
@@ -50,8 +50,6 @@ class RunWriter:
                     goes on behind it. Where there is none a new one begins
     settle          is called on rank 0 when this run has the name, before any file is changed, with
                     what an earlier run has left of the name, which it renames: old -> new names
-    flush_seconds   wall time from one piece to the next; more where writing takes more than 2 % of
-                    it, or the run has gone on for so long that it is less than 1 % of that
 
     Set `take_series` to what hands over, on rank 0, the per-step data since the last time: an array
     of records, one per step, with "t" first. All ranks call it; its array need not stay as it is.
@@ -68,7 +66,6 @@ class RunWriter:
         *,
         after: Kept | None = None,
         settle: Settle,
-        flush_seconds: float = 2.0,
         buffer_frames: int = _FRAMES,
     ) -> None:
         self.take_series: Callable[[], Array | None] = lambda: None
@@ -76,8 +73,8 @@ class RunWriter:
         self._widths = [len(columns(layer)) for layer in header["layers"]]
         size = 8 * sum(int(grid["n"]) * width for grid, width in zip(grids, self._widths))
         self._capacity = max(1, min(buffer_frames, _BYTES * comm.size // max(1, size)))
-        self._flush_seconds, self._begun = flush_seconds, time.monotonic()
-        self._next_flush = self._begun + flush_seconds
+        self._begun = time.monotonic()
+        self._next_flush = self._begun + _SECONDS
         self._grids, self._grids_written = list(grids), False
         self._frames: list[list[Array]] = []  # not yet written: of each layer (local, columns)
         self._times: list[float] = []  # of these
@@ -138,8 +135,8 @@ class RunWriter:
         self._frames.clear()
         self._times.clear()
         now = time.monotonic()
-        wait = max(self._flush_seconds, 50 * (now - begun), 0.01 * (now - self._begun))
-        self._next_flush = now + wait
+        # writing takes at most 2 % of the time, and a long run has at most some hundred pieces
+        self._next_flush = now + max(_SECONDS, 50 * (now - begun), 0.01 * (now - self._begun))
 
     def finish(
         self, summary: Mapping[str, Any], errors: Mapping[str, Any] | None = None, join: bool = True
