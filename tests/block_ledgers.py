@@ -8,7 +8,7 @@ import numpy as np
 from mpi4py import MPI
 
 from fsipetsc.blockrun.block_state import BlockForm, make_scheme
-from fsipetsc.blockrun.columns import gained, step_record
+from fsipetsc.blockrun.columns import gained, loses, step_record
 from fsipetsc.parallel.block_layout import BlockLayout
 from fsipetsc.scheme.after_step import WORDS
 from fsipetsc.scheme.plan import BURST, FLAGS, LIMITS
@@ -18,7 +18,8 @@ def scheme_of(layout, problem, order, form, instant=1e-4, alone=False):
     """The scheme of a layout, with what it takes of a run; latest: what the last look found."""
     blocks, d = len(problem.blocks), problem.dimension
     gases = sum(block.kind == "fluid" for block in problem.blocks)
-    record = step_record(blocks, gases, d, 0)
+    lossy = any(loses(problem, k) for k in range(blocks))
+    record = step_record(blocks, gases, d, 0, lossy=lossy)
     own = np.dtype([(name, record[name]) for name in record.names[2:]])
     columns = {
         name: slice(own.fields[name][1] // 8, (own.fields[name][1] + own[name].itemsize) // 8)
@@ -39,7 +40,8 @@ class Steps:
     def __init__(self, problem, order=2, comm=MPI.COMM_SELF, form=None, alone=False):
         self.problem, self.comm = problem, comm
         self.gases = sum(block.kind == "fluid" for block in problem.blocks)
-        behind = gained(self.gases, problem.dimension).itemsize // 8
+        self.lossy = any(loses(problem, k) for k in range(len(problem.blocks)))
+        behind = gained(self.gases, problem.dimension, self.lossy).itemsize // 8
         self.layout = BlockLayout(comm, problem, order, behind=behind)
         self.scheme = scheme_of(self.layout, problem, order, form or BlockForm(), 1e-3, alone)
         self.y, self._stage = self.layout.vector(), self.layout.vector()
@@ -78,7 +80,7 @@ class Steps:
     def gained(self):
         """What has come in: mass of all gas, impulse, energy."""
         came = self._all(self.came)
-        return np.array([came[: self.gases].sum(), *came[self.gases :]])
+        return np.array([came[: self.gases].sum(), *came[self.gases + self.lossy :]])
 
     def close(self):
         self.scheme.destroy()

@@ -233,7 +233,8 @@ def _by_characteristics(law, rho, u, T, rho_out, u_out, T_out, n, g, area, out):
 
 @njit(**CALL)
 def load_faces(solid, like, faces, S, weight, patch, q, metrics, inertia, rates, gain):
-    """Add forces and heat at the faces of a solid to ``rates`` (owned, 2d + 1), ``gain`` (d + 2,).
+    """Add forces and heat at the faces of a solid to ``rates`` (owned, 2d + 1), and to ``gain``
+    (d + 2,) work, impulse and energy.
 
     q: (ghosted, 2d + 1). S, weight: of the three axes. inertia: (ghosted,), J0 m0.
     """
@@ -256,13 +257,14 @@ def load_faces(solid, like, faces, S, weight, patch, q, metrics, inertia, rates,
             _normal(faces, i, S, weight, patch, q, n)
             for c in range(d):
                 force[c] -= faces.pressure[i] * n[c]
-        scale, power = faces.per_weight[i] / inertia[at], faces.heat[i] * area
+        scale, work, heat = faces.per_weight[i] / inertia[at], 0.0, faces.heat[i] * area
         for c in range(d):
             rates[own, d + c] += scale * force[c]
             gain[1 + c] += faces.across[i] * force[c]
-            power += force[c] * q[at, d + c]
-        rates[own, 2 * d] += scale * power
-        gain[1 + d] += faces.across[i] * power
+            work += force[c] * q[at, d + c]
+        rates[own, 2 * d] += scale * (work + heat)
+        gain[0] += faces.across[i] * work
+        gain[1 + d] += faces.across[i] * (work + heat)
 
 
 @njit(**INNER_CALL)
