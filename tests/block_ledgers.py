@@ -13,6 +13,9 @@ from fsipetsc.parallel.block_layout import BlockLayout
 from fsipetsc.scheme.after_step import WORDS
 from fsipetsc.scheme.plan import BURST, FLAGS, LIMITS
 
+#: what short steps may lose of the energy of solids: this part of all
+LOST = 1e-9
+
 
 def scheme_of(layout, problem, order, form, instant=1e-4, alone=False):
     """The scheme of a layout, with what it takes of a run; latest: what the last look found."""
@@ -51,6 +54,8 @@ class Steps:
         self.scheme.complete(0.0, self.y)
         self.came = np.zeros(behind)
         self.y.behind[:] = 0.0
+        self.integrals()
+        self._held = self.held()
 
     def look(self):
         """(blocks, 5) extremes of this rank's nodes: see fsipetsc.scheme.block_look."""
@@ -66,6 +71,15 @@ class Steps:
         names = [f"momentum_{x}" for x in "xyz"[: self.problem.dimension]]
         mass = np.sum(found["mass"]) if self.gases else 0.0
         return self._all(np.array([mass, *(found[name] for name in names), found["energy"]]))
+
+    def held(self):
+        """Kinetic and elastic energy of solids, where its losses are known, at the last look."""
+        return self._all(float(self.scheme.latest["solid_energy"]) if self.lossy else 0.0)
+
+    def lost(self):
+        """What steps have lost of it until the last look: work less what it has gained."""
+        work = self._all(self.came[self.gases]) if self.lossy else 0.0
+        return work - (self.held() - self._held)
 
     def _all(self, numbers):
         return self.comm.allreduce(numbers)
@@ -105,4 +119,5 @@ def unbooked(problem, dt=1e-3, steps=3, order=2, comm=MPI.COMM_SELF):
         run.step(dt, steps)
         came = run.gained()
         change = run.integrals() - before - came
+        assert abs(run.lost()) < LOST * before[-1], run.lost()
         return change / before[-1], came / before[-1]

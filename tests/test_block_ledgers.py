@@ -15,6 +15,7 @@ import block_shapes as shapes
 from block_ledgers import steps_of, unbooked
 from helpers import REPOSITORY, mpirun
 
+from fsipetsc.blockrun.face_terms import weights_of
 from fsipetsc.blockrun.run_problem import RunProblem
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.conditions import (
@@ -34,7 +35,7 @@ from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.stepping.ledgers import Ledgers
-from fsipetsc.stepping.report import about_volumes
+from fsipetsc.stepping.report import about_losses, about_volumes
 
 MASS, X, Y, ENERGY = range(4)
 #: cells along an axis
@@ -332,6 +333,89 @@ def test_the_watch_sees_the_loss_of_a_small_wave(lose):
         ledgers.begin(initial)
         ledgers.add(records(run, 10, 0.02, lose))
     assert (ledgers.fault or "")[:16] == ("momentum along x" if lose else "")
+
+
+def spin_of(run):
+    """Angular momentum about the origin, from the unknowns and where nodes are."""
+    total = 0.0
+    for k, part in run.scheme.parts.items():
+        q, d = run.y.owned(k), run.problem.dimension
+        H = weights_of(part.part, part._owned)
+        if run.problem.blocks[k].kind == "fluid":
+            x, momentum = part.grid.positions()[:, part._owned], H * q[:, 2 : 2 + d].T
+        else:
+            x = part.X[:, part._owned] + q[:, :d].T
+            momentum = H * part.inertia[part._owned] * q[:, d : 2 * d].T
+        total += np.cross(x, momentum, axis=0).sum(axis=-1)
+    return total
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_angular_momentum(d):
+    """Of gas whose grid has moved and of a solid; nothing turns a solid that nothing holds."""
+    shape = shapes.layers(N + 1, False) if d == 2 else shapes.three(4)
+    problem = problem_of(shape, closed, gas(d), solid(d, heat="elastic"))
+    names = ["angular_momentum"] if d == 2 else [f"angular_momentum_{x}" for x in "xyz"]
+    with steps_of(problem) as run:
+        run.step(2e-3, 2)
+        run.integrals()
+        found = [float(run.scheme.latest[name]) for name in names]
+        np.testing.assert_allclose(found, spin_of(run), rtol=1e-13, atol=1e-15)
+        assert np.abs(found).min() > 1e-3
+    alone = BlockProblem(
+        (problem.blocks[1],), {("solid", k, s): Free() for k in range(d) for s in (0, 1)}
+    )
+    with steps_of(alone) as run:
+        before = [float(run.scheme.latest[name]) for name in names]
+        run.step(2e-3, 5)
+        run.integrals()
+        after = [float(run.scheme.latest[name]) for name in names]
+        np.testing.assert_allclose(after, before, rtol=1e-9, atol=1e-11)
+        assert np.abs(before).min() > 1e-3
+
+
+def swung(cells, dt, t, order=4):
+    """A solid that swings freely: its kinetic and elastic energy at first, and what is lost of it,
+    as the series of a run has it; change of all energy.
+    """
+    rubber = ElasticSolid(1.0, 2.0, 0.0, 2.0, 1.5, 0.0, "neo-hookean", "elastic")
+
+    def swinging(X, Y):
+        return [0.1 * np.sin(np.pi * X), 0.1 * np.cos(np.pi * Y) * X, 1.0 + 0.0 * X, X, Y]
+
+    one = Block("solid", rubber, rectangle((0, 0), (1, 1)), (cells, cells), swinging)
+    faces = {("solid", axis, side): Free() for axis in (0, 1) for side in (0, 1)}
+    with steps_of(BlockProblem((one,), faces), order, alone=True) as run:
+        first, energy = run.held(), run.integrals()[-1]
+        run.step(dt, round(t / dt))
+        change = run.integrals()[-1] - energy
+        return first, run.lost(), change / energy
+
+
+def test_what_steps_lose_falls_with_their_order():
+    """Runge-Kutta loses kinetic and elastic energy by the fifth power of the step; all of the
+    energy stays.
+    """
+    first, coarse, change = swung(10, 0.05, 2.0)
+    _, fine, _ = swung(10, 0.025, 2.0)
+    assert abs(change) < 1e-14 and 1e-6 * first < fine < coarse
+    assert 4.5 < np.log2(coarse / fine) < 5.5
+
+
+def test_much_that_is_lost_is_told():
+    """From a thousandth on, over the largest energy; it is remembered over a restart."""
+    steps = np.zeros(4, [("t", "f8"), ("dt", "f8"), ("lost_energy", "f8"), ("solid_energy", "f8")])
+    steps["solid_energy"] = 2.0, 1.0, 0.5, 0.0
+    steps["lost_energy"] = 0.001, 0.002, 0.003, -0.001
+    ledgers = Ledgers({"masses": [], "energy": False})
+    ledgers.begin({"mass": []})
+    ledgers.add(steps[:2])
+    again = Ledgers({})
+    again.recall(ledgers.memory(), {})
+    again.add(steps[2:])
+    assert again.lost == pytest.approx(0.003)
+    assert "lost 0.3 %" in about_losses({"lost_energy": again.lost})[0]
+    assert about_losses({"lost_energy": 0.0009}) == [] and about_losses({}) == []
 
 
 def test_a_departure_of_volumes_is_told():
