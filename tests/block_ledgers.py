@@ -8,17 +8,21 @@ import numpy as np
 from mpi4py import MPI
 
 from fsipetsc.blockrun.block_state import BlockForm, make_scheme
-from fsipetsc.blockrun.columns import gained, step_record
+from fsipetsc.blockrun.columns import gained, loses, step_record
 from fsipetsc.parallel.block_layout import BlockLayout
 from fsipetsc.scheme.after_step import WORDS
 from fsipetsc.scheme.plan import BURST, FLAGS, LIMITS
+
+#: what short steps may lose of the energy of solids: this part of all
+LOST = 1e-9
 
 
 def scheme_of(layout, problem, order, form, instant=1e-4, alone=False):
     """The scheme of a layout, with what it takes of a run; latest: what the last look found."""
     blocks, d = len(problem.blocks), problem.dimension
     gases = sum(block.kind == "fluid" for block in problem.blocks)
-    record = step_record(blocks, gases, d, 0)
+    lossy = any(loses(problem, k) for k in range(blocks))
+    record = step_record(blocks, gases, d, 0, lossy=lossy)
     own = np.dtype([(name, record[name]) for name in record.names[2:]])
     columns = {
         name: slice(own.fields[name][1] // 8, (own.fields[name][1] + own[name].itemsize) // 8)
@@ -39,7 +43,8 @@ class Steps:
     def __init__(self, problem, order=2, comm=MPI.COMM_SELF, form=None, alone=False):
         self.problem, self.comm = problem, comm
         self.gases = sum(block.kind == "fluid" for block in problem.blocks)
-        behind = gained(self.gases, problem.dimension).itemsize // 8
+        self.lossy = any(loses(problem, k) for k in range(len(problem.blocks)))
+        behind = gained(self.gases, problem.dimension, self.lossy).itemsize // 8
         self.layout = BlockLayout(comm, problem, order, behind=behind)
         self.scheme = scheme_of(self.layout, problem, order, form or BlockForm(), 1e-3, alone)
         self.y, self._stage = self.layout.vector(), self.layout.vector()
@@ -49,6 +54,8 @@ class Steps:
         self.scheme.complete(0.0, self.y)
         self.came = np.zeros(behind)
         self.y.behind[:] = 0.0
+        self.integrals()
+        self._held = self.held()
 
     def look(self):
         """(blocks, 5) extremes of this rank's nodes: see fsipetsc.scheme.block_look."""
@@ -65,6 +72,15 @@ class Steps:
         mass = np.sum(found["mass"]) if self.gases else 0.0
         return self._all(np.array([mass, *(found[name] for name in names), found["energy"]]))
 
+    def held(self):
+        """Kinetic and elastic energy of solids, where its losses are known, at the last look."""
+        return self._all(float(self.scheme.latest["solid_energy"]) if self.lossy else 0.0)
+
+    def lost(self):
+        """What steps have lost of it until the last look: work less what it has gained."""
+        work = self._all(self.came[self.gases]) if self.lossy else 0.0
+        return work - (self.held() - self._held)
+
     def _all(self, numbers):
         return self.comm.allreduce(numbers)
 
@@ -78,7 +94,7 @@ class Steps:
     def gained(self):
         """What has come in: mass of all gas, impulse, energy."""
         came = self._all(self.came)
-        return np.array([came[: self.gases].sum(), *came[self.gases :]])
+        return np.array([came[: self.gases].sum(), *came[self.gases + self.lossy :]])
 
     def close(self):
         self.scheme.destroy()
@@ -103,4 +119,5 @@ def unbooked(problem, dt=1e-3, steps=3, order=2, comm=MPI.COMM_SELF):
         run.step(dt, steps)
         came = run.gained()
         change = run.integrals() - before - came
+        assert abs(run.lost()) < LOST * before[-1], run.lost()
         return change / before[-1], came / before[-1]

@@ -15,6 +15,7 @@ import block_shapes as shapes
 from block_ledgers import steps_of, unbooked
 from helpers import REPOSITORY, mpirun
 
+from fsipetsc.blockrun.face_terms import weights_of
 from fsipetsc.blockrun.run_problem import RunProblem
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.conditions import (
@@ -33,8 +34,9 @@ from fsipetsc.blocks.maps import annulus, nodes, rectangle
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
+from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.stepping.ledgers import Ledgers
-from fsipetsc.stepping.report import about_volumes
+from fsipetsc.stepping.report import about_losses, about_volumes
 
 MASS, X, Y, ENERGY = range(4)
 #: cells along an axis
@@ -332,6 +334,125 @@ def test_the_watch_sees_the_loss_of_a_small_wave(lose):
         ledgers.begin(initial)
         ledgers.add(records(run, 10, 0.02, lose))
     assert (ledgers.fault or "")[:16] == ("momentum along x" if lose else "")
+
+
+def bounds_of(run, k):
+    """The largest rates of convection and diffusion of a block, by formulas on whole arrays."""
+    part, q, d = run.scheme.parts[k], run.y.owned(k), run.problem.dimension
+    metrics, equations, cells = part.metrics[:, part._owned], part.equations, part.block.cells
+    areas = metrics[: d * d].reshape(d, d, -1) * np.reshape(cells, (d, 1, 1))
+    squares = (areas**2).sum(axis=1)
+    if run.problem.blocks[k].kind == "solid":
+        F, v = tuple(part._F), tuple(q[:, d : 2 * d].T)
+        T = equations.temperature(v, q[:, 2 * d], F)
+        nodes = zip(zip(*F), T, strict=True)
+        c2 = np.array([equations.wave_modulus_at(*node) for node in nodes]) / equations.m0
+        spread = squares.sum(axis=0) / metrics[d * d] ** 2
+        nu = equations.kappa / (equations.m0 * equations.alpha)
+        return np.sqrt((c2 * spread).max()), STIFFNESS_OF_WIDE * nu * spread.max()
+    w, J = equations.primitive(tuple(q.T)), q[:, 0]
+    relative = np.array(equations.velocity(w)) - metrics[d * d : d * d + d]
+    across = np.abs((areas * relative).sum(axis=1))
+    waves = (across + equations.speed_of_sound(w) * np.sqrt(squares)).sum(axis=0) / J
+    nu = 4.0 / 3.0 * equations.mu / w[0], equations.kappa / equations.law.heat_capacity(w[0], w[2])
+    nu = np.maximum(nu[0], nu[1] / w[0])
+    return waves.max(), (STIFFNESS_OF_WIDE * nu * squares.sum(axis=0) / J**2).max()
+
+
+def test_what_bounds_a_step():
+    """Of gas on a grid that moves and a solid that conducts, on a shape that is warped."""
+    shape = shapes.warped(shapes.layers(N + 1, False), 0.03)
+    with steps_of(problem_of(shape, closed, gas(mu=0.02), solid(heat="coupled"))) as run:
+        run.step(2e-3, 2)
+        looked = run.look()
+        for k in range(2):
+            np.testing.assert_allclose(looked[k, 1:3], bounds_of(run, k), rtol=1e-12)
+            assert looked[k, 0] == 0.0 and looked[k, 2] > 0.0
+        moving = run.scheme.parts[0].metrics[4:6]
+        assert np.abs(moving).max() > 0.01
+
+
+def spin_of(run):
+    """Angular momentum about the origin, from the unknowns and where nodes are."""
+    total = 0.0
+    for k, part in run.scheme.parts.items():
+        q, d = run.y.owned(k), run.problem.dimension
+        H = weights_of(part.part, part._owned)
+        if run.problem.blocks[k].kind == "fluid":
+            x, momentum = part.grid.positions()[:, part._owned], H * q[:, 2 : 2 + d].T
+        else:
+            x = part.X[:, part._owned] + q[:, :d].T
+            momentum = H * part.inertia[part._owned] * q[:, d : 2 * d].T
+        total += np.cross(x, momentum, axis=0).sum(axis=-1)
+    return total
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_angular_momentum(d):
+    """Of gas whose grid has moved and of a solid; nothing turns a solid that nothing holds."""
+    shape = shapes.layers(N + 1, False) if d == 2 else shapes.three(4)
+    problem = problem_of(shape, closed, gas(d), solid(d, heat="elastic"))
+    names = ["angular_momentum"] if d == 2 else [f"angular_momentum_{x}" for x in "xyz"]
+    with steps_of(problem) as run:
+        run.step(2e-3, 2)
+        run.integrals()
+        found = [float(run.scheme.latest[name]) for name in names]
+        np.testing.assert_allclose(found, spin_of(run), rtol=1e-13, atol=1e-15)
+        assert np.abs(found).min() > 1e-3
+    alone = BlockProblem(
+        (problem.blocks[-1],), {("solid", k, s): Free() for k in range(d) for s in (0, 1)}
+    )
+    with steps_of(alone) as run:
+        before = [float(run.scheme.latest[name]) for name in names]
+        run.step(2e-3, 5)
+        run.integrals()
+        after = [float(run.scheme.latest[name]) for name in names]
+        np.testing.assert_allclose(after, before, rtol=1e-9, atol=1e-11)
+        assert np.abs(before).min() > 1e-3
+
+
+def swung(cells, dt, t, order=4):
+    """A solid that swings freely: its kinetic and elastic energy at first, and what is lost of it,
+    as the series of a run has it; change of all energy.
+    """
+    rubber = ElasticSolid(1.0, 2.0, 0.0, 2.0, 1.5, 0.0, "neo-hookean", "elastic")
+
+    def swinging(X, Y):
+        return [0.1 * np.sin(np.pi * X), 0.1 * np.cos(np.pi * Y) * X, 1.0 + 0.0 * X, X, Y]
+
+    one = Block("solid", rubber, rectangle((0, 0), (1, 1)), (cells, cells), swinging)
+    faces = {("solid", axis, side): Free() for axis in (0, 1) for side in (0, 1)}
+    with steps_of(BlockProblem((one,), faces), order, alone=True) as run:
+        first, energy = run.held(), run.integrals()[-1]
+        run.step(dt, round(t / dt))
+        change = run.integrals()[-1] - energy
+        return first, run.lost(), change / energy
+
+
+def test_what_steps_lose_falls_with_their_order():
+    """Runge-Kutta loses kinetic and elastic energy by the fifth power of the step; all of the
+    energy stays.
+    """
+    first, coarse, change = swung(10, 0.01, 1.0)
+    _, fine, _ = swung(10, 0.005, 1.0)
+    assert abs(change) < 1e-14 and 1e-10 * first < fine < coarse
+    assert 4.5 < np.log2(coarse / fine) < 5.5
+
+
+def test_much_that_is_lost_is_told():
+    """From a thousandth on, over the largest energy; it is remembered over a restart."""
+    steps = np.zeros(4, [("t", "f8"), ("dt", "f8"), ("lost_energy", "f8"), ("solid_energy", "f8")])
+    steps["solid_energy"] = 2.0, 1.0, 0.5, 0.0
+    steps["lost_energy"] = 0.001, 0.002, 0.003, -0.001
+    ledgers = Ledgers({"masses": [], "energy": False})
+    ledgers.begin({"mass": []})
+    ledgers.add(steps[:2])
+    again = Ledgers({})
+    again.recall(ledgers.memory(), {})
+    again.add(steps[2:])
+    assert again.lost == pytest.approx(0.003)
+    assert "lost 0.3 %" in about_losses({"lost_energy": again.lost})[0]
+    assert about_losses({"lost_energy": 0.0009}) == [] and about_losses({}) == []
 
 
 def test_a_departure_of_volumes_is_told():

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fsipetsc.blockrun.block_state import PARTS, BlockState
-from fsipetsc.scheme.plan import BAD
+from fsipetsc.scheme.plan import BAD, RATE
 from fsipetsc.scheme.runge_kutta import STAGES
 
 
@@ -17,19 +17,24 @@ class Run:
 
     def __init__(self, longest):
         self.y, self._before = SimpleNamespace(array=np.ones(3)), np.zeros(3)
-        self.scheme, self.results = SimpleNamespace(step=self.step), np.zeros(BAD + 1)
-        self._stage = None
+        self.scheme, self.results = SimpleNamespace(step=self.step, forget=self.forget), np.ones(6)
+        self._stage, self.forgotten, self.told = None, 0, set()
         self.evaluations, self.retries, self.longest, self.made = 0, 0, longest, []
 
     def step(self, t, dt, y, stage):
         self.made.append((t, dt))
+        self.told.add(self.results[RATE])
         y.array += dt if dt <= self.longest else np.nan
+
+    def forget(self):
+        self.forgotten += 1
 
     def _guarded(self, action):
         action()
 
     def _look(self):
         self.results[BAD] = float(np.isnan(self.y.array).any())
+        self.results[RATE] = np.inf if self.results[BAD] else 2.0
 
 
 @pytest.mark.parametrize(("longest", "parts"), [(1.0, 1), (0.5, 2), (0.06, 16)])
@@ -44,6 +49,8 @@ def test_a_failed_step_is_made_in_parts(longest, parts):
     assert {dt for _, dt in last} == {0.8 / tried[-1]}
     np.testing.assert_allclose(run.y.array, 1.8)
     assert run._t == 2.8 and run.results[BAD] == 0.0
+    assert run.told == {1.0}, "data in time are found with the rate of the good state"
+    assert run.forgotten == run.retries and run.results[RATE] == 2.0
 
 
 def test_a_step_that_cannot_be_made_stays_bad():

@@ -16,7 +16,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from fsipetsc.blockrun import snapshot
-from fsipetsc.blockrun.columns import OF_INTERFACES, fields_of, gained, step_record
+from fsipetsc.blockrun.columns import OF_INTERFACES, fields_of, gained, loses, step_record
 from fsipetsc.blockrun.errors_of_blocks import errors
 from fsipetsc.blockrun.failures import describe_failure
 from fsipetsc.blockrun.first_look import first_notes
@@ -103,7 +103,8 @@ class BlockState:
         self.convection = "divergence" if form.convection == "divergence" else "entropy"
         blocks, d = problem.layers, problem.dimension
         gases = sum(block.kind == "fluid" for block in blocks)
-        behind = gained(gases, d).itemsize // 8
+        self.lossy = any(loses(problem, k) for k in range(len(blocks)))
+        behind = gained(gases, d, self.lossy).itemsize // 8
         self._halos = halos_of(problem, order, form.shock > 0.0)
         self.layout = BlockLayout(comm, problem, order, self._halos, partition, behind=behind)
         self.y = self.layout.vector()
@@ -112,7 +113,8 @@ class BlockState:
         self.solution = PETSc.Vec().createWithArray(self.y.array, size=size, comm=comm)
         self._recorded, interfaces = tuple(recorded), len(problem.interfaces)
         self._recorder = Recorder(self, self._recorded)
-        record = step_record(len(blocks), gases, d, interfaces, len(self._recorded))
+        points = len(self._recorded)
+        record = step_record(len(blocks), gases, d, interfaces, points, self.lossy)
         self._lay_records(record, len(blocks))
         self._before, self.retries = np.empty_like(self.y.array), 0
         self.scheme = together(comm, lambda: self._made(self.layout, comm.size == 1))
@@ -283,6 +285,7 @@ class BlockState:
                 ended_well, t, dt = self._steps(t, dt)
                 if ended_well:
                     break
+                self.scheme.forget()
             self._advance(t, dt)
             t = self._t
             more = self._plan_next()
@@ -302,7 +305,7 @@ class BlockState:
 
     def _advance(self, t: float, dt: float) -> None:
         """Make the step; one that leaves an unphysical state is made anew in 2, 4 … parts."""
-        self._before[:] = self.y.array
+        self._before[:], rate = self.y.array, self.results[RATE]
         for parts in PARTS:
             for part in range(parts):
                 self.evaluations += STAGES
@@ -312,7 +315,8 @@ class BlockState:
             self._look()
             if self.results[BAD] == 0.0 or parts == PARTS[-1]:
                 break
-            self.y.array[:] = self._before
+            self.y.array[:], self.results[RATE] = self._before, rate
+            self.scheme.forget()
             self.retries += 1
 
     def finish(self) -> None:
@@ -332,8 +336,9 @@ class BlockState:
         note_extremes(self._extremes, self.rates, self.results, self._latest)
         self._recorder.look(self.latest)
         came = self.y.behind  # in the order of the last columns
-        self._latest[self._latest.size - came.size :] = came
-        came[:] = 0.0
+        noted = self._latest[self._latest.size - came.size :]
+        noted += came
+        came -= noted  # as fsipetsc.scheme.steps.note_step does it
 
     def _fill_halos(self) -> None:
         self.y.begin()

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from fsipetsc.blockrun.run_problem import PLACES, VELOCITIES
+from fsipetsc.blocks.conditions import Given
 
 
 def fields_of(kind: str, d: int) -> tuple[str, ...]:
@@ -28,11 +29,25 @@ def compared(kind: str, d: int) -> tuple[str, ...]:
     return ("rho", *u, "T") if kind == "fluid" else (*u, "T", *x)
 
 
-def gained(gases: int, d: int) -> np.dtype:
-    """What came in from outside in a step: mass of each block of gas, impulse, energy."""
+def loses(problem: Any, k: int) -> bool:
+    """Whether it is known what a step in time loses of the kinetic and elastic energy of block k.
+
+    A solid with heat 'elastic' whose motion no data replace and no pressure of its heat drives.
+    """
+    block, conditions = problem.blocks[k], problem.faces_of(k).values()
+    stores = block.kind == "solid" and block.material.heat == "elastic"
+    driven = stores and (block.forcing is not None or block.material.pressing is not None)
+    return stores and not driven and not any(isinstance(c, Given) for c in conditions)
+
+
+def gained(gases: int, d: int, lossy: bool = False) -> np.dtype:
+    """What came in from outside in a step: mass of each block of gas, impulse, energy; lossy: and
+    before the impulse what the step lost of the kinetic and elastic energy of solids.
+    """
+    lost = [("lost_energy", "f8")] * lossy
     impulses = [(f"impulse_{x}", "f8") for x in PLACES[:d]]
     masses = [("mass_in", "f8", (gases,))] if gases else []
-    return np.dtype([*masses, *impulses, ("energy_in", "f8")])
+    return np.dtype([*masses, *lost, *impulses, ("energy_in", "f8")])
 
 
 #: recorded of interfaces in one dimension: position [m], velocity [m/s], sigma [Pa] and
@@ -46,19 +61,27 @@ def point_names(d: int) -> tuple[str, ...]:
     return tuple(f"{name}_point" for name in names)
 
 
+def spins(d: int) -> tuple[str, ...]:
+    """Names of angular momentum about the origin: none in one dimension, that about z in two."""
+    axes = ("_x", "_y", "_z") if d == 3 else ("",) * (d - 1)
+    return tuple(f"angular_momentum{axis}" for axis in axes)
+
+
 def step_record(
-    blocks: int, gases: int, d: int, interfaces: int, points: int = 0, more: Sequence[str] = ()
+    blocks: int, gases: int, d: int, interfaces: int, points: int = 0, lossy: bool = False
 ) -> np.dtype:
     """Recorded of a step.
 
     Time after it, its length; of each block the least J, and the largest |J - det D x| / J of a
-    gas; then shares of the ranks, to be added up: integrals, ``more`` of these, in one dimension
-    OF_INTERFACES, ``point_names`` of so many nodes, and what came in.
+    gas; then shares of the ranks, to be added up: integrals (lossy: and the kinetic and elastic
+    energy of solids that ``loses`` names), in one dimension OF_INTERFACES, ``point_names`` of so
+    many nodes, and what came in.
     """
     masses = [("mass", "f8", (gases,))] if gases else []
     momenta = [(f"momentum_{x}", "f8") for x in PLACES[:d]]
-    integrals = [*masses, ("energy", "f8"), *momenta, ("entropy", "f8"), *((n, "f8") for n in more)]
-    came = gained(gases, d)
+    more = [(name, "f8") for name in (*spins(d), *["solid_energy"] * lossy)]
+    integrals = [*masses, ("energy", "f8"), *momenta, ("entropy", "f8"), *more]
+    came = gained(gases, d, lossy)
     rest = [(name, came[name].base, came[name].shape) for name in came.names]
     lines = [(name, "f8", (interfaces,)) for name in OF_INTERFACES] if d == 1 and interfaces else []
     lines += [(name, "f8", (points,)) for name in point_names(d)] if points else []

@@ -38,6 +38,7 @@ class FaceTerms:
         self.p_ref = _left_out(problem.blocks[part.k])
         self._turned: list[tuple[slice, TurnedFace]] = []
         self._faces: list[tuple[Any, Array, slice]] = []
+        lengths: list[float] = []
         acts, listed, count = False, [_nodes_of(part, np.empty(0, np.int64), 0, 0)], 0
         for (axis, side), condition in problem.faces_of(part.k).items():
             interface = isinstance(condition, Meeting) and problem.is_interface(part.k, axis, side)
@@ -51,10 +52,14 @@ class FaceTerms:
             where, count = slice(count, count + own.size), count + own.size
             if own.size:
                 self._faces.append((condition, problem.places(part.k, part.numbers[own]), where))
+                lengths.append(_length(problem.blocks[part.k], axis))
             if own.size and self._d == 3 and not self._gas:
                 self._turned.append((where, TurnedFace(problem, part, order, axis, side)))
         nodes = [np.concatenate(values) for values in zip(*listed, strict=True)]
         self.record = self._record(nodes, X) if acts else Closed()
+        for k, (condition, _, where) in enumerate(self._faces):
+            if isinstance(condition, Open) and condition.order == 1:
+                self.record.width[where] = lengths[k]
         meets = [isinstance(condition, Meeting) for condition, _, _ in self._faces]
         still = all(meeting or steady(c) for (c, _, _), meeting in zip(self._faces, meets))
         self.timed = not still or (any(meets) and self._jumps is not None)
@@ -64,7 +69,7 @@ class FaceTerms:
         n, d = nodes[0].size, self._d
         flags, (a, b, c) = np.zeros(n, np.int64), np.zeros((3, n))
         if self._gas:
-            return GasFaces(*nodes, flags, np.zeros((n, d + 2)), a, b)
+            return GasFaces(*nodes, flags, np.zeros((n, d + 2)), a, b, c)
         return SolidFaces(*nodes, flags, np.zeros((n, d)), a, b, c, np.zeros((n, d)), X)
 
     def ask(self, t: float) -> list[dict[str, Array]]:
@@ -145,6 +150,12 @@ class TurnedFace:
         scratch = self._scratch.reshape(9, -1)[:4]
         curl_metrics(self._a, y, wide.P, wide.S, wide.weight, self._slopes, scratch)
         return self._sign * wide.inner(self._a[self._axis]).T
+
+
+def _length(block: Any, axis: int) -> float:
+    """Mean length of a block along an axis [m]."""
+    low, high = (block.face_positions(axis, side) for side in (0, 1))
+    return float(np.linalg.norm(high - low, axis=0).mean())
 
 
 def _left_out(block: Any) -> float:

@@ -221,7 +221,8 @@ def _condition(end: Any, layer: FluidLayer | SolidLayer, side: int) -> new.Condi
         return _of_place(value, name, side, then) if callable(value) else value
 
     if isinstance(end, Open):
-        return new.Open(float(layer.material.gas_law.density(end.p0, end.T0)), (end.u0,), end.T0)
+        rho = float(layer.material.gas_law.density(end.p0, end.T0))
+        return new.Open(rho, (end.u0,), end.T0, end.order)
     if isinstance(end, Dirichlet):
         return new.Given(datum("values", list))
     heat = {name: datum(name) for name in ("T", "heat_flux")}

@@ -17,7 +17,7 @@ from fsipetsc.blocks.values import block_values
 from fsipetsc.operators.undivided import differences, sigma_of
 from fsipetsc.parallel.block_layout import BlockLayout, FaceGather, Part
 from fsipetsc.scheme import gas_record
-from fsipetsc.scheme.block_look import J_ERROR, LOOKED, room_of
+from fsipetsc.scheme.block_look import J_ERROR, LOOKED, room_of, sums_of
 from fsipetsc.scheme.gas_dissipation import room
 from fsipetsc.scheme.gas_rates import DivergenceForm, EntropyForm, Inviscid, Viscous, scratch
 from fsipetsc.scheme.gas_record import Damping, GasRecord, Undamped
@@ -42,6 +42,7 @@ class GasPart(Forced):
         self._ranges = ranges_of(part, self.block.shape)
         self.X = self._problem.positions(part.k, self._ranges)
         self.metrics = np.zeros((d * d + d + 1, self.X.shape[1]))
+        self._places = self.X.copy()
         self._owned = part.ghosted_rows(np.arange(part.numbers.size))
         self.faces = FaceTerms(self._problem, part, order, self.X, asked)
 
@@ -95,6 +96,8 @@ class GasPart(Forced):
             column,
             part.local if part.has_halo else np.empty((0, part.dof)),
             int(alone and part.has_halo),
+            self.X,
+            self._places,
             self.metrics,
             tuple(band.S for band in bands),
             tuple(band.weight for band in bands),
@@ -112,7 +115,7 @@ class GasPart(Forced):
             forcing=self.supplied(d + 2),
             came=np.zeros(d + 2),
             seen=np.zeros(LOOKED),
-            sums=np.zeros(d + 3),
+            sums=np.zeros(sums_of(d)),
             columns=columns,
         )
 
@@ -127,6 +130,11 @@ class GasPart(Forced):
         """Velocity of the grid and J_t."""
         if self.moves and self._d == 3:
             self.grid.velocities(known[:, self._d :], self.metrics)
+
+    def find_places(self) -> None:
+        """Where the nodes are."""
+        if self.moves and self._d == 3:
+            self._places[:] = self.grid.positions()
 
     def add_turning(self, faces: Any, table: Array) -> None:
         """Add how area vectors at faces turn to rows of a table."""

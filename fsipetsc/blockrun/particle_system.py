@@ -15,6 +15,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from fsipetsc.blockrun.asked import Asked
+from fsipetsc.blockrun.columns import loses
 from fsipetsc.blockrun.face_terms import weights_of
 from fsipetsc.blockrun.prescribed import Prescribed
 from fsipetsc.blocks.particles import ROLLS, Particle
@@ -110,9 +111,11 @@ class ParticleSystem:
         kind[row] = [SOLID if blocks[k].kind == "solid" else GAS for k in members[:, 1]]
         alpha[row] = [getattr(blocks[k].material, "alpha", 0.0) for k in members[:, 1]]
         at, weight = np.empty(mine.size, np.int64), self._weights(number, members, owners, inertia)
+        booked = np.zeros(mine.size)
         for part in layout.parts:
             own = members[mine, 1] == part.k
             at[own] = part.at(members[mine[own], 2])
+            booked[own] = weight[: mine.size][own] * loses(layout.problem, part.k)
         most = max([1, *(len(p.constraints) for p in self._particles)])
         most = layout.comm.allreduce(most, op=MPI.MAX)  # rows of all ranks are of one length
         constraint = np.zeros((count, most), np.int64)
@@ -133,6 +136,7 @@ class ParticleSystem:
             at=at,
             weight=weight,
             alpha=alpha,
+            inertia=booked,
             count=np.array([len(p.constraints) for p in self._particles], np.int64),
             constraint=constraint,
             column=np.array([gases.index(k[0]) if k else 0 for k in of_gas], np.int64),

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.blockrun.asked import Asked
+from fsipetsc.blockrun.columns import loses, spins
 from fsipetsc.blockrun.gas_part import GasPart
 from fsipetsc.blockrun.particle_system import ParticleSystem
 from fsipetsc.blockrun.solid_part import SolidPart
@@ -81,7 +82,8 @@ class Scheme:
             gas.follow(particles, self.particles)
         fluids = [k for k, block in enumerate(problem.blocks) if block.kind == "fluid"]
         self._columns = {k: column for column, k in enumerate(fluids)}
-        self._gain = np.zeros(len(fluids) + d + 1)
+        lossy = any(loses(problem, k) for k in range(len(problem.blocks)))
+        self._gain = np.zeros(len(fluids) + lossy + d + 1)
         #: compiled code does not move grids in three dimensions, nor find area vectors of solids
         self.alone = alone and d < 3
         self._records(columns, ends)
@@ -94,19 +96,21 @@ class Scheme:
         """Parts as records in boxes, and what is done with them."""
         first = {name: where.start for name, where in columns.items()}
         momenta = [first[f"momentum_{x}"] for x in "xyz"[: self.dimension]]
+        turns = [first[name] for name in spins(self.dimension)]
         self._lines: dict[int, Any] = {}
         self._does: dict[int, Held] = {}
         for k, part in self.parts.items():
             faces = self.particles.at_faces[k]
             if isinstance(part, GasPart):
                 mass = first["mass"] + self._columns[k]
-                sums = np.array([mass, *momenta, first["energy"], first["entropy"]])
+                sums = np.array([mass, *momenta, first["energy"], first["entropy"], *turns])
                 line: Any = part.record(self._columns[k], sums, faces, self.alone)
                 functions = part.held
             else:
                 own = [(number, row, X) for number, block, row, X in ends if block == k]
                 stored = self.particles.members.get(k, (np.zeros(0, int), np.zeros(0, int)))
-                sums = np.array([*momenta, first["energy"]])
+                lost = [first[name] for name in ("solid_energy", "lost_energy") if name in first]
+                sums = np.array([*momenta, first["energy"], *turns, *lost])
                 line = part.record(sums, faces, self.alone, own, stored)
                 stores = self.particles.stores and not part.equations.coupled
                 functions = solid_record.held(stores, self.dimension == 1)
@@ -269,11 +273,18 @@ class Scheme:
         found.extremes[1:].reshape(blocks, LOOKED)[:, LEAST_J] = -np.inf
         if self.alone:
             run(self._all, LOOK, y.array, y.array)
+        for gas in self._gases:
+            gas.find_places()
         for k, does in self._does.items():
             if not self.alone:
                 does.look(does.part, y.array)
                 self.parts[k].judge(y.owned(k), self._lines[k].seen)
             does.note(does.part, self._noted)
+
+    def forget(self) -> None:
+        """Clear what gases remember of a bad state: no NaN may stay there for another step."""
+        for gas in self._gases:
+            self._lines[gas.part.k].work.w[:] = 0.0
 
     def volume_ratio(self, y: BlockVector, k: int) -> Array:
         """(M,) det F of this rank's nodes of the solid block k."""

@@ -33,7 +33,7 @@ def capture(state: BlockState) -> dict[str, Array] | None:
 def whole_blocks(layout: BlockLayout, parts: list[Array] | None) -> dict[str, Array]:
     """Name -> nodes of a block, from the parts of all ranks, on rank 0.
 
-    What stands behind the nodes is added up; behind a completed solution there are zeros.
+    What stands behind the nodes is added up.
     """
     if parts is None:
         return {}

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fsipetsc.blockrun.asked import Asked, Forced
+from fsipetsc.blockrun.columns import loses
 from fsipetsc.blockrun.face_terms import FaceTerms, ranges_of, weights_of
 from fsipetsc.blocks.metrics import solid_metrics
 from fsipetsc.blocks.values import block_values, prestress_of
@@ -23,7 +24,7 @@ from fsipetsc.scheme.gas_record import Undamped
 from fsipetsc.scheme.solid_dissipation import AT_SHOCKS, SMALL, Damping, room
 from fsipetsc.scheme.solid_look import solid_look
 from fsipetsc.scheme.solid_record import SolidDamping, SolidRecord
-from fsipetsc.scheme.solid_work import Work, solid_work
+from fsipetsc.scheme.solid_work import Work, solid_work, sums_of
 
 Array = NDArray[Any]
 
@@ -52,6 +53,7 @@ class SolidPart(Forced):
         self._owned = part.ghosted_rows(np.arange(part.numbers.size))
         self._masses = weights_of(part, self._owned) * self.inertia[self._owned]
         self._per_h = np.array(self.block.cells, float)
+        self._loses = int(loses(self._problem, part.k))
         self._F = np.zeros((d * d, part.numbers.size))
         self.prestress = prestress_of(self.block, self.X)
         self._work = self._make_work(OPERATORS[order].rows, ranges[0][0])
@@ -127,13 +129,13 @@ class SolidPart(Forced):
         return ratio
 
     def look(self, q: Array) -> tuple[Array, Array]:
-        """What bounds a step, and momentum and energy of the owned nodes; q: (N, 2d + 1).
+        """What bounds a step, and the sums of the owned nodes; q: (N, 2d + 1).
 
-        See fsipetsc.scheme.block_look.
+        See fsipetsc.scheme.solid_look.
         """
-        seen, sums = np.zeros(LOOKED), np.zeros(self._d + 1)
-        of_block = self.metrics, self.prestress, self._per_h
-        memory = STIFFNESS_OF_WIDE, self._masses, self._work, self._F, seen, sums
+        seen, sums = np.zeros(LOOKED), np.zeros(sums_of(self._d) + 1)
+        of_block = self.X, self.metrics, self.prestress, self._per_h
+        memory = STIFFNESS_OF_WIDE, self._masses, self._work, self._F, self._loses, seen, sums
         solid_look(self.equations, self._like, q, *of_block, *memory)
         return seen, sums
 
@@ -164,6 +166,8 @@ class SolidPart(Forced):
             part.begin,
             part.local if part.has_halo else np.empty((0, part.dof)),
             int(alone and part.has_halo),
+            self._loses,
+            self.X,
             self.metrics,
             self.inertia,
             self.prestress,
@@ -178,7 +182,7 @@ class SolidPart(Forced):
             forcing=self.supplied(2 * d + 1),
             came=np.zeros(d + 2),
             seen=np.zeros(LOOKED),
-            sums=np.zeros(d + 1),
+            sums=np.zeros(sums_of(d) + 1),
             columns=columns,
             interfaces=ends,
             stored_at=part.ghosted_rows(part.rows(stored[1])),

@@ -87,11 +87,19 @@ class Slip(_OfGas):
 class Open(_OfGas):
     """Gas of density rho [kg/m3], velocity u (d data, or u(*X, t) -> d arrays) [m/s] and
     temperature T [K] outside; waves pass by characteristics.
+
+    order: 1 where viscosity and conduction matter to them: see docs/open-end.md.
     """
 
     rho: Datum
     u: Any
     T: Datum
+    order: int = 0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if isinstance(self.order, bool) or self.order not in (0, 1):
+            raise InputError(f"Open: order is {self.order!r}: expected 0 or 1")
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from numba import njit
 from fsipetsc.blocks.block import Block, Range, determinant, mesh
 from fsipetsc.blocks.faces import face_nodes
 from fsipetsc.blocks.metrics import EXACT, Wide, curl_metrics, volume_rate
-from fsipetsc.blocks.plane_grid import PlaneGrid, plane_metrics, plane_velocities
+from fsipetsc.blocks.plane_grid import PlaneGrid, plane_metrics, plane_places, plane_velocities
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.checks import Array
 from fsipetsc.operators.loops import CALL
@@ -112,6 +112,8 @@ class GridMotion:
 
     def positions(self) -> Array:
         """x (d, N) [m] after the last `move`."""
+        if self.block.dimension == 3:
+            return self._wide.inner(self._x)
         if self._blend is None:
             self._blend = Blend(self.block, self._where, self._hull)
         return self._X + self._blend.on_nodes(self._moved)
@@ -149,6 +151,10 @@ class LineMotion(NamedTuple):
         fill_hull(self.moving, known, 1, self.given, self.columns, self.weights)
         line_velocities(metrics, self.moving, self.low, self.high)
 
+    def find_places(self, X, places):
+        """Nobody asks for them."""
+        return None
+
     def jacobian(self, metrics, N, node, reference):
         """det(D x) of a node with that of the reference map."""
         longer = self.moved[0, -1] - self.moved[0, 0] if self.moved.size > 0 else 0.0
@@ -176,6 +182,10 @@ class PlaneMotion(NamedTuple):
         fill_hull(self.moving, known, 2, self.given, self.columns, self.weights)
         plane_velocities(self.plane, metrics, self.moving)
 
+    def find_places(self, X, places):
+        """Where nodes are: X and the displacement."""
+        plane_places(self.plane, X, self.moved, places)
+
     def jacobian(self, metrics, N, node, reference):
         """det(D x): the metrics are D x."""
         n = node + N
@@ -192,6 +202,10 @@ class Unmoved(NamedTuple):
         return None
 
     def swing(self, known, metrics):
+        """Nothing."""
+        return None
+
+    def find_places(self, X, places):
         """Nothing."""
         return None
 

@@ -118,7 +118,20 @@ def plane_velocities(plane, metrics, velocity):
     values, S, N = ((f[0], f[1]), (f[2], f[3])), (slope[0], slope[1]), (slope[2], slope[3])
     rise, weights = (plane.rise[0], plane.rise[1]), (plane.low, plane.high)
     more = plane.low_y, plane.high_y, plane.across.f, plane.across.slope, plane.ends
-    _plane_velocities(metrics, *values, S, N, rise, *weights, *more)
+    _plane_rates(metrics, S, N, rise, *weights, *more)
+    _plane_values(metrics[4:6], *values, *weights, *more)
+
+
+@njit(**CALL)
+def plane_places(plane, X, displacement, places):
+    """places = X + the displacement of the hull, blended (2, N)."""
+    differentiate_faces(plane, displacement)
+    f, more = plane.along.f, (plane.across.f, plane.across.slope, plane.ends)
+    weights = plane.low, plane.high, plane.low_y, plane.high_y
+    _plane_values(places, (f[0], f[1]), (f[2], f[3]), *weights, *more)
+    for c in range(2):
+        for i in range(X.shape[1]):
+            places[c, i] += X[c, i]
 
 
 @njit(**CALL)
@@ -174,18 +187,25 @@ def _plane_metrics(metrics, G, S, N, rise, low, high, low_y, high_y, g, steep, e
 
 
 @njit(**CALL)
-def _plane_velocities(
-    metrics, fS, fN, S, N, rise, low, high, low_y, high_y, g, steep, ends
-):
+def _plane_rates(metrics, S, N, rise, low, high, low_y, high_y, g, steep, ends):
     like, n = (0.0, 0.0), low.size
     for j in range(low_y.size):
         l, h, a, b = low_y[j], high_y[j], j * n, (j + 1) * n
         start, stop, west, east, west_slope, east_slope = _row(ends, g, steep, l, h, j)
         across = sub(sub(east, west), sub(stop, start))
         a1, a2 = rows(like, metrics, a, b), rows(like, metrics[2:], a, b)
-        v, J_t = rows(like, metrics[4:], a, b), metrics[6, a:b]
-        _row_of_rates(J_t, a1, a2, S, N, rise, low, high, (l, h, across, west_slope, east_slope))
-        _row_of_velocities(v, fS, fN, low, high, l, h, sub(west, start), sub(east, stop))
+        of_row = l, h, across, west_slope, east_slope
+        _row_of_rates(metrics[6, a:b], a1, a2, S, N, rise, low, high, of_row)
+
+
+@njit(**CALL)
+def _plane_values(values, fS, fN, low, high, low_y, high_y, g, steep, ends):
+    like, n = (0.0, 0.0), low.size
+    for j in range(low_y.size):
+        l, h = low_y[j], high_y[j]
+        start, stop, west, east, _, _ = _row(ends, g, steep, l, h, j)
+        v = rows(like, values, j * n, (j + 1) * n)
+        _row_of_values(v, fS, fN, low, high, l, h, sub(west, start), sub(east, stop))
         if low[0] == 1.0:
             store(v, 0, west)
         if high[n - 1] == 1.0:
@@ -215,8 +235,8 @@ def _row_of_rates(J_t, a1, a2, S, N, rise, low, high, of_row):
 
 
 @njit(**EXACT)
-def _row_of_velocities(v, S, N, low, high, l, h, west, east):
-    """v of a row of nodes; west, east: what Q misses there."""
+def _row_of_values(v, S, N, low, high, l, h, west, east):
+    """Values of a row of nodes; west, east: what Q misses there."""
     for i in range(low.size):
         Q = add(scale(l, load(S, i)), scale(h, load(N, i)))
         store(v, i, add(Q, add(scale(low[i], west), scale(high[i], east))))

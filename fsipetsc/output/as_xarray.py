@@ -24,7 +24,8 @@ _FIELDS = {
 }
 #: the same of integrals; in one dimension they are per area [m-2], in two per depth [m-1]
 _INTEGRALS = {
-    "J": "energy energy_in",
+    "J": "energy energy_in solid_energy lost_energy",
+    "J s": "angular_momentum angular_momentum_x angular_momentum_y angular_momentum_z",
     "J K-1": "entropy",
     "N s": "momentum momentum_x momentum_y momentum_z impulse impulse_x impulse_y impulse_z",
     "W K-1": "heating",

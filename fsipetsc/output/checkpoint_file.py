@@ -29,7 +29,7 @@ from fsipetsc.output.places import check_folder
 
 Array = np.ndarray[Any, Any]
 _MAGIC = b"fsipetsc checkpoint "
-VERSION = 2
+VERSION = 3
 _HEAD = 512  # bytes: HDF5 looks for its own beginning at this place, too
 
 

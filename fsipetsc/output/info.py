@@ -169,6 +169,7 @@ LABELS: dict[str, tuple[str, Callable[[Any], str]]] = {
     "t": ("time reached", _text),
     "departures": ("conserved", _departures),
     "J_error": ("largest departure of J from the grid's volume", _three_digits),
+    "lost_energy": ("lost of the energy of solids by steps", _three_digits),
     "steps": ("time steps", str),
     "rejected_steps": ("steps made anew", str),
     "dt_min": ("shortest step", _three_digits),

@@ -17,7 +17,7 @@ from numba import njit
 
 from fsipetsc.operators.loops import EXACT_LOOP, INNER_CALL, MERGED_CALL, along, dot, sub
 from fsipetsc.operators.loops import _by_length as by_length
-from fsipetsc.scheme.rows import ROW, TILE, U64, Array, aligned, at, put
+from fsipetsc.scheme.rows import ROW, TILE, U64, Array, add_moment, aligned, at, moments, put
 
 BAD, CONVECTION, DIFFUSION, LEAST_J, J_ERROR = range(5)
 #: numbers of a look
@@ -31,19 +31,24 @@ largest = by_length(
 
 
 def room_of(d: int) -> Array:
-    """Memory of a look: by columns of a tile, the four extremes, what is bad, and d + 3 sums."""
-    return aligned((LOOKED + d + 3) * int(ROW))
+    """Memory of a look: by columns of a tile, the four extremes, what is bad, and the sums."""
+    return aligned((LOOKED + sums_of(d)) * int(ROW))
+
+
+def sums_of(d: int) -> int:
+    """Sums of a look: mass, momentum, energy, entropy, angular momentum."""
+    return d + 3 + moments(d)
 
 
 @njit(**MERGED_CALL)
-def gas_look(
-    gas, like, q, metrics, per_h, stiffness, masses, reference, grid, patch, room, seen, sums
-):
-    """Fill seen (LOOKED,) and sums (d + 3,): mass, momentum, energy, entropy of the owned nodes.
+def gas_look(part, q, stiffness):
+    """Fill seen (LOOKED,) and sums (sums_of(d),) of the owned nodes; q: (M, d + 3).
 
-    q: (M, d + 3), masses, reference: (M,) weight and J of the reference map; metrics: (d d + d + 1,
-    N); per_h: (d,) cells per axis. grid: knows det(D x), see fsipetsc.blocks.grid.
+    part: see fsipetsc.scheme.gas_record.
     """
+    gas, like, grid, patch, per_h = part.laws, part.like, part.grid, part.patch, part.per_h
+    masses, reference, places, metrics = part.masses, part.reference, part.places, part.metrics
+    room, seen, sums = part.room, part.seen, part.sums
     for c in range(room.size):
         room[c] = -np.inf if c < LOOKED * ROW else 0.0
     (n0, n1, n2), (g0, g1, _), (f0, f1, f2) = patch.own, patch.ghosted, patch.first
@@ -55,6 +60,7 @@ def gas_look(
                 at_q, first, n = U64(own + x), U64(row + x), U64(min(TILE, n0 - x))
                 of_nodes = flat, flat_metrics, masses, reference, at_q, first, n
                 measure(gas, like, per_h, stiffness, grid, *of_nodes, room)
+                turn(like, q, places, masses, at_q, first, n, room)
     collect(room, seen, sums)
 
 
@@ -89,6 +95,16 @@ def measure(
         put(room, first_sum, ROW, i, total)
 
 
+@njit(**EXACT_LOOP)
+def turn(like, q, places, masses, own, first, n, room):
+    """Add the angular momentum of n nodes to the sums."""
+    d, dof, N = len(like), U64(len(like) + 3), U64(places.size // len(like))
+    q, x_of, begin = q.reshape(q.size), places.reshape(places.size), U64(LOOKED + d + 3) * ROW
+    for i in range(n):
+        momentum, x = at(like, q, own * dof + U64(2), U64(1), i * dof), at(like, x_of, first, N, i)
+        add_moment(x, momentum, masses[own + i], room, begin, ROW, i)
+
+
 @njit(**INNER_CALL)
 def collect(room, seen, sums):
     """The extremes and sums of all columns."""
@@ -103,13 +119,13 @@ def collect(room, seen, sums):
 
 
 @njit(**MERGED_CALL)
-def look_at_end(solid, q, F, at, own, S, found):
-    """Fill found with displacement, velocity, sigma and T of a node in one dimension.
+def look_at_end(solid, q, F, node, S, found):
+    """Fill found with displacement, velocity, sigma and T of an owned node in one dimension.
 
-    at, own: its numbers in q and F. S: prestress [Pa]. With heat 'elastic', S (F - 1) is energy.
+    S: prestress [Pa]. With heat 'elastic', S (F - 1) is energy.
     """
-    strain = (F[0, own],)
+    strain = (F[0, node],)
     stored = (1.0 - solid.coupled) * S * (strain[0] - 1.0) / solid.m0
-    found[0], found[1] = q[at, 0], q[at, 1]
+    found[0], found[1] = q[node, 0], q[node, 1]
     found[2] = solid.law.stress(strain)[0] + S
-    found[3] = solid.temperature((q[at, 1],), q[at, 2] - stored, strain)
+    found[3] = solid.temperature((q[node, 1],), q[node, 2] - stored, strain)

@@ -12,6 +12,8 @@ its axis, where f is
                along the face those of the side that the gas comes from; c^2 of that side
                If no such gas can be, 1/2 (F(U_in) + F(U_out)) - 1/2 lambda (U_out - U_in),
                lambda = max over both of |n . (u - v)| + c |n| (local Lax-Friedrichs)
+               To first order in viscosity and conduction `first_order` says what p - Z N . u
+               outside is besides, and viscous stress and heat pass
     outflow    F(U_in); with a pressure p_b beyond and a Mach number m < 1 through the face that of
                Lax and Friedrichs, with U_out of density and velocity of U_in and of pressure
                p + (1 - m^2)(p_b - p); m = 0 where gas flows in
@@ -35,6 +37,9 @@ from fsipetsc.operators.loops import CALL, INNER_CALL, column
 from fsipetsc.scheme.rows import U64
 
 Array = NDArray[Any]
+#: first order of an open face fades out where viscosity is this fraction of c L, and q_nn = 0 where
+#: alpha is this fraction of a L, L the length of the gas
+LONGEST = 0.25
 
 
 class GasFaces(NamedTuple):
@@ -45,7 +50,8 @@ class GasFaces(NamedTuple):
     the outward normal. per_weight: 1 / weight of the axis at the face, across: product of those of
     the other axes. opens: 1 where gas may pass; outside: (n, d + 2), (rho, u, T) beyond; pressure:
     (n,) that beyond an outflow, 0 for one that is supersonic, below 0 where the face is open and no
-    outflow. heat: (n,) what comes in per area [W/m2].
+    outflow. heat: (n,) what comes in per area [W/m2]. width: (n,) length [m] of the gas behind an
+    open face of first order, else 0.
     """
 
     at: Array
@@ -58,10 +64,12 @@ class GasFaces(NamedTuple):
     outside: Array
     pressure: Array
     heat: Array
+    width: Array
 
     def add(self, part, q, rates, gain):
         """Add all that passes, see ``pass_faces``."""
-        pass_faces(part.laws, self, q, part.metrics, rates, gain)
+        of_axes = part.S, part.weight, part.patch
+        pass_faces(part.laws, self, *of_axes, q, part.metrics, rates, gain)
 
 
 class SolidFaces(NamedTuple):
@@ -138,13 +146,13 @@ def inside(law, q, u):
 
 
 @njit(**CALL)
-def pass_faces(gas, faces, q, metrics, rates, gain):
+def pass_faces(gas, faces, S, weight, patch, q, metrics, rates, gain):
     """Add what passes the faces of a gas to ``rates`` (owned, d + 3) and ``gain`` (d + 2,).
 
-    q: (ghosted, d + 3); metrics: (d d + d + 1, ghosted).
+    q: (ghosted, d + 3); metrics: (d d + d + 1, ghosted). S, weight: of the three axes.
     """
     d, law = q.shape[1] - 3, gas.law
-    n, u, u_out = np.zeros(d), np.zeros(d), np.zeros(d)
+    n, u, u_out, slopes = np.zeros(d), np.zeros(d), np.zeros(d), np.zeros(3)
     f, f_out = np.zeros(d + 2), np.zeros(d + 2)
     for i in range(faces.at.size):
         at = faces.at[i]
@@ -155,7 +163,9 @@ def pass_faces(gas, faces, q, metrics, rates, gain):
             area += n[c] * n[c]
         if faces.opens[i] == 1:
             rho, T = inside(law, q[at], u)
-            open_node(law, faces, i, rho, T, u, n, g, area, u_out, f, f_out)
+            if faces.width[i] > 0.0:
+                slopes_outward(law, faces, i, S, weight, patch, q, n, np.sqrt(area), slopes)
+            open_node(gas, faces, i, rho, T, u, n, g, area, slopes, u_out, f, f_out)
             for c in range(d + 2):
                 rates[faces.own[i], 1 + c] -= faces.per_weight[i] * f[c]
                 gain[c] -= faces.across[i] * f[c]
@@ -165,9 +175,9 @@ def pass_faces(gas, faces, q, metrics, rates, gain):
 
 
 @njit(**INNER_CALL)
-def open_node(law, faces, i, rho, T, u, n, g, area, u_out, f, f_out):
-    """f of an open face or an outflow; area: |n|^2."""
-    d, pressure = u.size, faces.pressure[i]
+def open_node(gas, faces, i, rho, T, u, n, g, area, slopes, u_out, f, f_out):
+    """f of an open face or an outflow; area: |n|^2, slopes: see `slopes_outward`."""
+    law, d, pressure, viscous = gas.law, u.size, faces.pressure[i], (0.0, 0.0, 0.0)
     fastest = _flux(law, rho, u, T, n, g, f)
     if pressure == 0.0:
         return
@@ -183,8 +193,14 @@ def open_node(law, faces, i, rho, T, u, n, g, area, u_out, f, f_out):
         p = law.pressure(rho, T)
         beyond = p + max(1.0 - m * m, 0.0) * (pressure - p)
         rho_out, T_out = rho, law.temperature_of(rho, beyond)
-    elif _by_characteristics(law, rho, u, T, rho_out, u_out, T_out, n, g, area, f):
-        return
+    else:
+        if faces.width[i] > 0.0:
+            a = -g / np.sqrt(area)
+            for c in range(d):
+                a += n[c] * u[c] / np.sqrt(area)
+            viscous = first_order(gas, rho, T, a, rho_out, T_out, faces.width[i], slopes)
+        if _by_characteristics(law, rho, u, T, rho_out, u_out, T_out, n, g, area, viscous, f):
+            return
     fastest = max(fastest, _flux(law, rho_out, u_out, T_out, n, g, f_out))
     for c in range(d + 2):
         f[c] = 0.5 * (f[c] + f_out[c])
@@ -196,9 +212,59 @@ def open_node(law, faces, i, rho, T, u, n, g, area, u_out, f, f_out):
 
 
 @njit(**INNER_CALL)
-def _by_characteristics(law, rho, u, T, rho_out, u_out, T_out, n, g, area, out):
-    """out = F(U*); False if there is no such gas. area: |n|^2."""
-    size = np.sqrt(area)
+def slopes_outward(law, faces, i, S, weight, patch, q, n, size, out):
+    """out = outward derivatives of N . u, p and T at a node of a face, along its axis."""
+    axis, at, (nx, ny, nz) = faces.axis[i], faces.at[i], patch.ghosted
+    stride, nodes = (1, nx) if axis == 0 else (nx, ny) if axis == 1 else (nx * ny, nz)
+    place, band, u = at // stride % nodes, S[axis], np.zeros(n.size)
+    for k in range(3):
+        out[k] = 0.0
+    for k in range(1, band.shape[0]):
+        for sign in (1, -1):
+            to, first = at + sign * k * stride, place if sign > 0 else place - k
+            if first >= 0 and first + k < nodes and band[k, first] != 0.0:
+                part = sign * 0.5 * band[k, first] / weight[axis][place]
+                for node, share in ((to, part), (at, -part)):
+                    rho, T = inside(law, q[node], u)
+                    for c in range(n.size):
+                        out[0] += share * n[c] * u[c] / size
+                    out[1] += share * law.pressure(rho, T)
+                    out[2] += share * T
+    for k in range(3):
+        out[k] *= faces.sign[i] * size / q[at, 0]
+
+
+@njit(**INNER_CALL)
+def first_order(gas, rho, T, a, rho0, T0, width, slopes):
+    """What comes in with sound, viscous stress, and heat that comes in, of a node of an open face.
+
+    To first order in viscosity and conduction, as docs/open-end.md derives it for small
+    disturbances of the gas beyond, rho0, T0. a: velocity through the face; slopes: outward.
+    """
+    law, v_n, p_n = gas.law, slopes[0], slopes[1]
+    c2, cv = law.sound_speed_squared(rho0, T0), law.heat_capacity(rho0, T0)
+    c, by_heat = np.sqrt(c2), law.pressure_by_temperature(rho0, T0) / cv
+    tau = T0 * by_heat / (rho0 * rho0 * c2)
+    mu = 4.0 / 3.0 * gas.mu * gas.transport.viscosity(T0)
+    kappa = gas.kappa * gas.transport.conductivity(T0)
+    part = max(0.0, 1.0 - max(mu, kappa / cv) / (rho0 * LONGEST * c * width))
+    sound, heat = 0.5 * (mu - tau * by_heat * kappa) * v_n, 0.0
+    if kappa > 0.0:
+        capacity = cv * rho0 * rho0 * c2 / law.bulk_modulus(rho0, T0)
+        alpha, carrying = kappa / capacity, max(a, 0.0) * LONGEST * width
+        q_n = carrying / (carrying + alpha) * (slopes[2] - tau * p_n)
+        slow = max(1.0 + min(a, 0.0) / c, 0.0)
+        lost = 0.5 * (np.sqrt(a * a + 4.0 * (alpha / width) ** 2) - a)
+        warmer = T - T0 - tau * (law.pressure(rho, T) - law.pressure(rho0, T0))
+        sound -= by_heat * kappa / (rho0 * c) * q_n
+        heat = kappa * (slow * slow * tau * p_n + q_n) - capacity * lost * warmer
+    return part * sound, part * mu * v_n, part * heat
+
+
+@njit(**INNER_CALL)
+def _by_characteristics(law, rho, u, T, rho_out, u_out, T_out, n, g, area, viscous, out):
+    """out = F(U*); False if there is no such gas. area: |n|^2, viscous: see `first_order`."""
+    size, (sound, stress, heat) = np.sqrt(area), viscous
     c2, c2_out = law.sound_speed_squared(rho, T), law.sound_speed_squared(rho_out, T_out)
     a, a_out = -g / size, -g / size
     for c in range(u.size):
@@ -210,8 +276,8 @@ def _by_characteristics(law, rho, u, T, rho_out, u_out, T_out, n, g, area, out):
     if not T_mean > 0.0:
         return False
     Z = rho_mean * np.sqrt(law.sound_speed_squared(rho_mean, T_mean))
-    speed = 0.5 * (a + a_out) + 0.5 * (p - p_out) / Z
-    between = 0.5 * (p + p_out) + 0.5 * Z * (a - a_out)
+    speed = 0.5 * (a + a_out) + 0.5 * (p - p_out - sound) / Z
+    between = 0.5 * (p + p_out + sound) + 0.5 * Z * (a - a_out)
     rho_face, leaves = rho + (between - p) / c2, speed >= 0.0
     if not leaves:
         rho_face = rho_out + (between - p_out) / c2_out
@@ -228,12 +294,16 @@ def _by_characteristics(law, rho, u, T, rho_out, u_out, T_out, n, g, area, out):
     for c in range(u.size):
         u_face[c] = (u[c] if leaves else u_out[c]) + n[c] / size * (speed - known)
     _flux(law, rho_face, u_face, T_face, n, g, out)
+    for c in range(u.size):
+        out[1 + c] -= n[c] * stress
+    out[u.size + 1] -= size * (stress * (speed + g / size) + heat)
     return True
 
 
 @njit(**CALL)
 def load_faces(solid, like, faces, S, weight, patch, q, metrics, inertia, rates, gain):
-    """Add forces and heat at the faces of a solid to ``rates`` (owned, 2d + 1), ``gain`` (d + 2,).
+    """Add forces and heat at the faces of a solid to ``rates`` (owned, 2d + 1), and to ``gain``
+    (d + 2,) work, impulse and energy.
 
     q: (ghosted, 2d + 1). S, weight: of the three axes. inertia: (ghosted,), J0 m0.
     """
@@ -256,13 +326,14 @@ def load_faces(solid, like, faces, S, weight, patch, q, metrics, inertia, rates,
             _normal(faces, i, S, weight, patch, q, n)
             for c in range(d):
                 force[c] -= faces.pressure[i] * n[c]
-        scale, power = faces.per_weight[i] / inertia[at], faces.heat[i] * area
+        scale, work, heat = faces.per_weight[i] / inertia[at], 0.0, faces.heat[i] * area
         for c in range(d):
             rates[own, d + c] += scale * force[c]
             gain[1 + c] += faces.across[i] * force[c]
-            power += force[c] * q[at, d + c]
-        rates[own, 2 * d] += scale * power
-        gain[1 + d] += faces.across[i] * power
+            work += force[c] * q[at, d + c]
+        rates[own, 2 * d] += scale * (work + heat)
+        gain[0] += faces.across[i] * work
+        gain[1 + d] += faces.across[i] * (work + heat)
 
 
 @njit(**INNER_CALL)

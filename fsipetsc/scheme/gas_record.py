@@ -8,7 +8,7 @@ from numba import njit
 
 from fsipetsc.operators.loops import CALL
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
-from fsipetsc.scheme.block_look import BAD, gas_look
+from fsipetsc.scheme.block_look import gas_look
 from fsipetsc.scheme.gas_dissipation import gas_dissipation
 from fsipetsc.scheme.gas_rates import gas_rates
 from fsipetsc.scheme.normals import derivative
@@ -20,7 +20,8 @@ class GasRecord(NamedTuple):
     """A part of a gas block.
 
     like: d zeros. laws: fsipetsc.equations.gas. faces: fsipetsc.scheme.faces. block: its number,
-    begin: of its unknowns in the world vector. halo: (N, d + 3), its nodes with a halo, or none;
+    begin: of its unknowns in the world vector. X, places: (d, N) of the reference map, and where
+    nodes are at a look. halo: (N, d + 3), its nodes with a halo, or none;
     wraps: whether it is filled by fsipetsc.scheme.part. S, weight: of three bands. masses: (M,)
     weights of its own nodes.
 
@@ -42,6 +43,8 @@ class GasRecord(NamedTuple):
     column: int
     halo: Array
     wraps: int
+    X: Array
+    places: Array
     metrics: Array
     S: Any
     weight: Any
@@ -86,6 +89,10 @@ class Undamped(NamedTuple):
     def add(self, part, q, rates):
         """Nothing."""
         return None
+
+    def power(self, part, q, rates):
+        """None."""
+        return 0.0
 
 
 @njit(**CALL)
@@ -173,13 +180,9 @@ def supply(part, q, rates, came):
 @njit(**CALL)
 def look(part, s):
     """Fill seen and sums of a part: see fsipetsc.scheme.block_look."""
-    laws, like, metrics, grid, seen = part.laws, part.like, part.metrics, part.grid, part.seen
-    q, masses, reference = owned(part, s, len(like) + 3), part.masses, part.reference
-    room = part.room
-    per_h, patch, z, sums = part.per_h, part.patch, STIFFNESS_OF_WIDE, part.sums
-    gas_look(laws, like, q, metrics, per_h, z, masses, reference, grid, patch, room, seen, sums)
-    if seen[BAD] != 0.0:  # no NaN may stay there for a step that is made again
-        clear(part.work.w)
+    if part.known.shape[0] > 0:
+        part.grid.find_places(part.X, part.places)
+    gas_look(part, owned(part, s, len(part.like) + 3), STIFFNESS_OF_WIDE)
 
 
 #: what is held of a gas: fsipetsc.scheme.part.Held, without ``part``

@@ -94,7 +94,7 @@ def note_part(part, found):
     for c in range(seen.size):
         extremes[begin + c] = seen[c]
     extremes[begin + CONVECTION] *= found.pace
-    for c in range(sums.size):
+    for c in range(columns.size):
         latest[columns[c]] += sums[c]
 
 

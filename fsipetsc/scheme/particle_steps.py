@@ -127,7 +127,7 @@ def end_rates(p, s, f, gain):
     """Rates of the members under the constraints of their particles."""
     table, like, state, rates, behind = p.table, p.like, p.state, p.particle_rates, p.behind
     constrain(table, like, p.rows, p.normals, p.turning, p.data, state, rates, gain)
-    give_rates(table, like, s, f, state, rates)
+    give_rates(table, like, s, f, state, rates, gain)
     for c in range(behind):
         f[f.size - behind + c] = gain[c]
 

@@ -20,8 +20,8 @@ G_c is the sum of the area vectors of gas faces, S_c minus that of those at a so
 S_c is the sum over walls: what they push comes in from outside. Sticking gas and solid are one body
 of mass M + M_s. A body whose motion is given counts as infinitely heavy.
 
-What comes in is added to ``gain``: masses of the gas blocks, impulse (d), energy. Constraints tell
-it by their forces, data that replace unknowns by the change.
+What comes in is added to ``gain``: masses of the gas blocks, work on solids if it is booked,
+impulse (d), energy. Constraints tell it by their forces, data that replace unknowns by the change.
 """
 
 from __future__ import annotations
@@ -48,9 +48,9 @@ class Table(NamedTuple):
     begin: (p + 1,), rows of particle p are row[begin[p]:begin[p + 1]], in the order that all ranks
     have. kind: (rows,) GAS or SOLID. at: (own,) where the unknowns of a member begin in the world's
     vector. weight: (rows,) H of a gas member, M_s of a solid one; alpha: (rows,) specific heat of
-    solids. count: (p,) number of constraints; constraint: (p, K) their kinds. column: (p,) where
-    the mass of the gas is in ``gain``. flags: (p, FLAGS) 1 or 0 for each of MINE …, see
-    fsipetsc.blocks.particles.
+    solids. inertia: (own,) M_s of members whose work is booked, else 0. count: (p,) number of
+    constraints; constraint: (p, K) their kinds. column: (p,) where the mass of the gas is in
+    ``gain``. flags: (p, FLAGS) 1 or 0 for each of MINE …, see fsipetsc.blocks.particles.
 
     Functions name arrays before their loops: where a record is asked within a loop, numba counts
     references to its arrays, which takes as long as all else.
@@ -62,6 +62,7 @@ class Table(NamedTuple):
     at: Array
     weight: Array
     alpha: Array
+    inertia: Array
     count: Array
     constraint: Array
     column: Array
@@ -572,9 +573,10 @@ def _note_forces(table, like, p, normals, pi, data, v, pushes, gain):
 
 
 @njit(**MERGED_CALL)
-def give_rates(table, like, y, f, state, rates):
+def give_rates(table, like, y, f, state, rates, gain):
     """(J U)_t = J U_t + U J_t of gas members; accelerations of solid ones, and their power."""
     d, begin, row, kind, starts = len(like), table.begin, table.row, table.kind, table.at
+    inertia, work = table.inertia, gain.size - 2 - d
     U, v = state.U, state.v
     for p in range(begin.size - 1):
         for m in range(begin[p], begin[p + 1]):
@@ -590,3 +592,5 @@ def give_rates(table, like, y, f, state, rates):
                     force = rates[p, d + 2 + c] - f[at + d + c]
                     f[at + d + c] += force
                     f[at + 2 * d] += force * v[p, c]
+                    if inertia[r] > 0.0:
+                        gain[work] += inertia[r] * force * v[p, c]

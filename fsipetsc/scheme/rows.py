@@ -46,6 +46,21 @@ at = _by_length(
 put = _by_length("put", "array, start, step, i, values", _put)
 
 
+def moments(d: int) -> int:
+    """Components of angular momentum in d dimensions."""
+    return d * (d - 1) // 2
+
+
+def _add_moment(d: int) -> str:
+    pairs = {1: (), 2: ((0, 1),), 3: ((1, 2), (2, 0), (0, 1))}[d]
+    lines = enumerate(f"c * (x[{a}] * p[{b}] - x[{b}] * p[{a}])" for a, b in pairs)
+    return "\n".join([*(f" array[{_start(row)}] += {of}" for row, of in lines), " return"])
+
+
+#: adds c times x cross p to the numbers of node i
+add_moment = _by_length("add_moment", "x, p, c, array, start, step, i", _add_moment)
+
+
 def aligned(size: int) -> Array:
     """(size,) zeros that begin at a multiple of 64 bytes, as vector loads like it."""
     raw = np.zeros(size + 8)

@@ -9,30 +9,33 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from fsipetsc.equations.tensors import determinant, outer
-from fsipetsc.operators.loops import EXACT_LOOP, INNER_CALL, MERGED_CALL, dot
+from fsipetsc.equations.tensors import add_unit, determinant, outer
+from fsipetsc.operators.loops import EXACT_LOOP, INNER_CALL, MERGED_CALL, add, dot
 from fsipetsc.scheme.block_look import BAD, CONVECTION, DIFFUSION, J_ERROR, LEAST_J
-from fsipetsc.scheme.rows import U64, at, put
+from fsipetsc.scheme.rows import U64, add_moment, at, put
 from fsipetsc.scheme.solid_rates import differentiate, relieve, row_of, rows_of, strain, take
-from fsipetsc.scheme.solid_work import KNOWN, NONE, ONE, OWN, PLAIN, WIDTH, step_of
+from fsipetsc.scheme.solid_work import EXTREMES, KNOWN, NONE, ONE, OWN, PLAIN, WIDTH, step_of
 
 
 @njit(**MERGED_CALL)
-def solid_look(solid, like, q, metrics, prestress, per_h, stiffness, masses, work, F, seen, sums):
-    """Fill seen (LOOKED,), sums (d + 1,), momentum and energy, and F (d d, M) of the owned nodes.
+def solid_look(
+    solid, like, q, X, metrics, prestress, per_h, stiffness, masses, work, F, loses, seen, sums
+):
+    """Fill seen (LOOKED,), sums (solid_work.sums_of(d) + 1,) and F (d d, M) of the owned nodes.
 
-    q, metrics, prestress, work: see fsipetsc.scheme.solid_rates. per_h: (d,) cells per axis;
-    masses: (M,) weight J0 m0.
+    sums: momentum, energy, angular momentum, kinetic and elastic energy, minus this. q, metrics,
+    prestress, work: see fsipetsc.scheme.solid_rates. X: (d, N) places at rest. per_h: (d,) cells
+    per axis; masses: (M,) weight J0 m0. loses: 1 if the last two sums are wanted, else they are 0.
     """
     patch, layout, lags, boxes, jumps, weights = work[:6]
-    unknowns, strains, slopes, found = work[6], work[7], work[11], work[12]
+    unknowns, strains, slopes, looked = work[6], work[7], work[11], work[13]
     q, metrics, F = q.reshape(q.size), metrics.reshape(metrics.size), F.reshape(F.size)
+    X = X.reshape(X.size)
     extra, table, d = prestress.reshape(prestress.size), (jumps, weights, layout), ONE * len(like)
-    first_sum = len(like) * len(like)  # sums stand behind what differences need of slopes
+    for i in range(looked.size):
+        looked[i] = 0.0
     for i in range(U64(layout.row)):
-        found[i], found[WIDTH + i], found[U64(2) * WIDTH + i] = 0.0, 0.0, -np.inf
-        for c in range(len(like) + 1):
-            slopes[U64(first_sum + c) * WIDTH + i] = 0.0
+        looked[U64(EXTREMES - 1) * WIDTH + i] = -np.inf
     for tile in range(boxes.shape[0]):
         for z in range(boxes[tile, KNOWN, 2, 0], boxes[tile, OWN, 2, 1] + lags[0]):
             begin, end = rows_of(boxes, tile, KNOWN, z)
@@ -41,13 +44,16 @@ def solid_look(solid, like, q, metrics, prestress, per_h, stiffness, masses, wor
             begin, end = rows_of(boxes, tile, OWN, z - lags[0])
             for y in range(begin, end):
                 row = row_of(patch, layout, boxes, tile, OWN, y, z - lags[0])
-                add_up(like, row, unknowns, masses, slopes)
+                add_up(like, row, unknowns, masses, looked)
+                turn(like, row, unknowns, X, masses, looked)
                 differentiate(like, table, row, PLAIN, unknowns, NONE, NONE, d, slopes, NONE)
                 strain(like, metrics, row, slopes, strains)
                 keep(like, row, strains, F)
                 relieve(solid, like, extra, row, strains, unknowns)
-                measure(solid, like, metrics, per_h, stiffness, row, unknowns, strains, found)
-    collect(found, slopes, U64(layout.row), first_sum, seen, sums)
+                measure(solid, like, metrics, per_h, stiffness, row, unknowns, strains, looked)
+                if loses == 1:
+                    add_energy(solid, like, extra, row, unknowns, strains, masses, looked)
+    collect(looked, U64(layout.row), seen, sums)
 
 
 @njit(**EXACT_LOOP)
@@ -55,9 +61,35 @@ def add_up(like, row, unknowns, masses, totals):
     """Add momentum and energy of a row to those of its columns."""
     for c in range(len(like) + 1):
         first = U64((len(like) + c) * step_of(like) + row.tile)
-        to, own = U64(len(like) * len(like) + c) * WIDTH, U64(row.own)
+        to, own = U64(EXTREMES + c) * WIDTH, U64(row.own)
         for i in range(U64(row.n)):
             totals[to + i] += masses[own + i] * unknowns[first + i]
+
+
+@njit(**EXACT_LOOP)
+def turn(like, row, unknowns, X, masses, totals):
+    """Add angular momentum, X + D times the momentum."""
+    d, step, node, own = U64(len(like)), U64(step_of(like)), U64(row.tile), U64(row.own)
+    N, here, to = U64(X.size // len(like)), U64(row.patch), U64(EXTREMES + len(like) + 1) * WIDTH
+    for i in range(U64(row.n)):
+        x = add(at(like, X, here, N, i), at(like, unknowns, node, step, i))
+        v = at(like, unknowns, node + d * step, step, i)
+        add_moment(x, v, masses[own + i], totals, to, WIDTH, i)
+
+
+@njit(**EXACT_LOOP)
+def add_energy(solid, like, extra, row, unknowns, strains, masses, totals):
+    """Add kinetic and elastic energy, and that of a prestress S : (F - 1)."""
+    nine, step, d = outer(like, like), U64(step_of(like)), U64(len(like))
+    node, own, to = U64(row.tile), U64(row.own), U64(totals.size) - WIDTH
+    for i in range(U64(row.n)):
+        v, F = at(like, unknowns, node + d * step, step, i), at(nine, strains, node, step, i)
+        energy = 0.5 * dot(v, v) + solid.law.energy(F) / solid.m0
+        totals[to + i] += masses[own + i] * energy
+    N, g, n = U64(extra.size // len(nine)), U64(row.patch), row.n if extra.size > 0 else 0
+    for i in range(U64(n)):
+        S, F = at(nine, extra, g, N, i), at(nine, strains, node, step, i)
+        totals[to + i] += masses[own + i] * dot(S, add_unit(-1.0, F)) / solid.m0
 
 
 @njit(**EXACT_LOOP)
@@ -70,7 +102,7 @@ def keep(like, row, strains, F):
 
 
 @njit(**EXACT_LOOP)
-def measure(solid, like, metrics, per_h, stiffness, row, unknowns, strains, found):
+def measure(solid, like, metrics, per_h, stiffness, row, unknowns, strains, looked):
     """Add a row to the extremes of columns: squared rate of waves [1/s2], inf where the state is
     none; that of diffusion [1/s]; -det F.
     """
@@ -89,23 +121,23 @@ def measure(solid, like, metrics, per_h, stiffness, row, unknowns, strains, foun
         modulus = solid.wave_modulus_at(F, T)
         good = J > 0.0 and T > 0.0 and modulus > -1e-300
         fastest = max(modulus, 0.0) / solid.m0 * squares if good else np.inf
-        found[i] = max(found[i], fastest)
-        found[WIDTH + i] = max(found[WIDTH + i], spread * squares)
-        found[U64(2) * WIDTH + i] = max(found[U64(2) * WIDTH + i], -J)
+        looked[i] = max(looked[i], fastest)
+        looked[WIDTH + i] = max(looked[WIDTH + i], spread * squares)
+        looked[U64(2) * WIDTH + i] = max(looked[U64(2) * WIDTH + i], -J)
 
 
 @njit(**INNER_CALL)
-def collect(found, totals, n, first_sum, seen, sums):
-    """The extremes and sums of all columns."""
+def collect(looked, n, seen, sums):
+    """The extremes and sums of all columns; the last sum is minus the one before."""
     fastest, seen[DIFFUSION], seen[LEAST_J], seen[J_ERROR] = 0.0, 0.0, -np.inf, 0.0
     for i in range(n):
-        fastest = max(fastest, found[i])
-        seen[DIFFUSION] = max(seen[DIFFUSION], found[WIDTH + i])
-        seen[LEAST_J] = max(seen[LEAST_J], found[U64(2) * WIDTH + i])
+        fastest = max(fastest, looked[i])
+        seen[DIFFUSION] = max(seen[DIFFUSION], looked[WIDTH + i])
+        seen[LEAST_J] = max(seen[LEAST_J], looked[U64(2) * WIDTH + i])
     seen[BAD] = 0.0 if fastest < np.inf else 1.0
     seen[CONVECTION] = np.sqrt(fastest)
-    for c in range(sums.size):
-        sums[c], first = 0.0, U64(first_sum + c) * WIDTH
+    for c in range(sums.size - 1):
+        sums[c], first = 0.0, U64(EXTREMES + c) * WIDTH
         for i in range(n):
-            sums[c] += totals[first + i]
-            totals[first + i] = 0.0  # without conduction rates find no heat there
+            sums[c] += looked[first + i]
+    sums[sums.size - 1] = -sums[sums.size - 2]

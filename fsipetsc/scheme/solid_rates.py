@@ -71,7 +71,7 @@ def solid_rates(solid, like, q, metrics, prestress, rates, work):
     work: fsipetsc.scheme.solid_work.
     """
     patch, layout, lags, boxes, jumps, weights = work[:6]
-    unknowns, strains, tractions, temps, heats, slopes, found = work[6:]
+    unknowns, strains, tractions, temps, heats, slopes, found = work[6:13]
     q, metrics, rates = q.reshape(q.size), metrics.reshape(metrics.size), rates.reshape(rates.size)
     extra, table, d = prestress.reshape(prestress.size), (jumps, weights, layout), ONE * len(like)
     for tile in range(boxes.shape[0]):

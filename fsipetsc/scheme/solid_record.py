@@ -22,7 +22,9 @@ from fsipetsc.scheme.solid_rates import solid_rates
 class SolidRecord(NamedTuple):
     """A part of a solid block; what has the same name as in GasRecord is the same.
 
-    inertia: (N,) J0 m0, masses: (M,) weights times J0 m0. F: (d d, M), as the last look found it.
+    X: (d, N) places at rest. inertia: (N,) J0 m0, masses: (M,) weights times J0 m0. F: (d d, M), as
+    the last look found it. came: (d + 2,) work, impulse and energy that come in. loses: 1 if work
+    is booked, for what steps lose of kinetic and elastic energy.
     forcing: (2d + 1, M), or (2d + 1, 0), of velocity, temperature and place. interfaces: (n, 4)
     number of an interface at this part in one dimension, owned row of its node, X, prestress.
     stored_at: (n,) ghosted rows of members that tell what they store, rows_of_stored: (n,) where.
@@ -36,6 +38,8 @@ class SolidRecord(NamedTuple):
     begin: int
     halo: Array
     wraps: int
+    loses: int
+    X: Array
     metrics: Array
     inertia: Array
     prestress: Array
@@ -70,6 +74,14 @@ class SolidDamping(NamedTuple):
         of_patch = self.differences, part.patch
         solid_dissipation(part.like, self.damping, q, part.metrics, *of_patch, rates, self.room)
         self.after.add(part, q, rates)
+
+    def power(self, part, q, rates):
+        """Sum of v . v_t times the masses, if work is booked; q, rates: of the owned nodes."""
+        d, masses, total = len(part.like), part.masses, 0.0
+        for i in range(masses.size if part.loses == 1 else 0):
+            for c in range(d, 2 * d):
+                total += masses[i] * q[i, c] * rates[i, c]
+        return total
 
 
 @njit(**CALL)
@@ -109,11 +121,16 @@ def rates(part, s, f, gain):
     """Fill a solid's part of f, from that of a completed s; what comes in goes to ``gain``."""
     d, n = len(part.like), gain.size
     q, own, came = ghosted(part, s, 2 * d + 1), owned(part, f, 2 * d + 1), part.came
+    damping, own_q = part.dissipation, owned(part, s, 2 * d + 1)
     solid_rates(part.laws, part.like, q, part.metrics, part.prestress, own, part.work)
-    part.dissipation.add(part, q, own)
     clear(came)
+    came[0] -= damping.power(part, own_q, own)
+    damping.add(part, q, own)
+    came[0] += damping.power(part, own_q, own)
     part.faces.add(part, q, own, came)
-    supply(part, owned(part, s, 2 * d + 1), own, came)
+    supply(part, own_q, own, came)
+    if part.loses == 1:
+        gain[n - d - 2] += came[0]
     for c in range(d + 1):
         gain[n - d - 1 + c] += came[1 + c]
 
@@ -125,8 +142,10 @@ def supply(part, q, rates, came):
     for c in range(d):
         b = force[c]
         for i in range(masses.size if b != 0.0 else 0):
+            work = masses[i] * b * q[i, d + c]
+            came[0] += work
             came[1 + c] += masses[i] * b
-            came[1 + d] += masses[i] * b * q[i, d + c]
+            came[1 + d] += work
     for i in range(forcing.shape[1]):
         heat = part.laws.alpha * forcing[d, i]
         for c in range(d):
@@ -142,10 +161,13 @@ def supply(part, q, rates, came):
 @njit(**CALL)
 def look(part, s):
     """Fill seen, sums and F of a part."""
-    laws, like, metrics, seen, sums = part.laws, part.like, part.metrics, part.seen, part.sums
+    laws, like, X, metrics = part.laws, part.like, part.X, part.metrics
+    prestress, per_h, z, loses = part.prestress, part.per_h, STIFFNESS_OF_WIDE, part.loses
     q, masses, work, F = ghosted(part, s, 2 * len(like) + 1), part.masses, part.work, part.F
-    prestress, per_h, z = part.prestress, part.per_h, STIFFNESS_OF_WIDE
-    solid_look(laws, like, q, metrics, prestress, per_h, z, masses, work, F, seen, sums)
+    seen, sums = part.seen, part.sums
+    solid_look(
+        laws, like, q, X, metrics, prestress, per_h, z, masses, work, F, loses, seen, sums
+    )
 
 
 @njit(**CALL)
@@ -157,7 +179,7 @@ def note_ends(part, found):
     for m in range(interfaces.shape[0]):
         number, own, X, S = interfaces[m]
         of_end = at_ends[:, int(number)]
-        look_at_end(laws, q, F, int(own), int(own), S, of_end)
+        look_at_end(laws, q, F, int(own), S, of_end)
         of_end[0] += X
 
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from fsipetsc.operators.bands import Band
 from fsipetsc.operators.loops import _by_length as by_length
 from fsipetsc.operators.patch import Patch
-from fsipetsc.scheme.rows import U64
+from fsipetsc.scheme.rows import U64, moments
 
 Array = NDArray[Any]
 #: as numbers of numba's usual type: it compiles a function anew for each literal one
@@ -34,6 +34,14 @@ STEPS = 1096, 29 * 170 + 6, 29 * 58 * 106 + 12
 step_of = by_length("step_of", "like", lambda d: f" return {STEPS[d - 1]}")
 #: what is known of a tile's nodes: rates, t^k and heats, T, F, unknowns
 OWN, NEAR, WARM, STRAINED, KNOWN = map(U64, range(5))
+#: extremes of a look: rates of waves and of diffusion, -det F
+EXTREMES = 3
+
+
+def sums_of(d: int) -> int:
+    """Sums of a look: momentum, energy, angular momentum, kinetic and elastic energy."""
+    return d + 1 + moments(d) + 1
+
 
 class Layout(NamedTuple):
     """Of a tile's arrays, row, layer: nodes of a row and of a layer; layers: how many are kept.
@@ -75,7 +83,8 @@ class Work(NamedTuple):
     axis and node how many neighbours there are, and how far; weights: (2, 3, n, 1 + most)
     S_il/(2 weight_i) of these, for PLAIN and FREE, which differ at the node itself. In flat arrays
     by components, of the nodes of a tile: unknowns, strains F, tractions t^k, temps T, heats
-    A^k . h; of the nodes of a row: slopes, found (rates).
+    A^k . h; of the nodes of a row: slopes, found (rates), and what
+    fsipetsc.scheme.solid_look has looked at.
     """
 
     patch: Patch
@@ -91,6 +100,7 @@ class Work(NamedTuple):
     heats: Array
     slopes: Array
     found: Array
+    looked: Array
 
 
 def solid_work(solid: Any, bands: Any, regular: tuple[int, int], patch: Patch) -> Work:
@@ -109,7 +119,8 @@ def solid_work(solid: Any, bands: Any, regular: tuple[int, int], patch: Patch) -
     layout = Layout(row, row * inner, (3 + conducts) * reach + 1, *regular)
     lags = reach, (1 + conducts) * reach, (2 + conducts) * reach
     memory = [np.zeros(count * STEPS[d - 1]) for count in (2 * d + 1, d * d, d * d, 1, d)]
-    of_row = [np.zeros(count * int(WIDTH)) for count in (2 * d * d + d, 2 * d + 1)]
+    counts = 2 * d * d + d, 2 * d + 1, EXTREMES + sums_of(d)
+    of_row = [np.zeros(count * int(WIDTH)) for count in counts]
     return Work(patch, layout, lags, boxes, *neighbours(bands), *memory, *of_row)
 
 

@@ -124,12 +124,15 @@ def run(box, what, s, f):
 def note_step(found):
     """Flags, bound on the next step, what came in; whether all is well, and y is the new state,
     else it is as before.
+
+    A look leaves minus the energy E of solids where what they lost of it will stand. So E stays
+    behind the unknowns, and after the next step it is there with the work W: W + E - E' is lost.
     """
     latest, s, n = found.latest, found.stage, found.gain.size
     note_extremes(found.extremes, found.rates, found.results, latest)
     for c in range(n):
-        latest[latest.size - n + c] = s[s.size - n + c]
-        s[s.size - n + c] = 0.0
+        latest[latest.size - n + c] += s[s.size - n + c]
+        s[s.size - n + c] -= latest[latest.size - n + c]
     good = found.results[BAD] == 0.0
     copy_row(s if good else found.before, found.y)
     return good

@@ -40,7 +40,7 @@ CACHED_STEPS = 2048
 KEPT = "steps", "t", "dt_range", "wall_time", "initial", "beyond"
 #: what is noted of a step alone, not of a state
 OF_STEPS = (
-    *("impulse", "impulse_x", "impulse_y", "impulse_z", "mass_in", "energy_in"),
+    *("impulse", "impulse_x", "impulse_y", "impulse_z", "mass_in", "energy_in", "lost_energy"),
     *("x_interface", "u_interface"),  # of blocks in one dimension
 )
 

@@ -18,6 +18,8 @@ class Ledgers:
 
     departures   name -> largest relative departure of any step so far; nan if one was no number
     J_error      largest departure of J from the volume of the grid, over it; 0 if none is recorded
+    lost         most that steps have lost of the kinetic and elastic energy of solids, over its
+                 largest value
     fault        the first departure beyond the tolerance, in words; None if there is none
     """
 
@@ -28,7 +30,8 @@ class Ledgers:
         self._drifts: Drifts | None = None
         self._steps = 0
         self.departures: dict[str, float] = {}
-        self.J_error = 0.0
+        self.J_error = self.lost = 0.0
+        self._lost, self._held = 0.0, 0.0  # of that energy [J]: the lost sum, the most there was
         self.fault: str | None = None
 
     def begin(self, initial: Mapping[str, Any]) -> None:
@@ -43,6 +46,8 @@ class Ledgers:
             return
         if "J_error" in names:
             self.J_error = float(np.maximum(self.J_error, steps["J_error"].max()))
+        if "lost_energy" in names:
+            self._note_lost(steps["lost_energy"], steps["solid_energy"])
         if self._drifts is not None:
             found = self._drifts.go_on({name: steps[name] for name in names})
             for name, drift in found.items():  # np.maximum: what is no number is larger than all
@@ -51,6 +56,14 @@ class Ledgers:
             if self._tolerance is not None and self.fault is None:
                 self.fault = self._first_beyond(found, steps["t"])
         self._steps += len(steps)
+
+    def _note_lost(self, lost: np.ndarray, energy: np.ndarray) -> None:
+        """What some more steps have lost of an energy."""
+        sums = self._lost + np.cumsum(lost)
+        self._lost = float(sums[-1])
+        self._held = float(np.maximum(self._held, np.abs(energy).max()))
+        if self._held != 0.0:
+            self.lost = float(np.maximum(self.lost, np.abs(sums).max() / self._held))
 
     def _first_beyond(self, found: Mapping[str, np.ndarray], t: np.ndarray) -> str | None:
         """The first step, and the law, with a departure beyond the tolerance."""
@@ -70,7 +83,8 @@ class Ledgers:
         if self._drifts is None:
             return None
         kept = {"steps": self._steps, "departures": dict(self.departures), "J_error": self.J_error}
-        return {"drifts": self._drifts.memory(), **kept}
+        lost = {"lost": self.lost, "energies": [self._lost, self._held]}
+        return {"drifts": self._drifts.memory(), **kept, **lost}
 
     def recall(self, memory: Mapping[str, Any] | None, initial: Mapping[str, Any]) -> None:
         """Go on behind the steps of which ``memory`` tells; without it nothing is known of them."""
@@ -79,4 +93,5 @@ class Ledgers:
         self._drifts = Drifts(self._invariants, initial)
         self._drifts.recall(memory["drifts"])
         self._steps, self.J_error = memory["steps"], memory["J_error"]
+        self.lost, (self._lost, self._held) = memory["lost"], memory["energies"]
         self.departures = dict(memory["departures"])

@@ -21,6 +21,8 @@ FIRST, SOON, RAREST = 10.0, 2.0, 60.0
 STEPS = 32
 #: a larger departure of J from the volume of the grid is told
 MOST_J_ERROR = 0.01
+#: and a larger loss of the kinetic and elastic energy of solids
+MOST_LOST = 0.001
 #: characters of a line of the summary, and departures that are listed
 _WIDTH, _LISTED = 100, 4
 #: by kind of layer: names of the bounds by convection and by diffusion
@@ -116,7 +118,7 @@ class Reporter:
         kept = [f"{name} to {size:.1e}" for name, size in departures[:_LISTED]]
         more = [f"{len(departures) - _LISTED} more"] * (len(departures) > _LISTED)
         self._list("kept", [*kept, *more])
-        for text in about_volumes(summary["J_error"]):
+        for text in (*about_volumes(summary["J_error"]), *about_losses(summary)):
             self.line(text)
         for kind, values in (errors or {}).items():
             listed = [f"{name} {value:.3e}" for name, value in values.items()]
@@ -183,6 +185,17 @@ def about_volumes(J_error: float) -> list[str]:
     if J_error <= MOST_J_ERROR:
         return []
     return [f"note: J has departed by {100 * J_error:.2g} % from the volume of the grid (J_error)"]
+
+
+def about_losses(summary: Mapping[str, Any]) -> list[str]:
+    """A line if steps have lost much of the kinetic and elastic energy of solids."""
+    lost = summary.get("lost_energy", 0.0)
+    if lost <= MOST_LOST:
+        return []
+    return [
+        f"note: the steps have lost {100 * lost:.2g} % of the kinetic and elastic energy of the "
+        "solids, which became heat (lost_energy): a smaller -fsi_cfl loses less"
+    ]
 
 
 def _size(item: tuple[str, float]) -> tuple[bool, float]:

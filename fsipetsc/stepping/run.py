@@ -305,6 +305,7 @@ class _Run:
             "limits": self.limits,
             "departures": self.ledgers.departures,
             "J_error": self.ledgers.J_error,
+            **({"lost_energy": self.ledgers.lost} if getattr(state, "lossy", False) else {}),
             **{f"initial_{name}": value for name, value in integrator.initial.items()},
             "versions": versions(),
         }
