@@ -61,19 +61,12 @@ _LATER = "if t > 1.5e-5: "
 #: text must be named
 FAULTS: dict[str, tuple[str, str, tuple[str, ...]]] = {
     # the file
-    "syntax": ("def build(opt):", "def build(opt:", ("line 11",)),
-    "no build": ("def build(opt):", "def make(opt):", ("build(opt)",)),
     "OPTIONS is one Option": (_OPTIONS, _OPTIONS.replace(",)", ")"), ("line 9", "tuple")),
     "kind of option": (_OPTIONS, _OPTIONS.replace("float,", "complex,"), ("line 9", "kind")),
     "check fails": (
         _OPTIONS,
         _OPTIONS.replace('"a speed"', '"a speed", check=lambda v: 1 / v'),
         ("faulty.py, line 9: check of -own_speed: ZeroDivisionError",),
-    ),
-    "DEFAULTS with a wrong key": (
-        '"fsi_order": 2',
-        '"fsi_ordr": 2',
-        ("line 10", "fsi_ordr", "-fsi_order"),
     ),
     # build
     "no return": ("return Problem(", "Problem(", ("LINE def build", "nothing", "Problem")),

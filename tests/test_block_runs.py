@@ -192,7 +192,7 @@ def test_a_failure_names_field_block_and_place(runs):
 @pytest.mark.parametrize(
     ("name", "words"),
     [
-        ("fault", "initial of block 'gas': returns 1 values: expected 4 values (rho, u, v, T)"),
+        ("fault", "initial of block 'gas': returns 1 value: expected 4 values (rho, u, v, T)"),
         ("grids", "case_dimension"),
         ("many", "ranks are more than these blocks can feed"),
     ],

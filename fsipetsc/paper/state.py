@@ -221,7 +221,7 @@ class PaperState:
         ]
 
     def grids(self) -> list[dict[str, Any]]:
-        """What the writer must know of the points of each layer: see RunWriter.start_segment."""
+        """What the writer must know of the points of each layer: see RunWriter."""
         records = enumerate(self.layout.records)
         return [
             {"local": int(r["own_hi"] - r["own_lo"]), "n": int(r["n"]), "X": self.layout.owned_X(k)}
