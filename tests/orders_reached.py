@@ -85,9 +85,7 @@ def build(opt):
     if which != "gas":
         exact, gas = shock, Fluid(MU, 4 / 3 * MU * CP, GAMMA, 1.0)
     layer = FluidLayer("gas", gas, (0.0, 1.0), lambda X: exact(X, 0.0), exact=exact)
-    left, right = (
-        Dirichlet(x, lambda t, x=x: tuple(map(float, exact(x, t)))) for x in (0.0, 1.0)
-    )
+    left, right = (Dirichlet(x, lambda t, x=x: tuple(map(float, exact(x, t)))) for x in (0.0, 1.0))
     if which == "shock_open":
         right = Open(1.0, 1.0, 1.0)
     return Problem((layer,), left, right, units="none")

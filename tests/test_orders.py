@@ -36,7 +36,7 @@ SHOCK, LEFT_BY_OPEN = {4: 3.12, 6: 4.46}, 4.7e-3
 #: of box_mms in one dimension: options, orders in the velocity of the solid and of the gas. Ripples
 #: of the start cost half an order; at 8/4, data that change within a step cost more
 SOLIDS = {
-    "ripples": ("-fsi_order 4", 2.5, 3.2),
+    "ripples": ("-fsi_order 4", 2.43, 3.2),
     "damped": ("-fsi_order 4 -fsi_dissipation 1", 3.1, 2.8),
     "short_steps": ("-fsi_order 8 -fsi_dissipation 1 -fsi_cfl 0.1", 5.4, 5.0),
 }
