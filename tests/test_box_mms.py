@@ -17,6 +17,7 @@ pytest.importorskip("petsc4py")
 
 #: dimension -> law of the solid, whether its sides are periodic or given, grids, end, least order:
 #: measured 3.3 and 2.5, 2.8 and 2.7 in gas and solid in one and two dimensions
+#: (the solid's are those of a start without damping: docs/convergence.md, orders that are reached)
 STUDIES = {
     1: ("log", "yes", (1 / 16, 1 / 32), 0.25, 2.4),
     2: ("svk", "no", (1 / 12, 1 / 24), 0.1, 2.7),

@@ -1,0 +1,118 @@
+"""Orders that are reached, as docs/convergence.md states them.
+
+An order is measured between two grids, in L2. Each bound is a little below what was measured; an
+error may be a tenth larger than it was.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from conftest import ORDERS
+from helpers import REPOSITORY, compute
+
+import fsipetsc
+
+pytest.importorskip("petsc4py")
+
+SPACINGS = 1 / 20, 1 / 40
+#: problem of orders_reached.py -> unknown, its size; orders of 2/1, 4/2, 6/3, 8/4
+MEASURED = {
+    "insulated": ("T", 1e-6, (2.00, 3.98, 3.96, 6.00)),
+    "warm": ("T", 1e-6, (2.00, 2.93, 5.50, 4.77)),
+    "heated": ("T", 1e-6, (2.01, 3.09, 4.10, 5.24)),
+    "gas": ("rho", 1.0, (1.96, 2.92, 4.48, 4.59)),
+}
+#: the errors on the second grid
+ERRORS = {
+    "insulated": (2.6e-3, 5.2e-5, 5.4e-5, 6.7e-6),
+    "warm": (2.2e-3, 2.3e-4, 1.1e-5, 1.6e-5),
+    "heated": (2.3e-3, 1.5e-4, 4.2e-5, 1.2e-5),
+    "gas": (6.9e-4, 1.3e-4, 1.7e-5, 9.2e-6),
+}
+#: of a viscous shock in the middle of an end where all is given: orders in T; in units of T, what
+#: is wrong then beside an open end, on any grid
+SHOCK, LEFT_BY_OPEN = {4: 3.12, 6: 4.46}, 4.7e-3
+#: of box_mms in one dimension: options, orders in the velocity of the solid and of the gas. Ripples
+#: of the start cost half an order; at 8/4, data that change within a step cost more
+SOLIDS = {
+    "ripples": ("-fsi_order 4", 2.43, 3.2),
+    "damped": ("-fsi_order 4 -fsi_dissipation 1", 3.1, 2.8),
+    "short_steps": ("-fsi_order 8 -fsi_dissipation 1 -fsi_cfl 0.1", 5.4, 5.0),
+}
+#: a solid so light that the waves it sends into the gas are 12 times shorter than its own
+LIGHT = "-ts_max_time 0.2 -fsi_output_dt 1 -solid_density 0.02 -solid_alpha 100"
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory):
+    """results[name]: the result of a run."""
+    runs, case = {}, str(REPOSITORY / "tests" / "orders_reached.py")
+    for h in SPACINGS:
+        for problem in MEASURED:
+            for order in ORDERS:
+                words = f"-orders_problem {problem} -fsi_order {order} -fsi_h {h}"
+                runs[f"{problem}_{order}_{h}"] = case, words
+        for problem, order in (*(("shock", order) for order in SHOCK), ("shock_open", 4)):
+            words = f"-orders_problem {problem} -fsi_order {order} -ts_max_time 0.16"
+            runs[f"{problem}_{order}_{h}"] = case, f"{words} -fsi_h {h / 2}"
+        for order in (4, 8):
+            runs[f"light_{order}_{h}"] = "box", f"{LIGHT} -fsi_order {order} -fsi_h {h / 4}"
+        for name, (words, *_) in SOLIDS.items():
+            more = f"-box_dimension 1 -solid_law log -fsi_output_dt 1 -fsi_h {h}"
+            runs[f"{name}_{h}"] = "box_mms", f"{words} {more}"
+    runs["finest"] = "box", f"{LIGHT} -fsi_order 8 -fsi_h {SPACINGS[1] / 8}"
+    files = compute(1, tmp_path_factory.mktemp("orders"), runs)
+    return {name: fsipetsc.open_run(file) for name, file in files.items()}
+
+
+@pytest.fixture(scope="module")
+def errors(results):
+    """errors(name): those of both grids, as listed in the results."""
+    return lambda name: [results[f"{name}_{h}"].errors for h in SPACINGS]
+
+
+@pytest.mark.parametrize("problem", MEASURED)
+def test_orders_beside_ends(errors, problem):
+    """Heat beside ends of three kinds; a wave of density between ends where all is given."""
+    unknown, size, orders = MEASURED[problem]
+    kind = "fluid" if problem == "gas" else "solid"
+    for order, measured, largest in zip(ORDERS, orders, ERRORS[problem], strict=True):
+        coarse, fine = (e[kind][unknown] / size for e in errors(f"{problem}_{order}"))
+        assert np.log2(coarse / fine) > measured - 0.15, (order, coarse, fine)
+        assert fine < 1.1 * largest, order
+
+
+def test_orders_of_a_shock_that_goes_out(errors):
+    """Through an open end no viscous flux passes: what is wrong there does not fall with h."""
+    for order, measured in SHOCK.items():
+        coarse, fine = (e["fluid"]["T"] for e in errors(f"shock_{order}"))
+        assert np.log2(coarse / fine) > measured - 0.15, (order, coarse, fine)
+    for found in errors("shock_open_4"):
+        assert found["fluid"]["T"] < 1.1 * LEFT_BY_OPEN
+
+
+@pytest.mark.parametrize("name", SOLIDS)
+def test_orders_of_a_solid_that_is_strained_from_the_start(errors, name):
+    _, of_solid, of_gas = SOLIDS[name]
+    coarse, fine = errors(name)
+    for kind, measured in (("solid", of_solid), ("fluid", of_gas)):
+        order = np.log2(coarse[kind]["u"] / fine[kind]["u"])
+        assert order > measured - 0.15, (kind, order, coarse, fine)
+
+
+def test_a_light_solid_has_the_order_of_the_scheme_on_grids_that_resolve_the_gas(results):
+    """Orders 3.2 and 5.3 of its velocity from h = 1/80 to 1/160; from 1/40 on they are as one."""
+
+    def velocity(name, every):
+        return results[name].layers[1]["u"][-1][::every]
+
+    least = {4: 3.0, 8: 5.0}
+    exact, fine = velocity("finest", 16), {}
+    for order in least:
+        coarse, fine[order] = (
+            np.sqrt(np.mean((velocity(f"light_{order}_{h}", n) - exact) ** 2))
+            for h, n in zip(SPACINGS, (4, 8), strict=True)
+        )
+        assert np.log2(coarse / fine[order]) > least[order], (order, coarse)
+    assert fine[8] < 1.2e-6 and fine[4] < 6.6e-6
