@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 Array = np.ndarray
 LEAST_FRAMES = 5  # of fewer, profiles say more
 ROWS, COLUMNS = 500, 800  # of a map, at least about the pixels that it has on a page
+ENDS = 20  # of an interface this part at either end, with its corners, does not decide on colours
 INTERFACE_POINTS = (0.25, 0.5, 0.75)  # of an interface, whose deflection is drawn as a curve
 
 
@@ -122,7 +123,9 @@ def draw_interfaces(figure: FigureBase, run: Run) -> None:
             (row[1], "pressure on the solid", "Pa", load),
         ):
             scale = scaled(run, label, unit, values, start=values[0])
-            look, extend = colours("fluid", scale, values, values[0], extremes(values))
+            end = values.shape[1] // ENDS
+            inner = values[:, end : values.shape[1] - end]
+            look, extend = colours("fluid", scale, inner, values[0], extremes(values))
             place, time = scaled(run, "X", "m", line.X), time_scale(run)
             axes.set(xlim=place(line.X[[0, -1]]), ylim=time(run.time[[0, -1]]))
             x = np.broadcast_to(place(line.X), values.shape)
