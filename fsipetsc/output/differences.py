@@ -96,7 +96,8 @@ def table(comparison: Comparison) -> str:
     lines.append(equal if count else "no field and no series could be compared")
     lines += [f"note: {note}" for note in comparison.notes]
     for name, pair in comparison.options.items():
-        lines.append(f"option -{name}: " + " and ".join("none" if v is None else f"{v}" for v in pair))
+        one, two = ("none" if value is None else value for value in pair)
+        lines.append(f"option -{name}: {one} and {two}")
     return "\n".join(lines)
 
 
