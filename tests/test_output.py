@@ -184,12 +184,12 @@ def test_info(finished: Path) -> None:
     for part in [
         "demo",
         "complete",
-        "12, t = 0 … 3.3",
+        "12, t = 0 … 3.3 s",
         "-fsi_order",
         "left/rod at x = 35, rod/right at x = 70 at t = 3.5",
         "26 points with those in reserve, 20 … 25 active",
         "rho 0.001",
-        "time for the steps",
+        "wall time of the steps",
     ]:
         assert part in text
     assert "wall_time" not in text

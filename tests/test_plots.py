@@ -78,7 +78,7 @@ def made_up(dimension=2, units="SI", frames=3, **series_of):
         ([300.0, 300.0004], "K", 0, "q, less 300 K  [µK]", [0.0, 400.0]),
         ([1000.0, 1200.0], "K", 0, "q  [K]", [1000.0, 1200.0]),
         ([2e-3, 4e-3], "kg/m³", 0, "q  [10⁻³ kg/m³]", [2.0, 4.0]),
-        ([-1e5, -1e5 + 3], "Pa", 0, "q, less -100000 Pa  [Pa]", [0.0, 3.0]),
+        ([-1e5, -1e5 + 3], "Pa", 0, "q, less -100 kPa  [Pa]", [0.0, 3.0]),
         ([5.0, 5.0 + 1e-13], "K", 0, "q, constant  [K]", [5.0, 5.0]),
         ([1e-13, -1e-13], "m/s", 1.0, "q, 0 but for round-off  [m/s]", [0.0, 0.0]),
         ([0.0, np.nan], "K", 0, "q, 0 but for round-off  [K]", [0.0, np.nan]),
@@ -276,7 +276,7 @@ def test_drawn_pressure_is_what_gas_and_solid_have_in_common(results, figures):
 
 
 def test_small_waves_are_drawn_as_the_difference_from_rest(figures):
-    assert figures["pulse", "p"].axes[0].get_ylabel().endswith("less 100000 Pa  [Pa]")
+    assert figures["pulse", "p"].axes[0].get_ylabel().endswith("less 100 kPa  [Pa]")
     assert "less 300 K" in labelled(figures["pulse", "interfaces"], "temperature").get_ylabel()
     assert "less" not in figures["rod", "p"].axes[0].get_ylabel()
 

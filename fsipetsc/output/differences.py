@@ -50,6 +50,8 @@ class Comparison:
 def compare(first: str | os.PathLike[str], second: str | os.PathLike[str]) -> Comparison:
     """All fields in the frames, and all series in the steps, that two results have at equal times.
 
+    Where no time is in both, nothing is compared.
+
     Layers with different grids: at common nodes where both are active; a note says how many.
 
     Raises FileError if one of them cannot be read.
@@ -90,9 +92,12 @@ def table(comparison: Comparison) -> str:
         numbers = f"{found.largest:12.3e}{relative:>12}{found.ulp:12.3g}"
         lines.append(f"{found.name:30}{numbers}   {found.place}")
     count = len(comparison.differences)
-    lines.append(f"{count - len(different)} of {count} fields and series are equal, bit for bit")
+    equal = f"{count - len(different)} of {count} fields and series are equal, bit for bit"
+    lines.append(equal if count else "no field and no series could be compared")
     lines += [f"note: {note}" for note in comparison.notes]
-    lines += [f"option -{name}: {a} and {b}" for name, (a, b) in comparison.options.items()]
+    for name, pair in comparison.options.items():
+        one, two = ("none" if value is None else value for value in pair)
+        lines.append(f"option -{name}: {one} and {two}")
     return "\n".join(lines)
 
 
@@ -108,13 +113,16 @@ def _common(a: Array, b: Array, what: str, notes: list[str]) -> _Common:
 
 def _both(a: Iterable[str], b: Iterable[str], what: str, notes: list[str]) -> list[str]:
     """The names that are in both; the others are noted."""
-    notes += [f"{what} {name!r} is in one of them only" for name in sorted({*a} ^ {*b})]
+    if alone := sorted({*a} ^ {*b}):
+        notes.append(f"{what} in one of them only: {', '.join(alone)}")
     others = set(b)
     return [name for name in a if name in others]
 
 
 def _of_layers(a: Run, b: Run, common: _Common, notes: list[str]) -> Iterator[Difference]:
     times, in_a, in_b = common
+    if not len(times):
+        return
     first, second = ({layer.name: layer for layer in run.layers} for run in (a, b))
     for name in _both(first, second, "layer", notes):
         layer, other = first[name], second[name]
@@ -134,6 +142,8 @@ def _of_layers(a: Run, b: Run, common: _Common, notes: list[str]) -> Iterator[Di
 
 def _of_series(a: Run, b: Run, common: _Common, notes: list[str]) -> Iterator[Difference]:
     times, in_a, in_b = common
+    if not len(times):
+        return
     for name in _both(a.series, b.series, "series", notes):
         one, two = a.series[name][in_a], b.series[name][in_b]
         if one.shape == two.shape:

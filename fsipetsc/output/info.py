@@ -33,7 +33,7 @@ def info_sections(run: Run) -> list[tuple[str, Rows]]:
         ("run", _overview(run)),
         ("layers", [(layer.name, _of_layer(run, layer)) for layer in run.layers]),
         ("options", [(name, _text(value)) for name, value in options.items()]),
-        ("summary", _summary(run.summary)),
+        ("summary", _summary(run.summary, _second(run))),
     ]
     if run.errors:
         errors = [(kind, _text(values)) for kind, values in run.errors.items()]
@@ -49,8 +49,8 @@ def _overview(run: Run) -> Rows:
         ("state", "complete" if run.complete else str(state)),
         ("dimension", str(run.dimension) if run.dimension > 1 else ""),
         ("created", run.header.get("created", "")),
-        ("frames", f"{run.nframes}{_range(', t =', run.time)}"),
-        ("time steps", f"{steps}{_range(', dt =', dt)}"),
+        ("frames", f"{run.nframes}{_range(', t =', run.time, _second(run))}"),
+        ("time steps", f"{steps}{_range(', dt =', dt, _second(run))}"),
         ("series", ", ".join(run.series) or "none"),
         ("interfaces", _positions(run)),
         ("points", "; ".join(f"{name} at {_place(X)}" for name, X in run.points)),
@@ -103,13 +103,21 @@ def _place(X: Iterable[float]) -> str:
     return ", ".join(f"{name} = {x:.6g}" for name, x in zip("XYZ", X))
 
 
-def _range(label: str, values: Any) -> str:
+def _range(label: str, values: Any, unit: str = "") -> str:
     finite = np.asarray(values)[np.isfinite(values)]
-    return f"{label} {finite.min():g} … {finite.max():g}" if finite.size else ""
+    return f"{label} {finite.min():g} … {finite.max():g}{unit}" if finite.size else ""
 
 
-def _summary(entries: Mapping[str, Any]) -> Rows:
-    """What a run came to, in the order of LABELS; all else stands behind, as it is called."""
+def _second(run: Run) -> str:
+    """The unit of times, behind a space; none where a case is dimensionless."""
+    return " s" if run.header.get("units", "SI") == "SI" else ""
+
+
+def _summary(entries: Mapping[str, Any], second: str) -> Rows:
+    """Results of a run in the order of LABELS; all else follows under its own name.
+
+    second: the unit of t and dt.
+    """
     known = {name: value for name, value in entries.items() if value not in ("", None, {})}
     part = known.get("part")
     if isinstance(part, Mapping) and part.get("steps") == known.get("steps"):
@@ -119,7 +127,8 @@ def _summary(entries: Mapping[str, Any]) -> Rows:
     for name in sorted(known, key=lambda name: order.index(name) if name in LABELS else len(order)):
         label, written = LABELS.get(name, (name.replace("_", " "), _text))
         try:
-            rows.append((label, written(known[name])))
+            unit = second if name in ("t", "dt_min", "dt_max") else ""
+            rows.append((label, written(known[name]) + unit))
         except (AttributeError, KeyError, TypeError, ValueError):  # of a damaged file
             rows.append((label, _text(known[name])))
     return rows
@@ -162,7 +171,7 @@ def _table(rows: Rows) -> str:
     return "\n".join(f"{name:{width}}{value}".rstrip() for name, value in rows)
 
 
-#: entry of a summary -> label, how its value is written; what a reader asks first stands first
+#: entry of a summary -> label, how its value is written; the most important first
 LABELS: dict[str, tuple[str, Callable[[Any], str]]] = {
     "status": ("ended", str),
     "message": ("message", str),
@@ -171,13 +180,13 @@ LABELS: dict[str, tuple[str, Callable[[Any], str]]] = {
     "J_error": ("largest departure of J from the grid's volume", _three_digits),
     "lost_energy": ("lost of the energy of solids by steps", _three_digits),
     "steps": ("time steps", str),
-    "rejected_steps": ("steps made anew", str),
+    "rejected_steps": ("rejected steps", str),
     "dt_min": ("shortest step", _three_digits),
     "dt_max": ("longest step", _three_digits),
-    "limits": ("bounds of the step", _bounds),
-    "wall_time": ("time for the steps", duration),
-    "wall_time_total": ("time for all", duration),
-    "phases": ("of it", _phases),
+    "limits": ("step bounded by", _bounds),
+    "wall_time": ("wall time of the steps", duration),
+    "wall_time_total": ("wall time in all", duration),
+    "phases": ("of which", _phases),
     "part": ("since the restart", _part),
     "ranks": ("ranks", str),
     "points": ("points", str),

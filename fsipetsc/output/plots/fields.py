@@ -130,7 +130,7 @@ class Profiles(View):
         low, high = extremes(scale(every))
         margin = 2 * MARGIN * (high - low) or 0.1 * abs(low) or 1.0
         self.limits = [self.place(ends), np.array([low - margin, high + margin])]
-        self.labels = self.place.label, scale.label
+        self.labels = self.place.label, scale.label.replace(", ", ",\n", 1)
 
     def draw(self, axes: Axes, frame: int) -> dict[str, Any]:
         """Draw one frame."""

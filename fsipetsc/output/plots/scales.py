@@ -65,7 +65,8 @@ def scaled(
         label += ", constant" if constant else ", 0 but for round-off"
     elif start is not None and high - low < SMALL * largest:
         rest = value_at_rest(high - low, start)
-        label += f", less {rest:.12g}{' ' * bool(si and unit)}{unit if si else ''}"
+        size, shown = _unit(unit if si else "", abs(rest))
+        label += f", less {rest / size:.12g} {shown}".rstrip()
         largest = max(abs(low - rest), abs(high - rest))
     size, shown = _unit(unit if si else "", largest)
     return Scale(f"{label}  [{shown}]" if shown else label, shown, 1.0 / size, rest, constant)

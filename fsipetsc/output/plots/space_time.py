@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fsipetsc.output.interface_line import InterfaceLine
-from fsipetsc.output.plots.fields import WIDTH, domain, how_shown, shaded
+from fsipetsc.output.plots.fields import WIDTH, domain, how_shown
 from fsipetsc.output.plots.quantities import Quantity
 from fsipetsc.output.plots.scales import Scale, colours, extremes, scaled, time_scale
 from fsipetsc.output.plots.style import MAX_POINTS, bar_above, few_ticks, legend_above, line_look
@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 
 Array = np.ndarray
 LEAST_FRAMES = 5  # of fewer, profiles say more
-MOST_FRAMES, MOST_POINTS = 400, 400
+ROWS, COLUMNS = 500, 800  # of a map, at least about the pixels that it has on a page
+ENDS = 20  # of an interface this part at either end, with its corners, does not decide on colours
 INTERFACE_POINTS = (0.25, 0.5, 0.75)  # of an interface, whose deflection is drawn as a curve
 
 
@@ -55,15 +56,34 @@ def _map(
     left = {kind: iter(some) for kind, some in values.items()}
     bars = {}
     for layer in layers:
-        step, stride = max(1, run.nframes // MOST_FRAMES), max(1, len(layer.X) // MOST_POINTS)
         scale, look, extend = shown[layer.kind]
         x, colour = without_gaps(layer, next(left[layer.kind]))
-        x, colour = x[::step, ::stride], colour[::step, ::stride]
-        t = np.repeat(run.time[::step, None], x.shape[1], axis=1)
-        picture = shaded(axes, place(x), time(t), scale(colour), look)
+        picture = draw_map(axes, place(x), time(run.time), scale(colour), look)
         bars[scale.label] = picture, extend
     for label, (picture, extend) in bars.items():
         bar_above(figure, picture, axes, label.replace(", ", ",\n", 1), extend)
+
+
+def draw_map(axes: Axes, x: Array, t: Array, values: Array, look: dict[str, Any]) -> Any:
+    """Values (nframes, n) at places x of the same shape and times t, as an image.
+
+    It is linear between frames along each grid point, and between grid points at each time. Cells
+    shaded by matplotlib are thin where frames are few, and show their edges as bands.
+    """
+    ends = extremes(x)
+    columns = ends[0] + (np.arange(COLUMNS) + 0.5) / COLUMNS * (ends[1] - ends[0])
+    rows = t[0] + (np.arange(ROWS) + 0.5) / ROWS * (t[-1] - t[0])
+    image = np.empty((ROWS, COLUMNS))
+    for row, at in zip(image, rows):
+        later = int(np.clip(np.searchsorted(t, at), 1, len(t) - 1))
+        part = (at - t[later - 1]) / (t[later] - t[later - 1])
+        place, value = (a[later - 1] + part * (a[later] - a[later - 1]) for a in (x, values))
+        row[:] = np.interp(columns, place, value, left=np.nan, right=np.nan)
+    area = {"extent": (*ends, t[0], t[-1]), "origin": "lower", "aspect": "auto"}
+    limits = axes.get_xlim(), axes.get_ylim()
+    picture = axes.imshow(np.ma.masked_invalid(image), interpolation="nearest", **area, **look)
+    axes.set(xlim=limits[0], ylim=limits[1])
+    return picture
 
 
 def without_gaps(layer: Layer | BlockLayer, values: Array) -> tuple[Array, Array]:
@@ -103,10 +123,13 @@ def draw_interfaces(figure: FigureBase, run: Run) -> None:
             (row[1], "pressure on the solid", "Pa", load),
         ):
             scale = scaled(run, label, unit, values, start=values[0])
-            look, extend = colours("fluid", scale, values, values[0], extremes(values))
+            end = values.shape[1] // ENDS
+            inner = values[:, end : values.shape[1] - end]
+            look, extend = colours("fluid", scale, inner, values[0], extremes(values))
             place, time = scaled(run, "X", "m", line.X), time_scale(run)
-            t = np.repeat(run.time[:, None], len(line.X), axis=1)
-            picture = shaded(axes, place(line.X), time(t), scale(values), look)
+            axes.set(xlim=place(line.X[[0, -1]]), ylim=time(run.time[[0, -1]]))
+            x = np.broadcast_to(place(line.X), values.shape)
+            picture = draw_map(axes, x, time(run.time), scale(values), look)
             axes.grid(visible=False)
             axes.set(xlabel=place.label, ylabel=time.label)
             bar_above(figure, picture, axes, scale.label.replace(", ", ",\n", 1), extend)
