@@ -72,7 +72,7 @@ COMMANDS = {
         options="fsipetsc.analysis.convergence:sections",
     ),
     "stability": Command(
-        "[CASE] [-sweep] [-option value ...]",
+        "[-sweep] [-option value ...]",
         "the linear theory, checked: spectra, energy growth, time-step limits",
         "fsipetsc.analysis.stability:stability",
         parallel=True,
