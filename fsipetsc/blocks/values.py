@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -47,17 +48,19 @@ def prestress_of(block: Any, X: Array) -> Array:
 def checked(
     function: Callable[..., Any],
     arguments: Sequence[Any],
-    X: Array,
+    X: Array | None,
     names: Sequence[str],
     where: str,
     physical: bool = True,
+    counted: slice = slice(None),
 ) -> list[Array]:
-    """What a function of the case's returns, an array of (n,) for each name. InputError.
+    """What a function of the case's returns, an array for each name: (n,) at places X (d, n), (1,)
+    where X is None. InputError, perhaps on this rank alone.
 
-    physical: what is called rho or T must be above 0.
+    Values must be finite at the places that are counted. physical: and what is called rho or T
+    above 0.
     """
-    with np.errstate(all="ignore"):  # what comes of it is looked at
-        values = call(function, tuple(arguments), where)
+    values = _asked(function, arguments, where)
     expected = f"expected {len(names)} values ({', '.join(names)})"
     if values is None:
         raise _fault(function, where, f"returns nothing (is its return missing?): {expected}")
@@ -66,23 +69,36 @@ def checked(
     if len(values) != len(names):
         raise _fault(function, where, f"returns {len(values)} values: {expected}")
     pairs = zip(names, values, strict=True)
-    return [_array(value, name, X, function, where, physical) for name, value in pairs]
+    return [_array(v, name, X, function, where, physical, counted) for name, v in pairs]
 
 
 def checked_one(
-    function: Callable[..., Any], arguments: Sequence[Any], X: Array, name: str, where: str
+    function: Callable[..., Any], arguments: Sequence[Any], X: Array | None, name: str, where: str
 ) -> Array:
     """The same of a function that returns one value."""
-    with np.errstate(all="ignore"):
-        value = call(function, tuple(arguments), where)
+    value = _asked(function, arguments, where)
+    if X is None and type(value) is float and isfinite(value) and name != "T":
+        return np.float64(value)  # nearly always, and several times in each stage
     return _array(value, name, X, function, where, True)
 
 
+def _asked(function: Callable[..., Any], arguments: Sequence[Any], where: str) -> Any:
+    """What it returns, without numpy's warnings: what comes of it is looked at."""
+    with np.errstate(all="ignore"):
+        return call(function, tuple(arguments), where)
+
+
 def _array(
-    value: Any, name: str, X: Array, function: Callable[..., Any], where: str, physical: bool
+    value: Any,
+    name: str,
+    X: Array | None,
+    function: Callable[..., Any],
+    where: str,
+    physical: bool,
+    counted: slice = slice(None),
 ) -> Array:
     """One of the values, for all places."""
-    size = X.shape[1]
+    size = 1 if X is None else X.shape[1]
     try:
         array = np.asarray(value)
     except (ValueError, TypeError):  # rows of different lengths
@@ -91,16 +107,18 @@ def _array(
         found = "complex" if array.dtype.kind == "c" else described(value)
         raise _fault(function, where, f"{name} is {found}: expected real numbers")
     if array.shape not in ((), (1,), (size,)):
-        shape = f"{name} has the shape {array.shape}: expected ({size},), as X has, or one number"
-        raise _fault(function, where, shape)
+        wanted = "one number" if X is None else f"({size},), as X has, or one number"
+        raise _fault(function, where, f"{name} has the shape {array.shape}: expected {wanted}")
     array = np.broadcast_to(array.astype(float, copy=False), (size,))
-    positive = physical and name in ("rho", "T")
-    good = np.isfinite(array) & ((array > 0.0) | (not positive))
+    positive, values = physical and name in ("rho", "T"), array[counted]
+    good = np.isfinite(values) & ((values > 0.0) | (not positive))
     if not good.all():
         i = int(np.argmin(good))
-        place = ", ".join(f"{c} = {x:.6g}" for c, x in zip("XYZ", X[:, i], strict=False))
+        at = () if X is None else zip("XYZ", X[:, counted][:, i], strict=False)
+        place = ", ".join(f"{c} = {x:.6g}" for c, x in at)
+        found = f"{name} = {values[i]:.6g}{' at ' * bool(place)}{place}"
         wanted = "a number above 0" if positive else "a finite number"
-        raise _fault(function, where, f"{name} = {array[i]:.6g} at {place}: expected {wanted}")
+        raise _fault(function, where, f"{found}: expected {wanted}")
     return array
 
 
