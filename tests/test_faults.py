@@ -52,7 +52,7 @@ def runs(ranks: int) -> dict[str, list[str]]:
         text += f" -mad_rate {rate} -mad_time {time}"
         found[f"driven {k}"] = [*text.split(), "-mad_field", field]
     for name, compiled in sorted(FAILING):
-        rank = ranks - 1 if name in ("initial", "edge") else -1
+        rank = ranks - 1 if name == "initial" else -1
         text = f"-mad_function {name} -mad_compiled {compiled} -mad_rank {rank} -mad_time 0.0105"
         layers = "sg" if name == "edge" else "gsg"
         found[f"failing {name}"] = f"{text} -mad_layers {layers} -ts_max_steps 20".split()
