@@ -57,7 +57,7 @@ COMMANDS = {
     "convergence": Command("CASE [-option value ...]",
         "errors of a case, or differences between its grids, with observed orders and cost",
         "fsipetsc.analysis.convergence:convergence", "fsipetsc.analysis.convergence:sections"),
-    "stability": Command("[CASE] [-sweep] [-option value ...]",
+    "stability": Command("[-sweep] [-option value ...]",
         "the linear theory, checked: spectra, energy growth, time-step limits",
         "fsipetsc.analysis.stability:stability", "fsipetsc.analysis.stability_options:sections"),
     "flutter": Command("[-option value ... | RUN.h5]",

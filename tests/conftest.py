@@ -11,19 +11,10 @@ import os
 import signal
 import sys
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import ExitStack
-from itertools import takewhile
 from pathlib import Path
-from typing import Any, NoReturn, TextIO
+from typing import TextIO
 
 import pytest
-from costs import (  # noqa: F401
-    pytest_runtest_logreport,
-    pytest_runtest_logstart,
-    pytest_runtest_makereport,
-    pytest_terminal_summary,
-)
 from helpers import REPOSITORY, compute
 from kept_ranks import KEPT
 from stub_case import CASE, DRIVER
@@ -34,10 +25,9 @@ from fsipetsc.output.reader import Run
 #: files of tests that take longest, the longest first; behind others those for which more is
 #: compiled meanwhile
 DEAREST = (
-    *("signals", "failures", "stability", "time", "kills", "process", "case_files", "ends"),
-    *("claim", "cli", "convergence", "ranks", "documents", "restart", "dissipation_runs"),
-    *("plane_output", "plane_cases", "shock", "faults"),
-    *("wave_modes", "plots", "disk", "flutter", "two_point_rates", "kernels", "start"),
+    *("signals", "failures", "stability", "time", "kills", "process", "case_files", "paper_ends"),
+    *("cli", "convergence", "ranks", "documents", "restart", "dissipation_runs", "plane_output"),
+    *("plane_cases", "shock", "faults", "wave_modes", "plots", "disk", "flutter"),
 )
 _SHORT = "-fsi_h 0.1 -ts_max_steps 2"
 _SHOCKS = "-fsi_dissipation 1 -fsi_shock 1 -ts_max_steps 1"
@@ -55,13 +45,10 @@ PARTS: tuple[dict[str, tuple[str, str]], ...] = (
         "plane elastic": ("wave", "-fsi_h 0.125 -fluid_mu 0 -fluid_kappa 0 -ts_max_steps 1"),
     },
 )
-#: parts that one process compiles, one after the other
-CHAINS = (0,), (1,)
-MANY = 1000
+#: tests of a session that needs all parts
+MANY = 300
 #: seconds that a part may take: against what hangs, on a machine as busy as can be
 COMPILER = 7200.0
-#: of one of the processes that share the tests: what it tells the one that sums up
-OUTPUT: dict[str, Any] | None = None
 ORDERS = (2, 4, 6, 8)
 PULSE_SPACINGS = (0.0125, 0.00625)
 #: gases whose viscosity or conduction the grids resolve, or that have one of the two
@@ -84,7 +71,6 @@ PRESSED = (
     "-solid_gruneisen 0.2 -solid_stretch 0.25 -solid_modulus 2.5e5 "
     "-fsi_order 8 -fsi_cfl 0.8 -pulse_width 0.2"
 )
-_PULSE = "-pulse_amplitude 0.01 -fsi_output_dt 1 -pulse_start"
 
 #: (-ts_type, -ts_rk_type) -> order
 METHODS = {
@@ -123,154 +109,81 @@ def _fixed_step(method: tuple[str, str], dt: float) -> str:
 
 #: cases in which the fused method is compared with PETSc's
 FUSED = {
-    "rod": ("rod", "-fsi_h 0.05 -ts_max_time 0.05 -fsi_output_dt 0.05"),
-    "mms": ("mms", "-fsi_h 0.05 -fsi_order 6 -ts_max_time 0.2 -fsi_output_dt 0.1"),
-    "pulse": (
-        "pulse",
-        "-fsi_h 0.05 -fsi_order 8 -ts_max_time 0.003 -pulse_amplitude 1000 -fsi_output_dt 0.001",
-    ),
-    "piston": (
-        str(REPOSITORY / "runs" / "piston.py"),
-        "-fsi_order 2 -ts_max_time 0.02 -fsi_output_dt 0.01",
-    ),
-    "box": ("box", "-fsi_h 0.05 -ts_max_time 0.1"),
+    "rod": "rod -fsi_h 0.05 -ts_max_time 0.05 -fsi_output_dt 0.05",
+    "mms": "mms -fsi_h 0.05 -fsi_order 6 -ts_max_time 0.2 -fsi_output_dt 0.1",
+    "pulse": "pulse -fsi_h 0.05 -fsi_order 8 -ts_max_time 0.003 -pulse_amplitude 1000 "
+    "-fsi_output_dt 0.001",
+    "piston": f"{REPOSITORY / 'runs' / 'piston.py'} -fsi_order 2 -ts_max_time 0.02 "
+    "-fsi_output_dt 0.01",
+    "box": "box -fsi_h 0.05 -ts_max_time 0.1",
 }
 
-#: group -> list of (ranks, name -> (case, options)); the batches of a group are computed
-#: side by side
-GROUPS: dict[str, list[tuple[int, dict[str, tuple[str, str]]]]] = {
-    "rod": [
-        (
-            1,
-            {
-                f"order{q}": (
-                    "rod",
-                    f"-fsi_h 0.025 -fsi_order {q} -fsi_output_dt 0.1 -ts_max_time 3",
-                )
-            },
-        )
+_FALL, _MMS = "rod -fsi_h 0.05 -fsi_output_dt 1 -ts_max_time 0.4", "mms -fsi_output_dt 1"
+_QUIET_PULSE = "pulse -pulse_amplitude 0.01 -fsi_output_dt 1"
+#: group -> name -> case and options
+GROUPS: dict[str, dict[str, str]] = {
+    "rod": {
+        f"order{q}": f"rod -fsi_h 0.025 -fsi_order {q} -fsi_output_dt 0.1 -ts_max_time 3"
         for q in BOUNCES
-    ],
-    "rest": [
-        (
-            1,
-            {
-                f"order{q}": ("rod", f"-fsi_h 0.05 -fsi_order {q} -rod_gravity 0 -ts_max_time 0.2")
-                for q in ORDERS
-            },
-        )
-    ],
-    "open": [
-        (
-            1,
-            {
-                f"top{top}": (
-                    "rod",
-                    f"-fsi_h 0.05 -rod_top {top} -ts_max_time 0.4 -fsi_output_dt 1",
-                )
-                for top in (6, 80)
-            }
-            | {"loud": ("pulse", _LOUD_PULSE)},
-        )
-    ],
-    "mms": [
-        (
-            1,
-            {
-                f"order{q}_h{h}": ("mms", f"-fsi_h {h} -fsi_order {q} -fsi_output_dt 1")
-                for q in ORDERS
-            },
-        )
+    },
+    "rest": {
+        f"order{q}": f"rod -fsi_h 0.05 -fsi_order {q} -rod_gravity 0 -ts_max_time 0.2"
+        for q in ORDERS
+    },
+    "open": {
+        "top6": f"{_FALL} -rod_top 6",
+        "top80": f"{_FALL} -rod_top 80",
+        "loud": f"pulse {_LOUD_PULSE}",
+    },
+    "mms": {
+        f"order{q}_h{h}": f"{_MMS} -fsi_h {h} -fsi_order {q}"
         for h in (0.00625, 0.0125)
-    ],
-    "viscous": [
-        (
-            1,
-            {
-                f"order{q}_h{h}_{name}": (
-                    "mms",
-                    f"-fsi_h {h} -fsi_order {q} -fsi_output_dt 1 {options}",
-                )
-                for h in (0.05, 0.025)
-                for name, options in VISCOUS.items()
-                for q in VISCOUS_ORDERS[name]
-            },
-        )
-    ],
-    "fused": [
-        (
-            1,
-            {
-                f"{name}_{kind}": (case, f"{options} -ts_type {kind}")
-                for name, (case, options) in FUSED.items()
-                for kind in ("fused", "rk")
-            },
-        )
-    ],
-    "methods": [
-        (
-            1,
-            {fixed(m, dt): ("rod", _fixed_step(m, dt)) for m in METHODS for dt in STEPS}
-            | {"reference": ("rod", f"{_SHORT_FALL} -ts_dt 6.25e-6 -ts_rk_type 5dp")}
-            | {
-                f"{m}_{dt}": ("box", f"{_SWINGING_BOX} -ts_rk_type {m} -ts_dt {dt}")
-                for m in HIGH_ORDERS
-                for dt in LONG_STEPS
-            }
-            | {"box_reference": ("box", f"{_SWINGING_BOX} -ts_rk_type 8vr -ts_dt 0.005")},
-        )
-    ],
-    "times": [
-        (
-            1,
-            {
-                name: ("rod", f"-fsi_h 0.1 {options}")
-                for name, options in {
-                    "listed": "-fsi_output_times 0,0.0011,0.00234567,0.005,0.0071,0.0071003 "
-                    "-ts_max_time 0.01",
-                    "interval": "-fsi_output_dt 0.003 -ts_max_time 0.01",
-                    "fixed": "-ts_dt 1e-4 -ts_max_time 0.01 -fsi_output_dt 1",
-                    "fixed_cfl": "-fsi_cfl 0.5 -ts_max_steps 3",
-                    "steps": "-ts_max_steps 7",
-                    "nothing": "-ts_max_time 0",
-                }.items()
-            },
-        )
-    ],
-    "pulse": [
-        (
-            1,
-            {
-                f"order{q}_h{h}_{start}": (
-                    "pulse",
-                    f"-fsi_order {q} -fsi_h {h} {_PULSE} {start} -ts_max_time {t}",
-                )
-                for q in ORDERS
-                for h in PULSE_SPACINGS
-                for start, t in PULSE_STARTS.items()
-            },
-        ),
-        (
-            2,
-            {
-                f"{name}_{start}": (
-                    "pulse",
-                    f"-fsi_order 6 {_PULSE} {start} -ts_max_time {t} "
-                    f"-solid_density {m0} -solid_modulus {K}",
-                )
-                for name, (m0, K) in SOLIDS.items()
-                for start, t in PULSE_STARTS.items()
-            }
-            | {
-                f"out_{start}": ("pulse", f"{_PULSE} {start} -ts_max_time 0.01")
-                for start in PULSE_STARTS
-            }
-            | {
-                f"pressed_{name}": ("pulse", f"{PRESSED} {_PULSE} -0.75 -ts_max_time {t}")
-                for name, t in (("in", 0.0011), ("out", 0.01))
-            },
-        ),
-    ],
+        for q in ORDERS
+    },
+    "viscous": {
+        f"order{q}_h{h}_{name}": f"{_MMS} -fsi_h {h} -fsi_order {q} {options}"
+        for h in (0.05, 0.025)
+        for name, options in VISCOUS.items()
+        for q in VISCOUS_ORDERS[name]
+    },
+    "fused": {
+        f"{name}_{kind}": f"{words} -ts_type {kind}"
+        for name, words in FUSED.items()
+        for kind in ("fused", "rk")
+    },
+    "methods": {
+        **{fixed(m, dt): f"rod {_fixed_step(m, dt)}" for m in METHODS for dt in STEPS},
+        "reference": f"rod {_SHORT_FALL} -ts_dt 6.25e-6 -ts_rk_type 5dp",
+        **{
+            f"{m}_{dt}": f"box {_SWINGING_BOX} -ts_rk_type {m} -ts_dt {dt}"
+            for m in HIGH_ORDERS
+            for dt in LONG_STEPS
+        },
+        "box_reference": f"box {_SWINGING_BOX} -ts_rk_type 8vr -ts_dt 0.005",
+    },
+    "times": {
+        "listed": "rod -fsi_h 0.1 -fsi_output_times 0,0.0011,0.00234567,0.005,0.0071,0.0071003 "
+        "-ts_max_time 0.01",
+        "fixed_cfl": "rod -fsi_h 0.1 -fsi_cfl 0.5 -ts_max_steps 3",
+    },
+    "pulse": {
+        **{
+            f"order{q}_h{h}_{x}": f"{_QUIET_PULSE} -fsi_order {q} -fsi_h {h} -pulse_start {x} "
+            f"-ts_max_time {t}"
+            for q in ORDERS
+            for h in PULSE_SPACINGS
+            for x, t in PULSE_STARTS.items()
+        },
+        **{
+            f"{name}_{x}": f"{_QUIET_PULSE} -fsi_order 6 -pulse_start {x} -ts_max_time {t} "
+            f"-solid_density {m0} -solid_modulus {K}"
+            for name, (m0, K) in SOLIDS.items()
+            for x, t in PULSE_STARTS.items()
+        },
+        **{f"out_{x}": f"{_QUIET_PULSE} -pulse_start {x} -ts_max_time 0.01" for x in PULSE_STARTS},
+        "pressed_in": f"{_QUIET_PULSE} {PRESSED} -pulse_start -0.75 -ts_max_time 0.0011",
+        "pressed_out": f"{_QUIET_PULSE} {PRESSED} -pulse_start -0.75 -ts_max_time 0.01",
+    },
 }
 
 
@@ -279,25 +192,14 @@ class Computed:
 
     def __init__(self, root: Path) -> None:
         self._root = root
-        self._files: dict[tuple[str, str], Path] = {}
         self._open: dict[Path, Run] = {}
-        self._done: set[str] = set()
 
     def __call__(self, group: str, name: str) -> Run:
         """A result by group and name; the test fails with the error if the run ended with one."""
-        if group not in self._done:
-            self._done.add(group)
-            folders = [self._root / f"{group}{i}" for i in range(len(GROUPS[group]))]
-            with ThreadPoolExecutor(2) as pool:
-                jobs = [
-                    pool.submit(compute, n, where, runs)
-                    for where, (n, runs) in zip(folders, GROUPS[group])
-                ]
-                for where, (_, runs), job in zip(folders, GROUPS[group], jobs):
-                    job.result()
-                    self._files.update({(group, run): where / f"{run}.h5" for run in runs})
-        path = self._files[group, name]
-        error = path.with_name(f"{name}.txt")
+        folder = self._root / group
+        if not folder.exists():
+            compute(1, folder, {n: tuple(w.split(" ", 1)) for n, w in GROUPS[group].items()})
+        error, path = folder / f"{name}.txt", folder / f"{name}.h5"
         assert not error.exists(), error.read_text()
         if path not in self._open:
             self._open[path] = fsipetsc.open_run(path)
@@ -313,8 +215,6 @@ def pytest_configure(config: pytest.Config) -> None:
     # else Open MPI starts a process of its own for the tests that use MPI in this one, and ends
     # this one when that has gone
     os.environ.setdefault("OMPI_MCA_ess_singleton_isolated", "1")
-    global OUTPUT
-    OUTPUT = getattr(config, "workeroutput", None)
 
 
 def pytest_collection_finish(session: pytest.Session) -> None:
@@ -359,23 +259,13 @@ def kernels(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFac
     """Compile what is not compiled yet, once, so that no test waits for it longer than it can."""
     if importlib.util.find_spec("petsc4py") is None or importlib.util.find_spec("numba") is None:
         return
-    for chain in CHAINS if request.session.testscollected > MANY else ():
-        with ExitStack() as stack:
-            locks = {k: stack.enter_context(_lock(k)) for k in chain}
-            for k in list(takewhile(lambda k, locks=locks: not _taken(locks[k]), chain)):
-                with locks[k]:
-                    _compile(k, tmp_path_factory)
+    for k in range(len(PARTS)) if request.session.testscollected > MANY else ():
+        with _lock(k) as lock:
+            if not _taken(lock):
+                _compile(k, tmp_path_factory)
     with _lock(0) as lock:  # several processes of one session may come here at once
         fcntl.flock(lock, fcntl.LOCK_EX)
         _compile(0, tmp_path_factory)
-
-
-@pytest.fixture(scope="session")
-def more_kernels(kernels: None) -> None:
-    """Wait for other processes of the session that are compiling parts."""
-    for k in range(len(PARTS)):
-        with _lock(k) as lock:
-            fcntl.flock(lock, fcntl.LOCK_EX)
 
 
 def _compile(k: int, tmp_path_factory: pytest.TempPathFactory) -> None:
@@ -384,30 +274,10 @@ def _compile(k: int, tmp_path_factory: pytest.TempPathFactory) -> None:
     if done.exists() and done.read_text() == what:
         return
     folder = tmp_path_factory.mktemp("kernels")
-    try:
-        made = compute(1, folder, PARTS[k], COMPILER)
-        wrong = [(folder / f"{name}.txt").read_text() for name in PARTS[k] if name not in made]
-    except Exception as error:
-        wrong = [f"{type(error).__name__}: {error}"]
-    if wrong:  # each test would say so
-        end_session(f"the kernels that all tests need cannot be compiled: {wrong[0]}")
+    made = compute(1, folder, PARTS[k], COMPILER)
+    wrong = [(folder / f"{name}.txt").read_text() for name in PARTS[k] if name not in made]
+    assert not wrong, f"the kernels that all tests need cannot be compiled: {wrong[0]}"
     done.write_text(what)
-
-
-def end_session(why: str) -> NoReturn:
-    """End the session at once with one message, also where several processes share the tests."""
-    if OUTPUT is not None:
-        OUTPUT["ended"] = why
-    pytest.exit(why, returncode=pytest.ExitCode.INTERRUPTED)
-
-
-def pytest_testnodedown(node: Any) -> None:
-    """One of the processes that share the tests has ended; why, if it has ended the session. In the
-    one that they report to.
-    """
-    why = getattr(node, "workeroutput", {}).get("ended")
-    if why:
-        pytest.exit(why, returncode=pytest.ExitCode.INTERRUPTED)
 
 
 def done_file(k: int) -> Path:

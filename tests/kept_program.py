@@ -5,14 +5,13 @@ Started under mpiexec: SOCKET. A job: the ranks that do it, from 0 on, the folde
 either the words of a command line, or runs, name -> (case, options), of which each leaves NAME.h5,
 or NAME.txt with its error, in the folder. With a command line there may be petsc_options, for the
 environment, and stand_in, a source that defines what takes the place of stepping.run.run_given. The
-answer: exit status, what was said, and the seconds of processors that it took.
+answer: exit status, and what was said.
 """
 
 from __future__ import annotations
 
 import json
 import os
-import resource
 import select
 import socket
 import sys
@@ -102,7 +101,7 @@ def do(job: dict[str, Any]) -> dict[str, Any]:
     comm, answer = first(job["ranks"]), {}
     cli.start_mpi = lambda: comm
     os.chdir(job["folder"])
-    before, status = resource.getrusage(resource.RUSAGE_SELF), 0
+    status = 0
     with said(answer):
         try:
             if "runs" in job:
@@ -112,10 +111,8 @@ def do(job: dict[str, Any]) -> dict[str, Any]:
         except BaseException:
             status = 1
             traceback.print_exc()
-    after = resource.getrusage(resource.RUSAGE_SELF)
     os.chdir("/")
-    cost = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-    return {"status": status, "cost": cost, **answer}
+    return {"status": status, **answer}
 
 
 def leave_after(line: socket.socket) -> None:

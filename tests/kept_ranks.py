@@ -35,8 +35,6 @@ class KeptRanks:
         self._lines: list[Any] = []
         self._lock = threading.Lock()
         self._folder = ""
-        #: seconds of processors that the jobs of those that are there have taken
-        self.cost = 0.0
 
     def do(
         self, ranks: int, folder: Path, timeout: float, environment: Mapping[str, str], **job: Any
@@ -59,7 +57,6 @@ class KeptRanks:
             except BaseException:
                 self.close(kill=True)
                 raise
-            self.cost += sum(answer["cost"] for answer in answers)
         statuses = {answer["status"] for answer in answers}
         said = ["".join(answer[name] for answer in answers) for name in ("stdout", "stderr")]
         assert len(statuses) == 1, (statuses, *said)
@@ -104,7 +101,7 @@ class KeptRanks:
         process, self._process = self._process, None
         for line in self._lines:
             line.close()
-        self._lines, self.cost = [], 0.0
+        self._lines = []
         if process is not None:
             if kill:
                 process.terminate()  # mpiexec ends its ranks on that

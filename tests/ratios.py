@@ -118,9 +118,9 @@ def theory(mass: float, stiffness: float, coupling: str, order: int) -> str:
     """What `python -m fsipetsc stability` says of one interface: nothing, that the scheme has a
     growing mode, the equations, or that the step is too long."""
     from fsipetsc.analysis.stability_linear import measure
-    from fsipetsc.analysis.stability_state import at_rest
+    from fsipetsc.analysis.stability_state import Constant
 
-    rest = at_rest(GAS, Solid(K=stiffness, kappa_e=0.02, m0=mass, alpha=2.5 / mass), 1.0, 1.0)
+    rest = Constant(GAS, Solid(K=stiffness, kappa_e=0.02, m0=mass, alpha=2.5 / mass), 1.0, 1.0)
     found = measure(rest, order, CELLS + 1, 1 / CELLS, coupling)
     if not found.stable:
         return "mode"

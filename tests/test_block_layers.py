@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -12,12 +10,10 @@ from fsipetsc.blockrun.from_layers import blocks_of_line
 from fsipetsc.blocks import conditions as new
 from fsipetsc.blocks.layers import Layer, layers
 from fsipetsc.blocks.problem import Meeting
-from fsipetsc.cases import load_case
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.line_solid import Solid
 from fsipetsc.materials.solid import ElasticSolid
-from fsipetsc.options import defaults
 
 GAS, SOLID = Fluid(0.1, 0.1, 1.4, 1.0), ElasticSolid(1.0, 1.0, 0.1, 1.0, 1.0)
 
@@ -84,37 +80,6 @@ def test_a_panel_in_a_wall():
     assert [(x[0], x[-1]) for x in X] == [(-0.5, 0.0), (0.0, 1.0), (1.0, 1.5)]
 
 
-def test_a_strip_and_a_plate_in_three_dimensions():
-    """A strip is cut along one axis, a plate along both."""
-    clamps = {(0, 0): new.Clamped(), (0, 1): new.Clamped()}
-    walls = {"lower": new.NoSlip(), "upper": new.Free(), "along": ((0, 1), (0, 1)), "h": 0.125}
-    below = gas((0.0, 0.5), beside=new.NoSlip())
-    strip = layers(below, solid((0.5, 0.75), span=[(0.25, 0.75), None], sides=clamps), **walls)
-    assert [block.cells[:2] for block in strip.blocks] == [(2, 8), (4, 8), (2, 8), (4, 8)]
-    assert all(block.periodic == (False, True, False) for block in strip.blocks)
-    span = [(0.25, 0.75), (0.25, 0.5)]
-    plate = layers(below, solid((0.5, 0.75), span=span, sides=new.Clamped()), **walls)
-    assert len(plate.blocks) == 10 and seen(plate, 9)[2, 0] == ("gas 5", 2, 1)
-    assert seen(plate, 0)[0, 1] == ("gas 2", 0, 0) and seen(plate, 0)[1, 1] == ("gas 4", 1, 0)
-    assert sum(kind == new.NoSlip() for k in range(9) for kind in seen(plate, k).values()) == 17
-
-
-def test_cuts_go_through_all_layers():
-    """A gas between a panel below and a plate that reaches over all: the plate is cut, too. The
-    outer pieces meet each other around the period.
-    """
-    panel = replace(solid((-0.25, 0.0), span=[(0.25, 0.75)], sides=new.Clamped()), name="panel")
-    stack = panel, gas((0.0, 0.125), beside=new.NoSlip()), solid((0.125, 1.0))
-    ends = {"lower": new.Free(), "upper": new.Free(), "along": ((0.0, 1.0),)}
-    found = layers(*stack, **ends, h=0.125, order=4)
-    names = ["panel", *(f"gas {k}" for k in (1, 2, 3)), *(f"solid {k}" for k in (1, 2, 3))]
-    assert [block.name for block in found.blocks] == names
-    assert found.blocks[1].cells == (2, 7)  # as many across as the operator needs
-    assert seen(found, 4)[0, 1] == ("solid 2", 0, 0) and seen(found, 4)[1, 0] == ("gas 1", 1, 1)
-    assert seen(found, 1)[0, 0] == ("gas 3", 0, 1) and seen(found, 3)[0, 1] == ("gas 1", 0, 0)
-    assert found.faces_of(1)[0, 0].shift == (1.0, 0.0)
-
-
 SPAN = {"span": [(0.25, 0.5)]}
 WRONG = {
     "one or more of Layer": ((), {}),
@@ -158,29 +123,6 @@ def line_gas(X, **more):
 
 def line_solid(X, initial=lambda X: (0.0, -1.0 + 0.0 * X, 1.0, X), **more):
     return problem.SolidLayer("solid", Solid(4.0, 0.1, 1.0, 1.0), X, initial, **more)
-
-
-@pytest.mark.parametrize("name", ["column", "piston", "shock", "heat"])
-def test_cases_of_one_dimension(name):
-    """A block for each layer, with its initial data; a uniform initial stress is p_ref."""
-    case = load_case(name)
-    opt = defaults(case)
-    old = case.build(opt)
-    found = blocks_of_line(old, opt["fsi_h"], opt["fsi_order"])
-    assert [block.name for block in found.blocks] == [layer.name for layer in old.layers]
-    for k, layer in enumerate(old.layers):
-        block = found.blocks[k]
-        X = found.places(k, np.arange(*block.shape))[:, 0]
-        assert np.abs(X - np.linspace(*layer.X, *block.shape)).max() < 1e-13
-        values, want = block.initial(X), list(layer.initial(X))
-        if layer.kind == "solid":
-            del want[1]
-            assert block.material.K == layer.material.K
-        for have, value in zip(values, want, strict=True):
-            assert np.array_equal(have, value)
-    pressures = {"column": 1.0, "piston": 1e5, "shock": 0.1, "heat": 1.0}
-    solids = [block.material for block in found.blocks if block.kind == "solid"]
-    assert [s.p_ref for s in solids] == pytest.approx([pressures[name]] * len(solids), rel=1e-13)
 
 
 CONVERTED = {

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 from math import prod
 
 import numpy as np
@@ -10,7 +9,6 @@ import pytest
 
 pytest.importorskip("petsc4py")
 
-from helpers import REPOSITORY, mpirun
 
 from fsipetsc.errors import InputError
 from fsipetsc.parallel.block_shares import COST, MODES, Extent, share_out, slowest
@@ -102,45 +100,3 @@ def test_work_is_shared_by_cost_and_not_by_nodes():
     by_physics = share_out(blocks, 2, "physics")
     assert slowest(blocks, by_physics, 2) == pytest.approx(total * 1.9 / 2.9, rel=1e-3)
     assert share_out(blocks, 3, "physics")[0].ranks == (0, 1), "gas has more work"
-
-
-def test_gas_comes_first_on_a_line_of_equal_work():
-    """So that one rank at most has both, whatever the order of the blocks."""
-    blocks = [extent("solid" if k % 2 == 0 else "fluid", (60, 60)) for k in range(4)]
-    shares = share_out(blocks, 5, "balanced")
-    gas, solid = ({r for s in shares[first::2] for r in s.ranks} for first in (1, 0))
-    assert max(gas) <= min(solid)
-
-
-def test_few_nodes_stay_together():
-    """Messages cost more than what they save."""
-    assert [share.ranks for share in share_out(PROBLEMS["line"][:2], 2)] == [(0,), (1,)]
-
-
-@pytest.mark.parametrize(("count", "grid"), [(2, (2, 1)), (4, (4, 1)), (6, (6, 1)), (8, (4, 2))])
-def test_cuts_are_short(count, grid):
-    (share,) = share_out([extent("fluid", (200, 60))], count, "physics")
-    assert share.grid == grid
-
-
-def test_parts_in_the_middle_may_be_smaller_than_those_at_ends():
-    block = extent("fluid", (25,))  # ends of 6, parts of 4 between
-    (share,) = share_out([block], block.most(0), "physics")
-    assert [b - a for a, b in pairwise(share.cuts[0])] == [6, 4, 4, 5, 6]
-
-
-@pytest.mark.parametrize("shape", [(24,), (24, 30)])
-@pytest.mark.parametrize("ring", [None, 0])
-def test_cap_is_what_can_be_cut(shape, ring):
-    block = extent("solid", shape, ring)
-    assert len(share_out([block], block.cap, "physics")[0].ranks) == block.cap
-    with pytest.raises(InputError):
-        share_out([block], block.cap + 1, "physics")
-
-
-@pytest.mark.mpi
-def test_layouts_and_exchanges_on_one_to_five_ranks():
-    """Halos, bands, faces, pieces and particles: see layout_program.py."""
-    done = mpirun(5, "-m", "mpi4py", REPOSITORY / "tests" / "layout_program.py")
-    assert done.returncode == 0, done.stderr
-    assert done.stdout == "all right\n"

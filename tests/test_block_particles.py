@@ -14,13 +14,9 @@ from fsipetsc.blocks.conditions import (
     Absorbing,
     Clamped,
     Free,
-    Given,
-    Hinge,
     NoSlip,
-    Open,
     Roller,
     Slip,
-    holds_energy,
 )
 from fsipetsc.blocks.particles import ROLLS, SLIPS, particles_of
 from fsipetsc.errors import InputError
@@ -49,18 +45,6 @@ def panel(faces, mu=0.0, points=(), **options):
 
 def closed(name, axis, side):
     return Slip() if name.startswith("gas") else Clamped()
-
-
-def test_edges_of_a_panel_on_a_floor():
-    """Around its tip one constraint; at its foot the floor and the panel are two."""
-    problem = panel(closed)
-    assert kinds(at(problem, 1.0, 0.7)) == [(SLIPS, 0, 2)], "the tip"
-    assert kinds(at(problem, 1.15, 0.7)) == [(SLIPS, 0, 1)], "its middle"
-    assert sorted(kinds(at(problem, 1.0, 0.0))) == [(SLIPS, 0, 1), (SLIPS, 1, 0)], "the foot"
-    assert kinds(at(problem, 0.0, 0.0)) == [(SLIPS, 1, 0)] * 2, "a corner of the box"
-    assert kinds(at(problem, 0.0, 0.7)) == [(SLIPS, 2, 0)], "a wall that goes on"
-    assert at(problem, 1.0, 0.0).clamp == Clamped() and at(problem, 1.0, 0.7).clamp is None
-    assert kinds(at(problem, 1.0, 1.5)) == [(SLIPS, 2, 0)]
 
 
 def test_a_panel_that_is_flush_with_a_wall():
@@ -105,40 +89,6 @@ def test_rollers_around_a_corner_are_two():
     assert kinds(at(problem, 1.0, 0.0)) == [(ROLLS, 2, 0)]
 
 
-def test_gas_that_sticks_needs_no_normal():
-    problem = panel(closed, mu=0.1)
-    tip, foot = at(problem, 1.0, 0.7), at(problem, 1.0, 0.0)
-    assert tip.sticks and not tip.constraints
-    assert kinds(foot) == [(SLIPS, 1, 0)]
-    assert not at(problem, 0.0, 0.7).sticks
-
-
-@pytest.mark.parametrize("heat", ["elastic", "coupled"])
-@pytest.mark.parametrize("kappa", [0.0, 0.05])
-def test_who_has_one_temperature(heat, kappa):
-    shape = {
-        "gas": shapes.box((0, 0), (1, 1), N, N),
-        "solid a": shapes.box((0, 1), (1, 2), N, N),
-        "solid b": shapes.box((0, 2), (1, 3), N, N),
-    }
-
-    def faces(name, axis, side):
-        warm = Clamped(T=2.0) if name == "solid b" and axis == 1 else Free()
-        return NoSlip(T=1.5) if name == "gas" else warm
-
-    problem = problem_of(shape, faces, gas(mu=0.1), solid(heat=heat, kappa=kappa))
-    elastic, conducts = heat == "elastic", kappa > 0.0
-    between, join = at(problem, 0.5, 1.0), at(problem, 0.5, 2.0)
-    assert between.shares_heat == conducts and not between.one_T
-    assert between.stores == (elastic and conducts)
-    assert join.one_T == (conducts or not elastic) and not join.shares_heat
-    assert join.stores == (elastic and conducts)
-    corner, top = at(problem, 0.0, 1.0), at(problem, 0.5, 3.0)
-    assert corner.warm_gas.T == 1.5 and (corner.warm_solid is not None) == conducts
-    assert top.warm_solid.T == 2.0 and top.warm_gas is None and top.stores == elastic
-    assert at(problem, 0.5, 0.0).warm_gas.T == 1.5
-
-
 def test_a_temperature_that_is_given_is_that_of_all_solids_there():
     shape = {
         "solid a": shapes.box((0, 0), (1, 1), N, N),
@@ -153,34 +103,6 @@ def test_a_temperature_that_is_given_is_that_of_all_solids_there():
     assert warm.one_T and warm.stores and not other.one_T and not other.stores
 
 
-def test_who_holds_what():
-    def moving(*X_and_t):
-        return X_and_t[:-1]
-
-    given = Given(lambda X, Y, t: (1.0, 0.0, 0.0, 1.0), x=moving)
-    open_face = Open(1.0, (0.0, 0.0), 1.0)
-
-    def faces(name, axis, side):
-        if name == "solid":
-            return Absorbing()
-        if name == "gas 00":
-            return NoSlip(x=moving) if axis == 1 else NoSlip()
-        if name == "gas 21":
-            return NoSlip(x=moving) if axis == 0 else NoSlip()
-        if name == "gas 20":
-            return given if axis == 0 else Slip(x=moving)
-        return open_face if axis == 0 else Slip()
-
-    problem = panel(faces, points=(("solid", (1.15, 0.7), Hinge()),))
-    assert at(problem, 0.0, 0.0).wall.x is moving, "what moves holds"
-    assert at(problem, 2.5, 1.5).wall.x is moving
-    assert at(problem, 0.0, 0.0).moves and not at(problem, 0.0, 0.35).moves
-    assert at(problem, 2.5, 0.35).given_gas is given and at(problem, 2.5, 0.35).moves
-    assert at(problem, 1.9, 0.0).slip.x is moving and at(problem, 1.9, 0.0).moves
-    assert at(problem, 1.15, 0.7).clamp == Clamped() and at(problem, 1.15, 0.0).clamp is None
-    assert at(problem, 0.0, 1.5).warm_gas is None, "an open end holds no temperature"
-
-
 def test_clamps_move_by_velocities_alone():
     def velocity(X, t):
         return (t + 0.0 * X,)
@@ -193,17 +115,6 @@ def test_clamps_move_by_velocities_alone():
         Absorbing("much")
     with pytest.raises(InputError, match="T and heat_flux"):
         Roller(T=1.0, heat_flux=1.0)
-
-
-def test_what_holds_energy():
-    def velocity(X, t):
-        return (t + 0.0 * X,)
-
-    closed = NoSlip(), Slip(), Clamped(), Free(), Roller()
-    opened = Absorbing(), Clamped(velocity=velocity), Free(1.0), Roller(T=1.0)
-    opened += NoSlip(heat_flux=0.0), Open(1.0, 0.0, 1.0)
-    assert [holds_energy(c) for c in closed] == [True] * 5
-    assert [holds_energy(c) for c in opened] == [False] * 6
 
 
 def test_constraints_that_others_imply_get_no_force():

@@ -13,17 +13,12 @@ from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.conditions import (
     Clamped,
     Free,
-    Given,
     Hinge,
     NoSlip,
     Open,
     Outflow,
     Periodic,
-    Roller,
     Slip,
-    holds_energy,
-    moves,
-    steady,
 )
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.errors import InputError
@@ -73,12 +68,6 @@ def test_a_transfinite_map_is_exact_for_what_is_linear_in_each_coordinate(d):
     grid = maps.transfinite(*((face(k, 0), face(k, 1)) for k in range(d)))
     xi = tuple(np.random.default_rng(1).random((d, 5)))
     assert np.allclose(grid(xi), body(*xi), atol=1e-14)
-
-
-def test_a_grid_of_nodes_is_a_map():
-    X = np.array([[(i + 0.1 * j, j) for i in range(5)] for j in range(4)], float)
-    block = Block("n", SOLID, maps.nodes(X), (4, 3), nothing)
-    assert np.array_equal(block.positions([(0, 5), (0, 4)]), X.reshape(-1, 2).T)
 
 
 def square_of_faces():
@@ -142,12 +131,6 @@ def test_wrong_blocks_are_told(message):
         Block(**{**given, "initial": nothing, **WRONG_BLOCKS[message]})
 
 
-def test_smooth_maps_of_strong_curvature_are_let_pass():
-    steep = maps.stretched(maps.rectangle(0, 1), lambda s: np.tanh(5 * s) / np.tanh(5))
-    Block("t", GAS, steep, 8, nothing)
-    Block("r", GAS, maps.annulus(0.01, 1.0), (4, 12), nothing, periodic=(False, True))
-
-
 def test_nodes_count_from_axis_0_and_go_on_beyond_periodic_ends():
     block = square(cells=(4, 5), periodic=(True, False))
     assert (block.kind, block.dimension, block.shape) == ("fluid", 2, (4, 6))
@@ -160,17 +143,6 @@ def test_nodes_count_from_axis_0_and_go_on_beyond_periodic_ends():
 
 
 # conditions
-
-
-def test_what_conditions_say_of_themselves():
-    assert moves(NoSlip(x=nothing)) and not moves(Slip()) and moves(Clamped(x=nothing))
-    assert all(map(steady, (Slip(name="a"), Outflow(2.0))))
-    timed = Open(1.0, (nothing, 0.0), 1.0), Free(nothing), Given(nothing), NoSlip(T=nothing)
-    assert not any(map(steady, timed))
-    assert all(map(holds_energy, (NoSlip(), Slip(), Clamped(), Free(), Roller(), Periodic(1.0))))
-    leaky = NoSlip(T=1), NoSlip(heat_flux=1), Free(1.0), Open(1, 0, 1), Outflow(), Given(nothing)
-    assert not any(map(holds_energy, (*leaky, Slip(x=nothing))))
-    assert Open(1, 2, 3).u == (2.0,) and NoSlip(T=2).T == 2.0
 
 
 WRONG_CONDITIONS = {
@@ -274,24 +246,6 @@ def test_rings_meet_wherever_their_angles_begin():
     assert np.array_equal(ghosted[:, 14:], ghosted[:, 2:4])
 
 
-def test_blocks_in_a_row_are_periodic_together():
-    a, b = square("a"), square("b", (1.0, 0.0), (2.0, 1.0))
-    faces = walls("a", "b", but=[("a", 0, 1), ("b", 0, 0)])
-    faces |= {("a", 0, 0): Periodic((2.0, 0.0)), ("b", 0, 1): Periodic((-2.0, 0.0))}
-    problem = BlockProblem([a, b], faces)
-    met = problem.faces_of(0)[0, 0]
-    assert (met.block, met.axis, met.side, met.shift) == (1, 0, 1, (2.0, 0.0))
-    assert np.bincount(np.bincount(problem.members.particle)).tolist() == [0, 28, 18]
-
-
-def test_blocks_that_touch_at_a_vertex_share_a_particle():
-    problem = BlockProblem([square("a"), square("b", (1.0, 1.0), (2.0, 2.0))], walls("a", "b"))
-    particle, block, node = problem.members
-    assert np.bincount(particle).max() == 2 and not problem.joined
-    shared = particle == np.argmax(np.bincount(particle))
-    assert block[shared].tolist() == [0, 1] and node[shared].tolist() == [80, 0]
-
-
 def test_in_one_dimension_faces_are_points():
     gas = Block("g", GAS, maps.rectangle(0, 1), 8, nothing)
     solid = Block("s", SOLID, lambda xi: (1 + xi[0],), 4, nothing)
@@ -301,15 +255,6 @@ def test_in_one_dimension_faces_are_points():
     assert problem.is_interface(1, 0, 0) and problem.face_nodes(0, 0, 1).tolist() == [8]
     normal, place, within = problem.face_normal(0, 0, 0, 0)
     assert (normal, place, within) == ([-1.0], [0.0], [1.0])
-
-
-def test_normals_of_faces_point_outwards():
-    problem = BlockProblem([square(lower=(0, 0), upper=(2, 1))], walls("a"))
-    for at, wanted in (
-        ((0, 3, 1, 0), ((0, -1), (0.75, 0), (0.75, 0))),
-        ((0, 8, 0, 1), ((1, 0), (2, 0), (2, 0.125))),
-    ):
-        assert np.allclose(problem.face_normal(*at), wanted)
 
 
 def test_points_are_held_at_nodes():
@@ -421,10 +366,3 @@ PROBLEMS = {
 def test_wrong_problems_are_told(message):
     with pytest.raises(InputError, match=message):
         BlockProblem(*PROBLEMS[message]())
-
-
-@pytest.mark.parametrize("d", (1, 2, 3))
-def test_blocks_that_overlap_are_told_in_all_dimensions(d):
-    one, other = box("a", (6,) * d), box("b", (6,) * d, lower=(0.4,) * d)
-    with pytest.raises(InputError, match="block 'a' and block 'b' overlap at"):
-        closed(one, other)

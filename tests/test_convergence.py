@@ -12,8 +12,6 @@ pytest.importorskip("petsc4py")
 
 from fsipetsc.analysis import table1
 from fsipetsc.analysis.convergence_table import COST, ConvergenceStudy, order_of_differences
-from fsipetsc.analysis.grid_differences import unresolved
-from fsipetsc.output.plots.studies import convergence_figures
 
 HS = (0.05, 0.025)
 NAMES = {"fluid": ("rho", "u", "T", "combined"), "solid": ("u", "sigma", "T", "x", "combined")}
@@ -62,30 +60,6 @@ def test_orders_of_differences_of_any_grids(hs, p):
     assert order_of_differences(np.log(first / second), *hs) == pytest.approx(p, abs=1e-9)
     study = compared((abs(first), abs(second)), hs)
     np.testing.assert_allclose(study.rates("gas"), [[np.nan, p, np.nan]], atol=1e-9)
-
-
-def test_layers_that_are_not_resolved_are_told():
-    """4/2 has order 3 for smooth solutions."""
-    assert unresolved(compared((8e-3, 1e-3)), 0) == unresolved(compared((8e-4, 8e-4)), 0) == []
-    (much,) = unresolved(compared((0.8, 0.2)), 0)
-    assert "layer 'gas' is not resolved: in u the two finest grids differ by 20 %" in much
-    (slow,) = unresolved(compared((8e-3, 4e-3)), 0)
-    assert "its grids come together of order 1.0, u last, where 4/2 has 3" in slow
-
-
-@pytest.mark.filterwarnings("error")
-def test_files_hold_what_was_found(tmp_path):
-    """Also where a run has failed, and an error is 0, which a logarithmic axis has no place for."""
-    study, path = made(failures={(8, 0.05): "blown up"}.items()), tmp_path / "s.csv"
-    study.errors["fluid"]["combined"][0, 0] = 0.0
-    study.save(path)
-    back = load(path)
-    assert (back.orders, back.hs, back.t) == (study.orders, study.hs, study.t)
-    rates = study.rates("solid", "x")
-    np.testing.assert_allclose(back.rates("solid", "x"), rates, rtol=1e-7)
-    np.testing.assert_allclose(rates[:, 1], [2, 3, 4, np.nan])
-    if pytest.importorskip("matplotlib"):
-        assert len(convergence_figures(study, path)) == 2
 
 
 def test_table_1_says_where_ours_differ():

@@ -29,14 +29,14 @@ ORDERS = [q if q == 4 else pytest.param(q, marks=pytest.mark.long) for q in LEAS
 
 
 @pytest.fixture(scope="module")
-def runs(more_kernels, tmp_path_factory):
+def runs(tmp_path_factory):
     """name -> result."""
     files = compute(1, tmp_path_factory.mktemp("dissipation"), {**SHARED, "box": BOX})
     return {name: fsipetsc.open_run(path) for name, path in files.items()}
 
 
 @pytest.mark.parametrize("order", ORDERS)
-def test_orders(more_kernels, order, tmp_path):
+def test_orders(order, tmp_path):
     """Where the strength at shocks is as good as none, what is left is the other term."""
     words = f"-box_dimension 1 -fsi_dissipation 1 -fsi_shock 1e-300 -fsi_order {order}"
     runs = {f"{h}": ("box_mms", f"{words} -fsi_h {h}") for h in SPACINGS}
@@ -73,7 +73,7 @@ def test_mass_and_energy_stay_and_entropy_grows(runs):
 
 @pytest.mark.long
 @pytest.mark.parametrize("order", [2, 4, 6, 8])
-def test_two_point_fluxes_keep_mass_and_energy(more_kernels, order, tmp_path):
+def test_two_point_fluxes_keep_mass_and_energy(order, tmp_path):
     """In a gas without viscosity and conduction; one with a law of its own has the same bits."""
     words = f"-fsi_convection entropy -fsi_order {order} -fsi_h 0.025 -ts_max_time 1"
     inviscid = f"{words} -fluid_mu 0 -fluid_kappa 0"

@@ -35,7 +35,7 @@ def known_options() -> frozenset[str]:
     from fsipetsc.cli import COMMANDS, main
 
     with contextlib.redirect_stdout(io.StringIO()) as said:
-        for name in (*BUILT_IN, *COMMANDS, "convergence mms", "stability mms"):
+        for name in (*BUILT_IN, *COMMANDS, "convergence mms"):
             assert main([*name.split(), "-help"]) == 0
     return frozenset(re.findall(r"(?<![\w-])-([A-Za-z]\w*)", said.getvalue())) | {"n", "m", "help"}
 

@@ -109,11 +109,3 @@ def test_messages(tmp_path):
     }.items():
         done = solve("flutter", *words.split(), cwd=tmp_path)
         message(done, 4 if words == "nothing.h5" else 2, said)
-
-
-def test_a_viscous_flow_over_the_panel_and_its_result(tmp_path):
-    """Some steps; and a result too short for a limit cycle says so."""
-    words = "panel -fsi_h 0.0625 -fluid_mu 0.01 -fsi_dissipation 0 -ts_max_time 0.05 -fsi_quiet"
-    done = solve(*words.split(), "-fsi_output_dt", 0.01, cwd=tmp_path)
-    assert (done.returncode, done.stderr) == (0, "")
-    message(solve("flutter", "panel.h5", cwd=tmp_path), 3, "periods of the panel's motion are seen")

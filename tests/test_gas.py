@@ -10,7 +10,6 @@ import pytest
 
 from fsipetsc.equations.gas import Gas, volume_flux
 from fsipetsc.equations.means import NEAR, near_harmonic_mean, near_mean
-from fsipetsc.materials.constant_transport import ConstantTransport
 from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.materials.power_law import PowerLaw
 from fsipetsc.materials.stiffened_gas import StiffenedGas
@@ -119,29 +118,6 @@ def test_polynomials_of_near_means_are_the_series():
         assert near_mean(1.0, 1.0, z) == pytest.approx(float(A), rel=2.3e-16, abs=0.0)
 
 
-def test_near_states_need_no_logarithm(case):
-    gas, d, rng = case
-    l, r, a_l, v_l, a_r, v_r = states(gas, rng, d, 0.15)
-    assert 1e-6 < gas.pair_distance(l, r) < NEAR
-    far = gas.pair_flux(l, r, a_l, v_l, a_r, v_r)
-    np.testing.assert_allclose(gas.near_pair_flux(l, r, a_l, v_l, a_r, v_r), far, rtol=1e-14)
-    hot, dense = list(l), list(l)
-    hot[2], hot[-1] = 2.0 * l[2], 0.5 * l[-1]
-    dense[0], dense[-2] = 2.0 * l[0], 0.5 * l[-2]
-    assert gas.pair_distance(l, tuple(hot)) == pytest.approx(0.5)
-    assert gas.pair_distance(l, tuple(dense)) == pytest.approx(0.5)
-
-
-def test_change_of_densities_with_entropy_variables(case):
-    gas, d, rng = case
-    w, *_ = states(gas, rng, d)
-    U, change = np.array(gas.densities(w)), rng.uniform(-1.0, 1.0, d + 2)
-    more, less = (gas.primitive((1.0, *(U + s * STEP * change))) for s in (1.0, -1.0))
-    dz = (variables(gas, more) - variables(gas, less)) / (2.0 * STEP)
-    np.testing.assert_allclose(gas.densities_of_change(w, tuple(dz)), change, rtol=1e-6, atol=1e-7)
-    assert dz @ change > 0.0
-
-
 def test_fastest_wave_through_a_moving_area(case):
     gas, d, rng = case
     w, _, a, *_ = states(gas, rng, d)
@@ -196,11 +172,3 @@ def test_viscous_flux_of_a_linear_field(d):
     a = rng.standard_normal(d)
     flux = gas.viscous_flux(w, tuple(tau.ravel()), heat, tuple(a))
     np.testing.assert_allclose(flux, [*(tau @ a), a @ (tau @ u + heat)], rtol=1e-12, atol=1e-13)
-
-
-def test_diffusivity_is_the_larger_one():
-    for mu, kappa in ((0.5, 0.0), (0.0, 0.5)):
-        gas = Gas(PerfectGas(1.4, 2.0), ConstantTransport(), mu, kappa, (0.0,))
-        w = gas.state(1.6, (0.3,), 2.0)
-        expected = max(4.0 / 3.0 * mu, kappa / (2.0 / 0.4)) / 1.6
-        assert gas.diffusivity(w) == pytest.approx(expected, rel=1e-14)

@@ -112,20 +112,6 @@ def test_imports_go_one_way(path):
     assert not wrong_imports(place_of(path), path.read_text())
 
 
-def test_an_import_against_the_order_is_found():
-    for who, source in {
-        "materials": "def f():\n    from fsipetsc.boundaries import Wall",
-        "boundaries": "from fsipetsc.scheme import burst",
-        "scheme": "import fsipetsc.stepping.state",
-        "parallel": "if True:\n    from fsipetsc import given",
-    }.items():
-        assert len(wrong_imports(who, source)) == 1, who
-    source = "from fsipetsc.parallel import partition\nfrom fsipetsc.scheme import plan\n"
-    assert not wrong_imports("scheme", source + "import numpy")
-    source = "if TYPE_CHECKING:\n    from fsipetsc.stepping.state import State"
-    assert not wrong_imports("operators", source)
-
-
 def test_who_knows_mpi_and_petsc():
     know: dict[str, set[Path]] = {"mpi4py": set(), "petsc4py": set()}
     for path in files():

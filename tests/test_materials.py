@@ -6,22 +6,16 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from helpers import REPOSITORY, compute
 
 pytest.importorskip("numba")
 pytest.importorskip("petsc4py")
 
-import fsipetsc
-from fsipetsc.cases import load_case
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.line_solid import Solid
 from fsipetsc.materials.power_law import power_law
 from fsipetsc.materials.solid_pressure import mie_gruneisen, stiffened_pressure
-from fsipetsc.materials.sutherland import Sutherland, sutherland
-from fsipetsc.options import defaults
-
-CASE = str(REPOSITORY / "tests" / "materials.py")
+from fsipetsc.materials.sutherland import sutherland
 
 # the pressure of a solid
 
@@ -149,37 +143,3 @@ def test_sutherland_and_power_law():
     np.testing.assert_array_equal(alike, [powers[0], powers[0]])
 
 
-def test_the_example_is_the_built_in_law():
-    """runs/sutherland.py writes the law by hand."""
-    case = load_case(str(REPOSITORY / "runs" / "sutherland.py"))
-    options = defaults(case)
-    own, built_in = (case.build({**options, "hot_law": k}).layers[0].material for k in (1, 2))
-    T = np.linspace(200.0, 2000.0, 7)
-    np.testing.assert_allclose(own.relative(T), built_in.relative(T), rtol=1e-14)
-    assert isinstance(built_in.transport, Sutherland)
-    assert not isinstance(own.transport, Sutherland)
-
-
-# runs: the kernels of these laws are those of no other test, a minute
-
-
-@pytest.mark.long
-@pytest.mark.parametrize(("order", "least_rate"), [(4, 2.6), (6, 4.2)])
-def test_a_column_under_gravity_stays_at_rest(tmp_path, order, least_rate):
-    """Gas that carries a solid that carries gas ...: what is not at rest falls with the order."""
-    listed = {str(h): (CASE, f"-fsi_order {order} -fsi_h {h}") for h in (0.05, 0.025)}
-    runs = map(fsipetsc.open_run, compute(1, tmp_path, listed).values())
-    coarse, fine = (max(np.nanmax(np.abs(v["u"][-1])) for v in run.layers) for run in runs)
-    assert np.log2(coarse / fine) >= least_rate
-
-
-@pytest.mark.long
-def test_all_fall_alike(tmp_path):
-    """Between walls that fall, too: u = g t; what else changes is the time step's, of order 4."""
-    words = "-fsi_h 0.05 -materials_state fall -fsi_cfl"
-    listed = {str(c): (CASE, f"{words} {c}") for c in (0.4, 0.2)}
-    runs = [fsipetsc.open_run(path) for path in compute(1, tmp_path, listed).values()]
-    kinds = "fluid", "solid"
-    coarse, fine = (np.array([run.errors[k]["combined"] for k in kinds]) for run in runs)
-    assert np.all(coarse < 2e-8) and np.all(coarse > 13 * fine)
-    assert np.all(runs[1].layers[2]["u"][-1] < -0.6)

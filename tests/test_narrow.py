@@ -11,7 +11,7 @@ import pytest
 from test_operators import ALL, exact_norm
 
 from fsipetsc.operators import OPERATORS, SBPOperator
-from fsipetsc.operators.narrow import ENDS, STIFFNESS, difference, levels, remainder
+from fsipetsc.operators.narrow import ENDS, STIFFNESS, levels, remainder
 
 ORDERS = pytest.mark.parametrize("order", OPERATORS)
 #: -h^2 times the interior formula of D2(1) on (-1)^i, and times that of D twice on its own worst
@@ -131,27 +131,6 @@ def test_flux_at_an_end(order) -> None:
 
 
 @ALL
-def test_shortest_wave(op: SBPOperator) -> None:
-    """D twice leaves (-1)^i alone; the narrow derivative damps it faster than any other."""
-    n = 2 * op.rows + 6 * op.p + 3
-    wide, R = stiffness_matrices(op, [Fraction(1)] * n)
-    wave, inner = (
-        exact([(-1) ** i for i in range(n)]),
-        slice(op.rows + 2 * op.p, n - op.rows - 2 * op.p),
-    )
-    assert not (wide @ wave)[inner].any()
-    assert list((R @ wave / wave)[inner]) == [SHORTEST[op.order]] * len(wave[inner])
-    angles = np.linspace(0, np.pi, 181)
-    first = 2 * sum(float(c) * np.sin(k * angles) for k, c in enumerate(op.interior, start=1))
-    rest = sum(
-        float(sum(level.weights)) * (2 * np.sin(angles / 2)) ** (2 * level.order)
-        for level in levels(op.interior)
-    )
-    assert np.isclose(rest[-1], float(SHORTEST[op.order]), rtol=1e-14)
-    assert np.argmax(first**2 + rest) == 180 and np.argmax(first**2) < 150
-
-
-@ALL
 def test_step_bound(op: SBPOperator) -> None:
     """Courant number 1.1 is stable with a Dirichlet ghost point anywhere, and with two natural
     ends; 1.5 is not with all."""
@@ -171,7 +150,3 @@ def test_step_bound(op: SBPOperator) -> None:
         assert values.real.max() < 0
         largest = max(largest, np.abs(values).max())
     assert 1.1 * largest < REAL_INTERVAL * STIFFNESS[op.order] < 1.5 * largest
-
-
-def test_differences() -> None:
-    assert difference(1) == [-1, 1] and difference(4) == [1, -4, 6, -4, 1]

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import os
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
 from helpers import solve
 
 import fsipetsc
-from fsipetsc.cases import load_case, template_text
+from fsipetsc.cases import template_text
 from fsipetsc.errors import FileError, InputError
 from fsipetsc.output.new_case import new_case
 
@@ -88,20 +87,6 @@ def test_a_name_that_would_not_do(name, tmp_path, monkeypatch):
     with pytest.raises(InputError, match=re.escape(NAMES[name])):
         new_case(name, ("info", "plot"))
     assert os.listdir(tmp_path) == []
-
-
-def test_unusual_names_and_places(tmp_path, monkeypatch):
-    """What stands in the working directory hides nothing; a name that could end the docstring does
-    not stand in it."""
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "results").mkdir()
-    for name in ("results.py", "results/x.py", str(tmp_path / "y.py"), 'q""".py', "a b.py"):
-        assert new_case(name, ()) == Path(name)
-        assert load_case(name).SUMMARY
-    with pytest.raises(FileError, match=r"no/case\.py: the directory no does not exist"):
-        new_case("no/case.py", ())
-    with pytest.raises(FileError, match=r"case\.py: cannot be written: No such file"):
-        new_case("/proc/case.py", ())
 
 
 @pytest.mark.parametrize("words", [[], ["-x", "a.py"]])

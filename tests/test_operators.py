@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from fsipetsc.operators import OPERATORS, SBPOperator, operator
-from fsipetsc.paper.stencils import packed
 
 ALL = pytest.mark.parametrize("op", OPERATORS.values(), ids=lambda op: op.name)
 
@@ -25,40 +24,6 @@ def derivative_error(op: SBPOperator, n: int, degree: int) -> list[Fraction]:
     exact = [degree * Fraction(i) ** max(degree - 1, 0) for i in range(n)]
     found = [sum(w * j**degree for j, w in enumerate(row)) for row in op.exact_matrix(n)]
     return [f - e for f, e in zip(found, exact)]
-
-
-def closure_error(closure: np.ndarray, degree: int) -> np.ndarray:
-    """The same for an array of closure rows."""
-    rows, cols = closure.shape
-    return closure @ np.arange(cols) ** degree - degree * np.arange(rows) ** (degree - 1)
-
-
-def free_directions(order: int) -> list[np.ndarray]:
-    """Antisymmetric changes of Q, (rows, rows) of integers, that vanish on polynomials up to the
-    boundary order: a b^T - b a^T for a, b among the differences of order s + 1 that fit on the
-    closure points.
-    """
-    op, difference = operator(order), np.array([1], dtype=object)
-    for _ in range(op.boundary_order + 1):
-        difference = np.convolve(difference, np.array([1, -1], dtype=object))
-    room = op.rows - len(difference)
-    fitted = [np.array([0] * k + [*difference] + [0] * (room - k)) for k in range(room + 1)]
-    pairs = [(a, b) for i, a in enumerate(fitted) for b in fitted[i + 1 :]]
-    return [np.outer(a, b) - np.outer(b, a) for a, b in pairs]
-
-
-def test_orders_sizes_and_names() -> None:
-    table = {
-        op.name: (op.order, op.boundary_order, op.p, op.rows, op.reach, op.min_points)
-        for op in OPERATORS.values()
-    }
-    assert table == {
-        "2/1": (2, 1, 1, 1, 1, 2),
-        "4/2": (4, 2, 2, 4, 3, 8),
-        "6/3": (6, 3, 3, 6, 5, 12),
-        "8/4": (8, 4, 4, 8, 7, 16),
-    }
-    assert all(operator(order) is op and op.order == order for order, op in OPERATORS.items())
 
 
 def test_classical_closures() -> None:
@@ -123,22 +88,6 @@ def test_norm_is_a_positive_quadrature(op: SBPOperator) -> None:
         assert (quadrature == exact) == (degree < 2 * op.boundary_order)
 
 
-def test_free_entries_leave_a_small_truncation_error() -> None:
-    """sum_i H_i e_i^2, e the closure's error on x^4, is stationary, exactly, in the one direction
-    left free at 6/3; the same for x^5 is within a percent of its least value at 8/4.
-    """
-    op, (direction,) = operator(6), free_directions(6)
-    change = direction @ np.arange(op.rows) ** 4  # H times the change of e
-    assert closure_error(np.array(op.closure, dtype=object), 4) @ change == 0
-    op = operator(8)
-    root = np.sqrt([float(weight) for weight in op.norm])
-    error = root * closure_error(np.array(op.closure, dtype=float), 5)
-    moved = [direction @ np.arange(op.rows) ** 5 for direction in free_directions(8)]
-    changes = np.array(moved, dtype=float).T / root[:, None]
-    least = error - changes @ np.linalg.lstsq(changes, error, rcond=None)[0]
-    assert np.linalg.norm(error) < 1.01 * np.linalg.norm(least)
-
-
 @ALL
 @pytest.mark.parametrize("n", [16, 60])
 def test_spectrum_of_advection_with_injected_inflow(op: SBPOperator, n: int) -> None:
@@ -160,24 +109,3 @@ def test_too_few_points(op: SBPOperator) -> None:
     for method in (op.matrix, op.exact_matrix, op.norm_weights):
         with pytest.raises(ValueError, match=words):
             method(n)
-
-
-@pytest.mark.parametrize("order", [0, 3, None])
-def test_unknown_order_names_the_valid_ones(order: int | None) -> None:
-    for function in (operator, packed):
-        with pytest.raises(ValueError, match="2, 4, 6, 8"):
-            function(order)
-
-
-@ALL
-def test_packed_record(op: SBPOperator) -> None:
-    record = packed(op.order)[0]
-    n, rows, cols = op.min_points, op.rows, op.rows + op.p
-    sizes = [record[name] for name in ("p", "rows", "columns", "reach")]
-    assert sizes == [op.p, rows, cols, op.reach]
-    padded = {"closure": op.matrix(n)[:rows, :cols], "norm": op.norm_weights(n)[:rows]}
-    padded["interior"] = np.array([float(c) for c in op.interior])
-    for name, wanted in padded.items():
-        found = np.zeros_like(record[name])
-        found[tuple(slice(k) for k in wanted.shape)] = wanted
-        assert np.array_equal(record[name], found), name

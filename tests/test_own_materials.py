@@ -10,12 +10,11 @@ pytest.importorskip("petsc4py")
 
 from helpers import REPOSITORY, compute, solve
 from own_gas import NobleAbel
-from test_solid_rates import Block
 
 import fsipetsc
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
-from fsipetsc.materials.own import gas_law, pressure_law, solid_law, transport_law
+from fsipetsc.materials.own import gas_law, solid_law, transport_law
 from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.materials.stiffened_gas import stiffened_gas
@@ -80,13 +79,6 @@ def test_what_a_fluid_says():
     assert water.internal_energy(1000.0, 300.0) == pytest.approx(1000.0 * 300.0 + 6e8 / 1000.0)
 
 
-def test_a_transport_law_of_one_or_two_functions():
-    apart = transport_law(lambda T: T / 300.0, lambda T: (T / 300.0) ** 2)
-    alike = transport_law(lambda T: T / 300.0)
-    for law, wanted in ((apart, (2.0, 4.0)), (alike, (2.0, 2.0))):
-        assert Fluid(1.0, 1.0, 1.4, R, transport=law).relative(600.0) == pytest.approx(wanted)
-
-
 def test_an_own_stress_is_that_of_the_built_in_law():
     own = ElasticSolid(**SOLID, law=solid_law(stress=log_stress, energy=log_energy), heat="elastic")
     built_in = ElasticSolid(**SOLID, heat="elastic")
@@ -95,18 +87,6 @@ def test_an_own_stress_is_that_of_the_built_in_law():
         assert laws[0].stress(F) == pytest.approx(laws[1].stress(F), abs=1e-13)
         assert laws[0].energy(F) == pytest.approx(laws[1].energy(F), abs=1e-13)
         assert laws[0].wave_modulus(F) >= 0.99 * laws[1].wave_modulus(F) / 2.0
-
-
-def test_rates_with_an_own_law_are_those_of_the_built_in_one():
-    """And with its pressure."""
-    own = {
-        "law": solid_law(stress=log_stress),
-        "pressing": pressure_law(lambda J, T, m0, alpha: 1.2 * m0 * alpha * T / J),
-    }
-    block = Block(2, 4, cells=(12, 12), **own)
-    found = block.rates()
-    wanted = block.reference()
-    assert np.abs(found - wanted).max() <= 1e-12 * np.abs(wanted).max()
 
 
 def elastic(stress, energy):
@@ -171,18 +151,3 @@ def test_a_perfect_gas_written_by_hand_has_the_bits_of_the_built_in_one(tmp_path
         assert np.array_equal(runs["built_in"].series[name], runs["by_hand"].series[name]), name
     moved = runs["noble"].series["x_interface"][-1] - runs["perfect"].series["x_interface"][-1]
     assert np.abs(moved).max() > 1e-5
-
-
-def test_a_law_that_numbas_cache_knows_already_can_be_made():
-    """Its class is asked for by name, from other cases, before a case makes it."""
-
-    def pressure(J, T, m0, alpha):
-        return 0.25 * m0 * T / J
-
-    from fsipetsc.materials import own
-
-    made = type(own.pressure_law(pressure))
-    kept = own._classes.pop(made.__name__)
-    assert getattr(own, made.__name__)._fields == ()
-    assert own.pressure_law(pressure).pressure(1.0, 4.0, 2.0, 1.0) == 2.0
-    own._classes[made.__name__] = kept

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import fnmatch
 import re
 import subprocess
@@ -15,9 +14,6 @@ import fsipetsc
 PROJECT = (REPOSITORY / "pyproject.toml").read_text()
 #: what every sdist has
 ALWAYS = {"pyproject.toml", "README.md", "LICENSE", "MANIFEST.in"}
-#: modules and names of modules that came with Python 3.11, 3.12, 3.13
-NEWER = {"tomllib", "ExceptionGroup", "StrEnum", "Self", "add_note", "TaskGroup", "Never", "UTC"}
-NEWER |= {"batched", "override", "Buffer", "ReadOnly", "PythonFinalizationError"}
 
 
 def known_files() -> list[str]:
@@ -57,27 +53,3 @@ def test_versions_agree():
     citation = (REPOSITORY / "CITATION.cff").read_text()
     assert re.search(r"^version: (.*)$", citation, re.M)[1] == version
     assert f"## {version}" in (REPOSITORY / "CHANGELOG.md").read_text()
-
-
-def test_conda_asks_for_what_pip_does():
-    """Of the extras solver and plot, and what tests need."""
-    environment = (REPOSITORY / "environment.yml").read_text()
-    extras = dict(re.findall(r"^(solver|plot) = \[(.*)\]$", PROJECT, re.M))
-    wanted = set(re.findall(r'"([\w-]+)', " ".join(extras.values())))
-    wanted |= {"pytest", "pytest-xdist", "ruff", "mypy"}
-    assert wanted <= set(re.findall(r"^  - ([\w-]+)", environment, re.M))
-
-
-def test_the_oldest_python_is_enough():
-    """No newer syntax, and no newer name that is well known; scripts/setup asks for the same."""
-    oldest = re.search(r'^requires-python = ">=3\.(\d+)"', PROJECT, re.M)[1]
-    setup = (REPOSITORY / "scripts" / "setup").read_text()
-    assert re.findall(r"Python>=3\.(\d+)|version_info < \(3, (\d+)\)", setup) == [
-        (oldest, ""),
-        ("", oldest),
-    ]
-    for path in (REPOSITORY / "fsipetsc").rglob("*.py"):
-        tree = ast.parse(path.read_text(), feature_version=(3, int(oldest)))
-        for node in ast.walk(tree):
-            used = {getattr(node, key, None) for key in ("attr", "id", "module", "name")}
-            assert not used & NEWER, path

@@ -3,7 +3,6 @@ and that nothing grows beside them."""
 
 from __future__ import annotations
 
-import math
 from functools import lru_cache
 
 import numpy as np
@@ -30,7 +29,6 @@ from paper_parts import (
     solid_state,
 )
 from paper_parts import filled as fill
-from scipy.linalg import eig
 
 from fsipetsc.analysis.spectra import CENTRAL
 from fsipetsc.boundaries import (
@@ -152,43 +150,6 @@ def second_derivative(order, n, narrow):
     return D @ D - narrow * remainder(op.interior, np.ones(n)) / op.norm_weights(n)[:, None]
 
 
-def near_the_wall(order, narrow):
-    """E of the wall's formula for h = 1, see docs/open-end.md."""
-    op, n = OPERATORS[order], 80
-    s, D, x = order // 2, op.matrix(n), np.arange(float(n))
-    e = D @ x ** (s + 1) / math.factorial(s + 1) - x**s / math.factorial(s)
-    if narrow:
-        D = second_derivative(order, n, 1)
-        e = D @ x ** (s + 1) / math.factorial(s + 1) - x ** (s - 1) / math.factorial(s - 1)
-    e[op.rows + 2 * op.p :] = 0.0
-    rows, known = [*D[narrow : n - op.rows]], [*-e[narrow : n - op.rows]]
-    for j in range(n - 20, n - 2):  # bounded far inside: constant and the shortest wave
-        rows.append(np.eye(n)[j + 2] - np.eye(n)[j])
-        known.append(0.0)
-    E = np.linalg.lstsq(np.array(rows), np.array(known), rcond=None)[0]
-    np.testing.assert_allclose(np.array(rows) @ E, known, atol=1e-11)
-    return E
-
-
-@ORDERS
-@NARROW
-def test_temperature_at_the_wall(order, narrow):
-    """The formula is exact on what has no slope at the wall up to degree s, and on what D makes of
-    degree s + 1."""
-    s, E = order // 2, near_the_wall(order, narrow)
-    for delta in DELTAS:
-        _, slopes = weights_at(delta, s)
-        degree = insulated_slopes(delta, s, narrow, slopes)
-        exact = [(np.arange(NODES) - delta) ** power for power in (0, *range(2, s + 1))]
-        if order < (4 if narrow else 8) or (narrow and order == 6):
-            leading = (np.arange(NODES) - delta) ** (s + 1) / math.factorial(s + 1)
-            exact.append(leading + E[:NODES])
-        for values in exact:
-            ghost = neumann_ghost(values, slopes, degree)
-            np.testing.assert_allclose(ghost, values[0], rtol=1e-10, atol=1e-9)
-        assert abs(slopes[0]) > 0.4 and np.abs(slopes[1 : degree + 1] / slopes[0]).max() < 1.35
-
-
 @ORDERS
 @NARROW
 def test_heat_beside_an_insulated_wall(order, narrow):
@@ -243,23 +204,6 @@ def test_given_data(side, outflow, degree):
         assert interpolated == pytest.approx(value, rel=1e-13)
 
 
-@SIDES
-@DEGREES
-def test_data_of_a_flow_faster_than_sound(side, degree):
-    """Everything comes in: all three are imposed. Nothing does: none is."""
-    n, k = 2 * side - 1, np.arange(NODES)
-    weights, _ = weights_at(0.3, degree)
-    for speed in (-400.0, 400.0):
-        layer, data = gas_record(40), (1.3, n * speed, 310.0)
-        layer["end_kind"][side], layer["end_degree"] = DIRICHLET, degree
-        layer["end_data"][side, :3] = data
-        before = np.array([1.2 + 0.02 * k, n * (speed + 2 * k), 300.0 + 2 * k])
-        ghost, _ = fill(GAS, layer, side, 0.3, before)
-        pairs = zip(data, before, strict=True)
-        given = [dirichlet_ghost(g, row, weights, degree, LEAST) for g, row in pairs]
-        np.testing.assert_allclose(ghost, before[:, 0] if speed > 0 else given, rtol=1e-13)
-
-
 def test_degrees():
     end = Dirichlet(0.0, lambda t: (1.0, 0.0, 1.0))
     assert [degree_of(end, order) for order in OPERATORS] == [2, 3, 4, 5]
@@ -277,8 +221,6 @@ def test_degrees():
 
 GAMMA = 1.4
 R, CV = 1 / GAMMA, 1 / GAMMA / (GAMMA - 1)
-CP = GAMMA * CV
-PRESSURE = np.array([R, 0.0, R])
 N, STEP = 24, 1e-3
 
 
@@ -293,81 +235,6 @@ def gas_layer(kind, mach, mu, kappa, order, n=N, h=1.0):
         layer["end_data"][:, :3] = 1.0, mach, 1.0
         layer["end_degree"] = degree_of(Dirichlet(0.0, lambda t: ()), order)
     return Gas(PerfectGas(GAMMA, R), ConstantTransport(), mu, kappa, GAMMA, 0.0), layer
-
-
-def decaying_mode(mach, mu, kappa, s, speed):
-    """(lambda, values of rho, u, T) of the solution e^(st + lambda x) of the linearised equations
-    that moves with ``speed``."""
-    A = np.array([[mach, 1, 0], [R, mach, R], [0, R / CV, mach]])
-    # (s + lambda A - lambda^2 B) U = 0 as a pencil for (U, lambda U)
-    unit, none = np.eye(3), np.zeros((3, 3))
-    left = np.block([[none, unit], [s * unit, A]])
-    right = np.block([[unit, none], [none, np.diag([0, mu, kappa / CV])]])
-    values, vectors = eig(left, right)
-    at = np.argmin(np.abs(np.where(np.isfinite(values), values, np.inf) + s / speed))
-    return values[at], vectors[:3, at]
-
-
-def misfit(mach, nu, order, speed, prandtl, side):
-    """(pressure of what comes in, error of the gradient of T in the heat flux) for a mode of
-    frequency 1, relative to it.
-
-    The pressure is what the gas beyond would have to differ by to make the same change.
-    """
-    s, h, kappa = 1j, 1e-4, nu * CP / prandtl
-    a, U = decaying_mode(mach, 4 / 3 * nu, kappa, s, speed)
-    U = U / (PRESSURE @ U if speed > mach else U[2] - PRESSURE @ U / CP)
-    n, amplitude, errors = 2 * side - 1, 1e-7, []
-    # a layer so wide that q_nn = 0 is not faded out
-    layer = gas_layer(OPEN, n * mach, 4 / 3 * nu, kappa, order, n=10**7, h=h)
-    for phase in (1, 1j):
-        wave = amplitude * np.real(phase * U[:, None] * np.exp(a * -h * np.arange(4)))
-        before = np.array([1.0, mach, 1.0])[:, None] + wave
-        ghost, seen = fill(*layer, side, 0.3, before * np.array([[1], [n], [1]]))
-        layer[1]["end_data"][side, 0] += amplitude
-        other, _ = fill(*layer, side, 0.3, before * np.array([[1], [n], [1]]))
-        layer[1]["end_data"][side, 0] -= amplitude
-        p, changed, kept = (v[0] * v[2] for v in (ghost, other, before[:, 0]))
-        errors.append([(p - kept) / (changed - p), (seen[1] - before[2, 0]) / (h * amplitude)])
-    return tuple(np.hypot(*errors))
-
-
-@SIDES
-@pytest.mark.parametrize("mach", [0.0, 0.3, -0.3])
-@pytest.mark.parametrize("prandtl", [0.72, 0.1], ids=["more friction", "more conduction"])
-def test_sound_that_leaves(side, mach, prandtl):
-    """What comes in with a mode of viscous sound is of first order in the viscosity, and of second
-    after the correction."""
-    coarse, fine = (
-        np.array([misfit(mach, nu, order, mach + 1, prandtl, side)[0] for order in (0, 1)])
-        for nu in (2e-2, 2e-3)
-    )
-    np.testing.assert_allclose(np.log10(coarse / fine), [1, 2], atol=0.1)
-    assert fine[1] < 0.06 * fine[0]
-
-
-@SIDES
-def test_heat_that_leaves(side):
-    """The gradient that the heat flux sees of a mode that flows out: of order 1 without, of the
-    viscosity with q_nn = 0."""
-    zeroth, first = (misfit(0.3, 2e-4, order, 0.3, 0.72, side) for order in (0, 1))
-    assert zeroth[1] > 1 and first[1] < 0.05
-    assert first[0] < 0.05 * zeroth[0]
-
-
-@SIDES
-@pytest.mark.parametrize("amplitude", [-0.3, -0.1, 0.1, 0.3, 1.0])
-def test_finite_sound_leaves(side, amplitude):
-    """A simple wave stays as it is, but for a fourth power of its amplitude; linear theory would
-    reflect a second one."""
-    n, p = 2 * side - 1, 1 + amplitude
-    T = p ** ((GAMMA - 1) / GAMMA)
-    wave = np.array([p / T, n * (0.25 + 2 / (GAMMA - 1) * (np.sqrt(T) - 1)), T])
-    layer = gas_layer(OPEN, n * 0.25, 0.0, 0.0, 1)
-    ghost, _ = fill(*layer, side, 0.3, np.repeat(wave[:, None], 4, 1))
-    assert abs(ghost[0] * ghost[2] - p) < 0.1 * amplitude**4
-    linear = abs(p - 1 - GAMMA * (n * wave[1] - 0.25)) / 2
-    assert linear > 0.1 * amplitude**2
 
 
 # the linearised scheme between two ends, around a uniform flow
@@ -448,22 +315,6 @@ def test_no_mode_grows_between_given_data(order):
                     # slowly; a boundary that moves passes by
                     grows = order > 4 and delta > 0.85
                     assert_stable(matrix, mach, nu, STIFFNESS_OF_WIDE, 1 / N if grows else 1e-8)
-
-
-@SIDES
-def test_as_many_conditions_as_the_equations_need(side):
-    """What the ghost point is given, and what the gradients are: of a gas that does not conduct or
-    has no friction nothing."""
-    n, own = 2 * side - 1, np.eye(3)[1:]
-    for mach, count in ((-1.2, 3), (-0.5, 2), (0.5, 1), (1.2, 0)):
-        for mu in (0.0, 0.3):
-            for kappa in (0.0, 0.3):
-                of_ghost = derivatives(OPEN, side, n * mach, mu, kappa, 1, 0.3)[:, :, 0]
-                assert np.linalg.matrix_rank(of_ghost[:3] - np.eye(3), tol=1e-6) == count
-                # by the ghost point's values, which are what the fill has made of them
-                of_u, of_T = np.abs(of_ghost[3:] - own @ of_ghost[:3]).max(axis=1) > 1e-6
-                assert of_T == (kappa > 0) or count == 3
-                assert not of_u or mu > 0
 
 
 # solids

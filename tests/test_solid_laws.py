@@ -94,13 +94,6 @@ def test_a_rotation_changes_no_energy_and_turns_the_stress(law, d):
         assert np.abs(P @ F.T - F @ P.T).max() < 1e-13
 
 
-def test_the_log_law_in_one_dimension():
-    law = Log(MU, LAMBDA, P_REF)
-    for F in (0.3, 1.0, 2.5):
-        wanted = (2 * MU + LAMBDA) * np.log(F) - P_REF
-        assert law.stress((F,))[0] == pytest.approx(wanted, rel=1e-14)
-
-
 @pytest.mark.parametrize("d", [1, 2, 3])
 @pytest.mark.parametrize("law", LAWS)
 def test_no_wave_is_faster_than_the_modulus_says(law, d):
@@ -202,11 +195,3 @@ WRONG = {
 def test_what_is_no_solid(said):
     with pytest.raises(InputError, match=said):
         solid(**WRONG[said])
-
-
-def test_a_force_has_as_many_numbers_as_there_are_dimensions():
-    assert solid(force=(0.0, -9.81)).equations(2).force == (0.0, -9.81)
-    assert solid(force=2.0).equations(1).force == (2.0,)
-    assert solid().equations(3).force == (0.0,) * 3
-    with pytest.raises(InputError, match="expected 3 numbers"):
-        solid(force=(0.0, -9.81)).equations(3)

@@ -10,14 +10,12 @@ import pytest
 pytest.importorskip("petsc4py")
 
 from mpi4py import MPI
-from paper_parts import filled, gas_record, primitive
 
 from fsipetsc.boundaries import Open, free
 from fsipetsc.cases import rod
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.line_solid import Solid
 from fsipetsc.options import defaults
-from fsipetsc.paper.ends import NODES
 from fsipetsc.paper.state import PaperState
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 from fsipetsc.scheme.plan import RATE
@@ -52,36 +50,6 @@ def test_the_rate_is_the_4_norm_of_convection_and_diffusion():
             assert state.results[RATE] == pytest.approx(
                 (convection**4 + diffusion**4) ** 0.25, rel=1e-9
             )
-
-
-@pytest.mark.parametrize(
-    ("wall", "gravity", "change"),
-    [(0.299, -100.0, 1), (0.301, 100.0, -1)],
-    ids=["shrinks", "grows"],
-)
-def test_the_wall_holds_when_its_ghost_point_changes(wall, gravity, change):
-    """A completed step leaves what the formulas of the wall make of the point that is the ghost
-    now, after any step.
-    """
-    with at_rest(rod_wall=wall, rod_gravity=gravity) as state:
-        record, ghosts, gas = state.layout.records[0], [], state.layers[0].law
-        for _ in range(70):
-            state.step(0.0, 1e-4, True)
-            ghosts.append(int(record["lo"]))
-            values = state.layout.local(0, state.solution.getArray(readonly=True))[
-                ghosts[-1] : ghosts[-1] + NODES
-            ]
-            nodes = np.array(primitive(gas, values))
-            found, delta = (
-                nodes[:, 0].copy(),
-                int(record["hi"]) - ghosts[-1] - (record["x_interface"] - wall) / H,
-            )
-            assert 0 <= delta < 1
-            layer = gas_record(40, h=H)
-            layer["end_kind"][0], layer["end_degree"] = record["end_kind"][0], record["end_degree"]
-            ghost, _ = filled(gas, layer, 0, delta, nodes)
-            np.testing.assert_allclose(ghost, found, rtol=1e-12, atol=1e-12)
-        assert abs(found[1]) > 1e-3 and ghosts[-1] - ghosts[0] == change
 
 
 @pytest.mark.parametrize("gruneisen", [0.0, 0.4])

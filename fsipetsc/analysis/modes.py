@@ -1,7 +1,7 @@
 """The command `modes ring`: frequencies of small motions about rest, by the scheme and exactly.
 
 The scheme's right-hand side is linearised about rest and split by angular numbers
-(fsipetsc.analysis.ring_modes). Beside its modes stand those of the equations, where they are known
+(fsipetsc.analysis.wave_modes). Beside its modes stand those of the equations, where they are known
 (fsipetsc.analysis.ring_theory): where nothing conducts heat.
 """
 
@@ -72,8 +72,8 @@ def _told(problem: Any, opt: Mapping[str, Any], path: Path) -> None:
 
 def compared(problem: Any, opt: Mapping[str, Any]) -> list[Mode]:
     """The slowest modes of the ring at rest, for the options in force. InputError."""
-    from fsipetsc.analysis.ring_modes import ring_modes
     from fsipetsc.analysis.ring_theory import mode_near
+    from fsipetsc.analysis.wave_modes import ring_modes
     from fsipetsc.stepping.solve import block_form
 
     n, media = opt["ring_angular"], media_of(opt)

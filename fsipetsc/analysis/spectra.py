@@ -24,11 +24,10 @@ FARTHEST = 3.2
 class Result:
     """Numbers of one problem. Rates of growth are over the largest |lambda|, which is radius [1/s].
 
-    energy, growth: those of the energy (NaN if it is not known) and of the fastest mode, without
-    the heat that the stress at rest sets free; heated_energy, heated: with it. step: that RK4 can
-    take [s], step_ratio: over that of the uncoupled layers. estimate, stable, heated_stable,
-    step_kept: the energy does not grow, no mode does (with that heat), the interface costs no step.
-    slowest: (wave number k [1/m], s [1/s] of the slowest modes that swing).
+    energy, growth: those of the energy and of the fastest mode, without the heat that the stress at
+    rest sets free; heated_energy, heated: with it. step: that RK4 can take [s], step_ratio: over
+    that of the uncoupled layers. estimate, stable, heated_stable, step_kept: the energy does not
+    grow, no mode does (with that heat), the interface costs no step.
     """
 
     order: int
@@ -46,7 +45,6 @@ class Result:
     stable: bool
     heated_stable: bool
     step_kept: bool
-    slowest: tuple[tuple[float, tuple[complex, ...]], ...] = ()
 
 
 def bisect(beyond: Callable[[float], bool], low: float, high: float, halvings: int = 60) -> float:

@@ -12,11 +12,10 @@ left, K x_X'/x_X - sigma, never changes.
             S_t   = K^ D u
             T_t   = (-p^ D u + kappa_e/x_X D2 T) / (alpha m0)
 
-D2 is D twice or the narrow second derivative, c = dp_s/dT, and the gas's equation of T is that of
-laws p(rho, T) and e(rho, T) with rho^2 e_rho = p - T p_T, as thermodynamics has it. The energy
-E = h sum_j a_j (W q^2)_j has the weights of fsipetsc.paper.coupling. In it the equations are
-symmetric but for a part of the last one: -p^ = -c T^ + (c T^ - p^). In Grüneisen's solid c T^ - p^
-is the stress sigma^, and that part the heat that a stress sigma^ != 0 sets free.
+D2 is D twice or the narrow second derivative, c = dp_s/dT; of the gas p_T = rho^ R, p_rho = R T^.
+The energy E = h sum_j a_j (W q^2)_j has the weights of fsipetsc.paper.coupling. In it the equations
+are symmetric but for a part of the last one: -p^ = -c T^ + sigma^. That part is the heat that a
+stress sigma^ != 0 sets free.
 
 With the conservative coupling D of a flux is without what goes through the interface
 (fsipetsc.blocks). The interface is treated by the code that the solver calls, differentiated
@@ -55,7 +54,7 @@ class Linear(NamedTuple):
     the vector.
 
     raw: (6n, 6n) right-hand side of both layers without any condition, symmetric in the last
-    equation; heating: (6n, 6n) what c T^ - p^ adds; projection: (6n, 6n) all conditions; free:
+    equation; heating: (6n, 6n) what sigma^ adds; projection: (6n, 6n) all conditions; free:
     (6n,) 0 where a layer alone is held: at its outer end, and at the interface in the same way, but
     with the conservative coupling, where it is free and insulated. Order: fluid rho, u, T, solid
     u, S, T; in each the points from left to right.
@@ -94,20 +93,20 @@ def assemble(
 def rates(
     state: Constant, D: Real, outer: Sequence[Real], second: Sequence[Real]
 ) -> tuple[Real, Real]:
-    """(right-hand side without the heating by c T^ - p^, that heating), (6n, 6n).
+    """(right-hand side without the heating by the stress, that heating), (6n, 6n).
 
     D: derivative of the velocities, (n, n); outer, second: in fluid and solid those of the stress
     and, of second order, of what is conducted or diffuses.
     """
-    solid, rho, T, c = state.solid, state.rho, state.T, state.solid_p_T
-    heat, heat_f, o = solid.alpha * solid.m0, rho * state.heat_capacity, np.zeros_like(D)
+    gas, solid, rho, T = state.gas, state.solid, state.rho, state.T
+    c, p_T, heat = state.solid_pressure / T, rho * gas.R, solid.alpha * solid.m0
+    heat_f, o, mu = rho * gas.cv, np.zeros_like(D), 4 / 3 * gas.mu
     (Df, Ds), (D2f, D2s) = outer, second
-    p_rho, mu = state.bulk / rho, 4 / 3 * state.mu
     raw = np.block(
         [
             [o, -rho * D, o, o, o, o],
-            [-p_rho / rho * Df, mu / rho * D2f, -state.p_T / rho * Df, o, o, o],
-            [o, -T * state.p_T / heat_f * D, state.kappa / heat_f * D2f, o, o, o],
+            [-state.p / rho**2 * Df, mu / rho * D2f, -p_T / rho * Df, o, o, o],
+            [o, -T * p_T / heat_f * D, gas.kappa / heat_f * D2f, o, o, o],
             [o, o, o, o, Ds / solid.m0, -c / solid.m0 * Ds],
             [o, o, o, state.modulus * D, o, o],
             [o, o, o, -c * T / heat * D, o, solid.kappa_e / state.stretch / heat * D2s],
@@ -115,7 +114,7 @@ def rates(
     )
     heating = np.zeros_like(raw)
     n = len(D)
-    heating[5 * n :, 3 * n : 4 * n] = state.excess / heat * D
+    heating[5 * n :, 3 * n : 4 * n] = state.stress / heat * D
     return raw, heating
 
 
@@ -159,8 +158,8 @@ def one_particle(state: Constant, rows: int) -> Real:
     conduct it."""
     jacobian = np.eye(6 * rows)
     pairs = [(1, 3, state.rho, state.solid.m0)]
-    if state.kappa > 0.0 and state.solid.kappa_e > 0.0:
-        heat_capacities = state.rho * state.heat_capacity, state.solid.alpha * state.solid.m0
+    if state.gas.kappa > 0.0 and state.solid.kappa_e > 0.0:
+        heat_capacities = state.rho * state.gas.cv, state.solid.alpha * state.solid.m0
         pairs.append((2, 5, *heat_capacities))
     for of_gas, of_solid, a, b in pairs:
         points = np.array([of_gas, of_solid]) * rows

@@ -2,26 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from fsipetsc.analysis.tables import listed_in
-from fsipetsc.cases import load_case
 from fsipetsc.errors import InputError
-from fsipetsc.options import above_one, groups
+from fsipetsc.options import above_one
 from fsipetsc.options.option import Option
 
 ORDERS = (2, 4, 6, 8)
-
-
-def _to(most: float) -> Callable[[Any], str | None]:
-    """Check of a number, or of some."""
-
-    def check(values: float | Sequence[float]) -> str | None:
-        every = values if isinstance(values, Sequence) else (values,)
-        return None if all(0 <= value <= most for value in every) else f"numbers from 0 to {most:g}"
-
-    return check
 
 
 def _positive(name: str, kind: Any, default: Any, unit: str, words: str) -> Option:
@@ -32,27 +21,12 @@ def _nonnegative(name: str, kind: Any, default: Any, unit: str, words: str) -> O
     return Option(name, kind, default, unit, words, check="nonnegative")
 
 
-_SYMBOLS = "wave numbers, as fractions of the greatest that D knows"
 _DENSITIES = "m0 over the density of the gas, instead of -solid_density; alpha m0 keeps its value"
 _STIFFNESSES = "K over the pressure of the gas, instead of -solid_modulus"
 _POINTS = "points of each of the two layers"
 _COUPLINGS = ("conservative", "energy", "projection", "traditional")
 _EOS = "pressure p = G rho epsilon that balances the gas, or none: sigma = -p of the gas"
 _POWERS = tuple(10.0**k for k in range(-3, 4))
-#: what two dimensions do not have, and what is of two alone
-OF_ONE_DIMENSION = ("solid_eos", "fsi_coupling", "fsi_viscous")
-OF_TWO_DIMENSIONS = ("stability_symbols", "stability_k", "solid_shear")
-_OF_BOTH = (
-    Option("stability_symbols", "floats", (0.0, 0.2, 0.6, 1.0), "", _SYMBOLS, check=_to(1.0)),
-    _nonnegative("stability_k", "floats", None, "1/m", "wave numbers, instead of these symbols"),
-    _positive("stability_points", int, 32, "", _POINTS),
-    Option("fsi_orders", "ints", ORDERS, "", "interior orders", check=listed_in(ORDERS)),
-)
-_SWEEP = (
-    Option("sweep", bool, False, "", "all combinations of the ratios below"),
-    _positive("density_ratios", "floats", _POWERS, "", _DENSITIES),
-    _positive("stiffness_ratios", "floats", _POWERS[1:-1], "", _STIFFNESSES),
-)
 SECTIONS: dict[str, tuple[Option, ...]] = {
     "Gas": (
         _positive("fluid_rho", float, 1.0, "kg/m3", "density of the gas at rest"),
@@ -75,33 +49,25 @@ SECTIONS: dict[str, tuple[Option, ...]] = {
         Option("fsi_order", int, None, "", "one order alone, instead of -fsi_orders", ORDERS),
         _positive("fsi_h", float, 0.03125, "m", "grid spacing"),
     ),
-    "Grids": _OF_BOTH,
-    "Two dimensions": (
-        Option("stability_plane", bool, False, "", "gas over a solid, by wave number along them"),
-        Option("solid_shear", float, 0.25, "", "mu_e over K", check=_to(0.5)),
+    "Grids": (
+        _positive("stability_points", int, 32, "", _POINTS),
+        Option("fsi_orders", "ints", ORDERS, "", "interior orders", check=listed_in(ORDERS)),
     ),
-    "Sweep": _SWEEP,
+    "Sweep": (
+        Option("sweep", bool, False, "", "all combinations of the ratios below"),
+        _positive("density_ratios", "floats", _POWERS, "", _DENSITIES),
+        _positive("stiffness_ratios", "floats", _POWERS[1:-1], "", _STIFFNESSES),
+    ),
     "Output": (
-        Option("fsi_output", str, None, "", "files of a sweep, without suffix"),
+        Option("fsi_output", str, None, "", "table of a sweep, without suffix"),
         Option("fsi_quiet", bool, False, "", "print nothing but errors"),
         Option("fsi_debug", bool, False, "", "show the Python traceback of an error"),
     ),
 }
-#: of this command beside those of a case
-FOR_CASES = (
-    _nonnegative("stability_interface", int, 0, "", "interface, counted from the left"),
-    *(*_OF_BOTH[2:], *_SWEEP),
-)
-
-
-def named(arguments: Sequence[str]) -> bool:
-    """Whether the arguments of the command begin with a case."""
-    return bool(arguments) and not arguments[0].startswith("-")
-
 
 def sections(arguments: Sequence[str]) -> dict[str, tuple[Option, ...]]:
-    """Heading -> options for -help: with a case those of the case."""
-    return groups(load_case(arguments[0]), FOR_CASES) if named(arguments) else SECTIONS
+    """Heading -> options for -help."""
+    return SECTIONS
 
 
 def orders(opt: Mapping[str, Any]) -> tuple[int, ...]:

@@ -1,34 +1,31 @@
-"""Small disturbances of layers at rest in two dimensions, by wave number along them.
+"""Small disturbances of blocks at rest that look alike in all columns: flat layers, and rings.
 
-The scheme's own right-hand side is linearised. Layers that are periodic in X and at rest are given
-a few columns. One unknown of one column is disturbed at a time; the rates of that column and its
-neighbours, R_m at m columns from it, are found by central differences of order 8, and what is
-proportional to exp(i k X) then changes by the matrix
+The scheme's own right-hand side is linearised. Blocks are periodic along one axis, and their
+columns across it are alike at rest; those of a ring in the frame of radius and angle. Unknown j of
+all columns is disturbed by cos(n phi), phi = 2 pi m / M in column m of M. The part of the rates in
+exp(i n phi), found by central differences of order 8, is column j of a matrix A(n), by which what
+is proportional to exp(i n phi) changes. What may be disturbed is what the projection P lets
+through: P A acts on its range.
 
-    A(k) = sum_m R_m exp(-i k m h_x),
-
-for all wave numbers k at once. What may be disturbed is what the projection lets through: A acts on
-its range. Derivatives along X are all those of D, twice where there are two of them, so that A
-depends on k by the symbol kappa = i^-1 sum_m D_m exp(i k m h_x) alone: k h_x up to pi is kappa from
-0 up to its greatest value, and back to 0.
+Central differences do not see what alternates from node to node. Modes of a ring that do so across
+the blocks swing around them at frequencies of waves that are long. They are told by their
+roughness, the squares of the differences of neighbours along the radius over those of the values: 4
+where signs alternate, 1 for a wave of 6 nodes.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from mpi4py import MPI
-from numpy.typing import NDArray
 
-from fsipetsc.analysis.spectra import CENTRAL, Complex, Real, bisect, range_basis
+from fsipetsc.analysis.spectra import CENTRAL, Complex, Real, range_basis
 from fsipetsc.blockrun.block_state import BlockForm, BlockState
 from fsipetsc.blockrun.run_problem import RunProblem
 from fsipetsc.blocks.conditions import Condition
 from fsipetsc.blocks.layers import Layer, layers
 from fsipetsc.errors import InputError
-from fsipetsc.operators.sbp import OPERATORS
 
 #: unknowns of a node of gas or solid in two dimensions
 DOF = 5
@@ -36,6 +33,9 @@ DOF = 5
 NUDGE = 0.005
 #: rates at rest and columns that differ by more than this fraction are no state at rest
 AT_REST = 1e-9
+#: how much a mode of a ring swings at least, over the largest |lambda|, and how rough it may be
+SWINGING, ROUGH = 1e-6, 1.0
+FORM = BlockForm()
 
 
 class Stack(NamedTuple):
@@ -46,116 +46,109 @@ class Stack(NamedTuple):
     upper: Condition
 
 
-@dataclass(frozen=True)
-class WaveLinear:
-    """Rates and projection of small disturbances of N unknowns, DOF x rows of all layers.
+class Linear(NamedTuple):
+    """A (N, N) [1/s] and P (N, N) of N unknowns, DOF x rows of all blocks, over their scales."""
 
-    rates: (2 m + 1, N, N), [m + l, i, j] of unknown i, l columns from where unknown j is disturbed
-    [1/s]; projection: (N, N), within a column; scales: (N,) of the unknowns, over which both are
-    taken; h_x: distance of the columns [m].
-    """
-
-    rates: Real
+    rates: Complex
     projection: Real
     scales: Real
-    h_x: float
 
-    def matrix(self, k: float) -> tuple[Complex, Real]:
-        """((n, n), dz/dt = A z of amplitudes at wave number k [1/m]; (N, n), basis of these)."""
-        reach = len(self.rates) // 2
-        phases = np.exp(-1j * k * self.h_x * np.arange(-reach, reach + 1))
+    def matrix(self) -> tuple[Complex, Real]:
+        """((n, n), dz/dt = A z of amplitudes; (N, n), basis of these)."""
         basis = range_basis(self.projection)
-        rates = np.tensordot(phases, self.rates, 1)
-        return basis.T @ (self.projection @ rates) @ basis, basis
+        return basis.T @ (self.projection @ self.rates) @ basis, basis
 
-    def modes(self, k: float) -> tuple[Complex, Complex]:
+    def modes(self) -> tuple[Complex, Complex]:
         """(eigenvalues [1/s], (N, n) of the amplitudes of the unknowns)."""
-        matrix, basis = self.matrix(k)
+        matrix, basis = self.matrix()
         values, vectors = np.linalg.eig(matrix)
         return values, self.scales[:, None] * (basis @ vectors)
 
 
-def symbol(order: int, h: float, k: float | Real) -> float | Real:
-    """kappa of the interior formula of D at wave number k, both in 1/m."""
-    weights = OPERATORS[order].interior
-    return sum(2.0 * float(weight) * np.sin(m * k * h) for m, weight in enumerate(weights, 1)) / h
-
-
-def most(order: int, h: float) -> tuple[float, float]:
-    """(k, kappa) where the symbol is greatest, 1/m."""
-    angles = np.linspace(0.0, np.pi, 4001)
-    top = angles[np.argmax(symbol(order, 1.0, angles))] / h
-    return float(top), float(symbol(order, h, top))
-
-
-def wave_number(order: int, h: float, kappa: float) -> float:
-    """The least k whose symbol is kappa. InputError where no wave on the grid has it."""
-    high, greatest = most(order, h)
-    if not 0 <= kappa <= greatest:
-        raise InputError(f"wave number {kappa:g}: waves on this grid go up to {greatest:g}")
-    return bisect(lambda k: symbol(order, h, k) >= kappa, 0.0, high) if kappa > 0.0 else 0.0
-
-
 def linearise(
-    stack: Stack, order: int, h_x: float, nudge: float = NUDGE, form: BlockForm = BlockForm()  # noqa: B008
-) -> WaveLinear:
-    """The scheme of an order and form, columns h_x apart [m], about the initial data of layers.
+    stack: Stack, order: int, columns: int, k: float, nudge: float = NUDGE, form: BlockForm = FORM
+) -> Linear:
+    """The scheme of an order and form about the initial data of layers, for disturbances
+    proportional to exp(i k X), k [1/m]; a wave is so many columns long.
 
-    InputError where these are not at rest, or not the same in all columns.
+    InputError where the layers are not at rest, or not the same in all columns.
     """
-    width = 4 * OPERATORS[order].p + 1
-    columns = DOF * width
     ends = {"lower": stack.lower, "upper": stack.upper}
-    problem = layers(*stack.layers, along=((0.0, columns * h_x),), cells=(columns,), **ends)
+    problem = layers(*stack.layers, along=((0.0, 2.0 * np.pi / k),), cells=(columns,), **ends)
     with BlockState(MPI.COMM_SELF, RunProblem(problem), order, form) as state:
         state.compile(lambda text: None)
-        return Bench(state, width).linear(h_x, nudge)
+        return Bench(state, 0, 1).linear(nudge)
+
+
+def ring_modes(problem: RunProblem, order: int, n: int, form: BlockForm = FORM) -> Complex:
+    """Angular frequencies omega [1/s] of the modes of angular number n of rings around the origin,
+    periodic along axis 1, that swing, as exp(-i omega t), and are not rough, the slowest first.
+
+    InputError where the initial data are not at rest, or the grid does not know n.
+    """
+    with BlockState(MPI.COMM_SELF, problem, order, form) as state:
+        state.compile(lambda text: None)
+        (columns,) = {shape[1] for shape in state.layout.shapes}
+        if not 0 <= 2 * n < columns:
+            known = f"-ring_around {columns} knows angular numbers from 0 to {(columns - 1) // 2}"
+            raise InputError(f"-ring_angular {n}: {known}")
+        bench = Bench(state, 1, n)
+        values, vectors = bench.linear().modes()
+        swinging = values.imag < -SWINGING * np.abs(values).max()
+        omega = 1j * values[swinging & (bench.roughness(vectors) < ROUGH)]
+    return omega[np.argsort(omega.real)]
 
 
 class Bench:
-    """A state on which one unknown after the other is disturbed.
+    """A state on which one unknown after the other is disturbed by cos(n phi).
 
-    Those of a row are disturbed side by side, ``width`` columns apart.
+    axis: of the blocks, along which all columns are alike: 0 for flat layers, 1 for rings.
     """
 
-    #: axis of the blocks along which all columns are alike
-    along = 0
-    number: type = np.float64
-
-    def __init__(self, state: BlockState, width: int) -> None:
-        self._state, self._width = state, width
+    def __init__(self, state: BlockState, axis: int, n: int) -> None:
+        self._state, self._axis = state, axis
         state.set_initial()
         self._y = state.y.array.copy()
         self._f = np.empty_like(self._y)
-        rows = [shape[1 - self.along] for shape in state.layout.shapes]
-        self._rows = [(k, j) for k, n in enumerate(rows) for j in range(n)]
+        columns = state.layout.shapes[0][axis]
+        phi = 2.0 * np.pi * np.arange(columns) / columns
+        self._wave = np.cos(n * phi)
+        self._part = (2.0 if n > 0 else 1.0) * np.exp(-1j * n * phi) / columns
+        #: of the frame of each column
+        self._cos, self._sin = (np.cos(phi), np.sin(phi)) if axis == 1 else (1.0, 0.0)
+        rows = [shape[1 - axis] for shape in state.layout.shapes]
+        self._rows = [(k, j) for k, count in enumerate(rows) for j in range(count)]
         self._scales = self._find_scales()
 
-    def linear(self, h_x: float, nudge: float = NUDGE) -> WaveLinear:
-        """Disturb all, the unknowns of a row at once. InputError where the state is not at rest."""
-        size, width = len(self._scales), self._width
-        rates, projection = np.zeros((width, size, size), self.number), np.zeros((size, size))
-        sizes = self._nudges(nudge)
-        for first in range(0, size, DOF):
-            which = np.arange(first, first + DOF)
-            for steps, weight in enumerate(CENTRAL, 1):
+    def linear(self, nudge: float = NUDGE) -> Linear:
+        """Disturb all unknowns. InputError where the state is not at rest."""
+        size = len(self._scales)
+        rates, projection = np.zeros((2, size, size), complex)
+        for i, step in enumerate(self._nudges(nudge)):
+            for multiple, weight in enumerate(CENTRAL, 1):
                 for sign in (1, -1):
-                    f, y = self._disturbed(which, sign * steps * sizes[which])
-                    rates[:, :, which] += sign * weight * f
-                    projection[:, which] += sign * weight * y[width // 2]
-            rates[:, :, which] /= sizes[which]
-            projection[:, which] /= sizes[which]
-        relative = self._scales[None, :] / self._scales[:, None]
-        linear = WaveLinear(rates * relative, _rounded(projection * relative), self._scales, h_x)
+                    f, y = self._disturbed(i, sign * multiple * step)
+                    rates[:, i] += sign * weight / step * f
+                    projection[:, i] += sign * weight / step * y
+        relative = self._scales / self._scales[:, None]
+        linear = Linear(rates * relative, _rounded(projection.real * relative), self._scales)
         self._check(linear)
         return linear
 
-    def _check(self, linear: WaveLinear) -> None:
+    def roughness(self, vectors: Complex) -> Real:
+        """(modes,) of amplitudes (N, modes)."""
+        parts = (vectors / self._scales[:, None]).reshape(len(self._rows), DOF, -1)
+        blocks = np.array([k for k, _ in self._rows])
+        within = np.diff(parts, axis=0)[np.diff(blocks) == 0]
+        squares = ((np.abs(array) ** 2).sum(axis=(0, 1)) for array in (within, parts))
+        return np.divide(*squares)
+
+    def _check(self, linear: Linear) -> None:
         self._evaluate(self._y)
         rates, values = (self._whole(array) / self._scales for array in (self._f, self._y))
         moving = np.abs(rates @ linear.projection.T).max() > AT_REST * np.abs(linear.rates).max()
         if moving or np.ptp(values, axis=0).max() > AT_REST:
-            raise InputError("the layers are not at rest at first, or not the same for all X")
+            raise InputError("the blocks are not at rest at first, or not the same in all columns")
 
     def _evaluate(self, y: Real) -> None:
         """Rates, and y projected in its place."""
@@ -168,7 +161,7 @@ class Bench:
         """(rows, columns, unknowns) of block k in a vector."""
         layout = self._state.layout
         nodes = layout.owned(k, array).reshape(*layout.shapes[k][::-1], DOF)
-        return nodes if self.along == 0 else nodes.swapaxes(0, 1)
+        return nodes if self._axis == 0 else nodes.swapaxes(0, 1)
 
     def _find_scales(self) -> Real:
         """Of the unknowns of each row: those at rest of a gas, and with its speed of sound."""
@@ -195,23 +188,30 @@ class Bench:
         sizes[:, 2:4] = (slowest * mass)[:, None]
         return nudge * sizes.ravel()
 
-    def _disturbed(self, which: NDArray[np.int64], sizes: Real) -> tuple[Real, Real]:
-        """(rates, projected unknowns), each (columns, N, len(which)), where each of these unknowns
-        is disturbed by its size.
-        """
-        width, y = self._width, self._y.copy()
-        for n, (i, size) in enumerate(zip(which, sizes, strict=True)):
-            k, j = self._rows[i // DOF]
-            self._block(k, y)[j, n * width + width // 2, i % DOF] += size
+    def _disturbed(self, i: int, size: float) -> tuple[Complex, Complex]:
+        """(rates, projected unknowns), (N,), where unknown i is disturbed by size cos(n phi)."""
+        (k, j), y = self._rows[i // DOF], self._y.copy()
+        change = np.zeros((len(self._wave), DOF))
+        change[:, i % DOF] = size * self._wave
+        self._block(k, y)[j] += self._turned(k, change, -1.0)
         self._evaluate(y)
-        both = (self._whole(array).reshape(DOF, width, -1) for array in (self._f, y))
-        return tuple(np.moveaxis(array, 0, 2) for array in both)
+        return self._part @ self._whole(self._f), self._part @ self._whole(y)
 
     def _whole(self, array: Real) -> Real:
-        """(columns, N) of a vector."""
+        """(columns, N) of a vector; of a ring vectors along radius and angle."""
         blocks = range(len(self._state.layout.shapes))
-        rows = np.concatenate([self._block(k, array) for k in blocks])
+        rows = np.concatenate([self._turned(k, self._block(k, array), 1.0) for k in blocks])
         return rows.transpose(1, 0, 2).reshape(rows.shape[1], -1)
+
+    def _turned(self, k: int, values: Real, sense: float) -> Real:
+        """(…, columns, DOF) of block k: from x and y to radius and angle, or back with sense -1."""
+        turned, sine = values.copy(), sense * self._sin
+        solid = self._state.problem.layers[k].kind == "solid"
+        for first in (0, 2) if solid else (2,):
+            a, b = values[..., first], values[..., first + 1]
+            turned[..., first] = self._cos * a + sine * b
+            turned[..., first + 1] = self._cos * b - sine * a
+        return turned
 
 
 def _rounded(projection: Real) -> Real:

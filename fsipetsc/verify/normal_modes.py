@@ -36,7 +36,7 @@ def ring(order: int, h: float) -> Array:
     """s of the slowest modes [1/s]."""
     from mpi4py import MPI
 
-    from fsipetsc.analysis.ring_modes import ring_modes
+    from fsipetsc.analysis.wave_modes import ring_modes
     from fsipetsc.cases import load_case
     from fsipetsc.options import defaults
     from fsipetsc.stepping.solve import build_problem
@@ -62,7 +62,7 @@ def over_solid(
     )
     above = Layer("fluid", fluid, (0.0, 1.0), lambda X, Y: (rho, 0.0, 0.0, T), cells=round(1.0 / h))
     stack = Stack((below, above), Clamped(), NoSlip() if fluid.mu > 0.0 else Slip())
-    return linearise(stack, order, h).modes(K)[0]
+    return linearise(stack, order, round(1.0 / h), K).modes()[0]
 
 
 def measure(solve: Callable[..., Any], order: int, h: float) -> Measured:

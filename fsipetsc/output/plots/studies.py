@@ -1,4 +1,4 @@
-"""Pictures of studies: convergence, a sweep of the linear theory, flutter.
+"""Pictures of studies: convergence, flutter.
 
 Each function returns the files that it has written, none without matplotlib or without a run that
 went well, and raises FileError if a picture cannot be written.
@@ -21,16 +21,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from fsipetsc.analysis.convergence_table import ConvergenceStudy
-    from fsipetsc.analysis.spectra import Result
-
-#: colours of the cells of a sweep where all is well, and where not
-WELL, BAD = "#cfe3f3", "#fdbe85"
-#: rows of the picture of a sweep: label, number, when all is well
-ROWS = (
-    ("energy growth over |λ|", "energy", "estimate"),
-    ("fastest mode over |λ|", "growth", "stable"),
-    ("RK4 step by that without coupling", "step_ratio", "step_kept"),
-)
 
 
 class Curves(NamedTuple):
@@ -145,41 +135,3 @@ def flutter_figure(
     what = "runs (marks), thin panel in quasi-steady flow (lines)"
     title = f"growth of the panel's motion, {facts}: {what}"
     return _written(path, title, draw) if curves else []
-
-
-def sweep_figure(results: Sequence[Result], path: str, theory: str) -> list[Path]:
-    """Growth and step over the ratios: a column for each order."""
-    title = f"Interface treatment “{results[0].coupling}”: {theory}"
-    title += "\nblue: nothing grows, the step is kept"
-    return _written(path, title, partial(draw_sweep, results=results))
-
-
-def draw_sweep(figure: Figure, results: Sequence[Result]) -> None:
-    """A row for each of ROWS; cells where all is well are blue, the numbers are in the cells."""
-    from matplotlib.colors import ListedColormap
-
-    orders, densities, stiffnesses = (
-        list(dict.fromkeys(getattr(r, name) for r in results))
-        for name in ("order", "density_ratio", "stiffness_ratio")
-    )
-    shape = len(orders), len(densities), len(stiffnesses)
-    figure.set_size_inches(1.6 + 2.4 * len(orders), 9.0)
-    grid = figure.subplots(3, len(orders), squeeze=False, sharex=True, sharey=True)
-    look = {"cmap": ListedColormap([BAD, WELL]), "vmin": 0, "vmax": 1, "origin": "lower"}
-    for row, (label, name, holds) in zip(grid, ROWS):
-        values, well = (
-            np.array([getattr(r, n) for r in results]).reshape(shape) for n in (name, holds)
-        )
-        for axes, order, field, fine in zip(row, orders, values, well):
-            axes.imshow(fine, aspect="auto", **look)
-            axes.grid(visible=False)
-            axes.set_title(f"order {operator(order).name}")
-            axes.set_xticks(range(shape[2]), [f"{s:g}" for s in stiffnesses])
-            axes.set_yticks(range(shape[1]), [f"{d:g}" for d in densities])
-            for (i, j), value in np.ndenumerate(field):
-                if name == "step_ratio" or not fine[i, j]:
-                    text = f"{value:.2f}" if name == "step_ratio" else f"{value:.0e}"
-                    axes.text(j, i, text, ha="center", va="center")
-        row[0].set_ylabel(f"{label}\n\ndensity ratio $m_0/\\hat\\rho$")
-    for axes in grid[-1]:
-        axes.set_xlabel("stiffness ratio $K/\\hat p$")
