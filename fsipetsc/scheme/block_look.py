@@ -15,7 +15,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from fsipetsc.operators.loops import EXACT_LOOP, INNER_CALL, MERGED_CALL, along, dot, sub
+from fsipetsc.operators.loops import EXACT_LOOP, INNER_CALL, MERGED_CALL, along, column, dot, sub
 from fsipetsc.operators.loops import _by_length as by_length
 from fsipetsc.scheme.rows import ROW, TILE, U64, Array, aligned, at, put
 
@@ -108,8 +108,8 @@ def look_at_end(solid, q, F, at, own, S, found):
 
     at, own: its numbers in q and F. S: prestress [Pa]. With heat 'elastic', S (F - 1) is energy.
     """
-    strain = (F[0, own],)
+    strain = column(solid.unstrained((0.0,)), F, own)
     stored = (1.0 - solid.coupled) * S * (strain[0] - 1.0) / solid.m0
     found[0], found[1] = q[at, 0], q[at, 1]
-    found[2] = solid.law.stress(strain)[0] + S
+    found[2] = solid.line_stress(strain) + S
     found[3] = solid.temperature((q[at, 1],), q[at, 2] - stored, strain)

@@ -28,7 +28,8 @@ class GasRecord(NamedTuple):
     known: (m, 2d) those of all ranks; grid: see fsipetsc.blocks.grid. at_particles: faces at
     constraints, see fsipetsc.scheme.normals. reference: (M,) J of the reference map. forcing:
     (d + 2, M), or (d + 2, 0). came: (d + 2,) mass, impulse, energy that come in. column: of its
-    mass in what comes in; columns: of its sums in the record of a step.
+    mass in what comes in; columns: of its sums in the record of a step. axis:
+    fsipetsc.scheme.radial; signs: of images, see fsipetsc.parallel.block_layout.
     """
 
     like: Any
@@ -36,12 +37,14 @@ class GasRecord(NamedTuple):
     form: Any
     friction: Any
     dissipation: Any
+    axis: Any
     faces: Any
     block: int
     begin: int
     column: int
     halo: Array
     wraps: int
+    signs: Array
     metrics: Array
     S: Any
     weight: Any
@@ -145,6 +148,7 @@ def rates(part, s, f, gain):
     metrics = part.metrics
     (S0, S1, S2), (w0, w1, w2), work = part.S, part.weight, part.work
     gas_rates(laws, like, form, friction, q, metrics, S0, S1, S2, w0, w1, w2, patch, own, work)
+    part.axis.add(part, q, own)
     part.dissipation.add(part, q, own)
     clear(came)
     part.faces.add(part, q, own, came)
@@ -173,7 +177,8 @@ def supply(part, q, rates, came):
 @njit(**CALL)
 def look(part, s):
     """Fill seen and sums of a part: see fsipetsc.scheme.block_look."""
-    laws, like, metrics, grid, seen = part.laws, part.like, part.metrics, part.grid, part.seen
+    laws, like, grid, seen = part.laws, part.like, part.grid, part.seen
+    metrics = part.axis.bounds(part.metrics)
     q, masses, reference = owned(part, s, len(like) + 3), part.masses, part.reference
     room = part.room
     per_h, patch, z, sums = part.per_h, part.patch, STIFFNESS_OF_WIDE, part.sums

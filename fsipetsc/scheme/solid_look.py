@@ -9,11 +9,19 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from fsipetsc.equations.tensors import determinant, outer
+from fsipetsc.equations.tensors import outer
 from fsipetsc.operators.loops import EXACT_LOOP, INNER_CALL, MERGED_CALL, dot
 from fsipetsc.scheme.block_look import BAD, CONVECTION, DIFFUSION, J_ERROR, LEAST_J
 from fsipetsc.scheme.rows import U64, at, put
-from fsipetsc.scheme.solid_rates import differentiate, relieve, row_of, rows_of, strain, take
+from fsipetsc.scheme.solid_rates import (
+    differentiate,
+    relieve,
+    row_of,
+    rows_of,
+    strain,
+    stretch,
+    take,
+)
 from fsipetsc.scheme.solid_work import KNOWN, NONE, ONE, OWN, PLAIN, WIDTH, step_of
 
 
@@ -44,7 +52,8 @@ def solid_look(solid, like, q, metrics, prestress, per_h, stiffness, masses, wor
                 add_up(like, row, unknowns, masses, slopes)
                 differentiate(like, table, row, PLAIN, unknowns, NONE, NONE, d, slopes, NONE)
                 strain(like, metrics, row, slopes, strains)
-                keep(like, row, strains, F)
+                stretch(solid, like, metrics, row, unknowns, strains)
+                keep(solid, like, row, strains, F)
                 relieve(solid, like, extra, row, strains, unknowns)
                 measure(solid, like, metrics, per_h, stiffness, row, unknowns, strains, found)
     collect(found, slopes, U64(layout.row), first_sum, seen, sums)
@@ -61,9 +70,9 @@ def add_up(like, row, unknowns, masses, totals):
 
 
 @njit(**EXACT_LOOP)
-def keep(like, row, strains, F):
+def keep(solid, like, row, strains, F):
     """F of a row goes to the array of all nodes."""
-    nine, own = outer(like, like), U64(row.own)
+    nine, own = solid.unstrained(like), U64(row.own)
     N, node, step = U64(F.size // len(nine)), U64(row.tile), U64(step_of(like))
     for i in range(U64(row.n)):
         put(F, own, N, i, at(nine, strains, node, step, i))
@@ -83,9 +92,9 @@ def measure(solid, like, metrics, per_h, stiffness, row, unknowns, strains, foun
             a = at(like, metrics, g + U64(k) * d * N, N, i)
             squares += dot(a, a) * per_h[k] * per_h[k]
         squares = squares / (J0 * J0)
-        F = at(nine, strains, node, step, i)
+        F = at(solid.unstrained(like), strains, node, step, i)
         v, e = at(like, unknowns, node + d * step, step, i), unknowns[node + U64(2) * d * step + i]
-        T, J = solid.temperature(v, e, F), determinant(F)
+        T, J = solid.temperature(v, e, F), solid.volume(F)
         modulus = solid.wave_modulus_at(F, T)
         good = J > 0.0 and T > 0.0 and modulus > -1e-300
         fastest = max(modulus, 0.0) / solid.m0 * squares if good else np.inf
