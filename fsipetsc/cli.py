@@ -86,7 +86,7 @@ COMMANDS = {
         options="fsipetsc.analysis.flutter:sections",
     ),
     "modes": Command(
-        "ring [-option value ...]",
+        "ring|shell [-option value ...]",
         "frequencies of small motions of a case at rest, by the scheme and exactly",
         "fsipetsc.analysis.modes:modes",
         parallel=True,
