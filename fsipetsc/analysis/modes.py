@@ -31,7 +31,7 @@ _ANGULAR = Option(
 )
 #: case -> the command's options beside those of the case, and options that keep it at rest
 OPTIONS = {"ring": (_ANGULAR, _COUNT), "shell": (_COUNT,)}
-_AT_REST = {"ring": {"ring_pulse": 0.0}, "shell": {"shell_charge": 0.0}}
+_AT_REST = {"ring": {"ring_pulse": 0.0}, "shell": {"shell_charge": 0.0, "fsi_shock": 0.0}}
 #: omega of a mode of the scheme [1/s], and of that of the equations next to it, if it is known
 Mode = tuple[complex, complex | None]
 
