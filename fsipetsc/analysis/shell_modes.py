@@ -25,7 +25,9 @@ AT_REST = 1e-9
 
 
 def shell_modes(
-    problem: RunProblem, order: int, form: BlockForm = BlockForm()  # noqa: B008
+    problem: RunProblem,
+    order: int,
+    form: BlockForm = BlockForm(),  # noqa: B008
 ) -> Complex:
     """Angular frequencies omega [1/s] of the modes that swing, as exp(-i omega t), and are not
     rough, the slowest first. InputError where the initial data are not at rest.

@@ -23,8 +23,11 @@ from fsipetsc.operators.loops import _by_length as by_length
 def _diagonal(hoops: int) -> str:
     """Source of diag(first, other, …) with so many others."""
     d = hoops + 1
-    entries = ["first" if i == j == 0 else "other" if i == j else "0.0 * first"
-               for i in range(d) for j in range(d)]
+    entries = [
+        "first" if i == j == 0 else "other" if i == j else "0.0 * first"
+        for i in range(d)
+        for j in range(d)
+    ]
     return f" return ({', '.join(entries)})"
 
 
