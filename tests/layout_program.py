@@ -36,7 +36,12 @@ def problem(d):
     n, ring = (40, 33, 29)[:d], (True, False, False)[:d]
     open_ones = (False,) * d
     solid, gas = Block("s", "solid", n, open_ones), Block("g", "fluid", n[::-1], open_ones)
-    return SimpleNamespace(blocks=[Block("v", "fluid", n, ring, mu=0.1), solid, gas])
+    blocks = [Block("v", "fluid", n, ring, mu=0.1), solid, gas]
+
+    def band(k, order, axis):
+        return blocks[k].band(order, axis)
+
+    return SimpleNamespace(blocks=blocks, band=band, centred=lambda k: False)
 
 
 def marks(k, numbers, dof):
