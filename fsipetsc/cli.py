@@ -63,7 +63,7 @@ COMMANDS = {
     "flutter": Command("[-option value ... | RUN.h5]",
         "growth of a panel's motion over dynamic pressure and Mach number; a result's limit cycle",
         "fsipetsc.analysis.flutter:flutter", "fsipetsc.analysis.flutter:sections"),
-    "modes": Command("ring [-option value ...]",
+    "modes": Command("ring|shell [-option value ...]",
         "frequencies of small motions of a case at rest, by the scheme and exactly",
         "fsipetsc.analysis.modes:modes", "fsipetsc.analysis.modes:sections"),
     "verify": Command("[NAME ...] [-verify_level full]",

@@ -73,13 +73,13 @@ def block_of(b):
 class Engine:
     """The right-hand side of the engine for an oracle's problem, in arrays like the oracle's."""
 
-    def __init__(self, made, comm=MPI.COMM_SELF):
+    def __init__(self, made, comm=MPI.COMM_SELF, **options):
         p = made.problem
         outer = (f for q in made.particles for f in q.outer)
         found = {(made.names[f.block], f.axis, f.side): f.condition for f in outer}
         faces = {owner: condition_of(condition) for owner, condition in found.items()}
         self.shapes = {b.name: b.X.shape[1:] for b in p.blocks}
-        self.problem = BlockProblem(tuple(map(block_of, p.blocks)), faces)
+        self.problem = BlockProblem(tuple(map(block_of, p.blocks)), faces, **options)
         gases = sum(block.kind == "fluid" for block in self.problem.blocks)
         lossy = any(loses(self.problem, k) for k in range(len(p.blocks)))
         behind = gained(gases, self.problem.dimension, lossy).itemsize // 8

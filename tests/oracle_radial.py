@@ -97,7 +97,11 @@ class Radial(Oracle):
         slope = a * self.derivative(k, self.temperature(k, q), 0) / J0
         heat = self.loose(k, m.kappa * det(F) / F[0, 0] ** 2 * slope * a, 0)
         stored = work - v * force if m.heat == "elastic" else 0.0 * work
-        return M, force[None], work + heat, stored
+        energy = work + heat
+        if self.problem.dissipation > 0.0:
+            (lost,), warmed = self._solid_dissipation(k, q[1:2], A)
+            force, energy = force + lost, energy + v * lost + warmed
+        return M, force[None], energy, stored
 
     def uniform(self, rho, u, T, rng):
         """A gas of one state with random volumes, (4, n) by name."""

@@ -1,8 +1,9 @@
-"""The command `modes ring`: frequencies of small motions about rest, by the scheme and exactly.
+"""The commands `modes ring` and `modes shell`: frequencies of small motions about rest, by the
+scheme and exactly.
 
-The scheme's right-hand side is linearised about rest and split by angular numbers
-(fsipetsc.analysis.wave_modes). Beside its modes stand those of the equations, where they are known
-(fsipetsc.analysis.ring_theory): where nothing conducts heat.
+The scheme's right-hand side is linearised about rest and, for a ring, split by angular numbers
+(fsipetsc.analysis.wave_modes, shell_modes). Beside its modes stand those of the equations, where
+they are known (ring_theory, shell_theory): where nothing conducts heat.
 """
 
 from __future__ import annotations
@@ -24,10 +25,13 @@ if TYPE_CHECKING:
 
     from fsipetsc.analysis.ring_theory import Medium
 
-OPTIONS = (
-    Option("ring_angular", int, 2, "", "angular number, waves around it", check="nonnegative"),
-    Option("modes_count", int, 10, "", "modes that are told, the slowest first", check="positive"),
+_COUNT = Option("modes_count", int, 10, "", "modes that are told, slowest first", check="positive")
+_ANGULAR = Option(
+    "ring_angular", int, 2, "", "angular number, waves around it", check="nonnegative"
 )
+#: case -> the command's options beside those of the case, and options that keep it at rest
+OPTIONS = {"ring": (_ANGULAR, _COUNT), "shell": (_COUNT,)}
+_AT_REST = {"ring": {"ring_pulse": 0.0}, "shell": {"shell_charge": 0.0, "fsi_shock": 0.0}}
 #: omega of a mode of the scheme [1/s], and of that of the equations next to it, if it is known
 Mode = tuple[complex, complex | None]
 
@@ -37,28 +41,35 @@ def modes(arguments: list[str], comm: MPI.Comm) -> None:
 
     Raises InputError, also for a case that it does not know; FileError.
     """
-    if arguments[:1] != ["ring"]:
-        usage = f"{program()} modes ring [-option value ...]"
-        raise InputError(f"the command modes knows the case ring: {usage}")
-    case, given = load_case("ring"), start_petsc(arguments[1:], comm)
+    name = _case_of(arguments)
+    case, given = load_case(name), start_petsc(arguments[1:], comm)
     from fsipetsc.stepping.solve import build_problem, check_begin
 
-    opt = {**read_options(case, given, OPTIONS), "ring_pulse": 0.0}
+    opt = {**read_options(case, given, OPTIONS[name]), **_AT_REST[name]}
     check_begin(opt)
     path = csv_target(opt["fsi_output"] if "fsi_output" in given else "modes")
     problem = build_problem(case, opt, comm)
-    together(comm, lambda: None if comm.rank else _told(problem, opt, path))
+    together(comm, lambda: None if comm.rank else _told(name, problem, opt, path))
     wait_asleep(comm)
 
 
 def sections(arguments: Sequence[str]) -> dict[str, tuple[Option, ...]]:
     """Heading -> options for -help."""
-    return groups(load_case("ring"), OPTIONS)
+    name = arguments[0] if arguments and arguments[0] in OPTIONS else "ring"
+    return groups(load_case(name), OPTIONS[name])
 
 
-def _told(problem: Any, opt: Mapping[str, Any], path: Path) -> None:
+def _case_of(arguments: Sequence[str]) -> str:
+    """The case that is named first. InputError."""
+    if not arguments or arguments[0] not in OPTIONS:
+        usage = f"{program()} modes ring|shell [-option value ...]"
+        raise InputError(f"the command modes knows the cases ring and shell: {usage}")
+    return arguments[0]
+
+
+def _told(name: str, problem: Any, opt: Mapping[str, Any], path: Path) -> None:
     """Compute, print and save. InputError, FileError."""
-    found = compared(problem, opt)
+    found = (compared if name == "ring" else compared_shell)(problem, opt)
     rows = []
     for i, (omega, exact) in enumerate(found, 1):
         known = ("", "") if exact is None else (exact.real, exact.imag)
@@ -66,7 +77,8 @@ def _told(problem: Any, opt: Mapping[str, Any], path: Path) -> None:
     save_csv(path, ("index", "omega_re", "omega_im", "exact", "exact_im"), rows)
     if not opt["fsi_quiet"]:
         grid = f"order {opt['fsi_order']}, h = {opt['fsi_h']:g}"
-        print(f"modes of ring, angular number {opt['ring_angular']}, {grid}: exp(-i omega t)")
+        of = f", angular number {opt['ring_angular']}" if name == "ring" else ""
+        print(f"modes of {name}{of}, {grid}: exp(-i omega t)")
         print(f"{_table(found)}\nsaved {path}", flush=True)
 
 
@@ -80,6 +92,36 @@ def compared(problem: Any, opt: Mapping[str, Any]) -> list[Mode]:
     found = ring_modes(problem, opt["fsi_order"], n, block_form(opt))[: opt["modes_count"]]
     numbers = [complex(omega) for omega in found]
     return [(omega, mode_near(media, n, omega) if media else None) for omega in numbers]
+
+
+def compared_shell(problem: Any, opt: Mapping[str, Any]) -> list[Mode]:
+    """The same of the shell."""
+    from fsipetsc.analysis.ring_theory import mode_near
+    from fsipetsc.analysis.shell_modes import shell_modes
+    from fsipetsc.stepping.solve import block_form
+
+    media = media_of_shell(opt)
+    found = shell_modes(problem, opt["fsi_order"], block_form(opt))[: opt["modes_count"]]
+    numbers = [complex(omega) for omega in found]
+    return [(omega, mode_near(media, 0, omega) if media else None) for omega in numbers]
+
+
+def media_of_shell(opt: Mapping[str, Any]) -> tuple[Medium, ...]:
+    """What the equations know of the case shell, from inside; nothing where it conducts heat."""
+    from fsipetsc.analysis.shell_theory import RadialMedium
+    from fsipetsc.cases.shell import gas_of, radii_of, solid_of
+
+    gas, solid, kappa = gas_of(opt), solid_of(opt), opt["shell_kappa"]
+    core, inner, outer, vessel = radii_of(opt)
+    elastic = solid.m0, solid.lambda_e, solid.mu_e, 0.0
+    shell = RadialMedium(inner, outer, *elastic, kappa=kappa)
+    if opt["shell_gas"] == "none":
+        return (shell,)
+    if gas.kappa > 0.0:
+        return ()
+    of_gas = 1.0, gas.gamma, 0.0, gas.mu
+    inside = RadialMedium(core, inner, *of_gas, kappa=kappa)
+    return inside, shell, RadialMedium(outer, vessel, *of_gas, kappa=kappa)
 
 
 def media_of(opt: Mapping[str, Any]) -> tuple[Medium, ...]:

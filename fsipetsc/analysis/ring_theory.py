@@ -46,12 +46,16 @@ class Medium:
         """Whether there are tangential stresses in it."""
         return self.solid or self.viscosity > 0.0
 
+    def stiffness(self, omega: complex) -> tuple[complex, complex]:
+        """lambda and mu [Pa] at a frequency."""
+        mu = self.shear - 1j * omega * self.viscosity
+        return self.lame + 2j / 3 * omega * self.viscosity, mu
+
     def fields(self, n: int, omega: complex, r: float) -> Complex:
         """(4, 2 or 4): displacements and stresses u_r, u_theta, s_rr, s_rtheta at r of each
         potential.
         """
-        mu = self.shear - 1j * omega * self.viscosity
-        lame = self.lame + 2j / 3 * omega * self.viscosity
+        lame, mu = self.stiffness(omega)
         found = []
         k = omega / np.sqrt((lame + 2.0 * mu) / self.density)
         for f in (jvp, h1vp):
@@ -80,8 +84,8 @@ def conditions(media: Sequence[Medium], n: int, omega: complex) -> Complex:
             rows.append(row)
 
     for k, r in ((0, media[0].inner), (len(media) - 1, media[-1].outer)):
-        held = (0, 1) if media[k].sticks else (0,)
-        add((2, 3) if media[k].solid else held, {k: media[k].fields(n, omega, r)})
+        held, free = ((0, 1), (2, 3)) if media[k].sticks else ((0,), (2,))
+        add(free if media[k].solid else held, {k: media[k].fields(n, omega, r)})
     for k, (one, other) in enumerate(zip(media, media[1:])):
         inside, outside = one.fields(n, omega, one.outer), other.fields(n, omega, other.inner)
         both = {k: inside, k + 1: -outside}

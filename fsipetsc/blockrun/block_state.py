@@ -372,8 +372,8 @@ class BlockState:
     # what is saved and said
 
     def _make_orders(self) -> dict[int, NaturalOrder]:
-        d = self.problem.dimension
-        widths = [len(fields_of(block.kind, d)) for block in self.problem.layers]
+        d, kappa = self.problem.dimension, self.problem.symmetry
+        widths = [len(fields_of(block.kind, d, kappa)) for block in self.problem.layers]
         return {part.k: NaturalOrder(part, widths[part.k]) for part in self.layout.parts}
 
     def header(self) -> list[dict[str, Any]]:
@@ -383,7 +383,7 @@ class BlockState:
             {
                 "name": block.name,
                 "kind": block.kind,
-                "fields": list(fields_of(block.kind, d)),
+                "fields": list(fields_of(block.kind, d, self.problem.symmetry)),
                 "shape": list(shape[::-1]),
                 "periodic": list(block.periodic)[::-1],
                 **({"kappa_e": block.material.kappa_e} if block.kind == "solid" else {}),

@@ -10,17 +10,19 @@ from fsipetsc.blockrun.run_problem import PLACES, VELOCITIES
 from fsipetsc.blocks.conditions import Given
 
 
-def fields_of(kind: str, d: int) -> tuple[str, ...]:
+def fields_of(kind: str, d: int, symmetry: int = 0) -> tuple[str, ...]:
     """Saved of each node.
 
     gas: density, velocity, temperature, pressure, J, position. solid: velocity, temperature, Cauchy
-    stress, position; in one dimension the stress is sigma - p, p the pressure of ``pressing``.
+    stress, position; in one dimension the stress is sigma - p, p the pressure of ``pressing``, and
+    around an axis or a centre there is that of the hoops, sigma_theta - p.
     """
     u, x = tuple(VELOCITIES[:d]), tuple(PLACES[:d])
     if kind == "fluid":
         return ("rho", *u, "T", "p", "J", *x)
     stresses = [f"s_{PLACES[i]}{PLACES[j]}" for i in range(d) for j in range(i, d)]
-    return (*u, "T", *stresses, *x) if d > 1 else ("u", "T", "sigma", "x", "p")
+    line = "u", "T", "sigma", "x", "p", *(("sigma_theta",) if symmetry else ())
+    return (*u, "T", *stresses, *x) if d > 1 else line
 
 
 def compared(kind: str, d: int) -> tuple[str, ...]:

@@ -63,7 +63,8 @@ def _departures(state: BlockState, t: float, power: int) -> list[tuple[str, Arra
             where = f"exact_stress of block '{block.name}' at t = {t:.6g}"
             stresses = names[len(exact) :]
             exact += checked(block.exact_stress, (*X, t), X, stresses, where)
-        saved = dict(zip(fields_of(block.kind, d), state.fields(part.k).T, strict=True))
+        columns = fields_of(block.kind, d, state.problem.symmetry)
+        saved = dict(zip(columns, state.fields(part.k).T, strict=True))
         weights = node_weights(state, part)
         shares = [
             np.sum(weights * np.abs(saved[name] - value) ** power)
@@ -83,7 +84,7 @@ def node_weights(state: BlockState, part: Part) -> Array:
     edges = np.empty((numbers.size, d, d))
     for axis in range(d):
         n, cells = shape[axis], block.cells[axis]
-        weights *= block.band(state.layout.order, axis).weight[index[axis]]
+        weights *= state.problem.band(part.k, state.layout.order, axis).weight[index[axis]]
         low, high = ((index[axis] + s) for s in (-1, 1))
         if not block.periodic[axis]:
             low, high = np.maximum(low, 0), np.minimum(high, n - 1)

@@ -27,15 +27,16 @@ class FaceTerms:
     X: (d, ghosted nodes) places in the reference map. asked: has the data of the case. record: for
     compiled code, once `refresh` has filled it. timed: data depend on time.
 
-    In three dimensions the pressure p_ref under which a solid is free of strain is no part of its
-    stress: -p_ref cof F would not be at rest with a gas. Faces to gas, and those with a traction of
-    their own, get p_ref n(x) instead, n in the curl form that the gas has, which `turn` finds.
+    In three dimensions, and around an axis or a centre, the pressure p_ref under which a solid is
+    free of strain is no part of its stress: -p_ref cof F would not be at rest with a gas. Faces to
+    gas, and those with a traction of their own, get p_ref n(x) instead; in three dimensions n is in
+    the curl form that the gas has, which `turn` finds.
     """
 
     def __init__(self, problem: Any, part: Part, order: int, X: Array, asked: Asked) -> None:
         self._part, self._asked, self._jumps = part, asked, problem.jumps
         self._d, self._gas = problem.dimension, problem.blocks[part.k].kind == "fluid"
-        self.p_ref = _left_out(problem.blocks[part.k])
+        self.p_ref = _left_out(problem, part.k)
         self._turned: list[tuple[slice, TurnedFace]] = []
         self._faces: list[tuple[Any, Array, slice]] = []
         lengths: list[float] = []
@@ -158,10 +159,11 @@ def _length(block: Any, axis: int) -> float:
     return float(np.linalg.norm(high - low, axis=0).mean())
 
 
-def _left_out(block: Any) -> float:
-    """p_ref where it is no part of the stress."""
+def _left_out(problem: Any, k: int) -> float:
+    """p_ref of a block where it is no part of the stress."""
+    block = problem.blocks[k]
     solid = block.kind == "solid" and isinstance(block.material.law, str)
-    return block.material.p_ref if solid and block.dimension == 3 else 0.0
+    return block.material.p_ref if solid and (block.dimension == 3 or problem.symmetry) else 0.0
 
 
 def _unheld(condition: Any) -> bool:
@@ -172,7 +174,7 @@ def _unheld(condition: Any) -> bool:
 def _beyond(problem: Any, condition: Any) -> float:
     """p_ref of what a face meets."""
     if isinstance(condition, Meeting):
-        return _left_out(problem.blocks[condition.block])
+        return _left_out(problem, condition.block)
     return 0.0
 
 

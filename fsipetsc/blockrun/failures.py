@@ -23,7 +23,7 @@ def describe_failure(state: BlockState, t: float, step: int) -> Failure:
 def _seen(state: BlockState, part: Part) -> Seen:
     problem, d = state.problem, state.problem.dimension
     kind, m = problem.layers[part.k].kind, problem.unit("m")
-    columns = dict(zip(fields_of(kind, d), state.fields(part.k).T, strict=True))
+    columns = dict(zip(fields_of(kind, d, problem.symmetry), state.fields(part.k).T, strict=True))
     names = (
         ("J", "rho", *VELOCITIES[:d], "T")
         if kind == "fluid"

@@ -22,6 +22,7 @@ from fsipetsc.scheme.gas_dissipation import room
 from fsipetsc.scheme.gas_rates import DivergenceForm, EntropyForm, Inviscid, Viscous, scratch
 from fsipetsc.scheme.gas_record import Damping, GasRecord, Undamped
 from fsipetsc.scheme.normals import add_areas
+from fsipetsc.scheme.radial import Radial, Straight
 
 Array = NDArray[Any]
 
@@ -90,12 +91,14 @@ class GasPart(Forced):
             convection,
             friction,
             damping,
+            self._axis(),
             self.faces.record,
             part.k,
             part.begin,
             column,
             part.local if part.has_halo else np.empty((0, part.dof)),
             int(alone and part.has_halo),
+            part.signs,
             self.X,
             self._places,
             self.metrics,
@@ -118,6 +121,11 @@ class GasPart(Forced):
             sums=np.zeros(sums_of(d)),
             columns=columns,
         )
+
+    def _axis(self) -> Any:
+        """What an axis or a centre adds."""
+        grid = self.grid.radial
+        return Straight() if grid is None else Radial(grid, np.zeros((3, self.X.shape[1])))
 
     # the grid in three dimensions, which compiled code does not move
 

@@ -146,7 +146,8 @@ class Recorder:
         kind = state.problem.layers[node.block].kind
         part, q = state.scheme.parts[node.block], state.y.ghosted(node.block)
         saved = part.fields(q, slice(row, row + 1))[0]
-        known = dict(zip(fields_of(kind, d), saved.tolist(), strict=True))
+        columns = fields_of(kind, d, state.problem.symmetry)
+        known = dict(zip(columns, saved.tolist(), strict=True))
         traction = [0.0] * d
         if kind == "solid":
             stress = stresses_of(saved[None], d)[0]

@@ -97,11 +97,11 @@ class RunProblem:
         conditions = [self.faces_of(k)[face] for k, face in self._faces()]
         closed = all(holds_energy(c) for c in conditions if not isinstance(c, Meeting))
         elastic = all(getattr(solid.material, "heat", "") == "elastic" for solid in solids)
-        masses = [solid.material.m0 * _size(solid) for solid in solids]
+        masses = [solid.material.m0 * self._volume(solid) for solid in solids]
         capacities = [m * solid.material.alpha for m, solid in zip(masses, solids, strict=True)]
         return {
             "masses": [list(entry) for entry in zip(self.body_names, self._columns, strict=True)],
-            "momentum": True,
+            "momentum": self.symmetry == 0,  # pressure acts around an axis, too
             "energy": True,
             "entropy": closed and elastic and not forced,
             "inertia": sum(masses),
@@ -118,6 +118,14 @@ class RunProblem:
         """Numbers of the blocks of each body among those of gas."""
         gases = [k for k, block in enumerate(self.layers) if block.kind == "fluid"]
         return [[gases.index(k) for k in body] for body in self.bodies]
+
+    def _volume(self, block: Block) -> float:
+        """About that of a block at rest; of a sector where there is an axis or a centre."""
+        if not self.symmetry:
+            return _size(block)
+        n = self.symmetry + 1
+        low, high = (float(_values(block.map, [np.array([end])])[0][0]) for end in (0.0, 1.0))
+        return (high**n - low**n) / n
 
     def _faces(self, kind: type = object) -> list[tuple[int, tuple[int, int]]]:
         """(block, face) where something of this kind stands."""

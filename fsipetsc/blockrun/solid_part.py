@@ -13,7 +13,7 @@ from fsipetsc.blockrun.columns import loses
 from fsipetsc.blockrun.face_terms import FaceTerms, ranges_of, weights_of
 from fsipetsc.blocks.metrics import solid_metrics
 from fsipetsc.blocks.values import block_values, prestress_of
-from fsipetsc.equations.tensors import add_unit, apply, cofactor, determinant
+from fsipetsc.equations.tensors import add_unit, apply, cofactor
 from fsipetsc.operators.loops import dot
 from fsipetsc.operators.narrow import STIFFNESS_OF_WIDE
 from fsipetsc.operators.sbp import OPERATORS
@@ -43,7 +43,8 @@ class SolidPart(Forced):
         self.block = self._problem.blocks[part.k]
         self._d = d = self.block.dimension
         self._like = (0.0,) * d
-        self.equations = self.block.material.equations(d)
+        kappa, material = self._problem.symmetry, self.block.material
+        self.equations = material.radial_equations(kappa) if kappa else material.equations(d)
         ranges = ranges_of(part, self.block.shape)
         self.X = self._problem.positions(part.k, ranges)
         self.metrics = solid_metrics(self._problem, part.k, order, ranges)
@@ -54,7 +55,7 @@ class SolidPart(Forced):
         self._masses = weights_of(part, self._owned) * self.inertia[self._owned]
         self._per_h = np.array(self.block.cells, float)
         self._loses = int(loses(self._problem, part.k))
-        self._F = np.zeros((d * d, part.numbers.size))
+        self._F = np.zeros((len(self.equations.unstrained(self._like)), part.numbers.size))
         self.prestress = prestress_of(self.block, self.X)
         self._work = self._make_work(OPERATORS[order].rows, ranges[0][0])
         self._dissipation = list(self._make_dissipation(order, form))
@@ -70,7 +71,8 @@ class SolidPart(Forced):
     def _make_dissipation(self, order: int, form: Any) -> Iterator[tuple[Any, ...]]:
         """What solid_dissipation wants of each term: that of all nodes, and that of shocks."""
         d, solid, bands, cells = self._d, self.equations, self.part.bands, self.block.cells
-        K = solid.law.wave_modulus(tuple(np.eye(d).ravel().tolist()))
+        full = solid.in_space()
+        K = full.law.wave_modulus(tuple(np.eye(len(full.force)).ravel().tolist()))
         of_solid = np.sqrt(K * solid.m0), solid.m0, SMALL * np.sqrt(K / solid.m0)
         sigma = sigma_of(form.dissipation, self._problem.joined) / 4.0 ** (order // 2)
         terms = (order, sigma, -sigma * (form.shock > 0.0)), (2, 0.0, AT_SHOCKS * form.shock)
@@ -105,7 +107,7 @@ class SolidPart(Forced):
 
     def _stored(self, F: Any, at: Array) -> Any:
         """Energy per mass [J/kg] of ghosted nodes that heat 'elastic' has beside alpha T."""
-        of_law = self.equations.law.energy(tuple(F)) / self.equations.m0
+        of_law = self.equations.energy(tuple(F)) / self.equations.m0
         return of_law + self._stored_by_prestress(F, at)
 
     def _stored_by_prestress(self, F: Any, at: Array) -> Any:
@@ -119,13 +121,13 @@ class SolidPart(Forced):
         return self.prestress[:, at] if self.prestress.size else np.zeros((self._d**2, 1))
 
     def _deformation(self, q: Array) -> Array:
-        """F (d d, M) of the owned nodes."""
+        """F (d d, M) of the owned nodes, with hoops (2, M)."""
         self.look(q)
         return self._F
 
     def volume_ratio(self, q: Array) -> Array:
         """(M,) det F of the owned nodes."""
-        ratio: Array = determinant(tuple(self._deformation(q)))
+        ratio: Array = self.equations.volume(tuple(self._deformation(q)))
         return ratio
 
     def look(self, q: Array) -> tuple[Array, Array]:
@@ -166,6 +168,7 @@ class SolidPart(Forced):
             part.begin,
             part.local if part.has_halo else np.empty((0, part.dof)),
             int(alone and part.has_halo),
+            part.signs,
             self._loses,
             self.X,
             self.metrics,
@@ -192,20 +195,23 @@ class SolidPart(Forced):
     def normal(self, row: int, axis: int, side: int) -> Array:
         """(d,) unit normal out of the solid of a face as it is, at an owned node, by the last F."""
         d = self._d
+        if d == 1:
+            return np.array([2.0 * side - 1.0])
         A = tuple(self.metrics[axis * d : (axis + 1) * d, self._owned[row]] * (2 * side - 1))
         n = np.array(apply(cofactor(tuple(self._F[:, row])), A))
         return n / np.linalg.norm(n)
 
     def fields(self, q: Array, rows: slice = slice(None)) -> Array:
         """(…, …) what is saved of these rows of the owned nodes: v, T, Cauchy stress P F^T / J, x;
-        in one dimension its part sigma, and p behind x.
+        in one dimension its part sigma, and p behind x; then sigma_theta of hoops.
         """
         d, nodes = self._d, self._owned[rows]
         F, own = tuple(self._deformation(q)[:, rows]), q[nodes]
         v = tuple(own[:, d : 2 * d].T)
         e = own[:, 2 * d] - self._stored_by_prestress(F, nodes)
         T = self.equations.temperature(v, e, F)
-        P, J = self.equations.stress_at(F, T) + self._prestress_at(nodes), determinant(F)
+        P, J = self.equations.stress_at(F, T), self.equations.volume(F)
+        P = P + self._prestress_at(nodes)
         pairs = [(i, j) for i in range(d) for j in range(i, d)]
         stresses = [sum(P[i * d + m] * F[j * d + m] for m in range(d)) / J for i, j in pairs]
         p_ref = self.faces.p_ref
@@ -214,4 +220,5 @@ class SolidPart(Forced):
         if d > 1:
             return np.stack([*v, T, *stresses, *x], axis=-1)
         p = self.equations.pressure_at(J, T) + 0.0 * T
-        return np.stack([*v, T, stresses[0] + p, *x, p], axis=-1)
+        hoops = [self.equations.hoop_stress(F, T) + p] if self._problem.symmetry else []
+        return np.stack([*v, T, stresses[0] + p, *x, p, *hoops], axis=-1)

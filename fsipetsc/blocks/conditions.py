@@ -172,6 +172,13 @@ class Roller(_OfSolid):
 
 
 @dataclass(frozen=True)
+class Centre(_OfGas):
+    """No face: beyond the first node, half a spacing from r = 0, is the mirror image of the gas.
+    At axis 0, side 0, of a problem with an axis or a centre.
+    """
+
+
+@dataclass(frozen=True)
 class Hinge(_OfSolid):
     """A point of a solid's face that is held, among a problem's points; the solid may turn."""
 
@@ -189,6 +196,7 @@ class Periodic(_Checked):
 
 Condition = (
     NoSlip | Slip | Open | Outflow | Given | Clamped | Free | Absorbing | Roller | Hinge | Periodic
+    | Centre
 )
 
 

@@ -22,6 +22,12 @@ from fsipetsc.blocks.faces import face_nodes
 from fsipetsc.blocks.metrics import EXACT, Wide, curl_metrics, volume_rate
 from fsipetsc.blocks.plane_grid import PlaneGrid, plane_metrics, plane_places, plane_velocities
 from fsipetsc.blocks.problem import BlockProblem
+from fsipetsc.blocks.radial_grid import (
+    RadialMotion,
+    radial_grid,
+    radial_metrics,
+    radial_velocities,
+)
 from fsipetsc.checks import Array
 from fsipetsc.operators.loops import CALL
 
@@ -43,9 +49,13 @@ class GridMotion:
         self, problem: BlockProblem, k: int, order: int, where: Range, nodes: Array
     ) -> None:
         self.block = block = problem.blocks[k]
-        self._wide, self._hull = Wide(problem, k, order, where), Hull(block, nodes)
+        self._hull = Hull(block, nodes)
         self._moved, self._moving = self._hull.zeros(), self._hull.zeros()
         self._X, self._where, self._blend = problem.positions(k, where), where, None
+        self.radial = radial_grid(problem, k, order, where) if problem.symmetry else None
+        if self.radial is not None:
+            return
+        self._wide = Wide(problem, k, order, where)
         if block.dimension == 3:
             shape = self._wide.y.shape
             self._a, self._slopes = np.zeros((3, *shape)), np.zeros((3, *shape))
@@ -60,14 +70,17 @@ class GridMotion:
 
     def move(self, displacement: Array, metrics: Array) -> None:
         """Fill a^1 … a^d from the displacement (M, d) [m] of the given nodes."""
-        d, wide = self.block.dimension, self._wide
+        d = self.block.dimension
         self._hull.fill(self._moved, displacement)
         self._metrics = metrics
-        if d == 1:
+        if self.radial is not None:
+            radial_metrics(self.radial, metrics, self._moved)
+        elif d == 1:
             metrics[0] = 1.0
         elif d == 2:
             self._plane.metrics(metrics, self._G, self._moved)
         else:
+            wide = self._wide
             np.add(wide.y, self._blend_wide.on_nodes(self._moved), out=self._x)
             curl_metrics(self._a, self._x, wide.P, wide.S, wide.weight, self._slopes, self._q)
             metrics[:9] = wide.inner(self._a).reshape(9, -1)
@@ -76,13 +89,16 @@ class GridMotion:
         """Fill the velocity of the grid and J_t from the velocity (M, d) [m/s] of the given nodes,
         after `move`.
         """
-        d, wide = self.block.dimension, self._wide
+        d = self.block.dimension
         self._hull.fill(self._moving, velocity)
-        if d == 1:
+        if self.radial is not None:
+            radial_velocities(self.radial, metrics, self._moving)
+        elif d == 1:
             line_velocities(metrics, self._moving, *self._weights)
         elif d == 2:
             self._plane.velocities(metrics, self._moving)
         else:
+            wide = self._wide
             self._v[:] = self._blend_wide.on_nodes(self._moving)
             J_t, scratch = self._q[:2]
             volume_rate(J_t, self._a, self._v, wide.S, wide.weight, scratch)
@@ -94,6 +110,8 @@ class GridMotion:
         """
         hull, d = self._hull, self.block.dimension
         moved = hull.given, *hull.pieces, self._moved, self._moving
+        if self.radial is not None:
+            return RadialMotion(*moved, self.radial)
         if d == 1:
             return LineMotion(*moved, *self._weights)
         return PlaneMotion(*moved, self._G, self._plane.record()) if d == 2 else Unmoved()
@@ -114,12 +132,16 @@ class GridMotion:
         """x (d, N) [m] after the last `move`."""
         if self.block.dimension == 3:
             return self._wide.inner(self._x)
+        if self.radial is not None:
+            return self.radial.places()
         if self._blend is None:
             self._blend = Blend(self.block, self._where, self._hull)
         return self._X + self._blend.on_nodes(self._moved)
 
     def jacobian(self) -> Array:
-        """det(D x) (N,) after the last `move`."""
+        """det(D x) (N,) after the last `move`; around an axis or a centre as in radial_grid."""
+        if self.radial is not None:
+            return self.radial.volume
         if self.block.dimension == 3:
             return determinant(self._wide.inner(self._slopes) + self._wide.P[..., None])
         if self.block.dimension == 2:

@@ -69,6 +69,12 @@ def rectangle(lower: Any, upper: Any) -> Mapped:
     return Mapped(places, len(low))
 
 
+def ball(radius: float, cells: int) -> Mapped:
+    """Nodes (i + 1/2) h from the middle to a radius [m]: of a block with Centre(). InputError."""
+    outer = number(radius, "ball: radius", POSITIVE)
+    return rectangle(0.5 * outer / (cells + 0.5), outer)
+
+
 def corners(*points: Any) -> Mapped:
     """Multilinear between 2^d corners [m], axis 0 fastest: (0, 0), (1, 0), (0, 1), (1, 1).
     InputError.

@@ -76,13 +76,15 @@ class Wide:
 def solid_metrics(problem: BlockProblem, k: int, order: int, where: Range) -> Array:
     """A^1, …, A^d and J0 of a range of nodes, (d d + 1, N). InputError if J0 <= 0.
 
-    J0 = det G, A^k = J0 G^-T e_k from G = D X, node by node.
+    J0 = det G, A^k = J0 G^-T e_k from G = D X, node by node; both times R^kappa around an axis or
+    a centre.
     """
     block = problem.blocks[k]
     G = Wide(problem, k, order, where).gradients()
     J = determinant(G)
     check_positive(block, J, problem.positions(k, where))
-    return np.concatenate([cofactors(G).reshape(-1, J.size), J[None]])
+    weight = problem.positions(k, where)[0] ** problem.symmetry if problem.symmetry else 1.0
+    return np.concatenate([cofactors(G).reshape(-1, J.size), J[None]]) * weight
 
 
 def cofactors(G: Array) -> Array:

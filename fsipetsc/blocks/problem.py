@@ -16,12 +16,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fsipetsc.blocks.block import Block, Range, mesh
-from fsipetsc.blocks.conditions import Condition, Hinge, Periodic
+from fsipetsc.blocks.conditions import Centre, Condition, Hinge, Periodic
 from fsipetsc.blocks.faces import Face, all_faces, orientation, same_place, same_within, united
 from fsipetsc.blocks.maps import place_text
 from fsipetsc.blocks.overlap import check_overlap
 from fsipetsc.checks import Array, described, function
 from fsipetsc.errors import InputError
+from fsipetsc.operators.bands import Band, centred_band
 
 #: (block name, axis, side)
 FaceName = tuple[str, int, int]
@@ -68,6 +69,9 @@ class BlockProblem:
     these. jumps(*X, t) -> (traction per axis [Pa], heat [W/m2]) per reference area that interfaces
     supply from outside, or None. points: (block name, place X, Hinge()) for points of solids' faces
     that are held. notes: lines for the summary. units: "SI" or "".
+
+    symmetry: in one dimension, 1 if X is the distance from an axis, 2 if it is that from a centre;
+    integrals are then those of a sector of unit angle, or of unit solid angle.
     """
 
     blocks: tuple[Block, ...]
@@ -76,6 +80,7 @@ class BlockProblem:
     points: tuple[tuple[str, Any, Hinge], ...] = ()
     notes: tuple[str, ...] = ()
     units: str = "SI"
+    symmetry: int = 0
     held: tuple[tuple[int, int, Hinge], ...] = field(default=(), init=False)
     """(block, node, condition) of points."""
     members: Members = field(init=False)
@@ -89,6 +94,7 @@ class BlockProblem:
         form = "jumps(*X, t) -> (traction per axis, heat)"
         function(self.jumps, "BlockProblem: jumps", form, optional=True)
         self._put("faces", self._named_faces())
+        self._check_symmetry()
         check_overlap(blocks)
         faces = all_faces(blocks)
         self._put("tolerance", same_within(faces))
@@ -103,6 +109,15 @@ class BlockProblem:
     def dimension(self) -> int:
         """1, 2 or 3."""
         return self.blocks[0].dimension
+
+    def centred(self, k: int) -> bool:
+        """Whether block k goes to r = 0."""
+        return isinstance(self.faces.get((self.blocks[k].name, 0, 0)), Centre)
+
+    def band(self, k: int, order: int, axis: int) -> Band:
+        """Pair weights of an axis of block k. InputError if it has too few nodes."""
+        found = self.blocks[k].band(order, axis)
+        return centred_band(order, self.blocks[k].cells[0]) if self.centred(k) else found
 
     def number(self, name: str) -> int:
         """Of a block. InputError if there is none of this name."""
@@ -169,12 +184,28 @@ class BlockProblem:
     def _places(self, k: int, index: Sequence[Array]) -> Array:
         """X of the nodes of these indices, d arrays of one shape: (d, …)."""
         block = self.blocks[k]
+        if self.centred(k) and (index[0] < 0).any():
+            i, images = index[0], index[0] < 0
+            return np.where(images, -1.0, 1.0) * self._places(k, [np.where(images, -1 - i, i)])
         X = block.places(index)
         for axis, side in self._kinds[k]:
             there = index[axis] == (block.shape[axis] - 1 if side else 0)
             if there.any():
                 X[:, there] = self._faces[k, axis, side].places([i[there] for i in index])
         return X
+
+    def _check_symmetry(self) -> None:
+        """InputError for what a problem with an axis or a centre cannot have."""
+        if self.symmetry not in (0, 1, 2) or (self.symmetry and self.dimension > 1):
+            found = f"symmetry is {described(self.symmetry)} in {self.dimension} dimensions"
+            raise InputError(f"BlockProblem: {found}: expected 0, or 1 or 2 in one dimension")
+        centres = [name for name, met in self.faces.items() if isinstance(met, Centre)]
+        for name in centres:
+            if not self.symmetry or name[1:] != (0, 0):
+                wanted = "expected axis 0, side 0 of a problem with symmetry=1 or 2"
+                raise InputError(f"block '{name[0]}', face {name[1:]}: Centre(): {wanted}")
+        for block in self.blocks if self.symmetry else ():
+            _check_radial(block, (block.name, 0, 0) in centres)
 
     def _put(self, name: str, value: Any) -> None:
         object.__setattr__(self, name, value)
@@ -333,6 +364,20 @@ def _check_blocks(blocks: tuple[Any, ...]) -> None:
         if block.dimension != blocks[0].dimension:
             numbers = f"{block.dimension} dimensions, {blocks[0]} {blocks[0].dimension}"
             raise InputError(f"{block} has {numbers}: expected the same")
+
+
+def _check_radial(block: Block, centred: bool) -> None:
+    """InputError where a block does not fit around an axis or a centre."""
+    if block.periodic[0] or block.prestress is not None:
+        raise InputError(f"{block}: it is periodic or has a prestress: expected neither at r > 0")
+    first, second = block.positions([(0, 2)])[0]
+    if not first > 1e-9 * abs(second):
+        wanted = "expected r > 0 at all nodes; with Centre() the map ball(radius, cells)"
+        raise InputError(f"{block}: its first node is at r = {first:.3g}: {wanted}")
+    if centred and abs(3.0 * first - second) > 0.1 * (second - first):
+        found = f"its first nodes are at r = {first:.6g} and {second:.6g}"
+        wanted = "expected half a spacing and one and a half, as ball(radius, cells) has them"
+        raise InputError(f"{block}: Centre(): {found}: {wanted}")
 
 
 def _check_condition(block: Block, where: str, condition: Any) -> None:

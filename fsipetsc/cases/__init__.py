@@ -31,7 +31,7 @@ from fsipetsc.options import Option, groups
 OF_LAYERS = ("rod", "mms", "pulse", "box", "heat", "column", "piston", "shock")
 OF_BLOCKS = (
     *("plane_mms", "blast", "panel", "wave", "tube", "oblique", "step", "fin", "cylinder"),
-    *("box_mms", "ring", "disk", "elastic_piston", "superseismic", "viscous_tube"),
+    *("box_mms", "ring", "disk", "shell", "elastic_piston", "superseismic", "viscous_tube"),
 )
 BUILT_IN = (*OF_LAYERS, *OF_BLOCKS)
 

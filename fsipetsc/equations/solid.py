@@ -25,11 +25,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fsipetsc.equations.tensors import (
+    add_unit,
     apply,
     apply_transposed,
     cofactor,
     determinant,
     largest_stretch,
+    outer,
 )
 from fsipetsc.operators.loops import along, dot, scale
 
@@ -52,6 +54,38 @@ class Solid(NamedTuple):
     kappa: float
     coupled: float
     force: tuple[float, ...]
+
+    def unstrained(self, like):
+        """F at rest, for as many numbers as `like` has dimensions."""
+        return add_unit(1.0, outer(like, like))
+
+    def in_space(self):
+        """The equations of full tensors."""
+        return self
+
+    def hoops(self):
+        """How many hoop stretches F has."""
+        return 0
+
+    def hoop_stretch(self, D, A):
+        """None."""
+        return 1.0
+
+    def hoop_acceleration(self, F, T, A):
+        """None."""
+        return 0.0
+
+    def energy(self, F):
+        """W [J/m3]."""
+        return self.law.energy(F)
+
+    def volume(self, F):
+        """J."""
+        return determinant(F)
+
+    def line_stress(self, F):
+        """Stress of the law in one dimension [Pa]."""
+        return self.law.stress(F)[0]
 
     def temperature(self, v, e, F):
         """T [K]."""

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from fsipetsc.checks import ANY, NONNEGATIVE, POSITIVE, described, numbers
+from fsipetsc.equations.radial_solid import RadialSolid
 from fsipetsc.equations.solid import Solid
 from fsipetsc.errors import InputError
 from fsipetsc.materials import own
@@ -95,10 +96,24 @@ class ElasticSolid:
         face_terms), so that a solid under p_ref is at rest exactly.
         """
         force = force_in(self.force, d, "ElasticSolid")
+        return Solid(self._law_in(d, d == 3), self.pressure_law, *self._constants, force)
+
+    def radial_equations(self, symmetry: int) -> RadialSolid:
+        """Its equations around an axis (1) or a centre (2), without p_ref, too. InputError."""
+        force = force_in(self.force, 1, "ElasticSolid")
+        law, none = self._law_in(symmetry + 1, True), (0.0,) * symmetry
+        solid = Solid(law, self.pressure_law, *self._constants, (0.0, *none))
+        p_ref = self.p_ref if isinstance(self.law, str) else 0.0
+        return RadialSolid(solid, none, p_ref, *self._constants, force)
+
+    @property
+    def _constants(self) -> tuple[float, ...]:
+        coupled = 1.0 if self.heat == "coupled" else 0.0
+        return self.m0, self.alpha, self.kappa_e, coupled
+
+    def _law_in(self, d: int, without_p_ref: bool) -> Any:
         law = self.solid_law
-        if d == 3 and isinstance(self.law, str):
+        if without_p_ref and isinstance(self.law, str):
             law = law._replace(p_ref=0.0)
         own.check_solid_law(law, d)
-        coupled = 1.0 if self.heat == "coupled" else 0.0
-        constants = (self.m0, self.alpha, self.kappa_e, coupled)
-        return Solid(law, self.pressure_law, *constants, force)
+        return law

@@ -83,3 +83,16 @@ def band(order: int, cells: int, periodic: bool = False) -> Band:
             if row[j]:  # as fractions, so that the other end is the mirror image to the last bit
                 S[j - i, i] = S[j - i, n - 1 - j] = float(2 * op.norm[i] * row[j])
     return Band(S, weight)
+
+
+def centred_band(order: int, cells: int) -> Band:
+    """That of an axis which goes on beyond its first node to its mirror image, half a cell before
+    it: node -1 - i is the image of node i.
+
+    Images stand behind the nodes, so that ``part`` finds them at numbers below 0. The spacing is
+    that of ``band``. ValueError if there are too few nodes.
+    """
+    band(order, cells)
+    n, whole = cells + 1, band(order, 2 * cells + 1)
+    weight = whole.weight * ((2 * cells + 1) / cells)
+    return Band(np.roll(whole.S, n, axis=1), np.roll(weight, n))

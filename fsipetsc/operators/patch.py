@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from numba import njit
+
+from fsipetsc.operators.loops import CALL
+
 Triple = tuple[int, int, int]
 
 
@@ -17,3 +21,11 @@ class Patch(NamedTuple):
     own: Triple
     ghosted: Triple
     first: Triple
+
+
+@njit(**CALL)
+def mirror(values, first, signs):
+    """Let the `first` nodes of an array (N, …) be the images of those behind them, with signs."""
+    for i in range(first):
+        for c in range(signs.size):
+            values[first - 1 - i, c] = signs[c] * values[first + i, c]

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 _FIELDS = {
     "1": "J least_J J_error",
     "K": "T T_interface T_point residual_T",
-    "Pa": "p sigma s_xx s_xy s_yy s_xz s_yz s_zz sigma_interface residual_stress force "
+    "Pa": "p sigma sigma_theta s_xx s_xy s_yy s_xz s_yz s_zz sigma_interface residual_stress force "
     "p_point t_x_point t_y_point t_z_point",
     "W m-2": "residual_flux",
     "kg m-3": "rho",

@@ -24,7 +24,7 @@ from petsc4py import PETSc
 
 from fsipetsc.errors import InputError
 from fsipetsc.operators.bands import NO_AXIS, Band
-from fsipetsc.operators.patch import Patch
+from fsipetsc.operators.patch import Patch, mirror
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_shares import Extent, Share, share_out
 
@@ -32,6 +32,8 @@ Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
 Spans = Sequence[tuple[int, int]]
 AXES = 3
+#: of the unknowns of a gas at -r, over those at r
+IMAGE = np.array([1.0, 1.0, -1.0, 1.0])
 
 
 def unknowns(kind: str, d: int) -> int:
@@ -47,7 +49,8 @@ class Part:
     dof: unknowns of a node. begin, end: of its numbers in this rank's part of the world vector.
     numbers: (M,) of the nodes that it owns, ghosted_numbers: (N,) of all in the ghosted array.
     comm: of the ranks of the block. scatter: of PETSc, from the block's vector to the ghosted one.
-    local: (N, dof), the ghosted array.
+    local: (N, dof), the ghosted array. signs: (dof,) of the unknowns of mirror images, which stand
+    before the first node of a block with a centre; (0,) where there are none.
     """
 
     k: int
@@ -63,6 +66,7 @@ class Part:
     scatter: PETSc.Scatter
     local: Array
     local_vector: PETSc.Vec
+    signs: Array
 
     @property
     def has_halo(self) -> bool:
@@ -140,6 +144,7 @@ class BlockLayout:
         if not here:
             return None
         width, corners = self._halos[k]
+        centred = self.problem.centred(k)
         kinds, stencils = PETSc.DM.BoundaryType, PETSc.DMDA.StencilType
         dm = PETSc.DMDA().create(
             dim=block.dimension,
@@ -147,19 +152,26 @@ class BlockLayout:
             sizes=self.shapes[k],
             proc_sizes=share.grid,
             ownership_ranges=tuple(np.diff(cuts).astype(PETSc.IntType) for cuts in share.cuts),
-            boundary_type=tuple(kinds.PERIODIC if p else kinds.NONE for p in periodic(block)),
+            boundary_type=tuple(
+                kinds.PERIODIC if p else kinds.GHOSTED if centred else kinds.NONE
+                for p in periodic(block)
+            ),
             stencil_type=stencils.BOX if corners else stencils.STAR,
             stencil_width=width,
             comm=comm,
         )
         own, ghosted = _ranges(dm.getCorners()), _ranges(dm.getGhostCorners())
         assert own == _padded(share.part(rank)), "PETSc cuts the block otherwise"
+        whole = prod(b - a for a, b in ghosted)  # nodes of PETSc's array
+        if centred:  # it has nodes beyond the outer end, too, behind all others
+            (a, b), *rest = ghosted
+            ghosted = ((a, min(b, self.shapes[k][0])), *rest)
         patch = _patch(own, ghosted)
         axes = range(block.dimension)
-        bands = [block.band(self.order, axis).part(*ghosted[axis]) for axis in axes]
+        bands = [self.problem.band(k, self.order, axis).part(*ghosted[axis]) for axis in axes]
         begin = sum(self.sizes[rank][:k])
         dof = self.dofs[k]
-        local = np.ones((prod(patch.ghosted), dof))  # corners of a star never get other numbers
+        memory = np.ones((whole, dof))  # corners of a star never get other numbers
         return Part(
             k=k,
             patch=patch,
@@ -172,10 +184,11 @@ class BlockLayout:
             comm=comm,
             dm=dm,
             scatter=dm.getScatter()[0],
-            local=local,
+            local=memory[: prod(patch.ghosted)],
             local_vector=PETSc.Vec().createWithArray(
-                local.reshape(-1), bsize=dof, comm=PETSc.COMM_SELF
+                memory.reshape(-1), bsize=dof, comm=PETSc.COMM_SELF
             ),
+            signs=IMAGE if centred and ghosted[0][0] < 0 else np.zeros(0),
         )
 
     def part(self, k: int) -> Part | None:
@@ -258,6 +271,9 @@ class BlockVector:
         """End it."""
         for scatter, vector, local in self._exchanged:
             scatter.scatterEnd(vector, local)
+        for part in self._layout.parts:
+            if part.signs.size:
+                mirror(part.local, part.patch.first[0], part.signs)
 
     def ghosted(self, k: int) -> Array:
         """(N, dof): block k with halos, as of the last ``end``; without halos the owned part."""

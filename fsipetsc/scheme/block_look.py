@@ -15,7 +15,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from fsipetsc.operators.loops import EXACT_LOOP, INNER_CALL, MERGED_CALL, along, dot, sub
+from fsipetsc.operators.loops import EXACT_LOOP, INNER_CALL, MERGED_CALL, along, column, dot, sub
 from fsipetsc.operators.loops import _by_length as by_length
 from fsipetsc.scheme.rows import ROW, TILE, U64, Array, add_moment, aligned, at, moments, put
 
@@ -41,13 +41,13 @@ def sums_of(d: int) -> int:
 
 
 @njit(**MERGED_CALL)
-def gas_look(part, q, stiffness):
+def gas_look(part, q, metrics, stiffness):
     """Fill seen (LOOKED,) and sums (sums_of(d),) of the owned nodes; q: (M, d + 3).
 
-    part: see fsipetsc.scheme.gas_record.
+    part: see fsipetsc.scheme.gas_record. metrics: those by which steps are bounded.
     """
     gas, like, grid, patch, per_h = part.laws, part.like, part.grid, part.patch, part.per_h
-    masses, reference, places, metrics = part.masses, part.reference, part.places, part.metrics
+    masses, reference, places = part.masses, part.reference, part.places
     room, seen, sums = part.room, part.seen, part.sums
     for c in range(room.size):
         room[c] = -np.inf if c < LOOKED * ROW else 0.0
@@ -124,8 +124,8 @@ def look_at_end(solid, q, F, node, S, found):
 
     S: prestress [Pa]. With heat 'elastic', S (F - 1) is energy.
     """
-    strain = (F[0, node],)
+    strain = column(solid.unstrained((0.0,)), F, node)
     stored = (1.0 - solid.coupled) * S * (strain[0] - 1.0) / solid.m0
     found[0], found[1] = q[node, 0], q[node, 1]
-    found[2] = solid.law.stress(strain)[0] + S
+    found[2] = solid.line_stress(strain) + S
     found[3] = solid.temperature((q[node, 1],), q[node, 2] - stored, strain)

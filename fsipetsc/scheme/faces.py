@@ -32,7 +32,6 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from fsipetsc.equations.tensors import outer
 from fsipetsc.operators.loops import CALL, INNER_CALL, column
 from fsipetsc.scheme.rows import U64
 
@@ -308,7 +307,8 @@ def load_faces(solid, like, faces, S, weight, patch, q, metrics, inertia, rates,
     q: (ghosted, 2d + 1). S, weight: of the three axes. inertia: (ghosted,), J0 m0.
     """
     d = len(like)
-    A, n, force, F = np.zeros(d), np.zeros(d), np.zeros(d), np.zeros((d * d, 1))
+    A, n, force = np.zeros(d), np.zeros(d), np.zeros(d)
+    F = np.zeros((len(solid.unstrained(like)), 1))
     for i in range(faces.at.size):
         at, own, area = faces.at[i], faces.own[i], 0.0
         for c in range(d):
@@ -318,12 +318,12 @@ def load_faces(solid, like, faces, S, weight, patch, q, metrics, inertia, rates,
         for c in range(d):
             force[c] = faces.traction[i, c] * area
         if faces.absorbs[i] == 1:
-            strain_at(at, S, weight, patch, metrics, q, F)
+            strain_at(solid, at, S, weight, patch, metrics, q, F)
             push = faces.stress[i] - _resistance(solid, like, F, q, at, A, area)
             for c in range(d):
                 force[c] += push * A[c]
         if faces.pressure[i] != 0.0:
-            _normal(faces, i, S, weight, patch, q, n)
+            _normal(faces, i, solid.hoops(), S, weight, patch, q, n)
             for c in range(d):
                 force[c] -= faces.pressure[i] * n[c]
         scale, work, heat = faces.per_weight[i] / inertia[at], 0.0, faces.heat[i] * area
@@ -340,7 +340,8 @@ def load_faces(solid, like, faces, S, weight, patch, q, metrics, inertia, rates,
 def _resistance(solid, like, F, q, at, A, area):
     """Z N . v of a node, Z = sqrt(m0 wave modulus)."""
     d, through = len(like), 0.0
-    here, strain = column((*like, *like, 0.0), q.T, U64(at)), column(outer(like, like), F, U64(0))
+    here = column((*like, *like, 0.0), q.T, U64(at))
+    strain = column(solid.unstrained(like), F, U64(0))
     T = solid.temperature(here[d:-1], here[-1], strain)
     for c in range(d):
         through += A[c] * q[at, d + c]
@@ -348,11 +349,12 @@ def _resistance(solid, like, F, q, at, A, area):
 
 
 @njit(**INNER_CALL)
-def _normal(faces, i, S, weight, patch, q, n):
-    """n = outward area vector of a solid's face where it is now."""
+def _normal(faces, i, hoops, S, weight, patch, q, n):
+    """n = outward area vector of a solid's face where it is now; hoops: of Solid."""
     axis, sign = faces.axis[i], faces.sign[i]
     if n.size == 1:
-        n[0] = sign
+        r = faces.X[0, faces.at[i]] + q[faces.at[i], 0] if hoops > 0 else 1.0
+        n[0] = sign * (r * r if hoops == 2 else r)
     elif n.size == 2:
         slope_at(faces.at[i], 1 - axis, S, weight, patch, 1.0, faces.X, q, n)
         x, turn = n[0], sign if axis == 0 else -sign
@@ -382,9 +384,13 @@ def slope_at(at, axis, S, weight, patch, share, X, q, out):
 
 
 @njit(**CALL)
-def strain_at(at, S, weight, patch, metrics, q, F):
-    """F (d d, 1) = 1 + sum_k D_k D A^k / J0 of a solid's node of the ghosted array."""
+def strain_at(solid, at, S, weight, patch, metrics, q, F):
+    """F (d d, 1) = 1 + sum_k D_k D A^k / J0 of a solid's node of the ghosted array; behind it in
+    one dimension the stretch of hoops, if there are any.
+    """
     d = (q.shape[1] - 1) // 2
+    if solid.hoops() > 0:
+        F[1, 0] = solid.hoop_stretch(q[at, 0], metrics[0, at])
     slope = np.zeros(d)
     for i in range(d):
         for j in range(d):

@@ -29,7 +29,8 @@ class GasRecord(NamedTuple):
     known: (m, 2d) those of all ranks; grid: see fsipetsc.blocks.grid. at_particles: faces at
     constraints, see fsipetsc.scheme.normals. reference: (M,) J of the reference map. forcing:
     (d + 2, M), or (d + 2, 0). came: (d + 2,) mass, impulse, energy that come in. column: of its
-    mass in what comes in; columns: of its sums in the record of a step.
+    mass in what comes in; columns: of its sums in the record of a step. axis:
+    fsipetsc.scheme.radial; signs: of images, see fsipetsc.parallel.block_layout.
     """
 
     like: Any
@@ -37,12 +38,14 @@ class GasRecord(NamedTuple):
     form: Any
     friction: Any
     dissipation: Any
+    axis: Any
     faces: Any
     block: int
     begin: int
     column: int
     halo: Array
     wraps: int
+    signs: Array
     X: Array
     places: Array
     metrics: Array
@@ -152,6 +155,7 @@ def rates(part, s, f, gain):
     metrics = part.metrics
     (S0, S1, S2), (w0, w1, w2), work = part.S, part.weight, part.work
     gas_rates(laws, like, form, friction, q, metrics, S0, S1, S2, w0, w1, w2, patch, own, work)
+    part.axis.add(part, q, own)
     part.dissipation.add(part, q, own)
     clear(came)
     part.faces.add(part, q, own, came)
@@ -182,7 +186,8 @@ def look(part, s):
     """Fill seen and sums of a part: see fsipetsc.scheme.block_look."""
     if part.known.shape[0] > 0:
         part.grid.find_places(part.X, part.places)
-    gas_look(part, owned(part, s, len(part.like) + 3), STIFFNESS_OF_WIDE)
+    metrics = part.axis.bounds(part.metrics)
+    gas_look(part, owned(part, s, len(part.like) + 3), metrics, STIFFNESS_OF_WIDE)
 
 
 #: what is held of a gas: fsipetsc.scheme.part.Held, without ``part``

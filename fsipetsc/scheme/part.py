@@ -10,6 +10,7 @@ from numba import njit
 
 from fsipetsc.operators.boxed import Box
 from fsipetsc.operators.loops import CALL, INNER_LOOP, MERGED_CALL
+from fsipetsc.operators.patch import mirror
 from fsipetsc.scheme.after_step import WORDS
 from fsipetsc.scheme.block_look import CONVECTION
 from fsipetsc.scheme.normals import add_areas
@@ -50,6 +51,8 @@ def ghosted(part, s, dof):
     n = part.patch.own[0] * part.patch.own[1] * part.patch.own[2]
     if part.wraps:
         fill_halo(s, part.begin, dof, part.patch, part.halo)
+        if part.signs.size > 0:
+            mirror(part.halo, part.patch.first[0], part.signs)
     own = s[part.begin : part.begin + n * dof].reshape((n, dof))
     return part.halo if part.halo.shape[0] > 0 else own
 

@@ -9,11 +9,19 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from fsipetsc.equations.tensors import add_unit, determinant, outer
-from fsipetsc.operators.loops import EXACT_LOOP, INNER_CALL, MERGED_CALL, add, dot
+from fsipetsc.equations.tensors import outer
+from fsipetsc.operators.loops import EXACT_LOOP, INNER_CALL, MERGED_CALL, add, dot, sub
 from fsipetsc.scheme.block_look import BAD, CONVECTION, DIFFUSION, J_ERROR, LEAST_J
 from fsipetsc.scheme.rows import U64, add_moment, at, put
-from fsipetsc.scheme.solid_rates import differentiate, relieve, row_of, rows_of, strain, take
+from fsipetsc.scheme.solid_rates import (
+    differentiate,
+    relieve,
+    row_of,
+    rows_of,
+    strain,
+    stretch,
+    take,
+)
 from fsipetsc.scheme.solid_work import EXTREMES, KNOWN, NONE, ONE, OWN, PLAIN, WIDTH, step_of
 
 
@@ -48,7 +56,8 @@ def solid_look(
                 turn(like, row, unknowns, X, masses, looked)
                 differentiate(like, table, row, PLAIN, unknowns, NONE, NONE, d, slopes, NONE)
                 strain(like, metrics, row, slopes, strains)
-                keep(like, row, strains, F)
+                stretch(solid, like, metrics, row, unknowns, strains)
+                keep(solid, like, row, strains, F)
                 relieve(solid, like, extra, row, strains, unknowns)
                 measure(solid, like, metrics, per_h, stiffness, row, unknowns, strains, looked)
                 if loses == 1:
@@ -80,7 +89,7 @@ def turn(like, row, unknowns, X, masses, totals):
 @njit(**EXACT_LOOP)
 def add_energy(solid, like, extra, row, unknowns, strains, masses, totals):
     """Add kinetic and elastic energy, and that of a prestress S : (F - 1)."""
-    nine, step, d = outer(like, like), U64(step_of(like)), U64(len(like))
+    nine, step, d = solid.unstrained(like), U64(step_of(like)), U64(len(like))
     node, own, to = U64(row.tile), U64(row.own), U64(totals.size) - WIDTH
     for i in range(U64(row.n)):
         v, F = at(like, unknowns, node + d * step, step, i), at(nine, strains, node, step, i)
@@ -89,13 +98,13 @@ def add_energy(solid, like, extra, row, unknowns, strains, masses, totals):
     N, g, n = U64(extra.size // len(nine)), U64(row.patch), row.n if extra.size > 0 else 0
     for i in range(U64(n)):
         S, F = at(nine, extra, g, N, i), at(nine, strains, node, step, i)
-        totals[to + i] += masses[own + i] * dot(S, add_unit(-1.0, F)) / solid.m0
+        totals[to + i] += masses[own + i] * dot(S, sub(F, solid.unstrained(like))) / solid.m0
 
 
 @njit(**EXACT_LOOP)
-def keep(like, row, strains, F):
+def keep(solid, like, row, strains, F):
     """F of a row goes to the array of all nodes."""
-    nine, own = outer(like, like), U64(row.own)
+    nine, own = solid.unstrained(like), U64(row.own)
     N, node, step = U64(F.size // len(nine)), U64(row.tile), U64(step_of(like))
     for i in range(U64(row.n)):
         put(F, own, N, i, at(nine, strains, node, step, i))
@@ -115,9 +124,9 @@ def measure(solid, like, metrics, per_h, stiffness, row, unknowns, strains, look
             a = at(like, metrics, g + U64(k) * d * N, N, i)
             squares += dot(a, a) * per_h[k] * per_h[k]
         squares = squares / (J0 * J0)
-        F = at(nine, strains, node, step, i)
+        F = at(solid.unstrained(like), strains, node, step, i)
         v, e = at(like, unknowns, node + d * step, step, i), unknowns[node + U64(2) * d * step + i]
-        T, J = solid.temperature(v, e, F), determinant(F)
+        T, J = solid.temperature(v, e, F), solid.volume(F)
         modulus = solid.wave_modulus_at(F, T)
         good = J > 0.0 and T > 0.0 and modulus > -1e-300
         fastest = max(modulus, 0.0) / solid.m0 * squares if good else np.inf

@@ -84,6 +84,7 @@ def solid_rates(solid, like, q, metrics, prestress, rates, work):
                 row = row_of(patch, layout, boxes, tile, STRAINED, y, z - lags[0])
                 differentiate(like, table, row, PLAIN, unknowns, NONE, NONE, d, slopes, NONE)
                 strain(like, metrics, row, slopes, strains)
+                stretch(solid, like, metrics, row, unknowns, strains)
                 relieve(solid, like, extra, row, strains, unknowns)
                 pull(solid, like, metrics, row, unknowns, strains, tractions)
                 pull_more(like, metrics, extra, row, tractions)
@@ -104,6 +105,7 @@ def solid_rates(solid, like, q, metrics, prestress, rates, work):
                 if solid.kappa > 0.0:
                     differentiate(like, table, row, FREE, heats, NONE, ONE, ONE, slopes, 2 * d * d)
                 accelerate(solid, like, metrics, row, slopes, unknowns, tractions, found)
+                hold(solid, like, metrics, row, unknowns, strains, found)
                 give(like, found, row, rates)
 
 
@@ -205,6 +207,27 @@ def strain(like, metrics, row, slopes, strains):
 
 
 @njit(**EXACT_LOOP)
+def stretch(solid, like, metrics, row, unknowns, strains):
+    """The stretch of hoops around an axis or a centre, in one dimension."""
+    n = row.n if solid.hoops() > 0 else 0
+    node, g, hoop = U64(row.tile), U64(row.patch), U64(row.tile) + U64(step_of(like))
+    for i in range(U64(n)):
+        strains[hoop + i] = solid.hoop_stretch(unknowns[node + i], metrics[g + i])
+
+
+@njit(**EXACT_LOOP)
+def hold(solid, like, metrics, row, unknowns, strains, found):
+    """Add what hoops do to the acceleration."""
+    n = row.n if solid.hoops() > 0 else 0
+    node, g, step = U64(row.tile), U64(row.patch), U64(step_of(like))
+    for i in range(U64(n)):
+        F = at(solid.unstrained(like), strains, node, step, i)
+        v, e = at(like, unknowns, node + step, step, i), unknowns[node + U64(2) * step + i]
+        T = solid.temperature(v, e, F)
+        found[WIDTH + i] += solid.hoop_acceleration(F, T, metrics[g + i])
+
+
+@njit(**EXACT_LOOP)
 def relieve(solid, like, extra, row, strains, unknowns):
     """Take the energy of a prestress S, S : (F - 1)/m0, from e: only T follows from e."""
     n = row.n if extra.size > 0 and solid.coupled == 0.0 else 0
@@ -222,7 +245,7 @@ def pull(solid, like, metrics, row, unknowns, strains, tractions):
     nine, step, d = outer(like, like), U64(step_of(like)), U64(len(like))
     N, node, g = U64(metrics.size // (len(nine) + 1)), U64(row.tile), U64(row.patch)
     for i in range(U64(row.n)):
-        A, F = at(nine, metrics, g, N, i), at(nine, strains, node, step, i)
+        A, F = at(nine, metrics, g, N, i), at(solid.unstrained(like), strains, node, step, i)
         v, e = at(like, unknowns, node + d * step, step, i), unknowns[node + U64(2) * d * step + i]
         P = solid.stress_at(F, solid.temperature(v, e, F))
         put(tractions, node, step, i, product_transposed(A, P))
@@ -242,15 +265,15 @@ def pull_more(like, metrics, extra, row, tractions):
 @njit(**EXACT_LOOP)
 def find_temps(solid, like, row, unknowns, strains, temps):
     """T; with heat 'coupled' F does not matter, and is not known everywhere."""
-    nine, step, d = outer(like, like), U64(step_of(like)), U64(len(like))
+    rest, step, d = solid.unstrained(like), U64(step_of(like)), U64(len(like))
     node, first = U64(row.tile), U64(row.tile) + d * step
     for i in range(U64(row.n)):
         v, e = at(like, unknowns, first, step, i), unknowns[first + d * step + i]
-        temps[node + i] = solid.temperature(v, e, add_unit(1.0, nine))
+        temps[node + i] = solid.temperature(v, e, rest)
     if solid.coupled == 0.0:
         for i in range(U64(row.n)):
             v, e = at(like, unknowns, first, step, i), unknowns[first + d * step + i]
-            temps[node + i] = solid.temperature(v, e, at(nine, strains, node, step, i))
+            temps[node + i] = solid.temperature(v, e, at(rest, strains, node, step, i))
 
 
 @njit(**EXACT_LOOP)
@@ -261,7 +284,7 @@ def conduct(solid, like, metrics, row, slopes, strains, heats):
     for i in range(U64(row.n)):
         A, J0 = at(nine, metrics, g, N, i), metrics[g + U64(len(nine)) * N + i]
         gradient = scale(1.0 / J0, apply_transposed(A, at(like, slopes, U64(0), WIDTH, i)))
-        h = solid.heat_flux(at(nine, strains, node, step, i), gradient)
+        h = solid.heat_flux(at(solid.unstrained(like), strains, node, step, i), gradient)
         put(heats, node, step, i, apply(A, h))
 
 

@@ -38,6 +38,7 @@ class SolidRecord(NamedTuple):
     begin: int
     halo: Array
     wraps: int
+    signs: Array
     loses: int
     X: Array
     metrics: Array
@@ -101,13 +102,15 @@ def store(part, particles, s):
     """
     d, solid, extra = len(part.like), part.laws, part.prestress
     q, at, rows = ghosted(part, s, 2 * d + 1), part.stored_at, part.rows_of_stored
-    F, nine = np.zeros((d * d, 1)), outer(part.like, part.like)
+    rest = solid.unstrained(part.like)
+    F = np.zeros((len(rest), 1))
     for i in range(at.size):
-        strain_at(at[i], part.S, part.weight, part.patch, part.metrics, q, F)
-        strain = column(nine, F, U64(0))
-        energy = solid.law.energy(strain)
+        strain_at(solid, at[i], part.S, part.weight, part.patch, part.metrics, q, F)
+        strain = column(rest, F, U64(0))
+        energy = solid.energy(strain)
         if extra.shape[1] > 0:
-            energy += dot(column(nine, extra, U64(at[i])), add_unit(-1.0, strain))
+            S = column(outer(part.like, part.like), extra, U64(at[i]))
+            energy += dot(S, add_unit(-1.0, strain))
         particles.stored[rows[i], 0] = energy / solid.m0
 
 

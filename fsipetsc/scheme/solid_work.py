@@ -118,7 +118,8 @@ def solid_work(solid: Any, bands: Any, regular: tuple[int, int], patch: Patch) -
     reach = bands[2].reach
     layout = Layout(row, row * inner, (3 + conducts) * reach + 1, *regular)
     lags = reach, (1 + conducts) * reach, (2 + conducts) * reach
-    memory = [np.zeros(count * STEPS[d - 1]) for count in (2 * d + 1, d * d, d * d, 1, d)]
+    strains = len(solid.unstrained((0.0,) * d))
+    memory = [np.zeros(count * STEPS[d - 1]) for count in (2 * d + 1, strains, d * d, 1, d)]
     counts = 2 * d * d + d, 2 * d + 1, EXTREMES + sums_of(d)
     of_row = [np.zeros(count * int(WIDTH)) for count in counts]
     return Work(patch, layout, lags, boxes, *neighbours(bands), *memory, *of_row)

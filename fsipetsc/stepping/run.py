@@ -112,9 +112,10 @@ class _Run:
 
     def _header(self) -> dict[str, Any]:
         problem = self.problem
-        faces = {}
+        faces: dict[str, Any] = {}
         if isinstance(problem, RunProblem):
             faces["interface_faces"] = problem.interface_faces
+            faces["symmetry"] = problem.symmetry
         return {
             "case": self.case.NAME,
             "options": dict(self.opt),

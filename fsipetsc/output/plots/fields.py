@@ -115,6 +115,11 @@ class View:
         return {kind: np.concatenate(values) for kind, values in found.items()}
 
 
+def line_name(run: Run) -> str:
+    """Of the coordinate in one dimension."""
+    return "r" if run.header.get("symmetry") else "x"
+
+
 class Profiles(View):
     """In one dimension: curves with one vertical axis."""
 
@@ -126,7 +131,7 @@ class Profiles(View):
         scale = scaled(run, quantity.title, quantity.unit, every, start=start)
         self.shown = {layer.kind: Shown(scale, {}, "neither") for layer in self.layers}
         ends = np.array(domain(run, self.layers))
-        self.place = scaled(run, "x", "m", ends)
+        self.place = scaled(run, line_name(run), "m", ends)
         low, high = extremes(scale(every))
         margin = 2 * MARGIN * (high - low) or 0.1 * abs(low) or 1.0
         self.limits = [self.place(ends), np.array([low - margin, high + margin])]

@@ -66,6 +66,7 @@ ON_A_LINE = (
     Quantity("p", "Pa", _P, Part("p − σ in solids", ("p", "sigma"), _load)),
     _RHO,
     Quantity("sigma", "Pa", None, _field("stress σ", "sigma")),
+    Quantity("sigma_theta", "Pa", None, _field("hoop stress σ_θ", "sigma_theta")),
     Quantity("strain", "", None, Part("strain ∂x/∂X − 1", ("x",), _strain)),
 )
 IN_SPACE = (

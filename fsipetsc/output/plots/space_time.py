@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fsipetsc.output.interface_line import InterfaceLine
-from fsipetsc.output.plots.fields import WIDTH, domain, how_shown
+from fsipetsc.output.plots.fields import WIDTH, domain, how_shown, line_name
 from fsipetsc.output.plots.quantities import Quantity
 from fsipetsc.output.plots.scales import Scale, colours, extremes, scaled, time_scale
 from fsipetsc.output.plots.style import MAX_POINTS, bar_above, few_ticks, legend_above, line_look
@@ -29,7 +29,7 @@ def draw(figure: FigureBase, run: Run, quantities: Sequence[Quantity]) -> None:
     """A map for each quantity, with the interfaces as lines."""
     grid = figure.subplots(1, len(quantities), sharex=True, sharey=True, squeeze=False)[0]
     ends = np.array(domain(run, run.layers))
-    place, time = scaled(run, "x", "m", ends), time_scale(run)
+    place, time = scaled(run, line_name(run), "m", ends), time_scale(run)
     for axes, quantity in zip(grid, quantities):
         axes.set(xlim=place(ends), ylim=time(run.time[[0, -1]]), xlabel=place.label)
         axes.grid(visible=False)

@@ -1,0 +1,106 @@
+"""A charge in the middle of an elastic shell, in one dimension: gas | shell | gas in a vessel.
+
+All depends on the distance r from a centre (kappa = 2), or from the axis of a tube (kappa = 1). The
+gas inside goes to r = 0, or ends at a core. Hot gas in the middle, of the density of the rest,
+sends a shock to the shell, which swings and drives waves into the gas around it. The shell is free
+of stress under the pressure of the gas at rest. Its small motions are known exactly: see the
+command `modes`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from fsipetsc.blocks.block import Block
+from fsipetsc.blocks.conditions import Centre, Condition, Free, Slip
+from fsipetsc.blocks.maps import ball, rectangle
+from fsipetsc.blocks.problem import BlockProblem, FaceName
+from fsipetsc.checks import Fields
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.solid import ElasticSolid
+from fsipetsc.options import Option
+
+NAME = "shell"
+SUMMARY = "a charge in an elastic shell around a centre, or a tube around an axis"
+
+OPTIONS = (
+    Option("shell_kappa", int, 2, "", "1: around an axis, 2: around a centre", (1, 2)),
+    Option("shell_gas", str, "centre", "", "gas inside to r = 0, around a core, or none",
+           ("none", "around", "centre")),
+    Option("shell_charge", float, 50.0, "", "temperature of the charge, less 1, over that at rest",
+           check="nonnegative"),
+    Option("shell_width", float, 0.2, "m", "radius of the charge", check="positive"),
+    Option("shell_inner", float, 1.0, "m", "inner radius of the shell", check="positive"),
+    Option("shell_outer", float, 1.3, "m", "its outer radius", check="positive"),
+    Option("shell_core", float, 0.4, "m", "radius of the core", check="positive"),
+    Option("shell_vessel", float, 2.0, "m", "radius of the rigid vessel", check="positive"),
+    Option("fluid_mu", float, 0.0, "Pa s", "viscosity", check="nonnegative"),
+    Option("fluid_kappa", float, 0.0, "W/(m K)", "conductivity of the gas", check="nonnegative"),
+    Option("solid_density", float, 2.0, "kg/m3", "density of the shell", check="positive"),
+    Option("solid_mu", float, 1.0, "Pa", "mu_e of the shell", check="positive"),
+    Option("solid_lambda", float, 1.5, "Pa", "lambda_e of the shell", check="nonnegative"),
+    Option("solid_law", str, "neo-hookean", "", "its law", ("log", "neo-hookean", "svk")),
+)  # fmt: skip
+DEFAULTS = {
+    "fsi_h": 0.0125,
+    "fsi_order": 4,
+    "fsi_shock": 1.0,
+    "ts_max_time": 2.0,
+    "fsi_output_dt": 0.02,
+}
+
+
+def gas_of(opt: Mapping[str, Any]) -> Fluid:
+    """Its density and pressure at rest are 1."""
+    return Fluid(opt["fluid_mu"], opt["fluid_kappa"], 1.4, 1.0)
+
+
+def solid_of(opt: Mapping[str, Any]) -> ElasticSolid:
+    """That of the shell."""
+    numbers = opt["solid_mu"], opt["solid_lambda"], 0.0, opt["solid_density"], 1.0
+    p = 0.0 if opt["shell_gas"] == "none" else 1.0
+    return ElasticSolid(*numbers, p_ref=p, law=opt["solid_law"], heat="elastic")
+
+
+def radii_of(opt: Mapping[str, Any]) -> tuple[float, ...]:
+    """Of the core (0 where there is none), of the shell, of the vessel."""
+    core = opt["shell_core"] if opt["shell_gas"] == "around" else 0.0
+    return core, opt["shell_inner"], opt["shell_outer"], opt["shell_vessel"]
+
+
+def build(opt: Mapping[str, Any]) -> BlockProblem:
+    """Blocks along the radius."""
+    core, inner, outer, vessel = radii_of(opt)
+    gas = gas_of(opt)
+
+    def cells(length: float) -> int:
+        # the operators want 2 nodes for each order
+        return max(2 * opt["fsi_order"], round(length / opt["fsi_h"]))
+
+    def block(name: str, material: Any, low: float, high: float, initial: Any) -> Block:
+        n = cells(high - low)
+        shape = ball(high, n) if low == 0.0 else rectangle(low, high)
+        return Block(name, material, shape, (n,), initial)
+
+    def charge(r: np.ndarray) -> Fields:
+        """The density is the same everywhere; the edge of the charge is a fifth of it wide."""
+        width = opt["shell_width"]
+        hot = 0.5 * (1.0 - np.tanh((r - core - width) / (0.1 * width)))
+        return 1.0 + 0.0 * r, 0.0 * r, 1.0 + opt["shell_charge"] * hot
+
+    def still(r: np.ndarray) -> Fields:
+        return 1.0 + 0.0 * r, 0.0 * r, 1.0 + 0.0 * r
+
+    def rest(r: np.ndarray) -> Fields:
+        return 0.0 * r, 1.0 + 0.0 * r, r
+
+    blocks = (block("shell", solid_of(opt), inner, outer, rest),)
+    faces: dict[FaceName, Condition] = {("shell", 0, 0): Free(), ("shell", 0, 1): Free()}
+    if opt["shell_gas"] != "none":
+        inside = block("inside", gas, core, inner, charge)
+        blocks = (inside, *blocks, block("around", gas, outer, vessel, still))
+        faces = {("inside", 0, 0): Slip() if core else Centre(), ("around", 0, 1): Slip()}
+    return BlockProblem(blocks, faces, units="none", symmetry=opt["shell_kappa"])
