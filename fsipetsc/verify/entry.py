@@ -52,7 +52,8 @@ class Entry:
 
     text: problem and parameters, as Markdown, exact enough to repeat them in another code.
     levels: "quick" and "full" -> order -> grid spacings, coarse to fine. measure(solve, order, h)
-    -> Measured; solve(case, **options) runs a case and returns its opened result, collective.
+    -> Measured; solve(case, **options) runs a case, given by its name or as a problem, and returns
+    its opened result, collective.
     bounds: (quantity, order) -> Bound. source: of the reference.
     """
 
