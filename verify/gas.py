@@ -130,8 +130,8 @@ if __name__ == "__main__":
     save(
         "gas",
         columns(),
-        "made by verify/gas.py; gamma = 1.4, without dimensions; columns that end in nan are shorter",
+        "made by verify/gas.py; gamma = 1.4, no dimensions; columns that end in nan are shorter",
         "vortex: at the radius r; sod: at t = 0.2, X beside the diaphragm",
-        "shu_osher: t = 1.8, finite volumes (WENO5) on 3200 cells; not exact: it differs from that of "
-        "1600 cells by 1e-3 in the mean",
+        "shu_osher: t = 1.8, finite volumes (WENO5) on 3200 cells; not exact: it differs from that "
+        "of 1600 cells by DIFF in the mean",
     )

@@ -1,8 +1,8 @@
 """Cauchy stress of solids in simple shear and in extension: derivatives of their energy W(F).
 
 Neo-Hookean: W = mu/2 (|F|^2 - 2 - 2 ln J) + lambda/2 ln(J)^2. St. Venant and Kirchhoff:
-W = lambda/2 tr(E)^2 + mu |E|^2, E = (F^T F - 1)/2. s = dW/dF F^T/J, plane strain; derivatives by complex steps,
-exact to round-off (W. Squire, G. Trapp, SIAM Review 40 (1998) 110).
+W = lambda/2 tr(E)^2 + mu |E|^2, E = (F^T F - 1)/2. s = dW/dF F^T/J, plane strain; derivatives
+by complex steps, exact to round-off (W. Squire, G. Trapp, SIAM Review 40 (1998) 110).
 """
 
 import numpy as np

@@ -22,7 +22,7 @@ def shock(state, angle):
             G / (G - 1) * push / dense + w2 * w2 / 2 - enthalpy,
         )
 
-    strong = G * p / rho / w**2  # 1/M^2; the guess is that of Rankine and Hugoniot, far off on purpose
+    strong = G * p / rho / w**2  # 1/M^2
     guess = (rho * (1.2 + 0.8 * (1 - strong)), p * (1.5 / strong), w * 0.7)
     dense, push, w2 = fsolve(jumps, guess, xtol=1e-13)
     return (dense, *(w2 * n + t * along), push)
@@ -56,7 +56,7 @@ if __name__ == "__main__":
     save(
         "oblique",
         columns(),
-        "made by verify/oblique.py: Mach 2.9, wedge of 10 degrees; rho = 1, c = 1 of what comes in",
-        "rows: before, between, behind the shocks; angle [rad] of the incoming and of the reflected "
+        "made by verify/oblique.py: Mach 2.9, wedge of 10 degrees; rho = c = 1 of what comes in",
+        "rows: before, between, behind the shocks; angle [rad] of the incoming and the reflected "
         "shock to the wall",
     )

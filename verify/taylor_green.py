@@ -1,4 +1,4 @@
-"""Taylor and Green's vortex in a fluid without viscosity and of constant density, by Fourier series.
+"""Taylor and Green's vortex without viscosity, at constant density, by Fourier series.
 
 u = (sin x cos y cos z, -cos x sin y cos z, 0) at t = 0, period 2 pi; u_t = P(u x w), P the
 projection on what has no divergence, w = curl u; dealiased by the 2/3 rule, RK4.

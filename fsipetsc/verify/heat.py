@@ -115,7 +115,10 @@ ENTRY = Entry(
     title="Heat: sudden contact, slab with a flux, conjugate heat at an interface",
     source="verify/heat.py (similarity, error functions, Chebyshev collocation)",
     text=TEXT,
-    levels={"quick": {4: (1 / 40, 1 / 80)}, "full": {k: (1 / 20, 1 / 40, 1 / 80) for k in (2, 4, 6)}},
+    levels={
+        "quick": {4: (1 / 40, 1 / 80)},
+        "full": {k: (1 / 20, 1 / 40, 1 / 80) for k in (2, 4, 6)},
+    },
     measure=measure,
     bounds={},
 )

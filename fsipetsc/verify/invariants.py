@@ -23,8 +23,8 @@ last axis, and in more than one dimension the upper one by 0.05 sin²(3 t) along
 
 Errors are the largest in time: of the mass of each gas over itself; of the momentum less the
 impulse of the walls, per axis, and the energy less the work of the walls, over the first energy;
-and the largest loss of the entropy of gases and solid in a step, over its gain in all. The reference
-is 0 for all of them (conservation; second law). `h` is the spacing along all axes.
+and the largest loss of the entropy of gases and solid in a step, over its gain in all. The
+reference is 0 for all (conservation; second law). `h` is the spacing along all axes.
 """
 DEPTH, PERIOD = 1.0, 0.5
 NAMES = ("mass", "momentum", "energy", "entropy")

@@ -108,7 +108,10 @@ ENTRY = Entry(
     title="Solids alone: simple shear, extension, rotation, energy over 100 periods",
     source="verify/large_deformation.py (derivatives of the energy by complex steps)",
     text=TEXT,
-    levels={"quick": {4: (1 / 12, 1 / 24)}, "full": {k: (1 / 16, 1 / 32, 1 / 64) for k in (2, 4, 6)}},
+    levels={
+        "quick": {4: (1 / 12, 1 / 24)},
+        "full": {k: (1 / 16, 1 / 32, 1 / 64) for k in (2, 4, 6)},
+    },
     measure=measure,
     bounds={},
 )

@@ -46,7 +46,10 @@ ENTRY = Entry(
     title="Oblique shock reflected from a rigid wall",
     source="verify/oblique.py (conservation laws across both shocks)",
     text=TEXT,
-    levels={"quick": {4: (1 / 16, 1 / 32)}, "full": {k: (1 / 16, 1 / 32, 1 / 64) for k in (2, 4, 6)}},
+    levels={
+        "quick": {4: (1 / 16, 1 / 32)},
+        "full": {k: (1 / 16, 1 / 32, 1 / 64) for k in (2, 4, 6)},
+    },
     measure=measure,
     bounds={},
 )

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-
 from fsipetsc.verify.entry import Bound, Curve, Entry, Measured, reference
 
 TEXT = """
@@ -21,8 +19,7 @@ free of stress under 101 kPa. Time 3 ms.
 The quantity is the largest displacement of the tip's right corner along the channel. The
 experiment has 6.2 ± 0.4 mm, other codes 5.8 to 6.6 mm (quoted: J. Giordano et al., Shock Waves 14
 (2005) 103). `h` is the spacing in the gas [m]; the panel has the least number of cells across that
-the order allows. The error is in mm; it need not fall with `h`, as an experiment is no exact solution.
-A run has some hundred thousand steps: this entry is of the full level only.
+the order allows. The error is in mm; it need not fall with `h`, as an experiment is not exact. A run has some hundred thousand steps: this entry is of the full level only.
 """
 
 
@@ -34,7 +31,8 @@ def measure(solve: Callable[..., Any], order: int, h: float) -> Measured:
     table = reference("shock_on_panel")
     errors = {"largest displacement of the tip, mm": abs(float(moved.max() - table["mm"][0]))}
     few = slice(None, None, max(1, len(t) // 300))
-    curve = Curve(("t [ms]", "tip [mm]"), 1e3 * t[few], moved[few], 1e3 * t[[0, -1]], table["mm"][[0, 0]])
+    words, ends = ("t [ms]", "tip [mm]"), 1e3 * t[[0, -1]]
+    curve = Curve(words, 1e3 * t[few], moved[few], ends, table["mm"][[0, 0]])
     return Measured(errors, curve)
 
 

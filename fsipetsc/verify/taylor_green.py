@@ -50,7 +50,7 @@ def measure(solve: Callable[..., Any], order: int, h: float) -> Measured:
     n, given = round(PERIOD / h), {"fsi_order": order, "fsi_convection": "entropy"}
     given["fsi_dissipation"] = -1.0
     with solve(cube(n, 100 / 1.4), ts_max_time=5.0, fsi_output_dt=5.0, **given) as run:
-        series = {name: np.asarray(run.series[name]).ravel() for name in ("mass", "energy", "entropy")}
+        series = {k: np.asarray(run.series[k]).ravel() for k in ("mass", "energy", "entropy")}
     sizes = {"mass": series["mass"][0], "energy": np.pi**3, "entropy": series["mass"][0]}
     errors = {f"{k} kept": float(np.abs(v - v[0]).max() / sizes[k]) for k, v in series.items()}
     table = reference("taylor_green")
@@ -68,7 +68,10 @@ ENTRY = Entry(
     title="Taylor and Green's vortex in three dimensions, without viscosity",
     source="verify/taylor_green.py (Fourier series, constant density); conservation laws",
     text=TEXT,
-    levels={"quick": {4: (PERIOD / 16,)}, "full": {k: (PERIOD / 16, PERIOD / 32) for k in (2, 4, 6)}},
+    levels={
+        "quick": {4: (PERIOD / 16,)},
+        "full": {k: (PERIOD / 16, PERIOD / 32) for k in (2, 4, 6)},
+    },
     measure=measure,
     bounds={},
 )

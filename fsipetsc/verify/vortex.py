@@ -17,7 +17,7 @@ Gas of γ = 1.4, R = 1, inviscid, in -4 < X, Y < 4 (at first; ρ = p = 1 far awa
 r the distance from its middle, which begins at (-0.3, -0.2) and goes with the speed (0.5, 0.3). All
 unknowns are given on the four sides. End time 1.
 
-Grid: 2 × 2 blocks, joined along X = 0 and Y = 0, `h` = 8/n for n cells along each side of the whole:
+Grid: 2 × 2 blocks, joined at Ξ = 0 and H = 0, `h` = 8/n for n cells along each side of the whole:
 X = Ξ + 0.15 sin(π Ξ/2) sin(π H/2 + 0.5), Y = H + 0.15 sin(π Ξ/2 + 0.3) sin(π H/2), -4 < Ξ, H < 4.
 The sides move by 0.3 sin(2 t) (sin(π Y/4 + 0.4), sin(π X/4)), and the grid follows them.
 
@@ -71,7 +71,8 @@ def measure(solve: Callable[..., Any], order: int, h: float) -> Measured:
     table, given = reference("gas"), {"ts_max_time": END, "fsi_output_dt": END}
     short = np.isfinite(table["r"])
     of_r = {
-        name: smooth(table["r"][short], table[f"vortex {name}"][short]) for name in ("rho", "u", "p")
+        name: smooth(table["r"][short], table[f"vortex {name}"][short])
+        for name in ("rho", "u", "p")
     }
     apart: dict[str, list[Array]] = {"rho": [], "velocity": [], "p": []}
     with solve(blocks(round(8.0 / h)), fsi_order=order, **given) as run:
@@ -84,7 +85,8 @@ def measure(solve: Callable[..., Any], order: int, h: float) -> Measured:
         for name in ("rho", "p"):
             apart[name].append(np.abs(frame[name] - of_r[name](r)).ravel())
     errors = {name: float(np.sqrt(np.mean(np.concatenate(v) ** 2))) for name, v in apart.items()}
-    curve = Curve(("r in one block", "p"), r.ravel(), frame["p"].ravel(), table["r"], table["vortex p"])
+    words, of_table = ("r in one block", "p"), (table["r"], table["vortex p"])
+    curve = Curve(words, r.ravel(), frame["p"].ravel(), *of_table)
     return Measured(errors, curve)
 
 
