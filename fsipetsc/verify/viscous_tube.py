@@ -18,9 +18,9 @@ y = 1/2 is a plane of symmetry. γ = 1.4, p = ρ T/γ (R = 1/γ, speed of sound 
 
 The shock comes back from x = 1, and at the wall it is a λ. The point where its three branches meet
 is measured so: in each row x_f(y) is where p, coming from x = 0.2, first has a fifth of the
-pressure jump of the row y = 0.4; lines through x_f in 0.2 < y < 0.4 and in 0.04 < y < 0.1 meet there. The
-reference is (0.58, 0.137), quoted from the literature as given there for Re = 200; nobody has
-computed it here by another program, and by its digits it is known to about 0.01.
+pressure jump of the row y = 0.4; lines through x_f in 0.2 < y < 0.4 and in 0.04 < y < 0.1 meet
+there. The reference is (0.58, 0.137), quoted for Re = 200. It was not computed here by another
+program, and it is known to about 0.01.
 """
 
 
