@@ -26,6 +26,9 @@ def picture(entry: Entry, rows: list[Row], last: Measured | None, path: Path) ->
     for row in rows:
         axes[-1].loglog(row.spacings, row.errors, "o-", label=f"{row.quantity}, order {row.order}")
     axes[-1].set(xlabel="grid spacing h", ylabel="error")
+    spacings = sorted({h for row in rows for h in row.spacings})
+    axes[-1].set_xticks([], minor=True)
+    axes[-1].set_xticks(spacings, [f"{h:.3g}" for h in spacings])
     axes[-1].legend(frameon=False, fontsize="x-small")
     figure.suptitle(entry.title, fontsize="medium")
     try:
