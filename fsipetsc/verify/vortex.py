@@ -21,7 +21,7 @@ Grid: 2 × 2 blocks, joined at Ξ = 0 and H = 0, `h` = 8/n for n cells along eac
 X = Ξ + 0.15 sin(π Ξ/2) sin(π H/2 + 0.5), Y = H + 0.15 sin(π Ξ/2 + 0.3) sin(π H/2), -4 < Ξ, H < 4.
 The sides move by 0.3 sin(2 t) (sin(π Y/4 + 0.4), sin(π X/4)), and the grid follows them.
 
-The blocks' default is used: where blocks are joined, a dissipation of the order of the scheme.
+The dissipation is the program's default where blocks are joined (`-fsi_dissipation 0`).
 Errors are root mean squares over all nodes. The reference integrates dp/dr = ρ u²/r.
 """
 GRIDS = 1 / 4, 1 / 8, 1 / 16
