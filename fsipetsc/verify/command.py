@@ -40,7 +40,7 @@ COLUMNS += ("largest_error", "verdict", "source")
 def verify(arguments: list[str], comm: MPI.Comm) -> None:
     """The command, with the arguments behind its name. Collective on comm.
 
-    Raises InputError; ComputationError at the end where a verdict is not "holds"; FileError.
+    Raises InputError; ComputationError at the end where a row falls short; FileError.
     """
     names = []
     while len(names) < len(arguments) and not arguments[len(names)].startswith("-"):
@@ -57,8 +57,9 @@ def verify(arguments: list[str], comm: MPI.Comm) -> None:
         rows += found
     together(comm, lambda: None if comm.rank else save(rows, entries, path))
     wait_asleep(comm)
-    short = sum(row.verdict != "holds" for row in rows)
-    say(f"{len(rows) - short} of {len(rows)} rows hold; saved {path}")
+    hold, free = (sum(row.verdict == word for row in rows) for word in ("holds", "no bound"))
+    short = len(rows) - hold - free
+    say(f"{hold} of {len(rows)} rows hold, {free} have no bound; saved {path}")
     if short:
         raise ComputationError(f"{short} of {len(rows)} rows fall short of their bounds")
 

@@ -84,7 +84,9 @@ class Row(NamedTuple):
 
     @property
     def verdict(self) -> str:
-        """What falls short, or "holds"."""
+        """What falls short, "holds", or "no bound" where nothing is promised."""
+        if self.bound == Bound():
+            return "no bound"
         short = []
         seen = self.observed[-1] if self.observed else nan
         if self.bound.order > -inf and not seen >= self.bound.order:
