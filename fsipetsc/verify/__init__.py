@@ -8,5 +8,7 @@ repository's folder `verify`.
 #: entries, in the order of the table
 ENTRIES = (
     *("elastic_piston", "riemann_problems", "superseismic", "beam", "normal_modes"),
-    *("spinning_disk", "panel_flutter"),
+    *("spinning_disk", "panel_flutter", "heat", "sudden_contact", "large_deformation"),
+    *("invariants", "vortex", "shock_tubes", "taylor_green", "oblique"),
+    *("viscous_tube", "shock_on_panel"),
 )

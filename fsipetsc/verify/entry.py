@@ -52,7 +52,8 @@ class Entry:
 
     text: problem and parameters, as Markdown, exact enough to repeat them in another code.
     levels: "quick" and "full" -> order -> grid spacings, coarse to fine. measure(solve, order, h)
-    -> Measured; solve(case, **options) runs a case and returns its opened result, collective.
+    -> Measured; solve(case, **options) runs a case, given by its name or as a problem, and returns
+    its opened result, collective.
     bounds: (quantity, order) -> Bound. source: of the reference.
     """
 
@@ -83,7 +84,9 @@ class Row(NamedTuple):
 
     @property
     def verdict(self) -> str:
-        """What falls short, or "holds"."""
+        """What falls short, "holds", or "no bound" where nothing is promised."""
+        if self.bound == Bound():
+            return "no bound"
         short = []
         seen = self.observed[-1] if self.observed else nan
         if self.bound.order > -inf and not seen >= self.bound.order:

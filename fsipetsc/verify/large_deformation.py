@@ -1,0 +1,119 @@
+"""Solids alone in large deformation: simple shear, extension, rotation, energy of vibration."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from fsipetsc.verify.entry import Array, Bound, Entry, Measured, reference
+
+TEXT = """
+A unit square of an elastic solid (density 1, μ = 1, λ = 1.5, plane strain, no heat from strain),
+neo-Hookean or St. Venant and Kirchhoff's. `h` = 1/n; the grid of n² cells is curved:
+X = ξ + 0.05 sin(2 π ξ) sin(2 π η), Y = η - 0.05 sin(2 π ξ) sin(2 π η).
+
+* *shear*: x = X + t Y, y = Y; *extension*: x = (1 + t) X, y = Y; all sides are moved so, the
+  velocity is that from the start. There is no acceleration, so both are exact; t = 1. Errors: the
+  largest of the three Cauchy stresses, over the largest of them. They are round-off on every grid
+* *rotation*: rigid, one turn in the time 1 about the middle, free sides, with the force
+  -4 π² (x - x₀) per mass; errors: the largest of places, and of stresses over μ, both exactly known
+* *energy*: free sides, specific heat 1, at first T = 1 and u = 0.1 sin(π (X - 1/2)); 122 units
+  of time, 100 periods of the slowest stretching of a thin strip. Errors: the largest change of the
+  total energy over the kinetic energy 0.0025 at first; and the largest heat T - 1 of a node at the
+  end, over 0.005, the largest kinetic energy at first. The exact T stays 1: what the differences
+  and RK4 take from kinetic and elastic energy is there
+"""
+RATE = 2.0 * np.pi
+LAWS, HOW, GRIDS = ("neo-hookean", "svk"), ("shear", "extension"), (1 / 16, 1 / 32, 1 / 64)
+
+
+def curved(xi: tuple[Array, ...]) -> tuple[Array, Array]:
+    """The grid."""
+    bump = 0.05 * np.sin(2.0 * np.pi * xi[0]) * np.sin(2.0 * np.pi * xi[1])
+    return xi[0] + bump, xi[1] - bump
+
+
+def square(law: str, h: float, start: Any, side: Any, forcing: Any = None) -> Any:
+    """The problem with one condition at all sides."""
+    from fsipetsc.blocks.block import Block
+    from fsipetsc.blocks.problem import BlockProblem
+    from fsipetsc.materials.solid import ElasticSolid
+
+    solid, n = ElasticSolid(1.0, 1.5, 0.0, 1.0, 1.0, law=law, heat="elastic"), round(1.0 / h)
+    block = Block("solid", solid, curved, (n, n), start, forcing=forcing)
+    faces = {("solid", axis, side_of): side for axis in (0, 1) for side_of in (0, 1)}
+    return BlockProblem((block,), faces, units="none")
+
+
+def stretched(solve: Callable[..., Any], order: int, h: float, law: str, how: str) -> float:
+    """Error of shear or extension."""
+    from fsipetsc.blocks.conditions import Clamped
+
+    def speed(X: Array, Y: Array, t: float = 0.0) -> list[Array]:
+        return [Y if how == "shear" else X, 0.0 * X]
+
+    def place(X: Array, Y: Array, t: float) -> list[Array]:
+        return [X + t * speed(X, Y)[0], Y]
+
+    side = Clamped(x=place, velocity=speed)
+    problem = square(law, h, lambda X, Y: (*speed(X, Y), 1.0, X, Y), side)
+    with solve(problem, fsi_order=order, ts_max_time=1.0, fsi_output_dt=1.0) as run:
+        frame = run.layers[0].frame(-1)
+    table, row = reference("large_deformation"), LAWS.index(law)
+    exact = {name: float(table[f"{how} {name}"][row]) for name in ("s_xx", "s_xy", "s_yy")}
+    apart = max(float(np.abs(frame[name] - value).max()) for name, value in exact.items())
+    return apart / max(map(abs, exact.values()))
+
+
+def rotated(solve: Callable[..., Any], order: int, h: float, law: str) -> tuple[float, float]:
+    """Errors of place and stress."""
+    from fsipetsc.blocks.conditions import Free
+
+    def force(X: Array, Y: Array, t: float) -> list[Array]:
+        c, s = np.cos(RATE * t), np.sin(RATE * t)
+        x, y = X - 0.5, Y - 0.5
+        return [-(RATE**2) * (c * x - s * y), -(RATE**2) * (s * x + c * y), 0.0, 0.0, 0.0]
+
+    start = lambda X, Y: (-RATE * (Y - 0.5), RATE * (X - 0.5), 1.0, X, Y)  # noqa: E731
+    problem = square(law, h, start, Free(), force)
+    with solve(problem, fsi_order=order, ts_max_time=1.0, fsi_output_dt=1.0) as run:
+        first, last = (run.layers[0].frame(k) for k in (0, -1))
+    place = max(float(np.abs(last[x] - first[x]).max()) for x in "xy")
+    return place, max(float(np.abs(last[name]).max()) for name in ("s_xx", "s_xy", "s_yy"))
+
+
+def measure(solve: Callable[..., Any], order: int, h: float) -> Measured:
+    """Errors of all."""
+    from fsipetsc.blocks.conditions import Free
+
+    errors: dict[str, float] = {}
+    for law, how in product(LAWS, HOW):
+        errors[f"{how}, {law}"] = stretched(solve, order, h, law, how)
+    errors["rotation, place"], errors["rotation, stress"] = rotated(solve, order, h, LAWS[0])
+    start = lambda X, Y: (0.1 * np.sin(np.pi * (X - 0.5)), 0.0, 1.0, X, Y)  # noqa: E731
+    problem = square(LAWS[0], h, start, Free())
+    with solve(problem, fsi_order=order, ts_max_time=122.0, fsi_output_dt=122.0) as run:
+        energy, heat = run.series["energy"], run.layers[0].frame(-1)["T"] - 1.0
+    errors["energy, total"] = float(np.abs(energy - energy[0]).max()) / 0.0025
+    errors["energy, heat"] = float(np.abs(heat).max()) / 0.005
+    return Measured(errors)
+
+
+ENTRY = Entry(
+    name="large_deformation",
+    title="Solids alone: simple shear, extension, rotation, energy over 100 periods",
+    source="verify/large_deformation.py (derivatives of the energy by complex steps)",
+    text=TEXT,
+    levels={"quick": {4: (1 / 12, 1 / 24)}, "full": {k: GRIDS for k in (2, 4, 6)}},
+    measure=measure,
+    bounds={
+        # round-off, which grows as n²: measured 1.3e-13
+        **{(f"{how}, {law}", 4): Bound(error=2e-12) for law in LAWS for how in HOW},
+        # 4/2 differences: order 3; measured 3.9, 3.0, 3.0
+        **{(f"rotation, {what}", 4): Bound(2.7) for what in ("place", "stress")},
+        **{("energy, heat", 4): Bound(2.7), ("energy, total", 4): Bound(error=1e-11)},
+    },
+)
