@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 from block_oracle import Oracle
-from oracle_formulas import conserved, det, energy_and_stress
+from oracle_formulas import conserved, det, dot, energy_and_stress
 
 
 class Radial(Oracle):
@@ -30,6 +30,14 @@ class Radial(Oracle):
     def metrics(self, k, x):
         """r^kappa, (1, 1, n); also of complex x, whose real part has the sign."""
         return (np.where(x.real < 0.0, -1.0, 1.0) * x)[None] ** self.kappa
+
+    def volume_flux(self, a_l, v_l, a_r, v_r):
+        """g of two nodes: sums of its differences are the rate of `start`."""
+        return 0.5 * (dot(a_l, v_l) + dot(a_r, v_r))
+
+    def volume_rate(self, k, grid):
+        """J_t, per node."""
+        return self.derivative(k, dot(grid.a[0], grid.v), 0)
 
     def start(self, k):
         """A volume per logical length that belongs to uniform motion: D(r^kappa r)/(kappa+1)."""

@@ -202,13 +202,17 @@ class Volume:
             R[2:] += W * q[1] * np.array([*(f + 0.0 * s.u), dot(f, s.u)])
         return R
 
+    def volume_flux(self, a_l, v_l, a_r, v_r):
+        """g of two nodes."""
+        return 0.5 * (dot(a_l, v_r) + dot(a_r, v_l))
+
     def _convection(self, k, s, grid, j):
         """- sum_l S_il F(i, l) along axis j: i along one axis of an array, l along the next."""
         m, d, a, v = self.blocks[k].material, self.d, grid.a[j], grid.v
         here, there = (lambda f: np.expand_dims(f, j - d)), (lambda f: np.expand_dims(f, j - d - 1))
         left, a_l, v_l = State(*map(here, s)), here(a), here(v)
         right, a_r, v_r = State(*map(there, s)), there(a), there(v)
-        g = 0.5 * (dot(a_l, v_r) + dot(a_r, v_l))
+        g = self.volume_flux(a_l, v_l, a_r, v_r)
         if self.problem.form == "entropy":
             F = pair_flux(m, left, right, 0.5 * (a_l + a_r), g)
         else:

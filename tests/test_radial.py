@@ -14,8 +14,7 @@ pytest.importorskip("petsc4py")
 from oracle_engine import Engine
 from oracle_formulas import Block, Clamped, Problem, Slip
 from oracle_radial import Radial
-from test_block_oracle import NODES, SLIPPING, STICKING, derivatives
-from test_blocks_against_oracle import ELASTIC, with_sums
+from test_block_oracle import ELASTIC, NODES, SLIPPING, STICKING, derivatives, with_sums
 from test_radial_formulas import mirrored, radial, shell
 
 KAPPA = pytest.mark.parametrize("kappa", [1, 2])

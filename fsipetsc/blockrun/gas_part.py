@@ -39,7 +39,7 @@ class GasPart(Forced):
         self.block = self._problem.blocks[part.k]
         self._order, self._form, self._asked = order, form, asked
         self._d = d = self.block.dimension
-        self.equations = self.block.material.equations(d)
+        self.equations = self.block.material.equations(d, self._problem.symmetry)
         self._ranges = ranges_of(part, self.block.shape)
         self.X = self._problem.positions(part.k, self._ranges)
         self.metrics = np.zeros((d * d + d + 1, self.X.shape[1]))

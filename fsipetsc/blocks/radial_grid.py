@@ -3,11 +3,11 @@ ends, linear between them; that of a centre is 0.
 
 With the area A = |r|^kappa of a node, the velocity v of the grid, and D of summation by parts,
 
-    J = D(A r)/(kappa + 1),    J_t = A D v + v D A,    source S = D A.
+    J = D(A r)/(kappa + 1),    J_t = D(A v),    source S = D A.
 
 A pressure p that is the same everywhere gives D(A p) = p S to the momentum; so much is added again
-(fsipetsc.scheme.radial). J_t is what two-point fluxes let through a node that moves; it is that of
-J up to the error of D. Source: SCHEME-BLOCKS.md, section 6.
+(fsipetsc.scheme.radial). J_t is what two-point fluxes let through a node that moves (RadialGas of
+fsipetsc.equations.gas), and exactly that of J. Source: SCHEME-BLOCKS.md, section 6.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ class RadialGrid(NamedTuple):
     """Of a range of nodes, and in wider arrays of as many more as differences need.
 
     S, weight: of the band. X, low, high: places at rest and weights of the ends' displacements.
-    first: where the range begins. r, area, slope, product: room. source, volume: (N,) S and J of
+    first: where the range begins. r, v, area, slope, product: room. source, volume: (N,) S and J of
     the range; bounds: (3, N) its metrics with the largest area between a node and its neighbours,
     by which steps are bounded. hoops: kappa zeros.
     """
@@ -40,6 +40,7 @@ class RadialGrid(NamedTuple):
     high: Array
     first: int
     r: Array
+    v: Array
     area: Array
     slope: Array
     product: Array
@@ -64,7 +65,7 @@ def radial_grid(problem: BlockProblem, k: int, order: int, where: Range) -> Radi
     if problem.centred(k):
         low, high = 0.0 * i, (i + 0.5) / (cells + 0.5)
     X = problem.positions(k, [(first, beyond)])[0]
-    room = [np.zeros(i.size) for _ in range(4)]
+    room = [np.zeros(i.size) for _ in range(5)]
     of_range = [np.zeros(end - begin) for _ in range(2)]
     cut, hoops = band.part(first, beyond), (0.0,) * problem.symmetry
     bounds = np.zeros((3, end - begin))
@@ -98,13 +99,14 @@ def radial_velocities(grid, metrics, moving):
     """Fill v and J_t from the velocities (1, ends)."""
     at_low = moving[0, 0] if moving.size > 0 else 0.0
     at_high = moving[0, -1] if moving.size > 0 else 0.0
+    v = grid.v
     for i in range(grid.r.size):
-        grid.product[i] = grid.low[i] * at_low + grid.high[i] * at_high
+        v[i] = grid.low[i] * at_low + grid.high[i] * at_high
+        grid.product[i] = grid.area[i] * v[i]
     differentiate(grid.slope, grid.product, grid.S, grid.weight, 1)
     for i in range(grid.source.size):
-        v, slope = grid.product[grid.first + i], grid.slope[grid.first + i]
-        metrics[1, i] = grid.bounds[1, i] = v
-        metrics[2, i] = metrics[0, i] * slope + v * grid.source[i]
+        metrics[1, i] = grid.bounds[1, i] = v[grid.first + i]
+        metrics[2, i] = grid.slope[grid.first + i]
 
 
 class RadialMotion(NamedTuple):

@@ -96,15 +96,19 @@ class Gas(NamedTuple):
         mass = rho * through
         return (mass, *along(scale(mass, u), p, a), (energy + p) * through)
 
+    def volume_flux(self, a_l, v_l, a_r, v_r):
+        """g of two nodes, from their area vectors and velocities of the grid."""
+        return 0.5 * (dot(a_l, v_r) + dot(a_r, v_l))
+
     def mean_flux(self, l, r, a_l, v_l, a_r, v_r):
         """{a . f} - g {U} of two nodes: the divergence form, for any gas law."""
         f = mean(self.flux(l, a_l), self.flux(r, a_r))
         U = mean(self.densities(l), self.densities(r))
-        return along(f, -volume_flux(a_l, v_l, a_r, v_r), U)
+        return along(f, -self.volume_flux(a_l, v_l, a_r, v_r), U)
 
     def pair_flux(self, l, r, a_l, v_l, a_r, v_r):
         """F of any two nodes."""
-        return self.flux_through(l, r, mean(a_l, a_r), volume_flux(a_l, v_l, a_r, v_r))
+        return self.flux_through(l, r, mean(a_l, a_r), self.volume_flux(a_l, v_l, a_r, v_r))
 
     def flux_through(self, l, r, a, g):
         """a . f# - g U# of any two nodes: linear in a and g."""
@@ -119,7 +123,7 @@ class Gas(NamedTuple):
 
     def near_pair_flux(self, l, r, a_l, v_l, a_r, v_r):
         """The same where pair_distance is at most NEAR, in half the time: without logarithms."""
-        g = volume_flux(a_l, v_l, a_r, v_r)
+        g = self.volume_flux(a_l, v_l, a_r, v_r)
         rho = near_mean(l[0], r[0], distance(l[0], r[0], l[-2], r[-2]))
         T = near_harmonic_mean(l[2], r[2], distance(l[2], r[2], l[-1], r[-1]))
         return two_point_flux(self.law, l, r, mean(a_l, a_r), g, rho, T)
@@ -196,10 +200,17 @@ class Gas(NamedTuple):
         return max(4.0 / 3.0 * self.mu * mu, of_heat) * w[-2]
 
 
-@register_jitable
-def volume_flux(a_l, v_l, a_r, v_r):
-    """g of two nodes, from their area vectors and velocities of the grid."""
-    return 0.5 * (dot(a_l, v_r) + dot(a_r, v_l))
+class RadialGas(Gas):
+    """The equations around an axis or a centre, in one dimension: a is the area |r|^kappa, and
+
+        g = (a_l v_l + a_r v_r)/2,    J_t = D (a v),    J = D (a r)/(kappa + 1)
+
+    belong to each other exactly. The source: SCHEME-BLOCKS.md, section 6.
+    """
+
+    def volume_flux(self, a_l, v_l, a_r, v_r):
+        """g of two nodes."""
+        return 0.5 * (dot(a_l, v_l) + dot(a_r, v_r))
 
 
 @register_jitable

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from fsipetsc.checks import ANY, NONNEGATIVE, POSITIVE, described, number, numbers
-from fsipetsc.equations.gas import Gas
+from fsipetsc.equations.gas import Gas, RadialGas
 from fsipetsc.errors import InputError
 from fsipetsc.materials import own
 from fsipetsc.materials.constant_transport import ConstantTransport
@@ -70,10 +70,12 @@ class Fluid:
         """(mu(T)/mu, kappa(T)/kappa) of the transport law at T [K]."""
         return self.transport_law.viscosity(T), self.transport_law.conductivity(T)
 
-    def equations(self, d: int) -> Gas:
-        """Its equations in d dimensions; InputError if force has not d numbers."""
-        force = force_in(self.force, d, "Fluid")
-        return Gas(self.gas_law, self.transport_law, self.mu, self.kappa, force)
+    def equations(self, d: int, symmetry: int = 0) -> Gas:
+        """Its equations in d dimensions, or around an axis or a centre; InputError if force has not
+        d numbers.
+        """
+        force, kind = force_in(self.force, d, "Fluid"), RadialGas if symmetry else Gas
+        return kind(self.gas_law, self.transport_law, self.mu, self.kappa, force)
 
 
 def checked_force(force: Any, owner: str) -> float | tuple[float, ...]:

@@ -47,7 +47,6 @@ import numpy as np
 from numba import njit
 from numba.extending import register_jitable
 
-from fsipetsc.equations.gas import volume_flux
 from fsipetsc.operators.loops import (
     CALL,
     EXACT_LOOP,
@@ -302,7 +301,7 @@ def split(gas, like, form, weight, metrics, k, i, m, stride, room):
     F = form.two(gas, l, r, a_l, v_l, a_r, v_r)
     put(room.sums, none, N, i, along(at(like_f, room.sums, none, N, i), weight, F))
     put(room.sums, none, N, j, along(at(like_f, room.sums, none, N, j), -weight, F))
-    more = (*mean(a_l, a_r), volume_flux(a_l, v_l, a_r, v_r))
+    more = (*mean(a_l, a_r), gas.volume_flux(a_l, v_l, a_r, v_r))
     for n in range(m):
         at_link = i + U64(n) * stride
         put(

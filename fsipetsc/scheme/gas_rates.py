@@ -23,7 +23,6 @@ import numpy as np
 from numba import njit
 from numba.extending import register_jitable
 
-from fsipetsc.equations.gas import volume_flux
 from fsipetsc.equations.means import NEAR
 from fsipetsc.equations.tensors import outer
 from fsipetsc.operators.loops import (
@@ -109,7 +108,7 @@ class DivergenceForm(NamedTuple):
         f = mean(at(like_f, w, place.flux, ROW, i), at(like_f, w, place.flux, ROW, j))
         a_l, v_l = at(like, w, place.area, ROW, i), at(like, w, place.grid, ROW, i)
         a_r, v_r = at(like, w, place.area, ROW, j), at(like, w, place.grid, ROW, j)
-        return along(f, -volume_flux(a_l, v_l, a_r, v_r), U)
+        return along(f, -gas.volume_flux(a_l, v_l, a_r, v_r), U)
 
     def any(self, gas, like, w, place, i, j):
         return self.near(gas, like, w, place, i, j)
