@@ -40,6 +40,21 @@ def test_orders(d, tmp_path):
         assert fine[kind]["combined"] < 2e-3
 
 
+@pytest.mark.mpi
+def test_three_dimensions_have_the_same_bits_on_any_number_of_ranks(tmp_path):
+    words = "-box_dimension 3 -fsi_h 0.0625 -ts_max_time 0.01 -fsi_output_dt 0.005"
+    results = []
+    for n in (1, 2, 4):
+        (tmp_path / f"{n}").mkdir()
+        files = compute(n, tmp_path / f"{n}", {"box": ("box_mms", words)})
+        results.append(fsipetsc.open_run(files["box"]))
+    for result in results[1:]:
+        assert result.summary["steps"] == results[0].summary["steps"] > 1
+        for block, other in zip(results[0].layers, result.layers, strict=True):
+            for field in block.fields:
+                assert np.array_equal(block[field], other[field]), (block.name, field)
+
+
 @pytest.mark.parametrize("d", STUDIES)
 def test_the_forcing_is_no_small_thing(d):
     """Velocity and temperature are continuous at the interface, where traction and heat lack."""
