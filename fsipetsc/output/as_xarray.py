@@ -58,6 +58,8 @@ def to_xarray(run: Run) -> xarray.Dataset:
     for layer in run.layers:
         _add_layer(layer, si, variables, coordinates)
     columns = _columns(run)
+    # around an axis integrals are per length, around a centre per nothing
+    space = run.dimension + int(run.header.get("symmetry", 0))
     for name, values in run.series.items():
         dimensions: tuple[str, ...] = ("step",)
         if values.ndim == 2:
@@ -66,7 +68,7 @@ def to_xarray(run: Run) -> xarray.Dataset:
             dimensions = ("step", of)
             if of in columns:
                 coordinates[of] = (of, columns[of])
-        variables[f"series.{name}"] = (dimensions, values, _attributes(name, si, run.dimension))
+        variables[f"series.{name}"] = (dimensions, values, _attributes(name, si, space))
     if "t" in run.series:
         coordinates["t"] = ("step", run.series["t"], _attributes("t", si))
     if run.interfaces:
@@ -116,11 +118,11 @@ def _columns(run: Run) -> dict[str, list[str]]:
     }
 
 
-def _attributes(name: str, si: bool, dimension: int = 0) -> dict[str, str]:
-    """Of a field or series; dimension: of the run, where it may be an integral."""
+def _attributes(name: str, si: bool, space: int = 0) -> dict[str, str]:
+    """Of a field or series; space: dimensions of what an integral is over."""
     unit = FIELDS.get(name, "")
     if name in INTEGRALS:
         per = {1: " m-2", 2: " m-1", 3: ""}
-        unit = INTEGRALS[name] + per[dimension]
+        unit = INTEGRALS[name] + per[space]
     unit = unit if si else "1"
     return {"units": unit} if unit else {}

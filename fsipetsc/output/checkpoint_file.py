@@ -114,10 +114,13 @@ def check_place(path: str | os.PathLike[str]) -> None:
 def _in_the_way(target: Path) -> str:
     """What stands at the name, or that of the one before, and is none of ours; "" if nothing."""
     for file in (target, previous(target)):
-        if os.path.lexists(file) and not file.is_file():
-            return f"{file}: exists and is not a regular file"
-        if file.exists() and file.stat().st_size and not is_one(file):
-            return f"{file}: exists and is not a checkpoint of fsipetsc"
+        try:
+            if os.path.lexists(file) and not file.is_file():
+                return f"{file}: exists and is not a regular file"
+            if file.exists() and file.stat().st_size and not is_one(file):
+                return f"{file}: exists and is not a checkpoint of fsipetsc"
+        except OSError as error:
+            return f"{file}: cannot be read: {error.strerror}"
     return ""
 
 

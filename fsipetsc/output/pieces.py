@@ -171,8 +171,8 @@ def join(folder: Path, target: Path, about: Mapping[str, Any]) -> None:
         raise
 
 
-def check_kept(path: Path, files: Sequence[Path], layers: Layers, kept: Kept) -> None:
-    """FileError unless the files have what a restart keeps; path: of the result."""
+def check_kept(path: Path, files: Sequence[Path], layers: Layers, kept: Kept) -> bool:
+    """Whether the files have more than a restart keeps; FileError if less. path: of the result."""
     with damage(str(path)):
         content = Contents(files, layers)
         frames, rows = content.nframes, content.rows
@@ -184,6 +184,7 @@ def check_kept(path: Path, files: Sequence[Path], layers: Layers, kept: Kept) ->
         if not enough:
             found = f"{frames} frames and {rows} steps, not {kept.frames} and {kept.rows}"
         raise FileError(f"{path} is not what the checkpoint goes on from: {found}")
+    return (frames, rows) != (kept.frames, kept.rows)
 
 
 def _shapes(content: Contents, layers: Layers) -> dict[str, tuple[int, ...]]:

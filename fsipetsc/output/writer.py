@@ -210,7 +210,7 @@ class RunWriter:
         goes_on = after is not None and found and pieces.run_of(found[0]) == header.get("run")
         if goes_on:
             files = [self.path] if whole else pieces.pieces(self.folder)
-            pieces.check_kept(self.path, files, header["layers"], after)
+            more = pieces.check_kept(self.path, files, header["layers"], after)
             del found[0]
         kept = settle(found)
         if self.folder in kept:  # the lock has gone with it
@@ -221,20 +221,21 @@ class RunWriter:
         if whole or not goes_on:
             pieces.clear(self.folder)
         pieces.write_header(self.folder, self._about)
-        return (after.frames, after.rows, self._give_up(after, whole)) if goes_on else (0, 0, 1)
+        return (after.frames, after.rows, self._go_on(after, whole, more)) if goes_on else (0, 0, 1)
 
-    def _give_up(self, after: Kept, whole: bool) -> int:
-        """Let what was computed after the checkpoint count no more, by a piece with nothing in it.
-
-        The number of the next piece. A whole result becomes the first one.
+    def _go_on(self, after: Kept, whole: bool, more: bool) -> int:
+        """The number of the next piece. A whole result becomes the first one. What was computed
+        after the checkpoint counts no more, if there is any: by a piece with nothing in it.
         """
         number = 2 if whole else len(pieces.pieces(self.folder)) + 1
-        draft = pieces.file_of(self.folder, number, ".new")
-        pieces.new_piece(draft, (after.frames, after.rows), (), None, {})
-        os.replace(draft, draft.with_suffix(".h5"))
+        if more:
+            draft = pieces.file_of(self.folder, number, ".new")
+            pieces.new_piece(draft, (after.frames, after.rows), (), None, {})
+            os.replace(draft, draft.with_suffix(".h5"))
+            number += 1
         if whole:
             os.replace(self.path, pieces.file_of(self.folder, 1))
-        return number + 1
+        return number
 
     @property
     def _draft(self) -> Path:

@@ -256,8 +256,8 @@ def first_order(gas, rho, T, a, rho0, T0, width, slopes):
         lost = 0.5 * (np.sqrt(a * a + 4.0 * (alpha / width) ** 2) - a)
         warmer = T - T0 - tau * (law.pressure(rho, T) - law.pressure(rho0, T0))
         sound -= by_heat * kappa / (rho0 * c) * q_n
-        heat = kappa * (slow * slow * tau * p_n + q_n) - capacity * lost * warmer
-    return part * sound, part * mu * v_n, part * heat
+        heat = part * kappa * (slow * slow * tau * p_n + q_n) - capacity * lost * warmer
+    return part * sound, part * mu * v_n, heat
 
 
 @njit(**INNER_CALL)

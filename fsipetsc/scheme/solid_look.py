@@ -93,7 +93,7 @@ def add_energy(solid, like, extra, row, unknowns, strains, masses, totals):
     node, own, to = U64(row.tile), U64(row.own), U64(totals.size) - WIDTH
     for i in range(U64(row.n)):
         v, F = at(like, unknowns, node + d * step, step, i), at(nine, strains, node, step, i)
-        energy = 0.5 * dot(v, v) + solid.law.energy(F) / solid.m0
+        energy = 0.5 * dot(v, v) + solid.energy(F) / solid.m0
         totals[to + i] += masses[own + i] * energy
     N, g, n = U64(extra.size // len(nine)), U64(row.patch), row.n if extra.size > 0 else 0
     for i in range(U64(n)):

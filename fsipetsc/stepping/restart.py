@@ -128,6 +128,7 @@ def _read(path: str | os.PathLike[str]) -> Checkpoint:
         relied_on = [header["case"], header["run"]["run"], header["problem"][0]["name"]]
         numbers = [header["memory"]["t"], header["memory"]["steps"], frames, rows]
         good = "fsi_partition" in header["options"] and isinstance(header["columns"], list)
+        good = good and isinstance(header["options"], dict) and isinstance(header["memory"], dict)
         good = good and all(isinstance(text, str) for text in relied_on)
         good = good and all(isinstance(number, (int, float)) for number in numbers)
     except (KeyError, TypeError, ValueError, IndexError):
@@ -184,6 +185,7 @@ def described(problem: Any) -> list[dict[str, Any]]:
     plain = (bool, int, float, str)
     return [
         {"name": layer.name, "kind": layer.kind, "X": _ends(layer)}
+        | ({"nodes": list(layer.shape)} if hasattr(layer, "shape") else {})
         | {k: v for k, v in vars(layer.material).items() if isinstance(v, plain)}
         for layer in problem.layers
     ]
@@ -209,8 +211,11 @@ def check_problem(past: Past, problem: Any, columns: list[list[Any]]) -> None:
     for layer, other in zip(now, before, strict=True):
         for name in sorted(layer.keys() | other.keys()):
             if layer.get(name) != other.get(name):
-                what = f"{name} of layer '{layer['name']}' is {layer.get(name)}"
-                raise InputError(f"-fsi_restart: {what}, and was {other.get(name)} {when}")
+                of, was = f"of '{layer['name']}'", other.get(name)
+                if name == "X" and len(layer["X"]) > 2:
+                    raise InputError(f"-fsi_restart: the corners {of} were at other places {when}")
+                now_is = f"{name} {of} is {layer.get(name)}"
+                raise InputError(f"-fsi_restart: {now_is}, and was {was} {when}")
     if columns != past.header["columns"]:
         raise InputError(f"-fsi_restart: other quantities of steps were recorded {when}")
 
@@ -275,7 +280,11 @@ class CheckpointKeeper:
         others = [file for file in own if whose[file] == "another"]
         for file in own:
             if whose[file] == "abandoned":  # -fsi_restart auto would take it
-                file.unlink()
+                try:
+                    file.unlink()
+                except OSError as error:
+                    what = "of steps that are given up, cannot be removed"
+                    raise FileError(f"{file}: {what}: {error.strerror}") from None
         stem = beside(result, "").name
         moved = set_aside(earlier, stem, [result, folder_of(result)])
         moved |= set_aside(others, newest.stem, own)
@@ -294,7 +303,10 @@ class CheckpointKeeper:
         Of a damaged one nobody can tell: a run that goes on takes it for its own.
         """
         if self.past is None:
-            return "another" if checkpoint_file.is_one(file) else ""
+            try:
+                return "another" if checkpoint_file.is_one(file) else ""
+            except OSError as error:
+                raise FileError(f"{file}: cannot be read: {error.strerror}") from None
         try:
             header = _read(file).header
         except FileError:
