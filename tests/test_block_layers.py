@@ -127,7 +127,7 @@ def line_solid(X, initial=lambda X: (0.0, -1.0 + 0.0 * X, 1.0, X), **more):
 
 CONVERTED = {
     "heated wall": ("left", boundaries.Wall(0.0, heat_flux=2.0), new.NoSlip(heat_flux=2.0)),
-    "open": ("left", boundaries.Open(0.0, 3.0, 1.5, 0.25), new.Open(1.0, (0.25,), 1.5)),
+    "open": ("left", boundaries.Open(0.0, 3.0, 1.5, 0.25), new.Open(1.0, (0.25,), 1.5, 1)),
     "clamped": ("right", boundaries.clamped(), new.Clamped()),
     "heated clamp": ("right", boundaries.clamped(heat_flux=1.0), new.Clamped(heat_flux=1.0)),
     "free": ("right", boundaries.free(-2.0, T=3.0), new.Free(2.0, T=3.0)),

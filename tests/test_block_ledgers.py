@@ -5,6 +5,7 @@ that.
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -399,9 +400,10 @@ def test_angular_momentum(d):
         found = [float(run.scheme.latest[name]) for name in names]
         np.testing.assert_allclose(found, spin_of(run), rtol=1e-13, atol=1e-15)
         assert np.abs(found).min() > 1e-3
-    alone = BlockProblem(
-        (problem.blocks[-1],), {("solid", k, s): Free() for k in range(d) for s in (0, 1)}
-    )
+    block = problem.blocks[-1]
+    if d == 3:  # where p_ref is a traction along discrete normals, whose torque is not 0
+        block = replace(block, material=replace(block.material, p_ref=0.0))
+    alone = BlockProblem((block,), {("solid", k, s): Free() for k in range(d) for s in (0, 1)})
     with steps_of(alone) as run:
         before = [float(run.scheme.latest[name]) for name in names]
         run.step(2e-3, 5)

@@ -283,7 +283,7 @@ def test_plot_in_the_format_of_the_name(results, tmp_path, capsys):
         ("-o x.jpg", "-o x.jpg: expected a directory, or a name that ends with .png, .pdf, .svg"),
         ("-all -o x.png", "-o x.png: expected a directory"),
         ("-animate -o x.mp4", "expected a directory, or a name that ends with .gif"),
-        ("-times", "argument -times: expected one argument: python -m fsipetsc plot RUN.h5"),
+        ("-times", "-times needs a value: python -m fsipetsc plot RUN.h5"),
     ],
 )
 def test_plot_says_what_it_cannot_do(results, words, said, capsys):

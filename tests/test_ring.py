@@ -78,7 +78,7 @@ def test_modes_of_a_coarse_grid_and_of_a_viscous_gas(tmp_path):
 @pytest.mark.parametrize(
     ("words", "status", "said"),
     [
-        ("blast", 2, "the command modes knows the case ring"),
+        ("blast", 2, "the command modes knows the cases ring and shell"),
         ("ring -ring_angular 12 -ring_around 24 -fsi_order 2", 2, "angular numbers from 0 to 11"),
         ("ring -fsi_output nowhere/modes.csv", 4, "nowhere/modes.csv"),
     ],

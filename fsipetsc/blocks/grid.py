@@ -131,7 +131,7 @@ class GridMotion:
     def positions(self) -> Array:
         """x (d, N) [m] after the last `move`."""
         if self.block.dimension == 3:
-            return self._wide.inner(self._x)
+            return self._X + self._wide.inner(self._x - self._wide.y)
         if self.radial is not None:
             return self.radial.places()
         if self._blend is None:

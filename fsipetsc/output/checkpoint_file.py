@@ -18,6 +18,7 @@ import json
 import os
 from contextlib import suppress
 from pathlib import Path
+from tempfile import TemporaryFile
 from typing import Any, NamedTuple
 
 import h5py
@@ -109,6 +110,11 @@ def check_place(path: str | os.PathLike[str]) -> None:
     check_folder(path, target.parent, writable=True)
     if fault := _in_the_way(target):
         raise FileError(f"{fault}: no checkpoint can be written there")
+    try:
+        with TemporaryFile(dir=target.parent):
+            pass
+    except OSError as error:
+        raise FileError(f"{path}: no checkpoint can be written there: {error.strerror}") from None
 
 
 def _in_the_way(target: Path) -> str:

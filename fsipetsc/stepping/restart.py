@@ -211,7 +211,8 @@ def check_problem(past: Past, problem: Any, columns: list[list[Any]]) -> None:
     for layer, other in zip(now, before, strict=True):
         for name in sorted(layer.keys() | other.keys()):
             if layer.get(name) != other.get(name):
-                of, was = f"of '{layer['name']}'", other.get(name)
+                kind, was = "block" if "nodes" in layer else "layer", other.get(name)
+                of = f"of {kind} '{layer['name']}'"
                 if name == "X" and len(layer["X"]) > 2:
                     raise InputError(f"-fsi_restart: the corners {of} were at other places {when}")
                 now_is = f"{name} {of} is {layer.get(name)}"
