@@ -170,6 +170,13 @@ def computed(folder: Path, name: str, *words: object, ranks: int = 1) -> fsipets
     return fsipetsc.open_run(folder / name)
 
 
+def assert_same_fields(one: fsipetsc.output.reader.Run, other: fsipetsc.output.reader.Run) -> None:
+    """All fields of two results have the same bits."""
+    for a, b in zip(one.layers, other.layers, strict=True):
+        for name in a.fields:
+            assert np.array_equal(a[name], b[name]), (a.name, name)
+
+
 def message(done: subprocess.CompletedProcess[str], status: int, *words: str) -> str:
     """The program's one message; asserts the status, that the words are in it, and that no more is
     said but by the launcher.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from helpers import computed, message, solve
+from helpers import assert_same_fields, computed, message, solve
 
 pytest.importorskip("petsc4py")
 
@@ -64,9 +64,7 @@ def test_ranks_make_no_difference(box, n):
     assert len(watched) == 8 == one.series["p_point"].shape[1] == len(one.points)
     for name in ("t", "least_J", *watched):
         assert np.array_equal(one.series[name], several.series[name]), name
-    for a, b in zip(one.layers, several.layers, strict=True):
-        for name in a.fields:
-            assert np.array_equal(a[name], b[name]), (a.name, name)
+    assert_same_fields(one, several)
 
 
 def test_recorded_nodes_are_those_of_the_frames_and_the_box_is_closed(box):

@@ -69,7 +69,7 @@ def _case_of(arguments: Sequence[str]) -> str:
 
 def _told(name: str, problem: Any, opt: Mapping[str, Any], path: Path) -> None:
     """Compute, print and save. InputError, FileError."""
-    found = (compared if name == "ring" else compared_shell)(problem, opt)
+    found = compared(name, problem, opt)
     rows = []
     for i, (omega, exact) in enumerate(found, 1):
         known = ("", "") if exact is None else (exact.real, exact.imag)
@@ -82,34 +82,27 @@ def _told(name: str, problem: Any, opt: Mapping[str, Any], path: Path) -> None:
         print(f"{_table(found)}\nsaved {path}", flush=True)
 
 
-def compared(problem: Any, opt: Mapping[str, Any]) -> list[Mode]:
-    """The slowest modes of the ring at rest, for the options in force. InputError."""
+def compared(name: str, problem: Any, opt: Mapping[str, Any]) -> list[Mode]:
+    """The slowest modes of a case at rest, for the options in force. InputError."""
     from fsipetsc.analysis.ring_theory import mode_near
+    from fsipetsc.analysis.shell_modes import shell_modes
     from fsipetsc.analysis.wave_modes import ring_modes
     from fsipetsc.stepping.solve import block_form
 
-    n, media = opt["ring_angular"], media_of(opt)
-    found = ring_modes(problem, opt["fsi_order"], n, block_form(opt))[: opt["modes_count"]]
-    numbers = [complex(omega) for omega in found]
+    order, form, n = opt["fsi_order"], block_form(opt), opt.get("ring_angular", 0)
+    if name == "ring":
+        media, found = media_of(opt), ring_modes(problem, order, n, form)
+    else:
+        media, found = media_of_shell(opt), shell_modes(problem, order, form)
+    numbers = [complex(omega) for omega in found[: opt["modes_count"]]]
     return [(omega, mode_near(media, n, omega) if media else None) for omega in numbers]
-
-
-def compared_shell(problem: Any, opt: Mapping[str, Any]) -> list[Mode]:
-    """The same of the shell."""
-    from fsipetsc.analysis.ring_theory import mode_near
-    from fsipetsc.analysis.shell_modes import shell_modes
-    from fsipetsc.stepping.solve import block_form
-
-    media = media_of_shell(opt)
-    found = shell_modes(problem, opt["fsi_order"], block_form(opt))[: opt["modes_count"]]
-    numbers = [complex(omega) for omega in found]
-    return [(omega, mode_near(media, 0, omega) if media else None) for omega in numbers]
 
 
 def media_of_shell(opt: Mapping[str, Any]) -> tuple[Medium, ...]:
     """What the equations know of the case shell, from inside; nothing where it conducts heat."""
     from fsipetsc.analysis.shell_theory import RadialMedium
-    from fsipetsc.cases.shell import gas_of, radii_of, solid_of
+    from fsipetsc.cases.materials import gas_of
+    from fsipetsc.cases.shell import radii_of, solid_of
 
     gas, solid, kappa = gas_of(opt), solid_of(opt), opt["shell_kappa"]
     core, inner, outer, vessel = radii_of(opt)
@@ -127,7 +120,8 @@ def media_of_shell(opt: Mapping[str, Any]) -> tuple[Medium, ...]:
 def media_of(opt: Mapping[str, Any]) -> tuple[Medium, ...]:
     """What the equations know of the case ring, from inside; nothing where it conducts heat."""
     from fsipetsc.analysis.ring_theory import Medium
-    from fsipetsc.cases.ring import CORE, INNER, OUTER, VESSEL, gas_of, solid_of
+    from fsipetsc.cases.materials import gas_of
+    from fsipetsc.cases.ring import CORE, INNER, OUTER, VESSEL, solid_of
 
     gas, solid = gas_of(opt), solid_of(opt)
     ring = Medium(INNER, OUTER, solid.m0, solid.lambda_e, solid.mu_e)

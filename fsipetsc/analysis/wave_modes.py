@@ -15,6 +15,7 @@ where signs alternate, 1 for a wave of 6 nodes.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -33,7 +34,7 @@ DOF = 5
 NUDGE = 0.005
 #: rates at rest and columns that differ by more than this fraction are no state at rest
 AT_REST = 1e-9
-#: how much a mode of a ring swings at least, over the largest |lambda|, and how rough it may be
+#: how much a mode swings at least, over the largest |lambda|, and how rough it may be
 SWINGING, ROUGH = 1e-6, 1.0
 FORM = BlockForm()
 
@@ -94,9 +95,32 @@ def ring_modes(problem: RunProblem, order: int, n: int, form: BlockForm = FORM) 
             raise InputError(f"-ring_angular {n}: {known}")
         bench = Bench(state, 1, n)
         values, vectors = bench.linear().modes()
-        swinging = values.imag < -SWINGING * np.abs(values).max()
-        omega = 1j * values[swinging & (bench.roughness(vectors) < ROUGH)]
+        return swinging(values, bench.by_blocks(vectors))
+
+
+def swinging(values: Complex, parts: Sequence[Complex]) -> Complex:
+    """omega = i values of the modes that swing and are not rough, the slowest first.
+
+    parts: of each block (nodes across it, unknowns, modes), over their scales.
+    """
+    steps = [np.diff(part, axis=0) for part in parts]
+    squares = [sum((np.abs(a) ** 2).sum(axis=(0, 1)) for a in of) for of in (steps, parts)]
+    smooth = squares[0] < ROUGH * squares[1]
+    omega = 1j * values[smooth & (values.imag < -SWINGING * np.abs(values).max())]
     return omega[np.argsort(omega.real)]
+
+
+def scales_of(state: BlockState, k: int, q: Real) -> Real:
+    """Of the unknowns q (nodes, unknowns) of block k at rest: those of a gas, and with its speed of
+    sound.
+    """
+    block, d = state.problem.layers[k], state.problem.dimension
+    if block.kind == "fluid":
+        w, mass = block.material.equations(d).primitive(tuple(q.T)), q[:, 1]
+        c = np.sqrt(block.material.gas_law.sound_speed_squared(w[0], w[2]))
+        return np.stack([q[:, 0], mass, *[mass * c] * d, mass * c**2], axis=1)
+    c, one = np.sqrt(block.material.K / block.material.m0), np.ones(len(q))
+    return np.stack([*[state.h * one] * d, *[c * one] * d, np.abs(q[:, 2 * d]) + c**2], axis=1)
 
 
 class Bench:
@@ -118,7 +142,9 @@ class Bench:
         self._cos, self._sin = (np.cos(phi), np.sin(phi)) if axis == 1 else (1.0, 0.0)
         rows = [shape[1 - axis] for shape in state.layout.shapes]
         self._rows = [(k, j) for k, count in enumerate(rows) for j in range(count)]
-        self._scales = self._find_scales()
+        blocks = range(len(rows))
+        scales = [scales_of(state, k, self._block(k, self._y)[:, 0]) for k in blocks]
+        self._scales = np.concatenate(scales).ravel()
 
     def linear(self, nudge: float = NUDGE) -> Linear:
         """Disturb all unknowns. InputError where the state is not at rest."""
@@ -135,13 +161,11 @@ class Bench:
         self._check(linear)
         return linear
 
-    def roughness(self, vectors: Complex) -> Real:
-        """(modes,) of amplitudes (N, modes)."""
+    def by_blocks(self, vectors: Complex) -> list[Complex]:
+        """Of each block (rows, DOF, modes) of amplitudes (N, modes), over their scales."""
         parts = (vectors / self._scales[:, None]).reshape(len(self._rows), DOF, -1)
         blocks = np.array([k for k, _ in self._rows])
-        within = np.diff(parts, axis=0)[np.diff(blocks) == 0]
-        squares = ((np.abs(array) ** 2).sum(axis=(0, 1)) for array in (within, parts))
-        return np.divide(*squares)
+        return np.split(parts, np.flatnonzero(np.diff(blocks)) + 1)
 
     def _check(self, linear: Linear) -> None:
         self._evaluate(self._y)
@@ -162,22 +186,6 @@ class Bench:
         layout = self._state.layout
         nodes = layout.owned(k, array).reshape(*layout.shapes[k][::-1], DOF)
         return nodes if self._axis == 0 else nodes.swapaxes(0, 1)
-
-    def _find_scales(self) -> Real:
-        """Of the unknowns of each row: those at rest of a gas, and with its speed of sound."""
-        found = []
-        for k, block in enumerate(self._state.problem.layers):
-            q, material = self._block(k, self._y)[:, 0], block.material
-            if block.kind == "fluid":
-                w, mass = material.equations(2).primitive(tuple(q.T)), q[:, 1]
-                c = np.sqrt(material.gas_law.sound_speed_squared(w[0], w[2]))
-                rows = [q[:, 0], mass, mass * c, mass * c, mass * c**2]
-            else:
-                c, one = np.sqrt(material.K / material.m0), np.ones(len(q))
-                near = self._state.h * one
-                rows = [near, near, c * one, c * one, np.abs(q[:, 4]) + c**2]
-            found.append(np.stack(rows, axis=1))
-        return np.concatenate(found).ravel()
 
     def _nudges(self, nudge: float) -> Real:
         """What each unknown is disturbed by; velocities by the same on both sides of interfaces."""

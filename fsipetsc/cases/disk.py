@@ -19,9 +19,8 @@ from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.conditions import NoSlip, Slip
 from fsipetsc.blocks.maps import Places, annulus
 from fsipetsc.blocks.problem import BlockProblem
+from fsipetsc.cases.materials import elastic_of, gas_of
 from fsipetsc.checks import Fields
-from fsipetsc.materials.fluid import Fluid
-from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.options import Option
 
 NAME = "disk"
@@ -66,9 +65,7 @@ def side(quarter: int) -> Any:
 
 def build(opt: Mapping[str, Any]) -> BlockProblem:
     """The disk and the gas around it."""
-    gas = Fluid(opt["fluid_mu"], opt["fluid_kappa"], 1.4, 1.0)
-    numbers = opt["solid_mu"], opt["solid_lambda"], 0.0, opt["solid_density"], 1.0
-    solid = ElasticSolid(*numbers, p_ref=1.0, law="svk", heat="elastic")
+    gas, solid = gas_of(opt), elastic_of(opt, law="svk")
 
     def cells(length: float) -> int:
         return max(2 * opt["fsi_order"], round(length / opt["fsi_h"]))  # the operators want these

@@ -7,6 +7,7 @@ from typing import Any
 
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.line_solid import Solid
+from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.options import Option, above_one
 
 _GRUNEISEN = "pressure of the solid p = G rho epsilon; 0: elastic"
@@ -20,6 +21,8 @@ _KNOWN = {
     "solid_kappa": ("W/(m K)", "heat conductivity of the solid", "nonnegative"),
     "solid_density": ("kg/m3", "density m0 of the solid in its reference state", "positive"),
     "solid_alpha": ("J/(kg K)", "specific heat of the solid", "positive"),
+    "solid_mu": ("Pa", "mu_e of the solid", "positive"),
+    "solid_lambda": ("Pa", "lambda_e of the solid", "nonnegative"),
     "solid_gruneisen": ("", _GRUNEISEN, "nonnegative"),
 }
 
@@ -45,3 +48,9 @@ def solid_of(opt: Mapping[str, Any], force: float = 0.0) -> Solid:
     conducted, pressing = opt.get("solid_kappa", 0.0), opt.get("solid_gruneisen", 0.0)
     numbers = opt["solid_modulus"], conducted, opt["solid_density"], opt["solid_alpha"]
     return Solid(*numbers, force, pressing)
+
+
+def elastic_of(opt: Mapping[str, Any], p_ref: float = 1.0, **law: str) -> ElasticSolid:
+    """The solid of a case of blocks, of specific heat 1; p_ref [Pa], law: see ElasticSolid."""
+    numbers = opt["solid_mu"], opt["solid_lambda"], 0.0, opt["solid_density"], 1.0
+    return ElasticSolid(*numbers, p_ref=p_ref, heat="elastic", **law)

@@ -17,8 +17,8 @@ from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.conditions import Condition, Free, NoSlip, Slip
 from fsipetsc.blocks.maps import annulus
 from fsipetsc.blocks.problem import BlockProblem, FaceName
+from fsipetsc.cases.materials import elastic_of, gas_of
 from fsipetsc.checks import Fields
-from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.options import Option
 
@@ -45,16 +45,9 @@ CORE, INNER, OUTER, VESSEL = 0.4, 1.0, 1.3, 2.0
 MIDDLE = 0.7
 
 
-def gas_of(opt: Mapping[str, Any]) -> Fluid:
-    """Its density and pressure at rest are 1."""
-    return Fluid(opt["fluid_mu"], opt["fluid_kappa"], 1.4, 1.0)
-
-
 def solid_of(opt: Mapping[str, Any]) -> ElasticSolid:
     """That of the ring."""
-    numbers = opt["solid_mu"], opt["solid_lambda"], 0.0, opt["solid_density"], 1.0
-    p = 1.0 if opt["ring_gas"] else 0.0
-    return ElasticSolid(*numbers, p_ref=p, law=opt["solid_law"], heat="elastic")
+    return elastic_of(opt, 1.0 if opt["ring_gas"] else 0.0, law=opt["solid_law"])
 
 
 def build(opt: Mapping[str, Any]) -> BlockProblem:

@@ -18,8 +18,8 @@ from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.conditions import Centre, Condition, Free, Slip
 from fsipetsc.blocks.maps import ball, rectangle
 from fsipetsc.blocks.problem import BlockProblem, FaceName
+from fsipetsc.cases.materials import elastic_of, gas_of, material_options
 from fsipetsc.checks import Fields
-from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.options import Option
 
@@ -37,11 +37,8 @@ OPTIONS = (
     Option("shell_outer", float, 1.3, "m", "its outer radius", check="positive"),
     Option("shell_core", float, 0.4, "m", "radius of the core", check="positive"),
     Option("shell_vessel", float, 2.0, "m", "radius of the rigid vessel", check="positive"),
-    Option("fluid_mu", float, 0.0, "Pa s", "viscosity", check="nonnegative"),
-    Option("fluid_kappa", float, 0.0, "W/(m K)", "conductivity of the gas", check="nonnegative"),
-    Option("solid_density", float, 2.0, "kg/m3", "density of the shell", check="positive"),
-    Option("solid_mu", float, 1.0, "Pa", "mu_e of the shell", check="positive"),
-    Option("solid_lambda", float, 1.5, "Pa", "lambda_e of the shell", check="nonnegative"),
+    *material_options(fluid_mu=0.0, fluid_kappa=0.0, solid_density=2.0),
+    *material_options(solid_mu=1.0, solid_lambda=1.5),
     Option("solid_law", str, "neo-hookean", "", "its law", ("log", "neo-hookean", "svk")),
 )  # fmt: skip
 DEFAULTS = {
@@ -53,16 +50,9 @@ DEFAULTS = {
 }
 
 
-def gas_of(opt: Mapping[str, Any]) -> Fluid:
-    """Its density and pressure at rest are 1."""
-    return Fluid(opt["fluid_mu"], opt["fluid_kappa"], 1.4, 1.0)
-
-
 def solid_of(opt: Mapping[str, Any]) -> ElasticSolid:
     """That of the shell."""
-    numbers = opt["solid_mu"], opt["solid_lambda"], 0.0, opt["solid_density"], 1.0
-    p = 0.0 if opt["shell_gas"] == "none" else 1.0
-    return ElasticSolid(*numbers, p_ref=p, law=opt["solid_law"], heat="elastic")
+    return elastic_of(opt, 0.0 if opt["shell_gas"] == "none" else 1.0, law=opt["solid_law"])
 
 
 def radii_of(opt: Mapping[str, Any]) -> tuple[float, ...]:

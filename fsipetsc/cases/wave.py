@@ -15,10 +15,9 @@ import numpy as np
 from fsipetsc.blocks.conditions import Clamped, NoSlip, Slip
 from fsipetsc.blocks.layers import Layer, layers
 from fsipetsc.blocks.problem import BlockProblem
+from fsipetsc.cases.materials import elastic_of, gas_of
 from fsipetsc.cases.normal_mode import Layers, Mode, interpolated
 from fsipetsc.checks import Fields
-from fsipetsc.materials.fluid import Fluid
-from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.options import Option
 
 NAME = "wave"
@@ -41,9 +40,7 @@ DEFAULTS = {"fsi_h": 1 / 32, "fsi_order": 4, "ts_max_time": 1.0, "fsi_output_dt"
 
 def both_of(opt: Mapping[str, Any]) -> Layers:
     """Gas and solid of the options."""
-    gas = Fluid(opt["fluid_mu"], opt["fluid_kappa"], 1.4, 1.0)
-    numbers = opt["solid_mu"], opt["solid_lambda"], 0.0, opt["solid_density"], 1.0
-    solid = ElasticSolid(*numbers, p_ref=1.0, heat="elastic")
+    gas, solid = gas_of(opt), elastic_of(opt)
     return Layers(gas, solid, opt["wave_height"], opt["wave_depth"])
 
 
