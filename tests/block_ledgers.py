@@ -7,8 +7,9 @@ from contextlib import contextmanager
 import numpy as np
 from mpi4py import MPI
 
-from fsipetsc.blockrun.block_state import BlockForm, make_scheme
+from fsipetsc.blockrun.block_state import BlockForm
 from fsipetsc.blockrun.columns import gained, loses, step_record
+from fsipetsc.blockrun.scheme import Scheme
 from fsipetsc.parallel.block_layout import BlockLayout
 from fsipetsc.scheme.after_step import WORDS
 from fsipetsc.scheme.plan import BURST, FLAGS, LIMITS
@@ -28,7 +29,7 @@ def scheme_of(layout, problem, order, form, instant=1e-4, alone=False):
         name: slice(own.fields[name][1] // 8, (own.fields[name][1] + own[name].itemsize) // 8)
         for name in own.names
     }
-    scheme = make_scheme(layout, problem, order, form, lambda: instant, columns, [], alone)
+    scheme = Scheme(layout, problem, order, form, lambda: instant, columns, [], alone)
     latest = np.zeros(own.itemsize // 8)
     words = np.zeros(1 + WORDS * blocks), np.zeros((blocks, 2)), np.zeros(FLAGS + LIMITS), latest
     words += np.zeros((4, 0)), 1.0, np.zeros(BURST), np.zeros((1, latest.size + 2))

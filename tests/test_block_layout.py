@@ -7,11 +7,8 @@ from math import prod
 import numpy as np
 import pytest
 
-pytest.importorskip("petsc4py")
-
-
 from fsipetsc.errors import InputError
-from fsipetsc.parallel.block_shares import COST, MODES, Extent, share_out, slowest
+from fsipetsc.parallel.block_shares import COST, MODES, Extent, share_line, share_out, slowest
 
 
 def extent(kind: str, shape: tuple[int, ...], ring: int | None = None, p: int = 2) -> Extent:
@@ -100,3 +97,19 @@ def test_work_is_shared_by_cost_and_not_by_nodes():
     by_physics = share_out(blocks, 2, "physics")
     assert slowest(blocks, by_physics, 2) == pytest.approx(total * 1.9 / 2.9, rel=1e-3)
     assert share_out(blocks, 3, "physics")[0].ranks == (0, 1), "gas has more work"
+
+
+def test_pieces_of_a_line():
+    """Spare points, here of both gases of the rod, go with the outermost ranks."""
+    rod = ("fluid", 62, 41, True), ("solid", 41, 41, False), ("fluid", 197, 161, False)
+    for mode in MODES:
+        for size in range(1, 20):
+            for (_, n, active, left), pieces in zip(rod, share_line(rod, size, mode, 6)):
+                cuts = [0, *(end for _, _, end in pieces)]
+                assert cuts[-1] == n and [begin for _, begin, _ in pieces] == cuts[:-1]
+                begin = n - active if left else 0
+                for _, a, b in pieces:
+                    assert min(b, begin + active) - max(a, begin) >= 6
+    assert [[r for r, _, _ in pieces] for pieces in share_line(rod, 2, "auto", 6)][1] == [1]
+    with pytest.raises(InputError, match="38 is the largest number that works"):
+        share_line(rod, 100, "auto", 6)

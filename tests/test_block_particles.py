@@ -11,15 +11,11 @@ import block_shapes as shapes
 from test_block_ledgers import gas, problem_of, solid
 
 from fsipetsc.blocks.conditions import (
-    Absorbing,
     Clamped,
     Free,
-    NoSlip,
-    Roller,
     Slip,
 )
-from fsipetsc.blocks.particles import ROLLS, SLIPS, particles_of
-from fsipetsc.errors import InputError
+from fsipetsc.blocks.particles import SLIPS, particles_of
 from fsipetsc.scheme.particles import eliminate
 
 N = 3
@@ -76,19 +72,6 @@ def test_names_decide():
     assert kinds(at(problem, 0.0, 0.7)) == [(SLIPS, 2, 0)]
 
 
-def test_rollers_around_a_corner_are_two():
-    def faces(name, axis, side):
-        return Roller()
-
-    shape = {
-        "solid a": shapes.box((0, 0), (1, 1), N, N),
-        "solid b": shapes.box((1, 0), (2, 1), N, N),
-    }
-    problem = problem_of(shape, faces, gas(), solid())
-    assert kinds(at(problem, 0.0, 0.0)) == [(ROLLS, 1, 0)] * 2
-    assert kinds(at(problem, 1.0, 0.0)) == [(ROLLS, 2, 0)]
-
-
 def test_a_temperature_that_is_given_is_that_of_all_solids_there():
     shape = {
         "solid a": shapes.box((0, 0), (1, 1), N, N),
@@ -101,20 +84,6 @@ def test_a_temperature_that_is_given_is_that_of_all_solids_there():
     problem = problem_of(shape, faces, gas(), solid(heat="elastic", kappa=0.0))
     warm, other = at(problem, 1.0, 1.0), at(problem, 1.0, 0.5)
     assert warm.one_T and warm.stores and not other.one_T and not other.stores
-
-
-def test_clamps_move_by_velocities_alone():
-    def velocity(X, t):
-        return (t + 0.0 * X,)
-
-    assert Clamped(velocity=velocity).x is None
-    for condition in (NoSlip, Slip):
-        with pytest.raises(InputError, match="velocity is given, and x is not"):
-            condition(velocity=velocity)
-    with pytest.raises(InputError, match="stress"):
-        Absorbing("much")
-    with pytest.raises(InputError, match="T and heat_flux"):
-        Roller(T=1.0, heat_flux=1.0)
 
 
 def test_constraints_that_others_imply_get_no_force():

@@ -16,7 +16,6 @@ from fsipetsc.blocks.conditions import (
     Hinge,
     NoSlip,
     Open,
-    Outflow,
     Periodic,
     Slip,
 )
@@ -145,23 +144,6 @@ def test_nodes_count_from_axis_0_and_go_on_beyond_periodic_ends():
 # conditions
 
 
-WRONG_CONDITIONS = {
-    "NoSlip: T is -1: expected a number above 0": lambda: NoSlip(T=-1),
-    "T and heat_flux are both given": lambda: NoSlip(T=1, heat_flux=1),
-    "velocity is given, and x is not": lambda: NoSlip(velocity=nothing),
-    r"Slip: x is 1: expected a function x\(\*X, t\)": lambda: Slip(x=1),
-    r"Open: u\[1\] is 'x'": lambda: Open(1, (0, "x"), 1),
-    "Outflow: pressure is -1": lambda: Outflow(-1),
-    "Free: pressure is None": lambda: Free(None),
-}
-
-
-@pytest.mark.parametrize("message", WRONG_CONDITIONS)
-def test_wrong_conditions_are_told(message):
-    with pytest.raises(InputError, match=message):
-        WRONG_CONDITIONS[message]()
-
-
 # problems
 
 
@@ -257,13 +239,6 @@ def test_in_one_dimension_faces_are_points():
     assert (normal, place, within) == ([-1.0], [0.0], [1.0])
 
 
-def test_points_are_held_at_nodes():
-    points = [("s", (1.0, 0.5), Hinge())]
-    problem = BlockProblem([square("s", material=SOLID)], FREE, points=points)
-    assert problem.held == ((0, 44, Hinge()),)
-    assert problem.hinged([(1, 3), (0, 44)]) and not problem.hinged([(0, 43)])
-
-
 FREE = walls("s", condition=Free())
 WRONG_POINTS = {
     r"no node of a face is there; the nearest is at \(X, Y\) = \(1, 0.25\)": (1.0, 0.3),
@@ -276,14 +251,6 @@ def test_wrong_points_are_told(message):
     points = [("s", WRONG_POINTS[message], Hinge())]
     with pytest.raises(InputError, match=message):
         BlockProblem([square("s", material=SOLID)], FREE, points=points)
-
-
-def test_too_few_nodes_are_told_by_block_and_axis():
-    block = square(cells=(8, 6))
-    assert block.band(2, 1).reach == 1
-    words = r"block 'a', axis 1: the 4/2 operator needs at least 8 points, not 7"
-    with pytest.raises(InputError, match=words):
-        block.band(4, 1)
 
 
 A, B = ("a", 0, 1), ("b", 0, 0)

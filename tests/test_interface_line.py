@@ -56,19 +56,3 @@ def test_normal_traction_and_heat_on_all_faces(axis, side):
     X, Y = (values[-side, :] if axis == 1 else values[:, -side] for values in (block.X, block.Y))
     expected = into * ((line.x - X) * tangent[1] - (line.y - Y) * tangent[0])
     assert np.abs(line.displacement - expected).max() < 5e-3 * np.abs(expected).max()
-
-
-@pytest.mark.parametrize("side", [0, 1])
-def test_normals_are_of_second_order(side):
-    """Of a bent face, against the derivatives of the map of the test."""
-
-    def error(n):
-        block = Block(n)
-        line, X = along_face("gas | body", 1, block, 1, side, KAPPA), block.X[-side]
-        t = np.linspace(0, 1, len(line.X))
-        X_t, Y_t = 1 + 0.2 * side + 0 * t, 0.2 * np.cos(2 * t)
-        x_t, y_t = X_t + 0.2 * line.Y * Y_t, Y_t + 0.05 * (X * Y_t + line.Y * X_t)
-        out = (1.0 if side == 0 else -1.0) / np.hypot(x_t, y_t)
-        return np.abs(line.n_x[0] - out * y_t).max() + np.abs(line.n_y[0] + out * x_t).max()
-
-    assert error(1) < 5e-3 and 3.0 < error(2) / error(4) < 5.0

@@ -6,7 +6,7 @@ import csv
 
 import numpy as np
 import pytest
-from helpers import assert_same_fields, computed, message, solve
+from helpers import assert_same_fields, computed, solve
 
 pytest.importorskip("petsc4py")
 
@@ -73,18 +73,6 @@ def test_modes_of_a_coarse_grid_and_of_a_viscous_gas(tmp_path):
     found, exact = modes_of(tmp_path, f"{COARSE} -fluid_mu 0.01 -modes_count 3")
     assert np.abs(found / exact - 1.0).max() < 2e-3
     assert (exact.imag < -0.05).all()
-
-
-@pytest.mark.parametrize(
-    ("words", "status", "said"),
-    [
-        ("blast", 2, "the command modes knows the cases ring and shell"),
-        ("ring -ring_angular 12 -ring_around 24 -fsi_order 2", 2, "angular numbers from 0 to 11"),
-        ("ring -fsi_output nowhere/modes.csv", 4, "nowhere/modes.csv"),
-    ],
-)
-def test_messages(words, status, said, tmp_path):
-    message(solve("modes", *words.split(), cwd=tmp_path), status, said)
 
 
 @pytest.mark.mpi

@@ -12,7 +12,6 @@ pytest.importorskip("petsc4py")
 
 from mpi4py import MPI
 
-from fsipetsc.blockrun.asked import Asked
 from fsipetsc.blockrun.block_state import BlockForm
 from fsipetsc.blockrun.solid_part import SolidPart
 from fsipetsc.blocks.block import Block
@@ -53,7 +52,7 @@ def block(heat="elastic", stress=prestress, **more):
 def part_of(made):
     faces = {(made.name, axis, side): Free(0.0) for axis in (0, 1) for side in (0, 1)}
     layout = BlockLayout(MPI.COMM_SELF, BlockProblem((made,), faces), 4)
-    return layout, SolidPart(layout, layout.parts[0], 4, BlockForm(), Asked())
+    return layout, SolidPart(layout, layout.parts[0], 4, BlockForm())
 
 
 @pytest.mark.parametrize("heat", ["coupled", "elastic"])

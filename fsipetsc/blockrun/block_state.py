@@ -9,33 +9,33 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
+from math import prod
 from typing import Any, NamedTuple
 
 import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fsipetsc.blockrun import snapshot
 from fsipetsc.blockrun.columns import OF_INTERFACES, fields_of, gained, loses, step_record
-from fsipetsc.blockrun.errors_of_blocks import errors
-from fsipetsc.blockrun.failures import describe_failure
+from fsipetsc.blockrun.errors_of_blocks import errors_of
 from fsipetsc.blockrun.first_look import first_notes
 from fsipetsc.blockrun.recorded_nodes import Recorded, Recorder
-from fsipetsc.blockrun.run_problem import RunProblem
+from fsipetsc.blockrun.run_problem import PLACES, VELOCITIES, RunProblem
+from fsipetsc.blockrun.scheme import Scheme
 from fsipetsc.checks import counted
 from fsipetsc.errors import FsiError, InputError
 from fsipetsc.operators.kernel_cache import announced
 from fsipetsc.operators.sbp import OPERATORS
-from fsipetsc.parallel.block_layout import BlockLayout, BlockVector, halos_of
+from fsipetsc.parallel.block_layout import BlockLayout, BlockVector, Part, halos_of
 from fsipetsc.parallel.natural_order import NaturalOrder
 from fsipetsc.process.together import agree, together, wait_asleep
 from fsipetsc.scheme.after_step import WORDS, note_extremes
 from fsipetsc.scheme.burst import DT, MADE, plan_next
 from fsipetsc.scheme.plan import BAD, BURST, FLAGS, LIMITS, RATE, SAID_STOP
 from fsipetsc.scheme.runge_kutta import STAGES, advance
-from fsipetsc.stepping.diagnosis import Failure
+from fsipetsc.stepping.diagnosis import Failure, Seen, described
 from fsipetsc.stepping.phases import logged
-from fsipetsc.stepping.snapshot import as_numbers
+from fsipetsc.stepping.snapshot import as_numbers, gather_local
 from fsipetsc.stepping.state import FAULT
 
 #: by order: how much shorter steps are with dissipation of strength 1 at shocks. That alone is a
@@ -58,14 +58,7 @@ class BlockForm(NamedTuple):
     shock: float = 0.0
 
 
-def make_scheme(*arguments: Any) -> Any:
-    """The scheme of a layout, and so on: see fsipetsc.blockrun.scheme. Collective."""
-    from fsipetsc.blockrun.scheme import Scheme
-
-    return Scheme(*arguments)
-
-
-def _call_all(scheme: Any, y: BlockVector, t: float) -> None:
+def _call_all(scheme: Scheme, y: BlockVector, t: float) -> None:
     """Call all of a scheme, at the initial data. Collective on its communicator."""
     scheme.initial(t, y)
     scheme.stretch(t, y)
@@ -73,7 +66,7 @@ def _call_all(scheme: Any, y: BlockVector, t: float) -> None:
     scheme.rates(t, y, np.zeros_like(y.array))
     scheme.look(y)
     for part in scheme.layout.parts:
-        scheme.fields(t, y, part.k)
+        scheme.fields(y, part.k)
 
 
 class BlockState:
@@ -123,7 +116,9 @@ class BlockState:
             setattr(self.scheme, name, logged(f"fsi {name}", getattr(self.scheme, name)))
         self.evaluations, self._t = 0, 0.0
         self.fault: InputError | None = None  # of a user's function, on this rank
-        self._orders = self._make_orders()
+        widths = [len(fields_of(b.kind, d, problem.symmetry)) for b in blocks]
+        parts = self.layout.parts
+        self._orders = {part.k: NaturalOrder(part, widths[part.k]) for part in parts}
 
     def _lay_records(self, record: np.dtype, blocks: int) -> None:
         """Flags, what a burst of steps is told, and the records of steps."""
@@ -150,12 +145,12 @@ class BlockState:
         words = self._extremes, self.rates, self.results, latest, at_ends, self._pace
         return *words, self.burst, self._rows
 
-    def _made(self, layout: BlockLayout, alone: bool) -> Any:
+    def _made(self, layout: BlockLayout, alone: bool) -> Scheme:
         """The scheme on all ranks of a layout."""
         line = self.problem.dimension == 1 and layout is self.layout
         ends = list(self._interface_ends()) if line else []
         form = self._order, self._form, self._instant
-        return make_scheme(layout, self.problem, *form, self._columns, ends, alone)
+        return Scheme(layout, self.problem, *form, self._columns, ends, alone)
 
     def _interface_ends(self) -> Iterator[tuple[int, int, int, float]]:
         """Of interfaces in one dimension with the solid's end here: number, block, row, X."""
@@ -357,24 +352,42 @@ class BlockState:
         self._fill_halos()
 
     def capture(self) -> dict[str, np.ndarray] | None:
-        """See fsipetsc.blockrun.snapshot.capture."""
-        return snapshot.capture(self)
+        """What a step depends on, on rank 0: whole blocks, (…, n_1, n_0, unknowns), so that it does
+        not depend on who had what; what stands behind the nodes is added up. Collective.
+        """
+        layout, parts = self.layout, gather_local(self.comm, self.y.array)
+        if parts is None:
+            return None
+        arrays = {
+            f"layer{k}": np.empty((*shape[::-1], dof))
+            for k, (shape, dof) in enumerate(zip(layout.shapes, layout.dofs, strict=True))
+        }
+        behind = np.zeros(layout.behind)
+        for rank, part in enumerate(parts):
+            for k, place, at, shape in layout.pieces(rank):
+                arrays[f"layer{k}"][place] = part[at : at + prod(shape)].reshape(shape)
+            behind += part[part.size - layout.behind :]
+        latest = as_numbers(self.latest).copy()
+        return {**arrays, "behind": behind, "results": self.results.copy(), "latest": latest}
 
     def restore(self, arrays: Mapping[str, np.ndarray], t: float) -> None:
         """Be at time t [s] what arrays tell of, which all ranks know. InputError: other grids."""
-        snapshot.check(self, arrays)
+        layout, rank = self.layout, self.comm.rank
+        for k, (block, shape) in enumerate(zip(self.problem.layers, layout.shapes, strict=True)):
+            there = arrays[f"layer{k}"].shape[-2::-1]
+            if there != shape:
+                now, then = (" by ".join(map(str, sizes)) for sizes in (shape, there))
+                raise InputError(f"{block} has {now} nodes, and {then} in the checkpoint")
         self.results[:], as_numbers(self.latest)[:] = arrays["results"], arrays["latest"]
         self._t = t
-        snapshot.put(self.layout, self.y.array, arrays)
-        self._reload()
+        for k, place, at, shape in layout.pieces(rank):
+            self.y.array[at : at + prod(shape)] = arrays[f"layer{k}"][place].reshape(-1)
+        self.y.behind[:] = arrays["behind"] if rank == 0 else 0.0
+        self._load_stage(self.y.array)  # what the scheme derives of it; it stays as it is
+        self._fill_halos()
         agree(self.comm, self.fault)
 
     # what is saved and said
-
-    def _make_orders(self) -> dict[int, NaturalOrder]:
-        d, kappa = self.problem.dimension, self.problem.symmetry
-        widths = [len(fields_of(block.kind, d, kappa)) for block in self.problem.layers]
-        return {part.k: NaturalOrder(part, widths[part.k]) for part in self.layout.parts}
 
     def header(self) -> list[dict[str, Any]]:
         """What a result file says of each block."""
@@ -395,18 +408,15 @@ class BlockState:
         """What the writer must know: see RunWriter."""
         found = []
         for k, shape in enumerate(self.layout.shapes):
-            order = self._orders.get(k)
-            numbers = np.empty(0, np.int64) if order is None else order.numbers
+            numbers = self._orders[k].numbers if k in self._orders else np.empty(0, np.int64)
             X = np.empty((0, self.problem.dimension))
-            if numbers.size:
-                X = self.problem.places(k, numbers)
-            entry = {"local": len(numbers), "n": int(np.prod(shape))}
-            found.append({**entry, "X": X})
+            X = self.problem.places(k, numbers) if numbers.size else X
+            found.append({"local": numbers.size, "n": int(np.prod(shape)), "X": X})
         return found
 
     def fields(self, k: int) -> np.ndarray:
         """(M, columns) of ``fields_of``: what is saved of this rank's nodes of block k."""
-        return self.scheme.fields(self._t, self.y, k)
+        return self.scheme.fields(self.y, k)
 
     def save(self) -> dict[int, np.ndarray]:
         """What is saved of this rank's nodes: number of a block -> (local, columns), to be copied
@@ -416,26 +426,45 @@ class BlockState:
     @property
     def places(self) -> list[float]:
         """Mean of the last coordinate [m] of each interface."""
-        problem, found = self.problem, []
+        problem, sums = self.problem, np.zeros((len(self.problem.interfaces), 2))
         last = problem.dimension - 1
         for number, (_, k) in enumerate(problem.interfaces):
-            part, total = self.layout.part(k), np.zeros(2)
-            if part is not None:
-                nodes = problem.interface_nodes(number)
-                mine = nodes[self.layout.owners(k, nodes) == self.comm.rank]
-                if mine.size:
-                    D = self.y.owned(k)[part.rows(mine), last]
-                    total += (problem.places(k, mine)[:, last] + D).sum(), mine.size
-            found.append(self.comm.allreduce(total))
-        return [float(total / count) for total, count in found]
+            part, nodes = self.layout.part(k), problem.interface_nodes(number)
+            mine = nodes[self.layout.owners(k, nodes) == self.comm.rank]
+            if part is not None and mine.size:
+                D = self.y.owned(k)[part.rows(mine), last]
+                sums[number] = (problem.places(k, mine)[:, last] + D).sum(), mine.size
+        self.comm.Allreduce(MPI.IN_PLACE, sums)
+        return (sums[:, 0] / sums[:, 1]).tolist()
 
     def errors(self, t: float, norm: str) -> dict[str, dict[str, float]] | None:
         """See fsipetsc.blockrun.errors_of_blocks."""
-        return errors(self, t, norm)
+        return errors_of(self, t, norm)
 
     def failure(self, t: float, step: int) -> Failure:
-        """What is wrong with a state that is not physical. Collective."""
-        return describe_failure(self, t, step)
+        """Field, block, position, time and step of the first unphysical node. Collective."""
+        return described(self, map(self._seen, self.layout.parts), t, step)
+
+    def _seen(self, part: Part) -> Seen:
+        problem, d = self.problem, self.problem.dimension
+        kind, m = problem.layers[part.k].kind, problem.unit("m")
+        names = fields_of(kind, d, problem.symmetry)
+        columns = dict(zip(names, self.fields(part.k).T, strict=True))
+        names = "J", "rho", *VELOCITIES[:d], "T"
+        if kind == "solid":  # a temperature of a law of J < 0 is no number: J says more
+            of_block = self.scheme.parts[part.k]
+            columns["J"] = of_block.volume_ratio(self.y.ghosted(part.k))
+            names = "J", *PLACES[:d], *VELOCITIES[:d], "T"
+        X = problem.places(part.k, part.numbers)
+
+        def place(i: int) -> str:
+            now = ", ".join(f"{name} = {columns[name][i]:.6g}{m}" for name in PLACES[:d])
+            then = ", ".join(f"{c} = {x:.6g}{m}" for c, x in zip(PLACES.upper(), X[i]))
+            return f"{now} ({then})"
+
+        values = {name: columns[name] for name in names}
+        positive = frozenset(("J", "rho", "T"))
+        return Seen(part.k, np.asarray(part.numbers), values, positive, place)
 
     def destroy(self) -> None:
         """Free messages, vectors, DMDAs and communicators, in this order."""
@@ -458,5 +487,3 @@ class BlockState:
         ):
             self.destroy()
 
-
-__all__ = ["BlockForm", "BlockState", "BlockVector", "make_scheme"]

@@ -25,12 +25,6 @@ def fields_of(kind: str, d: int, symmetry: int = 0) -> tuple[str, ...]:
     return (*u, "T", *stresses, *x) if d > 1 else line
 
 
-def compared(kind: str, d: int) -> tuple[str, ...]:
-    """Held against an exact solution: what ``initial`` and ``exact`` of a block give, by name."""
-    u, x = tuple(VELOCITIES[:d]), tuple(PLACES[:d])
-    return ("rho", *u, "T") if kind == "fluid" else (*u, "T", *x)
-
-
 def loses(problem: Any, k: int) -> bool:
     """Whether it is known what a step in time loses of the kinetic and elastic energy of block k.
 

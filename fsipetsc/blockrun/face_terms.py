@@ -10,11 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.blockrun.asked import Asked, data, datum
 from fsipetsc.blocks.conditions import Absorbing, Free, Open, Outflow, steady
 from fsipetsc.blocks.metrics import Wide, curl_metrics
 from fsipetsc.blocks.problem import Meeting
-from fsipetsc.blocks.values import checked
+from fsipetsc.blocks.values import checked, checked_one, data, datum
 from fsipetsc.parallel.block_layout import Part
 from fsipetsc.scheme.faces import Closed, GasFaces, SolidFaces
 
@@ -24,8 +23,8 @@ Array = NDArray[Any]
 class FaceTerms:
     """Terms of the faces of one part of a block that have a condition, or interfaces with jumps.
 
-    X: (d, ghosted nodes) places in the reference map. asked: has the data of the case. record: for
-    compiled code, once `refresh` has filled it. timed: data depend on time.
+    X: (d, ghosted nodes) places in the reference map. record: for compiled code, once `refresh` has
+    filled it. timed: data depend on time.
 
     In three dimensions, and around an axis or a centre, the pressure p_ref under which a solid is
     free of strain is no part of its stress: -p_ref cof F would not be at rest with a gas. Faces to
@@ -33,92 +32,73 @@ class FaceTerms:
     the curl form that the gas has, which `turn` finds.
     """
 
-    def __init__(self, problem: Any, part: Part, order: int, X: Array, asked: Asked) -> None:
-        self._part, self._asked, self._jumps = part, asked, problem.jumps
-        self._d, self._gas = problem.dimension, problem.blocks[part.k].kind == "fluid"
-        self.p_ref = _left_out(problem, part.k)
+    def __init__(self, problem: Any, part: Part, order: int, X: Array) -> None:
+        k, d, self._jumps = part.k, problem.dimension, problem.jumps
+        block = problem.blocks[k]
+        self._d, self._gas, self.p_ref = d, block.kind == "fluid", _left_out(problem, k)
         self._turned: list[tuple[slice, TurnedFace]] = []
         self._faces: list[tuple[Any, Array, slice]] = []
-        lengths: list[float] = []
-        acts, listed, count = False, [_nodes_of(part, np.empty(0, np.int64), 0, 0)], 0
-        for (axis, side), condition in problem.faces_of(part.k).items():
-            interface = isinstance(condition, Meeting) and problem.is_interface(part.k, axis, side)
+        listed, count = [_nodes_of(part, np.empty(0, np.int64), 0, 0)], 0
+        lengths = []
+        for (axis, side), condition in problem.faces_of(k).items():
+            interface = isinstance(condition, Meeting) and problem.is_interface(k, axis, side)
             supplied = interface and not self._gas and self._jumps is not None
-            loaded = _unheld(condition) and self.p_ref not in (0.0, _beyond(problem, condition))
+            beyond = _left_out(problem, condition.block) if interface else 0.0
+            loaded = _unheld(condition) and self.p_ref not in (0.0, beyond)
             if not (supplied or loaded or _acts(condition)):
                 continue
-            acts = True  # on all ranks of the block, for these compile the same
-            listed.append(_nodes_of(part, problem.face_nodes(part.k, axis, side), axis, side))
+            listed.append(_nodes_of(part, problem.face_nodes(k, axis, side), axis, side))
             own = listed[-1][1]
             where, count = slice(count, count + own.size), count + own.size
             if own.size:
-                self._faces.append((condition, problem.places(part.k, part.numbers[own]), where))
-                lengths.append(_length(problem.blocks[part.k], axis))
-            if own.size and self._d == 3 and not self._gas:
-                self._turned.append((where, TurnedFace(problem, part, order, axis, side)))
-        nodes = [np.concatenate(values) for values in zip(*listed, strict=True)]
-        self.record = self._record(nodes, X) if acts else Closed()
-        for k, (condition, _, where) in enumerate(self._faces):
-            if isinstance(condition, Open) and condition.order == 1:
-                self.record.width[where] = lengths[k]
+                self._faces.append((condition, problem.places(k, part.numbers[own]), where))
+                if isinstance(condition, Open) and condition.order == 1:
+                    low, high = (block.face_positions(axis, end) for end in (0, 1))
+                    lengths.append((where, np.linalg.norm(high - low, axis=0).mean()))
+                if d == 3 and not self._gas:
+                    self._turned.append((where, TurnedFace(problem, part, order, axis, side)))
+        nodes, n = [np.concatenate(values) for values in zip(*listed, strict=True)], count
+        flags, numbers = np.zeros(n, np.int64), np.zeros((3, n))
+        if len(listed) == 1:  # on all ranks of the block, for these compile the same
+            self.record: Any = Closed()
+        elif self._gas:
+            self.record = GasFaces(*nodes, flags, np.zeros((n, d + 2)), *numbers)
+        else:
+            vectors = np.zeros((2, n, d))
+            self.record = SolidFaces(*nodes, flags, vectors[0], *numbers, vectors[1], X)
+        for where, length in lengths:
+            self.record.width[where] = length
         meets = [isinstance(condition, Meeting) for condition, _, _ in self._faces]
         still = all(meeting or steady(c) for (c, _, _), meeting in zip(self._faces, meets))
         self.timed = not still or (any(meets) and self._jumps is not None)
 
-    def _record(self, nodes: list[Array], X: Array) -> Any:
-        """Memory for the data of the nodes."""
-        n, d = nodes[0].size, self._d
-        flags, (a, b, c) = np.zeros(n, np.int64), np.zeros((3, n))
-        if self._gas:
-            return GasFaces(*nodes, flags, np.zeros((n, d + 2)), a, b, c)
-        return SolidFaces(*nodes, flags, np.zeros((n, d)), a, b, c, np.zeros((n, d)), X)
-
-    def ask(self, t: float) -> list[dict[str, Array]]:
-        """Data of all faces at time t [s]. InputError the first time."""
-        key, instant = ("faces", self._part.k), t if self.timed else None
-        return self._asked(key, instant, lambda: [self._data(c, X, t) for c, X, _ in self._faces])
-
     def refresh(self, t: float) -> None:
-        """Fill the record with data at time t [s]."""
-        record = self.record
-        for (condition, _, at), found in zip(self._faces, self.ask(t), strict=True):
-            record.heat[at] = found.get("heat", 0.0)
-            record.pressure[at] = found.get("pressure", 0.0)
+        """Fill the record with data at time t [s]. InputError."""
+        record, d = self.record, self._d
+        for condition, X, at in self._faces:
+            if getattr(condition, "heat_flux", None) is not None:
+                record.heat[at] = datum(condition, "heat_flux", X, t)
+            if isinstance(condition, (Outflow, Free)):
+                record.pressure[at] = datum(condition, "pressure", X, t)
             if self._gas:
-                record.opens[at] = "outside" in found
-                record.outside[at] = found.get("outside", 0.0)
+                record.opens[at] = isinstance(condition, (Open, Outflow))
+                if isinstance(condition, Open):
+                    record.outside[at], record.pressure[at] = _outside(condition, X, t), -1.0
                 continue
-            record.pressure[at] -= self.p_ref * _unheld(condition)
-            record.traction[at] = found.get("traction", 0.0)
-            record.absorbs[at] = "stress" in found
-            record.stress[at] = found.get("stress", 0.0)
+            if _unheld(condition) and self.p_ref != 0.0:
+                pressed = record.pressure[at] if isinstance(condition, Free) else 0.0
+                record.pressure[at] = pressed - self.p_ref
+            if isinstance(condition, Absorbing):
+                record.absorbs[at], record.stress[at] = 1, datum(condition, "stress", X, t)
+            if isinstance(condition, Meeting) and self._jumps is not None:
+                names = *(f"traction along {x}" for x in "xyz"[:d]), "heat"
+                values = checked(self._jumps, (*X.T, t), X.T, names, f"jumps at t = {t:.6g}")
+                record.traction[at], record.heat[at] = np.stack(values[:-1], axis=-1), values[-1]
 
     def turn(self, q: Array) -> None:
         """Area vectors of a solid's faces where it is now, in three dimensions; q: (ghosted, 7)."""
         for at, face in self._turned:
             self.record.normal[at] = face(q)
-
-    def _data(self, condition: Any, X: Array, t: float) -> dict[str, Array]:
-        """What a face is given."""
-        d, found = self._d, {}
-        if isinstance(condition, Meeting):
-            names = *(f"traction along {x}" for x in "xyz"[:d]), "heat"
-            if self._jumps is None:
-                return {}
-            values = checked(self._jumps, (*X.T, t), X.T, names, f"jumps at t = {t:.6g}")
-            return {"traction": np.stack(values[:-1], axis=-1), "heat": values[-1]}
-        if isinstance(condition, Open):
-            found = {"outside": _outside(condition, X, t), "pressure": np.full(len(X), -1.0)}
-        elif isinstance(condition, Outflow):
-            outside = np.empty((len(X), d + 2))
-            found = {"outside": outside, "pressure": datum(condition, "pressure", X, t)}
-        elif isinstance(condition, Free):
-            found["pressure"] = datum(condition, "pressure", X, t)
-        elif isinstance(condition, Absorbing):
-            found["stress"] = datum(condition, "stress", X, t)
-        if getattr(condition, "heat_flux", None) is not None:
-            found["heat"] = datum(condition, "heat_flux", X, t)
-        return found
 
 
 class TurnedFace:
@@ -153,12 +133,6 @@ class TurnedFace:
         return self._sign * wide.inner(self._a[self._axis]).T
 
 
-def _length(block: Any, axis: int) -> float:
-    """Mean length of a block along an axis [m]."""
-    low, high = (block.face_positions(axis, side) for side in (0, 1))
-    return float(np.linalg.norm(high - low, axis=0).mean())
-
-
 def _left_out(problem: Any, k: int) -> float:
     """p_ref of a block where it is no part of the stress."""
     block = problem.blocks[k]
@@ -169,13 +143,6 @@ def _left_out(problem: Any, k: int) -> float:
 def _unheld(condition: Any) -> bool:
     """Whether the traction on a face is not that of a clamp or a roller."""
     return isinstance(condition, (Meeting, Free, Absorbing))
-
-
-def _beyond(problem: Any, condition: Any) -> float:
-    """p_ref of what a face meets."""
-    if isinstance(condition, Meeting):
-        return _left_out(problem, condition.block)
-    return 0.0
 
 
 def ranges_of(part: Part, shape: Sequence[int]) -> list[tuple[int, int]]:
@@ -221,18 +188,14 @@ def _acts(condition: Any) -> bool:
 
 def _outside(condition: Open, X: Array, t: float) -> Array:
     """(n, d + 2) density, velocity and temperature beyond an open face."""
-    d = X.shape[1]
-    if callable(condition.u):
+    d, u = X.shape[1], condition.u
+    if callable(u):
         u = data(condition, "u", X, t, "uvw"[:d])
     else:
-        u = np.stack([_component(condition, c, X, t) for c in range(d)], axis=-1)
-    rho, T = datum(condition, "rho", X, t), datum(condition, "T", X, t)
-    return np.column_stack([rho, u, T])
-
-
-def _component(condition: Open, c: int, X: Array, t: float) -> Array:
-    of = condition.u[c]
-    if not callable(of):
-        return np.full(len(X), of)
-    where = f"u of Open at t = {t:.6g}"
-    return checked(lambda *a: (of(*a),), (*X.T, t), X.T, "uvw"[c], where)[0]
+        where = f"u of Open at t = {t:.6g}"
+        called = (
+            checked_one(of, (*X.T, t), X.T, c, where) if callable(of) else np.full(len(X), of)
+            for of, c in zip(u, "uvw")
+        )
+        u = np.stack(list(called), axis=-1)
+    return np.column_stack([datum(condition, "rho", X, t), u, datum(condition, "T", X, t)])

@@ -26,69 +26,48 @@ def first_notes(state: BlockState) -> list[str]:
 
     Of the completed initial data, whose halos are filled. Collective.
     """
-    return [*_walls(state), *_jumps(state)]
-
-
-def _walls(state: BlockState) -> list[str]:
-    blocks, m = state.problem.layers, state.problem.unit("m")
-    away = np.zeros(len(blocks))
-    for k, distance in state.scheme.particles.walls_away(0.0).items():
+    problem, blocks = state.problem, state.problem.layers
+    away, m, Pa = np.zeros(len(blocks)), problem.unit("m"), problem.unit("Pa")
+    for k, distance in state.scheme.particles.walls_away().items():
         away[k] = distance
     state.comm.Allreduce(MPI.IN_PLACE, away, MPI.MAX)
-    return [
+    found = [
         f"note: a wall of '{block.name}' is {distance:.3g}{m} from the end of its block at "
         f"t = 0: the grid of the gas is stretched to it"
         for block, distance in zip(blocks, away.tolist(), strict=True)
         if distance > AWAY * state.h
     ]
-
-
-def _jumps(state: BlockState) -> list[str]:
-    problem, Pa, found = state.problem, state.problem.unit("Pa"), []
     sums = np.zeros((len(problem.interfaces), 4))
     for row, (gas, solid) in zip(sums, problem.interfaces, strict=True):
-        row[:2], row[2:] = _sum_of_gas(state, gas, solid), _sum_of_solid(state, gas, solid)
+        row[:2] = _sum_of_pressures(state, gas, solid)
+        row[2:] = _sum_of_pressures(state, solid, gas)
     state.comm.Allreduce(MPI.IN_PLACE, sums)
-    for (gas, solid), (p, n, push, m) in zip(problem.interfaces, sums, strict=True):
-        p, push = p / n, push / m
+    for (gas, solid), (p, n, push, count) in zip(problem.interfaces, sums, strict=True):
+        p, push = p / n, push / count
         if abs(p - push) > JUMP * max(abs(p), abs(push)):
             found.append(
-                f"note: at t = 0 '{problem.layers[gas].name}' has a pressure of "
-                f"{p:.4g}{Pa} where it meets '{problem.layers[solid].name}', which pushes with "
-                f"{push:.4g}{Pa} (means of the interface): waves start there"
+                f"note: at t = 0 '{blocks[gas].name}' has a pressure of {p:.4g}{Pa} where it meets "
+                f"'{blocks[solid].name}', which pushes with {push:.4g}{Pa} (means of the "
+                "interface): waves start there"
             )
     return found
 
 
-def _sum_of_gas(state: BlockState, gas: int, solid: int) -> tuple[float, int]:
-    """Of this rank's nodes on the interface: the sum of their pressures, how many they are."""
-    part, column = state.layout.part(gas), fields_of("fluid", state.problem.dimension).index("p")
-    if part is None:
-        return 0.0, 0
-    rows = np.concatenate([own for _, own in _rows(state, gas, solid)])
-    q = state.y.ghosted(gas)
-    return float(state.scheme.parts[gas].fields(q, rows)[:, column].sum()), rows.size
-
-
-def _sum_of_solid(state: BlockState, gas: int, solid: int) -> tuple[float, int]:
-    """The same of what the solid pushes with: minus the normal stress."""
-    d, total, count = state.problem.dimension, 0.0, 0
-    if state.layout.part(solid) is None:
-        return 0.0, 0
-    part, q = state.scheme.parts[solid], state.y.ghosted(solid)
-    for face, rows in _rows(state, solid, gas):
-        for row, stress in zip(rows, stresses_of(part.fields(q, rows), d), strict=True):
+def _sum_of_pressures(state: BlockState, k: int, other: int) -> tuple[float, int]:
+    """Of this rank's nodes of block k on its interface with another block: the sum of what they
+    push with, the pressure of a gas, minus the normal stress of a solid; how many they are.
+    """
+    d, total, count, part = state.problem.dimension, 0.0, 0, state.scheme.parts.get(k)
+    for face, met in sorted(state.problem.faces_of(k).items() if part else ()):
+        if not (isinstance(met, Meeting) and met.block == other):
+            continue
+        nodes = state.problem.face_nodes(k, *face)
+        rows = part.part.rows(nodes[np.isin(nodes, part.part.numbers)])
+        saved, count = part.fields(state.y.ghosted(k), rows), count + rows.size
+        if part.block.kind == "fluid":
+            total += float(saved[:, fields_of("fluid", d).index("p")].sum())
+            continue
+        for row, stress in zip(rows, stresses_of(saved, d), strict=True):
             n = part.normal(row, *face)
             total -= float(n @ stress @ n)
-            count += 1
     return total, count
-
-
-def _rows(state: BlockState, k: int, other: int) -> list[tuple[tuple[int, int], Array]]:
-    """Faces of block k that meet another block, and this rank's owned nodes on them."""
-    problem, part, found = state.problem, state.layout.part(k), []
-    for face, met in sorted(problem.faces_of(k).items()):
-        if isinstance(met, Meeting) and met.block == other:
-            nodes = problem.face_nodes(k, *face)
-            found.append((face, part.rows(nodes[np.isin(nodes, part.numbers)])))
-    return found

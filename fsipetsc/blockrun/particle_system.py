@@ -14,7 +14,6 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from fsipetsc.blockrun.asked import Asked
 from fsipetsc.blockrun.columns import loses
 from fsipetsc.blockrun.face_terms import weights_of
 from fsipetsc.blockrun.prescribed import Prescribed
@@ -26,7 +25,7 @@ from fsipetsc.scheme import normals as of_faces
 from fsipetsc.scheme import particle_steps
 from fsipetsc.scheme import particles as kernels
 from fsipetsc.scheme.particle_steps import Particles
-from fsipetsc.scheme.particles import GAS, SOLID, Data, State, Table
+from fsipetsc.scheme.particles import GAS, SOLID, State, Table
 
 Array = NDArray[Any]
 
@@ -36,7 +35,6 @@ class ParticleSystem:
 
     law: of the gas, any law where there is no gas. inertia: block -> (ghosted nodes,), J0 m0 of
     solids. instant: says a time [s] in which little happens, for differences in time of what moves.
-    asked: has the data of conditions.
 
     nodes: block -> (numbers of this rank's nodes that are members, their particles here). stores:
     whether elastic energies of members matter to temperatures anywhere; then members: block ->
@@ -50,10 +48,8 @@ class ParticleSystem:
         law: Any,
         inertia: dict[int, Array],
         instant: Callable[[], float],
-        asked: Asked,
     ) -> None:
         self._layout, self._d = layout, layout.problem.blocks[0].dimension
-        self._like = (0.0,) * self._d
         members, owners = _members(layout, particles)
         rank = layout.comm.rank
         here = np.unique(members[owners == rank, 0])
@@ -69,35 +65,31 @@ class ParticleSystem:
         self.nodes = self._nodes(members, number)
         self._constraints(number, members, owners)
         self._storing(particles, number, members, owners)
-        self.state = _state(here.size, self._d)
+        n, d = here.size, self._d
+        sums = *np.zeros((3, n)), np.zeros((n, d + 2)), *np.zeros((2, n, d)), *np.zeros((4, n))
+        self.state = State(*sums)
         kernels.weigh_heat(self.table, self._stored, self.state)
-        self.prescribed = Prescribed(layout.problem, self._particles, law, instant, asked)
-        self._place = np.zeros((here.size, self._d))
-        self.box = self._boxed(law)
-
-    def _boxed(self, law: Any) -> Any:
-        """All that compiled code takes, as fsipetsc.scheme.particle_steps has it."""
-        count = len(self._particles)
-        moves = np.zeros(count, np.int64)
+        self.prescribed = Prescribed(layout.problem, self._particles, law, instant)
+        moves = np.zeros(n, np.int64)
         moves[self.prescribed.moving] = 1
-        return Box(
+        self.box = Box(  # all that compiled code takes
             Particles(
-                self._like,
-                self.table,
-                law,
-                self.prescribed.data,
-                self.state,
-                self._stored,
-                self._exchange.table,
-                np.zeros((count, 2 * self._d + 2)),
-                int(self.stores),
-                int(self.slips),
-                self.normals,
-                self.turning,
-                *self._of_normals,
-                moves,
-                self._place,
-                self._layout.behind,
+                like=(0.0,) * d,
+                table=self.table,
+                law=law,
+                data=self.prescribed.data,
+                state=self.state,
+                stored=self._stored,
+                rows=self._exchange.table,
+                particle_rates=np.zeros((n, 2 * d + 2)),
+                stores=int(self.stores),
+                slips=int(self.slips),
+                normals=self.normals,
+                turning=self.turning,
+                **self._of_normals,
+                moves=moves,
+                place=self.prescribed.displaced,
+                behind=layout.behind,
             )
         )
 
@@ -153,8 +145,7 @@ class ParticleSystem:
             nodes = part.ghosted_rows(part.rows(members[exchange.mine[rows], 2]))
             mass = inertia[part.k][nodes] if part.k in inertia else 1.0
             exchange.table[rows, 0] = weights_of(part, nodes) * mass
-        exchange.begin()
-        exchange.end()
+        exchange.exchange()
         found = exchange.table[:, 0].copy()
         exchange.destroy()
         return found
@@ -201,13 +192,15 @@ class ParticleSystem:
         self.normals = np.zeros((bound.size, K, 2 * d))
         self.turning = np.zeros((bound.size, K, 2 * d))
         self.at_faces = {part.k: of_faces.listed(part, []) for part in layout.parts}
-        none = np.zeros((0, 2 * K * d)), 0, number[:0], number[:0]
-        self._of_normals: tuple[Any, ...] = none
+        none = {"at_normals": 0, "of_particle": number[:0], "row_of": number[:0]}
+        self._of_normals: dict[str, Any] = {"of_normals": np.zeros((0, 2 * K * d)), **none}
         if not self.slips:
             return
         exchange = ParticleExchange(layout.comm, number[chosen], owners[chosen], 2 * K * d, tag=2)
         self._normal_exchange = exchange
-        self._of_normals = exchange.table, exchange.mine.size, number[chosen], exchange.row
+        found_of = {"of_particle": number[chosen], "row_of": exchange.row}
+        found_of |= {"of_normals": exchange.table, "at_normals": exchange.mine.size}
+        self._of_normals = found_of
         mine = np.flatnonzero(chosen)[exchange.mine]
         place = {(int(k), int(n)): row for row, (_, k, n) in enumerate(members[mine].tolist())}
         found: dict[int, list[tuple[int, int, int, float, int]]] = {p.k: [] for p in layout.parts}
@@ -232,7 +225,7 @@ class ParticleSystem:
         if self.slips:
             particle_steps.begin_normals(self.box)
             add(self._normal_exchange.table)
-            self._exchanged(self._normal_exchange)
+            self._normal_exchange.exchange()
             particle_steps.end_normals(self.box, turning)
 
     def find_stored(self, y: Array, store: Callable[[], None]) -> None:
@@ -240,7 +233,7 @@ class ParticleSystem:
         if self.stores:
             particle_steps.begin_stored(self.box, y)
             store()
-            self._exchanged(self._store_exchange)
+            self._store_exchange.exchange()
             particle_steps.end_stored(self.box)
 
     # what the scheme calls; gain: masses, impulse and energy that come in. `share` begins it, the
@@ -251,7 +244,7 @@ class ParticleSystem:
         temperatures.
         """
         particle_steps.begin_sums(self.box, y, gain)
-        self._exchanged(self._exchange)
+        self._exchange.exchange()
         particle_steps.end_sums(self.box, gain)
 
     def settle(self, y: Array, gain: Array) -> None:
@@ -265,7 +258,7 @@ class ParticleSystem:
         place.
         """
         particle_steps.begin_rates(self.box, f)
-        self._exchanged(self._exchange)
+        self._exchange.exchange()
         particle_steps.end_rates(self.box, y, f, gain)
 
     def held(self, y: Array, gain: Array) -> Any:
@@ -285,28 +278,22 @@ class ParticleSystem:
         return with_calls(steps.hold, self.box, calls)
 
     def refresh(self, t: float) -> None:
-        """Prescribed data at time t [s]."""
-        self.data: Data = self.prescribed.at(t)
-        self._place[self.prescribed.moving] = self.prescribed.displacement(t)
-
-    def _exchanged(self, exchange: ParticleExchange) -> None:
-        """Ranks send each other the rows of their members. Collective among neighbours."""
-        exchange.begin()
-        exchange.end()
+        """Prescribed data at time t [s]. InputError."""
+        self.prescribed.refresh(t)
 
     def at_walls(self, k: int) -> tuple[Array, Array]:
         """Nodes of a gas block here that stick to walls, and velocities (n, d) of these."""
         nodes, particle = self.nodes[k]
         held = self.table.flags[particle, kernels.HELD_GAS] == 1
-        return nodes[held], self.data.wall[particle[held]]
+        return nodes[held], self.prescribed.data.wall[particle[held]]
 
-    def walls_away(self, t: float) -> dict[int, float]:
+    def walls_away(self) -> dict[int, float]:
         """Block of gas -> largest displacement [m] of a wall of it that moves, of those here."""
         found: dict[int, float] = {}
-        moved = np.linalg.norm(self.prescribed.displacement(t), axis=1)
-        for p, distance in zip(self.prescribed.moving, moved.tolist(), strict=True):
+        for p in self.prescribed.moving:
             if self.state.solid_mass[p] == 0.0:
                 for k, _ in self._particles[p].members:
+                    distance = float(np.linalg.norm(self.prescribed.displaced[p]))
                     found[k] = max(found.get(k, 0.0), distance)
         return found
 
@@ -347,9 +334,3 @@ def _members(layout: BlockLayout, particles: Sequence[Particle]) -> tuple[Array,
         of_block = members[:, 1] == k
         owners[of_block] = layout.owners(k, members[of_block, 2])
     return members, owners
-
-
-def _state(count: int, d: int) -> State:
-    one, many = (count,), (count, d)
-    shapes = one, one, one, (count, d + 2), many, many, one, one, one, one
-    return State(*(np.zeros(shape) for shape in shapes))

@@ -98,17 +98,13 @@ def _nearest(problem: RunProblem, place: Array) -> Recorded:
 def _reach(problem: RunProblem, k: int, node: int) -> float:
     """The sum of the distances to the neighbours along each axis: no place in a cell is further."""
     shape, total = problem.layers[k].shape, 0.0
-    at = np.array(np.unravel_index(node, shape, order="F"))
-    here = problem.places(k, np.array([node]))[0]
+    at = np.unravel_index(node, shape, order="F")
     for axis, n in enumerate(shape):
-        ends = []
-        for step in (-1, 1):
-            other = at.copy()
-            other[axis] += step
-            if 0 <= other[axis] < n:
-                number = np.ravel_multi_index(tuple(other), shape, order="F")
-                ends.append(np.linalg.norm(problem.places(k, np.array([number]))[0] - here))
-        total += max(ends)
+        beside = [i for i in (at[axis] - 1, at[axis] + 1) if 0 <= i < n]
+        index = [(*at[:axis], i, *at[axis + 1 :]) for i in (at[axis], *beside)]
+        numbers = np.ravel_multi_index(np.transpose(index), shape, order="F")
+        X = problem.places(k, numbers)
+        total += np.linalg.norm(X[1:] - X[0], axis=1).max()
     return float(total)
 
 

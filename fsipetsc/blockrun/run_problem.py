@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from fsipetsc.blocks.block import Block
+from fsipetsc.blocks.block import Block, determinant, mesh
 from fsipetsc.blocks.conditions import holds_energy, steady
 from fsipetsc.blocks.problem import BlockProblem, Meeting
 
@@ -94,30 +94,23 @@ class RunProblem:
         """
         forced = self.jumps is not None or any(b.forcing is not None for b in self.layers)
         solids = [block for block in self.layers if block.kind == "solid"]
+        gases = [k for k, block in enumerate(self.layers) if block.kind == "fluid"]
         conditions = [self.faces_of(k)[face] for k, face in self._faces()]
         closed = all(holds_energy(c) for c in conditions if not isinstance(c, Meeting))
         elastic = all(getattr(solid.material, "heat", "") == "elastic" for solid in solids)
         masses = [solid.material.m0 * self._volume(solid) for solid in solids]
         capacities = [m * solid.material.alpha for m, solid in zip(masses, solids, strict=True)]
         return {
-            "masses": [list(entry) for entry in zip(self.body_names, self._columns, strict=True)],
+            "masses": [
+                [" + ".join(self.layers[k].name for k in body), [gases.index(k) for k in body]]
+                for body in self.bodies
+            ],
             "momentum": self.symmetry == 0,  # pressure acts around an axis, too
             "energy": True,
             "entropy": closed and elastic and not forced,
             "inertia": sum(masses),
             "heat_capacity": sum(capacities),
         }
-
-    @property
-    def body_names(self) -> list[str]:
-        """Names of the bodies of gas: those of their blocks."""
-        return [" + ".join(self.layers[k].name for k in body) for body in self.bodies]
-
-    @property
-    def _columns(self) -> list[list[int]]:
-        """Numbers of the blocks of each body among those of gas."""
-        gases = [k for k, block in enumerate(self.layers) if block.kind == "fluid"]
-        return [[gases.index(k) for k in body] for body in self.bodies]
 
     def _volume(self, block: Block) -> float:
         """About that of a block at rest; of a sector where there is an axis or a centre."""
@@ -139,38 +132,25 @@ class RunProblem:
 
 def _bodies(problem: BlockProblem) -> list[list[int]]:
     """Blocks of gas that joins connect."""
-    bodies: list[list[int]] = []
-    seen: set[int] = set()
-    for first, block in enumerate(problem.blocks):
-        if block.kind != "fluid" or first in seen:
-            continue
-        body, waiting = [], [first]
-        while waiting:
-            k = waiting.pop()
-            if k in seen:
-                continue
-            seen.add(k)
-            body.append(k)
-            met = (m for m in problem.faces_of(k).values() if isinstance(m, Meeting))
-            waiting += [m.block for m in met if problem.blocks[m.block].kind == "fluid"]
-        bodies.append(sorted(body))
+    bodies = [[k] for k, block in enumerate(problem.blocks) if block.kind == "fluid"]
+    for k, block in enumerate(problem.blocks):
+        for met in problem.faces_of(k).values() if block.kind == "fluid" else ():
+            if isinstance(met, Meeting) and problem.blocks[met.block].kind == "fluid":
+                here = [body for body in bodies if {k, met.block} & set(body)]
+                rest = [body for body in bodies if body not in here]
+                bodies = sorted([*rest, sorted(j for body in here for j in body)])
     return bodies
 
 
 def _size(block: Block) -> float:
     """About the volume of a block: that of some cells, by their middles."""
-    axes = [(np.arange(_CELLS) + 0.5) / _CELLS] * block.dimension
-    xi = np.stack(np.meshgrid(*axes, indexing="ij"))
-    step = 1e-4
-
-    def slope(axis: int) -> Sequence[np.ndarray]:
-        shift = np.zeros_like(xi)
-        shift[axis] = step
+    d, step = block.dimension, 1e-4
+    xi = np.array(mesh([(np.arange(_CELLS) + 0.5) / _CELLS] * d))
+    slopes = []
+    for shift in step * np.eye(d).reshape(d, d, *[1] * d):
         high, low = (np.array(_values(block.map, xi + s * shift)) for s in (1.0, -1.0))
-        return (high - low) / (2.0 * step)
-
-    matrix = np.stack([slope(axis) for axis in range(block.dimension)])
-    return float(np.abs(np.linalg.det(np.moveaxis(matrix, (0, 1), (-2, -1)))).mean())
+        slopes.append((high - low) / (2.0 * step))
+    return float(np.abs(determinant(np.array(slopes))).mean())
 
 
 def _values(function: Callable[..., Any], xi: np.ndarray) -> list[np.ndarray]:

@@ -20,12 +20,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.blockrun.asked import Asked
 from fsipetsc.blockrun.columns import loses, spins
 from fsipetsc.blockrun.gas_part import GasPart
 from fsipetsc.blockrun.particle_system import ParticleSystem
 from fsipetsc.blockrun.solid_part import SolidPart
 from fsipetsc.blocks.particles import particles_of
+from fsipetsc.blocks.values import block_values
 from fsipetsc.errors import InputError
 from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.operators.boxed import Box, with_calls
@@ -51,6 +51,8 @@ class Scheme:
 
     What comes in from outside is integrated behind the unknowns of nodes, in the order of
     fsipetsc.blockrun.columns.gained. steady: no data of conditions, forcing, jumps depend on time.
+    fault: the first error of a function of the case's on this rank. The rank goes on with the data
+    before it, so that others do not wait for its messages; all end after the step.
     """
 
     def __init__(
@@ -64,35 +66,32 @@ class Scheme:
         ends: Sequence[tuple[int, int, int, float]] = (),
         alone: bool = False,
     ) -> None:
-        self.layout, self.problem = layout, problem
+        self.layout, self.problem, self._instant = layout, problem, instant
         self.dimension = d = problem.dimension
-        particles = particles_of(problem)
-        self._asked = asked = Asked()
+        particles, blocks = particles_of(problem), problem.blocks
         self.parts: dict[int, GasPart | SolidPart] = {}
         for part in layout.parts:
-            kind = GasPart if problem.blocks[part.k].kind == "fluid" else SolidPart
-            self.parts[part.k] = kind(layout, part, order, form, asked)
+            kind = GasPart if blocks[part.k].kind == "fluid" else SolidPart
+            self.parts[part.k] = kind(layout, part, order, form)
         self._gases = [part for part in self.parts.values() if isinstance(part, GasPart)]
         self._solids = [part for part in self.parts.values() if isinstance(part, SolidPart)]
         inertia = {part.part.k: part.inertia for part in self._solids}
-        gases = [block.material for block in problem.blocks if block.kind == "fluid"]
-        law = gases[0].equations(d).law if gases else PerfectGas(1.4, 1.0)
-        self.particles = ParticleSystem(layout, particles, law, inertia, instant, asked)
+        fluids = [k for k, block in enumerate(blocks) if block.kind == "fluid"]
+        law = blocks[fluids[0]].material.equations(d).law if fluids else PerfectGas(1.4, 1.0)
+        self.particles = ParticleSystem(layout, particles, law, inertia, instant)
         for gas in self._gases:
             gas.follow(particles, self.particles)
-        fluids = [k for k, block in enumerate(problem.blocks) if block.kind == "fluid"]
-        self._columns = {k: column for column, k in enumerate(fluids)}
-        lossy = any(loses(problem, k) for k in range(len(problem.blocks)))
+        lossy = any(loses(problem, k) for k in range(len(blocks)))
         self._gain = np.zeros(len(fluids) + lossy + d + 1)
-        #: compiled code does not move grids in three dimensions, nor find area vectors of solids
+        #: compiled code does not find area vectors of solids in three dimensions, nor how they turn
         self.alone = alone and d < 3
-        self._records(columns, ends)
+        self._records(columns, ends, fluids)
         self._memory = tuple(np.zeros(layout.local_size) for _ in range(2))
-        self._filled: float | None = None  # when the data were asked for
         timed = self.particles.prescribed.timed or any(part.timed for part in self.parts.values())
-        self.steady = not timed and problem.jumps is None
+        self.steady, self.fault = not timed and problem.jumps is None, None
+        self._filled: tuple[float, float] | None = None  # when the data were asked for
 
-    def _records(self, columns: dict[str, slice], ends: Sequence[Any]) -> None:
+    def _records(self, columns: dict[str, slice], ends: Sequence[Any], fluids: list[int]) -> None:
         """Parts as records in boxes, and what is done with them."""
         first = {name: where.start for name, where in columns.items()}
         momenta = [first[f"momentum_{x}"] for x in "xyz"[: self.dimension]]
@@ -102,9 +101,9 @@ class Scheme:
         for k, part in self.parts.items():
             faces = self.particles.at_faces[k]
             if isinstance(part, GasPart):
-                mass = first["mass"] + self._columns[k]
+                mass = first["mass"] + fluids.index(k)
                 sums = np.array([mass, *momenta, first["energy"], first["entropy"], *turns])
-                line: Any = part.record(self._columns[k], sums, faces, self.alone)
+                line: Any = part.record(fluids.index(k), sums, faces, self.alone)
                 functions = part.held
             else:
                 own = [(number, row, X) for number, block, row, X in ends if block == k]
@@ -137,19 +136,14 @@ class Scheme:
         ]
         return Box(All(tuple(held), self.particles.held(y, gain), found))
 
-    @property
-    def fault(self) -> InputError | None:
-        """The first error of a function of the case's on this rank, since when old data are taken.
-        """
-        return self._asked.fault
-
     def initial(self, t: float, y: BlockVector) -> None:
         """Fill y with the data of the case at time t [s]. InputError for what its functions return,
         those of exact solutions, conditions and forcing as well.
         """
         for k, part in self.parts.items():
             part.initial(t, y.owned(k))
-            part.try_exact(t)
+            if part.block.exact is not None:
+                block_values(part.block, "exact", part.X[:, part.owned], t)
         self._refresh(t)
 
     def stretch(self, t: float, y: BlockVector) -> None:
@@ -165,12 +159,19 @@ class Scheme:
             gas.hold(y.owned(gas.part.k), *self.particles.at_walls(gas.part.k))
 
     def _refresh(self, t: float) -> None:
-        """Data of the case at time t [s]."""
-        if self._filled is None or not self.steady:
+        """Data of the case at time t [s]. InputError the first time; later ones are kept."""
+        instant = None if self.steady else (t, self._instant())
+        if self._filled is not None and self._filled[0] == instant:
+            return
+        try:
             self.particles.refresh(t)
             for part in self.parts.values():
                 part.refresh(t)
-            self._filled = t
+        except InputError as error:
+            if self._filled is None:
+                raise
+            self.fault = self.fault or error
+        self._filled = (instant,)
 
     def complete(self, t: float, y: BlockVector) -> None:
         """Let y obey all that holds its particles, in place. Collective."""
@@ -189,7 +190,6 @@ class Scheme:
             self._follow()
         for gas in self._gases:
             self._does[gas.part.k].swing(self._does[gas.part.k].part)
-            gas.swing(self._lines[gas.part.k].known)
 
     def _follow(self) -> None:
         """Ranks of a gas tell each other by what its grid moves. Collective."""
@@ -203,9 +203,7 @@ class Scheme:
     def _move(self) -> None:
         """Let the grids follow the displacement of solids and walls."""
         for gas in self._gases:
-            does = self._does[gas.part.k]
-            does.move(does.part)
-            gas.move(self._lines[gas.part.k].known)
+            self._does[gas.part.k].move(self._does[gas.part.k].part)
 
     def _add_normals(self, table: Array) -> None:
         for does in self._does.values():
@@ -226,8 +224,7 @@ class Scheme:
 
     def rates(self, t: float, y: BlockVector, f: Array) -> None:
         """f = dy/dt for a completed y. Collective."""
-        if t != self._filled:
-            self._refresh(t)
+        self._refresh(t)
         if self.alone:
             run(self._all, RATES, y.array, f)
             return
@@ -273,12 +270,9 @@ class Scheme:
         found.extremes[1:].reshape(blocks, LOOKED)[:, LEAST_J] = -np.inf
         if self.alone:
             run(self._all, LOOK, y.array, y.array)
-        for gas in self._gases:
-            gas.find_places()
-        for k, does in self._does.items():
+        for does in self._does.values():
             if not self.alone:
                 does.look(does.part, y.array)
-                self.parts[k].judge(y.owned(k), self._lines[k].seen)
             does.note(does.part, self._noted)
 
     def forget(self) -> None:
@@ -286,11 +280,7 @@ class Scheme:
         for gas in self._gases:
             self._lines[gas.part.k].work.w[:] = 0.0
 
-    def volume_ratio(self, y: BlockVector, k: int) -> Array:
-        """(M,) det F of this rank's nodes of the solid block k."""
-        return self.parts[k].volume_ratio(y.ghosted(k))
-
-    def fields(self, t: float, y: BlockVector, k: int) -> Array:
+    def fields(self, y: BlockVector, k: int) -> Array:
         """(M, columns) what is saved of this rank's nodes of block k."""
         return self.parts[k].fields(y.ghosted(k))
 

@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.blockrun.asked import Asked, Forced
+from fsipetsc.blockrun.block_part import BlockPart
 from fsipetsc.blockrun.columns import loses
-from fsipetsc.blockrun.face_terms import FaceTerms, ranges_of, weights_of
 from fsipetsc.blocks.metrics import solid_metrics
 from fsipetsc.blocks.values import block_values, prestress_of
 from fsipetsc.equations.tensors import add_unit, apply, cofactor
@@ -29,36 +28,33 @@ from fsipetsc.scheme.solid_work import Work, solid_work, sums_of
 Array = NDArray[Any]
 
 
-class SolidPart(Forced):
+class SolidPart(BlockPart):
     """One part of a solid block.
 
     metrics: (d d + 1, ghosted nodes), A^k and J0; inertia: J0 m0; prestress: (d d, ghosted nodes),
     or (d d, 0) of a block that has none.
     """
 
-    def __init__(
-        self, layout: BlockLayout, part: Part, order: int, form: Any, asked: Asked
-    ) -> None:
-        self.part, self._problem = part, layout.problem
-        self.block = self._problem.blocks[part.k]
-        self._d = d = self.block.dimension
-        self._like = (0.0,) * d
-        kappa, material = self._problem.symmetry, self.block.material
+    def __init__(self, layout: BlockLayout, part: Part, order: int, form: Any) -> None:
+        super().__init__(layout, part, order)
+        d, kappa, material = self._d, self._problem.symmetry, self.block.material
         self.equations = material.radial_equations(kappa) if kappa else material.equations(d)
-        ranges = ranges_of(part, self.block.shape)
-        self.X = self._problem.positions(part.k, ranges)
-        self.metrics = solid_metrics(self._problem, part.k, order, ranges)
+        self.metrics = solid_metrics(self._problem, part.k, order, self._ranges)
         self.inertia = self.metrics[d * d] * self.equations.m0
-        self._asked = asked
-        self.faces = FaceTerms(self._problem, part, order, self.X, asked)
-        self._owned = part.ghosted_rows(np.arange(part.numbers.size))
-        self._masses = weights_of(part, self._owned) * self.inertia[self._owned]
+        self._masses = self.weights * self.inertia[self.owned]
         self._per_h = np.array(self.block.cells, float)
         self._loses = int(loses(self._problem, part.k))
-        self._F = np.zeros((len(self.equations.unstrained(self._like)), part.numbers.size))
+        strain = self.equations.unstrained((0.0,) * d)
+        self._F = np.zeros((len(strain), part.numbers.size))
         self.prestress = prestress_of(self.block, self.X)
-        self._work = self._make_work(OPERATORS[order].rows, ranges[0][0])
+        self._work = self._make_work(OPERATORS[order].rows, self._ranges[0][0])
         self._dissipation = list(self._make_dissipation(order, form))
+
+    @property
+    def reference(self) -> Array:
+        """(M,) J of the reference map."""
+        J: Array = self.metrics[self._d**2, self.owned]
+        return J
 
     def _make_work(self, rows: int, first: int) -> Work:
         """Memory of rates. rows: of the closures; first: the first ghosted node along axis 0."""
@@ -81,12 +77,9 @@ class SolidPart(Forced):
                 found = differences(d, order_of_term, bands, cells)
                 yield Damping(a, b, *of_solid), found, room(d, found)
 
-    def judge(self, q: Array, seen: Array) -> None:
-        """Nothing beside what `look` sees."""
-
     def initial(self, t: float, q: Array) -> None:
         """Fill q (M, 2d + 1) with the case's data."""
-        d, X = self._d, self.X[:, self._owned]
+        d, X = self._d, self.X[:, self.owned]
         values = block_values(self.block, "initial", X, t)
         v, T, x = values[:d], values[d], values[d + 1 :]
         for c in range(d):
@@ -95,7 +88,7 @@ class SolidPart(Forced):
         q[:, 2 * d] = solid.alpha * T + 0.5 * sum(c * c for c in v)
         if not solid.coupled:
             F = self._strain_of_case()
-            q[:, 2 * d] += self._stored(F, self._owned)
+            q[:, 2 * d] += self._stored(F, self.owned)
 
     def _strain_of_case(self) -> tuple[Array, ...]:
         """F of the owned nodes from the case's places, which it knows in halos as well."""
@@ -138,7 +131,7 @@ class SolidPart(Forced):
         seen, sums = np.zeros(LOOKED), np.zeros(sums_of(self._d) + 1)
         of_block = self.X, self.metrics, self.prestress, self._per_h
         memory = STIFFNESS_OF_WIDE, self._masses, self._work, self._F, self._loses, seen, sums
-        solid_look(self.equations, self._like, q, *of_block, *memory)
+        solid_look(self.equations, (0.0,) * self._d, q, *of_block, *memory)
         return seen, sums
 
     def record(
@@ -158,35 +151,18 @@ class SolidPart(Forced):
             damping = SolidDamping(of_term, found, memory, damping)
         ends = np.zeros((len(interfaces), 4))
         for end, (number, row, X) in zip(ends, interfaces, strict=True):
-            end[:] = number, row, X, self._prestress_at(self._owned[[row]])[0, 0]
+            end[:] = number, row, X, self._prestress_at(self.owned[[row]])[0, 0]
         return SolidRecord(
-            self._like,
-            self.equations,
-            damping,
-            self.faces.record,
-            part.k,
-            part.begin,
-            part.local if part.has_halo else np.empty((0, part.dof)),
-            int(alone and part.has_halo),
-            part.signs,
-            self._loses,
-            self.X,
-            self.metrics,
-            self.inertia,
-            self.prestress,
-            tuple(band.S for band in part.bands),
-            tuple(band.weight for band in part.bands),
-            part.patch,
-            self._work,
-            self._per_h,
-            self._masses,
-            self._F,
-            at_particles,
-            forcing=self.supplied(2 * d + 1),
-            came=np.zeros(d + 2),
-            seen=np.zeros(LOOKED),
+            **self._common(at_particles, columns, alone),
+            laws=self.equations,
+            dissipation=damping,
+            loses=self._loses,
+            inertia=self.inertia,
+            prestress=self.prestress,
+            work=self._work,
+            masses=self._masses,
+            F=self._F,
             sums=np.zeros(sums_of(d) + 1),
-            columns=columns,
             interfaces=ends,
             stored_at=part.ghosted_rows(part.rows(stored[1])),
             rows_of_stored=stored[0],
@@ -197,7 +173,7 @@ class SolidPart(Forced):
         d = self._d
         if d == 1:
             return np.array([2.0 * side - 1.0])
-        A = tuple(self.metrics[axis * d : (axis + 1) * d, self._owned[row]] * (2 * side - 1))
+        A = tuple(self.metrics[axis * d : (axis + 1) * d, self.owned[row]] * (2 * side - 1))
         n = np.array(apply(cofactor(tuple(self._F[:, row])), A))
         return n / np.linalg.norm(n)
 
@@ -205,7 +181,7 @@ class SolidPart(Forced):
         """(…, …) what is saved of these rows of the owned nodes: v, T, Cauchy stress P F^T / J, x;
         in one dimension its part sigma, and p behind x; then sigma_theta of hoops.
         """
-        d, nodes = self._d, self._owned[rows]
+        d, nodes = self._d, self.owned[rows]
         F, own = tuple(self._deformation(q)[:, rows]), q[nodes]
         v = tuple(own[:, d : 2 * d].T)
         e = own[:, 2 * d] - self._stored_by_prestress(F, nodes)

@@ -1,4 +1,4 @@
-"""Metrics of a moving grid in two dimensions, of which only the faces are differentiated. Compiled.
+"""The moving grid of a gas in two dimensions, of which only the faces are differentiated. Compiled.
 
 D_k of a linear function is exact, so derivatives of a blend of faces are blends of derivatives
 along them. With S, N the faces along axis 1 at the low and high end of axis 2, W, E those along
@@ -22,221 +22,189 @@ from numba import njit
 
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.faces import face_nodes
+from fsipetsc.blocks.hull import Hull, end_weights
 from fsipetsc.blocks.metrics import EXACT, Wide, differentiate
 from fsipetsc.checks import Array
 from fsipetsc.operators.loops import CALL, add, dot, load, rows, scale, store, sub
 
 
-class PlaneGrid:
-    """The faces of a range of nodes of a block, of which values (2, H) at the hull are given.
-
-    weights: of the low and high ends of each axis, on the range.
-    """
-
-    def __init__(self, block: Block, wide: Wide, hull: Any, weights: list[Array]) -> None:
-        self._axes, self._faces = [], []
-        for axis, (begin, end) in enumerate(wide.wide):
-            index, n = np.arange(begin, end) % block.shape[axis], weights[2 * axis].size
-            faces = [face_nodes(block.shape, 1 - axis, side)[index] for side in (0, 1)]
-            columns = hull.columns(np.array(faces)[:, : 0 if block.periodic[1 - axis] else None])
-            first = wide.where[axis][0] - begin
-            f, slope, scratch = np.zeros((4, n)), np.zeros((4, n)), np.zeros((2, end - begin))
-            S, weight = wide.S[axis], wide.weight[axis]
-            self._axes.append(Faces(columns, S, weight, first, f, slope, scratch))
-        corners = np.zeros((2, 0), int)
-        if not any(block.periodic):
-            corners = np.array([face_nodes(block.shape, 1, side)[[0, -1]] for side in (0, 1)])
-        self._corners, self._ends = hull.columns(corners), np.zeros((4, 2))
-        rise = np.zeros((2, weights[0].size))
-        self._rise, self._weights = rise, weights
-
-    def record(self) -> Plane:
-        """For compiled code."""
-        return Plane(*self._axes, self._corners, self._ends, self._rise, *self._weights)
-
-    def metrics(self, metrics: Array, G: Array, displacement: Array) -> None:
-        """Fill a^1, a^2; G: (4, N), D_1 X and D_2 X."""
-        plane_metrics(self.record(), metrics, G, displacement)
-
-    def velocities(self, metrics: Array, velocity: Array) -> None:
-        """Fill the velocity v and J_t = a^1 . D_1 v + a^2 . D_2 v."""
-        plane_velocities(self.record(), metrics, velocity)
-
-
 class Faces(NamedTuple):
     """The two faces along an axis: columns (2, n) of the hull, the band of the axis, the first node
-    of the range; values and derivatives (4, n) along them, and memory.
+    of the range, weights of the ends of the axis; values and derivatives (4, n) along the faces, by
+    side and component, and memory.
     """
 
     columns: Array
     S: Array
     weight: Array
     first: int
+    low: Array
+    high: Array
     f: Array
     slope: Array
     scratch: Array
 
 
-class Plane(NamedTuple):
-    """What compiled code knows of a PlaneGrid."""
+class PlaneMotion(NamedTuple):
+    """See fsipetsc.blocks.grid.LineMotion. G: (4, N), D_1 X and D_2 X. along, across: the Faces of
+    both axes. corners: columns (2, 2) of the vertices, ends: (4, 2) the values there; rise: (2, n)
+    the bracket of D_2 u; row: (6, n) D_1 u, D_2 u and u of a row of nodes.
+    """
 
+    hull: Any
+    G: Array
     along: Faces
     across: Faces
     corners: Array
     ends: Array
     rise: Array
-    low: Array
-    high: Array
-    low_y: Array
-    high_y: Array
+    row: Array
+
+    def move(self, known, metrics):
+        """Fill a^1, a^2."""
+        self.hull.fill(self.hull.moved, known, 0)
+        plane_metrics(self, metrics)
+
+    def swing(self, known, metrics):
+        """Velocity of the grid and J_t = a^1 . D_1 v + a^2 . D_2 v."""
+        self.hull.fill(self.hull.moving, known, 2)
+        plane_velocities(self, metrics)
+
+    def find_places(self, X, places):
+        """places = X + the displacement (2, N)."""
+        plane_places(self, X, places)
+
+    def jacobian(self, metrics, N, node, reference):
+        """det(D x): the metrics are D x."""
+        n = node + N
+        return metrics[node] * metrics[n + N + N] - metrics[n] * metrics[n + N]
+
+
+def plane_motion(block: Block, wide: Wide, hull: Hull) -> PlaneMotion:
+    """Of the range of nodes of a Wide."""
+    axes = []
+    for axis, ((begin, end), where) in enumerate(zip(wide.wide, wide.where)):
+        index, weights = np.arange(begin, end), end_weights(block, axis, np.arange(*where))
+        faces = [face_nodes(block.shape, 1 - axis, s)[index % block.shape[axis]] for s in (0, 1)]
+        there = np.array(faces)[:, : 0 if block.periodic[1 - axis] else None]
+        memory = *np.zeros((2, 4, weights[0].size)), np.zeros((2, end - begin))
+        of_band = wide.S[axis], wide.weight[axis], where[0] - begin
+        axes.append(Faces(np.searchsorted(hull.nodes, there), *of_band, *weights, *memory))
+    corners = np.zeros((2, 0), int)
+    if not any(block.periodic):
+        corners = np.array([face_nodes(block.shape, 1, side)[[0, -1]] for side in (0, 1)])
+    n, at = axes[0].low.size, np.searchsorted(hull.nodes, corners)
+    G = np.ascontiguousarray(wide.gradients().reshape(4, -1))
+    return PlaneMotion(hull, G, *axes, at, np.zeros((4, 2)), np.zeros((2, n)), np.zeros((6, n)))
+
+
+@njit(**CALL)
+def plane_metrics(plane, metrics):
+    """a^1 = (D_2 y, -D_2 x), a^2 = (-D_1 y, D_1 x)."""
+    differentiate_faces(plane, plane.hull.moved)
+    G, row, n = plane.G, plane.row, plane.along.low.size
+    for j in range(plane.across.low.size):
+        blend_row(plane, j, True, False)
+        a, b = j * n, (j + 1) * n
+        _add(metrics[0, a:b], G[3, a:b], row[3], 1.0)
+        _add(metrics[1, a:b], G[2, a:b], row[2], -1.0)
+        _add(metrics[2, a:b], G[1, a:b], row[1], -1.0)
+        _add(metrics[3, a:b], G[0, a:b], row[0], 1.0)
+
+
+@njit(**CALL)
+def plane_velocities(plane, metrics):
+    """v and J_t."""
+    differentiate_faces(plane, plane.hull.moving)
+    row, n = plane.row, plane.along.low.size
+    for j in range(plane.across.low.size):
+        blend_row(plane, j, True, True)
+        a, b = j * n, (j + 1) * n
+        a1, a2 = rows((0.0, 0.0), metrics, a, b), rows((0.0, 0.0), metrics[2:], a, b)
+        _rate(metrics[6, a:b], a1, a2, (row[0], row[1]), (row[2], row[3]))
+        metrics[4, a:b], metrics[5, a:b] = row[4], row[5]
+
+
+@njit(**CALL)
+def plane_places(plane, X, places):
+    """X + the displacement."""
+    differentiate_faces(plane, plane.hull.moved)
+    row, n = plane.row, plane.along.low.size
+    for j in range(plane.across.low.size):
+        blend_row(plane, j, False, True)
+        for c in range(2):
+            for i in range(n):
+                places[c, j * n + i] = row[4 + c, i] + X[c, j * n + i]
 
 
 @njit(**CALL)
 def differentiate_faces(plane, values):
     """Values (2, H) of the hull at faces and vertices, and derivatives along faces."""
-    _along(values, plane.along)
-    _along(values, plane.across)
-    _across(values, plane.corners, plane.ends, plane.along.f, plane.rise, plane.low, plane.high)
-
-
-@njit(**CALL)
-def plane_metrics(plane, metrics, G, displacement):
-    """a^1, a^2."""
-    differentiate_faces(plane, displacement)
-    slope, f = plane.along.slope, plane.across.f
-    S, N = (slope[0], slope[1]), (slope[2], slope[3])
-    rise, weights = (plane.rise[0], plane.rise[1]), (plane.low, plane.high)
-    more = plane.low_y, plane.high_y, f, plane.across.slope, plane.ends
-    _plane_metrics(metrics, G, S, N, rise, *weights, *more)
-
-
-@njit(**CALL)
-def plane_velocities(plane, metrics, velocity):
-    """v and J_t."""
-    differentiate_faces(plane, velocity)
-    f, slope = plane.along.f, plane.along.slope
-    values, S, N = ((f[0], f[1]), (f[2], f[3])), (slope[0], slope[1]), (slope[2], slope[3])
-    rise, weights = (plane.rise[0], plane.rise[1]), (plane.low, plane.high)
-    more = plane.low_y, plane.high_y, plane.across.f, plane.across.slope, plane.ends
-    _plane_rates(metrics, S, N, rise, *weights, *more)
-    _plane_values(metrics[4:6], *values, *weights, *more)
-
-
-@njit(**CALL)
-def plane_places(plane, X, displacement, places):
-    """places = X + the displacement of the hull, blended (2, N)."""
-    differentiate_faces(plane, displacement)
-    f, more = plane.along.f, (plane.across.f, plane.across.slope, plane.ends)
-    weights = plane.low, plane.high, plane.low_y, plane.high_y
-    _plane_values(places, (f[0], f[1]), (f[2], f[3]), *weights, *more)
+    for faces in (plane.along, plane.across):
+        given, slope = faces.scratch[0], faces.scratch[1]
+        for r in range(4 if faces.columns.size > 0 else 0):
+            for i in range(given.size):
+                given[i] = values[r % 2, faces.columns[r // 2, i]]
+            differentiate(slope, given, faces.S, faces.weight, 1)
+            for i in range(faces.f.shape[1]):
+                faces.f[r, i] = given[faces.first + i]
+                faces.slope[r, i] = slope[faces.first + i]
+    f, ends, low, high = plane.along.f, plane.ends, plane.along.low, plane.along.high
     for c in range(2):
-        for i in range(X.shape[1]):
-            places[c, i] += X[c, i]
-
-
-@njit(**CALL)
-def _along(values, faces):
-    """Values and derivatives along the two faces of an axis, (4, n): rows 2 side + component."""
-    columns, f, slope, scratch = faces.columns, faces.f, faces.slope, faces.scratch
-    if columns.size == 0:
-        return
-    n = f.shape[1]
-    given, derivative = scratch[0], scratch[1]
-    for row in range(4):
-        side, c = row // 2, row % 2
-        for i in range(given.size):
-            given[i] = values[c, columns[side, i]]
-        differentiate(derivative, given, faces.S, faces.weight, 1)
-        for i in range(n):
-            f[row, i] = given[faces.first + i]
-            slope[row, i] = derivative[faces.first + i]
-
-
-@njit(**CALL)
-def _across(values, corners, ends, f, rise, low, high):
-    """Values at the four vertices, (4, 2), and [N_i - S_i - l_i (N_0 - S_0) - h_i (N_n - S_n)]."""
-    for c in range(2):
-        for end in range(corners.shape[1]):
-            ends[end, c] = values[c, corners[0, end]]
-            ends[2 + end, c] = values[c, corners[1, end]]
+        for end in range(plane.corners.shape[1]):
+            ends[end, c] = values[c, plane.corners[0, end]]
+            ends[2 + end, c] = values[c, plane.corners[1, end]]
         at_low, at_high = ends[2, c] - ends[0, c], ends[3, c] - ends[1, c]
         for i in range(low.size):
-            rise[c, i] = (f[2 + c, i] - f[c, i]) - (low[i] * at_low + high[i] * at_high)
+            plane.rise[c, i] = (f[2 + c, i] - f[c, i]) - (low[i] * at_low + high[i] * at_high)
 
 
 @njit(**CALL)
-def _row(ends, g, steep, l, h, j):
-    """Of row j: Q_0, Q_n, W, E, D_2 W, D_2 E."""
+def blend_row(plane, j, slopes, values):
+    """Of row j the slopes D_1 u and D_2 u, the values u."""
+    ends, g, steep, row = plane.ends, plane.across.f, plane.across.slope, plane.row
+    f, slope, rise = plane.along.f, plane.along.slope, plane.rise
+    l, h, low, high = plane.across.low[j], plane.across.high[j], plane.along.low, plane.along.high
     start = l * ends[0, 0] + h * ends[2, 0], l * ends[0, 1] + h * ends[2, 1]
     stop = l * ends[1, 0] + h * ends[3, 0], l * ends[1, 1] + h * ends[3, 1]
-    values = (g[0, j], g[1, j]), (g[2, j], g[3, j])
-    return start, stop, *values, (steep[0, j], steep[1, j]), (steep[2, j], steep[3, j])
-
-
-@njit(**CALL)
-def _plane_metrics(metrics, G, S, N, rise, low, high, low_y, high_y, g, steep, ends):
-    like, n = (0.0, 0.0), low.size
-    for j in range(low_y.size):
-        l, h, a, b = low_y[j], high_y[j], j * n, (j + 1) * n
-        start, stop, west, east, west_slope, east_slope = _row(ends, g, steep, l, h, j)
-        across = sub(sub(east, west), sub(stop, start))
-        a1, a2 = rows(like, metrics, a, b), rows(like, metrics[2:], a, b)
-        G1, G2 = rows(like, G, a, b), rows(like, G[2:], a, b)
-        of_row = l, h, across, west_slope, east_slope
-        _row_of_metrics(a1, a2, G1, G2, S, N, rise, low, high, of_row)
-
-
-@njit(**CALL)
-def _plane_rates(metrics, S, N, rise, low, high, low_y, high_y, g, steep, ends):
-    like, n = (0.0, 0.0), low.size
-    for j in range(low_y.size):
-        l, h, a, b = low_y[j], high_y[j], j * n, (j + 1) * n
-        start, stop, west, east, west_slope, east_slope = _row(ends, g, steep, l, h, j)
-        across = sub(sub(east, west), sub(stop, start))
-        a1, a2 = rows(like, metrics, a, b), rows(like, metrics[2:], a, b)
-        of_row = l, h, across, west_slope, east_slope
-        _row_of_rates(metrics[6, a:b], a1, a2, S, N, rise, low, high, of_row)
-
-
-@njit(**CALL)
-def _plane_values(values, fS, fN, low, high, low_y, high_y, g, steep, ends):
-    like, n = (0.0, 0.0), low.size
-    for j in range(low_y.size):
-        l, h = low_y[j], high_y[j]
-        start, stop, west, east, _, _ = _row(ends, g, steep, l, h, j)
-        v = rows(like, values, j * n, (j + 1) * n)
-        _row_of_values(v, fS, fN, low, high, l, h, sub(west, start), sub(east, stop))
+    west, east = (g[0, j], g[1, j]), (g[2, j], g[3, j])
+    if slopes:
+        S, N, across = (slope[0], slope[1]), (slope[2], slope[3]), sub(east, west)
+        _between((row[0], row[1]), S, N, l, h, sub(across, sub(stop, start)))
+        W, E = (steep[0, j], steep[1, j]), (steep[2, j], steep[3, j])
+        _along((row[2], row[3]), (rise[0], rise[1]), low, high, W, E)
+    if values:
+        u = row[4], row[5]
+        _between(u, (f[0], f[1]), (f[2], f[3]), l, h, (0.0, 0.0))
+        _along(u, u, low, high, sub(west, start), sub(east, stop))
         if low[0] == 1.0:
-            store(v, 0, west)
-        if high[n - 1] == 1.0:
-            store(v, n - 1, east)
+            store(u, 0, west)
+        if high[low.size - 1] == 1.0:
+            store(u, low.size - 1, east)
 
 
 @njit(**EXACT)
-def _row_of_metrics(a1, a2, G1, G2, S, N, rise, low, high, of_row):
-    """a^1 = (D_2 y, -D_2 x), a^2 = (-D_1 y, D_1 x) of a row of nodes."""
-    l, h, across, west, east = of_row
-    for i in range(low.size):
-        D1 = add(add(scale(l, load(S, i)), scale(h, load(N, i))), across)
-        D2 = add(add(scale(low[i], west), scale(high[i], east)), load(rise, i))
-        x1, x2 = add(load(G1, i), D1), add(load(G2, i), D2)
-        store(a1, i, (x2[1], -x2[0]))
-        store(a2, i, (-x1[1], x1[0]))
+def _between(u, S, N, l, h, more):
+    """l S + h N + more."""
+    for i in range(u[0].size):
+        store(u, i, add(add(scale(l, load(S, i)), scale(h, load(N, i))), more))
 
 
 @njit(**EXACT)
-def _row_of_rates(J_t, a1, a2, S, N, rise, low, high, of_row):
-    """J_t of a row of nodes."""
-    l, h, across, west, east = of_row
+def _along(u, f, low, high, west, east):
+    """f + (low west + high east); f may be u."""
     for i in range(low.size):
-        D1 = add(add(scale(l, load(S, i)), scale(h, load(N, i))), across)
-        D2 = add(add(scale(low[i], west), scale(high[i], east)), load(rise, i))
-        J_t[i] = dot(load(a1, i), D1) + dot(load(a2, i), D2)
+        store(u, i, add(load(f, i), add(scale(low[i], west), scale(high[i], east))))
 
 
 @njit(**EXACT)
-def _row_of_values(v, S, N, low, high, l, h, west, east):
-    """Values of a row of nodes; west, east: what Q misses there."""
-    for i in range(low.size):
-        Q = add(scale(l, load(S, i)), scale(h, load(N, i)))
-        store(v, i, add(Q, add(scale(low[i], west), scale(high[i], east))))
+def _add(out, f, g, sign):
+    for i in range(out.size):
+        out[i] = sign * (f[i] + g[i])
+
+
+@njit(**EXACT)
+def _rate(J_t, a1, a2, D1, D2):
+    """a^1 . D_1 v + a^2 . D_2 v."""
+    for i in range(J_t.size):
+        J_t[i] = dot(load(a1, i), load(D1, i)) + dot(load(a2, i), load(D2, i))

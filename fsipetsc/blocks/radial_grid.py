@@ -18,21 +18,24 @@ import numpy as np
 from numba import njit
 
 from fsipetsc.blocks.block import Range
+from fsipetsc.blocks.hull import Hull
 from fsipetsc.blocks.metrics import differentiate
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.checks import Array
 from fsipetsc.operators.loops import CALL
 
 
-class RadialGrid(NamedTuple):
-    """Of a range of nodes, and in wider arrays of as many more as differences need.
+class RadialMotion(NamedTuple):
+    """See fsipetsc.blocks.grid.LineMotion. Arrays are of a range of nodes, or in wider arrays of as
+    many more as differences need, where it begins at `first`.
 
-    S, weight: of the band. X, low, high: places at rest and weights of the ends' displacements.
-    first: where the range begins. r, v, area, slope, product: room. source, volume: (N,) S and J of
-    the range; bounds: (3, N) its metrics with the largest area between a node and its neighbours,
-    by which steps are bounded. hoops: kappa zeros.
+    S, weight: of the band. X, low, high: places at rest and weights of the ends' displacements. r,
+    v, area, slope, product: room. source, volume: (N,) S and J of the range; bounds: (3, N) its
+    metrics with the largest area between a node and its neighbours, by which steps are bounded.
+    hoops: kappa zeros.
     """
 
+    hull: Any
     S: Array
     weight: Array
     X: Array
@@ -49,12 +52,28 @@ class RadialGrid(NamedTuple):
     bounds: Array
     hoops: Any
 
-    def places(self) -> Array:
-        """r (1, N) after the last `move`."""
-        return self.r[None, self.first : self.first + self.source.size]
+    def move(self, known, metrics):
+        """Fill A, and source, volume, bounds."""
+        self.hull.fill(self.hull.moved, known, 0)
+        radial_metrics(self, metrics, *self.hull.ends(self.hull.moved))
+
+    def swing(self, known, metrics):
+        """Velocity of the grid and J_t."""
+        self.hull.fill(self.hull.moving, known, 1)
+        radial_velocities(self, metrics, *self.hull.ends(self.hull.moving))
+
+    def find_places(self, X, places):
+        """r."""
+        places[0, :] = self.r[self.first : self.first + self.source.size]
+
+    def jacobian(self, metrics, N, node, reference):
+        """J of the grid at a node."""
+        return self.volume[node]
 
 
-def radial_grid(problem: BlockProblem, k: int, order: int, where: Range) -> RadialGrid:
+def radial_motion(
+    problem: BlockProblem, k: int, order: int, where: Range, hull: Hull
+) -> RadialMotion:
     """Of a range of nodes of block k; images before a centre have numbers below 0."""
     ((begin, end),) = where
     band, n = problem.band(k, order, 0), problem.blocks[k].shape[0]
@@ -64,19 +83,15 @@ def radial_grid(problem: BlockProblem, k: int, order: int, where: Range) -> Radi
     low, high = (cells - i) / cells, i / cells
     if problem.centred(k):
         low, high = 0.0 * i, (i + 0.5) / (cells + 0.5)
-    X = problem.positions(k, [(first, beyond)])[0]
-    room = [np.zeros(i.size) for _ in range(5)]
-    of_range = [np.zeros(end - begin) for _ in range(2)]
-    cut, hoops = band.part(first, beyond), (0.0,) * problem.symmetry
-    bounds = np.zeros((3, end - begin))
-    return RadialGrid(*cut, X, low, high, begin - first, *room, *of_range, bounds, hoops)
+    X, room = problem.positions(k, [(first, beyond)])[0], np.zeros((5, i.size))
+    of_range, hoops = np.zeros((5, end - begin)), (0.0,) * problem.symmetry
+    of_axis = *band.part(first, beyond), X, low, high, begin - first
+    return RadialMotion(hull, *of_axis, *room, of_range[0], of_range[1], of_range[2:], hoops)
 
 
 @njit(**CALL)
-def radial_metrics(grid, metrics, moved):
-    """Fill A, and source, volume, bounds; moved: (1, ends) displacements."""
-    at_low = moved[0, 0] if moved.size > 0 else 0.0
-    at_high = moved[0, -1] if moved.size > 0 else 0.0
+def radial_metrics(grid, metrics, at_low, at_high):
+    """A, source, volume, bounds from the displacements of both ends."""
     kappa, r, area, first = len(grid.hoops), grid.r, grid.area, grid.first
     for i in range(r.size):
         r[i] = grid.X[i] + (grid.low[i] * at_low + grid.high[i] * at_high)
@@ -95,10 +110,8 @@ def radial_metrics(grid, metrics, moved):
 
 
 @njit(**CALL)
-def radial_velocities(grid, metrics, moving):
-    """Fill v and J_t from the velocities (1, ends)."""
-    at_low = moving[0, 0] if moving.size > 0 else 0.0
-    at_high = moving[0, -1] if moving.size > 0 else 0.0
+def radial_velocities(grid, metrics, at_low, at_high):
+    """v and J_t from the velocities of both ends."""
     v = grid.v
     for i in range(grid.r.size):
         v[i] = grid.low[i] * at_low + grid.high[i] * at_high
@@ -107,39 +120,3 @@ def radial_velocities(grid, metrics, moving):
     for i in range(grid.source.size):
         metrics[1, i] = grid.bounds[1, i] = v[grid.first + i]
         metrics[2, i] = grid.slope[grid.first + i]
-
-
-class RadialMotion(NamedTuple):
-    """The same for compiled code: see fsipetsc.blocks.grid.LineMotion."""
-
-    given: Array
-    columns: Array
-    weights: Array
-    moved: Array
-    moving: Array
-    grid: RadialGrid
-
-    def move(self, known, metrics):
-        """Fill A from displacements and velocities known (M, 2) of the given nodes."""
-        from_hull(self, known, 0, self.moved)
-        radial_metrics(self.grid, metrics, self.moved)
-
-    def swing(self, known, metrics):
-        """Velocity of the grid and J_t."""
-        from_hull(self, known, 1, self.moving)
-        radial_velocities(self.grid, metrics, self.moving)
-
-    def find_places(self, X, places):
-        """Nobody asks for them."""
-        return None
-
-    def jacobian(self, metrics, N, node, reference):
-        """J of the grid at a node."""
-        return self.grid.volume[node]
-
-
-@njit(**CALL)
-def from_hull(motion, known, first, values):
-    """values (1, ends) from known (M, 2)."""
-    for m in range(motion.given.size):
-        values[0, motion.given[m]] = known[m, first]

@@ -84,6 +84,26 @@ def checked_one(
     return array_of(value, name, X, function, where)
 
 
+def datum(condition: Any, name: str, X: Array, t: float) -> Array:
+    """(n,) a datum of a condition, a number or a function of (*X, t); X: (n, d). InputError."""
+    of = getattr(condition, name)
+    if not callable(of):
+        return np.full(len(X), float(of))
+    if hasattr(of, "of_time"):  # of an end in one dimension
+        return np.full(len(X), of.of_time(t))
+    where = f"{name} of {type(condition).__name__} at t = {t:.6g}"
+    return checked_one(of, (*X.T, t), X.T, name, where)
+
+
+def data(condition: Any, name: str, X: Array, t: float, names: Sequence[str]) -> Array:
+    """(n, len(names)) what a condition's function of (*X, t) returns. InputError."""
+    of = getattr(condition, name)
+    if hasattr(of, "of_time"):
+        return np.full((len(X), len(names)), of.of_time(t))
+    where = f"{name} of {type(condition).__name__} at t = {t:.6g}"
+    return np.stack(checked(of, (*X.T, t), X.T, names, where), axis=-1)
+
+
 def array_of(
     value: Any,
     name: str,

@@ -18,7 +18,7 @@ from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import SBPOperator, row_length
 from fsipetsc.paper.ends import nodes_needed
 from fsipetsc.paper.sums import SEEN, SHARES
-from fsipetsc.parallel.partition import Extent, partition
+from fsipetsc.parallel.block_shares import share_line
 from fsipetsc.problem import FluidLayer, Problem
 
 Array = np.ndarray
@@ -182,11 +182,11 @@ class Layout:
         self.comm, self.problem, self.grids = comm, problem, grids
         self.halo = max(2 * op.reach, 6)
         kinds = [layer.kind for layer in problem.layers]
-        extents = [
-            Extent(kind, grid.n, grid.active, k == 0 and kind == "fluid")
+        stored = [
+            (kind, grid.n, grid.active, k == 0 and kind == "fluid")
             for k, (kind, grid) in enumerate(zip(kinds, grids, strict=True))
         ]
-        self.shares = partition(extents, comm.size, mode, max(self.halo, op.rows + 1))
+        self.shares = share_line(stored, comm.size, mode, max(self.halo, op.rows + 1))
         self.records = np.zeros(len(grids), RECORD)
         self.dof = [DOF[kind] for kind in kinds]
         self.dms: list[PETSc.DMDA | None] = []

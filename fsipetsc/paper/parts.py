@@ -108,7 +108,7 @@ class Interface:
         face = Face(kind, gas.law, solid.law, n, h)
         points = gas.owned, solid.owned, self.jump, *rows, notes
         self.box = Box(steps.Sides(op, face, *records, *points))
-        # the rank with the last point of a layer has all of the rows, see parallel.partition
+        # the rank with the last point of a layer has all of the rows, see parallel.block_shares
         first = min(gas.number, solid.number)
         owners = [layout.shares[v.number][-1 if v.number == first else 0][0] for v in (gas, solid)]
         self.here = [owner == self._comm.rank for owner in owners]

@@ -12,7 +12,7 @@ Nodes of a block are numbered n = i_0 + N_0 (i_1 + N_1 i_2), and so are those of
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import prod
 from typing import Any
@@ -288,48 +288,33 @@ class BlockVector:
 
 
 class FaceGather:
-    """Numbers of nodes on faces of block k, from the ranks that own the nodes to all of the block.
+    """Numbers of nodes of block k, from the ranks that own the nodes to all of the block.
 
-    faces: name -> node numbers. A node in several faces has a row in each. nodes: those that this
-    rank owns. local: (nodes, columns), of these, to be filled. whole: name -> (nodes of the face,
-    columns), the same on every rank. Collective on the ranks of the block.
+    nodes: of these those that this rank owns. local: (own nodes, columns), to be filled. whole:
+    (nodes, columns), the same on every rank. Collective on the ranks of the block.
     """
 
-    def __init__(
-        self, layout: BlockLayout, k: int, faces: Mapping[Any, Numbers], columns: int
-    ) -> None:
-        part = layout.part(k)
-        assert part is not None, "for the ranks of the block"
-        self._comm = part.comm
-        lists = [np.asarray(nodes, np.int64) for nodes in faces.values()]
-        every = np.concatenate(lists) if lists else np.empty(0, np.int64)
-        owners = layout.owners(k, every) if every.size else every
-        self._whole = np.empty((every.size, columns))
-        ends = np.cumsum([nodes.size for nodes in lists])
-        views = np.split(self._whole, ends[:-1]) if lists else []
-        self.whole: dict[Any, Array] = dict(zip(faces, views, strict=True))
-        self.nodes = every[owners == layout.comm.rank]
+    def __init__(self, layout: BlockLayout, k: int, nodes: Numbers, columns: int) -> None:
+        self._comm = layout.part(k).comm
+        owners = layout.owners(k, nodes) if nodes.size else nodes
+        self.nodes = nodes[owners == layout.comm.rank]
         self.local = np.empty((self.nodes.size, columns))
+        self.whole, self._received = np.empty((2, nodes.size, columns))
         by_rank = [np.flatnonzero(owners == rank) for rank in layout.shares[k].ranks]
-        self._order = np.concatenate(by_rank) if by_rank else every
+        self._order = np.concatenate(by_rank)
         self._counts = [columns * rows.size for rows in by_rank]
-        self._received = np.empty((every.size, columns))
-        self._alone = part.comm.size == 1
         self._request = MPI.REQUEST_NULL
 
     def begin(self) -> None:
         """Send what is in ``local``, which must not change before ``end``."""
-        if not self._alone:
+        if self._comm.size > 1:
             into = [self._received, self._counts, MPI.DOUBLE]
             self._request = self._comm.Iallgatherv([self.local, MPI.DOUBLE], into)
 
     def end(self) -> None:
         """``whole`` is filled."""
-        if self._alone:
-            self._whole[self._order] = self.local
-        else:
-            self._request.Wait()
-            self._whole[self._order] = self._received
+        self._request.Wait()
+        self.whole[self._order] = self._received if self._comm.size > 1 else self.local
 
 
 def halos_of(problem: Any, order: int, shocks: bool = False) -> list[tuple[int, bool]]:

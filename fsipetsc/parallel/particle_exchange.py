@@ -21,11 +21,10 @@ class ParticleExchange:
 
     particles, owners: (n,), particle and owning rank of each member of the particles in which this
     rank takes part, in an order that all ranks have in common (by particle, say, and within a
-    particle by block and node). columns: numbers of a member. tag: another one for each exchange
-    that is under way at the same time.
+    particle by block and node). columns: numbers of a member. tag: another one for each exchange.
 
     table: (n, columns): first the rows of the members of this rank, in their order, which are to be
-    filled before ``begin``, then those of the other ranks, which are there after ``end``.
+    filled before ``exchange``, then those of the other ranks.
     row: (n,), the row of each member. mine: (m,), numbers of the members of this rank.
     Making one is collective on ``comm``; an exchange is between the neighbours alone.
     """
@@ -61,16 +60,12 @@ class ParticleExchange:
         self._packed.append((rows, buffer))
         return buffer
 
-    def begin(self) -> None:
-        """Send the rows of this rank, which must not change before ``end``."""
+    def exchange(self) -> None:
+        """Send the rows of this rank; then all rows of the table are there."""
         if self._requests:
             for rows, buffer in self._packed:
                 np.take(self.table, rows, axis=0, out=buffer, mode="clip")
             MPI.Prequest.Startall(self._requests)
-
-    def end(self) -> None:
-        """All rows of the table are there."""
-        if self._requests:
             MPI.Request.Waitall(self._requests)
 
     def destroy(self) -> None:

@@ -1,0 +1,67 @@
+"""What a rank's parts of gas and solid blocks have in common."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fsipetsc.blockrun.face_terms import FaceTerms, ranges_of, weights_of
+from fsipetsc.blocks.values import block_values
+from fsipetsc.parallel.block_layout import BlockLayout, Part
+from fsipetsc.scheme.block_look import LOOKED
+
+Array = NDArray[Any]
+
+
+class BlockPart:
+    """One part of a block. X: (d, ghosted nodes) places in the reference map. timed: data of its
+    faces or its forcing depend on time.
+    """
+
+    metrics: Array
+
+    def __init__(self, layout: BlockLayout, part: Part, order: int) -> None:
+        self.part, self._problem = part, layout.problem
+        self.block = self._problem.blocks[part.k]
+        self._d = d = self.block.dimension
+        self._ranges = ranges_of(part, self.block.shape)
+        self.X = self._problem.positions(part.k, self._ranges)
+        self.owned = part.ghosted_rows(np.arange(part.numbers.size))
+        self.weights = weights_of(part, self.owned)
+        self.faces = FaceTerms(self._problem, part, order, self.X)
+        rows = d + 2 if self.block.kind == "fluid" else 2 * d + 1
+        forced = self.block.forcing is not None
+        self._forcing = np.zeros((rows, self.owned.size * forced))
+        self.timed = self.faces.timed or forced
+
+    def refresh(self, t: float) -> None:
+        """Data of faces and of the forcing at time t [s]. InputError."""
+        self.faces.refresh(t)
+        if self.block.forcing is not None:
+            self._forcing[:] = block_values(self.block, "forcing", self.X[:, self.owned], t)
+
+    def _common(self, at_particles: Any, columns: Array, alone: bool) -> dict[str, Any]:
+        """Fields of the records of both kinds for compiled code."""
+        part, d = self.part, self._d
+        return {
+            "like": (0.0,) * d,
+            "faces": self.faces.record,
+            "block": part.k,
+            "begin": part.begin,
+            "halo": part.local if part.has_halo else np.empty((0, part.dof)),
+            "wraps": int(alone and part.has_halo),
+            "signs": part.signs,
+            "X": self.X,
+            "metrics": self.metrics,
+            "S": tuple(band.S for band in part.bands),
+            "weight": tuple(band.weight for band in part.bands),
+            "patch": part.patch,
+            "per_h": np.array(self.block.cells, float),
+            "at_particles": at_particles,
+            "forcing": self._forcing,
+            "came": np.zeros(d + 2),
+            "seen": np.zeros(LOOKED),
+            "columns": columns,
+        }
