@@ -49,7 +49,7 @@ KNOW_MPI = {"cli", "api", "verify", "analysis", "bench", "stepping", "output", "
 KNOW_MPI |= {"parallel"}
 KNOW_PETSC = {"analysis", "bench", "stepping", "output", "process", "options", "parallel"}
 #: files of ``parallel`` that know PETSc: those that have the DMDAs
-PETSC_IN_PARALLEL = {f"parallel/{name}.py" for name in ("block_layout", "natural_order")}
+PETSC_IN_PARALLEL = {"parallel/block_layout.py"}
 
 
 def imports(source: str) -> Iterator[tuple[int, str]]:

@@ -26,8 +26,13 @@ from fsipetsc.checks import counted
 from fsipetsc.errors import FsiError, InputError
 from fsipetsc.operators.kernel_cache import announced
 from fsipetsc.operators.sbp import OPERATORS
-from fsipetsc.parallel.block_layout import BlockLayout, BlockVector, Part, halos_of
-from fsipetsc.parallel.natural_order import NaturalOrder
+from fsipetsc.parallel.block_layout import (
+    BlockLayout,
+    BlockVector,
+    NaturalOrder,
+    Part,
+    halos_of,
+)
 from fsipetsc.process.together import agree, together, wait_asleep
 from fsipetsc.scheme.after_step import WORDS, note_extremes
 from fsipetsc.scheme.burst import DT, MADE, plan_next

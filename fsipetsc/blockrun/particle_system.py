@@ -146,9 +146,8 @@ class ParticleSystem:
             mass = inertia[part.k][nodes] if part.k in inertia else 1.0
             exchange.table[rows, 0] = weights_of(part, nodes) * mass
         exchange.exchange()
-        found = exchange.table[:, 0].copy()
         exchange.destroy()
-        return found
+        return exchange.table[:, 0]
 
     def _nodes(self, members: Array, number: Array) -> dict[int, tuple[Array, Array]]:
         mine, found = self._exchange.mine, {}

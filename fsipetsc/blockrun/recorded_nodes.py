@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fsipetsc.blockrun.columns import fields_of, point_names
-from fsipetsc.blocks.problem import Meeting
 from fsipetsc.errors import InputError
 
 if TYPE_CHECKING:
@@ -76,23 +75,20 @@ def _on_interfaces(problem: RunProblem, X: float) -> list[Recorded]:
 
 def _nearest(problem: RunProblem, place: Array) -> Recorded:
     """The node next to a place; on an interface that of the solid. InputError for one outside."""
-    best: tuple[float, int, int, Array] | None = None
-    kinds = [layer.kind for layer in problem.layers]
-    solids_first = sorted(range(len(kinds)), key=lambda k: kinds[k] != "solid")
-    for k in solids_first:
-        nodes = np.arange(int(np.prod(problem.layers[k].shape)))
-        places = problem.places(k, nodes)
+    best = np.inf, 0, 0, place
+    for k in sorted(range(len(problem.layers)), key=lambda k: problem.layers[k].kind != "solid"):
+        places = problem.places(k, np.arange(int(np.prod(problem.layers[k].shape))))
         distance = np.linalg.norm(places - place, axis=1)
         at = int(np.argmin(distance))
-        if best is None or distance[at] < best[0] - problem.tolerance:
+        if distance[at] < best[0] - problem.tolerance:
             best = float(distance[at]), k, at, places[at]
     distance, k, node, X = best
     if distance > _reach(problem, k, node):
         text = ",".join(f"{x:g}" for x in place)
         nearest = f"the nearest node is {distance:g} away"
         raise InputError(f"-fsi_probes {text}: no block is there; {nearest}")
-    name = problem.layers[k].name
-    return Recorded(name, k, node, tuple(X.tolist()), _face_of(problem, k, node))
+    face = _face_of(problem, k, node)
+    return Recorded(problem.layers[k].name, k, node, tuple(X.tolist()), face)
 
 
 def _reach(problem: RunProblem, k: int, node: int) -> float:
@@ -110,13 +106,9 @@ def _reach(problem: RunProblem, k: int, node: int) -> float:
 
 def _face_of(problem: RunProblem, k: int, node: int) -> tuple[int, int] | None:
     """The face at which a node of a solid is on an interface."""
-    if problem.layers[k].kind != "solid":
-        return None
-    for face, met in sorted(problem.faces_of(k).items()):
-        if isinstance(met, Meeting) and problem.is_interface(k, *face):
-            if node in problem.face_nodes(k, *face):
-                return face
-    return None
+    faces = problem.faces_of(k) if problem.layers[k].kind == "solid" else ()
+    there = (f for f in sorted(faces) if problem.is_interface(k, *f))
+    return next((f for f in there if node in problem.face_nodes(k, *f)), None)
 
 
 class Recorder:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cached_property
 from typing import Any
 
@@ -10,12 +9,13 @@ import numpy as np
 
 from fsipetsc.blocks.block import Block, determinant, mesh
 from fsipetsc.blocks.conditions import holds_energy, steady
+from fsipetsc.blocks.faces import united
 from fsipetsc.blocks.problem import BlockProblem, Meeting
 
 #: letters of axes, of positions and of velocities
 PLACES, VELOCITIES = "xyz", "uvw"
-#: cells per axis by which the size of a block is estimated
-_CELLS = 8
+#: pieces along an axis by which the size of a block is estimated
+_CELLS = 32
 
 
 class RunProblem:
@@ -40,11 +40,10 @@ class RunProblem:
     @cached_property
     def interfaces(self) -> list[tuple[int, int]]:
         """(block of gas, block of a solid) that have faces in common, in the order of blocks."""
-        found = set()
-        for k, face in self._faces(Meeting):
-            other = self.faces_of(k)[face].block
-            if self.layers[k].kind == "fluid" and self.layers[other].kind == "solid":
-                found.add((k, other))
+        every = ((k, met) for k in range(len(self.layers)) for met in self.faces_of(k).values())
+        met = {(k, m.block) for k, m in every if isinstance(m, Meeting)}
+        kinds = [block.kind for block in self.layers]
+        found = [(k, j) for k, j in met if (kinds[k], kinds[j]) == ("fluid", "solid")]
         return sorted(found, key=sorted)
 
     @property
@@ -77,13 +76,21 @@ class RunProblem:
         d = self.dimension
         return min((_size(b) / np.prod(b.cells)) ** (1.0 / d) for b in self.layers)
 
+    @cached_property
+    def _conditions(self) -> list[Any]:
+        """Of all faces that no other one meets."""
+        every = (met for k in range(len(self.layers)) for met in self.faces_of(k).values())
+        return [met for met in every if not isinstance(met, Meeting)]
+
+    @property
+    def _forced(self) -> bool:
+        """There is forcing, or interfaces get something from outside."""
+        return self.jumps is not None or any(b.forcing is not None for b in self.layers)
+
     @property
     def steady_data(self) -> bool:
         """No data of faces and no forcing depend on time."""
-        forced = any(block.forcing is not None for block in self.layers)
-        conditions = (self.faces_of(k)[face] for k, face in self._faces())
-        still = all(steady(c) for c in conditions if not isinstance(c, Meeting))
-        return still and not forced and self.jumps is None
+        return all(map(steady, self._conditions)) and not self._forced
 
     @cached_property
     def invariants(self) -> dict[str, Any]:
@@ -92,11 +99,9 @@ class RunProblem:
         Less what comes in through faces and by forces, the mass of each body of gas, momentum and
         energy; entropy where nothing comes in and stresses do not heat the solids.
         """
-        forced = self.jumps is not None or any(b.forcing is not None for b in self.layers)
         solids = [block for block in self.layers if block.kind == "solid"]
         gases = [k for k, block in enumerate(self.layers) if block.kind == "fluid"]
-        conditions = [self.faces_of(k)[face] for k, face in self._faces()]
-        closed = all(holds_energy(c) for c in conditions if not isinstance(c, Meeting))
+        closed = all(map(holds_energy, self._conditions)) and not self._forced
         elastic = all(getattr(solid.material, "heat", "") == "elastic" for solid in solids)
         masses = [solid.material.m0 * self._volume(solid) for solid in solids]
         capacities = [m * solid.material.alpha for m, solid in zip(masses, solids, strict=True)]
@@ -107,7 +112,7 @@ class RunProblem:
             ],
             "momentum": self.symmetry == 0,  # pressure acts around an axis, too
             "energy": True,
-            "entropy": closed and elastic and not forced,
+            "entropy": closed and elastic,
             "inertia": sum(masses),
             "heat_capacity": sum(capacities),
         }
@@ -117,41 +122,29 @@ class RunProblem:
         if not self.symmetry:
             return _size(block)
         n = self.symmetry + 1
-        low, high = (float(_values(block.map, [np.array([end])])[0][0]) for end in (0.0, 1.0))
+        low, high = (float(block.face_positions(0, side)[0, 0]) for side in (0, 1))
         return (high**n - low**n) / n
-
-    def _faces(self, kind: type = object) -> list[tuple[int, tuple[int, int]]]:
-        """(block, face) where something of this kind stands."""
-        return [
-            (k, face)
-            for k in range(len(self.layers))
-            for face, stands in self.faces_of(k).items()
-            if isinstance(stands, kind)
-        ]
 
 
 def _bodies(problem: BlockProblem) -> list[list[int]]:
     """Blocks of gas that joins connect."""
-    bodies = [[k] for k, block in enumerate(problem.blocks) if block.kind == "fluid"]
-    for k, block in enumerate(problem.blocks):
-        for met in problem.faces_of(k).values() if block.kind == "fluid" else ():
-            if isinstance(met, Meeting) and problem.blocks[met.block].kind == "fluid":
-                here = [body for body in bodies if {k, met.block} & set(body)]
-                rest = [body for body in bodies if body not in here]
-                bodies = sorted([*rest, sorted(j for body in here for j in body)])
-    return bodies
+    gas = [block.kind == "fluid" for block in problem.blocks]
+    every = ((k, met) for k, own in enumerate(gas) if own for met in problem.faces_of(k).values())
+    pairs = [(k, met.block) for k, met in every if isinstance(met, Meeting) and gas[met.block]]
+    k, other = np.array(pairs, int).reshape(-1, 2).T
+    first = united(np.arange(len(gas)), [(k, other)])
+    return [np.flatnonzero(first == k).tolist() for k in np.unique(first) if gas[k]]
 
 
 def _size(block: Block) -> float:
-    """About the volume of a block: that of some cells, by their middles."""
-    d, step = block.dimension, 1e-4
-    xi = np.array(mesh([(np.arange(_CELLS) + 0.5) / _CELLS] * d))
-    slopes = []
-    for shift in step * np.eye(d).reshape(d, d, *[1] * d):
-        high, low = (np.array(_values(block.map, xi + s * shift)) for s in (1.0, -1.0))
-        slopes.append((high - low) / (2.0 * step))
-    return float(np.abs(determinant(np.array(slopes))).mean())
-
-
-def _values(function: Callable[..., Any], xi: np.ndarray) -> list[np.ndarray]:
-    return [np.broadcast_to(value, xi[0].shape) for value in function(tuple(xi))]
+    """About the volume of a block: the sum over a few pieces, by the means of their edges."""
+    d = block.dimension
+    index = [np.unique(np.linspace(0, c, min(c, _CELLS) + 1).astype(int)) for c in block.cells]
+    X, edges = block.places(mesh(index)), []
+    for axis in range(1, d + 1):
+        edge = np.diff(X, axis=axis)
+        for other in range(1, d + 1):
+            low, high = (np.delete(edge, end, axis=other) for end in (-1, 0))
+            edge = edge if other == axis else 0.5 * (low + high)
+        edges.append(edge)
+    return float(np.abs(determinant(np.array(edges[::-1]))).sum())

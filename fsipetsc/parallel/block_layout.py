@@ -26,7 +26,7 @@ from fsipetsc.errors import InputError
 from fsipetsc.operators.bands import NO_AXIS, Band
 from fsipetsc.operators.patch import Patch, mirror
 from fsipetsc.operators.sbp import OPERATORS
-from fsipetsc.parallel.block_shares import Extent, Share, share_out
+from fsipetsc.parallel.block_shares import Extent, share_out
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -36,18 +36,13 @@ AXES = 3
 IMAGE = np.array([1.0, 1.0, -1.0, 1.0])
 
 
-def unknowns(kind: str, d: int) -> int:
-    """Numbers of a node."""
-    return d + 3 if kind == "fluid" else 2 * d + 1
-
-
 @dataclass(frozen=True)
 class Part:
     """This rank's part of block k.
 
     patch: its sizes. bands: pair weights of the three axes, of the nodes of the ghosted array.
     dof: unknowns of a node. begin, end: of its numbers in this rank's part of the world vector.
-    numbers: (M,) of the nodes that it owns, ghosted_numbers: (N,) of all in the ghosted array.
+    numbers: (M,) of the nodes that it owns.
     comm: of the ranks of the block. scatter: of PETSc, from the block's vector to the ghosted one.
     local: (N, dof), the ghosted array. signs: (dof,) of the unknowns of mirror images, which stand
     before the first node of a block with a centre; (0,) where there are none.
@@ -60,7 +55,6 @@ class Part:
     begin: int
     end: int
     numbers: Numbers
-    ghosted_numbers: Numbers
     comm: MPI.Comm
     dm: PETSc.DMDA
     scatter: PETSc.Scatter
@@ -98,7 +92,7 @@ class BlockLayout:
     partition: as ``share_out`` has it. behind: numbers that each rank has behind those of nodes.
 
     shares: of each block, known to all ranks. parts: of this rank, in the order of the blocks.
-    local_size: of this rank's part of the world vector, which begins at offsets[rank].
+    local_size: of this rank's part of the world vector.
     InputError where a block has too few nodes for the operator, or there are too many ranks.
     """
 
@@ -118,10 +112,10 @@ class BlockLayout:
         widths = [width for width, _ in self._halos]
         extents = [extent_of(b, order, width) for b, width in zip(blocks, widths, strict=True)]
         self.shares = share_out(extents, comm.size, partition)
-        self.dofs = [unknowns(block.kind, block.dimension) for block in blocks]
+        d = problem.dimension
+        self.dofs = [d + 3 if block.kind == "fluid" else 2 * d + 1 for block in blocks]
         _check_size(blocks, self.dofs)
         self.sizes = [self._sizes(rank) for rank in range(comm.size)]
-        self.offsets = np.cumsum([0, *(sum(sizes) + behind for sizes in self.sizes)])
         self.behind = behind
         self.local_size = sum(self.sizes[comm.rank]) + behind
         found = [self._place(k) for k in range(len(blocks))]
@@ -154,7 +148,7 @@ class BlockLayout:
             ownership_ranges=tuple(np.diff(cuts).astype(PETSc.IntType) for cuts in share.cuts),
             boundary_type=tuple(
                 kinds.PERIODIC if p else kinds.GHOSTED if centred else kinds.NONE
-                for p in periodic(block)
+                for p in block.periodic
             ),
             stencil_type=stencils.BOX if corners else stencils.STAR,
             stencil_width=width,
@@ -180,7 +174,6 @@ class BlockLayout:
             begin=begin,
             end=begin + self.sizes[rank][k],
             numbers=_numbers(own, self.shapes[k]),
-            ghosted_numbers=_numbers(ghosted, self.shapes[k]),
             comm=comm,
             dm=dm,
             scatter=dm.getScatter()[0],
@@ -317,6 +310,32 @@ class FaceGather:
         self.whole[self._order] = self._received if self._comm.size > 1 else self.local
 
 
+class NaturalOrder:
+    """Brings ``columns`` numbers of a block's nodes from PETSc's order into the natural one, by the
+    numbers of nodes. Collective on its ranks.
+
+    numbers: of the nodes that this rank holds then, which need not be those that it owns.
+    """
+
+    def __init__(self, part: Part, columns: int) -> None:
+        self._dm, self._columns = part.dm.duplicate(dof=columns), columns
+        self._own, self._there = self._dm.createGlobalVec(), self._dm.createNaturalVec()
+        first, end = self._there.getOwnershipRange()
+        self.numbers = np.arange(first // columns, end // columns)
+
+    def reorder(self, saved: Array) -> Array:
+        """(nodes, columns), of ``numbers``, from those of the nodes that this rank owns."""
+        self._own.getArray()[:] = saved.reshape(-1)
+        self._dm.globalToNatural(self._own, self._there)
+        found: Array = self._there.getArray(readonly=True).reshape(-1, self._columns)
+        return found
+
+    def destroy(self) -> None:
+        """Before the layout."""
+        for thing in (self._own, self._there, self._dm):
+            thing.destroy()
+
+
 def halos_of(problem: Any, order: int, shocks: bool = False) -> list[tuple[int, bool]]:
     """(width of the halo, whether its corners are needed) of each block.
 
@@ -340,7 +359,7 @@ def halos_of(problem: Any, order: int, shocks: bool = False) -> list[tuple[int, 
 def extent_of(block: Any, order: int, halo: int) -> Extent:
     """A block as its partition sees it. InputError where it has too few nodes."""
     op, shape = OPERATORS[order], tuple(int(n) for n in block.shape)
-    for axis, (n, closed) in enumerate(zip(shape, periodic(block), strict=True)):
+    for axis, (n, closed) in enumerate(zip(shape, block.periodic, strict=True)):
         least = max(2 * op.p + 1, halo) if closed else op.min_points
         if n < least:
             kind = "periodic " if closed else ""
@@ -349,12 +368,7 @@ def extent_of(block: Any, order: int, halo: int) -> Extent:
                 f"operator needs at least {least}"
             )
     end, inner = max(op.rows + op.p, halo), max(2 * op.p, halo)
-    return Extent(block.name, block.kind, shape, periodic(block), end, inner, halo)
-
-
-def periodic(block: Any) -> tuple[bool, ...]:
-    """Whether a block is periodic, per axis."""
-    return tuple(map(bool, block.periodic)) or (False,) * block.dimension
+    return Extent(block.name, block.kind, shape, block.periodic, end, inner, halo)
 
 
 def _check_size(blocks: Sequence[Any], dofs: Sequence[int]) -> None:
@@ -379,11 +393,8 @@ def _padded(spans: Sequence[tuple[int, int]]) -> tuple[tuple[int, int], ...]:
     return (*spans, *[(0, 1)] * (AXES - len(spans)))
 
 
-def _numbers(ranges: Sequence[tuple[int, int]], shape: Sequence[int]) -> Numbers:
-    """Of the nodes within, axis 0 first; beyond a periodic end follows the other one."""
-    sizes = (*shape, *[1] * (AXES - len(shape)))
-    i, j, k = (np.arange(a, b) % n for (a, b), n in zip(ranges, sizes, strict=True))
-    return (i + sizes[0] * (j[:, None] + sizes[1] * k[:, None, None])).reshape(-1)
-
-
-__all__ = ["BlockLayout", "BlockVector", "FaceGather", "Part", "Share", "halos_of", "unknowns"]
+def _numbers(ranges: Spans, shape: Sequence[int]) -> Numbers:
+    """Of the nodes within, axis 0 first."""
+    n0, n1, _ = (*shape, *[1] * (AXES - len(shape)))
+    i, j, k = (np.arange(a, b) for a, b in ranges)
+    return (i + n0 * (j[:, None] + n1 * k[:, None, None])).reshape(-1)
