@@ -1,5 +1,5 @@
-"""Problems of layers in one dimension (fsipetsc.problem) as blocks: each layer becomes one of
-fsipetsc.blocks.layers, its functions and ends those of a block.
+"""Problems of layers in one dimension (fsipetsc.problem) as blocks: each layer becomes one, its
+functions and ends those of a block.
 """
 
 from __future__ import annotations
@@ -12,7 +12,8 @@ import numpy as np
 
 from fsipetsc import given
 from fsipetsc.blocks import conditions as new
-from fsipetsc.blocks.layers import Layer, layers
+from fsipetsc.blocks.block import Block
+from fsipetsc.blocks.maps import rectangle
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.boundaries import CLAMPED, FREE, Dirichlet, Open, SolidEnd, Wall
 from fsipetsc.checks import Array
@@ -32,20 +33,21 @@ def blocks_of_line(problem: Problem, h: float, order: int) -> BlockProblem:
     h: spacing [m]; order: of the operators. InputError where h does not fit a solid, or for what
     only the paper's method has.
     """
-    stack, notes = [], list(problem.notes)
+    blocks, notes = [], list(problem.notes)
     for layer in problem.layers:
         cells = max(1, round((layer.X[1] - layer.X[0]) / h))
         given.initial(layer, np.linspace(*layer.X, cells + 1), slice(None))  # checks it
         if isinstance(layer, SolidLayer):
-            stack.append(_solid(layer, h))
+            blocks.append(_solid(layer, h))
         else:
             least = operator(order).min_points - 1
-            stack.append(_gas(layer, _gas_grid(problem, layer, notes), max(cells, least)))
-    lower = _condition(problem.left, problem.layers[0], 0)
-    upper = _condition(problem.right, problem.layers[-1], 1)
+            blocks.append(_gas(layer, _gas_grid(problem, layer, notes), max(cells, least)))
+    faces = {
+        (blocks[0].name, 0, 0): _condition(problem.left, problem.layers[0], 0),
+        (blocks[-1].name, 0, 1): _condition(problem.right, problem.layers[-1], 1),
+    }
     jumps = None if problem.jumps is None else _jumps(problem)
-    found = {"jumps": jumps, "notes": notes, "units": problem.units}
-    return layers(*stack, lower=lower, upper=upper, **found)
+    return BlockProblem(tuple(blocks), faces, jumps, notes=tuple(notes), units=problem.units)
 
 
 # gases
@@ -75,7 +77,7 @@ def _gas_grid(problem: Problem, layer: FluidLayer, notes: list[str]) -> tuple[fl
     return found[0], found[1]
 
 
-def _gas(layer: FluidLayer, grid: tuple[float, float], cells: int) -> Layer:
+def _gas(layer: FluidLayer, grid: tuple[float, float], cells: int) -> Block:
     """The functions of the layer go with the points of its X, wherever its grid begins and ends."""
     (a, b), (low, high) = layer.X, grid
 
@@ -90,9 +92,8 @@ def _gas(layer: FluidLayer, grid: tuple[float, float], cells: int) -> Layer:
 
         return moved
 
-    forcing, exact = of_grid("forcing"), of_grid("exact")
-    functions = {"forcing": forcing, "exact": exact}
-    return Layer(layer.name, layer.material, grid, of_grid("initial"), cells, **functions)
+    functions = map(of_grid, ("initial", "forcing", "exact"))
+    return Block(layer.name, layer.material, rectangle(low, high), (cells,), *functions)
 
 
 def _checked(layer: FluidLayer | SolidLayer, what: str) -> Function | None:
@@ -111,7 +112,7 @@ def _checked(layer: FluidLayer | SolidLayer, what: str) -> Function | None:
 # solids
 
 
-def _solid(layer: SolidLayer, h: float) -> Layer:
+def _solid(layer: SolidLayer, h: float) -> Block:
     length = layer.X[1] - layer.X[0]
     width, cells = length / h, max(1, round(length / h))
     if abs(width - cells) > 1e-6 * max(1.0, width):
@@ -123,12 +124,12 @@ def _solid(layer: SolidLayer, h: float) -> Layer:
         )
     stress = _Prestress(layer)
     uniform, exact = stress.uniform(), _checked(layer, "exact")
-    return Layer(
+    return Block(
         layer.name,
         _elastic(layer.material, 0.0 if uniform is None else -uniform),
-        layer.X,
+        rectangle(*layer.X),
+        (cells,),
         _without_stress(_checked(layer, "initial")),
-        cells,
         forcing=layer.forcing and _forces_alone(layer),
         exact=exact and _without_stress(exact),
         exact_stress=exact and (lambda X, t: (exact(X, t)[1],)),

@@ -37,7 +37,7 @@ class Layer:
     ``layers``. span: (low, high) for each axis along the layers, None for one that it reaches over
     all of; None: over all of all. sides: what stands at its sides, one condition or one for each
     (axis, side); None: those of ``layers``. beside: what its lower or upper face is where the layer
-    there has ended. initial, forcing, exact, prestress, exact_stress: as of Block.
+    there has ended. initial, forcing, exact: as of Block.
     """
 
     name: str
@@ -50,8 +50,6 @@ class Layer:
     beside: Condition | None = None
     forcing: Callable[..., Any] | None = None
     exact: Callable[..., Any] | None = None
-    prestress: Callable[..., Any] | None = None
-    exact_stress: Callable[..., Any] | None = None
 
     def __post_init__(self) -> None:
         what = f"layer {described(self.name)}"
@@ -95,7 +93,13 @@ def layers(
         raise InputError(f"layers: cells is {described(cells)}: expected one for each of along")
     least = 1 if order is None else operator(order).min_points - 1
     made = _Stack(_meeting(stack), along, cells, sides, (lower, upper))
-    pieces = [made.pieces(layer, _rows(layer, h, least)) for layer in made.layers]
+    pieces = []
+    for layer in made.layers:
+        rows, (low, high) = layer.cells, layer.across
+        if rows is None and h is None:
+            raise InputError(f"layer '{layer.name}': neither its cells nor h is given")
+        rows = max(round((high - low) / h), least, 1) if rows is None else rows
+        pieces.append(made.pieces(layer, rows))
     blocks = tuple(block for of_layer in pieces for block in of_layer.values())
     return BlockProblem(blocks, made.faces(pieces), jumps, notes=tuple(notes), units=units)
 
@@ -110,15 +114,6 @@ def _meeting(stack: Sequence[Layer]) -> list[Layer]:
             raise InputError(f"layers: '{below.name}' {ends}: expected the same")
         found.append(replace(above, across=(high, above.across[1])))
     return found
-
-
-def _rows(layer: Layer, h: float | None, least: int) -> int:
-    """Cells across a layer. InputError."""
-    if layer.cells is not None:
-        return layer.cells
-    if h is None:
-        raise InputError(f"layer '{layer.name}': neither its cells nor h is given")
-    return max(round((layer.across[1] - layer.across[0]) / h), least, 1)
 
 
 class _Stack:
@@ -180,8 +175,6 @@ class _Stack:
                 layer.forcing,
                 layer.exact,
                 periodic=(*self._closed, False),
-                prestress=layer.prestress,
-                exact_stress=layer.exact_stress,
             )
         return found
 
