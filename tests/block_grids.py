@@ -60,40 +60,20 @@ def box(name, cells, material=GAS, lower=None, axes=None, flips=None, periodic=N
 
 def closed(*blocks):
     """A problem of blocks with walls where no other block is."""
-    names = [
-        (b.name, k, s)
-        for b in blocks
-        for k in range(b.dimension)
-        if not b.periodic[k]
-        for s in (0, 1)
-    ]
     kinds = {block.name: Free() if block.material is SOLID else NoSlip() for block in blocks}
-    met = set()
-    for one in blocks:
-        for other in blocks:
-            if one is not other:
-                met |= meeting(one, other)
-    return BlockProblem(blocks, {name: kinds[name[0]] for name in names if name not in met})
+    return BlockProblem(blocks, conditions_of(blocks, lambda name, axis, side: kinds[name]))
 
 
-def meeting(one, other):
-    """Faces of one block that have the same nodes as one of the other."""
-    return {
-        (one.name, *face) for face in faces(one) for f in faces(other) if same(one, face, other, f)
-    }
-
-
-def faces(block):
-    return [(k, s) for k in range(block.dimension) if not block.periodic[k] for s in (0, 1)]
-
-
-def same(one, face, other, f):
-    X, Y = one.face_positions(*face), other.face_positions(*f)
-    return (
-        X.shape == Y.shape
-        and np.allclose(np.sort(X.sum(axis=0)), np.sort(Y.sum(axis=0)), atol=1e-9)
-        and (np.allclose(X.mean(axis=1), Y.mean(axis=1), atol=1e-9))
-    )
+def conditions_of(blocks, condition):
+    """condition(name, axis, side) of each face that no other one meets, by its middle."""
+    sides = [
+        (b, k, s) for b in blocks for k in range(b.dimension) if not b.periodic[k] for s in (0, 1)
+    ]
+    found = [b.face_positions(k, s).mean(axis=1) for b, k, s in sides]
+    middles = np.reshape(found, (len(sides), -1) if sides else (0, 1))
+    apart = np.abs(middles[:, None] - middles).max(axis=-1) > 1e-9
+    alone = (~apart).sum(axis=1) == 1
+    return {(b.name, *f): condition(b.name, *f) for (b, *f), one in zip(sides, alone) if one}
 
 
 def whole(block):

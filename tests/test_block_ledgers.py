@@ -13,6 +13,7 @@ import pytest
 pytest.importorskip("petsc4py")
 
 import block_shapes as shapes
+from block_grids import conditions_of
 from block_ledgers import steps_of, unbooked
 from helpers import REPOSITORY, mpirun
 
@@ -85,26 +86,8 @@ def problem_of(shape, faces, fluid, plate, points=(), **options):
     for name, (X, _) in shape.items():
         material = fluid if name.startswith("gas") else plate
         blocks.append(block(name, X, material, **dict(options.get(name.split()[0], {}))))
-    found = {}
-    for k, one in enumerate(blocks):
-        for axis in range(one.dimension):
-            for side in (0, 1):
-                if not met(blocks, k, axis, side):
-                    found[one.name, axis, side] = faces(one.name, axis, side)
+    found = conditions_of(blocks, faces)
     return BlockProblem(tuple(blocks), found, options.get("jumps"), points=points)
-
-
-def met(blocks, k, axis, side):
-    """Whether another block has a face at the same place, by its middle."""
-    d = blocks[k].dimension
-
-    def middle(one, axis, side):
-        return np.mean(one.face_positions(axis, side), axis=1)
-
-    here = middle(blocks[k], axis, side)
-    others = [(j, a, s) for j in range(len(blocks)) for a in range(d) for s in (0, 1)]
-    others.remove((k, axis, side))
-    return any(np.allclose(here, middle(blocks[j], a, s), atol=1e-9) for j, a, s in others)
 
 
 def closed(name, axis, side):
