@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from block_grids import GAS, SOLID, box, closed, joins, nothing
 
+from fsipetsc.blockrun.run_problem import RunProblem
 from fsipetsc.blocks import maps
 from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.conditions import (
@@ -226,6 +227,16 @@ def test_rings_meet_wherever_their_angles_begin():
     assert np.array_equal(ghosted[:, 2:14], problem.places(0, problem.face_nodes(0, 0, 1)).T)
     assert np.array_equal(ghosted[:, :2], ghosted[:, 12:14])
     assert np.array_equal(ghosted[:, 14:], ghosted[:, 2:4])
+
+
+def test_the_size_of_cells_is_that_of_the_nodes():
+    """Of a map that is known at nodes only, and around a ring."""
+    places = np.stack(np.meshgrid(np.linspace(0, 2, 9), np.linspace(0, 1, 5)), axis=-1)
+    given = Block("a", GAS, maps.nodes(places), (8, 4), nothing)
+    assert RunProblem(BlockProblem([given], walls("a"))).spacing == pytest.approx(0.25)
+    ring = Block("a", GAS, maps.annulus(1.0, 2.0), (32, 64), nothing, periodic=(False, True))
+    problem = RunProblem(BlockProblem([ring], {("a", 0, 0): STILL, ("a", 0, 1): STILL}))
+    assert problem.spacing == pytest.approx(np.sqrt(3 * np.pi / 2048), rel=5e-3)
 
 
 def test_in_one_dimension_faces_are_points():

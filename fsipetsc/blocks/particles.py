@@ -85,7 +85,11 @@ class Particle:
 
 def particles_of(problem: BlockProblem) -> list[Particle]:
     """All particles of a problem, in the order of their first members."""
-    met = _faces_of_members(problem)
+    met: dict[tuple[int, int], list[tuple[int, int, Any]]] = defaultdict(list)
+    for k in range(len(problem.blocks)):
+        for (axis, side), stands in problem.faces_of(k).items():
+            for n in problem.face_nodes(k, axis, side).tolist():
+                met[k, n].append((axis, side, stands))
     groups: dict[int, list[tuple[int, int]]] = defaultdict(list)
     numbers = (array.tolist() for array in problem.members)
     for particle, block, node in zip(*numbers, strict=True):
@@ -93,39 +97,36 @@ def particles_of(problem: BlockProblem) -> list[Particle]:
     return [_particle(problem, members, met) for members in groups.values()]
 
 
-def _faces_of_members(problem: BlockProblem) -> dict[tuple[int, int], list[tuple[int, int, Any]]]:
-    """(block, node) -> [(axis, side, what the face meets or its condition)]."""
-    found: dict[tuple[int, int], list[tuple[int, int, Any]]] = defaultdict(list)
-    for k in range(len(problem.blocks)):
-        for (axis, side), met in problem.faces_of(k).items():
-            for n in problem.face_nodes(k, axis, side).tolist():
-                found[k, n].append((axis, side, met))
-    return found
-
-
 def _particle(problem: BlockProblem, members: list[tuple[int, int]], faces: Any) -> Particle:
-    particle = Particle(members)
+    """faces: (block, node) -> [(axis, side, what the face meets or its condition)]."""
+    particle, blocks = Particle(members), problem.blocks
     slips: list[tuple[Face, Any]] = []  # with the wall's condition; None at a solid
     rolls: list[Face] = []
     for number, (k, n) in enumerate(members):
-        gas = problem.blocks[k].kind == "fluid"
+        gas = blocks[k].material if blocks[k].kind == "fluid" else None
         for axis, side, met in faces[k, n]:
             face = Face(number, axis, side)
             if isinstance(met, Meeting):
-                if gas and problem.blocks[met.block].kind == "solid":
+                if gas and blocks[met.block].kind == "solid":
                     slips.append((face, None))
-                    _meet_solid(particle, problem.blocks[k], problem.blocks[met.block])
+                    conducts = gas.kappa > 0.0 and blocks[met.block].material.kappa_e > 0.0
+                    particle.sticks |= gas.mu > 0.0
+                    particle.shares_heat |= conducts
                 continue
             if isinstance(met, Slip):
                 slips.append((face, met))
             elif isinstance(met, Roller):
                 rolls.append(face)
-            _take_over(particle, met, gas)
+            _take_over(particle, met, gas is not None)
     if particle.clamp is None and problem.hinged(members):
         particle.clamp = Clamped()
     if particle.sticks:
         slips = [(face, wall) for face, wall in slips if wall is not None]
-    directions = _directions(problem, members, [*rolls, *(face for face, _ in slips)])
+    directions = {}  # outward unit normal, and unit vector from the node into the face
+    every = [*rolls, *(face for face, _ in slips)]
+    for face in every if len(every) > 1 else ():
+        normal, place, within = problem.face_normal(*members[face.member], face.axis, face.side)
+        directions[face] = normal, (within - place) / np.linalg.norm(within - place)
 
     def one_wall(one: tuple[Face, Any], other: tuple[Face, Any]) -> bool:
         """By the names of walls if both have one; else unless one goes into the other's gas."""
@@ -144,36 +145,23 @@ def _particle(problem: BlockProblem, members: list[tuple[int, int]], faces: Any)
         particle.constraints.append(Constraint(SLIPS, walls, solids))
     rollers = _grouped(rolls, one_roller)
     particle.constraints += [Constraint(ROLLS, group, []) for group in rollers]
-    _settle_heat(particle, [problem.blocks[k].material for k, _ in members])
+    _settle_heat(particle, [blocks[k].material for k, _ in members])
     return particle
 
 
-def _meet_solid(particle: Particle, gas: Any, solid: Any) -> None:
-    """Viscous gas sticks to the solid; they have one temperature where both conduct."""
-    particle.sticks = particle.sticks or gas.material.mu > 0.0
-    conducts = gas.material.kappa > 0.0 and solid.material.kappa_e > 0.0
-    particle.shares_heat = particle.shares_heat or conducts
-
-
 def _take_over(particle: Particle, met: Any, gas: bool) -> None:
-    """What a condition holds beside a direction."""
+    """What a condition holds beside a direction; of two of a kind that which prescribes a motion.
+    """
     names = {NoSlip: "wall", Slip: "slip", Clamped: "clamp"}
     if type(met) in names:
-        name = names[type(met)]
-        setattr(particle, name, _moving_first(getattr(particle, name), met))
+        known = getattr(particle, names[type(met)])
+        moving = [c.x or c.velocity for c in (met, known) if c]
+        if known is None or (moving[0] and not moving[1]):
+            setattr(particle, names[type(met)], met)
     elif isinstance(met, Given):
         setattr(particle, "given_gas" if gas else "given_solid", met)
     if getattr(met, "T", None) is not None and not isinstance(met, Open):
         setattr(particle, "warm_gas" if gas else "warm_solid", met)
-
-
-def _moving_first(known: Any, other: Any) -> Any:
-    """Of two conditions at one particle that which prescribes a motion."""
-
-    def moving(condition: Any) -> bool:
-        return condition.x is not None or condition.velocity is not None
-
-    return other if known is None or (moving(other) and not moving(known)) else known
 
 
 def _settle_heat(particle: Particle, materials: list[Any]) -> None:
@@ -199,16 +187,3 @@ def _grouped(faces: list[Any], one: Any) -> list[list[Any]]:
             groups.append(group := [])
         group.append(face)
     return groups
-
-
-def _directions(
-    problem: BlockProblem, members: list[tuple[int, int]], faces: list[Face]
-) -> dict[Face, tuple[Array, Array]]:
-    """Of faces: outward unit normal, and unit vector from the node into the face, in the reference
-    map.
-    """
-    found = {}
-    for face in faces if len(faces) > 1 else ():
-        normal, place, within = problem.face_normal(*members[face.member], face.axis, face.side)
-        found[face] = normal, (within - place) / np.linalg.norm(within - place)
-    return found

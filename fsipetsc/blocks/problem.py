@@ -90,7 +90,14 @@ class BlockProblem:
     def __post_init__(self) -> None:
         blocks = tuple(self.blocks)
         self._put("blocks", blocks)
-        _check_blocks(blocks)
+        if not blocks or not all(isinstance(block, Block) for block in blocks):
+            raise InputError("BlockProblem: blocks: expected one or more Blocks")
+        for k, block in enumerate(blocks):
+            if block.name in [other.name for other in blocks[:k]]:
+                raise InputError(f"BlockProblem: two blocks are named '{block.name}'")
+            if block.dimension != blocks[0].dimension:
+                numbers = f"{block.dimension} dimensions, {blocks[0]} {blocks[0].dimension}"
+                raise InputError(f"{block} has {numbers}: expected the same")
         form = "jumps(*X, t) -> (traction per axis, heat)"
         function(self.jumps, "BlockProblem: jumps", form, optional=True)
         self._put("faces", self._named_faces())
@@ -353,17 +360,6 @@ class _Matching:
 
 def _key(labels: Array) -> bytes:
     return np.sort(labels).tobytes()
-
-
-def _check_blocks(blocks: tuple[Any, ...]) -> None:
-    if not blocks or not all(isinstance(block, Block) for block in blocks):
-        raise InputError("BlockProblem: blocks: expected one or more Blocks")
-    for k, block in enumerate(blocks):
-        if block.name in [other.name for other in blocks[:k]]:
-            raise InputError(f"BlockProblem: two blocks are named '{block.name}'")
-        if block.dimension != blocks[0].dimension:
-            numbers = f"{block.dimension} dimensions, {blocks[0]} {blocks[0].dimension}"
-            raise InputError(f"{block} has {numbers}: expected the same")
 
 
 def _check_radial(block: Block, centred: bool) -> None:
