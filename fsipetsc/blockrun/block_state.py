@@ -328,7 +328,7 @@ class BlockState:
     def _look(self) -> None:
         """What is known of the completed solution: bounds of all ranks, shares of the integrals."""
         self._fill_halos()
-        self._keep_fault(getattr(self.scheme, "fault", None))
+        self._keep_fault(self.scheme.fault)
         self.scheme.look(self.y)
         self._extremes[0] = self.results[SAID_STOP]
         if self.comm.size > 1:

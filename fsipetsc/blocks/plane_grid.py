@@ -48,7 +48,7 @@ class Faces(NamedTuple):
 class PlaneMotion(NamedTuple):
     """See fsipetsc.blocks.grid.LineMotion. G: (4, N), D_1 X and D_2 X. along, across: the Faces of
     both axes. corners: columns (2, 2) of the vertices, ends: (4, 2) the values there; rise: (2, n)
-    the bracket of D_2 u; row: (6, n) D_1 u, D_2 u and u of a row of nodes.
+    the bracket of D_2 u; row: (4, n) D_1 u and D_2 u of a row of nodes.
     """
 
     hull: Any
@@ -95,7 +95,7 @@ def plane_motion(block: Block, wide: Wide, hull: Hull) -> PlaneMotion:
         corners = np.array([face_nodes(block.shape, 1, side)[[0, -1]] for side in (0, 1)])
     n, at = axes[0].low.size, np.searchsorted(hull.nodes, corners)
     G = np.ascontiguousarray(wide.gradients().reshape(4, -1))
-    return PlaneMotion(hull, G, *axes, at, np.zeros((4, 2)), np.zeros((2, n)), np.zeros((6, n)))
+    return PlaneMotion(hull, G, *axes, at, np.zeros((4, 2)), np.zeros((2, n)), np.zeros((4, n)))
 
 
 @njit(**CALL)
@@ -104,7 +104,7 @@ def plane_metrics(plane, metrics):
     differentiate_faces(plane, plane.hull.moved)
     G, row, n = plane.G, plane.row, plane.along.low.size
     for j in range(plane.across.low.size):
-        blend_row(plane, j, True, False)
+        blend_slopes(plane, j)
         a, b = j * n, (j + 1) * n
         _add(metrics[0, a:b], G[3, a:b], row[3], 1.0)
         _add(metrics[1, a:b], G[2, a:b], row[2], -1.0)
@@ -118,23 +118,23 @@ def plane_velocities(plane, metrics):
     differentiate_faces(plane, plane.hull.moving)
     row, n = plane.row, plane.along.low.size
     for j in range(plane.across.low.size):
-        blend_row(plane, j, True, True)
-        a, b = j * n, (j + 1) * n
-        a1, a2 = rows((0.0, 0.0), metrics, a, b), rows((0.0, 0.0), metrics[2:], a, b)
+        blend_slopes(plane, j)
+        a, b, like = j * n, (j + 1) * n, (0.0, 0.0)
+        a1, a2 = rows(like, metrics, a, b), rows(like, metrics[2:], a, b)
         _rate(metrics[6, a:b], a1, a2, (row[0], row[1]), (row[2], row[3]))
-        metrics[4, a:b], metrics[5, a:b] = row[4], row[5]
+        blend_values(plane, j, rows(like, metrics[4:], a, b))
 
 
 @njit(**CALL)
 def plane_places(plane, X, places):
     """X + the displacement."""
     differentiate_faces(plane, plane.hull.moved)
-    row, n = plane.row, plane.along.low.size
+    n = plane.along.low.size
     for j in range(plane.across.low.size):
-        blend_row(plane, j, False, True)
-        for c in range(2):
-            for i in range(n):
-                places[c, j * n + i] = row[4 + c, i] + X[c, j * n + i]
+        blend_values(plane, j, rows((0.0, 0.0), places, j * n, (j + 1) * n))
+    for c in range(2):
+        for i in range(X.shape[1]):
+            places[c, i] += X[c, i]
 
 
 @njit(**CALL)
@@ -160,27 +160,44 @@ def differentiate_faces(plane, values):
 
 
 @njit(**CALL)
-def blend_row(plane, j, slopes, values):
-    """Of row j the slopes D_1 u and D_2 u, the values u."""
-    ends, g, steep, row = plane.ends, plane.across.f, plane.across.slope, plane.row
-    f, slope, rise = plane.along.f, plane.along.slope, plane.rise
-    l, h, low, high = plane.across.low[j], plane.across.high[j], plane.along.low, plane.along.high
+def _row(plane, j):
+    """Of row j: weights of its ends, Q_0, Q_n, W, E."""
+    ends, g, l, h = plane.ends, plane.across.f, plane.across.low[j], plane.across.high[j]
     start = l * ends[0, 0] + h * ends[2, 0], l * ends[0, 1] + h * ends[2, 1]
     stop = l * ends[1, 0] + h * ends[3, 0], l * ends[1, 1] + h * ends[3, 1]
-    west, east = (g[0, j], g[1, j]), (g[2, j], g[3, j])
-    if slopes:
-        S, N, across = (slope[0], slope[1]), (slope[2], slope[3]), sub(east, west)
-        _between((row[0], row[1]), S, N, l, h, sub(across, sub(stop, start)))
-        W, E = (steep[0, j], steep[1, j]), (steep[2, j], steep[3, j])
-        _along((row[2], row[3]), (rise[0], rise[1]), low, high, W, E)
-    if values:
-        u = row[4], row[5]
-        _between(u, (f[0], f[1]), (f[2], f[3]), l, h, (0.0, 0.0))
-        _along(u, u, low, high, sub(west, start), sub(east, stop))
-        if low[0] == 1.0:
-            store(u, 0, west)
-        if high[low.size - 1] == 1.0:
-            store(u, low.size - 1, east)
+    return l, h, start, stop, (g[0, j], g[1, j]), (g[2, j], g[3, j])
+
+
+@njit(**CALL)
+def blend_slopes(plane, j):
+    """D_1 u and D_2 u of row j."""
+    slope, steep, rise, row = plane.along.slope, plane.across.slope, plane.rise, plane.row
+    l, h, start, stop, west, east = _row(plane, j)
+    S, N, across = (slope[0], slope[1]), (slope[2], slope[3]), sub(east, west)
+    _between((row[0], row[1]), S, N, l, h, sub(across, sub(stop, start)))
+    W, E = (steep[0, j], steep[1, j]), (steep[2, j], steep[3, j])
+    _along((row[2], row[3]), (rise[0], rise[1]), plane.along.low, plane.along.high, W, E)
+
+
+@njit(**CALL)
+def blend_values(plane, j, u):
+    """u of row j."""
+    f, low, high = plane.along.f, plane.along.low, plane.along.high
+    l, h, start, stop, west, east = _row(plane, j)
+    S, N, from_low, from_high = (f[0], f[1]), (f[2], f[3]), sub(west, start), sub(east, stop)
+    _blend(u, S, N, l, h, low, high, from_low, from_high)
+    if low[0] == 1.0:
+        store(u, 0, west)
+    if high[low.size - 1] == 1.0:
+        store(u, low.size - 1, east)
+
+
+@njit(**EXACT)
+def _blend(u, S, N, l, h, low, high, west, east):
+    """(l S + h N) + (low west + high east)."""
+    for i in range(low.size):
+        Q = add(scale(l, load(S, i)), scale(h, load(N, i)))
+        store(u, i, add(Q, add(scale(low[i], west), scale(high[i], east))))
 
 
 @njit(**EXACT)
@@ -192,7 +209,7 @@ def _between(u, S, N, l, h, more):
 
 @njit(**EXACT)
 def _along(u, f, low, high, west, east):
-    """f + (low west + high east); f may be u."""
+    """f + (low west + high east)."""
     for i in range(low.size):
         store(u, i, add(load(f, i), add(scale(low[i], west), scale(high[i], east))))
 
