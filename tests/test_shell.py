@@ -119,29 +119,17 @@ def radial(map_, faces, cells=(12,), material=AIR, **more):
     return BlockProblem((Block("gas", material, map_, cells, gas_at),), faces, **options)
 
 
-@pytest.mark.parametrize(
-    ("map_", "inner", "said"),
-    [
-        (rectangle(0.0, 1.0), Slip(), "block 'gas': its first node is at r = 0: expected r > 0"),
-        (rectangle(0.0, 1.0), Centre(), "block 'gas': its first node is at r = 0: expected r > 0"),
-        (rectangle(-0.5, 1.0), Slip(), "its first node is at r = -0.5"),
-        (rectangle(0.1, 1.0), Centre(), "expected half a spacing and one and a half"),
-    ],
-)
-def test_nodes_on_the_axis_are_refused(map_, inner, said):
-    with pytest.raises(InputError) as error:
-        radial(map_, {("gas", 0, 0): inner, ("gas", 0, 1): Slip()})
-    assert said in str(error.value)
-
-
 def test_other_mistakes():
-    """A centre without symmetry, at another side; symmetry of two dimensions or of another number;
-    a solid that goes to the centre.
+    """A centre without symmetry, at another side; symmetry in two dimensions, or another number; a
+    solid that goes to the centre; nodes on the axis or beyond it, or at another place beside it.
     """
     faces = {("gas", 0, 0): Centre(), ("gas", 0, 1): Slip()}
     assert radial(ball(1.0, 12), faces).centred(0)
     wrong = [
         lambda: radial(ball(1.0, 12), faces, symmetry=0),
+        lambda: radial(rectangle(0.0, 1.0), faces),
+        lambda: radial(rectangle(-0.5, 1.0), {**faces, ("gas", 0, 0): Slip()}),
+        lambda: radial(rectangle(0.1, 1.0), faces),
         lambda: radial(rectangle(0.5, 1.0), {("gas", 0, 0): Slip(), ("gas", 0, 1): Centre()}),
         lambda: radial(ball(1.0, 12), faces, symmetry=3),
         lambda: radial(rectangle((0.5, 0), (1, 1)), {}, (12, 12)),
