@@ -132,6 +132,7 @@ add = _by_length("add", "a, b", _tuple("a[@] + b[@]"))
 sub = _by_length("sub", "a, b", _tuple("a[@] - b[@]"))
 scale = _by_length("scale", "c, a", _tuple("c * a[@]"))
 mean = _by_length("mean", "a, b", _tuple("0.5 * (a[@] + b[@])"))
+per = _by_length("per", "a, c", _tuple("a[@] / c"))
 #: a + c b
 along = _by_length("along", "a, c, b", _tuple("a[@] + c * b[@]"))
 zeros = _by_length("zeros", "a", _tuple("0.0 * a[@]"))
@@ -147,3 +148,8 @@ column = _by_length("column", "like, array, n", _tuple("array[@, n]"))
 #: array[n, c] for each c of like: the numbers of one node of an interlaced array
 node = _by_length("node", "like, array, n", _tuple("array[n, @]"))
 put_node = _by_length("put_node", "array, n, values", _lines("array[n, @] = values[@]"))
+#: the same from array[n, first] on
+part_of = _by_length("part_of", "like, array, n, first", _tuple("array[n, first + @]"))
+put_part = _by_length(
+    "put_part", "array, n, first, values", _lines("array[n, first + @] = values[@]")
+)

@@ -32,10 +32,9 @@ class Held(NamedTuple):
 
 
 @njit(**CALL)
-def hold(part, follow, move, swing, normals, turn, store, rates, look, note):
+def hold(part, functions):
     """A box of Held."""
-    of_grid = follow, move, swing, normals, turn
-    return Box(Held(part, *of_grid, store, rates, look, note))
+    return Box(Held(part, *functions))
 
 
 @njit(**MERGED_CALL)

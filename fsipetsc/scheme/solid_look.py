@@ -10,7 +10,7 @@ import numpy as np
 from numba import njit
 
 from fsipetsc.equations.tensors import outer
-from fsipetsc.operators.loops import EXACT_LOOP, INNER_CALL, MERGED_CALL, add, dot, sub
+from fsipetsc.operators.loops import CALL, EXACT_LOOP, INNER_CALL, add, dot, sub
 from fsipetsc.scheme.block_look import BAD, CONVECTION, DIFFUSION, J_ERROR, LEAST_J
 from fsipetsc.scheme.rows import U64, add_moment, at, put
 from fsipetsc.scheme.solid_rates import (
@@ -19,13 +19,12 @@ from fsipetsc.scheme.solid_rates import (
     row_of,
     rows_of,
     strain,
-    stretch,
     take,
 )
 from fsipetsc.scheme.solid_work import EXTREMES, KNOWN, NONE, ONE, OWN, PLAIN, WIDTH, step_of
 
 
-@njit(**MERGED_CALL)
+@njit(**CALL)
 def solid_look(
     solid, like, q, X, metrics, prestress, per_h, stiffness, masses, work, F, loses, seen, sums
 ):
@@ -55,8 +54,7 @@ def solid_look(
                 add_up(like, row, unknowns, masses, looked)
                 turn(like, row, unknowns, X, masses, looked)
                 differentiate(like, table, row, PLAIN, unknowns, NONE, NONE, d, slopes, NONE)
-                strain(like, metrics, row, slopes, strains)
-                stretch(solid, like, metrics, row, unknowns, strains)
+                strain(solid, like, metrics, row, slopes, unknowns, strains)
                 keep(solid, like, row, strains, F)
                 relieve(solid, like, extra, row, strains, unknowns)
                 measure(solid, like, metrics, per_h, stiffness, row, unknowns, strains, looked)
