@@ -8,8 +8,7 @@ import pytest
 pytest.importorskip("numba")
 
 from fsipetsc.materials.solid import ElasticSolid
-from fsipetsc.operators.bands import NO_AXIS, band
-from fsipetsc.operators.patch import Patch
+from fsipetsc.operators.bands import NO_AXIS, Patch, band
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.scheme import solid_work as module
 from fsipetsc.scheme.solid_rates import solid_rates

@@ -278,7 +278,7 @@ class ParticleSystem:
             (kernels.begin_rates, (y,)),
             (kernels.end_rates, (y, y, gain)),
         )
-        return with_calls(kernels.hold, self.box, calls)
+        return with_calls(kernels.Held, self.box, calls)
 
     def refresh(self, t: float) -> None:
         """Prescribed data at time t [s]."""

@@ -7,13 +7,11 @@ its axis, where f is
 
     open       F(U*), F(U) = n . (f(U) - v U), by characteristics: U* = U_in where gas leaves faster
                than sound, U_out where it comes so; else p + Z N . u is that inside, p - Z N . u
-               that outside, with Z = rho c of the gas inside at the mean pressure of both (so a
-               simple wave leaves but for its third order), and rho - p/c^2 and velocities
-               along the face those of the side that the gas comes from; c^2 of that side
+               that outside, Z = rho c of the gas inside at the mean pressure of both, and
+               rho - p/c^2, c^2 and velocities along the face those of the side that gas comes from
                If no such gas can be, 1/2 (F(U_in) + F(U_out)) - 1/2 lambda (U_out - U_in),
                lambda = max over both of |n . (u - v)| + c |n| (local Lax-Friedrichs)
-               To first order in viscosity and conduction `first_order` says what p - Z N . u
-               outside is besides, and viscous stress and heat pass
+               To first order in viscosity and conduction see `first_order`
     outflow    F(U_in); with a pressure p_b beyond and a Mach number m < 1 through the face that of
                Lax and Friedrichs, with U_out of density and velocity of U_in and of pressure
                p + (1 - m^2)(p_b - p); m = 0 where gas flows in

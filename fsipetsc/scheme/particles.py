@@ -26,10 +26,9 @@ impulse (d), energy. Constraints tell it by their forces, data that replace unkn
     begin_sums, exchange, end_sums, settle     complete the unknowns
     begin_rates, exchange, end_rates           complete their rates
 
-Where particles have constraints, begin_normals, what blocks say of their faces, an exchange and
-end_normals come before settle, for normals, and before begin_rates, for how they turn. Where
-energies that members store matter to temperatures, begin_stored, what solids say of their members,
-an exchange and end_stored come before settle.
+begin_normals, what blocks say of their faces, an exchange and end_normals come before settle and
+begin_rates where particles have constraints; begin_stored, what solids say of their members, an
+exchange and end_stored before settle where energies that members store matter to temperatures.
 """
 
 from __future__ import annotations
@@ -41,7 +40,6 @@ from numba import njit
 from numpy.typing import NDArray
 
 from fsipetsc.blocks.particles import SLIPS
-from fsipetsc.operators.boxed import Box
 from fsipetsc.operators.loops import (
     CALL,
     INLINED_CALL,
@@ -531,6 +529,7 @@ def end_rates(all, y, f, gain):
         data.clamp_rate,
     )
     mass, solid_mass, V, U, vs = state.mass, state.solid_mass, state.V, state.U, state.v
+    begin, row, kind, starts, inertia = table.begin, table.row, table.kind, table.at, table.inertia
     d, K, first = len(like), normals.shape[1], gain.size - 1 - len(like)
     pi, room = np.zeros(K), (np.zeros((K, K)), np.zeros(K))
     for p in range(count.size):
@@ -585,34 +584,25 @@ def end_rates(all, y, f, gain):
         if M > 0.0:
             rho_t, E_t = (R - U[p, 0] * J_t) / V[p], (R_E + power - U[p, d + 1] * J_t) / V[p]
             U_t = per(sub(momentum, scale(J_t, part_of(like, U, p, 1))), V[p])
-        give_rates(table, like, p, y, f, U, v, (rho_t, U_t, E_t), b, gain)
+        for m in range(begin[p], begin[p + 1]):
+            r = row[m]
+            if r >= starts.size:
+                continue
+            at = starts[r]
+            if kind[r] == GAS:
+                J, J_t = y[at], f[at]
+                f[at + 1], f[at + d + 2] = J * rho_t + U[p, 0] * J_t, J * E_t + U[p, d + 1] * J_t
+                for c in range(d):
+                    f[at + 2 + c] = J * U_t[c] + U[p, 1 + c] * J_t
+                continue
+            for c in range(d):
+                push = b[c] - f[at + d + c]
+                f[at + d + c] += push
+                f[at + 2 * d] += push * v[c]
+                if inertia[r] > 0.0:
+                    gain[first - 1] += inertia[r] * push * v[c]
     for c in range(all.behind):
         f[f.size - all.behind + c] = gain[c]
-
-
-@njit(**INLINED_CALL)
-def give_rates(table, like, p, y, f, U, v, of_gas, b, gain):
-    """Members of particle p get these rates (rho, rho u, E)_t and the acceleration b."""
-    d, begin, row, kind, starts = len(like), table.begin, table.row, table.kind, table.at
-    inertia, work, (rho_t, U_t, E_t) = table.inertia, gain.size - 2 - d, of_gas
-    for m in range(begin[p], begin[p + 1]):
-        r = row[m]
-        if r >= starts.size:
-            continue
-        at = starts[r]
-        if kind[r] == GAS:
-            J, J_t = y[at], f[at]
-            f[at + 1] = J * rho_t + U[p, 0] * J_t
-            for c in range(d):
-                f[at + 2 + c] = J * U_t[c] + U[p, 1 + c] * J_t
-            f[at + d + 2] = J * E_t + U[p, d + 1] * J_t
-            continue
-        for c in range(d):
-            force = b[c] - f[at + d + c]
-            f[at + d + c] += force
-            f[at + 2 * d] += force * v[c]
-            if inertia[r] > 0.0:
-                gain[work] += inertia[r] * force * v[c]
 
 
 class Held(NamedTuple):
@@ -628,9 +618,3 @@ class Held(NamedTuple):
     settle: Any
     begin_rates: Any
     end_rates: Any
-
-
-@njit(**CALL)
-def hold(particles, functions):
-    """A box of Held."""
-    return Box(Held(particles, *functions))

@@ -48,7 +48,7 @@ class Found(NamedTuple):
 
 class All(NamedTuple):
     """Of a rank that has all blocks its parts and particles with their functions, as
-    fsipetsc.scheme.part and particles hold them, and a box of Found.
+    fsipetsc.scheme.part and particles have them, and a box of Found.
     """
 
     parts: Any
