@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 from block_oracle import Oracle
-from oracle_formulas import conserved, det, dot, energy_and_stress
+from oracle_formulas import det, dot, energy_and_stress
 
 
 class Radial(Oracle):
@@ -110,12 +110,3 @@ class Radial(Oracle):
             (lost,), warmed = self._solid_dissipation(k, q[1:2], A)
             force, energy = force + lost, energy + v * lost + warmed
         return M, force[None], energy, stored
-
-    def uniform(self, rho, u, T, rng):
-        """A gas of one state with random volumes, (4, n) by name."""
-        found = {}
-        for k, name in enumerate(self.names):
-            V = self.start(k) * (1.0 + 0.2 * rng.uniform(-1.0, 1.0, self.W[k].shape))
-            U = conserved(self.blocks[k].material, rho, np.array([u]), T)
-            found[name] = V * np.array([1.0 + 0.0 * V, *(c + 0.0 * V for c in U)])
-        return found

@@ -68,22 +68,3 @@ def test_a_burst_hits_its_target_without_a_tiny_step():
     assert np.allclose(rows[:, 1], [0.08] * 5 + [0.05] * 2), "the rest in two equal steps"
     assert np.allclose(np.cumsum(rows[:, 1]), rows[:, 0], rtol=1e-15)
     assert (burst[words.SHORTEST], burst[words.LONGEST]) == (rows[:, 1].min(), rows[:, 1].max())
-
-
-def test_a_burst_makes_no_more_steps_than_allowed():
-    assert len(planned(10.0, 4)[0]) == 4
-    assert len(planned(10.0, 1)[0]) == 1
-
-
-def test_a_burst_ends_with_a_word_of_a_rank():
-    assert len(planned(10.0, 20, end=2)[0]) == 3
-
-
-def test_given_steps_are_as_long_as_given():
-    assert np.array_equal(planned(1.0, 3, fixed=0.01)[0][:, 1], [0.01] * 3)
-
-
-def test_without_a_burst_nothing_is_noted():
-    journal = np.zeros((2, 4))
-    assert not plan_next(np.zeros(BURST), np.zeros(FLAGS + LIMITS), journal, np.ones(2))
-    assert (journal == 0.0).all()

@@ -71,24 +71,6 @@ def test_mass_and_energy_stay_and_entropy_grows(runs):
     assert growth.min() > 1e-5
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("order", [2, 4, 6, 8])
-def test_two_point_fluxes_keep_mass_and_energy(order, tmp_path):
-    """In a gas without viscosity and conduction; one with a law of its own has the same bits."""
-    words = f"-fsi_convection entropy -fsi_order {order} -fsi_h 0.025 -ts_max_time 1"
-    inviscid = f"{words} -fluid_mu 0 -fluid_kappa 0"
-    own = str(REPOSITORY / "tests" / "own_gas.py")
-    runs = {"box": ("box", inviscid), "built in": ("box", words), "own": (own, words)}
-    if order != 4:
-        runs = {"box": runs["box"]}
-    found = {name: fsipetsc.open_run(p) for name, p in compute(1, tmp_path, runs).items()}
-    series = found["box"].series
-    assert np.abs(series["mass"] / series["mass"][0] - 1).max() < 1e-13
-    assert np.abs(series["energy"] / series["energy"][0] - 1).max() < 1e-10
-    for name in ("mass", "energy", "x_interface") if order == 4 else ():
-        assert np.array_equal(found["own"].series[name], found["built in"].series[name]), name
-
-
 @pytest.mark.parametrize(
     ("kind", "options"),
     [("g", "-fsi_convection entropy"), pytest.param("s", BOTH, marks=pytest.mark.long)],

@@ -1,11 +1,12 @@
-"""The engine around an axis or a centre: its rates are the oracle's (oracle_radial.py), whose sums
-are known (test_radial_formulas.py).
+"""The engine around an axis or a centre: its rates are the oracle's (oracle_radial.py), and
+keep the sums.
 """
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
+import block_shapes as shapes
 import numpy as np
 import pytest
 
@@ -15,9 +16,49 @@ from oracle_engine import Engine
 from oracle_formulas import Block, Clamped, Problem, Slip
 from oracle_radial import Radial
 from test_block_oracle import ELASTIC, NODES, SLIPPING, STICKING, derivatives, with_sums
-from test_radial_formulas import mirrored, radial, shell
 
 KAPPA = pytest.mark.parametrize("kappa", [1, 2])
+
+
+def shell(n, centre):
+    """A shell in gas, with gas inside to the centre, or from 0.4."""
+    inside = shapes.box((-1.0,), (1.0,), 2 * n) if centre else shapes.box((0.4,), (1.0,), n)
+    outer = {"solid": shapes.box((1.0,), (1.3,), n), "gas around": shapes.box((1.3,), (2.0,), n)}
+    if not centre:
+        return {"gas inside": inside, **outer}
+    mirrored = {
+        "solid mirrored": shapes.box((-1.3,), (-1.0,), n),
+        "gas mirrored": shapes.box((-2.0,), (-1.3,), n),
+    }
+    return {"gas inside": inside, **outer, **mirrored}
+
+
+def radial(shape, gas, solid, order, kappa, **options):
+    """The oracle of a shape, closed."""
+    blocks = [
+        Block(name, gas if name.startswith("gas") else solid, X, periods)
+        for name, (X, periods) in shape.items()
+    ]
+    closed = lambda owner: Clamped() if owner[0].startswith("solid") else Slip()  # noqa: E731
+    return Radial(Problem(tuple(blocks), closed, order, **options), kappa)
+
+
+def mirrored(oracle, q):
+    """q with the states of r > 0 at -r: densities and energies are even, velocities are odd."""
+    places = {
+        "gas inside": "gas inside",
+        "gas mirrored": "gas around",
+        "solid mirrored": "solid",
+    }
+    found = dict(q)
+    for name, of in places.items():
+        odd = np.array([-1.0, -1.0, 1.0] if of == "solid" else [1.0, 1.0, -1.0, 1.0])
+        image = odd[:, None] * q[of][:, ::-1]
+        half = q[of].shape[1] // 2
+        found[name] = (
+            np.concatenate([image[:, :half], q[of][:, half:]], axis=1) if name == of else image
+        )
+    return found
 
 
 class Centre(NamedTuple):

@@ -117,11 +117,6 @@ def test_momentum_and_energy_stay_and_motion_becomes_heat(d, order, q, a, b, per
     )
 
 
-def test_dissipation_does_not_depend_on_cuts():
-    block = Damped(2, 4, 2, 0.02, -0.02, cells=(18, 17))
-    assert np.array_equal(block.rates(((9,), (8,))), block.rates())
-
-
 def test_smooth_motion_is_no_shock():
     block = Damped(2, 4, 1, 0.0, 0.7, (True, True), (40, 40))
     x, y = block.xi
@@ -129,11 +124,3 @@ def test_smooth_motion_is_no_shock():
     assert not block.rates()[:, 2:].any()
     block.q[:, 2] = np.sign(x - 0.5)
     assert np.abs(block.rates()[:, 2]).max() > 1.0
-
-
-def test_a_uniform_strain_rate_is_no_shock():
-    """Up to the ends, where a node has no neighbour on one side."""
-    block = Damped(2, 4, 1, 0.0, 0.7, cells=(18, 17))
-    x, y = block.xi
-    block.q[:, 2], block.q[:, 3] = x + 2.0 * y, y - 0.5 * x
-    assert np.abs(block.rates()).max() < 1e-12

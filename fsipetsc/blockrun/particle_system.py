@@ -22,10 +22,8 @@ from fsipetsc.operators.boxed import Box, with_calls
 from fsipetsc.parallel.block_layout import BlockLayout
 from fsipetsc.parallel.particle_exchange import ParticleExchange
 from fsipetsc.scheme import normals as of_faces
-from fsipetsc.scheme import particle_steps
 from fsipetsc.scheme import particles as kernels
-from fsipetsc.scheme.particle_steps import Particles
-from fsipetsc.scheme.particles import GAS, SOLID, State, Table
+from fsipetsc.scheme.particles import GAS, SOLID, Particles, State, Table
 
 Array = NDArray[Any]
 
@@ -81,7 +79,6 @@ class ParticleSystem:
                 state=self.state,
                 stored=self._stored,
                 rows=self._exchange.table,
-                particle_rates=np.zeros((n, 2 * d + 2)),
                 stores=int(self.stores),
                 slips=int(self.slips),
                 normals=self.normals,
@@ -222,18 +219,18 @@ class ParticleSystem:
         add: adds area vectors of faces, or how these turn, to the rows of members.
         """
         if self.slips:
-            particle_steps.begin_normals(self.box)
+            kernels.begin_normals(self.box)
             add(self._normal_exchange.table)
             self._normal_exchange.exchange()
-            particle_steps.end_normals(self.box, turning)
+            kernels.end_normals(self.box, turning)
 
     def find_stored(self, y: Array, store: Callable[[], None]) -> None:
         """What particles store; store: members of solids tell it. Collective among neighbours."""
         if self.stores:
-            particle_steps.begin_stored(self.box, y)
+            kernels.begin_stored(self.box, y)
             store()
             self._store_exchange.exchange()
-            particle_steps.end_stored(self.box)
+            kernels.end_stored(self.box)
 
     # what the scheme calls; gain: masses, impulse and energy that come in. `share` begins it, the
     # others add to it
@@ -242,39 +239,38 @@ class ParticleSystem:
         """Sums of the members; ``state`` has what the particles share, but for slipping and
         temperatures.
         """
-        particle_steps.begin_sums(self.box, y, gain)
+        kernels.begin_sums(self.box, y, gain)
         self._exchange.exchange()
-        particle_steps.end_sums(self.box, gain)
+        kernels.end_sums(self.box, gain)
 
     def settle(self, y: Array, gain: Array) -> None:
         """Project velocities on what constraints allow, share heat, and give all members what their
         particle has; what came in is added behind the unknowns.
         """
-        particle_steps.settle(self.box, y, gain)
+        kernels.settle(self.box, y, gain)
 
     def constrain(self, y: Array, f: Array, gain: Array) -> None:
         """Rates of all members under the constraints of their particles, and of what comes in, in
         place.
         """
-        particle_steps.begin_rates(self.box, f)
+        kernels.begin_rates(self.box, f)
         self._exchange.exchange()
-        particle_steps.end_rates(self.box, y, f, gain)
+        kernels.end_rates(self.box, y, f, gain)
 
     def held(self, y: Array, gain: Array) -> Any:
         """All that compiled code takes with what it calls; y, gain: examples of what these take."""
-        steps = particle_steps
         calls = (
-            (steps.begin_sums, (y, gain)),
-            (steps.end_sums, (gain,)),
-            (steps.begin_normals, ()),
-            (steps.end_normals, (True,)),
-            (steps.begin_stored, (y,)),
-            (steps.end_stored, ()),
-            (steps.settle, (y, gain)),
-            (steps.begin_rates, (y,)),
-            (steps.end_rates, (y, y, gain)),
+            (kernels.begin_sums, (y, gain)),
+            (kernels.end_sums, (gain,)),
+            (kernels.begin_normals, ()),
+            (kernels.end_normals, (True,)),
+            (kernels.begin_stored, (y,)),
+            (kernels.end_stored, ()),
+            (kernels.settle, (y, gain)),
+            (kernels.begin_rates, (y,)),
+            (kernels.end_rates, (y, y, gain)),
         )
-        return with_calls(steps.hold, self.box, calls)
+        return with_calls(kernels.Held, self.box, calls)
 
     def refresh(self, t: float) -> None:
         """Prescribed data at time t [s]. InputError."""

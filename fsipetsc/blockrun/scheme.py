@@ -30,7 +30,6 @@ from fsipetsc.errors import InputError
 from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.operators.boxed import Box, with_calls
 from fsipetsc.parallel.block_layout import BlockLayout, BlockVector
-from fsipetsc.scheme import part as of_parts
 from fsipetsc.scheme import solid_record
 from fsipetsc.scheme.block_look import LEAST_J, LOOKED
 from fsipetsc.scheme.part import Held
@@ -131,7 +130,7 @@ class Scheme:
         takes = (particles,), (), (), (particles,), (particles,)
         takes += (particles, y), (y, y, gain), (y,), (found,)
         held = [
-            with_calls(of_parts.hold, part, zip(functions, takes, strict=True))
+            with_calls(Held, part, zip(functions, takes, strict=True))
             for part, *functions in self._does.values()
         ]
         return Box(All(tuple(held), self.particles.held(y, gain), found))

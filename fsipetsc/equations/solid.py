@@ -16,6 +16,16 @@ On a curved reference map X(xi) with A^k = J0 (dX/dxi)^-T e_k, J0 = det dX/dxi,
 
 and the power of two nodes i, l in the direction k is (P_i A^k_i . v_l + P_l A^k_l . v_i)/2, which
 together is v . D_k (P A^k) + P A^k . D_k v. Unknowns of a node: q = (D_1 … D_d, v_1 … v_d, e).
+
+Around an axis (kappa = 1) or a centre (2) x(X) is a radius, R = X:
+
+    F = (dx/dR, lambda),    lambda = x/R: the stretch of each of the kappa hoops
+    m0 A v_t = D(A P_r) - kappa A/R P_o,    A = R^kappa
+
+P_r and P_o are the first and the last entry on the diagonal of the stress of an ordinary law, in
+kappa + 1 dimensions, at diag(dx/dR, lambda[, lambda]): around an axis strain is plane. What the
+hoop stress takes from the motion is stored or becomes heat at the node itself, so that it does not
+change e. Rest is F = 1 to the last bit. Source: SCHEME-BLOCKS.md, section 6.
 """
 
 from __future__ import annotations
@@ -30,6 +40,7 @@ from fsipetsc.equations.tensors import (
     apply_transposed,
     cofactor,
     determinant,
+    diagonal,
     largest_stretch,
     outer,
 )
@@ -44,7 +55,8 @@ class Solid(NamedTuple):
 
     law, pressing: stress and pressure, as in fsipetsc.materials. m0: density at rest [kg/m3],
     alpha: specific heat [J/(kg K)], kappa: conductivity [W/(m K)], coupled: 1, or 0 with heat
-    'elastic'. force: (d,) body force per mass [m/s2].
+    'elastic'. force: (d,) body force per mass [m/s2]. around: a zero for each hoop stretch, p_ref:
+    pressure [Pa] on faces that is no part of the stress; both of radial solids alone.
     """
 
     law: Any
@@ -54,34 +66,36 @@ class Solid(NamedTuple):
     kappa: float
     coupled: float
     force: tuple[float, ...]
+    around: Any = ()
+    p_ref: float = 0.0
 
     def unstrained(self, like):
         """F at rest, for as many numbers as `like` has dimensions."""
         return add_unit(1.0, outer(like, like))
 
-    def in_space(self):
-        """The equations of full tensors."""
-        return self
+    def tensor(self, F):
+        """F as a tensor of the dimensions that the law has."""
+        return F
 
     def hoops(self):
-        """How many hoop stretches F has."""
+        """How many hoop stretches there are beside dx/dR; F has one, for all are equal."""
         return 0
 
-    def hoop_stretch(self, D, A):
-        """None."""
-        return 1.0
+    def with_hoops(self, F, D, A):
+        """F with hoop stretches, from the displacement D and A = R^kappa."""
+        return F
 
-    def hoop_acceleration(self, F, T, A):
-        """None."""
-        return 0.0
+    def held_by_hoops(self, acceleration, v, e, F, A):
+        """An acceleration with what hoop stresses do."""
+        return acceleration
 
     def energy(self, F):
         """W [J/m3]."""
-        return self.law.energy(F)
+        return self.law.energy(self.tensor(F))
 
     def volume(self, F):
         """J."""
-        return determinant(F)
+        return determinant(self.tensor(F))
 
     def line_stress(self, F):
         """Stress of the law in one dimension [Pa]."""
@@ -89,35 +103,87 @@ class Solid(NamedTuple):
 
     def temperature(self, v, e, F):
         """T [K]."""
-        stored = (1.0 - self.coupled) * self.law.energy(F) / self.m0
+        stored = (1.0 - self.coupled) * self.energy(F) / self.m0
         return (e - 0.5 * dot(v, v) - stored) / self.alpha
 
     def total_energy(self, v, T, F):
         """e [J/kg]."""
-        stored = (1.0 - self.coupled) * self.law.energy(F) / self.m0
+        stored = (1.0 - self.coupled) * self.energy(F) / self.m0
         return 0.5 * dot(v, v) + stored + self.alpha * T
 
     def pressure_at(self, J, T):
         """p [Pa]."""
         return self.pressing.pressure(J, T, self.m0, self.alpha)
 
-    def stress_at(self, F, T):
-        """P [Pa]."""
+    def full_stress(self, F, T):
+        """P [Pa] of a full tensor F."""
         return along(self.law.stress(F), -self.pressure_at(determinant(F), T), cofactor(F))
 
-    def heat_flux(self, F, gradient):
-        """h = kappa/J (cof F)^T cof F grad T [W/m2]: minus the flux of heat, per area at rest."""
+    def stress_at(self, F, T):
+        """P [Pa]."""
+        return self.full_stress(F, T)
+
+    def full_heat_flux(self, F, gradient):
+        """h of a full tensor F."""
         C = cofactor(F)
         return scale(self.kappa / determinant(F), apply_transposed(C, apply(C, gradient)))
 
-    def wave_modulus_at(self, F, T):
+    def heat_flux(self, F, gradient):
+        """h = kappa/J (cof F)^T cof F grad T [W/m2]: minus the flux of heat, per area at rest."""
+        return self.full_heat_flux(F, gradient)
+
+    def wave_modulus_at(self, strain, T):
         """Upper bound of m0 c^2 [Pa], of waves along the stiffest direction at constant entropy."""
+        F = self.tensor(strain)
         J, m0, alpha = determinant(F), self.m0, self.alpha
         area = largest_stretch(cofactor(F))
         dJ, dT = STEP * J, STEP * (1.0 + abs(T))
         p = self.pressing.pressure(J, T, m0, alpha)
         by_J = (self.pressing.pressure(J + dJ, T, m0, alpha) - p) / dJ
         by_T = (self.pressing.pressure(J, T + dT, m0, alpha) - p) / dT
-        P = self.stress_at(F, T)
+        P = self.full_stress(F, T)
         heating = abs(by_T) * np.sqrt(area * dot(P, P)) / (m0 * alpha)
         return self.law.wave_modulus(F) + max(-by_J, 0.0) * area + heating
+
+
+class RadialSolid(Solid):
+    """The equations around an axis or a centre; the law is one of kappa + 1 dimensions."""
+
+    def unstrained(self, like):
+        """F at rest."""
+        return (1.0, 1.0)
+
+    def tensor(self, F):
+        """diag(dx/dR, lambda) or diag(dx/dR, lambda, lambda)."""
+        return diagonal(self.around, F[0], F[1])
+
+    def hoops(self):
+        """kappa."""
+        return len(self.around)
+
+    def with_hoops(self, F, D, A):
+        """(dx/dR, lambda), lambda from the displacement D and A = R^kappa."""
+        return (F[0], 1.0 + D / (A if len(self.around) == 1 else np.sqrt(A)))
+
+    def held_by_hoops(self, acceleration, v, e, F, A):
+        """An acceleration less kappa P_o/(R m0)."""
+        kappa = len(self.around)
+        P = self.full_stress(self.tensor(F), self.temperature(v, e, F))[-1]
+        held = -kappa * P / (self.m0 * (A if kappa == 1 else np.sqrt(A)))
+        return (acceleration[0] + held,)
+
+    def hoop_stress(self, F, T):
+        """Cauchy stress of the hoops [Pa]."""
+        return self.full_stress(self.tensor(F), T)[-1] * F[1] / self.volume(F) - self.p_ref
+
+    def line_stress(self, F):
+        """Cauchy stress of the law along the radius [Pa]."""
+        return self.law.stress(self.tensor(F))[0] * F[0] / self.volume(F) - self.p_ref
+
+    def stress_at(self, F, T):
+        """P_r [Pa]."""
+        return (self.full_stress(self.tensor(F), T)[0],)
+
+    def heat_flux(self, F, gradient):
+        """kappa J/F_r^2 dT/dR."""
+        return (self.full_heat_flux(self.tensor(F), (gradient[0], *self.around))[0],)

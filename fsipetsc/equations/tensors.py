@@ -66,6 +66,13 @@ def _largest_eigenvalue(n: int) -> str:
     return " return " + nested
 
 
+def _diagonal(hoops: int) -> str:
+    """Source of diag(first, other, …) with so many others."""
+    d = hoops + 1
+    entries = ["first"] + (["0.0 * first"] * d + ["other"]) * hoops
+    return f" return ({', '.join(entries)})"
+
+
 def _contraction(name: str, arguments: str, indices: str) -> Callable[..., Any]:
     """A function of vectors and tensors by its indices, as "ik,kj->ij" for a product."""
     given, result = indices.split("->")
@@ -99,6 +106,8 @@ largest_eigenvalue = by_length("largest_eigenvalue", "B", _largest_eigenvalue)
 add_unit = by_length(
     "add_unit", "c, F", _tensor(lambda i, j, d: f"F[{i * d + j}]" + " + c" * (i == j))
 )
+#: diag(first, other) or diag(first, other, other), by the length of around
+diagonal = by_length("diagonal", "around, first, other", _diagonal)
 trace = _contraction("trace", "F", "ii->")
 transpose = _contraction("transpose", "F", "ji->ij")
 column_sums = _contraction("column_sums", "F", "ij->j")

@@ -13,7 +13,7 @@ from __future__ import annotations
 import hashlib
 import inspect
 from collections.abc import Callable, Mapping
-from types import CodeType, FunctionType, ModuleType
+from types import CodeType, FunctionType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -199,10 +199,9 @@ def checked_law(law: Any, what: str, kind: Kind) -> Any:
     if cls.__module__.startswith("fsipetsc.") and all(hasattr(cls, name) for name in kind.names):
         return law
     given = {n: f for n, f in vars(cls).items() if isinstance(f, FunctionType) and n[0] != "_"}
-    _check_formulas(what, kind, {n: f for n, f in given.items() if n in kind.names}, "self, ")
+    _check(what, kind, {n: f for n, f in given.items() if n in kind.names}, "self, ")
     numbers = tuple(float(v) if isinstance(v, (int, float)) else v for v in law)
-    methods = {**kind.derived, **given}
-    return _class(cls.__name__, cls._fields, methods, methods)(*numbers)
+    return _class(cls.__name__, cls._fields, {**kind.derived, **given})(*numbers)
 
 
 def knows_energy(law: Any) -> bool:
@@ -230,21 +229,23 @@ def check_solid_law(law: Any, d: int) -> None:
 def _law_of(kind: Kind, formulas: Mapping[str, Formula]) -> Any:
     """A law without numbers, of functions."""
     plain = {name: getattr(formula, "py_func", formula) for name, formula in formulas.items()}
-    _check_formulas(kind.maker, kind, plain, "")
+    _check(kind.maker, kind, plain, "")
     methods = dict(kind.derived)
     for name, formula in plain.items():
-        count = len(inspect.signature(formula).parameters)
-        methods[name] = _METHODS[count](register_jitable(formula))
+        arguments = ", ".join(inspect.signature(formula).parameters)
+        space = {"formula": register_jitable(formula)}
+        exec(f"def {name}(self, {arguments}): return formula({arguments})", space)
+        methods[name] = space[name]
         if kind is not SOLID:  # whose number of arguments depends on the dimension
-            _compile(f"{kind.maker}: {name}", formula, count)
-    return _class(kind.maker, ("unused",), methods, plain)(0.0)  # numba needs a field
+            _compile(f"{kind.maker}: {name}", formula, 1 + arguments.count(","))
+    return _class(kind.maker, ("unused",), methods)(0.0)  # numba needs a field
 
 
-def _check_formulas(what: str, kind: Kind, given: Mapping[str, Formula], first: str) -> None:
+def _check(what: str, kind: Kind, given: Mapping[str, Formula], first: str) -> None:
     """InputError for a formula that is missing, unknown or has not its arguments."""
-    missing = [name for name in kind.needed if name not in given]
-    if missing:
-        raise InputError(f"{what}: the formula {kind.form(missing[0])} is missing")
+    for name in kind.needed:
+        if name not in given:
+            raise InputError(f"{what}: the formula {kind.form(name)} is missing")
     for name, formula in given.items():
         if name not in kind.names:
             raise InputError(f"{what}: no formula '{name}': expected {', '.join(kind.names)}")
@@ -270,25 +271,11 @@ def _compile(what: str, formula: Formula, count: int) -> None:
         raise InputError(f"{what} returns a value of the type {kind}: expected a number")
 
 
-#: methods that call a function, by the number of its arguments
-_METHODS: dict[int, Callable[[Formula], Formula]] = {
-    1: lambda f: lambda self, a: f(a),
-    2: lambda f: lambda self, a, b: f(a, b),
-    4: lambda f: lambda self, a, b, c, d: f(a, b, c, d),
-}
-
-
-def _class(
-    name: str,
-    fields: tuple[str, ...],
-    methods: Mapping[str, Formula],
-    sources: Mapping[str, Formula],
-) -> type:
-    """A NamedTuple class with these methods, named by a hash of their sources."""
-    digest = hashlib.sha256(repr(fields).encode())
-    for key, formula in sorted(sources.items()):
-        digest.update(key.encode() + _fingerprint(formula, set()).encode())
-    full = f"{name}_{digest.hexdigest()[:16]}"
+def _class(name: str, fields: tuple[str, ...], methods: Mapping[str, Formula]) -> type:
+    """A NamedTuple class with these methods, named by a hash of what they are made of."""
+    parts = (f"{key}={_fingerprint(formula, set())}" for key, formula in sorted(methods.items()))
+    digest = hashlib.sha256("".join([repr(fields), *parts]).encode()).hexdigest()
+    full = f"{name}_{digest[:16]}"
     if full not in _classes:
         made = NamedTuple(full, [(field, Any) for field in fields])
         made.__module__ = __name__
@@ -307,9 +294,8 @@ def __getattr__(name: str) -> Any:
 
 def _fingerprint(value: Any, seen: set[int]) -> str:
     """What tells a formula from another one: its code, constants, and what it refers to."""
-    if id(value) in seen:
-        return ""
-    if isinstance(value, FunctionType):
+    value = getattr(value, "py_func", value)
+    if isinstance(value, FunctionType) and id(value) not in seen:
         seen.add(id(value))
         names = inspect.getclosurevars(value)
         parts = sorted({**names.nonlocals, **names.globals}.items())
@@ -318,6 +304,4 @@ def _fingerprint(value: Any, seen: set[int]) -> str:
     if isinstance(value, CodeType):
         constants = "".join(_fingerprint(c, seen) for c in value.co_consts[1:])
         return value.co_code.hex() + repr(value.co_names) + constants
-    if isinstance(value, ModuleType):
-        return value.__name__
-    return _fingerprint(value.py_func, seen) if hasattr(value, "py_func") else repr(value)
+    return "" if isinstance(value, FunctionType) else getattr(value, "__name__", repr(value))

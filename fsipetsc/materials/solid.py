@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from fsipetsc.checks import ANY, NONNEGATIVE, POSITIVE, described, numbers
-from fsipetsc.equations.radial_solid import RadialSolid
-from fsipetsc.equations.solid import Solid
+from fsipetsc.equations.solid import RadialSolid, Solid
 from fsipetsc.errors import InputError
 from fsipetsc.materials import own
 from fsipetsc.materials.fluid import checked_force, force_in
@@ -101,10 +100,9 @@ class ElasticSolid:
     def radial_equations(self, symmetry: int) -> RadialSolid:
         """Its equations around an axis (1) or a centre (2), without p_ref, too. InputError."""
         force = force_in(self.force, 1, "ElasticSolid")
-        law, none = self._law_in(symmetry + 1, True), (0.0,) * symmetry
-        solid = Solid(law, self.pressure_law, *self._constants, (0.0, *none))
+        laws = self._law_in(symmetry + 1, True), self.pressure_law
         p_ref = self.p_ref if isinstance(self.law, str) else 0.0
-        return RadialSolid(solid, none, p_ref, *self._constants, force)
+        return RadialSolid(*laws, *self._constants, force, (0.0,) * symmetry, p_ref)
 
     @property
     def _constants(self) -> tuple[float, ...]:

@@ -18,11 +18,14 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
+from fsipetsc.operators.loops import CALL
 from fsipetsc.operators.sbp import operator
 
 Array = NDArray[np.float64]
+Triple = tuple[int, int, int]
 
 
 class Band(NamedTuple):
@@ -96,3 +99,24 @@ def centred_band(order: int, cells: int) -> Band:
     n, whole = cells + 1, band(order, 2 * cells + 1)
     weight = whole.weight * ((2 * cells + 1) / cells)
     return Band(np.roll(whole.S, n, axis=1), np.roll(weight, n))
+
+
+class Patch(NamedTuple):
+    """A rank's part of a block: sizes along the three axes, axis 0 contiguous; of an axis that is
+    not there 1, 1 and 0.
+
+    own: nodes that the rank owns. ghosted: nodes of the array with halos; at an end of the block
+    there is no halo. first: where those that it owns begin in that array.
+    """
+
+    own: Triple
+    ghosted: Triple
+    first: Triple
+
+
+@njit(**CALL)
+def mirror(values, first, signs):
+    """Let the `first` nodes of an array (N, …) be the images of those behind them, with signs."""
+    for i in range(first):
+        for c in range(signs.size):
+            values[first - 1 - i, c] = signs[c] * values[first + i, c]

@@ -40,7 +40,7 @@ structref.define_boxing(BoxType, Box)
 structref.define_attributes(BoxType)
 
 
-@overload(Box)
+@overload(Box, jit_options={"no_cpython_wrapper": True, "no_cfunc_wrapper": True})
 def _box(record):
     kind = BoxType(tuple(zip(record.fields, record.types, strict=True)))
     lines = [f" box.{name} = record.{name}\n" for name in record.fields]
@@ -55,14 +55,14 @@ def boxed(record):
     return Box(record)
 
 
-def with_calls(hold: Any, box: Any, calls: Iterable[tuple[Any, tuple[Any, ...]]]) -> Any:
-    """hold(box, *functions), which makes a box of a box and functions of it.
+def with_calls(held: Any, box: Any, calls: Iterable[tuple[Any, tuple[Any, ...]]]) -> Any:
+    """A box of a ``held``, a NamedTuple class: of a box and functions of it.
 
     calls: compiled functions, examples of what they take behind ``box``. None returns anything.
     """
     functions, examples = zip(*calls, strict=True)
     kinds = [types.void(typeof(box), *map(typeof, more)) for more in examples]
-    takes = (typeof(box), *map(types.FunctionType, kinds))
-    hold.compile(takes)
+    takes = types.NamedTuple((typeof(box), *map(types.FunctionType, kinds)), held)
+    boxed.compile((takes,))
     # called for just these types: numba would look for them among those of other boxes, and fail
-    return hold.get_overload(takes)(box, *functions)
+    return boxed.get_overload((takes,))(held(box, *functions))

@@ -13,12 +13,10 @@ table in which a digit can be wrong.
 The free entries, Q_ij with s < i < j < r (counted from 0):
 
 6/3  One. It minimises sum_i H_i e_i^2, e being the truncation error of the closure on x^4.
-8/4  Three, and the choice matters: the truncation error on x^5 does not change along
-     (Q_56, Q_57, Q_67) = (21, -6, 1) t, but the spectral radius of hD, with the inflow point
-     removed, does: t = 0.01 takes it from 1.72 to more than 8, and closures in print have much
-     larger ones than that. It never shows in a convergence test, only in the time step. The values
-     below keep it under that of the interior stencil (1.73), with an error within 1 % of the
-     smallest possible.
+8/4  Three. The truncation error on x^5 does not change along (Q_56, Q_57, Q_67) = (21, -6, 1) t.
+     The spectral radius of hD, with the inflow point removed, does, from 1.72 to more than 8: it
+     shows in the time step alone. The values below keep it under that of the interior stencil
+     (1.73), with an error within 1 % of the smallest possible.
 
 Sources: H.-O. Kreiss and G. Scherer, in Mathematical Aspects of Finite Elements in Partial
 Differential Equations (1974), 195-212 (existence, norms); B. Strand, J. Comput. Phys. 110 (1994),

@@ -132,6 +132,7 @@ add = _by_length("add", "a, b", _tuple("a[@] + b[@]"))
 sub = _by_length("sub", "a, b", _tuple("a[@] - b[@]"))
 scale = _by_length("scale", "c, a", _tuple("c * a[@]"))
 mean = _by_length("mean", "a, b", _tuple("0.5 * (a[@] + b[@])"))
+per = _by_length("per", "a, c", _tuple("a[@] / c"))
 #: a + c b
 along = _by_length("along", "a, c, b", _tuple("a[@] + c * b[@]"))
 zeros = _by_length("zeros", "a", _tuple("0.0 * a[@]"))
@@ -139,11 +140,14 @@ choose = _by_length("choose", "first, a, b", _tuple("a[@] if first else b[@]"))
 #: rows[c][i], as a tuple
 load = _by_length("load", "rows, i", _tuple("rows[@][i]"))
 store = _by_length("store", "rows, i, values", _lines("rows[@][i] = values[@]"))
-add_to = _by_length("add_to", "rows, i, c, values", _lines("rows[@][i] += c * values[@]"))
 #: array[c, a:b] for each c of like, made where it is used: else numba counts references to views
 rows = _by_length("rows", "like, array, a, b", _tuple("array[@, a:b]"), inline="always")
 #: array[c, n] for each c of like: the numbers of one node of an array by components
 column = _by_length("column", "like, array, n", _tuple("array[@, n]"))
 #: array[n, c] for each c of like: the numbers of one node of an interlaced array
 node = _by_length("node", "like, array, n", _tuple("array[n, @]"))
-put_node = _by_length("put_node", "array, n, values", _lines("array[n, @] = values[@]"))
+#: the same from array[n, first] on
+part_of = _by_length("part_of", "like, array, n, first", _tuple("array[n, first + @]"))
+put_part = _by_length(
+    "put_part", "array, n, first, values", _lines("array[n, first + @] = values[@]")
+)

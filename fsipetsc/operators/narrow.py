@@ -16,31 +16,21 @@ first T of order p+1 have a term of their own instead, with b at point T:
 
     b_T  Delta_{p+1}^T  c L L^T  Delta_{p+1},             c the sum of the weights of mean_{p+1}
 
-What follows, whatever L is:
+Whatever L is, R is symmetric and, for b >= 0, positive semidefinite; its columns add up to
+nothing, so D2 conserves what D B D conserves; it vanishes on polynomials up to degree p, so near
+the ends D2 is as exact as D B D, and in the interior of order h^2p. The boundary derivative of D2
+is the closure row of D (a *fully compatible* operator).
 
-- R is symmetric and, for b >= 0, positive semidefinite: it takes out of sum_i H_i u_i^2 / 2 just
-  sum_q mean_q b (Delta_q u)^2.
-- Its columns add up to nothing: what D B D conserves, D2 conserves.
-- It vanishes on polynomials up to degree p, the order of the closure: near the ends D2 is as exact
-  as D B D. In the interior it is of order h^2p, as D is.
-- The boundary derivative of D2 is the closure row of D (a *fully compatible* operator): couplings
-  and boundary formulas that take derivatives by that row fit it as they fit D B D.
+The weights make the interior formula of D2 one of 2p + 1 points, whatever b is: D^T B D couples
+points j apart, p < j <= 2p; a Delta_q couples points q apart by (-1)^q mean_q b, and nearer ones.
+So the couplings are cancelled one after the other, from 2p down, in the one way there is
+(``levels``).
 
-The weights are what makes the interior formula of D2 one of 2p + 1 points, whatever b is: D^T B D
-couples points j apart, p < j <= 2p, by a sum of products of b and entries of D; a Delta_q couples
-points q apart by (-1)^q mean_q b, and nearer ones. So the couplings are cancelled one after the
-other, from 2p down, and each time there is one way to do it (``levels``).
-
-The ends. Where a flux b u_X is imposed by the closure row of D, as at interfaces, u takes on an
-error E h^(s+1) u^(s+1) near the end, s = p. With D twice it is such that D u is right there: D E =
--e, e the error of D on x^(s+1)/(s+1)!. With narrow derivatives it obeys D2 E = -(error of D2 on it)
-at all points but the end point, where the flux stands instead of the equation, and the flux is
-wrong by phi h^s u^(s+1), phi = e_0 + (D E)_0: of order s only, unless the equation happens to hold
-at the end point, too: then, by summation by parts, phi = 0. Without terms at the ends phi is 1/2,
--1/3, 0.31, -0.38. The L in ENDS make it 0 for 2/1, 4/2 and 6/3. That is one equation for the
-entries of L; the others are those, rounded, for which L L^T comes near to 1 (a diagonal L does not
-do). 8/4 has no such term. A flux that comes in by way of the norm, the equation at the end point
-kept, as with the conservative coupling, needs none.
+Where a flux b u_X is imposed by the closure row of D, u takes on an error E h^(s+1) u^(s+1) near
+the end, s = p, with D2 E = -(error of D2 on x^(s+1)/(s+1)!) at all points but the end point, and
+the flux is wrong by phi h^s u^(s+1), phi = e_0 + (D E)_0. Without terms at the ends phi is 1/2,
+-1/3, 0.31, -0.38. The L in ENDS make it 0 for 2/1, 4/2 and 6/3, with L L^T near to 1; 8/4 has no
+such term. A flux that comes in by way of the norm, as with the conservative coupling, needs none.
 
 Sources: K. Mattsson, J. Sci. Comput. 51 (2012), 650-682 (remainders of this form); B. Sjögreen and
 N. A. Petersson, J. Sci. Comput. 52 (2012), 17-48 (narrow formulas with the boundary derivative in

@@ -23,8 +23,7 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from fsipetsc.errors import InputError
-from fsipetsc.operators.bands import NO_AXIS, Band
-from fsipetsc.operators.patch import Patch, mirror
+from fsipetsc.operators.bands import NO_AXIS, Band, Patch, mirror
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_shares import Extent, share_out
 

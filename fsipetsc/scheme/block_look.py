@@ -65,9 +65,7 @@ def gas_look(part, q, metrics, stiffness):
 
 
 @njit(**EXACT_LOOP)
-def measure(
-    gas, like, per_h, stiffness, grid, q, metrics, masses, reference, own, first, n, room
-):
+def measure(gas, like, per_h, stiffness, grid, q, metrics, masses, reference, own, first, n, room):
     """Add n nodes to the extremes and sums of the columns of a tile."""
     d, like_q, one = U64(len(like)), (*like, 0.0, 0.0, 0.0), U64(1)
     N, extremes = U64(metrics.size // (len(like) ** 2 + len(like) + 1)), (0.0, 0.0, 0.0, 0.0, 0.0)

@@ -21,6 +21,7 @@ LEAST = 1e-6
 #: the same of each component in two dimensions, where the forces on two edges may be large and add
 #: up to nothing
 LEAST_COMPONENT = 1e-3
+TINY = np.finfo(float).tiny
 
 
 def drifts(
@@ -44,36 +45,28 @@ class Drifts:
 
     def __init__(self, invariants: Mapping[str, Any], initial: Mapping[str, Any]) -> None:
         self._invariants, self._initial = invariants, initial
-        self._rates: dict[str, float] = {
-            name: initial.get(name, 0.0) for name in ("force", "heating")
-        }  # the last ones
+        self._rates = {name: initial.get(name, 0.0) for name in ("force", "heating")}  # last ones
         self._sums: dict[str, float] = {}
         masses = np.asarray(initial.get("mass", ())).tolist()
         energy = max(initial.get("energy", 0.0), 0.0)
         #: what round-off makes of a momentum that nothing has changed is nothing beside this
         self._momentum_of_all = np.sqrt(energy * (invariants.get("inertia", 0.0) + sum(masses)))
         gases = zip(invariants.get("cv", ()), masses)
-        self._heat_capacity = invariants.get("heat_capacity", 0.0) + sum(
-            cv * mass for cv, mass in gases
-        )
+        self._heat_capacity = invariants.get("heat_capacity", 0.0) + sum(c * m for c, m in gases)
         self._most = 0.0  # entropy produced
 
     def memory(self) -> dict[str, Any]:
         """What ``recall`` takes, as JSON has it."""
-        sums = {name: float(value) for name, value in self._sums.items()}
-        return {
-            "rates": {name: float(value) for name, value in self._rates.items()},
-            "sums": sums,
-            "most": float(self._most),
-        }
+        rates, sums = (
+            {name: float(value) for name, value in values.items()}
+            for values in (self._rates, self._sums)
+        )
+        return {"rates": rates, "sums": sums, "most": float(self._most)}
 
     def recall(self, memory: Mapping[str, Any]) -> None:
         """Go on behind the steps of which ``memory`` tells."""
-        self._rates, self._sums, self._most = (
-            dict(memory["rates"]),
-            dict(memory["sums"]),
-            memory["most"],
-        )
+        self._rates, self._sums = dict(memory["rates"]), dict(memory["sums"])
+        self._most = memory["most"]
 
     @np.errstate(all="ignore")  # a drift that is no number says so itself
     def go_on(self, series: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -82,61 +75,44 @@ class Drifts:
         invariants, initial = self._invariants, self._initial
         if not invariants or not len(series["dt"]):
             return result
+        nothing = np.zeros(len(series["dt"]))
         for name, columns in invariants["masses"]:
-            chosen = np.atleast_1d(columns)  # of blocks of gas that are joined
-            came = (
-                self._sum(f"into '{name}'", series["mass_in"][:, chosen].sum(axis=1))
-                if "mass_in" in series
-                else 0.0
-            )
+            chosen, came = np.atleast_1d(columns), nothing  # of blocks of gas that are joined
+            if "mass_in" in series:
+                came = self._sum(f"into '{name}'", series["mass_in"][:, chosen].sum(axis=1))
             first = sum(initial["mass"][column] for column in chosen)
             result[f"mass of '{name}'"] = (series["mass"][:, chosen].sum(axis=1) - came) / first - 1
         if "force" in series:
-            result["momentum"] = self._momentum(series)
+            result["momentum"] = self._momentum(series, nothing)
         for axis in (x for x in "xyz" if f"impulse_{x}" in series and invariants.get("momentum")):
-            result[f"momentum along {axis}"] = self._plane_momentum(series, axis)
+            name, given = f"momentum_{axis}", series[f"impulse_{axis}"]
+            passed = self._sum(f"{name}, given and taken", np.abs(given))
+            least = max(abs(initial[name]), LEAST_COMPONENT * self._momentum_of_all, TINY)
+            change = series[name] - initial[name] - self._sum(name, given)
+            result[f"momentum along {axis}"] = change / np.maximum(passed, least)
         if invariants["energy"]:
             came = self._sum("energy", series["energy_in"]) if "energy_in" in series else 0.0
             result["energy"] = (series["energy"] - came) / initial["energy"] - 1
             if "heating" in series or invariants.get("entropy"):
-                heated = (
-                    self._integral(series, "heated", self._joined(series, "heating"))
-                    if "heating" in series
-                    else 0.0
-                )
+                heated = nothing
+                if "heating" in series:
+                    heated = self._integral(series, "heated", self._joined(series, "heating"))
                 produced = series["entropy"] - initial["entropy"] - heated
                 most = np.maximum.accumulate(np.concatenate([[self._most], produced]))[1:]
                 self._most = most[-1]
-                scale = max(abs(initial["entropy"]), self._heat_capacity, np.finfo(float).tiny)
+                scale = max(abs(initial["entropy"]), self._heat_capacity, TINY)
                 result["entropy"] = (most - produced) / scale
         return result
 
-    def _momentum(self, series: Mapping[str, np.ndarray]) -> np.ndarray:
+    def _momentum(self, series: Mapping[str, np.ndarray], nothing: np.ndarray) -> np.ndarray:
         """The drift of momentum, less the impulse of ends and body forces."""
-        initial, force = self._initial, self._joined(series, "force")
-        given = (
-            series["impulse"] if "impulse" in series else np.zeros(len(series["dt"]))
-        )  # not in results of earlier versions
+        first, force = self._initial["momentum"], self._joined(series, "force")
+        given = series["impulse"] if "impulse" in series else nothing  # an older result
         impulse = self._integral(series, "impulse", force) + self._sum("given", given)
-        passed = self._integral(series, "passed", np.abs(force)) + self._sum(
-            "given and taken", np.abs(given)
-        )
-        scale = (
-            np.maximum(passed, max(abs(initial["momentum"]), LEAST * self._momentum_of_all))
-            + np.finfo(float).tiny
-        )
-        return (series["momentum"] - initial["momentum"] - impulse) / scale
-
-    def _plane_momentum(self, series: Mapping[str, np.ndarray], axis: str) -> np.ndarray:
-        """The drift of one component in two dimensions."""
-        name, given = f"momentum_{axis}", series[f"impulse_{axis}"]
-        passed = self._sum(f"{name}, given and taken", np.abs(given))
-        least = max(
-            abs(self._initial[name]), LEAST_COMPONENT * self._momentum_of_all, np.finfo(float).tiny
-        )
-        return (series[name] - self._initial[name] - self._sum(name, given)) / np.maximum(
-            passed, least
-        )
+        passed = self._integral(series, "passed", np.abs(force))
+        passed = passed + self._sum("given and taken", np.abs(given))
+        scale = np.maximum(passed, max(abs(first), LEAST * self._momentum_of_all)) + TINY
+        return (series["momentum"] - first - impulse) / scale
 
     def _sum(self, name: str, parts: np.ndarray) -> np.ndarray:
         """Sum from t = 0 to the end of each step of what belongs to a step."""

@@ -14,29 +14,26 @@ At shocks the flux of a pair of nodes i < l goes in part from node to node:
                   and      alpha_il S_il F(m, m + 1; a_il, g_il)  between m and m + 1,  i <= m < l,
 
 with F(m, m + 1; a, g) the two-point flux of neighbours through the area a and volume flux g of the
-pair. What leaves i arrives at l. In a uniform flow each link has the flux F(i, l), so it stays.
-With the potentials psi, phi of the entropy, (z_l - z_i) . F(i, l; a, g) = a . (psi_l - psi_i) -
-g (phi_l - phi_i): the sum over the links is that of the pair, whatever alpha is, so the change of
-entropy stays, too. F is linear in a and g, so neighbours have one flux, through
+pair. What leaves i arrives at l, and in a uniform flow each link has the flux F(i, l). With the
+potentials psi, phi of the entropy, (z_l - z_i) . F(i, l; a, g) = a . (psi_l - psi_i) -
+g (phi_l - phi_i): the links change the entropy as the pair does, whatever alpha is. F is linear in
+a and g, so neighbours have one flux, through
 
     A_m = sum alpha_il S_il a_il,   G_m = sum alpha_il S_il g_il   over all pairs with i <= m < l.
 
-To it shocks add the flux of Lax and Friedrichs, S/2 max(|A . u - G| + c |A|) (U_m - U_m+1), which
-makes entropy grow, as -rho s is a convex function of U. With alpha = 1 everywhere this is a scheme
-of finite volumes of first order.
+To it comes the flux of Lax and Friedrichs, S/2 max(|A . u - G| + c |A|) (U_m - U_m+1), which makes
+entropy grow. With alpha = 1 everywhere this is a scheme of finite volumes of first order.
 
 alpha of a pair is the largest of its nodes and of those between. At a node j
 
     alpha = min(1, max(0, 2.5 (s - 0.03))),   d_+ = a_j+1 - a_j,   d_- = a_j - a_j-1,
     s = |d_+ - d_-| / (|d_+| + |d_-| + 0.05 (a_j+1 + 2 a_j + a_j-1)),
 
-the larger s of a = rho and a = p (the form is of R. C. Swanson and E. Turkel, J. Comput. Phys. 101,
-1992); 0 at an end, whose pairs have its neighbour's. In smooth flow s falls with h^2 and alpha is
-0.
+the larger s of a = rho and a = p (R. C. Swanson and E. Turkel, J. Comput. Phys. 101, 1992); 0 at an
+end, whose pairs have its neighbour's. In smooth flow s falls with h^2 and alpha is 0.
 
 Finite volumes between the nodes of a summation-by-parts scheme: S. Hennemann et al., J. Comput.
-Phys. 426, 2021. That alpha may vary from pair to pair, with the metrics of pairs in their links,
-was derived for this program.
+Phys. 426, 2021. That alpha may vary from pair to pair was derived for this program.
 """
 
 from __future__ import annotations
@@ -193,25 +190,15 @@ def largest(alpha, i, stride, weights):
 def collect(like, weights, per_weight, differs, node, stride, room, rates, to, n):
     """Add sums and H^-1 Delta^T F to the rates of a row of owned nodes; all is interlaced there."""
     like_f, N, count = (*like, 0.0, 0.0), U64(per_weight.size), U64(len(like) + 3)
-    before = U64(room.before)
-    back, sign = (
-        before + node - U64(len(weights) - 1) * stride,
-        1.0 - 2.0 * ((len(weights) - 1) % 2),
-    )
+    order, before = len(weights) - 1, U64(room.before)
+    back, sign = before + node - U64(order) * stride, 1.0 - 2.0 * (order % 2)
     for i in range(n):
-        more = at(like_f, room.sums, node, N, i)
+        more, place = at(like_f, room.sums, node, N, i), (to + i) * count + ONE
         if differs:  # weights of Delta^T: those of Delta in reverse order, perhaps with sign -1
-            more = along(
-                more, -sign, shifted_sum(like_f, room.F, back, N + before, i, stride, weights)
-            )
-        place = (to + i) * count + ONE
-        put(
-            rates,
-            place,
-            ONE,
-            U64(0),
-            along(at(like_f, rates, place, ONE, U64(0)), per_weight[node + i], more),
-        )
+            sum_of_F = shifted_sum(like_f, room.F, back, N + before, i, stride, weights)
+            more = along(more, -sign, sum_of_F)
+        found = at(like_f, rates, place, ONE, U64(0))
+        put(rates, place, ONE, U64(0), along(found, per_weight[node + i], more))
 
 
 # at shocks
@@ -260,18 +247,8 @@ def split_pairs(gas, like, form, S, metrics, k, stride, ghosted, patch, room):
             for m in range(1, min(reach, length - 1 - place) + 1):
                 alpha = max(alpha, room.alpha[i + m * stride])
                 if alpha > 0.0 and S[m, place] != 0.0:
-                    split(
-                        gas,
-                        like,
-                        form,
-                        alpha * S[m, place],
-                        metrics,
-                        k,
-                        U64(i),
-                        U64(m),
-                        U64(stride),
-                        room,
-                    )
+                    weight, ends = alpha * S[m, place], (U64(i), U64(m), U64(stride))
+                    split(gas, like, form, weight, metrics, k, *ends, room)
 
 
 @register_jitable
@@ -287,13 +264,8 @@ def owned_across(i, k, ghosted, patch):
 @njit(**INNER_CALL)
 def split(gas, like, form, weight, metrics, k, i, m, stride, room):
     """One pair, of the node i and that m farther on; weight: alpha S."""
-    like_w, like_f, d, N, none = (
-        state_like(like),
-        (*like, 0.0, 0.0),
-        len(like),
-        U64(room.alpha.size),
-        U64(0),
-    )
+    like_w, like_f, d = state_like(like), (*like, 0.0, 0.0), len(like)
+    N, none = U64(room.alpha.size), U64(0)
     j, area, grid = i + m * stride, U64(k * d) * N, U64(d * d) * N
     l, r = at(like_w, room.state, none, N, i), at(like_w, room.state, none, N, j)
     a_l, v_l = at(like, metrics, area, N, i), at(like, metrics, grid, N, i)
@@ -303,14 +275,9 @@ def split(gas, like, form, weight, metrics, k, i, m, stride, room):
     put(room.sums, none, N, j, along(at(like_f, room.sums, none, N, j), -weight, F))
     more = (*mean(a_l, a_r), gas.volume_flux(a_l, v_l, a_r, v_r))
     for n in range(m):
-        at_link = i + U64(n) * stride
-        put(
-            room.link,
-            none,
-            N,
-            at_link,
-            along(at((*like, 0.0), room.link, none, N, at_link), weight, more),
-        )
+        link = i + U64(n) * stride
+        before = at((*like, 0.0), room.link, none, N, link)
+        put(room.link, none, N, link, along(before, weight, more))
 
 
 @njit(**INNER_CALL)

@@ -8,9 +8,8 @@ from typing import Any, NamedTuple
 
 from numba import njit
 
-from fsipetsc.operators.boxed import Box
+from fsipetsc.operators.bands import mirror
 from fsipetsc.operators.loops import CALL, INNER_LOOP, MERGED_CALL
-from fsipetsc.operators.patch import mirror
 from fsipetsc.scheme.after_step import WORDS
 from fsipetsc.scheme.block_look import CONVECTION
 from fsipetsc.scheme.normals import add_areas
@@ -29,13 +28,6 @@ class Held(NamedTuple):
     rates: Any
     look: Any
     note: Any
-
-
-@njit(**CALL)
-def hold(part, follow, move, swing, normals, turn, store, rates, look, note):
-    """A box of Held."""
-    of_grid = follow, move, swing, normals, turn
-    return Box(Held(part, *of_grid, store, rates, look, note))
 
 
 @njit(**MERGED_CALL)

@@ -6,8 +6,8 @@ velocity, and have one temperature or each its own. With the sums
     gas    V = sum H J,  M = sum H J rho,  P = sum H J rho u,  E = sum H J e
     solid  M_s = sum H J0 m0,  and those of M_s times displacement, velocity, energy per mass e_s
 
-`share` gives all members what follows from the sums; sums are linear in the unknowns, so that a
-Runge-Kutta method keeps them. `constrain` does the same for rates. With a_g = (R_m - u R_rho)/M and
+`end_sums` gives all members what follows from the sums; sums are linear in the unknowns, so that a
+Runge-Kutta method keeps them. `end_rates` does the same for rates. With a_g = (R_m - u R_rho)/M and
 a_s = F/M_s the accelerations without constraints, it minimises
 
     1/2 M |a_g' - a_g|^2 + 1/2 M_s |a_s' - a_s|^2     where     G_c . a_g' + S_c . a_s' = b_c:
@@ -22,6 +22,13 @@ of mass M + M_s. A body whose motion is given counts as infinitely heavy.
 
 What comes in is added to ``gain``: masses of the gas blocks, work on solids if it is booked,
 impulse (d), energy. Constraints tell it by their forces, data that replace unknowns by the change.
+
+    begin_sums, exchange, end_sums, settle     complete the unknowns
+    begin_rates, exchange, end_rates           complete their rates
+
+begin_normals, what blocks say of their faces, an exchange and end_normals come before settle and
+begin_rates where particles have constraints; begin_stored, what solids say of their members, an
+exchange and end_stored before settle where energies that members store matter to temperatures.
 """
 
 from __future__ import annotations
@@ -33,13 +40,33 @@ from numba import njit
 from numpy.typing import NDArray
 
 from fsipetsc.blocks.particles import SLIPS
-from fsipetsc.operators.loops import CALL, MERGED_CALL
+from fsipetsc.operators.loops import (
+    CALL,
+    INLINED_CALL,
+    add,
+    along,
+    dot,
+    node,
+    part_of,
+    per,
+    put_part,
+    scale,
+    sub,
+)
+from fsipetsc.operators.loops import _by_length as by_length
+from fsipetsc.scheme.normals import sum_members
 
 Array = NDArray[Any]
 
 GAS, SOLID = 0, 1
 #: a pivot below this part of its size before elimination belongs to a constraint that others imply
 REDUNDANT = 1e-9
+#: the vector G or S, from ``first`` on, of constraint k of particle p
+normal = by_length(
+    "normal",
+    "like, array, p, k, first",
+    lambda d: f" return ({''.join(f'array[p, k, first + {c}],' for c in range(d))})",
+)
 
 
 class Table(NamedTuple):
@@ -51,9 +78,6 @@ class Table(NamedTuple):
     solids. inertia: (own,) M_s of members whose work is booked, else 0. count: (p,) number of
     constraints; constraint: (p, K) their kinds. column: (p,) where the mass of the gas is in
     ``gain``. flags: (p, FLAGS) 1 or 0 for each of MINE …, see fsipetsc.blocks.particles.
-
-    Functions name arrays before their loops: where a record is asked within a loop, numba counts
-    references to its arrays, which takes as long as all else.
     """
 
     begin: Array
@@ -96,10 +120,10 @@ class Data(NamedTuple):
 
 
 class State(NamedTuple):
-    """What `share` found, for each particle: mass of gas and solid (p,), V (p,), U of the gas (p, d
-    + 2), displacement D and velocity v (p, d) and energy per mass e (p,) of the solid. mean_energy:
-    (p,) that of its members before a change. capacity, potential: (p,) mean specific heat and mean
-    energy per mass that is neither kinetic nor heat, of the solid.
+    """What `end_sums` found, for each particle: mass of gas and solid (p,), V (p,), U of the gas
+    (p, d + 2), displacement D and velocity v (p, d) and energy per mass e (p,) of the solid.
+    mean_energy: (p,) that of its members before a change. capacity, potential: (p,) mean specific
+    heat and mean energy per mass that is neither kinetic nor heat, of the solid.
     """
 
     mass: Array
@@ -114,221 +138,237 @@ class State(NamedTuple):
     potential: Array
 
 
-@njit(**MERGED_CALL)
-def fill_state(table, like, y, out):
+class Particles(NamedTuple):
+    """The particles of a rank, which all functions here get in a box.
+
+    like: (0, …) of d dimensions. law: of the gas. stored: (rows, 1) energy per mass of members that
+    is neither kinetic nor heat; stores: whether it changes. rows: (rows, columns) of the exchange.
+    slips: whether any has constraints; normals, turning: (p, K, 2d), G and S and how they turn.
+    of_normals: (members of those, 2 K d) area vectors, at_normals: how many are here, of_particle,
+    row_of: particle and row of each. moves: (p,) whether a wall there moves, place: (p, d) its
+    displacement. behind: as many numbers at the end of a vector are what came in.
+    """
+
+    like: Any
+    table: Table
+    law: Any
+    data: Data
+    state: State
+    stored: Array
+    rows: Array
+    stores: int
+    slips: int
+    normals: Array
+    turning: Array
+    of_normals: Array
+    at_normals: int
+    of_particle: Array
+    row_of: Array
+    moves: Array
+    place: Array
+    behind: int
+
+
+# Functions name arrays before their loops: where a record is asked within a loop, numba counts
+# references to its arrays, which takes as long as all else.
+
+
+@njit(**CALL)
+def begin_sums(all, s, gain):
     """Rows of this rank's members: H q of a gas, (M_s D, M_s v, M_s e, M_s) of a solid."""
-    d, kind, at, weight = len(like), table.kind, table.at, table.weight
-    for r in range(at.size):
-        gas = kind[r] == GAS
-        for c in range(d + 3 if gas else 2 * d + 1):
-            out[r, c] = weight[r] * y[at[r] + c]
-        if not gas:
-            out[r, 2 * d + 1] = weight[r]
+    gain[:] = 0.0
+    weigh(all, s)
+    d, rows, kind, weight = len(all.like), all.rows, all.table.kind, all.table.weight
+    for r in range(all.table.at.size):
+        if kind[r] == SOLID:
+            rows[r, 2 * d + 1] = weight[r]
 
 
-@njit(**MERGED_CALL)
-def fill_rates(table, like, f, out):
+@njit(**CALL)
+def begin_rates(all, f):
     """The same of rates."""
-    d, kind, at, weight = len(like), table.kind, table.at, table.weight
+    weigh(all, f)
+
+
+@njit(**INLINED_CALL)
+def weigh(all, y):
+    """Rows of this rank's members: what they have in y times their weights."""
+    d, rows, kind, at, weight = (
+        len(all.like),
+        all.rows,
+        all.table.kind,
+        all.table.at,
+        all.table.weight,
+    )
     for r in range(at.size):
         for c in range(d + 3 if kind[r] == GAS else 2 * d + 1):
-            out[r, c] = weight[r] * f[at[r] + c]
+            rows[r, c] = weight[r] * y[at[r] + c]
 
 
-@njit(**MERGED_CALL)
-def _add(members, like, p, rows, gas, solid):
-    """Sums over the members of particle p; gas: (d + 3,), solid: (2d + 2,). Loops over numbers of a
-    node know how many there are: else they would take five times as long.
-    """
-    d, (begin, row, kind) = len(like), members
-    for c in range(d + 3):
-        gas[c] = 0.0
-    for c in range(2 * d + 2):
-        solid[c] = 0.0
+@njit(**INLINED_CALL)
+def summed(table, like, p, rows):
+    """(V, M, P, E) of the gas and (M_s, M_s D, M_s v, M_s e) of the solid of particle p."""
+    d, begin, row, kind = len(like), table.begin, table.row, table.kind
+    V, M, P, E, M_s, D, P_s, E_s = 0.0, 0.0, like, 0.0, 0.0, like, like, 0.0
     for m in range(begin[p], begin[p + 1]):
         r = row[m]
         if kind[r] == GAS:
-            for c in range(d + 3):
-                gas[c] += rows[r, c]
+            V, M, E = V + rows[r, 0], M + rows[r, 1], E + rows[r, d + 2]
+            P = add(P, part_of(like, rows, r, 2))
         else:
-            for c in range(2 * d + 2):
-                solid[c] += rows[r, c]
+            M_s, E_s = M_s + rows[r, 2 * d + 1], E_s + rows[r, 2 * d]
+            D, P_s = add(D, node(like, rows, r)), add(P_s, part_of(like, rows, r, d))
+    return (V, M, P, E), (M_s, D, P_s, E_s)
 
 
-@njit(**MERGED_CALL)
-def _kinetic(like, P, first, M):
-    total = 0.0
-    for c in range(len(like)):
-        total += P[first + c] * P[first + c]
-    return 0.5 * total / M if M > 0.0 else 0.0
+@njit(**INLINED_CALL)
+def kinetic(P, M):
+    """Energy of a body with this momentum."""
+    return 0.5 * dot(P, P) / M if M > 0.0 else 0.0
 
 
-@njit(**MERGED_CALL)
-def share(table, like, rows, data, state, gain):
-    """From the sums in ``rows``: one U, one displacement and velocity; what sticks has one
+@njit(**CALL)
+def end_sums(all, gain):
+    """From the sums of all members: one U, one displacement and velocity; what sticks has one
     velocity, and the kinetic energy that the solid loses by that goes to the gas.
     """
-    d, flags, column = len(like), table.flags, table.column
-    members, begin = (table.begin, table.row, table.kind), table.begin
-    solid_mass, mean_energy, D = state.solid_mass, state.mean_energy, state.D
-    gas, solid = np.zeros(d + 3), np.zeros(2 * d + 2)
-    before, before_s = np.zeros(d + 3), np.zeros(2 * d + 2)
-    for p in range(begin.size - 1):
-        _add(members, like, p, rows, gas, solid)
-        _add(members, like, p, rows, before, before_s)
-        M_s = solid[2 * d + 1]
+    table, like, rows, data, state = all.table, all.like, all.rows, all.data, all.state
+    flags, column, d, begin = table.flags, table.column, len(like), gain.size - 1 - len(like)
+    mass, solid_mass, V_of, U, e = state.mass, state.solid_mass, state.V, state.U, state.e
+    D_of, v, mean_energy, clamp, wall = state.D, state.v, state.mean_energy, data.clamp, data.wall
+    of_gas, of_solid, clamp_velocity = data.gas, data.solid, data.clamp_velocity
+    for p in range(column.size):
+        (V, M, P, E), (M_s, D, P_s, E_s) = summed(table, like, p, rows)
+        before, before_s, energy, energy_s, M_0 = P, P_s, E, E_s, M
         solid_mass[p] = M_s
         if M_s > 0.0:
-            mean_energy[p] = solid[2 * d] / M_s
-            for c in range(d):
-                D[p, c] = solid[c] / M_s
-        _hold_velocities(flags, like, p, data, gas, solid)
+            mean_energy[p], D = E_s / M_s, per(D, M_s)
+        held, held_s = flags[p, HELD_GAS] == 1, flags[p, HELD_SOLID] == 1
+        if held_s:
+            P_s = scale(M_s, node(like, clamp_velocity, p))
+        if held:
+            P = scale(M, node(like, wall, p))
+        if flags[p, STICKS]:
+            both = per(add(P, P_s), M + M_s)
+            if held_s:
+                both = per(P_s, M_s)
+            elif held:
+                both = node(like, wall, p)
+            first, P, P_s = kinetic(P_s, M_s), scale(M, both), scale(M_s, both)
+            if not held_s:
+                change = kinetic(P_s, M_s) - first
+                E, E_s = E - change, E_s + change
         if flags[p, PLACED]:
-            for c in range(d):
-                D[p, c] = data.clamp[p, c]
+            D = node(like, clamp, p)
         if flags[p, GIVEN_GAS]:
-            for c in range(d + 2):
-                gas[1 + c] = gas[0] * data.gas[p, c]
+            M, P, E = V * of_gas[p, 0], scale(V, part_of(like, of_gas, p, 1)), V * of_gas[p, d + 1]
         if flags[p, GIVEN_SOLID]:
-            for c in range(d):
-                D[p, c], solid[d + c] = data.solid[p, c], M_s * data.solid[p, d + c]
-        _put(state, like, p, gas, solid)
+            D, P_s = node(like, of_solid, p), scale(M_s, part_of(like, of_solid, p, d))
+        mass[p], V_of[p] = M, V
+        if V > 0.0:
+            U[p, 0], U[p, d + 1] = M / V, E / V
+            put_part(U, p, 1, per(P, V))
+        if M_s > 0.0:
+            e[p] = E_s / M_s
+            put_part(v, p, 0, per(P_s, M_s))
+            put_part(D_of, p, 0, D)
         given = flags[p, GIVEN_GAS] or flags[p, GIVEN_SOLID]
-        if flags[p, MINE] and (flags[p, HELD_GAS] or flags[p, HELD_SOLID] or given):
-            gain[column[p]] += gas[1] - before[1]
+        if flags[p, MINE] and (held or held_s or given):
+            gain[column[p]] += M - M_0
+            push = add(sub(P, before), sub(P_s, before_s))
             for c in range(d):
-                change = (gas[2 + c] - before[2 + c]) + (solid[d + c] - before_s[d + c])
-                gain[gain.size - 1 - d + c] += change
-            change = (gas[d + 2] - before[d + 2]) + (solid[2 * d] - before_s[2 * d])
-            gain[gain.size - 1] += change
+                gain[begin + c] += push[c]
+            gain[begin + d] += (E - energy) + (E_s - energy_s)
 
 
-@njit(**MERGED_CALL)
-def _hold_velocities(flags, like, p, data, gas, solid):
-    """Momenta of bodies whose motion is given, and of what sticks together."""
-    d = len(like)
-    M, M_s = gas[1], solid[2 * d + 1]
-    if flags[p, HELD_SOLID]:
-        for c in range(d):
-            solid[d + c] = M_s * data.clamp_velocity[p, c]
-    if flags[p, HELD_GAS]:
-        for c in range(d):
-            gas[2 + c] = M * data.wall[p, c]
-    if flags[p, STICKS]:
-        before = _kinetic(like, solid, d, M_s)
-        for c in range(d):
-            P, P_s = gas[2 + c], solid[d + c]
-            both = P_s / M_s if flags[p, HELD_SOLID] else (P + P_s) / (M + M_s)
-            if flags[p, HELD_GAS] and not flags[p, HELD_SOLID]:
-                both = data.wall[p, c]
-            gas[2 + c], solid[d + c] = M * both, M_s * both
-        if not flags[p, HELD_SOLID]:
-            change = _kinetic(like, solid, d, M_s) - before
-            solid[2 * d] += change
-            gas[2 + d] -= change
+# normals, and what members store
 
 
-@njit(**MERGED_CALL)
-def _put(state, like, p, gas, solid):
-    d = len(like)
-    state.V[p], state.mass[p] = gas[0], gas[1]
-    if gas[0] > 0.0:
-        for c in range(d + 2):
-            state.U[p, c] = gas[1 + c] / gas[0]
-    M_s = solid[2 * d + 1]
-    if M_s > 0.0:
-        state.e[p] = solid[2 * d] / M_s
-        for c in range(d):
-            state.v[p, c] = solid[d + c] / M_s
+@njit(**CALL)
+def begin_normals(all):
+    """Clear the rows of the members here."""
+    table = all.of_normals
+    for m in range(all.at_normals):
+        for c in range(table.shape[1]):
+            table[m, c] = 0.0
 
 
-@njit(**MERGED_CALL)
-def slide(table, like, normals, data, state, gain):
-    """Project velocities on what the constraints allow; the kinetic energy that the solid loses
-    goes to the gas. normals: (p, K, 2d), G and S.
+@njit(**CALL)
+def end_normals(all, turning):
+    """Normals of particles, or how they turn, from the rows of all members."""
+    total = all.turning if turning else all.normals
+    sum_members(all.of_particle, all.row_of, all.of_normals, total)
+
+
+@njit(**CALL)
+def begin_stored(all, s):
+    """Solid members of this rank get the displacement of their particle, for solids to say what
+    they store.
     """
-    d, flags, count = len(like), table.flags, table.count
-    K = normals.shape[1]
-    u, v, wanted, room = np.zeros(d), np.zeros(d), np.zeros(K), room_for(K, d)
-    for p in range(count.size):
-        if count[p] == 0:
-            continue
-        M, M_s = state.mass[p], state.solid_mass[p]
-        before = 0.0
-        for c in range(d):
-            u[c] = state.U[p, 1 + c] / state.U[p, 0] if M > 0.0 else 0.0
-            v[c] = state.v[p, c]
-            before += 0.5 * M_s * v[c] * v[c]
-        for k in range(table.count[p]):
-            wanted[k] = 0.0
-            if table.constraint[p, k] == SLIPS:
+    table, D, d = all.table, all.state.D, len(all.like)
+    begin, row, kind, at = table.begin, table.row, table.kind, table.at
+    for p in range(begin.size - 1):
+        for m in range(begin[p], begin[p + 1]):
+            r = row[m]
+            if r < at.size and kind[r] == SOLID:
                 for c in range(d):
-                    wanted[k] += (normals[p, k, c] + normals[p, k, d + c]) * data.wall[p, c]
-        solve(table, like, p, normals, wanted, M, M_s, u, v, room)
-        after = 0.0
-        for c in range(d):
-            after += 0.5 * M_s * v[c] * v[c]
-            if flags[p, MINE]:
-                gain[gain.size - 1 - d + c] += _pushed(table, p, normals, room[1], c, d)
-            state.v[p, c] = v[c]
-            if M > 0.0:
-                state.U[p, 1 + c] = state.U[p, 0] * u[c]
-        if M_s > 0.0 and M > 0.0:
-            state.e[p] += (after - before) / M_s
-            state.U[p, d + 1] -= (after - before) / state.V[p]
+                    s[at[r] + c] = D[p, c]
 
 
-@njit(**MERGED_CALL)
-def _pushed(table, p, normals, pi, c, d):
-    """Component c of what the constraints' forces pi do to bodies that they move."""
-    total, flags = 0.0, table.flags
-    for k in range(table.count[p]):
-        on_gas, on_solid = normals[p, k, c], normals[p, k, d + c]
-        both = flags[p, FREE_GAS] * on_gas + flags[p, FREE_SOLID] * on_solid
-        total += pi[k] * both
-    return total
+@njit(**CALL)
+def end_stored(all):
+    """Mean specific heat of the solid members of each particle and mean of what they store."""
+    weigh_heat(all.table, all.stored, all.state)
 
 
-@njit(**MERGED_CALL)
-def room_for(K, d):
-    """Room for `solve` with at most K constraints: A, multipliers pi, sizes of pivots, G and S."""
-    return np.zeros((K, K)), np.zeros(K), np.zeros(K), np.zeros((K, 2 * d))
+@njit(**CALL)
+def weigh_heat(table, stored, state):
+    """The same; stored: (rows, 1) energy per mass."""
+    begin, row, kind, weight = table.begin, table.row, table.kind, table.weight
+    alpha, capacity, potential = table.alpha, state.capacity, state.potential
+    for p in range(begin.size - 1):
+        mass, heat, energy = 0.0, 0.0, 0.0
+        for m in range(begin[p], begin[p + 1]):
+            r = row[m]
+            if kind[r] == SOLID:
+                mass += weight[r]
+                heat += weight[r] * alpha[r]
+                energy += weight[r] * stored[r, 0]
+        if mass > 0.0:
+            capacity[p], potential[p] = heat / mass, energy / mass
 
 
-@njit(**MERGED_CALL)
+# constraints
+
+
+@njit(**INLINED_CALL)
 def solve(table, like, p, normals, wanted, M, M_s, a, b, room):
-    """Change the vectors a of the gas and b of the solid, least in their masses, so that
-    G_c . a + S_c . b = wanted_c; the multipliers are room[1].
+    """The vectors a of the gas and b of the solid, changed least in their masses so that G_c . a +
+    S_c . b = wanted_c, for count[p] constraints. room: A, sizes of pivots; wanted becomes pi.
     """
-    K, d, flags = table.count[p], len(like), table.flags
+    K, d, flags, (A, size) = table.count[p], len(like), table.flags, room
     per_gas = 1.0 / M if M > 0.0 and flags[p, FREE_GAS] else 0.0
     per_solid = 1.0 / M_s if M_s > 0.0 and flags[p, FREE_SOLID] else 0.0
-    A, pi, N = room[0], room[1], room[3]
     sticks = flags[p, STICKS] == 1
     if sticks:
-        per_gas = 1.0 / (M + M_s) if flags[p, FREE_GAS] else 0.0
+        per_gas, per_solid = 1.0 / (M + M_s) if flags[p, FREE_GAS] else 0.0, 0.0
     for k in range(K):
-        pi[k] = wanted[k]
-        for c in range(d):
-            on_gas, on_solid = normals[p, k, c], normals[p, k, d + c]
-            N[k, c] = on_gas + on_solid if sticks else on_gas
-            N[k, d + c] = 0.0 if sticks else on_solid
-            pi[k] -= N[k, c] * a[c] + N[k, d + c] * b[c]
+        G, S = normal(like, normals, p, k, 0), normal(like, normals, p, k, d)
+        G = add(G, S) if sticks else G
+        wanted[k] -= dot(G, a) if sticks else dot(G, a) + dot(S, b)
+        for i in range(K):
+            G_i, S_i = normal(like, normals, p, i, 0), normal(like, normals, p, i, d)
+            G_i = add(G_i, S_i) if sticks else G_i
+            A[k, i] = dot(G, G_i) * per_gas + dot(S, S_i) * per_solid
+    eliminate(K, A, wanted, size)
     for k in range(K):
-        for e in range(K):
-            A[k, e] = 0.0
-            for c in range(d):
-                A[k, e] += N[k, c] * N[e, c] * per_gas + N[k, d + c] * N[e, d + c] * per_solid
-    eliminate(K, A, pi, room[2])
-    for c in range(d):
-        for k in range(K):
-            a[c] += pi[k] * N[k, c] * per_gas
-            b[c] += pi[k] * N[k, d + c] * per_solid
-        if sticks:
-            b[c] = a[c]
+        G, S = normal(like, normals, p, k, 0), normal(like, normals, p, k, d)
+        a = along(a, wanted[k] * per_gas, add(G, S) if sticks else G)
+        b = along(b, wanted[k] * per_solid, S)
+    return a, a if sticks else b
 
 
-@njit(**MERGED_CALL)
+@njit(**CALL)
 def eliminate(K, A, x, size):
     """Solve A pi = x in place of x for K constraints and a symmetric semidefinite A; those that
     others imply get no force.
@@ -354,64 +394,92 @@ def eliminate(K, A, x, size):
 
 
 @njit(**CALL)
-def weigh_heat(table, stored, state):
-    """Mean specific heat of the solid members of each particle and mean of what they store: (rows,
-    1) energy per mass.
+def settle(all, s, gain):
+    """What constraints and heat make of the sums, for the members of this rank; what came in is
+    added behind the unknowns.
     """
-    for p in range(table.begin.size - 1):
-        mass, capacity, potential = 0.0, 0.0, 0.0
-        for m in range(table.begin[p], table.begin[p + 1]):
-            r = table.row[m]
-            if table.kind[r] == SOLID:
-                mass += table.weight[r]
-                capacity += table.weight[r] * table.alpha[r]
-                potential += table.weight[r] * stored[r, 0]
-        if mass > 0.0:
-            state.capacity[p], state.potential[p] = capacity / mass, potential / mass
+    if all.slips:
+        slide(all, gain)
+    share_heat(all.table, all.law, all.like, all.data, all.state, gain)
+    give_state(all.table, all.like, all.stored, s, all.state)
+    for c in range(all.behind):
+        s[s.size - all.behind + c] += gain[c]
 
 
-@njit(**MERGED_CALL)
+@njit(**INLINED_CALL)
+def slide(all, gain):
+    """Project velocities on what the constraints allow; the kinetic energy that the solid loses
+    goes to the gas.
+    """
+    table, like, normals, state = all.table, all.like, all.normals, all.state
+    flags, count, constraint, wall = table.flags, table.count, table.constraint, all.data.wall
+    mass, solid_mass, V, U, vs, e = state.mass, state.solid_mass, state.V, state.U, state.v, state.e
+    d, K, begin = len(like), normals.shape[1], gain.size - 1 - len(like)
+    pi, room = np.zeros(K), (np.zeros((K, K)), np.zeros(K))
+    for p in range(count.size):
+        if count[p] == 0:
+            continue
+        M, M_s, v = mass[p], solid_mass[p], node(like, vs, p)
+        u = per(part_of(like, U, p, 1), U[p, 0]) if M > 0.0 else like
+        for k in range(count[p]):
+            pi[k] = 0.0
+            if constraint[p, k] == SLIPS:
+                G, S = normal(like, normals, p, k, 0), normal(like, normals, p, k, d)
+                pi[k] = dot(add(G, S), node(like, wall, p))
+        before = 0.5 * M_s * dot(v, v)
+        u, v = solve(table, like, p, normals, pi, M, M_s, u, v, room)
+        change = 0.5 * M_s * dot(v, v) - before
+        for k in range(count[p] if flags[p, MINE] else 0):  # what forces do to bodies they move
+            G, S = normal(like, normals, p, k, 0), normal(like, normals, p, k, d)
+            for c in range(d):
+                both = flags[p, FREE_GAS] * G[c] + flags[p, FREE_SOLID] * S[c]
+                gain[begin + c] += pi[k] * both
+        put_part(vs, p, 0, v)
+        if M > 0.0:
+            put_part(U, p, 1, scale(U[p, 0], u))
+        if M_s > 0.0 and M > 0.0:
+            e[p] += change / M_s
+            U[p, d + 1] -= change / V[p]
+
+
+@njit(**INLINED_CALL)
 def share_heat(table, law, like, data, state, gain):
-    """One temperature of gas and solid where both conduct, or that which is given. law: of the gas.
-    """
-    d, flags = len(like), table.flags
-    for p in range(table.begin.size - 1):
+    """One temperature of gas and solid where both conduct, or that which is given."""
+    d, flags, T_gas, T_solid = len(like), table.flags, data.T, data.T_solid
+    mass, solid_mass, V, U, v, e = state.mass, state.solid_mass, state.V, state.U, state.v, state.e
+    capacity, potential = state.capacity, state.potential
+    for p in range(mass.size):
         warm_gas, warm_solid = flags[p, WARM_GAS] == 1, flags[p, WARM_SOLID] == 1
         both = flags[p, SHARES_HEAT] == 1 and not warm_gas and not warm_solid
         if not (both or warm_gas or warm_solid):
             continue
-        rho, M, M_s = state.U[p, 0], state.mass[p], state.solid_mass[p]
-        of_gas, of_solid = 0.0, state.potential[p]
-        for c in range(d):
-            if M > 0.0:
-                of_gas += 0.5 * (state.U[p, 1 + c] / rho) ** 2
-            of_solid += 0.5 * state.v[p, c] ** 2
+        rho, M, M_s, came = U[p, 0], mass[p], solid_mass[p], 0.0
+        u = per(part_of(like, U, p, 1), rho) if M > 0.0 else like
+        of_gas = 0.5 * dot(u, u)
+        of_solid = potential[p] + 0.5 * dot(node(like, v, p), node(like, v, p))
         if both:
-            T = _common_temperature(law, p, of_gas, of_solid, state)
-            sum_of_both = M * state.U[p, d + 1] / rho + M_s * state.e[p]  # it stays
-            state.e[p] = of_solid + state.capacity[p] * T
-            state.U[p, d + 1] = rho * (sum_of_both - M_s * state.e[p]) / M
-        came = 0.0
+            energy = U[p, d + 1] / rho
+            heat = M * (energy - of_gas) + M_s * (e[p] - of_solid)
+            T = (e[p] - of_solid) / capacity[p]
+            T = common_temperature(law, rho, M, M_s * capacity[p], heat, T)
+            sum_of_both = M * U[p, d + 1] / rho + M_s * e[p]  # it stays
+            e[p] = of_solid + capacity[p] * T
+            U[p, d + 1] = rho * (sum_of_both - M_s * e[p]) / M
         if warm_gas and M > 0.0:
-            E = rho * (law.internal_energy(rho, data.T[p]) + of_gas)
-            came += state.V[p] * (E - state.U[p, d + 1])
-            state.U[p, d + 1] = E
+            E = rho * (law.internal_energy(rho, T_gas[p]) + of_gas)
+            came += V[p] * (E - U[p, d + 1])
+            U[p, d + 1] = E
         if warm_solid and M_s > 0.0:
-            e = of_solid + state.capacity[p] * data.T_solid[p]
-            came += M_s * (e - state.e[p])
-            state.e[p] = e
+            found = of_solid + capacity[p] * T_solid[p]
+            came += M_s * (found - e[p])
+            e[p] = found
         if flags[p, MINE]:
             gain[gain.size - 1] += came
 
 
-@njit(**MERGED_CALL)
-def _common_temperature(law, p, of_gas, of_solid, state):
-    """T at which gas and solid have the heat that they have together, by Newton's method."""
-    rho, M, M_s = state.U[p, 0], state.mass[p], state.solid_mass[p]
-    energy = state.U[p, state.U.shape[1] - 1] / rho
-    heat = M * (energy - of_gas) + M_s * (state.e[p] - of_solid)
-    capacity = M_s * state.capacity[p]
-    T = (state.e[p] - of_solid) / state.capacity[p]
+@njit(**INLINED_CALL)
+def common_temperature(law, rho, M, capacity, heat, T):
+    """T at which a gas of mass M and a solid have this heat, by Newton's method from a first T."""
     for _ in range(20):
         missing = heat - M * law.internal_energy(rho, T) - capacity * T
         change = missing / (M * law.heat_capacity(rho, T) + capacity)
@@ -421,28 +489,14 @@ def _common_temperature(law, p, of_gas, of_solid, state):
     return T
 
 
-@njit(**CALL)
-def give_places(table, like, y, state):
-    """Solid members of this rank get the displacement of their particle."""
-    d = len(like)
-    for p in range(table.begin.size - 1):
-        for m in range(table.begin[p], table.begin[p + 1]):
-            r = table.row[m]
-            if r < table.at.size and table.kind[r] == SOLID:
-                for c in range(d):
-                    y[table.at[r] + c] = state.D[p, c]
-
-
-@njit(**MERGED_CALL)
+@njit(**INLINED_CALL)
 def give_state(table, like, stored, y, state):
-    """Members of this rank get what their particle has; each keeps its own J. stored: (rows, 1)."""
+    """Members of this rank get what their particle has; each keeps its own J."""
     d, flags, begin, row, kind = len(like), table.flags, table.begin, table.row, table.kind
     starts, alpha, U, D, v, e = table.at, table.alpha, state.U, state.D, state.v, state.e
     potential, mean_energy, capacity = state.potential, state.mean_energy, state.capacity
     for p in range(begin.size - 1):
-        kinetic = 0.0
-        for c in range(d):
-            kinetic += 0.5 * v[p, c] ** 2
+        kinetic = 0.5 * dot(node(like, v, p), node(like, v, p))
         heat = e[p] - kinetic - potential[p]
         for m in range(begin[p], begin[p + 1]):
             r = row[m]
@@ -461,136 +515,106 @@ def give_state(table, like, stored, y, state):
                 y[at + 2 * d] += e[p] - mean_energy[p]
 
 
-@njit(**MERGED_CALL)
-def constrain(table, like, rows, normals, turning, data, state, rates, gain):
-    """Rates of particles from sums of members' rates in ``rows``, under their constraints.
-
-    normals, turning: (p, K, 2d), G and S and how they turn. rates: (p, 2d + 2): of (rho, rho u, E)
-    of the gas, then accelerations of the solid.
+@njit(**CALL)
+def end_rates(all, y, f, gain):
+    """Rates of members from the sums of their rates, under the constraints of their particles:
+    (J U)_t = J U_t + U J_t of gas members; accelerations of solid ones, and their power.
     """
-    d, flags, count = len(like), table.flags, table.count
-    members, K = (table.begin, table.row, table.kind), normals.shape[1]
-    masses, solid_masses, volumes, U, vs = state.mass, state.solid_mass, state.V, state.U, state.v
-    gas, solid = np.zeros(d + 3), np.zeros(2 * d + 2)
-    u, v, a, b, wanted = np.zeros(d), np.zeros(d), np.zeros(d), np.zeros(d), np.zeros(K)
-    force, force_s, room = np.zeros(d), np.zeros(d), room_for(K, d)
+    table, like, rows, data, state = all.table, all.like, all.rows, all.data, all.state
+    normals, turning, wall, wall_rate = all.normals, all.turning, data.wall, data.wall_rate
+    flags, count, constraint, clamp_rate = (
+        table.flags,
+        table.count,
+        table.constraint,
+        data.clamp_rate,
+    )
+    mass, solid_mass, V, U, vs = state.mass, state.solid_mass, state.V, state.U, state.v
+    begin, row, kind, starts, inertia = table.begin, table.row, table.kind, table.at, table.inertia
+    d, K, first = len(like), normals.shape[1], gain.size - 1 - len(like)
+    pi, room = np.zeros(K), (np.zeros((K, K)), np.zeros(K))
     for p in range(count.size):
-        _add(members, like, p, rows, gas, solid)
-        M, M_s, V = masses[p], solid_masses[p], volumes[p]
-        for c in range(d):
-            u[c] = U[p, 1 + c] / U[p, 0] if M > 0.0 else 0.0
-            v[c] = vs[p, c]
-            a[c] = (gas[2 + c] - u[c] * gas[1]) / M if M > 0.0 else 0.0
-            b[c] = solid[d + c] / M_s if M_s > 0.0 else 0.0
-            force[c], force_s[c] = -M * a[c], -M_s * b[c]
-        _hold(flags, like, p, data, M, M_s, a, b)
+        (J_t, R, R_m, R_E), (_, _, F, _) = summed(table, like, p, rows)
+        M, M_s, v, w = mass[p], solid_mass[p], node(like, vs, p), node(like, wall, p)
+        u = per(part_of(like, U, p, 1), U[p, 0]) if M > 0.0 else like
+        a = per(sub(R_m, scale(R, u)), M) if M > 0.0 else like
+        b = per(F, M_s) if M_s > 0.0 else like
+        force, force_s = scale(-M, a), scale(-M_s, b)
+        held, held_s, sticks = flags[p, HELD_GAS], flags[p, HELD_SOLID], flags[p, STICKS] == 1
+        if held_s:
+            b = node(like, clamp_rate, p)
+        if held:
+            a = node(like, wall_rate, p)
+        if sticks:
+            both = b if held_s else a
+            if not (held_s or held):
+                both = per(add(scale(M, a), scale(M_s, b)), M + M_s)
+            a, b = both, both
+        for k in range(count[p]):  # walls accelerate, area vectors turn under relative velocities
+            pi[k] = 0.0
+            if constraint[p, k] == SLIPS:
+                at_solid = normal(like, turning, p, k, d)
+                of_walls = add(normal(like, turning, p, k, 0), at_solid)
+                N = add(normal(like, normals, p, k, 0), normal(like, normals, p, k, d))
+                pi[k] = dot(at_solid, sub(u, v)) - dot(of_walls, sub(u, w))
+                pi[k] += dot(N, node(like, wall_rate, p))
         if count[p] > 0:
-            _want(table, like, p, normals, turning, data, u, v, wanted)
-            solve(table, like, p, normals, wanted, M, M_s, a, b, room)
-        of_rows = count[p] > 0 and flags[p, FREE_GAS] and not flags[p, STICKS]
-        power, power_s = 0.0, 0.0
-        if of_rows:
-            power = _power(table, like, p, normals, room[1], data, v)
-        for c in range(d):
-            force[c] += M * a[c]
-            force_s[c] += M_s * b[c]
-            power_s += force_s[c] * v[c]
-            gas[2 + c] += force[c]
-            if not of_rows:
-                power += force[c] * u[c]
-        if flags[p, MINE]:
-            pushes = force, force_s, power + power_s
-            _note_forces(table, like, p, normals, room[1], data, v, pushes, gain)
+            a, b = solve(table, like, p, normals, pi, M, M_s, a, b, room)
+        force, force_s = along(force, M, a), along(force_s, M_s, b)
+        power = dot(force, u)
+        if count[p] > 0 and flags[p, FREE_GAS] and not sticks:  # faces move as solid or wall there
+            power = 0.0
+            for k in range(count[p]):
+                if constraint[p, k] == SLIPS:
+                    S = normal(like, normals, p, k, d)
+                    of_walls = add(normal(like, normals, p, k, 0), S)
+                    power += pi[k] * (dot(of_walls, w) - dot(S, v))
+        alone = not (flags[p, FREE_GAS] and flags[p, FREE_SOLID])
+        if flags[p, MINE] and alone:  # what walls and clamps do
+            for c in range(d):
+                gain[first + c] += force[c] + force_s[c]
+            gain[first + d] += power + dot(force_s, v)
+        # else walls' own forces alone count: those between gas and solid must cancel
+        for k in range(count[p] if flags[p, MINE] and not alone else 0):
+            N = add(normal(like, normals, p, k, 0), normal(like, normals, p, k, d))
+            for c in range(d):
+                gain[first + c] += pi[k] * N[c]
+            gain[first + d] += pi[k] * dot(N, w if constraint[p, k] == SLIPS else v)
+        momentum = add(R_m, force)
+        rho_t, U_t, E_t = 0.0, like, 0.0
         if M > 0.0:
-            gas[2 + d] += power
-            for c in range(d + 2):
-                rates[p, c] = (gas[1 + c] - U[p, c] * gas[0]) / V
-        for c in range(d):
-            rates[p, d + 2 + c] = b[c]
-
-
-@njit(**MERGED_CALL)
-def _hold(flags, like, p, data, M, M_s, a, b):
-    """Accelerations of bodies whose motion is given, and of what sticks together."""
-    for c in range(len(like)):
-        if flags[p, HELD_SOLID]:
-            b[c] = data.clamp_rate[p, c]
-        if flags[p, HELD_GAS]:
-            a[c] = data.wall_rate[p, c]
-        if flags[p, STICKS]:
-            if flags[p, HELD_SOLID]:
-                a[c] = b[c]
-            elif flags[p, HELD_GAS]:
-                b[c] = a[c]
-            else:
-                a[c] = b[c] = (M * a[c] + M_s * b[c]) / (M + M_s)
-
-
-@njit(**MERGED_CALL)
-def _want(table, like, p, normals, turning, data, u, v, wanted):
-    """b_c: walls accelerate, and area vectors turn under the relative velocity."""
-    d = len(like)
-    for k in range(table.count[p]):
-        wanted[k] = 0.0
-        if table.constraint[p, k] == SLIPS:
-            for c in range(d):
-                at_solid, of_walls = -turning[p, k, d + c], turning[p, k, c] + turning[p, k, d + c]
-                wanted[k] -= at_solid * (u[c] - v[c]) + of_walls * (u[c] - data.wall[p, c])
-                N = normals[p, k, c] + normals[p, k, d + c]
-                wanted[k] += N * data.wall_rate[p, c]
-
-
-@njit(**MERGED_CALL)
-def _power(table, like, p, normals, pi, data, v):
-    """Of the forces on gas that slips: each face's moves as the solid or the wall there."""
-    d, power = len(like), 0.0
-    for k in range(table.count[p]):
-        if table.constraint[p, k] == SLIPS:
-            for c in range(d):
-                at_solid, of_walls = -normals[p, k, d + c], normals[p, k, c] + normals[p, k, d + c]
-                power += pi[k] * (at_solid * v[c] + of_walls * data.wall[p, c])
-    return power
-
-
-@njit(**MERGED_CALL)
-def _note_forces(table, like, p, normals, pi, data, v, pushes, gain):
-    """What walls and clamps do to a particle. Where all is free to move, only walls' own forces
-    count: those between gas and solid must cancel.
-    """
-    d, (force, force_s, power) = len(like), pushes
-    flags, begin, end = table.flags, gain.size - 1 - d, gain.size - 1
-    if not (flags[p, FREE_GAS] and flags[p, FREE_SOLID]):
-        for c in range(d):
-            gain[begin + c] += force[c] + force_s[c]
-        gain[end] += power
-        return
-    for k in range(table.count[p]):
-        slips = table.constraint[p, k] == SLIPS
-        for c in range(d):
-            push = pi[k] * (normals[p, k, c] + normals[p, k, d + c])
-            gain[begin + c] += push
-            gain[end] += push * (data.wall[p, c] if slips else v[c])
-
-
-@njit(**MERGED_CALL)
-def give_rates(table, like, y, f, state, rates, gain):
-    """(J U)_t = J U_t + U J_t of gas members; accelerations of solid ones, and their power."""
-    d, begin, row, kind, starts = len(like), table.begin, table.row, table.kind, table.at
-    inertia, work = table.inertia, gain.size - 2 - d
-    U, v = state.U, state.v
-    for p in range(begin.size - 1):
+            rho_t, E_t = (R - U[p, 0] * J_t) / V[p], (R_E + power - U[p, d + 1] * J_t) / V[p]
+            U_t = per(sub(momentum, scale(J_t, part_of(like, U, p, 1))), V[p])
         for m in range(begin[p], begin[p + 1]):
             r = row[m]
             if r >= starts.size:
                 continue
             at = starts[r]
             if kind[r] == GAS:
-                for c in range(d + 2):
-                    f[at + 1 + c] = y[at] * rates[p, c] + U[p, c] * f[at]
-            else:
+                J, J_t = y[at], f[at]
+                f[at + 1], f[at + d + 2] = J * rho_t + U[p, 0] * J_t, J * E_t + U[p, d + 1] * J_t
                 for c in range(d):
-                    force = rates[p, d + 2 + c] - f[at + d + c]
-                    f[at + d + c] += force
-                    f[at + 2 * d] += force * v[p, c]
-                    if inertia[r] > 0.0:
-                        gain[work] += inertia[r] * force * v[p, c]
+                    f[at + 2 + c] = J * U_t[c] + U[p, 1 + c] * J_t
+                continue
+            for c in range(d):
+                push = b[c] - f[at + d + c]
+                f[at + d + c] += push
+                f[at + 2 * d] += push * v[c]
+                if inertia[r] > 0.0:
+                    gain[first - 1] += inertia[r] * push * v[c]
+    for c in range(all.behind):
+        f[f.size - all.behind + c] = gain[c]
+
+
+class Held(NamedTuple):
+    """Particles and what they do, called by address: see fsipetsc.operators.boxed."""
+
+    all: Any
+    begin_sums: Any
+    end_sums: Any
+    begin_normals: Any
+    end_normals: Any
+    begin_stored: Any
+    end_stored: Any
+    settle: Any
+    begin_rates: Any
+    end_rates: Any

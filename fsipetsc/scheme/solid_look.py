@@ -10,7 +10,7 @@ import numpy as np
 from numba import njit
 
 from fsipetsc.equations.tensors import outer
-from fsipetsc.operators.loops import EXACT_LOOP, INNER_CALL, MERGED_CALL, add, dot, sub
+from fsipetsc.operators.loops import CALL, EXACT_LOOP, INNER_CALL, add, along, dot, sub
 from fsipetsc.scheme.block_look import BAD, CONVECTION, DIFFUSION, J_ERROR, LEAST_J
 from fsipetsc.scheme.rows import U64, add_moment, at, put
 from fsipetsc.scheme.solid_rates import (
@@ -19,13 +19,12 @@ from fsipetsc.scheme.solid_rates import (
     row_of,
     rows_of,
     strain,
-    stretch,
     take,
 )
 from fsipetsc.scheme.solid_work import EXTREMES, KNOWN, NONE, ONE, OWN, PLAIN, WIDTH, step_of
 
 
-@njit(**MERGED_CALL)
+@njit(**CALL)
 def solid_look(
     solid, like, q, X, metrics, prestress, per_h, stiffness, masses, work, F, loses, seen, sums
 ):
@@ -52,38 +51,28 @@ def solid_look(
             begin, end = rows_of(boxes, tile, OWN, z - lags[0])
             for y in range(begin, end):
                 row = row_of(patch, layout, boxes, tile, OWN, y, z - lags[0])
-                add_up(like, row, unknowns, masses, looked)
-                turn(like, row, unknowns, X, masses, looked)
+                add_up(like, row, unknowns, X, masses, looked)
                 differentiate(like, table, row, PLAIN, unknowns, NONE, NONE, d, slopes, NONE)
-                strain(like, metrics, row, slopes, strains)
-                stretch(solid, like, metrics, row, unknowns, strains)
-                keep(solid, like, row, strains, F)
+                strain(solid, like, metrics, row, slopes, unknowns, strains)
                 relieve(solid, like, extra, row, strains, unknowns)
-                measure(solid, like, metrics, per_h, stiffness, row, unknowns, strains, looked)
+                measure(solid, like, metrics, per_h, stiffness, row, unknowns, strains, F, looked)
                 if loses == 1:
                     add_energy(solid, like, extra, row, unknowns, strains, masses, looked)
     collect(looked, U64(layout.row), seen, sums)
 
 
 @njit(**EXACT_LOOP)
-def add_up(like, row, unknowns, masses, totals):
-    """Add momentum and energy of a row to those of its columns."""
-    for c in range(len(like) + 1):
-        first = U64((len(like) + c) * step_of(like) + row.tile)
-        to, own = U64(EXTREMES + c) * WIDTH, U64(row.own)
-        for i in range(U64(row.n)):
-            totals[to + i] += masses[own + i] * unknowns[first + i]
-
-
-@njit(**EXACT_LOOP)
-def turn(like, row, unknowns, X, masses, totals):
-    """Add angular momentum, X + D times the momentum."""
+def add_up(like, row, unknowns, X, masses, totals):
+    """Add momentum, energy and angular momentum, X + D times momentum, of a row to its columns'."""
     d, step, node, own = U64(len(like)), U64(step_of(like)), U64(row.tile), U64(row.own)
-    N, here, to = U64(X.size // len(like)), U64(row.patch), U64(EXTREMES + len(like) + 1) * WIDTH
+    N, here, like_sum = U64(X.size // len(like)), U64(row.patch), (*like, 0.0)
+    to = U64(EXTREMES) * WIDTH
+    turns = to + (d + U64(1)) * WIDTH
     for i in range(U64(row.n)):
         x = add(at(like, X, here, N, i), at(like, unknowns, node, step, i))
-        v = at(like, unknowns, node + d * step, step, i)
-        add_moment(x, v, masses[own + i], totals, to, WIDTH, i)
+        both, mass = at(like_sum, unknowns, node + d * step, step, i), masses[own + i]
+        put(totals, to, WIDTH, i, along(at(like_sum, totals, to, WIDTH, i), mass, both))
+        add_moment(x, both[:-1], mass, totals, turns, WIDTH, i)
 
 
 @njit(**EXACT_LOOP)
@@ -102,21 +91,13 @@ def add_energy(solid, like, extra, row, unknowns, strains, masses, totals):
 
 
 @njit(**EXACT_LOOP)
-def keep(solid, like, row, strains, F):
-    """F of a row goes to the array of all nodes."""
-    nine, own = solid.unstrained(like), U64(row.own)
-    N, node, step = U64(F.size // len(nine)), U64(row.tile), U64(step_of(like))
-    for i in range(U64(row.n)):
-        put(F, own, N, i, at(nine, strains, node, step, i))
-
-
-@njit(**EXACT_LOOP)
-def measure(solid, like, metrics, per_h, stiffness, row, unknowns, strains, looked):
-    """Add a row to the extremes of columns: squared rate of waves [1/s2], inf where the state is
-    none; that of diffusion [1/s]; -det F.
+def measure(solid, like, metrics, per_h, stiffness, row, unknowns, strains, F_of, looked):
+    """Keep F of a row; add it to the extremes of columns: squared rate of waves [1/s2], inf where
+    the state is none; that of diffusion [1/s]; -det F.
     """
     nine, step, d = outer(like, like), U64(step_of(like)), U64(len(like))
     N, node, g = U64(metrics.size // (len(nine) + 1)), U64(row.tile), U64(row.patch)
+    own, M = U64(row.own), U64(F_of.size // len(solid.unstrained(like)))
     spread = stiffness * solid.kappa / (solid.m0 * solid.alpha)
     for i in range(U64(row.n)):
         J0, squares = metrics[g + d * d * N + i], 0.0
@@ -125,6 +106,7 @@ def measure(solid, like, metrics, per_h, stiffness, row, unknowns, strains, look
             squares += dot(a, a) * per_h[k] * per_h[k]
         squares = squares / (J0 * J0)
         F = at(solid.unstrained(like), strains, node, step, i)
+        put(F_of, own, M, i, F)
         v, e = at(like, unknowns, node + d * step, step, i), unknowns[node + U64(2) * d * step + i]
         T, J = solid.temperature(v, e, F), solid.volume(F)
         modulus = solid.wave_modulus_at(F, T)

@@ -83,8 +83,7 @@ def solid_rates(solid, like, q, metrics, prestress, rates, work):
             for y in range(begin, end):
                 row = row_of(patch, layout, boxes, tile, STRAINED, y, z - lags[0])
                 differentiate(like, table, row, PLAIN, unknowns, NONE, NONE, d, slopes, NONE)
-                strain(like, metrics, row, slopes, strains)
-                stretch(solid, like, metrics, row, unknowns, strains)
+                strain(solid, like, metrics, row, slopes, unknowns, strains)
                 relieve(solid, like, extra, row, strains, unknowns)
                 pull(solid, like, metrics, row, unknowns, strains, tractions)
                 pull_more(like, metrics, extra, row, tractions)
@@ -104,8 +103,7 @@ def solid_rates(solid, like, q, metrics, prestress, rates, work):
                 differentiate(like, table, row, PLAIN, unknowns, d, NONE, d, slopes, d * d)
                 if solid.kappa > 0.0:
                     differentiate(like, table, row, FREE, heats, NONE, ONE, ONE, slopes, 2 * d * d)
-                accelerate(solid, like, metrics, row, slopes, unknowns, tractions, found)
-                hold(solid, like, metrics, row, unknowns, strains, found)
+                accelerate(solid, like, metrics, row, slopes, unknowns, tractions, strains, found)
                 give(like, found, row, rates)
 
 
@@ -196,35 +194,15 @@ def away(layout, row, axis, jump):
 
 
 @njit(**EXACT_LOOP)
-def strain(like, metrics, row, slopes, strains):
-    """F = 1 + 1/J0 sum_k D_k D A^k."""
+def strain(solid, like, metrics, row, slopes, unknowns, strains):
+    """F = 1 + 1/J0 sum_k D_k D A^k, with the stretch of hoops."""
     nine, step = outer(like, like), U64(step_of(like))
     N, node, g = U64(metrics.size // (len(nine) + 1)), U64(row.tile), U64(row.patch)
     for i in range(U64(row.n)):
         A, J0 = at(nine, metrics, g, N, i), metrics[g + U64(len(nine)) * N + i]
         gradient = scale(1.0 / J0, transposed_product(at(nine, slopes, U64(0), WIDTH, i), A))
-        put(strains, node, step, i, add_unit(1.0, gradient))
-
-
-@njit(**EXACT_LOOP)
-def stretch(solid, like, metrics, row, unknowns, strains):
-    """The stretch of hoops around an axis or a centre, in one dimension."""
-    n = row.n if solid.hoops() > 0 else 0
-    node, g, hoop = U64(row.tile), U64(row.patch), U64(row.tile) + U64(step_of(like))
-    for i in range(U64(n)):
-        strains[hoop + i] = solid.hoop_stretch(unknowns[node + i], metrics[g + i])
-
-
-@njit(**EXACT_LOOP)
-def hold(solid, like, metrics, row, unknowns, strains, found):
-    """Add what hoops do to the acceleration."""
-    n = row.n if solid.hoops() > 0 else 0
-    node, g, step = U64(row.tile), U64(row.patch), U64(step_of(like))
-    for i in range(U64(n)):
-        F = at(solid.unstrained(like), strains, node, step, i)
-        v, e = at(like, unknowns, node + step, step, i), unknowns[node + U64(2) * step + i]
-        T = solid.temperature(v, e, F)
-        found[WIDTH + i] += solid.hoop_acceleration(F, T, metrics[g + i])
+        F = solid.with_hoops(add_unit(1.0, gradient), unknowns[node + i], metrics[g + i])
+        put(strains, node, step, i, F)
 
 
 @njit(**EXACT_LOOP)
@@ -289,7 +267,7 @@ def conduct(solid, like, metrics, row, slopes, strains, heats):
 
 
 @njit(**EXACT_LOOP)
-def accelerate(solid, like, metrics, row, slopes, unknowns, tractions, found):
+def accelerate(solid, like, metrics, row, slopes, unknowns, tractions, strains, found):
     """(v, Div P/m0 + b, Div (P^T v + h)/m0 + b . v); slopes: D°_k t^k, D_k v, D°_k A^k . h."""
     nine, step, d = outer(like, like), U64(step_of(like)), U64(len(like))
     N, node, g = U64(metrics.size // (len(nine) + 1)), U64(row.tile), U64(row.patch)
@@ -299,6 +277,9 @@ def accelerate(solid, like, metrics, row, slopes, unknowns, tractions, found):
         force = column_sums(at(nine, slopes, U64(0), WIDTH, i))
         heat = total(at(like, slopes, U64(2) * d * d * WIDTH, WIDTH, i))
         power = dot(v, force) + dot(t, at(nine, slopes, d * d * WIDTH, WIDTH, i)) + heat
+        e = unknowns[node + U64(2) * d * step + i]
+        F = at(solid.unstrained(like), strains, node, step, i)
         acceleration = along(solid.force, per_mass, force)
+        acceleration = solid.held_by_hoops(acceleration, v, e, F, metrics[g + i])
         energy = per_mass * power + dot(solid.force, v)
         put(found, U64(0), WIDTH, i, (*v, *acceleration, energy))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-import numpy as np
 from numba import njit
 
 from fsipetsc.equations.tensors import add_unit, outer
@@ -98,15 +97,13 @@ def none_of(part, particles):
 @njit(**CALL)
 def store(part, particles, s):
     """Tell particles what members of a solid with heat 'elastic' store: energy per mass [J/kg]
-    that is neither kinetic nor heat. See fsipetsc.scheme.particle_steps.Particles.
+    that is neither kinetic nor heat. See fsipetsc.scheme.particles.Particles.
     """
     d, solid, extra = len(part.like), part.laws, part.prestress
     q, at, rows = ghosted(part, s, 2 * d + 1), part.stored_at, part.rows_of_stored
-    rest = solid.unstrained(part.like)
-    F = np.zeros((len(rest), 1))
+    of_axes = part.S, part.weight, part.patch
     for i in range(at.size):
-        strain_at(solid, at[i], part.S, part.weight, part.patch, part.metrics, q, F)
-        strain = column(rest, F, U64(0))
+        strain = strain_at(solid, part.like, at[i], *of_axes, part.metrics, q)
         energy = solid.energy(strain)
         if extra.shape[1] > 0:
             S = column(outer(part.like, part.like), extra, U64(at[i]))
@@ -168,9 +165,7 @@ def look(part, s):
     prestress, per_h, z, loses = part.prestress, part.per_h, STIFFNESS_OF_WIDE, part.loses
     q, masses, work, F = ghosted(part, s, 2 * len(like) + 1), part.masses, part.work, part.F
     seen, sums = part.seen, part.sums
-    solid_look(
-        laws, like, q, X, metrics, prestress, per_h, z, masses, work, F, loses, seen, sums
-    )
+    solid_look(laws, like, q, X, metrics, prestress, per_h, z, masses, work, F, loses, seen, sums)
 
 
 @njit(**CALL)

@@ -13,9 +13,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fsipetsc.operators.bands import Band
+from fsipetsc.operators.bands import Band, Patch
 from fsipetsc.operators.loops import _by_length as by_length
-from fsipetsc.operators.patch import Patch
 from fsipetsc.scheme.rows import U64, moments
 
 Array = NDArray[Any]

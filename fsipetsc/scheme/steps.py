@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from numba import literal_unroll, njit
+from numba import njit
 
 from fsipetsc.operators.loops import CALL, MERGED_CALL
+from fsipetsc.operators.loops import _by_length as by_length
 from fsipetsc.scheme.after_step import note_extremes
 from fsipetsc.scheme.burst import DT, plan_next
 from fsipetsc.scheme.part import clear, copy_row
@@ -47,12 +48,28 @@ class Found(NamedTuple):
 
 class All(NamedTuple):
     """Of a rank that has all blocks its parts and particles with their functions, as
-    fsipetsc.scheme.part and particle_steps hold them, and a box of Found.
+    fsipetsc.scheme.part and particles have them, and a box of Found.
     """
 
     parts: Any
     particles: Any
     found: Any
+
+
+def _each(name: str, more: str = "") -> Any:
+    """A function of all parts and ``more`` that calls one function of each part."""
+
+    def body(n: int) -> str:
+        lines = (f" parts[{k}].{name}(parts[{k}].part{more})\n" for k in range(n))
+        return "".join(lines) + " return"
+
+    return by_length(f"each_{name}", "parts" + more, body)
+
+
+follow, store = _each("follow", ", particles"), _each("store", ", particles, s")
+normals, turn = _each("normals", ", particles"), _each("turn", ", particles")
+move, swing, look = _each("move"), _each("swing"), _each("look", ", s")
+rates, note = _each("rates", ", s, f, gain"), _each("note", ", found")
 
 
 @njit(**CALL)
@@ -73,45 +90,37 @@ def run(box, what, s, f):
             if steps or what == COMPLETE:
                 held.begin_sums(particles, at, gain)
                 held.end_sums(particles, gain)
-                for one in literal_unroll(parts):
-                    one.follow(one.part, particles)
-                    one.move(one.part)
+                follow(parts, particles)
+                move(parts)
                 if particles.slips:
                     held.begin_normals(particles)
-                    for one in literal_unroll(parts):
-                        one.normals(one.part, particles)
+                    normals(parts, particles)
                     held.end_normals(particles, False)
                 if particles.stores:
                     held.begin_stored(particles, at)
-                    for one in literal_unroll(parts):
-                        one.store(one.part, particles, at)
+                    store(parts, particles, at)
                     held.end_stored(particles)
                 held.settle(particles, at, gain)
-                for one in literal_unroll(parts):
-                    one.follow(one.part, particles)
-                    one.swing(one.part)
+                follow(parts, particles)
+                swing(parts)
             if what == RATES or (steps and stage < STAGES):
                 clear(gain)
                 if particles.slips:
                     held.begin_normals(particles)
-                    for one in literal_unroll(parts):
-                        one.turn(one.part, particles)
+                    turn(parts, particles)
                     held.end_normals(particles, True)
-                for one in literal_unroll(parts):
-                    one.rates(one.part, at, f, gain)
+                rates(parts, at, f, gain)
                 held.begin_rates(particles, f)
                 held.end_rates(particles, at, f, gain)
             if steps and stage < STAGES:
                 advance(y, f, s, total, stage, now[1])
         if steps or what == LOOK:
-            for one in literal_unroll(parts):
-                one.look(one.part, s)
+            look(parts, s)
         more = False
         if steps:
             clear(found.latest)
             found.extremes[0] = found.results[SAID_STOP]
-            for one in literal_unroll(parts):
-                one.note(one.part, found)
+            note(parts, found)
             good = note_step(found)
             if good:
                 now[0] += now[1]

@@ -1,0 +1,163 @@
+"""Dissipation of gas blocks and the terms of shocks on a line: what they keep, and the terms of
+shocks one by one. In two dimensions test_block_oracle.py compares dissipation with the oracle.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import oracle_formulas as formulas
+import pytest
+
+from fsipetsc.equations.gas import Gas
+from fsipetsc.materials.constant_transport import ConstantTransport
+from fsipetsc.materials.perfect_gas import PerfectGas
+from fsipetsc.operators.bands import NO_AXIS, Patch, band
+from fsipetsc.operators.undivided import differences
+from fsipetsc.scheme.gas_dissipation import gas_dissipation, room
+from fsipetsc.scheme.gas_rates import EntropyForm, Viscous, gas_rates, scratch
+
+LIKE, FORM = (0.0,), EntropyForm()
+LAW = formulas.Gas()
+GAS = Gas(PerfectGas(LAW.gamma, LAW.R), ConstantTransport(), 0.0, 0.0, LIKE)
+ORDERS = pytest.mark.parametrize("order", [2, 4, 6])
+
+
+class Line(NamedTuple):
+    """Nodes of [0, 1] with unknowns q (n, 4), on a grid of the velocity metrics[1]; the axes."""
+
+    q: np.ndarray
+    metrics: np.ndarray
+    axes: list
+    order: int
+
+    @property
+    def weights(self):
+        return self.axes[0].weight[:, None]
+
+    def variables(self):
+        """(n, 3) entropy variables."""
+        w = GAS.primitive(tuple(self.q.T))
+        return np.array([GAS.first_entropy_variable(w), *GAS.entropy_variables(w)]).T
+
+    def dissipation(self, sigma, shock):
+        """(n, 4) rates."""
+        n = len(self.q)
+        found, rates = differences(1, self.order, self.axes, [n - 1]), np.zeros((n, 4))
+        of_block = Patch((n, 1, 1), (n, 1, 1), (0, 0, 0)), rates, room(1, found)
+        S = [axis.S for axis in self.axes]
+        gas_dissipation(GAS, LIKE, FORM, sigma, shock, self.q, self.metrics, *S, found, *of_block)
+        return rates
+
+
+def line(order, spread=1.0):
+    """A random state, or with rho, u and T one."""
+    n, rng = (26 if order > 4 else 19), np.random.default_rng(7)
+    v, J = 0.1 * rng.standard_normal(n), 0.9 + 0.2 * rng.random(n)
+    rho, T = 1.0 + spread * rng.random((2, n))
+    u = (rng.random(n) - 0.5) * (spread > 0.0) + 0.4
+    q = np.array(GAS.conserved(J, rho, (u,), T)).T.copy()
+    metrics = np.array([np.ones(n), v, np.zeros(n)])
+    return Line(q, metrics, [band(order, n - 1), NO_AXIS, NO_AXIS], order)
+
+
+@ORDERS
+@pytest.mark.parametrize("shock", [0.0, 1.0])
+def test_dissipation_conserves_and_makes_entropy_grow(order, shock):
+    """And a uniform flow stays on a moving grid."""
+    s = line(order, 0.3)
+    found, z = s.weights * s.dissipation(0.3, shock), s.variables()
+    assert np.abs(found.sum(axis=0)).max() < 1e-14 * np.abs(found).sum()
+    assert -(found[:, 1:] * z).sum() > 1e-3 * np.abs(found[:, 1:] * z).sum()
+    assert np.abs(line(order, 0.0).dissipation(0.3, shock)[:, 1:]).max() < 1e-13
+
+
+@ORDERS
+def test_chains_of_neighbours_give_the_entropy_of_their_pair(order):
+    """Without the flux of Lax and Friedrichs the blend changes rates, but no sum and no entropy.
+
+    alpha is between 0 and 1 and varies from node to node.
+    """
+    s = line(order, 0.03)
+    found, z = s.weights * s.dissipation(0.0, 1e-300), s.variables()
+    if order > 2:  # the pairs of order 2 are neighbours, but for none
+        assert np.abs(found).max() > 1e-5
+    assert np.abs(found.sum(axis=0)).max() < 1e-14
+    assert abs((found[:, 1:] * z).sum()) < 1e-14 * max(np.abs(found[:, 1:] * z).sum(), 1.0)
+
+
+def steepness(a):
+    """(n,) s of a line of values, 0 at the ends."""
+    rise, fall = a[2:] - a[1:-1], a[1:-1] - a[:-2]
+    size = np.abs(rise) + np.abs(fall) + 0.05 * (a[2:] + 2.0 * a[1:-1] + a[:-2])
+    return np.pad(np.abs(rise - fall) / size, 1)
+
+
+@ORDERS
+def test_shock_terms_of_a_line(order):
+    """Against sums over all pairs and links, one by one."""
+    s = line(order, 0.03)
+    v, S, n = s.metrics[1], s.axes[0].S, len(s.q)
+    state = formulas.gas_state(LAW, s.q.T)
+    s_most = np.maximum(steepness(state.rho), steepness(state.p))
+    alpha = np.clip(2.5 * (s_most - 0.03), 0.0, 1.0)
+    assert 0 < (alpha < 0.2).sum() < n
+
+    def at(i):
+        return formulas.State(*(f[..., i] for f in state))
+
+    exact, A, G = np.zeros((3, n)), np.zeros(n), np.zeros(n)
+    for i in range(n):
+        for l in range(i + 1, min(i + len(S), n)):
+            weight, g = alpha[i : l + 1].max() * S[l - i, i], 0.5 * (v[i] + v[l])
+            F = weight * formulas.pair_flux(LAW, at(i), at(l), np.ones(1), g)
+            exact[:, i] += F
+            exact[:, l] -= F
+            A[i:l] += weight
+            G[i:l] += weight * g
+    for m in range(n - 1):
+        sides = at(m), at(m + 1)
+        speed = max(
+            abs(A[m] * w.u[0] - G[m]) + np.sqrt(LAW.gamma * LAW.R * w.T) * abs(A[m]) for w in sides
+        )
+        l, r = (formulas.conserved(LAW, w.rho, w.u, w.T) for w in sides)
+        F = formulas.pair_flux(LAW, *sides, A[m : m + 1], G[m]) - 0.5 * 0.9 * speed * (r - l)
+        exact[:, m] -= F
+        exact[:, m + 1] += F
+    found = s.weights * s.dissipation(0.0, 0.9)
+    np.testing.assert_allclose(found[:, 1:].T, exact, rtol=0.0, atol=1e-14 * n)
+
+
+def test_smooth_flow_has_no_shocks():
+    s = line(4)
+    wave = 0.03 * np.sin(2.0 * np.pi * np.linspace(0.0, 1.0, len(s.q)))
+    s.q[:] = np.array([1.0 + 0.0 * wave, 1.0 + wave, 0.3 + 0.0 * wave, 2.5 + wave]).T
+    assert np.abs(s.dissipation(0.0, 1.0)).max() == 0.0
+
+
+@ORDERS
+def test_strong_shock_lives(order):
+    """A pressure ratio of 1000 onto a wall, fifty nodes: positive, mass and energy to round-off."""
+    n, p = 51, np.where(np.arange(51) < 3 * 51 // 4, 1000.0, 1.0)
+    axes, metrics = [band(order, n - 1), NO_AXIS, NO_AXIS], np.outer([1.0, 0.0, 0.0], np.ones(n))
+    patch, kind = Patch((n, 1, 1), (n, 1, 1), (0, 0, 0)), Viscous()
+    S, w, work = *zip(*axes, strict=True), scratch(LIKE, FORM, kind, axes, patch)
+    q = np.array(GAS.conserved(np.ones(n), np.ones(n), (np.zeros(n),), p)).T.copy()
+    start, dt = w[0] @ q, 0.4 / (n - 1) / 60.0
+
+    def slope(q):
+        rates = np.zeros_like(q)
+        gas_rates(GAS, LIKE, FORM, kind, q, metrics, *S, *w, patch, rates, work)
+        rates += Line(q, metrics, axes, order).dissipation(0.3, 1.0)
+        rates[[0, -1], 2] = 0.0
+        return rates
+
+    for _ in range(120):
+        a = slope(q)
+        b = slope(q + 0.5 * dt * a)
+        c = slope(q + 0.5 * dt * b)
+        q = q + dt / 6.0 * (a + 2.0 * b + 2.0 * c + slope(q + dt * c))
+    state = GAS.primitive(tuple(q.T))
+    assert state[0].min() > 0.3 and state[1].min() > 0.9 and state[1][-1] > 500.0
+    np.testing.assert_allclose((w[0] @ q)[[0, 1, 3]], start[[0, 1, 3]], rtol=1e-13)
