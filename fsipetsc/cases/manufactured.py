@@ -31,7 +31,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-Array = np.ndarray
+from fsipetsc.checks import Array
+
 Where = Sequence[Any]
 
 #: axes of the three-dimensional solution that a problem in d dimensions has
@@ -226,14 +227,6 @@ class Solution:
         x_X[:, -1], w_X[:, -1] = end.value, end.rate
         return x_X + unit(x_X), eta * end.rate, w_X
 
-    def gas_velocity(self, where: Where, w: Array, w_X: Array, drift: Jet) -> tuple[Array, Array]:
-        """(u, u_X), where w is the velocity of the grid and u = w + eta (1 - eta) drift."""
-        eta = where[-2]
-        bump, slope = eta * (1.0 - eta), 1.0 - 2.0 * eta
-        u_X = w_X + bump * drift.gradient
-        u_X[:, -1] = u_X[:, -1] + slope * drift.value
-        return w + bump * drift.value, u_X
-
     def gas(self, where: Where) -> State:
         """J (1, rho, rho u, e) and, along each axis with its metric vector a = det(x_X) grad xi,
 
@@ -242,30 +235,25 @@ class Solution:
         with tau = mu (grad u + (grad u)^T - 2/3 div u).
         """
         x_X, w, w_X = self.grid(where)
-        fields = self.of_gas.at(where)
-        u, u_X = self.gas_velocity(where, w, w_X, Jet(*(part[1:-1] for part in fields)))
+        fields, eta = self.of_gas.at(where), where[-2]
+        drift, bump = fields.value[1:-1], eta * (1.0 - eta)
+        u, u_X = w + bump * drift, w_X + bump * fields.gradient[1:-1]
+        u_X[:, -1] = u_X[:, -1] + (1.0 - 2.0 * eta) * drift
         rho, T, T_X = fields.value[0], fields.value[-1], fields.gradient[-1]
         a, J = cofactor(x_X), determinant(x_X)
         grad_u = np.einsum("ik...,jk...->ij...", u_X, a) / J
         grad_T = np.einsum("k...,jk...->j...", T_X, a) / J
         one, div = unit(grad_u), np.einsum("kk...->...", grad_u)
         tau = self.mu * (grad_u + np.swapaxes(grad_u, 0, 1) - 2.0 / 3.0 * div * one)
-        p = rho * self.R * T
         e = rho * (self.cv * T + 0.5 * np.einsum("k...,k...->...", u, u))
+        force = rho * self.R * T * one - tau
+        heat = np.einsum("ij...,j...->i...", force, u) - self.kappa * grad_T
         U = np.stack([np.ones_like(rho), rho, *(rho * u), e])
-        force = p * one - tau
-        others = np.concatenate(
-            [
-                -w[None],  # of J, a volume that the grid sweeps over
-                np.zeros_like(w)[None],
-                force,
-                (np.einsum("ij...,j...->i...", force, u) - self.kappa * grad_T)[None],
-            ]
-        )
+        # -w is the flux of J, a volume that the grid sweeps over
+        others = np.concatenate([-w[None], np.zeros_like(w)[None], force, heat[None]])
         carried = np.concatenate([np.zeros_like(rho)[None], U[1:]])
         flux = carried[:, None] * (u - w)[None] + others
-        along = np.einsum("nj...,jk...->kn...", flux, a)
-        return State(J * U, along, np.zeros_like(U))
+        return State(J * U, np.einsum("nj...,jk...->kn...", flux, a), np.zeros_like(U))
 
     def exact_gas(self, *where: Any) -> list[Array]:
         """(rho, u_1 … u_d, T) at (*X, t)."""
