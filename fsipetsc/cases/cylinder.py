@@ -11,7 +11,7 @@ from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.conditions import Condition, Outflow, Slip
 from fsipetsc.blocks.maps import Map, Mapped, Places
 from fsipetsc.blocks.problem import BlockProblem
-from fsipetsc.cases.common import Opt, at_rest, elastic_of, gas_of, material_options
+from fsipetsc.cases.common import Opt, at_rest, elastic_of, gas_of
 from fsipetsc.cases.disk import between, centre, quarter
 from fsipetsc.cases.riemann import GasState, shock_in_plane
 from fsipetsc.operators.sbp import operator
@@ -23,7 +23,8 @@ SUMMARY = "a shock runs over an elastic or a rigid cylinder, in two dimensions"
 OPTIONS = (
     Option("cylinder_mach", float, 2.0, "", "Mach number of the shock", check=above_one),
     Option("cylinder_wall", str, "elastic", "", "what the cylinder is", ("rigid", "elastic")),
-    *material_options(solid_modulus=40.0, solid_density=10.0),
+    Option("solid_modulus", float, 40.0, "", "2 mu_e + lambda_e over p", check="positive"),
+    Option("solid_density", float, 10.0, "", "of it over that of the gas", check="positive"),
 )
 DEFAULTS = {
     **{"fsi_h": 1 / 32, "fsi_order": 4, "ts_max_time": 2.0, "fsi_output_dt": 0.05},

@@ -1,8 +1,7 @@
 """A manufactured solution in one, two or three dimensions: gas under a solid, on blocks that move.
 
 The last axis goes across the two, 0 < eta < 1 in the gas and 1 < eta < 2 in the solid; the other
-axes, p and q, go along them. All fields are smooth and not linear, viscosity and heat conduction
-are at work, and the heat of the solid is coupled. With r = 1 in three dimensions and r = 0 else
+axes, p and q, go along them. With r = 1 in three dimensions and r = 0 else
 
     displacement of the solid  D = (.06 sin(2 pi p + t) cos(eta + 2t) (1 + .2 r sin 2 pi q),
                                     .05 sin(2 pi q - t) cos(2 pi p + 2t) sin(eta + t),
@@ -26,7 +25,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -178,40 +176,31 @@ class Solution:
     m0: float = 2.0
     alpha: float = 1.5
 
-    def rippled(self, height: float, *phases: Array) -> list[Any]:
-        """height cos(phase) cos(phase) ... (1 + .2 r sin 2 pi q)."""
-        ripple = [(0.2 * height, *phases, Q - QUARTER)] if self.d == 3 else []
-        return [(height, *phases), *ripple]
+    def __post_init__(self) -> None:
+        def rippled(height: float, *phases: Array) -> list[Any]:
+            """height cos(phase) cos(phase) ... (1 + .2 r sin 2 pi q)."""
+            ripple = [(0.2 * height, *phases, Q - QUARTER)] if self.d == 3 else []
+            return [(height, *phases), *ripple]
 
-    @cached_property
-    def displacement(self) -> Waves:
-        """D."""
-        of_all = (
-            self.rippled(0.06, P + TIME - QUARTER, ETA + 2 * TIME),
+        def vector(*parts: list[Any]) -> list[Any]:
+            return [(0.0, parts[axis]) for axis in AXES[self.d]]
+
+        D = vector(
+            rippled(0.06, P + TIME - QUARTER, ETA + 2 * TIME),
             [(0.05, Q - TIME - QUARTER, P + 2 * TIME, ETA + TIME - QUARTER)],
-            self.rippled(0.08, P - TIME, 1.5 * ETA + TIME - QUARTER),
+            rippled(0.08, P - TIME, 1.5 * ETA + TIME - QUARTER),
         )
-        return Waves(*((0.0, of_all[axis]) for axis in AXES[self.d]))
-
-    @property
-    def _warm(self) -> tuple[float, list[Any]]:
-        return 1.0, self.rippled(0.15, P + TIME - QUARTER, 2 * ETA - TIME)
-
-    @cached_property
-    def temperature(self) -> Waves:
-        """T."""
-        return Waves(self._warm)
-
-    @cached_property
-    def of_gas(self) -> Waves:
-        """(rho, (u - w) / (eta (1 - eta)), T)."""
-        density = 1.0, self.rippled(0.2, P - TIME, 2 * ETA + TIME - QUARTER)
-        of_all = (
+        drift = vector(
             [(0.6, P - TIME - QUARTER)],
             [(0.4, Q + TIME - QUARTER)],
-            self.rippled(0.5, P + 2 * TIME),
+            rippled(0.5, P + 2 * TIME),
         )
-        return Waves(density, *((0.0, of_all[axis]) for axis in AXES[self.d]), self._warm)
+        T = 1.0, rippled(0.15, P + TIME - QUARTER, 2 * ETA - TIME)
+        rho = 1.0, rippled(0.2, P - TIME, 2 * ETA + TIME - QUARTER)
+        object.__setattr__(self, "displacement", Waves(*D))
+        object.__setattr__(self, "temperature", Waves(T))
+        #: (rho, (u - w) / (eta (1 - eta)), T)
+        object.__setattr__(self, "of_gas", Waves(rho, *drift, T))
 
     @property
     def cv(self) -> float:

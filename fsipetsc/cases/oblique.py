@@ -20,7 +20,7 @@ import numpy as np
 from fsipetsc.blocks.conditions import Clamped, NoSlip, Open, Outflow, Roller, Slip
 from fsipetsc.blocks.layers import Layer
 from fsipetsc.blocks.problem import BlockProblem
-from fsipetsc.cases.common import Opt, at_rest, elastic_of, material_options, stack
+from fsipetsc.cases.common import Opt, at_rest, elastic_of, stack
 from fsipetsc.checks import Array, Fields
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
@@ -33,7 +33,9 @@ OPTIONS = (
     Option("oblique_mach", float, 2.9, "", "Mach number of the gas that comes in", check=above_one),
     Option("oblique_angle", float, 10.0, "degrees", "theta, of the wedge", check="positive"),
     Option("oblique_wall", str, "elastic", "", "what is below", ("rigid", "elastic")),
-    *material_options(fluid_mu=0.0, solid_modulus=40.0, solid_density=10.0),
+    Option("solid_modulus", float, 40.0, "", "2 mu_e + lambda_e over p", check="positive"),
+    Option("solid_density", float, 10.0, "", "of it over that of the gas", check="positive"),
+    Option("fluid_mu", float, 0.0, "", "viscosity; 0: the gas slips", check="nonnegative"),
 )
 DEFAULTS = {
     **{"fsi_h": 1 / 32, "fsi_order": 4, "ts_max_time": 4.0, "fsi_output_dt": 0.25},
