@@ -72,14 +72,11 @@ def groups(
         if name not in known:
             hint = _nearest(str(name), known)
             raise InputError(f"case {case.NAME}: DEFAULTS has {name!r}, which is no option{hint}")
-    return {
-        title: tuple(
-            _with_default(option, values.get(option.name, option.default), case.NAME)
-            for option in options
-        )
-        for title, options in sections.items()
-        if options
-    }
+
+    def in_force(option: Option) -> Option:
+        return _with_default(option, values.get(option.name, option.default), case.NAME)
+
+    return {title: tuple(map(in_force, found)) for title, found in sections.items() if found}
 
 
 def table(
