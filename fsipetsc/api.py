@@ -21,9 +21,6 @@ from fsipetsc.process.together import together
 if TYPE_CHECKING:
     from mpi4py import MPI
 
-#: what may be left out before the name of an option
-PREFIXES = ("", "fsi_", "ts_")
-
 
 def run(case: Any, comm: MPI.Comm | None, options: Mapping[str, Any]) -> Run:
     """See fsipetsc.run, whose work this is."""
@@ -72,7 +69,8 @@ def _words(case: Any, options: Mapping[str, Any]) -> Iterable[str]:
     """The options as they would stand on the command line. InputError for an unknown name."""
     known = table(case)
     for name, value in options.items():
-        full = [f"{prefix}{name}" for prefix in PREFIXES if f"{prefix}{name}".lower() in known]
+        names = name, f"fsi_{name}", f"ts_{name}"  # the beginning may be left out
+        full = [found for found in names if found.lower() in known]
         if value is not None:
             yield f"-{full[0] if full else name}"
             yield _text(value)

@@ -13,45 +13,28 @@ from typing import Any
 
 from fsipetsc.errors import FsiError, InputError
 
-#: extra of the installation -> what is imported of it, as pyproject.toml has it
-_EXTRAS = {
-    "solver": ("petsc4py", "mpi4py", "numba", "llvmlite", "scipy", "yaml"),
-    "plot": ("matplotlib",),
-}
 _PACKAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "")
 _CASES = os.path.join(_PACKAGE, "cases", "")
 _LIBRARIES = (os.path.join(os.path.dirname(os.path.abspath(os.__file__)), ""), _PACKAGE)
-#: letters of somebody else's message that are repeated
-_LONGEST = 300
 
 
 def explain(error: BaseException, path: str | os.PathLike[str]) -> str:
-    """One line about an error that came out of a case file: file, line, reason.
-
-    Where it was in a module that the file imports, this module's place follows.
-    """
-    lines = [frame.lineno for frame in frames_in(error, path)]
-    line = f", line {lines[-1]}" if lines else ""
+    """One line about an error that came out of a case file: file, line, reason."""
     if isinstance(error, SyntaxError):
-        own = error.filename is None or os.path.realpath(error.filename) == os.path.realpath(path)
-        elsewhere = "" if own else f"{line}: {short(error.filename or '')}"
-        place = f", line {error.lineno}" if error.lineno else ""
-        return f"case file {path}{elsewhere}{place}: {error.msg}"
-    last, deeper = _last_frame(error), ""
-    if last and lines and os.path.realpath(last.filename) != os.path.realpath(path):
-        deeper = f"{_place_of_frame(last)}: "
-    return f"case file {path}{line}: {deeper}{reason(error)}"
+        file, line, why = error.filename or path, error.lineno or 0, str(error.msg)
+    else:
+        frame, why = _last_frame(error), reason(error)
+        file, line = (frame.filename, frame.lineno or 0) if frame else (path, 0)
+    own = os.path.realpath(file) == os.path.realpath(path)
+    place = f", line {line}" if own else f": {short(file)}, line {line}"
+    return f"case file {path}{place if line else ''}: {why}"
 
 
 def reason(error: BaseException) -> str:
     """What an exception says, on one line."""
-    try:
-        text = " ".join(str(error).split())
-    except Exception:  # a user's exception may fail to say anything
-        text = ""
+    text = " ".join(str(error).split())
     if isinstance(error, FsiError):
         return text
-    text = text if len(text) <= _LONGEST else f"{text[:_LONGEST]}…"
     if isinstance(error, ModuleNotFoundError) and error.name:
         package = error.name.split(".")[0]
         own = package == "fsipetsc"
@@ -59,16 +42,17 @@ def reason(error: BaseException) -> str:
     if isinstance(error, SystemExit):
         return "SystemExit: sys.exit() is called; a case file must not end the program"
     if _is_compilers(error):
-        return f"numba cannot compile it: {_compilers_words(error)}"
-    return type(error).__name__ + (f": {text}" if text else "")
+        said = [line for line in str(error).split('\nFile "')[0].splitlines() if line.strip()]
+        where = "Failed in", "During:", "---", "Return of:"
+        text = " ".join([line.strip() for line in said if not line.startswith(where)][:2])
+        return f"numba cannot compile it: {text[:300]}"
+    return type(error).__name__ + (f": {text[:300]}" if text else "")
 
 
 def missing(package: str) -> str:
-    """How to get a Python package that is not there, if it is one that comes with this one."""
-    extra = next((extra for extra, names in _EXTRAS.items() if package in names), None)
-    how = f": scripts/setup installs it, as does pip install '.[{extra}]' in the sources' folder"
-    what = f"this needs the Python package {package}, which is not installed here"
-    return what + (how if extra else "")
+    """How to get a Python package that is not there."""
+    how = "scripts/setup installs what fsipetsc needs"
+    return f"this needs the Python package {package}, which is not installed here: {how}"
 
 
 def frames_in(error: BaseException, path: str | os.PathLike[str]) -> list[traceback.FrameSummary]:
@@ -90,37 +74,26 @@ def call(function: Callable[..., Any], arguments: tuple[Any, ...], where: str) -
         of_package = getattr(function, "__module__", "").startswith("fsipetsc.")
         if isinstance(error, FsiError) and of_package:
             raise  # it is about an option, or explained already
-        what = f"{_place_of_error(error, function)}: {where}: {reason(error)}"
-        raise InputError(what, collective=False) from error
-
-
-def _place_of_error(error: BaseException, function: Callable[..., Any]) -> str:
-    """"file, line N" where an error left the user's code, or else where the function is."""
-    if _is_compilers(error):  # which names the line, of this function or of one that it calls
-        for name, line in re.findall(r'File "([^"]+)", line (\d+)', str(error)):
-            if _is_users(os.path.abspath(name)):
-                return f"{short(os.path.abspath(name))}, line {line}"
-    last = _last_frame(error)
-    return _place_of_frame(last) if last else place_of(function)
+        frame = _last_frame(error)
+        place = f"{short(frame.filename)}, line {frame.lineno}" if frame else place_of(function)
+        if _is_compilers(error):  # numba names the line, of this function or of one that it calls
+            for name, line in re.findall(r'File "([^"]+)", line (\d+)', str(error))[:1]:
+                place = f"{short(name)}, line {line}"
+        raise InputError(f"{place}: {where}: {reason(error)}", collective=False) from error
 
 
 def _last_frame(error: BaseException) -> traceback.FrameSummary | None:
     """The innermost frame of an error in the user's code, if it ever was in it."""
     frames = reversed(traceback.extract_tb(error.__traceback__))
-    return next((frame for frame in frames if _is_users(os.path.abspath(frame.filename))), None)
+    return next((frame for frame in frames if _is_users(frame.filename)), None)
 
 
 def _is_users(name: str) -> bool:
-    """Whether a file is the user's: not of Python, of a library or of this package
-    but its cases.
-    """
+    """Whether a file is a user's, as cases are: not Python's, a library's or this package's."""
+    name = os.path.abspath(name)
     known = name.startswith(_LIBRARIES) and not name.startswith(_CASES)
     library = {"site-packages", "dist-packages"} & set(name.split(os.sep))
     return not known and not library and os.path.isfile(name)
-
-
-def _place_of_frame(frame: traceback.FrameSummary) -> str:
-    return f"{short(os.path.abspath(frame.filename))}, line {frame.lineno}"
 
 
 def _is_compilers(error: BaseException) -> bool:
@@ -128,23 +101,14 @@ def _is_compilers(error: BaseException) -> bool:
     return type(error).__module__.startswith("numba.")
 
 
-def _compilers_words(error: BaseException) -> str:
-    """What numba says about a function, without where in numba it was and what it has tried."""
-    before = str(error).split('\nFile "')[0].splitlines()
-    where = "Failed in", "During:", "---", "Return of:"
-    said = [line.strip() for line in before if line.strip() and not line.startswith(where)]
-    return " ".join(said[:2])[:_LONGEST]
-
-
 def place_of_caller() -> str:
     """"file, line N: " of the case file that called what calls this; "" if it is called by none."""
     frame: FrameType | None = sys._getframe(1)
-    while frame is not None:
-        name = os.path.abspath(frame.f_code.co_filename)
-        if _is_users(name):
-            return "" if name.startswith(_CASES) else f"{short(name)}, line {frame.f_lineno}: "
+    while frame is not None and not _is_users(frame.f_code.co_filename):
         frame = frame.f_back
-    return ""
+    if frame is None or frame.f_code.co_filename.startswith(_CASES):
+        return ""
+    return f"{short(frame.f_code.co_filename)}, line {frame.f_lineno}: "
 
 
 def place_of(function: Callable[..., Any]) -> str:
@@ -161,4 +125,10 @@ def place_of(function: Callable[..., Any]) -> str:
 def short(name: str | os.PathLike[str]) -> str:
     """A path as a user would write it."""
     inside = os.path.relpath(name)
-    return os.fspath(name) if inside.startswith(os.pardir) else inside
+    return os.path.abspath(name) if inside.startswith(os.pardir) else inside
+
+
+def brief(text: str) -> str:
+    """A text for a message: in one line, and not all of it if it is long."""
+    line = " ".join("".join(c if c.isprintable() else " " for c in text).split())
+    return line if len(line) <= 80 else f"{line[:60]}… ({len(line)} characters)"

@@ -32,10 +32,9 @@ class Wall:
     flux [W/m2] into the gas.
 
     x, T, heat_flux: numbers or functions of t [s]. velocity: function of t, [m/s], of a wall that
-    moves; else it is taken
-    from differences of x(t), also for a few steps before t = 0. A wall that moves, or does not
-    insulate, needs a stretched gas layer, and makes it one. Heat matters only to a gas that
-    conducts it. InputError for what is of the wrong kind.
+    moves; else it is taken from differences of x(t), also for a few steps before t = 0. A wall that
+    moves, or does not insulate, needs a stretched gas layer, and makes it one. Heat matters only to
+    a gas that conducts it. InputError for what is of the wrong kind.
     """
 
     x: Timed
@@ -50,9 +49,8 @@ class Wall:
         _check_heat(self, "Wall")
         checks.function(self.velocity, "Wall: velocity", "velocity(t) [m/s]", optional=True)
         if self.velocity is not None and not self.moves:
-            raise InputError(
-                "Wall: velocity is given, but x is a number: expected a function x(t) [m], too"
-            )
+            expected = "expected a function x(t) [m], too"
+            raise InputError(f"Wall: velocity is given, but x is a number: {expected}")
 
     @property
     def moves(self) -> bool:
@@ -80,16 +78,11 @@ class Open:
     degree = 2
 
     def __post_init__(self) -> None:
-        checks.numbers(
-            self,
-            "Open",
-            {"x": checks.ANY, "p0": checks.POSITIVE, "T0": checks.POSITIVE, "u0": checks.ANY},
-        )
+        positive, any_ = checks.POSITIVE, checks.ANY
+        checks.numbers(self, "Open", {"x": any_, "p0": positive, "T0": positive, "u0": any_})
         if isinstance(self.order, bool) or self.order not in (0, 1):
-            raise InputError(
-                f"Open(order={self.order!r}): expected 0 or 1, "
-                "the order of the conditions in the viscosity"
-            )
+            expected = "expected 0 or 1, the order of the conditions in the viscosity"
+            raise InputError(f"Open(order={self.order!r}): {expected}")
 
     def data(self, t: float) -> tuple[float, ...]:
         return (self.p0, self.T0, self.u0, float(self.order))
@@ -113,10 +106,8 @@ class Dirichlet:
         checks.function(self.values, "Dirichlet: values", "values(t) -> (rho, u, T)")
         whole = isinstance(self.degree, (int, np.integer)) and not isinstance(self.degree, bool)
         if self.degree is not None and not (whole and self.degree in DEGREES):
-            raise InputError(
-                f"Dirichlet(degree={self.degree!r}): expected a whole number from {DEGREES[0]} to "
-                f"{DEGREES[-1]}, or None for the degree that follows -fsi_order"
-            )
+            expected = "expected a whole number from 2 to 5, or None: by -fsi_order"
+            raise InputError(f"Dirichlet(degree={self.degree!r}): {expected}")
 
     def data(self, t: float) -> tuple[float, ...]:
         return self.values(t)
@@ -147,20 +138,14 @@ class SolidEnd:
     degree = 0
 
     def __post_init__(self) -> None:
-        name, value = _SOLID_ENDS[self.kind]
+        name = {CLAMPED: "clamped", FREE: "free", ABSORBING: "absorbing"}[self.kind]
         if not callable(self.value):
-            checks.number(self.value, f"{name}: {value}")
+            what = "velocity" if self.kind == CLAMPED else "stress"
+            checks.number(self.value, f"{name}: {what}")
         _check_heat(self, name)
 
     def data(self, t: float) -> tuple[Timed]:
         return (self.value,)
-
-
-_SOLID_ENDS = {
-    CLAMPED: ("clamped", "velocity"),
-    FREE: ("free", "stress"),
-    ABSORBING: ("absorbing", "stress"),
-}
 
 
 def clamped(
@@ -185,9 +170,7 @@ def absorbing(
     stress: Timed = 0.0, *, T: Timed | None = None, heat_flux: Timed | None = None
 ) -> SolidEnd:
     """Solid end that lets elastic waves out, towards a solid at rest under the stress sigma - p
-    [Pa]; see SolidEnd.
-
-    InputError for what is neither number nor function.
+    [Pa]; see SolidEnd. InputError for what is neither number nor function.
     """
     return SolidEnd(ABSORBING, stress, T, heat_flux)
 
@@ -203,10 +186,8 @@ def _check_timed(end: object, owner: str, name: str, bound: str = checks.ANY) ->
 
 def _check_heat(end: Wall | SolidEnd, owner: str) -> None:
     if end.T is not None and end.heat_flux is not None:
-        raise InputError(
-            f"{owner}: T and heat_flux are given: expected one of them, "
-            "or neither for an insulated end"
-        )
+        expected = "expected one of them, or neither for an insulated end"
+        raise InputError(f"{owner}: T and heat_flux are given: {expected}")
     for name, bound in (("T", checks.POSITIVE), ("heat_flux", checks.ANY)):
         if getattr(end, name) is not None:
             _check_timed(end, owner, name, bound)
@@ -214,12 +195,11 @@ def _check_heat(end: Wall | SolidEnd, owner: str) -> None:
 
 def heat_of(end: Boundary) -> tuple[int, Timed]:
     """(INSULATED, GIVEN_T or GIVEN_FLUX, what is given) at an end."""
-    given: dict[int, Timed | None] = {}
-    if isinstance(end, (Wall, SolidEnd)):
-        given = {GIVEN_T: end.T, GIVEN_FLUX: end.heat_flux}
-    return next(
-        ((kind, value) for kind, value in given.items() if value is not None), (INSULATED, 0.0)
-    )
+    for kind, name in ((GIVEN_T, "T"), (GIVEN_FLUX, "heat_flux")):
+        value = getattr(end, name, None)
+        if value is not None:
+            return kind, value
+    return INSULATED, 0.0
 
 
 def in_time(end: Boundary) -> dict[str, Callable[[float], float]]:
@@ -232,9 +212,8 @@ def closes(end: Boundary) -> bool:
     """Whether neither mass nor energy goes through an end."""
     if heat_of(end)[0] != INSULATED or in_time(end):
         return False
-    return isinstance(end, Wall) or (
-        isinstance(end, SolidEnd) and end.kind != ABSORBING and end.value == 0.0
-    )
+    solid = isinstance(end, SolidEnd) and end.kind != ABSORBING and end.value == 0.0
+    return solid or isinstance(end, Wall)
 
 
 def needs_stretching(end: Boundary) -> bool:

@@ -29,11 +29,8 @@ def described(value: Any) -> str:
     if type(value).__module__.startswith("fsipetsc."):
         return f"a {type(value).__name__}"
     text = " ".join(repr(value).split())
-    kind = (
-        ""
-        if value is None or isinstance(value, (int, float, complex, str))
-        else f" ({type(value).__name__})"
-    )
+    plain = value is None or isinstance(value, (int, float, complex, str))
+    kind = "" if plain else f" ({type(value).__name__})"
     return (text if len(text) <= 60 else text[:57] + "...") + kind
 
 
@@ -46,9 +43,10 @@ def duration(seconds: float) -> str:
     """Seconds in words that fit their size."""
     if seconds < 60:
         return f"{seconds:.3g} s"
-    if seconds < 3600:
-        return f"{int(seconds // 60)} min {int(seconds % 60)} s"
-    return f"{int(seconds // 3600)} h {int(seconds % 3600 // 60)} min"
+    minutes = int(seconds // 60)
+    if minutes < 60:
+        return f"{minutes} min {int(seconds % 60)} s"
+    return f"{minutes // 60} h {minutes % 60} min"
 
 
 def number(value: Any, what: str, bound: str = ANY, unit: str = "") -> float:
@@ -56,21 +54,16 @@ def number(value: Any, what: str, bound: str = ANY, unit: str = "") -> float:
     of bound.
     """
     expected = f"expected a number{' ' * bool(bound)}{bound}{f' [{unit}]' if unit else ''}"
-    plain = (
-        not isinstance(value, (str, bytes, bool, np.bool_))
-        and np.ndim(value) == 0
-        and not callable(value)
-    )
-    try:
-        found = float(value) if plain and not np.iscomplexobj(value) else None
-    except (TypeError, ValueError, OverflowError):
-        found = None
-    if found is None or not isfinite(found):
+    found = np.nan
+    if np.ndim(value) == 0 and not isinstance(value, (str, bytes, bool, np.bool_, complex)):
+        try:
+            found = float(value)
+        except (TypeError, ValueError, OverflowError):
+            pass
+    if not isfinite(found):
         raise InputError(f"{what} is {described(value)}: {expected}")
-    limit = float(bound.split()[-1]) if bound else 0.0
-    if (bound.startswith("above") and not found > limit) or (
-        bound.startswith("not below") and not found >= limit
-    ):
+    least = float(bound.split()[-1]) if bound else -np.inf
+    if found < least or (found == least and bound.startswith("above")):
         raise InputError(f"{what} is {found:g}: {expected}")
     return found
 
@@ -86,17 +79,14 @@ def numbers(record: Any, owner: str, ranges: Ranges) -> None:
 def extent(X: Any, what: str) -> tuple[float, float]:
     """(left, right), left < right; InputError."""
     try:
-        left, right = X
+        left, right = (number(end, f"{what}: X") for end in X)
     except (TypeError, ValueError):
-        raise InputError(
-            f"{what}: X is {described(X)}: expected (left, right), two numbers [m]"
-        ) from None
-    ends = number(left, f"{what}: X[0]", unit="m"), number(right, f"{what}: X[1]", unit="m")
-    if not ends[0] < ends[1]:
-        raise InputError(
-            f"{what}: X = ({ends[0]:g}, {ends[1]:g}): expected (left, right) with left below right"
-        )
-    return ends
+        expected = "expected (left, right), two numbers [m]"
+        raise InputError(f"{what}: X is {described(X)}: {expected}") from None
+    if not left < right:
+        expected = "expected (left, right) with left below right"
+        raise InputError(f"{what}: X = ({left:g}, {right:g}): {expected}")
+    return left, right
 
 
 def function(value: Any, what: str, form: str, *, optional: bool = False) -> None:
@@ -106,9 +96,3 @@ def function(value: Any, what: str, form: str, *, optional: bool = False) -> Non
     if not (callable(value) or (optional and value is None)):
         expected = f"a function {form}{' or None' if optional else ''}"
         raise InputError(f"{what} is {described(value)}: expected {expected}")
-
-
-def formulas(value: Any, what: str, member: str, form: str) -> None:
-    """InputError if a value is no law: formulas that have a member; form: where one comes from."""
-    if callable(value) or not hasattr(value, member):
-        raise InputError(f"{what} is {described(value)}: expected {form}")

@@ -7,12 +7,12 @@ import os
 import re
 import shlex
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fsipetsc.cases import BUILT_IN, load_case, summaries
 from fsipetsc.errors import FileError, InputError
-from fsipetsc.options.sources import HELP_FLAGS, is_option
+from fsipetsc.options import is_option
 from fsipetsc.process.failure import end_together
 from fsipetsc.process.host import left_as_found
 from fsipetsc.process.launch import launcher_rank, start_mpi, start_petsc
@@ -21,39 +21,35 @@ from fsipetsc.process.together import together
 from fsipetsc.usage import case_help, command_help, overview, program
 
 if TYPE_CHECKING:
-    from mpi4py import MPI
+    pass
 
 
 class Command(NamedTuple):
     """A command: what stands behind its name, one line about it, and the function that does it.
 
-    target: "module:function", imported when it is called, with the list of arguments; with options
-    it is done by all ranks, gets their communicator, too, and starts PETSc itself. options:
-    "module:name" of its own options, heading -> Options (fsipetsc.options.read_table), which -help
-    lists, or of a function of the arguments that returns them.
+    target: "module:function", imported when it is called, of what is done by all ranks: it gets the
+    list of arguments and their communicator, and starts PETSc itself; "" for what one process does,
+    see ``_done_by_one``. options: "module:name" of its own options, heading -> Options
+    (fsipetsc.options.read_table), which -help lists, or of a function of the arguments that returns
+    them.
     """
 
     arguments: str
     summary: str
-    target: str
+    target: str = ""
     options: str = ""
 
 
 COMMANDS = {
-    "info": Command("RUN.h5", "what a result holds: case, options, times, layers, summary",
-        "fsipetsc.cli:info"),
+    "info": Command("RUN.h5", "what a result holds: case, options, times, layers, summary"),
     "plot": Command("RUN.h5 [-o DIR|FILE] [-fields p,T] [-times 0,0.5] [-all] [-animate]",
-        "a result on a page (PNG, or as FILE ends: PDF, SVG); all pictures; a film (GIF)",
-        "fsipetsc.cli:plot"),
+        "a result on a page (PNG, or as FILE ends: PDF, SVG); all pictures; a film (GIF)"),
     "report": Command("RUN.h5 [-o DIR]",
-        "one HTML page of a result: film, pictures, ledgers, options, summary",
-        "fsipetsc.cli:report"),
+        "one HTML page of a result: film, pictures, ledgers, options, summary"),
     "diff": Command("A.h5 B.h5",
-        "what differs between two results: each field, in units in the last place, too",
-        "fsipetsc.cli:diff"),
+        "what differs between two results: each field, in units in the last place, too"),
     "new": Command("FILE.py [-blocks]",
-        "a case file of your own to start from, -blocks: in two dimensions; commented, and it runs",
-        "fsipetsc.cli:new"),
+        "a case file of your own to start from; -blocks: in two dimensions"),
     "convergence": Command("CASE [-option value ...]",
         "errors of a case, or differences between its grids, with observed orders and cost",
         "fsipetsc.analysis.convergence:convergence", "fsipetsc.analysis.convergence:sections"),
@@ -74,6 +70,7 @@ COMMANDS = {
         "fsipetsc.bench.command:bench", "fsipetsc.bench.command:SECTIONS"),
 }
 _DEBUG = "-fsi_debug"  # every command takes it
+HELP_FLAGS = ("-h", "-help", "--help")
 _VERSION_FLAGS = ("--version", "-version")
 
 
@@ -127,7 +124,7 @@ def _is_run(arguments: Sequence[str]) -> bool:
     """True for what is done by all ranks together, False for what one process answers."""
     if not arguments or any(word in HELP_FLAGS + _VERSION_FLAGS for word in arguments):
         return False
-    return arguments[0] not in COMMANDS or bool(COMMANDS[arguments[0]].options)
+    return arguments[0] not in COMMANDS or bool(COMMANDS[arguments[0]].target)
 
 
 def _answer(arguments: list[str]) -> None:
@@ -145,9 +142,11 @@ def _answer(arguments: list[str]) -> None:
 
 
 def _run_command(name: str, arguments: list[str]) -> None:
+    """A command that one process does, or the help of any."""
     command = COMMANDS[name]
     if not any(word in HELP_FLAGS for word in arguments):
-        _named(command.target)(arguments)
+        for line in _done_by_one(name, _given(name, arguments)):
+            print(line)
     elif command.options:
         options = _named(command.options)
         sections = options(arguments) if callable(options) else options
@@ -173,7 +172,11 @@ def _in_parallel(arguments: list[str]) -> int:
             _flush()
         else:
             case_file = None if arguments[0] in BUILT_IN else arguments[0]
-            _run(arguments, world)
+            case = together(world, lambda: load_case(arguments[0], tuple(COMMANDS)))
+            given = start_petsc(arguments[1:], world)
+            from fsipetsc.stepping.run import run_given
+
+            run_given(case, given, world)
     except BrokenPipeError:
         abandon(1)
     except (Exception, KeyboardInterrupt) as error:
@@ -184,59 +187,28 @@ def _in_parallel(arguments: list[str]) -> int:
     return 0
 
 
-def _run(arguments: list[str], world: MPI.Comm) -> None:
-    """Run a case."""
-    case = together(world, lambda: load_case(arguments[0], tuple(COMMANDS)))
-    given = start_petsc(arguments[1:], world)
-    from fsipetsc.stepping.run import run_given
+def _done_by_one(name: str, found: dict[str, str]) -> Iterable[object]:
+    """Do a command with its files and options; returns the lines to print."""
+    if name == "info":
+        from fsipetsc.output.info import info
 
-    run_given(case, given, world)
+        return [info(found["RUN.h5"])]
+    if name == "plot":
+        from fsipetsc.output.plots.command import draw
 
+        return draw(found.pop("RUN.h5"), found)
+    if name == "report":
+        from fsipetsc.output.report import report
 
-# commands that one process does
+        return [report(found["RUN.h5"], found.get("-o", os.curdir))]
+    if name == "diff":
+        from fsipetsc.output.differences import compare, table
 
-
-def info(arguments: list[str]) -> None:
-    """The command `info RUN.h5`."""
-    found = _given("info", arguments)
-    from fsipetsc.output.info import info as show
-
-    print(show(found["RUN.h5"]))
-
-
-def plot(arguments: list[str]) -> None:
-    """The command `plot RUN.h5` with its options."""
-    found = _given("plot", arguments)
-    from fsipetsc.output.plots.command import draw
-
-    path = found.pop("RUN.h5")
-    for picture in draw(path, found):
-        print(picture)
-
-
-def report(arguments: list[str]) -> None:
-    """The command `report RUN.h5 [-o DIR]`."""
-    found = _given("report", arguments)
-    from fsipetsc.output.report import report as write
-
-    print(write(found["RUN.h5"], found.get("-o", os.curdir)))
-
-
-def diff(arguments: list[str]) -> None:
-    """The command `diff A.h5 B.h5`."""
-    found = _given("diff", arguments)
-    from fsipetsc.output.differences import compare, table
-
-    print(table(compare(found["A.h5"], found["B.h5"])))
-
-
-def new(arguments: list[str]) -> None:
-    """The command `new FILE.py [-blocks]`."""
-    found = _given("new", arguments)
+        return [table(compare(found["A.h5"], found["B.h5"]))]
     from fsipetsc.output.new_case import new_case
 
     path = new_case(found["FILE.py"], tuple(COMMANDS), "-blocks" in found)
-    print(f"wrote {path}; it runs as it is:  {program()} {shlex.quote(str(path))}")
+    return [f"wrote {path}; it runs as it is:  {program()} {shlex.quote(str(path))}"]
 
 
 def _given(command: str, arguments: list[str]) -> dict[str, str]:

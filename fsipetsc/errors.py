@@ -55,7 +55,7 @@ class Interrupted(KeyboardInterrupt):
 
 def lines_of(error: BaseException) -> str:
     """The traceback of an error and of what it came from."""
-    return "".join(traceback.format_exception(type(error), error, error.__traceback__)).rstrip()
+    return "".join(traceback.format_exception(error)).rstrip()
 
 
 def is_petsc(error: BaseException) -> bool:
@@ -66,11 +66,8 @@ def is_petsc(error: BaseException) -> bool:
 def petsc_words(error: BaseException) -> str:
     """PETSc's words without its list of routines, "[0] TSSolve() at file:line" and so on."""
     lines = [line.split("] ", 1)[-1] for line in str(error).splitlines()[1:]]
-    routines = [line.split("()")[0] for line in lines if "() at " in line]
     reason = "; ".join(line for line in lines if "() at " not in line)
-    place = "".join(f" in {routine}()" for routine in routines[-1:])
-    number = getattr(error, "ierr", "")
-    return f"PETSc error {number}{place}" + (f": {reason}" if reason else "")
+    return f"PETSc error {getattr(error, 'ierr', '')}" + (f": {reason}" if reason else "")
 
 
 def clear_frames(error: BaseException | None) -> None:

@@ -116,9 +116,10 @@ def check_ends(problem: Problem, x: Mapping[tuple[int, int], float], h: float) -
         x_I, X_I = x[(1, 0) if side == 0 else (last - 1, 1)], layer.X[1 - side]
         wanted, kind = layer.X[side] - X_I + x_I, type(end).__name__
         if abs(end.x - wanted) > h:
+            what = f"its {kind} stands at x = {end.x:g}, but X[{side}] = {layer.X[side]:g}"
+            why = f"as the interface X = {X_I:g} begins at x = {x_I:g}"
+            either = f"X[{side}] = {end.x - x_I + X_I:g} or the {kind} at x = {wanted:g}"
             raise InputError(
-                f"{layer.place}layer '{layer.name}': its {kind} stands at x = {end.x:g}, but "
-                f"X[{side}] = {layer.X[side]:g} is x = {wanted:g}, as the interface X = {X_I:g} "
-                f"begins at x = {x_I:g}: expected the same x, so X[{side}] = "
-                f"{end.x - x_I + X_I:g} or the {kind} at x = {wanted:g}"
+                f"{layer.place}layer '{layer.name}': {what} is x = {wanted:g}, {why}: "
+                f"expected the same x, so {either}"
             )

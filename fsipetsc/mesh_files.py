@@ -149,5 +149,4 @@ def _data(group: h5py.Group) -> Array:
 
 
 def _text(group: h5py.Group) -> str:
-    text: str = _data(group).astype("i1").tobytes().decode().strip("\0 ")
-    return text
+    return _data(group).astype("i1").tobytes().decode().strip("\0 ")

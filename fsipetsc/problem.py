@@ -6,9 +6,9 @@ never sees a vector of PETSc's or a rank.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, NoReturn
+from typing import Any
 
 from fsipetsc.blame import place_of_caller
 from fsipetsc.boundaries import Boundary, SolidEnd, Wall, closes, in_time, needs_stretching
@@ -49,12 +49,10 @@ class FluidLayer:
 
     def __post_init__(self) -> None:
         _check_layer(self, Fluid, "(rho, u, T)")
-        if self.mapping is not None and self.mapping not in MAPPINGS:
+        if self.mapping not in (*MAPPINGS, None):
             known = " or ".join(map(repr, MAPPINGS))
-            raise InputError(
-                f"FluidLayer '{self.name}': mapping is {described(self.mapping)}: "
-                f"expected {known} or None"
-            )
+            what = f"mapping is {described(self.mapping)}: expected {known} or None"
+            raise InputError(f"FluidLayer '{self.name}': {what}")
 
 
 @dataclass(frozen=True)
@@ -62,8 +60,7 @@ class SolidLayer:
     """A solid between the Lagrangian coordinates X[0] and X[1].
 
     initial(X) -> (u, sigma, T, x); exact(X, t) -> the same; forcing(X, t) -> right-hand sides of
-    the same. InputError for
-    what is of the wrong kind.
+    the same. InputError for what is of the wrong kind.
     """
 
     name: str
@@ -81,28 +78,20 @@ class SolidLayer:
 
 def _check_layer(layer: Layer, material: type, values: str) -> None:
     """InputError for the first thing that is wrong with a layer; its X becomes two floats."""
-    kind = type(layer).__name__
-    if (
-        not isinstance(layer.name, str)
-        or not layer.name.isprintable()
-        or not layer.name.strip()
-        or "|" in layer.name
-    ):
-        raise InputError(
-            f"{kind}: name is {described(layer.name)}: expected a text of one line without |"
-        )
-    what = f"{kind} '{layer.name}'"
+    kind, name = type(layer).__name__, layer.name
+    if not isinstance(name, str) or not name.isprintable() or not name.strip() or "|" in name:
+        expected = "expected a text of one line without |"
+        raise InputError(f"{kind}: name is {described(name)}: {expected}")
+    what = f"{kind} '{name}'"
     if not isinstance(layer.material, material):
-        raise InputError(
-            f"{what}: material is {described(layer.material)}: expected a {material.__name__}"
-        )
+        found = described(layer.material)
+        raise InputError(f"{what}: material is {found}: expected a {material.__name__}")
     object.__setattr__(layer, "X", extent(layer.X, what))
     object.__setattr__(layer, "place", place_of_caller())  # for what shows later
     function(layer.initial, f"{what}: initial", f"initial(X) -> {values}")
     function(layer.exact, f"{what}: exact", f"exact(X, t) -> {values}", optional=True)
-    function(
-        layer.forcing, f"{what}: forcing", "forcing(X, t) -> the right-hand sides", optional=True
-    )
+    form = "forcing(X, t) -> the right-hand sides"
+    function(layer.forcing, f"{what}: forcing", form, optional=True)
 
 
 Layer = FluidLayer | SolidLayer
@@ -128,12 +117,16 @@ class Problem:
     dimension: int = field(default=1, init=False)
 
     def __post_init__(self) -> None:
-        self._check_kinds()
-        layers = self.layers
-        kinds = [layer.kind for layer in layers]
+        self._check_types()
+        layers, kinds = self.layers, [layer.kind for layer in self.layers]
         if not kinds or any(a == b for a, b in zip(kinds, kinds[1:], strict=False)):
             what = "the layers must alternate between fluid and solid, and be one at least"
             raise InputError(f"{what}; got {kinds}")
+        names = [layer.name for layer in layers]
+        for name in names:
+            if names.count(name) > 1:
+                what = f"two layers are named '{name}'"
+                raise InputError(f"Problem: {what}: expected a name for each, for results")
         for end, layer in ((self.left, layers[0]), (self.right, layers[-1])):
             if isinstance(end, SolidEnd) != (layer.kind == "solid"):
                 gas, solid = "Wall, Open or Dirichlet", "clamped(…), free(…) or absorbing(…)"
@@ -142,35 +135,34 @@ class Problem:
                 raise InputError(f"{what} {described(end)}: expected {fit}")
         for k, layer in enumerate(layers):
             if getattr(layer, "mapping", None) == "rigid" and not self._may_be_rigid(k):
-                raise InputError(
-                    f"layer '{layer.name}' has mapping='rigid': expected 'stretched' or None, "
-                    "because it has not one interface and one end that insulates and stays there"
-                )
+                why = "it has not one interface and one end that insulates and stays there"
+                what = f"layer '{layer.name}' has mapping='rigid'"
+                raise InputError(f"{what}: expected 'stretched' or None, because {why}")
         for a, b in zip(layers, layers[1:], strict=False):
             if abs(a.X[1] - b.X[0]) > 1e-12 * max(abs(a.X[1]), a.X[1] - a.X[0]):
                 places = f"one ends at X = {a.X[1]:.10g}, the other begins at {b.X[0]:.10g}"
                 what = f"layers '{a.name}' and '{b.name}' do not meet"
                 raise InputError(f"{what}: {places}: expected the same X")
 
-    def _check_kinds(self) -> None:
-        layers, notes, kinds = self.layers, self.notes, (FluidLayer, SolidLayer)
-        if isinstance(layers, str) or not isinstance(layers, Sequence):
-            _refuse("layers", layers, "a tuple of FluidLayer and SolidLayer")
-        for k, layer in enumerate(layers):
-            if not isinstance(layer, kinds):
-                _refuse(f"layers[{k}]", layer, "a FluidLayer or a SolidLayer")
-            if layer.name in (other.name for other in layers[:k]):
-                what = f"two layers are named '{layer.name}'"
-                raise InputError(f"Problem: {what}: expected a name for each, for results")
-        for name, end in (("left", self.left), ("right", self.right)):
-            if not isinstance(end, Boundary):
-                _refuse(name, end, "an end, as Wall(x) or free(stress)")
+    def _check_types(self) -> None:
+        """InputError for what is of the wrong kind; the layers become a tuple."""
+        layers, notes, ends = self.layers, self.notes, (self.left, self.right)
+        of_layers = isinstance(layers, (tuple, list)) and all(isinstance(v, Layer) for v in layers)
+        of_notes = isinstance(notes, (tuple, list)) and all(isinstance(n, str) for n in notes)
+        units = " or ".join(map(repr, UNITS))
+        for name, value, good, expected in (
+            ("layers", layers, of_layers, "a tuple of FluidLayer and SolidLayer"),
+            *(
+                (name, end, isinstance(end, Boundary), "an end, as Wall(x) or free(stress)")
+                for name, end in zip(("left", "right"), ends)
+            ),
+            ("notes", notes, of_notes, "a tuple of texts"),
+            ("units", self.units, self.units in UNITS, units),
+        ):
+            if not good:
+                raise InputError(f"Problem: {name} is {described(value)}: expected {expected}")
         form = "jumps(k, t) -> (g_u, g_stress, g_T, g_flux)"
         function(self.jumps, "Problem: jumps", form, optional=True)
-        if not isinstance(notes, (tuple, list)) or not all(isinstance(n, str) for n in notes):
-            _refuse("notes", notes, "a tuple of texts")
-        if self.units not in UNITS:
-            _refuse("units", self.units, " or ".join(map(repr, UNITS)))
         object.__setattr__(self, "layers", tuple(layers))
 
     def _may_be_rigid(self, k: int) -> bool:
@@ -194,10 +186,8 @@ class Problem:
     @property
     def steady_data(self) -> bool:
         """No boundary data, jump or forcing that depends on time."""
-        timed = any(in_time(end) for end in (self.left, self.right))
-        return (
-            not timed and self.jumps is None and all(layer.forcing is None for layer in self.layers)
-        )
+        forced = self.jumps is not None or any(layer.forcing for layer in self.layers)
+        return not forced and not any(in_time(end) for end in (self.left, self.right))
 
     @property
     def invariants(self) -> dict[str, Any]:
@@ -211,28 +201,17 @@ class Problem:
         """
         if self.jumps is not None or any(layer.forcing for layer in self.layers):
             return {}
-        last = len(self.layers) - 1
-        open_at = {
-            k
-            for k, end in ((0, self.left), (last, self.right))
-            if not isinstance(end, (Wall, SolidEnd))
-        }
-        fluids = [
-            (k, layer) for k, layer in enumerate(self.layers) if isinstance(layer, FluidLayer)
-        ]
-        solids = [layer for layer in self.layers if isinstance(layer, SolidLayer)]
-        closed = closes(self.left) and closes(self.right)
+        ends = (0, self.left), (len(self.layers) - 1, self.right)
+        open_at = {k for k, end in ends if not isinstance(end, (Wall, SolidEnd))}
+        fluids = [(k, v) for k, v in enumerate(self.layers) if isinstance(v, FluidLayer)]
+        solids = [v for v in self.layers if isinstance(v, SolidLayer)]
+        masses = [v.material.m0 * (v.X[1] - v.X[0]) for v in solids]
+        heats = [v.material.alpha * m for v, m in zip(solids, masses)]
+        pulled = any(v.material.force for v in solids)
         return {
-            "masses": [[layer.name, i] for i, (k, layer) in enumerate(fluids) if k not in open_at],
-            "inertia": sum(v.material.m0 * (v.X[1] - v.X[0]) for v in solids),
-            "heat_capacity": sum(
-                v.material.alpha * v.material.m0 * (v.X[1] - v.X[0]) for v in solids
-            ),
-            "cv": [layer.material.cv for _, layer in fluids],
-            "energy": closed
-            and not any(getattr(layer.material, "force", 0.0) for layer in self.layers),
+            "masses": [[v.name, i] for i, (k, v) in enumerate(fluids) if k not in open_at],
+            "inertia": sum(masses),
+            "heat_capacity": sum(heats),
+            "cv": [v.material.cv for _, v in fluids],
+            "energy": closes(self.left) and closes(self.right) and not pulled,
         }
-
-
-def _refuse(name: str, value: Any, expected: str) -> NoReturn:
-    raise InputError(f"Problem: {name} is {described(value)}: expected {expected}")

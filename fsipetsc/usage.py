@@ -1,6 +1,4 @@
-"""The texts that explain the program: the overview and the options of a case, laid out as
-tables.
-"""
+"""The texts that explain the program: the overview and the options of a case, as tables."""
 
 from __future__ import annotations
 
@@ -13,16 +11,16 @@ from typing import Any
 
 from fsipetsc.options import groups
 from fsipetsc.options.option import INT_MAX, REQUIRED, Option
-from fsipetsc.options.tables import AT_START, IN_LOOP, IN_SOURCES
+from fsipetsc.options.tables import AT_START, PASSED_ON
 
 #: characters of the first column of an overview
 _LEFT = 29
 _HEADER = ("option", "type", "default", "meaning")
-_NOTES = """
-An option is written -name value. If one is given more than once the last counts, and the command
-line overrides PETSC_OPTIONS. A bool without a value is true; ints and floats are lists such as
-0.1,0.25. These are all options there are: of PETSc's own, others are refused.
-"""
+_NOTES = (
+    "An option is written -name value. If one is given more than once the last counts, and the "
+    "command line overrides PETSC_OPTIONS. A bool without a value is true; ints and floats are "
+    "lists such as 0.1,0.25. These are all options there are: of PETSc's own, others are refused."
+)
 
 
 def program() -> str:
@@ -45,21 +43,12 @@ def overview(cases: Mapping[str, str], commands: Mapping[str, tuple[str, str]]) 
     }
     lines = ["fsipetsc: fluid–structure interaction in layers, with PETSc"]
     for title, rows in sections.items():
-        lines += ["", title, *_listed(rows)]
+        lines += ["", title]
+        for left, right in rows.items():
+            long = len(left) > _LEFT  # beside such a name the line stays empty
+            lines += _wrapped(left, "  ", 4) if long else []
+            lines += _wrapped(right, f"  {'' if long else left:<{_LEFT}}  ", _LEFT + 4)
     return "\n".join(lines)
-
-
-def _listed(rows: Mapping[str, str]) -> list[str]:
-    """Names and meanings in two columns; beside a name that is too long the line stays empty."""
-    indent = 4 + max(len(left) for left in rows if len(left) <= _LEFT)
-    lines = []
-    for left, right in rows.items():
-        first = f"  {left:<{indent - 2}}"
-        if len(left) > _LEFT:
-            lines += _wrapped(left, "  ", 4)
-            first = " " * indent
-        lines += _wrapped(right, first, indent)
-    return lines
 
 
 def _wrapped(text: str, first: str, indent: int) -> list[str]:
@@ -77,22 +66,21 @@ def _width() -> int:
 def case_help(case: Any, called: str) -> str:
     """Every option of a case with type, default, unit and meaning; called: as the user did."""
     title = f"{case.NAME}: {case.SUMMARY}" if case.SUMMARY else case.NAME
-    petsc = IN_SOURCES + IN_LOOP + AT_START
-    return _help(title, f"{called} [-option value ...]", groups(case), petsc)
+    return _help(title, f"{called} [-option value ...]", groups(case), PASSED_ON)
 
 
 def command_help(
     name: str, arguments: str, summary: str, sections: Mapping[str, Sequence[Option]]
 ) -> str:
     """The same for a command with options of its own; sections: heading -> options."""
-    return _help(f"{name}: {summary}", f"{name} {arguments}", sections, IN_SOURCES + AT_START)
+    return _help(f"{name}: {summary}", f"{name} {arguments}", sections, AT_START)
 
 
 def _help(
-    title: str, usage: str, groups: Mapping[str, Sequence[Option]], petsc: Sequence[Option]
+    title: str, usage: str, groups: Mapping[str, Sequence[Option]], petsc: Mapping[str, str]
 ) -> str:
     sections = {heading: [_row(option) for option in rows] for heading, rows in groups.items()}
-    sections["More of PETSc"] = [(*_row(option)[:2], "", option.help) for option in petsc]
+    sections["More of PETSc"] = [(f"-{name}", "", "", what) for name, what in petsc.items()]
     rows = [_HEADER, *(row for section in sections.values() for row in section)]
     widths = [max(len(row[i]) for row in rows) for i in range(3)]
 
@@ -102,21 +90,18 @@ def _help(
 
     lines = [title, "", f"  [mpiexec -n N] {program()} {usage}", "", *laid_out(_HEADER)]
     for heading, section in sections.items():
-        lines += ["", heading]
-        for row in section:
-            lines += laid_out(row)
-    return "\n".join([*lines, "", *textwrap.wrap(_NOTES.strip(), _width())])
+        lines += ["", heading, *(line for row in section for line in laid_out(row))]
+    return "\n".join([*lines, "", *textwrap.wrap(_NOTES, _width())])
 
 
 def _row(option: Option) -> tuple[str, str, str, str]:
     """Name, type, default and meaning."""
     choices = f": {', '.join(map(str, option.choices))}" if option.choices else ""
-    optional = f"[{option.unit}]" if option.unit else ""
-    kind = {"str": "text", "optional": optional}.get(str(option.kind), str(option.kind))
-    return f"-{option.name}", kind, shown(option), option.help + choices
+    kind = "text" if option.kind == "str" else str(option.kind)
+    return f"-{option.name}", kind, _shown(option), option.help + choices
 
 
-def shown(option: Option) -> str:
+def _shown(option: Option) -> str:
     """The default with its unit, as text."""
     value = option.default
     if value is REQUIRED or value is None:

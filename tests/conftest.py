@@ -82,10 +82,6 @@ METHODS = {
 #: of the test of their orders [s]
 STEPS = (1e-4, 5e-5)
 #: 3 % of the pressure of the gas, and a solid that reflects it all
-_LOUD_PULSE = (
-    "-fsi_order 6 -fsi_h 0.00625 -pulse_amplitude 3000 -pulse_start 0.75 "
-    "-solid_density 4e4 -solid_modulus 1e10 -ts_max_time 0.01 -fsi_output_dt 1"
-)
 _SHORT_FALL = "-fsi_h 0.1 -ts_max_time 0.004 -fsi_output_dt 1"
 
 
@@ -111,7 +107,7 @@ FUSED = {
     "box": "box -fsi_h 0.05 -ts_max_time 0.1",
 }
 
-_FALL, _MMS = "rod -fsi_h 0.05 -fsi_output_dt 1 -ts_max_time 0.4", "mms -fsi_output_dt 1"
+_MMS = "mms -fsi_output_dt 1"
 _QUIET_PULSE = "pulse -pulse_amplitude 0.01 -fsi_output_dt 1"
 #: group -> name -> case and options
 GROUPS: dict[str, dict[str, str]] = {
@@ -122,11 +118,6 @@ GROUPS: dict[str, dict[str, str]] = {
     "rest": {
         f"order{q}": f"rod -fsi_h 0.05 -fsi_order {q} -rod_gravity 0 -ts_max_time 0.2"
         for q in ORDERS
-    },
-    "open": {
-        "top6": f"{_FALL} -rod_top 6",
-        "top80": f"{_FALL} -rod_top 80",
-        "loud": f"pulse {_LOUD_PULSE}",
     },
     "mms": {
         f"order{q}_h{h}": f"{_MMS} -fsi_h {h} -fsi_order {q}"

@@ -64,12 +64,12 @@ def run_all(runs: dict[str, list[str]], comm: Any) -> None:
     """Each as the command line would."""
     from fsipetsc.cases import load_case
     from fsipetsc.errors import FsiError
-    from fsipetsc.options.sources import given_options
+    from fsipetsc.options import given_options
     from fsipetsc.process.host import left_as_found
     from fsipetsc.stepping.run import run_given
 
     for name, (case_name, text) in runs.items():
-        given = given_options([*text.split(), "-fsi_quiet", "-fsi_output", f"{name}.h5"], {})
+        given = given_options([*text.split(), "-fsi_quiet", "-fsi_output", f"{name}.h5"])
         try:
             with left_as_found():
                 run_given(load_case(case_name), given, comm)

@@ -22,8 +22,7 @@ from fsipetsc.boundaries import Wall
 from fsipetsc.errors import FsiError
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.line_solid import Solid
-from fsipetsc.options import read_options
-from fsipetsc.options.sources import given_options
+from fsipetsc.options import given_options, read_options
 from fsipetsc.problem import FluidLayer, Problem, SolidLayer
 from fsipetsc.process.launch import start_mpi, start_petsc
 
@@ -87,7 +86,7 @@ def run(mass: float, stiffness: float, coupling: str, order: int) -> tuple[bool,
     try:
         solve(
             case,
-            read_options(case, given_options(words.split(), {})),
+            read_options(case, given_options(words.split())),
             start_mpi(),
             times=times,
             look=look,

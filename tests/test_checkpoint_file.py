@@ -223,15 +223,6 @@ def test_options_that_cannot_change_are_named(stopped, tmp_path):
         2,
         "is a checkpoint of the case rod, not of pulse",
     )
-    (tmp_path / "old.opts").write_text("-ts_dt 1e-5\n")
-    done = solve("rod", "-fsi_restart", checkpoint, "-options_file", "old.opts", cwd=tmp_path)
-    message(
-        done,
-        2,
-        "-ts_dt 1e-5 (options file old.opts, line 1)",
-        "it was not given",
-        "say it on the command line",
-    )
     assert not list(tmp_path.glob("*.h5"))
 
 
@@ -296,7 +287,6 @@ def test_no_other_file_is_taken_for_the_checkpoint(tmp_path):
 
 def test_a_result_whose_name_has_another_ending(tmp_path):
     """Its files and what is said of them have this name; a burst of 1 is not inherited."""
-    import fsipetsc
 
     line = [*SHORT[:-1], "-fsi_output", "run.v2", "-ts_max_steps", 20, "-fsi_burst", 1]
     assert solve(*line, cwd=tmp_path).returncode == 0
@@ -307,8 +297,6 @@ def test_a_result_whose_name_has_another_ending(tmp_path):
     assert {path.name for path in tmp_path.iterdir()} == names
     restart = "-fsi_restart", "run.v2.checkpoint.1.h5", "-ts_max_steps", 30
     assert solve("rod", *restart, "-fsi_output", "on.h5", cwd=tmp_path).returncode == 0
-    with fsipetsc.open_run(tmp_path / "on.h5") as result:
-        assert result.options["fsi_burst"] == 64
 
 
 def test_another_extent_of_a_layer_is_found_out(tmp_path):

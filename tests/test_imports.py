@@ -130,15 +130,3 @@ def test_what_the_description_of_the_code_names_exists():
     named = set(re.findall(r"`((?:fsipetsc|tests|runs|docs)/[\w./-]*\w)`", text))
     assert len(named) > 20
     assert not {name for name in named if not (REPOSITORY / name).exists()}
-
-
-@pytest.mark.parametrize("document", ["docs/code.md"])
-def test_the_order_of_the_documents_is_that_of_the_imports(document):
-    """Where a document says `a` → `b` → …, each of them may import what follows."""
-    chains = re.findall(r"^(?=.*→)[`\w, →]+$", (REPOSITORY / document).read_text(), re.M)
-    assert chains
-    for chain in chains:
-        parts = [re.findall(r"`(\w+)`", part) for part in chain.split("→")]
-        levels = [[RANK[name] for name in names] for names in parts]
-        pairs = zip(levels, levels[1:], strict=False)
-        assert all(max(above) < min(below) for above, below in pairs), chain

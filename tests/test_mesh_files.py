@@ -92,14 +92,6 @@ def test_units_planes_and_hands(tmp_path):
         Block("z", AIR, grid.zones["z"], grid.zones["z"].cells, at_rest)
 
 
-def test_a_box_in_space(tmp_path):
-    z, y, x = np.meshgrid(*(np.linspace(0.0, 1.0, n) for n in (5, 4, 3)), indexing="ij")
-    grid = read_cgns(write(tmp_path / "a.cgns", (x, y, z), patch=((1, 1, 5), (3, 4, 5))))
-    assert grid.zones["z"].cells == (2, 3, 4)
-    assert grid.patches == {"wall": (("z", 2, 1),)}
-    Block("z", AIR, grid.zones["z"], (2, 3, 4), lambda X, Y, Z: (1.2, 0.0, 0.0, 0.0, 300.0))
-
-
 @pytest.mark.parametrize(
     ("changed", "message"),
     [
@@ -113,15 +105,3 @@ def test_a_box_in_space(tmp_path):
 def test_what_is_wrong_with_a_file(tmp_path, changed, message):
     with pytest.raises(InputError, match=message):
         read_cgns(write(tmp_path / "a.cgns", **{"X": square(), **changed}))
-
-
-def test_what_is_no_file_of_cgns(tmp_path):
-    for name, text in (("none", None), ("text", "no grid")):
-        path = tmp_path / name
-        if text:
-            path.write_text(text)
-        with pytest.raises(InputError, match=name):
-            read_cgns(path)
-    h5py.File(tmp_path / "empty", "w").close()
-    with pytest.raises(InputError, match="no zones"):
-        read_cgns(tmp_path / "empty")

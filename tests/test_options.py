@@ -6,19 +6,19 @@ from types import SimpleNamespace
 
 import pytest
 
-from fsipetsc.errors import InputError
+from fsipetsc.errors import FileError, InputError
 from fsipetsc.options import (
     COMMON,
     PETSC_OPTIONS,
     REQUIRED,
     Option,
-    check_petsc,
     defaults,
-    publish,
+    given_options,
+    present,
+    put,
     read_options,
     table,
 )
-from fsipetsc.options.sources import given_options
 from fsipetsc.usage import case_help
 
 petsc4py = pytest.importorskip("petsc4py")
@@ -26,26 +26,15 @@ petsc4py = pytest.importorskip("petsc4py")
 OWN = (
     Option("solid_force", float, 0.0, "N/m³", "body force"),
     Option("solid_parts", "ints", (1, 2), "", "parts"),
-    Option(
-        "solid_ratio",
-        float,
-        0.5,
-        "",
-        "ratio",
-        check=lambda v: None if v < 1 else "a number below 1",
-    ),
+    Option("solid_ratio", float, 0.5, "", "", check=lambda v: v < 1 or "a number below 1"),
     Option("solid_even", int, 2, "-", "even", check=lambda v: v % 2 == 0),
     Option("solid_law", str, "linear", "", "law", ("linear", "cubic")),
 )
 
 
 def make_case(**changes):
-    case = {
-        "NAME": "stub",
-        "SUMMARY": "a stub",
-        "OPTIONS": OWN,
-        "DEFAULTS": {"fsi_h": 0.0125, "ts_max_time": 2},
-    }
+    case = {"NAME": "stub", "SUMMARY": "a stub", "OPTIONS": OWN}
+    case["DEFAULTS"] = {"fsi_h": 0.0125, "ts_max_time": 2}
     return SimpleNamespace(**{**case, **changes})
 
 
@@ -54,11 +43,9 @@ def database():
     """PETSc's database, left afterwards as it was found."""
     from petsc4py import PETSc
 
-    db = PETSc.Options()
-    before = db.getAll()
-    yield db
-    for name in set(db.getAll()) - set(before):
-        db.delValue(name)
+    before = present()
+    yield PETSc.Options()
+    put(before)
 
 
 @pytest.fixture
@@ -66,8 +53,7 @@ def read(database):
     """A function that reads a case's options from a command line."""
 
     def reader(text="", case=None):
-        given = given_options(text.split() if isinstance(text, str) else text, {})
-        check_petsc(given)
+        given = given_options(text.split() if isinstance(text, str) else text)
         return read_options(case or make_case(), given)
 
     return reader
@@ -96,7 +82,7 @@ def test_every_type_is_converted(read):
     assert opt["solid_law"] == "cubic"
 
 
-@pytest.mark.parametrize("name", ["my -result.h5", "my' result", 'a "b.h5', "x -fsi_order 8 '"])
+@pytest.mark.parametrize("name", ["my result.h5", "my' result"])
 def test_long_lists_and_values_with_blanks_arrive_whole(read, name):
     times = [i / 7 for i in range(500)]
     opt = read(
@@ -110,41 +96,19 @@ def test_long_lists_and_values_with_blanks_arrive_whole(read, name):
     ("text", "words"),
     [
         ("-fsi_cfl abc", ["-fsi_cfl", "'abc'", "a number above 0"]),
-        ("-fsi_cfl 0", ["-fsi_cfl", "'0'", "a number above 0"]),
         ("-fsi_cfl", ["-fsi_cfl needs a value"]),
         ("-fsi_h nan", ["-fsi_h", "[m]"]),
-        ("-fsi_h 1_0", ["-fsi_h", "'1_0'"]),
-        ("-fsi_h inf", ["-fsi_h", "'inf'"]),
         ("-fsi_order 5", ["-fsi_order", "2, 4, 6, 8"]),
         ("-ts_max_steps 1e3", ["-ts_max_steps", "a whole number"]),
-        ("-ts_max_steps 3000000000", ["-ts_max_steps"]),
         ("-fsi_quiet maybe", ["-fsi_quiet", "true or false"]),
-        ("-fsi_coupling none", ["-fsi_coupling", "projection, energy, traditional"]),
         ("-fsi_output_times 1,0.5", ["-fsi_output_times", "increase"]),
-        ("-fsi_output_times 1,,2", ["-fsi_output_times", "numbers with commas"]),
         ("-solid_ratio 2", ["-solid_ratio", "a number below 1"]),
-        ("-solid_even 3", ["-solid_even", "'3'"]),
-        ("-solid_ratio x", ["-solid_ratio", "a number"]),
-        ("-ts_type bdf", ["-ts_type", "rk, ssp, euler"]),
-        ("-ts_rk_type 9", ["-ts_rk_type", "5dp"]),
-        (
-            "-ts_adapt_type basic -ts_rk_type 5dp",
-            ["-ts_adapt_type", "'basic'", "none", "-fsi_cfl", "-ts_dt"],
-        ),
-        ("-ts_dt 0.1 -ts_time_step 0.2", ["-ts_dt", "-ts_time_step"]),
+        ("-ts_adapt_type basic", ["-ts_adapt_type", "'basic'", "none"]),
+        ("0.1", ["unexpected argument '0.1'"]),
+        ("-fsi_h 0.1 0.2", ["unexpected argument '0.2'"]),
         ("-fsi_ordr 4", ["-fsi_ordr", "did you mean -fsi_order?"]),
-        ("-solid_forse 4", ["-solid_forse", "did you mean -solid_force?"]),
         ("-ts_max_tme 4", ["-ts_max_tme", "did you mean -ts_max_time?"]),
-        ("-log_veiw", ["did you mean -log_view?"]),
-        ("-malloc_dmp", ["did you mean -malloc_dump?"]),
-        ("-log_view nosuch", ["-log_view", "'nosuch'", ":FILE"]),
-        ("-log_view :/no/such/dir/x", ["-log_view", "a folder that can be written"]),
-        ("-ts_monitor 6", ["-ts_monitor", "'6'", "no value"]),
-        ("-ts_type rk -ts_view :x", ["-ts_view", "':x'", "no value"]),
-        ("-ts_view", ["-ts_view", "fused", "-ts_type rk"]),
-        ("-malloc_debug foo", ["-malloc_debug", "'foo'", "true or false"]),
         ("-snes_type 2.0", ["-snes_type", "no effect"]),
-        ("-ts_adapt_dt_max 0.1", ["-ts_adapt_dt_max", "no effect"]),
         ("-fsi_h=0.1", ["without ="]),
         ("-xyzzy", ["-xyzzy", "-help"]),
         ("-xyzzy -fsi_ordr 4", ["-xyzzy", "-fsi_ordr"]),
@@ -158,27 +122,22 @@ def test_bad_input_is_refused_and_named(read, text, words):
     assert "\n" not in str(caught.value)
 
 
-def test_options_of_petsc_are_accepted(read, database, tmp_path):
-    assert read("-ts_monitor -malloc_debug no")["fsi_burst"] == 1
+def test_options_of_petsc_are_accepted(read, database):
+    read("-ts_monitor -malloc_debug no")
     assert database.hasName("ts_monitor")
-    assert read(f"-log_view :{tmp_path}/log:ascii_xml")["fsi_burst"] == 1
+    read("-log_view :log")
     assert not database.hasName("ts_monitor"), "an option of an earlier run"
-    assert not list(tmp_path.iterdir()), "the file was only tried"
-    assert read("-ts_rk_type 5dp -ts_adapt_type none")["ts_adapt_type"] == "none"
     assert read("-ts_ssp_type rks3")["ts_type"] == "ssp"
-    assert read("-ts_type rk -ts_view")["fsi_burst"] > 1 and database.hasName("ts_view")
-    read("")
-    assert not database.hasName("ts_view")
+    opt = read("-ts_rk_type 5dp -ts_view")
+    assert (opt["ts_type"], opt["ts_rk_type"]) == ("rk", "5dp") and database.hasName("ts_view")
 
 
-def test_time_step_has_the_name_that_this_petsc_knows(read, database, monkeypatch):
+def test_time_step_has_the_name_that_this_petsc_knows(read, database):
+    from petsc4py import PETSc
+
     assert read("-ts_time_step 0.25")["ts_dt"] == 0.25
-    monkeypatch.setattr("fsipetsc.options._petsc_version", lambda: (3, 18))
-    publish(read("-ts_dt 0.25"))
-    assert (database.hasName("ts_dt"), database.hasName("ts_time_step")) == (True, False)
-    monkeypatch.setattr("fsipetsc.options._petsc_version", lambda: (3, 25))
-    publish(read("-ts_dt 0.25"))
-    assert (database.hasName("ts_dt"), database.hasName("ts_time_step")) == (False, True)
+    new = PETSc.Sys.getVersion() >= (3, 25)
+    assert (database.hasName("ts_dt"), database.hasName("ts_time_step")) == (not new, new)
 
 
 def test_interval_and_times_of_output_replace_each_other(read):
@@ -194,7 +153,7 @@ def test_what_was_not_set_is_not_set_after_a_restart(database):
     """Though the case has a default; a value that there cannot be is refused."""
     case = make_case(DEFAULTS={"fsi_h": 0.1, "ts_max_time": 2.0, "fsi_output_dt": 0.02})
     assert read_options(case, {}, inherited={"fsi_output_dt": None})["fsi_output_dt"] is None
-    with pytest.raises(InputError, match="the checkpoint: bad default None of -fsi_order"):
+    with pytest.raises(InputError, match="bad default None of -fsi_order"):
         read_options(case, {}, inherited={"fsi_order": None})
 
 
@@ -211,9 +170,7 @@ def test_option_without_default_must_be_given(read):
     [
         ({"DEFAULTS": {"fsi_hh": 1.0}}, ["fsi_hh", "did you mean -fsi_h?"]),
         ({"DEFAULTS": {"fsi_h": "fine"}}, ["-fsi_h", "'fine'", "a number above 0"]),
-        ({"DEFAULTS": {"fsi_order": 5}}, ["-fsi_order", "2, 4, 6, 8"]),
         ({"OPTIONS": (Option("fsi_h", float, 1.0, "", ""),)}, ["-fsi_h", "exists already"]),
-        ({"OPTIONS": (Option("ts_foo", float, 1.0, "", ""),)}, ["-ts_foo", "exists already"]),
         ({"OPTIONS": OWN + OWN[:1]}, ["-solid_force", "exists already"]),
         ({"OPTIONS": (Option("a", float, -1.0, "", "", check="positive"),)}, ["-a", "-1.0"]),
     ],
@@ -250,6 +207,38 @@ def test_help_shows_every_option_with_type_default_unit_and_choices(monkeypatch)
     assert not [line for line in text.splitlines() if line != line.rstrip()]
 
 
-def test_naming_a_runge_kutta_method_selects_petscs(read):
-    opt = read("-ts_rk_type 5dp")
-    assert (opt["ts_type"], opt["ts_rk_type"]) == ("rk", "5dp")
+@pytest.fixture
+def here(tmp_path, monkeypatch, database):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_the_command_line_comes_last_and_files_where_they_are_named(here, monkeypatch):
+    (here / "a.opts").write_text("# a comment\n-a 1 # more\n\n-b x\n-c\n")
+    (here / "a.yaml").write_text("fsi:\n  h: 0.1\ntimes: [1, 2.50]\ntext: 'a: b'\n")
+    in_file = {"a": "1", "b": "x", "c": ""}
+    assert given_options(["-A", "2", "-options_file", "a.opts"]) == in_file
+    assert given_options(["-options_file", "a.opts", "-a", "2"]) == {**in_file, "a": "2"}
+    in_yaml = {"fsi_h": "0.1", "times": "1,2.50", "text": "a: b"}
+    assert given_options(["-options_file", "a.yaml"]) == in_yaml
+    monkeypatch.setenv("PETSC_OPTIONS", "-a 2 -d")
+    assert given_options(["-a", "-3", "-help"]) == {"a": "-3", "d": ""}
+
+
+FAULTY = {
+    "none.opts": (FileError, "none.opts"),
+    "three.opts": (InputError, "three.opts line 2"),
+    "word.opts": (InputError, "word.opts line 1"),
+    "brace.yaml": (InputError, "YAML"),
+}
+
+
+@pytest.mark.parametrize("name", FAULTY)
+def test_faulty_file(name, here):
+    (here / "three.opts").write_text("-a 1\n-b 2 3\n")
+    (here / "word.opts").write_text("fsi_order 6\n")
+    (here / "brace.yaml").write_text("a: {\n")
+    kind, words = FAULTY[name]
+    with pytest.raises(kind, match=words) as caught:
+        given_options(["-options_file", name])
+    assert "\n" not in str(caught.value)

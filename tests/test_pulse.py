@@ -76,12 +76,6 @@ def test_waves_leave_through_the_ends(computed, start):
     assert np.nanmax(np.abs(gas["p"][-1] - 1e5)) < 0.01 * AMPLITUDE
 
 
-def test_a_loud_wave_leaves(computed):
-    """A wave of finite amplitude, too: with p - p0 = Z u at the end 6e-3 of it would come back."""
-    gas = computed("open", "loud").layers[1]
-    assert np.nanmax(np.abs(gas["p"][-1] - 1e5)) < 5e-4 * 3000
-
-
 def test_a_solid_with_pressure(computed):
     """Linear acoustics with the solid's pressure: wave speed, sigma, T and p; order 8 at Courant
     number 0.8 needs the true wave speed, and an absorbing end the true impedance."""

@@ -25,7 +25,7 @@ _ROD = "-fsi_h 0.025 -ts_max_time 0.025 -rod_gravity -100 -fsi_output_dt 0.005"
 _FALL = "-fsi_h 0.05 -ts_max_time 0.02 -rod_gravity -1000"
 _MMS = "-fsi_h 0.025 -fsi_order 6 -ts_max_time 0.2 -fsi_output_dt 0.05"
 _WALLS = "-fsi_h 0.02 -fsi_order 6 -ts_max_time 0.1 -fsi_partition balanced"
-_ELSEWHERE = "-fsi_partition balanced -fsi_spare 30"
+_ELSEWHERE = "-fsi_partition balanced"
 #: numba compiles for each sequence of layers, and once more for several ranks: few of them
 RUNS = {
     "rod": ("rod", _ROD),

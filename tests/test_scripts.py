@@ -10,7 +10,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from helpers import PATIENCE, REPOSITORY, run
+from helpers import PATIENCE, REPOSITORY
 
 
 def script(
@@ -60,21 +60,3 @@ def test_a_user_who_may_not_install_is_told_whom_to_ask(tmp_path):
         assert word in done.stderr
     assert "sudo" not in done.stderr
     assert not (tmp_path / "installed").exists() and not (root / ".venv").exists()
-
-
-def test_yaml_without_its_package(tmp_path):
-    """PETSc itself would wait for ever on several ranks where the file is faulty."""
-    pytest.importorskip("petsc4py")
-    (tmp_path / "yaml.py").write_text("raise ModuleNotFoundError('no yaml', name='yaml')")
-    (tmp_path / "a.yaml").write_text("fsi_h: 0.1\n")
-    done = run(
-        "-m",
-        "fsipetsc",
-        "rod",
-        "-options_file",
-        "a.yaml",
-        cwd=tmp_path,
-        env={"PYTHONPATH": f"{tmp_path}:{REPOSITORY}"},
-    )
-    assert done.returncode == 2
-    assert done.stderr.count("\n") == 1 and "a.yaml" in done.stderr and "PyYAML" in done.stderr

@@ -17,12 +17,11 @@ from fsipetsc import (
     Problem,
     Solid,
     SolidLayer,
+    Wall,
     free,
 )
 from fsipetsc.blocks.conditions import Condition, NoSlip, Outflow
 from fsipetsc.blocks.layers import Layer, layers
-from fsipetsc.boundaries import Wall
-from fsipetsc.materials.fluid import Fluid as Gas
 
 Array = NDArray[np.float64]
 OPTIONS = (Option("speed", float, 10.0, "m/s", "of the plate", check="positive"),)
@@ -50,7 +49,7 @@ def plane() -> BlockProblem:
         return 1.0 + 0.0 * X, 0.0 * X, 0.0 * Y, 300.0 + 0.0 * Y
 
     sides: dict[tuple[int, int], Condition] = {(0, 0): NoSlip(), (0, 1): Outflow(1e5)}
-    air = Layer("air", Gas(0.0, 0.0, 1.4, 287.0), (0.0, 1.0), still, sides=sides)
+    air = Layer("air", Fluid(0.0, 0.0, 1.4, 287.0), (0.0, 1.0), still, sides=sides)
     return layers(air, along=((0.0, 1.0),), h=0.1, lower=NoSlip(), upper=NoSlip())
 
 

@@ -101,7 +101,7 @@ def compared(name: str, problem: Any, opt: Mapping[str, Any]) -> list[Mode]:
 def media_of_shell(opt: Mapping[str, Any]) -> tuple[Medium, ...]:
     """What the equations know of the case shell, from inside; nothing where it conducts heat."""
     from fsipetsc.analysis.shell_theory import RadialMedium
-    from fsipetsc.cases.materials import gas_of
+    from fsipetsc.cases.common import gas_of
     from fsipetsc.cases.shell import radii_of, solid_of
 
     gas, solid, kappa = gas_of(opt), solid_of(opt), opt["shell_kappa"]
@@ -120,7 +120,7 @@ def media_of_shell(opt: Mapping[str, Any]) -> tuple[Medium, ...]:
 def media_of(opt: Mapping[str, Any]) -> tuple[Medium, ...]:
     """What the equations know of the case ring, from inside; nothing where it conducts heat."""
     from fsipetsc.analysis.ring_theory import Medium
-    from fsipetsc.cases.materials import gas_of
+    from fsipetsc.cases.common import gas_of
     from fsipetsc.cases.ring import CORE, INNER, OUTER, VESSEL, solid_of
 
     gas, solid = gas_of(opt), solid_of(opt)

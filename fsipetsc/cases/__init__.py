@@ -13,7 +13,6 @@ it is needed.
 
 from __future__ import annotations
 
-import ast
 import importlib
 import os
 import re
@@ -24,21 +23,21 @@ from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from types import ModuleType
 
-from fsipetsc.blame import explain, short
+from fsipetsc.blame import explain
 from fsipetsc.errors import InputError
 from fsipetsc.options import Option, groups
 
-OF_LAYERS = ("rod", "mms", "pulse", "box", "heat", "column", "piston", "shock")
-OF_BLOCKS = (
-    *("plane_mms", "blast", "panel", "wave", "tube", "oblique", "step", "fin", "cylinder"),
-    *("box_mms", "ring", "disk", "shell", "elastic_piston", "superseismic", "viscous_tube"),
+BUILT_IN = (
+    *("rod", "mms", "pulse", "box", "heat", "column", "piston", "shock", "plane_mms", "blast"),
+    *("panel", "wave", "tube", "oblique", "step", "fin", "cylinder", "box_mms", "ring", "disk"),
+    *("shell", "elastic_piston", "superseismic", "viscous_tube"),
 )
-BUILT_IN = (*OF_LAYERS, *OF_BLOCKS)
 
 
 def summaries() -> dict[str, str]:
     """Name -> SUMMARY of every built-in case, read from the source without running it."""
-    return {name: _summary(Path(__file__).with_name(f"{name}.py")) for name in BUILT_IN}
+    texts = {name: Path(__file__).with_name(f"{name}.py").read_text("utf-8") for name in BUILT_IN}
+    return {name: re.search(r'^SUMMARY = "(.*)"', texts[name], re.M)[1] for name in BUILT_IN}
 
 
 def template_text(blocks: bool = False) -> str:
@@ -48,20 +47,6 @@ def template_text(blocks: bool = False) -> str:
     """
     name = "block_template.py" if blocks else "template.py"
     return Path(__file__).with_name(name).read_text(encoding="utf-8")
-
-
-def _summary(path: Path) -> str:
-    try:
-        tree = ast.parse(path.read_text(encoding="utf-8"))
-    except OSError:
-        return ""
-    values = (node.value for node in tree.body if _assigned_name(node) == "SUMMARY")
-    return next((ast.literal_eval(value) for value in values if value), "")
-
-
-def _assigned_name(node: ast.stmt) -> str | None:
-    target = node.targets[0] if isinstance(node, ast.Assign) else getattr(node, "target", None)
-    return target.id if isinstance(target, ast.Name) else None
 
 
 def load_case(name_or_path: str, also: Sequence[str] = ()) -> ModuleType:
@@ -86,9 +71,6 @@ def load_case(name_or_path: str, also: Sequence[str] = ()) -> ModuleType:
 
 def _load_file(path: Path) -> ModuleType:
     try:
-        if path.exists() and not path.is_file() and not path.is_dir():
-            # a pipe can be read once only, and not by all ranks
-            raise InputError(f"case file {path}: not a regular file")
         path.read_bytes()
     except (OSError, ValueError) as error:
         raise InputError(f"case file {path}: {getattr(error, 'strerror', error)}") from None
@@ -113,57 +95,25 @@ def _load_file(path: Path) -> ModuleType:
 
 
 def _complete(module: ModuleType, path: Path) -> None:
-    """Check what the file defines, fill in what may be missing."""
-    tuple_of = "OPTIONS, a tuple of Option, which may be ()"
-    for name, what in {"build": "a function build(opt)", "OPTIONS": tuple_of}.items():
-        if not hasattr(module, name):
-            raise InputError(f"case file {path} does not define {what}")
-    module.NAME = getattr(module, "NAME", path.stem)
-    module.SUMMARY = getattr(module, "SUMMARY", "")
-    module.DEFAULTS = getattr(module, "DEFAULTS", {})
-    wrong = {
-        "build": None if callable(module.build) else "must be a function",
-        "NAME": _fault_in_name(module.NAME),
-        "SUMMARY": None if isinstance(module.SUMMARY, str) else "must be a text",
-        "DEFAULTS": None
-        if isinstance(module.DEFAULTS, Mapping)
-        else "must be a dict: name of an option -> value",
-        "OPTIONS": _fault_in_options(module.OPTIONS),
-    }
-    for name, reason in wrong.items():
-        if reason:
-            raise InputError(f"case file {path}{_line_of(name, path)}: {name} {reason}")
+    """Check what the file defines, fill in what may be missing. InputError."""
+    for name, value in {"NAME": path.stem, "SUMMARY": "", "DEFAULTS": {}}.items():
+        setattr(module, name, getattr(module, name, value))
+    name, options = module.NAME, getattr(module, "OPTIONS", None)
+    file_name = isinstance(name, str) and name.isprintable() and name == os.path.basename(name)
+    of_options = isinstance(options, (tuple, list)) and all(isinstance(o, Option) for o in options)
+    for good, what in (
+        (callable(getattr(module, "build", None)), "does not define a function build(opt)"),
+        (options is not None, "does not define OPTIONS, a tuple of Option, which may be ()"),
+        (of_options, "OPTIONS must be a tuple of Option (a tuple of one needs a comma)"),
+        (isinstance(module.DEFAULTS, Mapping), "DEFAULTS must be a dict: option -> value"),
+        (file_name and name not in ("", ".", ".."), "NAME must be a file's name, a text without /"),
+        (isinstance(module.SUMMARY, str), "SUMMARY must be a text"),
+    ):
+        if not good:
+            place = re.search(rf"^{what.split()[0]}\b", path.read_text(errors="replace"), re.M)
+            line = f", line {place.string[: place.start()].count(chr(10)) + 1}" if place else ""
+            raise InputError(f"case file {path}{line}: {what}")
     try:
         groups(module)
     except InputError as error:
-        if str(error).startswith(f"{short(path.resolve())}, line "):  # of a function of the file
-            error.args = (f"case file {error}",)
-            raise
-        name = "DEFAULTS" if "default" in str(error).lower() else "OPTIONS"
-        raise InputError(f"case file {path}{_line_of(name, path)}: {error}") from None
-
-
-def _fault_in_name(name: object) -> str | None:
-    """A result is written where the program runs, whatever the case is called."""
-    if not isinstance(name, str) or not name:
-        return "must be a text"
-    own = os.path.basename(name) == name and name not in (os.curdir, os.pardir)
-    if name.isprintable() and own:
-        return None
-    return f"is {name!r}: it names the result file, so it must be a file's name without a directory"
-
-
-def _fault_in_options(options: object) -> str | None:
-    if not isinstance(options, (tuple, list)):
-        return "must be a tuple of Option (a tuple of one needs a comma: (Option(…),))"
-    wrong = [i for i, option in enumerate(options) if not isinstance(option, Option)]
-    if not wrong:
-        return None
-    return f"must hold Options only, but number {wrong[0] + 1} is {options[wrong[0]]!r}"
-
-
-def _line_of(name: str, path: Path) -> str:
-    """ ", line N" of the first assignment to a name in a file, or ""."""
-    nodes = ast.parse(path.read_bytes()).body
-    lines = [node.lineno for node in nodes if _assigned_name(node) == name]
-    return f", line {lines[0]}" if lines else ""
+        raise InputError(f"case file {path}: {error}") from None

@@ -62,16 +62,9 @@ def build(opt):
     # density [kg/m3], specific heat [J/(kg K)], the pressure under which it is free of stress;
     # law="log", "svk" or "linear" would be another material.
     air = Fluid(mu=0.0, kappa=0.0, gamma=1.4, R=287.0)
-    rubber = ElasticSolid(
-        mu_e=opt["ring_modulus"] / 4,
-        lambda_e=opt["ring_modulus"] / 2,
-        kappa_e=0.0,
-        m0=opt["ring_density"],
-        alpha=1500.0,
-        p_ref=P0,
-        law="neo-hookean",
-        heat="elastic",
-    )
+    K, density = opt["ring_modulus"], opt["ring_density"]
+    more = {"p_ref": P0, "law": "neo-hookean", "heat": "elastic"}
+    rubber = ElasticSolid(mu_e=K / 4, lambda_e=K / 2, kappa_e=0.0, m0=density, alpha=1500.0, **more)
 
     # Initial data: from arrays X and Y of coordinates [m], of one shape, for each unknown an array
     # of that shape or one number. The grid of a gas follows the solids; X and Y are of the map.
@@ -90,16 +83,11 @@ def build(opt):
     def cells(thickness):
         return max(8, round(thickness / opt["fsi_h"]))
 
-    around = 8 * round(np.pi * INNER / 8 / opt["fsi_h"])
+    around, loop = 8 * round(np.pi * INNER / 8 / opt["fsi_h"]), (False, True)
+    inside, outside = (cells(INNER - PIPE), around), (cells(OUTER - INNER), around)
     blocks = (
-        Block(
-            *("gas", air, annulus(PIPE, INNER), (cells(INNER - PIPE), around), pulse),
-            periodic=(False, True),
-        ),
-        Block(
-            *("ring", rubber, annulus(INNER, OUTER), (cells(OUTER - INNER), around), at_rest),
-            periodic=(False, True),
-        ),
+        Block("gas", air, annulus(PIPE, INNER), inside, pulse, periodic=loop),
+        Block("ring", rubber, annulus(INNER, OUTER), outside, at_rest, periodic=loop),
     )
     # Each face that meets no other one has a condition: (block, axis, side), side 0 at xi = 0.
     # In the middle a pipe along which the gas slips, outside a pressure that follows the ring.

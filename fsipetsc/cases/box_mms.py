@@ -6,15 +6,14 @@ periodic along the other axes; with -box_periodic false all unknowns are given a
 the equations lack is their forcing; what traction and heat flux lack at the interface is supplied.
 """
 
-from __future__ import annotations
-
-from collections.abc import Callable, Mapping
 from typing import Any
 
 from fsipetsc.blocks.conditions import Given, NoSlip
-from fsipetsc.blocks.layers import Layer, layers
+from fsipetsc.blocks.layers import Layer
 from fsipetsc.blocks.problem import BlockProblem
-from fsipetsc.cases.manufactured import Array, Solution
+from fsipetsc.cases.common import Opt, material_options, stack
+from fsipetsc.cases.manufactured import Solution
+from fsipetsc.checks import Array
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.options import Option
@@ -25,18 +24,13 @@ SUMMARY = "gas | solid in one, two or three dimensions, a manufactured solution"
 OPTIONS = (
     Option("box_dimension", int, 2, "", "number of dimensions", (1, 2, 3)),
     Option("box_periodic", bool, True, "", "periodic along the layers; else sides are given"),
-    Option("fluid_mu", float, 0.02, "Pa s", "viscosity of the gas", check="nonnegative"),
-    Option("fluid_kappa", float, 0.03, "W/(m K)", "conductivity of the gas", check="nonnegative"),
-    Option(
-        *("solid_law", str, "neo-hookean", "", "law of the solid"),
-        choices=("log", "neo-hookean", "svk", "linear"),
-    ),
-    Option("solid_kappa", float, 0.05, "W/(m K)", "conductivity of the solid", check="nonnegative"),
+    *material_options(fluid_mu=0.02, fluid_kappa=0.03, solid_kappa=0.05),
+    *material_options(solid_law=("neo-hookean", "log", "svk", "linear")),
 )
 DEFAULTS = {"fsi_h": 1 / 16, "fsi_order": 4, "ts_max_time": 0.25, "fsi_output_dt": 0.05}
 
 
-def build(opt: Mapping[str, Any]) -> BlockProblem:
+def build(opt: Opt) -> BlockProblem:
     """The gas between eta = 0 and 1, the solid between 1 and 2."""
     d = opt["box_dimension"]
     exact = Solution(d, opt["fluid_mu"], opt["fluid_kappa"], opt["solid_kappa"], opt["solid_law"])
@@ -47,21 +41,18 @@ def build(opt: Mapping[str, Any]) -> BlockProblem:
     def wall_temperature(*where: Any) -> Array:
         return exact.temperature.at(where).value[0]
 
-    def layer(
-        name: str, material: Any, across: tuple[float, float], of: Callable, forcing: Callable
-    ) -> Layer:
+    def layer(name: str, material: Any, low: float, of: Any, forcing: Any) -> Layer:
         sides = None if opt["box_periodic"] or d == 1 else Given(of)
-        at_start = lambda *X: of(*X, 0.0)  # noqa: E731
-        return Layer(name, material, across, at_start, sides=sides, forcing=forcing, exact=of)
+        start = lambda *X: of(*X, 0.0)  # noqa: E731
+        more = {"sides": sides, "forcing": forcing, "exact": of}
+        return Layer(name, material, (low, low + 1.0), start, **more)
 
-    return layers(
-        layer("gas", gas, (0.0, 1.0), exact.exact_gas, exact.force_gas),
-        layer("solid", solid, (1.0, 2.0), exact.exact_solid, exact.force_solid),
+    return stack(
+        opt,
+        layer("gas", gas, 0.0, exact.exact_gas, exact.force_gas),
+        layer("solid", solid, 1.0, exact.exact_solid, exact.force_solid),
         lower=NoSlip(T=wall_temperature),
         upper=Given(exact.exact_solid),
         along=((0.0, 1.0),) * (d - 1),
-        h=opt["fsi_h"],
-        order=opt["fsi_order"],
         jumps=exact.supplied,
-        units="none",
     )

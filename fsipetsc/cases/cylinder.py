@@ -2,24 +2,18 @@
 
 The cylinder has radius 0.5 and is at the origin; the gas before the shock has density 1.4 and
 pressure 1, so the unit of velocity is its speed of sound. Four blocks of gas go from the circle
-to the four sides of the channel, four of the solid from a square centre block to the circle. All
-corners of blocks in the solid are points where three blocks meet.
+to the four sides of the channel, four of the solid from a square centre block to the circle.
 """
-
-from __future__ import annotations
-
-from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
 from fsipetsc.blocks.block import Block
-from fsipetsc.blocks.conditions import Condition, Open, Outflow, Slip
+from fsipetsc.blocks.conditions import Condition, Outflow, Slip
 from fsipetsc.blocks.maps import Map, Mapped, Places
 from fsipetsc.blocks.problem import BlockProblem
-from fsipetsc.cases.riemann import GasState, behind_shock
-from fsipetsc.materials.fluid import Fluid
-from fsipetsc.materials.solid import ElasticSolid
+from fsipetsc.cases.common import Opt, at_rest, elastic_of, gas_of
+from fsipetsc.cases.disk import between, centre, quarter
+from fsipetsc.cases.riemann import GasState, shock_in_plane
 from fsipetsc.operators.sbp import operator
 from fsipetsc.options import Option, above_one
 
@@ -37,81 +31,45 @@ DEFAULTS = {
     **{"fsi_shock": 1.0, "fsi_dissipation": 1.0},
 }
 
-AHEAD, GAMMA = GasState(1.4, 0.0, 1.0), 1.4
+AHEAD = GasState(1.4, 0.0, 1.0)
 RADIUS, CORE, START = 0.5, 0.22, -1.0
 #: corners of the channel, that of quarter q and the next: right, upper, left, lower side
 CORNERS = np.array([(2.5, -1.5), (2.5, 1.5), (-1.5, 1.5), (-1.5, -1.5)])
 
 
-def build(opt: Mapping[str, Any]) -> BlockProblem:
+def in_gas(q: int) -> Map:
+    """From the circle to a side of the channel; quarter 0 is on the right, 1 above."""
+
+    def places(xi: Places) -> Places:
+        angle = np.pi / 4 * (2.0 * xi[1] - 1.0 + 2.0 * q)
+        circle = RADIUS * np.cos(angle), RADIUS * np.sin(angle)
+        ends = zip(CORNERS[q], CORNERS[(q + 1) % 4])
+        return between(xi[0], circle, tuple((1 - xi[1]) * a + xi[1] * b for a, b in ends))
+
+    return Mapped(places, 2)
+
+
+def build(opt: Opt) -> BlockProblem:
     """Axis 0 of the blocks around goes outwards, axis 1 around."""
-    gas = Fluid(0.0, 0.0, GAMMA, AHEAD.p / AHEAD.rho)
-    K, density = opt["solid_modulus"] * AHEAD.p, opt["solid_density"] * AHEAD.rho
-    law = "neo-hookean"
-    solid = ElasticSolid(K / 4, K / 2, 0.0, density, 1.0, AHEAD.p, law, heat="elastic")
-    behind, _ = behind_shock(gas, AHEAD, opt["cylinder_mach"])
-    hot = behind.p / (gas.R * behind.rho)
-
-    def flow(X: np.ndarray, Y: np.ndarray) -> list[np.ndarray]:
-        values = (behind.rho, AHEAD.rho), (behind.u, 0.0), (0.0, 0.0), (hot, 1.0)
-        return [np.where(X < START, hit, still) for hit, still in values]
-
-    def rest(X: np.ndarray, Y: np.ndarray) -> list[np.ndarray]:
-        return [0.0 * X, 0.0 * X, np.ones_like(X), X, Y]
-
-    least, h = operator(opt["fsi_order"]).min_points - 1, opt["fsi_h"]
-    around, within, outside = (
-        max(round(length / h), least) for length in (np.pi / 2 * RADIUS, RADIUS - CORE, 1.25)
-    )
-    inflow = Open(behind.rho, (behind.u, 0.0), hot)
+    gas = gas_of(opt, R=AHEAD.p / AHEAD.rho)
+    of_solid = {**opt, "solid_density": opt["solid_density"] * AHEAD.rho}
+    solid = elastic_of(of_solid, AHEAD.p, law="neo-hookean")
+    flow, inflow, _ = shock_in_plane(gas, AHEAD, opt["cylinder_mach"], START)
+    least = operator(opt["fsi_order"]).min_points - 1
+    lengths = np.pi / 2 * RADIUS, RADIUS - CORE, 1.25
+    around, within, outside = (max(round(length / opt["fsi_h"]), least) for length in lengths)
     sides = Outflow(AHEAD.p), Slip(name="ceiling"), inflow, Slip(name="floor")
-    elastic = opt["cylinder_wall"] == "elastic"
-    blocks = [Block("core", solid, Mapped(core, 2), (around, around), rest)] if elastic else []
+    elastic, rest = opt["cylinder_wall"] == "elastic", at_rest()
+    middle = Mapped(centre(CORE), 2)
+    blocks = [Block("core", solid, middle, (around, around), rest)] if elastic else []
     faces: dict[tuple[str, int, int], Condition] = {}
     for q, side in enumerate(sides):
+        name = f"gas {q + 1}"
         if elastic:
-            blocks.append(Block(f"solid {q + 1}", solid, in_solid(q), (within, around), rest))
+            map = Mapped(quarter(q, RADIUS, CORE), 2)
+            blocks.append(Block(f"solid {q + 1}", solid, map, (within, around), rest))
         else:
-            faces[f"gas {q + 1}", 0, 0] = Slip(name="cylinder")
-        blocks.append(Block(f"gas {q + 1}", gas, in_gas(q), (outside, around), flow))
-        faces[f"gas {q + 1}", 0, 1] = side
+            faces[name, 0, 0] = Slip(name="cylinder")
+        blocks.append(Block(name, gas, in_gas(q), (outside, around), flow))
+        faces[name, 0, 1] = side
     return BlockProblem(tuple(blocks), faces, units="none")
-
-
-def core(xi: Places) -> Places:
-    """A square whose sides are bent outwards."""
-    x, y = (2.0 * s - 1.0 for s in xi)
-    return CORE * x * (1.25 - 0.125 * y * y), CORE * y * (1.25 - 0.125 * x * x)
-
-
-def in_solid(q: int) -> Map:
-    """From the core to the circle; quarter 0 is on the right, 1 above."""
-
-    def places(xi: Places) -> Places:
-        c, s = ((1, 0), (0, 1), (-1, 0), (0, -1))[q]
-        x, y = core((1.0 + 0.0 * xi[1], xi[1]))
-        return between(xi[0], (c * x - s * y, s * x + c * y), circle(q, xi[1]))
-
-    return Mapped(places, 2)
-
-
-def in_gas(q: int) -> Map:
-    """From the circle to a side of the channel."""
-
-    def places(xi: Places) -> Places:
-        ends = zip(CORNERS[q], CORNERS[(q + 1) % 4])
-        return between(xi[0], circle(q, xi[1]), tuple((1 - xi[1]) * a + xi[1] * b for a, b in ends))
-
-    return Mapped(places, 2)
-
-
-def circle(q: int, along: np.ndarray) -> Places:
-    """The arc of quarter q."""
-    angle = np.pi / 4 * (2.0 * along - 1.0 + 2.0 * q)
-    return RADIUS * np.cos(angle), RADIUS * np.sin(angle)
-
-
-def between(s: np.ndarray, inner: Places, outer: Places) -> Places:
-    """Straight from one curve to the other."""
-    x, y = ((1.0 - s) * a + s * b for a, b in zip(inner, outer))
-    return x, y

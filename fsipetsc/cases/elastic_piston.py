@@ -10,19 +10,14 @@ q = p - p0 at the interface. Nothing is viscous or conducts heat. After the elas
 Banks, W. D. Henshaw, D. W. Schwendeman, J. Comput. Phys. 231 (2012) 3518-3547.
 """
 
-from __future__ import annotations
-
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 from numpy.polynomial import Polynomial
 
-from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.conditions import Free, Slip
-from fsipetsc.blocks.maps import rectangle
+from fsipetsc.blocks.layers import Layer
 from fsipetsc.blocks.problem import BlockProblem
-from fsipetsc.checks import Fields
+from fsipetsc.cases.common import Opt, stack
+from fsipetsc.checks import Array, Fields
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.options import Option
@@ -47,46 +42,43 @@ class Solution:
 
     def __init__(self, way: float) -> None:
         self.F = Polynomial([0.0, 0.0, 0.0, 0.0, 0.25 * way])
-        q = P * ((1.0 + 0.2 * self.F.deriv()) ** 7 - 1.0) / C
+        self.speed = self.F.deriv()
+        q = P * ((1.0 + 0.2 * self.speed) ** 7 - 1.0) / C
         self.f, self.g = 0.5 * (self.F + q.integ()), 0.5 * (self.F - q.integ())
 
-    def rod(self, X: np.ndarray, t: float = 0.0) -> Fields:
+    def rod(self, X: Array, t: float = 0.0) -> Fields:
         """Velocity, temperature, place."""
         to, fro = t - X / C, np.maximum(t + X / C, 0.0)  # no wave goes left before t = 0
         velocity = self.f.deriv()(to) + self.g.deriv()(fro)
         return [velocity, 1.0 + 0.0 * X, X + self.f(to) + self.g(fro)]
 
-    def pressure(self, X: np.ndarray, t: float) -> np.ndarray:
+    def pressure(self, X: Array, t: float) -> Array:
         """Of the rod."""
         to, fro = t - X / C, np.maximum(t + X / C, 0.0)
         return P - C * (self.g.deriv()(fro) - self.f.deriv()(to))
 
-    def gas(self, X: np.ndarray, t: float = 0.0) -> Fields:
+    def gas(self, X: Array, t: float = 0.0) -> Fields:
         """Density, velocity, temperature on the grid between the rod and the wall."""
         x = X + (1.0 - X / WIDTH) * self.F(t)
-        speed = self.F.deriv()
         low, high = np.zeros_like(x), np.full_like(x, t)  # of s; beyond x = t the gas is at rest
         for _ in range(60):
             s = 0.5 * (low + high)
-            outside = self.F(s) + (1.0 + 1.2 * speed(s)) * (t - s) < x
+            outside = self.F(s) + (1.0 + 1.2 * self.speed(s)) * (t - s) < x
             low, high = np.where(outside, low, s), np.where(outside, s, high)
-        u = np.where(x < t, speed(low), 0.0)
+        u = np.where(x < t, self.speed(low), 0.0)
         c = 1.0 + 0.2 * u
         return [RHO * c**5, u, T * c**2]
 
 
-def build(opt: Mapping[str, Any]) -> BlockProblem:
+def build(opt: Opt) -> BlockProblem:
     """The rod left of X = 0, the gas right of it."""
     exact = Solution(-1.0 if opt["piston_way"] == "receding" else 1.0)
     rod = ElasticSolid(C**2 / 3, C**2 / 3, 0.0, 1.0, 1.0, P, law="linear", heat="elastic")
-    air = Fluid(0.0, 0.0, GAMMA, 1.0)
-
-    def cells(length: float) -> tuple[int]:
-        return (max(1, round(length / opt["fsi_h"])),)
-
-    blocks = (
-        Block("rod", rod, rectangle(-LENGTH, 0.0), cells(LENGTH), exact.rod, exact=exact.rod),
-        Block("gas", air, rectangle(0.0, WIDTH), cells(WIDTH), exact.gas, exact=exact.gas),
+    return stack(
+        opt,
+        Layer("rod", rod, (-LENGTH, 0.0), exact.rod, exact=exact.rod),
+        Layer("gas", Fluid(0.0, 0.0, GAMMA, 1.0), (0.0, WIDTH), exact.gas, exact=exact.gas),
+        lower=Free(exact.pressure),
+        upper=Slip(),
+        units="",
     )
-    faces = {("rod", 0, 0): Free(exact.pressure), ("gas", 0, 1): Slip()}
-    return BlockProblem(blocks, faces, units="")

@@ -9,19 +9,16 @@ panel. The gas slips; it is left, right and above, so the tip has two corners, a
 X and x of the panel's tip are in the series of the result: points at (0.051, 0.05).
 """
 
-from __future__ import annotations
-
-from collections.abc import Mapping
 from itertools import product
-from typing import Any
 
 import numpy as np
 
 from fsipetsc.blocks.block import Block
-from fsipetsc.blocks.conditions import Clamped, Condition, Open, Slip
+from fsipetsc.blocks.conditions import Clamped, Condition, Slip
 from fsipetsc.blocks.maps import rectangle
 from fsipetsc.blocks.problem import BlockProblem
-from fsipetsc.cases.riemann import GasState, behind_shock
+from fsipetsc.cases.common import Opt, at_rest
+from fsipetsc.cases.riemann import GasState, shock_in_plane
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
@@ -35,7 +32,6 @@ OPTIONS = (
     Option("fin_mach", float, 1.21, "", "Mach number of the shock", check=above_one),
     Option("fin_length", float, 0.05, "m", "of the panel, below 0.065", check="positive"),
     Option("fin_thickness", float, 1e-3, "m", "of the panel", check="positive"),
-    Option("fin_cells", int, None, "", "cells across it; default: the least", check="positive"),
     Option("fin_modulus", float, 220e9, "Pa", "Young's modulus of the panel", check="positive"),
     Option("fin_density", float, 7600.0, "kg/m3", "of the panel", check="positive"),
 )
@@ -49,32 +45,22 @@ AHEAD, POISSON = GasState(1.2, 0.0, 101e3), 0.3
 BEFORE, BEHIND, HEIGHT, START = 0.05, 0.25, 0.065, 0.025
 
 
-def build(opt: Mapping[str, Any]) -> BlockProblem:
+def build(opt: Opt) -> BlockProblem:
     """Three blocks beside each other up to the panel's tip, three above it."""
-    length, thickness = opt["fin_length"], opt["fin_thickness"]
+    length, E = opt["fin_length"], opt["fin_modulus"]
     if length >= HEIGHT:
         raise InputError(f"-fin_length {length:g}: expected less than {HEIGHT:g}")
     air = Fluid(0.0, 0.0, 1.4, 287.0)
-    behind, _ = behind_shock(air, AHEAD, opt["fin_mach"])
-    warm, hot = (state.p / (air.R * state.rho) for state in (AHEAD, behind))
-    E = opt["fin_modulus"]
+    flow, inflow, note = shock_in_plane(air, AHEAD, opt["fin_mach"], START)
     mu_e = E / (2.0 * (1.0 + POISSON))
     lambda_e = 2.0 * mu_e * POISSON / (1.0 - 2.0 * POISSON)
-    density, p, law = opt["fin_density"], AHEAD.p, "neo-hookean"
-    steel = ElasticSolid(mu_e, lambda_e, 0.0, density, 470.0, p, law, heat="elastic")
-
-    def flow(X: np.ndarray, Y: np.ndarray) -> list[np.ndarray]:
-        values = (behind.rho, AHEAD.rho), (behind.u, 0.0), (0.0, 0.0), (hot, warm)
-        return [np.where(X < START, hit, still) for hit, still in values]
-
-    def rest(X: np.ndarray, Y: np.ndarray) -> list[np.ndarray]:
-        return [0.0 * X, 0.0 * X, warm + 0.0 * X, X, Y]
-
-    x, y = np.cumsum([0.0, BEFORE, thickness, BEHIND]), (0.0, length, HEIGHT)
+    others = opt["fin_density"], 470.0, AHEAD.p, "neo-hookean"
+    steel = ElasticSolid(mu_e, lambda_e, 0.0, *others, heat="elastic")
+    rest = at_rest(AHEAD.p / (air.R * AHEAD.rho))
+    x, y = np.cumsum([0.0, BEFORE, opt["fin_thickness"], BEHIND]), (0.0, length, HEIGHT)
     least = operator(opt["fsi_order"]).min_points - 1
     columns, rows = ([max(round(d / opt["fsi_h"]), least) for d in np.diff(at)] for at in (x, y))
-    columns[1] = opt["fin_cells"] or least
-    inflow = Open(behind.rho, (behind.u, 0.0), hot)
+    columns[1] = least
     blocks, faces = [], {}
     for j, i in product(range(2), range(3)):
         panel = (i, j) == (1, 0)
@@ -86,5 +72,4 @@ def build(opt: Mapping[str, Any]) -> BlockProblem:
         faces[name, 1, j] = Slip(name="ceiling") if j else floor
         if i != 1:
             faces[name, 0, i // 2] = Slip(name="end") if i else inflow
-    note = f"behind the shock rho = {behind.rho:.6g}, u = {behind.u:.6g}, p = {behind.p:.6g}"
     return BlockProblem(tuple(blocks), faces, notes=(note,))

@@ -17,38 +17,27 @@ eight conditions at the ends and at the interface have a solution. What remains 
 grids is of second order in the amplitude.
 """
 
-from __future__ import annotations
-
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
-from fsipetsc.boundaries import Wall, clamped
-from fsipetsc.cases.materials import gas_of, material_options, solid_of
-from fsipetsc.errors import InputError
-from fsipetsc.materials.fluid import Fluid
-from fsipetsc.materials.line_solid import Solid
-from fsipetsc.options import Option
-from fsipetsc.problem import FluidLayer, Problem, SolidLayer
+from fsipetsc import Fluid, FluidLayer, InputError, Problem, Solid, SolidLayer, Wall, clamped
+from fsipetsc.cases.common import Opt, gas_of, material_options, solid_of
+from fsipetsc.checks import Array, Fields
 
 NAME = "heat"
 SUMMARY = "conjugate heat transfer between a solid and a gas: errors against the exact solution"
 
 OPTIONS = (
-    *material_options(
-        **{"conducting": True, "fluid_mu": 0.02, "fluid_kappa": 0.1, "solid_modulus": 20.0},
-        **{"solid_kappa": 0.3, "solid_density": 2.0, "solid_alpha": 1.0},
-    ),
-    Option("heat_amplitude", float, 1e-7, "K", "largest T - T0; small, as theory is linear"),
+    *material_options(conducting=True, fluid_mu=0.02, fluid_kappa=0.1, solid_modulus=20.0),
+    *material_options(conducting=True, solid_kappa=0.3, solid_density=2.0, solid_alpha=1.0),
 )
 DEFAULTS = {"fsi_h": 0.025, "fsi_order": 4, "ts_max_time": 1.0, "fsi_output_dt": 0.1}
 
 GAMMA, R, P0, T0 = 1.4, 1.0, 1.0, 1.0
-#: density of the gas at rest
-RHO0 = P0 / (R * T0)
+#: density of the gas at rest; largest T - T0, small, as the theory is linear
+RHO0, AMPLITUDE = P0 / (R * T0), 1e-7
 #: the solid is -1 < X < 0, the gas 0 < x < 1
 X = (-1.0, 0.0, 1.0)
 
@@ -60,7 +49,7 @@ class Mode:
     gas: Fluid
     solid: Solid
 
-    def gas_waves(self, s: complex) -> tuple[np.ndarray, np.ndarray]:
+    def gas_waves(self, s: complex) -> tuple[Array, Array]:
         """(k, (rho, u, T)) of the four waves in the gas, shapes (4,) and (3, 4)."""
         gas, mu = self.gas, 4 / 3 * self.gas.mu
         # (a - b z)(c - d z) = e z
@@ -72,7 +61,7 @@ class Mode:
         u = -(c - d * k * k) / (P0 * k)
         return k, np.array([-RHO0 * k * u / s, u, T])
 
-    def solid_waves(self, s: complex) -> tuple[np.ndarray, np.ndarray]:
+    def solid_waves(self, s: complex) -> tuple[Array, Array]:
         """(k, (u, sigma, T)) of the four waves in the solid, shapes (4,) and (3, 4)."""
         solid, heat = self.solid, self.solid.alpha * self.solid.m0
         elastic, thermal = s * np.sqrt(solid.m0 / solid.K), np.sqrt(heat * s / solid.kappa_e + 0j)
@@ -81,7 +70,7 @@ class Mode:
         T = np.array([-P0 * w / (heat * s - solid.kappa_e * w * w) for w in k[:2]] + [1.0, 1.0])
         return k, np.array([u, solid.K * k * u / s, T])
 
-    def conditions(self, s: complex) -> np.ndarray:
+    def conditions(self, s: complex) -> Array:
         """What the ends and the interface ask of the eight amplitudes, (8, 8), gas first."""
         (k, (rho, u, T)), (q, (v, sigma, Ts)) = self.gas_waves(s), self.solid_waves(s)
         net = R * (RHO0 * T + T0 * rho) - 4 / 3 * self.gas.mu * k * u
@@ -98,7 +87,7 @@ class Mode:
         ]
         return np.array([np.concatenate(row) for row in rows])
 
-    def scaled(self, s: complex) -> np.ndarray:
+    def scaled(self, s: complex) -> Array:
         """The same with columns and rows of size 1: so its singular values say something."""
         matrix = self.conditions(s)
         matrix = matrix / np.abs(matrix).max(axis=0)
@@ -115,18 +104,19 @@ class Mode:
         gas, solid = self.gas, self.solid
         spread = gas.kappa / (RHO0 * GAMMA * gas.cv), solid.kappa_e / (solid.alpha * solid.m0)
         sizes = np.geomspace(1.2 * min(spread), 20.0 * max(spread), 400)
+        determinant = lambda size: np.linalg.det(self.scaled(-size))  # noqa: E731
         with np.errstate(over="ignore", invalid="ignore"):
-            values = [np.linalg.det(self.scaled(-size)) for size in sizes]
+            values = [determinant(size) for size in sizes]
             for low, high, a, b in zip(sizes, sizes[1:], values, values[1:]):
                 if (b / a).real < 0.0:
-                    of = lambda x, a=a: float((np.linalg.det(self.scaled(-x)) / a).real)  # noqa: E731
+                    of = lambda x, a=a: float((determinant(x) / a).real)  # noqa: E731
                     found = brentq(of, low, high, xtol=1e-15, rtol=1e-15)
                     if np.linalg.svd(self.scaled(-found), compute_uv=False)[-1] < 1e-9:
                         return -found
         raise InputError("no thermal mode is found: expected conductivities closer to each other")
 
     @cached_property
-    def amplitudes(self) -> np.ndarray:
+    def amplitudes(self) -> Array:
         """Of the eight waves, for a largest disturbance of T of 1."""
         columns = np.abs(self.conditions(self.rate)).max(axis=0)
         raw = np.linalg.svd(self.scaled(self.rate))[2][-1].conj() / columns
@@ -136,7 +126,7 @@ class Mode:
         T = np.concatenate([warm, np.exp(np.outer(x - 1, q)) @ (raw[4:] * solid[2])])
         return raw / T[np.argmax(np.abs(T))]
 
-    def fields(self, kind: str, x: np.ndarray, t: float) -> np.ndarray:
+    def fields(self, kind: str, x: Array, t: float) -> Array:
         """Disturbance of (rho, u, T) in the gas or (u, sigma, T) in the solid, shape (3, n)."""
         s, fluid = self.rate, kind == "gas"
         k, waves = self.gas_waves(s) if fluid else self.solid_waves(s)
@@ -144,26 +134,22 @@ class Mode:
         return np.real((waves * amplitudes) @ np.exp(np.outer(k, x))) * np.exp(s * t)
 
 
-def build(opt: Mapping[str, Any]) -> Problem:
+def build(opt: Opt) -> Problem:
     """The solid clamped at X = -1, the wall at x = 1, both of the temperature T0."""
     gas, solid = gas_of(opt, GAMMA, R), solid_of(opt)
-    mode, amplitude = Mode(gas, solid), opt["heat_amplitude"]
+    mode = Mode(gas, solid)
 
-    def in_gas(x: np.ndarray, t: float) -> list[np.ndarray]:
-        rho, u, T = amplitude * mode.fields("gas", x, t)
+    def in_gas(x: Array, t: float) -> Fields:
+        rho, u, T = AMPLITUDE * mode.fields("gas", x, t)
         return [RHO0 + rho, u, T0 + T]
 
-    def in_solid(X: np.ndarray, t: float) -> list[np.ndarray]:
-        u, sigma, T = amplitude * mode.fields("solid", X, t)
+    def in_solid(X: Array, t: float) -> Fields:
+        u, sigma, T = AMPLITUDE * mode.fields("solid", X, t)
         return [u, sigma - P0, T0 + T, X + u / mode.rate]
 
-    return Problem(
-        layers=(
-            SolidLayer("solid", solid, X[:2], lambda X: in_solid(X, 0.0), exact=in_solid),
-            FluidLayer("gas", gas, X[1:], lambda x: in_gas(x, 0.0), exact=in_gas),
-        ),
-        left=clamped(T=T0),
-        right=Wall(X[2], T=T0),
-        notes=(f"the mode decays as exp({mode.rate:.10g} t), as the linear equations have it",),
-        units="none",
+    layers = (
+        SolidLayer("solid", solid, X[:2], lambda X: in_solid(X, 0.0), exact=in_solid),
+        FluidLayer("gas", gas, X[1:], lambda x: in_gas(x, 0.0), exact=in_gas),
     )
+    note = f"the mode decays as exp({mode.rate:.10g} t), as the linear equations have it"
+    return Problem(layers, clamped(T=T0), Wall(X[2], T=T0), notes=(note,), units="none")

@@ -21,6 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import eig
 
+from fsipetsc.checks import Array
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
@@ -31,7 +32,6 @@ POINTS = 36
 #: than this with more points
 LARGE, RESOLVED = 200.0, 1e-7
 GAS, SOLID = ("rho", "u", "v", "T"), ("x", "y", "U", "V")
-Array = np.ndarray
 
 
 def chebyshev(n: int, low: float, high: float) -> tuple[Array, Array]:
@@ -91,30 +91,22 @@ class Layers:
         finer = np.array([mode.s for mode in self._modes(k, POINTS * 4 // 3)])
         modes = [mode for mode in found if np.min(np.abs(mode.s - finer)) < RESOLVED * abs(mode.s)]
         if number >= len(modes):
-            raise InputError(
-                f"-wave_mode {number}: expected a number below {len(modes)}: no more are resolved"
-            )
+            wanted = f"expected a number below {len(modes)}: no more are resolved"
+            raise InputError(f"-wave_mode {number}: {wanted}")
         return modes[number]
 
     def _modes(self, k: float, n: int) -> list[Mode]:
-        A, B = self._matrices(k, n)
-        values, vectors = eig(A, B)
+        values, vectors = eig(*self._matrices(k, n))
         c = np.sqrt(self.gas.gamma * self.gas.R * self.T)
-        with np.errstate(invalid="ignore"):
-            good = (
-                np.isfinite(values)
-                & (np.abs(values) < LARGE * k * c)
-                & (values.imag > np.abs(values.real))
-            )
-            good &= values.imag > 1e-6 * k * c
-        chosen = sorted(np.flatnonzero(good), key=lambda i: values[i].imag)
-        return [self._scaled(values[i], vectors[:, i].reshape(8, n)) for i in chosen]
-
-    @staticmethod
-    def _scaled(s: complex, parts: Array) -> Mode:
-        ends = parts[4:6, 0]
-        parts = parts / ends[np.argmax(np.abs(ends))]
-        return Mode(complex(s), parts[:4], parts[4:])
+        found = []
+        for i in np.argsort(values.imag):
+            s, parts = complex(values[i]), vectors[:, i].reshape(8, n)
+            swings = s.imag > max(abs(s.real), 1e-6 * k * c)
+            if np.isfinite(s) and abs(s) < LARGE * k * c and swings:
+                ends = parts[4:6, 0]
+                parts = parts / ends[np.argmax(np.abs(ends))]
+                found.append(Mode(s, parts[:4], parts[4:]))
+        return found
 
     def _matrices(self, k: float, n: int) -> tuple[Array, Array]:
         """A z = s B z, z the four unknowns of the gas and the four of the solid, each at n points

@@ -13,19 +13,17 @@ shock hits what it bends. Velocities are over the speed of sound of the gas that
 densities over its density.
 """
 
-from __future__ import annotations
-
-from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from fsipetsc.blocks.conditions import Clamped, NoSlip, Open, Outflow, Roller, Slip
-from fsipetsc.blocks.layers import Layer, layers
+from fsipetsc.blocks.layers import Layer
 from fsipetsc.blocks.problem import BlockProblem
+from fsipetsc.cases.common import Opt, at_rest, elastic_of, stack
+from fsipetsc.checks import Array, Fields
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
-from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.options import Option, above_one
 
 NAME = "oblique"
@@ -35,11 +33,8 @@ OPTIONS = (
     Option("oblique_mach", float, 2.9, "", "Mach number of the gas that comes in", check=above_one),
     Option("oblique_angle", float, 10.0, "degrees", "theta, of the wedge", check="positive"),
     Option("oblique_wall", str, "elastic", "", "what is below", ("rigid", "elastic")),
-    Option("oblique_length", float, 3.0, "m", "of the gas along it, 1 high", check="positive"),
     Option("solid_modulus", float, 40.0, "", "2 mu_e + lambda_e over p", check="positive"),
-    Option("solid_density", float, 10.0, "", "of the layer over that of the gas", check="positive"),
-    Option("solid_thickness", float, 0.25, "m", "of the layer", check="positive"),
-    Option("solid_cells", int, 18, "", "cells across the layer", check="positive"),
+    Option("solid_density", float, 10.0, "", "of it over that of the gas", check="positive"),
     Option("fluid_mu", float, 0.0, "", "viscosity; 0: the gas slips", check="nonnegative"),
 )
 DEFAULTS = {
@@ -47,7 +42,8 @@ DEFAULTS = {
     **{"fsi_shock": 1.0, "fsi_dissipation": 1.0},
 }
 
-GAMMA = 1.4
+#: the gas is 1 high, the layer, if there is one, so thick and so many cells [m]
+GAMMA, LENGTH, THICKNESS, CELLS = 1.4, 3.0, 0.25, 18
 
 
 class State(NamedTuple):
@@ -93,48 +89,37 @@ def behind(state: State, theta: float) -> tuple[State, float]:
     return State(rho, p, float(M)), beta
 
 
-def build(opt: Mapping[str, Any]) -> BlockProblem:
-    """The gas between Y = 0 and 1, the layer below it."""
-    theta, mu, length = np.radians(opt["oblique_angle"]), opt["fluid_mu"], opt["oblique_length"]
+def build(opt: Opt) -> BlockProblem:
+    """The gas between Y = 0 and 1, the layer below it, free of stress under the gas's pressure."""
+    theta, mu, R = np.radians(opt["oblique_angle"]), opt["fluid_mu"], 1.0 / GAMMA
     first = State(1.0, 1.0 / GAMMA, opt["oblique_mach"])
     second, beta = behind(first, theta)
     third, back = behind(second, theta)
-    R = 1.0 / GAMMA
     gas = Fluid(mu, mu * GAMMA / (GAMMA - 1.0) * R / 0.72, GAMMA, R)
 
-    def flow(X: np.ndarray, Y: np.ndarray) -> list[np.ndarray]:
+    def flow(X: Array, Y: Array) -> Fields:
         along = first.M * (np.tanh(40.0 * Y) if mu > 0 else 1.0 + 0.0 * X)
         return [np.ones_like(X), along, 0.0 * X, np.ones_like(X)]
 
     u, v = second.speed * np.cos(theta), -second.speed * np.sin(theta)
     sides = {(0, 0): Open(first.rho, (first.M, 0.0), 1.0), (0, 1): Outflow()}
-    stack = [Layer("gas", gas, (0.0, 1.0), flow, sides=sides)]
+    members = [Layer("gas", gas, (0.0, 1.0), flow, sides=sides)]
     lower = NoSlip() if mu > 0 else Slip()
     if opt["oblique_wall"] == "elastic":
-        stack, lower = [_layer(opt, first.p), *stack], Clamped()
+        solid, across = elastic_of(opt, first.p), (-THICKNESS, 0.0)
+        layer = Layer("layer", solid, across, at_rest(), cells=CELLS, sides=Roller())
+        members, lower = [layer, *members], Clamped()
     p_2, p_3 = second.p / first.p, third.p / first.p
-    return layers(
-        *stack,
-        along=((0.0, length),),
+    return stack(
+        opt,
+        *members,
+        along=((0.0, LENGTH),),
         lower=lower,
         upper=Open(second.rho, (u, v), second.p / (R * second.rho)),
-        h=opt["fsi_h"],
-        order=opt["fsi_order"],
         notes=(
             f"the shock comes in at {np.degrees(beta):.6g} degrees and leaves a rigid wall at "
             f"x = {1.0 / np.tan(beta):.6g} at {np.degrees(back - theta):.6g} degrees",
             f"p/p_1 = {p_2:.8g}, M = {second.M:.6g} between, "
             f"p/p_1 = {p_3:.8g}, M = {third.M:.6g} behind both",
         ),
-        units="none",
     )
-
-
-def _layer(opt: Mapping[str, Any], p: float) -> Layer:
-    """The elastic layer, free of stress under the pressure p."""
-    K = opt["solid_modulus"] * p
-    solid = ElasticSolid(K / 4, K / 2, 0.0, opt["solid_density"], 1.0, p_ref=p, heat="elastic")
-
-    rest = lambda X, Y: (0.0, 0.0, 1.0, X, Y)  # noqa: E731
-    across = -opt["solid_thickness"], 0.0
-    return Layer("layer", solid, across, rest, cells=opt["solid_cells"], sides=Roller())

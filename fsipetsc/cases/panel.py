@@ -13,16 +13,13 @@ Dowell, Aeroelasticity of Plates and Shells, 1975). panel_lambda sets the stiffn
 velocity is the speed of sound of the flow, of density its density.
 """
 
-from __future__ import annotations
-
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 
 from fsipetsc.blocks.conditions import Clamped, Free, Given, NoSlip, Open, Outflow, Slip
-from fsipetsc.blocks.layers import Layer, layers
+from fsipetsc.blocks.layers import Layer
 from fsipetsc.blocks.problem import BlockProblem
+from fsipetsc.cases.common import Opt, material_options, stack
+from fsipetsc.checks import Array, Fields
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.options import Option, above_one
@@ -35,11 +32,10 @@ OPTIONS = (
     Option("panel_lambda", float, 800.0, "", "2 q / (D sqrt(M^2-1))", check="positive"),
     Option("panel_mass", float, 10.0, "", "of the panel over rho, per length", check="positive"),
     Option("panel_thickness", float, 0.04, "m", "of the panel, 1 long", check="positive"),
-    Option("panel_cells", int, 8, "", "cells across the panel", check="positive"),
     Option("panel_push", float, 5e-3, "", "velocity of the panel at first", check="nonnegative"),
     Option("panel_height", float, 0.5, "m", "of the gas", check="positive"),
     Option("panel_rows", int, None, "", "cells across the gas", check="positive"),
-    Option("fluid_mu", float, 0.0, "Pa s", "viscosity; 0: the gas slips", check="nonnegative"),
+    *material_options(fluid_mu=0.0),
     Option("panel_layer", float, 0.2, "m", "boundary layer, if viscous", check="positive"),
 )
 DEFAULTS = {
@@ -48,11 +44,11 @@ DEFAULTS = {
 }
 
 GAMMA, PRANDTL = 1.4, 0.72
-#: edges of the gas in X
-X = (-0.5, 1.5)
+#: edges of the gas in X; cells across the panel
+EDGES, CELLS = (-0.5, 1.5), 8
 
 
-def build(opt: Mapping[str, Any]) -> BlockProblem:
+def build(opt: Opt) -> BlockProblem:
     """The panel between Y = -thickness and 0, the gas above."""
     M, h, mu = opt["panel_mach"], opt["panel_thickness"], opt["fluid_mu"]
     height, beta = opt["panel_height"], float(np.sqrt(M * M - 1.0))
@@ -67,36 +63,27 @@ def build(opt: Mapping[str, Any]) -> BlockProblem:
     density = opt["panel_mass"] / h
     panel = ElasticSolid(mu_e, 2.0 * mu_e, 0.0, density, 1.0, p_ref=p, heat="elastic")
 
-    def flow(X: np.ndarray, Y: np.ndarray, t: float = 0.0) -> list[np.ndarray]:
+    def flow(X: Array, Y: Array, t: float = 0.0) -> Fields:
         """With viscosity a boundary layer, hot at the wall as Crocco and Busemann have it."""
         along = M * np.tanh(2.0 * Y / opt["panel_layer"]) if mu > 0 else M + 0.0 * X
         T = 1.0 + 0.5 * (GAMMA - 1.0) * PRANDTL**0.5 * (M * M - along * along)
         return [1.0 / T, along, 0.0 * X, T]
 
-    def push(X: np.ndarray, Y: np.ndarray) -> list[np.ndarray]:
+    def push(X: Array, Y: Array) -> Fields:
         shape = np.sin(np.pi * X) ** 2 * (1.0 + np.cos(np.pi * X))
         return [0.0 * X, opt["panel_push"] * shape, np.ones_like(X), X, Y]
 
     outside = Open(rho, (M, 0.0), 1.0)
     echo = f"waves that the panel makes come back to it from Y = {height:g}: see -panel_height"
-    return layers(
-        Layer(
-            *("panel", panel, (-h, 0.0), push),
-            cells=opt["panel_cells"],
-            span=((0.0, 1.0),),
-            sides=Clamped(),
-        ),
-        Layer(
-            *("gas", gas, (0.0, height), flow),
-            cells=rows,
-            sides={(0, 0): Given(flow) if mu > 0 else outside, (0, 1): Outflow(p)},
-            beside=NoSlip() if mu > 0 else Slip(),
-        ),
-        along=(X,),
+    beside = NoSlip() if mu > 0 else Slip()
+    sides = {(0, 0): Given(flow) if mu > 0 else outside, (0, 1): Outflow(p)}
+    clamps = {"span": ((0.0, 1.0),), "sides": Clamped()}
+    return stack(
+        opt,
+        Layer("panel", panel, (-h, 0.0), push, cells=CELLS, **clamps),
+        Layer("gas", gas, (0.0, height), flow, cells=rows, sides=sides, beside=beside),
+        along=(EDGES,),
         lower=Free(p),
         upper=outside,
-        h=opt["fsi_h"],
-        order=opt["fsi_order"],
         notes=(echo,) if 2.0 * height * beta < 1.0 else (),
-        units="none",
     )

@@ -9,51 +9,44 @@ is elastic and not strained) the reflected pressure is (Z2-Z1)/(Z2+Z1), the tran
 What remains of the error on fine grids is of second order in the amplitude.
 """
 
-from __future__ import annotations
-
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from fsipetsc.boundaries import Open, absorbing
-from fsipetsc.cases.materials import gas_of, material_options, solid_of
-from fsipetsc.errors import InputError
-from fsipetsc.materials.fluid import Fluid
-from fsipetsc.materials.line_solid import Solid
-from fsipetsc.options import Option
-from fsipetsc.problem import FluidLayer, Problem, SolidLayer
+from fsipetsc import (
+    Fluid,
+    FluidLayer,
+    InputError,
+    Open,
+    Option,
+    Problem,
+    Solid,
+    SolidLayer,
+    absorbing,
+)
+from fsipetsc.cases.common import Opt, gas_of, material_options, solid_of
+from fsipetsc.checks import Array, Fields
 
 NAME = "pulse"
 SUMMARY = "a sound pulse meets a solid | fluid interface: reflection and transmission (Sec. 4)"
 
 OPTIONS = (
-    *material_options(
-        fluid_mu=0.0,
-        fluid_kappa=0.0,
-        fluid_gamma=1.4,
-        fluid_R=8.3145 / 0.029,
-        solid_modulus=1e6,
-        solid_kappa=0.0,
-        solid_density=4.0,
-        solid_alpha=1000.0,
-        solid_gruneisen=0.0,
-    ),
-    Option("solid_stretch", "float", 1.0, "-", "strain x_X of the solid at rest", check="positive"),
-    Option("pulse_p0", "float", 1e5, "Pa", "pressure at rest", check="positive"),
-    Option("pulse_T0", "float", 300.0, "K", "temperature at rest", check="positive"),
-    Option("pulse_amplitude", "float", 1.0, "Pa", "pressure of the pulse, small against p0"),
-    Option("pulse_width", "float", 0.12, "m", "of exp(-(distance/width)^2)", check="positive"),
-    Option("pulse_start", "float", 0.75, "m", "where it starts: above 0 in the fluid, or below"),
-    Option("pulse_size", "float", 1.5, "m", "thickness of either layer", check="positive"),
+    *material_options(fluid_mu=0.0, fluid_kappa=0.0, fluid_gamma=1.4, fluid_R=8.3145 / 0.029),
+    *material_options(solid_modulus=1e6, solid_kappa=0.0, solid_density=4.0, solid_alpha=1000.0),
+    *material_options(solid_gruneisen=0.0),
+    Option("solid_stretch", float, 1.0, "-", "strain x_X of the solid at rest", check="positive"),
+    Option("pulse_amplitude", float, 1.0, "Pa", "pressure of the pulse, small against p0"),
+    Option("pulse_width", float, 0.12, "m", "of exp(-(distance/width)^2)", check="positive"),
+    Option("pulse_start", float, 0.75, "m", "where it starts: above 0 in the fluid, or below"),
 )
 #: interfaces and grids are the paper's
 DEFAULTS = {
     **{"fsi_h": 0.0125, "fsi_order": 4, "ts_max_time": 4e-3, "fsi_output_dt": 2e-4},
     "fsi_coupling": "projection",
 }
+#: pressure and temperature at rest, thickness of either layer
+P0, T0, SIZE = 1e5, 300.0, 1.5
 
 _erf = np.vectorize(math.erf, otypes=[float])
 
@@ -61,10 +54,8 @@ _erf = np.vectorize(math.erf, otypes=[float])
 @dataclass(frozen=True)
 class Acoustics:
     """Linear solution for a pulse that starts in one medium (impedance Z1, speed c1) and meets
-    another (Z2, c2).
-
-    side: +1 if the first medium lies at X > 0. arrival, duration: of the pulse at the interface
-    [s].
+    another (Z2, c2). side: +1 if the first medium lies at X > 0. arrival, duration [s]: of the
+    pulse at the interface.
     """
 
     side: float
@@ -86,17 +77,15 @@ class Acoustics:
         """Transmitted over incoming pressure."""
         return 2 * self.Z2 / (self.Z1 + self.Z2)
 
-    def _pulse(self, time: np.ndarray) -> np.ndarray:
+    def _pulse(self, time: Array) -> Array:
         return self.amplitude * np.exp(-(((time - self.arrival) / self.duration) ** 2))
 
-    def _impulse(self, time: np.ndarray) -> np.ndarray:
+    def _impulse(self, time: Array) -> Array:
         """Integral of the pulse up to a time."""
         scale = self.amplitude * self.duration * math.sqrt(math.pi) / 2
         return scale * (1 + _erf((time - self.arrival) / self.duration))
 
-    def waves(
-        self, X: np.ndarray, t: float, first: bool
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def waves(self, X: Array, t: float, first: bool) -> tuple[Array, Array, Array]:
         """(pressure, velocity, displacement) at X in the first or the second medium."""
         distance = np.abs(X)
         if first:
@@ -111,60 +100,48 @@ class Acoustics:
         return pressure, side * pressure / Z, side * impulse / Z
 
 
-def rest(opt: Mapping[str, Any], solid: Solid) -> tuple[float, float, float]:
-    """(x_X, T, sigma) of the solid at rest; sigma - p is minus the pressure of the gas."""
-    x_X, T = opt["solid_stretch"], opt["pulse_T0"]
-    return x_X, T, float(solid.pressure(T, x_X)) - opt["pulse_p0"]
+def stress_at_rest(solid: Solid, x_X: float) -> float:
+    """sigma of the solid at rest; sigma - p is minus the pressure of the gas."""
+    return float(solid.pressure(T0, x_X)) - P0
 
 
-def acoustics(opt: Mapping[str, Any], gas: Fluid, solid: Solid) -> Acoustics:
+def acoustics(opt: Opt, gas: Fluid, solid: Solid) -> Acoustics:
     """The linear problem of these options."""
-    c_f, c_s = float(gas.sound_speed(opt["pulse_T0"])), solid.sound_speed(*rest(opt, solid))
-    Z_f = opt["pulse_p0"] / (gas.R * opt["pulse_T0"]) * c_f
-    Z_s = solid.m0 * c_s
+    x_X = opt["solid_stretch"]
+    c_f, c_s = float(gas.sound_speed(T0)), solid.sound_speed(x_X, T0, stress_at_rest(solid, x_X))
+    of_gas, of_solid = (P0 / (gas.R * T0) * c_f, c_f), (solid.m0 * c_s, c_s)
     in_fluid = opt["pulse_start"] > 0
-    media = (Z_f, c_f, Z_s, c_s) if in_fluid else (Z_s, c_s, Z_f, c_f)
-    c1 = media[1]
-    arrival, duration = abs(opt["pulse_start"]) / c1, opt["pulse_width"] / c1
-    return Acoustics(1.0 if in_fluid else -1.0, *media, opt["pulse_amplitude"], arrival, duration)
+    first, second = (of_gas, of_solid) if in_fluid else (of_solid, of_gas)
+    times = abs(opt["pulse_start"]) / first[1], opt["pulse_width"] / first[1]
+    return Acoustics(1.0 if in_fluid else -1.0, *first, *second, opt["pulse_amplitude"], *times)
 
 
-def build(opt: Mapping[str, Any]) -> Problem:
-    """Solid in -size < X < 0, fluid in 0 < X < size."""
-    gas = gas_of(opt)
-    solid = solid_of(opt)
-    size, p0, T0 = opt["pulse_size"], opt["pulse_p0"], opt["pulse_T0"]
-    if not 0 < abs(opt["pulse_start"]) < size:
-        raise InputError(
-            f"-pulse_start {opt['pulse_start']:g} is not inside a layer: "
-            f"expected 0 < |start| < {size:g}"
-        )
-    linear = acoustics(opt, gas, solid)
-    x_X, _, sigma = rest(opt, solid)
+def build(opt: Opt) -> Problem:
+    """Solid in -SIZE < X < 0, fluid in 0 < X < SIZE."""
+    gas, solid, start, x_X = gas_of(opt), solid_of(opt), opt["pulse_start"], opt["solid_stretch"]
+    if not 0 < abs(start) < SIZE:
+        where = f"expected 0 < |start| < {SIZE:g}"
+        raise InputError(f"-pulse_start {start:g} is not inside a layer: {where}")
+    sigma, linear = stress_at_rest(solid, x_X), acoustics(opt, gas, solid)
     in_fluid = linear.side > 0
 
-    def exact_gas(X: np.ndarray, t: float) -> tuple[np.ndarray, ...]:
+    def exact_gas(X: Array, t: float) -> Fields:
         p, u, _ = linear.waves(X, t, in_fluid)
-        T = T0 * (1 + (gas.gamma - 1) / gas.gamma * p / p0)
-        return (p0 + p) / (gas.R * T), u, T
+        T = T0 * (1 + (gas.gamma - 1) / gas.gamma * p / P0)
+        return (P0 + p) / (gas.R * T), u, T
 
-    def exact_solid(X: np.ndarray, t: float) -> tuple[np.ndarray, ...]:
+    def exact_solid(X: Array, t: float) -> Fields:
         p, u, displacement = linear.waves(X, t, not in_fluid)
         strain = -p / (solid.m0 * solid.sound_speed(x_X, T0, sigma) ** 2)
-        T = T0 - p0 * strain / (solid.alpha * solid.m0)
+        T = T0 - P0 * strain / (solid.alpha * solid.m0)
         return u, sigma + solid.K / x_X * strain, T, x_X * X + displacement
 
-    return Problem(
-        layers=(
-            SolidLayer(
-                "solid", solid, (-size, 0.0), lambda X: exact_solid(X, 0.0), exact=exact_solid
-            ),
-            FluidLayer("gas", gas, (0.0, size), lambda X: exact_gas(X, 0.0), exact=exact_gas),
-        ),
-        left=absorbing(-p0),
-        right=Open(size, p0, T0),
-        notes=(
-            f"exact solution: linear acoustics, reflection {linear.reflection:.6g}, "
-            f"transmission {linear.transmission:.6g} of the pressure",
-        ),
+    layers = (
+        SolidLayer("solid", solid, (-SIZE, 0.0), lambda X: exact_solid(X, 0.0), exact=exact_solid),
+        FluidLayer("gas", gas, (0.0, SIZE), lambda X: exact_gas(X, 0.0), exact=exact_gas),
     )
+    note = (
+        f"exact solution: linear acoustics, reflection {linear.reflection:.6g}, "
+        f"transmission {linear.transmission:.6g} of the pressure"
+    )
+    return Problem(layers, absorbing(-P0), Open(SIZE, P0, T0), notes=(note,))

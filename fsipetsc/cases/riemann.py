@@ -1,5 +1,5 @@
 """The Riemann problem of a perfect gas and an elastic solid, which meet with a jump, solved
-exactly.
+exactly; and shocks in a gas.
 
 The gas stands on the left, the solid on the right; nothing is viscous or conducts heat. Both sides
 have one velocity u and one pressure p at the interface, their temperatures differ. A wave, shock or
@@ -26,6 +26,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fsipetsc.blocks.conditions import Open
+from fsipetsc.checks import Array, Fields
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.line_solid import Solid
@@ -65,9 +67,24 @@ def behind_shock(gas: Fluid, ahead: GasState, mach: float) -> tuple[GasState, fl
     return GasState(rho, s - (s - ahead.u) * ahead.rho / rho, p), s
 
 
+def shock_in_plane(
+    gas: Fluid, ahead: GasState, mach: float, start: float
+) -> tuple[Callable[[Array, Array], Fields], Open, str]:
+    """Of a shock that is at X = start at first: initial data of a block, the inflow, a note."""
+    behind, _ = behind_shock(gas, ahead, mach)
+    hot, warm = (state.p / (gas.R * state.rho) for state in (behind, ahead))
+
+    def flow(X: Array, Y: Array) -> Fields:
+        values = (behind.rho, ahead.rho), (behind.u, ahead.u), (0.0, 0.0), (hot, warm)
+        return [np.where(X < start, hit, still) for hit, still in values]
+
+    note = f"behind the shock rho = {behind.rho:.6g}, u = {behind.u:.6g}, p = {behind.p:.6g}"
+    return flow, Open(behind.rho, (behind.u, 0.0), hot), note
+
+
 def shock_structure(
     gas: Fluid, ahead: GasState, mach: float, width: float, w: float = 0.0
-) -> Callable[[np.ndarray], GasState]:
+) -> Callable[[Array], GasState]:
     """x [m] -> the gas in and around a shock that goes to the right, spread by dissipation.
 
     Its wave is width/2 (|u - w| + c) U_x = f(U) - s U - (f(U) - s U ahead), U = (rho, rho u, e):
@@ -87,11 +104,11 @@ def shock_structure(
         u = U[1] / U[0]
         return GasState(U[0], u, (gas.gamma - 1) * (U[2] - 0.5 * U[1] * u))
 
-    def flux(U: np.ndarray) -> np.ndarray:
+    def flux(U: Array) -> Array:
         rho, u, p = state(U)
         return np.array([rho * u, rho * u * u + p, u * (U[2] + p)]) - s * U
 
-    def slope(_: float, y: np.ndarray) -> np.ndarray:
+    def slope(_: float, y: Array) -> Array:
         q = state(y[:3])
         return np.append(flux(y[:3]) - flux(high), 0.5 * width * (abs(q.u - w) + sound(gas, q)))
 
@@ -137,7 +154,7 @@ class GasWave(NamedTuple):
         s = (behind.rho * behind.u - before.rho * before.u) / (behind.rho - before.rho)
         return s, s
 
-    def at(self, p: float, speed: np.ndarray) -> GasState:
+    def at(self, p: float, speed: Array) -> GasState:
         """The states at x = speed t."""
         g, before, behind = self.gas.gamma, self.before, self.behind(p)
         front, back = self.speeds(p)
@@ -187,7 +204,7 @@ class SolidWave(NamedTuple):
             return float(self._shock(F)), float(self._shock(F))
         return tuple(float(np.sqrt(self.solid.K / (self.solid.m0 * f))) for f in (F0, F))
 
-    def at(self, p: float, speed: np.ndarray) -> SolidState:
+    def at(self, p: float, speed: Array) -> SolidState:
         """The states at X = speed t."""
         front, back = self.speeds(p)
         fan = self.solid.K / (self.solid.m0 * np.maximum(speed, back) ** 2)
@@ -225,15 +242,9 @@ class Riemann:
     left: GasState
     right: SolidState
 
-    @property
-    def gas_wave(self) -> GasWave:
-        """What goes to the left."""
-        return GasWave(self.gas, self.left)
-
-    @property
-    def solid_wave(self) -> SolidWave:
-        """What goes to the right."""
-        return SolidWave(self.solid, self.right)
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "gas_wave", GasWave(self.gas, self.left))
+        object.__setattr__(self, "solid_wave", SolidWave(self.solid, self.right))
 
     @cached_property
     def p(self) -> float:
@@ -250,13 +261,13 @@ class Riemann:
         """x_X of the solid at the interface."""
         return float(self.solid_wave.strain(self.p))
 
-    def in_gas(self, x: np.ndarray, t: float) -> GasState:
+    def in_gas(self, x: Array, t: float) -> GasState:
         """The gas at a distance x [m] from where the interface was at t = 0."""
         if t <= 0:
             return GasState(*(np.full(np.shape(x), value) for value in self.left))
         return self.gas_wave.at(self.p, np.asarray(x) / t)
 
-    def in_solid(self, X: np.ndarray, t: float) -> tuple[SolidState, np.ndarray]:
+    def in_solid(self, X: Array, t: float) -> tuple[SolidState, Array]:
         """(the solid at the material points X [m] behind the interface; where they are [m])."""
         if t <= 0:
             state = SolidState(*(np.full(np.shape(X), value) for value in self.right))

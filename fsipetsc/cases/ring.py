@@ -1,14 +1,11 @@
 """An elastic ring with gas inside and outside, in two dimensions: gas | ring | gas, around a core.
 
 The gas reaches from a rigid core to a rigid vessel. It slips along both and along the ring where it
-has no viscosity. All begins at rest but for a pulse of pressure in the gas inside, which pushes the
-ring and goes through it. The ring is free of stress under the pressure of the gas. Its small
-motions are known exactly: see the command `modes`.
+has no viscosity. All begins at rest but for a pulse of pressure in the gas inside. The ring is free
+of stress under the pressure of the gas. Its small motions are known exactly: see the command
+`modes`.
 """
 
-from __future__ import annotations
-
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -17,8 +14,16 @@ from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.conditions import Condition, Free, NoSlip, Slip
 from fsipetsc.blocks.maps import annulus
 from fsipetsc.blocks.problem import BlockProblem, FaceName
-from fsipetsc.cases.materials import elastic_of, gas_of
-from fsipetsc.checks import Fields
+from fsipetsc.cases.common import (
+    Opt,
+    at_rest,
+    cells_of,
+    constant,
+    elastic_of,
+    gas_of,
+    material_options,
+)
+from fsipetsc.checks import Array, Fields
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.options import Option
 
@@ -28,55 +33,43 @@ SUMMARY = "an elastic ring with gas inside and outside, and a pressure pulse"
 OPTIONS = (
     Option("ring_gas", bool, True, "", "gas inside and outside; else the ring is in a vacuum"),
     Option("ring_pulse", float, 0.5, "Pa", "overpressure, over 1", check="nonnegative"),
-    Option("ring_width", float, 0.2, "m", "of the pulse", check="positive"),
     Option("ring_around", int, None, "", "cells around; default: by -fsi_h", check="positive"),
-    Option("fluid_mu", float, 0.0, "Pa s", "viscosity; 0: the gas slips", check="nonnegative"),
-    Option("fluid_kappa", float, 0.0, "W/(m K)", "conductivity of the gas", check="nonnegative"),
-    Option("solid_density", float, 2.0, "kg/m3", "density of the ring", check="positive"),
-    Option("solid_mu", float, 1.0, "Pa", "mu_e of the ring", check="positive"),
-    Option("solid_lambda", float, 1.5, "Pa", "lambda_e of the ring", check="nonnegative"),
-    Option("solid_law", str, "neo-hookean", "", "its law", ("log", "neo-hookean", "svk")),
+    *material_options(fluid_mu=0.0, fluid_kappa=0.0, solid_density=2.0),
+    *material_options(solid_mu=1.0, solid_lambda=1.5, solid_law=("neo-hookean", "log", "svk")),
 )
 DEFAULTS = {"fsi_h": 0.025, "fsi_order": 6, "ts_max_time": 3.0, "fsi_output_dt": 0.05}
 
 #: radii [m] of the core, of the ring, of the vessel
 CORE, INNER, OUTER, VESSEL = 0.4, 1.0, 1.3, 2.0
-#: where the pulse is [m]
-MIDDLE = 0.7
+#: where the pulse is, and how wide [m]
+MIDDLE, WIDTH = 0.7, 0.2
 
 
-def solid_of(opt: Mapping[str, Any]) -> ElasticSolid:
+def solid_of(opt: Opt) -> ElasticSolid:
     """That of the ring."""
     return elastic_of(opt, 1.0 if opt["ring_gas"] else 0.0, law=opt["solid_law"])
 
 
-def build(opt: Mapping[str, Any]) -> BlockProblem:
+def build(opt: Opt) -> BlockProblem:
     """Blocks whose axes run outwards and around."""
     around = opt["ring_around"] or max(24, 8 * round(2.0 * np.pi * INNER / (32.0 * opt["fsi_h"])))
     gas = gas_of(opt)
 
     def block(name: str, material: Any, inner: float, outer: float, initial: Any) -> Block:
-        # the operators want 2 nodes for each order
-        across = max(2 * opt["fsi_order"], round((outer - inner) / opt["fsi_h"]))
-        shape = annulus(inner, outer), (across, around)
+        shape = annulus(inner, outer), (cells_of(opt, outer - inner), around)
         return Block(name, material, *shape, initial, periodic=(False, True))
 
-    def pulse(X: np.ndarray, Y: np.ndarray) -> Fields:
+    def pulse(X: Array, Y: Array) -> Fields:
         """The entropy is the same everywhere."""
-        squared = ((X - MIDDLE) ** 2 + Y**2) / opt["ring_width"] ** 2
+        squared = ((X - MIDDLE) ** 2 + Y**2) / WIDTH**2
         p = 1.0 + opt["ring_pulse"] * np.exp(-squared)
         rho = p ** (1.0 / gas.gamma)
         return rho, 0.0 * X, 0.0 * X, p / rho
 
-    def still(X: np.ndarray, Y: np.ndarray) -> Fields:
-        return 1.0 + 0.0 * X, 0.0 * X, 0.0 * X, 1.0 + 0.0 * X
-
-    def rest(X: np.ndarray, Y: np.ndarray) -> Fields:
-        return 0.0 * X, 0.0 * X, 1.0 + 0.0 * X, X, Y
-
-    blocks = (block("ring", solid_of(opt), INNER, OUTER, rest),)
+    blocks = (block("ring", solid_of(opt), INNER, OUTER, at_rest()),)
     faces: dict[FaceName, Condition] = {("ring", 0, 0): Free(), ("ring", 0, 1): Free()}
     if opt["ring_gas"]:
+        still = constant(1.0, 0.0, 0.0, 1.0)
         inside = block("inside", gas, CORE, INNER, pulse)
         blocks = (inside, *blocks, block("outside", gas, OUTER, VESSEL, still))
         wall = NoSlip() if gas.mu > 0 else Slip()

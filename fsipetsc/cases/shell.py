@@ -7,9 +7,6 @@ of stress under the pressure of the gas at rest. Its small motions are known exa
 command `modes`.
 """
 
-from __future__ import annotations
-
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -18,8 +15,16 @@ from fsipetsc.blocks.block import Block
 from fsipetsc.blocks.conditions import Centre, Condition, Free, Slip
 from fsipetsc.blocks.maps import ball, rectangle
 from fsipetsc.blocks.problem import BlockProblem, FaceName
-from fsipetsc.cases.materials import elastic_of, gas_of, material_options
-from fsipetsc.checks import Fields
+from fsipetsc.cases.common import (
+    Opt,
+    at_rest,
+    cells_of,
+    constant,
+    elastic_of,
+    gas_of,
+    material_options,
+)
+from fsipetsc.checks import Array, Fields
 from fsipetsc.materials.solid import ElasticSolid
 from fsipetsc.options import Option
 
@@ -29,68 +34,48 @@ SUMMARY = "a charge in an elastic shell around a centre, or a tube around an axi
 OPTIONS = (
     Option("shell_kappa", int, 2, "", "1: around an axis, 2: around a centre", (1, 2)),
     Option("shell_gas", str, "centre", "", "gas inside to r = 0, around a core, or none",
-           ("none", "around", "centre")),
+        ("none", "around", "centre")),
     Option("shell_charge", float, 50.0, "", "temperature of the charge, less 1, over that at rest",
-           check="nonnegative"),
-    Option("shell_width", float, 0.2, "m", "radius of the charge", check="positive"),
-    Option("shell_inner", float, 1.0, "m", "inner radius of the shell", check="positive"),
-    Option("shell_outer", float, 1.3, "m", "its outer radius", check="positive"),
-    Option("shell_core", float, 0.4, "m", "radius of the core", check="positive"),
-    Option("shell_vessel", float, 2.0, "m", "radius of the rigid vessel", check="positive"),
+        check="nonnegative"),
     *material_options(fluid_mu=0.0, fluid_kappa=0.0, solid_density=2.0),
-    *material_options(solid_mu=1.0, solid_lambda=1.5),
-    Option("solid_law", str, "neo-hookean", "", "its law", ("log", "neo-hookean", "svk")),
+    *material_options(solid_mu=1.0, solid_lambda=1.5, solid_law=("neo-hookean", "log", "svk")),
 )  # fmt: skip
 DEFAULTS = {
-    "fsi_h": 0.0125,
-    "fsi_order": 4,
+    **{"fsi_h": 0.0125, "fsi_order": 4, "ts_max_time": 2.0, "fsi_output_dt": 0.02},
     "fsi_shock": 1.0,
-    "ts_max_time": 2.0,
-    "fsi_output_dt": 0.02,
 }
+#: radii [m] of the core, where there is one, of the shell, of the vessel, and of the charge
+CORE, INNER, OUTER, VESSEL, WIDTH = 0.4, 1.0, 1.3, 2.0, 0.2
 
 
-def solid_of(opt: Mapping[str, Any]) -> ElasticSolid:
+def solid_of(opt: Opt) -> ElasticSolid:
     """That of the shell."""
     return elastic_of(opt, 0.0 if opt["shell_gas"] == "none" else 1.0, law=opt["solid_law"])
 
 
-def radii_of(opt: Mapping[str, Any]) -> tuple[float, ...]:
+def radii_of(opt: Opt) -> tuple[float, ...]:
     """Of the core (0 where there is none), of the shell, of the vessel."""
-    core = opt["shell_core"] if opt["shell_gas"] == "around" else 0.0
-    return core, opt["shell_inner"], opt["shell_outer"], opt["shell_vessel"]
+    return CORE if opt["shell_gas"] == "around" else 0.0, INNER, OUTER, VESSEL
 
 
-def build(opt: Mapping[str, Any]) -> BlockProblem:
+def build(opt: Opt) -> BlockProblem:
     """Blocks along the radius."""
-    core, inner, outer, vessel = radii_of(opt)
-    gas = gas_of(opt)
-
-    def cells(length: float) -> int:
-        # the operators want 2 nodes for each order
-        return max(2 * opt["fsi_order"], round(length / opt["fsi_h"]))
+    core, gas = radii_of(opt)[0], gas_of(opt)
 
     def block(name: str, material: Any, low: float, high: float, initial: Any) -> Block:
-        n = cells(high - low)
+        n = cells_of(opt, high - low)
         shape = ball(high, n) if low == 0.0 else rectangle(low, high)
         return Block(name, material, shape, (n,), initial)
 
-    def charge(r: np.ndarray) -> Fields:
+    def charge(r: Array) -> Fields:
         """The density is the same everywhere; the edge of the charge is a fifth of it wide."""
-        width = opt["shell_width"]
-        hot = 0.5 * (1.0 - np.tanh((r - core - width) / (0.1 * width)))
+        hot = 0.5 * (1.0 - np.tanh((r - core - WIDTH) / (0.1 * WIDTH)))
         return 1.0 + 0.0 * r, 0.0 * r, 1.0 + opt["shell_charge"] * hot
 
-    def still(r: np.ndarray) -> Fields:
-        return 1.0 + 0.0 * r, 0.0 * r, 1.0 + 0.0 * r
-
-    def rest(r: np.ndarray) -> Fields:
-        return 0.0 * r, 1.0 + 0.0 * r, r
-
-    blocks = (block("shell", solid_of(opt), inner, outer, rest),)
+    blocks = (block("shell", solid_of(opt), INNER, OUTER, at_rest()),)
     faces: dict[FaceName, Condition] = {("shell", 0, 0): Free(), ("shell", 0, 1): Free()}
     if opt["shell_gas"] != "none":
-        inside = block("inside", gas, core, inner, charge)
-        blocks = (inside, *blocks, block("around", gas, outer, vessel, still))
+        inside = block("inside", gas, core, INNER, charge)
+        blocks = (inside, *blocks, block("around", gas, OUTER, VESSEL, constant(1.0, 0.0, 1.0)))
         faces = {("inside", 0, 0): Slip() if core else Centre(), ("around", 0, 1): Slip()}
     return BlockProblem(blocks, faces, units="none", symmetry=opt["shell_kappa"])

@@ -1,28 +1,20 @@
 """A wind tunnel with a step: Mach 3, rigid walls.
 
-Gas comes in from the left at the Mach number M and fills the tunnel, 3 long and 1 high, from the
-start. At x = 0.6 the floor steps up by 0.2. A shock stands off the step, is reflected from the
-ceiling and from the step; a fan spreads from the edge. The problem is that of P. Woodward and P.
-Colella, J. Comput. Phys. 54 (1984) 115-173: density 1.4 and pressure 1 come in, so the unit of
-velocity is their speed of sound. Three blocks are joined: below and above the edge's height before
-the step, and above it.
+Gas fills the tunnel, 3 long and 1 high, from the start. A shock stands off the step, is reflected
+from the ceiling and from the step; a fan spreads from the edge. The problem is that of P. Woodward
+and P. Colella, J. Comput. Phys. 54 (1984) 115-173: density 1.4 and pressure 1 come in, so the unit
+of velocity is their speed of sound. Three blocks are joined: below and above the edge's height
+before the step, and above it.
 
 Front and top of the step are one wall: at the edge the gas may go around, which one condition on
 the sum of both normals allows. Nothing else is done there.
 """
 
-from __future__ import annotations
-
-from collections.abc import Mapping
-from typing import Any
-
-import numpy as np
-
 from fsipetsc.blocks.conditions import Open, Outflow, Slip
-from fsipetsc.blocks.layers import Layer, layers
+from fsipetsc.blocks.layers import Layer
 from fsipetsc.blocks.problem import BlockProblem
+from fsipetsc.cases.common import Opt, constant, gas_of, stack
 from fsipetsc.errors import InputError
-from fsipetsc.materials.fluid import Fluid
 from fsipetsc.options import Option, above_one
 
 NAME = "step"
@@ -38,38 +30,23 @@ DEFAULTS = {
     **{"fsi_shock": 1.0, "fsi_dissipation": 1.0},
 }
 
-GAMMA, RHO, P = 1.4, 1.4, 1.0
-LENGTH, HEIGHT = 3.0, 1.0
+RHO, P, LENGTH, HEIGHT = 1.4, 1.0, 3.0, 1.0
 
 
-def build(opt: Mapping[str, Any]) -> BlockProblem:
+def build(opt: Opt) -> BlockProblem:
     """The floor before the step is at Y = 0."""
     M, place, height = opt["step_mach"], opt["step_place"], opt["step_height"]
     for name, value, most in (("place", place, LENGTH), ("height", height, HEIGHT)):
         if value >= most:
             raise InputError(f"-step_{name} {value:g}: expected less than {most:g}")
-    gas = Fluid(0.0, 0.0, GAMMA, P / RHO)
-
-    def flow(X: np.ndarray, Y: np.ndarray) -> list[np.ndarray]:
-        one = np.ones_like(X)
-        return [RHO * one, M * one, 0.0 * X, one]
-
+    gas, flow = gas_of(opt, R=P / RHO), constant(RHO, M, 0.0, 1.0)
     inflow, step = Open(RHO, (M, 0.0), 1.0), Slip(name="step")
-    return layers(
-        Layer(
-            *("before", gas, (0.0, height), flow),
-            span=((0.0, place),),
-            sides={(0, 0): inflow, (0, 1): step},
-        ),
-        Layer(
-            *("above", gas, (height, HEIGHT), flow),
-            sides={(0, 0): inflow, (0, 1): Outflow()},
-            beside=step,
-        ),
+    floor, above = {(0, 0): inflow, (0, 1): step}, {(0, 0): inflow, (0, 1): Outflow()}
+    return stack(
+        opt,
+        Layer("before", gas, (0.0, height), flow, span=((0.0, place),), sides=floor),
+        Layer("above", gas, (height, HEIGHT), flow, sides=above, beside=step),
         along=((0.0, LENGTH),),
         lower=Slip(name="floor"),
         upper=Slip(name="ceiling"),
-        h=opt["fsi_h"],
-        order=opt["fsi_order"],
-        units="none",
     )

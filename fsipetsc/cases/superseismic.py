@@ -6,17 +6,13 @@ Comput. Phys. 231 (2012) 3518, with the pressure force on the deformed face). Th
 those of verify/superseismic.py, which derives them. The exact states are the data on all sides.
 """
 
-from __future__ import annotations
-
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 
 from fsipetsc.blocks.conditions import Given, Open
-from fsipetsc.blocks.layers import Layer, layers
+from fsipetsc.blocks.layers import Layer
 from fsipetsc.blocks.problem import BlockProblem
-from fsipetsc.checks import Fields
+from fsipetsc.cases.common import Opt, stack
+from fsipetsc.checks import Array, Fields
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.solid import ElasticSolid
 
@@ -36,7 +32,7 @@ BEHIND = 0.40332749096, 0.721181138995, -0.0417025872267, 0.225252990995
 ALONG, HEIGHT = (-0.5, 1.0), 0.75
 
 
-def displacement(X: np.ndarray, Y: np.ndarray, t: float) -> tuple[Fields, Fields]:
+def displacement(X: Array, Y: Array, t: float) -> tuple[Fields, Fields]:
     """(displacement, velocity) of the solid: each wave moves what it has passed."""
     moved, velocity = [0.0 * X, 0.0 * X], [0.0 * X, 0.0 * X]
     for strength, c, shear in (
@@ -52,31 +48,29 @@ def displacement(X: np.ndarray, Y: np.ndarray, t: float) -> tuple[Fields, Fields
     return moved, velocity
 
 
-def solid(X: np.ndarray, Y: np.ndarray, t: float = 0.0) -> Fields:
+def solid(X: Array, Y: Array, t: float = 0.0) -> Fields:
     """Velocity, temperature, place."""
     moved, velocity = displacement(X, Y, t)
     return [*velocity, 1.0 + 0.0 * X, X + moved[0], Y + moved[1]]
 
 
-def gas(X: np.ndarray, Y: np.ndarray, t: float = 0.0) -> Fields:
+def gas(X: Array, Y: Array, t: float = 0.0) -> Fields:
     """Density, velocity, temperature, on the grid that follows the solid below it."""
     x, y = (a + (1.0 - Y / HEIGHT) * b for a, b in zip((X, Y), displacement(X, 0.0 * Y, t)[0]))
     behind = np.cos(PHI) * (x - t) + np.sin(PHI) * y < 0.0
     return [np.where(behind, b, a) for a, b in zip((RHO, 0.0, 0.0, T), BEHIND)]
 
 
-def build(opt: Mapping[str, Any]) -> BlockProblem:
+def build(opt: Opt) -> BlockProblem:
     """The solid below Y = 0, the gas above."""
     rho, u, v, hot = (lambda X, Y, t, k=k: gas(X, Y, t)[k] for k in range(4))
     outside = Open(rho, (u, v), hot)
     material = ElasticSolid(MU, LAMBDA, 0.0, 1.0, 1.0, RHO * T, law="linear", heat="elastic")
-    return layers(
+    return stack(
+        opt,
         Layer("half space", material, (-HEIGHT, 0.0), solid, exact=solid, sides=Given(solid)),
         Layer("gas", Fluid(0.0, 0.0, 1.4, 1.0), (0.0, HEIGHT), gas, exact=gas, sides=outside),
         along=(ALONG,),
         lower=Given(solid),
         upper=outside,
-        h=opt["fsi_h"],
-        order=opt["fsi_order"],
-        units="none",
     )

@@ -6,50 +6,35 @@ rho/gamma, so the speed of sound is 1 on both sides; viscosity 1/Re, Prandtl num
 C. Tenaud, Comput. Fluids 30 (2001) 89; 38 (2009) 664). Looked at is t = 1.
 """
 
-from __future__ import annotations
-
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 
 from fsipetsc.blocks.conditions import NoSlip, Slip
-from fsipetsc.blocks.layers import Layer, layers
+from fsipetsc.blocks.layers import Layer
 from fsipetsc.blocks.problem import BlockProblem
-from fsipetsc.checks import Fields
+from fsipetsc.cases.common import Opt, stack
+from fsipetsc.checks import Array, Fields
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.options import Option
 
 NAME = "viscous_tube"
 SUMMARY = "a shock and the boundary layer it has left in a closed box, in two dimensions"
-OPTIONS = (
-    Option("tube_reynolds", float, 200.0, "", "Reynolds number", check="positive"),
-    Option("tube_ratio", float, 100.0, "", "density on the left over that on the right, 1.2"),
-)
+OPTIONS = (Option("tube_reynolds", float, 200.0, "", "Reynolds number", check="positive"),)
 DEFAULTS = {
     **{"fsi_h": 1 / 100, "fsi_order": 4, "ts_max_time": 1.0, "fsi_output_dt": 0.1},
     **{"fsi_shock": 1.0, "fsi_dissipation": 1.0},
 }
-GAMMA, PRANDTL, RHO = 1.4, 0.73, 1.2
+GAMMA, PRANDTL, RHO, RATIO = 1.4, 0.73, 1.2, 100.0
 
 
-def build(opt: Mapping[str, Any]) -> BlockProblem:
+def build(opt: Opt) -> BlockProblem:
     """The lower half of the box."""
     R, mu = 1.0 / GAMMA, 1.0 / opt["tube_reynolds"]
     gas = Fluid(mu, GAMMA / (GAMMA - 1.0) * R * mu / PRANDTL, GAMMA, R)
 
-    def start(X: np.ndarray, Y: np.ndarray) -> Fields:
+    def start(X: Array, Y: Array) -> Fields:
         """Half of the jump at the node in the middle, if there is one."""
         step = 0.5 * (1.0 + np.sign(np.round(X - 0.5, 9)))
-        rho = RHO * (opt["tube_ratio"] * (1.0 - step) + step)
-        return rho, 0.0 * X, 0.0 * X, 1.0 + 0.0 * X
+        return RHO * (RATIO * (1.0 - step) + step), 0.0 * X, 0.0 * X, 1.0 + 0.0 * X
 
-    return layers(
-        Layer("gas", gas, (0.0, 0.5), start, sides=NoSlip()),
-        along=((0.0, 1.0),),
-        lower=NoSlip(),
-        upper=Slip(),
-        h=opt["fsi_h"],
-        order=opt["fsi_order"],
-        units="none",
-    )
+    half = Layer("gas", gas, (0.0, 0.5), start, sides=NoSlip())
+    return stack(opt, half, along=((0.0, 1.0),), lower=NoSlip(), upper=Slip())

@@ -5,46 +5,35 @@ at rest but for the mode of the linear equations (fsipetsc.cases.normal_mode), w
 small. What is exact to that size goes as exp(s t).
 """
 
-from __future__ import annotations
-
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 
 from fsipetsc.blocks.conditions import Clamped, NoSlip, Slip
-from fsipetsc.blocks.layers import Layer, layers
+from fsipetsc.blocks.layers import Layer
 from fsipetsc.blocks.problem import BlockProblem
-from fsipetsc.cases.materials import elastic_of, gas_of
-from fsipetsc.cases.normal_mode import Layers, Mode, interpolated
-from fsipetsc.checks import Fields
+from fsipetsc.cases.common import Opt, elastic_of, gas_of, material_options, stack
+from fsipetsc.cases.normal_mode import Layers, interpolated
+from fsipetsc.checks import Array, Fields
 from fsipetsc.options import Option
 
 NAME = "wave"
 SUMMARY = "a normal mode of a gas over an elastic layer, whose frequency and decay are known"
 
 OPTIONS = (
-    Option("wave_number", float, 2.0 * np.pi, "1/m", "k; all is one wave long", check="positive"),
     Option("wave_mode", int, 0, "", "number, of those that swing", check="nonnegative"),
-    Option("wave_size", float, 1e-5, "m", "of the interface's displacement", check="positive"),
-    Option("wave_height", float, 1.0, "m", "of the gas", check="positive"),
-    Option("wave_depth", float, 0.5, "m", "of the solid", check="positive"),
-    Option("fluid_mu", float, 0.01, "Pa s", "viscosity; 0: the gas slips", check="nonnegative"),
-    Option("fluid_kappa", float, 0.035 / 0.72, "W/(m K)", "of the gas", check="nonnegative"),
-    Option("solid_density", float, 1.0, "kg/m3", "that of the gas is 1", check="positive"),
-    Option("solid_mu", float, 1.0, "Pa", "mu_e; the pressure of the gas is 1", check="positive"),
-    Option("solid_lambda", float, 1.0, "Pa", "lambda_e", check="nonnegative"),
+    *material_options(fluid_mu=0.01, fluid_kappa=0.035 / 0.72, solid_density=1.0),
+    *material_options(solid_mu=1.0, solid_lambda=1.0),
 )
 DEFAULTS = {"fsi_h": 1 / 32, "fsi_order": 4, "ts_max_time": 1.0, "fsi_output_dt": 0.05}
+#: wave number [1/m], displacement of the interface, height of the gas, depth of the solid [m]
+K, SIZE, HEIGHT, DEPTH = 2.0 * np.pi, 1e-5, 1.0, 0.5
 
 
-def both_of(opt: Mapping[str, Any]) -> Layers:
+def both_of(opt: Opt) -> Layers:
     """Gas and solid of the options."""
-    gas, solid = gas_of(opt), elastic_of(opt)
-    return Layers(gas, solid, opt["wave_height"], opt["wave_depth"])
+    return Layers(gas_of(opt), elastic_of(opt), HEIGHT, DEPTH)
 
 
-def measured(t: np.ndarray, X: np.ndarray, displacement: np.ndarray) -> complex:
+def measured(t: Array, X: Array, displacement: Array) -> complex:
     """s [1/s] of a displacement of the interface, (times, columns) [m].
 
     By a line through the logarithms of its amplitudes.
@@ -54,42 +43,36 @@ def measured(t: np.ndarray, X: np.ndarray, displacement: np.ndarray) -> complex:
     return complex(*np.polyfit(t, logs, 1)[0])
 
 
-def build(opt: Mapping[str, Any]) -> BlockProblem:
+def build(opt: Opt) -> BlockProblem:
     """The solid below Y = 0, the gas above."""
-    both, k, size = both_of(opt), opt["wave_number"], opt["wave_size"]
-    mode = both.mode(k, opt["wave_mode"])
-    low, high = (-both.depth, 0.0), (0.0, both.height)
+    both, low, high = both_of(opt), (-DEPTH, 0.0), (0.0, HEIGHT)
+    mode = both.mode(K, opt["wave_mode"])
 
     def swinging(
-        amplitudes: np.ndarray, ends: tuple[float, float], X: np.ndarray, Y: np.ndarray, t: float
+        amplitudes: Array, ends: tuple[float, float], X: Array, Y: Array, t: float
     ) -> Fields:
         """Real parts of the amplitudes times exp(i k X + s t)."""
-        phase = size * np.exp(1j * k * X + mode.s * t)
+        phase = SIZE * np.exp(1j * K * X + mode.s * t)
         heights, of_height = np.unique(Y, return_inverse=True)
         rows = [interpolated(values, *ends, heights)[of_height] for values in amplitudes]
         return [np.real(row.reshape(X.shape) * phase) for row in rows]
 
-    def gas(X: np.ndarray, Y: np.ndarray, t: float = 0.0) -> Fields:
+    def gas(X: Array, Y: Array, t: float = 0.0) -> Fields:
         rho, u, v, T = swinging(mode.gas, high, X, Y, t)
         return both.rho + rho, u, v, both.T + T
 
-    def solid(X: np.ndarray, Y: np.ndarray, t: float = 0.0) -> Fields:
+    def solid(X: Array, Y: Array, t: float = 0.0) -> Fields:
         x, y, u, v = swinging(mode.solid, low, X, Y, t)
         # without conduction and work of the stresses its temperature stays
         return u, v, both.T + 0.0 * X, X + x, Y + y
 
-    return layers(
+    note = f"the mode goes as exp(s t), s = {mode.s.real:.9f} {mode.s.imag:+.9f} i"
+    return stack(
+        opt,
         Layer("layer", both.solid, low, solid, exact=solid),
         Layer("gas", both.gas, high, gas, exact=gas),
-        along=((0.0, 2.0 * np.pi / k),),
+        along=((0.0, 2.0 * np.pi / K),),
         lower=Clamped(),
         upper=NoSlip() if opt["fluid_mu"] > 0 else Slip(),
-        h=opt["fsi_h"],
-        order=opt["fsi_order"],
-        notes=(_note(mode),),
-        units="none",
+        notes=(note,),
     )
-
-
-def _note(mode: Mode) -> str:
-    return f"the mode goes as exp(s t), s = {mode.s.real:.9f} {mode.s.imag:+.9f} i"

@@ -1,22 +1,25 @@
 """The table of options: -help, checking, the options stored with a result and the docs use it.
 
-Every option is read here, once, whatever way it came in (fsipetsc.options.sources). The rest of the
-program gets a dict of typed values; PETSc's database gets what PETSc is to follow.
+PETSc reads the command line, PETSC_OPTIONS and options files into its database. What it then holds
+is checked here, once. The rest of the program gets a dict of typed values; PETSc's database keeps
+what PETSc is to follow.
 """
 
 from __future__ import annotations
 
+import os
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
+from itertools import pairwise
 from typing import Any
 
-from fsipetsc.errors import InputError
-from fsipetsc.options.option import REQUIRED, Option, above_one, brief
-from fsipetsc.options.sources import Given
+from fsipetsc.blame import brief
+from fsipetsc.errors import FileError, InputError, petsc_words
+from fsipetsc.options.option import REQUIRED, Option, above_one
 from fsipetsc.options.tables import (
     ALIASES,
-    AT_START,
     CHECKPOINTS,
     COMMON,
     DISCRETISATION,
@@ -32,9 +35,12 @@ from fsipetsc.options.tables import (
 
 __all__ = [
     "COMMON", "LONGEST_NAME", "OF_A_RUN", "PETSC_OPTIONS", "REQUIRED", "RUN", "InForce", "Option",
-    "above_one", "check_petsc", "defaults", "groups", "publish", "read_options", "read_table",
-    "spelt", "table",
+    "above_one", "defaults", "given_options", "groups", "is_option", "present", "publish", "put",
+    "read_options", "read_table", "spelt", "table",
 ]  # fmt: skip
+
+#: PETSc's error where an options file cannot be read
+_UNREADABLE = "Unable to open", "Specified options file"
 
 
 def groups(
@@ -54,23 +60,23 @@ def groups(
         "Run": RUN,
         "Time integration (PETSc)": PETSC_OPTIONS,
     }
-    _check_own_names(case)
-    inherited = inherited or {}
-    overrides = {"fsi_output": f"{case.NAME}.h5", **case.DEFAULTS, **inherited}
-    who = {name: "the checkpoint" for name in inherited}
+    taken = {option.name.lower() for option in COMMON + PETSC_OPTIONS} | {*PASSED_ON, "help"}
+    for name in (option.name.lower() for option in case.OPTIONS):
+        if name in taken or name.startswith(PETSCS):
+            what = f"its option -{name} exists already; give it another name"
+            raise InputError(f"case {case.NAME}: {what}")
+        taken.add(name)
+    values = {"fsi_output": f"{case.NAME}.h5", **case.DEFAULTS, **(inherited or {})}
     known = {option.name for options in sections.values() for option in options}
     for name in case.DEFAULTS:
         if name not in known:
             hint = _nearest(str(name), known)
             raise InputError(f"case {case.NAME}: DEFAULTS has {name!r}, which is no option{hint}")
-    return {
-        title: tuple(
-            _with_default(option, overrides, who.get(option.name, f"case {case.NAME}"))
-            for option in options
-        )
-        for title, options in sections.items()
-        if options
-    }
+
+    def in_force(option: Option) -> Option:
+        return _with_default(option, values.get(option.name, option.default), case.NAME)
+
+    return {title: tuple(map(in_force, found)) for title, found in sections.items() if found}
 
 
 def table(
@@ -86,26 +92,14 @@ def defaults(case: Any, extra: Sequence[Option] = ()) -> dict[str, Any]:
     return {option.name: option.default for option in table(case, extra).values()}
 
 
-def _check_own_names(case: Any) -> None:
-    taken = {option.name.lower() for option in COMMON + PETSC_OPTIONS + PASSED_ON} | {"help"}
-    for option in case.OPTIONS:
-        name = option.name.lower()
-        if name in taken or name.startswith(PETSCS):
-            what = f"its option -{option.name} exists already; give it another name"
-            raise InputError(f"case {case.NAME}: {what}")
-        taken.add(name)
-
-
-def _with_default(option: Option, values: Mapping[str, Any], who: str) -> Option:
-    """The option with the default that values have for it; who has them, in a message."""
-    value = values.get(option.name, option.default)
+def _with_default(option: Option, value: Any, case: str) -> Option:
     try:
         if value is None and option.default is not None:
             raise ValueError  # None is for what need not be set
         return replace(option, default=option.convert(value))
     except (ValueError, TypeError, OverflowError):
         what = f"bad default {value!r} of -{option.name}: expected {option.expected()}"
-        raise InputError(f"{who}: {what}") from None
+        raise InputError(f"case {case}: {what}") from None
 
 
 class InForce(dict[str, Any]):
@@ -118,99 +112,133 @@ class InForce(dict[str, Any]):
         raise InputError(f"opt[{name!r}]: there is no such option{_nearest(str(name), self)}")
 
 
-def read_options(
-    case: Any,
-    given: Mapping[str, Given],
-    extra: Sequence[Option] = (),
-    inherited: Mapping[str, Any] | None = None,
-) -> dict[str, Any]:
-    """Name -> typed value of every option in force; PETSc, which runs, gets those it is to follow.
+# what was given
 
-    given: what the user gave (fsipetsc.process.launch.start_petsc). inherited: values of a
-    checkpoint, as JSON has them, which stand for the defaults. Not collective; the same on all
-    ranks. InputError for an unknown name, a missing or bad value and for what contradicts itself.
+
+def is_option(word: str) -> bool:
+    """PETSc's rule: a dash, or two, and a letter. -10, -.5 and -inf are values."""
+    number = word.lower() in ("-inf", "-infinity", "-nan")
+    return re.match(r"--?[A-Za-z]", word) is not None and not number
+
+
+def given_options(words: Sequence[str]) -> dict[str, str]:
+    """Name in lower case -> text, "" without a value, of the options that were given.
+
+    PETSc, which runs, reads PETSC_OPTIONS, then the words of the command line, and the files that
+    either names; its database holds these options alone then. Not collective. InputError, FileError
+    for what PETSc does not take, InputError for a word that is no option's value.
     """
-    options = table(case, extra, inherited)
-    values, chosen = _read(options, given)
-    _settle(values, chosen)
     from petsc4py import PETSc
 
-    for option in IN_LOOP:
-        PETSc.Options().delValue(option.name)
-        if option.name in given:
-            PETSc.Options().setValue(option.name, given[option.name].text)
-    if "ts_view" in given and values["ts_type"] == "fused":
-        what = "-ts_view shows PETSc's methods, not the fused one"
-        raise InputError(f"{what}: give -ts_type rk, ssp or euler")
-    if "ts_monitor" in given or "log_view" in given:
-        values["fsi_burst"] = 1  # something of PETSc's is to see every step
-    publish(values)
-    return values
+    for before, word in pairwise(["", *words]):
+        if not is_option(word) and not is_option(before):
+            what = f"unexpected argument '{brief(word)}'"
+            raise InputError(f"{what}: a value stands right behind its option")
+    quoted = (word if is_option(word) else _quoted(word) for word in words)
+    put({})
+    for text in (os.environ.get("PETSC_OPTIONS", ""), " ".join(quoted)):
+        try:
+            PETSc.Options().insertString(text)
+        except PETSc.Error as error:
+            said = petsc_words(error).split(": ", 1)[-1].split("; ")[-1]
+            kind = FileError if any(text in said for text in _UNREADABLE) else InputError
+            raise kind(f"options: {said}") from None
+    given = {name.lower(): text for name, text in present().items()}
+    return {name: text for name, text in given.items() if name != "help"}
 
 
-def spelt(given: Mapping[str, Given], name: str) -> Given | None:
+def _quoted(word: str) -> str:
+    mark = "'" if '"' in word else '"'
+    return f"{mark}{word}{mark}"
+
+
+def present() -> dict[str, str]:
+    """Name -> text of all options in PETSc's database; "" if there is no value."""
+    from petsc4py import PETSc
+
+    database = PETSc.Options()
+    listed = database.getAll()  # may cut a text at a blank, as getString does after 1023 letters
+    return {k: max(listed[k] or "", database.getString(k, ""), key=len) for k in listed}
+
+
+def put(options: Mapping[str, str]) -> None:
+    """Make PETSc's database hold these options alone."""
+    from petsc4py import PETSc
+
+    database = PETSc.Options()
+    for name in database.getAll():
+        database.delValue(name)
+    for name, value in options.items():
+        database.setValue(name, value)
+
+
+def spelt(given: Mapping[str, str], name: str) -> str | None:
     """What the user gave for an option, under one of its names."""
     names = [name.lower(), *(alias for alias, meant in ALIASES.items() if meant == name)]
     return next((given[spelling] for spelling in names if spelling in given), None)
 
 
+def read_options(
+    case: Any,
+    given: Mapping[str, str],
+    extra: Sequence[Option] = (),
+    inherited: Mapping[str, Any] | None = None,
+) -> dict[str, Any]:
+    """Name -> typed value of every option in force; PETSc, which runs, gets those it is to follow.
+
+    given: what the user gave (``given_options``). inherited: values of a checkpoint, as JSON has
+    them, which stand for the defaults. Not collective; the same on all ranks. InputError for an
+    unknown name, a missing or bad value.
+    """
+    values = _read(table(case, extra, inherited), given)
+    for option, value in values.items():
+        if value is REQUIRED:
+            raise InputError(f"-{option} must be given: the case has no default for it")
+    for method in ("rk", "ssp"):  # who names one of PETSc's methods wants it, not the fused one
+        if f"ts_{method}_type" in given and "ts_type" not in given:
+            values["ts_type"] = method
+    # who names times does not want the interval that the case suggests, and the other way round
+    one, other = "fsi_output_times", "fsi_output_dt"
+    for this, instead in ((one, other), (other, one)):
+        if this in given and instead not in given:
+            values[instead] = None
+    publish(values)
+    from petsc4py import PETSc
+
+    for name in IN_LOOP:
+        PETSc.Options().delValue(name)
+        if name in given:
+            PETSc.Options().setValue(name, given[name])
+    return values
+
+
 def read_table(
-    sections: Mapping[str, Sequence[Option]], given: Mapping[str, Given]
+    sections: Mapping[str, Sequence[Option]], given: Mapping[str, str]
 ) -> dict[str, Any]:
     """Name -> typed value of the options of a command that runs no case.
 
     sections: heading -> options, as for ``groups``. InputError for an unknown name or a bad value.
     """
     every = (option for options in sections.values() for option in options)
-    return _read({option.name.lower(): option for option in every}, given)[0]
+    return _read({option.name.lower(): option for option in every}, given)
 
 
-def check_petsc(given: Mapping[str, Given]) -> None:
-    """Raise InputError for a bad value of an option that PETSc reads."""
-    for option in AT_START + IN_LOOP:
-        if option.name in given:
-            _value(option, given[option.name])
-
-
-def _read(
-    options: Mapping[str, Option], given: Mapping[str, Given]
-) -> tuple[dict[str, Any], dict[str, str]]:
-    """(name -> value, name -> how the user spelt it); options: name in lower case -> option."""
-    _check_names(given, options)
-    values = {option.name: option.default for option in options.values()}
-    chosen: dict[str, str] = {}
-    for lower, one in given.items():
-        option = options.get(ALIASES.get(lower, lower))
-        if option is None:
-            continue
-        value = _value(option, one)
-        if option.name in chosen and values[option.name] != value:
-            both = f"-{chosen[option.name]} and -{one.name}"
-            raise InputError(f"{both} mean the same; give one of them")
-        values[option.name], chosen[option.name] = value, one.name
-    return values, chosen
-
-
-def _value(option: Option, one: Given) -> Any:
-    """The value of an option as it was given; InputError says where."""
-    try:
-        return option.parse(one.text)
-    except InputError as error:
-        error.args = (f"{error}{one.where}",)
-        raise
-
-
-def _check_names(given: Mapping[str, Given], options: Mapping[str, Option]) -> None:
-    known = {option.name for option in (*options.values(), *PASSED_ON)}
-    known |= {alias for alias, name in ALIASES.items() if name in options}
+def _read(options: Mapping[str, Option], given: Mapping[str, str]) -> dict[str, Any]:
+    """Name -> value; options: name in lower case -> option."""
+    known = [option.name for option in options.values()] + list(PASSED_ON)
+    known += [alias for alias, name in ALIASES.items() if name in options]
     lower = {name.lower() for name in known}
     unknown = [
-        f"-{brief(one.name)}{one.where}{_nearest(one.name, known)}"
-        for name, one in sorted(given.items())
-        if name not in lower
+        f"-{brief(name)}{_nearest(name, known)}" for name in sorted(given) if name not in lower
     ]
     if unknown:
         raise InputError(f"unknown option{'s' * (len(unknown) > 1)} {', '.join(unknown)}")
+    values = {option.name: option.default for option in options.values()}
+    for name, text in given.items():
+        option = options.get(ALIASES.get(name, name))
+        if option is not None:
+            values[option.name] = option.parse(text)
+    return values
 
 
 def _nearest(name: str, names: Iterable[str]) -> str:
@@ -227,27 +255,6 @@ def _nearest(name: str, names: Iterable[str]) -> str:
     return " (-help lists the options there are)"
 
 
-def _settle(values: dict[str, Any], chosen: Mapping[str, str]) -> None:
-    """Settle in place what options leave open for each other. InputError for what is missing."""
-    for option, value in values.items():
-        if value is REQUIRED:
-            raise InputError(f"-{option} must be given: the case has no default for it")
-    for method in ("rk", "ssp"):  # who names one of PETSc's methods wants it, not the fused one
-        if f"ts_{method}_type" in chosen and "ts_type" not in chosen:
-            values["ts_type"] = method
-    # who names times does not want the interval that the case suggests, and the other way round
-    if "fsi_output_times" in chosen and "fsi_output_dt" not in chosen:
-        values["fsi_output_dt"] = None
-    if "fsi_output_dt" in chosen and "fsi_output_times" not in chosen:
-        values["fsi_output_times"] = None
-
-
-def _petsc_version() -> tuple[int, ...]:
-    from petsc4py import PETSc
-
-    return tuple(PETSc.Sys.getVersion()[:2])
-
-
 def publish(values: Mapping[str, Any]) -> None:
     """Put the ts_… values of an options dict into PETSc's database, as this release names them.
 
@@ -256,7 +263,7 @@ def publish(values: Mapping[str, Any]) -> None:
     from petsc4py import PETSc
 
     database = PETSc.Options()
-    dt_name = "ts_time_step" if _petsc_version() >= (3, 25) else "ts_dt"
+    renamed = "ts_time_step" if PETSc.Sys.getVersion() >= (3, 25) else "ts_dt"
     for alias in ALIASES:
         database.delValue(alias)
     for option in PETSC_OPTIONS:
@@ -265,5 +272,5 @@ def publish(values: Mapping[str, Any]) -> None:
         method = option.name.split("_")[1]  # ts_rk_type is of ts_type rk
         unused = method in ("rk", "ssp") and values["ts_type"] != method
         if value is not None and not unused:
-            name = dt_name if option.name == "ts_dt" else option.name
+            name = renamed if option.name == "ts_dt" else option.name
             database.setValue(name, str(value))

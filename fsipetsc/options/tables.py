@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Callable, Sequence
 
 from fsipetsc.options.option import INT_MAX, REQUIRED, Option
@@ -27,24 +26,6 @@ def _file_name(name: str) -> str | None:
     short = len(os.fsencode(last)) <= LONGEST_NAME and "\0" not in name
     fits = short and last not in ("", ".", "..")
     return None if fits else f"a file name of at most {LONGEST_NAME} bytes"
-
-
-def _no_adaptor(kind: str) -> str | None:
-    expected = "none: the length of a step follows -fsi_cfl, or is -ts_dt"
-    return None if kind == "none" else expected
-
-
-def _log_file(text: str) -> str | None:
-    """None if a text is "", or ":FILE" or ":FILE:FORMAT" in a folder that is there."""
-    found = re.fullmatch(r":([^:]+)(:ascii_\w+)?", text)
-    folder = os.path.dirname(os.path.expanduser(found[1])) if found else ""
-    if not text or (found and os.access(folder or os.curdir, os.W_OK)):
-        return None
-    return ":FILE or :FILE:ascii_…, in a folder that can be written"
-
-
-def _nothing(text: str) -> str | None:
-    return "no value" if text else None
 
 
 COUPLINGS = ("projection", "energy", "traditional", "conservative")
@@ -72,9 +53,6 @@ DISCRETISATION = (
     Option("fsi_shock", float, 0.0, "",
         "dissipation where a sensor sees a shock, times its usual size; 0: none",
         check=_between(0, 2)),
-    Option("fsi_spare", int, 16, "points",
-        "in the paper's method: a gas may grow by a third, or by an eighth and these points",
-        check="nonnegative"),
 )
 OUTPUT = (
     Option("fsi_output", str, None, "",
@@ -106,9 +84,6 @@ RUN = (
         check="positive"),
     Option("fsi_entropy", bool, False, "",
         "record the entropy, too; -fsi_check does so anyway, and 2-D always"),
-    Option("fsi_burst", int, 64, "steps",
-        "most steps between looks at signals and progress; 1 with -ts_monitor…, -log_…",
-        check="positive"),
     Option("fsi_partition", str, "auto", "", "which ranks own which layers",
         ("auto", "physics", "balanced")),
     Option("fsi_norm", str, "L2", "",
@@ -119,7 +94,7 @@ RUN = (
     Option("fsi_debug", bool, False, "", "show the Python traceback of an error"),
 )
 #: those that belong to one run of the program, not to what is computed: no checkpoint has them
-OF_A_RUN = {"fsi_quiet", "fsi_progress", "fsi_debug", "fsi_restart", "fsi_burst"}
+OF_A_RUN = {"fsi_quiet", "fsi_progress", "fsi_debug", "fsi_restart"}
 COMMON: tuple[Option, ...] = DISCRETISATION + OUTPUT + CHECKPOINTS + RUN
 
 _RK_TYPES = ("1fe", "2a", "2b", "3", "3bs", "4", "5f", "5dp", "5bs", "6vr", "7vr", "8vr")
@@ -134,36 +109,32 @@ PETSC_OPTIONS: tuple[Option, ...] = (
         ("fused", "rk", "ssp", "euler")),
     Option("ts_rk_type", str, "4", "", "Runge–Kutta method", _RK_TYPES),
     Option("ts_adapt_type", str, "none", "", "steps have the length of -fsi_cfl or -ts_dt",
-        check=_no_adaptor),
+        ("none",)),
     Option("ts_ssp_type", str, "rks2", "", "method of ssp", ("rks2", "rks3", "rk104")),
 )
 #: other spellings: of another release of PETSc, or deprecated there
 ALIASES = {"ts_time_step": "ts_dt", "ts_final_time": "ts_max_time"}
 
-#: options that PETSc follows when it starts or when it ends
-AT_START = (
-    Option("log_view", "optional", None, ":FILE",
-        "print where the time went, at the end, or write it", check=_log_file),
-    Option("memory_view", "optional", None, "", "print the memory that was used, at the end",
-        check=_nothing),
-    Option("info", "optional", None, "", "print what PETSc does", check=_nothing),
-    Option("malloc_debug", bool, None, "", "check the memory that PETSc allocates"),
-    Option("malloc_dump", "optional", None, "",
-        "list memory of PETSc's that was not freed, at the end", check=_nothing),
-    Option("options_left", bool, None, "", "list options that PETSc did not use, at the end"),
-)
-#: options that PETSc's time integrator follows
-IN_LOOP = (
-    Option("ts_monitor", "optional", None, "", "print every step: number, dt, t", check=_nothing),
-    Option("ts_view", "optional", None, "", "print PETSc's method when it ends", check=_nothing),
-)
-#: options that are followed where the options are read
-IN_SOURCES = (
-    Option("options_file", str, None, "",
-        "read options from a file, one '-name value' a line; FILE.yaml is read as YAML"),
-    Option("options_file_yaml", str, None, "", "the same in YAML, whatever the file's name"),
-)
-#: what PETSc follows, or the readers of options, and the table of a case does not have
-PASSED_ON = AT_START + IN_LOOP + IN_SOURCES
+#: options that PETSc follows when it starts or when it ends -> meaning
+AT_START = {
+    "log_view": "print where the time went, at the end; :FILE writes it",
+    "memory_view": "print the memory that was used, at the end",
+    "info": "print what PETSc does",
+    "malloc_debug": "check the memory that PETSc allocates",
+    "malloc_dump": "list memory of PETSc's that was not freed, at the end",
+    "options_left": "list options that PETSc did not use, at the end",
+}
+#: options that PETSc's time integrator follows -> meaning
+IN_LOOP = {
+    "ts_monitor": "print every step: number, dt, t",
+    "ts_view": "print PETSc's method when it ends; with -ts_type rk, ssp or euler",
+}
+#: all options that PETSc follows and no table of a case has -> meaning
+PASSED_ON = {
+    "options_file": "read options from a file, one '-name value' a line; FILE.yaml is YAML",
+    "options_file_yaml": "the same in YAML, whatever the file's name",
+    **IN_LOOP,
+    **AT_START,
+}
 #: beginnings of PETSc's names, which no option of a case may have
 PETSCS = ("ts_", "ksp_", "pc_", "snes_", "mat_", "vec_", "dm_", "log_", "malloc_", "options_")

@@ -128,7 +128,7 @@ def make_grids(problem: Problem, op: SBPOperator, h: float, spare: int) -> list[
         if not width + spare < MOST_CELLS:
             raise InputError(
                 f"layer '{layer.name}' of length {length:g} would have {width:.3g} cells with "
-                f"-fsi_h {h:g} and -fsi_spare {spare}; {MOST_CELLS} are too many"
+                f"-fsi_h {h:g}; {MOST_CELLS} are too many"
             )
         if isinstance(layer, FluidLayer):
             end, cells = (problem.left if k == 0 else problem.right), ghost_index(width)

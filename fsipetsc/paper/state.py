@@ -394,10 +394,14 @@ def make_paper_state(problem: Problem, opt: Mapping[str, Any], comm: MPI.Comm) -
                 f"-{name} {opt[name]}: -fsi_coupling {opt['fsi_coupling']} has none: "
                 "take -fsi_coupling conservative"
             )
-    names = ("fsi_order", "fsi_h", "fsi_coupling", "fsi_partition", "fsi_spare")
+    names = ("fsi_order", "fsi_h", "fsi_coupling", "fsi_partition")
     entropy = bool(opt["fsi_entropy"] or opt["fsi_check"])
     state = PaperState(
-        comm, problem, *(opt[name] for name in names), entropy, opt["fsi_viscous"] == "narrow"
+        comm,
+        problem,
+        *(opt[name] for name in names),
+        entropy=entropy,
+        narrow=opt["fsi_viscous"] == "narrow",
     )
     for method, name in _EVENTS.items():
         setattr(state, method, logged(f"fsi {name}", getattr(state, method)))

@@ -1,14 +1,13 @@
-"""Start of MPI and PETSc, with options that have been checked before PETSc sees them."""
+"""Start of MPI and PETSc."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from fsipetsc.errors import InputError
-from fsipetsc.options import check_petsc
-from fsipetsc.options.sources import Given, given_options
+from fsipetsc.options import given_options, is_option, present
 from fsipetsc.options.tables import AT_START
 from fsipetsc.process.host import begin_options, petsc_runs
 from fsipetsc.process.together import together
@@ -46,44 +45,35 @@ def start_mpi() -> MPI.Comm:
     return MPI.COMM_WORLD
 
 
-def start_petsc(arguments: Sequence[str], comm: MPI.Comm) -> dict[str, Given]:
-    """Initialise PETSc, unless it runs already, with the options that it follows at its start.
+def start_petsc(arguments: Sequence[str], comm: MPI.Comm) -> dict[str, str]:
+    """Initialise PETSc, unless it runs already, and have it read all options.
 
-    Returns all options given, as rank 0 finds them: name in lower case -> option, which
-    fsipetsc.options reads. arguments: what stands behind the case's name. Collective. InputError
-    for what is not an option, FileError or InputError for an options file.
+    Returns what was given, as rank 0 finds it (fsipetsc.options.given_options). arguments: what
+    stands behind the case's name. Collective. InputError, FileError for what is not an option and
+    for an options file.
     """
-    given = comm.bcast(together(comm, lambda: _found(arguments) if comm.rank == 0 else None))
-    start = {option.name: given[option.name].text for option in AT_START if option.name in given}
-    if petsc_runs():
-        begin_options(start)
-    else:
-        _initialise(start)
-    if "options_left" not in start:
-        from petsc4py import PETSc
-
-        # newer releases (3.22) print what nobody asked for at the end, after every error
-        PETSc.Options().setValue("options_left", "false")
+    if not petsc_runs():
+        _initialise(arguments)
+    before = present()
+    given = comm.bcast(together(comm, lambda: given_options(arguments) if comm.rank == 0 else None))
+    begin_options({name: given[name] for name in AT_START if name in given}, before)
     return given
 
 
-def _found(arguments: Sequence[str]) -> dict[str, Given]:
-    found = given_options(arguments)
-    check_petsc(found)
-    return found
-
-
-def _initialise(start: Mapping[str, str]) -> None:
-    """Start PETSc with options of it, name -> text; it reads no others."""
-    words = [word for name, text in start.items() for word in (f"-{name}", text) if word]
+def _initialise(arguments: Sequence[str]) -> None:
+    """Start PETSc with those options that it follows only when it starts."""
+    words, start = [*os.environ.get("PETSC_OPTIONS", "").split(), *arguments, "-"], []
+    for word, value in zip(words, words[1:]):
+        if word.lstrip("-").lower() in AT_START:
+            start += [word, *([] if is_option(value) or value == "-" else [value])]
     always = ["-skip_petscrc", "-no_signal_handler"]  # a SIGTERM is the program's business
     import petsc4py
 
     environment = os.environ.pop("PETSC_OPTIONS", None)
     try:
-        petsc4py.init(["fsipetsc", *words, *always])
+        petsc4py.init(["fsipetsc", *start, *always])
     except RuntimeError:
-        raise InputError(f"PETSc could not start with {' '.join(words)}") from None
+        raise InputError(f"PETSc could not start with {' '.join(start)}") from None
     finally:
         if environment is not None:
             os.environ["PETSC_OPTIONS"] = environment

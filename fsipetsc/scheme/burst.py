@@ -1,6 +1,6 @@
 """Several steps in one call: the words of the plan of a burst, what came of it, the next step.
 
-A burst of steps ends when it has as many as are allowed (-fsi_burst, -ts_max_steps, room in the
+A burst of steps ends when it has as many as are allowed (-ts_max_steps, room in the
 journal), or something has to be looked at: a time to be saved, a failure, a
 signal. Each step fills a row of the journal.
 """

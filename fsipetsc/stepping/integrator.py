@@ -34,6 +34,8 @@ LAST = STOP + 1
 CHECKED = 256
 #: points (of all ranks, spare ones too) times steps in one call, so that a signal need not wait
 MOST_POINTS = {1: 250_000, 2: 2_000_000, 3: 2_000_000}
+#: most steps in one go, from one look at signals and progress to the next
+BURST = 64
 #: steps whose shares are added up at once: they stay in a cache
 CACHED_STEPS = 2048
 #: what a checkpoint keeps as it is
@@ -52,7 +54,7 @@ def _nothing(*arguments: object) -> None:
 class FusedRK4:
     """Context of a TS of type python: the classical Runge-Kutta method, in compiled code.
 
-    What is one step for TS is a burst of them where nobody looks at single ones (-fsi_burst); the
+    What is one step for TS is a burst of them where nobody looks at single ones (BURST); the
     hook after the step gives TS the time and the number of steps.
     """
 
@@ -146,7 +148,8 @@ class Integrator:
         self.burst_limit = 0  # most steps in one go; 0: they are made one by one, stage by stage
         if self._fused and self._steady:
             most = MOST_POINTS[state.problem.dimension] // (state.points + state.reserve)
-            self.burst_limit = max(1, min(opt["fsi_burst"], most))
+            watched = any(PETSc.Options().hasName(name) for name in ("ts_monitor", "log_view"))
+            self.burst_limit = max(1, min(1 if watched else BURST, most))
         self._error: BaseException | None = None
         self.initial: dict[str, Any] = {}  # integrals at t = 0
         self.beyond = ""  # what is to be said of steps that are too long

@@ -21,7 +21,6 @@ from petsc4py import PETSc
 import fsipetsc
 from fsipetsc.errors import FileError, InputError
 from fsipetsc.options import OF_A_RUN, PETSC_OPTIONS, spelt, table
-from fsipetsc.options.sources import Given
 from fsipetsc.output import checkpoint_file
 from fsipetsc.output.checkpoint_file import Checkpoint
 from fsipetsc.output.file_layout import describe
@@ -33,7 +32,7 @@ from fsipetsc.stepping.state import State
 FREE = OF_A_RUN | {
     *("fsi_output", "fsi_output_dt", "fsi_output_times", "ts_max_time", "ts_max_steps"),
     *("fsi_checkpoint", "fsi_checkpoint_steps", "fsi_checkpoint_wall"),
-    *("fsi_burst", "fsi_partition", "fsi_norm", "fsi_check"),
+    *("fsi_partition", "fsi_norm", "fsi_check"),
 }
 STEPS = ({option.name for option in PETSC_OPTIONS} | {"fsi_cfl"}) - FREE
 AUTO = "auto"
@@ -79,14 +78,14 @@ def checkpoint_name(checkpoint: str | None, output: str) -> str:
     return checkpoint or str(beside(output, ".checkpoint.h5"))
 
 
-def find_past(case: Any, given: Mapping[str, Given], comm: MPI.Comm) -> Past | None:
+def find_past(case: Any, given: Mapping[str, str], comm: MPI.Comm) -> Past | None:
     """What -fsi_restart asks for, if anything. Collective. FileError, InputError."""
     if "fsi_restart" not in given:
         return None
     options = table(case)
     names = "fsi_restart", "fsi_checkpoint", "fsi_output"
     asked, *files = (
-        options[name].parse(given[name].text) if name in given else options[name].default
+        options[name].parse(given[name]) if name in given else options[name].default
         for name in names
     )
 
@@ -157,7 +156,7 @@ def _known_to_all(found: Past | None, comm: MPI.Comm) -> Past | None:
 # what may have changed
 
 
-def check_options(past: Past, opt: Mapping[str, Any], given: Mapping[str, Given]) -> None:
+def check_options(past: Past, opt: Mapping[str, Any], given: Mapping[str, str]) -> None:
     """InputError for an option that cannot change at a restart; notes what may and does."""
     for name, now in opt.items():
         before = past.options.get(name, now)
@@ -166,13 +165,10 @@ def check_options(past: Past, opt: Mapping[str, Any], given: Mapping[str, Given]
         if before == now or one is None or name in FREE:
             continue
         was = "was not given" if before is None else f"was {_text(before)}"
-        what = f"-{one.name} {one.text}{one.where}: it {was} when {past.path} was written"
+        what = f"-{name} {one}: it {was} when {past.path} was written"
         leave = "leave it out: what is not given is taken from the checkpoint"
         if name not in STEPS:
             raise InputError(f"{what}, and cannot change at a restart; {leave}")
-        if one.where:  # a file that is there for other runs, too
-            here = "say it on the command line, if the steps are to be others from now on"
-            raise InputError(f"{what}; {leave}; or {here}")
         past.notes.append(f"note: {what}; the steps are others from now on")
 
 

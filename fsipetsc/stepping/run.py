@@ -13,7 +13,6 @@ from mpi4py import MPI
 from fsipetsc.blockrun.run_problem import RunProblem
 from fsipetsc.errors import ComputationError, FileError, FsiError, InputError, Interrupted
 from fsipetsc.options import read_options
-from fsipetsc.options.sources import Given
 from fsipetsc.output.checkpoint_file import CheckpointError
 from fsipetsc.output.file_layout import describe
 from fsipetsc.output.writer import RunWriter
@@ -37,7 +36,7 @@ from fsipetsc.stepping.state import State
 from fsipetsc.stepping.verdicts import cold_layers
 
 
-def run_given(case: Any, given: Mapping[str, Given], comm: MPI.Comm) -> dict[str, Any]:
+def run_given(case: Any, given: Mapping[str, str], comm: MPI.Comm) -> dict[str, Any]:
     """Run the case with the options that the user gave, from its beginning or a checkpoint.
 
     Returns the options in force. Collective; raises what ``run_case`` raises.

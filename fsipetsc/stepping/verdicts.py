@@ -33,7 +33,7 @@ _ADVICE = {
     "J": ("{steps}", _LOAD, _GRID),
     "x_X": ("{steps}", _LOAD, _GRID),
     "finite": ("{steps}", "{shocks}", "a look at what functions of the case give then"),
-    "crossed": ("a larger -fsi_spare", "{steps}", "{mapping}"),
+    "crossed": ("{steps}", "{mapping}"),
     "short": (_GRID, "a lower -fsi_order, which needs fewer points", "{mapping}"),
 }
 

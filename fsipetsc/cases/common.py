@@ -1,0 +1,98 @@
+"""What the built-in cases share: options of materials, states at rest, stacks of layers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from fsipetsc.blocks.layers import Layer, layers
+from fsipetsc.blocks.problem import BlockProblem
+from fsipetsc.checks import Array, Fields
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.line_solid import Solid
+from fsipetsc.materials.solid import ElasticSolid
+from fsipetsc.options import Option, above_one
+
+#: the options in force
+Opt = Mapping[str, Any]
+
+_GRUNEISEN = "pressure of the solid p = G rho epsilon; 0: elastic"
+#: name -> unit, meaning, check
+_KNOWN = {
+    "fluid_mu": ("Pa s", "viscosity of the gas", "nonnegative"),
+    "fluid_kappa": ("W/(m K)", "heat conductivity of the gas", "nonnegative"),
+    "fluid_gamma": ("", "ratio of the specific heats of the gas", above_one),
+    "fluid_R": ("J/(kg K)", "gas constant over molar mass", "positive"),
+    "solid_modulus": ("Pa", "2 mu_e + lambda_e of the solid", "positive"),
+    "solid_kappa": ("W/(m K)", "heat conductivity of the solid", "nonnegative"),
+    "solid_density": ("kg/m3", "density m0 of the solid in its reference state", "positive"),
+    "solid_alpha": ("J/(kg K)", "specific heat of the solid", "positive"),
+    "solid_mu": ("Pa", "mu_e of the solid", "positive"),
+    "solid_lambda": ("Pa", "lambda_e of the solid", "nonnegative"),
+    "solid_gruneisen": ("", _GRUNEISEN, "nonnegative"),
+}
+
+
+def material_options(conducting: bool = False, **defaults: Any) -> tuple[Option, ...]:
+    """Options with their defaults; a case leaves some out. conducting: no conductivity is 0.
+
+    solid_law: its default is the first of the tuple of laws that are allowed.
+    """
+    options = []
+    for name, value in defaults.items():
+        if name == "solid_law":
+            options.append(Option(name, str, value[0], "", "law of the solid", value))
+            continue
+        unit, meaning, check = _KNOWN[name]
+        check = "positive" if conducting and "kappa" in name else check
+        options.append(Option(name, float, value, unit, meaning, check=check))
+    return tuple(options)
+
+
+def gas_of(opt: Opt, gamma: float = 1.4, R: float = 1.0) -> Fluid:
+    """The gas of a case; gamma, R: where they are no options."""
+    both = opt.get("fluid_gamma", gamma), opt.get("fluid_R", R)
+    return Fluid(opt.get("fluid_mu", 0.0), opt.get("fluid_kappa", 0.0), *both)
+
+
+def solid_of(opt: Opt, force: float = 0.0) -> Solid:
+    """The solid of a case of layers; force [m/s2] on it."""
+    conducted, pressing = opt.get("solid_kappa", 0.0), opt.get("solid_gruneisen", 0.0)
+    numbers = opt["solid_modulus"], conducted, opt["solid_density"], opt["solid_alpha"]
+    return Solid(*numbers, force, pressing)
+
+
+def elastic_of(opt: Opt, p_ref: float = 1.0, **more: Any) -> ElasticSolid:
+    """The solid of a case of blocks, without heat of its own; p_ref [Pa], more: see ElasticSolid.
+
+    Of solid_mu and solid_lambda, or of solid_modulus K in units of p_ref: K/4 and K/2.
+    """
+    K = opt.get("solid_modulus", 0.0) * p_ref
+    lame = opt.get("solid_mu", K / 4), opt.get("solid_lambda", K / 2)
+    others = {"kappa_e": 0.0, "alpha": 1.0, "p_ref": p_ref, "heat": "elastic", **more}
+    return ElasticSolid(*lame, m0=opt["solid_density"], **others)
+
+
+def constant(*values: float) -> Callable[..., Fields]:
+    """A function of any place with these values: initial data of a gas at rest, for one."""
+    return lambda *X: [value + 0.0 * X[0] for value in values]
+
+
+def at_rest(T: float = 1.0) -> Callable[..., Fields]:
+    """Initial data of a solid block: no velocity, the temperature T [K], places as in the map."""
+    return lambda *X: [*(0.0 * x for x in X), T + 0.0 * X[0], *X]
+
+
+def line_at_rest(sigma: float, T: float) -> Callable[[Array], Fields]:
+    """Initial data of a solid layer under the stress sigma [Pa], of the temperature T [K]."""
+    return lambda X: [0.0 * X, sigma + 0.0 * X, T + 0.0 * X, X]
+
+
+def cells_of(opt: Opt, length: float) -> int:
+    """Cells of the size of -fsi_h, and at least as many as the operators want."""
+    return max(2 * opt["fsi_order"], round(length / opt["fsi_h"]))
+
+
+def stack(opt: Opt, *members: Layer, units: str = "none", **more: Any) -> BlockProblem:
+    """Layers on the grid that the options ask for; more: as of fsipetsc.blocks.layers.layers."""
+    return layers(*members, h=opt["fsi_h"], order=opt["fsi_order"], units=units, **more)
