@@ -12,7 +12,7 @@ from pathlib import Path
 from fsipetsc.cases import BUILT_IN, template_text
 from fsipetsc.errors import FileError, InputError
 from fsipetsc.options import LONGEST_NAME
-from fsipetsc.output.places import check_folder
+from fsipetsc.output.file_layout import check_folder
 
 
 def new_case(name: str, commands: Sequence[str], blocks: bool = False) -> Path:
@@ -23,7 +23,7 @@ def new_case(name: str, commands: Sequence[str], blocks: bool = False) -> Path:
     """
     path = Path(name)
     _check(path, name, commands)
-    check_folder(name, path.parent)
+    check_folder(name)
     text = template_text(blocks)
     if re.fullmatch(r"[\w./-]+", name):  # as it may stand in the examples
         text = text.replace("FILE.py", name).replace("NAME.", f"{path.stem}.")

@@ -13,8 +13,8 @@ from string import Template
 
 import numpy as np
 
+from fsipetsc.output.file_layout import writing
 from fsipetsc.output.info import info_sections
-from fsipetsc.output.places import writing
 from fsipetsc.output.plots.film import images, some
 from fsipetsc.output.plots.page import pictures
 from fsipetsc.output.plots.scales import moment

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fsipetsc.errors import InputError
-from fsipetsc.output.places import writing
+from fsipetsc.output.file_layout import writing
 from fsipetsc.output.plots.fields import Maps, Profiles, draw_bars, sizes, view_of
 from fsipetsc.output.plots.quantities import chosen, there
 from fsipetsc.output.plots.scales import moment

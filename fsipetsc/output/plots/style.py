@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import operator
-from fsipetsc.output.places import writing
+from fsipetsc.output.file_layout import writing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
