@@ -207,10 +207,9 @@ def info(arguments: list[str]) -> None:
 def plot(arguments: list[str]) -> None:
     """The command `plot RUN.h5` with its options."""
     found = _given("plot", arguments)
-    from fsipetsc.output.plots.command import draw
+    from fsipetsc.output.plots.page import plot as draw
 
-    path = found.pop("RUN.h5")
-    for picture in draw(path, found):
+    for picture in draw(found.pop("RUN.h5"), found):
         print(picture)
 
 
