@@ -186,7 +186,7 @@ def draw_over_time(figure: FigureBase, run: Run, quantities: Sequence[Quantity])
         view, pictures = View(run, quantity, range(run.nframes)), {}
         for layer, kept in zip(view.layers, view.values):
             x, values = without_gaps(layer, np.array(kept))
-            t = np.broadcast_to(run.time[:, None], x.shape)
+            x, values, t = between(x, values, np.broadcast_to(run.time[:, None], x.shape))
             pictures[layer.kind] = shaded(axes, x, t, values, view.looks[layer.kind])
         for x in x_interface[some].T:
             for color, width in (("white", 1.8), ("black", 0.8)):
@@ -196,6 +196,15 @@ def draw_over_time(figure: FigureBase, run: Run, quantities: Sequence[Quantity])
         axes.set(xlim=view.limits[0], ylim=run.time[[0, -1]], xlabel=view.labels[0], ylabel="")
     grid[0].set_ylabel("t")
     few_ticks(grid[0])
+
+
+def between(*arrays: Array) -> list[Array]:
+    """Arrays (nframes, n) with frames between the frames, linearly: triangles would show."""
+    count = len(arrays[0])
+    at = np.linspace(0, count - 1, max(count, 500))
+    begin = np.minimum(at.astype(int), count - 2)
+    part = (at - begin)[:, None]
+    return [(1 - part) * values[begin] + part * values[begin + 1] for values in arrays]
 
 
 def without_gaps(layer: Layer, values: Array) -> tuple[Array, Array]:
