@@ -253,15 +253,6 @@ def test_earlier_results_are_kept(tmp_path: Path) -> None:
             assert result.nframes == n
 
 
-def test_what_is_no_file_keeps_its_name(tmp_path: Path) -> None:
-    """A pipe, as a device would: neither renamed nor written to."""
-    os.mkfifo(tmp_path / "run.h5")
-    answer = run(PROGRAM, "refuse", tmp_path / "run.h5")
-    assert answer.stdout.startswith("1 4 "), answer
-    assert "exists and is not a regular file" in answer.stdout
-    assert os.listdir(tmp_path) == ["run.h5"]
-
-
 def test_a_second_run_of_the_name_is_refused(tmp_path: Path) -> None:
     from mpi4py import MPI
 

@@ -41,6 +41,8 @@ def plot(path: str, given: Mapping[str, str]) -> list[Path]:
     times = _times(given["-times"]) if "-times" in given else ()
     names = tuple(map(str.strip, given["-fields"].split(","))) if "-fields" in given else ()
     where, every, film = Path(given.get("-o", os.curdir)), "-all" in given, "-animate" in given
+    if every and film:
+        raise InputError("plot: -all and -animate are two things; give one of them")
     suffixes = (".gif",) if film else () if every else PICTURES
     is_file = where.suffix in suffixes
     if where.suffix and not is_file and not where.is_dir():
