@@ -14,8 +14,7 @@ from fsipetsc.cases import BUILT_IN, load_case, summaries
 from fsipetsc.errors import FileError, InputError
 from fsipetsc.options.sources import HELP_FLAGS, is_option
 from fsipetsc.process.failure import end_together
-from fsipetsc.process.host import left_as_found
-from fsipetsc.process.launch import launcher_rank, start_mpi, start_petsc
+from fsipetsc.process.launch import launcher_rank, left_as_found, start_mpi, start_petsc
 from fsipetsc.process.streams import abandon, complete_streams
 from fsipetsc.process.together import together
 from fsipetsc.usage import case_help, command_help, overview, program

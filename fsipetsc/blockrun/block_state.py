@@ -33,7 +33,6 @@ from fsipetsc.scheme.after_step import WORDS, note_extremes
 from fsipetsc.scheme.burst import DT, MADE, plan_next
 from fsipetsc.scheme.plan import BAD, BURST, FLAGS, LIMITS, RATE, SAID_STOP
 from fsipetsc.scheme.runge_kutta import STAGES, advance
-from fsipetsc.stepping.diagnosis import Failure
 from fsipetsc.stepping.phases import logged
 from fsipetsc.stepping.snapshot import as_numbers
 from fsipetsc.stepping.state import FAULT
@@ -433,7 +432,7 @@ class BlockState:
         """See fsipetsc.blockrun.errors_of_blocks."""
         return errors(self, t, norm)
 
-    def failure(self, t: float, step: int) -> Failure:
+    def failure(self, t: float, step: int) -> str:
         """What is wrong with a state that is not physical. Collective."""
         return describe_failure(self, t, step)
 

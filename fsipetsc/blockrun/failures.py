@@ -8,14 +8,14 @@ import numpy as np
 
 from fsipetsc.blockrun.columns import fields_of
 from fsipetsc.blockrun.run_problem import PLACES, VELOCITIES
-from fsipetsc.stepping.diagnosis import Failure, Seen, described
+from fsipetsc.stepping.diagnosis import Seen, described
 
 if TYPE_CHECKING:
     from fsipetsc.blockrun.block_state import BlockState
     from fsipetsc.parallel.block_layout import Part
 
 
-def describe_failure(state: BlockState, t: float, step: int) -> Failure:
+def describe_failure(state: BlockState, t: float, step: int) -> str:
     """Field, block, position, time and step of the first unphysical node. Collective."""
     return described(state, (_seen(state, part) for part in state.layout.parts), t, step)
 

@@ -1,16 +1,19 @@
-"""Start of MPI and PETSc, with options that have been checked before PETSc sees them."""
+"""Start of MPI and PETSc, with options that have been checked before PETSc sees them; and what a
+run gives back, so that several can be made in one process.
+"""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from fsipetsc.errors import InputError
 from fsipetsc.options import check_petsc
 from fsipetsc.options.sources import Given, given_options
 from fsipetsc.options.tables import AT_START
-from fsipetsc.process.host import begin_options, petsc_runs
 from fsipetsc.process.together import together
 
 if TYPE_CHECKING:
@@ -56,7 +59,12 @@ def start_petsc(arguments: Sequence[str], comm: MPI.Comm) -> dict[str, Given]:
     given = comm.bcast(together(comm, lambda: _found(arguments) if comm.rank == 0 else None))
     start = {option.name: given[option.name].text for option in AT_START if option.name in given}
     if petsc_runs():
-        begin_options(start)
+        found = _present()
+        for name, text in start.items():
+            if found.get(name) != text:
+                what = f"-{name} works from the start of PETSc, which runs already in this process"
+                raise InputError(f"{what}: make this run in a process of its own")
+        _put(start)
     else:
         _initialise(start)
     if "options_left" not in start:
@@ -87,3 +95,60 @@ def _initialise(start: Mapping[str, str]) -> None:
     finally:
         if environment is not None:
             os.environ["PETSC_OPTIONS"] = environment
+
+
+# several runs in one process: PETSc has one database of options for all of it
+
+
+def petsc_runs() -> bool:
+    """PETSc has been started in this process. InputError if it has been ended, too."""
+    if "petsc4py.PETSc" not in sys.modules:
+        return False
+    from petsc4py import PETSc
+
+    if PETSc.Sys.isFinalized():
+        raise InputError("PETSc has been ended in this process, and cannot be started again")
+    return PETSc.Sys.isInitialized()
+
+
+@contextmanager
+def left_as_found() -> Iterator[None]:
+    """What is done within leaves no options, search paths and modules of case files behind.
+
+    Options that PETSc looks at when it ends, such as -log_view, stay if it was started within.
+    """
+    path, modules = list(sys.path), set(sys.modules)
+    found = _present() if petsc_runs() else None
+    try:
+        yield
+    finally:
+        if "petsc4py.PETSc" in sys.modules and petsc_runs():
+            names = {"options_left", *(option.name for option in AT_START)}
+            at_end = {name: text for name, text in _present().items() if name in names}
+            _put(at_end if found is None else found)
+        folders = tuple(os.path.join(folder, "") for folder in set(sys.path) - set(path))
+        for name in set(sys.modules) - modules:  # the next case file has its own of that name
+            file = getattr(sys.modules[name], "__file__", None) or ""
+            if name.startswith("fsipetsc_case_") or (folders and file.startswith(folders)):
+                del sys.modules[name]
+        sys.path[:] = path
+
+
+def _present() -> dict[str, str]:
+    """Name -> text of all options in PETSc's database; "" if there is no value."""
+    from petsc4py import PETSc
+
+    database = PETSc.Options()
+    listed = database.getAll()  # may cut a text at a blank, as getString does after 1023 letters
+    return {k: max(listed[k] or "", database.getString(k, ""), key=len) for k in listed}
+
+
+def _put(options: Mapping[str, str]) -> None:
+    """Make PETSc's database hold these options alone."""
+    from petsc4py import PETSc
+
+    database = PETSc.Options()
+    for name in database.getAll():
+        database.delValue(name)
+    for name, value in options.items():
+        database.setValue(name, value)

@@ -24,14 +24,7 @@ class Seen(NamedTuple):
     place: Callable[[int], str]
 
 
-class Failure(NamedTuple):
-    """What is wrong, in words, and what it is about: a topic of fsipetsc.stepping.advice."""
-
-    words: str
-    topic: str
-
-
-def described(state: Any, seen: Iterable[Seen], t: float, step: int) -> Failure:
+def described(state: Any, seen: Iterable[Seen], t: float, step: int) -> str:
     """The first unphysical point of all ranks. Collective."""
     with np.errstate(all="ignore"):
         bad = [found for found in map(_first_bad, seen) if found]
@@ -39,13 +32,12 @@ def described(state: Any, seen: Iterable[Seen], t: float, step: int) -> Failure:
     first = min((found for found in every if found), default=None)
     when = f"t = {t:.6g}{state.problem.unit('s')}, step {step}"
     if first is None:
-        return Failure(f"the time step is not a number at {when}", "finite")
+        return f"the time step is not a number at {when}"
     k, _, name, value, place = first
     what = f"{name} = {value:.6g}" if np.isfinite(value) else f"{name} is not a finite number"
     if TOO_LARGE <= abs(value) < np.inf:
         what += ", too large to go on with,"
-    words = f"{what} in layer '{state.problem.layers[k].name}' at {place}, {when}"
-    return Failure(words, name if np.isfinite(value) else "finite")
+    return f"{what} in layer '{state.problem.layers[k].name}' at {place}, {when}"
 
 
 def _first_bad(seen: Seen) -> tuple[int, int, str, float, str] | None:

@@ -24,27 +24,15 @@ FAR = 1.5
 #: a layer that is colder than this everywhere [K] has its temperature in °C, most likely
 COLD = 100.0
 
-_GRID = "a finer grid (-fsi_h)"
-_LOAD = "stiffer or heavier layers or less load, so that none is squeezed to nothing"
 
-
-def advice(topic: str, opt: Mapping[str, Any]) -> str:
-    """What usually helps, in words: topic is what a failure is about, opt are the options in force.
-    """
+def advice(opt: Mapping[str, Any]) -> str:
+    """What usually helps, in words; opt: options in force."""
     paper = opt["fsi_coupling"] != "conservative"
     unused = [f"-{name} 1" for name in ("fsi_dissipation", "fsi_shock") if not opt[name]]
     shocks = " and ".join([*(["-fsi_coupling conservative"] * paper), *unused])
-    shocks = f"{shocks} where there are shocks" if shocks else ""
     steps = "a smaller -ts_dt" if opt["ts_dt"] else "a smaller -fsi_cfl"
-    mapping = "-fsi_coupling conservative, whose grids keep their points" if paper else ""
-    tried = {
-        "J": (steps, _LOAD, _GRID),
-        "x_X": (steps, _LOAD, _GRID),
-        "finite": (steps, shocks, "a look at what functions of the case give then"),
-        "crossed": ("a larger -fsi_spare", steps, mapping),
-        "short": (_GRID, "a lower -fsi_order, which needs fewer points", mapping),
-    }.get(topic, (steps, shocks, _GRID))
-    return f"what usually helps: {', '.join(filter(None, tried))}"
+    tried = [steps, "a finer grid (-fsi_h)", *([f"{shocks} where there are shocks"] * bool(shocks))]
+    return f"what usually helps: {', '.join(tried)}"
 
 
 def check(
@@ -55,8 +43,8 @@ def check(
     flags: flags and limits of the step; beyond: what ``beyond_bound`` said.
     """
     if flags[BAD] or not flags[RATE] < np.inf:
-        words, topic = state.failure(t, step)
-        raise ComputationError("; ".join(filter(None, (words, beyond, advice(topic, opt)))))
+        said = filter(None, (state.failure(t, step), beyond, advice(opt)))
+        raise ComputationError("; ".join(said))
     if not flags[EXHAUSTED] and not flags[TOO_SHORT]:
         return
     k = int(flags[EXHAUSTED] or flags[TOO_SHORT]) - 1
@@ -67,10 +55,9 @@ def check(
     where = f"at t = {t:.6g}{state.problem.unit('s')}, step {step}, with its interface at "
     where += f"x = {interface:.6g}{m} and its boundary at x = {boundary:.6g}{m}"
     if flags[EXHAUSTED]:
-        said = f"the points of {name} are used up {where}"
-        raise ComputationError(f"{said}; {advice('crossed', opt)}")
+        raise ComputationError(f"the points of {name} are used up {where}; try a larger -fsi_spare")
     least = f"the {state.op.name} operator needs {int(record['least'])} points"
-    raise ComputationError(f"{name} has become too short {where}: {least}; {advice('short', opt)}")
+    raise ComputationError(f"{name} has become too short {where}: {least}")
 
 
 def beyond_bound(state: State, opt: Mapping[str, Any]) -> str:
