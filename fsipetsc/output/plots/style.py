@@ -130,8 +130,9 @@ def time_axis(axes: Axes, run: Run, which: str = "x") -> None:
 
     axis = getattr(axes, f"{which}axis")
     axis.set_label_text("t")
+    axes.locator_params(axis=which, nbins=4 if which == "x" else 8)
     if is_si(run):
-        axis.set_major_formatter(EngFormatter("s"))
+        axis.set_major_formatter(EngFormatter("s", useMathText=False))
     times = np.concatenate([run.time[:1], run.series.get("t", run.time)[:1], run.time[-1:]])
     axes.set(**{f"{which}lim": (times.min(), max(times.max(), *run.series.get("t", [0])[-1:]))})
 
