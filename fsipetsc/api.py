@@ -14,8 +14,7 @@ from fsipetsc.options import table
 from fsipetsc.output.reader import Run, open_run
 from fsipetsc.problem import Problem
 from fsipetsc.process.failure import end_together
-from fsipetsc.process.host import left_as_found
-from fsipetsc.process.launch import start_mpi, start_petsc
+from fsipetsc.process.launch import left_as_found, start_mpi, start_petsc
 from fsipetsc.process.together import together
 
 if TYPE_CHECKING:

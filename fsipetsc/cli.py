@@ -14,8 +14,7 @@ from fsipetsc.cases import BUILT_IN, load_case, summaries
 from fsipetsc.errors import FileError, InputError
 from fsipetsc.options import is_option
 from fsipetsc.process.failure import end_together
-from fsipetsc.process.host import left_as_found
-from fsipetsc.process.launch import launcher_rank, start_mpi, start_petsc
+from fsipetsc.process.launch import launcher_rank, left_as_found, start_mpi, start_petsc
 from fsipetsc.process.streams import abandon, complete_streams
 from fsipetsc.process.together import together
 from fsipetsc.usage import case_help, command_help, overview, program
@@ -194,9 +193,9 @@ def _done_by_one(name: str, found: dict[str, str]) -> Iterable[object]:
 
         return [info(found["RUN.h5"])]
     if name == "plot":
-        from fsipetsc.output.plots.command import draw
+        from fsipetsc.output.plots.page import plot
 
-        return draw(found.pop("RUN.h5"), found)
+        return plot(found.pop("RUN.h5"), found)
     if name == "report":
         from fsipetsc.output.report import report
 

@@ -5,14 +5,11 @@ first test asks; fixtures.
 from __future__ import annotations
 
 import fcntl
-import hashlib
 import importlib.util
 import os
 import signal
-import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TextIO
 
 import pytest
 from helpers import REPOSITORY, compute
@@ -30,24 +27,13 @@ DEAREST = (
     *("plane_cases", "shock", "faults", "wave_modes", "plots", "disk", "flutter"),
 )
 _SHORT = "-fsi_h 0.1 -ts_max_steps 2"
-_SHOCKS = "-fsi_dissipation 1 -fsi_shock 1 -ts_max_steps 1"
-#: runs that compile what several files of tests need, part by part. All tests wait
-#: for the first part
-PARTS: tuple[dict[str, tuple[str, str]], ...] = (
-    {
-        "fused": ("rod", _SHORT),
-        "rk": ("rod", f"{_SHORT} -ts_type rk"),
-        "forced": ("mms", "-ts_max_steps 2"),
-    },
-    {
-        "plane": ("plane_mms", "-ts_max_steps 1"),
-        "plane dissipation": ("blast", f"-fsi_h 0.125 -fluid_mu 0 -fluid_kappa 0 {_SHOCKS}"),
-        "plane elastic": ("wave", "-fsi_h 0.125 -fluid_mu 0 -fluid_kappa 0 -ts_max_steps 1"),
-    },
-)
-#: tests of a session that needs all parts
-MANY = 300
-#: seconds that a part may take: against what hangs, on a machine as busy as can be
+#: runs that compile what most tests need; all tests wait for them
+FIRST = {
+    "fused": ("rod", _SHORT),
+    "rk": ("rod", f"{_SHORT} -ts_type rk"),
+    "forced": ("mms", "-ts_max_steps 2"),
+}
+#: seconds that they may take: against what hangs, on a machine as busy as can be
 COMPILER = 7200.0
 ORDERS = (2, 4, 6, 8)
 PULSE_SPACINGS = (0.0125, 0.00625)
@@ -194,28 +180,6 @@ def pytest_configure(config: pytest.Config) -> None:
     os.environ.setdefault("OMPI_MCA_ess_singleton_isolated", "1")
 
 
-def pytest_collection_finish(session: pytest.Session) -> None:
-    """Where several processes share MANY tests, each of them has processors of its own, and so has
-    all that it starts.
-
-    Ranks on the same ones offer them to each other at once while they wait, and take half of what
-    they take where each waits for one that another process's rank has. Of few tests one process may
-    have all: it would leave processors idle.
-    """
-    shared = getattr(session.config, "workerinput", None)
-    if shared is not None and len(session.items) > MANY and hasattr(os, "sched_setaffinity"):
-        which = int(shared["workerid"].removeprefix("gw"))
-        os.sched_setaffinity(0, processors(which, shared["workercount"]))
-
-
-def processors(worker: int, workers: int) -> set[int]:
-    """Those of one of the processes that share the tests: as many as there are for each,
-    at least one.
-    """
-    every = sorted(os.sched_getaffinity(0))
-    return set(every[worker % len(every) :: workers])
-
-
 def pytest_sessionfinish() -> None:
     """What the ranks have cost is known when they have ended; before who sums up ends
     this process.
@@ -232,58 +196,21 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 @pytest.fixture(scope="session", autouse=True)
-def kernels(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> None:
+def kernels(tmp_path_factory: pytest.TempPathFactory) -> None:
     """Compile what is not compiled yet, once, so that no test waits for it longer than it can."""
     if importlib.util.find_spec("petsc4py") is None or importlib.util.find_spec("numba") is None:
         return
-    for k in range(len(PARTS)) if request.session.testscollected > MANY else ():
-        with _lock(k) as lock:
-            if not _taken(lock):
-                _compile(k, tmp_path_factory)
-    with _lock(0) as lock:  # several processes of one session may come here at once
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        _compile(0, tmp_path_factory)
-
-
-def _compile(k: int, tmp_path_factory: pytest.TempPathFactory) -> None:
-    """Compile a part, if that has not been done; whoever does it has the lock."""
-    done, what = done_file(k), repr(PARTS[k])
-    if done.exists() and done.read_text() == what:
-        return
-    folder = tmp_path_factory.mktemp("kernels")
-    made = compute(1, folder, PARTS[k], COMPILER)
-    wrong = [(folder / f"{name}.txt").read_text() for name in PARTS[k] if name not in made]
-    assert not wrong, f"the kernels that all tests need cannot be compiled: {wrong[0]}"
-    done.write_text(what)
-
-
-def done_file(k: int) -> Path:
-    """What says that a part is compiled: for this Python, this numba and this processor, which
-    their kernels are of.
-    """
-    import numba
-    from llvmlite import binding
-
-    processor = numba.config.CPU_NAME or binding.get_host_cpu_name(), numba.config.CPU_FEATURES
-    versions = repr((sys.version, numba.__version__, processor))
-    digest = hashlib.sha256(versions.encode()).hexdigest()[:16]
-    return Path(numba.config.CACHE_DIR) / f"tests{k}-{digest}.done"
-
-
-def _lock(k: int) -> TextIO:
-    """The file by which processes tell each other that a part is being compiled."""
     from fsipetsc.operators.kernel_cache import use_kernel_cache
 
-    return (use_kernel_cache() / f"tests{k}.lock").open("w")
-
-
-def _taken(lock: TextIO) -> bool:
-    """Whether another process has it; if not, this one has it now."""
-    try:
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return True
-    return False
+    cache = use_kernel_cache()
+    with (cache / "tests.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)  # several processes of one session may come here at once
+        if not (cache / "tests.done").exists():
+            folder = tmp_path_factory.mktemp("kernels")
+            made = compute(1, folder, FIRST, COMPILER)
+            wrong = [(folder / f"{name}.txt").read_text() for name in FIRST if name not in made]
+            assert not wrong, f"the kernels that all tests need cannot be compiled: {wrong[0]}"
+            (cache / "tests.done").touch()
 
 
 @pytest.fixture(scope="session")

@@ -65,7 +65,7 @@ def run_all(runs: dict[str, list[str]], comm: Any) -> None:
     from fsipetsc.cases import load_case
     from fsipetsc.errors import FsiError
     from fsipetsc.options import given_options
-    from fsipetsc.process.host import left_as_found
+    from fsipetsc.process.launch import left_as_found
     from fsipetsc.stepping.run import run_given
 
     for name, (case_name, text) in runs.items():

@@ -5,12 +5,8 @@ from __future__ import annotations
 import os
 import signal
 import sys
-from pathlib import Path
 
 import numpy as np
-
-from fsipetsc.output.lock import set_aside
-from fsipetsc.output.pieces import folder_of
 
 H = 0.05
 LAYERS = [
@@ -74,20 +70,15 @@ def write(
     join: bool = True,
 ) -> None:
     """join: the pieces into one file, at the end."""
-    from fsipetsc.output.writer import RunWriter
+    from fsipetsc.output import writer as module
     from fsipetsc.process.launch import start_mpi
 
     comm = start_mpi()
-    kept: dict = {}
-
-    def settle(earlier: list[Path]) -> dict[Path, Path]:
-        kept.update(set_aside(earlier, Path(path).stem, [Path(path), folder_of(path)]))
-        return kept
-
     whole = [grid(i) for i in range(3)]
     mine = [owned(i, whole[i], comm.rank, comm.size, split) for i in range(3)]
     grids = [{"local": len(m), "n": len(w), "X": m * H} for m, w in zip(mine, whole)]
-    writer = RunWriter(comm, path, header, grids, settle=settle, buffer_frames=4)
+    module.FRAMES = 4  # in a piece
+    writer = module.RunWriter(comm, path, header, grids)
     taken = made = 0
 
     def take() -> np.ndarray:
@@ -112,7 +103,7 @@ def write(
     summary = {"steps": SERIES_STEPS * nframes, "wall_time": np.float64(1.5)}
     writer.finish(summary, {"fluid": {"rho": 1e-3}}, join)
     if comm.rank == 0:
-        print("kept as", *(name.name for name in kept.values()))
+        print("kept as", *(name.name for _, name in writer.moved))
 
 
 def refuse(path: str) -> None:
@@ -124,7 +115,7 @@ def refuse(path: str) -> None:
 
     comm = MPI.COMM_WORLD
     try:
-        RunWriter(comm, path, HEADER, [{"n": 0}] * 3, settle=lambda earlier: {})
+        RunWriter(comm, path, HEADER, [{"n": 0}] * 3)
     except FileError as error:
         answers = comm.gather((error.status, str(error)))
         if comm.rank == 0:

@@ -1,29 +1,23 @@
-"""The file of a checkpoint: whole or refused, whatever is done to it; the one before stays until
-the new one is there."""
+"""Checkpoints: whole or refused, whatever is done to the file; what a run goes on from, and what
+becomes of the checkpoints of other runs.
+"""
 
 from __future__ import annotations
 
 import errno
-import io
 import os
-import pickle
+import shutil
+from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 from helpers import message, solve
 
+import fsipetsc
 from fsipetsc.errors import FileError
 from fsipetsc.output import checkpoint_file
-from fsipetsc.output.checkpoint_file import (
-    Checkpoint,
-    CheckpointError,
-    pack,
-    previous,
-    read,
-    unpack,
-    write,
-)
+from fsipetsc.output.checkpoint_file import Checkpoint, CheckpointError, pack, read, unpack, write
 
 SMALL = Checkpoint({"case": "rod", "memory": {"t": float("inf")}}, {"layer0": np.arange(6.0)})
 
@@ -71,55 +65,10 @@ def test_what_is_no_checkpoint_is_refused(tmp_path):
             read(tmp_path / name)
 
 
-def made_by_somebody(change) -> bytes:
-    """A checkpoint with a right checksum that somebody has changed."""
-    with h5py.File(io.BytesIO(pack(SMALL)[checkpoint_file._HEAD :]), "r+") as file:
-        change(file)
-        file.flush()
-        body = file.id.get_file_image()
-    return checkpoint_file._head(body) + body
-
-
-class Trap:
-    """What would do harm if it were unpickled."""
-
-    def __reduce__(self):
-        return os.mkdir, ("sprung",)
-
-
-FOREIGN = {
-    "texts": lambda file: file.__setitem__("arrays/layer1", ["a", "b"]),
-    "a pickle": lambda file: file.__setitem__("arrays/layer1", np.void(pickle.dumps(Trap()))),
-    "no header": lambda file: file.__delitem__("header"),
-    "a header of numbers": lambda file: (file.pop("header"), file.__setitem__("header", 3.0)),
-}
-
-
-@pytest.mark.parametrize("name", FOREIGN)
-def test_it_holds_numbers_and_text_and_nothing_is_done_with_them(name, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    content = made_by_somebody(FOREIGN[name])
-    with pytest.raises(FileError, match=r"^a\.h5: is not a checkpoint of fsipetsc: "):
-        unpack(content, "a.h5")
-    assert not os.path.exists("sprung")
-
-
-def test_the_last_two_are_kept(tmp_path):
-    target = tmp_path / "a.h5"
-    for steps in (1, 2, 3):
-        write(target, pack(Checkpoint({"steps": steps}, {})))
-    assert (read(target).header["steps"], read(previous(target)).header["steps"]) == (3, 2)
-    assert {path.name for path in tmp_path.iterdir()} == {"a.h5", "a.previous.h5"}
-    target.unlink()
-    with pytest.raises(FileError, match=f"the one before it is there: {previous(target)}"):
-        read(target)
-
-
 @pytest.mark.parametrize("at", ["fsync", "replace"])
 def test_what_fails_in_the_middle_leaves_the_one_before(at, tmp_path, monkeypatch):
     target = tmp_path / "a.h5"
-    for steps in (1, 2):
-        write(target, pack(Checkpoint({"steps": steps}, {})))
+    write(target, pack(Checkpoint({"steps": 2}, {})))
 
     def full(*arguments):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
@@ -129,36 +78,11 @@ def test_what_fails_in_the_middle_leaves_the_one_before(at, tmp_path, monkeypatc
         with pytest.raises(CheckpointError, match=r"No space left .*; the one before is kept in"):
             write(target, pack(Checkpoint({"steps": 3}, {})))
     assert read(target).header["steps"] == 2
-    assert {path.name for path in tmp_path.iterdir()} == {"a.h5", "a.previous.h5"}
-    write(target, pack(Checkpoint({"steps": 4}, {})))
-    assert read(target).header["steps"] == 4
-
-
-@pytest.mark.parametrize("at", ["a.h5", "a.previous.h5"])
-def test_what_is_no_checkpoint_is_never_written_over(at, tmp_path):
-    """Before the run, and where it came there meanwhile; but a damaged checkpoint is."""
-    target, content = tmp_path / "a.h5", pack(SMALL)
-    if at == "a.previous.h5":
-        write(target, content)
-    (tmp_path / at).write_bytes(b"years of work")
-    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
-    said = f"{at}: exists and is not a checkpoint of fsipetsc"
-    with pytest.raises(FileError, match=f"{said}: no checkpoint can be written"):
-        checkpoint_file.check_place(target)
-    with pytest.raises(CheckpointError, match=f"cannot be written: .*{said}"):
-        write(target, content)
-    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
-    (tmp_path / at).write_bytes(content[:-1])
-    checkpoint_file.check_place(target)
-    write(target, content)
-    assert read(target).header == SMALL.header
-
-
-def test_looking_for_a_place_leaves_what_another_run_is_writing(tmp_path):
-    draft = checkpoint_file.draft_of(tmp_path / "a.h5")
-    draft.write_text("half of it")
-    checkpoint_file.check_place(tmp_path / "a.h5")
-    assert draft.read_text() == "half of it"
+    assert {path.name for path in tmp_path.iterdir()} == {"a.h5"}
+    target.write_bytes(b"years of work")
+    with pytest.raises(CheckpointError, match="exists and is not a checkpoint of fsipetsc"):
+        write(target, pack(SMALL))
+    assert target.read_bytes() == b"years of work"
 
 
 SHORT = (
@@ -180,30 +104,17 @@ def stopped(tmp_path_factory):
 @pytest.mark.parametrize("ranks", [1, 3])
 def test_a_file_that_cannot_be_gone_on_from_ends_all(ranks, stopped, tmp_path):
     """Status 4, one message, nothing written."""
-    good = (stopped / "rod.checkpoint.h5").read_bytes()
-    flipped = bytearray(good)
-    flipped[len(good) // 2] ^= 1
-    (tmp_path / "flipped.h5").write_bytes(flipped)
-    (tmp_path / "cut.h5").write_bytes(good[:-1000])
+    good = bytearray((stopped / "rod.checkpoint.h5").read_bytes())
+    good[len(good) // 2] ^= 1
+    (tmp_path / "rod.checkpoint.h5").write_bytes(good)
     (tmp_path / "result.h5").write_bytes((stopped / "rod.h5").read_bytes())
     before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
-    cases = {"flipped.h5": "damaged", "cut.h5": "damaged", "none.h5": "no such file"}
-    cases["result.h5"] = "is not a checkpoint"
-    for name, words in cases.items() if ranks == 1 else list(cases.items())[:1]:
+    said = {"none.h5": "no such file", "result.h5": "is not a checkpoint"}
+    said["auto"] = "rod.checkpoint.h5: the checkpoint is damaged"
+    for name, words in said.items():
         done = solve("rod", "-fsi_restart", name, cwd=tmp_path, ranks=ranks)
-        message(done, 4, name, words)
+        message(done, 4, words, "begins anew" if name == "auto" else name)
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
-
-
-def test_a_header_that_somebody_has_made(stopped, tmp_path):
-    """Status 4 whatever is missing, before the run begins or as it goes on."""
-    whole = read(stopped / "rod.checkpoint.h5")
-    for name in ("case", "run", "result", "memory", "problem", "columns", "limits", "saved_at"):
-        header = {key: value for key, value in whole.header.items() if key != name}
-        (tmp_path / "a.h5").write_bytes(pack(Checkpoint(header, whole.arrays)))
-        message(solve("rod", "-fsi_restart", "a.h5", cwd=tmp_path), 4, "a.h5: ", "checkpoint")
-    (tmp_path / "a.h5").write_bytes(pack(Checkpoint(whole.header, {})))
-    message(solve("rod", "-fsi_restart", "a.h5", cwd=tmp_path), 4, "a.h5: the checkpoint does not")
 
 
 def test_options_that_cannot_change_are_named(stopped, tmp_path):
@@ -227,8 +138,6 @@ def test_options_that_cannot_change_are_named(stopped, tmp_path):
 
 
 def test_steps_may_change_where_it_is_said_and_a_result_may_begin_anew(stopped, tmp_path):
-    import fsipetsc
-
     checkpoint = stopped / "rod.checkpoint.h5"
     words = "-ts_dt", "1e-5", "-ts_max_steps", 70, "-fsi_output", "new.h5"
     done = solve("rod", "-fsi_restart", checkpoint, *words, cwd=tmp_path)
@@ -244,59 +153,17 @@ def test_steps_may_change_where_it_is_said_and_a_result_may_begin_anew(stopped, 
         assert result.summary["steps"] == 70
 
 
-def test_auto_begins_takes_the_newest_and_passes_over_the_damaged(tmp_path):
-    """The line of a batch script."""
-    line = [*SHORT[:-1], "-fsi_restart", "auto"]
-    first = solve(*line, cwd=tmp_path)
-    assert (first.returncode, "goes on" in first.stdout) == (0, False), first.stderr
-    second = solve(*line, "-ts_max_steps", 80, cwd=tmp_path)
-    assert "goes on from rod.checkpoint.h5: step 60" in second.stdout, second.stderr
-    newest = tmp_path / "rod.checkpoint.h5"
-    newest.write_bytes(newest.read_bytes()[:-1])
-    third = solve(*line, "-ts_max_steps", 90, cwd=tmp_path)
-    assert "goes on from rod.checkpoint.previous.h5: step 60" in third.stdout, third.stderr
-    assert "note: rod.checkpoint.h5: the checkpoint is damaged" in third.stdout
-    for path in tmp_path.glob("*checkpoint*"):
-        path.write_bytes(b"fsipetsc checkpoint 1")
-    message(solve(*line, cwd=tmp_path), 4, "without them -fsi_restart auto begins anew")
-
-
 def test_places_where_no_checkpoint_can_be_are_found_out_before_the_run(tmp_path):
     message(
         solve(*SHORT, "-fsi_checkpoint", "rod.h5", cwd=tmp_path), 2, "that is where the result goes"
     )
     said = "no/a.h5: the directory", "does not exist"
     message(solve(*SHORT, "-fsi_checkpoint", "no/a.h5", cwd=tmp_path), 4, *said)
-    (tmp_path / "a.h5").mkdir()
-    message(
-        solve(*SHORT, "-fsi_checkpoint", "a.h5", cwd=tmp_path),
-        4,
-        "a.h5: exists and is not a regular file",
-    )
+    (tmp_path / "a.h5").write_text("years of work")
+    said = "a.h5: exists and is not a checkpoint of fsipetsc"
+    message(solve(*SHORT, "-fsi_checkpoint", "a.h5", cwd=tmp_path), 4, said)
+    assert (tmp_path / "a.h5").read_text() == "years of work"
     assert not (tmp_path / "rod.h5").exists()
-
-
-def test_no_other_file_is_taken_for_the_checkpoint(tmp_path):
-    """A default name counts where checkpoints are asked for."""
-    (tmp_path / "rod.checkpoint.h5").write_text("years of work")
-    said = "rod.checkpoint.h5: exists and is not a checkpoint of fsipetsc"
-    message(solve(*SHORT, cwd=tmp_path), 4, said)
-    assert (tmp_path / "rod.checkpoint.h5").read_text() == "years of work"
-    assert len(list(tmp_path.iterdir())) == 1
-
-
-def test_a_result_whose_name_has_another_ending(tmp_path):
-    """Its files and what is said of them have this name; a burst of 1 is not inherited."""
-
-    line = [*SHORT[:-1], "-fsi_output", "run.v2", "-ts_max_steps", 20, "-fsi_burst", 1]
-    assert solve(*line, cwd=tmp_path).returncode == 0
-    done = solve(*line[:-2], cwd=tmp_path)
-    assert f"kept the earlier run.v2 as {tmp_path}/run.v2.1\n" in done.stdout, done.stderr
-    assert f"kept earlier checkpoints as {tmp_path}/run.v2.checkpoint.1.h5\n" in done.stdout
-    names = {"run.v2", "run.v2.1", "run.v2.checkpoint.h5", "run.v2.checkpoint.1.h5"}
-    assert {path.name for path in tmp_path.iterdir()} == names
-    restart = "-fsi_restart", "run.v2.checkpoint.1.h5", "-ts_max_steps", 30
-    assert solve("rod", *restart, "-fsi_output", "on.h5", cwd=tmp_path).returncode == 0
 
 
 def test_another_extent_of_a_layer_is_found_out(tmp_path):
@@ -308,3 +175,48 @@ def test_another_extent_of_a_layer_is_found_out(tmp_path):
     (tmp_path / "mine.py").write_text(case.replace("TOP", "3.2"))
     done = solve("mine.py", "-fsi_restart", "mine.checkpoint.h5", cwd=tmp_path)
     message(done, 2, "X of layer 'above' is [", ", 3.2], and was [", ", 3.0] when the checkpoint")
+
+
+WORDS = "rod -fsi_h 0.05 -ts_max_time 1 -fsi_checkpoint_steps 20 -ts_max_steps".split()
+NEWEST = "rod.checkpoint.h5"
+
+
+def steps(path: Path) -> int:
+    return read(path).header["memory"]["steps"]
+
+
+def goes_on(folder: Path, *words: object, ranks: int = 1) -> str:
+    """From which checkpoint, as the run says itself."""
+    done = solve(*words, cwd=folder, ranks=ranks)
+    assert (done.returncode, done.stderr) == (0, "")
+    return done.stdout.partition("goes on from ")[2].partition(", t = ")[0]
+
+
+@pytest.mark.mpi
+def test_what_was_given_up_is_not_gone_on_from(tmp_path):
+    """Neither steps beyond an earlier checkpoint that was named, nor those of a former run; nor
+    are two branches joined; what another run has left is kept.
+    """
+    assert goes_on(tmp_path, *WORDS, 20) == ""
+    shutil.copy(tmp_path / NEWEST, tmp_path / "old.h5")
+    assert goes_on(tmp_path, *WORDS, 40, "-fsi_restart", "auto") == f"{NEWEST}: step 20"
+    shutil.copy(tmp_path / NEWEST, tmp_path / "late.h5")
+    words = *WORDS, 30, "-ts_dt", "1e-5", "-fsi_restart", "old.h5"
+    assert goes_on(tmp_path, *words) == "old.h5: step 20"
+    assert [steps(tmp_path / name) for name in (NEWEST, "rod.checkpoint.1.h5")] == [30, 40]
+    assert goes_on(tmp_path, *WORDS, 50, "-fsi_restart", "auto", ranks=2) == f"{NEWEST}: step 30"
+    before = {path.name: path.read_bytes() for path in tmp_path.glob("*.h5")}
+    done = solve(*WORDS, 60, "-fsi_restart", "late.h5", cwd=tmp_path)
+    message(done, 4, "its step 40 ends at t = ")
+    assert {path.name: path.read_bytes() for path in tmp_path.glob("*.h5")} == before
+    done = solve(*WORDS, 10, cwd=tmp_path)
+    assert "kept the earlier rod.h5 as " in done.stdout and done.stdout.count("kept the ") == 2
+    assert (tmp_path / "rod.1.h5").read_bytes() == before["rod.h5"]
+    assert (tmp_path / "rod.checkpoint.2.h5").read_bytes() == before[NEWEST]
+    assert goes_on(tmp_path, *WORDS, 25, "-fsi_restart", "auto") == f"{NEWEST}: step 10"
+    words = "-fsi_restart", "rod.checkpoint.2.h5", "-fsi_output", "rod.1.h5"
+    assert goes_on(tmp_path, *WORDS, 60, *words) == "rod.checkpoint.2.h5: step 50"
+    for name, count in (("rod.h5", 25), ("rod.1.h5", 60)):
+        with fsipetsc.open_run(tmp_path / name) as result:
+            assert result.summary["steps"] == len(result.series["t"]) == count
+    assert result.summary["part"]["steps"] == 10 and result.summary["wall_time_total"] > 0

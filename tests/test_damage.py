@@ -132,7 +132,14 @@ def test_one_changed_byte_crashes_no_reader(
     assert int(read) > least and int(refused) > least and other == "set()\n", done.stdout
 
 
-OTHERS = None, "text", "[1, 2]", '{"layers": [3]}', 3.0, np.zeros((2, 2, 2)), np.full(5, 1j)
+OTHERS = None, "text", '{"layers": [3]}', np.zeros((2, 2, 2)), np.full(5, 1j)
+#: of headers: what would be allocated by it, or is no list of names
+CRAFTED = (
+    ("notes", 3),
+    ("created", ["today"]),
+    ("interfaces", "text"),
+    ("layers", [{"name": "a", "kind": "fluid", "fields": ["x"], "shape": [10**9, 10**9]}] * 3),
+)
 
 
 @pytest.mark.parametrize("name", ["about", "time", "series", "series/t", "layer1/X", "layer1/T"])
@@ -143,54 +150,32 @@ def test_datasets(name: str, whole: bytes, tmp_path: Path) -> None:
 
 
 def test_texts(whole: bytes, tmp_path: Path) -> None:
-    """Each entry of header, summary and errors is missing, or another thing."""
+    """Entries of header, summary and errors are missing, or another thing."""
     path, fates = tmp_path / "run.h5", []
     known = about(whole, path)
     for part in ("header", "summary", "errors"):
         for key in known[part]:
-            for value in (3, "x", [None], {"a": None}):
+            for value in (3, {"a": None}):
                 text = json.dumps({**known, part: {**known[part], key: value}})
                 fates.append(read_all(changed(whole, path, replace("about", text))))
-    assert 15 < sum(fates) < len(fates) - 10
+    assert 5 < sum(fates) < len(fates) - 5
+    for key, value in CRAFTED:
+        text = json.dumps({**known, "header": {**known["header"], key: value}})
+        assert not read_all(changed(whole, path, replace("about", text)))
 
 
-@pytest.mark.parametrize("value", [np.nan, np.inf, -1e300])
-def test_numbers_that_are_none(whole: bytes, tmp_path: Path, value: float) -> None:
-    for name, readable in (("time", False), ("layer1/X", False), ("series/dt", True)):
-
-        def change(file: h5py.File, name: str = name) -> None:
-            file[name][5] = value
-
-        assert read_all(changed(whole, tmp_path / "run.h5", change)) == readable, name
-
-
-def test_a_claim_of_more_than_there_can_be(whole: bytes, tmp_path: Path) -> None:
-    """It would not fit into memory."""
-
-    def change(file: h5py.File) -> None:
+def test_numbers_that_are_none(whole: bytes, tmp_path: Path) -> None:
+    def claim(file: h5py.File) -> None:
         del file["time"]
         file.create_dataset("time", (10**12,), "f8", chunks=(1024,))
 
-    assert not read_all(changed(whole, tmp_path / "run.h5", change))
+    assert not read_all(changed(whole, tmp_path / "run.h5", claim)), "more than memory has"
+    for name, readable in (("time", False), ("layer1/X", False), ("series/dt", True)):
 
+        def change(file: h5py.File, name: str = name) -> None:
+            file[name][5] = np.nan
 
-LAYER = {"name": "a", "kind": "fluid", "fields": ["rho", "x"]}
-CRAFTED = {
-    "notes": [3, {"notes": "a"}],
-    "created": [["today"], 7, None],
-    "interfaces": ["text", [3]],
-    "layers": [[{**LAYER, "shape": [10**9, 10**9]}] * 3, [{**LAYER, "shape": [-1, 2.5]}] * 3],
-}
-
-
-@pytest.mark.parametrize("name", CRAFTED)
-def test_a_header_that_somebody_has_made(name: str, whole: bytes, tmp_path: Path) -> None:
-    """Nothing is allocated by what it claims."""
-    path = tmp_path / "run.h5"
-    known = about(whole, path)
-    for value in CRAFTED[name]:
-        text = json.dumps({**known, "header": {**known["header"], name: value}})
-        assert not read_all(changed(whole, path, replace("about", text)))
+        assert read_all(changed(whole, tmp_path / "run.h5", change)) == readable, name
 
 
 def test_a_pipe_is_not_waited_for(tmp_path: Path) -> None:

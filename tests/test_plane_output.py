@@ -13,7 +13,7 @@ import fsipetsc
 pytest.importorskip("petsc4py")
 from test_plane_cases import BOX
 
-from fsipetsc.output import file_layout, xdmf
+from fsipetsc.output import file_layout
 from fsipetsc.output.info import info
 
 BLAST = "-fsi_h 0.125 -ts_max_time 0.3 -fsi_output_dt 0.05 -fsi_points 0.25,0.5"
@@ -21,15 +21,12 @@ BLAST = "-fsi_h 0.125 -ts_max_time 0.3 -fsi_output_dt 0.05 -fsi_points 0.25,0.5"
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """Of results: a plate between two gases, cut in two, one under a pulse,
-    one of one dimension.
-    """
+    """Of results: a plate between two gases, cut in two, and one under a pulse."""
     there = tmp_path_factory.mktemp("plane output")
     (there / "box2d.py").write_text(BOX)
     runs = {
         "box": (str(there / "box2d.py"), "-ts_max_time 0.6 -fsi_output_dt 0.2"),
         "blast": ("blast", BLAST),
-        "pulse": ("pulse", "-fsi_h 0.1 -ts_max_steps 5"),
     }
     compute(2, there, runs)
     return there
@@ -101,10 +98,6 @@ def test_xdmf_goes_with_its_result(tmp_path):
         assert fsipetsc.open_run(tmp_path / f"{name}.h5").summary["steps"] == steps
 
 
-def test_one_dimension_has_no_xdmf(folder):
-    assert (folder / "pulse.h5").exists() and not xdmf.name_beside(folder / "pulse.h5").exists()
-
-
 def test_interfaces_are_lines(box):
     below, plate, above = box.layers
     for k, (row, gas, edge) in enumerate(((0, below, -1), (-1, above, 0))):
@@ -128,11 +121,6 @@ def test_interfaces_are_lines(box):
         box.interface(2)
     with pytest.raises(KeyError, match=r"below \| plate"):
         box.interface("nowhere")
-
-
-def test_no_lines_in_one_dimension(folder):
-    with fsipetsc.open_run(folder / "pulse.h5") as result, pytest.raises(IndexError):
-        result.interface(0)
 
 
 def test_info_and_repr_say_the_grid(box):

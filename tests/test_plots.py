@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import json
-import os
 import re
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from helpers import compute, solve
+from helpers import compute
 
 import fsipetsc
 
@@ -20,7 +19,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from fsipetsc.cli import main
-from fsipetsc.output.plots import fields, film, page, quantities, scales, series, style
+from fsipetsc.output.plots import fields, page, quantities, series, style
 
 RUNS = {
     "pulse": ("pulse", "-fsi_h 0.025 -ts_max_time 0.005 -fsi_output_dt 2.5e-4 -pulse_start 0.75"),
@@ -31,16 +30,13 @@ USUAL = {"u", "T", "p", "rho", "sigma", "strain", "xt", "interfaces", "ledgers",
 IN_PLANE = {"p", "rho", "u", "v", "T", "s_xx", "s_yy", "s_xy", "interfaces", "ledgers", "steps"}
 #: what is drawn of each here
 DRAWN = {
-    "pulse": ("p", "xt", "interfaces"),
-    "rod": ("p", "sigma", "xt", "interfaces", "ledgers", "steps"),
-    "blast": ("p", "s_xx", "interfaces", "ledgers"),
+    "pulse": ("xt",),
+    "rod": ("p", "interfaces", "ledgers", "steps"),
+    "blast": ("p", "interfaces"),
 }
-PRESSURE = next(q for q in quantities.ON_A_LINE if q.name == "p")
-
-# formulas, with made-up results
 
 
-def made_up(dimension=2, units="SI", frames=3, **series_of):
+def made_up(dimension=2, units="SI", frames=3):
     """A result of a gas under a solid; values of a frame are base + spread(frame) X, X in 0 … 1."""
     shape, up = (5, 4, 3)[-dimension:], "xyz"[dimension - 1]
     x = np.linspace(0.0, 1.0, np.prod(shape)).reshape(shape)
@@ -64,74 +60,42 @@ def made_up(dimension=2, units="SI", frames=3, **series_of):
     time = 1e-4 * np.arange(frames)
     return SimpleNamespace(
         layers=layers, dimension=dimension, time=time, nframes=frames, header={"units": units},
-        series=series_of, at=lambda t: int(np.argmin(np.abs(time - t))),
+        series={}, at=lambda t: int(np.argmin(np.abs(time - t))),
     )  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ("values", "unit", "beside", "label", "drawn"),
-    [
-        ([0.0, 2e5], "Pa", 0, "q  [kPa]", [0.0, 200.0]),
-        ([300.0, 300.0004], "K", 0, "q, less 300 K  [µK]", [0.0, 400.0]),
-        ([1000.0, 1200.0], "K", 0, "q  [K]", [1000.0, 1200.0]),
-        ([2e-3, 4e-3], "kg/m³", 0, "q  [10⁻³ kg/m³]", [2.0, 4.0]),
-        ([-1e5, -1e5 + 3], "Pa", 0, "q, less -100 kPa  [Pa]", [0.0, 3.0]),
-        ([5.0, 5.0 + 1e-13], "K", 0, "q, constant  [K]", [5.0, 5.0]),
-        ([1e-13, -1e-13], "m/s", 1.0, "q, 0 but for round-off  [m/s]", [0.0, 0.0]),
-        ([0.0, np.nan], "K", 0, "q, 0 but for round-off  [K]", [0.0, np.nan]),
-        ([2e-4, 4e-4], "s", 0, "q  [µs]", [200.0, 400.0]),
-    ],
-)
-def test_scales(values, unit, beside, label, drawn):
-    values = np.array(values)
-    scale = scales.scaled(made_up(), "q", unit, values, start=values[:1], beside=beside)
-    assert scale.label == label
-    assert np.allclose(scale(values), drawn, rtol=1e-6, atol=0, equal_nan=True)
-
-
 def test_times_of_short_runs_have_prefixes():
-    assert scales.moment(made_up(), 2) == "t = 200 µs"
-    assert scales.moment(made_up(units="none"), 2) == "t = 0.0002"
-    axes = Figure().subplots()
-    scales.time_axis(axes, made_up())
-    assert axes.get_xlabel() == "t  [µs]" and np.allclose(axes.get_xlim(), (0.0, 200.0))
+    assert style.moment(made_up(), 2) == "t = 200 µs"
+    assert style.moment(made_up(units="none"), 2) == "t = 0.0002"
 
 
-def test_colours_are_white_at_rest_and_of_what_there_is():
-    scale = scales.Scale("q")
+def test_colours_are_white_at_rest_and_end_where_values_do():
     values = np.linspace(-1.0, 3.0, 101)
-    look, beyond = scales.colours("fluid", scale, values, np.zeros(3), (-1.0, 3.0))
-    assert (look["vmin"], look["vmax"], beyond) == (-1.0, 3.0, "neither")
-    white = matplotlib.colormaps["RdBu_r"](0.5)
-    assert np.allclose(look["cmap"](0.25), white, atol=0.02)
-    assert np.allclose(look["cmap"](1.0), matplotlib.colormaps["RdBu_r"](1.0), atol=0.01)
-    # a few points far beyond the others, and a frame that is not counted
-    spiked = np.append(np.tile(values, 10), 100.0)
-    look, beyond = scales.colours("fluid", scale, spiked, np.zeros(3), (-5.0, 100.0))
-    assert look["vmax"] == pytest.approx(3.0) and beyond == "both"
+    look = style.colours("fluid", values, np.zeros(3))
+    assert (look["vmin"], look["vmax"]) == (-3.0, 3.0)
+    spiked = np.append(np.tile(values, 10), 100.0)  # few points are far beyond the others
+    assert style.colours("fluid", spiked, np.zeros(3))["vmax"] == pytest.approx(3.0)
+    noise = 300.0 + 1e-13 * values  # what is almost constant has no stripes
+    assert style.colours("solid", noise, noise)["vmax"] > 301.0
 
 
 def test_the_first_frame_does_not_set_the_colours():
     run = made_up()
     quantity = quantities.chosen(run, ["p"])[0]
-    shown = fields.view_of(run, quantity, [0, 1, 2]).shown["fluid"]
-    assert (shown.look["vmin"], shown.look["vmax"], shown.extend) == (5.0, 6.0, "max")
-    assert fields.view_of(run, quantity, [0]).shown["fluid"].look["vmax"] == 15.0
+    look = fields.View(run, quantity, [0, 1, 2]).looks["fluid"]
+    assert look["vmax"] == 10.0 + 5.0 and look["vmin"] == 5.0  # at rest 10; then 5 … 6
+    assert fields.View(run, quantity, [1, 2]).looks["solid"]["vmax"] < -4.99
 
 
 def test_three_dimensions_are_drawn_in_the_middle():
     run = made_up(3)
-    view = fields.view_of(run, quantities.chosen(run, ["p"])[0], [1, 2])
+    view = fields.View(run, quantities.chosen(run, ["p"])[0], [1, 2])
     pictures = view.draw(Figure().subplots(), 1)
     for layer, name in zip(run.layers, ("p", "s_xx")):
         values = layer.frame(1)
-        drawn = pictures[layer.kind].get_array().reshape(5, 3)
-        assert np.allclose(drawn, view.shown[layer.kind].scale(values[name][:, 2]))
+        assert np.allclose(pictures[layer.kind].get_array().reshape(5, 3), values[name][:, 2])
         assert np.array_equal(pictures[layer.kind].get_coordinates()[..., 1], values["z"][:, 2])
     assert view.labels == ("x  [m]", "z  [m]")
-
-
-# results of runs
 
 
 @pytest.fixture(scope="module")
@@ -165,7 +129,7 @@ def curves(axes):
 def labelled(figure, word):
     """The panel of which an axis has this label."""
     labels = {axes: f"{axes.get_ylabel()} {axes.get_xlabel()}" for axes in figure.axes}
-    return next(axes for axes, label in labels.items() if word in label.replace("\n", " "))
+    return next(axes for axes, label in labels.items() if word in label)
 
 
 def test_no_text_lies_on_another_or_is_cut_off(figures):
@@ -193,34 +157,32 @@ def test_no_text_lies_on_another_or_is_cut_off(figures):
 def test_drawn_pressure_is_what_gas_and_solid_have_in_common(results, figures):
     """The gas's p, and p − σ of the solid, which meet at the interfaces."""
     run, figure = results["rod"], figures["rod", "p"]
-    for axes, frame in zip(figure.axes, fields.frames_of(run, PRESSURE)):
-        assert axes.get_title(loc="left") == scales.moment(run, frame)
+    frames = fields.frames_of(run, quantities.chosen(run, ["p"])[0])
+    for axes, frame in zip(figure.axes, frames):
+        assert axes.get_title(loc="left") == style.moment(run, frame)
         drawn = curves(axes)
         assert [kind for kind, *_ in drawn] == ["fluid", "solid", "fluid"]
         for (_, x, y), layer in zip(drawn, run.layers):
             of = layer.frame(frame)
             expected = of["p"] if layer.kind == "fluid" else of["p"] - of["sigma"]
             assert np.array_equal(x, of["x"], equal_nan=True)
-            assert np.allclose(1e3 * y, expected, rtol=1e-12, equal_nan=True)  # kPa
+            assert np.array_equal(y, expected, equal_nan=True)
     assert np.ptp(run.layers[1]["p"]) > 1  # Pa: the solid's own pressure counts
 
 
-def test_a_transmitted_wave_is_seen_over_space_and_time(results, figures):
-    """Colours of the solid reach over what occurs there, and of the gas; maps end at the walls."""
-    run, axes = results["pulse"], figures["pulse", "xt"].axes[0]
-    for picture in axes.collections:
+def test_a_transmitted_wave_is_seen_over_space_and_time(figures):
+    """Colours of the solid reach over what occurs there, and of the gas."""
+    for picture in figures["pulse", "xt"].axes[0].collections:
         low, high = picture.get_clim()
         drawn = picture.get_array()
         assert drawn.min() >= 1.3 * low and drawn.max() <= 1.3 * high
         assert high - low < 5 * np.ptp(drawn)
-    assert figures["rod", "xt"].axes[0].get_xlim() == pytest.approx((0, 6), abs=0.02)
-    assert fields.domain(run, run.layers[1:])[0] == pytest.approx(run.layers[1].x[:, 0].min())
 
 
 def test_maps_are_on_the_grid_as_it_is(results):
     run = results["blast"]
     quantity, frame = quantities.chosen(run, ["p"])[0], run.nframes - 1
-    view, axes = fields.view_of(run, quantity, [0, frame]), Figure().subplots()
+    view, axes = fields.View(run, quantity, [0, frame]), Figure().subplots()
     pictures = view.draw(axes, frame)
     edges = [line.get_xydata() for line in axes.lines]
     for layer, name in zip(run.layers, ("p", "s_xx"), strict=True):
@@ -236,42 +198,36 @@ def test_maps_are_on_the_grid_as_it_is(results):
 
 def test_ledgers_steps_and_residuals(results, figures):
     run, ledgers = results["rod"], figures["rod", "ledgers"]
-    ((_, t, y),) = curves(labelled(ledgers, "change of energy  [10³ J/m²]"))
+    ((_, t, y),) = curves(labelled(ledgers, "change of energy  [J/m²]"))
     change = run.series["energy"] - run.summary["initial_energy"]
-    assert np.array_equal(t, run.series["t"]) and np.allclose(1e3 * y, change)
+    some = slice(None, None, max(1, len(change) // style.MAX_POINTS))
+    assert np.array_equal(t, run.series["t"][some]) and np.allclose(y, change[some])
     kept = curves(labelled(ledgers, "relative departure"))
     assert [label for label, *_ in kept] == ["mass of 'below'", "momentum"]  # the upper end is open
     for label, _, y in kept:
         assert np.nanmax(y) == np.abs(series.departures(run)[label]).max() < 1e-2
     ((_, _, y), *_) = curves(labelled(figures["rod", "interfaces"], "|residual|, stress"))
     assert np.nanmax(y) == np.abs(run.series["residual_stress"][:, 0]).max()
-    steps = figures["rod", "steps"].axes[0]
     assert np.abs(np.diff(run.series["dt"])).max() > 0.05 * run.series["dt"].mean()  # the comb
-    ((_, _, y),) = curves(steps)
+    ((label, _, y),) = curves(figures["rod", "steps"].axes[0])
     assert np.abs(np.diff(y)).max() < 0.01 * y.mean()
-    named = [text.get_text() for text in steps.get_legend().get_texts()]
-    assert named == list(dict.fromkeys(what for _, what in run.summary["limits"])) and named
-    mass = curves(labelled(figures["blast", "ledgers"], "change of mass, 0 but for round-off"))
-    assert not mass[0][2].any()
-
-
-# commands
+    assert all(what in label for _, what in run.summary["limits"]) and run.summary["limits"]
 
 
 def test_plot_in_the_format_of_the_name(results, tmp_path, capsys):
-    for name, begins in (("a.pdf", b"%PDF"), ("a.svg", b"<?xml"), ("a.png", b"\x89PNG")):
+    for name, begins in (("a.pdf", b"%PDF"), ("a.svg", b"<?xml")):
         words = "--fields T,sigma --times 0.1,0.5 -o".split()
         target = tmp_path / "x" / name
         assert main(["plot", results["rod"].path, *words, str(target)]) == 0
         assert target.read_bytes().startswith(begins)
     text = (tmp_path / "x" / "a.svg").read_text()
     assert "temperature T" in text and "stress" in text and "velocity" not in text
-    assert "t = 0.1 s" in text and "t = 0.5 s" in text
+    assert "t = 100 ms" in text and "t = 500 ms" in text
     capsys.readouterr()
-    assert main(["plot", results["rod"].path, "-all", "-o", str(tmp_path / "all")]) == 0
+    assert main(["plot", results["pulse"].path, "-all", "-o", str(tmp_path / "all")]) == 0
     written = capsys.readouterr().out.split()
     assert sorted(written) == sorted(map(str, (tmp_path / "all").iterdir()))
-    assert {f"rod-{name}.png" for name in USUAL} == {os.path.basename(path) for path in written}
+    assert {f"pulse-{name}.png" for name in USUAL} == {path.split("/")[-1] for path in written}
 
 
 @pytest.mark.parametrize(
@@ -282,8 +238,6 @@ def test_plot_in_the_format_of_the_name(results, tmp_path, capsys):
         ("-all -animate", "-all and -animate are two things"),
         ("-o x.jpg", "-o x.jpg: expected a directory, or a name that ends with .png, .pdf, .svg"),
         ("-all -o x.png", "-o x.png: expected a directory"),
-        ("-animate -o x.mp4", "expected a directory, or a name that ends with .gif"),
-        ("-times", "-times needs a value: python -m fsipetsc plot RUN.h5"),
     ],
 )
 def test_plot_says_what_it_cannot_do(results, words, said, capsys):
@@ -291,30 +245,19 @@ def test_plot_says_what_it_cannot_do(results, words, said, capsys):
     assert said in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("command", ["plot", "plot -animate", "report"])
-def test_a_file_where_a_directory_should_be(command, results, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "text").write_text("a text")
-    monkeypatch.setattr(film, "MOST", 2)
-    monkeypatch.setattr("fsipetsc.output.report._page", lambda _: "")
-    words = [*command.split(), "-o", "text"]
-    assert main([words[0], results["pulse"].path, *words[1:]]) == 4
-    said = capsys.readouterr().err
-    assert "cannot write the " in said and said.endswith(": text is not a directory\n"), said
-
-
-def test_film(results, tmp_path):
-    done = solve("plot", results["blast"].path, "-animate", "-o", tmp_path)
-    assert (done.returncode, done.stdout.split()) == (0, [str(tmp_path / "blast.gif")])
+def test_film_and_a_file_where_a_directory_should_be(results, tmp_path, capsys):
+    run = results["blast"]
+    assert main(["plot", run.path, "-animate", "-o", str(tmp_path)]) == 0
     with Image.open(tmp_path / "blast.gif") as moving:
-        assert moving.n_frames == results["blast"].nframes
+        assert moving.n_frames == run.nframes
         first = np.asarray(moving.convert("RGB"))
         moving.seek(moving.n_frames - 1)
         last = np.asarray(moving.convert("RGB"))
     assert first.shape == last.shape and (first != last).any(axis=-1).mean() > 0.1
-    for part in (0.9, 1.0):  # the bars have the colours of the maps up to their end
-        color = 255 * np.array(matplotlib.colormaps["RdBu_r"](part)[:3])
-        assert (np.abs(last - color).max(axis=-1) <= 8).any(), part
+    (tmp_path / "text").write_text("a text")
+    assert main(["plot", run.path, "-o", str(tmp_path / "text")]) == 4
+    said = capsys.readouterr().err
+    assert "cannot write the " in said and said.endswith("text is not a directory\n"), said
 
 
 def test_report(results, tmp_path):
@@ -324,7 +267,7 @@ def test_report(results, tmp_path):
     text = (tmp_path / "pulse.html").read_text()
     (found,) = re.findall(r"const film = (\[.*?\]), times = (\[.*?\]);", text)
     assert len(json.loads(found[0])) == run.nframes
-    assert json.loads(found[1])[:2] == ["t = 0 ms", "t = 0.25 ms"]
+    assert json.loads(found[1])[:2] == ["t = 0 s", "t = 250 µs"]
     assert all(f"-{name}" in text for name in run.options)
     told = [text.index(word) for word in ("<summary>summary", "time steps", "<summary>options")]
     assert told == sorted(told)

@@ -9,15 +9,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers import REPOSITORY, mpirun, run
+from helpers import REPOSITORY, run
 
 import fsipetsc
 
 pytest.importorskip("petsc4py")
 
 SHORT = "-fsi_quiet -fsi_h 0.1"
-#: per step, sums over x: on more ranks the same up to their last bits
-SUMS = ("mass", "energy", "momentum", "entropy", "force")
 #: (exit status, name of the result, arguments), in this order
 RUNS = [
     (
@@ -34,10 +32,6 @@ RUNS = [
     (2, "", f"rod {SHORT} -ts_max_steps 3 -log_view"),
     (0, "last", f"rod {SHORT} -ts_max_steps 30"),
 ]
-#: what a rank may be alone with leaves something behind where there are others
-ALONE = [(3, "", f"helped/memory.py {SHORT} -fsi_output memory.h5")]
-
-
 CASE = """
 import helper_of_a_case
 OPTIONS = ()
@@ -45,28 +39,11 @@ DEFAULTS = {"ts_max_time": 1}
 def build(opt):
     raise ValueError("no")
 """
-MEMORY = """
-from dataclasses import replace
-from fsipetsc.cases import rod
-OPTIONS, DEFAULTS = rod.OPTIONS, rod.DEFAULTS
-def build(opt):
-    problem, calls = rod.build(opt), []
-    def initial(X):
-        calls.append(X)
-        if len(calls) > 1:
-            raise MemoryError
-        return problem.layers[0].initial(X)
-    first, *others = problem.layers
-    return replace(problem, layers=(replace(first, initial=initial), *others))
-"""
-
-
 def _files(where: Path) -> None:
     (where / "missing_letter.opts").write_text("-fsi_order 6\nfsi_h 0.1\n")
     (where / "helped").mkdir()
     (where / "helped" / "helper_of_a_case.py").write_text("NUMBER = 5\n")
     (where / "helped" / "case.py").write_text(CASE)
-    (where / "helped" / "memory.py").write_text(MEMORY)
 
 
 def _arguments(name: str, text: str, runs: str = "") -> str:
@@ -95,25 +72,15 @@ def alone(tmp_path_factory):
     return where
 
 
-@pytest.mark.parametrize("ranks", [1])
-def test_runs_in_one_process_are_runs_in_processes_of_their_own(ranks, alone, tmp_path):
+def test_runs_in_one_process_are_runs_in_processes_of_their_own(alone, tmp_path):
     _files(tmp_path)
-    runs = RUNS + (ALONE if ranks == 1 else [])
-    (tmp_path / "runs.json").write_text(
-        json.dumps([[status, _arguments(name, text)] for status, name, text in runs])
-    )
-    program = REPOSITORY / "tests" / "many_runs_program.py"
-    done = mpirun(ranks, program, "runs.json", cwd=tmp_path)
+    runs = [[status, _arguments(name, text)] for status, name, text in RUNS]
+    (tmp_path / "runs.json").write_text(json.dumps(runs))
+    done = run(REPOSITORY / "tests" / "many_runs_program.py", "runs.json", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
     assert json.loads(done.stdout)["wrong"] == []
     for path in alone.glob("*.h5"):
-        expected, found = _content(path), _content(tmp_path / path.name)
-        if ranks > 1:
-            expected, found = (
-                {k: v for k, v in c.items() if k not in SUMS} for c in (expected, found)
-            )
-        assert found.keys() == expected.keys()
-        assert [name for name in expected if found[name] != expected[name]] == [], path.name
+        assert _content(tmp_path / path.name) == _content(path), path.name
     assert _content(tmp_path / "again.h5") == _content(tmp_path / "plain.h5")
 
 

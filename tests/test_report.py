@@ -32,17 +32,6 @@ def test_an_end_by_the_number_of_steps_is_not_said_to_be_the_end(where):
     assert words in solve("info", "r.h5", cwd=where).stdout
 
 
-ENDS = {("-ts_max_time", 0): "0 steps", ("-ts_max_time", 1e-6, "-ts_max_steps", 1): "1 step"}
-
-
-@pytest.mark.parametrize(("words", "steps"), ENDS.items())
-def test_the_end_is_the_end(words, steps, where):
-    done = box(where, *words)
-    assert f"done at t = {words[1]:g}: {steps} in " in done.stdout
-    with fsipetsc.open_run(where / "r.h5") as result:
-        assert result.summary["message"] == ""
-
-
 def test_steps_far_beyond_their_bound_are_noted(where):
     """Those that were asked for: with -ts_dt or with -fsi_cfl; not the default ones."""
     noted = {}
@@ -56,11 +45,3 @@ def test_steps_far_beyond_their_bound_are_noted(where):
     )
     assert noted.pop(("-ts_dt", 1.0))[0].startswith("note: -ts_dt 1 is ")
     assert list(noted.values()) == [[], []] and bound > 0
-
-
-def test_a_run_that_fails_by_its_steps_says_so(where):
-    done = box(where, "-ts_dt", 4, "-fsi_output_dt", 8)
-    assert done.returncode == 3
-    assert (
-        "; -ts_dt 4 is " in done.stderr and " times the bound on the step at t = 0" in done.stderr
-    )

@@ -73,19 +73,18 @@ def differences(a: Path, b: Path, same_ranks: bool) -> list[str]:
 
 @pytest.fixture(scope="module")
 def begun(tmp_path_factory) -> Path:
-    """A folder with each run whole, NAME.h5, and stopped, NAME.cut.h5: after twice the steps, the
-    checkpoint before counts.
+    """A folder with each run whole, NAME.h5, and stopped, NAME.cut.h5: after twice the steps, but
+    the checkpoint in the middle counts, NAME.cut.checkpoint.h5.
     """
-    folder, runs = tmp_path_factory.mktemp("begun"), {}
+    folder, runs, later = tmp_path_factory.mktemp("begun"), {}, {}
     for name, (case, text, steps) in RUNS.items():
         runs[name] = case, text
-        runs[f"{name}.cut"] = (
-            case,
-            f"{text} -ts_max_steps {2 * steps} -fsi_checkpoint_steps {steps}",
-        )
-    assert set(compute(RANKS, folder, runs)) == set(runs), [
-        file.read_text() for file in folder.glob("*.txt")
-    ]
+        runs[f"{name}.cut"] = case, f"{text} -ts_max_steps {steps} -fsi_checkpoint_steps {steps}"
+        restart = f"-fsi_restart {folder}/{name}.cut.checkpoint.h5 -ts_max_steps {2 * steps}"
+        later[f"{name}.cut"] = case, f"{restart} -fsi_checkpoint {folder}/unused.h5"
+    for some in (runs, later):
+        made = compute(RANKS, folder, some)
+        assert set(made) == set(some), [file.read_text() for file in folder.glob("*.txt")]
     return folder
 
 
@@ -99,7 +98,7 @@ def gone_on(begun, tmp_path_factory):
             shutil.copy(begun / f"{name}.cut.h5", folder / f"{name}.h5")
             runs[name] = (
                 RUNS[name][0],
-                f"-fsi_restart {begun}/{name}.cut.checkpoint.previous.h5 -ts_max_steps 1000000000",
+                f"-fsi_restart {begun}/{name}.cut.checkpoint.h5 -ts_max_steps 1000000000",
             )
         compute(ranks, folder, runs)
         folders[ranks] = folder
@@ -113,7 +112,7 @@ def test_the_same_bits(ranks, name, begun, gone_on):
     folder = gone_on[ranks]
     failed = folder / f"{name}.txt"
     assert not failed.exists(), failed.read_text()
-    checkpoint = checkpoint_file.read(begun / f"{name}.cut.checkpoint.previous.h5")
+    checkpoint = checkpoint_file.read(begun / f"{name}.cut.checkpoint.h5")
     assert checkpoint.header["memory"]["steps"] == RUNS[name][2]
     with (
         fsipetsc.open_run(begun / f"{name}.cut.h5") as cut,

@@ -8,7 +8,7 @@ import subprocess
 import sys
 
 import pytest
-from helpers import PATIENCE, environment, run
+from helpers import PATIENCE, environment
 
 import fsipetsc
 
@@ -43,14 +43,3 @@ def test_what_prints_for_its_own_sake_says_that_it_cannot(arguments, tmp_path):
     status, err = shell(f"{sys.executable} -m fsipetsc {arguments} >/dev/full", tmp_path)
     assert status == (4 if "help" in arguments else 2)
     assert err.count("fsipetsc: error: ") == err.count("\n") == 1, err
-
-
-def test_status_where_no_error_can_be_said(tmp_path):
-    for place in ("2>&-", "2>/dev/full"):
-        assert shell(f"{sys.executable} -m fsipetsc rod -fsi_hh 1 {place}", tmp_path)[0] == 2
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_help_for_a_reader_without_its_letters():
-    done = run("-m", "fsipetsc", "-help", env={"LC_ALL": "C", "PYTHONIOENCODING": "ascii"})
-    assert (done.returncode, done.stderr) == (0, "")

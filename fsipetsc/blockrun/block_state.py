@@ -38,7 +38,7 @@ from fsipetsc.scheme.after_step import WORDS, note_extremes
 from fsipetsc.scheme.burst import DT, MADE, plan_next
 from fsipetsc.scheme.plan import BAD, BURST, FLAGS, LIMITS, RATE, SAID_STOP
 from fsipetsc.scheme.runge_kutta import STAGES, advance
-from fsipetsc.stepping.diagnosis import Failure, Seen, described
+from fsipetsc.stepping.diagnosis import Seen, described
 from fsipetsc.stepping.phases import logged
 from fsipetsc.stepping.snapshot import as_numbers, gather_local
 from fsipetsc.stepping.state import FAULT
@@ -446,7 +446,7 @@ class BlockState:
         """See fsipetsc.blockrun.errors_of_blocks."""
         return errors_of(self, t, norm)
 
-    def failure(self, t: float, step: int) -> Failure:
+    def failure(self, t: float, step: int) -> str:
         """Field, block, position, time and step of the first unphysical node. Collective."""
         return described(self, map(self._seen, self.layout.parts), t, step)
 

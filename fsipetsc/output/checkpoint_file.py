@@ -1,13 +1,10 @@
 """The file of a checkpoint: numbers and a text, never code; what was written whole is read.
 
-    the first 512 bytes   "fsipetsc checkpoint 1", the SHA-256 and the length of all that follows
+    the first 512 bytes   "fsipetsc checkpoint 3", the SHA-256 and the length of all that follows
     from there on         an HDF5 file: /header, JSON text, and a dataset arrays/NAME for each array
 
 HDF5 passes over the first 512 bytes, so h5dump and h5py open the file as it is. The checksum is of
-every byte.
-
-A checkpoint is written under another name and renamed; the one before stays as NAME.previous.h5.
-What stands at these names and is no checkpoint is never touched.
+every byte. A checkpoint is written under another name and renamed when it is whole.
 """
 
 from __future__ import annotations
@@ -18,15 +15,13 @@ import json
 import os
 from contextlib import suppress
 from pathlib import Path
-from tempfile import TemporaryFile
 from typing import Any, NamedTuple
 
 import h5py
 import numpy as np
 
 from fsipetsc.errors import FileError
-from fsipetsc.output.file_layout import in_memory, write_whole
-from fsipetsc.output.places import check_folder
+from fsipetsc.output.file_layout import check_folder, in_memory, write_whole
 
 Array = np.ndarray[Any, Any]
 _MAGIC = b"fsipetsc checkpoint "
@@ -61,16 +56,9 @@ def unpack(content: bytes, name: str) -> Checkpoint:
     head, body = content[:_HEAD], content[_HEAD:]
     if head != _head(body):
         raise FileError(f"{name}: the checkpoint is damaged, or of another version of fsipetsc")
-    try:
-        with h5py.File(io.BytesIO(body), "r") as file:
-            arrays = {key: dataset[...] for key, dataset in file.get("arrays", {}).items()}
-            header = dict(json.loads(file["header"].asstr()[()]))
-        if any(array.dtype.kind not in "fiu" for array in arrays.values()):
-            raise ValueError("an array holds no numbers")
-    except Exception as error:  # its checksum is right: somebody has made it so
-        reason = " ".join(str(error).split())
-        raise FileError(f"{name}: is not a checkpoint of fsipetsc: {reason}") from None
-    return Checkpoint(header, arrays)
+    with h5py.File(io.BytesIO(body), "r") as file:
+        arrays = {key: dataset[...] for key, dataset in file.get("arrays", {}).items()}
+        return Checkpoint(json.loads(file["header"].asstr()[()]), arrays)
 
 
 def _head(body: bytes) -> bytes:
@@ -78,18 +66,11 @@ def _head(body: bytes) -> bytes:
     return f"{_MAGIC.decode()}{VERSION}\n{sha}\n{len(body)}".encode().ljust(_HEAD, b"\0")
 
 
-def previous(path: str | os.PathLike[str]) -> Path:
-    """Where the checkpoint before the last one is: NAME.previous.h5 for NAME.h5."""
-    path = Path(path)
-    return path.with_name(f"{path.stem}.previous{path.suffix}")
-
-
 def read(path: str | os.PathLike[str]) -> Checkpoint:
     """The checkpoint in a file. FileError."""
     name = os.fspath(path)
     if not os.path.lexists(path):
-        hint = f"; the one before it is there: {previous(path)}" if previous(path).is_file() else ""
-        raise FileError(f"{name}: there is no such file{hint}")
+        raise FileError(f"{name}: there is no such file")
     try:
         return unpack(Path(path).read_bytes() if is_one(Path(path)) else b"", name)
     except OSError as error:
@@ -105,29 +86,13 @@ def is_one(path: Path) -> bool:
 
 
 def check_place(path: str | os.PathLike[str]) -> None:
-    """FileError where no checkpoint could be written, as far as that can be known before."""
+    """FileError where no checkpoint can be written, or something else would be overwritten."""
+    check_folder(path, writable=True)
     target = Path(os.path.realpath(path))
-    check_folder(path, target.parent, writable=True)
-    if fault := _in_the_way(target):
-        raise FileError(f"{fault}: no checkpoint can be written there")
-    try:
-        with TemporaryFile(dir=target.parent):
-            pass
-    except OSError as error:
-        raise FileError(f"{path}: no checkpoint can be written there: {error.strerror}") from None
-
-
-def _in_the_way(target: Path) -> str:
-    """What stands at the name, or that of the one before, and is none of ours; "" if nothing."""
-    for file in (target, previous(target)):
-        try:
-            if os.path.lexists(file) and not file.is_file():
-                return f"{file}: exists and is not a regular file"
-            if file.exists() and file.stat().st_size and not is_one(file):
-                return f"{file}: exists and is not a checkpoint of fsipetsc"
-        except OSError as error:
-            return f"{file}: cannot be read: {error.strerror}"
-    return ""
+    if target.exists() and not target.is_file():
+        raise FileError(f"{path}: exists and is not a regular file")
+    if target.exists() and target.stat().st_size and not is_one(target):
+        raise FileError(f"{path}: exists and is not a checkpoint of fsipetsc")
 
 
 def draft_of(path: str | os.PathLike[str]) -> Path:
@@ -137,17 +102,14 @@ def draft_of(path: str | os.PathLike[str]) -> Path:
 
 
 def write(path: str | os.PathLike[str], content: bytes) -> None:
-    """Make this the newest checkpoint of a name, and what was there the one before.
-
-    CheckpointError: then none has changed.
-    """
+    """Make this the checkpoint of a name. CheckpointError: then what was there is unchanged."""
     target, draft = Path(os.path.realpath(path)), draft_of(path)
-    if fault := _in_the_way(target):
-        raise CheckpointError(f"{path}: the checkpoint cannot be written: {fault}")
+    try:
+        check_place(path)  # something else may have come there meanwhile
+    except FileError as error:
+        raise CheckpointError(f"the checkpoint cannot be written: {error}") from None
     try:
         write_whole(draft, content)
-        if target.exists():
-            os.replace(target, previous(target))
         os.replace(draft, target)
     except OSError as error:
         with suppress(OSError):

@@ -33,7 +33,6 @@ from pathlib import Path
 from typing import Any
 
 import h5py
-import numpy as np
 
 from fsipetsc.errors import FileError
 
@@ -53,10 +52,8 @@ def damage(path: str, what: str = "") -> Iterator[None]:
     """
     try:
         yield
-    except (FileError, FileNotFoundError):
+    except (FileError, FileNotFoundError, MemoryError):
         raise
-    except MemoryError as error:
-        raise FileError(f"{path}: {what or 'its content'} does not fit into memory") from error
     except Exception as error:
         reason = " ".join(str(error).split())
         if not isinstance(error, (Damaged, OSError, ValueError)):
@@ -110,6 +107,41 @@ def columns(layer: Mapping[str, Any]) -> tuple[str, ...]:
     return fields if "x" in fields else (*fields, "x")
 
 
-def describe(dtype: np.dtype[Any]) -> list[list[Any]]:
-    """Name and shape of each column of records of doubles."""
-    return [[name, list(dtype[name].shape)] for name in dtype.names or ()]
+def beside(path: str | os.PathLike[str], ending: str) -> Path:
+    """NAME with another ending for NAME.h5; a name without .h5 is NAME as it is."""
+    path = Path(path)
+    return path.with_name(f"{path.name.removesuffix('.h5')}{ending}")
+
+
+def folder_of(path: str | os.PathLike[str]) -> Path:
+    """NAME.parts for NAME.h5."""
+    return beside(path, ".parts")
+
+
+def check_folder(path: str | os.PathLike[str], writable: bool = False) -> None:
+    """FileError, which names the file that is to be written, unless its directory is there.
+
+    writable: and files can be written there.
+    """
+    folder, fault = os.path.dirname(os.path.realpath(path)), ""
+    if not os.path.lexists(folder):
+        fault = f"the directory {folder} does not exist"
+    elif not os.path.isdir(folder):
+        fault = f"{folder} is not a directory"
+    elif writable and not os.access(folder, os.W_OK | os.X_OK):
+        fault = f"the directory {folder} is not writable"
+    if fault:
+        raise FileError(f"{os.fspath(path)}: {fault}")
+
+
+@contextmanager
+def writing(target: Path, what: str = "the picture") -> Iterator[None]:
+    """Make the directory of a file that is written within; what: it is. FileError."""
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        yield
+    except OSError as error:
+        there = next(filter(os.path.exists, target.parents), target.parent)
+        is_file = os.path.exists(there) and not os.path.isdir(there)
+        reason = f"{there} is not a directory" if is_file else error.strerror or error
+        raise FileError(f"{target}: cannot write {what}: {reason}") from error

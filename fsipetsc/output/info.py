@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -26,6 +26,11 @@ def info(path: str | os.PathLike[str]) -> str:
     return "\n\n".join(tables)
 
 
+def _table(rows: Rows) -> str:
+    width = max(len(name) for name, _ in rows) + 2
+    return "\n".join(f"{name:{width}}{value}".rstrip() for name, value in rows)
+
+
 def info_sections(run: Run) -> list[tuple[str, Rows]]:
     """(title, rows of name and text) of what there is to say about a result."""
     options = {f"-{name}": value for name, value in run.options.items() if value != ""}
@@ -33,7 +38,7 @@ def info_sections(run: Run) -> list[tuple[str, Rows]]:
         ("run", _overview(run)),
         ("layers", [(layer.name, _of_layer(run, layer)) for layer in run.layers]),
         ("options", [(name, _text(value)) for name, value in options.items()]),
-        ("summary", _summary(run.summary, _second(run))),
+        ("summary", _summary(run)),
     ]
     if run.errors:
         errors = [(kind, _text(values)) for kind, values in run.errors.items()]
@@ -42,7 +47,7 @@ def info_sections(run: Run) -> list[tuple[str, Rows]]:
 
 
 def _overview(run: Run) -> Rows:
-    steps, dt = len(run.series.get("t", ())), run.series.get("dt", ())
+    dt = run.series.get("dt", np.empty(0))
     state = run.summary.get("status", "unfinished: still running, or killed")
     rows = [
         ("case", run.case),
@@ -50,10 +55,10 @@ def _overview(run: Run) -> Rows:
         ("dimension", str(run.dimension) if run.dimension > 1 else ""),
         ("created", run.header.get("created", "")),
         ("frames", f"{run.nframes}{_range(', t =', run.time, _second(run))}"),
-        ("time steps", f"{steps}{_range(', dt =', dt, _second(run))}"),
+        ("time steps", f"{len(dt)}{_range(', dt =', dt, _second(run))}"),
         ("series", ", ".join(run.series) or "none"),
         ("interfaces", _positions(run)),
-        ("points", "; ".join(f"{name} at {_place(X)}" for name, X in run.points)),
+        *(("point", f"{name} at {', '.join(f'{x:.6g}' for x in X)}") for name, X in run.points),
         *(("note", note) for note in run.header.get("notes", ())),
     ]
     return [(name, text) for name, text in rows if text]
@@ -71,17 +76,12 @@ def _of_layer(run: Run, layer: Layer) -> str:
 
 
 def _active(layer: Layer, nframes: int) -> str:
-    """How many points were active in the first and in the last frame, if not all of them.
-
-    Active points come and go where a layer meets a fixed end; those in reserve are stored, too.
-    """
-    if not nframes:
+    """How many points were active in the first and in the last frame, if not all of them."""
+    frames = (layer.frame(k)[layer.fields[0]] for k in (0, -1)) if nframes else ()
+    counts = dict.fromkeys(int(np.isfinite(values).sum()) for values in frames)
+    if not counts or list(counts) == [len(layer.X)]:
         return ""
-    frames = (layer.frame(number)[layer.fields[0]] for number in (0, nframes - 1))
-    counts = [int(np.isfinite(values).sum()) for values in frames]
-    if counts == [len(layer.X)] * 2:
-        return ""
-    return f" with those in reserve, {' … '.join(map(str, dict.fromkeys(counts)))} active"
+    return f" with those in reserve, {' … '.join(map(str, counts))} active"
 
 
 def _positions(run: Run) -> str:
@@ -99,10 +99,6 @@ def _positions(run: Run) -> str:
     return f"{', '.join(places)} at t = {t:g}"
 
 
-def _place(X: Iterable[float]) -> str:
-    return ", ".join(f"{name} = {x:.6g}" for name, x in zip("XYZ", X))
-
-
 def _range(label: str, values: Any, unit: str = "") -> str:
     finite = np.asarray(values)[np.isfinite(values)]
     return f"{label} {finite.min():g} … {finite.max():g}{unit}" if finite.size else ""
@@ -113,45 +109,18 @@ def _second(run: Run) -> str:
     return " s" if run.header.get("units", "SI") == "SI" else ""
 
 
-def _summary(entries: Mapping[str, Any], second: str) -> Rows:
-    """Results of a run in the order of LABELS; all else follows under its own name.
-
-    second: the unit of t and dt.
-    """
-    known = {name: value for name, value in entries.items() if value not in ("", None, {})}
-    part = known.get("part")
-    if isinstance(part, Mapping) and part.get("steps") == known.get("steps"):
-        del known["part"]  # there was no restart
+def _summary(run: Run) -> Rows:
+    """Results of a run in the order of LABELS; all else follows under its own name."""
+    known = {name: value for name, value in run.summary.items() if value not in ("", None, {})}
     rows = []
-    order = list(LABELS)
-    for name in sorted(known, key=lambda name: order.index(name) if name in LABELS else len(order)):
+    for name in [*(n for n in LABELS if n in known), *(n for n in known if n not in LABELS)]:
         label, written = LABELS.get(name, (name.replace("_", " "), _text))
+        unit = _second(run) if name in ("t", "dt_min", "dt_max") else ""
         try:
-            unit = second if name in ("t", "dt_min", "dt_max") else ""
             rows.append((label, written(known[name]) + unit))
         except (AttributeError, KeyError, TypeError, ValueError):  # of a damaged file
             rows.append((label, _text(known[name])))
     return rows
-
-
-def _three_digits(value: float) -> str:
-    return f"{value:.3g}"
-
-
-def _phases(value: Mapping[str, Any]) -> str:
-    return ", ".join(f"{name} {duration(seconds)}" for name, seconds in value.items())
-
-
-def _part(value: Mapping[str, Any]) -> str:
-    return f"{value['steps']} steps in {duration(value['wall_time'])}"
-
-
-def _bounds(changes: Iterable[tuple[float, str]]) -> str:
-    return ", ".join(f"{what} from t = {t:.6g}" for t, what in changes)
-
-
-def _departures(values: Mapping[str, float]) -> str:
-    return ", ".join(f"{name} to {size:.1e}" for name, size in values.items())
 
 
 def _text(value: Any) -> str:
@@ -166,9 +135,8 @@ def _text(value: Any) -> str:
     return "none" if value is None else words.get(value, str(value))
 
 
-def _table(rows: Rows) -> str:
-    width = max(len(name) for name, _ in rows) + 2
-    return "\n".join(f"{name:{width}}{value}".rstrip() for name, value in rows)
+def _three_digits(value: float) -> str:
+    return f"{value:.3g}"
 
 
 #: entry of a summary -> label, how its value is written; the most important first
@@ -176,18 +144,30 @@ LABELS: dict[str, tuple[str, Callable[[Any], str]]] = {
     "status": ("ended", str),
     "message": ("message", str),
     "t": ("time reached", _text),
-    "departures": ("conserved", _departures),
+    "departures": (
+        "conserved",
+        lambda found: ", ".join(f"{name} to {size:.1e}" for name, size in found.items()),
+    ),
     "J_error": ("largest departure of J from the grid's volume", _three_digits),
     "lost_energy": ("lost of the energy of solids by steps", _three_digits),
     "steps": ("time steps", str),
     "rejected_steps": ("rejected steps", str),
     "dt_min": ("shortest step", _three_digits),
     "dt_max": ("longest step", _three_digits),
-    "limits": ("step bounded by", _bounds),
+    "limits": (
+        "step bounded by",
+        lambda changes: ", ".join(f"{what} from t = {t:.6g}" for t, what in changes),
+    ),
     "wall_time": ("wall time of the steps", duration),
     "wall_time_total": ("wall time in all", duration),
-    "phases": ("of which", _phases),
-    "part": ("since the restart", _part),
+    "phases": (
+        "of which",
+        lambda found: ", ".join(f"{name} {duration(wall)}" for name, wall in found.items()),
+    ),
+    "part": (
+        "since the last start",
+        lambda part: f"{part['steps']} steps in {duration(part['wall_time'])}",
+    ),
     "ranks": ("ranks", str),
     "points": ("points", str),
     "interfaces": ("interfaces", _text),

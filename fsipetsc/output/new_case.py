@@ -6,13 +6,14 @@ import os
 import re
 import sys
 from collections.abc import Sequence
-from importlib.machinery import PathFinder
 from pathlib import Path
 
 from fsipetsc.cases import BUILT_IN, template_text
 from fsipetsc.errors import FileError, InputError
 from fsipetsc.options import LONGEST_NAME
-from fsipetsc.output.places import check_folder
+from fsipetsc.output.file_layout import check_folder
+
+_NEEDED = ("fsipetsc", "h5py", "matplotlib", "mpi4py", "numba", "numpy", "petsc4py", "scipy")
 
 
 def new_case(name: str, commands: Sequence[str], blocks: bool = False) -> Path:
@@ -23,7 +24,7 @@ def new_case(name: str, commands: Sequence[str], blocks: bool = False) -> Path:
     """
     path = Path(name)
     _check(path, name, commands)
-    check_folder(name, path.parent)
+    check_folder(name)
     text = template_text(blocks)
     if re.fullmatch(r"[\w./-]+", name):  # as it may stand in the examples
         text = text.replace("FILE.py", name).replace("NAME.", f"{path.stem}.")
@@ -49,16 +50,8 @@ def _check(path: Path, name: str, commands: Sequence[str]) -> None:
         longest = f"the result's name would have more than {LONGEST_NAME} bytes"
         raise InputError(f"new: '{path.name}' is too long: {longest}")
     taken = "a built-in case" if stem in BUILT_IN else "a command" if stem in commands else ""
-    if not taken and _is_module(stem):
+    if not taken and stem in (*sys.stdlib_module_names, *_NEEDED):
         taken = "a Python module, which this file would hide"
     if taken:
         expected = f"expected another name, such as my_{stem}.py"
         raise InputError(f"new: '{stem}' is the name of {taken}: {expected}")
-
-
-def _is_module(name: str) -> bool:
-    """Whether a module is installed; what stands in the working directory does not count."""
-    elsewhere = [path for path in sys.path if path and os.path.abspath(path) != os.getcwd()]
-    found = PathFinder.find_spec(name, elsewhere) if name.isidentifier() else None
-    # a mere folder of that name has no origin
-    return name in sys.stdlib_module_names or (found is not None and found.origin is not None)

@@ -8,8 +8,9 @@ there is NAME.h5 it is the result, and what the folder of the same run still has
 from __future__ import annotations
 
 import json
+import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -18,7 +19,6 @@ import h5py
 import numpy as np
 
 from fsipetsc.errors import FileError
-from fsipetsc.output.contents import Contents
 from fsipetsc.output.file_layout import (
     FORMAT,
     VERSION,
@@ -34,6 +34,7 @@ Array = np.ndarray[Any, Any]
 Layers = Sequence[Mapping[str, Any]]  # as in the header
 _SPARE = 1 << 16  # bytes for what HDF5 needs besides the numbers
 _AT_ONCE = 1 << 26  # bytes of frames that are copied at once
+_MOST_COMPRESSED = 1000  # a dataset that claims more than so many times its file is damaged
 
 
 class Kept(NamedTuple):
@@ -44,15 +45,7 @@ class Kept(NamedTuple):
     t: float
 
 
-def folder_of(path: str | os.PathLike[str]) -> Path:
-    """NAME.parts for NAME.h5."""
-    return beside(path, ".parts")
-
-
-def beside(path: str | os.PathLike[str], ending: str) -> Path:
-    """NAME with another ending for NAME.h5; a name without .h5 is NAME as it is."""
-    path = Path(path)
-    return path.with_name(f"{path.name.removesuffix('.h5')}{ending}")
+# the folder
 
 
 def file_of(folder: Path, number: int, ending: str = ".h5") -> Path:
@@ -84,6 +77,10 @@ def write_header(folder: Path, about: Mapping[str, Any]) -> None:
     os.replace(draft, folder / "header.json")
 
 
+def _text(about: Mapping[str, Any]) -> bytes:
+    return json.dumps({"format": FORMAT, "version": VERSION, **about}).encode()
+
+
 def read_about(path: Path, name: str = "") -> dict[str, Any]:
     """What is known of the run of NAME.h5 or NAME.parts. FileError with the name; OSError."""
     if path.is_dir():
@@ -96,11 +93,9 @@ def read_about(path: Path, name: str = "") -> dict[str, Any]:
         raise FileError(f"{name or path}: is not a result of fsipetsc")
     version = about["version"]
     if version != VERSION:
-        which = "newer" if version > VERSION else "older"
-        raise FileError(
-            f"{name or path}: was written by a{'n' * (which == 'older')} {which} fsipetsc "
-            f"(file format {version}, not {VERSION})"
-        )
+        which = "a newer" if version > VERSION else "an older"
+        said = f"was written by {which} fsipetsc (file format {version}, not {VERSION})"
+        raise FileError(f"{name or path}: {said}")
     for part in ("header", "summary", "errors"):
         if not isinstance(about.setdefault(part, {}), dict):
             raise Damaged(f"its {part} is no table of names and values")
@@ -116,6 +111,166 @@ def run_of(path: Path) -> str | None:
         return None
     with damage(str(path)):
         return read_about(path)["header"].get("run")
+
+
+# what the pieces hold
+
+
+class Segment(NamedTuple):
+    """Of the frames or steps of a file those that count: `count` from number `first` on."""
+
+    path: Path
+    first: int
+    count: int
+
+
+def _followed(segments: list[Segment], new: Segment) -> list[Segment]:
+    """The segments up to the first number of a new one, which takes the place of the rest."""
+    before = [s._replace(count=min(s.count, new.first - s.first)) for s in segments]
+    return [*(s for s in before if s.count > 0), new]
+
+
+class Contents:
+    """All frames and steps of some pieces, each of which takes the place of what earlier ones have
+    from its first frame and step on. What is read is checked. Damaged, OSError.
+
+    files          in their order; layers: as in the header
+    time           (nframes,)
+    nframes, rows  numbers of frames and of steps
+    names          series -> shape of what is known of a step
+    X              of each layer its grid; empty where there are no frames
+    """
+
+    def __init__(self, files: Sequence[Path], layers: Layers) -> None:
+        self.names: dict[str, tuple[int, ...]] = {}
+        self.nframes = self.rows = 0
+        self.time: Array = np.empty(0)
+        self.X = [np.empty(0) for _ in layers]
+        self._columns = [columns(layer) for layer in layers]
+        self._shapes = [layer.get("shape") for layer in layers]
+        self._frames: list[Segment] = []
+        self._steps: list[Segment] = []
+        self._open: tuple[Path, h5py.File] | None = None
+        try:
+            for path in files:
+                self._add(path)
+        finally:
+            self.close()
+        if not np.all(np.isfinite(self.time)) or np.any(np.diff(self.time) < 0):
+            raise Damaged("the times of its frames are not ascending numbers")
+
+    def _add(self, path: Path) -> None:
+        """See what a file holds."""
+        file = self._opened(path)
+        frame, row = (int(number) for number in file.attrs.get("first", (0, 0)))
+        if not (0 <= frame <= self.nframes and 0 <= row <= self.rows):
+            raise Damaged(f"what comes before {path.name} is missing")
+        time, rows = _numbers(file, "time", 1)[...], self._count_steps(file)
+        for k in range(len(self.X)) if len(time) else ():
+            self._check_layer(file, k, len(time))
+        self._frames = _followed(self._frames, Segment(path, frame, len(time)))
+        self._steps = _followed(self._steps, Segment(path, row, rows))
+        self.time = np.concatenate([self.time[:frame], time])
+        self.nframes, self.rows = frame + len(time), row + rows
+
+    def _count_steps(self, file: h5py.File) -> int:
+        """How many steps a file has, all of whose series have the same length."""
+        if "series" not in file:
+            return 0
+        shapes = {name: _numbers(file, f"series/{name}").shape for name in file["series"]}
+        names = {name: shape[1:] for name, shape in shapes.items()}
+        steps = {shape[0] for shape in shapes.values()}
+        if "t" not in names or len(steps) != 1 or names != (self.names or names):
+            raise Damaged("its series do not fit together")
+        self.names = names
+        return steps.pop()
+
+    def _check_layer(self, file: h5py.File, k: int, count: int) -> None:
+        """Layer k has its grid, and as many frames as it should, of this size."""
+        group, names, shape = f"layer{k}", self._columns[k], self._shapes[k]
+        if not len(self.X[k]):
+            X: Array = _numbers(file, f"{group}/X")[...]
+            fits = shape is None or X.shape in ((math.prod(shape), len(shape)), (*shape,))
+            rises = shape is not None or np.all(np.diff(X) > 0)
+            if not len(X) or not np.isfinite(X).all() or not fits or not rises:
+                raise Damaged(f"the grid in {group} is not ascending numbers")
+            self.X[k] = X
+        wanted = dict.fromkeys(names, (count, *(shape or self.X[k].shape)))
+        if "frames" in file[group]:
+            wanted = {"frames": (len(self.X[k]), count * len(names))}
+        for name, expected in wanted.items():
+            if (found := _numbers(file, f"{group}/{name}").shape) != expected:
+                raise Damaged(f"{group}/{name} has the shape {found}")
+
+    def series(self, name: str) -> Array:
+        """(rows, …) what is known of each step by a name."""
+        some = [s for s in self._steps if s.count]
+        found = [self._opened(s.path)[f"series/{name}"][: s.count] for s in some]
+        return np.concatenate([np.empty((0, *self.names[name])), *found])
+
+    def frames(self, k: int, names: Sequence[str], first: int, end: int) -> list[Array]:
+        """(end - first, n) of each of these columns of layer k."""
+        found = [np.empty((end - first, len(self.X[k]))) for _ in names]
+        for path, begin, count in self._frames:
+            a, b = max(first, begin), min(end, begin + count)
+            if a < b:
+                group = self._opened(path)[f"layer{k}"]
+                rows = self._rows(group, k, names, a - begin, b - begin)
+                for into, values in zip(found, rows):
+                    into[a - first : b - first] = values
+        return found
+
+    def _rows(self, group: h5py.Group, k: int, names: Sequence[str], a: int, b: int) -> list[Array]:
+        """(b - a, n) of each column, from frame a of a file on."""
+        if "frames" not in group:
+            return [group[name][a:b].reshape(b - a, -1) for name in names]
+        width = len(self._columns[k])
+        table = group["frames"][:, a * width : b * width].reshape(-1, b - a, width)
+        return [table[..., self._columns[k].index(name)].T for name in names]
+
+    def _opened(self, path: Path) -> h5py.File:
+        """A file, which stays open until another one is asked for: they may be too many."""
+        if self._open is None or self._open[0] != path:
+            self.close()
+            self._open = path, open_h5(path)
+        return self._open[1]
+
+    def close(self) -> None:
+        """Close the file that is open, if any."""
+        if self._open is not None:
+            self._open[1].close()
+        self._open = None
+
+
+def _numbers(file: h5py.File, name: str, ndim: int | None = None) -> h5py.Dataset:
+    """A dataset of numbers, no larger than the file can hold."""
+    found = file[name]
+    if not isinstance(found, h5py.Dataset) or found.dtype.kind not in "iuf" or not found.ndim:
+        raise Damaged(f"{name} is no array of numbers")
+    size = found.size * found.dtype.itemsize
+    if size > _MOST_COMPRESSED * max(1024, os.path.getsize(file.filename)):
+        raise Damaged(f"{name} claims to have {size:.3g} bytes")
+    if found.ndim != (ndim or found.ndim):
+        raise Damaged(f"{name} has {found.ndim} dimensions")
+    return found
+
+
+def check_kept(path: Path, files: Sequence[Path], layers: Layers, kept: Kept) -> None:
+    """FileError if the files have less than a restart keeps; path: of the result."""
+    with damage(str(path)):
+        content = Contents(files, layers)
+        enough = content.nframes >= kept.frames and content.rows >= kept.rows
+        t = content.series("t")[kept.rows - 1] if enough and kept.rows else kept.t
+        content.close()
+    if not enough or t != kept.t:
+        found = f"its step {kept.rows} ends at t = {t:.17g}, not {kept.t:.17g}"
+        if not enough:
+            has = f"{content.nframes} frames and {content.rows} steps"
+            found = f"{has}, not {kept.frames} and {kept.rows}"
+        raise FileError(f"{path} is not what the checkpoint goes on from: {found}")
+
+
+# writing
 
 
 def new_piece(
@@ -138,10 +293,10 @@ def new_piece(
             for name in rows.dtype.names or ():
                 series[name] = rows[name]
         for name, shape in shapes.items():
-            rest = int(np.prod(shape[1:]))
+            rest = math.prod(shape[1:])
             chunk = max(1, min(shape[0], (1 << 30) // (8 * rest)))
             file.create_dataset(name, shape, "f8", chunks=(chunk, *shape[1:]))
-    room = 8 * sum(int(np.prod(shape)) for shape in shapes.values())
+    room = 8 * sum(map(math.prod, shapes.values()))
     write_whole(path, image.getvalue(), room + _SPARE)
 
 
@@ -151,15 +306,15 @@ def join(folder: Path, target: Path, about: Mapping[str, Any]) -> None:
     try:
         with damage(str(folder)):
             content = Contents(pieces(folder), layers)
-        shapes, room = _shapes(content, layers), _SPARE
+        shapes = dict(_shapes(content, layers))
         with in_memory() as (file, image):
             file["about"], file["time"] = np.bytes_(_text(about)), content.time
             if content.rows:
                 file.create_group("series", track_order=True)
             for name, shape in shapes.items():
                 file.create_dataset(name, shape, "f8")
-                room += 8 * int(np.prod(shape)) + 1024
-        write_whole(target, image.getvalue(), room)
+        room = sum(8 * math.prod(shape) + 1024 for shape in shapes.values())
+        write_whole(target, image.getvalue(), room + _SPARE)
         with open_h5(target, "r+") as file:
             _fill(file, content, layers)
         content.close()
@@ -171,31 +326,15 @@ def join(folder: Path, target: Path, about: Mapping[str, Any]) -> None:
         raise
 
 
-def check_kept(path: Path, files: Sequence[Path], layers: Layers, kept: Kept) -> bool:
-    """Whether the files have more than a restart keeps; FileError if less. path: of the result."""
-    with damage(str(path)):
-        content = Contents(files, layers)
-        frames, rows = content.nframes, content.rows
-        enough = frames >= kept.frames and rows >= kept.rows
-        t = content.series("t")[kept.rows - 1] if enough and kept.rows else kept.t
-        content.close()
-    if not enough or t != kept.t:
-        found = f"its step {kept.rows} ends at t = {t:.17g}, not {kept.t:.17g}"
-        if not enough:
-            found = f"{frames} frames and {rows} steps, not {kept.frames} and {kept.rows}"
-        raise FileError(f"{path} is not what the checkpoint goes on from: {found}")
-    return (frames, rows) != (kept.frames, kept.rows)
-
-
-def _shapes(content: Contents, layers: Layers) -> dict[str, tuple[int, ...]]:
-    """The datasets of a whole result, name -> shape."""
-    rows, names = content.rows, content.names.items()
-    found = {f"series/{name}": (rows, *rest) for name, rest in names if rows}
+def _shapes(content: Contents, layers: Layers) -> Iterator[tuple[str, tuple[int, ...]]]:
+    """Name and shape of the datasets of a whole result."""
+    for name, rest in content.names.items() if content.rows else ():
+        yield f"series/{name}", (content.rows, *rest)
     for k, layer in enumerate(layers if content.nframes else ()):
-        found[f"layer{k}/X"] = content.X[k].shape
+        X = content.X[k].shape
+        yield f"layer{k}/X", X
         for name in columns(layer):
-            found[f"layer{k}/{name}"] = content.nframes, *layer.get("shape", content.X[k].shape)
-    return found
+            yield f"layer{k}/{name}", (content.nframes, *layer.get("shape", X))
 
 
 def _fill(file: h5py.File, content: Contents, layers: Layers) -> None:
@@ -210,7 +349,3 @@ def _fill(file: h5py.File, content: Contents, layers: Layers) -> None:
             end = min(first + step, content.nframes)
             for name, values in zip(names, content.frames(k, names, first, end)):
                 group[name][first:end] = values.reshape(-1, *group[name].shape[1:])
-
-
-def _text(about: Mapping[str, Any]) -> bytes:
-    return json.dumps({"format": FORMAT, "version": VERSION, **about}).encode()

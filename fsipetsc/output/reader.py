@@ -22,10 +22,9 @@ import numpy as np
 from fsipetsc.checks import Array, counted
 from fsipetsc.errors import FileError
 from fsipetsc.output.checkpoint_file import is_one
-from fsipetsc.output.contents import Contents
-from fsipetsc.output.file_layout import Damaged, columns, damage
+from fsipetsc.output.file_layout import Damaged, columns, damage, folder_of
 from fsipetsc.output.interface_line import InterfaceLine, along_face
-from fsipetsc.output.pieces import folder_of, pieces, read_about
+from fsipetsc.output.pieces import Contents, pieces, read_about
 
 if TYPE_CHECKING:
     import xarray
@@ -60,21 +59,19 @@ class Run:
         if name.endswith(".parts") and os.path.isdir(name):  # of a run that goes on or was killed
             name = f"{name.removesuffix('.parts')}.h5"
         self.path, self._closed = os.path.abspath(name), False
-        try:
-            again = not self._read(name) and os.path.exists(self.path)
-        except FileNotFoundError:
-            again = True
-        if again:  # the pieces have become one file meanwhile
-            self._read(name)
-
-    def _read(self, name: str) -> bool:
-        """Whether it is one file."""
         path, folder = Path(self.path), folder_of(self.path)
-        whole = _is_whole(path, folder, name)
-        with damage(name):
-            about = read_about(path if whole else folder, name)
-            self._take(about, [path] if whole else pieces(folder))
-        return whole
+        for again in (False, True):  # the pieces may become one file while they are read
+            whole = _is_whole(path, folder, name)
+            try:
+                with damage(name):
+                    about = read_about(path if whole else folder, name)
+                    self._take(about, [path] if whole else pieces(folder))
+            except FileNotFoundError:
+                if again:
+                    raise FileError(f"{name}: there is no such file") from None
+                continue
+            if whole or not path.exists():
+                return
 
     def _take(self, about: Mapping[str, Any], files: Sequence[Path]) -> None:
         """What is known of the run, and its files."""

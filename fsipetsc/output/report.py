@@ -10,19 +10,19 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 from string import Template
+from typing import Any
 
 import numpy as np
 
+from fsipetsc.output.file_layout import writing
 from fsipetsc.output.info import info_sections
-from fsipetsc.output.places import writing
-from fsipetsc.output.plots.film import images, some
+from fsipetsc.output.plots.film import drawn, some
 from fsipetsc.output.plots.page import pictures
-from fsipetsc.output.plots.scales import moment
-from fsipetsc.output.plots.style import STYLE, needed
+from fsipetsc.output.plots.style import STYLE, moment, needed
 from fsipetsc.output.reader import Run, open_run
 
 FILM = 60  # frames under the slider; of more, some are left out
-DPI = 110
+DPI, FILM_DPI = 110, 80
 
 
 def report(path: str | os.PathLike[str], outdir: str | os.PathLike[str] = ".") -> Path:
@@ -45,39 +45,29 @@ def _page(run: Run) -> str:
     from matplotlib.figure import Figure
 
     template = Template(Path(__file__).with_name("report.html").read_text(encoding="utf-8"))
-    frames = some(run, FILM) if run.nframes > 1 else range(0)
-    drawn = []
+    frames, moving = some(run, FILM) if run.nframes > 1 else range(0), Figure()
+    film = [_png(moving, FILM_DPI) for _ in (drawn(moving, run, frames) if frames else ())]
+    shown = []
     for name, draw in pictures(run):
-        figure, kept = Figure(), io.BytesIO()
+        figure = Figure()
         draw(figure)
-        figure.savefig(kept, format="png")
-        drawn.append(f'<figure id="{name}"><img alt="{name}" src="{_address(kept)}"></figure>')
+        shown.append(f'<figure id="{name}"><img alt="{name}" src="{_png(figure, DPI)}"></figure>')
+    state = "complete" if run.complete else str(run.summary.get("status", "unfinished"))
     return template.substitute(
         title=html.escape(f"{run.case}: {Path(run.path).name}"),
-        state=html.escape(_state(run)),
-        film=json.dumps(_film(run, frames)),
+        state=html.escape(state),
+        film=json.dumps(film),
         times=json.dumps([moment(run, frame) for frame in frames]),
         tables="\n".join(_table(title, rows) for title, rows in _tables(run)),
-        pictures="\n".join(drawn),
+        pictures="\n".join(shown),
     )
 
 
-def _state(run: Run) -> str:
-    return "complete" if run.complete else str(run.summary.get("status", "unfinished"))
-
-
-def _film(run: Run, frames: Sequence[int]) -> list[str]:
-    """Each frame as the address of a picture that is in the page itself."""
-    addresses = []
-    for image in images(run, frames) if frames else ():
-        kept = io.BytesIO()
-        image.save(kept, "PNG", optimize=True)
-        addresses.append(_address(kept))
-    return addresses
-
-
-def _address(picture: io.BytesIO) -> str:
-    return f"data:image/png;base64,{base64.b64encode(picture.getvalue()).decode()}"
+def _png(figure: Any, dpi: int) -> str:
+    """A figure as the address of a picture that is in the page itself."""
+    kept = io.BytesIO()
+    figure.savefig(kept, format="png", dpi=dpi)
+    return f"data:image/png;base64,{base64.b64encode(kept.getvalue()).decode()}"
 
 
 def _tables(run: Run) -> list[tuple[str, Sequence[tuple[str, str]]]]:

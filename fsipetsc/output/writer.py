@@ -22,17 +22,15 @@ from petsc4py import PETSc
 
 from fsipetsc.errors import FileError, FsiError, is_petsc, petsc_words
 from fsipetsc.output import pieces, xdmf
-from fsipetsc.output.file_layout import columns
-from fsipetsc.output.lock import Lock
+from fsipetsc.output.file_layout import check_folder, columns, folder_of
+from fsipetsc.output.lock import Lock, set_aside
 from fsipetsc.output.pieces import Kept
-from fsipetsc.output.places import check_folder
 from fsipetsc.process.together import agree
 
 Array = np.ndarray[Any, Any]
 Result = TypeVar("Result")
-Settle = Callable[[list[Path]], Mapping[Path, Path]]
 #: a piece is written after so many frames, bytes of a rank, or seconds
-_FRAMES, _BYTES, _SECONDS = 256, 64 << 20, 2.0
+FRAMES, BYTES, SECONDS = 256, 64 << 20, 2.0
 
 
 class RunWriter:
@@ -48,8 +46,8 @@ class RunWriter:
                     in the order of the ranks
     after           what is kept of a result of this name and this run (header["run"]): the writer
                     goes on behind it. Where there is none a new one begins
-    settle          is called on rank 0 when this run has the name, before any file is changed, with
-                    what an earlier run has left of the name, which it renames: old -> new names
+    checkpoint      of another run, if there is one: it gets a new name, as an earlier result does
+    moved           on rank 0, old and new names of what an earlier run has left
 
     Set `take_series` to what hands over, on rank 0, the per-step data since the last time: an array
     of records, one per step, with "t" first. All ranks call it; its array need not stay as it is.
@@ -63,18 +61,16 @@ class RunWriter:
         path: str | os.PathLike[str],
         header: Mapping[str, Any],
         grids: Sequence[Mapping[str, Any]],
-        *,
         after: Kept | None = None,
-        settle: Settle,
-        buffer_frames: int = _FRAMES,
+        checkpoint: Path | None = None,
     ) -> None:
         self.take_series: Callable[[], Array | None] = lambda: None
         self._comm, self._root, self._closed = comm, comm.rank == 0, False
         self._widths = [len(columns(layer)) for layer in header["layers"]]
         size = 8 * sum(int(grid["n"]) * width for grid, width in zip(grids, self._widths))
-        self._capacity = max(1, min(buffer_frames, _BYTES * comm.size // max(1, size)))
+        self._capacity = max(1, min(FRAMES, BYTES * comm.size // max(1, size)))
         self._begun = time.monotonic()
-        self._next_flush = self._begun + _SECONDS
+        self._next_flush = self._begun + SECONDS
         self._grids, self._grids_written = list(grids), False
         self._frames: list[list[Array]] = []  # not yet written: of each layer (local, columns)
         self._times: list[float] = []  # of these
@@ -83,10 +79,11 @@ class RunWriter:
         created = datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds")
         self._about: dict[str, Any] = {"header": _plain({"created": created, **header})}
         self.path = Path(os.path.realpath(path))
-        self.folder = pieces.folder_of(self.path)
+        self.folder = folder_of(self.path)
+        self.moved: list[tuple[Path, Path]] = []
         self.nframes = self.rows = 0  # frames given, and, on rank 0, rows of the series written
         self._number = 1  # of the next piece
-        begun = self._on_root(lambda: self._begin(os.fspath(path), after, settle))
+        begun = self._on_root(lambda: self._begin(os.fspath(path), after, checkpoint))
         self.nframes, self.rows, self._number = begun
 
     # ------------------------------------------------------------------ what the solver calls
@@ -120,14 +117,14 @@ class RunWriter:
             raise FileError(f"{self.path}: the result is finished or has failed before")
         begun = time.monotonic()
         self._take()
-        names = list(self._datasets())
-        self._on_root(lambda: self._new_piece({name: shape for name, shape, _ in names}))
+        parts = list(self._datasets())
+        self._on_root(lambda: self._new_piece({name: shape for name, shape, _ in parts}))
         if self._frames:
             viewer = PETSc.ViewerHDF5()
             # HDF5 would print what it met on its way to a file that this rank cannot open
             self._together(lambda: open(self._draft, "r+b").close())
             self._together(lambda: viewer.create(str(self._draft), mode="a", comm=self._comm))
-            for name, _, local in names:
+            for name, _, local in parts:
                 self._together(lambda: self._view(viewer, name, local))  # noqa: B023
             self._together(viewer.destroy)
             self._grids_written = True
@@ -136,7 +133,7 @@ class RunWriter:
         self._times.clear()
         now = time.monotonic()
         # writing takes at most 2 % of the time, and a long run has at most some hundred pieces
-        self._next_flush = now + max(_SECONDS, 50 * (now - begun), 0.01 * (now - self._begun))
+        self._next_flush = now + max(SECONDS, 50 * (now - begun), 0.01 * (now - self._begun))
 
     def finish(
         self, summary: Mapping[str, Any], errors: Mapping[str, Any] | None = None, join: bool = True
@@ -191,14 +188,16 @@ class RunWriter:
         said = f"{self.path}: cannot write: {reason}"
         return f"{said}; what was written before is in {self.folder}" if self._number > 1 else said
 
-    # ------------------------------------------------------------------ the files
+    # ------------------------------------------------------------------ the files, on rank 0
 
-    def _begin(self, path: str, after: Kept | None, settle: Settle) -> tuple[int, int, int]:
-        """Make the folder with its header, or go on with what is kept. On rank 0.
+    def _begin(
+        self, path: str, after: Kept | None, checkpoint: Path | None
+    ) -> tuple[int, int, int]:
+        """Make the folder with its header, or go on with what is kept.
 
         Returns the frames, the rows of the series, and the number of the next piece.
         """
-        check_folder(path, self.path.parent, writable=True)
+        check_folder(path, writable=True)
         if os.path.lexists(self.path) and not self.path.is_file():  # a device keeps its name
             raise FileError(f"{path}: exists and is not a regular file")
         self._lock = Lock(self.folder, str(self.path))
@@ -208,34 +207,32 @@ class RunWriter:
             in_pieces = pieces.run_of(self.path) != pieces.run_of(self.folder)
         found = [self.path] * whole + [self.folder] * in_pieces
         goes_on = after is not None and found and pieces.run_of(found[0]) == header.get("run")
+        files = [self.path] if whole else pieces.pieces(self.folder)
         if goes_on:
-            files = [self.path] if whole else pieces.pieces(self.folder)
-            more = pieces.check_kept(self.path, files, header["layers"], after)
+            pieces.check_kept(self.path, files, header["layers"], after)
             del found[0]
-        kept = settle(found)
-        if self.folder in kept:  # the lock has gone with it
-            self._lock.release()
-            self._lock = Lock(self.folder, str(self.path))
-        if self.path in kept:
-            xdmf.move(self.path, kept[self.path])
+        for file in ([] if checkpoint is None else [checkpoint]) + found:
+            self.moved.append((file, set_aside(file)))
+            if file == self.path:
+                xdmf.move(*self.moved[-1])
+            if file == self.folder:  # the lock has gone with it
+                self._lock.release()
+                self._lock = Lock(self.folder, str(self.path))
         if whole or not goes_on:
             pieces.clear(self.folder)
         pieces.write_header(self.folder, self._about)
-        return (after.frames, after.rows, self._go_on(after, whole, more)) if goes_on else (0, 0, 1)
+        return (after.frames, after.rows, self._go_on(after, len(files))) if goes_on else (0, 0, 1)
 
-    def _go_on(self, after: Kept, whole: bool, more: bool) -> int:
+    def _go_on(self, after: Kept, count: int) -> int:
         """The number of the next piece. A whole result becomes the first one. What was computed
-        after the checkpoint counts no more, if there is any: by a piece with nothing in it.
+        after the checkpoint counts no more: a piece with nothing in it takes its place.
         """
-        number = 2 if whole else len(pieces.pieces(self.folder)) + 1
-        if more:
-            draft = pieces.file_of(self.folder, number, ".new")
-            pieces.new_piece(draft, (after.frames, after.rows), (), None, {})
-            os.replace(draft, draft.with_suffix(".h5"))
-            number += 1
-        if whole:
+        draft = pieces.file_of(self.folder, count + 1, ".new")
+        pieces.new_piece(draft, (after.frames, after.rows), (), None, {})
+        os.replace(draft, draft.with_suffix(".h5"))
+        if self.path.exists():
             os.replace(self.path, pieces.file_of(self.folder, 1))
-        return number
+        return count + 2
 
     @property
     def _draft(self) -> Path:
@@ -261,13 +258,14 @@ class RunWriter:
             yield f"layer{k}/frames", (n, width), np.stack(parts, axis=1).reshape(local, width)
 
     def _new_piece(self, shapes: Mapping[str, tuple[int, ...]]) -> None:
-        """Begin the next piece, if there is something new. On rank 0."""
+        """Begin the next piece, if there is something new."""
         if shapes or self._new_rows:
             rows = np.concatenate(self._new_rows) if self._new_rows else None
             first = self.nframes - len(self._times), self.rows
             pieces.new_piece(self._draft, first, self._times, rows, shapes)
 
     def _view(self, viewer: PETSc.Viewer, name: str, local: Array) -> None:
+        """Write this rank's part of a dataset. Collective."""
         # a Vec of the world, of local length zero where the rank owns nothing: that of a part of
         # the ranks would lose data
         width = local.shape[1] if local.ndim > 1 else 1
@@ -282,7 +280,7 @@ class RunWriter:
         vec.destroy()
 
     def _publish(self) -> int:
-        """Give the piece its name, if there is one; the number of the next. On rank 0."""
+        """Give the piece its name, if there is one; the number of the next."""
         if not self._frames and not self._new_rows:
             return self._number
         with open(self._draft, "rb") as file:
@@ -293,7 +291,7 @@ class RunWriter:
         return self._number + 1
 
     def _conclude(self, join: bool) -> None:
-        """Write the header with the summary, and make one file of the pieces. On rank 0."""
+        """Write the header with the summary, and make one file of the pieces."""
         pieces.write_header(self.folder, self._about)
         if not join:
             return

@@ -13,7 +13,7 @@ from pathlib import Path
 from xml.sax.saxutils import escape, quoteattr
 
 from fsipetsc.errors import FileError
-from fsipetsc.output.pieces import beside
+from fsipetsc.output.file_layout import beside
 from fsipetsc.output.reader import Layer, Run, open_run
 
 _HEAD = '<?xml version="1.0" ?>\n<!DOCTYPE Xdmf SYSTEM "Xdmf.dtd" []>\n<Xdmf Version="2.0">\n'
@@ -36,13 +36,11 @@ def write(path: Path) -> None:
 
 
 def move(path: Path, kept_as: Path) -> None:
-    """Let the XDMF of an earlier result, if there is one, go with it to its new name. OSError."""
+    """Let the XDMF of an earlier result, if there is one, be that of its new name. OSError."""
     target = name_beside(path)
-    text = target.read_text(encoding="utf-8", errors="replace") if target.is_file() else ""
-    if text.startswith(_HEAD):
-        own = text.replace(f">{escape(path.name)}:/", f">{escape(kept_as.name)}:/")
-        name_beside(kept_as).write_text(own, encoding="utf-8")
+    if target.is_file() and target.read_text(errors="replace").startswith(_HEAD):
         target.unlink()
+        write(kept_as)
 
 
 def _text(run: Run) -> Iterator[str]:

@@ -38,7 +38,7 @@ from fsipetsc.process.together import agree, together, wait_asleep
 from fsipetsc.scheme.burst import DT, MADE
 from fsipetsc.scheme.plan import BURST, CAPACITY, FLAGS, LIMITS, RATE, SAID_STOP, step_record
 from fsipetsc.stepping import initial_data, snapshot
-from fsipetsc.stepping.diagnosis import Failure, described
+from fsipetsc.stepping.diagnosis import described
 from fsipetsc.stepping.phases import logged
 from fsipetsc.stepping.state import FAULT
 
@@ -236,7 +236,7 @@ class PaperState:
         """See fsipetsc.paper.fields.errors."""
         return fields.errors(self, t, norm)
 
-    def failure(self, t: float, step: int) -> Failure:
+    def failure(self, t: float, step: int) -> str:
         """What is wrong with a state that is not physical. Collective."""
         return described(self, fields.seen(self), t, step)
 

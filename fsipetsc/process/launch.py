@@ -1,15 +1,16 @@
-"""Start of MPI and PETSc."""
+"""Start of MPI and PETSc; what a run gives back, so that several can be made in one process."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from fsipetsc.errors import InputError
-from fsipetsc.options import given_options, is_option, present
+from fsipetsc.options import given_options, is_option, present, put
 from fsipetsc.options.tables import AT_START
-from fsipetsc.process.host import begin_options, petsc_runs
 from fsipetsc.process.together import together
 
 if TYPE_CHECKING:
@@ -56,7 +57,15 @@ def start_petsc(arguments: Sequence[str], comm: MPI.Comm) -> dict[str, str]:
         _initialise(arguments)
     before = present()
     given = comm.bcast(together(comm, lambda: given_options(arguments) if comm.rank == 0 else None))
-    begin_options({name: given[name] for name in AT_START if name in given}, before)
+    start = {name: given[name] for name in AT_START if name in given}
+    for name, text in start.items():
+        if before.get(name) != text:
+            raise InputError(
+                f"-{name} works from the start of PETSc: give it on the command line, or in "
+                "PETSC_OPTIONS, of the first run in a process"
+            )
+    # newer releases (3.22) print what nobody asked for at the end, after every error
+    put({"options_left": "false", **start})
     return given
 
 
@@ -77,3 +86,39 @@ def _initialise(arguments: Sequence[str]) -> None:
     finally:
         if environment is not None:
             os.environ["PETSC_OPTIONS"] = environment
+
+
+# several runs in one process: PETSc has one database of options for all of it
+
+
+def petsc_runs() -> bool:
+    """PETSc has been started in this process. InputError if it has been ended, too."""
+    if "petsc4py.PETSc" not in sys.modules:
+        return False
+    from petsc4py import PETSc
+
+    if PETSc.Sys.isFinalized():
+        raise InputError("PETSc has been ended in this process, and cannot be started again")
+    return PETSc.Sys.isInitialized()
+
+
+@contextmanager
+def left_as_found() -> Iterator[None]:
+    """What is done within leaves no options, search paths and modules of case files behind.
+
+    Options that PETSc looks at when it ends, such as -log_view, stay if it was started within.
+    """
+    path, modules = list(sys.path), set(sys.modules)
+    found = present() if petsc_runs() else None
+    try:
+        yield
+    finally:
+        if "petsc4py.PETSc" in sys.modules and petsc_runs():
+            at_end = {name: text for name, text in present().items() if name in AT_START}
+            put(at_end if found is None else found)
+        folders = tuple(os.path.join(folder, "") for folder in set(sys.path) - set(path))
+        for name in set(sys.modules) - modules:  # the next case file has its own of that name
+            file = getattr(sys.modules[name], "__file__", None) or ""
+            if name.startswith("fsipetsc_case_") or (folders and file.startswith(folders)):
+                del sys.modules[name]
+        sys.path[:] = path

@@ -36,8 +36,6 @@ CHECKED = 256
 MOST_POINTS = {1: 250_000, 2: 2_000_000, 3: 2_000_000}
 #: most steps in one go, from one look at signals and progress to the next
 BURST = 64
-#: steps whose shares are added up at once: they stay in a cache
-CACHED_STEPS = 2048
 #: what a checkpoint keeps as it is
 KEPT = "steps", "t", "dt_range", "wall_time", "initial", "beyond"
 #: what is noted of a step alone, not of a state
@@ -98,12 +96,10 @@ class Series:
         """
         steps, self._added = self._state.journal[self._added : self.count], self.count
         if comm.size > 1:
-            numbers = steps.view(np.float64).reshape(-1, steps.itemsize // 8)
-            for begin in range(0, len(steps), CACHED_STEPS):
-                own = numbers[begin : begin + CACHED_STEPS, self._first :]
-                sums = own.copy()
-                comm.Reduce(MPI.IN_PLACE if comm.rank == 0 else sums, sums, MPI.SUM, 0)
-                own[:] = sums
+            own = steps.view(np.float64).reshape(-1, steps.itemsize // 8)[:, self._first :]
+            sums = own.copy()
+            comm.Reduce(MPI.IN_PLACE if comm.rank == 0 else sums, sums, MPI.SUM, 0)
+            own[:] = sums
         return steps
 
     def take(self, comm: MPI.Comm) -> np.ndarray:

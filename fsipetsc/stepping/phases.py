@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from typing import Any, TypeVar
 
 from petsc4py import PETSc
@@ -22,34 +22,27 @@ class Phases:
         self._open: list[str] = []
         self._since = 0.0
         logs = PETSc.Log.isActive()
-        self._stages = {name: PETSc.Log.Stage(name) for name in self.seconds} if logs else {}
+        self._stages = {name: PETSc.Log.Stage(name) for name in self.seconds if logs}
 
     @contextmanager
     def __call__(self, name: str) -> Iterator[None]:
         """Spend the time within on a phase."""
-        self._book()
+        self.total()
         self._open.append(name)
-        if self._stages:
-            self._stages[name].push()
-        try:
-            yield
-        finally:
-            if self._stages:
-                self._stages[name].pop()
-            self._book()
-            self._open.pop()
+        with self._stages.get(name, nullcontext()):
+            try:
+                yield
+            finally:
+                self.total()
+                self._open.pop()
 
     def total(self) -> float:
-        """Of all of them so far [s]."""
-        self._book()
-        return sum(self.seconds.values())
-
-    def _book(self) -> None:
-        """The time since the last change belongs to the innermost open phase."""
+        """Of all of them so far [s]; what has passed since the last change is the innermost's."""
         now = time.perf_counter()
         if self._open:
             self.seconds[self._open[-1]] += now - self._since
         self._since = now
+        return sum(self.seconds.values())
 
 
 def logged(name: str, function: Callable[..., Result]) -> Callable[..., Result]:
@@ -59,10 +52,7 @@ def logged(name: str, function: Callable[..., Result]) -> Callable[..., Result]:
     event = PETSc.Log.Event(name)
 
     def call(*arguments: Any) -> Result:
-        event.begin()
-        try:
+        with event:
             return function(*arguments)
-        finally:
-            event.end()
 
     return call

@@ -5,7 +5,7 @@ from __future__ import annotations
 import shlex
 import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -23,8 +23,8 @@ STEPS = 32
 MOST_J_ERROR = 0.01
 #: and a larger loss of the kinetic and elastic energy of solids
 MOST_LOST = 0.001
-#: characters of a line of the summary, and departures that are listed
-_WIDTH, _LISTED = 100, 4
+#: entries of a list that are told
+_LISTED = 4
 #: by kind of layer: names of the bounds by convection and by diffusion
 _BOUNDS = {"fluid": ("sound", "friction and conduction"), "solid": ("waves", "conduction")}
 
@@ -51,8 +51,7 @@ def shares(changes: Sequence[Sequence[Any]], end: float) -> list[tuple[str, floa
     for (_, what), begin, until in zip(changes, times, times[1:], strict=False):
         parts[what] = parts.get(what, 0.0) + until - begin
     whole = sum(parts.values()) or 1.0
-    found = [(what, part / whole) for what, part in parts.items()]
-    return sorted(found, key=lambda item: -item[1])
+    return sorted(((what, part / whole) for what, part in parts.items()), key=lambda x: -x[1])
 
 
 class Reporter:
@@ -111,73 +110,53 @@ class Reporter:
         """Print the summary; place: of the result."""
         if not self._speaks:
             return
-        self._say_steps(summary)
-        self._say_places(summary)
-        self._say_times(summary)
-        departures = sorted(summary["departures"].items(), key=_size)
-        kept = [f"{name} to {size:.1e}" for name, size in departures[:_LISTED]]
-        more = [f"{len(departures) - _LISTED} more"] * (len(departures) > _LISTED)
-        self._list("kept", [*kept, *more])
-        for text in (*about_volumes(summary["J_error"]), *about_losses(summary)):
+        for text in self._lines(summary, errors or {}):
             self.line(text)
-        for kind, values in (errors or {}).items():
-            listed = [f"{name} {value:.3e}" for name, value in values.items()]
-            self._list(f"{self._opt['fsi_norm']} errors in the {kind}", listed)
         self.line(f"result in {place}")
         if summary["status"] == "done":
             self.line(f"next: python -m fsipetsc plot {shlex.quote(self._opt['fsi_output'])}")
 
-    def _say_steps(self, summary: Mapping[str, Any]) -> None:
+    def _lines(self, summary: Mapping[str, Any], errors: Mapping[str, Any]) -> Iterator[str]:
+        """How the run ended, what was solved, where the time went, what bounded the steps, what
+        was kept, and errors.
+        """
         steps, wall, part = summary["steps"], summary["wall_time"], summary["part"]
-        cost = f", {1e6 * wall / steps:.1f} µs per step" if steps else ""
         again = summary["rejected_steps"]
-        rejected = f" ({again} rejected)" if again else ""
         early = summary["message"] if summary["status"] == "done" else ""
         how = early or f"{summary['status']} at t = {summary['t']:g}{self._s}"
-        self.line(f"{how}: {counted(steps, 'step')}{rejected} in {duration(wall)}{cost}")
+        cost = f", {1e6 * wall / steps:.1f} µs per step" if steps else ""
+        rejected = f" ({again} rejected)" if again else ""
+        yield f"{how}: {counted(steps, 'step')}{rejected} in {duration(wall)}{cost}"
         if part["steps"] < steps:
             these = f"{counted(part['steps'], 'step')} of these in {duration(part['wall_time'])}"
-            self.line(f"{these} since the restart")
-
-    def _say_places(self, summary: Mapping[str, Any]) -> None:
+            yield f"{these} since the restart"
         problem = self._state.problem
-        self._list("solved", [f"{layer.name} ({layer.kind})" for layer in problem.layers])
-        axis = " xyz"[problem.dimension]
-        mean = " on average" if axis != "x" else ""
+        yield f"solved: {_list(f'{layer.name} ({layer.kind})' for layer in problem.layers)}"
+        axis, mean = " xyz"[problem.dimension], " on average" * (problem.dimension > 1)
         found = summary["interfaces"].items()
-        places = [f"{name} at {axis} = {x:.6g}{mean}" for name, x in found]
-        points = counted(summary["points"], "point")
-        self._list("interfaces", [*places[:-1], f"{places[-1]}; {points}"] if places else [])
-        if not places:
-            self.line(points)
+        places = [f"interfaces: {_list(f'{name} at {axis} = {x:.6g}{mean}' for name, x in found)}"]
+        yield "; ".join([*(places if found else ()), counted(summary["points"], "point")])
+        phases = (f"{name} {duration(v)}" for name, v in summary["phases"].items())
+        yield f"phases: {', '.join(phases)}"
+        if steps:
+            bounds = (f"{w} ({100 * p:.0f} %)" for w, p in shares(summary["limits"], summary["t"]))
+            lengths = f"{summary['dt_min']:.3g} … {summary['dt_max']:.3g}{self._s}"
+            yield f"dt: {lengths}, bounded by {_list(bounds)}"
+        departures = sorted(summary["departures"].items(), key=lambda x: (x[1] == x[1], -x[1]))
+        if departures:  # nan first
+            yield f"kept: {_list(f'{name} to {size:.1e}' for name, size in departures)}"
+        yield from about_volumes(summary["J_error"])
+        yield from about_losses(summary)
+        for kind, values in errors.items():
+            listed = ", ".join(f"{name} {value:.3e}" for name, value in values.items())
+            yield f"{self._opt['fsi_norm']} errors in the {kind}: {listed}"
 
-    def _say_times(self, summary: Mapping[str, Any]) -> None:
-        total = max(sum(summary["phases"].values()), 1e-9)
-        phases = summary["phases"].items()
-        shown = [f"{name} {duration(v)} ({100 * v / total:.0f} %)" for name, v in phases]
-        since = " since the restart" if summary["part"]["steps"] < summary["steps"] else ""
-        self.line(f"phases{since}: {', '.join(shown)}")
-        if not summary["steps"]:
-            return
-        steps = f"{summary['dt_min']:.3g} … {summary['dt_max']:.3g}{self._s}"
-        parts = shares(summary["limits"], summary["t"])
-        bounds = [f"{what} ({100 * part:.0f} %)" if part < 1 else what for what, part in parts]
-        self._list("dt", [f"{steps}, bounded by {bounds[0]}" if bounds else steps, *bounds[1:]])
 
-    def _list(self, title: str, items: Sequence[str], most: int = 2) -> None:
-        """A line of items, or some lines; nothing where there are none."""
-        lines: list[str] = []
-        for number, item in enumerate(items):
-            piece = f"{item}{',' * (number + 1 < len(items))}"
-            if lines and len(lines[-1]) + len(piece) < _WIDTH:
-                lines[-1] += f" {piece}"
-            elif len(lines) == most:
-                lines[-1] = f"{lines[-1]} … ({len(items)} in all)"
-                break
-            else:
-                lines.append(f"  {piece}" if lines else f"{title}: {piece}")
-        for text in lines:
-            self.line(text)
+def _list(items: Iterator[str]) -> str:
+    """The first ones, and how many there are."""
+    every = list(items)
+    more = f" … ({len(every)} in all)" if len(every) > _LISTED else ""
+    return ", ".join(every[:_LISTED]) + more
 
 
 def about_volumes(J_error: float) -> list[str]:
@@ -196,8 +175,3 @@ def about_losses(summary: Mapping[str, Any]) -> list[str]:
         f"note: the steps have lost {100 * lost:.2g} % of the kinetic and elastic energy of the "
         "solids, which became heat (lost_energy): a smaller -fsi_cfl loses less"
     ]
-
-
-def _size(item: tuple[str, float]) -> tuple[bool, float]:
-    """To sort departures by: nan first, then the largest."""
-    return item[1] == item[1], -item[1]

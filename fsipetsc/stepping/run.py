@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import datetime
 import signal
+import uuid
 from collections.abc import Mapping
 from contextlib import closing, suppress
 from typing import Any
@@ -14,23 +16,17 @@ from fsipetsc.blockrun.run_problem import RunProblem
 from fsipetsc.errors import ComputationError, FileError, FsiError, InputError, Interrupted
 from fsipetsc.options import read_options
 from fsipetsc.output.checkpoint_file import CheckpointError
-from fsipetsc.output.file_layout import describe
+from fsipetsc.output.file_layout import beside
 from fsipetsc.output.writer import RunWriter
 from fsipetsc.problem import Problem
+from fsipetsc.stepping import restart
 from fsipetsc.stepping.integrator import Integrator
 from fsipetsc.stepping.ledgers import Ledgers
 from fsipetsc.stepping.output_times import saved_times
 from fsipetsc.stepping.pauses import signals_noted
 from fsipetsc.stepping.phases import LOOP, OUTPUT, SET_UP, Phases
 from fsipetsc.stepping.report import Reporter, bound_of_step
-from fsipetsc.stepping.restart import (
-    CheckpointKeeper,
-    Past,
-    check_options,
-    check_problem,
-    find_past,
-    versions,
-)
+from fsipetsc.stepping.restart import Past
 from fsipetsc.stepping.solve import build_problem, make_state
 from fsipetsc.stepping.state import State
 from fsipetsc.stepping.verdicts import cold_layers
@@ -41,10 +37,10 @@ def run_given(case: Any, given: Mapping[str, str], comm: MPI.Comm) -> dict[str, 
 
     Returns the options in force. Collective; raises what ``run_case`` raises.
     """
-    past = find_past(case, given, comm)
+    past = restart.find_past(case, given, comm)
     options = read_options(case, given, inherited=None if past is None else past.options)
     if past is not None:
-        check_options(past, options, given)
+        restart.check_options(past, options, given)
     run_case(case, options, comm, past)
     return options
 
@@ -64,7 +60,7 @@ def run_case(
     with state:
         with phases(SET_UP):
             if past is not None:
-                check_problem(past, problem, describe(state.journal.dtype))
+                restart.check_problem(past, state)
             state.check_data()  # before there is a file
             run = _Run(case, options, comm, phases, state, past)
         with closing(run.writer), signals_noted(run.integrator.pauses):
@@ -72,7 +68,7 @@ def run_case(
 
 
 class _Run:
-    """The pieces of one run: integrator, writer, checkpoints, ledgers, report."""
+    """One run: integrator, writer, checkpoints, ledgers, report."""
 
     def __init__(
         self,
@@ -86,7 +82,8 @@ class _Run:
         self.case, self.opt, self.comm, self.phases = case, opt, comm, phases
         self.problem, self.state, self.past = state.problem, state, past
         self.unit = self.problem.unit("s")
-        self.keeper = CheckpointKeeper(comm, case.NAME, opt, state, past)
+        self.checkpoint = restart.checkpoint_name(opt["fsi_checkpoint"], opt["fsi_output"])
+        restart.check_file(comm, self.checkpoint, opt)
         self.report = Reporter(comm, case.NAME, opt, state)
         self.checks = opt["fsi_check"] is not None
         self.ledgers = Ledgers(self.problem.invariants, opt["fsi_check"], self.unit)
@@ -103,11 +100,25 @@ class _Run:
             on_check=self._look,
             on_checkpoint=self._checkpoint,
         )
-        after, settle = self.keeper.written_before, self.keeper.settle
+        self.mark = self._mark()
+        other = restart.other_checkpoint(self.checkpoint, past) if comm.rank == 0 else None
+        after = None if past is None else past.kept
         self.writer = RunWriter(
-            comm, opt["fsi_output"], self._header(), state.grids(), after=after, settle=settle
+            comm, opt["fsi_output"], self._header(), state.grids(), after, other
         )
         self.writer.take_series = self._take
+
+    def _mark(self) -> dict[str, Any]:
+        """What header and checkpoints say of the run: "run", by which they know each other, when
+        it was "created", and its "restarts".
+        """
+        if self.past is None:
+            created = datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds")
+            return {"run": uuid.uuid4().hex, "created": created}
+        memory, run = self.past.header["memory"], self.past.header["run"]
+        this = {"t": memory["t"], "step": memory["steps"], "ranks": self.comm.size}
+        this["versions"] = restart.versions()
+        return {**run, "restarts": [*run.get("restarts", []), this]}
 
     def _header(self) -> dict[str, Any]:
         problem = self.problem
@@ -119,7 +130,7 @@ class _Run:
             "case": self.case.NAME,
             "options": dict(self.opt),
             "dimension": problem.dimension,
-            "versions": versions(),
+            "versions": restart.versions(),
             "ranks": self.comm.size,
             "layers": self.state.header(),
             "interfaces": interface_names(problem),
@@ -128,7 +139,7 @@ class _Run:
             "notes": list(problem.notes),
             "units": problem.units,
             "laws": problem.invariants,
-            **self.keeper.run,
+            **self.mark,
         }
 
     # what the integrator calls
@@ -180,24 +191,25 @@ class _Run:
         """Write all that has been computed, and then the checkpoint that goes on from there."""
         with self.phases(OUTPUT):
             self._flush()  # what does not hold is nothing to go on from
-            self.keeper.write(
-                {
-                    "memory": self.integrator.memory(),
-                    "ledgers": self.ledgers.memory(),
-                    "saved_at": self.saved_at,
-                    "limits": self.limits,
-                    "result": [self.writer.nframes, self.writer.rows],
-                    "wall_time_total": self._total(),
-                }
-            )
+            more = {
+                "run": self.mark,
+                "memory": self.integrator.memory(),
+                "ledgers": self.ledgers.memory(),
+                "saved_at": self.saved_at,
+                "limits": self.limits,
+                "result": [self.writer.nframes, self.writer.rows],
+                "wall_time_total": self._total(),
+            }
+            restart.write_checkpoint(self.state, self.checkpoint, self.case.NAME, self.opt, more)
         self.integrator.pauses.written()
 
     # the course of the run
 
     def go(self) -> None:
         """Begin or go on, integrate, and complete the result, whatever happens."""
-        for line in self.keeper.kept:
-            self.report.line(line)
+        for old, new in self.writer.moved:
+            new = beside(new, ".h5") if new.suffix == ".parts" else new
+            self.report.line(f"kept the earlier {old.name} as {new}")
         failure: FsiError | None = None
         found: dict[str, dict[str, float]] | None = None
         try:
@@ -225,14 +237,17 @@ class _Run:
             raise failure
         if number:
             when = f"{signal.Signals(number).name} at t = {self.integrator.t:.6g}{self.unit}"
-            kept = f"the result so far is in {where}, the checkpoint in {self.keeper.path}"
+            kept = f"the result so far is in {where}, the checkpoint in {self.checkpoint}"
             raise Interrupted(number, f"stopped by {when}; {kept}")
 
     def _begin(self) -> None:
         report, state, integrator = self.report, self.state, self.integrator
         report.begin()
-        for line in self.keeper.lines():
-            report.line(line)
+        if self.past is not None:
+            memory = self.past.header["memory"]
+            when = f"step {memory['steps']}, t = {memory['t']:.6g}{self.unit}"
+            for line in [*self.past.notes, f"goes on from {self.past.path}: {when}"]:
+                report.line(line)
         with self.phases(SET_UP):
             state.compile(report.line)
             if self.past is None:
@@ -249,18 +264,11 @@ class _Run:
 
     def _resume(self, header: Mapping[str, Any]) -> None:
         """Go on from a checkpoint."""
-        integrator = self.integrator
-        try:
-            integrator.resume(header["memory"], self.keeper.arrays)
-            self.ledgers.recall(header["ledgers"], integrator.initial)
-            self.limits, saved_at = list(header["limits"]), float(header["saved_at"])
-        except (KeyError, TypeError, ValueError, IndexError) as error:  # somebody has made it so
-            what = f"the checkpoint does not have what it should: {type(error).__name__}: {error}"
-            raise FileError(f"{self.past.path}: {what}") from error
-        if self.writer.nframes:
-            self.saved_at = saved_at
-        else:  # a file of its own
-            self._frame(integrator.t)
+        self.integrator.resume(header["memory"], self.past.arrays)
+        self.ledgers.recall(header["ledgers"], self.integrator.initial)
+        self.limits, self.saved_at = list(header["limits"]), header["saved_at"]
+        if not self.writer.nframes:  # a file of its own
+            self._frame(self.integrator.t)
 
     def _rescue(self, error: BaseException) -> None:
         """Write what was computed before an error that all ranks have met at the same place.
@@ -307,7 +315,7 @@ class _Run:
             "J_error": self.ledgers.J_error,
             **({"lost_energy": self.ledgers.lost} if getattr(state, "lossy", False) else {}),
             **{f"initial_{name}": value for name, value in integrator.initial.items()},
-            "versions": versions(),
+            "versions": restart.versions(),
         }
 
     def _early_end(self) -> str:

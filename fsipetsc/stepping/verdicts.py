@@ -24,38 +24,15 @@ FAR = 1.5
 #: a layer that is colder than this everywhere [K] has its temperature in °C, most likely
 COLD = 100.0
 
-_GRID = "a finer grid (-fsi_h)"
-_LOAD = "stiffer or heavier layers or less load, so that none is squeezed to nothing"
-#: what a failure is about -> what to try; what stands in braces depends on the options in force
-_ADVICE = {
-    "rho": ("{steps}", "{shocks}", _GRID),
-    "T": ("{steps}", "{shocks}", _GRID),
-    "J": ("{steps}", _LOAD, _GRID),
-    "x_X": ("{steps}", _LOAD, _GRID),
-    "finite": ("{steps}", "{shocks}", "a look at what functions of the case give then"),
-    "crossed": ("{steps}", "{mapping}"),
-    "short": (_GRID, "a lower -fsi_order, which needs fewer points", "{mapping}"),
-}
 
-
-def advice(topic: str, opt: Mapping[str, Any]) -> str:
-    """What usually helps, in words: topic is a key of _ADVICE, opt are the options in force."""
+def advice(opt: Mapping[str, Any]) -> str:
+    """What usually helps, in words; opt: options in force."""
     paper = opt["fsi_coupling"] != "conservative"
-    other = ["-fsi_coupling conservative"] * paper
     unused = [f"-{name} 1" for name in ("fsi_dissipation", "fsi_shock") if not opt[name]]
-    shocks = " and ".join([*other, *unused])
-    filled = {
-        "{steps}": "a smaller -ts_dt" if opt["ts_dt"] else "a smaller -fsi_cfl",
-        "{shocks}": f"{shocks} where there are shocks" if shocks else "",
-        "{mapping}": "-fsi_coupling conservative, whose grids keep their points" if paper else "",
-    }
-    tried = [filled.get(words, words) for words in _ADVICE[topic]]
-    return f"what usually helps: {', '.join(words for words in tried if words)}"
-
-
-def unsound(flags: Sequence[float] | np.ndarray) -> bool:
-    """A number is not finite, or a density, temperature or length not above 0."""
-    return bool(flags[BAD] or not flags[RATE] < np.inf)
+    shocks = " and ".join([*(["-fsi_coupling conservative"] * paper), *unused])
+    steps = "a smaller -ts_dt" if opt["ts_dt"] else "a smaller -fsi_cfl"
+    tried = [steps, "a finer grid (-fsi_h)", *([f"{shocks} where there are shocks"] * bool(shocks))]
+    return f"what usually helps: {', '.join(tried)}"
 
 
 def check(
@@ -65,24 +42,22 @@ def check(
 
     flags: flags and limits of the step; beyond: what ``beyond_bound`` said.
     """
-    when = f"t = {t:.6g}{state.problem.unit('s')}, step {step}"
-    if unsound(flags):
-        words, topic = state.failure(t, step)
-        raise ComputationError("; ".join(filter(None, (words, beyond, advice(topic, opt)))))
+    if flags[BAD] or not flags[RATE] < np.inf:
+        said = filter(None, (state.failure(t, step), beyond, advice(opt)))
+        raise ComputationError("; ".join(said))
+    if not flags[EXHAUSTED] and not flags[TOO_SHORT]:
+        return
+    k = int(flags[EXHAUSTED] or flags[TOO_SHORT]) - 1
+    record, m = state.layout.records[k], state.problem.unit("m")
+    side = 0 if record["end_kind"][0] >= 0 else 1
+    name = f"fluid layer '{state.problem.layers[k].name}'"
+    interface, boundary = record["x_interface"], record["end_x"][side]
+    where = f"at t = {t:.6g}{state.problem.unit('s')}, step {step}, with its interface at "
+    where += f"x = {interface:.6g}{m} and its boundary at x = {boundary:.6g}{m}"
     if flags[EXHAUSTED]:
-        k = int(flags[EXHAUSTED]) - 1
-        raise ComputationError(
-            f"the points of fluid layer '{state.problem.layers[k].name}' are used up at {when}, "
-            f"{_boundary(state, k)}; {advice('crossed', opt)}"
-        )
-    if flags[TOO_SHORT]:
-        k = int(flags[TOO_SHORT]) - 1
-        least = int(state.layout.records[k]["least"])
-        raise ComputationError(
-            f"fluid layer '{state.problem.layers[k].name}' has become too short at {when}, "
-            f"{_boundary(state, k)}: the {state.op.name} operator needs {least} points; "
-            f"{advice('short', opt)}"
-        )
+        raise ComputationError(f"the points of {name} are used up {where}; try a larger -fsi_spare")
+    least = f"the {state.op.name} operator needs {int(record['least'])} points"
+    raise ComputationError(f"{name} has become too short {where}: {least}")
 
 
 def beyond_bound(state: State, opt: Mapping[str, Any]) -> str:
@@ -121,11 +96,3 @@ def _temperatures(state: State) -> Iterator[tuple[int, np.ndarray]]:
     for part in state.layout.parts:
         column = fields_of(problem.layers[part.k].kind, problem.dimension).index("T")
         yield part.k, state.fields(part.k)[:, column]
-
-
-def _boundary(state: State, k: int) -> str:
-    record = state.layout.records[k]
-    side = 0 if record["end_kind"][0] >= 0 else 1
-    interface, boundary = record["x_interface"], record["end_x"][side]
-    m = state.problem.unit("m")
-    return f"with its interface at x = {interface:.6g}{m} and its boundary at x = {boundary:.6g}{m}"

@@ -1,4 +1,5 @@
 """Fields over space at some times: profiles in one dimension, maps on the grids as they are in two.
+And fields of one dimension over x and t.
 
 In three dimensions the maps are those of the plane in the middle of the blocks' second axis.
 """
@@ -6,13 +7,25 @@ In three dimensions the maps are those of the plane in the middle of the blocks'
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fsipetsc.output.plots.quantities import Quantity
-from fsipetsc.output.plots.scales import Scale, colours, extremes, moment, scaled
-from fsipetsc.output.plots.style import COLORS, bar_above, few_ticks, legend_above
+from fsipetsc.output.plots.style import (
+    COLORS,
+    MAX_POINTS,
+    bar_above,
+    colours,
+    extremes,
+    few_ticks,
+    label_y,
+    labelled,
+    legend_above,
+    moment,
+    shaded,
+    time_axis,
+)
 from fsipetsc.output.reader import BlockLayer, Layer, Run
 
 if TYPE_CHECKING:
@@ -23,10 +36,8 @@ Array = np.ndarray
 WIDTH = 10.2  # inches, of all panels beside each other
 HIGHEST = 4.4  # inches, of a panel
 ABOVE = 0.4  # inches, of what stands above and below a panel
-BAR = 0.62  # inches, of a colour bar with its label
+BAR = 0.72  # inches, of a colour bar with its label
 MARGIN = 0.02  # of the extent, around it
-FLAT = 0.1  # of its largest span: a frame in which a field has less shows nothing
-ALIKE = 4.0  # gas and solid share a scale that is less than so many times the span of each
 THIN = 0.2  # height over width; what is thinner is drawn higher than it is
 #: least ratio of width to height -> panels beside each other, and in all
 _SHAPES = ((1.25, 2, 4), (0.6, 3, 3), (0.0, 5, 5))
@@ -34,163 +45,83 @@ _STRESSES = ("s_xx", "s_yy", "s_zz", "s_xy", "s_yz", "s_xz")
 _SAME_UNIT = {"m/s": ("u", "v", "w"), "Pa": ("p", "sigma", *_STRESSES)}
 
 
-class Shown(NamedTuple):
-    """How values of a kind of layer are drawn: scale, arguments of pcolormesh, ends of the bar."""
-
-    scale: Scale
-    look: dict[str, Any]
-    extend: str
-
-
-def how_shown(
-    run: Run,
-    quantity: Quantity,
-    values: Mapping[str, Array],
-    start: Mapping[str, Array],
-    later: Mapping[str, Array],
-) -> dict[str, Shown]:
-    """Of each kind of layer; one for both where their ranges are alike.
-
-    values, start, later: by kind, all that is drawn, what there is at the start, and what decides
-    about colours; flat arrays.
-    """
-    kinds = sorted(values)  # the colours of the gas, where both kinds have the same
-    parts = [quantity.of(kind) for kind in kinds]
-    comparable = run.dimension == 1 or parts[0].label == parts[-1].label
-    of_all = np.ptp(extremes(*values.values()))
-    share = comparable and of_all < ALIKE * min(np.ptp(extremes(v)) for v in values.values())
-    beside = largest_beside(run, quantity)
-    found = {}
-    for some in [kinds] if share else [[kind] for kind in kinds]:
-        label = quantity.title if share else quantity.of(some[0]).label
-        if len(kinds) > 1 and not share and comparable:
-            label = f"{'gas' if some[0] == 'fluid' else 'solid'}: {label}"
-        all_, first, some_later = (
-            np.concatenate([part[kind] for kind in some]) for part in (values, start, later)
-        )
-        scale = scaled(run, label, quantity.unit, all_, start=first, beside=beside)
-        shown = Shown(scale, *colours(some[0], scale, some_later, first, extremes(all_)))
-        found.update(dict.fromkeys(some, shown))
-    return found
-
-
-def largest_beside(run: Run, quantity: Quantity) -> float:
-    """Size of what has the same unit, in the last frame."""
-    fields = [layer.frame(-1) for layer in run.layers]
-    names = _SAME_UNIT.get(quantity.unit, ())
-    return max(map(abs, extremes(*(f[name] for f in fields for name in names if name in f))))
-
-
 class View:
     """A quantity of a run at some frames, and what all of its panels have in common.
 
     layers   those that have the quantity
-    shown    kind of layer -> how it is drawn
-    place    the scale of positions
-    limits   (left, right), (lower, upper) of a panel, scaled
+    values   of each of these, at these frames
+    looks    kind of layer -> colours of its maps, for frames behind the first one
+    limits   (left, right), (lower, upper) of a panel
     labels   of its two axes
     ratio    its width over its height
     """
 
-    shown: dict[str, Shown]
-    place: Scale
-    limits: list[Array]
-    labels: tuple[str, str]
-    ratio: float
-
     def __init__(self, run: Run, quantity: Quantity, frames: Sequence[int]) -> None:
         self.run, self.quantity, self.frames = run, quantity, list(frames)
         self.layers = [layer for layer in run.layers if quantity.of(layer.kind)]
+        self.values = [[self._values(layer, k) for k in self.frames] for layer in self.layers]
+        self.looks = self._looks()
+        positions = [self.positions(layer, k) for layer in self.layers for k in self.frames]
+        ranges = np.array([extremes(*along) for along in zip(*positions)])
+        x = labelled(run, "r" if run.header.get("symmetry") else "x", "m")
+        if run.dimension == 1:
+            low, high = extremes(*(v for values in self.values for v in values))
+            margin = 2 * MARGIN * (high - low) or 0.1 * abs(low) or 1.0
+            self.limits = [ranges[0], np.array([low - margin, high + margin])]
+            label = labelled(run, quantity.title, quantity.unit)
+            self.labels, self.ratio = (x, label.replace("; ", ",\n")), 1.6
+            return
+        margin = MARGIN * np.ptp(ranges, axis=1).max() * np.array([-1.0, 1.0])
+        self.limits = [*(ranges + margin)]
+        self.labels = x, x.replace("x", "y" if run.dimension == 2 else "z", 1)
+        self.ratio = float(np.ptp(self.limits[0]) / np.ptp(self.limits[1]))
 
-    def values(self, layer: Layer | BlockLayer, frame: int) -> Array:
-        """Of a frame, not scaled: (n,), or (m, n) of a map."""
+    def _values(self, layer: Layer | BlockLayer, frame: int) -> Array:
+        """Of a frame: (n,), or (m, n) of a map."""
         fields = {"X": layer.X, **layer.frame(frame)}
         return in_plane(self.quantity.of(layer.kind).values(fields))
 
-    def flat(self, frames: Sequence[int]) -> dict[str, Array]:
-        """Kind of layer -> all values at these frames, one after the other."""
-        found: dict[str, list[Array]] = {}
-        for layer in self.layers:
-            found.setdefault(layer.kind, []).extend(self.values(layer, k).ravel() for k in frames)
-        return {kind: np.concatenate(values) for kind, values in found.items()}
-
-
-def line_name(run: Run) -> str:
-    """Of the coordinate in one dimension."""
-    return "r" if run.header.get("symmetry") else "x"
-
-
-class Profiles(View):
-    """In one dimension: curves with one vertical axis."""
-
-    ratio = 1.6
-
-    def __init__(self, run: Run, quantity: Quantity, frames: Sequence[int]) -> None:
-        super().__init__(run, quantity, frames)
-        every, start = (np.concatenate([*self.flat(some).values()]) for some in (self.frames, [0]))
-        scale = scaled(run, quantity.title, quantity.unit, every, start=start)
-        self.shown = {layer.kind: Shown(scale, {}, "neither") for layer in self.layers}
-        ends = np.array(domain(run, self.layers))
-        self.place = scaled(run, line_name(run), "m", ends)
-        low, high = extremes(scale(every))
-        margin = 2 * MARGIN * (high - low) or 0.1 * abs(low) or 1.0
-        self.limits = [self.place(ends), np.array([low - margin, high + margin])]
-        self.labels = self.place.label, scale.label.replace(", ", ",\n", 1)
-
-    def draw(self, axes: Axes, frame: int) -> dict[str, Any]:
-        """Draw one frame."""
-        for layer in self.layers:
-            values = self.shown[layer.kind].scale(self.values(layer, frame))
-            x = self.place(layer.frame(frame)["x"])
-            axes.plot(x, values, color=COLORS[layer.kind], label=layer.kind)
-        axes.set(xlim=self.limits[0], ylim=self.limits[1])
-        return {}
-
-
-class Maps(View):
-    """In two and three dimensions. The colours are those of the frames after the first one, from
-    which all may decay.
-    """
-
-    def __init__(self, run: Run, quantity: Quantity, frames: Sequence[int]) -> None:
-        super().__init__(run, quantity, frames)
-        later = self.flat(self.frames[1:] or self.frames)
-        self.shown = how_shown(run, quantity, self.flat(self.frames), self.flat([0]), later)
-        pairs = [self.positions(layer, frame) for layer in self.layers for frame in self.frames]
-        ranges = np.array([extremes(*along) for along in zip(*pairs)])
-        self.place = scaled(run, "x", "m", ranges)
-        margin = MARGIN * np.ptp(ranges, axis=1).max() * np.array([-1.0, 1.0])
-        self.limits = [*self.place(ranges + margin)]
-        label = self.place.label
-        self.labels = label, label.replace("x", "y" if run.dimension == 2 else "z", 1)
-        self.ratio = float(np.ptp(self.limits[0]) / np.ptp(self.limits[1]))
-
-    def positions(self, layer: BlockLayer, frame: int) -> tuple[Array, Array]:
-        """Horizontal and vertical ones, (m, n) each."""
+    def positions(self, layer: Layer | BlockLayer, frame: int) -> list[Array]:
+        """Horizontal ones, and vertical ones of maps."""
         fields = layer.frame(frame)
-        return in_plane(fields["x"]), in_plane(fields["y" if self.run.dimension == 2 else "z"])
+        return [in_plane(fields[x]) for x in ("x", "xy", "xz")[self.run.dimension - 1]]
+
+    def _looks(self) -> dict[str, dict[str, Any]]:
+        """A kind of layer has colours of its own: what comes through to a solid may be little."""
+        names = _SAME_UNIT.get(self.quantity.unit, ())
+        last = [layer.frame(-1) for layer in self.run.layers]
+        beside = max(map(abs, extremes(*(f[name] for f in last for name in names if name in f))))
+        looks = {}
+        for kind in dict.fromkeys(layer.kind for layer in self.layers):
+            some = [k for k, layer in enumerate(self.layers) if layer.kind == kind]
+            later = [np.ravel(v) for k in some for v in self.values[k][1:] or self.values[k]]
+            start = [np.ravel(self._values(self.layers[k], 0)) for k in some]
+            looks[kind] = colours(kind, np.concatenate(later), np.concatenate(start), beside)
+        return looks
+
+    def bar_label(self, kind: str) -> str:
+        """What a colour bar shows."""
+        label, both = self.quantity.of(kind).label, (self.quantity.fluid, self.quantity.solid)
+        if len(self.looks) > 1 and both[0].label == both[1].label:
+            label = f"{'gas' if kind == 'fluid' else 'solid'}: {label}"
+        return labelled(self.run, label, self.quantity.unit)
 
     def draw(self, axes: Axes, frame: int) -> dict[str, Any]:
         """Draw one frame; kind of layer -> what there is to make a colour bar of."""
         pictures = {}
-        for layer in self.layers:
-            shown = self.shown[layer.kind]
-            x, y = map(self.place, self.positions(layer, frame))
-            values = shown.scale(self.values(layer, frame))
+        axes.set(xlim=self.limits[0], ylim=self.limits[1])
+        for layer, kept in zip(self.layers, self.values):
+            values, places = kept[self.frames.index(frame)], self.positions(layer, frame)
+            if self.run.dimension == 1:
+                axes.plot(*places, values, color=COLORS[layer.kind], label=layer.kind)
+                continue
             for axis in layer.rings if self.run.dimension == 2 else ():  # it ends where it begins
-                x, y, values = (np.append(v, v.take([0], axis), axis) for v in (x, y, values))
-            pictures[layer.kind] = shaded(axes, x, y, values, shown.look)
+                *places, values = (np.append(v, v.take([0], axis), axis) for v in (*places, values))
+            pictures[layer.kind] = shaded(axes, *places, values, self.looks[layer.kind])
             if layer.kind == "solid":
-                outline(axes, x, y)
-        axes.grid(visible=False)
-        aspect = "equal" if self.ratio <= 1 / THIN else "auto"
-        axes.set(xlim=self.limits[0], ylim=self.limits[1], aspect=aspect)
+                outline(axes, *places)
+            axes.set_aspect("equal" if self.ratio <= 1 / THIN else "auto")
         return pictures
-
-
-def view_of(run: Run, quantity: Quantity, frames: Sequence[int]) -> Profiles | Maps:
-    """What there is in this dimension."""
-    return (Profiles if run.dimension == 1 else Maps)(run, quantity, frames)
 
 
 def in_plane(values: Array) -> Array:
@@ -198,55 +129,31 @@ def in_plane(values: Array) -> Array:
     return values[:, values.shape[1] // 2] if values.ndim == 3 else values
 
 
-def domain(run: Run, layers: Sequence[Layer | BlockLayer]) -> tuple[float, float]:
-    """The ends of layers in one dimension at all times.
-
-    The last point of an outer gas may be a ghost point, up to a spacing behind a wall: the
-    innermost place of an end that moves less than that is the wall.
-    """
-    ends = []
-    for k, out, back in ((0, np.nanmin, np.nanmax), (-1, np.nanmax, np.nanmin)):
-        layer = layers[k]
-        x = out(layer.x, axis=1)
-        outer = layer.kind == "fluid" and layer is run.layers[k] and len(run.layers) > 1
-        wall = outer and np.ptp(x) < 1.001 * layer.h
-        ends.append(float(back(x) if wall else out(x)))
-    return ends[0], ends[1]
-
-
 def frames_of(run: Run, quantity: Quantity, times: Sequence[float] = ()) -> list[int]:
-    """The frames nearest to these times, or evenly from the first that shows something."""
-    if times:
-        return sorted({run.at(t) for t in times})
-    spans = np.zeros(run.nframes)
-    for layer in run.layers:
-        if part := quantity.of(layer.kind):
-            values = part.values({"X": layer.X, **{name: layer[name] for name in part.needs}})
-            values = values.reshape(run.nframes, -1)
-            spans = np.fmax(spans, np.nanmax(values, axis=1) - np.nanmin(values, axis=1))
-    begin = int(np.argmax(spans >= FLAT * spans.max()))
-    _, count = shape(view_of(run, quantity, [run.nframes - 1]).ratio)
-    return sorted({run.at(t) for t in np.linspace(run.time[begin], run.time[-1], count)})
+    """The frames nearest to these times, or as many as have room, evenly."""
+    _, count = _shape(View(run, quantity, [run.nframes - 1]).ratio)
+    chosen = times or np.linspace(run.time[0], run.time[-1], count)
+    return sorted({run.at(t) for t in chosen})
 
 
-def shape(ratio: float) -> tuple[int, int]:
+def _shape(ratio: float) -> tuple[int, int]:
     """How many panels of this ratio stand beside each other, and how many are drawn."""
     return next((columns, count) for least, columns, count in _SHAPES if ratio >= least)
 
 
-def sizes(view: Profiles | Maps) -> tuple[int, float, float]:
+def sizes(view: View) -> tuple[int, float, float]:
     """Columns, width of a panel and height of all of them with their bars [inches]."""
-    columns = min(shape(view.ratio)[0], len(view.frames))
+    columns = min(_shape(view.ratio)[0], len(view.frames))
     rows = -(-len(view.frames) // columns)
     ratio = min(view.ratio, 1 / THIN)
     width = min(WIDTH / columns - 0.4, HIGHEST * ratio)
-    bars = len({id(shown) for shown in view.shown.values() if shown.look})
-    return columns, width, rows * (width / ratio + ABOVE) + BAR * bars + 0.45
+    bars = BAR * len(view.looks) * (view.run.dimension > 1)
+    return columns, width, rows * (width / ratio + ABOVE) + bars + 0.45
 
 
-def draw(figure: FigureBase, view: Profiles | Maps) -> None:
+def draw(figure: FigureBase, view: View) -> None:
     """A panel for each frame, colour bars or a legend above."""
-    columns, width, _ = sizes(view)
+    columns = sizes(view)[0]
     rows = -(-len(view.frames) // columns)
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     for axes, frame in zip(grid.flat, view.frames):
@@ -257,24 +164,60 @@ def draw(figure: FigureBase, view: Profiles | Maps) -> None:
     for axes in grid[-1]:
         axes.set_xlabel(view.labels[0])
     for axes in grid[:, 0]:
-        axes.set_ylabel(view.labels[1])
-    few_ticks(grid[0, 0], width)
-    if not pictures and len(view.shown) > 1:
+        label_y(axes, view.labels[1])
+    few_ticks(grid[0, 0])
+    if not pictures and len(view.looks) > 1:
         legend_above(grid[0, -1], side="right")
     draw_bars(figure, view, pictures, list(grid.flat))
 
 
 def draw_bars(figure: FigureBase, view: View, pictures: Mapping[str, Any], axes: Any) -> None:
-    """A colour bar above the panels for each scale."""
-    for kind in {id(view.shown[kind]): kind for kind in pictures}.values():
-        shown = view.shown[kind]
-        bar_above(figure, pictures[kind], axes, shown.scale.label, shown.extend)
+    """A colour bar above the panels for each kind of layer."""
+    for kind, picture in pictures.items():
+        bar_above(figure, picture, axes, view.bar_label(kind))
 
 
-def shaded(axes: Axes, x: Array, y: Array, values: Array, look: dict[str, Any]) -> Any:
-    """Values on a grid, smooth between its points."""
-    values = np.ma.masked_invalid(values)
-    return axes.pcolormesh(x, y, values, shading="gouraud", rasterized=True, **look)
+def draw_over_time(figure: FigureBase, run: Run, quantities: Sequence[Quantity]) -> None:
+    """In one dimension a map of each quantity over x and t, with the interfaces as lines."""
+    grid = figure.subplots(1, len(quantities), sharex=True, sharey=True, squeeze=False)[0]
+    x_interface = run.series.get("x_interface", np.empty((0, 0)))
+    some = slice(None, None, max(1, len(x_interface) // MAX_POINTS))
+    for axes, quantity in zip(grid, quantities):
+        view, pictures = View(run, quantity, range(run.nframes)), {}
+        for layer, kept in zip(view.layers, view.values):
+            x, values = without_gaps(layer, np.array(kept))
+            x, values, t = between(x, values, np.broadcast_to(run.time[:, None], x.shape))
+            pictures[layer.kind] = shaded(axes, x, t, values, view.looks[layer.kind])
+        for x in x_interface[some].T:
+            for color, width in (("white", 1.8), ("black", 0.8)):
+                axes.plot(x, run.series["t"][some], color=color, linewidth=width)
+        draw_bars(figure, view, pictures, axes)
+        time_axis(axes, run, "y")
+        axes.set(xlim=view.limits[0], ylim=run.time[[0, -1]], xlabel=view.labels[0], ylabel="")
+    grid[0].set_ylabel("t")
+    few_ticks(grid[0])
+
+
+def between(*arrays: Array) -> list[Array]:
+    """Arrays (nframes, n) with frames between the frames, linearly: triangles would show."""
+    count = len(arrays[0])
+    at = np.linspace(0, count - 1, max(count, 500))
+    begin = np.minimum(at.astype(int), count - 2)
+    part = (at - begin)[:, None]
+    return [(1 - part) * values[begin] + part * values[begin + 1] for values in arrays]
+
+
+def without_gaps(layer: Layer, values: Array) -> tuple[Array, Array]:
+    """Positions and values at all points; those that are no part of a layer get the nearest value.
+
+    The gases of the paper's method gain and lose points at their ends; maps need a place for all.
+    """
+    x, values, index = layer.x.copy(), values.copy(), np.arange(len(layer.X))
+    for row in np.flatnonzero(~np.isfinite(x + values).all(axis=1)):
+        known = np.isfinite(x[row] + values[row])
+        x[row] = layer.X + np.interp(index, index[known], (x[row] - layer.X)[known])
+        values[row] = np.interp(index, index[known], values[row][known])
+    return x, values
 
 
 def outline(axes: Axes, x: Array, y: Array, inside: int = 8) -> None:

@@ -2,50 +2,40 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from fsipetsc.errors import InputError
-from fsipetsc.output.places import writing
-from fsipetsc.output.plots.fields import Maps, Profiles, draw_bars, sizes, view_of
-from fsipetsc.output.plots.quantities import chosen, there
-from fsipetsc.output.plots.scales import moment
-from fsipetsc.output.plots.style import BLUE, RED, STYLE, needed, of_run, set_title
-from fsipetsc.output.reader import Run, open_run
+from fsipetsc.output.file_layout import writing
+from fsipetsc.output.plots.fields import View, draw_bars, sizes
+from fsipetsc.output.plots.quantities import chosen
+from fsipetsc.output.plots.style import moment, of_run, set_title
+from fsipetsc.output.reader import Run
 
 if TYPE_CHECKING:
-    from PIL import Image
+    from matplotlib.figure import Figure
 
 DPI = 100
 MOST = 200  # frames of a film; of more, some are left out
-SECONDS, FASTEST = 10.0, 20.0  # its length, and at most so many frames in a second
+SECONDS = 10.0  # its length
 
 
-def animate(
-    path: str | os.PathLike[str], out: str | os.PathLike[str] = ".", names: Sequence[str] = ()
-) -> Path:
-    """Draw a result as NAME.gif in the directory `out`, or as the file `out`; its path.
+def animate(run: Run, target: Path, names: Sequence[str] = ()) -> Path:
+    """Draw a result as the GIF `target`; names: fields that are shown.
 
-    names: fields that are shown. Raises FileError if the result cannot be read or the film cannot
-    be written, InputError without matplotlib, or for a result of less than two frames.
+    FileError if the film cannot be written, InputError for a result of less than two frames.
     """
-    matplotlib = needed("plot")
-    target = Path(out)
-    if target.suffix != ".gif":
-        target = target / f"{Path(path).stem}.gif"
-    with open_run(path) as run, matplotlib.rc_context(STYLE), np.errstate(all="ignore"):
-        if run.nframes < 2:
-            there = f"{os.fspath(path)} has {run.nframes} frames"
-            raise InputError(f"-animate: {there}: expected two or more")
-        first, *others = images(run, some(run, MOST), names)
-        rate = min(FASTEST, max(1.0, (1 + len(others)) / SECONDS))
-        look = {"save_all": True, "duration": round(1000 / rate), "loop": 0}
-        with writing(target, "the film"):
-            first.save(target, append_images=others, **look)
+    from matplotlib.animation import PillowWriter
+    from matplotlib.figure import Figure
+
+    if run.nframes < 2:
+        raise InputError(f"-animate: there are {run.nframes} frames: expected two or more")
+    frames, figure = some(run, MOST), Figure(dpi=DPI)
+    writer = PillowWriter(fps=max(1.0, len(frames) / SECONDS))
+    with writing(target, "the film"), writer.saving(figure, target, DPI):
+        for _ in drawn(figure, run, frames, names):
+            writer.grab_frame()
     return target
 
 
@@ -54,52 +44,25 @@ def some(run: Run, most: int) -> range:
     return range(0, run.nframes, -(-run.nframes // most))
 
 
-def images(run: Run, frames: Sequence[int], names: Sequence[str] = ()) -> Iterator[Image.Image]:
-    """A picture of each frame, with scales and colours that are the same in all. InputError."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-    from PIL import Image
-
-    line = run.dimension == 1
-    quantities = there(run) if line and not names else chosen(run, names)
-    views = [view_of(run, quantity, frames) for quantity in quantities[: 4 if line else 1]]
-    figure = Figure(dpi=DPI)
-    canvas, palette = FigureCanvasAgg(figure), _palette(views)
-    _, width, height = sizes(view_of(run, quantities[0], frames[:1]))
-    figure.set_size_inches(*((8.0, 5.4) if line else (max(5.0, width + 1.2), height + 0.9)))
-    grid = figure.subplots(*((1, 1) if len(views) == 1 else (2, 2)), squeeze=False)
-    for axes in grid.flat[len(views) :]:
-        axes.set_visible(False)
-    for number, frame in enumerate(frames):
-        for axes, view in zip(grid.flat, views):
+def drawn(
+    figure: Figure, run: Run, frames: Sequence[int], names: Sequence[str] = ()
+) -> Iterator[int]:
+    """Each frame, once it is on the figure; scales and colours are the same in all. InputError."""
+    views = [View(run, quantity, frames) for quantity in chosen(run, names)]
+    _, width, height = sizes(View(run, views[0].quantity, frames[:1]))
+    size = (10.8, 3.4) if run.dimension == 1 else (len(views) * (width + 1.2), height + 0.9)
+    figure.set_size_inches(*size)
+    grid = figure.subplots(1, len(views), squeeze=False)[0]
+    for frame in frames:
+        for axes, view in zip(grid, views):
             for artist in [*axes.lines, *axes.collections]:
                 artist.remove()
             pictures = view.draw(axes, frame)
             axes.set(xlabel=view.labels[0], ylabel=view.labels[1])
-            if number == 0:
+            if frame == frames[0]:
                 draw_bars(figure, view, pictures, axes)
         set_title(figure, of_run(run, moment(run, frame)))
-        canvas.draw()
-        if number == 0:
+        if frame == frames[0]:
+            figure.draw_without_rendering()
             figure.set_layout_engine("none")  # only what is drawn moves from now on
-        drawn = Image.fromarray(np.array(canvas.buffer_rgba())[..., :3])
-        yield drawn.quantize(palette=palette, dither=0)
-
-
-def _palette(views: Sequence[Profiles | Maps]) -> Image.Image:
-    """The 256 colours of a film, evenly: those of maps and curves, and greys.
-
-    Colours chosen by what is in a frame would leave the bars of maps with steps.
-    """
-    from matplotlib import colormaps
-    from matplotlib.colors import to_rgb
-    from PIL import Image
-
-    looks = {id(shown): shown.look for view in views for shown in view.shown.values()}
-    maps = [colormaps.get_cmap(look["cmap"]) for look in looks.values() if look]  # or its name
-    rows = [np.linspace([0, 0, 0], [1, 1, 1], 24)]
-    rows += [np.linspace(to_rgb(color), [1, 1, 1], 16) for color in (BLUE, RED)]
-    rows += [cmap(np.linspace(0, 1, 200 // len(maps)))[:, :3] for cmap in maps]
-    palette = Image.new("P", (1, 1))
-    palette.putpalette(np.rint(255 * np.concatenate(rows)).astype(np.uint8).tobytes())
-    return palette
+        yield frame

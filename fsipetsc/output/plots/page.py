@@ -1,28 +1,79 @@
-"""The pictures of a result, one by one or as a page that tells what happened."""
+"""The command `plot`: the pictures of a result one by one, or a page that tells what happened, or a
+film.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
+from math import isfinite
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fsipetsc.output.plots import fields, series, space_time
+from fsipetsc.errors import InputError
+from fsipetsc.output.plots import fields, series
+from fsipetsc.output.plots.film import animate
 from fsipetsc.output.plots.quantities import Quantity, chosen, there
-from fsipetsc.output.plots.scales import moment
-from fsipetsc.output.plots.style import of_run, set_title
-from fsipetsc.output.reader import Run
+from fsipetsc.output.plots.style import STYLE, moment, needed, of_run, save, set_title
+from fsipetsc.output.reader import Run, open_run
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure, FigureBase
 
 WIDTH = 10.8  # inches, of a figure
-PANELS, MAPS = 2.8, 4.2  # inches, heights of a row of curves, of maps over x and t
+PANELS, MAPS = 2.8, 4.4  # inches, heights of a row of curves, of maps over x and t
+LEAST_FRAMES = 5  # of fewer, profiles say more than maps over x and t
+PICTURES = (".png", ".pdf", ".svg")
 
 #: height [inches], what is drawn on a figure of this height
 Drawing = tuple[float, Callable[["FigureBase"], None]]
+
+
+def plot(path: str, given: Mapping[str, str]) -> list[Path]:
+    """Do what the options ask for (fsipetsc.cli); the files that have been written.
+
+    Raises FileError if the result cannot be read or a file cannot be written, InputError for
+    options that cannot be followed or without matplotlib.
+    """
+    times = _times(given["-times"]) if "-times" in given else ()
+    names = tuple(map(str.strip, given["-fields"].split(","))) if "-fields" in given else ()
+    where, every, film = Path(given.get("-o", os.curdir)), "-all" in given, "-animate" in given
+    if every and film:
+        raise InputError("plot: -all and -animate are two things; give one of them")
+    suffixes = (".gif",) if film else () if every else PICTURES
+    is_file = where.suffix in suffixes
+    if where.suffix and not is_file and not where.is_dir():
+        named = f", or a name that ends with {', '.join(suffixes)}" if suffixes else ""
+        raise InputError(f"plot: -o {where}: expected a directory{named}")
+    matplotlib = needed("plot")
+    from matplotlib.figure import Figure
+
+    stem, written = Path(path).stem, []
+    with open_run(path) as run, matplotlib.rc_context(STYLE), np.errstate(all="ignore"):
+        if film:
+            return [animate(run, where if is_file else where / f"{stem}.gif", names)]
+        if not every:
+            figure = Figure()
+            page(figure, run, names, times)
+            return [save(figure, where if is_file else where / f"{stem}.png")]
+        for name, draw in pictures(run, times):
+            figure = Figure()
+            draw(figure)
+            written.append(save(figure, where / f"{stem}-{name}.png"))
+    return written
+
+
+def _times(text: str) -> tuple[float, ...]:
+    try:
+        times = tuple(float(word) for word in text.split(","))
+    except ValueError:
+        times = (float("nan"),)
+    if not all(map(isfinite, times)):
+        raise InputError(f"plot: -times {text}: expected times with commas, as 0,0.25")
+    return times
 
 
 def pictures(
@@ -31,22 +82,16 @@ def pictures(
     """Name and drawing function of each picture that this run has the data for."""
     found: list[tuple[str, str, Drawing]] = []
     if run.nframes:
-        found += [(q.name, q.title, at_times(run, q, times)) for q in there(run)]
-    if run.dimension == 1 and run.nframes >= space_time.LEAST_FRAMES:
-        found.append(("xt", "space and time", over_space_and_time(run, chosen(run, ()))))
-    if run.dimension == 2 and run.interfaces and run.nframes > 1:
-        drawing = 0.8 * MAPS * len(run.interfaces), partial(space_time.draw_interfaces, run=run)
-        found.append(("interfaces", "interfaces", drawing))
-    if len(run.series.get("t", ())) > 1:
-        for name, title, find in (
-            ("interfaces", "interfaces", series.interface_panels),
-            ("ledgers", "ledgers", series.ledger_panels),
-        ):
-            if panels := list(find(run)):
-                height = PANELS * -(-len(panels) // 3)
-                draw = partial(series.draw_panels, run=run, panels=panels)
-                found.append((name, title, (height, draw)))
-        found.append(("steps", "time steps", (PANELS, partial(_alone, run=run))))
+        found += [(q.name, q.title, _at_times(run, q, times)) for q in there(run)]
+    if run.dimension == 1 and run.nframes >= LEAST_FRAMES:
+        found.append(("xt", "space and time", _over_time(run, chosen(run, ()))))
+    for name, find in (
+        ("interfaces", series.interface_panels),
+        ("ledgers", series.ledger_panels),
+        ("steps", series.step_panels),
+    ):
+        if panels := list(find(run)):
+            found.append((name, name, _curves(run, panels)))
     for name, title, drawing in found:
         yield name, partial(_draw, run=run, title=title, drawings=[drawing])
 
@@ -57,12 +102,15 @@ def page(figure: Figure, run: Run, names: Sequence[str] = (), times: Sequence[fl
     names: of the fields, times: of profiles or maps. InputError for a field that there is not.
     """
     quantities, drawings = chosen(run, names), []
-    if run.dimension == 1 and not times and run.nframes >= space_time.LEAST_FRAMES:
-        drawings.append(over_space_and_time(run, quantities))
+    if run.dimension == 1 and not times and run.nframes >= LEAST_FRAMES:
+        drawings.append(_over_time(run, quantities))
     elif run.nframes:
-        drawings += [at_times(run, quantity, times) for quantity in quantities]
-    if below := list(_panels(run)):
-        drawings.append((PANELS, partial(_below, panels=below)))
+        drawings += [_at_times(run, quantity, times) for quantity in quantities]
+    ledgers = {panel.label: panel for panel in series.ledger_panels(run)}
+    told = [ledgers.get(name) for name in ("change of energy", "relative departure")]
+    panels = [*list(series.interface_panels(run))[:1], *filter(None, told)]
+    if panels := [*panels, *series.step_panels(run)]:
+        drawings.append(_curves(run, panels, columns=len(panels)))
     steps = f"{len(run.series.get('t', ())):,} steps"
     end = moment(run, -1) if run.nframes else "no frame"
     _draw(figure, run, f"{end}, {steps}", drawings)
@@ -78,36 +126,18 @@ def _draw(figure: Figure, run: Run, title: str, drawings: Sequence[Drawing]) -> 
     set_title(figure, of_run(run, title))
 
 
-def at_times(run: Run, quantity: Quantity, times: Sequence[float]) -> Drawing:
+def _at_times(run: Run, quantity: Quantity, times: Sequence[float]) -> Drawing:
     """Profiles or maps."""
-    view = fields.view_of(run, quantity, fields.frames_of(run, quantity, times))
+    view = fields.View(run, quantity, fields.frames_of(run, quantity, times))
     return fields.sizes(view)[2], partial(fields.draw, view=view)
 
 
-def over_space_and_time(run: Run, quantities: Sequence[Quantity]) -> Drawing:
+def _over_time(run: Run, quantities: Sequence[Quantity]) -> Drawing:
     """Maps over x and t."""
-    return MAPS, partial(space_time.draw, run=run, quantities=quantities)
+    return MAPS, partial(fields.draw_over_time, run=run, quantities=quantities)
 
 
-def _panels(run: Run) -> Iterator[Callable[[Axes], None]]:
-    """What is drawn below the fields."""
-    if run.dimension == 2 and run.interfaces and run.nframes > 1:
-        lines = [run.interface(k) for k in range(len(run.interfaces))]
-        moved = max(lines, key=lambda line: float(np.nanmax(np.abs(line.displacement))))
-        yield partial(space_time.draw_deflection, run=run, line=moved)
-    if len(run.series.get("t", ())) < 2:
-        return
-    ledgers = {panel.label: panel for panel in series.ledger_panels(run)}
-    told = [ledgers.get(name) for name in ("change of energy", "relative departure")]
-    for panel in filter(None, [*list(series.interface_panels(run))[:1], *told]):
-        yield partial(series.draw_panel, run=run, panel=panel)
-    yield partial(series.draw_steps, run=run)
-
-
-def _below(figure: FigureBase, panels: Sequence[Callable[[Axes], None]]) -> None:
-    for axes, draw in zip(figure.subplots(1, len(panels), squeeze=False)[0], panels):
-        draw(axes)
-
-
-def _alone(figure: FigureBase, run: Run) -> None:
-    series.draw_steps(figure.subplots(), run)
+def _curves(run: Run, panels: list[series.Panel], columns: int = 3) -> Drawing:
+    """Panels of curves over time."""
+    draw = partial(series.draw_panels, run=run, panels=panels, columns=columns)
+    return PANELS * -(-len(panels) // columns), draw

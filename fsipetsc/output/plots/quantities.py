@@ -52,18 +52,13 @@ def _strain(fields: Mapping[str, Array]) -> Array:
     return np.gradient(fields["x"], fields["X"], axis=-1, edge_order=2) - 1.0
 
 
-def _load(fields: Mapping[str, Array]) -> Array:
-    """What a solid and a gas have in common at an interface."""
-    return fields["p"] - fields["sigma"]
-
-
-_T = _common("T", "temperature T", "K")
-_P = _field("pressure p", "p")
+_P, _LOAD = _field("pressure p", "p"), lambda fields: fields["p"] - fields["sigma"]
 _RHO = Quantity("rho", "kg/m³", _field("density ρ", "rho"), None)
+_T = _common("T", "temperature T", "K")
 ON_A_LINE = (
     _common("u", "velocity u", "m/s"),
     _T,
-    Quantity("p", "Pa", _P, Part("p − σ in solids", ("p", "sigma"), _load)),
+    Quantity("p", "Pa", _P, Part("p − σ in solids", ("p", "sigma"), _LOAD)),
     _RHO,
     Quantity("sigma", "Pa", None, _field("stress σ", "sigma")),
     Quantity("sigma_theta", "Pa", None, _field("hoop stress σ_θ", "sigma_theta")),

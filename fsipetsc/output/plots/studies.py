@@ -59,11 +59,12 @@ def convergence_figures(
         return []
     ranks = f"{study.ranks} rank{'s' * (study.ranks > 1)}{', ' if note else ''}{note}"
     title = f"{study.case}, errors at {study.time}  ({ranks})"
-    base = Path(path).with_suffix("")
-    return [
-        *_written(f"{base}-error.png", title, partial(draw_errors, study=study)),
-        *_written(f"{base}-cost.png", title, partial(draw_cost, study=study)),
-    ]
+    base, drawings = Path(path).with_suffix(""), {"error": draw_errors, "cost": draw_cost}
+    written = (
+        _written(f"{base}-{name}.png", title, partial(draw, study=study))
+        for name, draw in drawings.items()
+    )
+    return [file for files in written for file in files]
 
 
 def draw_errors(figure: Figure, study: ConvergenceStudy) -> None:
@@ -78,8 +79,9 @@ def draw_errors(figure: Figure, study: ConvergenceStudy) -> None:
         rates = study.rates(kind)[:, -1 if study.exact else -2]
         for i, order in enumerate(study.orders):
             rate = f"  ({rates[i]:.1f})" if np.isfinite(rates[i]) else ""
-            look = _look(order, rate)
-            axes.loglog(study.hs, _positive(study.errors[kind]["combined"][i]), **look)
+            errors = study.errors[kind]["combined"][i]
+            errors = np.where(errors > 0, errors, np.nan)  # a logarithmic axis has no place for 0
+            axes.loglog(study.hs, errors, **_look(order, rate))
         axes.set_title(kind, loc="left")
         axes.set_xlabel("grid spacing h" + "  [m]" * (study.units == "SI"))
         axes.set_xticks(study.hs, [f"{h:.4g}" for h in study.hs], fontsize=8)
@@ -95,16 +97,12 @@ def draw_cost(figure: Figure, study: ConvergenceStudy) -> None:
     axes = figure.subplots()
     largest = np.fmax.reduce([errors["combined"] for errors in study.errors.values()])
     for i, order in enumerate(study.orders):
-        axes.loglog(study.wall_time[i], _positive(largest[i]), **_look(order))
+        errors = np.where(largest[i] > 0, largest[i], np.nan)
+        axes.loglog(study.wall_time[i], errors, **_look(order))
     axes.set_xlabel(f"wall time on {study.ranks} rank{'s' * (study.ranks > 1)}  [s]")
     what = "error" if study.exact else "difference from the next grid"
     axes.set_ylabel(f"{what} in {study.norm}, the largest of {' and '.join(study.errors)}")
     axes.legend(loc="lower left")
-
-
-def _positive(errors: np.ndarray) -> np.ndarray:
-    """Errors for a logarithmic axis, which has no place for 0."""
-    return np.where(errors > 0, errors, np.nan)
 
 
 def _look(order: int, rate: str = "") -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""What all pictures share: colours, line styles, sizes, legends, colour bars, titles.
+"""What all pictures share: colours, line styles, sizes, numbers at axes, legends, bars, titles.
 
 The colours are those of Okabe and Ito, which eyes that do not tell red from green tell apart.
 """
@@ -10,15 +10,19 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from fsipetsc.errors import InputError
 from fsipetsc.operators.sbp import operator
-from fsipetsc.output.places import writing
+from fsipetsc.output.file_layout import writing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure, FigureBase
 
     from fsipetsc.output.reader import Run
+
+Array = np.ndarray
 
 BLUE, RED, GREEN, ORANGE, PURPLE, GREY, BLACK = (
     "#0072b2", "#d55e00", "#009e73", "#e69f00", "#a0528c", "#8a8a8a", "#222222",
@@ -32,7 +36,10 @@ LINES = ("-", "--", "-.", ":")
 #: colour and marker of an order of accuracy
 ORDERS = {2: (GREEN, "s"), 4: (BLUE, "o"), 6: (RED, "^"), 8: (BLACK, "D")}
 MAX_POINTS = 5000  # of a line
-TICK = 0.55  # inches, of the number at a tick of a horizontal axis
+#: what varies by less than this part of the values of its unit is round-off
+NOTHING = 1e-10
+#: the largest value may be so much more than the 99.8th percentile before colours end there
+ROBUST = 1.25
 
 STYLE: dict[Any, Any] = {
     "font.size": 9,
@@ -43,8 +50,8 @@ STYLE: dict[Any, Any] = {
     "axes.grid": True,
     "axes.axisbelow": True,
     "axes.linewidth": 0.8,
-    "axes.formatter.useoffset": False,
-    "axes.formatter.limits": (-4, 5),
+    "axes.formatter.limits": (-2, 4),
+    "axes.formatter.use_mathtext": True,
     "grid.color": "#dddddd",
     "grid.linewidth": 0.6,
     "lines.linewidth": 1.2,
@@ -89,22 +96,103 @@ def of_run(run: Run, what: str) -> str:
     if "fsi_order" in run.options:
         facts.append(f"order {operator(run.options['fsi_order']).name}")
     if "fsi_h" in run.options:
-        si = run.header.get("units", "SI") == "SI"
-        facts.append(f"h = {run.options['fsi_h']:g}{' m' if si else ''}")
+        facts.append(f"h = {run.options['fsi_h']:g}{' m' * is_si(run)}")
     if "ranks" in run.summary:
-        ranks = run.summary["ranks"]
-        facts.append(f"{ranks} rank{'s' * (ranks > 1)}")
+        facts.append(f"{run.summary['ranks']} rank{'s' * (run.summary['ranks'] > 1)}")
     if not run.complete:
         facts.append("unfinished")
     return f"{run.case}, {what}" + (f"  ({', '.join(facts)})" if facts else "")
 
 
+def is_si(run: Run) -> bool:
+    """False if the case is dimensionless."""
+    return run.header.get("units", "SI") == "SI"
+
+
+def labelled(run: Run, label: str, unit: str) -> str:
+    """With the unit in brackets, where there is one."""
+    return f"{label}  [{unit}]" if unit and is_si(run) else label
+
+
+def moment(run: Run, frame: int) -> str:
+    """When a frame is, as titles say it: in ms or µs in short runs."""
+    from matplotlib.ticker import EngFormatter
+
+    if not is_si(run):
+        return f"t = {run.time[frame]:.4g}"
+    number = EngFormatter("s", useMathText=False)
+    return f"t = {number.format_data(float(f'{run.time[frame]:.4g}'))}"
+
+
+def time_axis(axes: Axes, run: Run, which: str = "x") -> None:
+    """An axis over the whole run, with prefixes of seconds at its numbers."""
+    from matplotlib.ticker import EngFormatter
+
+    axis = getattr(axes, f"{which}axis")
+    axis.set_label_text("t")
+    axes.locator_params(axis=which, nbins=4 if which == "x" else 8)
+    if is_si(run):
+        axis.set_major_formatter(EngFormatter("s", useMathText=False))
+    times = np.concatenate([run.time[:1], run.series.get("t", run.time)[:1], run.time[-1:]])
+    axes.set(**{f"{which}lim": (times.min(), max(times.max(), *run.series.get("t", [0])[-1:]))})
+
+
+def label_y(axes: Axes, text: str) -> None:
+    """The label of a vertical axis; its power of ten stays off legends and titles."""
+    axes.set_ylabel(text)
+    axes.yaxis.get_offset_text().set_ha("right")
+
+
+def few_ticks(axes: Axes) -> None:
+    """So many at the horizontal axis that their numbers have room in several panels."""
+    axes.locator_params(axis="x", nbins=4)
+
+
+def extremes(*arrays: Array) -> tuple[float, float]:
+    """Smallest and largest of all finite values; 0, 0 if there are none."""
+    known = np.concatenate([np.empty(0), *(np.ravel(a[np.isfinite(a)]) for a in arrays)])
+    return (float(known.min()), float(known.max())) if known.size else (0.0, 0.0)
+
+
+def colours(kind: str, values: Array, start: Array, beside: float = 0.0) -> dict[str, Any]:
+    """Arguments of pcolormesh for values; white is the median of the values at the start.
+
+    Colours end at the 99.8th percentile of the departures from rest where a few points go far
+    beyond. beside: size of what has the same unit, beside which round-off is nothing.
+    """
+    low, high = extremes(values)
+    known = start[np.isfinite(start)]
+    rest = float(np.median(known)) if known.size else low
+    away = np.abs(values[np.isfinite(values)] - rest)
+    most = float(away.max(initial=0.0))
+    half = float(np.percentile(away, 99.8)) if away.size else 0.0
+    half = half if most > ROBUST * half > 0 else most
+    if high - low <= NOTHING * max(abs(low), abs(high), beside):
+        half = 0.1 * max(abs(low), abs(high), beside) or 1.0
+    return {"cmap": MAPS[kind], "vmin": rest - half, "vmax": rest + half}
+
+
+def shaded(axes: Axes, x: Array, y: Array, values: Array, look: dict[str, Any]) -> Any:
+    """Values on a grid, smooth between its points."""
+    values = np.ma.masked_invalid(values)
+    axes.grid(visible=False)
+    return axes.pcolormesh(x, y, values, shading="gouraud", rasterized=True, **look)
+
+
+def bar_above(figure: FigureBase, picture: Any, axes: Any, label: str) -> None:
+    """A colour bar above panels, over what occurs in the last picture."""
+    wide = isinstance(axes, list)
+    look = {"aspect": 50, "shrink": 0.7} if wide else {"aspect": 25}
+    made = figure.colorbar(picture, ax=axes, location="top", pad=0.02, **look)
+    made.set_label(label, loc="left")
+    made.outline.set_visible(False)
+    made.ax.locator_params(nbins=6 if wide else 4)
+
+
 def legend_above(axes: Axes, side: str = "left", most: int = 5) -> None:
     """A legend above a panel, at this side of it, of so many entries at most."""
     entries: dict[str, Any] = dict(zip(*reversed(axes.get_legend_handles_labels())))
-    names = list(entries)
-    if len(names) > most:
-        names, entries = [*names[: most - 1], "…"], {**entries, "…": entries[names[most - 1]]}
+    names = list(entries)[:most]
     if names:
         corner = (0, 1) if side == "left" else (1, 1)
         place = {"loc": f"lower {side}", "bbox_to_anchor": corner, "borderaxespad": 0.1}
@@ -112,26 +200,6 @@ def legend_above(axes: Axes, side: str = "left", most: int = 5) -> None:
         axes.legend([entries[name] for name in names], names, ncol=columns, **place)
 
 
-def bar_above(figure: FigureBase, picture: Any, axes: Any, label: str, extend: str) -> None:
-    """A colour bar above panels; extend: at which ends values lie beyond it."""
-    from matplotlib.ticker import MaxNLocator
-
-    wide = isinstance(axes, list)
-    look = {"aspect": 50, "shrink": 0.7} if wide else {"aspect": 25}
-    made = figure.colorbar(picture, ax=axes, location="top", pad=0.02, extend=extend, **look)
-    made.set_label(label)
-    made.outline.set_visible(False)
-    made.locator = MaxNLocator(6 if wide else 4)
-    made.update_ticks()
-
-
 def line_look(k: int) -> dict[str, Any]:
     """Colour and style of curve k in a panel."""
     return {"color": SERIES[k % len(SERIES)], "linestyle": LINES[k % len(LINES)]}
-
-
-def few_ticks(axes: Axes, width: float) -> None:
-    """So many at the horizontal axis that their numbers have room in this width [inches]."""
-    from matplotlib.ticker import MaxNLocator
-
-    axes.xaxis.set_major_locator(MaxNLocator(max(1, min(6, int(width / TICK)))))
