@@ -17,7 +17,7 @@ from helpers import message, solve
 from mpi4py import MPI
 from paper_parts import conserved, primitive
 
-from fsipetsc.analysis.spectra import CENTRAL, range_basis, step_limit
+from fsipetsc.analysis.spectra import CENTRAL, step_limit
 from fsipetsc.analysis.stability_linear import assemble, measure
 from fsipetsc.analysis.stability_state import Constant
 from fsipetsc.boundaries import Wall
@@ -131,22 +131,6 @@ def test_the_linear_scheme_is_the_derivative_of_the_right_hand_side(order, coupl
             wrong = (found - wanted[:, :, c, j]) / unit[:, :, c, 0]
             near = np.array([wrong[i, at[i][:ROWS]] for i in range(6)])
             assert np.abs(near).max() < 1e-8 * np.abs(wanted / unit).max(), (c, j, near)
-
-
-@pytest.mark.parametrize("coupling", ["energy", "projection", "traditional"])
-@pytest.mark.parametrize(("order", "gas"), [(2, {}), (6, {"eos": "elastic"}), (8, INVISCID)])
-def test_treatments_are_projections_and_energy_an_orthogonal_one(order, gas, coupling):
-    state = constant(**gas)
-    P = assemble(state, order, N, 0.1, coupling).projection
-    size = np.abs(P).max()
-    assert np.abs(P @ P - P).max() < 1e-11 * size**2
-    asymmetry = np.abs(P - P.T).max()
-    assert (asymmetry < 1e-12) if coupling == "energy" else (asymmetry > 1e-3)
-    basis = range_basis(P)
-    np.testing.assert_allclose(basis.T @ basis, np.eye(basis.shape[1]), atol=1e-13)
-    np.testing.assert_allclose(P @ basis, basis, atol=1e-11 * size)
-    # 2 or 4 conditions at the interface, u = 0 at both ends, T = 0 there if heat is conducted
-    assert basis.shape[1] == 6 * N - (4 if state.gas.kappa == 0 else 8)
 
 
 # what follows

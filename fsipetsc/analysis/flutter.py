@@ -204,9 +204,9 @@ def report(path: str) -> str:
     with open_run(path) as run:
         motion, X = motion_of(run)
         found = limit_cycle(motion.after(0.5 * motion.t[-1]), X)
-        thickness = run.options.get("panel_thickness", float("nan"))
+        thicknesses = found["amplitude"] / run.options.get("panel_thickness", float("nan"))
     return (
-        f"{path}: limit cycle at X = {found.X:.4g}, where the panel moves most: amplitude "
-        f"{found.amplitude:.5g} = {found.amplitude / thickness:.3g} thicknesses about "
-        f"{found.mean:.2g}, frequency {found.frequency:.5g}, over {found.periods} periods"
+        f"{path}: limit cycle at X = {found['X']:.4g}, where the panel moves most: amplitude "
+        f"{found['amplitude']:.5g} = {thicknesses:.3g} thicknesses about {found['mean']:.2g}, "
+        f"frequency {found['frequency']:.5g}, over {found['periods']:.0f} periods"
     )
