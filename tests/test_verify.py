@@ -12,7 +12,7 @@ from helpers import REPOSITORY, message, solve
 
 from fsipetsc.cases import superseismic as case
 from fsipetsc.verify import ENTRIES
-from fsipetsc.verify.entry import Bound, Row, reference
+from fsipetsc.verify.entry import Bound, Row, problem, reference
 from fsipetsc.verify.viscous_tube import triple_point
 
 
@@ -124,8 +124,9 @@ def test_references_are_those_of_the_literature():
 def test_entries_say_all_that_another_code_needs(tmp_path):
     for name in ENTRIES:
         entry = importlib.import_module(f"fsipetsc.verify.{name}").ENTRY
-        assert entry.name == name and set(entry.levels) == {"quick", "full"}
-        assert len(entry.text.splitlines()) <= 40 and entry.source and entry.bounds
+        assert set(entry.levels) == {"quick", "full"} and entry.source and entry.bounds
+        title, _, *text = problem(name).splitlines()
+        assert title.startswith("# ") and 5 < len(text) <= 40
         orders = {order for level in entry.levels.values() for order in level}
         assert {order for _, order in entry.bounds} <= orders
     done = solve("verify", "turek", cwd=tmp_path)
