@@ -172,14 +172,6 @@ def test_conservative(order):
         assert result.stable and result.step_kept
 
 
-def test_heating_by_the_stress_at_rest_makes_soft_solids_grow_whatever_the_grid():
-    soft = constant(1.0, 0.01, "elastic")
-    found = [measure(soft, 4, n, 1 / n, "energy") for n in (16, 32, 48)]
-    growths = [one.heated * one.radius for one in found]
-    assert growths[-1] > 1e-4
-    assert abs(growths[-1] / growths[-2] - 1) < 0.05
-
-
 def test_step_limit_of_known_spectra():
     assert step_limit(np.array([3j, -3j])) == pytest.approx(2 * 2**0.5 / 3)
     assert step_limit(np.array([-2.0 + 0j])) == pytest.approx(2.785293563 / 2)

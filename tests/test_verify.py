@@ -13,7 +13,6 @@ from helpers import REPOSITORY, message, solve
 from fsipetsc.cases import superseismic as case
 from fsipetsc.verify import ENTRIES
 from fsipetsc.verify.entry import Bound, Row, problem, reference
-from fsipetsc.verify.viscous_tube import triple_point
 
 
 def program(name):
@@ -87,15 +86,6 @@ def test_references_of_gases():
     kept, made = reference("taylor_green"), program("taylor_green").columns(32, 30)
     for name, values in made.items():
         np.testing.assert_allclose(kept[name], values, atol=1e-3, err_msg=name)
-
-
-def test_triple_point_of_the_viscous_tube():
-    """A front that is upright above y = 0.137, and leans below."""
-    x, y = np.linspace(0.0, 1.0, 201), np.linspace(0.0, 0.5, 101)
-    places = 0.58 - 0.8 * np.maximum(0.137 - y, 0.0)
-    p = 20.0 + 60.0 / (1.0 + np.exp(-(x - places[:, None]) / 0.004))
-    found = triple_point(x, y, p)
-    assert found[0] == pytest.approx(0.58, abs=0.01) and found[1] == pytest.approx(0.137, abs=2e-3)
 
 
 def test_an_entry_of_the_full_level_alone_has_a_page(tmp_path):

@@ -1,6 +1,6 @@
 """The state of a run of the paper's method: what fsipetsc.stepping drives.
 
-One evaluation of the right-hand side, to be read from top to bottom in ``fulfil`` and ``stage``:
+One evaluation of the right-hand side:
 
     1  interfaces   the owners of the two sides of an interface swap the rows that D reaches from
                     it, and each of them solves the same small system      (Thm 4.1, Sec. 4.2)
@@ -17,6 +17,7 @@ the results, bit for bit.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -29,13 +30,12 @@ from fsipetsc.operators.boxed import Box
 from fsipetsc.operators.kernel_cache import announced
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.paper import coupling, fields, layout, steps
-from fsipetsc.paper.laws import check_entropy
 from fsipetsc.paper.parts import Interface, Layer
 from fsipetsc.paper.stencils import packed
 from fsipetsc.paper.sums import SEEN
 from fsipetsc.problem import Problem
 from fsipetsc.process.together import agree, together, wait_asleep
-from fsipetsc.scheme.burst import DT, MADE
+from fsipetsc.scheme.burst import DT, MADE, plan_next
 from fsipetsc.scheme.plan import BURST, CAPACITY, FLAGS, LIMITS, RATE, SAID_STOP, step_record
 from fsipetsc.stepping import initial_data, snapshot
 from fsipetsc.stepping.diagnosis import Failure, described
@@ -82,15 +82,12 @@ class PaperState:
                 f"-fsi_coupling {coupling_name}: expected {', '.join(coupling.KINDS)}, "
                 "in the paper's method"
             )
-        if entropy:
-            check_entropy(problem.layers)
         self.comm, self.problem, self.h, self.op = comm, problem, h, OPERATORS[order]
         form = order, h, coupling_name, mode, spare, entropy, narrow
         self._alike = lambda comm: PaperState(comm, problem, *form)
         self.evaluations = 0
         self.fault: InputError | None = None  # of a user's function, on this rank
-        grids = layout.make_grids(problem, self.op, h, spare)
-        self.layout = layout.Layout(comm, problem, self.op, grids, mode)
+        self.layout = layout.Layout(comm, problem, self.op, h, spare, mode)
         self._y, total, self.k = np.zeros((3, self.layout.local_size))
         self.solution = PETSc.Vec().createWithArray(self._y, comm=comm)
         self._make_records(entropy)
@@ -128,6 +125,7 @@ class PaperState:
         self._notes = self._shared[told:][:notes].reshape(interfaces, -1)
         self.results, self.burst = self._shared[told + notes :], np.zeros(BURST)
         memory = self.results, self.burst, journal, latest, np.bool_(entropy)
+        self._plan_next = partial(plan_next, self.burst, self.results, journal, latest)
         self._steps = Box(steps.Steps(self.layout.records, self._notes, *memory))
 
     def compile(self, announce: Callable[[str], None]) -> None:
@@ -138,7 +136,7 @@ class PaperState:
                 with np.errstate(all="ignore"):
                     steps.batch(*alone._chain, alone._faces, alone._steps, 0.0)
                     for layer in alone.layers:
-                        layer.fields()
+                        fields.saved(layer)
         wait_asleep(self.comm)
 
     # data
@@ -211,8 +209,8 @@ class PaperState:
 
     @property
     def reserve(self) -> int:
-        """Points held in reserve, at first."""
-        return sum(grid.n - grid.active for grid in self.layout.grids)
+        """Points held in reserve."""
+        return sum(int(r["n"]) for r in self.layout.records) - self.points
 
     def header(self) -> list[dict[str, Any]]:
         """What a result file says of each layer."""
@@ -230,7 +228,7 @@ class PaperState:
 
     def save(self) -> dict[int, Array]:
         """What is saved of this rank's points, (local, 5) by layer."""
-        return {layer.number: layer.fields() for layer in self.here}
+        return {layer.number: fields.saved(layer) for layer in self.here}
 
     def errors(self, t: float, norm: str = "L2") -> dict[str, dict[str, float]] | None:
         """See fsipetsc.paper.fields.errors."""
@@ -315,7 +313,7 @@ class PaperState:
             self.evaluations += steps.STAGES * max(1, int(self.burst[MADE]))
             return
         self._step(t, dt, steady)
-        while steady and steps.goes_on(self._steps):
+        while steady and self._plan_next():
             self._step(t, self.burst[DT], steady)
 
     def _step(self, t: float, dt: float, steady: bool) -> None:

@@ -1,5 +1,4 @@
-"""What is looked at after a step: extremes that bound the next one, integrals, and what a frame
-saves. Compiled.
+"""What is looked at after a step: extremes that bound the next one, and integrals. Compiled.
 
 Extremes are exact, whoever owns the points; sums over ranks may differ by round-off, and nothing
 that is computed on depends on them. Quadrature with the norm of the operator, per cross-section;
@@ -19,12 +18,12 @@ from numba import njit
 from fsipetsc.boundaries import INTERFACE_END, WALL
 from fsipetsc.paper.ends import beyond_boundary, gradient_values
 from fsipetsc.paper.rates import outer_side
-from fsipetsc.paper.stencils import INNER, derivative_at, lagrange, weight
+from fsipetsc.paper.stencils import INNER, PLACE, VELOCITY, derivative_at, lagrange, weight
 
 #: numbers of a layer that are seen, and shares
 SEEN, SHARES = 5, 6
-#: unknowns of a solid, as no literals, and a degree
-VELOCITY, PLACE, CUBIC = np.int64(0), np.int64(3), np.int64(3)
+#: a degree, as no literal
+CUBIC = np.int64(3)
 
 
 @njit(**INNER)
@@ -186,33 +185,3 @@ def put_rates(op, layer, speeds):
     layer.rates[0] = speed / layer.h
     layer.rates[1] = op.diffusion * diffusivity / (layer.h * layer.h)
     return good
-
-
-# what is saved
-
-
-@njit(**INNER)
-def gas_fields(op, gas, layer, q, out):
-    """rho, u, T, p and x of the owned points, (owned, 5); NaN where inactive. q: (points with
-    halos, 3)."""
-    interface = layer.lo if outer_side(layer) == 1 else layer.hi
-    for i in range(layer.own_lo, layer.own_hi):
-        k, j = i - layer.own_lo, i - layer.own_lo + layer.halo_lo
-        for c in range(5):
-            out[k, c] = np.nan
-        if layer.lo <= i <= layer.hi:
-            rho, (u, T) = q[j, 0], gas.velocity_and_temperature(q[j, 0], q[j, 1], q[j, 2])
-            out[k, 0], out[k, 1], out[k, 2], out[k, 3] = rho, u, T, gas.law.pressure(rho, T)
-            out[k, 4] = (i - interface) * layer.h + layer.x_interface
-
-
-@njit(**INNER)
-def solid_fields(op, solid, layer, q, out):
-    """u, sigma, T, x and p of the owned points, (owned, 5). q: (points with halos, 4)."""
-    origin = layer.own_lo - layer.halo_lo
-    A, B = layer.lo - origin, layer.hi - origin
-    for k in range(layer.own_hi - layer.own_lo):
-        j = k + layer.halo_lo
-        for c in range(4):
-            out[k, c] = q[j, c]
-        out[k, 4] = solid.pressure(q[j, 2], derivative_at(op, q, PLACE, j, A, B) / layer.h)
