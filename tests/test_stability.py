@@ -18,8 +18,7 @@ from mpi4py import MPI
 from paper_parts import conserved, primitive
 
 from fsipetsc.analysis.spectra import CENTRAL, step_limit
-from fsipetsc.analysis.stability_linear import assemble, measure
-from fsipetsc.analysis.stability_state import Constant
+from fsipetsc.analysis.stability_linear import Constant, assemble, measure
 from fsipetsc.boundaries import Wall
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.line_solid import Solid

@@ -26,8 +26,7 @@ from fsipetsc.process.together import wait_asleep
 if TYPE_CHECKING:
     from mpi4py import MPI
 
-    from fsipetsc.analysis.stability_linear import Result
-    from fsipetsc.analysis.stability_state import Constant
+    from fsipetsc.analysis.stability_linear import Constant, Result
 
 ORDERS = (2, 4, 6, 8)
 THEORY = {
@@ -84,8 +83,7 @@ def stability(arguments: list[str], comm: MPI.Comm) -> None:
     for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(name, "1")  # small matrices: threads would get in each other's way
     opt = read_table(SECTIONS, start_petsc(arguments, comm))
-    from fsipetsc.analysis.stability_linear import measure
-    from fsipetsc.analysis.stability_state import of_options
+    from fsipetsc.analysis.stability_linear import measure, of_options
 
     state = of_options(opt)
     states = [state]

@@ -6,6 +6,8 @@ and the rates read its local vector. All ranks know its record and its material.
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
@@ -45,7 +47,9 @@ class Layer:
         self._vec = PETSc.Vec().createWithArray(self.local, comm=MPI.COMM_SELF)
         gas = steps.gas_stage, steps.gas_rates, steps.complete_gas
         solid = steps.solid_stage, steps.solid_rates, steps.complete_solid
-        self._stage, self._rates, self._complete = gas if self.is_gas else solid
+        stage, self._rates, complete = gas if self.is_gas else solid
+        # rates and next stage of (number, dt); what follows a step, of (steps.Steps,)
+        self.stage, self.complete = partial(stage, self.box), partial(complete, self.box)
 
     def exchange(self) -> None:
         """After interfaces are coupled: the outer ends of a solid; all ranks of a gas hear of its
@@ -62,19 +66,11 @@ class Layer:
         """PETSc's ghost exchange."""
         self._dm.localToLocal(self._vec, self._vec)
 
-    def stage(self, number: int, dt: float) -> None:
-        """Rates, and the next stage."""
-        self._stage(self.box, number, dt)
-
     def rates(self) -> None:
         """Rates, of any stage."""
         if self.is_gas:
             steps.fill(self.box)
         self._rates(self.box)
-
-    def complete(self, of_all: Box) -> None:
-        """What follows a step."""
-        self._complete(self.box, of_all)
 
     def destroy(self) -> None:
         """Destroy its vector."""
@@ -109,7 +105,7 @@ class Interface:
     def begin(self) -> None:
         """Send the rows of this rank's side to the owner of the other one."""
         if self._messages:
-            steps.take_side(self.box, self._mine)
+            steps.move_side(self.box, self._mine, False)
             MPI.Prequest.Startall(self._messages)
 
     def couple(self) -> None:
@@ -119,7 +115,7 @@ class Interface:
         elif self._messages:
             MPI.Prequest.Waitall(self._messages)
             steps.couple(self.box)
-            steps.put_side(self.box, self._mine)
+            steps.move_side(self.box, self._mine, True)
 
     def note(self) -> None:
         """Let the owner of the solid note the interface."""

@@ -180,15 +180,14 @@ class PaperState:
         own, begin, end = int(record["own_lo"]), int(record["lo"]), int(record["hi"]) + 1
         return slice(max(begin - own, 0), max(end - own, 0))
 
+    #: ask for all data at the beginning
+    check_data = initial_data.set_data
+
     def set_initial(self) -> None:
         """Initial data of all layers, projected. InputError where they are not what they must
         be."""
         self.check_data()
         self.finish()
-
-    def check_data(self) -> None:
-        """Ask for all data at the beginning. InputError, on all ranks, where they are wrong."""
-        initial_data.set_data(self)
 
     # what is said of it
 
@@ -230,9 +229,7 @@ class PaperState:
         """What is saved of this rank's points, (local, 5) by layer."""
         return {layer.number: fields.saved(layer) for layer in self.here}
 
-    def errors(self, t: float, norm: str = "L2") -> dict[str, dict[str, float]] | None:
-        """See fsipetsc.paper.fields.errors."""
-        return fields.errors(self, t, norm)
+    errors = fields.errors
 
     def failure(self, t: float, step: int) -> Failure:
         """What is wrong with a state that is not physical. Collective."""
@@ -262,13 +259,6 @@ class PaperState:
         for layer in self.here:
             layer.rates()
         f[:] = self.k
-
-    def _stage(self, number: int, dt: float) -> None:
-        """Stage ``number`` of the classical method, which begins with the completed solution."""
-        if number > 0:
-            self._fulfil()
-        for layer in self.here:
-            layer.stage(number, dt)
 
     def _complete(self) -> None:
         """Project the stage, which is the new solution, let boundaries move, and look at it."""
@@ -321,22 +311,17 @@ class PaperState:
         for number, fraction in enumerate(FRACTIONS):
             if not steady:
                 self.set_data(t + fraction * dt)
-            self._stage(number, dt)
+            if number > 0:  # it begins with the completed solution
+                self._fulfil()
+            for layer in self.here:
+                layer.stage(number, dt)
         if not steady:
             self.set_data(t + dt)
         self._complete()
 
     # checkpoints
 
-    def _reload(self) -> None:
-        """Go on from the solution, which fulfils the conditions: a completed one."""
-        self._load(self._y)
-        for layer in self.here:
-            layer.fill_halos()
-
-    def capture(self) -> dict[str, Array] | None:
-        """See fsipetsc.stepping.snapshot.capture."""
-        return snapshot.capture(self)
+    capture = snapshot.capture
 
     def restore(self, arrays: Mapping[str, Array], t: float) -> None:
         """Be at time t [s] what arrays, known on all ranks, tell of. InputError."""
@@ -345,7 +330,9 @@ class PaperState:
         self.set_data(t)
         agree(self.comm, self.fault)
         snapshot.put(self.layout, self._y, arrays)
-        self._reload()
+        self._load(self._y)  # which is completed: it fulfils the conditions
+        for layer in self.here:
+            layer.fill_halos()
 
     def destroy(self) -> None:
         """Free messages, vectors, DMDAs and communicators, in this order."""

@@ -9,7 +9,7 @@ that there is not is None.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from collections import namedtuple
 
 import numpy as np
 from numba import njit
@@ -28,50 +28,16 @@ NOTES = 8
 GAS, SOLID = 0, 1
 
 
-class Part(NamedTuple):
-    """A rank's part of a layer. ops, layers: records, (1,); law: Gas or Elastic; local: the points
-    of the stage with halos, of which ``owned`` is a view; y, total, k: the completed solution, the
-    sum of the stages and rates, (owned, unknowns); forcing: the same or (0, unknowns)."""
-
-    ops: Any
-    law: Any
-    layers: Any
-    local: Any
-    owned: Any
-    y: Any
-    total: Any
-    k: Any
-    forcing: Any
-    scratch: Any
-
-
-class Sides(NamedTuple):
-    """An interface: records and owned points of both sides; prescribed jumps; rows f, s of gas and
-    solid; what is noted of it."""
-
-    ops: Any
-    face: Any
-    gases: Any
-    solids: Any
-    q_gas: Any
-    q_solid: Any
-    jump: Any
-    f: Any
-    s: Any
-    notes: Any
-
-
-class Steps(NamedTuple):
-    """Of all layers: records; notes, (interfaces, NOTES); results, burst, journal and latest: see
-    fsipetsc.scheme.plan; entropy: whether it is wanted."""
-
-    records: Any
-    notes: Any
-    results: Any
-    burst: Any
-    journal: Any
-    latest: Any
-    entropy: Any
+#: a rank's part of a layer. ops, layers: records, (1,); law: Gas or Elastic; local: the points of
+#: the stage with halos, of which ``owned`` is a view; y, total, k: the completed solution, the sum
+#: of the stages and rates, (owned, unknowns); forcing: the same or (0, unknowns)
+Part = namedtuple("Part", "ops law layers local owned y total k forcing scratch")
+#: an interface: records and owned points of both sides; prescribed jumps; rows f, s of gas and
+#: solid; what is noted of it
+Sides = namedtuple("Sides", "ops face gases solids q_gas q_solid jump f s notes")
+#: of all layers: records; notes, (interfaces, NOTES); results, burst, journal and latest: see
+#: fsipetsc.scheme.plan; entropy: whether it is wanted
+Steps = namedtuple("Steps", "records notes results burst journal latest entropy")
 
 
 # conditions
@@ -87,21 +53,16 @@ def side_of(of, side):
 
 
 @njit(**CALL)
-def take_side(of, side):
-    """The rows of one side of an interface, which this rank owns: as far as D reaches."""
+def move_side(of, side, back):
+    """Take the rows of one side of an interface, which this rank owns, as far as D reaches; or put
+    them back."""
     q, end, step, rows = side_of(of, side)
     for j in range(of.ops[0].n):
         for c in range(rows.shape[1]):
-            rows[j, c] = q[end + step * j, c]
-
-
-@njit(**CALL)
-def put_side(of, side):
-    """The other way round."""
-    q, end, step, rows = side_of(of, side)
-    for j in range(of.ops[0].n):
-        for c in range(rows.shape[1]):
-            q[end + step * j, c] = rows[j, c]
+            if back:
+                q[end + step * j, c] = rows[j, c]
+            else:
+                rows[j, c] = q[end + step * j, c]
 
 
 @njit(**CALL)
@@ -118,10 +79,10 @@ def couple_here(of):
     if of is None:
         return
     for side in (GAS, SOLID):
-        take_side(of, side)
+        move_side(of, side, False)
     couple(of)
     for side in (GAS, SOLID):
-        put_side(of, side)
+        move_side(of, side, True)
 
 
 @njit(**CALL)
@@ -232,13 +193,6 @@ def note(of):
     coupling.residuals(of.ops[0], of.face, of.jump, of.f, s, notes[4:])
 
 
-@njit(**INNER)
-def _gas_bound(of):
-    if of is None:
-        return True
-    return sums.put_rates(of.ops[0], of.layers[0], sums.gas_speeds(of.law, of.layers[0].seen))
-
-
 @njit(**CALL)
 def finish(left, solid, right, steps):
     """The bound on the next step, from what all ranks have seen, and the record of this one.
@@ -246,9 +200,12 @@ def finish(left, solid, right, steps):
     1/dt at Courant number 1 is the 4-norm of the largest rates of convection and diffusion: the
     smaller of the two steps alone is too long.
     """
-    results, records, latest, layer = steps.results, steps.records, steps.latest, solid.layers[0]
-    good = sums.put_rates(solid.ops[0], layer, sums.solid_speeds(solid.law, layer.seen))
-    good = _gas_bound(left) and _gas_bound(right) and good
+    results, records, latest = steps.results, steps.records, steps.latest
+    good = sums.bound_of_solid(solid.ops[0], solid.law, solid.layers[0])
+    if left is not None:
+        good = sums.bound_of_gas(left.ops[0], left.law, left.layers[0]) and good
+    if right is not None:
+        good = sums.bound_of_gas(right.ops[0], right.law, right.layers[0]) and good
     convection, diffusion = 0.0, 0.0
     for k in range(len(records)):
         convection = max(convection, records[k].rates[0])

@@ -157,31 +157,32 @@ def look_at_solid(op, solid, layer, q, entropy):
 
 
 @njit(**INNER)
-def gas_speeds(gas, seen):
-    """(physical, largest |u-s| + c, largest max(mu'/rho, kappa/(rho cv)))."""
+def bound_of_gas(op, gas, layer):
+    """layer.rates of convection and diffusion [1/s], by the largest |u-s| + c and max(mu'/rho,
+    kappa/(rho cv)); whether the layer is physical."""
+    seen = layer.seen
     speed, rho, cold, hot = seen[0], -seen[1], -seen[2], seen[3]
     mu = max(gas.viscosity(cold), gas.viscosity(hot))
     kappa = max(gas.conductivity(cold), gas.conductivity(hot))
     cv = min(gas.law.heat_capacity(rho, cold), gas.law.heat_capacity(rho, hot))
-    good = seen[4] == 0.0 and rho > 0.0 and cold > 0.0 and speed < np.inf
-    return good, speed, max(mu, kappa / cv) / rho
+    put_rates(op, layer, speed, max(mu, kappa / cv) / rho)
+    return seen[4] == 0.0 and rho > 0.0 and cold > 0.0 and speed < np.inf
 
 
 @njit(**INNER)
-def solid_speeds(solid, seen):
-    """(physical, largest speed of waves, largest kappa_e/(alpha m0 x_X)), in Lagrangian
+def bound_of_solid(op, solid, layer):
+    """The same, by the largest speed of waves and kappa_e/(alpha m0 x_X), in Lagrangian
     coordinates."""
+    seen = layer.seen
     shortest, pulled, cold, hot = -seen[0], -seen[1], -seen[2], seen[3]
     p = solid.pressure(hot, shortest)
     c2 = solid.wave_modulus(hot, p, min(pulled, p), shortest) / solid.m0
-    good = seen[4] == 0.0 and shortest > 0.0 and cold > 0.0 and 0.0 <= c2 < np.inf
-    return good, np.sqrt(c2), solid.kappa_e / (shortest * solid.alpha * solid.m0)
+    put_rates(op, layer, np.sqrt(c2), solid.kappa_e / (shortest * solid.alpha * solid.m0))
+    return seen[4] == 0.0 and shortest > 0.0 and cold > 0.0 and 0.0 <= c2 < np.inf
 
 
 @njit(**INNER)
-def put_rates(op, layer, speeds):
-    """layer.rates: of convection and diffusion [1/s]; whether the layer is physical."""
-    good, speed, diffusivity = speeds
+def put_rates(op, layer, speed, diffusivity):
+    """layer.rates."""
     layer.rates[0] = speed / layer.h
     layer.rates[1] = op.diffusion * diffusivity / (layer.h * layer.h)
-    return good
