@@ -54,7 +54,7 @@ COMMANDS = {
         "fsipetsc.analysis.convergence:convergence", "fsipetsc.analysis.convergence:sections"),
     "stability": Command("[-sweep] [-option value ...]",
         "the linear theory, checked: spectra, energy growth, time-step limits",
-        "fsipetsc.analysis.stability:stability", "fsipetsc.analysis.stability_options:sections"),
+        "fsipetsc.analysis.stability:stability", "fsipetsc.analysis.stability:SECTIONS"),
     "flutter": Command("[-option value ... | RUN.h5]",
         "growth of a panel's motion over dynamic pressure and Mach number; a result's limit cycle",
         "fsipetsc.analysis.flutter:flutter", "fsipetsc.analysis.flutter:sections"),

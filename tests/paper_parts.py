@@ -9,20 +9,17 @@ from helpers import from_python
 
 from fsipetsc.boundaries import INTERFACE_END
 from fsipetsc.materials.fluid import Fluid
-from fsipetsc.materials.line_solid import Solid
 from fsipetsc.operators import OPERATORS
-from fsipetsc.paper import ends, rates, stencils
+from fsipetsc.paper import ends, stencils
 from fsipetsc.paper.ends import NODES
 from fsipetsc.paper.laws import Gas, law_of
 from fsipetsc.paper.layout import RECORD
 
 AIR = Fluid(mu=0.5, kappa=0.7, gamma=1.4, R=287.0)
-ROD = Solid(K=1e5, kappa_e=0.5, m0=2700.0, alpha=1.0, force=-10.0)
-GAS, STEEL = law_of(AIR), law_of(ROD)
+GAS = law_of(AIR)
 H, HALO = 0.01, 14
 _fill, _seen = from_python(ends.fill_ghost), from_python(ends.gradient_values)
-close_solid, insulated_slopes = from_python(ends.close_solid), from_python(ends.insulated_slopes)
-gas_rates, elastic_rates = from_python(rates.gas_rates), from_python(rates.elastic_rates)
+insulated_slopes = from_python(ends.insulated_slopes)
 lagrange, dirichlet_ghost, neumann_ghost, extrapolated = map(
     from_python,
     (stencils.lagrange, stencils.dirichlet_ghost, stencils.neumann_ghost, stencils.extrapolated),
@@ -44,11 +41,6 @@ def gas_record(n: int, lo: int = 0, hi: int | None = None, h: float = H) -> np.v
     return layer
 
 
-def solid_record(n: int) -> np.void:
-    """A solid of n points, all on this rank."""
-    return gas_record(n)
-
-
 def conserved(gas: Gas, rho, u, T) -> np.ndarray:
     """(rho, rho u, e) side by side."""
     rho, u, T = np.broadcast_arrays(rho, u, T)
@@ -58,26 +50,6 @@ def conserved(gas: Gas, rho, u, T) -> np.ndarray:
 def primitive(gas: Gas, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """rho, u, T."""
     return q[..., 0], *gas.velocity_and_temperature(*np.moveaxis(q, -1, 0))
-
-
-def gas_state(n: int) -> np.ndarray:
-    """(n, 3) conserved variables, smooth with some noise."""
-    X, noise = np.linspace(0, 3, n), 1e-3 * np.random.default_rng(n).uniform(-1, 1, (3, n))
-    rho, u, T = 1.2 + 0.2 * np.sin(X), 20 * np.cos(2 * X), 300 + 30 * np.sin(3 * X)
-    return conserved(GAS, rho + noise[0], u + noise[1], T + noise[2])
-
-
-def solid_state(n: int) -> np.ndarray:
-    """(n, 4) of u, sigma, T, x, smooth with some noise."""
-    X, noise = H * np.arange(n), np.random.default_rng(n).uniform(-1, 1, (4, n))
-    smooth = (
-        np.cos(2 * X),
-        -1e5 + 1e4 * np.sin(3 * X),
-        300 + 30 * np.sin(X),
-        X + 0.1 * np.sin(2 * X),
-    )
-    noise = noise * np.array([1e-3, 1.0, 1e-3, 1e-5])[:, None]
-    return np.stack([values + some for values, some in zip(smooth, noise, strict=True)], axis=-1)
 
 
 def filled(

@@ -105,19 +105,16 @@ def run(mass: float, stiffness: float, coupling: str, order: int) -> tuple[bool,
 
 def velocities(state: Any) -> list[np.ndarray]:
     """Of the points of each layer."""
-    from fsipetsc.paper.fields import fields
-
     layers = state.problem.layers
     blocks = getattr(state, "fields", None)
-    found = fields(state) if blocks is None else {k: blocks(k) for k in range(len(layers))}
+    found = state.save() if blocks is None else {k: blocks(k) for k in range(len(layers))}
     return [found[k][:, 1 if layer.kind == "fluid" else 0] for k, layer in enumerate(layers)]
 
 
 def theory(mass: float, stiffness: float, coupling: str, order: int) -> str:
     """What `python -m fsipetsc stability` says of one interface: nothing, that the scheme has a
     growing mode, the equations, or that the step is too long."""
-    from fsipetsc.analysis.stability_linear import measure
-    from fsipetsc.analysis.stability_state import Constant
+    from fsipetsc.analysis.stability_linear import Constant, measure
 
     rest = Constant(GAS, Solid(K=stiffness, kappa_e=0.02, m0=mass, alpha=2.5 / mass), 1.0, 1.0)
     found = measure(rest, order, CELLS + 1, 1 / CELLS, coupling)

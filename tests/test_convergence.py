@@ -10,11 +10,9 @@ from helpers import message, solve
 
 pytest.importorskip("petsc4py")
 
-from fsipetsc.analysis import table1
-from fsipetsc.analysis.convergence_table import COST, ConvergenceStudy, order_of_differences
+from fsipetsc.analysis.convergence_table import ConvergenceStudy, order_of_differences
 
 HS = (0.05, 0.025)
-NAMES = {"fluid": ("rho", "u", "T", "combined"), "solid": ("u", "sigma", "T", "x", "combined")}
 
 
 def load(path) -> ConvergenceStudy:
@@ -28,19 +26,6 @@ def load(path) -> ConvergenceStudy:
         for column in (name for name in row if "/" in name and not name.startswith("order ")):
             group, name = column.split("/")
             study.put(*divmod(k, len(hs)), {group: {name: float(row[column] or "nan")}})
-    return study
-
-
-def made(orders=(2, 4, 6, 8), rates=(2.0, 3.0, 4.0, 5.0), hs=HS, failures=()) -> ConvergenceStudy:
-    """With errors h^rate, and some cost."""
-    study = ConvergenceStudy("mms", 0.45, orders, hs, failures=dict(failures))
-    for i, rate in enumerate(rates):
-        for j, h in enumerate(hs):
-            if (orders[i], h) not in study.failures:
-                errors = {kind: dict.fromkeys(names, h**rate) for kind, names in NAMES.items()}
-                study.put(i, j, errors)
-                for name, value in zip(COST, (100, 50, 200, 0.25 + 0.01 * j), strict=True):
-                    study.cost[name][i, j] = value
     return study
 
 
@@ -60,12 +45,6 @@ def test_orders_of_differences_of_any_grids(hs, p):
     assert order_of_differences(np.log(first / second), *hs) == pytest.approx(p, abs=1e-9)
     study = compared((abs(first), abs(second)), hs)
     np.testing.assert_allclose(study.rates("gas"), [[np.nan, p, np.nan]], atol=1e-9)
-
-
-def test_table_1_says_where_ours_differ():
-    text = table1.compare(made())
-    assert "lower than in the paper: fluid 6/3 (4.0 for 4.7): closures of order 3" in text
-    assert "fluid 8/4 (5.0 for 4.9)" in text.split("higher than in the paper: ")[1]
 
 
 @pytest.mark.mpi

@@ -73,10 +73,10 @@ def test_a_limit_cycle_is_measured():
     wave = 0.3 + 2.0 * np.sin(2 * np.pi * 0.31 * t) + 0.1 * np.sin(6 * np.pi * 0.31 * t)
     seen = np.outer(wave, [0, 0.5, 0.8, 1.0, 0])
     found = limit_cycle(Motion(t, seen, seen), X)
-    assert found.X == 0.75 and found.periods == 5
-    assert found.frequency == pytest.approx(0.31, rel=1e-4)
-    assert found.amplitude == pytest.approx(1.9, rel=3e-3)
-    assert found.mean == pytest.approx(0.3, abs=5e-3)
+    assert found["X"] == 0.75 and found["periods"] == 5
+    assert found["frequency"] == pytest.approx(0.31, rel=1e-4)
+    assert found["amplitude"] == pytest.approx(1.9, rel=3e-3)
+    assert found["mean"] == pytest.approx(0.3, abs=5e-3)
     with pytest.raises(ComputationError, match="0 periods"):
         limit_cycle(Motion(t[:40], seen[:40], seen[:40]), X)
 

@@ -11,31 +11,18 @@ import pytest
 pytest.importorskip("numba")
 
 from paper_parts import (
-    AIR,
-    GAS,
-    ROD,
-    STEEL,
-    H,
-    close_solid,
-    closure,
     dirichlet_ghost,
     extrapolated,
     gas_record,
     insulated_slopes,
     lagrange,
     neumann_ghost,
-    operator_of,
-    solid_record,
-    solid_state,
 )
 from paper_parts import filled as fill
 
 from fsipetsc.analysis.spectra import CENTRAL
 from fsipetsc.boundaries import (
-    ABSORBING,
-    CLAMPED,
     DIRICHLET,
-    FREE,
     OPEN,
     WALL,
     Dirichlet,
@@ -46,7 +33,6 @@ from fsipetsc.boundaries import (
 from fsipetsc.errors import InputError
 from fsipetsc.materials.constant_transport import ConstantTransport
 from fsipetsc.materials.perfect_gas import PerfectGas
-from fsipetsc.materials.solid_pressure import Gruneisen
 from fsipetsc.operators import OPERATORS
 from fsipetsc.operators.narrow import STIFFNESS, STIFFNESS_OF_WIDE, remainder
 from fsipetsc.paper.ends import LEAST, NODES
@@ -95,52 +81,7 @@ def test_formulas_are_exact_up_to_their_degree(degree):
         np.testing.assert_allclose(extrapolated(values, degree - 1), values[0])
 
 
-def filled(kind, side, delta, data=(), degree=2, new=False):
-    """(what the gradients see, rows of rho, u, T before, after) of a boundary fill."""
-    layer = gas_record(40)
-    layer["end_kind"][side], layer["end_degree"] = kind, degree
-    layer["end_data"][side, : len(data)] = data
-    k = np.arange(NODES)
-    before = np.array([1.2 + 0.02 * k, 4 - 0.5 * k, 300 + 2 * k - 0.2 * k * k])
-    after = before.copy()
-    after[:, 0], seen = fill(GAS, layer, side, delta, before, new)
-    return seen, before, after
-
-
-def pressure(values):
-    return AIR.R * values[0] * values[2]
-
-
-@SIDES
-@KINDS
-def test_filling_twice_is_filling_once_and_a_new_point_needs_no_value(kind, side):
-    data = (1e5, 300.0, 5.0, 1.0) if kind == OPEN else (1.2, 4.0, 300.0)
-    for delta in DELTAS:
-        _, _, once = filled(kind, side, delta, data)
-        layer = gas_record(40)
-        layer["end_kind"][side], layer["end_degree"] = kind, 2
-        layer["end_data"][side, : len(data)] = data
-        np.testing.assert_allclose(fill(GAS, layer, side, delta, once)[0], once[:, 0], rtol=1e-12)
-    _, before, after = filled(kind, side, 0.9, data, new=True)
-    np.testing.assert_allclose(after[[0, 2], 0], before[[0, 2], 0], rtol=0.1)
-
-
 # wall
-
-
-@SIDES
-@pytest.mark.parametrize("delta", DELTAS)
-def test_wall(side, delta):
-    _, before, after = filled(WALL, side, delta)
-    n, old, ghost = 2 * side - 1, before[:, 0], after[:, 0]
-    weights, slopes = weights_at(delta, 2)
-    degree = insulated_slopes(delta, 2, 0, slopes)
-    Z = old[0] * AIR.sound_speed(old[2])
-    outgoing = pressure(old) + n * Z * old[1]
-    np.testing.assert_allclose(pressure(ghost) + n * Z * ghost[1], outgoing, rtol=1e-13)
-    assert abs(slopes[: degree + 1] @ after[2, : degree + 1]) < 1e-10, "heat through the wall"
-    if weights[0] >= 0.25:
-        assert abs(weights[:3] @ after[1, :3]) < 2e-13, "the velocity at the wall"
 
 
 def second_derivative(order, n, narrow):
@@ -173,35 +114,6 @@ def test_heat_beside_an_insulated_wall(order, narrow):
 
     for delta in (0.0, 0.4, 0.9):
         assert np.log2(error(32, delta) / error(64, delta)) > least[order]
-
-
-# given data
-
-
-@SIDES
-@pytest.mark.parametrize("outflow", [True, False])
-@DEGREES
-def test_given_data(side, outflow, degree):
-    """The incoming characteristic, and on inflow the entropy, are those of the formula's values;
-    the others stay. The gradients see the data themselves."""
-    n, delta = 2 * side - 1, 0.1
-    data = (1.3, n * (5.0 if outflow else -5.0), 310.0)
-    seen, before, after = filled(DIRICHLET, side, delta, data, degree)
-    weights, _ = weights_at(delta, degree)
-    pairs = list(zip(data, before, strict=True))
-    given = np.array([dirichlet_ghost(g, row, weights, degree, LEAST) for g, row in pairs])
-    old, ghost = before[:, 0], after[:, 0]
-    c = AIR.sound_speed(before[2, 1])
-    Z, kept = before[0, 1] * c, old if outflow else given
-    for sign, source in ((n, old), (-n, given)):
-        found, wanted = (pressure(v) + sign * Z * v[1] for v in (ghost, source))
-        np.testing.assert_allclose(found, wanted, rtol=1e-13)
-    entropies = [v[0] - pressure(v) / c**2 for v in (ghost, kept)]
-    np.testing.assert_allclose(*entropies, atol=2e-13)
-    assert weights[0] >= 0.3, "no eta: the formula is the interpolant"
-    for (value, row), at_ghost in zip(pairs[1:], seen, strict=True):
-        interpolated = weights[: degree + 1] @ [at_ghost, *row[1 : degree + 1]]
-        assert interpolated == pytest.approx(value, rel=1e-13)
 
 
 def test_degrees():
@@ -315,49 +227,3 @@ def test_no_mode_grows_between_given_data(order):
                     # slowly; a boundary that moves passes by
                     grows = order > 4 and delta > 0.85
                     assert_stable(matrix, mach, nu, STIFFNESS_OF_WIDE, 1 / N if grows else 1e-8)
-
-
-# solids
-
-
-def squared_wave_speed(gruneisen, x_X, T, sigma):
-    """Of the equations (3.1) without conduction, linearised: an eigenvalue."""
-    heat = ROD.alpha * ROD.m0
-    p = gruneisen * heat * T / x_X
-    A = np.zeros((4, 4))  # u, sigma, T, x_X
-    A[0, 1:] = np.array([1.0, -gruneisen * heat / x_X, p / x_X]) / ROD.m0
-    A[1:, 0] = ROD.K / x_X, (sigma - p) / heat, 1.0
-    return float(np.max(np.linalg.eigvals(A).real) ** 2)
-
-
-@SIDES
-@pytest.mark.parametrize("kind", [CLAMPED, FREE, ABSORBING], ids=["clamped", "free", "absorbing"])
-@pytest.mark.parametrize("gruneisen", [0.0, 0.3])
-@ORDERS
-def test_ends_of_a_solid(order, kind, side, gruneisen):
-    n, layer, op = 2 * side - 1, solid_record(40), operator_of(order)
-    solid = STEEL._replace(law=Gruneisen(gruneisen))
-    value = 0.7 if kind == CLAMPED else -9e4
-    layer["end_kind"][side], layer["end_data"][side, 0] = kind, value
-    q = solid_state(40) * [1.0, 1.0, 1.0, 0.4]
-    before, at, inwards = q.copy(), 39 * side, 1 - 2 * side
-    close_solid(op, solid, layer, q)
-    rows = at + inwards * np.arange(len(closure(order)))
-    d = -n / H * closure(order)
-    x_X, T, p = d @ q[rows, 3], q[at, 2], solid.pressure(q[at, 2], d @ q[rows, 3])
-    traction, old = q[at, 1] - p, before[at, 1] - p
-    Z = ROD.m0 * np.sqrt(squared_wave_speed(gruneisen, x_X, T, value + p))
-    assert abs(d @ q[rows, 2]) < 1e-9, "no heat through the end"
-    if kind == CLAMPED:
-        assert q[at, 0] == value
-    elif kind == FREE:
-        np.testing.assert_allclose(traction, value, rtol=1e-14)
-    else:
-        np.testing.assert_allclose(traction - value + n * Z * q[at, 0], 0, atol=1e-9)
-        outgoing = [v - n * Z * u for v, u in ((traction, q[at, 0]), (old, before[at, 0]))]
-        np.testing.assert_allclose(*outgoing, rtol=1e-13)
-    once = q.copy()
-    close_solid(op, solid, layer, q)
-    np.testing.assert_allclose(q, once, rtol=1e-12, err_msg="a second application changes it")
-    inside = np.arange(40) != at
-    assert np.array_equal(q[inside], before[inside]) and q[at, 3] == before[at, 3]

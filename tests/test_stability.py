@@ -17,9 +17,8 @@ from helpers import message, solve
 from mpi4py import MPI
 from paper_parts import conserved, primitive
 
-from fsipetsc.analysis.spectra import CENTRAL, range_basis, step_limit
-from fsipetsc.analysis.stability_linear import assemble, measure
-from fsipetsc.analysis.stability_state import Constant
+from fsipetsc.analysis.spectra import CENTRAL, step_limit
+from fsipetsc.analysis.stability_linear import Constant, assemble, measure
 from fsipetsc.boundaries import Wall
 from fsipetsc.materials.fluid import Fluid
 from fsipetsc.materials.line_solid import Solid
@@ -133,22 +132,6 @@ def test_the_linear_scheme_is_the_derivative_of_the_right_hand_side(order, coupl
             assert np.abs(near).max() < 1e-8 * np.abs(wanted / unit).max(), (c, j, near)
 
 
-@pytest.mark.parametrize("coupling", ["energy", "projection", "traditional"])
-@pytest.mark.parametrize(("order", "gas"), [(2, {}), (6, {"eos": "elastic"}), (8, INVISCID)])
-def test_treatments_are_projections_and_energy_an_orthogonal_one(order, gas, coupling):
-    state = constant(**gas)
-    P = assemble(state, order, N, 0.1, coupling).projection
-    size = np.abs(P).max()
-    assert np.abs(P @ P - P).max() < 1e-11 * size**2
-    asymmetry = np.abs(P - P.T).max()
-    assert (asymmetry < 1e-12) if coupling == "energy" else (asymmetry > 1e-3)
-    basis = range_basis(P)
-    np.testing.assert_allclose(basis.T @ basis, np.eye(basis.shape[1]), atol=1e-13)
-    np.testing.assert_allclose(P @ basis, basis, atol=1e-11 * size)
-    # 2 or 4 conditions at the interface, u = 0 at both ends, T = 0 there if heat is conducted
-    assert basis.shape[1] == 6 * N - (4 if state.gas.kappa == 0 else 8)
-
-
 # what follows
 
 
@@ -186,14 +169,6 @@ def test_conservative(order):
         result = measure(constant(density, stiffness), order, N, 1 / N, "conservative")
         assert result.estimate and result.energy < 1e-12
         assert result.stable and result.step_kept
-
-
-def test_heating_by_the_stress_at_rest_makes_soft_solids_grow_whatever_the_grid():
-    soft = constant(1.0, 0.01, "elastic")
-    found = [measure(soft, 4, n, 1 / n, "energy") for n in (16, 32, 48)]
-    growths = [one.heated * one.radius for one in found]
-    assert growths[-1] > 1e-4
-    assert abs(growths[-1] / growths[-2] - 1) < 0.05
 
 
 def test_step_limit_of_known_spectra():

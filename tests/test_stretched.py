@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from math import sqrt
 
 import numpy as np
@@ -13,13 +12,12 @@ pytest.importorskip("petsc4py")
 
 from mpi4py import MPI
 
-from fsipetsc.boundaries import Dirichlet, Open, Wall, clamped, free
+from fsipetsc.boundaries import Open, Wall
 from fsipetsc.cases import load_case
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
-from fsipetsc.materials.line_solid import Solid
 from fsipetsc.options import defaults
-from fsipetsc.problem import FluidLayer, Problem, SolidLayer
+from fsipetsc.problem import FluidLayer, Problem
 from fsipetsc.stepping.solve import build_problem, make_state, solve
 
 EVERY_ORDER = pytest.mark.parametrize("order", ORDERS)
@@ -132,79 +130,7 @@ def test_heat_through_walls():
         np.testing.assert_allclose(T, 1.0, rtol=1e-15)
 
 
-def bar(solid, **more):
-    def rest(X):
-        return [0 * X, 0 * X, 1 + 0 * X, X]
-
-    return SolidLayer("bar", solid, (0.0, 1.0), rest, **more)
-
-
-@EVERY_ORDER
-def test_a_solid_alone(order):
-    """Small standing wave between a clamped and a free end; the error has the order."""
-    amplitude, k = 1e-8, np.pi / 2
-
-    def exact(X, t):
-        sine, cosine = np.sin(k * X), np.cos(k * X)
-        u, sigma = sine * np.cos(k * t), cosine * np.sin(k * t)
-        x = X + amplitude * sine * np.sin(k * t) / k
-        return [amplitude * u, amplitude * sigma, 1 + 0 * X, x]
-
-    layer = bar(Solid(1.0, 0.0, 1.0, 1e6), exact=exact)
-    layer = replace(layer, initial=lambda X: exact(X, 0.0))
-    problem = Problem((layer,), clamped(), free(), units="none")
-    of = {"fsi_order": order, "ts_max_time": 1.0}
-    found = [Case(problem, fsi_h=h, **of).run().errors["solid"]["u"] for h in (1 / 20, 1 / 40)]
-    assert found[0] < amplitude * {2: 2e-3, 4: 1e-4, 6: 1e-4, 8: 1e-4}[order]
-    assert np.log2(found[0] / found[1]) > {2: 1.8, 4: 2.8, 6: 3.6, 8: 3.6}[order]
-
-
-def test_ends_of_a_solid_that_change_in_time():
-    """Driven at one end, warmed at the other: momentum and heat are what has been put in."""
-    ends = (
-        clamped(lambda t: 1e-3 * np.sin(t)),
-        free(lambda t: -1e-3 * t, heat_flux=0.25),
-    )
-    problem = Problem((bar(Solid(4.0, 0.5, 1.0, 2.0)),), *ends, units="none")
-    with Case(problem, fsi_h=1 / 20).state() as state:
-        state.set_initial()
-        state.finish()
-        energy, t, dt, impulse = state.latest["energy"].item(), 0.0, 1 / 512, 0.0
-        for _ in range(256):
-            state.step(t, dt, False)
-            t += dt
-            impulse += state.latest["impulse_x"].item()
-        assert state.latest["momentum_x"].item() == pytest.approx(impulse, rel=1e-11)
-        assert state.latest["energy"].item() - energy == pytest.approx(0.25 * t, rel=1e-4)
-        assert state.fields(0)[0, 0] == pytest.approx(1e-3 * np.sin(t), rel=1e-15)
-
-
 # ends that let gas through, slower and faster than sound
-
-
-@EVERY_ORDER
-@pytest.mark.parametrize("mach", [0.4, 1.5])
-@pytest.mark.parametrize("right", ["open", "data"])
-def test_a_wave_is_carried_through(order, mach, right):
-    """A wave of density that a flow of pressure 1 carries through the gas, from data on the
-    left."""
-    speed = mach * SOUND
-
-    def exact(X, t):
-        rho = 1 + 0.3 * np.sin(5 * (X - speed * t))
-        return [rho, speed + 0 * X, 1 / rho]
-
-    def data(X):
-        return Dirichlet(X, lambda t: [float(v) for v in exact(np.array(X), t)])
-
-    layer = FluidLayer("gas", GAS, (0.0, 1.0), lambda X: exact(X, 0.0), exact=exact)
-    ends = {"open": Open(1.0, 1.0, 1.0, u0=speed), "data": data(1.0)}
-    problem = Problem((layer,), data(0.0), ends[right], units="none")
-    of = {"fsi_order": order, "ts_max_time": 1.0}
-    runs = [Case(problem, fsi_h=h, **of).run() for h in (1 / 32, 1 / 64)]
-    coarse, fine = (run.errors["fluid"]["combined"] for run in runs)
-    assert np.log2(coarse / fine) > {2: 1.8, 4: 2.8, 6: 3.6, 8: 3.6}[order], (coarse, fine)
-    assert fine < {2: 1e-2, 4: 1e-3, 6: 1e-4, 8: 1e-4}[order]
 
 
 @pytest.mark.parametrize(

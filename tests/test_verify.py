@@ -12,8 +12,7 @@ from helpers import REPOSITORY, message, solve
 
 from fsipetsc.cases import superseismic as case
 from fsipetsc.verify import ENTRIES
-from fsipetsc.verify.entry import Bound, Row, reference
-from fsipetsc.verify.viscous_tube import triple_point
+from fsipetsc.verify.entry import Bound, Row, problem, reference
 
 
 def program(name):
@@ -89,15 +88,6 @@ def test_references_of_gases():
         np.testing.assert_allclose(kept[name], values, atol=1e-3, err_msg=name)
 
 
-def test_triple_point_of_the_viscous_tube():
-    """A front that is upright above y = 0.137, and leans below."""
-    x, y = np.linspace(0.0, 1.0, 201), np.linspace(0.0, 0.5, 101)
-    places = 0.58 - 0.8 * np.maximum(0.137 - y, 0.0)
-    p = 20.0 + 60.0 / (1.0 + np.exp(-(x - places[:, None]) / 0.004))
-    found = triple_point(x, y, p)
-    assert found[0] == pytest.approx(0.58, abs=0.01) and found[1] == pytest.approx(0.137, abs=2e-3)
-
-
 def test_an_entry_of_the_full_level_alone_has_a_page(tmp_path):
     done = solve("verify", "viscous_tube", "-verify_docs", "pages", cwd=tmp_path)
     assert done.returncode == 0 and "only with -verify_level full" in done.stdout
@@ -124,8 +114,9 @@ def test_references_are_those_of_the_literature():
 def test_entries_say_all_that_another_code_needs(tmp_path):
     for name in ENTRIES:
         entry = importlib.import_module(f"fsipetsc.verify.{name}").ENTRY
-        assert entry.name == name and set(entry.levels) == {"quick", "full"}
-        assert len(entry.text.splitlines()) <= 40 and entry.source and entry.bounds
+        assert set(entry.levels) == {"quick", "full"} and entry.source and entry.bounds
+        title, _, *text = problem(name).splitlines()
+        assert title.startswith("# ") and 5 < len(text) <= 40
         orders = {order for level in entry.levels.values() for order in level}
         assert {order for _, order in entry.bounds} <= orders
     done = solve("verify", "turek", cwd=tmp_path)

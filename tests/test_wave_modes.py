@@ -56,21 +56,6 @@ def test_normal_modes():
     assert (distances(6, 48) < (2.5e-5, 4e-6)).all()
 
 
-def test_differences_are_exact_enough():
-    """Twice the disturbance makes no difference: that is the derivative."""
-    one, two = (linearise(gas_over_layer(16), 4, 16, 2 * np.pi, nudge) for nudge in (0.005, 0.01))
-    assert np.abs(one.rates - two.rates).max() < 1e-11 * np.abs(one.rates).max()
-    assert np.abs(one.projection @ one.projection - one.projection).max() < 1e-14
-    # (u, v) of the wall, of the interface and of the clamped end
-    assert np.linalg.matrix_rank(one.projection) == len(one.projection) - 6
-
-
-def test_a_wave_along_an_interface():
-    """Scholte's wave, all parameters 1: c = .711001723, 11 deep on both sides."""
-    layers = stack(SLIPPING, STONE, (55, 55), depth=11.0, height=11.0)
-    assert distance(linearise(layers, 6, 32, 1.0), 0.711001723j) < 1e-4
-
-
 @pytest.mark.parametrize("order", [2, 4, 6, 8])
 def test_nothing_grows_and_the_step_is_kept(order):
     """Waves of 6 columns and more; 0.8 of the step of the faster one of sound and P waves."""

@@ -1,22 +1,19 @@
 """The command `convergence CASE`: a case over orders and grids, errors, observed orders and cost.
 
-A case with an exact solution in all of its layers is compared with that. Any other case is compared
-with itself (fsipetsc.analysis.grid_differences). The runs are made in this process, one after the
-other, and their results kept until their order is done; under mpiexec all ranks share each of them.
-What is left is a table on the terminal, the same numbers as CSV, and two pictures: error against
-grid spacing (Fig. 6 of the paper) and error against time (Fig. 7).
+A case with an exact solution in all of its layers is compared with that, any other case with itself
+(fsipetsc.analysis.grid_differences). All ranks share each run. What is left is a table on the
+terminal and as CSV, and two pictures: error against grid spacing (Fig. 6 of the paper) and error
+against time (Fig. 7).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fsipetsc.analysis import table1
 from fsipetsc.analysis.convergence_table import COST, ConvergenceStudy
 from fsipetsc.analysis.tables import csv_target, listed_in, printer, results_folder
 from fsipetsc.cases import load_case
@@ -55,9 +52,38 @@ def convergence(arguments: list[str], comm: MPI.Comm) -> None:
 
     Raises InputError; ComputationError at the end if a run has failed; FileError.
     """
+    from fsipetsc.output.plots.studies import convergence_figures
+    from fsipetsc.stepping.solve import check_begin
+
     case = together(comm, lambda: _case(arguments))
     given = start_petsc(arguments[1:], comm)
-    study(case, read_options(case, given, OPTIONS), given, comm)
+    opt = read_options(case, given, OPTIONS)
+    check_begin(opt)
+    for name, instead in (("fsi_order", "fsi_orders"), ("fsi_h", "fsi_hs")):
+        if name in given and (name == "fsi_order" or instead in given):
+            raise InputError(f"-{name} is for a single run; a study takes -{instead}, a list")
+    path = csv_target(opt["fsi_output"] if "fsi_output" in given else f"{case.NAME}-convergence")
+    table, say = _empty_table(case, opt, comm), printer(comm, opt)
+    what = "errors" if table.exact else "relative differences between neighbouring grids"
+    ranks = counted(comm.size, "rank")
+    say(f"{case.NAME} to {table.time} on {ranks}: {table.norm} {what} and observed orders")
+    with results_folder(comm, path.parent, "convergence-") as folder:
+        for i in range(len(table.orders)):
+            for line in _run_order(case, opt, comm, table, i, folder):
+                say(line)
+    if table.errors and len(table.hs) < 2:
+        say("\none grid shows no order: -fsi_hs takes several, as in -fsi_hs 0.05,0.025")
+    elif table.errors and table.exact and case.NAME == "mms":
+        say("\n" + table.beside_table_1())
+    if comm.rank == 0:
+        files = [table.save(path), *convergence_figures(table, path)]
+        say("\nresults in " + ", ".join(map(str, files)))
+    wait_asleep(comm)
+    if table.failures:
+        (order, h), text = next(iter(table.failures.items()))
+        runs = counted(len(table.orders) * len(table.hs), "run")
+        first = f"order {order}, h = {h:g}: {text}"
+        raise ComputationError(f"{len(table.failures)} of {runs} failed; {first}")
 
 
 def sections(arguments: Sequence[str]) -> dict[str, tuple[Option, ...]]:
@@ -71,47 +97,6 @@ def _case(arguments: Sequence[str]) -> Any:
         usage = f"{program()} convergence CASE [-option value ...]"
         raise InputError(f"the command convergence wants a case, such as mms or pulse: {usage}")
     return load_case(arguments[0])
-
-
-def study(
-    case: Any, opt: Mapping[str, Any], given: Container[str], comm: MPI.Comm
-) -> ConvergenceStudy:
-    """Make all runs, print and save; rank 0 has all numbers. Collective on comm.
-
-    opt: options in force, those of this command included. given: names of those that the user gave.
-    """
-    from fsipetsc.output.plots.studies import convergence_figures
-    from fsipetsc.stepping.solve import check_begin
-
-    check_begin(opt)
-    path, table = _target(case, opt, given), _empty_table(case, opt, comm)
-    say = printer(comm, opt)
-    what = "errors" if table.exact else "relative differences between neighbouring grids"
-    ranks = counted(comm.size, "rank")
-    say(f"{case.NAME} to {table.time} on {ranks}: {table.norm} {what} and observed orders")
-    _run_all(case, opt, comm, table, say, path.parent)
-    if table.errors and len(table.hs) < 2:
-        say("\none grid shows no order: -fsi_hs takes several, as in -fsi_hs 0.05,0.025")
-    elif table.errors and table.exact and case.NAME == "mms":
-        say("\n" + table1.compare(table))
-    if comm.rank == 0:
-        files = [table.save(path), *convergence_figures(table, path)]
-        say("\nresults in " + ", ".join(map(str, files)))
-    wait_asleep(comm)
-    if table.failures:
-        (order, h), text = next(iter(table.failures.items()))
-        runs = counted(len(table.orders) * len(table.hs), "run")
-        first = f"order {order}, h = {h:g}: {text}"
-        raise ComputationError(f"{len(table.failures)} of {runs} failed; {first}")
-    return table
-
-
-def _target(case: Any, opt: Mapping[str, Any], given: Container[str]) -> Path:
-    """The CSV file of the table. InputError for options that a study has no use for; FileError."""
-    for name, instead in (("fsi_order", "fsi_orders"), ("fsi_h", "fsi_hs")):
-        if name in given and (name == "fsi_order" or instead in given):
-            raise InputError(f"-{name} is for a single run; a study takes -{instead}, a list")
-    return csv_target(opt["fsi_output"] if "fsi_output" in given else f"{case.NAME}-convergence")
 
 
 def _empty_table(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> ConvergenceStudy:
@@ -141,63 +126,46 @@ def _empty_table(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Convergen
     return ConvergenceStudy(case.NAME, opt["ts_max_time"], orders, hs, *about)
 
 
-def _run_all(
-    case: Any,
-    opt: Mapping[str, Any],
-    comm: MPI.Comm,
-    table: ConvergenceStudy,
-    say: Callable[[str], None],
-    beside: Path,
-) -> None:
-    """Fill the table; say each run, each order, and which layers are not resolved. Collective.
-
-    beside: the folder in which results are kept for a while. InputError where grids have no node in
-    common; FileError.
-    """
-    from fsipetsc.analysis.grid_differences import SAMPLES
+def _run_order(
+    case: Any, opt: Mapping[str, Any], comm: MPI.Comm, table: ConvergenceStudy, i: int, folder: Any
+) -> Any:
+    """Run all grids of order i and fill the table; yields what is said. Collective; InputError
+    where grids have no node in common; FileError."""
+    from fsipetsc.analysis.grid_differences import SAMPLES, differences, unresolved
     from fsipetsc.stepping.run import run_case
 
     times = (table.t,) if table.exact else tuple(table.t * np.arange(1, SAMPLES + 1) / SAMPLES)
     own = {**opt, "fsi_quiet": True, "fsi_output_dt": None, "fsi_output_times": times}
-    with results_folder(comm, beside, "convergence-") as folder:
-        for i, order in enumerate(table.orders):
-            say("")
-            results = {}
-            for j, h in enumerate(table.hs):
-                own |= {"fsi_order": order, "fsi_h": h, "fsi_output": f"{folder}/{order}-{j}.h5"}
-                try:
-                    run_case(case, dict(own), comm)
-                    results[j] = own["fsi_output"]
-                except ComputationError as error:
-                    table.failures[order, h] = str(error)
-                together(comm, lambda: None if comm.rank else _keep(table, i, results))  # noqa: B023
-                say(table.row(i, j))
-            notes = together(comm, lambda: [] if comm.rank else _compare(table, i, results))  # noqa: B023
-            if table.errors:
-                say("\n".join([table.table(i), *notes]))
+    paths: dict[int, str] = {}
 
-
-def _keep(table: ConvergenceStudy, i: int, results: Mapping[int, str]) -> None:
-    """What the last run cost, and its errors, go into the table. FileError."""
-    for j in list(results)[-1:]:
-        with open_run(results[j]) as run:
+    def keep(j: int) -> None:
+        """What a run has cost, and its errors."""
+        with open_run(paths[j]) as run:
             table.put(i, j, run.errors if table.exact else {})
             for name in COST:
                 table.cost[name][i, j] = run.summary[name]
 
+    def compare() -> list[str]:
+        """Differences of neighbouring grids; which layers are not resolved."""
+        if table.exact or len(paths) < 2:
+            return []
+        with ExitStack() as stack:
+            runs = [stack.enter_context(open_run(path)) for path in paths.values()]
+            for j, k, errors in zip(paths, list(paths)[1:], differences(runs, table.norm)):
+                if k == j + 1:
+                    table.put(i, j, errors)
+        return unresolved(table, i)
 
-def _compare(table: ConvergenceStudy, i: int, results: Mapping[int, str]) -> list[str]:
-    """Differences of the grids of order i go into the table; which layers are not resolved.
-
-    InputError, FileError.
-    """
-    from fsipetsc.analysis.grid_differences import differences, unresolved
-
-    if table.exact or len(results) < 2:
-        return []
-    with ExitStack() as stack:
-        runs = [stack.enter_context(open_run(path)) for path in results.values()]
-        for j, k, errors in zip(results, list(results)[1:], differences(runs, table.norm)):
-            if k == j + 1:
-                table.put(i, j, errors)
-    return unresolved(table, i)
+    yield ""
+    for j, h in enumerate(table.hs):
+        own |= {"fsi_order": table.orders[i], "fsi_h": h, "fsi_output": f"{folder}/{i}-{j}.h5"}
+        try:
+            run_case(case, dict(own), comm)
+            paths[j] = own["fsi_output"]
+        except ComputationError as error:
+            table.failures[table.orders[i], h] = str(error)
+        together(comm, lambda: None if comm.rank or j not in paths else keep(j))  # noqa: B023
+        yield table.row(i, j)
+    notes = together(comm, lambda: [] if comm.rank else compare())
+    if table.errors:
+        yield "\n".join([table.table(i), *notes])

@@ -20,6 +20,8 @@ COST = "points", "steps", "rhs_evaluations", "wall_time"
 LEAST, MOST = -4.0, 16.0
 #: a relative difference of grids that is none
 ROUND_OFF = 1e-12
+#: Table 1 of the paper: kind of layer -> order -> exponent in L2 between the two finest grids
+TABLE_1 = {"fluid": {8: 4.9, 6: 4.7, 4: 2.4, 2: 1.6}, "solid": {8: 4.3, 6: 4.1, 4: 2.6, 2: 1.8}}
 
 
 @dataclass
@@ -111,6 +113,21 @@ class ConvergenceStudy:
             numbers = [*_texts(errors, ".1e"), *_texts(rates, ".2f")]
             rows.append([group, "all" if name == "combined" else name, *numbers])
         return text_table(head, rows)
+
+    def beside_table_1(self) -> str:
+        """Table 1 of the paper, and the exponents of a study of mms on two grids or more."""
+        orders = sorted(self.orders, reverse=True)
+        rows = []
+        for kind, paper in TABLE_1.items():
+            rates = self.rates(kind)[:, -1]
+            ours = [f"{rates[self.orders.index(order)]:.1f}" for order in orders]
+            rows += [(kind, "paper", *(paper[order] for order in orders)), ("", "ours", *ours)]
+        head = ["", "", *(operator(order).name for order in orders)]
+        grids = f"h = {self.hs[-2]:g} and {self.hs[-1]:g}"
+        return (
+            "Table 1 of the paper, exponents between the two finest grids, and ours between "
+            f"{grids}\n{text_table(head, rows)}"
+        )
 
     def save(self, path: Path) -> Path:
         """Write a line per run: order, grid, cost, errors, observed orders. FileError."""

@@ -100,11 +100,12 @@ def flutter(arguments: list[str], comm: MPI.Comm) -> None:
     facts, lines = f"mass {mass:g}, thickness {thickness:g}", [_row(run) for run in runs]
     say(f"\npanel, {facts}: growth and angular frequency of its modes\n\n{text_table(HEAD, lines)}")
     say("\nonset of flutter: lambda, and frequency f in cycles per unit of time")
-    say(onset_table(runs, mass, thickness))
+    told, curves = onsets(runs, mass, thickness)
+    say(told)
     if comm.rank == 0:
         from fsipetsc.analysis.flutter_theory import CRITICAL
 
-        figures = flutter_figure(curves(runs, mass), CRITICAL, facts, path.with_suffix(".png"))
+        figures = flutter_figure(curves, CRITICAL, facts, path.with_suffix(".png"))
         say("\nresults in " + ", ".join(map(str, [save_csv(path, HEAD, lines), *figures])))
     wait_asleep(comm)
     failures = [run for run in runs if run.failure]
@@ -154,47 +155,34 @@ def _row(run: FlutterRun) -> list[object]:
     return [f"{run.mach:g}", f"{run.dynamic:g}", *numbers, *cost]
 
 
-def by_mach(runs: Sequence[FlutterRun]) -> dict[float, list[FlutterRun]]:
-    """Mach number -> its runs that went well."""
-    machs = dict.fromkeys(run.mach for run in runs)
-    return {mach: [r for r in runs if r.mach == mach and not r.failure] for mach in machs}
-
-
-def onset_table(runs: Sequence[FlutterRun], mass: float, thickness: float) -> str:
-    """A line for each Mach number: lambda and f by the runs, NaN where they do not show it; by
-    theory of a thin panel and of one with shear and rotary inertia.
+def onsets(runs: Sequence[FlutterRun], mass: float, thickness: float) -> tuple[str, list[Any]]:
+    """(table, what the picture shows) of each Mach number: lambda and f by the runs that went well,
+    NaN where they do not show it; by theory of a thin panel and of one with shear and rotary
+    inertia.
     """
     from fsipetsc.analysis.flutter_theory import CRITICAL, Flow
+    from fsipetsc.output.plots.studies import Curves
 
     head = ["M", "lambda", "f", f"of {CRITICAL}", "theory,\nthin", "theory,\nthick", "\nf"]
-    rows = []
-    for mach, own in by_mach(runs).items():
+    rows, curves = [], []
+    for mach in dict.fromkeys(run.mach for run in runs):
+        own = [run for run in runs if run.mach == mach and not run.failure]
         thin, found, s = Flow(mach, mass), float("nan"), complex("nan")
+        dynamic = np.array([run.dynamic for run in own])
+        units, pairs = [thin.unit(d) for d in dynamic], [run.pair for run in own]
         if len(own) > 1:
-            dynamic = [run.dynamic for run in own]
-            found, s = crossing(dynamic, [thin.unit(d) for d in dynamic], [r.pair for r in own])
+            found, s = crossing(dynamic, units, pairs)
+        if own:
+            fine = np.linspace(dynamic[0], dynamic[-1], 201)
+            theory = np.array([thin.modes(d)[:2] / thin.unit(d) for d in fine])
+            scaled = np.array(pairs) / np.array(units)[:, None]
+            curves.append(Curves(mach, dynamic, scaled, fine, theory))
         f = s.imag * thin.unit(found) / (2.0 * np.pi)
         thick, of_thick = Flow(mach, mass, thickness).onset()
         numbers = [f"{found:.1f}", f"{f:.4f}", f"{found / CRITICAL:.3f}", f"{thin.onset()[0]:.1f}"]
         of_theory = [f"{thick:.1f}", f"{of_thick.imag / (2.0 * np.pi):.4f}"]
         rows.append([f"{mach:g}", *numbers, *of_theory])
-    return text_table(head, rows)
-
-
-def curves(runs: Sequence[FlutterRun], mass: float) -> list[Any]:
-    """What the picture shows: runs, and theory of a thin panel."""
-    from fsipetsc.analysis.flutter_theory import Flow
-    from fsipetsc.output.plots.studies import Curves
-
-    found = []
-    for mach, own in by_mach(runs).items():
-        if own:
-            flow, dynamic = Flow(mach, mass), np.array([run.dynamic for run in own])
-            s = np.array([np.array(run.pair) / flow.unit(run.dynamic) for run in own])
-            fine = np.linspace(dynamic[0], dynamic[-1], 201)
-            theory = np.array([flow.modes(d)[:2] / flow.unit(d) for d in fine])
-            found.append(Curves(mach, dynamic, s, fine, theory))
-    return found
+    return text_table(head, rows), curves
 
 
 def report(path: str) -> str:
@@ -204,9 +192,9 @@ def report(path: str) -> str:
     with open_run(path) as run:
         motion, X = motion_of(run)
         found = limit_cycle(motion.after(0.5 * motion.t[-1]), X)
-        thickness = run.options.get("panel_thickness", float("nan"))
+        thicknesses = found["amplitude"] / run.options.get("panel_thickness", float("nan"))
     return (
-        f"{path}: limit cycle at X = {found.X:.4g}, where the panel moves most: amplitude "
-        f"{found.amplitude:.5g} = {found.amplitude / thickness:.3g} thicknesses about "
-        f"{found.mean:.2g}, frequency {found.frequency:.5g}, over {found.periods} periods"
+        f"{path}: limit cycle at X = {found['X']:.4g}, where the panel moves most: amplitude "
+        f"{found['amplitude']:.5g} = {thicknesses:.3g} thicknesses about {found['mean']:.2g}, "
+        f"frequency {found['frequency']:.5g}, over {found['periods']:.0f} periods"
     )

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -117,20 +117,11 @@ def crossing(
     return at, fastest(at)
 
 
-class LimitCycle(NamedTuple):
-    """Of the point that moves most: its X; half the distance of the extremes, and their mean [m];
-    the frequency [1/s], from the upward passages of the mean; how many periods these are.
+def limit_cycle(motion: Motion, X: Real) -> dict[str, float]:
+    """Of a motion, the end of a run, of points at X (nx,): X of the point that moves most; half the
+    distance of the extremes of y there, and their mean [m]; frequency [1/s] and number of periods,
+    from the upward passages of the mean. ComputationError below two periods.
     """
-
-    X: float
-    amplitude: float
-    mean: float
-    frequency: float
-    periods: int
-
-
-def limit_cycle(motion: Motion, X: Real) -> LimitCycle:
-    """Of a motion, the end of a run, of points at X (nx,). ComputationError below two periods."""
     i = int(np.argmax(np.ptp(motion.w, axis=0)))
     t, w = motion.t, motion.w[:, i]
     mean = 0.5 * (w.max() + w.min())
@@ -139,10 +130,9 @@ def limit_cycle(motion: Motion, X: Real) -> LimitCycle:
     if periods < 2:
         raise ComputationError(f"{periods} periods of the panel's motion are seen, not two")
     passed = t[at] + (t[1] - t[0]) * (mean - w[at]) / (w[at + 1] - w[at])
-    highs, lows = (
+    high, low = (
         np.mean([extreme(w[a : b + 1]) for a, b in zip(at, at[1:])]) for extreme in (max, min)
     )
-    frequency = periods / float(passed[-1] - passed[0])
-    return LimitCycle(
-        float(X[i]), float(highs - lows) / 2, float(highs + lows) / 2, frequency, periods
-    )
+    found = {"X": X[i], "amplitude": (high - low) / 2, "mean": (high + low) / 2}
+    found |= {"frequency": periods / (passed[-1] - passed[0]), "periods": periods}
+    return {name: float(value) for name, value in found.items()}

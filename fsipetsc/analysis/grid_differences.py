@@ -103,7 +103,7 @@ def unresolved(table: ConvergenceStudy, i: int) -> list[str]:
     """A line for each layer whose grids differ by much, or come together slowly."""
     lines, op = [], operator(table.orders[i])
     expected = table.orders[i] // 2 + 1  # closures have half the order
-    for group in table.errors.keys() - {"series"}:
+    for group in sorted(table.errors.keys() - {"series"}):
         errors, rate = table.errors[group], table.rates(group)[i, -2]
         fields = {name: np.nan_to_num(e[i, -2]) for name, e in errors.items() if name != "combined"}
         worst, last = max(fields, key=lambda name: fields[name]), errors["combined"][i, -2]
@@ -116,4 +116,4 @@ def unresolved(table: ConvergenceStudy, i: int) -> list[str]:
         else:
             continue
         lines.append(f"layer '{group}' is not resolved: {why}")
-    return sorted(lines)
+    return lines

@@ -1,9 +1,6 @@
 """The commands `modes ring` and `modes shell`: frequencies of small motions about rest, by the
-scheme and exactly.
-
-The scheme's right-hand side is linearised about rest and, for a ring, split by angular numbers
-(fsipetsc.analysis.wave_modes, shell_modes). Beside its modes stand those of the equations, where
-they are known (ring_theory, shell_theory): where nothing conducts heat.
+scheme (fsipetsc.analysis.wave_modes) and, where nothing conducts heat, exactly
+(fsipetsc.analysis.ring_theory).
 """
 
 from __future__ import annotations
@@ -32,8 +29,6 @@ _ANGULAR = Option(
 #: case -> the command's options beside those of the case, and options that keep it at rest
 OPTIONS = {"ring": (_ANGULAR, _COUNT), "shell": (_COUNT,)}
 _AT_REST = {"ring": {"ring_pulse": 0.0}, "shell": {"shell_charge": 0.0, "fsi_shock": 0.0}}
-#: omega of a mode of the scheme [1/s], and of that of the equations next to it, if it is known
-Mode = tuple[complex, complex | None]
 
 
 def modes(arguments: list[str], comm: MPI.Comm) -> None:
@@ -41,7 +36,10 @@ def modes(arguments: list[str], comm: MPI.Comm) -> None:
 
     Raises InputError, also for a case that it does not know; FileError.
     """
-    name = _case_of(arguments)
+    if not arguments or arguments[0] not in OPTIONS:
+        usage = f"{program()} modes ring|shell [-option value ...]"
+        raise InputError(f"the command modes knows the cases ring and shell: {usage}")
+    name = arguments[0]
     case, given = load_case(name), start_petsc(arguments[1:], comm)
     from fsipetsc.stepping.solve import build_problem, check_begin
 
@@ -59,48 +57,32 @@ def sections(arguments: Sequence[str]) -> dict[str, tuple[Option, ...]]:
     return groups(load_case(name), OPTIONS[name])
 
 
-def _case_of(arguments: Sequence[str]) -> str:
-    """The case that is named first. InputError."""
-    if not arguments or arguments[0] not in OPTIONS:
-        usage = f"{program()} modes ring|shell [-option value ...]"
-        raise InputError(f"the command modes knows the cases ring and shell: {usage}")
-    return arguments[0]
-
-
 def _told(name: str, problem: Any, opt: Mapping[str, Any], path: Path) -> None:
     """Compute, print and save. InputError, FileError."""
-    found = compared(name, problem, opt)
-    rows = []
-    for i, (omega, exact) in enumerate(found, 1):
-        known = ("", "") if exact is None else (exact.real, exact.imag)
-        rows.append((i, omega.real, omega.imag, *known))
+    from fsipetsc.analysis.ring_theory import mode_near
+    from fsipetsc.analysis.wave_modes import radial_modes
+    from fsipetsc.stepping.solve import block_form
+
+    n, media = opt.get("ring_angular", 0), (media_of if name == "ring" else media_of_shell)(opt)
+    rows, lines = [], []
+    found = radial_modes(problem, opt["fsi_order"], n, block_form(opt))[: opt["modes_count"]]
+    for i, omega in enumerate(map(complex, found), 1):
+        exact = mode_near(media, n, omega) if media else None
+        rows.append((i, omega.real, omega.imag, *((exact.real, exact.imag) if exact else ("", ""))))
+        error = f"{abs(omega - exact) / abs(exact):.1e}" if exact else ""
+        lines.append((i, _text(omega), _text(exact) if exact else "", error))
     save_csv(path, ("index", "omega_re", "omega_im", "exact", "exact_im"), rows)
     if not opt["fsi_quiet"]:
         grid = f"order {opt['fsi_order']}, h = {opt['fsi_h']:g}"
-        of = f", angular number {opt['ring_angular']}" if name == "ring" else ""
+        of = f", angular number {n}" if name == "ring" else ""
         print(f"modes of {name}{of}, {grid}: exp(-i omega t)")
-        print(f"{_table(found)}\nsaved {path}", flush=True)
-
-
-def compared(name: str, problem: Any, opt: Mapping[str, Any]) -> list[Mode]:
-    """The slowest modes of a case at rest, for the options in force. InputError."""
-    from fsipetsc.analysis.ring_theory import mode_near
-    from fsipetsc.analysis.shell_modes import shell_modes
-    from fsipetsc.analysis.wave_modes import ring_modes
-    from fsipetsc.stepping.solve import block_form
-
-    order, form, n = opt["fsi_order"], block_form(opt), opt.get("ring_angular", 0)
-    if name == "ring":
-        media, found = media_of(opt), ring_modes(problem, order, n, form)
-    else:
-        media, found = media_of_shell(opt), shell_modes(problem, order, form)
-    numbers = [complex(omega) for omega in found[: opt["modes_count"]]]
-    return [(omega, mode_near(media, n, omega) if media else None) for omega in numbers]
+        print(text_table(("", "omega [1/s]", "exact", "error"), lines))
+        print(f"saved {path}", flush=True)
 
 
 def media_of_shell(opt: Mapping[str, Any]) -> tuple[Medium, ...]:
     """What the equations know of the case shell, from inside; nothing where it conducts heat."""
-    from fsipetsc.analysis.shell_theory import RadialMedium
+    from fsipetsc.analysis.ring_theory import RadialMedium
     from fsipetsc.cases.common import gas_of
     from fsipetsc.cases.shell import radii_of, solid_of
 
@@ -133,15 +115,6 @@ def media_of(opt: Mapping[str, Any]) -> tuple[Medium, ...]:
         Medium(*radii, 1.0, gas.gamma, 0.0, gas.mu) for radii in ((CORE, INNER), (OUTER, VESSEL))
     )
     return inside, ring, outside
-
-
-def _table(found: Sequence[Mode]) -> str:
-    """With errors over |omega|."""
-    rows = []
-    for i, (omega, exact) in enumerate(found, 1):
-        error = "" if exact is None else f"{abs(omega - exact) / abs(exact):.1e}"
-        rows.append((i, _text(omega), "" if exact is None else _text(exact), error))
-    return text_table(("", "omega [1/s]", "exact", "error"), rows)
 
 
 def _text(omega: complex) -> str:

@@ -1,4 +1,5 @@
-"""Small motions of rings of elastic solid and gas around each other, exactly, by Bessel functions.
+"""Small motions of rings and shells of elastic solid and gas around each other, exactly, by Bessel
+functions.
 
 Displacements grad phi + curl psi, proportional to exp(i n theta - i omega t), obey Lame's equations
 with phi = J_n(k r) or H_n(k r), k = omega / c_p, and psi likewise with c_s. A gas that conducts no
@@ -15,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import newton
-from scipy.special import h1vp, jvp
+from scipy.special import h1vp, jv, jvp, spherical_jn, spherical_yn, yv
 
 Complex = NDArray[np.complex128]
 #: how far from where it begins a search may end, over |omega|; when it ends, and steps it may take;
@@ -68,6 +69,39 @@ class Medium:
             turning = mu * (dp / r - ddp - n**2 / r**2 * p)
             found.append([1j * n / r * p, -dp, 2j * n * mu * (dp / r - p / r**2), turning])
         return np.array(found, complex).T
+
+
+@dataclass(frozen=True)
+class RadialMedium(Medium):
+    """A medium between two radii, the inner one perhaps 0, that moves along the radius alone, as
+    compression waves, k = omega/c_p:
+
+        u = a j_1(k r) + b y_1(k r),    s_rr = (lambda + 2 mu) k (a j_0 + b y_0) - 2 kappa mu u/r
+
+    j_n and y_n are Bessel functions around an axis (kappa = 1), spherical ones around a centre (2).
+    In what goes to r = 0 b is 0.
+    """
+
+    kappa: int = 2
+
+    @property
+    def sticks(self) -> bool:
+        """There are no motions but those along the radius."""
+        return False
+
+    def fields(self, n: int, omega: complex, r: float) -> Complex:
+        """(4, 2): u, 0, s_rr, 0 of both functions; n is 0."""
+        if r == 0.0:
+            return np.array([[0.0, 1.0], [0.0, 0.0], [0.0, 1.0], [0.0, 0.0]], complex)
+        lame, mu = self.stiffness(omega)
+        k = omega / np.sqrt((lame + 2.0 * mu) / self.density)
+        of = (jv, yv) if self.kappa == 1 else (spherical_jn, spherical_yn)
+        found = np.zeros((4, 2), complex)
+        for column, f in enumerate(of):
+            u = f(1, k * r)
+            squeezed = (lame + 2.0 * mu) * k * f(0, k * r)
+            found[:, column] = u, 0.0, squeezed - 2.0 * self.kappa * mu * u / r, 0.0
+        return found
 
 
 def conditions(media: Sequence[Medium], n: int, omega: complex) -> Complex:

@@ -1,4 +1,4 @@
-"""What linear theories share: differences, the range of a projection, the step of RK4, results.
+"""What linear theories share: differences, the range of a projection, the step of RK4.
 
 The classical Runge-Kutta method multiplies a mode exp(lambda t) by R(dt lambda) in a step, R(z) =
 1 + z + z^2/2 + z^3/6 + z^4/24; the step limit is the largest dt with |R| <= 1 for all modes (one
@@ -8,7 +8,6 @@ that grows counts with its frequency alone).
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,33 +17,6 @@ Real, Complex = NDArray[np.float64], NDArray[np.complex128]
 CENTRAL = np.array([4 / 5, -1 / 5, 4 / 105, -1 / 280])
 #: |z| at which each mode is amplified
 FARTHEST = 3.2
-
-
-@dataclass(frozen=True)
-class Result:
-    """Numbers of one problem. Rates of growth are over the largest |lambda|, which is radius [1/s].
-
-    energy, growth: those of the energy and of the fastest mode, without the heat that the stress at
-    rest sets free; heated_energy, heated: with it. step: that RK4 can take [s], step_ratio: over
-    that of the uncoupled layers. estimate, stable, heated_stable, step_kept: the energy does not
-    grow, no mode does (with that heat), the interface costs no step.
-    """
-
-    order: int
-    coupling: str
-    density_ratio: float
-    stiffness_ratio: float
-    energy: float
-    growth: float
-    heated_energy: float
-    heated: float
-    radius: float
-    step: float
-    step_ratio: float
-    estimate: bool
-    stable: bool
-    heated_stable: bool
-    step_kept: bool
 
 
 def bisect(beyond: Callable[[float], bool], low: float, high: float, halvings: int = 60) -> float:

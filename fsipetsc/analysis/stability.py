@@ -11,30 +11,69 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import fields
 from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fsipetsc.analysis.stability_options import SECTIONS, orders
-from fsipetsc.analysis.tables import printer, save_csv, shared, text_table
-from fsipetsc.errors import ComputationError
+from fsipetsc.analysis.tables import listed_in, printer, save_csv, shared, text_table
+from fsipetsc.errors import ComputationError, InputError
 from fsipetsc.operators import operator
-from fsipetsc.options import read_table
+from fsipetsc.options import above_one, read_table
+from fsipetsc.options.option import Option
 from fsipetsc.process.launch import start_petsc
 from fsipetsc.process.together import wait_asleep
 
 if TYPE_CHECKING:
     from mpi4py import MPI
 
-    from fsipetsc.analysis.spectra import Result
-    from fsipetsc.analysis.stability_state import Constant
+    from fsipetsc.analysis.stability_linear import Constant, Result
 
+ORDERS = (2, 4, 6, 8)
 THEORY = {
+    "conservative": "the end points are one particle; mass, momentum and energy are kept",
     "energy": "orthogonal projection, all four conditions at once (Theorem 4.1)",
     "projection": "temperatures first, then u, sigma, rho (Theorem 4.2)",
-    "conservative": "the end points are one particle; mass, momentum and energy are kept",
     "traditional": "the solid moves the fluid, the fluid loads the solid",
+}
+_DENSITIES = "m0 over the density of the gas, instead of -solid_density; alpha m0 keeps its value"
+_STIFFNESSES = "K over the pressure of the gas, instead of -solid_modulus"
+_EOS = "pressure p = G rho epsilon that balances the gas, or none: sigma = -p of the gas"
+_POWERS = tuple(10.0**k for k in range(-3, 4))
+_ABOVE, _NOT_BELOW = {"check": "positive"}, {"check": "nonnegative"}
+SECTIONS: dict[str, tuple[Option, ...]] = {
+    "Gas": (
+        Option("fluid_rho", float, 1.0, "kg/m3", "density of the gas at rest", **_ABOVE),
+        Option("fluid_T", float, 1.0, "K", "temperature, of the solid too", **_ABOVE),
+        Option("fluid_gamma", float, 1.4, "", "ratio of the specific heats", check=above_one),
+        Option("fluid_R", float, 1.0, "J/(kg K)", "gas constant over molar mass", **_ABOVE),
+        Option("fluid_mu", float, 0.01, "Pa s", "viscosity", **_NOT_BELOW),
+        Option("fluid_kappa", float, 0.03, "W/(m K)", "heat conductivity of the gas", **_NOT_BELOW),
+    ),
+    "Solid": (
+        Option("solid_density", float, 1.0, "kg/m3", "density m0 at reference", **_ABOVE),
+        Option("solid_modulus", float, 1.0, "Pa", "K = 2 mu_e + lambda_e", **_ABOVE),
+        Option("solid_alpha", float, 2.5, "J/(kg K)", "specific heat", **_ABOVE),
+        Option("solid_kappa", float, 0.02, "W/(m K)", "heat conductivity", **_NOT_BELOW),
+        Option("solid_eos", str, "ideal", "", _EOS, ("ideal", "elastic")),
+    ),
+    "Discretisation": (
+        Option("fsi_coupling", str, "energy", "", "treatment of the interface", tuple(THEORY)),
+        Option("fsi_viscous", str, "wide", "", "D twice, or narrow ones", ("wide", "narrow")),
+        Option("fsi_order", int, None, "", "one order alone, instead of -fsi_orders", ORDERS),
+        Option("fsi_orders", "ints", ORDERS, "", "interior orders", check=listed_in(ORDERS)),
+        Option("fsi_h", float, 0.03125, "m", "grid spacing", **_ABOVE),
+        Option("stability_points", int, 32, "", "points of each of the two layers", **_ABOVE),
+    ),
+    "Sweep": (
+        Option("sweep", bool, False, "", "all combinations of the ratios below"),
+        Option("density_ratios", "floats", _POWERS, "", _DENSITIES, **_ABOVE),
+        Option("stiffness_ratios", "floats", _POWERS[1:-1], "", _STIFFNESSES, **_ABOVE),
+    ),
+    "Output": (
+        Option("fsi_output", str, None, "", "table of a sweep, without suffix"),
+        Option("fsi_quiet", bool, False, "", "print nothing but errors"),
+        Option("fsi_debug", bool, False, "", "show the Python traceback of an error"),
+    ),
 }
 
 
@@ -44,8 +83,7 @@ def stability(arguments: list[str], comm: MPI.Comm) -> None:
     for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(name, "1")  # small matrices: threads would get in each other's way
     opt = read_table(SECTIONS, start_petsc(arguments, comm))
-    from fsipetsc.analysis.stability_linear import measure
-    from fsipetsc.analysis.stability_state import of_options
+    from fsipetsc.analysis.stability_linear import measure, of_options
 
     state = of_options(opt)
     states = [state]
@@ -54,15 +92,26 @@ def stability(arguments: list[str], comm: MPI.Comm) -> None:
         states = [state.swept(*both) for both in ratios]
     names = "stability_points", "fsi_h", "fsi_coupling"
     how = *(opt[name] for name in names), opt["fsi_viscous"] == "narrow"
-    tasks = list(product(orders(opt), states))
+    tasks = list(product(_orders(opt), states))
     results = shared(comm, tasks, lambda task: measure(task[1], task[0], *how))
     say = printer(comm, opt)
     told = summary(results) if opt["sweep"] else table(results)
     say("\n".join([heading(opt, state), "", told, *_heating(results), ""]))
     if opt["sweep"] and comm.rank == 0:
-        say(f"saved {save(opt, results)}")
+        path = Path(f"{opt['fsi_output'] or 'stability-' + opt['fsi_coupling']}.csv")
+        say(f"saved {save_csv(path, results[0]._fields, results)}")
     wait_asleep(comm)
     judge(results)
+
+
+def _orders(opt: Mapping[str, Any]) -> tuple[int, ...]:
+    """The orders that are asked for. InputError if a layer has too few points for an operator."""
+    found = (opt["fsi_order"],) if opt["fsi_order"] else tuple(opt["fsi_orders"])
+    for op in map(operator, found):
+        least, points = max(4, op.min_points), opt["stability_points"]
+        if points < least:
+            raise InputError(f"-stability_points {points}: the {op.name} operator needs {least}")
+    return found
 
 
 def heading(opt: Mapping[str, Any], state: Constant) -> str:
@@ -77,8 +126,7 @@ def heading(opt: Mapping[str, Any], state: Constant) -> str:
             f"solid | gas at rest, linearised (4.2): {opt['stability_points']} points of h = "
             f"{opt['fsi_h']:g} m in each, {opt['fsi_viscous']} second derivatives",
             f"gas    rho {state.rho:g} kg/m3, T {state.T:g} K, p {state.p:g} Pa, mu {gas.mu:g} "
-            f"Pa s, kappa {gas.kappa:g} W/(m K), sound {gas.sound_speed(state.T, state.rho):.3g} "
-            "m/s",
+            f"Pa s, kappa {gas.kappa:g} W/(m K)",
             f"solid  {body}, kappa {solid.kappa_e:g} W/(m K), pressure {state.solid_pressure:g} "
             f"Pa, sigma {state.stress:g} Pa",
         ]
@@ -124,27 +172,16 @@ def summary(results: Sequence[Result]) -> str:
 
 
 def _heating(results: Sequence[Result]) -> list[str]:
-    """What the heat of the stress at rest adds, in two lines."""
+    """What the heat of the stress at rest adds."""
     if all(r.heated == r.growth for r in results):
         return []
     worst, growing = max(r.heated for r in results), sum(not r.heated_stable for r in results)
-    told = "no mode grows, either"
-    if growing:
-        told = f"modes grow at up to {worst:.1e} |lambda| ({growing} of {len(results)})"
     return [
         "",
-        "These numbers leave out the heat that the stress at rest sets free, which is not the "
-        "interface's doing:",
-        f"sigma u_X/(alpha m0). With it {told}.",
+        "These numbers leave out the heat sigma u_X/(alpha m0) that the stress at rest sets free,",
+        f"which is not the interface's doing. With it modes grow in {growing} of {len(results)}, "
+        f"at most by {worst:.1e} |lambda|.",
     ]
-
-
-def save(opt: Mapping[str, Any], results: Sequence[Result]) -> Path:
-    """Write the table of a sweep; returns its path. FileError."""
-    names = [field.name for field in fields(results[0])]
-    rows = [[getattr(result, name) for name in names] for result in results]
-    base = opt["fsi_output"] or f"stability-{opt['fsi_coupling']}"
-    return save_csv(Path(f"{base}.csv"), names, rows)
 
 
 def judge(results: Sequence[Result]) -> None:

@@ -26,14 +26,16 @@ equations.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
 
-from fsipetsc.analysis.spectra import CENTRAL, Complex, Real, Result, range_basis, step_limit
-from fsipetsc.analysis.stability_state import Constant
+from fsipetsc.analysis.spectra import CENTRAL, Real, range_basis, step_limit
+from fsipetsc.materials.fluid import Fluid
+from fsipetsc.materials.line_solid import Solid
 from fsipetsc.operators import operator
 from fsipetsc.operators.narrow import remainder
 from fsipetsc.operators.sbp import row_length
@@ -47,6 +49,96 @@ STEP = 2.0**-7
 #: eigenvalue of a matrix that is not normal is less certain); part of the step limit of the
 #: uncoupled layers that a treatment of the interface must leave
 ENERGY_TOLERANCE, MODE_TOLERANCE, STEP_KEPT = 1e-10, 1e-9, 0.95
+
+
+@dataclass(frozen=True)
+class Constant:
+    """A perfect gas of density rho [kg/m3] and temperature T [K] at rest on a solid of the same
+    temperature and the uniform strain x_X = stretch; the solid's pressure p_s is Grüneisen's or 0.
+    """
+
+    gas: Fluid
+    solid: Solid
+    rho: float
+    T: float
+    stretch: float = 1.0
+
+    @property
+    def p(self) -> float:
+        """Pressure of the gas [Pa]."""
+        return self.rho * self.gas.R * self.T
+
+    @property
+    def solid_pressure(self) -> float:
+        """p_s of the solid [Pa]; proportional to T / x_X."""
+        return float(self.solid.pressure(self.T, self.stretch))
+
+    @property
+    def stress(self) -> float:
+        """sigma = p_s - p, which balances the gas [Pa]."""
+        difference = self.solid_pressure - self.p
+        return difference if abs(difference) > 1e-12 * self.p else 0.0
+
+    @property
+    def modulus(self) -> float:
+        """K^ = (K - x_X dp_s/dx_X) / x_X [Pa]."""
+        return (self.solid.K + self.solid_pressure) / self.stretch
+
+    @property
+    def weights(self) -> Real:
+        """W of (rho, u, T) in the fluid and (u, S, T) in the solid."""
+        rho, T, solid = self.rho, self.T, self.solid
+        fluid = [self.p / rho**2, rho, rho * self.gas.cv / T]
+        return np.array([*fluid, solid.m0, 1.0 / self.modulus, solid.alpha * solid.m0 / T])
+
+    @property
+    def scales(self) -> Real:
+        """The size of each of these variables: what makes an energy of p per volume, at most rho,
+        p, T themselves."""
+        limits = np.array([self.rho, np.inf, self.T, np.inf, self.p, self.T])
+        return np.minimum(np.sqrt(self.p / self.weights), limits)
+
+    def swept(self, density_ratio: float, stiffness_ratio: float) -> Constant:
+        """The same with another density and stiffness of the solid; alpha m0 keeps its value, and
+        so do the pressures."""
+        solid, m0 = self.solid, density_ratio * self.rho
+        other = replace(solid, m0=m0, K=stiffness_ratio * self.p, alpha=solid.alpha * solid.m0 / m0)
+        return replace(self, solid=other)
+
+
+def of_options(opt: Mapping[str, Any]) -> Constant:
+    """The state that the options describe."""
+    gas = Fluid(opt["fluid_mu"], opt["fluid_kappa"], opt["fluid_gamma"], opt["fluid_R"])
+    rho, T, m0, alpha = (opt[k] for k in ("fluid_rho", "fluid_T", "solid_density", "solid_alpha"))
+    balanced = gas.R * rho / (m0 * alpha)  # p_s = p, sigma = 0
+    gruneisen = balanced if opt["solid_eos"] == "ideal" else 0.0
+    solid = Solid(opt["solid_modulus"], opt["solid_kappa"], m0, alpha, gruneisen=gruneisen)
+    return Constant(gas, solid, rho, T)
+
+
+class Result(NamedTuple):
+    """Numbers of one problem. Rates of growth are over the largest |lambda|, which is radius [1/s].
+
+    energy, growth: those of the energy and of the fastest mode, without the heat that the stress at
+    rest sets free; heated: with it. step: that RK4 can take [s], step_ratio: over that of the
+    uncoupled layers. estimate, stable, heated_stable, step_kept: the energy does not grow, no mode
+    does (with that heat), the interface costs no step.
+    """
+
+    order: int
+    coupling: str
+    density_ratio: float
+    stiffness_ratio: float
+    energy: float
+    growth: float
+    heated: float
+    radius: float
+    step: float
+    step_ratio: float
+    estimate: bool
+    stable: bool
+    heated_stable: bool
+    step_kept: bool
 
 
 class Linear(NamedTuple):
@@ -189,18 +281,15 @@ def measure(
     """
     problem = assemble(state, order, n, h, coupling, narrow)
     P, Z = problem.projection, range_basis(problem.projection)
-
-    def growths(L: Real) -> tuple[float, Complex]:
-        A = Z.T @ (P @ L @ P) @ Z
-        return float(np.linalg.eigvalsh((A + A.T) / 2).max()), np.linalg.eigvals(A)
-
-    energy, spectrum = growths(problem.raw)
-    heated_energy, heated = growths(problem.raw + problem.heating)
+    A, heated = (Z.T @ (P @ L @ P) @ Z for L in (problem.raw, problem.raw + problem.heating))
+    energy, spectrum = float(np.linalg.eigvalsh((A + A.T) / 2).max()), np.linalg.eigvals(A)
     alone = np.outer(problem.free, problem.free) * problem.raw
     halves = alone[: 3 * n, : 3 * n], alone[3 * n :, 3 * n :]
     uncoupled = min(step_limit(np.linalg.eigvals(half)) for half in halves)
     radius, step = float(np.abs(spectrum).max()), step_limit(spectrum)
-    growth, growth_heated = (float(v.real.max()) / radius for v in (spectrum, heated))
+    growth, growth_heated = (
+        float(values.real.max()) / radius for values in (spectrum, np.linalg.eigvals(heated))
+    )
     return Result(
         order=order,
         coupling=coupling,
@@ -208,7 +297,6 @@ def measure(
         stiffness_ratio=state.solid.K / state.p,
         energy=energy / radius,
         growth=growth,
-        heated_energy=heated_energy / radius,
         heated=growth_heated,
         radius=radius,
         step=step,

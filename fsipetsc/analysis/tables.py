@@ -10,8 +10,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from fsipetsc.errors import FileError, FsiError
-from fsipetsc.process.together import agree, together, wait_asleep
+from fsipetsc.errors import FileError
+from fsipetsc.process.together import together, wait_asleep
 
 if TYPE_CHECKING:
     from mpi4py import MPI
@@ -79,12 +79,7 @@ def results_folder(comm: MPI.Comm, beside: Path, prefix: str) -> Iterator[Path]:
 
 def shared(comm: MPI.Comm, tasks: Sequence[Task], one: Callable[[Task], Result]) -> list[Result]:
     """one(task) of all tasks on every rank; each computes its share. Collective; FsiError."""
-    mine, fault = [], None
-    try:
-        mine = [one(task) for task in tasks[comm.rank :: comm.size]]
-    except FsiError as error:
-        fault = error
-    agree(comm, fault)
+    mine = together(comm, lambda: [one(task) for task in tasks[comm.rank :: comm.size]])
     shares = comm.allgather(mine)
     return [shares[i % comm.size][i // comm.size] for i in range(len(tasks))]
 

@@ -1,21 +1,19 @@
-"""Small disturbances of blocks at rest that look alike in all columns: flat layers, and rings.
+"""Small disturbances of blocks at rest: the scheme's own right-hand side, linearised.
 
-The scheme's own right-hand side is linearised. Blocks are periodic along one axis, and their
-columns across it are alike at rest; those of a ring in the frame of radius and angle. Unknown j of
-all columns is disturbed by cos(n phi), phi = 2 pi m / M in column m of M. The part of the rates in
-exp(i n phi), found by central differences of order 8, is column j of a matrix A(n), by which what
-is proportional to exp(i n phi) changes. What may be disturbed is what the projection P lets
-through: P A acts on its range.
+Columns of the blocks are alike: those along flat layers, those of a ring in the frame of radius and
+angle; in one dimension there is one column. Unknown j of all M columns is disturbed by cos(n phi),
+phi = 2 pi m / M in column m. The part of the rates in exp(i n phi), found by central differences of
+order 8, is column j of a matrix A(n), by which what is proportional to exp(i n phi) changes. What
+may be disturbed is what the projection P lets through: P A acts on its range.
 
-Central differences do not see what alternates from node to node. Modes of a ring that do so across
-the blocks swing around them at frequencies of waves that are long. They are told by their
-roughness, the squares of the differences of neighbours along the radius over those of the values: 4
-where signs alternate, 1 for a wave of 6 nodes.
+Central differences do not see what alternates from node to node. Modes that do so across the blocks
+swing at frequencies of waves that are long. They are told by their roughness, the squares of the
+differences of neighbours across the blocks over those of the values: 4 where signs alternate, 1 for
+a wave of 6 nodes.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -28,8 +26,6 @@ from fsipetsc.blocks.conditions import Condition
 from fsipetsc.blocks.layers import Layer, layers
 from fsipetsc.errors import InputError
 
-#: unknowns of a node of gas or solid in two dimensions
-DOF = 5
 #: least disturbance, as a fraction of what there is
 NUDGE = 0.005
 #: rates at rest and columns that differ by more than this fraction are no state at rest
@@ -48,11 +44,11 @@ class Stack(NamedTuple):
 
 
 class Linear(NamedTuple):
-    """A (N, N) [1/s] and P (N, N) of N unknowns, DOF x rows of all blocks, over their scales."""
+    """A (N, N) [1/s] and P (N, N) of the N unknowns of a column of all blocks, over their
+    scales."""
 
     rates: Complex
     projection: Real
-    scales: Real
 
     def matrix(self) -> tuple[Complex, Real]:
         """((n, n), dz/dt = A z of amplitudes; (N, n), basis of these)."""
@@ -60,10 +56,10 @@ class Linear(NamedTuple):
         return basis.T @ (self.projection @ self.rates) @ basis, basis
 
     def modes(self) -> tuple[Complex, Complex]:
-        """(eigenvalues [1/s], (N, n) of the amplitudes of the unknowns)."""
+        """(eigenvalues [1/s], (N, n) of the amplitudes of the unknowns over their scales)."""
         matrix, basis = self.matrix()
         values, vectors = np.linalg.eig(matrix)
-        return values, self.scales[:, None] * (basis @ vectors)
+        return values, basis @ vectors
 
 
 def linearise(
@@ -77,32 +73,24 @@ def linearise(
     ends = {"lower": stack.lower, "upper": stack.upper}
     problem = layers(*stack.layers, along=((0.0, 2.0 * np.pi / k),), cells=(columns,), **ends)
     with BlockState(MPI.COMM_SELF, RunProblem(problem), order, form) as state:
-        state.compile(lambda text: None)
         return Bench(state, 0, 1).linear(nudge)
 
 
-def ring_modes(problem: RunProblem, order: int, n: int, form: BlockForm = FORM) -> Complex:
+def radial_modes(problem: RunProblem, order: int, n: int = 0, form: BlockForm = FORM) -> Complex:
     """Angular frequencies omega [1/s] of the modes of angular number n of rings around the origin,
-    periodic along axis 1, that swing, as exp(-i omega t), and are not rough, the slowest first.
+    periodic along axis 1, or of shells in one dimension (n = 0), that swing, as exp(-i omega t),
+    and are not rough, the slowest first.
 
     InputError where the initial data are not at rest, or the grid does not know n.
     """
     with BlockState(MPI.COMM_SELF, problem, order, form) as state:
-        state.compile(lambda text: None)
-        (columns,) = {shape[1] for shape in state.layout.shapes}
-        if not 0 <= 2 * n < columns:
+        columns = state.layout.shapes[0][1] if problem.dimension > 1 else 1
+        if n and not 0 <= 2 * n < columns:
             known = f"-ring_around {columns} knows angular numbers from 0 to {(columns - 1) // 2}"
             raise InputError(f"-ring_angular {n}: {known}")
         bench = Bench(state, 1, n)
         values, vectors = bench.linear().modes()
-        return swinging(values, bench.by_blocks(vectors))
-
-
-def swinging(values: Complex, parts: Sequence[Complex]) -> Complex:
-    """omega = i values of the modes that swing and are not rough, the slowest first.
-
-    parts: of each block (nodes across it, unknowns, modes), over their scales.
-    """
+        parts = bench.by_blocks(vectors)
     steps = [np.diff(part, axis=0) for part in parts]
     squares = [sum((np.abs(a) ** 2).sum(axis=(0, 1)) for a in of) for of in (steps, parts)]
     smooth = squares[0] < ROUGH * squares[1]
@@ -110,17 +98,19 @@ def swinging(values: Complex, parts: Sequence[Complex]) -> Complex:
     return omega[np.argsort(omega.real)]
 
 
-def scales_of(state: BlockState, k: int, q: Real) -> Real:
-    """Of the unknowns q (nodes, unknowns) of block k at rest: those of a gas, and with its speed of
-    sound.
+def scales_of(state: BlockState, k: int, q: Real) -> tuple[Real, int, Real]:
+    """(scales of the unknowns q (nodes, unknowns) of block k at rest: those of a gas, and with its
+    speed of sound; first column of velocity or momentum; what it is of a velocity of 1).
     """
     block, d = state.problem.layers[k], state.problem.dimension
+    one = np.ones(len(q))
     if block.kind == "fluid":
         w, mass = block.material.equations(d).primitive(tuple(q.T)), q[:, 1]
         c = np.sqrt(block.material.gas_law.sound_speed_squared(w[0], w[2]))
-        return np.stack([q[:, 0], mass, *[mass * c] * d, mass * c**2], axis=1)
-    c, one = np.sqrt(block.material.K / block.material.m0), np.ones(len(q))
-    return np.stack([*[state.h * one] * d, *[c * one] * d, np.abs(q[:, 2 * d]) + c**2], axis=1)
+        return np.stack([q[:, 0], mass, *[mass * c] * d, mass * c**2], axis=1), 2, mass
+    c = np.sqrt(block.material.K / block.material.m0)
+    sizes = [*[state.h * one] * d, *[c * one] * d, np.abs(q[:, 2 * d]) + c**2]
+    return np.stack(sizes, axis=1), d, one
 
 
 class Bench:
@@ -130,49 +120,55 @@ class Bench:
     """
 
     def __init__(self, state: BlockState, axis: int, n: int) -> None:
-        self._state, self._axis = state, axis
+        self._state, self._axis, self._d = state, axis, state.problem.dimension
+        state.compile(lambda text: None)
         state.set_initial()
         self._y = state.y.array.copy()
         self._f = np.empty_like(self._y)
-        columns = state.layout.shapes[0][axis]
+        columns = state.layout.shapes[0][axis] if self._d > 1 else 1
         phi = 2.0 * np.pi * np.arange(columns) / columns
         self._wave = np.cos(n * phi)
         self._part = (2.0 if n > 0 else 1.0) * np.exp(-1j * n * phi) / columns
         #: of the frame of each column
-        self._cos, self._sin = (np.cos(phi), np.sin(phi)) if axis == 1 else (1.0, 0.0)
-        rows = [shape[1 - axis] for shape in state.layout.shapes]
-        self._rows = [(k, j) for k, count in enumerate(rows) for j in range(count)]
-        blocks = range(len(rows))
-        scales = [scales_of(state, k, self._block(k, self._y)[:, 0]) for k in blocks]
-        self._scales = np.concatenate(scales).ravel()
+        turning = axis == 1 and self._d > 1
+        self._cos, self._sin = (np.cos(phi), np.sin(phi)) if turning else (1.0, 0.0)
+        self._blocks = range(len(state.layout.shapes))
+        found = [scales_of(state, k, self._block(k, self._y)[:, 0]) for k in self._blocks]
+        self._shapes = [scales.shape for scales, _, _ in found]
+        self._scales = np.concatenate([scales.ravel() for scales, _, _ in found])
+        # velocities are disturbed by the same on both sides of interfaces
+        slowest = min((scales[:, i] / mass).min() for scales, i, mass in found)
+        for scales, i, mass in found:
+            scales[:, i : i + self._d] = (slowest * mass)[:, None]
+        self._nudges = np.concatenate([scales.ravel() for scales, _, _ in found])
 
     def linear(self, nudge: float = NUDGE) -> Linear:
         """Disturb all unknowns. InputError where the state is not at rest."""
         size = len(self._scales)
         rates, projection = np.zeros((2, size, size), complex)
-        for i, step in enumerate(self._nudges(nudge)):
+        shapes = enumerate(self._shapes)
+        unknowns = [(k, *of_block) for k, shape in shapes for of_block in np.ndindex(*shape)]
+        for i, unknown in enumerate(unknowns):
+            step = nudge * self._nudges[i]
             for multiple, weight in enumerate(CENTRAL, 1):
                 for sign in (1, -1):
-                    f, y = self._disturbed(i, sign * multiple * step)
+                    f, y = self._disturbed(*unknown, sign * multiple * step)
                     rates[:, i] += sign * weight / step * f
                     projection[:, i] += sign * weight / step * y
         relative = self._scales / self._scales[:, None]
-        linear = Linear(rates * relative, _rounded(projection.real * relative), self._scales)
-        self._check(linear)
-        return linear
-
-    def by_blocks(self, vectors: Complex) -> list[Complex]:
-        """Of each block (rows, DOF, modes) of amplitudes (N, modes), over their scales."""
-        parts = (vectors / self._scales[:, None]).reshape(len(self._rows), DOF, -1)
-        blocks = np.array([k for k, _ in self._rows])
-        return np.split(parts, np.flatnonzero(np.diff(blocks)) + 1)
-
-    def _check(self, linear: Linear) -> None:
+        linear = Linear(rates * relative, _rounded(projection.real * relative))
         self._evaluate(self._y)
         rates, values = (self._whole(array) / self._scales for array in (self._f, self._y))
         moving = np.abs(rates @ linear.projection.T).max() > AT_REST * np.abs(linear.rates).max()
         if moving or np.ptp(values, axis=0).max() > AT_REST:
             raise InputError("the blocks are not at rest at first, or not the same in all columns")
+        return linear
+
+    def by_blocks(self, vectors: Complex) -> list[Complex]:
+        """Of each block (rows, unknowns, modes) of amplitudes (N, modes)."""
+        ends = np.cumsum([rows * dof for rows, dof in self._shapes])[:-1]
+        parts = zip(np.split(vectors, ends), self._shapes, strict=True)
+        return [part.reshape(*shape, -1) for part, shape in parts]
 
     def _evaluate(self, y: Real) -> None:
         """Rates, and y projected in its place."""
@@ -184,38 +180,31 @@ class Bench:
     def _block(self, k: int, array: Real) -> Real:
         """(rows, columns, unknowns) of block k in a vector."""
         layout = self._state.layout
-        nodes = layout.owned(k, array).reshape(*layout.shapes[k][::-1], DOF)
+        nodes = layout.owned(k, array).reshape(*layout.shapes[k][::-1], layout.dofs[k])
+        if self._d == 1:
+            return nodes[:, None]
         return nodes if self._axis == 0 else nodes.swapaxes(0, 1)
 
-    def _nudges(self, nudge: float) -> Real:
-        """What each unknown is disturbed by; velocities by the same on both sides of interfaces."""
-        sizes = self._scales.reshape(-1, DOF).copy()
-        gas = np.array([self._state.problem.layers[k].kind == "fluid" for k, _ in self._rows])
-        mass = np.where(gas, sizes[:, 1], 1.0)
-        slowest = (sizes[:, 2] / mass).min()
-        sizes[:, 2:4] = (slowest * mass)[:, None]
-        return nudge * sizes.ravel()
-
-    def _disturbed(self, i: int, size: float) -> tuple[Complex, Complex]:
-        """(rates, projected unknowns), (N,), where unknown i is disturbed by size cos(n phi)."""
-        (k, j), y = self._rows[i // DOF], self._y.copy()
-        change = np.zeros((len(self._wave), DOF))
-        change[:, i % DOF] = size * self._wave
+    def _disturbed(self, k: int, j: int, c: int, size: float) -> tuple[Complex, Complex]:
+        """(rates, projected unknowns), (N,), where unknown c of row j of block k is disturbed by
+        size cos(n phi)."""
+        y, change = self._y.copy(), np.zeros((len(self._wave), self._shapes[k][1]))
+        change[:, c] = size * self._wave
         self._block(k, y)[j] += self._turned(k, change, -1.0)
         self._evaluate(y)
         return self._part @ self._whole(self._f), self._part @ self._whole(y)
 
     def _whole(self, array: Real) -> Real:
         """(columns, N) of a vector; of a ring vectors along radius and angle."""
-        blocks = range(len(self._state.layout.shapes))
-        rows = np.concatenate([self._turned(k, self._block(k, array), 1.0) for k in blocks])
-        return rows.transpose(1, 0, 2).reshape(rows.shape[1], -1)
+        rows = [self._turned(k, self._block(k, array), 1.0) for k in self._blocks]
+        return np.concatenate([r.swapaxes(0, 1).reshape(r.shape[1], -1) for r in rows], axis=1)
 
     def _turned(self, k: int, values: Real, sense: float) -> Real:
-        """(…, columns, DOF) of block k: from x and y to radius and angle, or back with sense -1."""
+        """(…, columns, unknowns) of block k: from x and y to radius and angle, or back with sense
+        -1."""
         turned, sine = values.copy(), sense * self._sin
         solid = self._state.problem.layers[k].kind == "solid"
-        for first in (0, 2) if solid else (2,):
+        for first in ((0, 2) if solid else (2,)) if self._d > 1 else ():
             a, b = values[..., first], values[..., first + 1]
             turned[..., first] = self._cos * a + sine * b
             turned[..., first + 1] = self._cos * b - sine * a

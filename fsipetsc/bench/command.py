@@ -9,15 +9,15 @@ is the median of its samples, a ratio that of pairs taken one after the other.
 from __future__ import annotations
 
 import os
+import subprocess
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import product
+from pathlib import Path
 from statistics import median
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from fsipetsc.analysis.tables import csv_target, listed_in, printer, save_csv
 from fsipetsc.bench import square
-from fsipetsc.bench.other_program import executable, time_of
 from fsipetsc.cases import load_case
 from fsipetsc.errors import InputError
 from fsipetsc.options import RUN, defaults, read_table
@@ -36,8 +36,6 @@ FORMS = {
     "divergence-viscous": ("divergence", True, "-form div -visc 1"),
 }
 COLUMNS = "problem order form n ranks step_us ns_node_rhs other_us ratio speed_up".split()
-
-
 _WHAT = "0: the rod; 1, 2, 3: gas | solid in so many dimensions"
 OPTIONS = (
     Option("bench_problems", "ints", (0, 1, 2, 3), "", _WHAT, check=listed_in((0, 1, 2, 3))),
@@ -93,20 +91,19 @@ def bench(arguments: list[str], comm: MPI.Comm) -> None:
     folders = ("rod", opt["bench_rod_program"]), ("plane", opt["bench_square_program"])
     given = {name: folder for name, folder in folders if folder and comm.rank == 0}
     rows: list[Sequence[object]] = []
-    with TemporaryDirectory() as copies:
-        programs = together(comm, lambda: {n: executable(n, given[n], copies) for n in given})
-        say(f"load of the machine: {os.getloadavg()[0]:.1f}")
-        say(" ".join(f"{name:>11}" for name in COLUMNS))
-        for about, case, own, name, before, behind in targets(opt):
-            options = {**defaults(case), "fsi_partition": opt["fsi_partition"], **own}
+    programs = together(comm, lambda: {name: executable(name, given[name]) for name in given})
+    say(f"load of the machine: {os.getloadavg()[0]:.1f}")
+    say(" ".join(f"{name:>11}" for name in COLUMNS))
+    for about, case, own, name, before, behind in targets(opt):
+        options = {**defaults(case), "fsi_partition": opt["fsi_partition"], **own}
 
-            def other(steps: int) -> float | None:
-                program = programs.get(name)  # noqa: B023
-                return program and time_of(program, *before, steps, *behind)  # noqa: B023
+        def other(steps: int) -> float | None:
+            program = programs.get(name)  # noqa: B023
+            return program and time_of(program, *before, steps, *behind)  # noqa: B023
 
-            for row in measured(case, options, opt, comm, teams, other):
-                rows.append([*about, *row])
-                say(" ".join(f"{value!s:>11}" for value in rows[-1]))
+        for row in measured(case, options, opt, comm, teams, other):
+            rows.append([*about, *row])
+            say(" ".join(f"{value!s:>11}" for value in rows[-1]))
     together(comm, lambda: None if comm.rank else save_csv(path, COLUMNS, rows))
     say(f"the table is in {path}")
 
@@ -186,3 +183,26 @@ def step_time(state: Any, opt: Mapping[str, Any], count: int) -> float:
     state.comm.Barrier()
     integrator.run()
     return 1e6 * state.comm.allreduce(integrator.wall_time, MPI.MAX) / integrator.steps
+
+
+def executable(name: str, folder: str) -> Path:
+    """The other program of this name in a folder. InputError.
+
+    ``rod ORDER H T -q -n STEPS`` makes steps of the falling rod from rest; the fifth word that it
+    prints is µs a step. ``plane ORDER N N STEPS -q [-form div] [-visc 1]`` makes those of a gas and
+    a solid of N by N points; µs a step follow the word ``median``.
+    """
+    path = Path(folder).resolve() / name
+    if not os.access(path, os.X_OK):
+        raise InputError(f"{folder}: no {name} that can be run there: build it first")
+    return path
+
+
+def time_of(*command: object) -> float:
+    """Time of a step [µs] by a program with these arguments. InputError."""
+    words = [str(word) for word in command]
+    try:
+        said = subprocess.run(words, capture_output=True, text=True, check=True).stdout.split()
+        return float(said[said.index("median") + 1] if "median" in said else said[4])
+    except (OSError, subprocess.CalledProcessError, IndexError, ValueError) as error:
+        raise InputError(f"{' '.join(words)} does not answer as it should: {error}") from None

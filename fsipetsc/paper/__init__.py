@@ -6,16 +6,15 @@ frames that move with their interfaces, (4.20), over embedded boundaries with gh
 and go. Where the paper has misprints the formulas are the corrected ones. From the bottom up:
 
     laws        the materials of a case as NamedTuples for compiled loops
-    equations   (4.19) and (4.20) at a point
     stencils    the SBP first derivative on the points of a rank, formulas at embedded boundaries
     narrow      narrow second derivatives
-    rates       dy/dt of a layer
+    rates       dy/dt of a layer, (4.19) and (4.20)
     coupling    what holds at an interface: projection, projection in energy, traditional
     ends        walls, open ends, given data, ends of solids; boundaries that move over the grid
-    sums        what is looked at after a step: bounds on the step, integrals, what is saved
+    sums        what is looked at after a step: bounds on the step, integrals
     steps       what is done in a stage and after a step; on one rank many steps in one call
-    layout      who owns which points: a DMDA for each layer
+    layout      who owns which points: a record and a DMDA for each layer
     parts       what a rank has of layers and interfaces, and what it exchanges of them
-    fields      errors, what is wrong with a state
+    fields      what is saved, errors, what is wrong with a state
     state       what the time integration drives: the right-hand side from top to bottom
 """

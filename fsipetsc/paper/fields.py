@@ -1,4 +1,4 @@
-"""Errors of a state, and what is wrong with one that is not physical."""
+"""What is saved of a state, its errors, and what is wrong with one that is not physical."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fsipetsc import given
+from fsipetsc.paper.parts import Layer
+from fsipetsc.paper.stencils import PLACE, derivative_of
 from fsipetsc.process.together import together
 from fsipetsc.stepping.diagnosis import Seen
 
@@ -19,6 +21,27 @@ Array = np.ndarray
 UNKNOWNS = {"fluid": ("rho", "u", "T"), "solid": ("u", "sigma", "T", "x")}
 #: norm -> its power
 POWERS = {"L1": 1, "L2": 2}
+
+
+@np.errstate(all="ignore")
+def saved(part: Layer) -> Array:
+    """Of this rank's points, (owned points, 5): of a gas rho, u, T, p, x, NaN where inactive; of a
+    solid u, sigma, T, x, p."""
+    record, own = part.record, np.arange(part.record["own_lo"], part.record["own_hi"])
+    out = np.empty((len(own), 5))
+    if not part.is_gas:
+        x_X = np.empty(len(own))
+        derivative_of(part.op, part.records, part.local, PLACE, x_X)
+        out[:, :4] = part.owned
+        out[:, 4] = part.law.pressure(part.owned[:, 2], x_X / record["h"])
+        return out
+    u, T = part.law.velocity_and_temperature(*part.owned.T)
+    out[:, 0], out[:, 1], out[:, 2] = part.owned[:, 0], u, T
+    out[:, 3] = part.law.law.pressure(part.owned[:, 0], T)
+    interface = record["lo"] if record["end_kind"][1] >= 0 else record["hi"]
+    out[:, 4] = (own - interface) * record["h"] + record["x_interface"]
+    out[(own < record["lo"]) | (own > record["hi"])] = np.nan
+    return out
 
 
 def errors(state: PaperState, t: float, norm: str = "L2") -> dict[str, dict[str, float]] | None:
@@ -42,7 +65,10 @@ def errors(state: PaperState, t: float, norm: str = "L2") -> dict[str, dict[str,
     totals = {kind: np.zeros(len(UNKNOWNS[kind])) for kind in UNKNOWNS if kind in kinds}
     wanted = together(state.comm, exact)
     for part in state.here:
-        counted, found = _counted(part), part.fields()
+        record, found = part.record, saved(part)
+        ghosts = part.is_gas * (record["end_kind"] >= 0)
+        index = np.arange(record["own_lo"], record["own_hi"])
+        counted = (index >= record["lo"] + ghosts[0]) & (index <= record["hi"] - ghosts[1])
         for c, value in enumerate(wanted[part.number]):
             difference = np.abs(found[counted, c] - value[counted])
             totals[layers[part.number].kind][c] += state.h * np.sum(difference**power)
@@ -55,26 +81,16 @@ def errors(state: PaperState, t: float, norm: str = "L2") -> dict[str, dict[str,
     return result
 
 
-def _counted(part) -> Array:
-    """Whether each of this rank's points of a layer is active and no ghost point."""
-    record = part.record
-    lo, hi = int(record["lo"]), int(record["hi"])
-    if part.is_gas:  # at its embedded boundary
-        lo, hi = lo + (record["end_kind"][0] >= 0), hi - (record["end_kind"][1] >= 0)
-    index = np.arange(record["own_lo"], record["own_hi"])
-    return (index >= lo) & (index <= hi)
-
-
 def seen(state: PaperState) -> Iterable[Seen]:
     """Values at this rank's active points, and which of them must be positive."""
     for part in state.here:
         k, record = part.number, part.record
-        active, grid = state.active(k), state.layout.grids[k]
+        active = state.active(k)
         own = np.arange(record["own_lo"], record["own_hi"])[active]
-        X, y = grid.X()[own], part.owned[active].T
+        X, y = state.layout.owned_X(k)[active], part.owned[active].T
         if part.is_gas:
             u, T = part.law.velocity_and_temperature(*y)
-            x, values = X - grid.anchor + record["x_interface"], {"rho": y[0], "u": u, "T": T}
+            x, values = X - record["anchor"] + record["x_interface"], {"rho": y[0], "u": u, "T": T}
         else:
             u, sigma, T, x = y
             after = np.minimum(own + 1, record["n"] - 1) - record["own_lo"] + record["halo_lo"]

@@ -7,10 +7,8 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid, force_in
 from fsipetsc.materials.line_solid import Elastic, Solid
-from fsipetsc.materials.own import no_entropy
 
 
 class Gas(NamedTuple):
@@ -55,12 +53,3 @@ def gas_of(material: Fluid) -> Gas:
 def law_of(material: Fluid | Solid) -> Gas | Elastic:
     """What compiled code takes of the material of a layer."""
     return gas_of(material) if isinstance(material, Fluid) else material.elastic
-
-
-def check_entropy(layers: Any) -> None:
-    """InputError for a gas law of the user's without a formula for the entropy."""
-    for layer in layers:
-        material = layer.material
-        if isinstance(material, Fluid) and type(material.gas_law).entropy is no_entropy:
-            what = "no formula entropy(rho, T), which -fsi_entropy and -fsi_check need"
-            raise InputError(f"the gas law of layer '{layer.name}' has {what}")

@@ -1,13 +1,11 @@
-"""Who owns which points: grids, and a DMDA for each layer on a communicator of the ranks that have
-a part of it.
+"""Who owns which points: a record and a DMDA for each layer, the latter on a communicator of the
+ranks that have a part of it.
 
 The solution is one world vector; its part on a rank is the concatenation of the rank's parts of the
 layers, each interlaced (gas rho, rho u, e; solid u, sigma, T, x).
 """
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 import numpy as np
 from mpi4py import MPI
@@ -19,7 +17,7 @@ from fsipetsc.operators.sbp import SBPOperator, row_length
 from fsipetsc.paper.ends import nodes_needed
 from fsipetsc.paper.sums import SEEN, SHARES
 from fsipetsc.parallel.block_shares import share_line
-from fsipetsc.problem import FluidLayer, Problem
+from fsipetsc.problem import Problem
 
 Array = np.ndarray
 #: kind of layer -> unknowns of a point
@@ -29,8 +27,7 @@ DOF = {"fluid": 3, "solid": 4}
 MOST_CELLS = 50_000_000
 
 _I, _F = np.int64, np.float64
-#: What compiled code knows of a layer: which points there are, whose they are, how the frame moves,
-#: what stands at the outer end.
+#: What compiled code knows of a layer. X = anchor + (i - anchor_index) h.
 RECORD = np.dtype(
     [
         ("number", _I),  # of the layer, from the left
@@ -40,12 +37,14 @@ RECORD = np.dtype(
         ("lo", _I),  # the first and the last active one: in a gas interface point and ghost point
         ("hi", _I),
         ("least", _I),  # active points that the operator and the end conditions need
+        ("anchor_index", _I),
         ("own_lo", _I),  # this rank owns own_lo <= i < own_hi
         ("own_hi", _I),
         ("halo_lo", _I),  # and has halos of so many points
         ("halo_hi", _I),
         ("halo", _I),  # these, where there is a neighbour
         ("h", _F),
+        ("anchor", _F),
         ("s", _F),  # velocity of a gas's frame, that of its interface point
         ("x_interface", _F),  # x of a gas's interface
         # the ends: -1 where an interface stands, else a kind of fsipetsc.boundaries
@@ -61,36 +60,6 @@ RECORD = np.dtype(
     ],
     align=True,
 )
-
-
-@dataclass(frozen=True)
-class Grid:
-    """The stored points of one layer: X = anchor + (i - anchor_index) h, active points lo..hi at
-    first."""
-
-    n: int
-    lo: int
-    hi: int
-    h: float
-    anchor: float
-    anchor_index: int
-    least: int
-
-    @property
-    def active(self) -> int:
-        """Active points."""
-        return self.hi - self.lo + 1
-
-    def X(self, begin: int = 0, end: int | None = None) -> Array:
-        """Lagrangian coordinates [m] of the points begin .. end-1."""
-        points = np.arange(begin, self.n if end is None else end)
-        return self.anchor + (points - self.anchor_index) * self.h
-
-
-def ghost_index(distance: float) -> int:
-    """Index of the ghost point counted from the interface: the first point at or beyond the
-    boundary."""
-    return int(np.ceil(distance - 1e-9))
 
 
 def check_form(problem: Problem) -> None:
@@ -116,42 +85,49 @@ def check_form(problem: Problem) -> None:
         )
 
 
-def make_grids(problem: Problem, op: SBPOperator, h: float, spare: int) -> list[Grid]:
-    """Grids of all layers; a gas may grow by a third, or by an eighth and ``spare`` points.
+def make_records(problem: Problem, op: SBPOperator, h: float, spare: int, halo: int) -> Array:
+    """What is the same on all ranks; a gas may grow by a third, or by an eighth and ``spare``
+    points.
 
     Raises InputError where h does not fit the solid or a layer is too short for the closures.
     """
-    grids = []
+    records = np.zeros(len(problem.layers), RECORD)
     for k, layer in enumerate(problem.layers):
-        length = layer.X[1] - layer.X[0]
-        width = length / h
+        record, fluid = records[k], layer.kind == "fluid"
+        width = (layer.X[1] - layer.X[0]) / h
         if not width + spare < MOST_CELLS:
             raise InputError(
-                f"layer '{layer.name}' of length {length:g} would have {width:.3g} cells with "
-                f"-fsi_h {h:g}; {MOST_CELLS} are too many"
+                f"layer '{layer.name}' of length {layer.X[1] - layer.X[0]:g} would have "
+                f"{width:.3g} cells with -fsi_h {h:g}; {MOST_CELLS} are too many"
             )
-        if isinstance(layer, FluidLayer):
-            end, cells = (problem.left if k == 0 else problem.right), ghost_index(width)
-            degree = degree_of(end, op.order)
+        record["number"], record["fluid"], record["h"], record["halo"] = k, fluid, h, halo
+        record["end_kind"] = INTERFACE_END
+        for side, end in ((0, problem.left), (1, problem.right)):
+            if k == (0, len(records) - 1)[side]:
+                record["end_kind"][side] = end.kind
+                record["end_degree"][side] = degree_of(end, op.order)
+                record["end_thermal"][side] = heat_of(end)[0]
+                record["end_x"][side] = getattr(end, "x", 0.0)
+        if fluid:
+            # the ghost point is the first one at or beyond the boundary
+            cells, degree = int(np.ceil(width - 1e-9)), record["end_degree"].max()
             room = max(spare + max(1, cells // 8), cells // 3)
             # the treatment of the interface must not change the points of a boundary's formulas
             least = max(op.min_points, nodes_needed(degree) + 2, degree + 1 + row_length(op))
-            n = cells + 1 + room
-            if k == 0:
-                grid = Grid(n, room, n - 1, h, layer.X[1], n - 1, least)
-            else:
-                grid = Grid(n, 0, cells, h, layer.X[0], 0, least)
         else:
-            cells = _cells_of_solid(layer, h)
-            grid = Grid(cells + 1, 0, cells, h, layer.X[0], 0, max(4, op.min_points))
-        if grid.active < grid.least:
+            cells, room, least = _cells_of_solid(layer, h), 0, max(4, op.min_points)
+        first = room if k == 0 else 0  # spare points are on the outer side
+        at_right = fluid and k == 0  # the anchor is the interface
+        record["n"], record["least"] = cells + 1 + room, least
+        record["lo"], record["hi"] = first, first + cells
+        record["anchor"], record["anchor_index"] = layer.X[at_right], (first + cells) * at_right
+        if cells + 1 < least:
             raise InputError(
-                f"layer '{layer.name}' has {grid.active} points with -fsi_h {h:g}; the "
-                f"{op.name} operator (-fsi_order {op.order}) needs at least {grid.least}: take a "
+                f"layer '{layer.name}' has {cells + 1} points with -fsi_h {h:g}; the "
+                f"{op.name} operator (-fsi_order {op.order}) needs at least {least}: take a "
                 "smaller -fsi_h or a lower -fsi_order"
             )
-        grids.append(grid)
-    return grids
+    return records
 
 
 def _cells_of_solid(layer, h: float) -> int:
@@ -172,46 +148,31 @@ def _cells_of_solid(layer, h: float) -> int:
 class Layout:
     """Ownership of all layers on all ranks; collective on ``comm``.
 
-    Attributes: records (RECORD array), dms (a DMDA or None per layer), grids, shares, halo (points
-    of one), dof (unknowns of a point, by layer), local_size (doubles of the solution on this rank).
+    Attributes: records (RECORD array), dms (a DMDA or None per layer), shares, dof (unknowns of a
+    point, by layer), local_size (doubles of the solution on this rank).
     """
 
     def __init__(
-        self, comm: MPI.Comm, problem: Problem, op: SBPOperator, grids: list[Grid], mode: str
+        self, comm: MPI.Comm, problem: Problem, op: SBPOperator, h: float, spare: int, mode: str
     ) -> None:
-        self.comm, self.problem, self.grids = comm, problem, grids
-        self.halo = max(2 * op.reach, 6)
+        self.comm, self.problem = comm, problem
+        halo = max(2 * op.reach, 6)
+        self.records = make_records(problem, op, h, spare, halo)
         kinds = [layer.kind for layer in problem.layers]
         stored = [
-            (kind, grid.n, grid.active, k == 0 and kind == "fluid")
-            for k, (kind, grid) in enumerate(zip(kinds, grids, strict=True))
+            (kind, int(r["n"]), int(r["hi"] - r["lo"]) + 1, k == 0 and kind == "fluid")
+            for k, (kind, r) in enumerate(zip(kinds, self.records, strict=True))
         ]
-        self.shares = share_line(stored, comm.size, mode, max(self.halo, op.rows + 1))
-        self.records = np.zeros(len(grids), RECORD)
+        self.shares = share_line(stored, comm.size, mode, max(halo, op.rows + 1))
         self.dof = [DOF[kind] for kind in kinds]
         self.dms: list[PETSc.DMDA | None] = []
         self._comms: list[MPI.Comm] = []
         self.local_size = 0
         self._places: list[slice] = []  # of the layers in this rank's part of a solution
-        for k in range(len(grids)):
-            self._describe(k, op.order)
+        for k in range(len(kinds)):
             begin = self.local_size
             self._place(k)
             self._places.append(slice(begin, self.local_size))
-
-    def _describe(self, k: int, order: int) -> None:
-        """Note what is the same on all ranks."""
-        record, grid, layers = self.records[k], self.grids[k], self.problem.layers
-        record["number"], record["fluid"] = k, layers[k].kind == "fluid"
-        for name in ("n", "lo", "hi", "least", "h"):
-            record[name] = getattr(grid, name)
-        record["halo"], record["end_kind"] = self.halo, INTERFACE_END
-        for side, end in ((0, self.problem.left), (1, self.problem.right)):
-            if k == (0, len(layers) - 1)[side]:
-                record["end_kind"][side] = end.kind
-                record["end_degree"][side] = degree_of(end, order)
-                record["end_thermal"][side] = heat_of(end)[0]
-                record["end_x"][side] = getattr(end, "x", 0.0)
 
     def _place(self, k: int) -> None:
         """Make the DMDA of layer k on its owners and note what this rank owns."""
@@ -225,11 +186,11 @@ class Layout:
         dm = PETSc.DMDA().create(
             dim=1,
             dof=dof,
-            sizes=(self.grids[k].n,),
+            sizes=(int(record["n"]),),
             proc_sizes=(len(shares),),
             ownership_ranges=(np.array([end - begin for _, begin, end in shares], PETSc.IntType),),
             boundary_type=PETSc.DM.BoundaryType.NONE,
-            stencil_width=self.halo,
+            stencil_width=int(record["halo"]),
             comm=sub,
         )
         (begin, end), (left, right) = dm.getRanges()[0], dm.getGhostRanges()[0]
@@ -245,8 +206,8 @@ class Layout:
 
     def owned_X(self, k: int) -> Array:
         """Lagrangian coordinates [m] of the owned points of layer k."""
-        record = self.records[k]
-        return self.grids[k].X(int(record["own_lo"]), int(record["own_hi"]))
+        r = self.records[k]
+        return r["anchor"] + (np.arange(r["own_lo"], r["own_hi"]) - r["anchor_index"]) * r["h"]
 
     def destroy(self) -> None:
         """Destroy the DMDAs, then their communicators. Collective."""

@@ -40,16 +40,6 @@ def add_level(weights, means, q, b, y, g, first, last):
 
 
 @njit(**INNER)
-def gather(weights, q, g, out, first, last):
-    """out -= Delta_q^T g at the points first .. last-1."""
-    for i in range(first, last):
-        total = 0.0
-        for k in range(q + 1):
-            total += weights[U(k)] * g[U(i - k + MARGIN)]
-        out[U(i)] -= total
-
-
-@njit(**INNER)
 def subtract(op, b, y, g, out, a, c, A, B):
     """out -= R(b) y at the points a .. c-1; g: scratch, longer by 2 MARGIN."""
     T = op.ends
@@ -73,7 +63,11 @@ def subtract(op, b, y, g, out, a, c, A, B):
                                 difference += weights[j] * y[edge + step * k + j]
                             total += op.end[t, k] * difference
                         g[at + MARGIN] += b[inside] * total
-        gather(weights, q, g, out, a, c)
+        for i in range(a, c):
+            total = 0.0
+            for k in range(q + 1):
+                total += weights[U(k)] * g[U(i - k + MARGIN)]
+            out[U(i)] -= total
 
 
 @njit(**INNER)

@@ -1,8 +1,23 @@
 """dy/dt at a rank's points of a layer, from its points with halos, which fulfil all conditions.
 Compiled.
 
-The unknowns of a point stand together in memory, as PETSc has them; the loops work on a row of
-scratch for each quantity. D acts twice, so rates need values within twice its reach.
+Gas, (4.20): compressible Navier-Stokes in a rigid frame that moves with the velocity s(t) of the
+gas's interface point, X = x - x_I(t) + X_I, mu' = 4 mu / 3, e = rho (internal energy + u^2/2):
+
+    rho_t     + (rho (u-s))_X                                            = 0
+    (rho u)_t + (rho u (u-s) + p - mu' u_X)_X                            = rho force
+    e_t       + (e (u-s) + u (p - mu' u_X) - kappa T_X)_X                = rho u force
+
+Solid, (4.19): Lagrangian, sigma an unknown beside the pressure p(epsilon, rho), epsilon = alpha T,
+rho = m0 / x_X:
+
+    u_t          = (sigma - p)_X / m0 + force         (T: the paper's row is misprinted, see (3.1c))
+    sigma_t      = K / x_X u_X
+    alpha m0 T_t = (sigma - p) u_X + (kappa_e / x_X T_X)_X
+    x_t          = u
+
+Friction and conduction stand inside the outer derivative: D acts twice, mu and kappa may vary, and
+rates need values within twice the reach of D. The loops work on a row of scratch for each quantity.
 """
 
 from __future__ import annotations
@@ -11,7 +26,6 @@ from numba import njit
 
 from fsipetsc.boundaries import DIRICHLET, INTERFACE_END, OPEN
 from fsipetsc.paper.ends import gradient_values
-from fsipetsc.paper.equations import gas_flux, solid_flux, solid_rates
 from fsipetsc.paper.narrow import MARGIN, narrow_gas, narrow_solid
 from fsipetsc.paper.stencils import INNER, LEFT, RIGHT, U, derivative
 
@@ -63,11 +77,13 @@ def primitive_rows(gas, q, rho, m, e, u, T, a, b):
 
 @njit(**INNER)
 def gas_fluxes(gas, s, rho, m, e, u, T, u_X, T_X, f, g, h, a, b):
-    """The three fluxes of (4.20)."""
+    """f, g, h = rho (u-s), rho u (u-s) + p - mu' u_X, e (u-s) + u (p - mu' u_X) - kappa T_X."""
     for i in range(a, b):
-        f[U(i)], g[U(i)], h[U(i)] = gas_flux(
-            gas, s, rho[U(i)], m[U(i)], e[U(i)], u[U(i)], T[U(i)], u_X[U(i)], T_X[U(i)]
-        )
+        k = U(i)
+        relative = u[k] - s
+        pressing = gas.law.pressure(rho[k], T[k]) - gas.viscosity(T[k]) * u_X[k]
+        f[k], g[k] = rho[k] * relative, m[k] * relative + pressing
+        h[k] = e[k] * relative + u[k] * pressing - gas.conductivity(T[k]) * T_X[k]
 
 
 @njit(**INNER)
@@ -150,25 +166,22 @@ def solid_rows(q, u, sigma, T, x, a, b):
 
 @njit(**INNER)
 def solid_fluxes(solid, sigma, T, x_X, T_X, stretch, net, conducted, a, b):
-    """What of (4.19) is differentiated once more."""
+    """1/x_X, sigma - p, kappa_e/x_X T_X."""
     for i in range(a, b):
-        stretch[U(i)], net[U(i)], conducted[U(i)] = solid_flux(
-            solid, sigma[U(i)], T[U(i)], x_X[U(i)], T_X[U(i)]
-        )
+        k = U(i)
+        stretch[k], net[k] = 1.0 / x_X[k], sigma[k] - solid.pressure(T[k], x_X[k])
+        conducted[k] = solid.kappa_e * stretch[k] * T_X[k]
 
 
 @njit(**INNER)
 def put_solid(solid, u, stretch, net, u_X, net_X, conducted_X, out, a, b, shift):
     """out += (u, sigma, T, x)_t."""
     for i in range(a, b):
-        u_t, sigma_t, T_t, x_t = solid_rates(
-            solid, u[U(i)], stretch[U(i)], net[U(i)], u_X[U(i)], net_X[U(i)], conducted_X[U(i)]
-        )
-        k = U(i - shift)
-        out[k, 0] += u_t
-        out[k, 1] += sigma_t
-        out[k, 2] += T_t
-        out[k, 3] += x_t
+        k, j = U(i - shift), U(i)
+        out[k, 0] += net_X[j] / solid.m0 + solid.force
+        out[k, 1] += solid.K * stretch[j] * u_X[j]
+        out[k, 2] += (net[j] * u_X[j] + conducted_X[j]) / (solid.alpha * solid.m0)
+        out[k, 3] += u[j]
 
 
 @njit(**INNER)

@@ -1,6 +1,6 @@
 """The state of a run of the paper's method: what fsipetsc.stepping drives.
 
-One evaluation of the right-hand side, to be read from top to bottom in ``fulfil`` and ``stage``:
+One evaluation of the right-hand side:
 
     1  interfaces   the owners of the two sides of an interface swap the rows that D reaches from
                     it, and each of them solves the same small system      (Thm 4.1, Sec. 4.2)
@@ -17,6 +17,7 @@ the results, bit for bit.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -29,13 +30,12 @@ from fsipetsc.operators.boxed import Box
 from fsipetsc.operators.kernel_cache import announced
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.paper import coupling, fields, layout, steps
-from fsipetsc.paper.laws import check_entropy
 from fsipetsc.paper.parts import Interface, Layer
 from fsipetsc.paper.stencils import packed
 from fsipetsc.paper.sums import SEEN
 from fsipetsc.problem import Problem
 from fsipetsc.process.together import agree, together, wait_asleep
-from fsipetsc.scheme.burst import DT, MADE
+from fsipetsc.scheme.burst import DT, MADE, plan_next
 from fsipetsc.scheme.plan import BURST, CAPACITY, FLAGS, LIMITS, RATE, SAID_STOP, step_record
 from fsipetsc.stepping import initial_data, snapshot
 from fsipetsc.stepping.diagnosis import described
@@ -82,15 +82,12 @@ class PaperState:
                 f"-fsi_coupling {coupling_name}: expected {', '.join(coupling.KINDS)}, "
                 "in the paper's method"
             )
-        if entropy:
-            check_entropy(problem.layers)
         self.comm, self.problem, self.h, self.op = comm, problem, h, OPERATORS[order]
         form = order, h, coupling_name, mode, spare, entropy, narrow
         self._alike = lambda comm: PaperState(comm, problem, *form)
         self.evaluations = 0
         self.fault: InputError | None = None  # of a user's function, on this rank
-        grids = layout.make_grids(problem, self.op, h, spare)
-        self.layout = layout.Layout(comm, problem, self.op, grids, mode)
+        self.layout = layout.Layout(comm, problem, self.op, h, spare, mode)
         self._y, total, self.k = np.zeros((3, self.layout.local_size))
         self.solution = PETSc.Vec().createWithArray(self._y, comm=comm)
         self._make_records(entropy)
@@ -128,6 +125,7 @@ class PaperState:
         self._notes = self._shared[told:][:notes].reshape(interfaces, -1)
         self.results, self.burst = self._shared[told + notes :], np.zeros(BURST)
         memory = self.results, self.burst, journal, latest, np.bool_(entropy)
+        self._plan_next = partial(plan_next, self.burst, self.results, journal, latest)
         self._steps = Box(steps.Steps(self.layout.records, self._notes, *memory))
 
     def compile(self, announce: Callable[[str], None]) -> None:
@@ -138,7 +136,7 @@ class PaperState:
                 with np.errstate(all="ignore"):
                     steps.batch(*alone._chain, alone._faces, alone._steps, 0.0)
                     for layer in alone.layers:
-                        layer.fields()
+                        fields.saved(layer)
         wait_asleep(self.comm)
 
     # data
@@ -182,15 +180,14 @@ class PaperState:
         own, begin, end = int(record["own_lo"]), int(record["lo"]), int(record["hi"]) + 1
         return slice(max(begin - own, 0), max(end - own, 0))
 
+    #: ask for all data at the beginning
+    check_data = initial_data.set_data
+
     def set_initial(self) -> None:
         """Initial data of all layers, projected. InputError where they are not what they must
         be."""
         self.check_data()
         self.finish()
-
-    def check_data(self) -> None:
-        """Ask for all data at the beginning. InputError, on all ranks, where they are wrong."""
-        initial_data.set_data(self)
 
     # what is said of it
 
@@ -211,8 +208,8 @@ class PaperState:
 
     @property
     def reserve(self) -> int:
-        """Points held in reserve, at first."""
-        return sum(grid.n - grid.active for grid in self.layout.grids)
+        """Points held in reserve."""
+        return sum(int(r["n"]) for r in self.layout.records) - self.points
 
     def header(self) -> list[dict[str, Any]]:
         """What a result file says of each layer."""
@@ -230,11 +227,9 @@ class PaperState:
 
     def save(self) -> dict[int, Array]:
         """What is saved of this rank's points, (local, 5) by layer."""
-        return {layer.number: layer.fields() for layer in self.here}
+        return {layer.number: fields.saved(layer) for layer in self.here}
 
-    def errors(self, t: float, norm: str = "L2") -> dict[str, dict[str, float]] | None:
-        """See fsipetsc.paper.fields.errors."""
-        return fields.errors(self, t, norm)
+    errors = fields.errors
 
     def failure(self, t: float, step: int) -> str:
         """What is wrong with a state that is not physical. Collective."""
@@ -264,13 +259,6 @@ class PaperState:
         for layer in self.here:
             layer.rates()
         f[:] = self.k
-
-    def _stage(self, number: int, dt: float) -> None:
-        """Stage ``number`` of the classical method, which begins with the completed solution."""
-        if number > 0:
-            self._fulfil()
-        for layer in self.here:
-            layer.stage(number, dt)
 
     def _complete(self) -> None:
         """Project the stage, which is the new solution, let boundaries move, and look at it."""
@@ -315,7 +303,7 @@ class PaperState:
             self.evaluations += steps.STAGES * max(1, int(self.burst[MADE]))
             return
         self._step(t, dt, steady)
-        while steady and steps.goes_on(self._steps):
+        while steady and self._plan_next():
             self._step(t, self.burst[DT], steady)
 
     def _step(self, t: float, dt: float, steady: bool) -> None:
@@ -323,22 +311,17 @@ class PaperState:
         for number, fraction in enumerate(FRACTIONS):
             if not steady:
                 self.set_data(t + fraction * dt)
-            self._stage(number, dt)
+            if number > 0:  # it begins with the completed solution
+                self._fulfil()
+            for layer in self.here:
+                layer.stage(number, dt)
         if not steady:
             self.set_data(t + dt)
         self._complete()
 
     # checkpoints
 
-    def _reload(self) -> None:
-        """Go on from the solution, which fulfils the conditions: a completed one."""
-        self._load(self._y)
-        for layer in self.here:
-            layer.fill_halos()
-
-    def capture(self) -> dict[str, Array] | None:
-        """See fsipetsc.stepping.snapshot.capture."""
-        return snapshot.capture(self)
+    capture = snapshot.capture
 
     def restore(self, arrays: Mapping[str, Array], t: float) -> None:
         """Be at time t [s] what arrays, known on all ranks, tell of. InputError."""
@@ -347,7 +330,9 @@ class PaperState:
         self.set_data(t)
         agree(self.comm, self.fault)
         snapshot.put(self.layout, self._y, arrays)
-        self._reload()
+        self._load(self._y)  # which is completed: it fulfils the conditions
+        for layer in self.here:
+            layer.fill_halos()
 
     def destroy(self) -> None:
         """Free messages, vectors, DMDAs and communicators, in this order."""

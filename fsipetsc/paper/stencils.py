@@ -30,7 +30,8 @@ U = np.uint64
 #: just this one
 LEFT, RIGHT = np.int64(0), np.int64(1)
 OLD, NEW = np.bool_(False), np.bool_(True)
-
+#: unknowns of a solid
+VELOCITY, PLACE = np.int64(0), np.int64(3)
 
 _I, _F = np.int64, np.float64
 #: D for h = 1: sum_k interior[k-1] (v[i+k] - v[i-k]), k = 1 .. p; closure[:rows, :columns] at the
@@ -117,6 +118,16 @@ def derivative_at(op, q, c, i, A, B):
         for k in range(1, op.p + 1):
             total += op.interior[k - 1] * (q[i + k, c] - q[i - k, c])
     return total
+
+
+@njit(**CALL)
+def derivative_of(ops, layers, q, c, out):
+    """out = h D q[:, c] at the points that a rank owns; q: (points with halos, unknowns)."""
+    layer = layers[0]
+    origin = layer.own_lo - layer.halo_lo
+    for k in range(len(out)):
+        at = k + layer.halo_lo
+        out[k] = derivative_at(ops[0], q, c, at, layer.lo - origin, layer.hi - origin)
 
 
 @njit(**INNER)

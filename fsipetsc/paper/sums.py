@@ -1,5 +1,4 @@
-"""What is looked at after a step: extremes that bound the next one, integrals, and what a frame
-saves. Compiled.
+"""What is looked at after a step: extremes that bound the next one, and integrals. Compiled.
 
 Extremes are exact, whoever owns the points; sums over ranks may differ by round-off, and nothing
 that is computed on depends on them. Quadrature with the norm of the operator, per cross-section;
@@ -19,12 +18,12 @@ from numba import njit
 from fsipetsc.boundaries import INTERFACE_END, WALL
 from fsipetsc.paper.ends import beyond_boundary, gradient_values
 from fsipetsc.paper.rates import outer_side
-from fsipetsc.paper.stencils import INNER, derivative_at, lagrange, weight
+from fsipetsc.paper.stencils import INNER, PLACE, VELOCITY, derivative_at, lagrange, weight
 
 #: numbers of a layer that are seen, and shares
 SEEN, SHARES = 5, 6
-#: unknowns of a solid, as no literals, and a degree
-VELOCITY, PLACE, CUBIC = np.int64(0), np.int64(3), np.int64(3)
+#: a degree, as no literal
+CUBIC = np.int64(3)
 
 
 @njit(**INNER)
@@ -158,61 +157,32 @@ def look_at_solid(op, solid, layer, q, entropy):
 
 
 @njit(**INNER)
-def gas_speeds(gas, seen):
-    """(physical, largest |u-s| + c, largest max(mu'/rho, kappa/(rho cv)))."""
+def bound_of_gas(op, gas, layer):
+    """layer.rates of convection and diffusion [1/s], by the largest |u-s| + c and max(mu'/rho,
+    kappa/(rho cv)); whether the layer is physical."""
+    seen = layer.seen
     speed, rho, cold, hot = seen[0], -seen[1], -seen[2], seen[3]
     mu = max(gas.viscosity(cold), gas.viscosity(hot))
     kappa = max(gas.conductivity(cold), gas.conductivity(hot))
     cv = min(gas.law.heat_capacity(rho, cold), gas.law.heat_capacity(rho, hot))
-    good = seen[4] == 0.0 and rho > 0.0 and cold > 0.0 and speed < np.inf
-    return good, speed, max(mu, kappa / cv) / rho
+    put_rates(op, layer, speed, max(mu, kappa / cv) / rho)
+    return seen[4] == 0.0 and rho > 0.0 and cold > 0.0 and speed < np.inf
 
 
 @njit(**INNER)
-def solid_speeds(solid, seen):
-    """(physical, largest speed of waves, largest kappa_e/(alpha m0 x_X)), in Lagrangian
+def bound_of_solid(op, solid, layer):
+    """The same, by the largest speed of waves and kappa_e/(alpha m0 x_X), in Lagrangian
     coordinates."""
+    seen = layer.seen
     shortest, pulled, cold, hot = -seen[0], -seen[1], -seen[2], seen[3]
     p = solid.pressure(hot, shortest)
     c2 = solid.wave_modulus(hot, p, min(pulled, p), shortest) / solid.m0
-    good = seen[4] == 0.0 and shortest > 0.0 and cold > 0.0 and 0.0 <= c2 < np.inf
-    return good, np.sqrt(c2), solid.kappa_e / (shortest * solid.alpha * solid.m0)
+    put_rates(op, layer, np.sqrt(c2), solid.kappa_e / (shortest * solid.alpha * solid.m0))
+    return seen[4] == 0.0 and shortest > 0.0 and cold > 0.0 and 0.0 <= c2 < np.inf
 
 
 @njit(**INNER)
-def put_rates(op, layer, speeds):
-    """layer.rates: of convection and diffusion [1/s]; whether the layer is physical."""
-    good, speed, diffusivity = speeds
+def put_rates(op, layer, speed, diffusivity):
+    """layer.rates."""
     layer.rates[0] = speed / layer.h
     layer.rates[1] = op.diffusion * diffusivity / (layer.h * layer.h)
-    return good
-
-
-# what is saved
-
-
-@njit(**INNER)
-def gas_fields(op, gas, layer, q, out):
-    """rho, u, T, p and x of the owned points, (owned, 5); NaN where inactive. q: (points with
-    halos, 3)."""
-    interface = layer.lo if outer_side(layer) == 1 else layer.hi
-    for i in range(layer.own_lo, layer.own_hi):
-        k, j = i - layer.own_lo, i - layer.own_lo + layer.halo_lo
-        for c in range(5):
-            out[k, c] = np.nan
-        if layer.lo <= i <= layer.hi:
-            rho, (u, T) = q[j, 0], gas.velocity_and_temperature(q[j, 0], q[j, 1], q[j, 2])
-            out[k, 0], out[k, 1], out[k, 2], out[k, 3] = rho, u, T, gas.law.pressure(rho, T)
-            out[k, 4] = (i - interface) * layer.h + layer.x_interface
-
-
-@njit(**INNER)
-def solid_fields(op, solid, layer, q, out):
-    """u, sigma, T, x and p of the owned points, (owned, 5). q: (points with halos, 4)."""
-    origin = layer.own_lo - layer.halo_lo
-    A, B = layer.lo - origin, layer.hi - origin
-    for k in range(layer.own_hi - layer.own_lo):
-        j = k + layer.halo_lo
-        for c in range(4):
-            out[k, c] = q[j, c]
-        out[k, 4] = solid.pressure(q[j, 2], derivative_at(op, q, PLACE, j, A, B) / layer.h)

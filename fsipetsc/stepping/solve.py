@@ -71,10 +71,10 @@ def make_state(
 
     Collective. InputError where grid, order and ranks do not fit.
     """
+    if opt["fsi_entropy"] or opt["fsi_check"] is not None:
+        _check_entropy(problem)
     if isinstance(problem, RunProblem):
         form = block_form(opt)
-        if opt["fsi_entropy"] or opt["fsi_check"] is not None:
-            _check_entropy(problem)
         points, probes = opt["fsi_points"] or (), opt["fsi_probes"]
         recorded = together(comm, lambda: chosen(problem, points, probes))
         return BlockState(comm, problem, opt["fsi_order"], form, opt["fsi_partition"], recorded)
@@ -86,7 +86,7 @@ def make_state(
     return make_paper_state(problem, opt, comm)
 
 
-def _check_entropy(problem: RunProblem) -> None:
+def _check_entropy(problem: Problem | RunProblem) -> None:
     """InputError for a gas law without a formula for the entropy, which is not a number then."""
     for block in problem.layers:
         if block.kind == "fluid":

@@ -2,28 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from fsipetsc.verify.entry import Bound, Entry, Measured, reference
+from fsipetsc.verify.entry import Bound, Entry, Measured, Solve, reference
 
-TEXT = """
-A beam of length 1 and thickness d in vacuum, plane strain, linear elastic: density 1, μ = 1, λ = 0,
-so that its thickness does not change where it bends, as theories of beams have it.
-
-* *clamped*: both end faces are held; *hinged*: the middles of both end faces are held, the rest is
-  free
-* reference: Timoshenko's beam, S = 5/6 μ d, D = μ d³/6; thin limits 22.3732854481 √(D/m) and
-  π² √(D/m) (Euler and Bernoulli). It is a theory of beams, not of the plane: at clamps the two
-  differ by some 1e-4
-* `h` is the length of a cell; there are 12 cells across
-
-The frequencies are eigenvalues of the scheme's own right-hand side: each displacement is changed in
-turn, and the accelerations are the columns of the matrix. There is no error of time stepping.
-Errors are relative, of the first frequency.
-"""
 ACROSS = 12
 
 
@@ -68,7 +52,7 @@ def _slowest(state: Any) -> float:
     return float(np.sqrt(squares[squares > 1e-9 * squares.max()].min()))
 
 
-def measure(solve: Callable[..., Any], order: int, h: float) -> Measured:
+def measure(solve: Solve, order: int, h: float) -> Measured:
     """Relative errors."""
     table, errors = reference("beam"), {}
     for ends, thickness in (("clamped", 0.05), ("hinged", 0.02)):
@@ -79,10 +63,7 @@ def measure(solve: Callable[..., Any], order: int, h: float) -> Measured:
 
 
 ENTRY = Entry(
-    name="beam",
-    title="Free vibration of a clamped and a hinged beam",
     source="verify/beams.py (Timoshenko; Euler and Bernoulli in the thin limit)",
-    text=TEXT,
     levels={"quick": {4: (1 / 20,)}, "full": {4: (1 / 20, 1 / 40), 6: (1 / 20, 1 / 40)}},
     measure=measure,
     bounds={

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
 from importlib import import_module
 from itertools import count
 from pathlib import Path
@@ -11,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 from fsipetsc.analysis.tables import csv_target, printer, results_folder, save_csv, text_table
 from fsipetsc.cases import load_case
-from fsipetsc.errors import ComputationError, InputError
+from fsipetsc.errors import ComputationError, FileError, InputError
 from fsipetsc.options import RUN, Option, defaults, read_table
 from fsipetsc.output.reader import open_run
 from fsipetsc.process.launch import start_petsc
 from fsipetsc.process.together import together, wait_asleep
 from fsipetsc.verify import ENTRIES
-from fsipetsc.verify.entry import Entry, Measured, Row, rows_of
+from fsipetsc.verify.entry import Bound, Entry, Measured, Row, Solve, problem
 
 if TYPE_CHECKING:
     from mpi4py import MPI
@@ -32,7 +31,7 @@ SECTIONS: dict[str, tuple[Option, ...]] = {
     "Verification": OPTIONS,
     "Run": tuple(option for option in RUN if option.name in _OF_RUN),
 }
-HEAD = ("entry", "quantity", "order", "errors, coarse to fine", "observed", "verdict")
+HEAD = ("quantity", "order", "grid spacings", "errors", "observed orders", "verdict")
 COLUMNS = ("entry", "quantity", "order", "h", "error", "observed_order", "least_order")
 COLUMNS += ("largest_error", "verdict", "source")
 
@@ -46,16 +45,22 @@ def verify(arguments: list[str], comm: MPI.Comm) -> None:
     while len(names) < len(arguments) and not arguments[len(names)].startswith("-"):
         names.append(arguments[len(names)])
     opt = read_table(SECTIONS, start_petsc(arguments[len(names) :], comm))
-    entries = [entry_of(name) for name in names or ENTRIES]
+    for name in names:
+        if name not in ENTRIES:
+            raise InputError(f"verify: there is no entry {name!r}: expected {', '.join(ENTRIES)}")
     path, say = csv_target(opt["fsi_output"]), printer(comm, opt)
     rows: list[Row] = []
-    for entry in entries:
-        say(f"{entry.title} ({entry.name}); reference: {entry.source}")
-        found, last = run_entry(entry, opt["verify_level"], comm, path.parent)
-        together(comm, lambda: None if comm.rank else _show(entry, found, last, opt, path))  # noqa: B023
-        say((table(found) if found else "only with -verify_level full") + "\n")
+    lines: list[Any] = []
+    for name in names or ENTRIES:
+        entry: Entry = import_module(f"fsipetsc.verify.{name}").ENTRY
+        say(f"{_title(name)} ({name}); reference: {entry.source}")
+        found, last = run_entry(name, entry, opt["verify_level"], comm, path.parent)
+        together(comm, lambda: None if comm.rank else _show(name, entry, found, last, opt, path))  # noqa: B023
+        told = text_table(HEAD, [row.cells for row in found])
+        say((told if found else "only with -verify_level full") + "\n")
         rows += found
-    together(comm, lambda: None if comm.rank else save(rows, entries, path))
+        lines += [(*line, entry.source) for row in found for line in _csv_lines(row)]
+    together(comm, lambda: None if comm.rank else save_csv(path, COLUMNS, lines))
     wait_asleep(comm)
     hold, free = (sum(row.verdict == word for row in rows) for word in ("holds", "no bound"))
     short = len(rows) - hold - free
@@ -64,16 +69,8 @@ def verify(arguments: list[str], comm: MPI.Comm) -> None:
         raise ComputationError(f"{short} of {len(rows)} rows fall short of their bounds")
 
 
-def entry_of(name: str) -> Entry:
-    """The entry of this name. InputError."""
-    if name not in ENTRIES:
-        raise InputError(f"verify: there is no entry {name!r}: expected {', '.join(ENTRIES)}")
-    entry: Entry = import_module(f"fsipetsc.verify.{name}").ENTRY
-    return entry
-
-
 def run_entry(
-    entry: Entry, level: str, comm: MPI.Comm, beside: Path
+    name: str, entry: Entry, level: str, comm: MPI.Comm, beside: Path
 ) -> tuple[list[Row], Measured | None]:
     """Rows of an entry, and what its last run gave. Collective; FsiError. beside: where results are
     kept for a while.
@@ -83,25 +80,26 @@ def run_entry(
     with results_folder(comm, beside, "verify-") as folder:
         solve = _solver(comm, folder)
         for order, spacings in entry.levels[level].items():
-            found = []
-            for h in spacings:
-                measured = entry.measure(solve, order, h)
-                found.append(measured)
-            rows += rows_of(entry, order, spacings, found)
+            found = [entry.measure(solve, order, h) for h in spacings]
+            measured = found[-1]
+            for quantity in measured.errors:
+                errors = tuple(one.errors[quantity] for one in found)
+                bound = entry.bounds.get((quantity, order), Bound())
+                rows.append(Row(name, quantity, order, tuple(spacings), errors, bound))
     return rows, measured
 
 
-def _solver(comm: MPI.Comm, folder: Path) -> Callable[..., Any]:
-    """solve(case, **options): the opened result of a run; all ranks may read it.
-
-    case: a name, or a problem.
-    """
+def _solver(comm: MPI.Comm, folder: Path) -> Solve:
+    """See fsipetsc.verify.entry.Solve. -fsi_h is the spacing of layers, not of blocks."""
     from fsipetsc.stepping.run import run_case
 
-    numbers = count()
+    numbers, about = count(), {"NAME": "problem", "SUMMARY": "", "OPTIONS": ()}
 
-    def solve(name: Any, **options: Any) -> Any:
-        case = load_case(name) if isinstance(name, str) else _as_case(name)
+    def solve(what: Any, **options: Any) -> Any:
+        if isinstance(what, str):
+            case = load_case(what)
+        else:
+            case = SimpleNamespace(**about, DEFAULTS={"fsi_h": 1.0}, build=lambda opt: what)
         path = str(folder / f"{next(numbers)}.h5")
         opt = {**defaults(case), **options, "fsi_quiet": True, "fsi_output": path}
         run_case(case, opt, comm)
@@ -110,44 +108,67 @@ def _solver(comm: MPI.Comm, folder: Path) -> Callable[..., Any]:
     return solve
 
 
-def _as_case(problem: Any) -> SimpleNamespace:
-    """A case without options of its own; -fsi_h is the spacing of layers, not of blocks."""
-    about = {"NAME": "problem", "SUMMARY": "", "OPTIONS": (), "DEFAULTS": {"fsi_h": 1.0}}
-    return SimpleNamespace(**about, build=lambda opt: problem)
+def _title(name: str) -> str:
+    return problem(name).split("\n")[0].removeprefix("# ")
 
 
-def table(rows: list[Row]) -> str:
-    """The rows of an entry as text."""
+def _csv_lines(row: Row) -> list[tuple[Any, ...]]:
+    """One line for each grid, under COLUMNS but for the last one."""
     lines = []
-    for row in rows:
-        errors = " ".join(f"{error:.2e}" for error in row.errors)
-        observed = " ".join(f"{order:.2f}" for order in row.observed)
-        lines.append((row.entry, row.quantity, row.order, errors, observed, row.verdict))
-    return text_table(HEAD, lines)
-
-
-def save(rows: list[Row], entries: list[Entry], path: Path) -> None:
-    """One line for each grid. FileError."""
-    source, lines = {entry.name: entry.source for entry in entries}, []
-    for row in rows:
-        for k, (h, error) in enumerate(zip(row.spacings, row.errors)):
-            observed = row.observed[k - 1] if k else ""
-            bounds = row.bound.order, row.bound.largest(h, h == row.spacings[-1])
-            words = row.entry, row.quantity, row.order, h, error, observed, *bounds
-            lines.append((*words, row.verdict, source[row.entry]))
-    save_csv(path, COLUMNS, lines)
+    for k, (h, error) in enumerate(zip(row.spacings, row.errors)):
+        bounds = row.bound.order, row.bound.largest(h, h == row.spacings[-1])
+        observed = row.observed[k - 1] if k else ""
+        about = row.entry, row.quantity, row.order
+        lines.append((*about, h, error, observed, *bounds, row.verdict))
+    return lines
 
 
 def _show(
-    entry: Entry, rows: list[Row], last: Measured | None, opt: Mapping[str, Any], path: Path
+    name: str, entry: Entry, rows: list[Row], last: Measured | None, opt: Any, path: Path
 ) -> None:
-    """Picture, and a page if one is wanted. FileError."""
-    from fsipetsc.verify.pages import page, picture
-
-    where = path.with_name(f"{path.stem}-{entry.name}.png")
+    """The picture, and FOLDER/NAME.md with problem, table and picture if wanted. FileError."""
+    where = path.with_name(f"{path.stem}-{name}.png")
     if opt["verify_docs"]:
         folder = Path(opt["verify_docs"])
-        where = folder / f"{entry.name}.png"
-        page(entry, rows, folder)
+        where = folder / f"{name}.png"
+        lines = [problem(name), f"Reference: {entry.source}.", ""]
+        for cells in (HEAD, ["---"] * len(HEAD), *(row.cells for row in rows)) if rows else ():
+            lines.append(f"| {' | '.join(cells)} |")
+        lines += ["", f"![{_title(name)}]({name}.png)", ""] if rows else []
+        lines += [] if rows else ["Only `-verify_level full` runs this.", ""]
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            (folder / f"{name}.md").write_text("\n".join(lines), encoding="utf-8")
+        except OSError as error:
+            raise FileError(f"{folder}: cannot write the page: {error.strerror}") from None
     if rows:
-        picture(entry, rows, last, where)
+        picture(_title(name), rows, last, where)
+
+
+def picture(title: str, rows: list[Row], last: Measured | None, path: Path) -> None:
+    """Ours over the reference, of the last run, and errors over the grid spacing. FileError."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    curve = last.curve if last else None
+    figure = Figure(figsize=(10.0 if curve else 6.0, 4.2), layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.subplots(1, 2 if curve else 1, squeeze=False)[0]
+    if curve:
+        thick = {"color": "0.6", "linewidth": 3, "label": "reference"}
+        axes[0].plot(curve.x_reference, curve.reference, **thick)
+        axes[0].plot(curve.x, curve.ours, ".", markersize=4, label="computed")
+        axes[0].set(xlabel=curve.words[0], ylabel=curve.words[1])
+        axes[0].legend(frameon=False)
+    for row in rows:
+        axes[-1].loglog(row.spacings, row.errors, "o-", label=f"{row.quantity}, order {row.order}")
+    axes[-1].set(xlabel="grid spacing h", ylabel="error")
+    spacings = sorted({h for row in rows for h in row.spacings})
+    axes[-1].set_xticks([], minor=True)
+    axes[-1].set_xticks(spacings, [f"{h:.3g}" for h in spacings])
+    axes[-1].legend(frameon=False, fontsize="x-small")
+    figure.suptitle(title, fontsize="medium")
+    try:
+        figure.savefig(path, dpi=75)
+    except OSError as error:
+        raise FileError(f"{path}: {error.strerror}") from None

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from importlib.resources import files
 from math import inf, isclose, log, nan
 from typing import Any, NamedTuple
@@ -12,6 +11,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 Array = np.ndarray
+#: solve(case, **options) runs a case, given by its name or as a problem, and returns its opened
+#: result; collective
+Solve = Callable[..., Any]
 
 
 class Curve(NamedTuple):
@@ -46,23 +48,17 @@ class Bound(NamedTuple):
         return min([*known, self.error if finest else inf])
 
 
-@dataclass(frozen=True)
-class Entry:
-    """A case and its reference.
+class Entry(NamedTuple):
+    """A case and its reference; the problem is in problems/NAME.md, exact enough to repeat it in
+    another code.
 
-    text: problem and parameters, as Markdown, exact enough to repeat them in another code.
-    levels: "quick" and "full" -> order -> grid spacings, coarse to fine. measure(solve, order, h)
-    -> Measured; solve(case, **options) runs a case, given by its name or as a problem, and returns
-    its opened result, collective.
-    bounds: (quantity, order) -> Bound. source: of the reference.
+    source: of the reference. levels: "quick" and "full" -> order -> grid spacings, coarse to fine.
+    measure(solve, order, h) -> Measured. bounds: (quantity, order) -> Bound.
     """
 
-    name: str
-    title: str
     source: str
-    text: str
     levels: Mapping[str, Mapping[int, Sequence[float]]]
-    measure: Callable[[Callable[..., Any], int, float], Measured]
+    measure: Callable[[Solve, int, float], Measured]
     bounds: Mapping[tuple[str, int], Bound]
 
 
@@ -98,17 +94,17 @@ class Row(NamedTuple):
                 short.append(f"error {error:.2e} > {largest:.2e}")
         return "; ".join(short) or "holds"
 
+    @property
+    def cells(self) -> tuple[str, ...]:
+        """Of a table: quantity, order, spacings, errors, observed orders, verdict."""
+        numbers = (self.spacings, ".4g"), (self.errors, ".2e"), (self.observed, ".2f")
+        lists = [", ".join(format(v, spec) for v in values) for values, spec in numbers]
+        return self.quantity, str(self.order), *lists, self.verdict
 
-def rows_of(
-    entry: Entry, order: int, spacings: Sequence[float], found: Sequence[Measured]
-) -> list[Row]:
-    """Of one order on all its grids."""
-    rows = []
-    for quantity in found[0].errors:
-        errors = tuple(measured.errors[quantity] for measured in found)
-        bound = entry.bounds.get((quantity, order), Bound())
-        rows.append(Row(entry.name, quantity, order, tuple(spacings), errors, bound))
-    return rows
+
+def problem(name: str) -> str:
+    """problems/NAME.md: title, problem and parameters."""
+    return files("fsipetsc.verify").joinpath("problems", f"{name}.md").read_text("utf-8")
 
 
 def reference(name: str) -> dict[str, Array]:

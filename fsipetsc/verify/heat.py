@@ -2,25 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 
-from fsipetsc.verify.entry import Array, Bound, Entry, Measured, reference, smooth
-
-TEXT = """
-*Slab.* 0 < X < 1, density, specific heat and K = 1, κ = 0.1, T = 1 at X = 0, flux 0.1 cos(2 π t)
-into it at X = 1; from the periodic solution over one period. Largest error.
-
-*Mode.* Solid -1 < X < 0 (density 2, specific heat 1, K = 20, κ = 0.3) and gas 0 < x < 1 (γ = 1.4,
-R = 1, viscosity 0.02, κ = 0.1, p = ρ = 1) between a clamp and a wall, T = 1 at both: the slowest
-thermal mode of size 1e-7, of which exp(-0.18413327753 t) is left at t = 1. Largest error of T in
-both, over its size.
-"""
+from fsipetsc.verify.entry import Array, Bound, Entry, Measured, Solve, reference, smooth
 
 
-def slab(solve: Callable[..., Any], order: int, h: float, table: dict[str, Array]) -> float:
+def slab(solve: Solve, order: int, h: float, table: dict[str, Array]) -> float:
     """Largest error."""
     from fsipetsc.boundaries import clamped, free
     from fsipetsc.materials.line_solid import Solid
@@ -35,7 +22,7 @@ def slab(solve: Callable[..., Any], order: int, h: float, table: dict[str, Array
     return float(np.abs(frame["T"] - T(frame["x"])).max())
 
 
-def mode(solve: Callable[..., Any], order: int, h: float, table: dict[str, Array]) -> float:
+def mode(solve: Solve, order: int, h: float, table: dict[str, Array]) -> float:
     """Largest error over the size."""
     with solve("heat", fsi_order=order, fsi_h=h) as run:
         solid, gas = (layer.frame(-1) for layer in run.layers)
@@ -46,7 +33,7 @@ def mode(solve: Callable[..., Any], order: int, h: float, table: dict[str, Array
     return float(max(errors))
 
 
-def measure(solve: Callable[..., Any], order: int, h: float) -> Measured:
+def measure(solve: Solve, order: int, h: float) -> Measured:
     """Errors of both."""
     table = reference("heat")
     return Measured(
@@ -55,10 +42,7 @@ def measure(solve: Callable[..., Any], order: int, h: float) -> Measured:
 
 
 ENTRY = Entry(
-    name="heat",
-    title="Heat: a slab with a flux, conjugate heat at the wall of a gas",
     source="verify/heat.py (Chebyshev collocation)",
-    text=TEXT,
     levels={
         "quick": {4: (1 / 20, 1 / 40, 1 / 80)},
         "full": {order: (1 / 20, 1 / 40, 1 / 80, 1 / 160) for order in (2, 4, 6)},

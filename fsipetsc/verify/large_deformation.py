@@ -2,30 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from itertools import product
 from typing import Any
 
 import numpy as np
 
-from fsipetsc.verify.entry import Array, Bound, Entry, Measured, reference
+from fsipetsc.verify.entry import Array, Bound, Entry, Measured, Solve, reference
 
-TEXT = """
-A unit square of an elastic solid (density 1, μ = 1, λ = 1.5, plane strain, no heat from strain),
-neo-Hookean or St. Venant and Kirchhoff's. `h` = 1/n; the grid of n² cells is curved:
-X = ξ + 0.05 sin(2 π ξ) sin(2 π η), Y = η - 0.05 sin(2 π ξ) sin(2 π η).
-
-* *shear*: x = X + t Y, y = Y; *extension*: x = (1 + t) X, y = Y; all sides are moved so, the
-  velocity is that from the start. There is no acceleration, so both are exact; t = 1. Errors: the
-  largest of the three Cauchy stresses, over the largest of them. They are round-off on every grid
-* *rotation*: rigid, one turn in the time 1 about the middle, free sides, with the force
-  -4 π² (x - x₀) per mass; errors: the largest of places, and of stresses over μ, both exactly known
-* *energy*: free sides, specific heat 1, at first T = 1 and u = 0.1 sin(π (X - 1/2)); 122 units
-  of time, 100 periods of the slowest stretching of a thin strip. Errors: the largest change of the
-  total energy over the kinetic energy 0.0025 at first; and the largest heat T - 1 of a node at the
-  end, over 0.005, the largest kinetic energy at first. The exact T stays 1: what the differences
-  and RK4 take from kinetic and elastic energy is there
-"""
 RATE = 2.0 * np.pi
 LAWS, HOW, GRIDS = ("neo-hookean", "svk"), ("shear", "extension"), (1 / 16, 1 / 32, 1 / 64)
 
@@ -48,7 +31,7 @@ def square(law: str, h: float, start: Any, side: Any, forcing: Any = None) -> An
     return BlockProblem((block,), faces, units="none")
 
 
-def stretched(solve: Callable[..., Any], order: int, h: float, law: str, how: str) -> float:
+def stretched(solve: Solve, order: int, h: float, law: str, how: str) -> float:
     """Error of shear or extension."""
     from fsipetsc.blocks.conditions import Clamped
 
@@ -68,7 +51,7 @@ def stretched(solve: Callable[..., Any], order: int, h: float, law: str, how: st
     return apart / max(map(abs, exact.values()))
 
 
-def rotated(solve: Callable[..., Any], order: int, h: float, law: str) -> tuple[float, float]:
+def rotated(solve: Solve, order: int, h: float, law: str) -> tuple[float, float]:
     """Errors of place and stress."""
     from fsipetsc.blocks.conditions import Free
 
@@ -85,7 +68,7 @@ def rotated(solve: Callable[..., Any], order: int, h: float, law: str) -> tuple[
     return place, max(float(np.abs(last[name]).max()) for name in ("s_xx", "s_xy", "s_yy"))
 
 
-def measure(solve: Callable[..., Any], order: int, h: float) -> Measured:
+def measure(solve: Solve, order: int, h: float) -> Measured:
     """Errors of all."""
     from fsipetsc.blocks.conditions import Free
 
@@ -103,10 +86,7 @@ def measure(solve: Callable[..., Any], order: int, h: float) -> Measured:
 
 
 ENTRY = Entry(
-    name="large_deformation",
-    title="Solids alone: simple shear, extension, rotation, energy over 100 periods",
     source="verify/large_deformation.py (derivatives of the energy by complex steps)",
-    text=TEXT,
     levels={"quick": {4: (1 / 12, 1 / 24)}, "full": {k: GRIDS for k in (2, 4, 6)}},
     measure=measure,
     bounds={

@@ -2,31 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from fsipetsc.verify.entry import Array, Bound, Entry, Measured, reference
+from fsipetsc.verify.entry import Array, Bound, Entry, Measured, Solve, reference
 
-TEXT = """
-The scheme's right-hand side, linearised about rest by differences, has eigenvalues s; the equations
-have those of the reference. There is no time stepping. Errors are |s - s_exact| / |s_exact|.
-
-* *ring*: elastic ring 1 < r < 1.3 (density 2, λ = 1.5, μ = 1) between gases 0.4 < r < 1 and 1.3 < r
-  < 2 (γ = 1.4, ρ = p = 1, inviscid, slip) with rigid walls; angular number 2, modes 1 to 3:
-  ω = 0.117577100308, 1.720096919386, 2.088655435371. `h` is the cell across
-* *viscous gas*: 0 < y < 1 (γ = 1.4, R = 1, ρ = p = 1, viscosity 0.01, conductivity 0.035/0.72), a
-  wall that it sticks to, adiabatic, above; below an elastic layer of depth 1/2 (ρ = λ = μ = 1,
-  adiabatic) on a clamp; wave number 2π; the first mode that swings, s = -0.3678814325 +
-  4.7268772498 i
-* *water over steel, aluminium*: stiffened gas of γ = 4.4, ρ = 1000 kg/m³, c = 1480 m/s, 1 m deep
-  under a rigid lid, over 1 m of metal on a clamp; wavelength 1 m. Steel: 7850 kg/m³, c_p = 5900,
-  c_s = 3200 m/s; aluminium: 2700 kg/m³, 6320 and 3130 m/s. The wave that is Scholte's if both are
-  infinitely deep: its speed is then 1479.601 and 1476.765 m/s (the literature's 1479.60 and
-  1476.76); here 1477.141 and 1471.092 m/s. Over steel it reaches 7 m deep into the water, which is
-  why layers of finite depth are compared
-"""
 #: density, speeds of P and S waves [SI]
 METALS = {"steel": (7850.0, 5900.0, 3200.0), "aluminium": (2700.0, 6320.0, 3130.0)}
 K = 2.0 * np.pi
@@ -36,14 +17,14 @@ def ring(order: int, h: float) -> Array:
     """s of the slowest modes [1/s]."""
     from mpi4py import MPI
 
-    from fsipetsc.analysis.wave_modes import ring_modes
+    from fsipetsc.analysis.wave_modes import radial_modes
     from fsipetsc.cases import load_case
     from fsipetsc.options import defaults
     from fsipetsc.stepping.solve import build_problem
 
     case = load_case("ring")
     opt = {**defaults(case), "fsi_order": order, "fsi_h": h, "ring_pulse": 0.0}
-    return 1j * ring_modes(build_problem(case, opt, MPI.COMM_SELF), order, 2)[:3]
+    return 1j * radial_modes(build_problem(case, opt, MPI.COMM_SELF), order, 2)[:3]
 
 
 def over_solid(
@@ -65,7 +46,7 @@ def over_solid(
     return linearise(stack, order, round(1.0 / h), K).modes()[0]
 
 
-def measure(solve: Callable[..., Any], order: int, h: float) -> Measured:
+def measure(solve: Solve, order: int, h: float) -> Measured:
     """Relative errors."""
     from fsipetsc.materials.fluid import Fluid
     from fsipetsc.materials.solid import ElasticSolid
@@ -99,10 +80,7 @@ def measure(solve: Callable[..., Any], order: int, h: float) -> Measured:
 NAMES = [f"ring, mode {k}" for k in (1, 2, 3)]
 NAMES += ["viscous gas", *(f"water over {metal}" for metal in METALS)]
 ENTRY = Entry(
-    name="normal_modes",
-    title="Normal modes of gas, liquid and elastic solid",
     source="verify/modes.py (determinants)",
-    text=TEXT,
     levels={"quick": {4: (1 / 16, 1 / 24)}, "full": {4: (1 / 16, 1 / 32), 6: (1 / 24, 1 / 32)}},
     measure=measure,
     bounds={(name, order): Bound(least) for name in NAMES for order, least in ((4, 3.0), (6, 4.5))},

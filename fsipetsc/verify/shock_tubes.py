@@ -2,27 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from fsipetsc.verify.entry import Array, Bound, Curve, Entry, Measured, reference
+from fsipetsc.verify.entry import Array, Bound, Curve, Entry, Measured, Solve, reference
 
-TEXT = """
-A gas of γ = 1.4, R = 1, inviscid, in one dimension. The dissipation at shocks is on
-(`-fsi_shock 1.4 -fsi_dissipation 2`, as in the case `shock`).
-
-* *Sod*: -0.5 < x < 0.5 between walls; ρ = p = 1 for x < 0, ρ = 0.125, p = 0.1 for x > 0, at rest,
-  half of the jump at the node x = 0; t = 0.2
-* *Shu-Osher*: -5 < x < 5; ρ = 3.857143, u = 2.629369, p = 10.33333 for x < -4, else
-  ρ = 1 + 0.2 sin 5x, u = 0, p = 1; the first state is given at the left, a wall at the right;
-  t = 1.8. The spacing is 5 h, where h is that of Sod's tube
-
-Errors are means of |ours - reference| over the nodes; those of Shu and Osher over -4.9 < x < 4.9. A
-jump has order 1 at most in this norm. Sod is exact. The reference of Shu and Osher is computed
-with finite volumes on 1,600 cells; on 800 cells it differs by 5.7e-3 in the mean.
-"""
 GAMMA = 1.4
 
 
@@ -36,7 +21,7 @@ def tube(X: tuple[float, float], start: Any, left: Any) -> Any:
     return Problem((layer,), left, Wall(X[1]), units="none")
 
 
-def run_to(solve: Callable[..., Any], problem: Any, order: int, h: float, end: float) -> Any:
+def run_to(solve: Solve, problem: Any, order: int, h: float, end: float) -> Any:
     """The last frame as flat arrays."""
     given = {"ts_max_time": end, "fsi_output_dt": end, "fsi_shock": 1.4, "fsi_dissipation": 2.0}
     with solve(problem, fsi_order=order, fsi_h=h, **given) as run:
@@ -44,7 +29,7 @@ def run_to(solve: Callable[..., Any], problem: Any, order: int, h: float, end: f
         return {name: np.asarray(frame[name]).ravel() for name in ("x", "rho", "u", "p")}
 
 
-def measure(solve: Callable[..., Any], order: int, h: float) -> Measured:
+def measure(solve: Solve, order: int, h: float) -> Measured:
     """Mean errors."""
     from fsipetsc.boundaries import Dirichlet, Wall
 
@@ -76,10 +61,7 @@ def measure(solve: Callable[..., Any], order: int, h: float) -> Measured:
 
 
 ENTRY = Entry(
-    name="shock_tubes",
-    title="Shock tubes of gas alone: Sod, Shu and Osher",
     source="verify/gas.py (Riemann's problem; finite volumes with WENO5)",
-    text=TEXT,
     levels={
         "quick": {4: (1 / 200, 1 / 400)},
         "full": {order: (1 / 100, 1 / 200, 1 / 400) for order in (2, 4, 6)},

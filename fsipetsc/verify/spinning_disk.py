@@ -2,36 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 
-from fsipetsc.verify.entry import Array, Bound, Curve, Entry, Measured, reference, smooth
+from fsipetsc.verify.entry import Array, Bound, Curve, Entry, Measured, Solve, reference, smooth
 
-TEXT = """
-An elastic disk of radius 1 in a round vessel of radius 2.2, filled with gas. It is free of strain
-at first, and turns with the angular velocity 2 (1 - R²)⁴: its edge is at rest. It twists, and
-swings.
-
-* solid: St. Venant and Kirchhoff, μ = 1, λ = 1.5, plane strain, density 0.5, 2 or 20, free of
-  strain under the pressure 1
-* gas: perfect, γ = 1.4, R = 1, ρ = p = 1 at rest, inviscid: it slips along disk and wall
-* end time 0.5; `h` is the length of a cell of the case `disk`, five blocks of solid and four of gas
-
-Everything depends on the radius alone. The reference solves these equations by a spectral Galerkin
-method in R. With 36 functions in the disk instead of 48 its numbers change by up to 7e-7 in places,
-2e-5 in velocities (next to the centre) and 1e-5 in the pressure: it is no better than that, for
-waves of finite size come together at the centre. A **rigid** spin at first sets off waves with
-kinks at the edge; there the method stays at 1e-5 in places and 5e-4 in velocities, so it is not the
-reference. A disk of density 0.2 is left out: its reference changes by 5e-4 in velocities.
-
-Errors: the largest of all nodes of the disk, of the place and of the velocity (both components).
-"""
 DENSITIES = (0.5, 2.0, 20.0)
 
 
-def measure(solve: Callable[..., Any], order: int, h: float) -> Measured:
+def measure(solve: Solve, order: int, h: float) -> Measured:
     """Largest errors of the three disks."""
     table, errors = reference("spinning_disk"), {}
     for density in DENSITIES:
@@ -60,10 +38,7 @@ def measure(solve: Callable[..., Any], order: int, h: float) -> Measured:
 
 
 ENTRY = Entry(
-    name="spinning_disk",
-    title="Spinning St. Venant-Kirchhoff disk in gas",
     source="verify/disk.py (reduced to the radius; spectral Galerkin method)",
-    text=TEXT,
     levels={"quick": {4: (0.05, 0.025)}, "full": {4: (0.1, 0.05, 0.025), 6: (0.05, 0.025)}},
     measure=measure,
     bounds={

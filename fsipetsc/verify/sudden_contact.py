@@ -2,31 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 
-from fsipetsc.verify.entry import Array, Bound, Curve, Entry, Measured, reference, smooth
+from fsipetsc.verify.entry import Array, Bound, Curve, Entry, Measured, Solve, reference, smooth
 
-TEXT = """
-A gas (γ = 1.4, R = 1, c_v = 2.5, κ = 0.0063, viscosity 0.001) of T = 1.005 in x > 0 and
-a solid of T = 0.995 in x < 0 touch at t = 0, both under the pressure 1. In the literature the
-second medium is a gas, too, of γ = 5/3, c_v = 0.375 and κ = 0.00225. Here it is a solid with the
-same conductivity and the same heat per volume: density 4.02010050251 (that of the gas), specific
-heat 0.625 = γ c_v (as the gas is under a constant pressure), K = 2 μ_e + λ_e = 20, no strain at
-first. Error functions in both give 1.00163 at the interface. The reference is the similarity
-solution for a gas whose density follows its temperature: 1.00163540681.
-
-A run begins at t = 10 from this solution and ends at t = 20; -2 < X < 2, the solid clamped at 0.995
-and the gas before an adiabatic wall that moves as the gas far away, 2 + 2 U (√t - √10), U =
--8.04218939626e-5. Errors are the largest of T, over the jump 0.01. In gas and interface they stay
-above about 1e-5: the pressure, which sound brings about, differs from 1 by as much.
-"""
 JUMP, BEGIN, END = 0.01, 10.0, 20.0
 
 
-def measure(solve: Callable[..., Any], order: int, h: float) -> Measured:
+def measure(solve: Solve, order: int, h: float) -> Measured:
     """Largest errors of T in gas, solid and at the interface, over the jump."""
     from fsipetsc.boundaries import Wall, clamped
     from fsipetsc.materials.fluid import Fluid
@@ -72,10 +55,7 @@ def measure(solve: Callable[..., Any], order: int, h: float) -> Measured:
 
 
 ENTRY = Entry(
-    name="sudden_contact",
-    title="Gas and solid of different temperatures suddenly in contact",
     source="verify/heat.py (similarity in the gas, error function in the solid)",
-    text=TEXT,
     levels={
         "quick": {4: (1 / 40, 1 / 80)},
         "full": {order: (1 / 20, 1 / 40, 1 / 80) for order in (2, 4, 6)},

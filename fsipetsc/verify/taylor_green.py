@@ -2,30 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from fsipetsc.verify.entry import Array, Bound, Curve, Entry, Measured, reference
+from fsipetsc.verify.entry import Array, Bound, Curve, Entry, Measured, Solve, reference
 
-TEXT = """
-Gas of γ = 1.4, R = 1, inviscid, in a cube of the period 2 π along each axis, at first
-
-    u = (sin x cos y cos z, -cos x sin y cos z, 0),   T = T₀,
-    ρ = 1 + ((cos 2x + cos 2y) (cos 2z + 2)) / (16 T₀).
-
-* *kept*: T₀ = 100/1.4 (Mach number 0.1), two-point flux (`-fsi_convection entropy`), no
-  dissipation, end time 5, when the smallest grids have long lost the solution: largest changes of
-  mass over itself, of energy over the kinetic energy π³ at first, and of the entropy ∫ρ s over the
-  mass. The differences keep all three; RK4 does not quite keep the entropy. The reference is 0
-* *u, v, w*: T₀ = 2500/1.4 (Mach number 0.02) at t = 1, against a fluid of constant density, by
-  Fourier series: the largest error on the line y = π/4, z = π/8, at 16 nodes. Compressibility
-  adds about the Mach number squared, 4e-4
-
-`h` = 2 π/n. Both begin from the same velocities; the density follows the pressure of the fluid of
-constant density, which keeps sound low.
-"""
 PERIOD = 2.0 * np.pi
 
 
@@ -45,7 +27,7 @@ def cube(n: int, warm: float) -> Any:
     return BlockProblem((Block("gas", gas, space, (n,) * 3, start, periodic=(True,) * 3),), {})
 
 
-def measure(solve: Callable[..., Any], order: int, h: float) -> Measured:
+def measure(solve: Solve, order: int, h: float) -> Measured:
     """Changes of what is kept, and errors of velocities."""
     n, given = round(PERIOD / h), {"fsi_order": order, "fsi_convection": "entropy"}
     given["fsi_dissipation"] = -1.0
@@ -64,10 +46,7 @@ def measure(solve: Callable[..., Any], order: int, h: float) -> Measured:
 
 
 ENTRY = Entry(
-    name="taylor_green",
-    title="Taylor and Green's vortex in three dimensions, without viscosity",
     source="verify/taylor_green.py (Fourier series, constant density); conservation laws",
-    text=TEXT,
     levels={
         "quick": {4: (PERIOD / 16,)},
         "full": {k: (PERIOD / 16, PERIOD / 32) for k in (2, 4, 6)},
