@@ -67,7 +67,7 @@ class SolidPart(BlockPart):
     def _make_dissipation(self, order: int, form: Any) -> Iterator[tuple[Any, ...]]:
         """What solid_dissipation wants of each term: that of all nodes, and that of shocks."""
         d, solid, bands, cells = self._d, self.equations, self.part.bands, self.block.cells
-        K = solid.law.wave_modulus(solid.tensor(solid.unstrained(self._like)))
+        K = solid.law.wave_modulus(solid.tensor(solid.unstrained((0.0,) * d)))
         of_solid = np.sqrt(K * solid.m0), solid.m0, SMALL * np.sqrt(K / solid.m0)
         sigma = sigma_of(form.dissipation, self._problem.joined) / 4.0 ** (order // 2)
         terms = (order, sigma, -sigma * (form.shock > 0.0)), (2, 0.0, AT_SHOCKS * form.shock)

@@ -55,7 +55,7 @@ def check(
     where = f"at t = {t:.6g}{state.problem.unit('s')}, step {step}, with its interface at "
     where += f"x = {interface:.6g}{m} and its boundary at x = {boundary:.6g}{m}"
     if flags[EXHAUSTED]:
-        raise ComputationError(f"the points of {name} are used up {where}; try a larger -fsi_spare")
+        raise ComputationError(f"the points of {name} are used up {where}")
     least = f"the {state.op.name} operator needs {int(record['least'])} points"
     raise ComputationError(f"{name} has become too short {where}: {least}")
 
