@@ -38,7 +38,8 @@ def temperatures(run):
     run.y.begin()
     run.y.end()
     d = run.problem.dimension
-    return [run.scheme.fields(run.y, k)[:, d] for k in range(len(run.problem.blocks))]
+    parts = run.scheme.parts.items()
+    return [part.fields(run.y.ghosted(k))[:, d] for k, part in parts]
 
 
 def warm(X):

@@ -70,8 +70,8 @@ def _call_all(scheme: Scheme, y: BlockVector, t: float) -> None:
     scheme.complete(t, y)
     scheme.rates(t, y, np.zeros_like(y.array))
     scheme.look(y)
-    for part in scheme.layout.parts:
-        scheme.fields(y, part.k)
+    for k, part in scheme.parts.items():
+        part.fields(y.ghosted(k))
 
 
 class BlockState:
@@ -236,10 +236,6 @@ class BlockState:
         self._guarded(lambda: self.scheme.stretch(0.0, self.y))
         agree(self.comm, self.fault)
 
-    def first_notes(self) -> list[str]:
-        """What may not be meant in the initial data, once the integrator has looked at them."""
-        return first_notes(self)
-
     def set_data(self, t: float) -> None:
         """The next evaluation of the right-hand side is at time t [s]."""
         self._t = t
@@ -394,6 +390,8 @@ class BlockState:
 
     # what is saved and said
 
+    first_notes, errors = first_notes, errors_of
+
     def header(self) -> list[dict[str, Any]]:
         """What a result file says of each block."""
         d = self.problem.dimension
@@ -421,7 +419,7 @@ class BlockState:
 
     def fields(self, k: int) -> np.ndarray:
         """(M, columns) of ``fields_of``: what is saved of this rank's nodes of block k."""
-        return self.scheme.fields(self.y, k)
+        return self.scheme.parts[k].fields(self.y.ghosted(k))
 
     def save(self) -> dict[int, np.ndarray]:
         """What is saved of this rank's nodes: number of a block -> (local, columns), to be copied
@@ -441,10 +439,6 @@ class BlockState:
                 sums[number] = (problem.places(k, mine)[:, last] + D).sum(), mine.size
         self.comm.Allreduce(MPI.IN_PLACE, sums)
         return (sums[:, 0] / sums[:, 1]).tolist()
-
-    def errors(self, t: float, norm: str) -> dict[str, dict[str, float]] | None:
-        """See fsipetsc.blockrun.errors_of_blocks."""
-        return errors_of(self, t, norm)
 
     def failure(self, t: float, step: int) -> str:
         """Field, block, position, time and step of the first unphysical node. Collective."""

@@ -279,10 +279,6 @@ class Scheme:
         for gas in self._gases:
             self._lines[gas.part.k].work.w[:] = 0.0
 
-    def fields(self, y: BlockVector, k: int) -> Array:
-        """(M, columns) what is saved of this rank's nodes of block k."""
-        return self.parts[k].fields(y.ghosted(k))
-
     def destroy(self) -> None:
         """Release messages."""
         self.particles.destroy()
