@@ -569,32 +569,14 @@ def viscous_row(gas, like, w, place, q, at_q, slope, to, n):
 @njit(**INLINED_CALL)
 def slopes(gas, like, axes, tile, work, layer, j, column, n):
     """D_k z of a row for each axis k."""
-    w, gain, loss, slope, of_axis = (
-        work.w,
-        work.gain,
-        work.loss,
-        work.slope,
-        U64(len(like) + 1) * ROW,
-    )
+    w, gain, loss, slope = work.w, work.gain, work.loss, work.slope
+    of_axis = U64(len(like) + 1) * ROW
     clear(slope, column, len(like) * (len(like) + 1), n)
     here = row_of(work, tile, layer, j) + column
     for k in range(1, axes.first.S.shape[0]):
         at_loss, m = tile.weights + U64(k) * ROW + column, U64(k)
-        slope_row(
-            gas,
-            like,
-            w,
-            here - m,
-            here,
-            here + m,
-            gain,
-            at_loss - m,
-            loss,
-            at_loss,
-            slope,
-            column,
-            n,
-        )
+        weights = gain, at_loss - m, loss, at_loss
+        slope_row(gas, like, w, here - m, here, here + m, *weights, slope, column, n)
     for m in range(1, len(like)):
         axis, i = (axes.last, layer) if m == len(like) - 1 else (axes.inner, j)
         up, right = (1, 0) if m == len(like) - 1 else (0, 1)
