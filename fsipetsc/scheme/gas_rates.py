@@ -117,8 +117,7 @@ class DivergenceForm(NamedTuple):
         return 0.0
 
     def keep(self, gas, like, w, row, n):
-        for k in range(len(like)):
-            keep_fluxes(gas, like, w, place_of(like, self, row, k), n)
+        keep_fluxes(gas, like, w, place_of(like, self, row, 0), n)
 
     def two(self, gas, l, r, a_l, v_l, a_r, v_r):
         return gas.mean_flux(l, r, a_l, v_l, a_r, v_r)
@@ -302,11 +301,14 @@ def load_row(gas, like, q, at_q, metrics, at_m, step, w, row, n):
 
 @njit(**EXACT_LOOP)
 def keep_fluxes(gas, like, w, place, n):
-    """Conserved variables and the inviscid flux through one of the areas."""
+    """Conserved variables and the inviscid fluxes through all areas."""
+    d = U64(len(like))
     for i in range(n):
-        state, a = at(state_like(like), w, place.state, ROW, i), at(like, w, place.area, ROW, i)
+        state = at(state_like(like), w, place.state, ROW, i)
         put(w, place.densities, ROW, i, gas.densities(state))
-        put(w, place.flux, ROW, i, gas.flux(state, a))
+        for k in range(d):
+            a = at(like, w, place.area + k * d * ROW, ROW, i)
+            put(w, place.flux + k * (d + U64(2)) * ROW, ROW, i, gas.flux(state, a))
 
 
 @njit(**EXACT_LOOP)
@@ -427,7 +429,7 @@ def pairs_across(gas, like, form, friction, axes, tile, work, layer, j, along_la
     for k in range(1, axis.S.shape[0]):
         s = axis.S[k, i]
         if s != 0.0 and i + k >= axis.begin:
-            fill(work.gain, work.loss, s / axis.weight[i + k], s / axis.weight[i], ROW)
+            fill(work.gain, work.loss, s / axis.weight[i + k], s / axis.weight[i], U64(n + 3))
             there, column = number_of(work, tile, layer + k * up, j + k * right), U64(MARGIN)
             other = there * U64(work.numbers) * ROW - row
             upper = there * U64(len(like) + 2) * ROW + column
@@ -453,7 +455,7 @@ def sweep_layer(gas, like, form, friction, q, metrics, axes, tile, work, rates, 
                 number_of(work, tile, layer, j) * U64(d + 2) * ROW,
             )
             for m in range(tile.spans, tile.end):
-                k, a, b = work.spans[m]
+                k, a, b = work.spans[m, 0], work.spans[m, 1], work.spans[m, 2]
                 column, other = U64(MARGIN + a - tile.x0), U64(k)
                 weights, upper = tile.weights + other * ROW + column, high + column + other
                 pairs(gas, like, form, friction, work, row, 0, other, weights, column, upper, b - a)
@@ -567,32 +569,14 @@ def viscous_row(gas, like, w, place, q, at_q, slope, to, n):
 @njit(**INLINED_CALL)
 def slopes(gas, like, axes, tile, work, layer, j, column, n):
     """D_k z of a row for each axis k."""
-    w, gain, loss, slope, of_axis = (
-        work.w,
-        work.gain,
-        work.loss,
-        work.slope,
-        U64(len(like) + 1) * ROW,
-    )
+    w, gain, loss, slope = work.w, work.gain, work.loss, work.slope
+    of_axis = U64(len(like) + 1) * ROW
     clear(slope, column, len(like) * (len(like) + 1), n)
     here = row_of(work, tile, layer, j) + column
     for k in range(1, axes.first.S.shape[0]):
         at_loss, m = tile.weights + U64(k) * ROW + column, U64(k)
-        slope_row(
-            gas,
-            like,
-            w,
-            here - m,
-            here,
-            here + m,
-            gain,
-            at_loss - m,
-            loss,
-            at_loss,
-            slope,
-            column,
-            n,
-        )
+        weights = gain, at_loss - m, loss, at_loss
+        slope_row(gas, like, w, here - m, here, here + m, *weights, slope, column, n)
     for m in range(1, len(like)):
         axis, i = (axes.last, layer) if m == len(like) - 1 else (axes.inner, j)
         up, right = (1, 0) if m == len(like) - 1 else (0, 1)
