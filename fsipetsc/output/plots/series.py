@@ -85,7 +85,7 @@ def _deflection(run: Run, k: int) -> Panel:
     line = run.interface(k)
     points = [round(part * (len(line.X) - 1)) for part in INTERFACE_POINTS]
     curves = {f"X = {line.X[point]:.3g}": line.displacement[:, point] for point in points}
-    return Panel(f"deflection of {line.name}", "m", run.time, curves)
+    return Panel(f"deflection,\n{line.name}", "m", run.time, curves)
 
 
 def ledger_panels(run: Run) -> Iterator[Panel]:
@@ -133,7 +133,7 @@ def draw_panels(figure: FigureBase, run: Run, panels: list[Panel], columns: int 
 
 
 def draw_panel(axes: Axes, run: Run, panel: Panel) -> None:
-    """One of them, with a legend above."""
+    """One of them."""
     some = slice(None, None, max(1, len(panel.t) // MAX_POINTS))
     for k, (name, values) in enumerate(panel.curves.items()):
         t, shown = panel.t[some], values[some]
@@ -149,7 +149,8 @@ def draw_panel(axes: Axes, run: Run, panel: Panel) -> None:
     if panel.label == "time step":
         axes.set_ylim(bottom=0.0)
     label_y(axes, labelled(run, panel.label, panel.unit))
-    legend_above(axes)
+    if len(panel.curves) > 1 or panel.logarithmic or panel.label == "time step":
+        legend_above(axes)  # else its one name says nothing
     time_axis(axes, run)
 
 
