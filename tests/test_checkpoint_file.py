@@ -286,11 +286,10 @@ def test_no_other_file_is_taken_for_the_checkpoint(tmp_path):
 
 
 def test_a_result_whose_name_has_another_ending(tmp_path):
-    """Its files and what is said of them have this name; a burst of 1 is not inherited."""
-
-    line = [*SHORT[:-1], "-fsi_output", "run.v2", "-ts_max_steps", 20, "-fsi_burst", 1]
+    """Its files and what is said of them have this name."""
+    line = [*SHORT[:-1], "-fsi_output", "run.v2", "-ts_max_steps", 20]
     assert solve(*line, cwd=tmp_path).returncode == 0
-    done = solve(*line[:-2], cwd=tmp_path)
+    done = solve(*line, cwd=tmp_path)
     assert f"kept the earlier run.v2 as {tmp_path}/run.v2.1\n" in done.stdout, done.stderr
     assert f"kept earlier checkpoints as {tmp_path}/run.v2.checkpoint.1.h5\n" in done.stdout
     names = {"run.v2", "run.v2.1", "run.v2.checkpoint.h5", "run.v2.checkpoint.1.h5"}
