@@ -3,7 +3,7 @@
 Each run of the case ``panel`` is made on one rank alone; the ranks share the runs. A run lasts a
 good period: the modes are told apart by their shapes (fsipetsc.analysis.flutter_motion). Beside the
 lambda of each Mach number at which the growth becomes positive stands that of quasi-steady theory
-(fsipetsc.analysis.flutter_theory). `flutter RUN.h5` says what the limit cycle of one run is.
+(fsipetsc.analysis.flutter_theory).
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from fsipetsc.analysis.flutter_motion import crossing, fit_modes, limit_cycle, motion_of
+from fsipetsc.analysis.flutter_motion import crossing, fit_modes, motion_of
 from fsipetsc.analysis.tables import csv_target, printer, save_csv, shared, text_table
 from fsipetsc.cases import load_case
 from fsipetsc.checks import counted
@@ -23,7 +23,7 @@ from fsipetsc.errors import ComputationError, InputError
 from fsipetsc.options import Option, groups, read_options
 from fsipetsc.output.reader import open_run
 from fsipetsc.process.launch import start_petsc
-from fsipetsc.process.together import together, wait_asleep
+from fsipetsc.process.together import wait_asleep
 
 if TYPE_CHECKING:
     from mpi4py import MPI
@@ -72,12 +72,8 @@ class FlutterRun(NamedTuple):
 def flutter(arguments: list[str], comm: MPI.Comm) -> None:
     """The command, with the arguments behind its name. Collective on comm.
 
-    Raises InputError; FileError; ComputationError at the end if a run has failed, or where a result
-    has no limit cycle.
+    Raises InputError; FileError; ComputationError at the end if a run has failed.
     """
-    if arguments and not arguments[0].startswith("-"):
-        together(comm, lambda: None if comm.rank else print(report(arguments[0]), flush=True))
-        return
     case = load_case("panel")
     given = start_petsc(arguments, comm)
     from fsipetsc.output.plots.studies import flutter_figure
@@ -183,18 +179,3 @@ def onsets(runs: Sequence[FlutterRun], mass: float, thickness: float) -> tuple[s
         of_theory = [f"{thick:.1f}", f"{of_thick.imag / (2.0 * np.pi):.4f}"]
         rows.append([f"{mach:g}", *numbers, *of_theory])
     return text_table(head, rows), curves
-
-
-def report(path: str) -> str:
-    """What the second half of a result says, in a line. InputError, FileError; ComputationError
-    where there are not two periods.
-    """
-    with open_run(path) as run:
-        motion, X = motion_of(run)
-        found = limit_cycle(motion.after(0.5 * motion.t[-1]), X)
-        thicknesses = found["amplitude"] / run.options.get("panel_thickness", float("nan"))
-    return (
-        f"{path}: limit cycle at X = {found['X']:.4g}, where the panel moves most: amplitude "
-        f"{found['amplitude']:.5g} = {thicknesses:.3g} thicknesses about {found['mean']:.2g}, "
-        f"frequency {found['frequency']:.5g}, over {found['periods']:.0f} periods"
-    )

@@ -1,6 +1,6 @@
-"""What a motion of a panel is made of: modes of a small one, the limit cycle of a large one.
+"""The modes that a small motion of a panel is made of.
 
-A small motion is w(x, t) = Re sum_k a_k(x) exp(s_k t). Deflections and velocities of all points
+It is w(x, t) = Re sum_k a_k(x) exp(s_k t). Deflections and velocities of all points
 make a vector, which a matrix A with the eigenvalues exp(s_k dt) takes from one time to the next. A
 is found by least squares on the leading singular vectors of what was seen (P. J. Schmid, Dynamic
 mode decomposition of numerical and experimental data, J. Fluid Mech. 656 (2010)), so that modes of
@@ -115,24 +115,3 @@ def crossing(
         return float("nan"), complex("nan")
     at = bisect(lambda at: fastest(at).real > 0.0, float(fine[first - 1]), float(fine[first]))
     return at, fastest(at)
-
-
-def limit_cycle(motion: Motion, X: Real) -> dict[str, float]:
-    """Of a motion, the end of a run, of points at X (nx,): X of the point that moves most; half the
-    distance of the extremes of y there, and their mean [m]; frequency [1/s] and number of periods,
-    from the upward passages of the mean. ComputationError below two periods.
-    """
-    i = int(np.argmax(np.ptp(motion.w, axis=0)))
-    t, w = motion.t, motion.w[:, i]
-    mean = 0.5 * (w.max() + w.min())
-    at = np.flatnonzero((w[:-1] < mean) & (w[1:] >= mean))
-    periods = max(len(at) - 1, 0)
-    if periods < 2:
-        raise ComputationError(f"{periods} periods of the panel's motion are seen, not two")
-    passed = t[at] + (t[1] - t[0]) * (mean - w[at]) / (w[at + 1] - w[at])
-    high, low = (
-        np.mean([extreme(w[a : b + 1]) for a, b in zip(at, at[1:])]) for extreme in (max, min)
-    )
-    found = {"X": X[i], "amplitude": (high - low) / 2, "mean": (high + low) / 2}
-    found |= {"frequency": periods / (passed[-1] - passed[0]), "periods": periods}
-    return {name: float(value) for name, value in found.items()}

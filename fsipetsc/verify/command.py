@@ -32,7 +32,7 @@ SECTIONS: dict[str, tuple[Option, ...]] = {
     "Run": tuple(option for option in RUN if option.name in _OF_RUN),
 }
 HEAD = ("quantity", "order", "grid spacings", "errors", "observed orders", "verdict")
-COLUMNS = ("entry", "quantity", "order", "h", "error", "observed_order", "least_order")
+COLUMNS = ("case", "quantity", "order", "h", "ranks", "error", "rate", "least_rate")
 COLUMNS += ("largest_error", "verdict", "source")
 
 
@@ -59,7 +59,7 @@ def verify(arguments: list[str], comm: MPI.Comm) -> None:
         told = text_table(HEAD, [row.cells for row in found])
         say((told if found else "only with -verify_level full") + "\n")
         rows += found
-        lines += [(*line, entry.source) for row in found for line in _csv_lines(row)]
+        lines += [(*line, entry.source) for row in found for line in _csv_lines(row, comm.size)]
     together(comm, lambda: None if comm.rank else save_csv(path, COLUMNS, lines))
     wait_asleep(comm)
     hold, free = (sum(row.verdict == word for row in rows) for word in ("holds", "no bound"))
@@ -112,14 +112,14 @@ def _title(name: str) -> str:
     return problem(name).split("\n")[0].removeprefix("# ")
 
 
-def _csv_lines(row: Row) -> list[tuple[Any, ...]]:
+def _csv_lines(row: Row, ranks: int) -> list[tuple[Any, ...]]:
     """One line for each grid, under COLUMNS but for the last one."""
     lines = []
     for k, (h, error) in enumerate(zip(row.spacings, row.errors)):
         bounds = row.bound.order, row.bound.largest(h, h == row.spacings[-1])
         observed = row.observed[k - 1] if k else ""
         about = row.entry, row.quantity, row.order
-        lines.append((*about, h, error, observed, *bounds, row.verdict))
+        lines.append((*about, h, ranks, error, observed, *bounds, row.verdict))
     return lines
 
 
