@@ -137,7 +137,8 @@ class Reporter:
         places = [f"interfaces: {_list(f'{name} at {axis} = {x:.6g}{mean}' for name, x in found)}"]
         yield "; ".join([*(places if found else ()), counted(summary["points"], "point")])
         phases = (f"{name} {duration(v)}" for name, v in summary["phases"].items())
-        yield f"phases: {', '.join(phases)}"
+        since = " since the restart" if part["steps"] < steps else ""
+        yield f"phases{since}: {', '.join(phases)}"
         if steps:
             bounds = (f"{w} ({100 * p:.0f} %)" for w, p in shares(summary["limits"], summary["t"]))
             lengths = f"{summary['dt_min']:.3g} … {summary['dt_max']:.3g}{self._s}"
