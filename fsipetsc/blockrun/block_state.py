@@ -18,7 +18,7 @@ from petsc4py import PETSc
 
 from fsipetsc.blockrun.columns import OF_INTERFACES, fields_of, gained, loses, step_record
 from fsipetsc.blockrun.errors_of_blocks import errors_of
-from fsipetsc.blockrun.first_look import first_notes
+from fsipetsc.blockrun.notes import first_notes, last_notes
 from fsipetsc.blockrun.recorded_nodes import Recorded, Recorder
 from fsipetsc.blockrun.run_problem import PLACES, VELOCITIES, RunProblem
 from fsipetsc.blockrun.scheme import Scheme
@@ -97,6 +97,7 @@ class BlockState:
         self.comm, self.problem, self.op = comm, problem, OPERATORS[order]
         self.h = float(problem.spacing)
         self._order, self._form = order, form
+        self.shocks = form.shock > 0.0
         self._pace = max(1.0, form.shock * PACE_AT_SHOCKS[order])
         self.convection = "divergence" if form.convection == "divergence" else "entropy"
         blocks, d = problem.layers, problem.dimension
@@ -390,7 +391,7 @@ class BlockState:
 
     # what is saved and said
 
-    first_notes, errors = first_notes, errors_of
+    first_notes, last_notes, errors = first_notes, last_notes, errors_of
 
     def header(self) -> list[dict[str, Any]]:
         """What a result file says of each block."""

@@ -145,6 +145,8 @@ class PaperState:
         """Nothing: frames are cut where walls are, and the couplings bring stresses together."""
         return []
 
+    last_notes = first_notes
+
     def set_data(self, t: float) -> None:
         """Evaluate boundary data, jumps and forcing at time t [s] for the next evaluation of the
         right-hand side.

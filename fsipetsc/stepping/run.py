@@ -220,6 +220,8 @@ class _Run:
                 self._frame(self.integrator.t)
             self._flush()  # so that the summary knows what it took
             found = self.state.errors(self.integrator.t, self.opt["fsi_norm"])
+            for line in self.state.last_notes():
+                self.report.line(line)
         except (ComputationError, InputError, CheckpointError) as error:
             failure, self.checks = error, False
             self._flush()
