@@ -198,3 +198,38 @@ def test_volumes_stay_those_of_the_grid(order):
             worst = max(worst, run.look()[0, 4])
         assert worst < 1e-12
         assert worst > 0.0  # it moves
+
+
+@pytest.mark.parametrize("side", [0, 1])
+def test_a_strained_rod_rests_under_the_stress_beyond_its_end(side):
+    law = rod().solid_law
+    stress = float(law.stress((0.95,))[0])
+    ends = [Clamped(x=lambda X, t: (0.95 * X,)), Clamped(x=lambda X, t: (0.95 * X,))]
+    ends[side] = Absorbing(stress)
+    with steps_of(in_pieces(rod(), lambda X: (0.0, 1.0, 0.95 * X), ends, 16)) as run:
+        run.step(5e-3, 20)
+        assert stress < -0.1 and np.abs(run.y.owned(0)[:, 1]).max() < 1e-13
+
+
+def test_a_wall_that_moves_takes_the_solid_along_that_sticks_to_its_gas():
+    """Where an interface ends at it."""
+
+    def moved(X, Y, t):
+        return X, Y + 0.3 * t
+
+    gas = Fluid(0.02, 0.03, 1.4, 1.0)
+    blocks = (
+        Block("gas", gas, rectangle((0, 0), (1, 1)), (8, 8), lambda X, Y: (1.0, 0.0, 0.0, 1.0)),
+        Block("solid", rod(), rectangle((0, 1), (1, 2)), (8, 8), lambda X, Y: (0, 0, 1.0, X, Y)),
+    )
+    faces = {("gas", 0, side): NoSlip(x=moved) for side in (0, 1)}
+    faces |= {("solid", 0, side): Free(1.0) for side in (0, 1)}
+    faces |= {("gas", 1, 0): NoSlip(x=moved), ("solid", 1, 1): Free(1.0)}
+    problem = BlockProblem(blocks, faces)
+    with steps_of(problem) as run:
+        before = run.integrals()
+        run.step(1e-3, 2)
+        assert np.allclose(run.y.owned(1)[[0, 8], 2:4], (0.0, 0.3), atol=1e-12)
+        change = run.integrals() - before - run.gained()
+        assert np.abs(change).max() < 1e-14 * before[-1]
+        assert abs(run.gained()[2]) > 1e-6

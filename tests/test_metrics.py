@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from block_grids import SOLID, box, closed, derivative, nodes_of, whole
+from block_grids import GAS, SOLID, box, closed, derivative, nodes_of, whole
 
 from fsipetsc.blocks.block import Block, determinant
 from fsipetsc.blocks.grid import GridMotion
@@ -70,3 +70,16 @@ def test_J_below_zero_is_told_with_its_place():
     assert not caught.value.collective
     with pytest.raises(InputError, match="J = nan"):
         check_positive(block, np.array([np.nan]), np.zeros((2, 1)))
+
+
+def test_skew_periods_belong_to_the_curl():
+    """Of a linear map the curl form is the cofactors."""
+    G = np.array([[1.0, 0.3, 0.1], [0.2, 1.0, -0.2], [-0.1, 0.4, 1.0]])  # D_k X, row by row
+
+    def skew(xi):
+        return tuple(sum(g * s for g, s in zip(column, xi)) for column in G.T)
+
+    problem = closed(Block("g", GAS, skew, (8, 9, 10), lambda *X: X, periodic=(True, True, False)))
+    _, metrics = displaced(problem, 0, 4, np.zeros(0, int))
+    expected = np.linalg.det(G) * np.linalg.inv(G).T[..., None]
+    assert np.abs(metrics[:9].reshape(3, 3, -1) - expected).max() <= 1e-14

@@ -3,6 +3,7 @@ how large steps may be."""
 
 from __future__ import annotations
 
+import math
 from fractions import Fraction
 
 import numpy as np
@@ -134,3 +135,18 @@ def test_step_bound(op: SBPOperator) -> None:
         assert values.real.max() < 0
         largest = max(largest, np.abs(values).max())
     assert 1.1 * largest < REAL_INTERVAL * STIFFNESS[op.order] < 1.5 * largest
+
+
+@pytest.mark.parametrize("order", [2, 4, 6])
+def test_flux_at_an_end(order) -> None:
+    """Where the closure row of D imposes a flux, it is right to the order of D twice: phi = 0, see
+    operators.narrow."""
+    op, n = OPERATORS[order], 60
+    s, D, x = order // 2, op.matrix(n), np.arange(float(n))
+    D2 = D @ D - remainder(op.interior, np.ones(n)) / op.norm_weights(n)[:, None]
+    u = x ** (s + 1) / math.factorial(s + 1)
+    error = (D2 @ u - x ** (s - 1) / math.factorial(s - 1))[1:40]
+    error[op.rows + 2 * op.p :] = 0.0
+    E = np.linalg.lstsq(D2[1:40, :30], -error, rcond=None)[0]
+    np.testing.assert_allclose(D2[1:40, :30] @ E, -error, atol=1e-11)
+    assert abs((D @ u)[0] + D[0, :30] @ E) < 1e-9

@@ -8,6 +8,7 @@ import pytest
 pytest.importorskip("numba")
 
 from fsipetsc.materials.solid import ElasticSolid
+from fsipetsc.materials.solid_pressure import gruneisen
 from fsipetsc.operators.bands import NO_AXIS, Patch, band
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.scheme import solid_work as module
@@ -189,9 +190,11 @@ def test_where_the_power_of_stresses_goes(heat):
     assert size > 0.1 and np.abs(warmed - power).max() < 1e-8 * size
 
 
-@pytest.mark.parametrize("d", [2, 3])
-def test_rates_of_many_tiles_are_those_of_dense_matrices(d, monkeypatch):
+@pytest.mark.parametrize(
+    ("d", "material"), [(2, {"pressing": gruneisen(1.2)}), (3, {"heat": "elastic"})]
+)
+def test_rates_of_many_tiles_are_those_of_dense_matrices(d, material, monkeypatch):
     monkeypatch.setattr(module, "TILES", ((7, 1), (6, 1), (6, 5)))
-    block = Block(d, 2 if d == 3 else 4, (d == 2,), kappa_e=0.4, heat="elastic")
+    block = Block(d, 2 if d == 3 else 4, (d == 2,), kappa_e=0.4, **material)
     found, wanted = block.rates(), block.reference()
     assert np.abs(found - wanted).max() <= 1e-12 * np.abs(wanted).max()

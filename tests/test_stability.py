@@ -118,7 +118,7 @@ def test_the_linear_scheme_is_the_derivative_of_the_right_hand_side(order, coupl
     wanted = expected(constant, order, coupling, narrow)
     unit = constant.scales[:, None, None, None] / constant.scales[:, None]  # where all are alike
     at = [np.arange(COLUMNS)] * 3 + [POINTS - 1 - np.arange(COLUMNS)] * 3
-    form = order, h, coupling, "auto", 0, False, narrow
+    form = order, h, coupling, "auto", False, narrow
     with PaperState(MPI.COMM_SELF, problem, *form) as state:
         state.set_initial()
         rates = solver_rates(state, constant, order)

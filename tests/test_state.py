@@ -22,7 +22,7 @@ H, T0 = 0.1, 300.0
 def at_rest(**options: float) -> PaperState:
     """The initial state of the rod's case, without gravity."""
     opt = {**defaults(rod), "rod_gravity": 0.0, **options}
-    state = PaperState(MPI.COMM_SELF, rod.build(opt), 4, H, "projection", "auto", 16)
+    state = PaperState(MPI.COMM_SELF, rod.build(opt), 4, H, "projection")
     state.set_initial()
     return state
 

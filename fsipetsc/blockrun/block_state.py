@@ -348,11 +348,6 @@ class BlockState:
 
     # checkpoints
 
-    def _reload(self) -> None:
-        """What the scheme derives from a completed solution follows it, which stays as it is."""
-        self._load_stage(self.y.array)
-        self._fill_halos()
-
     def capture(self) -> dict[str, np.ndarray] | None:
         """What a step depends on, on rank 0: whole blocks, (…, n_1, n_0, unknowns), so that it does
         not depend on who had what; what stands behind the nodes is added up. Collective.

@@ -41,9 +41,10 @@ class FaceTerms:
         listed, count = [_nodes_of(part, np.empty(0, np.int64), 0, 0)], 0
         lengths = []
         for (axis, side), condition in problem.faces_of(k).items():
-            interface = isinstance(condition, Meeting) and problem.is_interface(k, axis, side)
+            met = isinstance(condition, Meeting)
+            interface = met and problem.is_interface(k, axis, side)
             supplied = interface and not self._gas and self._jumps is not None
-            beyond = _left_out(problem, condition.block) if interface else 0.0
+            beyond = _left_out(problem, condition.block) if met else 0.0
             loaded = _unheld(condition) and self.p_ref not in (0.0, beyond)
             if not (supplied or loaded or _acts(condition)):
                 continue

@@ -88,7 +88,7 @@ class Scheme:
         self._memory = tuple(np.zeros(layout.local_size) for _ in range(2))
         timed = self.particles.prescribed.timed or any(part.timed for part in self.parts.values())
         self.steady, self.fault = not timed and problem.jumps is None, None
-        self._filled: tuple[float, float] | None = None  # when the data were asked for
+        self._filled: tuple[Any] | None = None  # the instant that the data are of
 
     def _records(self, columns: dict[str, slice], ends: Sequence[Any], fluids: list[int]) -> None:
         """Parts as records in boxes, and what is done with them."""
@@ -159,7 +159,8 @@ class Scheme:
 
     def _refresh(self, t: float) -> None:
         """Data of the case at time t [s]. InputError the first time; later ones are kept."""
-        instant = None if self.steady else (t, self._instant())
+        differs = self.particles.prescribed.by_differences
+        instant = None if self.steady else (t, self._instant() if differs else 0.0)
         if self._filled is not None and self._filled[0] == instant:
             return
         try:

@@ -25,6 +25,8 @@ DOF = {"fluid": 3, "solid": 4}
 #: cells of a layer, with the spare ones: the unknowns of a few such layers can still be counted in
 #: 32 bits
 MOST_CELLS = 50_000_000
+#: points by which a gas may grow, beside an eighth of its own
+SPARE = 16
 
 _I, _F = np.int64, np.float64
 #: What compiled code knows of a layer. X = anchor + (i - anchor_index) h.
@@ -85,9 +87,8 @@ def check_form(problem: Problem) -> None:
         )
 
 
-def make_records(problem: Problem, op: SBPOperator, h: float, spare: int, halo: int) -> Array:
-    """What is the same on all ranks; a gas may grow by a third, or by an eighth and ``spare``
-    points.
+def make_records(problem: Problem, op: SBPOperator, h: float, halo: int) -> Array:
+    """What is the same on all ranks; a gas may grow by a third, or by an eighth and SPARE points.
 
     Raises InputError where h does not fit the solid or a layer is too short for the closures.
     """
@@ -95,7 +96,7 @@ def make_records(problem: Problem, op: SBPOperator, h: float, spare: int, halo: 
     for k, layer in enumerate(problem.layers):
         record, fluid = records[k], layer.kind == "fluid"
         width = (layer.X[1] - layer.X[0]) / h
-        if not width + spare < MOST_CELLS:
+        if not width + SPARE < MOST_CELLS:
             raise InputError(
                 f"layer '{layer.name}' of length {layer.X[1] - layer.X[0]:g} would have "
                 f"{width:.3g} cells with -fsi_h {h:g}; {MOST_CELLS} are too many"
@@ -111,7 +112,7 @@ def make_records(problem: Problem, op: SBPOperator, h: float, spare: int, halo: 
         if fluid:
             # the ghost point is the first one at or beyond the boundary
             cells, degree = int(np.ceil(width - 1e-9)), record["end_degree"].max()
-            room = max(spare + max(1, cells // 8), cells // 3)
+            room = max(SPARE + max(1, cells // 8), cells // 3)
             # the treatment of the interface must not change the points of a boundary's formulas
             least = max(op.min_points, nodes_needed(degree) + 2, degree + 1 + row_length(op))
         else:
@@ -153,11 +154,11 @@ class Layout:
     """
 
     def __init__(
-        self, comm: MPI.Comm, problem: Problem, op: SBPOperator, h: float, spare: int, mode: str
+        self, comm: MPI.Comm, problem: Problem, op: SBPOperator, h: float, mode: str
     ) -> None:
         self.comm, self.problem = comm, problem
         halo = max(2 * op.reach, 6)
-        self.records = make_records(problem, op, h, spare, halo)
+        self.records = make_records(problem, op, h, halo)
         kinds = [layer.kind for layer in problem.layers]
         stored = [
             (kind, int(r["n"]), int(r["hi"] - r["lo"]) + 1, k == 0 and kind == "fluid")

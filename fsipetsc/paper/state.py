@@ -72,7 +72,6 @@ class PaperState:
         h: float,
         coupling_name: str,
         mode: str = "auto",
-        spare: int = 16,
         entropy: bool = False,
         narrow: bool = False,
     ) -> None:
@@ -83,11 +82,11 @@ class PaperState:
                 "in the paper's method"
             )
         self.comm, self.problem, self.h, self.op = comm, problem, h, OPERATORS[order]
-        form = order, h, coupling_name, mode, spare, entropy, narrow
+        form = order, h, coupling_name, mode, entropy, narrow
         self._alike = lambda comm: PaperState(comm, problem, *form)
         self.evaluations = 0
         self.fault: InputError | None = None  # of a user's function, on this rank
-        self.layout = layout.Layout(comm, problem, self.op, h, spare, mode)
+        self.layout = layout.Layout(comm, problem, self.op, h, mode)
         self._y, total, self.k = np.zeros((3, self.layout.local_size))
         self.solution = PETSc.Vec().createWithArray(self._y, comm=comm)
         self._make_records(entropy)
@@ -135,6 +134,7 @@ class PaperState:
             with announced(announce), self._alike(MPI.COMM_SELF) as alone:
                 with np.errstate(all="ignore"):
                     steps.batch(*alone._chain, alone._faces, alone._steps, 0.0)
+                    alone._plan_next()
                     for layer in alone.layers:
                         fields.saved(layer)
         wait_asleep(self.comm)
