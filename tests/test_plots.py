@@ -224,9 +224,9 @@ def test_plot_in_the_format_of_the_name(results, tmp_path, capsys):
     assert "temperature T" in text and "stress" in text and "velocity" not in text
     assert "t = 100 ms" in text and "t = 500 ms" in text
     capsys.readouterr()
-    assert main(["plot", results["pulse"].path, "-all", "-o", str(tmp_path / "all")]) == 0
+    assert main(["plot", results["pulse"].path, "-all", "-o", str(tmp_path / "run1.0")]) == 0
     written = capsys.readouterr().out.split()
-    assert sorted(written) == sorted(map(str, (tmp_path / "all").iterdir()))
+    assert sorted(written) == sorted(map(str, (tmp_path / "run1.0").iterdir()))
     assert {f"pulse-{name}.png" for name in USUAL} == {path.split("/")[-1] for path in written}
 
 
@@ -238,11 +238,13 @@ def test_plot_in_the_format_of_the_name(results, tmp_path, capsys):
         ("-all -animate", "-all and -animate are two things"),
         ("-o x.jpg", "-o x.jpg: expected a directory, or a name that ends with .png, .pdf, .svg"),
         ("-all -o x.png", "-o x.png: expected a directory"),
+        ("-animate -fields q", "-fields q: expected some of u, T, p, rho, sigma, strain"),
     ],
 )
-def test_plot_says_what_it_cannot_do(results, words, said, capsys):
+def test_plot_says_what_it_cannot_do(results, words, said, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     assert main(["plot", results["rod"].path, *words.split()]) == 2
-    assert said in capsys.readouterr().err
+    assert said in capsys.readouterr().err and list(tmp_path.iterdir()) == []
 
 
 def test_film_and_a_file_where_a_directory_should_be(results, tmp_path, capsys):
