@@ -18,7 +18,7 @@ from fsipetsc.options import (
     read_options,
     table,
 )
-from fsipetsc.usage import case_help
+from fsipetsc.usage import case_help, command_help
 
 petsc4py = pytest.importorskip("petsc4py")
 
@@ -125,7 +125,9 @@ def test_bad_input_is_refused_and_named(read, text, words):
 def test_options_of_petsc_are_accepted(read, database):
     read("-ts_monitor -malloc_debug no")
     assert database.hasName("ts_monitor")
-    read("-malloc_debug no")
+    assert database.getString("malloc_debug") == "no"
+    read("-log_view :log")
+    assert database.getString("log_view") == ":log"
     assert not database.hasName("ts_monitor"), "an option of an earlier run"
     assert read("-ts_ssp_type rks3")["ts_type"] == "ssp"
     opt = read("-ts_rk_type 5dp -ts_view")
@@ -198,6 +200,8 @@ def test_help_shows_every_option_with_type_default_unit_and_choices(monkeypatch)
     assert "2, 4, 6, 8" in rows["-fsi_order"] and "no limit" in rows["-ts_max_steps"]
     assert "0 N/m³" in rows["-solid_force"] and "stub.h5" in rows["-fsi_output"]
     assert max(map(len, text.splitlines())) <= 120
+    text = command_help("verify", "", "", {})
+    assert "-options_file_yaml" in text and "-log_view" in text and "-ts_monitor" not in text
 
 
 @pytest.fixture
