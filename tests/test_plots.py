@@ -214,6 +214,11 @@ def test_ledgers_steps_and_residuals(results, figures):
     assert all(what in label for _, what in run.summary["limits"]) and run.summary["limits"]
 
 
+def test_the_interface_that_moved_most_is_on_the_page():
+    lines = [SimpleNamespace(displacement=np.array([[0.0, end, np.nan]])) for end in (1, -3, 2)]
+    assert series.moved_most(SimpleNamespace(interfaces="abc", interface=lines.__getitem__)) == 1
+
+
 def test_plot_in_the_format_of_the_name(results, tmp_path, capsys):
     for name, begins in (("a.pdf", b"%PDF"), ("a.svg", b"<?xml")):
         words = "--fields T,sigma --times 0.1,0.5 -o".split()
