@@ -8,7 +8,7 @@ import re
 import shlex
 import sys
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from fsipetsc.cases import BUILT_IN, load_case, summaries
 from fsipetsc.errors import FileError, InputError
@@ -18,9 +18,6 @@ from fsipetsc.process.launch import launcher_rank, left_as_found, start_mpi, sta
 from fsipetsc.process.streams import abandon, complete_streams
 from fsipetsc.process.together import together
 from fsipetsc.usage import case_help, command_help, overview, program
-
-if TYPE_CHECKING:
-    pass
 
 
 class Command(NamedTuple):
@@ -55,8 +52,8 @@ COMMANDS = {
     "stability": Command("[-sweep] [-option value ...]",
         "the linear theory, checked: spectra, energy growth, time-step limits",
         "fsipetsc.analysis.stability:stability", "fsipetsc.analysis.stability:SECTIONS"),
-    "flutter": Command("[-option value ... | RUN.h5]",
-        "growth of a panel's motion over dynamic pressure and Mach number; a result's limit cycle",
+    "flutter": Command("[-option value ...]",
+        "growth of a panel's motion over dynamic pressure and Mach number",
         "fsipetsc.analysis.flutter:flutter", "fsipetsc.analysis.flutter:sections"),
     "modes": Command("ring|shell [-option value ...]",
         "frequencies of small motions of a case at rest, by the scheme and exactly",

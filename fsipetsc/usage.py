@@ -11,7 +11,7 @@ from typing import Any
 
 from fsipetsc.options import groups
 from fsipetsc.options.option import INT_MAX, REQUIRED, Option
-from fsipetsc.options.tables import AT_START, PASSED_ON
+from fsipetsc.options.tables import IN_LOOP, PASSED_ON
 
 #: characters of the first column of an overview
 _LEFT = 29
@@ -73,7 +73,8 @@ def command_help(
     name: str, arguments: str, summary: str, sections: Mapping[str, Sequence[Option]]
 ) -> str:
     """The same for a command with options of its own; sections: heading -> options."""
-    return _help(f"{name}: {summary}", f"{name} {arguments}", sections, AT_START)
+    petsc = {option: what for option, what in PASSED_ON.items() if option not in IN_LOOP}
+    return _help(f"{name}: {summary}", f"{name} {arguments}", sections, petsc)
 
 
 def _help(

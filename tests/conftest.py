@@ -8,6 +8,7 @@ import fcntl
 import importlib.util
 import os
 import signal
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -33,6 +34,8 @@ FIRST = {
     "rk": ("rod", f"{_SHORT} -ts_type rk"),
     "forced": ("mms", "-ts_max_steps 2"),
 }
+#: tests of a session whose processes have processors of their own
+MANY = 300
 #: seconds that they may take: against what hangs, on a machine as busy as can be
 COMPILER = 7200.0
 ORDERS = (2, 4, 6, 8)
@@ -180,6 +183,20 @@ def pytest_configure(config: pytest.Config) -> None:
     os.environ.setdefault("OMPI_MCA_ess_singleton_isolated", "1")
 
 
+def pytest_collection_finish(session: pytest.Session) -> None:
+    """Where several processes share MANY tests, each of them has processors of its own, and so has
+    all that it starts.
+
+    Ranks on the same ones offer them to each other at once while they wait, and take half of what
+    they take where each waits for one that another process's rank has. Of few tests one process may
+    have all: it would leave processors idle.
+    """
+    shared = getattr(session.config, "workerinput", None)
+    if shared is not None and len(session.items) > MANY and hasattr(os, "sched_setaffinity"):
+        which, every = int(shared["workerid"].removeprefix("gw")), sorted(os.sched_getaffinity(0))
+        os.sched_setaffinity(0, every[which % len(every) :: shared["workercount"]])
+
+
 def pytest_sessionfinish() -> None:
     """What the ranks have cost is known when they have ended; before who sums up ends
     this process.
@@ -200,17 +217,23 @@ def kernels(tmp_path_factory: pytest.TempPathFactory) -> None:
     """Compile what is not compiled yet, once, so that no test waits for it longer than it can."""
     if importlib.util.find_spec("petsc4py") is None or importlib.util.find_spec("numba") is None:
         return
+    import numba
+    from llvmlite import binding
+
     from fsipetsc.operators.kernel_cache import use_kernel_cache
 
+    processor = numba.config.CPU_NAME or binding.get_host_cpu_name(), numba.config.CPU_FEATURES
+    what = repr((FIRST, sys.version, numba.__version__, processor))  # kernels are of these
     cache = use_kernel_cache()
+    done = cache / "tests.done"
     with (cache / "tests.lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)  # several processes of one session may come here at once
-        if not (cache / "tests.done").exists():
+        if not done.exists() or done.read_text() != what:
             folder = tmp_path_factory.mktemp("kernels")
             made = compute(1, folder, FIRST, COMPILER)
             wrong = [(folder / f"{name}.txt").read_text() for name in FIRST if name not in made]
             assert not wrong, f"the kernels that all tests need cannot be compiled: {wrong[0]}"
-            (cache / "tests.done").touch()
+            done.write_text(what)
 
 
 @pytest.fixture(scope="session")

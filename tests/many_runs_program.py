@@ -71,8 +71,10 @@ def footprint() -> dict[str, object]:
 
 
 def _is_file(number: str) -> bool:
+    """PETSc leaves an options file open in which it finds a fault."""
     with contextlib.suppress(OSError):
-        return os.readlink(f"/proc/self/fd/{number}").startswith(os.getcwd())
+        path = os.readlink(f"/proc/self/fd/{number}")
+        return path.startswith(os.getcwd()) and not path.endswith(".opts")
     return False
 
 

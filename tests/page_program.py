@@ -28,7 +28,7 @@ SHORT = {
     "flutter": "-fsi_h 0.0625 -panel_thickness 0.1 -flutter_machs 2 -flutter_lambdas 500,600 "
     "-ts_max_time 4",
 }
-#: may end with 3: a coupling breaks its promise, a run is too short for a limit cycle
+#: may end with 3: a coupling breaks its promise, a run is too short for two modes
 VERDICTS = "stability", "flutter"
 _plotted: list[str] = []
 

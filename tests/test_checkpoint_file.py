@@ -117,6 +117,14 @@ def test_a_file_that_cannot_be_gone_on_from_ends_all(ranks, stopped, tmp_path):
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
 
 
+def test_a_crafted_checkpoint_is_a_damaged_one(stopped, tmp_path):
+    header, arrays = read(stopped / "rod.checkpoint.h5")
+    for fault in ({}, {**header, "options": [1]}, {**header, "result": [1, 2, 3, 4, 5]}):
+        write(tmp_path / "a.h5", pack(Checkpoint(fault, arrays)))
+        done = solve("rod", "-fsi_restart", "a.h5", cwd=tmp_path)
+        message(done, 4, "a.h5: the checkpoint is damaged")
+
+
 def test_options_that_cannot_change_are_named(stopped, tmp_path):
     checkpoint = stopped / "rod.checkpoint.h5"
     for name, value in (

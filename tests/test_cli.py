@@ -72,14 +72,17 @@ BAD_INPUT = {
     "positional argument": (["foo"], 2, ["'foo'"]),
     "no options file": (["-options_file", "no.opts"], 4, ["no.opts"]),
     "bad options file": (["-options_file", "bad.opts"], 2, ["bad.opts line 2"]),
+    "too late": (["-options_file", "log.opts"], 2, ["-log_view works from the start of PETSc"]),
 }
 
 
 @pytest.mark.parametrize("name", BAD_INPUT)
 def test_bad_input(name, here):
+    (here / "log.opts").write_text("-log_view\n")
     (here / "bad.opts").write_text("-fsi_h 0.1\nfsi_order 6\n")
     args, status, words = BAD_INPUT[name]
-    message((start_stub if name == "unknown option" else run_stub)(*args), status, *words)
+    start = start_stub if name in ("unknown option", "too late") else run_stub
+    message(start(*args), status, *words)
 
 
 @pytest.mark.parametrize(

@@ -107,6 +107,21 @@ def test_a_layer_that_becomes_too_short(ranks, tmp_path):
     assert_readable(tmp_path / "rod.h5", "failed", 0.5)
 
 
+def test_a_failure_within_a_burst_loses_nothing(tmp_path):
+    """Neither steps of the series nor of the summary, as if they had been made one by one."""
+    found = []
+    for watch in ((), ("-ts_monitor",)):  # which makes bursts of one step
+        done = solve(*"rod -fsi_h 0.025 -ts_max_time 0.5 -ts_dt 3e-4".split(), *watch, cwd=tmp_path)
+        assert done.returncode == 3, done.stderr
+        with fsipetsc.open_run(tmp_path / "rod.h5") as result:
+            series = [result.series[name].tolist() for name in ("t", "dt", "x_interface", "mass")]
+            names = "steps", "rhs_evaluations", "dt_min", "dt_max", "message"
+            found.append((series, [result.summary[name] for name in names]))
+    assert len(found[0][0][0]) > 2 and found[0] == found[1]
+    seen = [int(line.split()[0]) for line in done.stdout.splitlines() if " TS dt " in line]
+    assert seen == list(range(found[1][1][0] + 1)), "a line for each step, and for the start"
+
+
 BROKEN = """
 import sys
 from mpi4py import MPI

@@ -18,7 +18,7 @@ from fsipetsc.options import (
     read_options,
     table,
 )
-from fsipetsc.usage import case_help
+from fsipetsc.usage import case_help, command_help
 
 petsc4py = pytest.importorskip("petsc4py")
 
@@ -110,6 +110,7 @@ def test_long_lists_and_values_with_blanks_arrive_whole(read, name):
         ("-snes_type 2.0", ["-snes_type", "no effect"]),
         ("-fsi_h=0.1", ["without ="]),
         ("-xyzzy", ["-xyzzy", "-help"]),
+        ("-ts_dt 1 -ts_time_step 2", ["-ts_dt", "-ts_time_step", "mean the same"]),
         ("-xyzzy -fsi_ordr 4", ["-xyzzy", "-fsi_ordr"]),
     ],
 )
@@ -124,7 +125,9 @@ def test_bad_input_is_refused_and_named(read, text, words):
 def test_options_of_petsc_are_accepted(read, database):
     read("-ts_monitor -malloc_debug no")
     assert database.hasName("ts_monitor")
+    assert database.getString("malloc_debug") == "no"
     read("-log_view :log")
+    assert database.getString("log_view") == ":log"
     assert not database.hasName("ts_monitor"), "an option of an earlier run"
     assert read("-ts_ssp_type rks3")["ts_type"] == "ssp"
     opt = read("-ts_rk_type 5dp -ts_view")
@@ -197,6 +200,8 @@ def test_help_shows_every_option_with_type_default_unit_and_choices(monkeypatch)
     assert "2, 4, 6, 8" in rows["-fsi_order"] and "no limit" in rows["-ts_max_steps"]
     assert "0 N/m³" in rows["-solid_force"] and "stub.h5" in rows["-fsi_output"]
     assert max(map(len, text.splitlines())) <= 120
+    text = command_help("verify", "", "", {})
+    assert "-options_file_yaml" in text and "-log_view" in text and "-ts_monitor" not in text
 
 
 @pytest.fixture
@@ -206,14 +211,14 @@ def here(tmp_path, monkeypatch, database):
 
 
 def test_the_command_line_comes_last_and_files_where_they_are_named(here, monkeypatch):
-    (here / "a.opts").write_text("# a comment\n-a 1 # more\n\n-b x\n-c\n")
+    (here / "a.opts").write_text("# -options_file b\n-a 1 # more\n\n-b x\n-c\n")
     (here / "a.yaml").write_text("fsi:\n  h: 0.1\ntimes: [1, 2.50]\ntext: 'a: b'\n")
     in_file = {"a": "1", "b": "x", "c": ""}
     assert given_options(["-A", "2", "-options_file", "a.opts"]) == in_file
     assert given_options(["-options_file", "a.opts", "-a", "2"]) == {**in_file, "a": "2"}
     in_yaml = {"fsi_h": "0.1", "times": "1,2.50", "text": "a: b"}
     assert given_options(["-options_file", "a.yaml"]) == in_yaml
-    monkeypatch.setenv("PETSC_OPTIONS", "-a 2 -d")
+    monkeypatch.setenv("PETSC_OPTIONS", "-a\t2\n-d")
     assert given_options(["-a", "-3", "-help"]) == {"a": "-3", "d": ""}
 
 
@@ -222,6 +227,7 @@ FAULTY = {
     "three.opts": (InputError, "three.opts line 2"),
     "word.opts": (InputError, "word.opts line 1"),
     "brace.yaml": (InputError, "YAML"),
+    "self.opts": (InputError, "self.opts: an options file cannot name another one"),
 }
 
 
@@ -230,7 +236,9 @@ def test_faulty_file(name, here):
     (here / "three.opts").write_text("-a 1\n-b 2 3\n")
     (here / "word.opts").write_text("fsi_order 6\n")
     (here / "brace.yaml").write_text("a: {\n")
+    (here / "self.opts").write_text("-a 1\n-b 2 -options_file self.opts\n")
     kind, words = FAULTY[name]
     with pytest.raises(kind, match=words) as caught:
         given_options(["-options_file", name])
+    assert present() == {}
     assert "\n" not in str(caught.value)

@@ -241,14 +241,65 @@ def test_a_restart_goes_on_behind_its_checkpoint(
     assert os.listdir(tmp_path) == ["run.h5"]
 
 
+def test_pieces_that_a_kill_has_left_do_not_count_again(tmp_path: Path) -> None:
+    """One came while the pieces were cleared: of these some are left, the header is gone."""
+    path, header = tmp_path / "run.h5", {**program.HEADER, "run": "this"}
+    program.write(str(path), 12, "blocks", header=header, join=False)
+    left = {piece.name: piece.read_bytes() for piece in (tmp_path / "run.parts").glob("00000[23]*")}
+    program.write(str(tmp_path / "other.h5"), 12, "blocks", header=header)
+    for piece in (tmp_path / "run.parts").iterdir():
+        piece.unlink()
+    (tmp_path / "other.h5").rename(path)
+    for name, content in left.items():
+        (tmp_path / "run.parts" / name).write_bytes(content)
+    restarted(path, Kept(4, 12, 0.1 * 11)).close()
+    with fsipetsc.open_run(path) as result:
+        assert (result.nframes, steps_of(result)) == (4, 12)
+
+
+def test_what_a_restart_gives_up_is_gone_when_it_begins(tmp_path: Path) -> None:
+    """Though it is killed before it has written anything; and other pieces are set aside."""
+    path, header = tmp_path / "run.h5", {**program.HEADER, "run": "this"}
+    program.write(str(path), 12, "blocks", header=header)
+    program.write(str(tmp_path / "other.h5"), 3, "blocks", join=False)
+    (tmp_path / "other.parts").rename(tmp_path / "run.parts")
+    writer = restarted(path, Kept(5, 15, 0.1 * 14))
+    writer.close()
+    assert [new.name for _, new in writer.moved] == ["run.1.parts"]
+    for name, frames in (("run.h5", 5), ("run.1.h5", 3)):
+        with fsipetsc.open_run(tmp_path / name) as result:
+            assert (result.nframes, steps_of(result)) == (frames, 3 * frames)
+
+
+def test_a_reader_that_comes_while_pieces_are_cleared_sees_all(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from fsipetsc.output import pieces, reader
+
+    path = tmp_path / "run.h5"
+    program.write(str(path), 12, "blocks", join=False)
+
+    def found(folder: Path) -> list[Path]:
+        """The pieces, the first of which have just gone: they are one file now."""
+        if not path.exists():
+            pieces.join(folder, path, pieces.read_about(folder))
+            return []
+        return pieces.pieces(folder)
+
+    monkeypatch.setattr(reader, "pieces", found)
+    with fsipetsc.open_run(path) as result:
+        assert result.nframes == 12
+
+
 def test_earlier_results_are_kept(tmp_path: Path) -> None:
     """Whole ones, and what a killed run has left; each with its number, by which it is read."""
     path = tmp_path / "run.h5"
     program.write(str(path), 1, "blocks", join=False)
+    (tmp_path / "run.1.h5").touch()
     (tmp_path / "run.2.h5").symlink_to("nowhere")
     said = [run(PROGRAM, "blocks", path, n).stdout.split()[2:] for n in (2, 3)]
-    assert said == [["run.1.parts"], ["run.3.h5"]]
-    for name, n in [("run.1.h5", 1), ("run.3.h5", 2), ("run.h5", 3)]:
+    assert said == [["run.3.parts"], ["run.4.h5"]]
+    for name, n in [("run.3.h5", 1), ("run.4.h5", 2), ("run.h5", 3)]:
         with fsipetsc.open_run(tmp_path / name) as result:
             assert result.nframes == n
 

@@ -214,6 +214,11 @@ def test_ledgers_steps_and_residuals(results, figures):
     assert all(what in label for _, what in run.summary["limits"]) and run.summary["limits"]
 
 
+def test_the_interface_that_moved_most_is_on_the_page():
+    lines = [SimpleNamespace(displacement=np.array([[0.0, end, np.nan]])) for end in (1, -3, 2)]
+    assert series.moved_most(SimpleNamespace(interfaces="abc", interface=lines.__getitem__)) == 1
+
+
 def test_plot_in_the_format_of_the_name(results, tmp_path, capsys):
     for name, begins in (("a.pdf", b"%PDF"), ("a.svg", b"<?xml")):
         words = "--fields T,sigma --times 0.1,0.5 -o".split()
@@ -224,9 +229,9 @@ def test_plot_in_the_format_of_the_name(results, tmp_path, capsys):
     assert "temperature T" in text and "stress" in text and "velocity" not in text
     assert "t = 100 ms" in text and "t = 500 ms" in text
     capsys.readouterr()
-    assert main(["plot", results["pulse"].path, "-all", "-o", str(tmp_path / "all")]) == 0
+    assert main(["plot", results["pulse"].path, "-all", "-o", str(tmp_path / "run1.0")]) == 0
     written = capsys.readouterr().out.split()
-    assert sorted(written) == sorted(map(str, (tmp_path / "all").iterdir()))
+    assert sorted(written) == sorted(map(str, (tmp_path / "run1.0").iterdir()))
     assert {f"pulse-{name}.png" for name in USUAL} == {path.split("/")[-1] for path in written}
 
 
@@ -238,11 +243,13 @@ def test_plot_in_the_format_of_the_name(results, tmp_path, capsys):
         ("-all -animate", "-all and -animate are two things"),
         ("-o x.jpg", "-o x.jpg: expected a directory, or a name that ends with .png, .pdf, .svg"),
         ("-all -o x.png", "-o x.png: expected a directory"),
+        ("-animate -fields q", "-fields q: expected some of u, T, p, rho, sigma, strain"),
     ],
 )
-def test_plot_says_what_it_cannot_do(results, words, said, capsys):
+def test_plot_says_what_it_cannot_do(results, words, said, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     assert main(["plot", results["rod"].path, *words.split()]) == 2
-    assert said in capsys.readouterr().err
+    assert said in capsys.readouterr().err and list(tmp_path.iterdir()) == []
 
 
 def test_film_and_a_file_where_a_directory_should_be(results, tmp_path, capsys):

@@ -45,3 +45,5 @@ def test_steps_far_beyond_their_bound_are_noted(where):
     )
     assert noted.pop(("-ts_dt", 1.0))[0].startswith("note: -ts_dt 1 is ")
     assert list(noted.values()) == [[], []] and bound > 0
+    said = box(where, "-ts_dt", 4, "-fsi_output_dt", 8).stderr  # and where they fail
+    assert "; -ts_dt 4 is " in said and " times the bound on the step at t = 0" in said

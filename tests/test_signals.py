@@ -80,6 +80,31 @@ def test_a_signal_not_heard_just_before_the_time_loop_ends_it_at_its_first_step(
         assert (result.summary["status"], result.summary["steps"]) == ("stopped", 1)
 
 
+LATE = """
+import signal, sys
+from fsipetsc.cli import main
+from fsipetsc.stepping import run
+
+flush = run._Run._flush
+
+
+def signalled(self):
+    signal.raise_signal(signal.SIGTERM)
+    flush(self)
+
+
+run._Run._flush = signalled
+sys.exit(main("rod -fsi_h 0.1 -ts_max_steps 3 -fsi_quiet".split()))
+"""
+
+
+def test_a_run_whose_steps_are_done_ends_as_ever_whatever_comes(tmp_path):
+    done = run("-c", LATE, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    with fsipetsc.open_run(tmp_path / "rod.h5") as result:
+        assert (result.summary["status"], len(result.series["t"])) == ("done", 3)
+
+
 SWEEP = (
     STARTED.replace("SIGNAL", "SIGTERM")
     + """

@@ -10,9 +10,11 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from difflib import get_close_matches
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 from fsipetsc.blame import brief
@@ -125,26 +127,40 @@ def given_options(words: Sequence[str]) -> dict[str, str]:
     """Name in lower case -> text, "" without a value, of the options that were given.
 
     PETSc, which runs, reads PETSC_OPTIONS, then the words of the command line, and the files that
-    either names; its database holds these options alone then. Not collective. InputError, FileError
-    for what PETSc does not take, InputError for a word that is no option's value.
+    either names; its database holds these options alone then, and none after an error. Not
+    collective. InputError, FileError for what PETSc does not take, InputError for a word that is no
+    option's value, and for an options file that names another one.
     """
     from petsc4py import PETSc
 
+    put({})
+    environment = os.environ.get("PETSC_OPTIONS", "").split()
+    for option, name in pairwise([*environment, "-", *words]):
+        if option.lstrip("-").lower() in ("options_file", "options_file_yaml"):
+            _refuse_nesting(Path(name))
     for before, word in pairwise(["", *words]):
         if not is_option(word) and not is_option(before):
             what = f"unexpected argument '{brief(word)}'"
             raise InputError(f"{what}: a value stands right behind its option")
     quoted = (word if is_option(word) else _quoted(word) for word in words)
-    put({})
-    for text in (os.environ.get("PETSC_OPTIONS", ""), " ".join(quoted)):
+    for text in (" ".join(environment), " ".join(quoted)):
         try:
             PETSc.Options().insertString(text)
         except PETSc.Error as error:
+            put({})
             said = petsc_words(error).split(": ", 1)[-1].split("; ")[-1]
             kind = FileError if any(text in said for text in _UNREADABLE) else InputError
             raise kind(f"options: {said}") from None
     given = {name.lower(): text for name, text in present().items()}
     return {name: text for name, text in given.items() if name != "help"}
+
+
+def _refuse_nesting(file: Path) -> None:
+    """InputError for an options file that names another: PETSc crashes where one names itself."""
+    with suppress(OSError):  # PETSc says so
+        text = file.read_text(errors="replace") if file.is_file() else ""
+        if re.search(r"^[^#\n]*\boptions_file", text, re.MULTILINE | re.IGNORECASE):
+            raise InputError(f"-options_file {file}: an options file cannot name another one")
 
 
 def _quoted(word: str) -> str:
@@ -233,6 +249,9 @@ def _read(options: Mapping[str, Option], given: Mapping[str, str]) -> dict[str, 
     ]
     if unknown:
         raise InputError(f"unknown option{'s' * (len(unknown) > 1)} {', '.join(unknown)}")
+    for alias, name in ALIASES.items():
+        if given.get(alias, given.get(name)) != given.get(name, given.get(alias)):
+            raise InputError(f"-{alias} and -{name} mean the same; give one of them")
     values = {option.name: option.default for option in options.values()}
     for name, text in given.items():
         option = options.get(ALIASES.get(name, name))

@@ -75,7 +75,7 @@ CHECKPOINTS = (
     Option("fsi_checkpoint_wall", float, None, "s", "wall time from one checkpoint to the next",
         check="positive"),
     Option("fsi_restart", str, None, "",
-        "go on from a checkpoint; auto: from the newest good one, if there is one",
+        "go on from a checkpoint; auto: from the run's own, if there is one",
         check=_file_name),
 )
 RUN = (

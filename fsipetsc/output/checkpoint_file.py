@@ -74,7 +74,7 @@ def read(path: str | os.PathLike[str]) -> Checkpoint:
     try:
         return unpack(Path(path).read_bytes() if is_one(Path(path)) else b"", name)
     except OSError as error:
-        raise FileError(f"{name}: cannot be read: {error.strerror}") from None
+        raise FileError(f"{name}: cannot be read: {error.strerror or error}") from None
 
 
 def is_one(path: Path) -> bool:
@@ -91,7 +91,11 @@ def check_place(path: str | os.PathLike[str]) -> None:
     target = Path(os.path.realpath(path))
     if target.exists() and not target.is_file():
         raise FileError(f"{path}: exists and is not a regular file")
-    if target.exists() and target.stat().st_size and not is_one(target):
+    try:
+        other = target.exists() and target.stat().st_size and not is_one(target)
+    except OSError as error:
+        raise FileError(f"{path}: cannot be read: {error.strerror}") from None
+    if other:
         raise FileError(f"{path}: exists and is not a checkpoint of fsipetsc")
 
 

@@ -13,7 +13,6 @@ from contextlib import suppress
 from pathlib import Path
 
 from fsipetsc.errors import FileError
-from fsipetsc.output.file_layout import beside
 
 
 class Lock:
@@ -64,7 +63,8 @@ class Lock:
 
 
 def set_aside(file: Path) -> Path:
-    """Give NAME.h5 or NAME.parts the first free number, NAME.1.h5 or NAME.1.parts, which returns.
+    """Give NAME.h5 or NAME.parts the first number that no result has, as NAME.1.h5 or NAME.1.parts,
+    which returns.
 
     OSError, and FileError for what is neither a regular file nor a folder of pieces.
     """
@@ -73,9 +73,7 @@ def set_aside(file: Path) -> Path:
     ending = file.suffix if file.suffix in (".h5", ".parts") else ""
     stem = file.name.removesuffix(ending)
     for k in itertools.count(1):
-        kept = file.with_name(f"{stem}.{k}{ending}")
-        others = beside(kept, ".h5"), beside(kept, ".parts")
-        if not any(map(os.path.lexists, (kept, *others))):
-            os.rename(file, kept)
-            return kept
+        names = [file.with_name(f"{stem}.{k}{last}") for last in ("", ".h5", ".parts")]
+        if not any(map(os.path.lexists, names)):
+            return file.rename(file.with_name(f"{stem}.{k}{ending}"))
     raise AssertionError

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from xml.sax.saxutils import escape, quoteattr
 
@@ -40,7 +41,8 @@ def move(path: Path, kept_as: Path) -> None:
     target = name_beside(path)
     if target.is_file() and target.read_text(errors="replace").startswith(_HEAD):
         target.unlink()
-        write(kept_as)
+        with suppress(FileError):  # it is damaged
+            write(kept_as)
 
 
 def _text(run: Run) -> Iterator[str]:

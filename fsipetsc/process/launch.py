@@ -55,14 +55,16 @@ def start_petsc(arguments: Sequence[str], comm: MPI.Comm) -> dict[str, str]:
     """
     if not petsc_runs():
         _initialise(arguments)
-    before = present()
+    before = {name.lower(): text for name, text in present().items()}
+    put({})  # an error leaves none, on any rank
     given = comm.bcast(together(comm, lambda: given_options(arguments) if comm.rank == 0 else None))
     start = {name: given[name] for name in AT_START if name in given}
     for name, text in start.items():
         if before.get(name) != text:
+            put({})
             raise InputError(
                 f"-{name} works from the start of PETSc: give it on the command line, or in "
-                "PETSC_OPTIONS, of the first run in a process"
+                "PETSC_OPTIONS, of the first run in a process, not in an options file"
             )
     # newer releases (3.22) print what nobody asked for at the end, after every error
     put({"options_left": "false", **start})
@@ -75,12 +77,13 @@ def _initialise(arguments: Sequence[str]) -> None:
     for word, value in zip(words, words[1:]):
         if word.lstrip("-").lower() in AT_START:
             start += [word, *([] if is_option(value) or value == "-" else [value])]
-    always = ["-skip_petscrc", "-no_signal_handler"]  # a SIGTERM is the program's business
+    # a SIGTERM is the program's business; an error of options is not a list of those left
+    always = ["-skip_petscrc", "-no_signal_handler", "-options_left", "false"]
     import petsc4py
 
     environment = os.environ.pop("PETSC_OPTIONS", None)
     try:
-        petsc4py.init(["fsipetsc", *start, *always])
+        petsc4py.init(["fsipetsc", *always, *start])
     except RuntimeError:
         raise InputError(f"PETSc could not start with {' '.join(start)}") from None
     finally:

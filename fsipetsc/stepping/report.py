@@ -142,7 +142,8 @@ class Reporter:
         if steps:
             bounds = (f"{w} ({100 * p:.0f} %)" for w, p in shares(summary["limits"], summary["t"]))
             lengths = f"{summary['dt_min']:.3g} … {summary['dt_max']:.3g}{self._s}"
-            yield f"dt: {lengths}, bounded by {_list(bounds)}"
+            bounded = f", bounded by {_list(bounds)}" if summary["limits"] else ""
+            yield f"dt: {lengths}{bounded}"
         departures = sorted(summary["departures"].items(), key=lambda x: (x[1] == x[1], -x[1]))
         if departures:  # nan first
             yield f"kept: {_list(f'{name} to {size:.1e}' for name, size in departures)}"

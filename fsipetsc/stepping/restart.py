@@ -95,7 +95,12 @@ def find_past(case: Any, given: Mapping[str, str], comm: MPI.Comm) -> Past | Non
 
     def read() -> Past:
         try:
-            return Past(path, *checkpoint_file.read(path), [])
+            past = Past(path, *checkpoint_file.read(path), [])
+            _ = past.header["case"], past.options, past.kept
+            return past
+        except (AttributeError, IndexError, KeyError, TypeError, ValueError) as error:
+            said = f"{type(error).__name__}: {error}"
+            raise FileError(f"{path}: the checkpoint is damaged: {said}") from None
         except FileError as error:
             hint = "; without it -fsi_restart auto begins anew" if auto else ""
             raise FileError(f"{error}{hint}") from None
@@ -185,11 +190,16 @@ def check_file(comm: MPI.Comm, path: str, opt: Mapping[str, Any]) -> None:
 
 
 def other_checkpoint(path: str, past: Past | None) -> Path | None:
-    """A checkpoint at this name that is not the one the run goes on from, if there is one."""
+    """A checkpoint at this name that is not the one the run goes on from, if there is one.
+    FileError.
+    """
     there = Path(os.path.realpath(path))
-    if not there.is_file() or (past is not None and there.samefile(past.path)):
-        return None
-    return there if checkpoint_file.is_one(there) else None
+    try:
+        if not there.is_file() or (past is not None and there.samefile(past.path)):
+            return None
+        return there if checkpoint_file.is_one(there) else None
+    except OSError as error:
+        raise FileError(f"{path}: cannot be read: {error.strerror}") from None
 
 
 def write_checkpoint(

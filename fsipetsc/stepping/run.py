@@ -16,9 +16,9 @@ from fsipetsc.blockrun.run_problem import RunProblem
 from fsipetsc.errors import ComputationError, FileError, FsiError, InputError, Interrupted
 from fsipetsc.options import read_options
 from fsipetsc.output.checkpoint_file import CheckpointError
-from fsipetsc.output.file_layout import beside
 from fsipetsc.output.writer import RunWriter
 from fsipetsc.problem import Problem
+from fsipetsc.process.together import together
 from fsipetsc.stepping import restart
 from fsipetsc.stepping.integrator import Integrator
 from fsipetsc.stepping.ledgers import Ledgers
@@ -101,7 +101,10 @@ class _Run:
             on_checkpoint=self._checkpoint,
         )
         self.mark = self._mark()
-        other = restart.other_checkpoint(self.checkpoint, past) if comm.rank == 0 else None
+        root = comm.rank == 0
+        other = together(
+            comm, lambda: restart.other_checkpoint(self.checkpoint, past) if root else None
+        )
         after = None if past is None else past.kept
         self.writer = RunWriter(
             comm, opt["fsi_output"], self._header(), state.grids(), after, other
@@ -208,7 +211,6 @@ class _Run:
     def go(self) -> None:
         """Begin or go on, integrate, and complete the result, whatever happens."""
         for old, new in self.writer.moved:
-            new = beside(new, ".h5") if new.suffix == ".parts" else new
             self.report.line(f"kept the earlier {old.name} as {new}")
         failure: FsiError | None = None
         found: dict[str, dict[str, float]] | None = None

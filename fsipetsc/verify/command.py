@@ -132,8 +132,9 @@ def _show(
         folder = Path(opt["verify_docs"])
         where = folder / f"{name}.png"
         lines = [problem(name), f"Reference: {entry.source}.", ""]
-        for cells in (HEAD, ["---"] * len(HEAD), *(row.cells for row in rows)) if rows else ():
-            lines.append(f"| {' | '.join(cells)} |")
+        if rows:
+            table = [f"| {' | '.join(cells)} |" for cells in (HEAD, *(row.cells for row in rows))]
+            lines += [table[0], "|---|---:|---|---|---|---|", *table[1:]]
         lines += ["", f"![{_title(name)}]({name}.png)", ""] if rows else []
         lines += [] if rows else ["Only `-verify_level full` runs this.", ""]
         try:

@@ -24,13 +24,15 @@ SECONDS = 10.0  # its length
 def animate(run: Run, target: Path, names: Sequence[str] = ()) -> Path:
     """Draw a result as the GIF `target`; names: fields that are shown.
 
-    FileError if the film cannot be written, InputError for a result of less than two frames.
+    FileError if the film cannot be written, InputError for a result of less than two frames,
+    and for a field that there is not.
     """
     from matplotlib.animation import PillowWriter
     from matplotlib.figure import Figure
 
     if run.nframes < 2:
         raise InputError(f"-animate: there are {run.nframes} frames: expected two or more")
+    chosen(run, names)  # an error comes before the film
     frames, figure = some(run, MOST), Figure(dpi=DPI)
     writer = PillowWriter(fps=max(1.0, len(frames) / SECONDS))
     with writing(target, "the film"), writer.saving(figure, target, DPI):

@@ -27,6 +27,7 @@ WIDTH = 10.8  # inches, of a figure
 PANELS, MAPS = 2.8, 4.4  # inches, heights of a row of curves, of maps over x and t
 LEAST_FRAMES = 5  # of fewer, profiles say more than maps over x and t
 PICTURES = (".png", ".pdf", ".svg")
+KNOWN = (*PICTURES, ".gif", ".jpg", ".jpeg", ".eps", ".tif", ".tiff", ".webp", ".mp4")
 
 #: height [inches], what is drawn on a figure of this height
 Drawing = tuple[float, Callable[["FigureBase"], None]]
@@ -45,7 +46,7 @@ def plot(path: str, given: Mapping[str, str]) -> list[Path]:
         raise InputError("plot: -all and -animate are two things; give one of them")
     suffixes = (".gif",) if film else () if every else PICTURES
     is_file = where.suffix in suffixes
-    if where.suffix and not is_file and not where.is_dir():
+    if where.suffix.lower() in KNOWN and not is_file and not where.is_dir():
         named = f", or a name that ends with {', '.join(suffixes)}" if suffixes else ""
         raise InputError(f"plot: -o {where}: expected a directory{named}")
     matplotlib = needed("plot")
@@ -108,7 +109,10 @@ def page(figure: Figure, run: Run, names: Sequence[str] = (), times: Sequence[fl
         drawings += [_at_times(run, quantity, times) for quantity in quantities]
     ledgers = {panel.label: panel for panel in series.ledger_panels(run)}
     told = [ledgers.get(name) for name in ("change of energy", "relative departure")]
-    panels = [*list(series.interface_panels(run))[:1], *filter(None, told)]
+    moved = list(series.interface_panels(run))
+    if run.dimension == 2 and run.nframes > 1 and run.interfaces:
+        moved = moved[series.moved_most(run) :]
+    panels = [*moved[:1], *filter(None, told)]
     if panels := [*panels, *series.step_panels(run)]:
         drawings.append(_curves(run, panels, columns=len(panels)))
     steps = f"{len(run.series.get('t', ())):,} steps"

@@ -80,6 +80,12 @@ def interface_panels(run: Run) -> Iterator[Panel]:
             yield Panel(label, unit, t, curves, name.startswith("residual"))
 
 
+def moved_most(run: Run) -> int:
+    """The interface of a run in two dimensions that was displaced most, in any of its frames."""
+    lines = [run.interface(k).displacement for k in range(len(run.interfaces))]
+    return int(np.argmax([np.nanmax(np.abs(line)) for line in lines]))
+
+
 def _deflection(run: Run, k: int) -> Panel:
     """Of some points of an interface in two dimensions."""
     line = run.interface(k)
@@ -119,7 +125,8 @@ def step_panels(run: Run) -> Iterator[Panel]:
     if len(t) > 1:
         at, dt = envelope(t, run.series["dt"], len(t) // 4)
         bounds = dict.fromkeys(what for _, what in run.summary.get("limits", ()))
-        yield Panel("time step", "s", at, {f"bounded by {', '.join(bounds)}": dt})
+        name = f"bounded by {', '.join(bounds)}" if bounds else "dt"
+        yield Panel("time step", "s", at, {name: dt})
 
 
 def draw_panels(figure: FigureBase, run: Run, panels: list[Panel], columns: int = 3) -> None:
