@@ -54,7 +54,7 @@ def test_gas_goes_around_the_edge_of_a_step(bodies):
     front, top = before.Y[-1] - before.Y[-2], over.X[1] - over.X[0]
     assert abs(u * front - v * top) < 1e-14 and u > 0.1
     corner = [before[name][-1][0, -1] for name in ("u", "v")]
-    assert np.abs(corner).max() == 0.0  # where floor and front meet
+    assert np.abs(corner).max() < 1e-30  # where floor and front meet
 
 
 def test_the_shock_of_the_fin_is_that_of_the_experiment():

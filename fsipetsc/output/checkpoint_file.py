@@ -15,6 +15,7 @@ import json
 import os
 from contextlib import suppress
 from pathlib import Path
+from tempfile import TemporaryFile
 from typing import Any, NamedTuple
 
 import h5py
@@ -97,6 +98,11 @@ def check_place(path: str | os.PathLike[str]) -> None:
         raise FileError(f"{path}: cannot be read: {error.strerror}") from None
     if other:
         raise FileError(f"{path}: exists and is not a checkpoint of fsipetsc")
+    try:
+        with TemporaryFile(dir=target.parent):
+            pass
+    except OSError as error:
+        raise FileError(f"{path}: no checkpoint can be written there: {error.strerror}") from None
 
 
 def draft_of(path: str | os.PathLike[str]) -> Path:
