@@ -104,7 +104,7 @@ class BlockState:
         gases = sum(block.kind == "fluid" for block in blocks)
         self.lossy = any(loses(problem, k) for k in range(len(blocks)))
         behind = gained(gases, d, self.lossy).itemsize // 8
-        self._halos = halos_of(problem, order, form.shock > 0.0)
+        self._halos = halos_of(problem, order, self.shocks)
         self.layout = BlockLayout(comm, problem, order, self._halos, partition, behind=behind)
         self.y = self.layout.vector()
         self._stage = self.layout.vector()
@@ -481,4 +481,3 @@ class BlockState:
             or (isinstance(error, FsiError) and error.collective)
         ):
             self.destroy()
-

@@ -88,6 +88,16 @@ def is_one(path: Path) -> bool:
 
 def check_place(path: str | os.PathLike[str]) -> None:
     """FileError where no checkpoint can be written, or something else would be overwritten."""
+    check_name(path)
+    try:
+        with TemporaryFile(dir=Path(os.path.realpath(path)).parent):
+            pass
+    except OSError as error:
+        raise FileError(f"{path}: no checkpoint can be written there: {error.strerror}") from None
+
+
+def check_name(path: str | os.PathLike[str]) -> None:
+    """FileError without a folder that can be written to, or where something else has the name."""
     check_folder(path, writable=True)
     target = Path(os.path.realpath(path))
     if target.exists() and not target.is_file():
@@ -98,11 +108,6 @@ def check_place(path: str | os.PathLike[str]) -> None:
         raise FileError(f"{path}: cannot be read: {error.strerror}") from None
     if other:
         raise FileError(f"{path}: exists and is not a checkpoint of fsipetsc")
-    try:
-        with TemporaryFile(dir=target.parent):
-            pass
-    except OSError as error:
-        raise FileError(f"{path}: no checkpoint can be written there: {error.strerror}") from None
 
 
 def draft_of(path: str | os.PathLike[str]) -> Path:
@@ -115,7 +120,7 @@ def write(path: str | os.PathLike[str], content: bytes) -> None:
     """Make this the checkpoint of a name. CheckpointError: then what was there is unchanged."""
     target, draft = Path(os.path.realpath(path)), draft_of(path)
     try:
-        check_place(path)  # something else may have come there meanwhile
+        check_name(path)  # something else may have come there meanwhile
     except FileError as error:
         raise CheckpointError(f"the checkpoint cannot be written: {error}") from None
     try:

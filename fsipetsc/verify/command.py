@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from importlib import import_module
 from itertools import count
 from pathlib import Path
@@ -55,7 +56,8 @@ def verify(arguments: list[str], comm: MPI.Comm) -> None:
         entry: Entry = import_module(f"fsipetsc.verify.{name}").ENTRY
         say(f"{_title(name)} ({name}); reference: {entry.source}")
         found, last = run_entry(name, entry, opt["verify_level"], comm, path.parent)
-        together(comm, lambda: None if comm.rank else _show(name, entry, found, last, opt, path))  # noqa: B023
+        show = partial(_show, name, entry, found, last, opt, path)
+        together(comm, show if comm.rank == 0 else lambda: None)
         told = text_table(HEAD, [row.cells for row in found])
         say((told if found else "only with -verify_level full") + "\n")
         rows += found
