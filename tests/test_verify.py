@@ -12,7 +12,7 @@ from helpers import REPOSITORY, message, solve
 
 from fsipetsc.cases import superseismic as case
 from fsipetsc.verify import ENTRIES
-from fsipetsc.verify.entry import Bound, Row, problem, reference
+from fsipetsc.verify.entry import Bound, Compared, Row, problem, reference
 
 
 def program(name):
@@ -29,7 +29,7 @@ def test_orders_and_verdicts():
     assert row.verdict == "holds"
     short = row._replace(bound=Bound(4.5, 1e-6))
     assert short.verdict == "order 4.32 < 4.5; error 1.00e-05 > 1.00e-06"
-    lost = row._replace(errors=(1.0, 1.0, np.nan))
+    lost = row._replace(found=(1.0, 1.0, np.nan))
     assert lost.verdict.startswith("order nan < 4; error nan")
     of_grids = row._replace(bound=Bound(at={0.05: 1e-4, 0.025: 1e-4}))
     assert of_grids.verdict == "error 2.00e-04 > 1.00e-04"
@@ -37,6 +37,8 @@ def test_orders_and_verdicts():
     assert alone.observed == () and alone.verdict == "no bound"
     assert alone._replace(bound=Bound(error=1e-4)).verdict == "holds"
     assert alone._replace(bound=Bound(1.0)).verdict == "order unknown < 1"
+    compared = Row("a", "T", 4, (0.1, 0.05), (Compared(1.2, 2.0), Compared(1.9, 2.0, 0.5)), Bound())
+    assert compared.errors == pytest.approx((0.4, 0.2))
 
 
 @pytest.mark.parametrize(
@@ -134,6 +136,11 @@ def test_entries_as_they_run(tmp_path):
     verdicts = {row["quantity"]: row["verdict"] for row in rows}
     assert set(verdicts.values()) == {"holds", "no bound"}
     assert verdicts["receding, stress"] == verdicts["clamped, d = 0.05"] == "holds"
+    beams = [row for row in rows if row["case"] == "beam"]
+    for row in beams:
+        value, exact = float(row["value"]), float(row["reference"])
+        assert float(row["error"]) == pytest.approx(abs(value / exact - 1.0), rel=1e-6)
+    assert len(beams) == 2 and not any(row["value"] for row in rows if row not in beams)
     found = {}
     for row in rows:
         found.setdefault(row["quantity"], []).append(float(row["error"]))

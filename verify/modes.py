@@ -4,8 +4,9 @@ Layers: disturbances go as exp(i k x + s t). A gas with viscosity and conduction
 phi exp(m y), m^2 = k^2 + L, with (rho s - (p/s + 4 mu/3) L)(rho c_v s - kappa L) = R rho p L, and a
 vortical one with L = rho s/mu; a solid has L = s^2/c_p^2 and L = s^2/c_s^2; a liquid without both
 has L = s^2/c^2. Ring: displacements by Bessel functions of order n times exp(i n theta - i w t).
-Half spaces: the equations of Scholte and of Stoneley (A. Ben-Menahem, S. J. Singh, Seismic Waves
-and Sources, 1981), and of Rayleigh.
+Shells: grad phi with phi'' + kappa/r phi' + w^2/c^2 phi = 0, around an axis (kappa = 1) or a
+centre (2). Half spaces: the equations of Scholte (A. Ben-Menahem, S. J. Singh, Seismic Waves and
+Sources, 1981) and of Rayleigh; Stoneley's wave by the determinant of what decays on both sides.
 """
 
 import numpy as np
@@ -72,18 +73,19 @@ def determinant(*blocks):
 
 
 def over_layer(s, k, height, depth, fluid, of_solid):
-    """Zero for a mode of a fluid in 0 < y < height over a solid clamped at -depth."""
+    """Zero for a mode of a fluid, or a solid, in 0 < y < height over a solid clamped at -depth."""
     f, w = fluid(k, s), solid(k, s, *of_solid)
     top, low = lambda m: height if np.real(m) > 0 else 0, lambda m: 0 if np.real(m) > 0 else -depth
-    viscous = len(f) == 6
-    rows = [[(f, i, height, top), (w, None, 0, low)] for i in ((0, 1, 4) if viscous else (0,))]
-    both = ((0, 0), (1, 1), (2, 2), (3, 3)) if viscous else ((0, 1), (1, 3))
+    held = {6: (0, 1, 4), 4: (0, 1), 2: (0,)}[len(f)]  # viscous gas, solid, liquid
+    rows = [[(f, i, height, top), (w, None, 0, low)] for i in held]
+    both = ((0, 1), (1, 3)) if len(f) == 2 else ((0, 0), (1, 1), (2, 2), (3, 3))
     for i, j in both:
         minus = [(m, tuple(-v for v in values)) for m, values in w]
         rows.append([(f, i, 0, top), (minus, j, 0, low)])
-    rows += (
-        [[(f, 4, 0, top), (w, None, 0, low)]] if viscous else [[(f, None, 0, top), (w, 2, 0, low)]]
-    )
+    if len(f) == 6:
+        rows.append([(f, 4, 0, top), (w, None, 0, low)])
+    elif len(f) == 2:
+        rows.append([(f, None, 0, top), (w, 2, 0, low)])
     rows += [[(f, None, 0, top), (w, i, -depth, low)] for i in (0, 1)]
     return determinant(*rows)
 
@@ -150,6 +152,49 @@ def ring_mode(
     return root(misfit, near).real
 
 
+def shell_mode(near, kappa, inner=1.0, outer=1.3, vessel=2.0, density=2.0, lam=1.5, mu=1.0):
+    """w of an elastic shell around gas to r = 0 and in a vessel of gas, rho = p = 1."""
+    gamma = 1.4
+
+    def waves(k, r):
+        """[(phi, phi')] of the function that is regular at r = 0, and of the other one."""
+        if kappa == 1:
+            return [(f(0, k * r, 0), k * f(0, k * r, 1)) for f in (jvp, yvp)]
+        pairs = (np.sin(k * r), np.cos(k * r)), (np.cos(k * r), -np.sin(k * r))
+        return [(a / (k * r), (b - a / (k * r)) / r) for a, b in pairs]
+
+    def misfit(w):
+        k, g = w / sqrt((lam + 2 * mu) / density), w / sqrt(gamma)
+        da, db = (slope for _, slope in waves(g, vessel))
+        rows = []
+        for r, parts in ((inner, (1, 0)), (outer, (db, -da))):
+            phi, u = (sum(c * v for c, v in zip(parts, of)) for of in zip(*waves(g, r)))
+            p = gamma * g * g * phi  # of the gas, whose displacement is u
+            row = []
+            for f, df in waves(k, r):
+                stress = -lam * k * k * f - 2 * mu * (k * k * f + kappa / r * df)
+                row.append(u * stress + df * p)
+            rows.append(row)
+        return np.linalg.det(np.array(rows))
+
+    return root(misfit, near).real
+
+
+def stoneley(density, cp, cs, density2, cp2, cs2):
+    """Speed of the wave along the plane between two elastic half spaces."""
+
+    def misfit(v):
+        """Velocities and stresses of what decays on either side do not match."""
+        k, s = 1.0, -1j * v
+        f = solid(k, s, density2 * cs2**2, density2 * (cp2**2 - 2 * cs2**2), density2)
+        g = solid(k, s, density * cs**2, density * (cp**2 - 2 * cs**2), density)
+        rows = [fields for m, fields in f if m.real < 0] + [fields for m, fields in g if m.real > 0]
+        return (np.linalg.det(np.array(rows))).real
+
+    least = min(cs, cs2)
+    return brentq(misfit, 0.9 * least, least * (1 - 1e-9), xtol=1e-13)
+
+
 def scholte(rho, c, density, cp, cs):
     """Speed of the wave along a liquid half space over an elastic one; rho = 0: Rayleigh's."""
 
@@ -158,6 +203,14 @@ def scholte(rho, c, density, cp, cs):
         return g * (4 * p * s - (2 - (v / cs) ** 2) ** 2) - rho / density * p * (v / cs) ** 4
 
     return brentq(misfit, 0.5 * min(c, cs), min(c, cs) * (1 - 1e-12), xtol=1e-12, rtol=1e-15)
+
+
+def two_layers_mode(near, lower, upper, k=2 * np.pi):
+    """s of a mode of two elastic layers, 1 m each, on and under a clamp."""
+    one, other = ((n * s**2, n * (p**2 - 2 * s**2), n) for n, p, s in (lower, upper))
+    return root(
+        lambda s: over_layer(s, k, 1.0, 1.0, lambda k, s: solid(k, s, *other), one), near
+    )
 
 
 def liquid_layer_mode(near, k, height, depth, rho, c, density, cp, cs):
@@ -171,6 +224,7 @@ def liquid_layer_mode(near, k, height, depth, rho, c, density, cp, cs):
 
 #: density, speeds of P and S waves [SI]
 METALS = {"steel": (7850.0, 5900.0, 3200.0), "aluminium": (2700.0, 6320.0, 3130.0)}
+TUNGSTEN = 19250.0, 5220.0, 2890.0
 
 
 def columns():
@@ -183,6 +237,11 @@ def columns():
         s = 2j * np.pi * scholte(1000.0, 1480.0, *metal)
         layers = liquid_layer_mode(s, 2 * np.pi, 1.0, 1.0, 1000.0, 1480.0, *metal)
         made[f"water over {name}"] = [layers, s, np.nan]
+    heavy, light = TUNGSTEN, METALS["aluminium"]
+    s = 2j * np.pi * stoneley(*heavy, *light)
+    made["tungsten under aluminium"] = [two_layers_mode(s, heavy, light), s, np.nan]
+    made["cylinder"] = [1j * shell_mode(w, 1) for w in (2.081, 4.469, 5.812)]
+    made["sphere"] = [1j * shell_mode(w, 2) for w in (2.490, 4.989, 6.127)]
     parts = [(name, part) for name in made for part in ("real", "imag")]
     return {f"{name} {part}": list(getattr(np.array(made[name]), part)) for name, part in parts}
 
@@ -199,4 +258,6 @@ if __name__ == "__main__":
         "water over a metal, k = 2 pi/m: first row layers of 1 m under a lid and on a clamp; "
         "second row half",
         "spaces (Scholte), whose speed is s/k: 1479.601 (steel), 1476.765 m/s (aluminium)",
+        "tungsten under aluminium, the same without a liquid (Stoneley)",
+        "cylinder, sphere: shells of the ring's solid and gases, gas to r = 0; first three",
     )

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.verify.entry import Bound, Entry, Measured, Solve, reference
+from fsipetsc.verify.entry import Bound, Compared, Entry, Measured, Solve, reference
 
 ACROSS = 12
 
@@ -58,7 +58,7 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
     for ends, thickness in (("clamped", 0.05), ("hinged", 0.02)):
         found = first_frequency(order, h, thickness, ends == "hinged") / np.sqrt(thickness**2 / 6.0)
         row = np.argmin(np.abs(table["d"] - thickness))
-        errors[f"{ends}, d = {thickness:g}"] = abs(float(found / table[ends][row]) - 1.0)
+        errors[f"{ends}, d = {thickness:g}"] = Compared(float(found), float(table[ends][row]))
     return Measured(errors)
 
 

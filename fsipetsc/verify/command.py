@@ -17,7 +17,7 @@ from fsipetsc.output.reader import open_run
 from fsipetsc.process.launch import start_petsc
 from fsipetsc.process.together import together, wait_asleep
 from fsipetsc.verify import ENTRIES
-from fsipetsc.verify.entry import Bound, Entry, Measured, Row, Solve, problem
+from fsipetsc.verify.entry import Bound, Compared, Entry, Measured, Row, Solve, problem
 
 if TYPE_CHECKING:
     from mpi4py import MPI
@@ -33,8 +33,8 @@ SECTIONS: dict[str, tuple[Option, ...]] = {
     "Run": tuple(option for option in RUN if option.name in _OF_RUN),
 }
 HEAD = ("quantity", "order", "grid spacings", "errors", "observed orders", "verdict")
-COLUMNS = ("case", "quantity", "order", "h", "ranks", "error", "rate", "least_rate")
-COLUMNS += ("largest_error", "verdict", "source")
+COLUMNS = ("case", "quantity", "order", "h", "ranks", "value", "reference", "source")
+COLUMNS += ("error", "rate", "verdict", "least_rate", "largest_error")
 
 
 def verify(arguments: list[str], comm: MPI.Comm) -> None:
@@ -61,7 +61,7 @@ def verify(arguments: list[str], comm: MPI.Comm) -> None:
         told = text_table(HEAD, [row.cells for row in found])
         say((told if found else "only with -verify_level full") + "\n")
         rows += found
-        lines += [(*line, entry.source) for row in found for line in _csv_lines(row, comm.size)]
+        lines += [line for row in found for line in _csv_lines(row, comm.size, entry.source)]
     together(comm, lambda: None if comm.rank else save_csv(path, COLUMNS, lines))
     wait_asleep(comm)
     hold, free = (sum(row.verdict == word for row in rows) for word in ("holds", "no bound"))
@@ -85,9 +85,9 @@ def run_entry(
             found = [entry.measure(solve, order, h) for h in spacings]
             measured = found[-1]
             for quantity in measured.errors:
-                errors = tuple(one.errors[quantity] for one in found)
+                numbers = tuple(one.errors[quantity] for one in found)
                 bound = entry.bounds.get((quantity, order), Bound())
-                rows.append(Row(name, quantity, order, tuple(spacings), errors, bound))
+                rows.append(Row(name, quantity, order, tuple(spacings), numbers, bound))
     return rows, measured
 
 
@@ -114,15 +114,23 @@ def _title(name: str) -> str:
     return problem(name).split("\n")[0].removeprefix("# ")
 
 
-def _csv_lines(row: Row, ranks: int) -> list[tuple[Any, ...]]:
-    """One line for each grid, under COLUMNS but for the last one."""
+def _csv_lines(row: Row, ranks: int, source: str) -> list[tuple[Any, ...]]:
+    """One line for each grid, under COLUMNS; norms of errors have no value and no reference."""
     lines = []
-    for k, (h, error) in enumerate(zip(row.spacings, row.errors)):
+    for k, (h, found, error) in enumerate(zip(row.spacings, row.found, row.errors)):
         bounds = row.bound.order, row.bound.largest(h, h == row.spacings[-1])
         observed = row.observed[k - 1] if k else ""
-        about = row.entry, row.quantity, row.order
-        lines.append((*about, h, ranks, error, observed, *bounds, row.verdict))
+        about = row.entry, row.quantity, row.order, h, ranks
+        value, reference = map(_number, found[:2]) if isinstance(found, Compared) else ("", "")
+        lines.append((*about, value, reference, source, error, observed, row.verdict, *bounds))
     return lines
+
+
+def _number(value: complex) -> str:
+    """In a table: 1.5, or -0.5+2i."""
+    if isinstance(value, complex):
+        return f"{value.real:.12g}{value.imag:+.12g}i"
+    return f"{value:.12g}"
 
 
 def _show(
@@ -154,7 +162,7 @@ def picture(title: str, rows: list[Row], last: Measured | None, path: Path) -> N
     from matplotlib.figure import Figure
 
     curve = last.curve if last else None
-    figure = Figure(figsize=(10.0 if curve else 6.0, 4.2), layout="constrained")
+    figure = Figure(figsize=(12.0 if curve else 8.0, 4.2), layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.subplots(1, 2 if curve else 1, squeeze=False)[0]
     if curve:
@@ -163,13 +171,14 @@ def picture(title: str, rows: list[Row], last: Measured | None, path: Path) -> N
         axes[0].plot(curve.x, curve.ours, ".", markersize=4, label="computed")
         axes[0].set(xlabel=curve.words[0], ylabel=curve.words[1])
         axes[0].legend(frameon=False)
-    for row in rows:
-        axes[-1].loglog(row.spacings, row.errors, "o-", label=f"{row.quantity}, order {row.order}")
+    for k, row in enumerate(rows):
+        mark, label = "os^v"[k // 10 % 4], f"{row.quantity}, order {row.order}"
+        axes[-1].loglog(row.spacings, row.errors, f"{mark}-", label=label)
     axes[-1].set(xlabel="grid spacing h", ylabel="error")
     spacings = sorted({h for row in rows for h in row.spacings})
     axes[-1].set_xticks([], minor=True)
     axes[-1].set_xticks(spacings, [f"{h:.3g}" for h in spacings])
-    axes[-1].legend(frameon=False, fontsize="x-small")
+    axes[-1].legend(frameon=False, fontsize="x-small", loc="upper left", bbox_to_anchor=(1.0, 1.0))
     figure.suptitle(title, fontsize="medium")
     try:
         figure.savefig(path, dpi=75)

@@ -26,10 +26,27 @@ class Curve(NamedTuple):
     reference: Array
 
 
-class Measured(NamedTuple):
-    """Of one run. errors: quantity -> error; curve: one of them as a picture shows it."""
+class Compared(NamedTuple):
+    """A number beside its reference. size: what their distance is divided by; None: by the
+    reference.
+    """
 
-    errors: dict[str, float]
+    value: complex
+    reference: complex
+    size: float | None = None
+
+    @property
+    def error(self) -> float:
+        """Distance from the reference over the size."""
+        return abs(self.value - self.reference) / (self.size or abs(self.reference))
+
+
+class Measured(NamedTuple):
+    """Of one run. errors: quantity -> an error, or the number that is compared; curve: one of them
+    as a picture shows it.
+    """
+
+    errors: Mapping[str, float | Compared]
     curve: Curve | None = None
 
 
@@ -63,14 +80,19 @@ class Entry(NamedTuple):
 
 
 class Row(NamedTuple):
-    """A quantity at an order: its errors on each grid."""
+    """A quantity at an order on each grid: errors, or the numbers that are compared."""
 
     entry: str
     quantity: str
     order: int
     spacings: tuple[float, ...]
-    errors: tuple[float, ...]
+    found: tuple[float | Compared, ...]
     bound: Bound
+
+    @property
+    def errors(self) -> tuple[float, ...]:
+        """On each grid."""
+        return tuple(one.error if isinstance(one, Compared) else one for one in self.found)
 
     @property
     def observed(self) -> tuple[float, ...]:

@@ -6,15 +6,20 @@ from typing import Any
 
 import numpy as np
 
-from fsipetsc.verify.entry import Array, Bound, Entry, Measured, Solve, reference
+from fsipetsc.verify.entry import Array, Bound, Compared, Entry, Measured, Solve, reference
 
 #: density, speeds of P and S waves [SI]
-METALS = {"steel": (7850.0, 5900.0, 3200.0), "aluminium": (2700.0, 6320.0, 3130.0)}
+METALS = {
+    "steel": (7850.0, 5900.0, 3200.0),
+    "aluminium": (2700.0, 6320.0, 3130.0),
+    "tungsten": (19250.0, 5220.0, 2890.0),
+}
+SHELLS = {1: "cylinder", 2: "sphere"}
 K = 2.0 * np.pi
 
 
-def ring(order: int, h: float) -> Array:
-    """s of the slowest modes [1/s]."""
+def at_rest(name: str, order: int, h: float, n: int = 0, **given: Any) -> Array:
+    """s of the slowest modes of a case [1/s], of angular number n."""
     from mpi4py import MPI
 
     from fsipetsc.analysis.wave_modes import radial_modes
@@ -22,18 +27,31 @@ def ring(order: int, h: float) -> Array:
     from fsipetsc.options import defaults
     from fsipetsc.stepping.solve import build_problem
 
-    case = load_case("ring")
-    opt = {**defaults(case), "fsi_order": order, "fsi_h": h, "ring_pulse": 0.0}
-    return 1j * radial_modes(build_problem(case, opt, MPI.COMM_SELF), order, 2)[:3]
+    case = load_case(name)
+    opt = {**defaults(case), "fsi_order": order, "fsi_h": h, **given}
+    return 1j * radial_modes(build_problem(case, opt, MPI.COMM_SELF), order, n)[:3]
+
+
+def metal(name: str, pressure: float) -> Any:
+    """An elastic solid, free of stress under a pressure [Pa]."""
+    from fsipetsc.materials.solid import ElasticSolid
+
+    density, cp, cs = METALS[name]
+    mu = density * cs**2
+    lame = density * cp**2 - 2.0 * mu
+    return ElasticSolid(mu, lame, 0.0, density, 1000.0, p_ref=pressure, heat="elastic")
 
 
 def over_solid(
     order: int, h: float, fluid: Any, solid: Any, depth: float, state: tuple[float, float]
 ) -> Array:
-    """s [1/s] of all modes of a fluid, 1 m high, over a solid; state: density and temperature."""
+    """s [1/s] of all modes of a fluid, 1 m high, over a solid; state: density and temperature. The
+    fluid may be a solid, too.
+    """
     from fsipetsc.analysis.wave_modes import Stack, linearise
     from fsipetsc.blocks.conditions import Clamped, NoSlip, Slip
     from fsipetsc.blocks.layers import Layer
+    from fsipetsc.materials.solid import ElasticSolid
 
     rho, T = state
     least = {2: 2, 4: 8, 6: 12}[order]
@@ -41,8 +59,11 @@ def over_solid(
         *("solid", solid, (-depth, 0.0), lambda X, Y: (0.0, 0.0, T, X, Y)),
         cells=max(round(depth / h), least),
     )
-    above = Layer("fluid", fluid, (0.0, 1.0), lambda X, Y: (rho, 0.0, 0.0, T), cells=round(1.0 / h))
-    stack = Stack((below, above), Clamped(), NoSlip() if fluid.mu > 0.0 else Slip())
+    two = isinstance(fluid, ElasticSolid)
+    start = below.initial if two else lambda X, Y: (rho, 0.0, 0.0, T)
+    above = Layer("fluid", fluid, (0.0, 1.0), start, cells=round(1.0 / h))
+    lid = Clamped() if two else NoSlip() if fluid.mu > 0.0 else Slip()
+    stack = Stack((below, above), Clamped(), lid)
     return linearise(stack, order, round(1.0 / h), K).modes()[0]
 
 
@@ -52,33 +73,35 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
     from fsipetsc.materials.solid import ElasticSolid
     from fsipetsc.materials.stiffened_gas import stiffened_gas
 
-    table, errors = reference("normal_modes"), {}
+    table = reference("normal_modes")
 
-    def misfit(name: str, row: int, found: Array) -> float:
-        exact = table[f"{name} real"][row] + 1j * table[f"{name} imag"][row]
-        return float(np.abs(found - exact).min() / abs(exact))
+    def misfit(name: str, row: int, found: Array) -> Compared:
+        exact = complex(table[f"{name} real"][row], table[f"{name} imag"][row])
+        return Compared(complex(found[np.abs(found - exact).argmin()]), exact)
 
-    found = ring(order, h)
+    found = at_rest("ring", order, h, 2, ring_pulse=0.0)
     errors = {f"ring, mode {k + 1}": misfit("ring", k, found) for k in range(3)}
+    for kappa, name in SHELLS.items():
+        found = at_rest("shell", order, h / 5.0, shell_kappa=kappa, shell_charge=0.0)
+        errors |= {f"{name}, mode {k + 1}": misfit(name, k, found) for k in range(3)}
     gas = Fluid(0.01, 0.035 / 0.72, 1.4, 1.0)
     layer = ElasticSolid(1.0, 1.0, 0.0, 1.0, 1.0, p_ref=1.0, heat="elastic")
     found = over_solid(order, h, gas, layer, 0.5, (1.0, 1.0))
     errors["viscous gas"] = misfit("viscous gas", 0, found)
-    for name, (density, cp, cs) in METALS.items():
+    for name in ("steel", "aluminium"):
         gamma, cv, p, rho = 4.4, 1000.0, 1e5, 1000.0
         p_inf = rho * 1480.0**2 / gamma - p
         T = (p + p_inf) / ((gamma - 1.0) * cv * rho)
         water = Fluid(0.0, 0.0, gamma, (gamma - 1.0) * cv, law=stiffened_gas(gamma, cv, p_inf))
-        mu = density * cs**2
-        numbers = mu, density * cp**2 - 2.0 * mu, 0.0, density, 1000.0
-        metal = ElasticSolid(*numbers, p_ref=p, heat="elastic")
-        found = over_solid(order, h, water, metal, 1.0, (rho, T))
+        found = over_solid(order, h, water, metal(name, p), 1.0, (rho, T))
         errors[f"water over {name}"] = misfit(f"water over {name}", 0, found)
+    found = over_solid(order, h, metal("aluminium", 0.0), metal("tungsten", 0.0), 1.0, (0.0, 1.0))
+    errors["tungsten under aluminium"] = misfit("tungsten under aluminium", 0, found)
     return Measured(errors)
 
 
-NAMES = [f"ring, mode {k}" for k in (1, 2, 3)]
-NAMES += ["viscous gas", *(f"water over {metal}" for metal in METALS)]
+NAMES = [f"{name}, mode {k}" for name in ("ring", *SHELLS.values()) for k in (1, 2, 3)]
+NAMES += ["viscous gas", "water over steel", "water over aluminium", "tungsten under aluminium"]
 ENTRY = Entry(
     source="verify/modes.py (determinants)",
     levels={"quick": {4: (1 / 16, 1 / 24)}, "full": {4: (1 / 16, 1 / 32), 6: (1 / 24, 1 / 32)}},

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fsipetsc.verify.entry import Bound, Curve, Entry, Measured, Solve, reference
+from fsipetsc.verify.entry import Bound, Compared, Curve, Entry, Measured, Solve, reference
 
 #: of each problem: its name, end time, options of the case
 PROBLEMS = {
@@ -22,8 +22,8 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
             t, x = run.series["t"], run.series["x_interface"][:, 0]
             pressure = -run.series["sigma_interface"][:, 0]
         late = t > t[-1] - 0.2 * (t[-1] - hit)
-        errors[f"{name}, u"] = abs((x[-1] - 1.0) / (t[-1] - hit) / u - 1.0)
-        errors[f"{name}, p"] = abs(float(pressure[late].mean()) / p - 1.0)
+        errors[f"{name}, u"] = Compared(float((x[-1] - 1.0) / (t[-1] - hit)), u)
+        errors[f"{name}, p"] = Compared(float(pressure[late].mean()), p)
         if name == "Mach 3":
             ends, words = t[[0, -1]], ("t", "p at the interface, Mach 3")
             curve = Curve(words, t, pressure, ends, 0.0 * ends + p)

@@ -4,7 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from fsipetsc.verify.entry import Array, Bound, Curve, Entry, Measured, Solve, reference, smooth
+from fsipetsc.verify.entry import (
+    Array,
+    Bound,
+    Compared,
+    Curve,
+    Entry,
+    Measured,
+    Solve,
+    reference,
+    smooth,
+)
 
 JUMP, BEGIN, END = 0.01, 10.0, 20.0
 
@@ -47,9 +57,11 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
     with solve(problem, fsi_order=order, fsi_h=h, **given) as run:
         cold, warm = (layer.frame(-1) for layer in run.layers)
     x, X, T, T_s = warm["x"].ravel(), cold["x"].ravel(), warm["T"].ravel(), cold["T"].ravel()
-    apart = {"gas": T - in_gas(x, END)[2], "solid": T_s - in_solid(X, END)[2]}
-    apart["interface"] = T[0] - table["contact T"][0]
-    errors = {name: float(np.abs(error).max()) / JUMP for name, error in apart.items()}
+    errors = {
+        "gas": float(np.abs(T - in_gas(x, END)[2]).max()) / JUMP,
+        "solid": float(np.abs(T_s - in_solid(X, END)[2]).max()) / JUMP,
+        "interface": Compared(float(T[0]), float(table["contact T"][0]), JUMP),
+    }
     words = "x", "T of the gas"
     return Measured(errors, Curve(words, x, T, table["chi"] * np.sqrt(END), table["gas T"]))
 

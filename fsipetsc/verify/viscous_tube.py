@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fsipetsc.verify.entry import Array, Bound, Curve, Entry, Measured, Solve, reference
+from fsipetsc.verify.entry import Array, Bound, Compared, Curve, Entry, Measured, Solve, reference
 
 
 def front(x: Array, p: Array, level: float) -> float:
@@ -36,8 +36,11 @@ def measure(solve: Solve, order: int, h: float) -> Measured:
     x, y = frame["x"][0], frame["y"][:, 0]
     place, height, places = triple_point(x, y, frame["p"])
     table = reference("viscous_tube")
-    errors = {"x of the triple point": abs(place - float(table["x"][0]))}
-    errors["y of the triple point"] = abs(height - float(table["y"][0]))
+    found = {"x": place, "y": height}
+    errors = {
+        f"{axis} of the triple point": Compared(v, float(table[axis][0]), size=1.0)
+        for axis, v in found.items()
+    }
     curve = Curve(("front of the shock, x", "y"), np.array(places), y, table["x"], table["y"])
     return Measured(errors, curve)
 
