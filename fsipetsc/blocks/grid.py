@@ -20,7 +20,7 @@ from fsipetsc.blocks.plane_grid import plane_motion
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.blocks.radial_grid import radial_motion
 from fsipetsc.checks import Array
-from fsipetsc.operators.loops import CALL
+from fsipetsc.operators.loops import CALL, INNER_CALL
 
 
 class LineMotion(NamedTuple):
@@ -189,7 +189,7 @@ def blend(cube, values, out):
             out[c, m] = u[cube.at[m]]
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def _add_between(u, low, high, l, h, before):
     """u += l low + h high along an axis."""
     n = l.size

@@ -25,7 +25,7 @@ from fsipetsc.blocks.faces import face_nodes
 from fsipetsc.blocks.hull import Hull, end_weights
 from fsipetsc.blocks.metrics import EXACT, Wide, differentiate
 from fsipetsc.checks import Array
-from fsipetsc.operators.loops import CALL, add, dot, load, rows, scale, store, sub
+from fsipetsc.operators.loops import CALL, INNER_CALL, add, dot, load, rows, scale, store, sub
 
 
 class Faces(NamedTuple):
@@ -137,7 +137,7 @@ def plane_places(plane, X, places):
             places[c, i] += X[c, i]
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def differentiate_faces(plane, values):
     """Values (2, H) of the hull at faces and vertices, and derivatives along faces."""
     for faces in (plane.along, plane.across):
@@ -159,7 +159,7 @@ def differentiate_faces(plane, values):
             plane.rise[c, i] = (f[2 + c, i] - f[c, i]) - (low[i] * at_low + high[i] * at_high)
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def _row(plane, j):
     """Of row j: weights of its ends, Q_0, Q_n, W, E."""
     ends, g, l, h = plane.ends, plane.across.f, plane.across.low[j], plane.across.high[j]
@@ -168,7 +168,7 @@ def _row(plane, j):
     return l, h, start, stop, (g[0, j], g[1, j]), (g[2, j], g[3, j])
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def blend_slopes(plane, j):
     """D_1 u and D_2 u of row j."""
     slope, steep, rise, row = plane.along.slope, plane.across.slope, plane.rise, plane.row
@@ -179,7 +179,7 @@ def blend_slopes(plane, j):
     _along((row[2], row[3]), (rise[0], rise[1]), plane.along.low, plane.along.high, W, E)
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def blend_values(plane, j, u):
     """u of row j."""
     f, low, high = plane.along.f, plane.along.low, plane.along.high

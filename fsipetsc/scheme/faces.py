@@ -32,7 +32,6 @@ from numpy.typing import NDArray
 
 from fsipetsc.equations.tensors import add_unit, outer
 from fsipetsc.operators.loops import (
-    CALL,
     INNER_CALL,
     add,
     along,
@@ -126,7 +125,7 @@ class Closed(NamedTuple):
         return None
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def pass_faces(gas, like, faces, S, weight, patch, q, metrics, rates, gain):
     """Add what passes the faces of a gas to ``rates`` (owned, d + 3) and ``gain`` (d + 2,).
 
@@ -266,7 +265,7 @@ def by_characteristics(gas, w, beyond, n, g, size, viscous):
     return sub(F, lost), True
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def load_faces(solid, like, faces, S, weight, patch, q, metrics, inertia, rates, gain):
     """Add forces and heat at the faces of a solid to ``rates`` (owned, 2d + 1), and to ``gain``
     (d + 2,) work, impulse and energy.

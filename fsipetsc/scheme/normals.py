@@ -17,7 +17,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from fsipetsc.operators.loops import CALL
+from fsipetsc.operators.loops import CALL, INNER_CALL
 
 Array = NDArray[Any]
 
@@ -57,7 +57,7 @@ def add_areas(faces, d, areas, table):
             table[faces.row[i], faces.column[i] + c] += faces.weight[i] * area
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def derivative(S, weight, stride, values, at, place):
     """D of values (ghosted nodes,) at node ``at``, which is number ``place`` along the axis."""
     total = 0.0
@@ -69,7 +69,7 @@ def derivative(S, weight, stride, values, at, place):
     return 0.5 * total / weight
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def sum_members(particle, row, table, total):
     """Add rows of members, in their order, to particles; total: (p, K, n), table: (rows, K n)."""
     total[:] = 0.0

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from numba import njit
 
 from fsipetsc.operators.bands import mirror
-from fsipetsc.operators.loops import CALL, INNER_LOOP, MERGED_CALL
+from fsipetsc.operators.loops import CALL, INNER_CALL, INNER_LOOP, MERGED_CALL
 from fsipetsc.scheme.after_step import WORDS
 from fsipetsc.scheme.block_look import CONVECTION
 from fsipetsc.scheme.normals import add_areas
@@ -49,7 +49,7 @@ def ghosted(part, s, dof):
     return part.halo if part.halo.shape[0] > 0 else own
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def fill_halo(s, begin, dof, patch, halo):
     """Copy a whole block, with its other end beyond each end of a periodic axis."""
     (n0, n1, n2), (g0, g1, g2), (f0, f1, f2) = patch.own, patch.ghosted, patch.first

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 
 from numba import njit
 
-from fsipetsc.operators.loops import CALL, node
+from fsipetsc.operators.loops import INNER_CALL, node
 from fsipetsc.scheme.normals import derivative
 from fsipetsc.scheme.rows import Array
 
@@ -54,7 +54,7 @@ class Radial(NamedTuple):
         return self.grid.bounds
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def add_pressure(gas, source, q, patch, rates):
     """p S."""
     first = patch.first[0]
@@ -63,7 +63,7 @@ def add_pressure(gas, source, q, patch, rates):
         rates[i, 2] += w[1] * source[first + i]
 
 
-@njit(**CALL)
+@njit(**INNER_CALL)
 def add_viscous(gas, grid, q, metrics, S, weight, first, room, rates):
     """What viscous stresses around the axis do."""
     source, kappa = grid.source, len(grid.hoops)
