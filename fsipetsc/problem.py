@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from fsipetsc.blame import place_of_caller
-from fsipetsc.boundaries import Boundary, SolidEnd, Wall, closes, in_time, needs_stretching
+from fsipetsc.boundaries import Boundary, SolidEnd, Wall, closes, in_time
 from fsipetsc.checks import Array, Fields, described, extent, function
 from fsipetsc.errors import InputError
 from fsipetsc.materials.fluid import Fluid
@@ -30,11 +30,11 @@ class FluidLayer:
 
     initial(X) -> (rho, u, T); exact(X, t) -> the same; forcing(X, t) -> right-hand sides of (rho,
     rho u, e).
-    mapping: one of MAPPINGS, or None for that of -fsi_mapping. Rigid: at time t the gas at X
-    stands at x = X - X_I + x_I, I its interface: see docs/cases.md; outside X[0], X[1] the
-    functions are asked for points that the grid holds in reserve. Stretched: it stands at x_0 + (X
-    - X[0]) (x_1 - x_0) / (X[1] - X[0]) between the places x_0, x_1 of its ends. InputError for
-    what is of the wrong kind.
+    mapping: one of MAPPINGS or None, from older case files: the coupling alone decides. With the
+    paper's couplings the grid is rigid: at time t the gas at X stands at x = X - X_I + x_I, I its
+    interface: see docs/cases.md; outside X[0], X[1] the functions are asked for points that the
+    grid holds in reserve. With conservative it is stretched: x_0 + (X - X[0]) (x_1 - x_0) / (X[1] -
+    X[0]) between the places x_0, x_1 of its ends. InputError for what is of the wrong kind.
     """
 
     name: str
@@ -133,11 +133,6 @@ class Problem:
                 what = f"at the outer end of the {layer.kind} layer '{layer.name}' stands"
                 fit = gas if layer.kind == "fluid" else solid
                 raise InputError(f"{what} {described(end)}: expected {fit}")
-        for k, layer in enumerate(layers):
-            if getattr(layer, "mapping", None) == "rigid" and not self._may_be_rigid(k):
-                why = "it has not one interface and one end that insulates and stays there"
-                what = f"layer '{layer.name}' has mapping='rigid'"
-                raise InputError(f"{what}: expected 'stretched' or None, because {why}")
         for a, b in zip(layers, layers[1:], strict=False):
             if abs(a.X[1] - b.X[0]) > 1e-12 * max(abs(a.X[1]), a.X[1] - a.X[0]):
                 places = f"one ends at X = {a.X[1]:.10g}, the other begins at {b.X[0]:.10g}"
@@ -164,12 +159,6 @@ class Problem:
         form = "jumps(k, t) -> (g_u, g_stress, g_T, g_flux)"
         function(self.jumps, "Problem: jumps", form, optional=True)
         object.__setattr__(self, "layers", tuple(layers))
-
-    def _may_be_rigid(self, k: int) -> bool:
-        """Whether a gas has one interface and one end, which insulates and stays where it is."""
-        last = len(self.layers) - 1
-        ends = [end for at, end in ((0, self.left), (last, self.right)) if at == k]
-        return len(ends) == 1 and not needs_stretching(ends[0])
 
     def unit(self, name: str) -> str:
         """What stands behind a number in a message: " m", or nothing if the problem has no

@@ -21,8 +21,8 @@ H, T0 = 0.1, 300.0
 
 def at_rest(**options: float) -> PaperState:
     """The initial state of the rod's case, without gravity."""
-    opt = {**defaults(rod), "rod_gravity": 0.0, **options}
-    state = PaperState(MPI.COMM_SELF, rod.build(opt), 4, H, "projection")
+    opt = {**defaults(rod), "fsi_h": H, "rod_gravity": 0.0, **options}
+    state = PaperState(MPI.COMM_SELF, rod.build(opt), opt)
     state.set_initial()
     return state
 
@@ -34,7 +34,7 @@ def test_the_rate_is_the_4_norm_of_convection_and_diffusion():
     with at_rest() as state:
         gas = state.problem.layers[0].material
         rho, sound = (
-            state.layout.local(0, state.solution.getArray(readonly=True))[-1, 0],
+            state.layers[0].of(state.solution.getArray(readonly=True))[-1, 0],
             np.sqrt(gas.gamma * gas.R * T0),
         )
     convection = sound / H

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
-from math import prod
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -40,7 +39,7 @@ from fsipetsc.scheme.plan import BAD, BURST, FLAGS, LIMITS, RATE, SAID_STOP
 from fsipetsc.scheme.runge_kutta import STAGES, advance
 from fsipetsc.stepping.diagnosis import Seen, described
 from fsipetsc.stepping.phases import logged
-from fsipetsc.stepping.snapshot import as_numbers, gather_local
+from fsipetsc.stepping.snapshot import as_numbers, gather_local, put_whole, whole
 from fsipetsc.stepping.state import FAULT
 
 #: by order: how much shorter steps are with dissipation of strength 1 at shocks. That alone is a
@@ -355,14 +354,9 @@ class BlockState:
         layout, parts = self.layout, gather_local(self.comm, self.y.array)
         if parts is None:
             return None
-        arrays = {
-            f"layer{k}": np.empty((*shape[::-1], dof))
-            for k, (shape, dof) in enumerate(zip(layout.shapes, layout.dofs, strict=True))
-        }
-        behind = np.zeros(layout.behind)
-        for rank, part in enumerate(parts):
-            for k, place, at, shape in layout.pieces(rank):
-                arrays[f"layer{k}"][place] = part[at : at + prod(shape)].reshape(shape)
+        shapes = [(*s[::-1], dof) for s, dof in zip(layout.shapes, layout.dofs, strict=True)]
+        arrays, behind = whole(parts, shapes, layout.pieces), np.zeros(layout.behind)
+        for part in parts:
             behind += part[part.size - layout.behind :]
         latest = as_numbers(self.latest).copy()
         return {**arrays, "behind": behind, "results": self.results.copy(), "latest": latest}
@@ -377,8 +371,7 @@ class BlockState:
                 raise InputError(f"{block} has {now} nodes, and {then} in the checkpoint")
         self.results[:], as_numbers(self.latest)[:] = arrays["results"], arrays["latest"]
         self._t = t
-        for k, place, at, shape in layout.pieces(rank):
-            self.y.array[at : at + prod(shape)] = arrays[f"layer{k}"][place].reshape(-1)
+        put_whole(self.y.array, arrays, layout.pieces(rank))
         self.y.behind[:] = arrays["behind"] if rank == 0 else 0.0
         self._load_stage(self.y.array)  # what the scheme derives of it; it stays as it is
         self._fill_halos()

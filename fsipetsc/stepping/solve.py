@@ -18,7 +18,7 @@ from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.checks import described
 from fsipetsc.errors import InputError
 from fsipetsc.options import InForce
-from fsipetsc.paper.state import PaperState, make_paper_state
+from fsipetsc.paper.state import PaperState
 from fsipetsc.problem import Problem
 from fsipetsc.process.together import together
 from fsipetsc.stepping.integrator import Integrator
@@ -67,9 +67,9 @@ def build_problem(case: Any, opt: Mapping[str, Any], comm: MPI.Comm) -> Problem 
 def make_state(
     problem: Problem | RunProblem, opt: dict[str, Any], comm: MPI.Comm
 ) -> PaperState | BlockState:
-    """The state that the options in force ask for; with -log_view one that logs what it does.
+    """The state that the options in force ask for. Collective.
 
-    Collective. InputError where grid, order and ranks do not fit.
+    InputError where grid, order and ranks do not fit.
     """
     if opt["fsi_entropy"] or opt["fsi_check"] is not None:
         _check_entropy(problem)
@@ -83,7 +83,7 @@ def make_state(
             raise InputError(
                 f"-{name} is of blocks: here series of all interfaces are recorded anyway"
             )
-    return make_paper_state(problem, opt, comm)
+    return PaperState(comm, problem, opt)
 
 
 def _check_entropy(problem: Problem | RunProblem) -> None:

@@ -48,7 +48,7 @@ def check(
     if not flags[EXHAUSTED] and not flags[TOO_SHORT]:
         return
     k = int(flags[EXHAUSTED] or flags[TOO_SHORT]) - 1
-    record, m = state.layout.records[k], state.problem.unit("m")
+    record, m = state.records[k], state.problem.unit("m")
     side = 0 if record["end_kind"][0] >= 0 else 1
     name = f"fluid layer '{state.problem.layers[k].name}'"
     interface, boundary = record["x_interface"], record["end_x"][side]
