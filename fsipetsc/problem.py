@@ -173,6 +173,12 @@ class Problem:
         return tuple((a, b) if self.layers[a].kind == "fluid" else (b, a) for a, b in pairs)
 
     @property
+    def interface_names(self) -> list[str]:
+        """As "gas | rod", left to right."""
+        pairs = zip(self.layers, self.layers[1:], strict=False)
+        return [f"{a.name} | {b.name}" for a, b in pairs]
+
+    @property
     def steady_data(self) -> bool:
         """No boundary data, jump or forcing that depends on time."""
         forced = self.jumps is not None or any(layer.forcing for layer in self.layers)

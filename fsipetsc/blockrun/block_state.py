@@ -15,12 +15,20 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fsipetsc.blockrun.columns import OF_INTERFACES, fields_of, gained, loses, step_record
+from fsipetsc.blockrun.columns import (
+    OF_INTERFACES,
+    PLACES,
+    VELOCITIES,
+    fields_of,
+    gained,
+    loses,
+    step_record,
+)
 from fsipetsc.blockrun.errors_of_blocks import errors_of
 from fsipetsc.blockrun.notes import first_notes, last_notes
 from fsipetsc.blockrun.recorded_nodes import Recorded, Recorder
-from fsipetsc.blockrun.run_problem import PLACES, VELOCITIES, RunProblem
 from fsipetsc.blockrun.scheme import Scheme
+from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.checks import counted
 from fsipetsc.errors import FsiError, InputError
 from fsipetsc.operators.kernel_cache import announced
@@ -37,10 +45,10 @@ from fsipetsc.scheme.after_step import WORDS, note_extremes
 from fsipetsc.scheme.burst import DT, MADE, plan_next
 from fsipetsc.scheme.plan import BAD, BURST, FLAGS, LIMITS, RATE, SAID_STOP
 from fsipetsc.scheme.runge_kutta import STAGES, advance
-from fsipetsc.stepping.diagnosis import Seen, described
 from fsipetsc.stepping.phases import logged
 from fsipetsc.stepping.snapshot import as_numbers, gather_local, put_whole, whole
 from fsipetsc.stepping.state import FAULT
+from fsipetsc.stepping.verdicts import Seen
 
 #: by order: how much shorter steps are with dissipation of strength 1 at shocks. That alone is a
 #: number of -1.6 at Courant number 0.8, of 2.785 that the classical method bears; next to the ends
@@ -87,7 +95,7 @@ class BlockState:
     def __init__(
         self,
         comm: MPI.Comm,
-        problem: RunProblem,
+        problem: BlockProblem,
         order: int,
         form: BlockForm = BlockForm(),  # noqa: B008
         partition: str = "auto",
@@ -134,7 +142,7 @@ class BlockState:
         self.journal = self._rows.reshape(-1).view(record)
         own = np.dtype([(name, record[name]) for name in record.names[2:]])
         self.latest = self._latest.view(own)[0]
-        self._plan_next = partial(plan_next, self.burst, self.results, self._rows, self._latest)
+        self.plan_next = partial(plan_next, self.burst, self.results, self._rows, self._latest)
         begins = {name: own.fields[name][1] // 8 for name in own.names}
         sizes = {name: own[name].itemsize // 8 for name in own.names}
         self._columns = {name: slice(at, at + sizes[name]) for name, at in begins.items()}
@@ -182,11 +190,6 @@ class BlockState:
         """Nodes held in reserve: no grid grows."""
         return 0
 
-    @property
-    def recorded(self) -> list[list[Any]]:
-        """Name of the interface or block, and X, of the nodes that are recorded at each step."""
-        return [[node.name, list(node.X)] for node in self._recorded]
-
     # set-up
 
     def compile(self, announce: Callable[[str], None]) -> None:
@@ -207,7 +210,7 @@ class BlockState:
         advance(y, k, stage, total, 0, 0.0)
         extremes, rates = np.zeros(1 + WORDS), np.zeros((1, 2))
         note_extremes(extremes, rates, np.zeros(FLAGS + LIMITS), np.zeros(2))
-        self._plan_next()  # nothing is allowed yet
+        self.plan_next()  # nothing is allowed yet
 
     def _try_scheme(self) -> None:
         """Call all of the scheme once. On rank 0."""
@@ -273,7 +276,7 @@ class BlockState:
     def step(self, t: float, dt: float, steady: bool) -> None:
         """A step dt [s] of the fused method from the completed solution at t [s].
 
-        Others follow as the burst allows: none where data depend on time.
+        Others follow as the burst allows.
         """
         more = True
         while more:
@@ -284,7 +287,7 @@ class BlockState:
                 self.scheme.forget()
             self._advance(t, dt)
             t = self._t
-            more = self._plan_next()
+            more = self.plan_next()
             dt = float(self.burst[DT])
 
     def _steps(self, t: float, dt: float) -> tuple[bool, float, float]:
@@ -381,10 +384,10 @@ class BlockState:
 
     first_notes, last_notes, errors = first_notes, last_notes, errors_of
 
-    def header(self) -> list[dict[str, Any]]:
-        """What a result file says of each block."""
+    def header(self) -> dict[str, Any]:
+        """What a result file says of blocks, interfaces, and nodes recorded at each step."""
         d = self.problem.dimension
-        return [
+        blocks = [
             {
                 "name": block.name,
                 "kind": block.kind,
@@ -395,6 +398,12 @@ class BlockState:
             }
             for block, shape in zip(self.problem.layers, self.layout.shapes, strict=True)
         ]
+        return {
+            "layers": blocks,
+            "interface_faces": self.problem.interface_faces,
+            "symmetry": self.problem.symmetry,
+            "points": [[node.name, list(node.X)] for node in self._recorded],
+        }
 
     def grids(self) -> list[dict[str, Any]]:
         """What the writer must know: see RunWriter."""
@@ -429,9 +438,9 @@ class BlockState:
         self.comm.Allreduce(MPI.IN_PLACE, sums)
         return (sums[:, 0] / sums[:, 1]).tolist()
 
-    def failure(self, t: float, step: int) -> str:
-        """Field, block, position, time and step of the first unphysical node. Collective."""
-        return described(self, map(self._seen, self.layout.parts), t, step)
+    def seen(self) -> Iterator[Seen]:
+        """Values at this rank's nodes, block by block, and which of them must be positive."""
+        return map(self._seen, self.layout.parts)
 
     def _seen(self, part: Part) -> Seen:
         problem, d = self.problem, self.problem.dimension

@@ -11,7 +11,7 @@ from fsipetsc import given
 from fsipetsc.paper.parts import Layer
 from fsipetsc.paper.steps import stretch
 from fsipetsc.process.together import together
-from fsipetsc.stepping.diagnosis import Seen
+from fsipetsc.stepping.verdicts import Seen
 
 if TYPE_CHECKING:
     from fsipetsc.paper.state import PaperState

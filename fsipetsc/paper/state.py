@@ -40,7 +40,6 @@ from fsipetsc.problem import Problem
 from fsipetsc.process.together import agree, together, wait_asleep
 from fsipetsc.scheme.burst import DT, MADE, plan_next
 from fsipetsc.scheme.plan import BURST, CAPACITY, FLAGS, LIMITS, RATE, SAID_STOP, step_record
-from fsipetsc.stepping.diagnosis import described
 from fsipetsc.stepping.snapshot import as_numbers, gather_local, put_whole, whole
 from fsipetsc.stepping.state import FAULT
 
@@ -53,7 +52,6 @@ FRAME = "lo", "hi", "s", "x_interface"
 GRID = "n", "lo", "hi"
 #: what the paper's method has of options that choose between methods
 _WITHOUT = {
-    "fsi_coupling": tuple(KINDS),
     "fsi_mapping": ("auto", "rigid"),
     "fsi_dissipation": (0.0, -1.0),
     "fsi_shock": (0.0,),
@@ -74,15 +72,13 @@ class PaperState:
     """
 
     convection = "divergence"
-    #: points of interfaces that are recorded at each step, as those of blocks
-    recorded: tuple = ()
 
     def __init__(self, comm: MPI.Comm, problem: Problem, opt: Mapping[str, Any]) -> None:
         for name, without in _WITHOUT.items():
             if opt[name] not in without:
                 raise InputError(
-                    f"-{name} {opt[name]}: the paper's method, of -fsi_coupling {', '.join(KINDS)},"
-                    " has none: take -fsi_coupling conservative"
+                    f"-{name} {opt[name]}: -fsi_coupling {opt['fsi_coupling']} has none: "
+                    "take -fsi_coupling conservative"
                 )
         check_form(problem)
         order, self.h = opt["fsi_order"], opt["fsi_h"]
@@ -129,7 +125,7 @@ class PaperState:
         self._notes = self._shared[told:][:notes].reshape(interfaces, -1)
         self.results, self.burst = self._shared[told + notes :], np.zeros(BURST)
         memory = self.results, self.burst, journal, latest, np.bool_(entropy)
-        self._plan_next = partial(plan_next, self.burst, self.results, journal, latest)
+        self.plan_next = partial(plan_next, self.burst, self.results, journal, latest)
         self._steps = Box(steps.Steps(self.records, self._notes, *memory))
 
     def compile(self, announce: Callable[[str], None]) -> None:
@@ -138,7 +134,7 @@ class PaperState:
         if self.comm.rank == 0:
             with announced(announce), PaperState(MPI.COMM_SELF, self.problem, self._opt) as alone:
                 steps.batch(*alone._chain, alone._faces, alone._steps, 0.0)
-                alone._plan_next()
+                alone.plan_next()
                 alone.save()
         wait_asleep(self.comm)
 
@@ -220,11 +216,11 @@ class PaperState:
         """Points held in reserve."""
         return sum(int(r["n"]) for r in self.records) - self.points
 
-    def header(self) -> list[dict[str, Any]]:
-        """What a result file says of each layer."""
-        return [
-            {"name": v.name, "kind": v.kind, "fields": list(v.fields)} for v in self.problem.layers
-        ]
+    def header(self) -> dict[str, Any]:
+        """What a result file says of layers, and of points that are recorded: none."""
+        layers = self.problem.layers
+        about = [{"name": v.name, "kind": v.kind, "fields": list(v.fields)} for v in layers]
+        return {"layers": about, "points": ()}
 
     def grids(self) -> list[dict[str, Any]]:
         """What the writer must know of the points of each layer: see RunWriter."""
@@ -234,11 +230,7 @@ class PaperState:
         """What is saved of this rank's points, (local, 5) by layer."""
         return {layer.number: fields.saved(layer) for layer in self.here}
 
-    errors = fields.errors
-
-    def failure(self, t: float, step: int) -> str:
-        """What is wrong with a state that is not physical. Collective."""
-        return described(self, fields.seen(self), t, step)
+    errors, seen = fields.errors, fields.seen
 
     # steps
 
@@ -300,15 +292,15 @@ class PaperState:
         """A step dt [s] of the classical Runge-Kutta method from the completed solution at t [s],
         and its completion.
 
-        steady: the data do not depend on time; then further steps follow as the burst allows, by
-        itself none, and on one rank they are one compiled call.
+        Further steps follow as the burst allows, by itself none; steady: the data do not depend on
+        time, and on one rank all are one compiled call.
         """
         if steady and self.comm.size == 1:
             steps.batch(*self._chain, self._faces, self._steps, dt)
             self.evaluations += steps.STAGES * max(1, int(self.burst[MADE]))
             return
         self._step(t, dt, steady)
-        while steady and self._plan_next():
+        while self.plan_next():
             self._step(t, self.burst[DT], steady)
 
     def _step(self, t: float, dt: float, steady: bool) -> None:

@@ -170,9 +170,7 @@ def complete_gas(of, steps):
 @njit(**CALL)
 def complete_solid(of, steps):
     """Look at the points."""
-    sums.look_at_solid(
-        of.ops[0], of.law, of.layers[0], of.local, of.scratch, steps.entropy
-    )
+    sums.look_at_solid(of.ops[0], of.law, of.layers[0], of.local, of.scratch, steps.entropy)
     keep(of)
 
 

@@ -32,7 +32,7 @@ def gather_local(comm: MPI.Comm, local: Array) -> list[Array] | None:
 def whole(
     parts: Sequence[Array], shapes: Iterable[tuple[int, ...]], pieces: Callable[[int], Pieces]
 ) -> dict[str, Array]:
-    """"layer0", "layer1" … of these shapes, from the doubles of all ranks."""
+    """ "layer0", "layer1" … of these shapes, from the doubles of all ranks."""
     arrays = {f"layer{k}": np.empty(shape) for k, shape in enumerate(shapes)}
     for rank, part in enumerate(parts):
         for k, place, at, shape in pieces(rank):
