@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from math import ceil, floor
 from typing import Any
 
 from fsipetsc.blame import place_of_caller
@@ -74,6 +75,19 @@ class SolidLayer:
 
     def __post_init__(self) -> None:
         _check_layer(self, Solid, "(u, sigma, T, x)")
+
+    def cells(self, h: float) -> int:
+        """Cells of a spacing h [m]. InputError where it does not fit."""
+        length = self.X[1] - self.X[0]
+        width, cells = length / h, max(1, round(length / h))
+        if abs(width - cells) > 1e-6 * max(1.0, width):
+            fine, coarse = (length / max(1, n) for n in (ceil(width), floor(width)))
+            raise InputError(
+                f"-fsi_h {h:.10g} misses an interface: layer '{self.name}' of length {length:g} "
+                f"would have {width:.6g} cells; the nearest spacings that fit are {fine:.10g} and "
+                f"{coarse:.10g}"
+            )
+        return cells
 
 
 def _check_layer(layer: Layer, material: type, values: str) -> None:

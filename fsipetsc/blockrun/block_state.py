@@ -30,7 +30,7 @@ from fsipetsc.blockrun.recorded_nodes import Recorded, Recorder
 from fsipetsc.blockrun.scheme import Scheme
 from fsipetsc.blocks.problem import BlockProblem
 from fsipetsc.checks import counted
-from fsipetsc.errors import FsiError, InputError
+from fsipetsc.errors import InputError
 from fsipetsc.operators.kernel_cache import announced
 from fsipetsc.operators.sbp import OPERATORS
 from fsipetsc.parallel.block_layout import (
@@ -42,12 +42,12 @@ from fsipetsc.parallel.block_layout import (
 )
 from fsipetsc.process.together import agree, together, wait_asleep
 from fsipetsc.scheme.after_step import WORDS, note_extremes
-from fsipetsc.scheme.burst import DT, MADE, plan_next
-from fsipetsc.scheme.plan import BAD, BURST, FLAGS, LIMITS, RATE, SAID_STOP
+from fsipetsc.scheme.burst import DT, MADE
+from fsipetsc.scheme.plan import BAD, FLAGS, LIMITS, RATE, SAID_STOP
 from fsipetsc.scheme.runge_kutta import STAGES, advance
 from fsipetsc.stepping.phases import logged
 from fsipetsc.stepping.snapshot import as_numbers, gather_local, put_whole, whole
-from fsipetsc.stepping.state import FAULT
+from fsipetsc.stepping.state import State
 from fsipetsc.stepping.verdicts import Seen
 
 #: by order: how much shorter steps are with dissipation of strength 1 at shocks. That alone is a
@@ -81,7 +81,7 @@ def _call_all(scheme: Scheme, y: BlockVector, t: float) -> None:
         part.fields(y.ghosted(k))
 
 
-class BlockState:
+class BlockState(State):
     """Solution and everything that belongs to it; all methods are collective on ``comm``.
 
     y: this rank's part of the solution, with a vector for each block; ``solution`` is the same
@@ -128,21 +128,16 @@ class BlockState:
         for name in ("complete", "rates", "look"):
             setattr(self.scheme, name, logged(f"fsi {name}", getattr(self.scheme, name)))
         self.evaluations, self._t = 0, 0.0
-        self.fault: InputError | None = None  # of a user's function, on this rank
         widths = [len(fields_of(b.kind, d, problem.symmetry)) for b in blocks]
         parts = self.layout.parts
         self._orders = {part.k: NaturalOrder(part, widths[part.k]) for part in parts}
 
     def _lay_records(self, record: np.dtype, blocks: int) -> None:
         """Flags, what a burst of steps is told, and the records of steps."""
-        row = record.itemsize // 8
-        self.results, self.burst = np.zeros(FLAGS + LIMITS), np.zeros(BURST)
-        self._rows, self._latest = np.zeros((KEPT, row)), np.zeros(row - 2)
+        self.results = np.zeros(FLAGS + LIMITS)
+        self._rows, self._latest = self._lay_journal(record, KEPT)
         self._extremes, self.rates = np.zeros(1 + WORDS * blocks), np.zeros((blocks, 2))
-        self.journal = self._rows.reshape(-1).view(record)
-        own = np.dtype([(name, record[name]) for name in record.names[2:]])
-        self.latest = self._latest.view(own)[0]
-        self.plan_next = partial(plan_next, self.burst, self.results, self._rows, self._latest)
+        own = self.latest.dtype
         begins = {name: own.fields[name][1] // 8 for name in own.names}
         sizes = {name: own[name].itemsize // 8 for name in own.names}
         self._columns = {name: slice(at, at + sizes[name]) for name, at in begins.items()}
@@ -244,18 +239,6 @@ class BlockState:
         self._t = t
 
     # steps
-
-    def _guarded(self, action: Callable[[], object]) -> None:
-        """A fault of a function of the case's is kept: all ranks learn of it after the step."""
-        try:
-            action()
-        except InputError as error:
-            self._keep_fault(error)
-
-    def _keep_fault(self, fault: InputError | None) -> None:
-        if fault is not None:
-            self.fault = self.fault or fault
-            self.results[SAID_STOP] = FAULT
 
     def right_hand_side(self, y: np.ndarray, f: np.ndarray) -> None:
         """f = dy/dt of this rank's part, at y completed; y stays as it is."""
@@ -471,15 +454,3 @@ class BlockState:
         for vector in (self.y, self._stage, self.solution):
             vector.destroy()
         self.layout.destroy()
-
-    def __enter__(self) -> BlockState:
-        return self
-
-    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
-        """Destroy it, unless this rank may be alone with an error."""
-        if (
-            error is None
-            or self.comm.size == 1
-            or (isinstance(error, FsiError) and error.collective)
-        ):
-            self.destroy()

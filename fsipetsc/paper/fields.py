@@ -70,13 +70,7 @@ def errors(state: PaperState, t: float, norm: str = "L2") -> dict[str, dict[str,
         for c, value in enumerate(values):
             difference = np.abs(found[counted, c] - value[counted])
             totals[part.layer.kind][c] += state.h * np.sum(difference**power)
-    result = {}
-    for kind, total in totals.items():
-        sums = state.comm.allreduce(total)
-        of_each = (sums ** (1 / power)).tolist()
-        result[kind] = dict(zip(UNKNOWNS[kind], of_each, strict=True))
-        result[kind]["combined"] = float(sums.sum() ** (1 / power))
-    return result
+    return state._norms(totals, UNKNOWNS, power)
 
 
 def seen(state: PaperState) -> Iterable[Seen]:

@@ -112,7 +112,7 @@ def make_records(problem: Problem, op: SBPOperator, h: float, halo: int) -> Arra
             # the treatment of the interface must not change the points of a boundary's formulas
             least = max(op.min_points, nodes_needed(degree) + 2, degree + 1 + row_length(op))
         else:
-            cells, room, least = _cells_of_solid(layer, h), 0, max(4, op.min_points)
+            cells, room, least = layer.cells(h), 0, max(4, op.min_points)
         first = room if k == 0 else 0  # spare points are on the outer side
         at_right = fluid and k == 0  # the anchor is the interface
         record["n"], record["least"] = cells + 1 + room, least
@@ -125,21 +125,6 @@ def make_records(problem: Problem, op: SBPOperator, h: float, halo: int) -> Arra
                 "smaller -fsi_h or a lower -fsi_order"
             )
     return records
-
-
-def _cells_of_solid(layer, h: float) -> int:
-    """InputError where h does not fit."""
-    length = layer.X[1] - layer.X[0]
-    width = length / h
-    count = max(1, round(width))
-    if abs(width - count) > 1e-6 * max(1.0, width):
-        fits = length / max(1, np.ceil(width)), length / max(1, np.floor(width))
-        raise InputError(
-            f"-fsi_h {h:.10g} misses an interface: layer '{layer.name}' of length {length:g} would "
-            f"have {width:.6g} cells; the nearest spacings that fit are {fits[0]:.10g} and "
-            f"{fits[1]:.10g}"
-        )
-    return count
 
 
 def share_out(

@@ -17,7 +17,6 @@ the results, bit for bit.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -25,7 +24,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from fsipetsc import given
-from fsipetsc.errors import FsiError, InputError
+from fsipetsc.errors import InputError
 from fsipetsc.operators.boxed import Box
 from fsipetsc.operators.kernel_cache import announced
 from fsipetsc.operators.sbp import OPERATORS
@@ -38,10 +37,10 @@ from fsipetsc.paper.stencils import packed
 from fsipetsc.paper.sums import SEEN
 from fsipetsc.problem import Problem
 from fsipetsc.process.together import agree, together, wait_asleep
-from fsipetsc.scheme.burst import DT, MADE, plan_next
-from fsipetsc.scheme.plan import BURST, CAPACITY, FLAGS, LIMITS, RATE, SAID_STOP, step_record
+from fsipetsc.scheme.burst import DT, MADE
+from fsipetsc.scheme.plan import CAPACITY, FLAGS, LIMITS, RATE, step_record
 from fsipetsc.stepping.snapshot import as_numbers, gather_local, put_whole, whole
-from fsipetsc.stepping.state import FAULT
+from fsipetsc.stepping.state import State
 
 Array = np.ndarray
 #: times of the stages, in steps
@@ -59,16 +58,13 @@ _WITHOUT = {
 }
 
 
-class PaperState:
+class PaperState(State):
     """Solution and everything that belongs to it; all methods are collective on ``comm``.
 
-    records, shares: of the layers (fsipetsc.paper.layout); solution (world Vec); results of the
-    last completed step; burst (fsipetsc.scheme.burst); journal, the records of steps
-    (fsipetsc.scheme.plan.step_record), and latest, that of the last one without its time. The
-    integrals in them are this rank's shares. evaluations of the right-hand side are counted.
-    layers: all (fsipetsc.paper.parts); here: those that this rank has a part of. opt: options in
-    force. InputError where grid, order and number of ranks do not fit, or the problem is not of the
-    paper's form.
+    records, shares: of the layers (fsipetsc.paper.layout); solution (world Vec). evaluations of the
+    right-hand side are counted. layers: all (fsipetsc.paper.parts); here: those that this rank has
+    a part of. opt: options in force. InputError where grid, order and number of ranks do not fit,
+    or the problem is not of the paper's form.
     """
 
     convection = "divergence"
@@ -84,7 +80,6 @@ class PaperState:
         order, self.h = opt["fsi_order"], opt["fsi_h"]
         self.comm, self.problem, self.op, self._opt = comm, problem, OPERATORS[order], opt
         self.evaluations = 0
-        self.fault: InputError | None = None  # of a user's function, on this rank
         laws = [law_of(layer.material) for layer in problem.layers]
         self.records = make_records(problem, self.op, self.h, max(2 * self.op.reach, 6))
         self.shares = share_out(comm, problem, self.op, self.records, opt["fsi_partition"])
@@ -114,18 +109,13 @@ class PaperState:
         """What is noted of a step, and what all ranks learn after one, side by side."""
         layers, interfaces = self.problem.layers, len(self.problem.interfaces)
         gases = sum(layer.kind == "fluid" for layer in layers)
-        record = step_record(interfaces, gases, entropy)
-        self.journal = np.zeros(CAPACITY, record)
-        journal = self.journal.view(np.float64).reshape(CAPACITY, -1)
-        latest = np.zeros(journal.shape[1] - 2)
-        self.latest = latest.view([(name, record[name]) for name in record.names[2:]])[0]
         told, notes = len(layers) * (SEEN + len(FRAME)), interfaces * steps.NOTES
         self._shared = np.zeros(told + notes + FLAGS + LIMITS)
         self._told = self._shared[:told].reshape(len(layers), -1)
         self._notes = self._shared[told:][:notes].reshape(interfaces, -1)
-        self.results, self.burst = self._shared[told + notes :], np.zeros(BURST)
+        self.results = self._shared[told + notes :]
+        journal, latest = self._lay_journal(step_record(interfaces, gases, entropy), CAPACITY)
         memory = self.results, self.burst, journal, latest, np.bool_(entropy)
-        self.plan_next = partial(plan_next, self.burst, self.results, journal, latest)
         self._steps = Box(steps.Steps(self.records, self._notes, *memory))
 
     def compile(self, announce: Callable[[str], None]) -> None:
@@ -153,11 +143,7 @@ class PaperState:
         If a function of the user's fails, here alone perhaps, the data stay as they are, the step
         goes on, and all ranks learn of it when it is complete: see ``fault``.
         """
-        try:
-            self._set_data(t)
-        except InputError as error:
-            self.fault = self.fault or error
-            self.results[SAID_STOP] = FAULT
+        self._guarded(lambda: self._set_data(t))
 
     def _set_data(self, t: float) -> None:
         problem, records = self.problem, self.records
@@ -362,13 +348,3 @@ class PaperState:
         for part in (*self.interfaces, *self.layers):
             part.destroy()
         self.solution.destroy()
-
-    def __enter__(self) -> PaperState:
-        return self
-
-    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
-        """Destroy it, unless this rank may be alone with an error: the others would not meet it
-        there."""
-        together_here = isinstance(error, FsiError) and error.collective
-        if error is None or self.comm.size == 1 or together_here:
-            self.destroy()

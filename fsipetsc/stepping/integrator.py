@@ -47,24 +47,6 @@ def _nothing(*arguments: object) -> None:
     """A hook that nobody asks for."""
 
 
-class FusedRK4:
-    """Context of a TS of type python: the classical Runge-Kutta method, in compiled code.
-
-    What is one step for TS is a burst of them where nobody looks at single ones (BURST); the
-    hook after the step gives TS the time and the number of steps.
-    """
-
-    def __init__(self, state: State) -> None:
-        self._state, self._steady = state, state.problem.steady_data
-
-    def step(self, ts: PETSc.TS) -> None:
-        """A step of the length that is set, and those that follow in its burst. Collective."""
-        t, dt = ts.getTime(), ts.getTimeStep()
-        self._state.step(t, dt, self._steady)
-        self._state.solution.stateIncrease()
-        ts.setTime(t + dt)
-
-
 class Integrator:
     """Integrates a state in time; all methods are collective.
 
@@ -107,11 +89,6 @@ class Integrator:
         self.beyond = ""  # what is to be said of steps that are too long
 
     @property
-    def evaluations(self) -> int:
-        """Of the right-hand side, in steps that were made anew, too."""
-        return self.state.evaluations
-
-    @property
     def complete(self) -> bool:
         """The end time is reached."""
         return not self._targets
@@ -150,7 +127,7 @@ class Integrator:
         """What ``resume`` needs beside the state; as JSON holds it."""
         kept = {name: getattr(self, name) for name in KEPT}
         wall_time = self.wall_time + (time.perf_counter() - self._begun)
-        return {**kept, "wall_time": wall_time, "evaluations": self.evaluations}
+        return {**kept, "wall_time": wall_time, "evaluations": self.state.evaluations}
 
     def resume(self, memory: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> None:
         """Be where ``memory`` and ``state.capture()`` told of: then the same steps follow.
@@ -218,7 +195,7 @@ class Integrator:
         ts.setProblemType(PETSc.TS.ProblemType.NONLINEAR)
         if self._fused:
             ts.setType(PETSc.TS.Type.PYTHON)
-            ts.setPythonContext(FusedRK4(self.state))
+            ts.setPythonContext(self)
         else:
             ts.setType(opt["ts_type"])
             ts.setRHSFunction(self._right_hand_side, rates)
@@ -235,6 +212,15 @@ class Integrator:
         return ts
 
     # what TS calls
+
+    def step(self, ts: PETSc.TS) -> None:
+        """A step, as a TS of type python asks for it: the classical Runge-Kutta method, in compiled
+        code, and further steps as the burst allows, which are one for TS.
+        """
+        t, dt = ts.getTime(), ts.getTimeStep()
+        self.state.step(t, dt, self._steady)
+        self.state.solution.stateIncrease()
+        ts.setTime(t + dt)  # the hook corrects it, and the number of steps
 
     def _right_hand_side(self, ts: PETSc.TS, t: float, Y: PETSc.Vec, F: PETSc.Vec) -> None:
         if not self._steady:

@@ -285,7 +285,7 @@ class _Run:
             "t": integrator.t,
             "steps": integrator.steps,
             "rejected_steps": getattr(state, "retries", 0),
-            "rhs_evaluations": integrator.evaluations,
+            "rhs_evaluations": state.evaluations,
             "dt_min": integrator.dt_range[0] if integrator.steps else None,
             "dt_max": integrator.dt_range[1] if integrator.steps else None,
             "points": state.points,
