@@ -10,6 +10,7 @@ import pytest
 
 pytest.importorskip("numba")
 
+from helpers import from_python
 from paper_parts import (
     dirichlet_ghost,
     extrapolated,
@@ -17,14 +18,20 @@ from paper_parts import (
     insulated_slopes,
     lagrange,
     neumann_ghost,
+    operator_of,
 )
 from paper_parts import filled as fill
 
 from fsipetsc.analysis.spectra import CENTRAL
 from fsipetsc.boundaries import (
+    ABSORBING,
+    CLAMPED,
     DIRICHLET,
+    FREE,
+    GIVEN_FLUX,
+    GIVEN_T,
+    INSULATED,
     OPEN,
-    WALL,
     Dirichlet,
     Open,
     Wall,
@@ -32,17 +39,17 @@ from fsipetsc.boundaries import (
 )
 from fsipetsc.errors import InputError
 from fsipetsc.materials.constant_transport import ConstantTransport
+from fsipetsc.materials.line_solid import Solid
 from fsipetsc.materials.perfect_gas import PerfectGas
 from fsipetsc.operators import OPERATORS
 from fsipetsc.operators.narrow import STIFFNESS, STIFFNESS_OF_WIDE, remainder
 from fsipetsc.paper.ends import LEAST, NODES
-from fsipetsc.paper.laws import Gas
+from fsipetsc.paper.ends import close_solid as close
+from fsipetsc.paper.laws import Gas, law_of
 
 ORDERS = pytest.mark.parametrize("order", OPERATORS)
 DEGREES = pytest.mark.parametrize("degree", [2, 3, 4, 5])
-SIDES = pytest.mark.parametrize("side", [0, 1], ids=["left", "right"])
 NARROW = pytest.mark.parametrize("narrow", [0, 1], ids=["wide", "narrow"])
-KINDS = pytest.mark.parametrize("kind", [WALL, OPEN, DIRICHLET], ids=["wall", "open", "given"])
 DELTAS = (0.0, 1e-6, 0.2, 0.5, 0.75, 0.999)
 
 
@@ -227,3 +234,26 @@ def test_no_mode_grows_between_given_data(order):
                     # slowly; a boundary that moves passes by
                     grows = order > 4 and delta > 0.85
                     assert_stable(matrix, mach, nu, STIFFNESS_OF_WIDE, 1 / N if grows else 1e-8)
+
+
+# ends of solids: test_paper_rates has left ones
+
+
+@ORDERS
+@pytest.mark.parametrize("kind", [CLAMPED, FREE, ABSORBING], ids=["clamped", "free", "absorbing"])
+@pytest.mark.parametrize("thermal", [INSULATED, GIVEN_T, GIVEN_FLUX], ids=["none", "T", "flux"])
+def test_a_right_end_of_a_solid_is_a_left_end_in_a_mirror(order, kind, thermal):
+    close_solid = from_python(close)
+    solid = law_of(Solid(K=1e5, kappa_e=0.5, m0=2700.0, alpha=1.0, gruneisen=0.3))
+    X, mirror = 0.01 * np.arange(40), np.array([-1.0, 1.0, 1.0, -1.0])
+    fields = np.cos(2 * X), -1e5 + 1e4 * np.sin(3 * X), 300 + 30 * np.sin(X), X + 0.1 * np.sin(X)
+    left = np.stack(fields, axis=-1)
+    right, before = left[::-1] * mirror, left.copy()
+    for side, q in enumerate((left, right)):
+        layer, value = gas_record(40), 0.7 * (1 - 2 * side) if kind == CLAMPED else -9e4
+        layer["end_kind"][side], layer["end_data"][side, 0] = kind, value
+        layer["end_thermal"][side] = thermal
+        layer["end_heat"][side] = {INSULATED: 0.0, GIVEN_T: 320.0, GIVEN_FLUX: 1e3}[thermal]
+        close_solid(operator_of(order), solid, layer, q)
+    np.testing.assert_allclose(right, left[::-1] * mirror, rtol=1e-13)
+    assert np.array_equal(left[1:], before[1:]) and (left[0] != before[0]).any()
